@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/detail_rotation.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <chrono>
+#include <cmath>
+
+namespace lapedit {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double milliseconds_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+/// The rotation nearest to a matrix: its polar factor with determinant +1.
+Matrix3 nearest_rotation(const Matrix3& matrix) {
+  const double size = matrix.norm();
+  if (!(size > 0)) {
+    return Matrix3::Identity();
+  }
+  Matrix3 x = matrix / size;
+  // Newton's iteration is exact and fast away from singular matrices; the rest is left to the SVD.
+  if (x.determinant() > 1e-4) {
+    for (int step = 0; step < 12; ++step) {
+      const Matrix3 inverse_transposed = x.inverse().transpose();
+      const double gamma = std::sqrt(inverse_transposed.norm() / x.norm());
+      const Matrix3 next = 0.5 * (gamma * x + inverse_transposed / gamma);
+      const double change = (next - x).squaredNorm();
+      x = next;
+      if (change < 1e-26) {
+        return x;
+      }
+    }
+    x = matrix / size;
+  }
+  const Eigen::JacobiSVD<Matrix3> svd(x, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Matrix3 u = svd.matrixU();
+  if ((u * svd.matrixV().transpose()).determinant() < 0) {
+    u.col(2) = -u.col(2);
+  }
+  return u * svd.matrixV().transpose();
+}
+
+/// The unit vector along v, or zero if v has no length against scale.
+Vector3 unit_or_zero(const Vector3& v, double scale) {
+  const double length = v.norm();
+  if (!(length > 1e-9 * scale)) {
+    return Vector3::Zero();
+  }
+  return v / length;
+}
+
+/// Smoothed normals made unit; where they cancel (a radius beyond a limb's thickness) the vertex's own normal.
+void normalise(Points& smoothed, const Points& own) {
+  constexpr double kCancelled = 1e-3;
+  for (Eigen::Index i = 0; i < smoothed.rows(); ++i) {
+    const double length = smoothed.row(i).norm();
+    if (length > kCancelled) {
+      smoothed.row(i) /= length;
+    } else {
+      smoothed.row(i) = own.row(i);
+    }
+  }
+}
+
+Matrix3 frame(const Vector3& n, const Vector3& u) {
+  Matrix3 result;
+  result << n, u, n.cross(u);
+  return result;
+}
+
+}  // namespace
+
+const char* name(DetailRotation rotation) {
+  switch (rotation) {
+    case DetailRotation::None:
+      return "none";
+    case DetailRotation::SmoothNormals:
+      return "smooth normals";
+    default:
+      return "smooth surface";
+  }
+}
+
+RotationEstimator::RotationEstimator(DetailRotation kind, const Region& region, const SmoothingKernel& kernel)
+    : kind_(kind), region_(region), kernel_(kernel) {}
+
+void RotationEstimator::set_before(const Points& before) {
+  before_ = before;
+  if (kind_ == DetailRotation::SmoothNormals) {
+    vertex_normals(before_, region_.faces, normals_before_);
+    kernel_.apply(normals_before_, smooth_before_);
+    normalise(smooth_before_, normals_before_);
+  } else {
+    kernel_.apply(before_, smooth_before_);
+    vertex_normals(smooth_before_, region_.faces, normals_before_);
+  }
+}
+
+void RotationEstimator::estimate(const Points& displacement, std::vector<Matrix3>& rotations) {
+  rotations.resize(region_.size());
+  const auto start = Clock::now();
+  if (kind_ == DetailRotation::SmoothNormals) {
+    after_ = before_ + displacement;
+    vertex_normals(after_, region_.faces, normals_after_);
+    kernel_.apply(normals_after_, smooth_after_);
+    normalise(smooth_after_, normals_after_);
+  } else {
+    kernel_.apply(displacement, scratch_);
+    smooth_after_ = smooth_before_ + scratch_;
+    vertex_normals(smooth_after_, region_.faces, normals_after_);
+  }
+  normals_ms_ = milliseconds_since(start);
+  const auto middle = Clock::now();
+  if (kind_ == DetailRotation::SmoothNormals) {
+    paper_frames(rotations);
+  } else {
+    smooth_surface(rotations);
+  }
+  rotate_ms_ = milliseconds_since(middle);
+}
+
+void RotationEstimator::paper_frames(std::vector<Matrix3>& rotations) {
+  for (int i = 0; i < region_.size(); ++i) {
+    const Vector3 n0 = smooth_before_.row(i).transpose();
+    const Vector3 n1 = smooth_after_.row(i).transpose();
+    rotations[i].setIdentity();
+    if (n0.isZero(0) || n1.isZero(0)) {
+      continue;
+    }
+    // The edge nearest to being orthogonal to the normal.
+    int best = -1;
+    double least = 2;
+    for (const int j : region_.neighbours[i]) {
+      const Vector3 edge = (before_.row(j) - before_.row(i)).transpose();
+      const double cosine = std::abs(edge.dot(n0)) / edge.norm();
+      if (cosine < least) {  // false for an edge without length
+        least = cosine;
+        best = j;
+      }
+    }
+    Vector3 u0 = Vector3::Zero(), u1 = Vector3::Zero();
+    if (best >= 0) {
+      const Vector3 e0 = (before_.row(best) - before_.row(i)).transpose();
+      const Vector3 e1 = (after_.row(best) - after_.row(i)).transpose();
+      u0 = unit_or_zero(e0 - e0.dot(n0) * n0, e0.norm());
+      u1 = unit_or_zero(e1 - e1.dot(n1) * n1, e1.norm());
+      if (n0 == n1 && e0 == e1) {
+        continue;
+      }
+    }
+    if (u0.isZero(0) || u1.isZero(0)) {
+      rotations[i] = Eigen::Quaterniond::FromTwoVectors(n0, n1).toRotationMatrix();
+    } else {
+      rotations[i] = frame(n1, u1) * frame(n0, u0).transpose();
+    }
+  }
+}
+
+void RotationEstimator::smooth_surface(std::vector<Matrix3>& rotations) {
+  for (int i = 0; i < region_.size(); ++i) {
+    Matrix3 covariance = Matrix3::Zero();
+    bool moved = false;
+    for (const int j : region_.neighbours[i]) {
+      const Eigen::RowVector3d e0 = smooth_before_.row(j) - smooth_before_.row(i);
+      const Eigen::RowVector3d e1 = smooth_after_.row(j) - smooth_after_.row(i);
+      moved |= e0 != e1;
+      covariance.noalias() += e1.transpose() * e0;
+    }
+    if (!moved) {
+      rotations[i].setIdentity();
+      continue;
+    }
+    covariance += covariance.norm() * (normals_after_.row(i).transpose() * normals_before_.row(i));
+    rotations[i] = nearest_rotation(covariance);
+  }
+}
+
+}  // namespace lapedit

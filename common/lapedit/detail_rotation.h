@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "lapedit/smooth_normals.h"
+
+namespace lapedit {
+
+/// How differential coordinates turn with the surface.
+enum class DetailRotation {
+  None,           ///< they do not
+  SmoothNormals,  ///< the paper's frames: a smooth normal and the most tangential edge (section 4)
+  SmoothSurface   ///< rotations fitted to the smoothed surface
+};
+
+const char* name(DetailRotation rotation);
+
+/// Estimates one rotation per region vertex between two poses. Made once per region; nothing is allocated after the
+/// first estimate().
+class RotationEstimator {
+ public:
+  /// @param kernel  smoothing for both kinds; must outlive the object, as must region
+  RotationEstimator(DetailRotation kind, const Region& region, const SmoothingKernel& kernel);
+
+  /// Sets the pose to turn from, size() x 3.
+  void set_before(const Points& before);
+
+  /// @param displacement  size() x 3, pose after minus pose before
+  /// @param rotations     one matrix (determinant +1) per vertex; exactly the identity where nothing near it moves
+  /// Cost: O(kernel entries) + O(edges).
+  void estimate(const Points& displacement, std::vector<Matrix3>& rotations);
+
+  double normals_ms() const { return normals_ms_; }  ///< smoothing share of the last estimate()
+  double rotate_ms() const { return rotate_ms_; }    ///< fitting share of the last estimate()
+
+ private:
+  void paper_frames(std::vector<Matrix3>& rotations);
+  void smooth_surface(std::vector<Matrix3>& rotations);
+
+  DetailRotation kind_;
+  const Region& region_;
+  const SmoothingKernel& kernel_;
+  Points before_, after_;                  // the poses
+  Points smooth_before_, smooth_after_;    // smoothed positions (SmoothSurface) or smoothed normals (SmoothNormals)
+  Points normals_before_, normals_after_;  // vertex normals of the smoothed poses (SmoothSurface)
+  Points scratch_;
+  double normals_ms_ = 0;
+  double rotate_ms_ = 0;
+};
+
+}  // namespace lapedit

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lapedit/laplacian_editor.h"
+
+namespace lapedit {
+
+/// Vertices that move together, and how.
+struct HandleGroup {
+  std::vector<int> vertices;  ///< mesh vertex numbers
+  HandleTransform transform;
+};
+
+/// One edit: which part, which handles, how far, with what settings.
+struct EditStep {
+  RegionSpec region;
+  std::vector<HandleGroup> handles;
+  EditSettings settings;
+};
+
+/// A sequence of steps with the mesh it was made for.
+struct Edit {
+  std::optional<int> mesh_vertices, mesh_faces;
+  std::string connectivity;  ///< checksum, empty: not given
+  std::vector<EditStep> steps;
+};
+
+/// Centroid of some vertices. @throws EditError (BadIndex, NoHandle)
+Vector3 centroid(const Points& vertices, const std::vector<int>& group);
+
+/// The new places of some vertices; all others stay.
+struct EditResult {
+  std::vector<int> vertices;        ///< ascending mesh vertex numbers
+  Points positions;                 ///< one row per entry of vertices
+  std::vector<EditReport> reports;  ///< one per step
+};
+
+/// Precision of the mesh that takes the result: positions are rounded to it after each step, so that a replay sees
+/// what an interactive session saw.
+enum class StoredScalar { Float, Double };
+
+/// Runs one step; the mesh is not changed. It has to have passed validate(), and adjacency to be its own.
+/// @throws EditError
+EditResult apply_step(const TriangleMesh& mesh, const Adjacency& adjacency, const EditStep& step, double fraction = 1,
+                      StoredScalar scalar = StoredScalar::Double, const Progress& progress = {});
+
+/// Runs all steps, each on the result of the one before; the mesh is not changed.
+/// @throws EditError (MeshMismatch, BadParameter if fraction is outside [0, 1], and what a step throws, with the step's
+///         number before the sentence when there are several)
+EditResult apply_edit(const TriangleMesh& mesh, const Edit& edit, double fraction = 1,
+                      StoredScalar scalar = StoredScalar::Double, const Progress& progress = {});
+
+}  // namespace lapedit

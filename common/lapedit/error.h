@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace lapedit {
+
+/// Why an edit was refused; every cause is reached by a test.
+enum class ErrorCause {
+  EmptyMesh,            ///< no vertices or no faces
+  NoHandle,             ///< no handle group, or a group without vertices
+  HandleOutsideRegion,  ///< a handle vertex is not in the given region
+  EmptyRegion,          ///< the region has no vertices
+  NothingToFollow,      ///< the region is the handle alone
+  BadParameter,         ///< a number or name outside its range
+  NotFinite,            ///< NaN or infinite coordinate or target
+  BadIndex,             ///< a vertex number outside the mesh, or in two groups
+  IllConditioned,       ///< the system cannot be solved to a useful accuracy
+  MeshMismatch,         ///< an edit recorded on another mesh
+  BadScript,            ///< text that is not a valid edit
+  Cancelled             ///< the progress callback answered "stop"
+};
+
+/// The one exception of the core. what() is a sentence for the user: what is wrong, where, what to do.
+class EditError : public std::runtime_error {
+ public:
+  EditError(ErrorCause cause, const std::string& sentence) : std::runtime_error(sentence), cause_(cause) {}
+  ErrorCause cause() const { return cause_; }
+
+ private:
+  ErrorCause cause_;
+};
+
+}  // namespace lapedit

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "lapedit/detail_rotation.h"
+#include "lapedit/edit_report.h"
+#include "lapedit/handle_transform.h"
+#include "lapedit/sparse_cholesky.h"
+
+namespace lapedit {
+
+struct EditSettings {
+  LaplacianKind laplacian = LaplacianKind::Umbrella;
+  int order = 1;  ///< 1 to 3
+  DetailRotation rotation = DetailRotation::SmoothSurface;
+  int iterations =
+      1;  ///< rotation passes, 1 to 100; stops early once a pass moves nothing by 1e-4 of the region's radius
+  double normal_radius = 0;  ///< r of the smoothing, model units; 0: automatic
+  double handle_weight = 1;  ///< > 0
+  double anchor_weight = 1;  ///< > 0; an anchor's own weight is this times d / d_max
+  CholeskyBackend backend = CholeskyBackend::Automatic;
+  int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+};
+
+/// @throws EditError (BadParameter) naming the setting, its value and its range
+void validate(const EditSettings& settings);
+
+/// One region with its handles, ready to be posed again and again (paper, sections 3 to 5).
+///
+/// Minimises |M x - R delta|^2 + sum_i w_i^2 |x_i - c_i|^2 over the region's vertices, delta = M p of the rest pose p
+/// and R the detail rotations; solved for the displacement from the rest pose, so that what does not move keeps its
+/// bits. A constructed object is always usable; other handles, anchors or settings mean a new one.
+class LaplacianEditor {
+ public:
+  /// @param mesh  rest pose; not kept
+  /// Cost: operator, one sparse Cholesky factorisation, smoothing tables: all of it once, nothing of it in solve().
+  /// @throws EditError (BadParameter, IllConditioned, Cancelled)
+  LaplacianEditor(const TriangleMesh& mesh, Region region, const EditSettings& settings, const Progress& progress = {});
+  ~LaplacianEditor();
+  LaplacianEditor(LaplacianEditor&&) noexcept;
+
+  const Region& region() const;
+
+  /// Positions of the region's vertices after its handle groups have moved.
+  ///
+  /// A component without anchors is first carried along by the mean of its groups' maps, so that it follows a single
+  /// one exactly; one with anchors by the map given for them.
+  /// @param handles  one map per handle group, absolute coordinates
+  /// @param anchors  where the anchors go; in an edit they stay
+  /// @return         size() x 3, model units, row i belongs to region().mesh_vertex[i]; valid until the next call
+  /// @throws EditError (NotFinite) if a map or the result is not finite; the editor stays usable
+  /// Cost: one rough and one exact solve per rotation pass; nothing is allocated after the first call.
+  const Points& solve(const std::vector<Affine>& handles, const Affine& anchors = Affine::Identity());
+
+  /// Detail rotations of the last solve, one per region vertex.
+  const std::vector<Matrix3>& rotations() const;
+
+  /// Report of construction and last solve; works out residuals and stretch on each call.
+  EditReport report() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace lapedit

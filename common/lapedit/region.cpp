@@ -1,0 +1,360 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/region.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <string>
+
+#include "lapedit/error.h"
+#include "lapedit/geodesic.h"
+
+namespace lapedit {
+namespace {
+
+std::string text(double value) {
+  std::ostringstream out;
+  out << value;
+  return out.str();
+}
+
+bool is_finite(const Points& points, int vertex) {
+  return points.row(vertex).allFinite();
+}
+
+/// All handle vertices, ascending; fills the group of each mesh vertex (-1: none).
+std::vector<int> collect_handles(const TriangleMesh& mesh, const std::vector<std::vector<int>>& groups,
+                                 std::vector<int>& group_of) {
+  const int n = static_cast<int>(mesh.vertices.rows());
+  if (groups.empty()) {
+    throw EditError(ErrorCause::NoHandle, "There is no handle: name at least one vertex to move.");
+  }
+  group_of.assign(n, -1);
+  std::vector<int> handles;
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    if (groups[g].empty()) {
+      throw EditError(ErrorCause::NoHandle,
+                      "Handle group " + std::to_string(g) + " has no vertices: name at least one vertex to move.");
+    }
+    for (const int v : groups[g]) {
+      if (v < 0 || v >= n) {
+        throw EditError(ErrorCause::BadIndex, "Handle vertex " + std::to_string(v) + " does not exist: the mesh has " +
+                                                  std::to_string(n) + " vertices, numbered from 0.");
+      }
+      if (group_of[v] >= 0 && group_of[v] != static_cast<int>(g)) {
+        throw EditError(ErrorCause::BadIndex, "Vertex " + std::to_string(v) + " is in handle groups " +
+                                                  std::to_string(group_of[v]) + " and " + std::to_string(g) +
+                                                  ": it can follow only one of them.");
+      }
+      if (!is_finite(mesh.vertices, v)) {
+        throw EditError(ErrorCause::NotFinite, "Handle vertex " + std::to_string(v) +
+                                                   " has a coordinate that is not a number: repair the mesh first.");
+      }
+      if (group_of[v] < 0) {
+        group_of[v] = static_cast<int>(g);
+        handles.push_back(v);
+      }
+    }
+  }
+  std::sort(handles.begin(), handles.end());
+  return handles;
+}
+
+/// One flag per mesh vertex of a given set, which has to contain the handle.
+std::vector<char> flag_set(const TriangleMesh& mesh, const std::vector<int>& set, const std::vector<int>& handles) {
+  const int n = static_cast<int>(mesh.vertices.rows());
+  if (set.empty()) {
+    throw EditError(ErrorCause::EmptyRegion, "The region has no vertices: select the part of the surface to edit.");
+  }
+  std::vector<char> flags(n, 0);
+  for (const int v : set) {
+    if (v < 0 || v >= n) {
+      throw EditError(ErrorCause::BadIndex, "Region vertex " + std::to_string(v) + " does not exist: the mesh has " +
+                                                std::to_string(n) + " vertices, numbered from 0.");
+    }
+    flags[v] = 1;
+  }
+  const auto outside = [&flags](int v) { return !flags[v]; };
+  const auto count = std::count_if(handles.begin(), handles.end(), outside);
+  if (count > 0) {
+    const int first = *std::find_if(handles.begin(), handles.end(), outside);
+    throw EditError(ErrorCause::HandleOutsideRegion,
+                    std::to_string(count) + " of " + std::to_string(handles.size()) +
+                        " handle vertices lie outside the region, the first is vertex " + std::to_string(first) +
+                        ": enlarge the region or choose a handle inside it.");
+  }
+  return flags;
+}
+
+/// The region must not hold or touch vertices without usable coordinates: their distance is unknown.
+void require_finite_region(const TriangleMesh& mesh, const Adjacency& adjacency, const std::vector<int>& region,
+                           const std::vector<char>* set) {
+  int count = 0;
+  int first = std::numeric_limits<int>::max();
+  auto look_at = [&](int v) {
+    if (!is_finite(mesh.vertices, v)) {
+      ++count;
+      first = std::min(first, v);
+    }
+  };
+  if (set) {
+    for (int v = 0; v < static_cast<int>(set->size()); ++v) {
+      if ((*set)[v]) {
+        look_at(v);
+      }
+    }
+  } else {
+    std::vector<int> touched;
+    for (const int v : region) {
+      for (const int w : adjacency.neighbours[v]) {
+        if (!is_finite(mesh.vertices, w)) {
+          touched.push_back(w);
+        }
+      }
+    }
+    std::sort(touched.begin(), touched.end());
+    touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+    for (const int v : touched) {
+      look_at(v);
+    }
+  }
+  if (count > 0) {
+    throw EditError(ErrorCause::NotFinite,
+                    std::to_string(count) + (count == 1 ? " vertex" : " vertices") +
+                        " in or next to the region have a coordinate that is not a number, the first is vertex " +
+                        std::to_string(first) + ": repair the mesh or choose a region without them.");
+  }
+}
+
+void check_spec(const RegionSpec& spec) {
+  if (!(spec.padding >= 0 && spec.padding <= 1)) {
+    throw EditError(ErrorCause::BadParameter,
+                    "The padding is " + text(spec.padding) + ": give a share of the region's radius from 0 to 1.");
+  }
+  if (spec.kind == RegionSpec::Kind::Radius && !(spec.radius > 0 && std::isfinite(spec.radius))) {
+    throw EditError(ErrorCause::BadParameter,
+                    "The region's radius is " + text(spec.radius) + ": give a finite length greater than 0.");
+  }
+}
+
+/// Local graph and faces of the chosen vertices.
+void extract_submesh(const TriangleMesh& mesh, const Adjacency& adjacency, const std::vector<int>& local,
+                     Region& region) {
+  region.neighbours.offsets.assign(1, 0);
+  std::vector<std::pair<int, int>> touching;
+  for (const int v : region.mesh_vertex) {
+    for (const int w : adjacency.neighbours[v]) {
+      if (local[w] >= 0) {
+        region.neighbours.values.push_back(local[w]);
+      }
+    }
+    region.neighbours.offsets.push_back(static_cast<int>(region.neighbours.values.size()));
+    for (const int f : adjacency.faces[v]) {
+      // The face is listed by its first corner inside, so each comes once.
+      int inside = 0;
+      int first = -1;
+      for (int k = 0; k < 3; ++k) {
+        const int corner = mesh.faces(f, k);
+        if (local[corner] >= 0) {
+          ++inside;
+          first = first < 0 ? corner : std::min(first, corner);
+        }
+      }
+      if (first == v && inside >= 2) {
+        touching.emplace_back(f, inside);
+      }
+    }
+  }
+  std::sort(touching.begin(), touching.end());
+  region.edge_faces.reserve(touching.size());
+  int whole = 0;
+  for (const auto& [f, inside] : touching) {
+    region.edge_faces.push_back(f);
+    whole += inside == 3;
+  }
+  region.faces.resize(whole, 3);
+  whole = 0;
+  for (const auto& [f, inside] : touching) {
+    if (inside == 3) {
+      region.faces.row(whole++) << local[mesh.faces(f, 0)], local[mesh.faces(f, 1)], local[mesh.faces(f, 2)];
+    }
+  }
+}
+
+/// Flags the region's vertices with a mesh neighbour outside.
+std::vector<char> find_rim(const Adjacency& adjacency, const std::vector<int>& local, const Region& region) {
+  std::vector<char> rim(region.size(), 0);
+  for (int i = 0; i < region.size(); ++i) {
+    for (const int w : adjacency.neighbours[region.mesh_vertex[i]]) {
+      rim[i] |= local[w] < 0;
+    }
+  }
+  return rim;
+}
+
+/// Distances from the rim inside the region, for the anchor band of a given set.
+std::vector<double> distances_from(const std::vector<char>& rim, const Region& region, const TriangleMesh& mesh,
+                                   double cutoff) {
+  Points points(region.size(), 3);
+  std::vector<int> seeds;
+  for (int i = 0; i < region.size(); ++i) {
+    points.row(i) = mesh.vertices.row(region.mesh_vertex[i]);
+    if (rim[i]) {
+      seeds.push_back(i);
+    }
+  }
+  GeodesicSearch search(region.neighbours, points);
+  search.run(seeds, cutoff);
+  std::vector<double> distances(region.size());
+  for (int i = 0; i < region.size(); ++i) {
+    distances[i] = search.distance(i);
+  }
+  return distances;
+}
+
+void classify(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
+              const std::vector<int>& local, const std::vector<int>& group_of, Region& region) {
+  const int n = region.size();
+  const std::vector<char> rim = find_rim(adjacency, local, region);
+  const bool banded = spec.kind == RegionSpec::Kind::Vertices;
+  const double band = spec.padding * region.max_distance;
+  std::vector<double> from_rim;
+  if (banded) {
+    from_rim = distances_from(rim, region, mesh, band);
+  }
+  region.classes.assign(n, VertexClass::Free);
+  region.group.assign(n, -1);
+  region.anchor_weight.assign(n, 0);
+  for (int i = 0; i < n; ++i) {
+    const int group = group_of[region.mesh_vertex[i]];
+    bool anchor = rim[i];
+    if (spec.kind == RegionSpec::Kind::Radius) {
+      anchor |= region.distance[i] > (1 - spec.padding) * spec.radius;
+    } else if (banded) {
+      anchor |= from_rim[i] < band;
+    }
+    if (group >= 0) {
+      region.classes[i] = VertexClass::Handle;
+      region.group[i] = group;
+    } else if (anchor) {
+      region.classes[i] = VertexClass::Anchor;
+      region.anchor_weight[i] = region.max_distance > 0 ? region.distance[i] / region.max_distance : 1;
+    }
+  }
+  const int components = connected_components(region.neighbours, region.component);
+  region.anchored.assign(components, 0);
+  for (int i = 0; i < n; ++i) {
+    region.anchored[region.component[i]] |= region.classes[i] == VertexClass::Anchor;
+  }
+}
+
+[[noreturn]] void refuse_handle_only(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
+                                     const std::vector<int>& handles) {
+  std::string sentence = "The region is the handle alone (" + std::to_string(handles.size()) +
+                         (handles.size() == 1 ? " vertex" : " vertices") + "), so nothing would follow it: ";
+  double shortest = kUnreached;
+  for (const int v : handles) {
+    for (const int w : adjacency.neighbours[v]) {
+      if (!std::binary_search(handles.begin(), handles.end(), w)) {
+        shortest = std::min(shortest, (mesh.vertices.row(w) - mesh.vertices.row(v)).norm());
+      }
+    }
+  }
+  if (spec.kind == RegionSpec::Kind::Radius && std::isfinite(shortest)) {
+    sentence +=
+        "give a radius above " + text(shortest) + ", the handle's shortest edge, instead of " + text(spec.radius) + ".";
+  } else if (std::isfinite(shortest)) {
+    sentence += "enlarge the region beyond the handle.";
+  } else {
+    sentence += "choose a handle that is a part of a connected surface, not all of it.";
+  }
+  throw EditError(ErrorCause::NothingToFollow, sentence);
+}
+
+}  // namespace
+
+int Region::count(VertexClass c) const {
+  return static_cast<int>(std::count(classes.begin(), classes.end(), c));
+}
+
+Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
+                    const std::vector<std::vector<int>>& groups) {
+  check_spec(spec);
+  std::vector<int> group_of;
+  const std::vector<int> handles = collect_handles(mesh, groups, group_of);
+  const bool given_set = spec.kind == RegionSpec::Kind::Vertices;
+  std::vector<char> flags;
+  if (given_set) {
+    flags = flag_set(mesh, spec.vertices, handles);
+  }
+  GeodesicSearch search(adjacency.neighbours, mesh.vertices);
+  const double cutoff = spec.kind == RegionSpec::Kind::Radius ? spec.radius : kUnreached;
+
+  Region region;
+  region.mesh_vertex = search.run(handles, cutoff, given_set ? &flags : nullptr);
+  require_finite_region(mesh, adjacency, region.mesh_vertex, given_set ? &flags : nullptr);
+  region.max_distance = search.distance(region.mesh_vertex.back());
+  if (region.mesh_vertex.size() == handles.size()) {
+    refuse_handle_only(mesh, adjacency, spec, handles);
+  }
+  std::sort(region.mesh_vertex.begin(), region.mesh_vertex.end());
+  region.mesh_vertices = static_cast<int>(mesh.vertices.rows());
+  region.radius = spec.kind == RegionSpec::Kind::Radius ? spec.radius : region.max_distance;
+  if (given_set) {
+    region.left_out = static_cast<int>(std::count(flags.begin(), flags.end(), 1)) - region.size();
+  }
+  std::vector<int> local(mesh.vertices.rows(), -1);
+  region.distance.resize(region.size());
+  for (int i = 0; i < region.size(); ++i) {
+    local[region.mesh_vertex[i]] = i;
+    region.distance[i] = search.distance(region.mesh_vertex[i]);
+  }
+  extract_submesh(mesh, adjacency, local, region);
+  classify(mesh, adjacency, spec, local, group_of, region);
+  return region;
+}
+
+int nearest_vertex(const TriangleMesh& mesh, const Vector3& point) {
+  if (!point.allFinite()) {
+    throw EditError(ErrorCause::NotFinite,
+                    "The handle point is not finite: give three finite coordinates on the surface.");
+  }
+  std::vector<char> used(mesh.vertices.rows(), 0);
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      used[mesh.faces(f, k)] = 1;
+    }
+  }
+  Eigen::AlignedBox3d box;
+  int nearest = -1;
+  double best = kUnreached;
+  for (int v = 0; v < static_cast<int>(mesh.vertices.rows()); ++v) {
+    if (!used[v] || !is_finite(mesh.vertices, v)) {
+      continue;
+    }
+    const Vector3 place = mesh.vertices.row(v).transpose();
+    box.extend(place);
+    const double distance = (place - point).norm();
+    if (distance < best) {
+      best = distance;
+      nearest = v;
+    }
+  }
+  if (nearest < 0) {
+    throw EditError(ErrorCause::NotFinite,
+                    "No vertex of the mesh has three finite coordinates: repair the mesh first.");
+  }
+  constexpr double kFar = 0.1;
+  if (best > kFar * box.diagonal().norm()) {
+    throw EditError(ErrorCause::BadParameter, "The handle point (" + text(point[0]) + ", " + text(point[1]) + ", " +
+                                                  text(point[2]) + ") is " + text(best) +
+                                                  " away from the nearest vertex, number " + std::to_string(nearest) +
+                                                  ", more than a tenth of the mesh's bounding-box diagonal (" +
+                                                  text(box.diagonal().norm()) + "): give a point on the surface.");
+  }
+  return nearest;
+}
+
+}  // namespace lapedit
