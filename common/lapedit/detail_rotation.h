@@ -14,6 +14,11 @@ enum class DetailRotation {
 
 const char* name(DetailRotation rotation);
 
+/// SmoothSurface: with P0 and P1 the smoothed positions before and after, n0 and n1 the vertex normals of those
+/// surfaces, C = sum over a vertex's edges of (P1_j - P1_i)(P0_j - P0_i)^T + |.|_F n1 n0^T, averaged over the one-ring
+/// four times over; the rotation nearest to it. Source: this project; the averaging also settles what thin limbs leave
+/// open.
+///
 /// Estimates one rotation per region vertex between two poses. Made once per region; nothing is allocated after the
 /// first estimate().
 class RotationEstimator {
@@ -43,6 +48,7 @@ class RotationEstimator {
   Points smooth_before_, smooth_after_;    // smoothed positions (SmoothSurface) or smoothed normals (SmoothNormals)
   Points normals_before_, normals_after_;  // vertex normals of the smoothed poses (SmoothSurface)
   Points scratch_;
+  std::vector<Matrix3> covariances_, spread_;
   double normals_ms_ = 0;
   double rotate_ms_ = 0;
 };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/differential_operator.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/edit_report.h"
 
+#include <Eigen/Geometry>
+
 #include <cmath>
 #include <cstdio>
 

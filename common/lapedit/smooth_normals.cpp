@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/smooth_normals.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -199,8 +201,11 @@ double automatic_normal_radius(const Region& region, const Points& rest) {
       ++edges;
     }
   }
-  const double mean_edge = edges > 0 ? sum / edges : region.max_distance;
-  return std::max(4 * mean_edge, 0.3 * region.max_distance);
+  constexpr double kShareOfRegion = 0.3;
+  constexpr double kEdges = 4;
+  const double floor = edges > 0 ? kEdges * sum / edges : 0;
+  const double radius = std::max(kShareOfRegion * region.max_distance, floor);
+  return radius > 0 ? radius : 1;  // a region without any length has nothing to smooth
 }
 
 }  // namespace lapedit

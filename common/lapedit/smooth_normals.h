@@ -45,7 +45,11 @@ class SmoothingKernel {
   mutable Points centres_;
 };
 
-/// The radius used for normal_radius = 0. See the .cpp for how it is chosen.
+/// The radius used for normal_radius = 0: 0.3 of the largest handle distance in the region, at least four mean edges.
+///
+/// An edit bends a region on the scale of its own size, so what is clearly smaller is detail and should turn as one.
+/// Below 0.2 the details of the grid of detail_orientation_test tilt more and pulled limbs stretch more; above 0.4
+/// limbs lose their own detail.
 double automatic_normal_radius(const Region& region, const Points& rest);
 
 }  // namespace lapedit

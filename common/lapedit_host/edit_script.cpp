@@ -211,12 +211,12 @@ QByteArray written(const double* values, int count) {
   return list + "]";
 }
 
-/// As a JSON text; consecutive numbers become ranges.
+/// Consecutive numbers become ranges.
 QByteArray written(const std::vector<int>& vertices) {
   QByteArray text = "\"";
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const std::size_t first = i;
-    while (i + 1 < vertices.size() && vertices[i] < vertices[i + 1] && vertices[i + 1] - vertices[i] == 1) {
+    while (i + 1 < vertices.size() && vertices[i] < vertices[i + 1] && vertices[i] + 1 == vertices[i + 1]) {
       ++i;
     }
     text += (first == 0 ? "" : ",") + QByteArray::number(vertices[first]);
@@ -294,6 +294,10 @@ Edit read_edit(const QByteArray& json) {
     }
     if (mesh.has("connectivity")) {
       edit.connectivity = mesh.text("connectivity").toStdString();
+      if (edit.connectivity.size() != 16 ||
+          edit.connectivity.find_first_not_of("0123456789abcdef") != std::string::npos) {
+        mesh.refuse_key("connectivity", "a checksum of 16 digits from 0 to 9 and a to f");
+      }
     }
   }
   VertexLists lists(edit.mesh_vertices);

@@ -13,7 +13,7 @@
 ///     laplacian_edit     1, the version of this format
 ///     mesh             o the mesh it was made for; each key is optional, what is given is compared by apply_edit()
 ///       vertices, faces    counts
-///       connectivity       checksum, see connectivity_checksum()
+///       connectivity       checksum of 16 digits, see connectivity_checksum()
 ///     steps              list of one or more, each applied to the result of the one before
 ///       region           one of the following three:
 ///         radius           geodesic radius about the handles, model units
@@ -52,8 +52,8 @@ Edit read_edit(const QByteArray& json);
 Edit load_edit(const QString& text_or_path);
 
 /// Writes keys in the order above, all settings explicitly (a later change of defaults does not change an old file) and
-/// numbers such that read_edit() gives the same doubles (only a zero's sign is lost). Vertices keep their order, since
-/// a centroid's last bits depend on it. With a matrix, the transform's other members are not written.
+/// numbers such that read_edit() gives the same doubles (only a zero's sign is lost). Vertices keep their order. With a
+/// matrix, the transform's other members are not written.
 /// @throws EditError (NotFinite, BadScript) if read_edit() could not read the result
 QByteArray write_edit(const Edit& edit);
 

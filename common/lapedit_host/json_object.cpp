@@ -48,7 +48,7 @@ void refuse_repeated_keys(const QByteArray& json) {
       const QByteArray list = '[' + QByteArray(start, static_cast<int>(at + 1 - start)) + ']';  // Qt undoes the escapes
       const QString key = QJsonDocument::fromJson(list).array()[0].toString();
       if (!keys.back().insert(key).second) {
-        refuse_json(line_and_column(json, static_cast<int>(start - json.begin())) + ": the key " + quoted(key) +
+        refuse_json("At " + line_and_column(json, static_cast<int>(start - json.begin())) + ": the key " + quoted(key) +
                     " is given twice in one object; keep one of the two.");
       }
     }
@@ -105,7 +105,7 @@ QJsonObject parse_json(QByteArray json) {
     refuse_json("The edit nests lists or objects more than 1024 deep; a valid one nests them 6 deep.");
   }
   if (error.error != QJsonParseError::NoError) {
-    refuse_json(line_and_column(json, error.offset - 1) + ": the edit is not valid JSON (" +
+    refuse_json("Near " + line_and_column(json, error.offset - 1) + ": the edit is not valid JSON (" +
                 error.errorString().toStdString() + ").");
   }
   if (!document.isObject()) {

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QString>
+#include <QStringList>
+#include <functional>
+#include <map>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "lapedit/triangle_mesh.h"
+
+class CMeshO;
+
+/// What a filter is, in the terms of no particular MeshLab version: a plugin describes its filters with this, and the
+/// adapter of the host at hand (api_<generation>/vertex_filter_plugin.h) presents them to it.
+namespace lapedit::host {
+
+/// int for Choice and Integer, double for Length and Real.
+using ParameterValue = std::variant<int, double, Vector3, QString>;
+
+struct Parameter {
+  enum class Kind {
+    Choice,   ///< one of choices, by number
+    Point,    ///< a point or vector, layer coordinates
+    Length,   ///< model units; the host also offers percents of the bounding box's diagonal
+    Real,     ///< any number
+    Integer,  ///< whole number
+    Text      ///< any text
+  };
+
+  Kind kind;
+  QString name;             ///< in scripts; never changes
+  ParameterValue standard;  ///< the default; of a Length in percent of the bounding box's diagonal
+  QString label;
+  QString help;
+  QStringList choices = {};
+};
+
+/// What the user gave, one value of the right kind for each parameter. Float numbers of the host come as the shortest
+/// decimal that means the same float: 0.1 is 0.1 here, not 0.10000000149.
+class ParameterValues {
+ public:
+  void set(const QString& name, ParameterValue value) { values_[name] = std::move(value); }
+
+  int integer(const char* name) const { return std::get<int>(values_.at(name)); }
+  double real(const char* name) const { return std::get<double>(values_.at(name)); }
+  const Vector3& point(const char* name) const { return std::get<Vector3>(values_.at(name)); }
+  const QString& text(const char* name) const { return std::get<QString>(values_.at(name)); }
+
+ private:
+  std::map<QString, ParameterValue> values_;
+};
+
+/// A filter of the class Smoothing that moves vertices of the current layer and changes nothing else.
+struct FilterAction {
+  QString name;         ///< in menus and .mlx scripts
+  QString python_name;  ///< in PyMeshLab
+  QString info;         ///< HTML
+  std::vector<Parameter> parameters;
+
+  /// Does the work. Changes the mesh only once nothing can fail any more. @return text for the log
+  /// @throws std::exception whose what() is the sentence for the user
+  std::function<std::string(const ParameterValues&, CMeshO&, const Progress&)> run;
+};
+
+}  // namespace lapedit::host

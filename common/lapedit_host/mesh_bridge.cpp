@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit_host/mesh_bridge.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace lapedit::host {
+namespace {
+
+using HostPoint = Point3m;
+
+bool is_finite(const HostPoint& point) {
+  return std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);
+}
+
+Vector3 to_core(const HostPoint& point) {
+  return {static_cast<double>(point[0]), static_cast<double>(point[1]), static_cast<double>(point[2])};
+}
+
+HostPoint to_host(const Vector3& point) {
+  return {static_cast<Scalarm>(point[0]), static_cast<Scalarm>(point[1]), static_cast<Scalarm>(point[2])};
+}
+
+Box3m finite_box(const CMeshO& host) {
+  Box3m box;
+  for (const CVertexO& vertex : host.vert) {
+    if (!vertex.IsD() && is_finite(vertex.cP())) {
+      box.Add(vertex.cP());
+    }
+  }
+  return box;
+}
+
+/// Unit normal of a face, and the angles at its corners.
+struct FaceShape {
+  Vector3 normal;
+  std::array<double, 3> angles;
+};
+
+/// @return false if the face has no area or a non-finite corner
+bool measure(const CFaceO& face, FaceShape& shape) {
+  std::array<Vector3, 3> edges;  // edge k leads from corner k to the next
+  for (int k = 0; k < 3; ++k) {
+    if (!is_finite(face.cP(k))) {
+      return false;
+    }
+    edges[k] = to_core(face.cP((k + 1) % 3)) - to_core(face.cP(k));
+  }
+  const Vector3 normal = edges[0].cross(edges[1]);
+  const double length = normal.stableNorm();
+  if (!(length > 0) || !std::isfinite(length)) {
+    return false;
+  }
+  shape.normal = normal / length;
+  for (int k = 0; k < 3; ++k) {
+    const Vector3& in = edges[(k + 2) % 3];
+    shape.angles[k] = std::atan2(edges[k].cross(-in).norm(), edges[k].dot(-in));
+  }
+  return true;
+}
+
+std::array<std::size_t, 3> corners_of(const CMeshO& host, const CFaceO& face) {
+  return {vcg::tri::Index(host, face.cV(0)), vcg::tri::Index(host, face.cV(1)), vcg::tri::Index(host, face.cV(2))};
+}
+
+bool any(const std::vector<char>& flags, const std::array<std::size_t, 3>& corners) {
+  return flags[corners[0]] || flags[corners[1]] || flags[corners[2]];
+}
+
+void update_normals(CMeshO& host, const std::vector<char>& moved) {
+  std::vector<char> shows(host.vert.size(), 0);  // corners of faces with a moved corner
+  for (CFaceO& face : host.face) {
+    if (face.IsD()) {
+      continue;
+    }
+    const auto corners = corners_of(host, face);
+    if (any(moved, corners)) {
+      for (const std::size_t corner : corners) {
+        shows[corner] = 1;
+      }
+      FaceShape shape;
+      if (measure(face, shape)) {
+        face.N() = to_host(shape.normal);
+      }
+    }
+  }
+  Points sums = Points::Zero(static_cast<Eigen::Index>(host.vert.size()), 3);
+  for (const CFaceO& face : host.face) {
+    FaceShape shape;
+    if (face.IsD() || !any(shows, corners_of(host, face)) || !measure(face, shape)) {
+      continue;
+    }
+    const auto corners = corners_of(host, face);
+    for (int k = 0; k < 3; ++k) {
+      sums.row(static_cast<Eigen::Index>(corners[k])) += shape.angles[k] * shape.normal.transpose();
+    }
+  }
+  for (std::size_t v = 0; v < host.vert.size(); ++v) {
+    const Vector3 sum = sums.row(static_cast<Eigen::Index>(v)).transpose();
+    if (shows[v] && sum.norm() > 0) {
+      host.vert[v].N() = to_host(sum);
+    }
+  }
+}
+
+}  // namespace
+
+BridgedMesh read_mesh(const CMeshO& host) {
+  BridgedMesh bridged;
+  bridged.core_vertex.assign(host.vert.size(), -1);
+  bridged.host_vertex.reserve(static_cast<std::size_t>(host.vn));
+  for (std::size_t v = 0; v < host.vert.size(); ++v) {
+    if (!host.vert[v].IsD()) {
+      bridged.core_vertex[v] = static_cast<int>(bridged.host_vertex.size());
+      bridged.host_vertex.push_back(static_cast<int>(v));
+    }
+  }
+  Points& vertices = bridged.mesh.vertices;
+  vertices.resize(static_cast<Eigen::Index>(bridged.host_vertex.size()), 3);
+  for (Eigen::Index v = 0; v < vertices.rows(); ++v) {
+    vertices.row(v) = to_core(host.vert[static_cast<std::size_t>(bridged.host_vertex[v])].cP()).transpose();
+  }
+  const auto exists = [](const CFaceO& face) { return !face.IsD(); };
+  bridged.mesh.faces.resize(std::count_if(host.face.begin(), host.face.end(), exists), 3);
+  Eigen::Index row = 0;
+  for (const CFaceO& face : host.face) {
+    if (exists(face)) {
+      for (int k = 0; k < 3; ++k) {
+        bridged.mesh.faces(row, k) = bridged.core_vertex[vcg::tri::Index(host, face.cV(k))];
+      }
+      ++row;
+    }
+  }
+  return bridged;
+}
+
+std::vector<int> selected_vertices(const CMeshO& host, const BridgedMesh& bridged) {
+  std::vector<int> selected;
+  for (std::size_t v = 0; v < bridged.host_vertex.size(); ++v) {
+    if (host.vert[static_cast<std::size_t>(bridged.host_vertex[v])].IsS()) {
+      selected.push_back(static_cast<int>(v));
+    }
+  }
+  return selected;
+}
+
+std::vector<int> vertices_of_selected_faces(const CMeshO& host, const BridgedMesh& bridged) {
+  std::vector<int> vertices;
+  for (const CFaceO& face : host.face) {
+    if (!face.IsD() && face.IsS()) {
+      for (int k = 0; k < 3; ++k) {
+        vertices.push_back(bridged.core_vertex[vcg::tri::Index(host, face.cV(k))]);
+      }
+    }
+  }
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  return vertices;
+}
+
+void write_positions(CMeshO& host, const BridgedMesh& bridged, const EditResult& result) {
+  std::vector<char> moved(host.vert.size(), 0);
+  for (std::size_t i = 0; i < result.vertices.size(); ++i) {
+    const auto v = static_cast<std::size_t>(bridged.host_vertex[result.vertices[i]]);
+    const HostPoint place = to_host(result.positions.row(static_cast<Eigen::Index>(i)).transpose());
+    if (place != host.vert[v].cP()) {
+      host.vert[v].P() = place;
+      moved[v] = 1;
+    }
+  }
+  update_normals(host, moved);
+  host.bbox = finite_box(host);
+}
+
+double finite_diagonal(const CMeshO& host) {
+  const Box3m box = finite_box(host);
+  return box.IsNull() ? 0 : (to_core(box.max) - to_core(box.min)).norm();
+}
+
+}  // namespace lapedit::host
