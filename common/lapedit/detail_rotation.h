@@ -16,8 +16,8 @@ const char* name(DetailRotation rotation);
 
 /// SmoothSurface: with P0 and P1 the smoothed positions before and after, n0 and n1 the vertex normals of those
 /// surfaces, C = sum over a vertex's edges of (P1_j - P1_i)(P0_j - P0_i)^T + |.|_F n1 n0^T, averaged over the one-ring
-/// four times over; the rotation nearest to it. Source: this project; the averaging also settles what thin limbs leave
-/// open.
+/// four times over; the rotation nearest to it, faded to the identity across the anchor band. Source: this project; the
+/// averaging also settles what thin limbs leave open.
 ///
 /// Estimates one rotation per region vertex between two poses. Made once per region; nothing is allocated after the
 /// first estimate().

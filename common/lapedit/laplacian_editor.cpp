@@ -85,7 +85,8 @@ struct LaplacianEditor::State {
   Points world;                      // rest pose as given
   Points rest;                       // rest pose about the origin
   SparseMatrix m;                    // the operator, M^k
-  Points delta;                      // M rest
+  SparseMatrix first;                // M_1, the operator of order 1
+  Points delta;                      // M_1 rest
   Eigen::VectorXd squared_weights;   // w_i^2 of handles and anchors, 0 for free vertices
   double matrix_norm = 0;
   int refinements = 0;
@@ -166,10 +167,11 @@ void LaplacianEditor::State::set_up(const TriangleMesh& mesh, const Progress& pr
 }
 
 void LaplacianEditor::State::assemble(const TriangleMesh& mesh) {
-  const DifferentialOperator first = differential_operator(settings.laplacian, region, mesh);
-  report.uniform_edges = first.uniform_edges;
-  m = power(first.matrix, settings.order);
-  delta = m * rest;
+  DifferentialOperator whole = differential_operator(settings.laplacian, region, mesh);
+  report.uniform_edges = whole.uniform_edges;
+  first = std::move(whole.matrix);
+  m = power(first, settings.order);
+  delta = first * rest;
   squared_weights.resize(region.size());
   for (int i = 0; i < region.size(); ++i) {
     const VertexClass c = region.classes[i];
@@ -203,7 +205,7 @@ void LaplacianEditor::State::factorise() {
 /// Finds how many steps of iterative refinement a solve needs, on the response to a unit pull at the handles. The
 /// residual is taken through M, not through M^T M, so refinement also mends the squaring of the condition number.
 void LaplacianEditor::State::measure_conditioning() {
-  constexpr double kAccurate = 1e-10;
+  constexpr double kAccurate = 1e-8;
   constexpr double kHopeless = 0.1;
   constexpr int kMostSteps = 6;
   rhs.setZero(region.size(), 3);
@@ -318,11 +320,19 @@ void LaplacianEditor::State::set_constraints() {
   }
 }
 
-/// rhs = constraints + M^T (R - I) delta
+/// rhs = constraints + M^T M_1^(k-1) (R - I) delta, for order k.
+///
+/// For k > 1 that is not M^T (R - I) M^k p, the coordinates of order k turned: those carry low-frequency errors of R
+/// that the inverse of M^k blows up. On the octopus (16,554 vertices, order 2) the stretch is 49 % instead of 485 %.
 void LaplacianEditor::State::rotate_deltas() {
   rows.resize(region.size(), 3);
   for (int i = 0; i < region.size(); ++i) {
     rows.row(i) = ((rotations[i] - Matrix3::Identity()) * carried_delta.row(i).transpose()).transpose();
+  }
+  for (int k = 1; k < settings.order; ++k) {
+    residual.resize(region.size(), 3);
+    residual.noalias() = first * rows;
+    rows.swap(residual);
   }
   rhs.noalias() = m.transpose() * rows;
   rhs += constraint_rhs;

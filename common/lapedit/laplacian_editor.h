@@ -32,9 +32,11 @@ void validate(const EditSettings& settings);
 
 /// One region with its handles, ready to be posed again and again (paper, sections 3 to 5).
 ///
-/// Minimises |M x - R delta|^2 + sum_i w_i^2 |x_i - c_i|^2 over the region's vertices, delta = M p of the rest pose p
-/// and R the detail rotations; solved for the displacement from the rest pose, so that what does not move keeps its
-/// bits. A constructed object is always usable; other handles, anchors or settings mean a new one.
+/// Minimises |M^k x - M^(k-1) R delta|^2 + sum_i w_i^2 |x_i - c_i|^2 over the region's vertices, k the order, delta = M
+/// p of the rest pose p and R the detail rotations: with k = 1 the paper's system; for k > 1 the coordinates are turned
+/// before the rest of the order is taken, which is the paper's too where R does not vary. Solved for the displacement
+/// from the rest pose, so that what does not move keeps its bits. A constructed object is always usable; other handles,
+/// anchors or settings mean a new one.
 class LaplacianEditor {
  public:
   /// @param mesh  rest pose; not kept

@@ -218,28 +218,32 @@ void classify(const TriangleMesh& mesh, const Adjacency& adjacency, const Region
               const std::vector<int>& local, const std::vector<int>& group_of, Region& region) {
   const int n = region.size();
   const std::vector<char> rim = find_rim(adjacency, local, region);
-  const bool banded = spec.kind == RegionSpec::Kind::Vertices;
-  const double band = spec.padding * region.max_distance;
-  std::vector<double> from_rim;
-  if (banded) {
-    from_rim = distances_from(rim, region, mesh, band);
+  // How far into the band of anchors a vertex is: 0 or less outside it, 1 at its far end.
+  std::vector<double> depth(n);
+  if (spec.kind == RegionSpec::Kind::Vertices) {
+    const double band = spec.padding * region.max_distance;
+    depth = distances_from(rim, region, mesh, band);
+    for (double& d : depth) {
+      d = band > 0 ? 1 - d / band : 0;
+    }
+  } else if (spec.kind == RegionSpec::Kind::Radius && spec.padding > 0) {
+    for (int i = 0; i < n; ++i) {
+      depth[i] = (region.distance[i] - (1 - spec.padding) * spec.radius) / (spec.padding * spec.radius);
+    }
   }
   region.classes.assign(n, VertexClass::Free);
   region.group.assign(n, -1);
   region.anchor_weight.assign(n, 0);
+  region.anchor_depth.assign(n, 0);
   for (int i = 0; i < n; ++i) {
     const int group = group_of[region.mesh_vertex[i]];
-    bool anchor = rim[i];
-    if (spec.kind == RegionSpec::Kind::Radius) {
-      anchor |= region.distance[i] > (1 - spec.padding) * spec.radius;
-    } else if (banded) {
-      anchor |= from_rim[i] < band;
-    }
+    const bool anchor = rim[i] || depth[i] > 0;
     if (group >= 0) {
       region.classes[i] = VertexClass::Handle;
       region.group[i] = group;
     } else if (anchor) {
       region.classes[i] = VertexClass::Anchor;
+      region.anchor_depth[i] = rim[i] ? 1 : std::min(depth[i], 1.0);
       region.anchor_weight[i] = region.max_distance > 0 ? region.distance[i] / region.max_distance : 1;
     }
   }
