@@ -195,7 +195,7 @@ void RotationEstimator::smooth_surface(std::vector<Matrix3>& rotations) {
   }
   // What lies beyond the rim does not turn, so the rotations fade out across the anchors.
   for (int i = 0; i < n; ++i) {
-    const double depth = region_.anchor_depth[i];
+    const double depth = region_.anchor_depth.empty() ? 0 : region_.anchor_depth[i];
     const double hold = depth * depth * (3 - 2 * depth);
     rotations[i] = nearest_rotation((1 - hold) * covariances_[i] + hold * covariances_[i].norm() * Matrix3::Identity());
   }

@@ -15,6 +15,8 @@
 namespace lapedit {
 namespace {
 
+constexpr std::size_t kDeepestJson = 1024;  // Qt's limit
+
 bool is_space(char c) {
   return c == ' ' || c == '\t' || c == '\n' || c == '\r';
 }
@@ -28,28 +30,32 @@ std::string line_and_column(const QByteArray& json, int offset) {
          std::to_string(std::count_if(line_start, at, is_character) + 1);
 }
 
-/// Qt silently takes the last of two equal keys. @param json  valid JSON
+/// Qt silently takes the last of two equal keys (and leaks the others' contents). Looked for before Qt reads the text,
+/// so that it may be anything; what is no JSON is left to Qt.
 void refuse_repeated_keys(const QByteArray& json) {
   std::vector<std::set<QString>> keys;  // of the objects that are open
-  for (const char* at = json.begin(); at != json.end(); ++at) {
+  for (const char* at = json.begin(); at != json.end() && keys.size() <= kDeepestJson; ++at) {
     if (*at == '{') {
       keys.emplace_back();
-    } else if (*at == '}') {
+    } else if (*at == '}' && !keys.empty()) {
       keys.pop_back();
     } else if (*at == '"') {
       const char* const start = at;
-      for (++at; *at != '"'; ++at) {
-        at += *at == '\\';
+      for (++at; at != json.end() && *at != '"'; ++at) {
+        at += *at == '\\' && at + 1 != json.end();
+      }
+      if (at == json.end()) {
+        return;
       }
       const char* const next = std::find_if_not(at + 1, json.end(), is_space);
-      if (next == json.end() || *next != ':') {
+      if (next == json.end() || *next != ':' || keys.empty()) {
         continue;
       }
-      const QByteArray list = '[' + QByteArray(start, static_cast<int>(at + 1 - start)) + ']';  // Qt undoes the escapes
-      const QString key = QJsonDocument::fromJson(list).array()[0].toString();
-      if (!keys.back().insert(key).second) {
-        refuse_json("At " + line_and_column(json, static_cast<int>(start - json.begin())) + ": the key " + quoted(key) +
-                    " is given twice in one object; keep one of the two.");
+      const QByteArray list = '[' + QByteArray(start, static_cast<int>(at + 1 - start)) + ']';
+      const QJsonArray decoded = QJsonDocument::fromJson(list).array();  // Qt undoes the escapes
+      if (!decoded.isEmpty() && !keys.back().insert(decoded[0].toString()).second) {
+        refuse_json("At " + line_and_column(json, static_cast<int>(start - json.begin())) + ": the key " +
+                    quoted(decoded[0].toString()) + " is given twice in one object; keep one of the two.");
       }
     }
   }
@@ -99,10 +105,12 @@ QJsonObject parse_json(QByteArray json) {
   if (std::all_of(json.begin(), json.end(), is_space)) {
     refuse_json("The edit is an empty text; give a JSON object.");
   }
+  refuse_repeated_keys(json);
   QJsonParseError error;
   const QJsonDocument document = QJsonDocument::fromJson(json, &error);
   if (error.error == QJsonParseError::DeepNesting) {
-    refuse_json("The edit nests lists or objects more than 1024 deep; a valid one nests them 6 deep.");
+    refuse_json("The edit nests lists or objects more than " + std::to_string(kDeepestJson) +
+                " deep; a valid one nests them 6 deep.");
   }
   if (error.error != QJsonParseError::NoError) {
     refuse_json("Near " + line_and_column(json, error.offset - 1) + ": the edit is not valid JSON (" +
@@ -111,7 +119,6 @@ QJsonObject parse_json(QByteArray json) {
   if (!document.isObject()) {
     refuse_json("The edit is a JSON list; it has to be an object.");
   }
-  refuse_repeated_keys(json);
   return document.object();
 }
 
