@@ -36,13 +36,18 @@ double mean_ball_size(const Region& region, const Points& rest, double radius) {
   return sum / probes;
 }
 
-/// Vertices such that each is within spacing of a chosen one, taken outwards from the handle: an order that does not
-/// depend on how the mesh is numbered.
+/// Vertices such that each is within spacing of a chosen one, taken outwards from the handle. Distances are compared
+/// coarsely, so that rounding does not change the choice when a mesh is moved or turned; among equals it goes by
+/// number.
 std::vector<int> sample_centres(const Region& region, const Points& rest, double spacing) {
+  constexpr double kSame = 1e-6;
+  std::vector<double> distance(region.size());
   std::vector<int> order(region.size());
   std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(),
-                   [&region](int a, int b) { return region.distance[a] < region.distance[b]; });
+  for (int i = 0; i < region.size(); ++i) {
+    distance[i] = std::round(region.distance[i] / (kSame * spacing));
+  }
+  std::stable_sort(order.begin(), order.end(), [&distance](int a, int b) { return distance[a] < distance[b]; });
   GeodesicSearch search(region.neighbours, rest);
   std::vector<char> covered(region.size(), 0);
   std::vector<int> centres;

@@ -14,8 +14,9 @@ void vertex_normals(const Points& points, const Faces& faces, Points& normals);
 /// within geodesic distance r of vertex i, weight p(t) = 2 t^3/r^3 - 3 t^2/r^2 + 1, rows normalised to sum 1.
 /// Distances and weights belong to the rest shape: made once per region, applied to whatever lives on its vertices.
 ///
-/// When the neighbourhoods together would hold more than max_entries vertices, means are taken at sample centres about
-/// r/5 apart and blended by the same kernel: cost and memory then no longer grow with r.
+/// When the neighbourhoods together would hold more than max_entries vertices, means are taken at sample centres r/4 to
+/// r/2 apart and blended by the kernel of radius r/2: cost and memory then no longer grow with r, and the smoothing is
+/// a little wider. The centres depend on how the mesh is numbered where it is symmetric.
 class SmoothingKernel {
  public:
   /// @param rest     size() x 3 rest positions of the region
