@@ -34,3 +34,15 @@ if(CHOLMOD_FOUND AND NOT TARGET SuiteSparse::CHOLMOD)
     SuiteSparse::CHOLMOD PROPERTIES IMPORTED_LOCATION "${CHOLMOD_LIBRARY}" INTERFACE_INCLUDE_DIRECTORIES
                                                                            "${CHOLMOD_INCLUDE_DIR}")
 endif()
+
+# CHOLMOD is as fast as the BLAS that the system's alternatives point to.
+find_file(CHOLMOD_BLAS libblas.so.3 PATHS ${CMAKE_SYSTEM_LIBRARY_PATH} /usr/lib PATH_SUFFIXES
+                                                                          ${CMAKE_LIBRARY_ARCHITECTURE})
+mark_as_advanced(CHOLMOD_BLAS)
+if(CHOLMOD_FOUND AND CHOLMOD_BLAS)
+  file(REAL_PATH "${CHOLMOD_BLAS}" _blas)
+  if(_blas MATCHES "/blas/libblas")
+    message(NOTICE "CHOLMOD uses the reference BLAS on this machine, which makes it about five times slower than with "
+                   "OpenBLAS (Debian: libopenblas0-pthread).")
+  endif()
+endif()

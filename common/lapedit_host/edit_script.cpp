@@ -357,9 +357,8 @@ QByteArray write_edit(const Edit& edit) {
   for (const EditStep& step : edit.steps) {
     steps += (steps.isEmpty() ? "" : ", ") + written(step);
   }
-  const QByteArray json = "{\"laplacian_edit\": " + QByteArray::number(kVersion) + ",\n" +
-                          (mesh.isEmpty() ? QByteArray() : " \"mesh\": {" + mesh + "},\n") + " \"steps\": [" + steps +
-                          "]}\n";
+  QByteArray json = "{\"laplacian_edit\": " + QByteArray::number(kVersion) + ",\n" +
+                    (mesh.isEmpty() ? QByteArray() : " \"mesh\": {" + mesh + "},\n") + " \"steps\": [" + steps + "]}\n";
   read_edit(json);  // what cannot be read again is refused now, with the same sentence
   return json;
 }

@@ -33,7 +33,7 @@ std::string line_and_column(const QByteArray& json, int offset) {
 /// Qt silently takes the last of two equal keys (and leaks the others' contents). Looked for before Qt reads the text,
 /// so that it may be anything; what is no JSON is left to Qt.
 void refuse_repeated_keys(const QByteArray& json) {
-  std::vector<std::set<QString>> keys;  // of the objects that are open
+  std::vector<std::set<QByteArray>> keys;  // of the objects that are open
   for (const char* at = json.begin(); at != json.end() && keys.size() <= kDeepestJson; ++at) {
     if (*at == '{') {
       keys.emplace_back();
@@ -51,11 +51,13 @@ void refuse_repeated_keys(const QByteArray& json) {
       if (next == json.end() || *next != ':' || keys.empty()) {
         continue;
       }
-      const QByteArray list = '[' + QByteArray(start, static_cast<int>(at + 1 - start)) + ']';
-      const QJsonArray decoded = QJsonDocument::fromJson(list).array();  // Qt undoes the escapes
-      if (!decoded.isEmpty() && !keys.back().insert(decoded[0].toString()).second) {
+      QByteArray key(start + 1, static_cast<int>(at - start - 1));
+      if (key.contains('\\')) {  // Qt undoes the escapes
+        key = QJsonDocument::fromJson("[\"" + key + "\"]").array()[0].toString().toUtf8();
+      }
+      if (!keys.back().insert(key).second) {
         refuse_json("At " + line_and_column(json, static_cast<int>(start - json.begin())) + ": the key " +
-                    quoted(decoded[0].toString()) + " is given twice in one object; keep one of the two.");
+                    quoted(QString::fromUtf8(key)) + " is given twice in one object; keep one of the two.");
       }
     }
   }
@@ -171,7 +173,7 @@ QString JsonObject::text(const char* key) const {
 }
 
 QJsonArray JsonObject::filled_list(const char* key, const char* of_what) const {
-  const QJsonArray list = (*this)[key].toArray();
+  QJsonArray list = (*this)[key].toArray();
   if (list.isEmpty()) {
     refuse_key(key, std::string("a list of one or more ") + of_what);
   }

@@ -112,18 +112,6 @@ VertexFilterPlugin::VertexFilterPlugin(QString name, std::vector<FilterAction> f
   }
 }
 
-QString VertexFilterPlugin::pluginName() const { return name_; }
-QString VertexFilterPlugin::filterName(FilterIDType id) const { return filter(id).name; }
-QString VertexFilterPlugin::filterInfo(FilterIDType id) const { return filter(id).info; }
-QString VertexFilterPlugin::filterScriptFunctionName(FilterIDType id) { return filter(id).python_name; }
-
-MeshFilterInterface::FilterClass VertexFilterPlugin::getClass(QAction*) { return Smoothing; }
-MeshFilterInterface::FILTER_ARITY VertexFilterPlugin::filterArity(QAction*) const { return SINGLE_MESH; }
-int VertexFilterPlugin::getPreConditions(QAction*) const { return MeshModel::MM_FACENUMBER; }
-int VertexFilterPlugin::postCondition(QAction*) const {
-  return MeshModel::MM_VERTCOORD | MeshModel::MM_VERTNORMAL | MeshModel::MM_FACENORMAL;
-}
-
 void VertexFilterPlugin::initParameterSet(QAction* action, MeshDocument& document, RichParameterList& parameters) {
   // meshlabserver asks before it has checked that there is a mesh.
   const double diagonal = document.mm() != nullptr ? finite_diagonal(document.mm()->cm) : 0;

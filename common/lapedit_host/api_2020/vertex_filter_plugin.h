@@ -18,14 +18,16 @@ namespace lapedit::host {
 /// Presents filters to MeshLab 2020.09. Catches everything they throw: an exception would end the application.
 class VertexFilterPlugin : public QObject, public MeshFilterInterface {
  public:
-  QString pluginName() const override;
-  QString filterName(FilterIDType id) const override;
-  QString filterInfo(FilterIDType id) const override;
-  QString filterScriptFunctionName(FilterIDType id) override;
-  FilterClass getClass(QAction* action) override;
-  FILTER_ARITY filterArity(QAction* action) const override;
-  int getPreConditions(QAction* action) const override;
-  int postCondition(QAction* action) const override;
+  QString pluginName() const override { return name_; }
+  QString filterName(FilterIDType id) const override { return filter(id).name; }
+  QString filterInfo(FilterIDType id) const override { return filter(id).info; }
+  QString filterScriptFunctionName(FilterIDType id) override { return filter(id).python_name; }
+  FilterClass getClass(QAction*) override { return Smoothing; }
+  FILTER_ARITY filterArity(QAction*) const override { return SINGLE_MESH; }
+  int getPreConditions(QAction*) const override { return MeshModel::MM_FACENUMBER; }
+  int postCondition(QAction*) const override {
+    return MeshModel::MM_VERTCOORD | MeshModel::MM_VERTNORMAL | MeshModel::MM_FACENORMAL;
+  }
   void initParameterSet(QAction* action, MeshDocument& document, RichParameterList& parameters) override;
   bool applyFilter(QAction* action, MeshDocument& document, const RichParameterList& parameters,
                    vcg::CallBackPos* callback) override;

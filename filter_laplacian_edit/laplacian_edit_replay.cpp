@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "filters.h"
+#include "lapedit_host/edit_script.h"
+#include "lapedit_host/mesh_bridge.h"
+
+using namespace lapedit;
+using namespace lapedit::host;
+
+namespace {
+
+std::string run(const ParameterValues& values, CMeshO& host, const Progress& progress) {
+  const Edit edit = load_edit(values.text("edit"));
+  const BridgedMesh bridged = read_mesh(host);
+  const EditResult result = apply_edit(bridged.mesh, edit, values.real("fraction"), kStoredScalar, progress);
+  write_positions(host, bridged, result);
+  std::string log;
+  for (std::size_t k = 0; k < result.reports.size(); ++k) {
+    log += (k > 0 ? "\nStep " : "Step ") + std::to_string(k + 1) + " of " + std::to_string(result.reports.size()) +
+           "\n" + result.reports[k].text();
+  }
+  return log;
+}
+
+}  // namespace
+
+FilterAction laplacianEditReplay() {
+  return {"Laplacian Edit Replay",
+          "apply_coord_laplacian_editing_replay",
+          "Repeats an edit that was recorded or written as JSON, exactly or a part of the way. " + aboutTheMethod(),
+          {{Parameter::Kind::Text, "edit", QString(), "Edit",
+            "The edit as JSON text, beginning with a brace, or the path of a .json file."},
+           {Parameter::Kind::Real, "fraction", 1.0, "Fraction",
+            "How far each handle goes: from 0 (no change) to 1 (the whole edit). Rotations go by angle."}},
+          run};
+}
