@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Writes one of the generated test meshes as a PLY file, for demonstrations.
+#include <cstdio>
+#include <exception>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <map>
+#include <stdexcept>
+#include <string>
+
+#include "shapes.h"
+
+namespace {
+
+using lapedit::TriangleMesh;
+namespace shapes = lapedit::shapes;
+
+// About as many vertices as the meshes of the paper's Figure 6.
+const std::map<std::string, std::function<TriangleMesh()>> kMeshes = {
+    {"letters", [] { return shapes::letter_field(254, 127); }},
+    {"arm", [] { return shapes::tapered_arm(120, 140); }},
+};
+
+void write_ply(const std::string& path, const TriangleMesh& mesh) {
+  std::ofstream file(path);
+  file.precision(std::numeric_limits<float>::max_digits10);
+  file << "ply\nformat ascii 1.0\nelement vertex " << mesh.vertices.rows()
+       << "\nproperty float x\nproperty float y\nproperty float z\nelement face " << mesh.faces.rows()
+       << "\nproperty list uchar int vertex_indices\nend_header\n";
+  for (const auto& p : mesh.vertices.rowwise()) {
+    file << p[0] << ' ' << p[1] << ' ' << p[2] << '\n';
+  }
+  for (const auto& f : mesh.faces.rowwise()) {
+    file << "3 " << f[0] << ' ' << f[1] << ' ' << f[2] << '\n';
+  }
+  file.close();
+  if (!file) {
+    throw std::runtime_error(path + " cannot be written.");
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const auto mesh = argc == 3 ? kMeshes.find(argv[1]) : kMeshes.end();
+  if (mesh == kMeshes.end()) {
+    std::fprintf(stderr, "usage: make_mesh letters|arm FILE.ply\n");
+    return 2;
+  }
+  try {
+    write_ply(argv[2], mesh->second());
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "make_mesh: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

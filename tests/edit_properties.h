@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "lapedit/edit.h"
+#include "lapedit/laplacian_editor.h"
+#include "support.h"
+
+/// What every edit has to hold exactly (to rounding), as a test suite over edits: each program that includes this file
+/// instantiates EditProperties with its own meshes. Errors are over the diameter of the region.
+namespace lapedit {
+
+struct EditCase {
+  std::string name;
+  TriangleMesh mesh;
+  RegionSpec region;
+  std::vector<std::vector<int>> handles;
+  std::vector<Affine> maps;  ///< one per handle group
+  /// Several edges of a vertex are equally tangential, so rounding decides which one the paper's frames follow.
+  bool has_ties = false;
+};
+
+/// Made when its test runs, not when the program starts.
+struct NamedCase {
+  const char* name;
+  std::function<EditCase()> make;
+};
+
+inline std::ostream& operator<<(std::ostream& out, const NamedCase& edit) {
+  return out << edit.name;
+}
+
+class EditProperties : public ::testing::TestWithParam<NamedCase> {
+ protected:
+  static EditSettings settings_of(LaplacianKind laplacian, DetailRotation rotation, int order = 1) {
+    EditSettings settings;
+    settings.laplacian = laplacian;
+    settings.rotation = rotation;
+    settings.order = order;
+    settings.threads = 1;
+    return settings;
+  }
+
+  /// Calls a test with all operators and rotations.
+  template <typename Function>
+  static void for_all_settings(Function function) {
+    for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
+      for (const DetailRotation rotation :
+           {DetailRotation::None, DetailRotation::SmoothNormals, DetailRotation::SmoothSurface}) {
+        SCOPED_TRACE(std::string(name(laplacian)) + ", " + name(rotation));
+        function(settings_of(laplacian, rotation));
+      }
+    }
+  }
+
+  static Region region_of(const EditCase& edit) {
+    return build_region(edit.mesh, support::adjacency_of(edit.mesh), edit.region, edit.handles);
+  }
+  static LaplacianEditor editor_of(const EditCase& edit, const EditSettings& settings) {
+    return LaplacianEditor(edit.mesh, region_of(edit), settings);
+  }
+  static Points rest_of(const EditCase& edit, const LaplacianEditor& editor) {
+    return support::rows(edit.mesh.vertices, editor.region().mesh_vertex);
+  }
+  static std::vector<Affine> unmoved(const EditCase& edit) {
+    return std::vector<Affine>(edit.maps.size(), Affine::Identity());
+  }
+
+  /// A part of the way, or beyond: (1 - t) identity + t map.
+  static Affine part(const Affine& map, double t) {
+    Affine result = map;
+    result.linear() = (1 - t) * Matrix3::Identity() + t * map.linear();
+    result.translation() = t * map.translation();
+    return result;
+  }
+
+  /// The same edit seen from elsewhere; map is a similarity of the given scale.
+  static EditCase seen_through(const EditCase& edit, const Affine& map, double scale) {
+    EditCase result = edit;
+    result.mesh = support::moved(map, edit.mesh);
+    result.region.radius *= scale;
+    for (Affine& handle_map : result.maps) {
+      handle_map = Affine(map * handle_map * map.inverse());
+    }
+    return result;
+  }
+
+  /// How far the edit of a transformed mesh is from the transformed edit.
+  static double equivariance_error(const EditCase& edit, const EditSettings& settings, const Affine& map,
+                                   double scale) {
+    const EditCase other = seen_through(edit, map, scale);
+    LaplacianEditor here = editor_of(edit, settings), there = editor_of(other, settings);
+    if (here.region().mesh_vertex != there.region().mesh_vertex) {
+      return std::numeric_limits<double>::infinity();
+    }
+    return support::error(there.solve(other.maps), support::moved(map, here.solve(edit.maps)));
+  }
+
+  /// Whether rounding alone may change the result by more than rounding.
+  static bool undecided(const EditCase& edit, const EditSettings& settings) {
+    return edit.has_ties && settings.rotation == DetailRotation::SmoothNormals;
+  }
+};
+
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(EditProperties);
+
+TEST_P(EditProperties, MovingNothingChangesNoBit) {
+  const EditCase edit = GetParam().make();
+  for_all_settings([&](EditSettings settings) {
+    settings.iterations = 2;
+    LaplacianEditor editor = editor_of(edit, settings);
+    EXPECT_TRUE(support::same_bits(editor.solve(unmoved(edit)), rest_of(edit, editor)));
+    EXPECT_FALSE(support::same_bits(editor.solve(edit.maps), rest_of(edit, editor)));
+    EXPECT_TRUE(support::same_bits(editor.solve(unmoved(edit)), rest_of(edit, editor))) << "after another solve";
+  });
+}
+
+TEST_P(EditProperties, OutsideTheRegionNothingIsTouched) {
+  const EditCase edit = GetParam().make();
+  const Adjacency adjacency = support::adjacency_of(edit.mesh);
+  EditStep step;
+  step.region = edit.region;
+  for (std::size_t g = 0; g < edit.handles.size(); ++g) {
+    HandleTransform transform;
+    transform.matrix = edit.maps[g].matrix();
+    step.handles.push_back({edit.handles[g], transform});
+  }
+  const TriangleMesh before = edit.mesh;
+  const EditResult result = apply_step(edit.mesh, adjacency, step, 1, StoredScalar::Float);
+  EXPECT_TRUE(support::same_bits(before.vertices, edit.mesh.vertices));
+  EXPECT_EQ(result.vertices, region_of(edit).mesh_vertex);
+  EXPECT_TRUE(result.positions.allFinite());
+  EXPECT_TRUE(result.positions == result.positions.cast<float>().cast<double>()) << "fits a float mesh";
+  // The handle's way is met to 0.5 %, and the rim, softly held, moves by less than 0.2 % of it.
+  const EditReport& report = result.reports.front();
+  EXPECT_GT(report.handle_displacement, 0);
+  EXPECT_LT(report.handle_residual, 0.005 * report.handle_displacement);
+  EXPECT_EQ(report.fixed + report.handle + report.free + report.anchors, edit.mesh.vertices.rows());
+}
+
+/// The bound: coordinates as large as the shift hold its rounding; the solve multiplies that of the rest pose by its
+/// condition.
+TEST_P(EditProperties, TranslatingAllTranslatesTheResult) {
+  const EditCase edit = GetParam().make();
+  const double size = support::diameter(edit.mesh.vertices);
+  const Affine map = support::shift(size * Vector3(1, -2, 0.5));
+  for_all_settings([&](const EditSettings& settings) {
+    if (!undecided(edit, settings)) {
+      EXPECT_LT(equivariance_error(edit, settings, map, 1), 1e-9);
+    }
+  });
+}
+
+TEST_P(EditProperties, TurningAndScalingAllTurnsAndScalesTheResult) {
+  const EditCase edit = GetParam().make();
+  const Affine turn = support::rigid(77, Vector3(3, 1, -2), Vector3::Zero());
+  for_all_settings([&](const EditSettings& settings) {
+    if (!undecided(edit, settings)) {
+      for (const double scale : {1.0, 1e-9, 0.3, 1e7}) {
+        EXPECT_LT(equivariance_error(edit, settings, Affine(turn * Eigen::Scaling(scale)), scale), 1e-9)
+            << "scale " << scale;
+      }
+    }
+  });
+}
+
+/// Far from the origin the mesh itself has lost digits: 1e7 diameters away nine are left.
+TEST_P(EditProperties, FarFromTheOriginTheDigitsThatAreLeftAreRight) {
+  const EditCase edit = GetParam().make();
+  const double size = support::diameter(edit.mesh.vertices);
+  EditCase far = seen_through(edit, support::shift(1e7 * size * Vector3(1, 1, -1)), 1);
+  // The rounded mesh moved back exactly is the one to compare with.
+  EditCase near = far;
+  const Vector3 way = far.mesh.vertices.row(far.handles[0][0]).transpose();
+  near.mesh.vertices.rowwise() -= way.transpose();
+  for (std::size_t g = 0; g < edit.maps.size(); ++g) {
+    far.maps[g] = support::shift(0.1 * size * Vector3(1, 2, static_cast<double>(g)));
+    near.maps[g] = far.maps[g];
+  }
+  for_all_settings([&](const EditSettings& settings) {
+    if (!undecided(edit, settings)) {
+      LaplacianEditor there = editor_of(far, settings), here = editor_of(near, settings);
+      Points result = there.solve(far.maps);
+      result.rowwise() -= way.transpose();
+      EXPECT_LT(support::error(result, here.solve(near.maps)), 1e-8);
+    }
+  });
+}
+
+TEST_P(EditProperties, RigidMotionOfAllConstraintsIsThatOfTheRegion) {
+  const EditCase edit = GetParam().make();
+  const double size = support::diameter(edit.mesh.vertices);
+  const Affine map = support::rigid(130, Vector3(1, 2, -1), size * Vector3(0.3, -0.2, 1));
+  for_all_settings([&](const EditSettings& settings) {
+    if (settings.rotation != DetailRotation::None) {
+      LaplacianEditor editor = editor_of(edit, settings);
+      const Points& result = editor.solve(std::vector<Affine>(edit.maps.size(), map), map);
+      EXPECT_LT(support::error(result, support::moved(map, rest_of(edit, editor))), 1e-12);
+      for (const Matrix3& rotation : editor.rotations()) {
+        ASSERT_LT((rotation - map.linear()).norm(), 1e-12);
+      }
+    }
+  });
+}
+
+TEST_P(EditProperties, RenumberingPermutesTheResult) {
+  const EditCase edit = GetParam().make();
+  const std::vector<int> numbers = support::shuffled(static_cast<int>(edit.mesh.vertices.rows()), 17);
+  EditCase other = edit;
+  other.mesh = support::renumbered(edit.mesh, numbers, 18);
+  other.region.vertices = support::renumbered(edit.region.vertices, numbers);
+  for (auto& group : other.handles) {
+    group = support::renumbered(group, numbers);
+  }
+  for_all_settings([&](const EditSettings& settings) {
+    if (undecided(edit, settings)) {
+      return;
+    }
+    LaplacianEditor one = editor_of(edit, settings), two = editor_of(other, settings);
+    const Points& result = one.solve(edit.maps);
+    const Points& renumbered = two.solve(other.maps);
+    Points all = Points::Constant(edit.mesh.vertices.rows(), 3, std::numeric_limits<double>::quiet_NaN());
+    for (int i = 0; i < two.region().size(); ++i) {
+      all.row(two.region().mesh_vertex[i]) = renumbered.row(i);
+    }
+    EXPECT_LT(support::error(support::rows(all, support::renumbered(one.region().mesh_vertex, numbers)), result), 1e-9);
+  });
+}
+
+TEST_P(EditProperties, ThreadsDoNotChangeABit) {
+  const EditCase edit = GetParam().make();
+  for_all_settings([&](EditSettings settings) {
+    LaplacianEditor one = editor_of(edit, settings);
+    const Points& result = one.solve(edit.maps);
+    for (const int threads : {2, 4}) {
+      settings.threads = threads;
+      LaplacianEditor several = editor_of(edit, settings);
+      EXPECT_TRUE(support::same_bits(several.solve(edit.maps), result)) << threads << " threads";
+    }
+  });
+}
+
+TEST_P(EditProperties, SolvesDoNotDependOnWhatWasSolvedBefore) {
+  const EditCase edit = GetParam().make();
+  const double size = support::diameter(edit.mesh.vertices);
+  const Affine elsewhere = support::rigid(-60, Vector3(1, 0, 1), size * Vector3(1, 1, 1));
+  for_all_settings([&](const EditSettings& settings) {
+    LaplacianEditor fresh = editor_of(edit, settings), used = editor_of(edit, settings);
+    used.solve(std::vector<Affine>(edit.maps.size(), elsewhere), elsewhere);
+    used.solve(std::vector<Affine>(edit.maps.size(), elsewhere));
+    EXPECT_TRUE(support::same_bits(used.solve(edit.maps), fresh.solve(edit.maps)));
+  });
+}
+
+TEST_P(EditProperties, UnrotatedResultIsAffineInTheHandles) {
+  const EditCase edit = GetParam().make();
+  for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
+    for (const int order : {1, 2}) {
+      SCOPED_TRACE(std::string(name(laplacian)) + ", order " + std::to_string(order));
+      LaplacianEditor editor = editor_of(edit, settings_of(laplacian, DetailRotation::None, order));
+      const Points rest = rest_of(edit, editor);
+      const Points whole = editor.solve(edit.maps);
+      for (const double t : {0.3, -2.0, 100.0}) {
+        std::vector<Affine> maps;
+        for (const Affine& map : edit.maps) {
+          maps.push_back(part(map, t));
+        }
+        EXPECT_LT(support::error(editor.solve(maps), (1 - t) * rest + t * whole), 1e-10) << "t = " << t;
+      }
+      Points sum = rest;  // of the responses to each group alone
+      for (std::size_t g = 0; g < edit.maps.size(); ++g) {
+        std::vector<Affine> maps = unmoved(edit);
+        maps[g] = edit.maps[g];
+        sum += editor.solve(maps) - rest;
+      }
+      EXPECT_LT(support::error(sum, whole), 1e-10);
+    }
+  }
+}
+
+TEST_P(EditProperties, NormalEquationsHoldToRounding) {
+  const EditCase edit = GetParam().make();
+  for (const CholeskyBackend backend : {CholeskyBackend::Automatic, CholeskyBackend::Eigen}) {
+    for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
+      for (const int order : {1, 2, 3}) {
+        EditSettings settings = settings_of(laplacian, DetailRotation::SmoothSurface, order);
+        settings.backend = backend;
+        LaplacianEditor editor = editor_of(edit, settings);
+        editor.solve(edit.maps);
+        EXPECT_LT(editor.report().normal_equation_residual, 1e-14)
+            << name(laplacian) << ", order " << order << ", " << editor.report().backend;
+      }
+    }
+  }
+}
+
+TEST_P(EditProperties, BackendsAgree) {
+  const EditCase edit = GetParam().make();
+  if (!has_cholmod()) {
+    SUCCEED() << "this build has one backend";
+    return;
+  }
+  for_all_settings([&](EditSettings settings) {
+    settings.backend = CholeskyBackend::Cholmod;
+    LaplacianEditor one = editor_of(edit, settings);
+    settings.backend = CholeskyBackend::Eigen;
+    LaplacianEditor two = editor_of(edit, settings);
+    EXPECT_LT(support::error(two.solve(edit.maps), one.solve(edit.maps)), 1e-9);
+  });
+}
+
+}  // namespace lapedit

@@ -1,0 +1,211 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The two filters' parameters and what they leave alone, on generated meshes through meshlabserver."""
+import json
+import math
+import re
+import subprocess
+import unittest
+
+from host import STAGE, HostTest, laplacian_edit, project, replay, select_faces, select_vertices
+from ply import Ply, bits_of, float_of, write_ply
+from shapes import dome, moved, neighbours, together, within
+
+CENTRE = 21 * 10 + 10  # vertex in the middle of the dome
+UP = (0, 0, 0.2)
+
+
+class FilterTest(HostTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.points, cls.faces = dome()
+        cls.mesh = write_ply(cls.folder / "dome.ply", cls.points, cls.faces)
+        cls.around = neighbours(len(cls.points), cls.faces)
+        cls.lift = {"handle_point": cls.points[CENTRE], "radius": 0.35, "translation": UP}
+        cls.lift_json = {"region": {"radius": 0.35}, "handles": [{"vertices": str(CENTRE), "translation": UP}]}
+
+    def bits(self, filters, mesh=None, **options):
+        """Coordinate bits of the result, and the log."""
+        path, log = self.edited(filters, mesh or self.mesh, **options)
+        return Ply(path).point_bits(), log
+
+    def moved_vertices(self, bits):
+        before = [tuple(map(bits_of, p)) for p in self.points]
+        return {v for v in range(len(before)) if before[v] != bits[v]}
+
+    def displacement(self, bits, vertex):
+        path = [bits[vertex][k] for k in range(3)]
+        return math.dist([float_of(c) for c in path], self.points[vertex])
+
+
+
+class Documentation(HostTest):
+    def test_each_parameter_is_explained_and_the_paper_named(self):
+        file = self.folder / "filters.txt"
+        subprocess.run([STAGE / "bin" / "meshlabserver", "-d", file], env=self.environment, check=True,
+                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=60)
+        sections = {s.split(" \n")[0].split(" ", 1)[1]: s for s in file.read_text().split("\\section ")[1:]}
+        for name, kinds in (("Laplacian Edit", "Enum Point3f Enum AbsPerc Float Point3f Point3f Float Float Enum Int "
+                                               "Enum Int AbsPerc Float Float"),
+                            ("Laplacian Edit Replay", "String Float")):
+            text = sections[name]
+            self.assertIn("Differential Coordinates for Interactive Mesh Editing", text)
+            self.assertIn("10.1109/SMI.2004.1314505", text)
+            rows = re.findall(r"\\c (\w+) +</TD> <TD> (.*?) </TD> <TD><i> (.*?) -- ", text)
+            self.assertEqual([kind for kind, _, _ in rows], kinds.split())
+            for _, label, help_text in rows:
+                self.assertGreater(len(label), 3)
+                self.assertGreater(len(help_text), 40)
+
+
+class Settings(FilterTest):
+    def test_every_setting_changes_the_result_but_not_the_rest_of_the_mesh(self):
+        region = within(self.points, self.around, CENTRE, 0.35)
+        plain, _ = self.bits([laplacian_edit(**self.lift)])
+        self.assertLessEqual(self.moved_vertices(plain), region)
+        for change in ({"laplacian": 1}, {"order": 2}, {"order": 3}, {"detail_rotation": 0}, {"detail_rotation": 1},
+                       {"iterations": 3}, {"normal_radius": 0.3}, {"handle_weight": 0.5}, {"anchor_weight": 0.5},
+                       {"padding": 0.5}, {"translation": (0.1, 0, 0.1)}):
+            with self.subTest(change):
+                bits, log = self.bits([laplacian_edit(**{**self.lift, **change})])
+                self.assertNotEqual(bits, plain)
+                self.assertLessEqual(self.moved_vertices(bits), region)
+                self.assertTrue(all(math.isfinite(float_of(c)) for p in bits for c in p))
+                for name in {"laplacian": ["cotangent"], "order": [f"order {change.get('order')}"],
+                             "normal_radius": ["normal radius 0.3"], "iterations": ["[123] pass"]}.get(*change, []):
+                    self.assertRegex(log, name)
+
+    def test_selected_vertices_turn_and_grow_about_their_centroid(self):
+        picked = [v for v, p in enumerate(self.points) if math.dist(p[:2], (0.5, 0.5)) < 0.12]
+        select = select_vertices("(x-0.5)*(x-0.5)+(y-0.5)*(y-0.5)<0.0144")
+        settings = {"handle_source": 1, "radius": 0.3, "rotation_axis": (0, 0, 2), "rotation_angle": 30, "scale": 1.2}
+        bits, log = self.bits([select, laplacian_edit(**settings)])
+        self.assertIn(f"{len(picked)} handle", log)
+        centre = [sum(self.points[v][k] for v in picked) / len(picked) for k in range(3)]
+        turn = math.radians(30)
+        for v in picked:
+            x, y, z = (1.2 * (c - o) for c, o in zip(self.points[v], centre))
+            target = (centre[0] + math.cos(turn) * x - math.sin(turn) * y,
+                      centre[1] + math.sin(turn) * x + math.cos(turn) * y, centre[2] + z)
+            # The handle is held softly: within a hundredth of its size.
+            self.assertLess(math.dist(target, [float_of(c) for c in bits[v]]), 0.0012)
+        same, _ = self.bits([replay({
+            "region": {"radius": 0.3},
+            "handles": [{"vertices": ",".join(map(str, picked)),
+                         "rotation": {"axis": [0, 0, 2], "degrees": 30}, "scale": 1.2}]})])
+        self.assertEqual(bits, same)
+
+    def test_selected_faces_are_the_region(self):
+        inside = {v for v, p in enumerate(self.points) if 0.19 < p[0] < 0.81 and 0.29 < p[1] < 0.81}
+        condition = " && ".join(f"({c}{k}>0.{low}) && ({c}{k}<0.81)" for c, low in (("x", 19), ("y", 29)) for k in "012")
+        bits, log = self.bits([select_faces(condition), laplacian_edit(**{**self.lift, "region_source": 1})])
+        counts = re.search(r"(\d+) handle, (\d+) free, (\d+) anchor vertices; (\d+) fixed", log).groups()
+        self.assertEqual(sum(map(int, counts[:3])), len(inside))
+        touched = self.moved_vertices(bits)
+        self.assertIn(CENTRE, touched)
+        self.assertLessEqual(touched, inside)
+        same, _ = self.bits([replay({**self.lift_json, "region": {"vertices": ",".join(map(str, inside))}})])
+        self.assertEqual(bits, same)
+
+    def test_whole_component_follows_and_others_stay(self):
+        two = together((self.points, self.faces), moved((self.points, self.faces), offset=(2, 0, 0)))
+        mesh = write_ply(self.folder / "two.ply", *two)
+        bits, log = self.bits([laplacian_edit(**{**self.lift, "region_source": 2})], mesh)
+        self.assertIn("0 anchor", log)
+        n = len(self.points)
+        self.assertEqual(bits[n:], [tuple(map(bits_of, p)) for p in two[0][n:]])
+        for v in range(n):
+            target = [c + t for c, t in zip(self.points[v], UP)]
+            self.assertLess(math.dist(target, [float_of(c) for c in bits[v]]), 2e-7)
+
+
+class Replay(FilterTest):
+    def test_equals_the_other_filter_bit_for_bit(self):
+        edited, _ = self.bits([laplacian_edit(**self.lift)])
+        replayed, _ = self.bits([replay(self.lift_json)])
+        self.assertEqual(edited, replayed)
+        self.assertIn(CENTRE, self.moved_vertices(edited))
+
+    def test_all_settings_mean_the_same_in_both_filters(self):
+        edited, _ = self.bits([laplacian_edit(
+            **self.lift, padding=0.3, laplacian=1, order=2, detail_rotation=1, iterations=2, normal_radius=0.21,
+            handle_weight=7, anchor_weight=0.7)])
+        replayed, _ = self.bits([replay({
+            **self.lift_json, "region": {"radius": 0.35, "padding": 0.3}, "laplacian": "cotangent", "order": 2,
+            "detail_rotation": "smooth_normals", "iterations": 2, "normal_radius": 0.21, "handle_weight": 7,
+            "anchor_weight": 0.7})])
+        self.assertEqual(edited, replayed)
+
+    def test_fraction_zero_keeps_all_bits(self):
+        bits, _ = self.bits([replay(self.lift_json, fraction=0)])
+        self.assertEqual(self.moved_vertices(bits), set())
+
+    def test_fraction_goes_part_of_the_way(self):
+        half, _ = self.bits([replay(self.lift_json, fraction=0.5)])
+        same, _ = self.bits([laplacian_edit(**{**self.lift, "translation": (0, 0, 0.1)})])
+        self.assertEqual(half, same)
+
+    def test_steps_apply_in_order_like_filters_in_a_row(self):
+        other = 21 * 7 + 8
+        step = {"region": {"radius": 0.3}, "handles": [{"vertices": str(other), "translation": [0.05, 0, 0.1]}]}
+        edit = json.dumps({"laplacian_edit": 1, "mesh": {"vertices": len(self.points), "faces": len(self.faces)},
+                           "steps": [self.lift_json, step]})
+        at_once, log = self.bits([replay(edit)])
+        one_by_one, _ = self.bits([replay(self.lift_json), replay(step)])
+        self.assertEqual(at_once, one_by_one)
+        self.assertIn("Step 2 of 2", log)
+
+    def test_text_with_quotes_newlines_and_entities_reaches_the_filter(self):
+        pretty = json.dumps({"laplacian_edit": 1, "steps": [self.lift_json]}, indent=2)
+        self.assertIn("\n", pretty)
+        bits, _ = self.bits([replay(" \n\t" + pretty + "\n")])
+        same, _ = self.bits([replay(self.lift_json)])
+        self.assertEqual(bits, same)
+
+    def test_file_by_absolute_and_relative_path(self):
+        folder = self.folder / "ed it & <co>"
+        folder.mkdir()
+        (folder / "lift.json").write_text(json.dumps({"laplacian_edit": 1, "steps": [self.lift_json]}))
+        same, _ = self.bits([replay(self.lift_json)])
+        for path in (folder / "lift.json", "ed it & <co>/lift.json"):
+            bits, _ = self.bits([replay(str(path))])
+            self.assertEqual(bits, same)
+
+
+class Layer(FilterTest):
+    MATRIX = (0, -2, 0, 5, 2, 0, 0, -3, 0, 0, 2, 7, 0, 0, 0, 1)
+
+    def test_parameters_are_in_layer_coordinates(self):
+        edited, _ = self.bits([laplacian_edit(**self.lift)])
+        for step in (laplacian_edit(**self.lift), replay(self.lift_json)):
+            result = self.run_host([step], project_text=project(self.mesh, self.MATRIX))
+            self.assertEqual(result.code, 0, result.text)
+            self.assertEqual(Ply(result.output).point_bits(), edited)
+
+    def test_transform_of_the_layer_stays(self):
+        saved = self.folder / "saved.mlp"
+        result = self.run_host([laplacian_edit(**self.lift)], project_text=project(self.mesh, self.MATRIX),
+                               project_out=saved)
+        self.assertEqual(result.code, 0, result.text)
+        matrix = re.search(r"<MLMatrix44>(.*?)</MLMatrix44>", saved.read_text(), re.DOTALL).group(1)
+        self.assertEqual([float(x) for x in matrix.split()], list(self.MATRIX))
+
+
+class Precision(FilterTest):
+    def test_large_and_small_coordinates(self):
+        region = within(self.points, self.around, CENTRE, 0.35)
+        for scale, offset in ((1e7, (3e6, -2e7, 1e7)), (1e-9, (0, 0, 0))):
+            with self.subTest(scale):
+                points, faces = moved((self.points, self.faces), scale, offset)
+                mesh = write_ply(self.folder / "scaled.ply", points, faces)
+                bits, _ = self.bits([laplacian_edit(handle_point=points[CENTRE], radius=0.35 * scale,
+                                                    translation=(0, 0, 0.2 * scale))], mesh)
+                for v, row in enumerate(bits):
+                    if v not in region:
+                        self.assertEqual(row, tuple(map(bits_of, points[v])))
+                target = [points[CENTRE][0], points[CENTRE][1], points[CENTRE][2] + 0.2 * scale]
+                self.assertLess(math.dist(target, [float_of(c) for c in bits[CENTRE]]), 0.005 * 0.2 * scale)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs the staged meshlabserver on a private X server, for tests.
+
+Environment:
+  LAPEDIT_STAGE    folder made by stage.sh
+  LAPEDIT_MESHES   folder with the real test meshes (tests that use them)
+  LAPEDIT_PRELOAD  libraries to load into meshlabserver: a sanitizer's run time
+"""
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+import unittest
+from xml.sax.saxutils import escape, quoteattr
+
+STAGE = pathlib.Path(os.environ["LAPEDIT_STAGE"])
+REFUSED = 255  # exit code of meshlabserver for a filter that returns false
+
+
+def point(name, xyz):
+    return f'<Param type="RichPoint3f" name="{name}" x="{xyz[0]}" y="{xyz[1]}" z="{xyz[2]}"/>'
+
+
+def number(kind):
+    return lambda name, value: f'<Param type="{kind}" name="{name}" value="{value}"/>'
+
+
+def choice(name, value):
+    return f'<Param type="RichEnum" name="{name}" value="{value}" enum_cardinality="3"/>'
+
+
+def length(name, value):
+    return f'<Param type="RichAbsPerc" name="{name}" value="{value}" min="0" max="100"/>'
+
+
+real, integer = number("RichFloat"), number("RichInt")
+
+# Order and names are part of the interface: meshlabserver wants every parameter in a script.
+EDIT_PARAMETERS = {
+    "handle_source": (choice, 0), "handle_point": (point, (0, 0, 0)), "region_source": (choice, 0),
+    "radius": (length, 1), "padding": (real, 0.1), "translation": (point, (0, 0, 0)),
+    "rotation_axis": (point, (0, 0, 1)), "rotation_angle": (real, 0), "scale": (real, 1), "laplacian": (choice, 0),
+    "order": (integer, 1), "detail_rotation": (choice, 2), "iterations": (integer, 1), "normal_radius": (length, 0),
+    "handle_weight": (real, 10), "anchor_weight": (real, 10)}
+
+
+def laplacian_edit(**given):
+    unknown = set(given) - set(EDIT_PARAMETERS)
+    assert not unknown, unknown
+    lines = [write(name, given.get(name, value)) for name, (write, value) in EDIT_PARAMETERS.items()]
+    return '<filter name="Laplacian Edit">' + "\n".join(lines) + "</filter>"
+
+
+def replay(edit, fraction=1):
+    """edit: a JSON text or path as it is, or the members of an edit's only step."""
+    if isinstance(edit, dict):
+        edit = json.dumps({"laplacian_edit": 1, "steps": [edit]})
+    value = quoteattr(str(edit), {"\n": "&#10;", "\t": "&#9;"})
+    return (f'<filter name="Laplacian Edit Replay"><Param type="RichString" name="edit" value={value}/>'
+            + real("fraction", fraction) + "</filter>")
+
+
+def select_vertices(condition):
+    return ('<filter name="Conditional Vertex Selection"><Param type="RichString" name="condSelect" value='
+            + quoteattr(condition) + "/></filter>")
+
+
+def select_faces(condition):
+    return ('<filter name="Conditional Face Selection"><Param type="RichString" name="condSelect" value='
+            + quoteattr(condition) + "/></filter>")
+
+
+def project(mesh, matrix):
+    """Text of a .mlp project with one layer; matrix: 16 numbers by rows."""
+    rows = "\n".join(" ".join(repr(float(x)) for x in matrix[4 * i:4 * i + 4]) + " " for i in range(4))
+    return ('<!DOCTYPE MeshLabDocument>\n<MeshLabProject>\n <MeshGroup>\n'
+            f'  <MLMesh label="layer" filename={quoteattr(str(mesh))}>\n   <MLMatrix44>\n{escape(rows)}\n'
+            '</MLMatrix44>\n  </MLMesh>\n </MeshGroup>\n</MeshLabProject>\n')
+
+
+class Result:
+    def __init__(self, code, text, output):
+        self.code = code
+        self.text = text  # what meshlabserver printed, both streams
+        self.output = output  # path of the mesh it wrote, None if it wrote none
+
+
+class HostTest(unittest.TestCase):
+    """A test case with its own X server, folder and home."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = pathlib.Path(tempfile.mkdtemp(prefix="lapedit-"))
+        cls.addClassCleanup(shutil.rmtree, cls.folder)
+        cls.runs = 0
+        readable, writable = os.pipe()
+        # The server chooses a free display itself: tests can run side by side.
+        server = subprocess.Popen(
+            ["Xvfb", "-displayfd", str(writable), "-screen", "0", "640x480x24", "+extension", "GLX", "-nolisten", "tcp"],
+            pass_fds=[writable], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        cls.addClassCleanup(server.wait)
+        cls.addClassCleanup(server.terminate)
+        os.close(writable)
+        with os.fdopen(readable) as pipe:
+            display = pipe.readline().strip()
+        assert display, "Xvfb did not start"
+        cls.environment = dict(os.environ, DISPLAY=":" + display, HOME=str(cls.folder), XDG_RUNTIME_DIR=str(cls.folder),
+                               LIBGL_ALWAYS_SOFTWARE="1")
+        if os.environ.get("LAPEDIT_PRELOAD"):
+            cls.environment["LD_PRELOAD"] = os.environ["LAPEDIT_PRELOAD"]
+
+    def run_host(self, filters, mesh=None, save=(), project_text=None, project_out=None):
+        """One start of meshlabserver: opens mesh or project, runs the filters, writes a binary PLY."""
+        cls = type(self)
+        cls.runs += 1
+        base = cls.folder / f"run{cls.runs}"
+        command = [str(STAGE / "bin" / "meshlabserver")]
+        if project_text is not None:
+            base.with_suffix(".mlp").write_text(project_text)
+            command += ["-p", f"{base}.mlp"]
+        if mesh is not None:
+            command += ["-i", str(mesh)]
+        output = base.with_suffix(".ply")
+        if project_out is None:
+            command += ["-o", str(output)] + (["-m", *save] if save else [])
+        else:
+            command += ["-w", str(project_out)]
+        if filters:
+            base.with_suffix(".mlx").write_text(
+                "<!DOCTYPE FilterScript>\n<FilterScript>\n" + "\n".join(filters) + "\n</FilterScript>\n")
+            command += ["-s", f"{base}.mlx"]
+        done = subprocess.run(command, env=cls.environment, cwd=cls.folder, stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, timeout=120)
+        return Result(done.returncode, done.stdout.decode(errors="replace"), output if output.exists() else None)
+
+    def edited(self, filters, mesh, **options):
+        """Runs filters that must work. @return the path of the mesh written, the text printed"""
+        result = self.run_host(filters, mesh, **options)
+        self.assertEqual(result.code, 0, result.text)
+        self.assertIsNotNone(result.output, result.text)
+        return result.output, result.text
+
+    def assert_refused(self, result, sentence):
+        """Exit code 255, no output, and one sentence in the log that matches the pattern."""
+        self.assertEqual(result.code, REFUSED, result.text)
+        self.assertIsNone(result.output, result.text)
+        self.assertIn("Problem with filter: Laplacian Edit", result.text)
+        entries = result.text.split("LOG: 1 ")[1:]
+        self.assertEqual(len(entries), 1, result.text)
+        line = entries[0].splitlines()[0]
+        self.assertRegex(line, sentence)
+        self.assertRegex(line, r"\.$")

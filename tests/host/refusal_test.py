@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What cannot be done is refused by meshlabserver with exit code 255, no output and one clear sentence."""
+import json
+import math
+import unittest
+
+from host import HostTest, laplacian_edit, replay, select_faces, select_vertices
+from ply import write_ply
+from shapes import dome
+
+CENTRE = 21 * 10 + 10  # vertex in the middle of the dome
+
+
+class RefusalTest(HostTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.points, cls.faces = dome()
+        cls.mesh = write_ply(cls.folder / "dome.ply", cls.points, cls.faces)
+        cls.good = {"handle_point": cls.points[CENTRE], "radius": 0.35, "translation": (0, 0, 0.2)}
+        cls.good_json = {"region": {"radius": 0.35}, "handles": [{"vertices": str(CENTRE), "translation": [0, 0, 0.2]}]}
+
+    def refused(self, filters, sentence, mesh=None):
+        with self.subTest(sentence):
+            self.assert_refused(self.run_host(filters, mesh or self.mesh), sentence)
+
+    def refused_edit(self, sentence, before=(), mesh=None, **change):
+        self.refused([*before, laplacian_edit(**{**self.good, **change})], sentence, mesh)
+
+
+class Parameters(RefusalTest):
+    def test_radius(self):
+        self.refused_edit(r"radius is 0.* greater than 0", radius=0)
+        self.refused_edit(r"radius is -1.* greater than 0", radius=-1)
+        self.refused_edit(r"radius is (-?nan|not finite)", radius="nan")
+        self.refused_edit(r"radius is inf", radius="inf")
+
+    def test_padding(self):
+        self.refused_edit(r"padding is -0\.1.* 0 .*1", padding=-0.1)
+        self.refused_edit(r"padding is 1\.1.* 0 .*1", padding=1.1)
+        self.refused_edit(r"padding is -?nan.* 0 .*1", padding="nan")
+
+    def test_handle_point(self):
+        self.refused_edit(r"\(0\.5, 0\.5, 9\) is .* nearest vertex, number \d+.*diagonal", handle_point=(0.5, 0.5, 9))
+        self.refused_edit(r"handle point is not finite", handle_point=(0.5, "nan", 0))
+
+    def test_settings(self):
+        self.refused_edit(r"order .*is 0: give 1, 2 or 3", order=0)
+        self.refused_edit(r"order .*is 4: give 1, 2 or 3", order=4)
+        self.refused_edit(r"iterations.* 0", iterations=0)
+        self.refused_edit(r"normal[_ ]radius is -1", normal_radius=-1)
+        self.refused_edit(r"normal[_ ]radius is -?nan", normal_radius="nan")
+        self.refused_edit(r"handle[_ ]weight is 0", handle_weight=0)
+        self.refused_edit(r"anchor[_ ]weight is -2", anchor_weight=-2)
+        self.refused_edit(r"anchor[_ ]weight is inf", anchor_weight="inf")
+
+    def test_transform(self):
+        self.refused_edit(r"scale is 0", scale=0)
+        self.refused_edit(r"scale is not a finite number", scale="nan")
+        self.refused_edit(r"rotation axis is \(0, 0, 0\)", rotation_axis=(0, 0, 0), rotation_angle=10)
+        self.refused_edit(r"not a finite number", rotation_angle="inf")
+        self.refused_edit(r"translation is not a finite number", translation=("inf", 0, 0))
+        far = {"vertices": str(CENTRE), "translation": [1e39, 0, 0]}
+        self.refused([replay({**self.good_json, "handles": [far]})], r"single precision.* too large")
+
+    def test_numbers_of_no_choice(self):
+        self.refused_edit(r"laplacian is 2: give 0 \(Umbrella\) or 1 \(Cotangent\)", laplacian=2)
+        self.refused_edit(r"region_source is -1: give 0 \(", region_source=-1)
+
+    def test_wrong_type_in_the_script(self):
+        script = laplacian_edit(**self.good)
+        wrong = script.replace('type="RichInt" name="order" value="1"', 'type="RichFloat" name="order" value="1"')
+        self.assertNotEqual(script, wrong)
+        self.refused([wrong], r"parameter order is a Float, which is of the wrong type")
+
+
+class Regions(RefusalTest):
+    def test_empty_selections(self):
+        self.refused_edit(r"No vertex is selected: select some of the 441 vertices", handle_source=1)
+        self.refused_edit(r"No face is selected: select some of the 800 faces", region_source=1)
+
+    def test_handle_only(self):
+        self.refused_edit(r"handle alone \(1 vertex\).* instead of 0\.001", radius=0.001)
+        self.refused_edit(r"handle alone \(441 vertices\)", [select_vertices("x>-1")], handle_source=1, radius=9)
+
+    def test_handle_outside_the_selected_faces(self):
+        self.refused_edit(rf"1 of 1 handle vertices lie outside the region, the first is vertex {CENTRE}",
+                          [select_faces("(x0<0.2) && (x1<0.2) && (x2<0.2)")], region_source=1)
+
+
+class Meshes(RefusalTest):
+    def test_point_cloud(self):
+        cloud = write_ply(self.folder / "cloud.ply", self.points, [])
+        self.refused_edit(r"441 vertices but no faces", mesh=cloud)
+        self.refused([replay(self.good_json)], r"441 vertices but no faces", cloud)
+
+    def test_empty_mesh(self):
+        everything = '<filter name="Delete Selected Vertices"/>'
+        before = [select_vertices("x>-1"), everything]
+        self.refused_edit(r"no vertices", before)
+        self.refused([*before, replay(self.good_json)], r"no vertices")
+
+    def test_no_mesh_at_all(self):
+        for step in (laplacian_edit(**self.good), replay(self.good_json)):
+            self.assert_refused(self.run_host([step]), r"There are 0 layers")
+
+    def test_non_finite_coordinates_inside_the_region(self):
+        for bad in (math.nan, math.inf):
+            points = list(self.points)
+            points[CENTRE + 2] = (points[CENTRE + 2][0], bad, 0)
+            mesh = write_ply(self.folder / "bad.ply", points, self.faces)
+            self.refused_edit(rf"{CENTRE + 2}", mesh=mesh)
+
+
+class Scripts(RefusalTest):
+    def text(self, **members):
+        return json.dumps({"laplacian_edit": 1, "steps": [self.good_json], **members})
+
+    def test_malformed(self):
+        good = self.text()
+        self.refused([replay(good[:-20])], r"line 1")
+        self.refused([replay("{")], r"line 1")
+        self.refused([replay(good + "}")], r"line 1")
+        self.refused([replay("")], r"No edit is given")
+        self.refused([replay(good.replace('"steps"', '"stepz"'))], r"stepz")
+        self.refused([replay(good.replace("0.35", '"0.35"'))], r"steps\[0\]\.region\.radius")
+        self.refused([replay(good.replace("0.35", "1e999"))], r"line 1.* number")
+
+    def test_hostile(self):
+        self.refused([replay('{"laplacian_edit": ' + "[" * 100000)], r"deep")
+        self.refused([replay(self.text().replace(f'"{CENTRE}"', '"0-999999999999"'))], r"steps\[0\]\.handles\[0\]")
+        self.refused([replay(self.text().replace(f'"{CENTRE}"', '"0-2000000000"'))], r"2000000001 vertices")
+        self.refused([replay(self.text().replace(f'"{CENTRE}"', '"%s%n%1$s"'))], r"%s%n%1\$s")
+        huge = self.folder / "huge.json"
+        with open(huge, "wb") as file:
+            file.write(self.text().encode())
+            file.truncate(100 << 20)
+        self.refused([replay(str(huge))], r"104857600 bytes")
+
+    def test_files(self):
+        self.refused([replay(str(self.folder / "none.json"))], r"none\.json.* nor the path of a file")
+        self.refused([replay(str(self.folder))], r"neither JSON text.* nor the path of a file")
+        binary = self.folder / "binary.json"
+        binary.write_bytes(bytes(range(256)) * 40)
+        self.refused([replay(str(binary))], r"binary\.json.*not valid JSON")
+
+    def test_mesh_that_does_not_fit(self):
+        self.refused([replay(self.text(mesh={"vertices": 440, "faces": 800}))], r"440 vertices.* 441 vertices")
+        self.refused([replay(self.text(mesh={"faces": 801}))], r"801 faces.* 800 faces")
+        self.refused([replay(self.text(mesh={"connectivity": "0123456789abcdef"}))], r"0123456789abcdef.*[0-9a-f]{16}")
+        self.refused([replay(self.text().replace(f'"{CENTRE}"', '"441"'))], r"441.* 441 vertices")
+
+    def test_handles(self):
+        self.refused([replay({"region": {"radius": 0.3}, "handles": []})], r"handles")
+        twice = {"vertices": str(CENTRE), "translation": [0, 0, 1]}
+        self.refused([replay({"region": {"radius": 0.3}, "handles": [twice, twice]})], rf"{CENTRE}")
+
+    def test_later_step_is_named_and_nothing_is_changed(self):
+        bad = {"region": {"radius": -1}, "handles": [{"vertices": "1"}]}
+        self.refused([replay(json.dumps({"laplacian_edit": 1, "steps": [self.good_json, bad]}))], r"Step 2 of 2: ")
+
+    def test_fraction(self):
+        self.refused([replay(self.good_json, fraction=2)], r"fraction is 2.* 0 .* 1 ")
+        self.refused([replay(self.good_json, fraction="nan")], r"fraction is -?nan")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Small generated meshes, and measures on meshes."""
+import heapq
+import math
+
+
+def dome(rows=21, columns=21):
+    """A curved sheet over [0, 1] x [0, 1], vertex number columns * i + j; open border."""
+    points = []
+    for i in range(rows):
+        for j in range(columns):
+            x, y = i / (rows - 1), j / (columns - 1)
+            points.append((x, y, 0.3 * math.sin(math.pi * x) * math.sin(math.pi * y) + 0.01 * ((3 * i + 5 * j) % 7)))
+    faces = []
+    for i in range(rows - 1):
+        for j in range(columns - 1):
+            q = columns * i + j
+            faces += [(q, q + columns, q + 1), (q + 1, q + columns, q + columns + 1)]
+    return points, faces
+
+
+def moved(mesh, scale=1.0, offset=(0, 0, 0)):
+    points, faces = mesh
+    return [tuple(scale * c + o for c, o in zip(p, offset)) for p in points], faces
+
+
+def together(a, b):
+    """Both meshes in one, the vertices of a first."""
+    return a[0] + b[0], a[1] + [tuple(v + len(a[0]) for v in face) for face in b[1]]
+
+
+def neighbours(count, faces):
+    around = [set() for _ in range(count)]
+    for a, b, c in faces:
+        around[a] |= {b, c}
+        around[b] |= {a, c}
+        around[c] |= {a, b}
+    for v in range(count):
+        around[v].discard(v)
+    return around
+
+
+def within(points, around, seed, radius):
+    """The vertices whose shortest path along edges from the seed is no longer than the radius."""
+    best, done, heap = {seed: 0.0}, set(), [(0.0, seed)]
+    while heap:
+        d, v = heapq.heappop(heap)
+        if v in done:
+            continue
+        done.add(v)
+        for w in around[v]:
+            through = d + math.dist(points[v], points[w])
+            if through <= radius and through < best.get(w, math.inf):
+                best[w] = through
+                heapq.heappush(heap, (through, w))
+    return done
+
+
+def diagonal(points):
+    return math.dist([min(c) for c in zip(*points)], [max(c) for c in zip(*points)])

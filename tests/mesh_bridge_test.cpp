@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit_host/mesh_bridge.h"
+
+#include <gtest/gtest.h>
+
+#include <vcg/complex/algorithms/update/bounding.h>
+#include <vcg/complex/algorithms/update/normal.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "shapes.h"
+
+namespace lapedit::host {
+namespace {
+
+constexpr Scalarm kNaN = std::numeric_limits<Scalarm>::quiet_NaN();
+constexpr Scalarm kInfinity = std::numeric_limits<Scalarm>::infinity();
+
+void fill(CMeshO& host, const TriangleMesh& mesh) {
+  using Allocator = vcg::tri::Allocator<CMeshO>;
+  auto vertex = Allocator::AddVertices(host, static_cast<std::size_t>(mesh.vertices.rows()));
+  for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v, ++vertex) {
+    vertex->P() = Point3m(static_cast<Scalarm>(mesh.vertices(v, 0)), static_cast<Scalarm>(mesh.vertices(v, 1)),
+                          static_cast<Scalarm>(mesh.vertices(v, 2)));
+  }
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+    Allocator::AddFace(host, static_cast<std::size_t>(mesh.faces(f, 0)), static_cast<std::size_t>(mesh.faces(f, 1)),
+                       static_cast<std::size_t>(mesh.faces(f, 2)));
+  }
+}
+
+void host_normals(CMeshO& host) {
+  vcg::tri::UpdateNormal<CMeshO>::PerFaceNormalized(host);
+  vcg::tri::UpdateNormal<CMeshO>::PerVertexAngleWeighted(host);
+  vcg::tri::UpdateBounding<CMeshO>::Box(host);
+}
+
+/// Moves the given vertices of the bridged mesh by an offset.
+EditResult shift(const BridgedMesh& bridged, const std::vector<int>& vertices, const Vector3& offset) {
+  EditResult result;
+  result.vertices = vertices;
+  result.positions.resize(static_cast<Eigen::Index>(vertices.size()), 3);
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    result.positions.row(static_cast<Eigen::Index>(i)) = bridged.mesh.vertices.row(vertices[i]) + offset.transpose();
+  }
+  return result;
+}
+
+bool same_bits(const Point3m& a, const Point3m& b) {
+  return std::memcmp(a.V(), b.V(), sizeof(Scalarm) * 3) == 0;
+}
+
+TEST(MeshBridge, RoundTripsAMeshWithDeletedVerticesAndFaces) {
+  CMeshO host;
+  fill(host, shapes::grid(4, 5));
+  // Vertex 0 is a corner with one face, number 0.
+  vcg::tri::Allocator<CMeshO>::DeleteFace(host, host.face[0]);
+  vcg::tri::Allocator<CMeshO>::DeleteVertex(host, host.vert[0]);
+  const BridgedMesh bridged = read_mesh(host);
+  ASSERT_EQ(bridged.mesh.vertices.rows(), 19);
+  ASSERT_EQ(bridged.mesh.faces.rows(), 23);
+  EXPECT_EQ(bridged.core_vertex[0], -1);
+  validate(bridged.mesh);
+  for (int v = 0; v < 19; ++v) {
+    EXPECT_EQ(bridged.host_vertex[v], v + 1);
+    EXPECT_EQ(bridged.core_vertex[v + 1], v);
+    EXPECT_EQ(bridged.mesh.vertices(v, 0), host.vert[v + 1].cP()[0]);
+  }
+  for (int f = 0; f < 23; ++f) {
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_EQ(bridged.host_vertex[bridged.mesh.faces(f, k)],
+                static_cast<int>(vcg::tri::Index(host, host.face[f + 1].cV(k))));
+    }
+  }
+  write_positions(host, bridged, shift(bridged, {0, 18}, {0, 0, 7}));
+  for (int v = 0; v < 20; ++v) {
+    EXPECT_EQ(host.vert[v].cP()[2], v == 1 || v == 19 ? 7 : 0) << v;
+  }
+  EXPECT_EQ(host.bbox.max[2], 7);
+}
+
+TEST(MeshBridge, FaceOnADeletedVertexIsRefusedByTheCore) {
+  CMeshO host;
+  fill(host, shapes::grid(3, 3));
+  host.vert[4].SetD();
+  EXPECT_ANY_THROW(validate(read_mesh(host).mesh));
+}
+
+TEST(MeshBridge, KeepsTheBitsOfAllThatDoesNotMove) {
+  CMeshO host;
+  fill(host, shapes::grid(6, 6));
+  host.vert[0].P() = Point3m(kNaN, -0.0f, kInfinity);
+  host.vert[14].P()[2] = -0.0f;  // -0 and 0 are equal, so "moved" to 0 is not moved
+  std::vector<Point3m> before;
+  for (const CVertexO& vertex : host.vert) {
+    before.push_back(vertex.cP());
+  }
+  const BridgedMesh bridged = read_mesh(host);
+  EditResult result = shift(bridged, {13, 14}, Vector3::Zero());
+  result.positions.row(0) += Vector3(0, 0, 1).transpose();
+  write_positions(host, bridged, result);
+  for (std::size_t v = 0; v < host.vert.size(); ++v) {
+    EXPECT_EQ(same_bits(host.vert[v].cP(), before[v]), v != 13) << v;
+  }
+}
+
+TEST(MeshBridge, NormalsAreTheHostsOwnAroundMovedVerticesAndUntouchedElsewhere) {
+  CMeshO host;
+  fill(host, shapes::icosphere(2));
+  const Point3m mark(3, 4, 5);
+  for (CVertexO& vertex : host.vert) {
+    vertex.N() = mark;
+  }
+  for (CFaceO& face : host.face) {
+    face.N() = mark;
+  }
+  const BridgedMesh bridged = read_mesh(host);
+  const int moved = 20;
+  write_positions(host, bridged, shift(bridged, {moved}, {0.1, 0.2, 0}));
+  CMeshO expected;
+  fill(expected, read_mesh(host).mesh);
+  host_normals(expected);
+  std::vector<char> near(host.vert.size(), 0);
+  for (std::size_t f = 0; f < host.face.size(); ++f) {
+    bool touched = false;
+    for (int k = 0; k < 3; ++k) {
+      touched = touched || vcg::tri::Index(host, host.face[f].cV(k)) == moved;
+    }
+    EXPECT_LT((host.face[f].cN() - (touched ? expected.face[f].cN() : mark)).Norm(), 1e-5) << f;
+    for (int k = 0; touched && k < 3; ++k) {
+      near[vcg::tri::Index(host, host.face[f].cV(k))] = 1;
+    }
+  }
+  for (std::size_t v = 0; v < host.vert.size(); ++v) {
+    EXPECT_LT((host.vert[v].cN() - (near[v] ? expected.vert[v].cN() : mark)).Norm(), 2e-5) << v;
+  }
+  EXPECT_EQ(host.bbox.min, expected.bbox.min);
+  EXPECT_EQ(host.bbox.max, expected.bbox.max);
+}
+
+TEST(MeshBridge, NeverWritesNormalsThatAreNotNumbers) {
+  CMeshO host;
+  TriangleMesh mesh = shapes::degenerate_grid(10, 10);
+  fill(host, mesh);
+  const Point3m mark(3, 4, 5);
+  for (CVertexO& vertex : host.vert) {
+    vertex.N() = mark;
+  }
+  for (CFaceO& face : host.face) {
+    face.N() = mark;
+  }
+  host.vert[33].P()[0] = kNaN;
+  host.vert[78].P()[1] = kInfinity;
+  const BridgedMesh bridged = read_mesh(host);
+  std::vector<int> finite;
+  for (int v = 0; v < static_cast<int>(host.vert.size()); ++v) {
+    if (v != 33 && v != 78) {
+      finite.push_back(v);
+    }
+  }
+  write_positions(host, bridged, shift(bridged, finite, {0, 0, 2}));
+  for (const CVertexO& vertex : host.vert) {
+    EXPECT_TRUE(std::isfinite(vertex.cN().Norm()));
+  }
+  int kept = 0;
+  for (const CFaceO& face : host.face) {
+    EXPECT_TRUE(std::isfinite(face.cN().Norm()));
+    kept += face.cN() == mark;
+  }
+  EXPECT_GE(kept, 12) << "the faces at the two non-finite vertices and the degenerate ones";
+  EXPECT_TRUE(std::isfinite(host.bbox.Diag()));
+  EXPECT_GE(host.bbox.max[2], 2);
+  EXPECT_TRUE(std::isfinite(finite_diagonal(host)));
+}
+
+TEST(MeshBridge, DiagonalOfAMeshWithoutFiniteVerticesIsZero) {
+  CMeshO host;
+  EXPECT_EQ(finite_diagonal(host), 0);
+  fill(host, shapes::grid(2, 2));
+  EXPECT_NEAR(finite_diagonal(host), std::sqrt(2.0), 1e-12);
+  for (CVertexO& vertex : host.vert) {
+    vertex.P()[0] = kNaN;
+  }
+  EXPECT_EQ(finite_diagonal(host), 0);
+}
+
+TEST(MeshBridge, SelectionsSkipWhatIsDeleted) {
+  CMeshO host;
+  fill(host, shapes::grid(4, 4));
+  for (const int v : {0, 5, 6, 15}) {
+    host.vert[v].SetS();
+  }
+  host.face[0].SetS();
+  host.face[2].SetS();
+  host.face[3].SetS();
+  vcg::tri::Allocator<CMeshO>::DeleteFace(host, host.face[0]);
+  vcg::tri::Allocator<CMeshO>::DeleteVertex(host, host.vert[0]);
+  const BridgedMesh bridged = read_mesh(host);
+  EXPECT_EQ(selected_vertices(host, bridged), (std::vector<int>{4, 5, 14}));
+  // Faces 2 and 3: host vertices 1, 5, 2 and 2, 5, 6.
+  EXPECT_EQ(vertices_of_selected_faces(host, bridged), (std::vector<int>{0, 1, 4, 5}));
+}
+
+TEST(MeshBridge, LeavesAttributesFlagsAndTransformAlone) {
+  CMeshO host;
+  fill(host, shapes::icosphere(1));
+  host.face.EnableColor();
+  host.face.EnableQuality();
+  host.face.EnableWedgeTexCoord();
+  host.vert.EnableTexCoord();
+  host.vert.EnableRadius();
+  auto own_float = vcg::tri::Allocator<CMeshO>::AddPerVertexAttribute<float>(host, "own");
+  auto own_point = vcg::tri::Allocator<CMeshO>::AddPerFaceAttribute<Point3m>(host, "own");
+  auto own_text = vcg::tri::Allocator<CMeshO>::AddPerMeshAttribute<std::string>(host, "own");
+  own_text() = "kept";
+  host.Tr.SetRotateDeg(40, Point3m(1, 2, 3));
+  const Matrix44m transform = host.Tr;
+  const auto number = [](std::size_t i) { return static_cast<float>(i) + 0.25f; };
+  const auto colour = [](std::size_t i) { return vcg::Color4b(i % 256, i % 7, i % 5, i % 3); };
+  for (std::size_t v = 0; v < host.vert.size(); ++v) {
+    host.vert[v].C() = colour(v);
+    host.vert[v].Q() = number(v);
+    host.vert[v].T().P() = vcg::Point2f(number(v), -number(v));
+    host.vert[v].R() = number(v);
+    v % 3 == 0 ? host.vert[v].SetS() : host.vert[v].ClearS();
+    own_float[v] = number(v);
+  }
+  for (std::size_t f = 0; f < host.face.size(); ++f) {
+    host.face[f].C() = colour(f);
+    host.face[f].Q() = number(f);
+    host.face[f].WT(1).P() = vcg::Point2f(number(f), number(f));
+    f % 4 == 0 ? host.face[f].SetS() : host.face[f].ClearS();
+    host.face[f].SetF(static_cast<int>(f % 3));
+    own_point[f] = Point3m(1, 2, number(f));
+  }
+  std::vector<int> vertex_flags, face_flags;
+  for (const CVertexO& vertex : host.vert) {
+    vertex_flags.push_back(vertex.cFlags());
+  }
+  for (const CFaceO& face : host.face) {
+    face_flags.push_back(face.cFlags());
+  }
+  const BridgedMesh bridged = read_mesh(host);
+  write_positions(host, bridged, shift(bridged, {0, 1, 2, 3, 20, 41}, {1, 2, 3}));
+  ASSERT_EQ(host.vert[41].cP()[0], static_cast<Scalarm>(bridged.mesh.vertices(41, 0) + 1));
+  for (std::size_t v = 0; v < host.vert.size(); ++v) {
+    EXPECT_EQ(host.vert[v].cC(), colour(v));
+    EXPECT_EQ(host.vert[v].cQ(), number(v));
+    EXPECT_EQ(host.vert[v].cT().P(), vcg::Point2f(number(v), -number(v)));
+    EXPECT_EQ(host.vert[v].cR(), number(v));
+    EXPECT_EQ(host.vert[v].cFlags(), vertex_flags[v]);
+    EXPECT_EQ(own_float[v], number(v));
+  }
+  for (std::size_t f = 0; f < host.face.size(); ++f) {
+    EXPECT_EQ(host.face[f].cC(), colour(f));
+    EXPECT_EQ(host.face[f].cQ(), number(f));
+    EXPECT_EQ(host.face[f].cWT(1).P(), vcg::Point2f(number(f), number(f)));
+    EXPECT_EQ(host.face[f].cFlags(), face_flags[f]);
+    EXPECT_EQ(own_point[f], Point3m(1, 2, number(f)));
+  }
+  EXPECT_EQ(own_text(), "kept");
+  EXPECT_TRUE(host.Tr == transform);
+}
+
+}  // namespace
+}  // namespace lapedit::host

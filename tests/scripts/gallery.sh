@@ -1,0 +1,24 @@
+#!/bin/sh
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Renders edits with each kind of detail rotation beside each other, into build/gallery.
+#
+# usage: gallery.sh [NAME...]   names of edits as in gallery.py, all by default
+# LAPEDIT_MESHES: folder of the real meshes; by default ../shared/meshes beside this project, if it is there.
+set -eu
+
+cd "$(dirname "$0")/../.."
+build=$PWD/build
+gallery=$build/gallery
+meshes=${LAPEDIT_MESHES:-$PWD/../shared/meshes}
+
+tests/scripts/install_dependencies.sh
+cmake -S . -B "$build" >/dev/null
+cmake --build "$build" --parallel "$(nproc)" --target filter_laplacian_edit make_mesh >/dev/null
+mkdir -p "$gallery/home"
+tests/host/stage.sh "$gallery/stage" "$build/filter_laplacian_edit/libfilter_laplacian_edit.so" \
+  "$(command -v meshlabserver)"
+if [ -d "$meshes" ]; then
+  set -- --meshes "$meshes" "$@"
+fi
+HOME=$gallery/home XDG_RUNTIME_DIR=$gallery/home xvfb-run -a tests/scripts/gallery.py --stage "$gallery/stage" \
+  --make-mesh "$build/tests/demo/make_mesh" --output "$gallery" "$@"

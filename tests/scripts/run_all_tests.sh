@@ -1,0 +1,29 @@
+#!/bin/sh
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Runs all tests: the core's under sanitizers, then everything, optimised, with the real meshlabserver.
+#
+# LAPEDIT_MESHES: folder of the real meshes; by default ../shared/meshes beside this project, if it is there.
+# CI: when set, missing meshes are a failure.
+set -eu
+
+cd "$(dirname "$0")/../.."
+jobs=$(nproc)
+
+tests/scripts/install_dependencies.sh
+if [ -z "${LAPEDIT_MESHES:-}" ] && [ -d ../shared/meshes ]; then
+  LAPEDIT_MESHES=$(cd ../shared/meshes && pwd)
+  export LAPEDIT_MESHES
+fi
+if command -v ccache >/dev/null; then
+  export CMAKE_CXX_COMPILER_LAUNCHER=ccache
+fi
+
+echo "== Core under AddressSanitizer and UndefinedBehaviorSanitizer"
+cmake --preset dev -B build-sanitized -DLAPEDIT_WITH_MESHLAB=OFF
+cmake --build build-sanitized --parallel "$jobs"
+ctest --test-dir build-sanitized --label-regex core --output-on-failure --parallel "$jobs"
+
+echo "== Everything, optimised"
+cmake -S . -B build
+cmake --build build --parallel "$jobs"
+ctest --test-dir build --output-on-failure --parallel "$jobs"

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numeric>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "lapedit/error.h"
+#include "lapedit/geodesic.h"
+#include "lapedit/handle_transform.h"
+#include "lapedit/region.h"
+
+/// What several tests share: error measures, renumbering, regions built by hand.
+namespace lapedit::support {
+
+/// Diagonal of the bounding box.
+inline double diameter(const Points& points) {
+  return (points.colwise().maxCoeff() - points.colwise().minCoeff()).norm();
+}
+
+/// Largest distance between equal rows over the box diagonal of expected; infinite if anything is not a number.
+inline double error(const Points& actual, const Points& expected) {
+  if (actual.rows() != expected.rows() || !actual.allFinite() || !expected.allFinite()) {
+    return std::numeric_limits<double>::infinity();
+  }
+  return (actual - expected).rowwise().norm().maxCoeff() / diameter(expected);
+}
+
+inline bool same_bits(const Points& a, const Points& b) {
+  return a.rows() == b.rows() && std::memcmp(a.data(), b.data(), sizeof(double) * a.size()) == 0;
+}
+
+/// Largest angle between two rotations of equal number, radians.
+inline double largest_angle(const std::vector<Matrix3>& a, const std::vector<Matrix3>& b) {
+  double largest = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    // The chord, not the arc cosine of the trace: that loses half of the digits near zero.
+    const double chord = (a[i] - b[i]).norm() / std::sqrt(8.0);
+    largest = std::max(largest, 2 * std::asin(std::min(chord, 1.0)));
+  }
+  return largest;
+}
+
+/// How far a matrix is from being a rotation.
+inline double rotation_defect(const Matrix3& matrix) {
+  return std::max((matrix.transpose() * matrix - Matrix3::Identity()).norm(), std::abs(matrix.determinant() - 1));
+}
+
+inline Affine shift(const Vector3& way) {
+  return Affine(Eigen::Translation3d(way));
+}
+
+/// Rotation about an axis through a centre, then a shift.
+inline Affine rigid(double degrees, const Vector3& axis, const Vector3& way, const Vector3& center = Vector3::Zero()) {
+  const Eigen::AngleAxisd turn(degrees * std::acos(-1.0) / 180, axis.normalized());
+  return Affine(Eigen::Translation3d(center + way) * turn * Eigen::Translation3d(-center));
+}
+
+inline Points moved(const Affine& map, const Points& points) {
+  return (points * map.linear().transpose()).rowwise() + map.translation().transpose();
+}
+
+inline TriangleMesh moved(const Affine& map, const TriangleMesh& mesh) {
+  return {moved(map, mesh.vertices), mesh.faces};
+}
+
+/// Rows of some vertices.
+inline Points rows(const Points& points, const std::vector<int>& vertices) {
+  Points result(static_cast<Eigen::Index>(vertices.size()), 3);
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    result.row(static_cast<Eigen::Index>(i)) = points.row(vertices[i]);
+  }
+  return result;
+}
+
+/// 0 .. count - 1 in an arbitrary, reproducible order.
+inline std::vector<int> shuffled(int count, unsigned seed) {
+  std::vector<int> numbers(count);
+  std::iota(numbers.begin(), numbers.end(), 0);
+  std::mt19937 generator(seed);
+  for (int k = count - 1; k > 0; --k) {  // std::shuffle differs between libraries
+    std::swap(numbers[k], numbers[generator() % (k + 1)]);
+  }
+  return numbers;
+}
+
+/// The same surface: vertex v gets the number new_number[v], faces another order and another first corner.
+inline TriangleMesh renumbered(const TriangleMesh& mesh, const std::vector<int>& new_number, unsigned seed) {
+  TriangleMesh result = mesh;
+  for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+    result.vertices.row(new_number[v]) = mesh.vertices.row(v);
+  }
+  const std::vector<int> new_face = shuffled(static_cast<int>(mesh.faces.rows()), seed);
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      result.faces(new_face[f], (k + f) % 3) = new_number[mesh.faces(f, k)];
+    }
+  }
+  return result;
+}
+
+inline std::vector<int> renumbered(std::vector<int> vertices, const std::vector<int>& new_number) {
+  for (int& v : vertices) {
+    v = new_number[v];
+  }
+  return vertices;
+}
+
+inline Adjacency adjacency_of(const TriangleMesh& mesh) {
+  return build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
+}
+
+/// The vertex nearest to a point.
+inline int vertex_at(const TriangleMesh& mesh, const Vector3& point) {
+  Eigen::Index nearest = 0;
+  (mesh.vertices.rowwise() - point.transpose()).rowwise().squaredNorm().minCoeff(&nearest);
+  return static_cast<int>(nearest);
+}
+
+/// Shortest edge distances from some vertices by relaxing all edges until nothing changes: slow and plain.
+inline std::vector<double> bellman_ford(const TriangleMesh& mesh, const std::vector<int>& seeds) {
+  std::vector<double> distance(mesh.vertices.rows(), kUnreached);
+  for (const int seed : seeds) {
+    distance[seed] = 0;
+  }
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+      for (int k = 0; k < 6; ++k) {
+        const int from = mesh.faces(f, k % 3), to = mesh.faces(f, (k + 1 + k / 3) % 3);
+        const double through = distance[from] + (mesh.vertices.row(to) - mesh.vertices.row(from)).norm();
+        if (through < distance[to]) {
+          distance[to] = through;
+          changed = true;
+        }
+      }
+    }
+  }
+  return distance;
+}
+
+/// A region of all vertices of a mesh, put together without build_region().
+/// @param anchors  all of the same weight 1
+inline Region whole_region(const TriangleMesh& mesh, const std::vector<std::vector<int>>& handles,
+                           const std::vector<int>& anchors) {
+  const int n = static_cast<int>(mesh.vertices.rows());
+  Region region;
+  region.mesh_vertices = n;
+  region.mesh_vertex.resize(n);
+  std::iota(region.mesh_vertex.begin(), region.mesh_vertex.end(), 0);
+  region.classes.assign(n, VertexClass::Free);
+  region.group.assign(n, -1);
+  region.anchor_weight.assign(n, 0);
+  region.anchor_depth.assign(n, 0);
+  std::vector<int> seeds;
+  for (const int v : anchors) {
+    region.classes[v] = VertexClass::Anchor;
+    region.anchor_weight[v] = 1;
+  }
+  for (std::size_t g = 0; g < handles.size(); ++g) {
+    for (const int v : handles[g]) {
+      region.classes[v] = VertexClass::Handle;
+      region.group[v] = static_cast<int>(g);
+      seeds.push_back(v);
+    }
+  }
+  region.neighbours = adjacency_of(mesh).neighbours;
+  region.faces = mesh.faces;
+  region.edge_faces.resize(mesh.faces.rows());
+  std::iota(region.edge_faces.begin(), region.edge_faces.end(), 0);
+  region.anchored.assign(connected_components(region.neighbours, region.component), 0);
+  for (const int v : anchors) {
+    region.anchored[region.component[v]] = 1;
+  }
+  region.distance.resize(n);
+  GeodesicSearch search(region.neighbours, mesh.vertices);
+  search.run(seeds, kUnreached);
+  for (int v = 0; v < n; ++v) {
+    region.distance[v] = search.distance(v);
+    if (search.distance(v) < kUnreached) {
+      region.max_distance = std::max(region.max_distance, search.distance(v));
+    }
+  }
+  region.radius = region.max_distance;
+  return region;
+}
+
+/// Expects an EditError of a cause, with one sentence; returns the sentence.
+template <typename Function>
+std::string expect_refusal(ErrorCause cause, Function function) {
+  try {
+    function();
+  } catch (const EditError& refusal) {
+    const std::string sentence = refusal.what();
+    EXPECT_EQ(static_cast<int>(refusal.cause()), static_cast<int>(cause)) << sentence;
+    EXPECT_GT(sentence.size(), 20U) << sentence;
+    EXPECT_EQ(sentence.back(), '.') << sentence;
+    return sentence;
+  }
+  ADD_FAILURE() << "nothing was refused";
+  return {};
+}
+
+}  // namespace lapedit::support
