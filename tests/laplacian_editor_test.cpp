@@ -81,7 +81,8 @@ EditCase bar_case() {
 EditCase arm_case() {
   const TriangleMesh mesh = shapes::tapered_arm(24, 80);
   return {
-      "arm", mesh, within(7.1), {{static_cast<int>(mesh.vertices.rows()) - 1}}, {support::shift(Vector3(-2, 0.5, 4))}};
+      "arm", mesh, within(7.1), {{static_cast<int>(mesh.vertices.rows()) - 1}}, {support::shift(Vector3(-2, 0.5, 4))},
+      true};
 }
 
 EditCase letters_case() {
