@@ -177,7 +177,9 @@ void RotationEstimator::smooth_surface(std::vector<Matrix3>& rotations) {
       covariance.noalias() +=
           (smooth_after_.row(j) - smooth_after_.row(i)).transpose() * (smooth_before_.row(j) - smooth_before_.row(i));
     }
-    covariances_[i] = covariance + covariance.norm() * (normals_after_.row(i).transpose() * normals_before_.row(i));
+    // Apart, since Eigen would scale one factor first and lose the symmetry of what has not moved.
+    const Matrix3 normals = normals_after_.row(i).transpose() * normals_before_.row(i);
+    covariances_[i] = covariance + covariance.norm() * normals;
   }
   // Where the smoothed surface has collapsed (a limb thinner than the radius) one ring of edges says little: sums over
   // a few rings do, and cost no table. More passes gain nothing on the grid of detail_orientation_test.

@@ -55,6 +55,12 @@ Vector3 centroid(const Points& vertices, const std::vector<int>& group) {
   if (group.empty()) {
     throw EditError(ErrorCause::NoHandle, "A handle group has no vertices: name at least one vertex to move.");
   }
+  for (const int v : group) {
+    if (v < 0 || v >= vertices.rows()) {
+      throw EditError(ErrorCause::BadIndex, "Handle vertex " + std::to_string(v) + " does not exist: the mesh has " +
+                                                std::to_string(vertices.rows()) + " vertices, numbered from 0.");
+    }
+  }
   Vector3 offset = Vector3::Zero();
   const Vector3 first = vertices.row(group.front()).transpose();
   for (const int v : group) {

@@ -82,7 +82,7 @@ Affine resolve(const HandleTransform& transform, const Vector3& centroid, double
                  .toRotationMatrix();
   }
   if (transform.scale != 1) {
-    linear *= 1 + fraction * (transform.scale - 1);
+    linear *= (1 - fraction) + fraction * transform.scale;  // exact at 1
   }
   if (linear == Matrix3::Identity()) {  // keeps a pure translation free of the centre's rounding
     Affine map = Affine::Identity();

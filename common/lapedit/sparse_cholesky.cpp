@@ -34,15 +34,16 @@ struct SparseCholesky::Implementation {
 namespace {
 
 struct EigenCholesky : SparseCholesky::Implementation {
-  explicit EigenCholesky(const SparseMatrix& matrix) : factor(matrix), scratch(matrix.rows(), 3) {
-    if (factor.info() != Eigen::Success || !(factor.vectorD().array() > 0).all()) {
+  explicit EigenCholesky(const SparseMatrix& matrix)
+      : factor(matrix), pivots(factor.vectorD()), scratch(matrix.rows(), 3) {
+    if (factor.info() != Eigen::Success || !(pivots.array() > 0).all()) {
       refuse_matrix(matrix.rows());
     }
   }
   void solve(Columns& x) override {
     scratch.noalias() = factor.permutationP() * x;
     factor.matrixL().solveInPlace(scratch);
-    scratch.array().colwise() /= factor.vectorD().array();
+    scratch.array().colwise() /= pivots.array();
     factor.matrixU().solveInPlace(scratch);
     x.noalias() = factor.permutationPinv() * scratch;
   }
@@ -52,6 +53,7 @@ struct EigenCholesky : SparseCholesky::Implementation {
   }
 
   Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower> factor;
+  Eigen::VectorXd pivots;  // vectorD() makes a copy at each call
   Columns scratch;
 };
 
@@ -67,7 +69,7 @@ struct CholmodCholesky : SparseCholesky::Implementation {
     cholmod_common& common = factor.cholmod();
     common.nmethods = 1;  // METIS orders better, but takes longer than it saves at these sizes
     common.method[0].ordering = CHOLMOD_AMD;
-    common.try_catch = 1;  // an indefinite matrix is our refusal, not a line on the host's terminal
+    common.print = 0;  // an indefinite matrix is our refusal, not a line on the host's terminal
     factor.compute(matrix);
     if (factor.info() != Eigen::Success || common.status != CHOLMOD_OK) {
       refuse_matrix(matrix.rows());
@@ -105,6 +107,10 @@ struct CholmodCholesky : SparseCholesky::Implementation {
 #endif
 
 std::unique_ptr<SparseCholesky::Implementation> make(const SparseMatrix& matrix, CholeskyBackend backend) {
+  // What the factorisations do not look at themselves.
+  if (!matrix.coeffs().allFinite() || !(matrix.diagonal().array() > 0).all()) {
+    refuse_matrix(matrix.rows());
+  }
 #ifdef LAPEDIT_HAVE_CHOLMOD
   if (backend != CholeskyBackend::Eigen) {
     auto cholmod = std::make_unique<CholmodCholesky>(matrix);

@@ -21,7 +21,7 @@ class SparseCholesky {
  public:
   struct Implementation;
 
-  /// @param matrix  both halves or the lower one; only the lower one is read
+  /// @param matrix  compressed; both halves or the lower one: only the lower one is read
   /// @throws EditError (IllConditioned) if the matrix is not positive definite to working precision; (BadParameter) if
   ///         the backend is not in this build
   explicit SparseCholesky(const SparseMatrix& matrix, CholeskyBackend backend = CholeskyBackend::Automatic);
