@@ -51,7 +51,7 @@ TriangleMesh wavy_letters(int nx, int ny) {
 }
 
 EditCase grid_case() {
-  EditCase edit{"grid", shapes::bumpy_grid(), within(30.5), {{}}, {support::shift(Vector3(4, 0, 20))}, true};
+  EditCase edit{"grid", shapes::bumpy_grid(), within(20.5), {{}}, {support::shift(Vector3(4, 0, 20))}, true};
   for (int j = 25; j < 35; ++j) {
     edit.handles[0].push_back(60 * 50 + j);
   }
@@ -79,7 +79,7 @@ EditCase bar_case() {
 }
 
 EditCase arm_case() {
-  const TriangleMesh mesh = shapes::tapered_arm(24, 80);
+  const TriangleMesh mesh = shapes::tapered_arm(18, 54);
   return {
       "arm", mesh, within(7.1), {{static_cast<int>(mesh.vertices.rows()) - 1}}, {support::shift(Vector3(-2, 0.5, 4))},
       true};

@@ -25,9 +25,12 @@ void fill(CMeshO& host, const TriangleMesh& mesh) {
     vertex->P() = Point3m(static_cast<Scalarm>(mesh.vertices(v, 0)), static_cast<Scalarm>(mesh.vertices(v, 1)),
                           static_cast<Scalarm>(mesh.vertices(v, 2)));
   }
-  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
-    Allocator::AddFace(host, static_cast<std::size_t>(mesh.faces(f, 0)), static_cast<std::size_t>(mesh.faces(f, 1)),
-                       static_cast<std::size_t>(mesh.faces(f, 2)));
+  // Not AddFace(): it wants three different vertices.
+  auto face = Allocator::AddFaces(host, static_cast<std::size_t>(mesh.faces.rows()));
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f, ++face) {
+    for (int k = 0; k < 3; ++k) {
+      face->V(k) = &host.vert[static_cast<std::size_t>(mesh.faces(f, k))];
+    }
   }
 }
 
@@ -262,6 +265,10 @@ TEST(MeshBridge, LeavesAttributesFlagsAndTransformAlone) {
   }
   EXPECT_EQ(own_text(), "kept");
   EXPECT_TRUE(host.Tr == transform);
+  // The mesh does not free these itself.
+  vcg::tri::Allocator<CMeshO>::DeletePerVertexAttribute(host, own_float);
+  vcg::tri::Allocator<CMeshO>::DeletePerFaceAttribute(host, own_point);
+  vcg::tri::Allocator<CMeshO>::DeletePerMeshAttribute(host, own_text);
 }
 
 }  // namespace

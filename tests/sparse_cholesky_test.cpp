@@ -37,35 +37,41 @@ namespace {
     [](const volatile void*, std::size_t size) { note(size); }, [](const volatile void*) {});
 }
 #else
-// NOLINTBEGIN(bugprone-reserved-identifier): the names that glibc gives to its own functions
 extern "C" {
-void* __libc_malloc(std::size_t);
-void* __libc_calloc(std::size_t, std::size_t);
-void* __libc_realloc(void*, std::size_t);
-void* __libc_memalign(std::size_t, std::size_t);
-// NOLINTEND(bugprone-reserved-identifier)
+void* libc_malloc(std::size_t) __asm__("__libc_malloc");
+void* libc_calloc(std::size_t, std::size_t) __asm__("__libc_calloc");
+void* libc_realloc(void*, std::size_t) __asm__("__libc_realloc");
+void* libc_memalign(std::size_t, std::size_t) __asm__("__libc_memalign");
 
-void* malloc(std::size_t size) noexcept {
+void* watched_malloc(std::size_t size) {
   note(size);
-  return __libc_malloc(size);
+  return libc_malloc(size);
 }
-void* calloc(std::size_t count, std::size_t size) noexcept {
+void* watched_calloc(std::size_t count, std::size_t size) {
   note(count * size);
-  return __libc_calloc(count, size);
+  return libc_calloc(count, size);
 }
-void* realloc(void* memory, std::size_t size) noexcept {
+void* watched_realloc(void* memory, std::size_t size) {
   note(size);
-  return __libc_realloc(memory, size);
+  return libc_realloc(memory, size);
 }
-void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
+void* watched_aligned_alloc(std::size_t alignment, std::size_t size) {
   note(size);
-  return __libc_memalign(alignment, size);
+  return libc_memalign(alignment, size);
 }
-int posix_memalign(void** memory, std::size_t alignment, std::size_t size) noexcept {
+int watched_posix_memalign(void** memory, std::size_t alignment, std::size_t size) {
   note(size);
-  *memory = __libc_memalign(alignment, size);
+  *memory = libc_memalign(alignment, size);
   return *memory ? 0 : ENOMEM;
 }
+
+// In place of the C library's, for shared libraries too.
+#define LAPEDIT_IS(name) __attribute__((alias(#name), visibility("default")))
+void* malloc(std::size_t) noexcept LAPEDIT_IS(watched_malloc);
+void* calloc(std::size_t, std::size_t) noexcept LAPEDIT_IS(watched_calloc);
+void* realloc(void*, std::size_t) noexcept LAPEDIT_IS(watched_realloc);
+void* aligned_alloc(std::size_t, std::size_t) noexcept LAPEDIT_IS(watched_aligned_alloc);
+int posix_memalign(void**, std::size_t, std::size_t) noexcept LAPEDIT_IS(watched_posix_memalign);
 }
 #endif
 
@@ -95,7 +101,7 @@ SparseMatrix random_positive_definite(int n, unsigned seed) {
   std::uniform_int_distribution<int> place(0, n - 1);
   std::uniform_real_distribution<double> number(-1, 1);
   std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(static_cast<std::size_t>(4 * n));
+  entries.reserve(4 * static_cast<std::size_t>(n));
   for (int i = 0; i < 3 * n; ++i) entries.emplace_back(place(random), place(random), number(random));
   for (int i = 0; i < n; ++i) entries.emplace_back(i, i, 1);
   SparseMatrix root(n, n);

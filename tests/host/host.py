@@ -6,10 +6,12 @@ Environment:
   LAPEDIT_MESHES   folder with the real test meshes (tests that use them)
   LAPEDIT_PRELOAD  libraries to load into meshlabserver: a sanitizer's run time
 """
+import ctypes
 import json
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
 import tempfile
 import unittest
@@ -80,6 +82,12 @@ def project(mesh, matrix):
             '</MLMatrix44>\n  </MLMesh>\n </MeshGroup>\n</MeshLabProject>\n')
 
 
+def end_with_parent():
+    """Called in a new process: even a test that is killed for taking too long leaves no X server behind."""
+    pr_set_pdeathsig = 1
+    ctypes.CDLL(None).prctl(pr_set_pdeathsig, signal.SIGTERM)
+
+
 class Result:
     def __init__(self, code, text, output):
         self.code = code
@@ -99,7 +107,7 @@ class HostTest(unittest.TestCase):
         # The server chooses a free display itself: tests can run side by side.
         server = subprocess.Popen(
             ["Xvfb", "-displayfd", str(writable), "-screen", "0", "640x480x24", "+extension", "GLX", "-nolisten", "tcp"],
-            pass_fds=[writable], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            pass_fds=[writable], preexec_fn=end_with_parent, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         cls.addClassCleanup(server.wait)
         cls.addClassCleanup(server.terminate)
         os.close(writable)

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The edits proposed with the real meshes, as a host would make them. Prints what it measures, in Markdown.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "lapedit/edit.h"
+#include "mesh_loader.h"
+#include "support.h"
+
+namespace lapedit {
+namespace {
+
+struct ProposedEdit {
+  const char* name;
+  const char* file;
+  int handle;
+  double radius;
+  Vector3 way;
+  bool held = true;  ///< some of the surface lies outside and holds the region
+};
+
+const ProposedEdit kEdits[] = {
+    {"mannequin_small", "mannequin.off", 8624, 0.6117, Vector3(0, -0.9, 0)},
+    {"mannequin_large", "mannequin.off", 8624, 1.2155, Vector3(0, -0.9, 0)},
+    {"mannequin_far", "mannequin.off", 8624, 1.2155, Vector3(0, -1.29, 0)},
+    {"octopus_most_of_a_tentacle", "octopus.off", 3175, 0.6, Vector3(0, 0.437, 0)},
+    {"octopus_tentacle", "octopus.off", 3175, 0.8, Vector3(0, 0.437, 0)},
+    {"octopus_4684", "octopus.off", 3175, 0.985, Vector3(0, 0.437, 0)},
+    {"octopus_12777", "octopus.off", 3175, 1.4352, Vector3(0, 0.437, 0)},
+    {"octopus_body", "octopus.off", 3175, 1.74, Vector3(0, 0.437, 0), false},
+    {"bumpy_plane_5949", "bumpy_plane.off", 20200, 30, Vector3(0, 0, 42.5)},
+    {"bumpy_plane_11217", "bumpy_plane.off", 20200, 40, Vector3(0, 0, 42.5)},
+    {"bumpy_plane_32283", "bumpy_plane.off", 20200, 65.24, Vector3(0, 0, 42.5)},
+    {"bunny_ear", "bunny.ply", 23637, 0.06, Vector3(0.03, -0.05, 0.03)},
+    {"igea_5482", "igea.ply", 31536, 0.02, Vector3(0, 0, 0.02)},
+    {"igea_19997", "igea.ply", 31536, 0.0374, Vector3(0, 0, 0.02)},
+};
+
+std::ostream& operator<<(std::ostream& out, const ProposedEdit& edit) {
+  return out << edit.name;
+}
+
+class RealEdit : public ::testing::TestWithParam<ProposedEdit> {};
+INSTANTIATE_TEST_SUITE_P(Proposed, RealEdit, ::testing::ValuesIn(kEdits),
+                         [](const auto& edit) { return std::string(edit.param.name); });
+
+TEST_P(RealEdit, LandsHoldsAndStaysWhole) {
+  const ProposedEdit& edit = GetParam();
+  const TriangleMesh mesh = real::load(edit.file);
+  const Adjacency adjacency = support::adjacency_of(mesh);
+  EditStep step;
+  step.region.radius = edit.radius;
+  step.handles.push_back({{edit.handle}, {}});
+  step.handles[0].transform.translation = edit.way;
+  const EditResult result = apply_step(mesh, adjacency, step, 1, StoredScalar::Float);
+  ASSERT_TRUE(result.positions.allFinite());
+
+  Points after = mesh.vertices;
+  std::vector<char> inside(mesh.vertices.rows(), 0);
+  for (std::size_t i = 0; i < result.vertices.size(); ++i) {
+    after.row(result.vertices[i]) = result.positions.row(static_cast<Eigen::Index>(i));
+    inside[result.vertices[i]] = 1;
+  }
+  // Who may move: what lies within the radius, and nothing else.
+  GeodesicSearch search(adjacency.neighbours, mesh.vertices);
+  search.run({edit.handle}, edit.radius);
+  double jump = 0;  // largest way of a region vertex with a neighbour outside
+  bool held = false;
+  for (int v = 0; v < mesh.vertices.rows(); ++v) {
+    ASSERT_EQ(inside[v] == 1, search.distance(v) <= edit.radius) << "vertex " << v;
+    for (const int w : adjacency.neighbours[v]) {
+      if (inside[v] && !inside[w]) {
+        held = true;
+        jump = std::max(jump, (after.row(v) - mesh.vertices.row(v)).norm());
+      }
+    }
+  }
+  const double way = edit.way.norm();
+  const double miss = (after.row(edit.handle) - mesh.vertices.row(edit.handle) - edit.way.transpose()).norm();
+  EXPECT_EQ(held, edit.held);
+  EXPECT_LT(miss, 0.005 * way);
+  EXPECT_LT(jump, 0.002 * way);
+
+  const EditReport& report = result.reports.front();
+  EXPECT_EQ(report.handle + report.free + report.anchors, static_cast<int>(result.vertices.size()));
+  EXPECT_EQ(report.uniform_edges, 0);
+  // A limb pulled sideways by one vertex folds at its tip; rotating the details undoes most of it.
+  step.settings.rotation = DetailRotation::None;
+  const EditReport unrotated = apply_step(mesh, adjacency, step, 1, StoredScalar::Float).reports.front();
+  EXPECT_LE(report.flipped, unrotated.flipped / 2);
+  EXPECT_LE(report.flipped, 0.025 * 2 * static_cast<double>(result.vertices.size())) << "of about two per vertex";
+  std::printf(
+      "| edit | vertices | handle off | rim off | flipped (unrotated) | stretch (unrotated) | largest rotation |\n"
+      "| %s | %zu | %.4f %% | %.4f %% | %d (%d) | %.1f %% (%.1f %%) | %.1f degrees |\n",
+      edit.name, result.vertices.size(), 100 * miss / way, 100 * jump / way, report.flipped, unrotated.flipped,
+      100 * report.stretch_rms, 100 * unrotated.stretch_rms, report.rotation_max);
+}
+
+/// Many small edits, each on the result of the one before, as in the paper's Figure 8.
+TEST(RealEdits, SmallStepsAddUp) {
+  const TriangleMesh mesh = real::load("mannequin.off");
+  Edit edit;
+  for (int k = 0; k < 4; ++k) {
+    EditStep step;
+    step.region.radius = 0.6117;
+    step.handles.push_back({{8624}, {}});
+    step.handles[0].transform.translation = Vector3(0, -0.1, 0);
+    edit.steps.push_back(step);
+  }
+  const EditResult result = apply_edit(mesh, edit, 1, StoredScalar::Float);
+  ASSERT_TRUE(result.positions.allFinite());
+  const auto handle = std::lower_bound(result.vertices.begin(), result.vertices.end(), 8624) - result.vertices.begin();
+  EXPECT_NEAR(result.positions(handle, 1) - mesh.vertices(8624, 1), -0.4, 0.005 * 0.4);
+  ASSERT_EQ(result.reports.size(), 4U);
+  for (const EditReport& report : result.reports) {
+    EXPECT_EQ(report.flipped, 0);
+  }
+}
+
+}  // namespace
+}  // namespace lapedit
