@@ -248,7 +248,7 @@ TEST(CotangentOperator, EdgesOfFacesWithoutAreaAreUniformAndNoOthers) {
   for (const auto& face : bad.faces.rowwise()) {
     const Vector3 a = bad.vertices.row(face[0]), b = bad.vertices.row(face[1]), c = bad.vertices.row(face[2]);
     for (int k = 0; (b - a).cross(c - a).norm() == 0 && k < 3; ++k) {
-      const auto edge = std::minmax(face[k], face[(k + 1) % 3]);
+      const std::pair<int, int> edge = std::minmax({int(face[k]), int(face[(k + 1) % 3])});
       if (edge.first != edge.second) {
         edges.insert(edge);
       }

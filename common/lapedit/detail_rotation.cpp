@@ -99,12 +99,12 @@ RotationEstimator::RotationEstimator(DetailRotation kind, const Region& region, 
 void RotationEstimator::set_before(const Points& before) {
   before_ = before;
   if (kind_ == DetailRotation::SmoothNormals) {
-    vertex_normals(before_, region_.faces, normals_before_);
+    vertex_normals(before_, region_.faces, normals_before_, areas_);
     kernel_.apply(normals_before_, smooth_before_);
     normalise(smooth_before_, normals_before_);
   } else {
     kernel_.apply(before_, smooth_before_);
-    vertex_normals(smooth_before_, region_.faces, normals_before_);
+    vertex_normals(smooth_before_, region_.faces, normals_before_, areas_);
   }
 }
 
@@ -113,13 +113,13 @@ void RotationEstimator::estimate(const Points& displacement, std::vector<Matrix3
   const auto start = Clock::now();
   if (kind_ == DetailRotation::SmoothNormals) {
     after_ = before_ + displacement;
-    vertex_normals(after_, region_.faces, normals_after_);
+    vertex_normals(after_, region_.faces, normals_after_, areas_);
     kernel_.apply(normals_after_, smooth_after_);
     normalise(smooth_after_, normals_after_);
   } else {
     kernel_.apply(displacement, scratch_);
     smooth_after_ = smooth_before_ + scratch_;
-    vertex_normals(smooth_after_, region_.faces, normals_after_);
+    vertex_normals(smooth_after_, region_.faces, normals_after_, areas_);
   }
   normals_ms_ = milliseconds_since(start);
   const auto middle = Clock::now();

@@ -48,6 +48,7 @@ class RotationEstimator {
   Points smooth_before_, smooth_after_;    // smoothed positions (SmoothSurface) or smoothed normals (SmoothNormals)
   Points normals_before_, normals_after_;  // vertex normals of the smoothed poses (SmoothSurface)
   Points scratch_;
+  Eigen::VectorXd areas_;
   std::vector<Matrix3> covariances_, spread_;
   double normals_ms_ = 0;
   double rotate_ms_ = 0;

@@ -7,8 +7,10 @@
 
 namespace lapedit {
 
-/// Unit vertex normals, area-weighted over the given faces; zero where a vertex has no face with area. O(faces).
+/// Unit vertex normals, area-weighted over the given faces; zero where a vertex has no face with area, or where its
+/// faces cancel. O(faces). The second form keeps its workspace between calls.
 void vertex_normals(const Points& points, const Faces& faces, Points& normals);
+void vertex_normals(const Points& points, const Faces& faces, Points& normals, Eigen::VectorXd& areas);
 
 /// The smoothing of the paper's section 6 as a linear map over a region: row i is the weighted mean over the vertices
 /// within geodesic distance r of vertex i, weight p(t) = 2 t^3/r^3 - 3 t^2/r^2 + 1, rows normalised to sum 1.
