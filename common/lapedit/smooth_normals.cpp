@@ -115,7 +115,6 @@ Rows kernel_rows(const Region& region, const Points& rest, const std::vector<int
           sum += weight;
         }
       }
-      std::sort(list.begin(), list.end());
       for (auto& entry : list) {
         entry.second /= sum;
       }
