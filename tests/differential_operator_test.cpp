@@ -181,6 +181,20 @@ TEST(CotangentOperator, ObtusePairsCountAsZero) {
   EXPECT_EQ(found.uniform_edges, 0);
 }
 
+TEST(CotangentOperator, NeedlesAreCut) {
+  // Two triangles on edge 0-1: a needle with a corner of 0.0057 degrees opposite to it, whose cotangent is 10,000, and
+  // an equilateral one.
+  TriangleMesh mesh;
+  mesh.vertices.resize(4, 3);
+  mesh.vertices << 0, 0, 0, 1, 0, 0, 0.5, std::sqrt(0.75), 0, 0, -1e4, 0;
+  mesh.faces.resize(2, 3);
+  mesh.faces << 0, 1, 2, 1, 0, 3;
+  const DifferentialOperator found = cotangent_operator(whole(mesh), mesh);
+  const double equilateral = 0.5 / std::sqrt(3.0), cut = 0.5 * 1e3 + equilateral;
+  EXPECT_NEAR(dense(found)(0, 1), -cut / (cut + equilateral + 0.5e-4), 1e-12);
+  EXPECT_EQ(found.uniform_edges, 0);
+}
+
 TEST(CotangentOperator, IsZeroOnAPlaneWhereverNoWeightIsNegative) {
   constexpr int kRows = 24, kColumns = 16;
   const TriangleMesh mesh = shapes::letter_field(kRows, kColumns, 0);

@@ -227,6 +227,29 @@ TEST_P(EditProperties, RigidMotionOfAllConstraintsIsThatOfTheRegion) {
   });
 }
 
+/// The same from the side of the anchors: what is edited on a surface that moves rigidly moves with it.
+TEST_P(EditProperties, MovingTheAnchorsCarriesTheEditAlong) {
+  const EditCase edit = GetParam().make();
+  const double size = support::diameter(edit.mesh.vertices);
+  const Affine map = support::rigid(130, Vector3(1, 2, -1), size * Vector3(0.3, -0.2, 1));
+  std::vector<Affine> maps;
+  for (const Affine& handle_map : edit.maps) {
+    maps.push_back(Affine(map * handle_map));
+  }
+  for_all_settings([&](const EditSettings& settings) {
+    if (settings.rotation != DetailRotation::None && !undecided(edit, settings)) {
+      LaplacianEditor here = editor_of(edit, settings), there = editor_of(edit, settings);
+      const Points expected = support::moved(map, here.solve(edit.maps));
+      EXPECT_LT(support::error(there.solve(maps, map), expected), kRounding);
+      double worst = 0;
+      for (std::size_t i = 0; i < here.rotations().size(); ++i) {
+        worst = std::max(worst, (there.rotations()[i] - map.linear() * here.rotations()[i]).norm());
+      }
+      EXPECT_LT(worst, 1e-6) << "rotations of thin parts are known less well than positions";
+    }
+  });
+}
+
 TEST_P(EditProperties, RenumberingPermutesTheResult) {
   const EditCase edit = GetParam().make();
   const std::vector<int> numbers = support::shuffled(static_cast<int>(edit.mesh.vertices.rows()), 17);
@@ -274,6 +297,7 @@ TEST_P(EditProperties, SolvesDoNotDependOnWhatWasSolvedBefore) {
     used.solve(std::vector<Affine>(edit.maps.size(), elsewhere), elsewhere);
     used.solve(std::vector<Affine>(edit.maps.size(), elsewhere));
     EXPECT_TRUE(support::same_bits(used.solve(edit.maps), fresh.solve(edit.maps)));
+    EXPECT_EQ(used.rotations(), fresh.rotations());
   });
 }
 

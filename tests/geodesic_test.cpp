@@ -142,6 +142,9 @@ TEST(Geodesic, VerticesThatAreNotNumbersAreNotEntered) {
     mesh.vertices(12, 1) = bad;
     const std::vector<double> found = distances(mesh, {0});
     EXPECT_EQ(found[12], kUnreached);
+    const Adjacency adjacency = support::adjacency_of(mesh);
+    GeodesicSearch search(adjacency.neighbours, mesh.vertices);
+    EXPECT_EQ(search.run({0}, kUnreached).size(), 24U) << "reached at an infinite distance is entered, too";
     // Where the only shortest way leads through the middle: a wall of such vertices, open at one end.
     for (int j = 0; j < 4; ++j) {
       mesh.vertices(10 + j, 2) = bad;

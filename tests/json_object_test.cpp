@@ -11,24 +11,13 @@
 #include <vector>
 
 #include "lapedit/error.h"
+#include "script_support.h"
 
 namespace lapedit {
 namespace {
 
-/// The sentence that a text is refused with, "" if it is read.
 std::string refusal(const QByteArray& json) {
-  try {
-    parse_json(json);
-    return "";
-  } catch (const EditError& error) {
-    EXPECT_EQ(error.cause(), ErrorCause::BadScript);
-    EXPECT_STRNE(error.what(), "");
-    return error.what();
-  }
-}
-
-void expect_contains(const std::string& sentence, const std::string& part) {
-  EXPECT_NE(sentence.find(part), std::string::npos) << "sentence: " << sentence << "\npart: " << part;
+  return refusal_of([&json] { parse_json(json); });
 }
 
 TEST(JsonObject, NumbersReadBackAsTheSameDouble) {
