@@ -81,9 +81,9 @@ std::vector<Parameter> parameters() {
        "Radius of the smoothing that separates details from the surface below; has to exceed the size of the "
        "details. 0: chosen from the mesh."},
       {Kind::Real, "handle_weight", settings.handle_weight, "Handle weight",
-       "How strongly the handle is drawn to its target; greater than 0."},
+       "How strongly the handle is drawn to its target, 0.000001 to 1000000."},
       {Kind::Real, "anchor_weight", settings.anchor_weight, "Anchor weight",
-       "How strongly the band inside the rim is held in place; greater than 0."},
+       "How strongly the band inside the rim is held in place, 0.000001 to 1000000."},
   };
 }
 

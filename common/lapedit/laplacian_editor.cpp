@@ -169,7 +169,7 @@ void LaplacianEditor::State::set_up(const TriangleMesh& mesh, const Progress& pr
 void LaplacianEditor::State::assemble(const TriangleMesh& mesh) {
   DifferentialOperator whole = differential_operator(settings.laplacian, region, mesh);
   report.uniform_edges = whole.uniform_edges;
-  first = std::move(whole.matrix);
+  first.swap(whole.matrix);
   m = power(first, settings.order);
   delta = first * rest;
   squared_weights.resize(region.size());
