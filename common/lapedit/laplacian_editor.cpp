@@ -98,6 +98,7 @@ struct LaplacianEditor::State {
   std::vector<Motion> targets;            // per handle group
   std::vector<Motion> carried;            // per component: where it is carried before anything else
   std::vector<Matrix3> carried_rotation;  // per component
+  std::vector<int> handles_seen;          // per component without anchors
   bool is_carried = false;
   bool estimator_at_rest = false;
   Points carried_pose, carried_delta;
@@ -270,12 +271,7 @@ void LaplacianEditor::State::carry_components(const std::vector<Affine>& handles
   carried.assign(components, Motion());
   carried_rotation.assign(components, Matrix3::Identity());
   const Motion with_anchors = Motion::of(anchors, origin);
-  rows.setZero(components, 3);  // column 0: number of handle vertices
-  for (int i = 0; i < region.size(); ++i) {
-    if (region.classes[i] == VertexClass::Handle) {
-      rows(region.component[i], 0) += 1;
-    }
-  }
+  handles_seen.assign(components, 0);
   for (int i = 0; i < region.size(); ++i) {
     const int c = region.component[i];
     if (region.classes[i] != VertexClass::Handle || region.anchored[c]) {
@@ -283,9 +279,9 @@ void LaplacianEditor::State::carry_components(const std::vector<Affine>& handles
     }
     // A running mean stays exact when all groups agree.
     const Motion& target = targets[region.group[i]];
-    rows(c, 1) += 1;
-    carried[c].linear += (target.linear - carried[c].linear) / rows(c, 1);
-    carried[c].translation += (target.translation - carried[c].translation) / rows(c, 1);
+    const int seen = ++handles_seen[c];
+    carried[c].linear += (target.linear - carried[c].linear) / seen;
+    carried[c].translation += (target.translation - carried[c].translation) / seen;
   }
   is_carried = false;
   for (int c = 0; c < components; ++c) {
