@@ -68,7 +68,8 @@ inline Points solve(const TriangleMesh& mesh, const Region& region, const EditSe
   for (int i = 0; i < n; ++i) {
     deltas.row(i) = (rotations[i] * Vector3(deltas.row(i))).transpose().eval();
   }
-  Matrix a = Matrix::Zero(2 * n, n), b = Matrix::Zero(2 * n, 3);
+  const Eigen::Index stacked = m.rows() + n;
+  Matrix a = Matrix::Zero(stacked, n), b = Matrix::Zero(stacked, 3);
   a.topRows(n) = m;
   b.topRows(n) = deltas;
   for (int k = 1; k < settings.order; ++k) {

@@ -388,7 +388,7 @@ TEST_F(EditorErrors, EditorStaysUsableAfterARefusedSolve) {
 
 TEST_F(EditorErrors, EveryStageCanBeCancelled) {
   std::vector<double> fractions;
-  LaplacianEditor(mesh_, region_, {}, [&](double fraction, const char* stage) {
+  const LaplacianEditor uncancelled(mesh_, region_, {}, [&](double fraction, const char* stage) {
     EXPECT_NE(std::string(stage), "");
     fractions.push_back(fraction);
     return true;

@@ -312,6 +312,7 @@ TriangleMesh non_manifold_grid(int rows, int columns) {
   Builder b(grid(rows, columns));
   const int i = rows / 2;
   std::vector<int> top;
+  top.reserve(columns);
   for (int j = 0; j < columns; ++j) top.push_back(b.add(Vector3(i, j, 1)));
   for (int j = 0; j + 1 < columns; ++j) {
     b.face(columns * i + j, columns * i + j + 1, top[j]);

@@ -265,6 +265,7 @@ TEST(AutomaticNormalRadius, CoversTheDetailButNotTheRegion) {
   // Bumps of 8 x 8 in a region that reaches 50 to both sides of the handle.
   const TriangleMesh bumpy = shapes::bumpy_grid();
   std::vector<int> handle;
+  handle.reserve(60);
   for (int j = 0; j < 60; ++j) {
     handle.push_back(60 * 50 + j);
   }

@@ -199,7 +199,7 @@ std::string expect_refusal(ErrorCause cause, Function function) {
   try {
     function();
   } catch (const EditError& refusal) {
-    const std::string sentence = refusal.what();
+    std::string sentence = refusal.what();
     EXPECT_EQ(static_cast<int>(refusal.cause()), static_cast<int>(cause)) << sentence;
     EXPECT_GT(sentence.size(), 20U) << sentence;
     EXPECT_EQ(sentence.back(), '.') << sentence;

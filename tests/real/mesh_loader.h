@@ -11,11 +11,15 @@
 
 #include <wrap/io_trimesh/import_off.h>
 #include <wrap/io_trimesh/import_ply.h>
-#include <wrap/io_trimesh/import_stl.h>
+
+#ifdef __SANITIZE_ADDRESS__
+#include <sanitizer/lsan_interface.h>
+#endif
 
 #include "lapedit/triangle_mesh.h"
 
-/// The real test meshes, read as MeshLab reads them: by vcglib's importers, in single precision.
+/// The real test meshes, read as MeshLab reads them: by vcglib's importers, in single precision. Not STL: vcglib 2020
+/// reads beyond the end of its header, which ends a build with sanitizers.
 namespace lapedit::real {
 
 class Vertex;
@@ -41,12 +45,10 @@ inline TriangleMesh load(const std::string& file) {
   if (extension == ".off") {
     error = vcg::tri::io::ImporterOFF<Mesh>::Open(mesh, path.c_str(), mask);
   } else if (extension == ".ply") {
+#ifdef __SANITIZE_ADDRESS__
+    const __lsan::ScopedDisabler vcglib_does_not_free_triangle_strips;
+#endif
     error = vcg::tri::io::ImporterPLY<Mesh>::Open(mesh, path.c_str(), mask);
-  } else if (extension == ".STL" || extension == ".stl") {
-    error = vcg::tri::io::ImporterSTL<Mesh>::Open(mesh, path.c_str(), mask);
-    // The format has no shared corners; MeshLab welds them too.
-    vcg::tri::Clean<Mesh>::RemoveDuplicateVertex(mesh);
-    vcg::tri::Allocator<Mesh>::CompactEveryVector(mesh);
   } else {
     throw std::runtime_error(path.string() + " is of no format that the tests read.");
   }

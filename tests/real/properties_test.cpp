@@ -93,8 +93,7 @@ INSTANTIATE_TEST_SUITE_P(All, RealMesh,
                                            Facts{"bunny.ply", 35947, 69451, 1, 1113, 0.250246},
                                            Facts{"Laurana50k.ply", 27861, 49954, 1, 2735, 745.639},
                                            Facts{"igea.ply", 134345, 268686, 1, 0, 0.156399},
-                                           Facts{"texturedknot.ply", 1440, 2880, 1, 0, 282.683},
-                                           Facts{"busted.STL", 1941, 3878, 1, 0, 18.3087}));
+                                           Facts{"texturedknot.ply", 1440, 2880, 1, 0, 282.683}));
 
 TEST_P(RealMesh, IsTheOneDescribed) {
   const Facts& facts = GetParam();
