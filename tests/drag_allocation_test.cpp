@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "allocation_watch.h"
+#include "drag_support.h"
 #include "lapedit/laplacian_editor.h"
 #include "shapes.h"
 #include "support.h"
@@ -46,6 +47,34 @@ TEST(Drag, AllocatesNothingAfterTheFirstSolve) {
       }
     }
   }
+}
+
+/// From the mouse's move to the pose handed to the host, by way of the worker's thread.
+TEST(Drag, SessionAllocatesNothingOnceItMoves) {
+  support::Window window(shapes::letter_field(60, 30));
+  DragSettings settings = window.session.settings();
+  settings.edit.backend = CholeskyBackend::Eigen;
+  settings.handle_radius = 0.1;
+  window.session.set_settings(settings);
+  const int handle = support::vertex_at(window.session.mesh(), Vector3(2, 1, 0));
+  window.click(handle);
+  window.press(handle);
+  const Vector2 from = window.at(handle).pixel;
+  const auto move = [&](int i) {
+    window.session.move(window.at(from + Vector2(i, 2 * i)));
+    window.session.wait();
+  };
+  // Three buffers go round between worker, session and host: all have to have been used.
+  for (int i = 1; i <= 6; ++i) {
+    move(i);
+  }
+  const int poses = window.poses;
+  const long before = allocations;
+  for (int i = 7; i <= 20; ++i) {
+    move(i);
+  }
+  EXPECT_EQ(allocations - before, 0);
+  EXPECT_GE(window.poses, poses + 10);
 }
 
 }  // namespace

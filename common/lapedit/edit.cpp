@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <limits>
 #include <sstream>
+#include <utility>
 
 #include "lapedit/error.h"
 
@@ -18,34 +19,6 @@ void check_fraction(double fraction) {
     std::ostringstream sentence;
     sentence << "The fraction is " << fraction << ": give a number from 0 (no change) to 1 (the whole edit).";
     throw EditError(ErrorCause::BadParameter, sentence.str());
-  }
-}
-
-void check_mesh(const TriangleMesh& mesh, const Edit& edit) {
-  const auto vertices = mesh.vertices.rows();
-  const auto faces = mesh.faces.rows();
-  if ((edit.mesh_vertices && *edit.mesh_vertices != vertices) || (edit.mesh_faces && *edit.mesh_faces != faces)) {
-    throw EditError(ErrorCause::MeshMismatch,
-                    "The edit was made for a mesh of " +
-                        (edit.mesh_vertices ? std::to_string(*edit.mesh_vertices) : std::string("any number of")) +
-                        " vertices and " +
-                        (edit.mesh_faces ? std::to_string(*edit.mesh_faces) : std::string("any number of")) +
-                        " faces, but this one has " + std::to_string(vertices) + " vertices and " +
-                        std::to_string(faces) + " faces: open the mesh that the edit was made for.");
-  }
-  if (!edit.connectivity.empty()) {
-    const std::string checksum = connectivity_checksum(static_cast<std::size_t>(vertices), mesh.faces);
-    if (checksum != edit.connectivity) {
-      throw EditError(ErrorCause::MeshMismatch, "The edit was made for a mesh of connectivity " + edit.connectivity +
-                                                    ", but this one, of the same size, has " + checksum +
-                                                    ": its vertices or faces are in another order.");
-    }
-  }
-}
-
-void round_to_float(Points& positions) {
-  for (Eigen::Index i = 0; i < positions.size(); ++i) {
-    positions.data()[i] = static_cast<double>(static_cast<float>(positions.data()[i]));
   }
 }
 
@@ -67,6 +40,42 @@ Vector3 centroid(const Points& vertices, const std::vector<int>& group) {
     offset += vertices.row(v).transpose() - first;
   }
   return first + offset / static_cast<double>(group.size());
+}
+
+void require_same_mesh(const TriangleMesh& mesh, const Edit& edit) {
+  const auto vertices = mesh.vertices.rows();
+  const auto faces = mesh.faces.rows();
+  if ((edit.mesh_vertices && *edit.mesh_vertices != vertices) || (edit.mesh_faces && *edit.mesh_faces != faces)) {
+    throw EditError(ErrorCause::MeshMismatch,
+                    "The edit was made for a mesh of " +
+                        (edit.mesh_vertices ? std::to_string(*edit.mesh_vertices) : std::string("any number of")) +
+                        " vertices and " +
+                        (edit.mesh_faces ? std::to_string(*edit.mesh_faces) : std::string("any number of")) +
+                        " faces, but this one has " + std::to_string(vertices) + " vertices and " +
+                        std::to_string(faces) + " faces: open the mesh that the edit was made for.");
+  }
+  if (!edit.connectivity.empty()) {
+    const std::string checksum = connectivity_checksum(static_cast<std::size_t>(vertices), mesh.faces);
+    if (checksum != edit.connectivity) {
+      throw EditError(ErrorCause::MeshMismatch, "The edit was made for a mesh of connectivity " + edit.connectivity +
+                                                    ", but this one, of the same size, has " + checksum +
+                                                    ": its vertices or faces are in another order.");
+    }
+  }
+}
+
+void round_to(StoredScalar scalar, Points& positions) {
+  if (scalar == StoredScalar::Double) {
+    return;
+  }
+  for (Eigen::Index i = 0; i < positions.size(); ++i) {
+    positions.data()[i] = static_cast<double>(static_cast<float>(positions.data()[i]));
+  }
+  if (!positions.allFinite()) {
+    throw EditError(
+        ErrorCause::NotFinite,
+        "The result does not fit into the mesh's single precision: the handle's displacement is too large.");
+  }
 }
 
 EditResult apply_step(const TriangleMesh& mesh, const Adjacency& adjacency, const EditStep& step, double fraction,
@@ -95,53 +104,57 @@ EditResult apply_step(const TriangleMesh& mesh, const Adjacency& adjacency, cons
   result.vertices = editor.region().mesh_vertex;
   result.reports.push_back(editor.report());
   result.reports.back().region_ms = region_ms;
-  if (scalar == StoredScalar::Float) {
-    round_to_float(result.positions);
-    if (!result.positions.allFinite()) {
-      throw EditError(
-          ErrorCause::NotFinite,
-          "The result does not fit into the mesh's single precision: the handle's displacement is too large.");
-    }
-  }
+  round_to(scalar, result.positions);
   report_progress(progress, 1, "done");
   return result;
+}
+
+void apply_steps(const TriangleMesh& mesh, const Adjacency& adjacency, const Edit& edit, double fraction,
+                 StoredScalar scalar, const Progress& progress, const std::function<void(EditResult&&)>& each) {
+  if (edit.steps.empty()) {
+    throw EditError(ErrorCause::BadScript, "The edit has no steps: give at least one.");
+  }
+  const std::size_t count = edit.steps.size();
+  TriangleMesh current = mesh;
+  for (std::size_t k = 0; k < count; ++k) {
+    Progress part;
+    if (progress) {
+      part = [&](double done, const char* stage) {
+        return progress((static_cast<double>(k) + done) / static_cast<double>(count), stage);
+      };
+    }
+    try {
+      EditResult step = apply_step(current, adjacency, edit.steps[k], fraction, scalar, part);
+      for (std::size_t i = 0; i < step.vertices.size(); ++i) {
+        current.vertices.row(step.vertices[i]) = step.positions.row(static_cast<Eigen::Index>(i));
+      }
+      each(std::move(step));
+    } catch (const EditError& error) {
+      if (count == 1) {
+        throw;
+      }
+      throw EditError(error.cause(),
+                      "Step " + std::to_string(k + 1) + " of " + std::to_string(count) + ": " + error.what());
+    }
+  }
 }
 
 EditResult apply_edit(const TriangleMesh& mesh, const Edit& edit, double fraction, StoredScalar scalar,
                       const Progress& progress) {
   validate(mesh);
   check_fraction(fraction);
-  check_mesh(mesh, edit);
-  if (edit.steps.empty()) {
-    throw EditError(ErrorCause::BadScript, "The edit has no steps: give at least one.");
-  }
+  require_same_mesh(mesh, edit);
   const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
-  TriangleMesh current = mesh;
+  Points places = mesh.vertices;
   std::vector<char> touched(mesh.vertices.rows(), 0);
   EditResult result;
-  for (std::size_t k = 0; k < edit.steps.size(); ++k) {
-    Progress part;
-    if (progress) {
-      part = [&](double done, const char* stage) {
-        return progress((static_cast<double>(k) + done) / static_cast<double>(edit.steps.size()), stage);
-      };
-    }
-    EditResult step;
-    try {
-      step = apply_step(current, adjacency, edit.steps[k], fraction, scalar, part);
-    } catch (const EditError& error) {
-      if (edit.steps.size() == 1) {
-        throw;
-      }
-      throw EditError(error.cause(), "Step " + std::to_string(k + 1) + " of " + std::to_string(edit.steps.size()) +
-                                         ": " + error.what());
-    }
+  apply_steps(mesh, adjacency, edit, fraction, scalar, progress, [&](EditResult&& step) {
     for (std::size_t i = 0; i < step.vertices.size(); ++i) {
-      current.vertices.row(step.vertices[i]) = step.positions.row(static_cast<Eigen::Index>(i));
+      places.row(step.vertices[i]) = step.positions.row(static_cast<Eigen::Index>(i));
       touched[step.vertices[i]] = 1;
     }
-    result.reports.push_back(step.reports.front());
-  }
+    result.reports.push_back(std::move(step.reports.front()));
+  });
   for (int v = 0; v < static_cast<int>(touched.size()); ++v) {
     if (touched[v]) {
       result.vertices.push_back(v);
@@ -149,7 +162,7 @@ EditResult apply_edit(const TriangleMesh& mesh, const Edit& edit, double fractio
   }
   result.positions.resize(static_cast<Eigen::Index>(result.vertices.size()), 3);
   for (std::size_t i = 0; i < result.vertices.size(); ++i) {
-    result.positions.row(static_cast<Eigen::Index>(i)) = current.vertices.row(result.vertices[i]);
+    result.positions.row(static_cast<Eigen::Index>(i)) = places.row(result.vertices[i]);
   }
   return result;
 }

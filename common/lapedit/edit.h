@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -43,10 +44,23 @@ struct EditResult {
 /// what an interactive session saw.
 enum class StoredScalar { Float, Double };
 
+/// Rounds to what the mesh can store. @throws EditError (NotFinite) if that leaves a coordinate infinite
+void round_to(StoredScalar scalar, Points& positions);
+
+/// @throws EditError (MeshMismatch) if what the edit tells of its mesh is not true of this one
+void require_same_mesh(const TriangleMesh& mesh, const Edit& edit);
+
 /// Runs one step; the mesh is not changed. It has to have passed validate(), and adjacency to be its own.
 /// @throws EditError
 EditResult apply_step(const TriangleMesh& mesh, const Adjacency& adjacency, const EditStep& step, double fraction = 1,
                       StoredScalar scalar = StoredScalar::Double, const Progress& progress = {});
+
+/// Runs all steps, each on the result of the one before, and hands out the result of each as it comes; otherwise as
+/// apply_step().
+/// @throws EditError as apply_step(), with the step's number before the sentence when there are several; BadScript if
+///         there are none
+void apply_steps(const TriangleMesh& mesh, const Adjacency& adjacency, const Edit& edit, double fraction,
+                 StoredScalar scalar, const Progress& progress, const std::function<void(EditResult&&)>& each);
 
 /// Runs all steps, each on the result of the one before; the mesh is not changed.
 /// @throws EditError (MeshMismatch, BadParameter if fraction is outside [0, 1], and what a step throws, with the step's

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -46,9 +47,10 @@ std::string EditReport::text() const {
   lines += format("\nHandle: to move %.6g, off its target by %.3g (%.3g %%); anchors moved at most %.3g",
                   handle_displacement, handle_residual,
                   handle_displacement > 0 ? 100 * handle_residual / handle_displacement : 0.0, anchor_residual);
-  lines +=
-      format("\nDetail rotation: mean %.3g, largest %.3g degrees; edge stretch (RMS) %.3g %%; triangles flipped: %d",
-             rotation_mean, rotation_max, 100 * stretch_rms, flipped);
+  lines += format(
+      "\nDetail rotation: mean %.3g, largest %.3g degrees; edge stretch: RMS %.3g %%, largest %.3g %%; triangles "
+      "flipped: %d",
+      rotation_mean, rotation_max, 100 * stretch_rms, 100 * stretch_max, flipped);
   lines += format("; normal-equation residual %.2g", normal_equation_residual);
   lines += format(
       "\nMilliseconds: region %.1f, operator %.1f, factor %.1f, smoothing table %.1f, rough solve %.2f, normals %.2f, "
@@ -57,7 +59,8 @@ std::string EditReport::text() const {
   return lines;
 }
 
-double edge_stretch_rms(const Region& region, const Points& before, const Points& after) {
+EdgeStretch edge_stretch(const Region& region, const Points& before, const Points& after) {
+  EdgeStretch result;
   double sum = 0;
   int edges = 0;
   for (int i = 0; i < region.size(); ++i) {
@@ -66,11 +69,13 @@ double edge_stretch_rms(const Region& region, const Points& before, const Points
       if (i < j && old_length > 0) {
         const double stretch = (after.row(i) - after.row(j)).norm() / old_length - 1;
         sum += stretch * stretch;
+        result.largest = std::max(result.largest, stretch);
         ++edges;
       }
     }
   }
-  return edges > 0 ? std::sqrt(sum / edges) : 0;
+  result.rms = edges > 0 ? std::sqrt(sum / edges) : 0;
+  return result;
 }
 
 int flipped_triangles(const Region& region, const Points& before, const Points& after,

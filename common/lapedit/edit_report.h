@@ -24,14 +24,18 @@ struct EditReport {
   double anchor_residual = 0;           ///< largest distance of an anchor from its place
   double rotation_mean = 0, rotation_max = 0;
   double stretch_rms = 0;  ///< RMS over the region's edges of new length / old length - 1
+  double stretch_max = 0;  ///< the largest of these, of edges that became longer
   int flipped = 0;         ///< triangles of the region turned by more than 90 degrees against their rotated original
 
   /// Several lines of plain text for a log, without a trailing newline.
   std::string text() const;
 };
 
-/// RMS over edges of |after| / |before| - 1; edges without length are left out.
-double edge_stretch_rms(const Region& region, const Points& before, const Points& after);
+/// Of |after| / |before| - 1 over the region's edges: RMS, and the largest above 0. Edges without length are left out.
+struct EdgeStretch {
+  double rms = 0, largest = 0;
+};
+EdgeStretch edge_stretch(const Region& region, const Points& before, const Points& after);
 
 /// Faces whose normal turned by more than 90 degrees against the mean of its corners' rotations; degenerate ones are
 /// left out.

@@ -443,7 +443,9 @@ EditReport LaplacianEditor::report() const {
     report.rotation_mean += degrees / s.region.size();
     report.rotation_max = std::max(report.rotation_max, degrees);
   }
-  report.stretch_rms = edge_stretch_rms(s.region, s.world, s.positions);
+  const EdgeStretch stretch = edge_stretch(s.region, s.world, s.positions);
+  report.stretch_rms = stretch.rms;
+  report.stretch_max = stretch.largest;
   report.flipped = flipped_triangles(s.region, s.world, s.positions, s.rotations);
   return report;
 }

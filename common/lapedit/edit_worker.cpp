@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/edit_worker.h"
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "lapedit/error.h"
+
+namespace lapedit {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double milliseconds_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+/// After this long without a question the report of the last pose is made.
+constexpr std::chrono::milliseconds kPause{100};
+
+}  // namespace
+
+struct EditWorker::State {
+  std::function<void()> wake;
+  mutable std::mutex mutex;
+  std::condition_variable asked;     // for the worker
+  std::condition_variable answered;  // for wait()
+  std::thread thread;
+
+  // Guarded by mutex.
+  bool quit = false;
+  std::unique_ptr<PrepareTask> to_prepare;
+  std::unique_ptr<ApplyTask> to_apply;
+  std::vector<Affine> maps;  // of the newest solve
+  int serial = 0;
+  bool last = false;
+  bool to_solve = false;
+  bool working = false;
+  bool has_news = false;
+  WorkerNews news;
+  WorkerPose front;
+
+  std::atomic<int> generation{0};  // counts what drops all that was asked before
+  std::atomic<double> progress{0};
+  std::atomic<const char*> stage{""};
+
+  // The worker's own.
+  std::unique_ptr<LaplacianEditor> editor;
+  int editor_generation = -1;
+  StoredScalar scalar = StoredScalar::Float;
+  double region_ms = 0;
+  bool report_due = false;
+  std::vector<Affine> current_maps;
+  WorkerPose back;
+
+  void drop();
+  void run();
+  Progress progress_of(int mine);
+  void do_prepare(const PrepareTask& task, int mine);
+  void do_apply(const ApplyTask& task, int mine);
+  void do_solve(int mine);
+  void do_report(int mine);
+  template <class Change>
+  void publish(int mine, const Change& change);
+};
+
+/// Under the mutex: nothing asked before counts any more.
+void EditWorker::State::drop() {
+  ++generation;
+  to_prepare.reset();
+  to_apply.reset();
+  to_solve = false;
+  news = WorkerNews();
+  has_news = false;
+  progress = 0;
+  stage = "";
+}
+
+template <class Change>
+void EditWorker::State::publish(int mine, const Change& change) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex);
+    if (generation != mine) {
+      return;
+    }
+    change();
+    has_news = true;
+  }
+  answered.notify_all();
+  if (wake) {
+    wake();
+  }
+}
+
+Progress EditWorker::State::progress_of(int mine) {
+  return [this, mine](double fraction, const char* name) {
+    progress = fraction;
+    stage = name;
+    if (generation != mine) {
+      return false;
+    }
+    if (wake) {
+      wake();
+    }
+    return true;
+  };
+}
+
+void EditWorker::State::do_prepare(const PrepareTask& task, int mine) {
+  const Clock::time_point start = Clock::now();
+  const Progress go_on = progress_of(mine);
+  go_on(0, "region");
+  Region region = build_region(*task.mesh, *task.adjacency, task.region, task.groups);
+  region_ms = milliseconds_since(start);
+  const auto shown = std::make_shared<const Region>(region);
+  publish(mine, [&] { news.region = shown; });
+  editor = std::make_unique<LaplacianEditor>(*task.mesh, std::move(region), task.settings, go_on);
+  editor_generation = mine;
+  scalar = task.scalar;
+  report_due = false;
+  const double prepare_ms = milliseconds_since(start);
+  publish(mine, [&] {
+    news.ready = true;
+    news.prepare_ms = prepare_ms;
+  });
+}
+
+void EditWorker::State::do_apply(const ApplyTask& task, int mine) {
+  const Progress go_on = progress_of(mine);
+  require_same_mesh(*task.mesh, task.edit);
+  auto results = std::make_shared<std::vector<EditResult>>();
+  apply_steps(*task.mesh, *task.adjacency, task.edit, 1, task.scalar, go_on,
+              [&results](EditResult&& result) { results->push_back(std::move(result)); });
+  publish(mine, [&] { news.applied = results; });
+}
+
+void EditWorker::State::do_solve(int mine) {
+  const Clock::time_point start = Clock::now();
+  back.positions = editor->solve(current_maps);
+  round_to(scalar, back.positions);
+  back.solve_ms = milliseconds_since(start);
+  publish(mine, [&] {
+    std::swap(front, back);
+    news.pose = true;
+  });
+}
+
+void EditWorker::State::do_report(int mine) {
+  report_due = false;
+  auto report = std::make_shared<EditReport>(editor->report());
+  report->region_ms = region_ms;
+  publish(mine, [&] { news.report = report; });
+}
+
+void EditWorker::State::run() {
+  std::unique_lock<std::mutex> lock(mutex);
+  while (true) {
+    const auto usable = [this] { return editor && editor_generation == generation; };
+    const auto has_work = [this, &usable] {
+      return quit || to_prepare || to_apply || (editor && !usable()) || (to_solve && usable());
+    };
+    if (std::exchange(working, false) && wake) {
+      lock.unlock();
+      wake();  // whoever asks busy() now learns that it is over
+      lock.lock();
+    }
+    answered.notify_all();
+    if (report_due && usable()) {
+      if (!asked.wait_for(lock, kPause, has_work)) {
+        const int mine = generation;
+        lock.unlock();
+        do_report(mine);
+        lock.lock();
+        continue;
+      }
+    } else {
+      asked.wait(lock, has_work);
+    }
+    if (quit) {
+      return;
+    }
+    working = true;
+    if (editor && !usable()) {
+      // Freeing a large factor takes its time, too.
+      const std::unique_ptr<LaplacianEditor> dropped = std::move(editor);
+      report_due = false;
+      lock.unlock();
+    }
+    if (!lock.owns_lock()) {
+      lock.lock();
+      continue;
+    }
+    const int mine = generation;
+    const std::unique_ptr<PrepareTask> prepare_task = std::move(to_prepare);
+    const std::unique_ptr<ApplyTask> apply_task = std::move(to_apply);
+    const bool solving = !prepare_task && !apply_task;
+    const bool make_report = last;
+    if (solving) {
+      current_maps = maps;
+      back.serial = serial;
+      to_solve = false;
+    }
+    lock.unlock();
+    std::string error;
+    try {
+      if (prepare_task) {
+        do_prepare(*prepare_task, mine);
+      } else if (apply_task) {
+        do_apply(*apply_task, mine);
+      } else {
+        do_solve(mine);
+        report_due = true;
+        if (make_report) {
+          do_report(mine);
+        }
+      }
+    } catch (const std::bad_alloc&) {
+      error = "There is not enough memory for this region: choose a smaller one.";
+    } catch (const std::exception& exception) {
+      error = exception.what();
+    }
+    if (!error.empty()) {
+      publish(mine, [&] { (solving ? news.pose_error : news.error) = error; });
+    }
+    lock.lock();
+    if (!error.empty() && !solving && generation == mine) {
+      to_solve = false;
+    }
+  }
+}
+
+EditWorker::EditWorker(std::function<void()> wake) : state_(std::make_unique<State>()) {
+  state_->wake = std::move(wake);
+  state_->thread = std::thread([this] { state_->run(); });
+}
+
+EditWorker::~EditWorker() {
+  {
+    const std::lock_guard<std::mutex> lock(state_->mutex);
+    state_->drop();
+    state_->quit = true;
+  }
+  state_->asked.notify_all();
+  state_->thread.join();
+}
+
+void EditWorker::prepare(PrepareTask task) {
+  {
+    const std::lock_guard<std::mutex> lock(state_->mutex);
+    state_->drop();
+    state_->to_prepare = std::make_unique<PrepareTask>(std::move(task));
+  }
+  state_->asked.notify_all();
+}
+
+void EditWorker::apply(ApplyTask task) {
+  {
+    const std::lock_guard<std::mutex> lock(state_->mutex);
+    state_->drop();
+    state_->to_apply = std::make_unique<ApplyTask>(std::move(task));
+  }
+  state_->asked.notify_all();
+}
+
+void EditWorker::cancel() {
+  {
+    const std::lock_guard<std::mutex> lock(state_->mutex);
+    state_->drop();
+  }
+  state_->asked.notify_all();
+}
+
+int EditWorker::solve(const std::vector<Affine>& maps, bool last) {
+  int serial = 0;
+  {
+    const std::lock_guard<std::mutex> lock(state_->mutex);
+    state_->maps = maps;
+    state_->last = last;
+    state_->to_solve = true;
+    serial = ++state_->serial;
+  }
+  state_->asked.notify_all();
+  return serial;
+}
+
+WorkerNews EditWorker::poll(WorkerPose& pose) {
+  const std::lock_guard<std::mutex> lock(state_->mutex);
+  WorkerNews news = std::exchange(state_->news, WorkerNews());
+  state_->has_news = false;
+  if (news.pose) {
+    std::swap(pose, state_->front);
+  }
+  return news;
+}
+
+bool EditWorker::wait() {
+  std::unique_lock<std::mutex> lock(state_->mutex);
+  State& s = *state_;
+  s.answered.wait(lock, [&s] {
+    // The editor may be looked at while the worker is not at work only.
+    return s.has_news || (!s.working && !s.to_prepare && !s.to_apply &&
+                          !(s.to_solve && s.editor && s.editor_generation == s.generation));
+  });
+  return s.has_news;
+}
+
+bool EditWorker::busy() const {
+  const std::lock_guard<std::mutex> lock(state_->mutex);
+  return state_->working || state_->to_prepare || state_->to_apply || state_->to_solve || state_->has_news;
+}
+
+double EditWorker::progress() const {
+  return state_->progress;
+}
+
+const char* EditWorker::stage() const {
+  return state_->stage;
+}
+
+}  // namespace lapedit

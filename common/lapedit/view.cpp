@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/view.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <cmath>
+
+namespace lapedit {
+namespace {
+
+Vector3 mapped(const Eigen::Matrix4d& matrix, const Vector3& point) {
+  const Eigen::Vector4d image = matrix.leftCols<3>() * point + matrix.col(3);
+  return image.head<3>() / image.w();
+}
+
+}  // namespace
+
+View::View() : to_clip_(Eigen::Matrix4d::Identity()), from_clip_(Eigen::Matrix4d::Identity()) {}
+
+View::View(const Eigen::Matrix4d& to_clip, double width, double height)
+    : to_clip_(to_clip), width_(width), height_(height) {
+  bool invertible = false;
+  if (to_clip.allFinite()) {
+    // A singular matrix has rank below 4 whatever the units: rows and columns are brought to like size first.
+    const Eigen::Vector4d rows = to_clip.cwiseAbs().rowwise().maxCoeff();
+    const Eigen::FullPivLU<Eigen::Matrix4d> lu(rows.cwiseInverse().asDiagonal() * to_clip);
+    invertible = rows.minCoeff() > 0 && lu.isInvertible();
+    from_clip_ = invertible ? Eigen::Matrix4d(lu.inverse() * rows.cwiseInverse().asDiagonal())
+                            : Eigen::Matrix4d(Eigen::Matrix4d::Identity());
+  }
+  valid_ =
+      invertible && from_clip_.allFinite() && width > 0 && height > 0 && std::isfinite(width) && std::isfinite(height);
+}
+
+Vector2 View::pixel(const Vector3& point) const {
+  const Vector3 clip = mapped(to_clip_, point);
+  return {(clip.x() + 1) / 2 * width_, (1 - clip.y()) / 2 * height_};
+}
+
+bool View::in_front(const Vector3& point) const {
+  return to_clip_.row(3).head<3>().dot(point) + to_clip_(3, 3) > 0;
+}
+
+Ray View::ray(const Vector2& pixel) const {
+  const double x = 2 * pixel.x() / width_ - 1;
+  const double y = 1 - 2 * pixel.y() / height_;
+  const Vector3 near = mapped(from_clip_, Vector3(x, y, -1));
+  const Vector3 far = mapped(from_clip_, Vector3(x, y, 1));
+  return {near, (far - near).stableNormalized()};
+}
+
+Vector3 View::beside(const Vector3& point, const Vector2& pixel) const {
+  const double depth = mapped(to_clip_, point).z();
+  return mapped(from_clip_, Vector3(2 * pixel.x() / width_ - 1, 1 - 2 * pixel.y() / height_, depth));
+}
+
+double View::pixel_size(const Vector3& point) const {
+  const Vector2 here = pixel(point);
+  return (beside(point, here + Vector2(1, 0)) - beside(point, here)).norm();
+}
+
+Vector3 View::toward_viewer(const Vector3& point) const {
+  return -ray(pixel(point)).direction;
+}
+
+}  // namespace lapedit

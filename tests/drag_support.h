@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lapedit/drag_session.h"
+#include "lapedit/error.h"
+#include "shapes.h"
+#include "support.h"
+
+/// A window without pixels: looks at a mesh, sends a session what a mouse would, and keeps the mesh that a host would
+/// have.
+namespace lapedit::support {
+
+constexpr double kWidth = 800, kHeight = 600;
+
+/// Orthographic, from +z down: x to the right, y up.
+inline View view_from_above(const Points& points) {
+  const Vector3 low = points.colwise().minCoeff().transpose();
+  const Vector3 high = points.colwise().maxCoeff().transpose();
+  const double half = 0.6 * (high - low).norm();
+  Eigen::Matrix4d to_clip = Eigen::Matrix4d::Identity();
+  to_clip.diagonal() << kHeight / kWidth / half, 1 / half, -1 / half, 1;
+  to_clip.topRightCorner<3, 1>() = -(to_clip.topLeftCorner<3, 3>() * (low + high) / 2);
+  return View(to_clip, kWidth, kHeight);
+}
+
+/// Perspective, from a place towards another, 45 degrees high.
+inline View view_from(const Vector3& eye, const Vector3& target, const Vector3& up = Vector3::UnitZ()) {
+  const Vector3 toward = (eye - target).normalized();
+  const Vector3 right = up.cross(toward).normalized();
+  Eigen::Matrix4d modelview = Eigen::Matrix4d::Identity();
+  modelview.row(0).head<3>() = right.transpose();
+  modelview.row(1).head<3>() = toward.cross(right).transpose();
+  modelview.row(2).head<3>() = toward.transpose();
+  modelview.topRightCorner<3, 1>() = -(modelview.topLeftCorner<3, 3>() * eye);
+  const double near = 0.01 * (eye - target).norm(), far = 10 * (eye - target).norm();
+  const double focal = 1 / std::tan(22.5 * std::acos(-1.0) / 180);
+  Eigen::Matrix4d projection = Eigen::Matrix4d::Zero();
+  projection(0, 0) = focal * kHeight / kWidth;
+  projection(1, 1) = focal;
+  projection(2, 2) = (far + near) / (near - far);
+  projection(2, 3) = 2 * far * near / (near - far);
+  projection(3, 2) = -1;
+  return View(projection * modelview, kWidth, kHeight);
+}
+
+/// The same mesh in single precision, as a host has it.
+inline TriangleMesh stored(TriangleMesh mesh) {
+  mesh.vertices = mesh.vertices.cast<float>().cast<double>().eval();
+  return mesh;
+}
+
+class Window {
+ public:
+  Window(const TriangleMesh& mesh, View seen)
+      : view(std::move(seen)), host(stored(mesh).vertices), session(stored(mesh), StoredScalar::Float, callbacks()) {}
+  explicit Window(const TriangleMesh& mesh) : Window(mesh, view_from_above(mesh.vertices)) {}
+
+  Cursor at(const Vector2& pixel) const { return {view, pixel}; }
+  Cursor at(int vertex) const { return at(view.pixel(session.mesh().vertices.row(vertex).transpose())); }
+  Cursor at(int vertex, const Vector2& off) const { return at(at(vertex).pixel + off); }
+
+  void press(int vertex, PressModifiers modifiers = {}) { session.press(at(vertex), modifiers); }
+  void click(int vertex, PressModifiers modifiers = {}) {
+    press(vertex, modifiers);
+    session.release(at(vertex));
+    session.wait();
+  }
+  /// Press, three moves, release, result.
+  void drag(int vertex, const Vector2& way, PressModifiers modifiers = {}) {
+    const Vector2 from = at(vertex).pixel;
+    press(vertex, modifiers);
+    for (const double part : {0.3, 0.7, 1.0}) {
+      session.move(at(from + part * way));
+    }
+    session.release(at(from + way));
+    session.wait();
+  }
+  void keys(const std::string& text, const Vector2& pixel = Vector2(kWidth / 2, kHeight / 2)) {
+    for (const char key : text) {
+      session.key(key, at(pixel));
+    }
+    session.wait();
+  }
+
+  /// The mesh of the host, the session and the record are the same to the bit.
+  void expect_consistent() const {
+    EXPECT_TRUE(same_bits(host, session.mesh().vertices));
+    const Edit edit = session.recorded();
+    Points replayed = session.original().vertices;
+    if (!edit.steps.empty()) {
+      const EditResult result = apply_edit(session.original(), edit, 1, StoredScalar::Float);
+      for (std::size_t i = 0; i < result.vertices.size(); ++i) {
+        replayed.row(result.vertices[i]) = result.positions.row(static_cast<Eigen::Index>(i));
+      }
+    }
+    EXPECT_TRUE(same_bits(replayed, session.mesh().vertices));
+  }
+
+  View view;
+  Points host;
+  std::vector<std::string> log;
+  int poses = 0;
+  bool settled = true;
+  DragSession session;  // last: its thread ends before the rest
+
+ private:
+  DragSession::Callbacks callbacks() {
+    DragSession::Callbacks result;
+    result.pose = [this](const std::vector<int>& vertices, const Points& positions, bool is_settled) {
+      for (std::size_t i = 0; i < vertices.size(); ++i) {
+        host.row(vertices[i]) = positions.row(static_cast<Eigen::Index>(i));
+      }
+      ++poses;
+      settled = is_settled;
+    };
+    result.log = [this](const std::string& line) { log.push_back(line); };
+    return result;
+  }
+};
+
+}  // namespace lapedit::support
