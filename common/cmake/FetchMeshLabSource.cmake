@@ -51,13 +51,14 @@ function(fetch_meshlab_source)
     endif()
   endif()
 
-  file(GLOB unpacked "${root}/unpacked/*/ML_VERSION")
+  # The headers of the application itself are needed by tools in its window.
+  file(GLOB unpacked "${root}/unpacked/*/src/meshlab/glarea.h")
   if(NOT unpacked)
     file(REMOVE_RECURSE "${root}/unpacked")
     file(ARCHIVE_EXTRACT INPUT "${tarball}" DESTINATION "${root}/unpacked" PATTERNS "*/ML_VERSION" "*/src/common/*"
-         "*/vcglib/*")
-    file(GLOB unpacked "${root}/unpacked/*/ML_VERSION")
+         "*/src/meshlab/*.h" "*/vcglib/*")
   endif()
+  file(GLOB unpacked "${root}/unpacked/*/ML_VERSION")
   if(NOT unpacked)
     set(${arg_RESULT}_MESSAGE "${tarball} is not a MeshLab source tarball" PARENT_SCOPE)
     return()

@@ -3,63 +3,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
+
+#include "lapedit_host/face_shape.h"
 
 namespace lapedit::host {
 namespace {
-
-using HostPoint = Point3m;
-
-bool is_finite(const HostPoint& point) {
-  return std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);
-}
-
-Vector3 to_core(const HostPoint& point) {
-  return {static_cast<double>(point[0]), static_cast<double>(point[1]), static_cast<double>(point[2])};
-}
-
-HostPoint to_host(const Vector3& point) {
-  return {static_cast<Scalarm>(point[0]), static_cast<Scalarm>(point[1]), static_cast<Scalarm>(point[2])};
-}
-
-Box3m finite_box(const CMeshO& host) {
-  Box3m box;
-  for (const CVertexO& vertex : host.vert) {
-    if (!vertex.IsD() && is_finite(vertex.cP())) {
-      box.Add(vertex.cP());
-    }
-  }
-  return box;
-}
-
-/// Unit normal of a face, and the angles at its corners.
-struct FaceShape {
-  Vector3 normal;
-  std::array<double, 3> angles;
-};
-
-/// @return false if the face has no area or a non-finite corner
-bool measure(const CFaceO& face, FaceShape& shape) {
-  std::array<Vector3, 3> edges;  // edge k leads from corner k to the next
-  for (int k = 0; k < 3; ++k) {
-    if (!is_finite(face.cP(k))) {
-      return false;
-    }
-    edges[k] = to_core(face.cP((k + 1) % 3)) - to_core(face.cP(k));
-  }
-  const Vector3 normal = edges[0].cross(edges[1]);
-  const double length = normal.stableNorm();
-  if (!(length > 0) || !std::isfinite(length)) {
-    return false;
-  }
-  shape.normal = normal / length;
-  for (int k = 0; k < 3; ++k) {
-    const Vector3& in = edges[(k + 2) % 3];
-    shape.angles[k] = std::atan2(edges[k].cross(-in).norm(), edges[k].dot(-in));
-  }
-  return true;
-}
 
 std::array<std::size_t, 3> corners_of(const CMeshO& host, const CFaceO& face) {
   return {vcg::tri::Index(host, face.cV(0)), vcg::tri::Index(host, face.cV(1)), vcg::tri::Index(host, face.cV(2))};
@@ -81,7 +30,7 @@ void update_normals(CMeshO& host, const std::vector<char>& moved) {
         shows[corner] = 1;
       }
       FaceShape shape;
-      if (measure(face, shape)) {
+      if (measure(face.cP(0), face.cP(1), face.cP(2), shape)) {
         face.N() = to_host(shape.normal);
       }
     }
@@ -89,7 +38,7 @@ void update_normals(CMeshO& host, const std::vector<char>& moved) {
   Points sums = Points::Zero(static_cast<Eigen::Index>(host.vert.size()), 3);
   for (const CFaceO& face : host.face) {
     FaceShape shape;
-    if (face.IsD() || !any(shows, corners_of(host, face)) || !measure(face, shape)) {
+    if (face.IsD() || !any(shows, corners_of(host, face)) || !measure(face.cP(0), face.cP(1), face.cP(2), shape)) {
       continue;
     }
     const auto corners = corners_of(host, face);
@@ -106,6 +55,16 @@ void update_normals(CMeshO& host, const std::vector<char>& moved) {
 }
 
 }  // namespace
+
+Box3m finite_box(const CMeshO& host) {
+  Box3m box;
+  for (const CVertexO& vertex : host.vert) {
+    if (!vertex.IsD() && is_finite(vertex.cP())) {
+      box.Add(vertex.cP());
+    }
+  }
+  return box;
+}
 
 BridgedMesh read_mesh(const CMeshO& host) {
   BridgedMesh bridged;
@@ -164,7 +123,7 @@ void write_positions(CMeshO& host, const BridgedMesh& bridged, const EditResult&
   std::vector<char> moved(host.vert.size(), 0);
   for (std::size_t i = 0; i < result.vertices.size(); ++i) {
     const auto v = static_cast<std::size_t>(bridged.host_vertex[result.vertices[i]]);
-    const HostPoint place = to_host(result.positions.row(static_cast<Eigen::Index>(i)).transpose());
+    const Point3m place = to_host(result.positions.row(static_cast<Eigen::Index>(i)).transpose());
     if (place != host.vert[v].cP()) {
       host.vert[v].P() = place;
       moved[v] = 1;

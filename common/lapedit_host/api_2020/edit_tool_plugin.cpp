@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_tool_plugin.h"
+
+#include <meshlab/glarea.h>
+
+#include <QApplication>
+#include <QMainWindow>
+#include <exception>
+#include <utility>
+
+namespace lapedit::host {
+namespace {
+
+/// The view in MeshLab. Of GLArea only what is inline may be used: the application exports none of its functions.
+class View2020 final : public HostWindow {
+ public:
+  explicit View2020(QString title) : title_(std::move(title)) {}
+
+  void attach(GLArea* area, MLSceneGLSharedDataContext* shared) {
+    area_ = area;
+    shared_ = shared;
+  }
+  bool attached() const { return area_ != nullptr; }
+  void setDrawing(MeshModel* model) { drawing_ = model; }
+
+  QWidget& canvas() override { return *area_; }
+  QMainWindow* mainWindow() override { return qobject_cast<QMainWindow*>(area_->window()); }
+
+  std::optional<Layer> currentLayer() override { return area_->mm() ? seen(*area_->mm()) : std::nullopt; }
+
+  std::optional<Layer> layer(int id) override {
+    MeshModel* model = find(id);
+    return model ? seen(*model) : std::nullopt;
+  }
+
+  void uploadGeometry(int layer) override {
+    if (shared_ == nullptr || find(layer) == nullptr) {
+      return;
+    }
+    MLRenderingData::RendAtts attributes;
+    attributes[MLRenderingData::ATT_NAMES::ATT_VERTPOSITION] = true;
+    attributes[MLRenderingData::ATT_NAMES::ATT_VERTNORMAL] = true;
+    attributes[MLRenderingData::ATT_NAMES::ATT_FACENORMAL] = true;
+    shared_->meshAttributesUpdated(layer, false, attributes);
+    shared_->manageBuffers(layer);
+  }
+
+  void markModified(int layer) override {
+    if (MeshModel* model = find(layer)) {
+      model->setMeshModified();
+    }
+  }
+
+  void repaint() override { area_->updateAllSiblingsGLAreas(); }
+
+  void showLine(const QString& title, const QString& line) override {
+    if (drawing_ != nullptr && area_->md() != nullptr) {
+      area_->md()->Log.RealTimeLog(title, drawing_->shortName(), line);
+    }
+  }
+
+  void log(const std::string& line) override {
+    if (area_ != nullptr && area_->md() != nullptr) {
+      area_->md()->Log.Log(GLLogStream::FILTER, title_.toStdString() + ": " + line);
+    }
+  }
+
+  void navigate(const QMouseEvent& event, Qt::MouseButton as) override {
+    const Qt::MouseButtons held = event.buttons() == Qt::NoButton ? Qt::MouseButtons() : Qt::MouseButtons(as);
+    QMouseEvent copy(event.type(), event.localPos(), event.windowPos(), event.screenPos(),
+                     event.type() == QEvent::MouseMove ? Qt::NoButton : as, held, Qt::NoModifier);
+    pass(copy);
+  }
+
+  void navigate(const QWheelEvent& event) override {
+    // Qt turns the wheel sideways while Alt is held.
+    QPoint angle = event.angleDelta();
+    if (angle.y() == 0) {
+      angle = QPoint(0, angle.x());
+    }
+    QWheelEvent copy(event.position(), event.globalPosition(), QPoint(), angle, event.buttons(), Qt::NoModifier,
+                     Qt::NoScrollPhase, false);
+    pass(copy);
+  }
+
+  void endTool() override { QMetaObject::invokeMethod(area_, "endEdit", Qt::QueuedConnection); }
+
+  void appendToHistory(const QString& filter, const QString& edit, double fraction) override {
+    if (FilterScript* history = filterHistory()) {
+      FilterNameParameterValuesPair entry;
+      entry.first = filter;
+      entry.second.addParam(RichString("edit", edit, "Edit", ""));
+      entry.second.addParam(RichFloat("fraction", static_cast<Scalarm>(fraction), "Fraction", ""));
+      history->append(entry);
+    }
+  }
+
+  bool removeFromHistory(const QString& filter, const QString& edit) override {
+    FilterScript* history = filterHistory();
+    if (history == nullptr || history->isEmpty() || history->last().filterName() != filter ||
+        !history->last().second.hasParameter("edit") || history->last().second.getString("edit") != edit) {
+      return false;
+    }
+    history->removeLast();
+    return true;
+  }
+
+ private:
+  FilterScript* filterHistory() { return area_->md() != nullptr ? area_->md()->filterHistory : nullptr; }
+
+  MeshModel* find(int id) { return area_->md() != nullptr ? area_->md()->getMesh(id) : nullptr; }
+
+  std::optional<Layer> seen(MeshModel& model) {
+    Layer layer;
+    layer.id = model.id();
+    layer.name = model.shortName();
+    layer.mesh = &model.cm;
+    layer.visible = area_->meshVisibilityMap.value(model.id(), true);
+    for (int i = 0; i < 4; ++i) {
+      for (int k = 0; k < 4; ++k) {
+        layer.transform(i, k) = static_cast<double>(model.cm.Tr[i][k]);
+      }
+    }
+    return layer;
+  }
+
+  /// To the view itself, as if the tool were suspended.
+  void pass(QEvent& event) {
+    const bool before = std::exchange(area_->suspendedEditor, true);
+    QApplication::sendEvent(area_, &event);
+    area_->suspendedEditor = before;
+  }
+
+  QString title_;
+  GLArea* area_ = nullptr;
+  MLSceneGLSharedDataContext* shared_ = nullptr;
+  MeshModel* drawing_ = nullptr;
+};
+
+/// A tool as MeshLab 2020.09 calls it. MeshLab passes the current layer by reference even if there is none: it is
+/// asked for instead.
+class Tool2020 final : public QObject, public MeshEditInterface {
+ public:
+  explicit Tool2020(const EditToolAction& description) : view_(description.title), tool_(description.make(view_)) {}
+
+  bool StartEdit(MeshDocument&, GLArea* area, MLSceneGLSharedDataContext* shared) override {
+    view_.attach(area, shared);
+    return guarded([this] { return tool_->start(); });
+  }
+  void EndEdit(MeshDocument&, GLArea*, MLSceneGLSharedDataContext*) override {
+    guarded([this] { tool_->end(); });
+  }
+  void LayerChanged(MeshDocument&, MeshModel&, GLArea* area, MLSceneGLSharedDataContext* shared) override {
+    guarded([this] { tool_->end(); });
+    view_.attach(area, shared);
+    guarded([this] { return tool_->start(); });
+  }
+  void Decorate(MeshModel&, GLArea* area, QPainter*) override {
+    view_.setDrawing(area->mm());
+    guarded([this] { tool_->draw(); });
+    view_.setDrawing(nullptr);
+  }
+  void mousePressEvent(QMouseEvent* event, MeshModel&, GLArea*) override {
+    guarded([&] { tool_->mousePress(*event); });
+  }
+  void mouseMoveEvent(QMouseEvent* event, MeshModel&, GLArea*) override {
+    guarded([&] { tool_->mouseMove(*event); });
+  }
+  void mouseReleaseEvent(QMouseEvent* event, MeshModel&, GLArea*) override {
+    guarded([&] { tool_->mouseRelease(*event); });
+  }
+  void wheelEvent(QWheelEvent* event, MeshModel&, GLArea*) override {
+    guarded([&] { tool_->wheel(*event); });
+  }
+  void keyPressEvent(QKeyEvent* event, MeshModel&, GLArea*) override {
+    guarded([&] { tool_->keyPress(*event); });
+  }
+  void keyReleaseEvent(QKeyEvent* event, MeshModel&, GLArea*) override {
+    guarded([&] { tool_->keyRelease(*event); });
+  }
+
+ private:
+  template <class Call>
+  auto guarded(const Call& call) -> decltype(call()) {
+    using Result = decltype(call());
+    std::string failure;
+    try {
+      return call();
+    } catch (const std::exception& error) {
+      failure = error.what();
+    } catch (...) {
+      failure = "The tool failed for a reason that it does not tell.";
+    }
+    if (view_.attached()) {
+      view_.log(failure);
+    }
+    return Result();
+  }
+
+  View2020 view_;
+  std::unique_ptr<EditTool> tool_;
+};
+
+}  // namespace
+
+EditToolPlugin::EditToolPlugin(EditToolAction description)
+    : description_(std::move(description)), action_(new QAction(QIcon(description_.icon), description_.title, this)) {
+  action_->setCheckable(true);
+  action_->setShortcut(description_.shortcut);
+  action_->setToolTip(description_.title + " (" + description_.shortcut.toString(QKeySequence::NativeText) +
+                      "): " + description_.description);
+  action_->setWhatsThis(description_.description);
+}
+
+MeshEditInterface* EditToolPlugin::getMeshEditInterface(QAction* action) {
+  return action == action_ ? new Tool2020(description_) : nullptr;
+}
+
+}  // namespace lapedit::host

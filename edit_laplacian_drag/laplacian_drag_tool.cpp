@@ -1,0 +1,582 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "laplacian_drag_tool.h"
+
+#include <QtGui/qopengl.h>
+#include <QClipboard>
+#include <QFileDialog>
+#include <QGuiApplication>
+#include <QMainWindow>
+#include <QSaveFile>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "filter_script.h"
+#include "lapedit/error.h"
+#include "lapedit_host/edit_script.h"
+#include "lapedit_host/mesh_bridge.h"
+
+using namespace lapedit;
+using namespace lapedit::host;
+
+namespace {
+
+constexpr int kDragPixels = 3;  // what moves less is a click
+constexpr std::size_t kFramesKept = 100;
+constexpr double kRadiusPerNotch = 1.1, kHandleRadiusPerNotch = 1.25, kPaddingPerNotch = 0.02;
+constexpr double kSmallestHandleRadius = 0.01;  // of the radius; below it is a single vertex
+
+double milliseconds(const QElapsedTimer& timer) {
+  return static_cast<double>(timer.nsecsElapsed()) * 1e-6;
+}
+
+Eigen::Matrix4d matrixOf(GLenum which) {
+  Eigen::Matrix4d matrix;  // by columns, as OpenGL has it
+  glGetDoublev(which, matrix.data());
+  return matrix;
+}
+
+double median(const std::deque<FrameTimes>& frames, double FrameTimes::*part) {
+  if (frames.empty()) {
+    return 0;
+  }
+  std::vector<double> values;
+  for (const FrameTimes& frame : frames) {
+    values.push_back(frame.*part);
+  }
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+/// The session's name of a key, 0 if it has none.
+char sessionKey(const QKeyEvent& event) {
+  if (event.modifiers() & (Qt::ControlModifier | Qt::AltModifier | Qt::MetaModifier)) {
+    return 0;
+  }
+  const int key = event.key();
+  if (key >= Qt::Key_0 && key <= Qt::Key_9) {
+    return static_cast<char>('0' + key - Qt::Key_0);
+  }
+  switch (key) {
+    case Qt::Key_Return:
+    case Qt::Key_Enter:
+      return '\r';
+    case Qt::Key_Backspace:
+      return '\b';
+    case Qt::Key_Period:
+    case Qt::Key_Comma:
+      return '.';
+    case Qt::Key_Minus:
+      return '-';
+    default:
+      break;
+  }
+  const QString letters = "XYZNTRSGCW";
+  return key < 128 && letters.contains(QChar(key)) ? static_cast<char>(QChar(key).toLower().toLatin1()) : char(0);
+}
+
+}  // namespace
+
+LaplacianDragTool::LaplacianDragTool(HostWindow& window) : window_(window) {}
+
+LaplacianDragTool::~LaplacianDragTool() {
+  delete panel_;
+}
+
+/// Whatever a button or the worker starts must not throw into Qt.
+template <class Call>
+void LaplacianDragTool::guarded(const Call& call) {
+  try {
+    call();
+  } catch (const std::exception& error) {
+    say(error.what());
+  }
+}
+
+void LaplacianDragTool::say(const std::string& line) {
+  notice_ = line;
+  window_.log(line);
+}
+
+// --- On and off -----------------------------------------------------------------------------------------------------
+
+bool LaplacianDragTool::start() {
+  active_ = nullptr;
+  layer_ = -1;
+  nothing_.clear();
+  notice_.clear();
+  pressed_ = moved_ = moveWaits_ = poseWaits_ = false;
+  navigating_ = Qt::NoButton;
+  frames_.clear();
+  const auto layer = window_.currentLayer();
+  if (!layer) {
+    if (!on_) {
+      say("There is no mesh: open one first.");
+    }
+    nothing_ = "There is no mesh: open one first.";
+    return on_;
+  }
+  const auto known = sessions_.find(layer->id);
+  const bool resume = known != sessions_.end() && known->second->matches(*layer->mesh) &&
+                      (known->second->inHistory.isEmpty() ||
+                       window_.removeFromHistory("Laplacian Edit Replay", known->second->inHistory));
+  try {
+    if (!resume) {
+      sessions_.erase(layer->id);
+      const int id = layer->id;
+      LayerSession::Callbacks callbacks;
+      callbacks.mesh = [this, id]() -> CMeshO* {
+        const auto present = window_.layer(id);
+        return present ? present->mesh : nullptr;
+      };
+      callbacks.log = [this](const std::string& line) { window_.log(line); };
+      callbacks.wake = [this] {
+        if (!pollQueued_.exchange(true)) {
+          QMetaObject::invokeMethod(
+              this, [this] { poll(); }, Qt::QueuedConnection);
+        }
+      };
+      sessions_[layer->id] = std::make_unique<LayerSession>(*layer->mesh, std::move(callbacks));
+    }
+  } catch (const EditError& error) {
+    nothing_ = error.what();
+    say(nothing_);
+    if (!on_) {
+      return false;
+    }
+    openPanel();
+    refreshPanel();
+    return true;
+  }
+  active_ = sessions_[layer->id].get();
+  active_->inHistory.clear();
+  layer_ = layer->id;
+  on_ = true;
+  openPanel();
+  panel_->setMeshSize(finite_diagonal(*layer->mesh));
+  refreshPanel();
+  window_.canvas().setFocus();
+  window_.canvas().setMouseTracking(true);
+  return true;
+}
+
+void LaplacianDragTool::end() {
+  if (panel_) {
+    panel_->hide();
+  }
+  window_.canvas().removeEventFilter(this);
+  const auto layer = layer_ >= 0 ? window_.layer(layer_) : std::nullopt;
+  if (active_ && !layer) {
+    sessions_.erase(layer_);
+  } else if (active_) {
+    DragSession& session = active_->session();
+    session.finish();
+    if (active_->foundChanged()) {
+      sessions_.erase(layer_);
+    } else {
+      bool settled = true;
+      if (active_->takeWritten(settled)) {
+        window_.uploadGeometry(layer_);
+      }
+      const Edit edit = session.recorded();
+      if (!edit.steps.empty()) {
+        active_->inHistory = QString::fromUtf8(write_edit(edit));
+        window_.appendToHistory("Laplacian Edit Replay", active_->inHistory, 1);
+      }
+      session.clear();  // the factor takes much memory
+    }
+  }
+  active_ = nullptr;
+  layer_ = -1;
+  on_ = false;
+}
+
+void LaplacianDragTool::openPanel() {
+  if (!panel_) {
+    panel_ = new Panel(window_.mainWindow(), &window_.canvas());
+    connect(panel_, &Panel::settingsEdited, this, [this](const DragSettings& settings) {
+      guarded([&] {
+        if (active_) {
+          active_->session().set_settings(settings);
+          afterEvent();
+        }
+      });
+    });
+    connect(panel_, &Panel::handleModeEdited, this, [this](HandleMode mode) {
+      guarded([&] {
+        if (active_) {
+          active_->session().set_handle_mode(mode);
+          afterEvent();
+        }
+      });
+    });
+    connect(panel_, &Panel::command, this, [this](const QString& part) { guarded([&] { command(part); }); });
+    connect(panel_, &Panel::closed, this, [this] {
+      if (on_) {
+        window_.endTool();
+      }
+    });
+    if (window_.mainWindow() != nullptr) {
+      window_.mainWindow()->addDockWidget(Qt::LeftDockWidgetArea, panel_);
+    }
+  }
+  panel_->QDockWidget::show();
+  window_.canvas().removeEventFilter(this);
+  window_.canvas().installEventFilter(this);
+}
+
+/// The layer that the session belongs to, if it is still there, current and visible.
+std::optional<Layer> LaplacianDragTool::usableLayer() {
+  if (!active_) {
+    return std::nullopt;
+  }
+  auto layer = window_.currentLayer();
+  return layer && layer->id == layer_ && layer->visible ? layer : std::nullopt;
+}
+
+// --- Drawing --------------------------------------------------------------------------------------------------------
+
+void LaplacianDragTool::draw() {
+  const auto current = window_.currentLayer();
+  if (!current) {
+    return;
+  }
+  const auto layer = usableLayer();
+  std::string line = nothing_;
+  if (active_ && !layer) {
+    line = "The layer is hidden: make it visible to edit it.";
+  } else if (layer) {
+    const QWidget& canvas = window_.canvas();
+    glMatrixMode(GL_MODELVIEW);
+    glPushMatrix();
+    glMultMatrixd(layer->transform.data());
+    view_ = View(matrixOf(GL_PROJECTION_MATRIX) * matrixOf(GL_MODELVIEW_MATRIX), canvas.width(), canvas.height());
+    DragSession& session = active_->session();
+    std::optional<Overlay::Brush> brush;
+    const bool takes = modifiers_ & Qt::ShiftModifier;
+    if ((takes || modifiers_ & Qt::ControlModifier) && !session.motion()) {
+      brush = Overlay::Brush{cursor().pixel, session.settings().brush_pixels, takes};
+    }
+    overlay_.draw(session, view_, brush, canvas.width(), canvas.height(), canvas.devicePixelRatioF());
+    glPopMatrix();
+    line = notice_.empty() ? session.message() : notice_;
+    if (session.preparing()) {
+      line += "  [preparing: " + std::string(session.stage()) + ", " +
+              std::to_string(static_cast<int>(100 * session.progress())) + " %]";
+    }
+  }
+  if (!line.empty()) {
+    window_.showLine(kTitle, QString::fromStdString(line));
+  }
+}
+
+/// Measures drawing from outside: the picture is on the screen once the paint event is over.
+bool LaplacianDragTool::eventFilter(QObject* object, QEvent* event) {
+  if (event->type() == QEvent::Paint && on_) {
+    sincePaint_.start();
+    QMetaObject::invokeMethod(
+        this, [this] { framePainted(); }, Qt::QueuedConnection);
+  }
+  return QObject::eventFilter(object, event);
+}
+
+void LaplacianDragTool::framePainted() {
+  if (!poseWaits_ || !moveWaits_) {
+    return;
+  }
+  poseWaits_ = moveWaits_ = false;
+  frame_.draw = milliseconds(sincePaint_);
+  frame_.total = milliseconds(sinceMove_);
+  frames_.push_back(frame_);
+  if (frames_.size() > kFramesKept) {
+    frames_.pop_front();
+  }
+  if (panel_) {
+    panel_->setFrames({frames_.begin(), frames_.end()});
+    refreshPanel();
+  }
+}
+
+// --- Mouse and keys -------------------------------------------------------------------------------------------------
+
+Cursor LaplacianDragTool::cursor() const {
+  return {view_, Vector2(position_.x(), position_.y())};
+}
+
+void LaplacianDragTool::setCursor(const QPointF& position) {
+  position_ = position;
+}
+
+void LaplacianDragTool::mousePress(QMouseEvent& event) {
+  setCursor(event.localPos());
+  modifiers_ = event.modifiers();
+  notice_.clear();
+  const bool around = event.button() != Qt::LeftButton || (event.modifiers() & Qt::AltModifier);
+  if (around) {
+    if (navigating_ == Qt::NoButton && !pressed_) {
+      navigating_ = event.button();
+      window_.navigate(event, event.button() == Qt::MiddleButton ? Qt::MiddleButton : Qt::LeftButton);
+    }
+    return;
+  }
+  const auto layer = usableLayer();
+  if (!layer || !view_.valid() || navigating_ != Qt::NoButton) {
+    return;
+  }
+  if (active_->session().state() == DragSession::State::Picked ||
+      active_->session().state() == DragSession::State::Idle) {
+    if (!active_->matches(*layer->mesh)) {
+      say("The mesh was changed by something else: starting afresh from what it is now.");
+      sessions_.erase(layer_);
+      start();
+      if (!active_) {
+        return;
+      }
+    }
+  }
+  pressed_ = true;
+  moved_ = false;
+  pressPosition_ = event.localPos();
+  active_->session().press(
+      cursor(), {bool(event.modifiers() & Qt::ControlModifier), bool(event.modifiers() & Qt::ShiftModifier)});
+  afterEvent();
+}
+
+void LaplacianDragTool::mouseMove(QMouseEvent& event) {
+  setCursor(event.localPos());
+  modifiers_ = event.modifiers();
+  if (navigating_ != Qt::NoButton) {
+    window_.navigate(event, navigating_ == Qt::MiddleButton ? Qt::MiddleButton : Qt::LeftButton);
+    return;
+  }
+  if (!usableLayer() || !view_.valid()) {
+    return;
+  }
+  if (pressed_ && !moved_) {
+    moved_ = (event.localPos() - pressPosition_).manhattanLength() >= kDragPixels;
+    if (!moved_) {
+      return;
+    }
+  }
+  DragSession& session = active_->session();
+  session.move(cursor());
+  if (session.motion() && !moveWaits_) {
+    moveWaits_ = true;
+    sinceMove_.start();
+  }
+  afterEvent();
+}
+
+void LaplacianDragTool::mouseRelease(QMouseEvent& event) {
+  setCursor(event.localPos());
+  modifiers_ = event.modifiers();
+  if (navigating_ != Qt::NoButton) {
+    if (event.button() == navigating_) {
+      window_.navigate(event, navigating_ == Qt::MiddleButton ? Qt::MiddleButton : Qt::LeftButton);
+      navigating_ = Qt::NoButton;
+    }
+    return;
+  }
+  if (event.button() != Qt::LeftButton || !std::exchange(pressed_, false)) {
+    return;
+  }
+  if (!usableLayer() || !view_.valid()) {
+    return;
+  }
+  Cursor at = cursor();
+  if (!moved_) {
+    at.pixel = Vector2(pressPosition_.x(), pressPosition_.y());
+  }
+  active_->session().release(at);
+  afterEvent();
+}
+
+void LaplacianDragTool::wheel(QWheelEvent& event) {
+  event.accept();
+  notice_.clear();
+  if (event.modifiers() & Qt::AltModifier) {
+    window_.navigate(event);
+    return;
+  }
+  if (!usableLayer()) {
+    return;
+  }
+  const int angle = event.angleDelta().y() != 0 ? event.angleDelta().y() : event.angleDelta().x();
+  const double notches = angle / 120.0;
+  DragSettings settings = active_->session().settings();
+  if (event.modifiers() & Qt::ShiftModifier) {
+    settings.padding = std::clamp(settings.padding + kPaddingPerNotch * notches, 0.0, 1.0);
+  } else if (event.modifiers() & Qt::ControlModifier) {
+    const double smallest = kSmallestHandleRadius * settings.radius;
+    const double grown = std::max(settings.handle_radius, smallest) * std::pow(kHandleRadiusPerNotch, notches);
+    settings.handle_radius = grown < smallest ? 0 : grown;
+  } else {
+    settings.radius *= std::pow(kRadiusPerNotch, notches);
+  }
+  active_->session().set_settings(settings);
+  afterEvent();
+}
+
+void LaplacianDragTool::keyPress(QKeyEvent& event) {
+  modifiers_ = event.modifiers();
+  if (event.key() == Qt::Key_Control) {
+    modifiers_ |= Qt::ControlModifier;
+  } else if (event.key() == Qt::Key_Shift) {
+    modifiers_ |= Qt::ShiftModifier;
+  }
+  window_.repaint();
+  if (!usableLayer()) {
+    return;
+  }
+  notice_.clear();
+  DragSession& session = active_->session();
+  bool used = true;
+  if ((event.modifiers() & Qt::ControlModifier) && event.key() == Qt::Key_Z) {
+    event.modifiers() & Qt::ShiftModifier ? session.redo() : session.undo();
+  } else if ((event.modifiers() & Qt::ControlModifier) && event.key() == Qt::Key_Y) {
+    session.redo();
+  } else if (event.key() == Qt::Key_BracketRight) {
+    session.grow();
+  } else if (event.key() == Qt::Key_BracketLeft) {
+    session.shrink();
+  } else {
+    const char key = sessionKey(event);
+    used = key != 0 && session.key(key, cursor());
+  }
+  if (used) {
+    event.accept();
+    afterEvent();
+  }
+}
+
+void LaplacianDragTool::keyRelease(QKeyEvent& event) {
+  modifiers_ = event.modifiers();
+  if (event.key() == Qt::Key_Control) {
+    modifiers_ &= ~Qt::KeyboardModifiers(Qt::ControlModifier);
+  } else if (event.key() == Qt::Key_Shift) {
+    modifiers_ &= ~Qt::KeyboardModifiers(Qt::ShiftModifier);
+  }
+  window_.repaint();
+}
+
+// --- After each event -----------------------------------------------------------------------------------------------
+
+void LaplacianDragTool::poll() {
+  pollQueued_ = false;
+  guarded([this] {
+    if (active_) {
+      active_->session().poll();
+      afterEvent();
+    }
+  });
+}
+
+void LaplacianDragTool::afterEvent() {
+  if (!active_) {
+    return;
+  }
+  bool settled = true;
+  if (active_->takeWritten(settled)) {
+    QElapsedTimer upload;
+    upload.start();
+    window_.uploadGeometry(layer_);
+    if (!poseWaits_) {
+      frame_ = FrameTimes();
+    }
+    frame_.solve = active_->session().figures().solve_ms;
+    frame_.write = active_->writeMilliseconds();
+    frame_.upload = milliseconds(upload);
+    poseWaits_ = true;
+    if (settled) {
+      window_.markModified(layer_);
+    }
+  }
+  if (active_->foundChanged()) {
+    say("The mesh was changed by something else while it was dragged: starting afresh from what it is now.");
+    sessions_.erase(layer_);
+    pressed_ = false;
+    start();
+  }
+  refreshPanel();
+  window_.repaint();
+}
+
+void LaplacianDragTool::refreshPanel() {
+  if (!panel_) {
+    return;
+  }
+  FrameTimes typical;
+  for (double FrameTimes::*part :
+       {&FrameTimes::solve, &FrameTimes::write, &FrameTimes::upload, &FrameTimes::draw, &FrameTimes::total}) {
+    typical.*part = median(frames_, part);
+  }
+  const DragSession* session = active_ ? &active_->session() : nullptr;
+  panel_->show(session, typical, typical.total > 0 ? 1000 / typical.total : 0);
+  panel_->setBusy(session && (session->busy() || session->state() == DragSession::State::Settling));
+}
+
+// --- The panel's buttons --------------------------------------------------------------------------------------------
+
+void LaplacianDragTool::command(const QString& part) {
+  const auto layer = usableLayer();
+  if (!layer) {
+    return;
+  }
+  notice_.clear();
+  DragSession& session = active_->session();
+  const std::map<QString, std::function<void()>> commands = {
+      {"from_selection",
+       [&] { session.set_region(vertices_of_selected_faces(*layer->mesh, read_mesh(*layer->mesh))); }},
+      {"component", [&] { session.whole_component(); }},
+      {"grow", [&] { session.grow(); }},
+      {"shrink", [&] { session.shrink(); }},
+      {"new_region", [&] { session.new_region(); }},
+      {"clear", [&] { session.clear(); }},
+      {"next_group", [&] { session.next_group(); }},
+      {"move", [&] { session.key('t', cursor()); }},
+      {"rotate", [&] { session.key('r', cursor()); }},
+      {"scale", [&] { session.key('s', cursor()); }},
+      {"apply", [&] { session.apply(); }},
+      {"cancel", [&] { session.cancel(); }},
+      {"undo", [&] { session.undo(); }},
+      {"redo", [&] { session.redo(); }},
+      {"reset", [&] { session.reset(); }},
+      {"save", [&] { saveEdit(); }},
+      {"load", [&] { loadEdit(); }},
+      {"copy", [&] { copyScript(); }},
+  };
+  const auto found = commands.find(part);
+  if (found != commands.end()) {
+    found->second();
+  }
+  window_.canvas().setFocus();
+  afterEvent();
+}
+
+void LaplacianDragTool::saveEdit() {
+  const QByteArray json = write_edit(active_->session().recorded());
+  const QString path =
+      QFileDialog::getSaveFileName(window_.mainWindow(), "Save edit", QString(), "Laplacian edits (*.json)");
+  if (path.isEmpty()) {
+    return;
+  }
+  QSaveFile file(path);
+  if (!file.open(QIODevice::WriteOnly) || file.write(json) != json.size() || !file.commit()) {
+    say("The edit could not be written to " + path.toStdString() + ": " + file.errorString().toStdString() + ".");
+  } else {
+    say("The edit was saved as " + path.toStdString() + ".");
+  }
+}
+
+void LaplacianDragTool::loadEdit() {
+  const QString path =
+      QFileDialog::getOpenFileName(window_.mainWindow(), "Load edit", QString(), "Laplacian edits (*.json)");
+  if (!path.isEmpty() && active_) {
+    active_->session().load(load_edit(path));
+  }
+}
+
+void LaplacianDragTool::copyScript() {
+  QGuiApplication::clipboard()->setText(filterScript(write_edit(active_->session().recorded())));
+  say("A filter script with all steps is on the clipboard.");
+}

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QElapsedTimer>
+#include <QObject>
+#include <QPointF>
+#include <QPointer>
+#include <atomic>
+#include <deque>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "lapedit_host/edit_tool.h"
+#include "layer_session.h"
+#include "overlay.h"
+#include "panel.h"
+
+/// The tool in one view: hands mouse and keys to the session of the current layer, draws it, and keeps the panel.
+class LaplacianDragTool : public QObject, public lapedit::host::EditTool {
+  Q_OBJECT
+
+ public:
+  static constexpr const char* kTitle = "Laplacian Drag";
+
+  explicit LaplacianDragTool(lapedit::host::HostWindow& window);
+  ~LaplacianDragTool() override;
+
+  bool start() override;
+  void end() override;
+  void draw() override;
+  void mousePress(QMouseEvent& event) override;
+  void mouseMove(QMouseEvent& event) override;
+  void mouseRelease(QMouseEvent& event) override;
+  void wheel(QWheelEvent& event) override;
+  void keyPress(QKeyEvent& event) override;
+  void keyRelease(QKeyEvent& event) override;
+
+  bool eventFilter(QObject* object, QEvent* event) override;
+
+ private:
+  std::optional<lapedit::host::Layer> usableLayer();
+  lapedit::Cursor cursor() const;
+  void setCursor(const QPointF& position);
+  void openPanel();
+  void poll();
+  void afterEvent();
+  void refreshPanel();
+  void framePainted();
+  void command(const QString& part);
+  void saveEdit();
+  void loadEdit();
+  void copyScript();
+  void say(const std::string& line);
+  template <class Call>
+  void guarded(const Call& call);
+
+  lapedit::host::HostWindow& window_;
+  QPointer<Panel> panel_;
+  Overlay overlay_;
+  bool on_ = false;
+  std::string nothing_;  // why there is no session, as a sentence
+  std::string notice_;   // of saving and loading, until the next event
+
+  lapedit::View view_;
+  QPointF position_, pressPosition_;
+  Qt::KeyboardModifiers modifiers_;
+  Qt::MouseButton navigating_ = Qt::NoButton;  // held for the host's own navigation
+  bool pressed_ = false, moved_ = false;
+
+  // From the first mouse move that is not on the screen yet to the picture that shows it.
+  QElapsedTimer sinceMove_, sincePaint_;
+  bool moveWaits_ = false, poseWaits_ = false;
+  FrameTimes frame_;
+  std::deque<FrameTimes> frames_;
+
+  std::atomic<bool> pollQueued_{false};
+  // Last: their threads end first. By layer; one that is left may be taken up again.
+  std::map<int, std::unique_ptr<LayerSession>> sessions_;
+  int layer_ = -1;
+  LayerSession* active_ = nullptr;
+};

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QDockWidget>
+#include <QString>
+#include <functional>
+#include <map>
+#include <vector>
+
+#include "lapedit/drag_session.h"
+
+class QComboBox;
+class QDoubleSpinBox;
+class QFormLayout;
+class QLabel;
+class QProgressBar;
+class QPushButton;
+class QSpinBox;
+
+/// Milliseconds of one frame of a drag, from the mouse's move to the picture on the screen.
+struct FrameTimes {
+  double solve = 0, write = 0, upload = 0, draw = 0, total = 0;
+};
+
+/// The tool's dock panel. Every widget is called laplacian_drag_<part>, also for tests.
+class Panel : public QDockWidget {
+  Q_OBJECT
+
+ public:
+  /// @param canvas  gets the keyboard back when a value has been entered
+  Panel(QWidget* parent, QWidget* canvas);
+
+  /// @param size  of the mesh: steps and digits of lengths follow it
+  void setMeshSize(double size);
+  /// Brings all to the state of a session; null: nothing can be edited.
+  void show(const lapedit::DragSession* session, const FrameTimes& median, double framesPerSecond);
+  void setBusy(bool busy);
+  void setFrames(const std::vector<FrameTimes>& frames);
+
+ signals:
+  /// A value was edited: the settings shown last with that one changed.
+  void settingsEdited(const lapedit::DragSettings& settings);
+  void handleModeEdited(lapedit::HandleMode mode);
+  /// A button was pressed. @param part  of its name
+  void command(const QString& part);
+  /// The user closed the panel.
+  void closed();
+
+ protected:
+  void closeEvent(QCloseEvent* event) override;
+
+ private:
+  using Edit = std::function<void(lapedit::DragSettings&)>;
+
+  QDoubleSpinBox* number(const char* part, double low, double high, int digits, const QString& help,
+                         const std::function<void(lapedit::DragSettings&, double)>& set);
+  QSpinBox* count(const char* part, int low, int high, const QString& help,
+                  const std::function<void(lapedit::DragSettings&, int)>& set);
+  QComboBox* choice(const char* part, const QStringList& names, const QString& help);
+  QPushButton* button(const char* part, const QString& text, const QString& help);
+  QLabel* figure(const char* part, const QString& help);
+  void edited(const Edit& edit);
+
+  QWidget* canvas_;
+  lapedit::DragSettings settings_;
+  QDoubleSpinBox *radius_, *padding_, *handleRadius_, *normalRadius_, *handleWeight_, *anchorWeight_;
+  QSpinBox *brush_, *order_, *iterations_;
+  QComboBox *mode_, *laplacian_, *rotation_;
+  QProgressBar* progress_;
+  QLabel *region_, *times_, *frame_, *quality_;
+  std::map<QString, QPushButton*> buttons_;
+};
