@@ -168,13 +168,15 @@ void Overlay::draw(const DragSession& session, const View& view, const std::opti
     glDisableClientState(GL_COLOR_ARRAY);
     // Points lie in the surface: without this half of each would be hidden by it.
     glDepthRange(0, 0.9995);
-    drawPoints(anchors_, kAnchor, (moving ? 1.5 : 2.5) * pixelRatio, moving ? 0.35 : 0.8);
+    glPointSize(static_cast<GLfloat>((moving ? 1.5 : 2.5) * pixelRatio));
+    set(kAnchor, moving ? 0.5 : 1);
+    glDrawElements(GL_POINTS, static_cast<GLsizei>(anchors_.size()), GL_UNSIGNED_INT, anchors_.data());
     if (!moving || session.ready()) {
+      glDisable(GL_DEPTH_TEST);
+      drawPoints(handles_, kHandle, handleSize, 0.25);  // through the surface
+      glEnable(GL_DEPTH_TEST);
       glDepthRange(0, 0.999);
       drawPoints(handles_, kHandle, handleSize, 1);
-      glDisable(GL_DEPTH_TEST);
-      glDepthRange(0, 1);
-      drawPoints(handles_, kHandle, handleSize, 0.3);
     }
     glDisableClientState(GL_VERTEX_ARRAY);
   }

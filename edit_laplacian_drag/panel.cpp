@@ -22,6 +22,7 @@ using namespace lapedit;
 namespace {
 
 constexpr double kLongest = 1e12;
+constexpr int kFieldWidth = 130, kButtonWidth = 50;
 constexpr double kLightest = 1e-6, kHeaviest = 1e6;
 
 QString nameOf(const QString& part) {
@@ -39,14 +40,15 @@ void chooseQuietly(QComboBox* box, int index) {
   box->setCurrentIndex(index);
 }
 
-/// A titled row of buttons.
-void addRow(QFormLayout* form, const QString& title, const std::vector<QPushButton*>& buttons, int columns) {
+/// Rows of buttons.
+void addRow(QFormLayout* form, const std::vector<QPushButton*>& buttons, int columns) {
   auto* grid = new QGridLayout;
-  grid->setSpacing(3);
+  grid->setSpacing(2);
   for (std::size_t i = 0; i < buttons.size(); ++i) {
     grid->addWidget(buttons[i], static_cast<int>(i) / columns, static_cast<int>(i) % columns);
   }
-  form->addRow(title, grid);
+  grid->setContentsMargins(0, 0, 0, 0);
+  form->addRow(grid);
 }
 
 }  // namespace
@@ -60,9 +62,13 @@ Panel::Panel(QWidget* parent, QWidget* canvas) : QDockWidget("Laplacian Drag", p
   scroll->setFrameShape(QFrame::NoFrame);
   scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
   auto* content = new QWidget;
+  QFont small = content->font();
+  small.setPointSizeF(0.82 * small.pointSizeF());
+  content->setFont(small);
   content->setObjectName(nameOf("content"));
   auto* form = new QFormLayout(content);
-  form->setVerticalSpacing(3);
+  form->setVerticalSpacing(2);
+  form->setHorizontalSpacing(4);
   form->setContentsMargins(6, 4, 6, 4);
 
   radius_ = number("radius", 0, kLongest, 4, "Size of a new region, along the surface (wheel)",
@@ -73,14 +79,14 @@ Panel::Panel(QWidget* parent, QWidget* canvas) : QDockWidget("Laplacian Drag", p
              [](DragSettings& s, double v) { s.padding = v; });
   padding_->setSingleStep(0.02);
   form->addRow("Padding", padding_);
-  addRow(form, "Region",
-         {button("from_selection", "Selected faces", "The region is what the selected faces cover"),
+  addRow(form,
+         {button("from_selection", "From selection", "The region is what the selected faces cover"),
           button("component", "Component", "The region is the whole connected piece of the handle"),
           button("grow", "Grow", "Makes the region larger by a ring ( ] )"),
           button("shrink", "Shrink", "Makes the region smaller by a ring ( [ )"),
           button("new_region", "New region", "The next click takes a new region (W)"),
           button("clear", "Clear", "Forgets region and handles; what was applied stays")},
-         2);
+         3);
   brush_ =
       count("brush", 1, 1000, "Radius of the brush on the screen: Ctrl+drag adds to the region, Shift+drag takes away",
             [](DragSettings& s, int v) { s.brush_pixels = v; });
@@ -97,14 +103,14 @@ Panel::Panel(QWidget* parent, QWidget* canvas) : QDockWidget("Laplacian Drag", p
                          "Vertices within it of the one clicked are picked together (Ctrl+wheel); 0: that one alone",
                          [](DragSettings& s, double v) { s.handle_radius = v; });
   form->addRow("Handle radius", handleRadius_);
-  addRow(form, "Move",
+  addRow(form,
          {button("next_group", "Next group", "The next click makes another handle; those there hold their place (G)"),
           button("move", "Move", "The handle follows the mouse, no button held (T)"),
           button("rotate", "Rotate", "The handle turns about its centre with the mouse (R)"),
           button("scale", "Scale", "The handle grows about its centre with the mouse (S)"),
           button("apply", "Apply", "Applies what is being moved (Return)"),
           button("cancel", "Cancel", "Drops what is being moved (Backspace)")},
-         2);
+         3);
 
   laplacian_ = choice("laplacian", {"Umbrella", "Cotangent"},
                       "How detail is measured: against the plain mean of the neighbours, or with cotangent weights");
@@ -140,16 +146,17 @@ Panel::Panel(QWidget* parent, QWidget* canvas) : QDockWidget("Laplacian Drag", p
                          [](DragSettings& s, double v) { s.edit.anchor_weight = v; });
   form->addRow("Anchor weight", anchorWeight_);
 
-  addRow(form, "Steps",
+  addRow(form,
          {button("undo", "Undo", "Takes the last step back (Ctrl+Z)"),
           button("redo", "Redo", "Does it again (Ctrl+Shift+Z)"),
           button("reset", "Reset", "Back to the mesh as it was when the tool began")},
          3);
-  addRow(form, "Keep",
+  addRow(form,
          {button("save", "Save edit...", "Writes all steps as JSON, for Laplacian Edit Replay"),
           button("load", "Load edit...", "Applies the steps of a saved edit"),
-          button("copy", "Copy as filter script", "Puts a filter script (.mlx) with all steps on the clipboard")},
-         2);
+          button("copy", "Copy script",
+                 "Copies as filter script: puts a filter script (.mlx) with all steps on the clipboard")},
+         3);
   progress_ = new QProgressBar;
   progress_->setObjectName(nameOf("progress"));
   progress_->setToolTip("How far the region is prepared");
@@ -179,7 +186,7 @@ QDoubleSpinBox* Panel::number(const char* part, double low, double high, int dig
   box->setKeyboardTracking(false);
   box->setFocusPolicy(Qt::ClickFocus);
   box->setToolTip(help);
-  box->setMaximumWidth(150);
+  box->setMaximumWidth(kFieldWidth);
   connect(box, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this,
           [this, set](double value) { edited([&](DragSettings& s) { set(s, value); }); });
   return box;
@@ -193,7 +200,7 @@ QSpinBox* Panel::count(const char* part, int low, int high, const QString& help,
   box->setKeyboardTracking(false);
   box->setFocusPolicy(Qt::ClickFocus);
   box->setToolTip(help);
-  box->setMaximumWidth(150);
+  box->setMaximumWidth(kFieldWidth);
   connect(box, QOverload<int>::of(&QSpinBox::valueChanged), this,
           [this, set](int value) { edited([&](DragSettings& s) { set(s, value); }); });
   return box;
@@ -205,7 +212,7 @@ QComboBox* Panel::choice(const char* part, const QStringList& names, const QStri
   box->addItems(names);
   box->setToolTip(help);
   box->setFocusPolicy(Qt::ClickFocus);
-  box->setMaximumWidth(150);
+  box->setMaximumWidth(kFieldWidth);
   return box;
 }
 
@@ -213,7 +220,8 @@ QPushButton* Panel::button(const char* part, const QString& text, const QString&
   auto* made = new QPushButton(text);
   made->setObjectName(nameOf(part));
   made->setToolTip(help);
-  made->setFocusPolicy(Qt::NoFocus);  // keys are the canvas's
+  made->setMinimumWidth(kButtonWidth);  // else the style's own, which is wide
+  made->setFocusPolicy(Qt::NoFocus);    // keys are the canvas's
   const QString name = part;
   connect(made, &QPushButton::clicked, this, [this, name] { emit command(name); });
   buttons_[name] = made;
@@ -225,9 +233,6 @@ QLabel* Panel::figure(const char* part, const QString& help) {
   label->setObjectName(nameOf(part));
   label->setToolTip(help);
   label->setWordWrap(true);
-  QFont small = label->font();
-  small.setPointSizeF(0.85 * small.pointSizeF());
-  label->setFont(small);
   return label;
 }
 

@@ -412,6 +412,10 @@ TEST(DragSteps, FiguresTellOfTheLastStep) {
   EXPECT_EQ(figures.handle + figures.free + figures.anchors + figures.fixed, 3600);
   EXPECT_GT(figures.prepare_ms, 0);
   EXPECT_GT(figures.solve_ms, 0);
+  // The next region is ready, and what was released is still told of.
+  window.session.release(window.at(kMiddle, Vector2(90, 0)));
+  window.session.wait();
+  EXPECT_GT(window.session.figures().largest_stretch, figures.largest_stretch);
 }
 
 }  // namespace

@@ -73,7 +73,6 @@ Region unclassified(const TriangleMesh& mesh, const Adjacency& adjacency, const 
 
 void DragSession::Impl::prepare() {
   ready = false;
-  report.reset();
   if (groups.empty()) {
     preparing = false;
     worker.cancel();

@@ -62,8 +62,8 @@ struct EditWorker::State {
   Progress progress_of(int mine);
   void do_prepare(const PrepareTask& task, int mine);
   void do_apply(const ApplyTask& task, int mine);
-  void do_solve(int mine);
-  void do_report(int mine);
+  void do_solve(int mine, bool with_report);
+  std::shared_ptr<const EditReport> make_report() const;
   template <class Change>
   void publish(int mine, const Change& change);
 };
@@ -138,22 +138,24 @@ void EditWorker::State::do_apply(const ApplyTask& task, int mine) {
   publish(mine, [&] { news.applied = results; });
 }
 
-void EditWorker::State::do_solve(int mine) {
+std::shared_ptr<const EditReport> EditWorker::State::make_report() const {
+  auto report = std::make_shared<EditReport>(editor->report());
+  report->region_ms = region_ms;
+  return report;
+}
+
+void EditWorker::State::do_solve(int mine, bool with_report) {
   const Clock::time_point start = Clock::now();
   back.positions = editor->solve(current_maps);
   round_to(scalar, back.positions);
   back.solve_ms = milliseconds_since(start);
+  const auto report = with_report ? make_report() : nullptr;
+  report_due = !with_report;
   publish(mine, [&] {
     std::swap(front, back);
     news.pose = true;
+    news.report = report ? report : news.report;
   });
-}
-
-void EditWorker::State::do_report(int mine) {
-  report_due = false;
-  auto report = std::make_shared<EditReport>(editor->report());
-  report->region_ms = region_ms;
-  publish(mine, [&] { news.report = report; });
 }
 
 void EditWorker::State::run() {
@@ -172,8 +174,10 @@ void EditWorker::State::run() {
     if (report_due && usable()) {
       if (!asked.wait_for(lock, kPause, has_work)) {
         const int mine = generation;
+        report_due = false;
         lock.unlock();
-        do_report(mine);
+        const auto report = make_report();
+        publish(mine, [&] { news.report = report; });
         lock.lock();
         continue;
       }
@@ -198,7 +202,7 @@ void EditWorker::State::run() {
     const std::unique_ptr<PrepareTask> prepare_task = std::move(to_prepare);
     const std::unique_ptr<ApplyTask> apply_task = std::move(to_apply);
     const bool solving = !prepare_task && !apply_task;
-    const bool make_report = last;
+    const bool with_report = last;
     if (solving) {
       current_maps = maps;
       back.serial = serial;
@@ -212,11 +216,7 @@ void EditWorker::State::run() {
       } else if (apply_task) {
         do_apply(*apply_task, mine);
       } else {
-        do_solve(mine);
-        report_due = true;
-        if (make_report) {
-          do_report(mine);
-        }
+        do_solve(mine, with_report);
       }
     } catch (const std::bad_alloc&) {
       error = "There is not enough memory for this region: choose a smaller one.";

@@ -65,7 +65,7 @@ class EditWorker {
   void cancel();
 
   /// Asks for the pose of the region last prepared, or still to be. @return its serial, counting up
-  /// @param last  no other will follow soon: its report is made at once. Else it is made when the questions pause
+  /// @param last  no other will follow soon: its report comes with it. Else it comes when the questions pause
   /// Nothing is allocated once as many maps were given before.
   int solve(const std::vector<Affine>& maps, bool last);
 

@@ -4,6 +4,7 @@
 #include <meshlab/glarea.h>
 
 #include <QApplication>
+#include <QFontMetrics>
 #include <QMainWindow>
 #include <exception>
 #include <utility>
@@ -55,7 +56,7 @@ class View2020 final : public HostWindow {
 
   void showLine(const QString& title, const QString& line) override {
     if (drawing_ != nullptr && area_->md() != nullptr) {
-      area_->md()->Log.RealTimeLog(title, drawing_->shortName(), line);
+      area_->md()->Log.RealTimeLog(title, drawing_->shortName(), wrapped(line));
     }
   }
 
@@ -124,6 +125,25 @@ class View2020 final : public HostWindow {
     return layer;
   }
 
+  /// MeshLab shows HTML, and does not break lines.
+  QString wrapped(const QString& line) const {
+    constexpr int kFontPixels = 11;  // MeshLab's for these lines
+    QFont font("Helvetica");
+    font.setPixelSize(kFontPixels);
+    const QFontMetrics metrics(font);
+    QString html, row;
+    for (const QString& word : line.split(' ')) {
+      const QString longer = row.isEmpty() ? word : row + ' ' + word;
+      if (!row.isEmpty() && metrics.horizontalAdvance(longer) > area_->width() - 4 * kFontPixels) {
+        html += row.toHtmlEscaped() + "<br>";
+        row = word;
+      } else {
+        row = longer;
+      }
+    }
+    return html + row.toHtmlEscaped();
+  }
+
   /// To the view itself, as if the tool were suspended.
   void pass(QEvent& event) {
     const bool before = std::exchange(area_->suspendedEditor, true);
@@ -138,12 +158,13 @@ class View2020 final : public HostWindow {
 };
 
 /// A tool as MeshLab 2020.09 calls it. MeshLab passes the current layer by reference even if there is none: it is
-/// asked for instead.
+/// asked for instead. MeshLab never deletes a tool: it is made a child of its view.
 class Tool2020 final : public QObject, public MeshEditInterface {
  public:
   explicit Tool2020(const EditToolAction& description) : view_(description.title), tool_(description.make(view_)) {}
 
   bool StartEdit(MeshDocument&, GLArea* area, MLSceneGLSharedDataContext* shared) override {
+    setParent(area);
     view_.attach(area, shared);
     return guarded([this] { return tool_->start(); });
   }
