@@ -95,6 +95,27 @@ TEST(DragSession, PerspectiveDragStaysInThePlaneOfThePicture) {
   EXPECT_NEAR((after - before).dot(Vector3(0, -90, 60).normalized()), 0, 1e-2 * (after - before).norm());
 }
 
+TEST(DragSession, HandleIsTakenHoldOfByItsMarkThoughAFoldHidesIt) {
+  Window window(hills());
+  DragSettings settings = window.session.settings();
+  settings.radius = 6;
+  window.session.set_settings(settings);
+  window.drag(kMiddle, Vector2(30, 10));  // sideways: the sheet folds over
+  window.drag(kMiddle, Vector2(10, 30));
+  EXPECT_EQ(window.session.recorded().steps.size(), 2U);
+  EXPECT_EQ(window.session.groups(), std::vector<std::vector<int>>{{kMiddle}});
+}
+
+TEST(DragSession, HandleOnTheFarSideIsNotInTheWay) {
+  Window window(shapes::icosphere(4), support::view_from(Vector3(4, 0, 0), Vector3::Zero()));
+  const int front = support::vertex_at(window.session.mesh(), Vector3::UnitX());
+  window.click(front);
+  window.view = support::view_from(Vector3(-4, 0, 0), Vector3::Zero());
+  const int back = support::vertex_at(window.session.mesh(), -Vector3::UnitX());
+  window.click(back);
+  EXPECT_EQ(window.session.groups(), std::vector<std::vector<int>>{{back}});
+}
+
 TEST(DragSession, ClickShowsTheRegionAndMovesNothing) {
   Window window(hills());
   window.click(kMiddle);

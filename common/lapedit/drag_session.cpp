@@ -251,16 +251,25 @@ void DragSession::press(const Cursor& cursor, PressModifiers modifiers) {
     return;
   }
   const std::optional<SurfaceHit> hit = first_hit(*s.current, cursor.view.ray(cursor.pixel));
-  if (!hit) {
+  const bool plain = !modifiers.add && !modifiers.take;
+  const int grabbed = plain ? s.group_at(hit, cursor) : -1;
+  if (!hit && grabbed < 0) {
     s.refuse("There is no surface of this layer under the cursor: click on the mesh.");
     return;
   }
-  s.pressed = Impl::Press{*hit, cursor, modifiers, true, false};
-  if (modifiers.add || modifiers.take) {
+  if (grabbed >= 0) {
+    s.active = grabbed;
+    s.state = State::Picked;
+    const Vector3 handle = centroid(s.current->vertices, s.groups[grabbed]);
+    s.pressed = Impl::Press{hit ? hit->point : cursor.view.beside(handle, cursor.pixel), -1, cursor, modifiers};
+    return;
+  }
+  s.pressed = Impl::Press{hit->point, hit->vertex, cursor, modifiers};
+  if (!plain) {
     return;
   }
   try {
-    s.pick(*hit, cursor);
+    s.pick(*hit);
   } catch (const EditError& error) {
     s.pressed.reset();
     s.refuse(error.what());
@@ -291,7 +300,7 @@ void DragSession::move(const Cursor& cursor) {
   }
   if (s.pressed && !s.motion) {
     // The motion begins where the button went down, however far the first move already is.
-    if (!s.pressed->draggable || !s.begin(MotionKind::Translate, s.pressed->hit.point, s.pressed->cursor, true)) {
+    if (!s.pressed->draggable || !s.begin(MotionKind::Translate, s.pressed->point, s.pressed->cursor, true)) {
       return;
     }
   }
@@ -327,9 +336,9 @@ void DragSession::release(const Cursor& cursor) {
   }
   try {
     if (press.modifiers.add) {
-      s.add_to_handle(press.hit.vertex);
+      s.add_to_handle(press.vertex);
     } else if (press.modifiers.take) {
-      s.take_from_handle(press.hit.vertex);
+      s.take_from_handle(press.vertex);
     }
   } catch (const EditError& error) {
     s.refuse(error.what());

@@ -56,7 +56,8 @@ struct DragSession::Impl {
   std::optional<DragMotion> motion;
   bool held = false;  // the motion is by a held button
   struct Press {
-    SurfaceHit hit;
+    Vector3 point;    // what was grabbed
+    int vertex = -1;  // nearest to it
     Cursor cursor;
     PressModifiers modifiers;
     bool draggable = true;
@@ -131,8 +132,8 @@ struct DragSession::Impl {
   bool choose_region(int vertex, std::vector<int>& handle);
 
   // Handles.
-  void pick(const SurfaceHit& hit, const Cursor& cursor);
-  int group_at(const SurfaceHit& hit, const Cursor& cursor) const;
+  void pick(const SurfaceHit& hit);
+  int group_at(const std::optional<SurfaceHit>& hit, const Cursor& cursor) const;
   bool extend_curve(int vertex);
   void add_to_handle(int vertex);
   void take_from_handle(int vertex);

@@ -11,6 +11,7 @@ namespace {
 
 /// A press this near to a handle vertex takes hold of its group.
 constexpr double kGrabPixels = 6;
+constexpr double kGrabDepth = 0.25;  // of the radius
 
 std::vector<int> sorted_set(std::vector<int> vertices) {
   std::sort(vertices.begin(), vertices.end());
@@ -117,18 +118,25 @@ bool DragSession::Impl::choose_region(int vertex, std::vector<int>& handle) {
 
 // --- Handles --------------------------------------------------------------------------------------------------------
 
-int DragSession::Impl::group_at(const SurfaceHit& hit, const Cursor& cursor) const {
+/// The group whose mark on the screen the cursor is on. Marks show through the surface, so what lies a little behind it
+/// can be taken hold of, but not what is on the far side.
+int DragSession::Impl::group_at(const std::optional<SurfaceHit>& hit, const Cursor& cursor) const {
   if (want_region) {
     return -1;
   }
-  const double reach = kGrabPixels * cursor.view.pixel_size(hit.point);
   int found = -1;
-  double nearest = std::numeric_limits<double>::infinity();
+  double nearest = kGrabPixels;
   for (std::size_t g = 0; g < groups.size(); ++g) {
     for (const int v : groups[g]) {
-      const double distance = (current->vertices.row(v).transpose() - hit.point).norm();
-      if ((v == hit.vertex || distance < reach) && distance < nearest) {
-        nearest = distance;
+      const Vector3 place = current->vertices.row(v).transpose();
+      if (!cursor.view.in_front(place)) {
+        continue;
+      }
+      const double pixels = (cursor.view.pixel(place) - cursor.pixel).norm();
+      const double depth = hit ? (place - hit->point).norm() : 0;
+      const double reach = std::max(kGrabDepth * settings.radius, kGrabPixels * cursor.view.pixel_size(place));
+      if ((pixels <= nearest && depth <= reach) || (hit && v == hit->vertex)) {
+        nearest = pixels;
         found = static_cast<int>(g);
       }
     }
@@ -169,13 +177,7 @@ bool DragSession::Impl::extend_curve(int vertex) {
   return true;
 }
 
-void DragSession::Impl::pick(const SurfaceHit& hit, const Cursor& cursor) {
-  const int grabbed = group_at(hit, cursor);
-  if (grabbed >= 0) {
-    active = grabbed;
-    state = State::Picked;
-    return;
-  }
+void DragSession::Impl::pick(const SurfaceHit& hit) {
   if (mode == HandleMode::Curve) {
     pressed->draggable = false;
     if (extend_curve(hit.vertex)) {

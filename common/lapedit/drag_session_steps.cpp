@@ -53,7 +53,8 @@ std::string format_text(const char* pattern, ...) {
 // --- Mesh and poses -------------------------------------------------------------------------------------------------
 
 void DragSession::Impl::write(const std::vector<int>& vertices, const Points& places) {
-  // A new one, since the worker may be reading the old one; some milliseconds for a large mesh, and never while dragging.
+  // A new one, since the worker may be reading the old one; some milliseconds for a large mesh, and never while
+  // dragging.
   auto changed = std::make_shared<TriangleMesh>(*current);
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     changed->vertices.row(vertices[i]) = places.row(static_cast<Eigen::Index>(i));
