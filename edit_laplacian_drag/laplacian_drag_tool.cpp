@@ -117,7 +117,7 @@ bool LaplacianDragTool::start() {
     return on_;
   }
   const auto known = sessions_.find(layer->id);
-  const bool resume = known != sessions_.end() && known->second->matches(*layer->mesh) &&
+  const bool resume = known != sessions_.end() && known->second->wasLeftLike(*layer->mesh) &&
                       (known->second->inHistory.isEmpty() ||
                        window_.removeFromHistory("Laplacian Edit Replay", known->second->inHistory));
   try {
@@ -184,6 +184,7 @@ void LaplacianDragTool::end() {
         window_.appendToHistory("Laplacian Edit Replay", active_->inHistory, 1);
       }
       session.clear();  // the factor takes much memory
+      active_->leave(*layer->mesh);
     }
   }
   active_ = nullptr;

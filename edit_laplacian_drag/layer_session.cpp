@@ -2,6 +2,7 @@
 #include "layer_session.h"
 
 #include <QElapsedTimer>
+#include <QHash>
 #include <utility>
 
 using namespace lapedit;
@@ -18,6 +19,17 @@ LayerSession::LayerSession(const CMeshO& mesh, const BridgedMesh& bridged, Callb
                 },
                 callbacks_.log, callbacks_.wake}),
       writer_(mesh, bridged, session_.adjacency()) {}
+
+uint LayerSession::hashOfNormals(const CMeshO& mesh) {
+  uint hash = 0;
+  for (const CVertexO& vertex : mesh.vert) {
+    hash = qHashBits(vertex.cN().V(), 3 * sizeof(Scalarm), hash);
+  }
+  for (const CFaceO& face : mesh.face) {
+    hash = qHashBits(face.cN().V(), 3 * sizeof(Scalarm), hash);
+  }
+  return hash;
+}
 
 void LayerSession::write(const std::vector<int>& vertices, const Points& positions, bool settled) {
   CMeshO* mesh = callbacks_.mesh();

@@ -22,8 +22,12 @@ class LayerSession {
   LayerSession(const CMeshO& mesh, Callbacks callbacks);
 
   lapedit::DragSession& session() { return session_; }
-  /// Whether the mesh is still as this session left it.
+  /// Whether vertices, faces and positions of the mesh are still as this session wrote them.
   bool matches(const CMeshO& mesh) const { return writer_.matches(mesh); }
+  /// The tool is left. wasLeftLike() then tells whether the mesh is still the same, normals included, which a filter
+  /// may have made anew.
+  void leave(const CMeshO& mesh) { normalsLeft_ = hashOfNormals(mesh); }
+  bool wasLeftLike(const CMeshO& mesh) const { return matches(mesh) && hashOfNormals(mesh) == normalsLeft_; }
 
   /// Whether poses were written since the last call. @param settled  whether the last of them is there to stay
   bool takeWritten(bool& settled);
@@ -35,11 +39,13 @@ class LayerSession {
 
  private:
   LayerSession(const CMeshO& mesh, const lapedit::host::BridgedMesh& bridged, Callbacks callbacks);
+  static uint hashOfNormals(const CMeshO& mesh);
   void write(const std::vector<int>& vertices, const lapedit::Points& positions, bool settled);
 
   Callbacks callbacks_;
   bool written_ = false, settled_ = true, foundChanged_ = false;
   double writeMilliseconds_ = 0;
+  uint normalsLeft_ = 0;
   lapedit::DragSession session_;
   lapedit::host::PoseWriter writer_;
 };

@@ -148,6 +148,25 @@ TEST(DragRegion, BrushAddsAndTakesWhatIsUnderIt) {
   EXPECT_EQ(window.poses, 0);
 }
 
+TEST(DragRegion, KeysEndAStroke) {
+  Window window(plate());
+  change(window, [](DragSettings& s) { s.radius = 5; });
+  window.click(kMiddle);
+  window.press(at(33, 30), kAdd);
+  window.session.move(window.at(at(40, 30)));
+  window.keys("x5");
+  window.session.move(window.at(at(45, 30)));
+  EXPECT_EQ(window.session.state(), State::Dragging);
+  const std::vector<int> region = region_of(window);
+  window.session.release(window.at(at(45, 30)));
+  window.keys("\r");
+  EXPECT_EQ(window.session.state(), State::Picked);
+  EXPECT_EQ(region_of(window), region);
+  EXPECT_TRUE(has(region, at(40, 30)));
+  EXPECT_EQ(window.session.figures().steps, 1);
+  window.expect_consistent();
+}
+
 TEST(DragRegion, BrushDoesNotTouchTheFarSide) {
   const TriangleMesh sphere = shapes::icosphere(4);
   Window window(sphere, support::view_from(Vector3(5, 0, 0), Vector3::Zero()));

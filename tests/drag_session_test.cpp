@@ -378,7 +378,13 @@ TEST(DragSession, AnyEventsLeaveAConsistentSession) {
         }
         break;
       case 19:
-        pick(8) ? session.wait() : session.finish();
+        if (pick(8) == 0) {
+          session.finish();
+        } else {
+          session.wait();
+          ASSERT_FALSE(session.busy()) << "event " << event;
+        }
+        ASSERT_NE(session.state(), State::Settling) << "event " << event;
         break;
       default:
         session.poll();

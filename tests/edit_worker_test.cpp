@@ -105,6 +105,9 @@ TEST(EditWorker, ErrorsAreSentences) {
   WorkerPose pose;
   worker.prepare(task_for(kHandle, 0.01));
   EXPECT_NE(all_news(worker, pose).error.find("handle alone"), std::string::npos);
+  worker.solve({support::shift(Vector3(0, 0, 1))}, true);
+  EXPECT_FALSE(all_news(worker, pose).pose);
+  EXPECT_FALSE(worker.busy());  // not waiting for ever for a region that cannot be had
   worker.prepare(task_for(kHandle));
   worker.solve({support::shift(Vector3(std::nan(""), 0, 0))}, true);
   const WorkerNews news = all_news(worker, pose);

@@ -68,7 +68,17 @@ bool DragSession::Impl::at_rest() {
   if (motion) {
     drop();
   }
+  end_stroke();
   return true;
+}
+
+/// Ends a stroke of the brush that something else cuts short.
+void DragSession::Impl::end_stroke() {
+  const bool brushed = pressed && pressed->brushed;
+  pressed.reset();
+  if (brushed) {
+    handles_changed();
+  }
 }
 
 DragSession::DragSession(TriangleMesh mesh, StoredScalar scalar, Callbacks callbacks)
@@ -329,9 +339,8 @@ void DragSession::release(const Cursor& cursor) {
     s.release_motion();
     return;
   }
-  s.pressed.reset();
+  s.end_stroke();
   if (press.brushed) {
-    s.handles_changed();
     return;
   }
   try {
@@ -447,6 +456,9 @@ void DragSession::Impl::take_pose() {
     show_region(std::exchange(incoming, nullptr));
   }
   if (!region || worker_pose.positions.rows() != region->size()) {
+    if (state == State::Settling) {
+      drop();
+    }
     return;
   }
   pose.swap(worker_pose.positions);

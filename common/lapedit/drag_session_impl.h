@@ -100,6 +100,7 @@ struct DragSession::Impl {
   }
   void refuse(const std::string& sentence) { refusal = sentence; }
   bool at_rest();
+  void end_stroke();
 
   // Mesh and poses.
   void show(const std::vector<int>& vertices, const Points& places, bool settled) {

@@ -11,7 +11,7 @@ namespace {
 
 /// A press this near to a handle vertex takes hold of its group.
 constexpr double kGrabPixels = 6;
-constexpr double kGrabDepth = 0.25;  // of the radius
+constexpr double kGrabDepth = 1;  // of the radius
 
 std::vector<int> sorted_set(std::vector<int> vertices) {
   std::sort(vertices.begin(), vertices.end());

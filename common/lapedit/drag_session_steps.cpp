@@ -106,6 +106,9 @@ bool DragSession::Impl::begin(MotionKind kind, const Vector3& grab, const Cursor
 }
 
 bool DragSession::Impl::begin_by_key(MotionKind kind, const Cursor& cursor) {
+  if (pressed && (pressed->modifiers.add || pressed->modifiers.take)) {
+    end_stroke();
+  }
   if (groups.empty() || active < 0 || !cursor.view.valid()) {
     return false;
   }

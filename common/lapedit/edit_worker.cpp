@@ -39,6 +39,7 @@ struct EditWorker::State {
   int serial = 0;
   bool last = false;
   bool to_solve = false;
+  bool has_region = false;  // prepared, or still to be
   bool working = false;
   bool has_news = false;
   WorkerNews news;
@@ -73,7 +74,7 @@ void EditWorker::State::drop() {
   ++generation;
   to_prepare.reset();
   to_apply.reset();
-  to_solve = false;
+  to_solve = has_region = false;
   news = WorkerNews();
   has_news = false;
   progress = 0;
@@ -228,7 +229,7 @@ void EditWorker::State::run() {
     }
     lock.lock();
     if (!error.empty() && !solving && generation == mine) {
-      to_solve = false;
+      to_solve = has_region = false;
     }
   }
 }
@@ -253,6 +254,7 @@ void EditWorker::prepare(PrepareTask task) {
     const std::lock_guard<std::mutex> lock(state_->mutex);
     state_->drop();
     state_->to_prepare = std::make_unique<PrepareTask>(std::move(task));
+    state_->has_region = true;
   }
   state_->asked.notify_all();
 }
@@ -280,7 +282,7 @@ int EditWorker::solve(const std::vector<Affine>& maps, bool last) {
     const std::lock_guard<std::mutex> lock(state_->mutex);
     state_->maps = maps;
     state_->last = last;
-    state_->to_solve = true;
+    state_->to_solve = state_->has_region;
     serial = ++state_->serial;
   }
   state_->asked.notify_all();

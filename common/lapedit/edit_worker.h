@@ -64,7 +64,8 @@ class EditWorker {
   /// Drops what is being done, and what was prepared.
   void cancel();
 
-  /// Asks for the pose of the region last prepared, or still to be. @return its serial, counting up
+  /// Asks for the pose of the region last prepared, or still to be; without one, nothing happens. @return its serial,
+  /// counting up
   /// @param last  no other will follow soon: its report comes with it. Else it comes when the questions pause
   /// Nothing is allocated once as many maps were given before.
   int solve(const std::vector<Affine>& maps, bool last);
