@@ -106,6 +106,18 @@ TEST(DragSession, HandleIsTakenHoldOfByItsMarkThoughAFoldHidesIt) {
   EXPECT_EQ(window.session.groups(), std::vector<std::vector<int>>{{kMiddle}});
 }
 
+TEST(DragSession, PressJustBesideTheEdgeMeansTheEdge) {
+  Window window(hills());
+  const int corner = 59 * 60 + 59;
+  window.session.press(window.at(corner, Vector2(2, -2)));
+  window.session.release(window.at(corner, Vector2(2, -2)));
+  window.session.wait();
+  EXPECT_EQ(window.session.groups(), std::vector<std::vector<int>>{{corner}});
+  window.session.clear();
+  window.session.press(window.at(corner, Vector2(5, -5)));
+  EXPECT_TRUE(window.session.groups().empty());
+}
+
 TEST(DragSession, HandleOnTheFarSideIsNotInTheWay) {
   Window window(shapes::icosphere(4), support::view_from(Vector3(4, 0, 0), Vector3::Zero()));
   const int front = support::vertex_at(window.session.mesh(), Vector3::UnitX());

@@ -260,7 +260,7 @@ void DragSession::press(const Cursor& cursor, PressModifiers modifiers) {
     }
     return;
   }
-  const std::optional<SurfaceHit> hit = first_hit(*s.current, cursor.view.ray(cursor.pixel));
+  const std::optional<SurfaceHit> hit = s.hit_at(cursor);
   const bool plain = !modifiers.add && !modifiers.take;
   const int grabbed = plain ? s.group_at(hit, cursor) : -1;
   if (!hit && grabbed < 0) {

@@ -134,6 +134,7 @@ struct DragSession::Impl {
 
   // Handles.
   void pick(const SurfaceHit& hit);
+  std::optional<SurfaceHit> hit_at(const Cursor& cursor) const;
   int group_at(const std::optional<SurfaceHit>& hit, const Cursor& cursor) const;
   bool extend_curve(int vertex);
   void add_to_handle(int vertex);

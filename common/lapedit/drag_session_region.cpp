@@ -11,6 +11,8 @@ namespace {
 
 /// A press this near to a handle vertex takes hold of its group.
 constexpr double kGrabPixels = 6;
+/// A press beside the surface, but this near to it, means its edge: tips of limbs are thinner than a pixel.
+constexpr double kEdgePixels = 4;
 constexpr double kGrabDepth = 1;  // of the radius
 
 std::vector<int> sorted_set(std::vector<int> vertices) {
@@ -117,6 +119,27 @@ bool DragSession::Impl::choose_region(int vertex, std::vector<int>& handle) {
 }
 
 // --- Handles --------------------------------------------------------------------------------------------------------
+
+/// What of the surface a press means.
+std::optional<SurfaceHit> DragSession::Impl::hit_at(const Cursor& cursor) const {
+  std::optional<SurfaceHit> hit = first_hit(*current, cursor.view.ray(cursor.pixel));
+  if (hit) {
+    return hit;
+  }
+  double nearest = kEdgePixels;
+  for (int v = 0; v < static_cast<int>(current->vertices.rows()); ++v) {
+    const Vector3 place = current->vertices.row(v).transpose();
+    if (adjacency->faces[v].size() == 0 || !place.allFinite() || !cursor.view.in_front(place)) {
+      continue;
+    }
+    const double pixels = (cursor.view.pixel(place) - cursor.pixel).norm();
+    if (pixels < nearest) {
+      nearest = pixels;
+      hit = SurfaceHit{place, *adjacency->faces[v].begin(), v};
+    }
+  }
+  return hit;
+}
 
 /// The group whose mark on the screen the cursor is on. Marks show through the surface, so what lies a little behind it
 /// can be taken hold of, but not what is on the far side.
@@ -267,7 +290,7 @@ void DragSession::Impl::take_from_handle(int vertex) {
 }
 
 void DragSession::Impl::brush(const Cursor& cursor) {
-  const std::optional<SurfaceHit> hit = first_hit(*current, cursor.view.ray(cursor.pixel));
+  const std::optional<SurfaceHit> hit = hit_at(cursor);
   if (!hit) {
     return;
   }

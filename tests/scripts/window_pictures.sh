@@ -1,0 +1,27 @@
+#!/bin/sh
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Drags in the real MeshLab window and keeps screenshots of region, drag and result, and an animated picture, in
+# build/window.
+#
+# usage: window_pictures.sh [NAME...]   scenes as in window_pictures.py, all by default
+# LAPEDIT_MESHES: folder of the real meshes; by default ../shared/meshes beside this project, if it is there.
+set -eu
+
+cd "$(dirname "$0")/../.."
+build=$PWD/build
+window=$build/window
+meshes=${LAPEDIT_MESHES:-$PWD/../shared/meshes}
+
+tests/scripts/install_dependencies.sh
+cmake -S . -B "$build" >/dev/null
+cmake --build "$build" --parallel "$(nproc)" --target edit_laplacian_drag filter_laplacian_edit gui_driver make_mesh >/dev/null
+mkdir -p "$window"
+tests/host/stage.sh "$window/stage" "$build/edit_laplacian_drag/libedit_laplacian_drag.so" \
+  "$build/filter_laplacian_edit/libfilter_laplacian_edit.so" "$build/tests/gui/driver/libgui_driver.so" \
+  "$(command -v meshlab)" "$(command -v meshlabserver)"
+"$build/tests/demo/make_mesh" arm "$window/limb.ply"
+if [ -d "$meshes" ]; then
+  set -- --meshes "$meshes" "$@"
+fi
+LAPEDIT_STAGE=$window/stage tests/scripts/window_pictures.py --limb "$window/limb.ply" --output "$window" "$@"
+echo "Pictures: $window"
