@@ -9,6 +9,7 @@
 #include <QSaveFile>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "filter_script.h"
@@ -41,6 +42,7 @@ double median(const std::deque<FrameTimes>& frames, double FrameTimes::*part) {
     return 0;
   }
   std::vector<double> values;
+  values.reserve(frames.size());
   for (const FrameTimes& frame : frames) {
     values.push_back(frame.*part);
   }
@@ -116,6 +118,7 @@ bool LaplacianDragTool::start() {
     nothing_ = "There is no mesh: open one first.";
     return on_;
   }
+  forgetGoneLayers();
   const auto known = sessions_.find(layer->id);
   const bool resume = known != sessions_.end() && known->second->wasLeftLike(*layer->mesh) &&
                       (known->second->inHistory.isEmpty() ||
@@ -165,6 +168,7 @@ void LaplacianDragTool::end() {
     panel_->hide();
   }
   window_.canvas().removeEventFilter(this);
+  window_.canvas().setMouseTracking(false);
   const auto layer = layer_ >= 0 ? window_.layer(layer_) : std::nullopt;
   if (active_ && !layer) {
     sessions_.erase(layer_);
@@ -190,6 +194,12 @@ void LaplacianDragTool::end() {
   active_ = nullptr;
   layer_ = -1;
   on_ = false;
+}
+
+void LaplacianDragTool::forgetGoneLayers() {
+  for (auto known = sessions_.begin(); known != sessions_.end();) {
+    known = window_.layer(known->first) ? std::next(known) : sessions_.erase(known);
+  }
 }
 
 void LaplacianDragTool::openPanel() {
@@ -260,7 +270,9 @@ void LaplacianDragTool::draw() {
     }
     overlay_.draw(session, view_, brush, canvas.width(), canvas.height(), canvas.devicePixelRatioF());
     glPopMatrix();
-    line = notice_.empty() ? session.message() : notice_;
+    line = !notice_.empty()      ? notice_
+           : window_.suspended() ? "Suspended: the mouse turns the view. Esc goes on with dragging."
+                                 : session.message();
     if (session.preparing()) {
       line += "  [preparing: " + std::string(session.stage()) + ", " +
               std::to_string(static_cast<int>(100 * session.progress())) + " %]";
@@ -353,6 +365,13 @@ void LaplacianDragTool::mouseMove(QMouseEvent& event) {
   if (!usableLayer() || !view_.valid()) {
     return;
   }
+  if (pressed_ && !(event.buttons() & Qt::LeftButton)) {
+    // The release went elsewhere: to the view while the tool was suspended, or to a dialog.
+    pressed_ = false;
+    active_->session().cancel();
+    afterEvent();
+    return;
+  }
   if (pressed_ && !moved_) {
     moved_ = (event.localPos() - pressPosition_).manhattanLength() >= kDragPixels;
     if (!moved_) {
@@ -382,6 +401,10 @@ void LaplacianDragTool::mouseRelease(QMouseEvent& event) {
     return;
   }
   if (!usableLayer() || !view_.valid()) {
+    if (active_) {
+      active_->session().cancel();  // hidden meanwhile
+      afterEvent();
+    }
     return;
   }
   Cursor at = cursor();
@@ -556,11 +579,13 @@ void LaplacianDragTool::command(const QString& part) {
 
 void LaplacianDragTool::saveEdit() {
   const QByteArray json = write_edit(active_->session().recorded());
-  const QString path =
-      QFileDialog::getSaveFileName(window_.mainWindow(), "Save edit", QString(), "Laplacian edits (*.json)");
-  if (path.isEmpty()) {
+  QFileDialog dialog(window_.mainWindow(), "Save edit", QString(), "Laplacian edits (*.json)");
+  dialog.setAcceptMode(QFileDialog::AcceptSave);
+  dialog.setDefaultSuffix("json");
+  if (dialog.exec() != QDialog::Accepted) {
     return;
   }
+  const QString path = dialog.selectedFiles().constFirst();
   QSaveFile file(path);
   if (!file.open(QIODevice::WriteOnly) || file.write(json) != json.size() || !file.commit()) {
     say("The edit could not be written to " + path.toStdString() + ": " + file.errorString().toStdString() + ".");

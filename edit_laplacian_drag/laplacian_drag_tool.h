@@ -40,6 +40,7 @@ class LaplacianDragTool : public QObject, public lapedit::host::EditTool {
 
  private:
   std::optional<lapedit::host::Layer> usableLayer();
+  void forgetGoneLayers();
   lapedit::Cursor cursor() const;
   void setCursor(const QPointF& position);
   void openPanel();

@@ -14,7 +14,7 @@ namespace {
 using Color = std::array<unsigned char, 3>;
 constexpr Color kHandle{255, 214, 10}, kFree{48, 190, 76}, kAnchor{225, 48, 38}, kOutline{20, 20, 24};
 constexpr Color kAxes[] = {{235, 60, 50}, {70, 200, 70}, {70, 120, 255}, {240, 240, 245}};
-constexpr unsigned char kFill = 115;  // of 255: the shading below has to stay readable
+constexpr unsigned char kFill = 135;  // of 255: the shading below has to stay readable
 
 Color colorOf(VertexClass c) {
   return c == VertexClass::Handle ? kHandle : c == VertexClass::Anchor ? kAnchor : kFree;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "panel.h"
 
+#include <QAction>
 #include <QCloseEvent>
 #include <QComboBox>
 #include <QDoubleSpinBox>
@@ -40,6 +41,18 @@ void chooseQuietly(QComboBox* box, int index) {
   box->setCurrentIndex(index);
 }
 
+/// Shows no more digits than it needs.
+class NumberBox : public QDoubleSpinBox {
+ public:
+  QString textFromValue(double value) const override {
+    QString text = QDoubleSpinBox::textFromValue(value);
+    while (text.contains('.') && (text.endsWith('0') || text.endsWith('.'))) {
+      text.chop(1);
+    }
+    return text;
+  }
+};
+
 /// Rows of buttons.
 void addRow(QFormLayout* form, const std::vector<QPushButton*>& buttons, int columns) {
   auto* grid = new QGridLayout;
@@ -56,6 +69,7 @@ void addRow(QFormLayout* form, const std::vector<QPushButton*>& buttons, int col
 Panel::Panel(QWidget* parent, QWidget* canvas) : QDockWidget("Laplacian Drag", parent), canvas_(canvas) {
   setObjectName(nameOf("panel"));
   setAllowedAreas(Qt::LeftDockWidgetArea | Qt::RightDockWidgetArea);
+  toggleViewAction()->setVisible(false);  // the tool shows and hides it
   auto* scroll = new QScrollArea;
   scroll->setObjectName(nameOf("scroll"));
   scroll->setWidgetResizable(true);
@@ -126,9 +140,9 @@ Panel::Panel(QWidget* parent, QWidget* canvas) : QDockWidget("Laplacian Drag", p
   rotation_ = choice("detail_rotation", {"None", "Smooth normals", "Smooth surface"},
                      "How details turn with the surface: not at all, by the paper's frames, by the smoothed surface");
   connect(rotation_, QOverload<int>::of(&QComboBox::activated), this, [this](int index) {
-    constexpr DetailRotation kRotations[] = {DetailRotation::None, DetailRotation::SmoothNormals,
-                                             DetailRotation::SmoothSurface};
-    edited([index, &kRotations](DragSettings& s) { s.edit.rotation = kRotations[std::clamp(index, 0, 2)]; });
+    static constexpr DetailRotation kRotations[] = {DetailRotation::None, DetailRotation::SmoothNormals,
+                                                    DetailRotation::SmoothSurface};
+    edited([index](DragSettings& s) { s.edit.rotation = kRotations[std::clamp(index, 0, 2)]; });
   });
   form->addRow("Detail rotation", rotation_);
   iterations_ = count("iterations", 1, 100, "How often the rotations are estimated anew; more helps large drags",
@@ -178,13 +192,14 @@ Panel::Panel(QWidget* parent, QWidget* canvas) : QDockWidget("Laplacian Drag", p
 
 QDoubleSpinBox* Panel::number(const char* part, double low, double high, int digits, const QString& help,
                               const std::function<void(DragSettings&, double)>& set) {
-  auto* box = new QDoubleSpinBox;
+  auto* box = new NumberBox;
   box->setObjectName(nameOf(part));
   box->setLocale(QLocale::c());
   box->setDecimals(digits);
   box->setRange(low, high);
   box->setKeyboardTracking(false);
   box->setFocusPolicy(Qt::ClickFocus);
+  box->installEventFilter(this);
   box->setToolTip(help);
   box->setMaximumWidth(kFieldWidth);
   connect(box, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this,
@@ -199,6 +214,7 @@ QSpinBox* Panel::count(const char* part, int low, int high, const QString& help,
   box->setRange(low, high);
   box->setKeyboardTracking(false);
   box->setFocusPolicy(Qt::ClickFocus);
+  box->installEventFilter(this);
   box->setToolTip(help);
   box->setMaximumWidth(kFieldWidth);
   connect(box, QOverload<int>::of(&QSpinBox::valueChanged), this,
@@ -212,6 +228,7 @@ QComboBox* Panel::choice(const char* part, const QStringList& names, const QStri
   box->addItems(names);
   box->setToolTip(help);
   box->setFocusPolicy(Qt::ClickFocus);
+  box->installEventFilter(this);
   box->setMaximumWidth(kFieldWidth);
   return box;
 }
@@ -325,6 +342,15 @@ void Panel::setFrames(const std::vector<FrameTimes>& frames) {
         {"solve", f.solve}, {"write", f.write}, {"upload", f.upload}, {"draw", f.draw}, {"total", f.total}});
   }
   setProperty("laplacian_drag_frames", list);
+}
+
+/// The wheel scrolls the panel; it changes a value only after a click on it.
+bool Panel::eventFilter(QObject* object, QEvent* event) {
+  if (event->type() == QEvent::Wheel && !static_cast<QWidget*>(object)->hasFocus()) {
+    event->ignore();
+    return true;
+  }
+  return QDockWidget::eventFilter(object, event);
 }
 
 void Panel::closeEvent(QCloseEvent* event) {

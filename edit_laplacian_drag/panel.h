@@ -48,6 +48,7 @@ class Panel : public QDockWidget {
 
  protected:
   void closeEvent(QCloseEvent* event) override;
+  bool eventFilter(QObject* object, QEvent* event) override;
 
  private:
   using Edit = std::function<void(lapedit::DragSettings&)>;

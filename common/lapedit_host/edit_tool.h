@@ -38,6 +38,7 @@ class HostWindow {
   virtual QMainWindow* mainWindow() = 0;
   virtual std::optional<Layer> currentLayer() = 0;
   virtual std::optional<Layer> layer(int id) = 0;
+  virtual bool suspended() = 0;  ///< the tool is shown, but mouse and keys are the host's
 
   /// The layer's positions and normals have changed: brings them to the graphics card. Not while drawing.
   virtual void uploadGeometry(int layer) = 0;
@@ -73,7 +74,7 @@ class EditTool {
 
   /// Over the drawn scene. The modelview matrix is that of the world.
   virtual void draw() = 0;
-  virtual void mousePress(QMouseEvent& event) = 0;
+  virtual void mousePress(QMouseEvent& event) = 0;  ///< also the second press of a double click
   virtual void mouseMove(QMouseEvent& event) = 0;
   virtual void mouseRelease(QMouseEvent& event) = 0;
   virtual void wheel(QWheelEvent& event) = 0;

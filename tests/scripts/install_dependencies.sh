@@ -9,7 +9,7 @@ packages="
   libsuitesparse-dev libopenblas-dev
   libgtest-dev clang-format clang-tidy
   meshlab dpkg-dev
-  xvfb xauth libgl1-mesa-dri
+  xvfb xauth xdotool libgl1-mesa-dri
   python3 python3-numpy python3-vtk9
 "
 

@@ -29,13 +29,13 @@ SCENES = {
     "mannequin": Scene("mannequin.off", 8624, 1.2155, (110, 20), "Left (Z is up)"),
     "octopus": Scene("octopus.off", 3175, 0.8, (10, -150), "Front (Z is up)"),
     "dark": Scene("octopus.off", 3175, 0.8, (10, -150), "Front (Z is up)", dark=True),
-    "coloured": Scene("Laurana50k.ply", 25805, 120, (60, -90), "Front"),
-    "textured": Scene("texturedknot.ply", 0, 60, (80, -60), "Front"),
-    "igea": Scene("igea.ply", 31536, 0.0374, (60, -60), "Front"),
+    "coloured": Scene("Laurana50k.ply", 25805, 120, (20, -30), "Front"),
+    "textured": Scene("texturedknot.ply", 0, 110, (50, -70), "Front"),
+    "igea": Scene("igea.ply", 31536, 0.0374, (90, 20), "Left"),
 }
 # Turned so that the rings on its underside are seen.
 TURNED = [1, 0, 0, 0, 0, -0.82, 0.57, 0, 0, -0.57, -0.82, 0, 0, 0, 0, 1]
-GENERATED = Scene("limb.ply", None, 7.5, (-100, -190), "Front", TURNED, zoom=4)
+GENERATED = Scene("limb.ply", None, 7.5, (-170, -260), "Front", TURNED, zoom=1)
 
 
 class Pictures(GuiTest):

@@ -8,18 +8,11 @@
 set -eu
 
 cd "$(dirname "$0")/../.."
-build=$PWD/build
-window=$build/window
+window=$PWD/build/window
 meshes=${LAPEDIT_MESHES:-$PWD/../shared/meshes}
 
-tests/scripts/install_dependencies.sh
-cmake -S . -B "$build" >/dev/null
-cmake --build "$build" --parallel "$(nproc)" --target edit_laplacian_drag filter_laplacian_edit gui_driver make_mesh >/dev/null
-mkdir -p "$window"
-tests/host/stage.sh "$window/stage" "$build/edit_laplacian_drag/libedit_laplacian_drag.so" \
-  "$build/filter_laplacian_edit/libfilter_laplacian_edit.so" "$build/tests/gui/driver/libgui_driver.so" \
-  "$(command -v meshlab)" "$(command -v meshlabserver)"
-"$build/tests/demo/make_mesh" arm "$window/limb.ply"
+tests/scripts/stage_window.sh "$window/stage"
+build/tests/demo/make_mesh arm "$window/limb.ply"
 if [ -d "$meshes" ]; then
   set -- --meshes "$meshes" "$@"
 fi

@@ -26,6 +26,7 @@ class View2020 final : public HostWindow {
 
   QWidget& canvas() override { return *area_; }
   QMainWindow* mainWindow() override { return qobject_cast<QMainWindow*>(area_->window()); }
+  bool suspended() override { return area_->suspendedEditor; }
 
   std::optional<Layer> currentLayer() override { return area_->mm() ? seen(*area_->mm()) : std::nullopt; }
 
@@ -68,8 +69,10 @@ class View2020 final : public HostWindow {
 
   void navigate(const QMouseEvent& event, Qt::MouseButton as) override {
     const Qt::MouseButtons held = event.buttons() == Qt::NoButton ? Qt::MouseButtons() : Qt::MouseButtons(as);
-    QMouseEvent copy(event.type(), event.localPos(), event.windowPos(), event.screenPos(),
-                     event.type() == QEvent::MouseMove ? Qt::NoButton : as, held, Qt::NoModifier);
+    // A double click would center the view.
+    const QEvent::Type type = event.type() == QEvent::MouseButtonDblClick ? QEvent::MouseButtonPress : event.type();
+    QMouseEvent copy(type, event.localPos(), event.windowPos(), event.screenPos(),
+                     type == QEvent::MouseMove ? Qt::NoButton : as, held, Qt::NoModifier);
     pass(copy);
   }
 
@@ -166,9 +169,11 @@ class Tool2020 final : public QObject, public MeshEditInterface {
   bool StartEdit(MeshDocument&, GLArea* area, MLSceneGLSharedDataContext* shared) override {
     setParent(area);
     view_.attach(area, shared);
+    area->installEventFilter(this);
     return guarded([this] { return tool_->start(); });
   }
-  void EndEdit(MeshDocument&, GLArea*, MLSceneGLSharedDataContext*) override {
+  void EndEdit(MeshDocument&, GLArea* area, MLSceneGLSharedDataContext*) override {
+    area->removeEventFilter(this);
     guarded([this] { tool_->end(); });
   }
   void LayerChanged(MeshDocument&, MeshModel&, GLArea* area, MLSceneGLSharedDataContext* shared) override {
@@ -198,6 +203,14 @@ class Tool2020 final : public QObject, public MeshEditInterface {
   }
   void keyReleaseEvent(QKeyEvent* event, MeshModel&, GLArea*) override {
     guarded([&] { tool_->keyRelease(*event); });
+  }
+
+  /// MeshLab tells tools nothing of a double click, which takes the place of its second press.
+  bool eventFilter(QObject*, QEvent* event) override {
+    if (event->type() == QEvent::MouseButtonDblClick && !view_.suspended()) {
+      guarded([&] { tool_->mousePress(static_cast<QMouseEvent&>(*event)); });
+    }
+    return false;
   }
 
  private:

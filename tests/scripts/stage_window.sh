@@ -1,0 +1,18 @@
+#!/bin/sh
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Builds the plugins and puts them, with the driver of the window's tests, into a private copy of MeshLab.
+#
+# usage: stage_window.sh STAGE
+set -eu
+
+stage=$1
+cd "$(dirname "$0")/../.."
+build=$PWD/build
+
+tests/scripts/install_dependencies.sh
+cmake -S . -B "$build" >/dev/null
+cmake --build "$build" --parallel "$(nproc)" --target edit_laplacian_drag filter_laplacian_edit gui_driver make_mesh >/dev/null
+mkdir -p "$(dirname "$stage")"
+tests/host/stage.sh "$stage" "$build/edit_laplacian_drag/libedit_laplacian_drag.so" \
+  "$build/filter_laplacian_edit/libfilter_laplacian_edit.so" "$build/tests/gui/driver/libgui_driver.so" \
+  "$(command -v meshlab)" "$(command -v meshlabserver)"
