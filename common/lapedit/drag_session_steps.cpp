@@ -169,8 +169,9 @@ EditStep DragSession::Impl::step_now() const {
   EditStep step;
   step.region = spec;
   step.settings = settings.edit;
-  for (const std::vector<int>& group : groups) {
-    step.handles.push_back({group, HandleTransform()});
+  step.handles.resize(groups.size());
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    step.handles[g].vertices = groups[g];
   }
   if (motion) {
     step.handles[active].transform = motion->transform();

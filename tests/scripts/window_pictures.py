@@ -35,11 +35,11 @@ SCENES = {
 }
 # Turned so that the rings on its underside are seen.
 TURNED = [1, 0, 0, 0, 0, -0.82, 0.57, 0, 0, -0.57, -0.82, 0, 0, 0, 0, 1]
-GENERATED = Scene("limb.ply", None, 7.5, (-170, -260), "Front", TURNED, zoom=1)
+GENERATED = Scene("limb.ply", None, 7.5, (-160, -225), "Front", TURNED, zoom=1)
 
 
 class Pictures(GuiTest):
-    screen = "1280x900"
+    screen = "1280x800"
 
 
 def darkened(source, path):
