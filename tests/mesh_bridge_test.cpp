@@ -7,9 +7,9 @@
 #include <vcg/complex/algorithms/update/normal.h>
 
 #include <cmath>
-#include <cstring>
 #include <limits>
 
+#include "host_support.h"
 #include "shapes.h"
 
 namespace lapedit::host {
@@ -17,22 +17,6 @@ namespace {
 
 constexpr Scalarm kNaN = std::numeric_limits<Scalarm>::quiet_NaN();
 constexpr Scalarm kInfinity = std::numeric_limits<Scalarm>::infinity();
-
-void fill(CMeshO& host, const TriangleMesh& mesh) {
-  using Allocator = vcg::tri::Allocator<CMeshO>;
-  auto vertex = Allocator::AddVertices(host, static_cast<std::size_t>(mesh.vertices.rows()));
-  for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v, ++vertex) {
-    vertex->P() = Point3m(static_cast<Scalarm>(mesh.vertices(v, 0)), static_cast<Scalarm>(mesh.vertices(v, 1)),
-                          static_cast<Scalarm>(mesh.vertices(v, 2)));
-  }
-  // Not AddFace(): it wants three different vertices.
-  auto face = Allocator::AddFaces(host, static_cast<std::size_t>(mesh.faces.rows()));
-  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f, ++face) {
-    for (int k = 0; k < 3; ++k) {
-      face->V(k) = &host.vert[static_cast<std::size_t>(mesh.faces(f, k))];
-    }
-  }
-}
 
 void host_normals(CMeshO& host) {
   vcg::tri::UpdateNormal<CMeshO>::PerFaceNormalized(host);
@@ -49,10 +33,6 @@ EditResult shift(const BridgedMesh& bridged, const std::vector<int>& vertices, c
     result.positions.row(static_cast<Eigen::Index>(i)) = bridged.mesh.vertices.row(vertices[i]) + offset.transpose();
   }
   return result;
-}
-
-bool same_bits(const Point3m& a, const Point3m& b) {
-  return std::memcmp(a.V(), b.V(), sizeof(Scalarm) * 3) == 0;
 }
 
 TEST(MeshBridge, RoundTripsAMeshWithDeletedVerticesAndFaces) {

@@ -3,203 +3,393 @@
 
 #include <gtest/gtest.h>
 
-#include <vcg/complex/algorithms/update/bounding.h>
-#include <vcg/complex/algorithms/update/normal.h>
+#include <vcg/complex/append.h>
 
-#include <algorithm>
-#include <cstring>
-#include <numeric>
+#include <limits>
 #include <random>
 
+#include "allocation_watch.h"
+#include "host_support.h"
 #include "shapes.h"
 #include "support.h"
 
 namespace lapedit::host {
 namespace {
 
-void fill(CMeshO& host, const TriangleMesh& mesh) {
-  using Allocator = vcg::tri::Allocator<CMeshO>;
-  auto vertex = Allocator::AddVertices(host, static_cast<std::size_t>(mesh.vertices.rows()));
-  for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v, ++vertex) {
-    vertex->P() = to_host(mesh.vertices.row(v).transpose());
-  }
-  auto face = Allocator::AddFaces(host, static_cast<std::size_t>(mesh.faces.rows()));
-  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f, ++face) {
-    for (int k = 0; k < 3; ++k) {
-      face->V(k) = &host.vert[static_cast<std::size_t>(mesh.faces(f, k))];
+constexpr Scalarm kNaN = std::numeric_limits<Scalarm>::quiet_NaN();
+
+/// All that a writer may change.
+struct State {
+  explicit State(const CMeshO& host) : box(host.bbox) {
+    for (const CVertexO& vertex : host.vert) {
+      places.push_back(vertex.cP());
+      vertex_normals.push_back(vertex.cN());
+    }
+    for (const CFaceO& face : host.face) {
+      face_normals.push_back(face.cN());
     }
   }
-  vcg::tri::UpdateNormal<CMeshO>::PerFaceNormalized(host);
-  vcg::tri::UpdateNormal<CMeshO>::PerVertexAngleWeighted(host);
-  vcg::tri::UpdateBounding<CMeshO>::Box(host);
+  std::vector<Point3m> places, vertex_normals, face_normals;
+  Box3m box;
+};
+
+void expect_same(const std::vector<Point3m>& a, const std::vector<Point3m>& b, const char* what) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_TRUE(same_bits(a[i], b[i])) << what << " of number " << i;
+  }
 }
 
-/// All that a write may change, as bits.
-std::string bits(const CMeshO& host) {
-  std::string result;
-  const auto add = [&result](const Point3m& p) {
-    result.append(reinterpret_cast<const char*>(p.V()), 3 * sizeof(Scalarm));
-  };
-  for (const CVertexO& vertex : host.vert) {
-    add(vertex.cP());
-    add(vertex.cN());
+void expect_same_but_box(const State& a, const State& b) {
+  expect_same(a.places, b.places, "place");
+  expect_same(a.vertex_normals, b.vertex_normals, "vertex normal");
+  expect_same(a.face_normals, b.face_normals, "face normal");
+}
+
+void expect_same(const State& a, const State& b) {
+  expect_same_but_box(a, b);
+  expect_same({a.box.min, a.box.max}, {b.box.min, b.box.max}, "corner of the box");
+}
+
+/// A host mesh with normals and a box as no update makes them, as files have them.
+class Scene {
+ public:
+  explicit Scene(const TriangleMesh& mesh, const std::vector<int>& dead_faces = {},
+                 const std::vector<int>& dead_vertices = {}) {
+    make(host, mesh, dead_faces, dead_vertices);
+    make(twin, mesh, dead_faces, dead_vertices);
+    bridged = read_mesh(host);
+    adjacency = support::adjacency_of(bridged.mesh);
   }
-  for (const CFaceO& face : host.face) {
-    add(face.cN());
+
+  PoseWriter writer() const { return {host, bridged, adjacency}; }
+
+  /// What the bridge makes of the first mesh and the places of some vertices.
+  State expected(const std::vector<int>& vertices, const Points& positions) {
+    EditResult result;
+    result.vertices = vertices;
+    result.positions = positions;
+    write_positions(twin, bridged, result);
+    return State(twin);
   }
-  add(host.bbox.min);
-  add(host.bbox.max);
+
+  CMeshO host;
+  BridgedMesh bridged;
+  Adjacency adjacency;
+
+ private:
+  static void make(CMeshO& host, const TriangleMesh& mesh, const std::vector<int>& dead_faces,
+                   const std::vector<int>& dead_vertices) {
+    fill(host, mesh);
+    for (std::size_t v = 0; v < host.vert.size(); ++v) {
+      host.vert[v].N() = Point3m(static_cast<Scalarm>(v), -0.0F, 3);
+    }
+    for (std::size_t f = 0; f < host.face.size(); ++f) {
+      host.face[f].N() = f % 5 == 0 ? Point3m(kNaN, 0, 1) : Point3m(static_cast<Scalarm>(f), -0.0F, 2);
+    }
+    host.bbox.min = Point3m(-100, -200, -300);
+    host.bbox.max = Point3m(-0.0F, 7, 8);
+    for (const int f : dead_faces) {
+      vcg::tri::Allocator<CMeshO>::DeleteFace(host, host.face[static_cast<std::size_t>(f)]);
+    }
+    for (const int v : dead_vertices) {
+      vcg::tri::Allocator<CMeshO>::DeleteVertex(host, host.vert[static_cast<std::size_t>(v)]);
+    }
+  }
+
+  CMeshO twin;
+};
+
+std::vector<int> stretch(int first, int count) {
+  std::vector<int> vertices(static_cast<std::size_t>(count));
+  std::iota(vertices.begin(), vertices.end(), first);
+  return vertices;
+}
+
+/// Some rows, each pushed its own way.
+Points pushed(const Points& vertices, const std::vector<int>& set, std::mt19937& generator) {
+  Points result = support::rows(vertices, set);
+  for (Eigen::Index i = 0; i < result.size(); ++i) {
+    result.data()[i] += static_cast<double>(generator() % 1000) / 2000;
+  }
   return result;
 }
 
-/// A host mesh with odd normals and a box that is too large, as files bring them, and some deleted elements.
-class PoseWriterTest : public testing::Test {
- protected:
-  PoseWriterTest() {
-    fill(host_, shapes::letter_field(30, 15));
-    for (std::size_t v = 0; v < host_.vert.size(); ++v) {
-      host_.vert[v].N() *= static_cast<Scalarm>(1 + 0.1 * static_cast<double>(v % 7));
-    }
-    host_.face[5].N() = Point3m(1, 2, 3);
-    host_.bbox.Add(Point3m(9, 9, 9));
-    for (const std::size_t f : {std::size_t(40), std::size_t(41)}) {
-      vcg::tri::Allocator<CMeshO>::DeleteFace(host_, host_.face[f]);
-    }
-    vcg::tri::Allocator<CMeshO>::DeleteVertex(host_, host_.vert.back());
-    for (CFaceO& face : host_.face) {
-      for (int k = 0; k < 3 && !face.IsD(); ++k) {
-        if (face.V(k)->IsD()) {
-          vcg::tri::Allocator<CMeshO>::DeleteFace(host_, face);
-        }
-      }
-    }
-    bridged_ = read_mesh(host_);
-    adjacency_ = support::adjacency_of(bridged_.mesh);
-    first_ = bits(host_);
-  }
-
-  EditResult somewhere(unsigned seed, int from, int count) const {
-    std::mt19937 random(seed);
-    EditResult result;
-    for (int v = from; v < from + count; ++v) {
-      result.vertices.push_back(v);
-    }
-    result.positions = support::rows(bridged_.mesh.vertices, result.vertices);
-    for (Eigen::Index i = 0; i < result.positions.size(); ++i) {
-      result.positions.data()[i] += 1e-3 * static_cast<double>(random() % 100);
-    }
-    return result;
-  }
-
-  EditResult home(const std::vector<int>& vertices) const {
-    EditResult result;
-    result.vertices = vertices;
-    result.positions = support::rows(bridged_.mesh.vertices, vertices);
-    return result;
-  }
-
-  CMeshO host_;
-  BridgedMesh bridged_;
-  Adjacency adjacency_;
-  std::string first_;
-};
-
-TEST_F(PoseWriterTest, WritesWhatTheFilterWrites) {
-  const EditResult pose = somewhere(1, 100, 80);
-  PoseWriter writer(host_, bridged_, adjacency_);
-  ASSERT_TRUE(writer.write(host_, pose.vertices, pose.positions, true));
-  const std::string live = bits(host_);
-  EXPECT_NE(live, first_);
-  const EditResult back = home(pose.vertices);
-  ASSERT_TRUE(writer.write(host_, back.vertices, back.positions, true));
-  ASSERT_EQ(bits(host_), first_);
-  write_positions(host_, bridged_, pose);
-  EXPECT_EQ(bits(host_), live);
+std::vector<TriangleMesh> meshes() {
+  return {shapes::icosphere(2), shapes::grid(12, 12), shapes::degenerate_grid(12, 12),
+          shapes::non_manifold_grid(12, 12), shapes::inconsistent_grid(12, 12)};
 }
 
-TEST_F(PoseWriterTest, WayBackEndsAtTheFirstBits) {
-  PoseWriter writer(host_, bridged_, adjacency_);
-  for (unsigned seed = 0; seed < 8; ++seed) {
-    const EditResult pose = somewhere(seed, 20 * static_cast<int>(seed), 120);
-    ASSERT_TRUE(writer.write(host_, pose.vertices, pose.positions, seed % 2 == 0));
-  }
-  for (unsigned seed = 0; seed < 8; ++seed) {
-    const EditResult back = home(somewhere(seed, 20 * static_cast<int>(seed), 120).vertices);
-    ASSERT_TRUE(writer.write(host_, back.vertices, back.positions, true));
-    EXPECT_EQ(bits(host_) == first_, seed == 7);
+TEST(PoseWriter, WritesWhatTheBridgeWrites) {
+  std::mt19937 generator(1);
+  for (const TriangleMesh& mesh : meshes()) {
+    for (const int count : {1, 30, 100}) {
+      Scene scene(mesh);
+      PoseWriter writer = scene.writer();
+      const std::vector<int> vertices = stretch(20, count);
+      const Points positions = pushed(scene.bridged.mesh.vertices, vertices, generator);
+      ASSERT_TRUE(writer.write(scene.host, vertices, positions, true));
+      EXPECT_FALSE(same_bits(scene.host.vert[20].cP(), to_host(mesh.vertices.row(20).transpose())));
+      expect_same(State(scene.host), scene.expected(vertices, positions));
+      EXPECT_TRUE(writer.matches(scene.host));
+    }
   }
 }
 
-TEST_F(PoseWriterTest, OnlyThePositionsCountNotTheWay) {
-  PoseWriter writer(host_, bridged_, adjacency_);
-  const EditResult pose = somewhere(99, 50, 200);
-  ASSERT_TRUE(writer.write(host_, pose.vertices, pose.positions, true));
-  const std::string direct = bits(host_);
-  for (unsigned seed = 0; seed < 5; ++seed) {
-    const EditResult other = somewhere(seed, 50 + 10 * static_cast<int>(seed), 40);
-    ASSERT_TRUE(writer.write(host_, other.vertices, other.positions, false));
-  }
-  ASSERT_TRUE(writer.write(host_, pose.vertices, pose.positions, true));
-  EXPECT_EQ(bits(host_), direct);
+TEST(PoseWriter, WritesWhatTheBridgeWritesOnSeveralThreads) {
+  const TriangleMesh mesh = shapes::icosphere(6);
+  Scene scene(mesh);
+  PoseWriter writer = scene.writer();
+  const std::vector<int> vertices = stretch(0, static_cast<int>(mesh.vertices.rows()));
+  std::mt19937 generator(2);
+  const Points positions = pushed(scene.bridged.mesh.vertices, vertices, generator);
+  ASSERT_TRUE(writer.write(scene.host, vertices, positions, true));
+  expect_same(State(scene.host), scene.expected(vertices, positions));
 }
 
-TEST_F(PoseWriterTest, BrokenPosesGiveNoBrokenNormals) {
-  PoseWriter writer(host_, bridged_, adjacency_);
-  EditResult pose = somewhere(3, 100, 20);
-  pose.positions.setZero();  // all in one point: faces without area
-  ASSERT_TRUE(writer.write(host_, pose.vertices, pose.positions, true));
-  for (const CVertexO& vertex : host_.vert) {
+TEST(PoseWriter, GivesNoNormalsToFacesThatLoseTheirArea) {
+  Scene scene(shapes::icosphere(2));
+  for (CFaceO& face : scene.host.face) {
+    face.N() = Point3m(3, 4, 5);
+  }
+  PoseWriter writer = scene.writer();
+  const std::vector<int> vertices = stretch(0, 100);
+  ASSERT_TRUE(writer.write(scene.host, vertices, Points::Zero(100, 3), true));
+  int kept = 0;
+  for (const CFaceO& face : scene.host.face) {
+    EXPECT_TRUE(is_finite(face.cN()));
+    kept += face.cN() == Point3m(3, 4, 5) ? 1 : 0;
+  }
+  EXPECT_GT(kept, 100);
+  for (const CVertexO& vertex : scene.host.vert) {
     EXPECT_TRUE(is_finite(vertex.cN()));
   }
-  for (const CFaceO& face : host_.face) {
-    EXPECT_TRUE(is_finite(face.cN()));
+}
+
+TEST(PoseWriter, BringsBackEveryBit) {
+  std::mt19937 generator(3);
+  for (const TriangleMesh& mesh : meshes()) {
+    Scene scene(mesh);
+    const State first(scene.host);
+    PoseWriter writer = scene.writer();
+    const std::vector<int> vertices = stretch(10, 60);
+    const Points places = support::rows(scene.bridged.mesh.vertices, vertices);
+    ASSERT_TRUE(writer.write(scene.host, vertices, pushed(scene.bridged.mesh.vertices, vertices, generator), true));
+    ASSERT_TRUE(writer.write(scene.host, vertices, places, true));
+    expect_same(State(scene.host), first);
   }
 }
 
-TEST_F(PoseWriterTest, ChangesBySomebodyElseAreSeen) {
-  PoseWriter writer(host_, bridged_, adjacency_);
-  EXPECT_TRUE(writer.matches(host_));
-  const EditResult pose = somewhere(1, 100, 80);
-  ASSERT_TRUE(writer.write(host_, pose.vertices, pose.positions, false));
-  EXPECT_TRUE(writer.matches(host_));
-
-  host_.vert[150].P()[1] += 1;
-  EXPECT_FALSE(writer.matches(host_));
-  const std::string before = bits(host_);
-  EXPECT_FALSE(writer.write(host_, pose.vertices, pose.positions, true));
-  EXPECT_EQ(bits(host_), before);
-  host_.vert[150].P() = to_host(pose.positions.row(50).transpose());
-  EXPECT_TRUE(writer.matches(host_));
-
-  std::swap(host_.face[0].V(0), host_.face[0].V(1));
-  EXPECT_FALSE(writer.matches(host_));
-  std::swap(host_.face[0].V(0), host_.face[0].V(1));
-  vcg::tri::Allocator<CMeshO>::DeleteFace(host_, host_.face[0]);
-  EXPECT_FALSE(writer.matches(host_));
-  EXPECT_FALSE(writer.write(host_, pose.vertices, pose.positions, true));
+/// Part of the vertices return; normals that nothing moved touches are the file's again, the rest as if that part had
+/// never moved.
+TEST(PoseWriter, ForgetsTheWayThere) {
+  std::mt19937 generator(4);
+  for (const TriangleMesh& mesh : meshes()) {
+    Scene scene(mesh);
+    const Points& rest = scene.bridged.mesh.vertices;
+    PoseWriter writer = scene.writer();
+    Points now = rest;
+    for (int i = 0; i < 40; ++i) {
+      const int count = 1 + static_cast<int>(generator() % 70);
+      const std::vector<int> vertices = stretch(static_cast<int>(generator() % 60), count);
+      const Points places = generator() % 3 == 0 ? support::rows(rest, vertices) : pushed(rest, vertices, generator);
+      ASSERT_TRUE(writer.write(scene.host, vertices, places, false));
+      now.middleRows(vertices[0], count) = places;
+    }
+    std::vector<int> away;
+    for (int v = 0; v < rest.rows(); ++v) {
+      if (now.row(v) != rest.row(v)) {
+        away.push_back(v);
+      }
+    }
+    ASSERT_FALSE(away.empty());
+    ASSERT_LT(away.size(), static_cast<std::size_t>(rest.rows()));
+    ASSERT_TRUE(writer.write(scene.host, {away[0]}, now.row(away[0]), true));  // for the box
+    expect_same(State(scene.host), scene.expected(away, support::rows(now, away)));
+    // The way back, in other parts than the way there.
+    const State file(Scene(mesh).host);
+    for (int v = 0; v < rest.rows(); ++v) {
+      ASSERT_TRUE(writer.write(scene.host, {v}, rest.row(v), v + 1 == rest.rows()));
+    }
+    expect_same(State(scene.host), file);
+  }
 }
 
-/// For the time of a large region; its result does not depend on the threads that share it.
-TEST(PoseWriter, LargeRegionsAreWrittenAsSmallOnes) {
-  CMeshO at_once, in_parts;
-  const TriangleMesh mesh = shapes::letter_field(254, 127);
-  fill(at_once, mesh);
-  fill(in_parts, mesh);
-  const BridgedMesh bridged = read_mesh(at_once);
-  const Adjacency adjacency = support::adjacency_of(bridged.mesh);
-  PoseWriter writer(at_once, bridged, adjacency), other(in_parts, bridged, adjacency);
-  Points places = bridged.mesh.vertices;
-  places.col(2) += (3 * places.col(0)).array().sin().matrix();
-  std::vector<int> all(static_cast<std::size_t>(places.rows()));
-  std::iota(all.begin(), all.end(), 0);
-  ASSERT_TRUE(writer.write(at_once, all, places, true));
-  constexpr std::size_t kPart = 1000;
-  for (std::size_t begin = 0; begin < all.size(); begin += kPart) {
-    const std::vector<int> part(all.begin() + static_cast<std::ptrdiff_t>(begin),
-                                all.begin() + static_cast<std::ptrdiff_t>(std::min(begin + kPart, all.size())));
-    ASSERT_TRUE(other.write(in_parts, part, support::rows(places, part), true));
+TEST(PoseWriter, SkipsWhatIsDeleted) {
+  // Face 0 is the only one at vertex 0.
+  Scene scene(shapes::grid(8, 8), {0, 60}, {0});
+  const State first(scene.host);
+  PoseWriter writer = scene.writer();
+  std::mt19937 generator(5);
+  const std::vector<int> vertices = stretch(0, 40);
+  const Points positions = pushed(scene.bridged.mesh.vertices, vertices, generator);
+  ASSERT_TRUE(writer.write(scene.host, vertices, positions, true));
+  EXPECT_TRUE(writer.matches(scene.host));
+  const State now(scene.host);
+  EXPECT_TRUE(same_bits(now.places[0], first.places[0]));
+  EXPECT_TRUE(same_bits(now.face_normals[60], first.face_normals[60]));
+  expect_same(now, scene.expected(vertices, positions));
+  ASSERT_TRUE(writer.write(scene.host, vertices, support::rows(scene.bridged.mesh.vertices, vertices), true));
+  expect_same(State(scene.host), first);
+}
+
+TEST(PoseWriter, LeavesAloneWhatNothingMovedTouches) {
+  const TriangleMesh mesh = shapes::grid(20, 20);
+  Scene scene(mesh);
+  const State first(scene.host);
+  PoseWriter writer = scene.writer();
+  // All are written, one of them to another place.
+  const std::vector<int> vertices = stretch(0, 400);
+  Points positions = scene.bridged.mesh.vertices;
+  positions(210, 2) = 1;
+  ASSERT_TRUE(writer.write(scene.host, vertices, positions, true));
+  const State now(scene.host);
+  int changed = 0;
+  for (int v = 0; v < 400; ++v) {
+    const IndexLists::Row ring = scene.adjacency.neighbours[210];
+    const bool near = v == 210 || std::find(ring.begin(), ring.end(), v) != ring.end();
+    EXPECT_EQ(same_bits(now.vertex_normals[v], first.vertex_normals[v]), !near) << v;
   }
-  EXPECT_EQ(bits(at_once), bits(in_parts));
+  for (std::size_t f = 0; f < now.face_normals.size(); ++f) {
+    changed += same_bits(now.face_normals[f], first.face_normals[f]) ? 0 : 1;
+  }
+  EXPECT_EQ(changed, scene.adjacency.faces[210].size());
+}
+
+TEST(PoseWriter, TakesBitsForBits) {
+  TriangleMesh mesh = shapes::grid(8, 8);
+  mesh.vertices(9, 2) = -0.0;
+  mesh.vertices(30, 1) = kNaN;
+  Scene scene(mesh);
+  const State first(scene.host);
+  PoseWriter writer = scene.writer();
+  EXPECT_TRUE(writer.matches(scene.host));
+  // A zero of the other sign is the same place, and so is the same NaN.
+  Points places = support::rows(scene.bridged.mesh.vertices, {9, 30});
+  places(0, 2) = 0.0;
+  ASSERT_TRUE(writer.write(scene.host, {9, 30}, places, true));
+  expect_same(State(scene.host), first);
+  // Next to a NaN: normals as the bridge makes them, and a finite box.
+  Points one = support::rows(scene.bridged.mesh.vertices, {29});
+  one(0, 2) = 2;
+  ASSERT_TRUE(writer.write(scene.host, {29}, one, true));
+  EXPECT_EQ(scene.host.bbox.max[2], 2);
+  expect_same(State(scene.host), scene.expected({29}, one));
+}
+
+TEST(PoseWriter, KeepsTheBoxWhileThePoseIsNotSettled) {
+  Scene scene(shapes::grid(8, 8));
+  const State first(scene.host);
+  PoseWriter writer = scene.writer();
+  Points one = support::rows(scene.bridged.mesh.vertices, {9});
+  const Points rest = one;
+  one(0, 2) = 5;
+  const auto box = [&] { return std::vector<Point3m>{scene.host.bbox.min, scene.host.bbox.max}; };
+  ASSERT_TRUE(writer.write(scene.host, {9}, one, false));
+  expect_same(box(), {first.box.min, first.box.max}, "corner of the box");
+  ASSERT_TRUE(writer.write(scene.host, {9}, one, true));
+  expect_same(box(), {Point3m(0, 0, 0), Point3m(7, 7, 5)}, "corner of the box");
+  ASSERT_TRUE(writer.write(scene.host, {9}, rest, false));
+  expect_same(box(), {Point3m(0, 0, 0), Point3m(7, 7, 5)}, "corner of the box");
+  ASSERT_TRUE(writer.write(scene.host, {9}, rest, true));
+  expect_same(box(), {first.box.min, first.box.max}, "corner of the box");
+}
+
+TEST(PoseWriter, SeesWhenSomebodyElseChangesTheMesh) {
+  using Allocator = vcg::tri::Allocator<CMeshO>;
+  using Change = void (*)(CMeshO&);
+  const std::vector<Change> positions = {
+      [](CMeshO& host) { host.vert[10].P()[1] += 1; },
+      [](CMeshO& host) { host.vert[10].P()[0] = -host.vert[10].P()[0]; },  // -0
+  };
+  const std::vector<Change> sizes = {
+      [](CMeshO& host) { Allocator::AddVertices(host, 1); },
+      [](CMeshO& host) { Allocator::DeleteFace(host, host.face[3]); },
+      [](CMeshO& host) { Allocator::DeleteVertex(host, host.vert[1]); },
+      [](CMeshO& host) { Allocator::AddFace(host, 1UL, 3UL, 5UL); },
+      [](CMeshO& host) {
+        Allocator::DeleteFace(host, host.face[3]);
+        Allocator::CompactFaceVector(host);
+      },
+      [](CMeshO& host) { host.Clear(); },
+  };
+  // Those that only the long look finds.
+  const std::vector<Change> structure = {
+      [](CMeshO& host) { std::swap(host.face[7].V(0), host.face[7].V(1)); },
+      [](CMeshO& host) { host.face[7].V(2) = &host.vert[40]; },
+      [](CMeshO& host) {
+        host.vert[20].SetD();
+        host.vert[0].ClearD();
+      },
+      [](CMeshO& host) {
+        host.face[20].SetD();
+        host.face[0].ClearD();
+      },
+  };
+  const auto check = [](Change change, bool is_written) {
+    // Some room for changes: a deleted face and its vertex.
+    TriangleMesh mesh = shapes::grid(8, 8);
+    mesh.vertices.col(0).array() -= 1;  // vertex 10 at zero
+    Scene scene(mesh, {0}, {0});
+    PoseWriter writer = scene.writer();
+    ASSERT_TRUE(writer.matches(scene.host));
+    const int mine = scene.bridged.core_vertex[10];
+    Points place = support::rows(scene.bridged.mesh.vertices, {mine});
+    place(0, 2) = 1;
+    ASSERT_TRUE(writer.write(scene.host, {mine}, place, true));
+    ASSERT_TRUE(writer.matches(scene.host));
+    change(scene.host);
+    EXPECT_FALSE(writer.matches(scene.host));
+    const State before(scene.host);
+    place(0, 2) = 2;
+    EXPECT_EQ(writer.write(scene.host, {mine}, place, true), is_written);
+    if (!is_written) {
+      expect_same(State(scene.host), before);
+    }
+  };
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    SCOPED_TRACE("position " + std::to_string(i));
+    check(positions[i], false);
+  }
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    SCOPED_TRACE("size " + std::to_string(i));
+    check(sizes[i], false);
+  }
+  for (std::size_t i = 0; i < structure.size(); ++i) {
+    SCOPED_TRACE("structure " + std::to_string(i));
+    check(structure[i], true);
+  }
+}
+
+TEST(PoseWriter, DoesNotMindAMeshThatMovesInMemory) {
+  Scene scene(shapes::grid(8, 8));
+  PoseWriter writer = scene.writer();
+  CMeshO copy;
+  vcg::tri::Append<CMeshO, CMeshO>::MeshCopy(copy, scene.host);
+  copy.bbox = scene.host.bbox;
+  EXPECT_TRUE(writer.matches(copy));
+  Points one = support::rows(scene.bridged.mesh.vertices, {9});
+  one(0, 2) = 5;
+  ASSERT_TRUE(writer.write(copy, {9}, one, true));
+  expect_same(State(copy), scene.expected({9}, one));
+}
+
+TEST(PoseWriter, AllocatesNothingOnceItKnowsTheVertices) {
+  Scene scene(shapes::icosphere(4));
+  PoseWriter writer = scene.writer();
+  const std::vector<int> vertices = stretch(100, 600);
+  Points places = support::rows(scene.bridged.mesh.vertices, vertices);
+  const long before_all = allocations;
+  ASSERT_TRUE(writer.write(scene.host, vertices, places, true));
+  ASSERT_GT(allocations.load(), before_all);  // or the count does not count
+  const long before = allocations;
+  bool is_written = true;
+  for (int i = 0; i < 5; ++i) {
+    places.col(2).array() += 0.01;
+    is_written = is_written && writer.write(scene.host, vertices, places, i % 2 == 0);
+  }
+  EXPECT_EQ(allocations - before, 0);
+  EXPECT_TRUE(is_written);
 }
 
 }  // namespace

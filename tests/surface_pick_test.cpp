@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "drag_support.h"
@@ -49,6 +50,18 @@ TEST(SurfacePick, RayThroughAVertexOrAnEdgeDoesNotSlipThrough) {
   }
 }
 
+TEST(SurfacePick, LooksAlongItsDirectionOfAnyLength) {
+  const TriangleMesh mesh = shapes::grid(5, 5);
+  for (const double length : {1e-6, 1.0, 1e6}) {
+    const auto hit = first_hit(mesh, {Vector3(1.3, 1.6, 5), length * kDown});
+    ASSERT_TRUE(hit);
+    EXPECT_LT((hit->point - Vector3(1.3, 1.6, 0)).norm(), 1e-9);
+    EXPECT_EQ(hit->vertex, 5 * 1 + 2);
+  }
+  EXPECT_FALSE(first_hit(mesh, {Vector3(1.3, 1.6, -5), kDown})) << "behind the ray";
+  EXPECT_FALSE(first_hit(mesh, {Vector3(1.3, 1.6, std::numeric_limits<double>::quiet_NaN()), kDown}));
+}
+
 TEST(SurfacePick, LooksThroughBrokenTriangles) {
   TriangleMesh mesh = shapes::together(shapes::grid(5, 5), shapes::grid(5, 5), Vector3(0, 0, 1));
   mesh.vertices.bottomRows(25).setConstant(std::numeric_limits<double>::quiet_NaN());
@@ -86,6 +99,69 @@ TEST(Visibility, DuplicatedVerticesDoNotHideEachOther) {
   for (int v = 0; v < mesh.vertices.rows(); ++v) {
     EXPECT_TRUE(visibility.sees(view, adjacency, v)) << v;
   }
+}
+
+/// Rays along an axis, in the planes of the boxes' sides, near the origin and where nothing is between two numbers.
+TEST(Visibility, IsTheBruteForceAnswerAlongAnAxis) {
+  for (const double offset : {0.0, 1e9}) {
+    TriangleMesh mesh = shapes::together(shapes::grid(9, 9), shapes::grid(5, 17), Vector3(2, -4, 3));
+    mesh.vertices.leftCols<2>().array() += offset;
+    const Adjacency adjacency = support::adjacency_of(mesh);
+    const View view = support::view_from_above(mesh.vertices);
+    const Visibility visibility(mesh);
+    int hidden = 0;
+    for (int v = 0; v < mesh.vertices.rows(); ++v) {
+      const Vector3 place = mesh.vertices.row(v).transpose();
+      const auto hit = first_hit(mesh, {place + Vector3(0, 0, 9), kDown});
+      ASSERT_TRUE(hit);
+      EXPECT_EQ(visibility.sees(view, adjacency, v), (hit->point - place).norm() < 1) << v;
+      hidden += visibility.sees(view, adjacency, v) ? 0 : 1;
+    }
+    EXPECT_EQ(hidden, 5 * 9);
+  }
+}
+
+/// The near plane cuts off what is before it, and what lies behind the viewer hides nothing.
+TEST(Visibility, OfAViewerInsideTheMesh) {
+  const TriangleMesh sphere = shapes::icosphere(3);
+  const Adjacency adjacency = support::adjacency_of(sphere);
+  const View view = support::view_from(Vector3(0, 0, 0.1), Vector3(0, 0, -0.9), Vector3::UnitY());
+  const Visibility visibility(sphere);
+  for (int v = 0; v < sphere.vertices.rows(); ++v) {
+    EXPECT_EQ(visibility.sees(view, adjacency, v, -1), sphere.vertices(v, 2) < 0.1 - 0.01) << v;
+    EXPECT_FALSE(visibility.sees(view, adjacency, v, 1)) << v;
+  }
+}
+
+TEST(Visibility, OfVerySmallMeshes) {
+  TriangleMesh mesh = shapes::grid(2, 2);
+  mesh.faces.conservativeResize(1, 3);
+  const View view = support::view_from_above(mesh.vertices);
+  const Adjacency one = support::adjacency_of(mesh);
+  EXPECT_TRUE(Visibility(mesh).sees(view, one, 0, mesh.faces(0, 1) == 1 ? -1 : 1));
+  EXPECT_FALSE(Visibility(mesh).sees(view, one, 3)) << "has no face";
+  mesh.faces.resize(0, 3);
+  EXPECT_FALSE(Visibility(mesh).sees(view, support::adjacency_of(mesh), 0));
+}
+
+TEST(Visibility, VerticesThatAreNotFiniteAreNotSeenAndHideNothing) {
+  TriangleMesh mesh = shapes::together(shapes::grid(15, 15), shapes::grid(15, 15), Vector3(0.1, 0.1, 3));
+  const View view = support::view_from_above(mesh.vertices);
+  for (int v = 230; v < 450; v += 7) {
+    mesh.vertices(v, v % 3) = v % 2 == 0 ? std::numeric_limits<double>::quiet_NaN() : kUnreached;
+  }
+  const Adjacency adjacency = support::adjacency_of(mesh);
+  const Visibility visibility(mesh);
+  int hidden = 0;
+  for (int v = 0; v < 450; ++v) {
+    const Vector3 place = mesh.vertices.row(v).transpose();
+    const auto hit = first_hit(mesh, {place + Vector3(0, 0, 9), kDown});
+    const bool expected = hit && (mesh.faces.row(hit->face).array() == v).any();
+    EXPECT_EQ(visibility.sees(view, adjacency, v), expected) << v;
+    hidden += v < 225 && !expected ? 1 : 0;
+  }
+  EXPECT_GT(hidden, 50);
+  EXPECT_LT(hidden, 200);
 }
 
 std::vector<int> brushed(const TriangleMesh& mesh, const View& view, const Vector2& pixel, double radius) {
@@ -136,6 +212,34 @@ TEST(Brush, DoesNotTouchWhatLiesBehind) {
   for (const int v : set) {
     EXPECT_EQ(mesh.vertices(v, 2), 0);
   }
+}
+
+TEST(Brush, StopsAtWhatABumpHides) {
+  TriangleMesh mesh = shapes::grid(60, 40);
+  for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+    mesh.vertices(v, 2) = 12 * std::exp(-std::pow((mesh.vertices(v, 0) - 30) / 4, 2));
+  }
+  const View view = support::view_from(Vector3(-40, 20, 60), Vector3(30, 20, 0));
+  const auto at = [](int row) { return 40 * row + 20; };
+  const Vector3 place = mesh.vertices.row(at(20)).transpose();
+  const std::vector<int> set = brushed(mesh, view, view.pixel(place), 100);
+  const auto is_in = [&set](int v) { return std::binary_search(set.begin(), set.end(), v); };
+  EXPECT_TRUE(is_in(at(2)));
+  EXPECT_TRUE(is_in(at(29)));
+  EXPECT_FALSE(is_in(at(32))) << "on the far slope";
+  EXPECT_FALSE(is_in(at(38))) << "in its shadow";
+  // Visible behind the shadow, but no visible way leads there.
+  EXPECT_TRUE(Visibility(mesh).sees(view, support::adjacency_of(mesh), at(59)));
+  EXPECT_FALSE(is_in(at(59)));
+}
+
+TEST(Brush, DoesNotMindVerticesElsewhereThatAreNotFinite) {
+  TriangleMesh mesh = shapes::together(shapes::grid(20, 20), shapes::icosphere(1), Vector3(40, 0, 0));
+  const View view = support::view_from_above(mesh.vertices);
+  const std::vector<int> expected = brushed(mesh, view, view.pixel(Vector3(10, 10, 0)), 4);
+  EXPECT_GT(expected.size(), 20U);
+  mesh.vertices.bottomRows(42).setConstant(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_EQ(brushed(mesh, view, view.pixel(Vector3(10, 10, 0)), 4), expected);
 }
 
 TEST(Brush, WorksOnTheInsideOfAnOpenSurface) {

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
+#include <utility>
 
 #include "shapes.h"
 #include "support.h"
@@ -63,13 +65,15 @@ TEST(VertexSet, WithinARadius) {
 }
 
 TEST(VertexSet, BadArgumentsAreRefused) {
+  using support::expect_refusal;
   for (const int vertex : {-1, 400}) {
-    EXPECT_THROW(vertices_within(kGrid, kAround, vertex, 1), EditError);
-    EXPECT_THROW(shortest_path(kGrid, kAround, vertex, 0), EditError);
-    EXPECT_THROW(shortest_path(kGrid, kAround, 0, vertex), EditError);
+    expect_refusal(ErrorCause::BadIndex, [=] { vertices_within(kGrid, kAround, vertex, 1); });
+    expect_refusal(ErrorCause::BadIndex, [=] { shortest_path(kGrid, kAround, vertex, 0); });
+    expect_refusal(ErrorCause::BadIndex, [=] { shortest_path(kGrid, kAround, 0, vertex); });
   }
-  EXPECT_THROW(vertices_within(kGrid, kAround, 0, -1), EditError);
-  EXPECT_THROW(vertices_within(kGrid, kAround, 0, kUnreached), EditError);
+  for (const double radius : {-1.0, kUnreached, std::numeric_limits<double>::quiet_NaN()}) {
+    expect_refusal(ErrorCause::BadParameter, [=] { vertices_within(kGrid, kAround, 0, radius); });
+  }
 }
 
 TEST(ShortestPath, IsAsLongAsTheDistance) {
@@ -92,16 +96,52 @@ TEST(ShortestPath, IsAsLongAsTheDistance) {
   }
 }
 
-TEST(ShortestPath, EndsWhereEdgesHaveNoLength) {
+TEST(ShortestPath, OfOneVertexIsThatVertex) {
+  EXPECT_EQ(shortest_path(kGrid, kAround, 17, 17), Set{17});
+  EXPECT_EQ(shortest_path(kGrid, kAround, 0, 1), (Set{0, 1}));
+}
+
+/// On a grid many ways are as short; which one is taken does not depend on what was asked before.
+TEST(ShortestPath, IsAlwaysTheSame) {
+  const Set path = shortest_path(kGrid, kAround, 0, 399);
+  EXPECT_GE(path.size(), 20U);
+  shortest_path(kGrid, kAround, 210, 4);
+  EXPECT_EQ(shortest_path(kGrid, kAround, 0, 399), path);
+}
+
+TEST(ShortestPath, GoesAroundWhatIsNotFinite) {
+  TriangleMesh mesh = kGrid;
+  for (int j = 0; j < 19; ++j) {
+    mesh.vertices(20 * 10 + j, 1) = std::numeric_limits<double>::quiet_NaN();
+  }
+  const Set path = shortest_path(mesh, kAround, 0, 399);
+  EXPECT_TRUE(std::find(path.begin(), path.end(), 20 * 10 + 19) != path.end());
+  mesh.vertices(20 * 10 + 19, 1) = kUnreached;
+  EXPECT_TRUE(shortest_path(mesh, kAround, 0, 399).empty());
+}
+
+TriangleMesh grid_with_four_rows_in_one_point() {
   TriangleMesh mesh = shapes::grid(6, 6);
-  mesh.vertices.middleRows(6, 24).rowwise() = mesh.vertices.row(10).eval();  // four rows in one point
-  const Set path = shortest_path(mesh, support::adjacency_of(mesh), 0, 35);
-  ASSERT_GE(path.size(), 2U);
-  EXPECT_EQ(path.front(), 0);
-  EXPECT_EQ(path.back(), 35);
-  Set once = path;
-  std::sort(once.begin(), once.end());
-  EXPECT_EQ(std::adjacent_find(once.begin(), once.end()), once.end());
+  mesh.vertices.middleRows(6, 24).rowwise() = mesh.vertices.row(10).eval();
+  return mesh;
+}
+
+TEST(VertexSet, WithinNoRadiusIsOneVertexEvenIfOthersAreInItsPlace) {
+  const TriangleMesh mesh = grid_with_four_rows_in_one_point();
+  EXPECT_EQ(vertices_within(mesh, support::adjacency_of(mesh), 14, 0), Set{14});
+}
+
+TEST(ShortestPath, EndsWhereEdgesHaveNoLength) {
+  const TriangleMesh mesh = grid_with_four_rows_in_one_point();
+  for (const auto& [from, to] : {std::pair(0, 35), std::pair(35, 0), std::pair(14, 20)}) {
+    const Set path = shortest_path(mesh, support::adjacency_of(mesh), from, to);
+    ASSERT_GE(path.size(), 2U);
+    EXPECT_EQ(path.front(), from);
+    EXPECT_EQ(path.back(), to);
+    Set once = path;
+    std::sort(once.begin(), once.end());
+    EXPECT_EQ(std::adjacent_find(once.begin(), once.end()), once.end());
+  }
 }
 
 TEST(ShortestPath, IsEmptyBetweenPieces) {

@@ -75,11 +75,46 @@ TEST(View, BesideStaysInThePlaneOfThePicture) {
 }
 
 TEST(View, PixelSizeIsTheWayOfAPixel) {
-  for (const View& view : views(1)) {
-    const Vector3 point(0.2, -0.1, 0.3);
-    const Vector3 next = view.beside(point, view.pixel(point) + Vector2(10, 0));
-    EXPECT_NEAR(view.pixel_size(point), (next - point).norm() / 10, 1e-9);
+  for (const double scale : {1e-6, 1.0, 1e6}) {
+    for (const View& view : views(scale)) {
+      const Vector3 point = scale * Vector3(0.2, -0.1, 0.3);
+      const Vector3 next = view.beside(point, view.pixel(point) + Vector2(10, 0));
+      const Vector3 way = next - point;
+      EXPECT_NEAR(view.pixel_size(point), way.norm() / 10, 1e-9 * scale);
+      // And by differences: so many pixels more for so much more of the way.
+      const Vector2 change = view.pixel(point + 1e-4 * way) - view.pixel(point);
+      EXPECT_NEAR(change.norm(), 1e-3, 1e-7);
+    }
   }
+}
+
+/// The pixel of a perspective picture shows more of the scene the farther away it is.
+TEST(View, PixelSizeIsKnownOfPlainCameras) {
+  const View far_off(perspective(0.1, 100), 800, 600);
+  EXPECT_NEAR(far_off.pixel_size(Vector3(0.3, 0.2, -7)), 7 / 1.5 / 400, 1e-12);
+  const View parallel(orthographic(3), 800, 600);
+  EXPECT_NEAR(parallel.pixel_size(Vector3(0.3, 0.2, -0.5)), 0.01, 1e-12);
+}
+
+TEST(View, FarPlaneMayBeInfinitelyFarAway) {
+  Eigen::Matrix4d matrix = perspective(0.1, 100);
+  matrix(2, 2) = -1;
+  matrix(2, 3) = -0.2;
+  const View view(matrix, 800, 600);
+  ASSERT_TRUE(view.valid());
+  const Vector3 point(0.5, 0.3, -20);
+  const Ray ray = view.ray(view.pixel(point));
+  EXPECT_LT((ray.direction - point.normalized()).norm(), 1e-9);
+  EXPECT_NEAR(ray.origin.z(), -0.1, 1e-9);
+}
+
+TEST(View, RaysBeginAtTheNearPlane) {
+  const Ray perspective_ray = View(perspective(0.1, 100), 800, 600).ray(Vector2(123, 45));
+  EXPECT_NEAR(perspective_ray.origin.z(), -0.1, 1e-12);
+  EXPECT_LT(perspective_ray.direction.z(), 0);
+  const Ray parallel_ray = View(orthographic(3), 800, 600).ray(Vector2(200, 450));
+  EXPECT_LT((parallel_ray.origin - Vector3(-2, -1.5, 3)).norm(), 1e-12);
+  EXPECT_LT((parallel_ray.direction - Vector3(0, 0, -1)).norm(), 1e-12);
 }
 
 TEST(View, WhatIsBehindTheCameraIsNotInFront) {
@@ -91,10 +126,17 @@ TEST(View, WhatIsBehindTheCameraIsNotInFront) {
 TEST(View, UselessMatricesAreNotValid) {
   EXPECT_FALSE(View().valid());
   EXPECT_FALSE(View(Eigen::Matrix4d::Zero(), 800, 600).valid());
-  EXPECT_FALSE(View(Eigen::Matrix4d::Identity(), 0, 600).valid());
+  EXPECT_TRUE(View(Eigen::Matrix4d::Identity(), 800, 600).valid());
+  for (const double bad : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), kUnreached}) {
+    EXPECT_FALSE(View(Eigen::Matrix4d::Identity(), bad, 600).valid()) << bad;
+    EXPECT_FALSE(View(Eigen::Matrix4d::Identity(), 800, bad).valid()) << bad;
+  }
   EXPECT_FALSE(View(Eigen::Matrix4d::Constant(std::numeric_limits<double>::quiet_NaN()), 800, 600).valid());
-  Eigen::Matrix4d flat = Eigen::Matrix4d::Identity();
-  flat(1, 1) = 0;
+  Eigen::Matrix4d flat = perspective(0.1, 100) * modelview(1);
+  flat.row(1) = 2 * flat.row(0);
+  EXPECT_FALSE(View(flat, 800, 600).valid());
+  flat = perspective(0.1, 100) * modelview(1);
+  flat.col(2).setZero();
   EXPECT_FALSE(View(flat, 800, 600).valid());
 }
 

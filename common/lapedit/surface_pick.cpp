@@ -3,10 +3,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
+#include <unsupported/Eigen/BVH>
 
 #include "lapedit/geodesic.h"
 
@@ -80,99 +79,73 @@ std::optional<SurfaceHit> first_hit(const TriangleMesh& mesh, const Ray& ray) {
   return hit;
 }
 
-/// A binary tree of boxes; the faces of a node are order[first .. last).
-struct Visibility::Tree {
-  static constexpr int kLeaf = 8;
+namespace {
 
-  struct Node {
-    Eigen::AlignedBox3d box;
-    int first, last;
-    int right;  // the left child is the next node; 0: a leaf
-  };
+using FaceTree = Eigen::KdBVH<double, 3, int>;
 
-  explicit Tree(const TriangleMesh& the_mesh) : mesh(the_mesh) {
-    std::vector<Vector3> centers(mesh.faces.rows());
-    for (int f = 0; f < static_cast<int>(mesh.faces.rows()); ++f) {
-      centers[f] = (corner(mesh, f, 0) + corner(mesh, f, 1) + corner(mesh, f, 2)) / 3;
-      if (centers[f].allFinite()) {
-        order.push_back(f);
-      }
-    }
-    nodes.reserve(2 * order.size() / kLeaf + 1);
-    if (!order.empty()) {
-      build(centers, 0, static_cast<int>(order.size()));
+FaceTree finite_faces(const TriangleMesh& mesh) {
+  std::vector<int> faces;
+  std::vector<FaceTree::Volume> boxes;
+  for (int f = 0; f < static_cast<int>(mesh.faces.rows()); ++f) {
+    const Vector3 a = corner(mesh, f, 0), b = corner(mesh, f, 1), c = corner(mesh, f, 2);
+    if (a.allFinite() && b.allFinite() && c.allFinite()) {
+      faces.push_back(f);
+      const FaceTree::Volume box(a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c));
+      // No narrower than intersect(), nor than two neighbouring numbers.
+      constexpr double kRounding = 1e-15;
+      const Vector3 margin = Vector3::Constant(kSeam * box.diagonal().norm()) +
+                             kRounding * box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs());
+      boxes.emplace_back(box.min() - margin, box.max() + margin);
     }
   }
+  return {faces.begin(), faces.end(), boxes.begin(), boxes.end()};
+}
 
-  int build(const std::vector<Vector3>& centers, int first, int last) {
-    const int me = static_cast<int>(nodes.size());
-    nodes.push_back({Eigen::AlignedBox3d(), first, last, 0});
-    Eigen::AlignedBox3d box, of_centers;
-    for (int i = first; i < last; ++i) {
-      for (int k = 0; k < 3; ++k) {
-        box.extend(corner(mesh, order[i], k));
-      }
-      of_centers.extend(centers[order[i]]);
-    }
-    nodes[me].box = box;
-    if (last - first > kLeaf) {
-      Eigen::Index axis = 0;
-      of_centers.sizes().maxCoeff(&axis);
-      const int middle = (first + last) / 2;
-      std::nth_element(order.begin() + first, order.begin() + middle, order.begin() + last,
-                       [&](int a, int b) { return centers[a][axis] < centers[b][axis]; });
-      build(centers, first, middle);
-      const int right = build(centers, middle, last);
-      nodes[me].right = right;
-    }
-    return me;
+/// Asks the tree whether any face but those of a vertex crosses a stretch of a ray.
+struct Crossing {
+  Crossing(const TriangleMesh& the_mesh, int the_vertex, const Ray& the_ray, double the_first, double the_last)
+      : mesh(the_mesh),
+        vertex(the_vertex),
+        ray(the_ray),
+        first(the_first),
+        last(the_last),
+        inverse(the_ray.direction.cwiseInverse()) {}
+
+  bool intersectVolume(const FaceTree::Volume& box) const {
+    const Eigen::Array3d at_min = (box.min() - ray.origin).cwiseProduct(inverse);
+    const Eigen::Array3d at_max = (box.max() - ray.origin).cwiseProduct(inverse);
+    const double enter = at_min.min(at_max).maxCoeff();
+    const double leave = at_min.max(at_max).minCoeff();
+    return !(enter > leave || enter > last || leave < 0);  // not a number: zero times infinity, at the very border
   }
 
-  /// Whether a ray of unit direction meets any face but those of a vertex and those in the same place.
-  bool meets(const Ray& ray, int vertex) const {
-    if (nodes.empty()) {
-      return false;
-    }
-    constexpr double kSamePlace = 1e-7;
-    const double nearest = kSamePlace * nodes[0].box.diagonal().norm();
-    const Vector3 inverse = ray.direction.cwiseInverse();
-    std::array<int, 64> stack{};  // deeper than any tree halved down from the largest int
-    int size = 0;
-    stack[size++] = 0;
-    while (size > 0) {
-      const int at = stack[--size];
-      const Node& node = nodes[at];
-      const Vector3 low = (node.box.min() - ray.origin).cwiseProduct(inverse);
-      const Vector3 high = (node.box.max() - ray.origin).cwiseProduct(inverse);
-      double enter = 0, leave = kInfinity;
-      for (int k = 0; k < 3; ++k) {
-        // In this order NaN, from zero times infinity, cuts nothing off.
-        enter = std::max(enter, std::min(low[k], high[k]));
-        leave = std::min(leave, std::max(low[k], high[k]));
-      }
-      if (enter > leave * (1 + 1e-12)) {
-        continue;
-      }
-      if (node.right > 0) {
-        stack[size++] = node.right;
-        stack[size++] = at + 1;
-        continue;
-      }
-      for (int i = node.first; i < node.last; ++i) {
-        const int f = order[i];
-        const bool own = mesh.faces(f, 0) == vertex || mesh.faces(f, 1) == vertex || mesh.faces(f, 2) == vertex;
-        const double t = own ? kInfinity : intersect(mesh, f, ray);
-        if (t > nearest && t < kInfinity) {
-          return true;
-        }
-      }
-    }
-    return false;
+  bool intersectObject(int face) {
+    const double t = (mesh.faces.row(face).array() == vertex).any() ? kInfinity : intersect(mesh, face, ray);
+    found = found || (t > first && t < last);
+    return found;
   }
 
   const TriangleMesh& mesh;
-  std::vector<int> order;
-  std::vector<Node> nodes;
+  int vertex;
+  Ray ray;
+  double first, last;
+  Vector3 inverse;
+  bool found = false;
+};
+
+}  // namespace
+
+struct Visibility::Tree {
+  explicit Tree(const TriangleMesh& the_mesh) : mesh(the_mesh), faces(finite_faces(the_mesh)) {
+    if (faces.getRootIndex() >= 0) {  // there is a box around two faces at least
+      constexpr double kSamePlace = 1e-7;
+      same_place = kSamePlace * faces.getVolume(faces.getRootIndex()).diagonal().norm();
+    }
+  }
+
+  const TriangleMesh& mesh;
+  FaceTree faces;
+  double same_place = 0;  // what is nearer than this lies in the same place: a seam between duplicated vertices
 };
 
 Visibility::Visibility(const TriangleMesh& mesh) : tree_(std::make_unique<Tree>(mesh)) {}
@@ -181,14 +154,20 @@ Visibility::~Visibility() = default;
 bool Visibility::sees(const View& view, const Adjacency& adjacency, int vertex, int side) const {
   const TriangleMesh& mesh = tree_->mesh;
   const Vector3 place = mesh.vertices.row(vertex).transpose();
-  if (!place.allFinite() || !view.in_front(place)) {
+  // As far as the near plane only: it cuts off what lies before it, and the viewer may be inside the mesh.
+  const Ray through = view.ray(view.pixel(place));
+  const double reach = (place - through.origin).dot(through.direction);
+  const IndexLists::Row around = adjacency.faces[vertex];
+  // Comparisons are such that a place behind the viewer or one that is no number is not seen.
+  const bool shown = reach >= 0 && std::any_of(around.begin(), around.end(), [&](int f) {
+                       return side * normal(mesh, f).dot(through.direction) < 0;
+                     });
+  if (!shown) {
     return false;
   }
-  const Vector3 toward = view.toward_viewer(place);
-  const IndexLists::Row around = adjacency.faces[vertex];
-  const bool shown =
-      std::any_of(around.begin(), around.end(), [&](int f) { return side * normal(mesh, f).dot(toward) > 0; });
-  return shown && !tree_->meets({place, toward}, vertex);
+  Crossing crossing(mesh, vertex, {place, -through.direction}, tree_->same_place, reach);
+  Eigen::BVIntersect(tree_->faces, crossing);
+  return !crossing.found;
 }
 
 std::vector<int> brushed_vertices(const TriangleMesh& mesh, const Adjacency& adjacency, const Visibility& visibility,

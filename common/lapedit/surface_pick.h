@@ -28,8 +28,8 @@ class Visibility {
   explicit Visibility(const TriangleMesh& mesh);
   ~Visibility();
 
-  /// Whether a viewer sees a vertex: the line between them meets no part of the mesh but the faces at the vertex, and at
-  /// least one of these shows the given side.
+  /// Whether a viewer sees a vertex: from the near plane to the vertex, the line between them meets no part of the mesh
+  /// but the faces at the vertex, and at least one of these shows the given side. The window's borders do not count.
   /// @param side  1: the outside of the faces, -1: their inside
   /// O(log faces).
   bool sees(const View& view, const Adjacency& adjacency, int vertex, int side = 1) const;

@@ -22,10 +22,12 @@ View::View(const Eigen::Matrix4d& to_clip, double width, double height)
   bool invertible = false;
   if (to_clip.allFinite()) {
     // A singular matrix has rank below 4 whatever the units: rows and columns are brought to like size first.
-    const Eigen::Vector4d rows = to_clip.cwiseAbs().rowwise().maxCoeff();
-    const Eigen::FullPivLU<Eigen::Matrix4d> lu(rows.cwiseInverse().asDiagonal() * to_clip);
-    invertible = rows.minCoeff() > 0 && lu.isInvertible();
-    from_clip_ = invertible ? Eigen::Matrix4d(lu.inverse() * rows.cwiseInverse().asDiagonal())
+    const Eigen::Vector4d rows = to_clip.cwiseAbs().rowwise().maxCoeff().cwiseInverse();
+    const Eigen::Matrix4d like_rows = rows.asDiagonal() * to_clip;
+    const Eigen::Vector4d columns = like_rows.cwiseAbs().colwise().maxCoeff().transpose().cwiseInverse();
+    const Eigen::FullPivLU<Eigen::Matrix4d> lu(like_rows * columns.asDiagonal());
+    invertible = rows.allFinite() && columns.allFinite() && lu.isInvertible();
+    from_clip_ = invertible ? Eigen::Matrix4d(columns.asDiagonal() * lu.inverse() * rows.asDiagonal())
                             : Eigen::Matrix4d(Eigen::Matrix4d::Identity());
   }
   valid_ =
@@ -42,11 +44,12 @@ bool View::in_front(const Vector3& point) const {
 }
 
 Ray View::ray(const Vector2& pixel) const {
-  const double x = 2 * pixel.x() / width_ - 1;
-  const double y = 1 - 2 * pixel.y() / height_;
-  const Vector3 near = mapped(from_clip_, Vector3(x, y, -1));
-  const Vector3 far = mapped(from_clip_, Vector3(x, y, 1));
-  return {near, (far - near).stableNormalized()};
+  const Vector3 on_near(2 * pixel.x() / width_ - 1, 1 - 2 * pixel.y() / height_, -1);
+  const Eigen::Vector4d near = from_clip_ * on_near.homogeneous();
+  // The way that the place takes with growing depth; the far plane itself may be infinitely far away.
+  const Eigen::Vector4d deeper = from_clip_.col(2);
+  const Vector3 way = deeper.head<3>() * near.w() - near.head<3>() * deeper.w();
+  return {near.head<3>() / near.w(), way.stableNormalized()};
 }
 
 Vector3 View::beside(const Vector3& point, const Vector2& pixel) const {

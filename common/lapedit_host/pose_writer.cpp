@@ -11,15 +11,11 @@ namespace lapedit::host {
 namespace {
 
 /// Less is not worth a thread.
-constexpr int kGrain = 16384;
+constexpr int kGrain = 4096;
 
 bool same_bits(const Point3m& a, const Point3m& b) {
+  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): it is the bits that are meant
   return std::memcmp(a.V(), b.V(), sizeof(Scalarm) * 3) == 0;
-}
-
-void sort_unique(std::vector<int>& list) {
-  std::sort(list.begin(), list.end());
-  list.erase(std::unique(list.begin(), list.end()), list.end());
 }
 
 }  // namespace
@@ -43,6 +39,7 @@ PoseWriter::PoseWriter(const CMeshO& host, const BridgedMesh& bridged, const Adj
     }
   }
   away_.assign(first_.size(), 0);
+  is_touched_.assign(first_.size(), 0);
   place_.assign(host_face_.size(), -1);
 }
 
@@ -50,23 +47,41 @@ void PoseWriter::find_affected(const std::vector<int>& vertices) {
   if (vertices == vertices_) {
     return;
   }
+  for (const int v : touched_) {
+    is_touched_[static_cast<std::size_t>(v)] = 0;
+  }
   for (const int f : around_) {
     place_[static_cast<std::size_t>(f)] = -1;
   }
   vertices_ = vertices;
-  touched_ = vertices;
+  touched_.clear();
+  around_.clear();
+  const auto touch = [this](int v) {
+    char& is_touched = is_touched_[static_cast<std::size_t>(v)];
+    if (!is_touched) {
+      is_touched = 1;
+      touched_.push_back(v);
+    }
+  };
   for (const int v : vertices) {
+    touch(v);
     for (const int f : adjacency_.faces[v]) {
-      touched_.insert(touched_.end(), {faces_(f, 0), faces_(f, 1), faces_(f, 2)});
+      for (int k = 0; k < 3; ++k) {
+        touch(faces_(f, k));
+      }
     }
   }
-  sort_unique(touched_);
-  around_.clear();
+  std::sort(touched_.begin(), touched_.end());  // the way through memory that costs least, frame by frame
   for (const int v : touched_) {
-    const IndexLists::Row faces = adjacency_.faces[v];
-    around_.insert(around_.end(), faces.begin(), faces.end());
+    for (const int f : adjacency_.faces[v]) {
+      int& place = place_[static_cast<std::size_t>(f)];
+      if (place < 0) {
+        place = 0;
+        around_.push_back(f);
+      }
+    }
   }
-  sort_unique(around_);
+  std::sort(around_.begin(), around_.end());
   for (std::size_t i = 0; i < around_.size(); ++i) {
     place_[static_cast<std::size_t>(around_[i])] = static_cast<int>(i);
   }
@@ -130,7 +145,8 @@ bool PoseWriter::write(CMeshO& host, const std::vector<int>& vertices, const Poi
   find_affected(vertices);
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const auto v = static_cast<std::size_t>(vertices[i]);
-    now_[v] = to_host(positions.row(static_cast<Eigen::Index>(i)).transpose());
+    const Point3m place = to_host(positions.row(static_cast<Eigen::Index>(i)).transpose());
+    now_[v] = place == first_[v] ? first_[v] : place;  // zeros keep their sign
     const char away = same_bits(now_[v], first_[v]) ? 0 : 1;
     away_count_ += away - away_[v];
     away_[v] = away;

@@ -13,9 +13,10 @@ namespace lapedit::host {
 /// mesh's first state to the bit.
 ///
 /// The mesh after write() depends only on the positions of all vertices, not on the way there: positions are those
-/// given; normals of faces with a vertex away from its first place, and of these faces' corners, are as
-/// write_positions() makes them; all other normals, and the box of a mesh all of whose vertices are in their first
-/// place, are what they were at first, bit for bit.
+/// given, with the first bits where they are equal to the first ones (zeros of the other sign); normals of faces with a
+/// vertex away from its first place, and of these faces' corners, are as write_positions() makes them; all other
+/// normals, and the box of a mesh all of whose vertices are in their first place, are what they were at first, bit for
+/// bit.
 class PoseWriter {
  public:
   /// Copies positions, normals and box of the host mesh. O(vertices + faces).
@@ -61,7 +62,8 @@ class PoseWriter {
 
   // Affected by the last set of vertices.
   std::vector<int> vertices_;           // that set
-  std::vector<int> touched_;            // corners of the faces at it
+  std::vector<int> touched_;            // it and the corners of the faces at it
+  std::vector<char> is_touched_;        // per vertex
   std::vector<int> around_;             // all faces at those
   std::vector<MeasuredFace> measured_;  // per entry of around_
   std::vector<int> place_;              // mesh face -> entry of around_, -1 elsewhere
