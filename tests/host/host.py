@@ -6,16 +6,16 @@ Environment:
   LAPEDIT_MESHES   folder with the real test meshes (tests that use them)
   LAPEDIT_PRELOAD  libraries to load into meshlabserver: a sanitizer's run time
 """
-import ctypes
 import json
 import os
 import pathlib
 import shutil
-import signal
 import subprocess
 import tempfile
 import unittest
 from xml.sax.saxutils import escape, quoteattr
+
+from x_server import host_environment, start_x_server
 
 STAGE = pathlib.Path(os.environ["LAPEDIT_STAGE"])
 REFUSED = 255  # exit code of meshlabserver for a filter that returns false
@@ -82,12 +82,6 @@ def project(mesh, matrix):
             '</MLMatrix44>\n  </MLMesh>\n </MeshGroup>\n</MeshLabProject>\n')
 
 
-def end_with_parent():
-    """Called in a new process: even a test that is killed for taking too long leaves no X server behind."""
-    pr_set_pdeathsig = 1
-    ctypes.CDLL(None).prctl(pr_set_pdeathsig, signal.SIGTERM)
-
-
 class Result:
     def __init__(self, code, text, output):
         self.code = code
@@ -97,27 +91,14 @@ class Result:
 
 class HostTest(unittest.TestCase):
     """A test case with its own X server, folder and home."""
+    screen = "640x480"
 
     @classmethod
     def setUpClass(cls):
         cls.folder = pathlib.Path(tempfile.mkdtemp(prefix="lapedit-"))
         cls.addClassCleanup(shutil.rmtree, cls.folder)
         cls.runs = 0
-        readable, writable = os.pipe()
-        # The server chooses a free display itself: tests can run side by side.
-        server = subprocess.Popen(
-            ["Xvfb", "-displayfd", str(writable), "-screen", "0", "640x480x24", "+extension", "GLX", "-nolisten", "tcp"],
-            pass_fds=[writable], preexec_fn=end_with_parent, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        cls.addClassCleanup(server.wait)
-        cls.addClassCleanup(server.terminate)
-        os.close(writable)
-        with os.fdopen(readable) as pipe:
-            display = pipe.readline().strip()
-        assert display, "Xvfb did not start"
-        cls.environment = dict(os.environ, DISPLAY=":" + display, HOME=str(cls.folder), XDG_RUNTIME_DIR=str(cls.folder),
-                               LIBGL_ALWAYS_SOFTWARE="1")
-        if os.environ.get("LAPEDIT_PRELOAD"):
-            cls.environment["LD_PRELOAD"] = os.environ["LAPEDIT_PRELOAD"]
+        cls.environment = host_environment(start_x_server(cls.addClassCleanup, cls.screen), cls.folder)
 
     def run_host(self, filters, mesh=None, save=(), project_text=None, project_out=None):
         """One start of meshlabserver: opens mesh or project, runs the filters, writes a binary PLY."""

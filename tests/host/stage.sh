@@ -1,16 +1,22 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Makes a private copy of the installed MeshLab with a plugin in it; nothing outside the stage is touched.
+# Makes a private copy of the installed MeshLab with plugins in it; nothing outside the stage is touched.
 #
-# usage: stage.sh STAGE PLUGIN [BINARY...]
+# usage: stage.sh STAGE PLUGIN.so... [BINARY...]
 #   STAGE   folder to make; an old one is replaced
-#   PLUGIN  the plugin, found where it was built: a later build needs no new stage
+#   PLUGIN  plugins, found where they were built: a later build needs no new stage
 #   BINARY  programs of MeshLab, by default meshlabserver and meshlab as far as they are installed
 set -eu
 
 stage=$1
-plugin=$(realpath "$2")
-shift 2
+shift
+plugins=
+while [ $# -gt 0 ] && [ "${1%.so}" != "$1" ]; do
+  plugins="$plugins$(realpath "$1")
+"
+  shift
+done
+[ -n "$plugins" ] || { echo "stage.sh: no plugin is given" >&2; exit 1; }
 if [ $# -eq 0 ]; then
   set -- $(command -v meshlabserver || true) $(command -v meshlab || true)
 fi
@@ -31,9 +37,11 @@ for binary in "$@"; do
     mkdir -p "$staged/plugins"
     ln -sf "$host"/*.so "$staged/"
     # Few plugins make a quick start.
-    for name in io_base filter_select filter_func filter_layer filter_camera; do
+    for name in io_base filter_select filter_func filter_layer filter_camera filter_unsharp edit_select decorate_base; do
       [ ! -e "$host/plugins/lib$name.so" ] || ln -sf "$host/plugins/lib$name.so" "$staged/plugins/"
     done
-    ln -sf "$plugin" "$staged/plugins/"
+    printf %s "$plugins" | while read -r plugin; do
+      ln -sf "$plugin" "$staged/plugins/"
+    done
   done
 done

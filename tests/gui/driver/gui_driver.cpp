@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "gui_driver.h"
+
+#include <QApplication>
+#include <QJsonDocument>
+#include <QTimer>
+#include <exception>
+
+GuiDriver::GuiDriver() {
+  const QString path = qEnvironmentVariable("LAPEDIT_GUI_SOCKET");
+  if (path.isEmpty()) {
+    return;
+  }
+  // Qt's own dialogs can be answered from inside.
+  QCoreApplication::setAttribute(Qt::AA_DontUseNativeDialogs);
+  gui_driver::add_input_commands(commands_);
+  gui_driver::add_window_commands(commands_);
+  gui_driver::add_scene_commands(commands_);
+  // The main window loads plugins while it is being made: it is there once events are handled.
+  QTimer::singleShot(0, this, [this, path] { listen(path); });
+}
+
+void GuiDriver::listen(const QString& path) {
+  if (!server_.listen(path)) {
+    qCritical("gui_driver: %s: %s", qUtf8Printable(path), qUtf8Printable(server_.errorString()));
+    return;
+  }
+  connect(&server_, &QLocalServer::newConnection, this, [this] {
+    client_ = server_.nextPendingConnection();
+    connect(client_, &QLocalSocket::readyRead, this, &GuiDriver::receive);
+  });
+}
+
+void GuiDriver::receive() {
+  while (client_ && client_->canReadLine()) {
+    lines_ += client_->readLine();
+    // Not from here: this signal is not sent again while a command keeps a dialog open, and the next line may be the
+    // one that answers it.
+    QMetaObject::invokeMethod(this, &GuiDriver::handleNext, Qt::QueuedConnection);
+  }
+}
+
+void GuiDriver::handleNext() {
+  const QJsonObject request = QJsonDocument::fromJson(lines_.takeFirst()).object();
+  const QString name = request["command"].toString();
+  try {
+    const auto command = commands_.find(name);
+    if (command == commands_.end()) {
+      send({{"error", "no such command: " + name}});
+      return;
+    }
+    const gui_driver::Answer answer = command->second(request);
+    send(answer.reply);
+    if (answer.then) {
+      answer.then();
+    }
+  } catch (const std::exception& error) {
+    send({{"error", name + ": " + error.what()}});
+  }
+}
+
+void GuiDriver::send(const QJsonObject& reply) {
+  if (client_) {
+    client_->write(QJsonDocument(reply).toJson(QJsonDocument::Compact) + '\n');
+    client_->flush();
+  }
+}

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <GL/glew.h>
+#include <meshlab/glarea.h>
+
+#include <QCoreApplication>
+#include <QJsonArray>
+#include <QKeyEvent>
+#include <QKeySequence>
+#include <QMouseEvent>
+#include <QWheelEvent>
+#include <stdexcept>
+
+#include "commands.h"
+
+namespace gui_driver {
+namespace {
+
+Qt::MouseButtons held_buttons;  // by the mouse commands so far
+
+Qt::KeyboardModifiers modifiers(const QJsonObject& arguments) {
+  Qt::KeyboardModifiers result;
+  for (const QJsonValue name : arguments["modifiers"].toArray()) {
+    if (name == "ctrl") {
+      result |= Qt::ControlModifier;
+    } else if (name == "shift") {
+      result |= Qt::ShiftModifier;
+    } else if (name == "alt") {
+      result |= Qt::AltModifier;
+    } else {
+      throw std::runtime_error("no such modifier");
+    }
+  }
+  return result;
+}
+
+Qt::MouseButton button(const QString& name) {
+  if (name == "left") {
+    return Qt::LeftButton;
+  }
+  if (name == "middle") {
+    return Qt::MiddleButton;
+  }
+  if (name == "right") {
+    return Qt::RightButton;
+  }
+  throw std::runtime_error("no such button");
+}
+
+Answer mouse(const QJsonObject& arguments) {
+  const QString type = arguments["type"].toString();
+  QEvent::Type event_type = QEvent::MouseMove;
+  Qt::MouseButton changed = Qt::NoButton;
+  if (type != "move") {
+    changed = button(arguments["button"].toString());
+    event_type = type == "press"     ? QEvent::MouseButtonPress
+                 : type == "release" ? QEvent::MouseButtonRelease
+                                     : QEvent::MouseButtonDblClick;
+    held_buttons.setFlag(changed, type != "release");
+  }
+  GLArea& area = gl_area();
+  const QPointF place(arguments["x"].toDouble(), arguments["y"].toDouble());
+  const QPointF global = place + area.mapToGlobal(QPoint(0, 0));
+  QMouseEvent event(event_type, place, place, global, changed, held_buttons, modifiers(arguments));
+  QCoreApplication::sendEvent(&area, &event);
+  return {};
+}
+
+Answer wheel(const QJsonObject& arguments) {
+  GLArea& area = gl_area();
+  const QPointF place(arguments["x"].toDouble(), arguments["y"].toDouble());
+  const QPoint turn(0, arguments["delta"].toInt());
+  QWheelEvent event(place, place + area.mapToGlobal(QPoint(0, 0)), QPoint(), turn, held_buttons, modifiers(arguments),
+                    Qt::NoScrollPhase, false);
+  QCoreApplication::sendEvent(&area, &event);
+  return {};
+}
+
+Answer key(const QJsonObject& arguments) {
+  const QString name = arguments["key"].toString();
+  const int code = QKeySequence(name)[0] & ~static_cast<int>(Qt::KeyboardModifierMask);
+  const QString text = name.size() == 1 ? name : name == "Return" ? "\r" : name == "Backspace" ? "\b" : "";
+  const bool released = arguments["released"].toBool(true);
+  for (const auto type : {QEvent::KeyPress, QEvent::KeyRelease}) {
+    if (type == QEvent::KeyPress || released) {
+      QKeyEvent event(type, code, modifiers(arguments), text);
+      QCoreApplication::sendEvent(&gl_area(), &event);
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+void add_input_commands(Commands& commands) {
+  commands["mouse"] = mouse;
+  commands["wheel"] = wheel;
+  commands["key"] = key;
+}
+
+}  // namespace gui_driver

@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <GL/glew.h>
+#include <meshlab/glarea.h>
+
+#include <QApplication>
+#include <QFile>
+#include <QJsonArray>
+#include <QMdiArea>
+#include <QMdiSubWindow>
+#include <cmath>
+#include <stdexcept>
+
+#include "commands.h"
+
+namespace gui_driver {
+namespace {
+
+GLArea* find_gl_area() {
+  const QWidget* project = nullptr;  // a second project has a view of its own
+  for (const QWidget* candidate : QApplication::allWidgets()) {
+    if (const auto* projects = qobject_cast<const QMdiArea*>(candidate)) {
+      project = projects->currentSubWindow();
+    }
+  }
+  GLArea* found = nullptr;
+  for (QWidget* candidate : QApplication::allWidgets()) {
+    // MeshLab exports no GLArea for qobject_cast to compare with.
+    if (candidate->inherits("GLArea") && project && project->isAncestorOf(candidate)) {
+      auto* area = static_cast<GLArea*>(candidate);
+      if (!found || area->isCurrent()) {
+        found = area;
+      }
+    }
+  }
+  return found;
+}
+
+QJsonArray numbers(const Matrix44m& matrix) {
+  QJsonArray result;
+  for (int i = 0; i < 16; ++i) {
+    result += static_cast<double>(matrix.V()[i]);
+  }
+  return result;
+}
+
+QJsonArray numbers(const vcg::Matrix44d& matrix) {
+  QJsonArray result;
+  for (int i = 0; i < 16; ++i) {
+    result += matrix.V()[i];
+  }
+  return result;
+}
+
+Answer layers(const QJsonObject&) {
+  MeshDocument& md = document();
+  GLArea& area = gl_area();
+  QJsonArray result;
+  for (const MeshModel* mesh : md.meshList) {
+    result += QJsonObject{{"id", mesh->id()},
+                          {"label", mesh->label()},
+                          {"visible", area.meshVisibilityMap.value(mesh->id())},
+                          {"current", mesh == md.mm()},
+                          {"modified", mesh->meshModified()},
+                          {"vertices", mesh->cm.vn},
+                          {"faces", mesh->cm.fn},
+                          {"matrix", numbers(mesh->cm.Tr)}};
+  }
+  return {{{"layers", result}}};
+}
+
+/// As the button Shading: Vert of the layer's panel.
+void shade_smoothly(GLArea& area, int id) {
+  MLSceneGLSharedDataContext* shared = area.getSceneGLSharedContext();
+  MLRenderingData data;
+  shared->getRenderInfoPerMeshView(id, area.context(), data);
+  MLRenderingData::RendAtts attributes;
+  data.get(MLRenderingData::PR_SOLID, attributes);
+  attributes[MLRenderingData::ATT_NAMES::ATT_VERTNORMAL] = true;
+  attributes[MLRenderingData::ATT_NAMES::ATT_FACENORMAL] = false;
+  data.set(MLRenderingData::PR_SOLID, attributes);
+  shared->setRenderingDataPerMeshView(id, area.context(), data);
+  shared->manageBuffers(id);
+}
+
+/// Any of: current, visible, smooth, matrix (16 numbers by rows), selected_faces, selected_vertices (lists), remove.
+Answer change_layer(const QJsonObject& arguments) {
+  MeshDocument& md = document();
+  GLArea& area = gl_area();
+  MeshModel& mesh = layer(arguments);
+  const int id = mesh.id();
+  if (arguments["current"].toBool()) {
+    md.setCurrentMesh(id);
+  }
+  if (arguments.contains("visible")) {
+    // GLArea::meshSetVisibility() is not exported.
+    mesh.visible = arguments["visible"].toBool();
+    area.meshVisibilityMap[id] = mesh.visible;
+  }
+  if (arguments["smooth"].toBool()) {
+    shade_smoothly(area, id);
+  }
+  const QJsonArray matrix = arguments["matrix"].toArray();
+  for (int i = 0; i < matrix.size(); ++i) {
+    mesh.cm.Tr.V()[i] = static_cast<Scalarm>(matrix[i].toDouble());
+  }
+  if (arguments.contains("selected_faces")) {
+    vcg::tri::UpdateSelection<CMeshO>::FaceClear(mesh.cm);
+    for (const QJsonValue face : arguments["selected_faces"].toArray()) {
+      mesh.cm.face.at(face.toInt()).SetS();
+    }
+    area.updateSelection(id, false, true);
+  }
+  if (arguments.contains("selected_vertices")) {
+    vcg::tri::UpdateSelection<CMeshO>::VertexClear(mesh.cm);
+    for (const QJsonValue vertex : arguments["selected_vertices"].toArray()) {
+      mesh.cm.vert.at(vertex.toInt()).SetS();
+    }
+    area.updateSelection(id, true, false);
+  }
+  if (arguments["remove"].toBool()) {
+    md.delMesh(&mesh);
+  }
+  area.update();
+  return {};
+}
+
+/// Collects raw memory of the mesh, so that all bits can be compared.
+class Dump {
+ public:
+  template <class Elements, class Get>
+  void add(const char* name, const Elements& elements, Get get) {
+    const int begin = data_.size();
+    for (const auto& element : elements) {
+      if (!element.IsD()) {
+        const auto value = get(element);
+        data_.append(reinterpret_cast<const char*>(&value), sizeof(value));
+      }
+    }
+    index_[name] = QJsonArray{begin, data_.size() - begin};
+  }
+
+  QJsonObject write(const QString& path) const {
+    QFile file(path);
+    if (!file.open(QFile::WriteOnly) || file.write(data_) != data_.size()) {
+      throw std::runtime_error("the file cannot be written");
+    }
+    return index_;
+  }
+
+ private:
+  QByteArray data_;
+  QJsonObject index_;  // name -> begin, length
+};
+
+struct Three {
+  Scalarm values[3];
+};
+
+Three three(const Point3m& p) {
+  return {{p[0], p[1], p[2]}};
+}
+
+/// Writes all that can be told of a layer's vertices and faces to the file "path".
+Answer dump(const QJsonObject& arguments) {
+  const CMeshO& mesh = layer(arguments).cm;
+  Dump result;
+  result.add("positions", mesh.vert, [](const auto& v) { return three(v.cP()); });
+  result.add("normals", mesh.vert, [](const auto& v) { return three(v.cN()); });
+  result.add("vertex_flags", mesh.vert, [](const auto& v) { return v.cFlags(); });
+  result.add("vertex_colors", mesh.vert, [](const auto& v) { return v.cC(); });
+  result.add("vertex_quality", mesh.vert, [](const auto& v) { return v.cQ(); });
+  result.add("face_normals", mesh.face, [](const auto& f) { return three(f.cN()); });
+  result.add("face_flags", mesh.face, [](const auto& f) { return f.cFlags(); });
+  if (vcg::tri::HasPerWedgeTexCoord(mesh)) {
+    result.add("texture", mesh.face, [](const auto& f) {
+      return std::array<float, 6>{f.cWT(0).u(), f.cWT(0).v(), f.cWT(1).u(), f.cWT(1).v(), f.cWT(2).u(), f.cWT(2).v()};
+    });
+  }
+  struct Corners {
+    int vertices[3];
+  };
+  result.add("faces", mesh.face, [&](const auto& f) {
+    return Corners{{static_cast<int>(vcg::tri::Index(mesh, f.cV(0))), static_cast<int>(vcg::tri::Index(mesh, f.cV(1))),
+                    static_cast<int>(vcg::tri::Index(mesh, f.cV(2)))}};
+  });
+  QJsonArray box;
+  for (const Point3m& corner : {mesh.bbox.min, mesh.bbox.max}) {
+    for (int k = 0; k < 3; ++k) {
+      box += static_cast<double>(corner[k]);
+    }
+  }
+  return {{{"arrays", result.write(arguments["path"].toString())},
+           {"scalar", static_cast<int>(sizeof(Scalarm))},
+           {"box", box}}};
+}
+
+/// From the scene to eye coordinates, as GLArea::setView() and the trackball have it, without asking OpenGL.
+vcg::Matrix44d eye_matrix(const GLArea& area) {
+  vcg::Matrix44d away, to_center, from_center;
+  const double distance = area.fov <= 5 ? 8 : 1.75 / std::tan(vcg::math::ToRad(area.fov * 0.5));
+  const auto center = vcg::Point3d::Construct(area.trackball.center);
+  away.SetTranslate(0, 0, -distance);
+  from_center.SetTranslate(center);
+  to_center.SetTranslate(-center);
+  return away * from_center * vcg::Matrix44d::Construct(area.trackball.track.Matrix()) * to_center;
+}
+
+vcg::Point2d pixel(const GLArea& area, const vcg::Point3d& eye) {
+  const double aspect = static_cast<double>(area.width()) / area.height();
+  const double half_height =
+      area.fov <= 5 ? 1.75 : -eye[2] * std::tan(vcg::math::ToRad(static_cast<double>(area.fov)) / 2);
+  return {(eye[0] / (half_height * aspect) + 1) * area.width() / 2, (1 - eye[1] / half_height) * area.height() / 2};
+}
+
+/// Where vertices (list) of a layer, or points (flat list, layer coordinates), are on the view, in pixels.
+Answer project(const QJsonObject& arguments) {
+  const GLArea& area = gl_area();
+  const CMeshO& mesh = layer(arguments).cm;
+  std::vector<vcg::Point3d> points;
+  for (const QJsonValue vertex : arguments["vertices"].toArray()) {
+    points.push_back(vcg::Point3d::Construct(mesh.vert.at(vertex.toInt()).cP()));
+  }
+  const QJsonArray list = arguments["points"].toArray();
+  for (int i = 0; i + 2 < list.size(); i += 3) {
+    points.emplace_back(list[i].toDouble(), list[i + 1].toDouble(), list[i + 2].toDouble());
+  }
+  const vcg::Matrix44d to_eye = eye_matrix(area) * vcg::Matrix44d::Construct(mesh.Tr);
+  QJsonArray pixels;
+  for (const vcg::Point3d& point : points) {
+    const vcg::Point2d place = pixel(area, to_eye * point);
+    pixels += QJsonArray{place[0], place[1]};
+  }
+  const QPoint corner = area.mapToGlobal(QPoint(0, 0));
+  return {{{"pixels", pixels},
+           {"corner", QJsonArray{corner.x(), corner.y()}},
+           {"width", area.width()},
+           {"height", area.height()}}};
+}
+
+Answer camera(const QJsonObject&) {
+  const GLArea& area = gl_area();
+  return {{{"matrix", numbers(eye_matrix(area))}, {"fov", static_cast<double>(area.fov)}}};
+}
+
+Answer log(const QJsonObject&) {
+  QJsonArray lines;
+  for (const auto& [level, text] : document().Log.logStringList()) {
+    lines += QJsonArray{level, text};
+  }
+  return {{{"lines", lines}}};
+}
+
+/// What the boxes over the picture say. MeshLab forgets them once they are drawn, so the tool is asked again.
+Answer on_screen(const QJsonObject&) {
+  GLArea& area = gl_area();
+  MeshDocument& md = document();
+  QJsonArray texts;
+  if (area.getCurrentMeshEditor() && md.mm()) {
+    area.makeCurrent();
+    md.Log.clearRealTimeLog();
+    area.getCurrentMeshEditor()->Decorate(*md.mm(), &area, nullptr);
+    for (const auto& [mesh, text] : md.Log.realTimeLogMultiMap()) {
+      texts += text;
+    }
+    area.repaint();  // with the right matrices, which the tool may have kept
+  }
+  return {{{"texts", texts}}};
+}
+
+Answer history(const QJsonObject&) {
+  QJsonArray filters;
+  for (const FilterNameParameterValuesPair& filter : *document().filterHistory) {
+    QJsonObject parameters;
+    for (const RichParameter& parameter : filter.second) {
+      if (parameter.value().isString()) {
+        parameters[parameter.name()] = parameter.value().getString();
+      }
+    }
+    filters += QJsonObject{{"name", filter.first}, {"texts", parameters}};
+  }
+  return {{{"filters", filters}}};
+}
+
+Answer tool(const QJsonObject&) {
+  GLArea& area = gl_area();
+  const QAction* active = area.getCurrentEditAction();
+  return {{{"tool", active ? active->text() : QString()}, {"suspended", area.suspendedEditor}}};
+}
+
+}  // namespace
+
+GLArea& gl_area() {
+  GLArea* found = find_gl_area();
+  if (!found) {
+    throw std::runtime_error("there is no view");
+  }
+  return *found;
+}
+
+MeshDocument& document() {
+  MeshDocument* found = gl_area().md();
+  if (!found) {
+    throw std::runtime_error("there is no document");
+  }
+  return *found;
+}
+
+MeshModel& layer(const QJsonObject& arguments) {
+  MeshDocument& md = document();
+  MeshModel* found = arguments.contains("layer") ? md.getMesh(arguments["layer"].toInt()) : md.mm();
+  if (!found) {
+    throw std::runtime_error("there is no such layer");
+  }
+  return *found;
+}
+
+void add_scene_commands(Commands& commands) {
+  commands["layers"] = layers;
+  commands["layer"] = change_layer;
+  commands["dump"] = dump;
+  commands["project"] = project;
+  commands["camera"] = camera;
+  commands["log"] = log;
+  commands["on_screen"] = on_screen;
+  commands["history"] = history;
+  commands["tool"] = tool;
+}
+
+}  // namespace gui_driver

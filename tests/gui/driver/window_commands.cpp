@@ -1,0 +1,316 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <QAbstractButton>
+#include <QAction>
+#include <QApplication>
+#include <QClipboard>
+#include <QComboBox>
+#include <QDialog>
+#include <QDoubleSpinBox>
+#include <QElapsedTimer>
+#include <QFileDialog>
+#include <QJsonArray>
+#include <QLineEdit>
+#include <QMainWindow>
+#include <QMessageBox>
+#include <QPointer>
+#include <QScreen>
+#include <QSlider>
+#include <QSpinBox>
+#include <stdexcept>
+
+#include "commands.h"
+
+namespace gui_driver {
+namespace {
+
+QString plain(QString text) {
+  return text.remove('&');
+}
+
+QJsonObject describe(const QAction& action) {
+  return {{"text", plain(action.text())},
+          {"name", action.objectName()},
+          {"checked", action.isChecked()},
+          {"enabled", action.isEnabled()},
+          {"visible", action.isVisible()},
+          {"icon", !action.icon().isNull()},
+          {"shortcut", action.shortcut().toString()}};
+}
+
+/// Actions of the main window's menus and tool bars; those of filters are children of their plugins.
+QList<QAction*> actions() {
+  QList<QAction*> result;
+  for (const QWidget* widget : QApplication::allWidgets()) {
+    for (QAction* action : widget->actions()) {
+      if (!result.contains(action)) {
+        result += action;
+      }
+    }
+  }
+  return result;
+}
+
+Answer find_actions(const QJsonObject& arguments) {
+  const QString text = arguments["text"].toString();
+  QJsonArray found;
+  for (const QAction* action : actions()) {
+    if (text.isEmpty() || plain(action->text()) == text || action->objectName() == text) {
+      found += describe(*action);
+    }
+  }
+  return {{{"actions", found}}};
+}
+
+Answer trigger(const QJsonObject& arguments) {
+  const QString text = arguments["text"].toString();
+  for (QAction* action : actions()) {
+    if (plain(action->text()) == text || action->objectName() == text) {
+      if (!action->isEnabled()) {
+        throw std::runtime_error("the action is disabled");
+      }
+      return {describe(*action), [action] { action->trigger(); }};
+    }
+  }
+  throw std::runtime_error("no such action");
+}
+
+QWidget& widget(const QJsonObject& arguments) {
+  const QString name = arguments["name"].toString();
+  for (QWidget* candidate : QApplication::allWidgets()) {
+    if (candidate->objectName() == name) {
+      return *candidate;
+    }
+  }
+  throw std::runtime_error("no such widget: " + name.toStdString());
+}
+
+QJsonObject describe(const QWidget& found) {
+  QJsonObject result{{"class", found.metaObject()->className()},
+                     {"name", found.objectName()},
+                     {"enabled", found.isEnabled()},
+                     {"visible", found.isVisible()},
+                     {"tool_tip", found.toolTip()}};
+  const QPoint corner = found.mapToGlobal(QPoint(0, 0));
+  result["rectangle"] = QJsonArray{corner.x(), corner.y(), found.width(), found.height()};
+  for (const char* property : {"text", "value", "checked", "currentIndex", "currentText", "minimum", "maximum",
+                               "suffix", "plainText", "title", "windowTitle"}) {
+    const QVariant value = found.property(property);
+    if (value.isValid()) {
+      result[property] = QJsonValue::fromVariant(value);
+    }
+  }
+  for (const QByteArray& property : found.dynamicPropertyNames()) {
+    if (!property.startsWith("_q_")) {
+      result[property] = QJsonValue::fromVariant(found.property(property));
+    }
+  }
+  return result;
+}
+
+Answer get_widget(const QJsonObject& arguments) {
+  return {describe(widget(arguments))};
+}
+
+/// All whose name begins with "prefix", or all inside the one called "inside".
+Answer list_widgets(const QJsonObject& arguments) {
+  const QString prefix = arguments["prefix"].toString();
+  const QWidget* inside = arguments.contains("inside") ? &widget({{"name", arguments["inside"]}}) : nullptr;
+  QJsonArray found;
+  for (const QWidget* candidate : QApplication::allWidgets()) {
+    if (inside ? inside->isAncestorOf(candidate) : candidate->objectName().startsWith(prefix)) {
+      found += describe(*candidate);
+    }
+  }
+  return {{{"widgets", found}}};
+}
+
+/// As a user would, who types and then goes on: signals of editing are sent as well.
+void enter(QWidget& target, const QJsonValue& value) {
+  if (auto* box = qobject_cast<QSpinBox*>(&target)) {
+    box->setValue(value.toInt());
+    emit box->editingFinished();
+  } else if (auto* real_box = qobject_cast<QDoubleSpinBox*>(&target)) {
+    real_box->setValue(value.toDouble());
+    emit real_box->editingFinished();
+  } else if (auto* list = qobject_cast<QComboBox*>(&target)) {
+    const int index = value.isString() ? list->findText(value.toString()) : value.toInt();
+    if (index < 0 || index >= list->count()) {
+      throw std::runtime_error("no such choice");
+    }
+    list->setCurrentIndex(index);
+    emit list->activated(index);
+  } else if (auto* line = qobject_cast<QLineEdit*>(&target)) {
+    line->setText(value.toString());
+    emit line->editingFinished();
+  } else if (auto* slider = qobject_cast<QSlider*>(&target)) {
+    slider->setValue(value.toInt());
+  } else if (auto* button = qobject_cast<QAbstractButton*>(&target)) {
+    if (button->isChecked() != value.toBool()) {
+      button->click();
+    }
+  } else {
+    throw std::runtime_error("cannot be set");
+  }
+}
+
+Answer set_widget(const QJsonObject& arguments) {
+  QWidget& target = widget(arguments);
+  if (!target.isEnabled()) {
+    throw std::runtime_error(target.objectName().toStdString() + " is disabled");
+  }
+  enter(target, arguments["value"]);
+  return {};
+}
+
+/// A button by its objectName, or by its text if that is given.
+Answer click(const QJsonObject& arguments) {
+  QAbstractButton* found = nullptr;
+  for (QWidget* candidate : QApplication::allWidgets()) {
+    auto* button = qobject_cast<QAbstractButton*>(candidate);
+    if (button && button->isVisible() &&
+        (arguments.contains("text") ? plain(button->text()) == arguments["text"].toString()
+                                    : button->objectName() == arguments["name"].toString())) {
+      found = button;
+    }
+  }
+  if (!found) {
+    throw std::runtime_error("no such button in sight");
+  }
+  if (!found->isEnabled()) {
+    throw std::runtime_error("the button is disabled");
+  }
+  return {{}, [button = QPointer<QAbstractButton>(found)] { button->click(); }};
+}
+
+Answer buttons(const QJsonObject&) {
+  QJsonArray texts;
+  for (const QWidget* candidate : QApplication::allWidgets()) {
+    const auto* button = qobject_cast<const QAbstractButton*>(candidate);
+    if (button && button->isVisible()) {
+      texts += plain(button->text());
+    }
+  }
+  return {{{"texts", texts}}};
+}
+
+Answer close_widget(const QJsonObject& arguments) {
+  return {{}, [found = &widget(arguments)] { found->close(); }};
+}
+
+/// The modal dialog that waits for the user; empty if there is none.
+Answer dialog(const QJsonObject&) {
+  const QWidget* modal = QApplication::activeModalWidget();
+  if (!modal) {
+    return {};
+  }
+  QJsonObject result{{"class", modal->metaObject()->className()}, {"title", modal->windowTitle()}};
+  if (const auto* box = qobject_cast<const QMessageBox*>(modal)) {
+    result["text"] = box->text() + box->informativeText();
+  }
+  return {result};
+}
+
+/// path: for a file dialog. button: text of the one to press; absent: the dialog is accepted.
+Answer answer_dialog(const QJsonObject& arguments) {
+  QPointer<QDialog> modal = qobject_cast<QDialog*>(QApplication::activeModalWidget());
+  if (!modal) {
+    throw std::runtime_error("no dialog is open");
+  }
+  if (auto* files = qobject_cast<QFileDialog*>(modal.data()); files && arguments.contains("path")) {
+    const QString path = arguments["path"].toString();
+    auto* line = files->findChild<QLineEdit*>("fileNameEdit");
+    if (!line) {
+      throw std::runtime_error("a native file dialog");
+    }
+    line->setText(path);
+  }
+  if (arguments.contains("button")) {
+    for (QAbstractButton* button : modal->findChildren<QAbstractButton*>()) {
+      if (plain(button->text()) == arguments["button"].toString()) {
+        return {{}, [button = QPointer<QAbstractButton>(button)] { button->click(); }};
+      }
+    }
+    throw std::runtime_error("the dialog has no such button");
+  }
+  return {{}, [modal] { modal->accept(); }};
+}
+
+/// Handles events until the tool says that it is not at work, and then those that this left.
+Answer idle(const QJsonObject& arguments) {
+  const auto busy = [] {
+    for (const QWidget* candidate : QApplication::allWidgets()) {
+      if (candidate->isVisible() && candidate->property("laplacian_drag_busy").toBool()) {
+        return true;
+      }
+    }
+    return false;
+  };
+  QElapsedTimer watch;
+  watch.start();
+  int calm = 0;  // passes in a row without anything to wait for
+  while (calm < 3) {
+    QCoreApplication::processEvents(QEventLoop::AllEvents, 20);
+    calm = busy() ? 0 : calm + 1;
+    if (watch.elapsed() > 1000 * arguments["seconds"].toDouble(60)) {
+      throw std::runtime_error("the tool is busy for too long");
+    }
+  }
+  return {};
+}
+
+Answer grab(const QJsonObject& arguments) {
+  // From the screen: a widget's own picture leaves OpenGL's part out.
+  const QString path = arguments["path"].toString();
+  if (!main_window().screen()->grabWindow(0).save(path)) {
+    throw std::runtime_error("no picture could be saved");
+  }
+  return {};
+}
+
+Answer resize(const QJsonObject& arguments) {
+  main_window().resize(arguments["width"].toInt(), arguments["height"].toInt());
+  return {};
+}
+
+Answer clipboard(const QJsonObject& arguments) {
+  if (arguments.contains("text")) {
+    QApplication::clipboard()->setText(arguments["text"].toString());
+  }
+  return {{{"text", QApplication::clipboard()->text()}}};
+}
+
+Answer quit(const QJsonObject&) {
+  QMainWindow* window = &main_window();
+  return {{}, [window] { window->close(); }};
+}
+
+}  // namespace
+
+QMainWindow& main_window() {
+  for (QWidget* candidate : QApplication::topLevelWidgets()) {
+    if (candidate->inherits("MainWindow")) {
+      return static_cast<QMainWindow&>(*candidate);
+    }
+  }
+  throw std::runtime_error("there is no main window");
+}
+
+void add_window_commands(Commands& commands) {
+  commands["actions"] = find_actions;
+  commands["trigger"] = trigger;
+  commands["widget"] = get_widget;
+  commands["widgets"] = list_widgets;
+  commands["set"] = set_widget;
+  commands["click"] = click;
+  commands["buttons"] = buttons;
+  commands["close"] = close_widget;
+  commands["dialog"] = dialog;
+  commands["answer"] = answer_dialog;
+  commands["idle"] = idle;
+  commands["grab"] = grab;
+  commands["resize"] = resize;
+  commands["clipboard"] = clipboard;
+  commands["quit"] = quit;
+}
+
+}  // namespace gui_driver

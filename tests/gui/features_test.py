@@ -1,0 +1,370 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a person does with the tool to regions and handles, in the real window on a generated mesh."""
+import math
+import unittest
+
+from tool import PANEL, TOOL, ToolTest, part
+from ply import write_ply
+from shapes import moved, neighbours, together, within
+
+
+class Start(ToolTest):
+    def test_menu_entry_icon_and_shortcut(self):
+        with self.open(self.mesh) as w:
+            action = w.actions(TOOL)
+            self.assertEqual(len(action), 1)
+            self.assertTrue(action[0]["icon"])
+            self.assertEqual(action[0]["shortcut"], "Ctrl+Alt+L")
+            self.assertFalse(action[0]["checked"])
+            before = w.dump()
+            w.trigger(TOOL)
+            self.assertEqual(w.tool(), (TOOL, False))
+            self.assertTrue(w.actions(TOOL)[0]["checked"])
+            self.assertTrue(w.widget(PANEL)["visible"])
+            self.assertRegex(self.message(w), "Press on the surface and drag")
+            w.trigger(TOOL)
+            self.assertEqual(w.tool()[0], "")
+            self.assertFalse(any(p["visible"] for p in w.widgets(PANEL).values()))
+            self.assert_same(before, w.dump())
+
+    def test_panel_fits_a_small_window(self):
+        with self.start(self.mesh) as w:
+            w.resize(1280, 720)
+            panel = w.widget(PANEL)["rectangle"]
+            left, top, width, height = panel
+            self.assertLessEqual(left + width, 1280)
+            self.assertLessEqual(top + height, 720)
+            self.assertLess(width, 480)
+            self.assertGreater(w.ask("project")["width"], 440)
+            for name, widget in w.widgets(part("")).items():
+                self.assertTrue(widget["visible"], name)
+
+    def test_settings_buttons_and_figures_have_names_and_explain_themselves(self):
+        with self.start(self.mesh) as w:
+            named = 0
+            for widget in w.ask("widgets", inside=PANEL)["widgets"]:
+                if widget["class"] in ("QDoubleSpinBox", "QSpinBox", "QComboBox", "QPushButton", "QProgressBar"):
+                    self.assertRegex(widget["name"], "^laplacian_drag_")
+                    self.assertGreater(len(widget["tool_tip"]), 10, widget)
+                    named += 1
+            self.assertGreater(named, 25)
+
+
+class Gesture(ToolTest):
+    def test_press_drag_release_is_enough(self):
+        with self.start(self.mesh) as w:
+            before = w.dump()
+            x, y = w.pixel(self.CENTRE)
+            # All at once: the region cannot be ready before the button is up again.
+            w.mouse("press", x, y)
+            for i in range(1, 6):
+                w.mouse("move", x + 8 * i, y - 6 * i)
+            w.mouse("release", x + 40, y - 30)
+            w.idle()
+            after = w.dump()
+            self.assert_at(w, self.CENTRE, (x + 40, y - 30))
+            around = neighbours(len(self.points), self.faces)
+            step = self.steps_of(w)[0]
+            region = within(self.points, around, self.CENTRE, step["region"]["radius"])
+            self.assertLessEqual(before.moved(after), region)
+            self.assertGreater(len(before.moved(after)), len(region) // 2)
+            self.assertEqual(self.steps_in_log(w), [{"step": 1, "handle": 1, "region": len(region)}])
+            self.assertEqual([n for n in before.differences(after) if n not in ("positions", "normals", "face_normals",
+                                                                                "box")], [])
+            self.assert_finite(after)
+            self.assert_replay_is_the_same(w, self.mesh)
+
+    def test_drag_right_after_a_click(self):
+        """Qt makes a double click of the second press."""
+        with self.start(self.mesh) as w:
+            x, y = w.pixel(self.CENTRE)
+            w.mouse("press", x, y)
+            w.mouse("release", x, y)
+            w.mouse("double", x, y)
+            w.mouse("move", x + 30, y - 20)
+            w.mouse("release", x + 30, y - 20)
+            w.idle()
+            self.assert_at(w, self.CENTRE, (x + 30, y - 20))
+            self.assertEqual(len(self.steps_in_log(w)), 1)
+
+    def test_slow_and_fast_drags_give_the_same_bits(self):
+        results = []
+        for steps in (1, 12):
+            with self.start(self.mesh) as w:
+                self.pull(w, self.CENTRE, (32, -48), steps=steps)
+                results.append(w.dump())
+        self.assert_same(*results)
+
+    def test_each_move_is_seen_at_once_with_its_shading(self):
+        with self.start(self.mesh) as w:
+            before = w.dump()
+            pixel = self.pull(w, self.CENTRE, (30, -40), release=False)
+            during = w.dump()
+            self.assert_at(w, self.CENTRE, pixel)
+            self.assertLessEqual({"positions", "normals", "face_normals"}, set(before.differences(during)))
+            w.mouse("release", *pixel)
+            w.idle()
+            # Only the box waits for the release.
+            self.assertLessEqual(set(during.differences(w.dump())), {"box"})
+
+    def test_click_beside_the_mesh_is_one_line_and_nothing_else(self):
+        with self.start(self.mesh) as w:
+            before, lines = w.dump(), w.log()
+            w.click(3, 300)
+            self.assertRegex(self.message(w), "no surface")
+            w.drag((3, 300), (300, 300))
+            self.assert_same(before, w.dump())
+            self.assertEqual(w.log(), lines)
+            self.pull(w, self.CENTRE, (20, 20))
+            self.assertEqual(len(self.steps_in_log(w)), 1)
+
+
+class Region(ToolTest):
+    def region_of_next_step(self, w, vertex=None):
+        """Pulls a little. @return the number of vertices in the region"""
+        self.pull(w, self.CENTRE if vertex is None else vertex, (12, -9))
+        return self.steps_in_log(w)[-1]["region"]
+
+    def test_wheel_changes_radius_and_padding(self):
+        with self.start(self.mesh) as w:
+            before = w.dump()
+            x, y = w.pixel(self.CENTRE)
+            w.click(x, y)
+            radius, padding = (w.widget(part(n))["value"] for n in ("radius", "padding"))
+            w.wheel(x, y, 3)
+            larger = w.widget(part("radius"))["value"]
+            self.assertGreater(larger, radius)
+            w.wheel(x, y, 2, modifiers=["shift"])
+            self.assertGreater(w.widget(part("padding"))["value"], padding)
+            self.assertEqual(w.widget(part("radius"))["value"], larger)
+            self.assert_same(before, w.dump())
+            w.wheel(x, y, -1, modifiers=["shift"])
+            self.pull(w, self.CENTRE, (12, -9))
+            region = self.steps_of(w)[0]["region"]
+            self.assertAlmostEqual(region["radius"], larger, delta=0.01 * larger)
+            self.assertGreater(region["padding"], padding)
+            around = neighbours(len(self.points), self.faces)
+            self.assertEqual(self.steps_in_log(w)[0]["region"],
+                             len(within(self.points, around, self.CENTRE, region["radius"])))
+
+    def test_selected_faces_are_the_region(self):
+        with self.start(self.mesh) as w:
+            # Columns 10 to 30 of rows 10 to 30.
+            chosen = [f for f, corners in enumerate(self.faces)
+                      if all(10 <= v // self.ROWS <= 30 and 10 <= v % self.ROWS <= 30 for v in corners)]
+            w.layer(selected_faces=chosen)
+            selected = w.dump()["face_flags"]
+            w.press_button(part("from_selection"))
+            before = w.dump()
+            self.assertEqual(self.region_of_next_step(w), 21 * 21)
+            inside = {v for f in chosen for v in self.faces[f]}
+            self.assertLessEqual(before.moved(w.dump()), inside)
+            self.assertEqual(w.dump()["face_flags"], selected)
+            self.assert_replay_is_the_same(w, self.mesh)
+
+    def test_selection_of_nothing_is_refused(self):
+        with self.start(self.mesh) as w:
+            w.press_button(part("from_selection"))
+            self.assertRegex(self.message(w), "select")
+
+    def test_brush_adds_and_takes(self):
+        with self.start(self.mesh) as w:
+            w.click(*w.pixel(self.CENTRE))
+            plain = self.region_of_next_step(w)
+            far = self.CENTRE + 12 * self.ROWS
+            w.drag(w.pixel(self.CENTRE + 3 * self.ROWS), w.pixel(far), modifiers=["ctrl"], steps=10)
+            brushed = self.region_of_next_step(w)
+            self.assertGreater(brushed, plain)
+            before = w.dump()
+            w.drag(w.pixel(far), w.pixel(self.CENTRE + 5 * self.ROWS), modifiers=["shift"], steps=10)
+            self.assert_same(before, w.dump())
+            self.assertLess(self.region_of_next_step(w), brushed)
+            self.assert_replay_is_the_same(w, self.mesh)
+
+    def test_brush_leaves_the_far_side_alone(self):
+        # The second sheet is a little behind the first.
+        behind = moved((self.points, self.faces), offset=(0, 0, -0.05))
+        mesh = write_ply(self.folder / "two.ply", *together((self.points, self.faces), behind))
+        with self.start(mesh) as w:
+            before = w.dump()
+            w.click(*w.pixel(self.CENTRE))
+            w.drag(w.pixel(self.CENTRE), w.pixel(self.CENTRE + 8), modifiers=["ctrl"], steps=8)
+            self.region_of_next_step(w)
+            self.assertLess(max(before.moved(w.dump())), len(self.points))
+
+    def test_grow_shrink_and_whole_component(self):
+        with self.start(self.mesh) as w:
+            w.click(*w.pixel(self.CENTRE))
+            sizes = [self.region_of_next_step(w)]
+            for button in ("grow", "grow", "shrink", "component"):
+                w.press_button(part(button))
+                sizes.append(self.region_of_next_step(w))
+            self.assertLess(sizes[0], sizes[1])
+            self.assertLess(sizes[1], sizes[2])
+            self.assertEqual(sizes[3], sizes[1])
+            self.assertEqual(sizes[4], len(self.points))
+            self.assert_replay_is_the_same(w, self.mesh)
+
+    def test_another_handle_keeps_the_region(self):
+        with self.start(self.mesh) as w:
+            w.click(*w.pixel(self.CENTRE))
+            first = self.region_of_next_step(w)
+            other = self.CENTRE + 2 * self.ROWS + 1
+            self.assertEqual(self.region_of_next_step(w, other), first)
+            self.assertEqual([s["handles"][0]["vertices"] for s in self.steps_of(w)], [str(self.CENTRE), str(other)])
+            w.key("W")
+            self.assertNotEqual(self.region_of_next_step(w, self.CENTRE + 8 * self.ROWS), first)
+            self.assertEqual(len(self.steps_in_log(w)), 3)
+
+
+class Handle(ToolTest):
+    def test_group_by_radius_and_by_clicks(self):
+        with self.start(self.mesh) as w:
+            w.set(part("handle_radius"), 0.06)
+            w.click(*w.pixel(self.CENTRE))
+            self.pull(w, self.CENTRE, (10, 10))
+            grouped = self.steps_in_log(w)[0]["handle"]
+            self.assertGreater(grouped, 5)
+            w.set(part("handle_radius"), 0)
+            w.click(*w.pixel(self.CENTRE + 4 * self.ROWS), modifiers=["ctrl"])
+            self.pull(w, self.CENTRE, (10, 10))
+            self.assertEqual(self.steps_in_log(w)[1]["handle"], grouped + 1)
+            w.click(*w.pixel(self.CENTRE + 4 * self.ROWS), modifiers=["shift"])
+            self.pull(w, self.CENTRE, (-5, 10))
+            self.assertEqual(self.steps_in_log(w)[2]["handle"], grouped)
+            self.assert_replay_is_the_same(w, self.mesh)
+
+    def test_wheel_with_ctrl_changes_the_handle_radius(self):
+        with self.start(self.mesh) as w:
+            w.wheel(300, 300, 16, modifiers=["ctrl"])
+            radius = w.widget(part("handle_radius"))["value"]
+            self.assertGreater(radius, 0.03)
+            self.pull(w, self.CENTRE, (10, 10))
+            around = neighbours(len(self.points), self.faces)
+            self.assertEqual(self.steps_in_log(w)[0]["handle"], len(within(self.points, around, self.CENTRE, radius)))
+
+    def test_curve(self):
+        with self.start(self.mesh) as w:
+            w.key("C")
+            start, end = self.CENTRE - 6, self.CENTRE + 6
+            w.click(*w.pixel(start))
+            w.click(*w.pixel(end))
+            w.click(*w.pixel(end + 4 * self.ROWS))
+            before = w.dump()
+            w.key("C")
+            self.pull(w, self.CENTRE, (0, -25))
+            step = self.steps_in_log(w)[0]
+            # The diagonals of the sheet can make the path turn earlier, never longer in vertices.
+            self.assertGreaterEqual(step["handle"], 13)
+            self.assertLessEqual(step["handle"], 17)
+            moved_now = before.moved(w.dump())
+            self.assertLessEqual({start, end, end + 4 * self.ROWS}, moved_now)
+            self.assert_replay_is_the_same(w, self.mesh)
+
+    def test_groups_move_on_their_own_and_hold(self):
+        with self.start(self.mesh) as w:
+            w.set(part("radius"), 0.4)
+            other = self.CENTRE + 7
+            w.click(*w.pixel(self.CENTRE))
+            w.key("G")
+            w.click(*w.pixel(other))
+            held = w.dump().triples()[self.CENTRE]
+            pixel = self.pull(w, other, (20, -30))
+            self.assert_at(w, other, pixel)
+            now = w.dump().triples()[self.CENTRE]
+            self.assertLess(math.dist(held, now), 0.002)
+            held = w.dump().triples()[other]
+            pixel = self.pull(w, self.CENTRE, (-15, 20))
+            self.assert_at(w, self.CENTRE, pixel)
+            self.assertLess(math.dist(held, w.dump().triples()[other]), 0.002)
+            steps = self.steps_of(w)
+            self.assertEqual([len(s["handles"]) for s in steps], [2, 2])
+            self.assert_replay_is_the_same(w, self.mesh)
+
+
+class Move(ToolTest):
+    def transform(self, w, keys, **settings):
+        """Clicks the centre and types. @return the handle as the saved edit has it"""
+        for name, value in settings.items():
+            w.set(part(name), value)
+        w.click(*w.pixel(self.CENTRE))
+        w.key(*keys)
+        return self.steps_of(w)[-1]["handles"][0]
+
+    def test_typed_amounts_along_axes_are_exact(self):
+        for keys, way in ((["X", *"0.25", "Return"], [0.25, 0, 0]), (["Y", "-", *".125", "Return"], [0, -0.125, 0]),
+                          (["Z", *"1", "Backspace", "Z", *"0.5", "Return"], [0, 0, 0.5])):
+            with self.subTest(keys), self.start(self.mesh) as w:
+                before = w.dump()
+                handle = self.transform(w, keys)
+                self.assertEqual(handle["translation"], way)
+                place = [p + t for p, t in zip(before.triples()[self.CENTRE], way)]
+                self.assertLess(math.dist(place, w.dump().triples()[self.CENTRE]), 0.005 * math.hypot(*way))
+                self.assert_replay_is_the_same(w, self.mesh)
+
+    def test_normal(self):
+        with self.start(self.mesh) as w:
+            normal = w.dump().triples("normals")[self.CENTRE]
+            way = self.transform(w, ["N", *"0.2", "Return"])["translation"]
+            self.assertAlmostEqual(math.hypot(*way), 0.2)
+            along = sum(a * b for a, b in zip(way, normal)) / math.hypot(*way) / math.hypot(*normal)
+            self.assertGreater(along, 0.95)
+
+    def test_rotate_and_scale_a_group(self):
+        with self.start(self.mesh) as w:
+            handle = self.transform(w, ["R", "Z", *"30", "Return"], handle_radius=0.08)
+            self.assertEqual(handle["rotation"]["degrees"], 30)
+            self.assertEqual(handle["rotation"]["axis"], [0, 0, 1])
+            w.key("S", *"1.5", "Return")
+            self.assertEqual(self.steps_of(w)[1]["handles"][0]["scale"], 1.5)
+            self.assert_replay_is_the_same(w, self.mesh)
+
+    def test_rotation_follows_the_mouse(self):
+        with self.start(self.mesh) as w:
+            w.set(part("handle_radius"), 0.08)
+            x, y = w.pixel(self.CENTRE)
+            w.click(x, y)
+            w.move(x + 60, y)
+            w.key("R")
+            for angle in (15, 30, 45):
+                w.move(x + 60 * math.cos(math.radians(angle)), y - 60 * math.sin(math.radians(angle)))
+            w.click(x + 60 * math.cos(math.radians(45)), y - 60 * math.sin(math.radians(45)))
+            turn = self.steps_of(w)[0]["handles"][0]["rotation"]
+            self.assertAlmostEqual(abs(turn["degrees"]), 45, delta=2)
+
+    def test_axis_lock_while_dragging(self):
+        with self.start(self.mesh) as w:
+            x, y = w.pixel(self.CENTRE)
+            w.mouse("press", x, y)
+            w.move(x + 5, y + 5)
+            w.key("X")
+            w.move(x + 50, y + 30)
+            w.mouse("release", x + 50, y + 30)
+            w.idle()
+            way = self.steps_of(w)[0]["handles"][0]["translation"]
+            self.assertGreater(way[0], 0.01)
+            self.assertEqual(way[1:], [0, 0])
+
+    def test_backspace_cancels_and_return_applies(self):
+        with self.start(self.mesh) as w:
+            before = w.dump()
+            pixel = self.pull(w, self.CENTRE, (40, -40), release=False)
+            self.assertNotEqual(before.moved(w.dump()), set())
+            w.key("Backspace")
+            self.assert_same(before, w.dump())
+            w.mouse("release", *pixel)
+            w.idle()
+            self.assert_same(before, w.dump())
+            self.assertEqual(self.steps_in_log(w), [])
+            x, y = w.pixel(self.CENTRE)
+            w.move(x, y)
+            w.key("T")
+            w.move(x + 30, y + 10)
+            self.assertEqual(self.steps_in_log(w), [])
+            w.key("Return")
+            self.assertEqual(len(self.steps_in_log(w)), 1)
+            self.assert_replay_is_the_same(w, self.mesh)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,354 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Starts the staged MeshLab on a private X server and drives its window, for tests.
+
+The window is driven from inside, by the plugin in tests/gui/driver, or from outside, by xdotool.
+Environment: as tests/host/host.py has it; the stage holds the driver as well.
+"""
+import collections
+import json
+import pathlib
+import socket
+import struct
+import subprocess
+import sys
+import threading
+import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "host"))
+
+from host import STAGE, HostTest  # noqa: E402
+from x_server import end_with_parent  # noqa: E402
+
+PATIENCE = 120  # seconds; a machine may be busy, and sanitizers are slow
+
+
+class Dump:
+    """All that the driver tells of a layer. Arrays by name as bytes, so that == compares bits."""
+
+    def __init__(self, reply, data):
+        self.box = reply["box"]
+        self.arrays = {name: data[begin:begin + length] for name, (begin, length) in reply["arrays"].items()}
+
+    def __getitem__(self, name):
+        return self.arrays[name]
+
+    def differences(self, other):
+        """Names of what is not equal to the bit."""
+        names = [name for name in self.arrays if self.arrays[name] != other.arrays.get(name)]
+        return names + (["box"] if self.box != other.box else [])
+
+    def triples(self, name="positions"):
+        return list(struct.iter_unpack("<3f", self.arrays[name]))
+
+    def point_bits(self):
+        return list(struct.iter_unpack("<3I", self.arrays["positions"]))
+
+    def faces(self):
+        return list(struct.iter_unpack("<3i", self.arrays["faces"]))
+
+    def moved(self, other):
+        """Vertices whose positions differ in any bit."""
+        return {v for v, (a, b) in enumerate(zip(self.point_bits(), other.point_bits())) if a != b}
+
+
+class Window:
+    """A running MeshLab. As a context manager it is closed at the end, and must end well."""
+
+    def __init__(self, environment, folder, files=()):
+        self.folder = pathlib.Path(folder)
+        self.environment = environment
+        self.output = []
+        self.recent = collections.deque(maxlen=25)
+        path = self.folder / "driver"
+        path.unlink(missing_ok=True)
+        self.process = subprocess.Popen(
+            [str(STAGE / "bin" / "meshlab"), *map(str, files)], env=dict(environment, LAPEDIT_GUI_SOCKET=str(path)),
+            cwd=folder, preexec_fn=end_with_parent, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT)
+        self.reader = threading.Thread(target=self._read_output, daemon=True)
+        self.reader.start()
+        try:
+            self._wait(path.exists, "MeshLab did not start")
+            self.socket = socket.socket(socket.AF_UNIX)
+            self.socket.settimeout(PATIENCE + 30)
+            self.socket.connect(str(path))
+            self.answers = self.socket.makefile("rb")
+            if files:
+                self.wait_output("All files opened")
+            self.idle()
+        except BaseException:
+            self.kill()
+            raise
+
+    def _read_output(self):
+        for line in self.process.stdout:
+            self.output.append(line.decode(errors="replace").rstrip("\n"))
+
+    def _wait(self, condition, sentence, patience=PATIENCE):
+        end = time.monotonic() + patience
+        while not condition():
+            if self.process.poll() is not None or time.monotonic() > end:
+                self.fail(sentence)
+            time.sleep(0.02)
+
+    def text(self):
+        return "\n".join(self.output)
+
+    def fail(self, sentence):
+        try:
+            code = self.process.wait(2)
+            self.reader.join(5)
+            sentence += f"; MeshLab ended with {code}"
+        except subprocess.TimeoutExpired:
+            pass
+        recent = "\n".join(self.recent)
+        raise AssertionError(f"{sentence}\nWhat was asked last:\n{recent}\nOutput of MeshLab:\n{self.text()}")
+
+    def kill(self):
+        self.process.kill()
+        self.process.wait()
+        self.reader.join(5)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, kind, error, _trace):
+        try:
+            if kind is not None:
+                self.kill()
+                if "Output of MeshLab" not in str(error):
+                    print("Output of MeshLab:\n" + self.text(), file=sys.stderr)
+            elif self.process.poll() is None:
+                self.quit()
+        finally:
+            self.answers.close()
+            self.socket.close()
+            self.process.stdout.close()
+
+    # From inside ------------------------------------------------------------------------------------------------------
+
+    def ask(self, command, **arguments):
+        line = json.dumps({"command": command, **{k: v for k, v in arguments.items() if v is not None}})
+        self.recent.append(line[:200])
+        try:
+            self.socket.sendall(line.encode() + b"\n")
+            reply = self.answers.readline()
+        except OSError as error:
+            self.fail(f"{line[:200]}: {error}")
+        if not reply:
+            self.fail(f"MeshLab went away at {line[:200]}")
+        reply = json.loads(reply)
+        if "error" in reply:
+            self.fail(f"{line[:200]}: {reply['error']}")
+        return reply
+
+    def idle(self):
+        """Until the tool has nothing to do and all is painted."""
+        self.ask("idle", seconds=PATIENCE)
+
+    def mouse(self, kind, x, y, button="left", modifiers=()):
+        """kind: press, move, release or double; pixels of the view, from its upper left corner"""
+        self.ask("mouse", type=kind, x=x, y=y, button=button, modifiers=list(modifiers))
+
+    def click(self, x, y, button="left", modifiers=()):
+        """Waits until the click has been painted, and so handled."""
+        self.mouse("press", x, y, button, modifiers)
+        self.idle()
+        self.mouse("release", x, y, button, modifiers)
+        self.idle()
+
+    def drag(self, start, end, button="left", modifiers=(), steps=5, release=True):
+        self.mouse("press", *start, button, modifiers)
+        self.idle()
+        for i in range(1, steps + 1):
+            x, y = (a + (b - a) * i / steps for a, b in zip(start, end))
+            self.mouse("move", x, y, button, modifiers)
+            self.idle()
+        if release:
+            self.mouse("release", *end, button, modifiers)
+            self.idle()
+
+    def move(self, x, y, modifiers=()):
+        """Without a button, except those that are held."""
+        self.mouse("move", x, y, modifiers=modifiers)
+        self.idle()
+
+    def wheel(self, x, y, notches, modifiers=()):
+        self.ask("wheel", x=x, y=y, delta=120 * notches, modifiers=list(modifiers))
+        self.idle()
+
+    def key(self, *keys, modifiers=()):
+        """Characters, or names such as Return, Backspace and Esc; each pressed and released."""
+        for key in keys:
+            self.ask("key", key=key, modifiers=list(modifiers))
+            self.idle()
+
+    def actions(self, text=None):
+        return self.ask("actions", text=text)["actions"]
+
+    def trigger(self, text, wait=True):
+        """wait: False if it opens a dialog"""
+        self.ask("trigger", text=text)
+        if wait:
+            self.idle()
+
+    def widget(self, name):
+        return self.ask("widget", name=name)
+
+    def widgets(self, prefix):
+        return {w["name"]: w for w in self.ask("widgets", prefix=prefix)["widgets"]}
+
+    def set(self, name, value):
+        self.ask("set", name=name, value=value)
+        self.idle()
+
+    def press_button(self, name=None, text=None, wait=True):
+        self.ask("click", name=name, text=text)
+        if wait:
+            self.idle()
+
+    def close_widget(self, name):
+        self.ask("close", name=name)
+        self.idle()
+
+    def dialog(self):
+        """The modal dialog that is open, {} if none is."""
+        return self.ask("dialog")
+
+    def wait_dialog(self):
+        """Until a modal dialog is open. @return it"""
+        found = {}
+
+        def opened():
+            found.update(self.dialog())
+            return found
+
+        self._wait(opened, "no dialog opened", 20)
+        return found
+
+    def answer(self, path=None, button=None, wait=True):
+        """Answers the dialog that is about to open. @return what it was"""
+        found = self.wait_dialog()
+        self.ask("answer", path=None if path is None else str(path), button=button)
+        if wait:
+            self.idle()
+        return found
+
+    def run_filter(self, name):
+        """With its default parameters, as from the menu."""
+        self.trigger(name)
+        if "Apply" in self.ask("buttons")["texts"]:
+            self.press_button(text="Apply")
+            self.press_button(text="Close")
+
+    def layers(self):
+        return self.ask("layers")["layers"]
+
+    def layer(self, layer=None, **changes):
+        """Changes of a layer: current, visible, smooth, matrix, selected_faces, selected_vertices, remove."""
+        self.ask("layer", layer=layer, **changes)
+        self.idle()
+
+    def dump(self, layer=None):
+        path = self.folder / "dump"
+        reply = self.ask("dump", layer=layer, path=str(path))
+        return Dump(reply, path.read_bytes())
+
+    def pixel(self, vertex, layer=None):
+        return self.project(vertices=[vertex], layer=layer)[0]
+
+    def project(self, vertices=(), points=(), layer=None):
+        """Pixels of vertices, then of points in the layer's coordinates."""
+        flat = [c for p in points for c in p]
+        return [tuple(p) for p in self.ask("project", layer=layer, vertices=list(vertices), points=flat)["pixels"]]
+
+    def camera(self):
+        return self.ask("camera")
+
+    def log(self):
+        return [text for _, text in self.ask("log")["lines"]]
+
+    def on_screen(self):
+        return self.ask("on_screen")["texts"]
+
+    def history(self):
+        return self.ask("history")["filters"]
+
+    def tool(self):
+        """Title of the active tool, "" if there is none, and whether it is suspended."""
+        reply = self.ask("tool")
+        return reply["tool"], reply["suspended"]
+
+    def clipboard(self, text=None):
+        return self.ask("clipboard", text=text)["text"]
+
+    def grab(self, path):
+        self.ask("grab", path=str(path))
+        return path
+
+    def resize(self, width, height):
+        self.ask("resize", width=width, height=height)
+        self.idle()
+
+    def quit(self):
+        """As a user would, changes thrown away."""
+        self.ask("quit")
+        self.wait_end()
+
+    def wait_end(self):
+        """Until MeshLab has ended, saying yes to what it asks; it must end well."""
+        end = time.monotonic() + PATIENCE
+        while self.process.poll() is None:
+            if time.monotonic() > end:
+                self.fail("MeshLab does not end")
+            try:
+                if self.dialog():
+                    self.ask("answer", button="Yes")
+            except AssertionError:
+                if self.process.poll() is None:
+                    raise
+            time.sleep(0.05)
+        self.reader.join(5)
+        if self.process.returncode != 0:
+            self.fail("MeshLab did not end well")
+
+    def wait_output(self, text):
+        self._wait(lambda: any(text in line for line in self.output), f"no {text!r} in MeshLab's output")
+
+    # From outside -----------------------------------------------------------------------------------------------------
+
+    def x(self, *arguments, attempts=1):
+        """xdotool with these arguments. @return what it prints"""
+        for _ in range(attempts):
+            done = subprocess.run(["xdotool", *map(str, arguments)], env=self.environment, stdout=subprocess.PIPE,
+                                  stderr=subprocess.STDOUT, timeout=PATIENCE, check=False)
+            if done.returncode == 0:
+                return done.stdout.decode()
+            time.sleep(0.3)
+        return self.fail(f"xdotool {arguments}: {done.stdout.decode()}")
+
+    def x_focus(self):
+        """Gives the keyboard to the main window: there is no window manager that would."""
+        self.idle()
+        # The search fails when a window, a dialog's perhaps, goes away meanwhile.
+        window = self.x("search", "--onlyvisible", "--name", "Project_", attempts=5).split()[-1]
+        self.x("windowfocus", "--sync", window, attempts=5)
+
+    def x_drag(self, start, end, steps=8):
+        """Screen pixels; from press to release."""
+        self.x("mousemove", *start, "sleep", 0.1, "mousedown", 1)
+        for i in range(1, steps + 1):
+            self.x("mousemove", *(round(a + (b - a) * i / steps) for a, b in zip(start, end)), "sleep", 0.05)
+        self.x("sleep", 0.1, "mouseup", 1)
+
+    def view_corner(self):
+        """Upper left corner of the view on the screen."""
+        return tuple(self.ask("project")["corner"])
+
+
+class GuiTest(HostTest):
+    """A test case that can open MeshLab's window, and run meshlabserver."""
+    screen = "1280x900"
+
+    def open(self, *files):
+        return Window(type(self).environment, type(self).folder, files)

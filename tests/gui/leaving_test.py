@@ -1,0 +1,347 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Navigating, layers, all ways to leave the tool, and meshes with nothing to edit."""
+import unittest
+
+from tool import PANEL, TOOL, ToolTest, part
+from host import replay
+from ply import Ply, write_ply
+from shapes import moved
+
+
+class Navigate(ToolTest):
+    def test_camera_moves_and_the_mesh_does_not(self):
+        with self.start(self.mesh) as w:
+            self.pull(w, self.CENTRE, (20, -20))
+            before = w.dump()
+            for button, modifiers in (("middle", []), ("right", []), ("left", ["alt"])):
+                with self.subTest(button):
+                    camera = w.camera()
+                    w.drag((300, 300), (380, 340), button=button, modifiers=modifiers)
+                    self.assertNotEqual(w.camera(), camera)
+                    self.assertEqual(w.tool(), (TOOL, False))
+                    self.assert_same(before, w.dump())
+            pixel = self.pull(w, self.CENTRE, (15, -25))
+            self.assert_at(w, self.CENTRE, pixel)
+            self.assertEqual(len(self.steps_in_log(w)), 2)
+            self.assert_replay_is_the_same(w, self.mesh)
+
+    def test_wheel_with_alt_zooms(self):
+        with self.start(self.mesh) as w:
+            camera, radius = w.camera(), w.widget(part("radius"))["value"]
+            w.wheel(300, 300, 3, modifiers=["alt"])
+            self.assertNotEqual(w.camera(), camera)
+            self.assertEqual(w.widget(part("radius"))["value"], radius)
+
+    def test_suspended_tool_leaves_the_mouse_to_the_camera(self):
+        with self.start(self.mesh) as w:
+            before, camera = w.dump(), w.camera()
+            w.trigger("Not editing")
+            self.assertEqual(w.tool(), (TOOL, True))
+            self.pull(w, self.CENTRE, (30, 30))
+            self.assertNotEqual(w.camera(), camera)
+            self.assert_same(before, w.dump())
+            w.trigger("Not editing")
+            self.pull(w, self.CENTRE, (30, 30))
+            self.assertEqual(len(self.steps_in_log(w)), 1)
+
+    def test_release_that_the_tool_does_not_see(self):
+        with self.start(self.mesh) as w:
+            before = w.dump()
+            x, y = self.pull(w, self.CENTRE, (30, 30), release=False)
+            w.trigger("Not editing")
+            w.mouse("release", x, y)
+            w.trigger("Not editing")
+            w.move(x - 20, y)
+            w.move(x - 40, y)
+            self.assert_same(before, w.dump())
+            self.assert_at(w, self.CENTRE, self.pull(w, self.CENTRE, (30, 30)))
+
+    def test_layer_hidden_during_a_drag(self):
+        with self.start(self.mesh) as w:
+            before = w.dump()
+            x, y = self.pull(w, self.CENTRE, (30, 30), release=False)
+            w.layer(visible=False)
+            w.mouse("release", x, y)
+            w.idle()
+            w.layer(visible=True)
+            w.move(x - 40, y)
+            self.assert_same(before, w.dump())
+            self.assertEqual(self.steps_in_log(w), [])
+
+    def test_orthographic_camera(self):
+        with self.start(self.mesh) as w:
+            w.trigger("Toggle Orthographic Camera")
+            self.assert_at(w, self.CENTRE, self.pull(w, self.CENTRE, (40, 20)))
+            self.assertEqual(len(self.steps_in_log(w)), 1)
+
+    def test_camera_moved_during_a_drag_by_key(self):
+        with self.start(self.mesh) as w:
+            x, y = w.pixel(self.CENTRE)
+            w.click(x, y)
+            w.move(x, y)
+            w.key("T")
+            w.move(x + 20, y)
+            w.drag((300, 300), (340, 320), button="middle")
+            w.key("Return")
+            self.assertEqual(len(self.steps_in_log(w)), 1)
+            self.assert_replay_is_the_same(w, self.mesh)
+
+
+class Layers(ToolTest):
+    TURNED = [0, -2, 0, 5, 2, 0, 0, -3, 0, 0, 2, 7, 0, 0, 0, 1]
+
+    def test_layer_with_a_transform(self):
+        with self.start(self.mesh) as w:
+            w.layer(matrix=self.TURNED)
+            w.trigger("Reset Trackball")
+            pixel = self.pull(w, self.CENTRE, (45, -35))
+            self.assert_at(w, self.CENTRE, pixel)
+            self.assertEqual(w.layers()[0]["matrix"], self.TURNED)
+            self.assertEqual(self.steps_of(w)[0]["handles"][0]["vertices"], str(self.CENTRE))
+            w.key("X", *"0.25", "Return")
+            self.assertEqual(self.steps_of(w)[1]["handles"][0]["translation"], [0.25, 0, 0])
+            self.assert_replay_is_the_same(w, self.mesh)
+
+    def two_layers(self):
+        """The second layer is the current one, and behind the first."""
+        behind = write_ply(self.folder / "behind.ply", *moved((self.points, self.faces), offset=(0, 0, -0.3)))
+        return self.mesh, behind
+
+    def test_only_the_current_layer_is_picked(self):
+        files = self.two_layers()
+        with self.start(*files) as w:
+            w.layer(1, current=True)
+            front, back = w.dump(0), w.dump(1)
+            x, y = w.pixel(self.CENTRE, layer=1)
+            w.drag((x, y), (x + 30, y - 20))
+            self.assert_same(front, w.dump(0))
+            self.assertIn(self.CENTRE, back.moved(w.dump(1)))
+            self.assert_replay_is_the_same(w, files[1])
+
+    def test_hidden_other_layer(self):
+        with self.start(*self.two_layers()) as w:
+            w.layer(1, current=True)
+            w.layer(0, visible=False)
+            self.assert_at(w, self.CENTRE, self.pull(w, self.CENTRE, (30, 10)))
+
+    def test_each_layer_keeps_what_was_applied(self):
+        files = self.two_layers()
+        with self.start(*files) as w:
+            results = {}
+            for layer in (1, 0, 1):
+                w.layer(layer, current=True)
+                self.assertEqual(w.tool(), (TOOL, False))
+                x, y = w.pixel(self.CENTRE, layer=layer)
+                w.drag((x, y), (x + 30, y - 20))
+                for other, dump in results.items():
+                    if other != layer:
+                        self.assert_same(dump, w.dump(other))
+                results[layer] = w.dump(layer)
+            self.assertEqual(len(self.steps_in_log(w)), 3)
+
+
+class Leave(ToolTest):
+    """What was applied stays, a drag in progress is dropped."""
+
+    def check(self, leave):
+        with self.start(self.mesh) as w:
+            self.pull(w, self.CENTRE, (20, -20))
+            applied = w.dump()
+            self.pull(w, self.CENTRE + 3, (30, 30), release=False)
+            self.assertNotEqual(applied.moved(w.dump()), set())
+            leave(w)
+            self.assert_same(applied, w.dump())
+            # The mouse button is still down.
+            w.mouse("move", 300, 310)
+            w.mouse("release", 300, 320)
+            w.idle()
+            self.assert_same(applied, w.dump())
+
+    def test_by_menu(self):
+        def leave(w):
+            w.trigger(TOOL)
+            self.assertEqual(w.tool()[0], "")
+        self.check(leave)
+
+    def test_by_closing_the_panel(self):
+        def leave(w):
+            w.close_widget(PANEL)
+            self.assertEqual(w.tool()[0], "")
+        self.check(leave)
+
+    def test_by_menu_and_back_at_once(self):
+        def leave(w):
+            w.trigger(TOOL)
+            w.trigger(TOOL)
+            self.assertEqual(w.tool(), (TOOL, False))
+        self.check(leave)
+
+    def test_what_was_released_is_applied_even_if_it_is_not_solved_yet(self):
+        with self.start(self.mesh) as w:
+            # Takes a while to prepare.
+            w.set(part("radius"), 2)
+            w.set(part("order"), 2)
+            w.set(part("normal_radius"), 0.2)
+            x, y = w.pixel(self.CENTRE)
+            w.mouse("press", x, y)
+            w.mouse("move", x + 20, y)
+            w.mouse("move", x + 40, y - 30)
+            w.mouse("release", x + 40, y - 30)
+            self.assertEqual(self.steps_in_log(w), [])
+            w.trigger(TOOL)
+            self.assertEqual(w.tool()[0], "")
+            self.assertEqual(len(self.steps_in_log(w)), 1)
+            path, _ = self.edited([replay(w.history()[0]["texts"]["edit"])], self.mesh)
+            self.assertEqual(Ply(path).point_bits(), w.dump().point_bits())
+
+    def test_by_a_filter(self):
+        def leave(w):
+            w.run_filter("Invert Selection")
+            self.assertEqual(w.tool()[0], "")
+        with self.start(self.mesh) as w:
+            self.pull(w, self.CENTRE, (20, -20))
+            applied = w.dump()
+            self.pull(w, self.CENTRE + 3, (30, 30), release=False)
+            leave(w)
+            self.assertEqual(applied.point_bits(), w.dump().point_bits())
+
+    def test_filter_that_moves_vertices_then_the_tool_again(self):
+        with self.start(self.mesh) as w:
+            self.pull(w, self.CENTRE, (20, -20))
+            w.run_filter("Laplacian Smooth")
+            smooth = w.dump()
+            w.trigger(TOOL)
+            self.assertFalse(w.widget(part("undo"))["enabled"])
+            self.pull(w, self.CENTRE, (20, -20))
+            w.press_button(part("undo"))
+            self.assert_same(smooth, w.dump())
+
+    def test_by_changing_the_layer(self):
+        with self.start(self.mesh, self.mesh) as w:
+            w.layer(0, current=True)
+            before = w.dump(0), w.dump(1)
+            pixel = self.pull(w, self.CENTRE, (30, 30), release=False)
+            w.layer(1, current=True)
+            w.mouse("release", *pixel)
+            w.idle()
+            self.assert_same(before[0], w.dump(0))
+            self.assert_same(before[1], w.dump(1))
+
+    def test_by_deleting_a_layer(self):
+        with self.start(self.mesh, self.mesh) as w:
+            self.pull(w, self.CENTRE, (30, 30), release=False)
+            w.run_filter("Delete Current Mesh")
+            self.assertEqual(len(w.layers()), 1)
+            w.click(300, 300)
+            w.trigger(TOOL)
+            self.pull(w, self.CENTRE, (20, 20))
+            self.assertEqual(len(self.steps_in_log(w)), 1)
+
+    def test_by_deleting_the_layer_under_the_tool(self):
+        for files in ((self.mesh, self.mesh), (self.mesh,)):
+            with self.subTest(len(files)), self.start(*files) as w:
+                self.pull(w, self.CENTRE, (30, 30), release=False)
+                w.layer(remove=True)
+                self.assertEqual(len(w.layers()), len(files) - 1)
+                w.move(310, 310)
+                w.mouse("release", 310, 310)
+                w.click(300, 300)
+                w.wheel(300, 300, 1)
+                w.key("R", "Return", "Backspace")
+                w.key("Z", modifiers=["ctrl"])
+
+    def test_by_closing_the_project(self):
+        with self.start(self.mesh) as w:
+            self.pull(w, self.CENTRE, (30, 30), release=False)
+            w.trigger("Close Project", wait=False)
+            w.answer(button="Yes")
+            w.trigger("New Empty Project...")
+            self.assertEqual(w.tool()[0], "")
+
+    def test_by_quitting(self):
+        with self.start(self.mesh) as w:
+            self.pull(w, self.CENTRE, (30, 30), release=False)
+            w.quit()
+        with self.start(self.mesh) as w:
+            # While a region is being prepared.
+            w.mouse("press", *w.pixel(self.CENTRE))
+            w.quit()
+
+    def test_mesh_reloaded_under_the_tool(self):
+        with self.start(self.mesh) as w:
+            before = w.dump()
+            self.pull(w, self.CENTRE, (30, 30), release=False)
+            w.trigger("Reload", wait=False)
+            w.idle()
+            w.move(320, 300)
+            w.mouse("release", 320, 300)
+            w.idle()
+            self.assertEqual(before.point_bits(), w.dump().point_bits())
+            self.assert_finite(w.dump())
+
+    def test_started_again_and_again(self):
+        with self.start(self.mesh) as w:
+            for _ in range(10):
+                w.click(*w.pixel(self.CENTRE))
+                w.trigger(TOOL)
+                w.trigger(TOOL)
+            self.assertEqual(sum(p["visible"] for p in w.widgets(PANEL).values()), 1)
+            self.assert_at(w, self.CENTRE, self.pull(w, self.CENTRE, (30, 30)))
+            self.assert_replay_is_the_same(w, self.mesh)
+
+
+class NothingToEdit(ToolTest):
+    """One clear line, and nothing else."""
+
+    def poke(self, w):
+        """All kinds of events. @return the lines that the log has got"""
+        lines = len(w.log())
+        w.trigger(TOOL)
+        w.click(300, 300)
+        w.drag((200, 300), (350, 320))
+        w.wheel(300, 300, 1)
+        w.key("R", "X", "Return", "Backspace", "G", "C", "W")
+        w.key("Z", modifiers=["ctrl"])
+        return w.log()[lines:]
+
+    def test_point_cloud(self):
+        cloud = write_ply(self.folder / "cloud.ply", self.points, [])
+        with self.open(cloud) as w:
+            before = w.dump()
+            lines = self.poke(w)
+            self.assertEqual(len([l for l in lines if l.startswith(TOOL + ":")]), 1, lines)
+            self.assertRegex("".join(lines), "faces")
+            self.assertEqual(w.dialog(), {})
+            self.assert_same(before, w.dump())
+
+    def test_no_mesh(self):
+        with self.open() as w:
+            action = w.actions(TOOL)[0]
+            if action["enabled"]:
+                lines = self.poke(w)
+                self.assertLessEqual(len([l for l in lines if l.startswith(TOOL + ":")]), 1, lines)
+            self.assertEqual(w.dialog(), {})
+
+    def test_empty_layer(self):
+        with self.open(self.mesh) as w:
+            w.run_filter("Select All")
+            w.run_filter("Delete Selected Vertices")
+            self.assertEqual(w.layers()[0]["vertices"], 0)
+            lines = self.poke(w)
+            self.assertEqual(len([l for l in lines if l.startswith(TOOL + ":")]), 1, lines)
+            self.assertEqual(w.dialog(), {})
+
+    def test_hidden_layer(self):
+        with self.open(self.mesh) as w:
+            w.layer(visible=False)
+            before = w.dump()
+            self.poke(w)
+            self.assertRegex(self.message(w), "hidden|not visible|invisible")
+            self.assertEqual(w.dialog(), {})
+            self.assert_same(before, w.dump())
+            w.layer(visible=True)
+            self.assert_at(w, self.CENTRE, self.pull(w, self.CENTRE, (30, 30)))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the tests of the tool Laplacian Drag share."""
+import json
+import math
+import re
+
+from gui import GuiTest
+from host import replay
+from ply import Ply, write_ply
+from shapes import dome
+
+TOOL = "Laplacian Drag"
+PANEL = "laplacian_drag_panel"
+
+
+def part(name):
+    """objectName of a widget of the panel."""
+    return "laplacian_drag_" + name
+
+
+class ToolTest(GuiTest):
+    """Opens meshes with the tool active. The common mesh is a sheet of 41 x 41 vertices seen from above."""
+    ROWS = 41
+    CENTRE = 20 * ROWS + 20
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.points, cls.faces = dome(cls.ROWS, cls.ROWS)
+        cls.mesh = write_ply(cls.folder / "sheet.ply", cls.points, cls.faces)
+
+    def start(self, *files, view="Front"):
+        """@return a window with the tool active, large, looking at the first mesh"""
+        window = self.open(*files)
+        try:
+            window.resize(1280, 900)
+            window.trigger(view)
+            self.shade_smoothly(window)
+            window.trigger(TOOL)
+            self.assertEqual(window.tool(), (TOOL, False))
+        except BaseException:
+            window.kill()
+            raise
+        return window
+
+    def shade_smoothly(self, window):
+        """Each time that MeshLab uploads a mesh for flat shading, it normalises the normals in the mesh itself, and
+        their last bits change to and fro. Smooth shading leaves them alone: then all bits can be compared."""
+        for layer in window.layers():
+            window.layer(layer["id"], smooth=True)
+
+    def pull(self, window, vertex, by, **options):
+        """Drags a vertex. @return the pixel where it should be"""
+        x, y = window.pixel(vertex)
+        window.drag((x, y), (x + by[0], y + by[1]), **options)
+        return x + by[0], y + by[1]
+
+    def log_of_tool(self, window):
+        return [line.removeprefix(TOOL + ": ") for line in window.log() if line.startswith(TOOL + ": ")]
+
+    def steps_in_log(self, window):
+        """One match per applied step: handle size and region size."""
+        lines = [re.match(r"step (\d+): .*handle of (\d+) vert.*, region of (\d+) vertices, prepared in [\d.]+ ms, "
+                          r"solved in [\d.]+ ms$", line) for line in self.log_of_tool(window)]
+        return [{"step": int(m[1]), "handle": int(m[2]), "region": int(m[3])} for m in lines if m]
+
+    def saved_edit(self, window, name="edit.json"):
+        """Presses the panel's button. @return path of the file"""
+        path = self.folder / name
+        path.unlink(missing_ok=True)
+        window.press_button(part("save"), wait=False)
+        window.answer(path=path)
+        self.assertTrue(path.exists(), window.text())
+        return path
+
+    def steps_of(self, window):
+        """The steps applied so far, as the saved JSON has them."""
+        return json.loads(self.saved_edit(window).read_text())["steps"]
+
+    def assert_replay_is_the_same(self, window, mesh):
+        """The saved edit, replayed in meshlabserver on the mesh as it was, gives the window's coordinates."""
+        path, _ = self.edited([replay(str(self.saved_edit(window)))], mesh)
+        self.assertEqual(Ply(path).point_bits(), window.dump().point_bits())
+
+    def assert_at(self, window, vertex, pixel, within=1.0):
+        self.assertLess(math.dist(window.pixel(vertex), pixel), within)
+
+    def assert_same(self, before, after):
+        """All of a layer, to the bit."""
+        self.assertEqual(before.differences(after), [])
+
+    def assert_finite(self, dump):
+        for name in ("positions", "normals", "face_normals"):
+            self.assertTrue(all(math.isfinite(c) for p in dump.triples(name) for c in p), name)
+
+    def message(self, window):
+        """The one line over the picture."""
+        texts = window.on_screen()
+        self.assertEqual(len(texts), 1, texts)
+        return texts[0]
