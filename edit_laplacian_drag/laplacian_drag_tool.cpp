@@ -283,9 +283,20 @@ void LaplacianDragTool::draw() {
   }
 }
 
+/// MeshLab draws after each mouse move, which is too early while the pose for it is still being solved: drawing twice
+/// would take twice as long.
+bool LaplacianDragTool::poseIsComing() const {
+  constexpr int kLongest = 200;  // milliseconds without a picture
+  return active_ && moveWaits_ && !poseWaits_ && active_->session().motion() && active_->session().ready() &&
+         active_->session().busy() && sinceMove_.elapsed() < kLongest;
+}
+
 /// Measures drawing from outside: the picture is on the screen once the paint event is over.
 bool LaplacianDragTool::eventFilter(QObject* object, QEvent* event) {
   if (event->type() == QEvent::Paint && on_) {
+    if (poseIsComing()) {
+      return true;
+    }
     sincePaint_.start();
     QMetaObject::invokeMethod(
         this, [this] { framePainted(); }, Qt::QueuedConnection);

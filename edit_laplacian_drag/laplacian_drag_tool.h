@@ -47,6 +47,7 @@ class LaplacianDragTool : public QObject, public lapedit::host::EditTool {
   void poll();
   void afterEvent();
   void refreshPanel();
+  bool poseIsComing() const;
   void framePainted();
   void command(const QString& part);
   void saveEdit();

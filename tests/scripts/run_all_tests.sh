@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Runs all tests: the core's under sanitizers, then everything, optimised, with the real meshlabserver.
+# Runs all tests: the core's and random events in the window under sanitizers, then everything, optimised.
 #
 # LAPEDIT_MESHES: folder of the real meshes; by default ../shared/meshes beside this project, if it is there.
 # CI: when set, missing meshes are a failure.
@@ -18,10 +18,11 @@ if command -v ccache >/dev/null; then
   export CMAKE_CXX_COMPILER_LAUNCHER=ccache
 fi
 
-echo "== Core under AddressSanitizer and UndefinedBehaviorSanitizer"
-cmake --preset dev -B build-sanitized -DLAPEDIT_WITH_MESHLAB=OFF
+echo "== Core, and random events in the window, under AddressSanitizer and UndefinedBehaviorSanitizer"
+env -u LAPEDIT_MESHES cmake --preset dev -B build-sanitized
 cmake --build build-sanitized --parallel "$jobs"
 ctest --test-dir build-sanitized --label-regex core --output-on-failure --parallel "$jobs"
+ctest --test-dir build-sanitized --tests-regex '^(gui\.stage|gui\.random|MeshBridge|PoseWriter)' --output-on-failure
 
 echo "== Everything, optimised"
 cmake -S . -B build

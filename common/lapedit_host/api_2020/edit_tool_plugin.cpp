@@ -179,6 +179,10 @@ class Tool2020 final : public QObject, public MeshEditInterface {
   void LayerChanged(MeshDocument&, MeshModel&, GLArea* area, MLSceneGLSharedDataContext* shared) override {
     guarded([this] { tool_->end(); });
     view_.attach(area, shared);
+    if (area->mm() == nullptr) {
+      view_.endTool();  // MeshLab would stumble at the next change
+      return;
+    }
     guarded([this] { return tool_->start(); });
   }
   void Decorate(MeshModel&, GLArea* area, QPainter*) override {
