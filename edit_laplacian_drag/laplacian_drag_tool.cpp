@@ -3,16 +3,14 @@
 
 #include <QtGui/qopengl.h>
 #include <QClipboard>
-#include <QFileDialog>
 #include <QGuiApplication>
 #include <QMainWindow>
-#include <QSaveFile>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <utility>
 
-#include "filter_script.h"
+#include "keep_edit.h"
 #include "lapedit/error.h"
 #include "lapedit_host/edit_script.h"
 #include "lapedit_host/mesh_bridge.h"
@@ -22,8 +20,8 @@ using namespace lapedit::host;
 
 namespace {
 
-constexpr int kDragPixels = 3;  // what moves less is a click
-constexpr std::size_t kFramesKept = 100;
+constexpr int kDragPixels = 3;     // what moves less is a click
+constexpr int kLongestWait = 200;  // milliseconds without a picture
 constexpr double kRadiusPerNotch = 1.1, kHandleRadiusPerNotch = 1.25, kPaddingPerNotch = 0.02;
 constexpr double kSmallestHandleRadius = 0.01;  // of the radius; below it is a single vertex
 
@@ -35,19 +33,6 @@ Eigen::Matrix4d matrixOf(GLenum which) {
   Eigen::Matrix4d matrix;  // by columns, as OpenGL has it
   glGetDoublev(which, matrix.data());
   return matrix;
-}
-
-double median(const std::deque<FrameTimes>& frames, double FrameTimes::*part) {
-  if (frames.empty()) {
-    return 0;
-  }
-  std::vector<double> values;
-  values.reserve(frames.size());
-  for (const FrameTimes& frame : frames) {
-    values.push_back(frame.*part);
-  }
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-  return values[values.size() / 2];
 }
 
 /// The session's name of a key, 0 if it has none.
@@ -107,9 +92,9 @@ bool LaplacianDragTool::start() {
   layer_ = -1;
   nothing_.clear();
   notice_.clear();
-  pressed_ = moved_ = moveWaits_ = poseWaits_ = false;
+  pressed_ = moved_ = false;
   navigating_ = Qt::NoButton;
-  frames_.clear();
+  clock_.reset();
   const auto layer = window_.currentLayer();
   if (!layer) {
     if (!on_) {
@@ -286,9 +271,8 @@ void LaplacianDragTool::draw() {
 /// MeshLab draws after each mouse move, which is too early while the pose for it is still being solved: drawing twice
 /// would take twice as long.
 bool LaplacianDragTool::poseIsComing() const {
-  constexpr int kLongest = 200;  // milliseconds without a picture
-  return active_ && moveWaits_ && !poseWaits_ && active_->session().motion() && active_->session().ready() &&
-         active_->session().busy() && sinceMove_.elapsed() < kLongest;
+  return active_ && active_->session().motion() && active_->session().ready() && active_->session().busy() &&
+         clock_.waitsForPose(kLongestWait);
 }
 
 /// Measures drawing from outside: the picture is on the screen once the paint event is over.
@@ -297,7 +281,7 @@ bool LaplacianDragTool::eventFilter(QObject* object, QEvent* event) {
     if (poseIsComing()) {
       return true;
     }
-    sincePaint_.start();
+    clock_.paintBegins();
     QMetaObject::invokeMethod(
         this, [this] { framePainted(); }, Qt::QueuedConnection);
   }
@@ -305,18 +289,8 @@ bool LaplacianDragTool::eventFilter(QObject* object, QEvent* event) {
 }
 
 void LaplacianDragTool::framePainted() {
-  if (!poseWaits_ || !moveWaits_) {
-    return;
-  }
-  poseWaits_ = moveWaits_ = false;
-  frame_.draw = milliseconds(sincePaint_);
-  frame_.total = milliseconds(sinceMove_);
-  frames_.push_back(frame_);
-  if (frames_.size() > kFramesKept) {
-    frames_.pop_front();
-  }
-  if (panel_) {
-    panel_->setFrames({frames_.begin(), frames_.end()});
+  if (clock_.painted() && panel_) {
+    panel_->setFrames(clock_.frames());
     refreshPanel();
   }
 }
@@ -391,9 +365,8 @@ void LaplacianDragTool::mouseMove(QMouseEvent& event) {
   }
   DragSession& session = active_->session();
   session.move(cursor());
-  if (session.motion() && !moveWaits_) {
-    moveWaits_ = true;
-    sinceMove_.start();
+  if (session.motion()) {
+    clock_.mouseMoved();
   }
   afterEvent();
 }
@@ -515,13 +488,7 @@ void LaplacianDragTool::afterEvent() {
     QElapsedTimer upload;
     upload.start();
     window_.uploadGeometry(layer_);
-    if (!poseWaits_) {
-      frame_ = FrameTimes();
-    }
-    frame_.solve = active_->session().figures().solve_ms;
-    frame_.write = active_->writeMilliseconds();
-    frame_.upload = milliseconds(upload);
-    poseWaits_ = true;
+    clock_.poseArrived(active_->session().figures().solve_ms, active_->writeMilliseconds(), milliseconds(upload));
     if (settled) {
       window_.markModified(layer_);
     }
@@ -540,13 +507,8 @@ void LaplacianDragTool::refreshPanel() {
   if (!panel_) {
     return;
   }
-  FrameTimes typical;
-  for (double FrameTimes::*part :
-       {&FrameTimes::solve, &FrameTimes::write, &FrameTimes::upload, &FrameTimes::draw, &FrameTimes::total}) {
-    typical.*part = median(frames_, part);
-  }
   const DragSession* session = active_ ? &active_->session() : nullptr;
-  panel_->show(session, typical, typical.total > 0 ? 1000 / typical.total : 0);
+  panel_->show(session, clock_.median());
   panel_->setBusy(session && (session->busy() || session->state() == DragSession::State::Settling));
 }
 
@@ -576,9 +538,24 @@ void LaplacianDragTool::command(const QString& part) {
       {"undo", [&] { session.undo(); }},
       {"redo", [&] { session.redo(); }},
       {"reset", [&] { session.reset(); }},
-      {"save", [&] { saveEdit(); }},
-      {"load", [&] { loadEdit(); }},
-      {"copy", [&] { copyScript(); }},
+      {"save",
+       [&] {
+         const std::string line = saveEdit(window_.mainWindow(), session.recorded());
+         if (!line.empty()) {
+           say(line);
+         }
+       }},
+      {"load",
+       [&] {
+         if (const auto edit = loadEdit(window_.mainWindow())) {
+           session.load(*edit);
+         }
+       }},
+      {"copy",
+       [&] {
+         QGuiApplication::clipboard()->setText(filterScript(write_edit(session.recorded())));
+         say("A filter script with all steps is on the clipboard.");
+       }},
   };
   const auto found = commands.find(part);
   if (found != commands.end()) {
@@ -586,34 +563,4 @@ void LaplacianDragTool::command(const QString& part) {
   }
   window_.canvas().setFocus();
   afterEvent();
-}
-
-void LaplacianDragTool::saveEdit() {
-  const QByteArray json = write_edit(active_->session().recorded());
-  QFileDialog dialog(window_.mainWindow(), "Save edit", QString(), "Laplacian edits (*.json)");
-  dialog.setAcceptMode(QFileDialog::AcceptSave);
-  dialog.setDefaultSuffix("json");
-  if (dialog.exec() != QDialog::Accepted) {
-    return;
-  }
-  const QString path = dialog.selectedFiles().constFirst();
-  QSaveFile file(path);
-  if (!file.open(QIODevice::WriteOnly) || file.write(json) != json.size() || !file.commit()) {
-    say("The edit could not be written to " + path.toStdString() + ": " + file.errorString().toStdString() + ".");
-  } else {
-    say("The edit was saved as " + path.toStdString() + ".");
-  }
-}
-
-void LaplacianDragTool::loadEdit() {
-  const QString path =
-      QFileDialog::getOpenFileName(window_.mainWindow(), "Load edit", QString(), "Laplacian edits (*.json)");
-  if (!path.isEmpty() && active_) {
-    active_->session().load(load_edit(path));
-  }
-}
-
-void LaplacianDragTool::copyScript() {
-  QGuiApplication::clipboard()->setText(filterScript(write_edit(active_->session().recorded())));
-  say("A filter script with all steps is on the clipboard.");
 }

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <QElapsedTimer>
 #include <QObject>
 #include <QPointF>
 #include <QPointer>
 #include <atomic>
-#include <deque>
 #include <map>
 #include <memory>
 #include <string>
 
+#include "frame_clock.h"
 #include "lapedit_host/edit_tool.h"
 #include "layer_session.h"
 #include "overlay.h"
@@ -50,9 +49,6 @@ class LaplacianDragTool : public QObject, public lapedit::host::EditTool {
   bool poseIsComing() const;
   void framePainted();
   void command(const QString& part);
-  void saveEdit();
-  void loadEdit();
-  void copyScript();
   void say(const std::string& line);
   template <class Call>
   void guarded(const Call& call);
@@ -70,11 +66,7 @@ class LaplacianDragTool : public QObject, public lapedit::host::EditTool {
   Qt::MouseButton navigating_ = Qt::NoButton;  // held for the host's own navigation
   bool pressed_ = false, moved_ = false;
 
-  // From the first mouse move that is not on the screen yet to the picture that shows it.
-  QElapsedTimer sinceMove_, sincePaint_;
-  bool moveWaits_ = false, poseWaits_ = false;
-  FrameTimes frame_;
-  std::deque<FrameTimes> frames_;
+  FrameClock clock_;
 
   std::atomic<bool> pollQueued_{false};
   // Last: their threads end first. By layer; one that is left may be taken up again.

@@ -269,7 +269,7 @@ void Panel::setMeshSize(double size) {
   }
 }
 
-void Panel::show(const DragSession* session, const FrameTimes& median, double framesPerSecond) {
+void Panel::show(const DragSession* session, const FrameTimes& median) {
   const bool has = session != nullptr;
   widget()->setEnabled(has);
   if (!has) {
@@ -321,7 +321,7 @@ void Panel::show(const DragSession* session, const FrameTimes& median, double fr
                       .arg(figures.solve_ms, 0, 'f', 1));
   frame_->setText(QString("Frame %1 ms (%2/s): solve %3, write %4, upload %5, draw %6")
                       .arg(median.total, 0, 'f', 1)
-                      .arg(framesPerSecond, 0, 'f', 0)
+                      .arg(median.total > 0 ? 1000 / median.total : 0, 0, 'f', 0)
                       .arg(median.solve, 0, 'f', 1)
                       .arg(median.write, 0, 'f', 1)
                       .arg(median.upload, 0, 'f', 1)
@@ -335,7 +335,7 @@ void Panel::setBusy(bool busy) {
   setProperty("laplacian_drag_busy", busy);
 }
 
-void Panel::setFrames(const std::vector<FrameTimes>& frames) {
+void Panel::setFrames(const std::deque<FrameTimes>& frames) {
   QVariantList list;
   for (const FrameTimes& f : frames) {
     list.append(QVariantMap{

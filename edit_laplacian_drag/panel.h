@@ -3,10 +3,12 @@
 
 #include <QDockWidget>
 #include <QString>
+#include <deque>
 #include <functional>
 #include <map>
 #include <vector>
 
+#include "frame_clock.h"
 #include "lapedit/drag_session.h"
 
 class QComboBox;
@@ -16,11 +18,6 @@ class QLabel;
 class QProgressBar;
 class QPushButton;
 class QSpinBox;
-
-/// Milliseconds of one frame of a drag, from the mouse's move to the picture on the screen.
-struct FrameTimes {
-  double solve = 0, write = 0, upload = 0, draw = 0, total = 0;
-};
 
 /// The tool's dock panel. Every widget is called laplacian_drag_<part>, also for tests.
 class Panel : public QDockWidget {
@@ -33,9 +30,9 @@ class Panel : public QDockWidget {
   /// @param size  of the mesh: steps and digits of lengths follow it
   void setMeshSize(double size);
   /// Brings all to the state of a session; null: nothing can be edited.
-  void show(const lapedit::DragSession* session, const FrameTimes& median, double framesPerSecond);
+  void show(const lapedit::DragSession* session, const FrameTimes& median);
   void setBusy(bool busy);
-  void setFrames(const std::vector<FrameTimes>& frames);
+  void setFrames(const std::deque<FrameTimes>& frames);
 
  signals:
   /// A value was edited: the settings shown last with that one changed.

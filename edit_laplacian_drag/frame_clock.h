@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QElapsedTimer>
+#include <deque>
+
+/// Milliseconds of one frame of a drag, from the mouse's move to the picture on the screen.
+struct FrameTimes {
+  double solve = 0, write = 0, upload = 0, draw = 0, total = 0;
+};
+
+/// Times the frames of a drag: from the first mouse move that is not on the screen yet to the picture that shows it.
+class FrameClock {
+ public:
+  void reset();
+
+  void mouseMoved();
+  /// A pose was brought to the graphics card.
+  void poseArrived(double solve, double write, double upload);
+  void paintBegins() { sincePaint_.start(); }
+  /// The picture is on the screen. @return whether that completes a frame
+  bool painted();
+
+  /// Whether the mouse moved, not longer ago than this, and no pose has come since.
+  bool waitsForPose(int milliseconds) const;
+
+  const std::deque<FrameTimes>& frames() const { return frames_; }  ///< the last hundred
+  FrameTimes median() const;
+
+ private:
+  QElapsedTimer sinceMove_, sincePaint_;
+  bool moved_ = false, posed_ = false;
+  FrameTimes frame_;
+  std::deque<FrameTimes> frames_;
+};
