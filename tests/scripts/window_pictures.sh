@@ -7,6 +7,7 @@
 # LAPEDIT_MESHES: folder of the real meshes; by default ../shared/meshes beside this project, if it is there.
 set -eu
 
+command -v convert >/dev/null || { echo "window_pictures.sh: please install ImageMagick, for the animation" >&2; exit 1; }
 cd "$(dirname "$0")/../.."
 window=$PWD/build/window
 meshes=${LAPEDIT_MESHES:-$PWD/../shared/meshes}
