@@ -68,10 +68,9 @@ class Window:
         self.reader = threading.Thread(target=self._read_output, daemon=True)
         self.reader.start()
         try:
-            self._wait(path.exists, "MeshLab did not start")
             self.socket = socket.socket(socket.AF_UNIX)
             self.socket.settimeout(PATIENCE + 30)
-            self.socket.connect(str(path))
+            self._wait(lambda: self._connect(path), "MeshLab did not start")
             self.answers = self.socket.makefile("rb")
             if files:
                 self.wait_output("All files opened")
@@ -79,6 +78,14 @@ class Window:
         except BaseException:
             self.kill()
             raise
+
+    def _connect(self, path):
+        """The file is there a moment before the driver listens."""
+        try:
+            self.socket.connect(str(path))
+        except (FileNotFoundError, ConnectionRefusedError):
+            return False
+        return True
 
     def _read_output(self):
         for line in self.process.stdout:

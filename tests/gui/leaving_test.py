@@ -5,7 +5,7 @@ import unittest
 from tool import PANEL, TOOL, ToolTest, part
 from host import replay
 from ply import Ply, write_ply
-from shapes import moved
+from shapes import dome, moved
 
 
 class Navigate(ToolTest):
@@ -177,12 +177,12 @@ class Leave(ToolTest):
         self.check(leave)
 
     def test_what_was_released_is_applied_even_if_it_is_not_solved_yet(self):
-        with self.start(self.mesh) as w:
-            # Takes a while to prepare.
+        rows = 141  # takes a second to prepare
+        mesh = write_ply(self.folder / "large.ply", *dome(rows, rows))
+        with self.start(mesh) as w:
             w.set(part("radius"), 2)
             w.set(part("order"), 2)
-            w.set(part("normal_radius"), 0.2)
-            x, y = w.pixel(self.CENTRE)
+            x, y = w.pixel(rows * rows // 2)
             w.mouse("press", x, y)
             w.mouse("move", x + 20, y)
             w.mouse("move", x + 40, y - 30)
@@ -191,7 +191,7 @@ class Leave(ToolTest):
             w.trigger(TOOL)
             self.assertEqual(w.tool()[0], "")
             self.assertEqual(len(self.steps_in_log(w)), 1)
-            path, _ = self.edited([replay(w.history()[0]["texts"]["edit"])], self.mesh)
+            path, _ = self.edited([replay(w.history()[0]["texts"]["edit"])], mesh)
             self.assertEqual(Ply(path).point_bits(), w.dump().point_bits())
 
     def test_by_a_filter(self):
