@@ -321,8 +321,7 @@ void DragSession::Impl::brush(const Cursor& cursor) {
   show_by_hand();
 }
 
-// --- What buttons do
-// --------------------------------------------------------------------------------------------------
+// --- What buttons do ------------------------------------------------------------------------------------------------
 
 void DragSession::set_region(std::vector<int> vertices) {
   Impl& s = *impl_;

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Drags in the real MeshLab window and keeps what it looks like: called by window_pictures.sh.
 
-For each scene three screenshots: <scene>_region.png, <scene>_drag.png and <scene>_result.png; for the generated limb an
-animated picture of the drag as well, drag.gif.
+For each scene three screenshots: <scene>_region.png, <scene>_drag.png and <scene>_result.png; of the generated limb also
+the two pictures of the README, without the host's dock at the right: window.png and an animation, drag.gif.
 """
 import argparse
 import math
@@ -36,6 +36,9 @@ SCENES = {
 # Turned so that the rings on its underside are seen.
 TURNED = [1, 0, 0, 0, 0, -0.82, 0.57, 0, 0, -0.57, -0.82, 0, 0, 0, 0, 1]
 GENERATED = Scene("limb.ply", None, 7.5, (-160, -225), "Front", TURNED, zoom=1)
+
+
+CROP = ["-crop", "862x766+0+0", "+repage"]
 
 
 class Pictures(GuiTest):
@@ -95,9 +98,10 @@ def take(pictures, name, scene, mesh, output, animate=False):
         window.grab(output / f"{name}_result.png")
         print(f"{name}: " + [line for line in window.log() if line.startswith(TOOL)][-1])
     if animate:
-        command = ["convert", "-delay", "7", *map(str, frames), "-delay", "120", str(frames[-1]), "-resize", "720x",
-                   "-layers", "OptimizePlus", "+dither", "-colors", "96", "-loop", "0", str(output / "drag.gif")]
-        subprocess.run(command, check=True)
+        subprocess.run(["convert", output / f"{name}_region.png", *CROP, "-define", "png:compression-level=9",
+                        output / "window.png"], check=True)
+        subprocess.run(["convert", "-delay", "7", *frames, "-delay", "120", frames[-1], *CROP, "-resize", "640x", "-layers",
+                        "OptimizePlus", "+dither", "-colors", "96", "-loop", "0", output / "drag.gif"], check=True)
         for path in frames:
             path.unlink()
 
