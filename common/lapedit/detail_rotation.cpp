@@ -17,41 +17,6 @@ double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-/// The rotation nearest to a matrix: its polar factor with determinant +1. Directions that the matrix says nothing
-/// about turn as little as the others allow.
-Matrix3 nearest_rotation(const Matrix3& matrix) {
-  const double size = matrix.norm();
-  if (!(size > 0)) {
-    return Matrix3::Identity();
-  }
-  constexpr double kUndetermined = 1e-10;
-  const Matrix3 start = matrix / size + kUndetermined * Matrix3::Identity();
-  if (start == start.transpose() && start.llt().info() == Eigen::Success) {
-    return Matrix3::Identity();  // exactly, for what has not moved
-  }
-  // Newton's iteration is exact and fast away from singular matrices; the rest is left to the SVD.
-  constexpr double kSafeDeterminant = 1e-4;
-  if (start.determinant() > kSafeDeterminant) {
-    Matrix3 x = start;
-    for (int step = 0; step < 12; ++step) {
-      const Matrix3 inverse_transposed = x.inverse().transpose();
-      const double gamma = std::sqrt(inverse_transposed.norm() / x.norm());
-      const Matrix3 next = 0.5 * (gamma * x + inverse_transposed / gamma);
-      const double change = (next - x).squaredNorm();
-      x = next;
-      if (change < 1e-26) {
-        return x;
-      }
-    }
-  }
-  const Eigen::JacobiSVD<Matrix3> svd(start, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Matrix3 u = svd.matrixU();
-  if ((u * svd.matrixV().transpose()).determinant() < 0) {
-    u.col(2) = -u.col(2);
-  }
-  return u * svd.matrixV().transpose();
-}
-
 /// The unit vector along v, or zero if v has no length against scale.
 Vector3 unit_or_zero(const Vector3& v, double scale) {
   const double length = v.norm();
@@ -93,19 +58,64 @@ const char* name(DetailRotation rotation) {
   }
 }
 
-RotationEstimator::RotationEstimator(DetailRotation kind, const Region& region, const SmoothingKernel& kernel)
-    : kind_(kind), region_(region), kernel_(kernel) {}
+Matrix3 nearest_rotation(const Matrix3& matrix) {
+  const double size = matrix.norm();
+  if (!(size > 0)) {
+    return Matrix3::Identity();
+  }
+  constexpr double kUndetermined = 1e-10;
+  const Matrix3 start = matrix / size + kUndetermined * Matrix3::Identity();
+  if (start == start.transpose() && start.llt().info() == Eigen::Success) {
+    return Matrix3::Identity();  // exactly, for what has not moved
+  }
+  // Newton's iteration is exact and fast away from singular matrices; the rest is left to the SVD.
+  constexpr double kSafeDeterminant = 1e-4;
+  if (start.determinant() > kSafeDeterminant) {
+    Matrix3 x = start;
+    for (int step = 0; step < 12; ++step) {
+      const Matrix3 inverse_transposed = x.inverse().transpose();
+      const double gamma = std::sqrt(inverse_transposed.norm() / x.norm());
+      const Matrix3 next = 0.5 * (gamma * x + inverse_transposed / gamma);
+      const double change = (next - x).squaredNorm();
+      x = next;
+      if (change < 1e-26) {
+        return x;
+      }
+    }
+  }
+  const Eigen::JacobiSVD<Matrix3> svd(start, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Matrix3 u = svd.matrixU();
+  if ((u * svd.matrixV().transpose()).determinant() < 0) {
+    u.col(2) = -u.col(2);
+  }
+  return u * svd.matrixV().transpose();
+}
+
+RotationEstimator::RotationEstimator(DetailRotation kind, const Region& region, const Smoother& smoother)
+    : kind_(kind), region_(region), smoother_(smoother) {}
 
 void RotationEstimator::set_before(const Points& before) {
-  before_ = before;
   if (kind_ == DetailRotation::SmoothNormals) {
+    before_ = before;
     vertex_normals(before_, region_.faces, normals_before_, areas_);
-    kernel_.apply(normals_before_, smooth_before_);
+    smoother_.apply(normals_before_, smooth_before_);
     normalise(smooth_before_, normals_before_);
   } else {
-    kernel_.apply(before_, smooth_before_);
+    smoother_.apply(before, smooth_before_);
     vertex_normals(smooth_before_, region_.faces, normals_before_, areas_);
   }
+}
+
+void RotationEstimator::set_before_smoothed(const Points& smoothed) {
+  smooth_before_ = smoothed;
+  vertex_normals(smooth_before_, region_.faces, normals_before_, areas_);
+}
+
+std::size_t RotationEstimator::bytes() const {
+  const Eigen::Index doubles = before_.size() + after_.size() + smooth_before_.size() + smooth_after_.size() +
+                               normals_before_.size() + normals_after_.size() + scratch_.size() + areas_.size();
+  return static_cast<std::size_t>(doubles) * sizeof(double) +
+         (covariances_.capacity() + spread_.capacity()) * sizeof(Matrix3);
 }
 
 void RotationEstimator::estimate(const Points& displacement, std::vector<Matrix3>& rotations) {
@@ -114,10 +124,10 @@ void RotationEstimator::estimate(const Points& displacement, std::vector<Matrix3
   if (kind_ == DetailRotation::SmoothNormals) {
     after_ = before_ + displacement;
     vertex_normals(after_, region_.faces, normals_after_, areas_);
-    kernel_.apply(normals_after_, smooth_after_);
+    smoother_.apply(normals_after_, smooth_after_);
     normalise(smooth_after_, normals_after_);
   } else {
-    kernel_.apply(displacement, scratch_);
+    smoother_.apply(displacement, scratch_);
     smooth_after_ = smooth_before_ + scratch_;
     vertex_normals(smooth_after_, region_.faces, normals_after_, areas_);
   }

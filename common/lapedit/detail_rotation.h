@@ -14,6 +14,10 @@ enum class DetailRotation {
 
 const char* name(DetailRotation rotation);
 
+/// The rotation nearest to a matrix: its polar factor with determinant +1. Directions that the matrix says nothing
+/// about turn as little as the others allow; exactly the identity for a symmetric positive definite matrix.
+Matrix3 nearest_rotation(const Matrix3& matrix);
+
 /// SmoothSurface: with P0 and P1 the smoothed positions before and after, n0 and n1 the vertex normals of those
 /// surfaces, C = sum over a vertex's edges of (P1_j - P1_i)(P0_j - P0_i)^T + |.|_F n1 n0^T, averaged over the one-ring
 /// four times over; the rotation nearest to it, faded to the identity across the anchor band. Source: this project; the
@@ -23,17 +27,20 @@ const char* name(DetailRotation rotation);
 /// first estimate().
 class RotationEstimator {
  public:
-  /// @param kernel  smoothing for both kinds; must outlive the object, as must region
-  RotationEstimator(DetailRotation kind, const Region& region, const SmoothingKernel& kernel);
+  /// @param smoother  smoothing for both kinds; must outlive the object, as must region
+  RotationEstimator(DetailRotation kind, const Region& region, const Smoother& smoother);
 
   /// Sets the pose to turn from, size() x 3.
   void set_before(const Points& before);
+  /// The same by its smoothed positions, for SmoothSurface.
+  void set_before_smoothed(const Points& smoothed);
 
   /// @param displacement  size() x 3, pose after minus pose before
   /// @param rotations     one matrix (determinant +1) per vertex; exactly the identity where nothing near it moves
   /// Cost: O(kernel entries) + O(edges).
   void estimate(const Points& displacement, std::vector<Matrix3>& rotations);
 
+  std::size_t bytes() const;
   double normals_ms() const { return normals_ms_; }  ///< smoothing share of the last estimate()
   double rotate_ms() const { return rotate_ms_; }    ///< fitting share of the last estimate()
 
@@ -43,7 +50,7 @@ class RotationEstimator {
 
   DetailRotation kind_;
   const Region& region_;
-  const SmoothingKernel& kernel_;
+  const Smoother& smoother_;
   Points before_, after_;                  // the poses
   Points smooth_before_, smooth_after_;    // smoothed positions (SmoothSurface) or smoothed normals (SmoothNormals)
   Points normals_before_, normals_after_;  // vertex normals of the smoothed poses (SmoothSurface)

@@ -15,28 +15,32 @@ constexpr double kEquilateralWeight = 0.57735026918962576;  // 1 / sqrt(3) = cot
 constexpr double kLargestCotangent = 1e3;                   // a corner of 0.06 degrees
 constexpr double kNoArea = 1e-10;                           // twice the area over the longest edge squared
 
-using Triplet = Eigen::Triplet<double, int>;
-
 /// M from one non-negative weight per entry of region.neighbours; each row with neighbours has a positive sum.
 SparseMatrix from_weights(const Region& region, const std::vector<double>& weights) {
   const IndexLists& neighbours = region.neighbours;
-  std::vector<Triplet> entries;
-  entries.reserve(neighbours.values.size() + region.size());
+  Eigen::SparseMatrix<double, Eigen::RowMajor, int> rows(region.size(), region.size());
+  rows.reserve(static_cast<Eigen::Index>(neighbours.values.size()) + region.size());
   for (int j = 0; j < region.size(); ++j) {
+    rows.startVec(j);
     double sum = 0;
     for (int k = neighbours.offsets[j]; k < neighbours.offsets[j + 1]; ++k) {
       sum += weights[k];
     }
-    if (neighbours[j].size() > 0) {
-      entries.emplace_back(j, j, 1);
-    }
+    bool own = neighbours[j].size() == 0;
     for (int k = neighbours.offsets[j]; k < neighbours.offsets[j + 1]; ++k) {
-      entries.emplace_back(j, neighbours.values[k], -weights[k] / sum);
+      const int i = neighbours.values[k];
+      if (!own && i > j) {
+        rows.insertBack(j, j) = 1;
+        own = true;
+      }
+      rows.insertBack(j, i) = -weights[k] / sum;
+    }
+    if (!own) {
+      rows.insertBack(j, j) = 1;
     }
   }
-  SparseMatrix matrix(region.size(), region.size());
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  return matrix;
+  rows.finalize();
+  return rows;
 }
 
 /// Cotangents at the three corners of a face. @return whether the face has area enough to define them

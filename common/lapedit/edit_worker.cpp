@@ -63,7 +63,7 @@ struct EditWorker::State {
   Progress progress_of(int mine);
   void do_prepare(const PrepareTask& task, int mine);
   void do_apply(const ApplyTask& task, int mine);
-  void do_solve(int mine, bool with_report);
+  void do_solve(int mine, bool settle);
   std::shared_ptr<const EditReport> make_report() const;
   template <class Change>
   void publish(int mine, const Change& change);
@@ -119,7 +119,7 @@ void EditWorker::State::do_prepare(const PrepareTask& task, int mine) {
   region_ms = milliseconds_since(start);
   const auto shown = std::make_shared<const Region>(region);
   publish(mine, [&] { news.region = shown; });
-  editor = std::make_unique<LaplacianEditor>(*task.mesh, std::move(region), task.settings, go_on);
+  editor = std::make_unique<LaplacianEditor>(*task.mesh, std::move(region), task.settings, go_on, std::move(editor));
   editor_generation = mine;
   scalar = task.scalar;
   report_due = false;
@@ -145,13 +145,14 @@ std::shared_ptr<const EditReport> EditWorker::State::make_report() const {
   return report;
 }
 
-void EditWorker::State::do_solve(int mine, bool with_report) {
+/// @param settle  whether the pose is to stay: a picture of a drag may be off by what nobody sees
+void EditWorker::State::do_solve(int mine, bool settle) {
   const Clock::time_point start = Clock::now();
-  back.positions = editor->solve(current_maps);
+  back.positions = settle ? editor->solve(current_maps) : editor->preview(current_maps);
   round_to(scalar, back.positions);
   back.solve_ms = milliseconds_since(start);
-  const auto report = with_report ? make_report() : nullptr;
-  report_due = !with_report;
+  const auto report = settle ? make_report() : nullptr;
+  report_due = !settle;
   publish(mine, [&] {
     std::swap(front, back);
     news.pose = true;
@@ -177,8 +178,13 @@ void EditWorker::State::run() {
         const int mine = generation;
         report_due = false;
         lock.unlock();
-        const auto report = make_report();
-        publish(mine, [&] { news.report = report; });
+        try {
+          editor->solve(current_maps);  // previews are not reported on
+          const auto report = make_report();
+          publish(mine, [&] { news.report = report; });
+        } catch (const std::exception&) {
+          // The preview said what there is to say.
+        }
         lock.lock();
         continue;
       }
@@ -189,8 +195,8 @@ void EditWorker::State::run() {
       return;
     }
     working = true;
-    if (editor && !usable()) {
-      // Freeing a large factor takes its time, too.
+    if (editor && !usable() && !to_prepare) {
+      // Freeing a large factor takes its time, too. What is prepared next goes on from it.
       const std::unique_ptr<LaplacianEditor> dropped = std::move(editor);
       report_due = false;
       lock.unlock();
@@ -203,7 +209,7 @@ void EditWorker::State::run() {
     const std::unique_ptr<PrepareTask> prepare_task = std::move(to_prepare);
     const std::unique_ptr<ApplyTask> apply_task = std::move(to_apply);
     const bool solving = !prepare_task && !apply_task;
-    const bool with_report = last;
+    const bool settle = last;
     if (solving) {
       current_maps = maps;
       back.serial = serial;
@@ -217,7 +223,7 @@ void EditWorker::State::run() {
       } else if (apply_task) {
         do_apply(*apply_task, mine);
       } else {
-        do_solve(mine, with_report);
+        do_solve(mine, settle);
       }
     } catch (const std::bad_alloc&) {
       error = "There is not enough memory for this region: choose a smaller one.";

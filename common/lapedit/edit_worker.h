@@ -66,7 +66,8 @@ class EditWorker {
 
   /// Asks for the pose of the region last prepared, or still to be; without one, nothing happens. @return its serial,
   /// counting up
-  /// @param last  no other will follow soon: its report comes with it. Else it comes when the questions pause
+  /// @param last  the pose is to stay: it is solved for in full, and its report comes with it. Else it is a preview
+  ///              (LaplacianEditor::preview), and the report comes when the questions pause
   /// Nothing is allocated once as many maps were given before.
   int solve(const std::vector<Affine>& maps, bool last);
 

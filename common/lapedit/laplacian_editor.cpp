@@ -6,9 +6,16 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <exception>
+#include <future>
+#include <limits>
 #include <sstream>
 
+#include "lapedit/diffusion.h"
+#include "lapedit/drag_preview.h"
 #include "lapedit/error.h"
+#include "lapedit/nested_dissection.h"
+#include "lapedit/operator_rows.h"
 
 namespace lapedit {
 namespace {
@@ -76,23 +83,55 @@ void validate(const EditSettings& settings) {
   }
 }
 
+namespace {
+
+/// What an edit owes to the region, its anchors and the settings alone: another handle can go on with it.
+struct Foundation {
+  OperatorRows m;      // the operator, M^k
+  OperatorRows first;  // M_1, the operator of order 1; empty if m is it
+  int uniform_edges = 0;
+  Eigen::VectorXd weights;  // w_i^2 of those that the factor knows
+  Points ordered_at;        // the rest pose that the elimination order comes from; empty if only the edges count
+  double matrix_norm = 0;   // of the factor's matrix
+  std::unique_ptr<SparseCholesky> factor;
+  int refinements = 0;
+  Points rest;  // what the smoother belongs to
+  double normal_radius = 0;
+  std::unique_ptr<Smoother> smoother;
+  Points smooth_rest;
+};
+
+/// Something that the unrotated result depends on linearly.
+struct Response {
+  int group;
+  int column;  // of the group's motion about the origin; 3: its translation
+  int vertex;  // local, of a group that is one vertex and has but one response, its way; else -1
+};
+
+/// From so many vertices on dissection by coordinates pays (tests/bench).
+constexpr int kLargeForMinimumDegree = 50000;
+/// Handles of at most so many vertices are kept out of the factor.
+constexpr int kSmallHandle = 8;
+
+}  // namespace
+
 struct LaplacianEditor::State {
   Region region;
   EditSettings settings;
   EditReport report;
+  std::shared_ptr<Crew> crew;
+  Foundation base;
+  bool took_operator = false;  // from another editor
 
-  Vector3 origin = Vector3::Zero();  // the first handle vertex: coordinates below are relative to it
-  Points world;                      // rest pose as given
-  Points rest;                       // rest pose about the origin
-  SparseMatrix m;                    // the operator, M^k
-  SparseMatrix first;                // M_1, the operator of order 1
-  Points delta;                      // M_1 rest
-  Eigen::VectorXd squared_weights;   // w_i^2 of handles and anchors, 0 for free vertices
-  double matrix_norm = 0;
-  int refinements = 0;
-  std::unique_ptr<SparseCholesky> factor;
-  std::unique_ptr<SmoothingKernel> kernel;
+  Vector3 origin = Vector3::Zero();    // the first handle vertex: coordinates below are relative to it
+  Points world;                        // rest pose as given
+  Points rest;                         // rest pose about the origin
+  Points delta;                        // M_1 rest
+  Eigen::VectorXd squared_weights;     // w_i^2 of handles and anchors, 0 for free vertices
+  DragPreview::Correction correction;  // of the factor, for handles that were kept out of it
   std::unique_ptr<RotationEstimator> estimator;
+  std::unique_ptr<DragPreview> preview;
+  std::vector<Response> responses;  // of the preview
 
   // Of the last solve.
   std::vector<Motion> targets;            // per handle group
@@ -101,23 +140,36 @@ struct LaplacianEditor::State {
   std::vector<int> handles_seen;          // per component without anchors
   bool is_carried = false;
   bool estimator_at_rest = false;
-  Points carried_pose, carried_delta;
-  Points constraint_rhs, rhs, d, previous, residual, correction, rows, positions;
+  Points carried_pose;  // empty unless something is carried
+  Points constraint_rhs, rhs, d, previous, residual, step, rows, positions;
+  Points motions, at_rows, corrected;
   std::vector<Matrix3> rotations;
 
-  void set_up(const TriangleMesh& mesh, const Progress& progress);
-  void assemble(const TriangleMesh& mesh);
-  void factorise();
-  void measure_conditioning();
+  const OperatorRows& first() const { return settings.order == 1 ? base.m : base.first; }
+  void set_up(const TriangleMesh& mesh, const Progress& progress, State* before);
+  void assemble(const TriangleMesh& mesh, State* before);
+  void weigh();
+  void factorise(State* before);
+  void make_factor(bool single_precision);
+  template <class Solve>
+  int refine(const Eigen::VectorXd& weights, const Points& right, const Solve& solve);
+  bool find_refinements();
+  bool keep_handles_out();
+  void smooth(State* before);
+  void turn_from(const Points& pose);
+  void make_preview();
+  Eigen::MatrixXd find_responses();
   void carry_components(const std::vector<Affine>& handles, const Affine& anchors);
-  void set_constraints();
-  void normal_product(const Points& x, Points& out);
+  bool set_constraints();
+  void normal_product(const Eigen::VectorXd& weights, const Points& x, Points& out);
+  void solve_once(const Points& right, Points& x);
   void solve_refined(const Points& right, Points& x);
   void rotate_deltas();
   void collect_positions();
+  void check(const std::vector<Affine>& handles) const;
 };
 
-void LaplacianEditor::State::set_up(const TriangleMesh& mesh, const Progress& progress) {
+void LaplacianEditor::State::set_up(const TriangleMesh& mesh, const Progress& progress, State* before) {
   const int n = region.size();
   world.resize(n, 3);
   rest.resize(n, 3);
@@ -134,23 +186,39 @@ void LaplacianEditor::State::set_up(const TriangleMesh& mesh, const Progress& pr
   origin = world.row(first_handle).transpose();
   rest = world.rowwise() - origin.transpose();
 
+  crew =
+      before && before->settings.threads == settings.threads ? before->crew : std::make_shared<Crew>(settings.threads);
   Stopwatch watch;
   report_progress(progress, 0.1, "operator");
-  assemble(mesh);
+  assemble(mesh, before);
   report.operator_ms = watch.lap();
   report_progress(progress, 0.2, "factorisation");
-  factorise();
-  report.factor_ms = watch.lap();
+  // The smoothing asks nothing of the factor: with a second thread it comes for free.
+  std::future<double> smoothing;
+  const auto smooth_timed = [this, before] {
+    Stopwatch own;
+    smooth(before);
+    return own.lap();
+  };
   if (settings.rotation != DetailRotation::None) {
-    report_progress(progress, 0.6, "smoothing");
-    watch.lap();
     report.normal_radius = settings.normal_radius > 0 ? settings.normal_radius : automatic_normal_radius(region, rest);
-    kernel = std::make_unique<SmoothingKernel>(region, rest, report.normal_radius, settings.threads);
-    estimator = std::make_unique<RotationEstimator>(settings.rotation, region, *kernel);
-    estimator->set_before(rest);
-    estimator_at_rest = true;
-    report.kernel_ms = watch.lap();
+    constexpr int kWorthAThread = 2000;
+    const bool apart = crew->threads() > 1 && region.size() >= kWorthAThread;
+    smoothing = std::async(apart ? std::launch::async : std::launch::deferred, smooth_timed);
   }
+  watch.lap();
+  factorise(before);
+  report.factor_ms = watch.lap();
+  if (smoothing.valid()) {
+    report_progress(progress, 0.6, "smoothing");
+    report.kernel_ms = smoothing.get();
+    estimator = std::make_unique<RotationEstimator>(settings.rotation, region, *base.smoother);
+    turn_from(rest);
+    estimator_at_rest = true;
+  }
+  watch.lap();
+  make_preview();
+  report.kernel_ms += watch.lap();
   report_progress(progress, 0.9, "solve");
 
   report.mesh_vertices = region.mesh_vertices;
@@ -162,102 +230,331 @@ void LaplacianEditor::State::set_up(const TriangleMesh& mesh, const Progress& pr
   report.laplacian = name(settings.laplacian);
   report.order = settings.order;
   report.rotation = name(settings.rotation);
-  report.backend = factor->backend_name();
+  report.backend = base.factor->backend_name();
+  report.refinements = base.refinements;
   rotations.assign(n, Matrix3::Identity());
-  positions = world;
+  // What preparing alone needed; the first solve makes what it needs.
+  for (Points* used : {&constraint_rhs, &rhs, &d, &residual, &step, &rows}) {
+    used->resize(0, 3);
+  }
 }
 
-void LaplacianEditor::State::assemble(const TriangleMesh& mesh) {
-  DifferentialOperator whole = differential_operator(settings.laplacian, region, mesh);
-  report.uniform_edges = whole.uniform_edges;
-  first.swap(whole.matrix);
-  m = power(first, settings.order);
-  delta = first * rest;
+void LaplacianEditor::State::assemble(const TriangleMesh& mesh, State* before) {
+  const bool same_graph = before && before->settings.laplacian == settings.laplacian &&
+                          before->settings.order == settings.order &&
+                          before->region.mesh_vertex == region.mesh_vertex &&
+                          before->region.neighbours.values == region.neighbours.values &&
+                          before->region.neighbours.offsets == region.neighbours.offsets;
+  if (same_graph && settings.laplacian == LaplacianKind::Umbrella) {
+    took_operator = true;
+  } else {
+    DifferentialOperator whole = differential_operator(settings.laplacian, region, mesh);
+    base.uniform_edges = whole.uniform_edges;
+    const SparseMatrix* const old = same_graph ? &before->first().matrix() : nullptr;
+    if (old && old->nonZeros() == whole.matrix.nonZeros() && old->coeffs().matrix() == whole.matrix.coeffs().matrix()) {
+      took_operator = true;
+    } else if (settings.order > 1) {
+      base.m = OperatorRows(power(whole.matrix, settings.order));
+      base.first = OperatorRows(std::move(whole.matrix));
+    } else {
+      base.m = OperatorRows(std::move(whole.matrix));
+    }
+  }
+  if (took_operator) {
+    base.m.swap(before->base.m);
+    base.first.swap(before->base.first);
+    base.uniform_edges = before->base.uniform_edges;
+  }
+  report.uniform_edges = base.uniform_edges;
+  first().apply(rest, delta, *crew);
+  weigh();
+}
+
+/// Squared weights, of all and of those that the factor is to know. The anchors alone make the matrix definite; a small
+/// handle is left to a correction of the solution then, so that the next one finds the factor ready.
+void LaplacianEditor::State::weigh() {
   squared_weights.resize(region.size());
+  base.weights.resize(region.size());
+  const bool held = std::all_of(region.anchored.begin(), region.anchored.end(), [](char anchored) { return anchored; });
+  const bool keep_out = held && settings.order == 1 && region.count(VertexClass::Handle) <= kSmallHandle;
   for (int i = 0; i < region.size(); ++i) {
     const VertexClass c = region.classes[i];
     const double weight = c == VertexClass::Handle   ? settings.handle_weight
                           : c == VertexClass::Anchor ? settings.anchor_weight * region.anchor_weight[i]
                                                      : 0;
     squared_weights[i] = weight * weight;
+    base.weights[i] = keep_out && c == VertexClass::Handle ? 0 : weight * weight;
+    if (keep_out && c == VertexClass::Handle) {
+      correction.rows.push_back(i);
+    }
   }
 }
 
-void LaplacianEditor::State::factorise() {
-  SparseMatrix normal = m.transpose() * m;
-  for (int i = 0; i < region.size(); ++i) {
-    if (squared_weights[i] > 0) {
-      normal.coeffRef(i, i) += squared_weights[i];
-    }
-  }
-  normal.makeCompressed();
-  matrix_norm = 0;
+void LaplacianEditor::State::make_factor(bool single_precision) {
+  const SparseMatrix normal = base.m.normal_matrix(base.weights, *crew);
+  Eigen::VectorXd sums = Eigen::VectorXd::Zero(normal.cols());
   for (int j = 0; j < normal.outerSize(); ++j) {
-    double sum = 0;
     for (SparseMatrix::InnerIterator it(normal, j); it; ++it) {
-      sum += std::abs(it.value());
+      sums[j] += std::abs(it.value());
+      sums[it.row()] += it.row() != j ? std::abs(it.value()) : 0;
     }
-    matrix_norm = std::max(matrix_norm, sum);
   }
-  factor = std::make_unique<SparseCholesky>(normal, settings.backend);
-  measure_conditioning();
+  base.matrix_norm = sums.size() > 0 ? sums.maxCoeff() : 0;
+  CholeskyOptions options;
+  options.backend = settings.backend;
+  options.single_precision = single_precision;
+  options.crew = crew;
+  if (region.size() >= kLargeForMinimumDegree) {
+    options.order = nested_dissection(region.neighbours, world, settings.threads);
+    base.ordered_at = world;
+  }
+  base.factor = std::make_unique<SparseCholesky>(normal, options);
 }
 
-/// Finds how many steps of iterative refinement a solve needs, on the response to a unit pull at the handles. The
+/// Makes the factor, or takes over the old one, and finds how many steps of iterative refinement a solve needs. The
 /// residual is taken through M, not through M^T M, so refinement also mends the squaring of the condition number.
-void LaplacianEditor::State::measure_conditioning() {
-  constexpr double kAccurate = 1e-8;
-  constexpr double kHopeless = 0.1;
-  constexpr int kMostSteps = 6;
-  rhs.setZero(region.size(), 3);
-  for (int i = 0; i < region.size(); ++i) {
-    if (region.classes[i] == VertexClass::Handle) {
-      rhs.row(i).setConstant(squared_weights[i]);
+void LaplacianEditor::State::factorise(State* before) {
+  if (took_operator && before->base.factor && before->settings.backend == settings.backend &&
+      before->base.weights == base.weights &&
+      (before->base.ordered_at.rows() == 0 || before->base.ordered_at == world)) {
+    base.factor = std::move(before->base.factor);
+    base.ordered_at.swap(before->base.ordered_at);
+    base.matrix_norm = before->base.matrix_norm;
+    if (keep_handles_out() && find_refinements()) {
+      return;
+    }
+    base.factor.reset();
+  }
+  // In single precision a solution has five digits; the steps that give it the others cost less than the memory.
+  if (settings.order == 1) {
+    make_factor(true);
+    if (keep_handles_out() && find_refinements()) {
+      return;
     }
   }
-  refinements = 0;
-  factor->solve(rhs, d);
+  if (!base.factor || base.factor->single_precision()) {
+    base.factor.reset();
+    make_factor(false);
+    if (keep_handles_out() && find_refinements()) {
+      return;
+    }
+  }
+  throw EditError(ErrorCause::IllConditioned,
+                  "A Laplacian of order " + std::to_string(settings.order) + " over " + std::to_string(region.size()) +
+                      " region vertices is too ill-conditioned to be solved in double precision: use a lower order or "
+                      "a smaller region.");
+}
+
+/// Refines d until nothing changes any more. @return how many steps that took; -1: it does not converge
+template <class Solve>
+int LaplacianEditor::State::refine(const Eigen::VectorXd& weights, const Points& right, const Solve& solve) {
+  constexpr double kHopeless = 0.1;
+  constexpr int kMostSteps = 8;
+  // Solutions in double are nearly there from the start; those in single precision, and differences of large ones, are
+  // to get as far as double allows.
+  const bool rough = base.factor->single_precision() || !correction.rows.empty();
+  const double accurate = rough ? 1e-15 : 1e-8;
+  constexpr double kGoodEnough = 1e-10;
+  solve(right, d);
   double last = 1;
-  for (int step = 0;; ++step) {
-    normal_product(d, residual);
-    residual = rhs - residual;
-    factor->solve(residual, correction);
-    const double change = largest_row(correction) / largest_row(d);
-    if (change < kAccurate) {
-      refinements = step;
-      break;
+  for (int count = 0;; ++count) {
+    normal_product(weights, d, residual);
+    residual = right - residual;
+    solve(residual, step);
+    const double change = largest_row(step) / largest_row(d);
+    if (change < accurate || (rough && last < kGoodEnough && !(change < kHopeless * last))) {
+      return count;
     }
-    if (!(change < kHopeless * last) || step == kMostSteps) {
-      throw EditError(
-          ErrorCause::IllConditioned,
-          "A Laplacian of order " + std::to_string(settings.order) + " over " + std::to_string(region.size()) +
-              " region vertices is too ill-conditioned to be solved in double precision: use a lower order or "
-              "a smaller region.");
+    if (!(change < kHopeless * last) || count == kMostSteps) {
+      return -1;
     }
-    d += correction;
+    d += step;
     last = change;
   }
-  report.refinements = refinements;
+}
+
+/// How many steps solves need, on what moving the handles and turning the details ask for.
+bool LaplacianEditor::State::find_refinements() {
+  rhs.setZero(region.size(), 3);
+  if (settings.order == 1) {
+    base.m.apply_transposed(delta, rhs, *crew);
+    rhs /= std::max(largest_row(rhs), std::numeric_limits<double>::min());
+  }
+  for (int i = 0; i < region.size(); ++i) {
+    if (region.classes[i] == VertexClass::Handle) {
+      rhs.row(i).array() += squared_weights[i];
+    }
+  }
+  base.refinements = refine(squared_weights, rhs, [this](const Points& right, Points& x) { solve_once(right, x); });
+  return base.refinements >= 0;
+}
+
+/// Columns of the inverse for handle vertices that the factor does not know. @return whether they could be had
+bool LaplacianEditor::State::keep_handles_out() {
+  const int count = static_cast<int>(correction.rows.size());
+  if (count == 0) {
+    return true;
+  }
+  const int n = region.size();
+  correction.z.resize(n, count);
+  Eigen::MatrixXd small(count, count);
+  for (int first_column = 0; first_column < count; first_column += 3) {
+    const int columns = std::min(3, count - first_column);
+    rhs.setZero(n, 3);
+    for (int c = 0; c < columns; ++c) {
+      rhs(correction.rows[first_column + c], c) = 1;
+    }
+    if (refine(base.weights, rhs, [this](const Points& right, Points& x) { base.factor->solve(right, x); }) < 0) {
+      return false;
+    }
+    correction.z.middleCols(first_column, columns) = d.leftCols(columns);
+  }
+  for (int c = 0; c < count; ++c) {
+    small.row(c) = correction.z.row(correction.rows[c]);
+    small(c, c) += 1 / squared_weights[correction.rows[c]];
+  }
+  correction.k = small.llt().solve(Eigen::MatrixXd::Identity(count, count));
+  at_rows.resize(count, 3);
+  return true;
+}
+
+/// A given radius means the paper's kernel. Where it is left to us and only a smooth surface is wanted, diffusion is as
+/// good and does not cost more than the factor.
+void LaplacianEditor::State::smooth(State* before) {
+  if (before && before->base.smoother && before->settings.rotation == settings.rotation &&
+      before->settings.normal_radius == settings.normal_radius &&
+      before->report.normal_radius == report.normal_radius && settings.normal_radius == 0 &&
+      settings.rotation == DetailRotation::SmoothSurface && before->region.mesh_vertex == region.mesh_vertex &&
+      before->world == world) {
+    base.smoother = std::move(before->base.smoother);
+  } else if (settings.normal_radius > 0 || settings.rotation == DetailRotation::SmoothNormals) {
+    base.smoother = std::make_unique<SmoothingKernel>(region, rest, report.normal_radius, settings.threads);
+  } else {
+    base.smoother = std::make_unique<DiffusionSmoother>(region, rest, report.normal_radius);
+  }
+  if (settings.rotation == DetailRotation::SmoothSurface) {
+    base.smoother->apply(rest, base.smooth_rest);
+  }
+}
+
+/// Sets the pose that rotations are measured from.
+void LaplacianEditor::State::turn_from(const Points& pose) {
+  if (settings.rotation == DetailRotation::SmoothSurface && &pose == &rest) {
+    estimator->set_before_smoothed(base.smooth_rest);
+  } else {
+    estimator->set_before(pose);
+  }
+}
+
+/// What moves for a unit of each column of each group's motion, linear part first.
+Eigen::MatrixXd LaplacianEditor::State::find_responses() {
+  const int n = region.size();
+  const auto count = static_cast<Eigen::Index>(responses.size());
+  Eigen::MatrixXd found(n, count);
+  Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(n, count);  // of the handles
+  for (std::size_t r = 0; r < responses.size(); ++r) {
+    for (int i = 0; i < n; ++i) {
+      if (region.group[i] == responses[r].group) {
+        moved(i, static_cast<Eigen::Index>(r)) = responses[r].column < 3 ? rest(i, responses[r].column) : 1;
+      }
+    }
+  }
+  if (!correction.rows.empty()) {
+    Eigen::MatrixXd at(static_cast<Eigen::Index>(correction.rows.size()), count);
+    for (Eigen::Index c = 0; c < at.rows(); ++c) {
+      at.row(c) = moved.row(correction.rows[c]);
+    }
+    found.noalias() = correction.z * (correction.k * at).eval();
+    return found;
+  }
+  for (Eigen::Index r = 0; r < count; r += 3) {
+    const Eigen::Index columns = std::min<Eigen::Index>(3, count - r);
+    constraint_rhs.setZero(n, 3);
+    constraint_rhs.leftCols(columns) = squared_weights.asDiagonal() * moved.middleCols(r, columns);
+    solve_refined(constraint_rhs, d);
+    found.middleCols(r, columns) = d.leftCols(columns);
+  }
+  return found;
+}
+
+void LaplacianEditor::State::make_preview() {
+  const bool held = std::all_of(region.anchored.begin(), region.anchored.end(), [](char anchored) { return anchored; });
+  if (!held || settings.order != 1 || settings.iterations != 1 || settings.rotation == DetailRotation::SmoothNormals) {
+    return;
+  }
+  const int groups = 1 + *std::max_element(region.group.begin(), region.group.end());
+  std::vector<int> sizes(groups, 0), member(groups, -1);
+  for (int i = 0; i < region.size(); ++i) {
+    if (region.group[i] >= 0) {
+      ++sizes[region.group[i]];
+      member[region.group[i]] = i;
+    }
+  }
+  for (int g = 0; g < groups; ++g) {
+    for (int column = sizes[g] > 1 ? 0 : 3; column < 4; ++column) {
+      responses.push_back({g, column, sizes[g] > 1 ? -1 : member[g]});
+    }
+  }
+  if (static_cast<int>(responses.size()) > DragPreview::kMostResponses) {
+    responses.clear();
+    return;
+  }
+  const Eigen::MatrixXd found = find_responses();
+  Eigen::MatrixXd smooth_found;
+  PreviewBase parts;
+  parts.region = &region;
+  parts.world = &world;
+  parts.delta = &delta;
+  parts.first = &base.m;
+  if (settings.rotation == DetailRotation::SmoothSurface) {
+    parts.smooth_rest = &base.smooth_rest;
+    smooth_found.resize(found.rows(), found.cols());
+    Points in, out;
+    for (Eigen::Index r = 0; r < found.cols(); r += 3) {
+      const Eigen::Index columns = std::min<Eigen::Index>(3, found.cols() - r);
+      in.setZero(found.rows(), 3);
+      in.leftCols(columns) = found.middleCols(r, columns);
+      base.smoother->apply(in, out);
+      smooth_found.middleCols(r, columns) = out.leftCols(columns);
+    }
+  }
+  preview = std::make_unique<DragPreview>(parts, found, smooth_found, correction, *base.factor, crew);
+  motions.setZero(found.cols(), 3);
 }
 
 /// out = (M^T M + W^2) x
-void LaplacianEditor::State::normal_product(const Points& x, Points& out) {
-  rows.resize(x.rows(), 3);
-  rows.noalias() = m * x;
-  out.resize(x.rows(), 3);
-  out.noalias() = m.transpose() * rows;
+void LaplacianEditor::State::normal_product(const Eigen::VectorXd& weights, const Points& x, Points& out) {
+  base.m.apply(x, rows, *crew);
+  base.m.apply_transposed(rows, out, *crew);
   for (Eigen::Index i = 0; i < x.rows(); ++i) {
-    out.row(i) += squared_weights[i] * x.row(i);
+    out.row(i) += weights[i] * x.row(i);
+  }
+}
+
+/// With the factor, and for the handles that it does not know (Woodbury).
+void LaplacianEditor::State::solve_once(const Points& right, Points& x) {
+  base.factor->solve(right, x);
+  if (correction.rows.empty()) {
+    return;
+  }
+  for (std::size_t c = 0; c < correction.rows.size(); ++c) {
+    at_rows.row(static_cast<Eigen::Index>(c)) = x.row(correction.rows[c]);
+  }
+  corrected = correction.k.lazyProduct(at_rows);
+  for (Eigen::Index i = 0; i < x.rows(); ++i) {
+    for (Eigen::Index c = 0; c < corrected.rows(); ++c) {
+      x.row(i) -= correction.z(i, c) * corrected.row(c);
+    }
   }
 }
 
 void LaplacianEditor::State::solve_refined(const Points& right, Points& x) {
-  factor->solve(right, x);
-  for (int step = 0; step < refinements; ++step) {
-    normal_product(x, residual);
+  solve_once(right, x);
+  for (int count = 0; count < base.refinements; ++count) {
+    normal_product(squared_weights, x, residual);
     residual = right - residual;
-    factor->solve(residual, correction);
-    x += correction;
+    solve_once(residual, step);
+    x += step;
   }
 }
 
@@ -294,17 +591,17 @@ void LaplacianEditor::State::carry_components(const std::vector<Affine>& handles
                                                         : nearest_rotation_of(carried[c].linear + Matrix3::Identity());
     }
   }
-  carried_pose = rest;
-  carried_delta = delta;
-  for (int i = 0; is_carried && i < region.size(); ++i) {
-    const Motion& motion = carried[region.component[i]];
-    carried_pose.row(i) += motion.displacement(rest.row(i).transpose()).transpose();
-    carried_delta.row(i) += (motion.linear * delta.row(i).transpose()).transpose();
+  if (is_carried) {
+    carried_pose = rest;
+    for (int i = 0; i < region.size(); ++i) {
+      carried_pose.row(i) += carried[region.component[i]].displacement(rest.row(i).transpose()).transpose();
+    }
   }
 }
 
 /// Right-hand side of the constraints, for the displacement from the carried pose; anchors are in place there.
-void LaplacianEditor::State::set_constraints() {
+/// @return whether anything is to move from there
+bool LaplacianEditor::State::set_constraints() {
   constraint_rhs.setZero(region.size(), 3);
   for (int i = 0; i < region.size(); ++i) {
     if (region.classes[i] == VertexClass::Handle) {
@@ -314,6 +611,7 @@ void LaplacianEditor::State::set_constraints() {
       constraint_rhs.row(i) = squared_weights[i] * way.transpose();
     }
   }
+  return !constraint_rhs.isZero(0);
 }
 
 /// rhs = constraints + M^T M_1^(k-1) (R - I) delta, for order k.
@@ -323,18 +621,22 @@ void LaplacianEditor::State::set_constraints() {
 void LaplacianEditor::State::rotate_deltas() {
   rows.resize(region.size(), 3);
   for (int i = 0; i < region.size(); ++i) {
-    rows.row(i) = ((rotations[i] - Matrix3::Identity()) * carried_delta.row(i).transpose()).transpose();
+    Vector3 coordinate = delta.row(i).transpose();
+    if (is_carried) {
+      coordinate += carried[region.component[i]].linear * coordinate;
+    }
+    rows.row(i) = ((rotations[i] - Matrix3::Identity()) * coordinate).transpose();
   }
   for (int k = 1; k < settings.order; ++k) {
-    residual.resize(region.size(), 3);
-    residual.noalias() = first * rows;
+    first().apply(rows, residual, *crew);
     rows.swap(residual);
   }
-  rhs.noalias() = m.transpose() * rows;
+  base.m.apply_transposed(rows, rhs, *crew);
   rhs += constraint_rhs;
 }
 
 void LaplacianEditor::State::collect_positions() {
+  positions.resize(region.size(), 3);
   for (int i = 0; i < region.size(); ++i) {
     Vector3 way = d.row(i).transpose();
     if (is_carried) {
@@ -345,13 +647,28 @@ void LaplacianEditor::State::collect_positions() {
   }
 }
 
+/// @throws EditError (NoHandle, NotFinite)
+void LaplacianEditor::State::check(const std::vector<Affine>& handles) const {
+  const int groups = 1 + *std::max_element(region.group.begin(), region.group.end());
+  if (static_cast<int>(handles.size()) < groups) {
+    throw EditError(ErrorCause::NoHandle, std::to_string(handles.size()) + " handle maps were given for " +
+                                              std::to_string(groups) + " handle groups: give one for each.");
+  }
+  for (std::size_t g = 0; g < handles.size(); ++g) {
+    if (!handles[g].matrix().allFinite()) {
+      throw EditError(ErrorCause::NotFinite,
+                      "The target of handle group " + std::to_string(g) + " is not finite: give a finite transform.");
+    }
+  }
+}
+
 LaplacianEditor::LaplacianEditor(const TriangleMesh& mesh, Region region, const EditSettings& settings,
-                                 const Progress& progress)
+                                 const Progress& progress, std::unique_ptr<LaplacianEditor> previous)
     : state_(std::make_unique<State>()) {
   validate(settings);
   state_->region = std::move(region);
   state_->settings = settings;
-  state_->set_up(mesh, progress);
+  state_->set_up(mesh, progress, previous ? previous->state_.get() : nullptr);
 }
 
 LaplacianEditor::~LaplacianEditor() = default;
@@ -363,32 +680,26 @@ const Region& LaplacianEditor::region() const {
 
 const Points& LaplacianEditor::solve(const std::vector<Affine>& handles, const Affine& anchors) {
   State& s = *state_;
-  const int groups = 1 + *std::max_element(s.region.group.begin(), s.region.group.end());
-  if (static_cast<int>(handles.size()) < groups) {
-    throw EditError(ErrorCause::NoHandle, std::to_string(handles.size()) + " handle maps were given for " +
-                                              std::to_string(groups) + " handle groups: give one for each.");
-  }
-  for (std::size_t g = 0; g < handles.size(); ++g) {
-    if (!handles[g].matrix().allFinite()) {
-      throw EditError(ErrorCause::NotFinite,
-                      "The target of handle group " + std::to_string(g) + " is not finite: give a finite transform.");
-    }
-  }
+  s.check(handles);
   if (!anchors.matrix().allFinite()) {
     throw EditError(ErrorCause::NotFinite, "The motion of the anchors is not finite: give a finite transform.");
   }
   Stopwatch watch;
   s.carry_components(handles, anchors);
-  s.set_constraints();
-  s.solve_refined(s.constraint_rhs, s.d);
+  const bool moves = s.set_constraints();
+  if (moves) {
+    s.solve_refined(s.constraint_rhs, s.d);
+  } else {
+    s.d.setZero(s.region.size(), 3);
+  }
   s.report.rough_ms = watch.lap();
   s.report.normals_ms = s.report.rotate_ms = s.report.solve_ms = 0;
   s.report.iterations = 0;
   std::fill(s.rotations.begin(), s.rotations.end(), Matrix3::Identity());
   s.rhs = s.constraint_rhs;
-  if (s.estimator) {
+  if (s.estimator && moves) {
     if (s.is_carried || !s.estimator_at_rest) {
-      s.estimator->set_before(s.carried_pose);
+      s.turn_from(s.is_carried ? s.carried_pose : s.rest);
       s.estimator_at_rest = !s.is_carried;
     }
     constexpr double kSettled = 1e-4;
@@ -416,6 +727,54 @@ const Points& LaplacianEditor::solve(const std::vector<Affine>& handles, const A
   return s.positions;
 }
 
+const Points& LaplacianEditor::preview(const std::vector<Affine>& handles) {
+  State& s = *state_;
+  if (!s.preview) {
+    return solve(handles);
+  }
+  s.check(handles);
+  for (std::size_t r = 0; r < s.responses.size(); ++r) {
+    const Response& response = s.responses[r];
+    const Motion motion = Motion::of(handles[response.group], s.origin);
+    s.motions.row(static_cast<Eigen::Index>(r)) =
+        (response.vertex >= 0  ? motion.displacement(s.rest.row(response.vertex).transpose())
+         : response.column < 3 ? Vector3(motion.linear.col(response.column))
+                               : motion.translation)
+            .transpose();
+  }
+  const Points& pose = s.preview->pose(s.motions);
+  if (!pose.allFinite()) {
+    return solve(handles);  // beyond single precision, or beyond all: it will say so
+  }
+  return pose;
+}
+
+const Points& LaplacianEditor::preview_normals() {
+  static const Points kNone(0, 3);
+  return state_->preview ? state_->preview->normals() : kNone;
+}
+
+std::size_t LaplacianEditor::bytes() const {
+  const State& s = *state_;
+  const auto of = [](const auto& list) { return list.capacity() * sizeof(list[0]); };
+  const Region& r = s.region;
+  std::size_t rows = 0;
+  for (const Points* points :
+       {&s.world, &s.rest, &s.delta, &s.carried_pose, &s.constraint_rhs, &s.rhs, &s.d, &s.previous, &s.residual,
+        &s.step, &s.rows, &s.positions, &s.base.ordered_at, &s.base.smooth_rest}) {
+    rows += static_cast<std::size_t>(points->rows());
+  }
+  const std::size_t region_bytes = of(r.mesh_vertex) + of(r.classes) + of(r.group) + of(r.component) + of(r.distance) +
+                                   of(r.anchor_weight) + of(r.anchor_depth) + of(r.neighbours.offsets) +
+                                   of(r.neighbours.values) + of(r.edge_faces) +
+                                   static_cast<std::size_t>(r.faces.size()) * sizeof(int);
+  return region_bytes + rows * 3 * sizeof(double) + of(s.rotations) + s.base.m.bytes() + s.base.first.bytes() +
+         s.base.factor->bytes() + (s.base.smoother ? s.base.smoother->bytes() : 0) +
+         (s.preview ? s.preview->bytes() : 0) + (s.estimator ? s.estimator->bytes() : 0) +
+         static_cast<std::size_t>(s.correction.z.size() + s.squared_weights.size() + s.base.weights.size()) *
+             sizeof(double);
+}
+
 const std::vector<Matrix3>& LaplacianEditor::rotations() const {
   return state_->rotations;
 }
@@ -423,8 +782,14 @@ const std::vector<Matrix3>& LaplacianEditor::rotations() const {
 EditReport LaplacianEditor::report() const {
   State& s = *state_;
   EditReport& report = s.report;
-  s.normal_product(s.d, s.residual);
-  const double size = s.matrix_norm * s.d.cwiseAbs().maxCoeff() + s.rhs.cwiseAbs().maxCoeff();
+  if (s.d.rows() == 0) {  // nothing has been solved for
+    s.d.setZero(s.region.size(), 3);
+    s.rhs = s.d;
+    s.positions = s.world;
+  }
+  s.normal_product(s.squared_weights, s.d, s.residual);
+  const double size =
+      (s.base.matrix_norm + s.squared_weights.maxCoeff()) * s.d.cwiseAbs().maxCoeff() + s.rhs.cwiseAbs().maxCoeff();
   report.normal_equation_residual = size > 0 ? (s.residual - s.rhs).cwiseAbs().maxCoeff() / size : 0;
   report.handle_displacement = report.handle_residual = report.anchor_residual = 0;
   report.rotation_mean = report.rotation_max = 0;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "lapedit/region.h"
+#include "lapedit/smoother.h"
 
 namespace lapedit {
 
@@ -19,19 +20,19 @@ void vertex_normals(const Points& points, const Faces& faces, Points& normals, E
 /// When the neighbourhoods together would hold more than max_entries vertices, means are taken at sample centres r/4 to
 /// r/2 apart and blended by the kernel of radius r/2: cost and memory then no longer grow with r, and the smoothing is
 /// a little wider. The centres depend on how the mesh is numbered where it is symmetric.
-class SmoothingKernel {
+class SmoothingKernel : public Smoother {
  public:
   /// @param rest     size() x 3 rest positions of the region
   /// @param radius   r > 0, model units
   SmoothingKernel(const Region& region, const Points& rest, double radius, int threads = 0,
                   std::size_t max_entries = 8000000);
 
-  /// out = S in. in and out must be different objects; out keeps its storage if it has the right size.
-  void apply(const Points& in, Points& out) const;
+  void apply(const Points& in, Points& out) const override;
 
   double radius() const { return radius_; }
   bool sampled() const { return sampled_; }
   std::size_t entries() const;
+  std::size_t bytes() const override { return entries() * (sizeof(int) + sizeof(double)); }
 
  private:
   struct Rows {  // sparse rows, normalised

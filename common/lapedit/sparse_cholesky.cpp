@@ -2,17 +2,16 @@
 #include "lapedit/sparse_cholesky.h"
 
 #include <Eigen/SparseCholesky>
+#include <cmath>
 #ifdef LAPEDIT_HAVE_CHOLMOD
-#include <Eigen/CholmodSupport>
+#include <cholmod.h>
 #endif
 
 #include "lapedit/error.h"
+#include "lapedit/supernodal_solve.h"
 
 namespace lapedit {
-
 namespace {
-
-using Columns = Eigen::Matrix<double, Eigen::Dynamic, 3>;  // factorisations want each right-hand side contiguous
 
 [[noreturn]] void refuse_matrix(Eigen::Index size) {
   throw EditError(ErrorCause::IllConditioned,
@@ -25,104 +24,221 @@ using Columns = Eigen::Matrix<double, Eigen::Dynamic, 3>;  // factorisations wan
 
 struct SparseCholesky::Implementation {
   virtual ~Implementation() = default;
-  virtual void solve(Columns& columns) = 0;
+  virtual void solve_in_order(double* x) = 0;
+  virtual void solve_in_order(float* x) = 0;
+  virtual bool single_precision() const = 0;
   virtual const char* name() const = 0;
-  virtual std::size_t nonzeros() const = 0;
-  Columns columns;
+  virtual std::size_t bytes() const = 0;
+  std::vector<int> order;
+  std::size_t nonzeros = 0;
+  Points ordered;  // double, in the order of elimination
+  std::vector<float> ordered_single;
 };
 
 namespace {
 
 struct EigenCholesky : SparseCholesky::Implementation {
-  explicit EigenCholesky(const SparseMatrix& matrix)
-      : factor(matrix), pivots(factor.vectorD()), scratch(matrix.rows(), 3) {
-    if (factor.info() != Eigen::Success || !(pivots.array() > 0).all()) {
-      refuse_matrix(matrix.rows());
+  using Columns = Eigen::Matrix<double, Eigen::Dynamic, 3>;
+  using Natural = Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>>;
+
+  EigenCholesky(const SparseMatrix& matrix, const std::vector<int>& given) : scratch(matrix.rows(), 3) {
+    const Eigen::Index n = matrix.rows();
+    Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation(n);
+    if (given.empty()) {
+      const SparseMatrix whole = matrix.selfadjointView<Eigen::Lower>();
+      Eigen::AMDOrdering<int>()(whole, permutation);
+      permutation = permutation.inverse().eval();
+    } else {
+      for (Eigen::Index k = 0; k < n; ++k) {
+        permutation.indices()[given[k]] = static_cast<int>(k);
+      }
     }
+    SparseMatrix permuted(n, n);
+    permuted.selfadjointView<Eigen::Lower>() = matrix.selfadjointView<Eigen::Lower>().twistedBy(permutation);
+    order.resize(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      order[permutation.indices()[i]] = static_cast<int>(i);
+    }
+    factor.compute(permuted);
+    if (factor.info() != Eigen::Success) {
+      refuse_matrix(n);
+    }
+    pivots = factor.vectorD();
+    if (!(pivots.array() > 0).all()) {
+      refuse_matrix(n);
+    }
+    nonzeros = static_cast<std::size_t>(factor.matrixL().nestedExpression().nonZeros());
   }
-  void solve(Columns& x) override {
-    scratch.noalias() = factor.permutationP() * x;
+  void solve_in_order(double* x) override {
+    Eigen::Map<Points> rows(x, scratch.rows(), 3);
+    scratch = rows;
+    solve();
+    rows = scratch;
+  }
+  void solve_in_order(float* x) override {
+    Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>> rows(x, scratch.rows(), 3);
+    scratch = rows.cast<double>();
+    solve();
+    rows = scratch.cast<float>();
+  }
+  void solve() {
     factor.matrixL().solveInPlace(scratch);
     scratch.array().colwise() /= pivots.array();
     factor.matrixU().solveInPlace(scratch);
-    x.noalias() = factor.permutationPinv() * scratch;
   }
+  bool single_precision() const override { return false; }
   const char* name() const override { return "Eigen simplicial LDLT"; }
-  std::size_t nonzeros() const override {
-    return static_cast<std::size_t>(factor.matrixL().nestedExpression().nonZeros());
-  }
+  std::size_t bytes() const override { return nonzeros * (sizeof(double) + sizeof(int)); }
 
-  Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower> factor;
-  Eigen::VectorXd pivots;  // vectorD() makes a copy at each call
-  Columns scratch;
+  Natural factor;
+  Eigen::VectorXd pivots;
+  Columns scratch;  // each right-hand side contiguous, as the factor wants it
 };
 
 #ifdef LAPEDIT_HAVE_CHOLMOD
-/// Eigen's wrapper, opened for the solve that keeps its workspace.
-class SupernodalLLT : public Eigen::CholmodSupernodalLLT<SparseMatrix, Eigen::Lower> {
- public:
-  cholmod_factor* raw_factor() { return m_cholmodFactor; }
+/// CHOLMOD's factorisation opens OpenMP regions of four threads for loops of a few entries, whatever the machine and
+/// the environment, which makes it up to several times slower. Inside an active region they stay with one thread, and
+/// nothing of the process's settings has to be touched for that.
+template <class Function>
+void without_inner_threads(const Function& function) {
+#ifdef _OPENMP
+#pragma omp parallel num_threads(2)
+  {
+#pragma omp master
+    function();
+  }
+#else
+  function();
+#endif
+}
+
+/// CHOLMOD's objects, freed in any case.
+struct CholmodFactor {
+  CholmodFactor() { cholmod_start(&common); }
+  ~CholmodFactor() {
+    cholmod_free_factor(&factor, &common);
+    cholmod_finish(&common);
+  }
+  CholmodFactor(const CholmodFactor&) = delete;
+  CholmodFactor& operator=(const CholmodFactor&) = delete;
+  cholmod_common common{};
+  cholmod_factor* factor = nullptr;
 };
 
 struct CholmodCholesky : SparseCholesky::Implementation {
-  explicit CholmodCholesky(const SparseMatrix& matrix) {
-    cholmod_common& common = factor.cholmod();
-    common.nmethods = 1;  // METIS orders better, but takes longer than it saves at these sizes
-    common.method[0].ordering = CHOLMOD_AMD;
+  CholmodCholesky(const SparseMatrix& matrix, const CholeskyOptions& options)
+      : crew(options.crew ? options.crew : std::make_shared<Crew>(1)) {
+    CholmodFactor made;
+    cholmod_common& common = made.common;
+    common.supernodal = CHOLMOD_SUPERNODAL;
+    common.nmethods = 1;
+    common.method[0].ordering = options.order.empty() ? CHOLMOD_AMD : CHOLMOD_GIVEN;
     common.print = 0;  // an indefinite matrix is our refusal, not a line on the host's terminal
-    factor.compute(matrix);
-    if (factor.info() != Eigen::Success || common.status != CHOLMOD_OK) {
+    cholmod_sparse view{};
+    view.nrow = view.ncol = static_cast<std::size_t>(matrix.rows());
+    view.nzmax = static_cast<std::size_t>(matrix.nonZeros());
+    view.p = const_cast<int*>(matrix.outerIndexPtr());
+    view.i = const_cast<int*>(matrix.innerIndexPtr());
+    view.x = const_cast<double*>(matrix.valuePtr());
+    view.stype = -1;
+    view.itype = CHOLMOD_INT;
+    view.xtype = CHOLMOD_REAL;
+    view.dtype = CHOLMOD_DOUBLE;
+    view.sorted = view.packed = 1;
+    int* const given = options.order.empty() ? nullptr : const_cast<int*>(options.order.data());
+    without_inner_threads([&] {
+      made.factor = cholmod_analyze_p(&view, given, nullptr, 0, &common);
+      if (made.factor) {
+        cholmod_factorize(&view, made.factor, &common);
+      }
+    });
+    if (common.status == CHOLMOD_OUT_OF_MEMORY) {
+      throw std::bad_alloc();
+    }
+    const cholmod_factor* const l = made.factor;
+    if (common.status != CHOLMOD_OK || !l || l->minor < l->n || !l->is_super) {
       refuse_matrix(matrix.rows());
     }
-  }
-  ~CholmodCholesky() override {
-    cholmod_common* common = &factor.cholmod();
-    cholmod_free_dense(&solution, common);
-    cholmod_free_dense(&workspace_y, common);
-    cholmod_free_dense(&workspace_e, common);
-  }
-  void solve(Columns& x) override {
-    cholmod_dense rhs{};
-    rhs.nrow = rhs.d = static_cast<std::size_t>(x.rows());
-    rhs.ncol = 3;
-    rhs.nzmax = rhs.nrow * 3;
-    rhs.x = x.data();
-    rhs.xtype = CHOLMOD_REAL;
-    rhs.dtype = CHOLMOD_DOUBLE;
-    if (!cholmod_solve2(CHOLMOD_A, factor.raw_factor(), &rhs, nullptr, &solution, nullptr, &workspace_y, &workspace_e,
-                        &factor.cholmod())) {
-      refuse_matrix(x.rows());
+    const int* const permutation = static_cast<const int*>(l->Perm);
+    order.assign(permutation, permutation + l->n);
+    SupernodalFactor raw;
+    raw.size = static_cast<int>(l->n);
+    raw.supernodes = static_cast<int>(l->nsuper);
+    raw.columns = static_cast<const int*>(l->super);
+    raw.row_offsets = static_cast<const int*>(l->pi);
+    raw.value_offsets = static_cast<const int*>(l->px);
+    raw.rows = static_cast<const int*>(l->s);
+    raw.values = static_cast<const double*>(l->x);
+    nonzeros = l->xsize;
+    if (options.single_precision) {
+      in_single = std::make_unique<SupernodalSolver<float>>(raw, *crew);
+    } else {
+      in_double = std::make_unique<SupernodalSolver<double>>(raw, *crew);
     }
-    x = Eigen::Map<const Columns>(static_cast<const double*>(solution->x), x.rows(), 3);
   }
+  void solve_in_order(double* x) override {
+    if (in_double) {
+      in_double->solve(x, *crew);
+      return;
+    }
+    const std::size_t count = 3 * order.size();
+    ordered_single.resize(count);
+    double largest = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      largest = std::max(largest, std::abs(x[i]));
+    }
+    // A power of two, so that no digit is lost.
+    const double scale = largest > 0 && std::isfinite(largest) ? std::ldexp(1.0, std::ilogb(largest)) : 1;
+    for (std::size_t i = 0; i < count; ++i) {
+      ordered_single[i] = static_cast<float>(x[i] / scale);
+    }
+    in_single->solve(ordered_single.data(), *crew);
+    for (std::size_t i = 0; i < count; ++i) {
+      x[i] = scale * static_cast<double>(ordered_single[i]);
+    }
+  }
+  void solve_in_order(float* x) override {
+    if (in_single) {
+      in_single->solve(x, *crew);
+      return;
+    }
+    const auto n = static_cast<Eigen::Index>(order.size());
+    Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>> rows(x, n, 3);
+    ordered = rows.cast<double>();
+    in_double->solve(ordered.data(), *crew);
+    rows = ordered.cast<float>();
+  }
+  bool single_precision() const override { return in_single != nullptr; }
   const char* name() const override { return "CHOLMOD supernodal LLT"; }
-  std::size_t nonzeros() const override { return factor_size; }
+  std::size_t bytes() const override { return in_single ? in_single->bytes() : in_double->bytes(); }
 
-  SupernodalLLT factor;
-  std::size_t factor_size = 0;
-  cholmod_dense* solution = nullptr;
-  cholmod_dense* workspace_y = nullptr;
-  cholmod_dense* workspace_e = nullptr;
+  std::shared_ptr<Crew> crew;
+  std::unique_ptr<SupernodalSolver<float>> in_single;
+  std::unique_ptr<SupernodalSolver<double>> in_double;
 };
 #endif
 
-std::unique_ptr<SparseCholesky::Implementation> make(const SparseMatrix& matrix, CholeskyBackend backend) {
+std::unique_ptr<SparseCholesky::Implementation> make(const SparseMatrix& matrix, const CholeskyOptions& options) {
   // What the factorisations do not look at themselves.
   if (!matrix.coeffs().allFinite() || !(matrix.diagonal().array() > 0).all()) {
     refuse_matrix(matrix.rows());
   }
 #ifdef LAPEDIT_HAVE_CHOLMOD
-  if (backend != CholeskyBackend::Eigen) {
-    auto cholmod = std::make_unique<CholmodCholesky>(matrix);
-    cholmod->factor_size = cholmod->factor.raw_factor()->xsize;
-    return cholmod;
+  if (options.backend != CholeskyBackend::Eigen) {
+    return std::make_unique<CholmodCholesky>(matrix, options);
   }
 #else
-  if (backend == CholeskyBackend::Cholmod) {
+  if (options.backend == CholeskyBackend::Cholmod) {
     throw EditError(ErrorCause::BadParameter, "This build has no CHOLMOD: choose the automatic or the Eigen backend.");
   }
 #endif
-  return std::make_unique<EigenCholesky>(matrix);
+  return std::make_unique<EigenCholesky>(matrix, options.order);
+}
+
+CholeskyOptions with_backend(CholeskyBackend backend) {
+  CholeskyOptions options;
+  options.backend = backend;
+  return options;
 }
 
 }  // namespace
@@ -136,23 +252,48 @@ bool has_cholmod() {
 }
 
 SparseCholesky::SparseCholesky(const SparseMatrix& matrix, CholeskyBackend backend)
-    : implementation_(make(matrix, backend)) {}
+    : SparseCholesky(matrix, with_backend(backend)) {}
+SparseCholesky::SparseCholesky(const SparseMatrix& matrix, const CholeskyOptions& options)
+    : implementation_(make(matrix, options)) {}
 SparseCholesky::~SparseCholesky() = default;
 SparseCholesky::SparseCholesky(SparseCholesky&&) noexcept = default;
 SparseCholesky& SparseCholesky::operator=(SparseCholesky&&) noexcept = default;
 
 void SparseCholesky::solve(const Points& rhs, Points& x) {
-  Columns& columns = implementation_->columns;
-  columns = rhs;
-  implementation_->solve(columns);
-  x = columns;
+  Implementation& inside = *implementation_;
+  Points& ordered = inside.ordered;
+  const auto n = static_cast<Eigen::Index>(inside.order.size());
+  ordered.resize(n, 3);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    ordered.row(k) = rhs.row(inside.order[k]);
+  }
+  inside.solve_in_order(ordered.data());
+  x.resize(n, 3);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    x.row(inside.order[k]) = ordered.row(k);
+  }
 }
 
+void SparseCholesky::solve_in_order(float* x) {
+  implementation_->solve_in_order(x);
+}
+void SparseCholesky::solve_in_order(double* x) {
+  implementation_->solve_in_order(x);
+}
+const std::vector<int>& SparseCholesky::order() const {
+  return implementation_->order;
+}
+bool SparseCholesky::single_precision() const {
+  return implementation_->single_precision();
+}
 const char* SparseCholesky::backend_name() const {
   return implementation_->name();
 }
 std::size_t SparseCholesky::factor_nonzeros() const {
-  return implementation_->nonzeros();
+  return implementation_->nonzeros;
+}
+std::size_t SparseCholesky::bytes() const {
+  return implementation_->bytes();
 }
 
 }  // namespace lapedit

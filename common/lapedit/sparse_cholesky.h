@@ -1,20 +1,33 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
+#include <vector>
 
+#include "lapedit/crew.h"
 #include "lapedit/differential_operator.h"
 
 namespace lapedit {
 
 enum class CholeskyBackend {
   Automatic,  ///< CHOLMOD if this build has it, else Eigen
-  Cholmod,    ///< SuiteSparse, supernodal
-  Eigen       ///< Eigen's simplicial LDL^T
+  Cholmod,    ///< SuiteSparse, supernodal, solved with by SupernodalSolver
+  Eigen       ///< Eigen's simplicial LDL^T: slower and plain, the reference
 };
 
 bool has_cholmod();
+
+struct CholeskyOptions {
+  CholeskyBackend backend = CholeskyBackend::Automatic;
+  /// Elimination order: order[k] is the row eliminated k-th. Empty: approximate minimum degree.
+  std::vector<int> order;
+  /// Keeps the factor in single precision: half the memory and twice the speed, and solutions good to some 1e-5, to be
+  /// refined. The Eigen backend stays in double.
+  bool single_precision = false;
+  std::shared_ptr<Crew> crew;  ///< empty: the caller's thread alone
+};
 
 /// Factor of a symmetric positive definite matrix: made once, asked often. The only file that names a factorisation.
 class SparseCholesky {
@@ -25,6 +38,7 @@ class SparseCholesky {
   /// @throws EditError (IllConditioned) if the matrix is not positive definite to working precision; (BadParameter) if
   ///         the backend is not in this build
   explicit SparseCholesky(const SparseMatrix& matrix, CholeskyBackend backend = CholeskyBackend::Automatic);
+  SparseCholesky(const SparseMatrix& matrix, const CholeskyOptions& options);
   ~SparseCholesky();
   SparseCholesky(SparseCholesky&&) noexcept;
   SparseCholesky& operator=(SparseCholesky&&) noexcept;
@@ -33,8 +47,16 @@ class SparseCholesky {
   /// first call with the same x. Cost: the factor read twice.
   void solve(const Points& rhs, Points& x);
 
+  /// The same in the order of elimination and in place: row k of x (n x 3, row after row) belongs to row order()[k] of
+  /// the matrix. In single precision the entries of the matrix and of x have to be within 1e-15 .. 1e15.
+  void solve_in_order(float* x);
+  void solve_in_order(double* x);
+  const std::vector<int>& order() const;
+
+  bool single_precision() const;
   const char* backend_name() const;
   std::size_t factor_nonzeros() const;
+  std::size_t bytes() const;  ///< held for solving
 
  private:
   std::unique_ptr<Implementation> implementation_;

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/diffusion.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lapedit {
+namespace {
+
+/// Second moment of 2 t^3/r^3 - 3 t^2/r^2 + 1 over the disc, over r^2.
+constexpr double kMoment = 5.0 / 21;
+constexpr int kSteps = 2;
+
+}  // namespace
+
+DiffusionSmoother::DiffusionSmoother(const Region& region, const Points& rest, double radius,
+                                     const CholeskyOptions& options) {
+  const IndexLists& neighbours = region.neighbours;
+  const int n = region.size();
+  std::vector<double> squared(neighbours.values.size());
+  Eigen::VectorXd area = Eigen::VectorXd::Zero(n);
+  for (int i = 0; i < n; ++i) {
+    for (int k = neighbours.offsets[i]; k < neighbours.offsets[i + 1]; ++k) {
+      squared[k] = (rest.row(neighbours.values[k]) - rest.row(i)).squaredNorm();
+      area[i] += 0.25 * squared[k];
+    }
+  }
+  // Vertices without length around them count as small ones, so that the matrix is definite and its entries are alike.
+  constexpr double kSmall = 1e-3, kLeast = 1e-9;
+  const double mean = n > 0 ? area.mean() : 0;
+  const Eigen::VectorXd density =
+      mean > 0 ? Eigen::VectorXd((area / mean).cwiseMax(kSmall).cwiseSqrt().cwiseInverse()) : Eigen::VectorXd::Ones(n);
+  const double time = kMoment * radius * radius / 4 / kSteps;  // diffusion over a time t has the second moment 4 t
+  mass_.setZero(n);
+  SparseMatrix matrix(n, n);
+  matrix.reserve(static_cast<Eigen::Index>(neighbours.values.size()) / 2 + n);
+  for (int j = 0; j < n; ++j) {
+    double sum = 0, mass = 0;
+    for (int k = neighbours.offsets[j]; k < neighbours.offsets[j + 1]; ++k) {
+      const double conductance = density[j] * density[neighbours.values[k]];
+      sum += conductance;
+      mass += 0.25 * conductance * squared[k];
+    }
+    mass_[j] = mass / time + kLeast;
+    matrix.startVec(j);
+    matrix.insertBack(j, j) = mass_[j] + sum;
+    for (const int i : neighbours[j]) {
+      if (i > j) {
+        matrix.insertBack(i, j) = -density[i] * density[j];
+      }
+    }
+  }
+  matrix.finalize();
+  factor_ = std::make_unique<SparseCholesky>(matrix, options);
+}
+
+void DiffusionSmoother::apply(const Points& in, Points& out) const {
+  out = in;
+  for (int step = 0; step < kSteps; ++step) {
+    for (Eigen::Index i = 0; i < out.rows(); ++i) {
+      out.row(i) *= mass_[i];
+    }
+    factor_->solve(out, out);
+  }
+}
+
+}  // namespace lapedit

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+// Kernels for several generations of processors in one build, for the few files that need them: a kernel is an
+// always-inlined template, and one function per generation, with that generation's attribute, calls it. Vectors are
+// GCC's and clang's vector types, which every generation can compile.
+
+/// Vectors are passed between functions that are always inlined: there is no calling convention to warn of.
+#pragma GCC diagnostic ignored "-Wpsabi"
+#define LAPEDIT_INLINE inline __attribute__((always_inline))
+
+#if defined(__x86_64__)
+#define LAPEDIT_HAVE_AVX 1
+#define LAPEDIT_AVX2 __attribute__((target("avx2,fma")))
+#define LAPEDIT_AVX512 __attribute__((target("avx512f,avx512vl,avx512dq,avx2,fma,prefer-vector-width=512")))
+#endif
+
+namespace lapedit {
+
+enum class Instructions { Plain, Avx2, Avx512 };
+
+/// The best this processor and its operating system have.
+inline Instructions best_instructions() {
+#ifdef LAPEDIT_HAVE_AVX
+  __builtin_cpu_init();
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq")) {
+    return Instructions::Avx512;
+  }
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
+    return Instructions::Avx2;
+  }
+#endif
+  return Instructions::Plain;
+}
+
+}  // namespace lapedit

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "lapedit/crew.h"
+#include "lapedit/differential_operator.h"
+
+namespace lapedit {
+
+/// An operator M over a region with its rows and its columns at hand, so that products with M and M^T are sums over
+/// neighbours, on several threads and with the same bits on any number of them.
+class OperatorRows {
+ public:
+  OperatorRows() = default;
+  explicit OperatorRows(SparseMatrix matrix);
+
+  /// out = M x. x and out must be different objects; out keeps its storage if it has the right size. O(entries).
+  void apply(const Points& x, Points& out, Crew& crew) const;
+  /// out = M^T x, likewise.
+  void apply_transposed(const Points& x, Points& out, Crew& crew) const;
+
+  /// The lower half of M^T M + diag(diagonal), compressed and sorted. O(sum of squared row lengths).
+  SparseMatrix normal_matrix(const Eigen::VectorXd& diagonal, Crew& crew) const;
+
+  void swap(OperatorRows& other) {
+    columns_.swap(other.columns_);
+    rows_.swap(other.rows_);
+  }
+
+  const SparseMatrix& matrix() const { return columns_; }
+  std::size_t bytes() const;
+
+ private:
+  using Rows = Eigen::SparseMatrix<double, Eigen::RowMajor, int>;
+  SparseMatrix columns_;
+  Rows rows_;
+};
+
+}  // namespace lapedit
