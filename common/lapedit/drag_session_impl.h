@@ -22,6 +22,7 @@ struct AppliedStep {
   EditStep step;
   std::vector<int> vertices;
   Points before, after;
+  RegionSpec next;  ///< the region for what follows in it
 };
 
 struct DragSession::Impl {
@@ -113,7 +114,12 @@ struct DragSession::Impl {
   void back_to_rest(bool settled);
 
   // Regions.
-  void sync_padding() { spec.padding = settings.padding; }
+  void sync_padding() {
+    if (spec.padding != settings.padding) {
+      spec.anchors = KeptAnchors();
+    }
+    spec.padding = settings.padding;
+  }
   void set_vertices(std::vector<int> vertices) {
     spec = RegionSpec();
     spec.kind = RegionSpec::Kind::Vertices;
@@ -121,6 +127,7 @@ struct DragSession::Impl {
     sync_padding();
     has_region = true;
   }
+  void keep_region();
   void set_radius() {
     spec = RegionSpec();
     spec.radius = settings.radius;

@@ -85,6 +85,25 @@ void DragSession::Impl::prepare() {
   worker.prepare({current, adjacency, spec, groups, settings.edit, scalar});
 }
 
+/// Other handles in the region that is shown find it and its anchors as they are; but anchors that hold nearly nothing,
+/// since they are next to the handle, are left to be found anew from the next one.
+void DragSession::Impl::keep_region() {
+  constexpr double kHolds = 0.1;
+  if (!region) {
+    return;
+  }
+  if (spec.kind == RegionSpec::Kind::Radius) {
+    set_vertices(region->mesh_vertex);
+  }
+  if (spec.kind == RegionSpec::Kind::Vertices && spec.anchors.empty() && ready && !region->distance.empty()) {
+    KeptAnchors anchors = anchors_of(*region);
+    const auto holds = [](double weight) { return weight >= kHolds; };
+    if (std::all_of(anchors.weights.begin(), anchors.weights.end(), holds)) {
+      spec.anchors = std::move(anchors);
+    }
+  }
+}
+
 /// Shows a region that was made by hand before its distances are known.
 void DragSession::Impl::show_by_hand() {
   back_to_rest(true);
@@ -96,8 +115,8 @@ bool DragSession::Impl::choose_region(int vertex, std::vector<int>& handle) {
   const bool inside = has_region && !want_region && region && contains(region->mesh_vertex, vertex);
   if (inside) {
     handle = common(handle, region->mesh_vertex);
-    if (spec.kind == RegionSpec::Kind::Radius && !(want_group && !groups.empty())) {
-      set_vertices(region->mesh_vertex);
+    if (!(want_group && !groups.empty())) {
+      keep_region();
     }
     return true;
   }

@@ -188,9 +188,8 @@ void DragSession::Impl::after_commit() {
   state = State::Picked;
   away = false;
   ++pose_serial;
-  if (spec.kind == RegionSpec::Kind::Radius && region) {
-    set_vertices(region->mesh_vertex);
-  }
+  keep_region();
+  steps.back().next = spec;
   prepare();
 }
 
@@ -223,6 +222,9 @@ void DragSession::Impl::amend() {
     amend_base = base;
   }
   amended.settings = settings.edit;
+  if (amended.region.padding != settings.padding) {
+    amended.region.anchors = KeptAnchors();
+  }
   amended.region.padding = settings.padding;
   if (amended.region.kind == RegionSpec::Kind::Radius) {
     amended.region.radius = settings.radius;
@@ -290,7 +292,7 @@ void DragSession::Impl::take_over(const AppliedStep& step, bool done) {
     }
     groups.push_back(handle.vertices);
   }
-  spec = step.step.region;
+  spec = done && step.next.kind == RegionSpec::Kind::Vertices ? step.next : step.step.region;
   if (done && spec.kind == RegionSpec::Kind::Radius) {
     set_vertices(step.vertices);
   }

@@ -19,8 +19,8 @@ double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-/// After this long without a question the report of the last pose is made.
-constexpr std::chrono::milliseconds kPause{100};
+/// After this long without a question the last one is answered in full, and reported on.
+constexpr std::chrono::milliseconds kPause{50};
 
 }  // namespace
 
@@ -45,7 +45,8 @@ struct EditWorker::State {
   WorkerNews news;
   WorkerPose front;
 
-  std::atomic<int> generation{0};  // counts what drops all that was asked before
+  std::atomic<bool> unsettled{false};  // the last pose was a preview, and is still to be solved for in full
+  std::atomic<int> generation{0};      // counts what drops all that was asked before
   std::atomic<double> progress{0};
   std::atomic<const char*> stage{""};
 
@@ -55,6 +56,7 @@ struct EditWorker::State {
   StoredScalar scalar = StoredScalar::Float;
   double region_ms = 0;
   bool report_due = false;
+  bool unsettled_here = false;  // as unsettled, but not for others to change
   std::vector<Affine> current_maps;
   WorkerPose back;
 
@@ -63,7 +65,12 @@ struct EditWorker::State {
   Progress progress_of(int mine);
   void do_prepare(const PrepareTask& task, int mine);
   void do_apply(const ApplyTask& task, int mine);
-  void do_solve(int mine, bool settle);
+  enum class Answer {
+    Preview,  // a picture of a drag: may be off by what nobody sees
+    Full,     // as a release would leave it
+    Last      // the same with its report
+  };
+  void do_solve(int mine, Answer answer);
   std::shared_ptr<const EditReport> make_report() const;
   template <class Change>
   void publish(int mine, const Change& change);
@@ -75,6 +82,7 @@ void EditWorker::State::drop() {
   to_prepare.reset();
   to_apply.reset();
   to_solve = has_region = false;
+  unsettled = false;
   news = WorkerNews();
   has_news = false;
   progress = 0;
@@ -122,7 +130,7 @@ void EditWorker::State::do_prepare(const PrepareTask& task, int mine) {
   editor = std::make_unique<LaplacianEditor>(*task.mesh, std::move(region), task.settings, go_on, std::move(editor));
   editor_generation = mine;
   scalar = task.scalar;
-  report_due = false;
+  report_due = unsettled = false;
   const double prepare_ms = milliseconds_since(start);
   publish(mine, [&] {
     news.ready = true;
@@ -145,14 +153,14 @@ std::shared_ptr<const EditReport> EditWorker::State::make_report() const {
   return report;
 }
 
-/// @param settle  whether the pose is to stay: a picture of a drag may be off by what nobody sees
-void EditWorker::State::do_solve(int mine, bool settle) {
+void EditWorker::State::do_solve(int mine, Answer answer) {
   const Clock::time_point start = Clock::now();
-  back.positions = settle ? editor->solve(current_maps) : editor->preview(current_maps);
+  back.positions = answer == Answer::Preview ? editor->preview(current_maps) : editor->solve(current_maps);
   round_to(scalar, back.positions);
   back.solve_ms = milliseconds_since(start);
-  const auto report = settle ? make_report() : nullptr;
-  report_due = !settle;
+  const auto report = answer == Answer::Last ? make_report() : nullptr;
+  report_due = answer != Answer::Last;
+  unsettled = unsettled_here = answer == Answer::Preview && editor->has_preview();
   publish(mine, [&] {
     std::swap(front, back);
     news.pose = true;
@@ -175,16 +183,22 @@ void EditWorker::State::run() {
     answered.notify_all();
     if (report_due && usable()) {
       if (!asked.wait_for(lock, kPause, has_work)) {
+        // First the pose in full, then, after another pause, what there is to report on it.
         const int mine = generation;
-        report_due = false;
+        const bool settle = std::exchange(unsettled_here, false);
+        report_due = settle;
         lock.unlock();
         try {
-          editor->solve(current_maps);  // previews are not reported on
-          const auto report = make_report();
-          publish(mine, [&] { news.report = report; });
+          if (settle) {
+            do_solve(mine, Answer::Full);
+          } else {
+            const auto report = make_report();
+            publish(mine, [&] { news.report = report; });
+          }
         } catch (const std::exception&) {
-          // The preview said what there is to say.
+          // The preview has said what there is to say.
         }
+        unsettled = false;
         lock.lock();
         continue;
       }
@@ -198,7 +212,7 @@ void EditWorker::State::run() {
     if (editor && !usable() && !to_prepare) {
       // Freeing a large factor takes its time, too. What is prepared next goes on from it.
       const std::unique_ptr<LaplacianEditor> dropped = std::move(editor);
-      report_due = false;
+      report_due = unsettled = false;
       lock.unlock();
     }
     if (!lock.owns_lock()) {
@@ -209,7 +223,7 @@ void EditWorker::State::run() {
     const std::unique_ptr<PrepareTask> prepare_task = std::move(to_prepare);
     const std::unique_ptr<ApplyTask> apply_task = std::move(to_apply);
     const bool solving = !prepare_task && !apply_task;
-    const bool settle = last;
+    const Answer answer = last ? Answer::Last : Answer::Preview;
     if (solving) {
       current_maps = maps;
       back.serial = serial;
@@ -223,7 +237,7 @@ void EditWorker::State::run() {
       } else if (apply_task) {
         do_apply(*apply_task, mine);
       } else {
-        do_solve(mine, settle);
+        do_solve(mine, answer);
       }
     } catch (const std::bad_alloc&) {
       error = "There is not enough memory for this region: choose a smaller one.";
@@ -310,7 +324,7 @@ bool EditWorker::wait() {
   State& s = *state_;
   s.answered.wait(lock, [&s] {
     // The editor may be looked at while the worker is not at work only.
-    return s.has_news || (!s.working && !s.to_prepare && !s.to_apply &&
+    return s.has_news || (!s.working && !s.unsettled && !s.to_prepare && !s.to_apply &&
                           !(s.to_solve && s.editor && s.editor_generation == s.generation));
   });
   return s.has_news;
@@ -318,7 +332,8 @@ bool EditWorker::wait() {
 
 bool EditWorker::busy() const {
   const std::lock_guard<std::mutex> lock(state_->mutex);
-  return state_->working || state_->to_prepare || state_->to_apply || state_->to_solve || state_->has_news;
+  return state_->working || state_->unsettled || state_->to_prepare || state_->to_apply || state_->to_solve ||
+         state_->has_news;
 }
 
 double EditWorker::progress() const {

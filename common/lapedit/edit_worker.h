@@ -67,7 +67,8 @@ class EditWorker {
   /// Asks for the pose of the region last prepared, or still to be; without one, nothing happens. @return its serial,
   /// counting up
   /// @param last  the pose is to stay: it is solved for in full, and its report comes with it. Else it is a preview
-  ///              (LaplacianEditor::preview), and the report comes when the questions pause
+  ///              (LaplacianEditor::preview); when the questions pause it is followed by the full pose, of the same
+  ///              serial, and then by its report
   /// Nothing is allocated once as many maps were given before.
   int solve(const std::vector<Affine>& maps, bool last);
 

@@ -13,8 +13,8 @@
 
 #include "lapedit/diffusion.h"
 #include "lapedit/drag_preview.h"
+#include "lapedit/elimination_order.h"
 #include "lapedit/error.h"
-#include "lapedit/nested_dissection.h"
 #include "lapedit/operator_rows.h"
 
 namespace lapedit {
@@ -91,7 +91,6 @@ struct Foundation {
   OperatorRows first;  // M_1, the operator of order 1; empty if m is it
   int uniform_edges = 0;
   Eigen::VectorXd weights;  // w_i^2 of those that the factor knows
-  Points ordered_at;        // the rest pose that the elimination order comes from; empty if only the edges count
   double matrix_norm = 0;   // of the factor's matrix
   std::unique_ptr<SparseCholesky> factor;
   int refinements = 0;
@@ -108,8 +107,10 @@ struct Response {
   int vertex;  // local, of a group that is one vertex and has but one response, its way; else -1
 };
 
-/// From so many vertices on dissection by coordinates pays (tests/bench).
-constexpr int kLargeForMinimumDegree = 50000;
+/// Enough for what is to be refined further, and for previews.
+constexpr double kAccurate = 1e-8;
+/// If it takes more steps to get there, a factor in single precision is not worth its memory.
+constexpr int kMostForSingle = 3;
 /// Handles of at most so many vertices are kept out of the factor.
 constexpr int kSmallHandle = 8;
 
@@ -122,6 +123,7 @@ struct LaplacianEditor::State {
   std::shared_ptr<Crew> crew;
   Foundation base;
   bool took_operator = false;  // from another editor
+  std::vector<int> order;      // of elimination, while preparing
 
   Vector3 origin = Vector3::Zero();    // the first handle vertex: coordinates below are relative to it
   Points world;                        // rest pose as given
@@ -149,10 +151,13 @@ struct LaplacianEditor::State {
   void set_up(const TriangleMesh& mesh, const Progress& progress, State* before);
   void assemble(const TriangleMesh& mesh, State* before);
   void weigh();
+  bool fits_factor(const State* before) const;
+  bool fits_smoother(const State* before) const;
   void factorise(State* before);
   void make_factor(bool single_precision);
   template <class Solve>
-  int refine(const Eigen::VectorXd& weights, const Points& right, const Solve& solve);
+  int refine(const Eigen::VectorXd& weights, const Points& right, Points& x, double accurate, const Solve& solve);
+  bool make_sure();
   bool find_refinements();
   bool keep_handles_out();
   void smooth(State* before);
@@ -193,21 +198,28 @@ void LaplacianEditor::State::set_up(const TriangleMesh& mesh, const Progress& pr
   assemble(mesh, before);
   report.operator_ms = watch.lap();
   report_progress(progress, 0.2, "factorisation");
+  if (settings.rotation != DetailRotation::None) {
+    report.normal_radius = settings.normal_radius > 0 ? settings.normal_radius : automatic_normal_radius(region, rest);
+  }
+  const bool factor_fits = fits_factor(before);
+  const bool smoother_fits = fits_smoother(before);
+  if (!factor_fits || (settings.rotation == DetailRotation::SmoothSurface && !smoother_fits)) {
+    order = elimination_order(region.neighbours, settings.threads);
+  }
   // The smoothing asks nothing of the factor: with a second thread it comes for free.
   std::future<double> smoothing;
-  const auto smooth_timed = [this, before] {
+  const auto smooth_timed = [this, from = smoother_fits ? before : nullptr] {
     Stopwatch own;
-    smooth(before);
+    smooth(from);
     return own.lap();
   };
   if (settings.rotation != DetailRotation::None) {
-    report.normal_radius = settings.normal_radius > 0 ? settings.normal_radius : automatic_normal_radius(region, rest);
     constexpr int kWorthAThread = 2000;
     const bool apart = crew->threads() > 1 && region.size() >= kWorthAThread;
     smoothing = std::async(apart ? std::launch::async : std::launch::deferred, smooth_timed);
   }
   watch.lap();
-  factorise(before);
+  factorise(factor_fits ? before : nullptr);
   report.factor_ms = watch.lap();
   if (smoothing.valid()) {
     report_progress(progress, 0.6, "smoothing");
@@ -221,6 +233,7 @@ void LaplacianEditor::State::set_up(const TriangleMesh& mesh, const Progress& pr
   report.kernel_ms += watch.lap();
   report_progress(progress, 0.9, "solve");
 
+  order = std::vector<int>();
   report.mesh_vertices = region.mesh_vertices;
   report.handle = region.count(VertexClass::Handle);
   report.free = region.count(VertexClass::Free);
@@ -304,23 +317,31 @@ void LaplacianEditor::State::make_factor(bool single_precision) {
   options.backend = settings.backend;
   options.single_precision = single_precision;
   options.crew = crew;
-  if (region.size() >= kLargeForMinimumDegree) {
-    options.order = nested_dissection(region.neighbours, world, settings.threads);
-    base.ordered_at = world;
-  }
+  options.order = order;
   base.factor = std::make_unique<SparseCholesky>(normal, options);
 }
 
+bool LaplacianEditor::State::fits_factor(const State* before) const {
+  return took_operator && before->base.factor && before->settings.backend == settings.backend &&
+         before->base.weights == base.weights;
+}
+
+bool LaplacianEditor::State::fits_smoother(const State* before) const {
+  return before && before->base.smoother && before->settings.backend == settings.backend &&
+         before->settings.rotation == DetailRotation::SmoothSurface &&
+         settings.rotation == DetailRotation::SmoothSurface && before->settings.normal_radius == 0 &&
+         settings.normal_radius == 0 && before->report.normal_radius == report.normal_radius &&
+         before->region.mesh_vertex == region.mesh_vertex && before->world == world;
+}
+
+/// @param before  whose factor fits, or nothing
 /// Makes the factor, or takes over the old one, and finds how many steps of iterative refinement a solve needs. The
 /// residual is taken through M, not through M^T M, so refinement also mends the squaring of the condition number.
 void LaplacianEditor::State::factorise(State* before) {
-  if (took_operator && before->base.factor && before->settings.backend == settings.backend &&
-      before->base.weights == base.weights &&
-      (before->base.ordered_at.rows() == 0 || before->base.ordered_at == world)) {
+  if (before) {
     base.factor = std::move(before->base.factor);
-    base.ordered_at.swap(before->base.ordered_at);
     base.matrix_norm = before->base.matrix_norm;
-    if (keep_handles_out() && find_refinements()) {
+    if (make_sure()) {
       return;
     }
     base.factor.reset();
@@ -328,14 +349,14 @@ void LaplacianEditor::State::factorise(State* before) {
   // In single precision a solution has five digits; the steps that give it the others cost less than the memory.
   if (settings.order == 1) {
     make_factor(true);
-    if (keep_handles_out() && find_refinements()) {
+    if (make_sure()) {
       return;
     }
   }
   if (!base.factor || base.factor->single_precision()) {
     base.factor.reset();
     make_factor(false);
-    if (keep_handles_out() && find_refinements()) {
+    if (make_sure()) {
       return;
     }
   }
@@ -345,48 +366,47 @@ void LaplacianEditor::State::factorise(State* before) {
                       "a smaller region.");
 }
 
-/// Refines d until nothing changes any more. @return how many steps that took; -1: it does not converge
+/// Solves by iterative refinement until a step changes less than `accurate` of the solution, or as far as double goes.
+/// @return how many steps that took; -1: it does not converge
 template <class Solve>
-int LaplacianEditor::State::refine(const Eigen::VectorXd& weights, const Points& right, const Solve& solve) {
-  constexpr double kHopeless = 0.1;
+int LaplacianEditor::State::refine(const Eigen::VectorXd& weights, const Points& right, Points& x, double accurate,
+                                   const Solve& solve) {
+  constexpr double kHopeless = 0.1, kGoodEnough = 1e-10;
   constexpr int kMostSteps = 8;
-  // Solutions in double are nearly there from the start; those in single precision, and differences of large ones, are
-  // to get as far as double allows.
-  const bool rough = base.factor->single_precision() || !correction.rows.empty();
-  const double accurate = rough ? 1e-15 : 1e-8;
-  constexpr double kGoodEnough = 1e-10;
-  solve(right, d);
+  solve(right, x);
   double last = 1;
   for (int count = 0;; ++count) {
-    normal_product(weights, d, residual);
+    normal_product(weights, x, residual);
     residual = right - residual;
     solve(residual, step);
-    const double change = largest_row(step) / largest_row(d);
-    if (change < accurate || (rough && last < kGoodEnough && !(change < kHopeless * last))) {
-      return count;
+    const double change = largest_row(step) / largest_row(x);
+    if (!(change > accurate) || (last < kGoodEnough && !(change < kHopeless * last))) {
+      return std::isfinite(change) ? count : -1;
     }
     if (!(change < kHopeless * last) || count == kMostSteps) {
       return -1;
     }
-    d += step;
+    x += step;
     last = change;
   }
 }
 
-/// How many steps solves need, on what moving the handles and turning the details ask for.
+bool LaplacianEditor::State::make_sure() {
+  return correction.rows.empty() ? find_refinements() : keep_handles_out();
+}
+
+/// Whether solutions are good, or get good, on a pull at the handles; for factors that need no correction.
 bool LaplacianEditor::State::find_refinements() {
   rhs.setZero(region.size(), 3);
-  if (settings.order == 1) {
-    base.m.apply_transposed(delta, rhs, *crew);
-    rhs /= std::max(largest_row(rhs), std::numeric_limits<double>::min());
-  }
   for (int i = 0; i < region.size(); ++i) {
     if (region.classes[i] == VertexClass::Handle) {
-      rhs.row(i).array() += squared_weights[i];
+      rhs.row(i).setConstant(squared_weights[i]);
     }
   }
-  base.refinements = refine(squared_weights, rhs, [this](const Points& right, Points& x) { solve_once(right, x); });
-  return base.refinements >= 0;
+  const bool single = base.factor->single_precision();
+  base.refinements = refine(squared_weights, rhs, d, kAccurate,
+                            [this](const Points& right, Points& x) { base.factor->solve(right, x); });
+  return base.refinements >= 0 && (!single || base.refinements <= kMostForSingle);
 }
 
 /// Columns of the inverse for handle vertices that the factor does not know. @return whether they could be had
@@ -404,7 +424,9 @@ bool LaplacianEditor::State::keep_handles_out() {
     for (int c = 0; c < columns; ++c) {
       rhs(correction.rows[first_column + c], c) = 1;
     }
-    if (refine(base.weights, rhs, [this](const Points& right, Points& x) { base.factor->solve(right, x); }) < 0) {
+    const int steps = refine(base.weights, rhs, d, kAccurate,
+                             [this](const Points& right, Points& x) { base.factor->solve(right, x); });
+    if (steps < 0 || (base.factor->single_precision() && steps > kMostForSingle)) {
       return false;
     }
     correction.z.middleCols(first_column, columns) = d.leftCols(columns);
@@ -420,17 +442,17 @@ bool LaplacianEditor::State::keep_handles_out() {
 
 /// A given radius means the paper's kernel. Where it is left to us and only a smooth surface is wanted, diffusion is as
 /// good and does not cost more than the factor.
+/// @param before  whose smoother fits, or nothing
 void LaplacianEditor::State::smooth(State* before) {
-  if (before && before->base.smoother && before->settings.rotation == settings.rotation &&
-      before->settings.normal_radius == settings.normal_radius &&
-      before->report.normal_radius == report.normal_radius && settings.normal_radius == 0 &&
-      settings.rotation == DetailRotation::SmoothSurface && before->region.mesh_vertex == region.mesh_vertex &&
-      before->world == world) {
+  if (before) {
     base.smoother = std::move(before->base.smoother);
   } else if (settings.normal_radius > 0 || settings.rotation == DetailRotation::SmoothNormals) {
     base.smoother = std::make_unique<SmoothingKernel>(region, rest, report.normal_radius, settings.threads);
   } else {
-    base.smoother = std::make_unique<DiffusionSmoother>(region, rest, report.normal_radius);
+    CholeskyOptions options;
+    options.backend = settings.backend;
+    options.order = order;
+    base.smoother = std::make_unique<DiffusionSmoother>(region, rest, report.normal_radius, options);
   }
   if (settings.rotation == DetailRotation::SmoothSurface) {
     base.smoother->apply(rest, base.smooth_rest);
@@ -548,7 +570,17 @@ void LaplacianEditor::State::solve_once(const Points& right, Points& x) {
   }
 }
 
+/// Solves as far as double goes.
 void LaplacianEditor::State::solve_refined(const Points& right, Points& x) {
+  if (settings.order == 1) {
+    // Solutions from single precision, and differences of large ones, need as many steps as they need.
+    if (base.factor->single_precision() || !correction.rows.empty()) {
+      const int steps =
+          refine(squared_weights, right, x, 1e-15, [this](const Points& from, Points& to) { solve_once(from, to); });
+      report.refinements = std::max(report.refinements, steps);
+      return;
+    }
+  }
   solve_once(right, x);
   for (int count = 0; count < base.refinements; ++count) {
     normal_product(squared_weights, x, residual);
@@ -749,6 +781,10 @@ const Points& LaplacianEditor::preview(const std::vector<Affine>& handles) {
   return pose;
 }
 
+bool LaplacianEditor::has_preview() const {
+  return state_->preview != nullptr;
+}
+
 const Points& LaplacianEditor::preview_normals() {
   static const Points kNone(0, 3);
   return state_->preview ? state_->preview->normals() : kNone;
@@ -759,9 +795,8 @@ std::size_t LaplacianEditor::bytes() const {
   const auto of = [](const auto& list) { return list.capacity() * sizeof(list[0]); };
   const Region& r = s.region;
   std::size_t rows = 0;
-  for (const Points* points :
-       {&s.world, &s.rest, &s.delta, &s.carried_pose, &s.constraint_rhs, &s.rhs, &s.d, &s.previous, &s.residual,
-        &s.step, &s.rows, &s.positions, &s.base.ordered_at, &s.base.smooth_rest}) {
+  for (const Points* points : {&s.world, &s.rest, &s.delta, &s.carried_pose, &s.constraint_rhs, &s.rhs, &s.d,
+                               &s.previous, &s.residual, &s.step, &s.rows, &s.positions, &s.base.smooth_rest}) {
     rows += static_cast<std::size_t>(points->rows());
   }
   const std::size_t region_bytes = of(r.mesh_vertex) + of(r.classes) + of(r.group) + of(r.component) + of(r.distance) +

@@ -70,6 +70,9 @@ class LaplacianEditor {
   /// Nothing is allocated after the first call.
   const Points& preview(const std::vector<Affine>& handles);
 
+  /// Whether preview() is faster than solve() and not the same to the bit.
+  bool has_preview() const;
+
   /// Unit vertex normals of the last preview(), area-weighted over the region's own faces, size() x 3; no rows if
   /// there is no fast path.
   const Points& preview_normals();

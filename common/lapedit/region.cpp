@@ -139,11 +139,39 @@ void check_spec(const RegionSpec& spec) {
   }
 }
 
+void check_anchors(const KeptAnchors& anchors, int mesh_vertices) {
+  const std::size_t count = anchors.vertices.size();
+  if (anchors.weights.size() != count || anchors.depths.size() != count) {
+    throw EditError(ErrorCause::BadParameter, std::to_string(count) + " kept anchors have " +
+                                                  std::to_string(anchors.weights.size()) + " weights and " +
+                                                  std::to_string(anchors.depths.size()) +
+                                                  " depths: give one of each for each anchor.");
+  }
+  if (count > 0 && !(anchors.reach > 0 && std::isfinite(anchors.reach))) {
+    throw EditError(ErrorCause::BadParameter, "The reach of the kept anchors is " + text(anchors.reach) +
+                                                  ": give the largest handle distance that they were made with.");
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (anchors.vertices[i] < 0 || anchors.vertices[i] >= mesh_vertices) {
+      throw EditError(ErrorCause::BadIndex, "Kept anchor " + std::to_string(anchors.vertices[i]) +
+                                                " does not exist: the mesh has " + std::to_string(mesh_vertices) +
+                                                " vertices, numbered from 0.");
+    }
+    if (!(anchors.weights[i] >= 0 && anchors.weights[i] <= 1 && anchors.depths[i] >= 0 && anchors.depths[i] <= 1)) {
+      throw EditError(ErrorCause::BadParameter, "Kept anchor " + std::to_string(anchors.vertices[i]) +
+                                                    " has the weight " + text(anchors.weights[i]) + " and the depth " +
+                                                    text(anchors.depths[i]) + ": both go from 0 to 1.");
+    }
+  }
+}
+
 /// Local graph and faces of the chosen vertices.
 void extract_submesh(const TriangleMesh& mesh, const Adjacency& adjacency, const std::vector<int>& local,
                      Region& region) {
   region.neighbours.offsets.assign(1, 0);
-  std::vector<std::pair<int, int>> touching;
+  region.neighbours.offsets.reserve(region.mesh_vertex.size() + 1);
+  region.neighbours.values.reserve(region.mesh_vertex.size() * 6);
+  region.edge_faces.reserve(region.mesh_vertex.size() * 2);
   for (const int v : region.mesh_vertex) {
     for (const int w : adjacency.neighbours[v]) {
       if (local[w] >= 0) {
@@ -163,24 +191,36 @@ void extract_submesh(const TriangleMesh& mesh, const Adjacency& adjacency, const
         }
       }
       if (first == v && inside >= 2) {
-        touching.emplace_back(f, inside);
+        region.edge_faces.push_back(f);
       }
     }
   }
-  std::sort(touching.begin(), touching.end());
-  region.edge_faces.reserve(touching.size());
-  int whole = 0;
-  for (const auto& [f, inside] : touching) {
-    region.edge_faces.push_back(f);
-    whole += inside == 3;
+  // A pass over all faces is faster than sorting, unless there are many more of them.
+  constexpr std::size_t kMany = 64;
+  const auto all = static_cast<std::size_t>(mesh.faces.rows());
+  if (all < kMany * region.edge_faces.size()) {
+    std::vector<char> chosen(all, 0);
+    for (const int f : region.edge_faces) {
+      chosen[f] = 1;
+    }
+    region.edge_faces.clear();
+    for (std::size_t f = 0; f < all; ++f) {
+      if (chosen[f]) {
+        region.edge_faces.push_back(static_cast<int>(f));
+      }
+    }
+  } else {
+    std::sort(region.edge_faces.begin(), region.edge_faces.end());
   }
-  region.faces.resize(whole, 3);
-  whole = 0;
-  for (const auto& [f, inside] : touching) {
-    if (inside == 3) {
-      region.faces.row(whole++) << local[mesh.faces(f, 0)], local[mesh.faces(f, 1)], local[mesh.faces(f, 2)];
+  region.faces.resize(static_cast<Eigen::Index>(region.edge_faces.size()), 3);
+  Eigen::Index whole = 0;
+  for (const int f : region.edge_faces) {
+    const int a = local[mesh.faces(f, 0)], b = local[mesh.faces(f, 1)], c = local[mesh.faces(f, 2)];
+    if (a >= 0 && b >= 0 && c >= 0) {
+      region.faces.row(whole++) << a, b, c;
     }
   }
+  region.faces.conservativeResize(whole, 3);
 }
 
 /// Flags the region's vertices with a mesh neighbour outside.
@@ -220,7 +260,17 @@ void classify(const TriangleMesh& mesh, const Adjacency& adjacency, const Region
   const std::vector<char> rim = find_rim(adjacency, local, region);
   // How far into the band of anchors a vertex is: 0 or less outside it, 1 at its far end.
   std::vector<double> depth(n);
-  if (spec.kind == RegionSpec::Kind::Vertices) {
+  std::vector<double> kept_weight;
+  if (spec.kind == RegionSpec::Kind::Vertices && !spec.anchors.empty()) {
+    kept_weight.assign(n, -1);
+    for (std::size_t k = 0; k < spec.anchors.vertices.size(); ++k) {
+      const int i = local[spec.anchors.vertices[k]];
+      if (i >= 0) {
+        depth[i] = spec.anchors.depths[k];
+        kept_weight[i] = spec.anchors.weights[k];
+      }
+    }
+  } else if (spec.kind == RegionSpec::Kind::Vertices) {
     const double band = spec.padding * region.max_distance;
     depth = distances_from(rim, region, mesh, band);
     for (double& d : depth) {
@@ -237,14 +287,17 @@ void classify(const TriangleMesh& mesh, const Adjacency& adjacency, const Region
   region.anchor_depth.assign(n, 0);
   for (int i = 0; i < n; ++i) {
     const int group = group_of[region.mesh_vertex[i]];
-    const bool anchor = rim[i] || depth[i] > 0;
+    const bool kept = !kept_weight.empty() && kept_weight[i] >= 0;
+    const bool anchor = rim[i] || depth[i] > 0 || kept;
     if (group >= 0) {
       region.classes[i] = VertexClass::Handle;
       region.group[i] = group;
     } else if (anchor) {
       region.classes[i] = VertexClass::Anchor;
       region.anchor_depth[i] = rim[i] ? 1 : std::min(depth[i], 1.0);
-      region.anchor_weight[i] = region.max_distance > 0 ? region.distance[i] / region.max_distance : 1;
+      region.anchor_weight[i] = kept                      ? kept_weight[i]
+                                : region.max_distance > 0 ? std::min(1.0, region.distance[i] / region.max_distance)
+                                                          : 1;
     }
   }
   const int components = connected_components(region.neighbours, region.component);
@@ -294,6 +347,9 @@ Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const 
     flags = flag_set(mesh, spec.vertices, handles);
   }
   GeodesicSearch search(adjacency.neighbours, mesh.vertices);
+  if (given_set) {
+    check_anchors(spec.anchors, static_cast<int>(mesh.vertices.rows()));
+  }
   const double cutoff = spec.kind == RegionSpec::Kind::Radius ? spec.radius : kUnreached;
 
   Region region;
@@ -303,21 +359,43 @@ Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const 
   if (region.mesh_vertex.size() == handles.size()) {
     refuse_handle_only(mesh, adjacency, spec, handles);
   }
-  std::sort(region.mesh_vertex.begin(), region.mesh_vertex.end());
   region.mesh_vertices = static_cast<int>(mesh.vertices.rows());
+  if (given_set && !spec.anchors.empty()) {
+    region.max_distance = spec.anchors.reach;
+  }
   region.radius = spec.kind == RegionSpec::Kind::Radius ? spec.radius : region.max_distance;
   if (given_set) {
     region.left_out = static_cast<int>(std::count(flags.begin(), flags.end(), 1)) - region.size();
   }
+  // Numbered in the order of the mesh, by a pass over it: it is cheaper than sorting.
   std::vector<int> local(mesh.vertices.rows(), -1);
-  region.distance.resize(region.size());
-  for (int i = 0; i < region.size(); ++i) {
-    local[region.mesh_vertex[i]] = i;
-    region.distance[i] = search.distance(region.mesh_vertex[i]);
+  for (const int v : region.mesh_vertex) {
+    local[v] = 0;
+  }
+  region.mesh_vertex.clear();
+  for (int v = 0; v < region.mesh_vertices; ++v) {
+    if (local[v] == 0) {
+      local[v] = region.size();
+      region.mesh_vertex.push_back(v);
+      region.distance.push_back(search.distance(v));
+    }
   }
   extract_submesh(mesh, adjacency, local, region);
   classify(mesh, adjacency, spec, local, group_of, region);
   return region;
+}
+
+KeptAnchors anchors_of(const Region& region) {
+  KeptAnchors anchors;
+  for (int i = 0; i < region.size(); ++i) {
+    if (region.classes[i] == VertexClass::Anchor) {
+      anchors.vertices.push_back(region.mesh_vertex[i]);
+      anchors.weights.push_back(region.anchor_weight[i]);
+      anchors.depths.push_back(region.anchor_depth.empty() ? 1 : region.anchor_depth[i]);
+    }
+  }
+  anchors.reach = anchors.empty() ? 0 : region.max_distance;
+  return anchors;
 }
 
 int nearest_vertex(const TriangleMesh& mesh, const Vector3& point) {

@@ -15,6 +15,17 @@ enum class VertexClass : unsigned char {
   Handle   ///< (yellow) moved by the user
 };
 
+/// Anchors of an earlier edit in the same region, kept for the next one: the paper's loop takes other handles in one
+/// region, whose anchors were settled with the first.
+struct KeptAnchors {
+  std::vector<int> vertices;    ///< mesh vertex numbers, each once
+  std::vector<double> weights;  ///< of each, d / d_max then, from 0 to 1
+  std::vector<double> depths;   ///< of each, in the band, from 0 to 1
+  double reach = 0;             ///< largest handle distance then, model units: > 0 where there are vertices
+
+  bool empty() const { return vertices.empty(); }
+};
+
 /// Which part of the surface may change.
 struct RegionSpec {
   enum class Kind {
@@ -26,7 +37,8 @@ struct RegionSpec {
   double radius = 0;          ///< Kind::Radius: > 0, model units
   std::vector<int> vertices;  ///< Kind::Vertices: any order, duplicates allowed
   double padding =
-      0.1;  ///< width of the anchor band over the radius (Kind::Radius) or over the largest handle distance
+      0.1;              ///< width of the anchor band over the radius (Kind::Radius) or over the largest handle distance
+  KeptAnchors anchors;  ///< Kind::Vertices: in place of the band; empty: padding decides
 };
 
 /// A region of interest, classified. All arrays but mesh_vertex's values speak of local vertices 0 .. size() - 1, in
@@ -57,13 +69,17 @@ struct Region {
 ///
 /// Anchors are the vertices farther than (1 - padding) radius from the handle (Kind::Radius), or nearer than padding
 /// times the largest handle distance to the rim (Kind::Vertices), and always the rim: region vertices with a mesh
-/// neighbour outside. A handle vertex is never an anchor. The border of the mesh is not a rim. Components of the region
-/// without a handle vertex are left out.
+/// neighbour outside. Kept anchors take the band's place, with the weights and the largest distance that they came
+/// with. A handle vertex is never an anchor. The border of the mesh is not a rim. Components of the region without a
+/// handle vertex are left out.
 /// @param groups  handle groups, mesh vertex numbers; a vertex may be in one group only
 /// @throws EditError (NoHandle, BadIndex, BadParameter, EmptyRegion, HandleOutsideRegion, NotFinite, NothingToFollow)
 /// Cost: O(k log k) in the region's size k plus one pass over the mesh's vertex count.
 Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
                     const std::vector<std::vector<int>>& groups);
+
+/// The region's anchors, to be kept for the next edit in it.
+KeptAnchors anchors_of(const Region& region);
 
 /// The vertex with at least one face that is nearest to a point.
 /// @throws EditError (NotFinite, BadParameter) if the point is not finite, or farther from every such vertex than a

@@ -6,6 +6,9 @@
 #ifdef LAPEDIT_HAVE_CHOLMOD
 #include <cholmod.h>
 #endif
+#ifdef _OPENMP
+#include <omp.h>
+#endif
 
 #include "lapedit/error.h"
 #include "lapedit/supernodal_solve.h"
@@ -97,20 +100,28 @@ struct EigenCholesky : SparseCholesky::Implementation {
 
 #ifdef LAPEDIT_HAVE_CHOLMOD
 /// CHOLMOD's factorisation opens OpenMP regions of four threads for loops of a few entries, whatever the machine and
-/// the environment, which makes it up to several times slower. Inside an active region they stay with one thread, and
-/// nothing of the process's settings has to be touched for that.
-template <class Function>
-void without_inner_threads(const Function& function) {
+/// the environment, which makes it up to several times slower. This keeps those of the calling thread to one; the
+/// setting is the thread's own, and is put back.
+class OneInnerThread {
+ public:
 #ifdef _OPENMP
-#pragma omp parallel num_threads(2)
-  {
-#pragma omp master
-    function();
+  OneInnerThread() : before_(omp_get_max_active_levels()) {
+    omp_set_max_active_levels(0);
+  }
+  ~OneInnerThread() {
+    omp_set_max_active_levels(before_);
   }
 #else
-  function();
+  OneInnerThread() = default;
 #endif
-}
+  OneInnerThread(const OneInnerThread&) = delete;
+  OneInnerThread& operator=(const OneInnerThread&) = delete;
+
+ private:
+#ifdef _OPENMP
+  int before_;
+#endif
+};
 
 /// CHOLMOD's objects, freed in any case.
 struct CholmodFactor {
@@ -146,12 +157,13 @@ struct CholmodCholesky : SparseCholesky::Implementation {
     view.dtype = CHOLMOD_DOUBLE;
     view.sorted = view.packed = 1;
     int* const given = options.order.empty() ? nullptr : const_cast<int*>(options.order.data());
-    without_inner_threads([&] {
+    {
+      const OneInnerThread one;
       made.factor = cholmod_analyze_p(&view, given, nullptr, 0, &common);
       if (made.factor) {
         cholmod_factorize(&view, made.factor, &common);
       }
-    });
+    }
     if (common.status == CHOLMOD_OUT_OF_MEMORY) {
       throw std::bad_alloc();
     }

@@ -134,6 +134,16 @@ RegionSpec read_region(const JsonObject& object, VertexLists& lists) {
     }
   }
   region.padding = object.number("padding", region.padding);
+  if (object.has("anchors")) {
+    if (region.kind != RegionSpec::Kind::Vertices) {
+      refuse_json(object.where("anchors") + ": kept anchors go with the key vertices only.");
+    }
+    const JsonObject anchors(object["anchors"], object.where("anchors"), {"vertices", "weights", "depths", "reach"});
+    region.anchors.vertices = lists.read(anchors, "vertices");
+    region.anchors.weights = anchors.number_list("weights");
+    region.anchors.depths = anchors.number_list("depths");
+    region.anchors.reach = anchors.number("reach", 0);
+  }
   return region;
 }
 
@@ -177,7 +187,8 @@ EditStep read_step(const QJsonValue& value, const std::string& where, VertexList
   if (!object.has("region")) {
     object.refuse_key("region", "an object");
   }
-  const JsonObject region(object["region"], object.where("region"), {"radius", "vertices", "component", "padding"});
+  const JsonObject region(object["region"], object.where("region"),
+                          {"radius", "vertices", "component", "padding", "anchors"});
   step.region = read_region(region, lists);
   const QJsonArray handles = object.filled_list("handles", "handle groups");
   for (int i = 0; i < handles.size(); ++i) {
@@ -233,12 +244,20 @@ QByteArray written(const Name (&names)[N], decltype(Name::value) value) {
   return name == names + N ? "null" : QByteArray("\"") + name->text + "\"";
 }
 
+QByteArray written(const KeptAnchors& anchors) {
+  return "{\"vertices\": " + written(anchors.vertices) +
+         ", \"weights\": " + written(anchors.weights.data(), static_cast<int>(anchors.weights.size())) +
+         ", \"depths\": " + written(anchors.depths.data(), static_cast<int>(anchors.depths.size())) +
+         ", \"reach\": " + written(anchors.reach) + "}";
+}
+
 QByteArray written(const RegionSpec& region) {
   switch (region.kind) {
     case RegionSpec::Kind::Component:
       return "{\"component\": true}";
     case RegionSpec::Kind::Vertices:
-      return "{\"vertices\": " + written(region.vertices) + ", \"padding\": " + written(region.padding) + "}";
+      return "{\"vertices\": " + written(region.vertices) + ", \"padding\": " + written(region.padding) +
+             (region.anchors.empty() ? QByteArray() : ",\n    \"anchors\": " + written(region.anchors)) + "}";
     case RegionSpec::Kind::Radius:
       break;
   }

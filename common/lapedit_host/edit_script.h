@@ -19,6 +19,10 @@
 ///         radius           geodesic radius about the handles, model units
 ///         vertices         "12-40,77": single numbers and ranges, both ends included, counted from 0
 ///         component        true: the whole connected components of the handles
+///         anchors        o with vertices only: anchors kept from an earlier step in the same region
+///           vertices         as above
+///           weights, depths  lists, one number from 0 to 1 per vertex
+///           reach            largest handle distance then, model units
 ///         padding        o width of the anchor band over the radius, or over the largest handle distance; does nothing
 ///                          to whole components
 ///       handles          list of one or more groups

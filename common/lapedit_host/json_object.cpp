@@ -180,6 +180,15 @@ QJsonArray JsonObject::filled_list(const char* key, const char* of_what) const {
   return list;
 }
 
+std::vector<double> JsonObject::number_list(const char* key) const {
+  if (!(*this)[key].isArray()) {
+    refuse_key(key, "a list of numbers");
+  }
+  std::vector<double> values(static_cast<std::size_t>((*this)[key].toArray().size()));
+  numbers(key, values.data(), static_cast<int>(values.size()));
+  return values;
+}
+
 void JsonObject::numbers(const char* key, double* values, int count) const {
   const QJsonArray list = (*this)[key].toArray();
   if (list.size() != count) {

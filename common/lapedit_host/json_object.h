@@ -8,6 +8,7 @@
 #include <QString>
 #include <initializer_list>
 #include <string>
+#include <vector>
 
 /// Reading JSON that a person wrote: nothing is guessed, and each complaint says where it is. All functions throw
 /// EditError (BadScript).
@@ -48,6 +49,8 @@ class JsonObject {
   int integer(const char* key, int absent) const;  ///< from 0 to the largest int
   QString text(const char* key) const;
   QJsonArray filled_list(const char* key, const char* of_what) const;  ///< one entry or more
+
+  std::vector<double> number_list(const char* key) const;  ///< of any length
 
   template <int N>
   Eigen::Matrix<double, N, 1> numbers(const char* key) const {
