@@ -111,6 +111,7 @@ void drawBrush(const Overlay::Brush& brush, double width, double height, double 
 
 /// Colours and lists, O(region): cheaper than to know whether it is the region of before.
 void Overlay::sort(const Region& region) {
+  sorted_ = &region;
   handles_.clear();
   anchors_.clear();
   colors_.resize(4 * static_cast<std::size_t>(region.size()));
@@ -152,7 +153,10 @@ void Overlay::draw(const DragSession& session, const View& view, const std::opti
   const bool moving = session.motion() != nullptr;
   const double handleSize = 9 * pixelRatio;
   if (const Region* region = session.region()) {
-    sort(*region);
+    // While it moves the region stays the same.
+    if (!moving || region != sorted_ || colors_.size() != 4 * static_cast<std::size_t>(region->size())) {
+      sort(*region);
+    }
     glDisableClientState(GL_NORMAL_ARRAY);
     glDisableClientState(GL_TEXTURE_COORD_ARRAY);
     glEnableClientState(GL_VERTEX_ARRAY);

@@ -24,6 +24,8 @@ class Overlay {
  private:
   void sort(const lapedit::Region& region);
 
+  const lapedit::Region* sorted_ = nullptr;  // to be compared only
+
   // Kept for their memory.
   std::vector<unsigned> handles_, anchors_;
   std::vector<unsigned char> colors_;  // RGBA per region vertex

@@ -345,7 +345,8 @@ struct DragPreview::Inside {
   std::vector<float> smooth_responses;  // by place, then response; likewise
   Points world;                         // by place
   std::vector<int> corrected_rows;      // places
-  std::vector<float> z;                 // by place, then column
+  std::vector<double> corrected_weights;
+  std::vector<float> z;  // by place, then column
   Eigen::MatrixXd update_matrix;
   double unit = 1;  // lengths in single precision are in this unit, so that their powers stay in range
   bool rotated = false;
@@ -623,7 +624,7 @@ void DragPreview::Inside::place_all() {
   const int columns = static_cast<int>(corrected_rows.size());
   for (int c = 0; c < columns; ++c) {
     for (int e = 0; e < 3; ++e) {
-      at_rows(c, e) = static_cast<double>(x[3 * static_cast<std::size_t>(corrected_rows[c]) + e]);
+      at_rows(c, e) -= static_cast<double>(x[3 * static_cast<std::size_t>(corrected_rows[c]) + e]);
     }
   }
   update.noalias() = update_matrix * at_rows;
@@ -642,7 +643,7 @@ void DragPreview::Inside::place_all() {
       for (int c = 0; c < columns; ++c) {
         const auto factor_c = static_cast<double>(z[static_cast<std::size_t>(place) * columns + c]);
         for (int e = 0; e < 3; ++e) {
-          way[e] -= factor_c * update(c, e);
+          way[e] += factor_c * update(c, e);
         }
       }
       const Eigen::RowVector3d to = world.row(place) + unit * way;
@@ -688,6 +689,7 @@ DragPreview::DragPreview(const PreviewBase& base, const Eigen::MatrixXd& respons
     }
   }
   s.update_matrix = correction.k;
+  s.corrected_weights = correction.weights;
   s.at_rows.setZero(columns, 3);
   s.update.setZero(columns, 3);
   s.turned.assign(static_cast<std::size_t>(s.blocks) * kLanes, Four{});
@@ -715,6 +717,7 @@ const Points& DragPreview::pose(const Points& motions) {
   }
   if (s.which.empty() || !s.rotated) {
     std::fill(s.x.begin(), s.x.end(), 0.0F);
+    s.at_rows.setZero();
     s.place_all();
     return s.positions;
   }
@@ -732,6 +735,13 @@ const Points& DragPreview::pose(const Points& motions) {
   });
   in_pieces(*s.crew, s.blocks, kGrain,
             [&](int first, int last) { s.kernels.right_hand_side(v, first, last, turned, s.x.data()); });
+  for (std::size_t c = 0; c < s.corrected_rows.size(); ++c) {
+    for (int e = 0; e < 3; ++e) {
+      float& entry = s.x[3 * static_cast<std::size_t>(s.corrected_rows[c]) + e];
+      s.at_rows(static_cast<Eigen::Index>(c), e) = static_cast<double>(entry) / s.corrected_weights[c];
+      entry = 0;
+    }
+  }
   s.factor.solve_in_order(s.x.data());
   s.place_all();
   return s.positions;

@@ -33,12 +33,14 @@ class DragPreview {
   /// At most so many responses: beyond, a plain solve is not much slower.
   static constexpr int kMostResponses = 12;
 
-  /// Columns of Z, update matrix K and rows of the handles: x - Z K x_rows corrects a solve with the factor for what
-  /// was kept out of it (Woodbury). Empty if nothing was.
+  /// Handles that were kept out of the factor, with Z = A0^-1 E and K = (W^-2 + E^T Z)^-1, E their columns of the
+  /// identity. For a right-hand side that is b_h at the handles, and y the solution with the factor where that is left
+  /// out, y + Z K (W^-2 b_h - y_h) is the solution (Woodbury). Empty if nothing was kept out.
   struct Correction {
-    std::vector<int> rows;  ///< local vertices
-    Eigen::MatrixXd z;      ///< size() x rows
-    Eigen::MatrixXd k;      ///< rows x rows
+    std::vector<int> rows;        ///< local vertices
+    std::vector<double> weights;  ///< w^2 of each
+    Eigen::MatrixXd z;            ///< size() x rows
+    Eigen::MatrixXd k;            ///< rows x rows
   };
 
   /// @param responses         size() x responses: what the unrotated result moves for a unit motion

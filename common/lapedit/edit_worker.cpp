@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/edit_worker.h"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -19,8 +20,9 @@ double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-/// After this long without a question the last one is answered in full, and reported on.
-constexpr std::chrono::milliseconds kPause{50};
+/// After this long without a question, and twice as long as the last two were apart, the last one is answered in full,
+/// and reported on.
+constexpr std::chrono::milliseconds kPause{50}, kLongestPause{1000};
 
 }  // namespace
 
@@ -37,6 +39,8 @@ struct EditWorker::State {
   std::unique_ptr<ApplyTask> to_apply;
   std::vector<Affine> maps;  // of the newest solve
   int serial = 0;
+  Clock::time_point asked_at;  // the newest solve
+  Clock::duration apart{};     // from the one before
   bool last = false;
   bool to_solve = false;
   bool has_region = false;  // prepared, or still to be
@@ -45,6 +49,7 @@ struct EditWorker::State {
   WorkerNews news;
   WorkerPose front;
 
+  std::atomic<int> newest{0};          // serial, for a solve at work to look at
   std::atomic<bool> unsettled{false};  // the last pose was a preview, and is still to be solved for in full
   std::atomic<int> generation{0};      // counts what drops all that was asked before
   std::atomic<double> progress{0};
@@ -58,6 +63,7 @@ struct EditWorker::State {
   bool report_due = false;
   bool unsettled_here = false;  // as unsettled, but not for others to change
   std::vector<Affine> current_maps;
+  int current_serial = 0;
   WorkerPose back;
 
   void drop();
@@ -155,7 +161,11 @@ std::shared_ptr<const EditReport> EditWorker::State::make_report() const {
 
 void EditWorker::State::do_solve(int mine, Answer answer) {
   const Clock::time_point start = Clock::now();
-  back.positions = answer == Answer::Preview ? editor->preview(current_maps) : editor->solve(current_maps);
+  back.serial = current_serial;
+  const auto go_on = [this, mine](double, const char*) { return generation == mine && newest == current_serial; };
+  back.positions = answer == Answer::Preview ? editor->preview(current_maps)
+                   : answer == Answer::Full  ? editor->solve(current_maps, Affine::Identity(), go_on)
+                                             : editor->solve(current_maps);
   round_to(scalar, back.positions);
   back.solve_ms = milliseconds_since(start);
   const auto report = answer == Answer::Last ? make_report() : nullptr;
@@ -182,7 +192,8 @@ void EditWorker::State::run() {
     }
     answered.notify_all();
     if (report_due && usable()) {
-      if (!asked.wait_for(lock, kPause, has_work)) {
+      const Clock::duration pause = std::clamp<Clock::duration>(2 * apart, kPause, kLongestPause);
+      if (!asked.wait_for(lock, pause, has_work)) {
         // First the pose in full, then, after another pause, what there is to report on it.
         const int mine = generation;
         const bool settle = std::exchange(unsettled_here, false);
@@ -196,7 +207,7 @@ void EditWorker::State::run() {
             publish(mine, [&] { news.report = report; });
           }
         } catch (const std::exception&) {
-          // The preview has said what there is to say.
+          report_due = false;  // the preview has said what there is to say, or the mouse goes on
         }
         unsettled = false;
         lock.lock();
@@ -226,7 +237,7 @@ void EditWorker::State::run() {
     const Answer answer = last ? Answer::Last : Answer::Preview;
     if (solving) {
       current_maps = maps;
-      back.serial = serial;
+      current_serial = serial;
       to_solve = false;
     }
     lock.unlock();
@@ -304,6 +315,10 @@ int EditWorker::solve(const std::vector<Affine>& maps, bool last) {
     state_->last = last;
     state_->to_solve = state_->has_region;
     serial = ++state_->serial;
+    state_->newest = serial;
+    const Clock::time_point now = Clock::now();
+    state_->apart = now - state_->asked_at;
+    state_->asked_at = now;
   }
   state_->asked.notify_all();
   return serial;

@@ -145,6 +145,8 @@ struct LaplacianEditor::State {
   Points carried_pose;  // empty unless something is carried
   Points constraint_rhs, rhs, d, previous, residual, step, rows, positions;
   Points motions, at_rows, corrected;
+  Progress go_on;          // of the solve at work
+  double last_change = 0;  // of the last step of refinement, over the solution
   std::vector<Matrix3> rotations;
 
   const OperatorRows& first() const { return settings.order == 1 ? base.m : base.first; }
@@ -158,6 +160,7 @@ struct LaplacianEditor::State {
   template <class Solve>
   int refine(const Eigen::VectorXd& weights, const Points& right, Points& x, double accurate, const Solve& solve);
   bool make_sure();
+  [[noreturn]] void refuse_conditioning() const;
   bool find_refinements();
   bool keep_handles_out();
   void smooth(State* before);
@@ -360,6 +363,10 @@ void LaplacianEditor::State::factorise(State* before) {
       return;
     }
   }
+  refuse_conditioning();
+}
+
+void LaplacianEditor::State::refuse_conditioning() const {
   throw EditError(ErrorCause::IllConditioned,
                   "A Laplacian of order " + std::to_string(settings.order) + " over " + std::to_string(region.size()) +
                       " region vertices is too ill-conditioned to be solved in double precision: use a lower order or "
@@ -379,7 +386,7 @@ int LaplacianEditor::State::refine(const Eigen::VectorXd& weights, const Points&
     normal_product(weights, x, residual);
     residual = right - residual;
     solve(residual, step);
-    const double change = largest_row(step) / largest_row(x);
+    const double change = last_change = largest_row(step) / largest_row(x);
     if (!(change > accurate) || (last < kGoodEnough && !(change < kHopeless * last))) {
       return std::isfinite(change) ? count : -1;
     }
@@ -388,6 +395,7 @@ int LaplacianEditor::State::refine(const Eigen::VectorXd& weights, const Points&
     }
     x += step;
     last = change;
+    report_progress(go_on, 0, "solve");
   }
 }
 
@@ -434,6 +442,7 @@ bool LaplacianEditor::State::keep_handles_out() {
   for (int c = 0; c < count; ++c) {
     small.row(c) = correction.z.row(correction.rows[c]);
     small(c, c) += 1 / squared_weights[correction.rows[c]];
+    correction.weights.push_back(squared_weights[correction.rows[c]]);
   }
   correction.k = small.llt().solve(Eigen::MatrixXd::Identity(count, count));
   at_rows.resize(count, 3);
@@ -553,19 +562,27 @@ void LaplacianEditor::State::normal_product(const Eigen::VectorXd& weights, cons
   }
 }
 
-/// With the factor, and for the handles that it does not know (Woodbury).
+/// With the factor, and for the handles that it does not know (Woodbury). What is asked for at the handles themselves
+/// goes straight into the correction: solved for without them it would be a large number to be taken away again.
 void LaplacianEditor::State::solve_once(const Points& right, Points& x) {
-  base.factor->solve(right, x);
   if (correction.rows.empty()) {
+    base.factor->solve(right, x);
     return;
   }
+  x = right;
   for (std::size_t c = 0; c < correction.rows.size(); ++c) {
-    at_rows.row(static_cast<Eigen::Index>(c)) = x.row(correction.rows[c]);
+    const int row = correction.rows[c];
+    at_rows.row(static_cast<Eigen::Index>(c)) = right.row(row) / squared_weights[row];
+    x.row(row).setZero();
+  }
+  base.factor->solve(x, x);
+  for (std::size_t c = 0; c < correction.rows.size(); ++c) {
+    at_rows.row(static_cast<Eigen::Index>(c)) -= x.row(correction.rows[c]);
   }
   corrected = correction.k.lazyProduct(at_rows);
   for (Eigen::Index i = 0; i < x.rows(); ++i) {
     for (Eigen::Index c = 0; c < corrected.rows(); ++c) {
-      x.row(i) -= correction.z(i, c) * corrected.row(c);
+      x.row(i) += correction.z(i, c) * corrected.row(c);
     }
   }
 }
@@ -577,6 +594,10 @@ void LaplacianEditor::State::solve_refined(const Points& right, Points& x) {
     if (base.factor->single_precision() || !correction.rows.empty()) {
       const int steps =
           refine(squared_weights, right, x, 1e-15, [this](const Points& from, Points& to) { solve_once(from, to); });
+      constexpr double kAcceptable = 1e-6;
+      if (steps < 0 && std::isfinite(last_change) && !(last_change < kAcceptable)) {
+        refuse_conditioning();
+      }
       report.refinements = std::max(report.refinements, steps);
       return;
     }
@@ -710,8 +731,9 @@ const Region& LaplacianEditor::region() const {
   return state_->region;
 }
 
-const Points& LaplacianEditor::solve(const std::vector<Affine>& handles, const Affine& anchors) {
+const Points& LaplacianEditor::solve(const std::vector<Affine>& handles, const Affine& anchors, const Progress& go_on) {
   State& s = *state_;
+  s.go_on = go_on;
   s.check(handles);
   if (!anchors.matrix().allFinite()) {
     throw EditError(ErrorCause::NotFinite, "The motion of the anchors is not finite: give a finite transform.");
@@ -737,6 +759,7 @@ const Points& LaplacianEditor::solve(const std::vector<Affine>& handles, const A
     constexpr double kSettled = 1e-4;
     for (int pass = 0; pass < s.settings.iterations; ++pass) {
       s.previous = s.d;
+      report_progress(go_on, 0, "rotations");
       s.estimator->estimate(s.d, s.rotations);
       s.report.normals_ms += s.estimator->normals_ms();
       watch.lap();
@@ -817,7 +840,7 @@ const std::vector<Matrix3>& LaplacianEditor::rotations() const {
 EditReport LaplacianEditor::report() const {
   State& s = *state_;
   EditReport& report = s.report;
-  if (s.d.rows() == 0) {  // nothing has been solved for
+  if (s.positions.rows() == 0) {  // nothing has been solved for
     s.d.setZero(s.region.size(), 3);
     s.rhs = s.d;
     s.positions = s.world;

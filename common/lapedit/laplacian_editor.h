@@ -59,9 +59,12 @@ class LaplacianEditor {
   /// @param handles  one map per handle group, absolute coordinates
   /// @param anchors  where the anchors go; in an edit they stay
   /// @return         size() x 3, model units, row i belongs to region().mesh_vertex[i]; valid until the next call
-  /// @throws EditError (NotFinite) if a map or the result is not finite; the editor stays usable
-  /// Cost: one rough and one exact solve per rotation pass; nothing is allocated after the first call.
-  const Points& solve(const std::vector<Affine>& handles, const Affine& anchors = Affine::Identity());
+  /// @throws EditError (NotFinite) if a map or the result is not finite; (Cancelled); the editor stays usable
+  /// @param go_on    asked now and then; called with the fraction 0
+  /// Cost: one rough and one exact solve per rotation pass, each of some steps of refinement; nothing is allocated
+  /// after the first call.
+  const Points& solve(const std::vector<Affine>& handles, const Affine& anchors = Affine::Identity(),
+                      const Progress& go_on = {});
 
   /// The same for a picture of a drag: within 1e-4 of the region's largest handle distance of what solve() gives, in a
   /// fraction of its time; solve() itself where there is no fast path (orders 2 and 3, several passes, smooth normals,
