@@ -93,6 +93,38 @@ TEST(DragRegion, AnotherHandleInsideKeepsItOneOutsideDoesNot) {
   window.expect_consistent();
 }
 
+/// The paper's loop: anchors are settled with the first handle, so that the factor serves all others.
+TEST(DragRegion, AnotherHandleFindsTheAnchorsAsTheyWere) {
+  Window window(plate());
+  change(window, [](DragSettings& s) { s.radius = 8; });
+  window.click(kMiddle);
+  const KeptAnchors first = anchors_of(*window.session.region());
+  ASSERT_FALSE(first.empty());
+  const auto expect_the_same = [&] {
+    const KeptAnchors now = anchors_of(*window.session.region());
+    EXPECT_EQ(now.vertices, first.vertices);
+    EXPECT_EQ(now.weights, first.weights);
+    EXPECT_EQ(now.depths, first.depths);
+    EXPECT_EQ(now.reach, first.reach);
+  };
+  window.drag(kMiddle, Vector2(10, 20));
+  expect_the_same();
+  window.drag(at(33, 31), Vector2(30, 10));
+  expect_the_same();
+  EXPECT_TRUE(window.session.recorded().steps[0].region.anchors.empty()) << "the first step has a radius";
+  EXPECT_EQ(window.session.recorded().steps[1].region.anchors.vertices, first.vertices);
+  window.session.undo();
+  window.session.wait();
+  window.session.redo();
+  window.session.wait();
+  expect_the_same();
+  window.expect_consistent();
+  // Another padding is another band.
+  change(window, [](DragSettings& s) { s.padding = 0.3; });
+  EXPECT_GT(anchors_of(*window.session.region()).vertices.size(), first.vertices.size());
+  window.expect_consistent();
+}
+
 TEST(DragRegion, NewRegionCanBeAskedForInsideTheOldOne) {
   Window window(plate());
   change(window, [](DragSettings& s) { s.radius = 8; });

@@ -211,6 +211,26 @@ TEST(EditScript, RoundTripKeepsEveryBit) {
   }
 }
 
+TEST(EditScript, KeptAnchorsAreWrittenAndReadBack) {
+  Edit edit;
+  edit.steps.resize(1);
+  edit.steps[0].handles = {{{4}, {}}};
+  RegionSpec& region = edit.steps[0].region;
+  region.kind = RegionSpec::Kind::Vertices;
+  region.vertices = {3, 4, 5, 6, 7};
+  region.anchors = {{6, 7}, {0.95, 1.0 / 3}, {0.25, 1}, 1e-3 / 7};
+  const QByteArray text = write_edit(edit);
+  EXPECT_NE(text.indexOf("\"anchors\": {\"vertices\": \"6-7\", \"weights\": [0.95,"), -1) << text.toStdString();
+  const KeptAnchors read = read_edit(text).steps[0].region.anchors;
+  EXPECT_EQ(read.vertices, region.anchors.vertices);
+  EXPECT_EQ(read.weights, region.anchors.weights);
+  EXPECT_EQ(read.depths, region.anchors.depths);
+  EXPECT_EQ(read.reach, region.anchors.reach);
+  QByteArray wrong = text;
+  wrong.replace("\"vertices\": \"3-7\"", "\"radius\": 2");
+  EXPECT_THROW(read_edit(wrong), EditError);
+}
+
 TEST(EditScript, WritingRefusesWhatCouldNotBeRead) {
   const Edit good = read_edit(kExample);
   const auto cause = [&](const auto& spoil) {

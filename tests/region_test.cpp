@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <limits>
 #include <set>
 #include <vector>
@@ -343,6 +344,59 @@ TEST(Region, HandleOnTheRimStaysAHandle) {
   const TriangleMesh mesh = shapes::grid(9, 9);
   const Region region = build(mesh, given(block(9, 2, 6, 2, 6), 0.5), {{20, 21}});  // a corner of the block
   EXPECT_EQ(members(region, VertexClass::Handle), (std::set<int>{20, 21}));
+}
+
+TEST(Region, KeptAnchorsTakeThePlaceOfTheBand) {
+  const TriangleMesh mesh = shapes::grid(40, 40);
+  const Adjacency adjacency = support::adjacency_of(mesh);
+  RegionSpec spec;
+  spec.radius = 12;
+  const Region first = build_region(mesh, adjacency, spec, {{820}});
+  RegionSpec next;
+  next.kind = RegionSpec::Kind::Vertices;
+  next.vertices = first.mesh_vertex;
+  next.anchors = anchors_of(first);
+  const Region second = build_region(mesh, adjacency, next, {{701}});
+  ASSERT_EQ(second.mesh_vertex, first.mesh_vertex);
+  EXPECT_EQ(second.max_distance, first.max_distance);
+  EXPECT_EQ(second.anchor_weight, first.anchor_weight);
+  EXPECT_EQ(second.anchor_depth, first.anchor_depth);
+  for (int i = 0; i < first.size(); ++i) {
+    EXPECT_EQ(second.classes[i] == VertexClass::Anchor, first.classes[i] == VertexClass::Anchor);
+    EXPECT_EQ(second.classes[i] == VertexClass::Handle, second.mesh_vertex[i] == 701);
+  }
+  // A handle among them is a handle, and the rim is held even where it is not listed.
+  const int on_anchor = next.anchors.vertices[3];
+  EXPECT_EQ(build_region(mesh, adjacency, next, {{on_anchor}}).count(VertexClass::Anchor),
+            first.count(VertexClass::Anchor) - 1);
+  next.anchors.vertices.resize(1);
+  next.anchors.weights.resize(1);
+  next.anchors.depths.resize(1);
+  EXPECT_GT(build_region(mesh, adjacency, next, {{820}}).count(VertexClass::Anchor), 40);
+}
+
+TEST(Region, KeptAnchorsThatMakeNoSenseAreRefused) {
+  const TriangleMesh mesh = shapes::grid(10, 10);
+  const Adjacency adjacency = support::adjacency_of(mesh);
+  RegionSpec good;
+  good.kind = RegionSpec::Kind::Vertices;
+  for (int v = 0; v < 60; ++v) {
+    good.vertices.push_back(v);
+  }
+  good.anchors = {{50, 51}, {1, 0.9}, {1, 0.5}, 5};
+  EXPECT_NO_THROW(build_region(mesh, adjacency, good, {{12}}));
+  const auto refused = [&](ErrorCause cause, const std::function<void(KeptAnchors&)>& spoil) {
+    RegionSpec bad = good;
+    spoil(bad.anchors);
+    support::expect_refusal(cause, [&] { build_region(mesh, adjacency, bad, {{12}}); });
+  };
+  refused(ErrorCause::BadParameter, [](KeptAnchors& a) { a.weights.pop_back(); });
+  refused(ErrorCause::BadParameter, [](KeptAnchors& a) { a.depths.push_back(1); });
+  refused(ErrorCause::BadParameter, [](KeptAnchors& a) { a.weights[0] = 1.5; });
+  refused(ErrorCause::BadParameter, [](KeptAnchors& a) { a.depths[1] = std::nan(""); });
+  refused(ErrorCause::BadParameter, [](KeptAnchors& a) { a.reach = 0; });
+  refused(ErrorCause::BadIndex, [](KeptAnchors& a) { a.vertices[1] = 100; });
+  refused(ErrorCause::BadIndex, [](KeptAnchors& a) { a.vertices[0] = -1; });
 }
 
 TEST(Region, ComponentOfAGivenSetWithoutHandleIsLeftOut) {

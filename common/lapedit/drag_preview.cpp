@@ -754,7 +754,11 @@ const Points& DragPreview::normals() {
     for (int place = first_block * kLanes; place < std::min(last_block * kLanes, s.size); ++place) {
       const Four sum = ring_normal(s.ring_offsets, s.ring, s.after.data(), place);
       const float squared = sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2];
-      const float scale = squared > 0 ? 1 / std::sqrt(squared) : 0;
+      if (!(squared > 0 && std::isfinite(squared))) {
+        s.normals.row(s.order[place]).setZero();
+        continue;
+      }
+      const float scale = 1 / std::sqrt(squared);
       s.normals.row(s.order[place]) << static_cast<double>(scale * sum[0]), static_cast<double>(scale * sum[1]),
           static_cast<double>(scale * sum[2]);
     }

@@ -5,8 +5,6 @@
 // always-inlined template, and one function per generation, with that generation's attribute, calls it. Vectors are
 // GCC's and clang's vector types, which every generation can compile.
 
-/// Vectors are passed between functions that are always inlined: there is no calling convention to warn of.
-#pragma GCC diagnostic ignored "-Wpsabi"
 #define LAPEDIT_INLINE inline __attribute__((always_inline))
 
 #if defined(__x86_64__)

@@ -202,7 +202,7 @@ void LaplacianEditor::State::set_up(const TriangleMesh& mesh, const Progress& pr
   report.operator_ms = watch.lap();
   report_progress(progress, 0.2, "factorisation");
   if (settings.rotation != DetailRotation::None) {
-    report.normal_radius = settings.normal_radius > 0 ? settings.normal_radius : automatic_normal_radius(region, rest);
+    report.normal_radius = settings.normal_radius > 0 ? settings.normal_radius : automatic_normal_radius(region, world);
   }
   const bool factor_fits = fits_factor(before);
   const bool smoother_fits = fits_smoother(before);
@@ -461,7 +461,7 @@ void LaplacianEditor::State::smooth(State* before) {
     CholeskyOptions options;
     options.backend = settings.backend;
     options.order = order;
-    base.smoother = std::make_unique<DiffusionSmoother>(region, rest, report.normal_radius, options);
+    base.smoother = std::make_unique<DiffusionSmoother>(region, world, report.normal_radius, options);
   }
   if (settings.rotation == DetailRotation::SmoothSurface) {
     base.smoother->apply(rest, base.smooth_rest);

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ours.h"
+
+#include "lapedit/laplacian_editor.h"
+#include "lapedit/nested_dissection.h"
+#include "lapedit/smooth_normals.h"
+#include "lapedit/sparse_cholesky.h"
+
+namespace speed {
+
+using lapedit::LaplacianEditor;
+using lapedit::Points;
+using lapedit::Region;
+
+namespace {
+
+lapedit::EditSettings settings(int order, int threads) {
+  lapedit::EditSettings result;
+  result.order = order;
+  result.threads = threads;
+  result.handle_weight = Ours::kHandleWeight;
+  result.anchor_weight = Ours::kAnchorWeight;
+  return result;
+}
+
+}  // namespace
+
+struct Ours::State {
+  lapedit::EditSettings settings;
+  std::unique_ptr<LaplacianEditor> editor;
+  std::vector<lapedit::Affine> handles;
+  const Points* positions = nullptr;
+  const Points* normals = nullptr;
+  Points own_normals;
+  Eigen::VectorXd areas;
+};
+
+Ours::Ours(const Scene& scene, int order, int threads) : state_(std::make_unique<State>()) {
+  State& s = *state_;
+  s.settings = settings(order, threads);
+  s.handles.resize(1);
+  s.editor = std::make_unique<LaplacianEditor>(
+      scene.mesh, lapedit::build_region(scene.mesh, scene.adjacency, scene.spec, scene.handle), s.settings);
+}
+Ours::~Ours() = default;
+
+void Ours::frame(const lapedit::Affine& handle) {
+  State& s = *state_;
+  s.handles[0] = handle;
+  s.positions = &s.editor->preview(s.handles);
+  s.normals = &s.editor->preview_normals();
+  if (s.normals->rows() == 0) {
+    lapedit::vertex_normals(*s.positions, s.editor->region().faces, s.own_normals, s.areas);
+    s.normals = &s.own_normals;
+  }
+}
+const Points& Ours::positions() const {
+  return *state_->positions;
+}
+const Points& Ours::normals() const {
+  return *state_->normals;
+}
+
+const Points& Ours::exact(const lapedit::Affine& handle) {
+  state_->handles[0] = handle;
+  return state_->editor->solve(state_->handles);
+}
+const std::vector<lapedit::Matrix3>& Ours::exact_rotations() const {
+  return state_->editor->rotations();
+}
+
+void Ours::second_handle(const Scene& scene, int vertex) {
+  State& s = *state_;
+  Region region = s.editor->region();
+  for (int i = 0; i < region.size(); ++i) {
+    if (region.classes[i] == lapedit::VertexClass::Handle) {
+      region.classes[i] = lapedit::VertexClass::Free;
+      region.group[i] = -1;
+    }
+    if (region.mesh_vertex[i] == vertex) {
+      region.classes[i] = lapedit::VertexClass::Handle;
+      region.group[i] = 0;
+    }
+  }
+  s.editor = std::make_unique<LaplacianEditor>(scene.mesh, std::move(region), s.settings, lapedit::Progress(),
+                                               std::move(s.editor));
+}
+const Region& Ours::region() const {
+  return state_->editor->region();
+}
+
+struct OurSolver::State {
+  lapedit::SparseCholesky cholesky;
+};
+
+OurSolver::OurSolver(const Scene& scene, const Sparse& normal, int threads, Precision precision) {
+  constexpr int kDissected = 50000;  // the editor's own limit
+  lapedit::CholeskyOptions options;
+  options.single_precision = precision == Precision::Single;
+  options.crew = std::make_shared<lapedit::Crew>(threads);
+  if (scene.region.size() >= kDissected) {
+    Points rest(scene.region.size(), 3);
+    for (int i = 0; i < scene.region.size(); ++i) {
+      rest.row(i) = scene.mesh.vertices.row(scene.region.mesh_vertex[i]);
+    }
+    options.order = lapedit::nested_dissection(scene.region.neighbours, rest, threads);
+  }
+  state_.reset(new State{lapedit::SparseCholesky(normal, options)});
+}
+OurSolver::~OurSolver() = default;
+
+void OurSolver::solve(const Points& rhs, Points& x) {
+  state_->cholesky.solve(rhs, x);
+}
+std::size_t OurSolver::factor_nonzeros() const {
+  return state_->cholesky.factor_nonzeros();
+}
+
+}  // namespace speed
