@@ -22,6 +22,7 @@ void FrameClock::reset() {
 void FrameClock::mouseMoved() {
   if (!moved_) {
     moved_ = true;
+    posed_ = false;  // a pose from before is no answer
     sinceMove_.start();
   }
 }
@@ -36,6 +37,7 @@ void FrameClock::poseArrived(double solve, double write, double upload) {
 
 bool FrameClock::painted() {
   if (!posed_ || !moved_) {
+    posed_ = posed_ && moved_;
     return false;
   }
   posed_ = moved_ = false;

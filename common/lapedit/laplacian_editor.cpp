@@ -218,7 +218,7 @@ void LaplacianEditor::State::set_up(const TriangleMesh& mesh, const Progress& pr
   };
   if (settings.rotation != DetailRotation::None) {
     constexpr int kWorthAThread = 2000;
-    const bool apart = crew->threads() > 1 && region.size() >= kWorthAThread;
+    const bool apart = crew->threads() > 1 && region.size() >= kWorthAThread && !factorisations_share_threads();
     smoothing = std::async(apart ? std::launch::async : std::launch::deferred, smooth_timed);
   }
   watch.lap();
@@ -325,8 +325,11 @@ void LaplacianEditor::State::make_factor(bool single_precision) {
 }
 
 bool LaplacianEditor::State::fits_factor(const State* before) const {
+  // A factor that had to be in double for another handle need not be for this one.
   return took_operator && before->base.factor && before->settings.backend == settings.backend &&
-         before->base.weights == base.weights;
+         before->base.weights == base.weights &&
+         (settings.order > 1 || settings.backend == CholeskyBackend::Eigen || !has_cholmod() ||
+          before->base.factor->single_precision());
 }
 
 bool LaplacianEditor::State::fits_smoother(const State* before) const {
@@ -334,7 +337,9 @@ bool LaplacianEditor::State::fits_smoother(const State* before) const {
          before->settings.rotation == DetailRotation::SmoothSurface &&
          settings.rotation == DetailRotation::SmoothSurface && before->settings.normal_radius == 0 &&
          settings.normal_radius == 0 && before->report.normal_radius == report.normal_radius &&
-         before->region.mesh_vertex == region.mesh_vertex && before->world == world;
+         before->region.mesh_vertex == region.mesh_vertex &&
+         before->region.neighbours.offsets == region.neighbours.offsets &&
+         before->region.neighbours.values == region.neighbours.values && before->world == world;
 }
 
 /// @param before  whose factor fits, or nothing

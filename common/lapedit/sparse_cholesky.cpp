@@ -5,6 +5,9 @@
 #include <cmath>
 #ifdef LAPEDIT_HAVE_CHOLMOD
 #include <cholmod.h>
+#ifdef __unix__
+#include <dlfcn.h>
+#endif
 #endif
 #ifdef _OPENMP
 #include <omp.h>
@@ -258,6 +261,16 @@ CholeskyOptions with_backend(CholeskyBackend backend) {
 bool has_cholmod() {
 #ifdef LAPEDIT_HAVE_CHOLMOD
   return true;
+#else
+  return false;
+#endif
+}
+
+bool factorisations_share_threads() {
+#if defined(LAPEDIT_HAVE_CHOLMOD) && defined(__unix__)
+  using Count = int (*)();
+  const auto count = reinterpret_cast<Count>(dlsym(RTLD_DEFAULT, "openblas_get_num_threads"));
+  return count && count() > 1;
 #else
   return false;
 #endif

@@ -19,6 +19,10 @@ enum class CholeskyBackend {
 
 bool has_cholmod();
 
+/// Whether factorisations at the same time would hold each other up: OpenBLAS has one set of threads, which spin while
+/// they wait, and how many it has is the process's own business.
+bool factorisations_share_threads();
+
 struct CholeskyOptions {
   CholeskyBackend backend = CholeskyBackend::Automatic;
   /// Elimination order: order[k] is the row eliminated k-th. Empty: approximate minimum degree.
