@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 
 #include "lapedit/detail_rotation.h"
@@ -87,7 +88,7 @@ LAPEDIT_INLINE void normal_terms(const View& v, int first, int last, float* out)
     Vector n[3] = {base.area_normal[0], base.area_normal[1], base.area_normal[2]};
     for (int a = 0; a < v.active; ++a) {
       const ResponseBlock& r = v.response[static_cast<std::size_t>(v.which[a]) * v.blocks + block];
-      const float* const w = v.motion + 3 * a;
+      const float* const w = v.motion + std::ptrdiff_t{3} * a;
       for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
           c[3 * i + j] += w[i] * r.covariance[j];
@@ -170,7 +171,7 @@ LAPEDIT_INLINE void turned_deltas(const View& v, int first, int last, const floa
     }
     for (int a = 0; a < v.active; ++a) {
       const ResponseBlock& r = v.response[static_cast<std::size_t>(v.which[a]) * v.blocks + block];
-      const float* const w = v.motion + 3 * a;
+      const float* const w = v.motion + std::ptrdiff_t{3} * a;
       for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
           b[3 * i + j] += w[i] * r.spread[j];
@@ -215,17 +216,17 @@ LAPEDIT_INLINE void turned_deltas(const View& v, int first, int last, const floa
     const Vector inverse = 1.0F / zeta;
     Vector turned[3];
     Vector gram[9];  // B B^T
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) {
+    for (std::ptrdiff_t i = 0; i < 3; ++i) {
+      for (std::ptrdiff_t j = 0; j < 3; ++j) {
         gram[3 * i + j] = b[3 * i] * b[3 * j] + b[3 * i + 1] * b[3 * j + 1] + b[3 * i + 2] * b[3 * j + 2];
       }
     }
     // B delta and B B^T B delta, without making the product of the matrices.
     Vector once[3];
-    for (int i = 0; i < 3; ++i) {
+    for (std::ptrdiff_t i = 0; i < 3; ++i) {
       once[i] = b[3 * i] * base.delta[0] + b[3 * i + 1] * base.delta[1] + b[3 * i + 2] * base.delta[2];
     }
-    for (int i = 0; i < 3; ++i) {
+    for (std::ptrdiff_t i = 0; i < 3; ++i) {
       const Vector thrice = gram[3 * i] * once[0] + gram[3 * i + 1] * once[1] + gram[3 * i + 2] * once[2];
       const Vector cofactors = f[3 * i] * base.delta[0] + f[3 * i + 1] * base.delta[1] + f[3 * i + 2] * base.delta[2];
       turned[i] = ((kappa + 1.0F) * once[i] + root * cofactors - thrice) * inverse - base.delta[i];
@@ -284,6 +285,7 @@ struct Kernels {
   void (*right_hand_side)(const View&, int, int, const float*, float*);
 };
 
+// NOLINTBEGIN(bugprone-macro-parentheses): an attribute cannot stand in parentheses
 #define LAPEDIT_KERNELS(suffix, attribute)                                                                    \
   attribute void normal_terms_##suffix(const View& v, int first, int last, float* out) {                      \
     normal_terms(v, first, last, out);                                                                        \
@@ -300,6 +302,8 @@ struct Kernels {
   }                                                                                                           \
   constexpr Kernels k_##suffix = {normal_terms_##suffix, average_##suffix, turned_deltas_##suffix,            \
                                   right_hand_side_##suffix};
+
+// NOLINTEND(bugprone-macro-parentheses)
 
 #define LAPEDIT_NOTHING
 LAPEDIT_KERNELS(plain, LAPEDIT_NOTHING)

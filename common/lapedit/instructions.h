@@ -10,7 +10,11 @@
 #if defined(__x86_64__)
 #define LAPEDIT_HAVE_AVX 1
 #define LAPEDIT_AVX2 __attribute__((target("avx2,fma")))
+#ifdef __clang__
+#define LAPEDIT_AVX512 __attribute__((target("avx512f,avx512vl,avx512dq,avx2,fma")))
+#else
 #define LAPEDIT_AVX512 __attribute__((target("avx512f,avx512vl,avx512dq,avx2,fma,prefer-vector-width=512")))
+#endif
 #endif
 
 namespace lapedit {

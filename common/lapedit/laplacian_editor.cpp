@@ -271,9 +271,9 @@ void LaplacianEditor::State::assemble(const TriangleMesh& mesh, State* before) {
       took_operator = true;
     } else if (settings.order > 1) {
       base.m = OperatorRows(power(whole.matrix, settings.order));
-      base.first = OperatorRows(std::move(whole.matrix));
+      base.first = OperatorRows(whole.matrix);
     } else {
-      base.m = OperatorRows(std::move(whole.matrix));
+      base.m = OperatorRows(whole.matrix);
     }
   }
   if (took_operator) {

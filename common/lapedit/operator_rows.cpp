@@ -31,9 +31,7 @@ void multiply(const Compressed& lists, const Points& x, Points& out, Crew& crew)
 
 }  // namespace
 
-OperatorRows::OperatorRows(SparseMatrix matrix) : rows_(matrix) {
-  columns_.swap(matrix);
-}
+OperatorRows::OperatorRows(const SparseMatrix& matrix) : columns_(matrix), rows_(matrix) {}
 
 void OperatorRows::apply(const Points& x, Points& out, Crew& crew) const {
   multiply(rows_, x, out, crew);

@@ -11,7 +11,7 @@ namespace lapedit {
 class OperatorRows {
  public:
   OperatorRows() = default;
-  explicit OperatorRows(SparseMatrix matrix);
+  explicit OperatorRows(const SparseMatrix& matrix);
 
   /// out = M x. x and out must be different objects; out keeps its storage if it has the right size. O(entries).
   void apply(const Points& x, Points& out, Crew& crew) const;

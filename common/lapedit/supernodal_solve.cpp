@@ -88,12 +88,12 @@ template <typename Vector>
 LAPEDIT_INLINE Vector lane_sums(const Vector* s) {
   Vector t[4], u[2];
 #pragma GCC unroll 4
-  for (int k = 0; k < 4; ++k) {
+  for (std::ptrdiff_t k = 0; k < 4; ++k) {
     t[k] = __builtin_shufflevector(s[2 * k], s[2 * k + 1], 0, 8, 2, 10, 4, 12, 6, 14) +
            __builtin_shufflevector(s[2 * k], s[2 * k + 1], 1, 9, 3, 11, 5, 13, 7, 15);
   }
 #pragma GCC unroll 2
-  for (int k = 0; k < 2; ++k) {
+  for (std::ptrdiff_t k = 0; k < 2; ++k) {
     u[k] = __builtin_shufflevector(t[2 * k], t[2 * k + 1], 0, 1, 8, 9, 4, 5, 12, 13) +
            __builtin_shufflevector(t[2 * k], t[2 * k + 1], 2, 3, 10, 11, 6, 7, 14, 15);
   }
