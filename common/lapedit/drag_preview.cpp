@@ -18,6 +18,7 @@ constexpr int kStride = 16;  // floats per vertex where matrices wait to be aver
 constexpr int kGrain = 32;   // blocks of kLanes vertices per piece
 
 typedef float Vector __attribute__((vector_size(kLanes * sizeof(float))));
+typedef float Half __attribute__((vector_size(kLanes / 2 * sizeof(float))));
 typedef int IntVector __attribute__((vector_size(kLanes * sizeof(int))));
 typedef float Four __attribute__((vector_size(4 * sizeof(float))));
 
@@ -127,21 +128,32 @@ LAPEDIT_INLINE void normal_terms(const View& v, int first, int last, float* out)
   }
 }
 
-/// Mean over a vertex and its neighbours.
-LAPEDIT_INLINE Vector mean_around(const View& v, int i, const float* in) {
-  Vector sum = load(in + static_cast<std::size_t>(i) * kStride);
+/// Mean over a vertex and its neighbours. In two halves, as AVX2 has registers for.
+LAPEDIT_INLINE void mean_around(const View& v, int i, const float* in, float* out) {
+  Half low, high;
+  const float* at = in + static_cast<std::size_t>(i) * kStride;
+  std::memcpy(&low, at, sizeof low);
+  std::memcpy(&high, at + kStride / 2, sizeof high);
   const int begin = v.offsets[i], end = v.offsets[i + 1];
   for (int k = begin; k < end; ++k) {
-    sum += load(in + static_cast<std::size_t>(v.neighbours[k]) * kStride);
+    Half other_low, other_high;
+    at = in + static_cast<std::size_t>(v.neighbours[k]) * kStride;
+    std::memcpy(&other_low, at, sizeof other_low);
+    std::memcpy(&other_high, at + kStride / 2, sizeof other_high);
+    low += other_low;
+    high += other_high;
   }
-  return sum * (1.0F / static_cast<float>(1 + end - begin));
+  const float share = 1.0F / static_cast<float>(1 + end - begin);
+  low *= share;
+  high *= share;
+  std::memcpy(out, &low, sizeof low);
+  std::memcpy(out + kStride / 2, &high, sizeof high);
 }
 
 LAPEDIT_INLINE void average(const View& v, int first, int last, const float* in, float* out) {
   const int end = std::min(last * kLanes, v.size);
   for (int i = first * kLanes; i < end; ++i) {
-    const Vector mean = mean_around(v, i, in);
-    std::memcpy(out + static_cast<std::size_t>(i) * kStride, &mean, sizeof mean);
+    mean_around(v, i, in, out + static_cast<std::size_t>(i) * kStride);
   }
 }
 
@@ -155,8 +167,11 @@ LAPEDIT_INLINE void turned_deltas(const View& v, int first, int last, const floa
     alignas(64) float around[kLanes][kStride];
     for (int lane = 0; lane < kLanes; ++lane) {
       const int i = block * kLanes + lane;
-      const Vector mean = i < v.size ? mean_around(v, i, in) : Vector{};
-      std::memcpy(around[lane], &mean, sizeof mean);
+      if (i < v.size) {
+        mean_around(v, i, in, around[lane]);
+      } else {
+        std::memset(around[lane], 0, sizeof around[lane]);
+      }
     }
     alignas(64) float columns[9][kLanes];
     for (int e = 0; e < 9; ++e) {

@@ -94,8 +94,6 @@ struct Foundation {
   double matrix_norm = 0;   // of the factor's matrix
   std::unique_ptr<SparseCholesky> factor;
   int refinements = 0;
-  Points rest;  // what the smoother belongs to
-  double normal_radius = 0;
   std::unique_ptr<Smoother> smoother;
   Points smooth_rest;
 };
@@ -342,9 +340,9 @@ bool LaplacianEditor::State::fits_smoother(const State* before) const {
          before->region.neighbours.values == region.neighbours.values && before->world == world;
 }
 
+/// Makes the factor, or takes over the old one, and makes sure that solutions converge. The residual is taken through M,
+/// not through M^T M, so refinement also mends the squaring of the condition number.
 /// @param before  whose factor fits, or nothing
-/// Makes the factor, or takes over the old one, and finds how many steps of iterative refinement a solve needs. The
-/// residual is taken through M, not through M^T M, so refinement also mends the squaring of the condition number.
 void LaplacianEditor::State::factorise(State* before) {
   if (before) {
     base.factor = std::move(before->base.factor);
@@ -744,6 +742,7 @@ const Points& LaplacianEditor::solve(const std::vector<Affine>& handles, const A
     throw EditError(ErrorCause::NotFinite, "The motion of the anchors is not finite: give a finite transform.");
   }
   Stopwatch watch;
+  s.report.refinements = s.base.refinements;
   s.carry_components(handles, anchors);
   const bool moves = s.set_constraints();
   if (moves) {
