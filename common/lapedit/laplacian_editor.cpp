@@ -340,8 +340,8 @@ bool LaplacianEditor::State::fits_smoother(const State* before) const {
          before->region.neighbours.values == region.neighbours.values && before->world == world;
 }
 
-/// Makes the factor, or takes over the old one, and makes sure that solutions converge. The residual is taken through M,
-/// not through M^T M, so refinement also mends the squaring of the condition number.
+/// Makes the factor, or takes over the old one, and makes sure that solutions converge. The residual is taken through
+/// M, not through M^T M, so refinement also mends the squaring of the condition number.
 /// @param before  whose factor fits, or nothing
 void LaplacianEditor::State::factorise(State* before) {
   if (before) {
