@@ -133,7 +133,8 @@ struct Leaf {
       degree[v] = count(rows[v]);
     }
     constexpr int kGone = std::numeric_limits<int>::max();
-    for (int done = 0; done < n;) {
+    int done = 0;
+    while (done < n) {
       int pivot = 0;
       for (int v = 1; v < n; ++v) {
         if (degree[v] < degree[pivot]) pivot = v;
