@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ours.h"
 
+#include "lapedit/elimination_order.h"
 #include "lapedit/laplacian_editor.h"
-#include "lapedit/nested_dissection.h"
 #include "lapedit/smooth_normals.h"
 #include "lapedit/sparse_cholesky.h"
 
@@ -94,17 +94,10 @@ struct OurSolver::State {
 };
 
 OurSolver::OurSolver(const Scene& scene, const Sparse& normal, int threads, Precision precision) {
-  constexpr int kDissected = 50000;  // the editor's own limit
   lapedit::CholeskyOptions options;
   options.single_precision = precision == Precision::Single;
   options.crew = std::make_shared<lapedit::Crew>(threads);
-  if (scene.region.size() >= kDissected) {
-    Points rest(scene.region.size(), 3);
-    for (int i = 0; i < scene.region.size(); ++i) {
-      rest.row(i) = scene.mesh.vertices.row(scene.region.mesh_vertex[i]);
-    }
-    options.order = lapedit::nested_dissection(scene.region.neighbours, rest, threads);
-  }
+  options.order = lapedit::elimination_order(scene.region.neighbours, threads);
   state_.reset(new State{lapedit::SparseCholesky(normal, options)});
 }
 OurSolver::~OurSolver() = default;
