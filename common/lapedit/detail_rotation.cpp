@@ -193,8 +193,7 @@ void RotationEstimator::smooth_surface(std::vector<Matrix3>& rotations) {
   }
   // Where the smoothed surface has collapsed (a limb thinner than the radius) one ring of edges says little: sums over
   // a few rings do, and cost no table. More passes gain nothing on the grid of detail_orientation_test.
-  constexpr int kPasses = 4;
-  for (int pass = 0; pass < kPasses; ++pass) {
+  for (int pass = 0; pass < kAveragingPasses; ++pass) {
     spread_.swap(covariances_);
     covariances_.resize(n);
     for (int i = 0; i < n; ++i) {

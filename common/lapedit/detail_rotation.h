@@ -14,6 +14,9 @@ enum class DetailRotation {
 
 const char* name(DetailRotation rotation);
 
+/// How often fitted covariances are averaged over the one-ring.
+constexpr int kAveragingPasses = 4;
+
 /// The rotation nearest to a matrix: its polar factor with determinant +1. Directions that the matrix says nothing
 /// about turn as little as the others allow; exactly the identity for a symmetric positive definite matrix.
 Matrix3 nearest_rotation(const Matrix3& matrix);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <limits>
 
 #include "lapedit/detail_rotation.h"
 #include "lapedit/instructions.h"
@@ -388,7 +389,7 @@ struct DragPreview::Inside {
   View view() const;
   float* first() { return reinterpret_cast<float*>(first_buffer.data()); }
   float* second() { return reinterpret_cast<float*>(second_buffer.data()); }
-  void average_four_times(const View& v, int passes);
+  void average_times(const View& v, int passes);
   void smooth_normals_after();
   void turn_hard_ones(int first_block, int last_block);
   void place_all();
@@ -464,7 +465,7 @@ void DragPreview::Inside::order_all(const PreviewBase& given) {
   });
 }
 
-void DragPreview::Inside::average_four_times(const View& v, int passes) {
+void DragPreview::Inside::average_times(const View& v, int passes) {
   for (int pass = 0; pass < passes; ++pass) {
     in_pieces(*crew, blocks, kGrain, [&](int begin, int end) { kernels.average(v, begin, end, first(), second()); });
     first_buffer.swap(second_buffer);
@@ -478,7 +479,7 @@ void DragPreview::Inside::make_tables(const PreviewBase& given, const Eigen::Mat
   first_buffer.assign(static_cast<std::size_t>(blocks) * kLanes, Line{});
   second_buffer = first_buffer;
   const View v = view();
-  // Matrices to be averaged go through in fours of vectors of three; the rest surface's covariance is two of them.
+  // What is to be averaged goes through five vectors of three at a time; the rest surface's covariance is two of them.
   const int batches = (2 + responses + 4) / 5;
   for (int batch = 0; batch < batches; ++batch) {
     in_pieces(*crew, blocks, kGrain, [&](int first_block, int last_block) {
@@ -539,8 +540,7 @@ void DragPreview::Inside::make_tables(const PreviewBase& given, const Eigen::Mat
         }
       }
     });
-    constexpr int kPasses = 4;
-    average_four_times(v, kPasses);
+    average_times(v, kAveragingPasses);
     in_pieces(*crew, blocks, kGrain, [&](int first_block, int last_block) {
       for (int place = first_block * kLanes; place < std::min(last_block * kLanes, size); ++place) {
         const float* const from = first() + static_cast<std::size_t>(place) * kStride;
@@ -631,7 +631,9 @@ void DragPreview::Inside::turn_hard_ones(int first_block, int last_block) {
       for (int e = 0; e < 3; ++e) {
         delta[e] = static_cast<double>(lane_of(base[block].delta[e], lane));
       }
-      const Vector3 difference = matrix.allFinite() ? Vector3(nearest_rotation(matrix) * delta - delta) : delta;
+      // What is beyond single precision stays so, for the caller to see.
+      const Vector3 difference = matrix.allFinite() ? Vector3(nearest_rotation(matrix) * delta - delta)
+                                                    : Vector3::Constant(std::numeric_limits<double>::quiet_NaN());
       for (int e = 0; e < 3; ++e) {
         turned[place][e] = static_cast<float>(difference[e]);
       }
@@ -745,8 +747,7 @@ const Points& DragPreview::pose(const Points& motions) {
   }
   const View v = s.view();
   in_pieces(*s.crew, s.blocks, kGrain, [&](int first, int last) { s.kernels.normal_terms(v, first, last, s.first()); });
-  constexpr int kPasses = 4;
-  s.average_four_times(v, kPasses - 1);
+  s.average_times(v, kAveragingPasses - 1);  // the last one comes with the turning
   auto* const turned = reinterpret_cast<float*>(s.turned.data());
   in_pieces(*s.crew, s.blocks, kGrain, [&](int first, int last) {
     s.kernels.turned_deltas(v, first, last, s.first(), s.second(), turned, s.hard.data());
