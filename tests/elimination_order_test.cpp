@@ -200,6 +200,22 @@ void expect_same(const std::string& what, const Job& before, const Job& job) {
   }
 }
 
+/// Fails if nothing is taken over: all else would come out the same, only later.
+TEST(TakingOver, SmallHandlesFindTheFactorReady) {
+  const Job before;
+  Job job, patch;
+  std::vector<int> many(20);
+  std::iota(many.begin(), many.end(), 90);
+  patch.set_handles(many);
+  for (const std::vector<int>& handles : {std::vector<int>{77}, {100, 3, 55}}) {
+    job.set_handles(handles);
+    EXPECT_FALSE(job.editor()->report().factor_taken_over);
+    EXPECT_TRUE(job.editor(before.editor())->report().factor_taken_over);
+    EXPECT_FALSE(job.editor(patch.editor())->report().factor_taken_over) << "it knows its handle";
+  }
+  EXPECT_FALSE(patch.editor(before.editor())->report().factor_taken_over);
+}
+
 /// Fails if something is taken over that does not fit, or is left from before.
 TEST(TakingOver, OtherHandlesComeOutTheSame) {
   for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {

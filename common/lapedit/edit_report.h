@@ -12,10 +12,11 @@ namespace lapedit {
 struct EditReport {
   int mesh_vertices = 0, handle = 0, free = 0, anchors = 0, fixed = 0, left_out = 0;
   std::string laplacian, rotation, backend;
-  int order = 1, iterations = 0;  ///< iterations actually made
-  double normal_radius = 0;       ///< used; 0 if no rotation
-  int uniform_edges = 0;          ///< see DifferentialOperator
-  int refinements = 0;            ///< iterative refinement steps per solve
+  int order = 1, iterations = 0;   ///< iterations actually made
+  double normal_radius = 0;        ///< used; 0 if no rotation
+  int uniform_edges = 0;           ///< see DifferentialOperator
+  int refinements = 0;             ///< iterative refinement steps per solve
+  bool factor_taken_over = false;  ///< from the editor before, for another handle in the same region
   double region_ms = 0, operator_ms = 0, factor_ms = 0, kernel_ms = 0, rough_ms = 0, normals_ms = 0, rotate_ms = 0,
          solve_ms = 0;
   double normal_equation_residual = 0;  ///< |A^T (A x - b)| over |A^T| |b|-sized terms; rounding level when all is well

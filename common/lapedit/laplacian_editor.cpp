@@ -147,6 +147,9 @@ struct LaplacianEditor::State {
   double last_change = 0;  // of the last step of refinement, over the solution
   std::vector<Matrix3> rotations;
 
+  bool all_anchored() const {
+    return std::all_of(region.anchored.begin(), region.anchored.end(), [](char anchored) { return anchored; });
+  }
   const OperatorRows& first() const { return settings.order == 1 ? base.m : base.first; }
   void set_up(const TriangleMesh& mesh, const Progress& progress, State* before);
   void assemble(const TriangleMesh& mesh, State* before);
@@ -289,8 +292,7 @@ void LaplacianEditor::State::assemble(const TriangleMesh& mesh, State* before) {
 void LaplacianEditor::State::weigh() {
   squared_weights.resize(region.size());
   base.weights.resize(region.size());
-  const bool held = std::all_of(region.anchored.begin(), region.anchored.end(), [](char anchored) { return anchored; });
-  const bool keep_out = held && settings.order == 1 && region.count(VertexClass::Handle) <= kSmallHandle;
+  const bool keep_out = all_anchored() && settings.order == 1 && region.count(VertexClass::Handle) <= kSmallHandle;
   for (int i = 0; i < region.size(); ++i) {
     const VertexClass c = region.classes[i];
     const double weight = c == VertexClass::Handle   ? settings.handle_weight
@@ -348,6 +350,7 @@ void LaplacianEditor::State::factorise(State* before) {
     base.factor = std::move(before->base.factor);
     base.matrix_norm = before->base.matrix_norm;
     if (make_sure()) {
+      report.factor_taken_over = true;
       return;
     }
     base.factor.reset();
@@ -512,8 +515,8 @@ Eigen::MatrixXd LaplacianEditor::State::find_responses() {
 }
 
 void LaplacianEditor::State::make_preview() {
-  const bool held = std::all_of(region.anchored.begin(), region.anchored.end(), [](char anchored) { return anchored; });
-  if (!held || settings.order != 1 || settings.iterations != 1 || settings.rotation == DetailRotation::SmoothNormals) {
+  if (!all_anchored() || settings.order != 1 || settings.iterations != 1 ||
+      settings.rotation == DetailRotation::SmoothNormals) {
     return;
   }
   const int groups = 1 + *std::max_element(region.group.begin(), region.group.end());
