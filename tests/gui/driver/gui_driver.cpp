@@ -5,10 +5,12 @@
 #include <QJsonDocument>
 #include <QTimer>
 #include <exception>
+#include <utility>
 
 GuiDriver::GuiDriver() {
+  static bool made = false;  // MeshLab may make a second object, after one that it only looks at
   const QString path = qEnvironmentVariable("LAPEDIT_GUI_SOCKET");
-  if (path.isEmpty()) {
+  if (path.isEmpty() || std::exchange(made, true)) {
     return;
   }
   // Qt's own dialogs can be answered from inside.

@@ -5,15 +5,15 @@
 #include <QList>
 #include <QLocalServer>
 #include <QLocalSocket>
-#include <QObject>
 #include <QPointer>
 
 #include "commands.h"
+#include "driver_host.h"
 
 /// Lets a test drive MeshLab's window from inside: one JSON object per line comes in through a local socket, one goes
-/// out. MeshLab makes an object of every library in its plugin folder; this one is no kind of plugin that it knows, and
-/// does nothing unless the environment variable LAPEDIT_GUI_SOCKET names the socket.
-class GuiDriver : public QObject {
+/// out. It offers MeshLab nothing, and does nothing unless the environment variable LAPEDIT_GUI_SOCKET names the
+/// socket.
+class GuiDriver : public gui_driver::DriverPlugin {
   Q_OBJECT
   Q_PLUGIN_METADATA(IID "laplacian_edit.test.GuiDriver")
 

@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <GL/glew.h>
-#include <meshlab/glarea.h>
-
 #include <QCoreApplication>
 #include <QJsonArray>
 #include <QKeyEvent>
@@ -11,6 +8,7 @@
 #include <stdexcept>
 
 #include "commands.h"
+#include "driver_host.h"
 
 namespace gui_driver {
 namespace {

@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <GL/glew.h>
-#include <meshlab/glarea.h>
-
 #include <QApplication>
 #include <QFile>
 #include <QJsonArray>
@@ -11,6 +8,7 @@
 #include <stdexcept>
 
 #include "commands.h"
+#include "driver_host.h"
 
 namespace gui_driver {
 namespace {
@@ -55,7 +53,7 @@ Answer layers(const QJsonObject&) {
   MeshDocument& md = document();
   GLArea& area = gl_area();
   QJsonArray result;
-  for (const MeshModel* mesh : md.meshList) {
+  for (const MeshModel* mesh : all_layers(md)) {
     result += QJsonObject{{"id", mesh->id()},
                           {"label", mesh->label()},
                           {"visible", area.meshVisibilityMap.value(mesh->id())},
@@ -93,8 +91,9 @@ Answer change_layer(const QJsonObject& arguments) {
   }
   if (arguments.contains("visible")) {
     // GLArea::meshSetVisibility() is not exported.
-    mesh.visible = arguments["visible"].toBool();
-    area.meshVisibilityMap[id] = mesh.visible;
+    const bool visible = arguments["visible"].toBool();
+    show_layer(mesh, visible);
+    area.meshVisibilityMap[id] = visible;
   }
   if (arguments["smooth"].toBool()) {
     shade_smoothly(area, id);
@@ -118,7 +117,7 @@ Answer change_layer(const QJsonObject& arguments) {
     area.updateSelection(id, true, false);
   }
   if (arguments["remove"].toBool()) {
-    md.delMesh(&mesh);
+    remove_layer(md, mesh);
   }
   area.update();
   return {};
@@ -258,7 +257,7 @@ Answer on_screen(const QJsonObject&) {
   if (area.getCurrentMeshEditor() && md.mm()) {
     area.makeCurrent();
     md.Log.clearRealTimeLog();
-    area.getCurrentMeshEditor()->Decorate(*md.mm(), &area, nullptr);
+    draw_tool(area, *md.mm());
     for (const auto& [mesh, text] : md.Log.realTimeLogMultiMap()) {
       texts += text;
     }
@@ -269,7 +268,7 @@ Answer on_screen(const QJsonObject&) {
 
 Answer history(const QJsonObject&) {
   QJsonArray filters;
-  for (const FilterNameParameterValuesPair& filter : *document().filterHistory) {
+  for (const FilterNameParameterValuesPair& filter : filter_history(document())) {
     QJsonObject parameters;
     for (const RichParameter& parameter : filter.second) {
       if (parameter.value().isString()) {
