@@ -1,0 +1,312 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Debian roots: folders with another Debian release in them, to build and test with its MeshLab.
+#
+# usage: root.sh make [--fresh] SUITE KIND     makes the root if it is not there yet; prints its folder
+#        root.sh run ROOT [OPTION]... -- COMMAND [ARGUMENT]...
+#                                              runs a command in it; ends with the command's exit code
+#        root.sh remove SUITE KIND             removes it
+#        root.sh remove all                    removes all of them
+#
+#   SUITE             a release of Debian: bookworm, trixie, sid
+#   KIND clean        the packaged MeshLab, what it depends on, and Mesa's software OpenGL
+#   KIND build        that, and all that is needed to build and test; 2 GB, where clean takes 1
+#   --fresh           makes it anew; without it, it is kept until this script wants other packages
+#   --bind FROM=TO    FROM, a folder of this machine, is at TO in the root
+#   --bind-ro FROM=TO the same, read-only
+#   --env NAME=VALUE  for the command; else it gets DISPLAY, CI and TERM of the caller's and nothing more
+#   --directory DIR   of the root: where the command starts
+#
+# LAPEDIT_HOSTS_DIR: where the roots are; by default build/hosts in this project.
+#
+# It needs root's rights (sudo is used where it is) and debootstrap. The mirror and apt's proxy are those of this machine.
+# Everything is mounted in a mount namespace of its own and is gone with it, however the command ends. An X server of this
+# machine is reached through its abstract socket, with the same DISPLAY.
+set -euo pipefail
+
+recipe=1 # Another number makes all roots anew.
+clean_packages="meshlab libgl1-mesa-dri"
+build_packages="
+  g++ cmake make ninja-build ccache pkg-config dpkg-dev file
+  qtbase5-dev libqt5opengl5-dev libeigen3-dev libglew-dev libglu1-mesa-dev
+  libsuitesparse-dev libopenblas-dev libgtest-dev
+  xvfb xauth xdotool
+  python3 python3-numpy
+"
+
+fail() {
+  echo "root.sh: $*" >&2
+  exit 1
+}
+
+usage() {
+  sed -n '/^# usage/,/^set/s/^# \{0,1\}//p' "$0" >&2
+  exit 2
+}
+
+script=$(realpath "$0")
+hosts=${LAPEDIT_HOSTS_DIR:-$(dirname "$script")/../../build/hosts}
+hosts=$(realpath -m "$hosts")
+
+# Each package list's root has a stamp, written last: what has another stamp, or none, is not ready.
+stamp_of() {
+  local packages=$clean_packages
+  [ "$2" = clean ] || packages="$packages $build_packages"
+  # shellcheck disable=SC2086,SC2116
+  echo "$recipe $1 $2 $(echo $packages)" | sha256sum | cut -d ' ' -f 1
+}
+
+ready() {
+  [ "$(cat "$1/.lapedit-root" 2>/dev/null)" = "$2" ]
+}
+
+# lock FILE [--shared]: waits for it, exclusive or shared, until this script ends. A file that was removed meanwhile is no lock.
+lock() {
+  while :; do
+    exec 9>>"$1"
+    flock "${2:---exclusive}" 9
+    [ ! "$1" -ef /proc/self/fd/9 ] || return 0
+  done
+}
+
+child=
+# In the background, so that a signal is seen at once. Killing unshare kills all in its namespace, which unmounts all; if
+# this script itself is killed, so is unshare.
+in_namespace() {
+  local status=0
+  setpriv --pdeathsig KILL unshare --mount --propagation private --pid --fork --kill-child=KILL "$@" <&0 9>&- &
+  child=$!
+  wait "$child" || status=$?
+  child=
+  return "$status"
+}
+
+part=
+# shellcheck disable=SC2317
+at_exit() {
+  if [ -n "$child" ]; then
+    kill -KILL "$child" 2>/dev/null || true
+    wait "$child" 2>/dev/null || true
+  fi
+  [ -z "$part" ] || discard "$part"
+}
+trap at_exit EXIT
+trap 'exit 129' HUP
+trap 'exit 130' INT
+trap 'exit 143' TERM
+
+discard() {
+  [ ! -e "$1" ] || rm -rf --one-file-system "$1"
+}
+
+check_machine() {
+  command -v debootstrap >/dev/null || fail "debootstrap is missing: tests/scripts/install_dependencies.sh installs it."
+  check_namespaces
+}
+
+check_namespaces() {
+  unshare --mount --propagation private --pid --fork true 2>/dev/null ||
+    fail "this machine lets nobody make mount namespaces (in a container, give it CAP_SYS_ADMIN): no root can be used."
+}
+
+# The mirror that this machine's own release comes from.
+mirror() {
+  local codename
+  # shellcheck disable=SC1091
+  codename=$(. /etc/os-release && echo "${VERSION_CODENAME:-sid}")
+  {
+    find /etc/apt/sources.list /etc/apt/sources.list.d -name '*.list' -exec cat {} + 2>/dev/null |
+      sed -n 's/^[[:space:]]*deb[[:space:]]\{1,\}\(\[[^]]*\][[:space:]]*\)\{0,1\}//p'
+    find /etc/apt/sources.list.d -name '*.sources' -exec sh -c 'for f; do cat "$f"; echo; done' sh {} + 2>/dev/null |
+      awk '
+        function flush(  u, s, i, j) {
+          if (types ~ /(^| )deb( |$)/ && enabled !~ /no/) {
+            split(uris, u, " "); split(suites, s, " ")
+            for (i in u) for (j in s) print u[i], s[j], components
+          }
+          types = uris = suites = components = enabled = ""
+        }
+        /^#/ { next }
+        /^[[:space:]]*$/ { flush(); next }
+        { key = tolower($1) }
+        key == "types:" { $1 = ""; types = $0 }
+        key == "uris:" { $1 = ""; uris = $0 }
+        key == "suites:" { $1 = ""; suites = $0 }
+        key == "components:" { $1 = ""; components = $0 }
+        key == "enabled:" { $1 = ""; enabled = $0 }
+        END { flush() }'
+  } | awk -v codename="$codename" '
+    $2 == codename || $2 ~ /^(stable|testing|unstable|sid)$/ {
+      for (i = 3; i <= NF; ++i) if ($i == "main") { print $1; exit }
+    }'
+}
+
+make_clean() {
+  local suite=$1 root=$2 uri
+  uri=$(mirror)
+  [ -n "$uri" ] || fail "this machine's apt sources name no Debian mirror to make a root from."
+  in_namespace debootstrap --variant=minbase --force-check-gpg \
+    --keyring=/usr/share/keyrings/debian-archive-keyring.gpg "$suite" "$root" "$uri"
+  printf 'deb %s %s main\ndeb-src %s %s main\n' "$uri" "$suite" "$uri" "$suite" >"$root/etc/apt/sources.list"
+  {
+    # A mirror may be a snapshot, and a root is kept for longer than sid's lists are valid.
+    echo 'Acquire::Check-Valid-Until "false";'
+    apt-config dump | grep -Ei '^Acquire::(https?|Check-Date|Retries)\b.* "[^"]+";$' || true
+  } >"$root/etc/apt/apt.conf.d/99lapedit"
+  # It can be made again, and is made faster so.
+  echo force-unsafe-io >"$root/etc/dpkg/dpkg.cfg.d/lapedit"
+  install_packages "$root" "$clean_packages"
+}
+
+install_packages() {
+  local root=$1 packages=$2
+  # shellcheck disable=SC2086
+  enter "$root" / env DEBIAN_FRONTEND=noninteractive sh -euc '
+    apt-get update -q
+    apt-get install -qy --no-install-recommends "$@"
+    apt-get clean
+    rm -rf /var/lib/apt/lists/*' sh $packages </dev/null
+}
+
+# enter ROOT DIRECTORY COMMAND...: with the arrays binds (FROM=TO), binds_ro and environment
+binds=()
+binds_ro=()
+environment=()
+enter() {
+  local root=$1 directory=$2
+  shift 2
+  # Whoever runs it may have changed networks since it was made.
+  [ ! -e /etc/resolv.conf ] || cat /etc/resolv.conf >"$root/etc/resolv.conf"
+  local mounts=()
+  local pair
+  for pair in "${binds[@]}"; do mounts+=(rw "${pair%%=*}" "${pair#*=}"); done
+  for pair in "${binds_ro[@]}"; do mounts+=(ro "${pair%%=*}" "${pair#*=}"); done
+  # The shell stays: as the first process of its namespace the command would not die of its own signals.
+  # shellcheck disable=SC2016
+  in_namespace sh -euc '
+    root=$1 directory=$2 count=$3
+    shift 3
+    mount -t proc proc "$root/proc"
+    mount --rbind /dev "$root/dev"
+    mount -t tmpfs -o mode=1777 tmpfs "$root/tmp"
+    while [ "$count" -gt 0 ]; do
+      mkdir -p "$root$3"
+      mount --bind "$2" "$root$3"
+      [ "$1" = rw ] || mount -o remount,bind,ro "$root$3"
+      shift 3
+      count=$((count - 1))
+    done
+    status=0
+    env -i PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 \
+      chroot "$root" env -C "$directory" "$@" || status=$?
+    exit "$status"' sh "$root" "$directory" $((${#mounts[@]} / 3)) "${mounts[@]}" "${environment[@]}" "$@"
+}
+
+make() {
+  local fresh=
+  if [ "${1:-}" = --fresh ]; then
+    fresh=$1
+    shift
+  fi
+  [ $# -eq 2 ] || usage
+  local suite=$1 kind=$2
+  case $suite in *[!a-z0-9-]* | '' | -*) usage ;; esac
+  case $kind in clean | build) ;; *) usage ;; esac
+  local root=$hosts/$suite-$kind stamp
+  stamp=$(stamp_of "$suite" "$kind")
+  mkdir -p "$hosts"
+  if [ -z "$fresh" ]; then
+    lock "$root.lock" --shared
+    if ready "$root" "$stamp"; then
+      echo "$root"
+      return
+    fi
+  fi
+  check_machine
+  # Made in its own process, which has its own lock.
+  # shellcheck disable=SC2086
+  [ "$kind" = clean ] || "$script" make $fresh "$suite" clean >/dev/null
+  lock "$root.lock"
+  if [ -n "$fresh" ] || ! ready "$root" "$stamp"; then
+    echo "Making $root" >&2
+    discard "$root"
+    part=$root.part
+    discard "$part"
+    local log=$root.log
+    if [ "$kind" = clean ]; then
+      make_clean "$suite" "$part" >"$log" 2>&1 || { tail -n 30 "$log" >&2; fail "$root could not be made, see $log."; }
+    else
+      local clean=$hosts/$suite-clean
+      exec 8>>"$clean.lock"
+      flock -s 8
+      cp -a --reflink=auto "$clean" "$part"
+      exec 8>&-
+      rm -f "$part/.lapedit-root"
+      install_packages "$part" "$build_packages" >"$log" 2>&1 ||
+        { tail -n 30 "$log" >&2; fail "$root could not be made, see $log."; }
+    fi
+    echo "$stamp" >"$part/.lapedit-root"
+    mv "$part" "$root"
+    part=
+    rm -f "$log"
+  fi
+  echo "$root"
+}
+
+run() {
+  local root=${1:-} directory=/
+  shift || usage
+  while [ $# -gt 0 ] && [ "$1" != -- ]; do
+    [ $# -ge 2 ] || usage
+    case $1 in
+    --bind) binds+=("$2") ;;
+    --bind-ro) binds_ro+=("$2") ;;
+    --env) environment+=("$2") ;;
+    --directory) directory=$2 ;;
+    *) usage ;;
+    esac
+    shift 2
+  done
+  [ $# -ge 2 ] || usage
+  shift
+  root=$(realpath -m "$root")
+  [ -s "$root/.lapedit-root" ] || fail "$root is no root made by this script, or was not finished."
+  check_namespaces
+  lock "$root.lock" --shared
+  local name
+  for name in DISPLAY CI TERM; do
+    [ -z "${!name:-}" ] || environment=("$name=${!name}" "${environment[@]}")
+  done
+  enter "$root" "$directory" "$@"
+}
+
+remove_one() {
+  lock "$1.lock"
+  discard "$1"
+  discard "$1.part"
+  rm -f "$1.log" "$1.lock"
+}
+
+remove() {
+  if [ "$*" = all ]; then
+    local file
+    for file in "$hosts"/*.lock; do
+      [ ! -e "$file" ] || remove_one "${file%.lock}"
+    done
+  else
+    [ $# -eq 2 ] || usage
+    case $1-$2 in */* | .*) usage ;; esac
+    [ ! -d "$hosts" ] || remove_one "$hosts/$1-$2"
+  fi
+  rmdir --ignore-fail-on-non-empty "$hosts" 2>/dev/null || true
+}
+
+[ $# -ge 1 ] || usage
+case $1 in make | run | remove) ;; *) usage ;; esac
+
+if [ "$(id -u)" -ne 0 ]; then
+  command -v sudo >/dev/null || fail "root's rights are needed to make and use a root, and there is no sudo."
+  exec sudo -- env ${DISPLAY:+"DISPLAY=$DISPLAY"} ${CI:+"CI=$CI"} ${TERM:+"TERM=$TERM"} \
+    "LAPEDIT_HOSTS_DIR=$hosts" "$script" "$@"
+fi
+"$@"
