@@ -192,6 +192,109 @@ TEST(Edit, FractionTakesTransformsPartOfTheWay) {
   EXPECT_EQ(differing(whole, applied(mesh, apply_edit(mesh, edit_of({step})))), 0);
 }
 
+const std::vector<double> kFractions = {0.25, 1, 0, 0.5};
+
+/// Several steps, with regions that meet.
+std::vector<EditStep> several_steps(LaplacianKind laplacian) {
+  std::vector<EditStep> steps = {pull({kMiddle}, {0, 0, 3}), pull({kMiddle + 3, kMiddle + 4}, {1, 0, 1}, 5),
+                                 pull({kMiddle}, {0, 1, -1}, 6)};
+  steps[1].handles[0].transform.degrees = 50;
+  for (EditStep& step : steps) {
+    step.settings.laplacian = laplacian;
+  }
+  return steps;
+}
+
+TEST(Edit, SeveralFractionsHaveTheBitsThatEachHasAlone) {
+  const TriangleMesh mesh = test_mesh();
+  for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
+    for (const DetailRotation rotation :
+         {DetailRotation::None, DetailRotation::SmoothNormals, DetailRotation::SmoothSurface}) {
+      Edit edit = edit_of(several_steps(laplacian));
+      for (EditStep& step : edit.steps) {
+        step.settings.rotation = rotation;
+        step.settings.iterations = 2;
+      }
+      for (const StoredScalar scalar : {StoredScalar::Float, StoredScalar::Double}) {
+        const std::vector<EditResult> together = apply_edit(mesh, edit, kFractions, scalar);
+        ASSERT_EQ(together.size(), kFractions.size());
+        for (std::size_t p = 0; p < kFractions.size(); ++p) {
+          const EditResult alone = apply_edit(mesh, edit, kFractions[p], scalar);
+          EXPECT_EQ(together[p].vertices, alone.vertices);
+          EXPECT_EQ(differing(applied(mesh, together[p]), applied(mesh, alone)), 0) << kFractions[p];
+          EXPECT_EQ(together[p].reports.size(), 3U);
+        }
+        EXPECT_GT(differing(together[0].positions, together[3].positions), 100);
+      }
+    }
+  }
+}
+
+TEST(Edit, SeveralFractionsOfOneStepShareOneFactorisation) {
+  const TriangleMesh mesh = test_mesh();
+  const std::vector<EditResult> poses = apply_edit(mesh, edit_of({pull({kMiddle}, {0, 0, 3})}), kFractions);
+  for (std::size_t p = 0; p < poses.size(); ++p) {
+    const EditReport& report = poses[p].reports.at(0);
+    EXPECT_EQ(report.factor_taken_over, p > 0);
+    EXPECT_EQ(report.factor_ms > 0, p == 0);
+    EXPECT_EQ(report.operator_ms > 0, p == 0);
+    EXPECT_EQ(report.solve_ms > 0, kFractions[p] > 0);
+  }
+}
+
+/// The second step has the same vertices and, as the window records them, the same anchors, in other shapes: the
+/// umbrella does not see shapes.
+TEST(Edit, LaterStepsOfSeveralFractionsTakeOverWhatFits) {
+  const TriangleMesh mesh = test_mesh();
+  for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
+    EditStep second = pull({kMiddle + 3}, {1, 0, 1}, 5);
+    second.region.kind = RegionSpec::Kind::Vertices;
+    for (int row = 10; row < 20; ++row) {
+      for (int column = 6; column < 18; ++column) {
+        second.region.vertices.push_back(row * kColumns + column);
+        if (row == 10 || row == 19 || column == 6 || column == 17) {
+          second.region.anchors.vertices.push_back(row * kColumns + column);
+        }
+      }
+    }
+    second.region.anchors.weights.assign(second.region.anchors.vertices.size(), 0.5);
+    second.region.anchors.depths.assign(second.region.anchors.vertices.size(), 1);
+    second.region.anchors.reach = 5;
+    second.settings.laplacian = laplacian;
+    const std::vector<EditResult> poses = apply_edit(mesh, edit_of({pull({kMiddle}, {0, 0, 3}), second}), kFractions);
+    for (std::size_t p = 0; p < poses.size(); ++p) {
+      EXPECT_EQ(poses[p].reports.at(1).factor_taken_over, p > 0 && laplacian == LaplacianKind::Umbrella) << p;
+    }
+  }
+}
+
+TEST(Edit, RefusalsOfSeveralFractionsNameTheFraction) {
+  const TriangleMesh mesh = test_mesh();
+  const EditStep good = pull({kMiddle}, {0, 0, 3});
+  EditStep bad = pull({kMiddle}, {0, 0, 1e39});
+  try {
+    apply_edit(mesh, edit_of({good, bad}), std::vector<double>{0, 0.5}, StoredScalar::Float);
+    ADD_FAILURE() << "was taken";
+  } catch (const EditError& error) {
+    EXPECT_EQ(error.cause(), ErrorCause::NotFinite);
+    expect_contains(error.what(), "Step 2 of 2: At fraction 0.5: The result");
+  }
+  EXPECT_THROW(apply_edit(mesh, edit_of({good}), std::vector<double>{0.5, 2}), EditError);
+  EXPECT_TRUE(apply_edit(mesh, edit_of({good}), std::vector<double>{}).empty());
+}
+
+TEST(Edit, ProgressRisesOverSeveralFractions) {
+  const Edit edit = edit_of({pull({kMiddle}, {0, 0, 3}), pull({kMiddle + 3}, {1, 0, 0})});
+  std::vector<double> seen;
+  apply_edit(test_mesh(), edit, kFractions, StoredScalar::Double, [&](double fraction, const char*) {
+    seen.push_back(fraction);
+    return true;
+  });
+  EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end()));
+  EXPECT_GE(seen.front(), 0);
+  EXPECT_EQ(seen.back(), 1);
+}
+
 TEST(Edit, FractionOutsideZeroToOneIsRefused) {
   const Edit edit = edit_of({pull({kMiddle}, {0, 0, 3})});
   for (const double fraction :
