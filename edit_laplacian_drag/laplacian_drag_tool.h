@@ -16,7 +16,7 @@
 #include "panel.h"
 
 /// The tool in one view: hands mouse and keys to the session of the current layer, draws it, and keeps the panel.
-class LaplacianDragTool : public QObject, public lapedit::host::EditTool {
+class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool {
   Q_OBJECT
 
  public:

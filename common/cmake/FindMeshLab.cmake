@@ -5,6 +5,7 @@ Finds the installed MeshLab and the headers that belong to it.
 Result:
   MeshLab_FOUND, MeshLab_VERSION (of the headers)
   MeshLab_API         generation of the plugin interface: 2020 or 2022, decided by the headers
+  MeshLab_APIS        folders of common/lapedit_host/ that hold the adapter, without "api_"
   MeshLab::common     imported target: library, headers, Qt and OpenGL
 
 Cache variables:
@@ -40,8 +41,15 @@ if(MeshLab_LIBRARY AND Qt5_FOUND AND OpenGL_FOUND AND OPENGL_GLU_FOUND AND GLEW_
             NO_DEFAULT_PATH NO_CACHE)
   if(EXISTS "${MeshLab_ROOT_DIR}/src/common/interfaces.h")
     set(MeshLab_API 2020)
+    set(MeshLab_APIS 2020)
   elseif(EXISTS "${MeshLab_ROOT_DIR}/src/common/plugins/interfaces/filter_plugin.h")
     set(MeshLab_API 2022)
+    # The kinds of parameters changed once more.
+    if(EXISTS "${MeshLab_ROOT_DIR}/src/common/parameters/values.h")
+      set(MeshLab_APIS 2022 2022/parameters_2025)
+    else()
+      set(MeshLab_APIS 2022 2022/parameters_2022)
+    endif()
   endif()
   if(NOT MeshLab_VCG_DIR OR NOT MeshLab_API OR NOT EXISTS "${MeshLab_ROOT_DIR}/ML_VERSION")
     message(FATAL_ERROR "${MeshLab_ROOT_DIR} is not a complete MeshLab source: ML_VERSION, src/common with its plugin "

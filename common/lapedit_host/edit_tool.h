@@ -63,9 +63,9 @@ class HostWindow {
 };
 
 /// A tool in one view. Functions may throw std::exception: the adapter logs it.
-class EditTool {
+class InteractiveTool {
  public:
-  virtual ~EditTool() = default;
+  virtual ~InteractiveTool() = default;
 
   /// The tool is switched on, or the current layer has changed while it is on. @return false: not on this layer
   virtual bool start() = 0;
@@ -87,7 +87,7 @@ struct EditToolAction {
   QString description;
   QString icon;  ///< resource path
   QKeySequence shortcut;
-  std::function<std::unique_ptr<EditTool>(HostWindow&)> make;  ///< the window outlives the tool
+  std::function<std::unique_ptr<InteractiveTool>(HostWindow&)> make;  ///< the window outlives the tool
 };
 
 }  // namespace lapedit::host

@@ -1,16 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-// Before anything that includes GL/gl.h.
-#include <GL/glew.h>
-
-#include <common/interfaces.h>
-
-#include <QAction>
 #include <QObject>
-#include <memory>
+#include <utility>
 
-#include "lapedit_host/edit_tool.h"
+#include "lapedit_host/host_tool.h"
 
 // For the plugin's Q_PLUGIN_METADATA and Q_INTERFACES.
 #define LAPEDIT_EDIT_IID MESH_EDIT_INTERFACE_FACTORY_IID
@@ -18,15 +12,18 @@
 
 namespace lapedit::host {
 
-/// Presents a tool to MeshLab 2020.09. Catches everything it throws: an exception would end the application.
+/// Presents a tool to MeshLab 2020.09.
 class EditToolPlugin : public QObject, public MeshEditInterfaceFactory {
  public:
   QList<QAction*> actions() const override { return {action_}; }
-  MeshEditInterface* getMeshEditInterface(QAction* action) override;
+  MeshEditInterface* getMeshEditInterface(QAction* action) override {
+    return action == action_ ? make_host_tool(description_) : nullptr;
+  }
   QString getEditToolDescription(QAction*) override { return description_.description; }
 
  protected:
-  explicit EditToolPlugin(EditToolAction description);
+  explicit EditToolPlugin(EditToolAction description)
+      : description_(std::move(description)), action_(make_action(description_, this)) {}
 
  private:
   EditToolAction description_;

@@ -5,9 +5,10 @@
 
 #include <QObject>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
-#include "lapedit_host/filter_action.h"
+#include "lapedit_host/host_filter.h"
 
 // For the plugin's Q_PLUGIN_METADATA and Q_INTERFACES.
 #define LAPEDIT_FILTER_IID MESH_FILTER_INTERFACE_IID
@@ -28,15 +29,38 @@ class VertexFilterPlugin : public QObject, public MeshFilterInterface {
   int postCondition(QAction*) const override {
     return MeshModel::MM_VERTCOORD | MeshModel::MM_VERTNORMAL | MeshModel::MM_FACENORMAL;
   }
-  void initParameterSet(QAction* action, MeshDocument& document, RichParameterList& parameters) override;
+
+  /// meshlabserver asks before it has checked that there is a mesh.
+  void initParameterSet(QAction* action, MeshDocument& document, RichParameterList& parameters) override {
+    parameters = parameter_list(filter(ID(action)), current(document));
+  }
+
   bool applyFilter(QAction* action, MeshDocument& document, const RichParameterList& parameters,
-                   vcg::CallBackPos* callback) override;
+                   vcg::CallBackPos* callback) override {
+    try {
+      // As std::string: the other overloads take a printf format.
+      Log(GLLogStream::FILTER, run_filter(filter(ID(action)), parameters, current(document), callback));
+      return true;
+    } catch (...) {
+      errorMessage = sentence_of_current_exception();
+    }
+    // meshlabserver never shows errorMessage.
+    Log(GLLogStream::WARNING, errorMessage.toStdString());
+    return false;
+  }
 
  protected:
-  VertexFilterPlugin(QString name, std::vector<FilterAction> filters);
+  VertexFilterPlugin(QString name, std::vector<FilterAction> filters)
+      : name_(std::move(name)), filters_(std::move(filters)) {
+    for (std::size_t id = 0; id < filters_.size(); ++id) {
+      typeList << static_cast<FilterIDType>(id);
+      actionList << new QAction(filters_[id].name, this);
+    }
+  }
 
  private:
   const FilterAction& filter(FilterIDType id) const { return filters_.at(static_cast<std::size_t>(id)); }
+  static CMeshO* current(MeshDocument& document) { return document.mm() != nullptr ? &document.mm()->cm : nullptr; }
 
   QString name_;
   std::vector<FilterAction> filters_;

@@ -1,23 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "vertex_filter_plugin.h"
+#include "lapedit_host/host_filter.h"
 
 #include <charconv>
 #include <cmath>
-#include <stdexcept>
-#include <utility>
+#include <exception>
 
 #include "lapedit/error.h"
+#include "lapedit_host/face_shape.h"
 #include "lapedit_host/mesh_bridge.h"
 
 namespace lapedit::host {
 namespace {
 
-/// The shortest decimal that is the same float: what the user typed.
-double as_typed(float number) {
+/// The shortest decimal that is the same number: what the user typed. Hosts keep numbers in single precision, whatever
+/// their meshes have.
+template <class Scalar>
+double as_typed(Scalar number) {
   if (!std::isfinite(number)) {
     return number;
   }
-  char text[32];
+  char text[64];
   double result = 0;
   std::from_chars(text, std::to_chars(text, text + sizeof text, number).ptr, result);
   return result;
@@ -54,12 +56,12 @@ ParameterValue read_value(const Parameter& parameter, const Value& value) {
     case Parameter::Kind::Length:
     case Parameter::Kind::Real:
       if (value.isFloat()) {
-        return as_typed(value.getFloat());
+        return as_typed(static_cast<float>(value.getFloat()));
       }
       break;
     case Parameter::Kind::Point:
-      if (value.isPoint3f()) {
-        const vcg::Point3f point = value.getPoint3f();
+      if (is_point(value)) {
+        const Point3m point = point_of(value);
         return Vector3(as_typed(point[0]), as_typed(point[1]), as_typed(point[2]));
       }
       break;
@@ -69,7 +71,7 @@ ParameterValue read_value(const Parameter& parameter, const Value& value) {
       }
       break;
   }
-  refuse(parameter, "is a " + value.typeName().toStdString() + ", which is of the wrong type: correct the script.");
+  refuse(parameter, "is a " + type_of(value).toStdString() + ", which is of the wrong type: correct the script.");
 }
 
 void add_parameter(const Parameter& parameter, double diagonal, RichParameterList& list) {
@@ -85,15 +87,16 @@ void add_parameter(const Parameter& parameter, double diagonal, RichParameterLis
       break;
     case Parameter::Kind::Length: {
       const double length = std::get<double>(parameter.standard) / 100 * diagonal;
-      list.addParam(RichAbsPerc(name, static_cast<float>(length), 0, static_cast<float>(diagonal), label, help));
+      list.addParam(
+          LengthParameter(name, static_cast<Scalarm>(length), 0, static_cast<Scalarm>(diagonal), label, help));
       break;
     }
     case Parameter::Kind::Real:
-      list.addParam(RichFloat(name, static_cast<float>(std::get<double>(parameter.standard)), label, help));
+      list.addParam(RichFloat(name, static_cast<Scalarm>(std::get<double>(parameter.standard)), label, help));
       break;
     case Parameter::Kind::Point: {
       const auto& point = std::get<Vector3>(parameter.standard);
-      list.addParam(RichPoint3f(name, vcg::Point3d(point[0], point[1], point[2]), label, help));
+      list.addParam(PointParameter(name, to_host(point), label, help));
       break;
     }
     case Parameter::Kind::Text:
@@ -104,47 +107,38 @@ void add_parameter(const Parameter& parameter, double diagonal, RichParameterLis
 
 }  // namespace
 
-VertexFilterPlugin::VertexFilterPlugin(QString name, std::vector<FilterAction> filters)
-    : name_(std::move(name)), filters_(std::move(filters)) {
-  for (std::size_t id = 0; id < filters_.size(); ++id) {
-    typeList << static_cast<FilterIDType>(id);
-    actionList << new QAction(filters_[id].name, this);
+RichParameterList parameter_list(const FilterAction& filter, const CMeshO* mesh) {
+  const double diagonal = mesh != nullptr ? finite_diagonal(*mesh) : 0;
+  RichParameterList list;
+  for (const Parameter& parameter : filter.parameters) {
+    add_parameter(parameter, diagonal, list);
   }
+  return list;
 }
 
-void VertexFilterPlugin::initParameterSet(QAction* action, MeshDocument& document, RichParameterList& parameters) {
-  // meshlabserver asks before it has checked that there is a mesh.
-  const double diagonal = document.mm() != nullptr ? finite_diagonal(document.mm()->cm) : 0;
-  for (const Parameter& parameter : filter(ID(action)).parameters) {
-    add_parameter(parameter, diagonal, parameters);
+std::string run_filter(const FilterAction& filter, const RichParameterList& parameters, CMeshO* mesh,
+                       bool (*callback)(int, const char*)) {
+  if (mesh == nullptr) {
+    throw EditError(ErrorCause::EmptyMesh, "There are 0 layers: open a triangle mesh first.");
   }
+  ParameterValues values;
+  for (const Parameter& parameter : filter.parameters) {
+    values.set(parameter.name, read_value(parameter, parameters.getParameterByName(parameter.name).value()));
+  }
+  const auto progress = [callback](double fraction, const char* stage) {
+    return callback == nullptr || callback(static_cast<int>(100 * fraction), stage);
+  };
+  return filter.run(values, *mesh, progress);
 }
 
-bool VertexFilterPlugin::applyFilter(QAction* action, MeshDocument& document, const RichParameterList& parameters,
-                                     vcg::CallBackPos* callback) {
+QString sentence_of_current_exception() {
   try {
-    const FilterAction& chosen = filter(ID(action));
-    if (document.mm() == nullptr) {
-      throw EditError(ErrorCause::EmptyMesh, "There are 0 layers: open a triangle mesh first.");
-    }
-    ParameterValues values;
-    for (const Parameter& parameter : chosen.parameters) {
-      values.set(parameter.name, read_value(parameter, parameters.getParameterByName(parameter.name).value()));
-    }
-    const auto progress = [callback](double fraction, const char* stage) {
-      return callback == nullptr || callback(static_cast<int>(100 * fraction), stage);
-    };
-    // As std::string: the other overloads take a printf format.
-    Log(GLLogStream::FILTER, chosen.run(values, document.mm()->cm, progress));
-    return true;
+    throw;
   } catch (const std::exception& error) {
-    errorMessage = QString::fromUtf8(error.what());
+    return QString::fromUtf8(error.what());
   } catch (...) {
-    errorMessage = "The filter failed for a reason that it does not tell.";
+    return "The filter failed for a reason that it does not tell.";
   }
-  // meshlabserver never shows errorMessage.
-  Log(GLLogStream::WARNING, errorMessage.toStdString());
-  return false;
 }
 
 }  // namespace lapedit::host

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "edit_tool_plugin.h"
+#include "lapedit_host/host_tool.h"
 
 #include <meshlab/glarea.h>
 
@@ -13,9 +13,9 @@ namespace lapedit::host {
 namespace {
 
 /// The view in MeshLab. Of GLArea only what is inline may be used: the application exports none of its functions.
-class View2020 final : public HostWindow {
+class HostView final : public HostWindow {
  public:
-  explicit View2020(QString title) : title_(std::move(title)) {}
+  explicit HostView(QString title) : title_(std::move(title)) {}
 
   void attach(GLArea* area, MLSceneGLSharedDataContext* shared) {
     area_ = area;
@@ -57,13 +57,13 @@ class View2020 final : public HostWindow {
 
   void showLine(const QString& title, const QString& line) override {
     if (drawing_ != nullptr && area_->md() != nullptr) {
-      area_->md()->Log.RealTimeLog(title, drawing_->shortName(), wrapped(line));
+      show_on_picture(*area_->md(), title, drawing_->shortName(), wrapped(line));
     }
   }
 
   void log(const std::string& line) override {
     if (area_ != nullptr && area_->md() != nullptr) {
-      area_->md()->Log.Log(GLLogStream::FILTER, title_.toStdString() + ": " + line);
+      write_log(*area_->md(), title_.toStdString() + ": " + line);
     }
   }
 
@@ -110,7 +110,7 @@ class View2020 final : public HostWindow {
   }
 
  private:
-  FilterScript* filterHistory() { return area_->md() != nullptr ? area_->md()->filterHistory : nullptr; }
+  FilterScript* filterHistory() { return area_->md() != nullptr ? history_of(*area_->md()) : nullptr; }
 
   MeshModel* find(int id) { return area_->md() != nullptr ? area_->md()->getMesh(id) : nullptr; }
 
@@ -160,36 +160,11 @@ class View2020 final : public HostWindow {
   MeshModel* drawing_ = nullptr;
 };
 
-/// A tool as MeshLab 2020.09 calls it. MeshLab passes the current layer by reference even if there is none: it is
-/// asked for instead. MeshLab never deletes a tool: it is made a child of its view.
-class Tool2020 final : public QObject, public MeshEditInterface {
+/// MeshLab never deletes a tool: it is made a child of its view.
+class HostTool final : public QObject, public HostToolBase {
  public:
-  explicit Tool2020(const EditToolAction& description) : view_(description.title), tool_(description.make(view_)) {}
+  explicit HostTool(const EditToolAction& description) : view_(description.title), tool_(description.make(view_)) {}
 
-  bool StartEdit(MeshDocument&, GLArea* area, MLSceneGLSharedDataContext* shared) override {
-    setParent(area);
-    view_.attach(area, shared);
-    area->installEventFilter(this);
-    return guarded([this] { return tool_->start(); });
-  }
-  void EndEdit(MeshDocument&, GLArea* area, MLSceneGLSharedDataContext*) override {
-    area->removeEventFilter(this);
-    guarded([this] { tool_->end(); });
-  }
-  void LayerChanged(MeshDocument&, MeshModel&, GLArea* area, MLSceneGLSharedDataContext* shared) override {
-    guarded([this] { tool_->end(); });
-    view_.attach(area, shared);
-    if (area->mm() == nullptr) {
-      view_.endTool();  // MeshLab would stumble at the next change
-      return;
-    }
-    guarded([this] { return tool_->start(); });
-  }
-  void Decorate(MeshModel&, GLArea* area, QPainter*) override {
-    view_.setDrawing(area->mm());
-    guarded([this] { tool_->draw(); });
-    view_.setDrawing(nullptr);
-  }
   void mousePressEvent(QMouseEvent* event, MeshModel&, GLArea*) override {
     guarded([&] { tool_->mousePress(*event); });
   }
@@ -218,6 +193,31 @@ class Tool2020 final : public QObject, public MeshEditInterface {
   }
 
  private:
+  bool start(GLArea* area, MLSceneGLSharedDataContext* shared) override {
+    setParent(area);
+    view_.attach(area, shared);
+    area->installEventFilter(this);
+    return guarded([this] { return tool_->start(); });
+  }
+  void end(GLArea* area) override {
+    area->removeEventFilter(this);
+    guarded([this] { tool_->end(); });
+  }
+  void changeLayer(GLArea* area, MLSceneGLSharedDataContext* shared) override {
+    guarded([this] { tool_->end(); });
+    view_.attach(area, shared);
+    if (area->mm() == nullptr) {
+      view_.endTool();  // MeshLab would stumble at the next change
+      return;
+    }
+    guarded([this] { return tool_->start(); });
+  }
+  void draw(GLArea* area) override {
+    view_.setDrawing(area->mm());
+    guarded([this] { tool_->draw(); });
+    view_.setDrawing(nullptr);
+  }
+
   template <class Call>
   auto guarded(const Call& call) -> decltype(call()) {
     using Result = decltype(call());
@@ -235,23 +235,24 @@ class Tool2020 final : public QObject, public MeshEditInterface {
     return Result();
   }
 
-  View2020 view_;
-  std::unique_ptr<EditTool> tool_;
+  HostView view_;
+  std::unique_ptr<InteractiveTool> tool_;
 };
 
 }  // namespace
 
-EditToolPlugin::EditToolPlugin(EditToolAction description)
-    : description_(std::move(description)), action_(new QAction(QIcon(description_.icon), description_.title, this)) {
-  action_->setCheckable(true);
-  action_->setShortcut(description_.shortcut);
-  action_->setToolTip(description_.title + " (" + description_.shortcut.toString(QKeySequence::NativeText) +
-                      "): " + description_.description);
-  action_->setWhatsThis(description_.description);
+HostToolBase* make_host_tool(const EditToolAction& description) {
+  return new HostTool(description);
 }
 
-MeshEditInterface* EditToolPlugin::getMeshEditInterface(QAction* action) {
-  return action == action_ ? new Tool2020(description_) : nullptr;
+QAction* make_action(const EditToolAction& description, QObject* parent) {
+  auto* const action = new QAction(QIcon(description.icon), description.title, parent);
+  action->setCheckable(true);
+  action->setShortcut(description.shortcut);
+  action->setToolTip(description.title + " (" + description.shortcut.toString(QKeySequence::NativeText) +
+                     "): " + description.description);
+  action->setWhatsThis(description.description);
+  return action;
 }
 
 }  // namespace lapedit::host

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+// Before anything that includes GL/gl.h.
+#include <GL/glew.h>
+
+#include <common/interfaces.h>
+
+#include <QString>
+#include <string>
+
+/// What of a tool MeshLab 2020.09 calls otherwise than other versions.
+namespace lapedit::host {
+
+/// MeshLab passes the current layer by reference even if there is none: the view is asked for it instead.
+class HostToolBase : public MeshEditInterface {
+ public:
+  bool StartEdit(MeshDocument&, GLArea* area, MLSceneGLSharedDataContext* shared) final { return start(area, shared); }
+  void EndEdit(MeshDocument&, GLArea* area, MLSceneGLSharedDataContext*) final { end(area); }
+  void LayerChanged(MeshDocument&, MeshModel&, GLArea* area, MLSceneGLSharedDataContext* shared) final {
+    changeLayer(area, shared);
+  }
+  void Decorate(MeshModel&, GLArea* area, QPainter*) final { draw(area); }
+
+ private:
+  virtual bool start(GLArea* area, MLSceneGLSharedDataContext* shared) = 0;
+  virtual void end(GLArea* area) = 0;
+  virtual void changeLayer(GLArea* area, MLSceneGLSharedDataContext* shared) = 0;
+  virtual void draw(GLArea* area) = 0;
+};
+
+inline void write_log(MeshDocument& document, const std::string& line) {
+  document.Log.Log(GLLogStream::FILTER, line);
+}
+inline void show_on_picture(MeshDocument& document, const QString& title, const QString& layer, const QString& html) {
+  document.Log.RealTimeLog(title, layer, html);
+}
+inline FilterScript* history_of(MeshDocument& document) {
+  return document.filterHistory;
+}
+
+}  // namespace lapedit::host

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+// Before anything that includes GL/gl.h.
+#include <GL/glew.h>
+
+#include <common/plugins/interfaces/edit_plugin.h>
+
+#include <QString>
+#include <string>
+
+/// What of a tool MeshLab calls otherwise than version 2020.09.
+namespace lapedit::host {
+
+/// MeshLab passes the current layer by reference even if there is none: the view is asked for it instead.
+class HostToolBase : public ::EditTool {
+ public:
+  using ::EditTool::decorate;
+  using ::EditTool::endEdit;
+  using ::EditTool::startEdit;
+
+  bool startEdit(MeshDocument&, GLArea* area, MLSceneGLSharedDataContext* shared) final { return start(area, shared); }
+  void endEdit(MeshDocument&, GLArea* area, MLSceneGLSharedDataContext*) final { end(area); }
+  void layerChanged(MeshDocument&, MeshModel&, GLArea* area, MLSceneGLSharedDataContext* shared) final {
+    changeLayer(area, shared);
+  }
+  void decorate(MeshModel&, GLArea* area, QPainter*) final { draw(area); }
+
+ private:
+  virtual bool start(GLArea* area, MLSceneGLSharedDataContext* shared) = 0;
+  virtual void end(GLArea* area) = 0;
+  virtual void changeLayer(GLArea* area, MLSceneGLSharedDataContext* shared) = 0;
+  virtual void draw(GLArea* area) = 0;
+};
+
+inline void write_log(MeshDocument& document, const std::string& line) {
+  document.Log.log(GLLogStream::FILTER, line);
+}
+inline void show_on_picture(MeshDocument& document, const QString& title, const QString& layer, const QString& html) {
+  document.Log.realTimeLog(title, layer, html);
+}
+inline FilterScript* history_of(MeshDocument& document) {
+  return &document.filterHistory;
+}
+
+}  // namespace lapedit::host

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "batch_layer_value.h"
+
+/// MeshLab 2025.07's values of parameters, as far as others have them otherwise.
+namespace lapedit::host {
+
+using MatrixValue = Matrix44Value;
+using PathValue = StringValue;
+using PointValue = Point3Value;
+
+}  // namespace lapedit::host

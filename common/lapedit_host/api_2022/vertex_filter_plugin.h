@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <common/plugins/interfaces/filter_plugin.h>
+
+#include <QObject>
+#include <cstddef>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lapedit_host/host_filter.h"
+
+// For the plugin's Q_PLUGIN_METADATA and Q_INTERFACES.
+#define LAPEDIT_FILTER_IID FILTER_PLUGIN_IID
+#define LAPEDIT_FILTER_INTERFACE FilterPlugin
+
+namespace lapedit::host {
+
+/// Presents filters to MeshLab from 2021 on. What they throw becomes the one kind of exception that MeshLab catches.
+class VertexFilterPlugin : public QObject, public FilterPlugin {
+ public:
+  std::pair<std::string, bool> getMLVersion() const override {
+    return {meshlab::meshlabVersion(), meshlab::builtWithDoublePrecision()};
+  }
+  QString pluginName() const override { return name_; }
+  QString vendor() const override { return "Laplacian editing for MeshLab"; }
+  QString filterName(ActionIDType id) const override { return filter(id).name; }
+  QString pythonFilterName(ActionIDType id) const override { return filter(id).python_name; }
+  QString filterInfo(ActionIDType id) const override { return filter(id).info; }
+  FilterClass getClass(const QAction*) const override { return Smoothing; }
+  FilterArity filterArity(const QAction*) const override { return SINGLE_MESH; }
+  int getPreConditions(const QAction*) const override { return MeshModel::MM_FACENUMBER; }
+  int postCondition(const QAction*) const override {
+    return MeshModel::MM_VERTCOORD | MeshModel::MM_VERTNORMAL | MeshModel::MM_FACENORMAL;
+  }
+
+  RichParameterList initParameterList(const QAction* action, const MeshDocument& document) override {
+    return parameter_list(filter(ID(action)), document.mm() != nullptr ? &document.mm()->cm : nullptr);
+  }
+
+  std::map<std::string, QVariant> applyFilter(const QAction* action, const RichParameterList& parameters,
+                                              MeshDocument& document, unsigned int& changed,
+                                              vcg::CallBackPos* callback) override {
+    try {
+      CMeshO* const mesh = document.mm() != nullptr ? &document.mm()->cm : nullptr;
+      // As std::string: the other overloads take a printf format.
+      log(GLLogStream::FILTER, run_filter(filter(ID(action)), parameters, mesh, callback));
+    } catch (...) {
+      throw MLException(sentence_of_current_exception());
+    }
+    changed = static_cast<unsigned int>(postCondition(action));
+    return {};
+  }
+
+  using FilterPlugin::filterInfo;
+  using FilterPlugin::filterName;
+  using FilterPlugin::initParameterList;
+  using FilterPlugin::pythonFilterName;
+
+ protected:
+  VertexFilterPlugin(QString name, std::vector<FilterAction> filters)
+      : name_(std::move(name)), filters_(std::move(filters)) {
+    for (std::size_t id = 0; id < filters_.size(); ++id) {
+      typeList.push_back(static_cast<ActionIDType>(id));
+      actionList.push_back(new QAction(filters_[id].name, this));
+    }
+  }
+
+ private:
+  const FilterAction& filter(ActionIDType id) const { return filters_.at(static_cast<std::size_t>(id)); }
+
+  QString name_;
+  std::vector<FilterAction> filters_;
+};
+
+}  // namespace lapedit::host
