@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "filter_laplacian_edit.h"
 
-#include "filters.h"
-
-FilterLaplacianEdit::FilterLaplacianEdit()
-    : VertexFilterPlugin("FilterLaplacianEdit", {laplacianEdit(), laplacianEditReplay()}) {}
+FilterLaplacianEdit::FilterLaplacianEdit(const ReportSink& sink)
+    : VertexFilterPlugin("FilterLaplacianEdit", {laplacianEdit(sink), laplacianEditReplay(sink)}) {}
 
 QString aboutTheMethod() {
   return "The surface follows the handle smoothly, while the details on it keep their shape and turn with it. Nothing "

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "filters.h"
 #include "vertex_filter_plugin.h"
 
 class FilterLaplacianEdit : public lapedit::host::VertexFilterPlugin {
@@ -9,5 +10,5 @@ class FilterLaplacianEdit : public lapedit::host::VertexFilterPlugin {
   Q_INTERFACES(LAPEDIT_FILTER_INTERFACE)
 
  public:
-  FilterLaplacianEdit();
+  explicit FilterLaplacianEdit(const ReportSink& sink = {});
 };

@@ -1,13 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "lapedit/edit_report.h"
 #include "lapedit_host/filter_action.h"
 
+/// Is given the reports of each edit that was made, one per step; may be empty.
+using ReportSink = std::function<void(const std::vector<lapedit::EditReport>&)>;
+
 /// One handle, one region, typed numbers.
-lapedit::host::FilterAction laplacianEdit();
+lapedit::host::FilterAction laplacianEdit(ReportSink sink = {});
 
 /// An edit recorded as JSON, see lapedit_host/edit_script.h.
-lapedit::host::FilterAction laplacianEditReplay();
+lapedit::host::FilterAction laplacianEditReplay(ReportSink sink = {});
+
+/// The reports of an edit's steps as text for a log.
+std::string textOf(const std::vector<lapedit::EditReport>& reports);
 
 /// What a user should know about the method, HTML.
 QString aboutTheMethod();

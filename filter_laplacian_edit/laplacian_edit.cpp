@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <utility>
 
 #include "filters.h"
 #include "lapedit/error.h"
@@ -140,21 +141,27 @@ EditStep editStep(const ParameterValues& values, const CMeshO& host, const Bridg
   return step;
 }
 
-std::string run(const ParameterValues& values, CMeshO& host, const Progress& progress) {
+std::string run(const ParameterValues& values, CMeshO& host, const Progress& progress, const ReportSink& sink) {
   const BridgedMesh bridged = read_mesh(host);
   validate(bridged.mesh);
   const EditStep step = editStep(values, host, bridged);
   const Adjacency adjacency = build_adjacency(static_cast<int>(bridged.mesh.vertices.rows()), bridged.mesh.faces);
   const EditResult result = apply_step(bridged.mesh, adjacency, step, 1, kStoredScalar, progress);
   write_positions(host, bridged, result);
+  if (sink) {
+    sink(result.reports);
+  }
   return result.reports.front().text();
 }
 
 }  // namespace
 
-FilterAction laplacianEdit() {
+FilterAction laplacianEdit(ReportSink sink) {
   return {"Laplacian Edit", "apply_coord_laplacian_editing",
           "Moves a handle (a vertex, or the selected vertices) and bends a region of the surface with it. " +
               aboutTheMethod(),
-          parameters(), run};
+          parameters(),
+          [sink = std::move(sink)](const ParameterValues& values, CMeshO& host, const Progress& progress) {
+            return run(values, host, progress, sink);
+          }};
 }

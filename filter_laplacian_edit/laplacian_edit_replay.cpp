@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <utility>
+
 #include "filters.h"
 #include "lapedit_host/edit_script.h"
 #include "lapedit_host/mesh_bridge.h"
@@ -8,22 +10,29 @@ using namespace lapedit::host;
 
 namespace {
 
-std::string run(const ParameterValues& values, CMeshO& host, const Progress& progress) {
+std::string run(const ParameterValues& values, CMeshO& host, const Progress& progress, const ReportSink& sink) {
   const Edit edit = load_edit(values.text("edit"));
   const BridgedMesh bridged = read_mesh(host);
   const EditResult result = apply_edit(bridged.mesh, edit, values.real("fraction"), kStoredScalar, progress);
   write_positions(host, bridged, result);
-  std::string log;
-  for (std::size_t k = 0; k < result.reports.size(); ++k) {
-    log += (k > 0 ? "\nStep " : "Step ") + std::to_string(k + 1) + " of " + std::to_string(result.reports.size()) +
-           "\n" + result.reports[k].text();
+  if (sink) {
+    sink(result.reports);
   }
-  return log;
+  return textOf(result.reports);
 }
 
 }  // namespace
 
-FilterAction laplacianEditReplay() {
+std::string textOf(const std::vector<EditReport>& reports) {
+  std::string text;
+  for (std::size_t k = 0; k < reports.size(); ++k) {
+    text += (k > 0 ? "\nStep " : "Step ") + std::to_string(k + 1) + " of " + std::to_string(reports.size()) + "\n" +
+            reports[k].text();
+  }
+  return text;
+}
+
+FilterAction laplacianEditReplay(ReportSink sink) {
   return {"Laplacian Edit Replay",
           "apply_coord_laplacian_editing_replay",
           "Repeats an edit that was recorded or written as JSON, exactly or a part of the way. " + aboutTheMethod(),
@@ -31,5 +40,7 @@ FilterAction laplacianEditReplay() {
             "The edit as JSON text, beginning with a brace, or the path of a .json file."},
            {Parameter::Kind::Real, "fraction", 1.0, "Fraction",
             "How far each handle goes: from 0 (no change) to 1 (the whole edit). Rotations go by angle."}},
-          run};
+          [sink = std::move(sink)](const ParameterValues& values, CMeshO& host, const Progress& progress) {
+            return run(values, host, progress, sink);
+          }};
 }

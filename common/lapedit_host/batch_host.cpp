@@ -5,14 +5,14 @@
 #include <dlfcn.h>
 #include <sys/statvfs.h>
 
+#include <vcg/complex/algorithms/update/normal.h>
+#include <vcg/complex/algorithms/update/selection.h>
+#include <wrap/io_trimesh/io_mask.h>
 #include <QDir>
 #include <QFile>
 #include <QFileInfo>
 #include <map>
 #include <utility>
-#include <vcg/complex/algorithms/update/normal.h>
-#include <vcg/complex/algorithms/update/selection.h>
-#include <wrap/io_trimesh/io_mask.h>
 
 #include "lapedit/error.h"
 #include "lapedit_host/batch_parameters.h"
@@ -75,13 +75,13 @@ QString standard_plugins() {
 /// What a layer has of what a format can keep.
 int mask_of(const MeshModel& layer) {
   static constexpr std::pair<int, int> kBits[] = {
-      {Mask::IOM_VERTFLAGS, MeshModel::MM_VERTFLAG},         {Mask::IOM_VERTCOLOR, MeshModel::MM_VERTCOLOR},
-      {Mask::IOM_VERTQUALITY, MeshModel::MM_VERTQUALITY},    {Mask::IOM_VERTNORMAL, MeshModel::MM_VERTNORMAL},
-      {Mask::IOM_VERTTEXCOORD, MeshModel::MM_VERTTEXCOORD},  {Mask::IOM_VERTRADIUS, MeshModel::MM_VERTRADIUS},
-      {Mask::IOM_FACEFLAGS, MeshModel::MM_FACEFLAG},         {Mask::IOM_FACECOLOR, MeshModel::MM_FACECOLOR},
-      {Mask::IOM_FACEQUALITY, MeshModel::MM_FACEQUALITY},    {Mask::IOM_FACENORMAL, MeshModel::MM_FACENORMAL},
-      {Mask::IOM_WEDGCOLOR, MeshModel::MM_WEDGCOLOR},        {Mask::IOM_WEDGTEXCOORD, MeshModel::MM_WEDGTEXCOORD},
-      {Mask::IOM_WEDGNORMAL, MeshModel::MM_WEDGNORMAL},      {Mask::IOM_BITPOLYGONAL, MeshModel::MM_POLYGONAL},
+      {Mask::IOM_VERTFLAGS, MeshModel::MM_VERTFLAG},        {Mask::IOM_VERTCOLOR, MeshModel::MM_VERTCOLOR},
+      {Mask::IOM_VERTQUALITY, MeshModel::MM_VERTQUALITY},   {Mask::IOM_VERTNORMAL, MeshModel::MM_VERTNORMAL},
+      {Mask::IOM_VERTTEXCOORD, MeshModel::MM_VERTTEXCOORD}, {Mask::IOM_VERTRADIUS, MeshModel::MM_VERTRADIUS},
+      {Mask::IOM_FACEFLAGS, MeshModel::MM_FACEFLAG},        {Mask::IOM_FACECOLOR, MeshModel::MM_FACECOLOR},
+      {Mask::IOM_FACEQUALITY, MeshModel::MM_FACEQUALITY},   {Mask::IOM_FACENORMAL, MeshModel::MM_FACENORMAL},
+      {Mask::IOM_WEDGCOLOR, MeshModel::MM_WEDGCOLOR},       {Mask::IOM_WEDGTEXCOORD, MeshModel::MM_WEDGTEXCOORD},
+      {Mask::IOM_WEDGNORMAL, MeshModel::MM_WEDGNORMAL},     {Mask::IOM_BITPOLYGONAL, MeshModel::MM_POLYGONAL},
   };
   int mask = Mask::IOM_VERTCOORD | Mask::IOM_FACEINDEX;
   for (const auto& [in_file, in_mesh] : kBits) {
@@ -143,8 +143,8 @@ struct BatchHost::State {
   };
 
   QString folder;
-  QStringList formats_left, filters_left;  // plugin files that are not loaded yet
-  QString not_loaded;                      // what went wrong with the last one that could not be
+  QStringList formats_left, filters_left;             // plugin files that are not loaded yet
+  QString not_loaded;                                 // what went wrong with the last one that could not be
   std::map<QString, FormatPlugin*> readers, writers;  // by suffix in lower case
   std::map<QString, Filter> filters;
   MeshDocument document;
@@ -212,8 +212,8 @@ struct BatchHost::State {
                          (not_loaded.isEmpty() ? "" : " (" + not_loaded.toStdString() + ")") +
                          ": give their folder with --plugins.");
       }
-      throw BatchError("No plugin of MeshLab" + in_folder + " can " + verb + " " + quoted(path) + ": the suffixes are " +
-                       suffixes.join(", ").toStdString() + ".");
+      throw BatchError("No plugin of MeshLab" + in_folder + " can " + verb + " " + quoted(path) +
+                       ": the suffixes are " + suffixes.join(", ").toStdString() + ".");
     }
     return *plugin;
   }
@@ -252,17 +252,21 @@ BatchHost::BatchHost(const QString& plugins, Progress asked_now) : state_(std::m
   state_->filters_left.removeOne("libfilter_laplacian_edit.so");
 }
 
-BatchHost::~BatchHost() { asked() = nullptr; }
+BatchHost::~BatchHost() {
+  asked() = nullptr;
+}
 
 QString BatchHost::version() {
   const QString number = MeshLabApplication::appVer();
   return number.startsWith("MeshLab") ? number : "MeshLab " + number;
 }
 
-void BatchHost::open(const QString& path) {
-  for (const auto& [layer, mask] : state_->read(path, state_->document)) {
+int BatchHost::open(const QString& path) {
+  const auto layers = state_->read(path, state_->document);
+  for (const auto& [layer, mask] : layers) {
     complete_layer(*layer, mask);
   }
+  return static_cast<int>(layers.size());
 }
 
 CMeshO* BatchHost::mesh() {
@@ -270,7 +274,9 @@ CMeshO* BatchHost::mesh() {
   return layer != nullptr ? &layer->cm : nullptr;
 }
 
-void BatchHost::add_filters(VertexFilterPlugin& plugin) { state_->add_filter(plugin, {}); }
+void BatchHost::add_filters(VertexFilterPlugin& plugin) {
+  state_->add_filter(plugin, {});
+}
 
 void BatchHost::require_filters(const std::vector<ScriptFilter>& script) {
   State& s = *state_;
@@ -288,8 +294,7 @@ void BatchHost::require_filters(const std::vector<ScriptFilter>& script) {
       throw EditError(ErrorCause::BadScript,
                       version().toStdString() + " has no filter " + quoted(wanted.name) + " in " +
                           s.folder.toStdString() +
-                          (near.isEmpty() ? ": correct the script."
-                                          : ": did you mean " + near.toStdString() + "?"));
+                          (near.isEmpty() ? ": correct the script." : ": did you mean " + near.toStdString() + "?"));
     }
     if (draws(*found->second.plugin, found->second.action, found->second.file)) {
       throw EditError(ErrorCause::BadScript, "The filter " + quoted(wanted.name) +
@@ -298,13 +303,15 @@ void BatchHost::require_filters(const std::vector<ScriptFilter>& script) {
   }
 }
 
-void BatchHost::run(const std::vector<ScriptFilter>& script, const std::function<void(const QString&)>& each) {
+void BatchHost::run(const std::vector<ScriptFilter>& script, const std::function<void(const ScriptFilter&)>& before,
+                    const std::function<void(const QString&)>& after) {
   State& s = *state_;
   for (std::size_t k = 0; k < script.size(); ++k) {
     const State::Filter& filter = s.filters.at(script[k].name);
     QStringList log;
     s.document.Log.print(log);
-    const int before = log.size();
+    const int logged = log.size();
+    before(script[k]);
     try {
       MeshModel* const layer = s.document.mm();
       if (layer == nullptr) {
@@ -322,10 +329,10 @@ void BatchHost::run(const std::vector<ScriptFilter>& script, const std::function
       lay_over(script[k], s.document, parameters);
       apply(*filter.plugin, filter.action, parameters, s.document, ask);
     } catch (const std::exception& error) {
-      const std::string place = script.size() == 1 ? std::string()
-                                                   : "Filter " + std::to_string(k + 1) + " of " +
-                                                         std::to_string(script.size()) + " (" +
-                                                         script[k].name.toStdString() + "): ";
+      const std::string place = script.size() == 1
+                                    ? std::string()
+                                    : "Filter " + std::to_string(k + 1) + " of " + std::to_string(script.size()) +
+                                          " (" + script[k].name.toStdString() + "): ";
       const bool ours = filter.file.isEmpty() || dynamic_cast<const EditError*>(&error) != nullptr;
       throw EditError(ErrorCause::BadScript, place + (ours ? error.what() : one_line(QString::fromUtf8(error.what()))));
     }
@@ -335,14 +342,16 @@ void BatchHost::run(const std::vector<ScriptFilter>& script, const std::function
       layer->cm.sfn = static_cast<int>(vcg::tri::UpdateSelection<CMeshO>::FaceCount(layer->cm));
     }
     s.document.Log.print(log);
-    each(log.mid(before).join("\n"));
+    after(log.mid(logged).join("\n"));
   }
   if (s.document.mm() == nullptr) {
     throw EditError(ErrorCause::EmptyMesh, "The script leaves no layer: there is nothing to be written.");
   }
 }
 
-void BatchHost::require_writer(const QString& path) { state_->require(state_->writers, path, "write"); }
+void BatchHost::require_writer(const QString& path) {
+  state_->require(state_->writers, path, "write");
+}
 
 void BatchHost::save(const QString& path, const KeptAttributes& kept) {
   State& s = *state_;

@@ -43,8 +43,9 @@ class BatchHost {
 
   /// Reads the layers of a file. The mesh is that of the file: unlike the window, this removes no faces that name a
   /// vertex twice, and no vertices that are no numbers.
+  /// @return how many layers there are
   /// @throws BatchError
-  void open(const QString& path);
+  int open(const QString& path);
 
   /// The current layer's mesh; null if there is none.
   CMeshO* mesh();
@@ -57,9 +58,11 @@ class BatchHost {
   void require_filters(const std::vector<ScriptFilter>& script);
 
   /// Runs filters on the current layer, as it is then.
-  /// @param each  called after each filter, with what it wrote to the log
+  /// @param before  called before each filter
+  /// @param after   called after it, with what it wrote to the log
   /// @throws EditError
-  void run(const std::vector<ScriptFilter>& script, const std::function<void(const QString&)>& each);
+  void run(const std::vector<ScriptFilter>& script, const std::function<void(const ScriptFilter&)>& before,
+           const std::function<void(const QString&)>& after);
 
   /// @throws BatchError if no plugin writes files of this name
   void require_writer(const QString& path);

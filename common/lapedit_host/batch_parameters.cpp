@@ -124,9 +124,9 @@ void lay_over(const ScriptFilter& filter, MeshDocument& document, RichParameterL
       for (const RichParameter& parameter : list) {
         known << parameter.name();
       }
-      throw EditError(ErrorCause::BadScript,
-                      "The filter " + quoted(filter.name) + " has no parameter " + quoted(given.name) + ": it has " +
-                          (known.isEmpty() ? "none" : known.join(", ").toStdString()) + ".");
+      throw EditError(ErrorCause::BadScript, "The filter " + quoted(filter.name) + " has no parameter " +
+                                                 quoted(given.name) + ": it has " +
+                                                 (known.isEmpty() ? "none" : known.join(", ").toStdString()) + ".");
     }
     RichParameter& parameter = list.getParameterByName(given.name);
     const QString type = common_type(parameter.stringType());

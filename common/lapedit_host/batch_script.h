@@ -13,7 +13,7 @@ namespace lapedit::host {
 
 struct ScriptParameter {
   QString name;
-  QString type;                        ///< as 2020.09 calls it, see common_type()
+  QString type;                       ///< as 2020.09 calls it, see common_type()
   QMap<QString, QString> attributes;  ///< of the element, without name and type
 };
 

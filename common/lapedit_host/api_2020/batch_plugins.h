@@ -31,8 +31,12 @@ inline LoadedPlugin load_plugin(const QString& file) {
   return {qobject_cast<MeshIOInterface*>(plugin), qobject_cast<MeshFilterInterface*>(plugin)};
 }
 
-inline QList<MeshIOInterface::Format> read_formats(const FormatPlugin& plugin) { return plugin.importFormats(); }
-inline QList<MeshIOInterface::Format> written_formats(const FormatPlugin& plugin) { return plugin.exportFormats(); }
+inline QList<MeshIOInterface::Format> read_formats(const FormatPlugin& plugin) {
+  return plugin.importFormats();
+}
+inline QList<MeshIOInterface::Format> written_formats(const FormatPlugin& plugin) {
+  return plugin.exportFormats();
+}
 
 /// @param file  in the current folder. @return the new layers and the mask of what was found in the file
 inline std::vector<std::pair<MeshModel*, int>> read_layers(FormatPlugin& plugin, const QFileInfo& file,

@@ -33,8 +33,12 @@ inline LoadedPlugin load_plugin(const QString& file) {
   return {dynamic_cast<IOPlugin*>(plugin), dynamic_cast<FilterPlugin*>(plugin)};
 }
 
-inline std::list<FileFormat> read_formats(const FormatPlugin& plugin) { return plugin.importFormats(); }
-inline std::list<FileFormat> written_formats(const FormatPlugin& plugin) { return plugin.exportFormats(); }
+inline std::list<FileFormat> read_formats(const FormatPlugin& plugin) {
+  return plugin.importFormats();
+}
+inline std::list<FileFormat> written_formats(const FormatPlugin& plugin) {
+  return plugin.exportFormats();
+}
 
 /// @param file  in the current folder. @return the new layers and the mask of what was found in the file
 inline std::vector<std::pair<MeshModel*, int>> read_layers(FormatPlugin& plugin, const QFileInfo& file,

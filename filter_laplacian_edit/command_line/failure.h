@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+/// What the program ends with; part of its interface.
+enum ExitCode {
+  Done = 0,
+  Refused = 1,     ///< the edit or the script
+  WrongUsage = 2,  ///< of the command line
+  Unreadable = 3,  ///< the mesh, or the file of the edit
+  Unwritable = 4,  ///< the output or the report
+  Unexpected = 5   ///< an error in the host or here
+};
+
+/// Ends the program with a code and a sentence.
+class Failure : public std::runtime_error {
+ public:
+  Failure(ExitCode code, const std::string& sentence) : std::runtime_error(sentence), code_(code) {}
+  ExitCode code() const { return code_; }
+
+ private:
+  ExitCode code_;
+};

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "options.h"
+
+#include <QCommandLineParser>
+#include <QFile>
+#include <QFileInfo>
+
+#include "failure.h"
+#include "lapedit_host/json_object.h"
+
+using lapedit::quoted;
+
+namespace {
+
+constexpr char kDescription[] =
+    "Edits a mesh without MeshLab's window and without an X server: applies an edit (.json) or a filter script (.mlx) "
+    "to IN and writes the result to OUT. Formats are those of the installed MeshLab's plugins, by the suffix of the "
+    "name; what the mesh has and the format keeps by default is kept. OUT may be IN. It is replaced only when all that "
+    "is to be written is complete.";
+
+constexpr char kExitCodes[] =
+    "\nExit codes, with one sentence on the standard error:\n"
+    "  0  done\n"
+    "  1  the edit or the script was refused\n"
+    "  2  wrong usage\n"
+    "  3  the mesh or the file of the edit could not be read\n"
+    "  4  the output or the report could not be written\n"
+    "  5  an unexpected error, in MeshLab or in this program\n"
+    "Unless it is 0, no output was written or replaced.\n";
+
+[[noreturn]] void refuse(const std::string& sentence) {
+  throw Failure(WrongUsage, sentence + " See --help.");
+}
+
+double fraction(const QString& text) {
+  bool ok = false;
+  const double number = text.trimmed().toDouble(&ok);
+  if (!ok || !(number >= 0 && number <= 1)) {
+    refuse("The fraction is " + quoted(text) + ": give a number from 0 (no change) to 1 (the whole edit).");
+  }
+  return number;
+}
+
+lapedit::host::KeptAttributes keptAttributes(const QString& list) {
+  lapedit::host::KeptAttributes kept;
+  for (const QString& name : list.split(',')) {
+    if (name == "normals") {
+      kept.normals = true;
+    } else if (name == "selection") {
+      kept.selection = true;
+    } else {
+      refuse("There is no " + quoted(name) + " to be kept: give normals, selection, or both with a comma.");
+    }
+  }
+  return kept;
+}
+
+/// By the suffix, or else by how the text begins.
+bool isScript(const QString& path) {
+  const QString suffix = QFileInfo(path).suffix().toLower();
+  if (suffix == "mlx" || suffix == "json") {
+    return suffix == "mlx";
+  }
+  QFile file(path);
+  return file.open(QIODevice::ReadOnly) && file.read(1024).trimmed().startsWith('<');
+}
+
+}  // namespace
+
+QStringList Options::outputs() const {
+  if (!numbered) {
+    return {output};
+  }
+  const QFileInfo file(output);
+  const QString suffix = file.suffix().isEmpty() ? QString() : "." + file.suffix();
+  QStringList paths;
+  for (std::size_t k = 1; k <= fractions.size(); ++k) {
+    paths << QString("%1/%2-%3%4").arg(file.path(), file.completeBaseName()).arg(k, 4, 10, QChar('0')).arg(suffix);
+  }
+  return paths;
+}
+
+std::optional<Options> readOptions(const QStringList& arguments, std::string& text) {
+  QCommandLineParser parser;
+  parser.setApplicationDescription(kDescription);
+  parser.addPositionalArgument("IN", "The mesh.");
+  parser.addPositionalArgument("OUT", "The file to be written.");
+  parser.addPositionalArgument("EDIT", "The edit: JSON text (.json), or a filter script (.mlx).");
+  const QCommandLineOption help({"h", "help"}, "Shows this text."), version({"v", "version"}, "Shows the versions."),
+      quiet({"q", "quiet"}, "Writes no reports and no progress."),
+      one("fraction", "How far the handles of a JSON edit go, 0 to 1; 1 unless given.", "F"),
+      several("fractions",
+              "Several poses of a JSON edit, as in 0.25,0.5,1: the factorisation is made once, and the files are "
+              "numbered in the order of the list, as in OUT-0001.ply.",
+              "F,F,..."),
+      report("report", "Writes the figures of all steps to a file, as JSON.", "FILE"),
+      also("also", "Keeps also what the format leaves out by default: normals, selection, or both with a comma.",
+           "LIST"),
+      plugins("plugins", "Takes MeshLab's plugins from another folder.", "DIR");
+  for (const QCommandLineOption* option : {&one, &several, &report, &also, &plugins, &quiet, &help, &version}) {
+    parser.addOption(*option);
+  }
+  if (!parser.parse(arguments)) {
+    QString error = parser.errorText();
+    refuse((error.endsWith('.') ? error : error + ".").toStdString());
+  }
+  if (parser.isSet(help)) {
+    text = parser.helpText().toStdString() + kExitCodes;
+    return {};
+  }
+  if (parser.isSet(version)) {
+    text = "laplacian-edit " LAPEDIT_VERSION " on " + lapedit::host::BatchHost::version().toStdString() + "\n";
+    return {};
+  }
+  const QStringList files = parser.positionalArguments();
+  if (files.size() != 3) {
+    refuse("There are " + std::to_string(files.size()) + " file names: give the mesh, the output and the edit.");
+  }
+  for (const QCommandLineOption* option : {&one, &several, &report, &also, &plugins}) {
+    if (parser.isSet(*option) && parser.values(*option).size() > 1) {
+      refuse("The option --" + option->names().first().toStdString() + " is given more than once.");
+    }
+    if (parser.isSet(*option) && parser.value(*option).isEmpty()) {
+      refuse("The option --" + option->names().first().toStdString() + " is empty.");
+    }
+  }
+  Options options;
+  options.input = QFileInfo(files[0]).absoluteFilePath();
+  options.output = QFileInfo(files[1]).absoluteFilePath();
+  options.edit = QFileInfo(files[2]).absoluteFilePath();
+  options.isScript = isScript(options.edit);
+  options.quiet = parser.isSet(quiet);
+  if (parser.isSet(report)) {
+    options.report = QFileInfo(parser.value(report)).absoluteFilePath();
+  }
+  if (parser.isSet(plugins)) {
+    options.plugins = QFileInfo(parser.value(plugins)).absoluteFilePath();
+  }
+  if (parser.isSet(also)) {
+    options.kept = keptAttributes(parser.value(also));
+  }
+  if (parser.isSet(one) && parser.isSet(several)) {
+    refuse("Give either --fraction or --fractions.");
+  }
+  if ((parser.isSet(one) || parser.isSet(several)) && options.isScript) {
+    refuse("Fractions are for JSON edits: in a script, give the parameter fraction of Laplacian Edit Replay.");
+  }
+  if (parser.isSet(one)) {
+    options.fractions = {fraction(parser.value(one))};
+  }
+  if (parser.isSet(several)) {
+    options.numbered = true;
+    options.fractions.clear();
+    for (const QString& part : parser.value(several).split(',')) {
+      options.fractions.push_back(fraction(part));
+    }
+  }
+  return options;
+}

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QByteArray>
+#include <QString>
+#include <QStringList>
+#include <vector>
+
+#include "lapedit/edit_report.h"
+#include "options.h"
+
+/// The steps that led to one output.
+struct Pose {
+  double fraction = 1;
+  std::vector<lapedit::EditReport> steps;
+};
+
+struct JobReport {
+  int vertices = 0, faces = 0;  ///< of the mesh that was read
+  double read_ms = 0, edit_ms = 0, write_ms = 0;
+  std::vector<Pose> poses;
+};
+
+/// All figures as JSON text.
+QByteArray reportText(const Options& options, const JobReport& report);
