@@ -49,10 +49,12 @@ class CurrentFolder {
 
 /// The host's message on one line, less its preface, with a full stop.
 std::string one_line(QString message) {
-  const QString details = "Error details:";
-  const int at = message.indexOf(details);
-  if (at >= 0) {
-    message = message.mid(at + details.size());
+  for (const QString& end_of_preface : {QString("Error details:"), QString(":\n")}) {
+    const int at = message.indexOf(end_of_preface);
+    if (at >= 0) {
+      message = message.mid(at + end_of_preface.size());
+      break;
+    }
   }
   message = message.simplified();
   while (message.endsWith('.') || message.endsWith('!')) {
@@ -359,7 +361,7 @@ void BatchHost::save(const QString& path, const KeptAttributes& kept) {
   FormatPlugin& plugin = s.require(s.writers, path, "write");
   MeshModel* const layer = s.document.mm();
   if (layer == nullptr) {
-    throw BatchError("There are 0 layers: there is nothing to be written.");
+    throw BatchError("there are 0 layers.");
   }
   int capability = 0, standard = 0;
   find_masks(plugin, file.suffix(), capability, standard);
@@ -373,7 +375,7 @@ void BatchHost::save(const QString& path, const KeptAttributes& kept) {
   try {
     write_layer(plugin, file, *layer, mask, ask);
   } catch (const std::exception& error) {
-    throw BatchError("The plugin of MeshLab cannot write it: " + one_line(QString::fromUtf8(error.what())));
+    throw BatchError(one_line(QString::fromUtf8(error.what())));
   }
   s.require_complete(path, *layer);
 }
@@ -401,7 +403,7 @@ void BatchHost::State::require_complete(const QString& path, MeshModel& layer) {
     }
   }
   if (!complete || found.first != layer.cm.vn || found.second != layer.cm.fn) {
-    throw BatchError(full ? "The disk is full." : "What was written is not complete; the disk may be full.");
+    throw BatchError(full ? "the disk is full." : "what arrived is not complete, the disk may be full.");
   }
 }
 

@@ -69,7 +69,7 @@ class BatchHost {
 
   /// Writes the current layer with all that it has and the format keeps by default, and makes sure that the file is
   /// complete, as far as it can be read back.
-  /// @throws BatchError
+  /// @throws BatchError whose text is the end of a sentence: why not
   void save(const QString& path, const KeptAttributes& kept);
 
  private:

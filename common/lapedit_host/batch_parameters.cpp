@@ -90,9 +90,13 @@ void set(const ScriptParameter& given, MeshDocument& document, RichParameter& pa
   } else if (type == "RichInt") {
     parameter.setValue(IntValue(whole_number(given, "value")));
   } else if (type == "RichEnum") {
-    parameter.setValue(IntValue(choice(given, dynamic_cast<const RichEnum&>(parameter))));
-  } else if (type == "RichFloat" || type == "RichAbsPerc" || type == "RichDynamicFloat") {
+    parameter.setValue(ChoiceValue(choice(given, dynamic_cast<const RichEnum&>(parameter))));
+  } else if (type == "RichFloat") {
     parameter.setValue(FloatValue(number(given, "value")));
+  } else if (type == "RichAbsPerc") {
+    parameter.setValue(LengthValue(number(given, "value")));
+  } else if (type == "RichDynamicFloat") {
+    parameter.setValue(SliderValue(number(given, "value")));
   } else if (type == "RichString") {
     parameter.setValue(StringValue(attribute(given, "value")));
   } else if (type == "RichOpenFile" || type == "RichSaveFile") {

@@ -13,10 +13,11 @@ using lapedit::quoted;
 namespace {
 
 constexpr char kDescription[] =
-    "Edits a mesh without MeshLab's window and without an X server: applies an edit (.json) or a filter script (.mlx) "
-    "to IN and writes the result to OUT. Formats are those of the installed MeshLab's plugins, by the suffix of the "
-    "name; what the mesh has and the format keeps by default is kept. OUT may be IN. It is replaced only when all that "
-    "is to be written is complete.";
+    "\nEdits a mesh without MeshLab's window and without an X server: applies an edit\n"
+    "(.json) or a filter script (.mlx) to IN and writes the result to OUT. Formats are\n"
+    "those of the installed MeshLab's plugins, by the suffix of the name; what the\n"
+    "mesh has and the format keeps by default is kept. OUT may be IN. It is replaced\n"
+    "only when all that is to be written is complete.";
 
 constexpr char kExitCodes[] =
     "\nExit codes, with one sentence on the standard error:\n"
@@ -26,7 +27,8 @@ constexpr char kExitCodes[] =
     "  3  the mesh or the file of the edit could not be read\n"
     "  4  the output or the report could not be written\n"
     "  5  an unexpected error, in MeshLab or in this program\n"
-    "Unless it is 0, no output was written or replaced.\n";
+    "Unless it is 0, no output was written or replaced; only a report may be missing\n"
+    "beside complete outputs, which is said.\n";
 
 [[noreturn]] void refuse(const std::string& sentence) {
   throw Failure(WrongUsage, sentence + " See --help.");

@@ -108,9 +108,8 @@ int supervise(const std::function<int(Notes&)>& work) {
       raise(signal);
     }
   }
-  std::fprintf(stderr,
-               "%s stopped with an error of its own while %s (signal %d, %s): nothing was written; try another file "
-               "format, such as PLY, OFF or STL.\n",
-               lapedit::host::BatchHost::version().toUtf8().constData(), notes->activity_, signal, strsignal(signal));
+  std::fprintf(stderr, "%s stopped with an error of its own while %s (signal %d, %s): nothing was written%s.\n",
+               lapedit::host::BatchHost::version().toUtf8().constData(), notes->activity_, signal, strsignal(signal),
+               notes->code_ == Unexpected ? "" : "; try another file format, such as PLY, OFF or STL");
   return notes->code_;
 }

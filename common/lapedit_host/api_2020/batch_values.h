@@ -8,9 +8,12 @@
 /// MeshLab 2020.09's values of parameters, as far as others have them otherwise.
 namespace lapedit::host {
 
+using ChoiceValue = EnumValue;
+using LengthValue = AbsPercValue;
 using MatrixValue = Matrix44fValue;
 using PathValue = FileValue;
 using PointValue = Point3fValue;
+using SliderValue = DynamicFloatValue;
 
 /// @param number  place in the list of layers. @return null if there is no such layer
 inline std::unique_ptr<Value> layer_value(MeshDocument& document, int number) {

@@ -7,6 +7,11 @@
 
 namespace lapedit::host {
 
+using ChoiceValue = IntValue;
+using LengthValue = FloatValue;
+using PathValue = StringValue;
+using SliderValue = FloatValue;
+
 /// @param number  the layer's. @return null if there is no such layer
 inline std::unique_ptr<Value> layer_value(MeshDocument& document, int number) {
   if (number < 0 || document.getMesh(static_cast<unsigned int>(number)) == nullptr) {

@@ -7,7 +7,6 @@
 namespace lapedit::host {
 
 using MatrixValue = Matrix44fValue;
-using PathValue = StringValue;
 using PointValue = Point3fValue;
 
 }  // namespace lapedit::host

@@ -7,7 +7,6 @@
 namespace lapedit::host {
 
 using MatrixValue = Matrix44Value;
-using PathValue = StringValue;
 using PointValue = Point3Value;
 
 }  // namespace lapedit::host
