@@ -72,8 +72,7 @@ class Window:
             self.socket.settimeout(PATIENCE + 30)
             self._wait(lambda: self._connect(path), "MeshLab did not start")
             self.answers = self.socket.makefile("rb")
-            if files:
-                self.wait_output("All files opened")
+            self._wait(lambda: self._opened(files), "MeshLab did not open all files")
             self.idle()
         except BaseException:
             self.kill()
@@ -86,6 +85,15 @@ class Window:
         except (FileNotFoundError, ConnectionRefusedError):
             return False
         return True
+
+    def _opened(self, files):
+        found = self.dialog()
+        if found:
+            self.fail(f"MeshLab begins with the dialog {found}")
+        return not files or self._printed("All files opened")
+
+    def _printed(self, text):
+        return any(text in line for line in self.output)
 
     def _read_output(self):
         for line in self.process.stdout:
@@ -320,7 +328,7 @@ class Window:
             self.fail("MeshLab did not end well")
 
     def wait_output(self, text):
-        self._wait(lambda: any(text in line for line in self.output), f"no {text!r} in MeshLab's output")
+        self._wait(lambda: self._printed(text), f"no {text!r} in MeshLab's output")
 
     # From outside -----------------------------------------------------------------------------------------------------
 

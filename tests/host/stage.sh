@@ -38,7 +38,9 @@ for binary in "$@"; do
     ln -sf "$host"/*.so "$staged/"
     # Few plugins make a quick start.
     for name in io_base filter_select filter_func filter_layer filter_camera filter_unsharp edit_select decorate_base; do
-      [ ! -e "$host/plugins/lib$name.so" ] || ln -sf "$host/plugins/lib$name.so" "$staged/plugins/"
+      # Some need libraries that Debian's package only recommends; MeshLab 2022 and later stop at a dialog then.
+      if LD_LIBRARY_PATH=$host ldd "$host/plugins/lib$name.so" 2>&1 | grep -Eq 'not found|No such file'; then continue; fi
+      ln -sf "$host/plugins/lib$name.so" "$staged/plugins/"
     done
     printf %s "$plugins" | while read -r plugin; do
       ln -sf "$plugin" "$staged/plugins/"

@@ -8,9 +8,8 @@
 #include <utility>
 
 GuiDriver::GuiDriver() {
-  static bool made = false;  // MeshLab may make a second object, after one that it only looks at
   const QString path = qEnvironmentVariable("LAPEDIT_GUI_SOCKET");
-  if (path.isEmpty() || std::exchange(made, true)) {
+  if (path.isEmpty()) {
     return;
   }
   // Qt's own dialogs can be answered from inside.
@@ -23,6 +22,11 @@ GuiDriver::GuiDriver() {
 }
 
 void GuiDriver::listen(const QString& path) {
+  // MeshLab 2022 and later make a second object, after one that they only look at.
+  static bool listening = false;
+  if (std::exchange(listening, true)) {
+    return;
+  }
   if (!server_.listen(path)) {
     qCritical("gui_driver: %s: %s", qUtf8Printable(path), qUtf8Printable(server_.errorString()));
     return;
