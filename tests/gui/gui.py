@@ -7,6 +7,7 @@ Environment: as tests/host/host.py has it; the stage holds the driver as well.
 import collections
 import json
 import pathlib
+import re
 import socket
 import struct
 import subprocess
@@ -58,6 +59,7 @@ class Window:
         self.folder = pathlib.Path(folder)
         self.environment = environment
         self.output = []
+        self.marks = 0
         self.recent = collections.deque(maxlen=25)
         path = self.folder / "driver"
         path.unlink(missing_ok=True)
@@ -281,7 +283,13 @@ class Window:
         return self.ask("camera")
 
     def log(self):
-        return [text for _, text in self.ask("log")["lines"]]
+        """The lines of MeshLab's log so far. MeshLab prints them all; 2025.07 keeps none, once its window shows them."""
+        self.marks += 1
+        mark = f"gui_driver: mark {self.marks}"
+        self.ask("print", text=mark)
+        self.wait_output(mark)
+        lines = self.output[:self.output.index(mark)]
+        return [m[1] for m in (re.match(r"LOG: \d (.*)", line) for line in lines) if m]
 
     def on_screen(self):
         return self.ask("on_screen")["texts"]

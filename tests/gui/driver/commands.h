@@ -23,8 +23,8 @@ using Command = std::function<Answer(const QJsonObject&)>;
 using Commands = std::map<QString, Command>;
 
 void add_input_commands(Commands& commands);   ///< mouse, wheel, keys
-void add_window_commands(Commands& commands);  ///< menus, widgets, dialogs, pictures
-void add_scene_commands(Commands& commands);   ///< layers, vertices, camera, log
+void add_window_commands(Commands& commands);  ///< menus, widgets, dialogs, pictures, output
+void add_scene_commands(Commands& commands);   ///< layers, vertices, camera, history
 
 /// All of these throw std::runtime_error if there is no such thing.
 QMainWindow& main_window();

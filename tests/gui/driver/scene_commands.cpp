@@ -241,14 +241,6 @@ Answer camera(const QJsonObject&) {
   return {{{"matrix", numbers(eye_matrix(area))}, {"fov", static_cast<double>(area.fov)}}};
 }
 
-Answer log(const QJsonObject&) {
-  QJsonArray lines;
-  for (const auto& [level, text] : document().Log.logStringList()) {
-    lines += QJsonArray{level, text};
-  }
-  return {{{"lines", lines}}};
-}
-
 /// What the boxes over the picture say. MeshLab forgets them once they are drawn, so the tool is asked again.
 Answer on_screen(const QJsonObject&) {
   GLArea& area = gl_area();
@@ -319,7 +311,6 @@ void add_scene_commands(Commands& commands) {
   commands["dump"] = dump;
   commands["project"] = project;
   commands["camera"] = camera;
-  commands["log"] = log;
   commands["on_screen"] = on_screen;
   commands["history"] = history;
   commands["tool"] = tool;

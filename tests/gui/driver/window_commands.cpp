@@ -279,6 +279,12 @@ Answer clipboard(const QJsonObject& arguments) {
   return {{{"text", QApplication::clipboard()->text()}}};
 }
 
+/// A line among MeshLab's own output.
+Answer print(const QJsonObject& arguments) {
+  qInfo("%s", qUtf8Printable(arguments["text"].toString()));
+  return {};
+}
+
 Answer quit(const QJsonObject&) {
   QMainWindow* window = &main_window();
   return {{}, [window] { window->close(); }};
@@ -310,6 +316,7 @@ void add_window_commands(Commands& commands) {
   commands["grab"] = grab;
   commands["resize"] = resize;
   commands["clipboard"] = clipboard;
+  commands["print"] = print;
   commands["quit"] = quit;
 }
 
