@@ -1,0 +1,348 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Installs the package as a user would, uses it in the stock MeshLab, removes it. Run by package_test.sh.
+
+Environment:
+  LAPEDIT_PACKAGE     the .deb
+  LAPEDIT_CLEAN_ROOT  a root with nothing but the packaged MeshLab; may be changed
+  LAPEDIT_USER_ROOT   a root in which the project can be built; may be changed
+  LAPEDIT_BUILD       the build folder
+  LAPEDIT_OUTPUT      where to leave what MeshLab printed
+"""
+import hashlib
+import json
+import math
+import os
+import pathlib
+import re
+import shutil
+import stat
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "host"))
+
+from ply import Ply, bits_of, float_of, write_ply  # noqa: E402
+from shapes import neighbours, within  # noqa: E402
+from x_server import start_x_server  # noqa: E402
+
+PACKAGE = pathlib.Path(os.environ["LAPEDIT_PACKAGE"])
+CLEAN_ROOT = pathlib.Path(os.environ["LAPEDIT_CLEAN_ROOT"])
+USER_ROOT = pathlib.Path(os.environ["LAPEDIT_USER_ROOT"])
+BUILD = pathlib.Path(os.environ["LAPEDIT_BUILD"])
+OUTPUT = pathlib.Path(os.environ["LAPEDIT_OUTPUT"])
+NAME = "meshlab-laplacian-edit"
+PATIENCE = 60  # seconds
+SIZE = 1280, 900
+USER = 1000
+SIDE = 81  # vertices
+MIDDLE = SIDE * SIDE // 2
+
+# Kept by apt and dpkg themselves; what they know of packages is compared by asking them.
+NOT_COMPARED = re.compile(
+    r"/(data|src|build|var/cache/apt|var/lib/apt|var/log/(apt|dpkg\.log|alternatives\.log)|var/cache/ldconfig/aux-cache"
+    r"|var/lib/dpkg/(status|available|lock|lock-frontend|[a-z]+-old)|var/cache/debconf/.*)(/.*)?")
+
+
+def tree(root, excluded=NOT_COMPARED):
+    """All files: {path: (kind and mode, owner, group, target or checksum)}"""
+    found = {}
+    for folder, folders, files in os.walk(root):
+        here = "/" + os.path.relpath(folder, root) + "/" if folder != str(root) else "/"
+        folders[:] = [name for name in folders if not excluded.fullmatch(here + name)]
+        for name in folders + files:
+            path = os.path.join(folder, name)
+            if excluded.fullmatch(here + name):
+                continue
+            status = os.lstat(path)
+            content = None
+            if stat.S_ISLNK(status.st_mode):
+                content = os.readlink(path)
+            elif stat.S_ISREG(status.st_mode):
+                with open(path, "rb") as file:
+                    content = hashlib.sha256(file.read()).hexdigest()
+            found[here + name] = oct(status.st_mode), status.st_uid, status.st_gid, content
+    return found
+
+
+def differences(before, after):
+    lines = [f"left behind: {path}" for path in sorted(after.keys() - before.keys())]
+    lines += [f"lost: {path}" for path in sorted(before.keys() - after.keys())]
+    lines += [f"changed: {path}: {before[path]}, {after[path]}" for path in sorted(before.keys() & after.keys())
+              if before[path] != after[path]]
+    return lines
+
+
+def sheet():
+    """A square with a hill."""
+    points = [(x / (SIDE - 1), y / (SIDE - 1),
+               0.2 * math.sin(math.pi * x / (SIDE - 1)) * math.sin(math.pi * y / (SIDE - 1)))
+              for x in range(SIDE) for y in range(SIDE)]
+    corners = [SIDE * x + y for x in range(SIDE - 1) for y in range(SIDE - 1)]
+    return points, [face for q in corners for face in ((q, q + SIDE, q + 1), (q + 1, q + SIDE, q + SIDE + 1))]
+
+
+class Root:
+    """A Debian root with a folder of this machine at /data, which belongs to an ordinary user."""
+
+    def __init__(self, folder, data, display, binds=()):
+        self.folder = folder
+        self.data = data
+        self.display = display
+        self.binds = [word for bind in binds for word in ("--bind", bind)]
+
+    def command(self, *words, user=USER):
+        environment = {"HOME": "/data/home", "XDG_RUNTIME_DIR": "/data/home", "LIBGL_ALWAYS_SOFTWARE": "1"}
+        drop = ["setpriv", f"--reuid={user}", f"--regid={user}", "--clear-groups"]
+        if user == 0:
+            environment = {"DEBIAN_FRONTEND": "noninteractive"}
+            drop = []
+        settings = [word for name, value in environment.items() for word in ("--env", f"{name}={value}")]
+        return [str(HERE / "root.sh"), "run", str(self.folder), "--bind", f"{self.data}=/data", *self.binds, *settings,
+                "--directory", "/data", "--", *drop, *map(str, words)]
+
+    def environment(self, screen=True):
+        environment = {name: value for name, value in os.environ.items() if name != "DISPLAY"}
+        return dict(environment, DISPLAY=self.display) if screen else environment
+
+    def run(self, *words, user=USER, code=0, screen=False):
+        """@return what it prints; code: what it must end with, None for anything but 0"""
+        done = subprocess.run(self.command(*words, user=user), env=self.environment(screen), stdin=subprocess.DEVNULL,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=300, check=False)
+        text = done.stdout.decode(errors="replace")
+        if done.returncode != code and not (code is None and done.returncode != 0):
+            raise AssertionError(f"{' '.join(map(str, words))} ended with {done.returncode}:\n{text}")
+        return text
+
+    def packages(self):
+        return self.run("dpkg-query", "-W", "-f", "${Package} ${Version} ${Status}\\n", user=0)
+
+
+class Window:
+    """The stock MeshLab with a mesh, driven by X events only."""
+
+    def __init__(self, root, mesh):
+        self.root = root
+        self.lines = []
+        self.process = subprocess.Popen(root.command("meshlab", mesh), env=root.environment(), stdin=subprocess.DEVNULL,
+                                        stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        self.reader = threading.Thread(target=self._read, daemon=True)
+        self.reader.start()
+
+    def _read(self):
+        for line in self.process.stdout:
+            self.lines.append(line.decode(errors="replace").rstrip("\n"))
+
+    def __enter__(self):
+        try:
+            self.wait("All files opened")
+            self.main = self.find("Project_")
+            self.x("windowmove", self.main, 0, 0, "windowsize", self.main, *SIZE, "sleep", 0.5)
+            self.focus()
+        except BaseException:
+            self.end()
+            raise
+        return self
+
+    def __exit__(self, kind, _error, _trace):
+        if kind is not None and shutil.which("import"):
+            subprocess.run(["import", "-window", "root", str(OUTPUT / "screen.png")], env=self.root.environment(),
+                           timeout=PATIENCE, check=False)
+        self.end()
+
+    def end(self):
+        if self.process.poll() is None:
+            self.process.terminate()
+            self.process.wait(PATIENCE)
+        self.reader.join(5)
+        self.process.stdout.close()
+        (OUTPUT / "meshlab.log").write_text("\n".join(self.lines) + "\n")
+
+    def fail(self, sentence):
+        raise AssertionError(f"{sentence}\nOutput of MeshLab:\n" + "\n".join(self.lines))
+
+    def wait(self, text, times=1):
+        """Until that many lines of MeshLab's output contain the text. @return the last of them"""
+        end = time.monotonic() + PATIENCE
+        while True:
+            found = [line for line in self.lines if text in line]
+            if len(found) >= times:
+                return found[times - 1]
+            if time.monotonic() > end or self.process.poll() is not None and not self.reader.is_alive():
+                self.fail(f"no {text!r} in MeshLab's output")
+            time.sleep(0.05)
+
+    def x(self, *words, check=True):
+        done = subprocess.run(["xdotool", *map(str, words)], env=self.root.environment(), stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, timeout=PATIENCE, check=False)
+        if check and done.returncode != 0:
+            self.fail(f"xdotool {words}: {done.stdout.decode()}")
+        return done.stdout.decode()
+
+    def find(self, title):
+        """Until a window with such a title is on the screen. @return its number"""
+        end = time.monotonic() + PATIENCE
+        while time.monotonic() < end:
+            windows = re.findall(r"^\d+$", self.x("search", "--onlyvisible", "--name", title, check=False), re.M)
+            if windows:
+                return windows[-1]
+            time.sleep(0.1)
+        return self.fail(f"no window with the title {title!r}")
+
+    def gone(self, title):
+        end = time.monotonic() + PATIENCE
+        while self.x("search", "--onlyvisible", "--name", title, check=False):
+            if time.monotonic() > end:
+                self.fail(f"the window {title!r} does not go away")
+            time.sleep(0.1)
+
+    def focus(self):
+        """Gives the keyboard to the main window: there is no window manager that would."""
+        self.x("windowfocus", "--sync", self.main, "sleep", 0.2)
+
+    def keys(self, *keys):
+        for key in keys:
+            self.x("key", key, "sleep", 0.3)
+
+    def drag(self, start, end, steps=8):
+        self.x("mousemove", *start, "sleep", 0.1, "mousedown", 1)
+        for i in range(1, steps + 1):
+            self.x("mousemove", *(round(a + (b - a) * i / steps) for a, b in zip(start, end)), "sleep", 0.05)
+        self.x("sleep", 0.1, "mouseup", 1)
+
+    def save(self, times=1):
+        self.focus()
+        self.keys("ctrl+e")
+        self.find("Choose Saving Options")
+        self.keys("Return")
+        self.wait("Saved Mesh", times)
+        self.gone("Choose Saving Options")
+        self.focus()
+
+    def quit(self):
+        self.focus()
+        self.keys("ctrl+q")
+        end = time.monotonic() + PATIENCE
+        while self.process.poll() is None:
+            if time.monotonic() > end:
+                self.fail("MeshLab does not end")
+            time.sleep(0.05)
+        if self.process.returncode != 0:
+            self.fail(f"MeshLab ended with {self.process.returncode}")
+
+
+class Package(unittest.TestCase):
+    def setUp(self):
+        self.display = start_x_server(self.addCleanup, "%dx%d" % SIZE)
+        self.data = pathlib.Path(tempfile.mkdtemp(prefix="lapedit-"))
+        self.addCleanup(shutil.rmtree, self.data)
+        (self.data / "home").mkdir()
+        self.points, self.faces = sheet()
+        write_ply(self.data / "flat.ply", self.points, self.faces)
+        self.bits = [tuple(map(bits_of, p)) for p in self.points]
+        shutil.copy(self.data / "flat.ply", self.data / "mesh.ply")
+        self.give(self.data)
+
+    def give(self, folder):
+        for path in [folder, *folder.rglob("*")]:
+            os.chown(path, USER, USER, follow_symlinks=False)
+
+    def moved(self, path):
+        """Checks that some vertices moved and all others kept their bits. @return their coordinates as bits"""
+        saved = Ply(path)
+        self.assertEqual(saved.faces(), self.faces)
+        bits = saved.point_bits()
+        moved = sum(a != b for a, b in zip(bits, self.bits))
+        self.assertEqual(len(bits), len(self.bits))
+        self.assertGreater(moved, 100)
+        self.assertLess(moved, len(bits) - 100)
+        return bits
+
+    def drag_and_save(self, window):
+        """With the tool, from the middle of the sheet."""
+        window.keys("ctrl+alt+l")
+        window.wait("Started Mode Laplacian Drag")
+        window.drag((480, 480), (540, 400))
+        window.wait("Laplacian Drag: step 1: ")
+        window.save()
+
+    def test_package(self):
+        root = Root(CLEAN_ROOT, self.data, self.display)
+        shutil.copy(PACKAGE, self.data)
+        root.run("apt-get", "-q", "update", user=0)
+        files, packages = tree(CLEAN_ROOT), root.packages()
+        self.assertNotIn(NAME, packages)
+
+        # As a user would, without a word about dependencies.
+        root.run("apt-get", "install", "-qy", "--no-install-recommends", f"./{PACKAGE.name}", user=0)
+        self.assertRegex(root.packages(), rf"(?m)^{NAME} \S+ install ok installed$")
+        added = set(tree(CLEAN_ROOT)) - set(files)
+        self.assertIn("/usr/bin/laplacian-edit", added)
+        plugins = [path for path in added if path.endswith(("/libedit_laplacian_drag.so", "/libfilter_laplacian_edit.so"))]
+        self.assertEqual(len(plugins), 2, added)
+
+        self.check_command_line(root)
+        self.check_window(root)
+        if (CLEAN_ROOT / "usr/bin/meshlabserver").exists():
+            self.check_server(root)
+
+        root.run("apt-get", "purge", "-qy", "--autoremove", NAME, user=0)
+        self.assertEqual(root.packages(), packages)
+        self.assertEqual(differences(files, tree(CLEAN_ROOT)), [])
+
+    def check_window(self, root):
+        """The tool; then the filter that the tool left in MeshLab's history, on the mesh as it was."""
+        mesh = self.data / "mesh.ply"
+        with Window(root, "/data/mesh.ply") as window:
+            self.drag_and_save(window)
+            by_tool = self.moved(mesh)
+            shutil.copy(self.data / "flat.ply", mesh)
+            window.keys("ctrl+alt+l", "ctrl+shift+r")
+            window.wait("Opened mesh", 2)
+            # The filter that was applied last is above in the menu, and cannot be chosen: there was none.
+            window.keys("alt+l", "Return")
+            window.find("^Dialog$|Filter Script")
+            window.keys("shift+Tab", "shift+Tab", "Return")
+            window.wait("Region: ")
+            window.save(2)
+            window.quit()
+        self.assertEqual(self.moved(mesh), by_tool)
+
+    def write_edit(self):
+        """Lifts the middle. @return what it may move"""
+        radius = 0.4
+        edit = {"laplacian_edit": 1, "steps": [{"region": {"radius": radius}, "handles": [
+            {"vertices": str(MIDDLE), "translation": [0, 0, 0.3]}]}]}
+        (self.data / "edit.json").write_text(json.dumps(edit))
+        return within(self.points, neighbours(len(self.points), self.faces), MIDDLE, radius)
+
+    def assert_lifted(self, path, region):
+        bits = self.moved(path)
+        moved = {v for v, (a, b) in enumerate(zip(bits, self.bits)) if a != b}
+        self.assertLessEqual(moved, region)
+        self.assertGreater(len(moved), 0.8 * len(region))
+        self.assertAlmostEqual(float_of(bits[MIDDLE][2]), 0.5, 2)
+        return bits
+
+    def check_command_line(self, root):
+        """Without a screen."""
+        region = self.write_edit()
+        root.run("laplacian-edit", "flat.ply", "edited.ply", "edit.json")
+        return self.assert_lifted(self.data / "edited.ply", region)
+
+    def check_server(self, root):
+        region = self.write_edit()
+        (self.data / "edit.mlx").write_text(
+            '<!DOCTYPE FilterScript>\n<FilterScript><filter name="Laplacian Edit Replay">'
+            '<Param type="RichString" name="edit" value="/data/edit.json"/>'
+            '<Param type="RichFloat" name="fraction" value="1"/></filter></FilterScript>\n')
+        root.run("meshlabserver", "-i", "flat.ply", "-o", "served.ply", "-s", "edit.mlx", screen=True)
+        return self.assert_lifted(self.data / "served.ply", region)
+
+
+if __name__ == "__main__":
+    unittest.main()
