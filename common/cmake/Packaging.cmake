@@ -23,8 +23,10 @@ foreach(_mode IN ITEMS install uninstall)
   add_custom_target(
     ${_mode}-user
     COMMAND
-      "${CMAKE_COMMAND}" -D "MODE=${_mode}" -D "BUILD_DIR=${PROJECT_BINARY_DIR}" -D "PLUGIN_DIR=${MeshLab_PLUGIN_DIR}"
-      -D "USER_FOLDER=${_user_folder}" -D "MESHLAB_VERSION=${MeshLab_VERSION}" -P
+      "${CMAKE_COMMAND}" -D "MODE=${_mode}" -D "BUILD_DIR=${PROJECT_BINARY_DIR}" -D
+      "PLUGINS=$<TARGET_FILE_NAME:edit_laplacian_drag>;$<TARGET_FILE_NAME:filter_laplacian_edit>" -D
+      "PLUGIN_DIR=${MeshLab_PLUGIN_DIR}" -D "USER_FOLDER=${_user_folder}" -D
+      "MESHLAB_VERSION=${MeshLab_VERSION}" -P
       "${CMAKE_CURRENT_LIST_DIR}/package/install_user.cmake"
     VERBATIM)
 endforeach()

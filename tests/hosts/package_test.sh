@@ -49,7 +49,8 @@ rm -f "$build"/*.deb
       -DLAPEDIT_WARNINGS_AS_ERRORS=ON
     cmake --build /build
     cd /build
-    cpack' >"$folder/build.log" 2>&1 9>&- || { tail -n 40 "$folder/build.log" >&2; fail "no package, see $folder/build.log"; }
+    cpack' >"$folder/build.log" 2>&1 9>&- ||
+  { tail -n 40 "$folder/build.log" >&2; fail "no package was made, see $folder/build.log"; }
 
 # layer NAME ROOT: prints a folder that looks like ROOT and can be written to.
 layer() {

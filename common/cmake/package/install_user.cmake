@@ -2,7 +2,8 @@
 #[[
 Puts the plugins where MeshLab looks for a user's own, and the programs into ~/.local/bin; takes them away again.
 
-cmake -D MODE=<install|uninstall> -D BUILD_DIR=<build folder> -D PLUGIN_DIR=<the system's plugin folder>
+cmake -D MODE=<install|uninstall> -D BUILD_DIR=<build folder>
+      -D PLUGINS=<their files' names> -D PLUGIN_DIR=<the system's plugin folder>
       -D USER_FOLDER=<where the plugins go, below the user's data folder; empty where MeshLab has no such place>
       -D MESHLAB_VERSION=<version> -P install_user.cmake
 ]]
@@ -60,21 +61,20 @@ if(NOT DEFINED ENV{HOME} OR "$ENV{HOME}" STREQUAL "")
   message(FATAL_ERROR "HOME is not set: it is not known where the user's folders are.")
 endif()
 
-# Everything that is installed, with the right search paths for libraries, below a folder of ours.
-set(stage "${BUILD_DIR}/install_user_stage")
-file(REMOVE_RECURSE "${stage}")
-execute_process(COMMAND "${CMAKE_COMMAND}" -E env "DESTDIR=${stage}" "${CMAKE_COMMAND}" --install "${BUILD_DIR}" --strip
-                        --prefix /usr OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
-file(GLOB plugins "${stage}${PLUGIN_DIR}/*.so")
-file(GLOB programs "${stage}/usr/bin/*")
-foreach(plugin IN LISTS plugins)
-  cmake_path(GET plugin FILENAME name)
-  if(EXISTS "${PLUGIN_DIR}/${name}")
-    file(REMOVE_RECURSE "${stage}")
-    message(FATAL_ERROR "${PLUGIN_DIR}/${name} is installed for all users, and MeshLab would load both: remove it "
+foreach(plugin IN LISTS PLUGINS)
+  if(EXISTS "${PLUGIN_DIR}/${plugin}")
+    message(FATAL_ERROR "${PLUGIN_DIR}/${plugin} is installed for all users, and MeshLab would load both: remove it "
                         "first (apt-get remove meshlab-laplacian-edit, if that package brought it).")
   endif()
 endforeach()
+
+# What is installed, with the right search paths for libraries, below a folder of ours. The component is that of all that
+# names none: its list of installed files is not the one that an installation by root has left.
+set(stage "${BUILD_DIR}/install_user_stage")
+file(REMOVE_RECURSE "${stage}")
+execute_process(COMMAND "${CMAKE_COMMAND}" -E env "DESTDIR=${stage}" "${CMAKE_COMMAND}" --install "${BUILD_DIR}" --strip
+                        --prefix /usr --component Unspecified OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+file(GLOB programs "${stage}/usr/bin/*")
 
 # As Qt does.
 if(IS_ABSOLUTE "$ENV{XDG_DATA_HOME}")
@@ -85,8 +85,8 @@ endif()
 if(NOT EXISTS "${manifest}")
   file(WRITE "${manifest}" "")
 endif()
-foreach(plugin IN LISTS plugins)
-  put("${plugin}" "${data}/${USER_FOLDER}")
+foreach(plugin IN LISTS PLUGINS)
+  put("${stage}${PLUGIN_DIR}/${plugin}" "${data}/${USER_FOLDER}")
 endforeach()
 foreach(program IN LISTS programs)
   put("${program}" "$ENV{HOME}/.local/bin")
