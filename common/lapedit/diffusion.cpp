@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+
+#include "lapedit/accurate_residual.h"
 
 namespace lapedit {
 namespace {
@@ -27,7 +30,7 @@ DiffusionSmoother::DiffusionSmoother(const Region& region, const Points& rest, d
   }
   // Vertices without length around them count as small ones, so that the matrix is definite and its entries are alike.
   constexpr double kSmall = 1e-3, kLeast = 1e-9;
-  const double mean = n > 0 ? area.mean() : 0;
+  const double mean = n > 0 ? std::accumulate(area.begin(), area.end(), 0.0) / n : 0;
   const Eigen::VectorXd density =
       mean > 0 ? Eigen::VectorXd((area / mean).cwiseMax(kSmall).cwiseSqrt().cwiseInverse()) : Eigen::VectorXd::Ones(n);
   const double time = kMoment * radius * radius / 4 / kSteps;  // diffusion over a time t has the second moment 4 t
@@ -52,15 +55,33 @@ DiffusionSmoother::DiffusionSmoother(const Region& region, const Points& rest, d
   }
   matrix.finalize();
   factor_ = std::make_unique<SparseCholesky>(matrix, options);
+  matrix_ = matrix.selfadjointView<Eigen::Lower>();
 }
 
-void DiffusionSmoother::apply(const Points& in, Points& out) const {
+void DiffusionSmoother::apply_roughly(const Points& in, Points& out) const {
   out = in;
   for (int step = 0; step < kSteps; ++step) {
     for (Eigen::Index i = 0; i < out.rows(); ++i) {
       out.row(i) *= mass_[i];
     }
     factor_->solve(out, out);
+  }
+}
+
+void DiffusionSmoother::apply(const Points& in, Points& out) const {
+  out = in;
+  Points right, left, more;
+  DoubledPoints x;
+  for (int step = 0; step < kSteps; ++step) {
+    right = out;
+    for (Eigen::Index i = 0; i < right.rows(); ++i) {
+      right.row(i) *= mass_[i];
+    }
+    factor_->solve(right, out);
+    x.set(out);
+    refine_to_the_bit([&](const DoubledPoints& at, Points& rest) { symmetric_residual(matrix_, right, at, rest); },
+                      [&](const Points& from, Points& to) { factor_->solve(from, to); }, x, left, more);
+    out = x.high;
   }
 }
 

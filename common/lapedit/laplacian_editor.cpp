@@ -11,6 +11,7 @@
 #include <limits>
 #include <sstream>
 
+#include "lapedit/accurate_residual.h"
 #include "lapedit/diffusion.h"
 #include "lapedit/drag_preview.h"
 #include "lapedit/elimination_order.h"
@@ -143,6 +144,7 @@ struct LaplacianEditor::State {
   Points carried_pose;  // empty unless something is carried
   Points constraint_rhs, rhs, d, previous, residual, step, rows, positions;
   Points motions, at_rows, corrected;
+  DoubledPoints doubled, between;
   Progress go_on;          // of the solve at work
   double last_change = 0;  // of the last step of refinement, over the solution
   std::vector<Matrix3> rotations;
@@ -172,7 +174,7 @@ struct LaplacianEditor::State {
   bool set_constraints();
   void normal_product(const Eigen::VectorXd& weights, const Points& x, Points& out);
   void solve_once(const Points& right, Points& x);
-  void solve_refined(const Points& right, Points& x);
+  void solve_exactly(const Points& right, Points& x);
   void rotate_deltas();
   void collect_positions();
   void check(const std::vector<Affine>& handles) const;
@@ -508,7 +510,8 @@ Eigen::MatrixXd LaplacianEditor::State::find_responses() {
     const Eigen::Index columns = std::min<Eigen::Index>(3, count - r);
     constraint_rhs.setZero(n, 3);
     constraint_rhs.leftCols(columns) = squared_weights.asDiagonal() * moved.middleCols(r, columns);
-    solve_refined(constraint_rhs, d);
+    refine(squared_weights, constraint_rhs, d, kAccurate,
+           [this](const Points& right, Points& x) { solve_once(right, x); });
     found.middleCols(r, columns) = d.leftCols(columns);
   }
   return found;
@@ -551,7 +554,7 @@ void LaplacianEditor::State::make_preview() {
       const Eigen::Index columns = std::min<Eigen::Index>(3, found.cols() - r);
       in.setZero(found.rows(), 3);
       in.leftCols(columns) = found.middleCols(r, columns);
-      base.smoother->apply(in, out);
+      base.smoother->apply_roughly(in, out);
       smooth_found.middleCols(r, columns) = out.leftCols(columns);
     }
   }
@@ -593,28 +596,24 @@ void LaplacianEditor::State::solve_once(const Points& right, Points& x) {
   }
 }
 
-/// Solves as far as double goes.
-void LaplacianEditor::State::solve_refined(const Points& right, Points& x) {
-  if (settings.order == 1) {
-    // Solutions from single precision, and differences of large ones, need as many steps as they need.
-    if (base.factor->single_precision() || !correction.rows.empty()) {
-      const int steps =
-          refine(squared_weights, right, x, 1e-15, [this](const Points& from, Points& to) { solve_once(from, to); });
-      constexpr double kAcceptable = 1e-6;
-      if (steps < 0 && std::isfinite(last_change) && !(last_change < kAcceptable)) {
-        refuse_conditioning();
-      }
-      report.refinements = std::max(report.refinements, steps);
-      return;
-    }
-  }
+/// Solves to the last bit of a double.
+void LaplacianEditor::State::solve_exactly(const Points& right, Points& x) {
   solve_once(right, x);
-  for (int count = 0; count < base.refinements; ++count) {
-    normal_product(squared_weights, x, residual);
-    residual = right - residual;
-    solve_once(residual, step);
-    x += step;
+  doubled.set(x);
+  int steps = 0;
+  last_change = refine_to_the_bit(
+      [&](const DoubledPoints& at, Points& out) {
+        ++steps;
+        report_progress(go_on, 0, "solve");
+        normal_residual(base.m, squared_weights, right, at, between, out, *crew);
+      },
+      [this](const Points& from, Points& to) { solve_once(from, to); }, doubled, residual, step);
+  constexpr double kAcceptable = 1e-6;
+  if (std::isfinite(last_change) && !(last_change < kAcceptable)) {
+    refuse_conditioning();
   }
+  report.refinements = std::max(report.refinements, steps);
+  x = doubled.high;
 }
 
 /// A component with anchors goes with them, one without goes with the mean of its groups' maps.
@@ -749,7 +748,7 @@ const Points& LaplacianEditor::solve(const std::vector<Affine>& handles, const A
   s.carry_components(handles, anchors);
   const bool moves = s.set_constraints();
   if (moves) {
-    s.solve_refined(s.constraint_rhs, s.d);
+    s.solve_exactly(s.constraint_rhs, s.d);
   } else {
     s.d.setZero(s.region.size(), 3);
   }
@@ -772,7 +771,7 @@ const Points& LaplacianEditor::solve(const std::vector<Affine>& handles, const A
       watch.lap();
       s.rotate_deltas();
       s.report.rotate_ms += s.estimator->rotate_ms() + watch.lap();
-      s.solve_refined(s.rhs, s.d);
+      s.solve_exactly(s.rhs, s.d);
       s.report.solve_ms += watch.lap();
       ++s.report.iterations;
       s.previous -= s.d;
@@ -826,7 +825,8 @@ std::size_t LaplacianEditor::bytes() const {
   const Region& r = s.region;
   std::size_t rows = 0;
   for (const Points* points : {&s.world, &s.rest, &s.delta, &s.carried_pose, &s.constraint_rhs, &s.rhs, &s.d,
-                               &s.previous, &s.residual, &s.step, &s.rows, &s.positions, &s.base.smooth_rest}) {
+                               &s.previous, &s.residual, &s.step, &s.rows, &s.positions, &s.base.smooth_rest,
+                               &s.doubled.high, &s.doubled.low, &s.between.high, &s.between.low}) {
     rows += static_cast<std::size_t>(points->rows());
   }
   const std::size_t region_bytes = of(r.mesh_vertex) + of(r.classes) + of(r.group) + of(r.component) + of(r.distance) +

@@ -10,6 +10,8 @@ namespace lapedit {
 /// neighbours, on several threads and with the same bits on any number of them.
 class OperatorRows {
  public:
+  using Rows = Eigen::SparseMatrix<double, Eigen::RowMajor, int>;
+
   OperatorRows() = default;
   explicit OperatorRows(const SparseMatrix& matrix);
 
@@ -27,10 +29,10 @@ class OperatorRows {
   }
 
   const SparseMatrix& matrix() const { return columns_; }
+  const Rows& rows() const { return rows_; }
   std::size_t bytes() const;
 
  private:
-  using Rows = Eigen::SparseMatrix<double, Eigen::RowMajor, int>;
   SparseMatrix columns_;
   Rows rows_;
 };

@@ -16,6 +16,9 @@ class Smoother {
   /// out = S in, size() x 3 each. in and out must be different objects; out keeps its storage if it has the right size.
   virtual void apply(const Points& in, Points& out) const = 0;
 
+  /// As well as a preview in single precision needs it.
+  virtual void apply_roughly(const Points& in, Points& out) const { apply(in, out); }
+
   virtual std::size_t bytes() const = 0;
 };
 
