@@ -10,7 +10,7 @@
 #
 #   SUITE             a release of Debian: bookworm, trixie, sid
 #   KIND clean        the packaged MeshLab, what it depends on, and Mesa's software OpenGL
-#   KIND build        that, and all that is needed to build and test; 2 GB, where clean takes 1
+#   KIND build        that, and all that is needed to build and test; 1.4 GB where clean takes 0.5
 #   --fresh           makes it anew; without it, it is kept until this script wants other packages
 #   --bind FROM=TO    FROM, a folder of this machine, is at TO in the root
 #   --bind-ro FROM=TO the same, read-only
@@ -29,7 +29,7 @@ clean_packages="meshlab libgl1-mesa-dri"
 build_packages="
   g++ cmake make ninja-build ccache pkg-config dpkg-dev file
   qtbase5-dev libqt5opengl5-dev libeigen3-dev libglew-dev libglu1-mesa-dev
-  libsuitesparse-dev libopenblas-dev libgtest-dev
+  libsuitesparse-dev libopenblas-dev libgtest-dev libmuparser-dev
   xvfb xauth xdotool
   python3 python3-numpy
 "

@@ -1,0 +1,63 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Builds everything in another Debian release, with warnings as errors, and runs the tests there with its MeshLab.
+#
+# usage: check.sh SUITE [RESULTS GENERATED]
+#   SUITE      bookworm, trixie, sid
+#   RESULTS    where write_results.sh puts what it makes on this host, after the tests
+#   GENERATED  its folder of generated meshes
+#
+# LAPEDIT_MESHES: folder of the real meshes; without it their tests are left out, which with CI set is a failure.
+# LAPEDIT_HOSTS_DIR: as for root.sh. The build is kept in the root, in /build, and the compiler's cache beside it.
+set -euo pipefail
+
+here=$(dirname "$(realpath "$0")")
+project=$(realpath "$here/../..")
+hosts=$(realpath -m "${LAPEDIT_HOSTS_DIR:-$project/build/hosts}")
+export LAPEDIT_HOSTS_DIR=$hosts
+[ $# -eq 1 ] || [ $# -eq 3 ] || { sed -n 's/^# usage: //p' "$0" >&2; exit 2; }
+suite=$1
+root=$("$here/root.sh" make "$suite" build)
+
+mkdir -p "$hosts/$suite-ccache"
+options=(--bind-ro "$project=/src" --bind "$hosts/$suite-ccache=/ccache" --env CCACHE_DIR=/ccache)
+meshes=
+if [ -n "${LAPEDIT_MESHES:-}" ]; then
+  meshes=/meshes
+  options+=(--bind-ro "$LAPEDIT_MESHES=$meshes")
+else
+  echo "*** LAPEDIT_MESHES is not set: the tests on real meshes are left out on $suite. ***"
+fi
+options+=(--env "LAPEDIT_MESHES=$meshes")
+if [ $# -eq 3 ]; then
+  mkdir -p "$2"
+  options+=(--bind "$2=/results" --bind-ro "$3=/generated")
+fi
+
+echo "== $suite: build"
+# A cache that was written without meshes, or with them, is not to decide.
+# shellcheck disable=SC2016
+"$here/root.sh" run "$root" "${options[@]}" -- sh -euc '
+  mkdir -p /build
+  cmake -G Ninja -S /src -B /build -DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DLAPEDIT_WARNINGS_AS_ERRORS=ON \
+    -DLAPEDIT_MESHES="$LAPEDIT_MESHES" >/build/configure.log 2>&1 || { cat /build/configure.log; exit 1; }
+  grep -E "MeshLab|GNU" /build/configure.log || true
+  ninja -C /build >/build/build.log 2>&1 || { grep -A 12 FAILED /build/build.log || tail -n 40 /build/build.log; exit 1; }
+  tail -n 1 /build/build.log'
+
+echo "== $suite: tests"
+status=0
+# shellcheck disable=SC2016
+# shellcheck disable=SC2016
+"$here/root.sh" run "$root" "${options[@]}" -- sh -euc '
+  ctest --test-dir /build --output-on-failure --no-tests=error --parallel "$(nproc)"' || status=$?
+
+if [ $# -eq 3 ]; then
+  echo "== $suite: results"
+  # shellcheck disable=SC2016
+  "$here/root.sh" run "$root" "${options[@]}" -- sh -euc '
+    /src/tests/hosts/write_results.sh /build/filter_laplacian_edit/laplacian-edit /generated "$LAPEDIT_MESHES" \
+      "/results/$0"' "$suite" || status=$?
+fi
+[ "$status" -eq 0 ] || echo "$suite: failed, see above" >&2
+exit "$status"

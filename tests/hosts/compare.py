@@ -1,0 +1,138 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Compares the same edits made on several hosts and prints a Markdown table of it.
+
+usage: compare.py FOLDER...   folders made by write_results.sh; each is compared with the first
+
+Every coordinate of every mesh has to be the same to the bit, but for the edits in BOUNDS. Ends with 1 if one is not.
+"""
+import array
+import json
+import math
+import pathlib
+import struct
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "host"))
+
+from ply import Ply  # noqa: E402
+
+# "mesh/edit": the largest difference that is allowed, over the diagonal of what the edit moves; and why, as a comment.
+BOUNDS = {}
+
+
+class Failed(Exception):
+    """What is wrong, in a sentence."""
+
+
+class Pose:
+    def __init__(self, path):
+        mesh = Ply(path)
+        rows = mesh.elements["vertex"]
+        self.bits = [array.array("I", rows[axis]) for axis in "xyz"]
+        self.faces = mesh.faces()
+
+    def __len__(self):
+        return len(self.bits[0])
+
+    def coordinate(self, axis, vertex):
+        return struct.unpack("<f", struct.pack("<I", self.bits[axis][vertex]))[0]
+
+    def differing(self, other):
+        """Pairs (axis, vertex) whose bits differ."""
+        return [(axis, v) for axis in range(3) if self.bits[axis] != other.bits[axis]
+                for v, (a, b) in enumerate(zip(self.bits[axis], other.bits[axis])) if a != b]
+
+
+def rank(bits):
+    """Neighbouring floats have neighbouring ranks; both zeros have the same."""
+    return bits if bits < 0x80000000 else 0x80000000 - bits
+
+
+class Edit:
+    """The poses of one edit on one host."""
+
+    def __init__(self, folder):
+        files = sorted(folder.glob("pose-*.ply"))
+        if len(files) < 2:
+            raise Failed(f"{folder} has {len(files)} meshes.")
+        self.before, *self.after = [Pose(path) for path in files]
+        report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
+        self.steps = report["outputs"][-1]["steps"]
+        self.region = max(step["handle"] + step["free"] + step["anchors"] for step in self.steps)
+        self.solver = self.steps[0]["solver"]
+
+    def moved(self):
+        return {v for pose in self.after for _, v in pose.differing(self.before)}
+
+    def size(self, vertices):
+        """Diagonal of the box of some vertices, before and after."""
+        poses = [self.before, *self.after]
+        ends = [[pose.coordinate(axis, v) for pose in poses for v in vertices] for axis in range(3)]
+        return math.dist([min(e) for e in ends], [max(e) for e in ends])
+
+
+class Comparison:
+    def __init__(self, first, second, name):
+        for which, a, b in [("meshes read", first.before, second.before),
+                            *[("meshes written", a, b) for a, b in zip(first.after, second.after)]]:
+            if len(first.after) != len(second.after) or len(a) != len(b) or a.faces != b.faces:
+                raise Failed(f"{name}: the {which} have other vertices or faces.")
+        moved = first.moved()
+        if not moved or moved != second.moved():
+            raise Failed(f"{name}: {len(moved)} and {len(second.moved())} vertices are moved, not the same ones.")
+        if first.before.differing(second.before):
+            raise Failed(f"{name}: the hosts read other coordinates.")
+        self.moved, self.compared, self.differing, self.ulp, largest = len(moved), 0, 0, 0, 0.0
+        for a, b in zip(first.after, second.after):
+            self.compared += 3 * len(a)
+            for axis, v in a.differing(b):
+                self.differing += 1
+                self.ulp = max(self.ulp, abs(rank(a.bits[axis][v]) - rank(b.bits[axis][v])))
+                largest = max(largest, abs(a.coordinate(axis, v) - b.coordinate(axis, v)))
+        self.relative = largest / first.size(moved)
+
+
+def edits_in(folder):
+    return sorted(str(path.parent.relative_to(folder)) for path in folder.glob("*/*/report.json"))
+
+
+def main():
+    folders = [pathlib.Path(argument) for argument in sys.argv[1:]]
+    if len(folders) < 2:
+        sys.exit("usage: compare.py FOLDER FOLDER...")
+    names = edits_in(folders[0])
+    hosts = [json.loads(next(folder.glob("*/*/report.json")).read_text())["host"] for folder in folders
+             if any(folder.glob("*/*/report.json"))]
+    failures = [f"{folder} has not the edits of {folders[0]}." for folder in folders
+                if not names or edits_in(folder) != names]
+    if failures:
+        sys.exit("\n".join(failures))
+
+    print(f"{len(names)} edits, two poses each, on {', '.join(hosts)}; all compared with the first, "
+          f"{folders[0].name}. ULP: units in the last place of a float. Relative: to the diagonal of what is moved.\n")
+    print("| edit | vertices in the region | moved | coordinates compared | host | differing | largest, ULP | relative |")
+    print("|---|---:|---:|---:|---|---:|---:|---:|")
+    totals = [0, 0]
+    for name in names:
+        try:
+            first = Edit(folders[0] / name)
+            for folder in folders[1:]:
+                result = Comparison(first, Edit(folder / name), f"{name} on {folder.name}")
+                totals[0] += result.compared
+                totals[1] += result.differing
+                print(f"| {name} | {first.region:,} | {result.moved:,} | {result.compared:,} | {folder.name} | "
+                      f"{result.differing:,} | {result.ulp:,} | {result.relative:.1e} |".replace("| 0.0e+00 |", "| 0 |"))
+                if result.relative > BOUNDS.get(name, 0) or (result.differing and name not in BOUNDS):
+                    failures.append(f"{name} on {folder.name}: {result.differing} of {result.compared} coordinates differ, "
+                                    f"by up to {result.ulp} ULP, {result.relative:.1e} of the size.")
+        except Failed as failure:
+            failures.append(str(failure))
+    print(f"\n{totals[0]:,} coordinates compared, {totals[1]:,} differ.")
+    if failures:
+        print("\nNot the same:", *failures, sep="\n  ")
+        sys.exit(1)
+
+
+if __name__ == "__main__":
+    main()
