@@ -137,6 +137,16 @@ std::pair<int, int> count_in_obj(const QString& path) {
 
 }  // namespace
 
+std::string quoted_path(const QString& path) {
+  QString text = path;
+  for (QChar& letter : text) {
+    if (letter.category() == QChar::Other_Control) {
+      letter = '?';
+    }
+  }
+  return "\"" + text.toStdString() + "\"";
+}
+
 struct BatchHost::State {
   struct Filter {
     HostFilterPlugin* plugin;
@@ -214,7 +224,7 @@ struct BatchHost::State {
                          (not_loaded.isEmpty() ? "" : " (" + not_loaded.toStdString() + ")") +
                          ": give their folder with --plugins.");
       }
-      throw BatchError("No plugin of MeshLab" + in_folder + " can " + verb + " " + quoted(path) +
+      throw BatchError("No plugin of MeshLab" + in_folder + " can " + verb + " " + quoted_path(path) +
                        ": the suffixes are " + suffixes.join(", ").toStdString() + ".");
     }
     return *plugin;
@@ -228,10 +238,11 @@ struct BatchHost::State {
     try {
       layers = read_layers(plugin, file, into, ask);
     } catch (const std::exception& error) {
-      throw BatchError("The mesh " + quoted(path) + " cannot be read: " + one_line(QString::fromUtf8(error.what())));
+      throw BatchError("The mesh " + quoted_path(path) +
+                       " cannot be read: " + one_line(QString::fromUtf8(error.what())));
     }
     if (layers.empty()) {
-      throw BatchError("The mesh " + quoted(path) + " cannot be read: there is none in the file.");
+      throw BatchError("The mesh " + quoted_path(path) + " cannot be read: there is none in the file.");
     }
     return layers;
   }

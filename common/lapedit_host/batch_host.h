@@ -20,6 +20,9 @@ namespace lapedit::host {
 
 class VertexFilterPlugin;
 
+/// A path for a message: all of it, since its end tells the most.
+std::string quoted_path(const QString& path);
+
 /// What the host could not do, in a sentence for the user.
 class BatchError : public std::runtime_error {
  public:

@@ -102,7 +102,7 @@ void set(const ScriptParameter& given, MeshDocument& document, RichParameter& pa
   } else if (type == "RichOpenFile" || type == "RichSaveFile") {
     parameter.setValue(PathValue(attribute(given, "value")));
   } else if (type == "RichPoint3f") {
-    parameter.setValue(PointValue(Point3m(number(given, "x"), number(given, "y"), number(given, "z"))));
+    parameter.setValue(PointValue(Point3m{number(given, "x"), number(given, "y"), number(given, "z")}));
   } else if (type == "RichColor") {
     parameter.setValue(ColorValue(color(given)));
   } else if (type == "RichMatrix44f") {

@@ -103,9 +103,6 @@ std::vector<ScriptFilter> read_script(const QByteArray& text) {
     }
   }
   refuse_malformed(xml);
-  if (filters.empty()) {
-    throw EditError(ErrorCause::BadScript, "The script has no filters: give at least one.");
-  }
   return filters;
 }
 

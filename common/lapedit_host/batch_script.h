@@ -22,7 +22,7 @@ struct ScriptFilter {
   std::vector<ScriptParameter> parameters;
 };
 
-/// The filters of a script, in order; at least one.
+/// The filters of a script, in order.
 /// @throws EditError (BadScript) that says in which line of the script
 std::vector<ScriptFilter> read_script(const QByteArray& xml);
 

@@ -45,14 +45,14 @@ void requireReadable(const QString& path, const char* what) {
   } else {
     return;
   }
-  throw Failure(Unreadable, "The " + std::string(what) + " " + quoted(path) + " cannot be read: " + why + ".");
+  throw Failure(Unreadable, "The " + std::string(what) + " " + quoted_path(path) + " cannot be read: " + why + ".");
 }
 
 std::vector<ScriptFilter> loadScript(const QString& path) {
   QFile file(path);
   // Edits may be in it.
   if (!file.open(QIODevice::ReadOnly) || file.size() > 2 * kLargestJson) {
-    throw Failure(Unreadable, "The script " + quoted(path) + " cannot be read: it is too large.");
+    throw Failure(Unreadable, "The script " + quoted_path(path) + " cannot be read: it is too large.");
   }
   return read_script(file.readAll());
 }
@@ -119,7 +119,7 @@ class Job {
     if (!options_.report.isEmpty()) {
       const QFileInfo file(options_.report), folder(file.absolutePath());
       if (file.isDir() || !folder.isDir() || !folder.isWritable()) {
-        throw Failure(Unwritable, "The report " + quoted(options_.report) +
+        throw Failure(Unwritable, "The report " + quoted_path(options_.report) +
                                       " cannot be written: give a file in a "
                                       "folder that exists and can be written to.");
       }
@@ -130,11 +130,11 @@ class Job {
   }
 
   void read() {
-    notes_.doing("reading " + quoted(options_.input), Unreadable);
+    notes_.doing("reading " + quoted_path(options_.input), Unreadable);
     try {
       const int layers = host_.open(options_.input);
       if (layers > 1 && !options_.isScript) {
-        throw Failure(Refused, "The file " + quoted(options_.input) + " holds " + std::to_string(layers) +
+        throw Failure(Refused, "The file " + quoted_path(options_.input) + " holds " + std::to_string(layers) +
                                    " layers, of which one would be written: save the one to be edited by itself.");
       }
     } catch (const BatchError& error) {
@@ -199,11 +199,11 @@ class Job {
       files_.begin([this](const QString& folder) { notes_.scratch(QFile::encodeName(folder).toStdString()); });
     }
     const QString place = options_.outputs().at(k);
-    notes_.doing("writing " + quoted(place), Unwritable);
+    notes_.doing("writing " + quoted_path(place), Unwritable);
     try {
       host_.save(files_.path(k), options_.kept);
     } catch (const BatchError& error) {
-      throw Failure(Unwritable, "The output " + quoted(place) + " cannot be written: " + error.what());
+      throw Failure(Unwritable, "The output " + quoted_path(place) + " cannot be written: " + error.what());
     }
   }
 
@@ -214,7 +214,7 @@ class Job {
     QSaveFile file(options_.report);
     const QByteArray text = reportText(options_, report_);
     if (!file.open(QIODevice::WriteOnly) || file.write(text) != text.size() || !file.commit()) {
-      throw Failure(Unwritable, "The report " + quoted(options_.report) + " cannot be written: " +
+      throw Failure(Unwritable, "The report " + quoted_path(options_.report) + " cannot be written: " +
                                     file.errorString().toStdString() + ". The output is complete.");
     }
   }

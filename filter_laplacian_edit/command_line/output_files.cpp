@@ -15,14 +15,14 @@
 #include <cstring>
 
 #include "failure.h"
-#include "lapedit_host/json_object.h"
+#include "lapedit_host/batch_host.h"
 
-using lapedit::quoted;
+using lapedit::host::quoted_path;
 
 namespace {
 
 [[noreturn]] void refuse(const QString& path, const std::string& why) {
-  throw Failure(Unwritable, "The output " + quoted(path) + " cannot be written: " + why + ".");
+  throw Failure(Unwritable, "The output " + quoted_path(path) + " cannot be written: " + why + ".");
 }
 
 std::string lastError() {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An edit changes coordinates and normals and nothing else that meshlabserver saves."""
+"""An edit changes coordinates and normals and nothing else that MeshLab saves."""
 import os
 import pathlib
 import random

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs the staged meshlabserver on a private X server, for tests.
+"""Runs filters without a window, for tests: by the staged meshlabserver on a private X server, or by laplacian-edit.
 
 Environment:
   LAPEDIT_STAGE    folder made by stage.sh
+  LAPEDIT_COMMAND  the program laplacian-edit
+  LAPEDIT_RUNNER   "command": laplacian-edit, also where there is a meshlabserver
+  LAPEDIT_SCALAR   what the host stores coordinates in: float or double
   LAPEDIT_MESHES   folder with the real test meshes (tests that use them)
-  LAPEDIT_PRELOAD  libraries to load into meshlabserver: a sanitizer's run time
+  LAPEDIT_PRELOAD  libraries to load into the host: a sanitizer's run time
 """
 import json
 import os
@@ -18,7 +21,9 @@ from xml.sax.saxutils import escape, quoteattr
 from x_server import host_environment, start_x_server
 
 STAGE = pathlib.Path(os.environ["LAPEDIT_STAGE"])
-REFUSED = 255  # exit code of meshlabserver for a filter that returns false
+COMMAND = os.environ.get("LAPEDIT_COMMAND")
+BY_COMMAND = os.environ.get("LAPEDIT_RUNNER") == "command" or not (STAGE / "bin" / "meshlabserver").exists()
+REFUSED = 1 if BY_COMMAND else 255  # exit code for a filter that refuses its work
 
 
 def point(name, xyz):
@@ -85,26 +90,52 @@ def project(mesh, matrix):
 class Result:
     def __init__(self, code, text, output):
         self.code = code
-        self.text = text  # what meshlabserver printed, both streams
-        self.output = output  # path of the mesh it wrote, None if it wrote none
+        self.text = text  # what was printed, both streams
+        self.output = output  # path of the mesh that was written, None if there is none
+
+
+def without_display(environment):
+    return {name: value for name, value in environment.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
 
 
 class HostTest(unittest.TestCase):
-    """A test case with its own X server, folder and home."""
-    screen = "640x480"
+    """A test case with its own folder and home, and with its own X server if it needs one."""
+    screen = None if BY_COMMAND else "640x480"
 
     @classmethod
     def setUpClass(cls):
         cls.folder = pathlib.Path(tempfile.mkdtemp(prefix="lapedit-"))
         cls.addClassCleanup(shutil.rmtree, cls.folder)
         cls.runs = 0
-        cls.environment = host_environment(start_x_server(cls.addClassCleanup, cls.screen), cls.folder)
+        display = start_x_server(cls.addClassCleanup, cls.screen) if cls.screen else ""
+        cls.environment = host_environment(display, cls.folder)
 
     def run_host(self, filters, mesh=None, save=(), project_text=None, project_out=None):
-        """One start of meshlabserver: opens mesh or project, runs the filters, writes a binary PLY."""
+        """Opens mesh or project, runs the filters, writes a binary PLY.
+        @param save  what else than coordinates and faces is written, in meshlabserver's words; laplacian-edit writes
+                     all that there is, normals and selection only if they are among these"""
         cls = type(self)
         cls.runs += 1
         base = cls.folder / f"run{cls.runs}"
+        base.with_suffix(".mlx").write_text(
+            "<!DOCTYPE FilterScript>\n<FilterScript>\n" + "\n".join(filters) + "\n</FilterScript>\n")
+        if BY_COMMAND:
+            self.assertIsNone(project_text or project_out, "laplacian-edit opens no projects")
+            return self._run_command(base, mesh, save)
+        return self._run_meshlabserver(base, filters, mesh, save, project_text, project_out)
+
+    def _run_command(self, base, mesh, save):
+        also = [word for word, flags in (("normals", {"vn", "fn"}), ("selection", {"vf", "ff"})) if flags & set(save)]
+        output = base.with_suffix(".ply")
+        command = [COMMAND, str(mesh), str(output), f"{base}.mlx"] + (["--also", ",".join(also)] if also else [])
+        done = subprocess.run(command, env=without_display(self.environment), cwd=self.folder, stdin=subprocess.DEVNULL,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=120)
+        result = Result(done.returncode, (done.stdout + done.stderr).decode(errors="replace"),
+                        output if output.exists() else None)
+        result.errors = done.stderr.decode(errors="replace")
+        return result
+
+    def _run_meshlabserver(self, base, filters, mesh, save, project_text, project_out):
         command = [str(STAGE / "bin" / "meshlabserver")]
         if project_text is not None:
             base.with_suffix(".mlp").write_text(project_text)
@@ -117,10 +148,8 @@ class HostTest(unittest.TestCase):
         else:
             command += ["-w", str(project_out)]
         if filters:
-            base.with_suffix(".mlx").write_text(
-                "<!DOCTYPE FilterScript>\n<FilterScript>\n" + "\n".join(filters) + "\n</FilterScript>\n")
             command += ["-s", f"{base}.mlx"]
-        done = subprocess.run(command, env=cls.environment, cwd=cls.folder, stdout=subprocess.PIPE,
+        done = subprocess.run(command, env=self.environment, cwd=self.folder, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, timeout=120)
         return Result(done.returncode, done.stdout.decode(errors="replace"), output if output.exists() else None)
 
@@ -132,9 +161,13 @@ class HostTest(unittest.TestCase):
         return result.output, result.text
 
     def assert_refused(self, result, sentence):
-        """Exit code 255, no output, and one sentence in the log that matches the pattern."""
+        """The exit code, no output, and one sentence, in the log or on the standard error, that matches the pattern."""
         self.assertEqual(result.code, REFUSED, result.text)
         self.assertIsNone(result.output, result.text)
+        if BY_COMMAND:
+            self.assertRegex(result.errors, r"\A[^\n]+\.\n\Z")
+            self.assertRegex(result.errors, sentence)
+            return
         self.assertIn("Problem with filter: Laplacian Edit", result.text)
         entries = result.text.split("LOG: 1 ")[1:]
         self.assertEqual(len(entries), 1, result.text)

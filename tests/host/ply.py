@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reads and writes PLY files such that every bit can be compared."""
+import os
 import struct
+
+# What the host stores coordinates in, and what the meshes for it are written in.
+SCALAR = os.environ.get("LAPEDIT_SCALAR", "float")
+_NUMBER, _WORD = {"float": ("<f", "<I"), "double": ("<d", "<Q")}[SCALAR]
 
 # Floats are read as the integers of the same bits: what is compared are bits, and NaN equals itself.
 BITS = {"char": "b", "uchar": "B", "short": "h", "ushort": "H", "int": "i", "uint": "I", "float": "I", "double": "Q",
@@ -9,11 +14,11 @@ BITS = {"char": "b", "uchar": "B", "short": "h", "ushort": "H", "int": "i", "uin
 
 
 def float_of(bits):
-    return struct.unpack("<f", struct.pack("<I", bits))[0]
+    return struct.unpack(_NUMBER, struct.pack(_WORD, bits))[0]
 
 
 def bits_of(number):
-    return struct.unpack("<I", struct.pack("<f", number))[0]
+    return struct.unpack(_WORD, struct.pack(_NUMBER, number))[0]
 
 
 class Ply:
@@ -87,8 +92,8 @@ def write_ply(path, points, faces, vertex_extra="", vertex_values=None, face_ext
     vertex_values = vertex_values or [""] * len(points)
     face_values = face_values or [""] * len(faces)
     with open(path, "w", encoding="ascii") as file:
-        file.write(f"ply\nformat ascii 1.0\nelement vertex {len(points)}\nproperty float x\nproperty float y\n"
-                   f"property float z\n{vertex_extra}element face {len(faces)}\n"
+        file.write(f"ply\nformat ascii 1.0\nelement vertex {len(points)}\nproperty {SCALAR} x\nproperty {SCALAR} y\n"
+                   f"property {SCALAR} z\n{vertex_extra}element face {len(faces)}\n"
                    f"property list uchar int vertex_indices\n{face_extra}end_header\n")
         for (x, y, z), more in zip(points, vertex_values):
             file.write(f"{x!r} {y!r} {z!r} {more}\n")

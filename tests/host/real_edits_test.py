@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The edits that the real meshes' own notes propose, through meshlabserver."""
+"""The edits that the real meshes' own notes propose, through meshlabserver or laplacian-edit."""
 import functools
 import math
 import os
@@ -21,7 +21,7 @@ class RealEdits(HostTest):
     @classmethod
     @functools.lru_cache(maxsize=None)
     def original(cls, name):
-        """What meshlabserver makes of the mesh without an edit: its numbers, its precision."""
+        """What the host makes of the mesh without an edit: its numbers, its precision."""
         case = cls()
         path, _ = case.edited([], MESHES / name)
         mesh = Ply(path)

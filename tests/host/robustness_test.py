@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes with the faults of real scans, through meshlabserver: wherever the mathematics allows, the edit works."""
+"""Meshes with the faults of real scans, through meshlabserver or laplacian-edit: wherever the mathematics allows, the edit works."""
 import math
 import unittest
 

@@ -1,0 +1,547 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The program laplacian-edit: options, exit codes, formats, and that nobody's files suffer."""
+import json
+import os
+import pathlib
+import pty
+import re
+import resource
+import signal
+import stat
+import subprocess
+import time
+import unittest
+
+from host import COMMAND, HostTest, laplacian_edit, replay, select_faces, select_vertices, without_display
+from ply import SCALAR, Ply, bits_of, write_ply
+from shapes import dome
+
+CENTRE = 21 * 10 + 10  # vertex in the middle of the dome
+REFUSED, WRONG_USAGE, UNREADABLE, UNWRITABLE, UNEXPECTED = 1, 2, 3, 4, 5
+
+
+def version():
+    text = subprocess.run([COMMAND, "--version"], stdout=subprocess.PIPE, check=True).stdout.decode()
+    return re.fullmatch(r"laplacian-edit [\d.]+ on (MeshLab (\d{4})\.\S+)\n", text)
+
+
+class CommandTest(HostTest):
+    screen = None
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.points, cls.faces = dome()
+        cls.home = cls.folder / "home"
+        cls.home.mkdir()
+        cls.lift = {"region": {"radius": 0.35}, "handles": [{"vertices": str(CENTRE), "translation": [0, 0, 0.2]}]}
+        cls.lean = {"region": {"radius": 0.3}, "handles": [{"vertices": "155", "translation": [0.05, 0, 0.1]}]}
+
+    def setUp(self):
+        self.place = self.folder / self.id().rsplit(".", 1)[1]
+        self.place.mkdir()
+        self.mesh = write_ply(self.folder / "dome.ply", self.points, self.faces)
+        self.edit = self.write_edit(self.lift)
+
+    def write_edit(self, *steps, name="edit.json"):
+        path = self.folder / name
+        path.write_text(json.dumps({"laplacian_edit": 1, "steps": steps}))
+        return path
+
+    def write_script(self, *filters, name="script.mlx"):
+        path = self.folder / name
+        path.write_text("<!DOCTYPE FilterScript>\n<FilterScript>\n" + "\n".join(filters) + "\n</FilterScript>\n")
+        return path
+
+    def start(self, *arguments, **options):
+        environment = without_display(self.environment)
+        environment.update(options.pop("environment", {}))
+        return subprocess.Popen([COMMAND, *map(str, arguments)], env=environment, cwd=self.place,
+                                stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options)
+
+    def run_command(self, *arguments, **options):
+        """@return exit code, standard output, standard error"""
+        with self.start(*arguments, **options) as process:
+            output, errors = process.communicate(timeout=120)
+        return process.returncode, output.decode(), errors.decode()
+
+    def done(self, *arguments, **options):
+        """Runs what must work, without a word on the standard error. @return the standard output"""
+        code, output, errors = self.run_command(*arguments, **options)
+        self.assertEqual((code, errors), (0, ""))
+        return output
+
+    def refused(self, code, sentence, *arguments, **options):
+        """The exit code, one sentence and nothing else; no file is left, changed or new."""
+        before = self.snapshot()
+        with self.subTest(sentence):
+            ended, output, errors = self.run_command(*arguments, **options)
+            self.assertEqual(ended, code, errors)
+            self.assertRegex(errors, r"\A[^\n]+[.?]\n\Z")
+            self.assertRegex(errors, sentence)
+            self.assertEqual(self.snapshot(), before)
+        return output
+
+    def snapshot(self):
+        return {str(path): path.read_bytes() if path.is_file() else None for path in self.place.rglob("*")}
+
+    def bits(self, path):
+        return Ply(path).point_bits()
+
+    def edited_bits(self, *arguments):
+        self.done(self.mesh, "bits.ply", *arguments)
+        return self.bits(self.place / "bits.ply")
+
+
+class Usage(CommandTest):
+    def test_help_tells_options_and_exit_codes(self):
+        text = self.done("--help")
+        for word in ("--fraction ", "--fractions", "--report", "--also", "--plugins", "--quiet", "--version"):
+            self.assertIn(word, text)
+        for code in range(6):
+            self.assertRegex(text, rf"\n  {code}  \w+")
+        self.assertLess(max(map(len, text.splitlines()[1:])), 82)
+
+    def test_version_names_the_host(self):
+        self.assertTrue(version())
+
+    def test_wrong_usage(self):
+        good = (self.mesh, "out.ply", self.edit)
+        script = self.write_script(laplacian_edit())
+        for sentence, arguments in (
+                (r"There are 0 file names", ()),
+                (r"There are 2 file names", good[:2]),
+                (r"There are 4 file names", (*good, "x")),
+                (r"nknown option.*sideways", (*good, "--sideways")),
+                (r"issing value.*fraction", (*good, "--fraction")),
+                (r'fraction is "2": give a number from 0', (*good, "--fraction", "2")),
+                (r'fraction is "nan"', (*good, "--fraction", "nan")),
+                (r'fraction is "half"', (*good, "--fractions", "0.25,half")),
+                (r'fraction is ""', (*good, "--fractions", "0.25,,1")),
+                (r"either --fraction or --fractions", (*good, "--fraction", "1", "--fractions", "0,1")),
+                (r"--fraction is given more than once", (*good, "--fraction", "1", "--fraction", "0")),
+                (r'no "colours" to be kept: give normals, selection', (*good, "--also", "colours")),
+                (r"--report is empty", (*good, "--report", "")),
+                (r"in a script, give the parameter fraction", (self.mesh, "out.ply", script, "--fraction", "1")),
+                (r"in a script, give the parameter fraction", (self.mesh, "out.ply", script, "--fractions", "0,1"))):
+            self.refused(WRONG_USAGE, sentence + r".* See --help\.", *arguments)
+        self.refused(WRONG_USAGE, r"report and the output are the same file", *good, "--report", "out.ply")
+
+
+class Edits(CommandTest):
+    def test_json_has_the_bits_of_the_filter(self):
+        edit = self.write_edit(self.lift, self.lean)
+        bits = self.edited_bits(edit)
+        self.assertEqual(bits, self.edited_bits(self.write_script(replay(self.lift), replay(self.lean))))
+        before = [tuple(map(bits_of, p)) for p in self.points]
+        self.assertEqual(bits[0], before[0])
+        self.assertNotEqual(bits[CENTRE], before[CENTRE])
+
+    def test_reports_are_on_the_standard_output_unless_quiet(self):
+        text = self.done(self.mesh, "out.ply", self.write_edit(self.lift, self.lean))
+        self.assertRegex(text, r"\AStep 1 of 2\nRegion: 1 handle, [^$]*\nStep 2 of 2\nRegion: ")
+        script = self.write_script(select_vertices("x>0.9"), laplacian_edit(handle_source=1, radius=0.3))
+        self.assertRegex(self.done(self.mesh, "out.ply", script), r"\Aselected \d+ vert[^\n]*\nRegion: ")
+        for edit in (self.edit, script):
+            self.assertEqual(self.done(self.mesh, "out.ply", edit, "--quiet"), "")
+
+    def test_edits_are_recognised_by_their_text(self):
+        bits = self.edited_bits(self.edit)
+        for source in (self.edit, self.write_script(replay(self.lift))):
+            unnamed = self.folder / "unnamed"
+            unnamed.write_text("\n " + source.read_text())
+            if source.suffix == ".mlx":
+                unnamed.write_text(source.read_text())
+            self.assertEqual(self.edited_bits(unnamed), bits)
+
+    def test_file_names_of_all_languages(self):
+        mesh = write_ply(self.place / "Höcker 山.ply", self.points, self.faces)
+        self.done(mesh, "Gebeugt 曲.ply", self.edit, environment={"LC_ALL": "C", "LANG": "C"})
+        self.assertEqual(self.bits(self.place / "Gebeugt 曲.ply"), self.edited_bits(self.edit))
+
+    def test_refusals(self):
+        def refused(sentence, edit):
+            self.refused(REFUSED, sentence, self.mesh, "out.ply", edit)
+
+        refused(r"Step 2 of 2: .*radius is -1", self.write_edit(self.lift, {**self.lift, "region": {"radius": -1}}))
+        refused(r"441 vertices", self.write_edit({**self.lift, "handles": [{"vertices": "441"}]}))
+        broken = self.folder / "broken.json"
+        broken.write_text("{")
+        refused(r"line 1", broken)
+        huge = self.folder / "huge.json"
+        with open(huge, "wb") as file:
+            file.write(b"{")
+            file.truncate(100 << 20)
+        refused(r"104857600 bytes", huge)
+        self.refused(UNREADABLE, r"edit .*none\.json.* does not exist", self.mesh, "out.ply", "none.json")
+        self.refused(UNREADABLE, r"edit .* is not an ordinary file", self.mesh, "out.ply", self.folder)
+
+    def test_progress_is_for_terminals(self):
+        for quiet in (False, True):
+            terminal, other_end = pty.openpty()
+            environment = dict(without_display(self.environment), TERM="xterm")
+            with subprocess.Popen(
+                    [COMMAND, self.mesh, "out.ply", self.edit] + ["--quiet"] * quiet, cwd=self.place, env=environment,
+                    stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=other_end) as process:
+                os.close(other_end)
+                text = b""
+                try:
+                    while part := os.read(terminal, 1000):
+                        text += part
+                except OSError:  # the other end is closed
+                    pass
+                self.assertNotIn(b"%", process.communicate(timeout=60)[0].split(b"Region")[0])
+            os.close(terminal)
+            self.assertEqual(process.returncode, 0)
+            if quiet:
+                self.assertEqual(text, b"")
+            else:
+                self.assertRegex(text, rb"\r\x1b\[K +\d+ % factorisation\r\x1b\[K")
+                self.assertTrue(text.endswith(b"\r\x1b[K"), text)
+
+
+class Fractions(CommandTest):
+    def test_each_pose_has_the_bytes_that_it_has_alone(self):
+        edit = self.write_edit(self.lift, self.lean)
+        fractions = ("0.25", "1", "0", "0.5")
+        self.done(self.mesh, "all.ply", edit, "--fractions", ",".join(fractions), "--also", "normals")
+        self.assertEqual(len(list(self.place.iterdir())), 4)
+        for k, fraction in enumerate(fractions, start=1):
+            self.done(self.mesh, "one.ply", edit, "--fraction", fraction, "--also", "normals")
+            together = (self.place / f"all-000{k}.ply").read_bytes()
+            self.assertEqual(together, (self.place / "one.ply").read_bytes(), fraction)
+        self.assertEqual(self.bits(self.place / "all-0003.ply"), [tuple(map(bits_of, p)) for p in self.points])
+
+    def test_one_factorisation_serves_all(self):
+        self.done(self.mesh, "all.ply", self.edit, "--fractions", "0.25,0.5,1", "--report", "report.json")
+        outputs = json.loads((self.place / "report.json").read_text())["outputs"]
+        self.assertEqual([output["fraction"] for output in outputs], [0.25, 0.5, 1])
+        self.assertEqual([pathlib.Path(output["file"]).name for output in outputs],
+                         ["all-0001.ply", "all-0002.ply", "all-0003.ply"])
+        steps = [output["steps"][0] for output in outputs]
+        self.assertEqual([step["factor_taken_over"] for step in steps], [False, True, True])
+        self.assertEqual([step["milliseconds"]["factorisation"] > 0 for step in steps], [True, False, False])
+        self.assertAlmostEqual(steps[1]["handle_displacement"], 0.1, delta=1e-12)
+
+    def test_either_all_files_are_written_or_none(self):
+        (self.place / "all-0002.ply").mkdir()
+        (self.place / "all-0001.ply").write_text("old")
+        self.refused(UNWRITABLE, r"all-0002\.ply.* is a folder", self.mesh, "all.ply", self.edit, "--fractions", "0,1")
+        far = self.write_edit({**self.lift, "handles": [{"vertices": str(CENTRE), "translation": [0, 0, 3e38]}]})
+        if SCALAR == "float":
+            far.write_text(far.read_text().replace("3e+38", "6e+38"))
+            self.refused(REFUSED, r"At fraction 1: .*single precision", self.mesh, "other.ply", far, "--fractions",
+                         "0.25,1")
+
+
+class Reports(CommandTest):
+    def test_figures_of_an_edit(self):
+        self.done(self.mesh, "out.ply", self.write_edit(self.lift, self.lean), "--report", "report.json")
+        report = json.loads((self.place / "report.json").read_text())
+        self.assertEqual(report["laplacian_edit_report"], 1)
+        self.assertEqual(report["host"], version()[1])
+        self.assertEqual(report["scalar"], SCALAR)
+        self.assertEqual(report["input"], str(self.mesh))
+        self.assertEqual(report["edit"], str(self.edit))
+        self.assertEqual(report["mesh"], {"vertices": 441, "faces": 800})
+        for name in ("read", "edit", "write"):
+            self.assertGreater(report["milliseconds"][name], 0)
+        (output,) = report["outputs"]
+        self.assertEqual((output["file"], output["fraction"]), (str(self.place / "out.ply"), 1))
+        first, second = output["steps"]
+        for step, way in ((first, 0.2), (second, (0.05 ** 2 + 0.1 ** 2) ** 0.5)):
+            self.assertEqual(sum(step[name] for name in ("handle", "free", "anchors", "fixed")), 441)
+            self.assertAlmostEqual(step["handle_displacement"], way, delta=1e-12)
+            self.assertLess(step["handle_residual"], 0.005 * way)
+            self.assertLess(step["normal_equation_residual"], 1e-12)
+            self.assertGreater(step["stretch_max"], step["stretch_rms"])
+            self.assertEqual((step["laplacian"], step["order"], step["flipped"]), ("umbrella", 1, 0))
+            self.assertRegex(step["solver"], "CHOLMOD|Eigen")
+            self.assertGreater(step["milliseconds"]["factorisation"], 0)
+
+    def test_steps_of_a_script(self):
+        script = self.write_script(replay(self.lift), laplacian_edit(handle_point=self.points[155], radius=0.3))
+        self.done(self.mesh, "out.ply", script, "--report", "report.json")
+        (output,) = json.loads((self.place / "report.json").read_text())["outputs"]
+        self.assertNotIn("fraction", output)
+        self.assertEqual([step["handle_displacement"] for step in output["steps"]], [0.2, 0])
+
+    def test_place_that_cannot_be_written(self):
+        for report in ("none/report.json", self.place):
+            self.refused(UNWRITABLE, r"report .* cannot be written", self.mesh, "out.ply", self.edit, "--report", report)
+
+
+class Scripts(CommandTest):
+    def filter(self, *parameters, name="Laplacian Edit"):
+        return f'<filter name="{name}">' + "".join(f"<Param {p}/>" for p in parameters) + "</filter>"
+
+    def short(self, *more, point="RichPoint3f", length="RichAbsPerc"):
+        x, y, z = self.points[CENTRE]
+        return self.filter(f'type="{point}" name="handle_point" x="{x}" y="{y}" z="{z}"',
+                           f'type="{point}" name="translation" x="0" y="0" z="0.2"',
+                           f'type="{length}" name="radius" value="0.35"', *more)
+
+    def refused_script(self, sentence, *filters):
+        self.refused(REFUSED, sentence, self.mesh, "out.ply", self.write_script(*filters))
+
+    def test_missing_parameters_take_their_defaults(self):
+        full = laplacian_edit(handle_point=self.points[CENTRE], radius=0.35, translation=(0, 0, 0.2))
+        bits = self.edited_bits(self.write_script(full))
+        self.assertEqual(self.edited_bits(self.write_script(self.short())), bits)
+        self.assertNotEqual(
+            self.edited_bits(self.write_script(self.short('type="RichInt" name="order" value="2"'))), bits)
+        # A length's default is a part of the mesh's size.
+        x, y, z = self.points[CENTRE]
+        part = self.filter(f'type="RichPoint3f" name="handle_point" x="{x}" y="{y}" z="{z}"')
+        self.assertRegex(self.done(self.mesh, "out.ply", self.write_script(part)), r"1 handle, [1-9]\d+ free")
+
+    def test_order_of_parameters_does_not_matter(self):
+        forward = self.short('type="RichFloat" name="padding" value="0.3"')
+        parameters = re.findall("<Param .*?/>", forward)
+        backward = '<filter name="Laplacian Edit">' + "".join(reversed(parameters)) + "</filter>"
+        self.assertNotEqual(forward, backward)
+        self.assertEqual(self.edited_bits(self.write_script(forward)), self.edited_bits(self.write_script(backward)))
+
+    def test_all_hosts_names_of_types_are_understood(self):
+        bits = self.edited_bits(self.write_script(self.short()))
+        for point in ("RichPosition", "RichDirection"):
+            self.assertEqual(self.edited_bits(self.write_script(self.short(point=point, length="RichPercentage"))), bits)
+
+    def test_selections_reach_the_filter(self):
+        select = self.filter('type="RichString" name="condSelect" value="(x-0.5)*(x-0.5)+(y-0.5)*(y-0.5)&lt;0.0144"',
+                             name="Conditional Vertex Selection")
+        picked = [v for v, p in enumerate(self.points) if (p[0] - 0.5) ** 2 + (p[1] - 0.5) ** 2 < 0.0144]
+        text = self.done(self.mesh, "out.ply", self.write_script(
+            select, self.short('type="RichEnum" name="handle_source" value="1"')))
+        self.assertIn(f"{len(picked)} handle", text)
+        same = self.edited_bits(self.write_edit(
+            {"region": {"radius": 0.35}, "handles": [{"vertices": ",".join(map(str, picked)),
+                                                      "translation": [0, 0, 0.2]}]}))
+        self.assertEqual(self.bits(self.place / "out.ply"), same)
+        inside = select_faces("x0<0.8 && x1<0.8 && x2<0.8")
+        text = self.done(self.mesh, "out.ply", self.write_script(
+            inside, self.short('type="RichEnum" name="region_source" value="1"')))
+        self.assertRegex(text, r"1 handle, \d+ free, \d+ anchor vertices; 105 fixed of 441")
+
+    def test_script_without_filters_copies(self):
+        self.assertEqual(self.edited_bits(self.write_script()), [tuple(map(bits_of, p)) for p in self.points])
+
+    def test_unknown_names(self):
+        self.refused_script(r'filter "Laplacian Edit" has no parameter "strength": it has handle_source, handle_point,',
+                            self.short('type="RichFloat" name="strength" value="1"'))
+        self.refused_script(r'no filter "Laplacian Edits" .*did you mean "Laplacian Edit"',
+                            self.filter(name="Laplacian Edits"))
+        self.refused_script(r'no filter "Knit a sock" .*: correct the script', self.filter(name="Knit a sock"))
+        self.refused_script(r'Filter 1 of 2 .*"Conditional Vertex Selection" has no parameter "condition": it has .*'
+                            r"condSelect", self.filter('type="RichString" name="condition" value="x"',
+                                                       name="Conditional Vertex Selection"), self.short())
+
+    def test_values_that_are_none(self):
+        for sentence, parameter in (
+                (r'padding is "wide", which is no number', 'type="RichFloat" name="padding" value="wide"'),
+                (r'padding is "1e99", which is no number', 'type="RichFloat" name="padding" value="1e99"'),
+                (r'padding is "", which is no number', 'type="RichFloat" name="padding" value=""'),
+                (r'padding has no attribute "value"', 'type="RichFloat" name="padding"'),
+                (r'order is "1\.5", which is no whole number', 'type="RichInt" name="order" value="1.5"'),
+                (r'order is "99999999999"', 'type="RichInt" name="order" value="99999999999"'),
+                (r"laplacian is 7: give 0 \(Umbrella\) or 1 \(Cotangent\)", 'type="RichEnum" name="laplacian" value="7"'),
+                (r"laplacian is -1: give 0", 'type="RichEnum" name="laplacian" value="-1"'),
+                (r'rotation_axis has no attribute "y"', 'type="RichPoint3f" name="rotation_axis" x="1"'),
+                (r'rotation_axis is "up", which is no number',
+                 'type="RichPoint3f" name="rotation_axis" x="1" y="up" z="0"'),
+                (r"order is a RichFloat in the script, .* it is a RichInt", 'type="RichFloat" name="order" value="1"'),
+                (r"order is a RichShotf in the script", 'type="RichShotf" name="order"'),
+                (r'"padding" is given twice', 'type="RichFloat" name="padding" value="0"/>'
+                                              '<Param type="RichFloat" name="padding" value="1"'),
+                (r"line 3: a parameter needs a name and a type", 'name="padding" value="1"'),
+                (r"line 3: a parameter needs a name and a type", 'type="RichFloat" value="1"')):
+            self.refused_script(sentence, self.short(parameter))
+
+    def test_scripts_that_are_none(self):
+        for sentence, text in (
+                (r"line 1: the outermost element is \"html\"", "<html></html>"),
+                (r"line 2: there is an element \"xmlfilter\"", '<FilterScript>\n<xmlfilter name="x"/></FilterScript>'),
+                (r"line 2: there is an element \"param\"",
+                 '<FilterScript><filter name="Laplacian Edit">\n<param/></filter></FilterScript>'),
+                (r"line 1: a filter needs a name", "<FilterScript><filter/></FilterScript>"),
+                (r"The script cannot be read, line 1: ", "<FilterScript>"),
+                (r"The script cannot be read, line 1: ", '<FilterScript><filter name="a"'),
+                (r"The script cannot be read, line 1: ", ""),
+                (r"The script cannot be read, line 1: ", "<FilterScript></FilterScript>x"),
+                (r"The script cannot be read, line 1: ", "<FilterScript>&bomb;</FilterScript>")):
+            script = self.folder / "none.mlx"
+            script.write_text(text)
+            self.refused(REFUSED, sentence, self.mesh, "out.ply", script)
+
+    def test_filters_that_draw(self):
+        self.refused_script(r'filter "Ambient Occlusion" draws', self.filter(name="Ambient Occlusion"), self.short())
+
+    def test_script_that_leaves_no_layer(self):
+        self.refused_script(r"leaves no layer", self.short(), self.filter(name="Delete Current Mesh"))
+
+    def test_refusal_names_the_filter_when_there_are_several(self):
+        self.refused_script(r"Filter 2 of 2 \(Laplacian Edit\): .*order .*is 9", self.short(),
+                            self.short('type="RichInt" name="order" value="9"'))
+
+
+class Formats(CommandTest):
+    def test_formats_of_the_host(self):
+        bits = self.edited_bits(self.edit)
+        off = self.place / "dome.off"
+        off.write_text(f"OFF\n{len(self.points)} {len(self.faces)} 0\n"
+                       + "".join("%r %r %r\n" % p for p in self.points)
+                       + "".join("3 %d %d %d\n" % f for f in self.faces))
+        self.done(off, "from_off.ply", self.edit)
+        self.assertEqual(self.bits(self.place / "from_off.ply"), bits)
+        for suffix, looks in (("off", rb"\AOFF\s+441 800 0"), ("obj", rb"\nv \S+ \S+ \S+\n"), ("stl", rb"\A.{80}\x20\x03\0\0"),
+                              ("PLY", rb"\Aply\nformat binary"), ("wrl", rb"\A#VRML"), ("dxf", rb"SECTION")):
+            self.done(self.mesh, "out." + suffix, self.edit)
+            self.assertRegex((self.place / ("out." + suffix)).read_bytes(), re.compile(looks, re.DOTALL))
+        # Back again. Text has fewer digits than the mesh, STL another order of the vertices.
+        nothing = self.write_script(name="nothing.mlx")
+        self.done("out.off", "back.ply", nothing)
+        back = Ply(self.place / "back.ply")
+        self.assertEqual([tuple(f) for f in back.faces()], [tuple(f) for f in self.faces])
+        for row, exact in zip(back.points(), Ply(self.place / "bits.ply").points()):
+            for number, expected in zip(row, exact):
+                self.assertAlmostEqual(number, expected, delta=1e-5)
+        self.done("out.stl", "back.ply", nothing)
+        back = Ply(self.place / "back.ply")
+        self.assertEqual((len(back.points()), len(back.faces())), (441, 800))
+
+    def test_obj_is_read_unless_the_host_cannot(self):
+        obj = self.place / "dome.obj"
+        obj.write_text("".join("v %r %r %r\n" % p for p in self.points)
+                       + "".join("f %d %d %d\n" % tuple(v + 1 for v in f) for f in self.faces))
+        if version()[2] == "2020":
+            code, _, errors = self.run_command(obj, "out.ply", self.edit)
+            self.assertEqual(code, UNREADABLE)
+            self.assertRegex(errors.splitlines()[-1], r"MeshLab 2020\.09 stopped .*while reading .*dome\.obj.*PLY, OFF")
+            self.assertEqual([path.name for path in self.place.iterdir()], ["dome.obj"])
+            return
+        self.done(obj, "out.ply", self.edit)
+        self.assertEqual(self.bits(self.place / "out.ply"), self.edited_bits(self.edit))
+
+    def test_materials_come_along(self):
+        mesh = write_ply(self.place / "coloured.ply", self.points, self.faces,
+                         face_extra="property uchar red\nproperty uchar green\nproperty uchar blue\n",
+                         face_values=["200 10 10"] * len(self.faces))
+        self.done(mesh, "out.obj", self.edit)
+        text = (self.place / "out.obj").read_text()
+        library = re.search(r"^mtllib (.*)$", text, re.MULTILINE)[1]
+        self.assertIn("newmtl", (self.place / library).read_text())
+        self.assertEqual({path.name for path in self.place.iterdir()},
+                         {"coloured.ply", "out.obj", pathlib.Path(library).name})
+
+    def test_unknown_and_broken_files(self):
+        self.refused(UNWRITABLE, r'No plugin .* can write .*out\.knit": the suffixes are .*\bply\b', self.mesh,
+                     "out.knit", self.edit)
+        self.refused(UNWRITABLE, r"can write .*out\"", self.mesh, "out", self.edit)
+        unknown = self.place / "in.knit"
+        unknown.write_text("x")
+        self.refused(UNREADABLE, r"can read .*in\.knit", unknown, "out.ply", self.edit)
+        self.refused(UNREADABLE, r"none\.ply.* does not exist", "none.ply", "out.ply", self.edit)
+        self.refused(UNREADABLE, r"is not an ordinary file", self.place, "out.ply", self.edit)
+        for name, data in (("text.ply", b"knitting"), ("short.ply", self.binary()[:-40]), ("empty.ply", b""),
+                           ("empty.off", b""), ("text.off", b"OFF\nx y z\n")):
+            broken = self.place / name
+            broken.write_bytes(data)
+            code, _, errors = self.run_command(broken, "out.ply", self.edit)
+            self.assertIn(code, (UNREADABLE, REFUSED), (name, errors))
+            self.assertRegex(errors.splitlines()[-1], r"\.$")
+            self.assertFalse((self.place / "out.ply").exists())
+
+    def binary(self):
+        self.done(self.mesh, "binary.ply", self.edit)
+        return (self.place / "binary.ply").read_bytes()
+
+    def test_plugins_of_another_folder(self):
+        empty = self.place / "plugins"
+        empty.mkdir()
+        self.refused(UNWRITABLE, r"no plugins .* in .*/plugins: give their folder with --plugins", self.mesh, "out.ply",
+                     self.edit, "--plugins", empty)
+        (empty / "libio_base.so").write_text("no library")
+        self.refused(UNWRITABLE, r"no plugins .*/plugins \(libio_base\.so: .*\): give their folder", self.mesh,
+                     "out.ply", self.edit, "--plugins", "plugins")
+
+
+class Files(CommandTest):
+    def limited(self):
+        """Writes of more than 8 KB fail as on a full disk."""
+        resource.setrlimit(resource.RLIMIT_FSIZE, (8192, 8192))
+
+    def test_output_may_be_the_input(self):
+        bits = self.edited_bits(self.edit)
+        mesh = write_ply(self.place / "same.ply", self.points, self.faces)
+        self.done(mesh, mesh, self.edit)
+        self.assertEqual(self.bits(mesh), bits)
+        self.assertEqual({path.name for path in self.place.iterdir()}, {"same.ply", "bits.ply"})
+
+    def test_refused_edits_leave_the_output_alone(self):
+        (self.place / "out.ply").write_text("old")
+        bad = self.write_edit({**self.lift, "region": {"radius": -1}}, name="bad.json")
+        self.refused(REFUSED, r"radius is -1", self.mesh, "out.ply", bad)
+
+    def test_full_disk_leaves_the_output_alone(self):
+        for suffix in ("ply", "off", "obj", "stl"):
+            (self.place / ("out." + suffix)).write_text("old")
+            self.refused(UNWRITABLE, r"output .*out\." + suffix + ".* cannot be written: ", self.mesh, "out." + suffix,
+                         self.edit, preexec_fn=self.limited)
+
+    def test_places_that_cannot_be_written(self):
+        (self.place / "folder.ply").mkdir()
+        for sentence, place in ((r"none/out\.ply.* folder does not exist", "none/out.ply"),
+                                (r"folder\.ply.* is a folder", "folder.ply"),
+                                (r"/dev/full.* not an ordinary file", "/dev/full"),
+                                (r"/proc/out\.ply.* cannot be written", "/proc/out.ply")):
+            self.refused(UNWRITABLE, sentence, self.mesh, place, self.edit)
+        if os.geteuid() != 0:
+            closed = self.place / "closed"
+            closed.mkdir(0o555)
+            self.refused(UNWRITABLE, r"closed/out\.ply.* written to", self.mesh, "closed/out.ply", self.edit)
+
+    def test_links_and_permissions_stay(self):
+        elsewhere = self.place / "elsewhere"
+        elsewhere.mkdir()
+        real = elsewhere / "real.ply"
+        real.write_text("old")
+        real.chmod(0o640)
+        (self.place / "link.ply").symlink_to(real)
+        self.done(self.mesh, "link.ply", self.edit)
+        self.assertTrue((self.place / "link.ply").is_symlink())
+        self.assertEqual(self.bits(real), self.edited_bits(self.edit))
+        self.assertEqual(stat.S_IMODE(real.stat().st_mode), 0o640)
+        self.assertEqual(list(elsewhere.iterdir()), [real])
+
+    def writing(self):
+        """A run that writes for a while, when it has begun to."""
+        fractions = ",".join(["0.5"] * 400)
+        process = self.start(self.mesh, "all.ply", self.edit, "--fractions", fractions)
+        end = time.monotonic() + 60
+        while not list(self.place.glob(".laplacian-edit-*/all-0003.ply")):
+            self.assertIsNone(process.poll())
+            self.assertLess(time.monotonic(), end)
+            time.sleep(0.002)
+        return process
+
+    def test_interrupted_runs_leave_nothing_behind(self):
+        for request in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+            with self.writing() as process:
+                process.send_signal(request)
+                process.communicate(timeout=60)
+            self.assertEqual(process.returncode, -request)
+            self.assertEqual(self.snapshot(), {})
+
+    def test_error_of_the_host_is_told_and_leaves_nothing_behind(self):
+        with self.writing() as process:
+            (worker,) = pathlib.Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+            os.kill(int(worker), signal.SIGABRT)
+            _, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, UNWRITABLE)
+        self.assertRegex(errors.decode(), r"\AMeshLab \S+ stopped with an error of its own while writing .*all-\d+\.ply.*"
+                                          r"signal 6.*: nothing was written; .*\.\n\Z")
+        self.assertEqual(self.snapshot(), {})
+
+
+if __name__ == "__main__":
+    unittest.main()
