@@ -94,7 +94,7 @@ class ToolTest(GuiTest):
             self.assertTrue(all(math.isfinite(c) for p in dump.triples(name) for c in p), name)
 
     def message(self, window):
-        """The one line over the picture."""
+        """The one sentence over the picture, which is broken into lines where the view is narrow."""
         texts = window.on_screen()
         self.assertEqual(len(texts), 1, texts)
-        return texts[0]
+        return texts[0].replace("<br>", " ")
