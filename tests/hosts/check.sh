@@ -17,7 +17,9 @@ hosts=$(realpath -m "${LAPEDIT_HOSTS_DIR:-$project/build/hosts}")
 export LAPEDIT_HOSTS_DIR=$hosts
 [ $# -eq 1 ] || [ $# -eq 3 ] || { sed -n 's/^# usage: //p' "$0" >&2; exit 2; }
 suite=$1
-root=$("$here/root.sh" make "$suite" build)
+# If this script is ended, so is what it started.
+root_sh=(setpriv --pdeathsig TERM "$here/root.sh")
+root=$("${root_sh[@]}" make "$suite" build)
 
 mkdir -p "$hosts/$suite-ccache"
 options=(--bind-ro "$project=/src" --bind "$hosts/$suite-ccache=/ccache" --env CCACHE_DIR=/ccache)
@@ -31,13 +33,13 @@ fi
 options+=(--env "LAPEDIT_MESHES=$meshes")
 if [ $# -eq 3 ]; then
   mkdir -p "$2"
+  rm -rf "${2:?}/$suite"
   options+=(--bind "$2=/results" --bind-ro "$3=/generated")
 fi
 
 echo "== $suite: build"
-# A cache that was written without meshes, or with them, is not to decide.
 # shellcheck disable=SC2016
-"$here/root.sh" run "$root" "${options[@]}" -- sh -euc '
+"${root_sh[@]}" run "$root" "${options[@]}" -- sh -euc '
   mkdir -p /build
   cmake -G Ninja -S /src -B /build -DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DLAPEDIT_WARNINGS_AS_ERRORS=ON \
     -DLAPEDIT_MESHES="$LAPEDIT_MESHES" >/build/configure.log 2>&1 || { cat /build/configure.log; exit 1; }
@@ -49,13 +51,13 @@ echo "== $suite: tests"
 status=0
 # shellcheck disable=SC2016
 # shellcheck disable=SC2016
-"$here/root.sh" run "$root" "${options[@]}" -- sh -euc '
+"${root_sh[@]}" run "$root" "${options[@]}" -- sh -euc '
   ctest --test-dir /build --output-on-failure --no-tests=error --parallel "$(nproc)"' || status=$?
 
 if [ $# -eq 3 ]; then
   echo "== $suite: results"
   # shellcheck disable=SC2016
-  "$here/root.sh" run "$root" "${options[@]}" -- sh -euc '
+  "${root_sh[@]}" run "$root" "${options[@]}" -- sh -euc '
     /src/tests/hosts/write_results.sh /build/filter_laplacian_edit/laplacian-edit /generated "$LAPEDIT_MESHES" \
       "/results/$0"' "$suite" || status=$?
 fi

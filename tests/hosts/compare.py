@@ -60,7 +60,6 @@ class Edit:
         report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
         self.steps = report["outputs"][-1]["steps"]
         self.region = max(step["handle"] + step["free"] + step["anchors"] for step in self.steps)
-        self.solver = self.steps[0]["solver"]
 
     def moved(self):
         return {v for pose in self.after for _, v in pose.differing(self.before)}
@@ -102,26 +101,25 @@ def main():
     if len(folders) < 2:
         sys.exit("usage: compare.py FOLDER FOLDER...")
     names = edits_in(folders[0])
-    hosts = [json.loads(next(folder.glob("*/*/report.json")).read_text())["host"] for folder in folders
-             if any(folder.glob("*/*/report.json"))]
     failures = [f"{folder} has not the edits of {folders[0]}." for folder in folders
                 if not names or edits_in(folder) != names]
     if failures:
         sys.exit("\n".join(failures))
 
-    print(f"{len(names)} edits, two poses each, on {', '.join(hosts)}; all compared with the first, "
-          f"{folders[0].name}. ULP: units in the last place of a float. Relative: to the diagonal of what is moved.\n")
+    hosts = [json.loads((folder / names[0] / "report.json").read_text())["host"] for folder in folders]
+    print(f"{len(names)} edits, two poses each, on {', '.join(hosts)}; compared with the first. "
+          f"ULP: units in the last place of a float. Relative: to the diagonal of what is moved.\n")
     print("| edit | vertices in the region | moved | coordinates compared | host | differing | largest, ULP | relative |")
     print("|---|---:|---:|---:|---|---:|---:|---:|")
     totals = [0, 0]
     for name in names:
         try:
             first = Edit(folders[0] / name)
-            for folder in folders[1:]:
+            for folder, host in zip(folders[1:], hosts[1:]):
                 result = Comparison(first, Edit(folder / name), f"{name} on {folder.name}")
                 totals[0] += result.compared
                 totals[1] += result.differing
-                print(f"| {name} | {first.region:,} | {result.moved:,} | {result.compared:,} | {folder.name} | "
+                print(f"| {name} | {first.region:,} | {result.moved:,} | {result.compared:,} | {host} | "
                       f"{result.differing:,} | {result.ulp:,} | {result.relative:.1e} |".replace("| 0.0e+00 |", "| 0 |"))
                 if result.relative > BOUNDS.get(name, 0) or (result.differing and name not in BOUNDS):
                     failures.append(f"{name} on {folder.name}: {result.differing} of {result.compared} coordinates differ, "

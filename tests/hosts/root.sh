@@ -6,7 +6,7 @@
 #        root.sh run ROOT [OPTION]... -- COMMAND [ARGUMENT]...
 #                                              runs a command in it; ends with the command's exit code
 #        root.sh remove SUITE KIND             removes it
-#        root.sh remove all                    removes all of them
+#        root.sh remove all                    removes all of them, and what the checks keep beside them
 #
 #   SUITE             a release of Debian: bookworm, trixie, sid
 #   KIND clean        the packaged MeshLab, what it depends on, and Mesa's software OpenGL
@@ -223,9 +223,12 @@ make() {
     fi
   fi
   check_machine
-  # Made in its own process, which has its own lock.
-  # shellcheck disable=SC2086
-  [ "$kind" = clean ] || "$script" make $fresh "$suite" clean >/dev/null
+  if [ "$kind" = build ]; then
+    # In a process of its own, which has its own lock; in the background, as above.
+    # shellcheck disable=SC2086
+    setpriv --pdeathsig TERM "$script" make $fresh "$suite" clean >/dev/null &
+    wait $!
+  fi
   lock "$root.lock"
   if [ -n "$fresh" ] || ! ready "$root" "$stamp"; then
     echo "Making $root" >&2
@@ -292,6 +295,9 @@ remove() {
     local file
     for file in "$hosts"/*.lock; do
       [ ! -e "$file" ] || remove_one "${file%.lock}"
+    done
+    for file in "$hosts"/*-ccache "$hosts"/*-package; do
+      discard "$file"
     done
   else
     [ $# -eq 2 ] || usage

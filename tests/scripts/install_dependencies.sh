@@ -11,6 +11,7 @@ packages="
   meshlab dpkg-dev
   xvfb xauth xdotool libgl1-mesa-dri
   python3 python3-numpy python3-vtk9
+  debootstrap
 "
 
 missing=
