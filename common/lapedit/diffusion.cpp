@@ -5,8 +5,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "lapedit/accurate_residual.h"
-
 namespace lapedit {
 namespace {
 
@@ -70,8 +68,8 @@ void DiffusionSmoother::apply_roughly(const Points& in, Points& out) const {
 
 void DiffusionSmoother::apply(const Points& in, Points& out) const {
   out = in;
-  Points right, left, more;
-  DoubledPoints x;
+  Points &right = scratch_.right, &left = scratch_.left, &more = scratch_.step;
+  DoubledPoints& x = scratch_.x;
   for (int step = 0; step < kSteps; ++step) {
     right = out;
     for (Eigen::Index i = 0; i < right.rows(); ++i) {

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "lapedit/accurate_residual.h"
 #include "lapedit/region.h"
 #include "lapedit/smoother.h"
 #include "lapedit/sparse_cholesky.h"
@@ -26,19 +27,24 @@ class DiffusionSmoother : public Smoother {
   /// @throws EditError (IllConditioned)
   DiffusionSmoother(const Region& region, const Points& rest, double radius, const CholeskyOptions& options = {});
 
-  /// The same bits with every factorisation, BLAS and processor.
+  /// The same bits with every factorisation, BLAS and processor. One caller at a time.
   void apply(const Points& in, Points& out) const override;
   void apply_roughly(const Points& in, Points& out) const override;
 
   std::size_t bytes() const override {
     return factor_->bytes() + static_cast<std::size_t>(mass_.size()) * 8 +
-           static_cast<std::size_t>(matrix_.nonZeros()) * 12 + static_cast<std::size_t>(matrix_.outerSize()) * 4;
+           static_cast<std::size_t>(matrix_.nonZeros()) * 12 + static_cast<std::size_t>(matrix_.outerSize()) * 4 +
+           static_cast<std::size_t>(scratch_.right.rows()) * 5 * 3 * sizeof(double);
   }
 
  private:
   Eigen::VectorXd mass_;
   SparseMatrix matrix_;  // both halves, for residuals
   std::unique_ptr<SparseCholesky> factor_;
+  mutable struct {
+    Points right, left, step;
+    DoubledPoints x;
+  } scratch_;  // so that a drag allocates nothing
 };
 
 }  // namespace lapedit
