@@ -174,15 +174,14 @@ class Window:
                            timeout=PATIENCE, check=False)
         raise AssertionError(f"{sentence}\nWindows:\n{titles}\nOutput of MeshLab:\n" + "\n".join(self.lines))
 
-    def wait(self, text, times=1):
-        """Until that many lines of MeshLab's output contain the text. @return the last of them"""
+    def wait(self, pattern, times=1):
+        """Until that many lines of MeshLab's output match."""
         end = time.monotonic() + PATIENCE
         while True:
-            found = [line for line in self.lines if text in line]
-            if len(found) >= times:
-                return found[times - 1]
+            if sum(bool(re.search(pattern, line)) for line in self.lines) >= times:
+                return
             if time.monotonic() > end or self.process.poll() is not None and not self.reader.is_alive():
-                self.fail(f"no {text!r} in MeshLab's output")
+                self.fail(f"no {pattern!r} in MeshLab's output")
             time.sleep(0.05)
 
     def x(self, *words, check=True):
@@ -249,7 +248,7 @@ class Package(unittest.TestCase):
         self.display = start_x_server(self.addCleanup, "%dx%d" % SIZE)
         self.data = pathlib.Path(tempfile.mkdtemp(prefix="lapedit-"))
         self.addCleanup(shutil.rmtree, self.data)
-        (self.data / "home").mkdir()
+        (self.data / "home").mkdir(mode=0o700)
         self.points, self.faces = sheet()
         write_ply(self.data / "flat.ply", self.points, self.faces)
         self.bits = [tuple(map(bits_of, p)) for p in self.points]
@@ -349,7 +348,7 @@ class Package(unittest.TestCase):
             by_tool = self.moved(mesh)
             shutil.copy(self.data / "flat.ply", mesh)
             window.keys("ctrl+alt+l", "ctrl+shift+r")
-            window.wait("Opened mesh", 2)
+            window.wait("Opened mesh|All meshes reloaded", 2)
             # The filter that was applied last is above in the menu, and cannot be chosen: there was none.
             window.keys("alt+l", "Return")
             window.find("^Dialog$|Filter Script")
