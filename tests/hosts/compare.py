@@ -78,8 +78,8 @@ class Comparison:
             if len(first.after) != len(second.after) or len(a) != len(b) or a.faces != b.faces:
                 raise Failed(f"{name}: the {which} have other vertices or faces.")
         moved = first.moved()
-        if not moved or moved != second.moved():
-            raise Failed(f"{name}: {len(moved)} and {len(second.moved())} vertices are moved, not the same ones.")
+        if not moved:
+            raise Failed(f"{name}: the edit moves nothing.")
         if first.before.differing(second.before):
             raise Failed(f"{name}: the hosts read other coordinates.")
         self.moved, self.compared, self.differing, self.ulp, largest = len(moved), 0, 0, 0, 0.0
@@ -96,18 +96,16 @@ def edits_in(folder):
     return sorted(str(path.parent.relative_to(folder)) for path in folder.glob("*/*/report.json"))
 
 
-def main():
-    folders = [pathlib.Path(argument) for argument in sys.argv[1:]]
-    if len(folders) < 2:
-        sys.exit("usage: compare.py FOLDER FOLDER...")
+def compare(folders):
+    """Prints the table. @return sentences on what is not the same"""
     names = edits_in(folders[0])
     failures = [f"{folder} has not the edits of {folders[0]}." for folder in folders
                 if not names or edits_in(folder) != names]
     if failures:
-        sys.exit("\n".join(failures))
+        return failures
 
     hosts = [json.loads((folder / names[0] / "report.json").read_text())["host"] for folder in folders]
-    print(f"{len(names)} edits, two poses each, on {', '.join(hosts)}; compared with the first. "
+    print(f"{len(names)} edits on {', '.join(hosts)}; compared with the first. "
           f"ULP: units in the last place of a float. Relative: to the diagonal of what is moved.\n")
     print("| edit | vertices in the region | moved | coordinates compared | host | differing | largest, ULP | relative |")
     print("|---|---:|---:|---:|---|---:|---:|---:|")
@@ -127,6 +125,14 @@ def main():
         except Failed as failure:
             failures.append(str(failure))
     print(f"\n{totals[0]:,} coordinates compared, {totals[1]:,} differ.")
+    return failures
+
+
+def main():
+    folders = [pathlib.Path(argument) for argument in sys.argv[1:]]
+    if len(folders) < 2:
+        sys.exit("usage: compare.py FOLDER FOLDER...")
+    failures = compare(folders)
     if failures:
         print("\nNot the same:", *failures, sep="\n  ")
         sys.exit(1)
