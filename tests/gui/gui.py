@@ -163,6 +163,10 @@ class Window:
         """Until the tool has nothing to do and all is painted."""
         self.ask("idle", seconds=PATIENCE)
 
+    def seen(self):
+        """Until the drag is painted as the mouse has it; idle() also waits for the tool to solve in full."""
+        self.ask("idle", seconds=PATIENCE, frame=True)
+
     def mouse(self, kind, x, y, button="left", modifiers=()):
         """kind: press, move, release or double; pixels of the view, from its upper left corner"""
         self.ask("mouse", type=kind, x=x, y=y, button=button, modifiers=list(modifiers))
@@ -180,10 +184,10 @@ class Window:
         for i in range(1, steps + 1):
             x, y = (a + (b - a) * i / steps for a, b in zip(start, end))
             self.mouse("move", x, y, button, modifiers)
-            self.idle()
+            self.seen()
         if release:
             self.mouse("release", *end, button, modifiers)
-            self.idle()
+        self.idle()
 
     def move(self, x, y, modifiers=()):
         """Without a button, except those that are held."""
@@ -198,7 +202,7 @@ class Window:
         """Characters, or names such as Return, Backspace and Esc; each pressed and released."""
         for key in keys:
             self.ask("key", key=key, modifiers=list(modifiers))
-            self.idle()
+        self.idle()
 
     def actions(self, text=None):
         return self.ask("actions", text=text)["actions"]

@@ -32,4 +32,7 @@ GLArea& gl_area();  ///< the current view of the current project
 MeshDocument& document();
 MeshModel& layer(const QJsonObject& arguments);  ///< the one of "layer", the current one if that is absent
 
+/// A mouse event is being sent: idle can wait for the next frame of the drag.
+void expect_frame();
+
 }  // namespace gui_driver

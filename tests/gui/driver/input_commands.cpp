@@ -59,6 +59,7 @@ Answer mouse(const QJsonObject& arguments) {
   const QPointF place(arguments["x"].toDouble(), arguments["y"].toDouble());
   const QPointF global = place + area.mapToGlobal(QPoint(0, 0));
   QMouseEvent event(event_type, place, place, global, changed, held_buttons, modifiers(arguments));
+  expect_frame();
   QCoreApplication::sendEvent(&area, &event);
   return {};
 }

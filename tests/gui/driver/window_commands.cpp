@@ -7,6 +7,7 @@
 #include <QDialog>
 #include <QDoubleSpinBox>
 #include <QElapsedTimer>
+#include <QEventLoop>
 #include <QFileDialog>
 #include <QJsonArray>
 #include <QLineEdit>
@@ -16,6 +17,8 @@
 #include <QScreen>
 #include <QSlider>
 #include <QSpinBox>
+#include <QTimer>
+#include <QVariant>
 #include <stdexcept>
 
 #include "commands.h"
@@ -235,22 +238,41 @@ Answer answer_dialog(const QJsonObject& arguments) {
   return {{}, [modal] { modal->accept(); }};
 }
 
-/// Handles events until the tool says that it is not at work, and then those that this left.
-Answer idle(const QJsonObject& arguments) {
-  const auto busy = [] {
-    for (const QWidget* candidate : QApplication::allWidgets()) {
-      if (candidate->isVisible() && candidate->property("laplacian_drag_busy").toBool()) {
-        return true;
-      }
+/// A property of the tool's panels that are shown: one, or one per project.
+QVariantList of_panels(const char* property) {
+  QVariantList result;
+  for (const QWidget* candidate : QApplication::allWidgets()) {
+    if (candidate->isVisible() && candidate->property(property).isValid()) {
+      result += candidate->property(property);
     }
-    return false;
-  };
+  }
+  return result;
+}
+
+QVariantList frames() {
+  return of_panels("laplacian_drag_frames");
+}
+
+QVariantList frames_before_event;
+
+/// Handles events until the tool says that it is not at work, and then those that this left. frame: the first picture
+/// since the last mouse event is enough; otherwise the tool solves in full where the mouse rests, after
+/// a pause that grows to a second when the mouse moves once in a while.
+Answer idle(const QJsonObject& arguments) {
+  const bool frame = arguments["frame"].toBool();
   QElapsedTimer watch;
   watch.start();
   int calm = 0;  // passes in a row without anything to wait for
   while (calm < 3) {
     QCoreApplication::processEvents(QEventLoop::AllEvents, 20);
-    calm = busy() ? 0 : calm + 1;
+    if (!of_panels("laplacian_drag_busy").contains(true) || (frame && frames() != frames_before_event)) {
+      ++calm;
+    } else {
+      calm = 0;
+      QEventLoop events;  // the processor is the tool's meanwhile
+      QTimer::singleShot(2, &events, &QEventLoop::quit);
+      events.exec();
+    }
     if (watch.elapsed() > 1000 * arguments["seconds"].toDouble(60)) {
       throw std::runtime_error("the tool is busy for too long");
     }
@@ -291,6 +313,10 @@ Answer quit(const QJsonObject&) {
 }
 
 }  // namespace
+
+void expect_frame() {
+  frames_before_event = frames();
+}
 
 QMainWindow& main_window() {
   for (QWidget* candidate : QApplication::topLevelWidgets()) {
