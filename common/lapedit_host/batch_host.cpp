@@ -4,6 +4,7 @@
 #include <common/mlapplication.h>
 #include <dlfcn.h>
 #include <sys/statvfs.h>
+#include <unistd.h>
 
 #include <vcg/complex/algorithms/update/normal.h>
 #include <vcg/complex/algorithms/update/selection.h>
@@ -61,6 +62,16 @@ std::string one_line(QString message) {
     message.chop(1);
   }
   return (message.isEmpty() ? QString("the plugin does not say why") : message).toStdString() + ".";
+}
+
+/// The innermost part of a message of Qt's about a library: what is missing, as the loader said it.
+QString reason_of_loader(const QString& message) {
+  const int open = message.lastIndexOf(": (");
+  QString reason = (open < 0 ? message : message.mid(open + 3)).simplified();
+  while (reason.endsWith('.') || reason.endsWith(')')) {
+    reason.chop(1);
+  }
+  return reason;
 }
 
 /// Beside the library itself, wherever that is installed.
@@ -122,6 +133,13 @@ void complete_layer(MeshModel& layer, int mask) {
   layer.cm.bbox = finite_box(layer.cm);
 }
 
+/// Whether a disk has no room left for this user.
+bool is_full(const QString& folder) {
+  struct statvfs volume = {};
+  return statvfs(QFile::encodeName(folder).constData(), &volume) == 0 && volume.f_blocks > 0 &&
+         (geteuid() == 0 ? volume.f_bfree : volume.f_bavail) == 0;
+}
+
 /// Lines of a text file that begin with "v " and "f ".
 std::pair<int, int> count_in_obj(const QString& path) {
   QFile file(path);
@@ -156,7 +174,7 @@ struct BatchHost::State {
 
   QString folder;
   QStringList formats_left, filters_left;             // plugin files that are not loaded yet
-  QString not_loaded;                                 // what went wrong with the last one that could not be
+  QStringList not_loaded;                             // those that could not be, and why
   std::map<QString, FormatPlugin*> readers, writers;  // by suffix in lower case
   std::map<QString, Filter> filters;
   MeshDocument document;
@@ -168,7 +186,7 @@ struct BatchHost::State {
       plugin = load_plugin(folder + "/" + file);
     } catch (const std::exception& error) {
       // Not an error until somebody needs it, and then it is missing under its name.
-      not_loaded = QString::fromStdString(file.toStdString() + ": " + one_line(error.what()));
+      not_loaded << file + ": " + reason_of_loader(QString::fromUtf8(error.what()));
       return;
     }
     if (plugin.format != nullptr) {
@@ -177,6 +195,10 @@ struct BatchHost::State {
     if (plugin.filter != nullptr) {
       add_filter(*plugin.filter, file);
     }
+  }
+
+  std::string what_is_not_loaded() const {
+    return not_loaded.isEmpty() ? std::string() : " (not loaded: " + not_loaded.join("; ").toStdString() + ")";
   }
 
   void add_format(FormatPlugin& plugin) {
@@ -221,8 +243,7 @@ struct BatchHost::State {
       const std::string in_folder = " in " + folder.toStdString();
       if (suffixes.isEmpty()) {
         throw BatchError("There are no plugins of MeshLab that can " + std::string(verb) + " meshes" + in_folder +
-                         (not_loaded.isEmpty() ? "" : " (" + not_loaded.toStdString() + ")") +
-                         ": give their folder with --plugins.");
+                         what_is_not_loaded() + ": give their folder with --plugins.");
       }
       throw BatchError("No plugin of MeshLab" + in_folder + " can " + verb + " " + quoted_path(path) +
                        ": the suffixes are " + suffixes.join(", ").toStdString() + ".");
@@ -306,7 +327,7 @@ void BatchHost::require_filters(const std::vector<ScriptFilter>& script) {
       const QString near = near_names(wanted.name, known);
       throw EditError(ErrorCause::BadScript,
                       version().toStdString() + " has no filter " + quoted(wanted.name) + " in " +
-                          s.folder.toStdString() +
+                          s.folder.toStdString() + s.what_is_not_loaded() +
                           (near.isEmpty() ? ": correct the script." : ": did you mean " + near.toStdString() + "?"));
     }
     if (draws(*found->second.plugin, found->second.action, found->second.file)) {
@@ -394,8 +415,7 @@ void BatchHost::save(const QString& path, const KeptAttributes& kept) {
 /// Many writers do not look whether their output arrives.
 void BatchHost::State::require_complete(const QString& path, MeshModel& layer) {
   const QFileInfo file(path);
-  struct statvfs volume = {};
-  const bool full = statvfs(QFile::encodeName(file.absolutePath()).constData(), &volume) == 0 && volume.f_bavail == 0;
+  const bool full = is_full(file.absolutePath());
   const QString suffix = file.suffix().toLower();
   bool complete = !full && file.exists() && file.size() > 0;
   std::pair<int, int> found = {layer.cm.vn, layer.cm.fn};

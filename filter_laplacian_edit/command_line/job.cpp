@@ -76,10 +76,16 @@ class Job {
         output_(output),
         line_(!options.quiet),
         files_(options.outputs()),
+        filters_([this](const std::vector<EditReport>& reports) {
+          std::vector<EditReport>& steps = report_.poses.front().steps;
+          steps.insert(steps.end(), reports.begin(), reports.end());
+        }),
         host_(options.plugins, [this](double fraction, const char* stage) {
           line_.show(fraction, stage);
           return true;
-        }) {}
+        }) {
+    host_.add_filters(filters_);
+  }
 
   void run() {
     requireReadable(options_.input, "mesh");
@@ -95,11 +101,6 @@ class Job {
     } catch (const BatchError& error) {
       throw Failure(Unwritable, error.what());
     }
-    FilterLaplacianEdit filters([this](const std::vector<EditReport>& reports) {
-      std::vector<EditReport>& steps = report_.poses.front().steps;
-      steps.insert(steps.end(), reports.begin(), reports.end());
-    });
-    host_.add_filters(filters);
     host_.require_filters(script_);
 
     report_.read_ms = timed([this] { read(); });
@@ -231,6 +232,7 @@ class Job {
   std::FILE* output_;
   ProgressLine line_;
   OutputFiles files_;
+  FilterLaplacianEdit filters_;
   BatchHost host_;
   std::vector<ScriptFilter> script_;
   Edit edit_;

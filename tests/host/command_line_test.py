@@ -373,6 +373,17 @@ class Scripts(CommandTest):
             script.write_text(text)
             self.refused(REFUSED, sentence, self.mesh, "out.ply", script)
 
+    def test_plugin_that_cannot_be_loaded_is_told_when_a_filter_is_missing(self):
+        plugins = self.place / "plugins"
+        plugins.mkdir()
+        directory = re.search(r" in (/[^\s:]+)", self.run_command(self.mesh, "out.ply", self.write_script(
+            self.filter(name="Knit a sock")))[2])[1]
+        (plugins / "libio_base.so").symlink_to(directory + "/libio_base.so")
+        (plugins / "libfilter_knit.so").write_text("no library")
+        self.refused(REFUSED, r"no filter .* in .*/plugins \(not loaded: libfilter_knit\.so: .*\): correct the script",
+                     self.mesh, "out.ply", self.write_script(self.filter(name="Knit a sock")), "--plugins", plugins)
+        self.done(self.mesh, "out.ply", self.edit, "--plugins", plugins)
+
     def test_filters_that_draw(self):
         self.refused_script(r'filter "Ambient Occlusion" draws', self.filter(name="Ambient Occlusion"), self.short())
 
@@ -461,7 +472,8 @@ class Formats(CommandTest):
         self.refused(UNWRITABLE, r"no plugins .* in .*/plugins: give their folder with --plugins", self.mesh, "out.ply",
                      self.edit, "--plugins", empty)
         (empty / "libio_base.so").write_text("no library")
-        self.refused(UNWRITABLE, r"no plugins .*/plugins \(libio_base\.so: .*\): give their folder", self.mesh,
+        (empty / "libfilter_knit.so").write_text("no library")
+        self.refused(UNWRITABLE, r"no plugins .*/plugins \(not loaded: libio_base\.so: .*\): give their folder", self.mesh,
                      "out.ply", self.edit, "--plugins", "plugins")
 
 
