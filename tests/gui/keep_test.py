@@ -4,9 +4,11 @@ import json
 import re
 import unittest
 
+from gui import LINES_OF_REFUSAL
 from tool import ToolTest, part
 from host import replay
-from ply import Ply
+from ply import Ply, write_ply
+from shapes import moved
 
 
 class Regret(ToolTest):
@@ -153,6 +155,25 @@ class Keep(ToolTest):
             self.assertEqual(len(edit["steps"]), 2)
             path, _ = self.edited([replay(history[0]["texts"]["edit"])], self.mesh)
             self.assertEqual(Ply(path).point_bits(), w.dump().point_bits())
+
+
+class FilterInTheWindow(ToolTest):
+    def test_refusal_is_in_a_box_and_in_the_log(self):
+        # The default handle is at the origin.
+        away = write_ply(self.folder / "away.ply", *moved((self.points, self.faces), offset=(30, 0, 0)))
+        with self.open(away) as w:
+            self.shade_smoothly(w)
+            before = w.dump()
+            w.trigger("Laplacian Edit")
+            w.press_button(text="Apply", wait=False)
+            box = w.answer()
+            self.assertEqual((box["class"], box["title"]), ("QMessageBox", "Filter Failure"))
+            sentence = r"The handle point \(0, 0, 0\) is 30 away from the nearest vertex, .*: give a point on the surface\."
+            self.assertRegex(box["text"], "Laplacian Edit.*" + sentence)
+            lines = [line for line in w.log() if re.search(sentence, line)]
+            self.assertEqual(len(lines), LINES_OF_REFUSAL, w.log())
+            self.assert_same(before, w.dump())
+            self.assertEqual(w.dialog(), {})
 
 
 if __name__ == "__main__":
