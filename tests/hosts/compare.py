@@ -91,6 +91,9 @@ class Comparison:
                 largest = max(largest, abs(a.coordinate(axis, v) - b.coordinate(axis, v)))
         self.relative = largest / first.size(moved)
 
+    def __str__(self):
+        return f"{self.differing:,} ({self.ulp:,} ULP, {self.relative:.1e})" if self.differing else "0"
+
 
 def edits_in(folder):
     return sorted(str(path.parent.relative_to(folder)) for path in folder.glob("*/*/report.json"))
@@ -104,26 +107,27 @@ def compare(folders):
     if failures:
         return failures
 
-    hosts = [json.loads((folder / names[0] / "report.json").read_text())["host"] for folder in folders]
-    print(f"{len(names)} edits on {', '.join(hosts)}; compared with the first. "
-          f"ULP: units in the last place of a float. Relative: to the diagonal of what is moved.\n")
-    print("| edit | vertices in the region | moved | coordinates compared | host | differing | largest, ULP | relative |")
-    print("|---|---:|---:|---:|---|---:|---:|---:|")
+    hosts = [f"{folder.name} ({json.loads((folder / names[0] / 'report.json').read_text())['host']})" for folder in folders]
+    print(f"{len(names)} edits; {', '.join(hosts[1:])} compared with {hosts[0]}. Where coordinates differ: how many, the "
+          "largest difference in units in the last place (ULP), and over the diagonal of what is moved.\n")
+    print("| edit | vertices in the region | moved | coordinates |", " | ".join(hosts[1:]), "|")
+    print("|---|---:|---:|---:|" + "---:|" * len(hosts[1:]))
     totals = [0, 0]
     for name in names:
         try:
             first = Edit(folders[0] / name)
-            for folder, host in zip(folders[1:], hosts[1:]):
-                result = Comparison(first, Edit(folder / name), f"{name} on {folder.name}")
-                totals[0] += result.compared
-                totals[1] += result.differing
-                print(f"| {name} | {first.region:,} | {result.moved:,} | {result.compared:,} | {host} | "
-                      f"{result.differing:,} | {result.ulp:,} | {result.relative:.1e} |".replace("| 0.0e+00 |", "| 0 |"))
-                if result.relative > BOUNDS.get(name, 0) or (result.differing and name not in BOUNDS):
-                    failures.append(f"{name} on {folder.name}: {result.differing} of {result.compared} coordinates differ, "
-                                    f"by up to {result.ulp} ULP, {result.relative:.1e} of the size.")
+            results = [Comparison(first, Edit(folder / name), f"{name} on {host}")
+                       for folder, host in zip(folders[1:], hosts[1:])]
         except Failed as failure:
             failures.append(str(failure))
+            continue
+        print(f"| {name} | {first.region:,} | {results[0].moved:,} | {results[0].compared:,} |",
+              " | ".join(map(str, results)), "|", flush=True)
+        for result, host in zip(results, hosts[1:]):
+            totals[0] += result.compared
+            totals[1] += result.differing
+            if result.differing and not result.relative <= BOUNDS.get(name, -1):
+                failures.append(f"{name} on {host}: {result}.")
     print(f"\n{totals[0]:,} coordinates compared, {totals[1]:,} differ.")
     return failures
 
