@@ -101,7 +101,7 @@ TEST_P(SameBits, WhateverTheFactorisation) {
   if (!has_cholmod()) {
     GTEST_SKIP() << "built without CHOLMOD";
   }
-  const TriangleMesh mesh = shapes::tapered_arm(40, 120, 0.05);
+  const TriangleMesh mesh = shapes::tapered_arm(40, 60, 0.05);
   const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
   for (const DetailRotation rotation :
        {DetailRotation::None, DetailRotation::SmoothNormals, DetailRotation::SmoothSurface}) {
@@ -122,7 +122,7 @@ TEST_P(SameBits, WhateverTheFactorisation) {
       const EditResult with_cholmod = apply_step(mesh, adjacency, step);
       step.settings.backend = CholeskyBackend::Eigen;
       const EditResult with_eigen = apply_step(mesh, adjacency, step);
-      ASSERT_GT(with_eigen.vertices.size(), 1000U);
+      ASSERT_GT(with_eigen.vertices.size(), 500U);
       EXPECT_NE(with_cholmod.reports[0].backend, with_eigen.reports[0].backend);
       const auto differing = (with_cholmod.positions.array() != with_eigen.positions.array()).count();
       EXPECT_EQ(differing, 0) << name(rotation) << ", " << name(laplacian) << ", order " << GetParam();
