@@ -3,7 +3,7 @@
 
 #include <common/mlapplication.h>
 #include <dlfcn.h>
-#include <sys/statvfs.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <vcg/complex/algorithms/update/normal.h>
@@ -133,11 +133,20 @@ void complete_layer(MeshModel& layer, int mask) {
   layer.cm.bbox = finite_box(layer.cm);
 }
 
-/// Whether a disk has no room left for this user.
-bool is_full(const QString& folder) {
-  struct statvfs volume = {};
-  return statvfs(QFile::encodeName(folder).constData(), &volume) == 0 && volume.f_blocks > 0 &&
-         (geteuid() == 0 ? volume.f_bfree : volume.f_bavail) == 0;
+/// Whether what was written last may have been cut short: no more can be written, or no more into this file.
+bool is_full(const QFileInfo& written) {
+  struct rlimit limit = {};
+  if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
+      static_cast<rlim_t>(written.size()) >= limit.rlim_cur) {
+    return true;
+  }
+  // Writers fill the disk to its last block.
+  QFile more(written.absolutePath() + "/more");
+  const QByteArray block(4096, 'x');
+  const bool fits = more.open(QIODevice::WriteOnly | QIODevice::Unbuffered) && more.write(block) == block.size() &&
+                    fsync(more.handle()) == 0;
+  more.remove();
+  return !fits;
 }
 
 /// Lines of a text file that begin with "v " and "f ".
@@ -415,7 +424,7 @@ void BatchHost::save(const QString& path, const KeptAttributes& kept) {
 /// Many writers do not look whether their output arrives.
 void BatchHost::State::require_complete(const QString& path, MeshModel& layer) {
   const QFileInfo file(path);
-  const bool full = is_full(file.absolutePath());
+  const bool full = is_full(file);
   const QString suffix = file.suffix().toLower();
   bool complete = !full && file.exists() && file.size() > 0;
   std::pair<int, int> found = {layer.cm.vn, layer.cm.fn};
@@ -434,7 +443,7 @@ void BatchHost::State::require_complete(const QString& path, MeshModel& layer) {
     }
   }
   if (!complete || found.first != layer.cm.vn || found.second != layer.cm.fn) {
-    throw BatchError(full ? "the disk is full." : "what arrived is not complete, the disk may be full.");
+    throw BatchError(full ? "there is not enough room for it." : "what arrived is not complete.");
   }
 }
 
