@@ -14,7 +14,7 @@ import unittest
 
 from host import COMMAND, HostTest, laplacian_edit, replay, select_faces, select_vertices, without_display
 from ply import SCALAR, Ply, bits_of, write_ply
-from shapes import dome
+from shapes import dome, moved, together
 
 CENTRE = 21 * 10 + 10  # vertex in the middle of the dome
 REFUSED, WRONG_USAGE, UNREADABLE, UNWRITABLE, UNEXPECTED = 1, 2, 3, 4, 5
@@ -202,7 +202,10 @@ class Edits(CommandTest):
 
 class Fractions(CommandTest):
     def test_each_pose_has_the_bytes_that_it_has_alone(self):
-        edit = self.write_edit(self.lift, self.lean)
+        # So high that the second region, measured along the surface, ends beyond the first one or within it.
+        high = {"region": {"radius": 0.2}, "handles": [{"vertices": str(CENTRE), "translation": [0, 0, 1]}]}
+        beside = {"region": {"radius": 0.55}, "handles": [{"vertices": "215", "translation": [0.05, 0, 0.1]}]}
+        edit = self.write_edit(high, beside)
         fractions = ("0.25", "1", "0", "0.5")
         self.done(self.mesh, "all.ply", edit, "--fractions", ",".join(fractions), "--also", "normals")
         self.assertEqual(len(list(self.place.iterdir())), 4)
@@ -210,6 +213,9 @@ class Fractions(CommandTest):
             self.done(self.mesh, "one.ply", edit, "--fraction", fraction, "--also", "normals")
             together = (self.place / f"all-000{k}.ply").read_bytes()
             self.assertEqual(together, (self.place / "one.ply").read_bytes(), fraction)
+        self.done(self.mesh, "one.ply", edit, "--fractions", "0,1", "--report", "report.json")
+        outputs = json.loads((self.place / "report.json").read_text())["outputs"]
+        self.assertNotEqual(*(output["steps"][1]["fixed"] for output in outputs))
         self.assertEqual(self.bits(self.place / "all-0003.ply"), [tuple(map(bits_of, p)) for p in self.points])
 
     def test_one_factorisation_serves_all(self):
@@ -322,6 +328,15 @@ class Scripts(CommandTest):
         text = self.done(self.mesh, "out.ply", self.write_script(
             inside, self.short('type="RichEnum" name="region_source" value="1"')))
         self.assertRegex(text, r"1 handle, \d+ free, \d+ anchor vertices; 105 fixed of 441")
+
+    def test_what_filters_need_is_made_for_them(self):
+        """What is connected is seen by the faces' neighbours, which meshes do not have at first."""
+        two = together((self.points, self.faces), moved((self.points, self.faces), offset=(2, 0, 0)))
+        mesh = write_ply(self.place / "two.ply", *two)
+        script = self.write_script(select_faces("x0<0.1"), self.filter(name="Select Connected Faces"))
+        self.done(mesh, "out.ply", script, "--also", "selection")
+        selected = [f for f, flags in enumerate(Ply(self.place / "out.ply").elements["face"]["flags"]) if flags & 32]
+        self.assertEqual(selected, list(range(800)))
 
     def test_script_without_filters_copies(self):
         self.assertEqual(self.edited_bits(self.write_script()), [tuple(map(bits_of, p)) for p in self.points])
