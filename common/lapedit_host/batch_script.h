@@ -24,7 +24,7 @@ struct ScriptFilter {
 
 /// The filters of a script, in order.
 /// @throws EditError (BadScript) that says in which line of the script
-std::vector<ScriptFilter> read_script(const QByteArray& xml);
+std::vector<ScriptFilter> read_script(const QByteArray& text);
 
 /// The name that MeshLab 2020.09 has for a type of parameters.
 QString common_type(const QString& type);
