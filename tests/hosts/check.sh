@@ -50,7 +50,6 @@ echo "== $suite: build"
 echo "== $suite: tests"
 status=0
 # shellcheck disable=SC2016
-# shellcheck disable=SC2016
 "${root_sh[@]}" run "$root" "${options[@]}" -- sh -euc '
   ctest --test-dir /build --output-on-failure --no-tests=error --parallel "$(nproc)"' || status=$?
 
