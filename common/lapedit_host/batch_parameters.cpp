@@ -4,6 +4,7 @@
 #include <QColor>
 #include <memory>
 #include <string>
+#include <type_traits>
 
 #include "batch_values.h"
 #include "lapedit/error.h"
@@ -44,6 +45,20 @@ float number(const ScriptParameter& given, const QString& name) {
   return number;
 }
 
+/// With all digits that the host's meshes have; its own reader of scripts takes single precision everywhere.
+Scalarm coordinate(const ScriptParameter& given, const QString& name) {
+  if constexpr (std::is_same_v<Scalarm, double>) {
+    bool ok = false;
+    const QString text = attribute(given, name);
+    const double number = text.toDouble(&ok);
+    if (!ok) {
+      refuse(given, "is " + quoted(text) + ", which is no number: correct the script.");
+    }
+    return number;
+  }
+  return number(given, name);
+}
+
 bool truth(const ScriptParameter& given) {
   const QString text = attribute(given, "value").toLower();
   if (text != "true" && text != "false") {
@@ -78,7 +93,7 @@ QColor color(const ScriptParameter& given) {
 Matrix44m matrix(const ScriptParameter& given) {
   Matrix44m result;
   for (int k = 0; k < 16; ++k) {
-    result.V()[k] = number(given, QString("val%1").arg(k));
+    result.V()[k] = coordinate(given, QString("val%1").arg(k));
   }
   return result;
 }
@@ -102,7 +117,7 @@ void set(const ScriptParameter& given, MeshDocument& document, RichParameter& pa
   } else if (type == "RichOpenFile" || type == "RichSaveFile") {
     parameter.setValue(PathValue(attribute(given, "value")));
   } else if (type == "RichPoint3f") {
-    parameter.setValue(PointValue(Point3m{number(given, "x"), number(given, "y"), number(given, "z")}));
+    parameter.setValue(PointValue(Point3m{coordinate(given, "x"), coordinate(given, "y"), coordinate(given, "z")}));
   } else if (type == "RichColor") {
     parameter.setValue(ColorValue(color(given)));
   } else if (type == "RichMatrix44f") {

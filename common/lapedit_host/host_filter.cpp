@@ -14,8 +14,7 @@ namespace {
 
 /// The shortest decimal that is the same number: what the user typed. Hosts keep numbers in single precision, whatever
 /// their meshes have.
-template <class Scalar>
-double as_typed(Scalar number) {
+double as_typed(float number) {
   if (!std::isfinite(number)) {
     return number;
   }
@@ -23,6 +22,13 @@ double as_typed(Scalar number) {
   double result = 0;
   std::from_chars(text, std::to_chars(text, text + sizeof text, number).ptr, result);
   return result;
+}
+
+/// A coordinate of a host with meshes in double precision comes from its caller as it is, but from a script it was read
+/// in single precision.
+double as_typed(double number) {
+  const auto single = static_cast<float>(number);
+  return std::isgreater(number, single) || std::isless(number, single) ? number : as_typed(single);
 }
 
 [[noreturn]] void refuse(const Parameter& parameter, const std::string& what) {

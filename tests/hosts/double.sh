@@ -46,13 +46,15 @@ echo "== double: MeshLab"
   # What is not in Debian is not needed here, and nothing is to be downloaded.
   downloads=$(grep -oh "MESHLAB_ALLOW_DOWNLOAD_SOURCE_[A-Z0-9_]*" source/src/external/*.cmake | sort -u |
     sed "s/.*/-D&=OFF/")
+  # Those that the tests use.
+  plugins="io_base io_expe filter_ao filter_func filter_layer filter_select"
   # Newer Eigen and CMake do not tell these in the way that it asks for.
   found="-DEIGEN3_INCLUDE_DIR=/usr/include/eigen3 -DGLEW_VERSION=$(dpkg-query -W -f "\${Version}" libglew-dev)"
   cmake -G Ninja -S source -B build -DCMAKE_BUILD_TYPE=Release $found -DMESHLAB_BUILD_WITH_DOUBLE_SCALAR=ON \
     -DMESHLAB_BUILD_ONLY_LIBRARIES=ON $downloads \
-    "-DMESHLAB_PLUGINS=meshlabplugins/io_base;meshlabplugins/filter_select;meshlabplugins/filter_func" \
+    "-DMESHLAB_PLUGINS=$(printf "meshlabplugins/%s;" $plugins)" \
     >configure.log 2>&1 || { cat configure.log; exit 1; }
-  ninja -C build meshlab-common io_base filter_select filter_func >build.log 2>&1 ||
+  ninja -C build meshlab-common $plugins >build.log 2>&1 ||
     { grep -A 12 FAILED build.log || tail -n 40 build.log; exit 1; }
   grep "MeshLab version" configure.log'
 
