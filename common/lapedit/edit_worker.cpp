@@ -198,6 +198,7 @@ void EditWorker::State::run() {
         const int mine = generation;
         const bool settle = std::exchange(unsettled_here, false);
         report_due = settle;
+        bool failed = false;
         lock.unlock();
         try {
           if (settle) {
@@ -208,9 +209,11 @@ void EditWorker::State::run() {
           }
         } catch (const std::exception&) {
           report_due = false;  // the preview has said what there is to say, or the mouse goes on
+          failed = true;
         }
         unsettled = false;
         lock.lock();
+        working = failed;  // nothing was published, but whoever asks busy() is to learn that it is over
         continue;
       }
     } else {
