@@ -115,12 +115,19 @@ configure_file("${CMAKE_CURRENT_LIST_DIR}/package/changelog.Debian.in" "${_files
 configure_file("${PROJECT_SOURCE_DIR}/CHANGELOG.md" "${_files}/changelog" COPYONLY)
 execute_process(COMMAND "${LAPEDIT_GZIP}" -9nkf "${_files}/changelog" "${_files}/changelog.Debian"
                 COMMAND_ERROR_IS_FATAL ANY)
+if(TARGET laplacian_edit_command)
+  configure_file("${PROJECT_SOURCE_DIR}/filter_laplacian_edit/command_line/laplacian-edit.1" "${_files}" COPYONLY)
+  execute_process(COMMAND "${LAPEDIT_GZIP}" -9nkf "${_files}/laplacian-edit.1" COMMAND_ERROR_IS_FATAL ANY)
+endif()
 set(_modes PERMISSIONS OWNER_READ OWNER_WRITE GROUP_READ WORLD_READ)
 install(
   FILES "${CMAKE_CURRENT_LIST_DIR}/package/copyright" "${_files}/changelog.gz"
         "${_files}/changelog.Debian.gz"
   DESTINATION "share/doc/${CPACK_PACKAGE_NAME}" ${_modes}
   COMPONENT package EXCLUDE_FROM_ALL)
+if(TARGET laplacian_edit_command)
+  install(FILES "${_files}/laplacian-edit.1.gz" DESTINATION share/man/man1 ${_modes} COMPONENT package EXCLUDE_FROM_ALL)
+endif()
 set(_project "${PROJECT_BINARY_DIR}" laplacian_edit)
 set(CPACK_INSTALL_CMAKE_PROJECTS ${_project} ALL / ${_project} package /)
 

@@ -17,6 +17,7 @@ from ply import SCALAR, Ply, bits_of, write_ply
 from shapes import dome, moved, together
 
 CENTRE = 21 * 10 + 10  # vertex in the middle of the dome
+PAGE = pathlib.Path(__file__).parents[2] / "filter_laplacian_edit" / "command_line" / "laplacian-edit.1"
 REFUSED, WRONG_USAGE, UNREADABLE, UNWRITABLE, UNEXPECTED = 1, 2, 3, 4, 5
 
 
@@ -101,6 +102,14 @@ class Usage(CommandTest):
         for code in range(6):
             self.assertRegex(text, rf"\n  {code}  \w+")
         self.assertLess(max(map(len, text.splitlines()[1:])), 82)
+
+    def test_manual_page_has_the_options_and_exit_codes_of_the_help(self):
+        page = PAGE.read_text(encoding="utf-8").replace("\\-", "-")
+        text = self.done("--help")
+        self.assertEqual(set(re.findall(r"(?m)^\.B\w* .*?(--\w+)", page)), set(re.findall(r"--\w+", text)) - {"--options"})
+        codes = re.findall(r"(?m)^  (\d)  (.+)$", text)
+        self.assertEqual(re.findall(r"(?m)^\.B (\d)\n(.+)$", page), codes)
+        self.assertEqual(len(codes), 6)
 
     def test_version_names_the_host(self):
         self.assertTrue(version())
