@@ -21,18 +21,8 @@ namespace lapedit {
 
 enum class Instructions { Plain, Avx2, Avx512 };
 
-/// The best this processor and its operating system have.
-inline Instructions best_instructions() {
-#ifdef LAPEDIT_HAVE_AVX
-  __builtin_cpu_init();
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq")) {
-    return Instructions::Avx512;
-  }
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
-    return Instructions::Avx2;
-  }
-#endif
-  return Instructions::Plain;
-}
+/// The best that this processor and its operating system have; with LAPEDIT_INSTRUCTIONS=avx2 or =plain in the
+/// environment no better than that, as on an older processor. The same all the time.
+Instructions best_instructions();
 
 }  // namespace lapedit

@@ -26,7 +26,7 @@ double as_typed(float number) {
 
 /// A coordinate of a host with meshes in double precision comes from its caller as it is, but from a script it was read
 /// in single precision.
-double as_typed(double number) {
+[[maybe_unused]] double as_typed(double number) {
   const auto single = static_cast<float>(number);
   return std::isgreater(number, single) || std::isless(number, single) ? number : as_typed(single);
 }
