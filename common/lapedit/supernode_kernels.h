@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+
+// The inner loops of SupernodalSolver, over one supernode at a time.
+//
+// Layout. A supernode's columns are cut into blocks of kWide. A block holds the inverse of its triangle and, below it,
+// panels of kTall rows, each column by column. Both passes then read the factor from one end to the other: forward, the
+// lanes of a vector are rows of a panel and y of the block's columns is broadcast; backward, the block's sums stay in
+// registers while its panels go by.
+//
+// Local vectors of a supernode are three arrays (x, y, z), `pad` apart, of its rows and kWide + kTall more, zero beyond
+// the rows.
+
+namespace lapedit::supernode {
+
+constexpr int kWide = 8;     // columns of a block
+constexpr int kTall = 8;     // rows of a panel
+constexpr int kAhead = 512;  // bytes that the kernels ask for in advance: the hardware stops at small pages
+
+template <typename Scalar>
+struct Kernels {
+  /// All blocks of a supernode. @param v  its local vectors
+  void (*forward)(const Scalar* tiles, int columns, int rows, Scalar* v, int pad);
+  /// @param end  behind the supernode's tiles
+  void (*backward)(const Scalar* tiles, int columns, int rows, Scalar* v, int pad);
+};
+
+/// For this processor.
+template <typename Scalar>
+Kernels<Scalar> best_kernels();
+
+/// How many values a supernode's tiles have.
+std::size_t tiles_of(int columns, int rows);
+
+/// Copies a supernode's values into tiles and inverts the triangles. @return behind what was written
+/// @param values  its columns, one after the other, `rows` each
+template <typename Scalar>
+Scalar* write_tiles(const double* values, int columns, int rows, Scalar* out);
+
+}  // namespace lapedit::supernode
