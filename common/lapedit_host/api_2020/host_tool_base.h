@@ -9,11 +9,13 @@
 #include <QString>
 #include <string>
 
+#include "lapedit_host/tool_events.h"
+
 /// What of a tool MeshLab 2020.09 calls otherwise than other versions.
 namespace lapedit::host {
 
 /// MeshLab passes the current layer by reference even if there is none: the view is asked for it instead.
-class HostToolBase : public MeshEditInterface {
+class HostToolBase : public MeshEditInterface, protected ToolEvents {
  public:
   bool StartEdit(MeshDocument&, GLArea* area, MLSceneGLSharedDataContext* shared) final { return start(area, shared); }
   void EndEdit(MeshDocument&, GLArea* area, MLSceneGLSharedDataContext*) final { end(area); }
@@ -21,12 +23,6 @@ class HostToolBase : public MeshEditInterface {
     changeLayer(area, shared);
   }
   void Decorate(MeshModel&, GLArea* area, QPainter*) final { draw(area); }
-
- private:
-  virtual bool start(GLArea* area, MLSceneGLSharedDataContext* shared) = 0;
-  virtual void end(GLArea* area) = 0;
-  virtual void changeLayer(GLArea* area, MLSceneGLSharedDataContext* shared) = 0;
-  virtual void draw(GLArea* area) = 0;
 };
 
 inline void write_log(MeshDocument& document, const std::string& line) {

@@ -9,11 +9,13 @@
 #include <QString>
 #include <string>
 
+#include "lapedit_host/tool_events.h"
+
 /// What of a tool MeshLab calls otherwise than version 2020.09.
 namespace lapedit::host {
 
 /// MeshLab passes the current layer by reference even if there is none: the view is asked for it instead.
-class HostToolBase : public ::EditTool {
+class HostToolBase : public ::EditTool, protected ToolEvents {
  public:
   using ::EditTool::decorate;
   using ::EditTool::endEdit;
@@ -25,12 +27,6 @@ class HostToolBase : public ::EditTool {
     changeLayer(area, shared);
   }
   void decorate(MeshModel&, GLArea* area, QPainter*) final { draw(area); }
-
- private:
-  virtual bool start(GLArea* area, MLSceneGLSharedDataContext* shared) = 0;
-  virtual void end(GLArea* area) = 0;
-  virtual void changeLayer(GLArea* area, MLSceneGLSharedDataContext* shared) = 0;
-  virtual void draw(GLArea* area) = 0;
 };
 
 inline void write_log(MeshDocument& document, const std::string& line) {
