@@ -120,7 +120,7 @@ def show(edit, source, given):
         panels.append((script.with_suffix(".ply"), rotation))
     picture = given.output / f"{edit.name}.png"
     command = [HERE / "render.py", picture, "--toward", *edit.toward, "--up", *edit.up, "--height", given.height,
-               "--columns", 2]
+               "--columns", given.columns]
     command += ["--around", *edit.around] if edit.around else []
     command += [word for panel in panels for word in ("--panel", *panel)]
     subprocess.run(list(map(str, command)), check=True)
@@ -134,6 +134,7 @@ def main():
     parser.add_argument("--meshes", type=pathlib.Path, help="folder of the real meshes; without it their edits are left out")
     parser.add_argument("--output", type=pathlib.Path, required=True)
     parser.add_argument("--height", type=int, default=460)
+    parser.add_argument("--columns", type=int, default=2)
     parser.add_argument("names", nargs="*", help="edits to show, all by default: " + " ".join(e.name for e in EDITS))
     given = parser.parse_args()
     os.environ["LAPEDIT_STAGE"] = str(given.stage)

@@ -2,7 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Renders edits with each kind of detail rotation beside each other, into build/gallery.
 #
-# usage: gallery.sh [NAME...]   names of edits as in gallery.py, all by default
+# usage: gallery.sh [--columns N] [--height PIXELS] [NAME...]   names of edits as in gallery.py, all by default
+#
+# The README's picture of the limb: gallery.sh --columns 4 --height 300 arm
+#
 # LAPEDIT_MESHES: folder of the real meshes; by default ../shared/meshes beside this project, if it is there.
 set -eu
 
