@@ -35,28 +35,19 @@ int whole_number(const ScriptParameter& given, const QString& name) {
   return number;
 }
 
-float number(const ScriptParameter& given, const QString& name) {
+/// Hosts keep numbers in single precision, coordinates in that of their meshes. Their own readers of scripts take
+/// single precision everywhere.
+template <class Real>
+Real number(const ScriptParameter& given, const QString& name) {
+  constexpr bool kDouble = std::is_same_v<Real, double>;
   bool ok = false;
   const QString text = attribute(given, name);
-  const float number = text.toFloat(&ok);
+  const auto number = static_cast<Real>(kDouble ? text.toDouble(&ok) : text.toFloat(&ok));
   if (!ok) {
-    refuse(given, "is " + quoted(text) + ", which is no number of single precision: correct the script.");
+    refuse(given, "is " + quoted(text) + ", which is no number of " + (kDouble ? "double" : "single") +
+                      " precision: correct the script.");
   }
   return number;
-}
-
-/// With all digits that the host's meshes have; its own reader of scripts takes single precision everywhere.
-Scalarm coordinate(const ScriptParameter& given, const QString& name) {
-  if constexpr (std::is_same_v<Scalarm, double>) {
-    bool ok = false;
-    const QString text = attribute(given, name);
-    const double number = text.toDouble(&ok);
-    if (!ok) {
-      refuse(given, "is " + quoted(text) + ", which is no number: correct the script.");
-    }
-    return number;
-  }
-  return number(given, name);
 }
 
 bool truth(const ScriptParameter& given) {
@@ -93,7 +84,7 @@ QColor color(const ScriptParameter& given) {
 Matrix44m matrix(const ScriptParameter& given) {
   Matrix44m result;
   for (int k = 0; k < 16; ++k) {
-    result.V()[k] = coordinate(given, QString("val%1").arg(k));
+    result.V()[k] = number<Scalarm>(given, QString("val%1").arg(k));
   }
   return result;
 }
@@ -107,17 +98,18 @@ void set(const ScriptParameter& given, MeshDocument& document, RichParameter& pa
   } else if (type == "RichEnum") {
     parameter.setValue(ChoiceValue(choice(given, dynamic_cast<const RichEnum&>(parameter))));
   } else if (type == "RichFloat") {
-    parameter.setValue(FloatValue(number(given, "value")));
+    parameter.setValue(FloatValue(number<float>(given, "value")));
   } else if (type == "RichAbsPerc") {
-    parameter.setValue(LengthValue(number(given, "value")));
+    parameter.setValue(LengthValue(number<float>(given, "value")));
   } else if (type == "RichDynamicFloat") {
-    parameter.setValue(SliderValue(number(given, "value")));
+    parameter.setValue(SliderValue(number<float>(given, "value")));
   } else if (type == "RichString") {
     parameter.setValue(StringValue(attribute(given, "value")));
   } else if (type == "RichOpenFile" || type == "RichSaveFile") {
     parameter.setValue(PathValue(attribute(given, "value")));
   } else if (type == "RichPoint3f") {
-    parameter.setValue(PointValue(Point3m{coordinate(given, "x"), coordinate(given, "y"), coordinate(given, "z")}));
+    parameter.setValue(
+        PointValue(Point3m{number<Scalarm>(given, "x"), number<Scalarm>(given, "y"), number<Scalarm>(given, "z")}));
   } else if (type == "RichColor") {
     parameter.setValue(ColorValue(color(given)));
   } else if (type == "RichMatrix44f") {

@@ -11,26 +11,10 @@
 # LAPEDIT_HOSTS_DIR: as for root.sh. The build is kept in the root, in /build, and the compiler's cache beside it.
 set -euo pipefail
 
-here=$(dirname "$(realpath "$0")")
-project=$(realpath "$here/../..")
-hosts=$(realpath -m "${LAPEDIT_HOSTS_DIR:-$project/build/hosts}")
-export LAPEDIT_HOSTS_DIR=$hosts
 [ $# -eq 1 ] || [ $# -eq 3 ] || { sed -n 's/^# usage: //p' "$0" >&2; exit 2; }
 suite=$1
-# If this script is ended, so is what it started.
-root_sh=(setpriv --pdeathsig TERM "$here/root.sh")
-root=$("${root_sh[@]}" make "$suite" build)
-
-mkdir -p "$hosts/$suite-ccache"
-options=(--bind-ro "$project=/src" --bind "$hosts/$suite-ccache=/ccache" --env CCACHE_DIR=/ccache)
-meshes=
-if [ -n "${LAPEDIT_MESHES:-}" ]; then
-  meshes=/meshes
-  options+=(--bind-ro "$LAPEDIT_MESHES=$meshes")
-else
-  echo "*** LAPEDIT_MESHES is not set: the tests on real meshes are left out on $suite. ***"
-fi
-options+=(--env "LAPEDIT_MESHES=$meshes")
+# shellcheck source-path=SCRIPTDIR
+. "$(dirname "$(realpath "$0")")/build_root.sh" "$suite"
 if [ $# -eq 3 ]; then
   mkdir -p "$2"
   rm -rf "${2:?}/$suite"
@@ -41,7 +25,7 @@ echo "== $suite: build"
 # shellcheck disable=SC2016
 "${root_sh[@]}" run "$root" "${options[@]}" -- sh -euc '
   mkdir -p /build
-  cmake -G Ninja -S /src -B /build -DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DLAPEDIT_WARNINGS_AS_ERRORS=ON \
+  cmake -G Ninja -S /src -B /build -DLAPEDIT_WARNINGS_AS_ERRORS=ON \
     -DLAPEDIT_MESHES="$LAPEDIT_MESHES" >/build/configure.log 2>&1 || { cat /build/configure.log; exit 1; }
   grep -E "MeshLab|GNU" /build/configure.log || true
   ninja -C /build >/build/build.log 2>&1 || { grep -A 12 FAILED /build/build.log || tail -n 40 /build/build.log; exit 1; }

@@ -8,24 +8,8 @@
 # LAPEDIT_MESHES, LAPEDIT_HOSTS_DIR: as for check.sh. MeshLab's build is kept in the root, in /double.
 set -euo pipefail
 
-here=$(dirname "$(realpath "$0")")
-project=$(realpath "$here/../..")
-hosts=$(realpath -m "${LAPEDIT_HOSTS_DIR:-$project/build/hosts}")
-export LAPEDIT_HOSTS_DIR=$hosts
-# If this script is ended, so is what it started.
-root_sh=(setpriv --pdeathsig TERM "$here/root.sh")
-root=$("${root_sh[@]}" make sid build)
-
-mkdir -p "$hosts/sid-ccache"
-options=(--bind-ro "$project=/src" --bind "$hosts/sid-ccache=/ccache" --env CCACHE_DIR=/ccache)
-meshes=
-if [ -n "${LAPEDIT_MESHES:-}" ]; then
-  meshes=/meshes
-  options+=(--bind-ro "$LAPEDIT_MESHES=$meshes")
-else
-  echo "*** LAPEDIT_MESHES is not set: the tests on real meshes are left out in double precision. ***"
-fi
-options+=(--env "LAPEDIT_MESHES=$meshes" --env CMAKE_CXX_COMPILER_LAUNCHER=ccache --env CMAKE_C_COMPILER_LAUNCHER=ccache)
+# shellcheck source-path=SCRIPTDIR
+. "$(dirname "$(realpath "$0")")/build_root.sh" sid
 
 echo "== double: MeshLab"
 # shellcheck disable=SC2016
