@@ -57,20 +57,26 @@ sees_environment() {
 # Killed without a chance to tidy up, it leaves no process and no mount.
 leaves_nothing_when_killed() {
   local number=$((RANDOM + 100000)) script
-  "$root_sh" run "$root" --bind "$place=/given" -- sleep "$number" &
+  # So that it does not find itself.
+  local pattern="[${number:0:1}]${number:1}"
+  # shellcheck disable=SC2016
+  "$root_sh" run "$root" --bind "$place=/given" -- sh -c 'touch /given/started; sleep "$0"; true' "$number" &
   script=$!
   for _ in $(seq 100); do
-    ! pgrep -f "^sleep $number" >/dev/null || break
+    [ ! -e "$place/started" ] || break
     sleep 0.1
   done
-  pgrep -f "^sleep $number" >/dev/null || { echo "It did not start."; return 1; }
+  if [ ! -e "$place/started" ] || ! grep -qs "$pattern" /proc/[0-9]*/cmdline; then
+    echo "It did not start."
+    return 1
+  fi
   kill -KILL "$script"
   wait "$script" 2>/dev/null || true
   for _ in $(seq 100); do
-    pgrep -f "^sleep $number" >/dev/null || break
+    grep -qs "$pattern" /proc/[0-9]*/cmdline || break
     sleep 0.1
   done
-  ! pgrep -f "^sleep $number" >/dev/null && [ "$(mounts)" = "$before" ] && [ -d "$place" ]
+  ! grep -qs "$pattern" /proc/[0-9]*/cmdline && [ "$(mounts)" = "$before" ] && [ -e "$place/started" ]
 }
 removes() {
   mkdir -p "$place/hosts/sid-clean/etc" "$place/hosts/sid-ccache"
