@@ -51,7 +51,12 @@ void LaplacianEditor::State::refuse_conditioning() const {
 
 /// Sets the pose that rotations are measured from.
 void LaplacianEditor::State::turn_from(const Points& pose) {
-  if (settings.rotation == DetailRotation::SmoothSurface && &pose == &rest) {
+  estimator_at_rest = &pose == &rest;
+  if (settings.rotation == DetailRotation::SmoothSurface && estimator_at_rest) {
+    if (!base.smooth_rest_is_exact) {
+      base.smoother->apply(rest, base.smooth_rest);
+      base.smooth_rest_is_exact = true;
+    }
     estimator->set_before_smoothed(base.smooth_rest);
   } else {
     estimator->set_before(pose);
@@ -256,7 +261,6 @@ const Points& LaplacianEditor::solve(const std::vector<Affine>& handles, const A
   if (s.estimator && moves) {
     if (s.is_carried || !s.estimator_at_rest) {
       s.turn_from(s.is_carried ? s.carried_pose : s.rest);
-      s.estimator_at_rest = !s.is_carried;
     }
     constexpr double kSettled = 1e-4;
     for (int pass = 0; pass < s.settings.iterations; ++pass) {

@@ -71,11 +71,12 @@ void LaplacianEditor::State::set_up(const TriangleMesh& mesh, const Progress& pr
     report_progress(progress, 0.6, "smoothing");
     report.kernel_ms = smoothing.get();
     estimator = std::make_unique<RotationEstimator>(settings.rotation, region, *base.smoother);
-    turn_from(rest);
-    estimator_at_rest = true;
   }
   watch.lap();
   make_preview();
+  if (estimator && !preview) {
+    turn_from(rest);  // else the first full solution does, which comes after many previews
+  }
   report.kernel_ms += watch.lap();
   report_progress(progress, 0.9, "solve");
 
@@ -304,8 +305,9 @@ void LaplacianEditor::State::smooth(State* before) {
     options.order = order;
     base.smoother = std::make_unique<DiffusionSmoother>(region, world, report.normal_radius, options);
   }
-  if (settings.rotation == DetailRotation::SmoothSurface) {
-    base.smoother->apply(rest, base.smooth_rest);
+  if (settings.rotation == DetailRotation::SmoothSurface && may_preview()) {
+    base.smoother->apply_roughly(rest, base.smooth_rest);
+    base.smooth_rest_is_exact = settings.normal_radius > 0;  // the kernel knows no rough way
   }
 }
 
@@ -341,9 +343,13 @@ Eigen::MatrixXd LaplacianEditor::State::find_responses() {
   return found;
 }
 
+bool LaplacianEditor::State::may_preview() const {
+  return all_anchored() && settings.order == 1 && settings.iterations == 1 &&
+         settings.rotation != DetailRotation::SmoothNormals;
+}
+
 void LaplacianEditor::State::make_preview() {
-  if (!all_anchored() || settings.order != 1 || settings.iterations != 1 ||
-      settings.rotation == DetailRotation::SmoothNormals) {
+  if (!may_preview()) {
     return;
   }
   const int groups = 1 + *std::max_element(region.group.begin(), region.group.end());

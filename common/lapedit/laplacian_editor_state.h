@@ -67,6 +67,7 @@ struct LaplacianEditor::State {
     int refinements = 0;
     std::unique_ptr<Smoother> smoother;
     Points smooth_rest;
+    bool smooth_rest_is_exact = false;  // or as good as previews need it
   };
 
   /// Something that the unrotated result depends on linearly.
@@ -128,6 +129,7 @@ struct LaplacianEditor::State {
   bool find_refinements();
   bool keep_handles_out();
   void smooth(State* before);
+  bool may_preview() const;
   void make_preview();
   Eigen::MatrixXd find_responses();
 
