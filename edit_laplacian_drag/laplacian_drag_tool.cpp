@@ -10,9 +10,9 @@
 #include <iterator>
 #include <utility>
 
-#include "keep_edit.h"
-#include "lapedit/error.h"
-#include "lapedit_host/edit_script.h"
+#include "edit_file_dialogs.h"
+#include "lapedit/base/error.h"
+#include "lapedit/json/edit_script.h"
 #include "lapedit_host/mesh_bridge.h"
 
 using namespace lapedit;
@@ -246,7 +246,7 @@ void LaplacianDragTool::draw() {
     glMatrixMode(GL_MODELVIEW);
     glPushMatrix();
     glMultMatrixd(layer->transform.data());
-    view_ = View(matrixOf(GL_PROJECTION_MATRIX) * matrixOf(GL_MODELVIEW_MATRIX), canvas.width(), canvas.height());
+    view_ = Camera(matrixOf(GL_PROJECTION_MATRIX) * matrixOf(GL_MODELVIEW_MATRIX), canvas.width(), canvas.height());
     DragSession& session = active_->session();
     std::optional<Overlay::Brush> brush;
     const bool takes = modifiers_ & Qt::ShiftModifier;

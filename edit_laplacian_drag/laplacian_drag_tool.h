@@ -60,7 +60,7 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool 
   std::string nothing_;  // why there is no session, as a sentence
   std::string notice_;   // of saving and loading, until the next event
 
-  lapedit::View view_;
+  lapedit::Camera view_;
   QPointF position_, pressPosition_;
   Qt::KeyboardModifiers modifiers_;
   Qt::MouseButton navigating_ = Qt::NoButton;  // held for the host's own navigation

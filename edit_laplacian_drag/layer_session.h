@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "lapedit/drag_session.h"
+#include "lapedit/session/drag_session.h"
 #include "lapedit_host/pose_writer.h"
 
 /// A dragging session with the mesh of one layer, whose poses are written into it.

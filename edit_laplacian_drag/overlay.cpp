@@ -127,7 +127,7 @@ void Overlay::sort(const Region& region) {
   }
 }
 
-void Overlay::draw(const DragSession& session, const View& view, const std::optional<Brush>& brush, double width,
+void Overlay::draw(const DragSession& session, const Camera& view, const std::optional<Brush>& brush, double width,
                    double height, double pixelRatio) {
   glPushAttrib(GL_ALL_ATTRIB_BITS);
   glPushClientAttrib(GL_CLIENT_ALL_ATTRIB_BITS);

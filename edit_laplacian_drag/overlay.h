@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "lapedit/drag_session.h"
+#include "lapedit/session/drag_session.h"
 
 /// Shows region, handles and motion of a session in the colours of the paper's Figure 3. Reads, and changes nothing.
 class Overlay {
@@ -18,7 +18,7 @@ class Overlay {
   /// Draws with the present OpenGL context, into the layer's coordinates: its transform is in the modelview matrix.
   /// Leaves the state of OpenGL as it was. O(size of the region).
   /// @param pixelRatio  device pixels per pixel
-  void draw(const lapedit::DragSession& session, const lapedit::View& view, const std::optional<Brush>& brush,
+  void draw(const lapedit::DragSession& session, const lapedit::Camera& view, const std::optional<Brush>& brush,
             double width, double height, double pixelRatio);
 
  private:

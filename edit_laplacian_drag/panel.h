@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "frame_clock.h"
-#include "lapedit/drag_session.h"
+#include "lapedit/session/drag_session.h"
 
 class QComboBox;
 class QDoubleSpinBox;

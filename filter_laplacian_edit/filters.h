@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "lapedit/edit_report.h"
+#include "lapedit/deform/edit_report.h"
 #include "lapedit_host/filter_action.h"
 
 /// Is given the reports of each edit that was made, one per step; may be empty.

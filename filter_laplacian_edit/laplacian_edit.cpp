@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "filters.h"
-#include "lapedit/error.h"
+#include "lapedit/base/error.h"
 #include "lapedit_host/mesh_bridge.h"
 
 using namespace lapedit;

@@ -2,7 +2,7 @@
 #include <utility>
 
 #include "filters.h"
-#include "lapedit_host/edit_script.h"
+#include "lapedit/json/edit_script.h"
 #include "lapedit_host/mesh_bridge.h"
 
 using namespace lapedit;

@@ -2,64 +2,9 @@
 #pragma once
 
 #include <atomic>
-#include <cerrno>
-#include <cstdlib>
+#include <cstddef>
 
 // Watches what the C library is asked for, by us or by the libraries below us. A sanitizer has its own allocator, and a
-// hook of its own.
-namespace {
-std::atomic<long> allocations{0};
-std::atomic<std::size_t> largest_allocation{0};
-
-void note(std::size_t size) {
-  ++allocations;
-  if (size > largest_allocation) {
-    largest_allocation = size;
-  }
-}
-}  // namespace
-#if defined(__SANITIZE_ADDRESS__)
-extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*)(const volatile void*, std::size_t),
-                                                         void (*)(const volatile void*));
-namespace {
-[[maybe_unused]] const int hooked = __sanitizer_install_malloc_and_free_hooks(
-    [](const volatile void*, std::size_t size) { note(size); }, [](const volatile void*) {});
-}
-#else
-extern "C" {
-void* libc_malloc(std::size_t) __asm__("__libc_malloc");
-void* libc_calloc(std::size_t, std::size_t) __asm__("__libc_calloc");
-void* libc_realloc(void*, std::size_t) __asm__("__libc_realloc");
-void* libc_memalign(std::size_t, std::size_t) __asm__("__libc_memalign");
-
-void* watched_malloc(std::size_t size) {
-  note(size);
-  return libc_malloc(size);
-}
-void* watched_calloc(std::size_t count, std::size_t size) {
-  note(count * size);
-  return libc_calloc(count, size);
-}
-void* watched_realloc(void* memory, std::size_t size) {
-  note(size);
-  return libc_realloc(memory, size);
-}
-void* watched_aligned_alloc(std::size_t alignment, std::size_t size) {
-  note(size);
-  return libc_memalign(alignment, size);
-}
-int watched_posix_memalign(void** memory, std::size_t alignment, std::size_t size) {
-  note(size);
-  *memory = libc_memalign(alignment, size);
-  return *memory ? 0 : ENOMEM;
-}
-
-// In place of the C library's, for shared libraries too.
-#define LAPEDIT_IS(name) __attribute__((alias(#name), visibility("default")))
-void* malloc(std::size_t) noexcept LAPEDIT_IS(watched_malloc);
-void* calloc(std::size_t, std::size_t) noexcept LAPEDIT_IS(watched_calloc);
-void* realloc(void*, std::size_t) noexcept LAPEDIT_IS(watched_realloc);
-void* aligned_alloc(std::size_t, std::size_t) noexcept LAPEDIT_IS(watched_aligned_alloc);
-int posix_memalign(void**, std::size_t, std::size_t) noexcept LAPEDIT_IS(watched_posix_memalign);
-}
-#endif
+// hook of its own. In a program that links lapedit_allocation_watch.
+extern std::atomic<long> allocations;
+extern std::atomic<std::size_t> largest_allocation;

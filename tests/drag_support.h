@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "lapedit/drag_session.h"
-#include "lapedit/error.h"
+#include "lapedit/base/error.h"
+#include "lapedit/session/drag_session.h"
 #include "shapes.h"
 #include "support.h"
 
@@ -18,18 +18,18 @@ namespace lapedit::support {
 constexpr double kWidth = 800, kHeight = 600;
 
 /// Orthographic, from +z down: x to the right, y up.
-inline View view_from_above(const Points& points) {
+inline Camera view_from_above(const Points& points) {
   const Vector3 low = points.colwise().minCoeff().transpose();
   const Vector3 high = points.colwise().maxCoeff().transpose();
   const double half = 0.6 * (high - low).norm();
   Eigen::Matrix4d to_clip = Eigen::Matrix4d::Identity();
   to_clip.diagonal() << kHeight / kWidth / half, 1 / half, -1 / half, 1;
   to_clip.topRightCorner<3, 1>() = -(to_clip.topLeftCorner<3, 3>() * (low + high) / 2);
-  return View(to_clip, kWidth, kHeight);
+  return Camera(to_clip, kWidth, kHeight);
 }
 
 /// Perspective, from a place towards another, 45 degrees high.
-inline View view_from(const Vector3& eye, const Vector3& target, const Vector3& up = Vector3::UnitZ()) {
+inline Camera view_from(const Vector3& eye, const Vector3& target, const Vector3& up = Vector3::UnitZ()) {
   const Vector3 toward = (eye - target).normalized();
   const Vector3 right = up.cross(toward).normalized();
   Eigen::Matrix4d modelview = Eigen::Matrix4d::Identity();
@@ -45,7 +45,7 @@ inline View view_from(const Vector3& eye, const Vector3& target, const Vector3& 
   projection(2, 2) = (far + near) / (near - far);
   projection(2, 3) = 2 * far * near / (near - far);
   projection(3, 2) = -1;
-  return View(projection * modelview, kWidth, kHeight);
+  return Camera(projection * modelview, kWidth, kHeight);
 }
 
 /// The same mesh in single precision, as a host has it.
@@ -56,7 +56,7 @@ inline TriangleMesh stored(TriangleMesh mesh) {
 
 class Window {
  public:
-  Window(const TriangleMesh& mesh, View seen)
+  Window(const TriangleMesh& mesh, Camera seen)
       : view(std::move(seen)), host(stored(mesh).vertices), session(stored(mesh), StoredScalar::Float, callbacks()) {}
   explicit Window(const TriangleMesh& mesh) : Window(mesh, view_from_above(mesh.vertices)) {}
 
@@ -101,7 +101,7 @@ class Window {
     EXPECT_TRUE(same_bits(replayed, session.mesh().vertices));
   }
 
-  View view;
+  Camera view;
   Points host;
   std::vector<std::string> log;
   int poses = 0;

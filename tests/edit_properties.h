@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "lapedit/edit.h"
-#include "lapedit/laplacian_editor.h"
+#include "lapedit/deform/laplacian_editor.h"
+#include "lapedit/edit/edit.h"
 #include "support.h"
 
 /// What every edit has to hold exactly (to rounding), as a test suite over edits: each program that includes this file
@@ -100,17 +100,18 @@ class EditProperties : public ::testing::TestWithParam<NamedCase> {
   }
 
   /// A similarity and its scale.
-  struct View {
+  struct Camera {
     Affine map;
     double scale;
   };
 
   /// How far the edit of a transformed mesh is from the transformed edit, at most.
-  static double equivariance_error(const EditCase& edit, const EditSettings& settings, const std::vector<View>& views) {
+  static double equivariance_error(const EditCase& edit, const EditSettings& settings,
+                                   const std::vector<Camera>& views) {
     LaplacianEditor editor = editor_of(edit, settings);
     const Points& result = editor.solve(edit.maps);
     double worst = 0;
-    for (const View& view : views) {
+    for (const Camera& view : views) {
       const EditCase other = seen_through(edit, view.map, view.scale);
       LaplacianEditor there = editor_of(other, settings);
       if (editor.region().mesh_vertex != there.region().mesh_vertex) {
@@ -176,7 +177,7 @@ TEST_P(EditProperties, TranslatingAllTranslatesTheResult) {
 
 TEST_P(EditProperties, TurningAndScalingAllTurnsAndScalesTheResult) {
   const EditCase edit = GetParam().make();
-  std::vector<View> views;
+  std::vector<Camera> views;
   for (const double scale : {1.0, 1e-9, 1e7}) {
     const Affine turn = support::rigid(77, Vector3(3, 1, -2), Vector3::Zero());
     views.push_back({Affine(turn * Eigen::Scaling(scale)), scale});

@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "host_mesh.h"
-#include "lapedit/triangle_mesh.h"
+#include "lapedit/mesh/triangle_mesh.h"
 
 /// What the tests of host meshes share.
 namespace lapedit::host {

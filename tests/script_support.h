@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "lapedit/error.h"
+#include "lapedit/base/error.h"
 
 /// What the tests of JSON texts share.
 namespace lapedit {

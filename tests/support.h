@@ -13,10 +13,10 @@
 #include <string>
 #include <vector>
 
-#include "lapedit/error.h"
-#include "lapedit/geodesic.h"
-#include "lapedit/handle_transform.h"
-#include "lapedit/region.h"
+#include "lapedit/base/error.h"
+#include "lapedit/deform/handle_transform.h"
+#include "lapedit/mesh/geodesic.h"
+#include "lapedit/mesh/region.h"
 
 /// What several tests share: error measures, renumbering, regions built by hand.
 namespace lapedit::support {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "host_mesh.h"
-#include "lapedit/triangle_mesh.h"
+#include "lapedit/mesh/triangle_mesh.h"
 
 /// What normals are made of, for the files that write into host meshes.
 namespace lapedit::host {

@@ -9,7 +9,8 @@
 #include <variant>
 #include <vector>
 
-#include "lapedit/triangle_mesh.h"
+#include "lapedit/base/progress.h"
+#include "lapedit/mesh/triangle_mesh.h"
 
 class CMeshO;
 

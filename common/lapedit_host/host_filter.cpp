@@ -5,7 +5,7 @@
 #include <cmath>
 #include <exception>
 
-#include "lapedit/error.h"
+#include "lapedit/base/error.h"
 #include "lapedit_host/face_shape.h"
 #include "lapedit_host/mesh_bridge.h"
 

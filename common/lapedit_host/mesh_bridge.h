@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "host_mesh.h"
-#include "lapedit/edit.h"
+#include "lapedit/edit/edit.h"
 
 /// Between MeshLab's mesh and the core's. Everything here is in the layer's own coordinates: the layer's transform
 /// (CMeshO::Tr) is neither read nor changed.

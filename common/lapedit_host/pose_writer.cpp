@@ -5,8 +5,6 @@
 #include <cstddef>
 #include <cstring>
 
-#include "lapedit/parallel.h"
-
 namespace lapedit::host {
 namespace {
 
@@ -94,7 +92,7 @@ bool PoseWriter::is_away(int face) const {
 }
 
 void PoseWriter::write_faces(CMeshO& host) {
-  parallel_for(static_cast<int>(around_.size()), kGrain, 0, [&](int begin, int end) {
+  in_pieces(pool_, static_cast<int>(around_.size()), kGrain, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
       const int f = around_[static_cast<std::size_t>(i)];
       MeasuredFace& face = measured_[static_cast<std::size_t>(i)];
@@ -109,7 +107,7 @@ void PoseWriter::write_faces(CMeshO& host) {
 }
 
 void PoseWriter::write_vertices(CMeshO& host) {
-  parallel_for(static_cast<int>(touched_.size()), kGrain, 0, [&](int begin, int end) {
+  in_pieces(pool_, static_cast<int>(touched_.size()), kGrain, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
       const int v = touched_[static_cast<std::size_t>(i)];
       Vector3 sum = Vector3::Zero();

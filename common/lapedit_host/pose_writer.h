@@ -3,7 +3,8 @@
 
 #include <vector>
 
-#include "lapedit/adjacency.h"
+#include "lapedit/base/thread_pool.h"
+#include "lapedit/mesh/adjacency.h"
 #include "lapedit_host/face_shape.h"
 #include "lapedit_host/mesh_bridge.h"
 
@@ -67,6 +68,7 @@ class PoseWriter {
   std::vector<int> around_;             // all faces at those
   std::vector<MeasuredFace> measured_;  // per entry of around_
   std::vector<int> place_;              // mesh face -> entry of around_, -1 elsewhere
+  ThreadPool pool_{0};
 };
 
 }  // namespace lapedit::host

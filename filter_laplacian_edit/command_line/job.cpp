@@ -11,9 +11,9 @@
 #include <utility>
 
 #include "filter_laplacian_edit.h"
-#include "lapedit/error.h"
-#include "lapedit_host/edit_script.h"
-#include "lapedit_host/json_object.h"
+#include "lapedit/base/error.h"
+#include "lapedit/json/edit_script.h"
+#include "lapedit/json/json_object.h"
 #include "lapedit_host/mesh_bridge.h"
 #include "lapedit_host/pose_writer.h"
 #include "output_files.h"

@@ -11,7 +11,7 @@
 #include <string>
 
 #include "job.h"
-#include "lapedit/error.h"
+#include "lapedit/base/error.h"
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <QFileInfo>
 
 #include "failure.h"
-#include "lapedit_host/json_object.h"
+#include "lapedit/json/json_object.h"
 
 using lapedit::quoted;
 

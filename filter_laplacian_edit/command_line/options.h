@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "lapedit_host/batch_host.h"
+#include "batch_host.h"
 
 struct Options {
   QString input, output, edit;  ///< absolute paths

@@ -14,8 +14,8 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "batch_host.h"
 #include "failure.h"
-#include "lapedit_host/batch_host.h"
 
 using lapedit::host::quoted_path;
 

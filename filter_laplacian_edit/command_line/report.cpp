@@ -5,7 +5,7 @@
 #include <QJsonDocument>
 #include <QJsonObject>
 
-#include "lapedit_host/batch_host.h"
+#include "batch_host.h"
 #include "lapedit_host/mesh_bridge.h"
 
 using namespace lapedit;

@@ -6,7 +6,7 @@
 #include <QStringList>
 #include <vector>
 
-#include "lapedit/edit_report.h"
+#include "lapedit/deform/edit_report.h"
 #include "options.h"
 
 /// The steps that led to one output.

@@ -14,7 +14,7 @@
 #include <new>
 #include <system_error>
 
-#include "lapedit_host/batch_host.h"
+#include "batch_host.h"
 
 namespace {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ours.h"
 
-#include "lapedit/elimination_order.h"
-#include "lapedit/laplacian_editor.h"
-#include "lapedit/smooth_normals.h"
-#include "lapedit/sparse_cholesky.h"
+#include "lapedit/deform/laplacian_editor.h"
+#include "lapedit/deform/smooth_normals.h"
+#include "lapedit/linear/fill_reducing_ordering.h"
+#include "lapedit/linear/sparse_cholesky.h"
 
 namespace speed {
 
@@ -96,8 +96,8 @@ struct OurSolver::State {
 OurSolver::OurSolver(const Scene& scene, const Sparse& normal, int threads, Precision precision) {
   lapedit::CholeskyOptions options;
   options.single_precision = precision == Precision::Single;
-  options.crew = std::make_shared<lapedit::Crew>(threads);
-  options.order = lapedit::elimination_order(scene.region.neighbours, threads);
+  options.pool = std::make_shared<lapedit::ThreadPool>(threads);
+  options.order = lapedit::fill_reducing_ordering(scene.region.neighbours, threads);
   state_.reset(new State{lapedit::SparseCholesky(normal, options)});
 }
 OurSolver::~OurSolver() = default;

@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <unordered_map>
 
-#include "lapedit/geodesic.h"
+#include "lapedit/mesh/geodesic.h"
 
 namespace speed {
 namespace {

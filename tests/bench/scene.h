@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "lapedit/handle_transform.h"
-#include "lapedit/region.h"
+#include "lapedit/deform/handle_transform.h"
+#include "lapedit/mesh/region.h"
 
 namespace speed {
 

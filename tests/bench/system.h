@@ -5,8 +5,8 @@
 #include <functional>
 #include <vector>
 
-#include "lapedit/handle_transform.h"
-#include "lapedit/region.h"
+#include "lapedit/deform/handle_transform.h"
+#include "lapedit/mesh/region.h"
 
 namespace speed {
 

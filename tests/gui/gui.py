@@ -2,7 +2,7 @@
 """Starts the staged MeshLab on a private X server and drives its window, for tests.
 
 The window is driven from inside, by the plugin in tests/gui/driver, or from outside, by xdotool.
-Environment: as tests/host/host.py has it; the stage holds the driver as well.
+Environment: as tests/batch/host.py has it; the stage holds the driver as well.
 """
 import collections
 import json
@@ -15,7 +15,7 @@ import sys
 import threading
 import time
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "host"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "batch"))
 
 from host import STAGE, HostTest  # noqa: E402
 from x_server import end_with_parent  # noqa: E402

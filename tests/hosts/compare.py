@@ -13,7 +13,7 @@ import pathlib
 import struct
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "host"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "batch"))
 
 from ply import Ply  # noqa: E402
 

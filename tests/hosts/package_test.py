@@ -24,7 +24,7 @@ import time
 import unittest
 
 HERE = pathlib.Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parent / "host"))
+sys.path.insert(0, str(HERE.parent / "batch"))
 
 from ply import Ply, bits_of, float_of, write_ply  # noqa: E402
 from shapes import neighbours, within  # noqa: E402

@@ -100,7 +100,7 @@ discard() {
 }
 
 check_machine() {
-  command -v debootstrap >/dev/null || fail "debootstrap is missing: tests/scripts/install_dependencies.sh installs it."
+  command -v debootstrap >/dev/null || fail "debootstrap is missing: common/scripts/install_dependencies.sh installs it."
   check_namespaces
 }
 

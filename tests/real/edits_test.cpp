@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "lapedit/edit.h"
+#include "lapedit/edit/edit.h"
 #include "mesh_loader.h"
 #include "support.h"
 

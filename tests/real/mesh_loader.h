@@ -16,7 +16,7 @@
 #include <sanitizer/lsan_interface.h>
 #endif
 
-#include "lapedit/triangle_mesh.h"
+#include "lapedit/mesh/triangle_mesh.h"
 
 /// The real test meshes, read as MeshLab reads them: by vcglib's importers, in single precision. Not STL: vcglib 2020
 /// reads beyond the end of its header, which ends a build with sanitizers.

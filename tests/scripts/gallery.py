@@ -129,7 +129,7 @@ def show(edit, source, given):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--stage", type=pathlib.Path, required=True, help="made by tests/host/stage.sh")
+    parser.add_argument("--stage", type=pathlib.Path, required=True, help="made by common/demo/stage.sh")
     parser.add_argument("--make-mesh", required=True, help="the built program")
     parser.add_argument("--meshes", type=pathlib.Path, help="folder of the real meshes; without it their edits are left out")
     parser.add_argument("--output", type=pathlib.Path, required=True)
@@ -138,7 +138,7 @@ def main():
     parser.add_argument("names", nargs="*", help="edits to show, all by default: " + " ".join(e.name for e in EDITS))
     given = parser.parse_args()
     os.environ["LAPEDIT_STAGE"] = str(given.stage)
-    sys.path.insert(0, str(HERE.parent / "host"))
+    sys.path.insert(0, str(HERE.parent / "batch"))
     unknown = set(given.names) - {edit.name for edit in EDITS}
     if unknown:
         parser.error("no such edit: " + " ".join(sorted(unknown)))

@@ -14,14 +14,14 @@ build=$PWD/build
 gallery=$build/gallery
 meshes=${LAPEDIT_MESHES:-$PWD/../shared/meshes}
 
-tests/scripts/install_dependencies.sh
+common/scripts/install_dependencies.sh
 cmake -S . -B "$build" >/dev/null
 cmake --build "$build" --parallel "$(nproc)" --target filter_laplacian_edit make_mesh >/dev/null
 mkdir -p "$gallery/home"
-tests/host/stage.sh "$gallery/stage" "$build/filter_laplacian_edit/libfilter_laplacian_edit.so" \
+common/demo/stage.sh "$gallery/stage" "$build/filter_laplacian_edit/libfilter_laplacian_edit.so" \
   "$(command -v meshlabserver)"
 if [ -d "$meshes" ]; then
   set -- --meshes "$meshes" "$@"
 fi
 HOME=$gallery/home XDG_RUNTIME_DIR=$gallery/home xvfb-run -a tests/scripts/gallery.py --stage "$gallery/stage" \
-  --make-mesh "$build/tests/demo/make_mesh" --output "$gallery" "$@"
+  --make-mesh "$build/common/demo/make_mesh" --output "$gallery" "$@"

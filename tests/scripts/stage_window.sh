@@ -9,10 +9,10 @@ stage=$1
 cd "$(dirname "$0")/../.."
 build=$PWD/build
 
-tests/scripts/install_dependencies.sh
+common/scripts/install_dependencies.sh
 cmake -S . -B "$build" >/dev/null
 cmake --build "$build" --parallel "$(nproc)" --target edit_laplacian_drag filter_laplacian_edit gui_driver make_mesh >/dev/null
 mkdir -p "$(dirname "$stage")"
-tests/host/stage.sh "$stage" "$build/edit_laplacian_drag/libedit_laplacian_drag.so" \
+common/demo/stage.sh "$stage" "$build/edit_laplacian_drag/libedit_laplacian_drag.so" \
   "$build/filter_laplacian_edit/libfilter_laplacian_edit.so" "$build/tests/gui/driver/libgui_driver.so" \
   "$(command -v meshlab)" "$(command -v meshlabserver)"

@@ -13,7 +13,7 @@ window=$PWD/build/window
 meshes=${LAPEDIT_MESHES:-$PWD/../shared/meshes}
 
 tests/scripts/stage_window.sh "$window/stage"
-build/tests/demo/make_mesh arm "$window/limb.ply"
+build/common/demo/make_mesh arm "$window/limb.ply"
 if [ -d "$meshes" ]; then
   set -- --meshes "$meshes" "$@"
 fi

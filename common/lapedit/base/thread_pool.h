@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace lapedit {
+
+/// Number of threads to use when asked for threads (0: all of the machine's).
+int thread_count(int threads);
+
+/// The one way to share work among threads: they stay, for work of fractions of a millisecond that comes again and
+/// again; nothing is started and nothing allocated per call. Whoever has time takes the next piece, so a thread that
+/// gets no processor holds up nobody but for the piece it is at. Waiting threads yield, and sleep soon.
+class ThreadPool {
+ public:
+  /// @param threads  0: as many as the machine has; 1: only the caller's own
+  explicit ThreadPool(int threads);
+  ~ThreadPool();
+  ThreadPool(const ThreadPool&) = delete;
+  ThreadPool& operator=(const ThreadPool&) = delete;
+
+  int threads() const { return 1 + static_cast<int>(helpers_.size()); }
+
+  /// Calls work(piece) once for each piece of [0, pieces), and returns when all are done. One caller at a time. Which
+  /// thread gets which piece is not determined. What a piece throws reaches the caller when all others are done; of
+  /// several exceptions, one.
+  template <class Work>
+  void each(int pieces, const Work& work) {
+    run(
+        pieces, [](const void* context, int piece) { (*static_cast<const Work*>(context))(piece); }, &work);
+  }
+
+ private:
+  using Function = void (*)(const void*, int);
+  void run(int pieces, Function function, const void* context);
+  bool take(std::uint64_t number, int& piece);
+  void work(Function function, const void* context, int piece) noexcept;
+  void help();
+
+  // A job's number (upper half) and its next piece (lower half) change together, so that a piece taken belongs to the
+  // job whose function is read after.
+  std::atomic<std::uint64_t> ticket_{0};
+  std::atomic<int> pieces_{0};
+  std::atomic<int> done_{0};
+  std::atomic<Function> function_{nullptr};
+  std::atomic<const void*> context_{nullptr};
+  std::atomic<bool> quit_{false};
+  std::atomic<int> asleep_{0};
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  std::exception_ptr error_;  // guarded by mutex_ until all pieces are done
+  std::vector<std::thread> helpers_;
+};
+
+/// Calls body(first, last) on pieces of [0, count) of about grain; the pieces do not depend on the number of threads. A
+/// body that writes only its own indices' results makes them independent of it, too.
+template <class Body>
+void in_pieces(ThreadPool& pool, int count, int grain, const Body& body) {
+  const int pieces = count / grain > 0 ? count / grain : (count > 0 ? 1 : 0);
+  pool.each(pieces, [&](int piece) {
+    body(static_cast<int>(static_cast<std::int64_t>(count) * piece / pieces),
+         static_cast<int>(static_cast<std::int64_t>(count) * (piece + 1) / pieces));
+  });
+}
+
+}  // namespace lapedit

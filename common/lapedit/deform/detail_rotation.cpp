@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/deform/detail_rotation.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "lapedit/base/stopwatch.h"
+
+namespace lapedit {
+namespace {
+
+/// The unit vector along v, or zero if v has no length against scale.
+Vector3 unit_or_zero(const Vector3& v, double scale) {
+  const double length = v.norm();
+  if (!(length > 1e-9 * scale)) {
+    return Vector3::Zero();
+  }
+  return v / length;
+}
+
+/// Smoothed normals made unit; where they cancel (a radius beyond a limb's thickness) the vertex's own normal.
+void normalise(Points& smoothed, const Points& own) {
+  constexpr double kCancelled = 1e-3;
+  for (Eigen::Index i = 0; i < smoothed.rows(); ++i) {
+    const double length = smoothed.row(i).norm();
+    if (length > kCancelled) {
+      smoothed.row(i) /= length;
+    } else {
+      smoothed.row(i) = own.row(i);
+    }
+  }
+}
+
+Matrix3 frame(const Vector3& n, const Vector3& u) {
+  Matrix3 result;
+  result << n, u, n.cross(u);
+  return result;
+}
+
+}  // namespace
+
+const char* name(DetailRotation rotation) {
+  switch (rotation) {
+    case DetailRotation::None:
+      return "none";
+    case DetailRotation::SmoothNormals:
+      return "smooth normals";
+    default:
+      return "smooth surface";
+  }
+}
+
+RotationEstimator::RotationEstimator(DetailRotation kind, const Region& region, const Smoother& smoother)
+    : kind_(kind), region_(region), smoother_(smoother) {}
+
+void RotationEstimator::set_before(const Points& before) {
+  if (kind_ == DetailRotation::SmoothNormals) {
+    before_ = before;
+    vertex_normals(before_, region_.faces, normals_before_, areas_);
+    smoother_.apply(normals_before_, smooth_before_);
+    normalise(smooth_before_, normals_before_);
+  } else {
+    smoother_.apply(before, smooth_before_);
+    vertex_normals(smooth_before_, region_.faces, normals_before_, areas_);
+  }
+}
+
+void RotationEstimator::set_before_smoothed(const Points& smoothed) {
+  smooth_before_ = smoothed;
+  vertex_normals(smooth_before_, region_.faces, normals_before_, areas_);
+}
+
+std::size_t RotationEstimator::bytes() const {
+  const Eigen::Index doubles = before_.size() + after_.size() + smooth_before_.size() + smooth_after_.size() +
+                               normals_before_.size() + normals_after_.size() + scratch_.size() + areas_.size();
+  return static_cast<std::size_t>(doubles) * sizeof(double) +
+         (covariances_.capacity() + spread_.capacity()) * sizeof(Matrix3);
+}
+
+void RotationEstimator::estimate(const Points& displacement, std::vector<Matrix3>& rotations) {
+  rotations.resize(region_.size());
+  Stopwatch watch;
+  if (kind_ == DetailRotation::SmoothNormals) {
+    after_ = before_ + displacement;
+    vertex_normals(after_, region_.faces, normals_after_, areas_);
+    smoother_.apply(normals_after_, smooth_after_);
+    normalise(smooth_after_, normals_after_);
+  } else {
+    smoother_.apply(displacement, scratch_);
+    smooth_after_ = smooth_before_ + scratch_;
+    vertex_normals(smooth_after_, region_.faces, normals_after_, areas_);
+  }
+  normals_ms_ = watch.lap();
+  if (kind_ == DetailRotation::SmoothNormals) {
+    paper_frames(rotations);
+  } else {
+    smooth_surface(rotations);
+  }
+  rotate_ms_ = watch.lap();
+}
+
+void RotationEstimator::paper_frames(std::vector<Matrix3>& rotations) {
+  for (int i = 0; i < region_.size(); ++i) {
+    const Vector3 n0 = smooth_before_.row(i).transpose();
+    const Vector3 n1 = smooth_after_.row(i).transpose();
+    rotations[i].setIdentity();
+    if (n0.isZero(0) || n1.isZero(0)) {
+      continue;
+    }
+    // The edge nearest to being orthogonal to the normal.
+    int best = -1;
+    double least = 2;
+    for (const int j : region_.neighbours[i]) {
+      const Vector3 edge = (before_.row(j) - before_.row(i)).transpose();
+      const double cosine = std::abs(edge.dot(n0)) / edge.norm();
+      if (cosine < least) {  // false for an edge without length
+        least = cosine;
+        best = j;
+      }
+    }
+    Vector3 u0 = Vector3::Zero(), u1 = Vector3::Zero();
+    if (best >= 0) {
+      const Vector3 e0 = (before_.row(best) - before_.row(i)).transpose();
+      const Vector3 e1 = (after_.row(best) - after_.row(i)).transpose();
+      u0 = unit_or_zero(e0 - e0.dot(n0) * n0, e0.norm());
+      u1 = unit_or_zero(e1 - e1.dot(n1) * n1, e1.norm());
+      if (n0 == n1 && e0 == e1) {
+        continue;
+      }
+    }
+    if (u0.isZero(0) || u1.isZero(0)) {
+      rotations[i] = Eigen::Quaterniond::FromTwoVectors(n0, n1).toRotationMatrix();
+    } else {
+      rotations[i] = frame(n1, u1) * frame(n0, u0).transpose();
+    }
+  }
+}
+
+void RotationEstimator::smooth_surface(std::vector<Matrix3>& rotations) {
+  const int n = region_.size();
+  covariances_.resize(n);
+  for (int i = 0; i < n; ++i) {
+    Matrix3 covariance = Matrix3::Zero();
+    for (const int j : region_.neighbours[i]) {
+      covariance.noalias() +=
+          (smooth_after_.row(j) - smooth_after_.row(i)).transpose() * (smooth_before_.row(j) - smooth_before_.row(i));
+    }
+    // Apart, since Eigen would scale one factor first and lose the symmetry of what has not moved.
+    const Matrix3 normals = normals_after_.row(i).transpose() * normals_before_.row(i);
+    covariances_[i] = covariance + covariance.norm() * normals;
+  }
+  // Where the smoothed surface has collapsed (a limb thinner than the radius) one ring of edges says little: sums over
+  // a few rings do, and cost no table. More passes gain nothing on the grid of detail_orientation_test.
+  for (int pass = 0; pass < kAveragingPasses; ++pass) {
+    spread_.swap(covariances_);
+    covariances_.resize(n);
+    for (int i = 0; i < n; ++i) {
+      Matrix3 sum = spread_[i];
+      for (const int j : region_.neighbours[i]) {
+        sum += spread_[j];
+      }
+      covariances_[i] = sum / (1 + region_.neighbours[i].size());
+    }
+  }
+  // What lies beyond the rim does not turn, so the rotations fade out across the anchors.
+  for (int i = 0; i < n; ++i) {
+    const double depth = region_.anchor_depth.empty() ? 0 : region_.anchor_depth[i];
+    const double hold = depth * depth * (3 - 2 * depth);
+    rotations[i] = nearest_rotation((1 - hold) * covariances_[i] + hold * covariances_[i].norm() * Matrix3::Identity());
+  }
+}
+
+}  // namespace lapedit

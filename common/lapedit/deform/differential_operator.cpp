@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/deform/differential_operator.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+
+#include "lapedit/base/error.h"
+
+namespace lapedit {
+namespace {
+
+constexpr double kEquilateralWeight = 0.57735026918962576;  // 1 / sqrt(3) = cot 60 degrees, both sides halved and added
+constexpr double kLargestCotangent = 1e3;                   // a corner of 0.06 degrees
+constexpr double kNoArea = 1e-10;                           // twice the area over the longest edge squared
+
+/// M from one non-negative weight per entry of region.neighbours; each row with neighbours has a positive sum.
+SparseMatrix from_weights(const Region& region, const std::vector<double>& weights) {
+  const IndexLists& neighbours = region.neighbours;
+  Eigen::SparseMatrix<double, Eigen::RowMajor, int> rows(region.size(), region.size());
+  rows.reserve(static_cast<Eigen::Index>(neighbours.values.size()) + region.size());
+  for (int j = 0; j < region.size(); ++j) {
+    rows.startVec(j);
+    double sum = 0;
+    for (int k = neighbours.offsets[j]; k < neighbours.offsets[j + 1]; ++k) {
+      sum += weights[k];
+    }
+    bool own = neighbours[j].size() == 0;
+    for (int k = neighbours.offsets[j]; k < neighbours.offsets[j + 1]; ++k) {
+      const int i = neighbours.values[k];
+      if (!own && i > j) {
+        rows.insertBack(j, j) = 1;
+        own = true;
+      }
+      rows.insertBack(j, i) = -weights[k] / sum;
+    }
+    if (!own) {
+      rows.insertBack(j, j) = 1;
+    }
+  }
+  rows.finalize();
+  return rows;
+}
+
+/// Cotangents at the three corners of a face. @return whether the face has area enough to define them
+bool corner_cotangents(const TriangleMesh& mesh, int face, double cotangents[3]) {
+  Vector3 corner[3];
+  for (int k = 0; k < 3; ++k) {
+    corner[k] = mesh.vertices.row(mesh.faces(face, k)).transpose();
+  }
+  const double twice_area = (corner[1] - corner[0]).cross(corner[2] - corner[0]).norm();
+  double longest = 0;
+  for (int k = 0; k < 3; ++k) {
+    longest = std::max(longest, (corner[(k + 1) % 3] - corner[k]).squaredNorm());
+  }
+  if (!(twice_area > kNoArea * longest)) {  // also when a corner is not a number
+    return false;
+  }
+  for (int k = 0; k < 3; ++k) {
+    const double cotangent = (corner[(k + 1) % 3] - corner[k]).dot(corner[(k + 2) % 3] - corner[k]) / twice_area;
+    cotangents[k] = std::clamp(cotangent, -kLargestCotangent, kLargestCotangent);
+  }
+  return true;
+}
+
+}  // namespace
+
+const char* name(LaplacianKind kind) {
+  return kind == LaplacianKind::Umbrella ? "umbrella" : "cotangent";
+}
+
+DifferentialOperator umbrella_operator(const Region& region) {
+  return {from_weights(region, std::vector<double>(region.neighbours.values.size(), 1)), 0};
+}
+
+DifferentialOperator cotangent_operator(const Region& region, const TriangleMesh& mesh) {
+  const IndexLists& neighbours = region.neighbours;
+  std::vector<double> weights(neighbours.values.size(), 0);
+  std::vector<char> known(neighbours.values.size(), 0);
+  std::vector<char> uniform(neighbours.values.size(), 0);
+  std::vector<int> local(region.mesh_vertices, -1);
+  for (int i = 0; i < region.size(); ++i) {
+    local[region.mesh_vertex[i]] = i;
+  }
+  auto entry = [&neighbours](int from, int to) {
+    const auto row = neighbours[from];
+    return neighbours.offsets[from] + static_cast<int>(std::lower_bound(row.begin(), row.end(), to) - row.begin());
+  };
+  for (const int face : region.edge_faces) {
+    double cotangents[3] = {0, 0, 0};
+    const bool usable = corner_cotangents(mesh, face, cotangents);
+    for (int k = 0; k < 3; ++k) {
+      const int a = local[mesh.faces(face, (k + 1) % 3)];
+      const int b = local[mesh.faces(face, (k + 2) % 3)];
+      if (a < 0 || b < 0 || a == b) {
+        continue;
+      }
+      for (const int e : {entry(a, b), entry(b, a)}) {
+        known[e] = 1;
+        uniform[e] |= !usable;
+        weights[e] += 0.5 * cotangents[k];
+      }
+    }
+  }
+  for (std::size_t e = 0; e < weights.size(); ++e) {
+    uniform[e] |= !known[e];
+    weights[e] = uniform[e] ? kEquilateralWeight : std::max(weights[e], 0.0);
+  }
+  // A row whose weights all vanished tells nothing about its vertex: it becomes a row of the umbrella.
+  constexpr double kNoWeight = 1e-9;
+  for (int j = 0; j < region.size(); ++j) {
+    double largest = 0;
+    for (int e = neighbours.offsets[j]; e < neighbours.offsets[j + 1]; ++e) {
+      largest = std::max(largest, weights[e]);
+    }
+    for (int e = neighbours.offsets[j]; largest < kNoWeight && e < neighbours.offsets[j + 1]; ++e) {
+      weights[e] = kEquilateralWeight;
+      uniform[e] = 1;
+    }
+  }
+  DifferentialOperator result{from_weights(region, weights), 0};
+  for (int j = 0; j < region.size(); ++j) {
+    for (int e = neighbours.offsets[j]; e < neighbours.offsets[j + 1]; ++e) {
+      const int other = neighbours.values[e];
+      result.uniform_edges += j < other && (uniform[e] || uniform[entry(other, j)]);
+    }
+  }
+  return result;
+}
+
+DifferentialOperator differential_operator(LaplacianKind kind, const Region& region, const TriangleMesh& mesh) {
+  return kind == LaplacianKind::Umbrella ? umbrella_operator(region) : cotangent_operator(region, mesh);
+}
+
+SparseMatrix power(const SparseMatrix& matrix, int order) {
+  if (order < 1 || order > 3) {
+    throw EditError(ErrorCause::BadParameter,
+                    "The order of the Laplacian is " + std::to_string(order) + ": it can be 1, 2 or 3.");
+  }
+  SparseMatrix result = matrix;
+  for (int k = 1; k < order; ++k) {
+    result = SparseMatrix(result * matrix);
+  }
+  return result;
+}
+
+}  // namespace lapedit

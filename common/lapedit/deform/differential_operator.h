@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "lapedit/mesh/region.h"
+
+namespace lapedit {
+
+/// Which linear differential operator measures the detail (paper, section 3).
+enum class LaplacianKind { Umbrella, Cotangent };
+
+const char* name(LaplacianKind kind);
+
+/// An n x n operator M over a region: row j is D(p_j) = p_j - sum_i alpha_ji p_i, the alphas of a row summing to 1.
+/// The row of a vertex without neighbours is zero.
+struct DifferentialOperator {
+  SparseMatrix matrix;
+  int uniform_edges = 0;  ///< edges that took the uniform weight since their triangles have no usable cotangent
+};
+
+/// alpha_ji = 1 / valence(j): the paper's choice for its edits.
+DifferentialOperator umbrella_operator(const Region& region);
+
+/// alpha_ji proportional to the edge's cotangent weight: half the sum of the cotangents opposite to it.
+///
+/// Negative weights (obtuse pairs) count as zero, so no row has a zero or negative sum; cotangents are
+/// cut at kLargestCotangent. An edge of a triangle without area (or of no triangle, or with a non-finite corner) gets
+/// the weight of an equilateral mesh, 1 / sqrt(3), and is counted in uniform_edges.
+DifferentialOperator cotangent_operator(const Region& region, const TriangleMesh& mesh);
+
+DifferentialOperator differential_operator(LaplacianKind kind, const Region& region, const TriangleMesh& mesh);
+
+/// M^k. @throws EditError (BadParameter) unless order is 1, 2 or 3
+SparseMatrix power(const SparseMatrix& matrix, int order);
+
+}  // namespace lapedit

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/deform/diffusion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace lapedit {
+namespace {
+
+/// Second moment of 2 t^3/r^3 - 3 t^2/r^2 + 1 over the disc, over r^2.
+constexpr double kMoment = 5.0 / 21;
+constexpr int kSteps = 2;
+
+}  // namespace
+
+DiffusionSmoother::DiffusionSmoother(const Region& region, const Points& rest, double radius,
+                                     const CholeskyOptions& options) {
+  const IndexLists& neighbours = region.neighbours;
+  const int n = region.size();
+  std::vector<double> squared(neighbours.values.size());
+  Eigen::VectorXd area = Eigen::VectorXd::Zero(n);
+  for (int i = 0; i < n; ++i) {
+    for (int k = neighbours.offsets[i]; k < neighbours.offsets[i + 1]; ++k) {
+      squared[k] = (rest.row(neighbours.values[k]) - rest.row(i)).squaredNorm();
+      area[i] += 0.25 * squared[k];
+    }
+  }
+  // Vertices without length around them count as small ones, so that the matrix is definite and its entries are alike.
+  constexpr double kSmall = 1e-3, kLeast = 1e-9;
+  const double mean = n > 0 ? std::accumulate(area.begin(), area.end(), 0.0) / n : 0;
+  const Eigen::VectorXd density =
+      mean > 0 ? Eigen::VectorXd((area / mean).cwiseMax(kSmall).cwiseSqrt().cwiseInverse()) : Eigen::VectorXd::Ones(n);
+  const double time = kMoment * radius * radius / 4 / kSteps;  // diffusion over a time t has the second moment 4 t
+  mass_.setZero(n);
+  SparseMatrix matrix(n, n);
+  matrix.reserve(static_cast<Eigen::Index>(neighbours.values.size()) / 2 + n);
+  for (int j = 0; j < n; ++j) {
+    double sum = 0, mass = 0;
+    for (int k = neighbours.offsets[j]; k < neighbours.offsets[j + 1]; ++k) {
+      const double conductance = density[j] * density[neighbours.values[k]];
+      sum += conductance;
+      mass += 0.25 * conductance * squared[k];
+    }
+    mass_[j] = mass / time + kLeast;
+    matrix.startVec(j);
+    matrix.insertBack(j, j) = mass_[j] + sum;
+    for (const int i : neighbours[j]) {
+      if (i > j) {
+        matrix.insertBack(i, j) = -density[i] * density[j];
+      }
+    }
+  }
+  matrix.finalize();
+  factor_ = std::make_unique<SparseCholesky>(matrix, options);
+  matrix_ = matrix.selfadjointView<Eigen::Lower>();
+}
+
+void DiffusionSmoother::apply_roughly(const Points& in, Points& out) const {
+  out = in;
+  for (int step = 0; step < kSteps; ++step) {
+    for (Eigen::Index i = 0; i < out.rows(); ++i) {
+      out.row(i) *= mass_[i];
+    }
+    factor_->solve(out, out);
+  }
+}
+
+void DiffusionSmoother::apply(const Points& in, Points& out) const {
+  out = in;
+  Points &right = scratch_.right, &left = scratch_.left, &more = scratch_.step;
+  DoubledPoints& x = scratch_.x;
+  for (int step = 0; step < kSteps; ++step) {
+    right = out;
+    for (Eigen::Index i = 0; i < right.rows(); ++i) {
+      right.row(i) *= mass_[i];
+    }
+    factor_->solve(right, out);
+    x.set(out);
+    refine_to_the_bit([&](const DoubledPoints& at, Points& rest) { symmetric_residual(matrix_, right, at, rest); },
+                      [&](const Points& from, Points& to) { factor_->solve(from, to); }, x, left, more);
+    out = x.high;
+  }
+}
+
+}  // namespace lapedit

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "lapedit/base/progress.h"
+#include "lapedit/deform/detail_rotation.h"
+#include "lapedit/deform/differential_operator.h"
+#include "lapedit/deform/edit_report.h"
+#include "lapedit/deform/handle_transform.h"
+#include "lapedit/linear/sparse_cholesky.h"
+
+namespace lapedit {
+
+struct EditSettings {
+  LaplacianKind laplacian = LaplacianKind::Umbrella;
+  int order = 1;  ///< 1 to 3
+  DetailRotation rotation = DetailRotation::SmoothSurface;
+  int iterations =
+      1;  ///< rotation passes, 1 to 100; stops early once a pass moves nothing by 1e-4 of the region's radius
+  double normal_radius = 0;  ///< r of the smoothing, model units; 0: automatic
+  /// Against equations of weight 1 per differential coordinate. At 1 the handle of a small region stays 1 % behind and
+  /// the rim moves by up to 0.9 % of the handle's way; at 10 both are below 0.02 % and the shape is the same to the
+  /// eye.
+  double handle_weight = 10;
+  double anchor_weight = 10;  ///< an anchor's own weight is this times d / d_max
+  CholeskyBackend backend = CholeskyBackend::Automatic;
+  int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+};
+
+/// @throws EditError (BadParameter) naming the setting, its value and its range
+void validate(const EditSettings& settings);
+
+/// One region with its handles, ready to be posed again and again (paper, sections 3 to 5).
+///
+/// Minimises |M^k x - M^(k-1) R delta|^2 + sum_i w_i^2 |x_i - c_i|^2 over the region's vertices, k the order, delta = M
+/// p of the rest pose p and R the detail rotations: with k = 1 the paper's system; for k > 1 the coordinates are turned
+/// before the rest of the order is taken, which is the paper's too where R does not vary. Solved for the displacement
+/// from the rest pose, so that what does not move keeps its bits. A constructed object is always usable; other handles,
+/// anchors or settings mean a new one, which can take over the old one's factor.
+class LaplacianEditor {
+ public:
+  /// @param mesh      rest pose; not kept
+  /// @param previous  an editor that is not wanted any more: what it has and still fits, the factor above all, is taken
+  ///                  over, so that another small handle in the same region with the same anchors is ready in a
+  ///                  fraction of the time. The result has the same bits with and without
+  /// Cost: operator, one sparse Cholesky factorisation, smoothing: all of it once, nothing of it in solve().
+  /// @throws EditError (BadParameter, IllConditioned, Cancelled)
+  LaplacianEditor(const TriangleMesh& mesh, Region region, const EditSettings& settings, const Progress& progress = {},
+                  std::unique_ptr<LaplacianEditor> previous = nullptr);
+  ~LaplacianEditor();
+  LaplacianEditor(LaplacianEditor&&) noexcept;
+
+  const Region& region() const;
+
+  /// Positions of the region's vertices after its handle groups have moved.
+  ///
+  /// A component without anchors is first carried along by the mean of its groups' maps, so that it follows a single
+  /// one exactly; one with anchors by the map given for them.
+  /// @param handles  one map per handle group, absolute coordinates
+  /// @param anchors  where the anchors go; in an edit they stay
+  /// @return         size() x 3, model units, row i belongs to region().mesh_vertex[i]; valid until the next call
+  /// @throws EditError (NotFinite) if a map or the result is not finite; (Cancelled); the editor stays usable
+  /// @param go_on    asked now and then; called with the fraction 0
+  /// Cost: one rough and one exact solve per rotation pass, each of some steps of refinement; nothing is allocated
+  /// after the first call.
+  const Points& solve(const std::vector<Affine>& handles, const Affine& anchors = Affine::Identity(),
+                      const Progress& go_on = {});
+
+  /// The same for a picture of a drag: within 1e-4 of the region's largest handle distance, or of the longest way of a
+  /// vertex if that is longer, of what solve() gives, in a fraction of its time; solve() itself where there is no fast
+  /// path (orders 2 and 3, several passes, smooth normals, regions without anchors). rotations() and report() do not
+  /// see it. Not moved is not moved to the bit.
+  /// @throws EditError as solve()
+  /// Nothing is allocated after the first call.
+  const Points& preview(const std::vector<Affine>& handles);
+
+  /// Whether preview() is faster than solve() and not the same to the bit.
+  bool has_preview() const;
+
+  /// Unit vertex normals of the last preview(), area-weighted over the region's own faces, size() x 3; no rows if
+  /// there is no fast path.
+  const Points& preview_normals();
+
+  /// Bytes held, without the mesh. O(1).
+  std::size_t bytes() const;
+
+  /// Detail rotations of the last solve, one per region vertex.
+  const std::vector<Matrix3>& rotations() const;
+
+  /// Report of construction and last solve; works out residuals and stretch on each call.
+  EditReport report() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace lapedit

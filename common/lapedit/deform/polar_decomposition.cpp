@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/deform/polar_decomposition.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <cmath>
+
+namespace lapedit {
+
+Matrix3 PolarDecomposition::rotation() const {
+  if (orthogonal().determinant() > 0) {
+    return orthogonal();
+  }
+  Matrix3 u = svd_.matrixU();
+  u.col(2) = -u.col(2);
+  return u * svd_.matrixV().transpose();
+}
+
+Matrix3 nearest_rotation(const Matrix3& matrix) {
+  const double size = matrix.norm();
+  if (!(size > 0)) {
+    return Matrix3::Identity();
+  }
+  constexpr double kUndetermined = 1e-10;
+  const Matrix3 start = matrix / size + kUndetermined * Matrix3::Identity();
+  if (start == start.transpose() && start.llt().info() == Eigen::Success) {
+    return Matrix3::Identity();  // exactly, for what has not moved
+  }
+  // Newton's iteration is exact and fast away from singular matrices; the rest is left to the SVD.
+  constexpr double kSafeDeterminant = 1e-4;
+  if (start.determinant() > kSafeDeterminant) {
+    Matrix3 x = start;
+    for (int step = 0; step < 12; ++step) {
+      const Matrix3 inverse_transposed = x.inverse().transpose();
+      const double gamma = std::sqrt(inverse_transposed.norm() / x.norm());
+      const Matrix3 next = 0.5 * (gamma * x + inverse_transposed / gamma);
+      const double change = (next - x).squaredNorm();
+      x = next;
+      if (change < 1e-26) {
+        return x;
+      }
+    }
+  }
+  return PolarDecomposition(start).rotation();
+}
+
+}  // namespace lapedit

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/deform/smooth_normals.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numeric>
+
+#include "lapedit/base/thread_pool.h"
+#include "lapedit/mesh/geodesic.h"
+
+namespace lapedit {
+namespace {
+
+constexpr int kGrain = 256;
+
+/// The paper's kernel (section 6) at distance t.
+double kernel(double t, double radius) {
+  const double s = t / radius;
+  return s < 1 ? (2 * s - 3) * s * s + 1 : 0;
+}
+
+/// Mean number of vertices within a radius, from evenly spread probes.
+double mean_ball_size(const Region& region, const Points& rest, double radius) {
+  constexpr int kProbes = 32;
+  const int step = std::max(1, region.size() / kProbes);
+  GeodesicSearch search(region.neighbours, rest);
+  double sum = 0;
+  int probes = 0;
+  for (int i = 0; i < region.size(); i += step) {
+    sum += static_cast<double>(search.run({i}, radius).size());
+    ++probes;
+  }
+  return sum / probes;
+}
+
+/// Vertices such that each is within spacing of a chosen one, taken outwards from the handle. Distances are compared
+/// coarsely, so that rounding does not change the choice when a mesh is moved or turned; among equals it goes by
+/// number.
+std::vector<int> sample_centres(const Region& region, const Points& rest, double spacing) {
+  constexpr double kSame = 1e-6;
+  std::vector<double> distance(region.size());
+  std::vector<int> order(region.size());
+  std::iota(order.begin(), order.end(), 0);
+  for (int i = 0; i < region.size(); ++i) {
+    distance[i] = std::round(region.distance[i] / (kSame * spacing));
+  }
+  std::stable_sort(order.begin(), order.end(), [&distance](int a, int b) { return distance[a] < distance[b]; });
+  GeodesicSearch search(region.neighbours, rest);
+  std::vector<char> covered(region.size(), 0);
+  std::vector<int> centres;
+  for (const int i : order) {
+    if (!covered[i]) {
+      centres.push_back(i);
+      for (const int j : search.run({i}, spacing)) {
+        covered[j] = 1;
+      }
+    }
+  }
+  return centres;
+}
+
+}  // namespace
+
+void vertex_normals(const Points& points, const Faces& faces, Points& normals, Eigen::VectorXd& areas) {
+  constexpr double kCancelled = 1e-12;  // what is left of opposite faces is rounding, not a direction
+  normals.setZero(points.rows(), 3);
+  areas.setZero(points.rows());
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    const Vector3 a = points.row(faces(f, 0)).transpose();
+    const Vector3 ab = points.row(faces(f, 1)).transpose() - a;
+    const Vector3 ac = points.row(faces(f, 2)).transpose() - a;
+    const Vector3 cross = ab.cross(ac);
+    const double area = cross.norm();
+    for (int k = 0; k < 3; ++k) {
+      normals.row(faces(f, k)) += cross.transpose();
+      areas[faces(f, k)] += area;
+    }
+  }
+  for (Eigen::Index i = 0; i < normals.rows(); ++i) {
+    const double length = normals.row(i).norm();
+    if (length > kCancelled * areas[i]) {
+      normals.row(i) /= length;
+    } else {
+      normals.row(i).setZero();
+    }
+  }
+}
+
+void vertex_normals(const Points& points, const Faces& faces, Points& normals) {
+  Eigen::VectorXd areas;
+  vertex_normals(points, faces, normals, areas);
+}
+
+namespace {
+
+template <typename Rows>
+Rows kernel_rows(const Region& region, const Points& rest, const std::vector<int>& centres, double radius,
+                 int threads) {
+  const int count = static_cast<int>(centres.size());
+  std::vector<std::vector<std::pair<int, double>>> lists(centres.size());
+  ThreadPool pool(count >= 2 * kGrain ? threads : 1);
+  in_pieces(pool, count, kGrain, [&](int first, int last) {
+    GeodesicSearch search(region.neighbours, rest);
+    for (int c = first; c < last; ++c) {
+      const std::vector<int>& ball = search.run({centres[c]}, radius);
+      auto& list = lists[c];
+      list.reserve(ball.size());
+      double sum = 0;
+      for (const int j : ball) {
+        const double weight = kernel(search.distance(j), radius);
+        if (weight > 0) {
+          list.emplace_back(j, weight);
+          sum += weight;
+        }
+      }
+      for (auto& entry : list) {
+        entry.second /= sum;
+      }
+    }
+  });
+  Rows rows;
+  std::size_t total = 0;
+  for (const auto& list : lists) {
+    total += list.size();
+  }
+  rows.columns.reserve(total);
+  rows.weights.reserve(total);
+  for (auto& list : lists) {
+    for (const auto& [column, weight] : list) {
+      rows.columns.push_back(column);
+      rows.weights.push_back(weight);
+    }
+    rows.offsets.push_back(rows.columns.size());
+    std::vector<std::pair<int, double>>().swap(list);
+  }
+  return rows;
+}
+
+/// Rows vertices x centres: the kernel of a radius around the centres, seen from the vertices.
+template <typename Rows>
+Rows blend_rows(const Region& region, const Points& rest, const std::vector<int>& centres, double radius) {
+  GeodesicSearch search(region.neighbours, rest);
+  std::vector<std::vector<std::pair<int, double>>> lists(region.size());
+  for (int c = 0; c < static_cast<int>(centres.size()); ++c) {
+    for (const int j : search.run({centres[c]}, radius)) {
+      const double weight = kernel(search.distance(j), radius);
+      if (weight > 0) {
+        lists[j].emplace_back(c, weight);
+      }
+    }
+  }
+  Rows rows;
+  for (const auto& list : lists) {
+    double sum = 0;
+    for (const auto& entry : list) {
+      sum += entry.second;
+    }
+    for (const auto& [column, weight] : list) {
+      rows.columns.push_back(column);
+      rows.weights.push_back(weight / sum);
+    }
+    rows.offsets.push_back(rows.columns.size());
+  }
+  return rows;
+}
+
+}  // namespace
+
+SmoothingKernel::SmoothingKernel(const Region& region, const Points& rest, double radius, int threads,
+                                 std::size_t max_entries)
+    : radius_(radius) {
+  std::vector<int> centres(region.size());
+  std::iota(centres.begin(), centres.end(), 0);
+  sampled_ = mean_ball_size(region, rest, radius) * region.size() > static_cast<double>(max_entries);
+  if (sampled_) {
+    centres = sample_centres(region, rest, radius / 4);
+    blend_ = blend_rows<Rows>(region, rest, centres, radius / 2);
+    centres_.resize(static_cast<Eigen::Index>(centres.size()), 3);
+  }
+  direct_ = kernel_rows<Rows>(region, rest, centres, radius, threads);
+}
+
+void SmoothingKernel::multiply(const Rows& rows, const Points& in, Points& out) {
+  const Eigen::Index count = static_cast<Eigen::Index>(rows.offsets.size()) - 1;
+  out.resize(count, 3);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+    for (std::size_t k = rows.offsets[i]; k < rows.offsets[i + 1]; ++k) {
+      sum += rows.weights[k] * in.row(rows.columns[k]);
+    }
+    out.row(i) = sum;
+  }
+}
+
+void SmoothingKernel::apply(const Points& in, Points& out) const {
+  if (sampled_) {
+    multiply(direct_, in, centres_);
+    multiply(blend_, centres_, out);
+  } else {
+    multiply(direct_, in, out);
+  }
+}
+
+std::size_t SmoothingKernel::entries() const {
+  return direct_.columns.size() + blend_.columns.size();
+}
+
+double automatic_normal_radius(const Region& region, const Points& rest) {
+  double sum = 0;
+  int edges = 0;
+  for (int i = 0; i < region.size(); ++i) {
+    for (const int j : region.neighbours[i]) {
+      sum += (rest.row(i) - rest.row(j)).norm();
+      ++edges;
+    }
+  }
+  constexpr double kShareOfRegion = 0.3;
+  constexpr double kEdges = 4;
+  const double floor = edges > 0 ? kEdges * sum / edges : 0;
+  const double radius = std::max(kShareOfRegion * region.max_distance, floor);
+  return radius > 0 ? radius : 1;  // a region without any length has nothing to smooth
+}
+
+}  // namespace lapedit

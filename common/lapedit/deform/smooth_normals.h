@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "lapedit/deform/smoother.h"
+#include "lapedit/mesh/region.h"
+
+namespace lapedit {
+
+/// Unit vertex normals, area-weighted over the given faces; zero where a vertex has no face with area, or where its
+/// faces cancel. O(faces). The second form keeps its workspace between calls.
+void vertex_normals(const Points& points, const Faces& faces, Points& normals);
+void vertex_normals(const Points& points, const Faces& faces, Points& normals, Eigen::VectorXd& areas);
+
+/// The smoothing of the paper's section 6 as a linear map over a region: row i is the weighted mean over the vertices
+/// within geodesic distance r of vertex i, weight p(t) = 2 t^3/r^3 - 3 t^2/r^2 + 1, rows normalised to sum 1.
+/// Distances and weights belong to the rest shape: made once per region, applied to whatever lives on its vertices.
+///
+/// When the neighbourhoods together would hold more than max_entries vertices, means are taken at sample centres r/4 to
+/// r/2 apart and blended by the kernel of radius r/2: cost and memory then no longer grow with r, and the smoothing is
+/// a little wider. The centres depend on how the mesh is numbered where it is symmetric.
+class SmoothingKernel : public Smoother {
+ public:
+  /// @param rest     size() x 3 rest positions of the region
+  /// @param radius   r > 0, model units
+  SmoothingKernel(const Region& region, const Points& rest, double radius, int threads = 0,
+                  std::size_t max_entries = 8000000);
+
+  void apply(const Points& in, Points& out) const override;
+
+  double radius() const { return radius_; }
+  bool sampled() const { return sampled_; }
+  std::size_t entries() const;
+  std::size_t bytes() const override { return entries() * (sizeof(int) + sizeof(double)); }
+
+ private:
+  struct Rows {  // sparse rows, normalised
+    std::vector<std::size_t> offsets{0};
+    std::vector<int> columns;
+    std::vector<double> weights;
+  };
+  static void multiply(const Rows& rows, const Points& in, Points& out);
+
+  double radius_;
+  bool sampled_ = false;
+  Rows direct_;  // vertices x vertices, or centres x vertices when sampled
+  Rows blend_;   // vertices x centres when sampled
+  mutable Points centres_;
+};
+
+/// The radius used for normal_radius = 0: 0.3 of the largest handle distance in the region, at least four mean edges.
+///
+/// An edit bends a region on the scale of its own size, so what is clearly smaller is detail and should turn as one.
+/// Below 0.2 the details of the grid of detail_orientation_test tilt more and pulled limbs stretch more; above 0.4
+/// limbs lose their own detail.
+double automatic_normal_radius(const Region& region, const Points& rest);
+
+}  // namespace lapedit

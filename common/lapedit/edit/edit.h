@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lapedit/deform/laplacian_editor.h"
+
+namespace lapedit {
+
+/// Vertices that move together, and how.
+struct HandleGroup {
+  std::vector<int> vertices;  ///< mesh vertex numbers
+  HandleTransform transform;
+};
+
+/// One edit: which part, which handles, how far, with what settings.
+struct EditStep {
+  RegionSpec region;
+  std::vector<HandleGroup> handles;
+  EditSettings settings;
+};
+
+/// A sequence of steps with the mesh it was made for.
+struct Edit {
+  std::optional<int> mesh_vertices, mesh_faces;
+  std::string connectivity;  ///< checksum, empty: not given
+  std::vector<EditStep> steps;
+};
+
+/// Centroid of some vertices. @throws EditError (BadIndex, NoHandle)
+Vector3 centroid(const Points& vertices, const std::vector<int>& group);
+
+/// The new places of some vertices; all others stay.
+struct EditResult {
+  std::vector<int> vertices;        ///< ascending mesh vertex numbers
+  Points positions;                 ///< one row per entry of vertices
+  std::vector<EditReport> reports;  ///< one per step
+};
+
+/// Precision of the mesh that takes the result: positions are rounded to it after each step, so that a replay sees
+/// what an interactive session saw.
+enum class StoredScalar { Float, Double };
+
+/// Rounds to what the mesh can store. @throws EditError (NotFinite) if that leaves a coordinate infinite
+void round_to(StoredScalar scalar, Points& positions);
+
+/// @throws EditError (MeshMismatch) if what the edit tells of its mesh is not true of this one
+void require_same_mesh(const TriangleMesh& mesh, const Edit& edit);
+
+/// Runs one step; the mesh is not changed. It has to have passed validate(), and adjacency to be its own.
+/// @throws EditError
+EditResult apply_step(const TriangleMesh& mesh, const Adjacency& adjacency, const EditStep& step, double fraction = 1,
+                      StoredScalar scalar = StoredScalar::Double, const Progress& progress = {});
+
+/// Runs all steps, each on the result of the one before, and hands out the result of each as it comes; otherwise as
+/// apply_step().
+/// @throws EditError as apply_step(), with the step's number before the sentence when there are several; BadScript if
+///         there are none
+void apply_steps(const TriangleMesh& mesh, const Adjacency& adjacency, const Edit& edit, double fraction,
+                 StoredScalar scalar, const Progress& progress, const std::function<void(EditResult&&)>& each);
+
+/// Runs all steps, each on the result of the one before; the mesh is not changed.
+/// @throws EditError (MeshMismatch, BadParameter if fraction is outside [0, 1], and what a step throws, with the step's
+///         number before the sentence when there are several)
+EditResult apply_edit(const TriangleMesh& mesh, const Edit& edit, double fraction = 1,
+                      StoredScalar scalar = StoredScalar::Double, const Progress& progress = {});
+
+/// The same for several fractions at once, each with the bits that it has alone. The first step is prepared once for
+/// all of them; the others start from different shapes, and take over what still fits.
+/// @return one result per fraction, in their order. A report whose first times are 0 is of a pose for which nothing had
+///         to be prepared
+/// @throws EditError as apply_edit(), with the fraction before the sentence when there are several
+std::vector<EditResult> apply_edit(const TriangleMesh& mesh, const Edit& edit, const std::vector<double>& fractions,
+                                   StoredScalar scalar = StoredScalar::Double, const Progress& progress = {});
+
+}  // namespace lapedit

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QByteArray>
+#include <QString>
+
+#include "lapedit/edit/edit.h"
+
+/// Edits as JSON text, so that what was done by hand or written by a script can be replayed exactly.
+///
+/// Keys (o: optional, with the default of EditSettings, RegionSpec or HandleTransform; any other key is refused):
+///
+///     laplacian_edit     1, the version of this format
+///     mesh             o the mesh it was made for; each key is optional, what is given is compared by apply_edit()
+///       vertices, faces    counts
+///       connectivity       checksum of 16 digits, see connectivity_checksum()
+///     steps              list of one or more, each applied to the result of the one before
+///       region           one of the following three:
+///         radius           geodesic radius about the handles, model units
+///         vertices         "12-40,77": single numbers and ranges, both ends included, counted from 0
+///         component        true: the whole connected components of the handles
+///         anchors        o with vertices only: anchors kept from an earlier step in the same region
+///           vertices         as above
+///           weights, depths  lists, one number from 0 to 1 per vertex
+///           reach            largest handle distance then, model units
+///         padding        o width of the anchor band over the radius, or over the largest handle distance; does nothing
+///                          to whole components
+///       handles          list of one or more groups
+///         vertices         as above
+///         translation    o [x, y, z], model units
+///         rotation       o
+///           axis         o [x, y, z], any length but zero
+///           degrees      o
+///           center       o [x, y, z], of rotation and scale; absent: the group's centroid
+///         scale          o
+///         matrix         o in place of the three above: 16 numbers by rows, the last row 0, 0, 0, 1
+///       laplacian        o "umbrella", "cotangent"
+///       order            o
+///       detail_rotation  o "none", "smooth_normals", "smooth_surface"
+///       iterations       o
+///       normal_radius    o model units; 0: automatic
+///       handle_weight    o
+///       anchor_weight    o
+///
+/// EditSettings::backend and threads belong to the machine, not to the edit, and are not part of the text.
+namespace lapedit {
+
+/// Reads UTF-8 text, with or without a byte order mark. What it looks at is the form: keys, types, finite numbers,
+/// vertex lists (which may not be longer than the mesh that the text names). The ranges of settings are known to those
+/// who use them, and checked by apply_edit().
+/// @throws EditError (BadScript) whose sentence says where ("steps[1].handles[0]", or line and column)
+Edit read_edit(const QByteArray& json);
+
+/// Reads JSON text if the argument begins with "{" (after white space), else the file of that path.
+/// @throws EditError (BadScript)
+Edit load_edit(const QString& text_or_path);
+
+/// Writes keys in the order above, all settings explicitly (a later change of defaults does not change an old file) and
+/// numbers such that read_edit() gives the same doubles (only a zero's sign is lost). Vertices keep their order. With a
+/// matrix, the transform's other members are not written.
+/// @throws EditError (NotFinite, BadScript) if read_edit() could not read the result
+QByteArray write_edit(const Edit& edit);
+
+}  // namespace lapedit

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "lapedit/mesh/adjacency.h"
+
+// What the files of nested dissection share: nested_dissection.cpp and separator_flow.cpp.
+
+namespace lapedit::dissection {
+
+constexpr double kBalance = 5;       // of an uneven division, see score(); tried out
+constexpr double kLeastPart = 0.02;  // what is no division: a smaller side, or a separator of more than the next
+constexpr double kMostSeparated = 0.6;
+
+/// Vertices to be put in order, and around them the ghosts: those of separators above that are next to them. Two
+/// vertices with a common ghost are neighbours in the matrix's graph.
+struct Piece {
+  int own = 0;              ///< vertices 0 .. own - 1 are its own, the others ghosts
+  std::vector<int> vertex;  ///< their numbers in the whole graph
+  IndexLists next;          ///< first neighbours; a ghost's are own vertices only
+  std::vector<float> at;    ///< coordinates, three each
+
+  int size() const { return static_cast<int>(vertex.size()); }
+};
+
+enum Side : std::uint8_t { kLow, kHigh, kSeparator, kGhost };
+
+using Counts = std::array<int, 4>;  // vertices per side
+
+/// Memory used again and again by one thread. The first ones are per vertex of a piece.
+struct Scratch {
+  std::vector<std::uint8_t> side;   // Side
+  std::vector<std::uint8_t> place;  // bin along the axis; then whether beyond the cut
+  std::vector<float> along;         // coordinate on the axis
+  std::vector<int> queue, level;    // of the breadth-first search
+  std::vector<int> local;           // number in a part
+  std::vector<int> from, values;    // of a part
+  std::vector<std::uint64_t> nets;  // of a leaf
+  // Of a band, see separator_flow.cpp.
+  std::vector<int> band, offsets, members, in, out, depth, arc, path;
+  std::vector<std::uint8_t> ends, before;
+
+  void fit(int size) {
+    if (static_cast<int>(side.size()) < size) {
+      side.resize(size);
+      place.resize(size);
+      along.resize(size);
+      queue.resize(size);
+      level.resize(size);
+      local.resize(size);
+    }
+  }
+};
+
+/// Whether a division is worth going on with.
+inline bool is_division(const Counts& counts) {
+  const int n = counts[kLow] + counts[kHigh] + counts[kSeparator];
+  return std::min(counts[kLow], counts[kHigh]) >= kLeastPart * n && counts[kSeparator] <= kMostSeparated * n;
+}
+
+/// What a separator costs per vertex of the piece: the entries of its own triangle, and more for an uneven division,
+/// whose larger part takes more levels.
+inline double score(double low, double high, double separator) {
+  low = std::max(low, 0.0);
+  high = std::max(high, 0.0);
+  const double part = (low + 0.5) / (low + high + 1);
+  const double entropy = -(part * std::log2(part) + (1 - part) * std::log2(1 - part));
+  return 0.5 * separator * separator / (low + high + separator) + kBalance * (1 - entropy);
+}
+
+}  // namespace lapedit::dissection

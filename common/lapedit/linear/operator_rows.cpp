@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/linear/operator_rows.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+namespace lapedit {
+namespace {
+
+constexpr int kGrain = 1024;
+
+/// out row i = sum of the entries of list i times rows of x.
+template <class Compressed>
+void multiply(const Compressed& lists, const Points& x, Points& out, ThreadPool& pool) {
+  const int* const offsets = lists.outerIndexPtr();
+  const int* const inner = lists.innerIndexPtr();
+  const double* const values = lists.valuePtr();
+  const int n = static_cast<int>(lists.outerSize());
+  out.resize(n, 3);
+  in_pieces(pool, n, kGrain, [&](int first, int last) {
+    for (int i = first; i < last; ++i) {
+      Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+      for (int k = offsets[i]; k < offsets[i + 1]; ++k) {
+        sum += values[k] * x.row(inner[k]);
+      }
+      out.row(i) = sum;
+    }
+  });
+}
+
+}  // namespace
+
+OperatorRows::OperatorRows(const SparseMatrix& matrix) : columns_(matrix), rows_(matrix) {}
+
+void OperatorRows::apply(const Points& x, Points& out, ThreadPool& pool) const {
+  multiply(rows_, x, out, pool);
+}
+
+void OperatorRows::apply_transposed(const Points& x, Points& out, ThreadPool& pool) const {
+  multiply(columns_, x, out, pool);
+}
+
+SparseMatrix OperatorRows::normal_matrix(const Eigen::VectorXd& diagonal, ThreadPool& pool) const {
+  const int n = static_cast<int>(columns_.cols());
+  struct Piece {
+    std::vector<int> inner;
+    std::vector<double> values;
+  };
+  const int pieces = std::max(1, std::min(n / kGrain, 4 * pool.threads()));
+  std::vector<Piece> made(pieces);
+  const auto begin_of = [n, pieces](int piece) {
+    return static_cast<int>(static_cast<std::int64_t>(n) * piece / pieces);
+  };
+  SparseMatrix result(n, n);
+  int* const counts = result.outerIndexPtr() + 1;
+  pool.each(pieces, [&](int p) {
+    Piece& piece = made[p];
+    std::vector<double> sums(n, 0);
+    std::vector<int> seen(n, -1), touched;
+    const int first = begin_of(p), last = begin_of(p + 1);
+    piece.inner.reserve(static_cast<std::size_t>(last - first) * 11);
+    piece.values.reserve(static_cast<std::size_t>(last - first) * 11);
+    for (int j = first; j < last; ++j) {
+      touched.assign(1, j);
+      seen[j] = j;
+      sums[j] = diagonal[j];
+      for (int c = columns_.outerIndexPtr()[j]; c < columns_.outerIndexPtr()[j + 1]; ++c) {
+        const int row = columns_.innerIndexPtr()[c];
+        const double factor = columns_.valuePtr()[c];
+        for (int r = rows_.outerIndexPtr()[row + 1] - 1; r >= rows_.outerIndexPtr()[row]; --r) {
+          const int i = rows_.innerIndexPtr()[r];
+          if (i < j) {
+            break;  // the upper half
+          }
+          if (seen[i] != j) {
+            seen[i] = j;
+            sums[i] = 0;
+            touched.push_back(i);
+          }
+          sums[i] += factor * rows_.valuePtr()[r];
+        }
+      }
+      std::sort(touched.begin(), touched.end());
+      for (const int i : touched) {
+        piece.inner.push_back(i);
+        piece.values.push_back(sums[i]);
+      }
+      counts[j] = static_cast<int>(touched.size());
+    }
+  });
+  for (int j = 0; j < n; ++j) {
+    counts[j] += result.outerIndexPtr()[j];
+  }
+  result.resizeNonZeros(result.outerIndexPtr()[n]);
+  pool.each(pieces, [&](int p) {
+    const int to = result.outerIndexPtr()[begin_of(p)];
+    std::copy(made[p].inner.begin(), made[p].inner.end(), result.innerIndexPtr() + to);
+    std::copy(made[p].values.begin(), made[p].values.end(), result.valuePtr() + to);
+  });
+  return result;
+}
+
+std::size_t OperatorRows::bytes() const {
+  return static_cast<std::size_t>(columns_.nonZeros() + rows_.nonZeros()) * (sizeof(int) + sizeof(double)) +
+         2 * static_cast<std::size_t>(columns_.cols() + 1) * sizeof(int);
+}
+
+}  // namespace lapedit

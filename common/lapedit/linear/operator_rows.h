@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "lapedit/base/thread_pool.h"
+#include "lapedit/base/types.h"
+
+namespace lapedit {
+
+/// An operator M over a region with its rows and its columns at hand, so that products with M and M^T are sums over
+/// neighbours, on several threads and with the same bits on any number of them.
+class OperatorRows {
+ public:
+  using Rows = Eigen::SparseMatrix<double, Eigen::RowMajor, int>;
+
+  OperatorRows() = default;
+  explicit OperatorRows(const SparseMatrix& matrix);
+
+  /// out = M x. x and out must be different objects; out keeps its storage if it has the right size. O(entries).
+  void apply(const Points& x, Points& out, ThreadPool& pool) const;
+  /// out = M^T x, likewise.
+  void apply_transposed(const Points& x, Points& out, ThreadPool& pool) const;
+
+  /// The lower half of M^T M + diag(diagonal), compressed and sorted. O(sum of squared row lengths).
+  SparseMatrix normal_matrix(const Eigen::VectorXd& diagonal, ThreadPool& pool) const;
+
+  void swap(OperatorRows& other) {
+    columns_.swap(other.columns_);
+    rows_.swap(other.rows_);
+  }
+
+  const SparseMatrix& matrix() const { return columns_; }
+  const Rows& rows() const { return rows_; }
+  std::size_t bytes() const;
+
+ private:
+  SparseMatrix columns_;
+  Rows rows_;
+};
+
+}  // namespace lapedit

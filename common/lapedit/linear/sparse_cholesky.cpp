@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/linear/sparse_cholesky.h"
+
+#include <Eigen/SparseCholesky>
+#include <cmath>
+#ifdef LAPEDIT_HAVE_CHOLMOD
+#include <cholmod.h>
+#ifdef __unix__
+#include <dlfcn.h>
+#endif
+#endif
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+#include "lapedit/base/error.h"
+#include "lapedit/linear/supernodal_solve.h"
+
+namespace lapedit {
+namespace {
+
+[[noreturn]] void refuse_matrix(Eigen::Index size) {
+  throw EditError(ErrorCause::IllConditioned,
+                  "The system of " + std::to_string(size) +
+                      " region vertices is singular to working precision: use a lower order, a smaller region, more "
+                      "padding or weights nearer to 1.");
+}
+
+}  // namespace
+
+struct SparseCholesky::Implementation {
+  virtual ~Implementation() = default;
+  virtual void solve_in_order(double* x) = 0;
+  virtual void solve_in_order(float* x) = 0;
+  virtual bool single_precision() const = 0;
+  virtual const char* name() const = 0;
+  virtual std::size_t bytes() const = 0;
+  std::vector<int> order;
+  std::size_t nonzeros = 0;
+  Points ordered;  // double, in the order of elimination
+  std::vector<float> ordered_single;
+};
+
+namespace {
+
+struct EigenCholesky : SparseCholesky::Implementation {
+  using Columns = Eigen::Matrix<double, Eigen::Dynamic, 3>;
+  using Natural = Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>>;
+
+  EigenCholesky(const SparseMatrix& matrix, const std::vector<int>& given) : scratch(matrix.rows(), 3) {
+    const Eigen::Index n = matrix.rows();
+    Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation(n);
+    if (given.empty()) {
+      const SparseMatrix whole = matrix.selfadjointView<Eigen::Lower>();
+      Eigen::AMDOrdering<int>()(whole, permutation);
+      permutation = permutation.inverse().eval();
+    } else {
+      for (Eigen::Index k = 0; k < n; ++k) {
+        permutation.indices()[given[k]] = static_cast<int>(k);
+      }
+    }
+    SparseMatrix permuted(n, n);
+    permuted.selfadjointView<Eigen::Lower>() = matrix.selfadjointView<Eigen::Lower>().twistedBy(permutation);
+    order.resize(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      order[permutation.indices()[i]] = static_cast<int>(i);
+    }
+    factor.compute(permuted);
+    if (factor.info() != Eigen::Success) {
+      refuse_matrix(n);
+    }
+    pivots = factor.vectorD();
+    if (!(pivots.array() > 0).all()) {
+      refuse_matrix(n);
+    }
+    nonzeros = static_cast<std::size_t>(factor.matrixL().nestedExpression().nonZeros());
+  }
+  void solve_in_order(double* x) override {
+    Eigen::Map<Points> rows(x, scratch.rows(), 3);
+    scratch = rows;
+    solve();
+    rows = scratch;
+  }
+  void solve_in_order(float* x) override {
+    Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>> rows(x, scratch.rows(), 3);
+    scratch = rows.cast<double>();
+    solve();
+    rows = scratch.cast<float>();
+  }
+  void solve() {
+    factor.matrixL().solveInPlace(scratch);
+    scratch.array().colwise() /= pivots.array();
+    factor.matrixU().solveInPlace(scratch);
+  }
+  bool single_precision() const override { return false; }
+  const char* name() const override { return "Eigen simplicial LDLT"; }
+  std::size_t bytes() const override { return nonzeros * (sizeof(double) + sizeof(int)); }
+
+  Natural factor;
+  Eigen::VectorXd pivots;
+  Columns scratch;  // each right-hand side contiguous, as the factor wants it
+};
+
+#ifdef LAPEDIT_HAVE_CHOLMOD
+/// CHOLMOD's factorisation opens OpenMP regions of four threads for loops of a few entries, whatever the machine and
+/// the environment, which makes it up to several times slower. This keeps those of the calling thread to one; the
+/// setting is the thread's own, and is put back.
+class OneInnerThread {
+ public:
+#ifdef _OPENMP
+  OneInnerThread() : before_(omp_get_max_active_levels()) {
+    omp_set_max_active_levels(0);
+  }
+  ~OneInnerThread() {
+    omp_set_max_active_levels(before_);
+  }
+#else
+  OneInnerThread() = default;
+#endif
+  OneInnerThread(const OneInnerThread&) = delete;
+  OneInnerThread& operator=(const OneInnerThread&) = delete;
+
+ private:
+#ifdef _OPENMP
+  int before_;
+#endif
+};
+
+/// CHOLMOD's objects, freed in any case.
+struct CholmodFactor {
+  CholmodFactor() { cholmod_start(&common); }
+  ~CholmodFactor() {
+    cholmod_free_factor(&factor, &common);
+    cholmod_finish(&common);
+  }
+  CholmodFactor(const CholmodFactor&) = delete;
+  CholmodFactor& operator=(const CholmodFactor&) = delete;
+  cholmod_common common{};
+  cholmod_factor* factor = nullptr;
+};
+
+struct CholmodCholesky : SparseCholesky::Implementation {
+  CholmodCholesky(const SparseMatrix& matrix, const CholeskyOptions& options)
+      : pool(options.pool ? options.pool : std::make_shared<ThreadPool>(1)) {
+    CholmodFactor made;
+    cholmod_common& common = made.common;
+    common.supernodal = CHOLMOD_SUPERNODAL;
+    common.nmethods = 1;
+    common.method[0].ordering = options.order.empty() ? CHOLMOD_AMD : CHOLMOD_GIVEN;
+    common.print = 0;  // an indefinite matrix is our refusal, not a line on the host's terminal
+    cholmod_sparse view{};
+    view.nrow = view.ncol = static_cast<std::size_t>(matrix.rows());
+    view.nzmax = static_cast<std::size_t>(matrix.nonZeros());
+    view.p = const_cast<int*>(matrix.outerIndexPtr());
+    view.i = const_cast<int*>(matrix.innerIndexPtr());
+    view.x = const_cast<double*>(matrix.valuePtr());
+    view.stype = -1;
+    view.itype = CHOLMOD_INT;
+    view.xtype = CHOLMOD_REAL;
+    view.dtype = CHOLMOD_DOUBLE;
+    view.sorted = view.packed = 1;
+    int* const given = options.order.empty() ? nullptr : const_cast<int*>(options.order.data());
+    {
+      const OneInnerThread one;
+      made.factor = cholmod_analyze_p(&view, given, nullptr, 0, &common);
+      if (made.factor) {
+        cholmod_factorize(&view, made.factor, &common);
+      }
+    }
+    if (common.status == CHOLMOD_OUT_OF_MEMORY) {
+      throw std::bad_alloc();
+    }
+    const cholmod_factor* const l = made.factor;
+    if (common.status != CHOLMOD_OK || !l || l->minor < l->n || !l->is_super) {
+      refuse_matrix(matrix.rows());
+    }
+    const int* const permutation = static_cast<const int*>(l->Perm);
+    order.assign(permutation, permutation + l->n);
+    SupernodalFactor raw;
+    raw.size = static_cast<int>(l->n);
+    raw.supernodes = static_cast<int>(l->nsuper);
+    raw.columns = static_cast<const int*>(l->super);
+    raw.row_offsets = static_cast<const int*>(l->pi);
+    raw.value_offsets = static_cast<const int*>(l->px);
+    raw.rows = static_cast<const int*>(l->s);
+    raw.values = static_cast<const double*>(l->x);
+    nonzeros = l->xsize;
+    if (options.single_precision) {
+      in_single = std::make_unique<SupernodalSolver<float>>(raw, *pool);
+    } else {
+      in_double = std::make_unique<SupernodalSolver<double>>(raw, *pool);
+    }
+  }
+  void solve_in_order(double* x) override {
+    if (in_double) {
+      in_double->solve(x, *pool);
+      return;
+    }
+    const std::size_t count = 3 * order.size();
+    ordered_single.resize(count);
+    double largest = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      largest = std::max(largest, std::abs(x[i]));
+    }
+    // A power of two, so that no digit is lost.
+    const double scale = largest > 0 && std::isfinite(largest) ? std::ldexp(1.0, std::ilogb(largest)) : 1;
+    for (std::size_t i = 0; i < count; ++i) {
+      ordered_single[i] = static_cast<float>(x[i] / scale);
+    }
+    in_single->solve(ordered_single.data(), *pool);
+    for (std::size_t i = 0; i < count; ++i) {
+      x[i] = scale * static_cast<double>(ordered_single[i]);
+    }
+  }
+  void solve_in_order(float* x) override {
+    if (in_single) {
+      in_single->solve(x, *pool);
+      return;
+    }
+    const auto n = static_cast<Eigen::Index>(order.size());
+    Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>> rows(x, n, 3);
+    ordered = rows.cast<double>();
+    in_double->solve(ordered.data(), *pool);
+    rows = ordered.cast<float>();
+  }
+  bool single_precision() const override { return in_single != nullptr; }
+  const char* name() const override { return "CHOLMOD supernodal LLT"; }
+  std::size_t bytes() const override { return in_single ? in_single->bytes() : in_double->bytes(); }
+
+  std::shared_ptr<ThreadPool> pool;
+  std::unique_ptr<SupernodalSolver<float>> in_single;
+  std::unique_ptr<SupernodalSolver<double>> in_double;
+};
+#endif
+
+std::unique_ptr<SparseCholesky::Implementation> make(const SparseMatrix& matrix, const CholeskyOptions& options) {
+  // What the factorisations do not look at themselves.
+  if (!matrix.coeffs().allFinite() || !(matrix.diagonal().array() > 0).all()) {
+    refuse_matrix(matrix.rows());
+  }
+#ifdef LAPEDIT_HAVE_CHOLMOD
+  if (options.backend != CholeskyBackend::Eigen) {
+    return std::make_unique<CholmodCholesky>(matrix, options);
+  }
+#else
+  if (options.backend == CholeskyBackend::Cholmod) {
+    throw EditError(ErrorCause::BadParameter, "This build has no CHOLMOD: choose the automatic or the Eigen backend.");
+  }
+#endif
+  return std::make_unique<EigenCholesky>(matrix, options.order);
+}
+
+CholeskyOptions with_backend(CholeskyBackend backend) {
+  CholeskyOptions options;
+  options.backend = backend;
+  return options;
+}
+
+}  // namespace
+
+bool has_cholmod() {
+#ifdef LAPEDIT_HAVE_CHOLMOD
+  return true;
+#else
+  return false;
+#endif
+}
+
+bool factorisations_share_threads() {
+#if defined(LAPEDIT_HAVE_CHOLMOD) && defined(__unix__)
+  using Count = int (*)();
+  const auto count = reinterpret_cast<Count>(dlsym(RTLD_DEFAULT, "openblas_get_num_threads"));
+  return count && count() > 1;
+#else
+  return false;
+#endif
+}
+
+SparseCholesky::SparseCholesky(const SparseMatrix& matrix, CholeskyBackend backend)
+    : SparseCholesky(matrix, with_backend(backend)) {}
+SparseCholesky::SparseCholesky(const SparseMatrix& matrix, const CholeskyOptions& options)
+    : implementation_(make(matrix, options)) {}
+SparseCholesky::~SparseCholesky() = default;
+SparseCholesky::SparseCholesky(SparseCholesky&&) noexcept = default;
+SparseCholesky& SparseCholesky::operator=(SparseCholesky&&) noexcept = default;
+
+void SparseCholesky::solve(const Points& rhs, Points& x) {
+  Implementation& inside = *implementation_;
+  Points& ordered = inside.ordered;
+  const auto n = static_cast<Eigen::Index>(inside.order.size());
+  ordered.resize(n, 3);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    ordered.row(k) = rhs.row(inside.order[k]);
+  }
+  inside.solve_in_order(ordered.data());
+  x.resize(n, 3);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    x.row(inside.order[k]) = ordered.row(k);
+  }
+}
+
+void SparseCholesky::solve_in_order(float* x) {
+  implementation_->solve_in_order(x);
+}
+void SparseCholesky::solve_in_order(double* x) {
+  implementation_->solve_in_order(x);
+}
+const std::vector<int>& SparseCholesky::order() const {
+  return implementation_->order;
+}
+bool SparseCholesky::single_precision() const {
+  return implementation_->single_precision();
+}
+const char* SparseCholesky::backend_name() const {
+  return implementation_->name();
+}
+std::size_t SparseCholesky::factor_nonzeros() const {
+  return implementation_->nonzeros;
+}
+std::size_t SparseCholesky::bytes() const {
+  return implementation_->bytes();
+}
+
+}  // namespace lapedit

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "lapedit/base/thread_pool.h"
+#include "lapedit/base/types.h"
+
+namespace lapedit {
+
+enum class CholeskyBackend {
+  Automatic,  ///< CHOLMOD if this build has it, else Eigen
+  Cholmod,    ///< SuiteSparse, supernodal, solved with by SupernodalSolver
+  Eigen       ///< Eigen's simplicial LDL^T: slower and plain, the reference
+};
+
+bool has_cholmod();
+
+/// Whether factorisations at the same time would hold each other up: OpenBLAS has one set of threads, which spin while
+/// they wait, and how many it has is the process's own business.
+bool factorisations_share_threads();
+
+struct CholeskyOptions {
+  CholeskyBackend backend = CholeskyBackend::Automatic;
+  /// Elimination order: order[k] is the row eliminated k-th. Empty: approximate minimum degree.
+  std::vector<int> order;
+  /// Keeps the factor in single precision: half the memory and twice the speed, and solutions good to some 1e-5, to be
+  /// refined. The Eigen backend stays in double.
+  bool single_precision = false;
+  std::shared_ptr<ThreadPool> pool;  ///< empty: the caller's thread alone
+};
+
+/// Factor of a symmetric positive definite matrix: made once, asked often. The only file that names a factorisation.
+class SparseCholesky {
+ public:
+  struct Implementation;
+
+  /// @param matrix  compressed; both halves or the lower one: only the lower one is read
+  /// @throws EditError (IllConditioned) if the matrix is not positive definite to working precision; (BadParameter) if
+  ///         the backend is not in this build
+  explicit SparseCholesky(const SparseMatrix& matrix, CholeskyBackend backend = CholeskyBackend::Automatic);
+  SparseCholesky(const SparseMatrix& matrix, const CholeskyOptions& options);
+  ~SparseCholesky();
+  SparseCholesky(SparseCholesky&&) noexcept;
+  SparseCholesky& operator=(SparseCholesky&&) noexcept;
+
+  /// x = matrix^-1 rhs, for three right-hand sides; rhs and x may be the same object. Nothing is allocated after the
+  /// first call with the same x. Cost: the factor read twice.
+  void solve(const Points& rhs, Points& x);
+
+  /// The same in the order of elimination and in place: row k of x (n x 3, row after row) belongs to row order()[k] of
+  /// the matrix. In single precision the entries of the matrix and of x have to be within 1e-15 .. 1e15.
+  void solve_in_order(float* x);
+  void solve_in_order(double* x);
+  const std::vector<int>& order() const;
+
+  bool single_precision() const;
+  const char* backend_name() const;
+  std::size_t factor_nonzeros() const;
+  std::size_t bytes() const;  ///< held for solving
+
+ private:
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace lapedit

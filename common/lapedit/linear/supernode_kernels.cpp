@@ -1,0 +1,353 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/linear/supernode_kernels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "lapedit/base/cpu_dispatch.h"
+
+namespace lapedit::supernode {
+namespace {
+
+template <typename Scalar>
+struct Lanes {
+  typedef Scalar Vector __attribute__((vector_size(kTall * sizeof(Scalar))));
+};
+
+template <typename Scalar>
+LAPEDIT_INLINE void fetch(const Scalar* place) {
+  __builtin_prefetch(reinterpret_cast<const char*>(place) + kAhead);
+}
+
+/// Sums over the lanes of eight vectors, one per lane.
+template <typename Vector>
+LAPEDIT_INLINE Vector lane_sums(const Vector* s) {
+  Vector t[4], u[2];
+#pragma GCC unroll 4
+  for (std::ptrdiff_t k = 0; k < 4; ++k) {
+    t[k] = __builtin_shufflevector(s[2 * k], s[2 * k + 1], 0, 8, 2, 10, 4, 12, 6, 14) +
+           __builtin_shufflevector(s[2 * k], s[2 * k + 1], 1, 9, 3, 11, 5, 13, 7, 15);
+  }
+#pragma GCC unroll 2
+  for (std::ptrdiff_t k = 0; k < 2; ++k) {
+    u[k] = __builtin_shufflevector(t[2 * k], t[2 * k + 1], 0, 1, 8, 9, 4, 5, 12, 13) +
+           __builtin_shufflevector(t[2 * k], t[2 * k + 1], 2, 3, 10, 11, 6, 7, 14, 15);
+  }
+  return __builtin_shufflevector(u[0], u[1], 0, 1, 2, 3, 8, 9, 10, 11) +
+         __builtin_shufflevector(u[0], u[1], 4, 5, 6, 7, 12, 13, 14, 15);
+}
+
+template <typename Vector, typename Scalar>
+LAPEDIT_INLINE Vector load(const Scalar* place) {
+  Vector result;
+  std::memcpy(&result, place, sizeof result);
+  return result;
+}
+
+// Loops over lanes, columns and right-hand sides have to be unrolled for their sums to stay in registers.
+
+/// One block forward: y = T^-1 v, then v below -= L y. @return behind the block
+template <typename Scalar, int Width>
+LAPEDIT_INLINE const Scalar* forward_block(const Scalar* block, int panels, Scalar* v, int pad) {
+  using Vector = typename Lanes<Scalar>::Vector;
+  Scalar y[3][kWide];
+  Vector start[3] = {};
+#pragma GCC unroll 8
+  for (int j = 0; j < Width; ++j) {
+    const Vector column = load<Vector>(block + j * kWide);
+#pragma GCC unroll 3
+    for (int r = 0; r < 3; ++r) {
+      start[r] += column * v[r * pad + j];
+    }
+  }
+#pragma GCC unroll 3
+  for (int r = 0; r < 3; ++r) {
+    std::memcpy(y[r], &start[r], sizeof start[r]);
+    std::memcpy(v + r * pad, y[r], Width * sizeof(Scalar));
+  }
+  const Scalar* tile = block + Width * kWide;
+  Scalar* below = v + Width;
+  for (int p = 0; p < panels; ++p) {
+    Vector sum[3];
+#pragma GCC unroll 3
+    for (int r = 0; r < 3; ++r) {
+      sum[r] = load<Vector>(below + r * pad);
+    }
+#pragma GCC unroll 8
+    for (int j = 0; j < Width; ++j) {
+      const Vector column = load<Vector>(tile + j * kTall);
+      fetch(tile + j * kTall);
+#pragma GCC unroll 3
+      for (int r = 0; r < 3; ++r) {
+        sum[r] -= column * y[r][j];
+      }
+    }
+#pragma GCC unroll 3
+    for (int r = 0; r < 3; ++r) {
+      std::memcpy(below + r * pad, &sum[r], sizeof sum[r]);
+    }
+    tile += Width * kTall;
+    below += kTall;
+  }
+  return tile;
+}
+
+/// Sums of a panel's column times the rows below, for Count columns of a block from `first` on.
+template <typename Scalar, int Width, int Count>
+LAPEDIT_INLINE void backward_sums(const Scalar* tile, int panels, const Scalar* below, int pad,
+                                  typename Lanes<Scalar>::Vector (*sums)[kWide]) {
+  using Vector = typename Lanes<Scalar>::Vector;
+  Vector sum[3][Count] = {};
+  for (int p = 0; p < panels; ++p) {
+    Vector x[3];
+#pragma GCC unroll 3
+    for (int r = 0; r < 3; ++r) {
+      x[r] = load<Vector>(below + r * pad);
+    }
+#pragma GCC unroll 8
+    for (int j = 0; j < Count; ++j) {
+      const Vector column = load<Vector>(tile + j * kTall);
+      fetch(tile + j * kTall);
+#pragma GCC unroll 3
+      for (int r = 0; r < 3; ++r) {
+        sum[r][j] += column * x[r];
+      }
+    }
+    tile += Width * kTall;
+    below += kTall;
+  }
+#pragma GCC unroll 3
+  for (int r = 0; r < 3; ++r) {
+#pragma GCC unroll 8
+    for (int j = 0; j < Count; ++j) {
+      sums[r][j] = sum[r][j];
+    }
+  }
+}
+
+/// One block backward: v of the block = T^-T (v - L^T v below). Group columns at a time, as registers allow.
+template <typename Scalar, int Width, int Group>
+LAPEDIT_INLINE void backward_block(const Scalar* block, int panels, Scalar* v, int pad) {
+  using Vector = typename Lanes<Scalar>::Vector;
+  Vector sums[3][kWide] = {};
+  constexpr int kWhole = Width / Group * Group;
+  const Scalar* const tiles = block + Width * kWide;
+#pragma GCC unroll 8
+  for (int first = 0; first < kWhole; first += Group) {
+    Vector part[3][kWide];
+    backward_sums<Scalar, Width, Group>(tiles + first * kTall, panels, v + Width, pad, part);
+#pragma GCC unroll 3
+    for (int r = 0; r < 3; ++r) {
+#pragma GCC unroll 8
+      for (int j = 0; j < Group; ++j) {
+        sums[r][first + j] = part[r][j];
+      }
+    }
+  }
+  if constexpr (kWhole < Width) {
+    Vector part[3][kWide];
+    backward_sums<Scalar, Width, Width - kWhole>(tiles + kWhole * kTall, panels, v + Width, pad, part);
+#pragma GCC unroll 3
+    for (int r = 0; r < 3; ++r) {
+#pragma GCC unroll 8
+      for (int j = kWhole; j < Width; ++j) {
+        sums[r][j] = part[r][j - kWhole];
+      }
+    }
+  }
+#pragma GCC unroll 3
+  for (int r = 0; r < 3; ++r) {
+    // Lanes beyond Width are rows below, and meet zeros of the triangle.
+    const Vector y = load<Vector>(v + r * pad) - lane_sums(sums[r]);
+    Vector products[kWide] = {};
+#pragma GCC unroll 8
+    for (int j = 0; j < Width; ++j) {
+      products[j] = load<Vector>(block + j * kWide) * y;
+    }
+    const Vector result = lane_sums(products);
+    std::memcpy(v + r * pad, &result, Width * sizeof(Scalar));
+  }
+}
+
+constexpr int panels_below(int rows_below) {
+  return (rows_below + kTall - 1) / kTall;
+}
+
+template <int Width>
+struct WidthTag {
+  static constexpr int kWidth = Width;
+};
+
+template <class Function>
+LAPEDIT_INLINE void with_width(int width, const Function& function) {
+  switch (width) {
+    case 1:
+      function(WidthTag<1>());
+      break;
+    case 2:
+      function(WidthTag<2>());
+      break;
+    case 3:
+      function(WidthTag<3>());
+      break;
+    case 4:
+      function(WidthTag<4>());
+      break;
+    case 5:
+      function(WidthTag<5>());
+      break;
+    case 6:
+      function(WidthTag<6>());
+      break;
+    case 7:
+      function(WidthTag<7>());
+      break;
+    default:
+      function(WidthTag<8>());
+      break;
+  }
+}
+
+template <typename Scalar>
+LAPEDIT_INLINE void forward_supernode(const Scalar* tiles, int columns, int rows, Scalar* v, int pad) {
+  int first = 0;
+  for (; first + kWide <= columns; first += kWide) {
+    tiles = forward_block<Scalar, kWide>(tiles, panels_below(rows - first - kWide), v + first, pad);
+  }
+  if (first < columns) {
+    with_width(
+        columns - first, [&](auto tag) __attribute__((always_inline)) {
+          forward_block<Scalar, decltype(tag)::kWidth>(tiles, panels_below(rows - columns), v + first, pad);
+        });
+  }
+}
+
+/// Values of one block's tiles.
+constexpr std::size_t block_size(int width, int rows_below) {
+  return static_cast<std::size_t>(width) * (kWide + kTall * static_cast<std::size_t>(panels_below(rows_below)));
+}
+
+template <typename Scalar, int Group>
+LAPEDIT_INLINE void backward_supernode(const Scalar* end, int columns, int rows, Scalar* v, int pad) {
+  const int rest = columns % kWide;
+  int first = columns - rest;
+  if (rest > 0) {
+    end -= block_size(rest, rows - columns);
+    with_width(
+        rest, [&](auto tag) __attribute__((always_inline)) {
+          backward_block<Scalar, decltype(tag)::kWidth, Group>(end, panels_below(rows - columns), v + first, pad);
+        });
+  }
+  while (first > 0) {
+    first -= kWide;
+    const int below = rows - first - kWide;
+    end -= block_size(kWide, below);
+    backward_block<Scalar, kWide, Group>(end, panels_below(below), v + first, pad);
+  }
+}
+
+template <typename Scalar>
+void forward_plain(const Scalar* tiles, int columns, int rows, Scalar* v, int pad) {
+  forward_supernode(tiles, columns, rows, v, pad);
+}
+template <typename Scalar>
+void backward_plain(const Scalar* end, int columns, int rows, Scalar* v, int pad) {
+  backward_supernode<Scalar, 2>(end, columns, rows, v, pad);
+}
+
+#ifdef LAPEDIT_HAVE_AVX
+template <typename Scalar>
+LAPEDIT_AVX2 void forward_avx2(const Scalar* tiles, int columns, int rows, Scalar* v, int pad) {
+  forward_supernode(tiles, columns, rows, v, pad);
+}
+template <typename Scalar>
+LAPEDIT_AVX2 void backward_avx2(const Scalar* end, int columns, int rows, Scalar* v, int pad) {
+  backward_supernode<Scalar, sizeof(Scalar) == 8 ? 2 : 4>(end, columns, rows, v, pad);
+}
+template <typename Scalar>
+LAPEDIT_AVX512 void forward_avx512(const Scalar* tiles, int columns, int rows, Scalar* v, int pad) {
+  forward_supernode(tiles, columns, rows, v, pad);
+}
+template <typename Scalar>
+LAPEDIT_AVX512 void backward_avx512(const Scalar* end, int columns, int rows, Scalar* v, int pad) {
+  backward_supernode<Scalar, 8>(end, columns, rows, v, pad);
+}
+#endif
+
+/// What single precision would hold as a denormal number, slow to work with, is far below its rounding.
+template <typename Scalar>
+Scalar stored(double value) {
+  constexpr double kNothing = sizeof(Scalar) < sizeof(double) ? 1e-25 : 0;
+  return std::abs(value) > kNothing ? static_cast<Scalar>(value) : Scalar(0);
+}
+
+}  // namespace
+
+template <typename Scalar>
+Kernels<Scalar> best_kernels() {
+#ifdef LAPEDIT_HAVE_AVX
+  switch (cpu_level()) {
+    case CpuLevel::Avx512:
+      return {forward_avx512<Scalar>, backward_avx512<Scalar>};
+    case CpuLevel::Avx2:
+      return {forward_avx2<Scalar>, backward_avx2<Scalar>};
+    default:
+      break;
+  }
+#endif
+  return {forward_plain<Scalar>, backward_plain<Scalar>};
+}
+
+template <typename Scalar>
+Scalar* write_tiles(const double* values, int columns, int rows, Scalar* out) {
+  for (int first = 0; first < columns; first += kWide) {
+    const int width = std::min(kWide, columns - first);
+    double inverse[kWide][kWide] = {};  // [column][row]
+    for (int j = 0; j < width; ++j) {
+      inverse[j][j] = 1 / values[static_cast<std::size_t>(first + j) * rows + first + j];
+      for (int i = j + 1; i < width; ++i) {
+        double sum = 0;
+        for (int k = j; k < i; ++k) {
+          sum += values[static_cast<std::size_t>(first + k) * rows + first + i] * inverse[j][k];
+        }
+        inverse[j][i] = -sum / values[static_cast<std::size_t>(first + i) * rows + first + i];
+      }
+    }
+    for (int j = 0; j < width; ++j) {
+      for (int i = 0; i < kWide; ++i) {
+        *out++ = stored<Scalar>(inverse[j][i]);
+      }
+    }
+    for (int row = first + width; row < rows; row += kTall) {
+      const int tall = std::min(kTall, rows - row);
+      for (int j = 0; j < width; ++j) {
+        const double* column = values + static_cast<std::size_t>(first + j) * rows + row;
+        for (int i = 0; i < tall; ++i) {
+          out[i] = stored<Scalar>(column[i]);
+        }
+        for (int i = tall; i < kTall; ++i) {
+          out[i] = 0;
+        }
+        out += kTall;
+      }
+    }
+  }
+  return out;
+}
+
+std::size_t tiles_of(int columns, int rows) {
+  std::size_t size = 0;
+  for (int first = 0; first < columns; first += kWide) {
+    const int width = std::min(kWide, columns - first);
+    size += block_size(width, rows - first - width);
+  }
+  return size;
+}
+
+template Kernels<float> best_kernels();
+template Kernels<double> best_kernels();
+template float* write_tiles(const double*, int, int, float*);
+template double* write_tiles(const double*, int, int, double*);
+
+}  // namespace lapedit::supernode

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "lapedit/mesh/triangle_mesh.h"
+
+namespace lapedit {
+
+/// Lists of integers of different lengths behind each other: row i is values[offsets[i] .. offsets[i + 1]).
+struct IndexLists {
+  struct Row {
+    const int* first;
+    const int* last;
+    const int* begin() const { return first; }
+    const int* end() const { return last; }
+    int size() const { return static_cast<int>(last - first); }
+  };
+
+  std::vector<int> offsets{0};
+  std::vector<int> values;
+
+  int rows() const { return static_cast<int>(offsets.size()) - 1; }
+  Row operator[](int row) const { return {values.data() + offsets[row], values.data() + offsets[row + 1]}; }
+};
+
+/// Who is next to whom in a whole mesh; made once per mesh and independent of its coordinates.
+struct Adjacency {
+  IndexLists neighbours;  ///< per vertex: the other ends of its edges, ascending, each once
+  IndexLists faces;       ///< per vertex: the faces around it, ascending, each once
+};
+
+/// O(vertices + faces). Degenerate faces give only the edges between different vertices.
+Adjacency build_adjacency(int vertex_count, const Faces& faces);
+
+/// Labels 0, 1, ... of the connected components of a graph, numbered by their lowest vertex. @return their number
+int connected_components(const IndexLists& neighbours, std::vector<int>& labels);
+
+}  // namespace lapedit

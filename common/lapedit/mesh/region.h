@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "lapedit/mesh/adjacency.h"
+
+namespace lapedit {
+
+/// Role of a vertex in an edit; the colours are those of the paper's Figure 3.
+enum class VertexClass : unsigned char {
+  Fixed,   ///< outside the region of interest: keeps its bits
+  Anchor,  ///< stationary anchor (red): held where it was, softly
+  Free,    ///< (green) follows
+  Handle   ///< (yellow) moved by the user
+};
+
+/// Anchors of an earlier edit in the same region, kept for the next one: the paper's loop takes other handles in one
+/// region, whose anchors were settled with the first.
+struct KeptAnchors {
+  std::vector<int> vertices;    ///< mesh vertex numbers, each once
+  std::vector<double> weights;  ///< of each, d / d_max then, from 0 to 1
+  std::vector<double> depths;   ///< of each, in the band, from 0 to 1
+  double reach = 0;             ///< largest handle distance then, model units: > 0 where there are vertices
+
+  bool empty() const { return vertices.empty(); }
+};
+
+/// Which part of the surface may change.
+struct RegionSpec {
+  enum class Kind {
+    Radius,    ///< all vertices within a geodesic radius of the nearest handle vertex
+    Vertices,  ///< a given set
+    Component  ///< the whole connected components of the handle vertices
+  };
+  Kind kind = Kind::Radius;
+  double radius = 0;          ///< Kind::Radius: > 0, model units
+  std::vector<int> vertices;  ///< Kind::Vertices: any order, duplicates allowed
+  double padding =
+      0.1;              ///< width of the anchor band over the radius (Kind::Radius) or over the largest handle distance
+  KeptAnchors anchors;  ///< Kind::Vertices: in place of the band; empty: padding decides
+};
+
+/// A region of interest, classified. All arrays but mesh_vertex's values speak of local vertices 0 .. size() - 1, in
+/// ascending order of their mesh vertex numbers.
+struct Region {
+  std::vector<int> mesh_vertex;       ///< local vertex -> mesh vertex
+  std::vector<VertexClass> classes;   ///< Anchor, Free or Handle
+  std::vector<int> group;             ///< handle group of a Handle vertex, -1 for others
+  std::vector<int> component;         ///< connected component of the region's graph
+  std::vector<char> anchored;         ///< per component: has it an anchor
+  std::vector<double> distance;       ///< geodesic distance from the nearest handle vertex
+  std::vector<double> anchor_weight;  ///< d / d_max for anchors, 0 for others (paper, section 5)
+  std::vector<double>
+      anchor_depth;       ///< for anchors: 0 at the inner edge of their band to 1 at the region's end; may be empty
+  IndexLists neighbours;  ///< every mesh edge with both ends in the region
+  Faces faces;            ///< faces with all three corners in the region, local
+  std::vector<int> edge_faces;  ///< mesh faces with two or three corners in the region: all that touch a region edge
+  double max_distance = 0;      ///< d_max, over the whole region
+  double radius = 0;            ///< the given radius, or d_max where none was given
+  int left_out = 0;             ///< vertices of a given set that no handle reaches: they stay, bit for bit
+  int mesh_vertices = 0;        ///< of the whole mesh
+
+  int size() const { return static_cast<int>(mesh_vertex.size()); }
+  int count(VertexClass c) const;
+};
+
+/// Finds and classifies the region.
+///
+/// Anchors are the vertices farther than (1 - padding) radius from the handle (Kind::Radius), or nearer than padding
+/// times the largest handle distance to the rim (Kind::Vertices), and always the rim: region vertices with a mesh
+/// neighbour outside. Kept anchors take the band's place, with the weights and the largest distance that they came
+/// with. A handle vertex is never an anchor. The border of the mesh is not a rim. Components of the region without a
+/// handle vertex are left out.
+/// @param groups  handle groups, mesh vertex numbers; a vertex may be in one group only
+/// @throws EditError (NoHandle, BadIndex, BadParameter, EmptyRegion, HandleOutsideRegion, NotFinite, NothingToFollow)
+/// Cost: O(k log k) in the region's size k plus one pass over the mesh's vertex count.
+Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
+                    const std::vector<std::vector<int>>& groups);
+
+/// The region's anchors, to be kept for the next edit in it.
+KeptAnchors anchors_of(const Region& region);
+
+/// The vertex with at least one face that is nearest to a point.
+/// @throws EditError (NotFinite, BadParameter) if the point is not finite, or farther from every such vertex than a
+///         tenth of the bounding box's diagonal
+int nearest_vertex(const TriangleMesh& mesh, const Vector3& point);
+
+}  // namespace lapedit

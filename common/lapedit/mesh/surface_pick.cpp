@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/mesh/surface_pick.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <unsupported/Eigen/BVH>
+
+#include "lapedit/mesh/geodesic.h"
+
+namespace lapedit {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+/// Barycentric coordinates: a ray through a vertex or an edge must not slip between the triangles there.
+constexpr double kSeam = 1e-9;
+
+Vector3 corner(const TriangleMesh& mesh, int face, int k) {
+  return mesh.vertices.row(mesh.faces(face, k)).transpose();
+}
+
+Vector3 normal(const TriangleMesh& mesh, int face) {
+  const Vector3 a = corner(mesh, face, 0);
+  return (corner(mesh, face, 1) - a).cross(corner(mesh, face, 2) - a);
+}
+
+/// Distance along the ray in units of its direction (Moeller and Trumbore 1997), infinity if it misses. Comparisons are
+/// such that NaN misses.
+double intersect(const TriangleMesh& mesh, int face, const Ray& ray) {
+  const Vector3 a = corner(mesh, face, 0);
+  const Vector3 along = corner(mesh, face, 1) - a;
+  const Vector3 across = corner(mesh, face, 2) - a;
+  const Vector3 p = ray.direction.cross(across);
+  const double determinant = along.dot(p);
+  if (!(std::abs(determinant) > 0)) {
+    return kInfinity;
+  }
+  const Vector3 offset = ray.origin - a;
+  const double u = offset.dot(p) / determinant;
+  if (!(u >= -kSeam && u <= 1 + kSeam)) {
+    return kInfinity;
+  }
+  const Vector3 q = offset.cross(along);
+  const double v = ray.direction.dot(q) / determinant;
+  if (!(v >= -kSeam && u + v <= 1 + kSeam)) {
+    return kInfinity;
+  }
+  const double t = across.dot(q) / determinant;
+  return t >= 0 && std::isfinite(t) ? t : kInfinity;
+}
+
+}  // namespace
+
+std::optional<SurfaceHit> first_hit(const TriangleMesh& mesh, const Ray& ray) {
+  int found = -1;
+  double nearest = kInfinity;
+  for (int f = 0; f < static_cast<int>(mesh.faces.rows()); ++f) {
+    const double t = intersect(mesh, f, ray);
+    if (t < nearest) {
+      nearest = t;
+      found = f;
+    }
+  }
+  if (found < 0) {
+    return std::nullopt;
+  }
+  SurfaceHit hit;
+  hit.point = ray.origin + nearest * ray.direction;
+  hit.face = found;
+  double closest = kInfinity;
+  for (int k = 0; k < 3; ++k) {
+    const double distance = (corner(mesh, found, k) - hit.point).norm();
+    if (distance < closest) {
+      closest = distance;
+      hit.vertex = mesh.faces(found, k);
+    }
+  }
+  return hit;
+}
+
+namespace {
+
+using FaceTree = Eigen::KdBVH<double, 3, int>;
+
+FaceTree finite_faces(const TriangleMesh& mesh) {
+  std::vector<int> faces;
+  std::vector<FaceTree::Volume> boxes;
+  for (int f = 0; f < static_cast<int>(mesh.faces.rows()); ++f) {
+    const Vector3 a = corner(mesh, f, 0), b = corner(mesh, f, 1), c = corner(mesh, f, 2);
+    if (a.allFinite() && b.allFinite() && c.allFinite()) {
+      faces.push_back(f);
+      const FaceTree::Volume box(a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c));
+      // No narrower than intersect(), nor than two neighbouring numbers.
+      constexpr double kRounding = 1e-15;
+      const Vector3 margin = Vector3::Constant(kSeam * box.diagonal().norm()) +
+                             kRounding * box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs());
+      boxes.emplace_back(box.min() - margin, box.max() + margin);
+    }
+  }
+  return {faces.begin(), faces.end(), boxes.begin(), boxes.end()};
+}
+
+/// Asks the tree whether any face but those of a vertex crosses a stretch of a ray.
+struct Crossing {
+  Crossing(const TriangleMesh& the_mesh, int the_vertex, const Ray& the_ray, double the_first, double the_last)
+      : mesh(the_mesh),
+        vertex(the_vertex),
+        ray(the_ray),
+        first(the_first),
+        last(the_last),
+        inverse(the_ray.direction.cwiseInverse()) {}
+
+  bool intersectVolume(const FaceTree::Volume& box) const {
+    const Eigen::Array3d at_min = (box.min() - ray.origin).cwiseProduct(inverse);
+    const Eigen::Array3d at_max = (box.max() - ray.origin).cwiseProduct(inverse);
+    const double enter = at_min.min(at_max).maxCoeff();
+    const double leave = at_min.max(at_max).minCoeff();
+    return !(enter > leave || enter > last || leave < 0);  // not a number: zero times infinity, at the very border
+  }
+
+  bool intersectObject(int face) {
+    const double t = (mesh.faces.row(face).array() == vertex).any() ? kInfinity : intersect(mesh, face, ray);
+    found = found || (t > first && t < last);
+    return found;
+  }
+
+  const TriangleMesh& mesh;
+  int vertex;
+  Ray ray;
+  double first, last;
+  Vector3 inverse;
+  bool found = false;
+};
+
+}  // namespace
+
+struct Visibility::Tree {
+  explicit Tree(const TriangleMesh& the_mesh) : mesh(the_mesh), faces(finite_faces(the_mesh)) {
+    if (faces.getRootIndex() >= 0) {  // there is a box around two faces at least
+      constexpr double kSamePlace = 1e-7;
+      same_place = kSamePlace * faces.getVolume(faces.getRootIndex()).diagonal().norm();
+    }
+  }
+
+  const TriangleMesh& mesh;
+  FaceTree faces;
+  double same_place = 0;  // what is nearer than this lies in the same place: a seam between duplicated vertices
+};
+
+Visibility::Visibility(const TriangleMesh& mesh) : tree_(std::make_unique<Tree>(mesh)) {}
+Visibility::~Visibility() = default;
+
+bool Visibility::sees(const Camera& view, const Adjacency& adjacency, int vertex, int side) const {
+  const TriangleMesh& mesh = tree_->mesh;
+  const Vector3 place = mesh.vertices.row(vertex).transpose();
+  // As far as the near plane only: it cuts off what lies before it, and the viewer may be inside the mesh.
+  const Ray through = view.ray(view.pixel(place));
+  const double reach = (place - through.origin).dot(through.direction);
+  const IndexLists::Row around = adjacency.faces[vertex];
+  // Comparisons are such that a place behind the viewer or one that is no number is not seen.
+  const bool shown = reach >= 0 && std::any_of(around.begin(), around.end(), [&](int f) {
+                       return side * normal(mesh, f).dot(through.direction) < 0;
+                     });
+  if (!shown) {
+    return false;
+  }
+  Crossing crossing(mesh, vertex, {place, -through.direction}, tree_->same_place, reach);
+  Eigen::BVIntersect(tree_->faces, crossing);
+  return !crossing.found;
+}
+
+std::vector<int> brushed_vertices(const TriangleMesh& mesh, const Adjacency& adjacency, const Visibility& visibility,
+                                  const Camera& view, const SurfaceHit& hit, double radius) {
+  const int side = normal(mesh, hit.face).dot(view.toward_viewer(hit.point)) < 0 ? -1 : 1;
+  GeodesicSearch search(adjacency.neighbours, mesh.vertices);
+  std::vector<char> visible(mesh.vertices.rows(), 0);
+  for (const int v : search.run({hit.vertex}, radius)) {
+    visible[v] = visibility.sees(view, adjacency, v, side);
+  }
+  if (!visible[hit.vertex]) {
+    return {};
+  }
+  std::vector<int> result = search.run({hit.vertex}, radius, &visible);
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+}  // namespace lapedit

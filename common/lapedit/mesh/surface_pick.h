@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "lapedit/mesh/adjacency.h"
+#include "lapedit/mesh/camera.h"
+
+namespace lapedit {
+
+/// Where a ray meets the surface first.
+struct SurfaceHit {
+  Vector3 point;
+  int face = -1;
+  int vertex = -1;  ///< the corner of the face that is nearest to the point
+};
+
+/// The first triangle along a ray, from either side; triangles without area or with a corner that is not finite are
+/// looked through. O(faces), a few milliseconds for 300,000: for clicks, not for many rays.
+std::optional<SurfaceHit> first_hit(const TriangleMesh& mesh, const Ray& ray);
+
+/// Answers many questions of what a viewer sees of one pose of a mesh.
+class Visibility {
+ public:
+  /// Builds a tree of boxes over the faces. O(faces log faces). The mesh must outlive the object and stay as it is.
+  explicit Visibility(const TriangleMesh& mesh);
+  ~Visibility();
+
+  /// Whether a viewer sees a vertex: from the near plane to the vertex, the line between them meets no part of the mesh
+  /// but the faces at the vertex, and at least one of these shows the given side. The window's borders do not count.
+  /// @param side  1: the outside of the faces, -1: their inside
+  /// O(log faces).
+  bool sees(const Camera& view, const Adjacency& adjacency, int vertex, int side = 1) const;
+
+ private:
+  struct Tree;
+  std::unique_ptr<Tree> tree_;
+};
+
+/// The vertices within a distance along the surface of a hit that are visible, from the side that was hit, and reached
+/// over visible vertices only: a brush of that radius does not touch what lies behind. Ascending; empty if hit.vertex
+/// itself is hidden.
+std::vector<int> brushed_vertices(const TriangleMesh& mesh, const Adjacency& adjacency, const Visibility& visibility,
+                                  const Camera& view, const SurfaceHit& hit, double radius);
+
+}  // namespace lapedit

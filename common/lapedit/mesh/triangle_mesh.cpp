@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/mesh/triangle_mesh.h"
+
+#include <cstdint>
+#include <cstdio>
+
+#include "lapedit/base/error.h"
+
+namespace lapedit {
+
+void validate(const TriangleMesh& mesh) {
+  if (mesh.vertices.rows() == 0) {
+    throw EditError(ErrorCause::EmptyMesh, "The mesh has no vertices: open or select a layer with a triangle mesh.");
+  }
+  if (mesh.faces.rows() == 0) {
+    throw EditError(ErrorCause::EmptyMesh, "The mesh has " + std::to_string(mesh.vertices.rows()) +
+                                               " vertices but no faces: a point cloud has to be turned into a surface "
+                                               "before it can be edited.");
+  }
+  const int n = static_cast<int>(mesh.vertices.rows());
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      const int v = mesh.faces(f, k);
+      if (v < 0 || v >= n) {
+        throw EditError(ErrorCause::BadIndex, "Face " + std::to_string(f) + " names vertex " + std::to_string(v) +
+                                                  " but the mesh has " + std::to_string(n) +
+                                                  " vertices: repair the mesh.");
+      }
+    }
+  }
+}
+
+std::string connectivity_checksum(std::size_t vertex_count, const Faces& faces) {
+  std::uint64_t hash = 14695981039346656037ull;
+  auto add = [&hash](std::uint64_t value, int bytes) {
+    for (int i = 0; i < bytes; ++i) {
+      hash = (hash ^ ((value >> (8 * i)) & 0xff)) * 1099511628211ull;
+    }
+  };
+  add(vertex_count, 8);
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      add(static_cast<std::uint32_t>(faces(f, k)), 4);
+    }
+  }
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
+  return text;
+}
+
+}  // namespace lapedit

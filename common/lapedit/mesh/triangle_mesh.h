@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "lapedit/base/types.h"
+
+namespace lapedit {
+
+/// An indexed triangle mesh. Vertices without a face and faces that name a vertex twice are allowed.
+struct TriangleMesh {
+  Points vertices;
+  Faces faces;
+};
+
+/// Checks what every algorithm here relies on: at least one vertex and face, and all face corners in range.
+/// Coordinates are not looked at: only the region's have to be finite. O(faces).
+/// @throws EditError (EmptyMesh, BadIndex)
+void validate(const TriangleMesh& mesh);
+
+/// 64-bit FNV-1a over the vertex count and all face corners in order, as 16 hex digits. Coordinates do not enter.
+std::string connectivity_checksum(std::size_t vertex_count, const Faces& faces);
+
+}  // namespace lapedit

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "lapedit/deform/handle_transform.h"
+#include "lapedit/mesh/camera.h"
+
+namespace lapedit {
+
+/// Where the mouse is and what shows there. Pixels as in View.
+struct Cursor {
+  Camera view;
+  Vector2 pixel = Vector2::Zero();
+};
+
+enum class MotionKind { Translate, Rotate, Scale };
+enum class AxisLock { None, X, Y, Z, Normal };
+
+/// From mouse and typed numbers to the transform of a handle group.
+///
+/// Translation follows the cursor in the plane parallel to the picture, or along the locked axis as far as the nearest
+/// point to the cursor's ray. Rotation goes about the line of sight or the locked axis by the angle that the cursor
+/// goes about the centre on the screen. Scale is the growth of the cursor's distance from the centre on the screen.
+/// A typed number replaces what the mouse says. The view may change on the way.
+class DragMotion {
+ public:
+  /// @param grab    the point of the surface that is to stay under the cursor
+  /// @param center  of the handle group: of rotation and scale
+  /// @param normal  of the surface at the handle, any length; zero if it has none
+  DragMotion(MotionKind kind, const Vector3& grab, const Vector3& center, const Vector3& normal, const Cursor& cursor);
+
+  MotionKind kind() const { return kind_; }
+  AxisLock lock() const { return lock_; }
+  /// The same lock again frees it. @return false if there is no such axis: a surface without a normal
+  bool toggle_lock(AxisLock lock);
+  /// Direction of the locked axis, length 1.
+  std::optional<Vector3> axis() const;
+  const Vector3& grab() const { return grab_; }
+
+  void move(const Cursor& cursor);
+  /// 0-9 . or - (which changes the sign). @return false if that gives no number
+  bool type(char character);
+
+  HandleTransform transform() const;
+  bool moves() const;        ///< whether the transform is another one than at the beginning
+  std::string text() const;  ///< "Moving by 0.5 along Y"
+
+ private:
+  Vector3 translation_by_mouse() const;
+  double along_axis(const Cursor& cursor, double otherwise) const;
+  double screen_angle(const Cursor& cursor) const;
+  double screen_distance(const Cursor& cursor) const;
+  void restart(const Cursor& cursor);
+
+  MotionKind kind_;
+  AxisLock lock_ = AxisLock::None;
+  Vector3 grab_, center_, normal_;
+  Vector3 sight_;          // from the centre towards the viewer, when the motion began
+  Cursor start_, cursor_;  // start_ has the view of cursor_
+  // What the mouse did before the view changed last.
+  Vector3 translation_before_ = Vector3::Zero();
+  double factor_before_ = 1;
+  double along_ = 0;                   // last usable place on the locked axis
+  double angle_ = 0, last_angle_ = 0;  // radians
+  std::string typed_;
+};
+
+}  // namespace lapedit

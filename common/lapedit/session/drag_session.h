@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "lapedit/edit/edit.h"
+#include "lapedit/session/drag_motion.h"
+
+namespace lapedit {
+
+/// What the user can set; all of it may change at any time.
+struct DragSettings {
+  double radius = 0;         ///< of a new region, along the surface, model units; 0: a tenth of the box's diagonal
+  double padding = 0.1;      ///< see RegionSpec
+  double handle_radius = 0;  ///< vertices within it of the one clicked are picked together; 0: that one alone
+  double brush_pixels = 20;  ///< radius of the brush on the screen
+  EditSettings edit;
+};
+
+/// What clicks on the surface make a handle of.
+enum class HandleMode {
+  Vertex,  ///< the vertex clicked, and those within the handle radius
+  Curve    ///< the vertices of shortest paths from click to click
+};
+
+struct PressModifiers {
+  bool add = false;   ///< Ctrl: a click adds to the handle, a drag brushes the region larger
+  bool take = false;  ///< Shift: a click takes from the handle, a drag brushes the region smaller
+};
+
+/// What the panel shows. Counts of the region; milliseconds; lengths in model units.
+struct DragFigures {
+  int handle = 0, free = 0, anchors = 0, fixed = 0;
+  double prepare_ms = 0;
+  double solve_ms = 0;         ///< of the last pose
+  double handle_error = 0;     ///< largest distance of a handle vertex from its target, of the last report
+  double largest_stretch = 0;  ///< of an edge, new over old length minus 1, of the last report
+  int steps = 0;               ///< applied
+};
+
+/// One dragging session with one mesh: what the interactive tool does, without a window.
+///
+/// Mouse and keys in, poses out. Nothing here waits: regions are prepared and poses solved by a worker thread, and
+/// poll() hands their results on. Each release applies one EditStep to the mesh, of which recorded() tells all: applied
+/// to original() by apply_edit() they give mesh() bit for bit. No function throws for what a user can do; what is not
+/// possible is told by message().
+class DragSession {
+ public:
+  enum class State {
+    Idle,      ///< no handle
+    Picked,    ///< a handle; its region is shown as soon as it is known
+    Dragging,  ///< the handle follows the mouse or typed numbers
+    Settling   ///< released: the exact result is on its way
+  };
+
+  struct Callbacks {
+    /// New places of some vertices (ascending mesh vertex numbers). settled: they are the mesh now, else a passing pose
+    std::function<void(const std::vector<int>&, const Points&, bool settled)> pose;
+    /// One line for a log: a step was applied, undone, refused.
+    std::function<void(const std::string&)> log;
+    /// Called from the worker's thread: call poll() soon, from your own.
+    std::function<void()> wake;
+  };
+
+  /// @param mesh    the mesh at the beginning
+  /// @param scalar  precision of the mesh that takes the poses
+  /// @throws EditError (EmptyMesh, BadIndex) as validate()
+  DragSession(TriangleMesh mesh, StoredScalar scalar, Callbacks callbacks);
+  ~DragSession();
+
+  // What there is to see ---------------------------------------------------------------------------------------------
+
+  State state() const;
+  const TriangleMesh& original() const;
+  const TriangleMesh& mesh() const;  ///< with all applied steps, without a drag in progress
+  const Adjacency& adjacency() const;
+  const Region* region() const;  ///< classified region to show, null if there is none or it is not known yet
+  const Points& pose() const;    ///< where region()'s vertices are now, one row per vertex; changes with pose_serial()
+  int pose_serial() const;       ///< counts the changes of region() and pose()
+  const std::vector<std::vector<int>>& groups() const;  ///< handle groups, mesh vertex numbers
+  int active_group() const;                             ///< the one that moves, -1 if there is none
+  Affine active_map() const;         ///< where the drag wants the active group, also before any pose is solved
+  const DragMotion* motion() const;  ///< the drag in progress, null if there is none
+  bool preparing() const;            ///< a region is on its way
+  double progress() const;           ///< of that, 0 to 1
+  const char* stage() const;         ///< of that
+  bool ready() const;                ///< the region is prepared: a drag is followed at once
+  bool busy() const;                 ///< poll() has, or will have, something new
+  std::string message() const;       ///< one line: what was refused, else what the next click does
+  DragFigures figures() const;
+
+  // Settings ---------------------------------------------------------------------------------------------------------
+
+  const DragSettings& settings() const;
+  /// Re-solves the drag in progress or, until something else is picked, the step applied last. Values out of range are
+  /// refused by message() and leave the settings as they were.
+  void set_settings(const DragSettings& settings);
+  HandleMode handle_mode() const;
+  void set_handle_mode(HandleMode mode);
+
+  // Mouse ------------------------------------------------------------------------------------------------------------
+  // A press and a release without a move between them are a click: the host decides how far a move has to be.
+
+  void press(const Cursor& cursor, PressModifiers modifiers = {});
+  void move(const Cursor& cursor);  ///< also without a press: keys R, S, T follow the mouse
+  void release(const Cursor& cursor);
+
+  // Keys -------------------------------------------------------------------------------------------------------------
+
+  /// x y z: lock an axis of the mesh; n: the surface normal at the handle; the same again frees it. t r s: translate,
+  /// rotate, scale with the mouse, no button. 0-9 . - : an exact amount. \r: apply. \b: cancel. g: next handle is
+  /// another group, the others holding. c: curve or vertex. w: next click takes a new region.
+  /// @return whether the key means anything now
+  bool key(char key, const Cursor& cursor);
+  void apply();   ///< what \r does: applies the drag in progress
+  void cancel();  ///< what \b does: drops the drag in progress, not one bit of the mesh has changed
+
+  // Region -----------------------------------------------------------------------------------------------------------
+
+  void set_region(std::vector<int> vertices);  ///< any order; with the handles inside it, if there are
+  void whole_component();                      ///< the connected components of the handles
+  void grow();                                 ///< by a ring
+  void shrink();
+  void new_region();  ///< the next click takes a new region
+  void next_group();  ///< the next click makes another handle group
+  void clear();       ///< no region, no handle
+
+  // Steps ------------------------------------------------------------------------------------------------------------
+
+  bool can_undo() const;
+  bool can_redo() const;
+  void undo();  ///< of a drag in progress: drops it
+  void redo();
+  void reset();           ///< undoes all
+  Edit recorded() const;  ///< applied steps, with counts and connectivity of the mesh
+  /// Applies the steps of an edit to the mesh as it is, as steps of this session. Works in the background.
+  void load(Edit edit);
+
+  // Worker -----------------------------------------------------------------------------------------------------------
+
+  /// Takes what the worker has done. @return whether there is anything new to show
+  bool poll();
+  /// Applies what was released, for which it waits, and drops all else that is in progress: afterwards the state is not
+  /// Dragging or Settling.
+  void finish();
+  /// poll() until the worker has nothing to do. For tests.
+  void wait();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace lapedit

@@ -1,0 +1,450 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "batch_host.h"
+
+#include <common/mlapplication.h>
+#include <dlfcn.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <vcg/complex/algorithms/update/normal.h>
+#include <vcg/complex/algorithms/update/selection.h>
+#include <wrap/io_trimesh/io_mask.h>
+#include <QDir>
+#include <QFile>
+#include <QFileInfo>
+#include <map>
+#include <utility>
+
+#include "batch_parameters.h"
+#include "lapedit/base/error.h"
+#include "lapedit/json/json_object.h"
+#include "lapedit_host/face_shape.h"
+#include "vertex_filter_plugin.h"
+
+namespace lapedit::host {
+namespace {
+
+using vcg::tri::io::Mask;
+
+/// The host's callbacks are bare functions.
+Progress& asked() {
+  static Progress progress;
+  return progress;
+}
+
+bool ask(const int percent, const char* stage) {
+  return !asked() || asked()(percent / 100.0, stage == nullptr ? "" : stage);
+}
+
+/// Formats look for textures and materials in the current folder.
+class CurrentFolder {
+ public:
+  explicit CurrentFolder(const QString& folder) : before_(QDir::currentPath()) { QDir::setCurrent(folder); }
+  ~CurrentFolder() { QDir::setCurrent(before_); }
+  CurrentFolder(const CurrentFolder&) = delete;
+  CurrentFolder& operator=(const CurrentFolder&) = delete;
+
+ private:
+  QString before_;
+};
+
+/// The host's message on one line, less its preface, with a full stop.
+std::string one_line(QString message) {
+  for (const QString& end_of_preface : {QString("Error details:"), QString(":\n")}) {
+    const int at = message.indexOf(end_of_preface);
+    if (at >= 0) {
+      message = message.mid(at + end_of_preface.size());
+      break;
+    }
+  }
+  message = message.simplified();
+  while (message.endsWith('.') || message.endsWith('!')) {
+    message.chop(1);
+  }
+  return (message.isEmpty() ? QString("the plugin does not say why") : message).toStdString() + ".";
+}
+
+/// The innermost part of a message of Qt's about a library: what is missing, as the loader said it.
+QString reason_of_loader(const QString& message) {
+  const int open = message.lastIndexOf(": (");
+  QString reason = (open < 0 ? message : message.mid(open + 3)).simplified();
+  while (reason.endsWith('.') || reason.endsWith(')')) {
+    reason.chop(1);
+  }
+  return reason;
+}
+
+/// Beside the library itself, wherever that is installed.
+QString standard_plugins() {
+  Dl_info library = {};
+  if (dladdr(reinterpret_cast<const void*>(&MeshLabApplication::appVer), &library) == 0) {
+    return {};
+  }
+  const QFileInfo file(QFile::decodeName(library.dli_fname));
+  const QString beside = file.absolutePath() + "/plugins";
+  return QFileInfo(beside).isDir() ? beside : QFileInfo(file.canonicalFilePath()).absolutePath() + "/plugins";
+}
+
+/// What a layer has of what a format can keep.
+int mask_of(const MeshModel& layer) {
+  static constexpr std::pair<int, int> kBits[] = {
+      {Mask::IOM_VERTFLAGS, MeshModel::MM_VERTFLAG},        {Mask::IOM_VERTCOLOR, MeshModel::MM_VERTCOLOR},
+      {Mask::IOM_VERTQUALITY, MeshModel::MM_VERTQUALITY},   {Mask::IOM_VERTNORMAL, MeshModel::MM_VERTNORMAL},
+      {Mask::IOM_VERTTEXCOORD, MeshModel::MM_VERTTEXCOORD}, {Mask::IOM_VERTRADIUS, MeshModel::MM_VERTRADIUS},
+      {Mask::IOM_FACEFLAGS, MeshModel::MM_FACEFLAG},        {Mask::IOM_FACECOLOR, MeshModel::MM_FACECOLOR},
+      {Mask::IOM_FACEQUALITY, MeshModel::MM_FACEQUALITY},   {Mask::IOM_FACENORMAL, MeshModel::MM_FACENORMAL},
+      {Mask::IOM_WEDGCOLOR, MeshModel::MM_WEDGCOLOR},       {Mask::IOM_WEDGTEXCOORD, MeshModel::MM_WEDGTEXCOORD},
+      {Mask::IOM_WEDGNORMAL, MeshModel::MM_WEDGNORMAL},     {Mask::IOM_BITPOLYGONAL, MeshModel::MM_POLYGONAL},
+  };
+  int mask = Mask::IOM_VERTCOORD | Mask::IOM_FACEINDEX;
+  for (const auto& [in_file, in_mesh] : kBits) {
+    if (layer.hasDataMask(in_mesh)) {
+      mask |= in_file;
+    }
+  }
+  if ((mask & Mask::IOM_WEDGTEXCOORD) != 0) {
+    mask |= Mask::IOM_WEDGTEXMULTI;
+  }
+  if (layer.cm.en > 0) {
+    mask |= Mask::IOM_EDGEINDEX;
+  }
+  if (layer.cm.shot.IsValid()) {
+    mask |= Mask::IOM_CAMERA;
+  }
+  return mask;
+}
+
+/// Normals and box, as the host makes them of a new layer.
+void complete_layer(MeshModel& layer, int mask) {
+  using Normals = vcg::tri::UpdateNormal<CMeshO>;
+  if ((mask & Mask::IOM_BITPOLYGONAL) != 0) {
+    layer.updateDataMask(MeshModel::MM_POLYGONAL | MeshModel::MM_FACEFACETOPO);
+    Normals::PerBitQuadFaceNormalized(layer.cm);
+    Normals::PerVertexFromCurrentFaceNormal(layer.cm);
+  } else {
+    Normals::PerFaceNormalized(layer.cm);
+    if ((mask & Mask::IOM_VERTNORMAL) == 0 && layer.cm.fn > 0) {
+      Normals::PerVertexAngleWeighted(layer.cm);
+    }
+  }
+  if ((mask & Mask::IOM_VERTNORMAL) != 0) {
+    layer.updateDataMask(MeshModel::MM_VERTNORMAL);
+  }
+  layer.cm.bbox = finite_box(layer.cm);
+}
+
+/// Whether what was written last may have been cut short: no more can be written, or no more into this file.
+bool is_full(const QFileInfo& written) {
+  struct rlimit limit = {};
+  if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
+      static_cast<rlim_t>(written.size()) >= limit.rlim_cur) {
+    return true;
+  }
+  // Writers fill the disk to its last block.
+  QFile more(written.absolutePath() + "/more");
+  const QByteArray block(4096, 'x');
+  const bool fits = more.open(QIODevice::WriteOnly | QIODevice::Unbuffered) && more.write(block) == block.size() &&
+                    fsync(more.handle()) == 0;
+  more.remove();
+  return !fits;
+}
+
+/// Lines of a text file that begin with "v " and "f ".
+std::pair<int, int> count_in_obj(const QString& path) {
+  QFile file(path);
+  file.open(QIODevice::ReadOnly);
+  std::pair<int, int> counts = {0, 0};
+  while (!file.atEnd()) {
+    const QByteArray line = file.readLine();
+    counts.first += line.startsWith("v ") && line.endsWith('\n') ? 1 : 0;
+    counts.second += line.startsWith("f ") && line.endsWith('\n') ? 1 : 0;
+  }
+  return counts;
+}
+
+}  // namespace
+
+std::string quoted_path(const QString& path) {
+  QString text = path;
+  for (QChar& letter : text) {
+    if (letter.category() == QChar::Other_Control) {
+      letter = '?';
+    }
+  }
+  return "\"" + text.toStdString() + "\"";
+}
+
+struct BatchHost::State {
+  struct Filter {
+    HostFilterPlugin* plugin;
+    QAction* action;
+    QString file;  // of the plugin; empty: ours
+  };
+
+  QString folder;
+  QStringList formats_left, filters_left;             // plugin files that are not loaded yet
+  QStringList not_loaded;                             // those that could not be, and why
+  std::map<QString, FormatPlugin*> readers, writers;  // by suffix in lower case
+  std::map<QString, Filter> filters;
+  MeshDocument document;
+
+  void load_next(QStringList& files) {
+    const QString file = files.takeFirst();
+    LoadedPlugin plugin;
+    try {
+      plugin = load_plugin(folder + "/" + file);
+    } catch (const std::exception& error) {
+      // Not an error until somebody needs it, and then it is missing under its name.
+      not_loaded << file + ": " + reason_of_loader(QString::fromUtf8(error.what()));
+      return;
+    }
+    if (plugin.format != nullptr) {
+      add_format(*plugin.format);
+    }
+    if (plugin.filter != nullptr) {
+      add_filter(*plugin.filter, file);
+    }
+  }
+
+  std::string what_is_not_loaded() const {
+    return not_loaded.isEmpty() ? std::string() : " (not loaded: " + not_loaded.join("; ").toStdString() + ")";
+  }
+
+  void add_format(FormatPlugin& plugin) {
+    plugin.setLog(&document.Log);
+    for (const auto& format : read_formats(plugin)) {
+      for (const QString& suffix : format.extensions) {
+        readers.emplace(suffix.toLower(), &plugin);
+      }
+    }
+    for (const auto& format : written_formats(plugin)) {
+      for (const QString& suffix : format.extensions) {
+        writers.emplace(suffix.toLower(), &plugin);
+      }
+    }
+  }
+
+  void add_filter(HostFilterPlugin& plugin, const QString& file) {
+    plugin.setLog(&document.Log);
+    for (QAction* action : plugin.actions()) {
+      filters.emplace(action->text(), Filter{&plugin, action, file});
+    }
+  }
+
+  /// @return null if no plugin knows the suffix
+  FormatPlugin* find(const std::map<QString, FormatPlugin*>& known, const QString& suffix) {
+    while (known.find(suffix.toLower()) == known.end() && !formats_left.isEmpty()) {
+      load_next(formats_left);
+    }
+    const auto found = known.find(suffix.toLower());
+    return found == known.end() ? nullptr : found->second;
+  }
+
+  /// @throws BatchError
+  FormatPlugin& require(const std::map<QString, FormatPlugin*>& known, const QString& path, const char* verb) {
+    const QString suffix = QFileInfo(path).suffix();
+    FormatPlugin* const plugin = find(known, suffix);
+    if (plugin == nullptr) {
+      QStringList suffixes;
+      for (const auto& [name, ignored] : known) {
+        suffixes << name;
+      }
+      const std::string in_folder = " in " + folder.toStdString();
+      if (suffixes.isEmpty()) {
+        throw BatchError("There are no plugins of MeshLab that can " + std::string(verb) + " meshes" + in_folder +
+                         what_is_not_loaded() + ": give their folder with --plugins.");
+      }
+      throw BatchError("No plugin of MeshLab" + in_folder + " can " + verb + " " + quoted_path(path) +
+                       ": the suffixes are " + suffixes.join(", ").toStdString() + ".");
+    }
+    return *plugin;
+  }
+
+  std::vector<std::pair<MeshModel*, int>> read(const QString& path, MeshDocument& into) {
+    const QFileInfo file(path);
+    FormatPlugin& plugin = require(readers, path, "read");
+    const CurrentFolder folder_of_file(file.absolutePath());
+    std::vector<std::pair<MeshModel*, int>> layers;
+    try {
+      layers = read_layers(plugin, file, into, ask);
+    } catch (const std::exception& error) {
+      throw BatchError("The mesh " + quoted_path(path) +
+                       " cannot be read: " + one_line(QString::fromUtf8(error.what())));
+    }
+    if (layers.empty()) {
+      throw BatchError("The mesh " + quoted_path(path) + " cannot be read: there is none in the file.");
+    }
+    return layers;
+  }
+
+  void require_complete(const QString& path, MeshModel& layer);
+};
+
+BatchHost::BatchHost(const QString& plugins, Progress asked_now) : state_(std::make_unique<State>()) {
+  asked() = std::move(asked_now);
+  state_->folder = plugins.isEmpty() ? standard_plugins() : plugins;
+  const QDir folder(state_->folder);
+  state_->formats_left = folder.entryList({"libio_*.so"}, QDir::Files);
+  // Has the common formats: mostly the only one that is needed.
+  const QString base = "libio_base.so";
+  if (state_->formats_left.removeOne(base)) {
+    state_->formats_left.prepend(base);
+  }
+  state_->filters_left = folder.entryList({"libfilter_*.so"}, QDir::Files);
+  // These are part of this program.
+  state_->filters_left.removeOne("libfilter_laplacian_edit.so");
+}
+
+BatchHost::~BatchHost() {
+  asked() = nullptr;
+}
+
+QString BatchHost::version() {
+  const QString number = MeshLabApplication::appVer();
+  return number.startsWith("MeshLab") ? number : "MeshLab " + number;
+}
+
+int BatchHost::open(const QString& path) {
+  const auto layers = state_->read(path, state_->document);
+  for (const auto& [layer, mask] : layers) {
+    complete_layer(*layer, mask);
+  }
+  return static_cast<int>(layers.size());
+}
+
+CMeshO* BatchHost::mesh() {
+  MeshModel* const layer = state_->document.mm();
+  return layer != nullptr ? &layer->cm : nullptr;
+}
+
+void BatchHost::add_filters(VertexFilterPlugin& plugin) {
+  state_->add_filter(plugin, {});
+}
+
+void BatchHost::require_filters(const std::vector<ScriptFilter>& script) {
+  State& s = *state_;
+  for (const ScriptFilter& wanted : script) {
+    while (s.filters.find(wanted.name) == s.filters.end() && !s.filters_left.isEmpty()) {
+      s.load_next(s.filters_left);
+    }
+    const auto found = s.filters.find(wanted.name);
+    if (found == s.filters.end()) {
+      QStringList known;
+      for (const auto& [name, ignored] : s.filters) {
+        known << name;
+      }
+      const QString near = near_names(wanted.name, known);
+      throw EditError(ErrorCause::BadScript,
+                      version().toStdString() + " has no filter " + quoted(wanted.name) + " in " +
+                          s.folder.toStdString() + s.what_is_not_loaded() +
+                          (near.isEmpty() ? ": correct the script." : ": did you mean " + near.toStdString() + "?"));
+    }
+    if (draws(*found->second.plugin, found->second.action, found->second.file)) {
+      throw EditError(ErrorCause::BadScript, "The filter " + quoted(wanted.name) +
+                                                 " draws, which this program cannot do: run it in MeshLab's window.");
+    }
+  }
+}
+
+void BatchHost::run(const std::vector<ScriptFilter>& script, const std::function<void(const ScriptFilter&)>& before,
+                    const std::function<void(const QString&)>& after) {
+  State& s = *state_;
+  for (std::size_t k = 0; k < script.size(); ++k) {
+    const State::Filter& filter = s.filters.at(script[k].name);
+    QStringList log;
+    s.document.Log.print(log);
+    const int logged = log.size();
+    before(script[k]);
+    try {
+      MeshModel* const layer = s.document.mm();
+      if (layer == nullptr) {
+        throw EditError(ErrorCause::EmptyMesh, "There are 0 layers: open a triangle mesh first.");
+      }
+      if (!filter.file.isEmpty()) {  // ours say better what is missing
+        QStringList missing;
+        if (!filter.plugin->isFilterApplicable(filter.action, *layer, missing)) {
+          throw EditError(ErrorCause::BadScript, "The filter " + quoted(script[k].name) + " needs a mesh with " +
+                                                     missing.join(", ").toLower().toStdString() + ".");
+        }
+      }
+      layer->updateDataMask(filter.plugin->getRequirements(filter.action));
+      RichParameterList parameters = standard_parameters(*filter.plugin, filter.action, s.document);
+      lay_over(script[k], s.document, parameters);
+      apply(*filter.plugin, filter.action, parameters, s.document, ask);
+    } catch (const std::exception& error) {
+      const std::string place = script.size() == 1
+                                    ? std::string()
+                                    : "Filter " + std::to_string(k + 1) + " of " + std::to_string(script.size()) +
+                                          " (" + script[k].name.toStdString() + "): ";
+      const bool ours = filter.file.isEmpty() || dynamic_cast<const EditError*>(&error) != nullptr;
+      throw EditError(ErrorCause::BadScript, place + (ours ? error.what() : one_line(QString::fromUtf8(error.what()))));
+    }
+    if (MeshModel* const layer = s.document.mm()) {
+      // The host's window counts them after each filter, and filters ask.
+      layer->cm.svn = static_cast<int>(vcg::tri::UpdateSelection<CMeshO>::VertexCount(layer->cm));
+      layer->cm.sfn = static_cast<int>(vcg::tri::UpdateSelection<CMeshO>::FaceCount(layer->cm));
+    }
+    s.document.Log.print(log);
+    after(log.mid(logged).join("\n"));
+  }
+  if (s.document.mm() == nullptr) {
+    throw EditError(ErrorCause::EmptyMesh, "The script leaves no layer: there is nothing to be written.");
+  }
+}
+
+void BatchHost::require_writer(const QString& path) {
+  state_->require(state_->writers, path, "write");
+}
+
+void BatchHost::save(const QString& path, const KeptAttributes& kept) {
+  State& s = *state_;
+  const QFileInfo file(path);
+  FormatPlugin& plugin = s.require(s.writers, path, "write");
+  MeshModel* const layer = s.document.mm();
+  if (layer == nullptr) {
+    throw BatchError("there are 0 layers.");
+  }
+  int capability = 0, standard = 0;
+  find_masks(plugin, file.suffix(), capability, standard);
+  standard |= kept.normals ? Mask::IOM_VERTNORMAL | Mask::IOM_FACENORMAL : 0;
+  standard |= kept.selection ? Mask::IOM_FLAGS : 0;
+  const int mask = mask_of(*layer) & capability & standard;
+  if ((mask & Mask::IOM_BITPOLYGONAL) != 0) {
+    layer->updateDataMask(MeshModel::MM_FACEFACETOPO);
+  }
+  const CurrentFolder folder(file.absolutePath());
+  try {
+    write_layer(plugin, file, *layer, mask, ask);
+  } catch (const std::exception& error) {
+    throw BatchError(one_line(QString::fromUtf8(error.what())));
+  }
+  s.require_complete(path, *layer);
+}
+
+/// Many writers do not look whether their output arrives.
+void BatchHost::State::require_complete(const QString& path, MeshModel& layer) {
+  const QFileInfo file(path);
+  const bool full = is_full(file);
+  const QString suffix = file.suffix().toLower();
+  bool complete = !full && file.exists() && file.size() > 0;
+  std::pair<int, int> found = {layer.cm.vn, layer.cm.fn};
+  if (complete && suffix == "obj") {
+    found = count_in_obj(path);
+  } else if (complete && suffix == "stl") {
+    // Binary; read back, it has other vertices.
+    complete = file.size() == 84 + 50 * static_cast<qint64>(layer.cm.fn);
+  } else if (complete && (suffix == "ply" || suffix == "off")) {
+    MeshDocument copy;
+    try {
+      const MeshModel& read_back = *read(path, copy).front().first;
+      found = {read_back.cm.vn, read_back.cm.fn};
+    } catch (const std::exception&) {
+      complete = false;
+    }
+  }
+  if (!complete || found.first != layer.cm.vn || found.second != layer.cm.fn) {
+    throw BatchError(full ? "there is not enough room for it." : "what arrived is not complete.");
+  }
+}
+
+}  // namespace lapedit::host

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "batch_script.h"
+
+#include <QXmlStreamReader>
+#include <algorithm>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "lapedit/base/error.h"
+#include "lapedit/json/json_object.h"
+
+namespace lapedit::host {
+namespace {
+
+[[noreturn]] void refuse(const QXmlStreamReader& xml, const std::string& what) {
+  throw EditError(ErrorCause::BadScript,
+                  "The script cannot be read, line " + std::to_string(xml.lineNumber()) + ": " + what);
+}
+
+void refuse_malformed(const QXmlStreamReader& xml) {
+  if (xml.hasError()) {
+    std::string what = xml.errorString().toStdString();
+    while (!what.empty() && (what.back() == '.' || what.back() == '\n')) {
+      what.pop_back();
+    }
+    refuse(xml, what + ".");
+  }
+}
+
+ScriptParameter read_parameter(QXmlStreamReader& xml) {
+  ScriptParameter parameter;
+  for (const QXmlStreamAttribute& attribute : xml.attributes()) {
+    const QString name = attribute.name().toString();
+    if (name == "name") {
+      parameter.name = attribute.value().toString();
+    } else if (name == "type") {
+      parameter.type = common_type(attribute.value().toString());
+    } else {
+      parameter.attributes.insert(name, attribute.value().toString());
+    }
+  }
+  if (parameter.name.isEmpty() || parameter.type.isEmpty()) {
+    refuse(xml, "a parameter needs a name and a type.");
+  }
+  return parameter;
+}
+
+ScriptFilter read_filter(QXmlStreamReader& xml) {
+  ScriptFilter filter;
+  filter.name = xml.attributes().value("name").toString();
+  if (filter.name.isEmpty()) {
+    refuse(xml, "a filter needs a name.");
+  }
+  while (xml.readNextStartElement()) {
+    if (xml.name() != QLatin1String("Param")) {
+      refuse(xml, "there is an element " + quoted(xml.name().toString()) + " where Param is expected.");
+    }
+    ScriptParameter parameter = read_parameter(xml);
+    for (const ScriptParameter& other : filter.parameters) {
+      if (other.name == parameter.name) {
+        refuse(xml, "the parameter " + quoted(parameter.name) + " is given twice.");
+      }
+    }
+    filter.parameters.push_back(std::move(parameter));
+    xml.skipCurrentElement();
+  }
+  return filter;
+}
+
+/// How many letters have to be put in, left out or exchanged (Levenshtein).
+int distance(const QString& a, const QString& b) {
+  std::vector<int> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), 0);
+  for (int i = 0; i < a.size(); ++i) {
+    int before = std::exchange(row[0], i + 1);
+    for (int j = 0; j < b.size(); ++j) {
+      const int exchanged = before + (a[i] != b[j] ? 1 : 0);
+      before = row[j + 1];
+      row[j + 1] = std::min({exchanged, row[j + 1] + 1, row[j] + 1});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+std::vector<ScriptFilter> read_script(const QByteArray& text) {
+  QXmlStreamReader xml(text);
+  std::vector<ScriptFilter> filters;
+  if (xml.readNextStartElement()) {
+    if (xml.name() != QLatin1String("FilterScript")) {
+      refuse(xml, "the outermost element is " + quoted(xml.name().toString()) + ", not FilterScript.");
+    }
+    while (xml.readNextStartElement()) {
+      if (xml.name() != QLatin1String("filter")) {
+        refuse(xml, "there is an element " + quoted(xml.name().toString()) + " where filter is expected.");
+      }
+      filters.push_back(read_filter(xml));
+    }
+    while (!xml.atEnd()) {
+      xml.readNext();
+    }
+  }
+  refuse_malformed(xml);
+  return filters;
+}
+
+QString common_type(const QString& type) {
+  static const QMap<QString, QString> later_names = {
+      {"RichPosition", "RichPoint3f"},  {"RichDirection", "RichPoint3f"}, {"RichPercentage", "RichAbsPerc"},
+      {"RichFileOpen", "RichOpenFile"}, {"RichFileSave", "RichSaveFile"}, {"RichMatrix44", "RichMatrix44f"},
+      {"RichShot", "RichShotf"}};
+  return later_names.value(type, type);
+}
+
+QString near_names(const QString& name, const QStringList& known) {
+  std::vector<std::pair<int, QString>> ranked;
+  for (const QString& other : known) {
+    const int far = distance(name.toLower(), other.toLower());
+    if (far <= std::max(2, name.size() / 3) || other.contains(name, Qt::CaseInsensitive)) {
+      ranked.emplace_back(far, other);
+    }
+  }
+  std::sort(ranked.begin(), ranked.end());
+  QStringList best;
+  for (const auto& [far, other] : ranked) {
+    if (best.size() < 3) {
+      best << "\"" + other + "\"";
+    }
+  }
+  return best.join(" or ");
+}
+
+}  // namespace lapedit::host

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/base/thread_pool.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <set>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "allocation_watch.h"
+
+namespace lapedit {
+namespace {
+
+using Pieces = std::vector<std::pair<int, int>>;
+
+/// Fails if nothing else than the caller's thread ever works, or threads() counts wrongly.
+TEST(ThreadPool, HasAsManyThreadsAsItSays) {
+  EXPECT_EQ(ThreadPool(1).threads(), 1);
+  EXPECT_EQ(ThreadPool(4).threads(), 4);
+  EXPECT_GE(ThreadPool(0).threads(), 1);
+  ThreadPool pool(3);
+  // All three pieces have to be at work at the same time: each waits for the others.
+  std::atomic<int> arrived{0};
+  std::atomic<bool> together{true};
+  pool.each(3, [&](int) {
+    ++arrived;
+    const auto start = std::chrono::steady_clock::now();
+    while (arrived < 3) {
+      std::this_thread::yield();
+      if (std::chrono::steady_clock::now() - start > std::chrono::seconds(20)) {
+        together = false;
+        return;
+      }
+    }
+  });
+  EXPECT_TRUE(together);
+}
+
+/// Fails if a piece is lost, done twice, not yet done when each() returns, or taken for the job before or after.
+TEST(ThreadPool, DoesEachPieceOnceForJobAfterJob) {
+  const auto caller = std::this_thread::get_id();
+  for (const int threads : {1, 2, 3, 4, 9}) {
+    ThreadPool pool(threads);
+    std::vector<int> last_job(1000, 0), times(1000, 0);
+    std::vector<int> expected(1000, 0);
+    std::atomic<long> helped{0};
+    for (int job = 1; job <= 3000; ++job) {
+      // Few pieces, some of them held up: helpers come late, when the next job is being set up.
+      const int pieces = job % 100 == 0 ? 1000 : job % 7;
+      pool.each(pieces, [&, job](int piece) {
+        if ((piece + job) % 5 == 0) {
+          std::this_thread::yield();
+        }
+        helped += std::this_thread::get_id() != caller ? 1 : 0;
+        last_job[piece] = job;
+        ++times[piece];
+      });
+      for (int piece = 0; piece < 1000; ++piece) {
+        expected[piece] += piece < pieces ? 1 : 0;
+        ASSERT_EQ(times[piece], expected[piece]) << threads << " threads, piece " << piece << " of " << pieces;
+        ASSERT_EQ(last_job[piece] == job, piece < pieces) << threads << " threads, piece " << piece;
+      }
+    }
+    EXPECT_EQ(helped > 0, threads > 1) << threads << " threads: otherwise this says nothing";
+  }
+}
+
+/// Fails if helpers that went to sleep are not woken (the job then never has two threads) or miss the wake-up.
+TEST(ThreadPool, WakesUpAfterAPause) {
+  ThreadPool pool(2);
+  for (int job = 0; job < 20; ++job) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    std::atomic<int> arrived{0};
+    std::atomic<bool> together{true};
+    pool.each(2, [&](int) {
+      ++arrived;
+      const auto start = std::chrono::steady_clock::now();
+      while (arrived < 2 && together) {
+        std::this_thread::yield();
+        together = std::chrono::steady_clock::now() - start < std::chrono::seconds(20);
+      }
+    });
+    ASSERT_TRUE(together) << "job " << job;
+  }
+}
+
+/// Fails if what a piece wrote is not seen by the next job's pieces on other threads.
+TEST(ThreadPool, ResultsDoNotDependOnTheThreads) {
+  constexpr int kSize = 4096, kSteps = 100;
+  std::vector<std::vector<double>> results;
+  for (const int threads : {1, 2, 4}) {
+    ThreadPool pool(threads);
+    std::vector<double> x(kSize), next(kSize);
+    for (int i = 0; i < kSize; ++i) {
+      x[i] = i % 17;
+    }
+    for (int step = 0; step < kSteps; ++step) {
+      in_pieces(pool, kSize, 64, [&](int first, int last) {
+        for (int i = first; i < last; ++i) {
+          next[i] = 0.3 * x[(i + 1) % kSize] + 0.7 * x[(i + kSize / 2) % kSize];
+        }
+      });
+      x.swap(next);
+    }
+    results.push_back(x);
+    EXPECT_TRUE(results.back() == results.front()) << threads << " threads";
+  }
+}
+
+TEST(ThreadPool, NoPieceIsNoCall) {
+  for (const int threads : {1, 3}) {
+    ThreadPool pool(threads);
+    int calls = 0;
+    pool.each(0, [&](int) { ++calls; });
+    in_pieces(pool, 0, 8, [&](int, int) { ++calls; });
+    EXPECT_EQ(calls, 0);
+    const auto caller = std::this_thread::get_id();
+    int by_caller = 0;
+    for (int job = 0; job < 2000; ++job) {
+      pool.each(1, [&](int piece) {
+        std::this_thread::yield();
+        calls += 1 + piece;
+        by_caller += std::this_thread::get_id() == caller ? 1 : 0;
+      });
+    }
+    EXPECT_EQ(calls, 2000);
+    EXPECT_EQ(by_caller, 2000) << "a single piece is not worth another thread";
+  }
+}
+
+TEST(ThreadPool, AllocatesNothingPerCall) {
+  const long before_all = allocations;
+  ThreadPool pool(3);
+  ASSERT_GT(allocations.load(), before_all);  // or the count does not count
+  std::vector<int> seen(100, 0);
+  pool.each(100, [&](int piece) { ++seen[piece]; });
+  // A sanitizer allocates for a thread that starts: all have to be there.
+  std::atomic<int> started{0};
+  pool.each(pool.threads(), [&](int) {
+    for (++started; started < pool.threads();) std::this_thread::yield();
+  });
+  const long before = allocations;
+  for (int job = 0; job < 200; ++job) {
+    pool.each(100, [&](int piece) { ++seen[piece]; });
+    in_pieces(pool, 100, 8, [&](int first, int last) { seen[first] += last > 0 ? 1 : 0; });
+  }
+  EXPECT_EQ(allocations - before, 0);
+  EXPECT_EQ(seen[99], 201);
+}
+
+/// Hangs or crashes if helpers that are starting, working, waiting or asleep are not brought to an end.
+TEST(ThreadPool, ComesAndGoesQuickly) {
+  for (int round = 0; round < 150; ++round) {
+    ThreadPool unused(1 + round % 4);
+    auto pool = std::make_unique<ThreadPool>(4);
+    std::atomic<int> done{0};
+    if (round % 3 > 0) {
+      pool->each(round % 3 == 1 ? 2 : 30, [&](int) { ++done; });
+      EXPECT_EQ(done, round % 3 == 1 ? 2 : 30);
+    }
+    if (round % 10 == 0) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  }
+}
+
+/// Fails if two crews in one program share anything.
+TEST(ThreadPool, CrewsWorkSideBySide) {
+  std::vector<int> sums(2, 0);
+  const auto work = [&sums](int own) {
+    ThreadPool pool(2);
+    std::vector<int> seen(20, 0);
+    for (int job = 0; job < 500; ++job) {
+      pool.each(20, [&](int piece) {
+        if (piece % 4 == 0) {
+          std::this_thread::yield();
+        }
+        seen[piece] += piece;
+      });
+    }
+    for (const int count : seen) {
+      sums[own] += count;
+    }
+  };
+  std::thread other(work, 1);
+  work(0);
+  other.join();
+  EXPECT_EQ(sums[0], 500 * 190);
+  EXPECT_EQ(sums[1], 500 * 190);
+}
+
+/// Fails if a piece is missing, too large, or cut otherwise for another number of threads.
+TEST(ThreadPool, PiecesCoverTheRangeAndDoNotDependOnTheThreads) {
+  for (const int count : {1, 2, 7, 8, 63, 64, 65, 1000, 4099}) {
+    for (const int grain : {1, 8, 64, 5000}) {
+      std::vector<std::set<std::pair<int, int>>> cuts;
+      for (const int threads : {1, 2, 3, 5}) {
+        ThreadPool pool(threads);
+        Pieces made(count, {-1, -1});  // by first index
+        pool.each(1, [](int) {});
+        in_pieces(pool, count, grain, [&](int first, int last) { made[first] = {first, last}; });
+        std::set<std::pair<int, int>> pieces(made.begin(), made.end());
+        pieces.erase({-1, -1});
+        int end = 0;
+        for (const auto& [first, last] : pieces) {
+          ASSERT_EQ(first, end) << count << " in pieces of " << grain;
+          EXPECT_LE(last - first, 2 * grain);
+          EXPECT_GE(last - first, std::min(grain, count));
+          end = last;
+        }
+        ASSERT_EQ(end, count);
+        cuts.push_back(pieces);
+        EXPECT_TRUE(cuts.back() == cuts.front()) << threads << " threads";
+      }
+    }
+  }
+}
+
+/// A product of count and piece beyond 2^31 must not wrap.
+TEST(ThreadPool, LongRangesAreCutRight) {
+  ThreadPool pool(2);
+  constexpr int kCount = 2000000000;
+  std::vector<std::pair<int, int>> made(1000);
+  in_pieces(pool, kCount, 2000000, [&](int first, int last) {
+    made[static_cast<std::size_t>(first) / 2000000] = {first, last};
+  });
+  int end = 0;
+  for (const auto& [first, last] : made) {
+    ASSERT_EQ(first, end);
+    end = last;
+  }
+  EXPECT_EQ(end, kCount);
+}
+
+}  // namespace
+}  // namespace lapedit

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/deform/detail_rotation.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <vector>
+
+#include "shapes.h"
+#include "support.h"
+
+namespace lapedit {
+namespace {
+
+constexpr DetailRotation kBoth[] = {DetailRotation::SmoothNormals, DetailRotation::SmoothSurface};
+
+/// Rotations of a whole mesh from its own places to others.
+std::vector<Matrix3> rotations(DetailRotation kind, const TriangleMesh& mesh, const Points& after, double radius) {
+  const Region region = support::whole_region(mesh, {{0}}, {});
+  const SmoothingKernel kernel(region, mesh.vertices, radius, 1);
+  RotationEstimator estimator(kind, region, kernel);
+  estimator.set_before(mesh.vertices);
+  std::vector<Matrix3> result;
+  estimator.estimate(after - mesh.vertices, result);
+  return result;
+}
+
+/// An irregular plane with waves: no ties between edges, no flat part.
+TriangleMesh wavy_field(int nx, int ny) {
+  TriangleMesh mesh = shapes::letter_field(nx, ny, 0);
+  for (auto p : mesh.vertices.rowwise()) {
+    p[2] = 0.15 * std::sin(3 * p[0] + 0.4) * std::cos(2.3 * p[1]);
+  }
+  return mesh;
+}
+
+struct Shape {
+  const char* name;
+  TriangleMesh (*mesh)();
+  double radius;
+  double tolerance = 1e-9;  ///< of a rotation's entries
+  bool has_normals = true;  ///< whether each vertex has a normal that the paper's frames can follow
+};
+
+std::ostream& operator<<(std::ostream& out, const Shape& shape) {
+  return out << shape.name;
+}
+
+class RotationOn : public ::testing::TestWithParam<Shape> {
+ protected:
+  /// Expects one rotation at all vertices with neighbours.
+  static void expect_everywhere(const Matrix3& expected, const Affine& map, const TriangleMesh& mesh) {
+    const Adjacency adjacency = support::adjacency_of(mesh);
+    for (const DetailRotation kind : kBoth) {
+      if (kind == DetailRotation::SmoothNormals && !GetParam().has_normals) {
+        continue;
+      }
+      const auto found = rotations(kind, mesh, support::moved(map, mesh.vertices), GetParam().radius);
+      double worst = 0;
+      for (int v = 0; v < mesh.vertices.rows(); ++v) {
+        if (adjacency.neighbours[v].size() > 0) {
+          worst = std::max(worst, (found[v] - expected).norm());
+        } else {
+          EXPECT_EQ(found[v], Matrix3(Matrix3::Identity())) << "isolated vertex " << v;
+        }
+      }
+      EXPECT_LT(worst, GetParam().tolerance) << name(kind);
+    }
+  }
+};
+
+// The degenerate grid has edges 1e-7 long, whose directions hold nine digits at most, and the frames may take one.
+INSTANTIATE_TEST_SUITE_P(Shapes, RotationOn,
+                         ::testing::Values(Shape{"waves", [] { return wavy_field(24, 12); }, 0.5},
+                                           Shape{"letters", [] { return shapes::letter_field(24, 12); }, 0.5},
+                                           Shape{"sphere", [] { return shapes::icosphere(2); }, 0.8},
+                                           Shape{"bar", [] { return shapes::bar(7, 2, 3); }, 2.5},
+                                           Shape{"arm", [] { return shapes::tapered_arm(12, 30); }, 3},
+                                           Shape{"degenerate", [] { return shapes::degenerate_grid(12, 9); }, 3, 1e-6},
+                                           Shape{"non_manifold", [] { return shapes::non_manifold_grid(12, 9); }, 3},
+                                           Shape{"inconsistent", [] { return shapes::inconsistent_grid(12, 9); }, 3,
+                                                 1e-8, false},
+                                           Shape{"two_pieces", [] { return shapes::two_pieces(1); }, 0.8}),
+                         [](const auto& shape) { return std::string(shape.param.name); });
+
+TEST_P(RotationOn, RigidMotionIsRecovered) {
+  const TriangleMesh mesh = GetParam().mesh();
+  for (const double degrees : {1e-4, 37.0, 120.0, 179.0}) {
+    SCOPED_TRACE(degrees);
+    const Affine map = support::rigid(degrees, Vector3(1, -2, 0.5), Vector3(3, 1, -20));
+    expect_everywhere(map.linear(), map, mesh);
+  }
+}
+
+TEST_P(RotationOn, UniformScaleDoesNotEnter) {
+  const Affine turn = support::rigid(50, Vector3(0, 1, 1), Vector3::Zero());
+  for (const double scale : {0.2, 30.0}) {
+    SCOPED_TRACE(scale);
+    expect_everywhere(turn.linear(), Affine(turn * Eigen::Scaling(scale)), GetParam().mesh());
+  }
+}
+
+TEST_P(RotationOn, NoMotionIsExactlyTheIdentity) {
+  const TriangleMesh mesh = GetParam().mesh();
+  for (const DetailRotation kind : kBoth) {
+    const auto found = rotations(kind, mesh, mesh.vertices, GetParam().radius);
+    EXPECT_EQ(std::count(found.begin(), found.end(), Matrix3(Matrix3::Identity())), mesh.vertices.rows()) << name(kind);
+  }
+}
+
+/// Whatever becomes of the surface, what comes out is a rotation.
+TEST_P(RotationOn, IsAlwaysARotation) {
+  const TriangleMesh mesh = GetParam().mesh();
+  std::mt19937 generator(11);
+  const double size = support::diameter(mesh.vertices);
+  Points noise = mesh.vertices;
+  for (Eigen::Index k = 0; k < noise.size(); ++k) {
+    noise.data()[k] = size * (static_cast<double>(generator()) / 4294967295.0 - 0.5);
+  }
+  auto flattened = [&mesh](double x, double y, double z) {
+    return Points(mesh.vertices * Vector3(x, y, z).asDiagonal());
+  };
+  const std::vector<std::pair<const char*, Points>> poses = {
+      {"noise", noise},
+      {"mirrored", flattened(-1, 1, 1)},
+      {"turned inside out", flattened(-1, -1, -1)},
+      {"flat", flattened(1, 0, 1)},
+      {"on a line", flattened(0, 1, 0)},
+      {"in a point", flattened(0, 0, 0)},
+      {"tiny", flattened(1e-14, 1e-14, 1e-14)},
+      {"vast", 1e8 * noise},
+  };
+  for (const DetailRotation kind : kBoth) {
+    for (const auto& [pose, after] : poses) {
+      for (const Matrix3& rotation : rotations(kind, mesh, after, GetParam().radius)) {
+        ASSERT_LT(support::rotation_defect(rotation), 1e-9) << name(kind) << ", " << pose;
+      }
+    }
+  }
+}
+
+TEST(DetailRotation, FarFromWhatMovesIsExactlyTheIdentity) {
+  const TriangleMesh mesh = wavy_field(60, 12);
+  Points after = mesh.vertices;
+  for (auto p : after.rowwise()) {
+    if (p[0] > 3) {
+      p = (p.array() * 1.3 + 0.2).matrix().eval();
+    }
+  }
+  for (const DetailRotation kind : kBoth) {
+    const auto found = rotations(kind, mesh, after, 0.5);
+    int turned = 0, disturbed = 0;
+    for (int v = 0; v < mesh.vertices.rows(); ++v) {
+      const bool is_turned = found[v] != Matrix3(Matrix3::Identity());
+      turned += is_turned;
+      disturbed += is_turned && mesh.vertices(v, 0) < 1.7;  // farther than the smoothing radius and some rings
+    }
+    EXPECT_EQ(disturbed, 0) << name(kind);
+    EXPECT_GT(turned, 100) << name(kind);
+  }
+}
+
+/// The paper's frames (section 4), written down a second time.
+TEST(PaperFrames, AreTheSmoothNormalAndTheMostTangentialEdge) {
+  const TriangleMesh mesh = wavy_field(16, 9);
+  Points after = mesh.vertices;
+  for (auto p : after.rowwise()) {  // a twist with some shear
+    const Affine turn = support::rigid(40 * p[0], Vector3::UnitX(), Vector3(0, 0.1 * p[0] * p[0], 0));
+    p = (turn * Vector3(p)).transpose().eval();
+  }
+  const int n = static_cast<int>(mesh.vertices.rows());
+  for (const double radius : {1e-3, 0.7}) {  // only the vertex itself; a neighbourhood
+    const auto found = rotations(DetailRotation::SmoothNormals, mesh, after, radius);
+    const Region region = support::whole_region(mesh, {{0}}, {});
+    Points normals[2], smooth[2];
+    const SmoothingKernel kernel(region, mesh.vertices, radius, 1);
+    vertex_normals(mesh.vertices, mesh.faces, normals[0]);
+    vertex_normals(after, mesh.faces, normals[1]);
+    kernel.apply(normals[0], smooth[0]);
+    kernel.apply(normals[1], smooth[1]);
+    for (int v = 0; v < n; ++v) {
+      const Vector3 n0 = smooth[0].row(v).normalized(), n1 = smooth[1].row(v).normalized();
+      int edge = -1;
+      double nearest_to_orthogonal = 1e300;
+      for (const int w : region.neighbours[v]) {
+        const Vector3 e = (mesh.vertices.row(w) - mesh.vertices.row(v)).transpose();
+        const double off = std::abs(std::acos(e.normalized().dot(n0)) - std::acos(0.0));
+        if (off < nearest_to_orthogonal) {
+          nearest_to_orthogonal = off;
+          edge = w;
+        }
+      }
+      const Vector3 e0 = (mesh.vertices.row(edge) - mesh.vertices.row(v)).transpose();
+      const Vector3 e1 = (after.row(edge) - after.row(v)).transpose();
+      const Vector3 u0 = n0.cross(e0).cross(n0).normalized(), u1 = n1.cross(e1).cross(n1).normalized();
+      const Vector3 delta(0.3, -1.2, 0.7);
+      const Vector3 expected = delta.dot(n0) * n1 + delta.dot(u0) * u1 + delta.dot(n0.cross(u0)) * n1.cross(u1);
+      EXPECT_LT((found[v] * delta - expected).norm(), 1e-12) << "vertex " << v << ", r " << radius;
+    }
+  }
+}
+
+/// A plane rolled up to a cylinder: the rotation at x is known, about y by x over the cylinder's radius.
+TEST(DetailRotation, RolledPlaneTurnsByItsAngle) {
+  constexpr int kRows = 61, kColumns = 31;
+  const TriangleMesh mesh = shapes::grid(kRows, kColumns);
+  constexpr double kRoll = 40;
+  Points after = mesh.vertices;
+  for (auto p : after.rowwise()) {
+    const double angle = p[0] / kRoll;
+    p << kRoll * std::sin(angle), p[1], kRoll * (1 - std::cos(angle));
+  }
+  for (const DetailRotation kind : kBoth) {
+    const auto found = rotations(kind, mesh, after, 6);
+    double largest = 0;
+    for (int i = 10; i < kRows - 10; ++i) {  // away from the border, where neighbourhoods are lopsided
+      for (int j = 10; j < kColumns - 10; ++j) {
+        const Matrix3 expected = Eigen::AngleAxisd(-i / kRoll, Vector3::UnitY()).toRotationMatrix();
+        largest = std::max(largest, support::largest_angle({found[kColumns * i + j]}, {expected}));
+      }
+    }
+    // One edge spans 1.4 degrees. The grid's diagonals run one way only, which turns the fit a little within the
+    // surface; the paper's edge runs along y, where it is exact.
+    EXPECT_LT(largest * 180 / std::acos(-1.0), 0.1) << name(kind);
+  }
+}
+
+TEST(DetailRotation, SmoothSurfaceFadesOutAcrossTheAnchors) {
+  const TriangleMesh mesh = wavy_field(24, 12);
+  Region region = support::whole_region(mesh, {{150}}, {0, 1, 2, 12, 13, 14});
+  region.anchor_depth[0] = region.anchor_depth[12] = 1;
+  region.anchor_depth[1] = 0.5;
+  const SmoothingKernel kernel(region, mesh.vertices, 0.5, 1);
+  RotationEstimator estimator(DetailRotation::SmoothSurface, region, kernel);
+  estimator.set_before(mesh.vertices);
+  const Affine map = support::rigid(30, Vector3::UnitX(), Vector3::Zero());
+  std::vector<Matrix3> found;
+  estimator.estimate(support::moved(map, mesh.vertices) - mesh.vertices, found);
+  EXPECT_LT((found[0] - Matrix3::Identity()).norm(), 1e-9);
+  EXPECT_LT((found[12] - Matrix3::Identity()).norm(), 1e-9);
+  EXPECT_LT((found[2] - map.linear()).norm(), 1e-9) << "inner edge of the band";
+  const double half = Eigen::AngleAxisd(found[1]).angle() * 180 / std::acos(-1.0);
+  EXPECT_GT(half, 5);
+  EXPECT_LT(half, 25);
+}
+
+TEST(DetailRotation, PoseToTurnFromCanBeChanged) {
+  const TriangleMesh mesh = wavy_field(24, 12);
+  const Region region = support::whole_region(mesh, {{0}}, {});
+  const SmoothingKernel kernel(region, mesh.vertices, 0.5, 1);
+  const Affine first = support::rigid(70, Vector3(1, 1, 0), Vector3(1, 0, 0));
+  const Affine second = support::rigid(25, Vector3(0, 1, 3), Vector3(0, 1, 0));
+  const Points carried = support::moved(first, mesh.vertices);
+  for (const DetailRotation kind : kBoth) {
+    RotationEstimator estimator(kind, region, kernel);
+    std::vector<Matrix3> found;
+    estimator.set_before(mesh.vertices);
+    estimator.estimate(carried - mesh.vertices, found);
+    estimator.set_before(carried);
+    estimator.estimate(support::moved(second, carried) - carried, found);
+    for (const Matrix3& rotation : found) {
+      EXPECT_LT((rotation - second.linear()).norm(), 1e-9) << name(kind);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lapedit

@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/deform/differential_operator.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <limits>
+#include <set>
+#include <vector>
+
+#include "shapes.h"
+#include "support.h"
+
+namespace lapedit {
+namespace {
+
+Region whole(const TriangleMesh& mesh) {
+  return support::whole_region(mesh, {{0}}, {});
+}
+
+Eigen::MatrixXd dense(const DifferentialOperator& op) {
+  return Eigen::MatrixXd(op.matrix);
+}
+
+/// The cotangent operator of a whole mesh by its definition, from angles; meshes without degenerate faces only.
+Eigen::MatrixXd cotangent_by_angles(const TriangleMesh& mesh) {
+  const auto n = mesh.vertices.rows();
+  Eigen::MatrixXd weights = Eigen::MatrixXd::Zero(n, n);
+  for (const auto& face : mesh.faces.rowwise()) {
+    for (int k = 0; k < 3; ++k) {
+      const Vector3 tip = mesh.vertices.row(face[k]);
+      const Vector3 a = mesh.vertices.row(face[(k + 1) % 3]).transpose() - tip;
+      const Vector3 b = mesh.vertices.row(face[(k + 2) % 3]).transpose() - tip;
+      const double half = 0.5 / std::tan(std::acos(a.normalized().dot(b.normalized())));
+      weights(face[(k + 1) % 3], face[(k + 2) % 3]) += half;
+      weights(face[(k + 2) % 3], face[(k + 1) % 3]) += half;
+    }
+  }
+  weights = weights.cwiseMax(0);
+  Eigen::MatrixXd result = Eigen::MatrixXd::Identity(n, n);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    result.row(j) -= weights.row(j) / weights.row(j).sum();
+  }
+  return result;
+}
+
+/// Equilateral triangles of edge 1.
+TriangleMesh equilateral_grid(int rows, int columns) {
+  TriangleMesh mesh = shapes::grid(rows, columns);
+  for (auto p : mesh.vertices.rowwise()) {
+    p << p[0] + 0.5 * p[1], std::sqrt(0.75) * p[1], 0;
+  }
+  return mesh;
+}
+
+/// Vertices whose one-ring closes around them.
+std::vector<int> interior(int rows, int columns) {
+  std::vector<int> vertices;
+  for (int i = 1; i + 1 < rows; ++i) {
+    for (int j = 1; j + 1 < columns; ++j) {
+      vertices.push_back(columns * i + j);
+    }
+  }
+  return vertices;
+}
+
+class OperatorOn : public ::testing::TestWithParam<TriangleMesh (*)()> {};
+INSTANTIATE_TEST_SUITE_P(
+    Shapes, OperatorOn,
+    ::testing::Values([] { return shapes::letter_field(14, 9); }, [] { return shapes::icosphere(2); },
+                      [] { return shapes::bar(5, 2, 3); }, [] { return shapes::tapered_arm(10, 20); },
+                      [] { return shapes::degenerate_grid(12, 9); }, [] { return shapes::non_manifold_grid(12, 9); },
+                      [] { return shapes::inconsistent_grid(12, 9); }, [] { return shapes::two_pieces(1); }));
+
+TEST_P(OperatorOn, RowsSumToZeroWithOnesOnTheDiagonalAndNoPositiveNeighbour) {
+  const TriangleMesh mesh = GetParam()();
+  const Region region = whole(mesh);
+  for (const LaplacianKind kind : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
+    const Eigen::MatrixXd m = dense(differential_operator(kind, region, mesh));
+    for (int j = 0; j < region.size(); ++j) {
+      if (region.neighbours[j].size() == 0) {
+        EXPECT_TRUE(m.row(j).isZero(0)) << "isolated vertex " << j;
+        continue;
+      }
+      EXPECT_NEAR(m.row(j).sum(), 0, 1e-14) << name(kind) << ", row " << j;
+      EXPECT_EQ(m(j, j), 1) << name(kind) << ", row " << j;
+      for (int i = 0; i < region.size(); ++i) {
+        EXPECT_TRUE(i == j || m(j, i) <= 0) << name(kind) << ", entry " << j << ", " << i;
+      }
+    }
+  }
+}
+
+TEST_P(OperatorOn, UmbrellaIsTheMeanOfTheNeighbours) {
+  const TriangleMesh mesh = GetParam()();
+  const Region region = whole(mesh);
+  Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(region.size(), region.size());
+  for (const auto& face : mesh.faces.rowwise()) {
+    for (int k = 0; k < 9; ++k) {
+      if (face[k / 3] != face[k % 3]) {
+        expected(face[k / 3], face[k % 3]) = -1;
+      }
+    }
+  }
+  for (int j = 0; j < region.size(); ++j) {
+    const double valence = -expected.row(j).sum();
+    if (valence > 0) {
+      expected.row(j) /= valence;
+      expected(j, j) = 1;
+    }
+  }
+  const DifferentialOperator found = umbrella_operator(region);
+  EXPECT_LT((dense(found) - expected).cwiseAbs().maxCoeff(), 1e-15);
+  EXPECT_EQ(found.uniform_edges, 0);
+}
+
+TEST_P(OperatorOn, CotangentDoesNotFeelScaleOrMotion) {
+  const TriangleMesh mesh = GetParam()();
+  const Region region = whole(mesh);
+  const DifferentialOperator found = cotangent_operator(region, mesh);
+  for (const double scale : {1e-9, 1e9}) {
+    const Affine map = Affine(support::rigid(40, Vector3(1, 2, 3), Vector3::Zero()) * Eigen::Scaling(scale));
+    const DifferentialOperator other = cotangent_operator(region, support::moved(map, mesh));
+    // Degenerate shapes hold needles whose cotangents amplify rounding by their aspect ratio.
+    EXPECT_LT((dense(found) - dense(other)).cwiseAbs().maxCoeff(), 1e-7);
+    EXPECT_EQ(found.uniform_edges, other.uniform_edges);
+  }
+}
+
+TEST(UmbrellaOperator, SubtractsThePlainMeanOnAHexagon) {
+  const TriangleMesh mesh = shapes::grid(3, 3);
+  const Eigen::MatrixXd m = dense(umbrella_operator(whole(mesh)));
+  EXPECT_EQ(m(4, 4), 1);
+  for (const int neighbour : {1, 2, 3, 5, 6, 7}) {
+    EXPECT_EQ(m(4, neighbour), -1.0 / 6);
+  }
+  EXPECT_EQ(m(4, 0), 0);
+  EXPECT_EQ(m(0, 1), -0.5);
+  EXPECT_EQ(m(2, 1), -1.0 / 3);
+}
+
+TEST(CotangentOperator, EqualsTheUmbrellaOnEquilateralTriangles) {
+  const TriangleMesh mesh = equilateral_grid(7, 6);
+  const Region region = whole(mesh);
+  const Eigen::MatrixXd cotangent = dense(cotangent_operator(region, mesh));
+  const Eigen::MatrixXd umbrella = dense(umbrella_operator(region));
+  for (const int j : interior(7, 6)) {
+    EXPECT_LT((cotangent.row(j) - umbrella.row(j)).cwiseAbs().maxCoeff(), 1e-14) << "row " << j;
+  }
+}
+
+TEST(CotangentOperator, IsTheCotangentsOfTheAnglesOppositeToAnEdge) {
+  for (const TriangleMesh& mesh : {shapes::letter_field(14, 9), shapes::icosphere(2), shapes::tapered_arm(10, 20)}) {
+    const DifferentialOperator found = cotangent_operator(whole(mesh), mesh);
+    EXPECT_EQ(found.uniform_edges, 0);
+    EXPECT_LT((dense(found) - cotangent_by_angles(mesh)).cwiseAbs().maxCoeff(), 1e-10);
+  }
+}
+
+TEST(CotangentOperator, RightAngleGivesNoWeightAcross) {
+  const TriangleMesh mesh = shapes::grid(3, 3);
+  const Eigen::MatrixXd m = dense(cotangent_operator(whole(mesh), mesh));
+  EXPECT_NEAR(m(4, 2), 0, 1e-16) << "both angles opposite to a diagonal are right";
+  for (const int neighbour : {1, 3, 5, 7}) {
+    EXPECT_NEAR(m(4, neighbour), -0.25, 1e-15);
+  }
+}
+
+TEST(CotangentOperator, ObtusePairsCountAsZero) {
+  // A rhombus whose short diagonal is missing: both angles opposite to the long one (0-1) are 120 degrees.
+  TriangleMesh mesh;
+  mesh.vertices.resize(4, 3);
+  mesh.vertices << -std::sqrt(3.0), 0, 0, std::sqrt(3.0), 0, 0, 0, 1, 0, 0, -1, 0;
+  mesh.faces.resize(2, 3);
+  mesh.faces << 0, 1, 2, 1, 0, 3;
+  const DifferentialOperator found = cotangent_operator(whole(mesh), mesh);
+  const Eigen::MatrixXd m = dense(found);
+  EXPECT_EQ(m(0, 1), 0);
+  EXPECT_NEAR(m(0, 2), -0.5, 1e-15);
+  EXPECT_NEAR(m(0, 3), -0.5, 1e-15);
+  EXPECT_EQ(found.uniform_edges, 0);
+}
+
+TEST(CotangentOperator, NeedlesAreCut) {
+  // Two triangles on edge 0-1: a needle with a corner of 0.0057 degrees opposite to it, whose cotangent is 10,000, and
+  // an equilateral one.
+  TriangleMesh mesh;
+  mesh.vertices.resize(4, 3);
+  mesh.vertices << 0, 0, 0, 1, 0, 0, 0.5, std::sqrt(0.75), 0, 0, -1e4, 0;
+  mesh.faces.resize(2, 3);
+  mesh.faces << 0, 1, 2, 1, 0, 3;
+  const DifferentialOperator found = cotangent_operator(whole(mesh), mesh);
+  const double equilateral = 0.5 / std::sqrt(3.0), cut = 0.5 * 1e3 + equilateral;
+  EXPECT_NEAR(dense(found)(0, 1), -cut / (cut + equilateral + 0.5e-4), 1e-12);
+  EXPECT_EQ(found.uniform_edges, 0);
+}
+
+TEST(CotangentOperator, IsZeroOnAPlaneWhereverNoWeightIsNegative) {
+  constexpr int kRows = 24, kColumns = 16;
+  const TriangleMesh mesh = shapes::letter_field(kRows, kColumns, 0);
+  const Region region = whole(mesh);
+  const DifferentialOperator found = cotangent_operator(region, mesh);
+  const Points deltas = found.matrix * mesh.vertices;
+  const Points uniform = umbrella_operator(region).matrix * mesh.vertices;
+  // Where clamping took place shows in the operator: a zero between neighbours.
+  const Eigen::MatrixXd m = dense(found);
+  int checked = 0;
+  for (const int j : interior(kRows, kColumns)) {
+    bool clamped = false;
+    for (const int i : region.neighbours[j]) {
+      clamped |= m(j, i) == 0;
+    }
+    if (!clamped) {
+      EXPECT_LT(deltas.row(j).norm(), 1e-15) << "vertex " << j;
+      EXPECT_GT(uniform.row(j).norm(), 1e-6) << "the umbrella sees the triangulation, vertex " << j;
+      ++checked;
+    }
+  }
+  EXPECT_GT(checked, 50);
+}
+
+TEST(CotangentOperator, FacesAcrossTheRimCount) {
+  const TriangleMesh mesh = shapes::letter_field(14, 9);
+  RegionSpec spec;
+  spec.radius = 0.8;
+  const Region region = build_region(mesh, support::adjacency_of(mesh), spec, {{60}});
+  const Eigen::MatrixXd m = dense(cotangent_operator(region, mesh));
+  const Eigen::MatrixXd all = cotangent_by_angles(mesh);
+  for (int j = 0; j < region.size(); ++j) {
+    double inside = 0;  // share of the row's weight that stays in the region
+    for (const int i : region.neighbours[j]) {
+      inside -= all(region.mesh_vertex[j], region.mesh_vertex[i]);
+    }
+    for (const int i : region.neighbours[j]) {
+      EXPECT_NEAR(m(j, i), all(region.mesh_vertex[j], region.mesh_vertex[i]) / inside, 1e-10);
+    }
+  }
+}
+
+TEST(CotangentOperator, DegenerateTrianglesAreCountedAndTakeTheUniformWeight) {
+  // A square of two right triangles and, on its side 0-1, a triangle without area.
+  TriangleMesh mesh;
+  mesh.vertices.resize(5, 3);
+  mesh.vertices << 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 2, 0, 0;
+  mesh.faces.resize(3, 3);
+  mesh.faces << 0, 1, 2, 1, 3, 2, 0, 4, 1;
+  const DifferentialOperator found = cotangent_operator(whole(mesh), mesh);
+  EXPECT_EQ(found.uniform_edges, 3);  // 0-1, 1-4, 0-4
+  const Eigen::MatrixXd m = dense(found);
+  EXPECT_EQ(m(4, 0), -0.5);
+  EXPECT_EQ(m(4, 1), -0.5);
+  const double uniform = 1 / std::sqrt(3.0);  // against cot 45 / 2 of edge 0-2
+  EXPECT_NEAR(m(0, 1), -uniform / (2 * uniform + 0.5), 1e-15);
+  EXPECT_NEAR(m(0, 2), -0.5 / (2 * uniform + 0.5), 1e-15);
+}
+
+TEST(CotangentOperator, EdgesOfFacesWithoutAreaAreUniformAndNoOthers) {
+  const TriangleMesh healthy = shapes::grid(12, 9);
+  EXPECT_EQ(cotangent_operator(whole(healthy), healthy).uniform_edges, 0);
+  const TriangleMesh bad = shapes::degenerate_grid(12, 9);
+  std::set<std::pair<int, int>> edges;
+  for (const auto& face : bad.faces.rowwise()) {
+    const Vector3 a = bad.vertices.row(face[0]), b = bad.vertices.row(face[1]), c = bad.vertices.row(face[2]);
+    for (int k = 0; (b - a).cross(c - a).norm() == 0 && k < 3; ++k) {
+      const std::pair<int, int> edge = std::minmax({int(face[k]), int(face[(k + 1) % 3])});
+      if (edge.first != edge.second) {
+        edges.insert(edge);
+      }
+    }
+  }
+  const DifferentialOperator found = cotangent_operator(whole(bad), bad);
+  EXPECT_EQ(found.uniform_edges, static_cast<int>(edges.size()));
+  EXPECT_GT(found.uniform_edges, 20);
+  EXPECT_TRUE(dense(found).allFinite());
+}
+
+TEST(CotangentOperator, CornerThatIsNotANumberOutsideTheRegionDoesNotEnter) {
+  TriangleMesh mesh = shapes::grid(9, 9);
+  RegionSpec spec;
+  spec.radius = 2;
+  const Region region = build_region(mesh, support::adjacency_of(mesh), spec, {{40}});
+  int outside = -1;  // next to the region
+  for (const int f : region.edge_faces) {
+    for (int k = 0; k < 3; ++k) {
+      if (!std::binary_search(region.mesh_vertex.begin(), region.mesh_vertex.end(), mesh.faces(f, k))) {
+        outside = mesh.faces(f, k);
+      }
+    }
+  }
+  ASSERT_GE(outside, 0);
+  mesh.vertices(outside, 0) = std::numeric_limits<double>::quiet_NaN();
+  const DifferentialOperator found = cotangent_operator(region, mesh);
+  EXPECT_TRUE(dense(found).allFinite());
+  EXPECT_GT(found.uniform_edges, 0);
+}
+
+TEST(OperatorPower, IsTheProductOfOperators) {
+  const TriangleMesh mesh = shapes::letter_field(14, 9);
+  const Region region = whole(mesh);
+  for (const LaplacianKind kind : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
+    const DifferentialOperator op = differential_operator(kind, region, mesh);
+    const Eigen::MatrixXd m = dense(op);
+    EXPECT_EQ(Eigen::MatrixXd(power(op.matrix, 1)), m);
+    EXPECT_LT((Eigen::MatrixXd(power(op.matrix, 2)) - m * m).cwiseAbs().maxCoeff(), 1e-14);
+    EXPECT_LT((Eigen::MatrixXd(power(op.matrix, 3)) - m * m * m).cwiseAbs().maxCoeff(), 1e-14);
+  }
+}
+
+TEST(OperatorPower, OtherOrdersAreRefused) {
+  const SparseMatrix m = umbrella_operator(whole(shapes::grid(3, 3))).matrix;
+  for (const int order : {-1, 0, 4}) {
+    support::expect_refusal(ErrorCause::BadParameter, [&] { power(m, order); });
+  }
+}
+
+}  // namespace
+}  // namespace lapedit

@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/deform/smooth_normals.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <limits>
+#include <vector>
+
+#include "shapes.h"
+#include "support.h"
+
+namespace lapedit {
+namespace {
+
+constexpr std::size_t kNeverSampled = std::numeric_limits<std::size_t>::max();
+
+Region whole(const TriangleMesh& mesh, int handle = 0) {
+  return support::whole_region(mesh, {{handle}}, {});
+}
+
+/// The kernel as a matrix, column by column.
+Eigen::MatrixXd dense(const SmoothingKernel& kernel, int n) {
+  Eigen::MatrixXd result(n, n);
+  Points in, out;
+  for (int first = 0; first < n; first += 3) {
+    in.setZero(n, 3);
+    for (int k = 0; k < 3 && first + k < n; ++k) {
+      in(first + k, k) = 1;
+    }
+    kernel.apply(in, out);
+    for (int k = 0; k < 3 && first + k < n; ++k) {
+      result.col(first + k) = out.col(k);
+    }
+  }
+  return result;
+}
+
+/// The same from its definition.
+Eigen::MatrixXd kernel_by_definition(const TriangleMesh& mesh, double r) {
+  const int n = static_cast<int>(mesh.vertices.rows());
+  Eigen::MatrixXd result(n, n);
+  for (int i = 0; i < n; ++i) {
+    const std::vector<double> distance = support::bellman_ford(mesh, {i});
+    for (int j = 0; j < n; ++j) {
+      const double t = distance[j];
+      result(i, j) = t < r ? 2 * t * t * t / (r * r * r) - 3 * t * t / (r * r) + 1 : 0;
+    }
+    result.row(i) /= result.row(i).sum();
+  }
+  return result;
+}
+
+double mean_edge(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (const auto& face : mesh.faces.rowwise()) {
+    for (int k = 0; k < 3; ++k) {
+      sum += (mesh.vertices.row(face[k]) - mesh.vertices.row(face[(k + 1) % 3])).norm();
+    }
+  }
+  return sum / static_cast<double>(3 * mesh.faces.rows());
+}
+
+/// A plane with noise of a quarter of its edges across it.
+TriangleMesh noisy_plane(int size) {
+  TriangleMesh mesh = shapes::grid(size, size);
+  std::mt19937 generator(7);
+  for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+    mesh.vertices(v, 2) = 0.5 * (static_cast<double>(generator()) / 4294967295.0 - 0.5);
+  }
+  return mesh;
+}
+
+/// Largest difference of direction between neighbours, degrees; inside the given margin of a square grid.
+double largest_turn(const Points& normals, int size, int margin) {
+  double largest = 0;
+  for (int i = margin; i + 1 < size - margin; ++i) {
+    for (int j = margin; j + 1 < size - margin; ++j) {
+      const Vector3 here = normals.row(size * i + j).normalized();
+      for (const int next : {size * (i + 1) + j, size * i + j + 1}) {
+        largest = std::max(largest, (Vector3(normals.row(next).normalized()) - here).norm());
+      }
+    }
+  }
+  return largest * 180 / std::acos(-1.0);
+}
+
+TEST(VertexNormals, AreWeightedByArea) {
+  // Two right triangles on one edge: area 1/2 in the plane z = 0, area 1 in the plane y = 0.
+  TriangleMesh mesh;
+  mesh.vertices.resize(4, 3);
+  mesh.vertices << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 2;
+  mesh.faces.resize(2, 3);
+  mesh.faces << 0, 1, 2, 0, 3, 1;
+  Points normals;
+  vertex_normals(mesh.vertices, mesh.faces, normals);
+  const Vector3 both = Vector3(0, 2, 1).normalized();
+  EXPECT_LT((normals.row(0).transpose() - both).norm(), 1e-15);
+  EXPECT_LT((normals.row(1).transpose() - both).norm(), 1e-15);
+  EXPECT_EQ(Vector3(normals.row(2)), Vector3(0, 0, 1));
+  EXPECT_EQ(Vector3(normals.row(3)), Vector3(0, 1, 0));
+}
+
+TEST(VertexNormals, PointOutwards) {
+  const TriangleMesh arm = shapes::tapered_arm(24, 60, 0);
+  Points normals;
+  vertex_normals(arm.vertices, arm.faces, normals);
+  for (Eigen::Index v = 0; v < arm.vertices.rows(); ++v) {
+    const Vector3 inside(std::clamp(arm.vertices(v, 0), 1.0, 9.7), 0, 0);  // the nearest point of the arm's skeleton
+    EXPECT_NEAR(normals.row(v).norm(), 1, 1e-14);
+    EXPECT_GT(normals.row(v).dot(arm.vertices.row(v) - inside.transpose()), 0) << "vertex " << v;
+  }
+}
+
+TEST(VertexNormals, OppositeFacesCancelToZeroNotToNoise) {
+  // Two faces of one edge folded onto each other, tilted so that nothing cancels bit for bit.
+  TriangleMesh mesh;
+  mesh.vertices.resize(4, 3);
+  mesh.vertices << 0, 0, 0, 1, 0, 0, 0.3, 1, 0, 0.3, 1, 0;
+  mesh.faces.resize(2, 3);
+  mesh.faces << 0, 1, 2, 1, 0, 3;
+  mesh.vertices = support::moved(support::rigid(33, Vector3(1, 2, 3), Vector3(0.1, 0.2, 0.3)), mesh.vertices);
+  Points normals;
+  vertex_normals(mesh.vertices, mesh.faces, normals);
+  EXPECT_EQ(Vector3(normals.row(0)), Vector3(0, 0, 0));
+  EXPECT_NEAR(normals.row(2).norm(), 1, 1e-14);
+}
+
+TEST(VertexNormals, AreZeroWhereThereIsNoArea) {
+  const TriangleMesh mesh = shapes::degenerate_grid(12, 9);
+  Points normals;
+  vertex_normals(mesh.vertices, mesh.faces, normals);
+  ASSERT_TRUE(normals.allFinite());
+  for (int v = 0; v < mesh.vertices.rows(); ++v) {
+    const bool isolated = v >= mesh.vertices.rows() - 5;
+    EXPECT_NEAR(normals.row(v).norm(), isolated ? 0 : 1, 1e-12) << "vertex " << v;
+  }
+}
+
+class KernelOn : public ::testing::TestWithParam<TriangleMesh (*)()> {};
+INSTANTIATE_TEST_SUITE_P(Shapes, KernelOn,
+                         ::testing::Values([] { return shapes::letter_field(14, 9); },
+                                           [] { return shapes::icosphere(2); }, [] { return shapes::bar(5, 2, 3); },
+                                           [] { return shapes::tapered_arm(10, 20); },
+                                           [] { return shapes::degenerate_grid(12, 9); },
+                                           [] { return shapes::non_manifold_grid(12, 9); },
+                                           [] { return shapes::two_pieces(1); }));
+
+TEST_P(KernelOn, IsThePapersPolynomialOfTheDistance) {
+  const TriangleMesh mesh = GetParam()();
+  const Region region = whole(mesh);
+  for (const double edges : {0.5, 2.0, 4.5}) {
+    const double r = edges * mean_edge(mesh);
+    const SmoothingKernel kernel(region, mesh.vertices, r, 1, kNeverSampled);
+    EXPECT_FALSE(kernel.sampled());
+    EXPECT_EQ(kernel.radius(), r);
+    const Eigen::MatrixXd difference = dense(kernel, region.size()) - kernel_by_definition(mesh, r);
+    EXPECT_LT(difference.cwiseAbs().maxCoeff(), 1e-12) << edges << " mean edges";
+  }
+}
+
+TEST_P(KernelOn, KeepsAConstant) {
+  const TriangleMesh mesh = GetParam()();
+  const Region region = whole(mesh);
+  const Points constant = Vector3(1, -2, 1e3).transpose().replicate(region.size(), 1);
+  for (const std::size_t limit : {kNeverSampled, std::size_t(1)}) {
+    const SmoothingKernel kernel(region, mesh.vertices, 4 * mean_edge(mesh), 1, limit);
+    EXPECT_EQ(kernel.sampled(), limit == 1);
+    Points out;
+    kernel.apply(constant, out);
+    EXPECT_LT((out - constant).cwiseAbs().maxCoeff(), 1e-11);
+  }
+}
+
+TEST_P(KernelOn, SampledKernelIsNearTheExactOne) {
+  const TriangleMesh mesh = GetParam()();
+  const Region region = whole(mesh);
+  Points exact, sampled;
+  const double r = 6 * mean_edge(mesh);
+  SmoothingKernel(region, mesh.vertices, r, 1, kNeverSampled).apply(mesh.vertices, exact);
+  SmoothingKernel(region, mesh.vertices, r, 1, 1).apply(mesh.vertices, sampled);
+  // Blending shifts a mean by less than the distance to the centres, r / 4, and mostly cancels; up to 0.11 r was seen.
+  EXPECT_LT((exact - sampled).rowwise().norm().maxCoeff(), 0.15 * r);
+}
+
+TEST(SmoothingKernel, SampledNormalsAreNearTheExactOnes) {
+  const TriangleMesh mesh = shapes::letter_field(96, 48);
+  const Region region = whole(mesh, 48 * 48 + 24);
+  Points normals, exact, sampled;
+  vertex_normals(mesh.vertices, mesh.faces, normals);
+  constexpr double kRadius = 0.5;
+  const SmoothingKernel fine(region, mesh.vertices, kRadius, 1, kNeverSampled);
+  const SmoothingKernel coarse(region, mesh.vertices, kRadius, 1, fine.entries() / 4);
+  EXPECT_TRUE(coarse.sampled());
+  EXPECT_LT(coarse.entries(), fine.entries() / 2) << "sampling has to pay";
+  fine.apply(normals, exact);
+  coarse.apply(normals, sampled);
+  exact.rowwise().normalize();
+  sampled.rowwise().normalize();
+  const double degrees = (exact - sampled).rowwise().norm().maxCoeff() * 180 / std::acos(-1.0);
+  const double raw = (exact - normals).rowwise().norm().maxCoeff() * 180 / std::acos(-1.0);
+  EXPECT_LT(degrees, 5);
+  EXPECT_GT(raw, 45) << "the letters' flanks have to be smoothed away for this to say anything";
+}
+
+TEST(SmoothingKernel, ThreadsDoNotChangeABit) {
+  const TriangleMesh mesh = shapes::letter_field(48, 24);
+  const Region region = whole(mesh);
+  for (const std::size_t limit : {kNeverSampled, std::size_t(1)}) {
+    Points one, other;
+    SmoothingKernel(region, mesh.vertices, 0.4, 1, limit).apply(mesh.vertices, one);
+    for (const int threads : {2, 3, 4, 0}) {
+      SmoothingKernel(region, mesh.vertices, 0.4, threads, limit).apply(mesh.vertices, other);
+      EXPECT_TRUE(support::same_bits(one, other)) << threads << " threads, limit " << limit;
+    }
+  }
+}
+
+TEST(SmoothingKernel, RenumberingPermutes) {
+  const TriangleMesh mesh = shapes::letter_field(48, 24);
+  const std::vector<int> numbers = support::shuffled(48 * 24, 3);
+  const TriangleMesh other = support::renumbered(mesh, numbers, 4);
+  for (const std::size_t limit : {kNeverSampled, std::size_t(1)}) {
+    Points before, after;
+    SmoothingKernel(whole(mesh, 600), mesh.vertices, 0.4, 1, limit).apply(mesh.vertices, before);
+    SmoothingKernel(whole(other, numbers[600]), other.vertices, 0.4, 1, limit).apply(other.vertices, after);
+    EXPECT_LT(support::error(support::rows(after, numbers), before), 1e-14) << "limit " << limit;
+  }
+}
+
+/// The paper's Figure 5: weighted normals change slowly where plain averages over the same neighbourhood jump.
+TEST(SmoothNormals, VaryLessThanPlainAveragesOnANoisyPlane) {
+  constexpr int kSize = 40, kMargin = 8;
+  const TriangleMesh mesh = noisy_plane(kSize);
+  const Region region = whole(mesh);
+  const Adjacency adjacency = support::adjacency_of(mesh);
+  Points normals, smooth;
+  vertex_normals(mesh.vertices, mesh.faces, normals);
+  for (const double r : {3.0, 5.0, 8.0}) {
+    SmoothingKernel(region, mesh.vertices, r, 1, kNeverSampled).apply(normals, smooth);
+    Points plain = Points::Zero(normals.rows(), 3);
+    GeodesicSearch search(adjacency.neighbours, mesh.vertices);
+    for (int v = 0; v < mesh.vertices.rows(); ++v) {
+      for (const int near : search.run({v}, r)) {
+        plain.row(v) += normals.row(near);
+      }
+    }
+    const double raw = largest_turn(normals, kSize, kMargin), averaged = largest_turn(plain, kSize, kMargin),
+                 weighted = largest_turn(smooth, kSize, kMargin);
+    EXPECT_LT(weighted, averaged) << "r = " << r;
+    EXPECT_LT(averaged, raw) << "r = " << r;
+  }
+}
+
+TEST(AutomaticNormalRadius, FollowsTheSizeOfTheModel) {
+  const TriangleMesh mesh = shapes::letter_field(40, 20);
+  const double radius = automatic_normal_radius(whole(mesh, 410), mesh.vertices);
+  for (const double scale : {1e-9, 1e-3, 1e6}) {
+    const TriangleMesh other = support::moved(Affine(Eigen::Scaling(scale)), mesh);
+    EXPECT_NEAR(automatic_normal_radius(whole(other, 410), other.vertices) / (scale * radius), 1, 1e-12);
+  }
+}
+
+TEST(AutomaticNormalRadius, CoversTheDetailButNotTheRegion) {
+  // Bumps of 8 x 8 in a region that reaches 50 to both sides of the handle.
+  const TriangleMesh bumpy = shapes::bumpy_grid();
+  std::vector<int> handle;
+  handle.reserve(60);
+  for (int j = 0; j < 60; ++j) {
+    handle.push_back(60 * 50 + j);
+  }
+  const double radius = automatic_normal_radius(support::whole_region(bumpy, {handle}, {}), bumpy.vertices);
+  EXPECT_GT(radius, 8);
+  EXPECT_LT(radius, 25);
+  // A region of a few edges still has neighbours to smooth over.
+  const TriangleMesh mesh = shapes::grid(20, 20);
+  RegionSpec spec;
+  spec.radius = 2;
+  const Region small = build_region(mesh, support::adjacency_of(mesh), spec, {{210}});
+  EXPECT_GT(automatic_normal_radius(small, support::rows(mesh.vertices, small.mesh_vertex)), 2);
+}
+
+TEST(AutomaticNormalRadius, IsPositiveWhereAllVerticesCoincide) {
+  TriangleMesh mesh = shapes::grid(4, 4);
+  mesh.vertices.setOnes();
+  EXPECT_GT(automatic_normal_radius(whole(mesh), mesh.vertices), 0);
+}
+
+}  // namespace
+}  // namespace lapedit

@@ -1,0 +1,448 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/edit/edit.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "lapedit/base/error.h"
+#include "shapes.h"
+
+namespace lapedit {
+namespace {
+
+constexpr int kRows = 30, kColumns = 20;
+constexpr int kMiddle = 15 * kColumns + 10;
+
+TriangleMesh test_mesh() {
+  TriangleMesh mesh = shapes::grid(kRows, kColumns);
+  for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {  // numbers that a float cannot hold
+    mesh.vertices.row(v) += Vector3(0.1, 1.0 / 3, 0.05 * std::sin(static_cast<double>(v))).transpose();
+  }
+  return mesh;
+}
+
+EditStep pull(std::vector<int> vertices, const Vector3& way, double radius = 8) {
+  EditStep step;
+  step.region.radius = radius;
+  step.handles.resize(1);
+  step.handles[0].vertices = std::move(vertices);
+  step.handles[0].transform.translation = way;
+  return step;
+}
+
+Edit edit_of(std::vector<EditStep> steps) {
+  Edit edit;
+  edit.steps = std::move(steps);
+  return edit;
+}
+
+/// The whole mesh after an edit.
+Points applied(const TriangleMesh& mesh, const EditResult& result) {
+  Points points = mesh.vertices;
+  for (std::size_t i = 0; i < result.vertices.size(); ++i) {
+    points.row(result.vertices[i]) = result.positions.row(static_cast<Eigen::Index>(i));
+  }
+  return points;
+}
+
+/// What apply_edit() refuses an edit with; fails if it does not.
+EditError refusal(const TriangleMesh& mesh, const Edit& edit, double fraction = 1,
+                  StoredScalar scalar = StoredScalar::Double, const Progress& progress = {}) {
+  try {
+    apply_edit(mesh, edit, fraction, scalar, progress);
+  } catch (const EditError& error) {
+    return error;
+  }
+  ADD_FAILURE() << "was taken";
+  return EditError(ErrorCause::Cancelled, "");
+}
+
+void expect_contains(const std::string& sentence, const std::string& part) {
+  EXPECT_NE(sentence.find(part), std::string::npos) << "sentence: " << sentence << "\npart: " << part;
+}
+
+/// Number of coordinates that differ.
+Eigen::Index differing(const Points& a, const Points& b) {
+  EXPECT_EQ(a.rows(), b.rows());
+  return (a.array() != b.array()).count();
+}
+
+bool is_float(double value) {
+  return static_cast<double>(static_cast<float>(value)) == value;
+}
+
+TEST(Edit, CentroidIsTheMeanOfTheVertices) {
+  Points points(4, 3);
+  points << 0, 0, 0, 2, 4, 6, 4, 2, 0, 100, 100, 100;
+  EXPECT_EQ(centroid(points, {0, 1, 2}), Vector3(2, 2, 2));
+  EXPECT_EQ(centroid(points, {1}), Vector3(2, 4, 6));
+  points.array() += 1e15;  // far away a plain sum would lose the last digits
+  EXPECT_EQ(centroid(points, {0, 1, 2}), Vector3::Constant(1e15 + 2));
+}
+
+TEST(Edit, CentroidRefusesNoVerticesAndVerticesOutsideTheMesh) {
+  const Points points = Points::Zero(4, 3);
+  const auto cause = [&](const std::vector<int>& group) {
+    try {
+      centroid(points, group);
+    } catch (const EditError& error) {
+      return error.cause();
+    }
+    return ErrorCause::Cancelled;
+  };
+  EXPECT_EQ(cause({}), ErrorCause::NoHandle);
+  EXPECT_EQ(cause({0, 4}), ErrorCause::BadIndex);
+  EXPECT_EQ(cause({-1, 0}), ErrorCause::BadIndex);
+}
+
+TEST(Edit, HandleArrivesAndRestOfTheMeshIsNotMentioned) {
+  const TriangleMesh mesh = test_mesh();
+  const EditResult result = apply_edit(mesh, edit_of({pull({kMiddle}, {0, 0, 3})}));
+  EXPECT_TRUE(std::is_sorted(result.vertices.begin(), result.vertices.end()));
+  EXPECT_EQ(std::adjacent_find(result.vertices.begin(), result.vertices.end()), result.vertices.end());
+  EXPECT_LT(result.vertices.size(), static_cast<std::size_t>(mesh.vertices.rows()));
+  ASSERT_EQ(result.positions.rows(), static_cast<Eigen::Index>(result.vertices.size()));
+  const Points after = applied(mesh, result);
+  const Vector3 target = mesh.vertices.row(kMiddle).transpose() + Vector3(0, 0, 3);
+  EXPECT_LT((after.row(kMiddle).transpose() - target).norm(), 0.005 * 3);
+  EXPECT_EQ(after.row(0), mesh.vertices.row(0));
+}
+
+TEST(Edit, EachHandleGroupTakesItsOwnTransform) {
+  const TriangleMesh mesh = test_mesh();
+  const std::vector<int> left = {8 * kColumns + 9, 8 * kColumns + 10, 8 * kColumns + 11};
+  const std::vector<int> right = {22 * kColumns + 9, 22 * kColumns + 10, 22 * kColumns + 11};
+  EditStep step = pull(left, {0, 0, 2}, 6);
+  step.handles.push_back({right, {}});
+  step.handles[1].transform.degrees = 90;  // about z through the group's centroid
+  const Points after = applied(mesh, apply_edit(mesh, edit_of({step})));
+  for (const int v : left) {
+    const Vector3 target = mesh.vertices.row(v).transpose() + Vector3(0, 0, 2);
+    EXPECT_LT((after.row(v).transpose() - target).norm(), 0.005 * 2);
+  }
+  const Vector3 center = centroid(mesh.vertices, right);
+  for (const int v : right) {
+    const Vector3 arm = mesh.vertices.row(v).transpose() - center;
+    EXPECT_LT((after.row(v).transpose() - center - Vector3(-arm[1], arm[0], arm[2])).norm(), 0.02);
+  }
+}
+
+TEST(Edit, StepsApplyInOrderEachToTheResultOfTheOneBefore) {
+  const TriangleMesh mesh = test_mesh();
+  const EditStep first = pull({kMiddle}, {0, 0, 3});
+  const EditStep second = pull({kMiddle + 3}, {1, 0, 1}, 5);
+  TriangleMesh current = mesh;
+  const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
+  for (const EditStep& step : {first, second}) {
+    current.vertices = applied(current, apply_step(current, adjacency, step));
+  }
+  const EditResult result = apply_edit(mesh, edit_of({first, second}));
+  EXPECT_EQ(differing(applied(mesh, result), current.vertices), 0);
+  EXPECT_EQ(result.reports.size(), 2U);
+  EXPECT_GT(differing(applied(mesh, apply_edit(mesh, edit_of({second, first}))), current.vertices), 100);
+}
+
+TEST(Edit, FloatMeshesAreRoundedAfterEachStep) {
+  TriangleMesh mesh = test_mesh();
+  mesh.vertices = mesh.vertices.cast<float>().cast<double>();
+  const EditStep first = pull({kMiddle}, {0, 0, 3});
+  const EditStep second = pull({kMiddle + 3}, {1, 0, 1}, 5);
+  TriangleMesh current = mesh;  // an interactive session: each result stored as float
+  for (const EditStep& step : {first, second}) {
+    const EditResult exact = apply_edit(current, edit_of({step}));
+    current.vertices = applied(current, exact).cast<float>().cast<double>();
+  }
+  const EditResult replay = apply_edit(mesh, edit_of({first, second}), 1, StoredScalar::Float);
+  EXPECT_EQ(differing(applied(mesh, replay), current.vertices), 0);
+  EXPECT_TRUE(std::all_of(replay.positions.data(), replay.positions.data() + replay.positions.size(), is_float));
+  const EditResult exact = apply_edit(mesh, edit_of({first, second}));
+  EXPECT_FALSE(std::all_of(exact.positions.data(), exact.positions.data() + exact.positions.size(), is_float));
+}
+
+TEST(Edit, ResultTooLargeForFloatIsRefused) {
+  const TriangleMesh mesh = test_mesh();
+  const Edit edit = edit_of({pull({kMiddle}, {0, 0, 1e39})});
+  EXPECT_EQ(refusal(mesh, edit, 1, StoredScalar::Float).cause(), ErrorCause::NotFinite);
+  EXPECT_NO_THROW(apply_edit(mesh, edit, 1, StoredScalar::Double));
+}
+
+TEST(Edit, FractionZeroKeepsEveryBit) {
+  const TriangleMesh mesh = test_mesh();
+  EditStep turned = pull({kMiddle, kMiddle + 1}, {0, 0, 3});
+  turned.handles[0].transform.degrees = 50;
+  turned.handles[0].transform.scale = 2;
+  const Edit edit = edit_of({turned, pull({kMiddle + 3}, {1, 0, 0})});
+  EXPECT_EQ(differing(applied(mesh, apply_edit(mesh, edit, 0)), mesh.vertices), 0);
+}
+
+TEST(Edit, FractionTakesTransformsPartOfTheWay) {
+  const TriangleMesh mesh = test_mesh();
+  EditStep step = pull({kMiddle - 1, kMiddle, kMiddle + 1}, {0, 0, 4});
+  step.handles[0].transform.degrees = 120;
+  EditStep quarter = pull({kMiddle - 1, kMiddle, kMiddle + 1}, {0, 0, 1});
+  quarter.handles[0].transform.degrees = 30;
+  const Points part = applied(mesh, apply_edit(mesh, edit_of({step}), 0.25));
+  EXPECT_LT((part - applied(mesh, apply_edit(mesh, edit_of({quarter})))).cwiseAbs().maxCoeff(), 1e-12);
+  const Points whole = applied(mesh, apply_edit(mesh, edit_of({step}), 1));
+  EXPECT_EQ(differing(whole, applied(mesh, apply_edit(mesh, edit_of({step})))), 0);
+}
+
+const std::vector<double> kFractions = {0.25, 1, 0, 0.5};
+
+/// Several steps, with regions that meet.
+std::vector<EditStep> several_steps(LaplacianKind laplacian) {
+  std::vector<EditStep> steps = {pull({kMiddle}, {0, 0, 3}), pull({kMiddle + 3, kMiddle + 4}, {1, 0, 1}, 5),
+                                 pull({kMiddle}, {0, 1, -1}, 6)};
+  steps[1].handles[0].transform.degrees = 50;
+  for (EditStep& step : steps) {
+    step.settings.laplacian = laplacian;
+  }
+  return steps;
+}
+
+TEST(Edit, SeveralFractionsHaveTheBitsThatEachHasAlone) {
+  const TriangleMesh mesh = test_mesh();
+  for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
+    for (const DetailRotation rotation :
+         {DetailRotation::None, DetailRotation::SmoothNormals, DetailRotation::SmoothSurface}) {
+      Edit edit = edit_of(several_steps(laplacian));
+      for (EditStep& step : edit.steps) {
+        step.settings.rotation = rotation;
+        step.settings.iterations = 2;
+      }
+      for (const StoredScalar scalar : {StoredScalar::Float, StoredScalar::Double}) {
+        const std::vector<EditResult> together = apply_edit(mesh, edit, kFractions, scalar);
+        ASSERT_EQ(together.size(), kFractions.size());
+        for (std::size_t p = 0; p < kFractions.size(); ++p) {
+          const EditResult alone = apply_edit(mesh, edit, kFractions[p], scalar);
+          EXPECT_EQ(together[p].vertices, alone.vertices);
+          EXPECT_EQ(differing(applied(mesh, together[p]), applied(mesh, alone)), 0) << kFractions[p];
+          EXPECT_EQ(together[p].reports.size(), 3U);
+        }
+        EXPECT_GT(differing(together[0].positions, together[3].positions), 100);
+      }
+    }
+  }
+}
+
+TEST(Edit, SeveralFractionsOfOneStepShareOneFactorisation) {
+  const TriangleMesh mesh = test_mesh();
+  const std::vector<EditResult> poses = apply_edit(mesh, edit_of({pull({kMiddle}, {0, 0, 3})}), kFractions);
+  for (std::size_t p = 0; p < poses.size(); ++p) {
+    const EditReport& report = poses[p].reports.at(0);
+    EXPECT_EQ(report.factor_taken_over, p > 0);
+    EXPECT_EQ(report.factor_ms > 0, p == 0);
+    EXPECT_EQ(report.operator_ms > 0, p == 0);
+    EXPECT_EQ(report.solve_ms > 0, kFractions[p] > 0);
+  }
+}
+
+/// The second step has the same vertices and, as the window records them, the same anchors, in other shapes: the
+/// umbrella does not see shapes.
+TEST(Edit, LaterStepsOfSeveralFractionsTakeOverWhatFits) {
+  const TriangleMesh mesh = test_mesh();
+  for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
+    EditStep second = pull({kMiddle + 3}, {1, 0, 1}, 5);
+    second.region.kind = RegionSpec::Kind::Vertices;
+    for (int row = 10; row < 20; ++row) {
+      for (int column = 6; column < 18; ++column) {
+        second.region.vertices.push_back(row * kColumns + column);
+        if (row == 10 || row == 19 || column == 6 || column == 17) {
+          second.region.anchors.vertices.push_back(row * kColumns + column);
+        }
+      }
+    }
+    second.region.anchors.weights.assign(second.region.anchors.vertices.size(), 0.5);
+    second.region.anchors.depths.assign(second.region.anchors.vertices.size(), 1);
+    second.region.anchors.reach = 5;
+    second.settings.laplacian = laplacian;
+    const std::vector<EditResult> poses = apply_edit(mesh, edit_of({pull({kMiddle}, {0, 0, 3}), second}), kFractions);
+    for (std::size_t p = 0; p < poses.size(); ++p) {
+      EXPECT_EQ(poses[p].reports.at(1).factor_taken_over, p > 0 && laplacian == LaplacianKind::Umbrella) << p;
+    }
+  }
+}
+
+TEST(Edit, RefusalsOfSeveralFractionsNameTheFraction) {
+  const TriangleMesh mesh = test_mesh();
+  const EditStep good = pull({kMiddle}, {0, 0, 3});
+  EditStep bad = pull({kMiddle}, {0, 0, 1e39});
+  try {
+    apply_edit(mesh, edit_of({good, bad}), std::vector<double>{0, 0.5}, StoredScalar::Float);
+    ADD_FAILURE() << "was taken";
+  } catch (const EditError& error) {
+    EXPECT_EQ(error.cause(), ErrorCause::NotFinite);
+    expect_contains(error.what(), "Step 2 of 2: At fraction 0.5: The result");
+  }
+  EXPECT_THROW(apply_edit(mesh, edit_of({good}), std::vector<double>{0.5, 2}), EditError);
+  EXPECT_TRUE(apply_edit(mesh, edit_of({good}), std::vector<double>{}).empty());
+}
+
+TEST(Edit, ProgressRisesOverSeveralFractions) {
+  const Edit edit = edit_of({pull({kMiddle}, {0, 0, 3}), pull({kMiddle + 3}, {1, 0, 0})});
+  std::vector<double> seen;
+  apply_edit(test_mesh(), edit, kFractions, StoredScalar::Double, [&](double fraction, const char*) {
+    seen.push_back(fraction);
+    return true;
+  });
+  EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end()));
+  EXPECT_GE(seen.front(), 0);
+  EXPECT_EQ(seen.back(), 1);
+}
+
+TEST(Edit, FractionOutsideZeroToOneIsRefused) {
+  const Edit edit = edit_of({pull({kMiddle}, {0, 0, 3})});
+  for (const double fraction :
+       {-0.1, 1.1, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    EXPECT_EQ(refusal(test_mesh(), edit, fraction).cause(), ErrorCause::BadParameter);
+  }
+  expect_contains(refusal(test_mesh(), edit, 1.25).what(), "1.25");
+}
+
+TEST(Edit, OrderAndRepetitionOfVertexNumbersDoNotMatter) {
+  const TriangleMesh mesh = test_mesh();
+  EditStep step = pull({kMiddle, kMiddle + 1, kMiddle + kColumns}, {0, 0, 3});
+  step.handles[0].transform.degrees = 40;
+  EditStep shuffled = step;
+  shuffled.handles[0].vertices = {kMiddle + kColumns, kMiddle, kMiddle + kColumns, kMiddle + 1};
+  const Points sorted = applied(mesh, apply_edit(mesh, edit_of({step})));
+  EXPECT_EQ(differing(sorted, applied(mesh, apply_edit(mesh, edit_of({shuffled})))), 0);
+}
+
+TEST(Edit, MeshItWasMadeForIsTaken) {
+  const TriangleMesh mesh = test_mesh();
+  Edit edit = edit_of({pull({kMiddle}, {0, 0, 3})});
+  edit.mesh_vertices = 600;
+  edit.mesh_faces = static_cast<int>(mesh.faces.rows());
+  edit.connectivity = connectivity_checksum(600, mesh.faces);
+  EXPECT_EQ(edit.connectivity.size(), 16U);
+  EXPECT_EQ(apply_edit(mesh, edit).reports.size(), 1U);
+}
+
+TEST(Edit, OtherMeshIsRefusedWithBothNumbers) {
+  const TriangleMesh mesh = test_mesh();
+  const Edit good = edit_of({pull({kMiddle}, {0, 0, 3})});
+
+  Edit vertices = good;
+  vertices.mesh_vertices = 11703;
+  const EditError by_vertices = refusal(mesh, vertices);
+  EXPECT_EQ(by_vertices.cause(), ErrorCause::MeshMismatch);
+  expect_contains(by_vertices.what(), "11703");
+  expect_contains(by_vertices.what(), "600");
+
+  Edit faces = good;
+  faces.mesh_faces = 23402;
+  const EditError by_faces = refusal(mesh, faces);
+  EXPECT_EQ(by_faces.cause(), ErrorCause::MeshMismatch);
+  expect_contains(by_faces.what(), "23402");
+  expect_contains(by_faces.what(), std::to_string(mesh.faces.rows()));
+
+  Edit connectivity = good;
+  TriangleMesh turned = mesh;
+  turned.faces.row(5) << mesh.faces(5, 1), mesh.faces(5, 2), mesh.faces(5, 0);
+  connectivity.connectivity = connectivity_checksum(600, turned.faces);
+  const EditError by_connectivity = refusal(mesh, connectivity);
+  EXPECT_EQ(by_connectivity.cause(), ErrorCause::MeshMismatch);
+  expect_contains(by_connectivity.what(), connectivity.connectivity);
+  expect_contains(by_connectivity.what(), connectivity_checksum(600, mesh.faces));
+}
+
+TEST(Edit, VertexOutsideTheMeshIsRefusedWithBothNumbers) {
+  const TriangleMesh mesh = test_mesh();
+  for (const int bad : {600, 11703, -1}) {
+    const EditError handle = refusal(mesh, edit_of({pull({kMiddle, bad}, {0, 0, 3})}));
+    EXPECT_EQ(handle.cause(), ErrorCause::BadIndex);
+    expect_contains(handle.what(), std::to_string(bad));
+    expect_contains(handle.what(), "600");
+
+    EditStep step = pull({kMiddle}, {0, 0, 3});
+    step.region.kind = RegionSpec::Kind::Vertices;
+    step.region.vertices = {kMiddle, kMiddle + 1, bad};
+    const EditError region = refusal(mesh, edit_of({step}));
+    EXPECT_EQ(region.cause(), ErrorCause::BadIndex);
+    expect_contains(region.what(), std::to_string(bad));
+    expect_contains(region.what(), "600");
+  }
+}
+
+TEST(Edit, ErrorsNameTheStepWhenThereAreSeveral) {
+  const TriangleMesh mesh = test_mesh();
+  const EditStep good = pull({kMiddle}, {0, 0, 3});
+  const EditStep bad = pull({kMiddle}, {0, 0, 3}, -1);
+  const EditError alone = refusal(mesh, edit_of({bad}));
+  const EditError third = refusal(mesh, edit_of({good, good, bad, good}));
+  EXPECT_EQ(third.cause(), alone.cause());
+  EXPECT_EQ(third.what(), "Step 3 of 4: " + std::string(alone.what()));
+}
+
+TEST(Edit, NothingToDoIsRefused) {
+  EXPECT_EQ(refusal(test_mesh(), Edit()).cause(), ErrorCause::BadScript);
+  EditStep no_handle = pull({kMiddle}, {0, 0, 3});
+  no_handle.handles.clear();
+  EXPECT_EQ(refusal(test_mesh(), edit_of({no_handle})).cause(), ErrorCause::NoHandle);
+  EXPECT_EQ(refusal(test_mesh(), edit_of({pull({}, {0, 0, 3})})).cause(), ErrorCause::NoHandle);
+  EXPECT_EQ(refusal(TriangleMesh(), edit_of({pull({0}, {0, 0, 3})})).cause(), ErrorCause::EmptyMesh);
+}
+
+TEST(Edit, VertexInTwoGroupsIsRefused) {
+  EditStep step = pull({kMiddle, kMiddle + 1}, {0, 0, 3});
+  step.handles.push_back({{kMiddle + 1}, {}});
+  const EditError error = refusal(test_mesh(), edit_of({step}));
+  EXPECT_EQ(error.cause(), ErrorCause::BadIndex);
+  expect_contains(error.what(), std::to_string(kMiddle + 1));
+}
+
+TEST(Edit, BadTransformsAndSettingsAreRefused) {
+  EditStep scale = pull({kMiddle}, {0, 0, 3});
+  scale.handles[0].transform.scale = 0;
+  EXPECT_EQ(refusal(test_mesh(), edit_of({scale})).cause(), ErrorCause::BadParameter);
+  const EditStep far = pull({kMiddle}, {0, 0, std::numeric_limits<double>::infinity()});
+  EXPECT_EQ(refusal(test_mesh(), edit_of({far})).cause(), ErrorCause::NotFinite);
+  EditStep order = pull({kMiddle}, {0, 0, 3});
+  order.settings.order = 4;
+  const EditError error = refusal(test_mesh(), edit_of({order}));
+  EXPECT_EQ(error.cause(), ErrorCause::BadParameter);
+  expect_contains(error.what(), "4");
+}
+
+TEST(Edit, ProgressRisesOverAllStepsAndCanCancel) {
+  const TriangleMesh mesh = test_mesh();
+  const Edit edit = edit_of({pull({kMiddle}, {0, 0, 3}), pull({kMiddle + 3}, {1, 0, 0})});
+  std::vector<double> seen;
+  apply_edit(mesh, edit, 1, StoredScalar::Double, [&](double fraction, const char* stage) {
+    EXPECT_NE(std::string(stage), "");
+    seen.push_back(fraction);
+    return true;
+  });
+  ASSERT_GT(seen.size(), 4U);
+  EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end()));
+  EXPECT_GE(seen.front(), 0);
+  EXPECT_EQ(seen.back(), 1);
+  for (std::size_t stop = 0; stop < seen.size(); ++stop) {
+    std::size_t calls = 0;
+    const EditError error =
+        refusal(mesh, edit, 1, StoredScalar::Double, [&](double, const char*) { return calls++ != stop; });
+    EXPECT_EQ(error.cause(), ErrorCause::Cancelled);
+    EXPECT_EQ(calls, stop + 1);
+  }
+}
+
+TEST(Edit, ThreadsDoNotChangeABit) {
+  const TriangleMesh mesh = shapes::bumpy_grid();
+  EditStep step = pull({50 * 60 + 30}, {5, 0, 10}, 25);
+  step.settings.iterations = 2;
+  step.settings.threads = 1;
+  const Points one = applied(mesh, apply_edit(mesh, edit_of({step})));
+  for (const int threads : {0, 2, 3, 8}) {
+    step.settings.threads = threads;
+    EXPECT_EQ(differing(applied(mesh, apply_edit(mesh, edit_of({step}))), one), 0) << threads << " threads";
+  }
+}
+
+}  // namespace
+}  // namespace lapedit

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/edit/solver_thread.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <memory>
+
+#include "shapes.h"
+#include "support.h"
+
+namespace lapedit {
+namespace {
+
+PrepareTask task_for(int handle, double radius = 8) {
+  PrepareTask task;
+  static const auto mesh = std::make_shared<const TriangleMesh>(shapes::bumpy_grid());
+  static const auto adjacency = std::make_shared<const Adjacency>(support::adjacency_of(*mesh));
+  task.mesh = mesh;
+  task.adjacency = adjacency;
+  task.region.radius = radius;
+  task.groups = {{handle}};
+  task.scalar = StoredScalar::Double;
+  return task;
+}
+
+constexpr int kHandle = 3030;
+
+/// All news until the worker rests, as one.
+SolverNews all_news(SolverThread& worker, SolverPose& pose) {
+  SolverNews all;
+  while (worker.wait()) {
+    SolverNews news = worker.poll(pose);
+    all.region = news.region ? news.region : all.region;
+    all.report = news.report ? news.report : all.report;
+    all.applied = news.applied ? news.applied : all.applied;
+    all.ready |= news.ready;
+    all.pose |= news.pose;
+    all.error += news.error;
+    all.pose_error += news.pose_error;
+  }
+  return all;
+}
+
+TEST(SolverThread, PosesAreThoseOfTheEditor) {
+  SolverThread worker(nullptr);
+  SolverPose pose;
+  PrepareTask task = task_for(kHandle);
+  LaplacianEditor editor(*task.mesh, build_region(*task.mesh, *task.adjacency, task.region, task.groups),
+                         task.settings);
+  worker.prepare(task);
+  const int serial = worker.solve({support::shift(Vector3(1, 2, 3))}, true);
+  const SolverNews news = all_news(worker, pose);
+  ASSERT_TRUE(news.region && news.ready && news.pose && news.report);
+  EXPECT_EQ(news.region->mesh_vertex, editor.region().mesh_vertex);
+  EXPECT_EQ(pose.serial, serial);
+  EXPECT_TRUE(support::same_bits(pose.positions, editor.solve({support::shift(Vector3(1, 2, 3))})));
+  EXPECT_NEAR(news.report->handle_displacement, Vector3(1, 2, 3).norm(), 1e-9);
+}
+
+TEST(SolverThread, SolvesTheNewestQuestionAndNotAll) {
+  SolverThread worker(nullptr);
+  SolverPose pose;
+  worker.prepare(task_for(kHandle, 25));
+  int serial = 0;
+  for (int i = 1; i <= 1000; ++i) {
+    serial = worker.solve({support::shift(Vector3(0, 0, 0.01 * i))}, i == 1000);
+  }
+  int answers = 0;
+  while (worker.wait()) {
+    answers += worker.poll(pose).pose;
+  }
+  EXPECT_EQ(pose.serial, serial);
+  EXPECT_GE(answers, 1);
+  EXPECT_LT(answers, 10);  // all but the last few came while the region was being prepared
+}
+
+TEST(SolverThread, NewTaskDropsTheOldOne) {
+  SolverThread worker(nullptr);
+  SolverPose pose;
+  worker.prepare(task_for(kHandle, 40));
+  worker.solve({support::shift(Vector3(0, 0, 1))}, false);
+  worker.prepare(task_for(1000, 5));
+  const SolverNews news = all_news(worker, pose);
+  ASSERT_TRUE(news.region);
+  EXPECT_TRUE(news.ready);
+  EXPECT_FALSE(news.pose);
+  const std::vector<int>& vertices = news.region->mesh_vertex;
+  EXPECT_TRUE(std::binary_search(vertices.begin(), vertices.end(), 1000));
+}
+
+TEST(SolverThread, CancelDropsAllAndNothingComesAfterIt) {
+  SolverThread worker(nullptr);
+  SolverPose pose;
+  worker.prepare(task_for(kHandle, 40));
+  worker.solve({support::shift(Vector3(0, 0, 1))}, false);
+  worker.cancel();
+  const SolverNews news = all_news(worker, pose);
+  EXPECT_FALSE(news.region || news.ready || news.pose);
+  EXPECT_TRUE(news.error.empty());
+}
+
+TEST(SolverThread, ErrorsAreSentences) {
+  SolverThread worker(nullptr);
+  SolverPose pose;
+  worker.prepare(task_for(kHandle, 0.01));
+  EXPECT_NE(all_news(worker, pose).error.find("handle alone"), std::string::npos);
+  worker.solve({support::shift(Vector3(0, 0, 1))}, true);
+  EXPECT_FALSE(all_news(worker, pose).pose);
+  EXPECT_FALSE(worker.busy());  // not waiting for ever for a region that cannot be had
+  worker.prepare(task_for(kHandle));
+  worker.solve({support::shift(Vector3(std::nan(""), 0, 0))}, true);
+  const SolverNews news = all_news(worker, pose);
+  EXPECT_NE(news.pose_error.find("finite"), std::string::npos);
+  worker.solve({support::shift(Vector3(0, 0, 1))}, true);
+  EXPECT_TRUE(all_news(worker, pose).pose);
+}
+
+TEST(SolverThread, AppliesStepsOneAfterTheOther) {
+  SolverThread worker(nullptr);
+  SolverPose pose;
+  const PrepareTask task = task_for(kHandle);
+  EditStep step;
+  step.region = task.region;
+  step.handles = {{{kHandle}, {}}};
+  step.handles[0].transform.translation = Vector3(0, 0, 2);
+  Edit edit;
+  edit.steps = {step, step};
+  worker.apply({task.mesh, task.adjacency, edit, StoredScalar::Double});
+  const SolverNews news = all_news(worker, pose);
+  ASSERT_TRUE(news.applied);
+  ASSERT_EQ(news.applied->size(), 2U);
+  const EditResult both = apply_edit(*task.mesh, edit);
+  Points places = task.mesh->vertices;
+  for (const EditResult& result : *news.applied) {
+    for (std::size_t i = 0; i < result.vertices.size(); ++i) {
+      places.row(result.vertices[i]) = result.positions.row(static_cast<Eigen::Index>(i));
+    }
+  }
+  EXPECT_TRUE(support::same_bits(support::rows(places, both.vertices), both.positions));
+}
+
+TEST(SolverThread, WakesItsOwnerForEachPieceOfNews) {
+  std::atomic<int> woken{0};
+  SolverThread worker([&woken] { ++woken; });
+  SolverPose pose;
+  worker.prepare(task_for(kHandle));
+  all_news(worker, pose);
+  EXPECT_GE(woken, 2);
+  const int before = woken;
+  worker.solve({support::shift(Vector3(0, 0, 1))}, false);
+  all_news(worker, pose);
+  EXPECT_GT(woken, before);
+}
+
+TEST(SolverThread, EndsInTheMiddleOfItsWork) {
+  for (int i = 0; i < 20; ++i) {
+    SolverThread worker(nullptr);
+    worker.prepare(task_for(kHandle, 30));
+    worker.solve({support::shift(Vector3(0, 0, 1))}, false);
+  }
+}
+
+}  // namespace
+}  // namespace lapedit

@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <QFile>
+#include <QTemporaryDir>
+#include <algorithm>
+#include <atomic>
+#include <cstdlib>
+#include <cstring>
+#include <new>
+#include <random>
+#include <string>
+#include <utility>
+
+#include "lapedit/base/error.h"
+#include "lapedit/json/edit_script.h"
+#include "script_support.h"
+
+namespace {
+std::atomic<std::size_t> largest_allocation{0};
+}
+
+// What a hostile text makes the reader ask for.
+void* operator new(std::size_t size) {
+  largest_allocation = std::max(largest_allocation.load(), size);
+  if (void* memory = std::malloc(size)) {
+    return memory;
+  }
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+
+namespace lapedit {
+namespace {
+
+/// JSON with ' for ".
+QByteArray js(QByteArray text) {
+  return text.replace('\'', '"');
+}
+
+QByteArray with_steps(const QByteArray& steps, const QByteArray& mesh = "") {
+  return js("{'laplacian_edit': 1, " + (mesh.isEmpty() ? mesh : "'mesh': " + mesh + ", ") + "'steps': [" + steps +
+            "]}");
+}
+QByteArray with_mesh(const QByteArray& mesh, const QByteArray& ranges = "1") {
+  return with_steps("{'region': {'radius': 1}, 'handles': [{'vertices': '" + ranges + "'}]}", mesh);
+}
+QByteArray with_region(const QByteArray& region) {
+  return with_steps("{'region': " + region + ", 'handles': [{'vertices': '1'}]}");
+}
+QByteArray with_handle(const QByteArray& handle) {
+  return with_steps("{'region': {'radius': 1}, 'handles': [" + handle + "]}");
+}
+QByteArray with_setting(const QByteArray& setting) {
+  return with_steps("{'region': {'radius': 1}, 'handles': [{'vertices': '1'}], " + setting + "}");
+}
+QByteArray with_ranges(const QByteArray& ranges) {
+  return with_handle("{'vertices': '" + ranges + "'}");
+}
+
+std::string refusal(const QByteArray& json) {
+  return refusal_of([&json] { read_edit(json); });
+}
+
+TEST(EditScriptRefusal, OtherVersionsAreRefusedWithBothNumbers) {
+  const std::string newer = refusal(js("{'laplacian_edit': 2, 'poses': []}"));
+  expect_contains(newer, "expected the number 1");
+  expect_contains(newer, "the number 2");
+  expect_contains(refusal(js("{'steps': []}")), "laplacian_edit: expected the number 1");
+  expect_contains(refusal(js("{'laplacian_edit': '1'}")), "found the text \"1\"");
+}
+
+TEST(EditScriptRefusal, UnknownKeysAreRefusedByNameAndPlace) {
+  EXPECT_EQ(refusal(with_steps("{'region': {'radius': 1}, 'handles': [{'vertices': '1'}]},"
+                               "{'region': {'radius': 1}, 'handles': [{'vertices': '1', 'translaton': [0,0,1]}]}")),
+            "steps[1].handles[0]: unknown key \"translaton\"; known keys are vertices, translation, rotation, scale, "
+            "matrix.");
+  expect_contains(refusal(js("{'laplacian_edit': 1, 'step': []}")), "edit: unknown key \"step\"");
+  expect_contains(refusal(with_mesh("{'edges': 1}")),
+                  "mesh: unknown key \"edges\"; known keys are vertices, faces, connectivity.");
+  expect_contains(refusal(with_region("{'radius': 1, 'pad': 1}")), "steps[0].region: unknown key \"pad\"");
+  expect_contains(refusal(with_setting("'Order': 1")), "steps[0]: unknown key \"Order\"");
+  expect_contains(refusal(with_handle("{'vertices': '1', 'rotation': {'angle': 1}}")),
+                  "steps[0].handles[0].rotation: unknown key \"angle\"; known keys are axis, degrees, center.");
+  const std::string strange = refusal(js("{'laplacian_edit': 1, 'a\\nb\\u0007" + QByteArray(5000, 'x') + "': 1}"));
+  expect_contains(strange, R"("a\nb\u0007xxx)");
+  EXPECT_LT(strange.size(), 300U);
+}
+
+TEST(EditScriptRefusal, WrongTypesAreRefusedWithWhatWasExpected) {
+  expect_contains(refusal("[]"), "it has to be an object");
+  expect_contains(refusal(js("{'laplacian_edit': 1}")),
+                  "edit.steps: expected a list of one or more steps, but the key");
+  expect_contains(refusal(js("{'laplacian_edit': 1, 'steps': {}}")), "list of one or more steps, found an object.");
+  expect_contains(refusal(with_steps("")),
+                  "edit.steps: expected a list of one or more steps, found a list of length 0");
+  expect_contains(refusal(with_steps("null")), "steps[0]: expected an object, found null.");
+  expect_contains(refusal(with_steps("{}")), "steps[0].region: expected an object, but the key is missing.");
+  expect_contains(refusal(with_region("3")), "steps[0].region: expected an object, found the number 3.");
+  expect_contains(refusal(with_steps("{'region': {'radius': 1}}")), "steps[0].handles: expected a list of one or more");
+  expect_contains(refusal(with_handle("")), "expected a list of one or more handle groups, found a list of length 0.");
+  expect_contains(refusal(with_handle("7")), "steps[0].handles[0]: expected an object, found the number 7.");
+
+  const std::string exactly_one = "steps[0].region: needs exactly one of the keys radius, vertices and component.";
+  for (const char* region : {"{}", "{'padding': 0.1}", "{'radius': 1, 'vertices': '1'}",
+                             "{'radius': 1, 'component': true}", "{'vertices': '1', 'component': true}"}) {
+    EXPECT_EQ(refusal(with_region(region)), exactly_one);
+  }
+  expect_contains(refusal(with_region("{'component': false}")), "region.component: expected true, found false.");
+  expect_contains(refusal(with_region("{'component': 1}")), "region.component: expected true, found the number 1.");
+  expect_contains(refusal(with_region("{'radius': '20 %'}")), "radius: expected a number, found the text \"20 %\".");
+  expect_contains(refusal(with_region("{'radius': 1, 'padding': []}")), "region.padding: expected a number, found a");
+
+  const std::pair<const char*, const char*> handles[] = {
+      {"{}", "vertices: expected a text, but the key is missing."},
+      {"{'vertices': 1}", "vertices: expected a text, found the number 1."},
+      {"{'vertices': [1]}", "vertices: expected a text, found a list of length 1."},
+      {"{'vertices': '1', 'translation': 1}", "translation: expected a list of 3 numbers, found the number 1."},
+      {"{'vertices': '1', 'translation': [1, 2]}", "translation: expected a list of 3 numbers, found a list of"},
+      {"{'vertices': '1', 'translation': [1, 2, '3']}", "translation[2]: expected a number, found the text \"3\"."},
+      {"{'vertices': '1', 'rotation': 30}", "rotation: expected an object, found the number 30."},
+      {"{'vertices': '1', 'rotation': {'axis': [0,0,1,0]}}", "rotation.axis: expected a list of 3 numbers, found a"},
+      {"{'vertices': '1', 'rotation': {'degrees': '3'}}", "rotation.degrees: expected a number, found the text"},
+      {"{'vertices': '1', 'rotation': {'center': null}}", "rotation.center: expected a list of 3 numbers, found null."},
+      {"{'vertices': '1', 'scale': true}", "scale: expected a number, found true."},
+      {"{'vertices': '1', 'matrix': [1,0,0,0, 0,1,0,0, 0,0,1,0]}", "matrix: expected a list of 16 numbers, found a"},
+      {"{'vertices': '1', 'matrix': [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,2]}", "matrix: the last row"},
+      {"{'vertices': '1', 'matrix': [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,1,0,1]}", "matrix: the last row"},
+      {"{'vertices': '1', 'matrix': [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,null,1]}", "matrix[14]: expected a number"},
+  };
+  for (const auto& [handle, part] : handles) {
+    expect_contains(refusal(with_handle(handle)), std::string("steps[0].handles[0].") + part);
+  }
+  for (const char* other : {"'scale': 1", "'rotation': {}", "'translation': [0, 0, 0]"}) {
+    const QByteArray matrix = "{'vertices': '1', 'matrix': [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1], ";
+    expect_contains(refusal(with_handle(matrix + other + "}")), "steps[0].handles[0]: has both matrix and ");
+  }
+
+  const std::pair<const char*, const char*> settings[] = {
+      {"'laplacian': 'uniform'", "laplacian: expected one of \"umbrella\", \"cotangent\", found the text \"uniform\"."},
+      {"'laplacian': 0", "laplacian: expected one of \"umbrella\", \"cotangent\", found the number 0."},
+      {"'detail_rotation': 'smooth'",
+       "detail_rotation: expected one of \"none\", \"smooth_normals\", \"smooth_surface\", found the text \"smooth\"."},
+      {"'order': 1.5", "order: expected a whole number from 0 to 2147483647, found the number 1.5."},
+      {"'order': -1", "order: expected a whole number from 0 to 2147483647, found the number -1."},
+      {"'iterations': 2147483648", "iterations: expected a whole number from 0 to 2147483647, found"},
+      {"'iterations': 1e300", "iterations: expected a whole number from 0 to 2147483647, found"},
+      {"'iterations': '1'", "iterations: expected a number, found the text \"1\"."},
+      {"'normal_radius': null", "normal_radius: expected a number, found null."},
+      {"'handle_weight': {}", "handle_weight: expected a number, found an object."},
+      {"'anchor_weight': [1]", "anchor_weight: expected a number, found a list of length 1."},
+  };
+  for (const auto& [setting, part] : settings) {
+    expect_contains(refusal(with_setting(setting)), std::string("steps[0].") + part);
+  }
+
+  expect_contains(refusal(with_mesh("3")), "mesh: expected an object, found the number 3.");
+  expect_contains(refusal(with_mesh("{'vertices': -3}")), "mesh.vertices: expected a whole number from 0 to");
+  expect_contains(refusal(with_mesh("{'faces': 0.5}")), "mesh.faces: expected a whole number from 0 to");
+  expect_contains(refusal(with_mesh("{'connectivity': 7}")), "mesh.connectivity: expected a text, found the number 7.");
+  for (const char* checksum : {"", "0123456789abcde", "0123456789abcdef0", "0123456789ABCDEF", "0123456789abcdeg"}) {
+    expect_contains(refusal(with_mesh(QByteArray("{'connectivity': '") + checksum + "'}")),
+                    "mesh.connectivity: expected a checksum of 16 digits");
+  }
+}
+
+TEST(EditScriptRefusal, VertexListsTakeSpacesAndKeepOrder) {
+  const auto vertices = [](const char* ranges) { return read_edit(with_ranges(ranges)).steps[0].handles[0].vertices; };
+  EXPECT_EQ(vertices("7"), std::vector<int>{7});
+  EXPECT_EQ(vertices("9,2-4,2"), (std::vector<int>{9, 2, 3, 4, 2}));
+  EXPECT_EQ(vertices(" 2 - 3 ,\\t5 , 0\\n"), (std::vector<int>{2, 3, 5, 0}));
+  EXPECT_EQ(vertices("5-5"), std::vector<int>{5});
+  EXPECT_EQ(vertices("2147483646-2147483647"), (std::vector<int>{2147483646, 2147483647}));
+}
+
+TEST(EditScriptRefusal, BadVertexListsAreRefusedWithTheOffendingText) {
+  const auto expect_refused = [](const char* ranges, const std::string& offender) {
+    const std::string sentence = refusal(with_ranges(ranges));
+    expect_contains(sentence, "steps[0].handles[0].vertices: \"" + offender + "\" is no vertex number or range");
+  };
+  for (const char* ranges : {"", " ", "-5", "1-2-3", "4-", "1 2", "1-x", "all", "1.5", "1e3", "+1", "0x10", "1;2",
+                             "4--2", "1\\u0000", "\u00A01", "2147483648", "0-99999999999999999999"}) {
+    expect_refused(ranges, ranges);
+  }
+  for (const char* ranges : {"1,", ",1", "1,,2"}) {
+    expect_refused(ranges, "");
+  }
+  expect_refused("3,-5", "-5");
+  expect_refused("1-x,2", "1-x");
+  expect_contains(refusal(with_ranges("1,40-12")), "\"40-12\" is a range from high to low");
+  expect_contains(refusal(with_region("{'vertices': ''}")), "steps[0].region.vertices: \"\" is no vertex number");
+}
+
+TEST(EditScriptRefusal, VertexListsFitTheMeshThatTheEditNames) {
+  EXPECT_EQ(refusal(with_mesh("{'vertices': 100}", "0-99")), "");
+  const std::string outside = refusal(with_mesh("{'vertices': 100}", "3,90-100"));
+  expect_contains(outside, "vertex 100 ");
+  expect_contains(outside, "has 100 vertices");
+  const std::string longer = refusal(with_mesh("{'vertices': 100}", "0-99,5"));
+  expect_contains(longer, "101 vertices");
+  expect_contains(longer, "only 100");
+}
+
+TEST(EditScriptRefusal, HostileVertexListsTakeNoMemory) {
+  largest_allocation = 0;
+  expect_contains(refusal(with_ranges("0-2147483647")), "may list 100000000");
+  expect_contains(refusal(with_ranges("0-60000000,0-60000000")), "may list 100000000");
+  expect_contains(refusal(with_mesh("{'vertices': 2147483647}", "0-2147483647")), "is outside the edit's mesh");
+  expect_contains(refusal(with_mesh("{'vertices': 2147483647}", "0-2147483646")), "may list 100000000");
+  EXPECT_LT(largest_allocation, 100000U);
+}
+
+TEST(EditScriptRefusal, VertexListsAreLimitedTogether) {
+  const QByteArray group = "{'vertices': '0-29999999'}";  // 120 MB when read
+  const std::string sentence = refusal(with_handle(group + "," + group + "," + group + "," + group));
+  expect_contains(sentence, "steps[0].handles[3].vertices: ");
+  expect_contains(sentence, "120000000");
+}
+
+TEST(EditScriptRefusal, EveryPrefixIsRefused) {
+  const QByteArray whole = QByteArray(kExample).trimmed();
+  for (int length = 0; length < whole.size(); ++length) {
+    ASSERT_NE(refusal(whole.left(length)), "") << length;
+  }
+  EXPECT_EQ(refusal(whole), "");
+}
+
+TEST(EditScriptRefusal, ChangedBytesAreReadOrRefused) {
+  std::mt19937 random(3);
+  const auto some = [&](int most) { return static_cast<int>(random() % static_cast<unsigned>(most)); };
+  const char interesting[] = "{}[]:,\"\\-+.eE0123456789 \n/utfn\xEF\xBB\xBF\xC3\xFF";
+  int read = 0, refused = 0;
+  for (int round = 0; round < 20000; ++round) {
+    QByteArray text = kExample;
+    for (int change = some(3); change >= 0; --change) {
+      const int at = some(text.size());
+      const char byte = some(2) ? interesting[some(sizeof interesting)] : static_cast<char>(some(256));
+      switch (some(4)) {
+        case 0:
+          text.insert(at, byte);
+          break;
+        case 1:
+          text.remove(at, 1 + some(3));
+          break;
+        case 2:
+          text.insert(some(text.size()), text.mid(at, 1 + some(40)));
+          break;
+        default:
+          text[at] = byte;
+      }
+    }
+    try {
+      const Edit edit = read_edit(text);
+      ++read;
+      const QByteArray written = write_edit(edit);
+      ASSERT_EQ(write_edit(read_edit(written)), written);
+    } catch (const EditError& error) {
+      ++refused;
+      ASSERT_EQ(error.cause(), ErrorCause::BadScript);
+      ASSERT_GT(std::strlen(error.what()), 20U);
+      ASSERT_LT(std::strlen(error.what()), 600U);
+    }
+  }
+  EXPECT_GT(read, 300);  // both happen, or the test tests nothing
+  EXPECT_GT(refused, 10000);
+}
+
+TEST(EditScriptRefusal, HugeFilesAreNotRead) {
+  const QTemporaryDir folder;
+  QFile file(folder.filePath("huge.json"));
+  ASSERT_TRUE(file.open(QIODevice::WriteOnly) && file.resize(qint64(1) << 36));  // holds no data
+  largest_allocation = 0;
+  try {
+    load_edit(file.fileName());
+    FAIL() << "was read";
+  } catch (const EditError& error) {
+    expect_contains(error.what(), "68719476736 bytes; the limit for an edit is 67108864");
+  }
+  EXPECT_LT(largest_allocation, 1000000U);
+}
+
+}  // namespace
+}  // namespace lapedit

@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/json/edit_script.h"
+
+#include <gtest/gtest.h>
+
+#include <QFile>
+#include <QTemporaryDir>
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+
+#include "lapedit/base/error.h"
+#include "script_support.h"
+
+namespace lapedit {
+namespace {
+
+bool same(const HandleTransform& a, const HandleTransform& b) {
+  if (a.matrix || b.matrix) {
+    return a.matrix && b.matrix && *a.matrix == *b.matrix;
+  }
+  return a.translation == b.translation && a.axis == b.axis && a.degrees == b.degrees &&
+         a.center.has_value() == b.center.has_value() && (!a.center || *a.center == *b.center) && a.scale == b.scale;
+}
+
+bool same(const EditStep& a, const EditStep& b) {
+  const EditSettings &s = a.settings, &t = b.settings;
+  const bool component = a.region.kind == RegionSpec::Kind::Component;
+  return a.region.kind == b.region.kind && a.region.radius == b.region.radius &&
+         a.region.vertices == b.region.vertices && (component || a.region.padding == b.region.padding) &&
+         s.laplacian == t.laplacian && s.order == t.order && s.rotation == t.rotation && s.iterations == t.iterations &&
+         s.normal_radius == t.normal_radius && s.handle_weight == t.handle_weight &&
+         s.anchor_weight == t.anchor_weight &&
+         std::equal(a.handles.begin(), a.handles.end(), b.handles.begin(), b.handles.end(),
+                    [](const HandleGroup& g, const HandleGroup& h) {
+                      return g.vertices == h.vertices && same(g.transform, h.transform);
+                    });
+}
+
+bool same(const Edit& a, const Edit& b) {
+  return a.mesh_vertices == b.mesh_vertices && a.mesh_faces == b.mesh_faces && a.connectivity == b.connectivity &&
+         std::equal(a.steps.begin(), a.steps.end(), b.steps.begin(), b.steps.end(),
+                    [](const EditStep& s, const EditStep& t) { return same(s, t); });
+}
+
+/// Any finite double but -0, all exponents alike: equal ones have the same bits.
+double any_double(std::mt19937_64& random) {
+  for (;;) {
+    const std::uint64_t bits = random();
+    double value;
+    std::memcpy(&value, &bits, sizeof value);
+    if (std::isfinite(value) && !(value == 0 && std::signbit(value))) {
+      return value;
+    }
+  }
+}
+
+TEST(EditScript, ReadsAllKeys) {
+  const Edit edit = read_edit(kExample);
+  EXPECT_EQ(edit.mesh_vertices, 11703);
+  EXPECT_EQ(edit.mesh_faces, 23402);
+  EXPECT_EQ(edit.connectivity, "0123456789abcdef");
+  ASSERT_EQ(edit.steps.size(), 3U);
+
+  const EditStep& step = edit.steps[0];
+  EXPECT_EQ(step.region.kind, RegionSpec::Kind::Radius);
+  EXPECT_EQ(step.region.radius, 1.2155);
+  EXPECT_EQ(step.region.padding, 0.1);
+  EXPECT_EQ(step.settings.laplacian, LaplacianKind::Cotangent);
+  EXPECT_EQ(step.settings.order, 2);
+  EXPECT_EQ(step.settings.rotation, DetailRotation::SmoothNormals);
+  EXPECT_EQ(step.settings.iterations, 3);
+  EXPECT_EQ(step.settings.normal_radius, 0.5);
+  EXPECT_EQ(step.settings.handle_weight, 2);
+  EXPECT_EQ(step.settings.anchor_weight, 4);
+
+  ASSERT_EQ(step.handles.size(), 3U);
+  EXPECT_EQ(step.handles[0].vertices, std::vector<int>{8624});
+  EXPECT_EQ(step.handles[0].transform.translation, Vector3(0, -0.9, 0));
+  EXPECT_FALSE(step.handles[0].transform.matrix);
+  EXPECT_EQ(step.handles[1].vertices.size(), 30U);
+  EXPECT_EQ(step.handles[1].vertices.front(), 12);
+  EXPECT_EQ(step.handles[1].vertices[28], 40);
+  EXPECT_EQ(step.handles[1].vertices.back(), 77);
+  EXPECT_EQ(step.handles[1].transform.axis, Vector3(0, 0, 1));
+  EXPECT_EQ(step.handles[1].transform.degrees, 30);
+  ASSERT_TRUE(step.handles[1].transform.center);
+  EXPECT_EQ(*step.handles[1].transform.center, Vector3(0, 0, 0));
+  EXPECT_EQ(step.handles[1].transform.scale, 1.1);
+  ASSERT_TRUE(step.handles[2].transform.matrix);
+  EXPECT_TRUE(step.handles[2].transform.matrix->isIdentity(0));
+
+  EXPECT_EQ(edit.steps[1].region.kind, RegionSpec::Kind::Vertices);
+  EXPECT_EQ(edit.steps[1].region.vertices, (std::vector<int>{5, 3, 7, 8, 9}));
+  EXPECT_EQ(edit.steps[1].region.padding, 0.2);
+  EXPECT_EQ(edit.steps[1].settings.rotation, DetailRotation::None);
+  EXPECT_EQ(edit.steps[2].region.kind, RegionSpec::Kind::Component);
+}
+
+TEST(EditScript, ReadsMatrixByRows) {
+  const auto matrix = read_edit(R"({"laplacian_edit": 1, "steps": [{"region": {"radius": 1}, "handles":
+          [{"vertices": "1", "matrix": [1,2,3,4, 5,6,7,8, 9,10,11,12, 0,0,0,1]}]}]})")
+                          .steps[0]
+                          .handles[0];
+  EXPECT_EQ((*matrix.transform.matrix)(0, 3), 4);
+  EXPECT_EQ((*matrix.transform.matrix)(2, 0), 9);
+}
+
+TEST(EditScript, AbsentKeysTakeTheDefaults) {
+  EditStep expected;
+  expected.region.radius = 1;
+  expected.handles = {{{1}, {}}};
+  const Edit edit =
+      read_edit(R"({"laplacian_edit": 1, "steps": [{"region": {"radius": 1}, "handles": [{"vertices": "1"}]}]})");
+  ASSERT_EQ(edit.steps.size(), 1U);
+  EXPECT_TRUE(same(edit.steps[0], expected));
+  EXPECT_FALSE(edit.mesh_vertices);
+  EXPECT_FALSE(edit.mesh_faces);
+  EXPECT_EQ(edit.connectivity, "");
+}
+
+TEST(EditScript, WritesTheDocumentedTextWithAllSettings) {
+  Edit edit;
+  edit.mesh_vertices = 11703;
+  edit.mesh_faces = 23402;
+  edit.connectivity = "0123456789abcdef";
+  EditStep step;
+  step.region.radius = 1.2155;
+  step.handles = {{{12, 13, 14, 77, 9, 10, 9}, {}}, {{8624}, {}}, {{0}, {}}};
+  step.handles[0].transform.translation = {0, -0.9, 1.0 / 3};
+  step.handles[1].transform.center = Vector3(1, 2, 3);
+  step.handles[2].transform.matrix = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>::Identity();
+  step.settings.laplacian = LaplacianKind::Cotangent;
+  step.settings.order = 2;
+  step.settings.rotation = DetailRotation::SmoothNormals;
+  step.settings.iterations = 3;
+  step.settings.normal_radius = 0.25;
+  step.settings.handle_weight = 2;
+  step.settings.anchor_weight = 0.5;
+  edit.steps.push_back(step);
+  EXPECT_EQ(write_edit(edit).toStdString(), R"({"laplacian_edit": 1,
+ "mesh": {"vertices": 11703, "faces": 23402, "connectivity": "0123456789abcdef"},
+ "steps": [{
+   "region": {"radius": 1.2155, "padding": 0.1},
+   "handles": [{"vertices": "12-14,77,9-10,9", "translation": [0,-0.9,0.3333333333333333], "rotation": {"axis": [0,0,1], "degrees": 0}, "scale": 1},
+               {"vertices": "8624", "translation": [0,0,0], "rotation": {"axis": [0,0,1], "degrees": 0, "center": [1,2,3]}, "scale": 1},
+               {"vertices": "0", "matrix": [1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}],
+   "laplacian": "cotangent", "order": 2, "detail_rotation": "smooth_normals", "iterations": 3, "normal_radius": 0.25, "handle_weight": 2, "anchor_weight": 0.5}]}
+)");
+}
+
+TEST(EditScript, WritesOtherRegionsAndNoUnknownMesh) {
+  Edit edit;
+  edit.steps.resize(2);
+  edit.steps[0].region.kind = RegionSpec::Kind::Vertices;
+  edit.steps[0].region.vertices = {3, 4, 5, 1};
+  edit.steps[1].region.kind = RegionSpec::Kind::Component;
+  edit.steps[0].handles = edit.steps[1].handles = {{{4}, {}}};
+  const std::string text = write_edit(edit).toStdString();
+  expect_contains(text, R"("region": {"vertices": "3-5,1", "padding": 0.1})");
+  expect_contains(text, R"("region": {"component": true})");
+  EXPECT_EQ(text.find("mesh"), std::string::npos);
+}
+
+TEST(EditScript, RoundTripKeepsEveryBit) {
+  std::mt19937_64 random(1);
+  const auto vector = [&] { return Vector3(any_double(random), any_double(random), any_double(random)); };
+  const auto some = [&](int most) { return static_cast<int>(random() % static_cast<std::uint64_t>(most)); };
+  for (int round = 0; round < 2000; ++round) {
+    Edit edit;
+    if (some(2)) edit.mesh_vertices = 1000 + some(2);
+    if (some(2)) edit.mesh_faces = some(std::numeric_limits<int>::max());
+    if (some(2)) edit.connectivity = "0123456789abcdef";
+    edit.steps.resize(1 + static_cast<std::size_t>(some(3)));
+    for (EditStep& step : edit.steps) {
+      step.region.kind = static_cast<RegionSpec::Kind>(some(3));
+      step.region.padding = any_double(random);
+      if (step.region.kind == RegionSpec::Kind::Radius) step.region.radius = any_double(random);
+      if (step.region.kind == RegionSpec::Kind::Vertices) step.region.vertices = {some(1000), some(1000), some(1000)};
+      step.handles.resize(1 + static_cast<std::size_t>(some(3)));
+      for (HandleGroup& handle : step.handles) {
+        const int first = some(990);
+        for (int v = first; v < first + 10; v += 1 + some(2)) handle.vertices.push_back(v);
+        if (some(2)) std::shuffle(handle.vertices.begin(), handle.vertices.end(), random);
+        HandleTransform& transform = handle.transform;
+        if (some(3) == 0) {
+          transform.matrix.emplace();
+          for (int i = 0; i < 12; ++i) transform.matrix->data()[i] = any_double(random);
+          continue;
+        }
+        transform.translation = vector();
+        transform.axis = vector();
+        transform.degrees = any_double(random);
+        transform.scale = any_double(random);
+        if (some(2)) transform.center = vector();
+      }
+      EditSettings& settings = step.settings;
+      settings.laplacian = static_cast<LaplacianKind>(some(2));
+      settings.order = some(4);
+      settings.rotation = static_cast<DetailRotation>(some(3));
+      settings.iterations = some(100);
+      settings.normal_radius = any_double(random);
+      settings.handle_weight = any_double(random);
+      settings.anchor_weight = any_double(random);
+    }
+    const QByteArray text = write_edit(edit);
+    ASSERT_TRUE(same(read_edit(text), edit)) << text.toStdString();
+    ASSERT_EQ(write_edit(read_edit(text)), text);
+  }
+}
+
+TEST(EditScript, KeptAnchorsAreWrittenAndReadBack) {
+  Edit edit;
+  edit.steps.resize(1);
+  edit.steps[0].handles = {{{4}, {}}};
+  RegionSpec& region = edit.steps[0].region;
+  region.kind = RegionSpec::Kind::Vertices;
+  region.vertices = {3, 4, 5, 6, 7};
+  region.anchors = {{6, 7}, {0.95, 1.0 / 3}, {0.25, 1}, 1e-3 / 7};
+  const QByteArray text = write_edit(edit);
+  EXPECT_NE(text.indexOf("\"anchors\": {\"vertices\": \"6-7\", \"weights\": [0.95,"), -1) << text.toStdString();
+  const KeptAnchors read = read_edit(text).steps[0].region.anchors;
+  EXPECT_EQ(read.vertices, region.anchors.vertices);
+  EXPECT_EQ(read.weights, region.anchors.weights);
+  EXPECT_EQ(read.depths, region.anchors.depths);
+  EXPECT_EQ(read.reach, region.anchors.reach);
+  QByteArray wrong = text;
+  wrong.replace("\"vertices\": \"3-7\"", "\"radius\": 2");
+  EXPECT_THROW(read_edit(wrong), EditError);
+}
+
+TEST(EditScript, WritingRefusesWhatCouldNotBeRead) {
+  const Edit good = read_edit(kExample);
+  const auto cause = [&](const auto& spoil) {
+    Edit edit = good;
+    spoil(edit);
+    try {
+      write_edit(edit);
+    } catch (const EditError& error) {
+      return error.cause();
+    }
+    return ErrorCause::Cancelled;
+  };
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(cause([](Edit& e) { e.steps[0].region.radius = kNaN; }), ErrorCause::NotFinite);
+  EXPECT_EQ(cause([](Edit& e) { e.steps[0].handles[0].transform.translation[1] = -kInfinity; }), ErrorCause::NotFinite);
+  EXPECT_EQ(cause([](Edit& e) { (*e.steps[0].handles[2].transform.matrix)(2, 3) = kNaN; }), ErrorCause::NotFinite);
+  EXPECT_EQ(cause([](Edit& e) { e.steps[0].settings.anchor_weight = kInfinity; }), ErrorCause::NotFinite);
+  EXPECT_EQ(cause([](Edit& e) { e.steps.clear(); }), ErrorCause::BadScript);
+  EXPECT_EQ(cause([](Edit& e) { e.steps[1].handles.clear(); }), ErrorCause::BadScript);
+  EXPECT_EQ(cause([](Edit& e) { e.steps[1].handles[0].vertices.clear(); }), ErrorCause::BadScript);
+  EXPECT_EQ(cause([](Edit& e) { e.steps[1].handles[0].vertices = {3, -1}; }), ErrorCause::BadScript);
+  EXPECT_EQ(cause([](Edit& e) { e.steps[1].handles[0].vertices = {11703}; }), ErrorCause::BadScript);
+  EXPECT_EQ(cause([](Edit& e) { e.steps[1].settings.order = -1; }), ErrorCause::BadScript);
+  EXPECT_EQ(cause([](Edit& e) { e.steps[1].settings.rotation = static_cast<DetailRotation>(7); }),
+            ErrorCause::BadScript);
+}
+
+class EditFile : public testing::Test {
+ protected:
+  QString write(const QString& name, const QByteArray& content) {
+    QFile file(folder_.filePath(name));
+    EXPECT_TRUE(file.open(QIODevice::WriteOnly) && file.write(content) == content.size());
+    return file.fileName();
+  }
+
+  static std::string refusal(const QString& text_or_path) {
+    try {
+      load_edit(text_or_path);
+      return "";
+    } catch (const EditError& error) {
+      EXPECT_EQ(error.cause(), ErrorCause::BadScript);
+      return error.what();
+    }
+  }
+
+  QTemporaryDir folder_;
+};
+
+TEST_F(EditFile, TextAndPathGiveTheSameEdit) {
+  const Edit expected = read_edit(kExample);
+  EXPECT_TRUE(same(load_edit(kExample), expected));
+  EXPECT_TRUE(same(load_edit(QString(" \n\t") + kExample), expected));
+  EXPECT_TRUE(same(load_edit(QChar(QChar::ByteOrderMark) + QString(kExample)), expected));
+  EXPECT_TRUE(same(load_edit(write("edit.json", kExample)), expected));
+  EXPECT_TRUE(same(load_edit(" " + write(QString::fromUtf8("\xC3\xA4 b.json"), kExample) + "\n"), expected));
+  EXPECT_TRUE(same(load_edit(write("bom.json", QByteArray("\xEF\xBB\xBF") + kExample)), expected));
+}
+
+TEST_F(EditFile, UnusablePathsAreRefusedByName) {
+  expect_contains(refusal(""), "No edit is given");
+  expect_contains(refusal("  "), "No edit is given");
+  expect_contains(refusal("no/such.json"), "\"no/such.json\" is neither JSON text");
+  expect_contains(refusal(folder_.path()), "is neither JSON text");
+  expect_contains(refusal("[1]"), "\"[1]\" is neither JSON text");
+  expect_contains(refusal("/dev/zero"), "is neither JSON text");
+  const std::string inside = refusal(write("bad.json", "{\n\"laplacian_edit\" 1}"));
+  expect_contains(inside, "bad.json\": Near line 2, column ");
+}
+
+}  // namespace
+}  // namespace lapedit

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/linear/accurate_residual.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <string>
+
+#include "lapedit/edit/edit.h"
+#include "shapes.h"
+#include "support.h"
+
+namespace lapedit {
+namespace {
+
+__extension__ using Quad = __float128;  // 113 bits
+
+Points random_points(Eigen::Index n, std::mt19937& random) {
+  return Points::NullaryExpr(n, 3, [&] { return random() / 2147483648.0 - 1; });
+}
+
+Quad sum_of(const DoubledPoints& x, Eigen::Index row, Eigen::Index column) {
+  return static_cast<Quad>(x.high(row, column)) + static_cast<Quad>(x.low(row, column));
+}
+
+TEST(AccurateResidual, AddsWithoutLosingWhatIsSmall) {
+  std::mt19937 random(1);
+  DoubledPoints x;
+  x.set(random_points(50, random));
+  std::vector<Quad> expected;
+  for (Eigen::Index i = 0; i < 150; ++i) {
+    expected.push_back(sum_of(x, i / 3, i % 3));
+  }
+  for (const double scale : {1e-3, 1e-9, 1e-17, 1e-22}) {
+    const Points step = scale * random_points(50, random);
+    x.add(step);
+    for (Eigen::Index i = 0; i < 150; ++i) {
+      expected[static_cast<std::size_t>(i)] += static_cast<Quad>(step(i / 3, i % 3));
+    }
+  }
+  for (Eigen::Index i = 0; i < 150; ++i) {
+    const Quad error = sum_of(x, i / 3, i % 3) - expected[static_cast<std::size_t>(i)];
+    EXPECT_LE(std::fabs(static_cast<double>(error)), 1e-31);
+    EXPECT_EQ(x.high(i / 3, i % 3), static_cast<double>(expected[static_cast<std::size_t>(i)]));
+  }
+}
+
+TEST(AccurateResidual, IsThatOfQuadruplePrecision) {
+  std::mt19937 random(2);
+  const TriangleMesh mesh = shapes::tapered_arm(30, 110);
+  const Region region = support::whole_region(mesh, {{0}}, {});
+  const SparseMatrix m = power(differential_operator(LaplacianKind::Cotangent, region, mesh).matrix, 2);
+  const Eigen::Index n = m.cols();
+  DoubledPoints x, between;
+  x.set(random_points(n, random));
+  x.add(1e-18 * random_points(n, random));
+  const Eigen::VectorXd diagonal = random_points(n, random).col(0).cwiseAbs();
+
+  Eigen::Matrix<Quad, Eigen::Dynamic, 3> product(n, 3), expected(n, 3);
+  for (Eigen::Index c = 0; c < 3; ++c) {
+    for (Eigen::Index i = 0; i < n; ++i) {
+      product(i, c) = 0;
+      expected(i, c) = static_cast<Quad>(diagonal[i]) * sum_of(x, i, c);
+    }
+    for (Eigen::Index j = 0; j < n; ++j) {
+      for (SparseMatrix::InnerIterator entry(m, j); entry; ++entry) {
+        product(entry.row(), c) += static_cast<Quad>(entry.value()) * sum_of(x, j, c);
+      }
+    }
+    for (Eigen::Index j = 0; j < n; ++j) {
+      for (SparseMatrix::InnerIterator entry(m, j); entry; ++entry) {
+        expected(j, c) += static_cast<Quad>(entry.value()) * product(entry.row(), c);
+      }
+    }
+  }
+  // Right-hand sides with next to nothing left after the product, as at the end of a refinement.
+  Points right(n, 3), out;
+  for (Eigen::Index i = 0; i < 3 * n; ++i) {
+    right(i / 3, i % 3) = static_cast<double>(expected(i / 3, i % 3));
+  }
+  const double terms = right.cwiseAbs().maxCoeff();
+  for (const int threads : {1, 2}) {
+    ThreadPool pool(threads);
+    normal_residual(OperatorRows(m), diagonal, right, x, between, out, pool);
+    double most = 0;
+    for (Eigen::Index i = 0; i < 3 * n; ++i) {
+      const Quad rest = static_cast<Quad>(right(i / 3, i % 3)) - expected(i / 3, i % 3);
+      most = std::max(most, std::fabs(static_cast<double>(static_cast<Quad>(out(i / 3, i % 3)) - rest)));
+    }
+    EXPECT_LE(most, 1e-28 * terms);
+    EXPECT_GT(out.cwiseAbs().maxCoeff(), 0) << "nothing was left to be measured";
+  }
+}
+
+/// Two factorisations that share no code have to lead to the same bits: then no BLAS, no number of threads and no
+/// processor can matter.
+class SameBits : public ::testing::TestWithParam<int> {};
+
+TEST_P(SameBits, WhateverTheFactorisation) {
+  if (!has_cholmod()) {
+    GTEST_SKIP() << "built without CHOLMOD";
+  }
+  const TriangleMesh mesh = shapes::tapered_arm(40, 60, 0.05);
+  const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
+  for (const DetailRotation rotation :
+       {DetailRotation::None, DetailRotation::SmoothNormals, DetailRotation::SmoothSurface}) {
+    for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
+      EditStep step;
+      step.region.radius = 0.6 * (mesh.vertices.colwise().maxCoeff() - mesh.vertices.colwise().minCoeff()).norm();
+      HandleGroup handle;
+      for (int v = GetParam() == 1 ? 0 : 39; v < 40; ++v) {
+        handle.vertices.push_back(v);
+      }
+      handle.transform.translation = Vector3(0.11, -0.23, 0.31);
+      step.handles.push_back(handle);
+      step.settings.order = GetParam();
+      step.settings.rotation = rotation;
+      step.settings.laplacian = laplacian;
+      step.settings.iterations = 2;
+      step.settings.backend = CholeskyBackend::Cholmod;
+      const EditResult with_cholmod = apply_step(mesh, adjacency, step);
+      step.settings.backend = CholeskyBackend::Eigen;
+      const EditResult with_eigen = apply_step(mesh, adjacency, step);
+      ASSERT_GT(with_eigen.vertices.size(), 500U);
+      EXPECT_NE(with_cholmod.reports[0].backend, with_eigen.reports[0].backend);
+      const auto differing = (with_cholmod.positions.array() != with_eigen.positions.array()).count();
+      EXPECT_EQ(differing, 0) << name(rotation) << ", " << name(laplacian) << ", order " << GetParam();
+    }
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Orders, SameBits, ::testing::Values(1, 2, 3),
+                         [](const auto& order) { return "Order" + std::to_string(order.param); });
+
+}  // namespace
+}  // namespace lapedit

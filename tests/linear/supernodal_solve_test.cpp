@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/linear/supernodal_solve.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numeric>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "allocation_watch.h"
+#include "lapedit/linear/sparse_cholesky.h"
+#include "support.h"
+
+namespace lapedit {
+namespace {
+
+template <typename Scalar>
+using Rows = Eigen::Matrix<Scalar, Eigen::Dynamic, 3, Eigen::RowMajor>;
+
+/// A factor with its arrays, its values random and the matrix well-conditioned.
+struct Factor {
+  std::string name;
+  std::vector<int> columns{0}, row_offsets{0}, value_offsets{0}, rows;
+  std::vector<double> values;
+  Eigen::MatrixXd dense;  // L
+
+  SupernodalFactor view() const {
+    SupernodalFactor view;
+    view.size = static_cast<int>(dense.rows());
+    view.supernodes = static_cast<int>(columns.size()) - 1;
+    view.columns = columns.data();
+    view.row_offsets = row_offsets.data();
+    view.value_offsets = value_offsets.data();
+    view.rows = rows.data();
+    view.values = values.data();
+    return view;
+  }
+};
+
+/// A factor whose elimination tree has the given parents (-1: a root), a column with up to `fill` % more rows than
+/// its parent, in supernodes of random widths in a range: only columns of a path are merged.
+Factor factor_of(const std::string& name, const std::vector<int>& parent, int fill, int narrowest, int widest,
+                 unsigned seed) {
+  std::mt19937 random(seed);
+  const auto number = [&random] { return static_cast<double>(random()) / 2147483648.0 - 1; };
+  const int n = static_cast<int>(parent.size());
+  std::vector<std::vector<int>> below(n);  // rows of a column, all of them ancestors
+  for (int j = 0; j < n; ++j) {
+    for (int i = parent[j]; i >= 0; i = parent[i]) {
+      if (i == parent[j] || static_cast<int>(random() % 100) < fill) {
+        below[j].push_back(i);
+      }
+    }
+  }
+  for (int j = 0; j < n; ++j) {  // a column's rows are its parent's as well, but for the parent itself
+    if (parent[j] >= 0) {
+      std::vector<int>& up = below[parent[j]];
+      up.insert(up.end(), below[j].begin() + 1, below[j].end());
+      std::sort(up.begin(), up.end());
+      up.erase(std::unique(up.begin(), up.end()), up.end());
+    }
+  }
+  Factor factor;
+  factor.name = name;
+  factor.dense.setZero(n, n);
+  for (int first = 0; first < n;) {
+    const int wanted = narrowest + static_cast<int>(random() % static_cast<unsigned>(widest - narrowest + 1));
+    int last = first;
+    while (last + 1 < n && last + 1 - first < wanted && parent[last] == last + 1) {
+      ++last;
+    }
+    std::vector<int> rows(last + 1 - first);
+    std::iota(rows.begin(), rows.end(), first);
+    rows.insert(rows.end(), below[last].begin(), below[last].end());
+    for (int j = first; j <= last; ++j) {
+      for (const int i : rows) {
+        const double value = i == j ? 1.5 + number() / 2 : i > j ? number() / std::sqrt(4.0 + n) : 1e300;
+        factor.values.push_back(value);  // above the diagonal there is rubbish
+        factor.dense(i, j) = i >= j ? value : factor.dense(i, j);
+      }
+    }
+    factor.rows.insert(factor.rows.end(), rows.begin(), rows.end());
+    factor.columns.push_back(last + 1);
+    factor.row_offsets.push_back(static_cast<int>(factor.rows.size()));
+    factor.value_offsets.push_back(static_cast<int>(factor.values.size()));
+    first = last + 1;
+  }
+  return factor;
+}
+
+std::vector<int> path(int n) {
+  std::vector<int> parent(n);
+  std::iota(parent.begin(), parent.end(), 1);
+  parent.back() = -1;
+  return parent;
+}
+
+/// A random forest in postorder: of a hundred columns, so many start a branch and so many join two.
+std::vector<int> forest(int n, int starts, int joins, unsigned seed) {
+  std::mt19937 random(seed);
+  std::vector<int> parent(n, -1), tops;
+  for (int j = 0; j < n; ++j) {
+    const int chance = static_cast<int>(random() % 100);
+    for (int taken = chance < starts ? 2 : chance < starts + joins ? 0 : 1; taken < 2 && !tops.empty(); ++taken) {
+      parent[tops.back()] = j;
+      tops.pop_back();
+    }
+    tops.push_back(j);
+  }
+  return parent;
+}
+
+const std::vector<Factor>& factors() {
+  static std::vector<Factor> all;
+  if (!all.empty()) return all;
+  for (const int n : {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 20, 40, 200}) {  // one supernode each
+    all.push_back(factor_of("dense " + std::to_string(n), path(n), 100, n, n, static_cast<unsigned>(n)));
+  }
+  for (int widest = 1; widest <= 20; ++widest) {  // all numbers of rows below all widths
+    all.push_back(factor_of("path " + std::to_string(widest), path(3 * widest + 30), 20, 1, widest, 40U + widest));
+  }
+  all.push_back(factor_of("diagonal", std::vector<int>(100, -1), 0, 1, 1, 5));
+  for (unsigned seed = 0; seed < 24; ++seed) {
+    const int widest = seed % 3 == 0 ? 1 : seed % 3 == 1 ? 5 : 20, starts = 2 + static_cast<int>(seed);
+    const std::vector<int> trees = forest(seed % 2 == 0 ? 300 : 77, starts, starts - 1, seed);
+    all.push_back(factor_of("forest " + std::to_string(seed), trees, 20, 1, widest, seed));
+  }
+  std::vector<int> turns(100);  // two trees whose columns take turns: no branch is a run of columns
+  for (int j = 0; j < 100; ++j) turns[j] = j + 2 < 100 ? j + 2 : -1;
+  all.push_back(factor_of("not in postorder", turns, 20, 1, 1, 9));
+  return all;
+}
+
+template <typename Scalar>
+Rows<Scalar> random_rows(Eigen::Index n, unsigned seed) {
+  std::mt19937 random(seed);
+  return Rows<Scalar>::NullaryExpr(n, 3, [&] { return static_cast<Scalar>(random() / 2147483648.0 - 1); });
+}
+
+template <typename Scalar>
+class SupernodalSolve : public ::testing::Test {
+ protected:
+  static constexpr double kError = sizeof(Scalar) == 8 ? 1e-12 : 1e-4;
+  static Rows<Scalar> solved(SupernodalSolver<Scalar>& solver, Rows<Scalar> x, ThreadPool& pool) {
+    solver.solve(x.data(), pool);
+    return x;
+  }
+};
+using Scalars = ::testing::Types<double, float>;
+TYPED_TEST_SUITE(SupernodalSolve, Scalars);
+
+/// Fails on any tile, panel, row list or branch that is read wrongly, and if what stands above the diagonal is read.
+TYPED_TEST(SupernodalSolve, AgreesWithADenseSolve) {
+  for (const Factor& factor : factors()) {
+    for (const int threads : {1, 2}) {
+      ThreadPool pool(threads);
+      SupernodalSolver<TypeParam> solver(factor.view(), pool);
+      const Rows<TypeParam> right = random_rows<TypeParam>(factor.dense.rows(), 1);
+      const Rows<TypeParam> x = this->solved(solver, right, pool);
+      Eigen::MatrixXd expected =
+          factor.dense.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd(right.template cast<double>()));
+      factor.dense.triangularView<Eigen::Lower>().transpose().solveInPlace(expected);
+      EXPECT_LT((x.template cast<double>() - expected).norm(), this->kError * expected.norm())
+          << factor.name << ", " << threads << " threads";
+    }
+  }
+}
+
+/// Fails if the order of sums depends on who finishes first, or a solve leaves something behind for the next.
+TYPED_TEST(SupernodalSolve, ThreadsDoNotChangeABit) {
+  for (const Factor& factor : factors()) {
+    ThreadPool one(1);
+    SupernodalSolver<TypeParam> alone(factor.view(), one);
+    const Rows<TypeParam> right = random_rows<TypeParam>(factor.dense.rows(), 2);
+    const Rows<TypeParam> expected = this->solved(alone, right, one);
+    for (const int threads : {1, 2, 3}) {
+      ThreadPool pool(threads);
+      SupernodalSolver<TypeParam> solver(factor.view(), pool);
+      for (int time = 0; time < 4; ++time) {
+        ASSERT_TRUE(this->solved(solver, right, pool) == expected) << factor.name << ", " << threads << " threads";
+        this->solved(solver, std::numeric_limits<TypeParam>::quiet_NaN() * right, pool);
+      }
+      ASSERT_TRUE(this->solved(solver, right, one) == expected)
+          << factor.name << ": another pool than it was made with";
+    }
+  }
+}
+
+TYPED_TEST(SupernodalSolve, AllocatesNothing) {
+  for (const int threads : {1, 3}) {
+    ThreadPool pool(threads);
+    // A sanitizer allocates for a thread that starts: all have to be there.
+    std::atomic<int> started{0};
+    pool.each(pool.threads(), [&](int) {
+      for (++started; started < pool.threads();) std::this_thread::yield();
+    });
+    for (const Factor& factor : factors()) {
+      const long before_all = allocations;
+      SupernodalSolver<TypeParam> solver(factor.view(), pool);
+      Rows<TypeParam> x = random_rows<TypeParam>(factor.dense.rows(), 4);
+      ASSERT_GT(allocations.load(), before_all);  // or the count does not count
+      const long before = allocations;
+      for (int time = 0; time < 3; ++time) solver.solve(x.data(), pool);
+      ASSERT_EQ(allocations - before, 0) << factor.name;
+    }
+  }
+}
+
+/// Fails if single precision keeps 1e-40 as a denormal number: it would come out again where there is nothing else.
+TEST(SupernodalSolver, TinyEntriesAreNothingInSinglePrecision) {
+  ThreadPool pool(1);
+  for (Factor factor : factors()) {
+    for (double& value : factor.values) value = std::abs(value) < 0.9 ? (value > 0 ? 1e-40 : -1e-40) : value;
+    const auto n = factor.dense.rows();
+    const Eigen::VectorXd diagonal = factor.dense.diagonal();
+    SupernodalSolver<float> solver(factor.view(), pool);
+    for (const Eigen::Index pulled : {Eigen::Index(0), n / 2, n - 1}) {
+      Rows<float> x = Rows<float>::Zero(n, 3);
+      x.row(pulled) << 1, -1, 1e-3F;
+      solver.solve(x.data(), pool);
+      EXPECT_NEAR(x(pulled, 0) * diagonal[pulled] * diagonal[pulled], 1, 1e-5) << factor.name;
+      for (Eigen::Index i = 0; i < 3 * n; ++i) {
+        ASSERT_TRUE(x.data()[i] == 0 || std::isnormal(x.data()[i])) << factor.name << ": " << x.data()[i];
+      }
+    }
+  }
+}
+
+/// M^T M + diagonal of a ring with chords: well-conditioned.
+SparseMatrix positive_definite(int n, double diagonal) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < n; ++i) {
+    const int other[3] = {(i + 1) % n, (i + 7) % n, (i * i + 3) % n};
+    entries.emplace_back(i, i, 1);
+    for (const int j : other) entries.emplace_back(i, j, -1.0 / 3);
+  }
+  SparseMatrix m(n, n), identity(n, n);
+  m.setFromTriplets(entries.begin(), entries.end());
+  identity.setIdentity();
+  return SparseMatrix(m.transpose()) * m + diagonal * identity;
+}
+
+std::vector<CholeskyOptions> all_options() {
+  std::vector<CholeskyOptions> all(4);
+  all[1].single_precision = true;
+  all[2].pool = std::make_shared<ThreadPool>(3);
+  all[3].backend = CholeskyBackend::Eigen;
+  return all;
+}
+
+/// Fails if rows are permuted the wrong way, or one precision goes another way than the other.
+TEST(SparseCholeskyInOrder, SolvesInOrderAsItSolves) {
+  constexpr int kSize = 257;
+  const SparseMatrix matrix = positive_definite(kSize, 0.1);
+  const Points right = random_rows<double>(kSize, 7);
+  for (const CholeskyOptions& options : all_options()) {
+    SparseCholesky factor(matrix, options);
+    Points x;
+    factor.solve(right, x);
+    Points ordered = support::rows(right, factor.order());
+    Rows<float> single = ordered.cast<float>();
+    factor.solve_in_order(ordered.data());
+    factor.solve_in_order(single.data());
+    EXPECT_TRUE(support::same_bits(ordered, support::rows(x, factor.order()))) << factor.backend_name();
+    EXPECT_LT((single.cast<double>() - ordered).norm() / ordered.norm(), factor.single_precision() ? 1e-5 : 1e-6);
+  }
+}
+
+/// Fails if the factor in single precision is worse than rounding makes it, or the right-hand side's scale matters.
+TEST(SparseCholeskySingle, PrecisionNeedsOneStepOfRefinement) {
+  constexpr int kSize = 500;
+  const SparseMatrix matrix = positive_definite(kSize, 0.1);
+  CholeskyOptions options;
+  options.single_precision = true;
+  SparseCholesky factor(matrix, options);
+  EXPECT_EQ(factor.single_precision(), has_cholmod());
+  const Points expected = random_rows<double>(kSize, 8), right = matrix * expected;
+  Points x, step;
+  factor.solve(right, x);
+  EXPECT_LT((x - expected).norm(), 1e-5 * expected.norm());
+  EXPECT_EQ((x - expected).norm() > 1e-10 * expected.norm(), has_cholmod()) << "or it is not single precision";
+  factor.solve(right - matrix * x, step);
+  EXPECT_LT((x + step - expected).norm(), 1e-9 * expected.norm());
+  for (const double scale : {std::ldexp(1.0, -200), std::ldexp(1.0, 200)}) {
+    factor.solve(scale * right, step);
+    EXPECT_TRUE(support::same_bits(step, scale * x)) << scale;
+  }
+}
+
+}  // namespace
+}  // namespace lapedit

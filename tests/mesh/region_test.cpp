@@ -1,0 +1,500 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/mesh/region.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <set>
+#include <vector>
+
+#include "shapes.h"
+#include "support.h"
+
+namespace lapedit {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+using Groups = std::vector<std::vector<int>>;
+
+RegionSpec within(double radius, double padding = 0.1) {
+  RegionSpec spec;
+  spec.radius = radius;
+  spec.padding = padding;
+  return spec;
+}
+
+RegionSpec given(std::vector<int> vertices, double padding = 0.1) {
+  RegionSpec spec;
+  spec.kind = RegionSpec::Kind::Vertices;
+  spec.vertices = std::move(vertices);
+  spec.padding = padding;
+  return spec;
+}
+
+RegionSpec component(double padding = 0.1) {
+  RegionSpec spec;
+  spec.kind = RegionSpec::Kind::Component;
+  spec.padding = padding;
+  return spec;
+}
+
+Region build(const TriangleMesh& mesh, const RegionSpec& spec, const Groups& groups) {
+  return build_region(mesh, support::adjacency_of(mesh), spec, groups);
+}
+
+std::vector<int> block(int columns, int first_row, int last_row, int first_column, int last_column) {
+  std::vector<int> vertices;
+  for (int i = first_row; i <= last_row; ++i) {
+    for (int j = first_column; j <= last_column; ++j) {
+      vertices.push_back(columns * i + j);
+    }
+  }
+  return vertices;
+}
+
+/// Mesh vertices of one class.
+std::set<int> members(const Region& region, VertexClass wanted) {
+  std::set<int> result;
+  for (int i = 0; i < region.size(); ++i) {
+    if (region.classes[i] == wanted) {
+      result.insert(region.mesh_vertex[i]);
+    }
+  }
+  return result;
+}
+
+/// Region vertices with a mesh neighbour outside, from the faces alone.
+std::set<int> rim_of(const TriangleMesh& mesh, const Region& region) {
+  const std::set<int> inside(region.mesh_vertex.begin(), region.mesh_vertex.end());
+  std::set<int> rim;
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+    for (int k = 0; k < 9; ++k) {
+      const int a = mesh.faces(f, k % 3), b = mesh.faces(f, k / 3);
+      if (inside.count(a) && !inside.count(b)) {
+        rim.insert(a);
+      }
+    }
+  }
+  return rim;
+}
+
+/// Everything that the header promises of any region, checked against brute force.
+void expect_consistent(const TriangleMesh& mesh, const Region& region, const Groups& groups) {
+  const int n = region.size();
+  ASSERT_GT(n, 0);
+  EXPECT_EQ(region.mesh_vertices, mesh.vertices.rows());
+  EXPECT_TRUE(std::is_sorted(region.mesh_vertex.begin(), region.mesh_vertex.end()));
+  std::vector<int> local(mesh.vertices.rows(), -1), group_of(mesh.vertices.rows(), -1);
+  for (int i = 0; i < n; ++i) {
+    local[region.mesh_vertex[i]] = i;
+  }
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    for (const int v : groups[g]) {
+      group_of[v] = static_cast<int>(g);
+    }
+  }
+  // The graph: every mesh edge with both ends inside, each once in both directions.
+  std::set<std::pair<int, int>> edges;
+  std::vector<int> edge_faces;
+  std::set<std::array<int, 3>> faces;
+  for (int f = 0; f < mesh.faces.rows(); ++f) {
+    int inside = 0;
+    for (int k = 0; k < 3; ++k) {
+      const int a = local[mesh.faces(f, k)], b = local[mesh.faces(f, (k + 1) % 3)];
+      inside += a >= 0;
+      if (a >= 0 && b >= 0 && a != b) {
+        edges.insert({a, b});
+        edges.insert({b, a});
+      }
+    }
+    if (inside >= 2) {
+      edge_faces.push_back(f);
+    }
+    if (inside == 3) {
+      faces.insert({local[mesh.faces(f, 0)], local[mesh.faces(f, 1)], local[mesh.faces(f, 2)]});
+    }
+  }
+  EXPECT_EQ(region.edge_faces, edge_faces);
+  std::set<std::array<int, 3>> found_faces;
+  for (const auto& face : region.faces.rowwise()) {
+    found_faces.insert({face[0], face[1], face[2]});
+  }
+  EXPECT_EQ(found_faces, faces);
+  EXPECT_EQ(region.faces.rows(), static_cast<Eigen::Index>(faces.size()));
+  ASSERT_EQ(region.neighbours.rows(), n);
+  EXPECT_EQ(region.neighbours.values.size(), edges.size());
+  for (int i = 0; i < n; ++i) {
+    for (const int j : region.neighbours[i]) {
+      EXPECT_TRUE(edges.count({i, j})) << i << " " << j;
+    }
+  }
+  std::vector<int> labels;
+  const int components = connected_components(region.neighbours, labels);
+  EXPECT_EQ(region.component, labels);
+  std::vector<char> anchored(components, 0), handled(components, 0);
+  double farthest = 0;
+  for (int i = 0; i < n; ++i) {
+    farthest = std::max(farthest, region.distance[i]);
+    const int group = group_of[region.mesh_vertex[i]];
+    EXPECT_EQ(region.classes[i] == VertexClass::Handle, group >= 0) << "a handle vertex is always a handle vertex";
+    EXPECT_EQ(region.group[i], group);
+    anchored[region.component[i]] |= region.classes[i] == VertexClass::Anchor;
+    handled[region.component[i]] |= group >= 0;
+  }
+  EXPECT_EQ(region.anchored, anchored);
+  EXPECT_EQ(std::count(handled.begin(), handled.end(), 0), 0) << "a component without handle was let in";
+  EXPECT_EQ(region.max_distance, farthest);
+  for (int i = 0; i < n; ++i) {
+    const bool is_anchor = region.classes[i] == VertexClass::Anchor;
+    EXPECT_EQ(region.anchor_weight[i], is_anchor ? region.distance[i] / farthest : 0);
+    EXPECT_GE(region.anchor_depth[i], 0);
+    EXPECT_LE(region.anchor_depth[i], 1);
+    EXPECT_TRUE(is_anchor || region.anchor_depth[i] == 0);
+  }
+  for (const int v : rim_of(mesh, region)) {
+    EXPECT_NE(region.classes[local[v]], VertexClass::Free) << "rim vertex " << v;
+  }
+  EXPECT_EQ(region.count(VertexClass::Handle) + region.count(VertexClass::Free) + region.count(VertexClass::Anchor), n);
+}
+
+struct Place {
+  TriangleMesh (*mesh)();
+  Groups groups;
+  double radius;
+};
+
+class RegionOn : public ::testing::TestWithParam<Place> {};
+INSTANTIATE_TEST_SUITE_P(
+    Shapes, RegionOn,
+    ::testing::Values(Place{[] { return shapes::letter_field(30, 20); }, {{310}}, 0.9},
+                      Place{[] { return shapes::letter_field(30, 20); }, {{310, 311, 331}, {250}}, 0.6},
+                      Place{[] { return shapes::icosphere(3); }, {{100}, {3}}, 0.7},
+                      Place{[] { return shapes::bar(9, 3, 3); }, {{0, 1}}, 5.5},
+                      Place{[] { return shapes::tapered_arm(16, 40); }, {{641}}, 4.0},
+                      Place{[] { return shapes::degenerate_grid(14, 11); }, {{60}}, 4.0},
+                      Place{[] { return shapes::non_manifold_grid(14, 11); }, {{60, 61}}, 3.2},
+                      Place{[] { return shapes::inconsistent_grid(14, 11); }, {{70}}, 3.5},
+                      Place{[] { return shapes::two_pieces(2); }, {{5}, {200}}, 1.0}));
+
+TEST_P(RegionOn, RadiusTakesExactlyWhatIsWithinIt) {
+  const Place& place = GetParam();
+  const TriangleMesh mesh = place.mesh();
+  std::vector<int> seeds;
+  for (const auto& group : place.groups) {
+    seeds.insert(seeds.end(), group.begin(), group.end());
+  }
+  const std::vector<double> distance = support::bellman_ford(mesh, seeds);
+  for (const double padding : {0.0, 0.1, 0.5, 1.0}) {
+    const Region region = build(mesh, within(place.radius, padding), place.groups);
+    expect_consistent(mesh, region, place.groups);
+    EXPECT_EQ(region.radius, place.radius);
+    EXPECT_EQ(region.left_out, 0);
+    std::vector<int> expected;
+    for (int v = 0; v < mesh.vertices.rows(); ++v) {
+      if (distance[v] <= place.radius) {
+        expected.push_back(v);
+      }
+    }
+    EXPECT_EQ(region.mesh_vertex, expected);
+    const std::set<int> rim = rim_of(mesh, region);
+    for (int i = 0; i < region.size(); ++i) {
+      const int v = region.mesh_vertex[i];
+      EXPECT_NEAR(region.distance[i], distance[v], 1e-14 * place.radius);
+      if (region.group[i] < 0) {
+        const bool band = distance[v] > (1 - padding) * place.radius * (1 + 1e-14);
+        EXPECT_EQ(region.classes[i], band || rim.count(v) ? VertexClass::Anchor : VertexClass::Free)
+            << "vertex " << v << ", padding " << padding;
+      }
+    }
+  }
+}
+
+TEST_P(RegionOn, GivenSetHasAnchorsAlongItsRim) {
+  const Place& place = GetParam();
+  const TriangleMesh mesh = place.mesh();
+  // The set of the radius, in another order and with repetitions, so what is right is known.
+  const std::vector<int> disc = build(mesh, within(place.radius), place.groups).mesh_vertex;
+  std::vector<int> set(disc.rbegin(), disc.rend());
+  set.insert(set.end(), disc.begin(), disc.begin() + 3);
+  for (const double padding : {0.0, 0.23, 1.0}) {
+    const Region region = build(mesh, given(set, padding), place.groups);
+    expect_consistent(mesh, region, place.groups);
+    EXPECT_EQ(region.mesh_vertex, disc);
+    EXPECT_EQ(region.radius, region.max_distance);
+    const std::set<int> rim = rim_of(mesh, region);
+    // Distance from the rim inside the region: over the local mesh of all its edges.
+    TriangleMesh inside;
+    inside.vertices = support::rows(mesh.vertices, region.mesh_vertex);
+    std::vector<int> seeds;
+    for (int i = 0; i < region.size(); ++i) {
+      if (rim.count(region.mesh_vertex[i])) {
+        seeds.push_back(i);
+      }
+      for (const int j : region.neighbours[i]) {
+        inside.faces.conservativeResize(inside.faces.rows() + 1, 3);
+        inside.faces.row(inside.faces.rows() - 1) << i, j, j;
+      }
+    }
+    const std::vector<double> from_rim = support::bellman_ford(inside, seeds);
+    for (int i = 0; i < region.size(); ++i) {
+      if (region.group[i] < 0) {
+        const bool band = from_rim[i] < padding * region.max_distance * (1 - 1e-14);
+        EXPECT_EQ(region.classes[i], band || rim.count(region.mesh_vertex[i]) ? VertexClass::Anchor : VertexClass::Free)
+            << "vertex " << region.mesh_vertex[i] << ", padding " << padding;
+      }
+    }
+  }
+}
+
+TEST_P(RegionOn, WholeComponentHasNoAnchors) {
+  const Place& place = GetParam();
+  const TriangleMesh mesh = place.mesh();
+  const Region region = build(mesh, component(), place.groups);
+  expect_consistent(mesh, region, place.groups);
+  EXPECT_EQ(region.count(VertexClass::Anchor), 0);
+  std::vector<int> labels;
+  connected_components(support::adjacency_of(mesh).neighbours, labels);
+  std::set<int> wanted;
+  for (const auto& group : place.groups) {
+    for (const int v : group) {
+      wanted.insert(labels[v]);
+    }
+  }
+  for (int v = 0; v < mesh.vertices.rows(); ++v) {
+    EXPECT_EQ(std::binary_search(region.mesh_vertex.begin(), region.mesh_vertex.end(), v),
+              wanted.count(labels[v]) == 1);
+  }
+}
+
+TEST_P(RegionOn, DoesNotDependOnNumbering) {
+  const Place& place = GetParam();
+  const TriangleMesh mesh = place.mesh();
+  const std::vector<int> numbers = support::shuffled(static_cast<int>(mesh.vertices.rows()), 5);
+  Groups groups = place.groups;
+  for (auto& group : groups) {
+    group = support::renumbered(group, numbers);
+  }
+  const Region region = build(mesh, within(place.radius), place.groups);
+  const Region other = build(support::renumbered(mesh, numbers, 6), within(place.radius), groups);
+  ASSERT_EQ(region.size(), other.size());
+  for (int i = 0; i < region.size(); ++i) {
+    const auto found =
+        std::lower_bound(other.mesh_vertex.begin(), other.mesh_vertex.end(), numbers[region.mesh_vertex[i]]);
+    ASSERT_TRUE(found != other.mesh_vertex.end() && *found == numbers[region.mesh_vertex[i]]);
+    const auto j = found - other.mesh_vertex.begin();
+    EXPECT_EQ(region.classes[i], other.classes[j]);
+    EXPECT_EQ(region.group[i], other.group[j]);
+    EXPECT_EQ(region.anchor_weight[i], other.anchor_weight[j]);
+    EXPECT_EQ(region.anchor_depth[i], other.anchor_depth[j]);
+  }
+}
+
+TEST(Region, BorderOfTheMeshIsNoRim) {
+  const TriangleMesh mesh = shapes::grid(9, 9);
+  const Region region = build(mesh, within(100, 0), {{40}});
+  EXPECT_EQ(region.size(), 81);
+  EXPECT_EQ(region.count(VertexClass::Anchor), 0);
+  // A block in a corner of the mesh: its two sides inside the mesh are rim, the two on the border are not.
+  const Region corner = build(mesh, given(block(9, 0, 4, 0, 4), 0), {{10}});
+  std::set<int> sides;
+  for (int k = 0; k <= 4; ++k) {
+    sides.insert(9 * 4 + k);
+    sides.insert(9 * k + 4);
+  }
+  EXPECT_EQ(members(corner, VertexClass::Anchor), sides);
+}
+
+TEST(Region, RimIsAnchoredHoweverThinThePadding) {
+  const TriangleMesh mesh = shapes::grid(21, 21);
+  for (const RegionSpec& spec : {within(6, 0), given(block(21, 4, 16, 4, 16), 0)}) {
+    const Region region = build(mesh, spec, {{220}});
+    EXPECT_EQ(members(region, VertexClass::Anchor), rim_of(mesh, region));
+    EXPECT_GT(region.count(VertexClass::Free), 0);
+    for (const int i : {0, region.size() - 1}) {
+      EXPECT_EQ(region.anchor_depth[i], 1) << "the rim is the region's end";
+    }
+  }
+}
+
+TEST(Region, FullPaddingLeavesNothingFree) {
+  const TriangleMesh mesh = shapes::grid(21, 21);
+  const Region region = build(mesh, within(6, 1), {{220}});
+  EXPECT_EQ(region.count(VertexClass::Free), 0);
+  EXPECT_EQ(region.count(VertexClass::Handle), 1);
+}
+
+TEST(Region, AnchorDepthGrowsAcrossTheBand) {
+  const TriangleMesh mesh = shapes::grid(31, 31);
+  const Region region = build(mesh, within(10, 0.4), {{480}});
+  int checked = 0;
+  for (int i = 0; i < region.size(); ++i) {
+    const int v = region.mesh_vertex[i];
+    if (region.classes[i] == VertexClass::Anchor && !rim_of(mesh, region).count(v)) {
+      EXPECT_NEAR(region.anchor_depth[i], (region.distance[i] - 6) / 4, 1e-12);
+      ++checked;
+    }
+  }
+  EXPECT_GT(checked, 20);
+}
+
+TEST(Region, HandleOnTheRimStaysAHandle) {
+  const TriangleMesh mesh = shapes::grid(9, 9);
+  const Region region = build(mesh, given(block(9, 2, 6, 2, 6), 0.5), {{20, 21}});  // a corner of the block
+  EXPECT_EQ(members(region, VertexClass::Handle), (std::set<int>{20, 21}));
+}
+
+TEST(Region, KeptAnchorsTakeThePlaceOfTheBand) {
+  const TriangleMesh mesh = shapes::grid(40, 40);
+  const Adjacency adjacency = support::adjacency_of(mesh);
+  RegionSpec spec;
+  spec.radius = 12;
+  const Region first = build_region(mesh, adjacency, spec, {{820}});
+  RegionSpec next;
+  next.kind = RegionSpec::Kind::Vertices;
+  next.vertices = first.mesh_vertex;
+  next.anchors = anchors_of(first);
+  const Region second = build_region(mesh, adjacency, next, {{701}});
+  ASSERT_EQ(second.mesh_vertex, first.mesh_vertex);
+  EXPECT_EQ(second.max_distance, first.max_distance);
+  EXPECT_EQ(second.anchor_weight, first.anchor_weight);
+  EXPECT_EQ(second.anchor_depth, first.anchor_depth);
+  for (int i = 0; i < first.size(); ++i) {
+    EXPECT_EQ(second.classes[i] == VertexClass::Anchor, first.classes[i] == VertexClass::Anchor);
+    EXPECT_EQ(second.classes[i] == VertexClass::Handle, second.mesh_vertex[i] == 701);
+  }
+  // A handle among them is a handle, and the rim is held even where it is not listed.
+  const int on_anchor = next.anchors.vertices[3];
+  EXPECT_EQ(build_region(mesh, adjacency, next, {{on_anchor}}).count(VertexClass::Anchor),
+            first.count(VertexClass::Anchor) - 1);
+  next.anchors.vertices.resize(1);
+  next.anchors.weights.resize(1);
+  next.anchors.depths.resize(1);
+  EXPECT_GT(build_region(mesh, adjacency, next, {{820}}).count(VertexClass::Anchor), 40);
+}
+
+TEST(Region, KeptAnchorsThatMakeNoSenseAreRefused) {
+  const TriangleMesh mesh = shapes::grid(10, 10);
+  const Adjacency adjacency = support::adjacency_of(mesh);
+  RegionSpec good;
+  good.kind = RegionSpec::Kind::Vertices;
+  for (int v = 0; v < 60; ++v) {
+    good.vertices.push_back(v);
+  }
+  good.anchors = {{50, 51}, {1, 0.9}, {1, 0.5}, 5};
+  EXPECT_NO_THROW(build_region(mesh, adjacency, good, {{12}}));
+  const auto refused = [&](ErrorCause cause, const std::function<void(KeptAnchors&)>& spoil) {
+    RegionSpec bad = good;
+    spoil(bad.anchors);
+    support::expect_refusal(cause, [&] { build_region(mesh, adjacency, bad, {{12}}); });
+  };
+  refused(ErrorCause::BadParameter, [](KeptAnchors& a) { a.weights.pop_back(); });
+  refused(ErrorCause::BadParameter, [](KeptAnchors& a) { a.depths.push_back(1); });
+  refused(ErrorCause::BadParameter, [](KeptAnchors& a) { a.weights[0] = 1.5; });
+  refused(ErrorCause::BadParameter, [](KeptAnchors& a) { a.depths[1] = std::nan(""); });
+  refused(ErrorCause::BadParameter, [](KeptAnchors& a) { a.reach = 0; });
+  refused(ErrorCause::BadIndex, [](KeptAnchors& a) { a.vertices[1] = 100; });
+  refused(ErrorCause::BadIndex, [](KeptAnchors& a) { a.vertices[0] = -1; });
+}
+
+TEST(Region, ComponentOfAGivenSetWithoutHandleIsLeftOut) {
+  const TriangleMesh mesh = shapes::grid(20, 9);
+  std::vector<int> set = block(9, 1, 7, 1, 7);
+  const std::vector<int> apart = block(9, 12, 15, 2, 6);
+  set.insert(set.end(), apart.begin(), apart.end());
+  const Region region = build(mesh, given(set), {{40}});
+  EXPECT_EQ(region.size(), 49);
+  EXPECT_EQ(region.left_out, 20);
+  EXPECT_LT(region.mesh_vertex.back(), 9 * 8);
+}
+
+TEST(Region, DistanceDoesNotLeaveAGivenSet) {
+  const TriangleMesh mesh = shapes::grid(5, 5);
+  const Region region = build(mesh, given({0, 1, 2, 3, 4, 9, 14, 19, 24, 23, 22, 21, 20}), {{0}});  // a bent strip
+  EXPECT_DOUBLE_EQ(region.max_distance, 10 + std::sqrt(2.0));
+}
+
+TEST(Region, ParametersOutsideTheirRangeAreRefused) {
+  const TriangleMesh mesh = shapes::grid(9, 9);
+  for (const double radius : {0.0, -1.0, -0.0, kNaN, kInfinity, -kInfinity}) {
+    support::expect_refusal(ErrorCause::BadParameter, [&] { build(mesh, within(radius), {{40}}); });
+  }
+  for (const double padding : {-0.001, 1.001, kNaN, kInfinity}) {
+    support::expect_refusal(ErrorCause::BadParameter, [&] { build(mesh, within(3, padding), {{40}}); });
+    support::expect_refusal(ErrorCause::BadParameter,
+                            [&] { build(mesh, given(block(9, 2, 6, 2, 6), padding), {{40}}); });
+  }
+}
+
+TEST(Region, WithoutAHandleThereIsNothingToDo) {
+  const TriangleMesh mesh = shapes::grid(9, 9);
+  support::expect_refusal(ErrorCause::NoHandle, [&] { build(mesh, within(3), {}); });
+  support::expect_refusal(ErrorCause::NoHandle, [&] { build(mesh, within(3), {{40}, {}}); });
+}
+
+TEST(Region, VertexNumbersHaveToExistAndBelongToOneGroup) {
+  const TriangleMesh mesh = shapes::grid(9, 9);
+  support::expect_refusal(ErrorCause::BadIndex, [&] { build(mesh, within(3), {{-1}}); });
+  const std::string sentence = support::expect_refusal(ErrorCause::BadIndex, [&] {
+    build(mesh, within(3), {{40, 81}});
+  });
+  EXPECT_NE(sentence.find("81"), std::string::npos) << sentence;
+  support::expect_refusal(ErrorCause::BadIndex, [&] { build(mesh, within(3), {{40, 41}, {41}}); });
+  support::expect_refusal(ErrorCause::BadIndex, [&] { build(mesh, given({39, 40, 41, 99}), {{40}}); });
+  support::expect_refusal(ErrorCause::BadIndex, [&] { build(mesh, given({-7, 39, 40, 41}), {{40}}); });
+  EXPECT_EQ(build(mesh, within(3), {{40, 40, 41}}).count(VertexClass::Handle), 2) << "repetition does no harm";
+}
+
+TEST(Region, EmptySetAndHandleOutsideAreRefused) {
+  const TriangleMesh mesh = shapes::grid(9, 9);
+  support::expect_refusal(ErrorCause::EmptyRegion, [&] { build(mesh, given({}), {{40}}); });
+  const std::string sentence = support::expect_refusal(ErrorCause::HandleOutsideRegion, [&] {
+    build(mesh, given(block(9, 0, 3, 0, 8)), {{20, 40}});
+  });
+  EXPECT_NE(sentence.find("40"), std::string::npos) << sentence;
+}
+
+TEST(Region, HandleAloneIsRefused) {
+  const TriangleMesh mesh = shapes::grid(9, 9);
+  support::expect_refusal(ErrorCause::NothingToFollow, [&] { build(mesh, within(0.5), {{40}}); });
+  support::expect_refusal(ErrorCause::NothingToFollow, [&] { build(mesh, given({40, 41}), {{40, 41}}); });
+  const TriangleMesh isolated = shapes::degenerate_grid(12, 9);
+  const int last = static_cast<int>(isolated.vertices.rows()) - 1;
+  support::expect_refusal(ErrorCause::NothingToFollow, [&] { build(isolated, component(), {{last}}); });
+}
+
+TEST(Region, CoordinatesThatAreNotNumbersMatterOnlyInOrNextToTheRegion) {
+  for (const double bad : {kNaN, kInfinity}) {
+    TriangleMesh mesh = shapes::grid(15, 15);
+    mesh.vertices(0, 2) = bad;
+    EXPECT_GT(build(mesh, within(3), {{112}}).size(), 1);
+    mesh.vertices(112 + 2, 2) = bad;
+    const std::string sentence =
+        support::expect_refusal(ErrorCause::NotFinite, [&] { build(mesh, within(3), {{112}}); });
+    EXPECT_NE(sentence.find("114"), std::string::npos) << sentence;
+    support::expect_refusal(ErrorCause::NotFinite, [&] { build(mesh, within(3), {{114}}); });
+    support::expect_refusal(ErrorCause::NotFinite, [&] { build(mesh, given(block(15, 5, 9, 5, 9)), {{112}}); });
+    support::expect_refusal(ErrorCause::NotFinite, [&] { build(mesh, component(), {{112}}); });
+  }
+}
+
+TEST(NearestVertex, IsTheNearestThatHasAFace) {
+  const TriangleMesh mesh = shapes::degenerate_grid(12, 9);  // five isolated vertices at z = 10
+  EXPECT_EQ(nearest_vertex(mesh, Vector3(3.2, 4.1, 0.3)), 9 * 3 + 4);
+  EXPECT_LT(nearest_vertex(mesh, Vector3(0, 0, 1.0)), 108);
+}
+
+TEST(NearestVertex, PointFarAwayOrNotANumberIsRefused) {
+  TriangleMesh mesh = shapes::grid(11, 11);
+  const double tenth = 0.1 * std::sqrt(200.0);
+  EXPECT_EQ(nearest_vertex(mesh, Vector3(5, 5, 0.99 * tenth)), 60);
+  support::expect_refusal(ErrorCause::BadParameter, [&] { nearest_vertex(mesh, Vector3(5, 5, 1.01 * tenth)); });
+  support::expect_refusal(ErrorCause::NotFinite, [&] { nearest_vertex(mesh, Vector3(5, kNaN, 0)); });
+  mesh.vertices(60, 0) = kNaN;
+  EXPECT_NE(nearest_vertex(mesh, Vector3(5, 5, 0)), 60);
+}
+
+}  // namespace
+}  // namespace lapedit

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/mesh/surface_pick.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "drag_support.h"
+
+namespace lapedit {
+namespace {
+
+const Vector3 kDown(0, 0, -1);
+
+TEST(SurfacePick, FindsTheNearestTriangleAndItsNearestCorner) {
+  const TriangleMesh sphere = shapes::icosphere(3);
+  const Vector3 toward = Vector3(1, 2, 3).normalized();
+  const auto hit = first_hit(sphere, {5 * toward, -toward});
+  ASSERT_TRUE(hit);
+  EXPECT_NEAR(hit->point.dot(toward), 1, 0.01);
+  EXPECT_EQ(hit->vertex, support::vertex_at(sphere, hit->point));
+  EXPECT_TRUE((sphere.faces.row(hit->face).array() == hit->vertex).any());
+  EXPECT_FALSE(first_hit(sphere, {5 * toward, toward}));
+  EXPECT_FALSE(first_hit(sphere, {5 * toward, Vector3(3, 0, -1)}));
+}
+
+TEST(SurfacePick, HitsFromInsideToo) {
+  const TriangleMesh sphere = shapes::icosphere(3);
+  const auto hit = first_hit(sphere, {Vector3::Zero(), Vector3(0, 0.1, 2)});
+  ASSERT_TRUE(hit);
+  EXPECT_NEAR(hit->point.norm(), 1, 0.01);
+}
+
+TEST(SurfacePick, RayThroughAVertexOrAnEdgeDoesNotSlipThrough) {
+  const TriangleMesh sphere = shapes::icosphere(3);
+  for (int v = 0; v < sphere.vertices.rows(); ++v) {
+    const Vector3 place = sphere.vertices.row(v).transpose();
+    const auto hit = first_hit(sphere, {3 * place, -place});
+    ASSERT_TRUE(hit) << v;
+    EXPECT_EQ(hit->vertex, v);
+  }
+  for (Eigen::Index f = 0; f < sphere.faces.rows(); ++f) {
+    const Vector3 middle =
+        (sphere.vertices.row(sphere.faces(f, 0)) + sphere.vertices.row(sphere.faces(f, 1))).transpose() / 2;
+    const auto hit = first_hit(sphere, {3 * middle, -middle});
+    ASSERT_TRUE(hit) << f;
+    EXPECT_LT((hit->point - middle).norm(), 1e-6);
+  }
+}
+
+TEST(SurfacePick, LooksAlongItsDirectionOfAnyLength) {
+  const TriangleMesh mesh = shapes::grid(5, 5);
+  for (const double length : {1e-6, 1.0, 1e6}) {
+    const auto hit = first_hit(mesh, {Vector3(1.3, 1.6, 5), length * kDown});
+    ASSERT_TRUE(hit);
+    EXPECT_LT((hit->point - Vector3(1.3, 1.6, 0)).norm(), 1e-9);
+    EXPECT_EQ(hit->vertex, 5 * 1 + 2);
+  }
+  EXPECT_FALSE(first_hit(mesh, {Vector3(1.3, 1.6, -5), kDown})) << "behind the ray";
+  EXPECT_FALSE(first_hit(mesh, {Vector3(1.3, 1.6, std::numeric_limits<double>::quiet_NaN()), kDown}));
+}
+
+TEST(SurfacePick, LooksThroughBrokenTriangles) {
+  TriangleMesh mesh = shapes::together(shapes::grid(5, 5), shapes::grid(5, 5), Vector3(0, 0, 1));
+  mesh.vertices.bottomRows(25).setConstant(std::numeric_limits<double>::quiet_NaN());
+  const auto hit = first_hit(mesh, {Vector3(1.3, 1.6, 5), kDown});
+  ASSERT_TRUE(hit);
+  EXPECT_NEAR(hit->point.z(), 0, 1e-12);
+  mesh.vertices.bottomRows(25).setConstant(1);  // all in one point
+  EXPECT_TRUE(first_hit(mesh, {Vector3(1.3, 1.6, 5), kDown}));
+}
+
+TEST(Visibility, IsTheBruteForceAnswer) {
+  const TriangleMesh mesh = shapes::together(shapes::icosphere(3), shapes::icosphere(2), Vector3(0.4, 0.3, 2.5));
+  const Adjacency adjacency = support::adjacency_of(mesh);
+  const Camera view = support::view_from(Vector3(1, 2, 8), Vector3(0, 0, 1), Vector3::UnitY());
+  const Visibility visibility(mesh);
+  int seen = 0;
+  for (int v = 0; v < mesh.vertices.rows(); ++v) {
+    // The first thing along the ray to the vertex is a face of it.
+    const Vector3 place = mesh.vertices.row(v).transpose();
+    const auto hit = first_hit(mesh, {place + 20 * view.toward_viewer(place), -view.toward_viewer(place)});
+    ASSERT_TRUE(hit);
+    const bool expected = (mesh.faces.row(hit->face).array() == v).any();
+    EXPECT_EQ(visibility.sees(view, adjacency, v), expected) << v;
+    seen += expected;
+  }
+  EXPECT_GT(seen, mesh.vertices.rows() / 10);
+  EXPECT_LT(seen, mesh.vertices.rows() / 2);
+}
+
+TEST(Visibility, DuplicatedVerticesDoNotHideEachOther) {
+  TriangleMesh mesh = shapes::together(shapes::grid(8, 8), shapes::grid(8, 8), Vector3(7, 0, 0));  // a torn seam
+  const Visibility visibility(mesh);
+  const Camera view = support::view_from_above(mesh.vertices);
+  const Adjacency adjacency = support::adjacency_of(mesh);
+  for (int v = 0; v < mesh.vertices.rows(); ++v) {
+    EXPECT_TRUE(visibility.sees(view, adjacency, v)) << v;
+  }
+}
+
+/// Rays along an axis, in the planes of the boxes' sides, near the origin and where nothing is between two numbers.
+TEST(Visibility, IsTheBruteForceAnswerAlongAnAxis) {
+  for (const double offset : {0.0, 1e9}) {
+    TriangleMesh mesh = shapes::together(shapes::grid(9, 9), shapes::grid(5, 17), Vector3(2, -4, 3));
+    mesh.vertices.leftCols<2>().array() += offset;
+    const Adjacency adjacency = support::adjacency_of(mesh);
+    const Camera view = support::view_from_above(mesh.vertices);
+    const Visibility visibility(mesh);
+    int hidden = 0;
+    for (int v = 0; v < mesh.vertices.rows(); ++v) {
+      const Vector3 place = mesh.vertices.row(v).transpose();
+      const auto hit = first_hit(mesh, {place + Vector3(0, 0, 9), kDown});
+      ASSERT_TRUE(hit);
+      EXPECT_EQ(visibility.sees(view, adjacency, v), (hit->point - place).norm() < 1) << v;
+      hidden += visibility.sees(view, adjacency, v) ? 0 : 1;
+    }
+    EXPECT_EQ(hidden, 5 * 9);
+  }
+}
+
+/// The near plane cuts off what is before it, and what lies behind the viewer hides nothing.
+TEST(Visibility, OfAViewerInsideTheMesh) {
+  const TriangleMesh sphere = shapes::icosphere(3);
+  const Adjacency adjacency = support::adjacency_of(sphere);
+  const Camera view = support::view_from(Vector3(0, 0, 0.1), Vector3(0, 0, -0.9), Vector3::UnitY());
+  const Visibility visibility(sphere);
+  for (int v = 0; v < sphere.vertices.rows(); ++v) {
+    EXPECT_EQ(visibility.sees(view, adjacency, v, -1), sphere.vertices(v, 2) < 0.1 - 0.01) << v;
+    EXPECT_FALSE(visibility.sees(view, adjacency, v, 1)) << v;
+  }
+}
+
+TEST(Visibility, OfVerySmallMeshes) {
+  TriangleMesh mesh = shapes::grid(2, 2);
+  mesh.faces.conservativeResize(1, 3);
+  const Camera view = support::view_from_above(mesh.vertices);
+  const Adjacency one = support::adjacency_of(mesh);
+  EXPECT_TRUE(Visibility(mesh).sees(view, one, 0, mesh.faces(0, 1) == 1 ? -1 : 1));
+  EXPECT_FALSE(Visibility(mesh).sees(view, one, 3)) << "has no face";
+  mesh.faces.resize(0, 3);
+  EXPECT_FALSE(Visibility(mesh).sees(view, support::adjacency_of(mesh), 0));
+}
+
+TEST(Visibility, VerticesThatAreNotFiniteAreNotSeenAndHideNothing) {
+  TriangleMesh mesh = shapes::together(shapes::grid(15, 15), shapes::grid(15, 15), Vector3(0.1, 0.1, 3));
+  const Camera view = support::view_from_above(mesh.vertices);
+  for (int v = 230; v < 450; v += 7) {
+    mesh.vertices(v, v % 3) = v % 2 == 0 ? std::numeric_limits<double>::quiet_NaN() : kUnreached;
+  }
+  const Adjacency adjacency = support::adjacency_of(mesh);
+  const Visibility visibility(mesh);
+  int hidden = 0;
+  for (int v = 0; v < 450; ++v) {
+    const Vector3 place = mesh.vertices.row(v).transpose();
+    const auto hit = first_hit(mesh, {place + Vector3(0, 0, 9), kDown});
+    const bool expected = hit && (mesh.faces.row(hit->face).array() == v).any();
+    EXPECT_EQ(visibility.sees(view, adjacency, v), expected) << v;
+    hidden += v < 225 && !expected ? 1 : 0;
+  }
+  EXPECT_GT(hidden, 50);
+  EXPECT_LT(hidden, 200);
+}
+
+std::vector<int> brushed(const TriangleMesh& mesh, const Camera& view, const Vector2& pixel, double radius) {
+  const auto hit = first_hit(mesh, view.ray(pixel));
+  if (!hit) {
+    return {};
+  }
+  return brushed_vertices(mesh, support::adjacency_of(mesh), Visibility(mesh), view, *hit, radius);
+}
+
+TEST(Brush, KeepsToItsRadiusAlongTheSurface) {
+  const TriangleMesh mesh = shapes::grid(40, 40);
+  const Camera view = support::view_from_above(mesh.vertices);
+  const std::vector<int> set = brushed(mesh, view, view.pixel(Vector3(20, 20, 0)), 3);
+  EXPECT_TRUE(std::is_sorted(set.begin(), set.end()));
+  EXPECT_TRUE(std::binary_search(set.begin(), set.end(), 40 * 20 + 23));
+  EXPECT_FALSE(std::binary_search(set.begin(), set.end(), 40 * 20 + 24));
+}
+
+TEST(Brush, ReachesTheNearSideOnlyHoweverLargeItIs) {
+  const TriangleMesh sphere = shapes::icosphere(4);
+  const Camera view = support::view_from(Vector3(0, 0, 6), Vector3::Zero(), Vector3::UnitY());
+  const std::vector<int> set = brushed(sphere, view, Vector2(400, 300), 100);
+  EXPECT_GT(set.size(), 800U);
+  for (const int v : set) {
+    EXPECT_GT(sphere.vertices(v, 2), 0);
+  }
+}
+
+/// A sheet folded over itself: its lower half lies under the upper one, a unit below.
+TriangleMesh folded() {
+  TriangleMesh mesh = shapes::grid(41, 10);
+  for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+    const double along = mesh.vertices(v, 0);
+    if (along > 20) {
+      mesh.vertices(v, 0) = 40 - along + 0.3;
+      mesh.vertices(v, 2) = -1;
+    }
+  }
+  return mesh;
+}
+
+TEST(Brush, DoesNotTouchWhatLiesBehind) {
+  const TriangleMesh mesh = folded();
+  const Camera view = support::view_from_above(mesh.vertices);
+  const std::vector<int> set = brushed(mesh, view, view.pixel(Vector3(18.2, 5, 0)), 15);
+  EXPECT_GT(set.size(), 50U);
+  for (const int v : set) {
+    EXPECT_EQ(mesh.vertices(v, 2), 0);
+  }
+}
+
+TEST(Brush, StopsAtWhatABumpHides) {
+  TriangleMesh mesh = shapes::grid(60, 40);
+  for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+    mesh.vertices(v, 2) = 12 * std::exp(-std::pow((mesh.vertices(v, 0) - 30) / 4, 2));
+  }
+  const Camera view = support::view_from(Vector3(-40, 20, 60), Vector3(30, 20, 0));
+  const auto at = [](int row) { return 40 * row + 20; };
+  const Vector3 place = mesh.vertices.row(at(20)).transpose();
+  const std::vector<int> set = brushed(mesh, view, view.pixel(place), 100);
+  const auto is_in = [&set](int v) { return std::binary_search(set.begin(), set.end(), v); };
+  EXPECT_TRUE(is_in(at(2)));
+  EXPECT_TRUE(is_in(at(29)));
+  EXPECT_FALSE(is_in(at(32))) << "on the far slope";
+  EXPECT_FALSE(is_in(at(38))) << "in its shadow";
+  // Visible behind the shadow, but no visible way leads there.
+  EXPECT_TRUE(Visibility(mesh).sees(view, support::adjacency_of(mesh), at(59)));
+  EXPECT_FALSE(is_in(at(59)));
+}
+
+TEST(Brush, DoesNotMindVerticesElsewhereThatAreNotFinite) {
+  TriangleMesh mesh = shapes::together(shapes::grid(20, 20), shapes::icosphere(1), Vector3(40, 0, 0));
+  const Camera view = support::view_from_above(mesh.vertices);
+  const std::vector<int> expected = brushed(mesh, view, view.pixel(Vector3(10, 10, 0)), 4);
+  EXPECT_GT(expected.size(), 20U);
+  mesh.vertices.bottomRows(42).setConstant(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_EQ(brushed(mesh, view, view.pixel(Vector3(10, 10, 0)), 4), expected);
+}
+
+TEST(Brush, WorksOnTheInsideOfAnOpenSurface) {
+  const TriangleMesh mesh = shapes::grid(20, 20);
+  const Camera view = support::view_from(Vector3(10, 10, -30), Vector3(10, 10, 0), Vector3::UnitY());
+  EXPECT_GT(brushed(mesh, view, view.pixel(Vector3(10, 10, 0)), 4).size(), 20U);
+}
+
+}  // namespace
+}  // namespace lapedit

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/mesh/vertex_set.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "shapes.h"
+#include "support.h"
+
+namespace lapedit {
+namespace {
+
+using Set = std::vector<int>;
+
+const TriangleMesh kGrid = shapes::grid(20, 20);
+const Adjacency kAround = support::adjacency_of(kGrid);
+
+Set square(int from, int to) {
+  Set set;
+  for (int i = from; i <= to; ++i) {
+    for (int j = from; j <= to; ++j) {
+      set.push_back(20 * i + j);
+    }
+  }
+  return set;
+}
+
+TEST(VertexSet, UnionAndDifference) {
+  EXPECT_EQ(united({1, 3, 5}, {2, 3}), (Set{1, 2, 3, 5}));
+  EXPECT_EQ(without({1, 3, 5}, {3, 4}), (Set{1, 5}));
+  EXPECT_EQ(united({}, {2}), Set{2});
+  EXPECT_EQ(without({}, {2}), Set());
+}
+
+TEST(VertexSet, GrowsByItsNeighbours) {
+  Set ring(kAround.neighbours[210].begin(), kAround.neighbours[210].end());
+  EXPECT_EQ(grown(kAround, {210}), united(ring, {210}));
+  EXPECT_EQ(grown(kAround, {}), Set());
+}
+
+TEST(VertexSet, ShrinkingTakesBackWhatGrowingAdded) {
+  const Set set = square(6, 12);
+  EXPECT_GT(grown(kAround, set).size(), set.size());
+  EXPECT_EQ(shrunk(kAround, grown(kAround, set), {}), set);
+}
+
+TEST(VertexSet, BorderOfTheMeshIsNoOutside) {
+  const Set all = square(0, 19);
+  EXPECT_EQ(shrunk(kAround, all, {}), all);
+  EXPECT_EQ(grown(kAround, all), all);
+}
+
+TEST(VertexSet, ShrinkingKeepsWhatItIsTold) {
+  EXPECT_EQ(shrunk(kAround, square(6, 7), {}), Set());
+  EXPECT_EQ(shrunk(kAround, square(6, 7), {6 * 20 + 7, 300}), Set{6 * 20 + 7});
+}
+
+TEST(VertexSet, WithinARadius) {
+  EXPECT_EQ(vertices_within(kGrid, kAround, 210, 0), Set{210});
+  EXPECT_EQ(vertices_within(kGrid, kAround, 210, 1), (Set{190, 209, 210, 211, 230}));
+  EXPECT_EQ(vertices_within(kGrid, kAround, 210, 100).size(), 400U);
+}
+
+TEST(VertexSet, BadArgumentsAreRefused) {
+  using support::expect_refusal;
+  for (const int vertex : {-1, 400}) {
+    expect_refusal(ErrorCause::BadIndex, [=] { vertices_within(kGrid, kAround, vertex, 1); });
+    expect_refusal(ErrorCause::BadIndex, [=] { shortest_path(kGrid, kAround, vertex, 0); });
+    expect_refusal(ErrorCause::BadIndex, [=] { shortest_path(kGrid, kAround, 0, vertex); });
+  }
+  for (const double radius : {-1.0, kUnreached, std::numeric_limits<double>::quiet_NaN()}) {
+    expect_refusal(ErrorCause::BadParameter, [=] { vertices_within(kGrid, kAround, 0, radius); });
+  }
+}
+
+TEST(ShortestPath, IsAsLongAsTheDistance) {
+  const TriangleMesh mesh = shapes::letter_field(30, 15);
+  const Adjacency around = support::adjacency_of(mesh);
+  GeodesicSearch search(around.neighbours, mesh.vertices);
+  search.run({7}, kUnreached);
+  for (const int to : {7, 8, 200, 449}) {
+    const Set path = shortest_path(mesh, around, 7, to);
+    ASSERT_FALSE(path.empty());
+    EXPECT_EQ(path.front(), 7);
+    EXPECT_EQ(path.back(), to);
+    double length = 0;
+    for (std::size_t i = 1; i < path.size(); ++i) {
+      const IndexLists::Row ring = around.neighbours[path[i - 1]];
+      EXPECT_TRUE(std::find(ring.begin(), ring.end(), path[i]) != ring.end());
+      length += (mesh.vertices.row(path[i]) - mesh.vertices.row(path[i - 1])).norm();
+    }
+    EXPECT_NEAR(length, search.distance(to), 1e-12);
+  }
+}
+
+TEST(ShortestPath, OfOneVertexIsThatVertex) {
+  EXPECT_EQ(shortest_path(kGrid, kAround, 17, 17), Set{17});
+  EXPECT_EQ(shortest_path(kGrid, kAround, 0, 1), (Set{0, 1}));
+}
+
+/// On a grid many ways are as short; which one is taken does not depend on what was asked before.
+TEST(ShortestPath, IsAlwaysTheSame) {
+  const Set path = shortest_path(kGrid, kAround, 0, 399);
+  EXPECT_GE(path.size(), 20U);
+  shortest_path(kGrid, kAround, 210, 4);
+  EXPECT_EQ(shortest_path(kGrid, kAround, 0, 399), path);
+}
+
+TEST(ShortestPath, GoesAroundWhatIsNotFinite) {
+  TriangleMesh mesh = kGrid;
+  for (int j = 0; j < 19; ++j) {
+    mesh.vertices(20 * 10 + j, 1) = std::numeric_limits<double>::quiet_NaN();
+  }
+  const Set path = shortest_path(mesh, kAround, 0, 399);
+  EXPECT_TRUE(std::find(path.begin(), path.end(), 20 * 10 + 19) != path.end());
+  mesh.vertices(20 * 10 + 19, 1) = kUnreached;
+  EXPECT_TRUE(shortest_path(mesh, kAround, 0, 399).empty());
+}
+
+TriangleMesh grid_with_four_rows_in_one_point() {
+  TriangleMesh mesh = shapes::grid(6, 6);
+  mesh.vertices.middleRows(6, 24).rowwise() = mesh.vertices.row(10).eval();
+  return mesh;
+}
+
+TEST(VertexSet, WithinNoRadiusIsOneVertexEvenIfOthersAreInItsPlace) {
+  const TriangleMesh mesh = grid_with_four_rows_in_one_point();
+  EXPECT_EQ(vertices_within(mesh, support::adjacency_of(mesh), 14, 0), Set{14});
+}
+
+TEST(ShortestPath, EndsWhereEdgesHaveNoLength) {
+  const TriangleMesh mesh = grid_with_four_rows_in_one_point();
+  for (const auto& [from, to] : {std::pair(0, 35), std::pair(35, 0), std::pair(14, 20)}) {
+    const Set path = shortest_path(mesh, support::adjacency_of(mesh), from, to);
+    ASSERT_GE(path.size(), 2U);
+    EXPECT_EQ(path.front(), from);
+    EXPECT_EQ(path.back(), to);
+    Set once = path;
+    std::sort(once.begin(), once.end());
+    EXPECT_EQ(std::adjacent_find(once.begin(), once.end()), once.end());
+  }
+}
+
+TEST(ShortestPath, IsEmptyBetweenPieces) {
+  const TriangleMesh mesh = shapes::two_pieces(1);
+  EXPECT_TRUE(shortest_path(mesh, support::adjacency_of(mesh), 0, static_cast<int>(mesh.vertices.rows()) - 1).empty());
+}
+
+}  // namespace
+}  // namespace lapedit

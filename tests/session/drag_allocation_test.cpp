@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "allocation_watch.h"
+#include "drag_support.h"
+#include "lapedit/deform/laplacian_editor.h"
+#include "shapes.h"
+#include "support.h"
+
+namespace lapedit {
+namespace {
+
+/// What the interactive tool will do at each mouse move.
+TEST(Drag, AllocatesNothingAfterTheFirstSolve) {
+  const TriangleMesh mesh = shapes::letter_field(60, 30);
+  RegionSpec region;
+  region.radius = 0.9;
+  const int handle = support::vertex_at(mesh, Vector3(2, 1, 0));
+  for (const CholeskyBackend backend : {CholeskyBackend::Automatic, CholeskyBackend::Eigen}) {
+    for (const DetailRotation rotation :
+         {DetailRotation::None, DetailRotation::SmoothNormals, DetailRotation::SmoothSurface}) {
+      for (const int order : {1, 2}) {
+        EditSettings settings;
+        settings.backend = backend;
+        settings.rotation = rotation;
+        settings.order = order;
+        settings.iterations = 2;
+        const long before_all = allocations;
+        LaplacianEditor editor(mesh, build_region(mesh, support::adjacency_of(mesh), region, {{handle}}), settings);
+        std::vector<Affine> maps{support::shift(Vector3(0, 0, 0.4))};
+        editor.solve(maps);
+        ASSERT_GT(allocations.load(), before_all);  // or the count does not count
+        const long before = allocations;
+        largest_allocation = 0;
+        for (int i = 0; i < 5; ++i) {
+          maps[0].translation().x() += 0.01;
+          editor.solve(maps);
+        }
+        const long made = allocations - before;
+        if (backend == CholeskyBackend::Eigen) {
+          EXPECT_EQ(made, 0) << name(rotation) << ", order " << order;
+        }
+        // Some of OpenBLAS's kernels for tiny matrices take a few hundred bytes for themselves.
+        EXPECT_LT(largest_allocation.load(), 4096U) << name(rotation) << ", order " << order;
+      }
+    }
+  }
+}
+
+/// From the mouse's move to the pose handed to the host, by way of the worker's thread.
+TEST(Drag, SessionAllocatesNothingOnceItMoves) {
+  support::Window window(shapes::letter_field(60, 30));
+  DragSettings settings = window.session.settings();
+  settings.edit.backend = CholeskyBackend::Eigen;
+  settings.handle_radius = 0.1;
+  window.session.set_settings(settings);
+  const int handle = support::vertex_at(window.session.mesh(), Vector3(2, 1, 0));
+  window.click(handle);
+  window.press(handle);
+  const Vector2 from = window.at(handle).pixel;
+  const auto move = [&](int i) {
+    window.session.move(window.at(from + Vector2(i, 2 * i)));
+    window.session.wait();
+  };
+  // Three buffers go round between worker, session and host: all have to have been used.
+  for (int i = 1; i <= 6; ++i) {
+    move(i);
+  }
+  const int poses = window.poses;
+  const long before = allocations;
+  for (int i = 7; i <= 20; ++i) {
+    move(i);
+  }
+  EXPECT_EQ(allocations - before, 0);
+  EXPECT_GE(window.poses, poses + 10);
+}
+
+}  // namespace
+}  // namespace lapedit

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/session/drag_motion.h"
+
+#include <gtest/gtest.h>
+
+#include "drag_support.h"
+
+namespace lapedit {
+namespace {
+
+const Vector3 kCenter(1, 2, 3);
+
+Cursor over(const Camera& view, const Vector3& point, const Vector2& off = Vector2::Zero()) {
+  return {view, view.pixel(point) + off};
+}
+
+Camera oblique() {
+  return support::view_from(Vector3(8, -6, 9), kCenter);
+}
+
+DragMotion motion(MotionKind kind, const Cursor& cursor, const Vector3& normal = Vector3::UnitZ()) {
+  return {kind, kCenter, kCenter, normal, cursor};
+}
+
+TEST(DragMotion, TranslationKeepsTheGrabbedPointUnderTheCursor) {
+  const Camera view = oblique();
+  for (const Vector2& off : {Vector2(0, 0), Vector2(3, -2)}) {
+    const Vector3 grab = view.beside(kCenter, over(view, kCenter, off).pixel);
+    DragMotion m(MotionKind::Translate, grab, kCenter, Vector3::UnitZ(), over(view, grab));
+    EXPECT_FALSE(m.moves());
+    m.move(over(view, grab, Vector2(50, 70)));
+    EXPECT_TRUE(m.moves());
+    const Vector3 now = grab + m.transform().translation;
+    EXPECT_LT((view.pixel(now) - over(view, grab, Vector2(50, 70)).pixel).norm(), 1e-6);
+    m.move(over(view, grab));
+    EXPECT_LT(m.transform().translation.norm(), 1e-9);
+  }
+}
+
+TEST(DragMotion, LockedAxisTakesTheNearestPointToTheCursor) {
+  const Camera view = oblique();
+  DragMotion m = motion(MotionKind::Translate, over(view, kCenter));
+  ASSERT_TRUE(m.toggle_lock(AxisLock::Y));
+  m.move(over(view, kCenter + Vector3(0, 1.25, 0)));
+  EXPECT_LT((m.transform().translation - Vector3(0, 1.25, 0)).norm(), 1e-9);
+  m.toggle_lock(AxisLock::Y);
+  EXPECT_EQ(m.lock(), AxisLock::None);
+  ASSERT_TRUE(m.toggle_lock(AxisLock::Z));
+  EXPECT_EQ(m.transform().translation.x(), 0);
+  EXPECT_EQ(m.transform().translation.y(), 0);
+}
+
+TEST(DragMotion, AxisAlongTheSightDoesNotRunAway) {
+  const Camera view = support::view_from(kCenter + Vector3(0, 0, 9), kCenter, Vector3::UnitY());
+  DragMotion m = motion(MotionKind::Translate, over(view, kCenter));
+  m.toggle_lock(AxisLock::Z);
+  m.move(over(view, kCenter, Vector2(2, 0)));
+  EXPECT_LT(m.transform().translation.norm(), 9);
+}
+
+TEST(DragMotion, NormalLockNeedsANormal) {
+  const Camera view = oblique();
+  EXPECT_FALSE(motion(MotionKind::Translate, over(view, kCenter), Vector3::Zero()).toggle_lock(AxisLock::Normal));
+}
+
+TEST(DragMotion, TurnFollowsTheCursorAboutTheCenter) {
+  const Camera view = support::view_from(kCenter + Vector3(0, 0, 9), kCenter, Vector3::UnitY());
+  // Seen from +z, counter-clockwise on the screen is counter-clockwise about z.
+  DragMotion m = motion(MotionKind::Rotate, over(view, kCenter, Vector2(100, 0)));
+  m.move(over(view, kCenter, Vector2(0, -100)));
+  EXPECT_NEAR(m.transform().degrees, 90, 1e-9);
+  EXPECT_LT((m.transform().axis - Vector3::UnitZ()).norm(), 1e-9);
+  m.move(over(view, kCenter, Vector2(-100, 0)));
+  m.move(over(view, kCenter, Vector2(0, 100)));
+  m.move(over(view, kCenter, Vector2(100, 1)));
+  EXPECT_NEAR(m.transform().degrees, 360, 1);  // turns add up
+  EXPECT_EQ(m.transform().translation, Vector3::Zero());
+}
+
+TEST(DragMotion, TurnAboutALockedAxisGoesTheWayTheSurfaceIsSeenToTurn) {
+  for (const double side : {1.0, -1.0}) {
+    const Camera view = support::view_from(kCenter + Vector3(0, 0.1, side * 9), kCenter, Vector3::UnitY());
+    DragMotion m = motion(MotionKind::Rotate, over(view, kCenter, Vector2(100, 0)));
+    m.toggle_lock(AxisLock::Z);
+    m.move(over(view, kCenter, Vector2(0, -100)));
+    EXPECT_NEAR(m.transform().degrees, side * 90, 1e-6);
+    EXPECT_EQ(m.transform().axis, Vector3::UnitZ());
+    // A point to the right on the screen goes up.
+    const Vector3 right = view.beside(kCenter, over(view, kCenter, Vector2(100, 0)).pixel);
+    const Vector3 turned = resolve(m.transform(), kCenter) * right;
+    EXPECT_LT(view.pixel(turned).y(), view.pixel(kCenter).y() - 90);
+  }
+}
+
+TEST(DragMotion, ScaleIsTheGrowthOfTheDistanceFromTheCenter) {
+  const Camera view = oblique();
+  DragMotion m = motion(MotionKind::Scale, over(view, kCenter, Vector2(100, 0)));
+  m.move(over(view, kCenter, Vector2(0, 150)));
+  EXPECT_NEAR(m.transform().scale, 1.5, 1e-9);
+  m.move(over(view, kCenter));
+  EXPECT_GT(m.transform().scale, 0);
+}
+
+TEST(DragMotion, TypedAmountReplacesTheMouse) {
+  const Camera view = oblique();
+  DragMotion m = motion(MotionKind::Translate, over(view, kCenter), Vector3(0, 0, 5));
+  for (const char c : std::string("0.75")) {
+    EXPECT_TRUE(m.type(c));
+  }
+  EXPECT_FALSE(m.type('.'));
+  EXPECT_FALSE(m.type('a'));
+  EXPECT_EQ(m.transform().translation, Vector3(0, 0, 0.75));  // not moved yet: along the normal
+  m.type('-');
+  m.toggle_lock(AxisLock::X);
+  EXPECT_EQ(m.transform().translation, Vector3(-0.75, 0, 0));
+  EXPECT_FALSE(std::signbit(m.transform().translation.y()));  // JSON would lose a negative zero
+  m.move(over(view, kCenter, Vector2(200, 0)));
+  EXPECT_EQ(m.transform().translation, Vector3(-0.75, 0, 0));
+  EXPECT_EQ(m.text(), "Moving by -0.75 along X (typed -0.75)");
+}
+
+TEST(DragMotion, GoesOnUnderAnotherView) {
+  const Camera view = oblique();
+  const Camera other = support::view_from(Vector3(-5, 8, 7), kCenter);
+  DragMotion m = motion(MotionKind::Translate, over(view, kCenter));
+  m.move(over(view, kCenter, Vector2(40, 0)));
+  const Vector3 before = m.transform().translation;
+  m.move(over(other, kCenter, Vector2(-30, 10)));
+  EXPECT_LT((m.transform().translation - before).norm(), 1e-9);
+  m.move(over(other, kCenter, Vector2(-10, 10)));
+  const Vector3 held = kCenter + before;
+  EXPECT_LT((other.pixel(kCenter + m.transform().translation) - other.pixel(held) - Vector2(20, 0)).norm(), 1e-6);
+}
+
+}  // namespace
+}  // namespace lapedit
