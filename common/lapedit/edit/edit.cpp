@@ -10,7 +10,6 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
-#include "lapedit/base/stopwatch.h"
 
 namespace lapedit {
 namespace {
@@ -22,67 +21,14 @@ void check_fraction(double fraction) {
   }
 }
 
-/// A step that can be solved for any fraction.
-class PreparedStep {
- public:
-  /// @param fraction  one of those that it will be solved for
-  /// @param previous  whose factor is taken over if it fits
-  PreparedStep(const TriangleMesh& mesh, const Adjacency& adjacency, const EditStep& step, double fraction,
-               const Progress& progress, std::unique_ptr<LaplacianEditor> previous = nullptr) {
-    validate(step.settings);
-    groups_.reserve(step.handles.size());
-    for (const HandleGroup& handle : step.handles) {
-      groups_.push_back(handle.vertices);
-      std::sort(groups_.back().begin(), groups_.back().end());
-      groups_.back().erase(std::unique(groups_.back().begin(), groups_.back().end()), groups_.back().end());
-    }
-    report_progress(progress, 0, "region");
-    Stopwatch watch;
-    Region region = build_region(mesh, adjacency, step.region, groups_);
-    region_ms_ = watch.lap();
-    // Before the factorisation: what is wrong with a transform is said at once.
-    targets(mesh, step, fraction);
-    editor_ = std::make_unique<LaplacianEditor>(mesh, std::move(region), step.settings, progress, std::move(previous));
+/// Where the handle groups of a step go, one map per group.
+std::vector<Affine> targets(const TriangleMesh& mesh, const EditStep& step, double fraction) {
+  std::vector<Affine> maps;
+  maps.reserve(step.handles.size());
+  for (const HandleGroup& handle : step.handles) {
+    maps.push_back(resolve(handle.transform, centroid(mesh.vertices, handle.vertices), fraction));
   }
-
-  EditResult solve(const TriangleMesh& mesh, const EditStep& step, double fraction, StoredScalar scalar) {
-    EditResult result;
-    result.positions = editor_->solve(targets(mesh, step, fraction));
-    result.vertices = editor_->region().mesh_vertex;
-    result.reports.push_back(editor_->report());
-    EditReport& report = result.reports.back();
-    report.region_ms = region_ms_;
-    if (solved_) {  // all that was there before this pose
-      report.region_ms = report.operator_ms = report.factor_ms = report.kernel_ms = 0;
-      report.factor_taken_over = true;
-    }
-    solved_ = true;
-    round_to(scalar, result.positions);
-    return result;
-  }
-
-  std::unique_ptr<LaplacianEditor> release() { return std::move(editor_); }
-
- private:
-  std::vector<Affine> targets(const TriangleMesh& mesh, const EditStep& step, double fraction) const {
-    std::vector<Affine> maps;
-    maps.reserve(groups_.size());
-    for (std::size_t g = 0; g < groups_.size(); ++g) {
-      maps.push_back(resolve(step.handles[g].transform, centroid(mesh.vertices, groups_[g]), fraction));
-    }
-    return maps;
-  }
-
-  std::vector<std::vector<int>> groups_;
-  std::unique_ptr<LaplacianEditor> editor_;
-  double region_ms_ = 0;
-  bool solved_ = false;
-};
-
-void put(const EditResult& result, Points& vertices) {
-  for (std::size_t i = 0; i < result.vertices.size(); ++i) {
-    vertices.row(result.vertices[i]) = result.positions.row(static_cast<Eigen::Index>(i));
-  }
+  return maps;
 }
 
 /// A part of the whole progress, number k of so many.
@@ -95,74 +41,105 @@ Progress part_of(const Progress& progress, std::size_t k, std::size_t count) {
   };
 }
 
-void require_steps(const Edit& edit) {
-  if (edit.steps.empty()) {
-    throw EditError(ErrorCause::BadScript, "The edit has no steps: give at least one.");
+/// Each group ascending without duplicates: sums over it do not depend on how it was written.
+EditStep with_sorted_groups(EditStep step) {
+  for (HandleGroup& handle : step.handles) {
+    std::sort(handle.vertices.begin(), handle.vertices.end());
+    handle.vertices.erase(std::unique(handle.vertices.begin(), handle.vertices.end()), handle.vertices.end());
+  }
+  return step;
+}
+
+std::vector<std::vector<int>> groups_of(const EditStep& step) {
+  std::vector<std::vector<int>> groups;
+  groups.reserve(step.handles.size());
+  for (const HandleGroup& handle : step.handles) {
+    groups.push_back(handle.vertices);
+  }
+  return groups;
+}
+
+void put(const EditResult& result, Points& vertices) {
+  for (std::size_t i = 0; i < result.vertices.size(); ++i) {
+    vertices.row(result.vertices[i]) = result.positions.row(static_cast<Eigen::Index>(i));
   }
 }
 
-/// Says which step a refusal is about, if there are several. To be called while it is handled.
-[[noreturn]] void refuse_step(const EditError& error, std::size_t k, std::size_t count) {
-  if (count == 1) {
-    throw;
+/// One pose per fraction, on their way through the steps.
+class Poses {
+ public:
+  using Each = std::function<void(std::size_t pose, EditResult&&)>;
+
+  Poses(const TriangleMesh& mesh, const Adjacency& adjacency, const std::vector<double>& fractions, StoredScalar scalar)
+      : mesh_(mesh),
+        adjacency_(adjacency),
+        fractions_(fractions),
+        scalar_(scalar),
+        now_(fractions.size(), mesh.vertices) {
+    std::for_each(fractions.begin(), fractions.end(), check_fraction);
   }
-  throw EditError(error.cause(),
-                  "Step " + std::to_string(k + 1) + " of " + std::to_string(count) + ": " + error.what());
-}
 
-/// A pose on its way through the steps.
-struct Pose {
-  double fraction;
-  Points vertices;
-  std::vector<char> touched;  // per vertex: was it in a region
-  std::vector<EditReport> reports;
+  /// @param each  called for every step and pose, in this order
+  void run(const Edit& edit, const Progress& progress, const Each& each) {
+    const std::size_t steps = edit.steps.size(), poses = fractions_.size();
+    if (steps == 0) {
+      throw EditError(ErrorCause::BadScript, "The edit has no steps: give at least one.");
+    }
+    for (std::size_t k = 0; k < steps; ++k) {
+      std::unique_ptr<StepRunner> runner;
+      const EditStep step = with_sorted_groups(edit.steps[k]);
+      for (std::size_t p = 0; p < poses; ++p) {
+        try {
+          run_step(step, p, k == 0, part_of(progress, k * poses + p, steps * poses), runner, each);
+        } catch (const EditError& error) {
+          refuse(error, k, steps, p);
+        }
+      }
+    }
+  }
 
-  EditResult result() && {
+  /// All vertices of a pose.
+  const Points& vertices(std::size_t p) const { return now_[p]; }
+
+ private:
+  void run_step(const EditStep& step, std::size_t p, bool same_shape, const Progress& progress,
+                std::unique_ptr<StepRunner>& runner, const Each& each) {
+    if (!same_shape || !runner) {
+      mesh_.vertices = now_[p];
+      // Before the factorisation: what is wrong with a transform is said at once.
+      const auto check_targets = [&](const Region&) { targets(mesh_, step, fractions_[p]); };
+      runner = std::make_unique<StepRunner>(
+          StepProblem{mesh_, adjacency_, step.region, groups_of(step), step.settings, scalar_}, progress, check_targets,
+          std::move(runner));
+    }
     EditResult result;
-    for (int v = 0; v < static_cast<int>(touched.size()); ++v) {
-      if (touched[v]) {
-        result.vertices.push_back(v);
-      }
-    }
-    result.positions.resize(static_cast<Eigen::Index>(result.vertices.size()), 3);
-    for (std::size_t i = 0; i < result.vertices.size(); ++i) {
-      result.positions.row(static_cast<Eigen::Index>(i)) = vertices.row(result.vertices[i]);
-    }
-    result.reports = std::move(reports);
-    return result;
+    runner->solve(targets(mesh_, step, fractions_[p]), result.positions);
+    result.vertices = runner->region().mesh_vertex;
+    result.reports.push_back(runner->report());
+    put(result, now_[p]);
+    each(p, std::move(result));
+    report_progress(progress, 1, "done");
   }
-};
 
-/// Runs step k for all poses.
-void run_step(const TriangleMesh& mesh, const Adjacency& adjacency, const Edit& edit, std::size_t k,
-              StoredScalar scalar, const Progress& progress, std::vector<Pose>& poses) {
-  const EditStep& step = edit.steps[k];
-  TriangleMesh current = mesh;
-  std::unique_ptr<PreparedStep> prepared;
-  for (std::size_t p = 0; p < poses.size(); ++p) {
-    Pose& pose = poses[p];
-    const Progress part = part_of(progress, k * poses.size() + p, edit.steps.size() * poses.size());
-    try {
-      if (k > 0 || !prepared) {
-        current.vertices = pose.vertices;
-        prepared = std::make_unique<PreparedStep>(current, adjacency, step, pose.fraction, part,
-                                                  prepared ? prepared->release() : nullptr);
-      }
-      EditResult result = prepared->solve(current, step, pose.fraction, scalar);
-      put(result, pose.vertices);
-      for (const int v : result.vertices) {
-        pose.touched[v] = 1;
-      }
-      pose.reports.push_back(std::move(result.reports.front()));
-      report_progress(part, 1, "done");
-    } catch (const EditError& error) {
-      if (poses.size() == 1 || error.cause() == ErrorCause::Cancelled) {
-        throw;
-      }
-      throw EditError(error.cause(), "At fraction " + number_text(pose.fraction) + ": " + error.what());
+  /// Says which step and which fraction a refusal is about, if there are several. To be called while it is handled.
+  [[noreturn]] void refuse(const EditError& error, std::size_t k, std::size_t steps, std::size_t p) const {
+    const bool cancelled = error.cause() == ErrorCause::Cancelled;
+    std::string sentence = error.what();
+    if (fractions_.size() > 1 && !cancelled) {
+      sentence = "At fraction " + number_text(fractions_[p]) + ": " + sentence;
     }
+    if (steps > 1) {
+      sentence = "Step " + std::to_string(k + 1) + " of " + std::to_string(steps) + ": " + sentence;
+    }
+    throw EditError(error.cause(), sentence);
   }
-}
+
+  TriangleMesh mesh_;  // the pose at work
+  const Adjacency& adjacency_;
+  const std::vector<double>& fractions_;
+  StoredScalar scalar_;
+  std::vector<Points> now_;  // vertices, per pose
+};
 
 }  // namespace
 
@@ -206,43 +183,22 @@ void require_same_mesh(const TriangleMesh& mesh, const Edit& edit) {
   }
 }
 
-void round_to(StoredScalar scalar, Points& positions) {
-  if (scalar == StoredScalar::Double) {
-    return;
-  }
-  for (Eigen::Index i = 0; i < positions.size(); ++i) {
-    positions.data()[i] = static_cast<double>(static_cast<float>(positions.data()[i]));
-  }
-  if (!positions.allFinite()) {
-    throw EditError(
-        ErrorCause::NotFinite,
-        "The result does not fit into the mesh's single precision: the handle's displacement is too large.");
-  }
+void apply_steps(const TriangleMesh& mesh, const Adjacency& adjacency, const Edit& edit, double fraction,
+                 StoredScalar scalar, const Progress& progress, const std::function<void(EditResult&&)>& each) {
+  const std::vector<double> fractions{fraction};
+  Poses(mesh, adjacency, fractions, scalar).run(edit, progress, [&each](std::size_t, EditResult&& result) {
+    each(std::move(result));
+  });
 }
 
 EditResult apply_step(const TriangleMesh& mesh, const Adjacency& adjacency, const EditStep& step, double fraction,
                       StoredScalar scalar, const Progress& progress) {
-  check_fraction(fraction);
-  PreparedStep prepared(mesh, adjacency, step, fraction, progress);
-  EditResult result = prepared.solve(mesh, step, fraction, scalar);
-  report_progress(progress, 1, "done");
-  return result;
-}
-
-void apply_steps(const TriangleMesh& mesh, const Adjacency& adjacency, const Edit& edit, double fraction,
-                 StoredScalar scalar, const Progress& progress, const std::function<void(EditResult&&)>& each) {
-  require_steps(edit);
-  const std::size_t count = edit.steps.size();
-  TriangleMesh current = mesh;
-  for (std::size_t k = 0; k < count; ++k) {
-    try {
-      EditResult step = apply_step(current, adjacency, edit.steps[k], fraction, scalar, part_of(progress, k, count));
-      put(step, current.vertices);
-      each(std::move(step));
-    } catch (const EditError& error) {
-      refuse_step(error, k, count);
-    }
-  }
+  Edit edit;
+  edit.steps.push_back(step);
+  EditResult only;
+  apply_steps(mesh, adjacency, edit, fraction, scalar, progress,
+              [&only](EditResult&& result) { only = std::move(result); });
+  return only;
 }
 
 EditResult apply_edit(const TriangleMesh& mesh, const Edit& edit, double fraction, StoredScalar scalar,
@@ -253,26 +209,26 @@ EditResult apply_edit(const TriangleMesh& mesh, const Edit& edit, double fractio
 std::vector<EditResult> apply_edit(const TriangleMesh& mesh, const Edit& edit, const std::vector<double>& fractions,
                                    StoredScalar scalar, const Progress& progress) {
   validate(mesh);
-  std::vector<Pose> poses;
-  poses.reserve(fractions.size());
-  for (const double fraction : fractions) {
-    check_fraction(fraction);
-    poses.push_back({fraction, mesh.vertices, std::vector<char>(mesh.vertices.rows(), 0), {}});
-  }
+  std::for_each(fractions.begin(), fractions.end(), check_fraction);
   require_same_mesh(mesh, edit);
-  require_steps(edit);
   const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
-  for (std::size_t k = 0; k < edit.steps.size(); ++k) {
-    try {
-      run_step(mesh, adjacency, edit, k, scalar, progress, poses);
-    } catch (const EditError& error) {
-      refuse_step(error, k, edit.steps.size());
+  std::vector<std::vector<char>> touched(fractions.size(), std::vector<char>(mesh.vertices.rows(), 0));
+  std::vector<EditResult> results(fractions.size());
+  Poses poses(mesh, adjacency, fractions, scalar);
+  poses.run(edit, progress, [&](std::size_t p, EditResult&& step) {
+    for (const int v : step.vertices) {
+      touched[p][v] = 1;
     }
-  }
-  std::vector<EditResult> results;
-  results.reserve(poses.size());
-  for (Pose& pose : poses) {
-    results.push_back(std::move(pose).result());
+    results[p].reports.push_back(std::move(step.reports.front()));
+  });
+  for (std::size_t p = 0; p < results.size(); ++p) {
+    EditResult& result = results[p];
+    for (int v = 0; v < static_cast<int>(touched[p].size()); ++v) {
+      if (touched[p][v]) {
+        result.vertices.push_back(v);
+      }
+    }
+    result.positions = poses.vertices(p)(result.vertices, Eigen::all);
   }
   return results;
 }

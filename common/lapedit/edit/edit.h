@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "lapedit/deform/laplacian_editor.h"
+#include "lapedit/edit/step_runner.h"
 
 namespace lapedit {
 
@@ -40,31 +40,29 @@ struct EditResult {
   std::vector<EditReport> reports;  ///< one per step
 };
 
-/// Precision of the mesh that takes the result: positions are rounded to it after each step, so that a replay sees
-/// what an interactive session saw.
-enum class StoredScalar { Float, Double };
-
-/// Rounds to what the mesh can store. @throws EditError (NotFinite) if that leaves a coordinate infinite
-void round_to(StoredScalar scalar, Points& positions);
-
 /// @throws EditError (MeshMismatch) if what the edit tells of its mesh is not true of this one
 void require_same_mesh(const TriangleMesh& mesh, const Edit& edit);
 
-/// Runs one step; the mesh is not changed. It has to have passed validate(), and adjacency to be its own.
-/// @throws EditError
-EditResult apply_step(const TriangleMesh& mesh, const Adjacency& adjacency, const EditStep& step, double fraction = 1,
-                      StoredScalar scalar = StoredScalar::Double, const Progress& progress = {});
-
-/// Runs all steps, each on the result of the one before, and hands out the result of each as it comes; otherwise as
-/// apply_step().
-/// @throws EditError as apply_step(), with the step's number before the sentence when there are several; BadScript if
-///         there are none
+/// Runs all steps, each on the result of the one before, and hands out the result of each as it comes. The mesh is not
+/// changed; it has to have passed validate(), and adjacency to be its own.
+/// @param fraction  how far the handles go, 0 to 1
+/// @throws EditError (BadParameter if fraction is outside [0, 1]; BadScript if there are no steps; and what a step
+///         throws, with the step's number before the sentence when there are several)
 void apply_steps(const TriangleMesh& mesh, const Adjacency& adjacency, const Edit& edit, double fraction,
                  StoredScalar scalar, const Progress& progress, const std::function<void(EditResult&&)>& each);
 
-/// Runs all steps, each on the result of the one before; the mesh is not changed.
-/// @throws EditError (MeshMismatch, BadParameter if fraction is outside [0, 1], and what a step throws, with the step's
-///         number before the sentence when there are several)
+/// Runs one step. @throws EditError as apply_steps()
+EditResult apply_step(const TriangleMesh& mesh, const Adjacency& adjacency, const EditStep& step, double fraction = 1,
+                      StoredScalar scalar = StoredScalar::Double, const Progress& progress = {});
+
+/// Runs all steps of an edit on the mesh that it was made for; the mesh is not changed.
+///
+///     const EditResult result = apply_edit(mesh, edit, 1, StoredScalar::Float);
+///     for (std::size_t i = 0; i < result.vertices.size(); ++i) {
+///       mesh.vertices.row(result.vertices[i]) = result.positions.row(i);
+///     }
+///
+/// @throws EditError as apply_steps(); (MeshMismatch)
 EditResult apply_edit(const TriangleMesh& mesh, const Edit& edit, double fraction = 1,
                       StoredScalar scalar = StoredScalar::Double, const Progress& progress = {});
 

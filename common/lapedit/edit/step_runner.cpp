@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/edit/step_runner.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "lapedit/base/error.h"
+#include "lapedit/base/stopwatch.h"
+
+namespace lapedit {
+
+void round_to(StoredScalar scalar, Points& positions) {
+  if (scalar == StoredScalar::Double) {
+    return;
+  }
+  for (Eigen::Index i = 0; i < positions.size(); ++i) {
+    positions.data()[i] = static_cast<double>(static_cast<float>(positions.data()[i]));
+  }
+  if (!positions.allFinite()) {
+    throw EditError(
+        ErrorCause::NotFinite,
+        "The result does not fit into the mesh's single precision: the handle's displacement is too large.");
+  }
+}
+
+StepRunner::StepRunner(const StepProblem& problem, const Progress& progress, const RegionKnown& region_known,
+                       std::unique_ptr<StepRunner> previous)
+    : scalar_(problem.scalar) {
+  validate(problem.settings);
+  std::vector<std::vector<int>> groups = problem.groups;
+  for (std::vector<int>& group : groups) {
+    std::sort(group.begin(), group.end());
+    group.erase(std::unique(group.begin(), group.end()), group.end());
+  }
+  report_progress(progress, 0, "region");
+  const Stopwatch watch;
+  Region region = build_region(problem.mesh, problem.adjacency, problem.region, groups);
+  region_ms_ = watch.elapsed();
+  if (region_known) {
+    region_known(region);
+  }
+  editor_ = std::make_unique<LaplacianEditor>(problem.mesh, std::move(region), problem.settings, progress,
+                                              previous ? std::move(previous->editor_) : nullptr);
+}
+
+void StepRunner::solve(const std::vector<Affine>& maps, Points& places, const Progress& go_on) {
+  places = editor_->solve(maps, Affine::Identity(), go_on);
+  ++solved_;
+  round_to(scalar_, places);
+}
+
+void StepRunner::preview(const std::vector<Affine>& maps, Points& places) {
+  places = editor_->preview(maps);
+  round_to(scalar_, places);
+}
+
+EditReport StepRunner::report() const {
+  EditReport report = editor_->report();
+  report.region_ms = region_ms_;
+  if (solved_ > 1) {  // all that was there before this pose
+    report.region_ms = report.operator_ms = report.factor_ms = report.kernel_ms = 0;
+    report.factor_taken_over = true;
+  }
+  return report;
+}
+
+}  // namespace lapedit

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "lapedit/deform/laplacian_editor.h"
+#include "lapedit/mesh/adjacency.h"
+
+namespace lapedit {
+
+/// Precision of the mesh that takes the result: positions are rounded to it after each step, so that a replay sees
+/// what an interactive session saw.
+enum class StoredScalar { Float, Double };
+
+/// Rounds to what the mesh can store. @throws EditError (NotFinite) if that leaves a coordinate infinite
+void round_to(StoredScalar scalar, Points& positions);
+
+/// Everything that a step is solved with but its handles' ways.
+struct StepProblem {
+  const TriangleMesh& mesh;  ///< rest pose; has passed validate()
+  const Adjacency& adjacency;
+  const RegionSpec& region;
+  std::vector<std::vector<int>> groups;  ///< handle groups, any order
+  const EditSettings& settings;
+  StoredScalar scalar = StoredScalar::Double;
+};
+
+/// Runs one step: region, preparation, poses. Filter, program, replay and window all run their steps by this class, so
+/// that the same step has the same bits everywhere.
+///
+///     StepRunner runner({mesh, adjacency, region, {{8624}}, settings, StoredScalar::Float});
+///     runner.solve({map}, places);  // row i belongs to runner.region().mesh_vertex[i]
+class StepRunner {
+ public:
+  using RegionKnown = std::function<void(const Region&)>;
+
+  /// Finds the region and prepares it. The problem need not outlive the call.
+  /// @param region_known  called before the costly part; what it throws ends the preparation
+  /// @param previous      a runner that is not wanted any more: what of it still fits is taken over
+  /// @throws EditError as build_region() and LaplacianEditor
+  explicit StepRunner(const StepProblem& problem, const Progress& progress = {}, const RegionKnown& region_known = {},
+                      std::unique_ptr<StepRunner> previous = nullptr);
+
+  const Region& region() const { return editor_->region(); }
+
+  /// Where the region's vertices go, rounded to what the mesh can store.
+  /// @param maps    one per handle group, absolute coordinates
+  /// @param places  region().size() x 3; keeps its storage if it has the right size
+  /// @param go_on   asked now and then
+  /// @throws EditError as LaplacianEditor::solve() and round_to(); the runner stays usable
+  void solve(const std::vector<Affine>& maps, Points& places, const Progress& go_on = {});
+
+  /// The same for a picture of a drag: see LaplacianEditor::preview().
+  void preview(const std::vector<Affine>& maps, Points& places);
+  bool has_preview() const { return editor_->has_preview(); }
+
+  /// Report of preparation and last solve(). Of a pose that came after another one, times of preparing are 0.
+  EditReport report() const;
+
+ private:
+  StoredScalar scalar_;
+  double region_ms_ = 0;
+  int solved_ = 0;
+  std::unique_ptr<LaplacianEditor> editor_;
+};
+
+}  // namespace lapedit

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/edit/step_runner.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <vector>
+
+#include "lapedit/base/error.h"
+#include "lapedit/edit/solver_thread.h"
+#include "shapes.h"
+#include "support.h"
+
+namespace lapedit {
+namespace {
+
+/// A step on a bumpy grid: four handle vertices, turned and moved.
+struct Scene {
+  TriangleMesh mesh = shapes::bumpy_grid();
+  Adjacency adjacency = support::adjacency_of(mesh);
+  EditStep step;
+
+  Scene() {
+    step.region.radius = 9;
+    step.handles = {{{3030, 3031, 3090, 3091}, {}}};
+    step.handles[0].transform.translation = Vector3(1, 2.0 / 3, 3);
+    step.handles[0].transform.degrees = 40;
+  }
+  StepProblem problem(StoredScalar scalar) const {
+    return {mesh, adjacency, step.region, {step.handles[0].vertices}, step.settings, scalar};
+  }
+  std::vector<Affine> maps() const {
+    const HandleGroup& handle = step.handles[0];
+    return {resolve(handle.transform, centroid(mesh.vertices, handle.vertices))};
+  }
+};
+
+/// By the runner itself, as filters and programs run it, and as the window does.
+TEST(StepRunner, EveryWayToRunAStepHasTheSameBits) {
+  const Scene scene;
+  for (const StoredScalar scalar : {StoredScalar::Float, StoredScalar::Double}) {
+    StepRunner runner(scene.problem(scalar));
+    Points places;
+    runner.solve(scene.maps(), places);
+
+    Edit edit;
+    edit.steps = {scene.step};
+    for (const EditResult& result :
+         {apply_step(scene.mesh, scene.adjacency, scene.step, 1, scalar), apply_edit(scene.mesh, edit, 1, scalar)}) {
+      EXPECT_EQ(result.vertices, runner.region().mesh_vertex);
+      EXPECT_TRUE(support::same_bits(result.positions, places));
+    }
+
+    SolverThread thread(nullptr);
+    SolverPose pose;
+    thread.prepare({std::make_shared<const TriangleMesh>(scene.mesh),
+                    std::make_shared<const Adjacency>(scene.adjacency),
+                    scene.step.region,
+                    {scene.step.handles[0].vertices},
+                    scene.step.settings,
+                    scalar});
+    thread.solve(scene.maps(), true);
+    while (thread.wait()) {
+      thread.poll(pose);
+    }
+    EXPECT_TRUE(support::same_bits(pose.positions, places));
+  }
+}
+
+TEST(StepRunner, RoundsToWhatTheMeshCanStore) {
+  const Scene scene;
+  Points in_double, in_float;
+  StepRunner(scene.problem(StoredScalar::Double)).solve(scene.maps(), in_double);
+  StepRunner(scene.problem(StoredScalar::Float)).solve(scene.maps(), in_float);
+  EXPECT_FALSE(support::same_bits(in_double, in_float));
+  EXPECT_TRUE(support::same_bits(in_double.cast<float>().cast<double>(), in_float));
+}
+
+TEST(StepRunner, TellsTheRegionBeforeItIsPrepared) {
+  const Scene scene;
+  std::vector<double> progress;
+  std::size_t reports_before = 0;
+  int told = 0;
+  const StepRunner runner(
+      scene.problem(StoredScalar::Float),
+      [&](double done, const char*) {
+        progress.push_back(done);
+        return true;
+      },
+      [&](const Region& region) {
+        told = region.size();
+        reports_before = progress.size();
+      });
+  EXPECT_EQ(told, runner.region().size());
+  EXPECT_EQ(reports_before, 1U);
+  EXPECT_GT(progress.size(), reports_before);
+  EXPECT_THROW(StepRunner(scene.problem(StoredScalar::Float), {},
+                          [](const Region&) { throw EditError(ErrorCause::BadParameter, "no"); }),
+               EditError);
+}
+
+TEST(StepRunner, GoesOnFromAnotherOne) {
+  const Scene scene;
+  auto first = std::make_unique<StepRunner>(scene.problem(StoredScalar::Double));
+  Points before, after;
+  first->solve(scene.maps(), before);
+  EXPECT_FALSE(first->report().factor_taken_over);
+  StepRunner second(scene.problem(StoredScalar::Double), {}, {}, std::move(first));
+  second.solve(scene.maps(), after);
+  EXPECT_TRUE(second.report().factor_taken_over);
+  EXPECT_TRUE(support::same_bits(before, after));
+}
+
+}  // namespace
+}  // namespace lapedit
