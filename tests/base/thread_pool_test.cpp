@@ -8,6 +8,7 @@
 #include <chrono>
 #include <memory>
 #include <set>
+#include <stdexcept>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -236,6 +237,30 @@ TEST(ThreadPool, LongRangesAreCutRight) {
     end = last;
   }
   EXPECT_EQ(end, kCount);
+}
+
+TEST(ThreadPool, WhatAPieceThrowsReachesTheCallerWhenTheOthersAreDone) {
+  for (const int threads : {1, 2, 4}) {
+    ThreadPool pool(threads);
+    for (int round = 0; round < 50; ++round) {
+      std::atomic<int> done{0};
+      try {
+        pool.each(20, [&](int piece) {
+          if (piece == 7) {
+            throw std::runtime_error("seven");
+          }
+          ++done;
+        });
+        ADD_FAILURE() << "nothing was thrown";
+      } catch (const std::runtime_error& error) {
+        EXPECT_STREQ(error.what(), "seven");
+      }
+      EXPECT_EQ(done, threads == 1 ? 7 : 19);  // one thread stops there
+      done = 0;
+      pool.each(20, [&](int) { ++done; });  // as good as before
+      EXPECT_EQ(done, 20);
+    }
+  }
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 
 #include "lapedit/base/format_text.h"
 #include "lapedit/edit/solver_thread.h"
-#include "lapedit/mesh/surface_pick.h"
+#include "lapedit/mesh/visibility.h"
 #include "lapedit/session/drag_session.h"
 
 namespace lapedit {

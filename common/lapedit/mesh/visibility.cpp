@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/mesh/surface_pick.h"
+#include "lapedit/mesh/visibility.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -12,88 +12,20 @@
 namespace lapedit {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Barycentric coordinates: a ray through a vertex or an edge must not slip between the triangles there.
-constexpr double kSeam = 1e-9;
-
-Vector3 corner(const TriangleMesh& mesh, int face, int k) {
-  return mesh.vertices.row(mesh.faces(face, k)).transpose();
-}
-
-Vector3 normal(const TriangleMesh& mesh, int face) {
-  const Vector3 a = corner(mesh, face, 0);
-  return (corner(mesh, face, 1) - a).cross(corner(mesh, face, 2) - a);
-}
-
-/// Distance along the ray in units of its direction (Moeller and Trumbore 1997), infinity if it misses. Comparisons are
-/// such that NaN misses.
-double intersect(const TriangleMesh& mesh, int face, const Ray& ray) {
-  const Vector3 a = corner(mesh, face, 0);
-  const Vector3 along = corner(mesh, face, 1) - a;
-  const Vector3 across = corner(mesh, face, 2) - a;
-  const Vector3 p = ray.direction.cross(across);
-  const double determinant = along.dot(p);
-  if (!(std::abs(determinant) > 0)) {
-    return kInfinity;
-  }
-  const Vector3 offset = ray.origin - a;
-  const double u = offset.dot(p) / determinant;
-  if (!(u >= -kSeam && u <= 1 + kSeam)) {
-    return kInfinity;
-  }
-  const Vector3 q = offset.cross(along);
-  const double v = ray.direction.dot(q) / determinant;
-  if (!(v >= -kSeam && u + v <= 1 + kSeam)) {
-    return kInfinity;
-  }
-  const double t = across.dot(q) / determinant;
-  return t >= 0 && std::isfinite(t) ? t : kInfinity;
-}
-
-}  // namespace
-
-std::optional<SurfaceHit> first_hit(const TriangleMesh& mesh, const Ray& ray) {
-  int found = -1;
-  double nearest = kInfinity;
-  for (int f = 0; f < static_cast<int>(mesh.faces.rows()); ++f) {
-    const double t = intersect(mesh, f, ray);
-    if (t < nearest) {
-      nearest = t;
-      found = f;
-    }
-  }
-  if (found < 0) {
-    return std::nullopt;
-  }
-  SurfaceHit hit;
-  hit.point = ray.origin + nearest * ray.direction;
-  hit.face = found;
-  double closest = kInfinity;
-  for (int k = 0; k < 3; ++k) {
-    const double distance = (corner(mesh, found, k) - hit.point).norm();
-    if (distance < closest) {
-      closest = distance;
-      hit.vertex = mesh.faces(found, k);
-    }
-  }
-  return hit;
-}
-
-namespace {
-
 using FaceTree = Eigen::KdBVH<double, 3, int>;
 
 FaceTree finite_faces(const TriangleMesh& mesh) {
   std::vector<int> faces;
   std::vector<FaceTree::Volume> boxes;
   for (int f = 0; f < static_cast<int>(mesh.faces.rows()); ++f) {
-    const Vector3 a = corner(mesh, f, 0), b = corner(mesh, f, 1), c = corner(mesh, f, 2);
+    const Vector3 a = mesh.vertices.row(mesh.faces(f, 0)), b = mesh.vertices.row(mesh.faces(f, 1)),
+                  c = mesh.vertices.row(mesh.faces(f, 2));
     if (a.allFinite() && b.allFinite() && c.allFinite()) {
       faces.push_back(f);
       const FaceTree::Volume box(a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c));
-      // No narrower than intersect(), nor than two neighbouring numbers.
+      // No narrower than distance_along(), nor than two neighbouring numbers.
       constexpr double kRounding = 1e-15;
-      const Vector3 margin = Vector3::Constant(kSeam * box.diagonal().norm()) +
+      const Vector3 margin = Vector3::Constant(kRaySeam * box.diagonal().norm()) +
                              kRounding * box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs());
       boxes.emplace_back(box.min() - margin, box.max() + margin);
     }
@@ -120,7 +52,8 @@ struct Crossing {
   }
 
   bool intersectObject(int face) {
-    const double t = (mesh.faces.row(face).array() == vertex).any() ? kInfinity : intersect(mesh, face, ray);
+    const double t = (mesh.faces.row(face).array() == vertex).any() ? std::numeric_limits<double>::infinity()
+                                                                    : distance_along(mesh, ray, face);
     found = found || (t > first && t < last);
     return found;
   }
@@ -160,7 +93,7 @@ bool Visibility::sees(const Camera& view, const Adjacency& adjacency, int vertex
   const IndexLists::Row around = adjacency.faces[vertex];
   // Comparisons are such that a place behind the viewer or one that is no number is not seen.
   const bool shown = reach >= 0 && std::any_of(around.begin(), around.end(), [&](int f) {
-                       return side * normal(mesh, f).dot(through.direction) < 0;
+                       return side * area_normal(mesh, f).dot(through.direction) < 0;
                      });
   if (!shown) {
     return false;
@@ -172,7 +105,7 @@ bool Visibility::sees(const Camera& view, const Adjacency& adjacency, int vertex
 
 std::vector<int> brushed_vertices(const TriangleMesh& mesh, const Adjacency& adjacency, const Visibility& visibility,
                                   const Camera& view, const SurfaceHit& hit, double radius) {
-  const int side = normal(mesh, hit.face).dot(view.toward_viewer(hit.point)) < 0 ? -1 : 1;
+  const int side = area_normal(mesh, hit.face).dot(view.toward_viewer(hit.point)) < 0 ? -1 : 1;
   GeodesicSearch search(adjacency.neighbours, mesh.vertices);
   std::vector<char> visible(mesh.vertices.rows(), 0);
   for (const int v : search.run({hit.vertex}, radius)) {

@@ -2,24 +2,13 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "lapedit/mesh/adjacency.h"
 #include "lapedit/mesh/camera.h"
+#include "lapedit/mesh/ray_cast.h"
 
 namespace lapedit {
-
-/// Where a ray meets the surface first.
-struct SurfaceHit {
-  Vector3 point;
-  int face = -1;
-  int vertex = -1;  ///< the corner of the face that is nearest to the point
-};
-
-/// The first triangle along a ray, from either side; triangles without area or with a corner that is not finite are
-/// looked through. O(faces), a few milliseconds for 300,000: for clicks, not for many rays.
-std::optional<SurfaceHit> first_hit(const TriangleMesh& mesh, const Ray& ray);
 
 /// Answers many questions of what a viewer sees of one pose of a mesh.
 class Visibility {
