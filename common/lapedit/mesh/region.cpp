@@ -249,48 +249,66 @@ std::vector<double> distances_from(const std::vector<char>& rim, const Region& r
   return distances;
 }
 
+/// Where the anchors are: how far into their band each vertex is, 0 or less outside it, 1 at its far end; and the
+/// weights of kept ones.
+struct AnchorBand {
+  std::vector<double> depth;
+  std::vector<double> kept_weight;  // -1 where none is kept; no entries if none are
+};
+
+/// With d the distance from the handle, b that from the rim, p the padding, r the radius and d_max the largest d:
+///   grown by a radius:  (d - (1 - p) r) / (p r)
+///   a given set:        1 - b / (p d_max)
+///   kept anchors:       as they came
+AnchorBand anchor_band(const TriangleMesh& mesh, const RegionSpec& spec, const std::vector<int>& local,
+                       const std::vector<char>& rim, const Region& region) {
+  const int n = region.size();
+  AnchorBand band;
+  band.depth.resize(n);
+  if (spec.kind == RegionSpec::Kind::Vertices && !spec.anchors.empty()) {
+    band.kept_weight.assign(n, -1);
+    for (std::size_t k = 0; k < spec.anchors.vertices.size(); ++k) {
+      const int i = local[spec.anchors.vertices[k]];
+      if (i >= 0) {
+        band.depth[i] = spec.anchors.depths[k];
+        band.kept_weight[i] = spec.anchors.weights[k];
+      }
+    }
+  } else if (spec.kind == RegionSpec::Kind::Vertices) {
+    const double width = spec.padding * region.max_distance;
+    band.depth = distances_from(rim, region, mesh, width);
+    for (double& d : band.depth) {
+      d = width > 0 ? 1 - d / width : 0;
+    }
+  } else if (spec.kind == RegionSpec::Kind::Radius && spec.padding > 0) {
+    for (int i = 0; i < n; ++i) {
+      band.depth[i] = (region.distance[i] - (1 - spec.padding) * spec.radius) / (spec.padding * spec.radius);
+    }
+  }
+  return band;
+}
+
+/// Handle, anchor or free. An anchor's weight is d / d_max, so that those near the handle give way to it.
 void classify(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
               const std::vector<int>& local, const std::vector<int>& group_of, Region& region) {
   const int n = region.size();
   const std::vector<char> rim = find_rim(adjacency, local, region);
-  // How far into the band of anchors a vertex is: 0 or less outside it, 1 at its far end.
-  std::vector<double> depth(n);
-  std::vector<double> kept_weight;
-  if (spec.kind == RegionSpec::Kind::Vertices && !spec.anchors.empty()) {
-    kept_weight.assign(n, -1);
-    for (std::size_t k = 0; k < spec.anchors.vertices.size(); ++k) {
-      const int i = local[spec.anchors.vertices[k]];
-      if (i >= 0) {
-        depth[i] = spec.anchors.depths[k];
-        kept_weight[i] = spec.anchors.weights[k];
-      }
-    }
-  } else if (spec.kind == RegionSpec::Kind::Vertices) {
-    const double band = spec.padding * region.max_distance;
-    depth = distances_from(rim, region, mesh, band);
-    for (double& d : depth) {
-      d = band > 0 ? 1 - d / band : 0;
-    }
-  } else if (spec.kind == RegionSpec::Kind::Radius && spec.padding > 0) {
-    for (int i = 0; i < n; ++i) {
-      depth[i] = (region.distance[i] - (1 - spec.padding) * spec.radius) / (spec.padding * spec.radius);
-    }
-  }
+  const AnchorBand band = anchor_band(mesh, spec, local, rim, region);
   region.classes.assign(n, VertexClass::Free);
   region.group.assign(n, -1);
   region.anchor_weight.assign(n, 0);
   region.anchor_depth.assign(n, 0);
   for (int i = 0; i < n; ++i) {
     const int group = group_of[region.mesh_vertex[i]];
-    const bool kept = !kept_weight.empty() && kept_weight[i] >= 0;
-    const bool anchor = rim[i] || depth[i] > 0 || kept;
+    const bool kept = !band.kept_weight.empty() && band.kept_weight[i] >= 0;
+    const bool anchor = rim[i] || band.depth[i] > 0 || kept;
     if (group >= 0) {
       region.classes[i] = VertexClass::Handle;
       region.group[i] = group;
     } else if (anchor) {
       region.classes[i] = VertexClass::Anchor;
-      region.anchor_depth[i] = rim[i] ? 1 : std::min(depth[i], 1.0);
-      region.anchor_weight[i] = kept                      ? kept_weight[i]
+      region.anchor_depth[i] = rim[i] ? 1 : std::min(band.depth[i], 1.0);
+      region.anchor_weight[i] = kept                      ? band.kept_weight[i]
                                 : region.max_distance > 0 ? std::min(1.0, region.distance[i] / region.max_distance)
                                                           : 1;
     }

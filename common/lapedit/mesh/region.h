@@ -36,8 +36,8 @@ struct RegionSpec {
   Kind kind = Kind::Radius;
   double radius = 0;          ///< Kind::Radius: > 0, model units
   std::vector<int> vertices;  ///< Kind::Vertices: any order, duplicates allowed
-  double padding =
-      0.1;              ///< width of the anchor band over the radius (Kind::Radius) or over the largest handle distance
+  /// Width of the anchor band over the radius (Kind::Radius) or over the largest handle distance.
+  double padding = 0.1;
   KeptAnchors anchors;  ///< Kind::Vertices: in place of the band; empty: padding decides
 };
 
@@ -51,10 +51,10 @@ struct Region {
   std::vector<char> anchored;         ///< per component: has it an anchor
   std::vector<double> distance;       ///< geodesic distance from the nearest handle vertex
   std::vector<double> anchor_weight;  ///< d / d_max for anchors, 0 for others (paper, section 5)
-  std::vector<double>
-      anchor_depth;       ///< for anchors: 0 at the inner edge of their band to 1 at the region's end; may be empty
-  IndexLists neighbours;  ///< every mesh edge with both ends in the region
-  Faces faces;            ///< faces with all three corners in the region, local
+  /// For anchors: 0 at the inner edge of their band to 1 at the region's end; may be empty.
+  std::vector<double> anchor_depth;
+  IndexLists neighbours;        ///< every mesh edge with both ends in the region
+  Faces faces;                  ///< faces with all three corners in the region, local
   std::vector<int> edge_faces;  ///< mesh faces with two or three corners in the region: all that touch a region edge
   double max_distance = 0;      ///< d_max, over the whole region
   double radius = 0;            ///< the given radius, or d_max where none was given
