@@ -1,18 +1,36 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Installs what building, testing and the demonstration need on Debian 12; does nothing when all of it is there.
+# Installs on Debian 12 or 13 what is missing; does nothing when all of it is there.
+#
+# usage: install_dependencies.sh [WHAT]...
+#   build       MeshLab, and what the plugins are built with: the default
+#   tests       also what tests/run takes
+#   pictures    also what the demonstration and the gallery take
+#   everything  also what tests/run --everything takes
+#
+# It needs root's rights, or sudo.
 set -eu
 
 packages="
-  g++ cmake make pkg-config
+  g++ cmake make pkg-config dpkg-dev
   qtbase5-dev libqt5opengl5-dev libeigen3-dev libglew-dev libglu1-mesa-dev
   libsuitesparse-dev libopenblas-dev
-  libgtest-dev clang-format clang-tidy
-  meshlab dpkg-dev
-  xvfb xauth xdotool libgl1-mesa-dri
-  python3 python3-numpy python3-vtk9
-  debootstrap
-"
+  meshlab"
+# A MeshLab that runs without a screen.
+display="xvfb xauth libgl1-mesa-dri python3"
+tests="$display ninja-build ccache libgtest-dev xdotool python3-numpy"
+for what in "$@"; do
+  case $what in
+  build) ;;
+  tests) packages="$packages $tests" ;;
+  pictures) packages="$packages $display python3-numpy python3-vtk9" ;;
+  everything) packages="$packages $tests clang-format clang-tidy debootstrap" ;;
+  *)
+    sed -n '/^# usage/,/^set/s/^# \{0,1\}//p' "$0" >&2
+    exit 2
+    ;;
+  esac
+done
 
 missing=
 for package in $packages; do
@@ -28,7 +46,6 @@ if [ "$(id -u)" -ne 0 ]; then
   as_root=sudo
 fi
 echo "Installing:$missing"
-export DEBIAN_FRONTEND=noninteractive
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 # shellcheck disable=SC2086

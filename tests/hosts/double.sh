@@ -48,11 +48,11 @@ echo "== double: build"
   mkdir -p /double/ours
   cd /double/ours
   library=$(find /double/build -name libmeshlab-common.so)
-  cmake -G Ninja -S /src -B . -DLAPEDIT_WARNINGS_AS_ERRORS=ON -DLAPEDIT_MESHES="$LAPEDIT_MESHES" \
-    -DMESHLAB_SOURCE_DIR=/double/source -DMeshLab_LIBRARY="$library" -DMeshLab_SCALAR=double \
+  cmake -G Ninja -S /src -B . -DLAPEDIT_BUILD_TESTS=ON -DLAPEDIT_WARNINGS_AS_ERRORS=ON \
+    -DLAPEDIT_MESHES="$LAPEDIT_MESHES" -DMESHLAB_SOURCE_DIR=/double/source -DMeshLab_LIBRARY="$library" -DMeshLab_SCALAR=double \
     >configure.log 2>&1 || { cat configure.log; exit 1; }
   # Nothing of the installed MeshLab, which has single precision, may be in it.
-  targets="filter_laplacian_edit edit_laplacian_drag laplacian_edit_command mesh_bridge_test pose_writer_test"
+  targets="filter_laplacian_edit edit_laplacian_drag laplacian_edit_command bridge_tests"
   ninja $targets >build.log 2>&1 || { grep -A 12 FAILED build.log || tail -n 40 build.log; exit 1; }
   tail -n 1 build.log
   ldd filter_laplacian_edit/libfilter_laplacian_edit.so filter_laplacian_edit/laplacian-edit | grep meshlab-common |

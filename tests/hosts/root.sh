@@ -7,6 +7,7 @@
 #                                              runs a command in it; ends with the command's exit code
 #        root.sh remove SUITE KIND             removes it
 #        root.sh remove all                    removes all of them, and what the checks keep beside them
+#        root.sh check                         ends with 0 where roots can be used; else says what is missing
 #
 #   SUITE             a release of Debian: bookworm, trixie, sid
 #   KIND clean        the packaged MeshLab, what it depends on, and Mesa's software OpenGL
@@ -99,13 +100,13 @@ discard() {
   [ ! -e "$1" ] || rm -rf --one-file-system "$1"
 }
 
-check_machine() {
+check() {
   command -v debootstrap >/dev/null || fail "debootstrap is missing: common/scripts/install_dependencies.sh installs it."
   check_namespaces
 }
 
 check_namespaces() {
-  unshare --mount --propagation private --pid --fork true 2>/dev/null ||
+  unshare --mount --propagation private --pid --fork mount -t proc proc /proc 2>/dev/null ||
     fail "this machine lets nobody make mount namespaces (in a container, give it CAP_SYS_ADMIN): no root can be used."
 }
 
@@ -222,7 +223,7 @@ make() {
       return
     fi
   fi
-  check_machine
+  check
   if [ "$kind" = build ]; then
     # In a process of its own, which has its own lock; in the background, as above.
     # shellcheck disable=SC2086
@@ -308,7 +309,7 @@ remove() {
 }
 
 [ $# -ge 1 ] || usage
-case $1 in make | run | remove) ;; *) usage ;; esac
+case $1 in make | run | remove | check) ;; *) usage ;; esac
 
 if [ "$(id -u)" -ne 0 ]; then
   command -v sudo >/dev/null || fail "root's rights are needed to make and use a root, and there is no sudo."

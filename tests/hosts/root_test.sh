@@ -97,7 +97,8 @@ check "and their folder" [ ! -e "$place/hosts" ]
 check "a folder that is no root" refused "is no root made by this script" "$root_sh" run "$place" -- true
 check "no debootstrap" refused "debootstrap is missing: .*install_dependencies" \
   env PATH=/usr/bin:/bin LAPEDIT_HOSTS_DIR="$place/none" "$root_sh" make sid clean
-for command in "run $root -- true" "make sid clean"; do
+check "roots can be used" "$root_sh" check
+for command in "run $root -- true" "make sid clean" check; do
   # shellcheck disable=SC2086
   check "no right to mount: ${command%% *}" refused "lets nobody make mount namespaces" \
     env LAPEDIT_HOSTS_DIR="$place/none" setpriv --bounding-set=-sys_admin --inh-caps=-sys_admin "$root_sh" $command

@@ -119,8 +119,8 @@ def show(edit, source, given):
         print(f"{edit.name}, {rotation}: {report.group(1) if report else 'no report'}", flush=True)
         panels.append((script.with_suffix(".ply"), rotation))
     picture = given.output / f"{edit.name}.png"
-    command = [HERE / "render.py", picture, "--toward", *edit.toward, "--up", *edit.up, "--height", given.height,
-               "--columns", given.columns]
+    command = [HERE.parents[1] / "common/demo/render.py", picture, "--toward", *edit.toward, "--up", *edit.up,
+               "--height", given.height, "--columns", given.columns]
     command += ["--around", *edit.around] if edit.around else []
     command += [word for panel in panels for word in ("--panel", *panel)]
     subprocess.run(list(map(str, command)), check=True)

@@ -14,7 +14,7 @@ build=$PWD/build
 gallery=$build/gallery
 meshes=${LAPEDIT_MESHES:-$PWD/../shared/meshes}
 
-common/scripts/install_dependencies.sh
+common/scripts/install_dependencies.sh pictures
 cmake -S . -B "$build" >/dev/null
 cmake --build "$build" --parallel "$(nproc)" --target filter_laplacian_edit make_mesh >/dev/null
 mkdir -p "$gallery/home"

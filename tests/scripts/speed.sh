@@ -44,7 +44,8 @@ fi
 sizes=${SPEED_SIZES-$sizes}
 sizes_2=${SPEED_SIZES_2-$sizes_2}
 
-cmake -S . -B "$build" -DCMAKE_BUILD_TYPE=Release -DLAPEDIT_BUILD_BENCHMARKS=ON -DLAPEDIT_WITH_MESHLAB=OFF >/dev/null
+cmake -S . -B "$build" -DCMAKE_BUILD_TYPE=Release -DLAPEDIT_BUILD_TESTS=ON -DLAPEDIT_BUILD_BENCHMARKS=ON \
+  -DLAPEDIT_WITH_MESHLAB=OFF >/dev/null
 cmake --build "$build" --parallel "$(nproc)" --target speed_bench >/dev/null
 bench=$build/tests/bench/speed_bench
 results=$build/results

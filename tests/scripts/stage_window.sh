@@ -9,8 +9,8 @@ stage=$1
 cd "$(dirname "$0")/../.."
 build=$PWD/build
 
-common/scripts/install_dependencies.sh
-cmake -S . -B "$build" >/dev/null
+common/scripts/install_dependencies.sh tests
+cmake -S . -B "$build" -DLAPEDIT_BUILD_TESTS=ON >/dev/null
 cmake --build "$build" --parallel "$(nproc)" --target edit_laplacian_drag filter_laplacian_edit gui_driver make_mesh >/dev/null
 mkdir -p "$(dirname "$stage")"
 common/demo/stage.sh "$stage" "$build/edit_laplacian_drag/libedit_laplacian_drag.so" \

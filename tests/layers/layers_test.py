@@ -1,0 +1,104 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Compiles includes as a layer's own files are compiled: of the layers below it all headers, of any other none.
+
+usage: layers_test.py BUILD LAYER   with the commands in BUILD/compile_commands.json
+       layers_test.py BUILD paths   the text of all includes: none goes round the layers
+"""
+import json
+import pathlib
+import re
+import shlex
+import subprocess
+import sys
+
+COMMON = pathlib.Path(__file__).resolve().parents[2] / "common"
+CORE = ["base", "mesh", "linear", "deform", "edit", "session"]
+# Each layer and what is below it: what architecture.md promises, not what CMake happens to link.
+BELOW = {layer: CORE[:i] for i, layer in enumerate(CORE)}
+BELOW["json"] = BELOW["host"] = BELOW["session"]
+# One header each of Qt, OpenGL for Qt, vcglib and all MeshLabs.
+HOSTS_OWN = ["QtCore/QString", "QString", "QGLWidget", "vcg/complex/complex.h", "common/ml_document/mesh_model.h",
+             "common/interfaces.h", "common/meshmodel.h", "common/plugins/interfaces/filter_plugin.h"]
+# In angle brackets the core has the standard library and Eigen; besides, the layer that needs it:
+LIBRARIES = {"linear": ["cholmod.h", "dlfcn.h", "omp.h", "sys/mman.h"], "json": ["Q[A-Z]\\w+", "nlohmann/json.hpp"]}
+
+
+def folder(layer):
+    return COMMON / ("lapedit_host" if layer == "host" else f"lapedit/{layer}")
+
+
+def headers(layer):
+    """As they are included; of the host not the adapters, whose folders are include roots."""
+    prefix = "lapedit_host" if layer == "host" else f"lapedit/{layer}"
+    return [f"{prefix}/{path.name}" for path in sorted(folder(layer).glob("*.h"))]
+
+
+def compile_command(build, layer):
+    """The command of one of the layer's files, without the file and what is written."""
+    for entry in json.loads((build / "compile_commands.json").read_text()):
+        if pathlib.Path(entry["file"]).parent == folder(layer):
+            command = shlex.split(entry["command"])
+            command = command[:command.index("-o")]
+            return [word for word in command if not word.endswith("ccache")], entry["directory"]
+    sys.exit(f"{build}/compile_commands.json has no file of {layer}")
+
+
+def main():
+    build, layer = pathlib.Path(sys.argv[1]), sys.argv[2]
+    failures = check_paths() if layer == "paths" else check_layer(build, layer)
+    print("\n".join(failures))
+    sys.exit(bool(failures))
+
+
+def check_layer(build, layer):
+    command, directory = compile_command(build, layer)
+
+    def errors(includes):
+        """What the compiler says to these includes; empty: it compiles."""
+        source = "".join(f'#include "{header}"\n' for header in includes)
+        done = subprocess.run([*command, "-fsyntax-only", "-x", "c++", "-"], cwd=directory, input=source, text=True,
+                              stderr=subprocess.PIPE, check=False)
+        return done.stderr if done.returncode else ""
+
+    allowed = [*BELOW[layer], layer]
+    mine = [header for name in allowed for header in headers(name)]
+    message = errors(mine)
+    failures = [f"{layer} cannot include what it may:\n{message}"] if message else []
+    forbidden = [header for name in BELOW if name not in allowed for header in headers(name)]
+    if layer in CORE:
+        forbidden += HOSTS_OWN
+    for header in forbidden:
+        message = errors([header])
+        if not re.search(rf"{re.escape(header)}: No such file", message):
+            failures.append(f"{layer} can include {header}, and must not\n{message}")
+    print(f"{layer}: {len(mine)} headers can be included, {len(forbidden)} cannot be")
+    return failures
+
+
+def check_paths():
+    """Includes that the compiler finds without asking the include roots, or on every machine."""
+    failures = []
+    root = COMMON.parent
+    for top in ("common", "filter_laplacian_edit", "edit_laplacian_drag"):
+        for path in sorted([*(root / top).rglob("*.h"), *(root / top).rglob("*.cpp")]):
+            layer = path.parent.name if path.parent.parent.name == "lapedit" else None
+            allowed = "|".join([r"[a-z_0-9]+", r"(unsupported/)?Eigen/\w+", *LIBRARIES.get(layer, ())])
+            for number, line in enumerate(path.read_text().split("\n"), 1):
+                match = re.match(r'\s*#\s*include\s*(?:"(.*)"|<(.*)>)', line)
+                if not match:
+                    continue
+                quoted, bracketed = match.groups()
+                name = quoted or bracketed
+                wrong = ".." in name.split("/") or name.startswith("/")
+                if layer and quoted:
+                    wrong = wrong or not re.fullmatch(r"lapedit/[a-z]+/\w+\.h", quoted)
+                elif layer:
+                    wrong = wrong or not re.fullmatch(allowed, bracketed)
+                if wrong:
+                    failures.append(f"{path.relative_to(root)}:{number}: {line.strip()}")
+    return failures
+
+
+if __name__ == "__main__":
+    main()
