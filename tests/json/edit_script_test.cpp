@@ -26,13 +26,10 @@ bool same(const HandleTransform& a, const HandleTransform& b) {
 }
 
 bool same(const EditStep& a, const EditStep& b) {
-  const EditSettings &s = a.settings, &t = b.settings;
   const bool component = a.region.kind == RegionSpec::Kind::Component;
   return a.region.kind == b.region.kind && a.region.radius == b.region.radius &&
          a.region.vertices == b.region.vertices && (component || a.region.padding == b.region.padding) &&
-         s.laplacian == t.laplacian && s.order == t.order && s.rotation == t.rotation && s.iterations == t.iterations &&
-         s.normal_radius == t.normal_radius && s.handle_weight == t.handle_weight &&
-         s.anchor_weight == t.anchor_weight &&
+         a.settings == b.settings &&
          std::equal(a.handles.begin(), a.handles.end(), b.handles.begin(), b.handles.end(),
                     [](const HandleGroup& g, const HandleGroup& h) {
                       return g.vertices == h.vertices && same(g.transform, h.transform);
@@ -196,14 +193,12 @@ TEST(EditScript, RoundTripKeepsEveryBit) {
         transform.scale = any_double(random);
         if (some(2)) transform.center = vector();
       }
-      EditSettings& settings = step.settings;
-      settings.laplacian = static_cast<LaplacianKind>(some(2));
-      settings.order = some(4);
-      settings.rotation = static_cast<DetailRotation>(some(3));
-      settings.iterations = some(100);
-      settings.normal_radius = any_double(random);
-      settings.handle_weight = any_double(random);
-      settings.anchor_weight = any_double(random);
+      for (const Setting& setting : settings_table()) {
+        const bool choice = setting.kind == Setting::Kind::Choice;
+        const bool whole = choice || setting.kind == Setting::Kind::Whole;
+        setting.set(step.settings,
+                    whole ? some(choice ? static_cast<int>(setting.high) + 1 : 100) : any_double(random));
+      }
     }
     const QByteArray text = write_edit(edit);
     ASSERT_TRUE(same(read_edit(text), edit)) << text.toStdString();

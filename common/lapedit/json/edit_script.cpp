@@ -19,21 +19,6 @@ namespace {
 constexpr int kVersion = 1;
 constexpr qint64 kMostListedVertices = 100000000;  // in all lists of an edit together
 
-struct LaplacianName {
-  const char* text;
-  LaplacianKind value;
-};
-constexpr LaplacianName kLaplacians[] = {{"umbrella", LaplacianKind::Umbrella},
-                                         {"cotangent", LaplacianKind::Cotangent}};
-
-struct RotationName {
-  const char* text;
-  DetailRotation value;
-};
-constexpr RotationName kRotations[] = {{"none", DetailRotation::None},
-                                       {"smooth_normals", DetailRotation::SmoothNormals},
-                                       {"smooth_surface", DetailRotation::SmoothSurface}};
-
 /// Reads vertex lists, counting what they expand to before memory is taken for it.
 class VertexLists {
  public:
@@ -179,10 +164,24 @@ HandleTransform read_transform(const JsonObject& object) {
   return transform;
 }
 
+void read_setting(const JsonObject& object, const Setting& setting, EditSettings& settings) {
+  const double absent = setting.get(settings);
+  switch (setting.kind) {
+    case Setting::Kind::Choice:
+      return setting.set(settings, object.choice(setting.key, setting.choices, static_cast<int>(absent)));
+    case Setting::Kind::Whole:
+      return setting.set(settings, object.integer(setting.key, static_cast<int>(absent)));
+    default:
+      return setting.set(settings, object.number(setting.key, absent));
+  }
+}
+
 EditStep read_step(const QJsonValue& value, const std::string& where, VertexLists& lists) {
-  const JsonObject object(value, where,
-                          {"region", "handles", "laplacian", "order", "detail_rotation", "iterations", "normal_radius",
-                           "handle_weight", "anchor_weight"});
+  std::vector<const char*> keys = {"region", "handles"};
+  for (const Setting& setting : settings_table()) {
+    keys.push_back(setting.key);
+  }
+  const JsonObject object(value, where, keys);
   EditStep step;
   if (!object.has("region")) {
     object.refuse_key("region", "an object");
@@ -196,14 +195,9 @@ EditStep read_step(const QJsonValue& value, const std::string& where, VertexList
                             {"vertices", "translation", "rotation", "scale", "matrix"});
     step.handles.push_back({lists.read(handle, "vertices"), read_transform(handle)});
   }
-  EditSettings& s = step.settings;
-  s.laplacian = object.choice("laplacian", kLaplacians, s.laplacian);
-  s.order = object.integer("order", s.order);
-  s.rotation = object.choice("detail_rotation", kRotations, s.rotation);
-  s.iterations = object.integer("iterations", s.iterations);
-  s.normal_radius = object.number("normal_radius", s.normal_radius);
-  s.handle_weight = object.number("handle_weight", s.handle_weight);
-  s.anchor_weight = object.number("anchor_weight", s.anchor_weight);
+  for (const Setting& setting : settings_table()) {
+    read_setting(object, setting, step.settings);
+  }
   return step;
 }
 
@@ -238,10 +232,14 @@ QByteArray written(const std::vector<int>& vertices) {
   return text + "\"";
 }
 
-template <class Name, std::size_t N>
-QByteArray written(const Name (&names)[N], decltype(Name::value) value) {
-  const Name* const name = std::find_if(names, names + N, [&](const Name& n) { return n.value == value; });
-  return name == names + N ? "null" : QByteArray("\"") + name->text + "\"";
+QByteArray written(const Setting& setting, const EditSettings& settings) {
+  const double value = setting.get(settings);
+  const QByteArray key = QByteArray("\"") + setting.key + "\": ";
+  if (setting.kind != Setting::Kind::Choice) {
+    return key + written(value);
+  }
+  const bool known = value >= 0 && value < static_cast<double>(setting.choices.size());
+  return key + (known ? QByteArray("\"") + setting.choices[static_cast<std::size_t>(value)] + "\"" : "null");
 }
 
 QByteArray written(const KeptAnchors& anchors) {
@@ -283,12 +281,11 @@ QByteArray written(const EditStep& step) {
   for (const HandleGroup& handle : step.handles) {
     handles += (handles.isEmpty() ? "" : ",\n               ") + written(handle);
   }
-  const EditSettings& s = step.settings;
-  return "{\n   \"region\": " + written(step.region) + ",\n   \"handles\": [" + handles +
-         "],\n   \"laplacian\": " + written(kLaplacians, s.laplacian) + ", \"order\": " + QByteArray::number(s.order) +
-         ", \"detail_rotation\": " + written(kRotations, s.rotation) +
-         ", \"iterations\": " + QByteArray::number(s.iterations) + ", \"normal_radius\": " + written(s.normal_radius) +
-         ", \"handle_weight\": " + written(s.handle_weight) + ", \"anchor_weight\": " + written(s.anchor_weight) + "}";
+  QByteArray settings;
+  for (const Setting& setting : settings_table()) {
+    settings += (settings.isEmpty() ? "" : ", ") + written(setting, step.settings);
+  }
+  return "{\n   \"region\": " + written(step.region) + ",\n   \"handles\": [" + handles + "],\n   " + settings + "}";
 }
 
 }  // namespace

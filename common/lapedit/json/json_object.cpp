@@ -124,7 +124,7 @@ QJsonObject parse_json(QByteArray json) {
   return document.object();
 }
 
-JsonObject::JsonObject(const QJsonValue& value, std::string where, std::initializer_list<const char*> known_keys)
+JsonObject::JsonObject(const QJsonValue& value, std::string where, const std::vector<const char*>& known_keys)
     : object_(value.toObject()), where_(std::move(where)) {
   if (!value.isObject()) {
     refuse_json(where_ + ": expected an object, found " + describe(value) + ".");
@@ -187,6 +187,20 @@ std::vector<double> JsonObject::number_list(const char* key) const {
   std::vector<double> values(static_cast<std::size_t>((*this)[key].toArray().size()));
   numbers(key, values.data(), static_cast<int>(values.size()));
   return values;
+}
+
+int JsonObject::choice(const char* key, const std::vector<const char*>& names, int absent) const {
+  if (!has(key)) {
+    return absent;
+  }
+  std::string list;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if ((*this)[key] == QJsonValue(QLatin1String(names[i]))) {
+      return static_cast<int>(i);
+    }
+    list += (i == 0 ? "\"" : ", \"") + std::string(names[i]) + "\"";
+  }
+  refuse_key(key, "one of " + list);
 }
 
 void JsonObject::numbers(const char* key, double* values, int count) const {

@@ -6,7 +6,6 @@
 #include <QJsonArray>
 #include <QJsonObject>
 #include <QString>
-#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -36,7 +35,7 @@ QJsonObject parse_json(QByteArray json);
 class JsonObject {
  public:
   /// Refuses what is no object, and keys that are not known.
-  JsonObject(const QJsonValue& value, std::string where, std::initializer_list<const char*> known_keys);
+  JsonObject(const QJsonValue& value, std::string where, const std::vector<const char*>& known_keys);
 
   const std::string& where() const { return where_; }
   std::string where(const char* key) const { return where_ + "." + key; }
@@ -59,21 +58,8 @@ class JsonObject {
     return result;
   }
 
-  /// The value of the name that is given. @param names  array of {const char* text; value}
-  template <class Name, std::size_t N>
-  auto choice(const char* key, const Name (&names)[N], decltype(Name::value) absent) const {
-    if (!has(key)) {
-      return absent;
-    }
-    std::string list;
-    for (const Name& name : names) {
-      if ((*this)[key] == QJsonValue(QLatin1String(name.text))) {
-        return name.value;
-      }
-      list += (list.empty() ? "\"" : ", \"") + std::string(name.text) + "\"";
-    }
-    refuse_key(key, "one of " + list);
-  }
+  /// The number of the name that is given.
+  int choice(const char* key, const std::vector<const char*>& names, int absent) const;
 
  private:
   void numbers(const char* key, double* values, int count) const;
