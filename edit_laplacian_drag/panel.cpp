@@ -24,21 +24,9 @@ namespace {
 
 constexpr double kLongest = 1e12;
 constexpr int kFieldWidth = 130, kButtonWidth = 50;
-constexpr double kLightest = 1e-6, kHeaviest = 1e6;
 
 QString nameOf(const QString& part) {
   return "laplacian_drag_" + part;
-}
-
-template <class Widget, class Value>
-void setQuietly(Widget* widget, Value value) {
-  const QSignalBlocker blocker(widget);
-  widget->setValue(value);
-}
-
-void chooseQuietly(QComboBox* box, int index) {
-  const QSignalBlocker blocker(box);
-  box->setCurrentIndex(index);
 }
 
 /// Shows no more digits than it needs.
@@ -52,6 +40,11 @@ class NumberBox : public QDoubleSpinBox {
     return text;
   }
 };
+
+/// As rich text, which is broken into lines.
+QString tip(const char* help) {
+  return "<qt>" + QString(help).toHtmlEscaped() + "</qt>";
+}
 
 /// Rows of buttons.
 void addRow(QFormLayout* form, const std::vector<QPushButton*>& buttons, int columns) {
@@ -85,14 +78,27 @@ Panel::Panel(QWidget* parent, QWidget* canvas) : QDockWidget("Laplacian Drag", p
   form->setHorizontalSpacing(4);
   form->setContentsMargins(6, 4, 6, 4);
 
-  radius_ = number("radius", 0, kLongest, 4, "Size of a new region, along the surface (wheel)",
-                   [](DragSettings& s, double v) { s.radius = v; });
-  form->addRow("Radius", radius_);
-  padding_ =
+  addRegion(form);
+  addHandle(form);
+  for (const Setting& setting : settings_table()) {
+    form->addRow(QString::fromStdString(title_of(setting.key)), widgetOf(setting));
+  }
+  addSteps(form);
+  addFigures(form);
+  scroll->setWidget(content);
+  setWidget(scroll);
+  content->setMinimumWidth(content->sizeHint().width());
+  scroll->setMinimumWidth(content->sizeHint().width() + 20);
+}
+
+void Panel::addRegion(QFormLayout* form) {
+  form->addRow("Radius",
+               length("radius", "Size of a new region, along the surface (wheel)", access<&DragSettings::radius>()));
+  auto* padding =
       number("padding", 0, 1, 2, "Width of the band of anchors inside the rim, over the region's size (Shift+wheel)",
-             [](DragSettings& s, double v) { s.padding = v; });
-  padding_->setSingleStep(0.02);
-  form->addRow("Padding", padding_);
+             access<&DragSettings::padding>());
+  padding->setSingleStep(0.02);
+  form->addRow("Padding", padding);
   addRow(form,
          {button("from_selection", "From selection", "The region is what the selected faces cover"),
           button("component", "Component", "The region is the whole connected piece of the handle"),
@@ -101,22 +107,25 @@ Panel::Panel(QWidget* parent, QWidget* canvas) : QDockWidget("Laplacian Drag", p
           button("new_region", "New region", "The next click takes a new region (W)"),
           button("clear", "Clear", "Forgets region and handles; what was applied stays")},
          3);
-  brush_ =
+  auto* brush =
       count("brush", 1, 1000, "Radius of the brush on the screen: Ctrl+drag adds to the region, Shift+drag takes away",
-            [](DragSettings& s, int v) { s.brush_pixels = v; });
-  brush_->setSuffix(" pixels");
-  form->addRow("Brush", brush_);
-  mode_ = choice("mode", {"Vertex or group", "Curve"},
-                 "What clicks make a handle of (C): a curve joins them by shortest paths");
+            access<&DragSettings::brush_pixels>());
+  brush->setSuffix(" pixels");
+  form->addRow("Brush", brush);
+}
+
+void Panel::addHandle(QFormLayout* form) {
+  mode_ = prepared<QComboBox>("mode", "What clicks make a handle of (C): a curve joins them by shortest paths");
+  mode_->addItems({"Vertex or group", "Curve"});
   connect(mode_, QOverload<int>::of(&QComboBox::activated), this, [this](int index) {
     emit handleModeEdited(index == 1 ? HandleMode::Curve : HandleMode::Vertex);
     canvas_->setFocus();
   });
   form->addRow("Handle", mode_);
-  handleRadius_ = number("handle_radius", 0, kLongest, 4,
-                         "Vertices within it of the one clicked are picked together (Ctrl+wheel); 0: that one alone",
-                         [](DragSettings& s, double v) { s.handle_radius = v; });
-  form->addRow("Handle radius", handleRadius_);
+  form->addRow("Handle radius",
+               length("handle_radius",
+                      "Vertices within it of the one clicked are picked together (Ctrl+wheel); 0: that one alone",
+                      access<&DragSettings::handle_radius>()));
   addRow(form,
          {button("next_group", "Next group", "The next click makes another handle; those there hold their place (G)"),
           button("move", "Move", "The handle follows the mouse, no button held (T)"),
@@ -125,41 +134,9 @@ Panel::Panel(QWidget* parent, QWidget* canvas) : QDockWidget("Laplacian Drag", p
           button("apply", "Apply", "Applies what is being moved (Return)"),
           button("cancel", "Cancel", "Drops what is being moved (Backspace)")},
          3);
+}
 
-  laplacian_ = choice("laplacian", {"Umbrella", "Cotangent"},
-                      "How detail is measured: against the plain mean of the neighbours, or with cotangent weights");
-  connect(laplacian_, QOverload<int>::of(&QComboBox::activated), this, [this](int index) {
-    edited([index](DragSettings& s) {
-      s.edit.laplacian = index == 1 ? LaplacianKind::Cotangent : LaplacianKind::Umbrella;
-    });
-  });
-  form->addRow("Laplacian", laplacian_);
-  order_ = count("order", 1, 3, "How often the Laplacian is applied: higher is smoother at the rim, and slower",
-                 [](DragSettings& s, int v) { s.edit.order = v; });
-  form->addRow("Order", order_);
-  rotation_ = choice("detail_rotation", {"None", "Smooth normals", "Smooth surface"},
-                     "How details turn with the surface: not at all, by the paper's frames, by the smoothed surface");
-  connect(rotation_, QOverload<int>::of(&QComboBox::activated), this, [this](int index) {
-    static constexpr DetailRotation kRotations[] = {DetailRotation::None, DetailRotation::SmoothNormals,
-                                                    DetailRotation::SmoothSurface};
-    edited([index](DragSettings& s) { s.edit.rotation = kRotations[std::clamp(index, 0, 2)]; });
-  });
-  form->addRow("Detail rotation", rotation_);
-  iterations_ = count("iterations", 1, 100, "How often the rotations are estimated anew; more helps large drags",
-                      [](DragSettings& s, int v) { s.edit.iterations = v; });
-  form->addRow("Iterations", iterations_);
-  normalRadius_ =
-      number("normal_radius", 0, kLongest, 4, "What is smaller than this is detail; 0: chosen from the mesh",
-             [](DragSettings& s, double v) { s.edit.normal_radius = v; });
-  normalRadius_->setSpecialValueText("automatic");
-  form->addRow("Normal radius", normalRadius_);
-  handleWeight_ = number("handle_weight", kLightest, kHeaviest, 6, "How strongly the handle is drawn to its place",
-                         [](DragSettings& s, double v) { s.edit.handle_weight = v; });
-  form->addRow("Handle weight", handleWeight_);
-  anchorWeight_ = number("anchor_weight", kLightest, kHeaviest, 6, "How strongly the anchors are held",
-                         [](DragSettings& s, double v) { s.edit.anchor_weight = v; });
-  form->addRow("Anchor weight", anchorWeight_);
-
+void Panel::addSteps(QFormLayout* form) {
   addRow(form,
          {button("undo", "Undo", "Takes the last step back (Ctrl+Z)"),
           button("redo", "Redo", "Does it again (Ctrl+Shift+Z)"),
@@ -171,6 +148,9 @@ Panel::Panel(QWidget* parent, QWidget* canvas) : QDockWidget("Laplacian Drag", p
           button("copy", "Copy script",
                  "Copies as filter script: puts a filter script (.mlx) with all steps on the clipboard")},
          3);
+}
+
+void Panel::addFigures(QFormLayout* form) {
   progress_ = new QProgressBar;
   progress_->setObjectName(nameOf("progress"));
   progress_->setToolTip("How far the region is prepared");
@@ -184,52 +164,89 @@ Panel::Panel(QWidget* parent, QWidget* canvas) : QDockWidget("Laplacian Drag", p
   for (QLabel* label : {region_, times_, frame_, quality_}) {
     form->addRow(label);
   }
-  scroll->setWidget(content);
-  setWidget(scroll);
-  content->setMinimumWidth(content->sizeHint().width());
-  scroll->setMinimumWidth(content->sizeHint().width() + 20);
+}
+
+template <auto member>
+Panel::Access Panel::access() {
+  return {[](const DragSettings& settings) { return static_cast<double>(settings.*member); },
+          [](DragSettings& settings, double value) { settings.*member = value; }};
+}
+
+QWidget* Panel::widgetOf(const Setting& setting) {
+  const Access access = {[&setting](const DragSettings& settings) { return setting.get(settings.edit); },
+                         [&setting](DragSettings& settings, double value) { setting.set(settings.edit, value); }};
+  switch (setting.kind) {
+    case Setting::Kind::Choice:
+      return choice(setting, access);
+    case Setting::Kind::Whole:
+      return count(setting.key, static_cast<int>(setting.low), static_cast<int>(setting.high), tip(setting.help),
+                   access);
+    case Setting::Kind::Length: {
+      auto* box = length(setting.key, tip(setting.help), access);
+      box->setSpecialValueText("automatic");
+      return box;
+    }
+    case Setting::Kind::Number:
+      break;
+  }
+  return number(setting.key, setting.low, setting.high, 6, tip(setting.help), access);
+}
+
+template <class Widget>
+Widget* Panel::prepared(const char* part, const QString& help) {
+  auto* box = new Widget;
+  box->setObjectName(nameOf(part));
+  box->setToolTip(help);
+  box->setFocusPolicy(Qt::ClickFocus);
+  box->installEventFilter(this);
+  box->setMaximumWidth(kFieldWidth);
+  return box;
+}
+
+template <class Widget, class Value>
+void Panel::follow(Widget* box, const Access& access, void (Widget::*changed)(Value), void (Widget::*bring)(Value)) {
+  connect(box, changed, this, [this, set = access.set](Value value) {
+    DragSettings settings = settings_;
+    set(settings, value);
+    emit settingsEdited(settings);
+    canvas_->setFocus();
+  });
+  shown_.push_back([box, bring, get = access.get](const DragSettings& settings) {
+    const QSignalBlocker blocker(box);
+    (box->*bring)(static_cast<Value>(get(settings)));
+  });
 }
 
 QDoubleSpinBox* Panel::number(const char* part, double low, double high, int digits, const QString& help,
-                              const std::function<void(DragSettings&, double)>& set) {
-  auto* box = new NumberBox;
-  box->setObjectName(nameOf(part));
+                              const Access& access) {
+  QDoubleSpinBox* const box = prepared<NumberBox>(part, help);
   box->setLocale(QLocale::c());
   box->setDecimals(digits);
   box->setRange(low, high);
   box->setKeyboardTracking(false);
-  box->setFocusPolicy(Qt::ClickFocus);
-  box->installEventFilter(this);
-  box->setToolTip(help);
-  box->setMaximumWidth(kFieldWidth);
-  connect(box, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this,
-          [this, set](double value) { edited([&](DragSettings& s) { set(s, value); }); });
+  follow(box, access, QOverload<double>::of(&QDoubleSpinBox::valueChanged), &QDoubleSpinBox::setValue);
   return box;
 }
 
-QSpinBox* Panel::count(const char* part, int low, int high, const QString& help,
-                       const std::function<void(DragSettings&, int)>& set) {
-  auto* box = new QSpinBox;
-  box->setObjectName(nameOf(part));
+QDoubleSpinBox* Panel::length(const char* part, const QString& help, const Access& access) {
+  lengths_.push_back(number(part, 0, kLongest, 4, help, access));
+  return lengths_.back();
+}
+
+QSpinBox* Panel::count(const char* part, int low, int high, const QString& help, const Access& access) {
+  auto* const box = prepared<QSpinBox>(part, help);
   box->setRange(low, high);
   box->setKeyboardTracking(false);
-  box->setFocusPolicy(Qt::ClickFocus);
-  box->installEventFilter(this);
-  box->setToolTip(help);
-  box->setMaximumWidth(kFieldWidth);
-  connect(box, QOverload<int>::of(&QSpinBox::valueChanged), this,
-          [this, set](int value) { edited([&](DragSettings& s) { set(s, value); }); });
+  follow(box, access, QOverload<int>::of(&QSpinBox::valueChanged), &QSpinBox::setValue);
   return box;
 }
 
-QComboBox* Panel::choice(const char* part, const QStringList& names, const QString& help) {
-  auto* box = new QComboBox;
-  box->setObjectName(nameOf(part));
-  box->addItems(names);
-  box->setToolTip(help);
-  box->setFocusPolicy(Qt::ClickFocus);
-  box->installEventFilter(this);
-  box->setMaximumWidth(kFieldWidth);
+QComboBox* Panel::choice(const Setting& setting, const Access& access) {
+  auto* const box = prepared<QComboBox>(setting.key, tip(setting.help));
+  for (const char* name : setting.choices) {
+    box->addItem(QString::fromStdString(title_of(name)));
+  }
+  follow(box, access, QOverload<int>::of(&QComboBox::activated), &QComboBox::setCurrentIndex);
   return box;
 }
 
@@ -253,16 +270,9 @@ QLabel* Panel::figure(const char* part, const QString& help) {
   return label;
 }
 
-void Panel::edited(const Edit& edit) {
-  DragSettings changed = settings_;
-  edit(changed);
-  emit settingsEdited(changed);
-  canvas_->setFocus();
-}
-
 void Panel::setMeshSize(double size) {
   const int digits = size > 0 ? std::clamp(5 - static_cast<int>(std::floor(std::log10(size))), 2, 12) : 4;
-  for (QDoubleSpinBox* box : {radius_, handleRadius_, normalRadius_}) {
+  for (QDoubleSpinBox* box : lengths_) {
     const QSignalBlocker blocker(box);
     box->setDecimals(digits);
     box->setSingleStep(size > 0 ? std::pow(10.0, std::floor(std::log10(size)) - 2) : 0.01);
@@ -276,40 +286,39 @@ void Panel::show(const DragSession* session, const FrameTimes& median) {
     return;
   }
   settings_ = session->settings();
-  setQuietly(radius_, settings_.radius);
-  setQuietly(padding_, settings_.padding);
-  setQuietly(handleRadius_, settings_.handle_radius);
-  setQuietly(brush_, static_cast<int>(settings_.brush_pixels));
-  setQuietly(order_, settings_.edit.order);
-  setQuietly(iterations_, settings_.edit.iterations);
-  setQuietly(normalRadius_, settings_.edit.normal_radius);
-  setQuietly(handleWeight_, settings_.edit.handle_weight);
-  setQuietly(anchorWeight_, settings_.edit.anchor_weight);
-  chooseQuietly(mode_, session->handle_mode() == HandleMode::Curve ? 1 : 0);
-  chooseQuietly(laplacian_, settings_.edit.laplacian == LaplacianKind::Cotangent ? 1 : 0);
-  chooseQuietly(rotation_, settings_.edit.rotation == DetailRotation::None            ? 0
-                           : settings_.edit.rotation == DetailRotation::SmoothNormals ? 1
-                                                                                      : 2);
-  const DragFigures figures = session->figures();
-  const bool moving = session->motion() != nullptr;
-  const bool picked = !session->groups().empty();
-  buttons_["undo"]->setEnabled(session->can_undo());
-  buttons_["redo"]->setEnabled(session->can_redo());
-  buttons_["reset"]->setEnabled(figures.steps > 0);
-  buttons_["save"]->setEnabled(figures.steps > 0);
-  buttons_["copy"]->setEnabled(figures.steps > 0);
+  for (const auto& bring : shown_) {
+    bring(settings_);
+  }
+  mode_->setCurrentIndex(session->handle_mode() == HandleMode::Curve ? 1 : 0);
+  showCommands(*session);
+  showFigures(*session, median);
+}
+
+void Panel::showCommands(const DragSession& session) {
+  const bool steps = session.figures().steps > 0;
+  const bool moving = session.motion() != nullptr;
+  const bool picked = !session.groups().empty();
+  buttons_["undo"]->setEnabled(session.can_undo());
+  buttons_["redo"]->setEnabled(session.can_redo());
+  buttons_["reset"]->setEnabled(steps);
+  buttons_["save"]->setEnabled(steps);
+  buttons_["copy"]->setEnabled(steps);
   buttons_["apply"]->setEnabled(moving);
-  buttons_["cancel"]->setEnabled(moving || session->state() == DragSession::State::Settling);
+  buttons_["cancel"]->setEnabled(moving || session.state() == DragSession::State::Settling);
   for (const char* part : {"component", "next_group", "move", "rotate", "scale"}) {
     buttons_[part]->setEnabled(picked);
   }
   for (const char* part : {"grow", "shrink"}) {
-    buttons_[part]->setEnabled(session->region() != nullptr);
+    buttons_[part]->setEnabled(session.region() != nullptr);
   }
-  progress_->setValue(session->preparing() ? static_cast<int>(100 * session->progress()) : session->ready() ? 100 : 0);
-  progress_->setFormat(session->preparing() ? QString("%1 %p %").arg(session->stage())
-                       : session->ready()   ? QString("ready")
-                                            : QString());
+}
+
+void Panel::showFigures(const DragSession& session, const FrameTimes& median) {
+  const DragFigures figures = session.figures();
+  progress_->setValue(session.preparing() ? static_cast<int>(100 * session.progress()) : session.ready() ? 100 : 0);
+  progress_->setFormat(session.preparing() ? QString("%1 %p %").arg(session.stage())
+                       : session.ready()   ? QString("ready")
+                                           : QString());
   region_->setText(QString("Handle %1, free %2, anchors %3, fixed %4; steps: %5")
                        .arg(figures.handle)
                        .arg(figures.free)

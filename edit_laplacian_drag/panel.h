@@ -48,22 +48,41 @@ class Panel : public QDockWidget {
   bool eventFilter(QObject* object, QEvent* event) override;
 
  private:
-  using Edit = std::function<void(lapedit::DragSettings&)>;
+  /// How a widget reads and writes its value.
+  struct Access {
+    std::function<double(const lapedit::DragSettings&)> get;
+    std::function<void(lapedit::DragSettings&, double)> set;
+  };
+  template <auto member>
+  static Access access();
 
+  void addRegion(QFormLayout* form);
+  void addHandle(QFormLayout* form);
+  void addSteps(QFormLayout* form);
+  void addFigures(QFormLayout* form);
+
+  template <class Widget>
+  Widget* prepared(const char* part, const QString& help);
+  QWidget* widgetOf(const lapedit::Setting& setting);
   QDoubleSpinBox* number(const char* part, double low, double high, int digits, const QString& help,
-                         const std::function<void(lapedit::DragSettings&, double)>& set);
-  QSpinBox* count(const char* part, int low, int high, const QString& help,
-                  const std::function<void(lapedit::DragSettings&, int)>& set);
-  QComboBox* choice(const char* part, const QStringList& names, const QString& help);
+                         const Access& access);
+  QDoubleSpinBox* length(const char* part, const QString& help, const Access& access);
+  QSpinBox* count(const char* part, int low, int high, const QString& help, const Access& access);
+  QComboBox* choice(const lapedit::Setting& setting, const Access& access);
   QPushButton* button(const char* part, const QString& text, const QString& help);
   QLabel* figure(const char* part, const QString& help);
-  void edited(const Edit& edit);
+  /// From now on what is entered changes the settings, and show() brings them back.
+  template <class Widget, class Value>
+  void follow(Widget* box, const Access& access, void (Widget::*changed)(Value), void (Widget::*bring)(Value));
+
+  void showCommands(const lapedit::DragSession& session);
+  void showFigures(const lapedit::DragSession& session, const FrameTimes& median);
 
   QWidget* canvas_;
   lapedit::DragSettings settings_;
-  QDoubleSpinBox *radius_, *padding_, *handleRadius_, *normalRadius_, *handleWeight_, *anchorWeight_;
-  QSpinBox *brush_, *order_, *iterations_;
-  QComboBox *mode_, *laplacian_, *rotation_;
+  std::vector<std::function<void(const lapedit::DragSettings&)>> shown_;  ///< one per value
+  std::vector<QDoubleSpinBox*> lengths_;                                  ///< whose digits follow the mesh's size
+  QComboBox* mode_;
   QProgressBar* progress_;
   QLabel *region_, *times_, *frame_, *quality_;
   std::map<QString, QPushButton*> buttons_;

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <algorithm>
 #include <utility>
 
 #include "filters.h"
@@ -14,22 +13,34 @@ namespace {
 enum HandleSource { NearestVertex, SelectedVertices };
 enum RegionSource { GeodesicRadius, SelectedFaces, WholeComponent };
 
-constexpr LaplacianKind kLaplacians[] = {LaplacianKind::Umbrella, LaplacianKind::Cotangent};
-constexpr DetailRotation kRotations[] = {DetailRotation::None, DetailRotation::SmoothNormals,
-                                         DetailRotation::SmoothSurface};
+Parameter parameterOf(const Setting& setting) {
+  using Kind = Parameter::Kind;
+  const double standard = setting.get(EditSettings());
+  const Kind kind = setting.kind == Setting::Kind::Choice   ? Kind::Choice
+                    : setting.kind == Setting::Kind::Whole  ? Kind::Integer
+                    : setting.kind == Setting::Kind::Length ? Kind::Length
+                                                            : Kind::Real;
+  Parameter parameter = {kind, setting.key, standard, QString::fromStdString(title_of(setting.key)), setting.help};
+  if (kind == Kind::Choice || kind == Kind::Integer) {
+    parameter.standard = static_cast<int>(standard);
+  }
+  for (const char* choice : setting.choices) {
+    parameter.choices << QString::fromStdString(title_of(choice));
+  }
+  return parameter;
+}
 
-template <class T, std::size_t N>
-int numberOf(T value, const T (&values)[N]) {
-  return static_cast<int>(std::find(values, values + N, value) - values);
+double valueOf(const ParameterValues& values, const Setting& setting) {
+  const bool whole = setting.kind == Setting::Kind::Choice || setting.kind == Setting::Kind::Whole;
+  return whole ? values.integer(setting.key) : values.real(setting.key);
 }
 
 std::vector<Parameter> parameters() {
   using Kind = Parameter::Kind;
-  const EditSettings settings;
   const RegionSpec region;
   const HandleTransform transform;
   const Vector3 origin = Vector3::Zero();
-  return {
+  std::vector<Parameter> list = {
       {Kind::Choice,
        "handle_source",
        NearestVertex,
@@ -58,34 +69,11 @@ std::vector<Parameter> parameters() {
        "By how much the handle turns, in degrees. Turning needs a handle of several vertices."},
       {Kind::Real, "scale", transform.scale, "Scale",
        "Factor by which the handle grows about its centroid; greater than 0."},
-      {Kind::Choice,
-       "laplacian",
-       numberOf(settings.laplacian, kLaplacians),
-       "Laplacian",
-       "How the detail at a vertex is measured: against the plain mean of its neighbours (umbrella, the paper's "
-       "choice), or with cotangent weights, which depend less on the triangulation.",
-       {"Umbrella", "Cotangent"}},
-      {Kind::Integer, "order", settings.order, "Order",
-       "How often the Laplacian is applied, 1 to 3. Higher orders blend more smoothly into the fixed part and take "
-       "longer."},
-      {Kind::Choice,
-       "detail_rotation",
-       numberOf(settings.rotation, kRotations),
-       "Detail rotation",
-       "How details turn with the surface: not at all, by the paper's frames of smooth normals, or by rotations "
-       "fitted to the smoothed surface.",
-       {"None", "Smooth normals", "Smooth surface"}},
-      {Kind::Integer, "iterations", settings.iterations, "Iterations",
-       "How often the rotations are estimated anew from the last result, 1 to 100. More than one helps large edits "
-       "with the smooth surface."},
-      {Kind::Length, "normal_radius", settings.normal_radius, "Normal radius",
-       "Radius of the smoothing that separates details from the surface below; has to exceed the size of the "
-       "details. 0: chosen from the mesh."},
-      {Kind::Real, "handle_weight", settings.handle_weight, "Handle weight",
-       "How strongly the handle is drawn to its target, 0.000001 to 1000000."},
-      {Kind::Real, "anchor_weight", settings.anchor_weight, "Anchor weight",
-       "How strongly the band inside the rim is held in place, 0.000001 to 1000000."},
   };
+  for (const Setting& setting : settings_table()) {
+    list.push_back(parameterOf(setting));
+  }
+  return list;
 }
 
 std::vector<int> handleVertices(const ParameterValues& values, const CMeshO& host, const BridgedMesh& bridged) {
@@ -131,13 +119,9 @@ EditStep editStep(const ParameterValues& values, const CMeshO& host, const Bridg
   transform.degrees = values.real("rotation_angle");
   transform.scale = values.real("scale");
   step.handles.push_back({handleVertices(values, host, bridged), transform});
-  step.settings.laplacian = kLaplacians[values.integer("laplacian")];
-  step.settings.order = values.integer("order");
-  step.settings.rotation = kRotations[values.integer("detail_rotation")];
-  step.settings.iterations = values.integer("iterations");
-  step.settings.normal_radius = values.real("normal_radius");
-  step.settings.handle_weight = values.real("handle_weight");
-  step.settings.anchor_weight = values.real("anchor_weight");
+  for (const Setting& setting : settings_table()) {
+    setting.set(step.settings, valueOf(values, setting));
+  }
   return step;
 }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/deform/edit_settings.h"
 
-#include <cmath>
-#include <string>
-#include <utility>
+#include <algorithm>
+#include <cctype>
+#include <limits>
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
@@ -11,24 +11,91 @@
 namespace lapedit {
 namespace {
 
-void require(bool holds, const char* setting, double value, const char* range) {
-  if (!holds) {
-    throw EditError(ErrorCause::BadParameter,
-                    std::string("The ") + setting + " is " + number_text(value) + ": give " + range + ".");
-  }
+template <auto member>
+double get(const EditSettings& settings) {
+  return static_cast<double>(settings.*member);
 }
+
+template <auto member>
+void set(EditSettings& settings, double value) {
+  auto& place = settings.*member;
+  place = static_cast<std::decay_t<decltype(place)>>(value);
+}
+
+constexpr double kLightest = 1e-6, kHeaviest = 1e6;
+constexpr const char* kWeights = "a number from 0.000001 to 1000000";
 
 }  // namespace
 
+const std::vector<Setting>& settings_table() {
+  using Kind = Setting::Kind;
+  using S = EditSettings;
+  static const std::vector<Setting> table = {
+      {Kind::Choice,
+       "laplacian",
+       "Laplacian",
+       "umbrella or cotangent",
+       0,
+       1,
+       "How the detail at a vertex is measured: against the plain mean of its neighbours (umbrella, the paper's "
+       "choice), or with cotangent weights, which depend less on the triangulation.",
+       get<&S::laplacian>,
+       set<&S::laplacian>,
+       {"umbrella", "cotangent"}},
+      {Kind::Whole, "order", "order of the Laplacian", "1, 2 or 3", 1, 3,
+       "How often the Laplacian is applied, 1 to 3. Higher orders blend more smoothly into the fixed part and take "
+       "longer.",
+       get<&S::order>, set<&S::order>},
+      {Kind::Choice,
+       "detail_rotation",
+       "detail rotation",
+       "none, smooth normals or smooth surface",
+       0,
+       2,
+       "How details turn with the surface: not at all, by the paper's frames of smooth normals, or by rotations "
+       "fitted to the smoothed surface.",
+       get<&S::rotation>,
+       set<&S::rotation>,
+       {"none", "smooth_normals", "smooth_surface"}},
+      {Kind::Whole, "iterations", "number of iterations", "a whole number from 1 to 100", 1, 100,
+       "How often the rotations are estimated anew from the last result, 1 to 100. More than one helps large edits "
+       "with the smooth surface.",
+       get<&S::iterations>, set<&S::iterations>},
+      {Kind::Length, "normal_radius", "normal radius", "a finite length, or 0 for an automatic one", 0,
+       std::numeric_limits<double>::max(),
+       "Radius of the smoothing that separates details from the surface below; has to exceed the size of the "
+       "details. 0: chosen from the mesh.",
+       get<&S::normal_radius>, set<&S::normal_radius>},
+      {Kind::Number, "handle_weight", "handle weight", kWeights, kLightest, kHeaviest,
+       "How strongly the handle is drawn to its target, 0.000001 to 1000000.", get<&S::handle_weight>,
+       set<&S::handle_weight>},
+      {Kind::Number, "anchor_weight", "anchor weight", kWeights, kLightest, kHeaviest,
+       "How strongly the band inside the rim is held in place, 0.000001 to 1000000.", get<&S::anchor_weight>,
+       set<&S::anchor_weight>},
+  };
+  return table;
+}
+
+std::string title_of(const char* key) {
+  std::string title = key;
+  std::replace(title.begin(), title.end(), '_', ' ');
+  title[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(title[0])));
+  return title;
+}
+
+bool operator==(const EditSettings& a, const EditSettings& b) {
+  return a.backend == b.backend && a.threads == b.threads &&
+         std::all_of(settings_table().begin(), settings_table().end(),
+                     [&](const Setting& setting) { return setting.get(a) == setting.get(b); });
+}
+
 void validate(const EditSettings& settings) {
-  require(settings.order >= 1 && settings.order <= 3, "order of the Laplacian", settings.order, "1, 2 or 3");
-  require(settings.iterations >= 1 && settings.iterations <= 100, "number of iterations", settings.iterations,
-          "a whole number from 1 to 100");
-  require(settings.normal_radius >= 0 && std::isfinite(settings.normal_radius), "normal radius", settings.normal_radius,
-          "a finite length, or 0 for an automatic one");
-  for (const auto& [weight, name] :
-       {std::pair{settings.handle_weight, "handle weight"}, std::pair{settings.anchor_weight, "anchor weight"}}) {
-    require(weight >= 1e-6 && weight <= 1e6, name, weight, "a number from 0.000001 to 1000000");
+  for (const Setting& setting : settings_table()) {
+    const double value = setting.get(settings);
+    if (!(value >= setting.low && value <= setting.high)) {
+      throw EditError(ErrorCause::BadParameter, std::string("The ") + setting.subject + " is " + number_text(value) +
+                                                    ": give " + setting.range + ".");
+    }
   }
 }
 

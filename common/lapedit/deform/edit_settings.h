@@ -1,19 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "lapedit/deform/detail_rotation.h"
 #include "lapedit/deform/differential_operator.h"
 #include "lapedit/linear/sparse_cholesky.h"
 
 namespace lapedit {
 
-/// How an edit is solved, whatever its region and handles.
+/// How an edit is solved, whatever its region and handles. What users can set is also a row of settings_table().
 struct EditSettings {
   LaplacianKind laplacian = LaplacianKind::Umbrella;
-  int order = 1;  ///< 1 to 3
+  int order = 1;
   DetailRotation rotation = DetailRotation::SmoothSurface;
-  int iterations =
-      1;  ///< rotation passes, 1 to 100; stops early once a pass moves nothing by 1e-4 of the region's radius
+  /// Rotation passes; stops early once a pass moves nothing by 1e-4 of the region's radius.
+  int iterations = 1;
   double normal_radius = 0;  ///< r of the smoothing, model units; 0: automatic
   /// Against equations of weight 1 per differential coordinate. At 1 the handle of a small region stays 1 % behind and
   /// the rim moves by up to 0.9 % of the handle's way; at 10 both are below 0.02 % and the shape is the same to the
@@ -24,7 +27,39 @@ struct EditSettings {
   int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
 
+bool operator==(const EditSettings& a, const EditSettings& b);
+inline bool operator!=(const EditSettings& a, const EditSettings& b) {
+  return !(a == b);
+}
+
 /// @throws EditError (BadParameter) naming the setting, its value and its range
 void validate(const EditSettings& settings);
+
+/// All there is to know about a setting that users give. The filter's parameters, the keys of JSON, the panel's widgets
+/// and validate() are made from these; the default is that of EditSettings.
+struct Setting {
+  enum class Kind {
+    Choice,  ///< one of choices, by number
+    Whole,   ///< whole number
+    Length,  ///< model units; 0: chosen from the mesh
+    Number
+  };
+
+  Kind kind;
+  const char* key;      ///< in JSON and scripts; never changes
+  const char* subject;  ///< in a refusal: "The <subject> is 7: give <range>."
+  const char* range;    ///< low to high in words
+  double low, high;
+  const char* help;  ///< for the filter's dialog and the panel
+  double (*get)(const EditSettings&);
+  void (*set)(EditSettings&, double);
+  std::vector<const char*> choices = {};  ///< as they are called in JSON
+};
+
+/// In the order in which they are shown and written.
+const std::vector<Setting>& settings_table();
+
+/// What the user sees in place of a key or a choice: "Smooth normals" for smooth_normals.
+std::string title_of(const char* key);
 
 }  // namespace lapedit
