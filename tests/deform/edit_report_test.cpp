@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "lapedit/deform/edit_quality.h"
 #include "lapedit/edit/edit.h"
 #include "shapes.h"
 

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <random>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "allocation_watch.h"
@@ -146,8 +147,8 @@ TEST(OperatorRows, SwapBothHalves) {
   const std::size_t bytes = a.bytes();
   EXPECT_GT(bytes, make(grid).bytes());
   EXPECT_GE(bytes, 2U * (162 + 960) * 12);
-  a.swap(b);
-  b.swap(empty);
+  std::swap(a, b);
+  std::swap(b, empty);
   EXPECT_EQ(empty.bytes(), bytes);
   empty.apply(mesh.vertices, out, pool);
   EXPECT_TRUE(support::same_bits(out, expected));

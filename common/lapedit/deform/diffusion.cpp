@@ -20,6 +20,7 @@ DiffusionSmoother::DiffusionSmoother(const Region& region, const Points& rest, d
   const int n = region.size();
   std::vector<double> squared(neighbours.values.size());
   Eigen::VectorXd area = Eigen::VectorXd::Zero(n);
+  // area_i = sum_j |e_ij|^2 / 4, and c_ij = mean area / sqrt(area_i area_j).
   for (int i = 0; i < n; ++i) {
     for (int k = neighbours.offsets[i]; k < neighbours.offsets[i + 1]; ++k) {
       squared[k] = (rest.row(neighbours.values[k]) - rest.row(i)).squaredNorm();
@@ -31,8 +32,11 @@ DiffusionSmoother::DiffusionSmoother(const Region& region, const Points& rest, d
   const double mean = n > 0 ? std::accumulate(area.begin(), area.end(), 0.0) / n : 0;
   const Eigen::VectorXd density =
       mean > 0 ? Eigen::VectorXd((area / mean).cwiseMax(kSmall).cwiseSqrt().cwiseInverse()) : Eigen::VectorXd::Ones(n);
-  const double time = kMoment * radius * radius / 4 / kSteps;  // diffusion over a time t has the second moment 4 t
-  mass_.setZero(n);
+  // (K + s L) of each step: L_ij = -c_ij off the diagonal, K_i = sum_j c_ij |e_ij|^2 / 4, the row divided by s.
+  // Diffusion over a time t has the second moment 4 t, the paper's kernel kMoment r^2, so s = kMoment r^2 / 4 / kSteps.
+  const double time = kMoment * radius * radius / 4 / kSteps;
+  auto made = std::make_shared<Matrix>();
+  made->mass.setZero(n);
   SparseMatrix matrix(n, n);
   matrix.reserve(static_cast<Eigen::Index>(neighbours.values.size()) / 2 + n);
   for (int j = 0; j < n; ++j) {
@@ -42,9 +46,9 @@ DiffusionSmoother::DiffusionSmoother(const Region& region, const Points& rest, d
       sum += conductance;
       mass += 0.25 * conductance * squared[k];
     }
-    mass_[j] = mass / time + kLeast;
+    made->mass[j] = mass / time + kLeast;
     matrix.startVec(j);
-    matrix.insertBack(j, j) = mass_[j] + sum;
+    matrix.insertBack(j, j) = made->mass[j] + sum;
     for (const int i : neighbours[j]) {
       if (i > j) {
         matrix.insertBack(i, j) = -density[i] * density[j];
@@ -53,19 +57,35 @@ DiffusionSmoother::DiffusionSmoother(const Region& region, const Points& rest, d
   }
   matrix.finalize();
   factor_ = std::make_unique<SparseCholesky>(matrix, options);
-  matrix_ = matrix.selfadjointView<Eigen::Lower>();
+  made->matrix = matrix.selfadjointView<Eigen::Lower>();
+  matrix_ = std::move(made);
 }
 
-void DiffusionSmoother::apply_roughly(const Points& in, Points& out) const {
+DiffusionSmoother::DiffusionSmoother(const DiffusionSmoother& other)
+    : matrix_(other.matrix_), factor_(std::make_unique<SparseCholesky>(*other.factor_, nullptr)) {}
+
+std::unique_ptr<Smoother> DiffusionSmoother::share() const {
+  return std::unique_ptr<Smoother>(new DiffusionSmoother(*this));
+}
+
+std::size_t DiffusionSmoother::bytes() const {
+  return factor_->bytes() + static_cast<std::size_t>(matrix_->mass.size()) * sizeof(double) +
+         static_cast<std::size_t>(matrix_->matrix.nonZeros()) * (sizeof(double) + sizeof(int)) +
+         static_cast<std::size_t>(scratch_.right.rows()) * 5 * 3 * sizeof(double);
+}
+
+/// (K / s + L) x' = K / s x, twice.
+void DiffusionSmoother::apply_for_preview(const Points& in, Points& out) const {
   out = in;
   for (int step = 0; step < kSteps; ++step) {
     for (Eigen::Index i = 0; i < out.rows(); ++i) {
-      out.row(i) *= mass_[i];
+      out.row(i) *= matrix_->mass[i];
     }
     factor_->solve(out, out);
   }
 }
 
+/// The same, each step solved to the last bit.
 void DiffusionSmoother::apply(const Points& in, Points& out) const {
   out = in;
   Points &right = scratch_.right, &left = scratch_.left, &more = scratch_.step;
@@ -73,12 +93,13 @@ void DiffusionSmoother::apply(const Points& in, Points& out) const {
   for (int step = 0; step < kSteps; ++step) {
     right = out;
     for (Eigen::Index i = 0; i < right.rows(); ++i) {
-      right.row(i) *= mass_[i];
+      right.row(i) *= matrix_->mass[i];
     }
     factor_->solve(right, out);
     x.set(out);
-    refine_to_the_bit([&](const DoubledPoints& at, Points& rest) { symmetric_residual(matrix_, right, at, rest); },
-                      [&](const Points& from, Points& to) { factor_->solve(from, to); }, x, left, more);
+    refine_to_the_bit(
+        [&](const DoubledPoints& at, Points& rest) { symmetric_residual(matrix_->matrix, right, at, rest); },
+        [&](const Points& from, Points& to) { factor_->solve(from, to); }, x, left, more);
     out = x.high;
   }
 }

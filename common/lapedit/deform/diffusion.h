@@ -27,24 +27,27 @@ class DiffusionSmoother : public Smoother {
   /// @throws EditError (IllConditioned)
   DiffusionSmoother(const Region& region, const Points& rest, double radius, const CholeskyOptions& options = {});
 
-  /// The same bits with every factorisation, BLAS and processor. One caller at a time.
+  /// The same bits with every factorisation, BLAS and processor.
   void apply(const Points& in, Points& out) const override;
-  void apply_roughly(const Points& in, Points& out) const override;
-
-  std::size_t bytes() const override {
-    return factor_->bytes() + static_cast<std::size_t>(mass_.size()) * 8 +
-           static_cast<std::size_t>(matrix_.nonZeros()) * 12 + static_cast<std::size_t>(matrix_.outerSize()) * 4 +
-           static_cast<std::size_t>(scratch_.right.rows()) * 5 * 3 * sizeof(double);
-  }
+  /// One solve per step, not refined.
+  void apply_for_preview(const Points& in, Points& out) const override;
+  std::unique_ptr<Smoother> share() const override;
+  std::size_t bytes() const override;
 
  private:
-  Eigen::VectorXd mass_;
-  SparseMatrix matrix_;  // both halves, for residuals
-  std::unique_ptr<SparseCholesky> factor_;
-  mutable struct {
+  struct Matrix {          // K + s L
+    Eigen::VectorXd mass;  // K
+    SparseMatrix matrix;   // both halves, for residuals
+  };
+  struct Scratch {  // so that a drag allocates nothing
     Points right, left, step;
     DoubledPoints x;
-  } scratch_;  // so that a drag allocates nothing
+  };
+  DiffusionSmoother(const DiffusionSmoother& other);
+
+  std::shared_ptr<const Matrix> matrix_;
+  mutable std::unique_ptr<SparseCholesky> factor_;
+  mutable Scratch scratch_;
 };
 
 }  // namespace lapedit

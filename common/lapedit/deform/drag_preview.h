@@ -4,8 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "lapedit/linear/operator_rows.h"
-#include "lapedit/linear/sparse_cholesky.h"
+#include "lapedit/linear/refined_solver.h"
 #include "lapedit/mesh/region.h"
 
 namespace lapedit {
@@ -17,6 +16,7 @@ struct PreviewBase {
   const Points* smooth_rest = nullptr;  ///< the smoothed surface at rest; nothing: details are not to be turned
   const Points* delta = nullptr;        ///< differential coordinates of order 1
   const OperatorRows* first = nullptr;  ///< M of order 1
+  const WoodburyCorrection* correction = nullptr;  ///< of the factor; may be nothing
 };
 
 /// Frames of a drag, in single precision, for order 1 and the rotations of the smoothed surface: the pose that
@@ -33,21 +33,11 @@ class DragPreview {
   /// At most so many responses: beyond, a plain solve is not much slower.
   static constexpr int kMostResponses = 12;
 
-  /// Handles that were kept out of the factor, with Z = A0^-1 E and K = (W^-2 + E^T Z)^-1, E their columns of the
-  /// identity. For a right-hand side that is b_h at the handles, and y the solution with the factor where that is left
-  /// out, y + Z K (W^-2 b_h - y_h) is the solution (Woodbury). Empty if nothing was kept out.
-  struct Correction {
-    std::vector<int> rows;        ///< local vertices
-    std::vector<double> weights;  ///< w^2 of each
-    Eigen::MatrixXd z;            ///< size() x rows
-    Eigen::MatrixXd k;            ///< rows x rows
-  };
-
   /// @param responses         size() x responses: what the unrotated result moves for a unit motion
   /// @param smooth_responses  the same, smoothed
   /// Cost: O(edges), and about 400 bytes per vertex.
   DragPreview(const PreviewBase& base, const Eigen::MatrixXd& responses, const Eigen::MatrixXd& smooth_responses,
-              const Correction& correction, SparseCholesky& factor, std::shared_ptr<ThreadPool> pool);
+              SparseCholesky& factor, std::shared_ptr<ThreadPool> pool);
   ~DragPreview();
 
   /// Positions for motions w_k of the responses, one row per response; zero rows cost nothing.

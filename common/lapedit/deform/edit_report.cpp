@@ -1,25 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/deform/edit_report.h"
 
-#include <Eigen/Geometry>
-
-#include <algorithm>
-#include <cmath>
-
 #include "lapedit/base/format_text.h"
 
 namespace lapedit {
-namespace {
-
-Vector3 face_normal(const Points& points, const Faces& faces, Eigen::Index face) {
-  const Vector3 a = points.row(faces(face, 0)).transpose();
-  const Vector3 b = points.row(faces(face, 1)).transpose();
-  const Vector3 c = points.row(faces(face, 2)).transpose();
-  return (b - a).cross(c - a);
-}
-
-}  // namespace
-
 std::string EditReport::text() const {
   std::string lines = format_text("Region: %d handle, %d free, %d anchor vertices; %d fixed of %d", handle, free,
                                   anchors, fixed, mesh_vertices);
@@ -51,35 +35,6 @@ std::string EditReport::text() const {
       "rotate %.2f, solve %.2f",
       region_ms, operator_ms, factor_ms, kernel_ms, rough_ms, normals_ms, rotate_ms, solve_ms);
   return lines;
-}
-
-EdgeStretch edge_stretch(const Region& region, const Points& before, const Points& after) {
-  EdgeStretch result;
-  double sum = 0;
-  int edges = 0;
-  for (int i = 0; i < region.size(); ++i) {
-    for (const int j : region.neighbours[i]) {
-      const double old_length = (before.row(i) - before.row(j)).norm();
-      if (i < j && old_length > 0) {
-        const double stretch = (after.row(i) - after.row(j)).norm() / old_length - 1;
-        sum += stretch * stretch;
-        result.largest = std::max(result.largest, stretch);
-        ++edges;
-      }
-    }
-  }
-  result.rms = edges > 0 ? std::sqrt(sum / edges) : 0;
-  return result;
-}
-
-int flipped_triangles(const Region& region, const Points& before, const Points& after,
-                      const std::vector<Matrix3>& rotations) {
-  int count = 0;
-  for (Eigen::Index f = 0; f < region.faces.rows(); ++f) {
-    const Matrix3 turn = rotations[region.faces(f, 0)] + rotations[region.faces(f, 1)] + rotations[region.faces(f, 2)];
-    count += face_normal(after, region.faces, f).dot(turn * face_normal(before, region.faces, f)) < 0;
-  }
-  return count;
 }
 
 }  // namespace lapedit

@@ -2,9 +2,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
-
-#include "lapedit/mesh/region.h"
 
 namespace lapedit {
 
@@ -31,16 +28,5 @@ struct EditReport {
   /// Several lines of plain text for a log, without a trailing newline.
   std::string text() const;
 };
-
-/// Of |after| / |before| - 1 over the region's edges: RMS, and the largest above 0. Edges without length are left out.
-struct EdgeStretch {
-  double rms = 0, largest = 0;
-};
-EdgeStretch edge_stretch(const Region& region, const Points& before, const Points& after);
-
-/// Faces whose normal turned by more than 90 degrees against the mean of its corners' rotations; degenerate ones are
-/// left out.
-int flipped_triangles(const Region& region, const Points& before, const Points& after,
-                      const std::vector<Matrix3>& rotations);
 
 }  // namespace lapedit

@@ -9,6 +9,19 @@
 #include "lapedit/deform/edit_settings.h"
 #include "lapedit/deform/handle_transform.h"
 
+// For example, vertex 42 pulled up with all that is within 0.3 of it:
+//
+//     RegionSpec spec;
+//     spec.radius = 0.3;
+//     const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
+//     LaplacianEditor editor(mesh, build_region(mesh, adjacency, spec, {{42}}), EditSettings());
+//     Affine up = Affine::Identity();
+//     up.translation().z() = 0.1;
+//     const Points& result = editor.solve({up});  // for a picture of a drag: preview({up}), as often as the mouse
+//     moves for (int i = 0; i < editor.region().size(); ++i) {
+//       mesh.vertices.row(editor.region().mesh_vertex[i]) = result.row(i);
+//     }
+
 namespace lapedit {
 
 /// One region with its handles, ready to be posed again and again (paper, sections 3 to 5).
@@ -21,8 +34,8 @@ namespace lapedit {
 class LaplacianEditor {
  public:
   /// @param mesh      rest pose; not kept
-  /// @param previous  an editor that is not wanted any more: what it has and still fits, the factor above all, is taken
-  ///                  over, so that another small handle in the same region with the same anchors is ready in a
+  /// @param previous  an editor that is not wanted any more: what it has and still fits, the factor above all, is
+  ///                  shared, so that another small handle in the same region with the same anchors is ready in a
   ///                  fraction of the time. The result has the same bits with and without
   /// Cost: operator, one sparse Cholesky factorisation, smoothing: all of it once, nothing of it in solve().
   /// @throws EditError (BadParameter, IllConditioned, Cancelled)
@@ -42,7 +55,7 @@ class LaplacianEditor {
   /// @return         size() x 3, model units, row i belongs to region().mesh_vertex[i]; valid until the next call
   /// @throws EditError (NotFinite) if a map or the result is not finite; (Cancelled); the editor stays usable
   /// @param go_on    asked now and then; called with the fraction 0
-  /// Cost: one rough and one exact solve per rotation pass, each of some steps of refinement; nothing is allocated
+  /// Cost: one unrotated solve and one per rotation pass, each of some steps of refinement; nothing is allocated
   /// after the first call.
   const Points& solve(const std::vector<Affine>& handles, const Affine& anchors = Affine::Identity(),
                       const Progress& go_on = {});
@@ -68,7 +81,7 @@ class LaplacianEditor {
   /// Detail rotations of the last solve, one per region vertex.
   const std::vector<Matrix3>& rotations() const;
 
-  /// Report of construction and last solve; works out residuals and stretch on each call.
+  /// Report of construction and last solve; works out residuals and stretch on each call, and changes nothing.
   EditReport report() const;
 
  private:

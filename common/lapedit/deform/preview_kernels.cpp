@@ -13,6 +13,7 @@ namespace {
 typedef float Half __attribute__((vector_size(kLanes / 2 * sizeof(float))));
 typedef int IntVector __attribute__((vector_size(kLanes * sizeof(int))));
 
+/// x^-1/2: a first guess from the exponent's bits, then Newton's y <- y (3 - x y^2) / 2.
 LAPEDIT_INLINE Vector inverse_root(Vector x) {
   IntVector bits;
   std::memcpy(&bits, &x, sizeof bits);
@@ -32,7 +33,7 @@ LAPEDIT_INLINE Vector load(const float* place) {
   return result;
 }
 
-/// |C| n1 n0^T of some blocks.
+/// |C| n1 n0^T of some blocks: C = C0 + sum_r w_r g_r^T, n1 along a0 + b x w for one response that moves.
 LAPEDIT_INLINE void normal_terms(const View& v, int first, int last, float* out) {
   for (int block = first; block < last; ++block) {
     const Block& base = v.base[block];
@@ -109,95 +110,108 @@ LAPEDIT_INLINE void average(const View& v, int first, int last, const float* in,
   }
 }
 
-/// (R - I) delta of some blocks, R the rotation nearest to a matrix by Markley's formula (FOAM, 1993), which is exact
-/// and needs the largest root of a quartic only. Vertices that it leaves too few digits are listed in `hard`, for the
-/// caller to do over with the matrices left in `matrices`.
+/// B = (1 - hold) C / |C| + hold I, made length 1, C the averages of a block's matrices.
+LAPEDIT_INLINE void faded_covariances(const View& v, int block, const float* in, Vector* b) {
+  const Block& base = v.base[block];
+  alignas(64) float around[kLanes][kStride];
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const int i = block * kLanes + lane;
+    if (i < v.size) {
+      mean_around(v, i, in, around[lane]);
+    } else {
+      std::memset(around[lane], 0, sizeof around[lane]);
+    }
+  }
+  alignas(64) float columns[9][kLanes];
+  for (int e = 0; e < 9; ++e) {
+    for (int lane = 0; lane < kLanes; ++lane) {
+      columns[e][lane] = around[lane][e];
+    }
+  }
+  const Vector* const s = base.spread;
+  const Vector rest[9] = {s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5]};
+  for (int e = 0; e < 9; ++e) {
+    b[e] = rest[e] + load(columns[e]);
+  }
+  for (int a = 0; a < v.active; ++a) {
+    const ResponseBlock& r = v.response[static_cast<std::size_t>(v.which[a]) * v.blocks + block];
+    const float* const w = v.motion + std::ptrdiff_t{3} * a;
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) {
+        b[3 * i + j] += w[i] * r.spread[j];
+      }
+    }
+  }
+  Vector size = {};
+  for (int e = 0; e < 9; ++e) {
+    size += b[e] * b[e];
+  }
+  const Vector part = (1.0F - base.hold) * inverse_root(size);
+  size = Vector{};
+  for (int e = 0; e < 9; ++e) {
+    b[e] = part * b[e] + (e % 4 == 0 ? base.hold : Vector{});
+    size += b[e] * b[e];
+  }
+  const Vector unit = inverse_root(size);
+  for (int e = 0; e < 9; ++e) {
+    b[e] *= unit;
+  }
+}
+
+/// (R - I) delta, R the rotation nearest to B, |B| = 1, by Markley's formula (FOAM, 1993), which is exact and needs the
+/// largest root of a quartic only: R = ((kappa + |B|^2) B + lambda adj(B)^T - B B^T B) / zeta, with lambda that root of
+/// (lambda^2 - |B|^2)^2 = 8 lambda det B + 4 |adj B|^2, kappa = (lambda^2 - |B|^2) / 2, zeta = kappa lambda - det B.
+/// @return zeta, which is small where few digits are left
+LAPEDIT_INLINE Vector turn(const Vector* b, const Vector* delta, Vector* turned) {
+  Vector f[9];  // cofactors
+  for (int i = 0; i < 3; ++i) {
+    const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+    for (int j = 0; j < 3; ++j) {
+      const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+      f[3 * i + j] = b[3 * i1 + j1] * b[3 * i2 + j2] - b[3 * i1 + j2] * b[3 * i2 + j1];
+    }
+  }
+  const Vector det = b[0] * f[0] + b[1] * f[1] + b[2] * f[2];
+  Vector squares = {};
+  for (int e = 0; e < 9; ++e) {
+    squares += f[e] * f[e];
+  }
+  Vector root = Vector{} + 1.7320509F;  // an upper bound, so Newton's steps come down to the largest root
+  for (int step = 0; step < 7; ++step) {
+    const Vector k = root * root - 1.0F;
+    root -= (k * k - 8.0F * root * det - 4.0F * squares) / (4.0F * root * k - 8.0F * det + 1e-12F);
+  }
+  const Vector kappa = 0.5F * (root * root - 1.0F);
+  const Vector zeta = kappa * root - det;
+  const Vector inverse = 1.0F / zeta;
+  Vector gram[9];  // B B^T
+  for (std::ptrdiff_t i = 0; i < 3; ++i) {
+    for (std::ptrdiff_t j = 0; j < 3; ++j) {
+      gram[3 * i + j] = b[3 * i] * b[3 * j] + b[3 * i + 1] * b[3 * j + 1] + b[3 * i + 2] * b[3 * j + 2];
+    }
+  }
+  // B delta and B B^T B delta, without making the product of the matrices.
+  Vector once[3];
+  for (std::ptrdiff_t i = 0; i < 3; ++i) {
+    once[i] = b[3 * i] * delta[0] + b[3 * i + 1] * delta[1] + b[3 * i + 2] * delta[2];
+  }
+  for (std::ptrdiff_t i = 0; i < 3; ++i) {
+    const Vector thrice = gram[3 * i] * once[0] + gram[3 * i + 1] * once[1] + gram[3 * i + 2] * once[2];
+    const Vector cofactors = f[3 * i] * delta[0] + f[3 * i + 1] * delta[1] + f[3 * i + 2] * delta[2];
+    turned[i] = ((kappa + 1.0F) * once[i] + root * cofactors - thrice) * inverse - delta[i];
+  }
+  return zeta;
+}
+
+/// Turned deltas of some blocks. Vertices that are left too few digits are marked in `hard`, for the caller to do over
+/// with the matrices left in `matrices`.
 LAPEDIT_INLINE void turned_deltas(const View& v, int first, int last, const float* in, float* matrices, float* out,
                                   char* hard) {
+  constexpr float kFewDigits = 0.02F;
   for (int block = first; block < last; ++block) {
-    const Block& base = v.base[block];
-    alignas(64) float around[kLanes][kStride];
-    for (int lane = 0; lane < kLanes; ++lane) {
-      const int i = block * kLanes + lane;
-      if (i < v.size) {
-        mean_around(v, i, in, around[lane]);
-      } else {
-        std::memset(around[lane], 0, sizeof around[lane]);
-      }
-    }
-    alignas(64) float columns[9][kLanes];
-    for (int e = 0; e < 9; ++e) {
-      for (int lane = 0; lane < kLanes; ++lane) {
-        columns[e][lane] = around[lane][e];
-      }
-    }
-    const Vector* const s = base.spread;
-    Vector b[9] = {s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5]};
-    for (int e = 0; e < 9; ++e) {
-      b[e] += load(columns[e]);
-    }
-    for (int a = 0; a < v.active; ++a) {
-      const ResponseBlock& r = v.response[static_cast<std::size_t>(v.which[a]) * v.blocks + block];
-      const float* const w = v.motion + std::ptrdiff_t{3} * a;
-      for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-          b[3 * i + j] += w[i] * r.spread[j];
-        }
-      }
-    }
-    // Scaled to length 1, faded to the identity, and scaled again.
-    Vector size = {};
-    for (int e = 0; e < 9; ++e) {
-      size += b[e] * b[e];
-    }
-    const Vector part = (1.0F - base.hold) * inverse_root(size);
-    size = Vector{};
-    for (int e = 0; e < 9; ++e) {
-      b[e] = part * b[e] + (e % 4 == 0 ? base.hold : Vector{});
-      size += b[e] * b[e];
-    }
-    const Vector unit = inverse_root(size);
-    for (int e = 0; e < 9; ++e) {
-      b[e] *= unit;
-    }
-    Vector f[9];  // cofactors
-    for (int i = 0; i < 3; ++i) {
-      const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
-      for (int j = 0; j < 3; ++j) {
-        const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-        f[3 * i + j] = b[3 * i1 + j1] * b[3 * i2 + j2] - b[3 * i1 + j2] * b[3 * i2 + j1];
-      }
-    }
-    const Vector det = b[0] * f[0] + b[1] * f[1] + b[2] * f[2];
-    Vector squares = {};
-    for (int e = 0; e < 9; ++e) {
-      squares += f[e] * f[e];
-    }
-    Vector root = Vector{} + 1.7320509F;  // an upper bound, so Newton's steps come down to the largest root
-    for (int step = 0; step < 7; ++step) {
-      const Vector k = root * root - 1.0F;
-      root -= (k * k - 8.0F * root * det - 4.0F * squares) / (4.0F * root * k - 8.0F * det + 1e-12F);
-    }
-    const Vector kappa = 0.5F * (root * root - 1.0F);
-    const Vector zeta = kappa * root - det;
-    const Vector inverse = 1.0F / zeta;
-    Vector turned[3];
-    Vector gram[9];  // B B^T
-    for (std::ptrdiff_t i = 0; i < 3; ++i) {
-      for (std::ptrdiff_t j = 0; j < 3; ++j) {
-        gram[3 * i + j] = b[3 * i] * b[3 * j] + b[3 * i + 1] * b[3 * j + 1] + b[3 * i + 2] * b[3 * j + 2];
-      }
-    }
-    // B delta and B B^T B delta, without making the product of the matrices.
-    Vector once[3];
-    for (std::ptrdiff_t i = 0; i < 3; ++i) {
-      once[i] = b[3 * i] * base.delta[0] + b[3 * i + 1] * base.delta[1] + b[3 * i + 2] * base.delta[2];
-    }
-    for (std::ptrdiff_t i = 0; i < 3; ++i) {
-      const Vector thrice = gram[3 * i] * once[0] + gram[3 * i + 1] * once[1] + gram[3 * i + 2] * once[2];
-      const Vector cofactors = f[3 * i] * base.delta[0] + f[3 * i + 1] * base.delta[1] + f[3 * i + 2] * base.delta[2];
-      turned[i] = ((kappa + 1.0F) * once[i] + root * cofactors - thrice) * inverse - base.delta[i];
-    }
+    Vector b[9], turned[3];
+    faded_covariances(v, block, in, b);
+    const Vector zeta = turn(b, v.base[block].delta, turned);
     alignas(64) float result[3][kLanes];
     for (int i = 0; i < 3; ++i) {
       std::memcpy(result[i], &turned[i], sizeof turned[i]);
@@ -211,7 +225,7 @@ LAPEDIT_INLINE void turned_deltas(const View& v, int first, int last, const floa
       to[1] = result[1][lane];
       to[2] = result[2][lane];
       to[3] = 0;
-      any = any || !(digits[lane] > 0.02F);
+      any = any || !(digits[lane] > kFewDigits);
     }
     hard[block] = any;
     if (any) {
@@ -222,7 +236,7 @@ LAPEDIT_INLINE void turned_deltas(const View& v, int first, int last, const floa
         for (int e = 0; e < 9; ++e) {
           kept[e] = entries[e][lane];
         }
-        kept[9] = digits[lane] > 0.02F ? 0.0F : 1.0F;
+        kept[9] = digits[lane] > kFewDigits ? 0.0F : 1.0F;
       }
     }
   }

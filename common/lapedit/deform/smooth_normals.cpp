@@ -174,13 +174,15 @@ SmoothingKernel::SmoothingKernel(const Region& region, const Points& rest, doubl
     : radius_(radius) {
   std::vector<int> centres(region.size());
   std::iota(centres.begin(), centres.end(), 0);
-  sampled_ = mean_ball_size(region, rest, radius) * region.size() > static_cast<double>(max_entries);
-  if (sampled_) {
+  if (mean_ball_size(region, rest, radius) * region.size() > static_cast<double>(max_entries)) {
     centres = sample_centres(region, rest, radius / 4);
-    blend_ = blend_rows<Rows>(region, rest, centres, radius / 2);
-    centres_.resize(static_cast<Eigen::Index>(centres.size()), 3);
+    blend_ = std::make_shared<const Rows>(blend_rows<Rows>(region, rest, centres, radius / 2));
   }
-  direct_ = kernel_rows<Rows>(region, rest, centres, radius, threads);
+  direct_ = std::make_shared<const Rows>(kernel_rows<Rows>(region, rest, centres, radius, threads));
+}
+
+std::unique_ptr<Smoother> SmoothingKernel::share() const {
+  return std::unique_ptr<Smoother>(new SmoothingKernel(*this));
 }
 
 void SmoothingKernel::multiply(const Rows& rows, const Points& in, Points& out) {
@@ -196,16 +198,16 @@ void SmoothingKernel::multiply(const Rows& rows, const Points& in, Points& out) 
 }
 
 void SmoothingKernel::apply(const Points& in, Points& out) const {
-  if (sampled_) {
-    multiply(direct_, in, centres_);
-    multiply(blend_, centres_, out);
+  if (blend_) {
+    multiply(*direct_, in, centres_);
+    multiply(*blend_, centres_, out);
   } else {
-    multiply(direct_, in, out);
+    multiply(*direct_, in, out);
   }
 }
 
 std::size_t SmoothingKernel::entries() const {
-  return direct_.columns.size() + blend_.columns.size();
+  return direct_->columns.size() + (blend_ ? blend_->columns.size() : 0);
 }
 
 double automatic_normal_radius(const Region& region, const Points& rest) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "lapedit/deform/smoother.h"
@@ -29,8 +30,10 @@ class SmoothingKernel : public Smoother {
 
   void apply(const Points& in, Points& out) const override;
 
+  std::unique_ptr<Smoother> share() const override;
+
   double radius() const { return radius_; }
-  bool sampled() const { return sampled_; }
+  bool sampled() const { return blend_ != nullptr; }
   std::size_t entries() const;
   std::size_t bytes() const override { return entries() * (sizeof(int) + sizeof(double)); }
 
@@ -41,12 +44,12 @@ class SmoothingKernel : public Smoother {
     std::vector<double> weights;
   };
   static void multiply(const Rows& rows, const Points& in, Points& out);
+  SmoothingKernel(const SmoothingKernel& other) = default;
 
   double radius_;
-  bool sampled_ = false;
-  Rows direct_;  // vertices x vertices, or centres x vertices when sampled
-  Rows blend_;   // vertices x centres when sampled
-  mutable Points centres_;
+  std::shared_ptr<const Rows> direct_;  // vertices x vertices, or centres x vertices when sampled
+  std::shared_ptr<const Rows> blend_;   // vertices x centres when sampled, else nothing
+  mutable Points centres_;              // scratch
 };
 
 /// The radius used for normal_radius = 0: 0.3 of the largest handle distance in the region, at least four mean edges.

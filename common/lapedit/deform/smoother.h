@@ -2,13 +2,14 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 
 #include "lapedit/mesh/triangle_mesh.h"
 
 namespace lapedit {
 
-/// A linear low-pass over the vertices of a region: what it makes of positions is the underlying smooth surface.
-/// Constants are kept, and components do not mix.
+/// A linear low-pass S over the vertices of a region: what it makes of positions is the underlying smooth surface.
+/// Constants are kept, and components do not mix. One call at a time.
 class Smoother {
  public:
   virtual ~Smoother() = default;
@@ -17,7 +18,10 @@ class Smoother {
   virtual void apply(const Points& in, Points& out) const = 0;
 
   /// As well as a preview in single precision needs it.
-  virtual void apply_roughly(const Points& in, Points& out) const { apply(in, out); }
+  virtual void apply_for_preview(const Points& in, Points& out) const { apply(in, out); }
+
+  /// The same map: its tables shared, its scratch another, so that both can be at work at a time.
+  virtual std::unique_ptr<Smoother> share() const = 0;
 
   virtual std::size_t bytes() const = 0;
 };

@@ -23,11 +23,6 @@ class OperatorRows {
   /// The lower half of M^T M + diag(diagonal), compressed and sorted. O(sum of squared row lengths).
   SparseMatrix normal_matrix(const Eigen::VectorXd& diagonal, ThreadPool& pool) const;
 
-  void swap(OperatorRows& other) {
-    columns_.swap(other.columns_);
-    rows_.swap(other.rows_);
-  }
-
   const SparseMatrix& matrix() const { return columns_; }
   const Rows& rows() const { return rows_; }
   std::size_t bytes() const;

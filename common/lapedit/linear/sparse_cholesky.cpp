@@ -3,6 +3,7 @@
 
 #include <Eigen/SparseCholesky>
 #include <cmath>
+#include <utility>
 #ifdef LAPEDIT_HAVE_CHOLMOD
 #include <cholmod.h>
 #ifdef __unix__
@@ -29,7 +30,12 @@ namespace {
 }  // namespace
 
 struct SparseCholesky::Implementation {
+  Implementation() = default;
+  /// Shares the factor; the scratch is made when it is needed.
+  Implementation(const Implementation& other) : order(other.order), nonzeros(other.nonzeros) {}
+  Implementation& operator=(const Implementation&) = delete;
   virtual ~Implementation() = default;
+  virtual std::unique_ptr<Implementation> share(std::shared_ptr<ThreadPool> pool) const = 0;
   virtual void solve_in_order(double* x) = 0;
   virtual void solve_in_order(float* x) = 0;
   virtual bool single_precision() const = 0;
@@ -47,7 +53,12 @@ struct EigenCholesky : SparseCholesky::Implementation {
   using Columns = Eigen::Matrix<double, Eigen::Dynamic, 3>;
   using Natural = Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>>;
 
-  EigenCholesky(const SparseMatrix& matrix, const std::vector<int>& given) : scratch(matrix.rows(), 3) {
+  struct Factor {
+    Natural ldlt;
+    Eigen::VectorXd pivots;
+  };
+
+  EigenCholesky(const SparseMatrix& matrix, const std::vector<int>& given) {
     const Eigen::Index n = matrix.rows();
     Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation(n);
     if (given.empty()) {
@@ -65,39 +76,44 @@ struct EigenCholesky : SparseCholesky::Implementation {
     for (Eigen::Index i = 0; i < n; ++i) {
       order[permutation.indices()[i]] = static_cast<int>(i);
     }
-    factor.compute(permuted);
-    if (factor.info() != Eigen::Success) {
+    auto made = std::make_shared<Factor>();
+    made->ldlt.compute(permuted);
+    if (made->ldlt.info() != Eigen::Success) {
       refuse_matrix(n);
     }
-    pivots = factor.vectorD();
-    if (!(pivots.array() > 0).all()) {
+    made->pivots = made->ldlt.vectorD();
+    if (!(made->pivots.array() > 0).all()) {
       refuse_matrix(n);
     }
-    nonzeros = static_cast<std::size_t>(factor.matrixL().nestedExpression().nonZeros());
+    nonzeros = static_cast<std::size_t>(made->ldlt.matrixL().nestedExpression().nonZeros());
+    factor = std::move(made);
+  }
+  std::unique_ptr<Implementation> share(std::shared_ptr<ThreadPool> /*pool*/) const override {
+    return std::make_unique<EigenCholesky>(*this);
   }
   void solve_in_order(double* x) override {
-    Eigen::Map<Points> rows(x, scratch.rows(), 3);
+    Eigen::Map<Points> rows(x, size(), 3);
     scratch = rows;
     solve();
     rows = scratch;
   }
   void solve_in_order(float* x) override {
-    Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>> rows(x, scratch.rows(), 3);
+    Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>> rows(x, size(), 3);
     scratch = rows.cast<double>();
     solve();
     rows = scratch.cast<float>();
   }
   void solve() {
-    factor.matrixL().solveInPlace(scratch);
-    scratch.array().colwise() /= pivots.array();
-    factor.matrixU().solveInPlace(scratch);
+    factor->ldlt.matrixL().solveInPlace(scratch);
+    scratch.array().colwise() /= factor->pivots.array();
+    factor->ldlt.matrixU().solveInPlace(scratch);
   }
+  Eigen::Index size() const { return static_cast<Eigen::Index>(order.size()); }
   bool single_precision() const override { return false; }
   const char* name() const override { return "Eigen simplicial LDLT"; }
   std::size_t bytes() const override { return nonzeros * (sizeof(double) + sizeof(int)); }
 
-  Natural factor;
-  Eigen::VectorXd pivots;
+  std::shared_ptr<const Factor> factor;
   Columns scratch;  // each right-hand side contiguous, as the factor wants it
 };
 
@@ -191,6 +207,17 @@ struct CholmodCholesky : SparseCholesky::Implementation {
       in_double = std::make_unique<SupernodalSolver<double>>(raw, *pool);
     }
   }
+  CholmodCholesky(const CholmodCholesky& other, std::shared_ptr<ThreadPool> used)
+      : Implementation(other), pool(used ? std::move(used) : std::make_shared<ThreadPool>(1)) {
+    if (other.in_single) {
+      in_single = std::make_unique<SupernodalSolver<float>>(*other.in_single, *pool);
+    } else {
+      in_double = std::make_unique<SupernodalSolver<double>>(*other.in_double, *pool);
+    }
+  }
+  std::unique_ptr<Implementation> share(std::shared_ptr<ThreadPool> used) const override {
+    return std::make_unique<CholmodCholesky>(*this, std::move(used));
+  }
   void solve_in_order(double* x) override {
     if (in_double) {
       in_double->solve(x, *pool);
@@ -280,6 +307,8 @@ SparseCholesky::SparseCholesky(const SparseMatrix& matrix, CholeskyBackend backe
     : SparseCholesky(matrix, with_backend(backend)) {}
 SparseCholesky::SparseCholesky(const SparseMatrix& matrix, const CholeskyOptions& options)
     : implementation_(make(matrix, options)) {}
+SparseCholesky::SparseCholesky(const SparseCholesky& other, std::shared_ptr<ThreadPool> pool)
+    : implementation_(other.implementation_->share(std::move(pool))) {}
 SparseCholesky::~SparseCholesky() = default;
 SparseCholesky::SparseCholesky(SparseCholesky&&) noexcept = default;
 SparseCholesky& SparseCholesky::operator=(SparseCholesky&&) noexcept = default;

@@ -43,6 +43,9 @@ class SparseCholesky {
   ///         the backend is not in this build
   explicit SparseCholesky(const SparseMatrix& matrix, CholeskyBackend backend = CholeskyBackend::Automatic);
   SparseCholesky(const SparseMatrix& matrix, const CholeskyOptions& options);
+  /// Shares the factor, which never changes, and has scratch of its own: both can solve at a time, each on a pool of
+  /// its own (empty: the caller's thread alone). The same bits. O(n).
+  SparseCholesky(const SparseCholesky& other, std::shared_ptr<ThreadPool> pool);
   ~SparseCholesky();
   SparseCholesky(SparseCholesky&&) noexcept;
   SparseCholesky& operator=(SparseCholesky&&) noexcept;

@@ -32,6 +32,9 @@ class SupernodalSolver {
  public:
   /// Cost: the factor read and written once; bytes() of memory. The factor is not kept.
   SupernodalSolver(const SupernodalFactor& factor, ThreadPool& pool);
+  /// Shares the tiles, which never change, and has scratch of its own: both can be at work at a time, each on a pool of
+  /// its own. O(1).
+  SupernodalSolver(const SupernodalSolver& other, const ThreadPool& pool);
   ~SupernodalSolver();
 
   /// x = A^-1 x.
@@ -42,8 +45,10 @@ class SupernodalSolver {
   std::size_t bytes() const;
 
  private:
-  struct Inside;
-  std::unique_ptr<Inside> inside_;
+  struct Tiles;
+  struct Passes;
+  std::shared_ptr<const Tiles> tiles_;
+  std::unique_ptr<Passes> passes_;
 };
 
 }  // namespace lapedit

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/deform/edit_constraints.h"
+
+#include "lapedit/deform/polar_decomposition.h"
+
+namespace lapedit {
+namespace {
+
+Matrix3 rotation_of(const LocalMotion& motion) {
+  if (motion.linear.isZero(0)) {
+    return Matrix3::Identity();
+  }
+  const Matrix3 rotation = PolarDecomposition(motion.linear + Matrix3::Identity()).orthogonal();
+  return rotation.determinant() > 0 ? rotation : Matrix3::Identity();
+}
+
+}  // namespace
+
+LocalMotion LocalMotion::of(const Affine& map, const Vector3& origin) {
+  LocalMotion motion;
+  motion.linear = map.linear() - Matrix3::Identity();
+  motion.translation = motion.linear * origin + map.translation();
+  return motion;
+}
+
+void EditConstraints::set(const std::vector<Affine>& handles, const Affine& anchors) {
+  targets_.resize(handles.size());
+  for (std::size_t g = 0; g < handles.size(); ++g) {
+    targets_[g] = LocalMotion::of(handles[g], system_.rest.origin);
+  }
+  carry_components(anchors);
+  set_right_hand_side();
+}
+
+/// A component with anchors goes with them, one without goes with the mean of its groups' maps.
+void EditConstraints::carry_components(const Affine& anchors) {
+  const Region& region = system_.region;
+  const Points& rest = system_.rest.local;
+  const int components = static_cast<int>(region.anchored.size());
+  carried_.assign(components, LocalMotion());
+  carried_rotation_.assign(components, Matrix3::Identity());
+  handles_seen_.assign(components, 0);
+  for (int i = 0; i < region.size(); ++i) {
+    const int c = region.component[i];
+    if (region.classes[i] != VertexClass::Handle || region.anchored[c]) {
+      continue;
+    }
+    // A running mean stays exact when all groups agree.
+    const LocalMotion& target = targets_[region.group[i]];
+    const int seen = ++handles_seen_[c];
+    carried_[c].linear += (target.linear - carried_[c].linear) / seen;
+    carried_[c].translation += (target.translation - carried_[c].translation) / seen;
+  }
+  carries_ = false;
+  for (int c = 0; c < components; ++c) {
+    if (region.anchored[c]) {
+      carried_[c] = LocalMotion::of(anchors, system_.rest.origin);
+    }
+    if (!carried_[c].none()) {
+      carries_ = true;
+      carried_rotation_[c] = rotation_of(carried_[c]);
+    }
+  }
+  if (carries_) {
+    carried_pose_ = rest;
+    for (int i = 0; i < region.size(); ++i) {
+      carried_pose_.row(i) += carried(i).displacement(rest.row(i).transpose()).transpose();
+    }
+  }
+}
+
+void EditConstraints::set_right_hand_side() {
+  const Region& region = system_.region;
+  right_.setZero(region.size(), 3);
+  for (int i = 0; i < region.size(); ++i) {
+    if (region.classes[i] == VertexClass::Handle) {
+      const Vector3 way = wanted_way(i) - carried(i).displacement(system_.rest.local.row(i).transpose());
+      right_.row(i) = system_.squared_weights[i] * way.transpose();
+    }
+  }
+  pulls_ = !right_.isZero(0);
+}
+
+Vector3 EditConstraints::wanted_way(int i) const {
+  return targets_[system_.region.group[i]].displacement(system_.rest.local.row(i).transpose());
+}
+
+std::size_t EditConstraints::bytes() const {
+  return static_cast<std::size_t>(carried_pose_.size() + right_.size()) * sizeof(double);
+}
+
+}  // namespace lapedit

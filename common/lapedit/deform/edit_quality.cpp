@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/deform/edit_quality.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+
+namespace lapedit {
+namespace {
+
+Vector3 face_normal(const Points& points, const Faces& faces, Eigen::Index face) {
+  const Vector3 a = points.row(faces(face, 0)).transpose();
+  const Vector3 b = points.row(faces(face, 1)).transpose();
+  const Vector3 c = points.row(faces(face, 2)).transpose();
+  return (b - a).cross(c - a);
+}
+
+}  // namespace
+
+EdgeStretch edge_stretch(const Region& region, const Points& before, const Points& after) {
+  EdgeStretch result;
+  double sum = 0;
+  int edges = 0;
+  for (int i = 0; i < region.size(); ++i) {
+    for (const int j : region.neighbours[i]) {
+      const double old_length = (before.row(i) - before.row(j)).norm();
+      if (i < j && old_length > 0) {
+        const double stretch = (after.row(i) - after.row(j)).norm() / old_length - 1;
+        sum += stretch * stretch;
+        result.largest = std::max(result.largest, stretch);
+        ++edges;
+      }
+    }
+  }
+  result.rms = edges > 0 ? std::sqrt(sum / edges) : 0;
+  return result;
+}
+
+int flipped_triangles(const Region& region, const Points& before, const Points& after,
+                      const std::vector<Matrix3>& rotations) {
+  int count = 0;
+  for (Eigen::Index f = 0; f < region.faces.rows(); ++f) {
+    const Matrix3 turn = rotations[region.faces(f, 0)] + rotations[region.faces(f, 1)] + rotations[region.faces(f, 2)];
+    count += face_normal(after, region.faces, f).dot(turn * face_normal(before, region.faces, f)) < 0;
+  }
+  return count;
+}
+
+RotationAngles rotation_angles(const std::vector<Matrix3>& rotations) {
+  RotationAngles result;
+  for (const Matrix3& rotation : rotations) {
+    const double degrees = Eigen::AngleAxisd(rotation).angle() * (180 / 3.14159265358979323846);
+    result.mean += degrees / static_cast<double>(rotations.size());
+    result.largest = std::max(result.largest, degrees);
+  }
+  return result;
+}
+
+ConstraintResiduals constraint_residuals(const LaplacianSystem& system, const EditConstraints& constraints,
+                                         const Points& displacement) {
+  ConstraintResiduals result;
+  const Region& region = system.region;
+  for (int i = 0; i < region.size(); ++i) {
+    const Vector3 d = displacement.row(i).transpose();
+    if (region.classes[i] == VertexClass::Handle) {
+      const Vector3 way = constraints.wanted_way(i);
+      const Vector3 carried = constraints.carried(i).displacement(system.rest.local.row(i).transpose());
+      result.handle_displacement = std::max(result.handle_displacement, way.norm());
+      result.handle = std::max(result.handle, (carried + d - way).norm());
+    } else if (region.classes[i] == VertexClass::Anchor) {
+      result.anchor = std::max(result.anchor, d.norm());
+    }
+  }
+  return result;
+}
+
+}  // namespace lapedit

@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/deform/laplacian_system.h"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "lapedit/base/error.h"
+#include "lapedit/base/stopwatch.h"
+#include "lapedit/deform/diffusion.h"
+#include "lapedit/deform/smooth_normals.h"
+#include "lapedit/linear/fill_reducing_ordering.h"
+
+namespace lapedit {
+namespace {
+
+/// If it takes more steps to get to kAccurate, a factor in single precision is not worth its memory.
+constexpr int kMostForSingle = 3;
+/// Handles of at most so many vertices are kept out of the factor.
+constexpr int kSmallHandle = 8;
+
+bool same_graph(const Region& a, const Region& b) {
+  return a.mesh_vertex == b.mesh_vertex && a.neighbours.values == b.neighbours.values &&
+         a.neighbours.offsets == b.neighbours.offsets;
+}
+
+/// Makes the parts of one system, or takes over those of the system before.
+class Preparation {
+ public:
+  Preparation(LaplacianSystem& system, const LaplacianSystem* previous) : s_(system), previous_(previous) {}
+
+  void make_operator(const TriangleMesh& mesh);
+  void weigh();
+  /// Makes factor and smoother, on two threads where that helps.
+  void make_factor_and_smoother(EditReport& report);
+
+ private:
+  bool factor_fits() const;
+  bool smoother_fits() const;
+  bool factorise(bool take_over);
+  void make_factor(bool single_precision);
+  bool make_sure();
+  void smooth(bool take_over);
+
+  LaplacianSystem& s_;
+  const LaplacianSystem* previous_;
+  bool took_operator_ = false;
+  Eigen::VectorXd factor_weights_;  // w_i^2 of those that the factor is to know
+  WoodburyCorrection kept_out_;     // rows and weights of the others
+  std::vector<int> order_;          // of elimination
+};
+
+/// M of the paper's section 3, M^k, and delta = M p.
+void Preparation::make_operator(const TriangleMesh& mesh) {
+  const bool same = previous_ && previous_->settings.laplacian == s_.settings.laplacian &&
+                    previous_->settings.order == s_.settings.order && same_graph(previous_->region, s_.region);
+  if (same && s_.settings.laplacian == LaplacianKind::Umbrella) {
+    took_operator_ = true;
+  } else {
+    const DifferentialOperator whole = differential_operator(s_.settings.laplacian, s_.region, mesh);
+    const SparseMatrix* const old = same ? &previous_->powers.first->matrix() : nullptr;
+    took_operator_ =
+        old && old->nonZeros() == whole.matrix.nonZeros() && old->coeffs().matrix() == whole.matrix.coeffs().matrix();
+    if (!took_operator_) {
+      LaplacianPowers& powers = s_.powers;
+      powers.first = std::make_shared<const OperatorRows>(whole.matrix);
+      powers.m = s_.settings.order == 1 ? powers.first
+                                        : std::make_shared<const OperatorRows>(power(whole.matrix, s_.settings.order));
+      powers.uniform_edges = whole.uniform_edges;
+    }
+  }
+  if (took_operator_) {
+    s_.powers = previous_->powers;
+  }
+  s_.powers.first->apply(s_.rest.local, s_.delta, *s_.pool);
+}
+
+/// Squared weights w_i^2 (paper, sections 3 and 5): w for a handle, w d_i / d_max for an anchor. The anchors alone make
+/// the matrix definite; a small handle is left to a correction of the solution then, so that the next one finds the
+/// factor ready.
+void Preparation::weigh() {
+  const Region& region = s_.region;
+  s_.squared_weights.resize(region.size());
+  factor_weights_.resize(region.size());
+  const bool keep_out =
+      s_.all_anchored() && s_.settings.order == 1 && region.count(VertexClass::Handle) <= kSmallHandle;
+  for (int i = 0; i < region.size(); ++i) {
+    const VertexClass c = region.classes[i];
+    const double weight = c == VertexClass::Handle   ? s_.settings.handle_weight
+                          : c == VertexClass::Anchor ? s_.settings.anchor_weight * region.anchor_weight[i]
+                                                     : 0;
+    s_.squared_weights[i] = factor_weights_[i] = weight * weight;
+    if (keep_out && c == VertexClass::Handle) {
+      factor_weights_[i] = 0;
+      kept_out_.rows.push_back(i);
+      kept_out_.weights.push_back(weight * weight);
+    }
+  }
+}
+
+bool Preparation::factor_fits() const {
+  // A factor that had to be in double for another handle need not be for this one.
+  return took_operator_ && previous_->settings.backend == s_.settings.backend &&
+         previous_->matrix->squared_weights == factor_weights_ &&
+         (s_.settings.order > 1 || s_.settings.backend == CholeskyBackend::Eigen || !has_cholmod() ||
+          previous_->matrix->cholesky.single_precision());
+}
+
+bool Preparation::smoother_fits() const {
+  const auto automatic = [](const EditSettings& settings) {
+    return settings.rotation == DetailRotation::SmoothSurface && settings.normal_radius == 0;
+  };
+  return previous_ && previous_->settings.backend == s_.settings.backend && automatic(previous_->settings) &&
+         automatic(s_.settings) && previous_->normal_radius == s_.normal_radius &&
+         same_graph(previous_->region, s_.region) && previous_->rest.world == s_.rest.world;
+}
+
+void Preparation::make_factor_and_smoother(EditReport& report) {
+  const bool take_factor = factor_fits(), take_smoother = smoother_fits();
+  const bool smooths = s_.settings.rotation != DetailRotation::None;
+  if (!take_factor || (s_.settings.rotation == DetailRotation::SmoothSurface && !take_smoother)) {
+    order_ = fill_reducing_ordering(s_.region.neighbours, s_.settings.threads);
+  }
+  // The smoothing asks nothing of the factor: with a second thread it comes for free.
+  constexpr int kWorthAThread = 2000;
+  const bool apart =
+      smooths && s_.pool->threads() > 1 && s_.region.size() >= kWorthAThread && !factorisations_share_threads();
+  // Threads of its own: the factor's makers share the pool among themselves.
+  ThreadPool(apart ? 2 : 1).each(smooths ? 2 : 1, [&](int part) {
+    const Stopwatch own;
+    if (part == 0) {
+      report.factor_taken_over = factorise(take_factor);
+      report.factor_ms = own.elapsed();
+    } else {
+      smooth(take_smoother);
+      report.kernel_ms = own.elapsed();
+    }
+  });
+}
+
+/// Makes the factor, or takes over the old one, and makes sure that solutions converge.
+/// @return whether the old one is taken
+bool Preparation::factorise(bool take_over) {
+  if (take_over) {
+    s_.matrix = previous_->matrix;
+    if (make_sure()) {
+      return true;
+    }
+  }
+  // In single precision a solution has five digits; the steps that give it the others cost less than the memory.
+  bool has_double = false;
+  if (s_.settings.order == 1) {
+    make_factor(true);
+    if (make_sure()) {
+      return false;
+    }
+    has_double = !s_.matrix->cholesky.single_precision();  // the backend knows nothing else
+  }
+  if (!has_double) {
+    make_factor(false);
+    if (make_sure()) {
+      return false;
+    }
+  }
+  refuse_conditioning(s_);
+}
+
+void Preparation::make_factor(bool single_precision) {
+  CholeskyOptions options;
+  options.backend = s_.settings.backend;
+  options.single_precision = single_precision;
+  options.pool = s_.pool;
+  options.order = order_;
+  s_.matrix.reset();  // not two of them in memory
+  s_.matrix = std::make_shared<const FactoredNormalMatrix>(s_.powers.m, factor_weights_, options);
+}
+
+/// Whether solutions are good, or get good, in as few steps as the factor's precision is worth: those of the handles'
+/// correction, or else of a pull at the handles.
+bool Preparation::make_sure() {
+  RefinedSolver solver(s_.matrix, nullptr, s_.pool);
+  const int most_steps = s_.matrix->cholesky.single_precision() ? kMostForSingle : std::numeric_limits<int>::max();
+  if (!kept_out_.rows.empty()) {
+    auto found =
+        woodbury_correction(solver, s_.region.size(), kept_out_.rows, kept_out_.weights, kAccurate, most_steps);
+    s_.correction = found ? std::make_shared<const WoodburyCorrection>(std::move(*found)) : nullptr;
+    return found.has_value();
+  }
+  Points pull = Points::Zero(s_.region.size(), 3), x;
+  for (int i = 0; i < s_.region.size(); ++i) {
+    if (s_.region.classes[i] == VertexClass::Handle) {
+      pull.row(i).setConstant(s_.squared_weights[i]);
+    }
+  }
+  s_.refinements = solver.refine_to(pull, x, kAccurate);
+  return s_.refinements >= 0 && s_.refinements <= most_steps;
+}
+
+/// S of the paper's section 6, or what stands in for it. A given radius means the paper's kernel. Where it is left to
+/// us and only a smooth surface is wanted, diffusion is as good and does not cost more than the factor.
+void Preparation::smooth(bool take_over) {
+  const EditSettings& settings = s_.settings;
+  if (take_over) {
+    s_.smoother = previous_->smoother;
+  } else if (settings.normal_radius > 0 || settings.rotation == DetailRotation::SmoothNormals) {
+    s_.smoother = std::make_shared<const SmoothingKernel>(s_.region, s_.rest.local, s_.normal_radius, settings.threads);
+  } else {
+    CholeskyOptions options;
+    options.backend = settings.backend;
+    options.order = order_;
+    s_.smoother = std::make_shared<const DiffusionSmoother>(s_.region, s_.rest.world, s_.normal_radius, options);
+  }
+  if (settings.rotation == DetailRotation::SmoothSurface && s_.may_preview()) {
+    s_.smoother->share()->apply_for_preview(s_.rest.local, s_.smooth_rest);
+    s_.smooth_rest_is_exact = settings.normal_radius > 0;  // the kernel has but one way
+  }
+}
+
+}  // namespace
+
+RestPose::RestPose(const TriangleMesh& mesh, const Region& region) : world(region.size(), 3) {
+  const auto handle = std::find(region.classes.begin(), region.classes.end(), VertexClass::Handle);
+  if (handle == region.classes.end()) {
+    throw EditError(ErrorCause::NoHandle, "There is no handle in the region: name at least one vertex to move.");
+  }
+  for (int i = 0; i < region.size(); ++i) {
+    world.row(i) = mesh.vertices.row(region.mesh_vertex[i]);
+  }
+  origin = world.row(handle - region.classes.begin()).transpose();
+  local = world.rowwise() - origin.transpose();
+}
+
+bool LaplacianSystem::all_anchored() const {
+  return std::all_of(region.anchored.begin(), region.anchored.end(), [](char anchored) { return anchored; });
+}
+
+bool LaplacianSystem::may_preview() const {
+  return all_anchored() && settings.order == 1 && settings.iterations == 1 &&
+         settings.rotation != DetailRotation::SmoothNormals;
+}
+
+std::size_t LaplacianSystem::bytes() const {
+  const auto of = [](const auto& list) { return list.capacity() * sizeof(list[0]); };
+  const Region& r = region;
+  const Eigen::Index doubles = rest.world.size() + rest.local.size() + delta.size() + smooth_rest.size() +
+                               squared_weights.size() + matrix->squared_weights.size() +
+                               (correction ? correction->z.size() : 0);
+  return of(r.mesh_vertex) + of(r.classes) + of(r.group) + of(r.component) + of(r.distance) + of(r.anchor_weight) +
+         of(r.anchor_depth) + of(r.neighbours.offsets) + of(r.neighbours.values) + of(r.edge_faces) +
+         static_cast<std::size_t>(r.faces.size()) * sizeof(int) + static_cast<std::size_t>(doubles) * sizeof(double) +
+         powers.m->bytes() + (powers.first != powers.m ? powers.first->bytes() : 0) + matrix->cholesky.bytes() +
+         (smoother ? smoother->bytes() : 0);
+}
+
+std::shared_ptr<const LaplacianSystem> prepare_system(const TriangleMesh& mesh, Region region,
+                                                      const EditSettings& settings, const LaplacianSystem* previous,
+                                                      const Progress& progress, EditReport& report) {
+  const auto made = std::make_shared<LaplacianSystem>();
+  made->rest = RestPose(mesh, region);
+  made->region = std::move(region);
+  made->settings = settings;
+  made->pool = previous && previous->settings.threads == settings.threads
+                   ? previous->pool
+                   : std::make_shared<ThreadPool>(settings.threads);
+  Preparation preparation(*made, previous);
+  Stopwatch watch;
+  report_progress(progress, 0.1, "operator");
+  preparation.make_operator(mesh);
+  preparation.weigh();
+  report.operator_ms = watch.lap();
+  report_progress(progress, 0.2, "factorisation");
+  if (settings.rotation != DetailRotation::None) {
+    made->normal_radius =
+        settings.normal_radius > 0 ? settings.normal_radius : automatic_normal_radius(made->region, made->rest.world);
+  }
+  preparation.make_factor_and_smoother(report);
+  report_progress(progress, 0.6, "smoothing");
+
+  report.mesh_vertices = made->region.mesh_vertices;
+  report.handle = made->region.count(VertexClass::Handle);
+  report.free = made->region.count(VertexClass::Free);
+  report.anchors = made->region.count(VertexClass::Anchor);
+  report.fixed = made->region.mesh_vertices - made->region.size();
+  report.left_out = made->region.left_out;
+  report.laplacian = name(settings.laplacian);
+  report.order = settings.order;
+  report.rotation = name(settings.rotation);
+  report.normal_radius = made->normal_radius;
+  report.uniform_edges = made->powers.uniform_edges;
+  report.backend = made->matrix->cholesky.backend_name();
+  report.refinements = made->refinements;
+  return made;
+}
+
+void refuse_conditioning(const LaplacianSystem& system) {
+  throw EditError(ErrorCause::IllConditioned,
+                  "A Laplacian of order " + std::to_string(system.settings.order) + " over " +
+                      std::to_string(system.region.size()) +
+                      " region vertices is too ill-conditioned to be solved in double precision: use a lower order or "
+                      "a smaller region.");
+}
+
+}  // namespace lapedit

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "lapedit/deform/detail_rotation.h"
+#include "lapedit/deform/edit_constraints.h"
+
+namespace lapedit {
+
+/// Steps 2 and 3 of the paper's section 4: local rotations R_i of an unrotated or earlier result, and the differential
+/// coordinates turned by them. Nothing is allocated after the first pass.
+class RotationPass {
+ public:
+  /// @param system  with a smoother; must outlive the object
+  explicit RotationPass(const LaplacianSystem& system);
+
+  /// Sets the pose that rotations are measured from: the carried one, or that at rest.
+  void start(const EditConstraints& constraints);
+  void start_at_rest();
+
+  /// @param displacement  from that pose, size() x 3
+  /// @param rotations     R_i, one per vertex
+  /// @param right         out: w^2-weighted constraints + M^T M_1^(k-1) (R - I) delta, k the order
+  void turn(const Points& displacement, const EditConstraints& constraints, std::vector<Matrix3>& rotations,
+            Points& right);
+
+  double normals_ms() const { return estimator_.normals_ms(); }  ///< smoothing share of the last turn()
+  double rotate_ms() const { return rotate_ms_; }                ///< the rest of it
+  std::size_t bytes() const;
+
+ private:
+  const LaplacianSystem& system_;
+  std::unique_ptr<Smoother> smoother_;
+  RotationEstimator estimator_;
+  bool at_rest_ = false;
+  Points smooth_rest_;  // exactly; made when it is asked for, which is after many previews
+  Points turned_, between_;
+  double rotate_ms_ = 0;
+};
+
+}  // namespace lapedit

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "lapedit/linear/supernodal_solve.h"
+
+namespace lapedit::supernode {
+
+/// The elimination tree of a supernodal factor, cut into tasks that threads can share: small branches are one task
+/// each, every supernode above them is a task of its own. A task adds what it has for rows above it into a list of its
+/// own, which its parent takes over in the order of its children, so sums do not depend on the number of threads.
+struct EliminationTree {
+  struct Node {  ///< a supernode
+    int first_column, columns, rows;
+    int row_offset;     ///< of its rows below its own columns, in `rows`
+    std::size_t tiles;  ///< offset of its values
+  };
+  struct Task {
+    int first_node, last_node;  ///< a branch, or one supernode
+    int parent;                 ///< -1: a root
+    int first_child, last_child;
+    int list;  ///< its rows above it: offset in list_rows, and in the lists of a solve
+    int list_size;
+
+    int children() const { return last_child - first_child; }
+  };
+
+  int size = 0, most_rows = 0;
+  std::size_t tiles = 0;  ///< values of all supernodes
+  std::vector<Node> nodes;
+  std::vector<int> rows;  ///< below a supernode: a row of x, or size + a place in the branch's list
+  std::vector<Task> tasks;
+  std::vector<int> list_rows;      ///< rows of x
+  std::vector<int> list_places;    ///< the same for the parent: its local row
+  std::vector<int> child_tasks;    ///< by parent
+  std::vector<int> leaves, roots;  ///< tasks
+
+  /// O(rows of the factor).
+  explicit EliminationTree(const SupernodalFactor& factor);
+
+ private:
+  struct Branches;
+  void cut(const Branches& branches);
+  void join(const Branches& branches);
+  void rename_rows();
+};
+
+}  // namespace lapedit::supernode

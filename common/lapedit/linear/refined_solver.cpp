@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/linear/refined_solver.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace lapedit {
+namespace {
+
+double largest_row(const Points& points) {
+  return points.rows() > 0 ? points.rowwise().norm().maxCoeff() : 0;
+}
+
+/// out = M^T (M x) + W^2 x. @param between  scratch
+void normal_product(const OperatorRows& m, const Eigen::VectorXd& squared_weights, const Points& x, Points& between,
+                    Points& out, ThreadPool& pool) {
+  m.apply(x, between, pool);
+  m.apply_transposed(between, out, pool);
+  for (Eigen::Index i = 0; i < x.rows(); ++i) {
+    out.row(i) += squared_weights[i] * x.row(i);
+  }
+}
+
+/// The largest sum of absolute values in a row, from the lower half.
+double largest_sum(const SparseMatrix& lower) {
+  Eigen::VectorXd sums = Eigen::VectorXd::Zero(lower.cols());
+  for (int j = 0; j < lower.outerSize(); ++j) {
+    for (SparseMatrix::InnerIterator it(lower, j); it; ++it) {
+      sums[j] += std::abs(it.value());
+      sums[it.row()] += it.row() != j ? std::abs(it.value()) : 0;
+    }
+  }
+  return sums.size() > 0 ? sums.maxCoeff() : 0;
+}
+
+/// M^T M + W0^2, and its norm.
+SparseMatrix measured(SparseMatrix matrix, double& norm) {
+  norm = largest_sum(matrix);
+  return matrix;
+}
+
+}  // namespace
+
+FactoredNormalMatrix::FactoredNormalMatrix(std::shared_ptr<const OperatorRows> op, Eigen::VectorXd weights,
+                                           const CholeskyOptions& options)
+    : m(std::move(op)),
+      squared_weights(std::move(weights)),
+      cholesky(measured(m->normal_matrix(squared_weights, *options.pool), norm), options) {}
+
+RefinedSolver::RefinedSolver(std::shared_ptr<const FactoredNormalMatrix> matrix,
+                             std::shared_ptr<const WoodburyCorrection> correction, std::shared_ptr<ThreadPool> pool)
+    : matrix_(std::move(matrix)),
+      correction_(correction ? std::move(correction) : std::make_shared<const WoodburyCorrection>()),
+      pool_(std::move(pool)),
+      cholesky_(matrix_->cholesky, pool_),
+      squared_weights_(matrix_->squared_weights),
+      at_rows_(correction_->rows.size(), 3) {
+  for (std::size_t c = 0; c < correction_->rows.size(); ++c) {
+    squared_weights_[correction_->rows[c]] = correction_->weights[c];
+  }
+}
+
+int RefinedSolver::refine_to(const Points& right, Points& x, double accurate) {
+  constexpr double kHopeless = 0.1, kGoodEnough = 1e-10;
+  constexpr int kMostSteps = 8;
+  Points between, residual, step;
+  cholesky_.solve(right, x);
+  double last = 1;
+  for (int count = 0;; ++count) {
+    normal_product(*matrix_->m, matrix_->squared_weights, x, between, residual, *pool_);
+    residual = right - residual;
+    cholesky_.solve(residual, step);
+    const double change = largest_row(step) / largest_row(x);
+    if (!(change > accurate) || (last < kGoodEnough && !(change < kHopeless * last))) {
+      return std::isfinite(change) ? count : -1;
+    }
+    if (!(change < kHopeless * last) || count == kMostSteps) {
+      return -1;
+    }
+    x += step;
+    last = change;
+  }
+}
+
+/// x = A^-1 b, as good as the factor is: y + Z K (W^-2 b_h - y_h).
+void RefinedSolver::solve(const Points& right, Points& x) {
+  const WoodburyCorrection& add = *correction_;
+  if (add.rows.empty()) {
+    cholesky_.solve(right, x);
+    return;
+  }
+  x = right;
+  for (std::size_t c = 0; c < add.rows.size(); ++c) {
+    const int row = add.rows[c];
+    at_rows_.row(static_cast<Eigen::Index>(c)) = right.row(row) / add.weights[c];
+    x.row(row).setZero();
+  }
+  cholesky_.solve(x, x);
+  for (std::size_t c = 0; c < add.rows.size(); ++c) {
+    at_rows_.row(static_cast<Eigen::Index>(c)) -= x.row(add.rows[c]);
+  }
+  corrected_ = add.k.lazyProduct(at_rows_);
+  for (Eigen::Index i = 0; i < x.rows(); ++i) {
+    for (Eigen::Index c = 0; c < corrected_.rows(); ++c) {
+      x.row(i) += add.z(i, c) * corrected_.row(c);
+    }
+  }
+}
+
+RefinedSolver::Outcome RefinedSolver::refine_to_the_bit(const Points& right, Points& x, const Progress& go_on) {
+  Outcome outcome;
+  solve(right, x);
+  doubled_.set(x);
+  outcome.last_change = lapedit::refine_to_the_bit(
+      [&](const DoubledPoints& at, Points& out) {
+        ++outcome.steps;
+        report_progress(go_on, 0, "solve");
+        normal_residual(*matrix_->m, squared_weights_, right, at, between_, out, *pool_);
+      },
+      [this](const Points& from, Points& to) { solve(from, to); }, doubled_, residual_, step_);
+  x = doubled_.high;
+  return outcome;
+}
+
+double RefinedSolver::relative_residual(const Points& right, const Points& x) const {
+  Points between, product;
+  normal_product(*matrix_->m, squared_weights_, x, between, product, *pool_);
+  const double size =
+      (matrix_->norm + squared_weights_.maxCoeff()) * x.cwiseAbs().maxCoeff() + right.cwiseAbs().maxCoeff();
+  return size > 0 ? (product - right).cwiseAbs().maxCoeff() / size : 0;
+}
+
+std::size_t RefinedSolver::bytes() const {
+  const Eigen::Index doubles = squared_weights_.size() + residual_.size() + step_.size() + doubled_.high.size() +
+                               doubled_.low.size() + between_.high.size() + between_.low.size();
+  return static_cast<std::size_t>(doubles) * sizeof(double);
+}
+
+std::optional<WoodburyCorrection> woodbury_correction(RefinedSolver& a0, Eigen::Index size, std::vector<int> rows,
+                                                      std::vector<double> squared_weights, double accurate,
+                                                      int most_steps) {
+  const auto count = static_cast<Eigen::Index>(rows.size());
+  WoodburyCorrection made;
+  made.rows = std::move(rows);
+  made.weights = std::move(squared_weights);
+  // Z = A0^-1 E
+  made.z.resize(size, count);
+  Points right, found;
+  for (Eigen::Index first = 0; first < count; first += 3) {
+    const Eigen::Index columns = std::min<Eigen::Index>(3, count - first);
+    right.setZero(size, 3);
+    for (Eigen::Index c = 0; c < columns; ++c) {
+      right(made.rows[first + c], c) = 1;
+    }
+    const int steps = a0.refine_to(right, found, accurate);
+    if (steps < 0 || steps > most_steps) {
+      return std::nullopt;
+    }
+    made.z.middleCols(first, columns) = found.leftCols(columns);
+  }
+  // K = (W^-2 + E^T Z)^-1
+  Eigen::MatrixXd small(count, count);
+  for (Eigen::Index c = 0; c < count; ++c) {
+    small.row(c) = made.z.row(made.rows[c]);
+    small(c, c) += 1 / made.weights[c];
+  }
+  made.k = small.llt().solve(Eigen::MatrixXd::Identity(count, count));
+  return made;
+}
+
+}  // namespace lapedit

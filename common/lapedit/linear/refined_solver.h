@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "lapedit/base/progress.h"
+#include "lapedit/linear/accurate_residual.h"
+#include "lapedit/linear/sparse_cholesky.h"
+
+namespace lapedit {
+
+/// A0 = M^T M + W0^2, the matrix of the paper's normal equations (section 7), with its Cholesky factor. Never changed
+/// once made, so any number of solvers can share it.
+struct FactoredNormalMatrix {
+  std::shared_ptr<const OperatorRows> m;
+  Eigen::VectorXd squared_weights;  ///< the diagonal of W0^2, n
+  double norm = 0;                  ///< largest sum of absolute values in a row of A0
+  SparseCholesky cholesky;          ///< not to be solved with itself: each solver has a copy
+
+  /// Cost: one sparse Cholesky factorisation. @throws EditError (IllConditioned, BadParameter)
+  FactoredNormalMatrix(std::shared_ptr<const OperatorRows> op, Eigen::VectorXd weights, const CholeskyOptions& options);
+};
+
+/// Rows h that are no part of a factor of A0, with Z = A0^-1 E and K = (W^-2 + E^T Z)^-1, E their columns of the
+/// identity. For a right-hand side that is b_h at these rows, and y = A0^-1 of what it is elsewhere,
+/// y + Z K (W^-2 b_h - y_h) solves (A0 + E W^2 E^T) x = b (Woodbury). What is asked for at the rows goes straight into
+/// the correction: solved for without them it would be a large number to be taken away again. Without rows it is
+/// nothing.
+struct WoodburyCorrection {
+  std::vector<int> rows;
+  std::vector<double> weights;  ///< w^2 of each
+  Eigen::MatrixXd z;            ///< n x rows
+  Eigen::MatrixXd k;            ///< rows x rows
+};
+
+/// Solutions of A x = b, A = A0 + E W^2 E^T, by iterative refinement with the factor of A0 and the correction. The
+/// residual is taken through M, b - M^T (M x) - W^2 x, and not through M^T M, so that a step mends the squaring of the
+/// condition number as well.
+///
+/// Matrix and correction are only read; the scratch is the solver's own, so solvers that share them can work at a time,
+/// each on a pool of its own. One call at a time for each. Source: N. Higham, Accuracy and Stability of Numerical
+/// Algorithms, chapter 12.
+class RefinedSolver {
+ public:
+  /// @param correction  nothing: A is A0
+  RefinedSolver(std::shared_ptr<const FactoredNormalMatrix> matrix,
+                std::shared_ptr<const WoodburyCorrection> correction, std::shared_ptr<ThreadPool> pool);
+
+  /// A0 x = b, until a step changes less than `accurate` of the solution, or as far as double goes.
+  /// @return how many steps that took; -1: it does not converge
+  int refine_to(const Points& right, Points& x, double accurate);
+
+  /// How a solution to the last bit went.
+  struct Outcome {
+    int steps = 0;           ///< residuals taken
+    double last_change = 0;  ///< the last step over the solution: small, or the solution is not to be trusted
+  };
+
+  /// A x = b to the last bit of a double, whatever the factor is like. Nothing is allocated after the first call.
+  /// @param go_on  asked at each step. @throws EditError (Cancelled)
+  Outcome refine_to_the_bit(const Points& right, Points& x, const Progress& go_on = {});
+
+  /// |A x - b| over (|A0| + largest w^2) |x| + |b|, largest entries each; 0 if all are. Changes nothing.
+  double relative_residual(const Points& right, const Points& x) const;
+
+  SparseCholesky& cholesky() { return cholesky_; }  ///< of A0
+  std::size_t bytes() const;                        ///< of the scratch
+
+ private:
+  void solve(const Points& right, Points& x);
+
+  std::shared_ptr<const FactoredNormalMatrix> matrix_;
+  std::shared_ptr<const WoodburyCorrection> correction_;
+  std::shared_ptr<ThreadPool> pool_;
+  SparseCholesky cholesky_;
+  Eigen::VectorXd squared_weights_;  // of A
+  // Scratch of refine_to_the_bit().
+  Points residual_, step_;
+  Points at_rows_, corrected_;
+  DoubledPoints doubled_, between_;
+};
+
+/// The correction for rows that have no weight in A0. @param a0  a solver without one
+/// @return nothing if the columns of Z cannot be had to `accurate` in at most `most_steps` steps each
+/// Cost: a refined solution per three rows.
+std::optional<WoodburyCorrection> woodbury_correction(RefinedSolver& a0, Eigen::Index size, std::vector<int> rows,
+                                                      std::vector<double> squared_weights, double accurate,
+                                                      int most_steps);
+
+}  // namespace lapedit
