@@ -35,31 +35,35 @@ Eigen::Matrix4d matrixOf(GLenum which) {
   return matrix;
 }
 
-/// The session's name of a key, 0 if it has none.
-char sessionKey(const QKeyEvent& event) {
-  if (event.modifiers() & (Qt::ControlModifier | Qt::AltModifier | Qt::MetaModifier)) {
-    return 0;
-  }
+/// The session's name of a key.
+std::optional<DragKey> sessionKey(const QKeyEvent& event) {
   const int key = event.key();
+  const Qt::KeyboardModifiers modifiers = event.modifiers();
+  if ((modifiers & Qt::ControlModifier) && key == Qt::Key_Z) {
+    return modifiers & Qt::ShiftModifier ? DragKey::Redo : DragKey::Undo;
+  }
+  if ((modifiers & Qt::ControlModifier) && key == Qt::Key_Y) {
+    return DragKey::Redo;
+  }
+  // On many keyboards brackets take a modifier.
+  if (key == Qt::Key_BracketRight || key == Qt::Key_BracketLeft) {
+    return key == Qt::Key_BracketRight ? DragKey::Grow : DragKey::Shrink;
+  }
+  if (modifiers & (Qt::ControlModifier | Qt::AltModifier | Qt::MetaModifier)) {
+    return std::nullopt;
+  }
   if (key >= Qt::Key_0 && key <= Qt::Key_9) {
-    return static_cast<char>('0' + key - Qt::Key_0);
+    return digit_key(key - Qt::Key_0);
   }
-  switch (key) {
-    case Qt::Key_Return:
-    case Qt::Key_Enter:
-      return '\r';
-    case Qt::Key_Backspace:
-      return '\b';
-    case Qt::Key_Period:
-    case Qt::Key_Comma:
-      return '.';
-    case Qt::Key_Minus:
-      return '-';
-    default:
-      break;
-  }
-  const QString letters = "XYZNTRSGCW";
-  return key < 128 && letters.contains(QChar(key)) ? static_cast<char>(QChar(key).toLower().toLatin1()) : char(0);
+  static const std::map<int, DragKey> keys = {
+      {Qt::Key_Return, DragKey::Apply}, {Qt::Key_Enter, DragKey::Apply}, {Qt::Key_Backspace, DragKey::Cancel},
+      {Qt::Key_Period, DragKey::Point}, {Qt::Key_Comma, DragKey::Point}, {Qt::Key_Minus, DragKey::Minus},
+      {Qt::Key_X, DragKey::LockX},      {Qt::Key_Y, DragKey::LockY},     {Qt::Key_Z, DragKey::LockZ},
+      {Qt::Key_N, DragKey::LockNormal}, {Qt::Key_T, DragKey::Translate}, {Qt::Key_R, DragKey::Rotate},
+      {Qt::Key_S, DragKey::Scale},      {Qt::Key_G, DragKey::NextGroup}, {Qt::Key_C, DragKey::Curve},
+      {Qt::Key_W, DragKey::NewRegion}};
+  const auto found = keys.find(key);
+  return found != keys.end() ? std::optional<DragKey>(found->second) : std::nullopt;
 }
 
 }  // namespace
@@ -437,21 +441,8 @@ void LaplacianDragTool::keyPress(QKeyEvent& event) {
     return;
   }
   notice_.clear();
-  DragSession& session = active_->session();
-  bool used = true;
-  if ((event.modifiers() & Qt::ControlModifier) && event.key() == Qt::Key_Z) {
-    event.modifiers() & Qt::ShiftModifier ? session.redo() : session.undo();
-  } else if ((event.modifiers() & Qt::ControlModifier) && event.key() == Qt::Key_Y) {
-    session.redo();
-  } else if (event.key() == Qt::Key_BracketRight) {
-    session.grow();
-  } else if (event.key() == Qt::Key_BracketLeft) {
-    session.shrink();
-  } else {
-    const char key = sessionKey(event);
-    used = key != 0 && session.key(key, cursor());
-  }
-  if (used) {
+  const std::optional<DragKey> key = sessionKey(event);
+  if (key && active_->session().key(*key, cursor())) {
     event.accept();
     afterEvent();
   }
@@ -530,9 +521,9 @@ void LaplacianDragTool::command(const QString& part) {
       {"new_region", [&] { session.new_region(); }},
       {"clear", [&] { session.clear(); }},
       {"next_group", [&] { session.next_group(); }},
-      {"move", [&] { session.key('t', cursor()); }},
-      {"rotate", [&] { session.key('r', cursor()); }},
-      {"scale", [&] { session.key('s', cursor()); }},
+      {"move", [&] { session.key(DragKey::Translate, cursor()); }},
+      {"rotate", [&] { session.key(DragKey::Rotate, cursor()); }},
+      {"scale", [&] { session.key(DragKey::Scale, cursor()); }},
       {"apply", [&] { session.apply(); }},
       {"cancel", [&] { session.cancel(); }},
       {"undo", [&] { session.undo(); }},

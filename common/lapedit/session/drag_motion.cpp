@@ -7,6 +7,8 @@
 #include <locale>
 #include <sstream>
 
+#include "lapedit/session/messages.h"
+
 namespace lapedit {
 namespace {
 
@@ -15,22 +17,6 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kShortest = 20;
 constexpr double kSmallestScale = 0.01;
 constexpr std::size_t kMostDigits = 18;
-
-const char* name(AxisLock lock) {
-  switch (lock) {
-    case AxisLock::X:
-      return "X";
-    case AxisLock::Y:
-      return "Y";
-    case AxisLock::Z:
-      return "Z";
-    case AxisLock::Normal:
-      return "the normal";
-    case AxisLock::None:
-      break;
-  }
-  return "";
-}
 
 /// The number typed, if it is one yet.
 std::optional<double> number(const std::string& typed) {
@@ -218,28 +204,7 @@ bool DragMotion::moves() const {
 }
 
 std::string DragMotion::text() const {
-  const HandleTransform now = transform();
-  std::ostringstream out;
-  out.imbue(std::locale::classic());
-  out.precision(4);
-  switch (kind_) {
-    case MotionKind::Translate:
-      out << "Moving by " << (axis() ? now.translation.dot(*axis()) : now.translation.norm());
-      break;
-    case MotionKind::Rotate:
-      out << "Turning by " << now.degrees << " degrees";
-      break;
-    case MotionKind::Scale:
-      out << "Scaling by " << now.scale;
-      break;
-  }
-  if (axis() && kind_ != MotionKind::Scale) {
-    out << (kind_ == MotionKind::Translate ? " along " : " about ") << name(lock_);
-  }
-  if (!typed_.empty()) {
-    out << " (typed " << typed_ << ")";
-  }
-  return out.str();
+  return messages::motion(kind_, transform(), axis(), lock_, typed_);
 }
 
 }  // namespace lapedit
