@@ -349,8 +349,10 @@ void DragSession::set_settings(const DragSettings& settings) {
   if (s.in<Loading>()) {
     return;
   }
+  // While a step is solved for again the worker has that to do, whatever has changed.
   if (s.amendable() && s.history.can_undo() &&
-      (new_rest || (new_radius && s.history.steps().back().step.region.kind == RegionSpec::Kind::Radius))) {
+      (new_rest ||
+       (new_radius && (s.in<Amending>() || s.history.steps().back().step.region.kind == RegionSpec::Kind::Radius)))) {
     s.amend();
     return;
   }

@@ -31,19 +31,7 @@ const char* ending(std::size_t count) {
 
 }  // namespace
 
-// What the next click does
-// ---------------------------------------------------------------------------------------------
-
-const char* const kLoading = "Applying the saved edit. Backspace drops it.";
-const char* const kSolving = "Solving for the exact result. Backspace drops it.";
-const char* const kNextIsRegion = "Click on the surface for a new region and its handle.";
-const char* const kNextIsGroup = "Click on the surface for another handle; those there hold their place.";
-const char* const kPickInRegion = "Click inside the region to pick its handle.";
-const char* const kPickAnywhere = "Press on the surface and drag, or click to see the region first.";
-const char* const kLeadCurve = "Click to lead the curve on, drag the curve to move it; C ends it.";
-const char* const kDragHandle =
-    "Drag the handle (R turns, S scales, T moves it), click inside the region for another one, outside for a new "
-    "region.";
+// What the next click does -------------------------------------------------------------------------------------------
 
 std::string dragging(const DragMotion& motion, bool by_button) {
   return motion.text() + (by_button ? ": release to apply" : ": click or press Return to apply") +
@@ -75,21 +63,7 @@ std::string motion(MotionKind kind, const HandleTransform& now, const std::optio
   return out.str();
 }
 
-// Refusals
-// -------------------------------------------------------------------------------------------------------------
-
-const char* const kStillSettling =
-    "The last step is still being worked out: wait a moment, or press Backspace to drop it.";
-const char* const kNoSurface = "There is no surface of this layer under the cursor: click on the mesh.";
-const char* const kNoNormal = "The surface has no normal at the handle: lock X, Y or Z instead.";
-const char* const kNoRegionVertices = "The region has no vertices: select some faces first.";
-const char* const kNoComponent =
-    "There is no handle, so it is not known whose component is meant: click on the surface first.";
-const char* const kNoRegion = "There is no region yet: click on the surface first.";
-const char* const kNothingLeft = "Nothing would be left of the region: it stays as it is.";
-const char* const kNoHandle = "There is no handle yet: the first click makes one.";
-const char* const kNothingToUndo = "There is nothing to undo: no step has been applied.";
-const char* const kNothingToRedo = "There is nothing to redo: no step has been undone.";
+// Refusals -----------------------------------------------------------------------------------------------------------
 
 std::string out_of_range(const char* what, double value, const char* wanted) {
   return format_text("The %s is %g: give %s.", what, value, wanted);
@@ -134,8 +108,7 @@ std::string single_vertex(MotionKind kind, int vertex) {
       kind == MotionKind::Rotate ? "Turning" : "Scaling", vertex);
 }
 
-// Lines for a log
-// ------------------------------------------------------------------------------------------------------
+// Lines for a log ----------------------------------------------------------------------------------------------------
 
 std::string not_possible(const std::string& why) {
   return "not possible: " + why;

@@ -44,8 +44,7 @@ struct Surface {
   bool prepared = false;           ///< the region's distances and anchors belong to the selection's handles
 };
 
-// Clicks on a vertex
-// ---------------------------------------------------------------------------------------------------
+// Clicks on a vertex -------------------------------------------------------------------------------------------------
 
 /// A plain click: another handle in the region, another group, a further piece of a curve, or a new region.
 /// @throws EditError as vertices_within()
@@ -53,8 +52,7 @@ Choice pick(const Surface& surface, const Selection& selection, int vertex);
 Choice add_to_handle(const Surface& surface, const Selection& selection, int vertex);
 Choice take_from_handle(const Surface& surface, const Selection& selection, int vertex);
 
-// Regions
-// --------------------------------------------------------------------------------------------------------------
+// Regions ------------------------------------------------------------------------------------------------------------
 
 /// A stroke of the brush over some vertices, ascending; handles are not brushed away. Without vertices left there is no
 /// region.
@@ -74,8 +72,7 @@ Selection with_region_kept(const Surface& surface, const Selection& selection);
 /// No region and no handle.
 Selection cleared(const Selection& selection);
 
-// What the next click does
-// ---------------------------------------------------------------------------------------------
+// What the next click does -------------------------------------------------------------------------------------------
 
 Selection with_mode(const Selection& selection, HandleMode mode);
 Selection with_next_region(const Selection& selection);
