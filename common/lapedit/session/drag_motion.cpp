@@ -81,6 +81,8 @@ double DragMotion::along_axis(const Cursor& cursor, double otherwise) const {
   const Ray ray = cursor.view.ray(cursor.pixel);
   const Vector3 sight = ray.direction.normalized();
   const Vector3 offset = grab_ + translation_before_ - ray.origin;
+  // The points o + u s and p + t d of two lines, with directions of length 1 and w = p - o, are nearest to each other
+  // at t = ((d.s) (s.w) - d.w) / (1 - (d.s)^2); the denominator is the squared sine of the angle between the lines.
   const double cosine = direction.dot(sight);
   const double denominator = 1 - cosine * cosine;
   if (denominator < kAlongTheSight) {
@@ -95,7 +97,8 @@ double DragMotion::screen_angle(const Cursor& cursor) const {
   if (!(from_center.norm() > 0)) {
     return last_angle_;
   }
-  // How the turn shows depends on the side that the axis is seen from, and on mirrored layers.
+  // How the turn shows depends on the side that the axis is seen from, and on mirrored layers: u, v and the axis are a
+  // right-handed frame, and the sign of det(u, v) as seen on the screen tells which way it is seen to turn.
   const Vector3 turned_about = axis().value_or(sight_);
   const Vector3 u = turned_about.unitOrthogonal();
   const Vector3 v = turned_about.cross(u);

@@ -1,230 +1,29 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/session/drag_session.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "lapedit/base/error.h"
-#include "lapedit/edit/solver_thread.h"
-#include "lapedit/session/history.h"
 #include "lapedit/session/messages.h"
-#include "lapedit/session/phases.h"
 #include "lapedit/session/picking.h"
-#include "lapedit/session/selection.h"
-#include "lapedit/session/shown_region.h"
+#include "lapedit/session/session_core.h"
 
 namespace lapedit {
-namespace {
 
 using namespace phase;
 
-/// A mouse button that is down.
-struct Press {
-  Vector3 point;    // what was grabbed
-  int vertex = -1;  // nearest to it
-  Cursor cursor;
-  PressModifiers modifiers;
-  bool draggable = true;
-  bool brushed = false;
+struct DragSession::Impl : SessionCore {
+  using SessionCore::SessionCore;
 
-  bool plain() const { return !modifiers.add && !modifiers.take; }
-};
-
-TriangleMesh checked(TriangleMesh mesh) {
-  validate(mesh);
-  return mesh;
-}
-
-}  // namespace
-
-/// What the session is doing is its phase; the rest is what lasts from one phase to the next.
-struct DragSession::Impl {
-  enum class Preparation { None, Running, Done };
-
-  Callbacks callbacks;
-  StoredScalar scalar;
-  History history;
-  std::shared_ptr<const Adjacency> adjacency;
-  DragSettings settings;
-  Selection selection;
-  Phase phase;
-  std::optional<Press> pressed;
-  std::string refusal;
-  ShownRegion shown;
-  std::unique_ptr<Visibility> visibility;  // of the mesh as it is, once the brush has asked
-  Preparation preparation = Preparation::None;
-  DragFigures heard;  // times and errors, from the worker
-  SolverPose solved;
-  SolverThread worker;  // last: its thread ends first
-
-  Impl(TriangleMesh mesh, StoredScalar stored, Callbacks given)
-      : callbacks(std::move(given)),
-        scalar(stored),
-        history(checked(std::move(mesh))),
-        adjacency(std::make_shared<const Adjacency>(
-            build_adjacency(static_cast<int>(original().vertices.rows()), original().faces))),
-        settings(settings_for(original())),
-        worker(callbacks.wake) {}
-
-  const TriangleMesh& original() const { return history.original(); }
-  const TriangleMesh& mesh() const { return *history.mesh(); }
-  const std::vector<std::vector<int>>& groups() const { return selection.groups; }
-  Surface surface() const {
-    return {mesh(), *adjacency, settings, shown.region().get(), preparation == Preparation::Done};
-  }
-  Vector3 center() const { return centroid(mesh().vertices, groups()[selection.active]); }
-
-  // Phases.
-  template <class P>
-  P* in() {
-    return std::get_if<P>(&phase);
-  }
-  Drag* drag();
-  MouseEvents* waiting();
-  bool amendable();
-  bool in_progress() { return drag() != nullptr || waiting() != nullptr; }
-  void rest(bool amendable);
-  void drop();
-  bool settle_down();
-  void end_stroke();
-
-  // What is seen.
-  void log(const std::string& line) {
-    if (callbacks.log) {
-      callbacks.log(line);
-    }
-  }
-  void show(const std::vector<int>& vertices, const Points& places, bool settled) {
-    if (callbacks.pose) {
-      callbacks.pose(vertices, places, settled);
-    }
-  }
-  void show_mesh(const std::vector<int>& vertices, const Points& places, bool settled);
-  void show_region(std::shared_ptr<const Region> region) { shown.show(std::move(region), mesh()); }
-  void show_by_hand();
-  void back_to_mesh(bool settled);
-
-  // Region and handles.
-  bool take(Choice choice);
-  void handles_changed();
-  void change_region(Choice (*choose)(const Surface&, const Selection&));
   void press_surface(const SurfaceHit& hit, const Cursor& cursor, PressModifiers modifiers);
   void click(const Press& press);
   void brush(const Cursor& cursor);
-  void prepare();
-
-  // Motion.
-  bool begin(MotionKind kind, const Vector3& grab, const Cursor& cursor, bool by_button);
+  void change_region(Choice (*choose)(const Surface&, const Selection&));
   bool begin_by_key(MotionKind kind, const Cursor& cursor);
   bool motion_key(DragKey key, const Cursor& cursor);
-  void ask();
-  void release_motion();
-
-  // Steps.
-  void amend();
-  MouseEvents commit_release();
-  MouseEvents commit_amended();
-  MouseEvents commit_loaded(const std::vector<EditResult>& results);
-  void go_on();
-  void take_over(const AppliedStep& step, bool applied);
-
-  // News of the worker.
-  MouseEvents take_pose();
-  void on_error(const std::string& sentence);
 };
 
-// --- Phases ---------------------------------------------------------------------------------------------------------
-
-Drag* DragSession::Impl::drag() {
-  if (Dragging* const dragging = in<Dragging>()) {
-    return &dragging->drag;
-  }
-  Releasing* const releasing = in<Releasing>();
-  return releasing ? &releasing->drag : nullptr;
-}
-
-/// The events that wait for the worker, null if nothing has to wait for it.
-MouseEvents* DragSession::Impl::waiting() {
-  if (Releasing* const releasing = in<Releasing>()) {
-    return &releasing->waiting;
-  }
-  if (Amending* const amending = in<Amending>()) {
-    return &amending->waiting;
-  }
-  Loading* const loading = in<Loading>();
-  return loading ? &loading->waiting : nullptr;
-}
-
-/// Whether settings are about the last step.
-bool DragSession::Impl::amendable() {
-  const Picked* const picked = in<Picked>();
-  return (picked && picked->amendable) || in<Amending>();
-}
-
-void DragSession::Impl::rest(bool amendable) {
-  if (groups().empty()) {
-    phase = Idle();
-  } else {
-    phase = Picked{amendable};
-  }
-}
-
-/// Ends what is in progress without a trace.
-void DragSession::Impl::drop() {
-  pressed.reset();
-  const Loading* const loading = in<Loading>();
-  const bool elsewhere = loading || in<Amending>();  // what the worker has prepared is not the selection
-  rest(loading ? loading->amendable : amendable());
-  if (std::shared_ptr<const Region> awaited = shown.take_awaited()) {
-    back_to_mesh(true);
-    show_region(std::move(awaited));
-  }
-  back_to_mesh(true);
-  if (elsewhere) {
-    prepare();
-  }
-}
-
-/// Whether region and handles may change now; ends a drag in progress for it.
-bool DragSession::Impl::settle_down() {
-  if (waiting()) {
-    refusal = messages::kStillSettling;
-    return false;
-  }
-  if (drag()) {
-    drop();
-  }
-  end_stroke();
-  return true;
-}
-
-/// Ends a stroke of the brush that something else cuts short.
-void DragSession::Impl::end_stroke() {
-  const bool brushed = pressed && pressed->brushed;
-  pressed.reset();
-  if (brushed) {
-    handles_changed();
-  }
-}
-
-// --- What is seen ---------------------------------------------------------------------------------------------------
-
-/// After a change of the mesh.
-void DragSession::Impl::show_mesh(const std::vector<int>& vertices, const Points& places, bool settled) {
-  visibility.reset();
-  show(vertices, places, settled);
-}
-
-/// Shows a region that was made by hand before its distances are known.
-void DragSession::Impl::show_by_hand() {
-  show_region(std::make_shared<const Region>(region_by_hand(mesh(), *adjacency, selection.region.vertices, groups())));
-}
-
-void DragSession::Impl::back_to_mesh(bool settled) {
-  if (shown.rest(mesh())) {
-    show(shown.region()->mesh_vertex, shown.pose(), settled);
-  }
-}
+// --- What there is to see -------------------------------------------------------------------------------------------
 
 DragSession::DragSession(TriangleMesh mesh, StoredScalar scalar, Callbacks callbacks)
     : impl_(std::make_unique<Impl>(std::move(mesh), scalar, std::move(callbacks))) {}
@@ -475,37 +274,6 @@ void DragSession::release(const Cursor& cursor) {
 
 // --- Region and handles ---------------------------------------------------------------------------------------------
 
-/// Makes a choice the selection, or tells why not. @return whether it was taken
-bool DragSession::Impl::take(Choice choice) {
-  if (const Refusal* const refused = std::get_if<Refusal>(&choice)) {
-    refusal = refused->sentence;
-    return false;
-  }
-  Selection& chosen = std::get<Selection>(choice);
-  const bool another_region = chosen.taken != selection.taken;
-  selection = std::move(chosen);
-  if (another_region) {
-    show_region(nullptr);  // the old one would be taken for the new one's
-  }
-  return true;
-}
-
-/// After groups or region have changed: prepares for them.
-void DragSession::Impl::handles_changed() {
-  rest(false);
-  prepare();
-}
-
-void DragSession::Impl::prepare() {
-  if (groups().empty()) {
-    preparation = Preparation::None;
-    worker.cancel();
-    return;
-  }
-  preparation = Preparation::Running;
-  worker.prepare({history.mesh(), adjacency, selection.region, groups(), settings.edit, scalar});
-}
-
 /// A press beside all handles.
 void DragSession::Impl::press_surface(const SurfaceHit& hit, const Cursor& cursor, PressModifiers modifiers) {
   pressed = Press{hit.point, hit.vertex, cursor, modifiers};
@@ -678,27 +446,6 @@ bool DragSession::Impl::motion_key(DragKey key, const Cursor& cursor) {
   return true;
 }
 
-bool DragSession::Impl::begin(MotionKind kind, const Vector3& grab, const Cursor& cursor, bool by_button) {
-  if (groups().empty() || selection.active < 0 || !cursor.view.valid()) {
-    return false;
-  }
-  const std::vector<int>& group = groups()[selection.active];
-  if (kind != MotionKind::Translate && group.size() == 1) {
-    refusal = messages::single_vertex(kind, group.front());
-    return false;
-  }
-  if (preparation == Preparation::None) {
-    prepare();  // it was refused before: say why again
-  }
-  DragMotion motion(kind, grab, center(), mean_normal(mesh(), *adjacency, group), cursor);
-  if (Drag* const drag = this->drag()) {
-    drag->motion = motion;  // the same gesture goes on as another kind of motion
-  } else {
-    phase = Dragging{{motion, by_button, {}}};
-  }
-  return true;
-}
-
 bool DragSession::Impl::begin_by_key(MotionKind kind, const Cursor& cursor) {
   if (pressed && !pressed->plain()) {
     end_stroke();
@@ -707,31 +454,6 @@ bool DragSession::Impl::begin_by_key(MotionKind kind, const Cursor& cursor) {
     return false;
   }
   return begin(kind, drag() ? drag()->motion.grab() : center(), cursor, false);
-}
-
-/// Asks for the pose of the drag as it is now: a passing one or, once it is released, the one to stay.
-void DragSession::Impl::ask() {
-  Drag& drag = *this->drag();
-  drag.maps.resize(groups().size());
-  std::fill(drag.maps.begin(), drag.maps.end(), Affine::Identity());
-  try {
-    drag.maps[selection.active] = resolve(drag.motion.transform(), center());
-  } catch (const EditError& error) {
-    refusal = error.what();  // the solve that follows takes the group as not moved
-  }
-  drag.last_serial = worker.solve(drag.maps, in<Releasing>() != nullptr);
-  drag.first_serial = std::min(drag.first_serial, drag.last_serial);
-}
-
-void DragSession::Impl::release_motion() {
-  pressed.reset();
-  Drag& drag = std::get<Dragging>(phase).drag;
-  if (!drag.motion.moves()) {
-    drop();
-    return;
-  }
-  phase = Releasing{std::move(drag), {}};
-  ask();
 }
 
 void DragSession::apply() {
@@ -749,97 +471,6 @@ void DragSession::cancel() {
 }
 
 // --- Steps ----------------------------------------------------------------------------------------------------------
-
-/// Solves the last step again with the settings as they are now.
-void DragSession::Impl::amend() {
-  if (!in<Amending>()) {
-    phase = Amending{history.steps().back().step, history.before_last(), 0, {}};
-  }
-  Amending& amending = *in<Amending>();
-  EditStep& step = amending.step;
-  step.settings = settings.edit;
-  if (step.region.padding != settings.padding) {
-    step.region.anchors = KeptAnchors();
-  }
-  step.region.padding = settings.padding;
-  if (step.region.kind == RegionSpec::Kind::Radius) {
-    step.region.radius = settings.radius;
-  }
-  std::vector<std::vector<int>> handles;
-  std::vector<Affine> maps;
-  for (const HandleGroup& handle : step.handles) {
-    handles.push_back(handle.vertices);
-    maps.push_back(resolve(handle.transform, centroid(amending.base->vertices, handle.vertices)));
-  }
-  preparation = Preparation::Running;
-  worker.prepare({amending.base, adjacency, step.region, std::move(handles), step.settings, scalar});
-  amending.serial = worker.solve(maps, true);
-}
-
-/// @return the mouse events that waited for the step, as all functions that commit one
-MouseEvents DragSession::Impl::commit_release() {
-  Releasing& releasing = std::get<Releasing>(phase);
-  EditStep step;
-  step.region = selection.region;
-  step.settings = settings.edit;
-  for (const std::vector<int>& group : groups()) {
-    step.handles.push_back({group, {}});
-  }
-  step.handles[selection.active].transform = releasing.drag.motion.transform();
-  const AppliedStep& applied = history.apply(std::move(step), shown.region()->mesh_vertex, shown.pose());
-  show_mesh(applied.vertices, applied.after, true);
-  log(messages::step_applied(history.steps().size(), releasing.drag.motion, groups()[selection.active],
-                             shown.region()->size(), heard.prepare_ms, heard.solve_ms));
-  MouseEvents events = std::move(releasing.waiting);
-  go_on();
-  return events;
-}
-
-MouseEvents DragSession::Impl::commit_amended() {
-  Amending amending = std::move(std::get<Amending>(phase));
-  const std::shared_ptr<const Region> region = shown.take_awaited();
-  show(history.steps().back().vertices, history.steps().back().before, false);
-  const AppliedStep& applied = history.amend(amending.step, region->mesh_vertex, solved.positions);
-  show_mesh(applied.vertices, applied.after, true);
-  log(messages::step_amended(history.steps().size(), region->size(), heard.prepare_ms, heard.solve_ms));
-  show_region(region);
-  selection.region = std::move(amending.step.region);
-  selection.has_region = true;
-  go_on();
-  return std::move(amending.waiting);
-}
-
-MouseEvents DragSession::Impl::commit_loaded(const std::vector<EditResult>& results) {
-  Loading loading = std::move(std::get<Loading>(phase));
-  for (std::size_t k = 0; k < results.size(); ++k) {
-    const AppliedStep& applied =
-        history.apply(std::move(loading.edit.steps[k]), results[k].vertices, results[k].positions);
-    show_mesh(applied.vertices, applied.after, k + 1 == results.size());
-  }
-  log(messages::edit_applied(results.size()));
-  take_over(history.steps().back(), true);
-  return std::move(loading.waiting);
-}
-
-/// The next drag goes on from the mesh as it is now, in the same region.
-void DragSession::Impl::go_on() {
-  shown.settle();
-  selection = with_region_kept(surface(), selection);
-  history.set_next_region(selection.region);
-  phase = Picked{true};
-  prepare();
-}
-
-/// Goes back to the handle and the region of a step. @param applied  its region then is a set
-void DragSession::Impl::take_over(const AppliedStep& step, bool applied) {
-  selection = selection_of(step, applied, selection, settings.padding);
-  shown.await(nullptr);
-  if (shown.region()) {
-    show_region(shown.region());
-  }
-  prepare();
-  rest(applied);
-}
 
 bool DragSession::can_undo() const {
   return impl_->history.can_undo() || impl_->in_progress();
@@ -912,87 +543,10 @@ void DragSession::load(Edit edit) {
 
 // --- News of the worker ---------------------------------------------------------------------------------------------
 
-void DragSession::Impl::on_error(const std::string& sentence) {
-  preparation = Preparation::None;
-  log(messages::not_possible(sentence));
-  if (in_progress()) {
-    drop();
-  }
-  if (!shown.region() || !selection.has_region) {
-    show_region(nullptr);
-  }
-  refusal = sentence;
-}
-
-/// @return the mouse events that waited for the step, if the pose completes one
-MouseEvents DragSession::Impl::take_pose() {
-  if (const Amending* const amending = in<Amending>()) {
-    if (solved.serial != amending->serial) {
-      return {};
-    }
-    heard.solve_ms = solved.solve_ms;
-    return commit_amended();
-  }
-  const Drag* const drag = this->drag();
-  if (!drag || solved.serial < drag->first_serial) {
-    return {};
-  }
-  heard.solve_ms = solved.solve_ms;
-  if (std::shared_ptr<const Region> awaited = shown.take_awaited()) {
-    back_to_mesh(false);
-    show_region(std::move(awaited));
-  }
-  const bool released = in<Releasing>() != nullptr;
-  if (!shown.region() || solved.positions.rows() != shown.region()->size()) {
-    if (released) {
-      drop();
-    }
-    return {};
-  }
-  shown.pose(solved.positions);
-  if (released && solved.serial == drag->last_serial) {
-    return commit_release();
-  }
-  show(shown.region()->mesh_vertex, shown.pose(), false);
-  return {};
-}
-
 bool DragSession::poll() {
-  Impl& s = *impl_;
-  const SolverNews news = s.worker.poll(s.solved);
-  MouseEvents events;
-  if (news.region) {
-    if (s.shown.away() || s.in<Amending>() || s.in<Loading>()) {
-      s.shown.await(news.region);
-    } else {
-      s.show_region(news.region);
-    }
-  }
-  if (news.ready) {
-    s.preparation = Impl::Preparation::Done;
-    s.heard.prepare_ms = news.prepare_ms;
-  }
-  if (news.report) {
-    s.heard.handle_error = news.report->handle_residual;
-    s.heard.largest_stretch = news.report->stretch_max;
-  }
-  if (news.pose) {
-    events = s.take_pose();
-  }
-  if (news.applied) {
-    events = s.commit_loaded(*news.applied);
-  }
-  if (!news.error.empty()) {
-    s.on_error(news.error);
-  }
-  if (!news.pose_error.empty()) {
-    if (s.waiting()) {
-      s.log(messages::not_possible(news.pose_error));
-      s.drop();
-    }
-    s.refusal = news.pose_error;
-  }
-  for (const MouseEvent& event : events) {
+  MouseEvents waited;
+  const bool news = impl_->listen(waited);
+  for (const MouseEvent& event : waited) {
     if (event.kind == MouseEvent::Kind::Press) {
       press(event.cursor, event.modifiers);
     } else if (event.kind == MouseEvent::Kind::Move) {
@@ -1001,8 +555,7 @@ bool DragSession::poll() {
       release(event.cursor);
     }
   }
-  return news.region || news.ready || news.report || news.pose || news.applied || !news.error.empty() ||
-         !news.pose_error.empty();
+  return news;
 }
 
 void DragSession::finish() {
