@@ -35,31 +35,35 @@ Eigen::Matrix4d matrixOf(GLenum which) {
   return matrix;
 }
 
-/// The session's name of a key, 0 if it has none.
-char sessionKey(const QKeyEvent& event) {
-  if (event.modifiers() & (Qt::ControlModifier | Qt::AltModifier | Qt::MetaModifier)) {
-    return 0;
-  }
+/// The session's name of a key.
+std::optional<DragKey> sessionKey(const QKeyEvent& event) {
   const int key = event.key();
+  const Qt::KeyboardModifiers modifiers = event.modifiers();
+  if ((modifiers & Qt::ControlModifier) && key == Qt::Key_Z) {
+    return modifiers & Qt::ShiftModifier ? DragKey::Redo : DragKey::Undo;
+  }
+  if ((modifiers & Qt::ControlModifier) && key == Qt::Key_Y) {
+    return DragKey::Redo;
+  }
+  // On many keyboards brackets take a modifier.
+  if (key == Qt::Key_BracketRight || key == Qt::Key_BracketLeft) {
+    return key == Qt::Key_BracketRight ? DragKey::Grow : DragKey::Shrink;
+  }
+  if (modifiers & (Qt::ControlModifier | Qt::AltModifier | Qt::MetaModifier)) {
+    return std::nullopt;
+  }
   if (key >= Qt::Key_0 && key <= Qt::Key_9) {
-    return static_cast<char>('0' + key - Qt::Key_0);
+    return digit_key(key - Qt::Key_0);
   }
-  switch (key) {
-    case Qt::Key_Return:
-    case Qt::Key_Enter:
-      return '\r';
-    case Qt::Key_Backspace:
-      return '\b';
-    case Qt::Key_Period:
-    case Qt::Key_Comma:
-      return '.';
-    case Qt::Key_Minus:
-      return '-';
-    default:
-      break;
-  }
-  const QString letters = "XYZNTRSGCW";
-  return key < 128 && letters.contains(QChar(key)) ? static_cast<char>(QChar(key).toLower().toLatin1()) : char(0);
+  static const std::map<int, DragKey> keys = {
+      {Qt::Key_Return, DragKey::Apply}, {Qt::Key_Enter, DragKey::Apply}, {Qt::Key_Backspace, DragKey::Cancel},
+      {Qt::Key_Period, DragKey::Point}, {Qt::Key_Comma, DragKey::Point}, {Qt::Key_Minus, DragKey::Minus},
+      {Qt::Key_X, DragKey::LockX},      {Qt::Key_Y, DragKey::LockY},     {Qt::Key_Z, DragKey::LockZ},
+      {Qt::Key_N, DragKey::LockNormal}, {Qt::Key_T, DragKey::Translate}, {Qt::Key_R, DragKey::Rotate},
+      {Qt::Key_S, DragKey::Scale},      {Qt::Key_G, DragKey::NextGroup}, {Qt::Key_C, DragKey::Curve},
+      {Qt::Key_W, DragKey::NewRegion}};
+  const auto found = keys.find(key);
+  return found != keys.end() ? std::optional<DragKey>(found->second) : std::nullopt;
 }
 
 }  // namespace
@@ -92,9 +96,10 @@ bool LaplacianDragTool::start() {
   layer_ = -1;
   nothing_.clear();
   notice_.clear();
-  pressed_ = moved_ = false;
-  navigating_ = Qt::NoButton;
+  mouse_.pressed = mouse_.moved = false;
+  mouse_.navigating = Qt::NoButton;
   clock_.reset();
+  overlay_ = Overlay();
   const auto layer = window_.currentLayer();
   if (!layer) {
     if (!on_) {
@@ -111,20 +116,7 @@ bool LaplacianDragTool::start() {
   try {
     if (!resume) {
       sessions_.erase(layer->id);
-      const int id = layer->id;
-      LayerSession::Callbacks callbacks;
-      callbacks.mesh = [this, id]() -> CMeshO* {
-        const auto present = window_.layer(id);
-        return present ? present->mesh : nullptr;
-      };
-      callbacks.log = [this](const std::string& line) { window_.log(line); };
-      callbacks.wake = [this] {
-        if (!pollQueued_.exchange(true)) {
-          QMetaObject::invokeMethod(
-              this, [this] { poll(); }, Qt::QueuedConnection);
-        }
-      };
-      sessions_[layer->id] = std::make_unique<LayerSession>(*layer->mesh, std::move(callbacks));
+      sessions_[layer->id] = std::make_unique<LayerSession>(*layer->mesh, callbacksFor(layer->id));
     }
   } catch (const EditError& error) {
     nothing_ = error.what();
@@ -179,6 +171,22 @@ void LaplacianDragTool::end() {
   active_ = nullptr;
   layer_ = -1;
   on_ = false;
+}
+
+LayerSession::Callbacks LaplacianDragTool::callbacksFor(int layer) {
+  LayerSession::Callbacks callbacks;
+  callbacks.mesh = [this, layer]() -> CMeshO* {
+    const auto present = window_.layer(layer);
+    return present ? present->mesh : nullptr;
+  };
+  callbacks.log = [this](const std::string& line) { window_.log(line); };
+  callbacks.wake = [this] {
+    if (!pollQueued_.exchange(true)) {
+      QMetaObject::invokeMethod(
+          this, [this] { poll(); }, Qt::QueuedConnection);
+    }
+  };
+  return callbacks;
 }
 
 void LaplacianDragTool::forgetGoneLayers() {
@@ -249,8 +257,8 @@ void LaplacianDragTool::draw() {
     view_ = Camera(matrixOf(GL_PROJECTION_MATRIX) * matrixOf(GL_MODELVIEW_MATRIX), canvas.width(), canvas.height());
     DragSession& session = active_->session();
     std::optional<Overlay::Brush> brush;
-    const bool takes = modifiers_ & Qt::ShiftModifier;
-    if ((takes || modifiers_ & Qt::ControlModifier) && !session.motion()) {
+    const bool takes = mouse_.modifiers & Qt::ShiftModifier;
+    if ((takes || mouse_.modifiers & Qt::ControlModifier) && !session.motion()) {
       brush = Overlay::Brush{cursor().pixel, session.settings().brush_pixels, takes};
     }
     overlay_.draw(session, view_, brush, canvas.width(), canvas.height(), canvas.devicePixelRatioF());
@@ -298,27 +306,23 @@ void LaplacianDragTool::framePainted() {
 // --- Mouse and keys -------------------------------------------------------------------------------------------------
 
 Cursor LaplacianDragTool::cursor() const {
-  return {view_, Vector2(position_.x(), position_.y())};
-}
-
-void LaplacianDragTool::setCursor(const QPointF& position) {
-  position_ = position;
+  return {view_, Vector2(mouse_.position.x(), mouse_.position.y())};
 }
 
 void LaplacianDragTool::mousePress(QMouseEvent& event) {
-  setCursor(event.localPos());
-  modifiers_ = event.modifiers();
+  mouse_.position = event.localPos();
+  mouse_.modifiers = event.modifiers();
   notice_.clear();
   const bool around = event.button() != Qt::LeftButton || (event.modifiers() & Qt::AltModifier);
   if (around) {
-    if (navigating_ == Qt::NoButton && !pressed_) {
-      navigating_ = event.button();
+    if (mouse_.navigating == Qt::NoButton && !mouse_.pressed) {
+      mouse_.navigating = event.button();
       window_.navigate(event, event.button() == Qt::MiddleButton ? Qt::MiddleButton : Qt::LeftButton);
     }
     return;
   }
   const auto layer = usableLayer();
-  if (!layer || !view_.valid() || navigating_ != Qt::NoButton) {
+  if (!layer || !view_.valid() || mouse_.navigating != Qt::NoButton) {
     return;
   }
   if (active_->session().state() == DragSession::State::Picked ||
@@ -332,34 +336,34 @@ void LaplacianDragTool::mousePress(QMouseEvent& event) {
       }
     }
   }
-  pressed_ = true;
-  moved_ = false;
-  pressPosition_ = event.localPos();
+  mouse_.pressed = true;
+  mouse_.moved = false;
+  mouse_.pressedAt = event.localPos();
   active_->session().press(
       cursor(), {bool(event.modifiers() & Qt::ControlModifier), bool(event.modifiers() & Qt::ShiftModifier)});
   afterEvent();
 }
 
 void LaplacianDragTool::mouseMove(QMouseEvent& event) {
-  setCursor(event.localPos());
-  modifiers_ = event.modifiers();
-  if (navigating_ != Qt::NoButton) {
-    window_.navigate(event, navigating_ == Qt::MiddleButton ? Qt::MiddleButton : Qt::LeftButton);
+  mouse_.position = event.localPos();
+  mouse_.modifiers = event.modifiers();
+  if (mouse_.navigating != Qt::NoButton) {
+    window_.navigate(event, mouse_.navigating == Qt::MiddleButton ? Qt::MiddleButton : Qt::LeftButton);
     return;
   }
   if (!usableLayer() || !view_.valid()) {
     return;
   }
-  if (pressed_ && !(event.buttons() & Qt::LeftButton)) {
+  if (mouse_.pressed && !(event.buttons() & Qt::LeftButton)) {
     // The release went elsewhere: to the view while the tool was suspended, or to a dialog.
-    pressed_ = false;
+    mouse_.pressed = false;
     active_->session().cancel();
     afterEvent();
     return;
   }
-  if (pressed_ && !moved_) {
-    moved_ = (event.localPos() - pressPosition_).manhattanLength() >= kDragPixels;
-    if (!moved_) {
+  if (mouse_.pressed && !mouse_.moved) {
+    mouse_.moved = (event.localPos() - mouse_.pressedAt).manhattanLength() >= kDragPixels;
+    if (!mouse_.moved) {
       return;
     }
   }
@@ -372,16 +376,16 @@ void LaplacianDragTool::mouseMove(QMouseEvent& event) {
 }
 
 void LaplacianDragTool::mouseRelease(QMouseEvent& event) {
-  setCursor(event.localPos());
-  modifiers_ = event.modifiers();
-  if (navigating_ != Qt::NoButton) {
-    if (event.button() == navigating_) {
-      window_.navigate(event, navigating_ == Qt::MiddleButton ? Qt::MiddleButton : Qt::LeftButton);
-      navigating_ = Qt::NoButton;
+  mouse_.position = event.localPos();
+  mouse_.modifiers = event.modifiers();
+  if (mouse_.navigating != Qt::NoButton) {
+    if (event.button() == mouse_.navigating) {
+      window_.navigate(event, mouse_.navigating == Qt::MiddleButton ? Qt::MiddleButton : Qt::LeftButton);
+      mouse_.navigating = Qt::NoButton;
     }
     return;
   }
-  if (event.button() != Qt::LeftButton || !std::exchange(pressed_, false)) {
+  if (event.button() != Qt::LeftButton || !std::exchange(mouse_.pressed, false)) {
     return;
   }
   if (!usableLayer() || !view_.valid()) {
@@ -392,8 +396,8 @@ void LaplacianDragTool::mouseRelease(QMouseEvent& event) {
     return;
   }
   Cursor at = cursor();
-  if (!moved_) {
-    at.pixel = Vector2(pressPosition_.x(), pressPosition_.y());
+  if (!mouse_.moved) {
+    at.pixel = Vector2(mouse_.pressedAt.x(), mouse_.pressedAt.y());
   }
   active_->session().release(at);
   afterEvent();
@@ -426,43 +430,30 @@ void LaplacianDragTool::wheel(QWheelEvent& event) {
 }
 
 void LaplacianDragTool::keyPress(QKeyEvent& event) {
-  modifiers_ = event.modifiers();
+  mouse_.modifiers = event.modifiers();
   if (event.key() == Qt::Key_Control) {
-    modifiers_ |= Qt::ControlModifier;
+    mouse_.modifiers |= Qt::ControlModifier;
   } else if (event.key() == Qt::Key_Shift) {
-    modifiers_ |= Qt::ShiftModifier;
+    mouse_.modifiers |= Qt::ShiftModifier;
   }
   window_.repaint();
   if (!usableLayer()) {
     return;
   }
   notice_.clear();
-  DragSession& session = active_->session();
-  bool used = true;
-  if ((event.modifiers() & Qt::ControlModifier) && event.key() == Qt::Key_Z) {
-    event.modifiers() & Qt::ShiftModifier ? session.redo() : session.undo();
-  } else if ((event.modifiers() & Qt::ControlModifier) && event.key() == Qt::Key_Y) {
-    session.redo();
-  } else if (event.key() == Qt::Key_BracketRight) {
-    session.grow();
-  } else if (event.key() == Qt::Key_BracketLeft) {
-    session.shrink();
-  } else {
-    const char key = sessionKey(event);
-    used = key != 0 && session.key(key, cursor());
-  }
-  if (used) {
+  const std::optional<DragKey> key = sessionKey(event);
+  if (key && active_->session().key(*key, cursor())) {
     event.accept();
     afterEvent();
   }
 }
 
 void LaplacianDragTool::keyRelease(QKeyEvent& event) {
-  modifiers_ = event.modifiers();
+  mouse_.modifiers = event.modifiers();
   if (event.key() == Qt::Key_Control) {
-    modifiers_ &= ~Qt::KeyboardModifiers(Qt::ControlModifier);
+    mouse_.modifiers &= ~Qt::KeyboardModifiers(Qt::ControlModifier);
   } else if (event.key() == Qt::Key_Shift) {
-    modifiers_ &= ~Qt::KeyboardModifiers(Qt::ShiftModifier);
+    mouse_.modifiers &= ~Qt::KeyboardModifiers(Qt::ShiftModifier);
   }
   window_.repaint();
 }
@@ -496,7 +487,7 @@ void LaplacianDragTool::afterEvent() {
   if (active_->foundChanged()) {
     say("The mesh was changed by something else while it was dragged: starting afresh from what it is now.");
     sessions_.erase(layer_);
-    pressed_ = false;
+    mouse_.pressed = false;
     start();
   }
   refreshPanel();
@@ -530,9 +521,9 @@ void LaplacianDragTool::command(const QString& part) {
       {"new_region", [&] { session.new_region(); }},
       {"clear", [&] { session.clear(); }},
       {"next_group", [&] { session.next_group(); }},
-      {"move", [&] { session.key('t', cursor()); }},
-      {"rotate", [&] { session.key('r', cursor()); }},
-      {"scale", [&] { session.key('s', cursor()); }},
+      {"move", [&] { session.key(DragKey::Translate, cursor()); }},
+      {"rotate", [&] { session.key(DragKey::Rotate, cursor()); }},
+      {"scale", [&] { session.key(DragKey::Scale, cursor()); }},
       {"apply", [&] { session.apply(); }},
       {"cancel", [&] { session.cancel(); }},
       {"undo", [&] { session.undo(); }},

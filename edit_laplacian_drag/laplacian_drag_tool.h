@@ -39,9 +39,9 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool 
 
  private:
   std::optional<lapedit::host::Layer> usableLayer();
+  LayerSession::Callbacks callbacksFor(int layer);
   void forgetGoneLayers();
   lapedit::Cursor cursor() const;
-  void setCursor(const QPointF& position);
   void openPanel();
   void poll();
   void afterEvent();
@@ -61,10 +61,12 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool 
   std::string notice_;   // of saving and loading, until the next event
 
   lapedit::Camera view_;
-  QPointF position_, pressPosition_;
-  Qt::KeyboardModifiers modifiers_;
-  Qt::MouseButton navigating_ = Qt::NoButton;  // held for the host's own navigation
-  bool pressed_ = false, moved_ = false;
+  struct Mouse {
+    QPointF position, pressedAt;
+    Qt::KeyboardModifiers modifiers;
+    Qt::MouseButton navigating = Qt::NoButton;  // held for the host's own navigation
+    bool pressed = false, moved = false;
+  } mouse_;
 
   FrameClock clock_;
 

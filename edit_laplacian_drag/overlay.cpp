@@ -109,9 +109,8 @@ void drawBrush(const Overlay::Brush& brush, double width, double height, double 
 
 }  // namespace
 
-/// Colours and lists, O(region): cheaper than to know whether it is the region of before.
+/// Colours and lists, O(region).
 void Overlay::sort(const Region& region) {
-  sorted_ = &region;
   handles_.clear();
   anchors_.clear();
   colors_.resize(4 * static_cast<std::size_t>(region.size()));
@@ -125,6 +124,42 @@ void Overlay::sort(const Region& region) {
       anchors_.push_back(static_cast<unsigned>(i));
     }
   }
+}
+
+/// The region's colours, its anchors and its handles.
+void Overlay::drawRegion(const DragSession& session, double handleSize, double pixelRatio) {
+  const Region& region = *session.region();
+  const bool moving = session.motion() != nullptr;
+  if (session.region_serial() != sorted_) {
+    sorted_ = session.region_serial();
+    sort(region);
+  }
+  glDisableClientState(GL_NORMAL_ARRAY);
+  glDisableClientState(GL_TEXTURE_COORD_ARRAY);
+  glEnableClientState(GL_VERTEX_ARRAY);
+  glVertexPointer(3, GL_DOUBLE, 0, session.pose().data());
+  if (!moving) {  // while it moves the surface itself is what to look at
+    glEnableClientState(GL_COLOR_ARRAY);
+    glColorPointer(4, GL_UNSIGNED_BYTE, 0, colors_.data());
+    glEnable(GL_POLYGON_OFFSET_FILL);
+    glPolygonOffset(-1, -2);
+    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(region.faces.size()), GL_UNSIGNED_INT, region.faces.data());
+    glDisable(GL_POLYGON_OFFSET_FILL);
+  }
+  glDisableClientState(GL_COLOR_ARRAY);
+  // Points lie in the surface: without this half of each would be hidden by it.
+  glDepthRange(0, 0.9995);
+  glPointSize(static_cast<GLfloat>((moving ? 1.5 : 2.5) * pixelRatio));
+  set(kAnchor, moving ? 0.5 : 1);
+  glDrawElements(GL_POINTS, static_cast<GLsizei>(anchors_.size()), GL_UNSIGNED_INT, anchors_.data());
+  if (!moving || session.ready()) {
+    glDisable(GL_DEPTH_TEST);
+    drawPoints(handles_, kHandle, handleSize, 0.25);  // through the surface
+    glEnable(GL_DEPTH_TEST);
+    glDepthRange(0, 0.999);
+    drawPoints(handles_, kHandle, handleSize, 1);
+  }
+  glDisableClientState(GL_VERTEX_ARRAY);
 }
 
 void Overlay::draw(const DragSession& session, const Camera& view, const std::optional<Brush>& brush, double width,
@@ -152,37 +187,8 @@ void Overlay::draw(const DragSession& session, const Camera& view, const std::op
 
   const bool moving = session.motion() != nullptr;
   const double handleSize = 9 * pixelRatio;
-  if (const Region* region = session.region()) {
-    // While it moves the region stays the same.
-    if (!moving || region != sorted_ || colors_.size() != 4 * static_cast<std::size_t>(region->size())) {
-      sort(*region);
-    }
-    glDisableClientState(GL_NORMAL_ARRAY);
-    glDisableClientState(GL_TEXTURE_COORD_ARRAY);
-    glEnableClientState(GL_VERTEX_ARRAY);
-    glVertexPointer(3, GL_DOUBLE, 0, session.pose().data());
-    if (!moving) {  // while it moves the surface itself is what to look at
-      glEnableClientState(GL_COLOR_ARRAY);
-      glColorPointer(4, GL_UNSIGNED_BYTE, 0, colors_.data());
-      glEnable(GL_POLYGON_OFFSET_FILL);
-      glPolygonOffset(-1, -2);
-      glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(region->faces.size()), GL_UNSIGNED_INT, region->faces.data());
-      glDisable(GL_POLYGON_OFFSET_FILL);
-    }
-    glDisableClientState(GL_COLOR_ARRAY);
-    // Points lie in the surface: without this half of each would be hidden by it.
-    glDepthRange(0, 0.9995);
-    glPointSize(static_cast<GLfloat>((moving ? 1.5 : 2.5) * pixelRatio));
-    set(kAnchor, moving ? 0.5 : 1);
-    glDrawElements(GL_POINTS, static_cast<GLsizei>(anchors_.size()), GL_UNSIGNED_INT, anchors_.data());
-    if (!moving || session.ready()) {
-      glDisable(GL_DEPTH_TEST);
-      drawPoints(handles_, kHandle, handleSize, 0.25);  // through the surface
-      glEnable(GL_DEPTH_TEST);
-      glDepthRange(0, 0.999);
-      drawPoints(handles_, kHandle, handleSize, 1);
-    }
-    glDisableClientState(GL_VERTEX_ARRAY);
+  if (session.region()) {
+    drawRegion(session, handleSize, pixelRatio);
   }
   glDepthRange(0, 1);
   glDisable(GL_DEPTH_TEST);

@@ -6,7 +6,7 @@
 
 #include "lapedit/session/drag_session.h"
 
-/// Shows region, handles and motion of a session in the colours of the paper's Figure 3. Reads, and changes nothing.
+/// Shows region, handles and motion of one session in the colours of the paper's Figure 3. Reads, and changes nothing.
 class Overlay {
  public:
   struct Brush {
@@ -22,11 +22,11 @@ class Overlay {
             double width, double height, double pixelRatio);
 
  private:
+  void drawRegion(const lapedit::DragSession& session, double handleSize, double pixelRatio);
   void sort(const lapedit::Region& region);
 
-  const lapedit::Region* sorted_ = nullptr;  // to be compared only
-
-  // Kept for their memory.
+  // Of the session's region of this serial.
+  int sorted_ = -1;
   std::vector<unsigned> handles_, anchors_;
   std::vector<unsigned char> colors_;  // RGBA per region vertex
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -54,6 +55,16 @@ inline TriangleMesh stored(TriangleMesh mesh) {
   return mesh;
 }
 
+/// The key of a character, so that tests can write keys as they are typed: \r applies, \b cancels.
+inline DragKey key_of(char character) {
+  static const std::map<char, DragKey> keys = {
+      {'.', DragKey::Point},     {'-', DragKey::Minus},      {'x', DragKey::LockX},     {'y', DragKey::LockY},
+      {'z', DragKey::LockZ},     {'n', DragKey::LockNormal}, {'t', DragKey::Translate}, {'r', DragKey::Rotate},
+      {'s', DragKey::Scale},     {'\r', DragKey::Apply},     {'\b', DragKey::Cancel},   {'c', DragKey::Curve},
+      {'g', DragKey::NextGroup}, {'w', DragKey::NewRegion},  {']', DragKey::Grow},      {'[', DragKey::Shrink}};
+  return character >= '0' && character <= '9' ? digit_key(character - '0') : keys.at(character);
+}
+
 class Window {
  public:
   Window(const TriangleMesh& mesh, Camera seen)
@@ -82,7 +93,7 @@ class Window {
   }
   void keys(const std::string& text, const Vector2& pixel = Vector2(kWidth / 2, kHeight / 2)) {
     for (const char key : text) {
-      session.key(key, at(pixel));
+      session.key(key_of(key), at(pixel));
     }
     session.wait();
   }

@@ -409,6 +409,36 @@ TEST(DragSteps, OtherSettingsSolveTheDragInProgressAgain) {
   window.expect_consistent();
 }
 
+TEST(DragSteps, SettingsMayChangeWhileAStepIsSolvedForAgain) {
+  Window window(plate());
+  window.drag(kMiddle, Vector2(40, 25));
+  window.drag(at(32, 30), Vector2(20, 10));  // its region is a set of vertices, for which the radius means nothing
+  DragSettings settings = window.session.settings();
+  settings.edit.order = 2;
+  window.session.set_settings(settings);
+  ASSERT_EQ(window.session.state(), State::Settling);
+  settings.radius *= 1.5;
+  window.session.set_settings(settings);
+  window.session.wait();
+  EXPECT_EQ(window.session.state(), State::Picked);
+  EXPECT_EQ(window.session.recorded().steps.at(1).settings.order, 2);
+  window.expect_consistent();
+}
+
+TEST(DragSteps, ButtonReleasedWhileAStepIsSolvedForAgainHoldsNothing) {
+  Window window(plate());
+  window.drag(kMiddle, Vector2(40, 25));
+  window.press(kMiddle);
+  DragSettings settings = window.session.settings();
+  settings.edit.order = 2;
+  window.session.set_settings(settings);
+  ASSERT_EQ(window.session.state(), State::Settling);
+  window.session.release(window.at(kMiddle));
+  window.session.wait();
+  window.session.move(window.at(kMiddle, Vector2(30, 30)));
+  EXPECT_EQ(window.session.state(), State::Picked);
+}
+
 TEST(DragSteps, SavedEditLoadsToTheSameBits) {
   Window window(plate());
   window.drag(kMiddle, Vector2(40, 25));

@@ -269,7 +269,7 @@ TEST(DragSession, LockedAxisKeepsTheOtherCoordinates) {
   Window window(hills());
   window.press(kMiddle);
   window.session.move(window.at(kMiddle, Vector2(10, 10)));
-  window.session.key('x', window.at(kMiddle, Vector2(10, 10)));
+  window.session.key(DragKey::LockX, window.at(kMiddle, Vector2(10, 10)));
   window.session.move(window.at(kMiddle, Vector2(80, 55)));
   window.session.release(window.at(kMiddle, Vector2(80, 55)));
   window.session.wait();
@@ -313,7 +313,7 @@ TEST(DragSession, KeyMotionFollowsTheMouseAndAClickAppliesIt) {
   Window window(hills());
   window.click(kMiddle);
   const Vector2 start(400, 300);
-  window.session.key('t', window.at(start));
+  window.session.key(DragKey::Translate, window.at(start));
   window.session.move(window.at(start + Vector2(25, 0)));
   EXPECT_EQ(window.session.state(), State::Dragging);
   window.session.press(window.at(start + Vector2(25, 0)));
@@ -355,7 +355,7 @@ TEST(DragSession, AnyEventsLeaveAConsistentSession) {
         break;
       case 10:
       case 11:
-        session.key(keys[static_cast<std::size_t>(pick(static_cast<int>(keys.size())))], cursor);
+        session.key(support::key_of(keys[static_cast<std::size_t>(pick(static_cast<int>(keys.size())))]), cursor);
         break;
       case 12: {
         DragSettings settings = session.settings();

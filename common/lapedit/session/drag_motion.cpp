@@ -7,6 +7,8 @@
 #include <locale>
 #include <sstream>
 
+#include "lapedit/session/messages.h"
+
 namespace lapedit {
 namespace {
 
@@ -15,22 +17,6 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kShortest = 20;
 constexpr double kSmallestScale = 0.01;
 constexpr std::size_t kMostDigits = 18;
-
-const char* name(AxisLock lock) {
-  switch (lock) {
-    case AxisLock::X:
-      return "X";
-    case AxisLock::Y:
-      return "Y";
-    case AxisLock::Z:
-      return "Z";
-    case AxisLock::Normal:
-      return "the normal";
-    case AxisLock::None:
-      break;
-  }
-  return "";
-}
 
 /// The number typed, if it is one yet.
 std::optional<double> number(const std::string& typed) {
@@ -95,6 +81,8 @@ double DragMotion::along_axis(const Cursor& cursor, double otherwise) const {
   const Ray ray = cursor.view.ray(cursor.pixel);
   const Vector3 sight = ray.direction.normalized();
   const Vector3 offset = grab_ + translation_before_ - ray.origin;
+  // The points o + u s and p + t d of two lines, with directions of length 1 and w = p - o, are nearest to each other
+  // at t = ((d.s) (s.w) - d.w) / (1 - (d.s)^2); the denominator is the squared sine of the angle between the lines.
   const double cosine = direction.dot(sight);
   const double denominator = 1 - cosine * cosine;
   if (denominator < kAlongTheSight) {
@@ -109,7 +97,8 @@ double DragMotion::screen_angle(const Cursor& cursor) const {
   if (!(from_center.norm() > 0)) {
     return last_angle_;
   }
-  // How the turn shows depends on the side that the axis is seen from, and on mirrored layers.
+  // How the turn shows depends on the side that the axis is seen from, and on mirrored layers: u, v and the axis are a
+  // right-handed frame, and the sign of det(u, v) as seen on the screen tells which way it is seen to turn.
   const Vector3 turned_about = axis().value_or(sight_);
   const Vector3 u = turned_about.unitOrthogonal();
   const Vector3 v = turned_about.cross(u);
@@ -218,28 +207,7 @@ bool DragMotion::moves() const {
 }
 
 std::string DragMotion::text() const {
-  const HandleTransform now = transform();
-  std::ostringstream out;
-  out.imbue(std::locale::classic());
-  out.precision(4);
-  switch (kind_) {
-    case MotionKind::Translate:
-      out << "Moving by " << (axis() ? now.translation.dot(*axis()) : now.translation.norm());
-      break;
-    case MotionKind::Rotate:
-      out << "Turning by " << now.degrees << " degrees";
-      break;
-    case MotionKind::Scale:
-      out << "Scaling by " << now.scale;
-      break;
-  }
-  if (axis() && kind_ != MotionKind::Scale) {
-    out << (kind_ == MotionKind::Translate ? " along " : " about ") << name(lock_);
-  }
-  if (!typed_.empty()) {
-    out << " (typed " << typed_ << ")";
-  }
-  return out.str();
+  return messages::motion(kind_, transform(), axis(), lock_, typed_);
 }
 
 }  // namespace lapedit

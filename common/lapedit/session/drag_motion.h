@@ -9,7 +9,7 @@
 
 namespace lapedit {
 
-/// Where the mouse is and what shows there. Pixels as in View.
+/// Where the mouse is and what shows there. Pixels as in Camera.
 struct Cursor {
   Camera view;
   Vector2 pixel = Vector2::Zero();

@@ -1,124 +1,73 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/session/drag_session.h"
 
-#include <cmath>
 #include <utility>
 
 #include "lapedit/base/error.h"
-#include "lapedit/session/drag_session_impl.h"
+#include "lapedit/session/messages.h"
+#include "lapedit/session/picking.h"
+#include "lapedit/session/session_core.h"
 
 namespace lapedit {
-namespace {
 
-constexpr double kRadiusOfDiagonal = 0.1;
+using namespace phase;
 
-double finite_diagonal(const Points& points) {
-  Eigen::AlignedBox3d box;
-  for (Eigen::Index i = 0; i < points.rows(); ++i) {
-    if (points.row(i).allFinite()) {
-      box.extend(Vector3(points.row(i).transpose()));
-    }
-  }
-  return box.isEmpty() ? 0 : box.diagonal().norm();
-}
+struct DragSession::Impl : SessionCore {
+  using SessionCore::SessionCore;
 
-bool same(const EditSettings& a, const EditSettings& b) {
-  return a.laplacian == b.laplacian && a.order == b.order && a.rotation == b.rotation && a.iterations == b.iterations &&
-         a.normal_radius == b.normal_radius && a.handle_weight == b.handle_weight &&
-         a.anchor_weight == b.anchor_weight && a.backend == b.backend && a.threads == b.threads;
-}
+  void press_surface(const SurfaceHit& hit, const Cursor& cursor, PressModifiers modifiers);
+  void click(const Press& press);
+  void brush(const Cursor& cursor);
+  void change_region(Choice (*choose)(const Surface&, const Selection&));
+  bool begin_by_key(MotionKind kind, const Cursor& cursor);
+  bool motion_key(DragKey key, const Cursor& cursor);
+};
 
-void check(const DragSettings& settings) {
-  validate(settings.edit);
-  const auto refuse = [](const char* what, double value, const char* wanted) {
-    throw EditError(ErrorCause::BadParameter, format_text("The %s is %g: give %s.", what, value, wanted));
-  };
-  if (!(settings.radius > 0 && std::isfinite(settings.radius))) {
-    refuse("region's radius", settings.radius, "a finite length greater than 0");
-  }
-  if (!(settings.padding >= 0 && settings.padding <= 1)) {
-    refuse("padding", settings.padding, "a share of the region's radius from 0 to 1");
-  }
-  if (!(settings.handle_radius >= 0 && std::isfinite(settings.handle_radius))) {
-    refuse("handle's radius", settings.handle_radius, "a finite length, or 0 for a single vertex");
-  }
-  if (!(settings.brush_pixels >= 1 && settings.brush_pixels <= 1000)) {
-    refuse("brush's radius", settings.brush_pixels, "1 to 1000 pixels");
-  }
-}
-
-}  // namespace
-
-DragSession::Impl::Impl(TriangleMesh mesh, StoredScalar stored, Callbacks given)
-    : callbacks(std::move(given)), scalar(stored), worker(callbacks.wake) {
-  validate(mesh);
-  adjacency = std::make_shared<const Adjacency>(build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces));
-  current = std::make_shared<const TriangleMesh>(std::move(mesh));
-  original = current;
-  const double diagonal = finite_diagonal(current->vertices);
-  settings.radius = diagonal > 0 ? kRadiusOfDiagonal * diagonal : 1;
-}
-
-/// Whether region and handles may change now; ends a drag in progress for it.
-bool DragSession::Impl::at_rest() {
-  if (state == State::Settling) {
-    refuse("The last step is still being worked out: wait a moment, or press Backspace to drop it.");
-    return false;
-  }
-  if (motion) {
-    drop();
-  }
-  end_stroke();
-  return true;
-}
-
-/// Ends a stroke of the brush that something else cuts short.
-void DragSession::Impl::end_stroke() {
-  const bool brushed = pressed && pressed->brushed;
-  pressed.reset();
-  if (brushed) {
-    handles_changed();
-  }
-}
+// --- What there is to see -------------------------------------------------------------------------------------------
 
 DragSession::DragSession(TriangleMesh mesh, StoredScalar scalar, Callbacks callbacks)
     : impl_(std::make_unique<Impl>(std::move(mesh), scalar, std::move(callbacks))) {}
 DragSession::~DragSession() = default;
 
-// --- What there is to see -------------------------------------------------------------------------------------------
-
 DragSession::State DragSession::state() const {
-  return impl_->state;
+  return impl_->waiting()      ? State::Settling
+         : impl_->drag()       ? State::Dragging
+         : impl_->in<Picked>() ? State::Picked
+                               : State::Idle;
 }
 const TriangleMesh& DragSession::original() const {
-  return *impl_->original;
+  return impl_->original();
 }
 const TriangleMesh& DragSession::mesh() const {
-  return *impl_->current;
+  return impl_->mesh();
 }
 const Adjacency& DragSession::adjacency() const {
   return *impl_->adjacency;
 }
 const Region* DragSession::region() const {
-  return impl_->region.get();
+  return impl_->shown.region().get();
+}
+int DragSession::region_serial() const {
+  return impl_->shown.region_serial();
 }
 const Points& DragSession::pose() const {
-  return impl_->pose;
+  return impl_->shown.pose();
 }
 int DragSession::pose_serial() const {
-  return impl_->pose_serial;
+  return impl_->shown.serial();
 }
 const std::vector<std::vector<int>>& DragSession::groups() const {
-  return impl_->groups;
+  return impl_->groups();
 }
 int DragSession::active_group() const {
-  return impl_->active;
+  return impl_->selection.active;
 }
 const DragMotion* DragSession::motion() const {
-  return impl_->motion ? &*impl_->motion : nullptr;
+  const Drag* const drag = impl_->drag();
+  return drag ? &drag->motion : nullptr;
 }
 bool DragSession::preparing() const {
-  return impl_->preparing;
+  return impl_->preparation == Impl::Preparation::Running;
 }
 double DragSession::progress() const {
   return impl_->worker.progress();
@@ -127,7 +76,7 @@ const char* DragSession::stage() const {
   return impl_->worker.stage();
 }
 bool DragSession::ready() const {
-  return impl_->ready;
+  return impl_->preparation == Impl::Preparation::Done;
 }
 bool DragSession::busy() const {
   return impl_->worker.busy();
@@ -136,63 +85,49 @@ const DragSettings& DragSession::settings() const {
   return impl_->settings;
 }
 HandleMode DragSession::handle_mode() const {
-  return impl_->mode;
+  return impl_->selection.mode;
 }
 
 Affine DragSession::active_map() const {
-  const Impl& s = *impl_;
-  if (!s.motion || s.active < 0) {
-    return Affine::Identity();
-  }
-  return resolve(s.motion->transform(), centroid(s.current->vertices, s.groups[s.active]));
+  const Drag* const drag = impl_->drag();
+  return drag && impl_->selection.active >= 0 ? resolve(drag->motion.transform(), impl_->center())
+                                              : Affine(Affine::Identity());
 }
 
 std::string DragSession::message() const {
-  const Impl& s = *impl_;
+  Impl& s = *impl_;
   if (!s.refusal.empty()) {
     return s.refusal;
   }
-  if (s.state == State::Settling) {
-    return s.settling == Impl::Settling::Load ? "Applying the saved edit. Backspace drops it."
-                                              : "Solving for the exact result. Backspace drops it.";
+  if (s.waiting()) {
+    return s.in<Loading>() ? messages::kLoading : messages::kSolving;
   }
-  if (s.motion) {
-    return s.motion->text() + (s.held ? ": release to apply" : ": click or press Return to apply") +
-           ", Backspace drops it; X Y Z N lock an axis, digits give an amount.";
+  if (const Drag* const drag = s.drag()) {
+    return messages::dragging(drag->motion, drag->by_button);
   }
-  if (s.want_region) {
-    return "Click on the surface for a new region and its handle.";
+  if (s.selection.next == Selection::Next::Region) {
+    return messages::kNextIsRegion;
   }
-  if (s.want_group) {
-    return "Click on the surface for another handle; those there hold their place.";
+  if (s.selection.next == Selection::Next::Group) {
+    return messages::kNextIsGroup;
   }
-  if (s.state == State::Idle) {
-    return s.has_region ? "Click inside the region to pick its handle."
-                        : "Press on the surface and drag, or click to see the region first.";
+  if (s.in<Idle>()) {
+    return s.selection.has_region ? messages::kPickInRegion : messages::kPickAnywhere;
   }
-  if (s.mode == HandleMode::Curve && s.curve_end >= 0) {
-    return "Click to lead the curve on, drag the curve to move it; C ends it.";
-  }
-  return "Drag the handle (R turns, S scales, T moves it), click inside the region for another one, outside for a new "
-         "region.";
+  return s.selection.mode == HandleMode::Curve && s.selection.curve_end >= 0 ? messages::kLeadCurve
+                                                                             : messages::kDragHandle;
 }
 
 DragFigures DragSession::figures() const {
   const Impl& s = *impl_;
-  DragFigures figures;
-  if (s.region) {
-    figures.handle = s.region->count(VertexClass::Handle);
-    figures.free = s.region->count(VertexClass::Free);
-    figures.anchors = s.region->count(VertexClass::Anchor);
-    figures.fixed = static_cast<int>(s.current->vertices.rows()) - s.region->size();
+  DragFigures figures = s.heard;
+  if (const Region* const region = s.shown.region().get()) {
+    figures.handle = s.shown.count(VertexClass::Handle);
+    figures.free = s.shown.count(VertexClass::Free);
+    figures.anchors = s.shown.count(VertexClass::Anchor);
+    figures.fixed = static_cast<int>(s.mesh().vertices.rows()) - region->size();
   }
-  figures.prepare_ms = s.prepare_ms;
-  figures.solve_ms = s.solve_ms;
-  if (s.report) {
-    figures.handle_error = s.report->handle_residual;
-    figures.largest_stretch = s.report->stretch_max;
-  }
-  figures.steps = static_cast<int>(s.steps.size());
+  figures.steps = static_cast<int>(s.history.steps().size());
   return figures;
 }
 
@@ -202,44 +137,48 @@ void DragSession::set_settings(const DragSettings& settings) {
   Impl& s = *impl_;
   s.refusal.clear();
   try {
-    check(settings);
+    validate(settings);
   } catch (const EditError& error) {
-    s.refuse(error.what());
+    s.refusal = error.what();
     return;
   }
   const bool new_radius = settings.radius != s.settings.radius;
   const bool new_rest = settings.padding != s.settings.padding || !same(settings.edit, s.settings.edit);
   s.settings = settings;
-  if (s.state == State::Settling && s.settling == Impl::Settling::Load) {
+  if (s.in<Loading>()) {
     return;
   }
-  if (s.amendable && !s.steps.empty() &&
-      (new_rest || (new_radius && s.steps.back().step.region.kind == RegionSpec::Kind::Radius))) {
+  // While a step is solved for again the worker has that to do, whatever has changed.
+  if (s.amendable() && s.history.can_undo() &&
+      (new_rest ||
+       (new_radius && (s.in<Amending>() || s.history.steps().back().step.region.kind == RegionSpec::Kind::Radius)))) {
     s.amend();
     return;
   }
   // The radius counts for regions that were grown by it, and for what is left of them after a step.
-  const bool regrow = new_radius && s.has_region && !s.by_hand && s.spec.kind != RegionSpec::Kind::Component;
+  const bool regrow = new_radius && s.selection.has_region && !s.selection.by_hand &&
+                      s.selection.region.kind != RegionSpec::Kind::Component;
   if (regrow) {
-    s.set_radius();
-    s.amendable = false;
+    s.selection = with_radius(s.selection, settings);
+    if (Picked* const picked = s.in<Picked>()) {
+      picked->amendable = false;
+    }
   } else if (!new_rest) {
     return;
   }
-  s.sync_padding();
-  if (s.groups.empty()) {
+  s.selection = with_padding(std::move(s.selection), settings.padding);
+  if (s.groups().empty()) {
     return;
   }
   s.prepare();
-  if (s.motion) {
-    s.ask(s.state == State::Settling);
+  if (s.drag()) {
+    s.ask();
   }
 }
 
 void DragSession::set_handle_mode(HandleMode mode) {
   impl_->refusal.clear();
-  impl_->mode = mode;
-  impl_->curve_end = -1;
+  impl_->selection = with_mode(impl_->selection, mode);
 }
 
 // --- Mouse ----------------------------------------------------------------------------------------------------------
@@ -249,40 +188,27 @@ void DragSession::press(const Cursor& cursor, PressModifiers modifiers) {
   if (!cursor.view.valid()) {
     return;
   }
-  if (s.state == State::Settling) {
-    s.deferred.push_back({Impl::Deferred::Press, cursor, modifiers});
+  if (MouseEvents* const waiting = s.waiting()) {
+    waiting->push_back({MouseEvent::Kind::Press, cursor, modifiers});
     return;
   }
   s.refusal.clear();
-  if (s.motion) {
-    if (!s.held) {
+  if (const Drag* const drag = s.drag()) {
+    if (!drag->by_button) {
       apply();
     }
     return;
   }
-  const std::optional<SurfaceHit> hit = s.hit_at(cursor);
-  const bool plain = !modifiers.add && !modifiers.take;
-  const int grabbed = plain ? s.group_at(hit, cursor) : -1;
-  if (!hit && grabbed < 0) {
-    s.refuse("There is no surface of this layer under the cursor: click on the mesh.");
-    return;
-  }
+  const std::optional<SurfaceHit> hit = surface_at(s.mesh(), *s.adjacency, cursor);
+  const bool grabs = !modifiers.add && !modifiers.take && s.selection.next != Selection::Next::Region;
+  const int grabbed = grabs ? group_at(s.mesh(), s.groups(), hit, cursor, s.settings.radius) : -1;
   if (grabbed >= 0) {
-    s.active = grabbed;
-    s.state = State::Picked;
-    const Vector3 handle = centroid(s.current->vertices, s.groups[grabbed]);
-    s.pressed = Impl::Press{hit ? hit->point : cursor.view.beside(handle, cursor.pixel), -1, cursor, modifiers};
-    return;
-  }
-  s.pressed = Impl::Press{hit->point, hit->vertex, cursor, modifiers};
-  if (!plain) {
-    return;
-  }
-  try {
-    s.pick(*hit);
-  } catch (const EditError& error) {
-    s.pressed.reset();
-    s.refuse(error.what());
+    s.selection.active = grabbed;
+    s.pressed = Press{hit ? hit->point : cursor.view.beside(s.center(), cursor.pixel), -1, cursor, modifiers};
+  } else if (hit) {
+    s.press_surface(*hit, cursor, modifiers);
+  } else {
+    s.refusal = messages::kNoSurface;
   }
 }
 
@@ -291,243 +217,357 @@ void DragSession::move(const Cursor& cursor) {
   if (!cursor.view.valid()) {
     return;
   }
-  if (s.state == State::Settling) {
-    if (!s.deferred.empty()) {
-      if (s.deferred.back().kind == Impl::Deferred::Move) {
-        s.deferred.pop_back();
+  if (MouseEvents* const waiting = s.waiting()) {
+    // Only what follows a press counts, and of moves the last.
+    if (!waiting->empty()) {
+      if (waiting->back().kind == MouseEvent::Kind::Move) {
+        waiting->pop_back();
       }
-      s.deferred.push_back({Impl::Deferred::Move, cursor, {}});
+      waiting->push_back({MouseEvent::Kind::Move, cursor, {}});
     }
     return;
   }
-  if (s.pressed && (s.pressed->modifiers.add || s.pressed->modifiers.take)) {
-    if (!s.pressed->brushed) {
-      s.pressed->brushed = true;
+  if (s.pressed && !s.pressed->plain()) {
+    if (!std::exchange(s.pressed->brushed, true)) {
       s.brush(s.pressed->cursor);
     }
     s.brush(cursor);
     return;
   }
-  if (s.pressed && !s.motion) {
+  if (s.pressed && !s.drag()) {
     // The motion begins where the button went down, however far the first move already is.
     if (!s.pressed->draggable || !s.begin(MotionKind::Translate, s.pressed->point, s.pressed->cursor, true)) {
       return;
     }
   }
-  if (s.motion && (s.pressed || !s.held)) {
-    s.motion->move(cursor);
-    s.ask(false);
+  Drag* const drag = s.drag();
+  if (drag && (s.pressed || !drag->by_button)) {
+    drag->motion.move(cursor);
+    s.ask();
   }
 }
 
 void DragSession::release(const Cursor& cursor) {
   Impl& s = *impl_;
-  if (s.state == State::Settling) {
-    if (!s.deferred.empty()) {
-      s.deferred.push_back({Impl::Deferred::Release, cursor, {}});
-    }
+  MouseEvents* const waiting = s.waiting();
+  if (waiting && !waiting->empty()) {
+    waiting->push_back({MouseEvent::Kind::Release, cursor, {}});
     return;
   }
-  if (!s.pressed) {
+  if (waiting || !s.pressed) {
+    s.pressed.reset();
     return;
   }
-  const Impl::Press press = *s.pressed;
-  if (s.motion) {
+  if (Drag* const drag = s.drag()) {
     if (cursor.view.valid()) {
-      s.motion->move(cursor);
+      drag->motion.move(cursor);
     }
     s.release_motion();
     return;
   }
+  const Press press = *s.pressed;
   s.end_stroke();
-  if (press.brushed) {
-    return;
-  }
-  try {
-    if (press.modifiers.add) {
-      s.add_to_handle(press.vertex);
-    } else if (press.modifiers.take) {
-      s.take_from_handle(press.vertex);
-    }
-  } catch (const EditError& error) {
-    s.refuse(error.what());
+  if (!press.plain() && !press.brushed) {
+    s.click(press);
   }
 }
 
-// --- Keys -----------------------------------------------------------------------------------------------------------
+// --- Region and handles ---------------------------------------------------------------------------------------------
 
-bool DragSession::key(char key, const Cursor& cursor) {
+/// A press beside all handles.
+void DragSession::Impl::press_surface(const SurfaceHit& hit, const Cursor& cursor, PressModifiers modifiers) {
+  pressed = Press{hit.point, hit.vertex, cursor, modifiers};
+  if (!pressed->plain()) {
+    return;  // a brush or, with the release, a click
+  }
+  try {
+    const bool taken = take(pick(surface(), selection, hit.vertex));
+    pressed->draggable = taken && selection.mode == HandleMode::Vertex;
+    if (taken) {
+      handles_changed();
+    }
+  } catch (const EditError& error) {
+    pressed.reset();
+    refusal = error.what();
+  }
+}
+
+/// A click with Ctrl or Shift.
+void DragSession::Impl::click(const Press& press) {
+  try {
+    const auto choose = press.modifiers.add ? add_to_handle : take_from_handle;
+    if (!take(choose(surface(), selection, press.vertex))) {
+      return;
+    }
+  } catch (const EditError& error) {
+    refusal = error.what();
+    return;
+  }
+  if (groups().empty() && shown.region()) {
+    show_by_hand();
+  }
+  handles_changed();
+}
+
+void DragSession::Impl::brush(const Cursor& cursor) {
+  const std::optional<SurfaceHit> hit = surface_at(mesh(), *adjacency, cursor);
+  if (!hit) {
+    return;
+  }
+  if (!visibility) {
+    visibility = std::make_unique<Visibility>(mesh());
+  }
+  const double radius = settings.brush_pixels * cursor.view.pixel_size(hit->point);
+  const std::vector<int> patch = brushed_vertices(mesh(), *adjacency, *visibility, cursor.view, *hit, radius);
+  selection = brushed(surface(), selection, patch, pressed->modifiers.add);
+  if (!selection.has_region) {
+    show_region(nullptr);
+    return;
+  }
+  rest(false);
+  show_by_hand();
+}
+
+/// What a button does to the region.
+void DragSession::Impl::change_region(Choice (*choose)(const Surface&, const Selection&)) {
+  refusal.clear();
+  if (settle_down() && take(choose(surface(), selection))) {
+    if (selection.by_hand) {
+      show_by_hand();
+    }
+    handles_changed();
+  }
+}
+
+void DragSession::set_region(std::vector<int> vertices) {
   Impl& s = *impl_;
   s.refusal.clear();
-  if (key == '\b') {
-    const bool something = s.motion || s.state == State::Settling;
-    cancel();
-    return something;
+  if (s.settle_down() && s.take(with_region(s.surface(), s.selection, std::move(vertices)))) {
+    s.show_by_hand();
+    s.handles_changed();
   }
-  if (s.state == State::Settling) {
-    return false;
-  }
-  switch (key) {
-    case '\r':
-      apply();
+}
+
+void DragSession::whole_component() {
+  impl_->change_region(lapedit::whole_component);
+}
+
+void DragSession::grow() {
+  impl_->change_region(grown_by_a_ring);
+}
+
+void DragSession::shrink() {
+  impl_->change_region(shrunk_by_a_ring);
+}
+
+void DragSession::clear() {
+  impl_->change_region([](const Surface&, const Selection& selection) { return Choice(cleared(selection)); });
+}
+
+void DragSession::new_region() {
+  impl_->refusal.clear();
+  impl_->take(with_next_region(impl_->selection));
+}
+
+void DragSession::next_group() {
+  impl_->refusal.clear();
+  impl_->take(with_next_group(impl_->selection));
+}
+
+// --- Keys and motion ------------------------------------------------------------------------------------------------
+
+bool DragSession::key(DragKey key, const Cursor& cursor) {
+  Impl& s = *impl_;
+  s.refusal.clear();
+  switch (key) {  // those that mean something while a step is worked out as well
+    case DragKey::Cancel: {
+      const bool something = s.in_progress();
+      cancel();
+      return something;
+    }
+    case DragKey::Undo:
+      undo();
       return true;
-    case 'g':
-      next_group();
+    case DragKey::Redo:
+      redo();
       return true;
-    case 'w':
-      new_region();
+    case DragKey::Grow:
+      grow();
       return true;
-    case 'c':
-      set_handle_mode(s.mode == HandleMode::Curve ? HandleMode::Vertex : HandleMode::Curve);
+    case DragKey::Shrink:
+      shrink();
       return true;
-    case 't':
-      return s.begin_by_key(MotionKind::Translate, cursor) && (s.ask(false), true);
-    case 'r':
-      return s.begin_by_key(MotionKind::Rotate, cursor) && (s.ask(false), true);
-    case 's':
-      return s.begin_by_key(MotionKind::Scale, cursor) && (s.ask(false), true);
     default:
       break;
   }
-  const std::string axes = "xyzn";
-  const std::size_t axis = axes.find(key);
-  const bool amount = (key >= '0' && key <= '9') || key == '.' || key == '-';
-  if (axis == std::string::npos && !amount) {
+  if (s.waiting()) {
     return false;
   }
-  if (!s.motion && !s.begin_by_key(MotionKind::Translate, cursor)) {
+  switch (key) {
+    case DragKey::Apply:
+      apply();
+      return true;
+    case DragKey::NextGroup:
+      next_group();
+      return true;
+    case DragKey::NewRegion:
+      new_region();
+      return true;
+    case DragKey::Curve:
+      set_handle_mode(s.selection.mode == HandleMode::Curve ? HandleMode::Vertex : HandleMode::Curve);
+      return true;
+    default:
+      return s.motion_key(key, cursor);
+  }
+}
+
+/// Keys that begin a motion, or say more of it.
+bool DragSession::Impl::motion_key(DragKey key, const Cursor& cursor) {
+  bool begun = true;
+  if (key == DragKey::Rotate) {
+    begun = begin_by_key(MotionKind::Rotate, cursor);
+  } else if (key == DragKey::Scale) {
+    begun = begin_by_key(MotionKind::Scale, cursor);
+  } else if (key == DragKey::Translate || !drag()) {
+    begun = begin_by_key(MotionKind::Translate, cursor);
+  }
+  if (!begun) {
     return false;
   }
-  constexpr AxisLock kLocks[] = {AxisLock::X, AxisLock::Y, AxisLock::Z, AxisLock::Normal};
-  if (amount) {
-    s.motion->type(key);
-  } else if (!s.motion->toggle_lock(kLocks[axis])) {
-    s.refuse("The surface has no normal at the handle: lock X, Y or Z instead.");
+  DragMotion& motion = drag()->motion;
+  if (const std::optional<char> typed = typed_character(key)) {
+    motion.type(*typed);
+  } else if (key == DragKey::LockX || key == DragKey::LockY || key == DragKey::LockZ) {
+    motion.toggle_lock(key == DragKey::LockX ? AxisLock::X : key == DragKey::LockY ? AxisLock::Y : AxisLock::Z);
+  } else if (key == DragKey::LockNormal && !motion.toggle_lock(AxisLock::Normal)) {
+    refusal = messages::kNoNormal;
   }
-  s.ask(false);
+  ask();
   return true;
 }
 
+bool DragSession::Impl::begin_by_key(MotionKind kind, const Cursor& cursor) {
+  if (pressed && !pressed->plain()) {
+    end_stroke();
+  }
+  if (groups().empty() || selection.active < 0) {
+    return false;
+  }
+  return begin(kind, drag() ? drag()->motion.grab() : center(), cursor, false);
+}
+
 void DragSession::apply() {
-  Impl& s = *impl_;
-  s.refusal.clear();
-  if (s.motion && s.state == State::Dragging) {
-    s.release_motion();
+  impl_->refusal.clear();
+  if (impl_->in<Dragging>()) {
+    impl_->release_motion();
   }
 }
 
 void DragSession::cancel() {
+  impl_->refusal.clear();
+  if (impl_->in_progress()) {
+    impl_->drop();
+  }
+}
+
+// --- Steps ----------------------------------------------------------------------------------------------------------
+
+bool DragSession::can_undo() const {
+  return impl_->history.can_undo() || impl_->in_progress();
+}
+
+bool DragSession::can_redo() const {
+  return impl_->history.can_redo() && !impl_->in_progress();
+}
+
+void DragSession::undo() {
   Impl& s = *impl_;
   s.refusal.clear();
-  if (s.motion || s.state == State::Settling) {
+  if (s.in_progress()) {
     s.drop();
+    return;
+  }
+  if (!s.history.can_undo()) {
+    s.refusal = messages::kNothingToUndo;
+    return;
+  }
+  const AppliedStep& step = s.history.undo();
+  s.show_mesh(step.vertices, step.before, true);
+  s.log(messages::step_undone(s.history.steps().size() + 1));
+  s.take_over(step, false);
+}
+
+void DragSession::redo() {
+  Impl& s = *impl_;
+  s.refusal.clear();
+  if (!s.settle_down()) {
+    return;
+  }
+  if (!s.history.can_redo()) {
+    s.refusal = messages::kNothingToRedo;
+    return;
+  }
+  const AppliedStep& step = s.history.redo();
+  s.show_mesh(step.vertices, step.after, true);
+  s.log(messages::step_redone(s.history.steps().size()));
+  s.take_over(step, true);
+}
+
+void DragSession::reset() {
+  Impl& s = *impl_;
+  cancel();
+  const std::size_t count = s.history.steps().size();
+  const AppliedStep* first = nullptr;
+  while (s.history.can_undo()) {
+    first = &s.history.undo();
+    s.show_mesh(first->vertices, first->before, !s.history.can_undo());
+  }
+  if (first) {
+    s.log(messages::all_undone(count));
+    s.take_over(*first, false);
   }
 }
 
-// --- Worker ---------------------------------------------------------------------------------------------------------
-
-void DragSession::Impl::on_error(const std::string& sentence) {
-  preparing = false;
-  ready = false;
-  log("not possible: " + sentence);
-  if (motion || state == State::Settling) {
-    drop();
-  }
-  if (!region || !has_region) {
-    show_region(nullptr);
-  }
-  refuse(sentence);
+Edit DragSession::recorded() const {
+  return impl_->history.recorded();
 }
 
-void DragSession::Impl::take_pose() {
-  if (worker_pose.serial < first_serial || (state != State::Dragging && state != State::Settling)) {
-    return;
-  }
-  solve_ms = worker_pose.solve_ms;
-  const bool last = state == State::Settling && worker_pose.serial == last_serial;
-  if (state == State::Settling && settling == Settling::Amend) {
-    if (last) {
-      commit_amended();
-    }
-    return;
-  }
-  if (incoming) {
-    back_to_rest(false);
-    show_region(std::exchange(incoming, nullptr));
-  }
-  if (!region || worker_pose.positions.rows() != region->size()) {
-    if (state == State::Settling) {
-      drop();
-    }
-    return;
-  }
-  pose.swap(worker_pose.positions);
-  ++pose_serial;
-  away = true;
-  if (last) {
-    commit_release();
-  } else {
-    show(region->mesh_vertex, pose, false);
-  }
+void DragSession::load(Edit edit) {
+  Impl& s = *impl_;
+  cancel();
+  s.pressed.reset();
+  s.preparation = Impl::Preparation::Running;
+  s.worker.apply({s.history.mesh(), s.adjacency, edit, s.scalar});
+  s.phase = Loading{std::move(edit), s.amendable(), {}};
 }
+
+// --- News of the worker ---------------------------------------------------------------------------------------------
 
 bool DragSession::poll() {
-  Impl& s = *impl_;
-  const SolverNews news = s.worker.poll(s.worker_pose);
-  if (news.region) {
-    if (s.away || (s.state == State::Settling && s.settling != Impl::Settling::Release)) {
-      s.incoming = news.region;  // shown with its first pose
+  MouseEvents waited;
+  const bool news = impl_->listen(waited);
+  for (const MouseEvent& event : waited) {
+    if (event.kind == MouseEvent::Kind::Press) {
+      press(event.cursor, event.modifiers);
+    } else if (event.kind == MouseEvent::Kind::Move) {
+      move(event.cursor);
     } else {
-      s.show_region(news.region);
+      release(event.cursor);
     }
   }
-  if (news.ready) {
-    s.preparing = false;
-    s.ready = true;
-    s.prepare_ms = news.prepare_ms;
-  }
-  if (news.report) {
-    s.report = news.report;
-  }
-  if (news.pose) {
-    s.take_pose();
-  }
-  if (news.applied) {
-    s.commit_loaded(*news.applied);
-  }
-  if (!news.error.empty()) {
-    s.on_error(news.error);
-  }
-  if (!news.pose_error.empty()) {
-    if (s.state == State::Settling) {
-      s.log("not possible: " + news.pose_error);
-      s.drop();
-    }
-    s.refuse(news.pose_error);
-  }
-  if (s.state != State::Settling && !s.deferred.empty()) {
-    for (const Impl::Deferred& event : std::exchange(s.deferred, {})) {
-      if (event.kind == Impl::Deferred::Press) {
-        press(event.cursor, event.modifiers);
-      } else if (event.kind == Impl::Deferred::Move) {
-        move(event.cursor);
-      } else {
-        release(event.cursor);
-      }
-    }
-  }
-  return news.region || news.ready || news.report || news.pose || news.applied || !news.error.empty() ||
-         !news.pose_error.empty();
+  return news;
 }
 
 void DragSession::finish() {
   Impl& s = *impl_;
-  s.deferred.clear();
   s.pressed.reset();
-  while (s.state == State::Settling && s.settling == Impl::Settling::Release && s.worker.wait()) {
+  if (MouseEvents* const waiting = s.waiting()) {
+    waiting->clear();
+  }
+  while (s.in<Releasing>() && s.worker.wait()) {
     poll();
   }
-  if (s.motion || s.state == State::Settling) {
+  if (s.in_progress()) {
     s.drop();
   }
 }

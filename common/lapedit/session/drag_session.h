@@ -7,24 +7,20 @@
 #include <vector>
 
 #include "lapedit/edit/edit.h"
+#include "lapedit/session/drag_key.h"
 #include "lapedit/session/drag_motion.h"
+#include "lapedit/session/drag_settings.h"
+
+// From a click to a saved edit, as a window does it (wait() in place of its event loop):
+//
+//   DragSession session(mesh, StoredScalar::Float, callbacks);
+//   session.press({camera, pixel});                        // takes a handle, and a region around it
+//   session.move({camera, pixel + Vector2(40, 0)});        // callbacks.pose brings what the surface looks like
+//   session.release({camera, pixel + Vector2(40, 0)});
+//   session.wait();                                        // session.mesh() is the edited mesh
+//   const Edit edit = session.recorded();                  // for apply_edit(), or to be written as JSON
 
 namespace lapedit {
-
-/// What the user can set; all of it may change at any time.
-struct DragSettings {
-  double radius = 0;         ///< of a new region, along the surface, model units; 0: a tenth of the box's diagonal
-  double padding = 0.1;      ///< see RegionSpec
-  double handle_radius = 0;  ///< vertices within it of the one clicked are picked together; 0: that one alone
-  double brush_pixels = 20;  ///< radius of the brush on the screen
-  EditSettings edit;
-};
-
-/// What clicks on the surface make a handle of.
-enum class HandleMode {
-  Vertex,  ///< the vertex clicked, and those within the handle radius
-  Curve    ///< the vertices of shortest paths from click to click
-};
 
 struct PressModifiers {
   bool add = false;   ///< Ctrl: a click adds to the handle, a drag brushes the region larger
@@ -78,6 +74,7 @@ class DragSession {
   const TriangleMesh& mesh() const;  ///< with all applied steps, without a drag in progress
   const Adjacency& adjacency() const;
   const Region* region() const;  ///< classified region to show, null if there is none or it is not known yet
+  int region_serial() const;     ///< counts the changes of region()
   const Points& pose() const;    ///< where region()'s vertices are now, one row per vertex; changes with pose_serial()
   int pose_serial() const;       ///< counts the changes of region() and pose()
   const std::vector<std::vector<int>>& groups() const;  ///< handle groups, mesh vertex numbers
@@ -110,13 +107,10 @@ class DragSession {
 
   // Keys -------------------------------------------------------------------------------------------------------------
 
-  /// x y z: lock an axis of the mesh; n: the surface normal at the handle; the same again frees it. t r s: translate,
-  /// rotate, scale with the mouse, no button. 0-9 . - : an exact amount. \r: apply. \b: cancel. g: next handle is
-  /// another group, the others holding. c: curve or vertex. w: next click takes a new region.
-  /// @return whether the key means anything now
-  bool key(char key, const Cursor& cursor);
-  void apply();   ///< what \r does: applies the drag in progress
-  void cancel();  ///< what \b does: drops the drag in progress, not one bit of the mesh has changed
+  /// What each does is told by kKeyHelp. @return whether the key means anything now
+  bool key(DragKey key, const Cursor& cursor);
+  void apply();   ///< applies the drag in progress
+  void cancel();  ///< drops the drag in progress, not one bit of the mesh has changed
 
   // Region -----------------------------------------------------------------------------------------------------------
 

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/session/drag_settings.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "lapedit/base/error.h"
+#include "lapedit/session/messages.h"
+
+namespace lapedit {
+namespace {
+
+constexpr double kRadiusOfDiagonal = 0.1;
+
+double finite_diagonal(const Points& points) {
+  Eigen::AlignedBox3d box;
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    if (points.row(i).allFinite()) {
+      box.extend(Vector3(points.row(i).transpose()));
+    }
+  }
+  return box.isEmpty() ? 0 : box.diagonal().norm();
+}
+
+}  // namespace
+
+DragSettings settings_for(const TriangleMesh& mesh) {
+  DragSettings settings;
+  const double diagonal = finite_diagonal(mesh.vertices);
+  settings.radius = diagonal > 0 ? kRadiusOfDiagonal * diagonal : 1;
+  return settings;
+}
+
+void validate(const DragSettings& settings) {
+  validate(settings.edit);
+  const auto refuse = [](const char* what, double value, const char* wanted) {
+    throw EditError(ErrorCause::BadParameter, messages::out_of_range(what, value, wanted));
+  };
+  if (!(settings.radius > 0 && std::isfinite(settings.radius))) {
+    refuse("region's radius", settings.radius, "a finite length greater than 0");
+  }
+  if (!(settings.padding >= 0 && settings.padding <= 1)) {
+    refuse("padding", settings.padding, "a share of the region's radius from 0 to 1");
+  }
+  if (!(settings.handle_radius >= 0 && std::isfinite(settings.handle_radius))) {
+    refuse("handle's radius", settings.handle_radius, "a finite length, or 0 for a single vertex");
+  }
+  if (!(settings.brush_pixels >= 1 && settings.brush_pixels <= 1000)) {
+    refuse("brush's radius", settings.brush_pixels, "1 to 1000 pixels");
+  }
+}
+
+bool same(const EditSettings& a, const EditSettings& b) {
+  return a.laplacian == b.laplacian && a.order == b.order && a.rotation == b.rotation && a.iterations == b.iterations &&
+         a.normal_radius == b.normal_radius && a.handle_weight == b.handle_weight &&
+         a.anchor_weight == b.anchor_weight && a.backend == b.backend && a.threads == b.threads;
+}
+
+}  // namespace lapedit

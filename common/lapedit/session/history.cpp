@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/session/history.h"
+
+#include <utility>
+
+namespace lapedit {
+namespace {
+
+void scatter(const std::vector<int>& vertices, const Points& rows, Points& points) {
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    points.row(vertices[i]) = rows.row(static_cast<Eigen::Index>(i));
+  }
+}
+
+}  // namespace
+
+Points gather(const Points& points, const std::vector<int>& vertices) {
+  Points rows(static_cast<Eigen::Index>(vertices.size()), 3);
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    rows.row(static_cast<Eigen::Index>(i)) = points.row(vertices[i]);
+  }
+  return rows;
+}
+
+History::History(TriangleMesh original)
+    : original_(std::make_shared<const TriangleMesh>(std::move(original))), mesh_(original_) {}
+
+void History::put(const std::vector<int>& vertices, const Points& places) {
+  auto changed = std::make_shared<TriangleMesh>(*mesh_);
+  scatter(vertices, places, changed->vertices);
+  mesh_ = std::move(changed);
+}
+
+std::shared_ptr<const TriangleMesh> History::before_last() const {
+  auto mesh = std::make_shared<TriangleMesh>(*mesh_);
+  scatter(steps_.back().vertices, steps_.back().before, mesh->vertices);
+  return mesh;
+}
+
+Edit History::recorded() const {
+  Edit edit;
+  edit.mesh_vertices = static_cast<int>(original_->vertices.rows());
+  edit.mesh_faces = static_cast<int>(original_->faces.rows());
+  if (checksum_.empty()) {
+    checksum_ = connectivity_checksum(static_cast<std::size_t>(original_->vertices.rows()), original_->faces);
+  }
+  edit.connectivity = checksum_;
+  for (const AppliedStep& applied : steps_) {
+    edit.steps.push_back(applied.step);
+  }
+  return edit;
+}
+
+const AppliedStep& History::apply(EditStep step, std::vector<int> vertices, Points after) {
+  undone_.clear();
+  Points before = gather(mesh_->vertices, vertices);
+  put(vertices, after);
+  steps_.push_back({std::move(step), std::move(vertices), std::move(before), std::move(after), {}});
+  return steps_.back();
+}
+
+const AppliedStep& History::amend(EditStep step, std::vector<int> vertices, Points after) {
+  mesh_ = before_last();
+  steps_.pop_back();
+  return apply(std::move(step), std::move(vertices), std::move(after));
+}
+
+const AppliedStep& History::undo() {
+  undone_.push_back(std::move(steps_.back()));
+  steps_.pop_back();
+  put(undone_.back().vertices, undone_.back().before);
+  return undone_.back();
+}
+
+const AppliedStep& History::redo() {
+  steps_.push_back(std::move(undone_.back()));
+  undone_.pop_back();
+  put(steps_.back().vertices, steps_.back().after);
+  return steps_.back();
+}
+
+}  // namespace lapedit

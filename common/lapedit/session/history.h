@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "lapedit/edit/edit.h"
+
+namespace lapedit {
+
+/// Rows of some vertices.
+Points gather(const Points& points, const std::vector<int>& vertices);
+
+/// A step with what it changed.
+struct AppliedStep {
+  EditStep step;
+  std::vector<int> vertices;  ///< mesh vertex numbers
+  Points before, after;       ///< one row per entry of vertices
+  RegionSpec next;            ///< the region for what follows in it
+};
+
+/// A mesh and the steps that made it what it is. Undo puts back what was there, so it is exact to the bit.
+///
+/// The mesh is never changed but replaced, since another thread may be reading it: O(mesh) per change. References that
+/// are handed out last until the next change.
+class History {
+ public:
+  explicit History(TriangleMesh original);
+
+  const TriangleMesh& original() const { return *original_; }
+  const std::shared_ptr<const TriangleMesh>& mesh() const { return mesh_; }
+  /// The mesh as the last step found it. There has to be one.
+  std::shared_ptr<const TriangleMesh> before_last() const;
+  const std::vector<AppliedStep>& steps() const { return steps_; }  ///< applied, the oldest first
+  bool can_undo() const { return !steps_.empty(); }
+  bool can_redo() const { return !undone_.empty(); }
+  /// The steps with counts and connectivity of the mesh: applied to original() by apply_edit() they give mesh().
+  Edit recorded() const;
+
+  /// Puts vertices to their places after a step; what was undone is gone. @param after  one row per vertex
+  const AppliedStep& apply(EditStep step, std::vector<int> vertices, Points after);
+  /// As if this step had been applied in place of the last one.
+  const AppliedStep& amend(EditStep step, std::vector<int> vertices, Points after);
+  /// Sets AppliedStep::next of the last step.
+  void set_next_region(RegionSpec next) { steps_.back().next = std::move(next); }
+  /// Takes the last step back. There has to be one. @return the step
+  const AppliedStep& undo();
+  /// Applies the step again that was taken back last. There has to be one. @return the step
+  const AppliedStep& redo();
+
+ private:
+  void put(const std::vector<int>& vertices, const Points& places);
+
+  std::shared_ptr<const TriangleMesh> original_, mesh_;
+  std::vector<AppliedStep> steps_, undone_;
+  mutable std::string checksum_;  // of the connectivity, once it was asked for
+};
+
+}  // namespace lapedit

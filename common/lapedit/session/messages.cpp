@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/session/messages.h"
+
+#include <locale>
+#include <sstream>
+
+#include "lapedit/base/format_text.h"
+
+namespace lapedit::messages {
+namespace {
+
+const char* name(AxisLock lock) {
+  switch (lock) {
+    case AxisLock::X:
+      return "X";
+    case AxisLock::Y:
+      return "Y";
+    case AxisLock::Z:
+      return "Z";
+    case AxisLock::Normal:
+      return "the normal";
+    case AxisLock::None:
+      break;
+  }
+  return "";
+}
+
+const char* ending(std::size_t count) {
+  return count == 1 ? "" : "s";
+}
+
+}  // namespace
+
+// What the next click does -------------------------------------------------------------------------------------------
+
+std::string dragging(const DragMotion& motion, bool by_button) {
+  return motion.text() + (by_button ? ": release to apply" : ": click or press Return to apply") +
+         ", Backspace drops it; X Y Z N lock an axis, digits give an amount.";
+}
+
+std::string motion(MotionKind kind, const HandleTransform& now, const std::optional<Vector3>& axis, AxisLock lock,
+                   const std::string& typed) {
+  std::ostringstream out;
+  out.imbue(std::locale::classic());
+  out.precision(4);
+  switch (kind) {
+    case MotionKind::Translate:
+      out << "Moving by " << (axis ? now.translation.dot(*axis) : now.translation.norm());
+      break;
+    case MotionKind::Rotate:
+      out << "Turning by " << now.degrees << " degrees";
+      break;
+    case MotionKind::Scale:
+      out << "Scaling by " << now.scale;
+      break;
+  }
+  if (axis && kind != MotionKind::Scale) {
+    out << (kind == MotionKind::Translate ? " along " : " about ") << name(lock);
+  }
+  if (!typed.empty()) {
+    out << " (typed " << typed << ")";
+  }
+  return out.str();
+}
+
+// Refusals -----------------------------------------------------------------------------------------------------------
+
+std::string out_of_range(const char* what, double value, const char* wanted) {
+  return format_text("The %s is %g: give %s.", what, value, wanted);
+}
+
+std::string no_such_vertices(int vertices_of_mesh) {
+  return format_text("The mesh has %d vertices, numbered from 0: choose a region among them.", vertices_of_mesh);
+}
+
+std::string outside_region(int vertex) {
+  return format_text(
+      "Vertex %d is outside the region: click inside it, brush it larger with Ctrl, or press W for a new region.",
+      vertex);
+}
+
+std::string no_path(int from, int to) {
+  return format_text("No path along edges leads from vertex %d to vertex %d: click on the same piece of the surface.",
+                     from, to);
+}
+
+std::string curve_outside_region(const std::vector<int>& outside) {
+  return format_text(
+      "%zu vertices of the curve would lie outside the region, the first is vertex %d: enlarge the region or click "
+      "inside it.",
+      outside.size(), outside.front());
+}
+
+std::string not_added(int vertex) {
+  return format_text("Vertex %d is outside the region or in another handle: it was not added.", vertex);
+}
+
+std::string in_no_handle(int vertex) {
+  return format_text(
+      "Vertex %d is in no handle: Shift-click on a handle vertex takes it away, Shift-drag brushes the region smaller.",
+      vertex);
+}
+
+std::string single_vertex(MotionKind kind, int vertex) {
+  return format_text(
+      "%s needs a handle of several vertices, and this one is vertex %d alone: set a handle radius or add vertices "
+      "with Ctrl-clicks.",
+      kind == MotionKind::Rotate ? "Turning" : "Scaling", vertex);
+}
+
+// Lines for a log ----------------------------------------------------------------------------------------------------
+
+std::string not_possible(const std::string& why) {
+  return "not possible: " + why;
+}
+
+std::string step_applied(std::size_t number, const DragMotion& motion, const std::vector<int>& handle, int region_size,
+                         double prepare_ms, double solve_ms) {
+  const bool one = handle.size() == 1;
+  return format_text(
+      "step %zu: %s, handle of %zu vert%s (%s%d), region of %d vertices, prepared in %.1f ms, solved in %.1f ms",
+      number, motion.text().c_str(), handle.size(), one ? "ex" : "ices", one ? "" : "the first is ", handle.front(),
+      region_size, prepare_ms, solve_ms);
+}
+
+std::string step_amended(std::size_t number, int region_size, double prepare_ms, double solve_ms) {
+  return format_text(
+      "step %zu again with other settings: region of %d vertices, prepared in %.1f ms, solved in %.1f ms", number,
+      region_size, prepare_ms, solve_ms);
+}
+
+std::string edit_applied(std::size_t steps) {
+  return format_text("%zu step%s of a saved edit applied", steps, ending(steps));
+}
+
+std::string step_undone(std::size_t number) {
+  return format_text("step %zu undone", number);
+}
+
+std::string step_redone(std::size_t number) {
+  return format_text("step %zu redone", number);
+}
+
+std::string all_undone(std::size_t steps) {
+  return format_text("back to the original: %zu step%s undone", steps, ending(steps));
+}
+
+}  // namespace lapedit::messages

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lapedit/session/drag_motion.h"
+
+/// Every sentence of a session that a user reads: what comes next, why something is refused, and lines for a log.
+namespace lapedit::messages {
+
+// What the next click does -------------------------------------------------------------------------------------------
+
+constexpr const char* kLoading = "Applying the saved edit. Backspace drops it.";
+constexpr const char* kSolving = "Solving for the exact result. Backspace drops it.";
+constexpr const char* kNextIsRegion = "Click on the surface for a new region and its handle.";
+constexpr const char* kNextIsGroup = "Click on the surface for another handle; those there hold their place.";
+constexpr const char* kPickInRegion = "Click inside the region to pick its handle.";
+constexpr const char* kPickAnywhere = "Press on the surface and drag, or click to see the region first.";
+constexpr const char* kLeadCurve = "Click to lead the curve on, drag the curve to move it; C ends it.";
+constexpr const char* kDragHandle =
+    "Drag the handle (R turns, S scales, T moves it), click inside the region for another one, outside for a new "
+    "region.";
+std::string dragging(const DragMotion& motion, bool by_button);
+
+/// "Moving by 0.5 along Y (typed 0.5)"
+/// @param axis  of the lock, none without one
+std::string motion(MotionKind kind, const HandleTransform& now, const std::optional<Vector3>& axis, AxisLock lock,
+                   const std::string& typed);
+
+// Refusals -----------------------------------------------------------------------------------------------------------
+
+constexpr const char* kStillSettling =
+    "The last step is still being worked out: wait a moment, or press Backspace to drop it.";
+constexpr const char* kNoSurface = "There is no surface of this layer under the cursor: click on the mesh.";
+constexpr const char* kNoNormal = "The surface has no normal at the handle: lock X, Y or Z instead.";
+constexpr const char* kNoRegionVertices = "The region has no vertices: select some faces first.";
+constexpr const char* kNoComponent =
+    "There is no handle, so it is not known whose component is meant: click on the surface first.";
+constexpr const char* kNoRegion = "There is no region yet: click on the surface first.";
+constexpr const char* kNothingLeft = "Nothing would be left of the region: it stays as it is.";
+constexpr const char* kNoHandle = "There is no handle yet: the first click makes one.";
+constexpr const char* kNothingToUndo = "There is nothing to undo: no step has been applied.";
+constexpr const char* kNothingToRedo = "There is nothing to redo: no step has been undone.";
+std::string out_of_range(const char* what, double value, const char* wanted);
+std::string no_such_vertices(int vertices_of_mesh);
+std::string outside_region(int vertex);
+std::string no_path(int from, int to);
+std::string curve_outside_region(const std::vector<int>& outside);
+std::string not_added(int vertex);
+std::string in_no_handle(int vertex);
+std::string single_vertex(MotionKind kind, int vertex);
+
+// Lines for a log ----------------------------------------------------------------------------------------------------
+
+std::string not_possible(const std::string& why);
+std::string step_applied(std::size_t number, const DragMotion& motion, const std::vector<int>& handle, int region_size,
+                         double prepare_ms, double solve_ms);
+std::string step_amended(std::size_t number, int region_size, double prepare_ms, double solve_ms);
+std::string edit_applied(std::size_t steps);
+std::string step_undone(std::size_t number);
+std::string step_redone(std::size_t number);
+std::string all_undone(std::size_t steps);
+
+}  // namespace lapedit::messages

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/session/picking.h"
+
+#include <algorithm>
+
+namespace lapedit {
+namespace {
+
+/// A press this near to a handle vertex takes hold of its group.
+constexpr double kGrabPixels = 6;
+/// A press beside the surface, but this near to it, means its edge: tips of limbs are thinner than a pixel.
+constexpr double kEdgePixels = 4;
+
+double pixels_away(const Cursor& cursor, const Vector3& place) {
+  return (cursor.view.pixel(place) - cursor.pixel).norm();
+}
+
+}  // namespace
+
+std::optional<SurfaceHit> surface_at(const TriangleMesh& mesh, const Adjacency& adjacency, const Cursor& cursor) {
+  std::optional<SurfaceHit> hit = first_hit(mesh, cursor.view.ray(cursor.pixel));
+  if (hit) {
+    return hit;
+  }
+  double nearest = kEdgePixels;
+  for (int v = 0; v < static_cast<int>(mesh.vertices.rows()); ++v) {
+    const Vector3 place = mesh.vertices.row(v).transpose();
+    if (adjacency.faces[v].size() == 0 || !place.allFinite() || !cursor.view.in_front(place)) {
+      continue;
+    }
+    const double pixels = pixels_away(cursor, place);
+    if (pixels < nearest) {
+      nearest = pixels;
+      hit = SurfaceHit{place, *adjacency.faces[v].begin(), v};
+    }
+  }
+  return hit;
+}
+
+int group_at(const TriangleMesh& mesh, const std::vector<std::vector<int>>& groups,
+             const std::optional<SurfaceHit>& hit, const Cursor& cursor, double depth) {
+  int found = -1;
+  double nearest = kGrabPixels;
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    for (const int v : groups[g]) {
+      const Vector3 place = mesh.vertices.row(v).transpose();
+      if (!cursor.view.in_front(place)) {
+        continue;
+      }
+      const double pixels = pixels_away(cursor, place);
+      const double behind = hit ? (place - hit->point).norm() : 0;
+      const double reach = std::max(depth, kGrabPixels * cursor.view.pixel_size(place));
+      if ((pixels <= nearest && behind <= reach) || (hit && v == hit->vertex)) {
+        nearest = pixels;
+        found = static_cast<int>(g);
+      }
+    }
+  }
+  return found;
+}
+
+Vector3 mean_normal(const TriangleMesh& mesh, const Adjacency& adjacency, const std::vector<int>& vertices) {
+  Vector3 sum = Vector3::Zero();
+  for (const int v : vertices) {
+    for (const int f : adjacency.faces[v]) {
+      const Vector3 a = mesh.vertices.row(mesh.faces(f, 0)).transpose();
+      const Vector3 b = mesh.vertices.row(mesh.faces(f, 1)).transpose();
+      const Vector3 c = mesh.vertices.row(mesh.faces(f, 2)).transpose();
+      const Vector3 normal = (b - a).cross(c - a);
+      if (normal.allFinite()) {
+        sum += normal;
+      }
+    }
+  }
+  return sum;
+}
+
+}  // namespace lapedit

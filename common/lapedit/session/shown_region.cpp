@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/session/shown_region.h"
+
+#include <algorithm>
+
+#include "lapedit/session/history.h"
+
+namespace lapedit {
+
+Region region_by_hand(const TriangleMesh& mesh, const Adjacency& adjacency, const std::vector<int>& vertices,
+                      const std::vector<std::vector<int>>& groups) {
+  Region region;
+  region.mesh_vertex = vertices;
+  region.mesh_vertices = static_cast<int>(mesh.vertices.rows());
+  region.classes.assign(vertices.size(), VertexClass::Free);
+  const auto local = [&vertices](int v) {
+    const auto place = std::lower_bound(vertices.begin(), vertices.end(), v);
+    return place != vertices.end() && *place == v ? static_cast<int>(place - vertices.begin()) : -1;
+  };
+  std::vector<int> corners;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    for (const int w : adjacency.neighbours[vertices[i]]) {
+      if (local(w) < 0) {
+        region.classes[i] = VertexClass::Anchor;
+      }
+    }
+    for (const int f : adjacency.faces[vertices[i]]) {
+      const int a = local(mesh.faces(f, 0));
+      const int b = local(mesh.faces(f, 1));
+      const int c = local(mesh.faces(f, 2));
+      // Each face once: at its lowest corner.
+      if (a >= 0 && b >= 0 && c >= 0 && std::min({a, b, c}) == static_cast<int>(i)) {
+        corners.insert(corners.end(), {a, b, c});
+      }
+    }
+  }
+  for (const std::vector<int>& group : groups) {
+    for (const int v : group) {
+      if (local(v) >= 0) {
+        region.classes[local(v)] = VertexClass::Handle;
+      }
+    }
+  }
+  region.faces = Eigen::Map<const Faces>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
+  return region;
+}
+
+void ShownRegion::show(std::shared_ptr<const Region> region, const TriangleMesh& mesh) {
+  region_ = std::move(region);
+  std::fill(std::begin(counts_), std::end(counts_), 0);
+  if (region_) {
+    pose_ = gather(mesh.vertices, region_->mesh_vertex);
+    for (const VertexClass c : region_->classes) {
+      ++counts_[static_cast<int>(c)];
+    }
+  }
+  away_ = false;
+  ++serial_;
+  ++region_serial_;
+}
+
+void ShownRegion::pose(Points& places) {
+  pose_.swap(places);
+  away_ = true;
+  ++serial_;
+}
+
+void ShownRegion::settle() {
+  away_ = false;
+  ++serial_;
+}
+
+bool ShownRegion::rest(const TriangleMesh& mesh) {
+  if (!away_ || !region_) {
+    return false;
+  }
+  pose_ = gather(mesh.vertices, region_->mesh_vertex);
+  settle();
+  return true;
+}
+
+}  // namespace lapedit

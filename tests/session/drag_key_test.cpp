@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/session/drag_key.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+
+namespace lapedit {
+namespace {
+
+TEST(DragKey, EachIsTheUsersToReadOnce) {
+  int next = 0;
+  std::set<std::string> names, sentences;
+  for (const KeyHelp& help : kKeyHelp) {
+    EXPECT_EQ(static_cast<int>(help.first), next) << help.name;
+    EXPECT_GE(help.last, help.first);
+    next = static_cast<int>(help.last) + 1;
+    EXPECT_TRUE(names.insert(help.name).second) << help.name;
+    EXPECT_TRUE(sentences.insert(help.does).second) << help.does;
+    EXPECT_EQ(std::string(help.does).back(), '.');
+  }
+  EXPECT_EQ(next, static_cast<int>(DragKey::Redo) + 1);
+}
+
+TEST(DragKey, DigitsPointAndMinusAreTyped) {
+  std::string typed;
+  for (int key = 0; key <= static_cast<int>(DragKey::Redo); ++key) {
+    if (const auto character = typed_character(static_cast<DragKey>(key))) {
+      typed += *character;
+    }
+  }
+  EXPECT_EQ(typed, "0123456789.-");
+  EXPECT_EQ(typed_character(digit_key(7)), '7');
+}
+
+}  // namespace
+}  // namespace lapedit
