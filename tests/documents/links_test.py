@@ -6,7 +6,7 @@ import re
 import subprocess
 import unittest
 
-from documents import ROOT, Document, files
+from documents import ROOT, Document, code, files
 
 LONGEST_README = 150  # lines
 
@@ -95,6 +95,17 @@ class Links(unittest.TestCase):
         for path in self.files:
             if path.startswith("common/docs/pictures/"):
                 self.assertIn(path, shown)
+
+    def test_widgets_are_those_of_the_panel(self):
+        panel = (ROOT / "edit_laplacian_drag/panel.cpp").read_text(encoding="utf-8")
+        made = set(re.findall(r'\b(?:number|length|count|choice|button|figure|prepared<\w+>|nameOf)\(\s*"(\w+)"', panel))
+        # Those of settings are named as the settings are.
+        settings = re.findall(r"`steps\[\]\.(\w+)` \|", self.documents["common/docs/json-format.md"].text)
+        made |= set(settings) - {"region", "handles"}
+        rows = self.documents["tests/README.md"].rows("The window's tests")
+        told = {name for row in rows for name in code(row[1].split(";")[0])}
+        self.assertGreater(len(made), 30)
+        self.assertEqual(told, made)
 
     def test_the_architecture_names_all_layers_and_targets(self):
         architecture = self.documents["common/docs/architecture.md"]
