@@ -107,6 +107,15 @@ class Links(unittest.TestCase):
         self.assertGreater(len(made), 30)
         self.assertEqual(told, made)
 
+    def test_keys_are_those_of_the_session(self):
+        table = (ROOT / "common/lapedit/session/drag_key.cpp").read_text(encoding="utf-8")
+        known = re.findall(r'\{DragKey::\w+, DragKey::\w+,\s+"([^"]+)",\s+"', table)
+        self.assertGreater(len(known), 15)
+        rows = self.documents["edit_laplacian_drag/README.md"].rows("Keys")
+        told = {name for row in rows for name in re.split(r"[,; ()`]+|\bor\b", row[0]) if name}
+        # The other ways to say the same, and MeshLab's own.
+        self.assertEqual(told - {"Ctrl+Y", "Esc"}, set(known))
+
     def test_the_architecture_names_all_layers_and_targets(self):
         architecture = self.documents["common/docs/architecture.md"]
         tree = architecture.blocks[0][1]
