@@ -7,12 +7,16 @@ import re
 import subprocess
 import unittest
 import xml.etree.ElementTree
+import xml.sax.saxutils
 
 from documents import ROOT, Document, WithProgram, code, ranges
 
 PROGRAM = os.environ["LAPEDIT_COMMAND"]
 TYPES = {"Choice": "RichEnum", "Point": "RichPoint3f", "Length": "RichAbsPerc", "Real": "RichFloat",
          "Integer": "RichInt", "Text": "RichString"}
+
+EDIT = ('{"laplacian_edit": 1, "steps": [{"region": {"radius": 0.4}, '
+        '"handles": [{"vertices": "66", "translation": [0, 0, 0.1]}]}]}')
 
 
 def default_of(parameter):
@@ -50,32 +54,37 @@ class FilterParameters(WithProgram):
         self.assertEqual([(p.get("name"), p.get("type")) for p in example.iter("Param")],
                          [(code(row[0])[0], row[1]) for row in self.tables["Laplacian Edit"]])
 
-    def run_filter(self, **values):
-        given = {"handle_source": 1, "radius": 0.45, "padding": 0.3} | values
-        types = {code(row[0])[0]: row[1] for row in self.tables["Laplacian Edit"]}
-        lines = [f'<Param type="{types[name]}" name="{name}" value="{value}" min="0" max="1" enum_cardinality="3"/>'
-                 for name, value in given.items()]
+    def run_filter(self, filter_name, **values):
+        """Runs a filter on the middle of the sheet, with defaults that fit it."""
+        given = {"handle_source": 1, "radius": 0.45, "padding": 0.3, "edit": EDIT} | values
+        lines = []
+        for row in self.tables[filter_name]:
+            name, kind = code(row[0])[0], row[1]
+            if name in given:
+                value = xml.sax.saxutils.quoteattr(str(given[name]))
+                lines.append(f'<Param type="{kind}" name="{name}" value={value} min="0" max="1" enum_cardinality="3"/>')
         select = ('<filter name="Conditional Vertex Selection"><Param type="RichString" name="condSelect" '
                   'value="(x-0.5)*(x-0.5)+(y-0.5)*(y-0.5) &lt; 0.02"/></filter>')
-        script = ("<!DOCTYPE FilterScript><FilterScript>" + select + '<filter name="Laplacian Edit">' + "".join(lines)
-                  + '<Param type="RichPoint3f" name="translation" x="0" y="0" z="0.1"/></filter></FilterScript>')
+        script = (f'<!DOCTYPE FilterScript><FilterScript>{select}<filter name="{filter_name}">{"".join(lines)}'
+                  "</filter></FilterScript>")
         return self.edit(PROGRAM, script, "mlx", "--quiet")
 
     def test_ranges(self):
         tested = 0
-        for row in self.tables["Laplacian Edit"]:
-            name, (spans, above_zero) = code(row[0])[0], ranges(row[3])
-            allowed, refused = [], ["0"] if above_zero else []
-            for low, high in spans:
-                allowed += [low, high]
-                refused += [f"{float(low) - 1:.12g}" if row[1] == "RichInt" else f"{float(low) * 0.9 - 1e-9:.12g}",
-                            f"{float(high) + 1:.12g}"]
-            for value, code_wanted in [(v, 0) for v in allowed] + [(v, 1) for v in refused]:
-                tested += 1
-                with self.subTest(parameter=name, value=value):
-                    done = self.run_filter(**{name: value})
-                    self.assertEqual(done.returncode, code_wanted, done.stderr)
-        self.assertGreaterEqual(tested, 22)
+        for filter_name, table in self.tables.items():
+            for row in table:
+                name, (spans, above_zero) = code(row[0])[0], ranges(row[3])
+                allowed, refused = [], ["0"] if above_zero else []
+                for low, high in spans:
+                    allowed += [low, high]
+                    below = float(low) - 1 if row[1] == "RichInt" else 0.9 * float(low) - 1e-9
+                    refused += [f"{below:.12g}", f"{float(high) + 1:.12g}"]
+                for value, wanted in [(v, 0) for v in allowed] + [(v, 1) for v in refused]:
+                    tested += 1
+                    with self.subTest(filter=filter_name, parameter=name, value=value):
+                        done = self.run_filter(filter_name, **{name: value})
+                        self.assertEqual(done.returncode, wanted, done.stderr)
+        self.assertGreaterEqual(tested, 26)
 
 
 if __name__ == "__main__":
