@@ -89,6 +89,13 @@ class Links(unittest.TestCase):
         self.assertLessEqual(len(readme.text.splitlines()), LONGEST_README)
         self.assertEqual(len(re.findall(r"!\[", readme.text)), 1)
 
+    def test_the_citation_has_the_version_and_the_paper(self):
+        citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+        version = re.search(r"project\(\w+ VERSION ([\d.]+)", (ROOT / "CMakeLists.txt").read_text(encoding="utf-8"))[1]
+        self.assertIn(f"\nversion: {version}\n", citation)
+        doi = re.search(r"\n    doi: (\S+)\n", citation)[1]
+        self.assertIn(f"(https://doi.org/{doi})", self.documents["README.md"].text)
+
     def test_every_picture_is_shown(self):
         shown = {os.path.normpath(os.path.join(os.path.dirname(name), link))
                  for name, document in self.documents.items() for link in document.links()}
