@@ -4,7 +4,7 @@
 #
 # usage: gallery.sh [--columns N] [--height PIXELS] [NAME...]   names of edits as in gallery.py, all by default
 #
-# The README's picture of the limb: gallery.sh --columns 4 --height 300 arm
+# The picture of the limb in common/docs/method.md: gallery.sh --columns 4 --height 300 arm
 #
 # LAPEDIT_MESHES: folder of the real meshes; by default ../shared/meshes beside this project, if it is there.
 set -eu

@@ -3,7 +3,7 @@
 """Drags in the real MeshLab window and keeps what it looks like: called by window_pictures.sh.
 
 For each scene three screenshots: <scene>_region.png, <scene>_drag.png and <scene>_result.png; of the generated limb also
-the two pictures of the README, without the host's dock at the right: window.png and an animation, drag.gif.
+the two pictures of the documents, without the host's dock at the right: window.png and an animation, drag.gif.
 """
 import argparse
 import math

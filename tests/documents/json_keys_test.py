@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The JSON format's document names the keys that laplacian-edit accepts, all of them and no others."""
+import copy
+import json
+import os
+import pathlib
+import re
+import unittest
+
+from documents import Document, WithProgram, code, ranges
+
+PROGRAM = os.environ["LAPEDIT_COMMAND"]
+
+
+def places(value, path="", way=()):
+    """The objects in a JSON value: pairs of a path, as in steps[].region, and the way there."""
+    if isinstance(value, dict):
+        yield path, way
+        for key, inner in value.items():
+            yield from places(inner, f"{path}.{key}".lstrip("."), way + (key,))
+    elif isinstance(value, list):
+        for i, inner in enumerate(value):
+            yield from places(inner, path + "[]", way + (i,))
+
+
+def with_value(edit, way, key, value):
+    """A copy of the edit in which the object at the end of the way has this key."""
+    changed = copy.deepcopy(edit)
+    place = changed
+    for step in way:
+        place = place[step]
+    place[key] = value
+    return changed
+
+
+class JsonKeys(WithProgram):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.document = Document(pathlib.Path("common/docs/json-format.md"))
+        cls.examples = [json.loads(text) for language, text in cls.document.blocks if language == "json"]
+        cls.rows = {code(row[0])[0]: row for row in cls.document.rows("Keys")}
+        cls.objects = {}  # path -> (an example that has such an object, the way there)
+        for example in cls.examples:
+            for path, way in places(example):
+                cls.objects.setdefault(path, (example, way))
+
+    def refusal(self, edit):
+        done = self.edit(PROGRAM, json.dumps(edit), "json")
+        self.assertEqual(done.returncode, 1, done.stderr)
+        return " ".join(done.stderr.split())
+
+    def known_keys(self, refusal):
+        found = re.search(r'unknown key "\?"; known keys are ([\w, ]+)\.', refusal)
+        return found[1].split(", ") if found else None
+
+    def test_keys_are_those_that_are_accepted(self):
+        accepted = set()
+        for path, (example, way) in self.objects.items():
+            refusal = self.refusal(with_value(example, way, "?", 0))
+            keys = self.known_keys(refusal)
+            self.assertIsNotNone(keys, f"{path}: {refusal}")
+            accepted |= {f"{path}.{key}".lstrip(".") for key in keys}
+        self.assertEqual(accepted, set(self.rows))
+
+    def test_every_key_is_in_an_example_and_no_object_is_missing(self):
+        shown = set()
+        for example in self.examples:
+            for path, way in places(example):
+                place = example
+                for step in way:
+                    place = place[step]
+                for key, value in place.items():
+                    full = f"{path}.{key}".lstrip(".")
+                    if full not in shown and full not in self.objects and f"{full}[]" not in self.objects:
+                        # The reader says if it wants an object here.
+                        self.assertIsNone(self.known_keys(self.refusal(with_value(example, way, key, {"?": 0}))), full)
+                    shown.add(full)
+        self.assertEqual(shown, set(self.rows))
+
+    def test_examples_are_read(self):
+        for example in self.examples:
+            done = self.edit(PROGRAM, json.dumps(example), "json")
+            # They are for other meshes. What cannot be read is refused with the place in the text.
+            self.assertNotRegex(done.stderr, r"unknown key|expected|steps\[", example)
+
+    def settings(self):
+        return {path.rsplit(".", 1)[1]: row for path, row in self.rows.items() if path.count(".") == 1 and "steps" in path
+                and path not in ("steps[].region", "steps[].handles")}
+
+    def choices(self, name):
+        """The names that the reader knows for a value, none if it wants something else."""
+        example, way = self.objects["steps[]"]
+        found = re.search(r"expected one of ([^.]*), found", self.refusal(with_value(example, way, name, "?")))
+        return re.findall(r'"(\w+)"', found[1]) if found else []
+
+    def test_choices_are_those_that_are_accepted(self):
+        known = {name: self.choices(name) for name in self.settings()}
+        self.assertTrue(any(known.values()))
+        for name, row in self.settings().items():
+            with self.subTest(setting=name):
+                self.assertEqual(set(code(row[1]) + code(row[2])), set(known[name]))
+
+    def test_defaults_and_ranges_are_the_filters(self):
+        filters = {code(row[0])[0]: row for row in
+                   Document(pathlib.Path("filter_laplacian_edit/README.md")).rows("Laplacian Edit")}
+        self.assertEqual(len(self.settings()), 7)
+        for name, row in self.settings().items():
+            with self.subTest(setting=name):
+                default = self.choices(name).index(code(row[1])[0]) if code(row[1]) else row[1]
+                self.assertEqual(str(default), filters[name][2])
+                self.assertEqual(ranges(row[2]), ranges(filters[name][3]))
+        self.assertEqual(self.rows["steps[].region.padding"][1], filters["padding"][2])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Links lead somewhere, paths and names in code exist, the README is one page."""
+import fnmatch
+import os
+import re
+import subprocess
+import unittest
+
+from documents import ROOT, Document, code, files
+
+LONGEST_README = 150  # lines
+
+# Files that are named but are not part of the repository.
+OF_THE_READER = {"edit.json", "edit.mlx", "script.mlx"}  # in examples
+
+
+class Links(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.files = {path.as_posix() for path in files()}
+        cls.folders = {folder.as_posix() for path in files() for folder in path.parents} - {"."}
+        cls.documents = {path.as_posix(): Document(path) for path in files() if path.suffix == ".md"}
+
+    def exists(self, pattern):
+        """@param pattern  may have * in it; a slash at the end says that it is a folder"""
+        names = self.folders if pattern.endswith("/") else self.files | self.folders
+        return any(fnmatch.fnmatchcase(name, pattern.rstrip("/")) for name in names)
+
+    def test_there_are_documents(self):
+        self.assertIn("README.md", self.documents)
+        self.assertGreaterEqual(len(self.documents), 10)
+
+    def test_links_lead_to_files_and_headings(self):
+        for name, document in self.documents.items():
+            for link in document.links():
+                with self.subTest(document=name, link=link):
+                    if re.match(r"https?://", link):
+                        continue
+                    path, _, anchor = link.partition("#")
+                    target = os.path.normpath(os.path.join(os.path.dirname(name), path)) if path else name
+                    self.assertTrue(self.exists(target), "no such file")
+                    if anchor:
+                        self.assertIn(anchor, self.documents[target].anchors(), "no such heading")
+
+    def test_every_document_is_found_from_the_readme(self):
+        found, todo = set(), ["README.md"]
+        while todo:
+            name = todo.pop()
+            if name in self.documents and name not in found:
+                found.add(name)
+                todo += [os.path.normpath(os.path.join(os.path.dirname(name), link.partition("#")[0] or "."))
+                         for link in self.documents[name].links()]
+        self.assertEqual(found, set(self.documents))
+
+    def test_paths_in_code_exist(self):
+        tops = {path.split("/")[0] for path in self.files if "/" in path}
+        seen = 0
+        for name, document in self.documents.items():
+            codes = document.inline_code() + document.code
+            for token in {token for text in codes for token in re.split(r"[\s\"',;:()=]+", text)}:
+                token = re.sub(r"<[^>]*>", "*", token).rstrip(".")
+                if token.split("/")[0] in tops and "/" in token:
+                    seen += 1
+                    with self.subTest(document=name, path=token):
+                        self.assertTrue(self.exists(token), "no such path")
+        self.assertGreater(seen, 50)
+
+    def test_files_named_alone_exist(self):
+        names = {path.rsplit("/", 1)[-1] for path in self.files}
+        for name, document in self.documents.items():
+            for token in document.inline_code():
+                if re.fullmatch(r"[\w-]+\.(h|cpp|py|sh|md|cmake|mlx|json|qrc|1|cff)", token) and token not in OF_THE_READER:
+                    with self.subTest(document=name, file=token):
+                        self.assertIn(token, names)
+                elif re.fullmatch(r"\w+_test", token):
+                    with self.subTest(document=name, test=token):
+                        self.assertTrue(names & {f"{token}.cpp", f"{token}.py"})
+
+    def test_settings_named_exist(self):
+        sources = "\n".join((ROOT / path).read_text(encoding="utf-8", errors="replace") for path in self.files
+                            if not path.endswith((".md", ".png", ".gif")))
+        for name, document in self.documents.items():
+            for setting in set(re.findall(r"\b(?:LAPEDIT|MeshLab|MESHLAB|SPEED)_[A-Z_]*[A-Z]\b", document.text)):
+                with self.subTest(document=name, setting=setting):
+                    self.assertRegex(sources, rf"\b{setting}\b")
+
+    def test_readme_is_one_page_with_one_picture(self):
+        readme = self.documents["README.md"]
+        self.assertLessEqual(len(readme.text.splitlines()), LONGEST_README)
+        self.assertEqual(len(re.findall(r"!\[", readme.text)), 1)
+
+    def test_the_citation_has_the_version_and_the_paper(self):
+        citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+        version = re.search(r"project\(\w+ VERSION ([\d.]+)", (ROOT / "CMakeLists.txt").read_text(encoding="utf-8"))[1]
+        self.assertIn(f"\nversion: {version}\n", citation)
+        doi = re.search(r"\n    doi: (\S+)\n", citation)[1]
+        self.assertIn(f"(https://doi.org/{doi})", self.documents["README.md"].text)
+
+    def test_every_picture_is_shown(self):
+        shown = {os.path.normpath(os.path.join(os.path.dirname(name), link))
+                 for name, document in self.documents.items() for link in document.links()}
+        for path in self.files:
+            if path.startswith("common/docs/pictures/"):
+                self.assertIn(path, shown)
+
+    def test_widgets_are_those_of_the_panel(self):
+        panel = (ROOT / "edit_laplacian_drag/panel.cpp").read_text(encoding="utf-8")
+        made = set(re.findall(r'\b(?:number|length|count|choice|button|figure|prepared<\w+>|nameOf)\(\s*"(\w+)"', panel))
+        # Those of settings are named as the settings are.
+        settings = re.findall(r"`steps\[\]\.(\w+)` \|", self.documents["common/docs/json-format.md"].text)
+        made |= set(settings) - {"region", "handles"}
+        rows = self.documents["tests/README.md"].rows("The window's tests")
+        told = {name for row in rows for name in code(row[1].split(";")[0])}
+        self.assertGreater(len(made), 30)
+        self.assertEqual(told, made)
+
+    def test_keys_are_those_of_the_session(self):
+        table = (ROOT / "common/lapedit/session/drag_key.cpp").read_text(encoding="utf-8")
+        known = re.findall(r'\{DragKey::\w+, DragKey::\w+,\s+"([^"]+)",\s+"', table)
+        self.assertGreater(len(known), 15)
+        rows = self.documents["edit_laplacian_drag/README.md"].rows("Keys")
+        told = {name for row in rows for name in re.split(r"[,; ()`]+|\bor\b", row[0]) if name}
+        # The other ways to say the same, and MeshLab's own.
+        self.assertEqual(told - {"Ctrl+Y", "Esc"}, set(known))
+
+    def test_the_architecture_names_all_layers_and_targets(self):
+        architecture = self.documents["common/docs/architecture.md"]
+        tree = architecture.blocks[0][1]
+        layers = {path.split("/")[2] for path in self.files if re.match(r"common/lapedit/\w+/", path)}
+        self.assertLessEqual({f"lapedit_{layer}" for layer in layers}, set(re.findall(r"\w+", tree)))
+        build = os.environ["LAPEDIT_BINARY_DIR"]
+        known = subprocess.run(["cmake", "--build", build, "--target", "help"], capture_output=True, encoding="utf-8",
+                               check=True).stdout
+        built = set(re.findall(r"[\w-]+", known))
+        if "lapedit_host" not in built:
+            return  # without MeshLab there are few
+        optional = {"speed_bench", "real_tests"}
+        for target in set(re.findall(r"\b(?:lapedit|laplacian|filter|edit|gui|make|speed|bridge|real)_\w+", tree)):
+            if target not in optional and not self.exists(target):
+                self.assertIn(target, built)
+
+
+if __name__ == "__main__":
+    unittest.main()
