@@ -183,7 +183,7 @@ class Random(ToolTest):
             events = Events(self, w)
             events.run()
             events.check()
-            self.assertGreater(min(events.counts.values()), EVENTS // 400, events.counts)
+            self.assertGreaterEqual(min(events.counts.values()), EVENTS // 333, events.counts)
             self.assertGreater(len(self.steps_in_log(w)), EVENTS // 40)
 
 
