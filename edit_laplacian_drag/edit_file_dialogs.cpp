@@ -21,7 +21,7 @@ void writeParameter(QXmlStreamWriter& xml, const char* type, const char* name, c
 }  // namespace
 
 std::string saveEdit(QWidget* parent, const lapedit::Edit& edit) {
-  const QByteArray json = lapedit::write_edit(edit);
+  const QByteArray json = QByteArray::fromStdString(lapedit::write_edit(edit));
   QFileDialog dialog(parent, "Save edit", QString(), kFiles);
   dialog.setAcceptMode(QFileDialog::AcceptSave);
   dialog.setDefaultSuffix("json");
@@ -41,7 +41,7 @@ std::optional<lapedit::Edit> loadEdit(QWidget* parent) {
   if (path.isEmpty()) {
     return std::nullopt;
   }
-  return lapedit::load_edit(path);
+  return lapedit::load_edit(path.toStdString());
 }
 
 QString filterScript(const QByteArray& edit) {

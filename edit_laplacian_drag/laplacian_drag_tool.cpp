@@ -169,7 +169,7 @@ void LaplacianDragTool::end() {
       }
       const Edit edit = session.recorded();
       if (!edit.steps.empty()) {
-        active_->inHistory = QString::fromUtf8(write_edit(edit));
+        active_->inHistory = QString::fromStdString(write_edit(edit));
         window_.appendToHistory("Laplacian Edit Replay", active_->inHistory, 1);
       }
       session.clear();  // the factor takes much memory
@@ -553,7 +553,7 @@ void LaplacianDragTool::command(const QString& part) {
        }},
       {"copy",
        [&] {
-         QGuiApplication::clipboard()->setText(filterScript(write_edit(session.recorded())));
+         QGuiApplication::clipboard()->setText(filterScript(QByteArray::fromStdString(write_edit(session.recorded()))));
          say("A filter script with all steps is on the clipboard.");
        }},
   };

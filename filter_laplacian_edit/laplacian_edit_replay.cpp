@@ -11,7 +11,7 @@ using namespace lapedit::host;
 namespace {
 
 std::string run(const ParameterValues& values, CMeshO& host, const Progress& progress, const ReportSink& sink) {
-  const Edit edit = load_edit(values.text("edit"));
+  const Edit edit = load_edit(values.text("edit").toStdString());
   const BridgedMesh bridged = read_mesh(host);
   const EditResult result = apply_edit(bridged.mesh, edit, values.real("fraction"), kStoredScalar, progress);
   write_positions(host, bridged, result);

@@ -5,7 +5,7 @@ set -eu
 
 packages="
   g++ cmake make pkg-config
-  qtbase5-dev libqt5opengl5-dev libeigen3-dev libglew-dev libglu1-mesa-dev
+  qtbase5-dev libqt5opengl5-dev libeigen3-dev nlohmann-json3-dev libglew-dev libglu1-mesa-dev
   libsuitesparse-dev libopenblas-dev
   libgtest-dev clang-format clang-tidy
   meshlab dpkg-dev

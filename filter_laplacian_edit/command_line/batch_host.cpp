@@ -17,7 +17,6 @@
 
 #include "batch_parameters.h"
 #include "lapedit/base/error.h"
-#include "lapedit/json/json_object.h"
 #include "lapedit_host/face_shape.h"
 #include "vertex_filter_plugin.h"
 

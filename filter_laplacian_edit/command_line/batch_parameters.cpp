@@ -8,7 +8,6 @@
 
 #include "batch_values.h"
 #include "lapedit/base/error.h"
-#include "lapedit/json/json_object.h"
 
 namespace lapedit::host {
 namespace {

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "lapedit/base/error.h"
-#include "lapedit/json/json_object.h"
 
 namespace lapedit::host {
 namespace {

@@ -5,11 +5,19 @@
 #include <QMap>
 #include <QString>
 #include <QStringList>
+#include <string>
 #include <vector>
+
+#include "lapedit/json/json_text.h"
 
 /// Filter scripts (.mlx) as text. Hosts read them too, but stop at assertions for what is not as they wrote it
 /// themselves, pass over what they do not know, and do not know each other's names for the types of parameters.
 namespace lapedit::host {
+
+/// A text for a message, as the core quotes it.
+inline std::string quoted(const QString& text) {
+  return lapedit::quoted_text(text.toStdString());
+}
 
 struct ScriptParameter {
   QString name;

@@ -13,7 +13,6 @@
 #include "filter_laplacian_edit.h"
 #include "lapedit/base/error.h"
 #include "lapedit/json/edit_script.h"
-#include "lapedit/json/json_object.h"
 #include "lapedit_host/mesh_bridge.h"
 #include "lapedit_host/pose_writer.h"
 #include "output_files.h"
@@ -51,7 +50,7 @@ void requireReadable(const QString& path, const char* what) {
 std::vector<ScriptFilter> loadScript(const QString& path) {
   QFile file(path);
   // Edits may be in it.
-  if (!file.open(QIODevice::ReadOnly) || file.size() > 2 * kLargestJson) {
+  if (!file.open(QIODevice::ReadOnly) || file.size() > 2 * static_cast<qint64>(kLargestJson)) {
     throw Failure(Unreadable, "The script " + quoted_path(path) + " cannot be read: it is too large.");
   }
   return read_script(file.readAll());
@@ -93,7 +92,7 @@ class Job {
     if (options_.isScript) {
       script_ = loadScript(options_.edit);
     } else {
-      edit_ = load_edit(options_.edit);
+      edit_ = load_edit(options_.edit.toStdString());
     }
     requireReport();
     try {

@@ -6,9 +6,8 @@
 #include <QFileInfo>
 
 #include "failure.h"
-#include "lapedit/json/json_object.h"
 
-using lapedit::quoted;
+using lapedit::host::quoted;
 
 namespace {
 

@@ -28,7 +28,7 @@ recipe=1 # Another number makes all roots anew.
 clean_packages="meshlab libgl1-mesa-dri"
 build_packages="
   g++ cmake make ninja-build ccache pkg-config dpkg-dev file
-  qtbase5-dev libqt5opengl5-dev libeigen3-dev libglew-dev libglu1-mesa-dev
+  qtbase5-dev libqt5opengl5-dev libeigen3-dev nlohmann-json3-dev libglew-dev libglu1-mesa-dev
   libsuitesparse-dev libopenblas-dev libgtest-dev libmuparser-dev
   xvfb xauth xdotool
   python3 python3-numpy

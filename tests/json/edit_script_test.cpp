@@ -3,11 +3,13 @@
 
 #include <gtest/gtest.h>
 
-#include <QFile>
-#include <QTemporaryDir>
+#include <stdlib.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 #include <random>
 
@@ -137,7 +139,7 @@ TEST(EditScript, WritesTheDocumentedTextWithAllSettings) {
   step.settings.handle_weight = 2;
   step.settings.anchor_weight = 0.5;
   edit.steps.push_back(step);
-  EXPECT_EQ(write_edit(edit).toStdString(), R"({"laplacian_edit": 1,
+  EXPECT_EQ(write_edit(edit), R"({"laplacian_edit": 1,
  "mesh": {"vertices": 11703, "faces": 23402, "connectivity": "0123456789abcdef"},
  "steps": [{
    "region": {"radius": 1.2155, "padding": 0.1},
@@ -155,7 +157,7 @@ TEST(EditScript, WritesOtherRegionsAndNoUnknownMesh) {
   edit.steps[0].region.vertices = {3, 4, 5, 1};
   edit.steps[1].region.kind = RegionSpec::Kind::Component;
   edit.steps[0].handles = edit.steps[1].handles = {{{4}, {}}};
-  const std::string text = write_edit(edit).toStdString();
+  const std::string text = write_edit(edit);
   expect_contains(text, R"("region": {"vertices": "3-5,1", "padding": 0.1})");
   expect_contains(text, R"("region": {"component": true})");
   EXPECT_EQ(text.find("mesh"), std::string::npos);
@@ -200,8 +202,8 @@ TEST(EditScript, RoundTripKeepsEveryBit) {
                     whole ? some(choice ? static_cast<int>(setting.high) + 1 : 100) : any_double(random));
       }
     }
-    const QByteArray text = write_edit(edit);
-    ASSERT_TRUE(same(read_edit(text), edit)) << text.toStdString();
+    const std::string text = write_edit(edit);
+    ASSERT_TRUE(same(read_edit(text), edit)) << text;
     ASSERT_EQ(write_edit(read_edit(text)), text);
   }
 }
@@ -214,15 +216,16 @@ TEST(EditScript, KeptAnchorsAreWrittenAndReadBack) {
   region.kind = RegionSpec::Kind::Vertices;
   region.vertices = {3, 4, 5, 6, 7};
   region.anchors = {{6, 7}, {0.95, 1.0 / 3}, {0.25, 1}, 1e-3 / 7};
-  const QByteArray text = write_edit(edit);
-  EXPECT_NE(text.indexOf("\"anchors\": {\"vertices\": \"6-7\", \"weights\": [0.95,"), -1) << text.toStdString();
+  const std::string text = write_edit(edit);
+  expect_contains(text, "\"anchors\": {\"vertices\": \"6-7\", \"weights\": [0.95,");
   const KeptAnchors read = read_edit(text).steps[0].region.anchors;
   EXPECT_EQ(read.vertices, region.anchors.vertices);
   EXPECT_EQ(read.weights, region.anchors.weights);
   EXPECT_EQ(read.depths, region.anchors.depths);
   EXPECT_EQ(read.reach, region.anchors.reach);
-  QByteArray wrong = text;
-  wrong.replace("\"vertices\": \"3-7\"", "\"radius\": 2");
+  std::string wrong = text;
+  const std::string list = "\"vertices\": \"3-7\"";
+  wrong.replace(wrong.find(list), list.size(), "\"radius\": 2");
   EXPECT_THROW(read_edit(wrong), EditError);
 }
 
@@ -256,13 +259,19 @@ TEST(EditScript, WritingRefusesWhatCouldNotBeRead) {
 
 class EditFile : public testing::Test {
  protected:
-  QString write(const QString& name, const QByteArray& content) {
-    QFile file(folder_.filePath(name));
-    EXPECT_TRUE(file.open(QIODevice::WriteOnly) && file.write(content) == content.size());
-    return file.fileName();
+  EditFile() {
+    std::string pattern = testing::TempDir() + "/lapedit-XXXXXX";
+    folder_ = ::mkdtemp(pattern.data());
+  }
+  ~EditFile() override { std::filesystem::remove_all(folder_); }
+
+  std::string write(const std::string& name, const std::string& content) {
+    std::ofstream file(folder_ + "/" + name, std::ios::binary);
+    EXPECT_TRUE(file << content);
+    return folder_ + "/" + name;
   }
 
-  static std::string refusal(const QString& text_or_path) {
+  static std::string refusal(const std::string& text_or_path) {
     try {
       load_edit(text_or_path);
       return "";
@@ -272,24 +281,24 @@ class EditFile : public testing::Test {
     }
   }
 
-  QTemporaryDir folder_;
+  std::string folder_;
 };
 
 TEST_F(EditFile, TextAndPathGiveTheSameEdit) {
   const Edit expected = read_edit(kExample);
   EXPECT_TRUE(same(load_edit(kExample), expected));
-  EXPECT_TRUE(same(load_edit(QString(" \n\t") + kExample), expected));
-  EXPECT_TRUE(same(load_edit(QChar(QChar::ByteOrderMark) + QString(kExample)), expected));
+  EXPECT_TRUE(same(load_edit(std::string(" \n\t") + kExample), expected));
+  EXPECT_TRUE(same(load_edit(std::string("\xEF\xBB\xBF") + kExample), expected));
   EXPECT_TRUE(same(load_edit(write("edit.json", kExample)), expected));
-  EXPECT_TRUE(same(load_edit(" " + write(QString::fromUtf8("\xC3\xA4 b.json"), kExample) + "\n"), expected));
-  EXPECT_TRUE(same(load_edit(write("bom.json", QByteArray("\xEF\xBB\xBF") + kExample)), expected));
+  EXPECT_TRUE(same(load_edit(" " + write("\xC3\xA4 b.json", kExample) + "\n"), expected));
+  EXPECT_TRUE(same(load_edit(write("bom.json", std::string("\xEF\xBB\xBF") + kExample)), expected));
 }
 
 TEST_F(EditFile, UnusablePathsAreRefusedByName) {
   expect_contains(refusal(""), "No edit is given");
   expect_contains(refusal("  "), "No edit is given");
   expect_contains(refusal("no/such.json"), "\"no/such.json\" is neither JSON text");
-  expect_contains(refusal(folder_.path()), "is neither JSON text");
+  expect_contains(refusal(folder_), "is neither JSON text");
   expect_contains(refusal("[1]"), "\"[1]\" is neither JSON text");
   expect_contains(refusal("/dev/zero"), "is neither JSON text");
   const std::string inside = refusal(write("bad.json", "{\n\"laplacian_edit\" 1}"));

@@ -16,7 +16,7 @@
 namespace lapedit {
 namespace {
 
-std::string refusal(const QByteArray& json) {
+std::string refusal(const std::string& json) {
   return refusal_of([&json] { parse_json(json); });
 }
 
@@ -48,16 +48,33 @@ TEST(JsonObject, NumbersReadBackAsTheSameDouble) {
     if (!std::isfinite(value)) {
       continue;
     }
-    const QByteArray text = "{\"x\":" + to_json(QJsonValue(value)) + "}";
+    const std::string text = "{\"x\":" + json_number(value) + "}";
     const double read = JsonObject(parse_json(text), "test", {"x"}).number("x", 7);
-    ASSERT_EQ(read, value) << text.toStdString();  // the same bits, but for the sign of zero, which Qt drops
+    ASSERT_EQ(read, value) << text;  // the same bits, but for the sign of zero, which is dropped
     ++compared;
   }
   EXPECT_GT(compared, 190000);
 }
 
+TEST(JsonObject, NumbersAreWrittenAsTheyAlwaysWere) {
+  const std::pair<double, const char*> cases[] = {{-0.0, "0"},
+                                                  {-12, "-12"},
+                                                  {0.25, "0.25"},
+                                                  {1e-4, "0.0001"},
+                                                  {1.5e-5, "1.5e-05"},
+                                                  {123456.75, "123456.75"},
+                                                  {9007199254740993.0, "9007199254740992"},
+                                                  {1e19, "10000000000000000000"},
+                                                  {-119128452083111428096.0, "-119128452083111430000"},
+                                                  {1e22, "1e+22"},
+                                                  {-1.25e-300, "-1.25e-300"}};
+  for (const auto& [number, text] : cases) {
+    EXPECT_EQ(json_number(number), text);
+  }
+}
+
 TEST(JsonObject, SyntaxErrorsNameLineAndColumn) {
-  const std::pair<QByteArray, const char*> cases[] = {
+  const std::pair<std::string, const char*> cases[] = {
       {"{\"a\": 1,\n \"steps\": [1 2]}", "Near line 2, column 14: the edit is not valid JSON ("},
       {"{\"a\": 1,\n\"\xC3\xA4\xC3\xA4\": ?}", "Near line 2, column 6: "},
       {"{\"a\": 1,\n", "Near line 1, column 9: "},
@@ -68,11 +85,18 @@ TEST(JsonObject, SyntaxErrorsNameLineAndColumn) {
       {"hello", "Near line 1, column 1: "},
       {"\xFF\xFE{", "Near line 1, column 1: "},
       {"{\"a\": 1} x", "garbage"},
-      {QByteArray("{}\0", 3), "garbage"},
+      {std::string("{}\0", 3), "garbage"},
+      {std::string("\0{}", 3), "Near line 1, column 1: "},
       {"{\"a\": NaN}", "illegal number"},
       {"{\"a\": -Infinity}", "illegal number"},
       {"{\"a\": 1e999}", "illegal number"},
+      {"{\"a\": [1.]}", "column 8: the edit is not valid JSON (illegal number)."},
+      {"{\"a\": nul}", "(illegal value)"},
+      {"{\"a\": \"\x05\"}", "column 8: the edit is not valid JSON (unescaped control character)."},
+      {"{\"a\": .5}", "(illegal number)"},
+      {"{\"a\": [1", "(unterminated array)"},
       {"{\"a\": \"\xFF\"}", "UTF8"},
+      {"{\"a\": \"\n\\x\"}", "Near line 2, column 2: the edit is not valid JSON (invalid escape sequence)."},
       {"{\"\\\": 1}", "not valid JSON"},
       {"}{", "Near line 1, column 1: "},
       {"\"a\":1", "Near line 1, column 1: "},
@@ -104,26 +128,28 @@ TEST(JsonObject, RepeatedKeysAreRefusedWithTheirPlace) {
 }
 
 TEST(JsonObject, DeepNestingIsRefused) {
-  for (const int depth : {1025, 1000000}) {
-    expect_contains(refusal("{\"a\":" + QByteArray(depth, '[')), "more than 1024 deep");
-    expect_contains(refusal(QByteArray("{\"a\":").repeated(depth)), "more than 1024 deep");
+  for (const std::size_t depth : {1025, 1000000}) {
+    expect_contains(refusal("{\"a\":" + std::string(depth, '[')), "more than 1024 deep");
+    std::string objects;
+    for (std::size_t i = 0; i < depth; ++i) objects += "{\"a\":";
+    expect_contains(refusal(objects), "more than 1024 deep");
   }
 }
 
 TEST(JsonObject, HugeTextsAreRefused) {
-  expect_contains(refusal(QByteArray((64 << 20) + 1, ' ')), "67108865 bytes; the limit is 67108864");
+  expect_contains(refusal(std::string((64 << 20) + 1, ' ')), "67108865 bytes; the limit is 67108864");
 }
 
 TEST(JsonObject, ForeignTextIsMadeFitForAMessage) {
-  EXPECT_EQ(quoted("a\n\"b\a"), R"("a\n\"b\u0007")");
-  EXPECT_EQ(quoted(QString::fromUtf8("\xC3\xA4")), "\"\xC3\xA4\"");
-  EXPECT_EQ(quoted(QString(60, 'x')), '"' + std::string(60, 'x') + '"');
-  EXPECT_EQ(quoted(QString(5000, 'x')), '"' + std::string(60, 'x') + "...\"");
-  EXPECT_EQ(describe(QJsonValue()), "null");
+  EXPECT_EQ(quoted_text("a\n\"b\a"), R"("a\n\"b\u0007")");
+  EXPECT_EQ(quoted_text("\xC3\xA4"), "\"\xC3\xA4\"");
+  EXPECT_EQ(quoted_text(std::string(60, 'x')), '"' + std::string(60, 'x') + '"');
+  EXPECT_EQ(quoted_text(std::string(5000, 'x')), '"' + std::string(60, 'x') + "...\"");
+  EXPECT_EQ(describe(Json()), "null");
   EXPECT_EQ(describe(true), "true");
   EXPECT_EQ(describe(0.5), "the number 0.5");
-  EXPECT_EQ(describe(QJsonArray{1, 2}), "a list of length 2");
-  EXPECT_EQ(describe(QJsonObject()), "an object");
+  EXPECT_EQ(describe(Json::array({1, 2})), "a list of length 2");
+  EXPECT_EQ(describe(Json::object()), "an object");
 }
 
 }  // namespace

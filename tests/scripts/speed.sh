@@ -22,7 +22,7 @@ case ${1:-} in
 esac
 
 missing=
-for package in g++ cmake make python3 libeigen3-dev libsuitesparse-dev libopenblas-dev libbenchmark-dev libcgal-dev \
+for package in g++ cmake make python3 libeigen3-dev nlohmann-json3-dev libsuitesparse-dev libopenblas-dev libbenchmark-dev libcgal-dev \
   blender; do
   # shellcheck disable=SC2016
   status=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)

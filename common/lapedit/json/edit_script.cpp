@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/json/edit_script.h"
 
-#include <QFile>
-#include <QFileInfo>
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
+#include <filesystem>
 #include <limits>
+#include <map>
+#include <memory>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "lapedit/base/error.h"
@@ -17,7 +21,7 @@ namespace lapedit {
 namespace {
 
 constexpr int kVersion = 1;
-constexpr qint64 kMostListedVertices = 100000000;  // in all lists of an edit together
+constexpr std::int64_t kMostListedVertices = 100000000;  // in all lists of an edit together
 
 /// Reads vertex lists, counting what they expand to before memory is taken for it.
 class VertexLists {
@@ -26,34 +30,35 @@ class VertexLists {
 
   std::vector<int> read(const JsonObject& object, const char* key) {
     const std::string where = object.where(key) + ": ";
-    const QByteArray text = object.text(key).toUtf8();
+    const std::string& text = object.text(key);
+    const char* const end = text.data() + text.size();
     std::vector<std::pair<int, int>> ranges;
-    qint64 count = 0;
-    const char* at = text.begin();
+    std::int64_t count = 0;
+    const char* at = text.data();
     for (bool more = true; more;) {
       const char* const piece = at;
       int first = 0, last = 0;
-      bool good = number(at, text.end(), first);
+      bool good = number(at, end, first);
       last = first;
-      if (good && at != text.end() && *at == '-') {
-        good = number(++at, text.end(), last);
+      if (good && at != end && *at == '-') {
+        good = number(++at, end, last);
       }
-      if (!good || (at != text.end() && *at != ',')) {
-        refuse_json(where + offender(piece, text.end()) +
+      if (!good || (at != end && *at != ',')) {
+        refuse_json(where + offender(piece, end) +
                     " is no vertex number or range; write them as in \"12-40,77\", from 0 to " +
                     std::to_string(std::numeric_limits<int>::max()) + ".");
       }
       if (last < first) {
-        refuse_json(where + offender(piece, text.end()) + " is a range from high to low; put the lower vertex first.");
+        refuse_json(where + offender(piece, end) + " is a range from high to low; put the lower vertex first.");
       }
       if (mesh_vertices_ && last >= *mesh_vertices_) {
         refuse_json(where + "vertex " + std::to_string(last) + " is outside the edit's mesh, which has " +
                     std::to_string(*mesh_vertices_) + " vertices, counted from 0.");
       }
-      count += static_cast<qint64>(last) - first + 1;
+      count += static_cast<std::int64_t>(last) - first + 1;
       check(where, count);
       ranges.emplace_back(first, last);
-      more = at != text.end();
+      more = at != end;
       at += more;
     }
     total_ += count;
@@ -84,10 +89,10 @@ class VertexLists {
   }
 
   static std::string offender(const char* piece, const char* end) {
-    return quoted(QString::fromUtf8(piece, static_cast<int>(std::find(piece, end, ',') - piece)));
+    return quoted_text(std::string(piece, std::find(piece, end, ',')));
   }
 
-  void check(const std::string& where, qint64 count) const {
+  void check(const std::string& where, std::int64_t count) const {
     if (mesh_vertices_ && count > *mesh_vertices_) {
       refuse_json(where + "lists " + std::to_string(count) + " vertices or more, but the edit's mesh has only " +
                   std::to_string(*mesh_vertices_) + "; list each vertex once.");
@@ -99,7 +104,7 @@ class VertexLists {
   }
 
   std::optional<int> mesh_vertices_;
-  qint64 total_ = 0;
+  std::int64_t total_ = 0;
 };
 
 RegionSpec read_region(const JsonObject& object, VertexLists& lists) {
@@ -114,7 +119,7 @@ RegionSpec read_region(const JsonObject& object, VertexLists& lists) {
     region.vertices = lists.read(object, "vertices");
   } else {
     region.kind = RegionSpec::Kind::Component;
-    if (object["component"] != QJsonValue(true)) {
+    if (object["component"] != true) {
       object.refuse_key("component", "true");
     }
   }
@@ -176,7 +181,7 @@ void read_setting(const JsonObject& object, const Setting& setting, EditSettings
   }
 }
 
-EditStep read_step(const QJsonValue& value, const std::string& where, VertexLists& lists) {
+EditStep read_step(const Json& value, const std::string& where, VertexLists& lists) {
   std::vector<const char*> keys = {"region", "handles"};
   for (const Setting& setting : settings_table()) {
     keys.push_back(setting.key);
@@ -189,8 +194,8 @@ EditStep read_step(const QJsonValue& value, const std::string& where, VertexList
   const JsonObject region(object["region"], object.where("region"),
                           {"radius", "vertices", "component", "padding", "anchors"});
   step.region = read_region(region, lists);
-  const QJsonArray handles = object.filled_list("handles", "handle groups");
-  for (int i = 0; i < handles.size(); ++i) {
+  const Json& handles = object.filled_list("handles", "handle groups");
+  for (std::size_t i = 0; i < handles.size(); ++i) {
     const JsonObject handle(handles[i], object.where("handles") + "[" + std::to_string(i) + "]",
                             {"vertices", "translation", "rotation", "scale", "matrix"});
     step.handles.push_back({lists.read(handle, "vertices"), read_transform(handle)});
@@ -201,102 +206,176 @@ EditStep read_step(const QJsonValue& value, const std::string& where, VertexList
   return step;
 }
 
-QByteArray written(double value) {
+Json json_of(double value) {
   if (!std::isfinite(value)) {
     throw EditError(ErrorCause::NotFinite, "The edit cannot be written: one of its numbers is NaN or infinite.");
   }
-  return to_json(QJsonValue(value));
+  return value;
 }
 
-QByteArray written(const double* values, int count) {
-  QByteArray list;
-  for (int i = 0; i < count; ++i) {
-    list += (i == 0 ? "[" : ",") + written(values[i]);
+Json json_of(const double* values, std::size_t count) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < count; ++i) {
+    list.push_back(json_of(values[i]));
   }
-  return list + "]";
+  return list;
+}
+
+Json json_of(const std::vector<double>& values) {
+  return json_of(values.data(), values.size());
+}
+
+Json json_of(const Vector3& vector) {
+  return json_of(vector.data(), 3);
 }
 
 /// Consecutive numbers become ranges.
-QByteArray written(const std::vector<int>& vertices) {
-  QByteArray text = "\"";
+Json json_of(const std::vector<int>& vertices) {
+  std::string text;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const std::size_t first = i;
     while (i + 1 < vertices.size() && vertices[i] < vertices[i + 1] && vertices[i] + 1 == vertices[i + 1]) {
       ++i;
     }
-    text += (first == 0 ? "" : ",") + QByteArray::number(vertices[first]);
+    text += (first == 0 ? "" : ",") + std::to_string(vertices[first]);
     if (i > first) {
-      text += "-" + QByteArray::number(vertices[i]);
+      text += "-" + std::to_string(vertices[i]);
     }
   }
-  return text + "\"";
+  return text;
 }
 
-QByteArray written(const Setting& setting, const EditSettings& settings) {
-  const double value = setting.get(settings);
-  const QByteArray key = QByteArray("\"") + setting.key + "\": ";
-  if (setting.kind != Setting::Kind::Choice) {
-    return key + written(value);
-  }
-  const bool known = value >= 0 && value < static_cast<double>(setting.choices.size());
-  return key + (known ? QByteArray("\"") + setting.choices[static_cast<std::size_t>(value)] + "\"" : "null");
+Json json_of(const KeptAnchors& anchors) {
+  return {{"vertices", json_of(anchors.vertices)},
+          {"weights", json_of(anchors.weights)},
+          {"depths", json_of(anchors.depths)},
+          {"reach", json_of(anchors.reach)}};
 }
 
-QByteArray written(const KeptAnchors& anchors) {
-  return "{\"vertices\": " + written(anchors.vertices) +
-         ", \"weights\": " + written(anchors.weights.data(), static_cast<int>(anchors.weights.size())) +
-         ", \"depths\": " + written(anchors.depths.data(), static_cast<int>(anchors.depths.size())) +
-         ", \"reach\": " + written(anchors.reach) + "}";
-}
-
-QByteArray written(const RegionSpec& region) {
+Json json_of(const RegionSpec& region) {
+  Json json = Json::object();
   switch (region.kind) {
     case RegionSpec::Kind::Component:
-      return "{\"component\": true}";
+      json["component"] = true;
+      return json;
     case RegionSpec::Kind::Vertices:
-      return "{\"vertices\": " + written(region.vertices) + ", \"padding\": " + written(region.padding) +
-             (region.anchors.empty() ? QByteArray() : ",\n    \"anchors\": " + written(region.anchors)) + "}";
-    case RegionSpec::Kind::Radius:
+      json["vertices"] = json_of(region.vertices);
       break;
+    case RegionSpec::Kind::Radius:
+      json["radius"] = json_of(region.radius);
   }
-  return "{\"radius\": " + written(region.radius) + ", \"padding\": " + written(region.padding) + "}";
+  json["padding"] = json_of(region.padding);
+  if (region.kind == RegionSpec::Kind::Vertices && !region.anchors.empty()) {
+    json["anchors"] = json_of(region.anchors);
+  }
+  return json;
 }
 
-QByteArray written(const HandleGroup& handle) {
+Json json_of(const HandleGroup& handle) {
   const HandleTransform& t = handle.transform;
-  const QByteArray vertices = "{\"vertices\": " + written(handle.vertices);
+  Json json = {{"vertices", json_of(handle.vertices)}};
   if (t.matrix) {
     Eigen::Matrix<double, 4, 4, Eigen::RowMajor> matrix = Eigen::Matrix4d::Identity();
     matrix.topRows<3>() = *t.matrix;
-    return vertices + ", \"matrix\": " + written(matrix.data(), 16) + "}";
+    json["matrix"] = json_of(matrix.data(), 16);
+    return json;
   }
-  return vertices + ", \"translation\": " + written(t.translation.data(), 3) +
-         ", \"rotation\": {\"axis\": " + written(t.axis.data(), 3) + ", \"degrees\": " + written(t.degrees) +
-         (t.center ? ", \"center\": " + written(t.center->data(), 3) : QByteArray()) +
-         "}, \"scale\": " + written(t.scale) + "}";
+  json["translation"] = json_of(t.translation);
+  json["rotation"] = {{"axis", json_of(t.axis)}, {"degrees", json_of(t.degrees)}};
+  if (t.center) {
+    json["rotation"]["center"] = json_of(*t.center);
+  }
+  json["scale"] = json_of(t.scale);
+  return json;
 }
 
-QByteArray written(const EditStep& step) {
-  QByteArray handles;
+Json json_of(const Setting& setting, double value) {
+  if (setting.kind != Setting::Kind::Choice) {
+    return json_of(value);
+  }
+  const bool known = value >= setting.low && value <= setting.high;
+  return known ? Json(setting.choices[static_cast<std::size_t>(value)]) : Json();
+}
+
+Json json_of(const EditStep& step) {
+  Json json = {{"region", json_of(step.region)}, {"handles", Json::array()}};
   for (const HandleGroup& handle : step.handles) {
-    handles += (handles.isEmpty() ? "" : ",\n               ") + written(handle);
+    json["handles"].push_back(json_of(handle));
   }
-  QByteArray settings;
   for (const Setting& setting : settings_table()) {
-    settings += (settings.isEmpty() ? "" : ", ") + written(setting, step.settings);
+    json[setting.key] = json_of(setting, setting.get(step.settings));
   }
-  return "{\n   \"region\": " + written(step.region) + ",\n   \"handles\": [" + handles + "],\n   " + settings + "}";
+  return json;
+}
+
+Json json_of(const Edit& edit) {
+  Json json = {{"laplacian_edit", kVersion}}, mesh;
+  if (edit.mesh_vertices) {
+    mesh["vertices"] = *edit.mesh_vertices;
+  }
+  if (edit.mesh_faces) {
+    mesh["faces"] = *edit.mesh_faces;
+  }
+  if (!edit.connectivity.empty()) {
+    mesh["connectivity"] = edit.connectivity;
+  }
+  if (!mesh.is_null()) {
+    json["mesh"] = std::move(mesh);
+  }
+  json["steps"] = Json::array();
+  for (const EditStep& step : edit.steps) {
+    json["steps"].push_back(json_of(step));
+  }
+  return json;
+}
+
+/// The library puts all on one line, or each number on its own. Here a line begins with each of these keys:
+const std::map<std::string, std::string> kLineBreaks = {{"mesh", "\n "},       {"steps", "\n "},
+                                                        {"region", "\n   "},   {"handles", "\n   "},
+                                                        {"anchors", "\n    "}, {settings_table().front().key, "\n   "}};
+
+/// @param between  entries, if it is a list
+void write(const Json& value, const std::string& between, std::string& text) {
+  if (value.is_number()) {
+    text += json_number(value.get<double>());
+  } else if (value.is_array()) {
+    text += '[';
+    for (const Json& entry : value) {
+      text += &entry == &value.front() ? "" : between;
+      write(entry, "", text);
+    }
+    text += ']';
+  } else if (value.is_object()) {
+    text += '{';
+    for (const auto& [key, entry] : value.items()) {
+      const bool first = &entry == &value.front();
+      const auto line_break = kLineBreaks.find(key);
+      text += first ? "" : ",";
+      text += line_break != kLineBreaks.end() ? line_break->second : first ? "" : " ";
+      text += "\"" + key + "\": ";
+      write(entry, key == "handles" ? ",\n               " : key == "steps" ? ", " : ",", text);
+    }
+    text += '}';
+  } else {
+    text += value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  }
+}
+
+std::string trimmed(const std::string& text) {
+  constexpr const char* kSpace = " \t\n\v\f\r";
+  const std::size_t first = text.find_first_not_of(kSpace);
+  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(kSpace) - first + 1);
 }
 
 }  // namespace
 
-Edit read_edit(const QByteArray& json) {
-  const QJsonObject root = parse_json(json);
-  const QJsonValue version = root[QLatin1String("laplacian_edit")];
-  if (version != QJsonValue(kVersion)) {  // first of all: another version may well have other keys
+Edit read_edit(const std::string& json) {
+  const Json root = parse_json(json);
+  const auto version = root.find("laplacian_edit");
+  if (version == root.end() || *version != kVersion) {  // first of all: another version may well have other keys
     refuse_json("laplacian_edit: expected the number " + std::to_string(kVersion) +
                 ", the version that is read here, " +
-                (version.isUndefined() ? "but the key is missing" : "found " + describe(version)) + ".");
+                (version == root.end() ? "but the key is missing" : "found " + describe(*version)) + ".");
   }
   const JsonObject object(root, "edit", {"laplacian_edit", "mesh", "steps"});
   Edit edit;
@@ -309,7 +388,7 @@ Edit read_edit(const QByteArray& json) {
       edit.mesh_faces = mesh.integer("faces", 0);
     }
     if (mesh.has("connectivity")) {
-      edit.connectivity = mesh.text("connectivity").toStdString();
+      edit.connectivity = mesh.text("connectivity");
       if (edit.connectivity.size() != 16 ||
           edit.connectivity.find_first_not_of("0123456789abcdef") != std::string::npos) {
         mesh.refuse_key("connectivity", "a checksum of 16 digits from 0 to 9 and a to f");
@@ -317,64 +396,52 @@ Edit read_edit(const QByteArray& json) {
     }
   }
   VertexLists lists(edit.mesh_vertices);
-  const QJsonArray steps = object.filled_list("steps", "steps");
-  for (int i = 0; i < steps.size(); ++i) {
+  const Json& steps = object.filled_list("steps", "steps");
+  for (std::size_t i = 0; i < steps.size(); ++i) {
     edit.steps.push_back(read_step(steps[i], "steps[" + std::to_string(i) + "]", lists));
   }
   return edit;
 }
 
-Edit load_edit(const QString& text_or_path) {
-  const QString text = text_or_path.trimmed();
-  if (text.startsWith(QLatin1Char('{')) || text.startsWith(QChar(QChar::ByteOrderMark))) {
-    return read_edit(text.toUtf8());
+Edit load_edit(const std::string& text_or_path) {
+  namespace fs = std::filesystem;
+  const std::string text = trimmed(text_or_path);
+  if (text.compare(0, 1, "{") == 0 || text.compare(0, 3, "\xEF\xBB\xBF") == 0) {
+    return read_edit(text);
   }
-  if (text.isEmpty()) {
+  if (text.empty()) {
     refuse_json("No edit is given; give JSON text that begins with {, or the path of a .json file.");
   }
-  const QFileInfo info(text);
-  if (!info.isFile()) {
-    refuse_json(quoted(text) + " is neither JSON text, which begins with {, nor the path of a file.");
+  std::error_code error;
+  if (!fs::is_regular_file(text, error)) {
+    refuse_json(quoted_text(text) + " is neither JSON text, which begins with {, nor the path of a file.");
   }
-  if (info.size() > kLargestJson) {
-    refuse_json(quoted(text) + " is a file of " + std::to_string(info.size()) + " bytes; the limit for an edit is " +
+  const std::uintmax_t size = fs::file_size(text, error);
+  if (!error && size > kLargestJson) {
+    refuse_json(quoted_text(text) + " is a file of " + std::to_string(size) + " bytes; the limit for an edit is " +
                 std::to_string(kLargestJson) + ".");
   }
-  QFile file(text);
-  if (!file.open(QIODevice::ReadOnly)) {
-    refuse_json(quoted(text) + " cannot be read: " + file.errorString().toStdString() + ".");
+  errno = 0;
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(text.c_str(), "rb"), std::fclose);
+  std::string json;
+  if (file) {
+    json.resize(static_cast<std::size_t>(size) + 1);  // one more, to see whether it has grown
+    json.resize(std::fread(json.data(), 1, json.size(), file.get()));
   }
-  const QByteArray json = file.read(kLargestJson + 1);
-  if (file.error() != QFileDevice::NoError) {
-    refuse_json(quoted(text) + " cannot be read: " + file.errorString().toStdString() + ".");
+  if (!file || std::ferror(file.get()) != 0) {
+    refuse_json(quoted_text(text) + " cannot be read: " + std::generic_category().message(errno) + ".");
   }
   try {
     return read_edit(json);
-  } catch (const EditError& error) {
-    throw EditError(error.cause(), quoted(text) + ": " + error.what());
+  } catch (const EditError& refusal) {
+    throw EditError(refusal.cause(), quoted_text(text) + ": " + refusal.what());
   }
 }
 
-QByteArray write_edit(const Edit& edit) {
-  QByteArray mesh;
-  const auto add = [&mesh](const char* key, const QByteArray& value) {
-    mesh += (mesh.isEmpty() ? "\"" : ", \"") + QByteArray(key) + "\": " + value;
-  };
-  if (edit.mesh_vertices) {
-    add("vertices", QByteArray::number(*edit.mesh_vertices));
-  }
-  if (edit.mesh_faces) {
-    add("faces", QByteArray::number(*edit.mesh_faces));
-  }
-  if (!edit.connectivity.empty()) {
-    add("connectivity", to_json(QJsonValue(QString::fromStdString(edit.connectivity))));
-  }
-  QByteArray steps;
-  for (const EditStep& step : edit.steps) {
-    steps += (steps.isEmpty() ? "" : ", ") + written(step);
-  }
-  QByteArray json = "{\"laplacian_edit\": " + QByteArray::number(kVersion) + ",\n" +
-                    (mesh.isEmpty() ? QByteArray() : " \"mesh\": {" + mesh + "},\n") + " \"steps\": [" + steps + "]}\n";
+std::string write_edit(const Edit& edit) {
+  std::string json;
+  write(json_of(edit), "", json);
+  json += '\n';
   read_edit(json);  // what cannot be read again is refused now, with the same sentence
   return json;
 }

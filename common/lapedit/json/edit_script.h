@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <QByteArray>
-#include <QString>
+#include <string>
 
 #include "lapedit/edit/edit.h"
 
@@ -42,6 +41,11 @@
 ///       handle_weight    o
 ///       anchor_weight    o
 ///
+/// Example: the steps of a file on a mesh, half of the way.
+///
+///     const Edit edit = load_edit("bend.json");
+///     const EditResult half = apply_edit(mesh, edit, 0.5);
+///
 /// EditSettings::backend and threads belong to the machine, not to the edit, and are not part of the text.
 namespace lapedit {
 
@@ -49,16 +53,16 @@ namespace lapedit {
 /// vertex lists (which may not be longer than the mesh that the text names). The ranges of settings are known to those
 /// who use them, and checked by apply_edit().
 /// @throws EditError (BadScript) whose sentence says where ("steps[1].handles[0]", or line and column)
-Edit read_edit(const QByteArray& json);
+Edit read_edit(const std::string& json);
 
-/// Reads JSON text if the argument begins with "{" (after white space), else the file of that path.
+/// Reads JSON text (UTF-8) if the argument begins with "{" (after white space), else the file of that path.
 /// @throws EditError (BadScript)
-Edit load_edit(const QString& text_or_path);
+Edit load_edit(const std::string& text_or_path);
 
 /// Writes keys in the order above, all settings explicitly (a later change of defaults does not change an old file) and
 /// numbers such that read_edit() gives the same doubles (only a zero's sign is lost). Vertices keep their order. With a
 /// matrix, the transform's other members are not written.
 /// @throws EditError (NotFinite, BadScript) if read_edit() could not read the result
-QByteArray write_edit(const Edit& edit);
+std::string write_edit(const Edit& edit);
 
 }  // namespace lapedit

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+/// JSON as text, from outside and for it.
+namespace lapedit {
+
+/// Numbers are doubles, all of them; objects keep the order of their keys.
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kLargestJson = 64 << 20;  ///< bytes; seven million vertex numbers fit
+
+/// @throws EditError (BadScript)
+[[noreturn]] void refuse_json(const std::string& sentence);
+
+/// The object that a UTF-8 text (with or without a byte order mark) holds.
+/// @throws EditError (BadScript) with line and column for what is no JSON and for a key that is given twice in an
+///         object; for texts of more than kLargestJson bytes, and for values more than 1,024 deep in each other
+/// Cost: O(n log k) for n bytes with at most k keys in an object
+Json parse_json(std::string json);
+
+/// The shortest decimal that reads back as the same double; a zero's sign is lost. Must be finite.
+std::string json_number(double number);
+
+/// Text from outside, made fit for a message: quoted, control characters escaped, not too long.
+std::string quoted_text(const std::string& text);
+
+/// What a value is, for a message: "the number 3", "a list of length 2".
+std::string describe(const Json& value);
+
+}  // namespace lapedit
