@@ -14,7 +14,7 @@ using ReportSink = std::function<void(const std::vector<lapedit::EditReport>&)>;
 /// One handle, one region, typed numbers.
 lapedit::host::FilterAction laplacianEdit(ReportSink sink = {});
 
-/// An edit recorded as JSON, see lapedit_host/edit_script.h.
+/// An edit recorded as JSON, see lapedit/json/edit_script.h.
 lapedit::host::FilterAction laplacianEditReplay(ReportSink sink = {});
 
 /// The reports of an edit's steps as text for a log.

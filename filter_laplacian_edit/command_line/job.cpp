@@ -5,13 +5,13 @@
 #include <QFileInfo>
 #include <QSaveFile>
 #include <algorithm>
-#include <chrono>
-#include <functional>
 #include <iterator>
 #include <utility>
 
 #include "filter_laplacian_edit.h"
 #include "lapedit/base/error.h"
+#include "lapedit/base/format_text.h"
+#include "lapedit/base/stopwatch.h"
 #include "lapedit/json/edit_script.h"
 #include "lapedit_host/mesh_bridge.h"
 #include "lapedit_host/pose_writer.h"
@@ -23,13 +23,6 @@ using namespace lapedit;
 using namespace lapedit::host;
 
 namespace {
-
-/// Milliseconds that it took.
-double timed(const std::function<void()>& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
 
 void requireReadable(const QString& path, const char* what) {
   QFile file(path);
@@ -102,15 +95,20 @@ class Job {
     }
     host_.require_filters(script_);
 
-    report_.read_ms = timed([this] { read(); });
+    Stopwatch stopwatch;
+    read();
+    report_.read_ms = stopwatch.lap();
     if (options_.isScript) {
-      report_.edit_ms = timed([this] { runScript(); });
-      report_.write_ms = timed([this] { save(0); });
+      runScript();
+      report_.edit_ms = stopwatch.lap();
+      save(0);
     } else {
       applyEdit();
     }
     notes_.doing("writing", Unwritable);
-    report_.write_ms += timed([this] { files_.commit(); });
+    stopwatch.lap();
+    files_.commit();
+    report_.write_ms += stopwatch.elapsed();
     writeReport();
   }
 
@@ -156,21 +154,20 @@ class Job {
     notes_.doing("editing", Unexpected);
     CMeshO& mesh = *host_.mesh();
     const BridgedMesh bridged = read_mesh(mesh);
-    std::vector<EditResult> results;
-    report_.edit_ms = timed([&] {
-      results =
-          apply_edit(bridged.mesh, edit_, options_.fractions, kStoredScalar, [this](double done, const char* stage) {
-            line_.show(done, stage);
-            return true;
-          });
-    });
+    const Stopwatch stopwatch;
+    const std::vector<EditResult> results =
+        apply_edit(bridged.mesh, edit_, options_.fractions, kStoredScalar, [this](double done, const char* stage) {
+          line_.show(done, stage);
+          return true;
+        });
+    report_.edit_ms = stopwatch.elapsed();
     for (std::size_t k = 0; k < results.size(); ++k) {
       report_.poses.push_back({options_.fractions[k], results[k].reports});
     }
     if (results.size() == 1) {
       write_positions(mesh, bridged, results.front());
       print(textOf(results.front().reports));
-      report_.write_ms = timed([this] { save(0); });
+      save(0);
       return;
     }
     const Adjacency adjacency = build_adjacency(static_cast<int>(bridged.mesh.vertices.rows()), bridged.mesh.faces);
@@ -189,8 +186,8 @@ class Job {
       if (!writer.write(mesh, moved, positions, true)) {
         throw Failure(Unexpected, "Writing a pose changed the mesh: write the poses one by one with --fraction.");
       }
-      print("Fraction " + QString::number(options_.fractions[k]).toStdString() + "\n" + textOf(results[k].reports));
-      report_.write_ms += timed([this, k] { save(static_cast<int>(k)); });
+      print("Fraction " + number_text(options_.fractions[k]) + "\n" + textOf(results[k].reports));
+      save(static_cast<int>(k));
     }
   }
 
@@ -198,6 +195,7 @@ class Job {
     if (k == 0) {
       files_.begin([this](const QString& folder) { notes_.scratch(QFile::encodeName(folder).toStdString()); });
     }
+    const Stopwatch stopwatch;
     const QString place = options_.outputs().at(k);
     notes_.doing("writing " + quoted_path(place), Unwritable);
     try {
@@ -205,6 +203,7 @@ class Job {
     } catch (const BatchError& error) {
       throw Failure(Unwritable, "The output " + quoted_path(place) + " cannot be written: " + error.what());
     }
+    report_.write_ms += stopwatch.elapsed();
   }
 
   void writeReport() const {

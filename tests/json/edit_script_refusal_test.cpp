@@ -174,6 +174,8 @@ TEST(EditScriptRefusal, VertexListsTakeSpacesAndKeepOrder) {
   EXPECT_EQ(vertices("7"), std::vector<int>{7});
   EXPECT_EQ(vertices("9,2-4,2"), (std::vector<int>{9, 2, 3, 4, 2}));
   EXPECT_EQ(vertices(" 2 - 3 ,\\t5 , 0\\n"), (std::vector<int>{2, 3, 5, 0}));
+  EXPECT_EQ(vertices("2-3,\n\t5,\r\n0"),
+            (std::vector<int>{2, 3, 5, 0}));  // broken into lines, which JSON itself forbids
   EXPECT_EQ(vertices("5-5"), std::vector<int>{5});
   EXPECT_EQ(vertices("2147483646-2147483647"), (std::vector<int>{2147483646, 2147483647}));
 }

@@ -92,6 +92,8 @@ TEST(JsonObject, SyntaxErrorsNameLineAndColumn) {
       {"{\"a\": 1e999}", "illegal number"},
       {"{\"a\": [1.]}", "column 8: the edit is not valid JSON (illegal number)."},
       {"{\"a\": nul}", "(illegal value)"},
+      {"{\"a\": \"\x05\"}", "column 8: the edit is not valid JSON (unescaped control character)."},
+      {"{\"a\": .5}", "(illegal number)"},
       {"{\"a\": [1", "(unterminated array)"},
       {"{\"a\": \"\xFF\"}", "UTF8"},
       {"{\"a\": \"\n\\x\"}", "Near line 2, column 2: the edit is not valid JSON (invalid escape sequence)."},

@@ -94,13 +94,15 @@ class Builder : public nlohmann::json_sax<Json> {
 
   /// @param position  how many bytes were read, the last one being the one that does not fit
   bool parse_error(std::size_t position, const std::string& token, const nlohmann::json::exception& error) override {
-    const std::string what = error.what();
+    std::string what = error.what();
+    what.erase(std::min(what.find("; last read"), what.size()));  // which quotes the text
     const auto is = [&what](const char* part) { return what.find(part) != std::string::npos; };
     std::size_t at = std::min(position - 1, json_.size());
     if (is("invalid string")) {
-      refuse(at, is("UTF-8")           ? "invalid UTF8 string"
-                 : is("closing quote") ? "unterminated string"
-                                       : "invalid escape sequence");
+      refuse(at, is("UTF-8")               ? "invalid UTF8 string"
+                 : is("closing quote")     ? "unterminated string"
+                 : is("control character") ? "unescaped control character"
+                                           : "invalid escape sequence");
     }
     const bool no_token = is("invalid"), end = is("unexpected end");
     if (is("unexpected string") || is("unexpected number")) {

@@ -10,7 +10,8 @@
 #include <utility>
 #include <vector>
 
-/// MeshLab 2020.09's plugins, called without its window. What fails throws std::exception.
+/// MeshLab 2020.09's plugins, called without its window. What fails throws std::exception. Only the program uses it; it
+/// is here since hosts differ in no other folder.
 namespace lapedit::host {
 
 using FormatPlugin = MeshIOInterface;

@@ -5,7 +5,8 @@
 
 #include "batch_plugins.h"
 
-/// MeshLab 2020.09's values of parameters, as far as others have them otherwise.
+/// MeshLab 2020.09's values of parameters, as far as others have them otherwise. Only the program uses them, see
+/// batch_plugins.h.
 namespace lapedit::host {
 
 using ChoiceValue = EnumValue;

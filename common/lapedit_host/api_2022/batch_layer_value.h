@@ -5,6 +5,7 @@
 
 #include "batch_plugins.h"
 
+/// Values of parameters that MeshLab has had alike since 2021. Only the program uses them, see batch_plugins.h.
 namespace lapedit::host {
 
 using ChoiceValue = IntValue;

@@ -15,7 +15,8 @@
 #include <utility>
 #include <vector>
 
-/// The plugins of MeshLab from 2021 on, called without its window. What fails throws std::exception.
+/// The plugins of MeshLab from 2021 on, called without its window. What fails throws std::exception. Only the program
+/// uses it; it is here since hosts differ in no other folder.
 namespace lapedit::host {
 
 using FormatPlugin = IOPlugin;

@@ -3,7 +3,8 @@
 
 #include "batch_layer_value.h"
 
-/// MeshLab 2022.02's values of parameters, as far as others have them otherwise.
+/// MeshLab 2022.02's values of parameters, as far as others have them otherwise. Only the program uses them, see
+/// batch_plugins.h.
 namespace lapedit::host {
 
 using MatrixValue = Matrix44fValue;
