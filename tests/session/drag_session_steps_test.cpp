@@ -419,8 +419,10 @@ TEST(DragSteps, SettingsMayChangeWhileAStepIsSolvedForAgain) {
   ASSERT_EQ(window.session.state(), State::Settling);
   settings.radius *= 1.5;
   window.session.set_settings(settings);
-  window.session.wait();
+  // And what the mouse does meanwhile is not lost.
+  window.drag(at(28, 30), Vector2(0, 20));
   EXPECT_EQ(window.session.state(), State::Picked);
+  EXPECT_EQ(window.session.figures().steps, 3);
   EXPECT_EQ(window.session.recorded().steps.at(1).settings.order, 2);
   window.expect_consistent();
 }
@@ -437,6 +439,36 @@ TEST(DragSteps, ButtonReleasedWhileAStepIsSolvedForAgainHoldsNothing) {
   window.session.wait();
   window.session.move(window.at(kMiddle, Vector2(30, 30)));
   EXPECT_EQ(window.session.state(), State::Picked);
+}
+
+/// What is dropped while the worker is elsewhere leaves the step, and what settings are about.
+TEST(DragSteps, AmendmentAndLoadCanBeDropped) {
+  Window window(plate());
+  window.drag(kMiddle, Vector2(40, 25));
+  const Points before = window.host;
+  DragSettings settings = window.session.settings();
+  settings.edit.order = 2;
+  window.session.set_settings(settings);
+  ASSERT_EQ(window.session.state(), State::Settling);
+  window.session.cancel();
+  window.session.wait();
+  EXPECT_EQ(window.session.state(), State::Picked);
+  EXPECT_TRUE(window.session.ready());
+  EXPECT_TRUE(same_bits(window.host, before));
+  EXPECT_EQ(window.session.recorded().steps.at(0).settings.order, 1);
+
+  window.session.load(window.session.recorded());
+  ASSERT_EQ(window.session.state(), State::Settling);
+  window.session.cancel();
+  window.session.wait();
+  EXPECT_EQ(window.session.state(), State::Picked);
+  EXPECT_TRUE(window.session.ready());
+  EXPECT_TRUE(same_bits(window.host, before));
+
+  change(window, [](DragSettings& s) { s.edit.order = 3; });
+  EXPECT_EQ(window.session.figures().steps, 1);
+  EXPECT_EQ(window.session.recorded().steps.at(0).settings.order, 3);
+  window.expect_consistent();
 }
 
 TEST(DragSteps, SavedEditLoadsToTheSameBits) {
