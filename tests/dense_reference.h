@@ -123,9 +123,10 @@ inline Matrix smoothing(const Region& region, const Points& rest, double r) {
 }
 
 /// The paper's frames.
-inline std::vector<Matrix3> paper_rotations(const Region& region, const Points& rest, const Points& rough, double r) {
+inline std::vector<Matrix3> paper_rotations(const Region& region, const Points& rest, const Points& unrotated,
+                                            double r) {
   const Matrix s = smoothing(region, rest, r);
-  const Points before = s * normals(rest, region.faces), after = s * normals(rough, region.faces);
+  const Points before = s * normals(rest, region.faces), after = s * normals(unrotated, region.faces);
   std::vector<Matrix3> result(region.size());
   for (int i = 0; i < region.size(); ++i) {
     Matrix3 frame[2];
@@ -135,7 +136,8 @@ inline std::vector<Matrix3> paper_rotations(const Region& region, const Points& 
     for (const int j : region.neighbours[i]) {
       edge = off_tangent(j) < off_tangent(edge) ? j : edge;
     }
-    const Vector3 e0 = (rest.row(edge) - rest.row(i)).transpose(), e1 = (rough.row(edge) - rough.row(i)).transpose();
+    const Vector3 e0 = (rest.row(edge) - rest.row(i)).transpose(),
+                  e1 = (unrotated.row(edge) - unrotated.row(i)).transpose();
     const Vector3 u0 = n0.cross(e0).cross(n0).normalized(), u1 = n1.cross(e1).cross(n1).normalized();
     frame[0] << n0, u0, n0.cross(u0);
     frame[1] << n1, u1, n1.cross(u1);
@@ -145,9 +147,10 @@ inline std::vector<Matrix3> paper_rotations(const Region& region, const Points& 
 }
 
 /// The rotations of the smoothed surface, for a region whose anchors do not hold them back (no anchor_depth).
-inline std::vector<Matrix3> surface_rotations(const Region& region, const Points& rest, const Points& rough, double r) {
+inline std::vector<Matrix3> surface_rotations(const Region& region, const Points& rest, const Points& unrotated,
+                                              double r) {
   const Matrix s = smoothing(region, rest, r);
-  const Points p0 = s * rest, p1 = s * rough;
+  const Points p0 = s * rest, p1 = s * unrotated;
   const Points n0 = normals(p0, region.faces), n1 = normals(p1, region.faces);
   const int n = region.size();
   Matrix fits(n, 9), mean = Matrix::Zero(n, n);  // one 3 x 3 matrix per row; mean over the one-ring

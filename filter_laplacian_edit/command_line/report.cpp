@@ -41,7 +41,7 @@ QJsonObject step(const EditReport& report) {
                                        {"operator", report.operator_ms},
                                        {"factorisation", report.factor_ms},
                                        {"smoothing", report.kernel_ms},
-                                       {"rough", report.rough_ms},
+                                       {"rough", report.unrotated_ms},
                                        {"normals", report.normals_ms},
                                        {"rotations", report.rotate_ms},
                                        {"solve", report.solve_ms}}}};

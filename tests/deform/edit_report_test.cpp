@@ -142,7 +142,8 @@ TEST_F(ReportOfAnEdit, NumbersAreThoseOfTheEdit) {
   EXPECT_GT(r.stretch_rms, 0.01);
   EXPECT_GT(r.normal_radius, 0);
   EXPECT_EQ(r.iterations, 1);
-  for (const double ms : {r.region_ms, r.operator_ms, r.factor_ms, r.kernel_ms, r.rough_ms, r.rotate_ms, r.solve_ms}) {
+  for (const double ms :
+       {r.region_ms, r.operator_ms, r.factor_ms, r.kernel_ms, r.unrotated_ms, r.rotate_ms, r.solve_ms}) {
     EXPECT_GT(ms, 0);
     EXPECT_LT(ms, 60000);
   }
@@ -193,7 +194,7 @@ TEST(EditReport, TextHoldsEveryNumber) {
   r.operator_ms = 102.5;
   r.factor_ms = 103.5;
   r.kernel_ms = 104.5;
-  r.rough_ms = 105.5;
+  r.unrotated_ms = 105.5;
   r.normals_ms = 106.5;
   r.rotate_ms = 107.5;
   r.solve_ms = 108.5;

@@ -327,6 +327,49 @@ TEST(Components, OneWithTwoHandlesAndNoAnchorMeetsBoth) {
   }
 }
 
+// --- reports ---
+
+/// Fails if a report leaves something behind: in a report, in the next solution or in a preview.
+TEST(EditorReport, ChangesNothing) {
+  const TriangleMesh mesh = wavy_letters(40, 24);
+  const Region region = build_region(mesh, support::adjacency_of(mesh), within(0.9), {{490}, {420, 421, 444}});
+  const std::vector<Affine> first = {support::shift(Vector3(0, 0.1, 0.3)), support::shift(Vector3(0, 0, 0.1))};
+  const std::vector<Affine> second = {support::shift(Vector3(0.1, 0, -0.2)),
+                                      support::rigid(20, Vector3::UnitX(), Vector3(0, 0, 0.1))};
+  for (const int order : {1, 2}) {
+    EditSettings settings;
+    settings.order = order;
+    settings.iterations = order;
+    LaplacianEditor quiet(mesh, region, settings), asked(mesh, region, settings);
+    const LaplacianEditor& read = asked;
+    const auto same = [&] {
+      const EditReport a = read.report(), b = read.report();
+      EXPECT_EQ(a.text(), b.text());
+      EXPECT_EQ(a.normal_equation_residual, b.normal_equation_residual);
+      EXPECT_EQ(a.stretch_rms, b.stretch_rms);
+      EXPECT_EQ(a.rotation_mean, b.rotation_mean);
+      return a;
+    };
+    const std::size_t bytes = asked.bytes();
+    EXPECT_EQ(same().handle_displacement, 0) << "nothing has been solved for";
+    EXPECT_EQ(asked.bytes(), bytes);
+    EXPECT_TRUE(support::same_bits(asked.preview(first), quiet.preview(first)));
+    EXPECT_EQ(same().handle_displacement, order == 1 ? 0 : first[0].translation().norm()) << "a preview is not seen";
+    for (const std::vector<Affine>& maps : {first, second}) {
+      const Points& solution = asked.solve(maps);
+      const Points kept = solution;
+      const EditReport report = same();
+      EXPECT_GT(report.handle_displacement, 0.2);
+      EXPECT_GT(report.rotation_mean, 0);
+      EXPECT_TRUE(support::same_bits(solution, kept)) << "what solve() gave is valid until the next call";
+      EXPECT_TRUE(support::same_bits(kept, quiet.solve(maps)));
+      EXPECT_EQ(asked.rotations(), quiet.rotations());
+      EXPECT_TRUE(support::same_bits(asked.preview(maps), quiet.preview(maps)));
+      EXPECT_EQ(same().text(), order == 1 ? report.text() : read.report().text());
+    }
+  }
+}
+
 // --- what bad input gets ---
 
 TEST(EditSettings, ValuesOutsideTheirRangeAreRefusedByName) {

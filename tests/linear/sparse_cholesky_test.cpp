@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <random>
 #include <string>
 #include <utility>
@@ -146,6 +147,40 @@ TEST(SparseCholesky, MovedFactorStillSolves) {
     moved = SparseCholesky(grid_laplacian(5, 6, 2), backend);
     moved.solve(rhs, after);
     EXPECT_LT((grid_laplacian(5, 6, 2) * after - rhs).norm(), 1e-13);
+  }
+}
+
+/// Fails if a copy does not share the factor, or works in the other's scratch.
+TEST(SparseCholesky, CopiesSolveAtATimeAndOutliveTheOther) {
+  const SparseMatrix matrix = grid_laplacian(90, 70, 1e-3);
+  const Points rhs = random_points(90 * 70, 1);
+  for (const CholeskyBackend backend : backends()) {
+    for (const bool single : {false, true}) {
+      CholeskyOptions options;
+      options.backend = backend;
+      options.single_precision = single;
+      auto factor = std::make_unique<SparseCholesky>(matrix, options);
+      Points expected;
+      factor->solve(rhs, expected);
+      std::vector<SparseCholesky> copies;
+      for (int threads = 1; threads <= 3; ++threads) {
+        copies.emplace_back(*factor, std::make_shared<ThreadPool>(threads));
+      }
+      EXPECT_EQ(copies[0].order(), factor->order());
+      EXPECT_EQ(copies[0].single_precision(), factor->single_precision());
+      factor.reset();
+      std::vector<Points> found(copies.size());
+      ThreadPool(static_cast<int>(copies.size())).each(static_cast<int>(copies.size()), [&](int c) {
+        for (int time = 0; time < 20; ++time) {
+          copies[c].solve(rhs, found[c]);
+          copies[c].solve(found[c] * 1e3, found[c]);
+          copies[c].solve(rhs, found[c]);
+        }
+      });
+      for (const Points& x : found) {
+        EXPECT_TRUE((x.array() == expected.array()).all()) << copies[0].backend_name();
+      }
+    }
   }
 }
 

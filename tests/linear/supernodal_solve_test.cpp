@@ -194,6 +194,20 @@ TYPED_TEST(SupernodalSolve, ThreadsDoNotChangeABit) {
   }
 }
 
+/// Fails if a copy needs what it was made from, or takes another way through the tree.
+TYPED_TEST(SupernodalSolve, CopySharesTheFactorToTheBit) {
+  for (const Factor& factor : factors()) {
+    ThreadPool one(1), three(3);
+    auto solver = std::make_unique<SupernodalSolver<TypeParam>>(factor.view(), one);
+    const Rows<TypeParam> right = random_rows<TypeParam>(factor.dense.rows(), 5);
+    const Rows<TypeParam> expected = this->solved(*solver, right, one);
+    SupernodalSolver<TypeParam> copy(*solver, three);
+    EXPECT_EQ(copy.bytes(), solver->bytes());
+    solver.reset();
+    ASSERT_TRUE(this->solved(copy, right, three) == expected) << factor.name;
+  }
+}
+
 TYPED_TEST(SupernodalSolve, AllocatesNothing) {
   for (const int threads : {1, 3}) {
     ThreadPool pool(threads);

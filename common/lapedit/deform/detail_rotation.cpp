@@ -99,6 +99,8 @@ void RotationEstimator::estimate(const Points& displacement, std::vector<Matrix3
   rotate_ms_ = watch.lap();
 }
 
+/// The paper's section 4: R takes the frame {n, u, n x u} to {n', u', n' x u'}, n and n' the smooth normals, u and u'
+/// one edge's unit projections onto the planes orthogonal to them; the edge nearest to being orthogonal to n.
 void RotationEstimator::paper_frames(std::vector<Matrix3>& rotations) {
   for (int i = 0; i < region_.size(); ++i) {
     const Vector3 n0 = smooth_before_.row(i).transpose();
@@ -107,7 +109,6 @@ void RotationEstimator::paper_frames(std::vector<Matrix3>& rotations) {
     if (n0.isZero(0) || n1.isZero(0)) {
       continue;
     }
-    // The edge nearest to being orthogonal to the normal.
     int best = -1;
     double least = 2;
     for (const int j : region_.neighbours[i]) {
@@ -136,6 +137,8 @@ void RotationEstimator::paper_frames(std::vector<Matrix3>& rotations) {
   }
 }
 
+/// C_i = sum_j (P1_j - P1_i)(P0_j - P0_i)^T + |.| n1 n0^T over the edges of the smoothed surfaces P0 and P1, averaged;
+/// R_i the rotation nearest to (1 - h_i) C_i + h_i |C_i| I, with h_i = 3 t^2 - 2 t^3 of the depth t in the anchor band.
 void RotationEstimator::smooth_surface(std::vector<Matrix3>& rotations) {
   const int n = region_.size();
   covariances_.resize(n);

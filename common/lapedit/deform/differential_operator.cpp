@@ -15,7 +15,8 @@ constexpr double kEquilateralWeight = 0.57735026918962576;  // 1 / sqrt(3) = cot
 constexpr double kLargestCotangent = 1e3;                   // a corner of 0.06 degrees
 constexpr double kNoArea = 1e-10;                           // twice the area over the longest edge squared
 
-/// M from one non-negative weight per entry of region.neighbours; each row with neighbours has a positive sum.
+/// M of the paper's equation (1) and section 3, from one non-negative weight w_ji per entry of region.neighbours:
+/// m_jj = 1, m_ji = -alpha_ji = -w_ji / sum_k w_jk; each row with neighbours has a positive sum.
 SparseMatrix from_weights(const Region& region, const std::vector<double>& weights) {
   const IndexLists& neighbours = region.neighbours;
   Eigen::SparseMatrix<double, Eigen::RowMajor, int> rows(region.size(), region.size());
@@ -43,7 +44,8 @@ SparseMatrix from_weights(const Region& region, const std::vector<double>& weigh
   return rows;
 }
 
-/// Cotangents at the three corners of a face. @return whether the face has area enough to define them
+/// Cotangents at the three corners of a face: (a - c) . (b - c) / |(a - c) x (b - c)| at c. @return whether the face
+/// has area enough to define them
 bool corner_cotangents(const TriangleMesh& mesh, int face, double cotangents[3]) {
   Vector3 corner[3];
   for (int k = 0; k < 3; ++k) {
@@ -70,10 +72,12 @@ const char* name(LaplacianKind kind) {
   return kind == LaplacianKind::Umbrella ? "umbrella" : "cotangent";
 }
 
+/// w_ji = 1: the paper's equation (2).
 DifferentialOperator umbrella_operator(const Region& region) {
   return {from_weights(region, std::vector<double>(region.neighbours.values.size(), 1)), 0};
 }
 
+/// w_ji = (cot a + cot b) / 2, a and b the angles opposite to edge ji.
 DifferentialOperator cotangent_operator(const Region& region, const TriangleMesh& mesh) {
   const IndexLists& neighbours = region.neighbours;
   std::vector<double> weights(neighbours.values.size(), 0);

@@ -9,6 +9,7 @@
 namespace lapedit {
 namespace {
 
+/// Of length twice the area.
 Vector3 face_normal(const Points& points, const Faces& faces, Eigen::Index face) {
   const Vector3 a = points.row(faces(face, 0)).transpose();
   const Vector3 b = points.row(faces(face, 1)).transpose();
@@ -18,6 +19,7 @@ Vector3 face_normal(const Points& points, const Faces& faces, Eigen::Index face)
 
 }  // namespace
 
+/// |after_i - after_j| / |before_i - before_j| - 1
 EdgeStretch edge_stretch(const Region& region, const Points& before, const Points& after) {
   EdgeStretch result;
   double sum = 0;
@@ -37,6 +39,7 @@ EdgeStretch edge_stretch(const Region& region, const Points& before, const Point
   return result;
 }
 
+/// n' . (R_a + R_b + R_c) n < 0
 int flipped_triangles(const Region& region, const Points& before, const Points& after,
                       const std::vector<Matrix3>& rotations) {
   int count = 0;
@@ -47,19 +50,9 @@ int flipped_triangles(const Region& region, const Points& before, const Points& 
   return count;
 }
 
-RotationAngles rotation_angles(const std::vector<Matrix3>& rotations) {
-  RotationAngles result;
-  for (const Matrix3& rotation : rotations) {
-    const double degrees = Eigen::AngleAxisd(rotation).angle() * (180 / 3.14159265358979323846);
-    result.mean += degrees / static_cast<double>(rotations.size());
-    result.largest = std::max(result.largest, degrees);
-  }
-  return result;
-}
-
-ConstraintResiduals constraint_residuals(const LaplacianSystem& system, const EditConstraints& constraints,
-                                         const Points& displacement) {
-  ConstraintResiduals result;
+EditQuality edit_quality(const LaplacianSystem& system, const EditConstraints& constraints, const Points& displacement,
+                         const Points& positions, const std::vector<Matrix3>& rotations) {
+  EditQuality result;
   const Region& region = system.region;
   for (int i = 0; i < region.size(); ++i) {
     const Vector3 d = displacement.row(i).transpose();
@@ -67,11 +60,18 @@ ConstraintResiduals constraint_residuals(const LaplacianSystem& system, const Ed
       const Vector3 way = constraints.wanted_way(i);
       const Vector3 carried = constraints.carried(i).displacement(system.rest.local.row(i).transpose());
       result.handle_displacement = std::max(result.handle_displacement, way.norm());
-      result.handle = std::max(result.handle, (carried + d - way).norm());
+      result.handle_residual = std::max(result.handle_residual, (carried + d - way).norm());
     } else if (region.classes[i] == VertexClass::Anchor) {
-      result.anchor = std::max(result.anchor, d.norm());
+      result.anchor_residual = std::max(result.anchor_residual, d.norm());
     }
+    const double degrees = Eigen::AngleAxisd(rotations[i]).angle() * (180 / 3.14159265358979323846);
+    result.rotation_mean += degrees / region.size();
+    result.rotation_max = std::max(result.rotation_max, degrees);
   }
+  const EdgeStretch stretch = edge_stretch(region, system.rest.world, positions);
+  result.stretch_rms = stretch.rms;
+  result.stretch_max = stretch.largest;
+  result.flipped = flipped_triangles(region, system.rest.world, positions, rotations);
   return result;
 }
 

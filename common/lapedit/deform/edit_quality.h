@@ -20,19 +20,10 @@ EdgeStretch edge_stretch(const Region& region, const Points& before, const Point
 int flipped_triangles(const Region& region, const Points& before, const Points& after,
                       const std::vector<Matrix3>& rotations);
 
-/// Angles of rotations, degrees.
-struct RotationAngles {
-  double mean = 0, largest = 0;
-};
-RotationAngles rotation_angles(const std::vector<Matrix3>& rotations);
-
-/// Largest distances, model units: of a handle vertex's target from its place at rest, of a handle vertex from its
-/// target, of an anchor from its place.
-struct ConstraintResiduals {
-  double handle_displacement = 0, handle = 0, anchor = 0;
-};
+/// All of it but the normal equations' residual.
 /// @param displacement  from the carried pose, size() x 3
-ConstraintResiduals constraint_residuals(const LaplacianSystem& system, const EditConstraints& constraints,
-                                         const Points& displacement);
+/// @param positions     the result
+EditQuality edit_quality(const LaplacianSystem& system, const EditConstraints& constraints, const Points& displacement,
+                         const Points& positions, const std::vector<Matrix3>& rotations);
 
 }  // namespace lapedit

@@ -33,7 +33,7 @@ std::string EditReport::text() const {
   lines += format_text(
       "\nMilliseconds: region %.1f, operator %.1f, factor %.1f, smoothing table %.1f, rough solve %.2f, normals %.2f, "
       "rotate %.2f, solve %.2f",
-      region_ms, operator_ms, factor_ms, kernel_ms, rough_ms, normals_ms, rotate_ms, solve_ms);
+      region_ms, operator_ms, factor_ms, kernel_ms, unrotated_ms, normals_ms, rotate_ms, solve_ms);
   return lines;
 }
 

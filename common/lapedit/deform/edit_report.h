@@ -5,17 +5,19 @@
 
 namespace lapedit {
 
-/// What an edit did, in numbers. Lengths in model units, angles in degrees, times in milliseconds.
-struct EditReport {
+/// Vertices of the mesh and of its region.
+struct RegionCounts {
   int mesh_vertices = 0, handle = 0, free = 0, anchors = 0, fixed = 0, left_out = 0;
-  std::string laplacian, rotation, backend;
-  int order = 1, iterations = 0;   ///< iterations actually made
-  double normal_radius = 0;        ///< used; 0 if no rotation
-  int uniform_edges = 0;           ///< see DifferentialOperator
-  int refinements = 0;             ///< iterative refinement steps per solve
-  bool factor_taken_over = false;  ///< from the editor before, for another handle in the same region
-  double region_ms = 0, operator_ms = 0, factor_ms = 0, kernel_ms = 0, rough_ms = 0, normals_ms = 0, rotate_ms = 0,
+};
+
+/// Milliseconds.
+struct EditTimes {
+  double region_ms = 0, operator_ms = 0, factor_ms = 0, kernel_ms = 0, unrotated_ms = 0, normals_ms = 0, rotate_ms = 0,
          solve_ms = 0;
+};
+
+/// How good the result is.
+struct EditQuality {
   double normal_equation_residual = 0;  ///< |A^T (A x - b)| over |A^T| |b|-sized terms; rounding level when all is well
   double handle_displacement = 0;       ///< largest way a handle vertex was to go
   double handle_residual = 0;           ///< largest distance of a handle vertex from its target
@@ -24,6 +26,16 @@ struct EditReport {
   double stretch_rms = 0;  ///< RMS over the region's edges of new length / old length - 1
   double stretch_max = 0;  ///< the largest of these, of edges that became longer
   int flipped = 0;         ///< triangles of the region turned by more than 90 degrees against their rotated original
+};
+
+/// What an edit did, in numbers. Lengths in model units, angles in degrees.
+struct EditReport : RegionCounts, EditTimes, EditQuality {
+  std::string laplacian, rotation, backend;
+  int order = 1, iterations = 0;   ///< iterations actually made
+  double normal_radius = 0;        ///< used; 0 if no rotation
+  int uniform_edges = 0;           ///< see DifferentialOperator
+  int refinements = 0;             ///< iterative refinement steps per solve
+  bool factor_taken_over = false;  ///< shared with the editor before, for another handle in the same region
 
   /// Several lines of plain text for a log, without a trailing newline.
   std::string text() const;

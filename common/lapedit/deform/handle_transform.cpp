@@ -19,6 +19,7 @@ void require_finite(bool finite, const char* what) {
   }
 }
 
+/// x -> L (x - c) + c + t
 Affine about(const Matrix3& linear, const Vector3& center, const Vector3& translation) {
   Affine map;
   map.linear() = linear;
@@ -26,6 +27,7 @@ Affine about(const Matrix3& linear, const Vector3& center, const Vector3& transl
   return map;
 }
 
+/// Part of the way of an affine map with L = Q S: the rotation Q by its angle, the stretch S and the way linearly.
 Affine resolve_matrix(const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>& matrix, const Vector3& centroid,
                       double fraction) {
   Affine whole;

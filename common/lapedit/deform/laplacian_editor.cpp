@@ -156,7 +156,7 @@ const Points& LaplacianEditor::solve(const std::vector<Affine>& handles, const A
   } else {
     s.displacement.setZero(region().size(), 3);
   }
-  s.report.rough_ms = watch.elapsed();
+  s.report.unrotated_ms = watch.elapsed();
   s.report.normals_ms = s.report.rotate_ms = s.report.solve_ms = 0;
   s.report.iterations = 0;
   std::fill(s.rotations.begin(), s.rotations.end(), Matrix3::Identity());
@@ -206,19 +206,9 @@ EditReport LaplacianEditor::report() const {
   if (s.positions.rows() == 0) {
     return report;  // nothing has been solved for
   }
-  const Points& rest = s.system->rest.world;
-  report.normal_equation_residual = s.solver.relative_residual(s.right, s.displacement);
-  const ConstraintResiduals residuals = constraint_residuals(*s.system, s.constraints, s.displacement);
-  report.handle_displacement = residuals.handle_displacement;
-  report.handle_residual = residuals.handle;
-  report.anchor_residual = residuals.anchor;
-  const RotationAngles angles = rotation_angles(s.rotations);
-  report.rotation_mean = angles.mean;
-  report.rotation_max = angles.largest;
-  const EdgeStretch stretch = edge_stretch(region(), rest, s.positions);
-  report.stretch_rms = stretch.rms;
-  report.stretch_max = stretch.largest;
-  report.flipped = flipped_triangles(region(), rest, s.positions, s.rotations);
+  EditQuality& quality = report;
+  quality = edit_quality(*s.system, s.constraints, s.displacement, s.positions, s.rotations);
+  quality.normal_equation_residual = s.solver.relative_residual(s.right, s.displacement);
   return report;
 }
 

@@ -26,7 +26,8 @@ Matrix3 nearest_rotation(const Matrix3& matrix) {
   if (start == start.transpose() && start.llt().info() == Eigen::Success) {
     return Matrix3::Identity();  // exactly, for what has not moved
   }
-  // Newton's iteration is exact and fast away from singular matrices; the rest is left to the SVD.
+  // Newton's iteration for the polar factor, X <- (g X + X^-T / g) / 2 with g^2 = |X^-T| / |X| (Higham 1986): exact and
+  // fast away from singular matrices; the rest is left to the SVD.
   constexpr double kSafeDeterminant = 1e-4;
   if (start.determinant() > kSafeDeterminant) {
     Matrix3 x = start;

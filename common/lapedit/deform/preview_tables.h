@@ -47,7 +47,8 @@ struct Tables {
   Tables(const PreviewBase& given, const Eigen::MatrixXd& unrotated, const Eigen::MatrixXd& smoothed,
          const std::vector<int>& elimination, const Kernels& kernels, Averaged& averaged, ThreadPool& pool);
 
-  std::vector<int> places() const;  ///< of local vertices
+  /// Of local vertices.
+  std::vector<int> places() const;
   /// Without what a frame adds.
   View view() const;
   std::size_t bytes() const;

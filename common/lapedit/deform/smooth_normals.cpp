@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kGrain = 256;
 
-/// The paper's kernel (section 6) at distance t.
+/// p(t) = 2 t^3 / r^3 - 3 t^2 / r^2 + 1, the paper's kernel (section 6).
 double kernel(double t, double radius) {
   const double s = t / radius;
   return s < 1 ? (2 * s - 3) * s * s + 1 : 0;
@@ -64,6 +64,7 @@ std::vector<int> sample_centres(const Region& region, const Points& rest, double
 
 }  // namespace
 
+/// n_i = sum over faces i j k of (p_j - p_i) x (p_k - p_i), made unit.
 void vertex_normals(const Points& points, const Faces& faces, Points& normals, Eigen::VectorXd& areas) {
   constexpr double kCancelled = 1e-12;  // what is left of opposite faces is rounding, not a direction
   normals.setZero(points.rows(), 3);
@@ -96,6 +97,7 @@ void vertex_normals(const Points& points, const Faces& faces, Points& normals) {
 
 namespace {
 
+/// Rows centres x vertices: w_cj = p(dist(c, j)) / sum_k p(dist(c, k)), the paper's section 6.
 template <typename Rows>
 Rows kernel_rows(const Region& region, const Points& rest, const std::vector<int>& centres, double radius,
                  int threads) {

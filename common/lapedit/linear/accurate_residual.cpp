@@ -13,7 +13,8 @@ namespace {
 constexpr int kGrain = 1024;
 constexpr int kLanes = 4;  // three coordinates, and one to fill the vector
 
-/// The error of the product p = a b, with and without an instruction for it.
+/// The error a b - p of the rounded product p: exact, with an instruction for it (Fused) or by splitting factors into
+/// halves of 26 bits (TwoProduct, Dekker 1971; Ogita, Rump, Oishi 2005, section 2).
 struct Fused {
   static LAPEDIT_INLINE double error(double a, double b, double p) { return __builtin_fma(a, b, -p); }
 };
@@ -26,7 +27,8 @@ struct Split {
   }
 };
 
-/// high + low, and what is added to them.
+/// high + low, and what is added to them: the error of high + term is exact (TwoSum, Knuth 1969), and goes into low
+/// with that of the product (Dot2, Ogita, Rump, Oishi 2005, section 4).
 struct Sum {
   double high[kLanes] = {}, low[kLanes] = {};
 
@@ -127,6 +129,7 @@ void DoubledPoints::set(const Points& points) {
   low.setZero(points.rows(), 3);
 }
 
+/// high + low + step, normalised so that low is at most half a unit in the last place of high.
 void DoubledPoints::add(const Points& step) {
   for (Eigen::Index i = 0; i < high.size(); ++i) {
     double& a = high.data()[i];

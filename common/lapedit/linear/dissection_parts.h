@@ -9,7 +9,7 @@
 
 #include "lapedit/mesh/adjacency.h"
 
-// What the files of nested dissection share: nested_dissection.cpp and separator_flow.cpp.
+// What the files of nested dissection share: nested_dissection.cpp and minimum_vertex_separator.cpp.
 
 namespace lapedit::dissection {
 
@@ -41,7 +41,8 @@ struct Scratch {
   std::vector<int> local;           // number in a part
   std::vector<int> from, values;    // of a part
   std::vector<std::uint64_t> nets;  // of a leaf
-  // Of a band, see separator_flow.cpp.
+
+  // Of a band, see minimum_vertex_separator.cpp.
   std::vector<int> band, offsets, members, in, out, depth, arc, path;
   std::vector<std::uint8_t> ends, before;
 

@@ -134,11 +134,10 @@ void order_whole(const Piece& piece, Scratch& scratch, int* order) {
   for (int k = 0; k < piece.own; ++k) order[k] = piece.vertex[by_valence[k]];
 }
 
-// ---- Separators -----------------------------------------------------------------------------------------------------
-
 // ---- Divisions ------------------------------------------------------------------------------------------------------
 
-/// Coordinates along the longest axis of inertia of a piece's own vertices, in scratch.along. @return the own vertex at
+/// Coordinates along the longest axis of inertia of a piece's own vertices, in scratch.along: the eigenvector of
+/// sum_v (x_v - mean)(x_v - mean)^T with the largest eigenvalue. @return the own vertex at
 /// its lower end
 int project(const Piece& piece, Scratch& scratch) {
   const float* at = piece.at.data();

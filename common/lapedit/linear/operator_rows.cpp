@@ -41,6 +41,7 @@ void OperatorRows::apply_transposed(const Points& x, Points& out, ThreadPool& po
   multiply(columns_, x, out, pool);
 }
 
+/// (M^T M)_ij = sum over rows r of m_ri m_rj, for i >= j: a column j is its entries' rows, scaled and added.
 SparseMatrix OperatorRows::normal_matrix(const Eigen::VectorXd& diagonal, ThreadPool& pool) const {
   const int n = static_cast<int>(columns_.cols());
   struct Piece {

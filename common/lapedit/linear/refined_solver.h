@@ -76,6 +76,7 @@ class RefinedSolver {
   std::shared_ptr<ThreadPool> pool_;
   SparseCholesky cholesky_;
   Eigen::VectorXd squared_weights_;  // of A
+
   // Scratch of refine_to_the_bit().
   Points residual_, step_;
   Points at_rows_, corrected_;

@@ -47,7 +47,7 @@ LAPEDIT_INLINE Vector load(const Scalar* place) {
 
 // Loops over lanes, columns and right-hand sides have to be unrolled for their sums to stay in registers.
 
-/// One block forward: y = T^-1 v, then v below -= L y. @return behind the block
+/// One block of L y = b, forward: y = T^-1 v with T the block's triangle, then v below -= L y. @return behind the block
 template <typename Scalar, int Width>
 LAPEDIT_INLINE const Scalar* forward_block(const Scalar* block, int panels, Scalar* v, int pad) {
   using Vector = typename Lanes<Scalar>::Vector;
@@ -126,7 +126,8 @@ LAPEDIT_INLINE void backward_sums(const Scalar* tile, int panels, const Scalar* 
   }
 }
 
-/// One block backward: v of the block = T^-T (v - L^T v below). Group columns at a time, as registers allow.
+/// One block of L^T x = y, backward: v of the block = T^-T (v - L^T v below). Group columns at a time, as registers
+/// allow.
 template <typename Scalar, int Width, int Group>
 LAPEDIT_INLINE void backward_block(const Scalar* block, int panels, Scalar* v, int pad) {
   using Vector = typename Lanes<Scalar>::Vector;
@@ -299,6 +300,7 @@ Kernels<Scalar> best_kernels() {
   return {forward_plain<Scalar>, backward_plain<Scalar>};
 }
 
+/// The inverse of a triangle T, column by column: t'_jj = 1 / t_jj, t'_ij = -(sum_{j <= k < i} t_ik t'_kj) / t_ii.
 template <typename Scalar>
 Scalar* write_tiles(const double* values, int columns, int rows, Scalar* out) {
   for (int first = 0; first < columns; first += kWide) {

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/deform/edit_constraints.h"
+
+#include <gtest/gtest.h>
+
+#include "lapedit/deform/edit_quality.h"
+#include "shapes.h"
+#include "support.h"
+
+namespace lapedit {
+namespace {
+
+const Affine kStay = Affine::Identity();
+
+/// Two spheres: one held at its vertices 0 and 1 and pulled at 100, the other one loose with two groups.
+struct Scene {
+  TriangleMesh mesh = shapes::two_pieces(2);
+  EditReport report;
+  std::shared_ptr<const LaplacianSystem> system = prepare_system(
+      mesh, support::whole_region(mesh, {{100}, {200}, {250, 251}}, {0, 1}), EditSettings(), nullptr, {}, report);
+  EditConstraints constraints{*system};
+
+  Vector3 rest(int i) const { return system->rest.local.row(i).transpose(); }
+};
+
+TEST(EditConstraints, NothingMovedIsNothingToDo) {
+  Scene s;
+  s.constraints.set({kStay, kStay, kStay}, kStay);
+  EXPECT_FALSE(s.constraints.carry());
+  EXPECT_FALSE(s.constraints.pull());
+  EXPECT_TRUE(s.constraints.right_hand_side().isZero(0));
+}
+
+/// Fails if a held component is carried by its handle, or a weight is missing: 100 is 10 squared.
+TEST(EditConstraints, HeldComponentIsPulledAndNotCarried) {
+  Scene s;
+  const Vector3 way(0.1, 0.2, -0.3);
+  s.constraints.set({support::shift(way), kStay, kStay}, kStay);
+  EXPECT_FALSE(s.constraints.carry());
+  EXPECT_TRUE(s.constraints.pull());
+  EXPECT_LT((s.constraints.right_hand_side().row(100).transpose() - 100 * way).norm(), 1e-12);
+  EXPECT_EQ((s.constraints.right_hand_side().array() != 0).count(), 3);
+  EXPECT_LT((s.constraints.wanted_way(100) - way).norm(), 1e-14);
+}
+
+/// Fails if the mean is over groups or components and not over handle vertices.
+TEST(EditConstraints, LooseComponentGoesWithTheMeanOfItsHandleVertices) {
+  Scene s;
+  s.constraints.set({kStay, support::shift(Vector3(0.3, 0, 0)), support::shift(Vector3(0, 0.6, 0))}, kStay);
+  EXPECT_TRUE(s.constraints.carry());
+  EXPECT_LT((s.constraints.carried(200).displacement(s.rest(200)) - Vector3(0.1, 0.4, 0)).norm(), 1e-14);
+  EXPECT_EQ(s.constraints.carried(100).displacement(s.rest(100)), Vector3(0, 0, 0));
+  EXPECT_LT((s.constraints.carried_pose().row(170).transpose() - s.rest(170) - Vector3(0.1, 0.4, 0)).norm(), 1e-14);
+  EXPECT_LT((s.constraints.right_hand_side().row(200).transpose() - 100 * Vector3(0.2, -0.4, 0)).norm(), 1e-12);
+  EXPECT_TRUE(s.constraints.carried_rotation(200).isIdentity(0));
+}
+
+TEST(EditConstraints, AnchorsCarryTheirComponentWithItsRotation) {
+  Scene s;
+  const Affine turn = support::rigid(50, Vector3(1, 2, 3), Vector3(4, 5, 6));
+  Affine grown = turn;
+  grown.linear() *= 3;
+  s.constraints.set({grown, kStay, kStay}, grown);
+  EXPECT_TRUE(s.constraints.carry());
+  EXPECT_FALSE((s.constraints.right_hand_side().array().abs() > 1e-9).any()) << "the handle is where it is to be";
+  EXPECT_LT((s.constraints.carried_rotation(100) - turn.linear()).norm(), 1e-14);
+  EXPECT_TRUE(s.constraints.carried_rotation(200).isIdentity(0)) << "the other component stays";
+  s.constraints.set({kStay, kStay, kStay}, kStay);
+  EXPECT_FALSE(s.constraints.carry()) << "nothing is left of an earlier motion";
+}
+
+/// Fails if a distance is taken from another place, or an angle in radians.
+TEST(EditQuality, IsMeasuredFromThePlacesWanted) {
+  Scene s;
+  const Affine away = support::shift(Vector3(2, 0, 0));
+  s.constraints.set({support::shift(Vector3(0, 0, 0.5)), away, away}, kStay);
+  const int n = s.system->region.size();
+  Points d = Points::Zero(n, 3);
+  d.row(100) << 0, 0, 0.4;
+  d.row(1) << 0.03, 0, 0.04;
+  std::vector<Matrix3> rotations(n, Matrix3::Identity());
+  rotations[7] = support::rigid(30, Vector3(1, 0, 1), Vector3::Zero()).linear();
+  rotations[8] = support::rigid(-60, Vector3::UnitZ(), Vector3::Zero()).linear();
+  const EditQuality found = edit_quality(*s.system, s.constraints, d, 1.25 * s.mesh.vertices, rotations);
+  EXPECT_NEAR(found.handle_displacement, 2, 1e-14);
+  EXPECT_NEAR(found.handle_residual, 0.1, 1e-14) << "what is carried has arrived";
+  EXPECT_NEAR(found.anchor_residual, 0.05, 1e-14);
+  EXPECT_NEAR(found.rotation_mean, 90.0 / n, 1e-12);
+  EXPECT_NEAR(found.rotation_max, 60, 1e-12);
+  EXPECT_NEAR(found.stretch_rms, 0.25, 1e-12);
+  EXPECT_EQ(found.flipped, 0);
+}
+
+}  // namespace
+}  // namespace lapedit

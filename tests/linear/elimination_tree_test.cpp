@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/linear/elimination_tree.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace lapedit::supernode {
+namespace {
+
+/// A factor of `leaves` columns that all have one more row, the last column's: a star.
+struct Star {
+  std::vector<int> columns{0}, row_offsets{0}, value_offsets{0}, rows;
+
+  explicit Star(int leaves) {
+    for (int j = 0; j <= leaves; ++j) {
+      rows.push_back(j);
+      if (j < leaves) {
+        rows.push_back(leaves);
+      }
+      columns.push_back(j + 1);
+      row_offsets.push_back(static_cast<int>(rows.size()));
+      value_offsets.push_back(static_cast<int>(rows.size()));
+    }
+  }
+  EliminationTree tree() const {
+    SupernodalFactor view;
+    view.size = view.supernodes = static_cast<int>(columns.size()) - 1;
+    view.columns = columns.data();
+    view.row_offsets = row_offsets.data();
+    view.value_offsets = value_offsets.data();
+    view.rows = rows.data();
+    return EliminationTree(view);
+  }
+};
+
+/// Fails if a column is lost, done twice or cut from its parent.
+TEST(EliminationTree, TasksCoverAllSupernodesOnceAndKnowTheirParents) {
+  for (const int leaves : {1, 3, 40, 500}) {
+    const EliminationTree tree = Star(leaves).tree();
+    std::vector<int> seen(leaves + 1, 0);
+    int children = 0;
+    for (std::size_t t = 0; t < tree.tasks.size(); ++t) {
+      const EliminationTree::Task& task = tree.tasks[t];
+      ASSERT_LE(task.first_node, task.last_node);
+      for (int s = task.first_node; s <= task.last_node; ++s) {
+        ++seen[s];
+      }
+      for (int c = task.first_child; c < task.last_child; ++c, ++children) {
+        EXPECT_EQ(tree.tasks[tree.child_tasks[c]].parent, static_cast<int>(t));
+      }
+    }
+    EXPECT_EQ(seen, std::vector<int>(leaves + 1, 1));
+    EXPECT_EQ(tree.roots, std::vector<int>{static_cast<int>(tree.tasks.size()) - 1});
+    EXPECT_EQ(children, static_cast<int>(tree.tasks.size()) - 1) << "all but the root";
+    EXPECT_EQ(tree.most_rows, 2);
+  }
+}
+
+/// Fails if what a task hands up does not arrive at the row that it is meant for.
+TEST(EliminationTree, ListsNameTheParentsRows) {
+  const EliminationTree tree = Star(40).tree();
+  ASSERT_EQ(tree.tasks.size(), 41U) << "a branch ends below the supernode that all hang on";
+  EXPECT_EQ(tree.list_rows, std::vector<int>(40, 40));
+  EXPECT_EQ(tree.list_places, std::vector<int>(40, 0)) << "the parent's own column";
+  EXPECT_EQ(tree.leaves.size(), 40U);
+}
+
+}  // namespace
+}  // namespace lapedit::supernode

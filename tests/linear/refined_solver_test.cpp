@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/linear/refined_solver.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <random>
+
+#include "allocation_watch.h"
+#include "lapedit/base/error.h"
+#include "lapedit/deform/differential_operator.h"
+#include "shapes.h"
+#include "support.h"
+
+namespace lapedit {
+namespace {
+
+const std::vector<int> kRows = {30, 77, 78, 113};
+const std::vector<double> kWeights = {100, 1, 25, 4};
+
+/// M of an arm that is held at one end, and M^T M + W^2 with and without some rows of W.
+struct Problem {
+  TriangleMesh mesh = shapes::tapered_arm(12, 20);
+  std::shared_ptr<ThreadPool> pool = std::make_shared<ThreadPool>(2);
+  std::shared_ptr<const OperatorRows> m =
+      std::make_shared<const OperatorRows>(umbrella_operator(support::whole_region(mesh, {{0}}, {})).matrix);
+  Eigen::VectorXd known = Eigen::VectorXd::Zero(mesh.vertices.rows()), all;
+  Points right;
+  Eigen::MatrixXd dense, dense_known;
+
+  Problem() {
+    known.head(24).setConstant(9);
+    all = known;
+    for (std::size_t c = 0; c < kRows.size(); ++c) {
+      all[kRows[c]] = kWeights[c];
+    }
+    std::mt19937 random(3);
+    right = Points::NullaryExpr(all.size(), 3, [&] { return random() / 2147483648.0 - 1; });
+    const Eigen::MatrixXd op = m->matrix();
+    dense_known = op.transpose() * op;
+    dense = dense_known;
+    dense_known.diagonal() += known;
+    dense.diagonal() += all;
+  }
+  std::shared_ptr<const FactoredNormalMatrix> factored(const Eigen::VectorXd& weights, bool single = false) const {
+    CholeskyOptions options;
+    options.pool = pool;
+    options.single_precision = single;
+    return std::make_shared<const FactoredNormalMatrix>(m, weights, options);
+  }
+  std::shared_ptr<const WoodburyCorrection> correction(
+      const std::shared_ptr<const FactoredNormalMatrix>& matrix) const {
+    RefinedSolver solver(matrix, nullptr, pool);
+    auto made = woodbury_correction(solver, all.size(), kRows, kWeights, 1e-8, 8);
+    EXPECT_TRUE(made.has_value());
+    return std::make_shared<const WoodburyCorrection>(*made);
+  }
+};
+
+TEST(RefinedSolver, AgreesWithADenseSolve) {
+  const Problem p;
+  const Points expected = p.dense_known.ldlt().solve(p.right);
+  for (const bool single : {false, true}) {
+    RefinedSolver solver(p.factored(p.known, single), nullptr, p.pool);
+    Points coarse, exact;
+    EXPECT_GE(solver.refine_to(p.right, coarse, 1e-8), single && solver.cholesky().single_precision() ? 1 : 0);
+    EXPECT_LT((coarse - expected).norm(), 1e-7 * expected.norm());
+    const RefinedSolver::Outcome outcome = solver.refine_to_the_bit(p.right, exact);
+    EXPECT_LT((exact - expected).norm(), 1e-10 * expected.norm());
+    EXPECT_LT(outcome.last_change, 1e-15);
+    EXPECT_GT(outcome.steps, 1);
+    EXPECT_LT(solver.relative_residual(p.right, exact), 1e-14);
+    EXPECT_GT(solver.relative_residual(p.right, 1.001 * exact), 1e-8);
+  }
+}
+
+/// Fails if the correction forgets a row or a weight: then bits differ, since both are refined with the whole matrix.
+TEST(RefinedSolver, CorrectedFactorGivesTheBitsOfAFactorThatKnowsAllRows) {
+  const Problem p;
+  const auto known = p.factored(p.known);
+  RefinedSolver corrected(known, p.correction(known), p.pool), whole(p.factored(p.all), nullptr, p.pool);
+  Points with, without;
+  const int steps = corrected.refine_to_the_bit(p.right, with).steps;
+  whole.refine_to_the_bit(p.right, without);
+  EXPECT_TRUE(support::same_bits(with, without));
+  EXPECT_LT(steps, 8) << "a wrong correction is a slow one";
+  EXPECT_LT((with - p.dense.ldlt().solve(p.right)).norm(), 1e-10 * with.norm());
+}
+
+TEST(RefinedSolver, CorrectionThatTakesTooManyStepsIsNone) {
+  const Problem p;
+  const auto single = p.factored(p.known, true);
+  if (!single->cholesky.single_precision()) {
+    GTEST_SKIP() << "built without CHOLMOD";
+  }
+  RefinedSolver solver(single, nullptr, p.pool);
+  EXPECT_TRUE(woodbury_correction(solver, p.all.size(), kRows, kWeights, 1e-8, 8).has_value());
+  EXPECT_FALSE(woodbury_correction(solver, p.all.size(), kRows, kWeights, 1e-8, 0).has_value());
+}
+
+/// Fails if solvers that share matrix and correction share scratch.
+TEST(RefinedSolver, SolversThatShareAMatrixWorkAtATime) {
+  const Problem p;
+  const auto matrix = p.factored(p.known, true);
+  const auto correction = p.correction(matrix);
+  Points expected;
+  RefinedSolver(matrix, correction, p.pool).refine_to_the_bit(p.right, expected);
+  std::vector<Points> found(3);
+  ThreadPool(3).each(3, [&](int k) {
+    RefinedSolver solver(matrix, correction, std::make_shared<ThreadPool>(1 + k % 2));
+    for (int time = 0; time < 10; ++time) {
+      solver.refine_to_the_bit((k + 2) * p.right, found[k]);
+      solver.refine_to_the_bit(p.right, found[k]);
+    }
+  });
+  for (const Points& x : found) {
+    EXPECT_TRUE(support::same_bits(x, expected));
+  }
+}
+
+TEST(RefinedSolver, AllocatesNothingAfterTheFirstSolution) {
+  const Problem p;
+  const auto matrix = p.factored(p.known);
+  const auto correction = p.correction(matrix);
+  const long before_all = allocations;
+  RefinedSolver solver(matrix, correction, std::make_shared<ThreadPool>(1));
+  Points x;
+  solver.refine_to_the_bit(p.right, x);
+  ASSERT_GT(allocations.load(), before_all);  // or the count does not count
+  const long before = allocations;
+  solver.refine_to_the_bit(p.right, x);
+  EXPECT_EQ(allocations - before, 0);
+}
+
+TEST(RefinedSolver, CanBeCancelledAndGoesOnAfterwards) {
+  const Problem p;
+  RefinedSolver solver(p.factored(p.known), nullptr, p.pool);
+  Points expected, x;
+  solver.refine_to_the_bit(p.right, expected);
+  support::expect_refusal(ErrorCause::Cancelled,
+                          [&] { solver.refine_to_the_bit(2 * p.right, x, [](double, const char*) { return false; }); });
+  solver.refine_to_the_bit(p.right, x);
+  EXPECT_TRUE(support::same_bits(x, expected));
+}
+
+}  // namespace
+}  // namespace lapedit
