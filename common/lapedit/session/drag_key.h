@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <array>
 #include <optional>
 
 namespace lapedit {
@@ -46,7 +45,28 @@ struct KeyHelp {
 };
 
 /// Every key once, in the order of DragKey.
-extern const std::array<KeyHelp, 19> kKeyHelp;
+inline constexpr KeyHelp kKeyHelp[] = {
+    {DragKey::Digit0, DragKey::Digit9, "0-9", "Gives an exact amount: a length, degrees or a factor."},
+    {DragKey::Point, DragKey::Point, ".", "Begins the decimals of an amount."},
+    {DragKey::Minus, DragKey::Minus, "-", "Changes the sign of an amount."},
+    {DragKey::LockX, DragKey::LockX, "X", "Moves along, or turns about, the X axis of the mesh; again: free."},
+    {DragKey::LockY, DragKey::LockY, "Y", "Moves along, or turns about, the Y axis of the mesh; again: free."},
+    {DragKey::LockZ, DragKey::LockZ, "Z", "Moves along, or turns about, the Z axis of the mesh; again: free."},
+    {DragKey::LockNormal, DragKey::LockNormal, "N",
+     "Moves along, or turns about, the surface normal at the handle; again: free."},
+    {DragKey::Translate, DragKey::Translate, "T", "Moves the handle with the mouse, no button held."},
+    {DragKey::Rotate, DragKey::Rotate, "R", "Turns a handle of several vertices with the mouse, no button held."},
+    {DragKey::Scale, DragKey::Scale, "S", "Scales a handle of several vertices with the mouse, no button held."},
+    {DragKey::Apply, DragKey::Apply, "Return", "Applies what is being moved."},
+    {DragKey::Cancel, DragKey::Cancel, "Backspace", "Drops what is being moved or worked out."},
+    {DragKey::Curve, DragKey::Curve, "C", "Changes between handles that are vertices and handles that are curves."},
+    {DragKey::NextGroup, DragKey::NextGroup, "G", "Makes the next click another handle group, the others holding."},
+    {DragKey::NewRegion, DragKey::NewRegion, "W", "Makes the next click take a new region."},
+    {DragKey::Grow, DragKey::Grow, "]", "Grows the region by a ring."},
+    {DragKey::Shrink, DragKey::Shrink, "[", "Shrinks the region by a ring."},
+    {DragKey::Undo, DragKey::Undo, "Ctrl+Z", "Takes the last step back, exact to the bit."},
+    {DragKey::Redo, DragKey::Redo, "Ctrl+Shift+Z", "Applies the step that was taken back last again."},
+};
 
 /// The key of a digit 0 to 9.
 constexpr DragKey digit_key(int digit) {
@@ -54,6 +74,11 @@ constexpr DragKey digit_key(int digit) {
 }
 
 /// What a key adds to an amount: 0-9 . or -; nothing for other keys.
-std::optional<char> typed_character(DragKey key);
+constexpr std::optional<char> typed_character(DragKey key) {
+  if (key <= DragKey::Digit9) {
+    return static_cast<char>('0' + static_cast<int>(key));
+  }
+  return key == DragKey::Point ? std::optional('.') : key == DragKey::Minus ? std::optional('-') : std::nullopt;
+}
 
 }  // namespace lapedit
