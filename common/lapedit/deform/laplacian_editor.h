@@ -17,10 +17,12 @@
 //     LaplacianEditor editor(mesh, build_region(mesh, adjacency, spec, {{42}}), EditSettings());
 //     Affine up = Affine::Identity();
 //     up.translation().z() = 0.1;
-//     const Points& result = editor.solve({up});  // for a picture of a drag: preview({up}), as often as the mouse
-//     moves for (int i = 0; i < editor.region().size(); ++i) {
+//     const Points& result = editor.solve({up});
+//     for (int i = 0; i < editor.region().size(); ++i) {
 //       mesh.vertices.row(editor.region().mesh_vertex[i]) = result.row(i);
 //     }
+//
+// While a mouse drags the handle, preview({up}) gives the same for a picture, many times as fast.
 
 namespace lapedit {
 
