@@ -143,7 +143,7 @@ void DragSession::set_settings(const DragSettings& settings) {
     return;
   }
   const bool new_radius = settings.radius != s.settings.radius;
-  const bool new_rest = settings.padding != s.settings.padding || !same(settings.edit, s.settings.edit);
+  const bool new_rest = settings.padding != s.settings.padding || settings.edit != s.settings.edit;
   s.settings = settings;
   if (s.in<Loading>()) {
     return;

@@ -50,10 +50,4 @@ void validate(const DragSettings& settings) {
   }
 }
 
-bool same(const EditSettings& a, const EditSettings& b) {
-  return a.laplacian == b.laplacian && a.order == b.order && a.rotation == b.rotation && a.iterations == b.iterations &&
-         a.normal_radius == b.normal_radius && a.handle_weight == b.handle_weight &&
-         a.anchor_weight == b.anchor_weight && a.backend == b.backend && a.threads == b.threads;
-}
-
 }  // namespace lapedit

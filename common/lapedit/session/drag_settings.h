@@ -26,7 +26,4 @@ DragSettings settings_for(const TriangleMesh& mesh);
 /// @throws EditError (BadParameter) naming the setting, its value and its range
 void validate(const DragSettings& settings);
 
-/// Whether an edit would be solved alike.
-bool same(const EditSettings& a, const EditSettings& b);
-
 }  // namespace lapedit
