@@ -115,7 +115,7 @@ class Links(unittest.TestCase):
         self.assertEqual(told, made)
 
     def test_keys_are_those_of_the_session(self):
-        table = (ROOT / "common/lapedit/session/drag_key.cpp").read_text(encoding="utf-8")
+        table = (ROOT / "common/lapedit/session/drag_key.h").read_text(encoding="utf-8")
         known = re.findall(r'\{DragKey::\w+, DragKey::\w+,\s+"([^"]+)",\s+"', table)
         self.assertGreater(len(known), 15)
         rows = self.documents["edit_laplacian_drag/README.md"].rows("Keys")

@@ -49,7 +49,8 @@ def main():
            if count > MOST_FIELDS]
     bad += [f"{file}: {name}() has {length} lines, more than {MOST_LINES}" for length, file, name in lengths
             if length > MOST_LINES]
-    sys.exit("\n".join(sorted(bad)))
+    if bad:
+        sys.exit("\n".join(sorted(bad)))
 
 
 if __name__ == "__main__":
