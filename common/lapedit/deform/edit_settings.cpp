@@ -89,6 +89,10 @@ bool operator==(const EditSettings& a, const EditSettings& b) {
                      [&](const Setting& setting) { return setting.get(a) == setting.get(b); });
 }
 
+bool has_fast_path(const EditSettings& settings) {
+  return settings.order == 1 && settings.iterations == 1 && settings.rotation != DetailRotation::SmoothNormals;
+}
+
 void validate(const EditSettings& settings) {
   for (const Setting& setting : settings_table()) {
     const double value = setting.get(settings);

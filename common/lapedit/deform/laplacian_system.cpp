@@ -236,8 +236,7 @@ bool LaplacianSystem::all_anchored() const {
 }
 
 bool LaplacianSystem::may_preview() const {
-  return all_anchored() && settings.order == 1 && settings.iterations == 1 &&
-         settings.rotation != DetailRotation::SmoothNormals;
+  return all_anchored() && has_fast_path(settings);
 }
 
 std::size_t LaplacianSystem::bytes() const {
