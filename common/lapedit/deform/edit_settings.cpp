@@ -72,6 +72,18 @@ const std::vector<Setting>& settings_table() {
       {Kind::Number, "anchor_weight", "anchor weight", kWeights, kLightest, kHeaviest,
        "How strongly the band inside the rim is held in place, 0.000001 to 1000000.", get<&S::anchor_weight>,
        set<&S::anchor_weight>},
+      {Kind::Choice,
+       "turning",
+       "turning of details",
+       "vertex or edge",
+       0,
+       1,
+       "What the rotations turn: the detail at each vertex as a whole (vertex, the paper's way), or each edge by the "
+       "mean "
+       "of its ends' rotations (edge), which lets flat parts bend, so that limbs keep their thickness.",
+       get<&S::turning>,
+       set<&S::turning>,
+       {"vertex", "edge"}},
   };
   return table;
 }
@@ -90,7 +102,8 @@ bool operator==(const EditSettings& a, const EditSettings& b) {
 }
 
 bool has_fast_path(const EditSettings& settings) {
-  return settings.order == 1 && settings.iterations == 1 && settings.rotation != DetailRotation::SmoothNormals;
+  return settings.order == 1 && settings.iterations == 1 && settings.rotation != DetailRotation::SmoothNormals &&
+         (settings.turning == DetailTurning::Vertex || settings.rotation == DetailRotation::None);
 }
 
 void validate(const EditSettings& settings) {

@@ -10,6 +10,12 @@
 
 namespace lapedit {
 
+/// What local rotations R turn.
+enum class DetailTurning {
+  Vertex,  ///< whole differential coordinates, R_i delta_i: the paper's section 4
+  Edge     ///< each edge by the mean of its ends' rotations: flat parts bend too, so that limbs keep their thickness
+};
+
 /// How an edit is solved, whatever its region and handles. What users can set is also a row of settings_table().
 struct EditSettings {
   LaplacianKind laplacian = LaplacianKind::Umbrella;
@@ -23,6 +29,7 @@ struct EditSettings {
   /// eye.
   double handle_weight = 10;
   double anchor_weight = 10;  ///< an anchor's own weight is this times d / d_max
+  DetailTurning turning = DetailTurning::Vertex;
   CholeskyBackend backend = CholeskyBackend::Automatic;
   int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
