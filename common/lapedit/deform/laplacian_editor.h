@@ -64,8 +64,8 @@ class LaplacianEditor {
 
   /// The same for a picture of a drag: within 1e-4 of the region's largest handle distance, or of the longest way of a
   /// vertex if that is longer, of what solve() gives, in a fraction of its time; solve() itself where there is no fast
-  /// path (orders 2 and 3, several passes, smooth normals, regions without anchors). rotations() and report() do not
-  /// see it. Not moved is not moved to the bit.
+  /// path (orders 2 and 3, several passes, smooth normals, turning by edges, regions without anchors). rotations() and
+  /// report() do not see it. Not moved is not moved to the bit.
   /// @throws EditError as solve()
   /// Nothing is allocated after the first call.
   const Points& preview(const std::vector<Affine>& handles);

@@ -40,6 +40,7 @@
 ///       normal_radius    o model units; 0: automatic
 ///       handle_weight    o
 ///       anchor_weight    o
+///       turning          o "vertex", "edge"
 ///
 /// Example: the steps of a file on a mesh, half of the way.
 ///
