@@ -228,7 +228,10 @@ std::vector<EditResult> apply_edit(const TriangleMesh& mesh, const Edit& edit, c
         result.vertices.push_back(v);
       }
     }
-    result.positions = poses.vertices(p)(result.vertices, Eigen::all);
+    result.positions.resize(static_cast<Eigen::Index>(result.vertices.size()), 3);
+    for (std::size_t i = 0; i < result.vertices.size(); ++i) {
+      result.positions.row(static_cast<Eigen::Index>(i)) = poses.vertices(p).row(result.vertices[i]);
+    }
   }
   return results;
 }
