@@ -257,6 +257,8 @@ class Window:
         self.ask("answer", path=None if path is None else str(path), button=button)
         if wait:
             self.idle()
+            # A busy machine takes its time to close it, and the next answer is for another one.
+            self._wait(lambda: self.dialog().get("number") != found["number"], "the dialog stays open", 20)
         return found
 
     def run_filter(self, name):

@@ -200,13 +200,19 @@ Answer close_widget(const QJsonObject& arguments) {
   return {{}, [found = &widget(arguments)] { found->close(); }};
 }
 
-/// The modal dialog that waits for the user; empty if there is none.
+/// The modal dialog that waits for the user, each with a number of its own; empty if there is none.
 Answer dialog(const QJsonObject&) {
-  const QWidget* modal = QApplication::activeModalWidget();
+  static int count = 0;
+  QWidget* modal = QApplication::activeModalWidget();
   if (!modal) {
     return {};
   }
-  QJsonObject result{{"class", modal->metaObject()->className()}, {"title", modal->windowTitle()}};
+  if (!modal->property("gui_driver_number").isValid()) {
+    modal->setProperty("gui_driver_number", ++count);
+  }
+  QJsonObject result{{"class", modal->metaObject()->className()},
+                     {"title", modal->windowTitle()},
+                     {"number", modal->property("gui_driver_number").toInt()}};
   if (const auto* box = qobject_cast<const QMessageBox*>(modal)) {
     result["text"] = box->text() + box->informativeText();
   }
