@@ -64,9 +64,9 @@ struct PlacedCorrection {
   void take(float* b) {
     for (int c = 0; c < columns(); ++c) {
       for (int e = 0; e < 3; ++e) {
-        float& entry = b[3 * static_cast<std::size_t>(rows[c]) + e];
-        at_rows(c, e) = static_cast<double>(entry) / weights[c];
-        entry = 0;
+        const std::size_t entry = 3 * static_cast<std::size_t>(rows[c]) + e;
+        at_rows(c, e) = static_cast<double>(b[entry]) / weights[c];
+        b[entry] = 0;
       }
     }
   }

@@ -36,7 +36,7 @@ double largest_sum(const SparseMatrix& lower) {
 }
 
 /// M^T M + W0^2, and its norm.
-SparseMatrix measured(SparseMatrix matrix, double& norm) {
+const SparseMatrix& measured(const SparseMatrix& matrix, double& norm) {
   norm = largest_sum(matrix);
   return matrix;
 }
