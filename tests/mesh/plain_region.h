@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "lapedit/mesh/geodesic.h"
@@ -127,9 +129,40 @@ inline void expect_same_bits(const Region& a, const Region& b) {
   EXPECT_EQ(a.mesh_vertices, b.mesh_vertices);
 }
 
-/// A region of each kind around handles, with band, kept anchors and none, as large as a share of what is reached.
+/// build_adjacency() by sorting.
+inline Adjacency plain_adjacency(const TriangleMesh& mesh) {
+  std::vector<std::set<int>> rings(mesh.vertices.rows()), around(mesh.vertices.rows());
+  for (int f = 0; f < mesh.faces.rows(); ++f) {
+    for (int k = 0; k < 9; ++k) {
+      const int a = mesh.faces(f, k % 3), b = mesh.faces(f, k / 3);
+      around[a].insert(f);
+      if (a != b) {
+        rings[a].insert(b);
+      }
+    }
+  }
+  const auto lists = [](const std::vector<std::set<int>>& rows) {
+    IndexLists result;
+    for (const std::set<int>& row : rows) {
+      result.values.insert(result.values.end(), row.begin(), row.end());
+      result.offsets.push_back(static_cast<int>(result.values.size()));
+    }
+    return result;
+  };
+  return {lists(rings), lists(around)};
+}
+
+/// A mesh's adjacency, and a region of each kind around handles, with band, kept anchors and none, as large as a share
+/// of what is reached.
 inline void expect_plain_regions(const TriangleMesh& mesh, const std::vector<std::vector<int>>& groups, double share) {
-  const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
+  const Adjacency adjacency = plain_adjacency(mesh);
+  for (const int threads : {1, 2, 3}) {
+    const Adjacency built = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces, threads);
+    EXPECT_TRUE(same_bits(built.neighbours.offsets, adjacency.neighbours.offsets));
+    EXPECT_TRUE(same_bits(built.neighbours.values, adjacency.neighbours.values));
+    EXPECT_TRUE(same_bits(built.faces.offsets, adjacency.faces.offsets));
+    EXPECT_TRUE(same_bits(built.faces.values, adjacency.faces.values));
+  }
   std::vector<int> handles;
   for (const std::vector<int>& group : groups) {
     handles.insert(handles.end(), group.begin(), group.end());
