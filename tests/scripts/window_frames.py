@@ -31,7 +31,7 @@ def measure(window, prepare):
         window.mouse("move", x + 1.5 * i, y - i)
         window.idle()
     frames = window.widget(PANEL)["laplacian_drag_frames"]
-    prepared = float(re.search(r"Prepared in ([\d.]+)", window.widget(part("times"))["text"])[1])
+    prepared = float(re.search(r"prepared in ([\d.]+)", window.widget(part("times"))["text"])[1])
     window.mouse("release", x + 1.5 * FRAMES, y - FRAMES)
     window.idle()
     line = [line for line in window.log() if line.startswith(TOOL)][-1]
