@@ -87,7 +87,7 @@ std::unique_ptr<HandleResponses> HandleResponses::make(const LaplacianSystem& sy
   if (system.settings.rotation == DetailRotation::SmoothSurface) {
     parts.smooth_rest = &system.smooth_rest;
     smooth_found.resize(found.rows(), found.cols());
-    const auto smoother = system.smoother->share();
+    const auto smoother = system.smoother->share(system.pool);
     Points in, out;
     by_threes(found.cols(), [&](Eigen::Index first, Eigen::Index columns) {
       in.setZero(found.rows(), 3);
