@@ -155,6 +155,16 @@ TEST(RoughDeformation, RigidMotionsOfAllConstraintsAreThatOfTheRegion) {
   }
 }
 
+/// What falls off is the way from the carried pose: anchors that move take the whole edit along.
+TEST(RoughDeformation, GoesAlongWithTheAnchors) {
+  const Scene scene;
+  const Affine turn = support::rigid(60, Vector3(1, 2, 3), Vector3(3, -1, 2));
+  LaplacianEditor editor(scene.mesh, scene.region, falloff_settings());
+  const Points still = editor.solve(scene.maps);
+  const Points along = editor.solve({turn * scene.maps[0], turn * scene.maps[1]}, turn);
+  EXPECT_LT(support::error(along, support::moved(turn, still)), 1e-9);
+}
+
 TEST(RoughDeformation, ComponentWithoutAnchorsFollowsItsHandle) {
   const TriangleMesh mesh = shapes::two_pieces();
   const int other = static_cast<int>(mesh.vertices.rows()) - 1;
