@@ -2,8 +2,11 @@
 #include "lapedit_host/pose_writer.h"
 
 #include <algorithm>
+#include <atomic>
+#include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <limits>
 
 namespace lapedit::host {
 namespace {
@@ -28,37 +31,34 @@ PoseWriter::PoseWriter(const CMeshO& host, const BridgedMesh& bridged, const Adj
   for (const int v : host_vertex_) {
     first_.push_back(host.vert[static_cast<std::size_t>(v)].cP());
     first_normals_.push_back(host.vert[static_cast<std::size_t>(v)].cN());
+    now_.push_back({first_.back(), false});
   }
-  now_ = first_;
   for (std::size_t f = 0; f < host.face.size(); ++f) {
     if (!host.face[f].IsD()) {
       host_face_.push_back(static_cast<int>(f));
       first_face_normals_.push_back(host.face[f].cN());
     }
   }
-  away_.assign(first_.size(), 0);
   is_touched_.assign(first_.size(), 0);
   place_.assign(host_face_.size(), -1);
 }
 
 void PoseWriter::find_affected(const std::vector<int>& vertices) {
-  if (vertices == vertices_) {
-    return;
-  }
-  for (const int v : touched_) {
+  Affected& a = affected_;
+  for (const int v : a.touched) {
     is_touched_[static_cast<std::size_t>(v)] = 0;
   }
-  for (const int f : around_) {
+  for (const int f : a.around) {
     place_[static_cast<std::size_t>(f)] = -1;
   }
-  vertices_ = vertices;
-  touched_.clear();
-  around_.clear();
-  const auto touch = [this](int v) {
+  a.vertices = vertices;
+  a.touched.clear();
+  a.around.clear();
+  const auto touch = [&](int v) {
     char& is_touched = is_touched_[static_cast<std::size_t>(v)];
     if (!is_touched) {
       is_touched = 1;
-      touched_.push_back(v);
+      a.touched.push_back(v);
     }
   };
   for (const int v : vertices) {
@@ -69,51 +69,118 @@ void PoseWriter::find_affected(const std::vector<int>& vertices) {
       }
     }
   }
-  std::sort(touched_.begin(), touched_.end());  // the way through memory that costs least, frame by frame
-  for (const int v : touched_) {
+  std::sort(a.touched.begin(), a.touched.end());  // the way through memory that costs least, frame by frame
+  for (const int v : a.touched) {
     for (const int f : adjacency_.faces[v]) {
       int& place = place_[static_cast<std::size_t>(f)];
       if (place < 0) {
         place = 0;
-        around_.push_back(f);
+        a.around.push_back(f);
       }
     }
   }
-  std::sort(around_.begin(), around_.end());
-  for (std::size_t i = 0; i < around_.size(); ++i) {
-    place_[static_cast<std::size_t>(around_[i])] = static_cast<int>(i);
+  std::sort(a.around.begin(), a.around.end());
+  for (std::size_t i = 0; i < a.around.size(); ++i) {
+    place_[static_cast<std::size_t>(a.around[i])] = static_cast<int>(i);
   }
-  measured_.resize(around_.size());
+  a.faces.offsets.assign(1, 0);
+  a.faces.values.clear();
+  for (const int v : a.touched) {
+    for (const int f : adjacency_.faces[v]) {
+      a.faces.values.push_back(place_[static_cast<std::size_t>(f)]);
+    }
+    a.faces.offsets.push_back(static_cast<int>(a.faces.values.size()));
+  }
+  a.areas.resize(a.around.size());
+  a.measured.resize(a.around.size());
 }
 
-bool PoseWriter::is_away(int face) const {
-  return away_[static_cast<std::size_t>(faces_(face, 0))] || away_[static_cast<std::size_t>(faces_(face, 1))] ||
-         away_[static_cast<std::size_t>(faces_(face, 2))];
+Point3m& PoseWriter::normal_of_vertex(CMeshO& host, int vertex) const {
+  return host.vert[static_cast<std::size_t>(host_vertex_[static_cast<std::size_t>(vertex)])].N();
 }
 
-void PoseWriter::write_faces(CMeshO& host) {
-  in_pieces(pool_, static_cast<int>(around_.size()), kGrain, [&](int begin, int end) {
+Point3m& PoseWriter::normal_of_face(CMeshO& host, int face) const {
+  return host.face[static_cast<std::size_t>(host_face_[static_cast<std::size_t>(face)])].N();
+}
+
+void PoseWriter::write_places(CMeshO& host, const Points& positions) {
+  std::atomic<int> came_away{0};
+  in_pieces(pool_, static_cast<int>(affected_.vertices.size()), kGrain, [&](int begin, int end) {
+    int count = 0;
     for (int i = begin; i < end; ++i) {
-      const int f = around_[static_cast<std::size_t>(i)];
-      MeasuredFace& face = measured_[static_cast<std::size_t>(i)];
-      const auto corner = [&](int k) -> const Point3m& { return now_[static_cast<std::size_t>(faces_(f, k))]; };
-      face.is_away = is_away(f);
-      face.has_shape = measure(corner(0), corner(1), corner(2), face.shape);
-      host.face[static_cast<std::size_t>(host_face_[static_cast<std::size_t>(f)])].N() =
-          face.is_away && face.has_shape ? to_host(face.shape.normal)
-                                         : first_face_normals_[static_cast<std::size_t>(f)];
+      const auto v = static_cast<std::size_t>(affected_.vertices[static_cast<std::size_t>(i)]);
+      Corner& now = now_[v];
+      const Point3m place = to_host(positions.row(i).transpose());
+      now.place = place == first_[v] ? first_[v] : place;  // zeros keep their sign
+      count -= now.is_away ? 1 : 0;
+      now.is_away = !same_bits(now.place, first_[v]);
+      count += now.is_away ? 1 : 0;
+      host.vert[static_cast<std::size_t>(host_vertex_[v])].P() = now.place;
+    }
+    came_away += count;
+  });
+  away_count_ += came_away;
+}
+
+void PoseWriter::write_passing_normals(CMeshO& host) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Affected& a = affected_;
+  in_pieces(pool_, static_cast<int>(a.around.size()), kGrain, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      const int f = a.around[static_cast<std::size_t>(i)];
+      const Corner* corners[3];
+      for (int k = 0; k < 3; ++k) {
+        corners[k] = &now_[static_cast<std::size_t>(faces_(f, k))];
+      }
+      const Vector3 origin = to_core(corners[0]->place);
+      const Vector3 area = (to_core(corners[1]->place) - origin).cross(to_core(corners[2]->place) - origin);
+      const double square = area.squaredNorm();
+      const bool has_area = square > 0 && square < kInfinity;
+      const bool is_away = corners[0]->is_away || corners[1]->is_away || corners[2]->is_away;
+      normal_of_face(host, f) = is_away && has_area ? to_host(area * (1 / std::sqrt(square)))
+                                                    : first_face_normals_[static_cast<std::size_t>(f)];
+      a.areas[static_cast<std::size_t>(i)] = {has_area ? area : Vector3::Zero(), is_away};
+    }
+  });
+  in_pieces(pool_, static_cast<int>(a.touched.size()), kGrain, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      Vector3 sum = Vector3::Zero();
+      bool shows = false;
+      for (const int face : a.faces[i]) {
+        const AreaNormal& area = a.areas[static_cast<std::size_t>(face)];
+        sum += area.vector;
+        shows |= area.is_away;
+      }
+      const double square = sum.squaredNorm();
+      const int v = a.touched[static_cast<std::size_t>(i)];
+      normal_of_vertex(host, v) = shows && square > 0 && square < kInfinity
+                                      ? to_host(sum * (1 / std::sqrt(square)))
+                                      : first_normals_[static_cast<std::size_t>(v)];
     }
   });
 }
 
-void PoseWriter::write_vertices(CMeshO& host) {
-  in_pieces(pool_, static_cast<int>(touched_.size()), kGrain, [&](int begin, int end) {
+void PoseWriter::write_settled_normals(CMeshO& host) {
+  Affected& a = affected_;
+  in_pieces(pool_, static_cast<int>(a.around.size()), kGrain, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
-      const int v = touched_[static_cast<std::size_t>(i)];
+      const int f = a.around[static_cast<std::size_t>(i)];
+      MeasuredFace& face = a.measured[static_cast<std::size_t>(i)];
+      const auto corner = [&](int k) -> const Corner& { return now_[static_cast<std::size_t>(faces_(f, k))]; };
+      face.is_away = corner(0).is_away || corner(1).is_away || corner(2).is_away;
+      face.has_shape = measure(corner(0).place, corner(1).place, corner(2).place, face.shape);
+      normal_of_face(host, f) = face.is_away && face.has_shape ? to_host(face.shape.normal)
+                                                               : first_face_normals_[static_cast<std::size_t>(f)];
+    }
+  });
+  in_pieces(pool_, static_cast<int>(a.touched.size()), kGrain, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      const int v = a.touched[static_cast<std::size_t>(i)];
       Vector3 sum = Vector3::Zero();
       bool shows = false;
-      for (const int f : adjacency_.faces[v]) {
-        const MeasuredFace& face = measured_[static_cast<std::size_t>(place_[static_cast<std::size_t>(f)])];
+      for (const int place : a.faces[i]) {
+        const MeasuredFace& face = a.measured[static_cast<std::size_t>(place)];
+        const int f = a.around[static_cast<std::size_t>(place)];
         shows |= face.is_away;
         for (int k = 0; face.has_shape && k < 3; ++k) {
           if (faces_(f, k) == v) {
@@ -121,8 +188,7 @@ void PoseWriter::write_vertices(CMeshO& host) {
           }
         }
       }
-      host.vert[static_cast<std::size_t>(host_vertex_[static_cast<std::size_t>(v)])].N() =
-          shows && sum.norm() > 0 ? to_host(sum) : first_normals_[static_cast<std::size_t>(v)];
+      normal_of_vertex(host, v) = shows && sum.norm() > 0 ? to_host(sum) : first_normals_[static_cast<std::size_t>(v)];
     }
   });
 }
@@ -132,28 +198,36 @@ bool PoseWriter::has_same_size(const CMeshO& host) const {
          host.vn == static_cast<int>(host_vertex_.size()) && host.fn == static_cast<int>(host_face_.size());
 }
 
+bool PoseWriter::is_ours(const CMeshO& host, const std::vector<int>& vertices) {
+  std::atomic<bool> is_ours{true};
+  in_pieces(pool_, static_cast<int>(vertices.size()), kGrain, [&](int begin, int end) {
+    if (!std::all_of(vertices.begin() + begin, vertices.begin() + end, [&](int v) {
+          const auto place = static_cast<std::size_t>(v);
+          return same_bits(host.vert[static_cast<std::size_t>(host_vertex_[place])].cP(), now_[place].place);
+        })) {
+      is_ours = false;
+    }
+  });
+  return is_ours;
+}
+
 bool PoseWriter::write(CMeshO& host, const std::vector<int>& vertices, const Points& positions, bool settled) {
-  const auto is_ours = [&](int v) {
-    const auto place = static_cast<std::size_t>(v);
-    return same_bits(host.vert[static_cast<std::size_t>(host_vertex_[place])].cP(), now_[place]);
-  };
-  if (!has_same_size(host) || !std::all_of(vertices.begin(), vertices.end(), is_ours)) {
+  if (!has_same_size(host) || !is_ours(host, vertices)) {
     return false;
   }
-  find_affected(vertices);
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    const auto v = static_cast<std::size_t>(vertices[i]);
-    const Point3m place = to_host(positions.row(static_cast<Eigen::Index>(i)).transpose());
-    now_[v] = place == first_[v] ? first_[v] : place;  // zeros keep their sign
-    const char away = same_bits(now_[v], first_[v]) ? 0 : 1;
-    away_count_ += away - away_[v];
-    away_[v] = away;
-    host.vert[static_cast<std::size_t>(host_vertex_[v])].P() = now_[v];
+  if (vertices != affected_.vertices) {
+    if (!affected_.is_settled) {
+      write_settled_normals(host);
+    }
+    find_affected(vertices);
   }
-  write_faces(host);
-  write_vertices(host);
+  write_places(host, positions);
+  affected_.is_settled = settled;
   if (settled) {
+    write_settled_normals(host);
     host.bbox = away_count_ > 0 ? finite_box(host) : first_box_;
+  } else {
+    write_passing_normals(host);
   }
   return true;
 }
@@ -164,7 +238,7 @@ bool PoseWriter::matches(const CMeshO& host) const {
   }
   for (std::size_t v = 0; v < host_vertex_.size(); ++v) {
     const CVertexO& vertex = host.vert[static_cast<std::size_t>(host_vertex_[v])];
-    if (vertex.IsD() || !same_bits(vertex.cP(), now_[v])) {
+    if (vertex.IsD() || !same_bits(vertex.cP(), now_[v].place)) {
       return false;
     }
   }

@@ -17,7 +17,8 @@ namespace lapedit::host {
 /// given, with the first bits where they are equal to the first ones (zeros of the other sign); normals of faces with a
 /// vertex away from its first place, and of these faces' corners, are as write_positions() makes them; all other
 /// normals, and the box of a mesh all of whose vertices are in their first place, are what they were at first, bit for
-/// bit.
+/// bit. A pose that is not settled is a picture that the next one follows: of the vertices given with it, and around
+/// them, vertex normals are unit length and weighted by area, which takes no arc tangent, and the box waits.
 class PoseWriter {
  public:
   /// Copies positions, normals and box of the host mesh. O(vertices + faces).
@@ -30,9 +31,9 @@ class PoseWriter {
   /// @param host       the mesh of construction, in the same place of memory or not
   /// @param vertices   vertex numbers of the bridged mesh, each once
   /// @param positions  one row per entry of vertices
-  /// @param settled    whether to bring the bounding box up to date, which takes a pass over all vertices
-  /// Cost: O(faces at these vertices and at their neighbours); with the same vertices as the last time nothing is
-  /// allocated, but for the threads that share a large region.
+  /// @param settled    whether the pose is there to stay; other vertices than the last time settle the last pose, too
+  /// Cost: O(faces at these vertices and at their neighbours), and a pass over all vertices if settled; with the same
+  /// vertices as the last time nothing is allocated.
   bool write(CMeshO& host, const std::vector<int>& vertices, const Points& positions, bool settled);
 
   /// Whether vertices and faces of the host are still those of construction, and its positions those of the last
@@ -40,34 +41,54 @@ class PoseWriter {
   bool matches(const CMeshO& host) const;
 
  private:
-  bool has_same_size(const CMeshO& host) const;
+  /// Place now, and whether it has other bits than at first.
+  struct Corner {
+    Point3m place;
+    bool is_away;
+  };
 
   struct MeasuredFace {
     FaceShape shape;
     bool has_shape, is_away;
   };
 
-  bool is_away(int face) const;
+  /// Twice the area along the normal, zero if there is no such vector.
+  struct AreaNormal {
+    Vector3 vector;
+    bool is_away;
+  };
+
+  /// By the last set of vertices.
+  struct Affected {
+    std::vector<int> vertices;           // that set
+    std::vector<int> touched;            // it and the corners of the faces at it, ascending
+    std::vector<int> around;             // all faces at those, ascending
+    IndexLists faces;                    // entry of touched -> entries of around, ascending
+    std::vector<AreaNormal> areas;       // per entry of around, of a passing pose
+    std::vector<MeasuredFace> measured;  // likewise, of a settled one
+    bool is_settled = true;
+  };
+
+  bool has_same_size(const CMeshO& host) const;
+  bool is_ours(const CMeshO& host, const std::vector<int>& vertices);
   void find_affected(const std::vector<int>& vertices);
-  void write_faces(CMeshO& host);
-  void write_vertices(CMeshO& host);
+  void write_places(CMeshO& host, const Points& positions);
+  void write_passing_normals(CMeshO& host);
+  void write_settled_normals(CMeshO& host);
+  Point3m& normal_of_vertex(CMeshO& host, int vertex) const;
+  Point3m& normal_of_face(CMeshO& host, int face) const;
 
   const Adjacency& adjacency_;
   std::vector<int> host_vertex_, host_face_;
   Faces faces_;  // of the bridged mesh
   std::size_t host_vertices_, host_faces_;
-  std::vector<Point3m> first_, now_, first_normals_, first_face_normals_;
+  std::vector<Point3m> first_, first_normals_, first_face_normals_;
   Box3m first_box_;
-  std::vector<char> away_;  // per vertex: has it other bits than at first
+  std::vector<Corner> now_;
   int away_count_ = 0;
-
-  // Affected by the last set of vertices.
-  std::vector<int> vertices_;           // that set
-  std::vector<int> touched_;            // it and the corners of the faces at it
-  std::vector<char> is_touched_;        // per vertex
-  std::vector<int> around_;             // all faces at those
-  std::vector<MeasuredFace> measured_;  // per entry of around_
-  std::vector<int> place_;              // mesh face -> entry of around_, -1 elsewhere
+  Affected affected_;
+  std::vector<char> is_touched_;  // per vertex
+  std::vector<int> place_;        // mesh face -> entry of affected_.around, -1 elsewhere
   ThreadPool pool_{0};
 };
 

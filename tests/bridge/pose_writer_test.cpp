@@ -147,6 +147,76 @@ TEST(PoseWriter, WritesWhatTheBridgeWritesOnSeveralThreads) {
   expect_same(State(scene.host), scene.expected(vertices, positions));
 }
 
+/// From the definition: corner by corner, every face of the mesh.
+TEST(PoseWriter, WeighsNormalsOfAPassingPoseByArea) {
+  std::mt19937 generator(6);
+  std::vector<TriangleMesh> all = meshes();
+  all.push_back(shapes::icosphere(6));  // for several threads
+  for (const TriangleMesh& mesh : all) {
+    Scene scene(mesh);
+    const State first(scene.host);
+    PoseWriter writer = scene.writer();
+    const int n = static_cast<int>(mesh.vertices.rows());
+    const std::vector<int> vertices = stretch(20, std::max(30, n / 2));
+    const Points positions = pushed(scene.bridged.mesh.vertices, vertices, generator);
+    ASSERT_TRUE(writer.write(scene.host, vertices, positions, false));
+    const State now(scene.host);
+    Points sums = Points::Zero(n, 3);
+    std::vector<char> shows(static_cast<std::size_t>(n), 0);
+    for (int f = 0; f < mesh.faces.rows(); ++f) {
+      bool is_away = false;
+      Vector3 corners[3];
+      for (int k = 0; k < 3; ++k) {
+        const auto v = static_cast<std::size_t>(mesh.faces(f, k));
+        corners[k] = to_core(now.places[v]);
+        is_away |= !same_bits(now.places[v], first.places[v]);
+      }
+      const Vector3 area = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+      const auto place = static_cast<std::size_t>(f);
+      if (is_away && area.norm() > 0) {
+        EXPECT_LT((to_core(now.face_normals[place]) - area.normalized()).norm(), 1e-6) << "face " << f;
+      } else {
+        EXPECT_TRUE(same_bits(now.face_normals[place], first.face_normals[place])) << "face " << f;
+      }
+      for (int k = 0; k < 3; ++k) {
+        sums.row(mesh.faces(f, k)) += area.transpose();
+        shows[static_cast<std::size_t>(mesh.faces(f, k))] |= is_away;
+      }
+    }
+    for (int v = 0; v < n; ++v) {
+      const auto place = static_cast<std::size_t>(v);
+      if (shows[place] && sums.row(v).norm() > 0) {
+        const Vector3 normal = to_core(now.vertex_normals[place]);
+        EXPECT_LT((normal - sums.row(v).normalized().transpose()).norm(), 1e-6) << "vertex " << v;
+      } else {
+        EXPECT_TRUE(same_bits(now.vertex_normals[place], first.vertex_normals[place])) << "vertex " << v;
+      }
+    }
+    // Settled, it is as if nothing had passed; and gone again, as if nothing had been.
+    ASSERT_TRUE(writer.write(scene.host, vertices, positions, true));
+    expect_same(State(scene.host), scene.expected(vertices, positions));
+    const Points rest = support::rows(scene.bridged.mesh.vertices, vertices);
+    ASSERT_TRUE(writer.write(scene.host, vertices, positions, false));
+    ASSERT_TRUE(writer.write(scene.host, vertices, rest, false));
+    expect_same_but_box(State(scene.host), first);
+    ASSERT_TRUE(writer.write(scene.host, vertices, rest, true));
+    expect_same(State(scene.host), first);
+  }
+}
+
+TEST(PoseWriter, SettlesAPassingPoseBeforeItTurnsToOtherVertices) {
+  std::mt19937 generator(7);
+  for (const TriangleMesh& mesh : meshes()) {
+    Scene scene(mesh);
+    PoseWriter writer = scene.writer();
+    const std::vector<int> vertices = stretch(0, 30), others = stretch(80, 20);
+    const Points positions = pushed(scene.bridged.mesh.vertices, vertices, generator);
+    ASSERT_TRUE(writer.write(scene.host, vertices, positions, false));
+    ASSERT_TRUE(writer.write(scene.host, others, support::rows(scene.bridged.mesh.vertices, others), true));
+    expect_same(State(scene.host), scene.expected(vertices, positions));
+  }
+}
+
 TEST(PoseWriter, GivesNoNormalsToFacesThatLoseTheirArea) {
   Scene scene(shapes::icosphere(2));
   for (CFaceO& face : scene.host.face) {

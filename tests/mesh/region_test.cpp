@@ -8,6 +8,7 @@
 #include <set>
 #include <vector>
 
+#include "mesh/plain_region.h"
 #include "shapes.h"
 #include "support.h"
 
@@ -477,6 +478,32 @@ TEST(Region, CoordinatesThatAreNotNumbersMatterOnlyInOrNextToTheRegion) {
     support::expect_refusal(ErrorCause::NotFinite, [&] { build(mesh, within(3), {{114}}); });
     support::expect_refusal(ErrorCause::NotFinite, [&] { build(mesh, given(block(15, 5, 9, 5, 9)), {{112}}); });
     support::expect_refusal(ErrorCause::NotFinite, [&] { build(mesh, component(), {{112}}); });
+  }
+}
+
+/// Large enough for several threads, each with several pieces.
+TEST(Region, HasTheBitsOfAPlainImplementation) {
+  const TriangleMesh letters = shapes::letter_field(190, 130);
+  const int count = static_cast<int>(letters.vertices.rows());
+  const TriangleMesh sheets =
+      shapes::together(shapes::degenerate_grid(150, 130), shapes::non_manifold_grid(60, 50), Vector3(500, 0, 0));
+  const struct {
+    const char* what;
+    TriangleMesh mesh;
+    Groups groups;
+  } edits[] = {
+      {"a vertex", letters, {{12000}}},
+      {"groups far apart", letters, {{70, 71, 200}, {12000}, {20000, 20001, 24000}}},
+      {"in any order", support::renumbered(letters, support::shuffled(count, 8), 9), {{17}, {23000, 400}}},
+      {"edges without length, needles, isolated vertices", sheets, {{9000, 9001}, {60}}},
+      {"handles on two pieces", sheets, {{9000}, {static_cast<int>(sheets.vertices.rows()) - 300}}},
+      {"ties", shapes::grid(150, 150), {{11000, 11001}, {11003}}},
+  };
+  for (const auto& edit : edits) {
+    for (const double share : {0.01, 0.6, 1.0}) {
+      SCOPED_TRACE(edit.what + std::string(", share ") + std::to_string(share));
+      support::expect_plain_regions(edit.mesh, edit.groups, share);
+    }
   }
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "edit_properties.h"
+#include "mesh/plain_region.h"
 #include "mesh_loader.h"
 #include "support.h"
 
@@ -155,6 +156,18 @@ TEST_P(RealRegion, HasTheSizeDescribed) {
     }
   }
   EXPECT_EQ(rim == 0, size.vertices == 16554) << "all of the octopus's body leaves no rim";
+}
+
+TEST(RealRegions, HaveTheBitsOfAPlainImplementation) {
+  const struct {
+    const char* file;
+    std::vector<std::vector<int>> groups;
+  } edits[] = {
+      {"mannequin.off", {{8624}, {100, 101}}}, {"bunny.ply", {{23637}}}, {"bumpy_plane.off", {{20200, 20201}}}};
+  for (const auto& edit : edits) {
+    SCOPED_TRACE(edit.file);
+    support::expect_plain_regions(real::load(edit.file), edit.groups, 0.7);
+  }
 }
 
 TEST(RealRegions, NearestVertexOfTheDescribedPoints) {

@@ -66,31 +66,23 @@ bool corner_cotangents(const TriangleMesh& mesh, int face, double cotangents[3])
   return true;
 }
 
-}  // namespace
-
-const char* name(LaplacianKind kind) {
-  return kind == LaplacianKind::Umbrella ? "umbrella" : "cotangent";
-}
-
-/// w_ji = 1: the paper's equation (2).
-DifferentialOperator umbrella_operator(const Region& region) {
-  return {from_weights(region, std::vector<double>(region.neighbours.values.size(), 1)), 0};
+/// Where `to` is among the neighbours of `from`.
+int entry_of(const IndexLists& neighbours, int from, int to) {
+  const auto row = neighbours[from];
+  return neighbours.offsets[from] + static_cast<int>(std::lower_bound(row.begin(), row.end(), to) - row.begin());
 }
 
 /// w_ji = (cot a + cot b) / 2, a and b the angles opposite to edge ji.
-DifferentialOperator cotangent_operator(const Region& region, const TriangleMesh& mesh) {
+EdgeWeights cotangent_weights(const Region& region, const TriangleMesh& mesh) {
   const IndexLists& neighbours = region.neighbours;
-  std::vector<double> weights(neighbours.values.size(), 0);
+  EdgeWeights result{std::vector<double>(neighbours.values.size(), 0), std::vector<char>(neighbours.values.size(), 0)};
+  std::vector<double>& weights = result.values;
+  std::vector<char>& uniform = result.uniform;
   std::vector<char> known(neighbours.values.size(), 0);
-  std::vector<char> uniform(neighbours.values.size(), 0);
   std::vector<int> local(region.mesh_vertices, -1);
   for (int i = 0; i < region.size(); ++i) {
     local[region.mesh_vertex[i]] = i;
   }
-  auto entry = [&neighbours](int from, int to) {
-    const auto row = neighbours[from];
-    return neighbours.offsets[from] + static_cast<int>(std::lower_bound(row.begin(), row.end(), to) - row.begin());
-  };
   for (const int face : region.edge_faces) {
     double cotangents[3] = {0, 0, 0};
     const bool usable = corner_cotangents(mesh, face, cotangents);
@@ -100,7 +92,7 @@ DifferentialOperator cotangent_operator(const Region& region, const TriangleMesh
       if (a < 0 || b < 0 || a == b) {
         continue;
       }
-      for (const int e : {entry(a, b), entry(b, a)}) {
+      for (const int e : {entry_of(neighbours, a, b), entry_of(neighbours, b, a)}) {
         known[e] = 1;
         uniform[e] |= !usable;
         weights[e] += 0.5 * cotangents[k];
@@ -123,11 +115,36 @@ DifferentialOperator cotangent_operator(const Region& region, const TriangleMesh
       uniform[e] = 1;
     }
   }
-  DifferentialOperator result{from_weights(region, weights), 0};
+  return result;
+}
+
+}  // namespace
+
+const char* name(LaplacianKind kind) {
+  return kind == LaplacianKind::Umbrella ? "umbrella" : "cotangent";
+}
+
+/// w_ji = 1: the paper's equation (2).
+DifferentialOperator umbrella_operator(const Region& region) {
+  return {from_weights(region, std::vector<double>(region.neighbours.values.size(), 1)), 0};
+}
+
+EdgeWeights edge_weights(LaplacianKind kind, const Region& region, const TriangleMesh& mesh) {
+  if (kind == LaplacianKind::Umbrella) {
+    return {std::vector<double>(region.neighbours.values.size(), 1), {}};
+  }
+  return cotangent_weights(region, mesh);
+}
+
+DifferentialOperator cotangent_operator(const Region& region, const TriangleMesh& mesh) {
+  const IndexLists& neighbours = region.neighbours;
+  const EdgeWeights weights = cotangent_weights(region, mesh);
+  const auto is_uniform = [&](int from, int to) { return weights.uniform[entry_of(neighbours, from, to)]; };
+  DifferentialOperator result{from_weights(region, weights.values), 0};
   for (int j = 0; j < region.size(); ++j) {
     for (int e = neighbours.offsets[j]; e < neighbours.offsets[j + 1]; ++e) {
       const int other = neighbours.values[e];
-      result.uniform_edges += j < other && (uniform[e] || uniform[entry(other, j)]);
+      result.uniform_edges += j < other && (weights.uniform[e] || is_uniform(other, j));
     }
   }
   return result;

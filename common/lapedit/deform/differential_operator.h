@@ -12,6 +12,13 @@ enum class LaplacianKind { Umbrella, Cotangent };
 
 const char* name(LaplacianKind kind);
 
+/// w_ji, one per entry of region.neighbours, not negative and before rows are normalised: alpha_ji = w_ji / sum_k w_jk.
+struct EdgeWeights {
+  std::vector<double> values;
+  std::vector<char> uniform;  ///< cotangents: entries without usable ones, which have the weight of an equilateral mesh
+};
+EdgeWeights edge_weights(LaplacianKind kind, const Region& region, const TriangleMesh& mesh);
+
 /// An n x n operator M over a region: row j is D(p_j) = p_j - sum_i alpha_ji p_i, the alphas of a row summing to 1.
 /// The row of a vertex without neighbours is zero.
 struct DifferentialOperator {

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/deform/edit_constraints.h"
 
+#include <algorithm>
+#include <string>
+
+#include "lapedit/base/error.h"
 #include "lapedit/deform/polar_decomposition.h"
 
 namespace lapedit {
@@ -23,39 +27,58 @@ LocalMotion LocalMotion::of(const Affine& map, const Vector3& origin) {
   return motion;
 }
 
-void EditConstraints::set(const std::vector<Affine>& handles, const Affine& anchors) {
-  targets_.resize(handles.size());
-  for (std::size_t g = 0; g < handles.size(); ++g) {
-    targets_[g] = LocalMotion::of(handles[g], system_.rest.origin);
+void check_targets(const Region& region, const std::vector<Affine>& handles) {
+  const int groups = 1 + *std::max_element(region.group.begin(), region.group.end());
+  if (static_cast<int>(handles.size()) < groups) {
+    throw EditError(ErrorCause::NoHandle, std::to_string(handles.size()) + " handle maps were given for " +
+                                              std::to_string(groups) + " handle groups: give one for each.");
   }
-  carry_components(anchors);
-  set_right_hand_side();
+  for (std::size_t g = 0; g < handles.size(); ++g) {
+    if (!handles[g].matrix().allFinite()) {
+      throw EditError(ErrorCause::NotFinite,
+                      "The target of handle group " + std::to_string(g) + " is not finite: give a finite transform.");
+    }
+  }
 }
 
-/// A component with anchors goes with them, one without goes with the mean of its groups' maps.
-void EditConstraints::carry_components(const Affine& anchors) {
-  const Region& region = system_.region;
-  const Points& rest = system_.rest.local;
-  const int components = static_cast<int>(region.anchored.size());
-  carried_.assign(components, LocalMotion());
-  carried_rotation_.assign(components, Matrix3::Identity());
-  handles_seen_.assign(components, 0);
+void carry_components(const Region& region, const std::vector<LocalMotion>& targets, const LocalMotion& anchors,
+                      std::vector<LocalMotion>& carried, std::vector<int>& handles_seen) {
+  carried.assign(region.anchored.size(), LocalMotion());
+  handles_seen.assign(region.anchored.size(), 0);
+  for (std::size_t c = 0; c < carried.size(); ++c) {
+    if (region.anchored[c]) {
+      carried[c] = anchors;
+    }
+  }
   for (int i = 0; i < region.size(); ++i) {
     const int c = region.component[i];
     if (region.classes[i] != VertexClass::Handle || region.anchored[c]) {
       continue;
     }
     // A running mean stays exact when all groups agree.
-    const LocalMotion& target = targets_[region.group[i]];
-    const int seen = ++handles_seen_[c];
-    carried_[c].linear += (target.linear - carried_[c].linear) / seen;
-    carried_[c].translation += (target.translation - carried_[c].translation) / seen;
+    const LocalMotion& target = targets[region.group[i]];
+    const int seen = ++handles_seen[c];
+    carried[c].linear += (target.linear - carried[c].linear) / seen;
+    carried[c].translation += (target.translation - carried[c].translation) / seen;
   }
+}
+
+void EditConstraints::set(const std::vector<Affine>& handles, const Affine& anchors) {
+  targets_.resize(handles.size());
+  for (std::size_t g = 0; g < handles.size(); ++g) {
+    targets_[g] = LocalMotion::of(handles[g], system_.rest.origin);
+  }
+  carry_along(anchors);
+  set_right_hand_side();
+}
+
+void EditConstraints::carry_along(const Affine& anchors) {
+  const Region& region = system_.region;
+  const Points& rest = system_.rest.local;
+  carry_components(region, targets_, LocalMotion::of(anchors, system_.rest.origin), carried_, handles_seen_);
+  carried_rotation_.assign(carried_.size(), Matrix3::Identity());
   carries_ = false;
-  for (int c = 0; c < components; ++c) {
-    if (region.anchored[c]) {
-      carried_[c] = LocalMotion::of(anchors, system_.rest.origin);
-    }
+  for (std::size_t c = 0; c < carried_.size(); ++c) {
     if (!carried_[c].none()) {
       carries_ = true;
       carried_rotation_[c] = rotation_of(carried_[c]);

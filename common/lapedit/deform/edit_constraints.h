@@ -18,6 +18,14 @@ struct LocalMotion {
   bool none() const { return linear.isZero(0) && translation.isZero(0); }
 };
 
+/// @throws EditError (NoHandle, NotFinite) unless there is a finite map for each of the region's handle groups
+void check_targets(const Region& region, const std::vector<Affine>& handles);
+
+/// Where each component of a region is carried before anything is solved for: with its anchors, or else by the mean of
+/// its groups' maps. @param handles_seen  scratch. Nothing is allocated after the first call.
+void carry_components(const Region& region, const std::vector<LocalMotion>& targets, const LocalMotion& anchors,
+                      std::vector<LocalMotion>& carried, std::vector<int>& handles_seen);
+
 /// Where handles and anchors are to go, and where each component of the region is carried before anything is solved
 /// for: with its anchors, or else by the mean of its groups' maps. What is solved for is the displacement from there.
 /// Nothing is allocated after the first set() that carries something.
@@ -50,7 +58,7 @@ class EditConstraints {
   std::size_t bytes() const;
 
  private:
-  void carry_components(const Affine& anchors);
+  void carry_along(const Affine& anchors);
   void set_right_hand_side();
 
   const LaplacianSystem& system_;

@@ -21,21 +21,6 @@ double largest_row(const Points& points) {
   return points.rows() > 0 ? points.rowwise().norm().maxCoeff() : 0;
 }
 
-/// @throws EditError (NoHandle, NotFinite)
-void check(const Region& region, const std::vector<Affine>& handles) {
-  const int groups = 1 + *std::max_element(region.group.begin(), region.group.end());
-  if (static_cast<int>(handles.size()) < groups) {
-    throw EditError(ErrorCause::NoHandle, std::to_string(handles.size()) + " handle maps were given for " +
-                                              std::to_string(groups) + " handle groups: give one for each.");
-  }
-  for (std::size_t g = 0; g < handles.size(); ++g) {
-    if (!handles[g].matrix().allFinite()) {
-      throw EditError(ErrorCause::NotFinite,
-                      "The target of handle group " + std::to_string(g) + " is not finite: give a finite transform.");
-    }
-  }
-}
-
 }  // namespace
 
 struct LaplacianEditor::State {
@@ -143,7 +128,7 @@ const Region& LaplacianEditor::region() const {
 
 const Points& LaplacianEditor::solve(const std::vector<Affine>& handles, const Affine& anchors, const Progress& go_on) {
   State& s = *state_;
-  check(region(), handles);
+  check_targets(region(), handles);
   if (!anchors.matrix().allFinite()) {
     throw EditError(ErrorCause::NotFinite, "The motion of the anchors is not finite: give a finite transform.");
   }
@@ -173,7 +158,7 @@ const Points& LaplacianEditor::preview(const std::vector<Affine>& handles) {
   if (!state_->preview) {
     return solve(handles);
   }
-  check(region(), handles);
+  check_targets(region(), handles);
   const Points& pose = state_->preview->pose(handles);
   if (!pose.allFinite()) {
     return solve(handles);  // beyond single precision, or beyond all: it will say so

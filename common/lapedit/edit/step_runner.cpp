@@ -34,7 +34,7 @@ StepRunner::StepRunner(const StepProblem& problem, const Progress& progress, con
   }
   report_progress(progress, 0, "region");
   const Stopwatch watch;
-  Region region = build_region(problem.mesh, problem.adjacency, problem.region, groups);
+  Region region = build_region(problem.mesh, problem.adjacency, problem.region, groups, problem.settings.threads);
   region_ms_ = watch.elapsed();
   if (region_known) {
     region_known(region);

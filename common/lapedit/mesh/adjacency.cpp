@@ -2,77 +2,118 @@
 #include "lapedit/mesh/adjacency.h"
 
 #include <algorithm>
+#include <utility>
+
+#include "lapedit/base/thread_pool.h"
 
 namespace lapedit {
 namespace {
 
-/// Sorts each row and drops repeated entries, in place.
-void sort_unique_rows(IndexLists& lists) {
-  int written = 0;
-  int first = 0;
-  for (int row = 0; row < lists.rows(); ++row) {
-    const int last = lists.offsets[row + 1];
-    std::sort(lists.values.begin() + first, lists.values.begin() + last);
-    const int start = written;
-    for (int k = first; k < last; ++k) {
-      if (written == start || lists.values[written - 1] != lists.values[k]) {
-        lists.values[written++] = lists.values[k];
+/// Calls work(k, first, last) for the k-th part of [0, count), one for each thread.
+template <class Work>
+void in_parts(ThreadPool& pool, Eigen::Index count, const Work& work) {
+  const int parts = pool.threads();
+  pool.each(parts, [&](int part) {
+    work(part, static_cast<int>(count * part / parts), static_cast<int>(count * (part + 1) / parts));
+  });
+}
+
+/// Where a part puts the next entry of each row, or how many it has; and the entry it came with last.
+struct Place {
+  int count = 0;
+  int last = -1;
+};
+using Places = std::vector<std::vector<Place>>;
+
+/// Makes room for rows to which the parts add one after the other, and puts each part at its places.
+IndexLists make_rows(Places& parts, int rows) {
+  IndexLists lists;
+  lists.offsets.resize(rows + 1);
+  int end = 0;
+  for (int row = 0; row < rows; ++row) {
+    for (std::vector<Place>& part : parts) {
+      const int count = part[row].count;
+      part[row] = {end, -1};
+      end += count;
+    }
+    lists.offsets[row + 1] = end;
+  }
+  lists.values.resize(end);
+  return lists;
+}
+
+/// The faces around each vertex.
+IndexLists faces_around(ThreadPool& pool, Places& parts, int vertex_count, const Faces& faces) {
+  // Of a face that names a vertex twice, each comes once.
+  const auto each_corner = [&faces](int f, const auto& use) {
+    const int a = faces(f, 0), b = faces(f, 1), c = faces(f, 2);
+    use(a);
+    if (b != a) {
+      use(b);
+    }
+    if (c != a && c != b) {
+      use(c);
+    }
+  };
+  in_parts(pool, faces.rows(), [&](int part, int first, int last) {
+    parts[part].assign(vertex_count, Place());
+    for (int f = first; f < last; ++f) {
+      each_corner(f, [&](int v) { ++parts[part][v].count; });
+    }
+  });
+  IndexLists around = make_rows(parts, vertex_count);
+  in_parts(pool, faces.rows(), [&](int part, int first, int last) {
+    for (int f = first; f < last; ++f) {
+      each_corner(f, [&](int v) { around.values[parts[part][v].count++] = f; });
+    }
+  });
+  return around;
+}
+
+/// The other ends of each vertex's edges. Vertices enter themselves, one after the other, into the rows of their
+/// neighbours: that leaves nothing to sort, and what comes twice comes in a row.
+IndexLists rings(ThreadPool& pool, Places& parts, const IndexLists& around, const Faces& faces) {
+  const auto each_neighbour = [&](int v, const auto& use) {
+    for (const int f : around[v]) {
+      const int a = faces(f, 0), b = faces(f, 1), c = faces(f, 2);
+      const int one = a == v ? b : a, other = c == v ? b : c;
+      for (const int w : {one, other}) {
+        if (w != v) {
+          use(w);
+        }
       }
     }
-    first = last;
-    lists.offsets[row + 1] = written;
-  }
-  lists.values.resize(written);
+  };
+  in_parts(pool, around.rows(), [&](int part, int first, int last) {
+    std::vector<Place>& places = parts[part];
+    places.assign(around.rows(), Place());
+    for (int v = first; v < last; ++v) {
+      each_neighbour(v, [&](int w) { places[w] = {places[w].count + (places[w].last != v), v}; });
+    }
+  });
+  IndexLists next = make_rows(parts, around.rows());
+  in_parts(pool, around.rows(), [&](int part, int first, int last) {
+    std::vector<Place>& places = parts[part];
+    for (int v = first; v < last; ++v) {
+      each_neighbour(v, [&](int w) {
+        places[w] = {places[w].count + (places[w].last != v), v};
+        next.values[places[w].count - 1] = v;
+      });
+    }
+  });
+  return next;
 }
 
 }  // namespace
 
-Adjacency build_adjacency(int vertex_count, const Faces& faces) {
-  Adjacency result;
-  const int m = static_cast<int>(faces.rows());
-  std::vector<int> corners(vertex_count, 0);
-  for (int f = 0; f < m; ++f) {
-    for (int k = 0; k < 3; ++k) {
-      ++corners[faces(f, k)];
-    }
-  }
-  IndexLists& around = result.faces;
-  IndexLists& next = result.neighbours;
-  around.offsets.assign(vertex_count + 1, 0);
-  next.offsets.assign(vertex_count + 1, 0);
-  for (int v = 0; v < vertex_count; ++v) {
-    around.offsets[v + 1] = around.offsets[v] + corners[v];
-    next.offsets[v + 1] = next.offsets[v] + 2 * corners[v];
-  }
-  around.values.resize(around.offsets.back());
-  next.values.resize(next.offsets.back());
-  std::vector<int> filled(vertex_count, 0);
-  for (int f = 0; f < m; ++f) {
-    for (int k = 0; k < 3; ++k) {
-      const int v = faces(f, k);
-      const int slot = filled[v]++;
-      around.values[around.offsets[v] + slot] = f;
-      next.values[next.offsets[v] + 2 * slot] = faces(f, (k + 1) % 3);
-      next.values[next.offsets[v] + 2 * slot + 1] = faces(f, (k + 2) % 3);
-    }
-  }
-  sort_unique_rows(around);
-  sort_unique_rows(next);
-  // A face that names a vertex twice makes it its own neighbour: take that out.
-  int written = 0;
-  int first = 0;
-  for (int v = 0; v < vertex_count; ++v) {
-    const int last = next.offsets[v + 1];
-    for (int k = first; k < last; ++k) {
-      if (next.values[k] != v) {
-        next.values[written++] = next.values[k];
-      }
-    }
-    first = last;
-    next.offsets[v + 1] = written;
-  }
-  next.values.resize(written);
-  return result;
+Adjacency build_adjacency(int vertex_count, const Faces& faces, int threads) {
+  constexpr int kWorthThreads = 16384;
+  constexpr int kMostThreads = 4;  // each needs memory of its own
+  ThreadPool pool(vertex_count >= kWorthThreads ? std::min(thread_count(threads), kMostThreads) : 1);
+  Places parts(pool.threads());
+  IndexLists around = faces_around(pool, parts, vertex_count, faces);
+  IndexLists next = rings(pool, parts, around, faces);
+  return {std::move(next), std::move(around)};
 }
 
 int connected_components(const IndexLists& neighbours, std::vector<int>& labels) {

@@ -31,7 +31,8 @@ struct Adjacency {
 };
 
 /// O(vertices + faces). Degenerate faces give only the edges between different vertices.
-Adjacency build_adjacency(int vertex_count, const Faces& faces);
+/// @param threads  0: as many as the machine has; the result does not depend on it
+Adjacency build_adjacency(int vertex_count, const Faces& faces, int threads = 0);
 
 /// Labels 0, 1, ... of the connected components of a graph, numbered by their lowest vertex. @return their number
 int connected_components(const IndexLists& neighbours, std::vector<int>& labels);

@@ -6,6 +6,28 @@
 #include <functional>
 
 namespace lapedit {
+namespace {
+
+/// Median length of some edges; 0 if there are none of finite length.
+double usual_edge(const IndexLists& neighbours, const Points& points) {
+  constexpr int kSamples = 255;
+  std::vector<double> lengths;
+  lengths.reserve(kSamples + 1);
+  const int n = neighbours.rows();
+  for (int v = 0; v < n; v += 1 + n / kSamples) {
+    if (neighbours[v].size() > 0) {
+      const double length = (points.row(neighbours[v].first[0]) - points.row(v)).norm();
+      if (std::isfinite(length)) {
+        lengths.push_back(length);
+      }
+    }
+  }
+  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
+  std::nth_element(lengths.begin(), middle, lengths.end());
+  return lengths.empty() ? 0 : *middle;
+}
+
+}  // namespace
 
 GeodesicSearch::GeodesicSearch(const IndexLists& neighbours, const Points& points)
     : neighbours_(neighbours), points_(points), distance_(points.rows(), 0), stamp_(points.rows(), 0) {}
@@ -50,6 +72,135 @@ const std::vector<int>& GeodesicSearch::run(const std::vector<int>& seeds, doubl
     }
   }
   return reached_;
+}
+
+/// Vertices whose ways on are still to be tried, those of one thread. One may be listed again when it comes nearer.
+struct DistanceField::Front {
+  struct Item {
+    double distance;
+    int vertex;
+  };
+  std::vector<Item> near;  // within the step, in the order of finding
+  std::vector<Item> far;   // beyond it
+  double nearest = 0;      // of those beyond it
+
+  /// Shares what is far among the first fronts, as many as are worth a thread. @return their number
+  static int balance(std::vector<Front>& fronts) {
+    constexpr std::size_t kGrain = 192;
+    std::size_t all = 0;
+    for (const Front& front : fronts) {
+      all += front.far.size();
+    }
+    const std::size_t parts = std::max<std::size_t>(1, std::min(all / kGrain, fronts.size()));
+    const std::size_t share = parts == 1 ? all : all / parts + all / (4 * parts);
+    std::size_t shared = 0;
+    for (std::size_t part = 0; part < parts; ++part) {
+      shared += std::min(share, fronts[part].far.size());
+    }
+    if (shared < all) {
+      std::vector<Item> items;
+      items.reserve(all);
+      for (Front& front : fronts) {
+        items.insert(items.end(), front.far.begin(), front.far.end());
+        front.far.clear();
+      }
+      for (std::size_t part = 0; part < parts; ++part) {
+        fronts[part].far.assign(items.data() + all * part / parts, items.data() + all * (part + 1) / parts);
+      }
+    }
+    return static_cast<int>(parts);
+  }
+};
+
+DistanceField::DistanceField(const IndexLists& neighbours, const Points& points, const std::vector<int>& seeds,
+                             double cutoff, const std::vector<char>* allowed, ThreadPool& pool)
+    : neighbours_(neighbours),
+      points_(points),
+      allowed_(allowed),
+      limit_(std::nextafter(cutoff, kUnreached)),
+      distance_(new std::atomic<double>[neighbours.rows()]) {
+  constexpr int kGrain = 65536;
+  in_pieces(pool, neighbours.rows(), kGrain, [this](int first, int last) {
+    for (int v = first; v < last; ++v) {
+      distance_[v].store(limit_, std::memory_order_relaxed);
+    }
+  });
+  constexpr double kEdges = 3;  // fewer steps, and still hardly a vertex looked at twice
+  const double step = kEdges * usual_edge(neighbours, points);
+  std::vector<Front> fronts(pool.threads());
+  for (const int seed : seeds) {
+    distance_[seed].store(0, std::memory_order_relaxed);
+    fronts[0].far.push_back({0, seed});
+  }
+  for (double nearest = 0; nearest < kUnreached;) {
+    const int parts = Front::balance(fronts);
+    pool.each(parts, [&](int part) { advance(fronts[part], nearest + step); });
+    nearest = kUnreached;
+    for (int part = 0; part < parts; ++part) {
+      nearest = std::min(nearest, fronts[part].nearest);
+    }
+  }
+}
+
+/// Gives a vertex a distance that is smaller than the one it has. @return false if it is not
+bool DistanceField::shorten(int vertex, double distance) {
+  std::atomic<double>& place = distance_[vertex];
+  double found = place.load(std::memory_order_relaxed);
+  while (distance < found) {
+    if (place.compare_exchange_weak(found, distance, std::memory_order_relaxed)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/// Asks the memory for what later vertices of the list need: nothing else tells the processor where they are.
+void DistanceField::fetch_ahead(const Front& front, std::size_t i) const {
+  constexpr std::size_t kRow = 12, kPoints = 6;
+  if (i + kRow < front.near.size()) {
+    __builtin_prefetch(neighbours_[front.near[i + kRow].vertex].first);
+    for (const int next : neighbours_[front.near[i + kPoints].vertex]) {
+      __builtin_prefetch(points_.data() + 3 * static_cast<std::ptrdiff_t>(next));
+      __builtin_prefetch(&distance_[next]);
+    }
+  }
+}
+
+/// Tries all ways on from the front's vertices no farther than end, and from those found on the way.
+void DistanceField::advance(Front& front, double end) {
+  const auto is_old = [this](const Front::Item& item) {
+    return distance_[item.vertex].load(std::memory_order_relaxed) < item.distance;
+  };
+  front.near.clear();
+  front.nearest = kUnreached;
+  std::size_t kept = 0;
+  for (const Front::Item& item : front.far) {
+    if (item.distance <= end) {
+      front.near.push_back(item);
+    } else if (!is_old(item)) {
+      front.nearest = std::min(front.nearest, item.distance);
+      front.far[kept++] = item;
+    }
+  }
+  front.far.resize(kept);
+  for (std::size_t i = 0; i < front.near.size(); ++i) {
+    fetch_ahead(front, i);
+    const Front::Item item = front.near[i];
+    if (is_old(item)) {
+      continue;
+    }
+    for (const int next : neighbours_[item.vertex]) {
+      const double through = item.distance + (points_.row(next) - points_.row(item.vertex)).norm();
+      if (!(allowed_ && !(*allowed_)[next]) && shorten(next, through)) {
+        if (through <= end) {
+          front.near.push_back({through, next});
+        } else {
+          front.nearest = std::min(front.nearest, through);
+          front.far.push_back({through, next});
+        }
+      }
+    }
+  }
 }
 
 }  // namespace lapedit

@@ -3,9 +3,13 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
-#include <limits>
+#include <cstdint>
+#include <functional>
 #include <string>
+#include <utility>
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
@@ -82,43 +86,30 @@ std::vector<char> flag_set(const TriangleMesh& mesh, const std::vector<int>& set
   return flags;
 }
 
-/// The region must not hold or touch vertices without usable coordinates: their distance is unknown.
-void require_finite_region(const TriangleMesh& mesh, const Adjacency& adjacency, const std::vector<int>& region,
-                           const std::vector<char>* set) {
-  int count = 0;
-  int first = std::numeric_limits<int>::max();
-  auto look_at = [&](int v) {
+/// Vertices without usable coordinates in a given set, or in or next to a region without one: their distance is
+/// unknown. @param vertices  the set or the region, any order
+void require_finite(const TriangleMesh& mesh, const Adjacency& adjacency, const std::vector<int>& vertices,
+                    bool given_set) {
+  std::vector<int> bad;
+  const auto look_at = [&](int v) {
     if (!is_finite(mesh.vertices, v)) {
-      ++count;
-      first = std::min(first, v);
+      bad.push_back(v);
     }
   };
-  if (set) {
-    for (int v = 0; v < static_cast<int>(set->size()); ++v) {
-      if ((*set)[v]) {
-        look_at(v);
-      }
-    }
-  } else {
-    std::vector<int> touched;
-    for (const int v : region) {
-      for (const int w : adjacency.neighbours[v]) {
-        if (!is_finite(mesh.vertices, w)) {
-          touched.push_back(w);
-        }
-      }
-    }
-    std::sort(touched.begin(), touched.end());
-    touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
-    for (const int v : touched) {
-      look_at(v);
+  for (const int v : vertices) {
+    look_at(v);
+    if (!given_set) {
+      const IndexLists::Row ring = adjacency.neighbours[v];
+      std::for_each(ring.begin(), ring.end(), look_at);
     }
   }
-  if (count > 0) {
+  std::sort(bad.begin(), bad.end());
+  bad.erase(std::unique(bad.begin(), bad.end()), bad.end());
+  if (!bad.empty()) {
     throw EditError(ErrorCause::NotFinite,
-                    std::to_string(count) + (count == 1 ? " vertex" : " vertices") +
+                    std::to_string(bad.size()) + (bad.size() == 1 ? " vertex" : " vertices") +
                         " in or next to the region have a coordinate that is not a number, the first is vertex " +
-                        std::to_string(first) + ": repair the mesh or choose a region without them.");
+                        std::to_string(bad[0]) + ": repair the mesh or choose a region without them.");
   }
 }
 
@@ -160,162 +151,256 @@ void check_anchors(const KeptAnchors& anchors, int mesh_vertices) {
   }
 }
 
-/// Local graph and faces of the chosen vertices.
-void extract_submesh(const TriangleMesh& mesh, const Adjacency& adjacency, const std::vector<int>& local,
-                     Region& region) {
-  region.neighbours.offsets.assign(1, 0);
-  region.neighbours.offsets.reserve(region.mesh_vertex.size() + 1);
-  region.neighbours.values.reserve(region.mesh_vertex.size() * 6);
-  region.edge_faces.reserve(region.mesh_vertex.size() * 2);
-  for (const int v : region.mesh_vertex) {
-    for (const int w : adjacency.neighbours[v]) {
-      if (local[w] >= 0) {
-        region.neighbours.values.push_back(local[w]);
-      }
+/// What is wanted of [0, count), in order and on several threads: select(first, last) counts it, two kinds at a time,
+/// reserve(total) makes room, take(first, last, place) puts it there.
+using Counts = std::array<int, 2>;
+template <class Select, class Reserve, class Take>
+void gather(ThreadPool& pool, int count, const Select& select, const Reserve& reserve, const Take& take) {
+  constexpr int kGrain = 4096;
+  constexpr int kPiecesPerThread = 4;  // threads are seldom equally fast
+  const int pieces = std::max(1, std::min(count / kGrain, kPiecesPerThread * pool.threads()));
+  const auto border = [=](int piece) { return static_cast<int>(static_cast<std::int64_t>(count) * piece / pieces); };
+  std::vector<Counts> places(pieces + 1, Counts{0, 0});
+  pool.each(pieces, [&](int piece) { places[piece + 1] = select(border(piece), border(piece + 1)); });
+  for (int piece = 0; piece < pieces; ++piece) {
+    for (int kind = 0; kind < 2; ++kind) {
+      places[piece + 1][kind] += places[piece][kind];
     }
-    region.neighbours.offsets.push_back(static_cast<int>(region.neighbours.values.size()));
-    for (const int f : adjacency.faces[v]) {
-      // The face is listed by its first corner inside, so each comes once.
-      int inside = 0;
-      int first = -1;
-      for (int k = 0; k < 3; ++k) {
-        const int corner = mesh.faces(f, k);
-        if (local[corner] >= 0) {
-          ++inside;
-          first = first < 0 ? corner : std::min(first, corner);
+  }
+  reserve(places[pieces]);
+  pool.each(pieces, [&](int piece) { take(border(piece), border(piece + 1), places[piece]); });
+}
+
+/// Calls each of the functions once, on several threads: fresh memory takes the most of their time.
+template <class... Functions>
+void at_once(ThreadPool& pool, const Functions&... functions) {
+  const std::array<std::function<void()>, sizeof...(functions)> list = {functions...};
+  pool.each(static_cast<int>(list.size()), [&list](int i) { list[i](); });
+}
+
+/// Numbers what was reached in the order of the mesh. @param local  becomes: mesh vertex -> local vertex, or -1
+void number_vertices(ThreadPool& pool, const DistanceField& field, std::vector<int>& local, Region& region) {
+  gather(
+      pool, region.mesh_vertices,
+      [&](int first, int last) {
+        int count = 0;
+        for (int v = first; v < last; ++v) {
+          count += field[v] < kUnreached;
         }
-      }
-      if (first == v && inside >= 2) {
-        region.edge_faces.push_back(f);
-      }
-    }
-  }
-  // A pass over all faces is faster than sorting, unless there are many more of them.
-  constexpr std::size_t kMany = 64;
-  const auto all = static_cast<std::size_t>(mesh.faces.rows());
-  if (all < kMany * region.edge_faces.size()) {
-    std::vector<char> chosen(all, 0);
-    for (const int f : region.edge_faces) {
-      chosen[f] = 1;
-    }
-    region.edge_faces.clear();
-    for (std::size_t f = 0; f < all; ++f) {
-      if (chosen[f]) {
-        region.edge_faces.push_back(static_cast<int>(f));
-      }
-    }
-  } else {
-    std::sort(region.edge_faces.begin(), region.edge_faces.end());
-  }
-  region.faces.resize(static_cast<Eigen::Index>(region.edge_faces.size()), 3);
-  Eigen::Index whole = 0;
-  for (const int f : region.edge_faces) {
-    const int a = local[mesh.faces(f, 0)], b = local[mesh.faces(f, 1)], c = local[mesh.faces(f, 2)];
-    if (a >= 0 && b >= 0 && c >= 0) {
-      region.faces.row(whole++) << a, b, c;
-    }
-  }
-  region.faces.conservativeResize(whole, 3);
+        return Counts{count, 0};
+      },
+      [&](const Counts& total) {
+        at_once(
+            pool, [&] { region.mesh_vertex.resize(total[0]); }, [&] { region.distance.resize(total[0]); });
+      },
+      [&](int first, int last, const Counts& place) {
+        int i = place[0];
+        for (int v = first; v < last; ++v) {
+          const double distance = field[v];
+          local[v] = -1;
+          if (distance < kUnreached) {
+            local[v] = i;
+            region.mesh_vertex[i] = v;
+            region.distance[i++] = distance;
+          }
+        }
+      });
 }
 
-/// Flags the region's vertices with a mesh neighbour outside.
-std::vector<char> find_rim(const Adjacency& adjacency, const std::vector<int>& local, const Region& region) {
-  std::vector<char> rim(region.size(), 0);
-  for (int i = 0; i < region.size(); ++i) {
-    for (const int w : adjacency.neighbours[region.mesh_vertex[i]]) {
-      rim[i] |= local[w] < 0;
+/// The region's graph. @param rim  gets one flag per local vertex: has it a mesh neighbour outside
+/// @return whether all neighbours outside have usable coordinates
+bool extract_graph(ThreadPool& pool, const TriangleMesh& mesh, const Adjacency& adjacency,
+                   const std::vector<int>& local, std::vector<char>& rim, Region& region) {
+  std::vector<int>& offsets = region.neighbours.offsets;
+  std::vector<int>& values = region.neighbours.values;
+  std::atomic<bool> finite{true};
+  at_once(
+      pool, [&] { offsets.resize(region.mesh_vertex.size() + 1); }, [&] { rim.resize(region.mesh_vertex.size()); });
+  gather(
+      pool, region.size(),
+      [&](int first, int last) {
+        int count = 0;
+        for (int i = first; i < last; ++i) {
+          const IndexLists::Row ring = adjacency.neighbours[region.mesh_vertex[i]];
+          int inside = 0;
+          for (const int w : ring) {
+            inside += local[w] >= 0;
+          }
+          rim[i] = inside < ring.size();
+          if (rim[i] && !std::all_of(ring.begin(), ring.end(), [&](int w) { return is_finite(mesh.vertices, w); })) {
+            finite = false;
+          }
+          count += inside;
+        }
+        return Counts{count, 0};
+      },
+      [&](const Counts& total) { values.resize(total[0]); },
+      [&](int first, int last, const Counts& place) {
+        int end = place[0];
+        for (int i = first; i < last; ++i) {
+          for (const int w : adjacency.neighbours[region.mesh_vertex[i]]) {
+            if (local[w] >= 0) {
+              values[end++] = local[w];
+            }
+          }
+          offsets[i + 1] = end;
+        }
+      });
+  return finite;
+}
+/// The faces that touch a region edge, and those inside.
+void extract_faces(ThreadPool& pool, const TriangleMesh& mesh, const Adjacency& adjacency,
+                   const std::vector<int>& local, Region& region) {
+  // A pass over all faces is faster than collecting and sorting, unless there are many more of them.
+  constexpr Eigen::Index kMany = 32;
+  const bool is_small = mesh.faces.rows() > kMany * region.size();
+  const auto is_inside = [&](int f, int k) { return local[mesh.faces(f, k)] >= 0; };
+  std::vector<int> around;
+  for (int i = 0; is_small && i < region.size(); ++i) {
+    for (const int f : adjacency.faces[region.mesh_vertex[i]]) {
+      // Listed by its lowest corner inside, so each comes once.
+      bool is_lowest = true;
+      for (int k = 0; k < 3; ++k) {
+        is_lowest = is_lowest && (!is_inside(f, k) || local[mesh.faces(f, k)] >= i);
+      }
+      if (is_lowest) {
+        around.push_back(f);
+      }
     }
   }
-  return rim;
+  std::sort(around.begin(), around.end());
+  const auto face = [&](int place) { return is_small ? around[place] : place; };
+  const auto corners_inside = [&](int f) { return is_inside(f, 0) + is_inside(f, 1) + is_inside(f, 2); };
+  gather(
+      pool, static_cast<int>(is_small ? around.size() : mesh.faces.rows()),
+      [&](int first, int last) {
+        Counts count{0, 0};
+        for (int i = first; i < last; ++i) {
+          const int corners = corners_inside(face(i));
+          count[0] += corners >= 2;
+          count[1] += corners == 3;
+        }
+        return count;
+      },
+      [&](const Counts& total) {
+        region.edge_faces.resize(total[0]);
+        region.faces.resize(total[1], 3);
+      },
+      [&](int first, int last, Counts place) {
+        for (int i = first; i < last; ++i) {
+          const int f = face(i), corners = corners_inside(f);
+          if (corners >= 2) {
+            region.edge_faces[place[0]++] = f;
+          }
+          if (corners == 3) {
+            region.faces.row(place[1]++) << local[mesh.faces(f, 0)], local[mesh.faces(f, 1)], local[mesh.faces(f, 2)];
+          }
+        }
+      });
 }
 
-/// Distances from the rim inside the region, for the anchor band of a given set.
-std::vector<double> distances_from(const std::vector<char>& rim, const Region& region, const TriangleMesh& mesh,
-                                   double cutoff) {
-  Points points(region.size(), 3);
-  std::vector<int> seeds;
-  for (int i = 0; i < region.size(); ++i) {
-    points.row(i) = mesh.vertices.row(region.mesh_vertex[i]);
-    if (rim[i]) {
-      seeds.push_back(i);
-    }
-  }
-  GeodesicSearch search(region.neighbours, points);
-  search.run(seeds, cutoff);
-  std::vector<double> distances(region.size());
-  for (int i = 0; i < region.size(); ++i) {
-    distances[i] = search.distance(i);
-  }
-  return distances;
-}
+constexpr int kGrain = 4096;
 
-/// Where the anchors are: how far into their band each vertex is, 0 or less outside it, 1 at its far end; and the
-/// weights of kept ones.
-struct AnchorBand {
-  std::vector<double> depth;
-  std::vector<double> kept_weight;  // -1 where none is kept; no entries if none are
-};
-
-/// With d the distance from the handle, b that from the rim, p the padding, r the radius and d_max the largest d:
+/// Where the anchors are: anchor_depth becomes how far into their band each vertex is, 0 or less outside it, 1 at its
+/// far end; anchor_weight that of kept ones, -1 for all others. With d the distance from the handle, b that from the
+/// rim, p the padding, r the radius and d_max the largest d:
 ///   grown by a radius:  (d - (1 - p) r) / (p r)
 ///   a given set:        1 - b / (p d_max)
 ///   kept anchors:       as they came
-AnchorBand anchor_band(const TriangleMesh& mesh, const RegionSpec& spec, const std::vector<int>& local,
-                       const std::vector<char>& rim, const Region& region) {
-  const int n = region.size();
-  AnchorBand band;
-  band.depth.resize(n);
+void place_anchor_band(ThreadPool& pool, const TriangleMesh& mesh, const RegionSpec& spec,
+                       const std::vector<int>& local, const std::vector<char>& rim, Region& region) {
+  const auto each = [&](const auto& body) {
+    in_pieces(pool, region.size(), kGrain, [&body](int first, int last) {
+      for (int i = first; i < last; ++i) {
+        body(i);
+      }
+    });
+  };
+  std::vector<double>& depth = region.anchor_depth;
   if (spec.kind == RegionSpec::Kind::Vertices && !spec.anchors.empty()) {
-    band.kept_weight.assign(n, -1);
     for (std::size_t k = 0; k < spec.anchors.vertices.size(); ++k) {
       const int i = local[spec.anchors.vertices[k]];
       if (i >= 0) {
-        band.depth[i] = spec.anchors.depths[k];
-        band.kept_weight[i] = spec.anchors.weights[k];
+        depth[i] = spec.anchors.depths[k];
+        region.anchor_weight[i] = spec.anchors.weights[k];
       }
     }
   } else if (spec.kind == RegionSpec::Kind::Vertices) {
     const double width = spec.padding * region.max_distance;
-    band.depth = distances_from(rim, region, mesh, width);
-    for (double& d : band.depth) {
-      d = width > 0 ? 1 - d / width : 0;
+    Points points(region.size(), 3);
+    each([&](int i) { points.row(i) = mesh.vertices.row(region.mesh_vertex[i]); });
+    std::vector<int> seeds;
+    for (int i = 0; i < region.size(); ++i) {
+      if (rim[i]) {
+        seeds.push_back(i);
+      }
     }
+    const DistanceField from_rim(region.neighbours, points, seeds, width, nullptr, pool);
+    each([&](int i) { depth[i] = width > 0 ? 1 - from_rim[i] / width : 0; });
   } else if (spec.kind == RegionSpec::Kind::Radius && spec.padding > 0) {
-    for (int i = 0; i < n; ++i) {
-      band.depth[i] = (region.distance[i] - (1 - spec.padding) * spec.radius) / (spec.padding * spec.radius);
-    }
+    each([&](int i) {
+      depth[i] = (region.distance[i] - (1 - spec.padding) * spec.radius) / (spec.padding * spec.radius);
+    });
   }
-  return band;
 }
 
 /// Handle, anchor or free. An anchor's weight is d / d_max, so that those near the handle give way to it.
-void classify(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
-              const std::vector<int>& local, const std::vector<int>& group_of, Region& region) {
+/// @param handles  local vertices, and their groups
+void classify(ThreadPool& pool, const TriangleMesh& mesh, const RegionSpec& spec, const std::vector<int>& local,
+              const std::vector<std::pair<int, int>>& handles, const std::vector<char>& rim, Region& region) {
   const int n = region.size();
-  const std::vector<char> rim = find_rim(adjacency, local, region);
-  const AnchorBand band = anchor_band(mesh, spec, local, rim, region);
-  region.classes.assign(n, VertexClass::Free);
-  region.group.assign(n, -1);
-  region.anchor_weight.assign(n, 0);
-  region.anchor_depth.assign(n, 0);
-  for (int i = 0; i < n; ++i) {
-    const int group = group_of[region.mesh_vertex[i]];
-    const bool kept = !band.kept_weight.empty() && band.kept_weight[i] >= 0;
-    const bool anchor = rim[i] || band.depth[i] > 0 || kept;
-    if (group >= 0) {
-      region.classes[i] = VertexClass::Handle;
-      region.group[i] = group;
-    } else if (anchor) {
-      region.classes[i] = VertexClass::Anchor;
-      region.anchor_depth[i] = rim[i] ? 1 : std::min(band.depth[i], 1.0);
-      region.anchor_weight[i] = kept                      ? band.kept_weight[i]
-                                : region.max_distance > 0 ? std::min(1.0, region.distance[i] / region.max_distance)
-                                                          : 1;
+  at_once(
+      pool, [&] { region.classes.assign(n, VertexClass::Free); }, [&] { region.group.assign(n, -1); },
+      [&] { region.anchor_weight.assign(n, -1); }, [&] { region.anchor_depth.assign(n, 0); });
+  place_anchor_band(pool, mesh, spec, local, rim, region);
+  in_pieces(pool, n, kGrain, [&](int first, int last) {
+    for (int i = first; i < last; ++i) {
+      double& depth = region.anchor_depth[i];
+      double& weight = region.anchor_weight[i];
+      const bool kept = weight >= 0;
+      if (rim[i] || depth > 0 || kept) {
+        region.classes[i] = VertexClass::Anchor;
+        depth = rim[i] ? 1 : std::min(depth, 1.0);
+        weight = kept ? weight : region.max_distance > 0 ? std::min(1.0, region.distance[i] / region.max_distance) : 1;
+      } else {
+        depth = weight = 0;
+      }
+    }
+  });
+  for (const auto& [i, group] : handles) {
+    region.classes[i] = VertexClass::Handle;
+    region.group[i] = group;
+    region.anchor_depth[i] = region.anchor_weight[i] = 0;
+  }
+}
+
+/// Whether the handles' own edges connect them all. All of a region is reached from them, so it is connected then.
+bool are_connected(const std::vector<std::pair<int, int>>& handles, const Region& region) {
+  std::vector<int> found{handles[0].first};
+  if (handles.size() > 1) {
+    std::vector<char> is_found(region.size(), 0);
+    is_found[found[0]] = 1;
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      for (const int w : region.neighbours[found[k]]) {
+        if (region.group[w] >= 0 && !is_found[w]) {
+          is_found[w] = 1;
+          found.push_back(w);
+        }
+      }
     }
   }
-  const int components = connected_components(region.neighbours, region.component);
+  return found.size() == handles.size();
+}
+
+void find_components(const std::vector<std::pair<int, int>>& handles, Region& region) {
+  int components = 1;
+  if (are_connected(handles, region)) {
+    region.component.assign(region.size(), 0);
+  } else {
+    components = connected_components(region.neighbours, region.component);
+  }
   region.anchored.assign(components, 0);
-  for (int i = 0; i < n; ++i) {
+  for (int i = 0; i < region.size(); ++i) {
     region.anchored[region.component[i]] |= region.classes[i] == VertexClass::Anchor;
   }
 }
@@ -350,51 +435,54 @@ int Region::count(VertexClass c) const {
 }
 
 Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
-                    const std::vector<std::vector<int>>& groups) {
+                    const std::vector<std::vector<int>>& groups, int threads) {
   check_spec(spec);
-  std::vector<int> group_of;
-  const std::vector<int> handles = collect_handles(mesh, groups, group_of);
+  std::vector<int> local;  // at first the handles' groups
+  const std::vector<int> handles = collect_handles(mesh, groups, local);
+  std::vector<std::pair<int, int>> local_handles;
+  local_handles.reserve(handles.size());
+  for (const int v : handles) {
+    local_handles.emplace_back(v, local[v]);
+  }
   const bool given_set = spec.kind == RegionSpec::Kind::Vertices;
   std::vector<char> flags;
   if (given_set) {
     flags = flag_set(mesh, spec.vertices, handles);
-  }
-  GeodesicSearch search(adjacency.neighbours, mesh.vertices);
-  if (given_set) {
     check_anchors(spec.anchors, static_cast<int>(mesh.vertices.rows()));
   }
   const double cutoff = spec.kind == RegionSpec::Kind::Radius ? spec.radius : kUnreached;
 
   Region region;
-  region.mesh_vertex = search.run(handles, cutoff, given_set ? &flags : nullptr);
-  require_finite_region(mesh, adjacency, region.mesh_vertex, given_set ? &flags : nullptr);
-  region.max_distance = search.distance(region.mesh_vertex.back());
-  if (region.mesh_vertex.size() == handles.size()) {
+  region.mesh_vertices = static_cast<int>(mesh.vertices.rows());
+  ThreadPool pool(region.mesh_vertices >= 4 * kGrain ? threads : 1);
+  {
+    const DistanceField field(adjacency.neighbours, mesh.vertices, handles, cutoff, given_set ? &flags : nullptr, pool);
+    number_vertices(pool, field, local, region);
+  }
+  for (auto& handle : local_handles) {
+    handle.first = local[handle.first];
+  }
+  if (given_set) {
+    require_finite(mesh, adjacency, spec.vertices, true);
+  }
+  if (region.size() == static_cast<int>(handles.size())) {
+    require_finite(mesh, adjacency, region.mesh_vertex, given_set);
     refuse_handle_only(mesh, adjacency, spec, handles);
   }
-  region.mesh_vertices = static_cast<int>(mesh.vertices.rows());
-  if (given_set && !spec.anchors.empty()) {
-    region.max_distance = spec.anchors.reach;
-  }
+  region.max_distance = given_set && !spec.anchors.empty()
+                            ? spec.anchors.reach
+                            : Eigen::Map<const Eigen::VectorXd>(region.distance.data(), region.size()).maxCoeff();
   region.radius = spec.kind == RegionSpec::Kind::Radius ? spec.radius : region.max_distance;
   if (given_set) {
     region.left_out = static_cast<int>(std::count(flags.begin(), flags.end(), 1)) - region.size();
   }
-  // Numbered in the order of the mesh, by a pass over it: it is cheaper than sorting.
-  std::vector<int> local(mesh.vertices.rows(), -1);
-  for (const int v : region.mesh_vertex) {
-    local[v] = 0;
+  std::vector<char> rim;
+  if (!extract_graph(pool, mesh, adjacency, local, rim, region) && !given_set) {
+    require_finite(mesh, adjacency, region.mesh_vertex, false);
   }
-  region.mesh_vertex.clear();
-  for (int v = 0; v < region.mesh_vertices; ++v) {
-    if (local[v] == 0) {
-      local[v] = region.size();
-      region.mesh_vertex.push_back(v);
-      region.distance.push_back(search.distance(v));
-    }
-  }
-  extract_submesh(mesh, adjacency, local, region);
-  classify(mesh, adjacency, spec, local, group_of, region);
+  extract_faces(pool, mesh, adjacency, local, region);
+  classify(pool, mesh, spec, local, local_handles, rim, region);
+  find_components(local_handles, region);
   return region;
 }
 

@@ -73,10 +73,11 @@ struct Region {
 /// with. A handle vertex is never an anchor. The border of the mesh is not a rim. Components of the region without a
 /// handle vertex are left out.
 /// @param groups  handle groups, mesh vertex numbers; a vertex may be in one group only
+/// @param threads  0: as many as the machine has; the region does not depend on it
 /// @throws EditError (NoHandle, BadIndex, BadParameter, EmptyRegion, HandleOutsideRegion, NotFinite, NothingToFollow)
-/// Cost: O(k log k) in the region's size k plus one pass over the mesh's vertex count.
+/// Cost: O(k) in the region's size k, plus some passes over one number per mesh vertex.
 Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
-                    const std::vector<std::vector<int>>& groups);
+                    const std::vector<std::vector<int>>& groups, int threads = 0);
 
 /// The region's anchors, to be kept for the next edit in it.
 KeptAnchors anchors_of(const Region& region);

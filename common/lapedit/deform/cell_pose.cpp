@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/deform/cell_pose.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "lapedit/deform/polar_decomposition.h"
+
+namespace lapedit {
+namespace {
+
+constexpr int kGrain = 64;
+
+}  // namespace
+
+CellPose::CellPose(const Region& region, const Points& rest, const RegionCells& cells, const CellBlend& blend,
+                   const EditSettings& settings, double normal_radius, ThreadPool& pool)
+    : cells_(cells),
+      settings_(settings),
+      pool_(pool),
+      system_(region, rest, cells, blend, settings, normal_radius),
+      component_(cells.count(), 0),
+      hold_(cells.count(), 0),
+      settled_(1e-4 * region.radius),
+      rotations_(cells.count(), Matrix3::Identity()) {
+  for (int i = 0; i < region.size(); ++i) {
+    component_[cells.of[i]] = region.component[i];
+    hold_[cells.of[i]] += region.anchor_depth.empty() ? 0 : region.anchor_depth[i];
+  }
+  for (int c = 0; c < cells.count(); ++c) {
+    const double depth = hold_[c] / cells.vertices[c];
+    hold_[c] = depth * depth * (3 - 2 * depth);
+  }
+  measure_slopes();
+}
+
+/// J = sum_b (x_b - x_a) s_ab^T, s_ab = g_ab (sum_b g_ab t t^T)^-1 t, is the gradient of x along the surface at cell a,
+/// t the edges to its neighbours in the tangent plane, g their nearness.
+void CellPose::measure_slopes() {
+  constexpr double kFlat = 1e-6;
+  nearness_.resize(cells_.neighbours.values.size());
+  slope_.resize(nearness_.size());
+  for (int a = 0; a < cells_.count(); ++a) {
+    const Vector3 sum = cells_.normals.row(a).transpose();
+    const Vector3 normal = sum.norm() > 0 ? Vector3(sum.normalized()) : Vector3(Vector3::UnitZ());
+    Eigen::Matrix<double, 3, 2> tangents;
+    tangents << normal.unitOrthogonal(), normal.cross(normal.unitOrthogonal());
+    Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+    for (int k = cells_.neighbours.offsets[a]; k < cells_.neighbours.offsets[a + 1]; ++k) {
+      const int b = cells_.neighbours.values[k];
+      nearness_[k] = cells_.crossing[k] / (0.5 * (std::sqrt(cells_.vertices[a]) + std::sqrt(cells_.vertices[b])));
+      slope_[k] = tangents.transpose() * (cells_.centres.row(b) - cells_.centres.row(a)).transpose();
+      spread += nearness_[k] * slope_[k] * slope_[k].transpose();
+    }
+    const double size = spread.trace();
+    spread.diagonal().array() += size > 0 ? kFlat * size : 1;
+    const Eigen::Matrix2d inverse = spread.inverse();
+    for (int k = cells_.neighbours.offsets[a]; k < cells_.neighbours.offsets[a + 1]; ++k) {
+      slope_[k] = nearness_[k] * (inverse * slope_[k]).eval();
+    }
+  }
+}
+
+/// The unit normal of the surface whose cells are at these places; zero where it has none.
+Vector3 CellPose::normal(int cell, const Points& at) const {
+  Vector3 first = Vector3::Zero(), second = Vector3::Zero();
+  for (int k = cells_.neighbours.offsets[cell]; k < cells_.neighbours.offsets[cell + 1]; ++k) {
+    const Vector3 edge = (at.row(cells_.neighbours.values[k]) - at.row(cell)).transpose();
+    first += slope_[k][0] * edge;
+    second += slope_[k][1] * edge;
+  }
+  const Vector3 normal = first.cross(second);
+  const double length = normal.norm();
+  return length > 0 && std::isfinite(length) ? Vector3(normal / length) : Vector3(Vector3::Zero());
+}
+
+/// As RotationEstimator for the smoothed surface: the rotation nearest to C + |C| n1 n0^T, held back at anchors.
+void CellPose::fit_rotations() {
+  in_pieces(pool_, cells_.count(), kGrain, [&](int first, int last) {
+    for (int a = first; a < last; ++a) {
+      Matrix3 covariance = Matrix3::Zero();
+      for (int k = cells_.neighbours.offsets[a]; k < cells_.neighbours.offsets[a + 1]; ++k) {
+        const int b = cells_.neighbours.values[k];
+        const Vector3 after = nearness_[k] * (smooth_after_.row(b) - smooth_after_.row(a)).transpose();
+        covariance += after * (smooth_before_.row(b) - smooth_before_.row(a));
+      }
+      covariance += covariance.norm() * normal(a, smooth_after_) * normal(a, smooth_before_).transpose();
+      const Matrix3 held = (1 - hold_[a]) * covariance + hold_[a] * covariance.norm() * Matrix3::Identity();
+      rotations_[a] = held.allFinite() ? nearest_rotation(held) : Matrix3(Matrix3::Identity());
+    }
+  });
+}
+
+/// (R - I) delta of each cell, delta the flux of its edges to others over the sum of its weights.
+void CellPose::turn(Points& turned) const {
+  turned.resize(cells_.count(), 3);
+  const bool by_edges = settings_.turning == DetailTurning::Edge;
+  for (int a = 0; a < cells_.count(); ++a) {
+    Vector3 sum = Vector3::Zero();
+    for (int k = cells_.neighbours.offsets[a]; k < cells_.neighbours.offsets[a + 1]; ++k) {
+      Vector3 flux = cells_.flux.row(k).transpose();
+      flux += carried(a).linear * flux;
+      const Vector3 after = by_edges ? Vector3(0.5 * (rotations_[a] + rotations_[cells_.neighbours.values[k]]) * flux)
+                                     : Vector3(rotations_[a] * flux);
+      sum += after - flux;
+    }
+    turned.row(a) = sum.transpose() / cells_.weight[a];
+  }
+}
+
+void CellPose::solve(const std::vector<LocalMotion>& targets, const std::vector<LocalMotion>& carried) {
+  carried_ = &carried;
+  constraints_.setZero(cells_.count(), 3);
+  for (const CoarseSystem::Held& held : system_.held()) {
+    const Vector3 way = targets[held.group].displacement(held.mean) - this->carried(held.cell).displacement(held.mean);
+    for (const auto& [cell, weight] : held.row) {
+      constraints_.row(cell) += held.weight * weight * way.transpose();
+    }
+  }
+  system_.solve(constraints_, displacement_);
+  std::fill(rotations_.begin(), rotations_.end(), Matrix3::Identity());
+  if (settings_.rotation == DetailRotation::None || constraints_.isZero(0)) {
+    return;
+  }
+  smooth_before_ = cells_.centres;
+  for (int c = 0; c < cells_.count(); ++c) {
+    smooth_before_.row(c) += this->carried(c).displacement(cells_.centres.row(c).transpose()).transpose();
+  }
+  system_.smooth(smooth_before_);
+  for (int pass = 0; pass < settings_.iterations; ++pass) {
+    previous_ = displacement_;
+    smooth_after_ = displacement_;
+    system_.smooth(smooth_after_);
+    smooth_after_ += smooth_before_;
+    fit_rotations();
+    turn(turned_);
+    right_ = constraints_;
+    system_.add_turned(turned_, right_);
+    system_.solve(right_, displacement_);
+    previous_ -= displacement_;
+    if (!(previous_.rowwise().norm().maxCoeff() >= settled_)) {
+      break;
+    }
+  }
+}
+
+}  // namespace lapedit

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "lapedit/deform/coarse_system.h"
+#include "lapedit/deform/edit_constraints.h"
+
+namespace lapedit {
+
+/// Where the cells of a region go, and how they turn: an edit's unrotated result and its rotation passes, all on the
+/// cells (method: LaplacianEditor's, on RegionCells and CoarseSystem).
+class CellPose {
+ public:
+  /// All must outlive the object. @param normal_radius  as for CoarseSystem
+  CellPose(const Region& region, const Points& rest, const RegionCells& cells, const CellBlend& blend,
+           const EditSettings& settings, double normal_radius, ThreadPool& pool);
+
+  /// @param targets  motions of the groups, @param carried  of the components. Nothing is allocated after the first
+  /// call
+  void solve(const std::vector<LocalMotion>& targets, const std::vector<LocalMotion>& carried);
+
+  const Points& displacement() const { return displacement_; }          ///< of the centres, from where they are carried
+  const std::vector<Matrix3>& rotations() const { return rotations_; }  ///< likewise
+  const LocalMotion& carried(int cell) const { return (*carried_)[component_[cell]]; }
+
+ private:
+  void measure_slopes();
+  Vector3 normal(int cell, const Points& at) const;
+  void fit_rotations();
+  void turn(Points& turned) const;
+
+  const RegionCells& cells_;
+  const EditSettings& settings_;
+  ThreadPool& pool_;
+  CoarseSystem system_;
+  std::vector<int> component_;    // of each cell
+  std::vector<double> hold_;      // how far its rotation is held back, 0 to 1
+  std::vector<double> nearness_;  // per entry of neighbours: how much it counts for the rotation
+  std::vector<Vector2> slope_;    // likewise: what an end's way adds to the gradient along the surface
+  double settled_;                // a pass that changes less is the last
+
+  const std::vector<LocalMotion>* carried_ = nullptr;
+  Points constraints_, right_, displacement_, previous_, turned_, smooth_before_, smooth_after_;
+  std::vector<Matrix3> rotations_;
+};
+
+}  // namespace lapedit

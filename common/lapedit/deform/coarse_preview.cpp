@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/deform/coarse_preview.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "lapedit/base/error.h"
+#include "lapedit/deform/cell_pose.h"
+#include "lapedit/deform/smooth_normals.h"
+
+namespace lapedit {
+namespace {
+
+typedef float Four __attribute__((vector_size(4 * sizeof(float))));
+
+/// What a cell does to the vertices that follow it: R - I, column by column, then its displacement.
+struct CellMotion {
+  Four columns[3];
+  Four way;
+};
+
+/// One thousandth of a cell's size more or less is seen by nobody, so cells grow slowly with the region.
+int wanted_cells(int vertices) {
+  constexpr double kUsual = 1500, kUsualRegion = 32000, kGrowth = 0.3, kVerticesPerCell = 8;
+  return static_cast<int>(
+      std::min(vertices / kVerticesPerCell, kUsual * std::pow(std::max(1.0, vertices / kUsualRegion), kGrowth)));
+}
+
+Four four(double a, double b, double c) {
+  return Four{static_cast<float>(a), static_cast<float>(b), static_cast<float>(c), 0};
+}
+
+}  // namespace
+
+struct CoarsePreview::State {
+  std::shared_ptr<const Region> region;
+  EditSettings settings;
+  ThreadPool pool;
+  RestPose rest;
+  double unit;  // of lengths in single precision
+  RegionCells cells;
+  CellBlend blend;
+  CellPose cell_pose;
+  std::vector<Four> details;  // p_i - sum_k w_k C_k: what of a vertex turns with its cells; then how far it goes along
+
+  // Of a frame.
+  std::vector<LocalMotion> targets, carried;
+  std::vector<int> handles_seen;
+  std::vector<CellMotion> motions;
+  Points positions;
+
+  State(const TriangleMesh& mesh, std::shared_ptr<const Region> given, const EditSettings& wanted,
+        const Progress& progress)
+      : region(std::move(given)),
+        settings(wanted),
+        pool(wanted.threads),
+        rest(mesh, *region),
+        unit(region->max_distance > 0 ? std::ldexp(1.0, std::ilogb(region->max_distance)) : 1),
+        cells(make_cells(*region, rest.local, edge_weights(settings.laplacian, *region, mesh).values,
+                         wanted_cells(region->size()), pool)),
+        blend((report_progress(progress, 0.05, "coarse level"), cells), rest.local, pool),
+        cell_pose(*region, rest.local, cells, blend, settings, radius(), pool) {
+    keep_details();
+    motions.resize(cells.count());
+    positions.resize(region->size(), 3);
+  }
+
+  double radius() const {
+    return settings.rotation == DetailRotation::None ? 0
+           : settings.normal_radius > 0              ? settings.normal_radius
+                                                     : automatic_normal_radius(*region, rest.world);
+  }
+  void keep_details();
+  void place(int first, int last);
+};
+
+void CoarsePreview::State::keep_details() {
+  constexpr int kGrain = 2048;
+  details.resize(region->size());
+  in_pieces(pool, region->size(), kGrain, [&](int first, int last) {
+    for (int i = first; i < last; ++i) {
+      Vector3 detail = rest.local.row(i).transpose();
+      for (int k = 0; k < CellBlend::kReach; ++k) {
+        detail -= static_cast<double>(blend.weights[i][k]) * cells.centres.row(blend.cells[i][k]).transpose();
+      }
+      details[i] = four(detail[0] / unit, detail[1] / unit, detail[2] / unit);
+      const double depth = region->anchor_depth.empty() ? 0 : region->anchor_depth[i];
+      details[i][3] = static_cast<float>(1 - depth * depth * (3 - 2 * depth));
+    }
+  });
+}
+
+/// x_i = carried p_i + f_i (sum_k w_k u_k + sum_k w_k (R_k - I) d_i), f_i fading to 0 at the region's rim.
+void CoarsePreview::State::place(int first, int last) {
+  for (int i = first; i < last; ++i) {
+    const Vector3 at = rest.local.row(i).transpose();
+    if (region->classes[i] == VertexClass::Handle) {
+      positions.row(i) = rest.world.row(i) + targets[region->group[i]].displacement(at).transpose();
+      continue;
+    }
+    CellMotion sum = {};
+    for (int k = 0; k < CellBlend::kReach; ++k) {
+      const CellMotion& motion = motions[blend.cells[i][k]];
+      const float weight = blend.weights[i][k];
+      for (int c = 0; c < 3; ++c) {
+        sum.columns[c] += weight * motion.columns[c];
+      }
+      sum.way += weight * motion.way;
+    }
+    const Four detail = details[i];
+    const LocalMotion& along = carried[region->component[i]];
+    Vector3 turned(static_cast<double>(detail[0]), static_cast<double>(detail[1]), static_cast<double>(detail[2]));
+    turned += along.linear * turned;
+    const Four way =
+        detail[3] * (sum.way + static_cast<float>(turned[0]) * sum.columns[0] +
+                     static_cast<float>(turned[1]) * sum.columns[1] + static_cast<float>(turned[2]) * sum.columns[2]);
+    const Vector3 displacement =
+        along.displacement(at) +
+        unit * Vector3(static_cast<double>(way[0]), static_cast<double>(way[1]), static_cast<double>(way[2]));
+    positions.row(i) = rest.world.row(i) + displacement.transpose();
+  }
+}
+
+CoarsePreview::CoarsePreview(const TriangleMesh& mesh, std::shared_ptr<const Region> region,
+                             const EditSettings& settings, const Progress& progress) {
+  validate(settings);
+  state_ = std::make_unique<State>(mesh, std::move(region), settings, progress);
+}
+CoarsePreview::~CoarsePreview() = default;
+
+const Points& CoarsePreview::pose(const std::vector<Affine>& handles) {
+  State& s = *state_;
+  check_targets(*s.region, handles);
+  s.targets.resize(handles.size());
+  for (std::size_t g = 0; g < handles.size(); ++g) {
+    s.targets[g] = LocalMotion::of(handles[g], s.rest.origin);
+  }
+  carry_components(*s.region, s.targets, LocalMotion(), s.carried, s.handles_seen);
+  s.cell_pose.solve(s.targets, s.carried);
+  for (int c = 0; c < s.cells.count(); ++c) {
+    const Matrix3 turn = s.cell_pose.rotations()[c] - Matrix3::Identity();
+    const Vector3 way = s.cell_pose.displacement().row(c).transpose() / s.unit;
+    for (int k = 0; k < 3; ++k) {
+      s.motions[c].columns[k] = four(turn(0, k), turn(1, k), turn(2, k));
+    }
+    s.motions[c].way = four(way[0], way[1], way[2]);
+  }
+  constexpr int kGrain = 2048;
+  in_pieces(s.pool, s.region->size(), kGrain, [&s](int first, int last) { s.place(first, last); });
+  if (!s.positions.allFinite()) {
+    throw EditError(ErrorCause::NotFinite,
+                    "The result is not finite: the handle's displacement is too large for the mesh.");
+  }
+  return s.positions;
+}
+
+int CoarsePreview::cells() const {
+  return state_->cells.count();
+}
+
+}  // namespace lapedit

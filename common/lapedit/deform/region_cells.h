@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "lapedit/base/thread_pool.h"
+#include "lapedit/deform/differential_operator.h"
+#include "lapedit/mesh/region.h"
+
+namespace lapedit {
+
+/// A symmetric 3 x 3 tensor: xx xy xz yy yz zz.
+using Symmetric = Eigen::Matrix<double, 6, 1>;
+Symmetric squared(const Vector3& v);  ///< v v^T
+Matrix3 full_matrix(const Symmetric& s);
+
+/// A region in patches of neighbouring vertices, and what a coarse stand-in for the region has to know of each.
+///
+/// Cells are grown by rings around seeds, which are moved twice to the vertex nearest to their cell's centroid; seeds
+/// are denser near the handle, where an edit bends most. Where three cells meet in a face their centroids span a
+/// triangle: with them the cells are a coarse mesh of the region. Everything follows from the region and its rest
+/// pose, to the bit, whatever the number of threads.
+struct RegionCells {
+  std::vector<int> of;                        ///< cell of each vertex of the region
+  Points centres;                             ///< centroids of the rest pose, cells x 3
+  IndexLists neighbours;                      ///< cells that an edge leads to, ascending
+  std::vector<double> crossing;               ///< per entry of neighbours: sum of the weights w_ij of these edges
+  Points flux;                                ///< likewise: sum of w_ij (p_i - p_j), i in the cell
+  std::vector<std::array<int, 3>> triangles;  ///< cells that meet in a face, ascending, each once
+
+  std::vector<double> vertices, area;  ///< number of vertices, and a third of the faces at each
+  Points normals;                      ///< sums of those faces' area normals
+  /// Sums over a cell's vertices: of w_ij; of c_ij |e_ij|^2 / 4,
+  /// the diffusion's masses; and of half w_ij e e^T and c_ij e e^T over the edges e, what gradients cost in each.
+  std::vector<double> weight, mass;
+  std::vector<Symmetric> stiffness, diffusion;
+
+  int count() const { return static_cast<int>(vertices.size()); }
+};
+
+/// @param rest    size() x 3, the region's rest pose about a local origin
+/// @param weights  w_ij, one per entry of region.neighbours (see edge_weights)
+/// @param target  cells wanted; small components and the seeds' spacing make it a few more or less
+/// Cost: O(edges).
+RegionCells make_cells(const Region& region, const Points& rest, const std::vector<double>& weights, int target,
+                       ThreadPool& pool);
+
+/// How vertices follow cells: each by at most kReach of them, with weights that have the sum 1 and reproduce linear
+/// functions along the surface (moving least squares), falling off smoothly to the next cell's distance.
+struct CellBlend {
+  static constexpr int kReach = 8;
+  std::vector<std::array<int, kReach>> cells;  ///< of each vertex; unused ones repeat the first with weight 0
+  std::vector<std::array<float, kReach>> weights;
+
+  /// Cost: O(vertices). @param rest as above
+  CellBlend(const RegionCells& cells, const Points& rest, ThreadPool& pool);
+};
+
+}  // namespace lapedit
