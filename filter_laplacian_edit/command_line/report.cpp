@@ -22,6 +22,8 @@ QJsonObject step(const EditReport& report) {
           {"laplacian", QString::fromStdString(report.laplacian)},
           {"order", report.order},
           {"detail_rotation", QString::fromStdString(report.rotation)},
+          {"turning", QString::fromStdString(report.turning)},
+          {"rough", QString::fromStdString(report.rough)},
           {"iterations", report.iterations},
           {"normal_radius", report.normal_radius},
           {"uniform_edges", report.uniform_edges},

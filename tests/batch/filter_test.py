@@ -46,7 +46,7 @@ class Documentation(HostTest):
                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=60)
         sections = {s.split(" \n")[0].split(" ", 1)[1]: s for s in file.read_text().split("\\section ")[1:]}
         for name, kinds in (("Laplacian Edit", "Enum Point3f Enum AbsPerc Float Point3f Point3f Float Float Enum Int "
-                                               "Enum Int AbsPerc Float Float Enum"),
+                                               "Enum Int AbsPerc Float Float Enum Enum"),
                             ("Laplacian Edit Replay", "String Float")):
             text = sections[name]
             self.assertIn("Differential Coordinates for Interactive Mesh Editing", text)
@@ -65,7 +65,7 @@ class Settings(FilterTest):
         self.assertLessEqual(self.moved_vertices(plain), region)
         for change in ({"laplacian": 1}, {"order": 2}, {"order": 3}, {"detail_rotation": 0}, {"detail_rotation": 1},
                        {"iterations": 3}, {"normal_radius": 0.3}, {"handle_weight": 0.5}, {"anchor_weight": 0.5},
-                       {"turning": 1}, {"padding": 0.5}, {"translation": (0.1, 0, 0.1)}):
+                       {"turning": 1}, {"rough": 1}, {"padding": 0.5}, {"translation": (0.1, 0, 0.1)}):
             with self.subTest(change):
                 bits, log = self.bits([laplacian_edit(**{**self.lift, **change})])
                 self.assertNotEqual(bits, plain)
@@ -129,11 +129,11 @@ class Replay(FilterTest):
     def test_all_settings_mean_the_same_in_both_filters(self):
         edited, _ = self.bits([laplacian_edit(
             **self.lift, padding=0.3, laplacian=1, order=2, detail_rotation=1, iterations=2, normal_radius=0.21,
-            handle_weight=7, anchor_weight=0.7, turning=1)])
+            handle_weight=7, anchor_weight=0.7, turning=1, rough=1)])
         replayed, _ = self.bits([replay({
             **self.lift_json, "region": {"radius": 0.35, "padding": 0.3}, "laplacian": "cotangent", "order": 2,
             "detail_rotation": "smooth_normals", "iterations": 2, "normal_radius": 0.21, "handle_weight": 7,
-            "anchor_weight": 0.7, "turning": "edge"})])
+            "anchor_weight": 0.7, "turning": "edge", "rough": "falloff"})])
         self.assertEqual(edited, replayed)
 
     def test_fraction_zero_keeps_all_bits(self):

@@ -51,7 +51,7 @@ EDIT_PARAMETERS = {
     "rotation_axis": (point, (0, 0, 1)), "rotation_angle": (real, 0), "scale": (real, 1), "laplacian": (choice, 0),
     "order": (integer, 1), "detail_rotation": (choice, 2), "iterations": (integer, 1), "normal_radius": (length, 0),
     "handle_weight": (real, 10), "anchor_weight": (real, 10),
-    "turning": (choice, 0)}
+    "turning": (choice, 0), "rough": (choice, 0)}
 
 
 def laplacian_edit(**given):

@@ -163,6 +163,20 @@ TEST_F(ReportOfAnEdit, SettingsAreNamed) {
   EXPECT_EQ(r.iterations, 0);
   EXPECT_EQ(r.normal_radius, 0);
   EXPECT_EQ(r.rotation_max, 0);
+  EXPECT_EQ(r.turning, "vertex");
+  EXPECT_EQ(r.rough, "unrotated");
+}
+
+TEST_F(ReportOfAnEdit, WhatIsNotTheDefaultIsInTheText) {
+  EditSettings settings;
+  EXPECT_EQ(report(settings).text().find("turned by"), std::string::npos);
+  EXPECT_EQ(report(settings).text().find("first from"), std::string::npos);
+  settings.turning = DetailTurning::Edge;
+  settings.rough = RoughDeformation::Falloff;
+  EXPECT_NE(report(settings).text().find("smooth surface, turned by edge, first from the falloff, 1 pass"),
+            std::string::npos);
+  settings.rotation = DetailRotation::None;  // nothing is turned
+  EXPECT_EQ(report(settings).text().find("turned by"), std::string::npos);
 }
 
 TEST_F(ReportOfAnEdit, NothingMovedReportsZero) {
@@ -185,6 +199,8 @@ TEST(EditReport, TextHoldsEveryNumber) {
   r.left_out = 90006;
   r.laplacian = "some operator";
   r.rotation = "some rotation";
+  r.turning = "some turning";
+  r.rough = "some way";
   r.backend = "some backend";
   r.order = 3;
   r.iterations = 7;
@@ -208,10 +224,10 @@ TEST(EditReport, TextHoldsEveryNumber) {
   r.flipped = 90008;
   const std::string text = r.text();
   for (const char* part :
-       {"90001",        "90002",   "90003", "90004",   "90005", "90006",   "some operator", "some rotation",
-        "some backend", "order 3", "7 ",    "0.00125", "90007", "101.5",   "102.5",         "103.5",
-        "104.5",        "105.5",   "106.5", "107.5",   "108.5", "2.5e-17", "0.625",         "0.00035",
-        "4.5e-05",      "11.5",    "77.5",  "8.75",    "90008"}) {
+       {"some turning",  "some way",      "90001",        "90002",   "90003", "90004",   "90005", "90006",
+        "some operator", "some rotation", "some backend", "order 3", "7 ",    "0.00125", "90007", "101.5",
+        "102.5",         "103.5",         "104.5",        "105.5",   "106.5", "107.5",   "108.5", "2.5e-17",
+        "0.625",         "0.00035",       "4.5e-05",      "11.5",    "77.5",  "8.75",    "90008"}) {
     EXPECT_NE(text.find(part), std::string::npos) << part << " in:\n" << text;
   }
   EXPECT_NE(text.back(), '\n');

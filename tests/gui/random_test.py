@@ -16,7 +16,7 @@ SETTINGS = {"radius": lambda r: r.choice([0, 0.05, 0.1, 0.3]), "padding": lambda
             "order": lambda r: r.randrange(1, 4), "detail_rotation": lambda r: r.randrange(3),
             "iterations": lambda r: r.randrange(1, 3), "normal_radius": lambda r: r.choice([0, 0.05]),
             "handle_weight": lambda r: r.choice([1, 10]), "anchor_weight": lambda r: r.choice([0.5, 10]),
-            "turning": lambda r: r.randrange(2)}
+            "turning": lambda r: r.randrange(2), "rough": lambda r: r.randrange(2)}
 BUTTONS = ["undo", "redo", "reset", "grow", "shrink", "component", "from_selection", "copy", "cancel"]
 
 

@@ -75,6 +75,7 @@ TEST(EditScript, ReadsAllKeys) {
   EXPECT_EQ(step.settings.handle_weight, 2);
   EXPECT_EQ(step.settings.anchor_weight, 4);
   EXPECT_EQ(step.settings.turning, DetailTurning::Edge);
+  EXPECT_EQ(step.settings.rough, RoughDeformation::Falloff);
 
   ASSERT_EQ(step.handles.size(), 3U);
   EXPECT_EQ(step.handles[0].vertices, std::vector<int>{8624});
@@ -140,6 +141,7 @@ TEST(EditScript, WritesTheDocumentedTextWithAllSettings) {
   step.settings.handle_weight = 2;
   step.settings.anchor_weight = 0.5;
   step.settings.turning = DetailTurning::Edge;
+  step.settings.rough = RoughDeformation::Falloff;
   edit.steps.push_back(step);
   EXPECT_EQ(write_edit(edit), R"({"laplacian_edit": 1,
  "mesh": {"vertices": 11703, "faces": 23402, "connectivity": "0123456789abcdef"},
@@ -148,7 +150,7 @@ TEST(EditScript, WritesTheDocumentedTextWithAllSettings) {
    "handles": [{"vertices": "12-14,77,9-10,9", "translation": [0,-0.9,0.3333333333333333], "rotation": {"axis": [0,0,1], "degrees": 0}, "scale": 1},
                {"vertices": "8624", "translation": [0,0,0], "rotation": {"axis": [0,0,1], "degrees": 0, "center": [1,2,3]}, "scale": 1},
                {"vertices": "0", "matrix": [1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}],
-   "laplacian": "cotangent", "order": 2, "detail_rotation": "smooth_normals", "iterations": 3, "normal_radius": 0.25, "handle_weight": 2, "anchor_weight": 0.5, "turning": "edge"}]}
+   "laplacian": "cotangent", "order": 2, "detail_rotation": "smooth_normals", "iterations": 3, "normal_radius": 0.25, "handle_weight": 2, "anchor_weight": 0.5, "turning": "edge", "rough": "falloff"}]}
 )");
 }
 

@@ -1,73 +1,139 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Drags the nose of igea (134,345 vertices) with regions of several sizes: called by window_frames.sh."""
+"""Drags the nose of igea (134,345 vertices) with regions of several sizes: called by window_frames.sh.
+
+usage: window_frames.py MESH [NAME=STAGE...]
+Each stage is a version with a name; they take turns, a MeshLab each, and the table has the medians.
+"""
+import json
+import os
 import pathlib
 import re
 import statistics
+import subprocess
 import sys
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "gui"))
-
-from gui import GuiTest  # noqa: E402
-from tool import PANEL, TOOL, part  # noqa: E402
+import time
 
 NOSE = 31536
-FRAMES = 40
-COLUMNS = ("total", "solve", "write", "upload", "draw")
+RADII = (0.02, 0.0374, 0.1345)  # the last one is all of the mesh, held at the far end
+RATE = 60  # moves of the mouse per second
+MOVES = 90  # after the first picture
+PATIENCE = 120
+PARTS = ("solve", "write", "upload", "draw")
 
 
-class Frames(GuiTest):
-    screen = "1280x900"
+class Mouse:
+    """Moves to and fro from where it was pressed, RATE times a second."""
+
+    def __init__(self, window, start):
+        self.window, self.start, self.moves = window, start, 0
+        window.mouse("press", *start)
+        self.begin = time.monotonic()
+
+    def move(self):
+        self.moves += 1
+        time.sleep(max(0.0, self.begin + self.moves / RATE - time.monotonic()))
+        self.begin = max(self.begin, time.monotonic() - (self.moves + 1) / RATE)  # none are made up for
+        way = 10 + abs((self.moves + 40) % 80 - 40)
+        self.place = self.start[0] + 1.5 * way, self.start[1] - way
+        self.window.mouse("move", *self.place)
 
 
-def measure(window, prepare):
-    """@param prepare  chooses handle and region. @return region size, milliseconds to prepare, frames"""
+def new_frames(before, after):
+    """What has come since; the tool keeps the last hundred."""
+    return after[after.index(before[-1]) + 1:] if before and before[-1] in after else after
+
+
+def follow(window, panel, start):
+    """Presses and moves until the surface follows, then on for MOVES more.
+    @return  the mouse; seconds from the press to the first moved picture; the frames after it and their seconds"""
+    def frames():
+        return window.widget(panel).get("laplacian_drag_frames", [])
+
+    before = frames()
+    pressed = time.monotonic()
+    mouse = Mouse(window, start)
+    moving = time.monotonic()
+    first = []
+    while not first:
+        if time.monotonic() > pressed + PATIENCE:
+            sys.exit("window_frames.py: the surface does not follow")
+        mouse.move()
+        first = new_frames(before, frames())
+    # The tool's clock starts with the first move.
+    waited = moving - pressed + first[0]["total"] / 1000
+    seen, since = frames(), time.monotonic()
+    for _ in range(MOVES):
+        mouse.move()
+    return mouse, waited, new_frames(seen, frames()), time.monotonic() - since
+
+
+def measure(window, radius):
+    from tool import PANEL, TOOL, part
     window.trigger(TOOL)
-    prepare()
-    x, y = window.pixel(NOSE)
-    window.mouse("press", x, y)
+    window.set(part("radius"), radius)
+    mouse, waited, frames, seconds = follow(window, PANEL, window.pixel(NOSE))
     window.idle()
-    for i in range(1, FRAMES + 1):
-        window.mouse("move", x + 1.5 * i, y - i)
-        window.idle()
-    frames = window.widget(PANEL)["laplacian_drag_frames"]
-    prepared = float(re.search(r"prepared in ([\d.]+)", window.widget(part("times"))["text"])[1])
-    window.mouse("release", x + 1.5 * FRAMES, y - FRAMES)
+    prepared = float(re.search(r"[Pp]repared in ([\d.]+)", window.widget(part("times"))["text"])[1])
+    window.mouse("release", *mouse.place)
+    released = time.monotonic()
     window.idle()
     line = [line for line in window.log() if line.startswith(TOOL)][-1]
+    settled = time.monotonic() - released
+    mouse, again, _, _ = follow(window, PANEL, window.pixel(NOSE))
+    window.mouse("release", *mouse.place)
+    window.idle()
     window.press_button(part("reset"))
     window.trigger(TOOL)
-    return int(re.search(r"region of (\d+)", line)[1]), prepared, frames
+    result = {"region": int(re.search(r"region of (\d+)", line)[1]), "prepared": prepared, "first": 1000 * waited,
+              "again": 1000 * (settled + again), "rate": len(frames) / seconds,
+              "frame": statistics.median(f["total"] for f in frames) if frames else float("nan")}
+    result.update({c: statistics.median(f[c] for f in frames) if frames else float("nan") for c in PARTS})
+    return result
+
+
+def one_version(mesh):
+    """Of the stage in the environment, one JSON object per radius."""
+    sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "gui"))
+    from gui import GuiTest
+
+    class Frames(GuiTest):
+        screen = "1280x900"
+
+    Frames.setUpClass()
+    try:
+        with Frames().open(mesh) as window:
+            window.resize(1280, 800)
+            window.trigger("Front")
+            for radius in RADII:
+                print(json.dumps(measure(window, radius)), flush=True)
+    finally:
+        Frames.doClassCleanups()
 
 
 def main():
-    Frames.setUpClass()
-    try:
-        with Frames().open(sys.argv[1]) as window:
-            window.resize(1280, 800)
-            window.trigger("Front")
-
-            def grown(radius):
-                def prepare():
-                    window.set(part("radius"), radius)
-                    window.click(*window.pixel(NOSE))
-
-                return prepare
-
-            def whole():
-                window.set(part("radius"), 0.02)
-                window.click(*window.pixel(NOSE))
-                window.press_button(part("component"))
-
-            print("| region vertices | prepare | frame | solve | write | upload | draw | frames per second |")
-            print("|---|---|---|---|---|---|---|---|")
-            for prepare in (grown(0.02), grown(0.0374), whole):
-                size, prepared, frames = measure(window, prepare)
-                median = {c: statistics.median(frame[c] for frame in frames) for c in COLUMNS}
-                cells = [f"{size:,}", f"{prepared:.0f}"] + [f"{median[c]:.1f}" for c in COLUMNS]
-                print("| " + " | ".join(cells + [f"{1000 / median['total']:.0f}"]) + " |")
-    finally:
-        Frames.doClassCleanups()
+    mesh, *versions = sys.argv[1:]
+    if not versions:
+        return one_version(mesh)
+    rounds = int(os.environ.get("WINDOW_ROUNDS", "3"))
+    found = {}  # (radius's number, version) -> results
+    for _ in range(rounds):
+        for version in versions:
+            name, stage = version.split("=", 1)
+            done = subprocess.run([sys.executable, __file__, mesh], env=dict(os.environ, LAPEDIT_STAGE=stage), check=True,
+                                  stdout=subprocess.PIPE, text=True)
+            for k, line in enumerate(done.stdout.splitlines()):
+                found.setdefault((k, name), []).append(json.loads(line))
+    columns = ("first", "again", "prepared", "frame") + PARTS
+    print("| region vertices | version | press to first picture | release to the next | prepare | frame | "
+          + " | ".join(PARTS) + " | pictures per second |")
+    print("|---" * (len(columns) + 3) + "|")
+    for (_, name), results in sorted(found.items(), key=lambda entry: entry[0][0]):
+        median = {c: statistics.median(r[c] for r in results) for c in results[0]}
+        cells = [f"{median['region']:,}", name] + [f"{median[c]:.0f}" if median[c] >= 100 else f"{median[c]:.1f}"
+                                                   for c in columns]
+        print("| " + " | ".join(cells + [f"{median['rate']:.0f}"]) + " |")
+    return None
 
 
 if __name__ == "__main__":

@@ -17,10 +17,11 @@ constexpr int kGrain = 64;
 
 CellPose::CellPose(const Region& region, const Points& rest, const RegionCells& cells, const CellBlend& blend,
                    const EditSettings& settings, double normal_radius, ThreadPool& pool)
-    : cells_(cells),
+    : rest_(rest),
+      cells_(cells),
       settings_(settings),
       pool_(pool),
-      system_(region, rest, cells, blend, settings, normal_radius),
+      system_(region, rest, cells, blend, settings, normal_radius, pool),
       component_(cells.count(), 0),
       hold_(cells.count(), 0),
       settled_(1e-4 * region.radius),
@@ -34,6 +35,31 @@ CellPose::CellPose(const Region& region, const Points& rest, const RegionCells& 
     hold_[c] = depth * depth * (3 - 2 * depth);
   }
   measure_slopes();
+  if (settings.rough == RoughDeformation::Falloff && settings.rotation != DetailRotation::None) {
+    measure_falloff(region, rest);
+  }
+}
+
+/// The mean of the weights over each cell.
+void CellPose::measure_falloff(const Region& region, const Points& rest) {
+  const GeodesicFalloff vertices = geodesic_falloff(region, rest);
+  falloff_.lone = vertices.lone;
+  falloff_.weights.setZero(cells_.count(), vertices.weights.cols());
+  for (int i = 0; i < region.size(); ++i) {
+    falloff_.weights.row(cells_.of[i]) += vertices.weights.row(i) / cells_.vertices[cells_.of[i]];
+  }
+}
+
+void CellPose::fall_off(const std::vector<LocalMotion>& targets) {
+  displacement_.setZero(cells_.count(), 3);
+  for (std::size_t g = 0; g < falloff_.lone.size(); ++g) {
+    for (int c = 0; c < cells_.count(); ++c) {
+      const Vector3 place = falloff_.lone[g] >= 0 ? rest_.row(falloff_.lone[g]).transpose().eval()
+                                                  : cells_.centres.row(c).transpose().eval();
+      const Vector3 way = targets[g].displacement(place) - carried(c).displacement(place);
+      displacement_.row(c) += falloff_.weights(c, static_cast<Eigen::Index>(g)) * way.transpose();
+    }
+  }
 }
 
 /// J = sum_b (x_b - x_a) s_ab^T, s_ab = g_ab (sum_b g_ab t t^T)^-1 t, is the gradient of x along the surface at cell a,
@@ -119,7 +145,11 @@ void CellPose::solve(const std::vector<LocalMotion>& targets, const std::vector<
       constraints_.row(cell) += held.weight * weight * way.transpose();
     }
   }
-  system_.solve(constraints_, displacement_);
+  if (falloff_.empty()) {
+    system_.solve(constraints_, displacement_);
+  } else {
+    fall_off(targets);
+  }
   std::fill(rotations_.begin(), rotations_.end(), Matrix3::Identity());
   if (settings_.rotation == DetailRotation::None || constraints_.isZero(0)) {
     return;

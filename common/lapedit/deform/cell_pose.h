@@ -5,6 +5,7 @@
 
 #include "lapedit/deform/coarse_system.h"
 #include "lapedit/deform/edit_constraints.h"
+#include "lapedit/deform/geodesic_falloff.h"
 
 namespace lapedit {
 
@@ -26,10 +27,13 @@ class CellPose {
 
  private:
   void measure_slopes();
+  void measure_falloff(const Region& region, const Points& rest);
+  void fall_off(const std::vector<LocalMotion>& targets);
   Vector3 normal(int cell, const Points& at) const;
   void fit_rotations();
   void turn(Points& turned) const;
 
+  const Points& rest_;
   const RegionCells& cells_;
   const EditSettings& settings_;
   ThreadPool& pool_;
@@ -39,6 +43,7 @@ class CellPose {
   std::vector<double> nearness_;  // per entry of neighbours: how much it counts for the rotation
   std::vector<Vector2> slope_;    // likewise: what an end's way adds to the gradient along the surface
   double settled_;                // a pass that changes less is the last
+  GeodesicFalloff falloff_;       // of the cells; empty: rotations are estimated from the unrotated result
 
   const std::vector<LocalMotion>* carried_ = nullptr;
   Points constraints_, right_, displacement_, previous_, turned_, smooth_before_, smooth_after_;

@@ -104,6 +104,25 @@ void EditConstraints::set_right_hand_side() {
   pulls_ = !right_.isZero(0);
 }
 
+void EditConstraints::fall_off(Points& displacement) const {
+  const GeodesicFalloff& falloff = system_.falloff;
+  const Points& rest = system_.rest.local;
+  displacement.setZero(rest.rows(), 3);
+  constexpr int kGrain = 2048;
+  in_pieces(*system_.pool, system_.region.size(), kGrain, [&](int first, int last) {
+    for (std::size_t g = 0; g < falloff.lone.size(); ++g) {
+      for (int i = first; i < last; ++i) {
+        const double weight = falloff.weights(i, static_cast<Eigen::Index>(g));
+        if (weight > 0) {
+          const Vector3 place = rest.row(falloff.lone[g] >= 0 ? falloff.lone[g] : i).transpose();
+          displacement.row(i) +=
+              weight * (targets_[g].displacement(place) - carried(i).displacement(place)).transpose();
+        }
+      }
+    }
+  });
+}
+
 Vector3 EditConstraints::wanted_way(int i) const {
   return targets_[system_.region.group[i]].displacement(system_.rest.local.row(i).transpose());
 }

@@ -49,6 +49,10 @@ class EditConstraints {
   const LocalMotion& carried(int i) const { return carried_[system_.region.component[i]]; }
   const Matrix3& carried_rotation(int i) const { return carried_rotation_[system_.region.component[i]]; }
 
+  /// The way of each vertex from the carried pose by the system's fall-off: sum_g phi_g (group g's map - carried).
+  /// @param displacement  out: size() x 3
+  void fall_off(Points& displacement) const;
+
   /// c_i - p_i: the way from rest to target of a handle vertex.
   Vector3 wanted_way(int i) const;
   std::size_t bytes() const;

@@ -2,6 +2,7 @@
 #include "lapedit/deform/edit_report.h"
 
 #include "lapedit/base/format_text.h"
+#include "lapedit/deform/edit_settings.h"
 
 namespace lapedit {
 std::string EditReport::text() const {
@@ -16,6 +17,12 @@ std::string EditReport::text() const {
   }
   lines += format_text("; detail rotation: %s", rotation.c_str());
   if (iterations > 0) {
+    if (turning != name(DetailTurning())) {
+      lines += ", turned by " + turning;
+    }
+    if (rough != name(RoughDeformation())) {
+      lines += ", first from the " + rough;
+    }
     lines += format_text(", %d %s, normal radius %.6g", iterations, iterations == 1 ? "pass" : "passes", normal_radius);
   }
   lines += format_text("; solver: %s", backend.c_str());

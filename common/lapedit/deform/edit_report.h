@@ -30,7 +30,7 @@ struct EditQuality {
 
 /// What an edit did, in numbers. Lengths in model units, angles in degrees.
 struct EditReport : RegionCounts, EditTimes, EditQuality {
-  std::string laplacian, rotation, backend;
+  std::string laplacian, rotation, turning, rough, backend;
   int order = 1, iterations = 0;   ///< iterations actually made
   double normal_radius = 0;        ///< used; 0 if no rotation
   int uniform_edges = 0;           ///< see DifferentialOperator

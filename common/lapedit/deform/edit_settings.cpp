@@ -84,8 +84,28 @@ const std::vector<Setting>& settings_table() {
        get<&S::turning>,
        set<&S::turning>,
        {"vertex", "edge"}},
+      {Kind::Choice,
+       "rough",
+       "rough deformation",
+       "unrotated or falloff",
+       0,
+       1,
+       "What the rotations are first estimated from: the solution with details not yet turned (unrotated, the paper's "
+       "way), or the handle's motion, falling off with the distance along the surface (falloff), which needs no "
+       "solution.",
+       get<&S::rough>,
+       set<&S::rough>,
+       {"unrotated", "falloff"}},
   };
   return table;
+}
+
+const char* name(DetailTurning turning) {
+  return turning == DetailTurning::Vertex ? "vertex" : "edge";
+}
+
+const char* name(RoughDeformation rough) {
+  return rough == RoughDeformation::Unrotated ? "unrotated" : "falloff";
 }
 
 std::string title_of(const char* key) {

@@ -16,6 +16,16 @@ enum class DetailTurning {
   Edge     ///< each edge by the mean of its ends' rotations: flat parts bend too, so that limbs keep their thickness
 };
 
+const char* name(DetailTurning turning);
+
+/// What the rotations of the first pass are estimated from: the paper's reference surface (section 4).
+enum class RoughDeformation {
+  Unrotated,  ///< the solution with differential coordinates that are not turned yet: the paper's choice
+  Falloff     ///< the handles' motions falling off with geodesic distance, see GeodesicFalloff: no solution
+};
+
+const char* name(RoughDeformation rough);
+
 /// How an edit is solved, whatever its region and handles. What users can set is also a row of settings_table().
 struct EditSettings {
   LaplacianKind laplacian = LaplacianKind::Umbrella;
@@ -30,6 +40,7 @@ struct EditSettings {
   double handle_weight = 10;
   double anchor_weight = 10;  ///< an anchor's own weight is this times d / d_max
   DetailTurning turning = DetailTurning::Vertex;
+  RoughDeformation rough = RoughDeformation::Unrotated;
   CholeskyBackend backend = CholeskyBackend::Automatic;
   int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };

@@ -48,6 +48,19 @@ Eigen::MatrixXd HandleResponses::unit_motions() const {
   return moved;
 }
 
+/// What all vertices move for them by the fall-off.
+Eigen::MatrixXd HandleResponses::fallen_off() const {
+  Eigen::MatrixXd moved(system_.region.size(), static_cast<Eigen::Index>(responses_.size()));
+  for (std::size_t r = 0; r < responses_.size(); ++r) {
+    auto column = moved.col(static_cast<Eigen::Index>(r));
+    column = system_.falloff.weights.col(responses_[r].group);
+    if (responses_[r].column < 3) {
+      column.array() *= system_.rest.local.col(responses_[r].column).array();
+    }
+  }
+  return moved;
+}
+
 /// u = A^-1 W^2 moved; for handles that the factor does not know that is Z K moved_h, without a solution.
 Eigen::MatrixXd HandleResponses::solve_for(const Eigen::MatrixXd& moved, RefinedSolver& solver) const {
   Eigen::MatrixXd found(moved.rows(), moved.cols());
@@ -86,12 +99,13 @@ std::unique_ptr<HandleResponses> HandleResponses::make(const LaplacianSystem& sy
   parts.correction = system.correction.get();
   if (system.settings.rotation == DetailRotation::SmoothSurface) {
     parts.smooth_rest = &system.smooth_rest;
+    const Eigen::MatrixXd rough = system.falloff.empty() ? found : made->fallen_off();
     smooth_found.resize(found.rows(), found.cols());
     const auto smoother = system.smoother->share(system.pool);
     Points in, out;
     by_threes(found.cols(), [&](Eigen::Index first, Eigen::Index columns) {
       in.setZero(found.rows(), 3);
-      in.leftCols(columns) = found.middleCols(first, columns);
+      in.leftCols(columns) = rough.middleCols(first, columns);
       smoother->apply_for_preview(in, out);
       smooth_found.middleCols(first, columns) = out.leftCols(columns);
     });

@@ -30,6 +30,7 @@ class HandleResponses {
   explicit HandleResponses(const LaplacianSystem& system) : system_(system) {}
   void list();
   Eigen::MatrixXd unit_motions() const;
+  Eigen::MatrixXd fallen_off() const;
   Eigen::MatrixXd solve_for(const Eigen::MatrixXd& moved, RefinedSolver& solver) const;
 
   const LaplacianSystem& system_;

@@ -152,10 +152,12 @@ const Points& LaplacianEditor::solve(const std::vector<Affine>& handles, const A
   s.report.refinements = s.system->refinements;
   s.constraints.set(handles, anchors);
   s.right = s.constraints.right_hand_side();
-  if (s.constraints.pull()) {
-    s.pull(go_on);
-  } else {
+  if (!s.constraints.pull()) {
     s.displacement.setZero(region().size(), 3);
+  } else if (!s.system->falloff.empty()) {
+    s.constraints.fall_off(s.displacement);
+  } else {
+    s.pull(go_on);
   }
   s.report.unrotated_ms = watch.elapsed();
   s.report.normals_ms = s.report.rotate_ms = s.report.solve_ms = 0;

@@ -57,8 +57,8 @@ class LaplacianEditor {
   /// @return         size() x 3, model units, row i belongs to region().mesh_vertex[i]; valid until the next call
   /// @throws EditError (NotFinite) if a map or the result is not finite; (Cancelled); the editor stays usable
   /// @param go_on    asked now and then; called with the fraction 0
-  /// Cost: one unrotated solve and one per rotation pass, each of some steps of refinement; nothing is allocated
-  /// after the first call.
+  /// Cost: one unrotated solve, unless rotations are estimated from a fall-off, and one per rotation pass, each of some
+  /// steps of refinement; nothing is allocated after the first call.
   const Points& solve(const std::vector<Affine>& handles, const Affine& anchors = Affine::Identity(),
                       const Progress& go_on = {});
 

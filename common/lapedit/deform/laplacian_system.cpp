@@ -216,6 +216,9 @@ void Preparation::smooth(bool take_over, const std::shared_ptr<ThreadPool>& pool
     s_.smoother->share(pool)->apply_for_preview(s_.rest.local, s_.smooth_rest);
     s_.smooth_rest_is_exact = settings.normal_radius > 0;  // the kernel has but one way
   }
+  if (settings.rough == RoughDeformation::Falloff) {
+    s_.falloff = geodesic_falloff(s_.region, s_.rest.local);
+  }
 }
 
 }  // namespace
@@ -244,7 +247,7 @@ std::size_t LaplacianSystem::bytes() const {
   const auto of = [](const auto& list) { return list.capacity() * sizeof(list[0]); };
   const Region& r = region;
   const Eigen::Index doubles = rest.world.size() + rest.local.size() + delta.size() + smooth_rest.size() +
-                               squared_weights.size() + matrix->squared_weights.size() +
+                               falloff.weights.size() + squared_weights.size() + matrix->squared_weights.size() +
                                (correction ? correction->z.size() : 0);
   return of(r.mesh_vertex) + of(r.classes) + of(r.group) + of(r.component) + of(r.distance) + of(r.anchor_weight) +
          of(r.anchor_depth) + of(r.neighbours.offsets) + of(r.neighbours.values) + of(r.edge_faces) +
@@ -286,6 +289,8 @@ std::shared_ptr<const LaplacianSystem> prepare_system(const TriangleMesh& mesh, 
   report.laplacian = name(settings.laplacian);
   report.order = settings.order;
   report.rotation = name(settings.rotation);
+  report.turning = name(settings.turning);
+  report.rough = name(settings.rough);
   report.normal_radius = made->normal_radius;
   report.uniform_edges = made->powers.uniform_edges;
   report.backend = made->matrix->cholesky.backend_name();

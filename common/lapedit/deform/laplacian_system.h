@@ -6,6 +6,7 @@
 
 #include "lapedit/deform/edit_report.h"
 #include "lapedit/deform/edit_settings.h"
+#include "lapedit/deform/geodesic_falloff.h"
 #include "lapedit/deform/smoother.h"
 #include "lapedit/linear/refined_solver.h"
 #include "lapedit/mesh/region.h"
@@ -53,6 +54,7 @@ struct LaplacianSystem {
   std::shared_ptr<const Smoother> smoother;              ///< nothing without rotation
   Points smooth_rest;                                    ///< S rest.local, as previews need it; empty without
   bool smooth_rest_is_exact = false;
+  GeodesicFalloff falloff;  ///< empty where rotations are not estimated from it
 
   /// Whether drags have a fast path.
   bool may_preview() const;

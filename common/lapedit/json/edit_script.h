@@ -41,6 +41,7 @@
 ///       handle_weight    o
 ///       anchor_weight    o
 ///       turning          o "vertex", "edge"
+///       rough            o "unrotated", "falloff"
 ///
 /// Example: the steps of a file on a mesh, half of the way.
 ///

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/deform/geodesic_falloff.h"
+
+#include <algorithm>
+
+#include "lapedit/mesh/geodesic.h"
+
+namespace lapedit {
+namespace {
+
+/// d_k^-3/2 over their sum; the first of those at no distance takes all.
+Eigen::RowVectorXd shares(const Eigen::RowVectorXd& distances) {
+  Eigen::Index first = 0;
+  const double nearest = distances.minCoeff(&first);
+  if (!(nearest > 0)) {
+    return Eigen::RowVectorXd::Unit(distances.size(), first);
+  }
+  Eigen::RowVectorXd parts = nearest / distances.array();  // 0 for what does not reach here
+  parts.array() *= parts.array().sqrt();
+  return parts / parts.sum();
+}
+
+}  // namespace
+
+GeodesicFalloff geodesic_falloff(const Region& region, const Points& points) {
+  const int groups = 1 + *std::max_element(region.group.begin(), region.group.end());
+  std::vector<std::vector<int>> seeds(groups + 1);  // the anchors come last
+  for (int i = 0; i < region.size(); ++i) {
+    if (region.classes[i] == VertexClass::Handle) {
+      seeds[region.group[i]].push_back(i);
+    } else if (region.classes[i] == VertexClass::Anchor) {
+      seeds[groups].push_back(i);
+    }
+  }
+  GeodesicFalloff result;
+  Eigen::MatrixXd distances(region.size(), groups + 1);
+  GeodesicSearch search(region.neighbours, points);
+  for (int k = 0; k <= groups; ++k) {
+    search.run(seeds[k], kUnreached);
+    for (int i = 0; i < region.size(); ++i) {
+      distances(i, k) = search.distance(i);
+    }
+    if (k < groups) {
+      result.lone.push_back(seeds[k].size() == 1 ? seeds[k][0] : -1);
+    }
+  }
+  result.weights.setZero(region.size(), groups);
+  for (int i = 0; i < region.size(); ++i) {
+    if (region.classes[i] == VertexClass::Handle) {
+      result.weights(i, region.group[i]) = 1;
+    } else if (region.classes[i] == VertexClass::Free) {
+      result.weights.row(i) = shares(distances.row(i)).head(groups);
+    }
+  }
+  return result;
+}
+
+}  // namespace lapedit

@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/deform/geodesic_falloff.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <numeric>
+#include <vector>
+
+#include "lapedit/deform/laplacian_editor.h"
+#include "lapedit/deform/smooth_normals.h"
+#include "shapes.h"
+#include "support.h"
+
+namespace lapedit {
+namespace {
+
+using Maps = std::vector<Affine>;
+
+/// A region of a bumpy grid with two handles, one of them a single vertex.
+struct Scene {
+  TriangleMesh mesh = shapes::bumpy_grid();
+  std::vector<std::vector<int>> handles{{3030}, {2434, 2435, 2494, 2495}};
+  Region region;
+  Maps maps{support::shift(Vector3(1, 2, 6)),
+            support::rigid(50, Vector3(1, 3, 1), Vector3(0, 1, 4), Vector3(41, 35, 0))};
+
+  Scene() {
+    RegionSpec spec;
+    spec.radius = 12;
+    region = build_region(mesh, support::adjacency_of(mesh), spec, handles);
+  }
+  Points rest() const { return support::rows(mesh.vertices, region.mesh_vertex); }
+  std::vector<int> local(const std::vector<int>& vertices) const {
+    std::vector<int> found;
+    for (int i = 0; i < region.size(); ++i) {
+      if (std::count(vertices.begin(), vertices.end(), region.mesh_vertex[i]) > 0) {
+        found.push_back(i);
+      }
+    }
+    return found;
+  }
+};
+
+EditSettings falloff_settings() {
+  EditSettings settings;
+  settings.rough = RoughDeformation::Falloff;
+  return settings;
+}
+
+TEST(GeodesicFalloff, IsInverseDistancesToThePowerOfThreeHalves) {
+  const Scene scene;
+  const Region& region = scene.region;
+  const TriangleMesh part{scene.rest(), region.faces};
+  std::vector<int> anchors;
+  for (int i = 0; i < region.size(); ++i) {
+    if (region.classes[i] == VertexClass::Anchor) {
+      anchors.push_back(i);
+    }
+  }
+  const std::vector<double> first = support::bellman_ford(part, scene.local(scene.handles[0])),
+                            second = support::bellman_ford(part, scene.local(scene.handles[1])),
+                            rim = support::bellman_ford(part, anchors);
+  const GeodesicFalloff falloff = geodesic_falloff(region, part.vertices);
+  ASSERT_EQ(falloff.weights.cols(), 2);
+  EXPECT_EQ(falloff.lone, (std::vector<int>{scene.local({3030})[0], -1}));
+  for (int i = 0; i < region.size(); ++i) {
+    if (region.classes[i] == VertexClass::Free) {
+      const double a = std::pow(first[i], -1.5), b = std::pow(second[i], -1.5), c = std::pow(rim[i], -1.5);
+      EXPECT_NEAR(falloff.weights(i, 0), a / (a + b + c), 1e-12);
+      EXPECT_NEAR(falloff.weights(i, 1), b / (a + b + c), 1e-12);
+    } else {
+      EXPECT_EQ(falloff.weights(i, 0), region.group[i] == 0);
+      EXPECT_EQ(falloff.weights(i, 1), region.group[i] == 1);
+    }
+  }
+}
+
+TEST(GeodesicFalloff, GroupsShareAllWhereThereAreNoAnchors) {
+  const TriangleMesh mesh = shapes::two_pieces();
+  const int n = static_cast<int>(mesh.vertices.rows());
+  const Region region = support::whole_region(mesh, {{0}, {11}, {n - 1}}, {});
+  const Eigen::MatrixXd weights = geodesic_falloff(region, mesh.vertices).weights;
+  EXPECT_LT((weights.rowwise().sum().array() - 1).abs().maxCoeff(), 1e-15);
+  for (int i = 0; i < n; ++i) {  // the other piece's handle does not reach here
+    EXPECT_EQ(weights(i, 2), region.component[i] == region.component[n - 1]);
+  }
+}
+
+/// Duplicated vertices, needles, and what is at no distance from a handle or an anchor.
+TEST(GeodesicFalloff, IsFiniteOnDegenerateMeshes) {
+  const TriangleMesh mesh = shapes::degenerate_grid(12, 12);
+  RegionSpec spec;
+  spec.radius = 5;
+  const Region region = build_region(mesh, support::adjacency_of(mesh), spec, {{70}, {75}});
+  const Eigen::MatrixXd weights = geodesic_falloff(region, support::rows(mesh.vertices, region.mesh_vertex)).weights;
+  EXPECT_TRUE(weights.allFinite());
+  EXPECT_GE(weights.minCoeff(), 0);
+  EXPECT_LE(weights.rowwise().sum().maxCoeff(), 1 + 1e-15);
+}
+
+/// The editor's rotations are those between the rest pose and the fallen-off one, estimated here once more.
+TEST(RoughDeformation, FirstRotationsAreThoseOfTheFalloff) {
+  const Scene scene;
+  const Region& region = scene.region;
+  EditSettings settings = falloff_settings();
+  for (const DetailRotation rotation : {DetailRotation::SmoothNormals, DetailRotation::SmoothSurface}) {
+    settings.rotation = rotation;
+    settings.normal_radius = 4;
+    LaplacianEditor editor(scene.mesh, region, settings);
+    const Points result = editor.solve(scene.maps);
+
+    const Points rest = scene.rest();
+    const Eigen::MatrixXd weights = geodesic_falloff(region, rest).weights;
+    Points way(region.size(), 3);
+    for (int i = 0; i < region.size(); ++i) {
+      const Vector3 place = rest.row(i).transpose();
+      way.row(i) =
+          (weights(i, 0) * scene.maps[0].translation() + weights(i, 1) * (scene.maps[1] * place - place)).transpose();
+    }
+    const SmoothingKernel kernel(region, rest, settings.normal_radius, 1);
+    ThreadPool pool(1);
+    RotationEstimator estimator(rotation, region, kernel, pool);
+    estimator.set_before(rest);
+    std::vector<Matrix3> expected;
+    estimator.estimate(way, expected);
+    EXPECT_LT(support::largest_angle(editor.rotations(), expected), 1e-9);
+
+    settings.rough = RoughDeformation::Unrotated;
+    LaplacianEditor other(scene.mesh, region, settings);
+    EXPECT_GT(support::error(other.solve(scene.maps), result), 1e-3);
+    settings.rough = RoughDeformation::Falloff;
+  }
+}
+
+/// A group of one vertex has a way and nothing to turn.
+TEST(RoughDeformation, TurningASingleVertexDoesNothing) {
+  const Scene scene;
+  LaplacianEditor editor(scene.mesh, scene.region, falloff_settings());
+  const Vector3 vertex = scene.mesh.vertices.row(3030).transpose();
+  const Points plain = editor.solve({support::shift(Vector3(0, 0, 5)), Affine::Identity()});
+  const Points turned =
+      editor.solve({support::rigid(80, Vector3::UnitX(), Vector3(0, 0, 5), vertex), Affine::Identity()});
+  EXPECT_LT(support::error(turned, plain), 1e-12);
+}
+
+TEST(RoughDeformation, RigidMotionsOfAllConstraintsAreThatOfTheRegion) {
+  const Scene scene;
+  const Affine turn = support::rigid(60, Vector3(1, 2, 3), Vector3(3, -1, 2));
+  for (const int order : {1, 2}) {
+    EditSettings settings = falloff_settings();
+    settings.order = order;
+    LaplacianEditor editor(scene.mesh, scene.region, settings);
+    EXPECT_LT(support::error(editor.solve({turn, turn}, turn), support::moved(turn, scene.rest())), 1e-9);
+  }
+}
+
+/// What falls off is the way from the carried pose: anchors that move take the whole edit along.
+TEST(RoughDeformation, GoesAlongWithTheAnchors) {
+  const Scene scene;
+  const Affine turn = support::rigid(60, Vector3(1, 2, 3), Vector3(3, -1, 2));
+  LaplacianEditor editor(scene.mesh, scene.region, falloff_settings());
+  const Points still = editor.solve(scene.maps);
+  const Points along = editor.solve({turn * scene.maps[0], turn * scene.maps[1]}, turn);
+  EXPECT_LT(support::error(along, support::moved(turn, still)), 1e-9);
+}
+
+TEST(RoughDeformation, ComponentWithoutAnchorsFollowsItsHandle) {
+  const TriangleMesh mesh = shapes::two_pieces();
+  const int other = static_cast<int>(mesh.vertices.rows()) - 1;
+  const Region region = support::whole_region(mesh, {{0}, {other}}, {});
+  LaplacianEditor editor(mesh, region, falloff_settings());
+  const Affine turn = support::rigid(100, Vector3(1, 2, 3), Vector3(3, -1, 2));
+  const Points result = editor.solve({turn, Affine::Identity()});
+  const Points turned = support::moved(turn, mesh.vertices);
+  for (int i = 0; i < region.size(); ++i) {
+    const bool first = region.component[i] == region.component[0];
+    EXPECT_LT((result.row(i) - (first ? turned : mesh.vertices).row(i)).norm(), first ? 1e-12 : 1e-300);
+  }
+  // By the mean of two groups' ways, where both are in one component.
+  const TriangleMesh sphere = shapes::icosphere(3);
+  LaplacianEditor both(sphere, support::whole_region(sphere, {{0}, {3}}, {}), falloff_settings());
+  const Affine shift = support::shift(Vector3(1, 2, 3));
+  EXPECT_LT(support::error(both.solve({shift, shift}), support::moved(shift, sphere.vertices)), 1e-14);
+}
+
+TEST(RoughDeformation, NotMovedIsNotMovedToTheBit) {
+  const Scene scene;
+  LaplacianEditor editor(scene.mesh, scene.region, falloff_settings());
+  editor.solve(scene.maps);
+  EXPECT_TRUE(support::same_bits(editor.solve({Affine::Identity(), Affine::Identity()}), scene.rest()));
+}
+
+TEST(RoughDeformation, HandleArrivesAndAnchorsHold) {
+  const Scene scene;
+  for (const int order : {1, 2, 3}) {
+    EditSettings settings = falloff_settings();
+    settings.order = order;
+    LaplacianEditor editor(scene.mesh, scene.region, settings);
+    editor.solve(scene.maps);
+    const EditReport report = editor.report();
+    EXPECT_LT(report.handle_residual, 0.005 * report.handle_displacement) << order;
+    EXPECT_LT(report.anchor_residual, 0.01 * report.handle_displacement) << order;
+    EXPECT_LT(report.normal_equation_residual, 1e-13) << order;
+    EXPECT_EQ(report.rough, "falloff");
+  }
+}
+
+/// Without rotations there is nothing to estimate, so nothing changes.
+TEST(RoughDeformation, IsNotAskedForWithoutRotations) {
+  const Scene scene;
+  EditSettings settings;
+  settings.rotation = DetailRotation::None;
+  LaplacianEditor plain(scene.mesh, scene.region, settings);
+  settings.rough = RoughDeformation::Falloff;
+  LaplacianEditor editor(scene.mesh, scene.region, settings);
+  EXPECT_TRUE(support::same_bits(editor.solve(scene.maps), plain.solve(scene.maps)));
+  EXPECT_TRUE(support::same_bits(editor.preview(scene.maps), plain.preview(scene.maps)));
+}
+
+/// Further passes start from the last result, so what the first one started from is forgotten.
+TEST(RoughDeformation, IsForgottenAfterSomePasses) {
+  const Scene scene;
+  double difference[2] = {};
+  for (const int passes : {1, 4}) {
+    EditSettings settings;
+    settings.iterations = passes;
+    LaplacianEditor plain(scene.mesh, scene.region, settings);
+    settings.rough = RoughDeformation::Falloff;
+    LaplacianEditor editor(scene.mesh, scene.region, settings);
+    difference[passes > 1] = support::error(editor.solve(scene.maps), plain.solve(scene.maps));
+  }
+  EXPECT_LT(difference[1], 0.1 * difference[0]);
+}
+
+/// Within 1e-4 of the largest handle distance, as every preview, with one group and with several.
+TEST(RoughDeformation, FallsOffOnTheFastPathToo) {
+  const Scene scene;
+  LaplacianEditor editor(scene.mesh, scene.region, falloff_settings());
+  ASSERT_TRUE(editor.has_preview());
+  const Affine still = Affine::Identity();
+  for (const Maps& maps : {scene.maps, Maps{scene.maps[0], still}, Maps{still, scene.maps[1]}}) {
+    const Points drawn = editor.preview(maps);
+    const double difference = (drawn - editor.solve(maps)).rowwise().norm().maxCoeff();
+    EXPECT_LT(difference, 1e-4 * scene.region.max_distance);
+  }
+  EXPECT_TRUE(support::same_bits(editor.preview({still, still}), scene.rest()));
+}
+
+/// The end of a limb turned by 170 degrees about an arc: what is linear in the turn itself has lost its way there.
+TEST(RoughDeformation, LargeTurnsOfALimbFlipNothing) {
+  const TriangleMesh mesh = shapes::tapered_arm(24, 80);
+  std::vector<int> cap;
+  for (int v = 0; v < mesh.vertices.rows(); ++v) {
+    if (mesh.vertices(v, 0) > 9.2) {
+      cap.push_back(v);
+    }
+  }
+  RegionSpec spec;
+  spec.radius = 8;
+  const Region region = build_region(mesh, support::adjacency_of(mesh), spec, {cap});
+  // The limb's axis, 8.2 long from x = 1.4, bent into an arc.
+  const double angle = 170 * std::acos(-1.0) / 180, arc = 8.2 / angle;
+  const Vector3 center(9.6, 0, 0), to(1.4 + arc * std::sin(angle), 0, arc * (1 - std::cos(angle)));
+  EditReport reports[2];
+  for (const RoughDeformation rough : {RoughDeformation::Unrotated, RoughDeformation::Falloff}) {
+    EditSettings settings;
+    settings.rough = rough;
+    LaplacianEditor editor(mesh, region, settings);
+    editor.solve({support::rigid(-170, Vector3::UnitY(), to - center, center)});
+    reports[static_cast<int>(rough)] = editor.report();
+    std::printf(
+        "limb bent by 170 degrees, rough deformation %s: RMS edge stretch %.1f %%, largest %.0f %%, %d flipped\n",
+        name(rough), 100 * editor.report().stretch_rms, 100 * editor.report().stretch_max, editor.report().flipped);
+  }
+  EXPECT_EQ(reports[1].flipped, 0);
+  EXPECT_GT(reports[0].flipped, 100);
+  EXPECT_LT(reports[1].stretch_rms, reports[0].stretch_rms);
+}
+
+}  // namespace
+}  // namespace lapedit
