@@ -279,7 +279,7 @@ void LaplacianDragTool::draw() {
 /// MeshLab draws after each mouse move, which is too early while the pose for it is still being solved: drawing twice
 /// would take twice as long.
 bool LaplacianDragTool::poseIsComing() const {
-  return active_ && active_->session().motion() && active_->session().ready() && active_->session().busy() &&
+  return active_ && active_->session().motion() && active_->session().in_hand() && active_->session().busy() &&
          clock_.waitsForPose(kLongestWait);
 }
 

@@ -152,7 +152,7 @@ void Overlay::drawRegion(const DragSession& session, double handleSize, double p
   glPointSize(static_cast<GLfloat>((moving ? 1.5 : 2.5) * pixelRatio));
   set(kAnchor, moving ? 0.5 : 1);
   glDrawElements(GL_POINTS, static_cast<GLsizei>(anchors_.size()), GL_UNSIGNED_INT, anchors_.data());
-  if (!moving || session.ready()) {
+  if (!moving || session.in_hand()) {
     glDisable(GL_DEPTH_TEST);
     drawPoints(handles_, kHandle, handleSize, 0.25);  // through the surface
     glEnable(GL_DEPTH_TEST);
@@ -192,7 +192,7 @@ void Overlay::draw(const DragSession& session, const Camera& view, const std::op
   }
   glDepthRange(0, 1);
   glDisable(GL_DEPTH_TEST);
-  if (moving && (!session.region() || !session.ready())) {
+  if (moving && (!session.region() || !session.in_hand())) {
     drawWanted(session, handleSize);
   }
   if (moving) {

@@ -325,7 +325,8 @@ void Panel::showFigures(const DragSession& session, const FrameTimes& median) {
                        .arg(figures.anchors)
                        .arg(figures.fixed)
                        .arg(figures.steps));
-  times_->setText(QString("Prepared in %1 ms, solved in %2 ms")
+  times_->setText(QString("In the hand in %1 ms, prepared in %2 ms, solved in %3 ms")
+                      .arg(figures.in_hand_ms, 0, 'f', 1)
                       .arg(figures.prepare_ms, 0, 'f', 1)
                       .arg(figures.solve_ms, 0, 'f', 1));
   frame_->setText(QString("Frame %1 ms (%2/s): solve %3, write %4, upload %5, draw %6")

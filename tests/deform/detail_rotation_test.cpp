@@ -4,8 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <cmath>
+#include <random>
 #include <vector>
 
+#include "lapedit/deform/nearest_rotations.h"
+#include "lapedit/deform/polar_decomposition.h"
 #include "shapes.h"
 #include "support.h"
 
@@ -18,7 +22,8 @@ constexpr DetailRotation kBoth[] = {DetailRotation::SmoothNormals, DetailRotatio
 std::vector<Matrix3> rotations(DetailRotation kind, const TriangleMesh& mesh, const Points& after, double radius) {
   const Region region = support::whole_region(mesh, {{0}}, {});
   const SmoothingKernel kernel(region, mesh.vertices, radius, 1);
-  RotationEstimator estimator(kind, region, kernel);
+  ThreadPool pool(2);
+  RotationEstimator estimator(kind, region, kernel, pool);
   estimator.set_before(mesh.vertices);
   std::vector<Matrix3> result;
   estimator.estimate(after - mesh.vertices, result);
@@ -231,7 +236,8 @@ TEST(DetailRotation, SmoothSurfaceFadesOutAcrossTheAnchors) {
   region.anchor_depth[0] = region.anchor_depth[12] = 1;
   region.anchor_depth[1] = 0.5;
   const SmoothingKernel kernel(region, mesh.vertices, 0.5, 1);
-  RotationEstimator estimator(DetailRotation::SmoothSurface, region, kernel);
+  ThreadPool pool(2);
+  RotationEstimator estimator(DetailRotation::SmoothSurface, region, kernel, pool);
   estimator.set_before(mesh.vertices);
   const Affine map = support::rigid(30, Vector3::UnitX(), Vector3::Zero());
   std::vector<Matrix3> found;
@@ -252,7 +258,8 @@ TEST(DetailRotation, PoseToTurnFromCanBeChanged) {
   const Affine second = support::rigid(25, Vector3(0, 1, 3), Vector3(0, 1, 0));
   const Points carried = support::moved(first, mesh.vertices);
   for (const DetailRotation kind : kBoth) {
-    RotationEstimator estimator(kind, region, kernel);
+    ThreadPool pool(2);
+    RotationEstimator estimator(kind, region, kernel, pool);
     std::vector<Matrix3> found;
     estimator.set_before(mesh.vertices);
     estimator.estimate(carried - mesh.vertices, found);
@@ -260,6 +267,32 @@ TEST(DetailRotation, PoseToTurnFromCanBeChanged) {
     estimator.estimate(support::moved(second, carried) - carried, found);
     for (const Matrix3& rotation : found) {
       EXPECT_LT((rotation - second.linear()).norm(), 1e-9) << name(kind);
+    }
+  }
+}
+
+/// Turned, stretched, flat, mirrored, symmetric and empty matrices, of all sizes, also in lists that end within a
+/// vector.
+TEST(NearestRotations, AreThoseOfOneMatrixToTheBit) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  std::vector<Matrix3> matrices(5003);
+  for (std::size_t i = 0; i < matrices.size(); ++i) {
+    Matrix3 noise = Matrix3::NullaryExpr([&] { return normal(random); });
+    Matrix3 turned = noise * noise.transpose();
+    turned += 0.01 * turned.norm() * Matrix3::Identity();
+    turned = nearest_rotation(noise) * turned;
+    noise.col(2) *= i % 3 == 0 ? 1e-7 : 1;
+    const Matrix3 kinds[] = {turned, turned, turned, noise, noise * noise.transpose(), Matrix3::Zero()};
+    matrices[i] = std::exp(9 * normal(random)) * kinds[random() % 6];
+  }
+  for (const int count : {5003, 8, 7, 1, 0}) {
+    std::vector<Matrix3> found(matrices.size(), Matrix3::Constant(-3));
+    nearest_rotations(matrices.data(), count, found.data());
+    for (std::size_t i = 0; i < matrices.size(); ++i) {
+      const Matrix3 expected =
+          static_cast<int>(i) < count ? nearest_rotation(matrices[i]) : Matrix3(Matrix3::Constant(-3));
+      ASSERT_EQ(found[i], expected) << i;
     }
   }
 }

@@ -73,8 +73,8 @@ TEST(LaplacianSystem, BothStayUsableWithTheSameBits) {
   EXPECT_TRUE(support::same_bits(second->smooth_rest, alone->smooth_rest));
   EXPECT_FALSE(support::same_bits(solved(second), before)) << "another handle, another result";
   Points smooth, smooth_before;
-  first->smoother->share()->apply(first->rest.local, smooth_before);
-  second->smoother->share()->apply(first->rest.local, smooth);
+  first->smoother->share(nullptr)->apply(first->rest.local, smooth_before);
+  second->smoother->share(nullptr)->apply(first->rest.local, smooth);
   EXPECT_TRUE(support::same_bits(smooth, smooth_before));
 }
 

@@ -74,7 +74,7 @@ def measure(window, radius):
     window.set(part("radius"), radius)
     mouse, waited, frames, seconds = follow(window, PANEL, window.pixel(NOSE))
     window.idle()
-    prepared = float(re.search(r"Prepared in ([\d.]+)", window.widget(part("times"))["text"])[1])
+    prepared = float(re.search(r"[Pp]repared in ([\d.]+)", window.widget(part("times"))["text"])[1])
     window.mouse("release", *mouse.place)
     released = time.monotonic()
     window.idle()

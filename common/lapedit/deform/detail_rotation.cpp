@@ -5,9 +5,12 @@
 #include <cmath>
 
 #include "lapedit/base/stopwatch.h"
+#include "lapedit/deform/nearest_rotations.h"
 
 namespace lapedit {
 namespace {
+
+constexpr int kGrain = 512;
 
 /// The unit vector along v, or zero if v has no length against scale.
 Vector3 unit_or_zero(const Vector3& v, double scale) {
@@ -50,8 +53,9 @@ const char* name(DetailRotation rotation) {
   }
 }
 
-RotationEstimator::RotationEstimator(DetailRotation kind, const Region& region, const Smoother& smoother)
-    : kind_(kind), region_(region), smoother_(smoother) {}
+RotationEstimator::RotationEstimator(DetailRotation kind, const Region& region, const Smoother& smoother,
+                                     ThreadPool& pool)
+    : kind_(kind), region_(region), smoother_(smoother), pool_(pool) {}
 
 void RotationEstimator::set_before(const Points& before) {
   if (kind_ == DetailRotation::SmoothNormals) {
@@ -77,7 +81,7 @@ std::size_t RotationEstimator::bytes() const {
          (covariances_.capacity() + spread_.capacity()) * sizeof(Matrix3);
 }
 
-void RotationEstimator::estimate(const Points& displacement, std::vector<Matrix3>& rotations) {
+void RotationEstimator::estimate(const Points& displacement, std::vector<Matrix3>& rotations, const Vector3* pull) {
   rotations.resize(region_.size());
   Stopwatch watch;
   if (kind_ == DetailRotation::SmoothNormals) {
@@ -86,7 +90,11 @@ void RotationEstimator::estimate(const Points& displacement, std::vector<Matrix3
     smoother_.apply(normals_after_, smooth_after_);
     normalise(smooth_after_, normals_after_);
   } else {
-    smoother_.apply(displacement, scratch_);
+    if (pull != nullptr) {
+      smoother_.apply_to_pull(displacement, *pull, scratch_);
+    } else {
+      smoother_.apply(displacement, scratch_);
+    }
     smooth_after_ = smooth_before_ + scratch_;
     vertex_normals(smooth_after_, region_.faces, normals_after_, areas_);
   }
@@ -137,12 +145,23 @@ void RotationEstimator::paper_frames(std::vector<Matrix3>& rotations) {
   }
 }
 
+/// Calls body(i) for the vertices, on all threads.
+template <class Body>
+void RotationEstimator::for_vertices(const Body& body) {
+  in_pieces(pool_, region_.size(), kGrain, [&](int first, int last) {
+    for (int i = first; i < last; ++i) {
+      body(i);
+    }
+  });
+}
+
 /// C_i = sum_j (P1_j - P1_i)(P0_j - P0_i)^T + |.| n1 n0^T over the edges of the smoothed surfaces P0 and P1, averaged;
 /// R_i the rotation nearest to (1 - h_i) C_i + h_i |C_i| I, with h_i = 3 t^2 - 2 t^3 of the depth t in the anchor band.
 void RotationEstimator::smooth_surface(std::vector<Matrix3>& rotations) {
   const int n = region_.size();
   covariances_.resize(n);
-  for (int i = 0; i < n; ++i) {
+  spread_.resize(n);
+  for_vertices([&](int i) {
     Matrix3 covariance = Matrix3::Zero();
     for (const int j : region_.neighbours[i]) {
       covariance.noalias() +=
@@ -151,26 +170,28 @@ void RotationEstimator::smooth_surface(std::vector<Matrix3>& rotations) {
     // Apart, since Eigen would scale one factor first and lose the symmetry of what has not moved.
     const Matrix3 normals = normals_after_.row(i).transpose() * normals_before_.row(i);
     covariances_[i] = covariance + covariance.norm() * normals;
-  }
+  });
   // Where the smoothed surface has collapsed (a limb thinner than the radius) one ring of edges says little: sums over
   // a few rings do, and cost no table. More passes gain nothing on the grid of detail_orientation_test.
   for (int pass = 0; pass < kAveragingPasses; ++pass) {
     spread_.swap(covariances_);
-    covariances_.resize(n);
-    for (int i = 0; i < n; ++i) {
+    for_vertices([&](int i) {
       Matrix3 sum = spread_[i];
       for (const int j : region_.neighbours[i]) {
         sum += spread_[j];
       }
       covariances_[i] = sum / (1 + region_.neighbours[i].size());
-    }
+    });
   }
   // What lies beyond the rim does not turn, so the rotations fade out across the anchors.
-  for (int i = 0; i < n; ++i) {
-    const double depth = region_.anchor_depth.empty() ? 0 : region_.anchor_depth[i];
-    const double hold = depth * depth * (3 - 2 * depth);
-    rotations[i] = nearest_rotation((1 - hold) * covariances_[i] + hold * covariances_[i].norm() * Matrix3::Identity());
-  }
+  in_pieces(pool_, n, kGrain, [&](int first, int last) {
+    for (int i = first; i < last; ++i) {
+      const double depth = region_.anchor_depth.empty() ? 0 : region_.anchor_depth[i];
+      const double hold = depth * depth * (3 - 2 * depth);
+      spread_[i] = (1 - hold) * covariances_[i] + hold * covariances_[i].norm() * Matrix3::Identity();
+    }
+    nearest_rotations(spread_.data() + first, last - first, rotations.data() + first);
+  });
 }
 
 }  // namespace lapedit

@@ -27,8 +27,8 @@ constexpr int kAveragingPasses = 4;
 /// first estimate().
 class RotationEstimator {
  public:
-  /// @param smoother  smoothing for both kinds; must outlive the object, as must region
-  RotationEstimator(DetailRotation kind, const Region& region, const Smoother& smoother);
+  /// @param smoother  smoothing for both kinds; must outlive the object, as must region and pool
+  RotationEstimator(DetailRotation kind, const Region& region, const Smoother& smoother, ThreadPool& pool);
 
   /// Sets the pose to turn from, size() x 3.
   void set_before(const Points& before);
@@ -37,20 +37,24 @@ class RotationEstimator {
 
   /// @param displacement  size() x 3, pose after minus pose before
   /// @param rotations     one matrix (determinant +1) per vertex; exactly the identity where nothing near it moves
+  /// @param pull          see Smoother::apply_to_pull()
   /// Cost: O(kernel entries) + O(edges).
-  void estimate(const Points& displacement, std::vector<Matrix3>& rotations);
+  void estimate(const Points& displacement, std::vector<Matrix3>& rotations, const Vector3* pull = nullptr);
 
   std::size_t bytes() const;
   double normals_ms() const { return normals_ms_; }  ///< smoothing share of the last estimate()
   double rotate_ms() const { return rotate_ms_; }    ///< fitting share of the last estimate()
 
  private:
+  template <class Body>
+  void for_vertices(const Body& body);
   void paper_frames(std::vector<Matrix3>& rotations);
   void smooth_surface(std::vector<Matrix3>& rotations);
 
   DetailRotation kind_;
   const Region& region_;
   const Smoother& smoother_;
+  ThreadPool& pool_;
   Points before_, after_;                  // the poses
   Points smooth_before_, smooth_after_;    // smoothed positions (SmoothSurface) or smoothed normals (SmoothNormals)
   Points normals_before_, normals_after_;  // vertex normals of the smoothed poses (SmoothSurface)

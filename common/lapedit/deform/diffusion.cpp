@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace lapedit {
 namespace {
@@ -15,7 +16,8 @@ constexpr int kSteps = 2;
 }  // namespace
 
 DiffusionSmoother::DiffusionSmoother(const Region& region, const Points& rest, double radius,
-                                     const CholeskyOptions& options) {
+                                     const CholeskyOptions& options)
+    : pool_(options.pool ? options.pool : std::make_shared<ThreadPool>(1)) {
   const IndexLists& neighbours = region.neighbours;
   const int n = region.size();
   std::vector<double> squared(neighbours.values.size());
@@ -61,17 +63,19 @@ DiffusionSmoother::DiffusionSmoother(const Region& region, const Points& rest, d
   matrix_ = std::move(made);
 }
 
-DiffusionSmoother::DiffusionSmoother(const DiffusionSmoother& other)
-    : matrix_(other.matrix_), factor_(std::make_unique<SparseCholesky>(*other.factor_, nullptr)) {}
+DiffusionSmoother::DiffusionSmoother(const DiffusionSmoother& other, std::shared_ptr<ThreadPool> pool)
+    : matrix_(other.matrix_),
+      pool_(pool ? std::move(pool) : std::make_shared<ThreadPool>(1)),
+      factor_(std::make_unique<SparseCholesky>(*other.factor_, pool_)) {}
 
-std::unique_ptr<Smoother> DiffusionSmoother::share() const {
-  return std::unique_ptr<Smoother>(new DiffusionSmoother(*this));
+std::unique_ptr<Smoother> DiffusionSmoother::share(std::shared_ptr<ThreadPool> pool) const {
+  return std::unique_ptr<Smoother>(new DiffusionSmoother(*this, std::move(pool)));
 }
 
 std::size_t DiffusionSmoother::bytes() const {
   return factor_->bytes() + static_cast<std::size_t>(matrix_->mass.size()) * sizeof(double) +
          static_cast<std::size_t>(matrix_->matrix.nonZeros()) * (sizeof(double) + sizeof(int)) +
-         static_cast<std::size_t>(scratch_.right.rows()) * 5 * 3 * sizeof(double);
+         static_cast<std::size_t>(scratch_.right.rows()) * (5 * 3 + scratch_.of_pull.size()) * sizeof(double);
 }
 
 /// (K / s + L) x' = K / s x, twice.
@@ -85,23 +89,56 @@ void DiffusionSmoother::apply_for_preview(const Points& in, Points& out) const {
   }
 }
 
-/// The same, each step solved to the last bit.
-void DiffusionSmoother::apply(const Points& in, Points& out) const {
-  out = in;
-  Points &right = scratch_.right, &left = scratch_.left, &more = scratch_.step;
-  DoubledPoints& x = scratch_.x;
-  for (int step = 0; step < kSteps; ++step) {
-    right = out;
-    for (Eigen::Index i = 0; i < right.rows(); ++i) {
-      right.row(i) *= matrix_->mass[i];
-    }
-    factor_->solve(right, out);
-    x.set(out);
-    refine_to_the_bit(
-        [&](const DoubledPoints& at, Points& rest) { symmetric_residual(matrix_->matrix, right, at, rest); },
-        [&](const Points& from, Points& to) { factor_->solve(from, to); }, x, left, more);
-    out = x.high;
+class DiffusionSmoother::System : public RefinedSystem {
+ public:
+  explicit System(const DiffusionSmoother& smoother) : s_(smoother) {}
+  void residual(const DoubledPoints& x, Points& left) override {
+    symmetric_residual(s_.matrix_->matrix, s_.scratch_.right, x, left, *s_.pool_);
   }
+  void subtract_product(const Points& step, Points& left) override { left.noalias() -= s_.matrix_->matrix * step; }
+  void solve(Points& left, Points& step) override { s_.factor_->solve(left, step); }
+
+ private:
+  const DiffusionSmoother& s_;
+};
+
+/// The same, each step solved to the last bit.
+void DiffusionSmoother::smooth(const Points& in, const Vector3* pull, Points& out) const {
+  Points &right = scratch_.right, &left = scratch_.left;
+  DoubledPoints& x = scratch_.x;
+  std::vector<Eigen::VectorXd>& known = scratch_.of_pull;
+  const bool from_known = pull != nullptr && !known.empty();
+  if (pull != nullptr) {
+    known.resize(kSteps);
+  }
+  System system(*this);
+  for (int step = 0; step < kSteps; ++step) {
+    right = matrix_->mass.asDiagonal() * (step == 0 ? in : out);
+    if (from_known) {
+      x.high.noalias() = known[step] * pull->transpose();
+      x.low.setZero(x.high.rows(), 3);
+    } else {
+      left = right;
+    }
+    refine_to_the_bit(system, factor_->single_precision(), from_known, x, left, scratch_.step);
+    out = x.high;
+    if (pull != nullptr && !from_known) {
+      Eigen::Index largest = 0;
+      pull->cwiseAbs().maxCoeff(&largest);
+      known[step] = out.col(largest) / (*pull)[largest];
+    }
+  }
+  if (pull != nullptr && !from_known && !known[kSteps - 1].allFinite()) {
+    known.clear();  // from beyond all numbers nothing is to start
+  }
+}
+
+void DiffusionSmoother::apply(const Points& in, Points& out) const {
+  smooth(in, nullptr, out);
+}
+
+void DiffusionSmoother::apply_to_pull(const Points& in, const Vector3& pull, Points& out) const {
+  smooth(in, &pull, out);
 }
 
 }  // namespace lapedit

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "lapedit/deform/smoother.h"
 #include "lapedit/linear/accurate_residual.h"
@@ -29,9 +30,10 @@ class DiffusionSmoother : public Smoother {
 
   /// The same bits with every factorisation, BLAS and processor.
   void apply(const Points& in, Points& out) const override;
+  void apply_to_pull(const Points& in, const Vector3& pull, Points& out) const override;
   /// One solve per step, not refined.
   void apply_for_preview(const Points& in, Points& out) const override;
-  std::unique_ptr<Smoother> share() const override;
+  std::unique_ptr<Smoother> share(std::shared_ptr<ThreadPool> pool) const override;
   std::size_t bytes() const override;
 
  private:
@@ -42,10 +44,14 @@ class DiffusionSmoother : public Smoother {
   struct Scratch {  // so that a drag allocates nothing
     Points right, left, step;
     DoubledPoints x;
+    std::vector<Eigen::VectorXd> of_pull;  // after each step, for a pull of 1; empty: not asked for yet
   };
-  DiffusionSmoother(const DiffusionSmoother& other);
+  class System;
+  DiffusionSmoother(const DiffusionSmoother& other, std::shared_ptr<ThreadPool> pool);
+  void smooth(const Points& in, const Vector3* pull, Points& out) const;
 
   std::shared_ptr<const Matrix> matrix_;
+  std::shared_ptr<ThreadPool> pool_;
   mutable std::unique_ptr<SparseCholesky> factor_;
   mutable Scratch scratch_;
 };

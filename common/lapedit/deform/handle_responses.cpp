@@ -101,7 +101,7 @@ std::unique_ptr<HandleResponses> HandleResponses::make(const LaplacianSystem& sy
     parts.smooth_rest = &system.smooth_rest;
     const Eigen::MatrixXd rough = system.falloff.empty() ? found : made->fallen_off();
     smooth_found.resize(found.rows(), found.cols());
-    const auto smoother = system.smoother->share();
+    const auto smoother = system.smoother->share(system.pool);
     Points in, out;
     by_threes(found.cols(), [&](Eigen::Index first, Eigen::Index columns) {
       in.setZero(found.rows(), 3);

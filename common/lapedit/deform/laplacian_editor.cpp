@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -32,10 +33,11 @@ struct LaplacianEditor::State {
   std::unique_ptr<HandleResponses> preview;  // nothing without a fast path
 
   // Of the last solve, size() x 3 each.
-  Points displacement;  // d, from the carried pose
-  Points right;         // what it solves the normal equations for
-  Points previous;      // d of the pass before
-  Points positions;     // no rows before the first solve
+  Points displacement;              // d, from the carried pose
+  Points right;                     // what it solves the normal equations for
+  Points previous;                  // d of the pass before
+  std::optional<Vector3> one_pull;  // where there is a response for it
+  Points positions;                 // no rows before the first solve
   std::vector<Matrix3> rotations;
 
   State(const TriangleMesh& mesh, Region region, const EditSettings& settings, const Progress& progress,
@@ -58,19 +60,33 @@ struct LaplacianEditor::State {
     report_progress(progress, 0.9, "solve");
   }
 
+  void pull(const Progress& go_on);
   void solve_exactly(const Points& right_hand_side, const Progress& go_on);
+  void take(const Refinement& refined);
   void turn_details(const Progress& go_on);
   void collect_positions();
 };
 
-/// d = (M^T M + W^2)^-1 b, to the last bit of a double.
-void LaplacianEditor::State::solve_exactly(const Points& right_hand_side, const Progress& go_on) {
-  const RefinedSolver::Outcome outcome = solver.refine_to_the_bit(right_hand_side, displacement, go_on);
-  constexpr double kAcceptable = 1e-6;
-  if (std::isfinite(outcome.last_change) && !(outcome.last_change < kAcceptable)) {
+void LaplacianEditor::State::take(const Refinement& refined) {
+  if (std::isfinite(refined.last_change) && !refined.converged()) {
     refuse_conditioning(*system);
   }
-  report.refinements = std::max(report.refinements, outcome.steps);
+  report.refinements = std::max(report.refinements, refined.steps);
+}
+
+/// d = (M^T M + W^2)^-1 b, to the last bit of a double.
+void LaplacianEditor::State::solve_exactly(const Points& right_hand_side, const Progress& go_on) {
+  take(solver.refine_to_the_bit(right_hand_side, displacement, go_on));
+}
+
+/// The same without rotations, for what the handles ask for alone.
+void LaplacianEditor::State::pull(const Progress& go_on) {
+  if (solver.has_one_row()) {
+    one_pull = constraints.right_hand_side().row(system->correction->rows[0]);
+    take(solver.pull_to_the_bit(*one_pull, displacement, go_on));
+  } else {
+    solve_exactly(constraints.right_hand_side(), go_on);
+  }
 }
 
 /// Steps 2 to 4 of the paper's section 4, again and again until the result has settled.
@@ -80,7 +96,7 @@ void LaplacianEditor::State::turn_details(const Progress& go_on) {
   for (int pass = 0; pass < system->settings.iterations; ++pass) {
     previous = displacement;
     report_progress(go_on, 0, "rotations");
-    rotation->turn(displacement, constraints, rotations, right);
+    rotation->turn(displacement, pass == 0 && one_pull ? &*one_pull : nullptr, constraints, rotations, right);
     report.normals_ms += rotation->normals_ms();
     report.rotate_ms += rotation->rotate_ms();
     const Stopwatch watch;
@@ -141,7 +157,7 @@ const Points& LaplacianEditor::solve(const std::vector<Affine>& handles, const A
   } else if (!s.system->falloff.empty()) {
     s.constraints.fall_off(s.displacement);
   } else {
-    s.solve_exactly(s.right, go_on);
+    s.pull(go_on);
   }
   s.report.unrotated_ms = watch.elapsed();
   s.report.normals_ms = s.report.rotate_ms = s.report.solve_ms = 0;

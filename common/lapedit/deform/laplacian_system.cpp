@@ -41,7 +41,7 @@ class Preparation {
   bool factorise(bool take_over);
   void make_factor(bool single_precision);
   bool make_sure();
-  void smooth(bool take_over);
+  void smooth(bool take_over, const std::shared_ptr<ThreadPool>& pool);
 
   LaplacianSystem& s_;
   const LaplacianSystem* previous_;
@@ -133,7 +133,7 @@ void Preparation::make_factor_and_smoother(EditReport& report) {
       report.factor_taken_over = factorise(take_factor);
       report.factor_ms = own.elapsed();
     } else {
-      smooth(take_smoother);
+      smooth(take_smoother, apart ? nullptr : s_.pool);
       report.kernel_ms = own.elapsed();
     }
   });
@@ -199,7 +199,7 @@ bool Preparation::make_sure() {
 
 /// S of the paper's section 6, or what stands in for it. A given radius means the paper's kernel. Where it is left to
 /// us and only a smooth surface is wanted, diffusion is as good and does not cost more than the factor.
-void Preparation::smooth(bool take_over) {
+void Preparation::smooth(bool take_over, const std::shared_ptr<ThreadPool>& pool) {
   const EditSettings& settings = s_.settings;
   if (take_over) {
     s_.smoother = previous_->smoother;
@@ -209,10 +209,11 @@ void Preparation::smooth(bool take_over) {
     CholeskyOptions options;
     options.backend = settings.backend;
     options.order = order_;
+    options.pool = pool;
     s_.smoother = std::make_shared<const DiffusionSmoother>(s_.region, s_.rest.world, s_.normal_radius, options);
   }
   if (settings.rotation == DetailRotation::SmoothSurface && s_.may_preview()) {
-    s_.smoother->share()->apply_for_preview(s_.rest.local, s_.smooth_rest);
+    s_.smoother->share(pool)->apply_for_preview(s_.rest.local, s_.smooth_rest);
     s_.smooth_rest_is_exact = settings.normal_radius > 0;  // the kernel has but one way
   }
   if (settings.rough == RoughDeformation::Falloff) {

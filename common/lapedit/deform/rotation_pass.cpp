@@ -7,8 +7,8 @@ namespace lapedit {
 
 RotationPass::RotationPass(const LaplacianSystem& system)
     : system_(system),
-      smoother_(system.smoother->share()),
-      estimator_(system.settings.rotation, system.region, *smoother_) {}
+      smoother_(system.smoother->share(system.pool)),
+      estimator_(system.settings.rotation, system.region, *smoother_, *system.pool) {}
 
 void RotationPass::start(const EditConstraints& constraints) {
   if (constraints.carry()) {
@@ -75,9 +75,9 @@ void turn_edges(const LaplacianSystem& system, const EditConstraints& constraint
 
 /// For k > 1 that is not M^T (R - I) M^k p, the coordinates of order k turned: those carry low-frequency errors of R
 /// that the inverse of M^k blows up. On the octopus (16,554 vertices, order 2) the stretch is 49 % instead of 485 %.
-void RotationPass::turn(const Points& displacement, const EditConstraints& constraints, std::vector<Matrix3>& rotations,
-                        Points& right) {
-  estimator_.estimate(displacement, rotations);
+void RotationPass::turn(const Points& displacement, const Vector3* pull, const EditConstraints& constraints,
+                        std::vector<Matrix3>& rotations, Points& right) {
+  estimator_.estimate(displacement, rotations, pull);
   Stopwatch watch;
   turned_.resize(displacement.rows(), 3);
   const bool by_edges = system_.settings.turning == DetailTurning::Edge;

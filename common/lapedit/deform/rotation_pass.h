@@ -21,10 +21,11 @@ class RotationPass {
   void start_at_rest();
 
   /// @param displacement  from that pose, size() x 3
+  /// @param pull          where the displacement is z pull^T with always the same z; may be nothing
   /// @param rotations     R_i, one per vertex
   /// @param right         out: w^2-weighted constraints + M^T M_1^(k-1) (R - I) delta, k the order
-  void turn(const Points& displacement, const EditConstraints& constraints, std::vector<Matrix3>& rotations,
-            Points& right);
+  void turn(const Points& displacement, const Vector3* pull, const EditConstraints& constraints,
+            std::vector<Matrix3>& rotations, Points& right);
 
   double normals_ms() const { return estimator_.normals_ms(); }  ///< smoothing share of the last turn()
   double rotate_ms() const { return rotate_ms_; }                ///< the rest of it

@@ -183,7 +183,7 @@ SmoothingKernel::SmoothingKernel(const Region& region, const Points& rest, doubl
   direct_ = std::make_shared<const Rows>(kernel_rows<Rows>(region, rest, centres, radius, threads));
 }
 
-std::unique_ptr<Smoother> SmoothingKernel::share() const {
+std::unique_ptr<Smoother> SmoothingKernel::share(std::shared_ptr<ThreadPool> /*pool*/) const {
   return std::unique_ptr<Smoother>(new SmoothingKernel(*this));
 }
 

@@ -30,7 +30,7 @@ class SmoothingKernel : public Smoother {
 
   void apply(const Points& in, Points& out) const override;
 
-  std::unique_ptr<Smoother> share() const override;
+  std::unique_ptr<Smoother> share(std::shared_ptr<ThreadPool> pool) const override;
 
   double radius() const { return radius_; }
   bool sampled() const { return blend_ != nullptr; }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <memory>
 
+#include "lapedit/base/thread_pool.h"
 #include "lapedit/mesh/triangle_mesh.h"
 
 namespace lapedit {
@@ -20,8 +21,13 @@ class Smoother {
   /// As well as a preview in single precision needs it.
   virtual void apply_for_preview(const Points& in, Points& out) const { apply(in, out); }
 
-  /// The same map: its tables shared, its scratch another, so that both can be at work at a time.
-  virtual std::unique_ptr<Smoother> share() const = 0;
+  /// The same bits for `in` = z pull^T to a rounding, z the same scalars at every call: later calls may use what the
+  /// first one found.
+  virtual void apply_to_pull(const Points& in, const Vector3& /*pull*/, Points& out) const { apply(in, out); }
+
+  /// The same map: its tables shared, its scratch another, so that both can be at work at a time, each on a pool of its
+  /// own (empty: the caller's thread alone).
+  virtual std::unique_ptr<Smoother> share(std::shared_ptr<ThreadPool> pool) const = 0;
 
   virtual std::size_t bytes() const = 0;
 };

@@ -11,6 +11,8 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/stopwatch.h"
+#include "lapedit/deform/coarse_preview.h"
+#include "lapedit/edit/background_preparation.h"
 
 namespace lapedit {
 namespace {
@@ -21,6 +23,14 @@ using Clock = std::chrono::steady_clock;
 /// and reported on.
 constexpr std::chrono::milliseconds kPause{50}, kLongestPause{1000};
 
+/// Smaller regions are prepared before anybody notices.
+constexpr int kStandInFrom = 4000;
+/// The editor's poses take the place of the stand-in's in so many frames, so far apart.
+constexpr int kBlendFrames = 10;
+constexpr std::chrono::milliseconds kFrame{16};
+
+constexpr const char* kNoMemory = "There is not enough memory for this region: choose a smaller one.";
+
 /// What the window wants.
 struct Asked {
   bool quit = false;
@@ -28,7 +38,8 @@ struct Asked {
   std::unique_ptr<ApplyTask> apply;
   bool has_region = false;  ///< prepared, or still to be
   bool solve = false;
-  std::vector<Affine> maps;  ///< of the newest solve, with what follows
+  bool stand_in_seen = false;  ///< the newest solve has been answered by the stand-in
+  std::vector<Affine> maps;    ///< of the newest solve, with what follows
   bool last = false;
   int serial = 0;
   Clock::time_point at;
@@ -42,10 +53,31 @@ struct Answered {
   SolverPose pose;
 };
 
+/// What the background is to do next, or is at.
+struct Job {
+  PrepareTask task;
+  FoundRegion found;
+  Stopwatch watch;
+  int generation = -1;
+};
+
+/// Poses before the editor is there, and on the way to it.
+struct StandIn {
+  std::unique_ptr<CoarsePreview> preview;
+  int generation = -1;
+  bool seen = false;    ///< the newest pose is its own, or a blend
+  int frames_left = 0;  ///< of the blend: 0 until the editor is there
+  Points from, to;      ///< the same pose by both
+  int serial = 0;       ///< of that pose
+};
+
 /// The thread's own.
 struct AtWork {
   std::unique_ptr<StepRunner> runner;
   int generation = -1;  ///< of the runner
+  StandIn stand_in;
+  std::shared_ptr<Job> job, next_job;         ///< the background's
+  StoredScalar scalar = StoredScalar::Float;  ///< of what was prepared last
   std::vector<Affine> maps;
   int serial = 0;
   SolverPose pose;
@@ -72,6 +104,8 @@ struct SolverThread::State {
   Asked asked;
   Answered answered;
   bool working = false;
+  bool preparing = false;  // the background is at what was asked last
+  bool blending = false;
 
   std::atomic<int> newest{0};          // serial, for a solve at work to look at
   std::atomic<bool> unsettled{false};  // the last pose was a preview, and is still to be solved for in full
@@ -80,20 +114,40 @@ struct SolverThread::State {
   std::atomic<const char*> stage{""};
 
   AtWork own;
+  BackgroundPreparation background{[this] {
+    { const std::lock_guard<std::mutex> lock(mutex); }  // not between somebody's look and his falling asleep
+    question.notify_all();
+  }};
 
   void drop();
   void run();
   bool usable() const { return own.runner && own.generation == generation; }
+  bool stands_in() const { return own.stand_in.preview && own.stand_in.generation == generation; }
+  bool answerable() const { return asked.solve && (usable() || (stands_in() && !(asked.last && asked.stand_in_seen))); }
   bool has_work() const {
-    return asked.quit || asked.prepare || asked.apply || (own.runner && !usable()) || (asked.solve && usable());
+    return asked.quit || asked.prepare || asked.apply || background.ended() || (own.runner && !usable()) ||
+           answerable();
   }
-  bool wait_for_work(std::unique_lock<std::mutex>& lock);
+  enum class Pause { None, ForBlend, ToSettle };
+  Pause wait_for_work(std::unique_lock<std::mutex>& lock);
   void settle(std::unique_lock<std::mutex>& lock);
   void answer_next(std::unique_lock<std::mutex>& lock);
   Progress progress_of(int mine);
+
+  // Preparing.
   void prepare(const PrepareTask& task, int mine);
+  void prepare_in_background();
+  void take_prepared(std::unique_lock<std::mutex>& lock);
+  void publish_ready(int mine, double prepare_ms);
   void apply(const ApplyTask& task, int mine);
+
+  // Posing.
+  void stand_in(int mine, bool last);
   void solve(int mine, Answer kind);
+  void publish_pose(int mine, int serial, const std::shared_ptr<const EditReport>& report);
+  void blend(Points& places);
+  void blend_waiting(std::unique_lock<std::mutex>& lock);
+  void blend_to_last(int mine);
   template <class Change>
   void publish(int mine, const Change& change);
 };
@@ -104,7 +158,7 @@ void SolverThread::State::drop() {
   asked.prepare.reset();
   asked.apply.reset();
   asked.solve = asked.has_region = false;
-  unsettled = false;
+  unsettled = preparing = blending = false;
   answered.news = SolverNews();
   answered.has_news = false;
   progress = 0;
@@ -141,22 +195,112 @@ Progress SolverThread::State::progress_of(int mine) {
   };
 }
 
-void SolverThread::State::prepare(const PrepareTask& task, int mine) {
-  const Stopwatch watch;
-  const auto show = [this, mine](const Region& region) {
-    const auto shown = std::make_shared<const Region>(region);
-    publish(mine, [&] { answered.news.region = shown; });
-  };
-  own.runner = std::make_unique<StepRunner>(
-      StepProblem{*task.mesh, *task.adjacency, task.region, task.groups, task.settings, task.scalar}, progress_of(mine),
-      show, std::move(own.runner));
-  own.generation = mine;
-  own.report_due = unsettled = false;
-  const double prepare_ms = watch.elapsed();
+void SolverThread::State::publish_ready(int mine, double prepare_ms) {
+  own.report_due = false;
+  unsettled = false;
   publish(mine, [&] {
-    answered.news.ready = true;
-    answered.news.prepare_ms = prepare_ms;
+    SolverNews& news = answered.news;
+    news.ready = true;
+    news.prepare_ms = prepare_ms;
+    if (!stands_in()) {
+      news.in_hand = true;
+      news.in_hand_ms = prepare_ms;
+    }
   });
+}
+
+/// A region and, if it is a large one, what stands in for it; the rest is the background's.
+void SolverThread::State::prepare(const PrepareTask& task, int mine) {
+  const auto job = std::make_shared<Job>();
+  job->task = task;
+  job->generation = mine;
+  own.scalar = task.scalar;
+  const Progress progress_here = progress_of(mine);
+  const StepProblem problem{*task.mesh, *task.adjacency, task.region, task.groups, task.settings, task.scalar};
+  own.stand_in = StandIn();
+  job->found = find_region(problem, progress_here);
+  publish(mine, [&] { answered.news.region = job->found.region; });
+  if (job->found.region->size() < kStandInFrom) {
+    own.runner = std::make_unique<StepRunner>(job->found, problem, progress_here, std::move(own.runner));
+    own.generation = mine;
+    publish_ready(mine, job->watch.elapsed());
+    return;
+  }
+  try {
+    own.stand_in.preview = std::make_unique<CoarsePreview>(*task.mesh, job->found.region, task.settings, progress_here);
+    own.stand_in.generation = mine;
+    publish(mine, [&] {
+      answered.news.in_hand = true;
+      answered.news.in_hand_ms = job->watch.elapsed();
+    });
+  } catch (const EditError& error) {
+    if (error.cause() == ErrorCause::Cancelled) {
+      throw;
+    }  // else the editor will say what is wrong, or has no trouble with it
+  }
+  own.next_job = job;
+  {
+    const std::lock_guard<std::mutex> lock(mutex);
+    preparing = generation == mine;
+  }
+  prepare_in_background();
+}
+
+/// Gives the background what it is to do next, once it has nothing else to do.
+void SolverThread::State::prepare_in_background() {
+  if (background.at_work() || !own.next_job) {
+    return;
+  }
+  own.job = std::exchange(own.next_job, nullptr);
+  const auto previous = std::make_shared<std::unique_ptr<StepRunner>>(std::move(own.runner));
+  background.start([this, job = own.job, previous] {
+    const PrepareTask& task = job->task;
+    const StepProblem problem{*task.mesh, *task.adjacency, task.region, task.groups, task.settings, task.scalar};
+    return std::make_unique<StepRunner>(job->found, problem, progress_of(job->generation), std::move(*previous));
+  });
+}
+
+/// Takes what the background has made; with it the editor's poses begin to take the place of the stand-in's.
+void SolverThread::State::take_prepared(std::unique_lock<std::mutex>& lock) {
+  const std::shared_ptr<Job> job = std::move(own.job);
+  const int mine = job->generation;
+  lock.unlock();
+  std::string error;
+  try {
+    std::unique_ptr<StepRunner> made = background.take();
+    if (generation == mine || !own.runner) {
+      own.runner = std::move(made);
+      own.generation = mine;
+    }
+  } catch (const std::bad_alloc&) {
+    error = kNoMemory;
+  } catch (const std::exception& exception) {
+    error = exception.what();
+  }
+  if (generation == mine) {
+    if (error.empty()) {
+      StandIn& before = own.stand_in;
+      before.frames_left = before.seen ? kBlendFrames : 0;
+      publish_ready(mine, job->watch.elapsed());
+      own.report_due = own.preview = before.seen;
+      unsettled = before.seen;
+      if (!before.seen) {
+        before = StandIn();
+      }
+    } else {
+      publish(mine, [&] { answered.news.error = error; });
+      own.stand_in = StandIn();
+    }
+  }
+  prepare_in_background();
+  lock.lock();
+  if (generation == mine) {
+    preparing = false;
+    if (!error.empty()) {
+      asked.solve = asked.has_region = false;
+      unsettled = false;
+    }
+  }
 }
 
 void SolverThread::State::apply(const ApplyTask& task, int mine) {
@@ -167,19 +311,8 @@ void SolverThread::State::apply(const ApplyTask& task, int mine) {
   publish(mine, [&] { answered.news.applied = results; });
 }
 
-void SolverThread::State::solve(int mine, Answer kind) {
-  const Stopwatch watch;
-  own.pose.serial = own.serial;
-  const auto go_on = [this, mine](double, const char*) { return generation == mine && newest == own.serial; };
-  if (kind == Answer::Preview) {
-    own.runner->preview(own.maps, own.pose.positions);
-  } else {
-    own.runner->solve(own.maps, own.pose.positions, kind == Answer::Full ? Progress(go_on) : Progress());
-  }
-  own.pose.solve_ms = watch.elapsed();
-  const auto report = kind == Answer::Last ? std::make_shared<const EditReport>(own.runner->report()) : nullptr;
-  own.report_due = kind != Answer::Last;
-  unsettled = own.preview = kind == Answer::Preview && own.runner->has_preview();
+void SolverThread::State::publish_pose(int mine, int serial, const std::shared_ptr<const EditReport>& report) {
+  own.pose.serial = serial;
   publish(mine, [&] {
     std::swap(answered.pose, own.pose);
     answered.news.pose = true;
@@ -187,14 +320,119 @@ void SolverThread::State::solve(int mine, Answer kind) {
   });
 }
 
-/// Until there is something to do. @return false if the mouse has paused: the last pose is to be settled
-bool SolverThread::State::wait_for_work(std::unique_lock<std::mutex>& lock) {
+/// A pose that is to stay counts as one before it, so that nobody takes it for that.
+void SolverThread::State::stand_in(int mine, bool last) {
+  const Stopwatch watch;
+  StandIn& here = own.stand_in;
+  try {
+    own.pose.positions = here.preview->pose(own.maps);
+    round_to(own.scalar, own.pose.positions);
+  } catch (const std::exception&) {
+    if (last) {
+      return;  // the editor will say it
+    }
+    throw;
+  }
+  own.pose.solve_ms = watch.elapsed();
+  here.seen = own.preview = own.report_due = true;
+  unsettled = true;
+  publish_pose(mine, last ? own.serial - 1 : own.serial, nullptr);
+}
+
+void SolverThread::State::solve(int mine, Answer kind) {
+  const Stopwatch watch;
+  const auto go_on = [this, mine](double, const char*) { return generation == mine && newest == own.serial; };
+  if (kind == Answer::Preview) {
+    own.runner->preview(own.maps, own.pose.positions);
+    blend(own.pose.positions);
+  } else {
+    own.runner->solve(own.maps, own.pose.positions, kind == Answer::Full ? Progress(go_on) : Progress());
+  }
+  own.pose.solve_ms = watch.elapsed();
+  const auto report = kind == Answer::Last ? std::make_shared<const EditReport>(own.runner->report()) : nullptr;
+  if (kind == Answer::Last && own.stand_in.frames_left > 0) {
+    blend_to_last(mine);
+  }
+  own.report_due = kind != Answer::Last;
+  unsettled = own.preview = kind == Answer::Preview && (own.runner->has_preview() || own.stand_in.frames_left > 0);
+  publish_pose(mine, own.serial, report);
+}
+
+/// One frame on the way from the stand-in's poses to the editor's. @param places  in: the editor's
+void SolverThread::State::blend(Points& places) {
+  StandIn& way = own.stand_in;
+  if (way.frames_left == 0) {
+    return;
+  }
+  if (way.serial != own.serial) {
+    way.from = way.preview->pose(own.maps);
+    way.to = places;
+    way.serial = own.serial;
+  }
+  const double t = 1 - static_cast<double>(--way.frames_left) / kBlendFrames;
+  if (way.frames_left == 0) {
+    places = way.to;
+    way = StandIn();
+    return;
+  }
+  places = way.from + t * t * (3 - 2 * t) * (way.to - way.from);
+  round_to(own.scalar, places);
+}
+
+/// While the mouse rests: the next frame of the blend.
+void SolverThread::State::blend_waiting(std::unique_lock<std::mutex>& lock) {
+  const int mine = generation;
+  working = true;
+  lock.unlock();
+  try {
+    if (own.stand_in.serial == own.serial) {
+      own.pose.positions = own.stand_in.to;
+    } else {
+      own.runner->preview(own.maps, own.pose.positions);
+    }
+    blend(own.pose.positions);
+    publish_pose(mine, own.serial, nullptr);
+  } catch (const std::exception&) {
+    own.stand_in = StandIn();  // what stays says it
+  }
+  lock.lock();
+}
+
+/// All frames of the blend, up to a pose that is to stay.
+void SolverThread::State::blend_to_last(int mine) {
+  StandIn& way = own.stand_in;
+  const Points last = own.pose.positions;
+  const double solve_ms = own.pose.solve_ms;
+  way.from = way.preview->pose(own.maps);
+  while (way.frames_left > 1) {
+    std::unique_lock<std::mutex> lock(mutex);
+    if (question.wait_for(lock, kFrame, [&] { return generation != mine || asked.quit; })) {
+      break;
+    }
+    lock.unlock();
+    const double t = 1 - static_cast<double>(--way.frames_left) / kBlendFrames;
+    own.pose.positions = way.from + t * t * (3 - 2 * t) * (last - way.from);
+    round_to(own.scalar, own.pose.positions);
+    publish_pose(mine, own.serial - 1, nullptr);
+  }
+  own.pose.positions = last;
+  own.pose.solve_ms = solve_ms;
+  way = StandIn();
+}
+
+/// Until there is something to do. @return otherwise what the mouse's pause is for: the next frame of a blend, or
+/// settling the last pose
+SolverThread::State::Pause SolverThread::State::wait_for_work(std::unique_lock<std::mutex>& lock) {
+  const auto ready = [this] { return has_work(); };
+  if (usable() && own.stand_in.frames_left > 0) {
+    return question.wait_for(lock, kFrame, ready) ? Pause::None : Pause::ForBlend;
+  }
   if (own.report_due && usable()) {
     const Clock::duration pause = std::clamp<Clock::duration>(2 * asked.apart, kPause, kLongestPause);
-    return question.wait_for(lock, pause, [this] { return has_work(); });
+    return question.wait_for(lock, pause, ready) ? Pause::None : Pause::ToSettle;
   }
-  question.wait(lock, [this] { return has_work(); });
-  return true;
+  question.wait(lock, ready);
+  return Pause::None;
 }
 
 /// First the pose in full, then, after another pause, what there is to report on it.
@@ -225,11 +463,12 @@ void SolverThread::State::answer_next(std::unique_lock<std::mutex>& lock) {
   const std::unique_ptr<PrepareTask> prepare_task = std::move(asked.prepare);
   const std::unique_ptr<ApplyTask> apply_task = std::move(asked.apply);
   const bool solving = !prepare_task && !apply_task;
-  const Answer kind = asked.last ? Answer::Last : Answer::Preview;
+  const bool last = asked.last, exactly = usable();
   if (solving) {
     own.maps = asked.maps;
     own.serial = asked.serial;
-    asked.solve = false;
+    asked.stand_in_seen = true;
+    asked.solve = last && !exactly;  // the stand-in's is not the last word
   }
   lock.unlock();
   std::string error;
@@ -238,11 +477,13 @@ void SolverThread::State::answer_next(std::unique_lock<std::mutex>& lock) {
       prepare(*prepare_task, mine);
     } else if (apply_task) {
       apply(*apply_task, mine);
+    } else if (exactly) {
+      solve(mine, last ? Answer::Last : Answer::Preview);
     } else {
-      solve(mine, kind);
+      stand_in(mine, last);
     }
   } catch (const std::bad_alloc&) {
-    error = "There is not enough memory for this region: choose a smaller one.";
+    error = kNoMemory;
   } catch (const std::exception& exception) {
     error = exception.what();
   }
@@ -263,25 +504,31 @@ void SolverThread::State::run() {
       wake();  // whoever asks busy() now learns that it is over
       lock.lock();
     }
+    blending = usable() && own.stand_in.frames_left > 0;
     answer.notify_all();
-    if (!wait_for_work(lock)) {
-      settle(lock);
-      continue;
-    }
+    const Pause pause = wait_for_work(lock);
     if (asked.quit) {
       return;
     }
-    working = true;
-    if (own.runner && !usable() && !asked.prepare) {
+    if (pause == Pause::ForBlend) {
+      blend_waiting(lock);
+    } else if (pause == Pause::ToSettle) {
+      settle(lock);
+    } else if (background.ended()) {
+      working = true;
+      take_prepared(lock);
+    } else if (own.runner && !usable() && !asked.prepare) {
       // Freeing a large factor takes its time, too. What is prepared next goes on from it.
+      working = true;
       std::unique_ptr<StepRunner> dropped = std::move(own.runner);
       own.report_due = unsettled = false;
       lock.unlock();
       dropped.reset();
       lock.lock();
-      continue;
+    } else {
+      working = true;
+      answer_next(lock);
     }
-    answer_next(lock);
   }
 }
 
@@ -333,6 +580,7 @@ int SolverThread::solve(const std::vector<Affine>& maps, bool last) {
     const std::lock_guard<std::mutex> lock(state_->mutex);
     state_->asked.maps = maps;
     state_->asked.last = last;
+    state_->asked.stand_in_seen = false;
     state_->asked.solve = state_->asked.has_region;
     serial = ++state_->asked.serial;
     state_->newest = serial;
@@ -359,16 +607,16 @@ bool SolverThread::wait() {
   State& s = *state_;
   s.answer.wait(lock, [&s] {
     // The runner may be looked at while the worker is not at work only.
-    return s.answered.has_news ||
-           (!s.working && !s.unsettled && !s.asked.prepare && !s.asked.apply && !(s.asked.solve && s.usable()));
+    return s.answered.has_news || (!s.working && !s.unsettled && !s.preparing && !s.blending && !s.asked.prepare &&
+                                   !s.asked.apply && !(s.asked.solve && s.usable()));
   });
   return s.answered.has_news;
 }
 
 bool SolverThread::busy() const {
   const std::lock_guard<std::mutex> lock(state_->mutex);
-  return state_->working || state_->unsettled || state_->asked.prepare || state_->asked.apply || state_->asked.solve ||
-         state_->answered.has_news;
+  return state_->working || state_->unsettled || state_->preparing || state_->blending || state_->asked.prepare ||
+         state_->asked.apply || state_->asked.solve || state_->answered.has_news;
 }
 
 double SolverThread::progress() const {

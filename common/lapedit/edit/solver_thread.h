@@ -38,7 +38,9 @@ struct SolverPose {
 /// What has become known since the last SolverThread::poll().
 struct SolverNews {
   std::shared_ptr<const Region> region;  ///< classified: can be shown, not yet dragged
-  bool ready = false;                    ///< prepared: solves are being answered
+  bool in_hand = false;                  ///< solves are being answered, if only by the stand-in
+  double in_hand_ms = 0;                 ///< from the question on
+  bool ready = false;                    ///< prepared: solves are being answered by the editor
   double prepare_ms = 0;                 ///< of all stages, once ready
   bool pose = false;                     ///< the pose handed to poll() was filled
   std::shared_ptr<const EditReport> report;
@@ -47,7 +49,11 @@ struct SolverNews {
   std::string pose_error;                                  ///< solving failed; the region stays prepared
 };
 
-/// Prepares regions and solves for poses on a thread of its own, so that a window never waits.
+/// Prepares regions and solves for poses on threads of its own, so that a window never waits.
+///
+/// A region of more than a few thousand vertices is in the hand at once: until it is prepared, passing poses are those
+/// of its cells (CoarsePreview). Then the editor's take their place over some frames, whether the mouse moves or not;
+/// so do they under a pose that is to stay. What stays is always the editor's, to the bit.
 ///
 /// The newest question wins: prepare(), apply() and cancel() drop what was asked before, solve() the solves before it
 /// that have not begun. All functions are for one thread, that of the window, and return at once, except wait() and the

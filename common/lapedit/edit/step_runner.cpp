@@ -23,9 +23,7 @@ void round_to(StoredScalar scalar, Points& positions) {
   }
 }
 
-StepRunner::StepRunner(const StepProblem& problem, const Progress& progress, const RegionKnown& region_known,
-                       std::unique_ptr<StepRunner> previous)
-    : scalar_(problem.scalar) {
+FoundRegion find_region(const StepProblem& problem, const Progress& progress) {
   validate(problem.settings);
   std::vector<std::vector<int>> groups = problem.groups;
   for (std::vector<int>& group : groups) {
@@ -34,12 +32,27 @@ StepRunner::StepRunner(const StepProblem& problem, const Progress& progress, con
   }
   report_progress(progress, 0, "region");
   const Stopwatch watch;
-  Region region = build_region(problem.mesh, problem.adjacency, problem.region, groups, problem.settings.threads);
-  region_ms_ = watch.elapsed();
+  FoundRegion found;
+  found.region = std::make_shared<const Region>(
+      build_region(problem.mesh, problem.adjacency, problem.region, groups, problem.settings.threads));
+  found.milliseconds = watch.elapsed();
+  return found;
+}
+
+StepRunner::StepRunner(const StepProblem& problem, const Progress& progress, const RegionKnown& region_known,
+                       std::unique_ptr<StepRunner> previous)
+    : scalar_(problem.scalar) {
+  const FoundRegion found = find_region(problem, progress);
   if (region_known) {
-    region_known(region);
+    region_known(*found.region);
   }
-  editor_ = std::make_unique<LaplacianEditor>(problem.mesh, std::move(region), problem.settings, progress,
+  *this = StepRunner(found, problem, progress, std::move(previous));
+}
+
+StepRunner::StepRunner(const FoundRegion& found, const StepProblem& problem, const Progress& progress,
+                       std::unique_ptr<StepRunner> previous)
+    : scalar_(problem.scalar), region_ms_(found.milliseconds) {
+  editor_ = std::make_unique<LaplacianEditor>(problem.mesh, *found.region, problem.settings, progress,
                                               previous ? std::move(previous->editor_) : nullptr);
 }
 

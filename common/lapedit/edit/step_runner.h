@@ -27,6 +27,15 @@ struct StepProblem {
   StoredScalar scalar = StoredScalar::Double;
 };
 
+/// A step's region, and what finding it took.
+struct FoundRegion {
+  std::shared_ptr<const Region> region;
+  double milliseconds = 0;
+};
+
+/// @throws EditError as validate() and build_region()
+FoundRegion find_region(const StepProblem& problem, const Progress& progress = {});
+
 /// Runs one step: region, preparation, poses. Filter, program, replay and window all run their steps by this class, so
 /// that the same step has the same bits everywhere.
 ///
@@ -42,6 +51,10 @@ class StepRunner {
   /// @throws EditError as build_region() and LaplacianEditor
   explicit StepRunner(const StepProblem& problem, const Progress& progress = {}, const RegionKnown& region_known = {},
                       std::unique_ptr<StepRunner> previous = nullptr);
+
+  /// The same for a region that is known.
+  StepRunner(const FoundRegion& found, const StepProblem& problem, const Progress& progress,
+             std::unique_ptr<StepRunner> previous);
 
   const Region& region() const { return editor_->region(); }
 

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/linear/accurate_residual.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <cstring>
 
 #include "lapedit/base/cpu_dispatch.h"
 
@@ -11,39 +14,63 @@ namespace lapedit {
 namespace {
 
 constexpr int kGrain = 1024;
-constexpr int kLanes = 4;  // three coordinates, and one to fill the vector
+
+/// Three coordinates, and one to fill the vector.
+typedef double Lanes __attribute__((vector_size(32)));
 
 /// The error a b - p of the rounded product p: exact, with an instruction for it (Fused) or by splitting factors into
 /// halves of 26 bits (TwoProduct, Dekker 1971; Ogita, Rump, Oishi 2005, section 2).
 struct Fused {
-  static LAPEDIT_INLINE double error(double a, double b, double p) { return __builtin_fma(a, b, -p); }
+  static LAPEDIT_INLINE Lanes error(double a, Lanes b, Lanes p) {
+    Lanes result;
+    for (int lane = 0; lane < 4; ++lane) {
+      result[lane] = __builtin_fma(a, b[lane], -p[lane]);
+    }
+    return result;
+  }
 };
 struct Split {
-  static LAPEDIT_INLINE double error(double a, double b, double p) {
+  static LAPEDIT_INLINE Lanes error(double a, Lanes b, Lanes p) {
     constexpr double kHalf = 134217729;  // 2^27 + 1
-    const double ca = kHalf * a, cb = kHalf * b;
-    const double ah = ca - (ca - a), al = a - ah, bh = cb - (cb - b), bl = b - bh;
+    const double ca = kHalf * a, ah = ca - (ca - a), al = a - ah;
+    const Lanes cb = kHalf * b, bh = cb - (cb - b), bl = b - bh;
     return al * bl - (((p - ah * bh) - al * bh) - ah * bl);
   }
 };
 
+/// Row i of n x 3 points. Only behind the last one is there nothing to fill the vector with; and what is written in the
+/// same pass is read alone, since another thread may be at the next row.
+constexpr int kAlone = -1;
+LAPEDIT_INLINE Lanes row_of(const double* points, int i, int last_row) {
+  Lanes row = {};
+  const double* const from = points + 3 * static_cast<std::size_t>(i);
+  if (i < last_row) {
+    std::memcpy(&row, from, sizeof row);
+  } else {
+    std::memcpy(&row, from, 3 * sizeof(double));
+  }
+  return row;
+}
+
+LAPEDIT_INLINE void set_row(double* points, int i, Lanes row) {
+  std::memcpy(points + 3 * static_cast<std::size_t>(i), &row, 3 * sizeof(double));
+}
+
 /// high + low, and what is added to them: the error of high + term is exact (TwoSum, Knuth 1969), and goes into low
 /// with that of the product (Dot2, Ogita, Rump, Oishi 2005, section 4).
 struct Sum {
-  double high[kLanes] = {}, low[kLanes] = {};
+  Lanes high = {}, low = {};
 
-  LAPEDIT_INLINE void add(int lane, double term, double error) {
-    const double sum = high[lane] + term;
-    const double part = sum - high[lane];
-    low[lane] += ((high[lane] - (sum - part)) + (term - part)) + error;
-    high[lane] = sum;
+  LAPEDIT_INLINE void add(Lanes term, Lanes error) {
+    const Lanes sum = high + term;
+    const Lanes part = sum - high;
+    low += ((high - (sum - part)) + (term - part)) + error;
+    high = sum;
   }
   template <class Product>
-  LAPEDIT_INLINE void add_product(double factor, const double* x_high, const double* x_low) {
-    for (int lane = 0; lane < 3; ++lane) {
-      const double term = factor * x_high[lane];
-      add(lane, term, Product::error(factor, x_high[lane], term) + factor * x_low[lane]);
-    }
+  LAPEDIT_INLINE void add_product(double factor, Lanes x_high, Lanes x_low) {
+    const Lanes term = factor * x_high;
+    add(term, Product::error(factor, x_high, term) + factor * x_low);
   }
 };
 
@@ -53,7 +80,8 @@ struct Pass {
   const int* offsets;
   const int* inner;
   const double* values;
-  const double *x_high, *x_low;  // what the entries are multiplied with
+  int last_row;
+  const double *x_high, *x_low;  // what the entries are multiplied with; no low part: all in working precision
 
   // Without a right-hand side the sums themselves.
   double *sum_high, *sum_low;
@@ -67,36 +95,49 @@ struct Pass {
 template <class Product>
 LAPEDIT_INLINE void run(const Pass& pass, int first, int last) {
   for (int i = first; i < last; ++i) {
-    const auto row = 3 * static_cast<std::size_t>(i);
     Sum sum;
     for (int k = pass.offsets[i]; k < pass.offsets[i + 1]; ++k) {
-      const auto from = 3 * static_cast<std::size_t>(pass.inner[k]);
-      sum.add_product<Product>(pass.values[k], pass.x_high + from, pass.x_low + from);
+      const int j = pass.inner[k];
+      sum.add_product<Product>(pass.values[k], row_of(pass.x_high, j, pass.last_row),
+                               row_of(pass.x_low, j, pass.last_row));
     }
     if (pass.right == nullptr) {
-      for (int lane = 0; lane < 3; ++lane) {
-        const double high = sum.high[lane] + sum.low[lane];
-        pass.sum_low[row + lane] = sum.low[lane] - (high - sum.high[lane]);
-        pass.sum_high[row + lane] = high;
-      }
+      const Lanes high = sum.high + sum.low;
+      set_row(pass.sum_low, i, sum.low - (high - sum.high));
+      set_row(pass.sum_high, i, high);
       continue;
     }
     if (pass.diagonal != nullptr) {
-      sum.add_product<Product>(pass.diagonal[i], pass.d_high + row, pass.d_low + row);
+      sum.add_product<Product>(pass.diagonal[i], row_of(pass.d_high, i, pass.last_row),
+                               row_of(pass.d_low, i, pass.last_row));
     }
-    for (int lane = 0; lane < 3; ++lane) {
-      sum.add(lane, -pass.right[row + lane], 0);
-      pass.left[row + lane] = -(sum.high[lane] + sum.low[lane]);
+    sum.add(-row_of(pass.right, i, kAlone), Lanes{});
+    set_row(pass.left, i, -(sum.high + sum.low));
+  }
+}
+
+/// The same in working precision.
+LAPEDIT_INLINE void run_coarse(const Pass& pass, int first, int last) {
+  for (int i = first; i < last; ++i) {
+    Lanes sum = {};
+    for (int k = pass.offsets[i]; k < pass.offsets[i + 1]; ++k) {
+      sum += pass.values[k] * row_of(pass.x_high, pass.inner[k], pass.last_row);
+    }
+    if (pass.right == nullptr) {
+      set_row(pass.sum_high, i, sum);
+    } else {
+      sum += pass.diagonal[i] * row_of(pass.d_high, i, pass.last_row);
+      set_row(pass.left, i, row_of(pass.right, i, kAlone) - sum);
     }
   }
 }
 
 void run_plain(const Pass& pass, int first, int last) {
-  run<Split>(pass, first, last);
+  pass.x_low != nullptr ? run<Split>(pass, first, last) : run_coarse(pass, first, last);
 }
 #ifdef LAPEDIT_HAVE_AVX
 LAPEDIT_AVX2 void run_fused(const Pass& pass, int first, int last) {
-  run<Fused>(pass, first, last);
+  pass.x_low != nullptr ? run<Fused>(pass, first, last) : run_coarse(pass, first, last);
 }
 #endif
 
@@ -111,15 +152,26 @@ Run best_run() {
   return run_plain;
 }
 
+void run_all(const Pass& pass, ThreadPool& pool) {
+  const Run run = best_run();
+  in_pieces(pool, pass.last_row + 1, kGrain, [&](int first, int last) { run(pass, first, last); });
+}
+
+/// @param low  may be nothing
 template <class Compressed>
-Pass pass_over(const Compressed& lists, const DoubledPoints& x) {
+Pass pass_over(const Compressed& lists, const Points& high, const Points* low) {
   Pass pass = {};
   pass.offsets = lists.outerIndexPtr();
   pass.inner = lists.innerIndexPtr();
   pass.values = lists.valuePtr();
-  pass.x_high = x.high.data();
-  pass.x_low = x.low.data();
+  pass.last_row = static_cast<int>(high.rows()) - 1;
+  pass.x_high = high.data();
+  pass.x_low = low != nullptr ? low->data() : nullptr;
   return pass;
+}
+
+double largest(const Points& points) {
+  return points.size() > 0 ? points.cwiseAbs().maxCoeff() : 0;
 }
 
 }  // namespace
@@ -143,32 +195,120 @@ void DoubledPoints::add(const Points& step) {
   }
 }
 
+void DoubledColumn::times(const Vector3& factor, Points& out, ThreadPool& pool) const {
+  const int n = static_cast<int>(high.size());
+  out.resize(n, 3);
+  in_pieces(pool, n, kGrain, [&](int first, int last) {
+    for (int i = first; i < last; ++i) {
+      const Lanes by = {factor[0], factor[1], factor[2], 0};
+      const Lanes product = high[i] * by;
+      set_row(out.data(), i, product + (Split::error(high[i], by, product) + low[i] * by));
+    }
+  });
+}
+
 void normal_residual(const OperatorRows& m, const Eigen::VectorXd& diagonal, const Points& right,
                      const DoubledPoints& x, DoubledPoints& between, Points& out, ThreadPool& pool) {
-  const Run run = best_run();
-  const int n = static_cast<int>(right.rows());
-  between.high.resize(n, 3);
-  between.low.resize(n, 3);
-  out.resize(n, 3);
-  Pass forward = pass_over(m.rows(), x);
+  between.high.resize(right.rows(), 3);
+  between.low.resize(right.rows(), 3);
+  out.resize(right.rows(), 3);
+  Pass forward = pass_over(m.rows(), x.high, &x.low);
   forward.sum_high = between.high.data();
   forward.sum_low = between.low.data();
-  in_pieces(pool, n, kGrain, [&](int first, int last) { run(forward, first, last); });
-  Pass back = pass_over(m.matrix(), between);
+  run_all(forward, pool);
+  Pass back = pass_over(m.matrix(), between.high, &between.low);
   back.right = right.data();
   back.left = out.data();
   back.diagonal = diagonal.data();
   back.d_high = x.high.data();
   back.d_low = x.low.data();
-  in_pieces(pool, n, kGrain, [&](int first, int last) { run(back, first, last); });
+  run_all(back, pool);
 }
 
-void symmetric_residual(const SparseMatrix& a, const Points& right, const DoubledPoints& x, Points& out) {
+void symmetric_residual(const SparseMatrix& a, const Points& right, const DoubledPoints& x, Points& out,
+                        ThreadPool& pool) {
   out.resize(right.rows(), 3);
-  Pass pass = pass_over(a, x);
+  Pass pass = pass_over(a, x.high, &x.low);
   pass.right = right.data();
   pass.left = out.data();
-  best_run()(pass, 0, static_cast<int>(right.rows()));
+  run_all(pass, pool);
+}
+
+void subtract_normal_product(const OperatorRows& m, const Eigen::VectorXd& diagonal, const Points& step,
+                             Points& between, Points& left, ThreadPool& pool) {
+  between.resize(step.rows(), 3);
+  Pass forward = pass_over(m.rows(), step, nullptr);
+  forward.sum_high = between.data();
+  run_all(forward, pool);
+  Pass back = pass_over(m.matrix(), between, nullptr);
+  back.right = left.data();
+  back.left = left.data();
+  back.diagonal = diagonal.data();
+  back.d_high = step.data();
+  run_all(back, pool);
+}
+
+Refinement refine_to_the_bit(RefinedSystem& system, bool single_precision, bool from_start, DoubledPoints& x,
+                             Points& left, Points& step) {
+  constexpr double kAccurate = 1e-24, kStalled = 0.5, kSpoiled = 0.1;
+  constexpr int kMostSteps = 60;
+  // What a solve leaves of an error comes from the factor's rounding and grows with the condition; so does what a
+  // residual in working precision gets wrong: 2^-29 of it, and not all alike.
+  const double coarse = single_precision ? 16 * 0x1p-29 : 1;
+  double rate = single_precision ? 1e-5 : 1e-12;  // of an error, that a step leaves: the worst so far, or a guess
+  double moved = 0;                               // by steps that were subtracted in working precision
+  bool started = from_start, exact = true;
+  Refinement done;
+  done.last_change = 1;
+  if (started) {
+    system.residual(x, left);
+    ++done.steps;
+  }
+  while (done.steps < kMostSteps) {
+    const double most = largest(left);
+    if (!(most > 0) || !std::isfinite(most)) {
+      if (!started) {
+        x.set(left);
+      }
+      done.last_change = most;
+      break;
+    }
+    system.solve(left, step);
+    double change = 1;
+    if (!started) {
+      x.set(step);
+      started = true;
+    } else {
+      const double size = largest(x.high);
+      change = size > 0 ? largest(step) / size : 1;
+      if (!(change < kStalled * done.last_change)) {
+        if (exact) {
+          break;
+        }
+        system.residual(x, left);
+        ++done.steps;
+        moved = 0;
+        exact = true;
+        continue;
+      }
+      x.add(step);
+      rate = std::max(rate, change / done.last_change);
+      done.last_change = change;
+      if (rate * change < kAccurate && coarse * rate * moved < kAccurate) {
+        break;
+      }
+    }
+    ++done.steps;
+    exact = !(coarse * rate * (moved + change) < std::max(kSpoiled * rate * change, kAccurate));
+    if (exact) {
+      system.residual(x, left);
+      moved = 0;
+    } else {
+      system.subtract_product(step, left);
+      moved += change;
+    }
+  }
+  return done;
 }
 
 }  // namespace lapedit

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cmath>
-
 #include "lapedit/base/thread_pool.h"
 #include "lapedit/linear/operator_rows.h"
 
@@ -21,49 +19,56 @@ struct DoubledPoints {
   void add(const Points& step);
 };
 
+/// Scalars of twice the working precision, likewise.
+struct DoubledColumn {
+  Eigen::VectorXd high, low;
+
+  /// out = this times factor^T, n x 3, rounded once.
+  void times(const Vector3& factor, Points& out, ThreadPool& pool) const;
+};
+
 /// out = right - (M^T M + diag(diagonal)) x. Relative error about 1e-31 of the sizes of the terms, but for the last
 /// rounding. @param between  scratch; it and out keep their storage if they have the right size. O(entries of M)
 void normal_residual(const OperatorRows& m, const Eigen::VectorXd& diagonal, const Points& right,
                      const DoubledPoints& x, DoubledPoints& between, Points& out, ThreadPool& pool);
 
 /// out = right - A x, for a symmetric matrix with both halves stored; likewise.
-void symmetric_residual(const SparseMatrix& a, const Points& right, const DoubledPoints& x, Points& out);
+void symmetric_residual(const SparseMatrix& a, const Points& right, const DoubledPoints& x, Points& out,
+                        ThreadPool& pool);
+
+/// left -= (M^T M + diag(diagonal)) step, in working precision: a residual after a small step, for a fifth of the price
+/// of a new one. @param between  scratch
+void subtract_normal_product(const OperatorRows& m, const Eigen::VectorXd& diagonal, const Points& step,
+                             Points& between, Points& left, ThreadPool& pool);
+
+/// What iterative refinement asks of a system A x = b and a factor of A.
+class RefinedSystem {
+ public:
+  virtual ~RefinedSystem() = default;
+  /// left = b - A x in doubled precision.
+  virtual void residual(const DoubledPoints& x, Points& left) = 0;
+  /// left -= A step in working precision; asked only where the factor is in single precision.
+  virtual void subtract_product(const Points& step, Points& left) = 0;
+  /// step about A^-1 left. May change left while it works.
+  virtual void solve(Points& left, Points& step) = 0;
+};
+
+/// How a refinement went.
+struct Refinement {
+  int steps = 0;           ///< residuals taken
+  double last_change = 0;  ///< the size of the last step over that of the solution
+
+  bool converged() const { return last_change < 1e-6; }  ///< else the solution is not to be trusted
+};
 
 /// Iterative refinement of a solution until it is right to the last bit, or until a step does not get it much nearer
-/// any more.
-/// @param residual  called as residual(x, out): out = what is left of the right-hand side after A x
-/// @param solve     called as solve(right, out): out about A^-1 right; may change right
-/// @param x         in: a solution with a few good digits; out: better
-/// @param left,step  scratch
-/// @return the size of the last step over that of the solution
-template <class Residual, class Solve>
-double refine_to_the_bit(const Residual& residual, const Solve& solve, DoubledPoints& x, Points& left, Points& step) {
-  constexpr double kAccurate = 1e-22, kStalled = 0.5;
-  constexpr int kMostSteps = 60;
-  double last = 1;
-  for (int count = 0; count < kMostSteps; ++count) {
-    residual(x, left);
-    const double most = left.size() > 0 ? left.cwiseAbs().maxCoeff() : 0;
-    if (!(most > 0) || !std::isfinite(most)) {
-      return most;
-    }
-    // Not too small for a solution in single precision. A power of two changes no digits.
-    const double scale = std::exp2(-std::ilogb(most));
-    left *= scale;
-    solve(left, step);
-    step /= scale;
-    const double size = x.high.cwiseAbs().maxCoeff();
-    const double change = size > 0 ? step.cwiseAbs().maxCoeff() / size : 1;
-    if (!(change < kStalled * last)) {
-      return last;
-    }
-    x.add(step);
-    last = change;
-    if (change < kAccurate) {
-      break;
-    }
-  }
-  return last;
-}
+/// any more. A residual is taken in doubled precision only where working precision would spoil the next step, and the
+/// steps end when one more, at the pace of the slowest so far, would not be seen.
+/// @param single_precision  whether the factor is
+/// @param from_start  whether x is a start; else left is the right-hand side
+/// @param x           out: the solution
+/// @param left,step   scratch
+Refinement refine_to_the_bit(RefinedSystem& system, bool single_precision, bool from_start, DoubledPoints& x,
+                             Points& left, Points& step);
 
 }  // namespace lapedit

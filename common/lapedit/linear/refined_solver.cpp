@@ -85,43 +85,72 @@ int RefinedSolver::refine_to(const Points& right, Points& x, double accurate) {
 }
 
 /// x = A^-1 b, as good as the factor is: y + Z K (W^-2 b_h - y_h).
-void RefinedSolver::solve(const Points& right, Points& x) {
+void RefinedSolver::solve(Points& right, Points& x) {
   const WoodburyCorrection& add = *correction_;
   if (add.rows.empty()) {
     cholesky_.solve(right, x);
     return;
   }
-  x = right;
   for (std::size_t c = 0; c < add.rows.size(); ++c) {
-    const int row = add.rows[c];
-    at_rows_.row(static_cast<Eigen::Index>(c)) = right.row(row) / add.weights[c];
-    x.row(row).setZero();
+    at_rows_.row(static_cast<Eigen::Index>(c)) = right.row(add.rows[c]);
+    right.row(add.rows[c]).setZero();
   }
-  cholesky_.solve(x, x);
+  cholesky_.solve(right, x);
   for (std::size_t c = 0; c < add.rows.size(); ++c) {
-    at_rows_.row(static_cast<Eigen::Index>(c)) -= x.row(add.rows[c]);
+    const auto row = static_cast<Eigen::Index>(c);
+    right.row(add.rows[c]) = at_rows_.row(row);
+    at_rows_.row(row) = at_rows_.row(row) / add.weights[c] - x.row(add.rows[c]);
   }
   corrected_ = add.k.lazyProduct(at_rows_);
-  for (Eigen::Index i = 0; i < x.rows(); ++i) {
+  constexpr int kGrain = 4096;
+  in_pieces(*pool_, static_cast<int>(x.rows()), kGrain, [&](int first, int last) {
     for (Eigen::Index c = 0; c < corrected_.rows(); ++c) {
-      x.row(i) += add.z(i, c) * corrected_.row(c);
+      for (int i = first; i < last; ++i) {
+        x.row(i) += add.z(i, c) * corrected_.row(c);
+      }
     }
-  }
+  });
 }
 
-RefinedSolver::Outcome RefinedSolver::refine_to_the_bit(const Points& right, Points& x, const Progress& go_on) {
-  Outcome outcome;
-  solve(right, x);
-  doubled_.set(x);
-  outcome.last_change = lapedit::refine_to_the_bit(
-      [&](const DoubledPoints& at, Points& out) {
-        ++outcome.steps;
-        report_progress(go_on, 0, "solve");
-        normal_residual(*matrix_->m, squared_weights_, right, at, between_, out, *pool_);
-      },
-      [this](const Points& from, Points& to) { solve(from, to); }, doubled_, residual_, step_);
+class RefinedSolver::System : public RefinedSystem {
+ public:
+  System(RefinedSolver& solver, const Points& right, const Progress& go_on)
+      : s_(solver), right_(right), go_on_(go_on) {}
+  void residual(const DoubledPoints& x, Points& left) override {
+    normal_residual(*s_.matrix_->m, s_.squared_weights_, right_, x, s_.between_, left, *s_.pool_);
+  }
+  void subtract_product(const Points& step, Points& left) override {
+    subtract_normal_product(*s_.matrix_->m, s_.squared_weights_, step, s_.between_.high, left, *s_.pool_);
+  }
+  void solve(Points& left, Points& step) override {
+    report_progress(go_on_, 0, "solve");
+    s_.solve(left, step);
+  }
+
+ private:
+  RefinedSolver& s_;
+  const Points& right_;
+  const Progress& go_on_;
+};
+
+Refinement RefinedSolver::refine_to_the_bit(const Points& right, Points& x, const Progress& go_on) {
+  residual_ = right;
+  System system(*this, right, go_on);
+  const Refinement done =
+      lapedit::refine_to_the_bit(system, cholesky_.single_precision(), false, doubled_, residual_, step_);
   x = doubled_.high;
-  return outcome;
+  return done;
+}
+
+Refinement RefinedSolver::pull_to_the_bit(const Vector3& pull, Points& x, const Progress& go_on) {
+  if (response_.high.size() == 0) {
+    Points unit = Points::Zero(squared_weights_.size(), 3);
+    unit(correction_->rows[0], 0) = 1;
+    response_refined_ = refine_to_the_bit(unit, x, go_on);
+    response_ = {doubled_.high.col(0), doubled_.low.col(0)};
+  }
+  response_.times(pull, x, *pool_);
+  return response_refined_;
 }
 
 double RefinedSolver::relative_residual(const Points& right, const Points& x) const {
@@ -134,7 +163,8 @@ double RefinedSolver::relative_residual(const Points& right, const Points& x) co
 
 std::size_t RefinedSolver::bytes() const {
   const Eigen::Index doubles = squared_weights_.size() + residual_.size() + step_.size() + doubled_.high.size() +
-                               doubled_.low.size() + between_.high.size() + between_.low.size();
+                               doubled_.low.size() + between_.high.size() + between_.low.size() +
+                               response_.high.size() + response_.low.size();
   return static_cast<std::size_t>(doubles) * sizeof(double);
 }
 

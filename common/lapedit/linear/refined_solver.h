@@ -52,15 +52,14 @@ class RefinedSolver {
   /// @return how many steps that took; -1: it does not converge
   int refine_to(const Points& right, Points& x, double accurate);
 
-  /// How a solution to the last bit went.
-  struct Outcome {
-    int steps = 0;           ///< residuals taken
-    double last_change = 0;  ///< the last step over the solution: small, or the solution is not to be trusted
-  };
-
   /// A x = b to the last bit of a double, whatever the factor is like. Nothing is allocated after the first call.
   /// @param go_on  asked at each step. @throws EditError (Cancelled)
-  Outcome refine_to_the_bit(const Points& right, Points& x, const Progress& go_on = {});
+  Refinement refine_to_the_bit(const Points& right, Points& x, const Progress& go_on = {});
+
+  /// Whether there is a correction of one row, so that what is asked for at it alone is a multiple of one solution.
+  bool has_one_row() const { return correction_->rows.size() == 1; }
+  /// The same for b that is zero but for that row, the three numbers of `pull`. Only the first call solves.
+  Refinement pull_to_the_bit(const Vector3& pull, Points& x, const Progress& go_on = {});
 
   /// |A x - b| over (|A0| + largest w^2) |x| + |b|, largest entries each; 0 if all are. Changes nothing.
   double relative_residual(const Points& right, const Points& x) const;
@@ -69,7 +68,8 @@ class RefinedSolver {
   std::size_t bytes() const;                        ///< of the scratch
 
  private:
-  void solve(const Points& right, Points& x);
+  class System;
+  void solve(Points& right, Points& x);
 
   std::shared_ptr<const FactoredNormalMatrix> matrix_;
   std::shared_ptr<const WoodburyCorrection> correction_;
@@ -81,6 +81,10 @@ class RefinedSolver {
   Points residual_, step_;
   Points at_rows_, corrected_;
   DoubledPoints doubled_, between_;
+
+  // A^-1 e of the correction's one row, made when it is asked for; and how that went.
+  DoubledColumn response_;
+  Refinement response_refined_;
 };
 
 /// The correction for rows that have no weight in A0. @param a0  a solver without one

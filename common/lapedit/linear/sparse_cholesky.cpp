@@ -30,9 +30,10 @@ namespace {
 }  // namespace
 
 struct SparseCholesky::Implementation {
-  Implementation() = default;
+  explicit Implementation(std::shared_ptr<ThreadPool> used) : pool(std::move(used)) {}
   /// Shares the factor; the scratch is made when it is needed.
-  Implementation(const Implementation& other) : order(other.order), nonzeros(other.nonzeros) {}
+  Implementation(const Implementation& other, std::shared_ptr<ThreadPool> used)
+      : pool(std::move(used)), order(other.order), nonzeros(other.nonzeros) {}
   Implementation& operator=(const Implementation&) = delete;
   virtual ~Implementation() = default;
   virtual std::unique_ptr<Implementation> share(std::shared_ptr<ThreadPool> pool) const = 0;
@@ -41,11 +42,39 @@ struct SparseCholesky::Implementation {
   virtual bool single_precision() const = 0;
   virtual const char* name() const = 0;
   virtual std::size_t bytes() const = 0;
+  virtual void solve(const Points& rhs, Points& x) { solve_with(ordered, 1, rhs, x); }
+
+  /// Scaled right-hand sides in the order of elimination, their solution, and back.
+  template <class Ordered>
+  void solve_with(Ordered& rows, double scale, const Points& rhs, Points& x) {
+    constexpr int kGrain = 4096;
+    const auto n = static_cast<int>(order.size());
+    rows.resize(n, 3);
+    in_pieces(*pool, n, kGrain, [&](int first, int last) {
+      for (int k = first; k < last; ++k) {
+        rows.row(k) = (rhs.row(order[k]) / scale).template cast<typename Ordered::Scalar>();
+      }
+    });
+    solve_in_order(rows.data());
+    x.resize(n, 3);
+    in_pieces(*pool, n, kGrain, [&](int first, int last) {
+      for (int k = first; k < last; ++k) {
+        x.row(order[k]) = scale * rows.row(k).template cast<double>();
+      }
+    });
+  }
+
+  std::shared_ptr<ThreadPool> pool;
   std::vector<int> order;
   std::size_t nonzeros = 0;
-  Points ordered;  // double, in the order of elimination
-  std::vector<float> ordered_single;
+  Points ordered;  // in the order of elimination
+  Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> ordered_single;
 };
+
+/// A power of two, so that no digit is lost, which makes the largest number about 1.
+double scale_of(double largest) {
+  return largest > 0 && std::isfinite(largest) ? std::ldexp(1.0, std::ilogb(largest)) : 1;
+}
 
 namespace {
 
@@ -58,7 +87,8 @@ struct EigenCholesky : SparseCholesky::Implementation {
     Eigen::VectorXd pivots;
   };
 
-  EigenCholesky(const SparseMatrix& matrix, const std::vector<int>& given) {
+  EigenCholesky(const SparseMatrix& matrix, const std::vector<int>& given)
+      : Implementation(std::make_shared<ThreadPool>(1)) {
     const Eigen::Index n = matrix.rows();
     Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation(n);
     if (given.empty()) {
@@ -88,8 +118,10 @@ struct EigenCholesky : SparseCholesky::Implementation {
     nonzeros = static_cast<std::size_t>(made->ldlt.matrixL().nestedExpression().nonZeros());
     factor = std::move(made);
   }
-  std::unique_ptr<Implementation> share(std::shared_ptr<ThreadPool> /*pool*/) const override {
-    return std::make_unique<EigenCholesky>(*this);
+  EigenCholesky(const EigenCholesky& other, std::shared_ptr<ThreadPool> used)
+      : Implementation(other, std::move(used)), factor(other.factor) {}
+  std::unique_ptr<Implementation> share(std::shared_ptr<ThreadPool> used) const override {
+    return std::make_unique<EigenCholesky>(*this, std::move(used));
   }
   void solve_in_order(double* x) override {
     Eigen::Map<Points> rows(x, size(), 3);
@@ -157,7 +189,7 @@ struct CholmodFactor {
 
 struct CholmodCholesky : SparseCholesky::Implementation {
   CholmodCholesky(const SparseMatrix& matrix, const CholeskyOptions& options)
-      : pool(options.pool ? options.pool : std::make_shared<ThreadPool>(1)) {
+      : Implementation(options.pool ? options.pool : std::make_shared<ThreadPool>(1)) {
     CholmodFactor made;
     cholmod_common& common = made.common;
     common.supernodal = CHOLMOD_SUPERNODAL;
@@ -208,7 +240,7 @@ struct CholmodCholesky : SparseCholesky::Implementation {
     }
   }
   CholmodCholesky(const CholmodCholesky& other, std::shared_ptr<ThreadPool> used)
-      : Implementation(other), pool(used ? std::move(used) : std::make_shared<ThreadPool>(1)) {
+      : Implementation(other, std::move(used)) {
     if (other.in_single) {
       in_single = std::make_unique<SupernodalSolver<float>>(*other.in_single, *pool);
     } else {
@@ -223,20 +255,17 @@ struct CholmodCholesky : SparseCholesky::Implementation {
       in_double->solve(x, *pool);
       return;
     }
-    const std::size_t count = 3 * order.size();
-    ordered_single.resize(count);
-    double largest = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      largest = std::max(largest, std::abs(x[i]));
-    }
-    // A power of two, so that no digit is lost.
-    const double scale = largest > 0 && std::isfinite(largest) ? std::ldexp(1.0, std::ilogb(largest)) : 1;
-    for (std::size_t i = 0; i < count; ++i) {
-      ordered_single[i] = static_cast<float>(x[i] / scale);
-    }
+    Eigen::Map<Points> rows(x, static_cast<Eigen::Index>(order.size()), 3);
+    const double scale = scale_of(rows.cwiseAbs().maxCoeff());
+    ordered_single = (rows / scale).cast<float>();
     in_single->solve(ordered_single.data(), *pool);
-    for (std::size_t i = 0; i < count; ++i) {
-      x[i] = scale * static_cast<double>(ordered_single[i]);
+    rows = scale * ordered_single.cast<double>();
+  }
+  void solve(const Points& rhs, Points& x) override {
+    if (in_single) {
+      solve_with(ordered_single, scale_of(rhs.cwiseAbs().maxCoeff()), rhs, x);
+    } else {
+      solve_with(ordered, 1, rhs, x);
     }
   }
   void solve_in_order(float* x) override {
@@ -254,7 +283,6 @@ struct CholmodCholesky : SparseCholesky::Implementation {
   const char* name() const override { return "CHOLMOD supernodal LLT"; }
   std::size_t bytes() const override { return in_single ? in_single->bytes() : in_double->bytes(); }
 
-  std::shared_ptr<ThreadPool> pool;
   std::unique_ptr<SupernodalSolver<float>> in_single;
   std::unique_ptr<SupernodalSolver<double>> in_double;
 };
@@ -308,24 +336,13 @@ SparseCholesky::SparseCholesky(const SparseMatrix& matrix, CholeskyBackend backe
 SparseCholesky::SparseCholesky(const SparseMatrix& matrix, const CholeskyOptions& options)
     : implementation_(make(matrix, options)) {}
 SparseCholesky::SparseCholesky(const SparseCholesky& other, std::shared_ptr<ThreadPool> pool)
-    : implementation_(other.implementation_->share(std::move(pool))) {}
+    : implementation_(other.implementation_->share(pool ? std::move(pool) : std::make_shared<ThreadPool>(1))) {}
 SparseCholesky::~SparseCholesky() = default;
 SparseCholesky::SparseCholesky(SparseCholesky&&) noexcept = default;
 SparseCholesky& SparseCholesky::operator=(SparseCholesky&&) noexcept = default;
 
 void SparseCholesky::solve(const Points& rhs, Points& x) {
-  Implementation& inside = *implementation_;
-  Points& ordered = inside.ordered;
-  const auto n = static_cast<Eigen::Index>(inside.order.size());
-  ordered.resize(n, 3);
-  for (Eigen::Index k = 0; k < n; ++k) {
-    ordered.row(k) = rhs.row(inside.order[k]);
-  }
-  inside.solve_in_order(ordered.data());
-  x.resize(n, 3);
-  for (Eigen::Index k = 0; k < n; ++k) {
-    x.row(inside.order[k]) = ordered.row(k);
-  }
+  implementation_->solve(rhs, x);
 }
 
 void SparseCholesky::solve_in_order(float* x) {

@@ -75,6 +75,9 @@ double DragSession::progress() const {
 const char* DragSession::stage() const {
   return impl_->worker.stage();
 }
+bool DragSession::in_hand() const {
+  return impl_->in_hand;
+}
 bool DragSession::ready() const {
   return impl_->preparation == Impl::Preparation::Done;
 }

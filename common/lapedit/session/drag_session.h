@@ -30,6 +30,7 @@ struct PressModifiers {
 /// What the panel shows. Counts of the region; milliseconds; lengths in model units.
 struct DragFigures {
   int handle = 0, free = 0, anchors = 0, fixed = 0;
+  double in_hand_ms = 0;  ///< until a drag could be followed
   double prepare_ms = 0;
   double solve_ms = 0;         ///< of the last pose
   double handle_error = 0;     ///< largest distance of a handle vertex from its target, of the last report
@@ -84,7 +85,8 @@ class DragSession {
   bool preparing() const;            ///< a region is on its way
   double progress() const;           ///< of that, 0 to 1
   const char* stage() const;         ///< of that
-  bool ready() const;                ///< the region is prepared: a drag is followed at once
+  bool in_hand() const;              ///< a drag is followed at once, if only by the region's stand-in
+  bool ready() const;                ///< the region is prepared
   bool busy() const;                 ///< poll() has, or will have, something new
   std::string message() const;       ///< one line: what was refused, else what the next click does
   DragFigures figures() const;

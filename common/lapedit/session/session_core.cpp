@@ -149,10 +149,12 @@ void SessionCore::handles_changed() {
 void SessionCore::prepare() {
   if (groups().empty()) {
     preparation = Preparation::None;
+    in_hand = false;
     worker.cancel();
     return;
   }
   preparation = Preparation::Running;
+  in_hand = false;
   worker.prepare({history.mesh(), adjacency, selection.region, groups(), settings.edit, scalar});
 }
 
@@ -228,6 +230,7 @@ void SessionCore::amend() {
     maps.push_back(resolve(handle.transform, centroid(amending.base->vertices, handle.vertices)));
   }
   preparation = Preparation::Running;
+  in_hand = false;
   worker.prepare({amending.base, adjacency, step.region, std::move(handles), step.settings, scalar});
   amending.serial = worker.solve(maps, true);
 }
@@ -301,6 +304,7 @@ void SessionCore::take_over(const AppliedStep& step, bool applied) {
 
 void SessionCore::on_error(const std::string& sentence) {
   preparation = Preparation::None;
+  in_hand = false;
   log(messages::not_possible(sentence));
   if (in_progress()) {
     drop();
@@ -354,6 +358,10 @@ bool SessionCore::listen(MouseEvents& waited) {
       show_region(news.region);
     }
   }
+  if (news.in_hand) {
+    in_hand = true;
+    heard.in_hand_ms = news.in_hand_ms;
+  }
   if (news.ready) {
     preparation = Preparation::Done;
     heard.prepare_ms = news.prepare_ms;
@@ -378,7 +386,7 @@ bool SessionCore::listen(MouseEvents& waited) {
     }
     refusal = news.pose_error;
   }
-  return news.region || news.ready || news.report || news.pose || news.applied || !news.error.empty() ||
+  return news.region || news.in_hand || news.ready || news.report || news.pose || news.applied || !news.error.empty() ||
          !news.pose_error.empty();
 }
 

@@ -105,7 +105,8 @@ struct SessionCore {
   ShownRegion shown;
   std::unique_ptr<Visibility> visibility;  // of the mesh as it is, once the brush has asked
   Preparation preparation = Preparation::None;
-  DragFigures heard;  // times and errors, from the worker
+  bool in_hand = false;  // drags are followed, if only by the stand-in
+  DragFigures heard;     // times and errors, from the worker
   SolverPose solved;
   SolverThread worker;  // last: its thread ends first
 

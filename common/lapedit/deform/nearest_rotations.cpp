@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/deform/nearest_rotations.h"
+
+#include <algorithm>
+#include <cstdint>
+
+#include "lapedit/base/cpu_dispatch.h"
+#include "lapedit/deform/polar_decomposition.h"
+
+// Newton's iteration of nearest_rotation() for eight matrices at a time. Each lane does the operations that Eigen does
+// for one matrix, in the same order, so that its bits are the same; without contraction, and where the iteration does
+// not settle it is left to nearest_rotation() itself.
+
+namespace lapedit {
+namespace {
+
+constexpr int kLanes = 8;
+
+#ifdef LAPEDIT_HAVE_AVX
+
+typedef double Lanes __attribute__((vector_size(kLanes * sizeof(double))));
+typedef std::int64_t Mask __attribute__((vector_size(kLanes * sizeof(double))));
+
+/// Column after column, as in Eigen.
+struct Matrices {
+  Lanes m[9];
+
+  LAPEDIT_INLINE Lanes operator()(int row, int column) const { return m[3 * column + row]; }
+};
+
+/// In the order in which Eigen sums nine squares with vectors of two.
+LAPEDIT_INLINE Lanes squared_norm(const Matrices& a) {
+  const auto square = [&a](int k) __attribute__((always_inline)) {
+    return a.m[k] * a.m[k];
+  };
+  return (((square(0) + square(2)) + (square(4) + square(6))) + ((square(1) + square(3)) + (square(5) + square(7)))) +
+         square(8);
+}
+
+LAPEDIT_INLINE Lanes square_root(Lanes a) {
+  for (int lane = 0; lane < kLanes; ++lane) {
+    a[lane] = __builtin_sqrt(a[lane]);
+  }
+  return a;
+}
+
+LAPEDIT_INLINE Lanes cofactor(const Matrices& a, int i, int j) {
+  const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+  return a(i1, j1) * a(i2, j2) - a(i1, j2) * a(i2, j1);
+}
+
+LAPEDIT_INLINE Matrices inverse_transposed(const Matrices& a) {
+  Matrices result;
+#pragma GCC unroll 9
+  for (int k = 0; k < 9; ++k) {
+    result.m[k] = cofactor(a, k % 3, k / 3);
+  }
+  const Lanes factor = 1 / ((result.m[0] * a.m[0] + result.m[1] * a.m[1]) + result.m[2] * a.m[2]);
+#pragma GCC unroll 9
+  for (int k = 0; k < 9; ++k) {
+    result.m[k] *= factor;
+  }
+  return result;
+}
+
+LAPEDIT_INLINE Lanes determinant(const Matrices& a) {
+  const auto term = [&a](int i, int j, int k) __attribute__((always_inline)) {
+    return a(0, i) * (a(1, j) * a(2, k) - a(1, k) * a(2, j));
+  };
+  return term(0, 1, 2) - term(1, 0, 2) + term(2, 0, 1);
+}
+
+/// @return of each lane, whether it has settled
+LAPEDIT_INLINE Mask iterate(Matrices& x) {
+  constexpr double kUndetermined = 1e-10, kSafeDeterminant = 1e-4;
+  const Lanes size = square_root(squared_norm(x));
+#pragma GCC unroll 9
+  for (int k = 0; k < 9; ++k) {
+    x.m[k] = x.m[k] / size + (k % 4 == 0 ? kUndetermined : 0);
+  }
+  const Mask turned = (x(0, 1) != x(1, 0)) | (x(0, 2) != x(2, 0)) | (x(1, 2) != x(2, 1));
+  const Mask open = turned & (determinant(x) > kSafeDeterminant) & (size > 0);
+  Mask settled = {};
+  for (int step = 0; step < 12; ++step) {
+    const Matrices back = inverse_transposed(x);
+    const Lanes gamma = square_root(square_root(squared_norm(back)) / square_root(squared_norm(x)));
+    Matrices next, change;
+#pragma GCC unroll 9
+    for (int k = 0; k < 9; ++k) {
+      next.m[k] = 0.5 * (gamma * x.m[k] + back.m[k] / gamma);
+      change.m[k] = next.m[k] - x.m[k];
+      x.m[k] = settled ? x.m[k] : next.m[k];
+    }
+    settled |= open & (squared_norm(change) < 1e-26);
+    const Mask left = open & ~settled;
+    std::int64_t any = 0;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      any |= left[lane];
+    }
+    if (any == 0) {
+      break;
+    }
+  }
+  return settled;
+}
+
+LAPEDIT_INLINE void turn_all(const Matrix3* matrices, int count, Matrix3* rotations) {
+  for (int first = 0; first < count; first += kLanes) {
+    const int lanes = std::min(kLanes, count - first);
+    Matrices x;
+    for (int k = 0; k < 9; ++k) {
+      for (int lane = 0; lane < kLanes; ++lane) {
+        x.m[k][lane] = matrices[first + std::min(lane, lanes - 1)].data()[k];
+      }
+    }
+    const Mask settled = iterate(x);
+    for (int lane = 0; lane < lanes; ++lane) {
+      Matrix3& rotation = rotations[first + lane];
+      if (settled[lane] == 0) {
+        rotation = nearest_rotation(matrices[first + lane]);
+        continue;
+      }
+      for (int k = 0; k < 9; ++k) {
+        rotation.data()[k] = x.m[k][lane];
+      }
+    }
+  }
+}
+
+LAPEDIT_AVX2 void turn_avx2(const Matrix3* matrices, int count, Matrix3* rotations) {
+  turn_all(matrices, count, rotations);
+}
+LAPEDIT_AVX512 void turn_avx512(const Matrix3* matrices, int count, Matrix3* rotations) {
+  turn_all(matrices, count, rotations);
+}
+
+#endif
+
+}  // namespace
+
+void nearest_rotations(const Matrix3* matrices, int count, Matrix3* rotations) {
+#ifdef LAPEDIT_HAVE_AVX
+  if (cpu_level() == CpuLevel::Avx512) {
+    return turn_avx512(matrices, count, rotations);
+  }
+  if (cpu_level() == CpuLevel::Avx2) {
+    return turn_avx2(matrices, count, rotations);
+  }
+#endif
+  for (int i = 0; i < count; ++i) {
+    rotations[i] = nearest_rotation(matrices[i]);
+  }
+}
+
+}  // namespace lapedit
