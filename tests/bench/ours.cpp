@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ours.h"
 
+#include "lapedit/deform/coarse_preview.h"
 #include "lapedit/deform/laplacian_editor.h"
 #include "lapedit/deform/smooth_normals.h"
 #include "lapedit/linear/fill_reducing_ordering.h"
@@ -40,7 +41,7 @@ Ours::Ours(const Scene& scene, int order, int threads) : state_(std::make_unique
   s.settings = settings(order, threads);
   s.handles.resize(1);
   s.editor = std::make_unique<LaplacianEditor>(
-      scene.mesh, lapedit::build_region(scene.mesh, scene.adjacency, scene.spec, scene.handle), s.settings);
+      scene.mesh, lapedit::build_region(scene.mesh, scene.adjacency, scene.spec, scene.handle, threads), s.settings);
 }
 Ours::~Ours() = default;
 
@@ -87,6 +88,37 @@ void Ours::second_handle(const Scene& scene, int vertex) {
 }
 const Region& Ours::region() const {
   return state_->editor->region();
+}
+
+struct OurHand::State {
+  std::shared_ptr<const Region> region;
+  lapedit::CoarsePreview preview;
+  std::vector<lapedit::Affine> handles{lapedit::Affine::Identity()};
+  const Points* positions = nullptr;
+  Points normals;
+  Eigen::VectorXd areas;
+
+  State(const Scene& scene, const lapedit::EditSettings& given)
+      : region(std::make_shared<const Region>(
+            lapedit::build_region(scene.mesh, scene.adjacency, scene.spec, scene.handle, given.threads))),
+        preview(scene.mesh, region, given) {}
+};
+
+OurHand::OurHand(const Scene& scene, int order, int threads)
+    : state_(std::make_unique<State>(scene, settings(order, threads))) {}
+OurHand::~OurHand() = default;
+
+void OurHand::frame(const lapedit::Affine& handle) {
+  State& s = *state_;
+  s.handles[0] = handle;
+  s.positions = &s.preview.pose(s.handles);
+  lapedit::vertex_normals(*s.positions, s.region->faces, s.normals, s.areas);
+}
+const Points& OurHand::positions() const {
+  return *state_->positions;
+}
+int OurHand::cells() const {
+  return state_->preview.cells();
 }
 
 struct OurSolver::State {

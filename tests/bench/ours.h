@@ -40,6 +40,23 @@ class Ours {
   std::unique_ptr<State> state_;
 };
 
+/// The library's stand-in for the time in which a region is prepared.
+class OurHand {
+ public:
+  /// In the hand: from the handle picked until frames can follow.
+  OurHand(const Scene& scene, int order, int threads);
+  ~OurHand();
+
+  /// As Ours has it.
+  void frame(const lapedit::Affine& handle);
+  const lapedit::Points& positions() const;
+  int cells() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
 /// The library's solver alone, with the elimination order that an editor would take.
 class OurSolver {
  public:

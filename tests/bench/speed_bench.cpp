@@ -5,8 +5,9 @@
 // tests/scripts/speed.sh runs it for all sizes and makes a table. Ends with 1
 // when a result is farther from its reference than its bound.
 //
-// usage: speed_bench --vertices=N [--order=1|2] [--quick] [--export=FILE]
+// usage: speed_bench --vertices=N [--order=1|2] [--quick] [--hand] [--export=FILE]
 // [Google Benchmark's options]
+// --hand times the library's stand-in only, which needs no factor of the region.
 // --export writes the scene for peers in other processes, and nothing is timed.
 #include <benchmark/benchmark.h>
 #include <malloc.h>
@@ -43,6 +44,9 @@ constexpr double kPoseBound = 1e-4;
 constexpr double kSingleBound = 1e-3;
 constexpr double kNormalBound = 1e-3;
 constexpr double kControlBound = 1e-12;
+// The stand-in's distance from the full pose, RMS, and of the handle from its place: shares of the handle's way.
+constexpr double kCoarseBound = 0.01;
+constexpr double kInHandBound = 1e-9;
 // What a refined reference has to settle to, to be one: this share of the
 // bound.
 constexpr double kSettled = 0.1;
@@ -61,7 +65,7 @@ constexpr int kLargestForSecondCheck = 100000;
 struct Options {
   int vertices = 0, order = 1;
   std::string export_to;
-  bool quick = false;
+  bool quick = false, hand = false;
 };
 
 bool failed = false;
@@ -117,6 +121,9 @@ void add(int vertices, const Row& row) {
                                  for (const auto& [counter, value] : row.counters) {
                                    state.counters[counter] = value;
                                  }
+                                 if (!row.error) {
+                                   return;
+                                 }
                                  state.counters["error"] = row.error->value;
                                  state.counters["bound"] = row.error->bound;
                                  if (!(row.error->value <= row.error->bound)) {
@@ -165,11 +172,80 @@ Points plain_normals(const Points& positions, const lapedit::Faces& faces) {
   return normals;
 }
 
+/// How far a pose is from another, as shares of the way of the handle.
+struct CoarseDistance {
+  double rms = 0, largest = 0;
+
+  void take(const Points& pose, const Points& full, double way) {
+    const Eigen::VectorXd distances = (pose - full).rowwise().norm() / way;
+    rms = std::max(rms, std::sqrt(distances.squaredNorm() / static_cast<double>(distances.size())));
+    largest = std::max(largest, distances.maxCoeff());
+  }
+};
+
+/// What is in the hand before the region is ready.
+/// @param full  nothing: there is no full pose to compare with
+void add_hand(const Scene& scene, int order, int threads, const Options& options, Ours* full) {
+  const int n = options.vertices;
+  std::shared_ptr<OurHand> hand;
+  double ready_seconds = 0, frame_seconds = 0;
+  try {
+    ready_seconds = seconds([&] { hand = std::make_shared<OurHand>(scene, order, threads); });
+    hand->frame(handle_move(0));
+    frame_seconds = seconds([&] { hand->frame(handle_move(1)); });
+  } catch (const std::exception& refusal) {
+    add_refused(n, "ours/hand", order, threads, refusal.what());
+    return;
+  }
+  const auto found =
+      std::lower_bound(scene.region.mesh_vertex.begin(), scene.region.mesh_vertex.end(), scene.handle_vertex());
+  const auto row = found - scene.region.mesh_vertex.begin();
+  const Eigen::RowVector3d rest = scene.mesh.vertices.row(scene.handle_vertex());
+  const auto target = [rest](int frame) -> Eigen::RowVector3d {
+    return (handle_move(frame) * rest.transpose().eval()).transpose();
+  };
+  const auto ready_error = std::make_shared<Error>(Error{0, kInHandBound});
+  add(n, {"ours/hand",
+          order,
+          threads,
+          rounds_for(ready_seconds, options.quick),
+          [&scene, order, threads, ready_error, row, rest, target] {
+            std::unique_ptr<OurHand> fresh;
+            const double time = seconds([&] {
+              fresh = std::make_unique<OurHand>(scene, order, threads);
+              fresh->frame(handle_move(0));
+            });
+            ready_error->take((fresh->positions().row(row) - target(0)).norm() / (target(0) - rest).norm());
+            return time;
+          },
+          ready_error,
+          {{"cells", static_cast<double>(hand->cells())}}});
+  auto frame_error = full ? std::make_shared<Error>(Error{0, kCoarseBound}) : nullptr;
+  CoarseDistance distance;
+  for (int frame = 1; full && frame <= 3; ++frame) {
+    hand->frame(handle_move(frame));
+    distance.take(hand->positions(), full->exact(handle_move(frame)), (target(frame) - rest).norm());
+    frame_error->take(distance.rms);
+  }
+  const auto at = std::make_shared<int>(10);
+  add(n, {"ours/hand_frame",
+          order,
+          threads,
+          rounds_for(2 * frame_seconds, options.quick),
+          [hand, at] {
+            hand->frame(handle_move(++*at));
+            ++*at;
+            return seconds([&] { hand->frame(handle_move(*at)); });
+          },
+          frame_error,
+          {{"largest", distance.largest}}});
+}
+
 /// Everything of one order. The peers keep references into it.
 class Case {
  public:
   Case(const Scene& scene, int order, const Options& options)
-      : scene_(scene), order_(order), n_(options.vertices), quick_(options.quick) {
+      : scene_(scene), options_(options), order_(order), n_(options.vertices), quick_(options.quick) {
     set_blas_threads(1);
     system_ = make_system(scene.region, order, Ours::kHandleWeight, Ours::kAnchorWeight);
     rest_.resize(n_, 3);
@@ -191,6 +267,9 @@ class Case {
       check_exact();
       add_solves();
       add_frames();
+    } else {
+      add_hand(scene_, order_, 1, options_, nullptr);
+      add_hand(scene_, order_, 2, options_, nullptr);
     }
   }
 
@@ -363,6 +442,7 @@ class Case {
                ready_error,
                {{"bytes", bytes_[threads]}, {"nonzeros", static_cast<double>(solvers_[0]->factor_nonzeros())}}});
       add_second_handle(threads);
+      add_hand(scene_, order_, threads, options_, &ours);
     }
   }
 
@@ -411,6 +491,7 @@ class Case {
   }
 
   const Scene& scene_;
+  const Options& options_;
   int order_, n_;
   bool quick_;
   double cholmod_seconds_ = 0, solve_seconds_ = 0, ready_seconds_ = 0, frame_seconds_ = 0;
@@ -485,6 +566,8 @@ int run(int argc, char** argv) {
       options.order = std::stoi(value);
     } else if (std::strcmp(argv[i], "--quick") == 0) {
       options.quick = true;
+    } else if (std::strcmp(argv[i], "--hand") == 0) {
+      options.hand = true;
     } else if (!take_value(argv[i], "--export", options.export_to)) {
       others.push_back(argv[i]);
     }
@@ -495,7 +578,7 @@ int run(int argc, char** argv) {
   benchmark::Initialize(&count, others.data());
   if (benchmark::ReportUnrecognizedArguments(count, others.data()) || options.vertices < 100 || options.order < 1 ||
       options.order > 2) {
-    std::cerr << "usage: speed_bench --vertices=N [--order=1|2] [--quick] "
+    std::cerr << "usage: speed_bench --vertices=N [--order=1|2] [--quick] [--hand] "
                  "[--export=FILE]\n";
     return 2;
   }
@@ -520,9 +603,15 @@ int run(int argc, char** argv) {
   benchmark::AddCustomContext("BLAS", blas_name());
   benchmark::AddCustomContext("anchors", std::to_string(scene.anchors().size()));
 
-  const Case ours_and_cholmod(scene, options.order, options);
+  std::unique_ptr<Case> ours_and_cholmod;
+  if (options.hand) {
+    add_hand(scene, options.order, 1, options, nullptr);
+    add_hand(scene, options.order, 2, options, nullptr);
+  } else {
+    ours_and_cholmod = std::make_unique<Case>(scene, options.order, options);
+  }
   std::unique_ptr<CgalPeer> cgal;
-  if (options.order == 1 && options.vertices <= kLargestForCgal) {
+  if (options.order == 1 && !options.hand && options.vertices <= kLargestForCgal) {
     cgal = std::make_unique<CgalPeer>(scene);
     cgal->reset();
     if (cgal->preprocess()) {

@@ -17,7 +17,9 @@ import sys
 # Ratios of peers are ours over the peer's.
 BARS = {
     "frame / Blender update": [(4685, 1 / 10), (12774, 1 / 20), (32280, 1 / 25)],
-    "frame / CGAL iteration": [(4685, 1 / 5), (12774, 1 / 8)],
+    "frame / CGAL iteration": [(4685, 1 / 8)],
+    "in the hand / CHOLMOD analyse + factor": [(32280, 1 / 8), (100000, 1 / 12), (300000, 1 / 20)],
+    "frame in the hand / drag frame": [(0, 1)],
     "solve / reading the factor twice": [(32280, 3)],
     "region ready / CHOLMOD analyse + factor": [(0, 1.3), (300000, 1)],
     "region ready / CGAL preprocess": [(0, 1)],
@@ -63,7 +65,7 @@ class Results:
                 if run["time_unit"] != "ms":
                     sys.exit("table.py: the times are not in milliseconds")
             elif run.get("aggregate_name") == "max":
-                for key in ("error", "bound", "bytes", "nonzeros", "normal_error"):
+                for key in ("error", "bound", "bytes", "nonzeros", "normal_error", "cells", "largest"):
                     if key in run:
                         cell[key] = run[key]
 
@@ -115,6 +117,8 @@ def threads_text(threads):
 
 
 TIMES = [
+    ("ours: in the hand", "ours/hand", (1, 2)),
+    ("ours: frame in the hand", "ours/hand_frame", (1, 2)),
     ("ours: region ready", "ours/ready", (1, 2)),
     ("ours: second handle in the same region", "ours/second_handle", (1, 2)),
     ("ours: drag frame", "ours/frame", (1, 2)),
@@ -151,7 +155,8 @@ def times(results, order):
                             [number(1000 / ms) if ms else "-" for ms in frames] + [""])
     for label, name, key, unit in (("ours: memory, MB", "ours/ready", "bytes", 1e6),
                                    ("ours: factor, MB", "ours/ready", "nonzeros", 1e6 / 8),
-                                   ("CHOLMOD: factor, MB", "cholmod/ready", "nonzeros", 1e6 / 8)):
+                                   ("CHOLMOD: factor, MB", "cholmod/ready", "nonzeros", 1e6 / 8),
+                                   ("ours: cells in the hand", "ours/hand", "cells", 1)):
         values = [results.get(name, order, 1, size, key) for size in results.sizes]
         rows.append([label] + [number(value / unit) if value else "-" for value in values] +
                     [growth(zip(results.sizes, values))])
@@ -179,6 +184,9 @@ def ratios(results, order):
                         lambda: over(ours("ready"), results.get("cholmod/ready", order, threads, size)),
                     "region ready / CGAL preprocess":
                         lambda: over(ours("ready"), results.get("cgal/ready", order, 1, size)),
+                    "in the hand / CHOLMOD analyse + factor":
+                        lambda: over(ours("hand"), results.get("cholmod/ready", order, threads, size)),
+                    "frame in the hand / drag frame": lambda: over(ours("hand_frame"), ours("frame")),
                     "second handle / region ready": lambda: over(ours("second_handle"), ours("ready")),
                     "memory / factor": lambda: over(results.get("ours/ready", order, threads, size, "bytes"),
                                                     8 * (results.get("ours/ready", order, threads, size, "nonzeros") or 0)),
@@ -197,6 +205,17 @@ def ratios(results, order):
                                  (f" from {least:,}" if least else "") for least, limit in bars) if order == 1 else "")
             rows.append(row)
     return rows, missed
+
+
+def coarse(results, order):
+    """The frames in the hand against the full poses, per cent of the handle's way; those beyond their bound bold."""
+    rows = []
+    for label, key in (("RMS", "error"), ("largest", "largest")):
+        cells = [results.cell("ours/hand_frame", order, 1, size) for size in results.sizes]
+        texts = ["-" if "error" not in cell else number(100 * cell[key]) for cell in cells]
+        rows.append([label] + [f"**{text}**" if key == "error" and "error" in cell and not cell["error"] <= cell["bound"]
+                               else text for text, cell in zip(texts, cells)])
+    return rows
 
 
 def errors(results, order):
@@ -232,7 +251,8 @@ def main():
     print(f"- compiler: {context['compiler']}, flags `{context['flags'].strip()}`")
     print(f"- Eigen {context['Eigen']}, CHOLMOD {context['CHOLMOD']}, {context['BLAS']}, CGAL {context['CGAL']}"
           f"{', Blender ' + results.blender if results.blender else ''}\n")
-    print("Irregular discs with detail; columns are region vertices. Milliseconds, median (minimum); the repetitions of all"
+    print("In the hand: from the handle picked to the first frame, before the region is ready; frames there are approximate."
+          " Region ready: to the first frame of the fast path. Irregular discs with detail; columns are region vertices. Milliseconds, median (minimum); the repetitions of all"
           " rows of a size and order are shuffled, Blender runs before and between them, and every frame has another target."
           " Growth is the exponent of n. CHOLMOD runs without its own OpenMP loops, which slow it down; ours with whatever"
           " a host has. Threads of a row are also those of BLAS.\n")
@@ -243,7 +263,9 @@ def main():
         rows, missed = ratios(results, order)
         print("Ratios of medians" + (f"; {missed} of them, in bold, miss their bar" if missed else "") + ":\n")
         print(table(["ratio", *sizes, "bar" if order == 1 else ""], rows))
-        print("Largest error (bound). Poses: against the plain path, over the radius; the plain path and the solves:"
+        print("The frames in the hand against the plain path, per cent of the handle's way; RMS over the region at most 1:\n")
+        print(table(["coarse against full", *sizes], coarse(results, order)))
+        print("Largest error (bound). Frames in the hand: RMS, over the handle's way; in the hand: of the handle alone. Poses: against the plain path, over the radius; the plain path and the solves:"
               " against an iteratively refined solution, over its largest entry; CGAL: constrained vertices against their"
               " places; Blender: what the handle stays behind, of its way (soft constraints).\n")
         print(table(["error", *sizes], errors(results, order)))

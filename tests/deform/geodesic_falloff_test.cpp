@@ -5,9 +5,11 @@
 
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <numeric>
 #include <vector>
 
+#include "lapedit/deform/coarse_preview.h"
 #include "lapedit/deform/laplacian_editor.h"
 #include "lapedit/deform/smooth_normals.h"
 #include "shapes.h"
@@ -248,31 +250,69 @@ TEST(RoughDeformation, FallsOffOnTheFastPathToo) {
   EXPECT_TRUE(support::same_bits(editor.preview({still, still}), scene.rest()));
 }
 
-/// The end of a limb turned by 170 degrees about an arc: what is linear in the turn itself has lost its way there.
-TEST(RoughDeformation, LargeTurnsOfALimbFlipNothing) {
-  const TriangleMesh mesh = shapes::tapered_arm(24, 80);
-  std::vector<int> cap;
-  for (int v = 0; v < mesh.vertices.rows(); ++v) {
-    if (mesh.vertices(v, 0) > 9.2) {
-      cap.push_back(v);
+/// A limb whose end is a handle.
+struct Limb {
+  TriangleMesh mesh = shapes::tapered_arm(24, 80);
+  Region region;
+
+  Limb() {
+    std::vector<int> cap;
+    for (int v = 0; v < mesh.vertices.rows(); ++v) {
+      if (mesh.vertices(v, 0) > 9.2) {
+        cap.push_back(v);
+      }
+    }
+    RegionSpec spec;
+    spec.radius = 8;
+    region = build_region(mesh, support::adjacency_of(mesh), spec, {cap});
+  }
+  /// The limb's axis, 8.2 long from x = 1.4, bent into an arc.
+  static Maps bent(double degrees) {
+    const double angle = degrees * std::acos(-1.0) / 180, arc = 8.2 / angle;
+    const Vector3 center(9.6, 0, 0), to(1.4 + arc * std::sin(angle), 0, arc * (1 - std::cos(angle)));
+    return {support::rigid(-degrees, Vector3::UnitY(), to - center, center)};
+  }
+};
+
+/// Before the region is ready too.
+TEST(RoughDeformation, CellsFallOffAlike) {
+  const Limb limb;
+  const Maps maps = Limb::bent(170);
+  const double way = 8;
+  Points full[2];
+  double rms[2][2];  // of cells from full poses, shares of the way
+  for (const int f : {0, 1}) {
+    EditSettings settings;
+    settings.rough = static_cast<RoughDeformation>(f);
+    full[f] = LaplacianEditor(limb.mesh, limb.region, settings).solve(maps);
+  }
+  for (const int c : {0, 1}) {
+    EditSettings settings;
+    settings.rough = static_cast<RoughDeformation>(c);
+    CoarsePreview cells(limb.mesh, std::make_shared<const Region>(limb.region), settings);
+    const Points& pose = cells.pose(maps);
+    for (const int f : {0, 1}) {
+      rms[c][f] = (pose - full[f]).norm() / std::sqrt(limb.region.size()) / way;
+      std::printf("cells %s, full pose %s: RMS %.2f %% of the way\n", name(static_cast<RoughDeformation>(c)),
+                  name(static_cast<RoughDeformation>(f)), 100 * rms[c][f]);
     }
   }
-  RegionSpec spec;
-  spec.radius = 8;
-  const Region region = build_region(mesh, support::adjacency_of(mesh), spec, {cap});
-  // The limb's axis, 8.2 long from x = 1.4, bent into an arc.
-  const double angle = 170 * std::acos(-1.0) / 180, arc = 8.2 / angle;
-  const Vector3 center(9.6, 0, 0), to(1.4 + arc * std::sin(angle), 0, arc * (1 - std::cos(angle)));
+  EXPECT_LT(rms[1][1], rms[0][0]);        // as near as to the other
+  EXPECT_LT(rms[1][1], 0.6 * rms[0][1]);  // and nearer than the cells' other pose
+}
+
+/// What is linear in the turn itself has lost its way there.
+TEST(RoughDeformation, LargeTurnsOfALimbFlipNothing) {
+  const Limb limb;
   EditReport reports[2];
   for (const RoughDeformation rough : {RoughDeformation::Unrotated, RoughDeformation::Falloff}) {
     EditSettings settings;
     settings.rough = rough;
-    LaplacianEditor editor(mesh, region, settings);
-    editor.solve({support::rigid(-170, Vector3::UnitY(), to - center, center)});
-    reports[static_cast<int>(rough)] = editor.report();
-    std::printf(
-        "limb bent by 170 degrees, rough deformation %s: RMS edge stretch %.1f %%, largest %.0f %%, %d flipped\n",
-        name(rough), 100 * editor.report().stretch_rms, 100 * editor.report().stretch_max, editor.report().flipped);
+    LaplacianEditor editor(limb.mesh, limb.region, settings);
+    editor.solve(Limb::bent(170));
+    const EditReport& report = reports[static_cast<int>(rough)] = editor.report();
+    std::printf("limb bent by 170 degrees, %s: RMS edge stretch %.1f %%, largest %.0f %%, %d flipped\n", name(rough),
+                100 * report.stretch_rms, 100 * report.stretch_max, report.flipped);
   }
   EXPECT_EQ(reports[1].flipped, 0);
   EXPECT_GT(reports[0].flipped, 100);

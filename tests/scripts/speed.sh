@@ -4,7 +4,8 @@
 #
 # usage: speed.sh [--quick] [OUTPUT]   OUTPUT: build/speed/speed.md by default
 # --quick: regions up to 12,774 vertices and few rounds. Ends with 1 when a result is outside its bound.
-# SPEED_SIZES, SPEED_SIZES_2: regions' vertices, for order 1 and for order 2.
+# SPEED_SIZES, SPEED_SIZES_2: regions' vertices, for order 1 and for order 2. SPEED_SIZES_HAND: those of order 2 for which
+# there is no factor, and only what is in the hand before it is timed.
 set -eu
 
 quick=
@@ -35,14 +36,17 @@ fi
 
 sizes="1201 3395 4685 12774"
 sizes_2=$sizes
+sizes_hand=
 blender_largest=100000
 if [ -z "$quick" ]; then
   sizes="$sizes 16792 32280 100000 300000 1000000"
   # From here on a factor of order 2 takes gigabytes, and the system is beyond double precision.
   sizes_2="$sizes_2 16792 32280 100000"
+  sizes_hand="300000 1000000"
 fi
 sizes=${SPEED_SIZES-$sizes}
 sizes_2=${SPEED_SIZES_2-$sizes_2}
+sizes_hand=${SPEED_SIZES_HAND-$sizes_hand}
 
 cmake -S . -B "$build" -DCMAKE_BUILD_TYPE=Release -DLAPEDIT_BUILD_TESTS=ON -DLAPEDIT_BUILD_BENCHMARKS=ON \
   -DLAPEDIT_WITH_MESHLAB=OFF >/dev/null
@@ -62,11 +66,11 @@ blender_round() {
     >"$results/blender.log" 2>&1 </dev/null || { cat "$results/blender.log" >&2; failed=1; }
 }
 
-# ours VERTICES ORDER
+# ours VERTICES ORDER [OPTION]
 ours() {
   status=0
   # shellcheck disable=SC2086
-  "$bench" --vertices="$1" --order="$2" $quick --benchmark_out="$results/ours_$1_$2.json" \
+  "$bench" --vertices="$1" --order="$2" $quick ${3:-} --benchmark_out="$results/ours_$1_$2.json" \
     >"$results/bench.log" 2>"$results/bench.err" || status=$?
   if [ "$status" -ne 0 ]; then
     echo "$1 vertices, order $2: speed_bench ended with $status" >&2
@@ -86,6 +90,10 @@ for vertices in $sizes; do
   case " $sizes_2 " in
     *" $vertices "*) ours "$vertices" 2 ;;
   esac
+done
+for vertices in $sizes_hand; do
+  echo "$vertices vertices, order 2, in the hand"
+  ours "$vertices" 2 --hand
 done
 rm -f "$results/scene.bin"
 

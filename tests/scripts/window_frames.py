@@ -130,7 +130,7 @@ def main():
     print("|---" * (len(columns) + 3) + "|")
     for (_, name), results in sorted(found.items(), key=lambda entry: entry[0][0]):
         median = {c: statistics.median(r[c] for r in results) for c in results[0]}
-        cells = [f"{median['region']:,}", name] + [f"{median[c]:.0f}" if median[c] >= 100 else f"{median[c]:.1f}"
+        cells = [f"{int(median['region']):,}", name] + [f"{median[c]:.0f}" if median[c] >= 100 else f"{median[c]:.1f}"
                                                    for c in columns]
         print("| " + " | ".join(cells + [f"{median['rate']:.0f}"]) + " |")
     return None
