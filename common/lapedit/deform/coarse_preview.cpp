@@ -22,7 +22,7 @@ struct CellMotion {
 
 /// One thousandth of a cell's size more or less is seen by nobody, so cells grow slowly with the region.
 int wanted_cells(int vertices) {
-  constexpr double kUsual = 1500, kUsualRegion = 32000, kGrowth = 0.3, kVerticesPerCell = 5;
+  constexpr double kUsual = 1200, kUsualRegion = 32000, kGrowth = 0.3, kVerticesPerCell = 5;
   return static_cast<int>(
       std::min(vertices / kVerticesPerCell, kUsual * std::pow(std::max(1.0, vertices / kUsualRegion), kGrowth)));
 }

@@ -18,7 +18,6 @@ Four four(const Vector3& v) {
 }
 
 constexpr int kPieces = 16;  // sums are taken in so many parts, whatever the threads
-constexpr int kRecentrings = 2;
 
 /// Calls body(piece, first, last) for kPieces parts of [0, count).
 template <class Body>
@@ -504,12 +503,14 @@ Matrix3 full_matrix(const Symmetric& s) {
 RegionCells make_cells(const Region& region, const Points& rest, const std::vector<double>& weights, int target,
                        ThreadPool& pool) {
   RegionCells cells;
+  constexpr int kLarge = 60000;  // from here on cells are so large that their shapes matter less than the time
+  const int recentrings = region.size() < kLarge ? 2 : 1;
   std::vector<int> seeds = spread_seeds(region, target), queue;
   queue.reserve(region.size());
   for (int round = 0;; ++round) {
     grow(region, seeds, cells.of, queue);
     cells.centres = centroids(cells.of, rest, static_cast<int>(seeds.size()), cells.vertices);
-    if (round == kRecentrings) {
+    if (round == recentrings) {
       break;
     }
     recentre(region, rest, cells, seeds);

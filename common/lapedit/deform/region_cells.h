@@ -17,10 +17,10 @@ Matrix3 full_matrix(const Symmetric& s);
 
 /// A region in patches of neighbouring vertices, and what a coarse stand-in for the region has to know of each.
 ///
-/// Cells are grown by rings around seeds, which are moved twice to the vertex nearest to their cell's centroid; seeds
-/// are denser near the handle, where an edit bends most. Where three cells meet in a face their centroids span a
-/// triangle: with them the cells are a coarse mesh of the region. Everything follows from the region and its rest
-/// pose, to the bit, whatever the number of threads.
+/// Cells are grown by rings around seeds, which are moved to the vertex nearest to their cell's centroid, once or
+/// twice; seeds are denser near the handle, where an edit bends most. Where three cells meet in a face their centroids
+/// span a triangle: with them the cells are a coarse mesh of the region. Everything follows from the region and its
+/// rest pose, to the bit, whatever the number of threads.
 struct RegionCells {
   std::vector<int> of;           ///< cell of each vertex of the region
   Points centres;                ///< centroids of the rest pose, at open borders of the border's part, cells x 3
