@@ -26,6 +26,7 @@ Quad sum_of(const DoubledPoints& x, Eigen::Index row, Eigen::Index column) {
 
 TEST(AccurateResidual, AddsWithoutLosingWhatIsSmall) {
   std::mt19937 random(1);
+  ThreadPool pool(2);
   DoubledPoints x;
   x.set(random_points(50, random));
   std::vector<Quad> expected;
@@ -34,7 +35,7 @@ TEST(AccurateResidual, AddsWithoutLosingWhatIsSmall) {
   }
   for (const double scale : {1e-3, 1e-9, 1e-17, 1e-22}) {
     const Points step = scale * random_points(50, random);
-    x.add(step);
+    x.add(step, pool);
     for (Eigen::Index i = 0; i < 150; ++i) {
       expected[static_cast<std::size_t>(i)] += static_cast<Quad>(step(i / 3, i % 3));
     }
@@ -54,7 +55,8 @@ TEST(AccurateResidual, IsThatOfQuadruplePrecision) {
   const Eigen::Index n = m.cols();
   DoubledPoints x, between;
   x.set(random_points(n, random));
-  x.add(1e-18 * random_points(n, random));
+  ThreadPool alone(1);
+  x.add(1e-18 * random_points(n, random), alone);
   const Eigen::VectorXd diagonal = random_points(n, random).col(0).cwiseAbs();
 
   Eigen::Matrix<Quad, Eigen::Dynamic, 3> product(n, 3), expected(n, 3);
@@ -91,6 +93,61 @@ TEST(AccurateResidual, IsThatOfQuadruplePrecision) {
     EXPECT_LE(most, 1e-28 * terms);
     EXPECT_GT(out.cwiseAbs().maxCoeff(), 0) << "nothing was left to be measured";
   }
+}
+
+/// What is known of one solution serves all its multiples. Fails if a low part is forgotten.
+TEST(AccurateResidual, MultiplesOfAKnownSolutionNeedNoProduct) {
+  std::mt19937 random(4);
+  const TriangleMesh mesh = shapes::tapered_arm(30, 40);
+  const SparseMatrix m = umbrella_operator(support::whole_region(mesh, {{0}}, {})).matrix;
+  const SparseMatrix a = SparseMatrix(m.transpose()) + m;
+  const Eigen::Index n = a.cols();
+  const Eigen::VectorXd z = random_points(n, random).col(0);
+  DoubledColumn product{Eigen::VectorXd(n), Eigen::VectorXd(n)};
+  for (Eigen::Index j = 0; j < n; ++j) {
+    Quad sum = 0;
+    for (SparseMatrix::InnerIterator entry(a, j); entry; ++entry) {
+      sum += static_cast<Quad>(entry.value()) * static_cast<Quad>(z[entry.row()]);
+    }
+    product.high[j] = static_cast<double>(sum);
+    product.low[j] = static_cast<double>(sum - static_cast<Quad>(product.high[j]));
+  }
+  const Vector3 factor(0.3, -7.1, 1e-5);
+  const Points right = product.high * factor.transpose();
+  ThreadPool pool(2);
+  DoubledPoints x;
+  Points left, expected;
+  start_from_known(z, product, factor, right, x, left, pool);
+  symmetric_residual(a, right, x, expected, pool);
+  EXPECT_GT(expected.cwiseAbs().maxCoeff(), 1e-18) << "nothing was left to be measured";
+  EXPECT_LT((left - expected).cwiseAbs().maxCoeff(), 1e-29);
+  for (Eigen::Index i = 0; i < 3 * n; ++i) {
+    EXPECT_EQ(static_cast<double>(sum_of(x, i / 3, i % 3) - static_cast<Quad>(z[i / 3]) * factor[i % 3]), 0);
+  }
+  Points once;
+  DoubledColumn{product.high, product.low}.times(factor, once, pool);
+  for (Eigen::Index i = 0; i < 3 * n; ++i) {
+    const Quad exact = (static_cast<Quad>(product.high[i / 3]) + static_cast<Quad>(product.low[i / 3])) *
+                       static_cast<Quad>(factor[i % 3]);
+    EXPECT_EQ(once(i / 3, i % 3), static_cast<double>(exact));
+  }
+}
+
+TEST(AccurateResidual, FollowsFromASmallStepInWorkingPrecision) {
+  std::mt19937 random(6);
+  const TriangleMesh mesh = shapes::tapered_arm(30, 40);
+  const SparseMatrix m = umbrella_operator(support::whole_region(mesh, {{0}}, {})).matrix;
+  const SparseMatrix a = SparseMatrix(m.transpose()) + m;
+  const Eigen::VectorXd diagonal = random_points(m.cols(), random).col(0);
+  const Points step = random_points(m.cols(), random), start = random_points(m.cols(), random);
+  ThreadPool pool(2);
+  Points between, left = start;
+  subtract_normal_product(OperatorRows(m), diagonal, step, between, left, pool);
+  const Points normal = m.transpose() * (m * step).eval() + diagonal.asDiagonal() * step;
+  EXPECT_LT((left - (start - normal)).cwiseAbs().maxCoeff(), 1e-13);
+  left = start;
+  subtract_symmetric_product(a, step, left, pool);
+  EXPECT_LT((left - (start - a * step)).cwiseAbs().maxCoeff(), 1e-13);
 }
 
 /// Two factorisations that share no code have to lead to the same bits: then no BLAS, no number of threads and no

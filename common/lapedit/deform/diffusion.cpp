@@ -75,7 +75,7 @@ std::unique_ptr<Smoother> DiffusionSmoother::share(std::shared_ptr<ThreadPool> p
 std::size_t DiffusionSmoother::bytes() const {
   return factor_->bytes() + static_cast<std::size_t>(matrix_->mass.size()) * sizeof(double) +
          static_cast<std::size_t>(matrix_->matrix.nonZeros()) * (sizeof(double) + sizeof(int)) +
-         static_cast<std::size_t>(scratch_.right.rows()) * (5 * 3 + scratch_.of_pull.size()) * sizeof(double);
+         static_cast<std::size_t>(scratch_.right.rows()) * (5 * 3 + 3 * scratch_.of_pull.size()) * sizeof(double);
 }
 
 /// (K / s + L) x' = K / s x, twice.
@@ -95,7 +95,9 @@ class DiffusionSmoother::System : public RefinedSystem {
   void residual(const DoubledPoints& x, Points& left) override {
     symmetric_residual(s_.matrix_->matrix, s_.scratch_.right, x, left, *s_.pool_);
   }
-  void subtract_product(const Points& step, Points& left) override { left.noalias() -= s_.matrix_->matrix * step; }
+  void subtract_product(const Points& step, Points& left) override {
+    subtract_symmetric_product(s_.matrix_->matrix, step, left, *s_.pool_);
+  }
   void solve(Points& left, Points& step) override { s_.factor_->solve(left, step); }
 
  private:
@@ -104,33 +106,53 @@ class DiffusionSmoother::System : public RefinedSystem {
 
 /// The same, each step solved to the last bit.
 void DiffusionSmoother::smooth(const Points& in, const Vector3* pull, Points& out) const {
+  constexpr int kGrain = 4096;
   Points &right = scratch_.right, &left = scratch_.left;
   DoubledPoints& x = scratch_.x;
-  std::vector<Eigen::VectorXd>& known = scratch_.of_pull;
+  std::vector<OfPull>& known = scratch_.of_pull;
   const bool from_known = pull != nullptr && !known.empty();
   if (pull != nullptr) {
     known.resize(kSteps);
   }
   System system(*this);
+  right.resize(in.rows(), 3);
   for (int step = 0; step < kSteps; ++step) {
-    right = matrix_->mass.asDiagonal() * (step == 0 ? in : out);
+    const Points& from = step == 0 ? in : out;
+    in_pieces(*pool_, static_cast<int>(in.rows()), kGrain, [&](int first, int last) {
+      for (int i = first; i < last; ++i) {
+        right.row(i) = matrix_->mass[i] * from.row(i);
+      }
+    });
     if (from_known) {
-      x.high.noalias() = known[step] * pull->transpose();
-      x.low.setZero(x.high.rows(), 3);
+      start_from_known(known[step].z, known[step].product, *pull, right, x, left, *pool_);
     } else {
       left = right;
     }
-    refine_to_the_bit(system, factor_->single_precision(), from_known, x, left, scratch_.step);
+    refine_to_the_bit(system, factor_->single_precision(), from_known, x, left, scratch_.step, *pool_);
     out = x.high;
     if (pull != nullptr && !from_known) {
-      Eigen::Index largest = 0;
-      pull->cwiseAbs().maxCoeff(&largest);
-      known[step] = out.col(largest) / (*pull)[largest];
+      know(*pull, out, known[step]);
     }
   }
-  if (pull != nullptr && !from_known && !known[kSteps - 1].allFinite()) {
+  if (pull != nullptr && !from_known && !known[kSteps - 1].z.allFinite()) {
     known.clear();  // from beyond all numbers nothing is to start
   }
+}
+
+/// Of a smoothed pull, that of 1; and K + s L times it.
+void DiffusionSmoother::know(const Vector3& pull, const Points& smoothed, OfPull& known) const {
+  Eigen::Index largest = 0;
+  pull.cwiseAbs().maxCoeff(&largest);
+  known.z = smoothed.col(largest) / pull[largest];
+  DoubledPoints z;
+  z.set(Points::Zero(smoothed.rows(), 3));
+  z.high.col(0) = known.z;
+  Points product, rest;
+  symmetric_residual(matrix_->matrix, z.low, z, product, *pool_);
+  product = -product;
+  symmetric_residual(matrix_->matrix, product, z, rest, *pool_);
+  known.product.high = product.col(0);
+  known.product.low = -rest.col(0);  // what rounding took
 }
 
 void DiffusionSmoother::apply(const Points& in, Points& out) const {

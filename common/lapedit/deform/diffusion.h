@@ -41,14 +41,19 @@ class DiffusionSmoother : public Smoother {
     Eigen::VectorXd mass;  // K
     SparseMatrix matrix;   // both halves, for residuals
   };
+  struct OfPull {  // a smoothed pull of 1, and the matrix times it
+    Eigen::VectorXd z;
+    DoubledColumn product;
+  };
   struct Scratch {  // so that a drag allocates nothing
     Points right, left, step;
     DoubledPoints x;
-    std::vector<Eigen::VectorXd> of_pull;  // after each step, for a pull of 1; empty: not asked for yet
+    std::vector<OfPull> of_pull;  // of each step; empty: not asked for yet
   };
   class System;
   DiffusionSmoother(const DiffusionSmoother& other, std::shared_ptr<ThreadPool> pool);
   void smooth(const Points& in, const Vector3* pull, Points& out) const;
+  void know(const Vector3& pull, const Points& smoothed, OfPull& known) const;
 
   std::shared_ptr<const Matrix> matrix_;
   std::shared_ptr<ThreadPool> pool_;

@@ -209,11 +209,19 @@ void Preparation::smooth(bool take_over, const std::shared_ptr<ThreadPool>& pool
     options.backend = settings.backend;
     options.order = order_;
     options.pool = pool;
+    options.single_precision = true;
     s_.smoother = std::make_shared<const DiffusionSmoother>(s_.region, s_.rest.world, s_.normal_radius, options);
   }
   if (settings.rotation == DetailRotation::SmoothSurface && s_.may_preview()) {
-    s_.smoother->share(pool)->apply_for_preview(s_.rest.local, s_.smooth_rest);
     s_.smooth_rest_is_exact = settings.normal_radius > 0;  // the kernel has but one way
+    if (take_over && previous_->smooth_rest.rows() > 0) {
+      s_.smooth_rest = previous_->smooth_rest;
+    } else if (s_.smooth_rest_is_exact) {
+      s_.smoother->share(pool)->apply(s_.rest.local, s_.smooth_rest);
+    } else {
+      const Points about_first = s_.rest.world.rowwise() - s_.rest.world.row(0);  // whatever the handle
+      s_.smoother->share(pool)->apply_for_preview(about_first, s_.smooth_rest);
+    }
   }
   if (settings.rough == RoughDeformation::Falloff) {
     s_.falloff = geodesic_falloff(s_.region, s_.rest.local);

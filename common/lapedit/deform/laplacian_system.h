@@ -52,7 +52,7 @@ struct LaplacianSystem {
   int refinements = 0;                                   ///< steps to kAccurate, where there is no correction
   double normal_radius = 0;                              ///< 0 without rotation
   std::shared_ptr<const Smoother> smoother;              ///< nothing without rotation
-  Points smooth_rest;                                    ///< S rest.local, as previews need it; empty without
+  Points smooth_rest;  ///< S rest.local but for its place, as previews need it; or empty
   bool smooth_rest_is_exact = false;
   GeodesicFalloff falloff;  ///< empty where rotations are not estimated from it
 

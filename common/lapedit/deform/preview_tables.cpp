@@ -57,7 +57,7 @@ class SurfaceTerms {
   void sum_over_edges(int place, Matrix3& covariance, Columns& g) const {
     const int i = t_.order[place];
     covariance.setZero();
-    g.setZero();
+    g.leftCols(responses_).setZero();
     for (int n = t_.offsets[place]; n < t_.offsets[place + 1]; ++n) {
       const int j = t_.order[t_.neighbours[n]];
       const Vector3 edge = (p_.row(j) - p_.row(i)).transpose();
@@ -73,7 +73,7 @@ class SurfaceTerms {
   void sum_over_faces(int place, Vector3& area, Columns& b) const {
     const int i = t_.order[place];
     area.setZero();
-    b.setZero();
+    b.leftCols(responses_).setZero();
     for (int n = t_.ring_offsets[place]; n < t_.ring_offsets[place + 1]; n += 2) {
       const int j = t_.order[t_.ring[n]], l = t_.order[t_.ring[n + 1]];
       const Vector3 to_j = (p_.row(j) - p_.row(i)).transpose(), to_l = (p_.row(l) - p_.row(i)).transpose();

@@ -92,8 +92,29 @@ struct Pass {
   const double *d_high, *d_low;  // what it is multiplied with
 };
 
+/// In working precision.
+LAPEDIT_INLINE void run_coarse(const Pass& pass, int first, int last) {
+  for (int i = first; i < last; ++i) {
+    Lanes sum = {};
+    for (int k = pass.offsets[i]; k < pass.offsets[i + 1]; ++k) {
+      sum += pass.values[k] * row_of(pass.x_high, pass.inner[k], pass.last_row);
+    }
+    if (pass.right == nullptr) {
+      set_row(pass.sum_high, i, sum);
+    } else {
+      if (pass.diagonal != nullptr) {
+        sum += pass.diagonal[i] * row_of(pass.d_high, i, pass.last_row);
+      }
+      set_row(pass.left, i, row_of(pass.right, i, kAlone) - sum);
+    }
+  }
+}
+
 template <class Product>
 LAPEDIT_INLINE void run(const Pass& pass, int first, int last) {
+  if (pass.x_low == nullptr) {
+    return run_coarse(pass, first, last);
+  }
   for (int i = first; i < last; ++i) {
     Sum sum;
     for (int k = pass.offsets[i]; k < pass.offsets[i + 1]; ++k) {
@@ -116,45 +137,61 @@ LAPEDIT_INLINE void run(const Pass& pass, int first, int last) {
   }
 }
 
-/// The same in working precision.
-LAPEDIT_INLINE void run_coarse(const Pass& pass, int first, int last) {
+/// x = z factor^T, and what is left of a right-hand side by another multiple.
+struct Multiple {
+  const double *z, *z_low;  // with a low part x is rounded once, and nothing else is asked for
+  const double* factor;
+  double *x_high, *x_low;
+  const double *product_high, *product_low;
+  const double* right;
+  double* left;
+};
+
+template <class Product>
+LAPEDIT_INLINE void run(const Multiple& multiple, int first, int last) {
+  const Lanes by = {multiple.factor[0], multiple.factor[1], multiple.factor[2], 0};
   for (int i = first; i < last; ++i) {
-    Lanes sum = {};
-    for (int k = pass.offsets[i]; k < pass.offsets[i + 1]; ++k) {
-      sum += pass.values[k] * row_of(pass.x_high, pass.inner[k], pass.last_row);
+    const double z = multiple.z[i];
+    const Lanes x = z * by, error = Product::error(z, by, x);
+    if (multiple.z_low != nullptr) {
+      set_row(multiple.x_high, i, x + (error + multiple.z_low[i] * by));
+      continue;
     }
-    if (pass.right == nullptr) {
-      set_row(pass.sum_high, i, sum);
-    } else {
-      sum += pass.diagonal[i] * row_of(pass.d_high, i, pass.last_row);
-      set_row(pass.left, i, row_of(pass.right, i, kAlone) - sum);
-    }
+    set_row(multiple.x_high, i, x);
+    set_row(multiple.x_low, i, error);
+    Sum sum;
+    sum.add_product<Product>(multiple.product_high[i], by, Lanes{});
+    sum.low += multiple.product_low[i] * by;
+    sum.add(-row_of(multiple.right, i, kAlone), Lanes{});
+    set_row(multiple.left, i, -(sum.high + sum.low));
   }
 }
 
-void run_plain(const Pass& pass, int first, int last) {
-  pass.x_low != nullptr ? run<Split>(pass, first, last) : run_coarse(pass, first, last);
+template <class What>
+void run_plain(const What& what, int first, int last) {
+  run<Split>(what, first, last);
 }
+template <class What>
+using Run = void (*)(const What&, int, int);
+
 #ifdef LAPEDIT_HAVE_AVX
-LAPEDIT_AVX2 void run_fused(const Pass& pass, int first, int last) {
-  pass.x_low != nullptr ? run<Fused>(pass, first, last) : run_coarse(pass, first, last);
+template <class What>
+LAPEDIT_AVX2 void run_fused(const What& what, int first, int last) {
+  run<Fused>(what, first, last);
 }
 #endif
 
-using Run = void (*)(const Pass&, int, int);
-
-Run best_run() {
+template <class What>
+void run_all(const What& what, ThreadPool& pool, int rows) {
+  Run<What> run = run_plain<What>;
 #ifdef LAPEDIT_HAVE_AVX
-  if (cpu_level() != CpuLevel::Plain) {
-    return run_fused;
-  }
+  run = cpu_level() != CpuLevel::Plain ? run_fused<What> : run;
 #endif
-  return run_plain;
+  in_pieces(pool, rows, kGrain, [&](int first, int last) { run(what, first, last); });
 }
 
 void run_all(const Pass& pass, ThreadPool& pool) {
-  const Run run = best_run();
-  in_pieces(pool, pass.last_row + 1, kGrain, [&](int first, int last) { run(pass, first, last); });
+  run_all(pass, pool, pass.last_row + 1);
 }
 
 /// @param low  may be nothing
@@ -170,8 +207,20 @@ Pass pass_over(const Compressed& lists, const Points& high, const Points* low) {
   return pass;
 }
 
-double largest(const Points& points) {
-  return points.size() > 0 ? points.cwiseAbs().maxCoeff() : 0;
+double largest(const Points& points, ThreadPool& pool) {
+  constexpr int kPieces = 16;
+  const Eigen::Index n = points.rows();
+  const int pieces = n >= kPieces * kGrain ? kPieces : 1;
+  double most[kPieces] = {};
+  pool.each(n > 0 ? pieces : 0, [&](int piece) {
+    const Eigen::Index first = n * piece / pieces;
+    most[piece] = points.middleRows(first, n * (piece + 1) / pieces - first).cwiseAbs().maxCoeff();
+  });
+  double all = 0;
+  for (const double one : most) {
+    all = one > all || std::isnan(one) ? one : all;
+  }
+  return all;
 }
 
 }  // namespace
@@ -182,29 +231,46 @@ void DoubledPoints::set(const Points& points) {
 }
 
 /// high + low + step, normalised so that low is at most half a unit in the last place of high.
-void DoubledPoints::add(const Points& step) {
-  for (Eigen::Index i = 0; i < high.size(); ++i) {
-    double& a = high.data()[i];
-    double& b = low.data()[i];
-    const double term = step.data()[i];
-    const double sum = a + term;
-    const double part = sum - a;
-    const double error = ((a - (sum - part)) + (term - part)) + b;
-    a = sum + error;
-    b = error - (a - sum);
-  }
+void DoubledPoints::add(const Points& step, ThreadPool& pool) {
+  in_pieces(pool, static_cast<int>(high.rows()), kGrain, [&](int first, int last) {
+    for (Eigen::Index i = 3 * static_cast<Eigen::Index>(first); i < 3 * static_cast<Eigen::Index>(last); ++i) {
+      double& a = high.data()[i];
+      double& b = low.data()[i];
+      const double term = step.data()[i];
+      const double sum = a + term;
+      const double part = sum - a;
+      const double error = ((a - (sum - part)) + (term - part)) + b;
+      a = sum + error;
+      b = error - (a - sum);
+    }
+  });
 }
 
 void DoubledColumn::times(const Vector3& factor, Points& out, ThreadPool& pool) const {
-  const int n = static_cast<int>(high.size());
-  out.resize(n, 3);
-  in_pieces(pool, n, kGrain, [&](int first, int last) {
-    for (int i = first; i < last; ++i) {
-      const Lanes by = {factor[0], factor[1], factor[2], 0};
-      const Lanes product = high[i] * by;
-      set_row(out.data(), i, product + (Split::error(high[i], by, product) + low[i] * by));
-    }
-  });
+  out.resize(high.size(), 3);
+  Multiple multiple = {};
+  multiple.z = high.data();
+  multiple.z_low = low.data();
+  multiple.factor = factor.data();
+  multiple.x_high = out.data();
+  run_all(multiple, pool, static_cast<int>(high.size()));
+}
+
+void start_from_known(const Eigen::VectorXd& z, const DoubledColumn& product, const Vector3& factor,
+                      const Points& right, DoubledPoints& x, Points& left, ThreadPool& pool) {
+  x.high.resize(z.size(), 3);
+  x.low.resize(z.size(), 3);
+  left.resize(z.size(), 3);
+  Multiple multiple = {};
+  multiple.z = z.data();
+  multiple.factor = factor.data();
+  multiple.x_high = x.high.data();
+  multiple.x_low = x.low.data();
+  multiple.product_high = product.high.data();
+  multiple.product_low = product.low.data();
+  multiple.right = right.data();
+  multiple.left = left.data();
+  run_all(multiple, pool, static_cast<int>(z.size()));
 }
 
 void normal_residual(const OperatorRows& m, const Eigen::VectorXd& diagonal, const Points& right,
@@ -248,8 +314,15 @@ void subtract_normal_product(const OperatorRows& m, const Eigen::VectorXd& diago
   run_all(back, pool);
 }
 
+void subtract_symmetric_product(const SparseMatrix& a, const Points& step, Points& left, ThreadPool& pool) {
+  Pass pass = pass_over(a, step, nullptr);
+  pass.right = left.data();
+  pass.left = left.data();
+  run_all(pass, pool);
+}
+
 Refinement refine_to_the_bit(RefinedSystem& system, bool single_precision, bool from_start, DoubledPoints& x,
-                             Points& left, Points& step) {
+                             Points& left, Points& step, ThreadPool& pool) {
   constexpr double kAccurate = 1e-24, kStalled = 0.5, kSpoiled = 0.1;
   constexpr int kMostSteps = 60;
   // What a solve leaves of an error comes from the factor's rounding and grows with the condition; so does what a
@@ -260,12 +333,8 @@ Refinement refine_to_the_bit(RefinedSystem& system, bool single_precision, bool 
   bool started = from_start, exact = true;
   Refinement done;
   done.last_change = 1;
-  if (started) {
-    system.residual(x, left);
-    ++done.steps;
-  }
   while (done.steps < kMostSteps) {
-    const double most = largest(left);
+    const double most = largest(left, pool);
     if (!(most > 0) || !std::isfinite(most)) {
       if (!started) {
         x.set(left);
@@ -279,8 +348,8 @@ Refinement refine_to_the_bit(RefinedSystem& system, bool single_precision, bool 
       x.set(step);
       started = true;
     } else {
-      const double size = largest(x.high);
-      change = size > 0 ? largest(step) / size : 1;
+      const double size = largest(x.high, pool);
+      change = size > 0 ? largest(step, pool) / size : 1;
       if (!(change < kStalled * done.last_change)) {
         if (exact) {
           break;
@@ -291,7 +360,7 @@ Refinement refine_to_the_bit(RefinedSystem& system, bool single_precision, bool 
         exact = true;
         continue;
       }
-      x.add(step);
+      x.add(step, pool);
       rate = std::max(rate, change / done.last_change);
       done.last_change = change;
       if (rate * change < kAccurate && coarse * rate * moved < kAccurate) {

@@ -16,7 +16,7 @@ struct DoubledPoints {
   Points high, low;
 
   void set(const Points& points);
-  void add(const Points& step);
+  void add(const Points& step, ThreadPool& pool);
 };
 
 /// Scalars of twice the working precision, likewise.
@@ -26,6 +26,11 @@ struct DoubledColumn {
   /// out = this times factor^T, n x 3, rounded once.
   void times(const Vector3& factor, Points& out, ThreadPool& pool) const;
 };
+
+/// What is left of a right-hand side by a multiple of a known solution: x = z factor^T and left = right - A z factor^T,
+/// for z in working precision and A z in twice of it. O(n)
+void start_from_known(const Eigen::VectorXd& z, const DoubledColumn& product, const Vector3& factor,
+                      const Points& right, DoubledPoints& x, Points& left, ThreadPool& pool);
 
 /// out = right - (M^T M + diag(diagonal)) x. Relative error about 1e-31 of the sizes of the terms, but for the last
 /// rounding. @param between  scratch; it and out keep their storage if they have the right size. O(entries of M)
@@ -40,6 +45,9 @@ void symmetric_residual(const SparseMatrix& a, const Points& right, const Double
 /// of a new one. @param between  scratch
 void subtract_normal_product(const OperatorRows& m, const Eigen::VectorXd& diagonal, const Points& step,
                              Points& between, Points& left, ThreadPool& pool);
+
+/// left -= A step for a symmetric matrix with both halves stored, likewise.
+void subtract_symmetric_product(const SparseMatrix& a, const Points& step, Points& left, ThreadPool& pool);
 
 /// What iterative refinement asks of a system A x = b and a factor of A.
 class RefinedSystem {
@@ -65,10 +73,10 @@ struct Refinement {
 /// any more. A residual is taken in doubled precision only where working precision would spoil the next step, and the
 /// steps end when one more, at the pace of the slowest so far, would not be seen.
 /// @param single_precision  whether the factor is
-/// @param from_start  whether x is a start; else left is the right-hand side
+/// @param from_start  whether x is a start and left its residual; else left is the right-hand side
 /// @param x           out: the solution
 /// @param left,step   scratch
 Refinement refine_to_the_bit(RefinedSystem& system, bool single_precision, bool from_start, DoubledPoints& x,
-                             Points& left, Points& step);
+                             Points& left, Points& step, ThreadPool& pool);
 
 }  // namespace lapedit

@@ -80,6 +80,9 @@ int RefinedSolver::refine_to(const Points& right, Points& x, double accurate) {
       return -1;
     }
     x += step;
+    if (change * change / last < accurate) {
+      return count + 1;  // as the next one would find
+    }
     last = change;
   }
 }
@@ -137,7 +140,7 @@ Refinement RefinedSolver::refine_to_the_bit(const Points& right, Points& x, cons
   residual_ = right;
   System system(*this, right, go_on);
   const Refinement done =
-      lapedit::refine_to_the_bit(system, cholesky_.single_precision(), false, doubled_, residual_, step_);
+      lapedit::refine_to_the_bit(system, cholesky_.single_precision(), false, doubled_, residual_, step_, *pool_);
   x = doubled_.high;
   return done;
 }
