@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <numeric>
 
+#include "lapedit/base/thread_pool.h"
 #include "lapedit_host/face_shape.h"
 
 namespace lapedit::host {
@@ -54,6 +56,33 @@ void update_normals(CMeshO& host, const std::vector<char>& moved) {
   }
 }
 
+/// Calls make_room(count) with the number of those that are not deleted, then use(place, element, number) for all, with
+/// the number of the next that is not.
+template <class Container, class MakeRoom, class Use>
+void each_existing(ThreadPool& pool, const Container& all, const MakeRoom& make_room, const Use& use) {
+  const auto parts = static_cast<std::size_t>(pool.threads());
+  const auto border = [&](std::size_t part) { return all.size() * part / parts; };
+  std::vector<int> starts(parts + 1, 0);
+  pool.each(pool.threads(), [&](int thread) {
+    const auto part = static_cast<std::size_t>(thread);
+    int count = 0;
+    for (std::size_t place = border(part); place < border(part + 1); ++place) {
+      count += all[place].IsD() ? 0 : 1;
+    }
+    starts[part + 1] = count;
+  });
+  std::partial_sum(starts.begin(), starts.end(), starts.begin());
+  make_room(starts.back());
+  pool.each(pool.threads(), [&](int thread) {
+    const auto part = static_cast<std::size_t>(thread);
+    int number = starts[part];
+    for (std::size_t place = border(part); place < border(part + 1); ++place) {
+      use(place, all[place], number);
+      number += all[place].IsD() ? 0 : 1;
+    }
+  });
+}
+
 }  // namespace
 
 Box3m finite_box(const CMeshO& host) {
@@ -67,31 +96,30 @@ Box3m finite_box(const CMeshO& host) {
 }
 
 BridgedMesh read_mesh(const CMeshO& host) {
+  constexpr std::size_t kWorthThreads = 16384;
+  ThreadPool pool(host.vert.size() >= kWorthThreads ? 0 : 1);
   BridgedMesh bridged;
-  bridged.core_vertex.assign(host.vert.size(), -1);
-  bridged.host_vertex.reserve(static_cast<std::size_t>(host.vn));
-  for (std::size_t v = 0; v < host.vert.size(); ++v) {
-    if (!host.vert[v].IsD()) {
-      bridged.core_vertex[v] = static_cast<int>(bridged.host_vertex.size());
-      bridged.host_vertex.push_back(static_cast<int>(v));
-    }
-  }
   Points& vertices = bridged.mesh.vertices;
-  vertices.resize(static_cast<Eigen::Index>(bridged.host_vertex.size()), 3);
-  for (Eigen::Index v = 0; v < vertices.rows(); ++v) {
-    vertices.row(v) = to_core(host.vert[static_cast<std::size_t>(bridged.host_vertex[v])].cP()).transpose();
-  }
-  const auto exists = [](const CFaceO& face) { return !face.IsD(); };
-  bridged.mesh.faces.resize(std::count_if(host.face.begin(), host.face.end(), exists), 3);
-  Eigen::Index row = 0;
-  for (const CFaceO& face : host.face) {
-    if (exists(face)) {
-      for (int k = 0; k < 3; ++k) {
-        bridged.mesh.faces(row, k) = bridged.core_vertex[vcg::tri::Index(host, face.cV(k))];
-      }
-      ++row;
+  const auto make_room = [&](int count) {
+    bridged.core_vertex.resize(host.vert.size());
+    bridged.host_vertex.resize(static_cast<std::size_t>(count));
+    vertices.resize(count, 3);
+  };
+  each_existing(pool, host.vert, make_room, [&](std::size_t place, const CVertexO& vertex, int v) {
+    bridged.core_vertex[place] = vertex.IsD() ? -1 : v;
+    if (!vertex.IsD()) {
+      bridged.host_vertex[static_cast<std::size_t>(v)] = static_cast<int>(place);
+      vertices.row(v) = to_core(vertex.cP()).transpose();
     }
-  }
+  });
+  Faces& faces = bridged.mesh.faces;
+  each_existing(
+      pool, host.face, [&](int count) { faces.resize(count, 3); },
+      [&](std::size_t, const CFaceO& face, int f) {
+        for (int k = 0; k < 3 && !face.IsD(); ++k) {
+          faces(f, k) = bridged.core_vertex[vcg::tri::Index(host, face.cV(k))];
+        }
+      });
   return bridged;
 }
 

@@ -19,6 +19,16 @@ bool same_bits(const Point3m& a, const Point3m& b) {
   return std::memcmp(a.V(), b.V(), sizeof(Scalarm) * 3) == 0;
 }
 
+void list_flagged(const std::vector<char>& flags, std::vector<int>& list) {
+  list.clear();
+  list.reserve(static_cast<std::size_t>(std::count(flags.begin(), flags.end(), 1)));
+  for (std::size_t i = 0; i < flags.size(); ++i) {
+    if (flags[i]) {
+      list.push_back(static_cast<int>(i));
+    }
+  }
+}
+
 }  // namespace
 
 PoseWriter::PoseWriter(const CMeshO& host, const BridgedMesh& bridged, const Adjacency& adjacency)
@@ -28,19 +38,30 @@ PoseWriter::PoseWriter(const CMeshO& host, const BridgedMesh& bridged, const Adj
       host_vertices_(host.vert.size()),
       host_faces_(host.face.size()),
       first_box_(host.bbox) {
-  for (const int v : host_vertex_) {
-    first_.push_back(host.vert[static_cast<std::size_t>(v)].cP());
-    first_normals_.push_back(host.vert[static_cast<std::size_t>(v)].cN());
-    now_.push_back({first_.back(), false});
-  }
-  for (std::size_t f = 0; f < host.face.size(); ++f) {
-    if (!host.face[f].IsD()) {
-      host_face_.push_back(static_cast<int>(f));
-      first_face_normals_.push_back(host.face[f].cN());
+  const auto copy_vertices = [&] {
+    first_.reserve(host_vertex_.size());
+    first_normals_.reserve(host_vertex_.size());
+    now_.reserve(host_vertex_.size());
+    for (const int v : host_vertex_) {
+      first_.push_back(host.vert[static_cast<std::size_t>(v)].cP());
+      first_normals_.push_back(host.vert[static_cast<std::size_t>(v)].cN());
+      now_.push_back({first_.back(), false});
     }
-  }
-  is_touched_.assign(first_.size(), 0);
-  place_.assign(host_face_.size(), -1);
+    is_touched_.assign(first_.size(), 0);
+  };
+  const auto copy_faces = [&] {
+    host_face_.reserve(host_faces_);
+    first_face_normals_.reserve(host_faces_);
+    for (std::size_t f = 0; f < host_faces_; ++f) {
+      if (!host.face[f].IsD()) {
+        host_face_.push_back(static_cast<int>(f));
+        first_face_normals_.push_back(host.face[f].cN());
+      }
+    }
+    is_around_.assign(host_face_.size(), 0);
+    place_.resize(host_face_.size());
+  };
+  pool_.each(2, [&](int part) { part == 0 ? copy_vertices() : copy_faces(); });
 }
 
 void PoseWriter::find_affected(const std::vector<int>& vertices) {
@@ -49,50 +70,47 @@ void PoseWriter::find_affected(const std::vector<int>& vertices) {
     is_touched_[static_cast<std::size_t>(v)] = 0;
   }
   for (const int f : a.around) {
-    place_[static_cast<std::size_t>(f)] = -1;
+    is_around_[static_cast<std::size_t>(f)] = 0;
   }
   a.vertices = vertices;
-  a.touched.clear();
-  a.around.clear();
-  const auto touch = [&](int v) {
-    char& is_touched = is_touched_[static_cast<std::size_t>(v)];
-    if (!is_touched) {
-      is_touched = 1;
-      a.touched.push_back(v);
+  for (const int v : vertices) {
+    is_touched_[static_cast<std::size_t>(v)] = 1;
+    for (const int w : adjacency_.neighbours[v]) {
+      is_touched_[static_cast<std::size_t>(w)] = 1;
+    }
+  }
+  // Ascending: the way through memory that costs least, frame by frame.
+  list_flagged(is_touched_, a.touched);
+  a.faces.offsets.assign(1, 0);
+  for (const int v : a.touched) {
+    for (const int f : adjacency_.faces[v]) {
+      is_around_[static_cast<std::size_t>(f)] = 1;
+    }
+    a.faces.offsets.push_back(a.faces.offsets.back() + adjacency_.faces[v].size());
+  }
+  list_flagged(is_around_, a.around);
+  const auto make_room = [&a](int part) {
+    if (part == 0) {
+      a.faces.values.resize(static_cast<std::size_t>(a.faces.offsets.back()));
+    } else {
+      a.areas.resize(a.around.size());
+      a.measured.clear();
     }
   };
-  for (const int v : vertices) {
-    touch(v);
-    for (const int f : adjacency_.faces[v]) {
-      for (int k = 0; k < 3; ++k) {
-        touch(faces_(f, k));
+  pool_.each(2, make_room);
+  in_pieces(pool_, static_cast<int>(a.around.size()), kGrain, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      place_[static_cast<std::size_t>(a.around[static_cast<std::size_t>(i)])] = i;
+    }
+  });
+  in_pieces(pool_, static_cast<int>(a.touched.size()), kGrain, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      int* value = a.faces.values.data() + a.faces.offsets[static_cast<std::size_t>(i)];
+      for (const int f : adjacency_.faces[a.touched[static_cast<std::size_t>(i)]]) {
+        *value++ = place_[static_cast<std::size_t>(f)];
       }
     }
-  }
-  std::sort(a.touched.begin(), a.touched.end());  // the way through memory that costs least, frame by frame
-  for (const int v : a.touched) {
-    for (const int f : adjacency_.faces[v]) {
-      int& place = place_[static_cast<std::size_t>(f)];
-      if (place < 0) {
-        place = 0;
-        a.around.push_back(f);
-      }
-    }
-  }
-  std::sort(a.around.begin(), a.around.end());
-  for (std::size_t i = 0; i < a.around.size(); ++i) {
-    place_[static_cast<std::size_t>(a.around[i])] = static_cast<int>(i);
-  }
-  a.faces.offsets.assign(1, 0);
-  a.faces.values.clear();
-  for (const int v : a.touched) {
-    for (const int f : adjacency_.faces[v]) {
-      a.faces.values.push_back(place_[static_cast<std::size_t>(f)]);
-    }
-    a.faces.offsets.push_back(static_cast<int>(a.faces.values.size()));
-  }
-  a.areas.resize(a.around.size());
-  a.measured.resize(a.around.size());
+  });
 }
 
 Point3m& PoseWriter::normal_of_vertex(CMeshO& host, int vertex) const {
@@ -162,6 +180,7 @@ void PoseWriter::write_passing_normals(CMeshO& host) {
 
 void PoseWriter::write_settled_normals(CMeshO& host) {
   Affected& a = affected_;
+  a.measured.resize(a.around.size());
   in_pieces(pool_, static_cast<int>(a.around.size()), kGrain, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
       const int f = a.around[static_cast<std::size_t>(i)];

@@ -32,8 +32,9 @@ class PoseWriter {
   /// @param vertices   vertex numbers of the bridged mesh, each once
   /// @param positions  one row per entry of vertices
   /// @param settled    whether the pose is there to stay; other vertices than the last time settle the last pose, too
-  /// Cost: O(faces at these vertices and at their neighbours), and a pass over all vertices if settled; with the same
-  /// vertices as the last time nothing is allocated.
+  /// Cost: O(faces at these vertices and at their neighbours), and a pass over all vertices if settled; with other
+  /// vertices than the last time, a pass over one byte per vertex and face. With the same ones nothing is allocated,
+  /// but by the first settled pose.
   bool write(CMeshO& host, const std::vector<int>& vertices, const Points& positions, bool settled);
 
   /// Whether vertices and faces of the host are still those of construction, and its positions those of the last
@@ -87,8 +88,8 @@ class PoseWriter {
   std::vector<Corner> now_;
   int away_count_ = 0;
   Affected affected_;
-  std::vector<char> is_touched_;  // per vertex
-  std::vector<int> place_;        // mesh face -> entry of affected_.around, -1 elsewhere
+  std::vector<char> is_touched_, is_around_;  // per vertex and face: is it in affected_
+  std::vector<int> place_;                    // mesh face -> entry of affected_.around, if it is there
   ThreadPool pool_{0};
 };
 

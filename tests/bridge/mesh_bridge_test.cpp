@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "host_support.h"
+#include "lapedit_host/face_shape.h"
 #include "shapes.h"
 
 namespace lapedit::host {
@@ -62,6 +63,48 @@ TEST(MeshBridge, RoundTripsAMeshWithDeletedVerticesAndFaces) {
     EXPECT_EQ(host.vert[v].cP()[2], v == 1 || v == 19 ? 7 : 0) << v;
   }
   EXPECT_EQ(host.bbox.max[2], 7);
+}
+
+TEST(MeshBridge, ReadsALargeMeshInItsOrder) {
+  const TriangleMesh mesh = shapes::icosphere(6);  // enough for several threads
+  CMeshO host;
+  fill(host, mesh);
+  int vertices = 0, faces = 0;
+  for (std::size_t f = 0; f < host.face.size(); ++f) {
+    if (f % 7 == 3 || f > 80000) {  // not evenly
+      vcg::tri::Allocator<CMeshO>::DeleteFace(host, host.face[f]);
+    }
+  }
+  std::vector<char> used(host.vert.size(), 0);
+  for (const CFaceO& face : host.face) {
+    for (int k = 0; k < 3 && !face.IsD(); ++k) {
+      used[vcg::tri::Index(host, face.cV(k))] = 1;
+    }
+  }
+  for (std::size_t v = 0; v < host.vert.size(); ++v) {
+    if (!used[v]) {
+      vcg::tri::Allocator<CMeshO>::DeleteVertex(host, host.vert[v]);
+    }
+  }
+  ASSERT_LT(host.vn, mesh.vertices.rows());
+  const BridgedMesh bridged = read_mesh(host);
+  ASSERT_EQ(bridged.mesh.vertices.rows(), host.vn);
+  ASSERT_EQ(bridged.mesh.faces.rows(), host.fn);
+  ASSERT_EQ(bridged.core_vertex.size(), host.vert.size());
+  for (std::size_t v = 0; v < host.vert.size(); ++v) {
+    EXPECT_EQ(bridged.core_vertex[v], used[v] ? vertices : -1);
+    if (used[v]) {
+      EXPECT_EQ(bridged.host_vertex[static_cast<std::size_t>(vertices)], static_cast<int>(v));
+      EXPECT_EQ(bridged.mesh.vertices.row(vertices).transpose(), to_core(host.vert[v].cP()));
+      ++vertices;
+    }
+  }
+  for (const CFaceO& face : host.face) {
+    for (int k = 0; k < 3 && !face.IsD(); ++k) {
+      EXPECT_EQ(bridged.mesh.faces(faces, k), bridged.core_vertex[vcg::tri::Index(host, face.cV(k))]);
+    }
+    faces += face.IsD() ? 0 : 1;
+  }
 }
 
 TEST(MeshBridge, FaceOnADeletedVertexIsRefusedByTheCore) {

@@ -3,8 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "shapes.h"
 #include "support.h"
@@ -151,6 +155,178 @@ TEST(SolverThread, WakesItsOwnerForEachPieceOfNews) {
   worker.solve({support::shift(Vector3(0, 0, 1))}, false);
   all_news(worker, pose);
   EXPECT_GT(woken, before);
+}
+
+/// Enough for a stand-in, and for its poses to come long before the editor's.
+PrepareTask large_task() {
+  PrepareTask task;
+  static const auto mesh = std::make_shared<const TriangleMesh>(shapes::letter_field(254, 127));
+  static const auto adjacency = std::make_shared<const Adjacency>(support::adjacency_of(*mesh));
+  task.mesh = mesh;
+  task.adjacency = adjacency;
+  task.region.radius = 1.6;
+  task.groups = {{support::vertex_at(*mesh, {2, 1, 0})}};
+  task.scalar = StoredScalar::Float;
+  return task;
+}
+
+Points exact_pose(const PrepareTask& task, const std::vector<Affine>& maps) {
+  Points exact;
+  StepRunner({*task.mesh, *task.adjacency, task.region, task.groups, task.settings, task.scalar}).solve(maps, exact);
+  return exact;
+}
+
+/// All poses until the worker rests, and which of them came before the region was prepared.
+struct Followed {
+  std::vector<SolverPose> poses;
+  int before_ready = 0;
+  bool in_hand = false, ready = false;
+  std::string error, pose_error;
+
+  void listen(SolverThread& worker, bool to_the_first_pose = false) {
+    while (worker.wait()) {
+      SolverPose pose;
+      const SolverNews news = worker.poll(pose);
+      in_hand |= news.in_hand;
+      if (news.pose) {
+        before_ready += !ready && !news.ready;
+        poses.push_back(pose);
+      }
+      ready |= news.ready;
+      error += news.error;
+      pose_error += news.pose_error;
+      if (to_the_first_pose && news.pose) {
+        return;
+      }
+    }
+  }
+  /// The longest way of a vertex from one pose to the next.
+  double longest_jump() const {
+    double longest = 0;
+    for (std::size_t k = 1; k < poses.size(); ++k) {
+      longest = std::max(longest, (poses[k].positions - poses[k - 1].positions).rowwise().norm().maxCoeff());
+    }
+    return longest;
+  }
+};
+
+const std::vector<Affine> kLifted = {support::shift(Vector3(0.1, 0, 0.5))};
+
+TEST(StandIn, FollowsFirstAndGivesWayWithoutAJump) {
+  const PrepareTask task = large_task();
+  SolverThread worker(nullptr);
+  worker.prepare(task);
+  const int serial = worker.solve(kLifted, false);
+  Followed seen;
+  seen.listen(worker);
+  ASSERT_TRUE(seen.in_hand && seen.ready);
+  ASSERT_GE(seen.before_ready, 1);
+  ASSERT_GE(seen.poses.size(), 8U);  // frames of the blend
+  for (const SolverPose& pose : seen.poses) {
+    EXPECT_EQ(pose.serial, serial);
+  }
+  const Points exact = exact_pose(task, kLifted);
+  EXPECT_TRUE(support::same_bits(seen.poses.back().positions, exact));
+  const double apart = (seen.poses.front().positions - exact).rowwise().norm().maxCoeff();
+  EXPECT_GT(apart, 0);
+  EXPECT_LT(seen.longest_jump(), 0.2 * apart);
+  EXPECT_FALSE(worker.busy());
+}
+
+TEST(StandIn, GivesWayWhileTheMouseMoves) {
+  const PrepareTask task = large_task();
+  SolverThread worker(nullptr);
+  worker.prepare(task);
+  Followed seen;
+  Affine at = kLifted[0];
+  for (int frame = 0; frame < 4000 && !(seen.ready && frame > 200); ++frame) {
+    at.translation().z() = 0.5 + 1e-5 * frame;
+    worker.solve({at}, false);
+    seen.listen(worker, true);
+  }
+  worker.solve({at}, true);
+  seen.listen(worker);
+  ASSERT_TRUE(seen.ready);
+  ASSERT_GE(seen.before_ready, 3);
+  const Points exact = exact_pose(task, {at});
+  EXPECT_TRUE(support::same_bits(seen.poses.back().positions, exact));
+  const double apart = (seen.poses[seen.before_ready - 1].positions - exact).rowwise().norm().maxCoeff();
+  EXPECT_LT(seen.longest_jump(), 0.2 * apart + 1e-3);
+}
+
+TEST(StandIn, WhatIsReleasedBeforeTheRegionIsPreparedIsTheEditors) {
+  const PrepareTask task = large_task();
+  SolverThread worker(nullptr);
+  worker.prepare(task);
+  worker.solve({support::shift(Vector3(0.1, 0, 0.4))}, false);
+  Followed seen;
+  seen.listen(worker, true);
+  ASSERT_FALSE(seen.ready);
+  const int serial = worker.solve(kLifted, true);
+  seen.listen(worker);
+  EXPECT_GE(seen.before_ready, 2);  // the released pose is seen at once
+  ASSERT_EQ(seen.poses.back().serial, serial);
+  EXPECT_TRUE(support::same_bits(seen.poses.back().positions, exact_pose(task, kLifted)));
+  for (std::size_t k = 0; k + 1 < seen.poses.size(); ++k) {
+    EXPECT_LT(seen.poses[k].serial, serial);  // nobody takes them for what stays
+  }
+}
+
+TEST(StandIn, NothingComesAfterCancel) {
+  SolverThread worker(nullptr);
+  worker.prepare(large_task());
+  worker.solve(kLifted, false);
+  Followed seen;
+  seen.listen(worker, true);
+  worker.cancel();
+  Followed after;
+  after.listen(worker);
+  EXPECT_TRUE(after.poses.empty());
+  EXPECT_FALSE(after.ready);
+  EXPECT_FALSE(worker.busy());
+}
+
+TEST(StandIn, AnotherRegionIsInTheHandWhileTheOldOneIsStillPrepared) {
+  SolverThread worker(nullptr);
+  worker.prepare(large_task());
+  worker.solve(kLifted, false);
+  Followed first;
+  first.listen(worker, true);
+  PrepareTask other = large_task();
+  other.groups = {{support::vertex_at(*other.mesh, {1.2, 1, 0})}};
+  worker.prepare(other);
+  worker.solve(kLifted, true);
+  Followed second;
+  second.listen(worker);
+  ASSERT_TRUE(second.ready);
+  EXPECT_TRUE(support::same_bits(second.poses.back().positions, exact_pose(other, kLifted)));
+}
+
+TEST(StandIn, WhatTheEditorRefusesIsSaid) {
+  PrepareTask task = large_task();
+  SolverThread worker(nullptr);
+  worker.prepare(task);
+  worker.solve({support::shift(Vector3(std::nan(""), 0, 0))}, true);
+  Followed seen;
+  seen.listen(worker);
+  EXPECT_NE(seen.pose_error.find("finite"), std::string::npos);
+  EXPECT_TRUE(seen.poses.empty());
+  worker.solve(kLifted, true);
+  seen.listen(worker);
+  EXPECT_TRUE(support::same_bits(seen.poses.back().positions, exact_pose(task, kLifted)));
+}
+
+TEST(StandIn, EndsWhileItStandsIn) {
+  for (int i = 0; i < 5; ++i) {
+    SolverThread worker(nullptr);
+    worker.prepare(large_task());
+    worker.solve(kLifted, false);
+    Followed seen;
+    seen.listen(worker, true);
+    if (i % 2 == 1) {
+      worker.solve(kLifted, true);
+    }
+  }
 }
 
 TEST(SolverThread, EndsInTheMiddleOfItsWork) {

@@ -239,6 +239,26 @@ TEST(SparseCholesky, MatricesThatAreNotPositiveDefiniteAreRefused) {
   }
 }
 
+/// Fails if a front takes over its children's rows in another order, or before they are done.
+TEST(SparseCholesky, ThreadsDoNotChangeABit) {
+  const SparseMatrix matrix = grid_laplacian(120, 90, 1e-3);
+  const Points rhs = random_points(120 * 90, 8);
+  Points expected;
+  for (const int threads : {1, 2, 3}) {
+    for (int time = 0; time < 5; ++time) {
+      CholeskyOptions options;
+      options.pool = std::make_shared<ThreadPool>(threads);
+      Points x;
+      SparseCholesky(matrix, options).solve(rhs, x);
+      EXPECT_LT((matrix * x - rhs).norm(), 1e-10 * rhs.norm());
+      if (expected.rows() == 0) {
+        expected = x;
+      }
+      EXPECT_TRUE(x == expected) << threads << " threads";
+    }
+  }
+}
+
 TEST(SparseCholesky, ScaleOfTheMatrixDoesNotMatter) {
   const Points rhs = random_points(100, 7);
   const SparseMatrix matrix = grid_laplacian(10, 10, 0.1);

@@ -487,6 +487,7 @@ TEST(Region, HasTheBitsOfAPlainImplementation) {
   const int count = static_cast<int>(letters.vertices.rows());
   const TriangleMesh sheets =
       shapes::together(shapes::degenerate_grid(150, 130), shapes::non_manifold_grid(60, 50), Vector3(500, 0, 0));
+  const std::vector<int> order = support::shuffled(static_cast<int>(sheets.vertices.rows()), 3);
   const struct {
     const char* what;
     TriangleMesh mesh;
@@ -496,6 +497,7 @@ TEST(Region, HasTheBitsOfAPlainImplementation) {
       {"groups far apart", letters, {{70, 71, 200}, {12000}, {20000, 20001, 24000}}},
       {"in any order", support::renumbered(letters, support::shuffled(count, 8), 9), {{17}, {23000, 400}}},
       {"edges without length, needles, isolated vertices", sheets, {{9000, 9001}, {60}}},
+      {"the same in any order", support::renumbered(sheets, order, 4), {{order[9000]}, {order[9001], order[60]}}},
       {"handles on two pieces", sheets, {{9000}, {static_cast<int>(sheets.vertices.rows()) - 300}}},
       {"ties", shapes::grid(150, 150), {{11000, 11001}, {11003}}},
   };

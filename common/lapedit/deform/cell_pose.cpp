@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lapedit/deform/geodesic_falloff.h"
 #include "lapedit/deform/polar_decomposition.h"
 
 namespace lapedit {
@@ -18,10 +17,11 @@ constexpr int kGrain = 64;
 
 CellPose::CellPose(const Region& region, const Points& rest, const RegionCells& cells, const CellBlend& blend,
                    const EditSettings& settings, double normal_radius, ThreadPool& pool)
-    : cells_(cells),
+    : rest_(rest),
+      cells_(cells),
       settings_(settings),
       pool_(pool),
-      system_(region, rest, cells, blend, settings, normal_radius),
+      system_(region, rest, cells, blend, settings, normal_radius, pool),
       component_(cells.count(), 0),
       hold_(cells.count(), 0),
       settled_(1e-4 * region.radius),
@@ -36,72 +36,28 @@ CellPose::CellPose(const Region& region, const Points& rest, const RegionCells& 
   }
   measure_slopes();
   if (settings.rough == RoughDeformation::Falloff && settings.rotation != DetailRotation::None) {
-    weigh_falloff(region, rest);
+    measure_falloff(region, rest);
   }
 }
 
-/// Along the graph of the cells, with the handle's and the anchors' means in each cell as vertices of their own.
-void CellPose::weigh_falloff(const Region& region, const Points& rest) {
-  const int m = cells_.count();
-  const int groups = 1 + *std::max_element(region.group.begin(), region.group.end());
-  std::vector<std::vector<int>> others(m), seeds(groups + 1);
-  std::vector<Vector3> places;
-  const auto add = [&](int cell, int seed, const Vector3& place) {
-    others[cell].push_back(m + static_cast<int>(places.size()));
-    seeds[seed].push_back(others[cell].back());
-    places.push_back(place);
-  };
-  std::vector<int> handle_vertices(groups, 0), anchors(m, 0);
-  Points means = Points::Zero(m, 3);
+/// The mean of the weights over each cell.
+void CellPose::measure_falloff(const Region& region, const Points& rest) {
+  const GeodesicFalloff vertices = geodesic_falloff(region, rest);
+  falloff_.lone = vertices.lone;
+  falloff_.weights.setZero(cells_.count(), vertices.weights.cols());
   for (int i = 0; i < region.size(); ++i) {
-    if (region.classes[i] == VertexClass::Handle) {
-      ++handle_vertices[region.group[i]];
-    } else if (region.classes[i] == VertexClass::Anchor) {
-      means.row(cells_.of[i]) += (rest.row(i) - means.row(cells_.of[i])) / ++anchors[cells_.of[i]];
-    }
+    falloff_.weights.row(cells_.of[i]) += vertices.weights.row(i) / cells_.vertices[cells_.of[i]];
   }
-  lone_.assign(groups, -1);
-  for (std::size_t h = 0; h < system_.held().size(); ++h) {
-    const CoarseSystem::Held& held = system_.held()[h];
-    add(held.cell, held.group, held.mean);
-    lone_[held.group] = handle_vertices[held.group] == 1 ? static_cast<int>(h) : -1;
-  }
-  for (int c = 0; c < m; ++c) {
-    if (anchors[c] > 0) {
-      add(c, groups, means.row(c).transpose());
-    }
-  }
-  IndexLists graph;
-  for (int c = 0; c < m; ++c) {
-    graph.values.insert(graph.values.end(), cells_.neighbours[c].begin(), cells_.neighbours[c].end());
-    graph.values.insert(graph.values.end(), others[c].begin(), others[c].end());
-    graph.offsets.push_back(static_cast<int>(graph.values.size()));
-  }
-  graph.offsets.resize(static_cast<std::size_t>(m) + places.size() + 1);
-  Points points(m + static_cast<Eigen::Index>(places.size()), 3);
-  points.topRows(m) = cells_.centres;
-  graph.values.resize(graph.values.size() + places.size());
-  for (int c = 0; c < m; ++c) {
-    for (const int other : others[c]) {
-      points.row(other) = places[other - m].transpose();
-      graph.values[graph.offsets[m] + (other - m)] = c;
-      graph.offsets[other + 1] = graph.offsets[m] + (other - m) + 1;
-    }
-  }
-  falloff_ = falloff_weights(graph, points, seeds).topRows(m);
 }
 
-/// As EditConstraints::fall_off().
 void CellPose::fall_off(const std::vector<LocalMotion>& targets) {
   displacement_.setZero(cells_.count(), 3);
-  for (int c = 0; c < cells_.count(); ++c) {
-    for (std::size_t g = 0; g < lone_.size(); ++g) {
-      const double weight = falloff_(c, static_cast<Eigen::Index>(g));
-      if (weight > 0) {
-        const Vector3 place =
-            lone_[g] >= 0 ? system_.held()[lone_[g]].mean : Vector3(cells_.centres.row(c).transpose());
-        displacement_.row(c) += weight * (targets[g].displacement(place) - carried(c).displacement(place)).transpose();
-      }
+  for (std::size_t g = 0; g < falloff_.lone.size(); ++g) {
+    for (int c = 0; c < cells_.count(); ++c) {
+      const Vector3 place = falloff_.lone[g] >= 0 ? rest_.row(falloff_.lone[g]).transpose().eval()
+                                                  : cells_.centres.row(c).transpose().eval();
+      const Vector3 way = targets[g].displacement(place) - carried(c).displacement(place);
+      displacement_.row(c) += falloff_.weights(c, static_cast<Eigen::Index>(g)) * way.transpose();
     }
   }
 }
@@ -189,7 +145,7 @@ void CellPose::solve(const std::vector<LocalMotion>& targets, const std::vector<
       constraints_.row(cell) += held.weight * weight * way.transpose();
     }
   }
-  if (lone_.empty() || constraints_.isZero(0)) {
+  if (falloff_.empty()) {
     system_.solve(constraints_, displacement_);
   } else {
     fall_off(targets);

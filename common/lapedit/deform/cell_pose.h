@@ -5,6 +5,7 @@
 
 #include "lapedit/deform/coarse_system.h"
 #include "lapedit/deform/edit_constraints.h"
+#include "lapedit/deform/geodesic_falloff.h"
 
 namespace lapedit {
 
@@ -26,12 +27,13 @@ class CellPose {
 
  private:
   void measure_slopes();
-  void weigh_falloff(const Region& region, const Points& rest);
+  void measure_falloff(const Region& region, const Points& rest);
   void fall_off(const std::vector<LocalMotion>& targets);
   Vector3 normal(int cell, const Points& at) const;
   void fit_rotations();
   void turn(Points& turned) const;
 
+  const Points& rest_;
   const RegionCells& cells_;
   const EditSettings& settings_;
   ThreadPool& pool_;
@@ -40,9 +42,8 @@ class CellPose {
   std::vector<double> hold_;      // how far its rotation is held back, 0 to 1
   std::vector<double> nearness_;  // per entry of neighbours: how much it counts for the rotation
   std::vector<Vector2> slope_;    // likewise: what an end's way adds to the gradient along the surface
-  Eigen::MatrixXd falloff_;       // of each cell and group, see GeodesicFalloff; empty where it is not asked for
-  std::vector<int> lone_;         // which of held() is a group's only vertex; -1
   double settled_;                // a pass that changes less is the last
+  GeodesicFalloff falloff_;       // of the cells; empty: rotations are estimated from the unrotated result
 
   const std::vector<LocalMotion>* carried_ = nullptr;
   Points constraints_, right_, displacement_, previous_, turned_, smooth_before_, smooth_after_;

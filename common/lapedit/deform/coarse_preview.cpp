@@ -22,7 +22,7 @@ struct CellMotion {
 
 /// One thousandth of a cell's size more or less is seen by nobody, so cells grow slowly with the region.
 int wanted_cells(int vertices) {
-  constexpr double kUsual = 1500, kUsualRegion = 32000, kGrowth = 0.3, kVerticesPerCell = 8;
+  constexpr double kUsual = 1500, kUsualRegion = 32000, kGrowth = 0.3, kVerticesPerCell = 5;
   return static_cast<int>(
       std::min(vertices / kVerticesPerCell, kUsual * std::pow(std::max(1.0, vertices / kUsualRegion), kGrowth)));
 }
@@ -57,8 +57,7 @@ struct CoarsePreview::State {
         pool(wanted.threads),
         rest(mesh, *region),
         unit(region->max_distance > 0 ? std::ldexp(1.0, std::ilogb(region->max_distance)) : 1),
-        cells(make_cells(*region, rest.local, edge_weights(settings.laplacian, *region, mesh).values,
-                         wanted_cells(region->size()), pool)),
+        cells(make_cells(*region, rest.local, weights(mesh), wanted_cells(region->size()), pool)),
         blend((report_progress(progress, 0.05, "coarse level"), cells), rest.local, pool),
         cell_pose(*region, rest.local, cells, blend, settings, radius(), pool) {
     keep_details();
@@ -66,6 +65,10 @@ struct CoarsePreview::State {
     positions.resize(region->size(), 3);
   }
 
+  std::vector<double> weights(const TriangleMesh& mesh) const {
+    return settings.laplacian == LaplacianKind::Umbrella ? std::vector<double>()
+                                                         : edge_weights(settings.laplacian, *region, mesh).values;
+  }
   double radius() const {
     return settings.rotation == DetailRotation::None ? 0
            : settings.normal_radius > 0              ? settings.normal_radius

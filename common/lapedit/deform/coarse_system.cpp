@@ -105,19 +105,28 @@ void CoarseSystem::hold_handles(const Region& region, const Points& rest, const 
 }
 
 CoarseSystem::CoarseSystem(const Region& region, const Points& rest, const RegionCells& cells, const CellBlend& blend,
-                           const EditSettings& settings, double normal_radius)
+                           const EditSettings& settings, double normal_radius, ThreadPool& pool)
     : order_(settings.order) {
-  const int m = cells.count();
   hold_handles(region, rest, cells, blend, settings.handle_weight);
+  pool.each(normal_radius > 0 ? 2 : 1, [&](int part) {
+    if (part == 0) {
+      make_normal(region, cells, settings);
+    } else {
+      make_smoother(cells, settings, normal_radius);
+    }
+  });
+}
+
+/// M^kT N M^k + W^2.
+void CoarseSystem::make_normal(const Region& region, const RegionCells& cells, const EditSettings& settings) {
+  const int m = cells.count();
   rows_ = Eigen::Map<const Eigen::VectorXd>(cells.vertices.data(), m);
   const Eigen::VectorXd weight = Eigen::Map<const Eigen::VectorXd>(cells.weight.data(), m);
-  const SparseMatrix stiffness = stiffness_matrix(cells, cells.stiffness);
-  first_ = weight.cwiseInverse().asDiagonal() * stiffness;
+  first_ = weight.cwiseInverse().asDiagonal() * stiffness_matrix(cells, cells.stiffness);
   power_ = power(first_, order_);
   SparseMatrix normal = SparseMatrix(power_.transpose()) * (rows_.asDiagonal() * power_);
   // Anchors, and a trace of weight that keeps cells definite which nothing holds.
   constexpr double kTrace = 1e-13;
-  Triplets entries;
   Eigen::VectorXd anchored = Eigen::VectorXd::Constant(m, kTrace);
   for (int i = 0; i < region.size(); ++i) {
     if (region.classes[i] == VertexClass::Anchor) {
@@ -125,6 +134,7 @@ CoarseSystem::CoarseSystem(const Region& region, const Points& rest, const Regio
       anchored[cells.of[i]] += w * w;
     }
   }
+  Triplets entries;
   for (int c = 0; c < m; ++c) {
     entries.emplace_back(c, c, anchored[c]);
   }
@@ -138,20 +148,19 @@ CoarseSystem::CoarseSystem(const Region& region, const Points& rest, const Regio
   SparseMatrix constraints(m, m);
   constraints.setFromTriplets(entries.begin(), entries.end());
   normal += constraints;
-  CholeskyOptions options;
-  options.backend = settings.backend;
-  normal_ = std::make_unique<SparseCholesky>(normal, options);
-  if (normal_radius > 0) {
-    constexpr double kMoment = 5.0 / 21;  // as DiffusionSmoother has it
-    const double time = kMoment * normal_radius * normal_radius / 4 / kSmoothingSteps;
-    mass_ = Eigen::Map<const Eigen::VectorXd>(cells.mass.data(), m) / time;
-    SparseMatrix diffusion = stiffness_matrix(cells, cells.diffusion);
-    SparseMatrix diagonal(m, m);
-    diagonal.setIdentity();
-    diagonal.diagonal() = mass_.array() + 1e-9;
-    diffusion += diagonal;
-    smoother_ = std::make_unique<SparseCholesky>(diffusion, options);
-  }
+  normal_ = std::make_unique<SparseCholesky>(normal, settings.backend);
+}
+
+/// K / time + L of the diffusion.
+void CoarseSystem::make_smoother(const RegionCells& cells, const EditSettings& settings, double normal_radius) {
+  constexpr double kMoment = 5.0 / 21, kLeast = 1e-9;  // as DiffusionSmoother has them
+  const double time = kMoment * normal_radius * normal_radius / 4 / kSmoothingSteps;
+  mass_ = Eigen::Map<const Eigen::VectorXd>(cells.mass.data(), cells.count()) / time;
+  SparseMatrix diagonal(cells.count(), cells.count());
+  diagonal.setIdentity();
+  diagonal.diagonal() = mass_.array() + kLeast;
+  const SparseMatrix diffusion = stiffness_matrix(cells, cells.diffusion) + diagonal;
+  smoother_ = std::make_unique<SparseCholesky>(diffusion, settings.backend);
 }
 
 void CoarseSystem::add_turned(Points& turned, Points& right) const {

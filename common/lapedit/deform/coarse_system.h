@@ -28,7 +28,7 @@ class CoarseSystem {
   /// @param normal_radius  of the smoothing, model units; 0: nothing is smoothed
   /// @throws EditError (IllConditioned)
   CoarseSystem(const Region& region, const Points& rest, const RegionCells& cells, const CellBlend& blend,
-               const EditSettings& settings, double normal_radius);
+               const EditSettings& settings, double normal_radius, ThreadPool& pool);
 
   const std::vector<Held>& held() const { return held_; }
 
@@ -42,6 +42,8 @@ class CoarseSystem {
  private:
   void hold_handles(const Region& region, const Points& rest, const RegionCells& cells, const CellBlend& blend,
                     double handle_weight);
+  void make_normal(const Region& region, const RegionCells& cells, const EditSettings& settings);
+  void make_smoother(const RegionCells& cells, const EditSettings& settings, double normal_radius);
 
   SparseMatrix first_, power_;  // M and M^k
   Eigen::VectorXd rows_, mass_;

@@ -8,15 +8,12 @@
 namespace lapedit {
 namespace {
 
-/// d_k^-3/2 over their sum; the first of those at no distance takes all, and nobody anything that none reaches.
+/// d_k^-3/2 over their sum; the first of those at no distance takes all.
 Eigen::RowVectorXd shares(const Eigen::RowVectorXd& distances) {
   Eigen::Index first = 0;
   const double nearest = distances.minCoeff(&first);
-  if (nearest == 0) {
+  if (!(nearest > 0)) {
     return Eigen::RowVectorXd::Unit(distances.size(), first);
-  }
-  if (nearest == kUnreached) {
-    return Eigen::RowVectorXd::Zero(distances.size());
   }
   Eigen::RowVectorXd parts = nearest / distances.array();  // 0 for what does not reach here
   parts.array() *= parts.array().sqrt();
@@ -24,22 +21,6 @@ Eigen::RowVectorXd shares(const Eigen::RowVectorXd& distances) {
 }
 
 }  // namespace
-
-Eigen::MatrixXd falloff_weights(const IndexLists& neighbours, const Points& points,
-                                const std::vector<std::vector<int>>& seeds) {
-  Eigen::MatrixXd result(neighbours.rows(), static_cast<Eigen::Index>(seeds.size()));
-  GeodesicSearch search(neighbours, points);
-  for (std::size_t k = 0; k < seeds.size(); ++k) {
-    search.run(seeds[k], kUnreached);
-    for (int i = 0; i < neighbours.rows(); ++i) {
-      result(i, static_cast<Eigen::Index>(k)) = search.distance(i);
-    }
-  }
-  for (int i = 0; i < neighbours.rows(); ++i) {
-    result.row(i) = shares(result.row(i));
-  }
-  return result.leftCols(result.cols() - 1);
-}
 
 GeodesicFalloff geodesic_falloff(const Region& region, const Points& points) {
   const int groups = 1 + *std::max_element(region.group.begin(), region.group.end());
@@ -51,17 +32,25 @@ GeodesicFalloff geodesic_falloff(const Region& region, const Points& points) {
       seeds[groups].push_back(i);
     }
   }
-  GeodesicFalloff result = {falloff_weights(region.neighbours, points, seeds), {}};
-  for (int i = 0; i < region.size(); ++i) {  // also where they are in one place
-    if (region.classes[i] != VertexClass::Free) {
-      result.weights.row(i).setZero();
+  GeodesicFalloff result;
+  Eigen::MatrixXd distances(region.size(), groups + 1);
+  GeodesicSearch search(region.neighbours, points);
+  for (int k = 0; k <= groups; ++k) {
+    search.run(seeds[k], kUnreached);
+    for (int i = 0; i < region.size(); ++i) {
+      distances(i, k) = search.distance(i);
     }
-    if (region.classes[i] == VertexClass::Handle) {
-      result.weights(i, region.group[i]) = 1;
+    if (k < groups) {
+      result.lone.push_back(seeds[k].size() == 1 ? seeds[k][0] : -1);
     }
   }
-  for (int g = 0; g < groups; ++g) {
-    result.lone.push_back(seeds[g].size() == 1 ? seeds[g][0] : -1);
+  result.weights.setZero(region.size(), groups);
+  for (int i = 0; i < region.size(); ++i) {
+    if (region.classes[i] == VertexClass::Handle) {
+      result.weights(i, region.group[i]) = 1;
+    } else if (region.classes[i] == VertexClass::Free) {
+      result.weights.row(i) = shares(distances.row(i)).head(groups);
+    }
   }
   return result;
 }

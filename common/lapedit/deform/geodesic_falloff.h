@@ -22,12 +22,6 @@ struct GeodesicFalloff {
   bool empty() const { return lone.empty(); }
 };
 
-/// The weights on any graph, whose vertices at no distance from several go with the first of them.
-/// @param seeds  the vertices of each group, those of the anchors last
-/// @return       one row per vertex, one column per group
-Eigen::MatrixXd falloff_weights(const IndexLists& neighbours, const Points& points,
-                                const std::vector<std::vector<int>>& seeds);
-
 /// @param points  size() x 3
 /// Cost: a search through the region for each group, and one for the anchors.
 GeodesicFalloff geodesic_falloff(const Region& region, const Points& points);

@@ -124,8 +124,7 @@ void Preparation::make_factor_and_smoother(EditReport& report) {
   }
   // The smoothing asks nothing of the factor: with a second thread it comes for free.
   constexpr int kWorthAThread = 2000;
-  const bool apart =
-      smooths && s_.pool->threads() > 1 && s_.region.size() >= kWorthAThread && !factorisations_share_threads();
+  const bool apart = smooths && s_.pool->threads() > 1 && s_.region.size() >= kWorthAThread;
   // Threads of its own: the factor's makers share the pool among themselves.
   ThreadPool(apart ? 2 : 1).each(smooths ? 2 : 1, [&](int part) {
     const Stopwatch own;

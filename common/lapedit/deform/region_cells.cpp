@@ -11,6 +11,12 @@
 namespace lapedit {
 namespace {
 
+typedef float Four __attribute__((vector_size(4 * sizeof(float))));
+
+Four four(const Vector3& v) {
+  return Four{static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]), 0};
+}
+
 constexpr int kPieces = 16;  // sums are taken in so many parts, whatever the threads
 constexpr int kRecentrings = 2;
 
@@ -113,6 +119,27 @@ void recentre(const Region& region, const Points& rest, const RegionCells& cells
   }
 }
 
+/// Moves the centres of cells at an open border of the mesh onto it: the cells' triangles would leave out a strip
+/// there, half a cell wide, and with it what holds the surface straight.
+void reach_borders(const Region& region, const Points& rest, RegionCells& cells) {
+  std::vector<int> faces(region.size(), 0);
+  for (Eigen::Index f = 0; f < region.faces.rows(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      ++faces[region.faces(f, k)];
+    }
+  }
+  std::vector<int> found(cells.count(), 0);
+  for (int i = 0; i < region.size(); ++i) {
+    if (region.classes[i] != VertexClass::Anchor && region.neighbours[i].size() > faces[i]) {
+      const int c = cells.of[i];
+      if (found[c]++ == 0) {
+        cells.centres.row(c).setZero();
+      }
+      cells.centres.row(c) += (rest.row(i) - cells.centres.row(c)) / found[c];
+    }
+  }
+}
+
 // --- Sums over cells -------------------------------------------------------------------------------------------------
 
 /// Edges from one cell into another.
@@ -124,19 +151,18 @@ struct Crossing {
 
 /// What one part of the region's faces and edges adds to the cells.
 struct PartialSums {
-  std::vector<double> area, weight, mass;
+  std::vector<double> area, weight;
   Points normals;
-  std::vector<Symmetric> stiffness, diffusion;
+  std::vector<Symmetric> edges, stiffness;  // sums of e e^T and w_ij e e^T
   std::vector<std::array<int, 3>> triangles;
   std::vector<std::vector<Crossing>> crossing;  // per cell
 
   void clear(int count) {
     area.assign(count, 0);
     weight.assign(count, 0);
-    mass.assign(count, 0);
     normals.setZero(count, 3);
+    edges.assign(count, Symmetric::Zero());
     stiffness.assign(count, Symmetric::Zero());
-    diffusion.assign(count, Symmetric::Zero());
     crossing.assign(count, {});
   }
   void cross(int from, int to, double of_edge, const Vector3& edge) {
@@ -159,7 +185,6 @@ class CellSums {
   void take();
 
  private:
-  void measure_density();
   void add_faces(PartialSums& to, Eigen::Index first, Eigen::Index last) const;
   void add_edges(PartialSums& to, Eigen::Index first, Eigen::Index last) const;
   void merge(std::vector<PartialSums>& parts);
@@ -170,35 +195,7 @@ class CellSums {
   const std::vector<double>& weights_;
   RegionCells& cells_;
   ThreadPool& pool_;
-  std::vector<float> density_;  // 1 / sqrt(area_i / mean area), as the diffusion has it
 };
-
-void CellSums::measure_density() {
-  constexpr double kSmall = 1e-3;
-  const int n = region_.size();
-  std::vector<double> sums(kPieces, 0);
-  density_.resize(n);
-  in_parts(pool_, n, [&](int piece, Eigen::Index first, Eigen::Index last) {
-    for (Eigen::Index i = first; i < last; ++i) {
-      double area = 0;
-      for (const int j : region_.neighbours[static_cast<int>(i)]) {
-        area += (rest_.row(j) - rest_.row(i)).squaredNorm();
-      }
-      density_[i] = static_cast<float>(area);
-      sums[piece] += area;
-    }
-  });
-  double mean = 0;
-  for (const double sum : sums) {
-    mean += sum / n;
-  }
-  in_parts(pool_, n, [&](int, Eigen::Index first, Eigen::Index last) {
-    for (Eigen::Index i = first; i < last; ++i) {
-      const double share = mean > 0 ? std::max(static_cast<double>(density_[i]) / mean, kSmall) : 1;
-      density_[i] = static_cast<float>(1 / std::sqrt(share));
-    }
-  });
-}
 
 void CellSums::add_faces(PartialSums& to, Eigen::Index first, Eigen::Index last) const {
   for (Eigen::Index f = first; f < last; ++f) {
@@ -223,35 +220,37 @@ void CellSums::add_faces(PartialSums& to, Eigen::Index first, Eigen::Index last)
 
 void CellSums::add_edges(PartialSums& to, Eigen::Index first, Eigen::Index last) const {
   const IndexLists& neighbours = region_.neighbours;
+  const bool weighted = !weights_.empty();
   for (Eigen::Index i = first; i < last; ++i) {
     const int own = cells_.of[i];
-    Symmetric stiffness = Symmetric::Zero(), diffusion = Symmetric::Zero();
-    double weight = 0, mass = 0;
+    Symmetric edges = Symmetric::Zero(), stiffness = Symmetric::Zero();
+    double weight = 0;
     for (int k = neighbours.offsets[i]; k < neighbours.offsets[i + 1]; ++k) {
       const int j = neighbours.values[k];
       const Vector3 edge = (rest_.row(i) - rest_.row(j)).transpose();
       const Symmetric tensor = squared(edge);
-      const double conductance = static_cast<double>(density_[i]) * static_cast<double>(density_[j]);
-      stiffness += weights_[k] * tensor;
-      diffusion += conductance * tensor;
-      weight += weights_[k];
-      mass += conductance * edge.squaredNorm();
+      edges += tensor;
+      const double of_edge = weighted ? weights_[k] : 1;
+      if (weighted) {
+        stiffness += of_edge * tensor;
+        weight += of_edge;
+      }
       if (cells_.of[j] != own) {
-        to.cross(own, cells_.of[j], weights_[k], edge);
+        to.cross(own, cells_.of[j], of_edge, edge);
       }
     }
-    to.stiffness[own] += 0.5 * stiffness;
-    to.diffusion[own] += 0.5 * diffusion;
-    to.weight[own] += weight;
-    to.mass[own] += 0.25 * mass;
+    to.edges[own] += edges;
+    to.stiffness[own] += weighted ? stiffness : edges;
+    to.weight[own] += weighted ? weight : neighbours.offsets[i + 1] - neighbours.offsets[i];
   }
 }
 
+/// The diffusion's conductances are c_ij = mean area / sqrt(area_i area_j), area_i = sum_j |e_ij|^2 / 4 (see
+/// DiffusionSmoother); inside a cell they hardly vary.
 void CellSums::merge(std::vector<PartialSums>& parts) {
   const int m = cells_.count();
   cells_.area.assign(m, 0);
   cells_.weight.assign(m, 0);
-  cells_.mass.assign(m, 0);
   cells_.normals.setZero(m, 3);
   cells_.stiffness.assign(m, Symmetric::Zero());
   cells_.diffusion.assign(m, Symmetric::Zero());
@@ -259,20 +258,30 @@ void CellSums::merge(std::vector<PartialSums>& parts) {
     for (int c = 0; c < m; ++c) {
       cells_.area[c] += part.area[c];
       cells_.weight[c] += part.weight[c];
-      cells_.mass[c] += part.mass[c];
-      cells_.stiffness[c] += part.stiffness[c];
-      cells_.diffusion[c] += part.diffusion[c];
+      cells_.stiffness[c] += 0.5 * part.stiffness[c];
+      cells_.diffusion[c] += 0.5 * part.edges[c];
     }
     cells_.normals += part.normals;
     cells_.triangles.insert(cells_.triangles.end(), part.triangles.begin(), part.triangles.end());
   }
   std::sort(cells_.triangles.begin(), cells_.triangles.end());
   cells_.triangles.erase(std::unique(cells_.triangles.begin(), cells_.triangles.end()), cells_.triangles.end());
-  // Cells of obtuse or flat faces alone, where the operator has the umbrella's rows.
-  constexpr double kLeast = 1e-6;
+  constexpr double kLeast = 1e-6, kSmall = 1e-3;
+  const auto edge_area = [&](int c) {
+    return 0.5 * (cells_.diffusion[c][0] + cells_.diffusion[c][3] + cells_.diffusion[c][5]);
+  };
+  double sum = 0;
   for (int c = 0; c < m; ++c) {
+    sum += edge_area(c);
+  }
+  const double mean = sum / std::max(1, region_.size());
+  cells_.mass.assign(m, std::numeric_limits<double>::min());
+  for (int c = 0; c < m; ++c) {
+    // Cells of obtuse or flat faces alone, where the operator has the umbrella's rows.
     cells_.weight[c] = std::max(cells_.weight[c], kLeast * cells_.vertices[c]);
-    cells_.mass[c] = std::max(cells_.mass[c], std::numeric_limits<double>::min());
+    const double own = edge_area(c), share = mean > 0 ? std::max(own / cells_.vertices[c] / mean, kSmall) : 1;
+    cells_.mass[c] = std::max(cells_.mass[c], own / share);
+    cells_.diffusion[c] /= share;
   }
 }
 
@@ -307,7 +316,6 @@ void CellSums::merge_neighbours(std::vector<PartialSums>& parts) {
 }
 
 void CellSums::take() {
-  measure_density();
   std::vector<PartialSums> parts(kPieces);
   in_parts(pool_, region_.size(), [&](int piece, Eigen::Index first, Eigen::Index last) {
     parts[piece].clear(cells_.count());
@@ -339,63 +347,143 @@ IndexLists two_rings(const RegionCells& cells) {
   return result;
 }
 
-/// Weights (1 - t^2 / T^2)^2 at the distances t, T that of the first cell left out, made to reproduce linear functions
-/// of the cells' centres as far as those spread: w_k (1 + c (e_k - e)), e_k = C_k - p, e their mean, c = -S^-1 e.
+/// How far each cell reaches, squared: to its neighbours' centres and half as far again, and to all of its vertices.
+std::vector<float> squared_reaches(const RegionCells& cells, const Points& rest) {
+  constexpr double kBeyondNeighbours = 1.5, kBeyondVertices = 1.1;
+  std::vector<double> squared(cells.count(), 0);
+  for (std::size_t i = 0; i < cells.of.size(); ++i) {
+    double& most = squared[cells.of[i]];
+    most = std::max(most, (rest.row(static_cast<Eigen::Index>(i)) - cells.centres.row(cells.of[i])).squaredNorm());
+  }
+  std::vector<float> result(cells.count());
+  for (int c = 0; c < cells.count(); ++c) {
+    double sum = 0;
+    for (const int near : cells.neighbours[c]) {
+      sum += (cells.centres.row(near) - cells.centres.row(c)).norm();
+    }
+    const int count = cells.neighbours[c].size();
+    const double reach =
+        std::max(count > 0 ? kBeyondNeighbours * sum / count : 0.0, kBeyondVertices * std::sqrt(squared[c]));
+    result[c] = static_cast<float>(std::max(reach * reach, static_cast<double>(std::numeric_limits<float>::min())));
+  }
+  return result;
+}
+
+/// Weights (1 - t^2 / T^2)^2 at the distance t from a cell, T the cell's reach, made to reproduce linear functions of
+/// the cells' centres as far as those spread: w_k (1 + c (e_k - e)), e_k = C_k - p, e their mean, c = -S^-1 e.
 class Weigher {
  public:
-  explicit Weigher(const RegionCells& cells) : cells_(cells), rings_(two_rings(cells)) {}
+  Weigher(const RegionCells& cells, const Points& rest);
 
   void operator()(const Vector3& place, int cell, std::array<int, CellBlend::kReach>& to,
-                  std::array<float, CellBlend::kReach>& weights);
+                  std::array<float, CellBlend::kReach>& weights) const;
 
  private:
+  struct Candidate {
+    Four place;    // from the centre of the row's cell
+    float faster;  // 1 / T^2
+    int cell;
+  };
+  struct Reaching {
+    Four way;  // to the cell's centre
+    float weight;
+    int cell;
+  };
+  static constexpr int kRoom = 64;
+  int reaching(Four place, int cell, Reaching* found) const;
+
   const RegionCells& cells_;
-  IndexLists rings_;
-  std::vector<std::pair<double, int>> near_;
+  std::vector<int> offsets_;
+  std::vector<Candidate> candidates_;  // each cell with its neighbours and theirs
 };
 
+Weigher::Weigher(const RegionCells& cells, const Points& rest) : cells_(cells) {
+  const IndexLists rings = two_rings(cells);
+  const std::vector<float> reaches = squared_reaches(cells, rest);
+  offsets_ = rings.offsets;
+  candidates_.resize(rings.values.size());
+  for (int c = 0; c < cells.count(); ++c) {
+    for (int k = rings.offsets[c]; k < rings.offsets[c + 1]; ++k) {
+      const int other = rings.values[k];
+      const Vector3 place = (cells.centres.row(other) - cells.centres.row(c)).transpose();
+      candidates_[k] = {four(place), 1 / reaches[other], other};
+    }
+  }
+}
+
+/// At most kReach cells; those that count least are left out.
+int Weigher::reaching(Four place, int cell, Reaching* found) const {
+  int count = 0;
+  for (int k = offsets_[cell]; k < offsets_[cell + 1]; ++k) {
+    const Candidate& candidate = candidates_[k];
+    const Four e = candidate.place - place;
+    const float rest = 1 - (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) * candidate.faster;
+    found[count] = {e, rest * rest, candidate.cell};
+    count += rest > 0 && count < kRoom - 1 ? 1 : 0;  // without a branch, which nobody could predict
+  }
+  if (count > CellBlend::kReach) {
+    std::nth_element(found, found + CellBlend::kReach, found + count,
+                     [](const Reaching& a, const Reaching& b) { return a.weight > b.weight; });
+    const float least = found[CellBlend::kReach].weight;
+    count = CellBlend::kReach;
+    for (int k = 0; k < count; ++k) {
+      found[k].weight -= least;  // so that what is left out goes without a step
+    }
+  }
+  return count;
+}
+
 void Weigher::operator()(const Vector3& place, int cell, std::array<int, CellBlend::kReach>& to,
-                         std::array<float, CellBlend::kReach>& weights) {
-  constexpr int kReach = CellBlend::kReach;
+                         std::array<float, CellBlend::kReach>& weights) const {
   constexpr double kFlat = 0.03;  // of the spread: what counts as no direction of the surface
-  near_.clear();
-  for (const int c : rings_[cell]) {
-    near_.emplace_back((cells_.centres.row(c).transpose() - place).squaredNorm(), c);
+  constexpr float kTrace = 1e-12F;
+  Reaching near[kRoom];
+  int count = reaching(four(place - cells_.centres.row(cell).transpose()), cell, near);
+  if (count == 0) {
+    near[0] = {Four{}, 1, cell};
+    count = 1;
   }
-  const int taken = std::min(kReach, static_cast<int>(near_.size()));
-  double cutoff = 0;
-  if (static_cast<int>(near_.size()) > kReach) {
-    std::nth_element(near_.begin(), near_.begin() + kReach, near_.end());
-    cutoff = near_[kReach].first;
-  } else {
-    cutoff = 2 * std::max_element(near_.begin(), near_.end())->first;
-  }
-  std::array<double, kReach> w = {};
-  double sum = 0;
-  Vector3 mean = Vector3::Zero();
-  std::array<Vector3, kReach> e;
-  for (int k = 0; k < taken; ++k) {
-    const double rest = cutoff > 0 ? std::max(0.0, 1 - near_[k].first / cutoff) : 1;
-    w[k] = rest * rest + 1e-12;
-    sum += w[k];
-    e[k] = cells_.centres.row(near_[k].second).transpose() - place;
-    mean += w[k] * e[k];
+  Four mean = {};
+  float sum = 0;
+  for (int k = 0; k < count; ++k) {
+    near[k].weight += kTrace;
+    sum += near[k].weight;
+    mean += near[k].weight * near[k].way;
   }
   mean /= sum;
-  Matrix3 spread = Matrix3::Zero();
-  for (int k = 0; k < taken; ++k) {
-    e[k] -= mean;
-    spread.noalias() += (w[k] / sum) * e[k] * e[k].transpose();
+  Four spread[3] = {};
+  for (int k = 0; k < count; ++k) {
+    near[k].weight /= sum;
+    near[k].way -= mean;
+    for (int row = 0; row < 3; ++row) {
+      spread[row] += (near[k].weight * near[k].way[row]) * near[k].way;
+    }
   }
-  const double size = spread.trace();
-  Vector3 correction = Vector3::Zero();
+  Matrix3 matrix;
+  Vector3 middle;
+  for (int row = 0; row < 3; ++row) {
+    middle[row] = static_cast<double>(mean[row]);
+    for (int column = 0; column < 3; ++column) {
+      matrix(row, column) = static_cast<double>(spread[row][column]);
+    }
+  }
+  const double size = matrix.trace();
+  Four correction = {};
   if (size > 0) {
-    spread.diagonal().array() += kFlat * size;
-    correction = -(spread.inverse() * mean);
+    matrix.diagonal().array() += kFlat * size;
+    correction = four(-(matrix.inverse() * middle));
   }
-  for (int k = 0; k < kReach; ++k) {
-    to[k] = near_[k < taken ? k : 0].second;
-    weights[k] = k < taken ? static_cast<float>(w[k] / sum * (1 + correction.dot(e[k]))) : 0.0F;
+  constexpr float kLeast = -0.5F, kMost = 2.5F;  // beyond, the cells lie badly about the place
+  float total = 0;
+  for (int k = 0; k < CellBlend::kReach; ++k) {
+    const Reaching& from = near[k < count ? k : 0];
+    const Four along = correction * from.way;
+    to[k] = from.cell;
+    weights[k] = k < count ? from.weight * std::clamp(1 + along[0] + along[1] + along[2], kLeast, kMost) : 0.0F;
+    total += weights[k];
+  }
+  for (float& weight : weights) {
+    weight /= total;
   }
 }
 
@@ -426,17 +514,17 @@ RegionCells make_cells(const Region& region, const Points& rest, const std::vect
     }
     recentre(region, rest, cells, seeds);
   }
+  reach_borders(region, rest, cells);
   CellSums(region, rest, weights, cells, pool).take();
   return cells;
 }
 
 CellBlend::CellBlend(const RegionCells& from, const Points& rest, ThreadPool& pool)
     : cells(from.of.size()), weights(from.of.size()) {
-  const Weigher weigher(from);
+  const Weigher weigher(from, rest);
   in_parts(pool, rest.rows(), [&](int, Eigen::Index first, Eigen::Index last) {
-    Weigher own = weigher;
     for (Eigen::Index i = first; i < last; ++i) {
-      own(rest.row(i).transpose(), from.of[i], cells[i], weights[i]);
+      weigher(rest.row(i).transpose(), from.of[i], cells[i], weights[i]);
     }
   });
 }

@@ -22,11 +22,11 @@ Matrix3 full_matrix(const Symmetric& s);
 /// triangle: with them the cells are a coarse mesh of the region. Everything follows from the region and its rest
 /// pose, to the bit, whatever the number of threads.
 struct RegionCells {
-  std::vector<int> of;                        ///< cell of each vertex of the region
-  Points centres;                             ///< centroids of the rest pose, cells x 3
-  IndexLists neighbours;                      ///< cells that an edge leads to, ascending
-  std::vector<double> crossing;               ///< per entry of neighbours: sum of the weights w_ij of these edges
-  Points flux;                                ///< likewise: sum of w_ij (p_i - p_j), i in the cell
+  std::vector<int> of;           ///< cell of each vertex of the region
+  Points centres;                ///< centroids of the rest pose, at open borders of the border's part, cells x 3
+  IndexLists neighbours;         ///< cells that an edge leads to, ascending
+  std::vector<double> crossing;  ///< per entry of neighbours: sum of the weights w_ij of these edges
+  Points flux;                   ///< likewise: sum of w_ij (p_i - p_j), i in the cell
   std::vector<std::array<int, 3>> triangles;  ///< cells that meet in a face, ascending, each once
 
   std::vector<double> vertices, area;  ///< number of vertices, and a third of the faces at each
@@ -40,14 +40,14 @@ struct RegionCells {
 };
 
 /// @param rest    size() x 3, the region's rest pose about a local origin
-/// @param weights  w_ij, one per entry of region.neighbours (see edge_weights)
+/// @param weights  w_ij, one per entry of region.neighbours (see edge_weights); empty: 1, the umbrella's
 /// @param target  cells wanted; small components and the seeds' spacing make it a few more or less
 /// Cost: O(edges).
 RegionCells make_cells(const Region& region, const Points& rest, const std::vector<double>& weights, int target,
                        ThreadPool& pool);
 
 /// How vertices follow cells: each by at most kReach of them, with weights that have the sum 1 and reproduce linear
-/// functions along the surface (moving least squares), falling off smoothly to the next cell's distance.
+/// functions along the surface (moving least squares), falling off smoothly with the distance from a cell.
 struct CellBlend {
   static constexpr int kReach = 8;
   std::vector<std::array<int, kReach>> cells;  ///< of each vertex; unused ones repeat the first with weight 0

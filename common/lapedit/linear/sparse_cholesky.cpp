@@ -6,15 +6,10 @@
 #include <utility>
 #ifdef LAPEDIT_HAVE_CHOLMOD
 #include <cholmod.h>
-#ifdef __unix__
-#include <dlfcn.h>
-#endif
-#endif
-#ifdef _OPENMP
-#include <omp.h>
 #endif
 
 #include "lapedit/base/error.h"
+#include "lapedit/linear/multifrontal_cholesky.h"
 #include "lapedit/linear/supernodal_solve.h"
 
 namespace lapedit {
@@ -150,30 +145,6 @@ struct EigenCholesky : SparseCholesky::Implementation {
 };
 
 #ifdef LAPEDIT_HAVE_CHOLMOD
-/// CHOLMOD's factorisation opens OpenMP regions of four threads for loops of a few entries, whatever the machine and
-/// the environment, which makes it up to several times slower. This keeps those of the calling thread to one; the
-/// setting is the thread's own, and is put back.
-class OneInnerThread {
- public:
-#ifdef _OPENMP
-  OneInnerThread() : before_(omp_get_max_active_levels()) {
-    omp_set_max_active_levels(0);
-  }
-  ~OneInnerThread() {
-    omp_set_max_active_levels(before_);
-  }
-#else
-  OneInnerThread() = default;
-#endif
-  OneInnerThread(const OneInnerThread&) = delete;
-  OneInnerThread& operator=(const OneInnerThread&) = delete;
-
- private:
-#ifdef _OPENMP
-  int before_;
-#endif
-};
-
 /// CHOLMOD's objects, freed in any case.
 struct CholmodFactor {
   CholmodFactor() { cholmod_start(&common); }
@@ -208,18 +179,12 @@ struct CholmodCholesky : SparseCholesky::Implementation {
     view.dtype = CHOLMOD_DOUBLE;
     view.sorted = view.packed = 1;
     int* const given = options.order.empty() ? nullptr : const_cast<int*>(options.order.data());
-    {
-      const OneInnerThread one;
-      made.factor = cholmod_analyze_p(&view, given, nullptr, 0, &common);
-      if (made.factor) {
-        cholmod_factorize(&view, made.factor, &common);
-      }
-    }
+    made.factor = cholmod_analyze_p(&view, given, nullptr, 0, &common);
     if (common.status == CHOLMOD_OUT_OF_MEMORY) {
       throw std::bad_alloc();
     }
     const cholmod_factor* const l = made.factor;
-    if (common.status != CHOLMOD_OK || !l || l->minor < l->n || !l->is_super) {
+    if (common.status != CHOLMOD_OK || !l || !l->is_super) {
       refuse_matrix(matrix.rows());
     }
     const int* const permutation = static_cast<const int*>(l->Perm);
@@ -231,12 +196,15 @@ struct CholmodCholesky : SparseCholesky::Implementation {
     raw.row_offsets = static_cast<const int*>(l->pi);
     raw.value_offsets = static_cast<const int*>(l->px);
     raw.rows = static_cast<const int*>(l->s);
-    raw.values = static_cast<const double*>(l->x);
     nonzeros = l->xsize;
+    const SparseMatrix lower = supernode::lower_in_order(matrix, order);
     if (options.single_precision) {
-      in_single = std::make_unique<SupernodalSolver<float>>(raw, *pool);
+      in_single = std::make_unique<SupernodalSolver<float>>(raw, lower, *pool);
     } else {
-      in_double = std::make_unique<SupernodalSolver<double>>(raw, *pool);
+      in_double = std::make_unique<SupernodalSolver<double>>(raw, lower, *pool);
+    }
+    if (!(in_single ? in_single->positive_definite() : in_double->positive_definite())) {
+      refuse_matrix(matrix.rows());
     }
   }
   CholmodCholesky(const CholmodCholesky& other, std::shared_ptr<ThreadPool> used)
@@ -316,16 +284,6 @@ CholeskyOptions with_backend(CholeskyBackend backend) {
 bool has_cholmod() {
 #ifdef LAPEDIT_HAVE_CHOLMOD
   return true;
-#else
-  return false;
-#endif
-}
-
-bool factorisations_share_threads() {
-#if defined(LAPEDIT_HAVE_CHOLMOD) && defined(__unix__)
-  using Count = int (*)();
-  const auto count = reinterpret_cast<Count>(dlsym(RTLD_DEFAULT, "openblas_get_num_threads"));
-  return count && count() > 1;
 #else
   return false;
 #endif

@@ -13,15 +13,11 @@ namespace lapedit {
 
 enum class CholeskyBackend {
   Automatic,  ///< CHOLMOD if this build has it, else Eigen
-  Cholmod,    ///< SuiteSparse, supernodal, solved with by SupernodalSolver
+  Cholmod,    ///< SuiteSparse's supernodes, factored and solved with by SupernodalSolver
   Eigen       ///< Eigen's simplicial LDL^T: slower and plain, the reference
 };
 
 bool has_cholmod();
-
-/// Whether factorisations at the same time would hold each other up: OpenBLAS has one set of threads, which spin while
-/// they wait, and how many it has is the process's own business.
-bool factorisations_share_threads();
 
 struct CholeskyOptions {
   CholeskyBackend backend = CholeskyBackend::Automatic;

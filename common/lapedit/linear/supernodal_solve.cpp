@@ -12,7 +12,9 @@
 #endif
 
 #include "lapedit/linear/elimination_tree.h"
+#include "lapedit/linear/multifrontal_cholesky.h"
 #include "lapedit/linear/supernode_kernels.h"
+#include "lapedit/linear/tree_walk.h"
 
 namespace lapedit {
 
@@ -66,16 +68,25 @@ template <typename Scalar>
 struct SupernodalSolver<Scalar>::Tiles {
   EliminationTree tree;
   Buffer<Scalar> values;
+  bool definite = true;
 
   Tiles(const SupernodalFactor& factor, ThreadPool& pool) : tree(factor) {
     values.allocate(tree.tiles + kAhead / sizeof(Scalar));
     constexpr int kGrain = 64;
     in_pieces(pool, factor.supernodes, kGrain, [&](int first, int last) {
       for (int s = first; s < last; ++s) {
-        const EliminationTree::Node& node = tree.nodes[s];
-        write_tiles(factor.values + factor.value_offsets[s], node.columns, node.rows, values.data() + node.tiles);
+        write(s, factor.values + factor.value_offsets[s], tree.nodes[s].rows);
       }
     });
+  }
+  Tiles(const SupernodalFactor& structure, const SparseMatrix& lower, ThreadPool& pool) : tree(structure) {
+    values.allocate(tree.tiles + kAhead / sizeof(Scalar));
+    definite = multifrontal_cholesky(
+        lower, structure, tree, [this](int s, const double* columns, int stride) { write(s, columns, stride); }, pool);
+  }
+  void write(int s, const double* columns, int stride) {
+    const EliminationTree::Node& node = tree.nodes[s];
+    write_tiles(columns, stride, node.columns, node.rows, values.data() + node.tiles);
   }
 };
 
@@ -90,21 +101,15 @@ struct SupernodalSolver<Scalar>::Passes {
   Kernels<Scalar> kernels = best_kernels<Scalar>();
   std::vector<Scalar> lists;               // three per entry
   std::vector<std::vector<Scalar>> local;  // per thread: local vectors
-  std::vector<std::atomic<int>> pending;
-  std::vector<int> queue;
-  std::atomic<int> queue_head{0}, queue_tail{0};
-  std::vector<std::atomic<int>> queue_ready;
+  TreeWalk walk;
 
   Passes(const Tiles& solved_with, int threads)
       : factor(solved_with),
         tree(factor.tree),
         lists(3 * tree.list_rows.size()),
         local(threads, std::vector<Scalar>(3 * static_cast<std::size_t>(tree.most_rows + kWide + kTall))),
-        pending(tree.tasks.size()),
-        queue(tree.tasks.size()),
-        queue_ready(tree.tasks.size()) {}
+        walk(tree, threads) {}
 
-  void run(ThreadPool& pool, Scalar* x, bool forward);
   void forward_task(const Task& task, Scalar* x, Scalar* v);
   void backward_task(const Task& task, Scalar* x, Scalar* v);
   int pad_of(const Node& node) const { return node.rows + kWide + kTall; }
@@ -212,65 +217,20 @@ void SupernodalSolver<Scalar>::Passes::backward_task(const Task& task, Scalar* x
   }
 }
 
-/// Forward, a task waits for its children, backward for its parent.
-template <typename Scalar>
-void SupernodalSolver<Scalar>::Passes::run(ThreadPool& pool, Scalar* x, bool forward) {
-  const int count = static_cast<int>(tree.tasks.size());
-  if (pool.threads() == 1) {
-    for (int t = 0; t < count; ++t) {
-      if (forward) {
-        forward_task(tree.tasks[t], x, local[0].data());
-      } else {
-        backward_task(tree.tasks[count - 1 - t], x, local[0].data());
-      }
-    }
-    return;
-  }
-  for (int t = 0; t < count; ++t) {
-    pending[t].store(forward ? tree.tasks[t].children() : 1, std::memory_order_relaxed);
-    queue_ready[t].store(0, std::memory_order_relaxed);
-  }
-  const std::vector<int>& start = forward ? tree.leaves : tree.roots;
-  for (std::size_t i = 0; i < start.size(); ++i) {
-    queue[i] = start[i];
-    queue_ready[i].store(1, std::memory_order_relaxed);
-  }
-  queue_head = 0;
-  queue_tail = static_cast<int>(start.size());
-  const auto push = [&](int task) {
-    const int place = queue_tail++;
-    queue[place] = task;
-    queue_ready[place].store(1, std::memory_order_release);
-  };
-  pool.each(static_cast<int>(local.size()), [&](int worker) {
-    Scalar* const v = local[worker].data();
-    while (true) {
-      const int place = queue_head++;
-      if (place >= count) {
-        return;
-      }
-      while (queue_ready[place].load(std::memory_order_acquire) == 0) {
-        std::this_thread::yield();
-      }
-      const Task& task = tree.tasks[queue[place]];
-      if (forward) {
-        forward_task(task, x, v);
-        if (task.parent >= 0 && --pending[task.parent] == 0) {
-          push(task.parent);
-        }
-      } else {
-        backward_task(task, x, v);
-        for (int c = task.first_child; c < task.last_child; ++c) {
-          push(tree.child_tasks[c]);
-        }
-      }
-    }
-  });
-}
-
 template <typename Scalar>
 SupernodalSolver<Scalar>::SupernodalSolver(const SupernodalFactor& factor, ThreadPool& pool)
     : tiles_(std::make_shared<const Tiles>(factor, pool)), passes_(std::make_unique<Passes>(*tiles_, pool.threads())) {}
+
+template <typename Scalar>
+SupernodalSolver<Scalar>::SupernodalSolver(const SupernodalFactor& structure, const SparseMatrix& lower,
+                                           ThreadPool& pool)
+    : tiles_(std::make_shared<const Tiles>(structure, lower, pool)),
+      passes_(std::make_unique<Passes>(*tiles_, pool.threads())) {}
+
+template <typename Scalar>
+bool SupernodalSolver<Scalar>::positive_definite() const {
+  return tiles_->definite;
+}
 
 template <typename Scalar>
 SupernodalSolver<Scalar>::SupernodalSolver(const SupernodalSolver& other, const ThreadPool& pool)
@@ -281,8 +241,9 @@ SupernodalSolver<Scalar>::~SupernodalSolver() = default;
 
 template <typename Scalar>
 void SupernodalSolver<Scalar>::solve(Scalar* x, ThreadPool& pool) {
-  passes_->run(pool, x, true);
-  passes_->run(pool, x, false);
+  Passes& p = *passes_;
+  p.walk.upwards(pool, [&](const auto& task, int thread) { p.forward_task(task, x, p.local[thread].data()); });
+  p.walk.downwards(pool, [&](const auto& task, int thread) { p.backward_task(task, x, p.local[thread].data()); });
 }
 
 template <typename Scalar>

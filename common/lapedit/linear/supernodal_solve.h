@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "lapedit/base/thread_pool.h"
+#include "lapedit/base/types.h"
 
 namespace lapedit {
 
@@ -32,6 +33,10 @@ class SupernodalSolver {
  public:
   /// Cost: the factor read and written once; bytes() of memory. The factor is not kept.
   SupernodalSolver(const SupernodalFactor& factor, ThreadPool& pool);
+  /// Factors a matrix. @param lower  its lower half, in the order of elimination, columns sorted
+  /// @param structure  of its factor; values are not read, and it is not kept
+  SupernodalSolver(const SupernodalFactor& structure, const SparseMatrix& lower, ThreadPool& pool);
+  bool positive_definite() const;  ///< else there is nothing to solve with
   /// Shares the tiles, which never change, and has scratch of its own: both can be at work at a time, each on a pool of
   /// its own. O(1).
   SupernodalSolver(const SupernodalSolver& other, const ThreadPool& pool);

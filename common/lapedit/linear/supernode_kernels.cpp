@@ -302,18 +302,18 @@ Kernels<Scalar> best_kernels() {
 
 /// The inverse of a triangle T, column by column: t'_jj = 1 / t_jj, t'_ij = -(sum_{j <= k < i} t_ik t'_kj) / t_ii.
 template <typename Scalar>
-Scalar* write_tiles(const double* values, int columns, int rows, Scalar* out) {
+Scalar* write_tiles(const double* values, int stride, int columns, int rows, Scalar* out) {
   for (int first = 0; first < columns; first += kWide) {
     const int width = std::min(kWide, columns - first);
     double inverse[kWide][kWide] = {};  // [column][row]
     for (int j = 0; j < width; ++j) {
-      inverse[j][j] = 1 / values[static_cast<std::size_t>(first + j) * rows + first + j];
+      inverse[j][j] = 1 / values[static_cast<std::size_t>(first + j) * stride + first + j];
       for (int i = j + 1; i < width; ++i) {
         double sum = 0;
         for (int k = j; k < i; ++k) {
-          sum += values[static_cast<std::size_t>(first + k) * rows + first + i] * inverse[j][k];
+          sum += values[static_cast<std::size_t>(first + k) * stride + first + i] * inverse[j][k];
         }
-        inverse[j][i] = -sum / values[static_cast<std::size_t>(first + i) * rows + first + i];
+        inverse[j][i] = -sum / values[static_cast<std::size_t>(first + i) * stride + first + i];
       }
     }
     for (int j = 0; j < width; ++j) {
@@ -324,7 +324,7 @@ Scalar* write_tiles(const double* values, int columns, int rows, Scalar* out) {
     for (int row = first + width; row < rows; row += kTall) {
       const int tall = std::min(kTall, rows - row);
       for (int j = 0; j < width; ++j) {
-        const double* column = values + static_cast<std::size_t>(first + j) * rows + row;
+        const double* column = values + static_cast<std::size_t>(first + j) * stride + row;
         for (int i = 0; i < tall; ++i) {
           out[i] = stored<Scalar>(column[i]);
         }
@@ -349,7 +349,7 @@ std::size_t tiles_of(int columns, int rows) {
 
 template Kernels<float> best_kernels();
 template Kernels<double> best_kernels();
-template float* write_tiles(const double*, int, int, float*);
-template double* write_tiles(const double*, int, int, double*);
+template float* write_tiles(const double*, int, int, int, float*);
+template double* write_tiles(const double*, int, int, int, double*);
 
 }  // namespace lapedit::supernode

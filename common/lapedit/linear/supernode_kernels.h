@@ -35,8 +35,8 @@ Kernels<Scalar> best_kernels();
 std::size_t tiles_of(int columns, int rows);
 
 /// Copies a supernode's values into tiles and inverts the triangles. @return behind what was written
-/// @param values  its columns, one after the other, `rows` each
+/// @param values  its columns, `stride` apart
 template <typename Scalar>
-Scalar* write_tiles(const double* values, int columns, int rows, Scalar* out);
+Scalar* write_tiles(const double* values, int stride, int columns, int rows, Scalar* out);
 
 }  // namespace lapedit::supernode

@@ -117,27 +117,32 @@ Adjacency build_adjacency(int vertex_count, const Faces& faces, int threads) {
 }
 
 int connected_components(const IndexLists& neighbours, std::vector<int>& labels) {
+  // Trees of vertices, each with its lowest at the root; in order of numbers, which is that of memory.
   const int n = neighbours.rows();
-  labels.assign(n, -1);
-  std::vector<int> stack;
-  int count = 0;
-  for (int seed = 0; seed < n; ++seed) {
-    if (labels[seed] >= 0) {
-      continue;
+  std::vector<int> parent(n);
+  const auto root_of = [&parent](int v) {
+    while (parent[v] != v) {
+      v = parent[v] = parent[parent[v]];
     }
-    labels[seed] = count;
-    stack.push_back(seed);
-    while (!stack.empty()) {
-      const int v = stack.back();
-      stack.pop_back();
-      for (const int w : neighbours[v]) {
-        if (labels[w] < 0) {
-          labels[w] = count;
-          stack.push_back(w);
-        }
+    return v;
+  };
+  for (int v = 0; v < n; ++v) {
+    parent[v] = v;
+    int root = v;
+    for (const int w : neighbours[v]) {
+      if (w >= v) {
+        break;  // its own turn comes
       }
+      const int other = root_of(w);
+      parent[std::max(root, other)] = std::min(root, other);
+      root = std::min(root, other);
     }
-    ++count;
+  }
+  labels.resize(n);
+  int count = 0;
+  for (int v = 0; v < n; ++v) {
+    const int root = root_of(v);
+    labels[v] = root == v ? count++ : labels[root];
   }
   return count;
 }

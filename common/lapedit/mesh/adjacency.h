@@ -34,7 +34,8 @@ struct Adjacency {
 /// @param threads  0: as many as the machine has; the result does not depend on it
 Adjacency build_adjacency(int vertex_count, const Faces& faces, int threads = 0);
 
-/// Labels 0, 1, ... of the connected components of a graph, numbered by their lowest vertex. @return their number
+/// Labels 0, 1, ... of the connected components of a graph with ascending rows and each edge in both, numbered by their
+/// lowest vertex. @return their number
 int connected_components(const IndexLists& neighbours, std::vector<int>& labels);
 
 }  // namespace lapedit

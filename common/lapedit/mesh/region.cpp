@@ -214,6 +214,7 @@ bool extract_graph(ThreadPool& pool, const TriangleMesh& mesh, const Adjacency& 
   std::vector<int>& offsets = region.neighbours.offsets;
   std::vector<int>& values = region.neighbours.values;
   std::atomic<bool> finite{true};
+  const bool is_whole = region.size() == region.mesh_vertices;  // nothing to look up then
   at_once(
       pool, [&] { offsets.resize(region.mesh_vertex.size() + 1); }, [&] { rim.resize(region.mesh_vertex.size()); });
   gather(
@@ -222,9 +223,9 @@ bool extract_graph(ThreadPool& pool, const TriangleMesh& mesh, const Adjacency& 
         int count = 0;
         for (int i = first; i < last; ++i) {
           const IndexLists::Row ring = adjacency.neighbours[region.mesh_vertex[i]];
-          int inside = 0;
-          for (const int w : ring) {
-            inside += local[w] >= 0;
+          int inside = is_whole ? ring.size() : 0;
+          for (int k = 0; !is_whole && k < ring.size(); ++k) {
+            inside += local[ring.first[k]] >= 0;
           }
           rim[i] = inside < ring.size();
           if (rim[i] && !std::all_of(ring.begin(), ring.end(), [&](int w) { return is_finite(mesh.vertices, w); })) {
@@ -270,7 +271,8 @@ void extract_faces(ThreadPool& pool, const TriangleMesh& mesh, const Adjacency& 
   }
   std::sort(around.begin(), around.end());
   const auto face = [&](int place) { return is_small ? around[place] : place; };
-  const auto corners_inside = [&](int f) { return is_inside(f, 0) + is_inside(f, 1) + is_inside(f, 2); };
+  const bool is_whole = region.size() == region.mesh_vertices;
+  const auto corners_inside = [&](int f) { return is_whole ? 3 : is_inside(f, 0) + is_inside(f, 1) + is_inside(f, 2); };
   gather(
       pool, static_cast<int>(is_small ? around.size() : mesh.faces.rows()),
       [&](int first, int last) {

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/linear/multifrontal_cholesky.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <mutex>
+#include <new>
+#include <vector>
+
+#include "lapedit/linear/frontal_kernels.h"
+#include "lapedit/linear/tree_walk.h"
+
+namespace lapedit::supernode {
+namespace {
+
+struct Free {
+  void operator()(double* memory) const { std::free(memory); }
+};
+using Memory = std::unique_ptr<double, Free>;
+
+/// Memory of fronts, used again: new pages cost more than many a front.
+class Recycler {
+ public:
+  Memory take(std::size_t size, int& kind) {
+    constexpr std::size_t kLine = 64, kLeast = 64;
+    kind = 0;
+    while ((kLeast << kind) < size) {
+      ++kind;
+    }
+    const std::lock_guard<std::mutex> lock(mutex_);
+    std::vector<Memory>& free = free_[kind];
+    if (!free.empty()) {
+      Memory memory = std::move(free.back());
+      free.pop_back();
+      return memory;
+    }
+    Memory memory(static_cast<double*>(std::aligned_alloc(kLine, (kLeast << kind) * sizeof(double))));
+    if (!memory) {
+      throw std::bad_alloc();
+    }
+    return memory;
+  }
+  void give(Memory memory, int kind) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    free_[kind].push_back(std::move(memory));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<Memory> free_[48];
+};
+
+class Factorisation {
+ public:
+  Factorisation(const SparseMatrix& lower, const SupernodalFactor& structure, const EliminationTree& tree,
+                const std::function<void(int, const double*, int)>& take, ThreadPool& pool)
+      : lower_(lower),
+        structure_(structure),
+        tree_(tree),
+        take_(take),
+        pool_(pool),
+        children_(structure.supernodes + 1, 0),
+        fronts_(structure.supernodes),
+        places_(pool.threads(), std::vector<int>(structure.size)) {
+    list_children();
+  }
+
+  bool run() {
+    TreeWalk walk(tree_, pool_.threads());
+    walk.upwards(pool_, [this](const EliminationTree::Task& task, int worker) {
+      for (int s = task.first_node; s <= task.last_node && definite_; ++s) {
+        eliminate(s, places_[worker].data());
+      }
+    });
+    return definite_;
+  }
+
+ private:
+  struct Front {
+    Memory memory;
+    int kind = 0;
+  };
+
+  int columns(int s) const { return structure_.columns[s + 1] - structure_.columns[s]; }
+  int size(int s) const { return structure_.row_offsets[s + 1] - structure_.row_offsets[s]; }
+  int stride(int s) const { return (size(s) + kFrontLanes - 1) / kFrontLanes * kFrontLanes; }
+  const int* rows(int s) const { return structure_.rows + structure_.row_offsets[s]; }
+
+  void list_children();
+  void eliminate(int s, int* place);
+  void add_matrix(int s, const int* place, double* front) const;
+  void add_child(int child, const int* place, double* front, int front_stride);
+
+  const SparseMatrix& lower_;
+  const SupernodalFactor& structure_;
+  const EliminationTree& tree_;
+  const std::function<void(int, const double*, int)>& take_;
+  ThreadPool& pool_;
+  FrontalKernel kernel_ = best_frontal_kernel();
+  std::vector<int> children_, child_;  // of s: child_[children_[s] .. children_[s + 1])
+  std::vector<Front> fronts_;
+  std::vector<std::vector<int>> places_;  // per thread: row -> place in the front
+  Recycler recycler_;
+  std::atomic<bool> definite_{true};
+};
+
+void Factorisation::list_children() {
+  std::vector<int> node(structure_.size), parent(structure_.supernodes, -1);
+  for (int s = 0; s < structure_.supernodes; ++s) {
+    std::fill(node.begin() + structure_.columns[s], node.begin() + structure_.columns[s + 1], s);
+  }
+  for (int s = 0; s < structure_.supernodes; ++s) {
+    if (size(s) > columns(s)) {
+      parent[s] = node[rows(s)[columns(s)]];
+      ++children_[parent[s] + 1];
+    }
+  }
+  for (int s = 0; s < structure_.supernodes; ++s) {
+    children_[s + 1] += children_[s];
+  }
+  child_.resize(children_.back());
+  std::vector<int> next(children_.begin(), children_.end() - 1);
+  for (int s = 0; s < structure_.supernodes; ++s) {
+    if (parent[s] >= 0) {
+      child_[next[parent[s]]++] = s;
+    }
+  }
+}
+
+void Factorisation::add_matrix(int s, const int* place, double* front) const {
+  const int first = structure_.columns[s];
+  for (int j = first; j < structure_.columns[s + 1]; ++j) {
+    double* const column = front + static_cast<std::size_t>(j - first) * stride(s);
+    for (SparseMatrix::InnerIterator entry(lower_, j); entry; ++entry) {
+      column[place[entry.row()]] = entry.value();
+    }
+  }
+}
+
+/// What a child leaves for the rows below its columns.
+void Factorisation::add_child(int child, const int* place, double* front, int front_stride) {
+  const int first = columns(child), last = size(child), child_stride = stride(child);
+  const int* const row = rows(child);
+  const double* from = fronts_[child].memory.get() + static_cast<std::size_t>(first) * child_stride;
+  for (int j = first; j < last; ++j, from += child_stride) {
+    double* const to = front + static_cast<std::size_t>(place[row[j]]) * front_stride;
+    for (int i = j; i < last; ++i) {
+      to[place[row[i]]] += from[i];
+    }
+  }
+  recycler_.give(std::move(fronts_[child].memory), fronts_[child].kind);
+}
+
+void Factorisation::eliminate(int s, int* place) {
+  const int front_size = size(s), front_stride = stride(s);
+  for (int i = 0; i < front_size; ++i) {
+    place[rows(s)[i]] = i;
+  }
+  Front& front = fronts_[s];
+  front.memory = recycler_.take(static_cast<std::size_t>(front_stride) * front_size, front.kind);
+  double* const values = front.memory.get();
+  for (int j = 0; j < front_size; ++j) {
+    const int start = j / kFrontLanes * kFrontLanes;
+    std::memset(values + static_cast<std::size_t>(j) * front_stride + start, 0,
+                static_cast<std::size_t>(front_stride - start) * sizeof(double));
+  }
+  add_matrix(s, place, values);
+  for (int c = children_[s]; c < children_[s + 1]; ++c) {
+    add_child(child_[c], place, values, front_stride);
+  }
+  if (!kernel_(values, front_stride, front_size, columns(s))) {
+    definite_ = false;
+    return;
+  }
+  take_(s, values, front_stride);
+  if (front_size == columns(s)) {
+    recycler_.give(std::move(front.memory), front.kind);
+  }
+}
+
+}  // namespace
+
+bool multifrontal_cholesky(const SparseMatrix& lower, const SupernodalFactor& structure, const EliminationTree& tree,
+                           const std::function<void(int supernode, const double* columns, int stride)>& take,
+                           ThreadPool& pool) {
+  return Factorisation(lower, structure, tree, take, pool).run();
+}
+
+SparseMatrix lower_in_order(const SparseMatrix& lower, const std::vector<int>& order) {
+  const int n = static_cast<int>(lower.cols());
+  std::vector<int> place(n);
+  for (int k = 0; k < n; ++k) {
+    place[order[k]] = k;
+  }
+  // Twice transposed: by rows first, so that the columns come out sorted.
+  std::vector<int> row_offsets(n + 1, 0);
+  for (int j = 0; j < n; ++j) {
+    for (SparseMatrix::InnerIterator entry(lower, j); entry; ++entry) {
+      row_offsets[std::max(place[j], place[entry.row()]) + 1] += entry.row() >= j ? 1 : 0;
+    }
+  }
+  for (int k = 0; k < n; ++k) {
+    row_offsets[k + 1] += row_offsets[k];
+  }
+  struct Entry {
+    int column;
+    double value;
+  };
+  std::vector<Entry> by_row(row_offsets[n]);
+  SparseMatrix result(n, n);
+  int* const offsets = result.outerIndexPtr();
+  std::vector<int> next(row_offsets.begin(), row_offsets.end() - 1);
+  for (int j = 0; j < n; ++j) {
+    for (SparseMatrix::InnerIterator entry(lower, j); entry; ++entry) {
+      if (entry.row() < j) {
+        continue;  // of the upper half
+      }
+      const int a = place[j], b = place[entry.row()];
+      by_row[next[std::max(a, b)]++] = {std::min(a, b), entry.value()};
+      ++offsets[std::min(a, b) + 1];
+    }
+  }
+  for (int k = 0; k < n; ++k) {
+    offsets[k + 1] += offsets[k];
+  }
+  result.resizeNonZeros(offsets[n]);
+  next.assign(offsets, offsets + n);
+  for (int row = 0; row < n; ++row) {
+    for (int k = row_offsets[row]; k < row_offsets[row + 1]; ++k) {
+      int& to = next[by_row[k].column];
+      result.innerIndexPtr()[to] = row;
+      result.valuePtr()[to++] = by_row[k].value;
+    }
+  }
+  return result;
+}
+
+}  // namespace lapedit::supernode

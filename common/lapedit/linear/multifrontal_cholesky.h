@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+
+#include "lapedit/base/types.h"
+#include "lapedit/linear/elimination_tree.h"
+
+namespace lapedit::supernode {
+
+/// Sparse Cholesky factorisation by fronts (Duff and Reid 1983; Liu 1992): the columns of a supernode, and what its
+/// children left for the rows below them, are one dense matrix; its first columns are factored, and the rest goes on to
+/// the parent. Independent branches go to different threads; the order of all sums is fixed, so the bits do not depend
+/// on their number. They do on the instructions that the processor has.
+///
+/// @param lower      the lower half of the matrix, in the order of elimination, columns sorted
+/// @param structure  supernodes of its factor; values are not read
+/// @param take       called once for each supernode, from any thread: its columns of L, as SupernodalFactor has them
+/// but
+///                   `stride` apart
+/// @return whether the matrix is positive definite; if not, some supernodes are not taken
+/// Memory: the fronts whose parents are not made yet; about a tenth of the factor.
+bool multifrontal_cholesky(const SparseMatrix& lower, const SupernodalFactor& structure, const EliminationTree& tree,
+                           const std::function<void(int supernode, const double* columns, int stride)>& take,
+                           ThreadPool& pool);
+
+/// The lower half of a symmetric matrix with its rows and columns in another order, compressed and sorted.
+/// @param lower  at least its lower half. @param order  order[k] is the old number of row k
+SparseMatrix lower_in_order(const SparseMatrix& lower, const std::vector<int>& order);
+
+}  // namespace lapedit::supernode

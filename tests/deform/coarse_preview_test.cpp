@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/deform/coarse_preview.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "allocation_watch.h"
+#include "lapedit/deform/laplacian_editor.h"
+#include "lapedit/deform/region_cells.h"
+#include "shapes.h"
+#include "support.h"
+
+namespace lapedit {
+namespace {
+
+using Maps = std::vector<Affine>;
+using support::rigid;
+using support::same_bits;
+using support::shift;
+
+struct Scene {
+  std::string name;
+  TriangleMesh mesh;
+  std::shared_ptr<const Region> region;
+  Maps maps;
+  EditSettings settings;
+  double largest_rms, largest_error;  // of the handle's way
+
+  CoarsePreview preview() const { return CoarsePreview(mesh, region, settings); }
+  Points rest() const {
+    Points places(region->size(), 3);
+    for (int i = 0; i < region->size(); ++i) {
+      places.row(i) = mesh.vertices.row(region->mesh_vertex[i]);
+    }
+    return places;
+  }
+};
+
+Scene scene(const std::string& name, const TriangleMesh& mesh, const RegionSpec& spec,
+            const std::vector<std::vector<int>>& handles, Maps maps, const EditSettings& settings, double rms,
+            double largest) {
+  return {name,
+          mesh,
+          std::make_shared<const Region>(build_region(mesh, support::adjacency_of(mesh), spec, handles)),
+          std::move(maps),
+          settings,
+          rms,
+          largest};
+}
+
+RegionSpec within(double radius) {
+  RegionSpec spec;
+  spec.radius = radius;
+  return spec;
+}
+
+std::vector<int> around(const TriangleMesh& mesh, const Vector3& point, double radius) {
+  std::vector<int> near;
+  for (int v = 0; v < mesh.vertices.rows(); ++v) {
+    if ((mesh.vertices.row(v).transpose() - point).norm() < radius) {
+      near.push_back(v);
+    }
+  }
+  return near;
+}
+
+EditSettings with(int order, LaplacianKind kind, DetailRotation rotation) {
+  EditSettings settings;
+  settings.order = order;
+  settings.laplacian = kind;
+  settings.rotation = rotation;
+  return settings;
+}
+
+/// Every kind of handle, order, operator and rotation on some thousand vertices. The bounds are what is seen, and a
+/// half on top.
+std::vector<Scene> scenes() {
+  const TriangleMesh letters = shapes::letter_field(254, 127), grid = shapes::bumpy_grid();
+  const TriangleMesh ball = shapes::icosphere(5);
+  const auto at = [](const TriangleMesh& mesh, const Vector3& p) { return support::vertex_at(mesh, p); };
+  const Vector3 middle = Vector3(2, 1, 0);
+  std::vector<int> line;
+  for (int v = 60 * 50 + 20; v <= 60 * 50 + 40; ++v) {
+    line.push_back(v);
+  }
+  const auto umbrella = LaplacianKind::Umbrella, cotangent = LaplacianKind::Cotangent;
+  const auto surface = DetailRotation::SmoothSurface, none = DetailRotation::None;
+  return {
+      scene("vertex", letters, within(0.9), {{at(letters, middle)}}, {shift({0.2, 0.1, 0.5})},
+            with(1, umbrella, surface), 0.05, 0.25),
+      scene("unrotated", letters, within(0.9), {{at(letters, middle)}}, {shift({0.2, 0.1, 0.5})},
+            with(1, umbrella, none), 0.015, 0.07),
+      scene("turned", letters, within(0.8), {around(letters, middle, 0.15)},
+            {rigid(30, {0, 1, 0}, {0, 0.1, 0.3}, middle)}, with(1, umbrella, surface), 0.05, 0.2),
+      scene("two groups", letters, within(0.6),
+            {around(letters, {1.4, 1, 0}, 0.12), around(letters, {2.6, 1, 0}, 0.12)},
+            {shift({0, 0, 0.4}), rigid(25, {1, 0, 0}, {0, 0, -0.2}, {2.6, 1, 0})}, with(1, cotangent, surface), 0.045,
+            0.18),
+      scene("curve", grid, within(25), {line}, {shift({0, 0, 8})}, with(1, umbrella, surface), 0.09, 0.26),
+      scene("order 2", grid, within(40), {{60 * 50 + 30}}, {shift({0, 2, 9})}, with(2, umbrella, surface), 0.1, 0.3),
+      scene("cotangent", ball, within(1.5), {{at(ball, {0, 0, 1})}}, {shift({0.2, 0, 0.5})},
+            with(1, cotangent, surface), 0.008, 0.025),
+  };
+}
+
+double longest_way(const Scene& s, const Points& pose) {
+  double longest = 0;
+  const Points rest = s.rest();
+  for (int i = 0; i < s.region->size(); ++i) {
+    if (s.region->classes[i] == VertexClass::Handle) {
+      longest = std::max(longest, (pose.row(i) - rest.row(i)).norm());
+    }
+  }
+  return longest;
+}
+
+TEST(CoarsePreview, IsNearTheFullPoseForEveryKindOfHandle) {
+  for (const Scene& s : scenes()) {
+    LaplacianEditor editor(s.mesh, *s.region, s.settings);
+    const Points full = editor.solve(s.maps);
+    CoarsePreview preview = s.preview();
+    const Points difference = preview.pose(s.maps) - full;
+    const double way = longest_way(s, full);
+    const double rms = std::sqrt(difference.squaredNorm() / static_cast<double>(difference.rows())) / way;
+    const double most = difference.rowwise().norm().maxCoeff() / way;
+    std::cout << s.name << ": " << s.region->size() << " vertices, " << preview.cells() << " cells, RMS " << 100 * rms
+              << " %, largest " << 100 * most << " % of the handle's way\n";
+    EXPECT_LT(rms, s.largest_rms) << s.name;
+    EXPECT_LT(most, s.largest_error) << s.name;
+  }
+}
+
+TEST(CoarsePreview, HandleAndRimAreExactlyInPlace) {
+  for (const Scene& s : scenes()) {
+    CoarsePreview preview = s.preview();
+    const Points pose = preview.pose(s.maps), rest = s.rest();
+    int rim = 0;
+    for (int i = 0; i < s.region->size(); ++i) {
+      if (s.region->classes[i] == VertexClass::Handle) {
+        const Vector3 wanted = s.maps[s.region->group[i]] * Vector3(rest.row(i));
+        EXPECT_LT((pose.row(i).transpose() - wanted).norm(), 1e-12 * support::diameter(rest)) << s.name;
+      } else if (s.region->anchor_depth[i] == 1) {
+        EXPECT_EQ(pose.row(i), rest.row(i)) << s.name;
+        ++rim;
+      }
+    }
+    EXPECT_GT(rim, 0) << s.name;
+  }
+}
+
+TEST(CoarsePreview, WhatIsNotMovedKeepsItsBits) {
+  for (const Scene& s : scenes()) {
+    EXPECT_TRUE(same_bits(s.preview().pose(Maps(s.maps.size(), Affine::Identity())), s.rest())) << s.name;
+  }
+}
+
+TEST(CoarsePreview, WithoutAnchorsTheWholeFollowsRigidly) {
+  const TriangleMesh ball = shapes::icosphere(5);
+  RegionSpec all;
+  all.kind = RegionSpec::Kind::Component;
+  const Scene s =
+      scene("ball", ball, all, {around(ball, {0, 0, 1}, 0.3)}, {rigid(70, {1, 2, 0}, {3, 0, 1}, {0, 0, 1})}, {}, 0, 0);
+  const Points pose = s.preview().pose(s.maps), rest = s.rest();
+  Points wanted = rest;
+  for (int i = 0; i < rest.rows(); ++i) {
+    wanted.row(i) = (s.maps[0] * Vector3(rest.row(i))).transpose();
+  }
+  EXPECT_LT(support::error(pose, wanted), 1e-6);
+}
+
+TEST(CoarsePreview, ThreadsAndEarlierPosesChangeNoBit) {
+  const Scene s = scenes()[3];
+  EditSettings one = s.settings, three = s.settings;
+  one.threads = 1;
+  three.threads = 3;
+  CoarsePreview a(s.mesh, s.region, one), b(s.mesh, s.region, three);
+  b.pose({shift({1, 0, 0}), shift({0, 1, 0})});
+  EXPECT_TRUE(same_bits(a.pose(s.maps), b.pose(s.maps)));
+}
+
+TEST(CoarsePreview, NothingIsAllocatedPerFrame) {
+  for (const Scene& s : scenes()) {
+    CoarsePreview preview = s.preview();
+    preview.pose(s.maps);
+    const Maps more = [&s] {
+      Maps maps = s.maps;
+      maps[0].translation() *= 1.1;
+      return maps;
+    }();
+    const long before = allocations;
+    preview.pose(more);
+    EXPECT_EQ(allocations - before, 0) << s.name;
+  }
+}
+
+TEST(CoarsePreview, RefusalsAreSentences) {
+  const Scene s = scenes()[0];
+  CoarsePreview preview = s.preview();
+  EXPECT_THROW(preview.pose({}), EditError);
+  EXPECT_THROW(preview.pose({shift({std::nan(""), 0, 0})}), EditError);
+  EXPECT_THROW(preview.pose({shift({1e300, 1e300, 1e300})}), EditError);
+  EXPECT_TRUE(preview.pose(s.maps).allFinite());
+}
+
+/// Nothing but the blend: what is linear in the places of the cells' centres comes out as it is.
+TEST(RegionCells, BlendReproducesLinearFunctionsAlongTheSurface) {
+  const TriangleMesh mesh = shapes::letter_field(160, 80);
+  RegionSpec all;
+  all.kind = RegionSpec::Kind::Component;
+  const Region region = build_region(mesh, support::adjacency_of(mesh), all, {{support::vertex_at(mesh, {2, 1, 0})}});
+  ThreadPool pool(2);
+  const RegionCells cells = make_cells(region, mesh.vertices, {}, 800, pool);
+  EXPECT_NEAR(cells.count(), 800, 80);
+  const CellBlend blend(cells, mesh.vertices, pool);
+  double sum = 0;
+  for (int i = 0; i < region.size(); ++i) {
+    double one = 0;
+    Vector2 place = Vector2::Zero();
+    for (int k = 0; k < CellBlend::kReach; ++k) {
+      one += blend.weights[i][k];
+      place += blend.weights[i][k] * cells.centres.row(blend.cells[i][k]).head<2>().transpose();
+    }
+    EXPECT_NEAR(one, 1, 1e-5);
+    sum += (place - mesh.vertices.row(i).head<2>().transpose()).squaredNorm();
+  }
+  const double spacing = std::sqrt(8.0 / cells.count());  // of 4 x 2 units
+  EXPECT_LT(std::sqrt(sum / region.size()), 0.15 * spacing);
+}
+
+TEST(RegionCells, EveryVertexIsInOneConnectedCell) {
+  const TriangleMesh mesh = shapes::two_pieces(4);
+  RegionSpec all;
+  all.kind = RegionSpec::Kind::Component;
+  const Region region =
+      build_region(mesh, support::adjacency_of(mesh), all, {{0, static_cast<int>(mesh.vertices.rows()) - 1}});
+  ThreadPool pool(1);
+  const RegionCells cells = make_cells(region, mesh.vertices, {}, 40, pool);
+  std::vector<double> sizes(cells.count(), 0);
+  for (int i = 0; i < region.size(); ++i) {
+    ASSERT_GE(cells.of[i], 0);
+    ASSERT_LT(cells.of[i], cells.count());
+    sizes[cells.of[i]] += 1;
+  }
+  EXPECT_EQ(sizes, cells.vertices);
+  double area = 0;
+  for (int c = 0; c < cells.count(); ++c) {
+    EXPECT_GT(sizes[c], 0);
+    area += cells.area[c];
+    for (const int other : cells.neighbours[c]) {
+      const auto back = cells.neighbours[other];
+      EXPECT_TRUE(std::binary_search(back.begin(), back.end(), c));
+    }
+  }
+  EXPECT_GT(area, 0);
+}
+
+}  // namespace
+}  // namespace lapedit
