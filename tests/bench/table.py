@@ -26,6 +26,7 @@ BARS = {
     "second handle / region ready": [(0, 1 / 10)],
     "memory / factor": [(0, 1.5)],
 }
+ON_TWO_THREADS = {"in the hand / CHOLMOD analyse + factor", "region ready / CHOLMOD analyse + factor"}
 
 
 class Results:
@@ -195,14 +196,15 @@ def ratios(results, order):
             if not any(values):
                 continue
             row = [label + threads_text(threads)]
+            judged = order == 1 and (threads == 2 or label not in ON_TWO_THREADS)
             for size, value in zip(results.sizes, values):
                 bar = next((limit for least, limit in reversed(bars) if size >= least), None)
-                miss = order == 1 and value is not None and bar is not None and value > bar
+                miss = judged and value is not None and bar is not None and value > bar
                 missed += miss
                 text = "-" if value is None else f"1/{number(1 / value)}" if value < 0.5 else number(value)
                 row.append(f"**{text}**" if miss else text)
             row.append("; ".join((f"1/{round(1 / limit)}" if limit < 1 else f"{limit:g}") +
-                                 (f" from {least:,}" if least else "") for least, limit in bars) if order == 1 else "")
+                                 (f" from {least:,}" if least else "") for least, limit in bars) if judged else "")
             rows.append(row)
     return rows, missed
 
