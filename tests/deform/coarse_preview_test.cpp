@@ -223,8 +223,8 @@ TEST(RegionCells, BlendReproducesLinearFunctionsAlongTheSurface) {
     double one = 0;
     Vector2 place = Vector2::Zero();
     for (int k = 0; k < CellBlend::kReach; ++k) {
-      one += blend.weights[i][k];
-      place += blend.weights[i][k] * cells.centres.row(blend.cells[i][k]).head<2>().transpose();
+      one += blend.weights(k, i);
+      place += blend.weights(k, i) * cells.centres.row(blend.cells(k, i)).head<2>().transpose();
     }
     EXPECT_NEAR(one, 1, 1e-5);
     sum += (place - mesh.vertices.row(i).head<2>().transpose()).squaredNorm();

@@ -85,7 +85,7 @@ void CoarsePreview::State::keep_details() {
     for (int i = first; i < last; ++i) {
       Vector3 detail = rest.local.row(i).transpose();
       for (int k = 0; k < CellBlend::kReach; ++k) {
-        detail -= static_cast<double>(blend.weights[i][k]) * cells.centres.row(blend.cells[i][k]).transpose();
+        detail -= static_cast<double>(blend.weights(k, i)) * cells.centres.row(blend.cells(k, i)).transpose();
       }
       details[i] = four(detail[0] / unit, detail[1] / unit, detail[2] / unit);
       const double depth = region->anchor_depth.empty() ? 0 : region->anchor_depth[i];
@@ -104,8 +104,8 @@ void CoarsePreview::State::place(int first, int last) {
     }
     CellMotion sum = {};
     for (int k = 0; k < CellBlend::kReach; ++k) {
-      const CellMotion& motion = motions[blend.cells[i][k]];
-      const float weight = blend.weights[i][k];
+      const CellMotion& motion = motions[blend.cells(k, i)];
+      const float weight = blend.weights(k, i);
       for (int c = 0; c < 3; ++c) {
         sum.columns[c] += weight * motion.columns[c];
       }

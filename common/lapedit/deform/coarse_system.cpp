@@ -84,7 +84,7 @@ void CoarseSystem::hold_handles(const Region& region, const Points& rest, const 
       const int i = vertices[last];
       held.mean += rest.row(i).transpose();
       for (int k = 0; k < CellBlend::kReach; ++k) {
-        row.emplace_back(blend.cells[i][k], static_cast<double>(blend.weights[i][k]));
+        row.emplace_back(blend.cells(k, i), static_cast<double>(blend.weights(k, i)));
       }
     }
     const auto count = static_cast<double>(last - first);

@@ -17,7 +17,7 @@ Four four(const Vector3& v) {
   return Four{static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]), 0};
 }
 
-constexpr int kPieces = 16;  // sums are taken in so many parts, whatever the threads
+constexpr int kPieces = 8;  // sums are taken in so many parts, whatever the threads
 
 /// Calls body(piece, first, last) for kPieces parts of [0, count).
 template <class Body>
@@ -346,9 +346,9 @@ IndexLists two_rings(const RegionCells& cells) {
   return result;
 }
 
-/// How far each cell reaches, squared: to its neighbours' centres and half as far again, and to all of its vertices.
+/// How far each cell reaches, squared: to its neighbours' centres and a third as far again, and to all of its vertices.
 std::vector<float> squared_reaches(const RegionCells& cells, const Points& rest) {
-  constexpr double kBeyondNeighbours = 1.5, kBeyondVertices = 1.1;
+  constexpr double kBeyondNeighbours = 1.35, kBeyondVertices = 1.1;
   std::vector<double> squared(cells.count(), 0);
   for (std::size_t i = 0; i < cells.of.size(); ++i) {
     double& most = squared[cells.of[i]];
@@ -374,8 +374,8 @@ class Weigher {
  public:
   Weigher(const RegionCells& cells, const Points& rest);
 
-  void operator()(const Vector3& place, int cell, std::array<int, CellBlend::kReach>& to,
-                  std::array<float, CellBlend::kReach>& weights) const;
+  /// @param to,weights  kReach of each
+  void operator()(const Vector3& place, int cell, int* to, float* weights) const;
 
  private:
   struct Candidate {
@@ -432,8 +432,7 @@ int Weigher::reaching(Four place, int cell, Reaching* found) const {
   return count;
 }
 
-void Weigher::operator()(const Vector3& place, int cell, std::array<int, CellBlend::kReach>& to,
-                         std::array<float, CellBlend::kReach>& weights) const {
+void Weigher::operator()(const Vector3& place, int cell, int* to, float* weights) const {
   constexpr double kFlat = 0.03;  // of the spread: what counts as no direction of the surface
   constexpr float kTrace = 1e-12F;
   Reaching near[kRoom];
@@ -481,8 +480,8 @@ void Weigher::operator()(const Vector3& place, int cell, std::array<int, CellBle
     weights[k] = k < count ? from.weight * std::clamp(1 + along[0] + along[1] + along[2], kLeast, kMost) : 0.0F;
     total += weights[k];
   }
-  for (float& weight : weights) {
-    weight /= total;
+  for (int k = 0; k < CellBlend::kReach; ++k) {
+    weights[k] /= total;
   }
 }
 
@@ -521,11 +520,11 @@ RegionCells make_cells(const Region& region, const Points& rest, const std::vect
 }
 
 CellBlend::CellBlend(const RegionCells& from, const Points& rest, ThreadPool& pool)
-    : cells(from.of.size()), weights(from.of.size()) {
+    : cells(kReach, rest.rows()), weights(kReach, rest.rows()) {
   const Weigher weigher(from, rest);
   in_parts(pool, rest.rows(), [&](int, Eigen::Index first, Eigen::Index last) {
     for (Eigen::Index i = first; i < last; ++i) {
-      weigher(rest.row(i).transpose(), from.of[i], cells[i], weights[i]);
+      weigher(rest.row(i).transpose(), from.of[i], cells.col(i).data(), weights.col(i).data());
     }
   });
 }

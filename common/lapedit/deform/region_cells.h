@@ -50,8 +50,9 @@ RegionCells make_cells(const Region& region, const Points& rest, const std::vect
 /// functions along the surface (moving least squares), falling off smoothly with the distance from a cell.
 struct CellBlend {
   static constexpr int kReach = 8;
-  std::vector<std::array<int, kReach>> cells;  ///< of each vertex; unused ones repeat the first with weight 0
-  std::vector<std::array<float, kReach>> weights;
+  /// Of each vertex a column; unused entries repeat the first with weight 0.
+  Eigen::Array<int, kReach, Eigen::Dynamic> cells;
+  Eigen::Array<float, kReach, Eigen::Dynamic> weights;
 
   /// Cost: O(vertices). @param rest as above
   CellBlend(const RegionCells& cells, const Points& rest, ThreadPool& pool);
