@@ -20,6 +20,7 @@ namespace shapes = lapedit::shapes;
 const std::map<std::string, std::function<TriangleMesh()>> kMeshes = {
     {"letters", [] { return shapes::letter_field(254, 127); }},
     {"arm", [] { return shapes::tapered_arm(120, 140); }},
+    {"million", [] { return shapes::letter_field(1420, 710); }},
 };
 
 void write_ply(const std::string& path, const TriangleMesh& mesh) {
@@ -45,7 +46,7 @@ void write_ply(const std::string& path, const TriangleMesh& mesh) {
 int main(int argc, char** argv) {
   const auto mesh = argc == 3 ? kMeshes.find(argv[1]) : kMeshes.end();
   if (mesh == kMeshes.end()) {
-    std::fprintf(stderr, "usage: make_mesh letters|arm FILE.ply\n");
+    std::fprintf(stderr, "usage: make_mesh letters|arm|million FILE.ply\n");
     return 2;
   }
   try {

@@ -55,7 +55,7 @@ struct CellBlend {
   Eigen::Array<float, kReach, Eigen::Dynamic> weights;
 
   /// Cost: O(vertices). @param rest as above
-  CellBlend(const RegionCells& cells, const Points& rest, ThreadPool& pool);
+  CellBlend(const RegionCells& from, const Points& rest, ThreadPool& pool);
 };
 
 }  // namespace lapedit

@@ -28,6 +28,9 @@ constexpr int kStandInFrom = 4000;
 /// The editor's poses take the place of the stand-in's in so many frames, so far apart.
 constexpr int kBlendFrames = 10;
 constexpr std::chrono::milliseconds kFrame{16};
+/// A pose that is to stay is waited for, so its blend is shorter, and left out below this share of the region's size.
+constexpr int kFramesToStay = 5;
+constexpr double kUnseen = 1e-3;
 
 constexpr const char* kNoMemory = "There is not enough memory for this region: choose a smaller one.";
 
@@ -365,7 +368,12 @@ void SolverThread::State::blend(Points& places) {
     return;
   }
   if (way.serial != own.serial) {
-    way.from = way.preview->pose(own.maps);
+    try {
+      way.from = way.preview->pose(own.maps);
+    } catch (const EditError&) {
+      way = StandIn();  // beyond single precision, as the editor is not
+      return;
+    }
     way.to = places;
     way.serial = own.serial;
   }
@@ -398,19 +406,27 @@ void SolverThread::State::blend_waiting(std::unique_lock<std::mutex>& lock) {
   lock.lock();
 }
 
-/// All frames of the blend, up to a pose that is to stay.
+/// The frames of the blend up to a pose that is to stay.
 void SolverThread::State::blend_to_last(int mine) {
   StandIn& way = own.stand_in;
   const Points last = own.pose.positions;
   const double solve_ms = own.pose.solve_ms;
-  way.from = way.preview->pose(own.maps);
+  try {
+    way.from = way.preview->pose(own.maps);
+  } catch (const EditError&) {
+    way = StandIn();  // beyond single precision, as the editor is not
+    return;
+  }
+  const double apart = (last - way.from).cwiseAbs().maxCoeff();
+  way.frames_left = apart > kUnseen * own.runner->region().max_distance ? std::min(way.frames_left, kFramesToStay) : 0;
+  const int frames = std::max(1, way.frames_left);
   while (way.frames_left > 1) {
     std::unique_lock<std::mutex> lock(mutex);
     if (question.wait_for(lock, kFrame, [&] { return generation != mine || asked.quit; })) {
       break;
     }
     lock.unlock();
-    const double t = 1 - static_cast<double>(--way.frames_left) / kBlendFrames;
+    const double t = 1 - static_cast<double>(--way.frames_left) / frames;
     own.pose.positions = way.from + t * t * (3 - 2 * t) * (last - way.from);
     round_to(own.scalar, own.pose.positions);
     publish_pose(mine, own.serial - 1, nullptr);

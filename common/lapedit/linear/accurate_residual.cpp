@@ -210,7 +210,7 @@ Pass pass_over(const Compressed& lists, const Points& high, const Points* low) {
 double largest(const Points& points, ThreadPool& pool) {
   constexpr int kPieces = 16;
   const Eigen::Index n = points.rows();
-  const int pieces = n >= kPieces * kGrain ? kPieces : 1;
+  const int pieces = n >= static_cast<Eigen::Index>(kPieces) * kGrain ? kPieces : 1;
   double most[kPieces] = {};
   pool.each(n > 0 ? pieces : 0, [&](int piece) {
     const Eigen::Index first = n * piece / pieces;

@@ -26,6 +26,8 @@ LAPEDIT_INLINE void store(double* place, Lanes value) {
   std::memcpy(place, &value, sizeof value);
 }
 
+constexpr std::ptrdiff_t kStep = kLanes;
+
 /// Width columns from `to` on lose the products of `depth` columns from `by` on: Tall vectors of their rows.
 /// @param rows  entries of the columns `by` in the rows of the diagonal: Width for each of them
 template <int Tall, int Width>
@@ -35,14 +37,14 @@ LAPEDIT_INLINE void subtract_tile(double* to, const double* by, const double* ro
   for (int j = 0; j < Width; ++j) {
 #pragma GCC unroll 4
     for (int v = 0; v < Tall; ++v) {
-      sum[j][v] = load(to + static_cast<std::size_t>(j) * stride + v * kLanes);
+      sum[j][v] = load(to + static_cast<std::size_t>(j) * stride + v * kStep);
     }
   }
   for (int p = 0; p < depth; ++p) {
     Lanes column[Tall];
 #pragma GCC unroll 4
     for (int v = 0; v < Tall; ++v) {
-      column[v] = load(by + v * kLanes);
+      column[v] = load(by + v * kStep);
     }
 #pragma GCC unroll 8
     for (int j = 0; j < Width; ++j) {
@@ -58,7 +60,7 @@ LAPEDIT_INLINE void subtract_tile(double* to, const double* by, const double* ro
   for (int j = 0; j < Width; ++j) {
 #pragma GCC unroll 4
     for (int v = 0; v < Tall; ++v) {
-      store(to + static_cast<std::size_t>(j) * stride + v * kLanes, sum[j][v]);
+      store(to + static_cast<std::size_t>(j) * stride + v * kStep, sum[j][v]);
     }
   }
 }

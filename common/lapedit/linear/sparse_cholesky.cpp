@@ -121,16 +121,16 @@ struct EigenCholesky : SparseCholesky::Implementation {
   void solve_in_order(double* x) override {
     Eigen::Map<Points> rows(x, size(), 3);
     scratch = rows;
-    solve();
+    solve_scratch();
     rows = scratch;
   }
   void solve_in_order(float* x) override {
     Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>> rows(x, size(), 3);
     scratch = rows.cast<double>();
-    solve();
+    solve_scratch();
     rows = scratch.cast<float>();
   }
-  void solve() {
+  void solve_scratch() {
     factor->ldlt.matrixL().solveInPlace(scratch);
     scratch.array().colwise() /= factor->pivots.array();
     factor->ldlt.matrixU().solveInPlace(scratch);
