@@ -17,7 +17,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "gui"))
 from gui import GuiTest  # noqa: E402
 from tool import PANEL, TOOL, part  # noqa: E402
 
-RADIUS = 2.1  # of a field of 4 x 2
+RADIUS = 2.7  # to the corners of a field of 4 x 2, along its edges
 SECONDS = 12
 RATE = 60  # moves of the mouse per second
 PICTURES = 6  # per second, in the film
@@ -36,7 +36,7 @@ def drag(window, start):
     begin, waited, place = time.monotonic(), None, start
     while time.monotonic() < begin + SECONDS:
         t = (time.monotonic() - begin) / SECONDS
-        place = start[0] + 120 * math.sin(4 * math.pi * t), start[1] - 150 * (1 - math.cos(2 * math.pi * t)) / 2 - 20
+        place = start[0] + 60 * math.sin(4 * math.pi * t), start[1] - 120 * (1 - math.cos(2 * math.pi * t)) / 2 - 20
         window.mouse("move", *place)
         if waited is None and frames():
             waited = time.monotonic() - begin
