@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "shapes.h"
@@ -317,6 +319,35 @@ TEST(StandIn, AnotherRegionIsInTheHandWhileTheOldOneIsStillPrepared) {
   second.listen(worker);
   ASSERT_TRUE(second.ready);
   EXPECT_TRUE(support::same_bits(second.poses.back().positions, exact_pose(other, kLifted)));
+}
+
+TEST(StandIn, SmallRegionIsNotDisturbedByLargeOnesThatWereDropped) {
+  SolverThread worker(nullptr);
+  PrepareTask other = large_task();
+  other.groups = {{support::vertex_at(*other.mesh, {1.2, 1, 0})}};
+  PrepareTask small = large_task();
+  small.region.radius = 0.1;
+  const Points exact = exact_pose(small, kLifted);
+  for (int round = 0; round < 6; ++round) {
+    worker.prepare(large_task());
+    worker.solve(kLifted, false);
+    Followed first;
+    first.listen(worker, true);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20 * round));  // into a stage that cannot be left
+    worker.prepare(other);  // waits for the first one to end
+    worker.solve(kLifted, false);
+    Followed second;
+    second.listen(worker, true);
+    worker.prepare(small);
+    for (int k = 0; k < 20; ++k) {  // while those end
+      worker.solve(kLifted, true);
+      Followed third;
+      third.listen(worker);
+      ASSERT_FALSE(third.poses.empty());
+      EXPECT_TRUE(support::same_bits(third.poses.back().positions, exact));
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  }
 }
 
 TEST(StandIn, WhatTheEditorRefusesIsSaid) {

@@ -221,6 +221,7 @@ void SolverThread::State::prepare(const PrepareTask& task, int mine) {
   const Progress progress_here = progress_of(mine);
   const StepProblem problem{*task.mesh, *task.adjacency, task.region, task.groups, task.settings, task.scalar};
   own.stand_in = StandIn();
+  own.next_job.reset();
   job->found = find_region(problem, progress_here);
   publish(mine, [&] { answered.news.region = job->found.region; });
   if (job->found.region->size() < kStandInFrom) {
@@ -251,6 +252,9 @@ void SolverThread::State::prepare(const PrepareTask& task, int mine) {
 
 /// Gives the background what it is to do next, once it has nothing else to do.
 void SolverThread::State::prepare_in_background() {
+  if (own.next_job && own.next_job->generation != generation) {
+    own.next_job.reset();  // dropped meanwhile
+  }
   if (background.at_work() || !own.next_job) {
     return;
   }
