@@ -334,7 +334,7 @@ TEST(StandIn, SmallRegionIsNotDisturbedByLargeOnesThatWereDropped) {
     Followed first;
     first.listen(worker, true);
     std::this_thread::sleep_for(std::chrono::milliseconds(20 * round));  // into a stage that cannot be left
-    worker.prepare(other);  // waits for the first one to end
+    worker.prepare(other);                                               // waits for the first one to end
     worker.solve(kLifted, false);
     Followed second;
     second.listen(worker, true);
