@@ -35,6 +35,8 @@ CellPose::CellPose(const Region& region, const Points& rest, const RegionCells& 
     hold_[c] = depth * depth * (3 - 2 * depth);
   }
   measure_slopes();
+  smooth_rest_ = cells.centres;
+  system_.smooth(smooth_rest_);
   if (settings.rough == RoughDeformation::Falloff && settings.rotation != DetailRotation::None) {
     measure_falloff(region, rest);
   }
@@ -154,11 +156,15 @@ void CellPose::solve(const std::vector<LocalMotion>& targets, const std::vector<
   if (settings_.rotation == DetailRotation::None || constraints_.isZero(0)) {
     return;
   }
-  smooth_before_ = cells_.centres;
-  for (int c = 0; c < cells_.count(); ++c) {
-    smooth_before_.row(c) += this->carried(c).displacement(cells_.centres.row(c).transpose()).transpose();
+  if (std::all_of(carried.begin(), carried.end(), [](const LocalMotion& motion) { return motion.none(); })) {
+    smooth_before_ = smooth_rest_;
+  } else {
+    smooth_before_ = cells_.centres;
+    for (int c = 0; c < cells_.count(); ++c) {
+      smooth_before_.row(c) += this->carried(c).displacement(cells_.centres.row(c).transpose()).transpose();
+    }
+    system_.smooth(smooth_before_);
   }
-  system_.smooth(smooth_before_);
   for (int pass = 0; pass < settings_.iterations; ++pass) {
     previous_ = displacement_;
     smooth_after_ = displacement_;
@@ -166,9 +172,9 @@ void CellPose::solve(const std::vector<LocalMotion>& targets, const std::vector<
     smooth_after_ += smooth_before_;
     fit_rotations();
     turn(turned_);
-    right_ = constraints_;
-    system_.add_turned(turned_, right_);
-    system_.solve(right_, displacement_);
+    displacement_ = constraints_;
+    system_.add_turned(turned_, displacement_);
+    system_.solve(displacement_, displacement_);
     previous_ -= displacement_;
     if (!(previous_.rowwise().norm().maxCoeff() >= settled_)) {
       break;

@@ -46,7 +46,7 @@ class CellPose {
   GeodesicFalloff falloff_;       // of the cells; empty: rotations are estimated from the unrotated result
 
   const std::vector<LocalMotion>* carried_ = nullptr;
-  Points constraints_, right_, displacement_, previous_, turned_, smooth_before_, smooth_after_;
+  Points smooth_rest_, constraints_, displacement_, previous_, turned_, smooth_before_, smooth_after_;
   std::vector<Matrix3> rotations_;
 };
 
