@@ -36,8 +36,9 @@ Mesh cgal_mesh(const lapedit::TriangleMesh& mesh) {
 }
 
 template <CGAL::Deformation_algorithm_tag tag>
-MethodResult deformed(const lapedit::TriangleMesh& mesh, const lapedit::Region& region,
-                      const std::vector<lapedit::Affine>& maps, int iterations) {
+MethodResult deformed(const Scene& scene) {
+  const lapedit::TriangleMesh& mesh = scene.edit.mesh;
+  const lapedit::Region& region = scene.region;
   using Deformation = CGAL::Surface_mesh_deformation<Mesh, CGAL::Default, CGAL::Default, tag>;
   Mesh surface = cgal_mesh(mesh);
   MethodResult result;
@@ -57,20 +58,20 @@ MethodResult deformed(const lapedit::TriangleMesh& mesh, const lapedit::Region& 
   for (int i = 0; i < region.size(); ++i) {
     if (region.classes[i] == VertexClass::Handle) {
       const int v = region.mesh_vertex[i];
-      const Vector3 target = maps[static_cast<std::size_t>(region.group[i])] * Vector3(mesh.vertices.row(v));
+      const Vector3 target = scene.edit.maps[static_cast<std::size_t>(region.group[i])] * Vector3(mesh.vertices.row(v));
       deformation.set_target_position(index_of(v), Kernel::Point_3(target.x(), target.y(), target.z()));
     }
   }
   // Each alone, as in a drag; they go on from one another.
   std::vector<double> frames;
-  for (int k = 0; k < iterations; ++k) {
+  for (int k = 0; k < kArapIterations; ++k) {
     lapedit::Stopwatch frame;
     deformation.deform(1, 0.0);
     frames.push_back(frame.elapsed());
   }
   result.solve_ms = watch.elapsed();
-  std::nth_element(frames.begin(), frames.begin() + iterations / 2, frames.end());
-  result.frame_ms = frames[static_cast<std::size_t>(iterations / 2)];
+  std::nth_element(frames.begin(), frames.begin() + kArapIterations / 2, frames.end());
+  result.frame_ms = frames[static_cast<std::size_t>(kArapIterations / 2)];
   result.positions.resize(mesh.vertices.rows(), 3);
   for (const auto v : surface.vertices()) {
     const Kernel::Point_3& p = surface.point(v);
@@ -81,10 +82,12 @@ MethodResult deformed(const lapedit::TriangleMesh& mesh, const lapedit::Region& 
 
 }  // namespace
 
-MethodResult arap(Arap kind, const lapedit::TriangleMesh& mesh, const lapedit::Region& region,
-                  const std::vector<lapedit::Affine>& maps, int iterations) {
-  return kind == Arap::Original ? deformed<CGAL::ORIGINAL_ARAP>(mesh, region, maps, iterations)
-                                : deformed<CGAL::SRE_ARAP>(mesh, region, maps, iterations);
+MethodResult arap(const Scene& scene) {
+  return deformed<CGAL::ORIGINAL_ARAP>(scene);
+}
+
+MethodResult smooth_arap(const Scene& scene) {
+  return deformed<CGAL::SRE_ARAP>(scene);
 }
 
 }  // namespace quality
