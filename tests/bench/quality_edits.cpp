@@ -136,7 +136,8 @@ Edit pulled_arm() {
 Edit turned_head(double degrees, const Vector3& axis, const Vector3& way) {
   Edit edit;
   edit.mesh = bust(0.045);
-  edit.handles = {vertices_where(edit.mesh, [](const Vector3& p) { return p.z() > 1.7; })};
+  edit.handles = {
+      vertices_where(edit.mesh, [](const Vector3& p) { return p.z() > 1.75 || (p.z() > 1 && p.y() < -0.5); })};
   edit.region = within(1.9);
   edit.maps = {turn(degrees, axis, {0, 0, 1.4}, way)};
   edit.toward = {0.7, -0.8, 0.35};
@@ -158,7 +159,7 @@ Edit bent_tail(bool group) {
 
 Edit pulled_nose(double way, double radius) {
   Edit edit;
-  edit.mesh = uneven_face(121, 61);
+  edit.mesh = uneven_face(201, 101);
   edit.handles = {{vertex_at(edit.mesh, {0, 0, std::sqrt(5.0) - 0.55})}};
   edit.region = within(radius);
   edit.maps = {shift(0.1 * way, 0, way)};
@@ -263,6 +264,12 @@ std::vector<NamedEdit> make_edits() {
   add_real("mannequin_face", false, [=] { return real("mannequin.off", 8624, 1.2155, {0, -1.29, 0}, profile); });
   add_real("mannequin_far", true, [=] {
     return real("mannequin.off", 8624, 1.2155, {0, -12 / 9.4 * 1.2155, 0}, profile);
+  });
+  add_real("mannequin_head", false, [=] {
+    Edit edit = real("mannequin.off", 8624, 0.75, {0, 0, 0}, {-0.5, -0.8, 0.2});
+    edit.handles = {vertices_where(edit.mesh, [](const Vector3& p) { return p.z() > -0.5 + 0.25 * p.y(); })};
+    edit.maps = {turn(60, {0, 0, 1}, {0, 0.2, 0})};
+    return edit;
   });
   add_real("octopus_vertex", true, [=] { return real("octopus.off", 3175, 0.8, {0, 0.437, 0}, below, y); });
   add_real("octopus_group", false, [=] {

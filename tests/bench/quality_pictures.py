@@ -45,6 +45,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=pathlib.Path, help="as given to quality_bench --out")
     parser.add_argument("--json", type=pathlib.Path, help="as given to quality_bench --json, for the captions")
+    parser.add_argument("--output", type=pathlib.Path, help="folder of the pictures; by default the same")
     parser.add_argument("--methods", default=",".join(METHODS), help="to be shown beside the rest pose")
     parser.add_argument("--height", type=int, default=300)
     parser.add_argument("edits", nargs="*", help="all by default")
@@ -52,7 +53,7 @@ def main():
     figures = json.loads(given.json.read_text(encoding="utf-8")) if given.json else {}
     for folder in sorted(path.parent for path in given.folder.glob("*/view.json")):
         if not given.edits or folder.name in given.edits:
-            output = given.folder / f"{folder.name}.png"
+            output = (given.output or given.folder) / f"{folder.name}.png"
             show(folder, output, figures.get(folder.name, {}), given.methods.split(","), given.height)
             print(output, flush=True)
 

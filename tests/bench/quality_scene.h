@@ -32,6 +32,7 @@ struct MethodResult {
 struct Method {
   std::string name;
   std::function<MethodResult(const Scene&)> run;  ///< throws std::exception if there is no result
+  bool once = false;                              ///< its times are of several runs already
 };
 
 /// Shape and times of one edit by one method; 1 for 100 %.
