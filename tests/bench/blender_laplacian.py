@@ -148,4 +148,5 @@ def neighbours(faces, vertex):
     return found - {vertex}
 
 
-main()
+if __name__ == "__main__":
+    main()

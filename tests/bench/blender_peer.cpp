@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "blender_peer.h"
+
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+namespace quality {
+namespace {
+
+using nlohmann::json;
+
+json scene_json(const Scene& scene) {
+  const lapedit::Region& region = scene.region;
+  json vertices = json::array(), faces = json::array(), anchors = json::array(), groups = json::array();
+  for (const lapedit::Affine& map : scene.edit.maps) {
+    json rows = json::array();
+    for (int i = 0; i < 3; ++i) {
+      rows.push_back({map(i, 0), map(i, 1), map(i, 2), map(i, 3)});
+    }
+    groups.push_back({{"map", rows}, {"vertices", json::array()}});
+  }
+  for (int i = 0; i < region.size(); ++i) {
+    for (int k = 0; k < 3; ++k) {
+      vertices.push_back(scene.edit.mesh.vertices(region.mesh_vertex[i], k));
+    }
+    if (region.classes[i] == lapedit::VertexClass::Anchor) {
+      anchors.push_back(i);
+    } else if (region.classes[i] == lapedit::VertexClass::Handle) {
+      groups[region.group[i]]["vertices"].push_back(i);
+    }
+  }
+  for (const auto& face : region.faces.rowwise()) {
+    if (face[0] != face[1] && face[1] != face[2] && face[2] != face[0]) {
+      faces.insert(faces.end(), {face[0], face[1], face[2]});
+    }
+  }
+  return {{"vertices", vertices}, {"faces", faces}, {"anchors", anchors}, {"groups", groups}};
+}
+
+}  // namespace
+
+MethodResult blender(const Scene& scene) {
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("quality_blender_" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  struct Remove {
+    const std::filesystem::path& folder;
+    ~Remove() {
+      std::error_code ignored;
+      std::filesystem::remove_all(folder, ignored);
+    }
+  } const remove{folder};
+  const std::filesystem::path input = folder / "scene.json", output = folder / "result.json";
+  std::ofstream(input) << scene_json(scene);
+  // A spinning OpenMP thread would slow it tenfold as soon as something else runs.
+  const std::string command = "OMP_WAIT_POLICY=passive HOME='" + folder.string() +
+                              "' blender -b --factory-startup -noaudio --python-exit-code 1 --python '" +
+                              QUALITY_BLENDER_SCRIPT + "' -- '" + input.string() + "' '" + output.string() + "' >'" +
+                              (folder / "log").string() + "' 2>&1 </dev/null";
+  if (std::system(command.c_str()) != 0 || !std::filesystem::exists(output)) {
+    throw std::runtime_error("Blender has no result");
+  }
+  const json given = json::parse(std::ifstream(output));
+  const std::vector<double> positions = given["positions"];
+  if (positions.size() != 3 * static_cast<std::size_t>(scene.region.size())) {
+    throw std::runtime_error("Blender's result has another number of vertices");
+  }
+  MethodResult result;
+  result.positions = scene.edit.mesh.vertices;
+  for (int i = 0; i < scene.region.size(); ++i) {
+    result.positions.row(scene.region.mesh_vertex[i]) << positions[3 * i], positions[3 * i + 1], positions[3 * i + 2];
+  }
+  result.prepare_ms = given["bind_ms"];
+  result.solve_ms = given["update_ms"];
+  result.frame_ms = result.solve_ms;
+  return result;
+}
+
+}  // namespace quality

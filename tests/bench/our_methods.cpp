@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "our_methods.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <stdexcept>
+#include <vector>
+
+#include "lapedit/base/stopwatch.h"
+#include "lapedit/deform/laplacian_editor.h"
+#include "quality_text.h"
+
+namespace quality {
+
+using lapedit::EditSettings;
+
+EditSettings settings_of(const std::string& text) {
+  EditSettings settings;
+  for (const std::string& pair : split(text, ',')) {
+    if (pair.empty()) {
+      continue;
+    }
+    const auto& [key, value] = key_and_value(pair);
+    const auto& table = lapedit::settings_table();
+    const auto setting =
+        std::find_if(table.begin(), table.end(), [&key = key](const auto& row) { return key == row.key; });
+    if (setting == table.end()) {
+      throw std::runtime_error("there is no setting " + key);
+    }
+    const auto& names = setting->choices;
+    const auto choice = std::find(names.begin(), names.end(), value);
+    char* end = nullptr;
+    const double number =
+        choice != names.end() ? static_cast<double>(choice - names.begin()) : std::strtod(value.c_str(), &end);
+    if (value.empty() || (end && *end) || (choice == names.end() && !names.empty())) {
+      throw std::runtime_error(value + " is no value of " + key);
+    }
+    setting->set(settings, number);
+  }
+  lapedit::validate(settings);
+  return settings;
+}
+
+MethodResult ours(const Scene& scene, const EditSettings& settings) {
+  constexpr int kFrames = 11;
+  const Edit& edit = scene.edit;
+  MethodResult result;
+  lapedit::Stopwatch watch;
+  lapedit::LaplacianEditor editor(
+      edit.mesh, lapedit::build_region(edit.mesh, scene.adjacency, edit.region, edit.handles, settings.threads),
+      settings);
+  result.prepare_ms = watch.lap();
+  const lapedit::Points& solved = editor.solve(edit.maps);
+  result.solve_ms = watch.lap();
+  result.positions = edit.mesh.vertices;
+  for (int i = 0; i < editor.region().size(); ++i) {
+    result.positions.row(editor.region().mesh_vertex[i]) = solved.row(i);
+  }
+  result.fast_frame = editor.has_preview();
+  // A mouse that comes near the pose, small step by small step.
+  std::vector<double> frames;
+  for (int k = 0; k < kFrames; ++k) {
+    std::vector<lapedit::Affine> maps = edit.maps;
+    for (lapedit::Affine& map : maps) {
+      map.translation() *= 1 - 0.002 * (kFrames - k);
+    }
+    watch.lap();
+    editor.preview(maps);
+    frames.push_back(watch.lap());
+  }
+  std::nth_element(frames.begin(), frames.begin() + kFrames / 2, frames.end());
+  result.frame_ms = frames[kFrames / 2];
+  return result;
+}
+
+}  // namespace quality

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Shape and time of edits by this library's settings and by its peers, as a Markdown table with the bars we set
+// ourselves. See README.md.
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "arap_peer.h"
+#include "blender_peer.h"
+#include "our_methods.h"
+#include "quality_edits.h"
+#include "quality_report.h"
+#include "quality_scene.h"
+#include "quality_text.h"
+
+namespace quality {
+namespace {
+
+constexpr const char* kArap = "ARAP";
+
+constexpr const char* kUsage = R"(usage: quality_bench [OPTION]...
+  --edits A,B           these edits (--list names them)
+  --quick               a handful of them
+  --generated, --real   only those on generated, on real meshes
+  --ours NAME=KEY=VALUE,KEY=VALUE
+                        adds these settings, by the keys of JSON, under a name; what is not named is as by default
+  --only A,B            only these methods
+  --blender             Blender's Laplacian Deform too
+  --bars NAME           whose bars are computed (default)
+  --threads N           ours; 0, the default: as many as the machine has
+  --repeat N            best times of so many runs (2)
+  --json FILE           all figures
+  --out DIR             the meshes, one folder for each edit
+  --list                edits and methods, and no more
+)";
+
+struct Options {
+  std::vector<std::string> edits, only;
+  bool quick = false, blender = false, generated = true, real = true, list = false;
+  std::vector<std::pair<std::string, std::string>> ours;
+  std::string bars = "default", json, out;
+  int threads = 0, repeat = 2;
+};
+
+bool among(const std::vector<std::string>& names, const std::string& name) {
+  return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
+}
+
+std::vector<Method> make_methods(const Options& options) {
+  std::vector<std::pair<std::string, std::string>> named = {
+      {"paper",
+       "laplacian=umbrella,detail_rotation=smooth_normals,iterations=1,turning=vertex,rough=unrotated,order=1"},
+      {"before",
+       "laplacian=umbrella,detail_rotation=smooth_surface,iterations=1,turning=vertex,rough=unrotated,order=1"},
+      {"cotangent3",
+       "laplacian=cotangent,detail_rotation=smooth_surface,iterations=3,turning=edge,rough=unrotated,order=1"},
+      {"default", ""}};
+  named.insert(named.end(), options.ours.begin(), options.ours.end());
+  std::vector<Method> methods;
+  for (const auto& [name, text] : named) {
+    lapedit::EditSettings settings = settings_of(text);
+    settings.threads = options.threads;
+    methods.push_back({name, [settings](const Scene& scene) { return ours(scene, settings); }});
+  }
+  methods.push_back({kArap, arap});
+  methods.push_back({"SR-ARAP", smooth_arap});
+  if (options.blender) {
+    methods.push_back({"Blender", blender, true});
+  }
+  methods.erase(
+      std::remove_if(methods.begin(), methods.end(), [&](const Method& m) { return !among(options.only, m.name); }),
+      methods.end());
+  return methods;
+}
+
+/// The best of some runs, which differ in nothing but their times.
+MethodResult best_of(int runs, const Method& method, const Scene& scene) {
+  MethodResult best = method.run(scene);
+  for (int k = 1; k < runs && !method.once; ++k) {
+    const MethodResult result = method.run(scene);
+    best.prepare_ms = std::min(result.prepare_ms, best.prepare_ms);
+    best.solve_ms = std::min(result.solve_ms, best.solve_ms);
+    best.frame_ms = std::min(result.frame_ms, best.frame_ms);
+  }
+  return best;
+}
+
+void write_ply(const std::filesystem::path& path, const lapedit::Points& positions, const lapedit::Faces& faces) {
+  std::ofstream out(path, std::ios::binary);
+  out << "ply\nformat binary_little_endian 1.0\nelement vertex " << positions.rows()
+      << "\nproperty float x\nproperty float y\nproperty float z\nelement face " << faces.rows()
+      << "\nproperty list uchar int vertex_indices\nend_header\n";
+  const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> single = positions.cast<float>();
+  out.write(reinterpret_cast<const char*>(single.data()), static_cast<std::streamsize>(single.size() * sizeof(float)));
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    out.put(3).write(reinterpret_cast<const char*>(faces.row(f).data()), 3 * sizeof(int));
+  }
+}
+
+/// The rest pose, its classes for the renderer, and where to look at it from.
+void write_rest(const std::filesystem::path& folder, const Scene& scene) {
+  std::filesystem::create_directories(folder);
+  const Edit& edit = scene.edit;
+  const lapedit::Points& rest = edit.mesh.vertices;
+  write_ply(folder / "rest.ply", rest, edit.mesh.faces);
+  std::vector<int> classes(static_cast<std::size_t>(rest.rows()), 0);
+  // All that the region and its handles come to.
+  lapedit::Vector3 low = rest.row(scene.region.mesh_vertex[0]), high = low;
+  for (int i = 0; i < scene.region.size(); ++i) {
+    const int v = scene.region.mesh_vertex[i], group = scene.region.group[i];
+    classes[v] = static_cast<int>(scene.region.classes[i]);
+    for (const lapedit::Vector3& p : {lapedit::Vector3(rest.row(v)),
+                                      lapedit::Vector3(group < 0 ? lapedit::Vector3(rest.row(v))
+                                                                 : edit.maps[group] * lapedit::Vector3(rest.row(v)))}) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+  }
+  std::ofstream out(folder / "classes.txt");
+  for (const int c : classes) {
+    out << c << '\n';
+  }
+  const auto list = [](const lapedit::Vector3& v) { return nlohmann::json{v.x(), v.y(), v.z()}; };
+  std::ofstream(folder / "view.json") << nlohmann::json{
+      {"toward", list(edit.toward)}, {"up", list(edit.up)}, {"low", list(low)}, {"high", list(high)}};
+}
+
+Options parse(int argc, char** argv) {
+  Options options;
+  for (int k = 1; k < argc; ++k) {
+    const std::string option = argv[k];
+    const auto value = [&]() -> std::string {
+      if (k + 1 >= argc) {
+        throw std::runtime_error(option + " wants a value");
+      }
+      return argv[++k];
+    };
+    if (option == "--edits") {
+      options.edits = split(value(), ',');
+    } else if (option == "--only") {
+      options.only = split(value(), ',');
+    } else if (option == "--quick") {
+      options.quick = true;
+    } else if (option == "--blender") {
+      options.blender = true;
+    } else if (option == "--generated") {
+      options.real = false;
+    } else if (option == "--real") {
+      options.generated = false;
+    } else if (option == "--list") {
+      options.list = true;
+    } else if (option == "--ours") {
+      options.ours.push_back(key_and_value(value()));
+    } else if (option == "--bars") {
+      options.bars = value();
+    } else if (option == "--threads") {
+      options.threads = std::stoi(value());
+    } else if (option == "--repeat") {
+      options.repeat = std::max(1, std::stoi(value()));
+    } else if (option == "--json") {
+      options.json = value();
+    } else if (option == "--out") {
+      options.out = value();
+    } else {
+      throw std::runtime_error("unknown: " + option + "\n" + kUsage);
+    }
+  }
+  return options;
+}
+
+std::vector<const NamedEdit*> chosen_edits(const Options& options) {
+  std::vector<const NamedEdit*> result;
+  for (const std::string& name : options.edits) {
+    if (std::none_of(edits().begin(), edits().end(), [&](const NamedEdit& edit) { return edit.name == name; })) {
+      throw std::runtime_error("there is no edit " + name + ": see --list");
+    }
+  }
+  for (const NamedEdit& edit : edits()) {
+    if (among(options.edits, edit.name) && (!options.quick || edit.quick) &&
+        (edit.real ? options.real : options.generated)) {
+      result.push_back(&edit);
+    }
+  }
+  return result;
+}
+
+int run(int argc, char** argv) {
+  const Options options = parse(argc, argv);
+  const std::vector<Method> methods = make_methods(options);
+  const std::vector<const NamedEdit*> chosen = chosen_edits(options);
+  if (options.list) {
+    for (const NamedEdit* edit : chosen) {
+      std::printf("%s\n", edit->name);
+    }
+    return 0;
+  }
+  print_head();
+  std::vector<Row> rows;
+  nlohmann::ordered_json json;
+  for (const NamedEdit* named : chosen) {
+    const Scene scene(named->make());
+    const std::filesystem::path folder = std::filesystem::path(options.out) / named->name;
+    if (!options.out.empty()) {
+      write_rest(folder, scene);
+    }
+    Row row{named->name, scene.region.size(), {}};
+    for (const Method& method : methods) {
+      Figures figures;
+      try {
+        const MethodResult result = best_of(options.repeat, method, scene);
+        if (!result.positions.allFinite()) {
+          throw std::runtime_error("not finite");
+        }
+        figures = measure(scene, result);
+        if (!options.out.empty()) {
+          write_ply(folder / (method.name + ".ply"), result.positions, scene.edit.mesh.faces);
+        }
+      } catch (const std::exception& problem) {
+        figures.failed = problem.what();
+      }
+      row.of.push_back(std::move(figures));
+    }
+    print_row(row, methods);
+    json[named->name] = as_json(row, methods);
+    rows.push_back(std::move(row));
+  }
+  print_summary(rows, methods);
+  print_bars(rows, methods, options.bars, kArap);
+  if (!options.json.empty()) {
+    std::ofstream(options.json) << json.dump(1) << '\n';
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace quality
+
+int main(int argc, char** argv) {
+#ifdef QUALITY_REAL_MESHES
+  setenv("LAPEDIT_MESHES", QUALITY_REAL_MESHES, 0);
+#endif
+  try {
+    return quality::run(argc, argv);
+  } catch (const std::exception& problem) {
+    std::fprintf(stderr, "quality_bench: %s\n", problem.what());
+    return 2;
+  }
+}

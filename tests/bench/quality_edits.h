@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "lapedit/deform/handle_transform.h"
+#include "lapedit/mesh/region.h"
+
+namespace quality {
+
+/// An edit that a user would make.
+struct Edit {
+  lapedit::TriangleMesh mesh;
+  lapedit::RegionSpec region;
+  std::vector<std::vector<int>> handles;
+  std::vector<lapedit::Affine> maps;                            ///< one per handle group
+  lapedit::Vector3 toward = {0.35, -0.8, 0.6}, up = {0, 0, 1};  ///< for a picture: from the mesh to the eye, upwards
+};
+
+/// Made when it is asked for.
+struct NamedEdit {
+  const char* name;
+  bool quick;  ///< among the handful
+  bool real;   ///< on a mesh of the folder with the real ones
+  std::function<Edit()> make;
+};
+
+const std::vector<NamedEdit>& edits();
+
+}  // namespace quality

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "quality_measures.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+namespace quality {
+namespace {
+
+using lapedit::Adjacency;
+using lapedit::Faces;
+using lapedit::Matrix3;
+using lapedit::Points;
+using lapedit::Vector3;
+
+/// Twice the area, along the normal.
+Vector3 cross(const Points& p, const Faces& faces, int f) {
+  const Vector3 a = p.row(faces(f, 0));
+  return (p.row(faces(f, 1)).transpose() - a).cross(p.row(faces(f, 2)).transpose() - a);
+}
+
+Matrix3 nearest_rotation(const Matrix3& moment) {
+  const Eigen::JacobiSVD<Matrix3> svd(moment, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Matrix3 u = svd.matrixU();
+  if ((u * svd.matrixV().transpose()).determinant() < 0) {
+    u.col(2) *= -1;
+  }
+  return u * svd.matrixV().transpose();
+}
+
+/// The rotation that fits best around a vertex. Normals make it well defined where the surroundings are flat.
+Matrix3 fitted_rotation(const Adjacency& adjacency, const Faces& faces, const Points& before, const Points& after,
+                        int vertex) {
+  std::vector<int> ring(adjacency.faces[vertex].begin(), adjacency.faces[vertex].end());
+  for (const int w : adjacency.neighbours[vertex]) {
+    ring.insert(ring.end(), adjacency.faces[w].begin(), adjacency.faces[w].end());
+  }
+  std::sort(ring.begin(), ring.end());
+  ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
+
+  const auto centre = [&faces](const Points& p, int f) -> Vector3 {
+    return (p.row(faces(f, 0)) + p.row(faces(f, 1)) + p.row(faces(f, 2))).transpose() / 3;
+  };
+  double area = 0;
+  Vector3 middle_before = Vector3::Zero(), middle_after = Vector3::Zero();
+  for (const int f : ring) {
+    const double weight = cross(before, faces, f).norm();
+    area += weight;
+    middle_before += weight * centre(before, f);
+    middle_after += weight * centre(after, f);
+  }
+  if (!(area > 0)) {
+    return Matrix3::Identity();
+  }
+  middle_before /= area;
+  middle_after /= area;
+  Matrix3 places = Matrix3::Zero(), normals = Matrix3::Zero();
+  double size_before = 0, size_after = 0;
+  for (const int f : ring) {
+    const Vector3 normal = cross(before, faces, f);
+    const double weight = normal.norm();
+    normals += cross(after, faces, f).stableNormalized() * normal.transpose();
+    for (int k = 0; k < 3; ++k) {
+      const Vector3 p = before.row(faces(f, k)).transpose() - middle_before;
+      const Vector3 q = after.row(faces(f, k)).transpose() - middle_after;
+      places += weight / 3 * q * p.transpose();
+      size_before += weight / 3 * p.squaredNorm();
+      size_after += weight / 3 * q.squaredNorm();
+    }
+  }
+  const double size = std::sqrt(size_before * size_after);
+  return nearest_rotation(size > 0 ? Matrix3(normals + area / size * places) : normals);
+}
+
+}  // namespace
+
+Stretch edge_stretch(const lapedit::Region& region, const Points& before, const Points& after) {
+  Stretch result;
+  double sum = 0;
+  std::size_t edges = 0;
+  for (int i = 0; i < region.size(); ++i) {
+    for (const int j : region.neighbours[i]) {
+      const int v = region.mesh_vertex[i], w = region.mesh_vertex[j];
+      const double rest = (before.row(v) - before.row(w)).norm();
+      if (j > i && rest > 0) {
+        const double stretch = (after.row(v) - after.row(w)).norm() / rest - 1;
+        sum += stretch * stretch;
+        result.largest = std::max(result.largest, stretch);
+        ++edges;
+      }
+    }
+  }
+  result.rms = edges > 0 ? std::sqrt(sum / static_cast<double>(edges)) : 0;
+  return result;
+}
+
+std::vector<int> region_faces(const Adjacency& adjacency, const lapedit::Region& region) {
+  std::vector<int> result;
+  for (const int v : region.mesh_vertex) {
+    result.insert(result.end(), adjacency.faces[v].begin(), adjacency.faces[v].end());
+  }
+  std::sort(result.begin(), result.end());
+  result.erase(std::unique(result.begin(), result.end()), result.end());
+  return result;
+}
+
+int flipped_triangles(const Adjacency& adjacency, const Faces& faces, const std::vector<int>& looked_at,
+                      const Points& before, const Points& after) {
+  std::vector<int> vertices;
+  for (const int f : looked_at) {
+    vertices.insert(vertices.end(), {faces(f, 0), faces(f, 1), faces(f, 2)});
+  }
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  std::vector<Matrix3> rotations;
+  rotations.reserve(vertices.size());
+  for (const int v : vertices) {
+    rotations.push_back(fitted_rotation(adjacency, faces, before, after, v));
+  }
+  const auto rotation = [&](int v) -> const Matrix3& {
+    return rotations[static_cast<std::size_t>(std::lower_bound(vertices.begin(), vertices.end(), v) -
+                                              vertices.begin())];
+  };
+  return static_cast<int>(std::count_if(looked_at.begin(), looked_at.end(), [&](int f) {
+    const Matrix3 sum = rotation(faces(f, 0)) + rotation(faces(f, 1)) + rotation(faces(f, 2));
+    return (nearest_rotation(sum) * cross(before, faces, f)).dot(cross(after, faces, f)) < 0;
+  }));
+}
+
+double volume_change(const Faces& faces, const std::vector<int>& looked_at, const Points& before, const Points& after) {
+  std::map<std::pair<int, int>, int> sides;  // directed edge -> faces that have it, less those that have its reverse
+  double area = 0;
+  for (const int f : looked_at) {
+    area += cross(before, faces, f).norm() / 2;
+    for (int k = 0; k < 3; ++k) {
+      const int a = faces(f, k), b = faces(f, (k + 1) % 3);
+      sides[std::minmax(a, b)] += a < b ? 1 : -1;
+    }
+  }
+  Vector3 centre = Vector3::Zero();
+  int border = 0;
+  for (const auto& [side, count] : sides) {
+    if (count != 0) {
+      centre += (before.row(side.first) + before.row(side.second)).transpose() / 2;
+      ++border;
+    }
+  }
+  centre = border > 0 ? Vector3(centre / border) : Vector3(before.row(faces(looked_at.front(), 0)));
+  const auto volume = [&](const Points& p) {
+    double sum = 0;
+    for (const int f : looked_at) {
+      sum += cross(p, faces, f).dot(p.row(faces(f, 0)).transpose() - centre) / 6;
+    }
+    return sum;
+  };
+  const double rest = volume(before);
+  // A ball has 0.094 of its area to the power of 1.5; a height field may have less than nothing.
+  return rest > 0.01 * std::pow(area, 1.5) ? volume(after) / rest - 1 : std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace quality

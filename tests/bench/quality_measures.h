@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "lapedit/mesh/region.h"
+
+/// How good an edit's shape is, measured on positions alone, so that every method is measured alike. `before` and
+/// `after` are whole meshes of the same faces, n x 3.
+namespace quality {
+
+/// Of |after| / |before| - 1 over the edges with both ends in the region; edges without length are left out.
+struct Stretch {
+  double rms = 0;      ///< 1 for 100 %
+  double largest = 0;  ///< longest above the rest length
+};
+Stretch edge_stretch(const lapedit::Region& region, const lapedit::Points& before, const lapedit::Points& after);
+
+/// Faces with a corner in the region, ascending.
+std::vector<int> region_faces(const lapedit::Adjacency& adjacency, const lapedit::Region& region);
+
+/// Faces whose normal turned by more than 90 degrees against their surroundings: the rotation that fits best, from
+/// before to after, the vertices and the normals within two rings of each corner, by area; the mean over the three
+/// corners. Faces without area before or after are left out.
+int flipped_triangles(const lapedit::Adjacency& adjacency, const lapedit::Faces& faces,
+                      const std::vector<int>& looked_at, const lapedit::Points& before, const lapedit::Points& after);
+
+/// Change of the volume below some faces over what they enclose before, closed by a fan over their border's centroid;
+/// not a number where they are as good as flat.
+double volume_change(const lapedit::Faces& faces, const std::vector<int>& looked_at, const lapedit::Points& before,
+                     const lapedit::Points& after);
+
+}  // namespace quality

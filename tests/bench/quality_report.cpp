@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "quality_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <numeric>
+
+namespace quality {
+namespace {
+
+using Value = std::function<double(const Figures&)>;
+
+/// One value of all edits where all methods have one.
+std::vector<double> column(const std::vector<Row>& rows, std::size_t method, const Value& value) {
+  std::vector<double> result;
+  for (const Row& row : rows) {
+    const bool whole = std::all_of(row.of.begin(), row.of.end(), [](const Figures& f) { return f.failed.empty(); });
+    if (whole) {
+      result.push_back(value(row.of[method]));
+    }
+  }
+  return result;
+}
+double sum(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0);
+}
+double mean(const std::vector<double>& values) {
+  return sum(values) / std::max<double>(1, static_cast<double>(values.size()));
+}
+double median(std::vector<double> values) {
+  if (values.empty()) {
+    return 0;
+  }
+  std::sort(values.begin(), values.end());
+  return (values[(values.size() - 1) / 2] + values[values.size() / 2]) / 2;
+}
+
+void print_line(const std::string& edit, const std::string& vertices, const std::string& method, const Figures& f) {
+  if (!f.failed.empty()) {
+    std::printf("| %s | %s | %s | %s | | | | | | | | |\n", edit.c_str(), vertices.c_str(), method.c_str(),
+                f.failed.c_str());
+    return;
+  }
+  char volume[32] = "-";
+  if (std::isfinite(f.volume)) {
+    std::snprintf(volume, sizeof volume, "%+.1f", 100 * f.volume);
+  }
+  std::printf("| %s | %s | %s | %.1f | %.0f | %d | %d | %s | %.1f | %.1f | %.1f | %.2f%s |\n", edit.c_str(),
+              vertices.c_str(), method.c_str(), 100 * f.rms, 100 * f.largest, f.flipped, f.pairs, volume,
+              f.prepare_ms + f.solve_ms, f.prepare_ms, f.solve_ms, f.frame_ms, f.fast_frame ? "" : " (whole)");
+}
+
+const Value kRms = [](const Figures& f) { return f.rms; };
+const Value kLargest = [](const Figures& f) { return f.largest; };
+const Value kFlipped = [](const Figures& f) { return f.flipped; };
+const Value kPairs = [](const Figures& f) { return f.pairs; };
+const Value kWhole = [](const Figures& f) { return f.prepare_ms + f.solve_ms; };
+const Value kSolve = [](const Figures& f) { return f.solve_ms; };
+const Value kFrame = [](const Figures& f) { return f.frame_ms; };
+
+struct Bar {
+  const char* what;
+  double measured, bound;
+  bool met() const { return measured <= bound; }
+};
+
+std::vector<Bar> bars_of(const std::vector<Row>& rows, std::size_t us, std::size_t peer) {
+  const auto mine = [&](const Value& value) { return column(rows, us, value); };
+  const auto theirs = [&](const Value& value) { return column(rows, peer, value); };
+  const auto ratios = [&](const Value& value) {
+    std::vector<double> result = mine(value), other = theirs(value);
+    std::transform(result.begin(), result.end(), other.begin(), result.begin(),
+                   [](double a, double b) { return a / b; });
+    return result;
+  };
+  const std::vector<double> my_flips = mine(kFlipped), their_flips = theirs(kFlipped);
+  double against_clean = 0;
+  for (std::size_t i = 0; i < my_flips.size(); ++i) {
+    against_clean += their_flips[i] == 0 && my_flips[i] > 0 ? 1 : 0;
+  }
+  const double kThird = 1.0 / 3;
+  return {{"edits with flipped triangles where ARAP has none", against_clean, 0},
+          {"flipped triangles in sum: fewer than ARAP's", sum(my_flips), std::max(sum(their_flips) - 1, 0.0)},
+          {"new intersecting pairs in sum: at most half of ARAP's", sum(mine(kPairs)), sum(theirs(kPairs)) / 2},
+          {"RMS stretch over ARAP's, mean of ratios", mean(ratios(kRms)), 1.1},
+          {"RMS stretch over ARAP's, ratio of means", mean(mine(kRms)) / mean(theirs(kRms)), 1.1},
+          {"settled edit with preparing over ARAP's, ratio of sums", sum(mine(kWhole)) / sum(theirs(kWhole)), kThird},
+          {"settled edit with preparing over ARAP's, median of ratios", median(ratios(kWhole)), kThird},
+          {"settled edit, solving alone, over ARAP's ten iterations, ratio of sums",
+           sum(mine(kSolve)) / sum(theirs(kSolve)), kThird},
+          {"settled edit, solving alone, over ARAP's ten iterations, median of ratios", median(ratios(kSolve)), kThird},
+          {"frame over one of ARAP's iterations, ratio of sums", sum(mine(kFrame)) / sum(theirs(kFrame)), 1.0 / 8},
+          {"frame over one of ARAP's iterations, median of ratios", median(ratios(kFrame)), 1.0 / 8}};
+}
+
+nlohmann::ordered_json as_json(const Figures& f) {
+  if (!f.failed.empty()) {
+    return {{"failed", f.failed}};
+  }
+  nlohmann::ordered_json result = {{"rms", f.rms},           {"largest", f.largest},   {"flipped", f.flipped},
+                                   {"pairs", f.pairs},       {"volume", nullptr},      {"prepare_ms", f.prepare_ms},
+                                   {"solve_ms", f.solve_ms}, {"frame_ms", f.frame_ms}, {"fast_frame", f.fast_frame}};
+  if (std::isfinite(f.volume)) {
+    result["volume"] = f.volume;
+  }
+  return result;
+}
+
+}  // namespace
+
+void print_head() {
+  std::printf(
+      "| edit | vertices | method | RMS stretch %% | largest %% | flipped | new pairs | volume %% | settled ms | "
+      "preparing | solving | frame |\n|---|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
+}
+
+void print_row(const Row& row, const std::vector<Method>& methods) {
+  for (std::size_t m = 0; m < methods.size(); ++m) {
+    print_line(m == 0 ? row.edit : "", m == 0 ? std::to_string(row.vertices) : "", methods[m].name, row.of[m]);
+  }
+  std::fflush(stdout);
+}
+
+void print_summary(const std::vector<Row>& rows, const std::vector<Method>& methods) {
+  std::printf(
+      "\n%zu edits.\n\n| over all edits | RMS %%, mean | median | largest %%, mean | median | flipped, sum | median | "
+      "pairs, sum | median | edits "
+      "with flips | with pairs | settled ms, sum | solving | frame "
+      "|\n|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
+      column(rows, 0, kRms).size());
+  for (std::size_t m = 0; m < methods.size(); ++m) {
+    const auto of = [&](const Value& value) { return column(rows, m, value); };
+    const auto some = [](const std::vector<double>& values) {
+      return std::count_if(values.begin(), values.end(), [](double value) { return value > 0; });
+    };
+    std::printf("| %s | %.2f | %.2f | %.0f | %.0f | %.0f | %.0f | %.0f | %.0f | %td | %td | %.0f | %.0f | %.2f |\n",
+                methods[m].name.c_str(), 100 * mean(of(kRms)), 100 * median(of(kRms)), 100 * mean(of(kLargest)),
+                100 * median(of(kLargest)), sum(of(kFlipped)), median(of(kFlipped)), sum(of(kPairs)),
+                median(of(kPairs)), some(of(kFlipped)), some(of(kPairs)), sum(of(kWhole)), sum(of(kSolve)),
+                sum(of(kFrame)));
+  }
+}
+
+void print_bars(const std::vector<Row>& rows, const std::vector<Method>& methods, const std::string& whose,
+                const std::string& beside) {
+  const auto find = [&](const std::string& name) {
+    return static_cast<std::size_t>(
+        std::find_if(methods.begin(), methods.end(), [&](const Method& m) { return m.name == name; }) -
+        methods.begin());
+  };
+  const std::size_t peer = find(beside), us = find(whose);
+  if (peer == methods.size() || us == methods.size() || rows.empty()) {
+    return;
+  }
+  std::printf("\n| %s beside ARAP | measured | bar |\n|---|--:|--:|\n", whose.c_str());
+  for (const Bar& bar : bars_of(rows, us, peer)) {
+    std::printf(bar.met() ? "| %s | %.3g | %.3g |\n" : "| %s | **%.3g** | %.3g |\n", bar.what, bar.measured, bar.bound);
+  }
+}
+
+nlohmann::ordered_json as_json(const Row& row, const std::vector<Method>& methods) {
+  nlohmann::ordered_json result = {{"vertices", row.vertices}};
+  for (std::size_t m = 0; m < methods.size(); ++m) {
+    result[methods[m].name] = as_json(row.of[m]);
+  }
+  return result;
+}
+
+}  // namespace quality

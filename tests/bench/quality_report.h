@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "quality_scene.h"
+
+/// The figures of a run as Markdown, to standard output, and as JSON.
+namespace quality {
+
+struct Row {
+  std::string edit;
+  int vertices;             ///< of the region
+  std::vector<Figures> of;  ///< one per method
+};
+
+void print_head();
+void print_row(const Row& row, const std::vector<Method>& methods);
+
+/// Sums, means and medians over the edits for which every method has a result.
+void print_summary(const std::vector<Row>& rows, const std::vector<Method>& methods);
+
+/// One method's figures beside another's, with the bars that we set ourselves; missed ones are bold.
+void print_bars(const std::vector<Row>& rows, const std::vector<Method>& methods, const std::string& whose,
+                const std::string& beside);
+
+nlohmann::ordered_json as_json(const Row& row, const std::vector<Method>& methods);
+
+}  // namespace quality

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "quality_scene.h"
+
+#include "intersecting_pairs.h"
+#include "quality_measures.h"
+
+namespace quality {
+
+Scene::Scene(Edit given)
+    : edit(std::move(given)),
+      adjacency(lapedit::build_adjacency(static_cast<int>(edit.mesh.vertices.rows()), edit.mesh.faces)),
+      region(lapedit::build_region(edit.mesh, adjacency, edit.region, edit.handles)),
+      faces(region_faces(adjacency, region)),
+      pairs(intersecting_pairs(edit.mesh.faces, faces, edit.mesh.vertices)) {}
+
+Figures measure(const Scene& scene, const MethodResult& result) {
+  const auto& [before, mesh_faces] = scene.edit.mesh;
+  const lapedit::Points& after = result.positions;
+  const Stretch stretch = edge_stretch(scene.region, before, after);
+  Figures figures;
+  figures.rms = stretch.rms;
+  figures.largest = stretch.largest;
+  figures.flipped = flipped_triangles(scene.adjacency, mesh_faces, scene.faces, before, after);
+  figures.pairs = new_pairs(scene.pairs, intersecting_pairs(mesh_faces, scene.faces, after));
+  figures.volume = volume_change(mesh_faces, scene.faces, before, after);
+  figures.prepare_ms = result.prepare_ms;
+  figures.solve_ms = result.solve_ms;
+  figures.frame_ms = result.frame_ms;
+  figures.fast_frame = result.fast_frame;
+  return figures;
+}
+
+}  // namespace quality

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "quality_edits.h"
+
+namespace quality {
+
+/// An edit with all that is the same for every method.
+struct Scene {
+  Edit edit;
+  lapedit::Adjacency adjacency;
+  lapedit::Region region;
+  std::vector<int> faces;                  ///< with a corner in the region
+  std::vector<std::pair<int, int>> pairs;  ///< that intersect before
+
+  explicit Scene(Edit given);
+};
+
+struct MethodResult {
+  lapedit::Points positions;  ///< of the whole mesh
+  double prepare_ms = 0;      ///< until the handle can be moved
+  double solve_ms = 0;        ///< the edit, settled
+  double frame_ms = 0;        ///< a frame of a drag
+  bool fast_frame = true;     ///< a frame is not the settled edit over again
+};
+
+struct Method {
+  std::string name;
+  std::function<MethodResult(const Scene&)> run;  ///< throws std::exception if there is no result
+  bool once = false;                              ///< its times are of several runs already
+};
+
+/// Shape and times of one edit by one method; 1 for 100 %.
+struct Figures {
+  double rms = 0, largest = 0, volume = 0;
+  int flipped = 0, pairs = 0;
+  double prepare_ms = 0, solve_ms = 0, frame_ms = 0;
+  bool fast_frame = true;
+  std::string failed;  ///< why there are none; empty otherwise
+};
+
+/// @param result  with finite positions
+Figures measure(const Scene& scene, const MethodResult& result);
+
+}  // namespace quality
