@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/deform/cell_pose.h"
 
-#include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -21,7 +19,8 @@ CellPose::CellPose(const Region& region, const Points& rest, const RegionCells& 
       cells_(cells),
       settings_(settings),
       pool_(pool),
-      system_(region, rest, cells, blend, settings, normal_radius, pool),
+      surface_(cells),
+      system_(region, rest, cells, blend, settings, settings.backend, normal_radius, pool),
       component_(cells.count(), 0),
       hold_(cells.count(), 0),
       settled_(1e-4 * region.radius),
@@ -34,7 +33,6 @@ CellPose::CellPose(const Region& region, const Points& rest, const RegionCells& 
     const double depth = hold_[c] / cells.vertices[c];
     hold_[c] = depth * depth * (3 - 2 * depth);
   }
-  measure_slopes();
   smooth_rest_ = cells.centres;
   system_.smooth(smooth_rest_);
   if (settings.rough == RoughDeformation::Falloff && settings.rotation != DetailRotation::None) {
@@ -64,46 +62,6 @@ void CellPose::fall_off(const std::vector<LocalMotion>& targets) {
   }
 }
 
-/// J = sum_b (x_b - x_a) s_ab^T, s_ab = g_ab (sum_b g_ab t t^T)^-1 t, is the gradient of x along the surface at cell a,
-/// t the edges to its neighbours in the tangent plane, g their nearness.
-void CellPose::measure_slopes() {
-  constexpr double kFlat = 1e-6;
-  nearness_.resize(cells_.neighbours.values.size());
-  slope_.resize(nearness_.size());
-  for (int a = 0; a < cells_.count(); ++a) {
-    const Vector3 sum = cells_.normals.row(a).transpose();
-    const Vector3 normal = sum.norm() > 0 ? Vector3(sum.normalized()) : Vector3(Vector3::UnitZ());
-    Eigen::Matrix<double, 3, 2> tangents;
-    tangents << normal.unitOrthogonal(), normal.cross(normal.unitOrthogonal());
-    Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
-    for (int k = cells_.neighbours.offsets[a]; k < cells_.neighbours.offsets[a + 1]; ++k) {
-      const int b = cells_.neighbours.values[k];
-      nearness_[k] = cells_.crossing[k] / (0.5 * (std::sqrt(cells_.vertices[a]) + std::sqrt(cells_.vertices[b])));
-      slope_[k] = tangents.transpose() * (cells_.centres.row(b) - cells_.centres.row(a)).transpose();
-      spread += nearness_[k] * slope_[k] * slope_[k].transpose();
-    }
-    const double size = spread.trace();
-    spread.diagonal().array() += size > 0 ? kFlat * size : 1;
-    const Eigen::Matrix2d inverse = spread.inverse();
-    for (int k = cells_.neighbours.offsets[a]; k < cells_.neighbours.offsets[a + 1]; ++k) {
-      slope_[k] = nearness_[k] * (inverse * slope_[k]).eval();
-    }
-  }
-}
-
-/// The unit normal of the surface whose cells are at these places; zero where it has none.
-Vector3 CellPose::normal(int cell, const Points& at) const {
-  Vector3 first = Vector3::Zero(), second = Vector3::Zero();
-  for (int k = cells_.neighbours.offsets[cell]; k < cells_.neighbours.offsets[cell + 1]; ++k) {
-    const Vector3 edge = (at.row(cells_.neighbours.values[k]) - at.row(cell)).transpose();
-    first += slope_[k][0] * edge;
-    second += slope_[k][1] * edge;
-  }
-  const Vector3 normal = first.cross(second);
-  const double length = normal.norm();
-  return length > 0 && std::isfinite(length) ? Vector3(normal / length) : Vector3(Vector3::Zero());
-}
-
 /// As RotationEstimator for the smoothed surface: the rotation nearest to C + |C| n1 n0^T, held back at anchors.
 void CellPose::fit_rotations() {
   in_pieces(pool_, cells_.count(), kGrain, [&](int first, int last) {
@@ -111,10 +69,11 @@ void CellPose::fit_rotations() {
       Matrix3 covariance = Matrix3::Zero();
       for (int k = cells_.neighbours.offsets[a]; k < cells_.neighbours.offsets[a + 1]; ++k) {
         const int b = cells_.neighbours.values[k];
-        const Vector3 after = nearness_[k] * (smooth_after_.row(b) - smooth_after_.row(a)).transpose();
+        const Vector3 after = surface_.nearness(k) * (smooth_after_.row(b) - smooth_after_.row(a)).transpose();
         covariance += after * (smooth_before_.row(b) - smooth_before_.row(a));
       }
-      covariance += covariance.norm() * normal(a, smooth_after_) * normal(a, smooth_before_).transpose();
+      covariance +=
+          covariance.norm() * surface_.normal(a, smooth_after_) * surface_.normal(a, smooth_before_).transpose();
       const Matrix3 held = (1 - hold_[a]) * covariance + hold_[a] * covariance.norm() * Matrix3::Identity();
       rotations_[a] = held.allFinite() ? nearest_rotation(held) : Matrix3(Matrix3::Identity());
     }

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "lapedit/deform/cell_surface.h"
 #include "lapedit/deform/coarse_system.h"
 #include "lapedit/deform/edit_constraints.h"
 #include "lapedit/deform/geodesic_falloff.h"
@@ -26,10 +27,8 @@ class CellPose {
   const LocalMotion& carried(int cell) const { return (*carried_)[component_[cell]]; }
 
  private:
-  void measure_slopes();
   void measure_falloff(const Region& region, const Points& rest);
   void fall_off(const std::vector<LocalMotion>& targets);
-  Vector3 normal(int cell, const Points& at) const;
   void fit_rotations();
   void turn(Points& turned) const;
 
@@ -37,13 +36,12 @@ class CellPose {
   const RegionCells& cells_;
   const EditSettings& settings_;
   ThreadPool& pool_;
+  CellSurface surface_;
   CoarseSystem system_;
-  std::vector<int> component_;    // of each cell
-  std::vector<double> hold_;      // how far its rotation is held back, 0 to 1
-  std::vector<double> nearness_;  // per entry of neighbours: how much it counts for the rotation
-  std::vector<Vector2> slope_;    // likewise: what an end's way adds to the gradient along the surface
-  double settled_;                // a pass that changes less is the last
-  GeodesicFalloff falloff_;       // of the cells; empty: rotations are estimated from the unrotated result
+  std::vector<int> component_;  // of each cell
+  std::vector<double> hold_;    // how far its rotation is held back, 0 to 1
+  double settled_;              // a pass that changes less is the last
+  GeodesicFalloff falloff_;     // of the cells; empty: rotations are estimated from the unrotated result
 
   const std::vector<LocalMotion>* carried_ = nullptr;
   Points smooth_rest_, constraints_, displacement_, previous_, turned_, smooth_before_, smooth_after_;

@@ -7,6 +7,7 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/deform/cell_pose.h"
+#include "lapedit/deform/cell_turning.h"
 #include "lapedit/deform/smooth_normals.h"
 
 namespace lapedit {
@@ -41,7 +42,8 @@ struct CoarsePreview::State {
   double unit;  // of lengths in single precision
   RegionCells cells;
   CellBlend blend;
-  CellPose cell_pose;
+  std::unique_ptr<CellPose> cell_pose;  // or, for DetailRotation::LocalGlobal:
+  std::unique_ptr<CellTurning> cell_turning;
   std::vector<Four> details;  // p_i - sum_k w_k C_k: what of a vertex turns with its cells; then how far it goes along
 
   // Of a frame.
@@ -58,16 +60,21 @@ struct CoarsePreview::State {
         rest(mesh, *region),
         unit(region->max_distance > 0 ? std::ldexp(1.0, std::ilogb(region->max_distance)) : 1),
         cells(make_cells(*region, rest.local, weights(mesh), wanted_cells(region->size()), pool)),
-        blend((report_progress(progress, 0.05, "coarse level"), cells), rest.local, pool),
-        cell_pose(*region, rest.local, cells, blend, settings, radius(), pool) {
+        blend((report_progress(progress, 0.05, "coarse level"), cells), rest.local, pool) {
+    if (settings.rotation == DetailRotation::LocalGlobal) {
+      cell_turning = std::make_unique<CellTurning>(*region, rest.local, cells, blend, settings, settings.backend, pool);
+    } else {
+      cell_pose = std::make_unique<CellPose>(*region, rest.local, cells, blend, settings, radius(), pool);
+    }
     keep_details();
     motions.resize(cells.count());
     positions.resize(region->size(), 3);
   }
 
   std::vector<double> weights(const TriangleMesh& mesh) const {
-    return settings.laplacian == LaplacianKind::Umbrella ? std::vector<double>()
-                                                         : edge_weights(settings.laplacian, *region, mesh).values;
+    return settings.laplacian == LaplacianKind::Umbrella
+               ? std::vector<double>()
+               : edge_weights(settings.laplacian, *region, mesh, settings.membrane > 0).values;
   }
   double radius() const {
     return settings.rotation == DetailRotation::None ? 0
@@ -140,10 +147,16 @@ const Points& CoarsePreview::pose(const std::vector<Affine>& handles) {
     s.targets[g] = LocalMotion::of(handles[g], s.rest.origin);
   }
   carry_components(*s.region, s.rest.local, s.targets, LocalMotion(), s.settings.rules, s.carried, s.handles_seen);
-  s.cell_pose.solve(s.targets, s.carried);
+  if (s.cell_turning) {
+    s.cell_turning->solve(s.targets, s.carried, true);
+  } else {
+    s.cell_pose->solve(s.targets, s.carried);
+  }
+  const Points& ways = s.cell_turning ? s.cell_turning->displacement() : s.cell_pose->displacement();
+  const std::vector<Matrix3>& turns = s.cell_turning ? s.cell_turning->rotations() : s.cell_pose->rotations();
   for (int c = 0; c < s.cells.count(); ++c) {
-    const Matrix3 turn = s.cell_pose.rotations()[c] - Matrix3::Identity();
-    const Vector3 way = s.cell_pose.displacement().row(c).transpose() / s.unit;
+    const Matrix3 turn = turns[c] - Matrix3::Identity();
+    const Vector3 way = ways.row(c).transpose() / s.unit;
     for (int k = 0; k < 3; ++k) {
       s.motions[c].columns[k] = four(turn(0, k), turn(1, k), turn(2, k));
     }

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lapedit/deform/membrane.h"
+
 namespace lapedit {
 namespace {
 
@@ -105,26 +107,32 @@ void CoarseSystem::hold_handles(const Region& region, const Points& rest, const 
 }
 
 CoarseSystem::CoarseSystem(const Region& region, const Points& rest, const RegionCells& cells, const CellBlend& blend,
-                           const EditSettings& settings, double normal_radius, ThreadPool& pool)
-    : order_(settings.order) {
+                           const EditSettings& settings, CholeskyBackend backend, double normal_radius,
+                           ThreadPool& pool)
+    : backend_(backend), order_(settings.order) {
   hold_handles(region, rest, cells, blend, settings.handle_weight);
   pool.each(normal_radius > 0 ? 2 : 1, [&](int part) {
     if (part == 0) {
-      make_normal(region, cells, settings);
+      make_normal(region, rest, cells, settings);
     } else {
-      make_smoother(cells, settings, normal_radius);
+      make_smoother(cells, normal_radius);
     }
   });
 }
 
-/// M^kT N M^k + W^2.
-void CoarseSystem::make_normal(const Region& region, const RegionCells& cells, const EditSettings& settings) {
+/// M^kT N M^k + c D M^k + W^2.
+void CoarseSystem::make_normal(const Region& region, const Points& rest, const RegionCells& cells,
+                               const EditSettings& settings) {
   const int m = cells.count();
   rows_ = Eigen::Map<const Eigen::VectorXd>(cells.vertices.data(), m);
   const Eigen::VectorXd weight = Eigen::Map<const Eigen::VectorXd>(cells.weight.data(), m);
   first_ = weight.cwiseInverse().asDiagonal() * stiffness_matrix(cells, cells.stiffness);
   power_ = power(first_, order_);
   SparseMatrix normal = SparseMatrix(power_.transpose()) * (rows_.asDiagonal() * power_);
+  stretch_ = membrane_factor(settings, region, rest, weight.sum() / region.size()) * weight;
+  if (settings.membrane > 0) {
+    normal += stretch_.asDiagonal() * power_;
+  }
   // Anchors, and a trace of weight that keeps cells definite which nothing holds.
   constexpr double kTrace = 1e-13;
   Eigen::VectorXd anchored = Eigen::VectorXd::Constant(m, kTrace);
@@ -148,11 +156,11 @@ void CoarseSystem::make_normal(const Region& region, const RegionCells& cells, c
   SparseMatrix constraints(m, m);
   constraints.setFromTriplets(entries.begin(), entries.end());
   normal += constraints;
-  normal_ = std::make_unique<SparseCholesky>(normal, settings.backend);
+  normal_ = std::make_unique<SparseCholesky>(normal, backend_);
 }
 
 /// K / time + L of the diffusion.
-void CoarseSystem::make_smoother(const RegionCells& cells, const EditSettings& settings, double normal_radius) {
+void CoarseSystem::make_smoother(const RegionCells& cells, double normal_radius) {
   constexpr double kMoment = 5.0 / 21, kLeast = 1e-9;  // as DiffusionSmoother has them
   const double time = kMoment * normal_radius * normal_radius / 4 / kSmoothingSteps;
   mass_ = Eigen::Map<const Eigen::VectorXd>(cells.mass.data(), cells.count()) / time;
@@ -160,7 +168,7 @@ void CoarseSystem::make_smoother(const RegionCells& cells, const EditSettings& s
   diagonal.setIdentity();
   diagonal.diagonal() = mass_.array() + kLeast;
   const SparseMatrix diffusion = stiffness_matrix(cells, cells.diffusion) + diagonal;
-  smoother_ = std::make_unique<SparseCholesky>(diffusion, settings.backend);
+  smoother_ = std::make_unique<SparseCholesky>(diffusion, backend_);
 }
 
 void CoarseSystem::add_turned(Points& turned, Points& right) const {
@@ -170,6 +178,7 @@ void CoarseSystem::add_turned(Points& turned, Points& right) const {
     turned.swap(between_);
   }
   for (Eigen::Index c = 0; c < turned.rows(); ++c) {
+    right.row(c) += stretch_[c] * turned.row(c);
     turned.row(c) *= rows_[c];
   }
   right.noalias() += power_.transpose() * turned;

@@ -13,8 +13,8 @@ namespace lapedit {
 ///
 /// L is the operator's stiffness matrix on the cells' triangles, by linear elements, in which gradients cost as much as
 /// they do on the region's own edges; M = D^-1 L with D the sums of weights, and each row counts as often as its cell
-/// has vertices. Anchors hold their cells; handles are weighted rows of the blend, one per cell and group, at the mean
-/// of the handle's vertices there. Order k takes M^k, as for the region.
+/// has vertices. A membrane adds c L, see membrane_factor(). Anchors hold their cells; handles are weighted rows of the
+/// blend, one per cell and group, at the mean of the handle's vertices there. Order k takes M^k, as for the region.
 class CoarseSystem {
  public:
   /// What a group's handle does to one cell.
@@ -28,13 +28,15 @@ class CoarseSystem {
   /// @param normal_radius  of the smoothing, model units; 0: nothing is smoothed
   /// @throws EditError (IllConditioned)
   CoarseSystem(const Region& region, const Points& rest, const RegionCells& cells, const CellBlend& blend,
-               const EditSettings& settings, double normal_radius, ThreadPool& pool);
+               const EditSettings& settings, CholeskyBackend backend, double normal_radius, ThreadPool& pool);
 
   const std::vector<Held>& held() const { return held_; }
 
   /// x = (M^kT N M^k + W^2)^-1 right, cells x 3; nothing is allocated after the first call.
   void solve(const Points& right, Points& x) { normal_->solve(right, x); }
-  /// right += M^kT N M^(k-1) turned. @param turned  taken as scratch
+  /// M = D^-1 L.
+  const SparseMatrix& differential_operator() const { return first_; }
+  /// right += (M^kT N + c D) M^(k-1) turned. @param turned  taken as scratch
   void add_turned(Points& turned, Points& right) const;
   /// x = S x, the smoothing of DiffusionSmoother on the cells.
   void smooth(Points& x);
@@ -42,11 +44,12 @@ class CoarseSystem {
  private:
   void hold_handles(const Region& region, const Points& rest, const RegionCells& cells, const CellBlend& blend,
                     double handle_weight);
-  void make_normal(const Region& region, const RegionCells& cells, const EditSettings& settings);
-  void make_smoother(const RegionCells& cells, const EditSettings& settings, double normal_radius);
+  void make_normal(const Region& region, const Points& rest, const RegionCells& cells, const EditSettings& settings);
+  void make_smoother(const RegionCells& cells, double normal_radius);
 
-  SparseMatrix first_, power_;  // M and M^k
-  Eigen::VectorXd rows_, mass_;
+  CholeskyBackend backend_;
+  SparseMatrix first_, power_;             // M and M^k
+  Eigen::VectorXd rows_, mass_, stretch_;  // N, K / time, c D
   int order_;
   std::vector<Held> held_;
   std::unique_ptr<SparseCholesky> normal_, smoother_;

@@ -48,8 +48,10 @@ const char* name(DetailRotation rotation) {
       return "none";
     case DetailRotation::SmoothNormals:
       return "smooth normals";
-    default:
+    case DetailRotation::SmoothSurface:
       return "smooth surface";
+    default:
+      return "local-global";
   }
 }
 

@@ -10,7 +10,8 @@ namespace lapedit {
 enum class DetailRotation {
   None,           ///< they do not
   SmoothNormals,  ///< the paper's frames: a smooth normal and the most tangential edge (section 4)
-  SmoothSurface   ///< rotations fitted to the smoothed surface
+  SmoothSurface,  ///< rotations fitted to the smoothed surface
+  LocalGlobal     ///< those of the region's cells, until local and global steps change nothing: see CellTurning
 };
 
 const char* name(DetailRotation rotation);

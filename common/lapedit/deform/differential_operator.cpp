@@ -15,6 +15,16 @@ constexpr double kEquilateralWeight = 0.57735026918962576;  // 1 / sqrt(3) = cot
 constexpr double kLargestCotangent = 1e3;                   // a corner of 0.06 degrees
 constexpr double kNoArea = 1e-10;                           // twice the area over the longest edge squared
 
+Eigen::VectorXd sums_of(const Region& region, const std::vector<double>& weights) {
+  Eigen::VectorXd sums = Eigen::VectorXd::Zero(region.size());
+  for (int j = 0; j < region.size(); ++j) {
+    for (int k = region.neighbours.offsets[j]; k < region.neighbours.offsets[j + 1]; ++k) {
+      sums[j] += weights[k];
+    }
+  }
+  return sums;
+}
+
 /// M of the paper's equation (1) and section 3, from one non-negative weight w_ji per entry of region.neighbours:
 /// m_jj = 1, m_ji = -alpha_ji = -w_ji / sum_k w_jk; each row with neighbours has a positive sum.
 SparseMatrix from_weights(const Region& region, const std::vector<double>& weights) {
@@ -118,29 +128,78 @@ EdgeWeights cotangent_weights(const Region& region, const TriangleMesh& mesh) {
   return result;
 }
 
-}  // namespace
-
-const char* name(LaplacianKind kind) {
-  return kind == LaplacianKind::Umbrella ? "umbrella" : "cotangent";
-}
-
-/// w_ji = 1: the paper's equation (2).
-DifferentialOperator umbrella_operator(const Region& region) {
-  return {from_weights(region, std::vector<double>(region.neighbours.values.size(), 1)), 0};
-}
-
-EdgeWeights edge_weights(LaplacianKind kind, const Region& region, const TriangleMesh& mesh) {
-  if (kind == LaplacianKind::Umbrella) {
-    return {std::vector<double>(region.neighbours.values.size(), 1), {}};
+/// Both directions of each edge take the larger weight.
+void make_symmetric(const IndexLists& neighbours, std::vector<double>& weights) {
+  for (int i = 0; i + 1 < static_cast<int>(neighbours.offsets.size()); ++i) {
+    for (int e = neighbours.offsets[i]; e < neighbours.offsets[i + 1]; ++e) {
+      if (const int j = neighbours.values[e]; i < j) {
+        double& back = weights[entry_of(neighbours, j, i)];
+        weights[e] = back = std::max(weights[e], back);
+      }
+    }
   }
-  return cotangent_weights(region, mesh);
 }
 
-DifferentialOperator cotangent_operator(const Region& region, const TriangleMesh& mesh) {
+double mean_edge(const Region& region, const TriangleMesh& mesh) {
+  double sum = 0;
+  for (int i = 0; i < region.size(); ++i) {
+    for (const int j : region.neighbours[i]) {
+      const double length =
+          (mesh.vertices.row(region.mesh_vertex[i]) - mesh.vertices.row(region.mesh_vertex[j])).norm();
+      sum += std::isfinite(length) ? length : 0;
+    }
+  }
+  return sum > 0 ? sum / static_cast<double>(region.neighbours.values.size()) : 1;
+}
+
+/// tan(angle / 2) = |a x b| / (|a| |b| + a . b) at a corner, a and b its edges, divided by each edge's length.
+EdgeWeights mean_value_weights(const Region& region, const TriangleMesh& mesh) {
+  constexpr double kRange = 1e3;
   const IndexLists& neighbours = region.neighbours;
-  const EdgeWeights weights = cotangent_weights(region, mesh);
+  const std::size_t entries = neighbours.values.size();
+  EdgeWeights result{std::vector<double>(entries, 0), std::vector<char>(entries, 0)};
+  std::vector<char> known(entries, 0);
+  std::vector<int> local(region.mesh_vertices, -1);
+  for (int i = 0; i < region.size(); ++i) {
+    local[region.mesh_vertex[i]] = i;
+  }
+  const double unit = mean_edge(region, mesh);
+  for (const int face : region.edge_faces) {
+    double cotangents[3];
+    const bool usable = corner_cotangents(mesh, face, cotangents);
+    for (int k = 0; k < 3; ++k) {
+      const int at = mesh.faces(face, k);
+      const int ends[2] = {mesh.faces(face, (k + 1) % 3), mesh.faces(face, (k + 2) % 3)};
+      const Vector3 a = (mesh.vertices.row(ends[0]) - mesh.vertices.row(at)).transpose();
+      const Vector3 b = (mesh.vertices.row(ends[1]) - mesh.vertices.row(at)).transpose();
+      const double half = a.cross(b).norm() / (a.norm() * b.norm() + a.dot(b));
+      for (const int end : ends) {
+        if (local[at] < 0 || local[end] < 0 || at == end) {
+          continue;
+        }
+        const double length = (mesh.vertices.row(end) - mesh.vertices.row(at)).norm();
+        for (const int e : {entry_of(neighbours, local[at], local[end]), entry_of(neighbours, local[end], local[at])}) {
+          known[e] = 1;
+          result.uniform[e] |= !usable;
+          result.values[e] += usable ? 0.5 * half * unit / length : 0;
+        }
+      }
+    }
+  }
+  // Two triangles at an edge: tan 30 degrees twice, over the length; a quarter of it from each corner and side.
+  constexpr double kUniform = 2 * kEquilateralWeight;
+  for (std::size_t e = 0; e < entries; ++e) {
+    result.uniform[e] |= !known[e];
+    result.values[e] =
+        result.uniform[e] ? kUniform : std::clamp(result.values[e], kUniform / kRange, kUniform * kRange);
+  }
+  return result;
+}
+
+DifferentialOperator from_edges(const Region& region, const EdgeWeights& weights) {
+  const IndexLists& neighbours = region.neighbours;
   const auto is_uniform = [&](int from, int to) { return weights.uniform[entry_of(neighbours, from, to)]; };
-  DifferentialOperator result{from_weights(region, weights.values), 0};
+  DifferentialOperator result{from_weights(region, weights.values), 0, sums_of(region, weights.values)};
   for (int j = 0; j < region.size(); ++j) {
     for (int e = neighbours.offsets[j]; e < neighbours.offsets[j + 1]; ++e) {
       const int other = neighbours.values[e];
@@ -150,8 +209,49 @@ DifferentialOperator cotangent_operator(const Region& region, const TriangleMesh
   return result;
 }
 
-DifferentialOperator differential_operator(LaplacianKind kind, const Region& region, const TriangleMesh& mesh) {
-  return kind == LaplacianKind::Umbrella ? umbrella_operator(region) : cotangent_operator(region, mesh);
+}  // namespace
+
+const char* name(LaplacianKind kind) {
+  switch (kind) {
+    case LaplacianKind::Umbrella:
+      return "umbrella";
+    case LaplacianKind::Cotangent:
+      return "cotangent";
+    default:
+      return "mean value";
+  }
+}
+
+/// w_ji = 1: the paper's equation (2).
+DifferentialOperator umbrella_operator(const Region& region) {
+  const std::vector<double> weights(region.neighbours.values.size(), 1);
+  return {from_weights(region, weights), 0, sums_of(region, weights)};
+}
+
+EdgeWeights edge_weights(LaplacianKind kind, const Region& region, const TriangleMesh& mesh, bool symmetric) {
+  if (kind == LaplacianKind::Umbrella) {
+    return {std::vector<double>(region.neighbours.values.size(), 1), {}};
+  }
+  EdgeWeights weights =
+      kind == LaplacianKind::Cotangent ? cotangent_weights(region, mesh) : mean_value_weights(region, mesh);
+  if (symmetric) {
+    make_symmetric(region.neighbours, weights.values);
+  }
+  return weights;
+}
+
+DifferentialOperator cotangent_operator(const Region& region, const TriangleMesh& mesh) {
+  return from_edges(region, cotangent_weights(region, mesh));
+}
+
+DifferentialOperator mean_value_operator(const Region& region, const TriangleMesh& mesh) {
+  return differential_operator(LaplacianKind::MeanValue, region, mesh, true);
+}
+
+DifferentialOperator differential_operator(LaplacianKind kind, const Region& region, const TriangleMesh& mesh,
+                                           bool symmetric) {
+  return kind == LaplacianKind::Umbrella ? umbrella_operator(region)
+                                         : from_edges(region, edge_weights(kind, region, mesh, symmetric));
 }
 
 SparseMatrix power(const SparseMatrix& matrix, int order) {

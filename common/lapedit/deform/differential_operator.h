@@ -8,22 +8,25 @@
 namespace lapedit {
 
 /// Which linear differential operator measures the detail (paper, section 3).
-enum class LaplacianKind { Umbrella, Cotangent };
+enum class LaplacianKind { Umbrella, Cotangent, MeanValue };
 
 const char* name(LaplacianKind kind);
 
 /// w_ji, one per entry of region.neighbours, not negative and before rows are normalised: alpha_ji = w_ji / sum_k w_jk.
 struct EdgeWeights {
   std::vector<double> values;
-  std::vector<char> uniform;  ///< cotangents: entries without usable ones, which have the weight of an equilateral mesh
+  std::vector<char> uniform;  ///< entries without usable faces, which have the weight of an equilateral mesh
 };
-EdgeWeights edge_weights(LaplacianKind kind, const Region& region, const TriangleMesh& mesh);
+
+/// @param symmetric  w_ji = w_ij for each edge, where cotangents are not: the rows without any
+EdgeWeights edge_weights(LaplacianKind kind, const Region& region, const TriangleMesh& mesh, bool symmetric = false);
 
 /// An n x n operator M over a region: row j is D(p_j) = p_j - sum_i alpha_ji p_i, the alphas of a row summing to 1.
 /// The row of a vertex without neighbours is zero.
 struct DifferentialOperator {
   SparseMatrix matrix;
-  int uniform_edges = 0;  ///< edges that took the uniform weight since their triangles have no usable cotangent
+  int uniform_edges = 0;  ///< edges that took the uniform weight since their triangles have no usable one
+  Eigen::VectorXd sums;   ///< of each row's weights: D of M = D^-1 L
 };
 
 /// alpha_ji = 1 / valence(j): the paper's choice for its edits.
@@ -36,7 +39,15 @@ DifferentialOperator umbrella_operator(const Region& region);
 /// the weight of an equilateral mesh, 1 / sqrt(3), and is counted in uniform_edges.
 DifferentialOperator cotangent_operator(const Region& region, const TriangleMesh& mesh);
 
-DifferentialOperator differential_operator(LaplacianKind kind, const Region& region, const TriangleMesh& mesh);
+/// alpha_ji proportional to the mean of the edge's two mean-value weights, (tan(a / 2) + tan(b / 2)) / length, a and b
+/// the angles at the corner beside it. Never negative and never nearly zero, so that obtuse and uneven triangles hold
+/// together too. Weights are cut to 1/1000 to 1000 times that of an equilateral mesh of the region's mean edge length,
+/// which edges of triangles without area (or of none) take. Source: M. Floater, Mean value coordinates, CAGD 2003.
+DifferentialOperator mean_value_operator(const Region& region, const TriangleMesh& mesh);
+
+/// @param symmetric  as for edge_weights()
+DifferentialOperator differential_operator(LaplacianKind kind, const Region& region, const TriangleMesh& mesh,
+                                           bool symmetric = false);
 
 /// M^k. @throws EditError (BadParameter) unless order is 1, 2 or 3
 SparseMatrix power(const SparseMatrix& matrix, int order);

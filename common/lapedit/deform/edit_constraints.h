@@ -3,37 +3,10 @@
 
 #include <vector>
 
-#include "lapedit/deform/handle_transform.h"
 #include "lapedit/deform/laplacian_system.h"
+#include "lapedit/deform/local_motion.h"
 
 namespace lapedit {
-
-/// A map x -> L x + t as "minus identity", about a local origin: keeps a translation of a far-away mesh exact.
-struct LocalMotion {
-  Matrix3 linear = Matrix3::Zero();       ///< L - I
-  Vector3 translation = Vector3::Zero();  ///< displacement of the local origin
-
-  static LocalMotion of(const Affine& map, const Vector3& origin);
-  Vector3 displacement(const Vector3& local) const { return linear * local + translation; }
-  bool none() const { return linear.isZero(0) && translation.isZero(0); }
-};
-
-/// @throws EditError (NoHandle, NotFinite) unless there is a finite map for each of the region's handle groups
-void check_targets(const Region& region, const std::vector<Affine>& handles);
-
-/// Scratch of carry_components(), per component.
-struct HandlesSeen {
-  int count = 0, first_group = -1;
-  bool agree = true;  ///< whether all groups turn and stretch alike
-};
-
-/// Where each component of a region is carried before anything is solved for: with its anchors, or else by the mean of
-/// its groups' maps, in which rotations stay rotations. A linear mean (EditSettings::rules 1) of groups that turn by
-/// different angles shrinks what is between them.
-/// @param rest  size() x 3, about the origin of the motions. Nothing is allocated after the first call.
-void carry_components(const Region& region, const Points& rest, const std::vector<LocalMotion>& targets,
-                      const LocalMotion& anchors, int rules, std::vector<LocalMotion>& carried,
-                      std::vector<HandlesSeen>& seen);
 
 /// Where handles and anchors are to go, and where each component of the region is carried before anything is solved
 /// for: with its anchors, or else by the mean of its groups' maps. What is solved for is the displacement from there.
@@ -51,6 +24,8 @@ class EditConstraints {
   /// Whether anything is to move from the carried pose.
   bool pull() const { return pulls_; }
 
+  const std::vector<LocalMotion>& targets() const { return targets_; }          ///< of the groups
+  const std::vector<LocalMotion>& carried_motions() const { return carried_; }  ///< of the components
   bool carry() const { return carries_; }
   /// The rest pose carried along, about the rest pose's origin; only where carry().
   const Points& carried_pose() const { return carried_pose_; }

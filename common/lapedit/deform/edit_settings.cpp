@@ -34,14 +34,15 @@ const std::vector<Setting>& settings_table() {
       {Kind::Choice,
        "laplacian",
        "Laplacian",
-       "umbrella or cotangent",
+       "umbrella, cotangent or mean value",
        0,
-       1,
+       2,
        "How the detail at a vertex is measured: against the plain mean of its neighbours (umbrella, the paper's "
-       "choice), or with cotangent weights, which depend less on the triangulation.",
+       "choice), with cotangent weights, which depend less on the triangulation, or with mean-value weights, which "
+       "uneven and obtuse triangles suit as well.",
        get<&S::laplacian>,
        set<&S::laplacian>,
-       {"umbrella", "cotangent"}},
+       {"umbrella", "cotangent", "mean_value"}},
       {Kind::Whole, "order", "order of the Laplacian", "1, 2 or 3", 1, 3,
        "How often the Laplacian is applied, 1 to 3. Higher orders blend more smoothly into the fixed part and take "
        "longer.",
@@ -49,14 +50,15 @@ const std::vector<Setting>& settings_table() {
       {Kind::Choice,
        "detail_rotation",
        "detail rotation",
-       "none, smooth normals or smooth surface",
+       "none, smooth normals, smooth surface or local-global",
        0,
-       2,
-       "How details turn with the surface: not at all, by the paper's frames of smooth normals, or by rotations "
-       "fitted to the smoothed surface.",
+       3,
+       "How details turn with the surface: not at all, by the paper's frames of smooth normals, by rotations fitted to "
+       "the smoothed surface, or by those of some hundred patches, fitted and solved for in turns until nothing "
+       "changes (local-global).",
        get<&S::rotation>,
        set<&S::rotation>,
-       {"none", "smooth_normals", "smooth_surface"}},
+       {"none", "smooth_normals", "smooth_surface", "local_global"}},
       {Kind::Whole, "iterations", "number of iterations", "a whole number from 1 to 100", 1, 100,
        "How often the rotations are estimated anew from the last result, 1 to 100. More than one helps large edits "
        "with the smooth surface.",
@@ -96,6 +98,10 @@ const std::vector<Setting>& settings_table() {
        get<&S::rough>,
        set<&S::rough>,
        {"unrotated", "falloff"}},
+      {Kind::Number, "membrane", "membrane weight", "a number from 0 to 1000000", 0, 1e6,
+       "What stretching costs beside bending, 0 to 1000000: with 0 the surface only keeps from bending (the paper's "
+       "way); the more, the more evenly lengths are kept over the whole region.",
+       get<&S::membrane>, set<&S::membrane>},
   };
   return table;
 }
@@ -136,7 +142,8 @@ EditSettings version_one_settings() {
 }
 
 bool has_fast_path(const EditSettings& settings) {
-  return settings.order == 1 && settings.iterations == 1 && settings.rotation != DetailRotation::SmoothNormals &&
+  return settings.order == 1 && settings.iterations == 1 && settings.rotation != DetailRotation::LocalGlobal &&
+         settings.rotation != DetailRotation::SmoothNormals &&
          (settings.turning == DetailTurning::Vertex || settings.rotation == DetailRotation::None);
 }
 

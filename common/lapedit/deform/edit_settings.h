@@ -41,6 +41,7 @@ struct EditSettings {
   double anchor_weight = 10;  ///< an anchor's own weight is this times d / d_max
   DetailTurning turning = DetailTurning::Vertex;
   RoughDeformation rough = RoughDeformation::Unrotated;
+  double membrane = 0;  ///< what stretching costs beside bending, see membrane_factor(); 0: nothing, the paper's choice
   /// Which rules an edit is solved by, so that a recorded one gives its bits for ever: 1, those of files of version 1,
   /// or 2. Nothing that users choose, so no row of the table.
   int rules = 2;

@@ -47,13 +47,13 @@ struct LaplacianEditor::State {
         constraints(*system),
         rotations(system->region.size(), Matrix3::Identity()) {
     const Stopwatch watch;
-    if (system->smoother) {
+    if (system->smoother || system->blended) {
       rotation = std::make_unique<RotationPass>(*system);
     }
     if (system->may_preview()) {
       preview = HandleResponses::make(*system, solver);
     }
-    if (rotation && !preview) {
+    if (system->smoother && !preview) {
       rotation->start_at_rest();  // else the first full solution does, which comes after many previews
     }
     report.kernel_ms += watch.elapsed();
@@ -63,6 +63,7 @@ struct LaplacianEditor::State {
   void pull(const Progress& go_on);
   void solve_exactly(const Points& right_hand_side, const Progress& go_on);
   void take(const Refinement& refined);
+  void turn_with_cells(const Progress& go_on);
   void turn_details(const Progress& go_on);
   void collect_positions();
 };
@@ -87,6 +88,17 @@ void LaplacianEditor::State::pull(const Progress& go_on) {
   } else {
     solve_exactly(constraints.right_hand_side(), go_on);
   }
+}
+
+/// One solution, with rotations that have settled before.
+void LaplacianEditor::State::turn_with_cells(const Progress& go_on) {
+  report_progress(go_on, 0, "rotations");
+  rotation->turn_with_cells(constraints, rotations, right);
+  report.rotate_ms = rotation->rotate_ms();
+  const Stopwatch watch;
+  solve_exactly(right, go_on);
+  report.solve_ms = watch.elapsed();
+  report.iterations = 1;
 }
 
 /// Steps 2 to 4 of the paper's section 4, again and again until the result has settled.
@@ -154,6 +166,8 @@ const Points& LaplacianEditor::solve(const std::vector<Affine>& handles, const A
   s.right = s.constraints.right_hand_side();
   if (!s.constraints.pull()) {
     s.displacement.setZero(region().size(), 3);
+  } else if (s.system->blended) {
+    s.displacement.setZero(region().size(), 3);  // the cells know no better start
   } else if (!s.system->falloff.empty()) {
     s.constraints.fall_off(s.displacement);
   } else {
@@ -164,7 +178,7 @@ const Points& LaplacianEditor::solve(const std::vector<Affine>& handles, const A
   s.report.iterations = 0;
   std::fill(s.rotations.begin(), s.rotations.end(), Matrix3::Identity());
   if (s.rotation && s.constraints.pull()) {
-    s.turn_details(go_on);
+    s.system->blended ? s.turn_with_cells(go_on) : s.turn_details(go_on);
   }
   s.collect_positions();
   return s.positions;

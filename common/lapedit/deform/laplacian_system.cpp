@@ -9,6 +9,7 @@
 #include "lapedit/base/error.h"
 #include "lapedit/base/stopwatch.h"
 #include "lapedit/deform/diffusion.h"
+#include "lapedit/deform/membrane.h"
 #include "lapedit/deform/smooth_normals.h"
 #include "lapedit/linear/fill_reducing_ordering.h"
 
@@ -33,7 +34,7 @@ class Preparation {
   void make_operator(const TriangleMesh& mesh);
   void weigh();
   /// Makes factor and smoother, on two threads where that helps.
-  void make_factor_and_smoother(EditReport& report);
+  void make_factor_and_smoother(const TriangleMesh& mesh, EditReport& report);
 
  private:
   bool factor_fits() const;
@@ -51,23 +52,31 @@ class Preparation {
   std::vector<int> order_;          // of elimination
 };
 
-/// M of the paper's section 3, M^k, and delta = M p.
+/// M of the paper's section 3, M^k with its membrane, and delta = M p.
 void Preparation::make_operator(const TriangleMesh& mesh) {
-  const bool same = previous_ && previous_->settings.laplacian == s_.settings.laplacian &&
-                    previous_->settings.order == s_.settings.order && same_graph(previous_->region, s_.region);
-  if (same && s_.settings.laplacian == LaplacianKind::Umbrella) {
+  const EditSettings& settings = s_.settings;
+  const bool membrane = settings.membrane > 0;
+  const bool same = previous_ && previous_->settings.laplacian == settings.laplacian &&
+                    previous_->settings.order == settings.order && previous_->settings.membrane == settings.membrane &&
+                    same_graph(previous_->region, s_.region);
+  if (same && settings.laplacian == LaplacianKind::Umbrella && !membrane) {
     took_operator_ = true;
   } else {
-    const DifferentialOperator whole = differential_operator(s_.settings.laplacian, s_.region, mesh);
-    const SparseMatrix* const old = same ? &previous_->powers.first->matrix() : nullptr;
-    took_operator_ =
-        old && old->nonZeros() == whole.matrix.nonZeros() && old->coeffs().matrix() == whole.matrix.coeffs().matrix();
+    const DifferentialOperator whole = differential_operator(settings.laplacian, s_.region, mesh, membrane);
+    Eigen::VectorXd stretch;
+    if (membrane) {
+      stretch = membrane_factor(settings, s_.region, s_.rest.world, whole.sums.mean()) * whole.sums;
+    }
+    const OperatorRows::Rows rows(whole.matrix);
+    const OperatorRows::Rows* const old = same ? &previous_->powers.first->rows() : nullptr;
+    took_operator_ = old && old->nonZeros() == rows.nonZeros() && old->coeffs().matrix() == rows.coeffs().matrix() &&
+                     previous_->powers.stretch == stretch;
     if (!took_operator_) {
       LaplacianPowers& powers = s_.powers;
-      powers.first = std::make_shared<const OperatorRows>(whole.matrix);
-      powers.m = s_.settings.order == 1 ? powers.first
-                                        : std::make_shared<const OperatorRows>(power(whole.matrix, s_.settings.order));
+      powers.m = std::make_shared<const OperatorRows>(power(whole.matrix, settings.order), stretch);
+      powers.first = settings.order == 1 ? powers.m : std::make_shared<const OperatorRows>(whole.matrix);
       powers.uniform_edges = whole.uniform_edges;
+      powers.stretch = std::move(stretch);
     }
   }
   if (took_operator_) {
@@ -116,7 +125,7 @@ bool Preparation::smoother_fits() const {
          same_graph(previous_->region, s_.region) && previous_->rest.world == s_.rest.world;
 }
 
-void Preparation::make_factor_and_smoother(EditReport& report) {
+void Preparation::make_factor_and_smoother(const TriangleMesh& mesh, EditReport& report) {
   const bool take_factor = factor_fits(), take_smoother = smoother_fits();
   const bool smooths = s_.settings.rotation != DetailRotation::None;
   if (!take_factor || (s_.settings.rotation == DetailRotation::SmoothSurface && !take_smoother)) {
@@ -132,7 +141,13 @@ void Preparation::make_factor_and_smoother(EditReport& report) {
       report.factor_taken_over = factorise(take_factor);
       report.factor_ms = own.elapsed();
     } else {
-      smooth(take_smoother, apart ? nullptr : s_.pool);
+      if (s_.settings.rotation == DetailRotation::LocalGlobal) {
+        ThreadPool own_pool(1);
+        s_.blended = std::make_shared<BlendedRotations>(mesh, s_.region, s_.rest.local, s_.settings,
+                                                        apart ? own_pool : *s_.pool);
+      } else {
+        smooth(take_smoother, apart ? nullptr : s_.pool);
+      }
       report.kernel_ms = own.elapsed();
     }
   });
@@ -260,7 +275,7 @@ std::size_t LaplacianSystem::bytes() const {
          of(r.anchor_depth) + of(r.neighbours.offsets) + of(r.neighbours.values) + of(r.edge_faces) +
          static_cast<std::size_t>(r.faces.size()) * sizeof(int) + static_cast<std::size_t>(doubles) * sizeof(double) +
          powers.m->bytes() + (powers.first != powers.m ? powers.first->bytes() : 0) + matrix->cholesky.bytes() +
-         (smoother ? smoother->bytes() : 0);
+         (smoother ? smoother->bytes() : 0) + (blended ? blended->bytes() : 0);
 }
 
 std::shared_ptr<const LaplacianSystem> prepare_system(const TriangleMesh& mesh, Region region,
@@ -280,11 +295,11 @@ std::shared_ptr<const LaplacianSystem> prepare_system(const TriangleMesh& mesh, 
   preparation.weigh();
   report.operator_ms = watch.lap();
   report_progress(progress, 0.2, "factorisation");
-  if (settings.rotation != DetailRotation::None) {
+  if (settings.rotation != DetailRotation::None && settings.rotation != DetailRotation::LocalGlobal) {
     made->normal_radius =
         settings.normal_radius > 0 ? settings.normal_radius : automatic_normal_radius(made->region, made->rest.world);
   }
-  preparation.make_factor_and_smoother(report);
+  preparation.make_factor_and_smoother(mesh, report);
   report_progress(progress, 0.6, "smoothing");
 
   report.mesh_vertices = made->region.mesh_vertices;

@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "lapedit/deform/blended_rotations.h"
 #include "lapedit/deform/edit_report.h"
 #include "lapedit/deform/edit_settings.h"
 #include "lapedit/deform/geodesic_falloff.h"
@@ -30,7 +31,8 @@ struct RestPose {
 /// M^k and M_1 = M of the paper's section 3, k the order; for order 1 one and the same object.
 struct LaplacianPowers {
   std::shared_ptr<const OperatorRows> m, first;
-  int uniform_edges = 0;  ///< see DifferentialOperator
+  int uniform_edges = 0;    ///< see DifferentialOperator
+  Eigen::VectorXd stretch;  ///< c D of membrane_factor(), which m has added to M^T; empty: none
 };
 
 /// What an edit is solved with, whatever way its handles go: made once by prepare_system(), then only read.
@@ -54,6 +56,8 @@ struct LaplacianSystem {
   std::shared_ptr<const Smoother> smoother;              ///< nothing without rotation
   Points smooth_rest;  ///< S rest.local but for its place, as previews need it; or empty
   bool smooth_rest_is_exact = false;
+  /// Nothing but for DetailRotation::LocalGlobal; of this system alone, and what poses it works with it.
+  std::shared_ptr<BlendedRotations> blended;
   GeodesicFalloff falloff;  ///< empty where rotations are not estimated from it
 
   /// Whether drags have a fast path.

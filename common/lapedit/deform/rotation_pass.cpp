@@ -5,14 +5,16 @@
 
 namespace lapedit {
 
-RotationPass::RotationPass(const LaplacianSystem& system)
-    : system_(system),
-      smoother_(system.smoother->share(system.pool)),
-      estimator_(system.settings.rotation, system.region, *smoother_, *system.pool) {}
+RotationPass::RotationPass(const LaplacianSystem& system) : system_(system) {
+  if (system.smoother) {
+    smoother_ = system.smoother->share(system.pool);
+    estimator_ = std::make_unique<RotationEstimator>(system.settings.rotation, system.region, *smoother_, *system.pool);
+  }
+}
 
 void RotationPass::start(const EditConstraints& constraints) {
   if (constraints.carry()) {
-    estimator_.set_before(constraints.carried_pose());
+    estimator_->set_before(constraints.carried_pose());
     at_rest_ = false;
   } else if (!at_rest_) {
     start_at_rest();
@@ -21,14 +23,14 @@ void RotationPass::start(const EditConstraints& constraints) {
 
 void RotationPass::start_at_rest() {
   if (system_.settings.rotation != DetailRotation::SmoothSurface) {
-    estimator_.set_before(system_.rest.local);
+    estimator_->set_before(system_.rest.local);
   } else if (system_.smooth_rest_is_exact) {
-    estimator_.set_before_smoothed(system_.smooth_rest);
+    estimator_->set_before_smoothed(system_.smooth_rest);
   } else {
     if (smooth_rest_.rows() == 0) {
       smoother_->apply(system_.rest.local, smooth_rest_);
     }
-    estimator_.set_before_smoothed(smooth_rest_);
+    estimator_->set_before_smoothed(smooth_rest_);
   }
   at_rest_ = true;
 }
@@ -73,13 +75,27 @@ void turn_edges(const LaplacianSystem& system, const EditConstraints& constraint
 
 }  // namespace
 
-/// For k > 1 that is not M^T (R - I) M^k p, the coordinates of order k turned: those carry low-frequency errors of R
-/// that the inverse of M^k blows up. On the octopus (16,554 vertices, order 2) the stretch is 49 % instead of 485 %.
 void RotationPass::turn(const Points& displacement, const Vector3* pull, const EditConstraints& constraints,
                         std::vector<Matrix3>& rotations, Points& right) {
-  estimator_.estimate(displacement, rotations, pull);
-  Stopwatch watch;
-  turned_.resize(displacement.rows(), 3);
+  estimator_->estimate(displacement, rotations, pull);
+  const Stopwatch watch;
+  turn_coordinates(constraints, rotations, right);
+  rotate_ms_ = estimator_->rotate_ms() + watch.elapsed();
+}
+
+void RotationPass::turn_with_cells(const EditConstraints& constraints, std::vector<Matrix3>& rotations, Points& right) {
+  const Stopwatch watch;
+  system_.blended->cells().solve(constraints.targets(), constraints.carried_motions(), false);
+  system_.blended->spread(rotations, *system_.pool);
+  turn_coordinates(constraints, rotations, right);
+  rotate_ms_ = watch.elapsed();
+}
+
+/// For k > 1 that is not M^T (R - I) M^k p, the coordinates of order k turned: those carry low-frequency errors of R
+/// that the inverse of M^k blows up. On the octopus (16,554 vertices, order 2) the stretch is 49 % instead of 485 %.
+void RotationPass::turn_coordinates(const EditConstraints& constraints, const std::vector<Matrix3>& rotations,
+                                    Points& right) {
+  turned_.resize(system_.region.size(), 3);
   const bool by_edges = system_.settings.turning == DetailTurning::Edge;
   (by_edges ? turn_edges : turn_vertices)(system_, constraints, rotations, turned_);
   for (int k = 1; k < system_.settings.order; ++k) {
@@ -88,11 +104,10 @@ void RotationPass::turn(const Points& displacement, const Vector3* pull, const E
   }
   system_.powers.m->apply_transposed(turned_, right, *system_.pool);
   right += constraints.right_hand_side();
-  rotate_ms_ = estimator_.rotate_ms() + watch.elapsed();
 }
 
 std::size_t RotationPass::bytes() const {
-  return smoother_->bytes() - system_.smoother->bytes() + estimator_.bytes() +
+  return (smoother_ ? smoother_->bytes() - system_.smoother->bytes() + estimator_->bytes() : 0) +
          static_cast<std::size_t>(smooth_rest_.size() + turned_.size() + between_.size()) * sizeof(double);
 }
 

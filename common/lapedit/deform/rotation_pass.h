@@ -13,7 +13,7 @@ namespace lapedit {
 /// coordinates turned by them. Nothing is allocated after the first pass.
 class RotationPass {
  public:
-  /// @param system  with a smoother; must outlive the object
+  /// @param system  with a smoother or blended rotations; must outlive the object
   explicit RotationPass(const LaplacianSystem& system);
 
   /// Sets the pose that rotations are measured from: the carried one, or that at rest.
@@ -27,14 +27,21 @@ class RotationPass {
   void turn(const Points& displacement, const Vector3* pull, const EditConstraints& constraints,
             std::vector<Matrix3>& rotations, Points& right);
 
-  double normals_ms() const { return estimator_.normals_ms(); }  ///< smoothing share of the last turn()
-  double rotate_ms() const { return rotate_ms_; }                ///< the rest of it
+  /// The same with the cells' rotations, for DetailRotation::LocalGlobal: from the constraints alone.
+  void turn_with_cells(const EditConstraints& constraints, std::vector<Matrix3>& rotations, Points& right);
+
+  double normals_ms() const {
+    return estimator_ ? estimator_->normals_ms() : 0;
+  }                                                ///< smoothing share of the last turn()
+  double rotate_ms() const { return rotate_ms_; }  ///< the rest of it
   std::size_t bytes() const;
 
  private:
+  void turn_coordinates(const EditConstraints& constraints, const std::vector<Matrix3>& rotations, Points& right);
+
   const LaplacianSystem& system_;
   std::unique_ptr<Smoother> smoother_;
-  RotationEstimator estimator_;
+  std::unique_ptr<RotationEstimator> estimator_;
   bool at_rest_ = false;
   Points smooth_rest_;  // exactly; made when it is asked for, which is after many previews
   Points turned_, between_;

@@ -33,6 +33,14 @@ void multiply(const Compressed& lists, const Points& x, Points& out, ThreadPool&
 
 OperatorRows::OperatorRows(const SparseMatrix& matrix) : columns_(matrix), rows_(matrix) {}
 
+OperatorRows::OperatorRows(const SparseMatrix& matrix, const Eigen::VectorXd& stretch) : OperatorRows(matrix) {
+  for (Eigen::Index i = 0; i < stretch.size(); ++i) {
+    if (stretch[i] != 0) {  // else there may be no such entry
+      columns_.coeffRef(i, i) += stretch[i];
+    }
+  }
+}
+
 void OperatorRows::apply(const Points& x, Points& out, ThreadPool& pool) const {
   multiply(rows_, x, out, pool);
 }

@@ -14,6 +14,10 @@ class OperatorRows {
 
   OperatorRows() = default;
   explicit OperatorRows(const SparseMatrix& matrix);
+  /// With M^T + diag(stretch) wherever it says M^T: with D M symmetric for some diagonal D and stretch a multiple of it
+  /// the normal matrix is M^T M + stretch M, the energy |M x|^2 + x^T stretch M x. @param stretch  n; empty: none.
+  /// M has all of its diagonal
+  OperatorRows(const SparseMatrix& matrix, const Eigen::VectorXd& stretch);
 
   /// out = M x. x and out must be different objects; out keeps its storage if it has the right size. O(entries).
   void apply(const Points& x, Points& out, ThreadPool& pool) const;

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "lapedit/deform/cell_surface.h"
+#include "lapedit/deform/coarse_system.h"
+#include "lapedit/deform/local_motion.h"
+#include "lapedit/linear/anderson_mixing.h"
+
+namespace lapedit {
+
+/// Rotations of a region's cells that have converged: fitted to where the cells are (local step), solved with (global
+/// step), and again until nothing changes. As in as-rigid-as-possible deformation (O. Sorkine, M. Alexa, SGP 2007), but
+/// on few cells, which makes it cheap, and with bending, which keeps it smooth.
+///
+/// Local: the covariances of smoothed places before and after with |C| n1 n0^T / 2 for the normals, averaged over some
+/// rings; details that are smaller than that do not tilt the rotations. Global: CoarseSystem's equations with each edge
+/// between cells turned by the mean of its ends' rotations.
+class LocalGlobal {
+ public:
+  /// All must outlive the object. @param hold  per cell, how far its rotation is held back, 0 to 1
+  LocalGlobal(const RegionCells& cells, const CellSurface& surface, const std::vector<double>& hold,
+              const EditSettings& settings, CoarseSystem& system);
+
+  struct Outcome {
+    int passes = 0;
+    double left = 0;  ///< change of the last pass, model units
+  };
+
+  /// Where the cells are carried, and by what linear map (minus identity) each.
+  void start(const Points& carried, std::vector<Matrix3> linear);
+
+  /// @param constraints   what CoarseSystem::solve() is asked for without rotations
+  /// @param displacement  in and out; in only where `goes_on`
+  /// @param rotations     in and out: with what the first global step is made
+  /// @param goes_on       whether displacement is a result to start from; else the first step is global
+  /// Nothing is allocated after the first call.
+  Outcome settle(const Points& constraints, double accurate, int most_passes, bool goes_on, Points& displacement,
+                 std::vector<Matrix3>& rotations);
+
+ private:
+  void fit(const Points& displacement, std::vector<Matrix3>& rotations);
+  void turn(const std::vector<Matrix3>& rotations, Points& turned) const;
+
+  const RegionCells& cells_;
+  const CellSurface& surface_;
+  const std::vector<double>& hold_;
+  const EditSettings& settings_;
+  CoarseSystem& system_;
+  AndersonMixing mixing_;
+  Points carried_, smooth_before_, smooth_after_, normals_before_, scratch_, next_, turned_;
+  std::vector<Matrix3> linear_, covariances_, other_;
+};
+
+}  // namespace lapedit
