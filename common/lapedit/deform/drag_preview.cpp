@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "lapedit/deform/detail_rotation.h"
+#include "lapedit/deform/preview_cells.h"
 #include "lapedit/deform/preview_tables.h"
 
 namespace lapedit {
@@ -90,6 +91,7 @@ struct DragPreview::Inside {
   Averaged averaged;
   Tables tables;
   PlacedCorrection correction;
+  std::unique_ptr<CellTurns> cell_turns;  // or nothing
 
   // Of a frame.
   std::vector<int> which;     // responses that move
@@ -114,6 +116,9 @@ struct DragPreview::Inside {
         hard(tables.blocks),
         x(3 * static_cast<std::size_t>(tables.size)),
         positions(tables.size, 3) {
+    if (base.blended != nullptr) {
+      cell_turns = std::make_unique<CellTurns>(*base.blended, *base.first, base.turns_edges, tables);
+    }
     which.reserve(tables.responses);
     motion.reserve(3 * static_cast<std::size_t>(tables.responses));
   }
@@ -129,6 +134,7 @@ struct DragPreview::Inside {
   void choose(const Points& motions);
   void smooth_normals_after();
   void turn_deltas();
+  void apply_transposed();
   void turn_hard_ones(int first_block, int last_block);
   void place_all();
 };
@@ -178,7 +184,7 @@ void DragPreview::Inside::smooth_normals_after() {
   });
 }
 
-/// x = M^T (R - I) delta, R nearest to the averages of C + |C| n1 n0^T (see RotationEstimator).
+/// turned = (R - I) delta, R nearest to the averages of C + |C| n1 n0^T (see RotationEstimator).
 void DragPreview::Inside::turn_deltas() {
   const View v = view();
   in_pieces(*pool, tables.blocks, kGrain,
@@ -189,8 +195,14 @@ void DragPreview::Inside::turn_deltas() {
     kernels.turned_deltas(v, first, last, averaged.in(), averaged.out(), result, hard.data());
     turn_hard_ones(first, last);
   });
+}
+
+/// x = M^T turned, with its membrane.
+void DragPreview::Inside::apply_transposed() {
+  const View v = view();
+  const auto* const y = reinterpret_cast<const float*>(turned.data());
   in_pieces(*pool, tables.blocks, kGrain,
-            [&](int first, int last) { kernels.right_hand_side(v, first, last, result, x.data()); });
+            [&](int first, int last) { kernels.right_hand_side(v, first, last, y, x.data()); });
 }
 
 /// Those that single precision leaves too few digits, from the matrices that the kernel has left.
@@ -258,19 +270,24 @@ DragPreview::DragPreview(const PreviewBase& base, const Eigen::MatrixXd& respons
 
 DragPreview::~DragPreview() = default;
 
-const Points& DragPreview::pose(const Points& motions) {
+const Points& DragPreview::pose(const Points& motions, const BlendedRotations* blended) {
   Inside& s = *inside_;
   s.choose(motions);
-  if (s.which.empty() || !s.tables.rotated) {
+  if (s.which.empty() || !(s.tables.rotated || s.cell_turns)) {
     std::fill(s.x.begin(), s.x.end(), 0.0F);
     s.correction.at_rows.setZero();
     s.place_all();
     return s.positions;
   }
-  if (s.which.size() > 1) {
-    s.smooth_normals_after();
+  if (s.cell_turns) {
+    s.cell_turns->turn(*blended, s.turned.data(), *s.pool);
+  } else {
+    if (s.which.size() > 1) {
+      s.smooth_normals_after();
+    }
+    s.turn_deltas();
   }
-  s.turn_deltas();
+  s.apply_transposed();
   s.correction.take(s.x.data());
   s.factor.solve_in_order(s.x.data());
   s.place_all();
@@ -300,8 +317,8 @@ const Points& DragPreview::normals() {
 std::size_t DragPreview::bytes() const {
   const Inside& s = *inside_;
   const auto of = [](const auto& list) { return list.capacity() * sizeof(list[0]); };
-  return s.tables.bytes() + of(s.averaged.current) + of(s.averaged.other) + of(s.correction.z) + of(s.turned) +
-         of(s.smooth_after) + of(s.after) + of(s.smooth_normals) + of(s.x) +
+  return s.tables.bytes() + (s.cell_turns ? s.cell_turns->bytes() : 0) + of(s.averaged.current) + of(s.averaged.other) +
+         of(s.correction.z) + of(s.turned) + of(s.smooth_after) + of(s.after) + of(s.smooth_normals) + of(s.x) +
          sizeof(double) * static_cast<std::size_t>(s.positions.size() + s.normals.size());
 }
 

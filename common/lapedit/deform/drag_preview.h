@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "lapedit/deform/blended_rotations.h"
 #include "lapedit/linear/refined_solver.h"
 #include "lapedit/mesh/region.h"
 
@@ -17,6 +18,8 @@ struct PreviewBase {
   const Points* delta = nullptr;        ///< differential coordinates of order 1
   const OperatorRows* first = nullptr;  ///< M of order 1
   const WoodburyCorrection* correction = nullptr;  ///< of the factor; may be nothing
+  const BlendedRotations* blended = nullptr;       ///< in place of smooth_rest, for DetailRotation::LocalGlobal
+  bool turns_edges = false;                        ///< then: or whole coordinates
 };
 
 /// Frames of a drag, in single precision, for order 1 and the rotations of the smoothed surface: the pose that
@@ -41,10 +44,11 @@ class DragPreview {
   ~DragPreview();
 
   /// Positions for motions w_k of the responses, one row per response; zero rows cost nothing.
+  /// @param blended  whose cells' rotations details are turned by, if the preview was made with one
   /// @return size() x 3, in the region's order; valid until the next call. Not finite if a motion is beyond single
   ///         precision
   /// Nothing is allocated.
-  const Points& pose(const Points& motions);
+  const Points& pose(const Points& motions, const BlendedRotations* blended = nullptr);
 
   /// Unit vertex normals of the last pose, area-weighted over the region's faces; zero where there are none. Nothing is
   /// allocated after the first call.

@@ -142,8 +142,10 @@ EditSettings version_one_settings() {
 }
 
 bool has_fast_path(const EditSettings& settings) {
-  return settings.order == 1 && settings.iterations == 1 && settings.rotation != DetailRotation::LocalGlobal &&
-         settings.rotation != DetailRotation::SmoothNormals &&
+  if (settings.rotation == DetailRotation::LocalGlobal) {
+    return settings.order == 1;
+  }
+  return settings.order == 1 && settings.iterations == 1 && settings.rotation != DetailRotation::SmoothNormals &&
          (settings.turning == DetailTurning::Vertex || settings.rotation == DetailRotation::None);
 }
 

@@ -97,6 +97,8 @@ std::unique_ptr<HandleResponses> HandleResponses::make(const LaplacianSystem& sy
   parts.delta = &system.delta;
   parts.first = system.powers.first.get();
   parts.correction = system.correction.get();
+  parts.blended = system.blended.get();
+  parts.turns_edges = system.settings.turning == DetailTurning::Edge;
   if (system.settings.rotation == DetailRotation::SmoothSurface) {
     parts.smooth_rest = &system.smooth_rest;
     const Eigen::MatrixXd rough = system.falloff.empty() ? found : made->fallen_off();
@@ -112,20 +114,28 @@ std::unique_ptr<HandleResponses> HandleResponses::make(const LaplacianSystem& sy
   }
   made->preview_ = std::make_unique<DragPreview>(parts, found, smooth_found, solver.cholesky(), system.pool);
   made->motions_.setZero(found.cols(), 3);
+  made->nothing_carried_.resize(system.region.anchored.size());
   return made;
 }
 
 const Points& HandleResponses::pose(const std::vector<Affine>& handles) {
+  targets_.resize(handles.size());
+  for (std::size_t g = 0; g < handles.size(); ++g) {
+    targets_[g] = LocalMotion::of(handles[g], system_.rest.origin);
+  }
   for (std::size_t r = 0; r < responses_.size(); ++r) {
     const Response& response = responses_[r];
-    const LocalMotion motion = LocalMotion::of(handles[response.group], system_.rest.origin);
+    const LocalMotion& motion = targets_[response.group];
     motions_.row(static_cast<Eigen::Index>(r)) =
         (response.vertex >= 0  ? motion.displacement(system_.rest.local.row(response.vertex).transpose())
          : response.column < 3 ? Vector3(motion.linear.col(response.column))
                                : motion.translation)
             .transpose();
   }
-  return preview_->pose(motions_);
+  if (system_.blended) {
+    system_.blended->cells().solve(targets_, nothing_carried_, true);
+  }
+  return preview_->pose(motions_, system_.blended.get());
 }
 
 }  // namespace lapedit

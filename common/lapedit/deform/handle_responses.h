@@ -36,6 +36,7 @@ class HandleResponses {
   const LaplacianSystem& system_;
   std::vector<Response> responses_;
   Points motions_;
+  std::vector<LocalMotion> targets_, nothing_carried_;  // of the groups; of the components, which are all anchored
   std::unique_ptr<DragPreview> preview_;
 };
 

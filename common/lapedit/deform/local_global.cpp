@@ -10,8 +10,8 @@ namespace lapedit {
 namespace {
 
 // Found by measuring stretch, folds and the tilt of details over some twenty edits (tests/scripts/quality.sh).
-constexpr int kSmoothing = 3;
-constexpr int kAveraging = 8;
+constexpr int kSmoothing = 2;
+constexpr int kAveraging = 4;
 constexpr double kNormals = 0.5;
 constexpr int kWindow = 5;
 

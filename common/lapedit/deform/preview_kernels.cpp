@@ -249,6 +249,7 @@ LAPEDIT_INLINE void right_hand_side(const View& v, int first, int last, const fl
     Four sum = {};
     if (v.offsets[i] < v.offsets[i + 1]) {
       std::memcpy(&sum, y + 4 * static_cast<std::size_t>(i), sizeof sum);
+      sum *= v.own[i];
     }
     for (int k = v.offsets[i]; k < v.offsets[i + 1]; ++k) {
       Four there;

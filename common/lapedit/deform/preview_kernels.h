@@ -47,6 +47,7 @@ struct View {
   const int* offsets;             // neighbours, in the order of elimination
   const int* neighbours;
   const float* weights;  // entries of M^T for them
+  const float* own;      // and for the vertex itself
   int active;            // responses that move
   const int* which;
   const float* motion;  // three per active response

@@ -183,6 +183,7 @@ void Tables::place_neighbours(const PreviewBase& given, ThreadPool& pool) {
   }
   neighbours.resize(offsets[size]);
   weights.resize(offsets[size]);
+  own.assign(size, 0);
   world.resize(size, 3);
   const SparseMatrix& m = given.first->matrix();
   in_pieces(pool, blocks, kGrain, [&](int first, int last) {
@@ -194,6 +195,8 @@ void Tables::place_neighbours(const PreviewBase& given, ThreadPool& pool) {
         if (entry.row() != i) {
           neighbours[to] = place[entry.row()];
           weights[to++] = static_cast<float>(entry.value());
+        } else {
+          own[k] = static_cast<float>(entry.value());
         }
       }
     }
@@ -257,12 +260,13 @@ View Tables::view() const {
   v.offsets = offsets.data();
   v.neighbours = neighbours.data();
   v.weights = weights.data();
+  v.own = own.data();
   return v;
 }
 
 std::size_t Tables::bytes() const {
   const auto of = [](const auto& list) { return list.capacity() * sizeof(list[0]); };
-  return of(order) + of(offsets) + of(neighbours) + of(weights) + of(ring_offsets) + of(ring) + of(base) +
+  return of(order) + of(offsets) + of(neighbours) + of(weights) + of(own) + of(ring_offsets) + of(ring) + of(base) +
          of(response) + of(smooth_rest) + of(smooth_responses) + 3 * sizeof(double) * static_cast<std::size_t>(size);
 }
 

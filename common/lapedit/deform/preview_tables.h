@@ -36,6 +36,7 @@ struct Tables {
   std::vector<int> order;                ///< place -> local vertex
   std::vector<int> offsets, neighbours;  ///< by place
   std::vector<float> weights;            ///< entries of M^T for them
+  std::vector<float> own;                ///< M^T's entry of the place itself, with its membrane
   std::vector<int> ring_offsets, ring;   ///< faces around a vertex: its two other corners each, in turn
   std::vector<Block> base;
   std::vector<ResponseBlock> response;
