@@ -23,6 +23,10 @@ void AndersonMixing::step(Points& x, Points& g) {
   constexpr double kWorse = 2, kRidge = 1e-8;
   g_steps_.resize(window_);
   left_steps_.resize(window_);
+  for (int k = 0; k < window_; ++k) {  // all at the first step
+    g_steps_[k].resize(x.rows(), 3);
+    left_steps_[k].resize(x.rows(), 3);
+  }
   x = g - x;  // what is left over
   const double left = dot(x, x);
   if (count_ > 0 && !(left <= kWorse * kWorse * last_left_)) {
