@@ -113,6 +113,36 @@ TEST_P(OperatorRowsOn, ThreadsDoNotChangeABit) {
   }
 }
 
+/// Fails if the stretch is added to the rows as well, to the wrong side, or left out of the product.
+TEST_P(OperatorRowsOn, StretchIsAddedToTheTransposedAlone) {
+  const TriangleMesh mesh = GetParam()();
+  const DifferentialOperator op = mean_value_operator(support::whole_region(mesh, {{0}}, {}), mesh);
+  const Eigen::VectorXd stretch = 0.37 * op.sums;
+  const OperatorRows rows(op.matrix, stretch);
+  ThreadPool one(1), two(2);
+  const Points x = random_points(op.matrix.cols(), 5);
+  Points out, other;
+  rows.apply(x, out, two);
+  OperatorRows(op.matrix).apply(x, other, two);
+  EXPECT_TRUE(support::same_bits(out, other));
+  rows.apply_transposed(x, out, two);
+  const Points expected = op.matrix.transpose() * x + stretch.asDiagonal() * x;
+  EXPECT_LT((out - expected).norm(), 1e-14 * expected.norm());
+  EXPECT_GT((out - op.matrix.transpose() * x).norm(), 0.1 * expected.norm());
+
+  const Eigen::VectorXd diagonal = random_points(op.matrix.cols(), 6).col(2).cwiseAbs();
+  const SparseMatrix normal = rows.normal_matrix(diagonal, two);
+  SparseMatrix whole = SparseMatrix(op.matrix.transpose()) * op.matrix;
+  whole += SparseMatrix(stretch.asDiagonal() * op.matrix);
+  for (int j = 0; j < whole.cols(); ++j) {
+    whole.coeffRef(j, j) += diagonal[j];
+  }
+  EXPECT_LT((whole - SparseMatrix(whole.transpose())).norm(), 1e-13 * whole.norm()) << "or half of it is not enough";
+  const SparseMatrix lower = whole.triangularView<Eigen::Lower>();
+  EXPECT_LT((normal - lower).norm(), 1e-14 * lower.norm());
+  EXPECT_TRUE(same_matrix(rows.normal_matrix(diagonal, one), normal));
+}
+
 TEST(OperatorRows, AllocatesNothingForAProduct) {
   const TriangleMesh mesh = shapes::letter_field(80, 40);
   const OperatorRows rows(umbrella_operator(support::whole_region(mesh, {{0}}, {})).matrix);

@@ -87,6 +87,35 @@ TEST(RefinedSolver, CorrectedFactorGivesTheBitsOfAFactorThatKnowsAllRows) {
   EXPECT_LT((with - p.dense.ldlt().solve(p.right)).norm(), 1e-10 * with.norm());
 }
 
+/// Solutions of M^T M + stretch M + W^2, refined with all that belongs to the matrix. Fails if a residual, in double or
+/// in doubled double, forgets the stretch.
+TEST(RefinedSolver, SolvesWithAStretchToTheBit) {
+  using Long = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+  Problem p;
+  const DifferentialOperator op = mean_value_operator(support::whole_region(p.mesh, {{0}}, {}), p.mesh);
+  const Eigen::VectorXd stretch = 0.02 * op.sums;
+  p.m = std::make_shared<const OperatorRows>(op.matrix, stretch);
+  const Long m = Eigen::MatrixXd(op.matrix).cast<long double>();
+  Long dense = m.transpose() * m + stretch.cast<long double>().asDiagonal() * m;
+  const Long without = m.transpose() * m;
+  dense.diagonal() += p.all.cast<long double>();
+  const Points expected = dense.partialPivLu().solve(p.right.cast<long double>().eval()).cast<double>();
+  for (const bool single : {false, true}) {
+    const auto known = p.factored(p.known, single);
+    RefinedSolver corrected(known, p.correction(known), p.pool), whole(p.factored(p.all, single), nullptr, p.pool);
+    Points with, found;
+    corrected.refine_to_the_bit(p.right, with);
+    whole.refine_to_the_bit(p.right, found);
+    EXPECT_TRUE(support::same_bits(with, found));
+    EXPECT_LT((found - expected).cwiseAbs().maxCoeff(), 1e-15 * expected.cwiseAbs().maxCoeff());
+    EXPECT_LT(whole.relative_residual(p.right, found), 1e-15);
+  }
+  Long plain = without;
+  plain.diagonal() += p.all.cast<long double>();
+  const Points unstretched = plain.partialPivLu().solve(p.right.cast<long double>().eval()).cast<double>();
+  EXPECT_GT((unstretched - expected).norm(), 0.01 * expected.norm()) << "the stretch does too little to be seen";
+}
+
 TEST(RefinedSolver, CorrectionThatTakesTooManyStepsIsNone) {
   const Problem p;
   const auto single = p.factored(p.known, true);
