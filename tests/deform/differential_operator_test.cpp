@@ -64,6 +64,25 @@ std::vector<int> interior(int rows, int columns) {
   return vertices;
 }
 
+/// The mean-value operator of a whole mesh by its definition, from angles; meshes without degenerate faces only.
+Eigen::MatrixXd mean_value_by_angles(const TriangleMesh& mesh) {
+  const auto n = mesh.vertices.rows();
+  Eigen::MatrixXd weights = Eigen::MatrixXd::Zero(n, n);
+  for (const auto& face : mesh.faces.rowwise()) {
+    for (int k = 0; k < 3; ++k) {
+      const Vector3 at = mesh.vertices.row(face[k]);
+      const Vector3 a = mesh.vertices.row(face[(k + 1) % 3]).transpose() - at;
+      const Vector3 b = mesh.vertices.row(face[(k + 2) % 3]).transpose() - at;
+      const double half = std::tan(0.5 * std::acos(a.normalized().dot(b.normalized())));
+      weights(face[k], face[(k + 1) % 3]) += half / a.norm();
+      weights(face[k], face[(k + 2) % 3]) += half / b.norm();
+    }
+  }
+  weights += weights.transpose().eval();
+  return Eigen::MatrixXd::Identity(n, n) -
+         Eigen::MatrixXd(weights.rowwise().sum().cwiseInverse().asDiagonal() * weights);
+}
+
 class OperatorOn : public ::testing::TestWithParam<TriangleMesh (*)()> {};
 INSTANTIATE_TEST_SUITE_P(
     Shapes, OperatorOn,
@@ -75,7 +94,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST_P(OperatorOn, RowsSumToZeroWithOnesOnTheDiagonalAndNoPositiveNeighbour) {
   const TriangleMesh mesh = GetParam()();
   const Region region = whole(mesh);
-  for (const LaplacianKind kind : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
+  for (const LaplacianKind kind : {LaplacianKind::Umbrella, LaplacianKind::Cotangent, LaplacianKind::MeanValue}) {
     const Eigen::MatrixXd m = dense(differential_operator(kind, region, mesh));
     for (int j = 0; j < region.size(); ++j) {
       if (region.neighbours[j].size() == 0) {
@@ -125,6 +144,151 @@ TEST_P(OperatorOn, CotangentDoesNotFeelScaleOrMotion) {
     EXPECT_LT((dense(found) - dense(other)).cwiseAbs().maxCoeff(), 1e-7);
     EXPECT_EQ(found.uniform_edges, other.uniform_edges);
   }
+}
+
+/// With D its rows' sums, D M is symmetric: what the membrane's energy needs. Fails if an edge has a weight of its own
+/// in each direction, or one that pulls the wrong way.
+TEST_P(OperatorOn, MeanValueIsSymmetricAndPositive) {
+  const TriangleMesh mesh = GetParam()();
+  const Region region = whole(mesh);
+  const EdgeWeights weights = edge_weights(LaplacianKind::MeanValue, region, mesh);
+  ASSERT_EQ(weights.values.size(), region.neighbours.values.size());
+  for (const double weight : weights.values) {
+    EXPECT_GT(weight, 0);
+  }
+  for (const LaplacianKind kind : {LaplacianKind::Umbrella, LaplacianKind::Cotangent, LaplacianKind::MeanValue}) {
+    const DifferentialOperator found = differential_operator(kind, region, mesh, true);
+    const Eigen::MatrixXd stiffness = found.sums.asDiagonal() * dense(found);
+    EXPECT_TRUE(stiffness.allFinite()) << name(kind);
+    EXPECT_LT((stiffness - stiffness.transpose()).cwiseAbs().maxCoeff(), 1e-15 * found.sums.maxCoeff()) << name(kind);
+    EXPECT_TRUE((found.sums.array() >= 0).all()) << name(kind);
+  }
+}
+
+TEST_P(OperatorOn, MeanValueDoesNotFeelScaleOrMotion) {
+  const TriangleMesh mesh = GetParam()();
+  const Region region = whole(mesh);
+  const DifferentialOperator found = mean_value_operator(region, mesh);
+  for (const double scale : {1e-9, 1e9}) {
+    const Affine map = Affine(support::rigid(40, Vector3(1, 2, 3), Vector3::Zero()) * Eigen::Scaling(scale));
+    const DifferentialOperator other = mean_value_operator(region, support::moved(map, mesh));
+    EXPECT_LT((dense(found) - dense(other)).cwiseAbs().maxCoeff(), 1e-7);
+    EXPECT_LT((found.sums - other.sums).cwiseAbs().maxCoeff(), 1e-7 * found.sums.maxCoeff());
+    EXPECT_EQ(found.uniform_edges, other.uniform_edges);
+  }
+}
+
+TEST(MeanValueOperator, EqualsTheUmbrellaOnEquilateralTriangles) {
+  const TriangleMesh mesh = equilateral_grid(7, 6);
+  const Region region = whole(mesh);
+  const DifferentialOperator found = mean_value_operator(region, mesh);
+  const Eigen::MatrixXd umbrella = dense(umbrella_operator(region));
+  for (const int j : interior(7, 6)) {
+    EXPECT_LT((dense(found).row(j) - umbrella.row(j)).cwiseAbs().maxCoeff(), 1e-14) << "row " << j;
+    EXPECT_NEAR(found.sums[j], 6 * 2 / std::sqrt(3.0), 1e-12) << "the unit that degenerate edges are given in";
+  }
+}
+
+TEST(MeanValueOperator, IsTheTangentsOfTheHalvedAnglesBesideAnEdgeOverItsLength) {
+  for (const TriangleMesh& mesh : {shapes::letter_field(14, 9), shapes::icosphere(2), shapes::tapered_arm(10, 20)}) {
+    const DifferentialOperator found = mean_value_operator(whole(mesh), mesh);
+    EXPECT_EQ(found.uniform_edges, 0);
+    EXPECT_LT((dense(found) - mean_value_by_angles(mesh)).cwiseAbs().maxCoeff(), 1e-10);
+  }
+}
+
+/// Four right angles at the middle, edges of length 1, 1, 2, 1. From the middle (2, 2, 1, 2); from the other ends,
+/// whose angles are 45 degrees, atan 2 and atan 1/2: (2 tan 22.5, tan 22.5 + 0.618, 2 * 0.236 / 2, tan 22.5 + 0.618).
+TEST(MeanValueOperator, HasTheValuesWorkedOutByHand) {
+  TriangleMesh mesh;
+  mesh.vertices.resize(5, 3);
+  mesh.vertices << 0, 0, 0, 1, 0, 0, 0, 1, 0, -2, 0, 0, 0, -1, 0;
+  mesh.faces.resize(4, 3);
+  mesh.faces << 0, 1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 1;
+  const Eigen::MatrixXd m = dense(mean_value_operator(whole(mesh), mesh));
+  const double eighth = std::sqrt(2.0) - 1, golden = (std::sqrt(5.0) - 1) / 2;
+  const double weights[] = {1 + eighth, 1 + (eighth + golden) / 2, golden, 1 + (eighth + golden) / 2};
+  const double sum = weights[0] + weights[1] + weights[2] + weights[3];
+  for (int k = 0; k < 4; ++k) {
+    EXPECT_NEAR(m(0, k + 1), -weights[k] / sum, 1e-13) << "neighbour " << k + 1;
+  }
+}
+
+/// Obtuse pairs hold together, which cotangents let go.
+TEST(MeanValueOperator, ObtusePairsKeepAWeight) {
+  TriangleMesh mesh;
+  mesh.vertices.resize(4, 3);
+  mesh.vertices << -std::sqrt(3.0), 0, 0, std::sqrt(3.0), 0, 0, 0, 1, 0, 0, -1, 0;
+  mesh.faces.resize(2, 3);
+  mesh.faces << 0, 1, 2, 1, 0, 3;
+  EXPECT_LT(dense(mean_value_operator(whole(mesh), mesh))(0, 1), -0.1);
+}
+
+TEST(MeanValueOperator, WeightsAreCutAndBadTrianglesTakeTheUniformOne) {
+  const TriangleMesh bad = shapes::degenerate_grid(12, 9);
+  const Region region = whole(bad);
+  const EdgeWeights mean_value = edge_weights(LaplacianKind::MeanValue, region, bad);
+  const EdgeWeights cotangent = edge_weights(LaplacianKind::Cotangent, region, bad);
+  const double uniform = 2 / std::sqrt(3.0);
+  int cut = 0;
+  for (std::size_t e = 0; e < mean_value.values.size(); ++e) {
+    EXPECT_GE(mean_value.values[e], 0.999e-3 * uniform);
+    EXPECT_LE(mean_value.values[e], 1.001e3 * uniform);
+    cut += mean_value.values[e] > 0.999e3 * uniform;
+    EXPECT_TRUE(!mean_value.uniform[e] || std::abs(mean_value.values[e] - uniform) < 1e-15);
+  }
+  EXPECT_GT(cut, 0) << "needles of 1e-7";
+  EXPECT_GT(mean_value_operator(region, bad).uniform_edges, 20);
+  EXPECT_EQ(mean_value_operator(region, bad).uniform_edges, cotangent_operator(region, bad).uniform_edges);
+  const TriangleMesh healthy = shapes::grid(12, 9);
+  EXPECT_EQ(mean_value_operator(whole(healthy), healthy).uniform_edges, 0);
+}
+
+TEST(MeanValueOperator, CornerThatIsNotANumberOutsideTheRegionDoesNotEnter) {
+  TriangleMesh mesh = shapes::grid(9, 9);
+  RegionSpec spec;
+  spec.radius = 2;
+  const Region region = build_region(mesh, support::adjacency_of(mesh), spec, {{40}});
+  const std::set<int> inside(region.mesh_vertex.begin(), region.mesh_vertex.end());
+  for (int v = 0; v < mesh.vertices.rows(); ++v) {
+    if (!inside.count(v)) {
+      mesh.vertices.row(v).setConstant(std::numeric_limits<double>::quiet_NaN());
+    }
+  }
+  const DifferentialOperator found = mean_value_operator(region, mesh);
+  EXPECT_TRUE(dense(found).allFinite());
+  EXPECT_TRUE(found.sums.allFinite());
+  EXPECT_GT(found.uniform_edges, 0);
+}
+
+/// A region of 0, 1 and 4 of which 1 has a weight towards 4 but none towards 0, so that only row 0 becomes uniform.
+TEST(EdgeWeights, CotangentsTakeTheLargerOfAnEdgesTwoWhereTheyHaveToBeSymmetric) {
+  TriangleMesh mesh;
+  mesh.vertices.resize(5, 3);
+  mesh.vertices << -std::sqrt(3.0), 0, 0, std::sqrt(3.0), 0, 0, 0, 1, 0, 0, -1, 0, std::sqrt(3.0), -2, 0;
+  mesh.faces.resize(3, 3);
+  mesh.faces << 0, 1, 2, 1, 0, 3, 1, 3, 4;
+  RegionSpec spec;
+  spec.kind = RegionSpec::Kind::Vertices;
+  spec.vertices = {0, 1, 4};
+  const Region region = build_region(mesh, support::adjacency_of(mesh), spec, {{1}});
+  const auto weight = [&](const EdgeWeights& weights, int from, int to) {
+    for (int e = region.neighbours.offsets[from]; e < region.neighbours.offsets[from + 1]; ++e) {
+      if (region.neighbours.values[e] == to) {
+        return weights.values[e];
+      }
+    }
+    return -1.0;
+  };
+  const EdgeWeights plain = edge_weights(LaplacianKind::Cotangent, region, mesh);
+  const EdgeWeights symmetric = edge_weights(LaplacianKind::Cotangent, region, mesh, true);
+  EXPECT_NEAR(weight(plain, 0, 1), 1 / std::sqrt(3.0), 1e-15);
+  EXPECT_EQ(weight(plain, 1, 0), 0);
+  EXPECT_NEAR(weight(symmetric, 0, 1), 1 / std::sqrt(3.0), 1e-15);
+  EXPECT_EQ(weight(symmetric, 1, 0), weight(symmetric, 0, 1));
+  EXPECT_GT(weight(plain, 1, 2), 0);
+  EXPECT_EQ(weight(symmetric, 1, 2), weight(plain, 1, 2)) << "as it was";
+  EXPECT_EQ(weight(symmetric, 2, 1), weight(plain, 2, 1));
 }
 
 TEST(UmbrellaOperator, SubtractsThePlainMeanOnAHexagon) {
