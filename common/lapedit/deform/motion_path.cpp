@@ -28,8 +28,9 @@ MotionPath::MotionPath(const LocalMotion& carried, const LocalMotion& target, co
   // cos(angle / 2) where the angle is 30 degrees, 60 and so on.
   constexpr double kCosines[] = {0.96592582628906829, 0.86602540378443865, 0.70710678118654752, 0.5,
                                  0.25881904510252076};
+  constexpr double kRounding = 1e-9;  // a quarter of a turn is three steps, however it is given
   for (const double cosine : kCosines) {
-    steps_ += turn_[3] < cosine;
+    steps_ += turn_[3] < cosine - kRounding;
   }
   if (steps_ == 1) {
     return;  // hardly a turn: straight on
