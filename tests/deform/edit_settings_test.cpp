@@ -3,10 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <limits>
 #include <sstream>
+#include <stdexcept>
+#include <utility>
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
@@ -74,6 +77,100 @@ TEST(EditSettings, ChoicesHaveOneNameForEachNumber) {
     EXPECT_EQ(setting.choices.size(), names) << setting.key;
   }
   EXPECT_EQ(title_of("smooth_normals"), "Smooth normals");
+}
+
+/// Recorded edits and scripts name these; keys, choices and their numbers never change, new ones go to the end.
+TEST(EditSettings, KeysAndChoicesStayInTheirOrder) {
+  const std::vector<std::pair<std::string, std::vector<std::string>>> expected = {
+      {"laplacian", {"umbrella", "cotangent", "mean_value"}},
+      {"order", {}},
+      {"detail_rotation", {"none", "smooth_normals", "smooth_surface", "local_global"}},
+      {"iterations", {}},
+      {"normal_radius", {}},
+      {"handle_weight", {}},
+      {"anchor_weight", {}},
+      {"turning", {"vertex", "edge"}},
+      {"rough", {"unrotated", "falloff"}},
+      {"membrane", {}}};
+  ASSERT_GE(settings_table().size(), expected.size());
+  for (std::size_t row = 0; row < expected.size(); ++row) {
+    const Setting& setting = settings_table()[row];
+    EXPECT_EQ(setting.key, expected[row].first);
+    ASSERT_EQ(setting.choices.size(), expected[row].second.size()) << setting.key;
+    for (std::size_t choice = 0; choice < setting.choices.size(); ++choice) {
+      EXPECT_EQ(setting.choices[choice], expected[row].second[choice]);
+    }
+  }
+}
+
+/// Fails if a number of the table stands for another choice in the code.
+TEST(EditSettings, ChoicesAreWhatTheirNamesSay) {
+  const auto setting = [](const char* key) {
+    for (const Setting& one : settings_table()) {
+      if (std::string(one.key) == key) {
+        return one;
+      }
+    }
+    throw std::out_of_range(key);
+  };
+  const auto plain = [](std::string text) {  // a name of a report against a choice of JSON
+    std::replace(text.begin(), text.end(), ' ', '_');
+    std::replace(text.begin(), text.end(), '-', '_');
+    return text;
+  };
+  const auto check = [&](const char* key, auto member) {
+    const Setting row = setting(key);
+    for (std::size_t choice = 0; choice < row.choices.size(); ++choice) {
+      EditSettings settings;
+      row.set(settings, static_cast<double>(choice));
+      EXPECT_EQ(plain(name(settings.*member)), row.choices[choice]);
+      EXPECT_EQ(row.get(settings), static_cast<double>(choice));
+    }
+  };
+  check("laplacian", &EditSettings::laplacian);
+  check("detail_rotation", &EditSettings::rotation);
+  check("turning", &EditSettings::turning);
+  check("rough", &EditSettings::rough);
+  EditSettings settings;
+  setting("membrane").set(settings, 1200);
+  EXPECT_EQ(settings.membrane, 1200);
+}
+
+/// What files of version 1 mean is written down once and for all.
+TEST(EditSettings, VersionOneNamesThePaperlikeChoices) {
+  const EditSettings settings = version_one_settings();
+  EXPECT_EQ(settings.rules, 1);
+  const std::vector<double> expected = {0, 1, 2, 1, 0, 10, 10, 0, 0, 0};  // in the table's order
+  for (std::size_t row = 0; row < expected.size(); ++row) {
+    EXPECT_EQ(settings_table()[row].get(settings), expected[row]) << settings_table()[row].key;
+  }
+  EXPECT_EQ(refusal(settings), "");
+  EXPECT_TRUE(has_fast_path(settings));
+}
+
+TEST(EditSettings, FastPathIsForOrderOneAndWhatAFrameKnows) {
+  const auto fast = [](DetailRotation rotation, int order, int iterations, DetailTurning turning, double membrane) {
+    EditSettings settings;
+    settings.rotation = rotation;
+    settings.order = order;
+    settings.iterations = iterations;
+    settings.turning = turning;
+    settings.membrane = membrane;
+    return has_fast_path(settings);
+  };
+  for (const double membrane : {0.0, 1200.0}) {
+    for (const DetailTurning turning : {DetailTurning::Vertex, DetailTurning::Edge}) {
+      for (const int iterations : {1, 3}) {
+        const bool one = iterations == 1, by_vertices = turning == DetailTurning::Vertex;
+        EXPECT_TRUE(fast(DetailRotation::LocalGlobal, 1, iterations, turning, membrane)) << "passes do not count";
+        EXPECT_FALSE(fast(DetailRotation::LocalGlobal, 2, iterations, turning, membrane));
+        EXPECT_FALSE(fast(DetailRotation::SmoothNormals, 1, iterations, turning, membrane));
+        EXPECT_EQ(fast(DetailRotation::None, 1, iterations, turning, membrane), one);
+        EXPECT_EQ(fast(DetailRotation::SmoothSurface, 1, iterations, turning, membrane), one && by_vertices);
+        EXPECT_FALSE(fast(DetailRotation::SmoothSurface, 3, iterations, turning, membrane));
+      }
+    }
+  }
 }
 
 /// All documents of the project.
