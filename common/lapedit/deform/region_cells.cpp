@@ -17,7 +17,8 @@ Four four(const Vector3& v) {
   return Four{static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]), 0};
 }
 
-constexpr int kPieces = 8;  // sums are taken in so many parts, whatever the threads
+constexpr double kRounding = 1e-9;  // decides nothing, so that cells are the same however the mesh is turned or scaled
+constexpr int kPieces = 8;          // sums are taken in so many parts, whatever the threads
 
 /// Calls body(piece, first, last) for kPieces parts of [0, count).
 template <class Body>
@@ -30,7 +31,7 @@ void in_parts(ThreadPool& pool, Eigen::Index count, const Body& body) {
 /// Vertices that begin a cell, spread along the numbering of the vertices: as many in a stretch of it as its share of
 /// the density (d / d_max + 0.2)^-1.
 std::vector<int> spread_seeds(const Region& region, int target) {
-  constexpr double kSoft = 0.2, kStart = 0.5;
+  constexpr double kSoft = 0.2, kStart = 0.5 + kRounding;
   const int n = region.size();
   const double scale = region.max_distance > 0 ? 1 / region.max_distance : 0;
   const auto density = [&](int i) { return 1 / (std::min(region.distance[i] * scale, 1.0) + kSoft); };
@@ -111,7 +112,7 @@ void recentre(const Region& region, const Points& rest, const RegionCells& cells
   for (int i = 0; i < region.size(); ++i) {
     const int c = cells.of[i];
     const double distance = (rest.row(i) - cells.centres.row(c)).squaredNorm();
-    if (distance < nearest[c]) {
+    if (distance < (1 - kRounding) * nearest[c]) {
       nearest[c] = distance;
       seeds[c] = i;
     }
