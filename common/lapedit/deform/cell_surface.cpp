@@ -8,9 +8,10 @@
 namespace lapedit {
 
 /// J = sum_b (x_b - x_a) s_ab^T, s_ab = g_ab (sum_b g_ab t t^T)^-1 t, is the gradient of x along the surface at cell a,
-/// t the edges to its neighbours in the tangent plane, g their nearness.
+/// t the edges to its neighbours in the tangent plane, g their nearness. A cell whose neighbours all lie in a line has
+/// none: what rounding makes of it would keep rotations from settling.
 CellSurface::CellSurface(const RegionCells& cells) : cells_(cells) {
-  constexpr double kFlat = 1e-6;
+  constexpr double kFlat = 1e-6, kLine = 1e-3;
   nearness_.resize(cells_.neighbours.values.size());
   slope_.resize(nearness_.size());
   for (int a = 0; a < cells_.count(); ++a) {
@@ -26,10 +27,11 @@ CellSurface::CellSurface(const RegionCells& cells) : cells_(cells) {
       spread += nearness_[k] * slope_[k] * slope_[k].transpose();
     }
     const double size = spread.trace();
+    const double used = spread.determinant() > kLine * size * size ? 1 : 0;
     spread.diagonal().array() += size > 0 ? kFlat * size : 1;
     const Eigen::Matrix2d inverse = spread.inverse();
     for (int k = cells_.neighbours.offsets[a]; k < cells_.neighbours.offsets[a + 1]; ++k) {
-      slope_[k] = nearness_[k] * (inverse * slope_[k]).eval();
+      slope_[k] = used * nearness_[k] * (inverse * slope_[k]).eval();
     }
   }
 }
