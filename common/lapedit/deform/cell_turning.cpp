@@ -7,7 +7,8 @@ namespace lapedit {
 namespace {
 
 constexpr int kPassesOnTheWay = 5, kMostPasses = 150;
-constexpr double kAccurate = 1e-5;  // of the handles' largest way
+constexpr double kAccurate = 1e-5;          // of the handles' largest way
+constexpr double kAccurateForFrame = 3e-5;  // of that or of the region's size, whichever is larger
 
 }  // namespace
 
@@ -24,6 +25,7 @@ CellTurning::CellTurning(const Region& region, const Points& rest, const RegionC
       component_(cells.count(), 0),
       hold_(cells.count(), 0),
       local_global_(cells, surface_, hold_, settings, system_),
+      size_(region.max_distance),
       linear_(cells.count()),
       rotations_(cells.count(), Matrix3::Identity()) {
   gather(region, rest);
@@ -112,8 +114,9 @@ void CellTurning::solve(const std::vector<LocalMotion>& targets, const std::vect
       std::fill(rotations_.begin(), rotations_.end(), Matrix3::Identity());
       continue;
     }
+    const double accurate = goes_on ? kAccurateForFrame * std::max(way, size_) : kAccurate * way;
     const LocalGlobal::Outcome outcome = local_global_.settle(
-        constraints_, kAccurate * way, last ? kMostPasses : kPassesOnTheWay, warm, displacement_, rotations_);
+        constraints_, accurate, last ? kMostPasses : kPassesOnTheWay, warm, displacement_, rotations_);
     passes_ += outcome.passes;
     left_ = outcome.left / way;
   }

@@ -51,6 +51,7 @@ class CellTurning {
   std::vector<double> hold_;    // how far its rotation is held back, 0 to 1
   std::vector<Group> groups_;
   LocalGlobal local_global_;
+  double size_;
   bool solved_ = false;
   std::vector<LocalMotion> last_targets_;
   std::vector<MotionPath> paths_;

@@ -41,6 +41,7 @@ class LocalGlobal {
 
  private:
   void fit(const Points& displacement, std::vector<Matrix3>& rotations);
+  void average();
   void turn(const std::vector<Matrix3>& rotations, Points& turned) const;
 
   const RegionCells& cells_;
@@ -50,7 +51,9 @@ class LocalGlobal {
   CoarseSystem& system_;
   AndersonMixing mixing_;
   Points carried_, smooth_before_, smooth_after_, normals_before_, scratch_, next_, turned_;
-  std::vector<Matrix3> linear_, covariances_, other_;
+  std::vector<Matrix3> linear_, covariances_;
+  std::vector<Vector3> before_;          // per entry of neighbours: g_ab (P0_b - P0_a)
+  std::vector<double> current_, other_;  // matrices that are averaged, kStride numbers apart
 };
 
 }  // namespace lapedit
