@@ -25,6 +25,7 @@ QJsonObject step(const EditReport& report) {
           {"turning", QString::fromStdString(report.turning)},
           {"rough", QString::fromStdString(report.rough)},
           {"iterations", report.iterations},
+          {"passes_dropped", report.passes_dropped},
           {"normal_radius", report.normal_radius},
           {"uniform_edges", report.uniform_edges},
           {"solver", QString::fromStdString(report.backend)},

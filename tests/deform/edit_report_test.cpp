@@ -204,6 +204,7 @@ TEST(EditReport, TextHoldsEveryNumber) {
   r.backend = "some backend";
   r.order = 3;
   r.iterations = 7;
+  r.passes_dropped = 90010;
   r.normal_radius = 0.00125;
   r.uniform_edges = 90007;
   r.region_ms = 101.5;
@@ -227,7 +228,7 @@ TEST(EditReport, TextHoldsEveryNumber) {
        {"some turning",  "some way",      "90001",        "90002",   "90003", "90004",   "90005", "90006",
         "some operator", "some rotation", "some backend", "order 3", "7 ",    "0.00125", "90007", "101.5",
         "102.5",         "103.5",         "104.5",        "105.5",   "106.5", "107.5",   "108.5", "2.5e-17",
-        "0.625",         "0.00035",       "4.5e-05",      "11.5",    "77.5",  "8.75",    "90008"}) {
+        "0.625",         "0.00035",       "4.5e-05",      "11.5",    "77.5",  "8.75",    "90008", "90010 of 90017"}) {
     EXPECT_NE(text.find(part), std::string::npos) << part << " in:\n" << text;
   }
   EXPECT_NE(text.back(), '\n');

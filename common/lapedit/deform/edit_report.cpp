@@ -37,6 +37,11 @@ std::string EditReport::text() const {
       "flipped: %d",
       rotation_mean, rotation_max, 100 * stretch_rms, 100 * stretch_max, flipped);
   lines += format_text("; normal-equation residual %.2g", normal_equation_residual);
+  if (passes_dropped > 0) {
+    lines += format_text("\nDropped: %d of %d rotation passes, since they made it worse.", passes_dropped,
+                         passes_dropped + iterations);
+    lines += order > 1 ? " Order 1 turns details better." : "";
+  }
   lines += format_text(
       "\nMilliseconds: region %.1f, operator %.1f, factor %.1f, smoothing table %.1f, rough solve %.2f, normals %.2f, "
       "rotate %.2f, solve %.2f",
