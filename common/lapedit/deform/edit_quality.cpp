@@ -50,19 +50,19 @@ int flipped_triangles(const Region& region, const Points& before, const Points& 
   return count;
 }
 
-EditQuality edit_quality(const LaplacianSystem& system, const EditConstraints& constraints, const Points& displacement,
-                         const Points& positions, const std::vector<Matrix3>& rotations) {
+EditQuality edit_quality(const LaplacianSystem& system, const EditConstraints& constraints, const Points& positions,
+                         const std::vector<Matrix3>& rotations) {
   EditQuality result;
   const Region& region = system.region;
   for (int i = 0; i < region.size(); ++i) {
-    const Vector3 d = displacement.row(i).transpose();
+    const Vector3 moved = (positions.row(i) - system.rest.world.row(i)).transpose();
     if (region.classes[i] == VertexClass::Handle) {
       const Vector3 way = constraints.wanted_way(i);
-      const Vector3 carried = constraints.carried(i).displacement(system.rest.local.row(i).transpose());
       result.handle_displacement = std::max(result.handle_displacement, way.norm());
-      result.handle_residual = std::max(result.handle_residual, (carried + d - way).norm());
+      result.handle_residual = std::max(result.handle_residual, (moved - way).norm());
     } else if (region.classes[i] == VertexClass::Anchor) {
-      result.anchor_residual = std::max(result.anchor_residual, d.norm());
+      const Vector3 way = constraints.carried(i).displacement(system.rest.local.row(i).transpose());
+      result.anchor_residual = std::max(result.anchor_residual, (moved - way).norm());
     }
     const double degrees = Eigen::AngleAxisd(rotations[i]).angle() * (180 / 3.14159265358979323846);
     result.rotation_mean += degrees / region.size();

@@ -21,9 +21,8 @@ int flipped_triangles(const Region& region, const Points& before, const Points& 
                       const std::vector<Matrix3>& rotations);
 
 /// All of it but the normal equations' residual.
-/// @param displacement  from the carried pose, size() x 3
-/// @param positions     the result
-EditQuality edit_quality(const LaplacianSystem& system, const EditConstraints& constraints, const Points& displacement,
-                         const Points& positions, const std::vector<Matrix3>& rotations);
+/// @param positions  the result as it is stored, size() x 3
+EditQuality edit_quality(const LaplacianSystem& system, const EditConstraints& constraints, const Points& positions,
+                         const std::vector<Matrix3>& rotations);
 
 }  // namespace lapedit

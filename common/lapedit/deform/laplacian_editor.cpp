@@ -203,14 +203,18 @@ const std::vector<Matrix3>& LaplacianEditor::rotations() const {
   return state_->rotations;
 }
 
-EditReport LaplacianEditor::report() const {
+const Points& LaplacianEditor::positions() const {
+  return state_->positions;
+}
+
+EditReport LaplacianEditor::report(const Points& stored) const {
   const State& s = *state_;
   EditReport report = s.report;
   if (s.positions.rows() == 0) {
     return report;  // nothing has been solved for
   }
   EditQuality& quality = report;
-  quality = edit_quality(*s.system, s.constraints, s.displacement, s.positions, s.rotations);
+  quality = edit_quality(*s.system, s.constraints, stored, s.rotations);
   quality.normal_equation_residual = s.solver.relative_residual(s.right, s.displacement);
   return report;
 }
