@@ -39,6 +39,7 @@ struct LaplacianEditor::State {
   std::optional<Vector3> one_pull;  // where there is a response for it
   Points positions;                 // no rows before the first solve
   std::vector<Matrix3> rotations;
+  std::vector<Matrix3> rotations_before;  // of the pass before, where there are several
 
   State(const TriangleMesh& mesh, Region region, const EditSettings& settings, const Progress& progress,
         const LaplacianSystem* before)
@@ -96,9 +97,13 @@ void LaplacianEditor::State::turn_details(const Progress& go_on) {
   for (int pass = 0; pass < system->settings.iterations; ++pass) {
     previous = displacement;
     report_progress(go_on, 0, "rotations");
+    if (system->settings.iterations > 1) {
+      rotations_before = rotations;
+    }
     rotation->turn(displacement, pass == 0 && one_pull ? &*one_pull : nullptr, constraints, rotations, right);
     report.normals_ms += rotation->normals_ms();
     report.rotate_ms += rotation->rotate_ms();
+    report.rotation_left = largest_turn(rotations, rotations_before);
     const Stopwatch watch;
     solve_exactly(right, go_on);
     report.solve_ms += watch.elapsed();
@@ -162,6 +167,7 @@ const Points& LaplacianEditor::solve(const std::vector<Affine>& handles, const A
   s.report.unrotated_ms = watch.elapsed();
   s.report.normals_ms = s.report.rotate_ms = s.report.solve_ms = 0;
   s.report.iterations = 0;
+  s.report.rotation_left = 0;
   std::fill(s.rotations.begin(), s.rotations.end(), Matrix3::Identity());
   if (s.rotation && s.constraints.pull()) {
     s.turn_details(go_on);
@@ -195,7 +201,8 @@ std::size_t LaplacianEditor::bytes() const {
   const State& s = *state_;
   const Eigen::Index doubles = s.displacement.size() + s.right.size() + s.previous.size() + s.positions.size();
   return s.system->bytes() + s.solver.bytes() + s.constraints.bytes() + (s.rotation ? s.rotation->bytes() : 0) +
-         (s.preview ? s.preview->bytes() : 0) + s.rotations.capacity() * sizeof(Matrix3) +
+         (s.preview ? s.preview->bytes() : 0) +
+         (s.rotations.capacity() + s.rotations_before.capacity()) * sizeof(Matrix3) +
          static_cast<std::size_t>(doubles) * sizeof(double);
 }
 
@@ -215,6 +222,7 @@ EditReport LaplacianEditor::report(const Points& stored) const {
   }
   EditQuality& quality = report;
   quality = edit_quality(*s.system, s.constraints, stored, s.rotations);
+  quality.rotation_left = s.report.rotation_left;
   quality.normal_equation_residual = s.solver.relative_residual(s.right, s.displacement);
   return report;
 }
