@@ -44,6 +44,7 @@ QJsonObject step(const EditReport& report) {
           {"volume_change", report.volume_change},
           {"detail_height", report.detail_height ? QJsonValue(*report.detail_height) : QJsonValue()},
           {"rotation_left", report.rotation_left},
+          {"new_intersections", report.new_intersections ? QJsonValue(*report.new_intersections) : QJsonValue()},
           {"advice", QString::fromStdString(report.advice())},
           {"milliseconds", QJsonObject{{"region", report.region_ms},
                                        {"operator", report.operator_ms},
