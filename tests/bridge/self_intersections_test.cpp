@@ -73,7 +73,7 @@ TEST(SelfIntersections, AreNoneWhereNothingMeets) {
 TEST(SelfIntersections, OfPiecesAreThoseThatAreNew) {
   const TriangleMesh ball = shapes::icosphere(2);
   const int n = static_cast<int>(ball.vertices.rows());
-  for (const double size : {1e-4, 1.0, 1e4}) {
+  for (const double size : {1e-8, 1.0, 1e8}) {
     for (const double place : {0.0, 1e3}) {
       const auto moved_by = [&](double from, double to) {
         TriangleMesh both = shapes::together(ball, ball, Vector3(from, 0.011, 0.007));
