@@ -5,6 +5,7 @@
 #include <vcg/complex/algorithms/clean.h>
 
 #include <limits>
+#include <set>
 
 #include "host_support.h"
 #include "shapes.h"
@@ -59,6 +60,11 @@ TEST(SelfIntersections, OfALimbPulledThroughItselfAreThoseOfVcglib) {
     const int pairs = counted_by_vcglib(mesh, result);  // in single precision, which decides some otherwise
     EXPECT_NEAR(found, pairs, 0.04 * pairs);
     EXPECT_EQ(found, new_self_intersections(mesh, result, 1)) << "on one thread";
+    for (const double size : {0x1p-20, 0x1p20}) {
+      EditResult scaled = result;
+      scaled.positions *= size;
+      EXPECT_EQ(found, new_self_intersections({size * mesh.vertices, mesh.faces}, scaled)) << size;
+    }
   }
 }
 
@@ -73,6 +79,7 @@ TEST(SelfIntersections, AreNoneWhereNothingMeets) {
 TEST(SelfIntersections, OfPiecesAreThoseThatAreNew) {
   const TriangleMesh ball = shapes::icosphere(2);
   const int n = static_cast<int>(ball.vertices.rows());
+  std::set<int> everywhere;
   for (const double size : {1e-8, 1.0, 1e8}) {
     for (const double place : {0.0, 1e3}) {
       const auto moved_by = [&](double from, double to) {
@@ -91,11 +98,13 @@ TEST(SelfIntersections, OfPiecesAreThoseThatAreNew) {
       };
       const int met = moved_by(3, 1.5);
       EXPECT_GT(met, 20);
+      everywhere.insert(met);
       EXPECT_EQ(moved_by(1.5, 3), 0) << "they part";
       EXPECT_EQ(moved_by(3, 2.5), 0);
       EXPECT_LT(moved_by(1.5, 1.5001), met / 4) << "most of them met before";
     }
   }
+  EXPECT_EQ(everywhere.size(), 1U);
 }
 
 TEST(SelfIntersections, OfFacesThatAreNoneAreNone) {
