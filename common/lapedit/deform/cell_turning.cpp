@@ -104,7 +104,7 @@ void CellTurning::solve(const std::vector<LocalMotion>& targets, const std::vect
     std::fill(rotations_.begin(), rotations_.end(), Matrix3::Identity());
   }
   passes_ = 0;
-  left_ = 0;
+  left_ = turned_ = 0;
   solved_ = true;
   for (int step = warm ? steps : 1; step <= steps; ++step) {
     const bool last = step == steps;
@@ -119,6 +119,7 @@ void CellTurning::solve(const std::vector<LocalMotion>& targets, const std::vect
         constraints_, accurate, last ? kMostPasses : kPassesOnTheWay, warm, displacement_, rotations_);
     passes_ += outcome.passes;
     left_ = outcome.left / way;
+    turned_ = outcome.turned;
   }
 }
 

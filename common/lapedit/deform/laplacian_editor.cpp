@@ -40,6 +40,7 @@ struct LaplacianEditor::State {
   std::optional<Vector3> one_pull;  // where there is a response for it
   Points positions;                 // no rows before the first solve
   std::vector<Matrix3> rotations;
+  std::vector<Matrix3> rotations_before;  // of the pass before, where there are several
 
   // Of the pass before, where the next one may be dropped; and scratch.
   std::vector<Matrix3> kept_rotations;
@@ -106,7 +107,9 @@ void LaplacianEditor::State::turn_with_cells(const Progress& go_on) {
   const Stopwatch watch;
   solve_exactly(right, go_on);
   report.solve_ms = watch.elapsed();
-  report.iterations = 1;
+  report.iterations = system->blended->cells().passes();
+  constexpr double kDegrees = 180 / 3.14159265358979323846;
+  report.rotation_left = kDegrees * system->blended->cells().turned();
 }
 
 /// RMS edge stretch of the pose so far.
@@ -155,9 +158,13 @@ void LaplacianEditor::State::turn_details(const Progress& go_on) {
     }
     previous = displacement;
     report_progress(go_on, 0, "rotations");
+    if (system->settings.iterations > 1) {
+      rotations_before = rotations;
+    }
     rotation->turn(displacement, pass == 0 && one_pull ? &*one_pull : nullptr, constraints, rotations, right);
     report.normals_ms += rotation->normals_ms();
     report.rotate_ms += rotation->rotate_ms();
+    report.rotation_left = largest_turn(rotations, rotations_before);
     const Stopwatch watch;
     solve_exactly(right, go_on);
     report.solve_ms += watch.elapsed();
@@ -227,6 +234,7 @@ const Points& LaplacianEditor::solve(const std::vector<Affine>& handles, const A
   s.report.unrotated_ms = watch.elapsed();
   s.report.normals_ms = s.report.rotate_ms = s.report.solve_ms = 0;
   s.report.iterations = s.report.passes_dropped = 0;
+  s.report.rotation_left = 0;
   std::fill(s.rotations.begin(), s.rotations.end(), Matrix3::Identity());
   if (s.rotation && s.constraints.pull()) {
     s.system->blended ? s.turn_with_cells(go_on) : s.turn_details(go_on);
@@ -262,7 +270,7 @@ std::size_t LaplacianEditor::bytes() const {
                                s.kept_right.size() + s.pose.size();
   return s.system->bytes() + s.solver.bytes() + s.constraints.bytes() + (s.rotation ? s.rotation->bytes() : 0) +
          (s.preview ? s.preview->bytes() : 0) +
-         (s.rotations.capacity() + s.kept_rotations.capacity()) * sizeof(Matrix3) +
+         (s.rotations.capacity() + s.kept_rotations.capacity() + s.rotations_before.capacity()) * sizeof(Matrix3) +
          static_cast<std::size_t>(doubles) * sizeof(double);
 }
 
@@ -270,14 +278,19 @@ const std::vector<Matrix3>& LaplacianEditor::rotations() const {
   return state_->rotations;
 }
 
-EditReport LaplacianEditor::report() const {
+const Points& LaplacianEditor::positions() const {
+  return state_->positions;
+}
+
+EditReport LaplacianEditor::report(const Points& stored) const {
   const State& s = *state_;
   EditReport report = s.report;
   if (s.positions.rows() == 0) {
     return report;  // nothing has been solved for
   }
   EditQuality& quality = report;
-  quality = edit_quality(*s.system, s.constraints, s.displacement, s.positions, s.rotations);
+  quality = edit_quality(*s.system, s.constraints, stored, s.rotations);
+  quality.rotation_left = s.report.rotation_left;
   quality.normal_equation_residual = s.solver.relative_residual(s.right, s.displacement);
   return report;
 }

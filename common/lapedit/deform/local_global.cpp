@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/deform/local_global.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstring>
 #include <utility>
@@ -170,7 +172,11 @@ LocalGlobal::Outcome LocalGlobal::settle(const Points& constraints, double accur
       break;
     }
   }
+  last_ = rotations;
   fit(displacement, rotations);
+  for (int a = 0; a < cells_.count(); ++a) {
+    outcome.turned = std::max(outcome.turned, (rotations[a] - last_[a]).norm() / std::sqrt(2.0));
+  }
   return outcome;
 }
 

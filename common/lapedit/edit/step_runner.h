@@ -69,7 +69,7 @@ class StepRunner {
   void preview(const std::vector<Affine>& maps, Points& places);
   bool has_preview() const { return editor_->has_preview(); }
 
-  /// Report of preparation and last solve(). Of a pose that came after another one, times of preparing are 0.
+  /// Report of preparation and last solve(), of its rounded places. Of a pose that came after another one, times of preparing are 0.
   EditReport report() const;
 
  private:
