@@ -138,6 +138,7 @@ EditSettings version_one_settings() {
   settings.handle_weight = settings.anchor_weight = 10;
   settings.turning = DetailTurning::Vertex;
   settings.rough = RoughDeformation::Unrotated;
+  settings.membrane = 0;
   settings.rules = 1;
   return settings;
 }
