@@ -38,7 +38,7 @@ constexpr const char* kUsage = R"(usage: quality_bench [OPTION]...
   --repeat N            best times of so many runs (2)
   --json FILE           all figures
   --out DIR             the meshes, one folder for each edit
-  --list                edits and methods, and no more
+  --list                the edits, and no more
 )";
 
 struct Options {
@@ -73,6 +73,11 @@ std::vector<Method> make_methods(const Options& options) {
   methods.push_back({"SR-ARAP", smooth_arap});
   if (options.blender) {
     methods.push_back({"Blender", blender, true});
+  }
+  for (const std::string& name : options.only) {
+    if (std::none_of(methods.begin(), methods.end(), [&](const Method& m) { return m.name == name; })) {
+      throw std::runtime_error("there is no method " + name);
+    }
   }
   methods.erase(
       std::remove_if(methods.begin(), methods.end(), [&](const Method& m) { return !among(options.only, m.name); }),
@@ -142,7 +147,10 @@ Options parse(int argc, char** argv) {
       }
       return argv[++k];
     };
-    if (option == "--edits") {
+    if (option == "--help") {
+      std::fputs(kUsage, stdout);
+      std::exit(0);
+    } else if (option == "--edits") {
       options.edits = split(value(), ',');
     } else if (option == "--only") {
       options.only = split(value(), ',');
