@@ -55,6 +55,38 @@ TEST(EditConstraints, LooseComponentGoesWithTheMeanOfItsHandleVertices) {
   EXPECT_TRUE(s.constraints.carried_rotation(200).isIdentity(0));
 }
 
+/// Fails if maps are averaged linearly where groups turn by different angles, or the one-sided places go elsewhere.
+TEST(EditConstraints, LooseComponentTurnsAndGrowsByTheMeanOfItsGroups) {
+  Scene s;
+  const std::vector<int> loose = {200, 250, 251};
+  for (const double degrees : {60.0, 179.0, 180.0}) {
+    Affine turned = support::rigid(degrees, Vector3(1, 2, 3), Vector3(4, 5, 6));
+    turned.linear() *= 1.6;
+    s.constraints.set({kStay, turned, kStay}, kStay);
+    // Of three vertices one turns and grows. The mean of its quaternion and two of the identity:
+    const double half = degrees / 360 * std::acos(-1.0), mean = 2 * std::atan2(std::sin(half), 2 + std::cos(half));
+    const Affine expected = support::rigid(mean * 180 / std::acos(-1.0), Vector3(1, 2, 3), Vector3::Zero());
+    EXPECT_LT((s.constraints.carried_rotation(200) - expected.linear()).norm(), 1e-13) << degrees;
+    const Matrix3 linear = s.constraints.carried(200).linear + Matrix3::Identity();
+    EXPECT_LT((linear - 1.2 * expected.linear()).norm(), 1e-13) << degrees;
+    Vector3 away = Vector3::Zero();
+    for (const int i : loose) {
+      away += s.constraints.wanted_way(i) - s.constraints.carried(i).displacement(s.rest(i));
+    }
+    EXPECT_LT(away.norm(), 1e-13) << degrees;
+  }
+}
+
+/// A map that all groups share is taken to the bit, even one that shears.
+TEST(EditConstraints, GroupsThatAgreeCarryExactly) {
+  Scene s;
+  Affine map = support::rigid(70, Vector3(1, 2, 3), Vector3(4, 5, 6));
+  map.linear()(0, 1) += 0.3;
+  s.constraints.set({kStay, map, map}, kStay);
+  EXPECT_EQ(s.constraints.carried(200).linear, Matrix3(map.linear() - Matrix3::Identity()));
+  EXPECT_TRUE(s.constraints.right_hand_side().isZero(0));
+}
+
 TEST(EditConstraints, AnchorsCarryTheirComponentWithItsRotation) {
   Scene s;
   const Affine turn = support::rigid(50, Vector3(1, 2, 3), Vector3(4, 5, 6));

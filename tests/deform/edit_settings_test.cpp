@@ -61,6 +61,9 @@ TEST(EditSettings, AreEqualWhereEverySettingIs) {
   other.threads = 1;
   EXPECT_NE(other, standard);
   other = standard;
+  other.rules = 1;
+  EXPECT_NE(other, standard);
+  other = standard;
   other.backend = CholeskyBackend::Eigen;
   EXPECT_NE(other, standard);
 }

@@ -9,6 +9,7 @@
 #include "allocation_watch.h"
 #include "dense_reference.h"
 #include "edit_properties.h"
+#include "lapedit/deform/coarse_preview.h"
 #include "shapes.h"
 #include "support.h"
 
@@ -506,6 +507,55 @@ TEST(EditorConditioning, SystemBeyondDoublePrecisionIsRefusedNotSolvedWrongly) {
   for (const CholeskyBackend backend : {CholeskyBackend::Automatic, CholeskyBackend::Eigen}) {
     settings.backend = backend;
     support::expect_refusal(ErrorCause::IllConditioned, [&] { LaplacianEditor(mesh, region, settings); });
+  }
+}
+
+/// The mean distance of a ring's vertices from their centroid, the least of those between both handles.
+double least_thickness(const Points& tube, int around, int first_ring, int last_ring) {
+  double least = std::numeric_limits<double>::infinity();
+  for (int r = first_ring; r <= last_ring; ++r) {
+    const Points ring = tube.middleRows(1 + r * around, around);
+    least = std::min(least, (ring.rowwise() - ring.colwise().mean()).rowwise().norm().mean());
+  }
+  return least;
+}
+
+/// One end held by a group, the other one turned about the limb: averaged linearly, the middle followed cos(angle / 2),
+/// down to nothing. The bound is what cotangent weights keep beside the handles; the umbrella keeps 1.
+TEST(TwistedLimb, KeepsItsThickness) {
+  constexpr int kAround = 16, kRings = 40, kHeld = 3;
+  TriangleMesh mesh = shapes::cylinder(kAround, kRings);
+  mesh.vertices.col(0) *= 3;
+  RegionSpec spec;
+  spec.kind = RegionSpec::Kind::Component;
+  std::vector<std::vector<int>> ends(2);
+  for (int i = 0; i <= kHeld * kAround; ++i) {
+    ends[0].push_back(i);
+    ends[1].push_back(static_cast<int>(mesh.vertices.rows()) - 1 - i);
+  }
+  const auto region = std::make_shared<const Region>(build_region(mesh, support::adjacency_of(mesh), spec, ends));
+  for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
+    for (const DetailTurning turning : {DetailTurning::Vertex, DetailTurning::Edge}) {
+      for (const int passes : {1, 3}) {
+        EditSettings settings;
+        settings.laplacian = laplacian;
+        settings.turning = turning;
+        settings.iterations = passes;
+        LaplacianEditor editor(mesh, *region, settings);
+        CoarsePreview coarse(mesh, region, settings);
+        for (const double degrees : {60.0, 90.0, 120.0, 150.0, 179.0}) {
+          const std::vector<Affine> maps = {Affine::Identity(),
+                                            support::rigid(degrees, Vector3::UnitX(), Vector3::Zero())};
+          const auto thickness = [&](const Points& pose) {
+            return least_thickness(pose, kAround, kHeld, kRings - 1 - kHeld);
+          };
+          const std::string where = std::string(name(laplacian)) + ", " + name(turning) + ", " +
+                                    std::to_string(passes) + " passes, " + std::to_string(degrees);
+          EXPECT_GT(thickness(editor.solve(maps)), 0.75) << where;
+          EXPECT_GT(thickness(coarse.pose(maps)), 0.75) << where;
+        }
+      }
+    }
   }
 }
 

@@ -101,7 +101,7 @@ TEST(EditScript, ReadsAllKeys) {
 }
 
 TEST(EditScript, ReadsMatrixByRows) {
-  const auto matrix = read_edit(R"({"laplacian_edit": 1, "steps": [{"region": {"radius": 1}, "handles":
+  const auto matrix = read_edit(R"({"laplacian_edit": 2, "steps": [{"region": {"radius": 1}, "handles":
           [{"vertices": "1", "matrix": [1,2,3,4, 5,6,7,8, 9,10,11,12, 0,0,0,1]}]}]})")
                           .steps[0]
                           .handles[0];
@@ -114,12 +114,40 @@ TEST(EditScript, AbsentKeysTakeTheDefaults) {
   expected.region.radius = 1;
   expected.handles = {{{1}, {}}};
   const Edit edit =
-      read_edit(R"({"laplacian_edit": 1, "steps": [{"region": {"radius": 1}, "handles": [{"vertices": "1"}]}]})");
+      read_edit(R"({"laplacian_edit": 2, "steps": [{"region": {"radius": 1}, "handles": [{"vertices": "1"}]}]})");
   ASSERT_EQ(edit.steps.size(), 1U);
   EXPECT_TRUE(same(edit.steps[0], expected));
   EXPECT_FALSE(edit.mesh_vertices);
   EXPECT_FALSE(edit.mesh_faces);
   EXPECT_EQ(edit.connectivity, "");
+}
+
+/// Version 1's are written out: a later default must not change what a recorded edit does.
+TEST(EditScript, VersionOneHasItsOwnRulesAndDefaults) {
+  const std::string step = R"("steps": [{"region": {"radius": 1}, "handles": [{"vertices": "1"}])";
+  const EditSettings old = read_edit("{\"laplacian_edit\": 1, " + step + "}]}").steps[0].settings;
+  EXPECT_EQ(old, version_one_settings());
+  const double defaults[] = {0, 1, 2, 1, 0, 10, 10, 0, 0};
+  for (std::size_t i = 0; i < std::size(defaults); ++i) {
+    EXPECT_EQ(settings_table()[i].get(old), defaults[i]) << settings_table()[i].key;
+  }
+  EXPECT_EQ(old.rules, 1);
+  EXPECT_EQ(read_edit("{\"laplacian_edit\": 1, " + step + R"(, "order": 2}]})").steps[0].settings.order, 2);
+  EXPECT_EQ(read_edit("{\"laplacian_edit\": 2, " + step + R"(, "rules": 1}]})").steps[0].settings, old);
+  EXPECT_EQ(read_edit("{\"laplacian_edit\": 2, " + step + "}]}").steps[0].settings, EditSettings());
+  EXPECT_EQ(EditSettings().rules, 2);
+}
+
+/// A step of version 1 that is saved with a new one behind it.
+TEST(EditScript, StepsKeepTheirRules) {
+  Edit edit;
+  edit.steps.resize(2);
+  edit.steps[0].handles = edit.steps[1].handles = {{{4}, {}}};
+  edit.steps[0].settings = version_one_settings();
+  const std::string text = write_edit(edit);
+  expect_contains(text, R"("rough": "unrotated", "rules": 1})");
+  EXPECT_EQ(text.find("rules"), text.rfind("rules")) << "the new step says nothing";
+  EXPECT_TRUE(same(read_edit(text), edit));
 }
 
 TEST(EditScript, WritesTheDocumentedTextWithAllSettings) {
@@ -143,7 +171,7 @@ TEST(EditScript, WritesTheDocumentedTextWithAllSettings) {
   step.settings.turning = DetailTurning::Edge;
   step.settings.rough = RoughDeformation::Falloff;
   edit.steps.push_back(step);
-  EXPECT_EQ(write_edit(edit), R"({"laplacian_edit": 1,
+  EXPECT_EQ(write_edit(edit), R"({"laplacian_edit": 2,
  "mesh": {"vertices": 11703, "faces": 23402, "connectivity": "0123456789abcdef"},
  "steps": [{
    "region": {"radius": 1.2155, "padding": 0.1},
@@ -199,6 +227,7 @@ TEST(EditScript, RoundTripKeepsEveryBit) {
         transform.scale = any_double(random);
         if (some(2)) transform.center = vector();
       }
+      step.settings.rules = 1 + some(2);
       for (const Setting& setting : settings_table()) {
         const bool choice = setting.kind == Setting::Kind::Choice;
         const bool whole = choice || setting.kind == Setting::Kind::Whole;

@@ -46,7 +46,7 @@ struct CoarsePreview::State {
 
   // Of a frame.
   std::vector<LocalMotion> targets, carried;
-  std::vector<int> handles_seen;
+  std::vector<HandlesSeen> handles_seen;
   std::vector<CellMotion> motions;
   Points positions;
 
@@ -139,7 +139,7 @@ const Points& CoarsePreview::pose(const std::vector<Affine>& handles) {
   for (std::size_t g = 0; g < handles.size(); ++g) {
     s.targets[g] = LocalMotion::of(handles[g], s.rest.origin);
   }
-  carry_components(*s.region, s.targets, LocalMotion(), s.carried, s.handles_seen);
+  carry_components(*s.region, s.rest.local, s.targets, LocalMotion(), s.settings.rules, s.carried, s.handles_seen);
   s.cell_pose.solve(s.targets, s.carried);
   for (int c = 0; c < s.cells.count(); ++c) {
     const Matrix3 turn = s.cell_pose.rotations()[c] - Matrix3::Identity();

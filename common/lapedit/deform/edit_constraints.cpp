@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/deform/edit_constraints.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <string>
 
@@ -41,10 +42,49 @@ void check_targets(const Region& region, const std::vector<Affine>& handles) {
   }
 }
 
-void carry_components(const Region& region, const std::vector<LocalMotion>& targets, const LocalMotion& anchors,
-                      std::vector<LocalMotion>& carried, std::vector<int>& handles_seen) {
+namespace {
+
+/// Rotation and stretch of the groups' maps L = R S, the mean of each over a component's handle vertices, that of the
+/// rotations by their quaternions; and their mean place goes to the mean of its targets.
+LocalMotion mean_motion(const Region& region, const Points& rest, const std::vector<LocalMotion>& targets,
+                        int component) {
+  Eigen::Vector4d first = Eigen::Vector4d::Zero(), quaternion = first, turn = first;
+  Matrix3 own_stretch = Matrix3::Zero(), stretch = own_stretch;
+  Vector3 place = Vector3::Zero(), way = Vector3::Zero();
+  int group = -1, count = 0;
+  for (int i = 0; i < region.size(); ++i) {
+    if (region.component[i] != component || region.classes[i] != VertexClass::Handle) {
+      continue;
+    }
+    if (region.group[i] != group) {
+      const Matrix3 linear = targets[region.group[i]].linear + Matrix3::Identity();
+      const Matrix3 rotation = PolarDecomposition(linear).rotation();
+      own_stretch = rotation.transpose() * linear;
+      quaternion = Eigen::Quaterniond(rotation).coeffs();
+      first = group < 0 ? quaternion : first;
+      quaternion = quaternion.dot(first) < 0 ? Eigen::Vector4d(-quaternion) : quaternion;  // so the sum is never zero
+      group = region.group[i];
+    }
+    turn += quaternion;
+    stretch += own_stretch;
+    place += rest.row(i).transpose();
+    way += targets[group].displacement(rest.row(i).transpose());
+    ++count;
+  }
+  const Matrix3 rotation = Eigen::Quaterniond(Eigen::Vector4d(turn.normalized())).toRotationMatrix();
+  LocalMotion mean;
+  mean.linear = rotation * (stretch / count) - Matrix3::Identity();
+  mean.translation = (way - mean.linear * place) / count;
+  return mean;
+}
+
+}  // namespace
+
+void carry_components(const Region& region, const Points& rest, const std::vector<LocalMotion>& targets,
+                      const LocalMotion& anchors, int rules, std::vector<LocalMotion>& carried,
+                      std::vector<HandlesSeen>& seen) {
   carried.assign(region.anchored.size(), LocalMotion());
-  handles_seen.assign(region.anchored.size(), 0);
+  seen.assign(region.anchored.size(), HandlesSeen());
   for (std::size_t c = 0; c < carried.size(); ++c) {
     if (region.anchored[c]) {
       carried[c] = anchors;
@@ -57,9 +97,17 @@ void carry_components(const Region& region, const std::vector<LocalMotion>& targ
     }
     // A running mean stays exact when all groups agree.
     const LocalMotion& target = targets[region.group[i]];
-    const int seen = ++handles_seen[c];
-    carried[c].linear += (target.linear - carried[c].linear) / seen;
-    carried[c].translation += (target.translation - carried[c].translation) / seen;
+    if (seen[c].count++ == 0) {
+      seen[c].first_group = region.group[i];
+    }
+    carried[c].linear += (target.linear - carried[c].linear) / seen[c].count;
+    carried[c].translation += (target.translation - carried[c].translation) / seen[c].count;
+    seen[c].agree = seen[c].agree && target.linear == targets[seen[c].first_group].linear;
+  }
+  for (std::size_t c = 0; rules > 1 && c < carried.size(); ++c) {
+    if (!seen[c].agree) {
+      carried[c] = mean_motion(region, rest, targets, static_cast<int>(c));
+    }
   }
 }
 
@@ -75,7 +123,8 @@ void EditConstraints::set(const std::vector<Affine>& handles, const Affine& anch
 void EditConstraints::carry_along(const Affine& anchors) {
   const Region& region = system_.region;
   const Points& rest = system_.rest.local;
-  carry_components(region, targets_, LocalMotion::of(anchors, system_.rest.origin), carried_, handles_seen_);
+  carry_components(region, rest, targets_, LocalMotion::of(anchors, system_.rest.origin), system_.settings.rules,
+                   carried_, handles_seen_);
   carried_rotation_.assign(carried_.size(), Matrix3::Identity());
   carries_ = false;
   for (std::size_t c = 0; c < carried_.size(); ++c) {

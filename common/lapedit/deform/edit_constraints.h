@@ -21,10 +21,19 @@ struct LocalMotion {
 /// @throws EditError (NoHandle, NotFinite) unless there is a finite map for each of the region's handle groups
 void check_targets(const Region& region, const std::vector<Affine>& handles);
 
+/// Scratch of carry_components(), per component.
+struct HandlesSeen {
+  int count = 0, first_group = -1;
+  bool agree = true;  ///< whether all groups turn and stretch alike
+};
+
 /// Where each component of a region is carried before anything is solved for: with its anchors, or else by the mean of
-/// its groups' maps. @param handles_seen  scratch. Nothing is allocated after the first call.
-void carry_components(const Region& region, const std::vector<LocalMotion>& targets, const LocalMotion& anchors,
-                      std::vector<LocalMotion>& carried, std::vector<int>& handles_seen);
+/// its groups' maps, in which rotations stay rotations. A linear mean (EditSettings::rules 1) of groups that turn by
+/// different angles shrinks what is between them.
+/// @param rest  size() x 3, about the origin of the motions. Nothing is allocated after the first call.
+void carry_components(const Region& region, const Points& rest, const std::vector<LocalMotion>& targets,
+                      const LocalMotion& anchors, int rules, std::vector<LocalMotion>& carried,
+                      std::vector<HandlesSeen>& seen);
 
 /// Where handles and anchors are to go, and where each component of the region is carried before anything is solved
 /// for: with its anchors, or else by the mean of its groups' maps. What is solved for is the displacement from there.
@@ -65,7 +74,7 @@ class EditConstraints {
   std::vector<LocalMotion> targets_;       // per handle group
   std::vector<LocalMotion> carried_;       // per component
   std::vector<Matrix3> carried_rotation_;  // per component
-  std::vector<int> handles_seen_;          // per component without anchors
+  std::vector<HandlesSeen> handles_seen_;  // per component
   bool carries_ = false, pulls_ = false;
   Points carried_pose_, right_;
 };

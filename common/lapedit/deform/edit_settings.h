@@ -41,6 +41,9 @@ struct EditSettings {
   double anchor_weight = 10;  ///< an anchor's own weight is this times d / d_max
   DetailTurning turning = DetailTurning::Vertex;
   RoughDeformation rough = RoughDeformation::Unrotated;
+  /// Which rules an edit is solved by, so that a recorded one gives its bits for ever: 1, those of files of version 1,
+  /// or 2. Nothing that users choose, so no row of the table.
+  int rules = 2;
   CholeskyBackend backend = CholeskyBackend::Automatic;
   int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
@@ -49,6 +52,9 @@ bool operator==(const EditSettings& a, const EditSettings& b);
 inline bool operator!=(const EditSettings& a, const EditSettings& b) {
   return !(a == b);
 }
+
+/// What keys that a step with rules 1 lacks stand for; never changes.
+EditSettings version_one_settings();
 
 /// Whether drags have a fast path with these settings: see LaplacianEditor::preview().
 bool has_fast_path(const EditSettings& settings);

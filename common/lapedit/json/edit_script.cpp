@@ -20,7 +20,7 @@
 namespace lapedit {
 namespace {
 
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;                              // written; 1 is read as well
 constexpr std::int64_t kMostListedVertices = 100000000;  // in all lists of an edit together
 
 /// Reads vertex lists, counting what they expand to before memory is taken for it.
@@ -181,10 +181,13 @@ void read_setting(const JsonObject& object, const Setting& setting, EditSettings
   }
 }
 
-EditStep read_step(const Json& value, const std::string& where, VertexLists& lists) {
+EditStep read_step(const Json& value, const std::string& where, int version, VertexLists& lists) {
   std::vector<const char*> keys = {"region", "handles"};
   for (const Setting& setting : settings_table()) {
     keys.push_back(setting.key);
+  }
+  if (version > 1) {
+    keys.push_back("rules");
   }
   const JsonObject object(value, where, keys);
   EditStep step;
@@ -200,6 +203,11 @@ EditStep read_step(const Json& value, const std::string& where, VertexLists& lis
                             {"vertices", "translation", "rotation", "scale", "matrix"});
     step.handles.push_back({lists.read(handle, "vertices"), read_transform(handle)});
   }
+  const int rules = object.integer("rules", version);
+  if (rules < 1 || rules > 2) {
+    object.refuse_key("rules", "1 or 2");
+  }
+  step.settings = rules == 1 ? version_one_settings() : EditSettings();
   for (const Setting& setting : settings_table()) {
     read_setting(object, setting, step.settings);
   }
@@ -305,6 +313,9 @@ Json json_of(const EditStep& step) {
   for (const Setting& setting : settings_table()) {
     json[setting.key] = json_of(setting, setting.get(step.settings));
   }
+  if (step.settings.rules != EditSettings().rules) {
+    json["rules"] = step.settings.rules;
+  }
   return json;
 }
 
@@ -372,9 +383,10 @@ std::string trimmed(const std::string& text) {
 Edit read_edit(const std::string& json) {
   const Json root = parse_json(json);
   const auto version = root.find("laplacian_edit");
-  if (version == root.end() || *version != kVersion) {  // first of all: another version may well have other keys
-    refuse_json("laplacian_edit: expected the number " + std::to_string(kVersion) +
-                ", the version that is read here, " +
+  // First of all: another version may well have other keys.
+  if (version == root.end() || (*version != 1 && *version != kVersion)) {
+    refuse_json("laplacian_edit: expected the number 1 or " + std::to_string(kVersion) +
+                ", the versions that are read here, " +
                 (version == root.end() ? "but the key is missing" : "found " + describe(*version)) + ".");
   }
   const JsonObject object(root, "edit", {"laplacian_edit", "mesh", "steps"});
@@ -398,7 +410,7 @@ Edit read_edit(const std::string& json) {
   VertexLists lists(edit.mesh_vertices);
   const Json& steps = object.filled_list("steps", "steps");
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    edit.steps.push_back(read_step(steps[i], "steps[" + std::to_string(i) + "]", lists));
+    edit.steps.push_back(read_step(steps[i], "steps[" + std::to_string(i) + "]", version->get<int>(), lists));
   }
   return edit;
 }
