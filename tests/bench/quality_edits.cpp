@@ -102,6 +102,12 @@ Edit bent_limb(double degrees) {
   return edit;
 }
 
+Edit twisted_limb(double degrees) {
+  Edit edit = bent_limb(degrees);
+  edit.maps = {turn(degrees, {1, 0, 0}, {9, 0, 0})};
+  return edit;
+}
+
 Edit pulled_limb() {
   Edit edit;
   edit.mesh = lapedit::shapes::tapered_arm(72, 130);
@@ -240,6 +246,7 @@ std::vector<NamedEdit> make_edits() {
   add("limb_90", true, [] { return bent_limb(90); });
   add("limb_120", false, [] { return bent_limb(120); });
   add("limb_179", false, [] { return bent_limb(179); });
+  add("limb_twisted", false, [] { return twisted_limb(120); });
   add("limb_vertex", true, pulled_limb);
   add("arm_90", false, [] { return bent_arm(90); });
   add("arm_120", false, [] { return bent_arm(120); });
