@@ -237,7 +237,6 @@ EditQuality edit_quality(const LaplacianSystem& system, const EditConstraints& c
   }
   constexpr double kBody = 0.01;  // of area^(3/2); a ball has 0.094, a slender limb 0.04
   result.is_body = std::abs(result.volume) > kBody * std::pow(twice_area / 2, 1.5);
-  result.detail_height = detail_height(system, positions);
   return result;
 }
 

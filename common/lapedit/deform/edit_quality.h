@@ -40,7 +40,7 @@ std::optional<double> detail_height(const LaplacianSystem& system, const Points&
 /// Largest angle between R_i and S_i, degrees; S empty: from no rotation.
 double largest_turn(const std::vector<Matrix3>& r, const std::vector<Matrix3>& s);
 
-/// All of it but the normal equations' residual, what passes leave and what hosts count.
+/// All of it but the normal equations' residual, the height of detail, what passes leave and what hosts count.
 /// @param positions  the result as it is stored, size() x 3
 EditQuality edit_quality(const LaplacianSystem& system, const EditConstraints& constraints, const Points& positions,
                          const std::vector<Matrix3>& rotations);

@@ -282,7 +282,7 @@ const Points& LaplacianEditor::positions() const {
   return state_->positions;
 }
 
-EditReport LaplacianEditor::report(const Points& stored) const {
+EditReport LaplacianEditor::report(const Points& stored, bool whole) const {
   const State& s = *state_;
   EditReport report = s.report;
   if (s.positions.rows() == 0) {
@@ -290,6 +290,7 @@ EditReport LaplacianEditor::report(const Points& stored) const {
   }
   EditQuality& quality = report;
   quality = edit_quality(*s.system, s.constraints, stored, s.rotations);
+  quality.detail_height = whole ? detail_height(*s.system, stored) : std::nullopt;
   quality.rotation_left = s.report.rotation_left;
   quality.normal_equation_residual = s.solver.relative_residual(s.right, s.displacement);
   return report;

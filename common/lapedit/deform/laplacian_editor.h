@@ -88,7 +88,8 @@ class LaplacianEditor {
 
   /// Report of construction and last solve; works out residuals and stretch on each call, and changes nothing.
   /// @param stored  the positions as the mesh that takes them stores them, which is what residuals are of
-  EditReport report(const Points& stored) const;
+  /// @param whole   with the height of detail, which takes a smoothing
+  EditReport report(const Points& stored, bool whole = true) const;
   EditReport report() const { return report(positions()); }
 
  private:
