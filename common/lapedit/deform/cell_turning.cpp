@@ -29,6 +29,13 @@ CellTurning::CellTurning(const Region& region, const Points& rest, const RegionC
       linear_(cells.count()),
       rotations_(cells.count(), Matrix3::Identity()) {
   gather(region, rest);
+  // All scratch has its size from here on, whatever the first frame of a drag asks for.
+  constraints_.setZero(cells.count(), 3);
+  displacement_.setZero(cells.count(), 3);
+  local_global_.start(cells.centres, std::vector<Matrix3>(cells.count(), Matrix3::Zero()));
+  local_global_.settle(constraints_, 0, 2, true, displacement_, rotations_);
+  displacement_.setZero();
+  std::fill(rotations_.begin(), rotations_.end(), Matrix3::Identity());
 }
 
 /// What of vertices counts for cells and groups.

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
-#include <utility>
 
 #include "lapedit/base/cpu_dispatch.h"
 #include "lapedit/deform/nearest_rotations.h"
@@ -71,9 +70,9 @@ LocalGlobal::LocalGlobal(const RegionCells& cells, const CellSurface& surface, c
       current_(kStride * static_cast<std::size_t>(cells.count()), 0),
       other_(current_.size(), 0) {}
 
-void LocalGlobal::start(const Points& carried, std::vector<Matrix3> linear) {
+void LocalGlobal::start(const Points& carried, const std::vector<Matrix3>& linear) {
   carried_ = carried;
-  linear_ = std::move(linear);
+  linear_ = linear;
   smooth_before_ = carried;
   surface_.smooth(kSmoothing, smooth_before_, scratch_);
   normals_before_.resize(carried.rows(), 3);

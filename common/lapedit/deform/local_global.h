@@ -30,7 +30,7 @@ class LocalGlobal {
   };
 
   /// Where the cells are carried, and by what linear map (minus identity) each.
-  void start(const Points& carried, std::vector<Matrix3> linear);
+  void start(const Points& carried, const std::vector<Matrix3>& linear);
 
   /// @param constraints   what CoarseSystem::solve() is asked for without rotations
   /// @param displacement  in and out; in only where `goes_on`
