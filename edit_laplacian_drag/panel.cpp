@@ -160,7 +160,9 @@ void Panel::addFigures(QFormLayout* form) {
   region_ = figure("region", "Vertices of the region by class, and of the mesh outside it");
   times_ = figure("times", "Milliseconds to prepare the region and to solve for the last pose");
   frame_ = figure("frame", "A frame of the drag, from the mouse's move to the picture: medians of the last frames");
-  quality_ = figure("quality", "Of the last pose: how far the handle is from its target, and the most stretched edge");
+  quality_ =
+      figure("quality",
+             "Of the last pose: how far the handle is from its target, the most stretched edge, and where it folded");
   for (QLabel* label : {region_, times_, frame_, quality_}) {
     form->addRow(label);
   }
@@ -338,7 +340,8 @@ void Panel::showFigures(const DragSession& session, const FrameTimes& median) {
                       .arg(median.draw, 0, 'f', 1));
   quality_->setText(QString("Handle off by %1; largest stretch %2 %")
                         .arg(figures.handle_error, 0, 'g', 3)
-                        .arg(100 * figures.largest_stretch, 0, 'f', 0));
+                        .arg(100 * figures.largest_stretch, 0, 'f', 0) +
+                    (figures.advice.empty() ? QString() : "\n" + QString::fromStdString(figures.advice)));
 }
 
 void Panel::setBusy(bool busy) {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "filter_laplacian_edit.h"
 
-FilterLaplacianEdit::FilterLaplacianEdit(const ReportSink& sink)
-    : VertexFilterPlugin("FilterLaplacianEdit", {laplacianEdit(sink), laplacianEditReplay(sink)}) {}
+FilterLaplacianEdit::FilterLaplacianEdit(const ReportSink& sink, int mostVertices)
+    : VertexFilterPlugin("FilterLaplacianEdit",
+                         {laplacianEdit(sink, mostVertices), laplacianEditReplay(sink, mostVertices)}) {}
 
 QString aboutTheMethod() {
   return "The surface follows the handle smoothly, while the details on it keep their shape and turn with it. Nothing "

@@ -4,6 +4,7 @@
 #include "filters.h"
 #include "lapedit/base/error.h"
 #include "lapedit_host/mesh_bridge.h"
+#include "lapedit_host/self_intersections.h"
 
 using namespace lapedit;
 using namespace lapedit::host;
@@ -125,13 +126,15 @@ EditStep editStep(const ParameterValues& values, const CMeshO& host, const Bridg
   return step;
 }
 
-std::string run(const ParameterValues& values, CMeshO& host, const Progress& progress, const ReportSink& sink) {
+std::string run(const ParameterValues& values, CMeshO& host, const Progress& progress, const ReportSink& sink,
+                int mostVertices) {
   const BridgedMesh bridged = read_mesh(host);
   validate(bridged.mesh);
   const EditStep step = editStep(values, host, bridged);
   const Adjacency adjacency = build_adjacency(static_cast<int>(bridged.mesh.vertices.rows()), bridged.mesh.faces);
-  const EditResult result = apply_step(bridged.mesh, adjacency, step, 1, kStoredScalar, progress);
+  EditResult result = apply_step(bridged.mesh, adjacency, step, 1, kStoredScalar, progress);
   write_positions(host, bridged, result);
+  count_self_intersections(bridged.mesh, result, mostVertices);
   if (sink) {
     sink(result.reports);
   }
@@ -140,12 +143,13 @@ std::string run(const ParameterValues& values, CMeshO& host, const Progress& pro
 
 }  // namespace
 
-FilterAction laplacianEdit(ReportSink sink) {
-  return {"Laplacian Edit", "apply_coord_laplacian_editing",
-          "Moves a handle (a vertex, or the selected vertices) and bends a region of the surface with it. " +
-              aboutTheMethod(),
-          parameters(),
-          [sink = std::move(sink)](const ParameterValues& values, CMeshO& host, const Progress& progress) {
-            return run(values, host, progress, sink);
-          }};
+FilterAction laplacianEdit(ReportSink sink, int mostVertices) {
+  return {
+      "Laplacian Edit", "apply_coord_laplacian_editing",
+      "Moves a handle (a vertex, or the selected vertices) and bends a region of the surface with it. " +
+          aboutTheMethod(),
+      parameters(),
+      [sink = std::move(sink), mostVertices](const ParameterValues& values, CMeshO& host, const Progress& progress) {
+        return run(values, host, progress, sink, mostVertices);
+      }};
 }

@@ -4,17 +4,20 @@
 #include "filters.h"
 #include "lapedit/json/edit_script.h"
 #include "lapedit_host/mesh_bridge.h"
+#include "lapedit_host/self_intersections.h"
 
 using namespace lapedit;
 using namespace lapedit::host;
 
 namespace {
 
-std::string run(const ParameterValues& values, CMeshO& host, const Progress& progress, const ReportSink& sink) {
+std::string run(const ParameterValues& values, CMeshO& host, const Progress& progress, const ReportSink& sink,
+                int mostVertices) {
   const Edit edit = load_edit(values.text("edit").toStdString());
   const BridgedMesh bridged = read_mesh(host);
-  const EditResult result = apply_edit(bridged.mesh, edit, values.real("fraction"), kStoredScalar, progress);
+  EditResult result = apply_edit(bridged.mesh, edit, values.real("fraction"), kStoredScalar, progress);
   write_positions(host, bridged, result);
+  count_self_intersections(bridged.mesh, result, mostVertices);
   if (sink) {
     sink(result.reports);
   }
@@ -32,15 +35,16 @@ std::string textOf(const std::vector<EditReport>& reports) {
   return text;
 }
 
-FilterAction laplacianEditReplay(ReportSink sink) {
-  return {"Laplacian Edit Replay",
-          "apply_coord_laplacian_editing_replay",
-          "Repeats an edit that was recorded or written as JSON, exactly or a part of the way. " + aboutTheMethod(),
-          {{Parameter::Kind::Text, "edit", QString(), "Edit",
-            "The edit as JSON text, beginning with a brace, or the path of a .json file."},
-           {Parameter::Kind::Real, "fraction", 1.0, "Fraction",
-            "How far each handle goes: from 0 (no change) to 1 (the whole edit). Rotations go by angle."}},
-          [sink = std::move(sink)](const ParameterValues& values, CMeshO& host, const Progress& progress) {
-            return run(values, host, progress, sink);
-          }};
+FilterAction laplacianEditReplay(ReportSink sink, int mostVertices) {
+  return {
+      "Laplacian Edit Replay",
+      "apply_coord_laplacian_editing_replay",
+      "Repeats an edit that was recorded or written as JSON, exactly or a part of the way. " + aboutTheMethod(),
+      {{Parameter::Kind::Text, "edit", QString(), "Edit",
+        "The edit as JSON text, beginning with a brace, or the path of a .json file."},
+       {Parameter::Kind::Real, "fraction", 1.0, "Fraction",
+        "How far each handle goes: from 0 (no change) to 1 (the whole edit). Rotations go by angle."}},
+      [sink = std::move(sink), mostVertices](const ParameterValues& values, CMeshO& host, const Progress& progress) {
+        return run(values, host, progress, sink, mostVertices);
+      }};
 }

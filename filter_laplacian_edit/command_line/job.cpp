@@ -6,6 +6,7 @@
 #include <QSaveFile>
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <utility>
 
 #include "filter_laplacian_edit.h"
@@ -15,6 +16,7 @@
 #include "lapedit/json/edit_script.h"
 #include "lapedit_host/mesh_bridge.h"
 #include "lapedit_host/pose_writer.h"
+#include "lapedit_host/self_intersections.h"
 #include "output_files.h"
 #include "progress_line.h"
 #include "report.h"
@@ -23,6 +25,11 @@ using namespace lapedit;
 using namespace lapedit::host;
 
 namespace {
+
+/// Of a region whose new self-intersections are counted.
+int mostVertices(const Options& options) {
+  return options.quality ? std::numeric_limits<int>::max() : 0;
+}
 
 void requireReadable(const QString& path, const char* what) {
   QFile file(path);
@@ -68,10 +75,12 @@ class Job {
         output_(output),
         line_(!options.quiet),
         files_(options.outputs()),
-        filters_([this](const std::vector<EditReport>& reports) {
-          std::vector<EditReport>& steps = report_.poses.front().steps;
-          steps.insert(steps.end(), reports.begin(), reports.end());
-        }),
+        filters_(
+            [this](const std::vector<EditReport>& reports) {
+              std::vector<EditReport>& steps = report_.poses.front().steps;
+              steps.insert(steps.end(), reports.begin(), reports.end());
+            },
+            mostVertices(options)),
         host_(options.plugins, [this](double fraction, const char* stage) {
           line_.show(fraction, stage);
           return true;
@@ -155,13 +164,14 @@ class Job {
     CMeshO& mesh = *host_.mesh();
     const BridgedMesh bridged = read_mesh(mesh);
     const Stopwatch stopwatch;
-    const std::vector<EditResult> results =
+    std::vector<EditResult> results =
         apply_edit(bridged.mesh, edit_, options_.fractions, kStoredScalar, [this](double done, const char* stage) {
           line_.show(done, stage);
           return true;
         });
     report_.edit_ms = stopwatch.elapsed();
     for (std::size_t k = 0; k < results.size(); ++k) {
+      count_self_intersections(bridged.mesh, results[k], mostVertices(options_));
       report_.poses.push_back({options_.fractions[k], results[k].reports});
     }
     if (results.size() == 1) {

@@ -95,10 +95,12 @@ std::optional<Options> readOptions(const QStringList& arguments, std::string& te
               "numbered in the order of the list, as in OUT-0001.ply.",
               "F,F,..."),
       report("report", "Writes the figures of all steps to a file, as JSON.", "FILE"),
+      quality("quality", "Counts also the pairs of triangles that came to intersect, for report and log."),
       also("also", "Keeps also what the format leaves out by default: normals, selection, or both with a comma.",
            "LIST"),
       plugins("plugins", "Takes MeshLab's plugins from another folder.", "DIR");
-  for (const QCommandLineOption* option : {&one, &several, &report, &also, &plugins, &quiet, &help, &version}) {
+  for (const QCommandLineOption* option :
+       {&one, &several, &report, &quality, &also, &plugins, &quiet, &help, &version}) {
     parser.addOption(*option);
   }
   if (!parser.parse(arguments)) {
@@ -131,6 +133,7 @@ std::optional<Options> readOptions(const QStringList& arguments, std::string& te
   options.edit = QFileInfo(files[2]).absoluteFilePath();
   options.isScript = isScript(options.edit);
   options.quiet = parser.isSet(quiet);
+  options.quality = parser.isSet(quality);
   if (parser.isSet(report)) {
     options.report = QFileInfo(parser.value(report)).absoluteFilePath();
   }

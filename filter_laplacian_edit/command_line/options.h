@@ -18,6 +18,7 @@ struct Options {
   QString plugins;        ///< folder, empty: the host's own
   lapedit::host::KeptAttributes kept;
   bool quiet = false;
+  bool quality = false;  ///< counts new self-intersections
 
   QStringList outputs() const;  ///< one path per fraction
 };

@@ -97,7 +97,7 @@ class CommandTest(HostTest):
 class Usage(CommandTest):
     def test_help_tells_options_and_exit_codes(self):
         text = self.done("--help")
-        for word in ("--fraction ", "--fractions", "--report", "--also", "--plugins", "--quiet", "--version"):
+        for word in ("--fraction ", "--fractions", "--report", "--quality", "--also", "--plugins", "--quiet", "--version"):
             self.assertIn(word, text)
         for code in range(6):
             self.assertRegex(text, rf"\n  {code}  \w+")
@@ -280,6 +280,25 @@ class Reports(CommandTest):
         (output,) = json.loads((self.place / "report.json").read_text())["outputs"]
         self.assertNotIn("fraction", output)
         self.assertEqual([step["handle_displacement"] for step in output["steps"]], [0.2, 0])
+
+    def test_new_self_intersections_are_counted_where_asked_for(self):
+        # Far enough to the side for what follows to go through what stays.
+        edit = {"region": {"radius": 0.5}, "handles": [{"vertices": "220", "translation": [0.9, 0.1, -0.02]}]}
+        script = self.write_script(replay(edit))
+        for file in (self.write_edit(edit), script):
+            for asked in (False, True):
+                text = self.done(self.mesh, "out.ply", file, "--report", "report.json", *["--quality"] * asked)
+                (output,) = json.loads((self.place / "report.json").read_text())["outputs"]
+                (step,) = output["steps"]
+                self.assertEqual("new self-intersections: " in text, asked)
+                if asked:
+                    self.assertGreater(step["new_intersections"], 0)
+                    self.assertTrue(step["advice"])
+                else:
+                    self.assertIsNone(step["new_intersections"])
+        self.done(self.mesh, "out.ply", self.write_edit(self.lift), "--report", "report.json", "--quality")
+        (step,) = json.loads((self.place / "report.json").read_text())["outputs"][0]["steps"]
+        self.assertEqual((step["new_intersections"], step["folded"], step["advice"]), (0, 0, ""))
 
     def test_place_that_cannot_be_written(self):
         for report in ("none/report.json", self.place):

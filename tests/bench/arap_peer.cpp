@@ -44,23 +44,30 @@ MethodResult deformed(const Scene& scene) {
   MethodResult result;
   lapedit::Stopwatch watch;
   Deformation deformation(surface);
+  // Not what has lost all its faces: its bits stay.
+  std::vector<int> handles;  // local
   for (int i = 0; i < region.size(); ++i) {
+    const auto v = index_of(region.mesh_vertex[i]);
+    if (surface.is_isolated(v)) {
+      continue;
+    }
     if (region.classes[i] == VertexClass::Free) {
-      deformation.insert_roi_vertex(index_of(region.mesh_vertex[i]));
+      deformation.insert_roi_vertex(v);
     } else {
-      deformation.insert_control_vertex(index_of(region.mesh_vertex[i]));
+      deformation.insert_control_vertex(v);
+    }
+    if (region.classes[i] == VertexClass::Handle) {
+      handles.push_back(i);
     }
   }
   if (!deformation.preprocess()) {
     throw std::runtime_error("CGAL could not factorise its matrix");
   }
   result.prepare_ms = watch.lap();
-  for (int i = 0; i < region.size(); ++i) {
-    if (region.classes[i] == VertexClass::Handle) {
-      const int v = region.mesh_vertex[i];
-      const Vector3 target = scene.edit.maps[static_cast<std::size_t>(region.group[i])] * Vector3(mesh.vertices.row(v));
-      deformation.set_target_position(index_of(v), Kernel::Point_3(target.x(), target.y(), target.z()));
-    }
+  for (const int i : handles) {
+    const int v = region.mesh_vertex[i];
+    const Vector3 target = scene.edit.maps[static_cast<std::size_t>(region.group[i])] * Vector3(mesh.vertices.row(v));
+    deformation.set_target_position(index_of(v), Kernel::Point_3(target.x(), target.y(), target.z()));
   }
   // Each alone, as in a drag; they go on from one another.
   std::vector<double> frames;

@@ -14,19 +14,33 @@ namespace {
 
 using nlohmann::json;
 
-json scene_json(const Scene& scene) {
+/// Blender has absolute bounds: what is tiny in its units it leaves out.
+double blender_scale(const Scene& scene) {
+  const lapedit::Region& region = scene.region;
+  double length = 0;
+  for (int i = 0; i < region.size(); ++i) {
+    for (const int j : region.neighbours[i]) {
+      length +=
+          (scene.edit.mesh.vertices.row(region.mesh_vertex[i]) - scene.edit.mesh.vertices.row(region.mesh_vertex[j]))
+              .norm();
+    }
+  }
+  return 0.1 * static_cast<double>(region.neighbours.values.size()) / length;
+}
+
+json scene_json(const Scene& scene, double scale) {
   const lapedit::Region& region = scene.region;
   json vertices = json::array(), faces = json::array(), anchors = json::array(), groups = json::array();
   for (const lapedit::Affine& map : scene.edit.maps) {
     json rows = json::array();
     for (int i = 0; i < 3; ++i) {
-      rows.push_back({map(i, 0), map(i, 1), map(i, 2), map(i, 3)});
+      rows.push_back({map(i, 0), map(i, 1), map(i, 2), scale * map(i, 3)});
     }
     groups.push_back({{"map", rows}, {"vertices", json::array()}});
   }
   for (int i = 0; i < region.size(); ++i) {
     for (int k = 0; k < 3; ++k) {
-      vertices.push_back(scene.edit.mesh.vertices(region.mesh_vertex[i], k));
+      vertices.push_back(scale * scene.edit.mesh.vertices(region.mesh_vertex[i], k));
     }
     if (region.classes[i] == lapedit::VertexClass::Anchor) {
       anchors.push_back(i);
@@ -56,7 +70,8 @@ MethodResult blender(const Scene& scene) {
     }
   } const remove{folder};
   const std::filesystem::path input = folder / "scene.json", output = folder / "result.json";
-  std::ofstream(input) << scene_json(scene);
+  const double scale = blender_scale(scene);
+  std::ofstream(input) << scene_json(scene, scale);
   // A spinning OpenMP thread would slow it tenfold as soon as something else runs.
   const std::string command = "OMP_WAIT_POLICY=passive HOME='" + folder.string() +
                               "' blender -b --factory-startup -noaudio --python-exit-code 1 --python '" +
@@ -73,7 +88,8 @@ MethodResult blender(const Scene& scene) {
   MethodResult result;
   result.positions = scene.edit.mesh.vertices;
   for (int i = 0; i < scene.region.size(); ++i) {
-    result.positions.row(scene.region.mesh_vertex[i]) << positions[3 * i], positions[3 * i + 1], positions[3 * i + 2];
+    const lapedit::Vector3 p(positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]);
+    result.positions.row(scene.region.mesh_vertex[i]) = p / scale;
   }
   result.prepare_ms = given["bind_ms"];
   result.solve_ms = given["update_ms"];

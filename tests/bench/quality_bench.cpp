@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -38,7 +39,7 @@ constexpr const char* kUsage = R"(usage: quality_bench [OPTION]...
   --repeat N            best times of so many runs (2)
   --json FILE           all figures
   --out DIR             the meshes, one folder for each edit
-  --list                edits and methods, and no more
+  --list                the edits, and no more
 )";
 
 struct Options {
@@ -74,22 +75,41 @@ std::vector<Method> make_methods(const Options& options) {
   if (options.blender) {
     methods.push_back({"Blender", blender, true});
   }
+  for (const std::string& name : options.only) {
+    if (std::none_of(methods.begin(), methods.end(), [&](const Method& m) { return m.name == name; })) {
+      throw std::runtime_error("there is no method " + name);
+    }
+  }
   methods.erase(
       std::remove_if(methods.begin(), methods.end(), [&](const Method& m) { return !among(options.only, m.name); }),
       methods.end());
   return methods;
 }
 
-/// The best of some runs, which differ in nothing but their times.
-MethodResult best_of(int runs, const Method& method, const Scene& scene) {
-  MethodResult best = method.run(scene);
-  for (int k = 1; k < runs && !method.once; ++k) {
-    const MethodResult result = method.run(scene);
-    best.prepare_ms = std::min(result.prepare_ms, best.prepare_ms);
-    best.solve_ms = std::min(result.solve_ms, best.solve_ms);
-    best.frame_ms = std::min(result.frame_ms, best.frame_ms);
+struct Outcome {
+  std::optional<MethodResult> best;  ///< of some runs, which differ in nothing but their times
+  std::string failed;                ///< why there is none
+};
+
+void run_once_more(const Method& method, const Scene& scene, Outcome& outcome) {
+  if (!outcome.failed.empty() || (method.once && outcome.best)) {
+    return;
   }
-  return best;
+  try {
+    MethodResult result = method.run(scene);
+    if (!result.positions.allFinite()) {
+      throw std::runtime_error("not finite");
+    }
+    if (outcome.best) {
+      result.prepare_ms = std::min(result.prepare_ms, outcome.best->prepare_ms);
+      result.solve_ms = std::min(result.solve_ms, outcome.best->solve_ms);
+      result.frame_ms = std::min(result.frame_ms, outcome.best->frame_ms);
+    }
+    outcome.best = std::move(result);
+  } catch (const std::exception& problem) {
+    outcome.best.reset();
+    outcome.failed = problem.what();
+  }
 }
 
 void write_ply(const std::filesystem::path& path, const lapedit::Points& positions, const lapedit::Faces& faces) {
@@ -142,7 +162,10 @@ Options parse(int argc, char** argv) {
       }
       return argv[++k];
     };
-    if (option == "--edits") {
+    if (option == "--help") {
+      std::fputs(kUsage, stdout);
+      std::exit(0);
+    } else if (option == "--edits") {
       options.edits = split(value(), ',');
     } else if (option == "--only") {
       options.only = split(value(), ',');
@@ -210,22 +233,23 @@ int run(int argc, char** argv) {
     if (!options.out.empty()) {
       write_rest(folder, scene);
     }
-    Row row{named->name, scene.region.size(), {}};
-    for (const Method& method : methods) {
-      Figures figures;
-      try {
-        const MethodResult result = best_of(options.repeat, method, scene);
-        if (!result.positions.allFinite()) {
-          throw std::runtime_error("not finite");
-        }
-        figures = measure(scene, result);
-        if (!options.out.empty()) {
-          write_ply(folder / (method.name + ".ply"), result.positions, scene.edit.mesh.faces);
-        }
-      } catch (const std::exception& problem) {
-        figures.failed = problem.what();
+    // In turns, so that what else the machine does meets all of them.
+    std::vector<Outcome> outcomes(methods.size());
+    for (int k = 0; k < options.repeat; ++k) {
+      for (std::size_t m = 0; m < methods.size(); ++m) {
+        run_once_more(methods[m], scene, outcomes[m]);
       }
-      row.of.push_back(std::move(figures));
+    }
+    Row row{named->name, scene.region.size(), std::vector<Figures>(methods.size())};
+    for (std::size_t m = 0; m < methods.size(); ++m) {
+      if (!outcomes[m].best) {
+        row.of[m].failed = outcomes[m].failed;
+        continue;
+      }
+      row.of[m] = measure(scene, *outcomes[m].best);
+      if (!options.out.empty()) {
+        write_ply(folder / (methods[m].name + ".ply"), outcomes[m].best->positions, scene.edit.mesh.faces);
+      }
     }
     print_row(row, methods);
     json[named->name] = as_json(row, methods);

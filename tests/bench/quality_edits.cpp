@@ -102,6 +102,12 @@ Edit bent_limb(double degrees) {
   return edit;
 }
 
+Edit twisted_limb(double degrees) {
+  Edit edit = bent_limb(degrees);
+  edit.maps = {turn(degrees, {1, 0, 0}, {9, 0, 0})};
+  return edit;
+}
+
 Edit pulled_limb() {
   Edit edit;
   edit.mesh = lapedit::shapes::tapered_arm(72, 130);
@@ -171,6 +177,7 @@ Edit pulled_nose(double way, double radius) {
 Edit letters(const Vector3& way) {
   Edit edit;
   edit.mesh = lapedit::shapes::letter_field(180, 90);
+  edit.height_field = true;
   edit.handles = {{vertex_at(edit.mesh, {2.05, 0.9, 0.12})}};
   edit.region = within(1.8);
   edit.maps = {shift(way.x(), way.y(), way.z())};
@@ -182,6 +189,7 @@ Edit letters(const Vector3& way) {
 Edit bumpy_grid(const Vector3& way) {
   Edit edit;
   edit.mesh = lapedit::shapes::bumpy_grid();
+  edit.height_field = true;
   RegionSpec& spec = edit.region;
   spec.kind = RegionSpec::Kind::Vertices;
   spec.vertices = vertices_where(edit.mesh, [](const Vector3&) { return true; });
@@ -238,6 +246,7 @@ std::vector<NamedEdit> make_edits() {
   add("limb_90", true, [] { return bent_limb(90); });
   add("limb_120", false, [] { return bent_limb(120); });
   add("limb_179", false, [] { return bent_limb(179); });
+  add("limb_twisted", false, [] { return twisted_limb(120); });
   add("limb_vertex", true, pulled_limb);
   add("arm_90", false, [] { return bent_arm(90); });
   add("arm_120", false, [] { return bent_arm(120); });
@@ -266,8 +275,8 @@ std::vector<NamedEdit> make_edits() {
     return real("mannequin.off", 8624, 1.2155, {0, -12 / 9.4 * 1.2155, 0}, profile);
   });
   add_real("mannequin_head", false, [=] {
-    Edit edit = real("mannequin.off", 8624, 0.75, {0, 0, 0}, {-0.5, -0.8, 0.2});
-    edit.handles = {vertices_where(edit.mesh, [](const Vector3& p) { return p.z() > -0.5 + 0.25 * p.y(); })};
+    Edit edit = real("mannequin.off", 8624, 0.9, {0, 0, 0}, {-0.5, -0.8, 0.2});
+    edit.handles = {vertices_where(edit.mesh, [](const Vector3& p) { return p.z() > -0.62 + 0.35 * p.y(); })};
     edit.maps = {turn(60, {0, 0, 1}, {0, 0.2, 0})};
     return edit;
   });
@@ -284,8 +293,13 @@ std::vector<NamedEdit> make_edits() {
   add_real("igea_nose", false, [=] { return real("igea.ply", 31536, 0.02, {0, 0, 0.02}, face, y); });
   add_real("igea_face", false, [=] { return real("igea.ply", 31536, 0.0374, {0, 0.01, 0.03}, face, y); });
   add_real("laurana_nose", false, [=] { return real("Laurana50k.ply", 25805, 80, {0, 0, 60}, face, y); });
-  add_real("bumps_up", false, [=] { return real("bumpy_plane.off", 20200, 40, {0, 0, 42.5}, {0.3, -0.9, 0.6}); });
-  add_real("bumps_sideways", false, [=] { return real("bumpy_plane.off", 20200, 30, {20, 0, 30}, {0.3, -0.9, 0.6}); });
+  const auto bumps = [](double radius, const Vector3& way) {
+    Edit edit = real("bumpy_plane.off", 20200, radius, way, {0.3, -0.9, 0.6});
+    edit.height_field = true;
+    return edit;
+  };
+  add_real("bumps_up", false, [=] { return bumps(40, {0, 0, 42.5}); });
+  add_real("bumps_sideways", false, [=] { return bumps(30, {20, 0, 30}); });
 #endif
   return list;
 }

@@ -16,6 +16,7 @@ struct Edit {
   lapedit::RegionSpec region;
   std::vector<std::vector<int>> handles;
   std::vector<lapedit::Affine> maps;                            ///< one per handle group
+  bool height_field = false;                                    ///< encloses nothing
   lapedit::Vector3 toward = {0.35, -0.8, 0.6}, up = {0, 0, 1};  ///< for a picture: from the mesh to the eye, upwards
 };
 

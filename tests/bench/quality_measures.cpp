@@ -158,8 +158,9 @@ double volume_change(const Faces& faces, const std::vector<int>& looked_at, cons
     return sum;
   };
   const double rest = volume(before);
-  // A ball has 0.094 of its area to the power of 1.5; a height field may have less than nothing.
-  return rest > 0.01 * std::pow(area, 1.5) ? volume(after) / rest - 1 : std::numeric_limits<double>::quiet_NaN();
+  // A ball has 0.094 of its area to the power of 1.5, a limb as long as 1,600 of its radii a hundredth of that.
+  return std::abs(rest) > 0.001 * std::pow(area, 1.5) ? volume(after) / rest - 1
+                                                      : std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace quality

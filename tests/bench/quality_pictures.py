@@ -48,11 +48,11 @@ def main():
     parser.add_argument("--output", type=pathlib.Path, help="folder of the pictures; by default the same")
     parser.add_argument("--methods", default=",".join(METHODS), help="to be shown beside the rest pose")
     parser.add_argument("--height", type=int, default=300)
-    parser.add_argument("edits", nargs="*", help="all by default")
+    parser.add_argument("--edits", default="", help="all by default")
     given = parser.parse_args()
     figures = json.loads(given.json.read_text(encoding="utf-8")) if given.json else {}
     for folder in sorted(path.parent for path in given.folder.glob("*/view.json")):
-        if not given.edits or folder.name in given.edits:
+        if not given.edits or folder.name in given.edits.split(","):
             output = (given.output or given.folder) / f"{folder.name}.png"
             show(folder, output, figures.get(folder.name, {}), given.methods.split(","), given.height)
             print(output, flush=True)

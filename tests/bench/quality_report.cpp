@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <iterator>
 #include <numeric>
 
 namespace quality {
@@ -12,15 +13,20 @@ namespace {
 
 using Value = std::function<double(const Figures&)>;
 
-/// One value of all edits where all methods have one.
+/// Those for which every method has a result.
+std::vector<Row> whole(const std::vector<Row>& rows) {
+  std::vector<Row> result;
+  std::copy_if(rows.begin(), rows.end(), std::back_inserter(result), [](const Row& row) {
+    return std::all_of(row.of.begin(), row.of.end(), [](const Figures& f) { return f.failed.empty(); });
+  });
+  return result;
+}
+
+/// One value of all edits.
 std::vector<double> column(const std::vector<Row>& rows, std::size_t method, const Value& value) {
   std::vector<double> result;
-  for (const Row& row : rows) {
-    const bool whole = std::all_of(row.of.begin(), row.of.end(), [](const Figures& f) { return f.failed.empty(); });
-    if (whole) {
-      result.push_back(value(row.of[method]));
-    }
-  }
+  std::transform(rows.begin(), rows.end(), std::back_inserter(result),
+                 [&](const Row& row) { return value(row.of[method]); });
   return result;
 }
 double sum(const std::vector<double>& values) {
@@ -63,36 +69,67 @@ const Value kFrame = [](const Figures& f) { return f.frame_ms; };
 struct Bar {
   const char* what;
   double measured, bound;
+  std::string worst;  ///< the edits that weigh most, ours and the peer's value
   bool met() const { return measured <= bound; }
 };
+
+/// Up to three edits with the largest excess of our value over the peer's.
+std::string worst_edits(const std::vector<Row>& rows, std::size_t us, std::size_t peer, const Value& value,
+                        const std::function<double(double, double)>& excess) {
+  constexpr int kShown = 3;
+  std::vector<std::pair<double, std::string>> found;
+  for (const Row& row : rows) {
+    const double mine = value(row.of[us]), theirs = value(row.of[peer]);
+    char text[64];
+    std::snprintf(text, sizeof text, " %.3g : %.3g", mine, theirs);
+    if (excess(mine, theirs) > 0) {
+      found.emplace_back(-excess(mine, theirs), row.edit + text);
+    }
+  }
+  std::sort(found.begin(), found.end());
+  std::string list;
+  for (std::size_t i = 0; i < found.size() && i < kShown; ++i) {
+    list += (i > 0 ? ", " : "") + found[i].second;
+  }
+  return list;
+}
 
 std::vector<Bar> bars_of(const std::vector<Row>& rows, std::size_t us, std::size_t peer) {
   const auto mine = [&](const Value& value) { return column(rows, us, value); };
   const auto theirs = [&](const Value& value) { return column(rows, peer, value); };
-  const auto ratios = [&](const Value& value) {
-    std::vector<double> result = mine(value), other = theirs(value);
-    std::transform(result.begin(), result.end(), other.begin(), result.begin(),
-                   [](double a, double b) { return a / b; });
-    return result;
+  std::vector<Bar> bars;
+  const auto counted = [&](const char* what, const Value& value, double measured, double bound, double share) {
+    bars.push_back({what, measured, bound,
+                    worst_edits(rows, us, peer, value, [share](double a, double b) { return a - share * b; })});
+  };
+  /// Of the sums, and by the mean or the median of the edits' own ratios.
+  const auto ratio = [&](const char* of_sums, const char* of_edits, const Value& value, double bound, bool by_mean) {
+    std::vector<double> ratios = mine(value);
+    const std::vector<double> other = theirs(value);
+    std::transform(ratios.begin(), ratios.end(), other.begin(), ratios.begin(), std::divides<>());
+    bars.push_back({of_sums, sum(mine(value)) / sum(other), bound,
+                    worst_edits(rows, us, peer, value, [bound](double a, double b) { return a - bound * b; })});
+    bars.push_back({of_edits, by_mean ? mean(ratios) : median(ratios), bound,
+                    worst_edits(rows, us, peer, value, [bound](double a, double b) { return a / b - bound; })});
   };
   const std::vector<double> my_flips = mine(kFlipped), their_flips = theirs(kFlipped);
   double against_clean = 0;
   for (std::size_t i = 0; i < my_flips.size(); ++i) {
     against_clean += their_flips[i] == 0 && my_flips[i] > 0 ? 1 : 0;
   }
-  const double kThird = 1.0 / 3;
-  return {{"edits with flipped triangles where ARAP has none", against_clean, 0},
-          {"flipped triangles in sum: fewer than ARAP's", sum(my_flips), std::max(sum(their_flips) - 1, 0.0)},
-          {"new intersecting pairs in sum: at most half of ARAP's", sum(mine(kPairs)), sum(theirs(kPairs)) / 2},
-          {"RMS stretch over ARAP's, mean of ratios", mean(ratios(kRms)), 1.1},
-          {"RMS stretch over ARAP's, ratio of means", mean(mine(kRms)) / mean(theirs(kRms)), 1.1},
-          {"settled edit with preparing over ARAP's, ratio of sums", sum(mine(kWhole)) / sum(theirs(kWhole)), kThird},
-          {"settled edit with preparing over ARAP's, median of ratios", median(ratios(kWhole)), kThird},
-          {"settled edit, solving alone, over ARAP's ten iterations, ratio of sums",
-           sum(mine(kSolve)) / sum(theirs(kSolve)), kThird},
-          {"settled edit, solving alone, over ARAP's ten iterations, median of ratios", median(ratios(kSolve)), kThird},
-          {"frame over one of ARAP's iterations, ratio of sums", sum(mine(kFrame)) / sum(theirs(kFrame)), 1.0 / 8},
-          {"frame over one of ARAP's iterations, median of ratios", median(ratios(kFrame)), 1.0 / 8}};
+  bars.push_back({"edits with flipped triangles where ARAP has none", against_clean, 0,
+                  worst_edits(rows, us, peer, kFlipped, [](double a, double b) { return b == 0 ? a : 0; })});
+  counted("flipped triangles, in sum, fewer than ARAP's", kFlipped, sum(my_flips), std::max(sum(their_flips) - 1, 0.0),
+          1);
+  counted("new pairs, in sum, at most half of ARAP's", kPairs, sum(mine(kPairs)), sum(theirs(kPairs)) / 2, 0.5);
+  ratio("RMS stretch over ARAP's: ratio of means", "RMS stretch over ARAP's: mean of ratios", kRms, 1.1, true);
+  ratio("solving over ARAP's ten iterations: ratio of sums", "solving over ARAP's ten iterations: median of ratios",
+        kSolve, 1.0 / 3, false);
+  ratio("preparing and solving over ARAP's: ratio of sums", "preparing and solving over ARAP's: median of ratios",
+        kWhole, 1.0 / 3, false);
+  ratio("frame over ARAP's iteration: ratio of sums", "frame over ARAP's iteration: median of ratios", kFrame, 1.0 / 8,
+        false);
+  return bars;
 }
 
 nlohmann::ordered_json as_json(const Figures& f) {
@@ -123,13 +160,15 @@ void print_row(const Row& row, const std::vector<Method>& methods) {
   std::fflush(stdout);
 }
 
-void print_summary(const std::vector<Row>& rows, const std::vector<Method>& methods) {
+void print_summary(const std::vector<Row>& all, const std::vector<Method>& methods) {
+  const std::vector<Row> rows = whole(all);
   std::printf(
-      "\n%zu edits.\n\n| over all edits | RMS %%, mean | median | largest %%, mean | median | flipped, sum | median | "
+      "\n%zu of %zu edits have a result of every method.\n\n| over all edits | RMS %%, mean | median | largest %%, "
+      "mean | median | flipped, sum | median | "
       "pairs, sum | median | edits "
       "with flips | with pairs | settled ms, sum | solving | frame "
       "|\n|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
-      column(rows, 0, kRms).size());
+      rows.size(), all.size());
   for (std::size_t m = 0; m < methods.size(); ++m) {
     const auto of = [&](const Value& value) { return column(rows, m, value); };
     const auto some = [](const std::vector<double>& values) {
@@ -143,20 +182,22 @@ void print_summary(const std::vector<Row>& rows, const std::vector<Method>& meth
   }
 }
 
-void print_bars(const std::vector<Row>& rows, const std::vector<Method>& methods, const std::string& whose,
+void print_bars(const std::vector<Row>& all, const std::vector<Method>& methods, const std::string& whose,
                 const std::string& beside) {
   const auto find = [&](const std::string& name) {
     return static_cast<std::size_t>(
         std::find_if(methods.begin(), methods.end(), [&](const Method& m) { return m.name == name; }) -
         methods.begin());
   };
+  const std::vector<Row> rows = whole(all);
   const std::size_t peer = find(beside), us = find(whose);
   if (peer == methods.size() || us == methods.size() || rows.empty()) {
     return;
   }
-  std::printf("\n| %s beside ARAP | measured | bar |\n|---|--:|--:|\n", whose.c_str());
+  std::printf("\n| %s beside ARAP | measured | bar | edits that weigh most |\n|---|--:|--:|---|\n", whose.c_str());
   for (const Bar& bar : bars_of(rows, us, peer)) {
-    std::printf(bar.met() ? "| %s | %.3g | %.3g |\n" : "| %s | **%.3g** | %.3g |\n", bar.what, bar.measured, bar.bound);
+    std::printf(bar.met() ? "| %s | %.3g | %.3g | %s |\n" : "| %s | **%.3g** | %.3g | %s |\n", bar.what, bar.measured,
+                bar.bound, bar.worst.c_str());
   }
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "quality_scene.h"
 
+#include <limits>
+
 #include "intersecting_pairs.h"
 #include "quality_measures.h"
 
@@ -22,7 +24,8 @@ Figures measure(const Scene& scene, const MethodResult& result) {
   figures.largest = stretch.largest;
   figures.flipped = flipped_triangles(scene.adjacency, mesh_faces, scene.faces, before, after);
   figures.pairs = new_pairs(scene.pairs, intersecting_pairs(mesh_faces, scene.faces, after));
-  figures.volume = volume_change(mesh_faces, scene.faces, before, after);
+  figures.volume = scene.edit.height_field ? std::numeric_limits<double>::quiet_NaN()
+                                           : volume_change(mesh_faces, scene.faces, before, after);
   figures.prepare_ms = result.prepare_ms;
   figures.solve_ms = result.solve_ms;
   figures.frame_ms = result.frame_ms;

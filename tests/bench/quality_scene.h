@@ -37,7 +37,8 @@ struct Method {
 
 /// Shape and times of one edit by one method; 1 for 100 %.
 struct Figures {
-  double rms = 0, largest = 0, volume = 0;
+  double rms = 0, largest = 0;
+  double volume = 0;  ///< not a number where nothing is enclosed
   int flipped = 0, pairs = 0;
   double prepare_ms = 0, solve_ms = 0, frame_ms = 0;
   bool fast_frame = true;

@@ -244,10 +244,15 @@ TriangleMesh uneven_face(int rows, int columns) {
       mesh.vertices.row(columns * i + j) << x, y, z;
     }
   }
-  // Either diagonal, so that valences vary; obtuse ones stay.
+  // Either diagonal, so that valences vary, where neither turns a face over; obtuse ones stay.
+  const auto upward = [&mesh](int a, int b, int c) {
+    const auto& p = mesh.vertices;
+    return (p(b, 0) - p(a, 0)) * (p(c, 1) - p(a, 1)) > (p(b, 1) - p(a, 1)) * (p(c, 0) - p(a, 0));
+  };
   for (int f = 0; f + 1 < mesh.faces.rows(); f += 2) {
-    if (noise(f, 31) > 0) {
-      const int q = mesh.faces(f, 0), right = mesh.faces(f, 1), above = mesh.faces(f, 2), over = mesh.faces(f + 1, 2);
+    const int q = mesh.faces(f, 0), right = mesh.faces(f, 1), above = mesh.faces(f, 2), over = mesh.faces(f + 1, 2);
+    const bool as_it_is = upward(q, right, above) && upward(above, right, over);
+    if (upward(q, right, over) && upward(q, over, above) && (!as_it_is || noise(f, 31) > 0)) {
       mesh.faces.row(f) << q, right, over;
       mesh.faces.row(f + 1) << q, over, above;
     }

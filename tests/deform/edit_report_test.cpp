@@ -11,6 +11,7 @@
 #include "lapedit/deform/edit_quality.h"
 #include "lapedit/edit/edit.h"
 #include "shapes.h"
+#include "support.h"
 
 namespace lapedit {
 namespace {
@@ -28,6 +29,15 @@ std::vector<Matrix3> all_turned(const Region& region, const Matrix3& rotation = 
 
 Matrix3 turn(double radians) {
   return Eigen::AngleAxisd(radians, Vector3(1, 2, 3).normalized()).toRotationMatrix();
+}
+
+EditSettings smooth_surface() {
+  EditSettings settings;
+  settings.laplacian = LaplacianKind::Umbrella;
+  settings.rotation = DetailRotation::SmoothSurface;
+  settings.turning = DetailTurning::Vertex;
+  settings.iterations = 1;
+  return settings;
 }
 
 TEST(EditReport, RigidMotionStretchesNoEdge) {
@@ -100,6 +110,162 @@ TEST(EditReport, TrianglesWithoutAreaAreNotFlipped) {
   EXPECT_EQ(flipped_triangles(region, mesh.vertices, Points::Zero(9, 3), all_turned(region)), 0);
 }
 
+TEST(EditReport, SurfaceTurnedAsAWholeIsNotFolded) {
+  const TriangleMesh mesh = shapes::bar(10, 3, 3);
+  const Region region = whole(mesh);
+  ThreadPool pool(1);
+  const Points turned = mesh.vertices * turn(2.5).transpose();
+  const std::vector<Matrix3> rotations = surface_rotations(region, mesh.vertices, turned, pool);
+  EXPECT_LT(largest_turn(rotations, all_turned(region, turn(2.5))), 1e-6);
+  EXPECT_NEAR(largest_turn(rotations, {}), 2.5 * 180 / std::acos(-1.0), 1e-6);
+  EXPECT_GT(flipped_triangles(region, mesh.vertices, turned, all_turned(region)), 0);
+  EXPECT_EQ(flipped_triangles(region, mesh.vertices, turned, rotations), 0);
+}
+
+TEST(EditReport, ClosedSurfacesEncloseTheirVolume) {
+  const TriangleMesh bar = shapes::bar(3, 4, 5);
+  EXPECT_NEAR(enclosed_volume(whole(bar), bar.vertices), 60, 1e-12);
+  EXPECT_NEAR(enclosed_volume(whole(bar), 2 * bar.vertices), 480, 1e-11);
+  const TriangleMesh sphere = shapes::icosphere(4);
+  EXPECT_NEAR(enclosed_volume(whole(sphere), sphere.vertices), 4.0 / 3 * std::acos(-1.0), 0.02);
+  const TriangleMesh both = shapes::together(bar, bar, Vector3(100, 200, 300));
+  const Region region = support::whole_region(both, {{0}, {static_cast<int>(bar.vertices.rows())}}, {});
+  EXPECT_NEAR(enclosed_volume(region, both.vertices), 120, 1e-9);
+}
+
+TEST(EditReport, OpenSurfacesChangeTheirVolumeByWhatIsAdded) {
+  const TriangleMesh mesh = shapes::grid(3, 3);  // its middle vertex is the tip of six triangles of 1/2 each
+  const Region region = whole(mesh);
+  Points after = mesh.vertices;
+  after(4, 2) += 0.7;
+  for (const Vector3& place : {Vector3(0, 0, 0), Vector3(1e3, -1e3, 1e3)}) {
+    const Points there = mesh.vertices.rowwise() + place.transpose(), tip = after.rowwise() + place.transpose();
+    EXPECT_NEAR(enclosed_volume(region, tip) - enclosed_volume(region, there), 0.7, 1e-9);
+  }
+  // A dome that moves as a whole, border and all, encloses what it did.
+  const Points moved = (after * turn(1).transpose()).rowwise() + Vector3(10, 20, 30).transpose();
+  EXPECT_NEAR(enclosed_volume(region, moved), enclosed_volume(region, after), 1e-12);
+  // So do two of them that part.
+  TriangleMesh both = shapes::together({after, mesh.faces}, {after, mesh.faces}, Vector3(9, 0, 0));
+  const Region parts = support::whole_region(both, {{0}, {9}}, {});
+  EXPECT_NEAR(enclosed_volume(parts, both.vertices), 2 * enclosed_volume(region, after), 1e-12);
+  both.vertices.bottomRows(9) = moved;
+  EXPECT_NEAR(enclosed_volume(parts, both.vertices), 2 * enclosed_volume(region, after), 1e-12);
+}
+
+TEST(EditReport, HeightOfDetailIsThatOfTheBumps) {
+  const TriangleMesh mesh = shapes::bumpy_grid();
+  EditReport report;
+  const auto system = prepare_system(mesh, whole(mesh), smooth_surface(), nullptr, {}, report);
+  EXPECT_NEAR(detail_height(*system, mesh.vertices).value(), 1, 1e-5);
+  EXPECT_NEAR(detail_height(*system, shapes::bumpy_grid(1.5).vertices).value(), 0.5, 0.1);
+  EXPECT_NEAR(detail_height(*system, shapes::grid(100, 60).vertices).value(), 0, 1e-5);
+  const Points moved = (mesh.vertices * turn(1).transpose()).rowwise() + Vector3(100, 200, 300).transpose();
+  EXPECT_NEAR(detail_height(*system, moved).value(), 1, 1e-5);
+  const TriangleMesh flat = shapes::grid(40, 30);
+  EXPECT_FALSE(detail_height(*prepare_system(flat, whole(flat), smooth_surface(), nullptr, {}, report), flat.vertices));
+  EditSettings unrotated;
+  unrotated.rotation = DetailRotation::None;
+  EXPECT_FALSE(detail_height(*prepare_system(mesh, whole(mesh), unrotated, nullptr, {}, report), mesh.vertices));
+}
+
+/// What bends with the surface is no detail: the share found is that by which the bumps rise over an edited plane.
+TEST(EditReport, HeightOfDetailIsNotThatOfABend) {
+  const TriangleMesh plane = shapes::grid(100, 60), bumpy = shapes::bumpy_grid();
+  std::vector<int> anchors, handle;
+  for (int v = 0; v < 6000; ++v) {
+    if (v / 60 < 6 || v / 60 > 93) {
+      anchors.push_back(v);
+    } else if (v / 60 == 50) {
+      handle.push_back(v);
+    }
+  }
+  const std::vector<Affine> lift = {support::shift(Vector3(0, 0, 40))};
+  LaplacianEditor base(plane, support::whole_region(plane, {handle}, anchors), smooth_surface());
+  LaplacianEditor edited(bumpy, support::whole_region(bumpy, {handle}, anchors), smooth_surface());
+  const Points bumps = edited.solve(lift) - base.solve(lift);
+  const Eigen::VectorXd on_bump = (bumpy.vertices.col(2).array() > 0).cast<double>();
+  const double kept = bumps.rowwise().norm().dot(on_bump) / bumpy.vertices.col(2).sum();
+  EXPECT_NEAR(kept, 0.98, 0.02);
+  EXPECT_NEAR(edited.report().detail_height.value(), kept, 0.02);
+}
+
+/// A limb along x whose tip goes somewhere.
+struct Limb {
+  TriangleMesh mesh = shapes::tapered_arm(24, 60);
+  EditStep step;
+
+  explicit Limb(double handle_from = 10) {
+    step.region.radius = 6;
+    step.settings = smooth_surface();
+    step.handles.resize(1);
+    for (int v = 0; v < mesh.vertices.rows(); ++v) {
+      if (mesh.vertices(v, 0) >= handle_from) {
+        step.handles[0].vertices.push_back(v);
+      }
+    }
+  }
+  EditReport report() const { return apply_step(mesh, support::adjacency_of(mesh), step).reports.at(0); }
+};
+
+TEST(AdviceOnAnEdit, SaysWhereALimbPulledThroughItselfIsFolded) {
+  Limb limb;
+  ASSERT_EQ(limb.step.handles[0].vertices.size(), 1U);
+  limb.step.handles[0].transform.translation = Vector3(-4, 0, 0);
+  const EditReport r = limb.report();
+  EXPECT_GT(r.folded, 10);
+  EXPECT_LT(r.volume_change, -0.1 * r.volume);
+  ASSERT_GE(r.causes.near, 0);
+  EXPECT_GT(limb.mesh.vertices(r.causes.near, 0), 4) << "in the region";
+  const std::string said = std::to_string(r.folded) + " triangles folded over near vertex " +
+                           std::to_string(r.causes.near) + ": take a group of vertices as the handle";
+  EXPECT_EQ(r.advice().substr(0, said.size()), said);
+  EXPECT_EQ(r.text().substr(r.text().size() - r.advice().size() - 1), "\n" + r.advice());
+  limb.step.handles[0].transform.translation = Vector3(-6.5, 0, 0);
+  EXPECT_NE(limb.report().advice().find(": take a larger region, take a group"), std::string::npos);
+}
+
+TEST(AdviceOnAnEdit, IsTwoStepsForALargeTurn) {
+  Limb limb(9);
+  limb.step.handles[0].transform.translation = Vector3(-3, 0, 0);
+  limb.step.handles[0].transform.axis = Vector3(0, 1, 0);
+  limb.step.handles[0].transform.degrees = 130;
+  for (const DetailRotation rotation : {DetailRotation::None, DetailRotation::SmoothSurface}) {
+    limb.step.settings.rotation = rotation;
+    const EditReport r = limb.report();
+    EXPECT_GT(r.folded, 0) << name(rotation);
+    EXPECT_LE(r.folded, r.flipped) << name(rotation);
+    EXPECT_NE(r.advice().find(": make the edit in two steps."), std::string::npos) << r.advice();
+  }
+}
+
+TEST(AdviceOnAnEdit, IsNotGivenWhereNothingFolded) {
+  Limb limb(9);
+  limb.step.handles[0].transform.axis = Vector3(0, 1, 0);
+  limb.step.handles[0].transform.degrees = 40;
+  EXPECT_EQ(limb.report().folded, 0);
+  EXPECT_EQ(limb.report().advice(), "");
+}
+
+TEST(AdviceOnAnEdit, NamesTheWaysInOrder) {
+  EditReport r;
+  EXPECT_EQ(r.advice(), "");
+  r.new_intersections = 0;
+  EXPECT_EQ(r.advice(), "");
+  r.new_intersections = 1;
+  EXPECT_EQ(r.advice(), "1 pair of triangles came to intersect: make the edit in two steps.");
+  r.folded = 12;
+  r.causes = {4711, true, 1, 100};
+  EXPECT_EQ(r.advice(),
+            "12 triangles folded over near vertex 4711: take a group of vertices as the handle, or make the edit in "
+            "two steps.");
+  r.handle_displacement = 1.5;
+  r.folded = 1;
+  EXPECT_EQ(r.advice(),
+            "1 triangle folded over near vertex 4711: take a larger region, take a group of vertices as the handle, or "
+            "make the edit in two steps.");
+}
+
 class ReportOfAnEdit : public testing::Test {
  protected:
   EditReport report(const EditSettings& settings, double lift = 10) {
@@ -140,6 +306,9 @@ TEST_F(ReportOfAnEdit, NumbersAreThoseOfTheEdit) {
   EXPECT_GT(r.rotation_max, r.rotation_mean);
   EXPECT_LT(r.rotation_max, 90);
   EXPECT_GT(r.stretch_rms, 0.01);
+  EXPECT_GT(r.volume_change, 10);
+  EXPECT_NE(r.text().find("Volume: +"), std::string::npos);
+  EXPECT_EQ(r.text().find(" %); height"), std::string::npos) << "a share of a flat region's volume says nothing";
   EXPECT_GT(r.normal_radius, 0);
   EXPECT_EQ(r.iterations, 1);
   for (const double ms :
@@ -179,6 +348,47 @@ TEST_F(ReportOfAnEdit, WhatIsNotTheDefaultIsInTheText) {
   EXPECT_EQ(report(settings).text().find("turned by"), std::string::npos);
 }
 
+TEST_F(ReportOfAnEdit, RotationLeftIsWhatTheLastPassTurned) {
+  EditSettings settings = smooth_surface();
+  const EditReport once = report(settings);
+  EXPECT_NEAR(once.rotation_left, once.rotation_max, 1e-9);
+  EXPECT_EQ(once.text().find("still turned"), std::string::npos);
+  settings.iterations = 2;
+  const EditReport twice = report(settings);
+  EXPECT_LT(twice.rotation_left, 0.5 * once.rotation_left);
+  EXPECT_GT(twice.rotation_left, 0.1);
+  EXPECT_NE(twice.text().find("the last pass still turned by"), std::string::npos);
+  settings.iterations = 100;
+  EXPECT_LT(report(settings).rotation_left, 0.05) << "settled";
+  settings.rotation = DetailRotation::None;
+  EXPECT_EQ(report(settings).rotation_left, 0);
+}
+
+/// A component without anchors follows its handle: what is rigid or known comes out so.
+TEST(ReportOfAFreeComponent, IsThatOfItsMotion) {
+  const TriangleMesh mesh = shapes::tapered_arm(24, 60);
+  EditStep step;
+  step.region.kind = RegionSpec::Kind::Component;
+  step.settings = smooth_surface();
+  step.handles = {{{0, 1, 2, 3}, {}}};
+  step.handles[0].transform.translation = Vector3(1, 2, 3);
+  step.handles[0].transform.axis = Vector3(1, 1, 0);
+  step.handles[0].transform.degrees = 100;
+  const Adjacency adjacency = support::adjacency_of(mesh);
+  const EditReport moved = apply_step(mesh, adjacency, step).reports.at(0);
+  EXPECT_LT(moved.stretch_max, 1e-12);
+  EXPECT_EQ(moved.flipped, 0);
+  EXPECT_EQ(moved.folded, 0);
+  EXPECT_NEAR(moved.volume_change, 0, 1e-12);
+  EXPECT_NEAR(moved.detail_height.value(), 1, 1e-4);
+  EXPECT_EQ(moved.rotation_left, 0) << "no pass was needed";
+  EXPECT_EQ(moved.advice(), "");
+  step.handles[0].transform.scale = 1.1;
+  const EditReport grown = apply_step(mesh, adjacency, step).reports.at(0);
+  EXPECT_NEAR(grown.volume_change, 0.331 * grown.volume, 1e-9);
+  EXPECT_NE(grown.text().find("(+33.1 %)"), std::string::npos) << grown.text();
+}
+
 TEST_F(ReportOfAnEdit, NothingMovedReportsZero) {
   const EditReport r = report(EditSettings(), 0);
   EXPECT_EQ(r.handle_displacement, 0);
@@ -187,6 +397,10 @@ TEST_F(ReportOfAnEdit, NothingMovedReportsZero) {
   EXPECT_EQ(r.rotation_max, 0);
   EXPECT_EQ(r.stretch_rms, 0);
   EXPECT_EQ(r.flipped, 0);
+  EXPECT_EQ(r.folded, 0);
+  EXPECT_EQ(r.volume_change, 0);
+  EXPECT_EQ(r.rotation_left, 0);
+  EXPECT_NEAR(r.detail_height.value(), 1, 1e-5);
 }
 
 TEST(EditReport, TextHoldsEveryNumber) {
@@ -204,6 +418,7 @@ TEST(EditReport, TextHoldsEveryNumber) {
   r.backend = "some backend";
   r.order = 3;
   r.iterations = 7;
+  r.passes_dropped = 90010;
   r.normal_radius = 0.00125;
   r.uniform_edges = 90007;
   r.region_ms = 101.5;
@@ -222,12 +437,21 @@ TEST(EditReport, TextHoldsEveryNumber) {
   r.rotation_max = 77.5;
   r.stretch_rms = 0.0875;
   r.flipped = 90008;
+  r.folded = 90009;
+  r.volume = 4;
+  r.is_body = true;
+  r.volume_change = -0.3125;
+  r.detail_height = 0.9375;
+  r.rotation_left = 1.625;
+  r.new_intersections = 90010;
+  r.causes.near = 90011;
   const std::string text = r.text();
   for (const char* part :
        {"some turning",  "some way",      "90001",        "90002",   "90003", "90004",   "90005", "90006",
         "some operator", "some rotation", "some backend", "order 3", "7 ",    "0.00125", "90007", "101.5",
         "102.5",         "103.5",         "104.5",        "105.5",   "106.5", "107.5",   "108.5", "2.5e-17",
-        "0.625",         "0.00035",       "4.5e-05",      "11.5",    "77.5",  "8.75",    "90008"}) {
+        "0.625",         "0.00035",       "4.5e-05",      "11.5",    "77.5",  "8.75",    "90008", "90010 of 90017", "90009",
+        "-0.312",        "-7.81",         "93.8 %",       "1.62",    "90010", "90011"}) {
     EXPECT_NE(text.find(part), std::string::npos) << part << " in:\n" << text;
   }
   EXPECT_NE(text.back(), '\n');

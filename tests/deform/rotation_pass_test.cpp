@@ -121,6 +121,76 @@ TEST(RotationPass, EdgesOfALimbAreStretchedLessWhenTheyTurn) {
   EXPECT_LT(stretch[1], 0.85 * stretch[0]);
 }
 
+/// Bumps lifted by a line across them: with order 2 errors of the rotations grow from pass to pass.
+struct Lift {
+  TriangleMesh mesh = shapes::bumpy_grid();
+  Region region;
+  std::vector<Affine> maps{support::shift(Vector3(0, 0, 40))};
+
+  Lift() {
+    RegionSpec spec;
+    spec.radius = 42;
+    std::vector<int> line;
+    for (int j = 10; j < 50; ++j) {
+      line.push_back(60 * 50 + j);
+    }
+    region = build_region(mesh, support::adjacency_of(mesh), spec, {line});
+  }
+  std::pair<Points, EditReport> solve(const EditSettings& settings) const {
+    LaplacianEditor editor(mesh, region, settings);
+    const Points result = editor.solve(maps);
+    return {result, editor.report()};
+  }
+};
+
+TEST(DroppedPass, LeavesThePassBefore) {
+  const Lift lift;
+  EditSettings settings;
+  settings.laplacian = LaplacianKind::Cotangent;
+  settings.order = 2;
+  settings.iterations = 3;
+  const auto [result, report] = lift.solve(settings);
+  EXPECT_LT(report.iterations, 3);
+  EXPECT_EQ(report.passes_dropped, 3 - report.iterations);
+  EXPECT_NE(report.text().find("of 3 rotation passes, since they made it worse"), std::string::npos);
+  EXPECT_LT(report.normal_equation_residual, 1e-13) << "of what was kept";
+
+  EditSettings kept = settings;
+  kept.iterations = report.iterations;
+  kept.rotation = report.iterations > 0 ? kept.rotation : DetailRotation::None;
+  const auto [before, alone] = lift.solve(kept);
+  EXPECT_TRUE(support::same_bits(result, before));
+  EXPECT_EQ(report.rotation_mean, alone.rotation_mean);
+  EXPECT_EQ(alone.passes_dropped, 0);
+
+  settings.rules = 1;
+  const EditReport recorded = lift.solve(settings).second;
+  EXPECT_EQ(recorded.iterations, 3);
+  EXPECT_EQ(recorded.passes_dropped, 0);
+  EXPECT_GT(recorded.stretch_rms, 3 * report.stretch_rms);
+
+  settings.rules = 2;
+  settings.order = kept.order = 3;
+  settings.rough = RoughDeformation::Falloff;
+  kept.rotation = DetailRotation::None;
+  const auto [fallen, again] = lift.solve(settings);
+  EXPECT_EQ(again.iterations, 0);
+  EXPECT_TRUE(support::same_bits(fallen, lift.solve(kept).first)) << "a fall-off alone is no result";
+}
+
+TEST(DroppedPass, IsNoneOfOrderOne) {
+  const Lift lift;
+  for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
+    for (const DetailTurning turning : {DetailTurning::Vertex, DetailTurning::Edge}) {
+      EditSettings settings;
+      settings.laplacian = laplacian;
+      settings.turning = turning;
+      settings.iterations = 4;
+      EXPECT_EQ(lift.solve(settings).second.passes_dropped, 0) << name(laplacian) << ", " << name(turning);
+    }
+  }
+}
+
 TEST(RotationPass, TurningByEdgesHasNoFastPath) {
   const Scene scene;
   EditSettings settings;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -74,6 +75,31 @@ TEST(StepRunner, RoundsToWhatTheMeshCanStore) {
   StepRunner(scene.problem(StoredScalar::Float)).solve(scene.maps(), in_float);
   EXPECT_FALSE(support::same_bits(in_double, in_float));
   EXPECT_TRUE(support::same_bits(in_double.cast<float>().cast<double>(), in_float));
+}
+
+/// Far from the origin the mesh's single precision is what a handle is off by.
+TEST(StepRunner, ReportsHowFarOffIsWhatTheMeshStores) {
+  Scene scene;
+  scene.mesh.vertices.rowwise() += Vector3(1e6, -1e6, 1e6).transpose();
+  for (const StoredScalar scalar : {StoredScalar::Float, StoredScalar::Double}) {
+    StepRunner runner(scene.problem(scalar));
+    Points places;
+    runner.solve(scene.maps(), places);
+    const Region& region = runner.region();
+    double handle = 0, anchor = 0;
+    for (int i = 0; i < region.size(); ++i) {
+      const Vector3 place = places.row(i).transpose(),
+                    rest = scene.mesh.vertices.row(region.mesh_vertex[i]).transpose();
+      if (region.classes[i] == VertexClass::Handle) {
+        handle = std::max(handle, (place - scene.maps()[0] * rest).norm());
+      } else if (region.classes[i] == VertexClass::Anchor) {
+        anchor = std::max(anchor, (place - rest).norm());
+      }
+    }
+    EXPECT_EQ(handle > 0.02, scalar == StoredScalar::Float) << "numbers there are 1/16 apart";
+    EXPECT_NEAR(runner.report().handle_residual, handle, 1e-8);
+    EXPECT_NEAR(runner.report().anchor_residual, anchor, 1e-8);
+  }
 }
 
 TEST(StepRunner, TellsTheRegionBeforeItIsPrepared) {

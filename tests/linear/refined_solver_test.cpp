@@ -74,6 +74,14 @@ TEST(RefinedSolver, AgreesWithADenseSolve) {
   }
 }
 
+TEST(RefinedSolver, FindsTheSmallestEigenvalueFromAbove) {
+  const Problem p;
+  const double smallest = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(p.dense_known).eigenvalues()[0];
+  const double found = RefinedSolver(p.factored(p.known), nullptr, p.pool).smallest_eigenvalue();
+  EXPECT_GE(found, (1 - 1e-6) * smallest);
+  EXPECT_LT(found, 1.1 * smallest);
+}
+
 /// Fails if the correction forgets a row or a weight: then bits differ, since both are refined with the whole matrix.
 TEST(RefinedSolver, CorrectedFactorGivesTheBitsOfAFactorThatKnowsAllRows) {
   const Problem p;

@@ -531,5 +531,23 @@ TEST(DragSteps, FiguresTellOfTheLastStep) {
   EXPECT_GT(window.session.figures().largest_stretch, figures.largest_stretch);
 }
 
+/// The middle dragged over the region's rim: the plate folds there.
+TEST(DragSteps, AdviceIsGivenWhereAStepFolded) {
+  Window window(plate());
+  DragSettings settings = window.session.settings();
+  settings.edit.laplacian = LaplacianKind::Umbrella;
+  settings.edit.rotation = DetailRotation::None;
+  window.session.set_settings(settings);
+  window.drag(kMiddle, Vector2(20, 10));
+  ASSERT_EQ(window.log.size(), 1U);
+  EXPECT_EQ(window.log[0].find("folded"), std::string::npos);
+  EXPECT_EQ(window.session.figures().advice, "");
+  window.session.undo();
+  window.drag(kMiddle, Vector2(250, 10));
+  const std::string advice = window.session.figures().advice;
+  EXPECT_NE(advice.find("folded over near vertex"), std::string::npos);
+  EXPECT_EQ(window.log.back().substr(window.log.back().size() - advice.size() - 2), "; " + advice);
+}
+
 }  // namespace
 }  // namespace lapedit

@@ -15,6 +15,8 @@ class CellSurface {
 
   /// How much an entry of cells.neighbours counts for what a cell's surroundings do.
   double nearness(int entry) const { return nearness_[entry]; }
+  /// What an end's way adds to the gradient along the surface, in a basis of the cell's tangent plane.
+  const Vector2& slope(int entry) const { return slope_[entry]; }
   /// The unit normal of the surface whose cells are at these places; zero where it has none.
   Vector3 normal(int cell, const Points& at) const;
   /// Each place becomes the mean of its own and its neighbours', so many times. @param other  scratch
@@ -23,7 +25,7 @@ class CellSurface {
  private:
   const RegionCells& cells_;
   std::vector<double> nearness_;
-  std::vector<Vector2> slope_;  // per entry of neighbours: what an end's way adds to the gradient along the surface
+  std::vector<Vector2> slope_;
 };
 
 }  // namespace lapedit

@@ -7,7 +7,8 @@ namespace lapedit {
 namespace {
 
 constexpr int kPassesOnTheWay = 5, kMostPasses = 150;
-constexpr double kAccurate = 1e-5;  // of the handles' largest way
+constexpr double kAccurate = 1e-5;          // of the handles' largest way
+constexpr double kAccurateForFrame = 3e-5;  // of that or of the region's size, whichever is larger
 
 }  // namespace
 
@@ -24,9 +25,17 @@ CellTurning::CellTurning(const Region& region, const Points& rest, const RegionC
       component_(cells.count(), 0),
       hold_(cells.count(), 0),
       local_global_(cells, surface_, hold_, settings, system_),
+      size_(region.max_distance),
       linear_(cells.count()),
       rotations_(cells.count(), Matrix3::Identity()) {
   gather(region, rest);
+  // All scratch has its size from here on, whatever the first frame of a drag asks for.
+  constraints_.setZero(cells.count(), 3);
+  displacement_.setZero(cells.count(), 3);
+  local_global_.start(cells.centres, std::vector<Matrix3>(cells.count(), Matrix3::Zero()));
+  local_global_.settle(constraints_, 0, 2, true, displacement_, rotations_);
+  displacement_.setZero();
+  std::fill(rotations_.begin(), rotations_.end(), Matrix3::Identity());
 }
 
 /// What of vertices counts for cells and groups.
@@ -102,7 +111,7 @@ void CellTurning::solve(const std::vector<LocalMotion>& targets, const std::vect
     std::fill(rotations_.begin(), rotations_.end(), Matrix3::Identity());
   }
   passes_ = 0;
-  left_ = 0;
+  left_ = turned_ = 0;
   solved_ = true;
   for (int step = warm ? steps : 1; step <= steps; ++step) {
     const bool last = step == steps;
@@ -112,10 +121,12 @@ void CellTurning::solve(const std::vector<LocalMotion>& targets, const std::vect
       std::fill(rotations_.begin(), rotations_.end(), Matrix3::Identity());
       continue;
     }
+    const double accurate = goes_on ? kAccurateForFrame * std::max(way, size_) : kAccurate * way;
     const LocalGlobal::Outcome outcome = local_global_.settle(
-        constraints_, kAccurate * way, last ? kMostPasses : kPassesOnTheWay, warm, displacement_, rotations_);
+        constraints_, accurate, last ? kMostPasses : kPassesOnTheWay, warm, displacement_, rotations_);
     passes_ += outcome.passes;
     left_ = outcome.left / way;
+    turned_ = outcome.turned;
   }
 }
 

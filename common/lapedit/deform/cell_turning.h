@@ -33,7 +33,8 @@ class CellTurning {
   const Points& displacement() const { return displacement_; }          ///< of the centres, from where they are carried
   const std::vector<Matrix3>& rotations() const { return rotations_; }  ///< likewise
   int passes() const { return passes_; }                                ///< of the last solve()
-  double left() const { return left_; }  ///< change of its last pass over the handles' largest way
+  double left() const { return left_; }      ///< change of its last pass over the handles' largest way
+  double turned() const { return turned_; }  ///< by which that still turned a cell, at most, radians
 
  private:
   struct Group {
@@ -51,6 +52,7 @@ class CellTurning {
   std::vector<double> hold_;    // how far its rotation is held back, 0 to 1
   std::vector<Group> groups_;
   LocalGlobal local_global_;
+  double size_;
   bool solved_ = false;
   std::vector<LocalMotion> last_targets_;
   std::vector<MotionPath> paths_;
@@ -58,7 +60,7 @@ class CellTurning {
   Points carried_, constraints_, displacement_;
   std::vector<Matrix3> rotations_;
   int passes_ = 0;
-  double left_ = 0;
+  double left_ = 0, turned_ = 0;
 };
 
 }  // namespace lapedit

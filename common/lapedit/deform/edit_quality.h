@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "lapedit/deform/edit_constraints.h"
@@ -20,10 +21,28 @@ EdgeStretch edge_stretch(const Region& region, const Points& before, const Point
 int flipped_triangles(const Region& region, const Points& before, const Points& after,
                       const std::vector<Matrix3>& rotations);
 
-/// All of it but the normal equations' residual.
-/// @param displacement  from the carried pose, size() x 3
-/// @param positions     the result
-EditQuality edit_quality(const LaplacianSystem& system, const EditConstraints& constraints, const Points& displacement,
-                         const Points& positions, const std::vector<Matrix3>& rotations);
+/// R_i fitted to the surface itself, as SmoothSurface fits them to the smoothed one: what a triangle's normal turned
+/// by on the scale of some rings, whatever details were turned by. O(edges).
+std::vector<Matrix3> surface_rotations(const Region& region, const Points& before, const Points& after,
+                                       ThreadPool& pool);
+
+/// Of the cones from the border's centroid to the faces, each component for itself, positive within the normals: what
+/// the faces enclose where they are closed. A motion of the whole does not change it; where the border stays, its
+/// change is that of the body whose surface this is. O(faces).
+double enclosed_volume(const Region& region, const Points& positions);
+
+/// Share of the detail's height h = n . (p - S p) that is found again: sum h' h / sum h^2 over the free vertices, n the
+/// normals of the smooth surface S p. Curvature that the edit adds falls out, which a ratio of the two heights would
+/// count (grid of detail_orientation_test, lifted: 1.14 where 0.98 of the bumps' height is kept; this says 0.985).
+/// Nothing where there is no detail, or no smoother. Cost: a smoothing, as for previews; two where there are none.
+std::optional<double> detail_height(const LaplacianSystem& system, const Points& after);
+
+/// Largest angle between R_i and S_i, degrees; S empty: from no rotation.
+double largest_turn(const std::vector<Matrix3>& r, const std::vector<Matrix3>& s);
+
+/// All of it but the normal equations' residual, the height of detail, what passes leave and what hosts count.
+/// @param positions  the result as it is stored, size() x 3
+EditQuality edit_quality(const LaplacianSystem& system, const EditConstraints& constraints, const Points& positions,
+                         const std::vector<Matrix3>& rotations);
 
 }  // namespace lapedit

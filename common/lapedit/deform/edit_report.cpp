@@ -1,10 +1,62 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/deform/edit_report.h"
 
+#include <vector>
+
 #include "lapedit/base/format_text.h"
 #include "lapedit/deform/edit_settings.h"
 
 namespace lapedit {
+namespace {
+
+std::string counted(int number, const char* one, const char* several) {
+  return std::to_string(number) + " " + (number == 1 ? one : several);
+}
+
+std::string quality_line(const EditReport& report) {
+  std::string line = format_text("\nVolume: %+.3g", report.volume_change);
+  if (report.is_body) {
+    line += format_text(" (%+.3g %%)", 100 * report.volume_change / report.volume);
+  }
+  if (report.detail_height) {
+    line += format_text("; height of detail: %.3g %%", 100 * *report.detail_height);
+  }
+  if (report.iterations > 1) {
+    line += format_text("; the last pass still turned by %.3g degrees", report.rotation_left);
+  }
+  line += format_text("; triangles folded over: %d", report.folded);
+  if (report.new_intersections) {
+    line += format_text("; new self-intersections: %d", *report.new_intersections);
+  }
+  return line;
+}
+
+}  // namespace
+
+std::string EditReport::advice() const {
+  const int meeting = new_intersections.value_or(0);
+  if (folded == 0 && meeting == 0) {
+    return {};
+  }
+  std::string sentence =
+      folded > 0 ? counted(folded, "triangle", "triangles") + " folded over near vertex " + std::to_string(causes.near)
+                 : counted(meeting, "pair", "pairs") + " of triangles came to intersect";
+  std::vector<const char*> ways;
+  if (handle_displacement > causes.reach) {
+    ways.push_back("take a larger region");
+  }
+  if (causes.lone_handle) {
+    ways.push_back("take a group of vertices as the handle");
+  }
+  if (causes.turn > 90 || ways.empty()) {
+    ways.push_back("make the edit in two steps");
+  }
+  for (std::size_t k = 0; k < ways.size(); ++k) {
+    sentence += std::string(k == 0 ? ": " : k + 1 < ways.size() ? ", " : ", or ") + ways[k];
+  }
+  return sentence + ".";
+}
+
 std::string EditReport::text() const {
   std::string lines = format_text("Region: %d handle, %d free, %d anchor vertices; %d fixed of %d", handle, free,
                                   anchors, fixed, mesh_vertices);
@@ -37,11 +89,18 @@ std::string EditReport::text() const {
       "flipped: %d",
       rotation_mean, rotation_max, 100 * stretch_rms, 100 * stretch_max, flipped);
   lines += format_text("; normal-equation residual %.2g", normal_equation_residual);
+  if (passes_dropped > 0) {
+    lines += format_text("\nDropped: %d of %d rotation passes, since they made it worse.", passes_dropped,
+                         passes_dropped + iterations);
+    lines += order > 1 ? " Order 1 turns details better." : "";
+  }
+  lines += quality_line(*this);
   lines += format_text(
       "\nMilliseconds: region %.1f, operator %.1f, factor %.1f, smoothing table %.1f, rough solve %.2f, normals %.2f, "
       "rotate %.2f, solve %.2f",
       region_ms, operator_ms, factor_ms, kernel_ms, unrotated_ms, normals_ms, rotate_ms, solve_ms);
-  return lines;
+  const std::string hint = advice();
+  return hint.empty() ? lines : lines + "\n" + hint;
 }
 
 }  // namespace lapedit

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <string>
 
 namespace lapedit {
@@ -16,22 +17,39 @@ struct EditTimes {
          solve_ms = 0;
 };
 
+/// What makes triangles fold over, and where they did.
+struct FoldCauses {
+  int near = -1;             ///< mesh vertex with the most folded triangles, -1 without
+  bool lone_handle = false;  ///< the handle with the longest way is one vertex
+  double reach = 0;          ///< the region's radius
+  double turn = 0;           ///< largest of the detail rotations and of the surface's at a handle
+};
+
 /// How good the result is.
 struct EditQuality {
   double normal_equation_residual = 0;  ///< |A^T (A x - b)| over |A^T| |b|-sized terms; rounding level when all is well
   double handle_displacement = 0;       ///< largest way a handle vertex was to go
-  double handle_residual = 0;           ///< largest distance of a handle vertex from its target
+  double handle_residual = 0;           ///< largest distance of a handle vertex, as stored, from its target
   double anchor_residual = 0;           ///< largest distance of an anchor from its place
   double rotation_mean = 0, rotation_max = 0;
   double stretch_rms = 0;  ///< RMS over the region's edges of new length / old length - 1
   double stretch_max = 0;  ///< the largest of these, of edges that became longer
   int flipped = 0;         ///< triangles of the region turned by more than 90 degrees against their rotated original
+  int folded = 0;          ///< the same against the surface around them, whatever details were turned by
+  double volume = 0;       ///< see enclosed_volume(), before the edit
+  double volume_change = 0;
+  bool is_body = false;  ///< whether the volume is one to take shares of: not that of a nearly flat region
+  std::optional<double> detail_height;   ///< see detail_height(); nothing without detail rotation
+  double rotation_left = 0;              ///< by which the last pass still turned a detail, at most; 0 without passes
+  std::optional<int> new_intersections;  ///< pairs of triangles that meet and did not before; for the host to count
+  FoldCauses causes;
 };
 
 /// What an edit did, in numbers. Lengths in model units, angles in degrees.
 struct EditReport : RegionCounts, EditTimes, EditQuality {
   std::string laplacian, rotation, turning, rough, backend;
   int order = 1, iterations = 0;   ///< iterations actually made
+  int passes_dropped = 0;          ///< iterations asked for but not kept, since the next one made it worse
   double normal_radius = 0;        ///< used; 0 if no rotation
   int uniform_edges = 0;           ///< see DifferentialOperator
   int refinements = 0;             ///< iterative refinement steps per solve
@@ -39,6 +57,9 @@ struct EditReport : RegionCounts, EditTimes, EditQuality {
 
   /// Several lines of plain text for a log, without a trailing newline.
   std::string text() const;
+
+  /// Where triangles folded over or came to meet: one sentence on what to do, else empty.
+  std::string advice() const;
 };
 
 }  // namespace lapedit

@@ -45,7 +45,8 @@ const std::vector<Setting>& settings_table() {
        {"umbrella", "cotangent", "mean_value"}},
       {Kind::Whole, "order", "order of the Laplacian", "1, 2 or 3", 1, 3,
        "How often the Laplacian is applied, 1 to 3. Higher orders blend more smoothly into the fixed part and take "
-       "longer.",
+       "longer; use them for pulls without detail rotation, since errors of rotations and turned groups make them "
+       "overshoot.",
        get<&S::order>, set<&S::order>},
       {Kind::Choice,
        "detail_rotation",
@@ -137,6 +138,7 @@ EditSettings version_one_settings() {
   settings.handle_weight = settings.anchor_weight = 10;
   settings.turning = DetailTurning::Vertex;
   settings.rough = RoughDeformation::Unrotated;
+  settings.membrane = 0;
   settings.rules = 1;
   return settings;
 }

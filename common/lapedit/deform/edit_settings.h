@@ -28,9 +28,9 @@ const char* name(RoughDeformation rough);
 
 /// How an edit is solved, whatever its region and handles. What users can set is also a row of settings_table().
 struct EditSettings {
-  LaplacianKind laplacian = LaplacianKind::Umbrella;
+  LaplacianKind laplacian = LaplacianKind::MeanValue;
   int order = 1;
-  DetailRotation rotation = DetailRotation::SmoothSurface;
+  DetailRotation rotation = DetailRotation::LocalGlobal;
   /// Rotation passes; stops early once a pass moves nothing by 1e-4 of the region's radius.
   int iterations = 1;
   double normal_radius = 0;  ///< r of the smoothing, model units; 0: automatic
@@ -39,9 +39,10 @@ struct EditSettings {
   /// eye.
   double handle_weight = 10;
   double anchor_weight = 10;  ///< an anchor's own weight is this times d / d_max
-  DetailTurning turning = DetailTurning::Vertex;
+  DetailTurning turning = DetailTurning::Edge;
   RoughDeformation rough = RoughDeformation::Unrotated;
-  double membrane = 0;  ///< what stretching costs beside bending, see membrane_factor(); 0: nothing, the paper's choice
+  double membrane =
+      1200;  ///< what stretching costs beside bending, see membrane_factor(); 0: nothing, the paper's choice
   /// Which rules an edit is solved by, so that a recorded one gives its bits for ever: 1, those of files of version 1,
   /// or 2. Nothing that users choose, so no row of the table.
   int rules = 2;

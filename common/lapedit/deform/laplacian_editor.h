@@ -83,8 +83,14 @@ class LaplacianEditor {
   /// Detail rotations of the last solve, one per region vertex.
   const std::vector<Matrix3>& rotations() const;
 
+  /// What the last solve() returned; no rows before the first.
+  const Points& positions() const;
+
   /// Report of construction and last solve; works out residuals and stretch on each call, and changes nothing.
-  EditReport report() const;
+  /// @param stored  the positions as the mesh that takes them stores them, which is what residuals are of
+  /// @param whole   with the height of detail, which takes a smoothing
+  EditReport report(const Points& stored, bool whole = true) const;
+  EditReport report() const { return report(positions()); }
 
  private:
   struct State;

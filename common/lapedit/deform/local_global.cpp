@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/deform/local_global.h"
 
+#include <algorithm>
 #include <cmath>
-#include <utility>
+#include <cstddef>
+#include <cstring>
 
+#include "lapedit/base/cpu_dispatch.h"
 #include "lapedit/deform/nearest_rotations.h"
 
 namespace lapedit {
@@ -14,6 +17,43 @@ constexpr int kSmoothing = 2;
 constexpr int kAveraging = 4;
 constexpr double kNormals = 0.5;
 constexpr int kWindow = 5;
+
+constexpr int kStride = 12;  // of matrices that are averaged: three vectors
+typedef double Lanes __attribute__((vector_size(4 * sizeof(double))));
+
+LAPEDIT_INLINE Lanes load(const double* from) {
+  Lanes result;
+  std::memcpy(&result, from, sizeof result);
+  return result;
+}
+
+/// Mean over a cell and its neighbours.
+LAPEDIT_INLINE void mean_around(const IndexLists& neighbours, int cells, const double* in, double* out) {
+  for (int a = 0; a < cells; ++a) {
+    const double* from = in + std::ptrdiff_t{kStride} * a;
+    Lanes sum[3] = {load(from), load(from + 4), load(from + 8)};
+    for (const int b : neighbours[a]) {
+      from = in + std::ptrdiff_t{kStride} * b;
+      for (int e = 0; e < 3; ++e) {
+        sum[e] += load(from + 4 * static_cast<std::ptrdiff_t>(e));
+      }
+    }
+    const double share = 1 / (1 + static_cast<double>(neighbours[a].size()));
+    for (int e = 0; e < 3; ++e) {
+      sum[e] *= share;
+    }
+    std::memcpy(out + std::ptrdiff_t{kStride} * a, sum, sizeof sum);
+  }
+}
+
+void mean_around_plain(const IndexLists& neighbours, int cells, const double* in, double* out) {
+  mean_around(neighbours, cells, in, out);
+}
+#ifdef LAPEDIT_HAVE_AVX
+LAPEDIT_AVX2 void mean_around_avx2(const IndexLists& neighbours, int cells, const double* in, double* out) {
+  mean_around(neighbours, cells, in, out);
+}
+#endif
 
 }  // namespace
 
@@ -26,16 +66,22 @@ LocalGlobal::LocalGlobal(const RegionCells& cells, const CellSurface& surface, c
       system_(system),
       mixing_(kWindow),
       covariances_(cells.count()),
-      other_(cells.count()) {}
+      before_(cells.neighbours.values.size()),
+      current_(kStride * static_cast<std::size_t>(cells.count()), 0),
+      other_(current_.size(), 0) {}
 
-void LocalGlobal::start(const Points& carried, std::vector<Matrix3> linear) {
+void LocalGlobal::start(const Points& carried, const std::vector<Matrix3>& linear) {
   carried_ = carried;
-  linear_ = std::move(linear);
+  linear_ = linear;
   smooth_before_ = carried;
   surface_.smooth(kSmoothing, smooth_before_, scratch_);
   normals_before_.resize(carried.rows(), 3);
   for (int a = 0; a < cells_.count(); ++a) {
     normals_before_.row(a) = surface_.normal(a, smooth_before_).transpose();
+    for (int k = cells_.neighbours.offsets[a]; k < cells_.neighbours.offsets[a + 1]; ++k) {
+      before_[k] =
+          surface_.nearness(k) * (smooth_before_.row(cells_.neighbours.values[k]) - smooth_before_.row(a)).transpose();
+    }
   }
 }
 
@@ -45,31 +91,40 @@ void LocalGlobal::fit(const Points& displacement, std::vector<Matrix3>& rotation
   surface_.smooth(kSmoothing, smooth_after_, scratch_);
   for (int a = 0; a < cells_.count(); ++a) {
     Matrix3 covariance = Matrix3::Zero();
+    Vector3 first = Vector3::Zero(), second = Vector3::Zero();  // tangents, as in CellSurface::normal()
     for (int k = cells_.neighbours.offsets[a]; k < cells_.neighbours.offsets[a + 1]; ++k) {
-      const int b = cells_.neighbours.values[k];
-      const Vector3 after = surface_.nearness(k) * (smooth_after_.row(b) - smooth_after_.row(a)).transpose();
-      covariance += after * (smooth_before_.row(b) - smooth_before_.row(a));
+      const Vector3 edge = (smooth_after_.row(cells_.neighbours.values[k]) - smooth_after_.row(a)).transpose();
+      covariance.noalias() += edge * before_[k].transpose();
+      first += surface_.slope(k)[0] * edge;
+      second += surface_.slope(k)[1] * edge;
     }
-    const Vector3 normal = kNormals * covariance.norm() * surface_.normal(a, smooth_after_);
-    covariances_[a] = covariance + normal * normals_before_.row(a);
-  }
-  for (int round = 0; round < kAveraging; ++round) {
-    covariances_.swap(other_);
-    for (int a = 0; a < cells_.count(); ++a) {
-      Matrix3 sum = other_[a];
-      for (const int b : cells_.neighbours[a]) {
-        sum += other_[b];
-      }
-      covariances_[a] = sum / (1 + static_cast<double>(cells_.neighbours[a].size()));
+    const Vector3 normal = first.cross(second);
+    const double length = normal.norm();
+    if (length > 0) {
+      covariance += (kNormals * covariance.norm() / length * normal) * normals_before_.row(a);
     }
+    Eigen::Map<Matrix3>(current_.data() + std::ptrdiff_t{kStride} * a) = covariance;
   }
+  average();
   for (int a = 0; a < cells_.count(); ++a) {
-    if (!covariances_[a].allFinite()) {
-      covariances_[a].setIdentity();
+    const Matrix3 averaged = Eigen::Map<const Matrix3>(current_.data() + std::ptrdiff_t{kStride} * a);
+    covariances_[a] = averaged.allFinite() ? averaged : Matrix3(Matrix3::Identity());
+    if (hold_[a] > 0) {
+      covariances_[a] = (1 - hold_[a]) * covariances_[a] + hold_[a] * covariances_[a].norm() * Matrix3::Identity();
     }
-    covariances_[a] = (1 - hold_[a]) * covariances_[a] + hold_[a] * covariances_[a].norm() * Matrix3::Identity();
   }
   nearest_rotations(covariances_.data(), cells_.count(), rotations.data());
+}
+
+void LocalGlobal::average() {
+  auto* mean = mean_around_plain;
+#ifdef LAPEDIT_HAVE_AVX
+  mean = cpu_level() != CpuLevel::Plain ? mean_around_avx2 : mean;  // the same bits: sums are not contracted
+#endif
+  for (int round = 0; round < kAveraging; ++round) {
+    current_.swap(other_);
+    mean(cells_.neighbours, cells_.count(), other_.data(), current_.data());
+  }
 }
 
 /// sum_b -M_ab ((R_a + R_b) / 2 - I) (C_a - C_b), or with R_a alone.
@@ -116,7 +171,11 @@ LocalGlobal::Outcome LocalGlobal::settle(const Points& constraints, double accur
       break;
     }
   }
+  last_ = rotations;
   fit(displacement, rotations);
+  for (int a = 0; a < cells_.count(); ++a) {
+    outcome.turned = std::max(outcome.turned, (rotations[a] - last_[a]).norm() / std::sqrt(2.0));
+  }
   return outcome;
 }
 

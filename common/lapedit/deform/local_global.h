@@ -25,11 +25,12 @@ class LocalGlobal {
 
   struct Outcome {
     int passes = 0;
-    double left = 0;  ///< change of the last pass, model units
+    double left = 0;    ///< change of the last pass, model units
+    double turned = 0;  ///< by which the last pass still turned a cell, at most, radians
   };
 
   /// Where the cells are carried, and by what linear map (minus identity) each.
-  void start(const Points& carried, std::vector<Matrix3> linear);
+  void start(const Points& carried, const std::vector<Matrix3>& linear);
 
   /// @param constraints   what CoarseSystem::solve() is asked for without rotations
   /// @param displacement  in and out; in only where `goes_on`
@@ -41,6 +42,7 @@ class LocalGlobal {
 
  private:
   void fit(const Points& displacement, std::vector<Matrix3>& rotations);
+  void average();
   void turn(const std::vector<Matrix3>& rotations, Points& turned) const;
 
   const RegionCells& cells_;
@@ -50,7 +52,9 @@ class LocalGlobal {
   CoarseSystem& system_;
   AndersonMixing mixing_;
   Points carried_, smooth_before_, smooth_after_, normals_before_, scratch_, next_, turned_;
-  std::vector<Matrix3> linear_, covariances_, other_;
+  std::vector<Matrix3> linear_, covariances_, last_;
+  std::vector<Vector3> before_;          // per entry of neighbours: g_ab (P0_b - P0_a)
+  std::vector<double> current_, other_;  // matrices that are averaged, kStride numbers apart
 };
 
 }  // namespace lapedit

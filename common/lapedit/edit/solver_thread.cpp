@@ -356,7 +356,7 @@ void SolverThread::State::solve(int mine, Answer kind) {
     own.runner->solve(own.maps, own.pose.positions, kind == Answer::Full ? Progress(go_on) : Progress());
   }
   own.pose.solve_ms = watch.elapsed();
-  const auto report = kind == Answer::Last ? std::make_shared<const EditReport>(own.runner->report()) : nullptr;
+  const auto report = kind == Answer::Last ? std::make_shared<const EditReport>(own.runner->report(false)) : nullptr;
   if (kind == Answer::Last && own.stand_in.frames_left > 0) {
     blend_to_last(mine);
   }
@@ -466,7 +466,7 @@ void SolverThread::State::settle(std::unique_lock<std::mutex>& lock) {
     if (in_full) {
       solve(mine, Answer::Full);
     } else {
-      const auto report = std::make_shared<const EditReport>(own.runner->report());
+      const auto report = std::make_shared<const EditReport>(own.runner->report(false));
       publish(mine, [&] { answered.news.report = report; });
     }
   } catch (const std::exception&) {

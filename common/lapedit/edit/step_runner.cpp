@@ -67,8 +67,10 @@ void StepRunner::preview(const std::vector<Affine>& maps, Points& places) {
   round_to(scalar_, places);
 }
 
-EditReport StepRunner::report() const {
-  EditReport report = editor_->report();
+EditReport StepRunner::report(bool whole) const {
+  Points stored = editor_->positions();
+  round_to(scalar_, stored);
+  EditReport report = editor_->report(stored, whole);
   report.region_ms = region_ms_;
   if (solved_ > 1) {  // all that was there before this pose
     report.region_ms = report.operator_ms = report.factor_ms = report.kernel_ms = 0;

@@ -69,8 +69,10 @@ class StepRunner {
   void preview(const std::vector<Affine>& maps, Points& places);
   bool has_preview() const { return editor_->has_preview(); }
 
-  /// Report of preparation and last solve(). Of a pose that came after another one, times of preparing are 0.
-  EditReport report() const;
+  /// Report of preparation and last solve(), of its rounded places. Of a pose that came after another one, times of
+  /// preparing are 0.
+  /// @param whole  with what takes time and no window shows: the height of detail
+  EditReport report(bool whole = true) const;
 
  private:
   StoredScalar scalar_;

@@ -384,7 +384,8 @@ Edit read_edit(const std::string& json) {
   const Json root = parse_json(json);
   const auto version = root.find("laplacian_edit");
   // First of all: another version may well have other keys.
-  if (version == root.end() || (*version != 1 && *version != kVersion)) {
+  const double number = version != root.end() && version->is_number() ? version->get<double>() : 0;
+  if (number != 1 && number != kVersion) {
     refuse_json("laplacian_edit: expected the number 1 or " + std::to_string(kVersion) +
                 ", the versions that are read here, " +
                 (version == root.end() ? "but the key is missing" : "found " + describe(*version)) + ".");
@@ -410,7 +411,7 @@ Edit read_edit(const std::string& json) {
   VertexLists lists(edit.mesh_vertices);
   const Json& steps = object.filled_list("steps", "steps");
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    edit.steps.push_back(read_step(steps[i], "steps[" + std::to_string(i) + "]", version->get<int>(), lists));
+    edit.steps.push_back(read_step(steps[i], "steps[" + std::to_string(i) + "]", static_cast<int>(number), lists));
   }
   return edit;
 }

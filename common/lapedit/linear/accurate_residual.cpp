@@ -324,7 +324,7 @@ void subtract_symmetric_product(const SparseMatrix& a, const Points& step, Point
 Refinement refine_to_the_bit(RefinedSystem& system, bool single_precision, bool from_start, DoubledPoints& x,
                              Points& left, Points& step, ThreadPool& pool) {
   constexpr double kAccurate = 1e-24, kStalled = 0.5, kSpoiled = 0.1;
-  constexpr int kMostSteps = 60;
+  constexpr int kMostSteps = 90;
   // What a solve leaves of an error comes from the factor's rounding and grows with the condition; so does what a
   // residual in working precision gets wrong: 2^-29 of it, and not all alike.
   const double coarse = single_precision ? 16 * 0x1p-29 : 1;

@@ -62,9 +62,24 @@ RefinedSolver::RefinedSolver(std::shared_ptr<const FactoredNormalMatrix> matrix,
   }
 }
 
+double RefinedSolver::smallest_eigenvalue() {
+  constexpr int kIterations = 6;
+  Points vector = Points::Ones(squared_weights_.size(), 3), next;
+  double smallest = 0;
+  for (int k = 0; k < kIterations; ++k) {
+    vector /= vector.norm();
+    cholesky_.solve(vector, next);
+    smallest = 1 / next.norm();
+    vector.swap(next);
+  }
+  return smallest;
+}
+
 int RefinedSolver::refine_to(const Points& right, Points& x, double accurate) {
-  constexpr double kHopeless = 0.1, kGoodEnough = 1e-10;
-  constexpr int kMostSteps = 8;
+  // A factor in single precision that does no better is not worth its memory; one in double is the last there is.
+  constexpr double kSlow = 0.1, kGoodEnough = 1e-10;
+  const double hopeless = cholesky_.single_precision() ? kSlow : 0.5;
+  const int most_steps = cholesky_.single_precision() ? 8 : 40;
   Points between, residual, step;
   cholesky_.solve(right, x);
   double last = 1;
@@ -73,10 +88,10 @@ int RefinedSolver::refine_to(const Points& right, Points& x, double accurate) {
     residual = right - residual;
     cholesky_.solve(residual, step);
     const double change = largest_row(step) / largest_row(x);
-    if (!(change > accurate) || (last < kGoodEnough && !(change < kHopeless * last))) {
+    if (!(change > accurate) || (last < kGoodEnough && !(change < kSlow * last))) {
       return std::isfinite(change) ? count : -1;
     }
-    if (!(change < kHopeless * last) || count == kMostSteps) {
+    if (!(change < hopeless * last) || count == most_steps) {
       return -1;
     }
     x += step;

@@ -52,6 +52,9 @@ class RefinedSolver {
   /// @return how many steps that took; -1: it does not converge
   int refine_to(const Points& right, Points& x, double accurate);
 
+  /// The smallest eigenvalue of A0, or more: by a few inverse iterations. Cost: six solves.
+  double smallest_eigenvalue();
+
   /// A x = b to the last bit of a double, whatever the factor is like. Nothing is allocated after the first call.
   /// @param go_on  asked at each step. @throws EditError (Cancelled)
   Refinement refine_to_the_bit(const Points& right, Points& x, const Progress& go_on = {});

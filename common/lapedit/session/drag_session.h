@@ -35,6 +35,7 @@ struct DragFigures {
   double solve_ms = 0;         ///< of the last pose
   double handle_error = 0;     ///< largest distance of a handle vertex from its target, of the last report
   double largest_stretch = 0;  ///< of an edge, new over old length minus 1, of the last report
+  std::string advice;          ///< of the last report, where something folded
   int steps = 0;               ///< applied
 };
 

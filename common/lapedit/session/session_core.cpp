@@ -248,7 +248,8 @@ MouseEvents SessionCore::commit_release() {
   const AppliedStep& applied = history.apply(std::move(step), shown.region()->mesh_vertex, shown.pose());
   show_mesh(applied.vertices, applied.after, true);
   log(messages::step_applied(history.steps().size(), releasing.drag.motion, groups()[selection.active],
-                             shown.region()->size(), heard.prepare_ms, heard.solve_ms));
+                             shown.region()->size(), heard.prepare_ms, heard.solve_ms) +
+      (heard.advice.empty() ? "" : "; " + heard.advice));
   MouseEvents events = std::move(releasing.waiting);
   go_on();
   return events;
@@ -369,6 +370,7 @@ bool SessionCore::listen(MouseEvents& waited) {
   if (news.report) {
     heard.handle_error = news.report->handle_residual;
     heard.largest_stretch = news.report->stretch_max;
+    heard.advice = news.report->advice();
   }
   if (news.pose) {
     waited = take_pose();

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bench/arap_peer.h"
+
+#include <gtest/gtest.h>
+
+#include "shapes.h"
+#include "support.h"
+
+namespace quality {
+namespace {
+
+namespace shapes = lapedit::shapes;
+namespace support = lapedit::support;
+
+/// Largest distance of a handle or an anchor from where it has to be.
+double control_error(const Scene& scene, const lapedit::Points& after) {
+  double error = 0;
+  for (int i = 0; i < scene.region.size(); ++i) {
+    const int v = scene.region.mesh_vertex[i], group = scene.region.group[i];
+    const lapedit::Vector3 rest = scene.edit.mesh.vertices.row(v);
+    if (scene.region.classes[i] != lapedit::VertexClass::Free) {
+      const lapedit::Vector3 target = group < 0 ? rest : scene.edit.maps[group] * rest;
+      error = std::max(error, (lapedit::Vector3(after.row(v)) - target).norm());
+    }
+  }
+  return error;
+}
+
+Scene lifted(const lapedit::TriangleMesh& mesh, int handle) {
+  Edit edit;
+  edit.mesh = mesh;
+  edit.region.radius = 3.6;
+  edit.handles = {{handle}};
+  edit.maps = {support::shift({0, 0.2, 1})};
+  return Scene(edit);
+}
+
+TEST(ArapPeer, HoldsHandleAndAnchorsAndTakesTheRestAlong) {
+  const Scene scene = lifted(shapes::grid(12, 12), 12 * 6 + 6);
+  for (const auto method : {arap, smooth_arap}) {
+    const MethodResult result = method(scene);
+    EXPECT_LT(control_error(scene, result.positions), 1e-12);
+    EXPECT_GT(result.positions(12 * 6 + 7, 2), 0.1);
+    EXPECT_EQ(result.positions.row(0), scene.edit.mesh.vertices.row(0));
+    const Figures figures = measure(scene, result);
+    EXPECT_GT(figures.rms, 0.01);
+    EXPECT_EQ(figures.flipped + figures.pairs, 0);
+  }
+}
+
+TEST(ArapPeer, BadMeshesEndWithAResultOrARefusal) {
+  for (const auto& mesh :
+       {shapes::non_manifold_grid(12, 12), shapes::degenerate_grid(12, 12), shapes::inconsistent_grid(12, 12)}) {
+    const Scene scene = lifted(mesh, 12 * 5 + 6);
+    try {
+      const MethodResult result = arap(scene);
+      ASSERT_EQ(result.positions.rows(), mesh.vertices.rows());
+      measure(scene, result);
+    } catch (const std::runtime_error& refusal) {
+      EXPECT_STREQ(refusal.what(), "CGAL could not factorise its matrix");
+    }
+  }
+}
+
+}  // namespace
+}  // namespace quality
