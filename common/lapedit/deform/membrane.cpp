@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/deform/membrane.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace lapedit {
@@ -23,7 +24,7 @@ double membrane_factor(const EditSettings& settings, const Region& region, const
   }
   const double edge = edges / static_cast<double>(region.neighbours.values.size());
   const double squared_size = 2 * spread / n;
-  const double factor = settings.membrane * (edge * edge / 4) / (squared_size * mean_sum);
+  const double factor = std::min(settings.membrane * (edge * edge / 4) / squared_size, 1.0) / mean_sum;
   return std::isfinite(factor) ? factor : 0;
 }
 
