@@ -353,6 +353,69 @@ TEST(CellTurning, AllocatesNothingAfterASolutionForNothing) {
   EXPECT_EQ(allocations - before, 0);
 }
 
+// --- what cells have to be for that ---
+
+/// Fails if the last bit decides which vertices make a cell: then a mesh in other units is edited to another shape.
+TEST(RegionCells, AreTheSameOfAMeshThatIsTurnedOrScaled) {
+  for (const TriangleMesh& mesh : {shapes::cylinder(16, 60), shapes::letter_field(60, 30), shapes::grid(40, 30)}) {
+    const int handle = static_cast<int>(mesh.vertices.rows()) / 2;
+    ThreadPool pool(1);
+    const auto cells_of = [&](const TriangleMesh& seen, double scale) {
+      RegionSpec spec;
+      spec.radius = scale * 0.4 * mesh.vertices.col(0).maxCoeff();
+      const Region region = build_region(seen, support::adjacency_of(seen), spec, {{handle}});
+      const Points rest = support::rows(seen.vertices, region.mesh_vertex);
+      return make_cells(region, rest, {}, CellTurning::wanted_cells(region.size()), pool);
+    };
+    const RegionCells expected = cells_of(mesh, 1);
+    EXPECT_GT(expected.count(), 30);
+    for (const double scale : {1.0, 3.0, 1e-5}) {
+      const Affine view = Affine(rigid(77, Vector3(3, 1, -2), Vector3::Zero()) * Eigen::Scaling(scale));
+      EXPECT_EQ(cells_of(support::moved(view, mesh), scale).of, expected.of) << scale;
+    }
+  }
+}
+
+/// A cell that hangs on one other has no tangent plane; what rounding makes of one is another normal in each pass, and
+/// rotations never settle. The second region has such cells.
+TEST(CellSurface, CellsWithNeighboursInALineHaveNoNormal) {
+  const TriangleMesh mesh = shapes::letter_field(70, 35);
+  const auto around = [&](const Vector3& point) {
+    std::vector<int> near;
+    for (int v = 0; v < mesh.vertices.rows(); ++v) {
+      if ((mesh.vertices.row(v).transpose() - point).norm() < 0.15) {
+        near.push_back(v);
+      }
+    }
+    return near;
+  };
+  RegionSpec spec;
+  spec.radius = 0.7;
+  const Vector3 a(1.2, 1, 0), b(2.8, 1, 0);
+  Turned t(mesh, spec, {around(a), around(b)}, settled());
+  ThreadPool pool(1);
+  const std::vector<double> weights = edge_weights(LaplacianKind::MeanValue, t.region, mesh, true).values;
+  const RegionCells cells = make_cells(t.region, t.rest, weights, CellTurning::wanted_cells(t.region.size()), pool);
+  const CellSurface surface(cells);
+  int lone = 0;
+  for (int c = 0; c < cells.count(); ++c) {
+    const Vector3 normal = surface.normal(c, cells.centres);
+    if (cells.neighbours[c].size() < 2) {
+      ++lone;
+      EXPECT_TRUE(normal.isZero(0)) << c;
+    } else {
+      EXPECT_TRUE(normal.isZero(0) || std::abs(normal.norm() - 1) < 1e-12) << c;
+    }
+  }
+  EXPECT_GT(lone, 0) << "another region is needed";
+  for (const double part : {0.01, 1.0}) {
+    t.solve({rigid(40 * part, Vector3::UnitZ(), part * Vector3(0, 0.1, 0.3), a),
+             rigid(20 * part, Vector3::UnitX(), part * Vector3(0.1, 0, 0.2), b)});
+    EXPECT_LT(t.cells().passes(), 40) << part;
+    EXPECT_LT(t.cells().left(), 1e-5) << part;
+  }
+}
+
 // --- strange input ---
 
 TEST(CellTurning, SingularAndMirroringMapsGiveFiniteRotations) {
