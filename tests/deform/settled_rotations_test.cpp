@@ -380,6 +380,22 @@ TEST(SettledRotations, BitsAreThoseOfOlderProcessors) {
   }
 }
 
+TEST(SettledRotations, CanBeCancelledAndGoOnAfterwards) {
+  const Scene s = patches();
+  LaplacianEditor editor = s.editor();
+  const Points expected = editor.solve(s.maps);
+  int stages = 0;
+  editor.solve(s.maps, Affine::Identity(), [&](double, const char*) { return ++stages > 0; });
+  EXPECT_GT(stages, 1);
+  for (int stop = 0; stop < stages; ++stop) {
+    int call = 0;
+    support::expect_refusal(ErrorCause::Cancelled, [&] {
+      editor.solve(part(s.maps, 0.3), Affine::Identity(), [&](double, const char*) { return call++ < stop; });
+    });
+    EXPECT_TRUE(same_bits(editor.solve(s.maps), expected)) << "cancelled at " << stop;
+  }
+}
+
 /// Fails if what is shared with the editor before belongs to another handle.
 TEST(SettledRotations, NextHandleGetsTheSameBitsWithAndWithoutTheEditorBefore) {
   const Scene s = letters();
