@@ -92,9 +92,8 @@ inline Points solve(const TriangleMesh& mesh, const Region& region, const EditSe
   const Points rest = support::rows(mesh.vertices, region.mesh_vertex);
   const Matrix weights = weights_of(mesh, region, settings.laplacian), m = operator_of(weights);
   const auto turned = [&](int i, int j) -> Vector3 {
-    const Vector3 edge = (rest.row(i) - rest.row(j)).transpose();
-    return settings.turning == DetailTurning::Edge ? (rotations[i] * edge + rotations[j] * edge) / 2
-                                                   : rotations[i] * edge;
+    const bool by_edges = settings.turning == DetailTurning::Edge;
+    return (by_edges ? Matrix3((rotations[i] + rotations[j]) / 2) : rotations[i]) * Vector3(rest.row(i) - rest.row(j));
   };
   Matrix deltas = Matrix::Zero(n, 3);
   for (int i = 0; i < n; ++i) {
