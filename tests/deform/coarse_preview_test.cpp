@@ -193,6 +193,7 @@ TEST(CoarsePreview, ThreadsAndEarlierPosesDoNotMatter) {
     three.threads = 3;
     CoarsePreview a(s.mesh, s.region, one), b(s.mesh, s.region, three);
     const Points fresh = a.pose(s.maps);
+    EXPECT_TRUE(same_bits(b.pose(s.maps), fresh)) << s.name;
     for (CoarsePreview* preview : {&a, &b}) {
       preview->pose({shift({1, 0, 0}), shift({0, 1, 0})});
     }
