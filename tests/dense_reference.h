@@ -34,7 +34,8 @@ inline std::set<std::pair<int, int>> edges_of(const TriangleMesh& mesh, const Re
   return edges;
 }
 
-inline Matrix operator_of(const TriangleMesh& mesh, const Region& region, LaplacianKind kind) {
+/// w_ij, in any unit; tan(angle / 2) over the edge's length on both sides and at both ends for mean values.
+inline Matrix weights_of(const TriangleMesh& mesh, const Region& region, LaplacianKind kind) {
   const int n = region.size();
   Matrix weights = Matrix::Zero(n, n);
   for (const auto& [a, b] : edges_of(mesh, region)) {
@@ -49,26 +50,62 @@ inline Matrix operator_of(const TriangleMesh& mesh, const Region& region, Laplac
         if (tip != u && tip != v && corners.count(u) && corners.count(v)) {
           const Vector3 p = (mesh.vertices.row(u) - mesh.vertices.row(tip)).transpose();
           const Vector3 q = (mesh.vertices.row(v) - mesh.vertices.row(tip)).transpose();
-          weights(a, b) += 1 / std::tan(std::acos(p.dot(q) / (p.norm() * q.norm())));
+          const Vector3 edge = p - q;
+          if (kind == LaplacianKind::Cotangent) {
+            weights(a, b) += 1 / std::tan(std::acos(p.dot(q) / (p.norm() * q.norm())));
+          } else {
+            for (const double cosine :
+                 {p.dot(edge) / (p.norm() * edge.norm()), -q.dot(edge) / (q.norm() * edge.norm())}) {
+              weights(a, b) += std::tan(std::acos(cosine) / 2) / edge.norm();
+            }
+          }
         }
       }
     }
     weights(a, b) = std::max(weights(a, b), 0.0);
   }
+  return weights;
+}
+
+inline Matrix operator_of(const Matrix& weights) {
+  const Eigen::Index n = weights.rows();
   return Matrix::Identity(n, n) - Matrix(weights.rowwise().sum().cwiseInverse().asDiagonal() * weights);
 }
 
+/// What an edge's weight is multiplied by in the membrane's energy sum_ij c w_ij |x_i - x_j - R_ij (p_i - p_j)|^2 / 2.
+inline double membrane_of(const EditSettings& settings, const std::set<std::pair<int, int>>& edges, const Points& rest,
+                          const Matrix& weights) {
+  double edge = 0;
+  for (const auto& [i, j] : edges) {
+    edge += (rest.row(i) - rest.row(j)).norm() / static_cast<double>(edges.size());
+  }
+  const double squared_size = 2 * (rest.rowwise() - rest.colwise().mean()).rowwise().squaredNorm().mean();
+  return std::min(settings.membrane * std::pow(edge / 2, 2) / squared_size, 1.0) / weights.rowwise().sum().mean();
+}
+
 /// Positions that fit the rotated differential coordinates and the constraints best.
+/// @param settings  with a membrane: of order 1, turning edges
 /// @param targets  one row per region vertex; those of free vertices do not matter
 inline Points solve(const TriangleMesh& mesh, const Region& region, const EditSettings& settings, const Points& targets,
                     const std::vector<Matrix3>& rotations) {
   const int n = region.size();
-  const Matrix m = operator_of(mesh, region, settings.laplacian);
-  Matrix deltas = m * support::rows(mesh.vertices, region.mesh_vertex);
+  const Points rest = support::rows(mesh.vertices, region.mesh_vertex);
+  const Matrix weights = weights_of(mesh, region, settings.laplacian), m = operator_of(weights);
+  const auto turned = [&](int i, int j) -> Vector3 {
+    const bool by_edges = settings.turning == DetailTurning::Edge;
+    return (by_edges ? Matrix3((rotations[i] + rotations[j]) / 2) : rotations[i]) * Vector3(rest.row(i) - rest.row(j));
+  };
+  Matrix deltas = Matrix::Zero(n, 3);
   for (int i = 0; i < n; ++i) {
-    deltas.row(i) = (rotations[i] * Vector3(deltas.row(i))).transpose().eval();
+    for (int j = 0; j < n; ++j) {
+      if (j != i) {
+        deltas.row(i) -= m(i, j) * turned(i, j).transpose();
+      }
+    }
   }
-  const Eigen::Index stacked = m.rows() + n;
+  const std::set<std::pair<int, int>> edges = edges_of(mesh, region);
+  const double stretch = settings.membrane > 0 ? membrane_of(settings, edges, rest, weights) / 2 : 0;  // each twice
+  const Eigen::Index stacked = 2 * n + (stretch > 0 ? static_cast<Eigen::Index>(edges.size()) : 0);
   Matrix a = Matrix::Zero(stacked, n), b = Matrix::Zero(stacked, 3);
   a.topRows(n) = m;
   b.topRows(n) = deltas;
@@ -82,6 +119,14 @@ inline Points solve(const TriangleMesh& mesh, const Region& region, const EditSe
                                                                      : 0;
     a(n + i, i) = weight;
     b.row(n + i) = weight * targets.row(i);
+  }
+  Eigen::Index row = 2 * n;
+  for (auto edge = edges.begin(); row < stacked; ++edge, ++row) {
+    const auto [i, j] = *edge;
+    const double weight = std::sqrt(stretch * weights(i, j));
+    a(row, i) = weight;
+    a(row, j) = -weight;
+    b.row(row) = weight * turned(i, j).transpose();
   }
   return Eigen::ColPivHouseholderQR<Matrix>(a).solve(b);
 }

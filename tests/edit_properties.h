@@ -20,6 +20,12 @@ namespace lapedit {
 /// normal equations. Up to 1e-12 was seen on the generated meshes and 6e-11 on the real ones.
 constexpr double kRounding = 1e-9;
 
+/// The same where rotations settle: the last pass still changes that much. Up to 3e-8 was seen.
+constexpr double kSettled = 1e-6;
+
+/// What vertices' numbers may do there: cells grow from every so manieth vertex. 3 % was seen, on a bar of 24 x 4 x 4.
+constexpr double kOtherCells = 0.04;
+
 struct EditCase {
   std::string name;
   TriangleMesh mesh;
@@ -45,7 +51,7 @@ inline std::ostream& operator<<(std::ostream& out, const NamedCase& edit) {
 class EditProperties : public ::testing::TestWithParam<NamedCase> {
  protected:
   static EditSettings settings_of(LaplacianKind laplacian, DetailRotation rotation, int order = 1) {
-    EditSettings settings;
+    EditSettings settings = support::older_settings();
     settings.laplacian = laplacian;
     settings.rotation = rotation;
     settings.order = order;
@@ -53,7 +59,8 @@ class EditProperties : public ::testing::TestWithParam<NamedCase> {
     return settings;
   }
 
-  /// Calls a test with all operators and rotations.
+  /// Calls a test with the defaults, and with the paper's operator or the cotangents and all rotations of the fine
+  /// mesh.
   template <typename Function>
   static void for_all_settings(Function function) {
     for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
@@ -63,6 +70,10 @@ class EditProperties : public ::testing::TestWithParam<NamedCase> {
         function(settings_of(laplacian, rotation));
       }
     }
+    SCOPED_TRACE("the defaults");
+    EditSettings settings;
+    settings.threads = 1;
+    function(settings);
   }
 
   static Region region_of(const EditCase& edit) {
@@ -121,6 +132,8 @@ class EditProperties : public ::testing::TestWithParam<NamedCase> {
     }
     return worst;
   }
+
+  static bool settles(const EditSettings& settings) { return settings.rotation == DetailRotation::LocalGlobal; }
 
   /// Whether rounding alone may change the result by more than rounding.
   static bool undecided(const EditCase& edit, const EditSettings& settings) {
@@ -184,7 +197,7 @@ TEST_P(EditProperties, TurningAndScalingAllTurnsAndScalesTheResult) {
   }
   for_all_settings([&](const EditSettings& settings) {
     if (!undecided(edit, settings)) {
-      EXPECT_LT(equivariance_error(edit, settings, views), kRounding);
+      EXPECT_LT(equivariance_error(edit, settings, views), settles(settings) ? kSettled : kRounding);
     }
   });
 }
@@ -272,7 +285,7 @@ TEST_P(EditProperties, RenumberingPermutesTheResult) {
       all.row(two.region().mesh_vertex[i]) = renumbered.row(i);
     }
     EXPECT_LT(support::error(support::rows(all, support::renumbered(one.region().mesh_vertex, numbers)), result),
-              kRounding);
+              settles(settings) ? kOtherCells : kRounding);
   });
 }
 
@@ -331,6 +344,11 @@ TEST_P(EditProperties, UnrotatedResultIsAffineInTheHandles) {
 TEST_P(EditProperties, NormalEquationsHoldToRounding) {
   const EditCase edit = GetParam().make();
   for (const CholeskyBackend backend : {CholeskyBackend::Automatic, CholeskyBackend::Eigen}) {
+    EditSettings defaults;
+    defaults.backend = backend;
+    LaplacianEditor by_default = editor_of(edit, defaults);
+    by_default.solve(edit.maps);
+    EXPECT_LT(by_default.report().normal_equation_residual, 1e-14) << by_default.report().backend;
     for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
       for (const int order : {1, 2, 3}) {
         // One with a rotation, whose right-hand side is another; for the others its tables are not worth their time.

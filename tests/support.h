@@ -14,12 +14,21 @@
 #include <vector>
 
 #include "lapedit/base/error.h"
+#include "lapedit/deform/edit_settings.h"
 #include "lapedit/deform/handle_transform.h"
 #include "lapedit/mesh/geodesic.h"
 #include "lapedit/mesh/region.h"
 
 /// What several tests share: error measures, renumbering, regions built by hand.
 namespace lapedit::support {
+
+/// The paper's system with the smoothed surface's rotations and no membrane, by today's rules: what the defaults were
+/// before rotations settled with the pose.
+inline EditSettings older_settings() {
+  EditSettings settings = version_one_settings();
+  settings.rules = EditSettings().rules;
+  return settings;
+}
 
 /// Diagonal of the bounding box.
 inline double diameter(const Points& points) {

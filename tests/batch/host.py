@@ -51,7 +51,7 @@ EDIT_PARAMETERS = {
     "rotation_axis": (point, (0, 0, 1)), "rotation_angle": (real, 0), "scale": (real, 1), "laplacian": (choice, 2),
     "order": (integer, 1), "detail_rotation": (choice, 3), "iterations": (integer, 1), "normal_radius": (length, 0),
     "handle_weight": (real, 30), "anchor_weight": (real, 30),
-    "turning": (choice, 1), "rough": (choice, 0), "membrane": (real, 1200)}
+    "turning": (choice, 1), "rough": (choice, 0), "membrane": (real, 500)}
 
 
 def laplacian_edit(**given):

@@ -34,7 +34,7 @@ Region grid_region(const TriangleMesh& mesh) {
 }
 
 EditSettings settings_of(LaplacianKind laplacian, DetailRotation rotation, double radius, int iterations) {
-  EditSettings settings;
+  EditSettings settings = support::older_settings();
   settings.laplacian = laplacian;
   settings.rotation = rotation;
   settings.normal_radius = radius;
@@ -139,9 +139,9 @@ std::string cell(double reference) {
 }
 
 void print(const Row& row, const Pair& found) {
-  const std::string radius = row.rotation == kNone ? ""
-                             : row.radius > 0      ? std::to_string(static_cast<int>(row.radius))
-                                                   : "automatic";
+  const std::string radius = row.rotation == kNone || row.rotation == DetailRotation::LocalGlobal ? ""
+                             : row.radius > 0 ? std::to_string(static_cast<int>(row.radius))
+                                              : "automatic";
   std::printf("| %s | %s | %s | %d | %.1f | %s | %.2f | %.1f | %s | %.2f |\n", name(row.laplacian), name(row.rotation),
               radius.c_str(), row.passes, found.lift.degrees, cell(row.lift.degrees).c_str(), found.lift.height,
               found.sideways.degrees, cell(row.sideways.degrees).c_str(), found.sideways.height);
@@ -172,6 +172,13 @@ TEST(DetailOrientation, BumpsTiltLikeTheReferenceOrLess) {
       expect_as_good(found.lift, by_radius[12].lift, by_radius[20].lift);
       expect_as_good(found.sideways, by_radius[12].sideways, by_radius[20].sideways);
     }
+  }
+  const Pair settled = measure({});
+  print({EditSettings().laplacian, EditSettings().rotation, 0, 0, {0, 0}, {0, 0}}, settled);
+  EXPECT_LT(settled.lift.degrees, 11);
+  EXPECT_LT(settled.sideways.degrees, 15);
+  for (const Orientation& found : {settled.lift, settled.sideways}) {
+    EXPECT_NEAR(found.height, kBumpHeight, 0.1 * kBumpHeight);
   }
 }
 

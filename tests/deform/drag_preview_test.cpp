@@ -90,7 +90,7 @@ void for_all_settings(const std::function<void(const EditSettings&)>& function) 
   for (const CholeskyBackend backend : {CholeskyBackend::Automatic, CholeskyBackend::Eigen}) {
     for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
       for (const DetailRotation rotation : {DetailRotation::None, DetailRotation::SmoothSurface}) {
-        EditSettings settings;
+        EditSettings settings = support::older_settings();
         settings.backend = backend;
         settings.laplacian = laplacian;
         settings.rotation = rotation;
@@ -99,8 +99,14 @@ void for_all_settings(const std::function<void(const EditSettings&)>& function) 
         function(settings);
       }
     }
+    SCOPED_TRACE("the defaults, backend " + std::to_string(static_cast<int>(backend)));
+    EditSettings settings;
+    settings.backend = backend;
+    function(settings);
   }
 }
+
+const EditSettings kBoth[] = {{}, support::older_settings()};
 
 /// Largest distance between preview and solution over the region's largest handle distance, or the longest way.
 double difference(LaplacianEditor& editor, const Maps& maps) {
@@ -146,9 +152,11 @@ TEST(DragPreview, IsTheSolutionToSinglePrecision) {
 /// Fails if the bound holds for near handles only: the header does not say so. Here they go up to twice as far as the
 /// region reaches.
 TEST(DragPreview, FarHandlesKeepTheBound) {
-  for (const Scene& s : scenes()) {
-    LaplacianEditor editor = s.editor();
-    EXPECT_LT(difference(editor, part(s.maps, 3)), 1e-4) << s.name;
+  for (const EditSettings& settings : kBoth) {
+    for (const Scene& s : scenes()) {
+      LaplacianEditor editor = s.editor(settings);
+      EXPECT_LT(difference(editor, part(s.maps, 3)), 1e-4) << s.name << ", " << name(settings.rotation);
+    }
   }
 }
 
@@ -168,8 +176,11 @@ TEST(DragPreview, ScaleAndPlaceDoNotMatter) {
       for (Affine& map : there.maps) {
         map = Affine(view * map * view.inverse());
       }
-      LaplacianEditor editor = there.editor();
-      EXPECT_LT(difference(editor, there.maps), 1e-4) << s.name << " at scale " << scale << ", place " << place;
+      for (const EditSettings& settings : kBoth) {
+        LaplacianEditor editor = there.editor(settings);
+        EXPECT_LT(difference(editor, there.maps), 1e-4)
+            << s.name << " at scale " << scale << ", place " << place << ", " << name(settings.rotation);
+      }
     }
   }
 }
@@ -192,10 +203,12 @@ TEST(DragPreview, NotMovedIsNotMovedToTheBit) {
 }
 
 TEST(DragPreview, ThreadsDoNotChangeABit) {
-  for (const Scene& s : {letters(), patches()}) {
+  const Scene two[] = {letters(), patches()};
+  for (const auto& [s, base] :
+       {std::pair(two[0], kBoth[0]), {two[0], kBoth[1]}, {two[1], kBoth[0]}, {two[1], kBoth[1]}}) {
     Points pose, normals;
     for (const int threads : {1, 2, 3}) {
-      EditSettings settings;
+      EditSettings settings = base;
       settings.threads = threads;
       LaplacianEditor editor = s.editor(settings);
       const Points other = editor.preview(s.maps);
@@ -234,18 +247,20 @@ TEST(DragPreview, AllocatesNothingAfterTheFirstFrame) {
 /// Fails if faces are missing around a vertex, count with the wrong side, or belong to another frame.
 TEST(DragPreview, NormalsAreThoseOfThePose) {
   for (const Scene& s : scenes()) {
-    LaplacianEditor editor = s.editor();
-    for (const Maps& maps : {s.maps, Maps(s.maps.size(), Affine::Identity())}) {
-      const Points& pose = editor.preview(maps);
-      Points expected = Points::Zero(pose.rows(), 3);
-      for (const auto& face : s.region.faces.rowwise()) {
-        const Vector3 a = pose.row(face[0]), b = pose.row(face[1]), c = pose.row(face[2]);
-        for (int k = 0; k < 3; ++k) {
-          expected.row(face[k]) += (b - a).cross(c - a).transpose();
+    for (const EditSettings& settings : kBoth) {
+      LaplacianEditor editor = s.editor(settings);
+      for (const Maps& maps : {s.maps, Maps(s.maps.size(), Affine::Identity())}) {
+        const Points& pose = editor.preview(maps);
+        Points expected = Points::Zero(pose.rows(), 3);
+        for (const auto& face : s.region.faces.rowwise()) {
+          const Vector3 a = pose.row(face[0]), b = pose.row(face[1]), c = pose.row(face[2]);
+          for (int k = 0; k < 3; ++k) {
+            expected.row(face[k]) += (b - a).cross(c - a).transpose();
+          }
         }
+        expected.rowwise().normalize();  // leaves zeros as they are
+        EXPECT_LT((editor.preview_normals() - expected).rowwise().norm().maxCoeff(), 1e-3) << s.name;
       }
-      expected.rowwise().normalize();  // leaves zeros as they are
-      EXPECT_LT((editor.preview_normals() - expected).rowwise().norm().maxCoeff(), 1e-3) << s.name;
     }
   }
 }
@@ -253,10 +268,11 @@ TEST(DragPreview, NormalsAreThoseOfThePose) {
 /// Fails if the fast path is taken where it does not compute what solve() does.
 TEST(DragPreview, IsSolveItselfWhereThereIsNoFastPath) {
   const Scene s = letters();
-  std::vector<std::pair<const char*, EditSettings>> cases(3);
+  std::vector<std::pair<const char*, EditSettings>> cases(4, {"", support::older_settings()});
   cases[0].first = "order 2", cases[0].second.order = 2;
   cases[1].first = "two passes", cases[1].second.iterations = 2;
   cases[2].first = "smooth normals", cases[2].second.rotation = DetailRotation::SmoothNormals;
+  cases[3] = {"order 2 of the defaults", {}}, cases[3].second.order = 2;
   const auto expect_same = [](const char* what, LaplacianEditor editor, LaplacianEditor other, const Maps& maps) {
     EXPECT_TRUE(same_bits(editor.preview(maps), other.solve(maps))) << what;
     EXPECT_FALSE(editor.has_preview()) << what;
@@ -268,20 +284,29 @@ TEST(DragPreview, IsSolveItselfWhereThereIsNoFastPath) {
   Scene loose = s;  // all of a piece, none of it held
   loose.region = support::whole_region(s.mesh, {{900}, {20, 21}}, {});
   const Maps maps{shift({0, 0, 1}), rigid(20, {0, 0, 1}, {0, 0, 0})};
-  expect_same("no anchors", loose.editor(), loose.editor(), maps);
+  for (const EditSettings& settings : kBoth) {
+    expect_same("no anchors", loose.editor(settings), loose.editor(settings), maps);
+  }
 }
 
 /// Fails if a map that is not finite gets through, or spoils the editor; or if one beyond single precision gives
 /// anything but what solve() gives, to five digits of the way.
 TEST(DragPreview, StrangeMapsAreRefusedOrSolved) {
-  for (const Scene& s : {letters(), patches()}) {
-    LaplacianEditor editor = s.editor();
+  const Scene two[] = {letters(), patches()};
+  for (const auto& [s, settings] :
+       {std::pair(two[0], kBoth[0]), {two[0], kBoth[1]}, {two[1], kBoth[0]}, {two[1], kBoth[1]}}) {
+    LaplacianEditor editor = s.editor(settings);
     const Points expected = editor.preview(s.maps);
+    // The cells settle from where the frame before left them: to single precision, not to the bit.
+    const double bound = settings.rotation == DetailRotation::LocalGlobal ? 1e-5 * s.region.max_distance : 0;
+    const auto is_expected = [&, &s = s] {
+      return (editor.preview(s.maps) - expected).rowwise().norm().maxCoeff() <= bound;
+    };
     for (const double strange : {std::nan(""), std::numeric_limits<double>::infinity()}) {
       Maps maps = s.maps;
       maps.back().translation().y() = strange;
       support::expect_refusal(ErrorCause::NotFinite, [&] { editor.preview(maps); });
-      EXPECT_TRUE(same_bits(editor.preview(s.maps), expected)) << s.name;
+      EXPECT_TRUE(is_expected()) << s.name;
     }
     support::expect_refusal(ErrorCause::NoHandle, [&] { editor.preview({}); });
     for (const double way : {1e6, 1e12, 1e18, 1e30, 1e60, 1e100}) {
@@ -290,7 +315,7 @@ TEST(DragPreview, StrangeMapsAreRefusedOrSolved) {
       const Points exact = editor.solve(maps), fast = editor.preview(maps);
       EXPECT_LT((fast / way - exact / way).cwiseAbs().maxCoeff(), 1e-4) << s.name << ", a way of " << way;
       EXPECT_TRUE(editor.preview_normals().allFinite()) << s.name << ", a way of " << way;
-      EXPECT_TRUE(same_bits(editor.preview(s.maps), expected)) << s.name << ", after a way of " << way;
+      EXPECT_TRUE(is_expected()) << s.name << ", after a way of " << way;
     }
   }
 }

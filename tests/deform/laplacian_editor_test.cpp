@@ -147,7 +147,7 @@ const std::vector<EditSettings> kDenseSettings = [] {
   for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
     for (const int order : {1, 2, 3}) {
       for (const double weight : {1.0, 10.0}) {
-        EditSettings settings;
+        EditSettings settings = support::older_settings();
         settings.laplacian = laplacian;
         settings.order = order;
         settings.handle_weight = weight;
@@ -156,6 +156,18 @@ const std::vector<EditSettings> kDenseSettings = [] {
         all.push_back(settings);
       }
     }
+  }
+  return all;
+}();
+
+/// The same for those that go by rotations given, and the defaults whole: settled rotations turn edges, beside a
+/// membrane.
+const std::vector<EditSettings> kGivenRotations = [] {
+  std::vector<EditSettings> all = kDenseSettings;
+  all.emplace_back();
+  for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
+    all.emplace_back().laplacian = laplacian;
+    all.back().membrane = 30;
   }
   return all;
 }();
@@ -181,8 +193,11 @@ TEST(DenseLeastSquares, AgreesWithTheUnrotatedEdit) {
 
 TEST(DenseLeastSquares, AgreesWithTheRotatedEditGivenItsRotations) {
   const SmallProblem problem;
-  for (EditSettings settings : kDenseSettings) {
-    for (const DetailRotation rotation : {DetailRotation::SmoothNormals, DetailRotation::SmoothSurface}) {
+  for (EditSettings settings : kGivenRotations) {
+    const std::vector<DetailRotation> ways =
+        settings.membrane > 0 ? std::vector{DetailRotation::LocalGlobal, DetailRotation::SmoothSurface}
+                              : std::vector{DetailRotation::SmoothNormals, DetailRotation::SmoothSurface};
+    for (const DetailRotation rotation : ways) {
       for (const int iterations : {1, 3}) {
         settings.rotation = rotation;
         settings.iterations = iterations;
@@ -233,7 +248,7 @@ TEST(DenseLeastSquares, AgreesOnAClosedSurfaceAndOnABar) {
         targets.row(i) = (maps[region.group[i]] * Vector3(mesh.vertices.row(i))).transpose();
       }
     }
-    for (EditSettings settings : kDenseSettings) {
+    for (const EditSettings& settings : kGivenRotations) {
       LaplacianEditor editor(mesh, region, settings);
       const Points& found = editor.solve(maps);
       const Points expected = reference::solve(mesh, region, settings, targets, editor.rotations());
@@ -255,7 +270,7 @@ TEST(DenseLeastSquares, AgreesWhereTheNormalEquationsAreIllConditioned) {
     targets(v, 2) += 5;
   }
   for (const auto& [order, bound] : {std::pair{2, 1e-11}, std::pair{3, 1e-8}}) {
-    EditSettings settings;
+    EditSettings settings = support::older_settings();
     settings.order = order;
     settings.rotation = DetailRotation::None;
     LaplacianEditor editor(mesh, region, settings);
@@ -504,7 +519,7 @@ TEST(EditorConditioning, SystemBeyondDoublePrecisionIsRefusedNotSolvedWrongly) {
   RegionSpec spec;
   spec.kind = RegionSpec::Kind::Component;
   const Region region = build_region(mesh, support::adjacency_of(mesh), spec, {{30 * 60 + 30}});
-  EditSettings settings;
+  EditSettings settings = support::older_settings();
   settings.order = 3;
   for (const CholeskyBackend backend : {CholeskyBackend::Automatic, CholeskyBackend::Eigen}) {
     settings.backend = backend;
@@ -519,7 +534,7 @@ TEST(EditorConditioning, SlowRefinementIsRightToo) {
   tube.vertices.col(0) *= 13;
   const int tip = static_cast<int>(tube.vertices.rows()) - 1;
   const Region region = build_region(tube, support::adjacency_of(tube), within(42), {{tip}});
-  EditSettings settings;
+  EditSettings settings = support::older_settings();
   settings.order = 3;
   settings.rotation = DetailRotation::None;
   Points results[2];
@@ -538,7 +553,7 @@ TEST(EditorConditioning, SlowRefinementIsRightToo) {
 TEST(EditorConditioning, HopelessRegionsAreRefusedBeforeTheyAreFactored) {
   const TriangleMesh mesh = shapes::grid(150, 150);
   const Region region = build_region(mesh, support::adjacency_of(mesh), within(150), {{75 * 150 + 75}});
-  EditSettings settings;
+  EditSettings settings = support::older_settings();
   settings.order = 3;
   settings.rotation = DetailRotation::None;
   double refused_ms = kInfinity, factored_ms = kInfinity;
@@ -560,7 +575,7 @@ TEST(EditorConditioning, RefusalOfOrderOneAdvisesNoLowerOne) {
   RegionSpec spec;
   spec.kind = RegionSpec::Kind::Component;
   const Region region = build_region(mesh, support::adjacency_of(mesh), spec, {{30 * 60 + 30}});
-  EditSettings settings;
+  EditSettings settings = support::older_settings();
   settings.handle_weight = 2e-6;
   try {
     LaplacianEditor(mesh, region, settings);

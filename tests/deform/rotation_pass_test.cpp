@@ -9,6 +9,7 @@
 
 #include "lapedit/deform/edit_quality.h"
 #include "lapedit/deform/laplacian_editor.h"
+#include "lapedit/deform/membrane.h"
 #include "shapes.h"
 #include "support.h"
 
@@ -28,11 +29,12 @@ struct Scene {
   }
 };
 
-/// The paper's system by dense algebra, with the rotations that the editor says it took.
+/// The paper's system and its membrane by dense algebra, with the rotations that the editor says it took.
 Points dense(const Scene& scene, const EditSettings& settings, const std::vector<Matrix3>& rotations) {
   const Region& region = scene.region;
   const int n = region.size();
-  const Eigen::MatrixXd m = differential_operator(settings.laplacian, region, scene.mesh).matrix;
+  const DifferentialOperator op = differential_operator(settings.laplacian, region, scene.mesh, settings.membrane > 0);
+  const Eigen::MatrixXd m = op.matrix;
   Points rest(n, 3), wanted = Points::Zero(n, 3);
   Eigen::VectorXd w = Eigen::VectorXd::Zero(n);
   for (int i = 0; i < n; ++i) {
@@ -57,24 +59,32 @@ Points dense(const Scene& scene, const EditSettings& settings, const std::vector
     }
   }
   const Eigen::MatrixXd squared = w.cwiseAbs2().asDiagonal();
-  return (m.transpose() * m + squared).ldlt().solve(m.transpose() * wanted + squared * target);
+  const Eigen::MatrixXd stretch = (membrane_factor(settings, region, rest, op.sums.mean()) * op.sums).asDiagonal();
+  const Eigen::MatrixXd left = m.transpose() + stretch;
+  return (left * m + squared).ldlt().solve(left * wanted + squared * target);
 }
 
 TEST(RotationPass, TurnsWhatItSays) {
   const Scene scene;
-  for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
-    Points by_vertex;
-    for (const DetailTurning turning : {DetailTurning::Vertex, DetailTurning::Edge}) {
-      EditSettings settings;
-      settings.laplacian = laplacian;
-      settings.turning = turning;
-      LaplacianEditor editor(scene.mesh, scene.region, settings);
-      const Points result = editor.solve(scene.maps);
-      EXPECT_LT(support::error(result, dense(scene, settings, editor.rotations())), 1e-9);
-      if (turning == DetailTurning::Vertex) {
-        by_vertex = result;
-      } else {
-        EXPECT_GT(support::error(result, by_vertex), 1e-3);
+  for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent, LaplacianKind::MeanValue}) {
+    for (const DetailRotation rotation : {DetailRotation::SmoothSurface, DetailRotation::LocalGlobal}) {
+      for (const double membrane : {0.0, 60.0}) {
+        Points by_vertex;
+        for (const DetailTurning turning : {DetailTurning::Vertex, DetailTurning::Edge}) {
+          EditSettings settings = support::older_settings();
+          settings.laplacian = laplacian;
+          settings.rotation = rotation;
+          settings.membrane = membrane;
+          settings.turning = turning;
+          LaplacianEditor editor(scene.mesh, scene.region, settings);
+          const Points result = editor.solve(scene.maps);
+          EXPECT_LT(support::error(result, dense(scene, settings, editor.rotations())), 1e-9);
+          if (turning == DetailTurning::Vertex) {
+            by_vertex = result;
+          } else {
+            EXPECT_GT(support::error(result, by_vertex), 1e-3);
+          }
+        }
       }
     }
   }
@@ -86,7 +96,7 @@ TEST(RotationPass, RigidMotionsOfAllConstraintsAreThatOfTheRegion) {
   Affine turn = Affine::Identity();
   turn.rotate(Eigen::AngleAxisd(1.1, Vector3(1, 2, 3).normalized())).pretranslate(Vector3(3, -1, 2));
   for (const int order : {1, 2}) {
-    EditSettings settings;
+    EditSettings settings = support::older_settings();
     settings.order = order;
     settings.turning = DetailTurning::Edge;
     LaplacianEditor editor(scene.mesh, scene.region, settings);
@@ -108,7 +118,7 @@ TEST(RotationPass, EdgesOfALimbAreStretchedLessWhenTheyTurn) {
   const Region region = build_region(mesh, support::adjacency_of(mesh), spec, {{tip}});
   double stretch[2] = {};
   for (const DetailTurning turning : {DetailTurning::Vertex, DetailTurning::Edge}) {
-    EditSettings settings;
+    EditSettings settings = support::older_settings();
     settings.laplacian = LaplacianKind::Cotangent;
     settings.iterations = 3;
     settings.turning = turning;
@@ -145,7 +155,7 @@ struct Lift {
 
 TEST(DroppedPass, LeavesThePassBefore) {
   const Lift lift;
-  EditSettings settings;
+  EditSettings settings = support::older_settings();
   settings.laplacian = LaplacianKind::Cotangent;
   settings.order = 2;
   settings.iterations = 3;
@@ -182,7 +192,7 @@ TEST(DroppedPass, IsNoneOfOrderOne) {
   const Lift lift;
   for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
     for (const DetailTurning turning : {DetailTurning::Vertex, DetailTurning::Edge}) {
-      EditSettings settings;
+      EditSettings settings = support::older_settings();
       settings.laplacian = laplacian;
       settings.turning = turning;
       settings.iterations = 4;
@@ -193,7 +203,7 @@ TEST(DroppedPass, IsNoneOfOrderOne) {
 
 TEST(RotationPass, TurningByEdgesHasNoFastPath) {
   const Scene scene;
-  EditSettings settings;
+  EditSettings settings = support::older_settings();
   EXPECT_TRUE(has_fast_path(settings));
   settings.turning = DetailTurning::Edge;
   LaplacianEditor editor(scene.mesh, scene.region, settings);

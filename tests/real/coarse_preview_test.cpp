@@ -18,24 +18,25 @@
 namespace lapedit {
 namespace {
 
-/// An edit of tests/hosts/edits, and half as much again as its RMS error is seen to be, over the handle's way.
+/// An edit of tests/hosts/edits, and half as much again as its RMS error is seen to be, over the handle's way: as it
+/// was recorded, and by default.
 struct Recorded {
   const char *mesh, *edit;
-  double rms;
+  double rms, by_default;
 };
 
 /// Those of regions for which there is a stand-in. Where a limb is thinner than the smoothing, or a group turns a mesh
 /// that nothing holds, the rotations are not what the cells resolve.
 const Recorded kRecorded[] = {
-    {"bumpy_plane.off", "crest", 0.032},
-    {"bumpy_plane.off", "hill_cotangent", 0.008},
-    {"bumpy_plane.off", "hill_to_the_border", 0.031},
-    {"igea.ply", "all_held_at_the_back", 0.125},
-    {"igea.ply", "nose_and_face", 0.013},
-    {"igea.ply", "nose_order_3", 0.16},
-    {"octopus.off", "body_held_by_another_tentacle", 0.34},
-    {"octopus.off", "most_of_the_body", 0.027},
-    {"octopus.off", "tentacle_and_root_order_2", 0.036},
+    {"bumpy_plane.off", "crest", 0.032, 0.05},
+    {"bumpy_plane.off", "hill_cotangent", 0.008, 0.05},
+    {"bumpy_plane.off", "hill_to_the_border", 0.031, 0.05},
+    {"igea.ply", "all_held_at_the_back", 0.125, 0.05},
+    {"igea.ply", "nose_and_face", 0.013, 0.05},
+    {"igea.ply", "nose_order_3", 0.16, 0.05},
+    {"octopus.off", "body_held_by_another_tentacle", 0.34, 0.05},
+    {"octopus.off", "most_of_the_body", 0.027, 0.05},
+    {"octopus.off", "tentacle_and_root_order_2", 0.036, 0.05},
 };
 
 TEST(RealCoarsePreviews, AreNearTheFullPose) {
@@ -51,28 +52,31 @@ TEST(RealCoarsePreviews, AreNearTheFullPose) {
       maps.push_back(resolve(handle.transform, centroid(mesh.vertices, handle.vertices)));
     }
     const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
-    const FoundRegion found = find_region({mesh, adjacency, step.region, groups, step.settings});
-    const Region& region = *found.region;
-    LaplacianEditor editor(mesh, region, step.settings);
-    const Points full = editor.solve(maps);
-    CoarsePreview preview(mesh, found.region, step.settings);
-    const Points pose = preview.pose(maps);
-    double way = 0;
-    for (int i = 0; i < region.size(); ++i) {
-      const Vector3 rest = mesh.vertices.row(region.mesh_vertex[i]).transpose();
-      if (region.classes[i] == VertexClass::Handle) {
-        way = std::max(way, (full.row(i).transpose() - rest).norm());
-        EXPECT_LT((pose.row(i).transpose() - maps[region.group[i]] * rest).norm(), 1e-9 * region.max_distance);
-      } else if (region.anchor_depth[i] == 1) {
-        EXPECT_EQ(pose.row(i).transpose(), rest);
+    for (const EditSettings& settings : {step.settings, EditSettings()}) {
+      const bool by_default = settings == EditSettings();
+      const FoundRegion found = find_region({mesh, adjacency, step.region, groups, settings});
+      const Region& region = *found.region;
+      LaplacianEditor editor(mesh, region, settings);
+      const Points full = editor.solve(maps);
+      CoarsePreview preview(mesh, found.region, settings);
+      const Points pose = preview.pose(maps);
+      double way = 0;
+      for (int i = 0; i < region.size(); ++i) {
+        const Vector3 rest = mesh.vertices.row(region.mesh_vertex[i]).transpose();
+        if (region.classes[i] == VertexClass::Handle) {
+          way = std::max(way, (full.row(i).transpose() - rest).norm());
+          EXPECT_LT((pose.row(i).transpose() - maps[region.group[i]] * rest).norm(), 1e-9 * region.max_distance);
+        } else if (region.anchor_depth[i] == 1) {
+          EXPECT_EQ(pose.row(i).transpose(), rest);
+        }
       }
+      const Points difference = pose - full;
+      const double rms = std::sqrt(difference.squaredNorm() / static_cast<double>(difference.rows())) / way;
+      std::cout << recorded.mesh << ", " << recorded.edit << (by_default ? " by default: " : ": ") << region.size()
+                << " vertices, " << preview.cells() << " cells, RMS " << 100 * rms << " %, largest "
+                << 100 * difference.rowwise().norm().maxCoeff() / way << " % of the handle's way\n";
+      EXPECT_LT(rms, by_default ? recorded.by_default : recorded.rms) << recorded.mesh << ", " << recorded.edit;
     }
-    const Points difference = pose - full;
-    const double rms = std::sqrt(difference.squaredNorm() / static_cast<double>(difference.rows())) / way;
-    std::cout << recorded.mesh << ", " << recorded.edit << ": " << region.size() << " vertices, " << preview.cells()
-              << " cells, RMS " << 100 * rms << " %, largest " << 100 * difference.rowwise().norm().maxCoeff() / way
-              << " % of the handle's way\n";
-    EXPECT_LT(rms, recorded.rms) << recorded.mesh << ", " << recorded.edit;
   }
 }
 

@@ -535,7 +535,7 @@ TEST(DragSteps, FiguresTellOfTheLastStep) {
 TEST(DragSteps, AdviceIsGivenWhereAStepFolded) {
   Window window(plate());
   DragSettings settings = window.session.settings();
-  settings.edit.laplacian = LaplacianKind::Umbrella;
+  settings.edit = support::older_settings();
   settings.edit.rotation = DetailRotation::None;
   window.session.set_settings(settings);
   window.drag(kMiddle, Vector2(20, 10));

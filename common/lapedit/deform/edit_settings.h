@@ -40,8 +40,9 @@ struct EditSettings {
   double anchor_weight = 30;  ///< an anchor's own weight is this times d / d_max
   DetailTurning turning = DetailTurning::Edge;
   RoughDeformation rough = RoughDeformation::Unrotated;
-  double membrane =
-      1200;  ///< what stretching costs beside bending, see membrane_factor(); 0: nothing, the paper's choice
+  /// What stretching costs beside bending, see membrane_factor(). 0: nothing, the paper's choice; beyond 1000 it shows
+  /// at the region's rim.
+  double membrane = 500;
   /// Which rules an edit is solved by, so that a recorded one gives its bits for ever: 1, those of files of version 1,
   /// or 2. Nothing that users choose, so no row of the table.
   int rules = 2;

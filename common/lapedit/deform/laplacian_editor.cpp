@@ -151,6 +151,9 @@ void LaplacianEditor::State::turn_details(const Progress& go_on) {
   rotation->start(constraints);
   for (int pass = 0; pass < settings.iterations; ++pass) {
     const bool may_drop = settings.rules > 1 && (settings.order > 1 || pass > 0);
+    if (settings.iterations > 1) {
+      rotations_before = rotations;
+    }
     if (may_drop) {
       least = std::min(least, stretch());
       rotations.swap(kept_rotations);
@@ -158,13 +161,9 @@ void LaplacianEditor::State::turn_details(const Progress& go_on) {
     }
     previous = displacement;
     report_progress(go_on, 0, "rotations");
-    if (system->settings.iterations > 1) {
-      rotations_before = rotations;
-    }
     rotation->turn(displacement, pass == 0 && one_pull ? &*one_pull : nullptr, constraints, rotations, right);
     report.normals_ms += rotation->normals_ms();
     report.rotate_ms += rotation->rotate_ms();
-    report.rotation_left = largest_turn(rotations, rotations_before);
     const Stopwatch watch;
     solve_exactly(right, go_on);
     report.solve_ms += watch.elapsed();
@@ -172,6 +171,7 @@ void LaplacianEditor::State::turn_details(const Progress& go_on) {
     if (may_drop && !(stretched <= kWorse * least + kSlack) && drop_pass(stretched, go_on)) {
       return;
     }
+    report.rotation_left = largest_turn(rotations, rotations_before);
     ++report.iterations;
     previous -= displacement;
     if (pass > 0 && largest_row(previous) < kSettled * system->region.radius) {

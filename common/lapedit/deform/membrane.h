@@ -14,10 +14,10 @@ namespace lapedit {
 ///
 /// makes the ratio of the two energies membrane / s^2 whatever the triangulation, s the region's size: sqrt(2) times
 /// the root mean square distance from the centroid, a disc's radius. Stretching then spreads over all of the region but
-/// for a length of s / sqrt(membrane) around handles and rim, where bending keeps it smooth. That length is never less than half an edge, so that
-/// handles arrive in coarse regions too. Neither handle nor anchors
-/// enter, so that the next handle finds the factor ready. Source: M. Botsch, O. Sorkine, On linear variational surface
-/// deformation methods, TVCG 2008, section 3.
+/// for a length of s / sqrt(membrane) around handles and rim, where bending keeps it smooth. That length is never less
+/// than half an edge, so that handles arrive in coarse regions too. Neither handle nor anchors enter, so that the next
+/// handle finds the factor ready. Source: M. Botsch, O. Sorkine, On linear variational surface deformation methods,
+/// TVCG 2008, section 3.
 /// @param rest      size() x 3
 /// @param mean_sum  of the rows' weights
 /// @return          c; 0 without a membrane
