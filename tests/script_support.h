@@ -19,7 +19,7 @@ inline const char* const kExample = R"({"laplacian_edit": 2,
                {"vertices": "12-40,77", "rotation": {"axis": [0,0,1], "degrees": 30, "center": [0,0,0]}, "scale": 1.1},
                {"vertices": "9", "matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}],
    "laplacian": "cotangent", "order": 2, "detail_rotation": "smooth_normals", "iterations": 3, "normal_radius": 0.5,
-   "handle_weight": 2, "anchor_weight": 4, "turning": "edge", "rough": "falloff"},
+   "handle_weight": 2, "anchor_weight": 4, "turning": "vertex", "rough": "falloff", "membrane": 7.5},
   {"region": {"vertices": "5,3, 7 - 9", "padding": 0.2}, "handles": [{"vertices": "3"}], "detail_rotation": "none"},
   {"region": {"component": true}, "handles": [{"vertices": "3"}]}]}
 )";

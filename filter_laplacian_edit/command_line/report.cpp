@@ -24,6 +24,7 @@ QJsonObject step(const EditReport& report) {
           {"detail_rotation", QString::fromStdString(report.rotation)},
           {"turning", QString::fromStdString(report.turning)},
           {"rough", QString::fromStdString(report.rough)},
+          {"membrane", report.membrane},
           {"iterations", report.iterations},
           {"passes_dropped", report.passes_dropped},
           {"normal_radius", report.normal_radius},

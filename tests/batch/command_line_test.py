@@ -270,7 +270,7 @@ class Reports(CommandTest):
             self.assertLess(step["handle_residual"], 0.005 * way)
             self.assertLess(step["normal_equation_residual"], 1e-12)
             self.assertGreater(step["stretch_max"], step["stretch_rms"])
-            self.assertEqual((step["laplacian"], step["order"], step["flipped"]), ("umbrella", 1, 0))
+            self.assertEqual((step["laplacian"], step["order"], step["flipped"]), ("mean value", 1, 0))
             self.assertRegex(step["solver"], "CHOLMOD|Eigen")
             self.assertGreater(step["milliseconds"]["factorisation"], 0)
 

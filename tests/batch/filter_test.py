@@ -46,7 +46,7 @@ class Documentation(HostTest):
                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=60)
         sections = {s.split(" \n")[0].split(" ", 1)[1]: s for s in file.read_text().split("\\section ")[1:]}
         for name, kinds in (("Laplacian Edit", "Enum Point3f Enum AbsPerc Float Point3f Point3f Float Float Enum Int "
-                                               "Enum Int AbsPerc Float Float Enum Enum"),
+                                               "Enum Int AbsPerc Float Float Enum Enum Float"),
                             ("Laplacian Edit Replay", "String Float")):
             text = sections[name]
             self.assertIn("Differential Coordinates for Interactive Mesh Editing", text)
@@ -63,12 +63,15 @@ class Settings(FilterTest):
         region = within(self.points, self.around, CENTRE, 0.35)
         plain, _ = self.bits([laplacian_edit(**self.lift)])
         self.assertLessEqual(self.moved_vertices(plain), region)
+        smoothed, _ = self.bits([laplacian_edit(**self.lift, detail_rotation=2)])
         for change in ({"laplacian": 1}, {"order": 2}, {"order": 3}, {"detail_rotation": 0}, {"detail_rotation": 1},
                        {"iterations": 3}, {"normal_radius": 0.3}, {"handle_weight": 0.5}, {"anchor_weight": 0.5},
-                       {"turning": 1}, {"rough": 1}, {"padding": 0.5}, {"translation": (0.1, 0, 0.1)}):
+                       {"turning": 0}, {"rough": 1}, {"membrane": 0}, {"padding": 0.5}, {"translation": (0.1, 0, 0.1)}):
             with self.subTest(change):
-                bits, log = self.bits([laplacian_edit(**{**self.lift, **change})])
-                self.assertNotEqual(bits, plain)
+                # Those of the smoothed surface alone.
+                with_smoothing = {"detail_rotation": 2} if set(change) & {"iterations", "normal_radius", "rough"} else {}
+                bits, log = self.bits([laplacian_edit(**{**self.lift, **with_smoothing, **change})])
+                self.assertNotEqual(bits, smoothed if with_smoothing else plain)
                 self.assertLessEqual(self.moved_vertices(bits), region)
                 self.assertTrue(all(math.isfinite(float_of(c)) for p in bits for c in p))
                 for name in {"laplacian": ["cotangent"], "order": [f"order {change.get('order')}"],
@@ -129,11 +132,12 @@ class Replay(FilterTest):
     def test_all_settings_mean_the_same_in_both_filters(self):
         edited, _ = self.bits([laplacian_edit(
             **self.lift, padding=0.3, laplacian=1, order=2, detail_rotation=1, iterations=2, normal_radius=0.21,
-            handle_weight=7, anchor_weight=0.7, turning=1, rough=1)])
+            handle_weight=7, anchor_weight=0.7, turning=0, rough=1,
+            membrane=7.5)])
         replayed, _ = self.bits([replay({
             **self.lift_json, "region": {"radius": 0.35, "padding": 0.3}, "laplacian": "cotangent", "order": 2,
             "detail_rotation": "smooth_normals", "iterations": 2, "normal_radius": 0.21, "handle_weight": 7,
-            "anchor_weight": 0.7, "turning": "edge", "rough": "falloff"})])
+            "anchor_weight": 0.7, "turning": "vertex", "rough": "falloff", "membrane": 7.5})])
         self.assertEqual(edited, replayed)
 
     def test_fraction_zero_keeps_all_bits(self):

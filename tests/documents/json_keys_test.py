@@ -104,7 +104,7 @@ class JsonKeys(WithProgram):
     def test_defaults_and_ranges_are_the_filters(self):
         filters = {code(row[0])[0]: row for row in
                    Document(pathlib.Path("filter_laplacian_edit/README.md")).rows("Laplacian Edit")}
-        self.assertEqual(len(self.settings()), 9)
+        self.assertEqual(len(self.settings()), 10)
         for name, row in self.settings().items():
             with self.subTest(setting=name):
                 default = self.choices(name).index(code(row[1])[0]) if code(row[1]) else row[1]

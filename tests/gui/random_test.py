@@ -12,11 +12,12 @@ EVENTS = int(os.environ.get("LAPEDIT_RANDOM_EVENTS", "2000"))
 SEED = 20241121
 KEYS = [*"XYZNTRSGCW0123456789.-", "Return", "Backspace", "Esc"]
 SETTINGS = {"radius": lambda r: r.choice([0, 0.05, 0.1, 0.3]), "padding": lambda r: r.choice([0, 0.1, 0.5, 1]),
-            "handle_radius": lambda r: r.choice([0, 0, 0.05]), "laplacian": lambda r: r.randrange(2),
-            "order": lambda r: r.randrange(1, 4), "detail_rotation": lambda r: r.randrange(3),
+            "handle_radius": lambda r: r.choice([0, 0, 0.05]), "laplacian": lambda r: r.randrange(3),
+            "order": lambda r: r.randrange(1, 4), "detail_rotation": lambda r: r.randrange(4),
             "iterations": lambda r: r.randrange(1, 3), "normal_radius": lambda r: r.choice([0, 0.05]),
             "handle_weight": lambda r: r.choice([1, 10]), "anchor_weight": lambda r: r.choice([0.5, 10]),
-            "turning": lambda r: r.randrange(2), "rough": lambda r: r.randrange(2)}
+            "turning": lambda r: r.randrange(2), "rough": lambda r: r.randrange(2),
+            "membrane": lambda r: r.choice([0, 1200])}
 BUTTONS = ["undo", "redo", "reset", "grow", "shrink", "component", "from_selection", "copy", "cancel"]
 
 

@@ -145,10 +145,12 @@ TEST(EditScriptRefusal, WrongTypesAreRefusedWithWhatWasExpected) {
   }
 
   const std::pair<const char*, const char*> settings[] = {
-      {"'laplacian': 'uniform'", "laplacian: expected one of \"umbrella\", \"cotangent\", found the text \"uniform\"."},
-      {"'laplacian': 0", "laplacian: expected one of \"umbrella\", \"cotangent\", found the number 0."},
+      {"'laplacian': 'uniform'",
+       "laplacian: expected one of \"umbrella\", \"cotangent\", \"mean_value\", found the text \"uniform\"."},
+      {"'laplacian': 0", "laplacian: expected one of \"umbrella\", \"cotangent\", \"mean_value\", found the number 0."},
       {"'detail_rotation': 'smooth'",
-       "detail_rotation: expected one of \"none\", \"smooth_normals\", \"smooth_surface\", found the text \"smooth\"."},
+       "detail_rotation: expected one of \"none\", \"smooth_normals\", \"smooth_surface\", \"local_global\", found the "
+       "text \"smooth\"."},
       {"'order': 1.5", "order: expected a whole number from 0 to 2147483647, found the number 1.5."},
       {"'order': -1", "order: expected a whole number from 0 to 2147483647, found the number -1."},
       {"'iterations': 2147483648", "iterations: expected a whole number from 0 to 2147483647, found"},

@@ -74,8 +74,9 @@ TEST(EditScript, ReadsAllKeys) {
   EXPECT_EQ(step.settings.normal_radius, 0.5);
   EXPECT_EQ(step.settings.handle_weight, 2);
   EXPECT_EQ(step.settings.anchor_weight, 4);
-  EXPECT_EQ(step.settings.turning, DetailTurning::Edge);
+  EXPECT_EQ(step.settings.turning, DetailTurning::Vertex);
   EXPECT_EQ(step.settings.rough, RoughDeformation::Falloff);
+  EXPECT_EQ(step.settings.membrane, 7.5);
 
   ASSERT_EQ(step.handles.size(), 3U);
   EXPECT_EQ(step.handles[0].vertices, std::vector<int>{8624});
@@ -145,7 +146,7 @@ TEST(EditScript, StepsKeepTheirRules) {
   edit.steps[0].handles = edit.steps[1].handles = {{{4}, {}}};
   edit.steps[0].settings = version_one_settings();
   const std::string text = write_edit(edit);
-  expect_contains(text, R"("rough": "unrotated", "rules": 1})");
+  expect_contains(text, R"("rough": "unrotated", "membrane": 0, "rules": 1})");
   EXPECT_EQ(text.find("rules"), text.rfind("rules")) << "the new step says nothing";
   EXPECT_TRUE(same(read_edit(text), edit));
 }
@@ -168,8 +169,9 @@ TEST(EditScript, WritesTheDocumentedTextWithAllSettings) {
   step.settings.normal_radius = 0.25;
   step.settings.handle_weight = 2;
   step.settings.anchor_weight = 0.5;
-  step.settings.turning = DetailTurning::Edge;
+  step.settings.turning = DetailTurning::Vertex;
   step.settings.rough = RoughDeformation::Falloff;
+  step.settings.membrane = 7.5;
   edit.steps.push_back(step);
   EXPECT_EQ(write_edit(edit), R"({"laplacian_edit": 2,
  "mesh": {"vertices": 11703, "faces": 23402, "connectivity": "0123456789abcdef"},
@@ -178,7 +180,7 @@ TEST(EditScript, WritesTheDocumentedTextWithAllSettings) {
    "handles": [{"vertices": "12-14,77,9-10,9", "translation": [0,-0.9,0.3333333333333333], "rotation": {"axis": [0,0,1], "degrees": 0}, "scale": 1},
                {"vertices": "8624", "translation": [0,0,0], "rotation": {"axis": [0,0,1], "degrees": 0, "center": [1,2,3]}, "scale": 1},
                {"vertices": "0", "matrix": [1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}],
-   "laplacian": "cotangent", "order": 2, "detail_rotation": "smooth_normals", "iterations": 3, "normal_radius": 0.25, "handle_weight": 2, "anchor_weight": 0.5, "turning": "edge", "rough": "falloff"}]}
+   "laplacian": "cotangent", "order": 2, "detail_rotation": "smooth_normals", "iterations": 3, "normal_radius": 0.25, "handle_weight": 2, "anchor_weight": 0.5, "turning": "vertex", "rough": "falloff", "membrane": 7.5}]}
 )");
 }
 

@@ -67,6 +67,9 @@ std::string EditReport::text() const {
   if (uniform_edges > 0) {
     lines += format_text(", %d edges at degenerate triangles took the uniform weight", uniform_edges);
   }
+  if (membrane != EditSettings().membrane) {
+    lines += format_text(", membrane %.6g", membrane);
+  }
   lines += format_text("; detail rotation: %s", rotation.c_str());
   if (iterations > 0) {
     if (turning != name(DetailTurning())) {
@@ -75,7 +78,10 @@ std::string EditReport::text() const {
     if (rough != name(RoughDeformation())) {
       lines += ", first from the " + rough;
     }
-    lines += format_text(", %d %s, normal radius %.6g", iterations, iterations == 1 ? "pass" : "passes", normal_radius);
+    lines += format_text(", %d %s", iterations, iterations == 1 ? "pass" : "passes");
+    if (normal_radius > 0) {
+      lines += format_text(", normal radius %.6g", normal_radius);
+    }
   }
   lines += format_text("; solver: %s", backend.c_str());
   if (refinements > 0) {

@@ -62,12 +62,12 @@ const std::vector<Setting>& settings_table() {
        {"none", "smooth_normals", "smooth_surface", "local_global"}},
       {Kind::Whole, "iterations", "number of iterations", "a whole number from 1 to 100", 1, 100,
        "How often the rotations are estimated anew from the last result, 1 to 100. More than one helps large edits "
-       "with the smooth surface.",
+       "with the smooth surface. Local-global rotations go on by themselves until nothing changes.",
        get<&S::iterations>, set<&S::iterations>},
       {Kind::Length, "normal_radius", "normal radius", "a finite length, or 0 for an automatic one", 0,
        std::numeric_limits<double>::max(),
        "Radius of the smoothing that separates details from the surface below; has to exceed the size of the "
-       "details. 0: chosen from the mesh.",
+       "details. 0: chosen from the mesh. Local-global rotations do without.",
        get<&S::normal_radius>, set<&S::normal_radius>},
       {Kind::Number, "handle_weight", "handle weight", kWeights, kLightest, kHeaviest,
        "How strongly the handle is drawn to its target, 0.000001 to 1000000.", get<&S::handle_weight>,

@@ -342,6 +342,7 @@ std::shared_ptr<const LaplacianSystem> prepare_system(const TriangleMesh& mesh, 
   report.rotation = name(settings.rotation);
   report.turning = name(settings.turning);
   report.rough = name(settings.rough);
+  report.membrane = settings.membrane;
   report.normal_radius = made->normal_radius;
   report.uniform_edges = made->powers.uniform_edges;
   report.backend = made->matrix->cholesky.backend_name();

@@ -104,6 +104,8 @@ CellTurns::CellTurns(const BlendedRotations& blended, const OperatorRows& first,
       rows_(tables.neighbours.size()),
       turns_(static_cast<std::size_t>(tables.size)) {
   static_assert(sizeof(Line) == 4 * sizeof(Four));
+  blended.quaternions(quaternions_);  // all memory from here on, whatever the first frame is
+  cells_.resize(quaternions_.size());
   const std::vector<int> place_of = tables.places();
   const CellBlend& blend = blended.blend();
   for (int place = 0; place < tables.size; ++place) {
@@ -135,7 +137,6 @@ std::size_t CellTurns::bytes() const {
 void CellTurns::turn(const BlendedRotations& blended, Four* y, ThreadPool& pool) {
   const CellKernels kernels = best_cell_kernels();
   blended.quaternions(quaternions_);
-  cells_.resize(quaternions_.size());
   for (std::size_t c = 0; c < cells_.size(); ++c) {
     for (int e = 0; e < 4; ++e) {
       cells_[c][e] = static_cast<float>(quaternions_[c][e]);

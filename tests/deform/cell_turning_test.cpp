@@ -1,0 +1,480 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/deform/cell_turning.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "allocation_watch.h"
+#include "lapedit/deform/blended_rotations.h"
+#include "shapes.h"
+#include "support.h"
+
+namespace lapedit {
+namespace {
+
+using Maps = std::vector<Affine>;
+using support::rigid;
+using support::shift;
+
+const double kDegree = std::acos(-1.0) / 180;
+
+EditSettings settled(DetailTurning turning = DetailTurning::Edge, double membrane = 1200) {
+  EditSettings settings;
+  settings.laplacian = LaplacianKind::MeanValue;
+  settings.rotation = DetailRotation::LocalGlobal;
+  settings.turning = turning;
+  settings.membrane = membrane;
+  return settings;
+}
+
+std::vector<int> where(const TriangleMesh& mesh, double from, double to) {
+  std::vector<int> result;
+  for (int v = 0; v < mesh.vertices.rows(); ++v) {
+    if (mesh.vertices(v, 0) >= from && mesh.vertices(v, 0) <= to) {
+      result.push_back(v);
+    }
+  }
+  return result;
+}
+
+/// A region whose cells are turned without the rest of an editor.
+struct Turned {
+  TriangleMesh mesh;
+  Region region;
+  EditSettings settings;
+  ThreadPool pool;
+  Points rest;
+  BlendedRotations blended;
+  std::vector<LocalMotion> targets, carried;
+  std::vector<HandlesSeen> seen;
+
+  Turned(TriangleMesh of, const RegionSpec& spec, const std::vector<std::vector<int>>& handles, EditSettings with,
+         int threads = 1)
+      : mesh(std::move(of)),
+        region(build_region(mesh, support::adjacency_of(mesh), spec, handles)),
+        settings(with),
+        pool(threads),
+        rest(support::rows(mesh.vertices, region.mesh_vertex)),
+        blended(mesh, region, rest, settings, pool) {}
+
+  const CellTurning& cells() const { return blended.cells(); }
+  void ask(const Maps& maps, const Affine& anchors = Affine::Identity()) {
+    targets.clear();
+    for (const Affine& map : maps) {
+      targets.push_back(LocalMotion::of(map, Vector3::Zero()));
+    }
+    carry_components(region, rest, targets, LocalMotion::of(anchors, Vector3::Zero()), settings.rules, carried, seen);
+  }
+  const CellTurning& solve(const Maps& maps, bool goes_on = false) {
+    ask(maps);
+    blended.cells().solve(targets, carried, goes_on);
+    return blended.cells();
+  }
+  std::vector<Matrix3> spread() {
+    std::vector<Matrix3> rotations;
+    blended.spread(rotations, pool);
+    return rotations;
+  }
+};
+
+/// A tube along x from 0 to 12, held at its root, whose tip is the handle.
+std::unique_ptr<Turned> limb(const EditSettings& settings = settled(), int threads = 1) {
+  TriangleMesh mesh = shapes::cylinder(24, 90);
+  mesh.vertices.col(0) *= 3;
+  RegionSpec spec;
+  spec.kind = RegionSpec::Kind::Vertices;
+  spec.vertices = where(mesh, 1, 12);
+  const std::vector<std::vector<int>> tip = {where(mesh, 10.5, 12)};
+  return std::make_unique<Turned>(mesh, spec, tip, settings, threads);
+}
+
+/// As a finger bends: the tip goes around on an arc of the limb's length.
+Affine bent(double degrees) {
+  const double angle = degrees * kDegree, from = 1, length = 9.5;
+  const double radius = length / angle;
+  const Vector3 end(from + radius * std::sin(angle), 0, radius * (1 - std::cos(angle)));
+  return rigid(-degrees, Vector3::UnitY(), end - Vector3(from + length, 0, 0), Vector3(from + length, 0, 0));
+}
+
+double angle_of(const Matrix3& rotation) {
+  return support::largest_angle({rotation}, {Matrix3::Identity()}) / kDegree;
+}
+
+double largest_way(const Turned& t, const Maps& maps) {
+  double largest = 0;
+  for (int i = 0; i < t.region.size(); ++i) {
+    if (t.region.group[i] >= 0) {
+      const Vector3 p = t.rest.row(i);
+      largest = std::max(largest, (maps[t.region.group[i]] * p - p).norm());
+    }
+  }
+  return largest;
+}
+
+double farthest(const Points& a, const Points& b) {
+  return (a - b).rowwise().norm().maxCoeff();
+}
+
+// --- what rotations come out ---
+
+/// Fails if rotations stay behind, overshoot, or do not fade out towards the rim.
+TEST(CellTurning, BentLimbTurnsFromNothingAtTheRimToTheGroupsTurnAtTheHandle) {
+  const auto t = limb();
+  for (const double degrees : {20.0, 90.0, 179.0}) {
+    const Affine map = bent(degrees);
+    t->solve({map});
+    const std::vector<Matrix3> rotations = t->spread();
+    std::vector<double> sums(12, 0), counts(12, 0);
+    for (int i = 0; i < t->region.size(); ++i) {
+      ASSERT_LT(support::rotation_defect(rotations[i]), 1e-12);
+      ASSERT_LT(angle_of(rotations[i]), degrees + 6) << degrees;
+      const auto part = std::min(11, static_cast<int>(t->rest(i, 0)));
+      sums[part] += angle_of(rotations[i]);
+      ++counts[part];
+      if (t->region.anchor_depth[i] == 1) {
+        EXPECT_LT(angle_of(rotations[i]), 1e-6) << "held back at the end of the band";
+      }
+      if (t->rest(i, 0) > 11) {
+        EXPECT_LT(support::largest_angle({rotations[i]}, {map.linear()}) / kDegree, 0.06 * degrees + 1) << degrees;
+      }
+    }
+    for (int part = 2; part < 11; ++part) {
+      EXPECT_GT(sums[part] / counts[part] - sums[part - 1] / counts[part - 1], -0.02 * degrees) << degrees << part;
+    }
+    EXPECT_NEAR(sums[6] / counts[6] / degrees, 0.57, 0.15) << "about half of it halfway";
+  }
+}
+
+/// Turned and twisted ends of what nothing holds. Relative to their mean, one end turns back and the other one on.
+TEST(CellTurning, TwistOfAComponentWithoutAnchorsIsSharedByBothEnds) {
+  TriangleMesh mesh = shapes::cylinder(20, 60);
+  mesh.vertices.col(0) *= 3;
+  RegionSpec spec;
+  spec.kind = RegionSpec::Kind::Component;
+  Turned t(mesh, spec, {where(mesh, 0, 0.8), where(mesh, 11.2, 12)}, settled());
+  for (const double degrees : {60.0, 120.0, 170.0}) {
+    t.solve({Affine::Identity(), rigid(degrees, Vector3::UnitX(), Vector3::Zero())});
+    ASSERT_EQ(t.carried.size(), 1U);
+    const Matrix3 along = t.carried[0].linear + Matrix3::Identity();
+    EXPECT_LT(support::rotation_defect(along), 1e-12) << "rules 2 carry by a rotation";
+    const std::vector<Matrix3> rotations = t.spread();
+    for (int i = 0; i < t.region.size(); ++i) {
+      const Matrix3 whole = rotations[i] * along;
+      const double x = t.rest(i, 0), turned = angle_of(whole);
+      EXPECT_LT(std::abs(whole(0, 0) - 1), 0.02) << "about the limb's axis";
+      if (x < 0.5) {
+        EXPECT_LT(turned, 0.08 * degrees + 1);
+      } else if (x > 11.5) {
+        EXPECT_NEAR(turned / degrees, 1, 0.1);
+      } else if (x > 5.8 && x < 6.2) {
+        EXPECT_NEAR(turned / degrees, 0.5, 0.05);
+      }
+    }
+  }
+}
+
+/// What is carried needs no turning of its own. Fails if rounding makes a rotation of it.
+TEST(CellTurning, ComponentThatIsCarriedAsAWholeTurnsToTheBit) {
+  TriangleMesh mesh = shapes::tapered_arm(14, 40);
+  RegionSpec spec;
+  spec.kind = RegionSpec::Kind::Component;
+  Turned t(mesh, spec, {where(mesh, 0, 1), where(mesh, 9, 10)}, settled());
+  for (const Affine& map :
+       {Affine::Identity(), shift(Vector3(1, 2, 3)), rigid(150, Vector3(1, 2, 3), Vector3(4, 0, 1))}) {
+    t.solve({map, map});
+    EXPECT_LT(t.cells().displacement().cwiseAbs().maxCoeff(), 1e-12);
+    for (const Matrix3& rotation : t.cells().rotations()) {
+      ASSERT_LT((rotation - Matrix3::Identity()).norm(), 1e-11);
+    }
+  }
+}
+
+TEST(CellTurning, NothingMovedTurnsNothingToTheBit) {
+  for (const double degrees : {0.0, 80.0}) {
+    const auto t = limb();
+    if (degrees > 0) {
+      t->solve({bent(degrees)});
+      EXPECT_GT(t->cells().passes(), 0);
+    }
+    for (const bool goes_on : {false, true}) {
+      t->solve({Affine::Identity()}, goes_on);
+      EXPECT_TRUE(t->cells().displacement().isZero(0));
+      EXPECT_EQ(t->cells().rotations(), std::vector<Matrix3>(t->cells().rotations().size(), Matrix3::Identity()));
+      EXPECT_EQ(t->spread(), std::vector<Matrix3>(t->region.size(), Matrix3::Identity()));
+      EXPECT_EQ(t->cells().left(), 0);
+    }
+  }
+}
+
+// --- that they have settled ---
+
+/// Fails if what is called settled goes on changing: one more turn of local and global changes as good as nothing.
+TEST(CellTurning, HasSettled) {
+  for (const DetailTurning turning : {DetailTurning::Edge, DetailTurning::Vertex}) {
+    const auto t = limb(settled(turning));
+    for (const double degrees : {15.0, 90.0, 179.0}) {
+      const Maps maps = {bent(degrees)};
+      const double way = largest_way(*t, maps);
+      t->solve(maps);
+      EXPECT_LT(t->cells().left(), 1e-5) << degrees;
+      EXPECT_LT(t->cells().passes(), 150) << degrees;
+      EXPECT_GT(t->cells().passes(), 3) << degrees;
+      const Points before = t->cells().displacement();
+      const std::vector<Matrix3> rotations = t->cells().rotations();
+      t->solve(maps, true);
+      EXPECT_EQ(t->cells().passes(), 1) << name(turning) << degrees;
+      EXPECT_LT(farthest(t->cells().displacement(), before), 5e-5 * way) << name(turning) << degrees;
+      EXPECT_LT(support::largest_angle(t->cells().rotations(), rotations), 1e-3) << name(turning) << degrees;
+    }
+  }
+}
+
+/// The global step by a dense solve, the local one by singular values: the settled state is a fixed point of both.
+TEST(LocalGlobal, SettledStateSatisfiesItsEquations) {
+  TriangleMesh mesh = shapes::cylinder(18, 50);
+  mesh.vertices.col(0) *= 3;
+  RegionSpec spec;
+  spec.kind = RegionSpec::Kind::Vertices;
+  spec.vertices = where(mesh, 1, 12);
+  const Region region = build_region(mesh, support::adjacency_of(mesh), spec, {where(mesh, 11, 12)});
+  const Points rest = support::rows(mesh.vertices, region.mesh_vertex);
+  ThreadPool pool(1);
+  for (const DetailTurning turning : {DetailTurning::Edge, DetailTurning::Vertex}) {
+    for (const double membrane : {0.0, 1200.0}) {
+      const EditSettings settings = settled(turning, membrane);
+      const std::vector<double> weights = edge_weights(settings.laplacian, region, mesh, true).values;
+      const RegionCells cells = make_cells(region, rest, weights, 100, pool);
+      const CellBlend blend(cells, rest, pool);
+      const CellSurface surface(cells);
+      CoarseSystem system(region, rest, cells, blend, settings, CholeskyBackend::Eigen, 0, pool);
+      const std::vector<double> hold(cells.count(), 0);
+      LocalGlobal local_global(cells, surface, hold, settings, system);
+      Points constraints = Points::Zero(cells.count(), 3), displacement;
+      std::vector<Matrix3> rotations(cells.count(), Matrix3::Identity());
+      const Affine map = bent(60);
+      for (const CoarseSystem::Held& held : system.held()) {
+        for (const auto& [cell, weight] : held.row) {
+          constraints.row(cell) += held.weight * weight * (map * held.mean - held.mean).transpose();
+        }
+      }
+      local_global.start(cells.centres, std::vector<Matrix3>(cells.count(), Matrix3::Zero()));
+      const LocalGlobal::Outcome outcome = local_global.settle(constraints, 1e-8, 400, false, displacement, rotations);
+      EXPECT_LT(outcome.left, 1e-8) << name(turning) << ", " << membrane;
+
+      const Eigen::MatrixXd m = system.differential_operator();
+      Points turned = Points::Zero(cells.count(), 3);
+      for (int a = 0; a < cells.count(); ++a) {
+        for (int b = 0; b < cells.count(); ++b) {
+          const Vector3 edge = (cells.centres.row(a) - cells.centres.row(b)).transpose();
+          const Matrix3 mean =
+              turning == DetailTurning::Edge ? Matrix3(0.5 * (rotations[a] + rotations[b])) : rotations[a];
+          turned.row(a) -= m(a, b) * (mean * edge - edge).transpose();  // nothing where a is b
+        }
+      }
+      Points right = constraints, expected;
+      system.add_turned(turned, right);
+      system.solve(right, expected);
+      EXPECT_LT(farthest(displacement, expected), 1e-6) << name(turning) << ", " << membrane;
+      EXPECT_GT(farthest(displacement, Points::Zero(cells.count(), 3)), 3) << "nothing moved";
+    }
+  }
+}
+
+/// Fails if a drag ends elsewhere than a script, which starts from rest.
+TEST(CellTurning, DragEndsWhereAScriptDoes) {
+  for (const double step : {4.0, 15.0, 29.0}) {
+    const auto dragged = limb(), fresh = limb();
+    for (double degrees = step; degrees < 120; degrees += step) {
+      const Maps maps = {bent(degrees)};
+      dragged->solve(maps, true);
+      fresh->solve(maps);
+      EXPECT_LT(farthest(dragged->cells().displacement(), fresh->cells().displacement()),
+                1e-4 * std::max(fresh->region.max_distance, largest_way(*fresh, maps)))
+          << "steps of " << step << " at " << degrees;
+    }
+  }
+}
+
+/// Without goes_on nothing of what came before is in the result, to the bit; with it neither where that was far.
+TEST(CellTurning, DoesNotDependOnWhatCameBefore) {
+  const Maps maps = {bent(75)};
+  for (const bool goes_on : {false, true}) {
+    const auto used = limb(), fresh = limb();
+    fresh->solve(maps, goes_on);
+    for (const Affine& before : {bent(-160), bent(179), rigid(90, Vector3::UnitX(), Vector3(0, 30, 5))}) {
+      used->solve({before}, goes_on);
+      used->solve(maps, goes_on);
+      EXPECT_TRUE(support::same_bits(used->cells().displacement(), fresh->cells().displacement())) << goes_on;
+      EXPECT_EQ(used->cells().rotations(), fresh->cells().rotations()) << goes_on;
+    }
+  }
+}
+
+TEST(CellTurning, ThreadsDoNotChangeABit) {
+  const auto one = limb();
+  one->solve({bent(100)});
+  for (const int threads : {2, 5}) {
+    const auto other = limb(settled(), threads);
+    other->solve({bent(100)});
+    EXPECT_TRUE(support::same_bits(other->cells().displacement(), one->cells().displacement())) << threads;
+    EXPECT_EQ(other->cells().rotations(), one->cells().rotations()) << threads;
+    EXPECT_EQ(other->spread(), one->spread()) << threads;
+  }
+}
+
+TEST(CellTurning, AllocatesNothingAfterTheFirstSolution) {
+  const auto t = limb();
+  std::vector<Matrix3> rotations;
+  Maps maps = {bent(20)};
+  const long before_all = allocations;
+  t->solve(maps);
+  t->blended.spread(rotations, t->pool);
+  ASSERT_GT(allocations.load(), before_all);  // or the count does not count
+  for (const bool goes_on : {false, true}) {
+    for (const double degrees : {20.0, 25.0, 95.0, 179.0, 5.0}) {
+      t->ask({bent(degrees)});
+      const long before = allocations;
+      t->blended.cells().solve(t->targets, t->carried, goes_on);
+      t->blended.spread(rotations, t->pool);
+      EXPECT_EQ(allocations - before, 0) << degrees << ", " << goes_on;
+    }
+  }
+}
+
+/// The first frame of a drag is often one in which nothing has moved.
+TEST(CellTurning, AllocatesNothingAfterASolutionForNothing) {
+  const auto t = limb();
+  t->solve({Affine::Identity()});
+  t->ask({bent(50)});
+  const long before = allocations;
+  t->blended.cells().solve(t->targets, t->carried, true);
+  EXPECT_EQ(allocations - before, 0);
+}
+
+// --- what cells have to be for that ---
+
+/// Fails if the last bit decides which vertices make a cell: then a mesh in other units is edited to another shape.
+TEST(RegionCells, AreTheSameOfAMeshThatIsTurnedOrScaled) {
+  for (const TriangleMesh& mesh : {shapes::cylinder(16, 60), shapes::letter_field(60, 30), shapes::grid(40, 30)}) {
+    const int handle = static_cast<int>(mesh.vertices.rows()) / 2;
+    ThreadPool pool(1);
+    const auto cells_of = [&](const TriangleMesh& seen, double scale) {
+      RegionSpec spec;
+      spec.radius = scale * 0.4 * mesh.vertices.col(0).maxCoeff();
+      const Region region = build_region(seen, support::adjacency_of(seen), spec, {{handle}});
+      const Points rest = support::rows(seen.vertices, region.mesh_vertex);
+      return make_cells(region, rest, {}, CellTurning::wanted_cells(region.size()), pool);
+    };
+    const RegionCells expected = cells_of(mesh, 1);
+    EXPECT_GT(expected.count(), 30);
+    for (const double scale : {1.0, 3.0, 1e-5}) {
+      const Affine view = Affine(rigid(77, Vector3(3, 1, -2), Vector3::Zero()) * Eigen::Scaling(scale));
+      EXPECT_EQ(cells_of(support::moved(view, mesh), scale).of, expected.of) << scale;
+    }
+  }
+}
+
+/// A cell that hangs on one other has no tangent plane; what rounding makes of one is another normal in each pass, and
+/// rotations never settle. The second region has such cells.
+TEST(CellSurface, CellsWithNeighboursInALineHaveNoNormal) {
+  const TriangleMesh mesh = shapes::letter_field(70, 35);
+  const auto around = [&](const Vector3& point) {
+    std::vector<int> near;
+    for (int v = 0; v < mesh.vertices.rows(); ++v) {
+      if ((mesh.vertices.row(v).transpose() - point).norm() < 0.15) {
+        near.push_back(v);
+      }
+    }
+    return near;
+  };
+  RegionSpec spec;
+  spec.radius = 0.7;
+  const Vector3 a(1.2, 1, 0), b(2.8, 1, 0);
+  Turned t(mesh, spec, {around(a), around(b)}, settled());
+  ThreadPool pool(1);
+  const std::vector<double> weights = edge_weights(LaplacianKind::MeanValue, t.region, mesh, true).values;
+  const RegionCells cells = make_cells(t.region, t.rest, weights, CellTurning::wanted_cells(t.region.size()), pool);
+  const CellSurface surface(cells);
+  int lone = 0;
+  for (int c = 0; c < cells.count(); ++c) {
+    const Vector3 normal = surface.normal(c, cells.centres);
+    if (cells.neighbours[c].size() < 2) {
+      ++lone;
+      EXPECT_TRUE(normal.isZero(0)) << c;
+    } else {
+      EXPECT_TRUE(normal.isZero(0) || std::abs(normal.norm() - 1) < 1e-12) << c;
+    }
+  }
+  EXPECT_GT(lone, 0) << "another region is needed";
+  for (const double part : {0.01, 1.0}) {
+    t.solve({rigid(40 * part, Vector3::UnitZ(), part * Vector3(0, 0.1, 0.3), a),
+             rigid(20 * part, Vector3::UnitX(), part * Vector3(0.1, 0, 0.2), b)});
+    EXPECT_LT(t.cells().passes(), 40) << part;
+    EXPECT_LT(t.cells().left(), 1e-5) << part;
+  }
+}
+
+// --- strange input ---
+
+TEST(CellTurning, SingularAndMirroringMapsGiveFiniteRotations) {
+  const auto t = limb();
+  for (const Vector3& scale : {Vector3(0, 0, 0), Vector3(1, 0, 1), Vector3(-1, 1, 1), Vector3(-1, -1, -1)}) {
+    Affine map = shift(Vector3(1, 0, 2));
+    map.linear() = scale.asDiagonal();
+    t->solve({map});
+    EXPECT_TRUE(t->cells().displacement().allFinite()) << scale.transpose();
+    for (const Matrix3& rotation : t->spread()) {
+      ASSERT_LT(support::rotation_defect(rotation), 1e-9) << scale.transpose();
+    }
+  }
+  TriangleMesh mesh = shapes::cylinder(10, 20);
+  RegionSpec spec;
+  spec.kind = RegionSpec::Kind::Component;
+  Turned loose(mesh, spec, {where(mesh, 0, 0.5), where(mesh, 3.5, 4)}, settled());
+  Affine flat = Affine::Identity();
+  flat.linear() = Vector3(1, 1, 0).asDiagonal();
+  loose.solve({flat, flat});  // carried by a map that has no inverse
+  loose.solve({flat, Affine(flat * rigid(40, Vector3::UnitX(), Vector3(0, 1, 0)))});
+  EXPECT_TRUE(loose.cells().displacement().allFinite());
+  for (const Matrix3& rotation : loose.spread()) {
+    ASSERT_LT(support::rotation_defect(rotation), 1e-9);
+  }
+}
+
+TEST(BlendedRotations, FollowTheirCellsAndAreHeldBackAtTheRim) {
+  const auto t = limb();
+  t->solve({bent(90)});
+  std::vector<Eigen::Vector4d> quaternions;
+  t->blended.quaternions(quaternions);
+  ASSERT_EQ(quaternions.size(), t->cells().rotations().size());
+  for (std::size_t c = 0; c < quaternions.size(); ++c) {
+    const Matrix3 rotation = Eigen::Quaterniond(quaternions[c]).toRotationMatrix();
+    EXPECT_LT((rotation - t->cells().rotations()[c]).norm(), 1e-12);
+  }
+  const std::vector<Matrix3> rotations = t->spread();
+  const CellBlend& blend = t->blended.blend();
+  int held = 0, free = 0;
+  for (int i = 0; i < t->region.size(); ++i) {
+    EXPECT_GE(t->blended.hold(i), 0);
+    EXPECT_LE(t->blended.hold(i), 1);
+    EXPECT_EQ(t->blended.hold(i) > 0, t->region.anchor_depth[i] > 0);
+    held += t->blended.hold(i) == 1;
+    if (t->blended.hold(i) == 0) {
+      ++free;
+      double nearest = 1e9;
+      for (int k = 0; k < CellBlend::kReach; ++k) {
+        nearest =
+            std::min(nearest, support::largest_angle({rotations[i]}, {t->cells().rotations()[blend.cells(k, i)]}));
+      }
+      EXPECT_LT(nearest, 10 * kDegree) << "vertex " << i;
+    }
+  }
+  EXPECT_GT(held, 0);
+  EXPECT_GT(free, 100);
+  EXPECT_GE(t->blended.bytes(), static_cast<std::size_t>(t->region.size()) * (8 + 8 * 8));
+}
+
+}  // namespace
+}  // namespace lapedit
