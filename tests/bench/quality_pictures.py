@@ -52,12 +52,14 @@ def main():
     parser.add_argument("--edits", default="", help="all by default")
     given = parser.parse_args()
     figures = json.loads(given.json.read_text(encoding="utf-8")) if given.json else {}
+    output = given.output or given.folder
+    output.mkdir(parents=True, exist_ok=True)
     for folder in sorted(path.parent for path in given.folder.glob("*/view.json")):
         if not given.edits or folder.name in given.edits.split(","):
-            output = (given.output or given.folder) / f"{folder.name}.png"
-            show(folder, output, figures.get(folder.name, {}), given.methods.split(","), given.height,
+            picture = output / f"{folder.name}.png"
+            show(folder, picture, figures.get(folder.name, {}), given.methods.split(","), given.height,
                  given.columns)
-            print(output, flush=True)
+            print(picture, flush=True)
 
 
 if __name__ == "__main__":
