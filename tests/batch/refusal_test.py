@@ -65,7 +65,7 @@ class Parameters(RefusalTest):
             self.refused([replay({**self.good_json, "handles": [far]})], r"single precision.* too large")
 
     def test_numbers_of_no_choice(self):
-        self.refused_edit(r"laplacian is 3: give 0 \(Umbrella\), 1 \(Cotangent\) or 2 \(Mean value\)", laplacian=3)
+        self.refused_edit(r"laplacian is 3: give 0 \(Umbrella\) or 1 \(Cotangent\) or 2 \(Mean value\)", laplacian=3)
         self.refused_edit(r"region_source is -1: give 0 \(", region_source=-1)
 
     def test_wrong_type_in_the_script(self):

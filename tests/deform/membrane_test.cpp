@@ -96,11 +96,20 @@ TEST(Membrane, ScalePlaceAndHandleDoNotMatter) {
 }
 
 TEST(Membrane, IsProportionalToTheSettingAndToNothingOfTheWeightsUnit) {
-  const TriangleMesh mesh = shapes::icosphere(2);
+  const TriangleMesh mesh = shapes::icosphere(3);
   const Region region = support::whole_region(mesh, {{0}}, {});
   const double one = membrane_factor(with_membrane(1), region, mesh.vertices, 6);
-  EXPECT_NEAR(membrane_factor(with_membrane(1200), region, mesh.vertices, 6) / one, 1200, 1e-9);
+  EXPECT_NEAR(membrane_factor(with_membrane(70), region, mesh.vertices, 6) / one, 70, 1e-9);
   EXPECT_NEAR(membrane_factor(with_membrane(1), region, mesh.vertices, 12) / one, 0.5, 1e-12);
+}
+
+/// Beside an equation of weight 1 a membrane never weighs more than 1, or handles would stay behind.
+TEST(Membrane, OutweighsBendingNowhere) {
+  for (const TriangleMesh& mesh : {shapes::grid(2, 2), shapes::icosphere(1), shapes::letter_field(30, 16)}) {
+    const Region region = support::whole_region(mesh, {{0}}, {});
+    EXPECT_NEAR(6 * membrane_factor(with_membrane(1e6), region, mesh.vertices, 6), 1, 1e-12);
+    EXPECT_LT(6 * membrane_factor(with_membrane(0.1), region, mesh.vertices, 6), 0.1);
+  }
 }
 
 TEST(Membrane, IsNoneWhereItIsNotAskedForOrMeansNothing) {

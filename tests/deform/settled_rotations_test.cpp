@@ -190,7 +190,7 @@ DenseOperator dense_operator(const TriangleMesh& mesh, const Region& region, Lap
   return result;
 }
 
-/// Where |M^k x - M^(k-1) t|^2 + c (x^T L M^(k-1) x - 2 x^T D M^(k-1) t) + sum w_i^2 (1 + c D_i) |x_i - c_i|^2 is
+/// Where |M^k x - M^(k-1) t|^2 + c (x^T L M^(k-1) x - 2 x^T D M^(k-1) t) + sum w_i^2 |x_i - c_i|^2 is
 /// least, t what the rotations make of the differential coordinates.
 Points dense_edit(const Scene& s, const EditSettings& settings, const std::vector<Matrix3>& rotations) {
   const int n = s.region.size();
@@ -203,7 +203,7 @@ Points dense_edit(const Scene& s, const EditSettings& settings, const std::vecto
     ++count;
   }
   spread = 2 * (rest.rowwise() - centroid).rowwise().squaredNorm().mean();
-  const double c = settings.membrane / spread * std::pow(edges / count, 2) / 4 / op.sums.mean();
+  const double c = std::min(settings.membrane / spread * std::pow(edges / count, 2) / 4, 1.0) / op.sums.mean();
   reference::Matrix t = reference::Matrix::Zero(n, 3), m = op.m;
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j < n; ++j) {
@@ -225,10 +225,9 @@ Points dense_edit(const Scene& s, const EditSettings& settings, const std::vecto
                               ? settings.anchor_weight * s.region.anchor_weight[i]
                               : 0;
     const Vector3 p = rest.row(i);
-    const double own = 1 + c * op.sums[i];
     const Vector3 target = s.region.group[i] >= 0 ? Vector3(s.maps[s.region.group[i]] * p) : p;
-    a(i, i) += weight * weight * own;
-    b.row(i) += weight * weight * own * target.transpose();
+    a(i, i) += weight * weight;
+    b.row(i) += weight * weight * target.transpose();
   }
   return Eigen::PartialPivLU<reference::Matrix>(a).solve(b);
 }
@@ -342,18 +341,22 @@ TEST(SettledRotations, BitsDependOnNeitherThreadsNorWhatCameBefore) {
   }
 }
 
-/// For BitsAreThoseOfOlderProcessors, which runs it in processes of its own.
-TEST(SettledRotations, DISABLED_ShowsBits) {
-  std::uint64_t sum = 14695981039346656037U;
-  for (const Scene& s : {letters(), patches(), limb()}) {
-    const Points solution = s.editor().solve(s.maps);
-    for (Eigen::Index k = 0; k < solution.size(); ++k) {
-      std::uint64_t bits = 0;
-      std::memcpy(&bits, solution.data() + k, sizeof bits);
-      sum = (sum ^ bits) * 1099511628211U;
+/// What it prints is for BitsAreThoseOfOlderProcessors, which runs it in processes of its own.
+TEST(SettledRotations, TwoEditorsGiveTheSameBits) {
+  std::uint64_t sums[2] = {};
+  for (std::uint64_t& sum : sums) {
+    sum = 14695981039346656037U;
+    for (const Scene& s : {letters(), patches(), limb()}) {
+      const Points solution = s.editor().solve(s.maps);
+      for (Eigen::Index k = 0; k < solution.size(); ++k) {
+        std::uint64_t bits = 0;
+        std::memcpy(&bits, solution.data() + k, sizeof bits);
+        sum = (sum ^ bits) * 1099511628211U;
+      }
     }
   }
-  std::cout << "bits " << sum << '\n';
+  EXPECT_EQ(sums[0], sums[1]);
+  std::cout << "bits " << sums[0] << '\n';
 }
 
 /// Fails if a kernel for one kind of processor adds in another order than for others.
@@ -362,7 +365,7 @@ TEST(SettledRotations, BitsAreThoseOfOlderProcessors) {
   std::vector<std::string> lines;
   for (const char* instructions : {"plain", "avx2", "avx512"}) {
     const std::string command = std::string("LAPEDIT_INSTRUCTIONS=") + instructions + " '" + self +
-                                "' --gtest_also_run_disabled_tests --gtest_filter=SettledRotations.DISABLED_ShowsBits";
+                                "' --gtest_filter=SettledRotations.TwoEditorsGiveTheSameBits";
     std::FILE* const output = popen(command.c_str(), "r");
     ASSERT_NE(output, nullptr);
     std::string text;
@@ -374,6 +377,22 @@ TEST(SettledRotations, BitsAreThoseOfOlderProcessors) {
     ASSERT_NE(begin, std::string::npos) << text;
     lines.push_back(text.substr(begin, text.find('\n', begin) - begin));
     EXPECT_EQ(lines.back(), lines.front()) << instructions;
+  }
+}
+
+TEST(SettledRotations, CanBeCancelledAndGoOnAfterwards) {
+  const Scene s = patches();
+  LaplacianEditor editor = s.editor();
+  const Points expected = editor.solve(s.maps);
+  int stages = 0;
+  editor.solve(s.maps, Affine::Identity(), [&](double, const char*) { return ++stages > 0; });
+  EXPECT_GT(stages, 1);
+  for (int stop = 0; stop < stages; ++stop) {
+    int call = 0;
+    support::expect_refusal(ErrorCause::Cancelled, [&] {
+      editor.solve(part(s.maps, 0.3), Affine::Identity(), [&](double, const char*) { return call++ < stop; });
+    });
+    EXPECT_TRUE(same_bits(editor.solve(s.maps), expected)) << "cancelled at " << stop;
   }
 }
 
@@ -605,7 +624,7 @@ TEST(SettledRotations, HigherOrdersDoNotExplode) {
       const Points& pose = editor.solve(s.maps);
       const double way = editor.report().handle_displacement;
       EXPECT_LT(farthest(pose, s.rest()), 1.5 * way) << s.name << ", order " << order;
-      EXPECT_LT(editor.report().stretch_rms, 3 * first.report().stretch_rms + 0.05) << s.name << ", order " << order;
+      EXPECT_LT(editor.report().stretch_rms, 4 * first.report().stretch_rms + 0.05) << s.name << ", order " << order;
       EXPECT_FALSE(editor.has_preview());
       EXPECT_TRUE(same_bits(editor.preview(s.maps), Points(editor.solve(s.maps))));
     }

@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kPassesOnTheWay = 5, kMostPasses = 150;
 constexpr double kAccurate = 1e-5;          // of the handles' largest way
-constexpr double kAccurateForFrame = 3e-5;  // of that or of the region's size, whichever is larger
+constexpr double kAccurateForFrame = 1e-5;  // of that or of the region's size, whichever is larger
 
 }  // namespace
 
