@@ -185,6 +185,9 @@ def main():
     window.SetOffScreenRendering(1)
     window.SetMultiSamples(8)
     window.SetSize(columns * view.width, rows * given.height)
+    paper = vtkRenderer()  # where the last row has no panel
+    paper.SetBackground(1, 1, 1)
+    window.AddRenderer(paper)
     for number, (mesh, entry) in enumerate(zip(meshes, given.panels)):
         classes = numpy.loadtxt(entry[2], dtype=int) if len(entry) == 3 else None
         if classes is not None and len(classes) != mesh.GetNumberOfPoints():

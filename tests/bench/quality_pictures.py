@@ -22,7 +22,7 @@ def caption(method, figures):
     return f"{method}: {100 * figures['rms']:.0f} % / {figures['flipped']} / {figures['pairs']}"
 
 
-def show(folder, output, figures, methods, height):
+def show(folder, output, figures, methods, height, columns):
     view = json.loads((folder / "view.json").read_text(encoding="utf-8"))
     low, high = numpy.array(view["low"]), numpy.array(view["high"])
     # argparse takes numbers with exponents for options.
@@ -32,7 +32,7 @@ def show(folder, output, figures, methods, height):
                if (folder / f"{method}.ply").exists()]
     while True:
         command = [RENDER, output, "--toward", *view["toward"], "--up", *view["up"], "--around", *around,
-                   "--height", height, "--columns", 3]
+                   "--height", height, "--columns", columns]
         command += [word for panel in panels for word in ("--panel", *panel)]
         subprocess.run(list(map(str, command)), check=True)
         size = output.stat().st_size
@@ -48,14 +48,18 @@ def main():
     parser.add_argument("--output", type=pathlib.Path, help="folder of the pictures; by default the same")
     parser.add_argument("--methods", default=",".join(METHODS), help="to be shown beside the rest pose")
     parser.add_argument("--height", type=int, default=300)
+    parser.add_argument("--columns", type=int, default=3)
     parser.add_argument("--edits", default="", help="all by default")
     given = parser.parse_args()
     figures = json.loads(given.json.read_text(encoding="utf-8")) if given.json else {}
+    output = given.output or given.folder
+    output.mkdir(parents=True, exist_ok=True)
     for folder in sorted(path.parent for path in given.folder.glob("*/view.json")):
         if not given.edits or folder.name in given.edits.split(","):
-            output = (given.output or given.folder) / f"{folder.name}.png"
-            show(folder, output, figures.get(folder.name, {}), given.methods.split(","), given.height)
-            print(output, flush=True)
+            picture = output / f"{folder.name}.png"
+            show(folder, picture, figures.get(folder.name, {}), given.methods.split(","), given.height,
+                 given.columns)
+            print(picture, flush=True)
 
 
 if __name__ == "__main__":
