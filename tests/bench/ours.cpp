@@ -15,8 +15,10 @@ using lapedit::Region;
 
 namespace {
 
+/// Those that the peers can follow: the umbrella operator without a membrane.
 lapedit::EditSettings settings(int order, int threads) {
-  lapedit::EditSettings result;
+  lapedit::EditSettings result = lapedit::version_one_settings();
+  result.rules = 2;
   result.order = order;
   result.threads = threads;
   result.handle_weight = Ours::kHandleWeight;

@@ -55,13 +55,11 @@ bool among(const std::vector<std::string>& names, const std::string& name) {
 }
 
 std::vector<Method> make_methods(const Options& options) {
+  const std::string common = "order=1,rough=unrotated,membrane=0,handle_weight=10,anchor_weight=10,";
   std::vector<std::pair<std::string, std::string>> named = {
-      {"paper",
-       "laplacian=umbrella,detail_rotation=smooth_normals,iterations=1,turning=vertex,rough=unrotated,order=1"},
-      {"before",
-       "laplacian=umbrella,detail_rotation=smooth_surface,iterations=1,turning=vertex,rough=unrotated,order=1"},
-      {"cotangent3",
-       "laplacian=cotangent,detail_rotation=smooth_surface,iterations=3,turning=edge,rough=unrotated,order=1"},
+      {"paper", common + "laplacian=umbrella,detail_rotation=smooth_normals,iterations=1,turning=vertex"},
+      {"before", common + "laplacian=umbrella,detail_rotation=smooth_surface,iterations=1,turning=vertex"},
+      {"cotangent3", common + "laplacian=cotangent,detail_rotation=smooth_surface,iterations=3,turning=edge"},
       {"default", ""}};
   named.insert(named.end(), options.ours.begin(), options.ours.end());
   std::vector<Method> methods;
