@@ -63,7 +63,7 @@ class Settings(ToolTest):
                ("detail_rotation", 1, "detail_rotation", "smooth_normals"), ("iterations", 2, "iterations", 2),
                ("normal_radius", 0.1, "normal_radius", 0.1), ("handle_weight", 1, "handle_weight", 1),
                ("anchor_weight", 0.5, "anchor_weight", 0.5), ("turning", 0, "turning", "vertex"),
-               ("rough", 1, "rough", "falloff"), ("membrane", 50, "membrane", 50)]
+               ("rough", 1, "rough", "falloff"), ("membrane", 0, "membrane", 0)]
 
     def test_each_setting_solves_the_last_step_again(self):
         with self.start(self.mesh) as w:

@@ -6,8 +6,8 @@
 namespace lapedit {
 namespace {
 
-constexpr int kPassesOnTheWay = 5, kMostPasses = 150;
-constexpr double kAccurate = 1e-5;          // of the handles' largest way
+constexpr int kPassesOnTheWay = 5, kMostPasses = 600;
+constexpr double kAccurate = 1e-9;          // of the handles' largest way
 constexpr double kAccurateForFrame = 1e-5;  // of that or of the region's size, whichever is larger
 
 }  // namespace

@@ -48,7 +48,7 @@ struct EditQuality {
 /// What an edit did, in numbers. Lengths in model units, angles in degrees.
 struct EditReport : RegionCounts, EditTimes, EditQuality {
   std::string laplacian, rotation, turning, rough, backend;
-  int order = 1, iterations = 0;   ///< iterations actually made
+  int order = 1, iterations = 0;  ///< iterations actually made
   double membrane = 0;
   int passes_dropped = 0;          ///< iterations asked for but not kept, since the next one made it worse
   double normal_radius = 0;        ///< used; 0 if no rotation
