@@ -222,10 +222,8 @@ const Points& LaplacianEditor::solve(const std::vector<Affine>& handles, const A
   s.report.refinements = s.system->refinements;
   s.constraints.set(handles, anchors);
   s.right = s.constraints.right_hand_side();
-  if (!s.constraints.pull()) {
+  if (!s.constraints.pull() || s.system->blended) {  // the cells need no start
     s.displacement.setZero(region().size(), 3);
-  } else if (s.system->blended) {
-    s.displacement.setZero(region().size(), 3);  // the cells know no better start
   } else if (!s.system->falloff.empty()) {
     s.constraints.fall_off(s.displacement);
   } else {
