@@ -43,8 +43,9 @@ void AndersonMixing::step(Points& x, Points& g) {
   const int known = std::min(count_, window_);
   ++count_;
   using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostWindow, kMostWindow>;
-  Small products(known, known);
-  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostWindow, 1> right(known);
+  using Column = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostWindow, 1>;
+  Small products = Small::Zero(known, known);
+  Column right = Column::Zero(known);
   for (int i = 0; i < known; ++i) {
     right[i] = dot(left_steps_[i], x);
     for (int j = 0; j <= i; ++j) {
