@@ -71,6 +71,9 @@ LocalGlobal::LocalGlobal(const RegionCells& cells, const CellSurface& surface, c
       other_(current_.size(), 0) {}
 
 void LocalGlobal::start(const Points& carried, const std::vector<Matrix3>& linear) {
+  if (carried_.rows() == carried.rows() && carried_ == carried && linear_ == linear) {
+    return;  // in a drag it is the rest pose in every frame
+  }
   carried_ = carried;
   linear_ = linear;
   smooth_before_ = carried;
