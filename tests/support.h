@@ -44,7 +44,10 @@ inline double error(const Points& actual, const Points& expected) {
 }
 
 inline bool same_bits(const Points& a, const Points& b) {
-  return a.rows() == b.rows() && std::memcmp(a.data(), b.data(), sizeof(double) * a.size()) == 0;
+  if (a.rows() != b.rows()) {
+    return false;
+  }
+  return a.size() == 0 || std::memcmp(a.data(), b.data(), sizeof(double) * a.size()) == 0;  // no data, a null pointer
 }
 
 /// Largest angle between two rotations of equal number, radians.
