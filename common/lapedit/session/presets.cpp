@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/session/presets.h"
 
+#include "lapedit/base/translate.h"
+
 namespace lapedit {
 namespace {
 
@@ -33,25 +35,29 @@ const std::vector<Preset>& presets() {
   using Kind = LaplacianKind;
   using Rotation = DetailRotation;
   static const std::vector<Preset> list = {
-      {"General", "What suits most surfaces.",
+      {LAPEDIT_TEXT("lapedit", "General"), LAPEDIT_TEXT("lapedit", "What suits most surfaces."),
        [](DragSettings& s) {
          s.handle_share = DragSettings().handle_share, s.softness = 0,
          set(s, {EditSettings().laplacian, EditSettings().order, EditSettings().rotation, EditSettings().turning,
                  EditSettings().membrane, DragSettings().handle_share, DragSettings().softness});
        }},
-      {"Limb", "Arms, legs, tails and horns: bends as a whole and keeps its thickness.",
+      {LAPEDIT_TEXT("lapedit", "Limb"),
+       LAPEDIT_TEXT("lapedit", "Arms, legs, tails and horns: bends as a whole and keeps its thickness."),
        [](DragSettings& s) {
          set(s, {Kind::MeanValue, 1, Rotation::LocalGlobal, DetailTurning::Edge, 1000, 0.25, 0});
        }},
-      {"Face", "Noses, lips, ears and cheeks: a soft dab that runs out smoothly.",
+      {LAPEDIT_TEXT("lapedit", "Face"),
+       LAPEDIT_TEXT("lapedit", "Noses, lips, ears and cheeks: a soft dab that runs out smoothly."),
        [](DragSettings& s) {
          set(s, {Kind::MeanValue, 1, Rotation::LocalGlobal, DetailTurning::Edge, 200, 0.25, 1});
        }},
-      {"Terrain", "Hills and height fields: details stay upright, as nothing is turned.",
+      {LAPEDIT_TEXT("lapedit", "Terrain"),
+       LAPEDIT_TEXT("lapedit", "Hills and height fields: details stay upright, as nothing is turned."),
        [](DragSettings& s) {
          set(s, {Kind::MeanValue, 1, Rotation::None, DetailTurning::Edge, 0, 0.3, 1});
        }},
-      {"Sharp", "Machined parts and letters: edges of the handle stay as they are, nothing falls off.",
+      {LAPEDIT_TEXT("lapedit", "Sharp"),
+       LAPEDIT_TEXT("lapedit", "Machined parts and letters: edges of the handle stay as they are, nothing falls off."),
        [](DragSettings& s) {
          set(s, {Kind::MeanValue, 1, Rotation::LocalGlobal, DetailTurning::Edge, 1000, 0.15, 0});
        }},
