@@ -9,7 +9,7 @@
 namespace lapedit::messages {
 namespace {
 
-const char* name(AxisLock lock) {
+const char* name(AxisLock lock, const Vector3& axis) {
   switch (lock) {
     case AxisLock::X:
       return "X";
@@ -19,6 +19,11 @@ const char* name(AxisLock lock) {
       return "Z";
     case AxisLock::Normal:
       return "the normal";
+    case AxisLock::Gizmo:
+      return axis == Vector3::UnitX()   ? "X"
+             : axis == Vector3::UnitY() ? "Y"
+             : axis == Vector3::UnitZ() ? "Z"
+                                        : "the gizmo's axis";
     case AxisLock::None:
       break;
   }
@@ -35,11 +40,11 @@ const char* ending(std::size_t count) {
 
 std::string dragging(const DragMotion& motion, bool by_button) {
   return motion.text() + (by_button ? ": release to apply" : ": click or press Return to apply") +
-         ", Backspace drops it; X Y Z N lock an axis, digits give an amount.";
+         ", Backspace drops it; X Y Z N lock an axis, Ctrl goes in steps, digits give an amount.";
 }
 
 std::string motion(MotionKind kind, const HandleTransform& now, const std::optional<Vector3>& axis, AxisLock lock,
-                   const std::string& typed) {
+                   double step, const std::string& typed) {
   std::ostringstream out;
   out.imbue(std::locale::classic());
   out.precision(4);
@@ -55,7 +60,10 @@ std::string motion(MotionKind kind, const HandleTransform& now, const std::optio
       break;
   }
   if (axis && kind != MotionKind::Scale) {
-    out << (kind == MotionKind::Translate ? " along " : " about ") << name(lock);
+    out << (kind == MotionKind::Translate ? " along " : " about ") << name(lock, *axis);
+  }
+  if (step > 0) {
+    out << " (in steps of " << step << ")";
   }
   if (!typed.empty()) {
     out << " (typed " << typed << ")";
