@@ -10,7 +10,7 @@
 namespace lapedit {
 namespace {
 
-constexpr double kRadiusOfDiagonal = 0.1;
+constexpr double kRadiusOfDiagonal = 0.15;
 
 double finite_diagonal(const Points& points) {
   Eigen::AlignedBox3d box;

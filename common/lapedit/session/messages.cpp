@@ -9,7 +9,7 @@
 namespace lapedit::messages {
 namespace {
 
-const char* name(AxisLock lock) {
+const char* name(AxisLock lock, const Vector3& axis) {
   switch (lock) {
     case AxisLock::X:
       return "X";
@@ -18,7 +18,16 @@ const char* name(AxisLock lock) {
     case AxisLock::Z:
       return "Z";
     case AxisLock::Normal:
+<<<<<<< HEAD
       return translated(LAPEDIT_TEXT("lapedit", "the normal"));
+=======
+      return "the normal";
+    case AxisLock::Gizmo:
+      return axis == Vector3::UnitX()   ? "X"
+             : axis == Vector3::UnitY() ? "Y"
+             : axis == Vector3::UnitZ() ? "Z"
+                                        : "the gizmo's axis";
+>>>>>>> wt-C
     case AxisLock::None:
       break;
   }
@@ -30,6 +39,7 @@ const char* name(AxisLock lock) {
 // What the next click does -------------------------------------------------------------------------------------------
 
 std::string dragging(const DragMotion& motion, bool by_button) {
+<<<<<<< HEAD
   const char* const pattern =
       by_button
           ? translated(LAPEDIT_TEXT("lapedit",
@@ -64,6 +74,38 @@ std::string motion(MotionKind kind, const HandleTransform& now, const std::optio
                : format_text(translated(LAPEDIT_TEXT("lapedit", "Moving by %s")), text(now.translation.norm()).c_str());
   }
   return typed.empty() ? line : line + format_text(translated(LAPEDIT_TEXT("lapedit", " (typed %s)")), typed.c_str());
+=======
+  return motion.text() + (by_button ? ": release to apply" : ": click or press Return to apply") +
+         ", Backspace drops it; X Y Z N lock an axis, Ctrl goes in steps, digits give an amount.";
+}
+
+std::string motion(MotionKind kind, const HandleTransform& now, const std::optional<Vector3>& axis, AxisLock lock,
+                   double step, const std::string& typed) {
+  std::ostringstream out;
+  out.imbue(std::locale::classic());
+  out.precision(4);
+  switch (kind) {
+    case MotionKind::Translate:
+      out << "Moving by " << (axis ? now.translation.dot(*axis) : now.translation.norm());
+      break;
+    case MotionKind::Rotate:
+      out << "Turning by " << now.degrees << " degrees";
+      break;
+    case MotionKind::Scale:
+      out << "Scaling by " << now.scale;
+      break;
+  }
+  if (axis && kind != MotionKind::Scale) {
+    out << (kind == MotionKind::Translate ? " along " : " about ") << name(lock, *axis);
+  }
+  if (step > 0) {
+    out << " (in steps of " << step << ")";
+  }
+  if (!typed.empty()) {
+    out << " (typed " << typed << ")";
+  }
+  return out.str();
+>>>>>>> wt-C
 }
 
 // Refusals -----------------------------------------------------------------------------------------------------------

@@ -34,8 +34,9 @@ std::string dragging(const DragMotion& motion, bool by_button);
 
 /// "Moving by 0.5 along Y (typed 0.5)"
 /// @param axis  of the lock, none without one
+/// @param step  that the amount is a multiple of; 0: of none
 std::string motion(MotionKind kind, const HandleTransform& now, const std::optional<Vector3>& axis, AxisLock lock,
-                   const std::string& typed);
+                   double step, const std::string& typed);
 
 // Refusals -----------------------------------------------------------------------------------------------------------
 

@@ -70,8 +70,11 @@ double disc_radius(const DragSettings& settings) {
   return settings.handle_share * settings.radius;
 }
 
+/// What a click takes. A disc has the vertex' neighbours at least: on a coarse mesh a single one would make a needle.
 std::vector<int> disc(const Surface& surface, int vertex) {
-  return vertices_within(surface.mesh, surface.adjacency, vertex, disc_radius(surface.settings));
+  const double radius = disc_radius(surface.settings);
+  std::vector<int> within = vertices_within(surface.mesh, surface.adjacency, vertex, radius);
+  return radius > 0 ? united(within, grown(surface.adjacency, {vertex})) : within;
 }
 
 /// How far discs go from their centres: on a coarse mesh less far than they were to.
@@ -80,9 +83,9 @@ double reach_of_discs(const Surface& surface, const Selection& selection) {
   if (selection.discs.all()) {
     GeodesicSearch search(surface.adjacency.neighbours, surface.mesh.vertices);
     for (std::size_t g = 0; g < selection.groups.size(); ++g) {
-      search.run(selection.discs.centers[g], disc_radius(surface.settings));
+      search.run(selection.discs.centers[g], surface.settings.radius);
       for (const int v : selection.groups[g]) {
-        reach = std::max(reach, std::min(search.distance(v), disc_radius(surface.settings)));
+        reach = std::max(reach, std::min(search.distance(v), kLargestHandleShare * surface.settings.radius));
       }
     }
   }
