@@ -22,8 +22,8 @@ namespace {
 
 constexpr int kDragPixels = 3;     // what moves less is a click
 constexpr int kLongestWait = 200;  // milliseconds without a picture
-constexpr double kRadiusPerNotch = 1.1, kHandleRadiusPerNotch = 1.25, kPaddingPerNotch = 0.02;
-constexpr double kSmallestHandleRadius = 0.01;  // of the radius; below it is a single vertex
+constexpr double kRadiusPerNotch = 1.1, kHandleSharePerNotch = 1.25, kPaddingPerNotch = 0.02;
+constexpr double kSmallestHandleShare = 0.01;  // below it is a single vertex
 
 double milliseconds(const QElapsedTimer& timer) {
   return static_cast<double>(timer.nsecsElapsed()) * 1e-6;
@@ -419,9 +419,8 @@ void LaplacianDragTool::wheel(QWheelEvent& event) {
   if (event.modifiers() & Qt::ShiftModifier) {
     settings.padding = std::clamp(settings.padding + kPaddingPerNotch * notches, 0.0, 1.0);
   } else if (event.modifiers() & Qt::ControlModifier) {
-    const double smallest = kSmallestHandleRadius * settings.radius;
-    const double grown = std::max(settings.handle_radius, smallest) * std::pow(kHandleRadiusPerNotch, notches);
-    settings.handle_radius = grown < smallest ? 0 : grown;
+    const double grown = std::max(settings.handle_share, kSmallestHandleShare) * std::pow(kHandleSharePerNotch, notches);
+    settings.handle_share = grown < kSmallestHandleShare ? 0 : std::min(grown, kLargestHandleShare);
   } else {
     settings.radius *= std::pow(kRadiusPerNotch, notches);
   }
@@ -479,7 +478,7 @@ void LaplacianDragTool::afterEvent() {
     QElapsedTimer upload;
     upload.start();
     window_.uploadGeometry(layer_);
-    clock_.poseArrived(active_->session().figures().solve_ms, active_->writeMilliseconds(), milliseconds(upload));
+    clock_.poseArrived(active_->session().figures().solve_ms.value_or(0), active_->writeMilliseconds(), milliseconds(upload));
     if (settled) {
       window_.markModified(layer_);
     }

@@ -122,10 +122,10 @@ void Panel::addHandle(QFormLayout* form) {
     canvas_->setFocus();
   });
   form->addRow("Handle", mode_);
-  form->addRow("Handle radius",
-               length("handle_radius",
-                      "Vertices within it of the one clicked are picked together (Ctrl+wheel); 0: that one alone",
-                      access<&DragSettings::handle_radius>()));
+  form->addRow("Handle size",
+               number("handle_share", 0, kLargestHandleShare, 2,
+                      "Radius of the disc that a click takes, over the region's radius (Ctrl+wheel); 0: one vertex",
+                      access<&DragSettings::handle_share>()));
   addRow(form,
          {button("next_group", "Next group", "The next click makes another handle; those there hold their place (G)"),
           button("move", "Move", "The handle follows the mouse, no button held (T)"),
@@ -328,9 +328,9 @@ void Panel::showFigures(const DragSession& session, const FrameTimes& median) {
                        .arg(figures.fixed)
                        .arg(figures.steps));
   times_->setText(QString("In the hand in %1 ms, prepared in %2 ms, solved in %3 ms")
-                      .arg(figures.in_hand_ms, 0, 'f', 1)
-                      .arg(figures.prepare_ms, 0, 'f', 1)
-                      .arg(figures.solve_ms, 0, 'f', 1));
+                      .arg(figures.in_hand_ms.value_or(0), 0, 'f', 1)
+                      .arg(figures.prepare_ms.value_or(0), 0, 'f', 1)
+                      .arg(figures.solve_ms.value_or(0), 0, 'f', 1));
   frame_->setText(QString("Frame %1 ms (%2/s): solve %3, write %4, upload %5, draw %6")
                       .arg(median.total, 0, 'f', 1)
                       .arg(median.total > 0 ? 1000 / median.total : 0, 0, 'f', 0)
@@ -339,8 +339,8 @@ void Panel::showFigures(const DragSession& session, const FrameTimes& median) {
                       .arg(median.upload, 0, 'f', 1)
                       .arg(median.draw, 0, 'f', 1));
   quality_->setText(QString("Handle off by %1; largest stretch %2 %")
-                        .arg(figures.handle_error, 0, 'g', 3)
-                        .arg(100 * figures.largest_stretch, 0, 'f', 0) +
+                        .arg(figures.handle_error.value_or(0), 0, 'g', 3)
+                        .arg(100 * figures.largest_stretch.value_or(0), 0, 'f', 0) +
                     (figures.advice.empty() ? QString() : "\n" + QString::fromStdString(figures.advice)));
 }
 

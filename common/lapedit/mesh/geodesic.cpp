@@ -33,7 +33,7 @@ GeodesicSearch::GeodesicSearch(const IndexLists& neighbours, const Points& point
     : neighbours_(neighbours), points_(points), distance_(points.rows(), 0), stamp_(points.rows(), 0) {}
 
 const std::vector<int>& GeodesicSearch::run(const std::vector<int>& seeds, double cutoff,
-                                            const std::vector<char>* allowed) {
+                                            const std::vector<char>* allowed, std::size_t most) {
   ++search_;
   const unsigned pending = 2 * search_ - 1;
   const unsigned settled = 2 * search_;
@@ -52,7 +52,7 @@ const std::vector<int>& GeodesicSearch::run(const std::vector<int>& seeds, doubl
   for (const int seed : seeds) {
     offer(seed, 0);
   }
-  while (!heap_.empty()) {
+  while (!heap_.empty() && reached_.size() < most) {
     const auto [distance, vertex] = heap_.front();
     std::pop_heap(heap_.begin(), heap_.end(), farther);
     heap_.pop_back();

@@ -26,8 +26,10 @@ class GeodesicSearch {
 
   /// Distances (model units) from the nearest of the seeds to all vertices no farther than cutoff.
   /// @param allowed  if given, one flag per vertex: only flagged ones are entered
+  /// @param most     the search ends with so many vertices, the nearest
   /// @return         the reached vertices, nearest first; ties by vertex number. Valid until the next call
-  const std::vector<int>& run(const std::vector<int>& seeds, double cutoff, const std::vector<char>* allowed = nullptr);
+  const std::vector<int>& run(const std::vector<int>& seeds, double cutoff, const std::vector<char>* allowed = nullptr,
+                              std::size_t most = std::numeric_limits<std::size_t>::max());
 
   /// Distance found by the last run, kUnreached where it did not come.
   double distance(int vertex) const { return stamp_[vertex] == 2 * search_ ? distance_[vertex] : kUnreached; }

@@ -44,6 +44,21 @@ double distance_along(const TriangleMesh& mesh, const Ray& ray, int face) {
   return t >= 0 && std::isfinite(t) ? t : kInfinity;
 }
 
+SurfaceHit hit_of(const TriangleMesh& mesh, const Ray& ray, int face, double distance) {
+  SurfaceHit hit;
+  hit.point = ray.origin + distance * ray.direction;
+  hit.face = face;
+  double closest = kInfinity;
+  for (int k = 0; k < 3; ++k) {
+    const double away = (corner(mesh, face, k) - hit.point).norm();
+    if (away < closest) {
+      closest = away;
+      hit.vertex = mesh.faces(face, k);
+    }
+  }
+  return hit;
+}
+
 std::optional<SurfaceHit> first_hit(const TriangleMesh& mesh, const Ray& ray) {
   int found = -1;
   double nearest = kInfinity;
@@ -57,18 +72,7 @@ std::optional<SurfaceHit> first_hit(const TriangleMesh& mesh, const Ray& ray) {
   if (found < 0) {
     return std::nullopt;
   }
-  SurfaceHit hit;
-  hit.point = ray.origin + nearest * ray.direction;
-  hit.face = found;
-  double closest = kInfinity;
-  for (int k = 0; k < 3; ++k) {
-    const double distance = (corner(mesh, found, k) - hit.point).norm();
-    if (distance < closest) {
-      closest = distance;
-      hit.vertex = mesh.faces(found, k);
-    }
-  }
-  return hit;
+  return hit_of(mesh, ray, found, nearest);
 }
 
 }  // namespace lapedit

@@ -19,6 +19,9 @@ struct SurfaceHit {
 /// looked through. O(faces), a few milliseconds for 300,000: for clicks, not for many rays.
 std::optional<SurfaceHit> first_hit(const TriangleMesh& mesh, const Ray& ray);
 
+/// Where a ray meets a face at that distance, in units of its direction.
+SurfaceHit hit_of(const TriangleMesh& mesh, const Ray& ray, int face, double distance);
+
 /// Distance to a face along the ray in units of its direction (Moeller and Trumbore 1997), infinity if it misses; NaN
 /// misses. Seams between faces are closed: a ray through a vertex or an edge does not slip between them.
 double distance_along(const TriangleMesh& mesh, const Ray& ray, int face);

@@ -33,6 +33,38 @@ FaceTree finite_faces(const TriangleMesh& mesh) {
   return {faces.begin(), faces.end(), boxes.begin(), boxes.end()};
 }
 
+/// Whether a ray, as origin and the inverse of its direction, meets a box before its last place.
+bool meets(const FaceTree::Volume& box, const Vector3& origin, const Vector3& inverse, double last) {
+  const Eigen::Array3d at_min = (box.min() - origin).cwiseProduct(inverse);
+  const Eigen::Array3d at_max = (box.max() - origin).cwiseProduct(inverse);
+  const double enter = at_min.min(at_max).maxCoeff();
+  const double leave = at_min.max(at_max).minCoeff();
+  return !(enter > leave || enter > last || leave < 0);  // not a number: zero times infinity, at the very border
+}
+
+/// Asks the tree for the first face along a ray; of several as near for the first of the mesh.
+struct Nearest {
+  Nearest(const TriangleMesh& the_mesh, const Ray& the_ray)
+      : mesh(the_mesh), ray(the_ray), inverse(the_ray.direction.cwiseInverse()) {}
+
+  bool intersectVolume(const FaceTree::Volume& box) const { return meets(box, ray.origin, inverse, distance); }
+
+  bool intersectObject(int other) {
+    const double t = distance_along(mesh, ray, other);
+    if (t < distance || (t == distance && face >= 0 && other < face)) {
+      distance = t;
+      face = other;
+    }
+    return false;
+  }
+
+  const TriangleMesh& mesh;
+  Ray ray;
+  Vector3 inverse;
+  double distance = std::numeric_limits<double>::infinity();
+  int face = -1;
+};
+
 /// Asks the tree whether any face but those of a vertex crosses a stretch of a ray.
 struct Crossing {
   Crossing(const TriangleMesh& the_mesh, int the_vertex, const Ray& the_ray, double the_first, double the_last)
@@ -43,13 +75,7 @@ struct Crossing {
         last(the_last),
         inverse(the_ray.direction.cwiseInverse()) {}
 
-  bool intersectVolume(const FaceTree::Volume& box) const {
-    const Eigen::Array3d at_min = (box.min() - ray.origin).cwiseProduct(inverse);
-    const Eigen::Array3d at_max = (box.max() - ray.origin).cwiseProduct(inverse);
-    const double enter = at_min.min(at_max).maxCoeff();
-    const double leave = at_min.max(at_max).minCoeff();
-    return !(enter > leave || enter > last || leave < 0);  // not a number: zero times infinity, at the very border
-  }
+  bool intersectVolume(const FaceTree::Volume& box) const { return meets(box, ray.origin, inverse, last); }
 
   bool intersectObject(int face) {
     const double t = (mesh.faces.row(face).array() == vertex).any() ? std::numeric_limits<double>::infinity()
@@ -101,6 +127,12 @@ bool Visibility::sees(const Camera& view, const Adjacency& adjacency, int vertex
   Crossing crossing(mesh, vertex, {place, -through.direction}, tree_->same_place, reach);
   Eigen::BVIntersect(tree_->faces, crossing);
   return !crossing.found;
+}
+
+std::optional<SurfaceHit> Visibility::first_hit(const Ray& ray) const {
+  Nearest nearest(tree_->mesh, ray);
+  Eigen::BVIntersect(tree_->faces, nearest);
+  return nearest.face >= 0 ? std::optional(hit_of(tree_->mesh, ray, nearest.face, nearest.distance)) : std::nullopt;
 }
 
 std::vector<int> brushed_vertices(const TriangleMesh& mesh, const Adjacency& adjacency, const Visibility& visibility,

@@ -23,6 +23,9 @@ class Visibility {
   /// O(log faces).
   bool sees(const Camera& view, const Adjacency& adjacency, int vertex, int side = 1) const;
 
+  /// As first_hit() of the mesh, O(log faces).
+  std::optional<SurfaceHit> first_hit(const Ray& ray) const;
+
  private:
   struct Tree;
   std::unique_ptr<Tree> tree_;

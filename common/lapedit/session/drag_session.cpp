@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/session/drag_session.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "lapedit/base/error.h"
@@ -18,6 +20,7 @@ struct DragSession::Impl : SessionCore {
   void press_surface(const SurfaceHit& hit, const Cursor& cursor, PressModifiers modifiers);
   void click(const Press& press);
   void brush(const Cursor& cursor);
+  void look(const Cursor& cursor, PressModifiers modifiers);
   void change_region(Choice (*choose)(const Surface&, const Selection&));
   bool begin_by_key(MotionKind kind, const Cursor& cursor);
   bool motion_key(DragKey key, const Cursor& cursor);
@@ -81,6 +84,18 @@ bool DragSession::in_hand() const {
 bool DragSession::ready() const {
   return impl_->preparation == Impl::Preparation::Done;
 }
+const std::vector<int>& DragSession::unconnected() const {
+  return impl_->unconnected;
+}
+std::optional<Gizmo> DragSession::gizmo(const Camera& view) const {
+  return impl_->gizmo(view);
+}
+GizmoPart DragSession::gizmo_part() const {
+  return impl_->pointer.part;
+}
+const HoverPreview* DragSession::hover() const {
+  return impl_->pointer.preview ? &*impl_->pointer.preview : nullptr;
+}
 bool DragSession::busy() const {
   return impl_->worker.busy();
 }
@@ -114,8 +129,17 @@ std::string DragSession::message() const {
   if (s.selection.next == Selection::Next::Group) {
     return messages::kNextIsGroup;
   }
+  if (s.tools.pivot == Pivot::Point && s.tools.pivot_vertex < 0) {
+    return messages::kNextIsPivot;
+  }
   if (s.in<Idle>()) {
     return s.selection.has_region ? messages::kPickInRegion : messages::kPickAnywhere;
+  }
+  if (!s.unconnected.empty()) {
+    return messages::unconnected(s.unconnected);
+  }
+  if (const int free = s.held_by_nothing(); free > 0) {
+    return messages::nothing_holds(free);
   }
   return s.selection.mode == HandleMode::Curve && s.selection.curve_end >= 0 ? messages::kLeadCurve
                                                                              : messages::kDragHandle;
@@ -146,6 +170,7 @@ void DragSession::set_settings(const DragSettings& settings) {
     return;
   }
   const bool new_radius = settings.radius != s.settings.radius;
+  const bool new_discs = settings.handle_share != s.settings.handle_share || settings.softness != s.settings.softness;
   const bool new_rest = settings.padding != s.settings.padding || settings.edit != s.settings.edit;
   s.settings = settings;
   if (s.in<Loading>()) {
@@ -162,12 +187,14 @@ void DragSession::set_settings(const DragSettings& settings) {
   const bool regrow = new_radius && s.selection.has_region && !s.selection.by_hand &&
                       s.selection.region.kind != RegionSpec::Kind::Component;
   if (regrow) {
-    s.selection = with_radius(s.selection, settings);
-    if (Picked* const picked = s.in<Picked>()) {
-      picked->amendable = false;
-    }
+    s.selection = with_radius(s.surface(), s.selection);
+  } else if (new_discs && !s.amendable()) {
+    s.selection = with_discs(s.surface(), s.selection);
   } else if (!new_rest) {
     return;
+  }
+  if (Picked* const picked = regrow ? s.in<Picked>() : nullptr) {
+    picked->amendable = false;
   }
   s.selection = with_padding(std::move(s.selection), settings.padding);
   if (s.groups().empty()) {
@@ -182,6 +209,49 @@ void DragSession::set_settings(const DragSettings& settings) {
 void DragSession::set_handle_mode(HandleMode mode) {
   impl_->refusal.clear();
   impl_->selection = with_mode(impl_->selection, mode);
+}
+
+BrushTarget DragSession::brush_target() const {
+  return impl_->tools.brush;
+}
+void DragSession::set_brush_target(BrushTarget target) {
+  impl_->refusal.clear();
+  impl_->tools.brush = target;
+}
+
+bool DragSession::gizmo_shown() const {
+  return impl_->tools.gizmo;
+}
+GizmoAxes DragSession::gizmo_axes() const {
+  return impl_->tools.axes;
+}
+void DragSession::show_gizmo(bool on, GizmoAxes axes) {
+  impl_->tools.gizmo = on;
+  impl_->tools.axes = axes;
+}
+
+Pivot DragSession::pivot() const {
+  return impl_->tools.pivot;
+}
+void DragSession::set_pivot(Pivot pivot) {
+  impl_->refusal.clear();
+  impl_->tools.pivot = pivot;
+  impl_->tools.pivot_vertex = -1;
+}
+Vector3 DragSession::pivot_place() const {
+  return impl_->pivot_place();
+}
+
+const std::optional<MirrorPlane>& DragSession::mirror() const {
+  return impl_->tools.mirror;
+}
+void DragSession::set_mirror(const std::optional<MirrorPlane>& plane) {
+  Impl& s = *impl_;
+  s.refusal.clear();
+  if (s.settle_down()) {
+    s.tools.mirror = plane;
+    s.handles_changed();
+  }
 }
 
 // --- Mouse ----------------------------------------------------------------------------------------------------------
@@ -203,6 +273,14 @@ void DragSession::press(const Cursor& cursor, PressModifiers modifiers) {
     return;
   }
   const std::optional<SurfaceHit> hit = surface_at(s.mesh(), *s.adjacency, cursor);
+  if (s.tools.pivot == Pivot::Point && s.tools.pivot_vertex < 0 && !modifiers.add && !modifiers.take) {
+    if (hit) {
+      s.tools.pivot_vertex = hit->vertex;
+    } else {
+      s.refusal = messages::kNoSurface;
+    }
+    return;
+  }
   const bool grabs = !modifiers.add && !modifiers.take && s.selection.next != Selection::Next::Region;
   const int grabbed = grabs ? group_at(s.mesh(), s.groups(), hit, cursor, s.settings.radius) : -1;
   if (grabbed >= 0) {
@@ -232,6 +310,8 @@ void DragSession::move(const Cursor& cursor) {
   }
   if (s.pressed && !s.pressed->plain()) {
     if (!std::exchange(s.pressed->brushed, true)) {
+      s.strokes.done.push_back(s.selection);
+      s.strokes.undone.clear();
       s.brush(s.pressed->cursor);
     }
     s.brush(cursor);
@@ -248,6 +328,29 @@ void DragSession::move(const Cursor& cursor) {
     drag->motion.move(cursor);
     s.ask();
   }
+}
+
+bool DragSession::hover(const Cursor& cursor, PressModifiers modifiers) {
+  Impl& s = *impl_;
+  const bool was = s.pointer.preview.has_value();
+  const GizmoPart before = s.pointer.part;
+  if (!cursor.view.valid() || s.in_progress() || s.pressed) {
+    s.pointer.preview.reset();
+    return was;
+  }
+  const std::optional<Gizmo> gizmo = s.gizmo(cursor.view);
+  s.pointer.part = gizmo ? gizmo_part_at(*gizmo, cursor) : GizmoPart::None;
+  if (s.pointer.part != GizmoPart::None) {
+    s.pointer.preview.reset();
+    return was || before != s.pointer.part;
+  }
+  s.look(cursor, modifiers);
+  return was || s.pointer.preview || before != s.pointer.part;
+}
+
+void DragSession::leave() {
+  impl_->pointer.preview.reset();
+  impl_->pointer.part = GizmoPart::None;
 }
 
 void DragSession::release(const Cursor& cursor) {
@@ -276,6 +379,38 @@ void DragSession::release(const Cursor& cursor) {
 }
 
 // --- Region and handles ---------------------------------------------------------------------------------------------
+
+/// What of the surface is under the cursor, and what a press would take there.
+void DragSession::Impl::look(const Cursor& cursor, PressModifiers modifiers) {
+  HoverSearch* const search = pointer.background.of(history.mesh(), adjacency);
+  const std::optional<SurfaceHit> hit = search ? search->hit(cursor.view.ray(cursor.pixel)) : std::nullopt;
+  if (!hit) {
+    pointer.preview.reset();
+    return;
+  }
+  using Kind = HoverPreview::Kind;
+  HoverPreview& preview = pointer.preview ? *pointer.preview : pointer.preview.emplace();
+  const bool inside =
+      selection.has_region && selection.next != Selection::Next::Region && shown.region() &&
+      std::binary_search(shown.region()->mesh_vertex.begin(), shown.region()->mesh_vertex.end(), hit->vertex);
+  const bool plain = !modifiers.add && !modifiers.take;
+  preview.group = plain && selection.next != Selection::Next::Region
+                      ? group_at(mesh(), groups(), hit, cursor, settings.radius)
+                      : -1;
+  preview.kind = !plain ? Kind::Brush : preview.group >= 0 ? Kind::Group : inside ? Kind::Handle : Kind::Region;
+  preview.point = hit->point;
+  const Vector3 normal = area_normal(mesh(), hit->face);
+  const double length = normal.norm();
+  preview.normal = length > 0 && std::isfinite(length) ? Vector3(normal / length) : Vector3(Vector3::Zero());
+  preview.radius = settings.radius;
+  preview.disc_radius = selection.mode == HandleMode::Vertex ? settings.handle_share * settings.radius : 0;
+  if (preview.kind == Kind::Region || preview.kind == Kind::Handle) {
+    search->outline(hit->vertex, preview);
+  } else {
+    preview.region.resize(0, 3);
+    preview.disc.resize(0, 3);
+  }
+}
 
 /// A press beside all handles.
 void DragSession::Impl::press_surface(const SurfaceHit& hit, const Cursor& cursor, PressModifiers modifiers) {
@@ -322,13 +457,25 @@ void DragSession::Impl::brush(const Cursor& cursor) {
   }
   const double radius = settings.brush_pixels * cursor.view.pixel_size(hit->point);
   const std::vector<int> patch = brushed_vertices(mesh(), *adjacency, *visibility, cursor.view, *hit, radius);
-  selection = brushed(surface(), selection, patch, pressed->modifiers.add);
+  if (patch.empty()) {
+    return;
+  }
+  const bool add = pressed->modifiers.add;
+  Choice choice = tools.brush == BrushTarget::Region   ? Choice(brushed(surface(), selection, patch, add))
+                  : tools.brush == BrushTarget::Handle ? handle_brushed(surface(), selection, patch, add)
+                                                       : anchors_brushed(surface(), selection, patch, add);
+  refusal.clear();
+  if (!take(std::move(choice))) {
+    return;
+  }
   if (!selection.has_region) {
     show_region(nullptr);
     return;
   }
   rest(false);
-  show_by_hand();
+  if (selection.region.kind == RegionSpec::Kind::Vertices) {
+    show_by_hand();
+  }
 }
 
 /// What a button does to the region.
@@ -346,6 +493,15 @@ void DragSession::set_region(std::vector<int> vertices) {
   Impl& s = *impl_;
   s.refusal.clear();
   if (s.settle_down() && s.take(with_region(s.surface(), s.selection, std::move(vertices)))) {
+    s.show_by_hand();
+    s.handles_changed();
+  }
+}
+
+void DragSession::set_anchors(std::vector<int> vertices) {
+  Impl& s = *impl_;
+  s.refusal.clear();
+  if (s.settle_down() && s.take(with_anchors(s.surface(), s.selection, std::move(vertices)))) {
     s.show_by_hand();
     s.handles_changed();
   }
@@ -426,12 +582,16 @@ bool DragSession::key(DragKey key, const Cursor& cursor) {
 
 /// Keys that begin a motion, or say more of it.
 bool DragSession::Impl::motion_key(DragKey key, const Cursor& cursor) {
+  if (!drag() && key != DragKey::Rotate && key != DragKey::Scale && key != DragKey::Translate) {
+    refusal = messages::kNoMotion;  // an amount from nowhere could be anything
+    return true;
+  }
   bool begun = true;
   if (key == DragKey::Rotate) {
     begun = begin_by_key(MotionKind::Rotate, cursor);
   } else if (key == DragKey::Scale) {
     begun = begin_by_key(MotionKind::Scale, cursor);
-  } else if (key == DragKey::Translate || !drag()) {
+  } else if (key == DragKey::Translate) {
     begun = begin_by_key(MotionKind::Translate, cursor);
   }
   if (!begun) {
@@ -476,11 +636,11 @@ void DragSession::cancel() {
 // --- Steps ----------------------------------------------------------------------------------------------------------
 
 bool DragSession::can_undo() const {
-  return impl_->history.can_undo() || impl_->in_progress();
+  return impl_->history.can_undo() || impl_->in_progress() || !impl_->strokes.done.empty();
 }
 
 bool DragSession::can_redo() const {
-  return impl_->history.can_redo() && !impl_->in_progress();
+  return (impl_->history.can_redo() || !impl_->strokes.undone.empty()) && !impl_->in_progress();
 }
 
 void DragSession::undo() {
@@ -488,6 +648,9 @@ void DragSession::undo() {
   s.refusal.clear();
   if (s.in_progress()) {
     s.drop();
+    return;
+  }
+  if (s.undo_stroke()) {
     return;
   }
   if (!s.history.can_undo()) {
@@ -503,7 +666,7 @@ void DragSession::undo() {
 void DragSession::redo() {
   Impl& s = *impl_;
   s.refusal.clear();
-  if (!s.settle_down()) {
+  if (!s.settle_down() || s.redo_stroke()) {
     return;
   }
   if (!s.history.can_redo()) {

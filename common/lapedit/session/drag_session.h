@@ -7,9 +7,12 @@
 #include <vector>
 
 #include "lapedit/edit/edit.h"
+#include "lapedit/edit/mirror.h"
 #include "lapedit/session/drag_key.h"
 #include "lapedit/session/drag_motion.h"
 #include "lapedit/session/drag_settings.h"
+#include "lapedit/session/gizmo.h"
+#include "lapedit/session/hover.h"
 
 // From a click to a saved edit, as a window does it (wait() in place of its event loop):
 //
@@ -23,20 +26,32 @@
 namespace lapedit {
 
 struct PressModifiers {
-  bool add = false;   ///< Ctrl: a click adds to the handle, a drag brushes the region larger
-  bool take = false;  ///< Shift: a click takes from the handle, a drag brushes the region smaller
+  bool add = false;   ///< Ctrl: a click adds to the handle, a drag brushes more of what is painted
+  bool take = false;  ///< Shift: a click takes from the handle, a drag brushes less of it
+};
+
+/// What the brush paints.
+enum class BrushTarget { Region, Handle, Anchors };
+
+/// What turning and scaling go about.
+enum class Pivot {
+  Centroid,  ///< of the active group
+  Rim,       ///< the middle of the region's rim on the group's piece: the shoulder of an arm
+  Point      ///< a vertex that was picked; it goes with the surface
 };
 
 /// What the panel shows. Counts of the region; milliseconds; lengths in model units.
 struct DragFigures {
   int handle = 0, free = 0, anchors = 0, fixed = 0;
-  double in_hand_ms = 0;  ///< until a drag could be followed
-  double prepare_ms = 0;
-  double solve_ms = 0;         ///< of the last pose
-  double handle_error = 0;     ///< largest distance of a handle vertex from its target, of the last report
-  double largest_stretch = 0;  ///< of an edge, new over old length minus 1, of the last report
-  std::string advice;          ///< of the last report, where something folded
-  int steps = 0;               ///< applied
+  // What is not known, as the region is being prepared or nothing was posed in it yet, is nothing.
+  std::optional<double> in_hand_ms;  ///< until a drag could be followed
+  std::optional<double> prepare_ms;
+  std::optional<double> solve_ms;         ///< of the last pose
+  std::optional<double> handle_error;     ///< largest distance of a handle vertex from its target, of the last report
+  std::optional<double> largest_stretch;  ///< of an edge, new over old length minus 1, of the last report
+  std::string advice;                     ///< of the last report, where something folded
+  std::string taken_over;                 ///< what preparing took over from the region before
+  int steps = 0;                          ///< applied
 };
 
 /// One dragging session with one mesh: what the interactive tool does, without a window.
@@ -89,7 +104,13 @@ class DragSession {
   bool in_hand() const;              ///< a drag is followed at once, if only by the region's stand-in
   bool ready() const;                ///< the region is prepared
   bool busy() const;                 ///< poll() has, or will have, something new
-  std::string message() const;       ///< one line: what was refused, else what the next click does
+  /// Brushed vertices that no handle reaches: kept, and part of the region once something connects them. Ascending.
+  const std::vector<int>& unconnected() const;
+  /// Of the picture: where it is and how large, if there is an active group and it is switched on.
+  std::optional<Gizmo> gizmo(const Camera& view) const;
+  GizmoPart gizmo_part() const;       ///< under the cursor, or held
+  const HoverPreview* hover() const;  ///< what a press would take, null if nothing
+  std::string message() const;        ///< one line: what was refused, else what the next click does
   DragFigures figures() const;
 
   // Settings ---------------------------------------------------------------------------------------------------------
@@ -100,12 +121,27 @@ class DragSession {
   void set_settings(const DragSettings& settings);
   HandleMode handle_mode() const;
   void set_handle_mode(HandleMode mode);
+  BrushTarget brush_target() const;
+  void set_brush_target(BrushTarget target);
+  bool gizmo_shown() const;
+  GizmoAxes gizmo_axes() const;
+  void show_gizmo(bool on, GizmoAxes axes);
+  Pivot pivot() const;
+  void set_pivot(Pivot pivot);  ///< Point: the next click picks it
+  Vector3 pivot_place() const;  ///< there has to be an active group
+  /// Every step goes on both sides of the plane at once; nothing: off.
+  const std::optional<MirrorPlane>& mirror() const;
+  void set_mirror(const std::optional<MirrorPlane>& plane);
 
   // Mouse ------------------------------------------------------------------------------------------------------------
   // A press and a release without a move between them are a click: the host decides how far a move has to be.
 
   void press(const Cursor& cursor, PressModifiers modifiers = {});
   void move(const Cursor& cursor);  ///< also without a press: keys R, S, T follow the mouse
+  /// The cursor rests or goes here with no button down. Bounded work, whatever the mesh. @return whether hover() or
+  /// gizmo_part() changed
+  bool hover(const Cursor& cursor, PressModifiers modifiers);
+  void leave();  ///< the cursor is elsewhere
   void release(const Cursor& cursor);
 
   // Keys -------------------------------------------------------------------------------------------------------------
@@ -117,9 +153,10 @@ class DragSession {
 
   // Region -----------------------------------------------------------------------------------------------------------
 
-  void set_region(std::vector<int> vertices);  ///< any order; with the handles inside it, if there are
-  void whole_component();                      ///< the connected components of the handles
-  void grow();                                 ///< by a ring
+  void set_region(std::vector<int> vertices);   ///< any order; with the handles inside it, if there are
+  void set_anchors(std::vector<int> vertices);  ///< these of the region hold, in place of its band
+  void whole_component();                       ///< the connected components of the handles
+  void grow();                                  ///< by a ring
   void shrink();
   void new_region();  ///< the next click takes a new region
   void next_group();  ///< the next click makes another handle group
@@ -129,7 +166,7 @@ class DragSession {
 
   bool can_undo() const;
   bool can_redo() const;
-  void undo();  ///< of a drag in progress: drops it
+  void undo();  ///< of a drag in progress: drops it; of strokes of the brush since the last step: the last one
   void redo();
   void reset();           ///< undoes all
   Edit recorded() const;  ///< applied steps, with counts and connectivity of the mesh

@@ -42,8 +42,14 @@ void validate(const DragSettings& settings) {
   if (!(settings.padding >= 0 && settings.padding <= 1)) {
     refuse("padding", settings.padding, "a share of the region's radius from 0 to 1");
   }
-  if (!(settings.handle_radius >= 0 && std::isfinite(settings.handle_radius))) {
-    refuse("handle's radius", settings.handle_radius, "a finite length, or 0 for a single vertex");
+  if (!(settings.handle_share >= 0 && settings.handle_share <= kLargestHandleShare)) {
+    refuse("handle's share of the radius", settings.handle_share, "a number from 0, a single vertex, to 0.9");
+  }
+  if (!(settings.softness >= 0 && settings.softness <= 1)) {
+    refuse("handle's softness", settings.softness, "a share of its disc from 0 to 1");
+  }
+  if (!(settings.connect_gap >= 0 && std::isfinite(settings.connect_gap))) {
+    refuse("gap to connect pieces over", settings.connect_gap, "a finite length, or 0 to leave pieces apart");
   }
   if (!(settings.brush_pixels >= 1 && settings.brush_pixels <= 1000)) {
     refuse("brush's radius", settings.brush_pixels, "1 to 1000 pixels");

@@ -55,7 +55,7 @@ const AppliedStep& History::apply(EditStep step, std::vector<int> vertices, Poin
   undone_.clear();
   Points before = gather(mesh_->vertices, vertices);
   put(vertices, after);
-  steps_.push_back({std::move(step), std::move(vertices), std::move(before), std::move(after), {}});
+  steps_.push_back({std::move(step), std::move(vertices), std::move(before), std::move(after), {}, {}});
   return steps_.back();
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -12,12 +13,23 @@ namespace lapedit {
 /// Rows of some vertices.
 Points gather(const Points& points, const std::vector<int>& vertices);
 
+/// Handles as clicks made them: what grows with the radius.
+struct PickedDiscs {
+  std::vector<std::vector<int>> centers;  ///< per handle group the vertices clicked; none: a group of another origin
+  double radius = 0;                      ///< of the discs, model units
+
+  bool all() const {
+    return !centers.empty() && std::none_of(centers.begin(), centers.end(), [](const auto& c) { return c.empty(); });
+  }
+};
+
 /// A step with what it changed.
 struct AppliedStep {
   EditStep step;
   std::vector<int> vertices;  ///< mesh vertex numbers
   Points before, after;       ///< one row per entry of vertices
   RegionSpec next;            ///< the region for what follows in it
+  PickedDiscs discs;          ///< of its handles
 };
 
 /// A mesh and the steps that made it what it is. Undo puts back what was there, so it is exact to the bit.
@@ -44,6 +56,8 @@ class History {
   const AppliedStep& amend(EditStep step, std::vector<int> vertices, Points after);
   /// Sets AppliedStep::next of the last step.
   void set_next_region(RegionSpec next) { steps_.back().next = std::move(next); }
+  /// Sets AppliedStep::discs of the last step.
+  void set_discs(PickedDiscs discs) { steps_.back().discs = std::move(discs); }
   /// Takes the last step back. There has to be one. @return the step
   const AppliedStep& undo();
   /// Applies the step again that was taken back last. There has to be one. @return the step

@@ -95,6 +95,25 @@ std::string not_added(int vertex) {
   return format_text("Vertex %d is outside the region or in another handle: it was not added.", vertex);
 }
 
+std::string nothing_painted(int vertex) {
+  return format_text(
+      "Vertex %d and those around it are outside the region or in another handle: brush inside the region.", vertex);
+}
+
+std::string unconnected(const std::vector<int>& vertices) {
+  return format_text(
+      "%zu brushed vertices, the first is vertex %d, are not connected to a handle: they are kept but stay in place; "
+      "brush the way to them, or press G and click there.",
+      vertices.size(), vertices.front());
+}
+
+std::string nothing_holds(int vertices) {
+  return format_text(
+      "Nothing holds this piece of %d vertices, so all of it would move: choose a smaller radius, press G and click "
+      "where it is to stay, or give a gap to connect it to its neighbours.",
+      vertices);
+}
+
 std::string in_no_handle(int vertex) {
   return format_text(
       "Vertex %d is in no handle: Shift-click on a handle vertex takes it away, Shift-drag brushes the region smaller.",

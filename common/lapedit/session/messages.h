@@ -17,6 +17,7 @@ constexpr const char* kLoading = "Applying the saved edit. Backspace drops it.";
 constexpr const char* kSolving = "Solving for the exact result. Backspace drops it.";
 constexpr const char* kNextIsRegion = "Click on the surface for a new region and its handle.";
 constexpr const char* kNextIsGroup = "Click on the surface for another handle; those there hold their place.";
+constexpr const char* kNextIsPivot = "Click on the surface where the handle is to turn about.";
 constexpr const char* kPickInRegion = "Click inside the region to pick its handle.";
 constexpr const char* kPickAnywhere = "Press on the surface and drag, or click to see the region first.";
 constexpr const char* kLeadCurve = "Click to lead the curve on, drag the curve to move it; C ends it.";
@@ -41,6 +42,12 @@ constexpr const char* kNoComponent =
     "There is no handle, so it is not known whose component is meant: click on the surface first.";
 constexpr const char* kNoRegion = "There is no region yet: click on the surface first.";
 constexpr const char* kNothingLeft = "Nothing would be left of the region: it stays as it is.";
+constexpr const char* kRegionNotKnown = "The region is still being found: wait a moment.";
+constexpr const char* kNoAnchors =
+    "None of these vertices is in the region and in no handle: brush or select inside the region.";
+constexpr const char* kNoMotion =
+    "Nothing is being moved: drag the handle, or press T, R or S first; then X, Y, Z, N and digits count.";
+constexpr const char* kNoPivot = "There is no handle yet whose pivot could be placed: click on the surface first.";
 constexpr const char* kNoHandle = "There is no handle yet: the first click makes one.";
 constexpr const char* kNothingToUndo = "There is nothing to undo: no step has been applied.";
 constexpr const char* kNothingToRedo = "There is nothing to redo: no step has been undone.";
@@ -50,11 +57,16 @@ std::string outside_region(int vertex);
 std::string no_path(int from, int to);
 std::string curve_outside_region(const std::vector<int>& outside);
 std::string not_added(int vertex);
+std::string nothing_painted(int vertex);
+std::string unconnected(const std::vector<int>& vertices);
+std::string nothing_holds(int vertices);
 std::string in_no_handle(int vertex);
 std::string single_vertex(MotionKind kind, int vertex);
 
 // Lines for a log ----------------------------------------------------------------------------------------------------
 
+constexpr const char* kStrokeUndone = "stroke of the brush undone";
+constexpr const char* kStrokeRedone = "stroke of the brush redone";
 std::string not_possible(const std::string& why);
 std::string step_applied(std::size_t number, const DragMotion& motion, const std::vector<int>& handle, int region_size,
                          double prepare_ms, double solve_ms);

@@ -14,12 +14,6 @@ namespace {
 
 using Next = Selection::Next;
 
-std::vector<int> sorted_set(std::vector<int> vertices) {
-  std::sort(vertices.begin(), vertices.end());
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-  return vertices;
-}
-
 std::vector<int> common(const std::vector<int>& a, const std::vector<int>& b) {
   std::vector<int> result;
   std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(result));
@@ -49,6 +43,44 @@ Selection with_vertices(Selection selection, std::vector<int> vertices, double p
   return with_padding(std::move(selection), padding);
 }
 
+std::vector<int>& centers_of_active(Selection& selection) {
+  return selection.discs.centers[static_cast<std::size_t>(selection.active)];
+}
+
+void add_group(Selection& selection, std::vector<int> vertices, std::vector<int> centers) {
+  selection.groups.push_back(std::move(vertices));
+  selection.discs.centers.push_back(std::move(centers));
+  selection.active = static_cast<int>(selection.groups.size()) - 1;
+}
+
+void erase_group(Selection& selection, std::size_t group) {
+  selection.groups.erase(selection.groups.begin() + static_cast<std::ptrdiff_t>(group));
+  selection.discs.centers.erase(selection.discs.centers.begin() + static_cast<std::ptrdiff_t>(group));
+  selection.active = static_cast<int>(selection.groups.size()) - 1;
+}
+
+void clear_groups(Selection& selection) {
+  selection.groups.clear();
+  selection.discs.centers.clear();
+  selection.active = -1;
+}
+
+double disc_radius(const DragSettings& settings) {
+  return settings.handle_share * settings.radius;
+}
+
+std::vector<int> disc(const Surface& surface, int vertex) {
+  return vertices_within(surface.mesh, surface.adjacency, vertex, disc_radius(surface.settings));
+}
+
+/// A region that is grown by the radius counts from the centres of discs, not from their rims.
+void count_from_centers(const DragSettings& settings, Selection& selection) {
+  selection.discs.radius = disc_radius(settings);
+  if (selection.has_region && selection.region.kind == RegionSpec::Kind::Radius) {
+    selection.region.radius = settings.radius - (selection.discs.all() ? selection.discs.radius : 0);
+  }
+}
+
 /// Decides which region a new handle at a vertex is for, and cuts the handle to it.
 std::optional<Refusal> choose_region(const Surface& surface, int vertex, Selection& selection,
                                      std::vector<int>& handle) {
@@ -69,8 +101,8 @@ std::optional<Refusal> choose_region(const Surface& surface, int vertex, Selecti
   if (selection.has_region && selection.by_hand && !wants_region) {
     return Refusal{messages::outside_region(vertex)};
   }
-  selection = with_radius(selection, surface.settings);
-  selection.groups.clear();
+  clear_groups(selection);
+  selection = with_radius(surface, selection);
   selection.next = Next::Handle;
   ++selection.taken;
   return std::nullopt;
@@ -90,6 +122,8 @@ Choice extend_curve(const Surface& surface, const Selection& selection, int vert
   }
   Selection after = selection;
   after.groups[after.active] = united(after.groups[after.active], path);
+  centers_of_active(after).clear();
+  count_from_centers(surface.settings, after);
   after.curve_end = vertex;
   return after;
 }
@@ -111,6 +145,29 @@ Choice changed_by_hand(const Surface& surface, const Selection& selection, const
 
 }  // namespace
 
+std::vector<int> sorted_set(std::vector<int> vertices) {
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  return vertices;
+}
+
+Vector3 middle_of_rim(const TriangleMesh& mesh, const Region& region, const std::vector<int>& group) {
+  const auto local = [&region](int vertex) {
+    const auto found = std::lower_bound(region.mesh_vertex.begin(), region.mesh_vertex.end(), vertex);
+    return found != region.mesh_vertex.end() && *found == vertex ? found - region.mesh_vertex.begin() : -1;
+  };
+  const auto first = local(group.front());
+  std::vector<int> rim;
+  for (int i = 0; i < region.size(); ++i) {
+    const bool deepest = region.anchor_depth.empty() || region.anchor_depth[i] >= 1;
+    const bool same_piece = region.component.empty() || first < 0 || region.component[i] == region.component[first];
+    if (region.classes[i] == VertexClass::Anchor && deepest && same_piece) {
+      rim.push_back(region.mesh_vertex[i]);
+    }
+  }
+  return centroid(mesh.vertices, rim.empty() ? group : rim);
+}
+
 // --- Clicks on a vertex ---------------------------------------------------------------------------------------------
 
 Choice pick(const Surface& surface, const Selection& selection, int vertex) {
@@ -118,9 +175,7 @@ Choice pick(const Surface& surface, const Selection& selection, int vertex) {
   if (curve && selection.curve_end >= 0 && selection.active >= 0 && selection.next == Next::Handle) {
     return extend_curve(surface, selection, vertex);
   }
-  std::vector<int> handle =
-      curve ? std::vector<int>{vertex}
-            : vertices_within(surface.mesh, surface.adjacency, vertex, surface.settings.handle_radius);
+  std::vector<int> handle = curve ? std::vector<int>{vertex} : disc(surface, vertex);
   Selection after = selection;
   if (std::optional<Refusal> refusal = choose_region(surface, vertex, after, handle)) {
     return *refusal;
@@ -128,10 +183,10 @@ Choice pick(const Surface& surface, const Selection& selection, int vertex) {
   if (after.next == Next::Group) {
     handle = without(handle, handles_of(after));
   } else {
-    after.groups.clear();
+    clear_groups(after);
   }
-  after.groups.push_back(std::move(handle));
-  after.active = static_cast<int>(after.groups.size()) - 1;
+  add_group(after, std::move(handle), curve ? std::vector<int>() : std::vector<int>{vertex});
+  count_from_centers(surface.settings, after);
   after.curve_end = curve ? vertex : -1;
   after.next = Next::Handle;
   return after;
@@ -143,18 +198,17 @@ Choice add_to_handle(const Surface& surface, const Selection& selection, int ver
     if (after.next == Next::Group) {
       after.next = Next::Handle;
     }
-    std::vector<int> handle = {vertex};
+    std::vector<int> handle = disc(surface, vertex);
     if (std::optional<Refusal> refusal = choose_region(surface, vertex, after, handle)) {
       return *refusal;
     }
-    after.groups = {std::move(handle)};
-    after.active = 0;
+    clear_groups(after);
+    add_group(after, std::move(handle), {vertex});
+    count_from_centers(surface.settings, after);
     after.next = Next::Handle;
     return after;
   }
-  std::vector<int> handle =
-      without(vertices_within(surface.mesh, surface.adjacency, vertex, surface.settings.handle_radius),
-              handles_of(selection, selection.active));
+  std::vector<int> handle = without(disc(surface, vertex), handles_of(selection, selection.active));
   if (selection.region.kind != RegionSpec::Kind::Radius && surface.region) {
     handle = common(handle, surface.region->mesh_vertex);
   }
@@ -162,6 +216,9 @@ Choice add_to_handle(const Surface& surface, const Selection& selection, int ver
     return Refusal{messages::not_added(vertex)};
   }
   after.groups[after.active] = united(after.groups[after.active], handle);
+  if (std::vector<int>& centers = centers_of_active(after); !centers.empty()) {
+    centers = united(centers, {vertex});
+  }
   return after;
 }
 
@@ -172,12 +229,13 @@ Choice take_from_handle(const Surface& surface, const Selection& selection, int 
     return Refusal{messages::in_no_handle(vertex)};
   }
   Selection after = selection;
-  const auto group = after.groups.begin() + (found - selection.groups.begin());
-  *group = without(*group, {vertex});
-  if (group->empty()) {
-    after.groups.erase(group);
-    after.active = static_cast<int>(after.groups.size()) - 1;
+  const auto group = static_cast<std::size_t>(found - selection.groups.begin());
+  after.groups[group] = without(after.groups[group], {vertex});
+  after.discs.centers[group].clear();
+  if (after.groups[group].empty()) {
+    erase_group(after, group);
   }
+  count_from_centers(surface.settings, after);
   if (after.groups.empty() && surface.region) {
     after = with_vertices(std::move(after), surface.region->mesh_vertex, surface.settings.padding);
   }
@@ -187,8 +245,11 @@ Choice take_from_handle(const Surface& surface, const Selection& selection, int 
 // --- Regions --------------------------------------------------------------------------------------------------------
 
 Selection brushed(const Surface& surface, const Selection& selection, const std::vector<int>& patch, bool add) {
-  const std::vector<int> before =
-      selection.has_region && surface.region ? surface.region->mesh_vertex : std::vector<int>();
+  // Of a region made by hand what was chosen counts, whether a handle reaches it or not.
+  const std::vector<int> before = !selection.has_region                                 ? std::vector<int>()
+                                  : selection.region.kind == RegionSpec::Kind::Vertices ? selection.region.vertices
+                                  : surface.region                                      ? surface.region->mesh_vertex
+                                                                                        : std::vector<int>();
   std::vector<int> vertices = add ? united(before, patch) : without(before, without(patch, handles_of(selection)));
   Selection after = selection;
   after.has_region = false;
@@ -196,6 +257,69 @@ Selection brushed(const Surface& surface, const Selection& selection, const std:
     after = with_vertices(std::move(after), std::move(vertices), surface.settings.padding);
     after.by_hand = true;
   }
+  return after;
+}
+
+Choice handle_brushed(const Surface& surface, const Selection& selection, const std::vector<int>& patch, bool add) {
+  Selection after = selection;
+  if (selection.groups.empty() || selection.next == Next::Group) {
+    if (!add) {
+      return Refusal{messages::kNoHandle};
+    }
+    add_group(after, {}, {});
+    after.next = Next::Handle;
+  }
+  if (!after.has_region) {
+    after = with_radius(surface, after);
+    ++after.taken;
+  }
+  std::vector<int>& group = after.groups[static_cast<std::size_t>(after.active)];
+  std::vector<int> taken = without(patch, handles_of(after, after.active));
+  if (after.region.kind == RegionSpec::Kind::Vertices) {
+    taken = common(taken, after.region.vertices);
+  }
+  if (add && taken.empty()) {
+    return Refusal{messages::nothing_painted(patch.front())};
+  }
+  group = add ? united(group, taken) : without(group, patch);
+  centers_of_active(after).clear();
+  after.curve_end = -1;
+  if (group.empty()) {
+    erase_group(after, static_cast<std::size_t>(after.active));
+  }
+  count_from_centers(surface.settings, after);
+  return after;
+}
+
+Choice anchors_brushed(const Surface& surface, const Selection& selection, const std::vector<int>& patch, bool add) {
+  if (!selection.has_region || !surface.region || surface.region->distance.empty()) {
+    if (selection.region.anchors.empty()) {
+      return Refusal{selection.has_region ? messages::kRegionNotKnown : messages::kNoRegion};
+    }
+  }
+  const KeptAnchors now = selection.region.anchors.empty() ? anchors_of(*surface.region) : selection.region.anchors;
+  return with_anchors(surface, selection,
+                      add ? united(sorted_set(now.vertices), patch) : without(sorted_set(now.vertices), patch));
+}
+
+Choice with_anchors(const Surface& surface, const Selection& selection, std::vector<int> vertices) {
+  const bool is_known = surface.region != nullptr && !surface.region->distance.empty();
+  if (!selection.has_region || (!is_known && selection.region.anchors.empty())) {
+    return Refusal{selection.has_region ? messages::kRegionNotKnown : messages::kNoRegion};
+  }
+  const double reach = is_known ? surface.region->max_distance : selection.region.anchors.reach;
+  const std::vector<int> region =
+      selection.region.kind == RegionSpec::Kind::Vertices ? selection.region.vertices : surface.region->mesh_vertex;
+  vertices = without(common(sorted_set(std::move(vertices)), region), handles_of(selection));
+  if (vertices.empty()) {
+    return Refusal{messages::kNoAnchors};
+  }
+  Selection after = with_vertices(selection, region, surface.settings.padding);
+  after.by_hand = true;
+  after.region.anchors.weights.assign(vertices.size(), 1);
+  after.region.anchors.depths.assign(vertices.size(), 1);
+  after.region.anchors.vertices = std::move(vertices);
+  after.region.anchors.reach = reach;
   return after;
 }
 
@@ -213,15 +337,15 @@ Choice with_region(const Surface& surface, const Selection& selection, std::vect
   if (after.next == Next::Region) {
     after.next = Next::Handle;
   }
-  after.groups.clear();
-  for (const std::vector<int>& group : selection.groups) {
-    std::vector<int> inside = common(group, after.region.vertices);
+  clear_groups(after);
+  for (std::size_t g = 0; g < selection.groups.size(); ++g) {
+    std::vector<int> inside = common(selection.groups[g], after.region.vertices);
     if (!inside.empty()) {
-      after.groups.push_back(std::move(inside));
+      add_group(after, std::move(inside), selection.discs.centers[g]);
     }
   }
-  if (after.groups.size() != selection.groups.size()) {
-    after.active = static_cast<int>(after.groups.size()) - 1;
+  if (after.groups.size() == selection.groups.size()) {
+    after.active = selection.active;
   }
   return after;
 }
@@ -249,13 +373,33 @@ Choice shrunk_by_a_ring(const Surface& surface, const Selection& selection) {
   });
 }
 
-Selection with_radius(const Selection& selection, const DragSettings& settings) {
+Selection with_radius(const Surface& surface, const Selection& selection) {
   Selection after = selection;
   after.region = RegionSpec();
-  after.region.radius = settings.radius;
   after.has_region = true;
   after.by_hand = false;
-  return with_padding(std::move(after), settings.padding);
+  return with_padding(with_discs(surface, after), surface.settings.padding);
+}
+
+Selection with_discs(const Surface& surface, const Selection& selection) {
+  Selection after = selection;
+  std::vector<int> others;
+  for (std::size_t g = 0; g < after.groups.size(); ++g) {
+    std::vector<int> grown;
+    for (const int center : after.discs.centers[g]) {
+      grown = united(grown, disc(surface, center));
+    }
+    if (after.region.kind == RegionSpec::Kind::Vertices) {
+      grown = common(grown, after.region.vertices);
+    }
+    grown = without(grown, others);
+    if (!grown.empty()) {
+      after.groups[g] = std::move(grown);
+    }
+    others = united(others, after.groups[g]);
+  }
+  count_from_centers(surface.settings, after);
+  return after;
 }
 
 Selection with_padding(Selection selection, double padding) {
@@ -327,6 +471,8 @@ Selection selection_of(const AppliedStep& step, bool applied, const Selection& b
     }
     after.groups.push_back(handle.vertices);
   }
+  after.discs = step.discs;
+  after.discs.centers.resize(after.groups.size());
   after.region = applied && step.next.kind == RegionSpec::Kind::Vertices ? step.next : step.step.region;
   if (applied && after.region.kind == RegionSpec::Kind::Radius) {
     return with_vertices(std::move(after), step.vertices, padding);

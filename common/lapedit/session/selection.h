@@ -21,6 +21,7 @@ struct Selection {
   bool by_hand = false;                  ///< brushed or selected: not to be lost by a click
   int taken = 0;                         ///< counts the regions that clicks have taken anew
   std::vector<std::vector<int>> groups;  ///< handle groups: mesh vertex numbers, ascending
+  PickedDiscs discs;                     ///< as many centers as groups
   int active = -1;                       ///< the group that moves, -1 if there is none
   HandleMode mode = HandleMode::Vertex;
   int curve_end = -1;  ///< where the next piece of a curve begins, -1 if there is no curve to lead on
@@ -57,13 +58,21 @@ Choice take_from_handle(const Surface& surface, const Selection& selection, int 
 /// A stroke of the brush over some vertices, ascending; handles are not brushed away. Without vertices left there is no
 /// region.
 Selection brushed(const Surface& surface, const Selection& selection, const std::vector<int>& patch, bool add);
+/// A stroke that paints the active handle group, or the first; what lies outside a given region is not taken.
+Choice handle_brushed(const Surface& surface, const Selection& selection, const std::vector<int>& patch, bool add);
+/// A stroke that paints the region's stationary anchors. The rim always holds.
+Choice anchors_brushed(const Surface& surface, const Selection& selection, const std::vector<int>& patch, bool add);
+/// These vertices of the region hold, and its rim; in any order.
+Choice with_anchors(const Surface& surface, const Selection& selection, std::vector<int> vertices);
 /// The region is these vertices, in any order; only what of the handles lies inside stays.
 Choice with_region(const Surface& surface, const Selection& selection, std::vector<int> vertices);
 Choice whole_component(const Surface& surface, const Selection& selection);
 Choice grown_by_a_ring(const Surface& surface, const Selection& selection);
 Choice shrunk_by_a_ring(const Surface& surface, const Selection& selection);
-/// The region is grown by the radius of the settings.
-Selection with_radius(const Selection& selection, const DragSettings& settings);
+/// Region and discs are grown by the radius of the settings.
+Selection with_radius(const Surface& surface, const Selection& selection);
+/// Discs are as large as the settings say; a region that was grown by a radius still counts from their centres.
+Selection with_discs(const Surface& surface, const Selection& selection);
 /// Anchors that were kept belong to their padding.
 Selection with_padding(Selection selection, double padding);
 /// The region for other handles: as it is shown, with its anchors. But anchors that hold nearly nothing, since they are
@@ -77,6 +86,13 @@ Selection cleared(const Selection& selection);
 Selection with_mode(const Selection& selection, HandleMode mode);
 Selection with_next_region(const Selection& selection);
 Choice with_next_group(const Selection& selection);
+
+/// The middle of the anchors at the region's rim on the piece of a group, weighted as they are many: what an arm turns
+/// about. The group's centroid where nothing holds. O(region).
+Vector3 middle_of_rim(const TriangleMesh& mesh, const Region& region, const std::vector<int>& group);
+
+/// Any order and duplicates -> a set.
+std::vector<int> sorted_set(std::vector<int> vertices);
 
 /// Handles and region of a step. @param applied  its region then is a set
 Selection selection_of(const AppliedStep& step, bool applied, const Selection& before, double padding);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "lapedit/base/error.h"
+#include "lapedit/mesh/vertex_set.h"
 #include "lapedit/session/messages.h"
 #include "lapedit/session/picking.h"
 
@@ -28,6 +29,7 @@ SessionCore::SessionCore(TriangleMesh mesh, StoredScalar stored, DragSession::Ca
       adjacency(std::make_shared<const Adjacency>(
           build_adjacency(static_cast<int>(original().vertices.rows()), original().faces))),
       settings(settings_for(original())),
+      pointer(callbacks.wake),
       worker(callbacks.wake) {}
 
 // --- Phases ----------------------------------------------------------------------------------------------------------
@@ -147,6 +149,7 @@ void SessionCore::handles_changed() {
 }
 
 void SessionCore::prepare() {
+  heard = DragFigures();
   if (groups().empty()) {
     preparation = Preparation::None;
     in_hand = false;
@@ -156,6 +159,62 @@ void SessionCore::prepare() {
   preparation = Preparation::Running;
   in_hand = false;
   worker.prepare({history.mesh(), adjacency, selection.region, groups(), settings.edit, scalar});
+}
+
+void SessionCore::restore(Selection before) {
+  selection = std::move(before);
+  if (selection.region.kind == RegionSpec::Kind::Vertices && selection.has_region) {
+    show_by_hand();
+  } else {
+    show_region(nullptr);
+  }
+  handles_changed();
+}
+
+/// Takes the last stroke of the brush back. @return whether there was one
+bool SessionCore::undo_stroke() {
+  end_stroke();
+  if (strokes.done.empty()) {
+    return false;
+  }
+  strokes.undone.push_back(std::move(selection));
+  Selection before = std::move(strokes.done.back());
+  strokes.done.pop_back();
+  restore(std::move(before));
+  log(messages::kStrokeUndone);
+  return true;
+}
+
+bool SessionCore::redo_stroke() {
+  if (strokes.undone.empty()) {
+    return false;
+  }
+  strokes.done.push_back(std::move(selection));
+  Selection after = std::move(strokes.undone.back());
+  strokes.undone.pop_back();
+  restore(std::move(after));
+  log(messages::kStrokeRedone);
+  return true;
+}
+
+/// Vertices of pieces of the region that a single handle would carry along as a whole, since nothing else holds them.
+int SessionCore::held_by_nothing() const {
+  const Region* const region = shown.region().get();
+  if (!region || region->anchored.empty()) {
+    return 0;
+  }
+  std::vector<std::vector<int>> groups_of(region->anchored.size());
+  for (int i = 0; i < region->size(); ++i) {
+    if (std::vector<int>& seen = groups_of[region->component[i]];
+        region->group[i] >= 0 && std::find(seen.begin(), seen.end(), region->group[i]) == seen.end()) {
+      seen.push_back(region->group[i]);
+    }
+  }
+  int free = 0;
+  for (const int c : region->component) {
+    free += !region->anchored[c] && groups_of[c].size() < 2 ? 1 : 0;
+  }
+  return free;
 }
 
 // --- Motion ----------------------------------------------------------------------------------------------------------
@@ -172,7 +231,7 @@ bool SessionCore::begin(MotionKind kind, const Vector3& grab, const Cursor& curs
   if (preparation == Preparation::None) {
     prepare();  // it was refused before: say why again
   }
-  DragMotion motion(kind, grab, center(), mean_normal(mesh(), *adjacency, group), cursor);
+  DragMotion motion(kind, grab, pivot_place(), mean_normal(mesh(), *adjacency, group), cursor);
   if (Drag* const drag = this->drag()) {
     drag->motion = motion;  // the same gesture goes on as another kind of motion
   } else {
@@ -206,6 +265,23 @@ void SessionCore::release_motion() {
   ask();
 }
 
+std::optional<Gizmo> SessionCore::gizmo(const Camera& view) const {
+  if (!tools.gizmo || selection.active < 0 || !view.valid()) {
+    return std::nullopt;
+  }
+  const std::vector<int>& group = groups()[selection.active];
+  return place_gizmo(pivot_place(), tools.axes, mean_normal(mesh(), *adjacency, group), view);
+}
+
+/// What turning and scaling go about.
+Vector3 SessionCore::pivot_place() const {
+  const Region* const region = shown.region().get();
+  if (tools.pivot == Pivot::Point && tools.pivot_vertex >= 0) {
+    return mesh().vertices.row(tools.pivot_vertex).transpose();
+  }
+  return tools.pivot == Pivot::Rim && region ? middle_of_rim(mesh(), *region, groups()[selection.active]) : center();
+}
+
 // --- Steps -----------------------------------------------------------------------------------------------------------
 
 /// Solves the last step again with the settings as they are now.
@@ -221,7 +297,8 @@ void SessionCore::amend() {
   }
   step.region.padding = settings.padding;
   if (step.region.kind == RegionSpec::Kind::Radius) {
-    step.region.radius = settings.radius;
+    const double disc = selection.discs.all() ? selection.discs.radius : 0;
+    step.region.radius = std::max(settings.radius - disc, (1 - kLargestHandleShare) * settings.radius);
   }
   std::vector<std::vector<int>> handles;
   std::vector<Affine> maps;
@@ -246,9 +323,11 @@ MouseEvents SessionCore::commit_release() {
   }
   step.handles[selection.active].transform = releasing.drag.motion.transform();
   const AppliedStep& applied = history.apply(std::move(step), shown.region()->mesh_vertex, shown.pose());
+  history.set_discs(selection.discs);
+  strokes = Strokes();
   show_mesh(applied.vertices, applied.after, true);
   log(messages::step_applied(history.steps().size(), releasing.drag.motion, groups()[selection.active],
-                             shown.region()->size(), heard.prepare_ms, heard.solve_ms) +
+                             shown.region()->size(), heard.prepare_ms.value_or(0), heard.solve_ms.value_or(0)) +
       (heard.advice.empty() ? "" : "; " + heard.advice));
   MouseEvents events = std::move(releasing.waiting);
   go_on();
@@ -260,8 +339,10 @@ MouseEvents SessionCore::commit_amended() {
   const std::shared_ptr<const Region> region = shown.take_awaited();
   show(history.steps().back().vertices, history.steps().back().before, false);
   const AppliedStep& applied = history.amend(amending.step, region->mesh_vertex, solved.positions);
+  history.set_discs(selection.discs);
   show_mesh(applied.vertices, applied.after, true);
-  log(messages::step_amended(history.steps().size(), region->size(), heard.prepare_ms, heard.solve_ms));
+  log(messages::step_amended(history.steps().size(), region->size(), heard.prepare_ms.value_or(0),
+                             heard.solve_ms.value_or(0)));
   show_region(region);
   selection.region = std::move(amending.step.region);
   selection.has_region = true;
@@ -293,6 +374,7 @@ void SessionCore::go_on() {
 /// Goes back to the handle and the region of a step. @param applied  its region then is a set
 void SessionCore::take_over(const AppliedStep& step, bool applied) {
   selection = selection_of(step, applied, selection, settings.padding);
+  strokes = Strokes();
   shown.await(nullptr);
   if (shown.region()) {
     show_region(shown.region());
@@ -349,10 +431,19 @@ MouseEvents SessionCore::take_pose() {
   return {};
 }
 
+/// What of a region made by hand no handle reaches.
+void SessionCore::find_unconnected(const Region& region) {
+  unconnected.clear();
+  if (region.left_out > 0 && !in<Amending>() && !in<Loading>()) {
+    unconnected = without(sorted_set(selection.region.vertices), region.mesh_vertex);
+  }
+}
+
 /// Takes what is new. @param waited  gets the mouse events that waited for a step that is done now
 bool SessionCore::listen(MouseEvents& waited) {
   const SolverNews news = worker.poll(solved);
   if (news.region) {
+    find_unconnected(*news.region);
     if (shown.away() || in<Amending>() || in<Loading>()) {
       shown.await(news.region);
     } else {

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -75,6 +77,31 @@ using Phase = std::variant<Idle, Picked, Dragging, Releasing, Amending, Loading>
 
 }  // namespace phase
 
+/// What the user has switched on, beside settings and selection.
+struct Tools {
+  BrushTarget brush = BrushTarget::Region;
+  bool gizmo = true;
+  GizmoAxes axes = GizmoAxes::Layer;
+  Pivot pivot = Pivot::Centroid;
+  int pivot_vertex = -1;  ///< Pivot::Point; -1: the next click picks it
+  std::optional<MirrorPlane> mirror;
+};
+
+/// The cursor while no button is down.
+struct Pointer {
+  explicit Pointer(std::function<void()> wake) : background(std::move(wake)) {}
+
+  HoverBackground background;
+  std::optional<HoverPreview> preview;
+  GizmoPart part = GizmoPart::None;  ///< also of the motion that it was dragged by
+};
+
+/// Strokes of the brush since the last step, for undo.
+struct Strokes {
+  std::vector<Selection> done;    ///< before each of them, the oldest first
+  std::vector<Selection> undone;  ///< after each that was taken back, the newest last
+};
+
 /// A mouse button that is down.
 struct Press {
   Vector3 point;    // what was grabbed
@@ -99,11 +126,15 @@ struct SessionCore {
   std::shared_ptr<const Adjacency> adjacency;
   DragSettings settings;
   Selection selection;
+  Tools tools;
+  Strokes strokes;
   phase::Phase phase;
   std::optional<Press> pressed;  // the mouse button that is down
   std::string refusal;
   ShownRegion shown;
   std::unique_ptr<Visibility> visibility;  // of the mesh as it is, once the brush has asked
+  std::vector<int> unconnected;            // of the selection's vertices, ascending
+  Pointer pointer;
   Preparation preparation = Preparation::None;
   bool in_hand = false;  // drags are followed, if only by the stand-in
   DragFigures heard;     // times and errors, from the worker
@@ -120,6 +151,8 @@ struct SessionCore {
     return {mesh(), *adjacency, settings, shown.region().get(), preparation == Preparation::Done};
   }
   Vector3 center() const { return centroid(mesh().vertices, groups()[selection.active]); }
+  Vector3 pivot_place() const;
+  std::optional<Gizmo> gizmo(const Camera& view) const;
 
   // Phases.
   template <class P>
@@ -154,6 +187,11 @@ struct SessionCore {
   // Region and handles.
   bool take(Choice choice);
   void handles_changed();
+  void find_unconnected(const Region& region);
+  int held_by_nothing() const;
+  bool undo_stroke();
+  bool redo_stroke();
+  void restore(Selection before);
   void prepare();
 
   // Motion.

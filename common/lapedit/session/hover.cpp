@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/session/hover.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace lapedit {
+
+HoverSearch::HoverSearch(const TriangleMesh& mesh, const Adjacency& adjacency)
+    : mesh_(mesh), adjacency_(adjacency), faces_(mesh), search_(adjacency.neighbours, mesh.vertices) {}
+
+std::optional<SurfaceHit> HoverSearch::hit(const Ray& ray) const {
+  return faces_.first_hit(ray);
+}
+
+/// Where the distance passes the radius, straight through each face.
+void HoverSearch::trace(const std::vector<int>& reached, double radius, Points& segments) {
+  ends_.clear();
+  for (const int v : reached) {
+    if (search_.distance(v) > radius) {
+      break;  // nearest first
+    }
+    for (const int f : adjacency_.faces[v]) {
+      double distance[3];
+      int lowest = -1;
+      for (int k = 0; k < 3; ++k) {
+        const int corner = mesh_.faces(f, k);
+        distance[k] = search_.distance(corner);
+        if (distance[k] <= radius && (lowest < 0 || corner < lowest)) {
+          lowest = corner;
+        }
+      }
+      const int inside = static_cast<int>(std::count_if(distance, distance + 3, [&](double d) { return d <= radius; }));
+      if (lowest != v || inside == 3) {
+        continue;  // each face once, at its lowest corner within
+      }
+      for (int k = 0; k < 3; ++k) {
+        int from = k, to = (k + 1) % 3;
+        if ((distance[from] <= radius) == (distance[to] <= radius)) {
+          continue;
+        }
+        if (distance[from] > radius) {
+          std::swap(from, to);
+        }
+        const Vector3 start = mesh_.vertices.row(mesh_.faces(f, from)), end = mesh_.vertices.row(mesh_.faces(f, to));
+        // What the search did not come to is as far as the way along the edge.
+        const double beyond = std::min(distance[to], distance[from] + (end - start).norm());
+        const double share = beyond > distance[from] ? (radius - distance[from]) / (beyond - distance[from]) : 0;
+        const Vector3 place = start + std::clamp(share, 0.0, 1.0) * (end - start);
+        ends_.insert(ends_.end(), place.data(), place.data() + 3);
+      }
+    }
+  }
+  segments = Eigen::Map<const Points>(ends_.data(), static_cast<Eigen::Index>(ends_.size() / 3), 3);
+}
+
+void HoverSearch::outline(int vertex, HoverPreview& preview) {
+  preview.region.resize(0, 3);
+  preview.disc.resize(0, 3);
+  const bool with_region = preview.kind == HoverPreview::Kind::Region;
+  const double farthest = with_region ? preview.radius : preview.disc_radius;
+  const std::vector<int>& reached = search_.run({vertex}, farthest, nullptr, kMostVertices);
+  preview.is_whole = reached.size() < kMostVertices;
+  const double seen = preview.is_whole || reached.empty() ? farthest : search_.distance(reached.back());
+  if (with_region && preview.is_whole) {
+    trace(reached, preview.radius, preview.region);
+  }
+  if (preview.disc_radius > 0 && preview.disc_radius <= seen) {
+    trace(reached, preview.disc_radius, preview.disc);
+  }
+}
+
+HoverSearch* HoverBackground::of(const std::shared_ptr<const TriangleMesh>& mesh,
+                                 const std::shared_ptr<const Adjacency>& adjacency) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (found_) {
+      ready_ = std::move(found_);
+      is_coming_ = false;
+    }
+  }
+  if (mesh != mesh_ && !is_coming_) {
+    ready_.reset();
+    mesh_ = mesh;
+    adjacency_ = adjacency;
+    is_coming_ = true;
+    work_ = std::async(std::launch::async, [this, mesh, adjacency] {
+      auto search = std::make_unique<HoverSearch>(*mesh, *adjacency);
+      {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        found_ = std::move(search);
+      }
+      wake_();
+    });
+  }
+  return mesh == mesh_ ? ready_.get() : nullptr;
+}
+
+}  // namespace lapedit

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <future>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "lapedit/mesh/geodesic.h"
+#include "lapedit/mesh/ray_cast.h"
+#include "lapedit/mesh/visibility.h"
+
+namespace lapedit {
+
+/// What a press under the cursor would take. Outlines are line segments, two rows each, on the surface.
+struct HoverPreview {
+  enum class Kind {
+    Region,  ///< a new region with its handle
+    Handle,  ///< another handle in the region that there is
+    Group,   ///< a group that there is, to be dragged
+    Brush    ///< a dab of the brush
+  };
+  Kind kind = Kind::Region;
+  int group = -1;                                             ///< Kind::Group
+  Vector3 point = Vector3::Zero(), normal = Vector3::Zero();  ///< under the cursor; the normal has length 1 or 0
+  double radius = 0, disc_radius = 0;                         ///< model units; a disc of 0 is one vertex
+  Points region, disc;                                        ///< outlines; no rows for what is not taken
+  bool is_whole = true;                                       ///< whether the search for the outlines came to its end
+};
+
+/// Looks at one pose of a mesh from moment to moment. The work of a call is bounded, whatever mesh and radius.
+class HoverSearch {
+ public:
+  /// O(mesh log mesh), for a thread that nobody waits for. What is given must outlive the object.
+  HoverSearch(const TriangleMesh& mesh, const Adjacency& adjacency);
+
+  /// As first_hit(), O(log faces).
+  std::optional<SurfaceHit> hit(const Ray& ray) const;
+
+  /// Outlines of what is within the radii of a vertex, along the surface. No more than kMostVertices are looked at.
+  void outline(int vertex, HoverPreview& preview);
+
+  static constexpr std::size_t kMostVertices = 20000;
+
+ private:
+  void trace(const std::vector<int>& reached, double radius, Points& segments);
+
+  const TriangleMesh& mesh_;
+  const Adjacency& adjacency_;
+  Visibility faces_;
+  GeodesicSearch search_;
+  std::vector<double> ends_;  // scratch: coordinates of segments
+};
+
+/// Makes HoverSearches on a thread of its own, so that nobody waits for one.
+class HoverBackground {
+ public:
+  /// @param wake  called from that thread when a search is there
+  explicit HoverBackground(std::function<void()> wake) : wake_(std::move(wake)) {}
+
+  /// The search over a mesh, null until it is there; asked for another mesh, it is made anew.
+  HoverSearch* of(const std::shared_ptr<const TriangleMesh>& mesh, const std::shared_ptr<const Adjacency>& adjacency);
+
+ private:
+  std::function<void()> wake_;
+  std::shared_ptr<const TriangleMesh> mesh_;
+  std::shared_ptr<const Adjacency> adjacency_;
+  std::unique_ptr<HoverSearch> ready_;
+  bool is_coming_ = false;
+  std::mutex mutex_;
+  std::unique_ptr<HoverSearch> found_;  // under the mutex
+  std::future<void> work_;              // last: its thread ends first
+};
+
+}  // namespace lapedit
