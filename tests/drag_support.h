@@ -61,14 +61,20 @@ inline DragKey key_of(char character) {
       {'.', DragKey::Point},     {'-', DragKey::Minus},      {'x', DragKey::LockX},     {'y', DragKey::LockY},
       {'z', DragKey::LockZ},     {'n', DragKey::LockNormal}, {'t', DragKey::Translate}, {'r', DragKey::Rotate},
       {'s', DragKey::Scale},     {'\r', DragKey::Apply},     {'\b', DragKey::Cancel},   {'c', DragKey::Curve},
-      {'g', DragKey::NextGroup}, {'w', DragKey::NewRegion},  {']', DragKey::Grow},      {'[', DragKey::Shrink}};
+      {'g', DragKey::NextGroup}, {'w', DragKey::NewRegion},  {']', DragKey::Grow},      {'[', DragKey::Shrink},
+      {'p', DragKey::Pivot},     {'b', DragKey::Brush},      {'v', DragKey::Gizmo}};
   return character >= '0' && character <= '9' ? digit_key(character - '0') : keys.at(character);
 }
 
 class Window {
  public:
   Window(const TriangleMesh& mesh, Camera seen)
-      : view(std::move(seen)), host(stored(mesh).vertices), session(stored(mesh), StoredScalar::Float, callbacks()) {}
+      : view(std::move(seen)), host(stored(mesh).vertices), session(stored(mesh), StoredScalar::Float, callbacks()) {
+    // Handles of one vertex, unless a test says otherwise.
+    DragSettings settings = session.settings();
+    settings.handle_share = 0;
+    session.set_settings(settings);
+  }
   explicit Window(const TriangleMesh& mesh) : Window(mesh, view_from_above(mesh.vertices)) {}
 
   Cursor at(const Vector2& pixel) const { return {view, pixel}; }

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "bodies.h"
 #include "shapes.h"
 
 namespace {
@@ -21,6 +22,11 @@ const std::map<std::string, std::function<TriangleMesh()>> kMeshes = {
     {"letters", [] { return shapes::letter_field(254, 127); }},
     {"arm", [] { return shapes::tapered_arm(120, 140); }},
     {"million", [] { return shapes::letter_field(1420, 710); }},
+    {"head", [] { return shapes::head(); }},
+    {"hand", [] { return shapes::hand(); }},
+    {"creature", [] { return shapes::creature(); }},
+    {"terrain", [] { return shapes::terrain(); }},
+    {"plate", [] { return shapes::bar(80, 50, 2); }},
 };
 
 void write_ply(const std::string& path, const TriangleMesh& mesh) {
@@ -46,7 +52,9 @@ void write_ply(const std::string& path, const TriangleMesh& mesh) {
 int main(int argc, char** argv) {
   const auto mesh = argc == 3 ? kMeshes.find(argv[1]) : kMeshes.end();
   if (mesh == kMeshes.end()) {
-    std::fprintf(stderr, "usage: make_mesh letters|arm|million FILE.ply\n");
+    std::string names;
+    for (const auto& known : kMeshes) names += (names.empty() ? "" : "|") + known.first;
+    std::fprintf(stderr, "usage: make_mesh %s FILE.ply\n", names.c_str());
     return 2;
   }
   try {

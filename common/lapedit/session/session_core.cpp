@@ -71,6 +71,7 @@ void SessionCore::rest(bool amendable) {
 /// Ends what is in progress without a trace.
 void SessionCore::drop() {
   pressed.reset();
+  pointer.part = GizmoPart::None;
   const Loading* const loading = in<Loading>();
   const bool elsewhere = loading || in<Amending>();  // what the worker has prepared is not the selection
   rest(loading ? loading->amendable : amendable());
@@ -144,12 +145,14 @@ bool SessionCore::take(Choice choice) {
 
 /// After groups or region have changed: prepares for them.
 void SessionCore::handles_changed() {
+  heard = DragFigures();  // of another handle or region
   rest(false);
   prepare();
 }
 
 void SessionCore::prepare() {
-  heard = DragFigures();
+  heard.in_hand_ms = heard.prepare_ms = std::nullopt;
+  heard.taken_over.clear();
   if (groups().empty()) {
     preparation = Preparation::None;
     in_hand = false;
@@ -231,7 +234,9 @@ bool SessionCore::begin(MotionKind kind, const Vector3& grab, const Cursor& curs
   if (preparation == Preparation::None) {
     prepare();  // it was refused before: say why again
   }
-  DragMotion motion(kind, grab, pivot_place(), mean_normal(mesh(), *adjacency, group), cursor);
+  const bool about_pivot = kind != MotionKind::Translate && tools.pivot != Pivot::Centroid;
+  DragMotion motion(kind, grab, center(), mean_normal(mesh(), *adjacency, group), cursor,
+                    about_pivot ? std::optional(pivot_place()) : std::nullopt);
   if (Drag* const drag = this->drag()) {
     drag->motion = motion;  // the same gesture goes on as another kind of motion
   } else {
@@ -256,6 +261,7 @@ void SessionCore::ask() {
 
 void SessionCore::release_motion() {
   pressed.reset();
+  pointer.part = GizmoPart::None;
   Drag& drag = std::get<Dragging>(phase).drag;
   if (!drag.motion.moves()) {
     drop();
@@ -297,8 +303,7 @@ void SessionCore::amend() {
   }
   step.region.padding = settings.padding;
   if (step.region.kind == RegionSpec::Kind::Radius) {
-    const double disc = selection.discs.all() ? selection.discs.radius : 0;
-    step.region.radius = std::max(settings.radius - disc, (1 - kLargestHandleShare) * settings.radius);
+    step.region.radius = std::max(settings.radius - selection.discs.reach, (1 - kLargestHandleShare) * settings.radius);
   }
   std::vector<std::vector<int>> handles;
   std::vector<Affine> maps;
@@ -308,6 +313,7 @@ void SessionCore::amend() {
   }
   preparation = Preparation::Running;
   in_hand = false;
+  heard = DragFigures();
   worker.prepare({amending.base, adjacency, step.region, std::move(handles), step.settings, scalar});
   amending.serial = worker.solve(maps, true);
 }
@@ -375,6 +381,7 @@ void SessionCore::go_on() {
 void SessionCore::take_over(const AppliedStep& step, bool applied) {
   selection = selection_of(step, applied, selection, settings.padding);
   strokes = Strokes();
+  heard = DragFigures();
   shown.await(nullptr);
   if (shown.region()) {
     show_region(shown.region());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <QJsonObject>
+#include <QPointF>
 #include <QString>
 #include <functional>
 #include <map>
@@ -31,6 +32,7 @@ QMainWindow& main_window();
 GLArea& gl_area();  ///< the current view of the current project
 MeshDocument& document();
 MeshModel& layer(const QJsonObject& arguments);  ///< the one of "layer", the current one if that is absent
+QPointF vertex_pixel(int vertex);                ///< where a vertex of the current layer is on the view
 
 /// A mouse event is being sent: idle can wait for the next frame of the drag.
 void expect_frame();

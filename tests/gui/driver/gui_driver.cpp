@@ -2,6 +2,7 @@
 #include "gui_driver.h"
 
 #include <QApplication>
+#include <QJsonArray>
 #include <QJsonDocument>
 #include <QTimer>
 #include <exception>
@@ -17,6 +18,7 @@ GuiDriver::GuiDriver() {
   gui_driver::add_input_commands(commands_);
   gui_driver::add_window_commands(commands_);
   gui_driver::add_scene_commands(commands_);
+  commands_["batch"] = [this](const QJsonObject& request) { return batch(request); };
   // The main window loads plugins while it is being made: it is there once events are handled.
   QTimer::singleShot(0, this, [this, path] { listen(path); });
 }
@@ -44,6 +46,24 @@ void GuiDriver::receive() {
     // one that answers it.
     QMetaObject::invokeMethod(this, &GuiDriver::handleNext, Qt::QueuedConnection);
   }
+}
+
+/// The "requests" one after the other, without a word between them. None of them may open a dialog.
+gui_driver::Answer GuiDriver::batch(const QJsonObject& request) {
+  QJsonArray errors;  // of those that could not be done: number, why
+  int number = 0;
+  for (const QJsonValue one : request["requests"].toArray()) {
+    try {
+      const gui_driver::Answer answer = commands_.at(one["command"].toString())(one.toObject());
+      if (answer.then) {
+        answer.then();
+      }
+    } catch (const std::exception& error) {
+      errors += QJsonArray{number, error.what()};
+    }
+    ++number;
+  }
+  return {{{"errors", errors}}};
 }
 
 void GuiDriver::handleNext() {

@@ -24,6 +24,7 @@ class GuiDriver : public gui_driver::DriverPlugin {
   void listen(const QString& path);
   void receive();
   void handleNext();
+  gui_driver::Answer batch(const QJsonObject& request);
   void send(const QJsonObject& reply);
 
   gui_driver::Commands commands_;

@@ -44,6 +44,12 @@ Qt::MouseButton button(const QString& name) {
   throw std::runtime_error("no such button");
 }
 
+/// "x" and "y", pixels of the view; from the vertex of the current layer if there is a "vertex".
+QPointF place_of(const QJsonObject& arguments) {
+  const QPointF by(arguments["x"].toDouble(), arguments["y"].toDouble());
+  return arguments.contains("vertex") ? by + vertex_pixel(arguments["vertex"].toInt()) : by;
+}
+
 Answer mouse(const QJsonObject& arguments) {
   const QString type = arguments["type"].toString();
   QEvent::Type event_type = QEvent::MouseMove;
@@ -56,7 +62,7 @@ Answer mouse(const QJsonObject& arguments) {
     held_buttons.setFlag(changed, type != "release");
   }
   GLArea& area = gl_area();
-  const QPointF place(arguments["x"].toDouble(), arguments["y"].toDouble());
+  const QPointF place = place_of(arguments);
   const QPointF global = place + area.mapToGlobal(QPoint(0, 0));
   QMouseEvent event(event_type, place, place, global, changed, held_buttons, modifiers(arguments));
   expect_frame();
@@ -66,7 +72,7 @@ Answer mouse(const QJsonObject& arguments) {
 
 Answer wheel(const QJsonObject& arguments) {
   GLArea& area = gl_area();
-  const QPointF place(arguments["x"].toDouble(), arguments["y"].toDouble());
+  const QPointF place = place_of(arguments);
   const QPoint turn(0, arguments["delta"].toInt());
   QWheelEvent event(place, place + area.mapToGlobal(QPoint(0, 0)), QPoint(), turn, held_buttons, modifiers(arguments),
                     Qt::NoScrollPhase, false);

@@ -305,6 +305,14 @@ MeshModel& layer(const QJsonObject& arguments) {
   return *found;
 }
 
+QPointF vertex_pixel(int vertex) {
+  const GLArea& area = gl_area();
+  const CMeshO& mesh = layer({}).cm;
+  const vcg::Point2d place = pixel(area, eye_matrix(area) * vcg::Matrix44d::Construct(mesh.Tr) *
+                                             vcg::Point3d::Construct(mesh.vert.at(vertex).cP()));
+  return {place[0], place[1]};
+}
+
 void add_scene_commands(Commands& commands) {
   commands["layers"] = layers;
   commands["layer"] = change_layer;

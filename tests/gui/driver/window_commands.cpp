@@ -286,6 +286,12 @@ Answer idle(const QJsonObject& arguments) {
   return {};
 }
 
+/// Handles the events that are there, whatever the tool is at.
+Answer step(const QJsonObject&) {
+  QCoreApplication::processEvents(QEventLoop::AllEvents, 20);
+  return {};
+}
+
 Answer grab(const QJsonObject& arguments) {
   // From the screen: a widget's own picture leaves OpenGL's part out.
   const QString path = arguments["path"].toString();
@@ -345,6 +351,7 @@ void add_window_commands(Commands& commands) {
   commands["dialog"] = dialog;
   commands["answer"] = answer_dialog;
   commands["idle"] = idle;
+  commands["step"] = step;
   commands["grab"] = grab;
   commands["resize"] = resize;
   commands["clipboard"] = clipboard;

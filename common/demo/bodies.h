@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "lapedit/mesh/triangle_mesh.h"
+
+/// Generated meshes with what people pull at: closed, evenly meshed, y upwards; deterministic.
+namespace lapedit::shapes {
+
+/// A head that looks to +z, about 2.6 high: nose tip near (0, -0.13, 1.2), ears at x = 1 and -1.
+TriangleMesh head();
+
+/// A right hand with its fingers to +y in the plane z = 0, about 2.6 high; tip of the middle finger near (0.05, 1.6,
+/// 0).
+TriangleMesh hand();
+
+/// A creature on four legs that looks to +x, about 4.3 long: tips of a horn near (1.28, 1.95, 0.3), of an ear near
+/// (1.2, 1.2, 0.62), of the tail near (-2.2, 0.6, 0); a front foot near (0.75, -1.35, 0.3).
+TriangleMesh creature();
+
+/// A height field z(x, y) over [0, 4] x [0, 4] with a peak near (1.9, 2.1, 1.1), hills and gullies; open.
+TriangleMesh terrain(int rows = 170);
+
+}  // namespace lapedit::shapes
