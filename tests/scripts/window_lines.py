@@ -97,14 +97,14 @@ class Lines:
     def large_handle(self):
         """A group of some 2,000 vertices while it is dragged."""
         for name, colour in COLOURS.items():
-            with self.tool(self.coloured("head", colour), turned(0, 35), radius=1.1, handle_radius=0.48) as w:
+            with self.tool(self.coloured("head", colour), turned(0, 35), radius=1.1, handle_radius=0.48, handle_share=0.44) as w:
                 x, y = w.at(NOSE)
                 w.drag((x, y), (x + 60, y - 20), steps=8, release=False)
                 self.shoot(w, f"{name}: dragged", (x + 20, y - 20))
 
     def groups(self):
         for name in ("light", "green"):
-            with self.tool(self.coloured("hand", COLOURS[name]), radius=1.2, handle_radius=0.16) as w:
+            with self.tool(self.coloured("hand", COLOURS[name]), radius=1.2, handle_radius=0.16, handle_share=0.14) as w:
                 w.click(*w.at(TIPS[0]))
                 for tip in TIPS[1:]:
                     w.key("G")
@@ -208,7 +208,7 @@ class Lines:
             self.shoot(w, "dragged")
 
     def gizmo(self):
-        with self.tool("creature", turned(5, -15), handle_radius=0.25, radius=1.2) as w:
+        with self.tool("creature", turned(5, -15), radius=1.2, handle_radius=0.25, handle_share=0.2) as w:
             if not self.has(w, "gizmo"):
                 return
             x, y = w.at((0.8, -1.29, 0.41))
