@@ -68,7 +68,12 @@ inline DragKey key_of(char character) {
 class Window {
  public:
   Window(const TriangleMesh& mesh, Camera seen)
-      : view(std::move(seen)), host(stored(mesh).vertices), session(stored(mesh), StoredScalar::Float, callbacks()) {}
+      : view(std::move(seen)), host(stored(mesh).vertices), session(stored(mesh), StoredScalar::Float, callbacks()) {
+    // Handles of one vertex, unless a test says otherwise.
+    DragSettings settings = session.settings();
+    settings.handle_share = 0;
+    session.set_settings(settings);
+  }
   explicit Window(const TriangleMesh& mesh) : Window(mesh, view_from_above(mesh.vertices)) {}
 
   Cursor at(const Vector2& pixel) const { return {view, pixel}; }

@@ -54,7 +54,7 @@ TEST(Drag, SessionAllocatesNothingOnceItMoves) {
   support::Window window(shapes::letter_field(60, 30));
   DragSettings settings = window.session.settings();
   settings.edit.backend = CholeskyBackend::Eigen;
-  settings.handle_radius = 0.1;
+  settings.handle_share = 0.1 / settings.radius;
   window.session.set_settings(settings);
   const int handle = support::vertex_at(window.session.mesh(), Vector3(2, 1, 0));
   window.click(handle);

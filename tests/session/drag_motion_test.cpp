@@ -132,5 +132,97 @@ TEST(DragMotion, GoesOnUnderAnotherView) {
   EXPECT_LT((other.pixel(kCenter + m.transform().translation) - other.pixel(held) - Vector2(20, 0)).norm(), 1e-6);
 }
 
+TEST(DragMotion, AnotherPivotIsNamedInTheTransform) {
+  const Camera view = oblique();
+  const Vector3 pivot(2, 1, 2.5), point(0, 1, 4);
+  for (const MotionKind kind : {MotionKind::Rotate, MotionKind::Scale}) {
+    DragMotion m(kind, kCenter, kCenter, Vector3::UnitZ(), over(view, pivot, Vector2(100, 0)), pivot);
+    m.move(over(view, pivot, Vector2(30, 120)));
+    EXPECT_TRUE(m.moves());
+    const Affine map = resolve(m.transform(), kCenter);
+    EXPECT_LT((map * pivot - pivot).norm(), 1e-12);
+    EXPECT_GT((map * point - point).norm(), 0.1);
+    EXPECT_FALSE(DragMotion(kind, kCenter, kCenter, Vector3::UnitZ(), over(view, kCenter)).transform().center);
+  }
+  DragMotion m(MotionKind::Translate, kCenter, kCenter, Vector3::UnitZ(), over(view, kCenter), pivot);
+  EXPECT_FALSE(m.transform().center);  // it means nothing
+}
+
+TEST(DragMotion, SnapsLengthsToRoundStepsOfAFewPixels) {
+  for (const double zoom : {1e-3, 0.02, 1.0, 7.0, 300.0}) {
+    const Camera view = support::view_from(kCenter + zoom * Vector3(8, -6, 9), kCenter);
+    for (const bool along_y : {false, true}) {
+      DragMotion m = motion(MotionKind::Translate, over(view, kCenter));
+      if (along_y) {
+        m.toggle_lock(AxisLock::Y);
+      }
+      EXPECT_EQ(m.step(), 0);
+      Cursor cursor = over(view, kCenter, Vector2(93, 41));
+      cursor.snap = true;
+      m.move(cursor);
+      const double step = m.step();
+      const double pixels = step / view.pixel_size(kCenter);
+      EXPECT_GE(pixels, 10);
+      EXPECT_LE(pixels, 25.0001);
+      const double digit = step / std::pow(10, std::floor(std::log10(step * 1.0001)));
+      EXPECT_LT(std::min({std::abs(digit - 1), std::abs(digit - 2), std::abs(digit - 5)}), 1e-9);
+      const double steps = m.transform().translation.norm() / step;
+      EXPECT_GE(steps, 1);
+      EXPECT_NEAR(steps, std::round(steps), 1e-9);
+      cursor.snap = false;
+      m.move(cursor);
+      const double free = m.transform().translation.norm() / step;
+      EXPECT_GT(std::abs(free - std::round(free)), 1e-6);
+    }
+  }
+}
+
+TEST(DragMotion, SnapsAnglesAndFactors) {
+  const Camera view = support::view_from(kCenter + Vector3(0, 0, 9), kCenter, Vector3::UnitY());
+  Cursor cursor = over(view, kCenter, Vector2(50, -90));
+  cursor.snap = true;
+  DragMotion turn = motion(MotionKind::Rotate, over(view, kCenter, Vector2(100, 0)));
+  turn.move(cursor);
+  EXPECT_EQ(turn.transform().degrees, 60);
+  EXPECT_EQ(turn.text(), "Turning by 60 degrees (in steps of 15)");
+  turn.type('7');
+  EXPECT_EQ(turn.transform().degrees, 7);
+  EXPECT_EQ(turn.text(), "Turning by 7 degrees (typed 7)");
+  DragMotion scale = motion(MotionKind::Scale, over(view, kCenter, Vector2(100, 0)));
+  cursor.pixel = over(view, kCenter, Vector2(0, 132)).pixel;
+  scale.move(cursor);
+  EXPECT_EQ(scale.transform().scale, 1.3);
+  EXPECT_EQ(scale.text(), "Scaling by 1.3 (in steps of 0.1)");
+  cursor.pixel = over(view, kCenter, Vector2(0, 1)).pixel;
+  scale.move(cursor);
+  EXPECT_EQ(scale.transform().scale, 0.1);
+}
+
+TEST(DragMotion, SnappedAmountsGoOnFreelyUnderAnotherView) {
+  const Camera view = oblique();
+  DragMotion free = motion(MotionKind::Translate, over(view, kCenter)), snapped = free;
+  Cursor cursor = over(view, kCenter, Vector2(47, 8));
+  free.move(cursor);
+  cursor.snap = true;
+  snapped.move(cursor);
+  const Cursor other = over(support::view_from(Vector3(-5, 8, 7), kCenter), kCenter, Vector2(-30, 10));
+  free.move(other);
+  snapped.move(other);
+  EXPECT_EQ(free.transform().translation, snapped.transform().translation);
+}
+
+TEST(DragMotion, TheAxisOfAGizmoIsToldByItsName) {
+  const Camera view = oblique();
+  DragMotion m = motion(MotionKind::Translate, over(view, kCenter));
+  m.hold(Vector3(0, 3, 0));
+  EXPECT_EQ(m.lock(), AxisLock::Gizmo);
+  EXPECT_EQ(*m.axis(), Vector3::UnitY());
+  m.type('2');
+  EXPECT_EQ(m.text(), "Moving by 2 along Y (typed 2)");
+  EXPECT_EQ(m.transform().translation, Vector3(0, 2, 0));
+  m.hold(Vector3(1, 1, 0));
+  EXPECT_EQ(m.text(), "Moving by 2 along the gizmo's axis (typed 2)");
+}
+
 }  // namespace
 }  // namespace lapedit

@@ -244,7 +244,7 @@ TEST(DragSession, TypedAmountsAreExact) {
   const struct {
     const char* keys;
     Vector3 translation;
-  } cases[] = {{"x1.5\r", {1.5, 0, 0}}, {"y-2\r", {0, -2, 0}}, {"tz0.125\r", {0, 0, 0.125}}, {"xy3\r", {0, 3, 0}}};
+  } cases[] = {{"tx1.5\r", {1.5, 0, 0}}, {"ty-2\r", {0, -2, 0}}, {"tz0.125\r", {0, 0, 0.125}}, {"txy3\r", {0, 3, 0}}};
   for (const auto& c : cases) {
     Window window(hills());
     window.click(kMiddle);
@@ -259,7 +259,7 @@ TEST(DragSession, NormalLockFollowsTheSurface) {
   Window window(shapes::icosphere(4), support::view_from(Vector3(4, 1, 2), Vector3::Zero()));
   const int vertex = support::vertex_at(window.session.mesh(), Vector3(4, 1, 2).normalized());
   window.click(vertex);
-  window.keys("n0.5\r");
+  window.keys("tn0.5\r");
   const Vector3 way = window.session.recorded().steps.at(0).handles[0].transform.translation;
   EXPECT_NEAR(way.norm(), 0.5, 1e-12);
   EXPECT_LT(std::acos(way.normalized().dot(window.session.original().vertices.row(vertex).normalized())), 0.02);
@@ -282,7 +282,7 @@ TEST(DragSession, LockedAxisKeepsTheOtherCoordinates) {
 TEST(DragSession, TurnAndScaleGoAboutTheGroupsCenter) {
   Window window(hills());
   DragSettings settings = window.session.settings();
-  settings.handle_radius = 3;
+  settings.handle_share = 3 / settings.radius;
   window.session.set_settings(settings);
   window.click(kMiddle);
   EXPECT_GT(window.session.groups().at(0).size(), 5U);
@@ -361,7 +361,7 @@ TEST(DragSession, AnyEventsLeaveAConsistentSession) {
         DragSettings settings = session.settings();
         settings.radius = 0.05 * (1 + pick(12));
         settings.padding = 0.1 * pick(12);  // 1.1 is refused
-        settings.handle_radius = 0.05 * pick(3);
+        settings.handle_share = 0.3 * pick(4);
         settings.edit.order = 1 + pick(4);  // 4 is refused
         settings.edit.iterations = 1 + pick(2);
         session.set_settings(settings);

@@ -17,6 +17,11 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kShortest = 20;
 constexpr double kSmallestScale = 0.01;
 constexpr std::size_t kMostDigits = 18;
+/// A ring seen flatter than this sine is followed along the screen: a pixel would be too large an angle.
+constexpr double kFlattestRing = 0.35;
+/// Of a ring seen from its side: the radius of a gizmo's.
+constexpr double kPixelsPerRadian = 72;
+constexpr double kAngleStep = 15, kScaleStep = 0.1, kFewestPixelsPerStep = 10;
 
 /// The number typed, if it is one yet.
 std::optional<double> number(const std::string& typed) {
@@ -37,15 +42,50 @@ Vector3 plain(const Vector3& vector) {
   return vector + Vector3::Zero();
 }
 
+/// The least of 1, 2 and 5 times a power of ten that is not below a length; 0 if there is none.
+double round_step(double length) {
+  if (!(length > 0) || !std::isfinite(length)) {
+    return 0;
+  }
+  const double exponent = std::floor(std::log10(length));
+  for (const double digit : {1.0, 2.0, 5.0, 10.0}) {
+    // Dividing by a power of ten gives the double nearest to the decimal, multiplying by one below 1 need not.
+    const double step = exponent < 0 ? digit / std::pow(10, -exponent) : digit * std::pow(10, exponent);
+    if (step >= length) {
+      return step;
+    }
+  }
+  return 0;
+}
+
+/// The nearest multiple, as its decimals are written.
+double snapped(double amount, double step) {
+  const double count = std::round(amount / step);
+  return step < 1 ? count / std::round(1 / step) : count * step;
+}
+
 }  // namespace
 
-DragMotion::DragMotion(MotionKind kind, const Vector3& grab, const Vector3& center, const Vector3& normal,
-                       const Cursor& cursor)
-    : kind_(kind), grab_(grab), center_(center), normal_(normal), start_(cursor), cursor_(cursor) {
+DragMotion::DragMotion(MotionKind kind, const Vector3& grab, const Vector3& centroid, const Vector3& normal,
+                       const Cursor& cursor, const std::optional<Vector3>& pivot)
+    : kind_(kind),
+      grab_(grab),
+      center_(pivot.value_or(centroid)),
+      normal_(normal),
+      names_center_(pivot.has_value()),
+      start_(cursor),
+      cursor_(cursor) {
   const double length = normal_.stableNorm();
   normal_ = length > 0 && std::isfinite(length) ? Vector3(normal_ / length) : Vector3(Vector3::Zero());
-  sight_ = cursor.view.toward_viewer(center);
-  last_angle_ = screen_angle(cursor);
+  sight_ = cursor.view.toward_viewer(center_);
+  begin_angle();
+}
+
+void DragMotion::hold(const Vector3& axis) {
+  gizmo_axis_ = axis.stableNormalized();
+  lock_ = AxisLock::Gizmo;
+  along_ = along_axis(cursor_, 0);
+  begin_angle();
 }
 
 bool DragMotion::toggle_lock(AxisLock lock) {
@@ -54,7 +94,7 @@ bool DragMotion::toggle_lock(AxisLock lock) {
   }
   lock_ = lock_ == lock ? AxisLock::None : lock;
   along_ = axis() ? along_axis(cursor_, 0) : 0;
-  last_angle_ = screen_angle(cursor_);
+  begin_angle();
   return true;
 }
 
@@ -68,6 +108,8 @@ std::optional<Vector3> DragMotion::axis() const {
       return Vector3::UnitZ();
     case AxisLock::Normal:
       return normal_;
+    case AxisLock::Gizmo:
+      return gizmo_axis_;
     case AxisLock::None:
       break;
   }
@@ -89,6 +131,35 @@ double DragMotion::along_axis(const Cursor& cursor, double otherwise) const {
     return otherwise;
   }
   return (cosine * sight.dot(offset) - direction.dot(offset)) / denominator;
+}
+
+/// Angles are differences from here on.
+void DragMotion::begin_angle() {
+  ring_is_open_ = std::abs(gizmo_axis_.dot(cursor_.view.toward_viewer(center_))) > kFlattestRing;
+  last_angle_ = angle_at(cursor_);
+}
+
+double DragMotion::angle_at(const Cursor& cursor) const {
+  return lock_ == AxisLock::Gizmo ? ring_angle(cursor) : screen_angle(cursor);
+}
+
+/// Of the cursor along the ring of a gizmo.
+double DragMotion::ring_angle(const Cursor& cursor) const {
+  const Camera& view = cursor.view;
+  if (!ring_is_open_) {
+    // As the ring's nearest point is seen to go.
+    const Vector3 tangent = gizmo_axis_.cross(view.toward_viewer(center_));
+    const Vector2 way = view.pixel(center_ + view.pixel_size(center_) * tangent) - view.pixel(center_);
+    return way.stableNormalized().dot(cursor.pixel - view.pixel(center_)) / kPixelsPerRadian;
+  }
+  const Ray ray = view.ray(cursor.pixel);
+  const double far = gizmo_axis_.dot(center_ - ray.origin) / gizmo_axis_.dot(ray.direction);
+  const Vector3 from_center = ray.origin + far * ray.direction - center_;
+  if (!(far > 0) || !from_center.allFinite() || from_center.isZero(0)) {
+    return last_angle_;  // beyond the plane's horizon
+  }
+  const Vector3 u = gizmo_axis_.unitOrthogonal();
+  return std::atan2(gizmo_axis_.cross(u).dot(from_center), u.dot(from_center));
 }
 
 /// Of the cursor about the centre, in the sense of a rotation about the axis.
@@ -116,17 +187,13 @@ double DragMotion::screen_distance(const Cursor& cursor) const {
 
 /// Goes on from here under a new view.
 void DragMotion::restart(const Cursor& cursor) {
-  const HandleTransform so_far = [this] {
-    DragMotion by_mouse = *this;
-    by_mouse.typed_.clear();
-    return by_mouse.transform();
-  }();
+  const HandleTransform so_far = transform_by_mouse();
   translation_before_ = so_far.translation;
   factor_before_ = so_far.scale;
   along_ = 0;
   start_ = cursor;
   cursor_ = cursor;
-  last_angle_ = screen_angle(cursor);
+  begin_angle();
 }
 
 void DragMotion::move(const Cursor& cursor) {
@@ -142,9 +209,10 @@ void DragMotion::move(const Cursor& cursor) {
     along_ = along_axis(cursor_, along_);
   }
   if (kind_ == MotionKind::Rotate) {
-    const double angle = screen_angle(cursor_);
+    const double angle = angle_at(cursor_);
     // The short way round from the place before, so that turns add up.
-    angle_ += std::remainder(angle - last_angle_, 2 * kPi);
+    const bool winds = lock_ != AxisLock::Gizmo || ring_is_open_;
+    angle_ += winds ? std::remainder(angle - last_angle_, 2 * kPi) : angle - last_angle_;
     last_angle_ = angle;
   }
 }
@@ -174,29 +242,62 @@ Vector3 DragMotion::translation_by_mouse() const {
   return translation_before_ + (cursor_.view.beside(held, cursor_.pixel) - cursor_.view.beside(held, start_.pixel));
 }
 
-HandleTransform DragMotion::transform() const {
+HandleTransform DragMotion::transform_by_mouse() const {
   HandleTransform transform;
-  const std::optional<double> amount = number(typed_);
   switch (kind_) {
-    case MotionKind::Translate: {
-      Vector3 way = translation_by_mouse();
-      if (amount) {
-        const Vector3 direction = axis() ? *axis() : way.norm() > 0 ? Vector3(way.normalized()) : normal_;
-        way = *amount * direction;
-      }
-      transform.translation = plain(way);
+    case MotionKind::Translate:
+      transform.translation = translation_by_mouse();
       break;
-    }
     case MotionKind::Rotate:
-      transform.axis = plain(axis().value_or(sight_));
-      transform.degrees = (amount ? *amount : angle_ * (180 / kPi)) + 0.0;
+      transform.axis = axis().value_or(sight_);
+      transform.degrees = angle_ * (180 / kPi);
       break;
     case MotionKind::Scale: {
       const double start = screen_distance(start_);
       const double growth = 1 + (screen_distance(cursor_) - start) / std::max(start, kShortest);
-      transform.scale = std::max(kSmallestScale, amount ? std::abs(*amount) : factor_before_ * growth);
+      transform.scale = std::max(kSmallestScale, factor_before_ * growth);
       break;
     }
+  }
+  return transform;
+}
+
+double DragMotion::step() const {
+  if (!cursor_.snap || number(typed_)) {
+    return 0;
+  }
+  return kind_ == MotionKind::Rotate  ? kAngleStep
+         : kind_ == MotionKind::Scale ? kScaleStep
+                                      : round_step(kFewestPixelsPerStep * cursor_.view.pixel_size(grab_));
+}
+
+HandleTransform DragMotion::transform() const {
+  HandleTransform transform = transform_by_mouse();
+  const std::optional<double> amount = number(typed_);
+  const double step = this->step();
+  switch (kind_) {
+    case MotionKind::Translate: {
+      Vector3& way = transform.translation;
+      if (amount || step > 0) {
+        const Vector3 direction = axis() ? *axis() : way.norm() > 0 ? Vector3(way.normalized()) : normal_;
+        way = (amount ? *amount : snapped(way.dot(direction), step)) * direction;
+      }
+      way = plain(way);
+      return transform;
+    }
+    case MotionKind::Rotate:
+      transform.axis = plain(transform.axis);
+      transform.degrees = (amount ? *amount : step > 0 ? snapped(transform.degrees, step) : transform.degrees) + 0.0;
+      break;
+    case MotionKind::Scale:
+      if (amount || step > 0) {
+        transform.scale =
+            amount ? std::max(kSmallestScale, std::abs(*amount)) : std::max(step, snapped(transform.scale, step));
+      }
+      break;
+  }
+  if (names_center_) {
+    transform.center = plain(center_);
   }
   return transform;
 }
@@ -207,7 +308,7 @@ bool DragMotion::moves() const {
 }
 
 std::string DragMotion::text() const {
-  return messages::motion(kind_, transform(), axis(), lock_, typed_);
+  return messages::motion(kind_, transform(), axis(), lock_, step(), typed_);
 }
 
 }  // namespace lapedit

@@ -2,26 +2,110 @@
 #include "lapedit/session/gizmo.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 
 namespace lapedit {
 namespace {
 
-constexpr double kArrowPixels = 90;
+constexpr double kLengthPixels = 90, kPickPixels = 7, kKnobPixels = 9;
+/// Of a ring's far half, which others cover.
+constexpr double kBehindPixels = 3;
+constexpr double kLeastSine = 0.2;  // of sight and arrow, or of sight and a ring's plane
+constexpr int kCorners = 64;        // of a ring
+
+double distance_to_segment(const Vector2& point, const Vector2& from, const Vector2& to) {
+  const Vector2 way = to - from;
+  const double length = way.squaredNorm();
+  const double share = length > 0 ? std::clamp(way.dot(point - from) / length, 0.0, 1.0) : 0;
+  return (point - from - share * way).norm();
+}
+
+/// Pixels from the cursor to a ring.
+double distance_to_ring(const Gizmo& gizmo, int axis, const Cursor& cursor) {
+  const Vector3 sight = cursor.view.toward_viewer(gizmo.center);
+  double nearest = HUGE_VAL;
+  Vector3 from = gizmo.on_ring(axis, 0);
+  for (int i = 1; i <= kCorners; ++i) {
+    const Vector3 to = gizmo.on_ring(axis, 2 * std::acos(-1.0) * i / kCorners);
+    const double pixels = distance_to_segment(cursor.pixel, cursor.view.pixel(from), cursor.view.pixel(to));
+    const bool behind = ((from + to) / 2 - gizmo.center).dot(sight) < 0;
+    nearest = std::min(nearest, pixels + (behind ? kBehindPixels : 0));
+    from = to;
+  }
+  return nearest;
+}
 
 }  // namespace
 
+Vector3 Gizmo::on_ring(int axis, double angle) const {
+  return center +
+         kRing * length * (std::cos(angle) * axes.col((axis + 1) % 3) + std::sin(angle) * axes.col((axis + 2) % 3));
+}
+
+Vector3 Gizmo::knob(const Camera& view) const {
+  const double pixels = std::sqrt(0.5) * kKnob * kLengthPixels;
+  return view.beside(center, view.pixel(center) + Vector2(pixels, -pixels));
+}
+
+bool Gizmo::arrow_is_seen(int axis, const Camera& view) const {
+  return axes.col(axis).cross(view.toward_viewer(center)).norm() > kLeastSine && view.in_front(along(axis, kTip));
+}
+
+bool Gizmo::ring_is_seen(int axis, const Camera& view) const {
+  return std::abs(axes.col(axis).dot(view.toward_viewer(center))) > kLeastSine && view.in_front(center);
+}
+
 Gizmo place_gizmo(const Vector3& center, GizmoAxes axes, const Vector3& normal, const Camera& view) {
-  Gizmo gizmo;
-  gizmo.center = center;
-  gizmo.axes = Matrix3::Identity();
-  gizmo.length = kArrowPixels * view.pixel_size(center);
-  (void)axes;
-  (void)normal;
+  Gizmo gizmo{center, Matrix3::Identity(), kLengthPixels * view.pixel_size(center)};
+  const double length = normal.stableNorm();
+  if (axes == GizmoAxes::View) {
+    gizmo.axes.col(2) = view.toward_viewer(center);
+    const Vector3 right = view.beside(center, view.pixel(center) + Vector2(1, 0)) - center;
+    gizmo.axes.col(1) = gizmo.axes.col(2).cross(right).stableNormalized();
+    gizmo.axes.col(0) = gizmo.axes.col(1).cross(gizmo.axes.col(2));
+  } else if (axes == GizmoAxes::Normal && length > 0 && std::isfinite(length)) {
+    gizmo.axes.col(2) = normal / length;
+    // The layer's axis that is most nearly tangent: the frame does not turn with the view.
+    Eigen::Index most_tangent = 0;
+    gizmo.axes.col(2).cwiseAbs().minCoeff(&most_tangent);
+    gizmo.axes.col(1) = gizmo.axes.col(2).cross(Vector3(Vector3::Unit(most_tangent))).normalized();
+    gizmo.axes.col(0) = gizmo.axes.col(1).cross(gizmo.axes.col(2));
+  }
   return gizmo;
 }
 
-GizmoPart gizmo_part_at(const Gizmo&, const Cursor&) {
-  return GizmoPart::None;
+GizmoPart gizmo_part_at(const Gizmo& gizmo, const Cursor& cursor) {
+  const Camera& view = cursor.view;
+  if (!view.valid() || !cursor.pixel.allFinite() || !view.in_front(gizmo.center)) {
+    return GizmoPart::None;
+  }
+  const double from_center = (cursor.pixel - view.pixel(gizmo.center)).norm();
+  if (!(from_center > Gizmo::kFree * kLengthPixels)) {
+    return GizmoPart::None;
+  }
+  GizmoPart part = GizmoPart::None;
+  double nearest = kPickPixels;
+  const auto offer = [&](GizmoPart offered, double pixels) {
+    if (pixels < nearest) {
+      nearest = pixels;
+      part = offered;
+    }
+  };
+  if ((cursor.pixel - view.pixel(gizmo.knob(view))).norm() < kKnobPixels) {
+    return GizmoPart::Scale;
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    if (gizmo.arrow_is_seen(axis, view)) {
+      offer(static_cast<GizmoPart>(static_cast<int>(GizmoPart::MoveX) + axis),
+            distance_to_segment(cursor.pixel, view.pixel(gizmo.along(axis, Gizmo::kFree)),
+                                view.pixel(gizmo.along(axis, Gizmo::kTip))));
+    }
+    if (gizmo.ring_is_seen(axis, view)) {
+      offer(static_cast<GizmoPart>(static_cast<int>(GizmoPart::TurnX) + axis), distance_to_ring(gizmo, axis, cursor));
+    }
+  }
+  return part;
 }
 
 MotionKind kind_of(GizmoPart part) {
@@ -30,11 +114,13 @@ MotionKind kind_of(GizmoPart part) {
                                     : MotionKind::Translate;
 }
 
+int axis_number(GizmoPart part) {
+  return part == GizmoPart::None || part == GizmoPart::Scale ? -1 : (static_cast<int>(part) - 1) % 3;
+}
+
 std::optional<Vector3> axis_of(const Gizmo& gizmo, GizmoPart part) {
-  if (part == GizmoPart::None || part == GizmoPart::Scale) {
-    return std::nullopt;
-  }
-  return Vector3(gizmo.axes.col((static_cast<int>(part) - 1) % 3));
+  const int axis = axis_number(part);
+  return axis < 0 ? std::nullopt : std::optional<Vector3>(gizmo.axes.col(axis));
 }
 
 }  // namespace lapedit

@@ -16,7 +16,7 @@ Points gather(const Points& points, const std::vector<int>& vertices);
 /// Handles as clicks made them: what grows with the radius.
 struct PickedDiscs {
   std::vector<std::vector<int>> centers;  ///< per handle group the vertices clicked; none: a group of another origin
-  double radius = 0;                      ///< of the discs, model units
+  double reach = 0;                       ///< of the discs from their centres at most, model units; 0: no discs
 
   bool all() const {
     return !centers.empty() && std::none_of(centers.begin(), centers.end(), [](const auto& c) { return c.empty(); });

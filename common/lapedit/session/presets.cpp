@@ -1,60 +1,51 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/session/presets.h"
 
+#include "lapedit/base/translate.h"
+
 namespace lapedit {
 namespace {
 
-/// All that a preset is about.
-struct Values {
-  LaplacianKind laplacian;
-  int order;
-  DetailRotation rotation;
-  DetailTurning turning;
-  double membrane, handle_share, softness;
-};
+void set(DragSettings& settings, const EditSettings& edit, double handle_share, double softness) {
+  const CholeskyBackend backend = settings.edit.backend;
+  const int threads = settings.edit.threads;
+  settings.edit = edit;
+  settings.edit.backend = backend;
+  settings.edit.threads = threads;
+  settings.handle_share = handle_share;
+  settings.softness = softness;
+}
 
-void set(DragSettings& settings, const Values& values) {
-  const EditSettings machine = settings.edit;
-  settings.edit = EditSettings();
-  settings.edit.backend = machine.backend;
-  settings.edit.threads = machine.threads;
-  settings.edit.laplacian = values.laplacian;
-  settings.edit.order = values.order;
-  settings.edit.rotation = values.rotation;
-  settings.edit.turning = values.turning;
-  settings.edit.membrane = values.membrane;
-  settings.handle_share = values.handle_share;
-  settings.softness = values.softness;
+EditSettings with_membrane(double membrane) {
+  EditSettings edit;
+  edit.membrane = membrane;
+  return edit;
 }
 
 }  // namespace
 
 const std::vector<Preset>& presets() {
-  using Kind = LaplacianKind;
-  using Rotation = DetailRotation;
   static const std::vector<Preset> list = {
-      {"General", "What suits most surfaces.",
+      {LAPEDIT_TEXT("lapedit", "General"), LAPEDIT_TEXT("lapedit", "What suits most surfaces."),
+       [](DragSettings& s) { set(s, EditSettings(), DragSettings().handle_share, DragSettings().softness); }},
+      {LAPEDIT_TEXT("lapedit", "Limb"),
+       LAPEDIT_TEXT(
+           "lapedit",
+           "Arms, legs, tails and horns: a larger handle, less stretch, the limb bends and keeps its thickness."),
+       [](DragSettings& s) { set(s, with_membrane(1000), 0.25, 0); }},
+      {LAPEDIT_TEXT("lapedit", "Face"),
+       LAPEDIT_TEXT("lapedit", "Noses, lips, ears and cheeks: a soft dab that runs out smoothly."),
+       [](DragSettings& s) { set(s, with_membrane(200), 0.25, 1); }},
+      {LAPEDIT_TEXT("lapedit", "Terrain"),
+       LAPEDIT_TEXT("lapedit", "Hills and height fields: details stay upright, since nothing is turned."),
        [](DragSettings& s) {
-         s.handle_share = DragSettings().handle_share, s.softness = 0,
-         set(s, {EditSettings().laplacian, EditSettings().order, EditSettings().rotation, EditSettings().turning,
-                 EditSettings().membrane, DragSettings().handle_share, DragSettings().softness});
+         EditSettings edit = with_membrane(0);
+         edit.rotation = DetailRotation::None;
+         set(s, edit, 0.25, 1);
        }},
-      {"Limb", "Arms, legs, tails and horns: bends as a whole and keeps its thickness.",
-       [](DragSettings& s) {
-         set(s, {Kind::MeanValue, 1, Rotation::LocalGlobal, DetailTurning::Edge, 1000, 0.25, 0});
-       }},
-      {"Face", "Noses, lips, ears and cheeks: a soft dab that runs out smoothly.",
-       [](DragSettings& s) {
-         set(s, {Kind::MeanValue, 1, Rotation::LocalGlobal, DetailTurning::Edge, 200, 0.25, 1});
-       }},
-      {"Terrain", "Hills and height fields: details stay upright, as nothing is turned.",
-       [](DragSettings& s) {
-         set(s, {Kind::MeanValue, 1, Rotation::None, DetailTurning::Edge, 0, 0.3, 1});
-       }},
-      {"Sharp", "Machined parts and letters: edges of the handle stay as they are, nothing falls off.",
-       [](DragSettings& s) {
-         set(s, {Kind::MeanValue, 1, Rotation::LocalGlobal, DetailTurning::Edge, 1000, 0.15, 0});
-       }},
+      {LAPEDIT_TEXT("lapedit", "Sharp"),
+       LAPEDIT_TEXT("lapedit", "Machined parts and letters: a small handle, edges and corners keep their shape."),
+       [](DragSettings& s) { set(s, with_membrane(1000), 0.1, 0); }},
   };
   return list;
 }

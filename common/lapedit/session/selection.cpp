@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "lapedit/mesh/geodesic.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "lapedit/session/messages.h"
 
@@ -69,15 +70,33 @@ double disc_radius(const DragSettings& settings) {
   return settings.handle_share * settings.radius;
 }
 
+/// What a click takes. A disc has the vertex' neighbours at least: on a coarse mesh a single one would make a needle.
 std::vector<int> disc(const Surface& surface, int vertex) {
-  return vertices_within(surface.mesh, surface.adjacency, vertex, disc_radius(surface.settings));
+  const double radius = disc_radius(surface.settings);
+  std::vector<int> within = vertices_within(surface.mesh, surface.adjacency, vertex, radius);
+  return radius > 0 ? united(within, grown(surface.adjacency, {vertex})) : within;
+}
+
+/// How far discs go from their centres: on a coarse mesh less far than they were to.
+double reach_of_discs(const Surface& surface, const Selection& selection) {
+  double reach = 0;
+  if (selection.discs.all()) {
+    GeodesicSearch search(surface.adjacency.neighbours, surface.mesh.vertices);
+    for (std::size_t g = 0; g < selection.groups.size(); ++g) {
+      search.run(selection.discs.centers[g], surface.settings.radius);
+      for (const int v : selection.groups[g]) {
+        reach = std::max(reach, std::min(search.distance(v), kLargestHandleShare * surface.settings.radius));
+      }
+    }
+  }
+  return reach;
 }
 
 /// A region that is grown by the radius counts from the centres of discs, not from their rims.
-void count_from_centers(const DragSettings& settings, Selection& selection) {
-  selection.discs.radius = disc_radius(settings);
+void count_from_centers(const Surface& surface, Selection& selection) {
+  selection.discs.reach = reach_of_discs(surface, selection);
   if (selection.has_region && selection.region.kind == RegionSpec::Kind::Radius) {
-    selection.region.radius = settings.radius - (selection.discs.all() ? selection.discs.radius : 0);
+    selection.region.radius = surface.settings.radius - selection.discs.reach;
   }
 }
 
@@ -123,7 +142,7 @@ Choice extend_curve(const Surface& surface, const Selection& selection, int vert
   Selection after = selection;
   after.groups[after.active] = united(after.groups[after.active], path);
   centers_of_active(after).clear();
-  count_from_centers(surface.settings, after);
+  count_from_centers(surface, after);
   after.curve_end = vertex;
   return after;
 }
@@ -186,7 +205,7 @@ Choice pick(const Surface& surface, const Selection& selection, int vertex) {
     clear_groups(after);
   }
   add_group(after, std::move(handle), curve ? std::vector<int>() : std::vector<int>{vertex});
-  count_from_centers(surface.settings, after);
+  count_from_centers(surface, after);
   after.curve_end = curve ? vertex : -1;
   after.next = Next::Handle;
   return after;
@@ -204,7 +223,7 @@ Choice add_to_handle(const Surface& surface, const Selection& selection, int ver
     }
     clear_groups(after);
     add_group(after, std::move(handle), {vertex});
-    count_from_centers(surface.settings, after);
+    count_from_centers(surface, after);
     after.next = Next::Handle;
     return after;
   }
@@ -235,7 +254,7 @@ Choice take_from_handle(const Surface& surface, const Selection& selection, int 
   if (after.groups[group].empty()) {
     erase_group(after, group);
   }
-  count_from_centers(surface.settings, after);
+  count_from_centers(surface, after);
   if (after.groups.empty() && surface.region) {
     after = with_vertices(std::move(after), surface.region->mesh_vertex, surface.settings.padding);
   }
@@ -287,7 +306,7 @@ Choice handle_brushed(const Surface& surface, const Selection& selection, const 
   if (group.empty()) {
     erase_group(after, static_cast<std::size_t>(after.active));
   }
-  count_from_centers(surface.settings, after);
+  count_from_centers(surface, after);
   return after;
 }
 
@@ -398,7 +417,7 @@ Selection with_discs(const Surface& surface, const Selection& selection) {
     }
     others = united(others, after.groups[g]);
   }
-  count_from_centers(surface.settings, after);
+  count_from_centers(surface, after);
   return after;
 }
 

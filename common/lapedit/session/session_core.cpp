@@ -144,12 +144,14 @@ bool SessionCore::take(Choice choice) {
 
 /// After groups or region have changed: prepares for them.
 void SessionCore::handles_changed() {
+  heard = DragFigures();  // of another handle or region
   rest(false);
   prepare();
 }
 
 void SessionCore::prepare() {
-  heard = DragFigures();
+  heard.in_hand_ms = heard.prepare_ms = std::nullopt;
+  heard.taken_over.clear();
   if (groups().empty()) {
     preparation = Preparation::None;
     in_hand = false;
@@ -297,8 +299,7 @@ void SessionCore::amend() {
   }
   step.region.padding = settings.padding;
   if (step.region.kind == RegionSpec::Kind::Radius) {
-    const double disc = selection.discs.all() ? selection.discs.radius : 0;
-    step.region.radius = std::max(settings.radius - disc, (1 - kLargestHandleShare) * settings.radius);
+    step.region.radius = std::max(settings.radius - selection.discs.reach, (1 - kLargestHandleShare) * settings.radius);
   }
   std::vector<std::vector<int>> handles;
   std::vector<Affine> maps;
@@ -308,6 +309,7 @@ void SessionCore::amend() {
   }
   preparation = Preparation::Running;
   in_hand = false;
+  heard = DragFigures();
   worker.prepare({amending.base, adjacency, step.region, std::move(handles), step.settings, scalar});
   amending.serial = worker.solve(maps, true);
 }
@@ -375,6 +377,7 @@ void SessionCore::go_on() {
 void SessionCore::take_over(const AppliedStep& step, bool applied) {
   selection = selection_of(step, applied, selection, settings.padding);
   strokes = Strokes();
+  heard = DragFigures();
   shown.await(nullptr);
   if (shown.region()) {
     show_region(shown.region());

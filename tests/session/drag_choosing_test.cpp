@@ -1,0 +1,372 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include "drag_support.h"
+#include "lapedit/mesh/geodesic.h"
+#include "lapedit/mesh/vertex_set.h"
+#include "lapedit/session/presets.h"
+
+// Choosing what moves and what holds: discs, the brush, anchors, pieces that nothing holds.
+namespace lapedit {
+namespace {
+
+using support::same_bits;
+using support::Window;
+using State = DragSession::State;
+
+constexpr PressModifiers kAdd{true, false};
+constexpr PressModifiers kTake{false, true};
+
+int at(int i, int j) {
+  return 60 * i + j;
+}
+
+const int kMiddle = at(30, 30);
+
+bool has(const std::vector<int>& set, int vertex) {
+  return std::binary_search(set.begin(), set.end(), vertex);
+}
+
+VertexClass class_of(const DragSession& session, int vertex) {
+  const std::vector<int>& vertices = session.region()->mesh_vertex;
+  const auto found = std::lower_bound(vertices.begin(), vertices.end(), vertex);
+  return found != vertices.end() && *found == vertex
+             ? session.region()->classes[static_cast<std::size_t>(found - vertices.begin())]
+             : VertexClass::Fixed;
+}
+
+template <class Change>
+void change(Window& window, const Change& changed) {
+  DragSettings settings = window.session.settings();
+  changed(settings);
+  window.session.set_settings(settings);
+  window.session.wait();
+}
+
+/// The settings that users find.
+void as_found(Window& window) {
+  change(window, [](DragSettings& s) { s.handle_share = DragSettings().handle_share; });
+}
+
+void stroke(Window& window, int from, int to, PressModifiers modifiers) {
+  window.press(from, modifiers);
+  for (const double part : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+    window.session.move(window.at((1 - part) * window.at(from).pixel + part * window.at(to).pixel));
+  }
+  window.session.release(window.at(to));
+  window.session.wait();
+}
+
+// --- Discs ----------------------------------------------------------------------------------------------------------
+
+TEST(DragDisc, HandleIsADiscUnlessASingleVertexIsAskedFor) {
+  Window window(shapes::grid(60, 60));
+  as_found(window);
+  change(window, [](DragSettings& s) { s.radius = 10; });
+  window.click(kMiddle);
+  const double share = DragSettings().handle_share;
+  EXPECT_GE(share, 0.15);
+  EXPECT_LE(share, 0.25);
+  const Adjacency adjacency = support::adjacency_of(window.session.mesh());
+  EXPECT_EQ(window.session.groups().at(0), vertices_within(window.session.mesh(), adjacency, kMiddle, share * 10));
+  change(window, [](DragSettings& s) { s.handle_share = 0; });
+  EXPECT_EQ(window.session.groups().at(0), std::vector<int>{kMiddle});
+  change(window, [](DragSettings& s) { s.handle_share = 0.3; });
+  EXPECT_EQ(window.session.groups().at(0), vertices_within(window.session.mesh(), adjacency, kMiddle, 3));
+}
+
+/// All within the radius of a vertex, to an edge: a disc's last vertices do not lie on its circle.
+void expect_counts_from(const Window& window, int vertex, double radius) {
+  const DragSession& session = window.session;
+  for (const int v : session.region()->mesh_vertex) {
+    EXPECT_TRUE(has(vertices_within(session.mesh(), session.adjacency(), vertex, radius + 1e-9), v)) << v;
+  }
+  for (const int v : vertices_within(session.mesh(), session.adjacency(), vertex, radius - 1)) {
+    EXPECT_TRUE(has(session.region()->mesh_vertex, v)) << v;
+  }
+}
+
+TEST(DragDisc, RegionCountsFromItsCentre) {
+  Window window(shapes::grid(60, 60));
+  change(window, [](DragSettings& s) {
+    s.radius = 10;
+    s.handle_share = 0.3;
+  });
+  window.click(kMiddle);
+  expect_counts_from(window, kMiddle, 10);
+  const auto disc = window.session.groups();
+  // Both grow with the wheel, as one gesture.
+  change(window, [](DragSettings& s) { s.radius = 15; });
+  expect_counts_from(window, kMiddle, 15);
+  EXPECT_GT(window.session.groups().at(0).size(), disc.at(0).size());
+  window.drag(kMiddle, Vector2(30, 10));
+  window.expect_consistent();
+  // Solved again with another radius, and taken back: the disc and what counts from it come back.
+  change(window, [](DragSettings& s) { s.radius = 12; });
+  EXPECT_NEAR(window.session.recorded().steps.at(0).region.radius, 12 - 0.3 * 15, 1);
+  window.expect_consistent();
+  window.session.undo();
+  window.session.wait();
+  change(window, [](DragSettings& s) { s.radius = 10; });
+  expect_counts_from(window, kMiddle, 10);
+  EXPECT_EQ(window.session.groups(), disc);
+}
+
+TEST(DragDisc, NothingIsRefusedForASmallRegion) {
+  Window window(shapes::grid(60, 60));
+  as_found(window);
+  for (const double share : {0.0, 0.2, 0.9}) {
+    for (const double radius : {1.1, 2.0, 5.0}) {
+      change(window, [&](DragSettings& s) {
+        s.radius = radius;
+        s.handle_share = share;
+      });
+      window.session.new_region();
+      window.click(kMiddle);
+      const bool possible = window.session.ready();
+      EXPECT_TRUE(possible || window.session.message().find("nothing would follow") != std::string::npos)
+          << share << ", " << radius << ": " << window.session.message();
+      EXPECT_TRUE(possible || share > 0.5);
+    }
+  }
+}
+
+// --- The brush ------------------------------------------------------------------------------------------------------
+
+TEST(DragBrush, PaintsAHandleAndTakesOfIt) {
+  Window window(shapes::grid(60, 60));
+  window.session.set_brush_target(BrushTarget::Handle);
+  stroke(window, at(30, 25), at(30, 35), kAdd);
+  ASSERT_EQ(window.session.groups().size(), 1U);
+  const std::vector<int> painted = window.session.groups()[0];
+  EXPECT_TRUE(has(painted, at(30, 25)) && has(painted, at(30, 30)) && has(painted, at(30, 35)));
+  EXPECT_TRUE(window.session.ready());
+  stroke(window, at(30, 34), at(30, 36), kTake);
+  EXPECT_TRUE(has(window.session.groups().at(0), at(30, 25)));
+  EXPECT_FALSE(has(window.session.groups().at(0), at(30, 35)));
+  window.drag(at(30, 25), Vector2(30, 20));
+  EXPECT_EQ(window.session.recorded().steps.size(), 1U);
+  window.expect_consistent();
+  // Nothing of it left: no handle, and no harm.
+  window.session.set_brush_target(BrushTarget::Handle);
+  change(window, [](DragSettings& s) { s.brush_pixels = 400; });
+  stroke(window, at(30, 28), at(30, 30), kTake);
+  EXPECT_TRUE(window.session.groups().empty());
+  EXPECT_EQ(window.session.state(), State::Idle);
+}
+
+TEST(DragBrush, PaintedAnchorsHold) {
+  Window window(shapes::grid(60, 60));
+  change(window, [](DragSettings& s) {
+    s.radius = 12;
+    s.brush_pixels = 12;
+  });
+  window.session.set_brush_target(BrushTarget::Anchors);
+  stroke(window, at(34, 28), at(34, 32), kAdd);
+  EXPECT_NE(window.session.message().find("no region"), std::string::npos);
+  window.click(kMiddle);
+  EXPECT_EQ(class_of(window.session, at(34, 30)), VertexClass::Free);
+  const std::vector<int> region = window.session.region()->mesh_vertex;
+  stroke(window, at(34, 26), at(34, 34), kAdd);
+  EXPECT_EQ(window.session.region()->mesh_vertex, region);
+  EXPECT_EQ(class_of(window.session, at(34, 30)), VertexClass::Anchor);
+  EXPECT_EQ(class_of(window.session, kMiddle), VertexClass::Handle);
+  const Points before = window.host;
+  window.drag(kMiddle, Vector2(0, 40));
+  const double held = (window.host.row(at(34, 30)) - before.row(at(34, 30))).norm();
+  const double free = (window.host.row(at(26, 30)) - before.row(at(26, 30))).norm();
+  EXPECT_LT(held, 0.1 * free);
+  window.expect_consistent();
+  // They stay for the next step, and can be taken away.
+  EXPECT_EQ(class_of(window.session, at(34, 30)), VertexClass::Anchor);
+  stroke(window, at(34, 26), at(34, 34), kTake);
+  EXPECT_EQ(class_of(window.session, at(34, 30)), VertexClass::Free);
+}
+
+TEST(DragBrush, AnchorsComeFromASelection) {
+  Window window(shapes::grid(60, 60));
+  change(window, [](DragSettings& s) { s.radius = 12; });
+  window.session.set_anchors({at(33, 30)});
+  EXPECT_NE(window.session.message().find("no region"), std::string::npos);
+  window.click(kMiddle);
+  window.session.set_anchors({at(33, 30), at(33, 31), at(2, 2), kMiddle});
+  window.session.wait();
+  EXPECT_EQ(class_of(window.session, at(33, 30)), VertexClass::Anchor);
+  EXPECT_EQ(class_of(window.session, at(33, 31)), VertexClass::Anchor);
+  EXPECT_EQ(class_of(window.session, kMiddle), VertexClass::Handle);
+  window.session.set_anchors({at(2, 2)});
+  EXPECT_NE(window.session.message().find("None of these vertices"), std::string::npos);
+  EXPECT_EQ(class_of(window.session, at(33, 30)), VertexClass::Anchor);
+}
+
+TEST(DragBrush, StrokesAreUndoneOneByOne) {
+  Window window(shapes::grid(60, 60));
+  change(window, [](DragSettings& s) { s.radius = 8; });
+  window.click(kMiddle);
+  const auto groups = window.session.groups();
+  const std::vector<int> region = window.session.region()->mesh_vertex;
+  stroke(window, at(30, 36), at(30, 48), kAdd);
+  const std::vector<int> larger = window.session.region()->mesh_vertex;
+  EXPECT_GT(larger.size(), region.size());
+  window.session.set_brush_target(BrushTarget::Handle);
+  stroke(window, at(30, 36), at(30, 40), kAdd);
+  EXPECT_NE(window.session.groups(), groups);
+  ASSERT_TRUE(window.session.can_undo());
+  window.session.undo();
+  window.session.wait();
+  EXPECT_EQ(window.session.groups(), groups);
+  EXPECT_EQ(window.session.region()->mesh_vertex, larger);
+  window.session.undo();
+  window.session.wait();
+  EXPECT_EQ(window.session.region()->mesh_vertex, region);
+  EXPECT_FALSE(window.session.can_undo());
+  window.session.redo();
+  window.session.wait();
+  EXPECT_EQ(window.session.region()->mesh_vertex, larger);
+  window.drag(kMiddle, Vector2(20, 0));
+  window.session.undo();
+  EXPECT_TRUE(same_bits(window.host, window.session.original().vertices));
+  EXPECT_EQ(window.session.figures().steps, 0);
+}
+
+TEST(DragBrush, WhatIsNotConnectedIsKeptAndSaid) {
+  Window window(shapes::grid(60, 60));
+  change(window, [](DragSettings& s) { s.radius = 6; });
+  window.click(kMiddle);
+  stroke(window, at(30, 50), at(30, 53), kAdd);
+  ASSERT_FALSE(window.session.unconnected().empty());
+  EXPECT_TRUE(has(window.session.unconnected(), at(30, 51)));
+  EXPECT_FALSE(has(window.session.region()->mesh_vertex, at(30, 51)));
+  EXPECT_NE(window.session.message().find("not connected"), std::string::npos);
+  stroke(window, at(30, 34), at(30, 52), kAdd);
+  EXPECT_TRUE(window.session.unconnected().empty());
+  EXPECT_TRUE(has(window.session.region()->mesh_vertex, at(30, 51)));
+}
+
+// --- Nothing holds --------------------------------------------------------------------------------------------------
+
+TEST(DragHold, PieceThatNothingHoldsIsSaidBeforeTheDrag) {
+  Window window(shapes::icosphere(3));
+  change(window, [](DragSettings& s) { s.radius = 100; });
+  int top = 0;
+  window.session.mesh().vertices.col(2).maxCoeff(&top);
+  window.click(top);
+  EXPECT_NE(window.session.message().find("Nothing holds this piece of 642 vertices"), std::string::npos)
+      << window.session.message();
+  change(window, [](DragSettings& s) { s.radius = 0.8; });
+  EXPECT_EQ(window.session.message().find("Nothing holds"), std::string::npos);
+  // A second group holds it.
+  change(window, [](DragSettings& s) { s.radius = 100; });
+  window.session.next_group();
+  window.click(window.session.adjacency().neighbours[top].first[0]);
+  EXPECT_EQ(window.session.groups().size(), 2U);
+  EXPECT_EQ(window.session.message().find("Nothing holds"), std::string::npos);
+}
+
+// --- Keys -----------------------------------------------------------------------------------------------------------
+
+TEST(DragKeys, AmountsWithoutAMotionDoNothingButSaySo) {
+  Window window(shapes::grid(60, 60));
+  window.click(kMiddle);
+  for (const char* keys : {"x", "6", "0", "-", ".", "n", "y", "z"}) {
+    window.keys(keys);
+    EXPECT_EQ(window.session.motion(), nullptr) << keys;
+    EXPECT_NE(window.session.message().find("Nothing is being moved"), std::string::npos) << keys;
+  }
+  window.keys("x60\r");
+  EXPECT_EQ(window.session.figures().steps, 0);
+  EXPECT_TRUE(same_bits(window.host, window.session.original().vertices));
+  window.keys("tx6\r");
+  EXPECT_EQ(window.session.figures().steps, 1);
+}
+
+// --- Hover ----------------------------------------------------------------------------------------------------------
+
+const HoverPreview* hovered(Window& window, const Cursor& cursor) {
+  for (int i = 0; i < 500 && !window.session.hover(); ++i) {
+    window.session.hover(cursor, {});
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));  // the search is made in the background
+  }
+  window.session.hover(cursor, {});
+  return window.session.hover();
+}
+
+TEST(DragHover, ShowsWhatAPressWouldTake) {
+  Window window(shapes::grid(60, 60));
+  as_found(window);
+  change(window, [](DragSettings& s) { s.radius = 10; });
+  const HoverPreview* hover = hovered(window, window.at(kMiddle));
+  ASSERT_NE(hover, nullptr);
+  EXPECT_EQ(hover->kind, HoverPreview::Kind::Region);
+  EXPECT_TRUE(hover->is_whole);
+  ASSERT_GT(hover->region.rows(), 20);
+  ASSERT_GT(hover->disc.rows(), 4);
+  // Each end of the outline lies on an edge between what is within the radius and what is not.
+  const Points& places = window.session.mesh().vertices;
+  GeodesicSearch search(window.session.adjacency().neighbours, places);
+  search.run({kMiddle}, 10);
+  for (Eigen::Index i = 0; i < hover->region.rows(); ++i) {
+    bool is_between = false;
+    for (int v = 0; v < places.rows(); ++v) {
+      for (const int w : window.session.adjacency().neighbours[v]) {
+        const double way =
+            (places.row(v) - hover->region.row(i)).norm() + (hover->region.row(i) - places.row(w)).norm();
+        is_between |=
+            search.distance(v) <= 10 && search.distance(w) > 10 && way < (places.row(v) - places.row(w)).norm() + 1e-9;
+      }
+    }
+    EXPECT_TRUE(is_between) << hover->region.row(i);
+  }
+  // The wheel's effect is seen at once, and what is picked is what was shown.
+  change(window, [](DragSettings& s) { s.radius = 5; });
+  const auto larger = hover->region.rows();
+  hover = hovered(window, window.at(kMiddle));
+  EXPECT_LT(hover->region.rows(), larger);
+  window.click(kMiddle);
+  hover = hovered(window, window.at(at(30, 33)));
+  ASSERT_NE(hover, nullptr);
+  EXPECT_EQ(hover->kind, HoverPreview::Kind::Handle);
+  EXPECT_EQ(hover->region.rows(), 0);
+  EXPECT_GT(hover->disc.rows(), 0);
+  window.session.hover(window.at(kMiddle), {});
+  ASSERT_NE(window.session.hover(), nullptr);
+  EXPECT_EQ(window.session.hover()->kind, HoverPreview::Kind::Group);
+  window.session.hover(window.at(kMiddle), kAdd);
+  EXPECT_EQ(window.session.hover()->kind, HoverPreview::Kind::Brush);
+  window.session.leave();
+  EXPECT_EQ(window.session.hover(), nullptr);
+}
+
+TEST(DragHover, WorkIsBounded) {
+  Window window(shapes::grid(300, 300));
+  change(window, [](DragSettings& s) { s.radius = 1e6; });
+  const HoverPreview* hover = hovered(window, window.at(150 * 300 + 150));
+  ASSERT_NE(hover, nullptr);
+  EXPECT_FALSE(hover->is_whole);
+  EXPECT_EQ(hover->region.rows(), 0);
+}
+
+// --- Presets --------------------------------------------------------------------------------------------------------
+
+TEST(Presets, AreToldApartAndBeginWithTheDefaults) {
+  const TriangleMesh mesh = shapes::grid(10, 10);
+  EXPECT_EQ(preset_of(settings_for(mesh)), 0);
+  for (std::size_t i = 0; i < presets().size(); ++i) {
+    DragSettings settings = settings_for(mesh);
+    settings.edit.threads = 1;
+    presets()[i].set(settings);
+    EXPECT_EQ(preset_of(settings), static_cast<int>(i));
+    EXPECT_EQ(settings.radius, settings_for(mesh).radius);
+    EXPECT_EQ(settings.edit.threads, 1);
+    EXPECT_NO_THROW(validate(settings));
+    settings.edit.membrane += 1;
+    EXPECT_EQ(preset_of(settings), -1);
+  }
+}
+
+}  // namespace
+}  // namespace lapedit
