@@ -20,6 +20,7 @@ struct DragSession::Impl : SessionCore {
   void press_surface(const SurfaceHit& hit, const Cursor& cursor, PressModifiers modifiers);
   void click(const Press& press);
   void brush(const Cursor& cursor);
+  bool press_gizmo(const Cursor& cursor);
   void look(const Cursor& cursor, PressModifiers modifiers);
   void change_region(Choice (*choose)(const Surface&, const Selection&));
   bool begin_by_key(MotionKind kind, const Cursor& cursor);
@@ -272,6 +273,9 @@ void DragSession::press(const Cursor& cursor, PressModifiers modifiers) {
     }
     return;
   }
+  if (!modifiers.add && !modifiers.take && s.press_gizmo(cursor)) {
+    return;
+  }
   const std::optional<SurfaceHit> hit = surface_at(s.mesh(), *s.adjacency, cursor);
   if (s.tools.pivot == Pivot::Point && s.tools.pivot_vertex < 0 && !modifiers.add && !modifiers.take) {
     if (hit) {
@@ -319,8 +323,11 @@ void DragSession::move(const Cursor& cursor) {
   }
   if (s.pressed && !s.drag()) {
     // The motion begins where the button went down, however far the first move already is.
-    if (!s.pressed->draggable || !s.begin(MotionKind::Translate, s.pressed->point, s.pressed->cursor, true)) {
+    if (!s.pressed->draggable || !s.begin(s.pressed->kind, s.pressed->point, s.pressed->cursor, true)) {
       return;
+    }
+    if (s.pressed->axis) {
+      s.drag()->motion.hold(*s.pressed->axis);
     }
   }
   Drag* const drag = s.drag();
@@ -379,6 +386,19 @@ void DragSession::release(const Cursor& cursor) {
 }
 
 // --- Region and handles ---------------------------------------------------------------------------------------------
+
+/// A press on an arrow, a ring or the knob. @return whether it was one
+bool DragSession::Impl::press_gizmo(const Cursor& cursor) {
+  const std::optional<Gizmo> gizmo = this->gizmo(cursor.view);
+  pointer.part = gizmo ? gizmo_part_at(*gizmo, cursor) : GizmoPart::None;
+  if (pointer.part == GizmoPart::None) {
+    return false;
+  }
+  pressed = Press{gizmo->center, -1, cursor, {}};
+  pressed->kind = kind_of(pointer.part);
+  pressed->axis = axis_of(*gizmo, pointer.part);
+  return true;
+}
 
 /// What of the surface is under the cursor, and what a press would take there.
 void DragSession::Impl::look(const Cursor& cursor, PressModifiers modifiers) {
@@ -565,6 +585,19 @@ bool DragSession::key(DragKey key, const Cursor& cursor) {
   switch (key) {
     case DragKey::Apply:
       apply();
+      return true;
+    case DragKey::Pivot:
+      set_pivot(s.tools.pivot == Pivot::Centroid ? Pivot::Point
+                : s.tools.pivot == Pivot::Point  ? Pivot::Rim
+                                                 : Pivot::Centroid);
+      return true;
+    case DragKey::Brush:
+      set_brush_target(s.tools.brush == BrushTarget::Region   ? BrushTarget::Handle
+                       : s.tools.brush == BrushTarget::Handle ? BrushTarget::Anchors
+                                                              : BrushTarget::Region);
+      return true;
+    case DragKey::Gizmo:
+      show_gizmo(!s.tools.gizmo, s.tools.axes);
       return true;
     case DragKey::NextGroup:
       next_group();

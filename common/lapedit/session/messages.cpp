@@ -18,16 +18,12 @@ const char* name(AxisLock lock, const Vector3& axis) {
     case AxisLock::Z:
       return "Z";
     case AxisLock::Normal:
-<<<<<<< HEAD
       return translated(LAPEDIT_TEXT("lapedit", "the normal"));
-=======
-      return "the normal";
     case AxisLock::Gizmo:
       return axis == Vector3::UnitX()   ? "X"
              : axis == Vector3::UnitY() ? "Y"
              : axis == Vector3::UnitZ() ? "Z"
-                                        : "the gizmo's axis";
->>>>>>> wt-C
+                                        : translated(LAPEDIT_TEXT("lapedit", "the gizmo's axis"));
     case AxisLock::None:
       break;
   }
@@ -39,20 +35,20 @@ const char* name(AxisLock lock, const Vector3& axis) {
 // What the next click does -------------------------------------------------------------------------------------------
 
 std::string dragging(const DragMotion& motion, bool by_button) {
-<<<<<<< HEAD
   const char* const pattern =
       by_button
-          ? translated(LAPEDIT_TEXT("lapedit",
-                                    "%s: release to apply, Backspace drops it; X Y Z N lock an axis, digits give an "
-                                    "amount."))
+          ? translated(LAPEDIT_TEXT(
+                "lapedit",
+                "%s: release to apply, Esc drops it; X Y Z N lock an axis, Ctrl goes in steps, digits give "
+                "an amount."))
           : translated(LAPEDIT_TEXT("lapedit",
-                                    "%s: click or press Return to apply, Backspace drops it; X Y Z N lock an axis, "
-                                    "digits give an amount."));
+                                    "%s: click or press Return to apply, Esc drops it; X Y Z N lock an axis, Ctrl goes "
+                                    "in steps, digits give an amount."));
   return format_text(pattern, motion.text().c_str());
 }
 
 std::string motion(MotionKind kind, const HandleTransform& now, const std::optional<Vector3>& axis, AxisLock lock,
-                   const std::string& typed) {
+                   double step, const std::string& typed) {
   const auto text = [](double amount) {
     std::ostringstream out;
     out.imbue(std::locale::classic());
@@ -65,47 +61,18 @@ std::string motion(MotionKind kind, const HandleTransform& now, const std::optio
     line = format_text(translated(LAPEDIT_TEXT("lapedit", "Scaling by %s")), text(now.scale).c_str());
   } else if (kind == MotionKind::Rotate) {
     line = axis ? format_text(translated(LAPEDIT_TEXT("lapedit", "Turning by %s degrees about %s")),
-                              text(now.degrees).c_str(), name(lock))
+                              text(now.degrees).c_str(), name(lock, *axis))
                 : format_text(translated(LAPEDIT_TEXT("lapedit", "Turning by %s degrees")), text(now.degrees).c_str());
   } else {
     line = axis
                ? format_text(translated(LAPEDIT_TEXT("lapedit", "Moving by %s along %s")),
-                             text(now.translation.dot(*axis)).c_str(), name(lock))
+                             text(now.translation.dot(*axis)).c_str(), name(lock, *axis))
                : format_text(translated(LAPEDIT_TEXT("lapedit", "Moving by %s")), text(now.translation.norm()).c_str());
   }
-  return typed.empty() ? line : line + format_text(translated(LAPEDIT_TEXT("lapedit", " (typed %s)")), typed.c_str());
-=======
-  return motion.text() + (by_button ? ": release to apply" : ": click or press Return to apply") +
-         ", Backspace drops it; X Y Z N lock an axis, Ctrl goes in steps, digits give an amount.";
-}
-
-std::string motion(MotionKind kind, const HandleTransform& now, const std::optional<Vector3>& axis, AxisLock lock,
-                   double step, const std::string& typed) {
-  std::ostringstream out;
-  out.imbue(std::locale::classic());
-  out.precision(4);
-  switch (kind) {
-    case MotionKind::Translate:
-      out << "Moving by " << (axis ? now.translation.dot(*axis) : now.translation.norm());
-      break;
-    case MotionKind::Rotate:
-      out << "Turning by " << now.degrees << " degrees";
-      break;
-    case MotionKind::Scale:
-      out << "Scaling by " << now.scale;
-      break;
-  }
-  if (axis && kind != MotionKind::Scale) {
-    out << (kind == MotionKind::Translate ? " along " : " about ") << name(lock, *axis);
-  }
   if (step > 0) {
-    out << " (in steps of " << step << ")";
+    line += format_text(translated(LAPEDIT_TEXT("lapedit", " (in steps of %s)")), text(step).c_str());
   }
-  if (!typed.empty()) {
-    out << " (typed " << typed << ")";
-  }
-  return out.str();
->>>>>>> wt-C
+  return typed.empty() ? line : line + format_text(translated(LAPEDIT_TEXT("lapedit", " (typed %s)")), typed.c_str());
 }
 
 // Refusals -----------------------------------------------------------------------------------------------------------

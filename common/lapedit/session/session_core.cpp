@@ -71,6 +71,7 @@ void SessionCore::rest(bool amendable) {
 /// Ends what is in progress without a trace.
 void SessionCore::drop() {
   pressed.reset();
+  pointer.part = GizmoPart::None;
   const Loading* const loading = in<Loading>();
   const bool elsewhere = loading || in<Amending>();  // what the worker has prepared is not the selection
   rest(loading ? loading->amendable : amendable());
@@ -233,7 +234,9 @@ bool SessionCore::begin(MotionKind kind, const Vector3& grab, const Cursor& curs
   if (preparation == Preparation::None) {
     prepare();  // it was refused before: say why again
   }
-  DragMotion motion(kind, grab, pivot_place(), mean_normal(mesh(), *adjacency, group), cursor);
+  const bool about_pivot = kind != MotionKind::Translate && tools.pivot != Pivot::Centroid;
+  DragMotion motion(kind, grab, center(), mean_normal(mesh(), *adjacency, group), cursor,
+                    about_pivot ? std::optional(pivot_place()) : std::nullopt);
   if (Drag* const drag = this->drag()) {
     drag->motion = motion;  // the same gesture goes on as another kind of motion
   } else {
@@ -258,6 +261,7 @@ void SessionCore::ask() {
 
 void SessionCore::release_motion() {
   pressed.reset();
+  pointer.part = GizmoPart::None;
   Drag& drag = std::get<Dragging>(phase).drag;
   if (!drag.motion.moves()) {
     drop();

@@ -110,6 +110,8 @@ struct Press {
   PressModifiers modifiers;
   bool draggable = true;
   bool brushed = false;
+  std::optional<Vector3> axis = std::nullopt;  // of a gizmo's arrow or ring
+  MotionKind kind = MotionKind::Translate;
 
   bool plain() const { return !modifiers.add && !modifiers.take; }
 };
