@@ -218,7 +218,7 @@ TriangleMesh person() {
     parts.push_back(ball({0.125 * side, 1.56, 0.3}, 0.07, 0.02));
     parts.push_back(ellipsoid({0.34 * side, 1.48, 0}, 0.11, {0.4, 1, 0.7}, 0.04));
   }
-  parts.push_back({{-0.07, 1.27, 0.32}, {0.07, 1.27, 0.32}, 0.025, 0.025, 0.05});
+  parts.push_back({{-0.06, 1.27, 0.3}, {0.06, 1.27, 0.3}, 0.04, 0.04, 0.08});
   return Body(parts, 0.024).mesh();
 }
 
