@@ -319,6 +319,10 @@ class Window:
         reply = self.ask("tool")
         return reply["tool"], reply["suspended"]
 
+    def cursor(self):
+        """Qt's number of the cursor's shape over the view."""
+        return self.ask("tool")["cursor"]
+
     def clipboard(self, text=None):
         return self.ask("clipboard", text=text)["text"]
 

@@ -15,8 +15,8 @@ BATCH = 30  # gestures that are sent together
 CHECKED = 6  # batches after which all is undone and compared
 KEYS = [*"XYZNTRSGCW0123456789.-[]", "Return", "Backspace", "Esc"]
 # What is not in the panel is left out.
-SETTINGS = {"radius": lambda r: r.choice([0, 0.05, 0.1, 0.3]), "padding": lambda r: r.choice([0, 0.1, 0.5, 1]),
-            "handle_share": lambda r: r.choice([0, 0.2, 0.5]), "softness": lambda r: r.choice([0, 0.5, 1]),
+SETTINGS = {"radius": lambda r: r.choice([0, 0.05, 0.1, 0.3]), "padding": lambda r: r.choice([0, 10, 50, 100]),
+            "handle_share": lambda r: r.choice([0, 20, 50]), "softness": lambda r: r.choice([0, 50, 100]),
             "connect_gap": lambda r: r.choice([0, 0.05]), "laplacian": lambda r: r.randrange(3),
             "order": lambda r: r.randrange(1, 4), "detail_rotation": lambda r: r.randrange(4),
             "iterations": lambda r: r.randrange(1, 3), "normal_radius": lambda r: r.choice([0, 0.05]),

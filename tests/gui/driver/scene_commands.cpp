@@ -275,7 +275,9 @@ Answer history(const QJsonObject&) {
 Answer tool(const QJsonObject&) {
   GLArea& area = gl_area();
   const QAction* active = area.getCurrentEditAction();
-  return {{{"tool", active ? active->text() : QString()}, {"suspended", area.suspendedEditor}}};
+  return {{{"tool", active ? active->text() : QString()},
+           {"suspended", area.suspendedEditor},
+           {"cursor", static_cast<int>(area.cursor().shape())}}};
 }
 
 }  // namespace
