@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <thread>
 
 #include "drag_support.h"
@@ -282,6 +283,106 @@ TEST(DragKeys, AmountsWithoutAMotionDoNothingButSaySo) {
   EXPECT_TRUE(same_bits(window.host, window.session.original().vertices));
   window.keys("tx6\r");
   EXPECT_EQ(window.session.figures().steps, 1);
+}
+
+// --- Gizmo and pivot ------------------------------------------------------------------------------------------------
+
+TEST(DragGizmo, ArrowMovesAlongItsAxisAndAClickGoesThrough) {
+  Window window(shapes::grid(60, 60));
+  as_found(window);
+  window.click(kMiddle);
+  EXPECT_FALSE(window.session.gizmo(window.view));
+  window.session.show_gizmo(true, GizmoAxes::Layer);
+  const std::optional<Gizmo> gizmo = window.session.gizmo(window.view);
+  ASSERT_TRUE(gizmo);
+  EXPECT_NEAR(
+      (gizmo->center - support::rows(window.host, window.session.groups()[0]).colwise().mean().transpose()).norm(), 0,
+      1e-5);
+  const Vector2 on_arrow = window.view.pixel(gizmo->along(1, 0.7));
+  window.session.hover(window.at(on_arrow), {});
+  EXPECT_EQ(window.session.gizmo_part(), GizmoPart::MoveY);
+  EXPECT_EQ(window.session.hover(), nullptr);
+  window.session.press(window.at(on_arrow));
+  window.session.move(window.at(on_arrow + Vector2(33, -50)));
+  ASSERT_NE(window.session.motion(), nullptr);
+  EXPECT_EQ(window.session.gizmo_part(), GizmoPart::MoveY);
+  window.session.release(window.at(on_arrow + Vector2(33, -50)));
+  window.session.wait();
+  ASSERT_EQ(window.session.figures().steps, 1);
+  const Vector3 way = window.session.recorded().steps[0].handles[0].transform.translation;
+  EXPECT_NEAR(way.y(), 50 * window.view.pixel_size(gizmo->center), 1e-9);
+  EXPECT_EQ(way.x(), 0);
+  EXPECT_EQ(way.z(), 0);
+  window.expect_consistent();
+  // A click on an arrow means the surface behind it.
+  const auto before = window.session.groups();
+  const Vector2 arrow = window.view.pixel(window.session.gizmo(window.view)->along(0, 0.9));
+  window.session.press(window.at(arrow));
+  window.session.release(window.at(arrow));
+  window.session.wait();
+  EXPECT_NE(window.session.groups(), before);
+  EXPECT_EQ(window.session.figures().steps, 1);
+}
+
+TEST(DragGizmo, RingTurnsAboutThePivot) {
+  Window window(shapes::grid(60, 60));
+  as_found(window);
+  change(window, [](DragSettings& s) { s.radius = 12; });
+  window.click(kMiddle);
+  window.session.show_gizmo(true, GizmoAxes::Layer);
+  window.session.set_pivot(Pivot::Point);
+  EXPECT_NE(window.session.message().find("turn about"), std::string::npos);
+  window.click(at(30, 40));
+  EXPECT_EQ(window.session.groups().at(0).size() > 1, true);
+  const Vector3 pivot = window.session.mesh().vertices.row(at(30, 40)).transpose();
+  EXPECT_EQ(window.session.pivot_place(), pivot);
+  const std::optional<Gizmo> gizmo = window.session.gizmo(window.view);
+  ASSERT_TRUE(gizmo && gizmo->center == pivot);
+  const Vector2 on_ring = window.view.pixel(gizmo->on_ring(2, 0.4));
+  ASSERT_EQ(gizmo_part_at(*gizmo, window.at(on_ring)), GizmoPart::TurnZ);
+  window.session.press(window.at(on_ring));
+  window.session.move(window.at(window.view.pixel(gizmo->on_ring(2, 0.7))));
+  window.session.release(window.at(window.view.pixel(gizmo->on_ring(2, 0.4 + 0.5))));
+  window.session.wait();
+  ASSERT_EQ(window.session.figures().steps, 1);
+  const HandleTransform transform = window.session.recorded().steps[0].handles[0].transform;
+  EXPECT_NEAR(transform.degrees, 0.5 * 180 / std::acos(-1.0), 1e-6);
+  ASSERT_TRUE(transform.center);
+  EXPECT_EQ(*transform.center, pivot);
+  // The handle keeps its distance from the pivot.
+  EXPECT_NEAR((window.host.row(kMiddle).transpose() - pivot).norm(), 10, 0.1);
+  window.expect_consistent();
+}
+
+TEST(DragGizmo, RimIsTheMiddleOfWhatHoldsAnArm) {
+  Window window(shapes::tapered_arm(24, 60), support::view_from(Vector3(0, -12, 0), Vector3::Zero()));
+  const Points& places = window.session.mesh().vertices;
+  int tip = 0;
+  places.col(0).maxCoeff(&tip);
+  change(window, [](DragSettings& s) { s.radius = 2; });
+  window.click(tip);
+  window.session.set_pivot(Pivot::Rim);
+  const Vector3 rim = window.session.pivot_place();
+  EXPECT_LT(rim.x(), places(tip, 0) - 1);
+  EXPECT_LT(std::hypot(rim.y(), rim.z()), 0.5);
+  window.session.set_pivot(Pivot::Centroid);
+  EXPECT_EQ(window.session.pivot_place(), centroid(places, window.session.groups().at(0)));
+}
+
+TEST(DragKeys, ControlGoesInSteps) {
+  Window window(shapes::grid(60, 60));
+  as_found(window);
+  window.click(kMiddle);
+  window.keys("r");
+  Cursor cursor = window.at(Vector2(500, 500));
+  window.session.move(cursor);
+  cursor.pixel = Vector2(400, 520);
+  cursor.snap = true;
+  window.session.move(cursor);
+  ASSERT_NE(window.session.motion(), nullptr);
+  const double degrees = window.session.motion()->transform().degrees;
+  EXPECT_NE(degrees, 0);
+  EXPECT_NEAR(std::remainder(degrees, 15), 0, 1e-9);
 }
 
 // --- Hover ----------------------------------------------------------------------------------------------------------

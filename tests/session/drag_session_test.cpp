@@ -7,6 +7,7 @@
 #include <random>
 
 #include "drag_support.h"
+#include "lapedit/session/presets.h"
 
 namespace lapedit {
 namespace {
@@ -331,15 +332,17 @@ TEST(DragSession, AnyEventsLeaveAConsistentSession) {
   const auto pick = [&random](int count) { return static_cast<int>(random() % static_cast<unsigned>(count)); };
   const int n = static_cast<int>(window.host.rows());
   Edit saved;
-  const std::string keys = "xyzntrsgcw0123456789.-\r\b";
+  const std::string keys = "xyzntrsgcwpbv0123456789.-\r\b";
   for (int event = 0; event < 3000; ++event) {
     DragSession& session = window.session;
-    const Cursor cursor =
+    Cursor cursor =
         pick(8) == 0 ? window.at(Vector2(pick(800), pick(600))) : window.at(pick(n), Vector2(pick(9) - 4, pick(9) - 4));
-    switch (pick(22)) {
+    cursor.snap = pick(4) == 0;
+    switch (pick(26)) {
       case 0:
       case 1:
       case 2:
+        session.hover(cursor, {pick(6) == 0, pick(6) == 0});
         session.press(cursor, {pick(6) == 0, pick(6) == 0});
         break;
       case 3:
@@ -364,9 +367,27 @@ TEST(DragSession, AnyEventsLeaveAConsistentSession) {
         settings.handle_share = 0.3 * pick(4);
         settings.edit.order = 1 + pick(4);  // 4 is refused
         settings.edit.iterations = 1 + pick(2);
+        settings.softness = 0.5 * pick(3);
+        if (pick(4) == 0) {
+          presets()[static_cast<std::size_t>(pick(static_cast<int>(presets().size())))].set(settings);
+        }
         session.set_settings(settings);
         break;
       }
+      case 20:
+        session.set_brush_target(static_cast<BrushTarget>(pick(3)));
+        break;
+      case 21:
+        session.show_gizmo(pick(4) != 0, static_cast<GizmoAxes>(pick(3)));
+        session.set_pivot(static_cast<Pivot>(pick(3)));
+        break;
+      case 22:
+        session.set_anchors({pick(n), pick(n), pick(n)});
+        break;
+      case 23:
+        session.cancel();
+        session.leave();
+        break;
       case 13:
         session.undo();
         break;

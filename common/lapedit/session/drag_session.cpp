@@ -20,6 +20,7 @@ struct DragSession::Impl : SessionCore {
   void press_surface(const SurfaceHit& hit, const Cursor& cursor, PressModifiers modifiers);
   void click(const Press& press);
   void brush(const Cursor& cursor);
+  void press_beneath(const Cursor& cursor, PressModifiers modifiers);
   bool press_gizmo(const Cursor& cursor);
   void look(const Cursor& cursor, PressModifiers modifiers);
   void change_region(Choice (*choose)(const Surface&, const Selection&));
@@ -139,7 +140,7 @@ std::string DragSession::message() const {
   if (!s.unconnected.empty()) {
     return messages::unconnected(s.unconnected);
   }
-  if (const int free = s.held_by_nothing(); free > 0) {
+  if (const int free = s.shown.held_by_nothing(); free > 0) {
     return messages::nothing_holds(free);
   }
   return s.selection.mode == HandleMode::Curve && s.selection.curve_end >= 0 ? messages::kLeadCurve
@@ -276,24 +277,29 @@ void DragSession::press(const Cursor& cursor, PressModifiers modifiers) {
   if (!modifiers.add && !modifiers.take && s.press_gizmo(cursor)) {
     return;
   }
-  const std::optional<SurfaceHit> hit = surface_at(s.mesh(), *s.adjacency, cursor);
-  if (s.tools.pivot == Pivot::Point && s.tools.pivot_vertex < 0 && !modifiers.add && !modifiers.take) {
+  s.press_beneath(cursor, modifiers);
+}
+
+/// A press on what is behind the gizmo.
+void DragSession::Impl::press_beneath(const Cursor& cursor, PressModifiers modifiers) {
+  const std::optional<SurfaceHit> hit = surface_at(mesh(), *adjacency, cursor);
+  if (tools.pivot == Pivot::Point && tools.pivot_vertex < 0 && !modifiers.add && !modifiers.take) {
     if (hit) {
-      s.tools.pivot_vertex = hit->vertex;
+      tools.pivot_vertex = hit->vertex;
     } else {
-      s.refusal = messages::kNoSurface;
+      refusal = messages::kNoSurface;
     }
     return;
   }
-  const bool grabs = !modifiers.add && !modifiers.take && s.selection.next != Selection::Next::Region;
-  const int grabbed = grabs ? group_at(s.mesh(), s.groups(), hit, cursor, s.settings.radius) : -1;
+  const bool grabs = !modifiers.add && !modifiers.take && selection.next != Selection::Next::Region;
+  const int grabbed = grabs ? group_at(mesh(), groups(), hit, cursor, settings.radius) : -1;
   if (grabbed >= 0) {
-    s.selection.active = grabbed;
-    s.pressed = Press{hit ? hit->point : cursor.view.beside(s.center(), cursor.pixel), -1, cursor, modifiers};
+    selection.active = grabbed;
+    pressed = Press{hit ? hit->point : cursor.view.beside(center(), cursor.pixel), -1, cursor, modifiers};
   } else if (hit) {
-    s.press_surface(*hit, cursor, modifiers);
+    press_surface(*hit, cursor, modifiers);
   } else {
-    s.refusal = messages::kNoSurface;
+    refusal = messages::kNoSurface;
   }
 }
 
@@ -380,7 +386,10 @@ void DragSession::release(const Cursor& cursor) {
   }
   const Press press = *s.pressed;
   s.end_stroke();
-  if (!press.plain() && !press.brushed) {
+  if (press.on_gizmo) {  // a click means what is behind it
+    s.press_beneath(press.cursor, {});
+    s.pressed.reset();
+  } else if (!press.plain() && !press.brushed) {
     s.click(press);
   }
 }
@@ -395,6 +404,7 @@ bool DragSession::Impl::press_gizmo(const Cursor& cursor) {
     return false;
   }
   pressed = Press{gizmo->center, -1, cursor, {}};
+  pressed->on_gizmo = true;
   pressed->kind = kind_of(pointer.part);
   pressed->axis = axis_of(*gizmo, pointer.part);
   return true;

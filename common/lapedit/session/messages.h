@@ -26,10 +26,10 @@ constexpr const char* kPickAnywhere =
     LAPEDIT_TEXT("lapedit", "Press on the surface and drag, or click to see the region first.");
 constexpr const char* kLeadCurve =
     LAPEDIT_TEXT("lapedit", "Click to lead the curve on, drag the curve to move it; C ends it.");
-constexpr const char* kDragHandle = LAPEDIT_TEXT(
-    "lapedit",
-    "Drag the handle (R turns, S scales, T moves it), click inside the region for another one, outside for a new "
-    "region.");
+constexpr const char* kDragHandle = LAPEDIT_TEXT("lapedit",
+                                                 "Drag the handle (V shows arrows and rings; T moves, R turns, S "
+                                                 "scales), click inside the region for another one, outside for a new "
+                                                 "region.");
 std::string dragging(const DragMotion& motion, bool by_button);
 
 /// "Moving by 0.5 along Y (typed 0.5)"

@@ -70,11 +70,17 @@ double disc_radius(const DragSettings& settings) {
   return settings.handle_share * settings.radius;
 }
 
-/// What a click takes. A disc has the vertex' neighbours at least: on a coarse mesh a single one would make a needle.
+/// What a click takes. A disc has the vertex' neighbours at least, where they leave a region around: on a coarse mesh a
+/// single vertex would make a needle.
 std::vector<int> disc(const Surface& surface, int vertex) {
   const double radius = disc_radius(surface.settings);
   std::vector<int> within = vertices_within(surface.mesh, surface.adjacency, vertex, radius);
-  return radius > 0 ? united(within, grown(surface.adjacency, {vertex})) : within;
+  if (radius > 0) {
+    within =
+        united(within, common(grown(surface.adjacency, {vertex}),
+                              vertices_within(surface.mesh, surface.adjacency, vertex, surface.settings.radius / 2)));
+  }
+  return within;
 }
 
 /// How far discs go from their centres: on a coarse mesh less far than they were to.

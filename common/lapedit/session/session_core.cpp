@@ -200,26 +200,6 @@ bool SessionCore::redo_stroke() {
   return true;
 }
 
-/// Vertices of pieces of the region that a single handle would carry along as a whole, since nothing else holds them.
-int SessionCore::held_by_nothing() const {
-  const Region* const region = shown.region().get();
-  if (!region || region->anchored.empty()) {
-    return 0;
-  }
-  std::vector<std::vector<int>> groups_of(region->anchored.size());
-  for (int i = 0; i < region->size(); ++i) {
-    if (std::vector<int>& seen = groups_of[region->component[i]];
-        region->group[i] >= 0 && std::find(seen.begin(), seen.end(), region->group[i]) == seen.end()) {
-      seen.push_back(region->group[i]);
-    }
-  }
-  int free = 0;
-  for (const int c : region->component) {
-    free += !region->anchored[c] && groups_of[c].size() < 2 ? 1 : 0;
-  }
-  return free;
-}
-
 // --- Motion ----------------------------------------------------------------------------------------------------------
 
 bool SessionCore::begin(MotionKind kind, const Vector3& grab, const Cursor& cursor, bool by_button) {

@@ -80,7 +80,7 @@ using Phase = std::variant<Idle, Picked, Dragging, Releasing, Amending, Loading>
 /// What the user has switched on, beside settings and selection.
 struct Tools {
   BrushTarget brush = BrushTarget::Region;
-  bool gizmo = true;
+  bool gizmo = false;
   GizmoAxes axes = GizmoAxes::Layer;
   Pivot pivot = Pivot::Centroid;
   int pivot_vertex = -1;  ///< Pivot::Point; -1: the next click picks it
@@ -110,6 +110,7 @@ struct Press {
   PressModifiers modifiers;
   bool draggable = true;
   bool brushed = false;
+  bool on_gizmo = false;
   std::optional<Vector3> axis = std::nullopt;  // of a gizmo's arrow or ring
   MotionKind kind = MotionKind::Translate;
 
@@ -190,7 +191,6 @@ struct SessionCore {
   bool take(Choice choice);
   void handles_changed();
   void find_unconnected(const Region& region);
-  int held_by_nothing() const;
   bool undo_stroke();
   bool redo_stroke();
   void restore(Selection before);

@@ -45,14 +45,35 @@ Region region_by_hand(const TriangleMesh& mesh, const Adjacency& adjacency, cons
   return region;
 }
 
+namespace {
+
+int count_held_by_nothing(const Region& region) {
+  std::vector<int> group(region.anchored.size(), -1);
+  std::vector<char> held(region.anchored.begin(), region.anchored.end());
+  for (int i = 0; i < region.size() && !region.anchored.empty(); ++i) {
+    int& first = group[region.component[i]];
+    held[region.component[i]] |= region.group[i] >= 0 && first >= 0 && region.group[i] != first;
+    first = region.group[i] >= 0 ? region.group[i] : first;
+  }
+  int count = 0;
+  for (const int c : region.component) {
+    count += held[c] ? 0 : 1;
+  }
+  return count;
+}
+
+}  // namespace
+
 void ShownRegion::show(std::shared_ptr<const Region> region, const TriangleMesh& mesh) {
   region_ = std::move(region);
   std::fill(std::begin(counts_), std::end(counts_), 0);
+  held_by_nothing_ = 0;
   if (region_) {
     pose_ = gather(mesh.vertices, region_->mesh_vertex);
     for (const VertexClass c : region_->classes) {
       ++counts_[static_cast<int>(c)];
     }
+    held_by_nothing_ = count_held_by_nothing(*region_);
   }
   away_ = false;
   ++serial_;

@@ -33,12 +33,15 @@ class ShownRegion {
   int region_serial() const { return region_serial_; }
   /// Vertices of a class, 0 without a region.
   int count(VertexClass c) const { return counts_[static_cast<int>(c)]; }
+  /// Vertices of pieces that a single handle would carry along as a whole, since nothing else holds them.
+  int held_by_nothing() const { return held_by_nothing_; }
   bool away() const { return away_; }  ///< the pose is another one than the mesh's
 
  private:
   std::shared_ptr<const Region> region_, awaited_;
   Points pose_;
   int counts_[4] = {};
+  int held_by_nothing_ = 0;
   int serial_ = 0, region_serial_ = 0;
   bool away_ = false;
 };
