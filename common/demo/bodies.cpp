@@ -201,6 +201,27 @@ TriangleMesh creature() {
   return Body(parts, 0.034).mesh();
 }
 
+TriangleMesh person() {
+  std::vector<Part> parts = {{{0, 0.1, 0}, {0, 0.7, 0}, 0.36, 0.42, 0.1, false, {1, 1, 0.7}},
+                             {{0, 0.85, 0}, {0, 1.2, 0}, 0.17, 0.13, 0.2},
+                             ellipsoid({0, 1.5, 0.02}, 0.38, {0.85, 1, 0.9}, 0.08),
+                             {{0, 1.52, 0.34}, {0, 1.4, 0.42}, 0.03, 0.05, 0.06}};
+  for (const double side : {-1.0, 1.0}) {
+    parts.push_back({{0.36 * side, 0.8, 0}, {0.68 * side, 0.32, 0}, 0.16, 0.115, 0.14});
+    parts.push_back({{0.68 * side, 0.32, 0}, {0.95 * side, -0.12, 0.06}, 0.115, 0.085, 0.05});
+    parts.push_back({{0.97 * side, -0.16, 0.07}, {1.06 * side, -0.34, 0.09}, 0.1, 0.075, 0.05, false, {1, 1, 0.7}});
+    parts.push_back({{0.93 * side, -0.12, 0.12}, {0.9 * side, -0.28, 0.22}, 0.05, 0.045, 0.05});
+    parts.push_back({{0.2 * side, 0, 0}, {0.25 * side, -0.8, 0.03}, 0.23, 0.15, 0.15});
+    parts.push_back({{0.25 * side, -0.8, 0.03}, {0.27 * side, -1.5, -0.02}, 0.15, 0.1, 0.06});
+    parts.push_back({{0.27 * side, -1.55, 0}, {0.3 * side, -1.6, 0.28}, 0.11, 0.09, 0.06});
+    parts.push_back(hollow({0.13 * side, 1.56, 0.4}, 0.08, 0.07));
+    parts.push_back(ball({0.125 * side, 1.56, 0.3}, 0.07, 0.02));
+    parts.push_back(ellipsoid({0.34 * side, 1.48, 0}, 0.11, {0.4, 1, 0.7}, 0.04));
+  }
+  parts.push_back({{-0.06, 1.27, 0.3}, {0.06, 1.27, 0.3}, 0.04, 0.04, 0.08});
+  return Body(parts, 0.024).mesh();
+}
+
 TriangleMesh terrain(int rows) {
   TriangleMesh mesh;
   mesh.vertices.resize(rows * rows, 3);

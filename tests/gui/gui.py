@@ -163,6 +163,13 @@ class Window:
             self.fail(f"{line[:200]}: {reply['error']}")
         return reply
 
+    def batch(self, requests):
+        """Requests that ask() could make, none of which opens a dialog, one right after the other.
+        @return  number and reason of those that could not be done"""
+        self.recent.append(f"a batch of {len(requests)}")
+        self.recent.extend(json.dumps(request) for request in requests[-20:])
+        return self.ask("batch", requests=requests)["errors"]
+
     def idle(self):
         """Until the tool has nothing to do and all is painted."""
         self.ask("idle", seconds=PATIENCE)
@@ -311,6 +318,10 @@ class Window:
         """Title of the active tool, "" if there is none, and whether it is suspended."""
         reply = self.ask("tool")
         return reply["tool"], reply["suspended"]
+
+    def cursor(self):
+        """Qt's number of the cursor's shape over the view."""
+        return self.ask("tool")["cursor"]
 
     def clipboard(self, text=None):
         return self.ask("clipboard", text=text)["text"]

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Random events: MeshLab still runs, no number is broken, and undoing all gives the original bits."""
+"""Random events: MeshLab still runs, no number is broken, undoing all gives the original bits, and what was recorded
+replays to the bit."""
 import os
 import random
 import unittest
@@ -8,31 +9,57 @@ from tool import TOOL, ToolTest, part
 from ply import write_ply
 from shapes import moved
 
-EVENTS = int(os.environ.get("LAPEDIT_RANDOM_EVENTS", "2000"))
-SEED = 20241121
-KEYS = [*"XYZNTRSGCW0123456789.-", "Return", "Backspace", "Esc"]
-SETTINGS = {"radius": lambda r: r.choice([0, 0.05, 0.1, 0.3]), "padding": lambda r: r.choice([0, 0.1, 0.5, 1]),
-            "handle_radius": lambda r: r.choice([0, 0, 0.05]), "laplacian": lambda r: r.randrange(3),
+EVENTS = int(os.environ.get("LAPEDIT_RANDOM_EVENTS", "20000"))  # of mouse, wheel, keys, panel and view
+SEED = int(os.environ.get("LAPEDIT_RANDOM_SEED", "20241121"))
+BATCH = 30  # gestures that are sent together
+CHECKED = 6  # batches after which all is undone and compared
+KEYS = [*"XYZNTRSGCW0123456789.-[]", "Return", "Backspace", "Esc"]
+# What is not in the panel is left out.
+SETTINGS = {"radius": lambda r: r.choice([0, 0.05, 0.1, 0.3]), "padding": lambda r: r.choice([0, 10, 50, 100]),
+            "handle_share": lambda r: r.choice([0, 20, 50]), "softness": lambda r: r.choice([0, 50, 100]),
+            "connect_gap": lambda r: r.choice([0, 0.05]), "laplacian": lambda r: r.randrange(3),
             "order": lambda r: r.randrange(1, 4), "detail_rotation": lambda r: r.randrange(4),
             "iterations": lambda r: r.randrange(1, 3), "normal_radius": lambda r: r.choice([0, 0.05]),
             "handle_weight": lambda r: r.choice([1, 10]), "anchor_weight": lambda r: r.choice([0.5, 10]),
             "turning": lambda r: r.randrange(2), "rough": lambda r: r.randrange(2),
             "membrane": lambda r: r.choice([0, 1200])}
 BUTTONS = ["undo", "redo", "reset", "grow", "shrink", "component", "from_selection", "copy", "cancel"]
+LEFT_ALONE = {"save", "load"}  # their dialogs wait for an answer
 
 
 class Events:
     """One kind of event per method; the name of each is its weight's key."""
 
-    WEIGHTS = {"press": 10, "move": 30, "release": 12, "click": 8, "drag": 8, "wheel": 4, "key": 14, "undo": 4,
-               "redo": 3, "setting": 4, "button": 5, "navigate": 3, "suspend": 1, "layer": 1, "filter": 1, "restart": 1,
-               "select": 1, "visible": 1}
+    WEIGHTS = {"press": 10, "move": 24, "hover": 10, "release": 12, "click": 8, "drag": 8, "gizmo_drag": 8, "brush": 4,
+               "wheel": 6, "key": 14, "undo": 4, "redo": 3, "setting": 4, "choice": 1, "button": 3, "drop": 3, "navigate": 3,
+               "suspend": 1, "select": 1, "visible": 1}
+    # Of a batch, since they take long.
+    RARE = ["layer", "filter", "restart"]
 
     def __init__(self, test, window):
         self.test, self.w, self.random = test, window, random.Random(SEED)
         self.originals = {}
-        self.counts = dict.fromkeys(self.WEIGHTS, 0)
+        self.counts = dict.fromkeys([*self.WEIGHTS, *self.RARE], 0)
+        self.replayed = 0
+        self.requests = []
+        self.sent = 0
+        panel = window.ask("widgets", inside=part("panel"))["widgets"]
+        names = {w["name"].removeprefix(part("")): w for w in panel}
+        self.settings = [name for name in SETTINGS if name in names]
+        self.choices = {name: w for name, w in names.items() if "currentIndex" in w and name not in SETTINGS}
+        self.buttons = sorted(set(BUTTONS) | {name for name, w in names.items() if w["class"] in ("QPushButton", "QToolButton")
+                                              and w["name"].startswith(part(""))} - LEFT_ALONE)
         self.remember()
+
+    def ask(self, command, **arguments):
+        self.requests.append({"command": command, **arguments})
+
+    def flush(self):
+        requests, self.requests = self.requests, []
+        self.sent += sum(request["command"] not in ("idle", "step") for request in requests)
+        for _, error in self.w.batch(requests):
+            # What is disabled or folded away cannot be used by hand either.
+            self.test.assertRegex(error, "disabled|no such button in sight")
 
     def remember(self):
         """The tool starts with the current layer as it is now, or goes on with the steps it has of it."""
@@ -43,113 +70,212 @@ class Events:
 
     def check(self):
         """Undoes all, and compares."""
+        self.flush()
         w = self.w
         w.idle()
         if w.tool() == (TOOL, True):
             w.trigger("Not editing")
         self.test.assertEqual(w.tool(), (TOOL, False))
         w.key("Backspace")
-        w.mouse("release", *self.place())
+        w.mouse("release", 3, 3)
         w.key("Backspace")
         for layer in w.layers():
             self.test.assert_finite(w.dump(layer["id"]))
         if w.widget(part("reset"))["enabled"]:
+            if self.random.random() < 0.3:
+                self.replay()
             w.press_button(part("reset"))
         self.test.assert_same(self.originals[self.layer_id], w.dump())
 
+    def replay(self):
+        """What the window has, from the recorded edit and the coordinates at the beginning."""
+        original = self.originals[self.layer_id]
+        mesh = write_ply(self.test.folder / "original.ply", original.triples(), original.faces())
+        self.test.assert_replay_is_the_same(self.w, mesh)
+        self.replayed += 1
+
     def run(self):
         kinds, weights = zip(*self.WEIGHTS.items())
-        for number in range(EVENTS):
-            kind = self.random.choices(kinds, weights)[0]
-            self.counts[kind] += 1
+        batches = 0
+        while self.sent < EVENTS:
             try:
-                getattr(self, kind)()
-                if self.random.random() < 0.3:
-                    self.w.idle()
-                if number % 100 == 99:
+                for kind in self.random.choices(kinds, weights, k=BATCH):
+                    self.happen(kind)
+                    self.wait()
+                self.flush()
+                if self.random.random() < 0.1:
+                    kind = self.random.choice(self.RARE)
+                    self.happen(kind)
+                batches += 1
+                if batches % CHECKED == 0:
                     self.check()
             except AssertionError as error:
-                raise AssertionError(f"at event {number}, {kind}: {error}") from error
+                raise AssertionError(f"seed {SEED}, at event {self.sent}, {kind}: {error}") from error
+
+    def wait(self):
+        """Mostly not at all. A drag that waits for all goes on only after a second."""
+        kind = self.random.random()
+        if kind < 0.02:
+            self.ask("idle")
+        elif kind < 0.2:
+            self.ask("idle", frame=True)
+        elif kind < 0.4:
+            self.ask("step")
+
+    def happen(self, kind):
+        self.counts[kind] += 1
+        getattr(self, kind)()
 
     def place(self):
+        """Arguments of a mouse command."""
         if self.random.random() < 0.1:
-            return self.random.uniform(0, 800), self.random.uniform(0, 750)
-        x, y = self.w.pixel(self.random.randrange(len(self.test.points)))
-        return x + self.random.uniform(-3, 3), y + self.random.uniform(-3, 3)
+            return {"x": self.random.uniform(0, 800), "y": self.random.uniform(0, 750)}
+        return {"vertex": self.random.randrange(len(self.test.points)), "x": self.random.uniform(-3, 3),
+                "y": self.random.uniform(-3, 3)}
 
     def modifiers(self):
         return self.random.choice([[]] * 8 + [["ctrl"], ["shift"], ["alt"], ["ctrl", "shift"]])
 
+    def button_name(self):
+        return self.random.choice(["left"] * 8 + ["middle", "right"])
+
+    def mouse(self, kind, place, button="left", modifiers=()):
+        self.ask("mouse", type=kind, button=button, modifiers=list(modifiers), **place)
+
+    def way(self, place, modifiers=(), moves=4, button="left"):
+        """A drag, from press to release."""
+        step = self.random.uniform(-9, 9), self.random.uniform(-9, 9)
+        self.mouse("press", place, button, modifiers)
+        if self.random.random() < 0.5:
+            self.ask("idle", frame=True)  # the region is there
+        for _ in range(moves):
+            place = dict(place, x=place["x"] + step[0], y=place["y"] + step[1])
+            self.mouse("move", place, modifiers=modifiers)
+        self.mouse("release", place, button, modifiers)
+
     def press(self):
-        self.w.mouse("press", *self.place(), self.random.choice(["left"] * 8 + ["middle", "right"]), self.modifiers())
+        self.mouse("press", self.place(), self.button_name(), self.modifiers())
 
     def move(self):
-        self.w.mouse("move", *self.place(), modifiers=self.modifiers())
+        self.mouse("move", self.place(), modifiers=self.modifiers())
+
+    def hover(self):
+        """No button held, in small steps, and the pictures of it."""
+        self.mouse("release", self.place())
+        place = self.place()
+        for _ in range(4):
+            place = dict(place, x=place["x"] + self.random.uniform(-9, 9), y=place["y"] + self.random.uniform(-9, 9))
+            self.mouse("move", place)
+            self.ask("step")
 
     def release(self):
-        self.w.mouse("release", *self.place(), self.random.choice(["left"] * 8 + ["middle", "right"]), self.modifiers())
+        self.mouse("release", self.place(), self.button_name(), self.modifiers())
 
     def click(self):
         place, modifiers = self.place(), self.modifiers()
-        self.w.mouse("press", *place, modifiers=modifiers)
-        self.w.mouse("release", *place, modifiers=modifiers)
+        self.mouse("press", place, modifiers=modifiers)
+        self.mouse("release", place, modifiers=modifiers)
         if self.random.random() < 0.1:
-            self.w.mouse("double", *place, modifiers=modifiers)
+            self.mouse("double", place, modifiers=modifiers)
 
     def drag(self):
-        x, y = self.place()
-        modifiers = self.modifiers()
-        self.w.mouse("press", x, y, modifiers=modifiers)
-        for i in range(1, 5):
-            self.w.mouse("move", x + 7 * i, y - 5 * i, modifiers=modifiers)
-        self.w.mouse("release", x + 28, y - 20, modifiers=modifiers)
+        self.way(self.place(), self.modifiers())
+
+    def gizmo_drag(self):
+        """A handle, then drags that begin around it, where arrows, rings and the knob are."""
+        vertex = self.random.randrange(len(self.test.points))
+        at = {"vertex": vertex, "x": 0, "y": 0}
+        self.mouse("press", at)
+        self.mouse("release", at)
+        self.ask("step")
+        for _ in range(3):
+            place = dict(at, x=self.random.uniform(-90, 90), y=self.random.uniform(-90, 90))
+            self.mouse("move", place)
+            self.way(place, self.random.choice([[], [], ["ctrl"], ["shift"]]))
+
+    def brush(self):
+        self.way(self.place(), self.random.choice([["ctrl"], ["shift"]]), moves=8)
 
     def wheel(self):
-        self.w.ask("wheel", x=300, y=300, delta=self.random.choice([-240, -120, 120, 240]), modifiers=self.modifiers())
+        place = self.place() if self.random.random() < 0.7 else {"x": 300, "y": 300}
+        self.ask("wheel", delta=self.random.choice([-240, -120, 120, 240]), modifiers=self.modifiers(), **place)
 
     def key(self):
-        key = self.random.choice(KEYS)
-        self.w.ask("key", key=key, modifiers=[])
+        self.ask("key", key=self.random.choice(KEYS), modifiers=[])
 
     def undo(self):
-        self.w.ask("key", key="Z", modifiers=["ctrl"])
+        self.ask("key", key="Z", modifiers=["ctrl"])
 
     def redo(self):
-        self.w.ask("key", key="Z", modifiers=["ctrl", "shift"])
+        self.ask("key", key="Z", modifiers=["ctrl", "shift"])
 
     def setting(self):
-        name = self.random.choice(list(SETTINGS))
-        self.w.ask("set", name=part(name), value=SETTINGS[name](self.random))
+        name = self.random.choice(self.settings)
+        self.ask("set", name=part(name), value=SETTINGS[name](self.random))
+
+    def choice(self):
+        """Mode, brush, gizmo, pivot, symmetry, preset: whatever lists the panel has."""
+        name = self.random.choice(list(self.choices))
+        self.ask("set", name=part(name), value=self.random.randrange(self.choices[name]["count"]))
 
     def button(self):
-        name = part(self.random.choice(BUTTONS))
-        if self.w.widgets(name).get(name, {}).get("enabled"):
-            self.w.ask("click", name=name)
+        self.ask("click", name=part(self.random.choice(self.buttons)))
+
+    def drop(self):
+        """A motion is dropped by the right button, Esc or undo."""
+        place = self.place()
+        self.mouse("press", place)
+        for k in range(1, 4):
+            self.mouse("move", dict(place, x=place["x"] + 7 * k))
+        how = self.random.randrange(3)
+        if how == 0:
+            self.mouse("press", place, "right")
+            self.mouse("release", place, "right")
+        elif how == 1:
+            self.ask("key", key="Esc", modifiers=[])
+            self.ask("step")
+            self.ask("key", key="Esc", modifiers=[])
+        else:
+            self.undo()
+        self.mouse("release", place)
 
     def navigate(self):
         x, y = self.random.uniform(100, 600), self.random.uniform(100, 600)
-        self.w.mouse("press", x, y, "middle")
-        self.w.mouse("move", x + self.random.uniform(-20, 20), y + self.random.uniform(-20, 20))
-        self.w.mouse("release", x, y, "middle")
+        self.mouse("press", {"x": x, "y": y}, "middle")
+        self.mouse("move", {"x": x + self.random.uniform(-20, 20), "y": y + self.random.uniform(-20, 20)})
+        self.mouse("release", {"x": x, "y": y}, "middle")
         if self.random.random() < 0.5:
-            self.w.ask("trigger", text="Front")
+            self.ask("trigger", text="Front")
 
     def suspend(self):
-        self.w.ask("trigger", text="Not editing")
+        self.ask("trigger", text="Not editing")
         for _ in range(3):
             self.drag()
-        self.w.ask("trigger", text="Not editing")
+        self.ask("trigger", text="Not editing")
+
+    def select(self):
+        self.ask("layer", selected_faces=self.random.sample(range(len(self.test.faces)), 40))
+        self.flush()
+        # The selection is not the tool's: what it is now is to stay.
+        self.originals[self.layer_id].arrays["face_flags"] = self.w.dump()["face_flags"]
+
+    def visible(self):
+        self.ask("layer", visible=False)
+        self.drag()
+        self.ask("layer", visible=True)
 
     def layer(self):
         self.check()
         self.drag()
         self.press()
+        self.flush()
         self.w.ask("layer", layer=1 - self.layer_id, current=True)
         self.remember()
 
     def filter(self):
         self.press()
         self.move()
+        self.flush()
         self.w.run_filter(self.random.choice(["Laplacian Smooth", "Invert Selection", "Re-Compute Vertex Normals"]))
         self.test.assertEqual(self.w.tool()[0], "")
         self.test.shade_smoothly(self.w)
@@ -159,23 +285,11 @@ class Events:
     def restart(self):
         self.drag()
         self.press()
+        self.flush()
         self.w.trigger(TOOL)
         self.test.assertEqual(self.w.tool()[0], "")
         self.w.trigger(TOOL)
         self.remember()
-
-    def select(self):
-        self.w.ask("layer", selected_faces=self.random.sample(range(len(self.test.faces)), 40))
-        self.remember_flags()
-
-    def visible(self):
-        self.w.ask("layer", visible=False)
-        self.drag()
-        self.w.ask("layer", visible=True)
-
-    def remember_flags(self):
-        """The selection is not the tool's: what it is now is to stay."""
-        self.originals[self.layer_id].arrays["face_flags"] = self.w.dump()["face_flags"]
 
 
 class Random(ToolTest):
@@ -185,8 +299,10 @@ class Random(ToolTest):
             events = Events(self, w)
             events.run()
             events.check()
-            self.assertGreaterEqual(min(events.counts.values()), EVENTS // 333, events.counts)
-            self.assertGreater(len(self.steps_in_log(w)), EVENTS // 40)
+            if EVENTS >= 20000:
+                self.assertGreater(min(events.counts.values()), 0, events.counts)
+                self.assertGreater(events.replayed, 0)
+            self.assertGreater(len(self.steps_in_log(w)), EVENTS // 400)
 
 
 if __name__ == "__main__":

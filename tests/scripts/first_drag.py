@@ -92,6 +92,7 @@ def main():
     parser.add_argument("--output", type=pathlib.Path, required=True)
     parser.add_argument("names", nargs="*", help="scenes, all by default")
     given = parser.parse_args()
+    given.output = given.output.resolve()
     (given.output / "first_drag").mkdir(parents=True, exist_ok=True)
 
     def make(pictures):

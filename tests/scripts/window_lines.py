@@ -17,7 +17,7 @@ from ply import write_ply
 from shapes import moved, together
 
 NOSE, EAR = (0, -0.13, 1.21), (1.0, 0.33, -0.1)
-CHEEK = (0.5, -0.3, 0.72)
+CHEEK = (0.32, -0.3, 0.85)
 TIPS = [(-0.5, 1.2, 0.1), (-0.17, 1.44, 0.1), (0.15, 1.5, 0.1), (0.46, 1.33, 0.1)]
 PALM = (0, 0, 0.22)
 COLOURS = {"light": None, "dark": lambda p: (18, 20, 26), "green": lambda p: (50, 150, 60),
@@ -82,7 +82,8 @@ class Lines:
 
     def set(self, window, name, value):
         if self.has(window, name):
-            window.set(part(name), value)
+            percent = window.widget(part(name)).get("maximum", 0) > 1 and name == "handle_share"
+            window.set(part(name), round(100 * value) if percent else value)
 
     def coloured(self, name, colour):
         if colour is None:
@@ -97,14 +98,14 @@ class Lines:
     def large_handle(self):
         """A group of some 2,000 vertices while it is dragged."""
         for name, colour in COLOURS.items():
-            with self.tool(self.coloured("head", colour), turned(0, 35), radius=1.1, handle_radius=0.48) as w:
+            with self.tool(self.coloured("head", colour), turned(0, 35), radius=1.1, handle_radius=0.48, handle_share=0.44) as w:
                 x, y = w.at(NOSE)
                 w.drag((x, y), (x + 60, y - 20), steps=8, release=False)
                 self.shoot(w, f"{name}: dragged", (x + 20, y - 20))
 
     def groups(self):
         for name in ("light", "green"):
-            with self.tool(self.coloured("hand", COLOURS[name]), radius=1.2, handle_radius=0.16) as w:
+            with self.tool(self.coloured("hand", COLOURS[name]), radius=1.2, handle_radius=0.16, handle_share=0.14) as w:
                 w.click(*w.at(TIPS[0]))
                 for tip in TIPS[1:]:
                     w.key("G")
@@ -208,21 +209,26 @@ class Lines:
             self.shoot(w, "dragged")
 
     def gizmo(self):
-        with self.tool("creature", turned(5, -15), handle_radius=0.25, radius=1.2) as w:
+        with self.tool("creature", turned(5, -15), radius=1.2, handle_radius=0.25, handle_share=0.2) as w:
             if not self.has(w, "gizmo"):
                 return
             x, y = w.at((0.8, -1.29, 0.41))
             w.click(x, y)
-            for k in range(w.ask("widget", name=part("gizmo")).get("count", 4)):
-                self.set(w, "gizmo", k)
+            self.set(w, "gizmo", True)
+            for k in range(w.widget(part("gizmo_axes"))["count"]):
+                self.set(w, "gizmo_axes", k)
                 w.move(3, 300)
-                self.shoot(w, "gizmo: " + w.widget(part("gizmo"))["currentText"], (x, y))
+                self.shoot(w, "gizmo: " + w.widget(part("gizmo_axes"))["currentText"], (x, y))
+            for k in range(w.widget(part("pivot"))["count"] - 1):
+                self.set(w, "pivot", k)
+                w.move(3, 300)
+                self.shoot(w, "pivot: " + w.widget(part("pivot"))["currentText"], (x, y))
 
     def symmetry(self):
         with self.tool("head", turned(0, 20)) as w:
-            if not self.has(w, "symmetry"):
+            if not self.has(w, "mirror"):
                 return
-            self.set(w, "symmetry", 1)
+            self.set(w, "mirror", 1)
             x, y = w.at(EAR)
             w.move(x, y)
             self.shoot(w, "over an ear, mirrored across x")
@@ -252,12 +258,13 @@ class Lines:
 
     def panel_unfolded(self):
         with self.tool("head", turned(0, 35), size=(1280, 1000)) as w:
-            if not self.has(w, "advanced"):
-                return
+            headers = w.widgets(part("group_"))
             w.click(*w.at(NOSE))
-            self.set(w, "advanced", True)
-            self.set(w, "statistics", True)
-            self.shoot(w, "Advanced and Statistics unfolded", False)
+            for name, header in headers.items():
+                if not header.get("checked"):
+                    w.press_button(name)
+            if headers:
+                self.shoot(w, "all unfolded", False)
 
     def two_views(self):
         with self.tool("head", turned(0, 35), size=(1600, 900)) as w:

@@ -275,7 +275,9 @@ Answer history(const QJsonObject&) {
 Answer tool(const QJsonObject&) {
   GLArea& area = gl_area();
   const QAction* active = area.getCurrentEditAction();
-  return {{{"tool", active ? active->text() : QString()}, {"suspended", area.suspendedEditor}}};
+  return {{{"tool", active ? active->text() : QString()},
+           {"suspended", area.suspendedEditor},
+           {"cursor", static_cast<int>(area.cursor().shape())}}};
 }
 
 }  // namespace
@@ -308,8 +310,8 @@ MeshModel& layer(const QJsonObject& arguments) {
 QPointF vertex_pixel(int vertex) {
   const GLArea& area = gl_area();
   const CMeshO& mesh = layer({}).cm;
-  const vcg::Point2d place = pixel(area, eye_matrix(area) * vcg::Matrix44d::Construct(mesh.Tr) *
-                                             vcg::Point3d::Construct(mesh.vert.at(vertex).cP()));
+  const vcg::Point2d place = pixel(
+      area, eye_matrix(area) * vcg::Matrix44d::Construct(mesh.Tr) * vcg::Point3d::Construct(mesh.vert.at(vertex).cP()));
   return {place[0], place[1]};
 }
 

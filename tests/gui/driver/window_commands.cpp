@@ -95,7 +95,7 @@ QJsonObject describe(const QWidget& found) {
                      {"tool_tip", found.toolTip()}};
   const QPoint corner = found.mapToGlobal(QPoint(0, 0));
   result["rectangle"] = QJsonArray{corner.x(), corner.y(), found.width(), found.height()};
-  for (const char* property : {"text", "value", "checked", "currentIndex", "currentText", "minimum", "maximum",
+  for (const char* property : {"text", "value", "checked", "currentIndex", "currentText", "minimum", "maximum", "count",
                                "suffix", "plainText", "title", "windowTitle"}) {
     const QVariant value = found.property(property);
     if (value.isValid()) {

@@ -1,0 +1,177 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Plays an edit in the window, picture by picture: called by window_tour.sh with a mesh of a person and the GIF to make."""
+import math
+import pathlib
+import sys
+
+from pictures import TOOL, Pictures, convert, nearest, part, turned
+
+RATE = 8  # pictures per second
+WIDTH = 600
+OVER_GIZMO = 9  # Qt::SizeAllCursor
+HAND, NOSE, SHOULDER = (1.0, -0.2, 0.15), (0, 1.39, 0.47), (0.42, 0.72, 0)
+
+
+class Tour:
+    """Screenshots with a cursor and a caption, and how long each is seen."""
+
+    def __init__(self, window, folder):
+        self.window, self.folder = window, folder
+        self.frames = []  # path, hundredths of a second
+        self.place = (60, 420)
+        self.caption = ""
+        view = window.ask("project")
+        self.corner = view["corner"]
+        panel = window.widget(part("panel"))["rectangle"]
+        left = min(panel[0], self.corner[0])
+        self.size = self.corner[0] + view["width"] - left, view["height"]
+        self.crop = f"{self.size[0]}x{self.size[1]}+{left}+{self.corner[1]}"
+        self.origin = self.corner[0] - left  # of the view in the picture
+
+    def frame(self, seconds=1 / RATE, cursor=True):
+        path = self.folder / f"tour{len(self.frames):03}.png"
+        self.window.grab(path)
+        x, y = self.place[0] + self.origin, self.place[1]
+        arrow = " ".join(f"{x + a:.0f},{y + b:.0f}" for a, b in ((0, 0), (0, 22), (5, 17), (9, 26), (13, 24), (9, 16), (16, 16)))
+        draw = ["-fill", "white", "-stroke", "black", "-draw", f"polygon {arrow}"] if cursor else []
+        convert(path, "-crop", self.crop, "+repage", *draw, "-resize", f"{WIDTH}x", "-stroke", "none", "-gravity", "south",
+                "-background", "#202028", "-fill", "white", "-pointsize", 17, "-splice", "0x30", "-annotate", "+0+6",
+                self.caption, path)
+        self.frames.append((path, round(100 * seconds)))
+
+    def go(self, place, seconds, kind="move", modifiers=()):
+        """Moves there smoothly, a picture each time."""
+        start, count = self.place, max(1, round(RATE * seconds))
+        for k in range(1, count + 1):
+            t = (1 - math.cos(math.pi * k / count)) / 2
+            self.place = tuple(a + t * (b - a) for a, b in zip(start, place))
+            self.window.move(*self.place, modifiers=modifiers)
+            self.frame()
+
+    def press(self):
+        self.window.mouse("press", *self.place)
+        self.window.idle()
+
+    def release(self):
+        self.window.mouse("release", *self.place)
+        self.window.idle()
+
+    def wheel(self, notches):
+        for _ in range(abs(notches)):
+            self.window.wheel(*self.place, math.copysign(1, notches))
+            self.window.move(*self.place)
+            self.frame()
+
+    def write(self, picture):
+        arguments = []
+        for path, hundredths in self.frames:
+            arguments += ["-delay", hundredths, path]
+        convert(*arguments, "-layers", "OptimizePlus", "+dither", "-colors", 72, "-loop", 0, picture)
+        print(f"{sum(h for _, h in self.frames) / 100:.1f} s, {len(self.frames)} pictures, {picture.stat().st_size / 1e6:.2f} MB")
+
+
+def ring_place(window, centre, angle):
+    """Where the gizmo's ring is, outwards from about its centre."""
+    way = math.cos(angle), -math.sin(angle)
+    found = []
+    for pixels in range(50, 105):
+        window.move(centre[0] + pixels * way[0], centre[1] + pixels * way[1])
+        if window.cursor() == OVER_GIZMO:
+            found.append(pixels)
+    assert found, "no ring is found"
+    middle = sum(found) / len(found)
+    return centre[0] + middle * way[0], centre[1] + middle * way[1]
+
+
+def raise_arm(tour, window, at):
+    tour.caption = "The circle is what a press takes, the outline what follows. The wheel sets the radius."
+    tour.frame(0.6)
+    tour.go(at(HAND), 1.2)
+    tour.wheel(8)
+    tour.caption = "A click shows the region. Its gizmo turns about the shoulder: the middle of the region's rim."
+    tour.press()
+    tour.release()
+    window.set(part("gizmo"), True)
+    window.set(part("gizmo_axes"), "View")
+    window.set(part("pivot"), "Rim")
+    tour.frame(1.6)
+    tour.caption = "Drag the ring: the arm is raised in one motion."
+    centre = at(SHOULDER)
+    start = ring_place(window, centre, math.radians(-45))
+    tour.go(start, 0.8)
+    tour.press()
+    count = round(2.2 * RATE)
+    for k in range(1, count + 1):
+        angle = math.radians(-45 + 95 * (1 - math.cos(math.pi * k / count)) / 2)
+        radius = math.dist(start, centre)
+        tour.place = centre[0] + radius * math.cos(angle), centre[1] - radius * math.sin(angle)
+        window.mouse("move", *tour.place)
+        window.seen()
+        tour.frame()
+    tour.release()
+    tour.frame(0.8)
+
+
+def pull_nose(tour, window, at):
+    tour.caption = "Press, drag, release."
+    window.set(part("gizmo"), False)
+    window.press_button(part("clear"))
+    tour.go(at(NOSE), 0.9)
+    window.set(part("radius"), window.widget(part("radius"))["value"] / 1.1 ** 8 / 2)
+    window.move(*tour.place)
+    tour.frame(0.5)
+    tour.press()
+    tour.go((tour.place[0] - 55, tour.place[1] + 8), 1.4)
+    tour.release()
+    tour.frame(0.8)
+
+
+def keep(tour, window, pictures):
+    tour.caption = "Undo and redo, exact to the bit."
+    for modifiers in (["ctrl"], ["ctrl", "shift"]):
+        window.key("Z", modifiers=modifiers)
+        tour.frame(1)
+    edited = window.dump()
+    tour.caption = "Save the edit as JSON ..."
+    path = pictures.folder / "edit.json"
+    window.press_button(part("save"), wait=False)
+    window.wait_dialog()
+    tour.frame(1.3, cursor=False)
+    window.answer(path=path)
+    tour.caption = "... and replay it: on the original mesh ..."
+    window.press_button(part("reset"))
+    tour.frame(1.2, cursor=False)
+    window.press_button(part("load"), wait=False)
+    window.answer(path=path)
+    window.idle()
+    assert edited["positions"] == window.dump()["positions"]
+    tour.caption = "... it gives the same coordinates, bit for bit."
+    tour.frame(2.2, cursor=False)
+
+
+def main():
+    mesh, picture = (pathlib.Path(argument).resolve() for argument in sys.argv[1:])
+
+    def make(pictures):
+        with pictures.open(mesh) as window:
+            window.resize(1280, 800)
+            window.layer(matrix=turned(0, -25))
+            window.trigger("Front")
+            window.trigger(TOOL)
+
+            def at(place):
+                points = window.dump().triples()
+                return window.pixel(nearest(points, place))
+
+            tour = Tour(window, pictures.folder)
+            raise_arm(tour, window, at)
+            pull_nose(tour, window, at)
+            keep(tour, window, pictures)
+        tour.write(picture)
+
+    Pictures.made_by(make)
+
+
+if __name__ == "__main__":
+    main()
