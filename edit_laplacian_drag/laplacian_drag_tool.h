@@ -69,6 +69,7 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool 
   } mouse_;
 
   FrameClock clock_;
+  bool repaintQueued_ = false;
 
   std::atomic<bool> pollQueued_{false};
   // Last: their threads end first. By layer; one that is left may be taken up again.
