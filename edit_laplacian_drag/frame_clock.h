@@ -18,6 +18,8 @@ class FrameClock {
   /// A pose was brought to the graphics card.
   void poseArrived(double solve, double write, double upload);
   void paintBegins() { sincePaint_.start(); }
+  /// Milliseconds since then.
+  int sincePaint() const { return static_cast<int>(sincePaint_.elapsed()); }
   /// The picture is on the screen. @return whether that completes a frame
   bool painted();
 

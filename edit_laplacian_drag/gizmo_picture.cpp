@@ -49,7 +49,7 @@ void arrow(const Picture& p, int axis, bool bright) {
 /// One half of a ring: the one towards the viewer, or the other.
 void ring(const Picture& p, int axis, bool front, bool bright) {
   const Vector3 sight = p.view.toward_viewer(p.gizmo.center);
-  const auto draw = [&] {
+  const auto draw = [&](GLenum mode) {
     bool open = false;
     for (int i = 0; i <= kCorners; ++i) {
       const double angle = 2 * 3.14159265358979 * i / kCorners;
@@ -57,7 +57,7 @@ void ring(const Picture& p, int axis, bool front, bool bright) {
       // What is in the plane of the picture is in front.
       const bool mine = ((place - p.gizmo.center).dot(sight) > -0.02 * p.gizmo.length) == front;
       if (mine && !open) {
-        glBegin(GL_LINE_STRIP);
+        glBegin(mode);
       }
       if (mine) {
         pen::vertex(p.view.pixel(place));
@@ -72,17 +72,27 @@ void ring(const Picture& p, int axis, bool front, bool bright) {
   };
   const pen::Color color = bright ? pen::kYellow : pen::axisColor(axis);
   if (front) {
-    pen::rimmed(color, bright ? 4 : 2.5, p.ratio, draw);
+    const double width = bright ? 4 : 2.5;
+    pen::rimmed(color, width, p.ratio, [&] { draw(GL_LINE_STRIP); });
+    glPointSize(static_cast<GLfloat>(width * p.ratio));  // joints, where the rim would show
+    draw(GL_POINTS);
   } else {
     glLineWidth(static_cast<GLfloat>(1.5 * p.ratio));
     pen::set(color, bright ? 0.7 : 0.35);
-    draw();
+    draw(GL_LINE_STRIP);
   }
 }
 
 void knob(const Picture& p, bool bright) {
   const Vector2 at = p.view.pixel(p.gizmo.knob(p.view));
   const double half = bright ? kKnob + 1.5 : kKnob;
+  const Vector2 center = p.view.pixel(p.gizmo.center);
+  glLineWidth(static_cast<GLfloat>(p.ratio));
+  pen::set(pen::kLight, 0.5);
+  glBegin(GL_LINES);
+  pen::vertex(Vector2(center + Gizmo::kRing / Gizmo::kKnob * (at - center)));
+  pen::vertex(at);
+  glEnd();
   pen::rimmed(bright ? pen::kYellow : pen::kLight, 1, p.ratio, [&] {
     for (const GLenum mode : {GL_QUADS, GL_LINE_LOOP}) {
       glBegin(mode);

@@ -5,6 +5,7 @@
 #include <QClipboard>
 #include <QGuiApplication>
 #include <QMainWindow>
+#include <QTimer>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -24,6 +25,8 @@ namespace {
 constexpr int kDragPixels = 3;     // what moves less is a click
 constexpr int kNoticePixels = 12;  // a notice goes when the mouse has gone on by this
 constexpr int kLongestWait = 200;  // milliseconds without a picture
+constexpr int kDashWait = 100;     // milliseconds between pictures that only show that something is prepared
+constexpr int kDashShare = 5;      // and at least as many times what one takes
 constexpr double kRadiusPerNotch = 1.1, kHandleSharePerNotch = 1.25, kPaddingPerNotch = 0.02;
 constexpr double kSmallestHandleShare = 0.01;  // below it is a single vertex
 
@@ -350,6 +353,15 @@ void LaplacianDragTool::framePainted() {
   if (clock_.painted() && shared_ && shared_->isUsedBy(*this)) {
     shared_->panel().setFrames(clock_.frames());
     refreshPanel();
+  }
+  // While a region is prepared its outline wanders, as often as leaves the processor to the preparation.
+  if (active_ && active_->session().preparing() && !std::exchange(repaintQueued_, true)) {
+    QTimer::singleShot(std::max(kDashWait, kDashShare * clock_.sincePaint()), this, [this] {
+      repaintQueued_ = false;
+      if (on_) {
+        window_.repaint();
+      }
+    });
   }
 }
 

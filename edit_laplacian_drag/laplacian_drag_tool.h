@@ -80,6 +80,7 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   } mouse_;
 
   FrameClock clock_;
+  bool repaintQueued_ = false;
 
   int layer_ = -1;
   LayerSession* active_ = nullptr;  // of the layer; shared_ keeps it

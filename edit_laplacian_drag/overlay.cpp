@@ -88,12 +88,12 @@ QImage legendPicture(double pixelRatio) {
 
 }  // namespace
 
-/// At the lower left corner.
+/// At the left, above the host's own lines.
 void Overlay::drawLegend(const Options& options) {
   if (legend_.isNull()) {
     legend_ = legendPicture(options.pixelRatio);
   }
-  glRasterPos2d(12, options.height - 46);
+  glRasterPos2d(12, options.height - 150);
   glPixelZoom(1, -1);
   glDrawPixels(legend_.width(), legend_.height(), GL_BGRA, GL_UNSIGNED_BYTE, legend_.constBits());
 }

@@ -5,11 +5,16 @@
 
 namespace pen {
 
-void chains(const lapedit::Chains& chains) {
+void chains(const lapedit::Chains& chains, double width, bool opaque) {
+  glLineWidth(static_cast<GLfloat>(width));
   const unsigned* at = chains.vertices.data();
   for (const int length : chains.lengths) {
     glDrawElements(GL_LINE_STRIP, length, GL_UNSIGNED_INT, at);
     at += length;
+  }
+  if (opaque && width > 2) {
+    glPointSize(static_cast<GLfloat>(width));
+    glDrawElements(GL_POINTS, static_cast<GLsizei>(chains.vertices.size()), GL_UNSIGNED_INT, chains.vertices.data());
   }
 }
 

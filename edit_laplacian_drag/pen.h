@@ -21,8 +21,8 @@ constexpr Color kFree = kSkyBlue, kAnchor = kVermillion;
 
 /// Of handle groups, in turn.
 inline Color groupColor(std::size_t group) {
-  constexpr Color kGroups[] = {kYellow, kPurple, kBlue, kOrange};
-  return kGroups[group % 4];
+  constexpr Color kGroups[] = {kYellow, kPurple, kBlue, kOrange, kGreen};
+  return kGroups[group % 5];
 }
 
 /// Of axis 0, 1, 2: near to the red, green and blue that people know.
@@ -61,8 +61,8 @@ void rimmed(const Color& color, double width, double pixelRatio, const Draw& dra
   }
 }
 
-/// Of the vertex array.
-void chains(const lapedit::Chains& chains);
+/// Of the vertex array. Joints of wide lines are filled, which shows through where lines are not opaque.
+void chains(const lapedit::Chains& chains, double width, bool opaque = true);
 
 /// While it lives, coordinates are pixels from the upper left corner, and nothing is hidden.
 class InPixels {

@@ -14,6 +14,7 @@ namespace {
 constexpr unsigned kNone = ~0U;
 /// Lines and points lie in the surface: without this much of the depth half of each would be hidden by it.
 constexpr double kShift = 0.9993;
+constexpr std::size_t kMostMovingFaces = 50000;
 
 /// Diagonal lines, eight pixels apart.
 const GLubyte* hatch() {
@@ -211,7 +212,7 @@ void SurfacePicture::draw(const DragSession& session, const Options& options) {
   glDisableClientState(GL_COLOR_ARRAY);
   glEnableClientState(GL_VERTEX_ARRAY);
   glVertexPointer(3, GL_FLOAT, 0, places_.data());
-  glPolygonOffset(-1, -2);
+  glPolygonOffset(0, -4);  // no slope: at silhouettes the far side would come through
   glPolygonStipple(hatch());
   if (session.region()) {
     drawRegion(session, options);
@@ -231,16 +232,17 @@ void SurfacePicture::drawRegion(const DragSession& session, const Options& optio
   if (options.heat) {
     drawHeat(session);
   } else {
-    // While it moves the surface itself is what to look at.
-    tint(free_.faces, pen::kFree, moving ? 0.12 : 0.38);
+    // While it moves the surface itself is what to look at, and frames are what counts.
+    if (!moving || free_.faces.size() <= 3 * kMostMovingFaces) {
+      tint(free_.faces, pen::kFree, moving ? 0.15 : 0.42);
+    }
     tint(band_.faces, pen::kAnchor, moving ? 0.2 : 0.45);
   }
   glDisable(GL_POLYGON_OFFSET_FILL);
   glDepthRange(0, kShift);
   const auto line = [&](const Chains& chains, const pen::Color& color, double alpha, double width) {
-    glLineWidth(static_cast<GLfloat>(width * options.pixelRatio));
     pen::set(color, alpha);
-    pen::chains(chains);
+    pen::chains(chains, width * options.pixelRatio, false);
   };
   line(free_.border, pen::kAnchor, 0.8, 1.5);
   line(rim_, pen::kDark, 0.7, 3.5);
@@ -263,7 +265,7 @@ void SurfacePicture::drawHeat(const DragSession& session) {
     const pen::Color color = stretchColor(stretch[i]);
     std::copy(color.begin(), color.end(), &heat_[4 * i]);
     // What keeps its length is nearly clear.
-    heat_[4 * i + 3] = static_cast<unsigned char>(70 + 160 * std::min(std::abs(stretch[i]), 1.0F));
+    heat_[4 * i + 3] = static_cast<unsigned char>(70 + 120 * std::min(std::abs(stretch[i]), 1.0F));
   }
   glEnableClientState(GL_COLOR_ARRAY);
   glColorPointer(4, GL_UNSIGNED_BYTE, 0, heat_.data());
@@ -299,18 +301,22 @@ void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, co
 
   const double ratio = options.pixelRatio, size = (patch.loose.size() == 1 ? 9 : 6) * ratio;
   const auto outline = [&](double width, double alpha) {
-    glLineWidth(static_cast<GLfloat>((width + 2.5) * ratio));
-    pen::set(pen::kDark, 0.85 * alpha);
-    pen::chains(patch.border);
-    if (!active || (session.preparing() && !session.region())) {
+    const auto line = [&](double pixels, const pen::Color& drawn, double opacity) {
+      pen::set(drawn, opacity * alpha);
+      pen::chains(patch.border, pixels * ratio, alpha == 1 && active);
+    };
+    line(width + 2, pen::kDark, 0.85);
+    const bool bright = active || hovered;
+    if (!bright || (session.preparing() && !session.region())) {
       beginDashes(ratio, active);
     }
-    glLineWidth(static_cast<GLfloat>(width * ratio));
-    pen::set(color, alpha);
-    pen::chains(patch.border);
+    line(width, bright ? pen::kLight : color, 1);
     glDisable(GL_LINE_STIPPLE);
+    if (bright) {
+      line(width - 2, color, 1);
+    }
   };
-  const double width = (active ? 3 : 1.5) + (hovered ? 1 : 0);
+  const double width = active || hovered ? 4 : 1.5;
   if (active) {  // through the surface
     glDisable(GL_DEPTH_TEST);
     outline(width, 0.25);
@@ -338,8 +344,7 @@ void SurfacePicture::drawUnconnected(double pixelRatio) {
   glDisable(GL_POLYGON_STIPPLE);
   glDisable(GL_POLYGON_OFFSET_FILL);
   glDepthRange(0, kShift);
-  glLineWidth(static_cast<GLfloat>(1.5 * pixelRatio));
   pen::set(pen::kGrey);
-  pen::chains(lost_.border);
+  pen::chains(lost_.border, 1.5 * pixelRatio);
   points(lost_.loose, pen::kGrey, 4 * pixelRatio, 1);
 }

@@ -22,7 +22,7 @@ enum class GizmoPart { None, MoveX, MoveY, MoveZ, TurnX, TurnY, TurnZ, Scale };
 /// A press on the handle's own disc stays a free drag: nothing of the gizmo is at its centre, arrows begin at kFree of
 /// their length, and the knob is out on the picture's diagonal.
 struct Gizmo {
-  static constexpr double kFree = 0.2, kTip = 1.15, kRing = 0.8, kKnob = 1.15;  ///< in lengths, from the centre
+  static constexpr double kFree = 0.2, kTip = 1.15, kRing = 0.8, kKnob = 1;  ///< in lengths, from the centre
 
   Vector3 center;
   Matrix3 axes;       ///< a right-handed frame, by columns, length 1
