@@ -48,7 +48,8 @@ class Events:
         self.settings = [name for name in SETTINGS if name in names]
         self.choices = {name: w for name, w in names.items() if "currentIndex" in w and name not in SETTINGS}
         self.buttons = sorted(set(BUTTONS) | {name for name, w in names.items() if w["class"] in ("QPushButton", "QToolButton")
-                                              and w["name"].startswith(part(""))} - LEFT_ALONE)
+                                              and w["name"].startswith(part("")) and not name.startswith("group_")}
+                              - LEFT_ALONE)
         self.remember()
 
     def ask(self, command, **arguments):

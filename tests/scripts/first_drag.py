@@ -72,7 +72,7 @@ def take(pictures, name, scene, folder, output):
         cut(window, window.grab(stages[1]), middle, SIDE, SIDE)
         window.mouse("release", x + scene.way[0], y + scene.way[1])
         window.idle()
-        window.press_button(part("clear"))  # nothing over what is to be looked at
+        window.set(part("clear"), True)  # nothing over what is to be looked at
         window.move(3, 300)
         cut(window, window.grab(stages[2]), middle, SIDE, SIDE)
         edit = pictures.saved_edit(window)

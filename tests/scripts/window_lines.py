@@ -203,7 +203,7 @@ class Lines:
         with self.tool("hand") as w:
             x, y = w.at(TIPS[1])
             w.click(x, y)
-            w.press_button(part("component"))
+            w.set(part("component"), True)
             self.shoot(w, "Component")
             w.drag((x, y), (x - 60, y - 30), steps=5, release=False)
             self.shoot(w, "dragged")
