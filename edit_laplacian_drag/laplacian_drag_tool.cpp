@@ -256,12 +256,15 @@ void LaplacianDragTool::draw() {
     glMultMatrixd(layer->transform.data());
     view_ = Camera(matrixOf(GL_PROJECTION_MATRIX) * matrixOf(GL_MODELVIEW_MATRIX), canvas.width(), canvas.height());
     DragSession& session = active_->session();
-    std::optional<Overlay::Brush> brush;
+    Overlay::Options options;
+    options.width = canvas.width();
+    options.height = canvas.height();
+    options.pixelRatio = canvas.devicePixelRatioF();
     const bool takes = mouse_.modifiers & Qt::ShiftModifier;
     if ((takes || mouse_.modifiers & Qt::ControlModifier) && !session.motion()) {
-      brush = Overlay::Brush{cursor().pixel, session.settings().brush_pixels, takes};
+      options.brush = Overlay::Brush{cursor().pixel, session.settings().brush_pixels, takes};
     }
-    overlay_.draw(session, view_, brush, canvas.width(), canvas.height(), canvas.devicePixelRatioF());
+    overlay_.draw(session, view_, options);
     glPopMatrix();
     line = !notice_.empty()      ? notice_
            : window_.suspended() ? "Suspended: the mouse turns the view. Esc goes on with dragging."
@@ -419,7 +422,8 @@ void LaplacianDragTool::wheel(QWheelEvent& event) {
   if (event.modifiers() & Qt::ShiftModifier) {
     settings.padding = std::clamp(settings.padding + kPaddingPerNotch * notches, 0.0, 1.0);
   } else if (event.modifiers() & Qt::ControlModifier) {
-    const double grown = std::max(settings.handle_share, kSmallestHandleShare) * std::pow(kHandleSharePerNotch, notches);
+    const double grown =
+        std::max(settings.handle_share, kSmallestHandleShare) * std::pow(kHandleSharePerNotch, notches);
     settings.handle_share = grown < kSmallestHandleShare ? 0 : std::min(grown, kLargestHandleShare);
   } else {
     settings.radius *= std::pow(kRadiusPerNotch, notches);
@@ -478,7 +482,8 @@ void LaplacianDragTool::afterEvent() {
     QElapsedTimer upload;
     upload.start();
     window_.uploadGeometry(layer_);
-    clock_.poseArrived(active_->session().figures().solve_ms.value_or(0), active_->writeMilliseconds(), milliseconds(upload));
+    clock_.poseArrived(active_->session().figures().solve_ms.value_or(0), active_->writeMilliseconds(),
+                       milliseconds(upload));
     if (settled) {
       window_.markModified(layer_);
     }

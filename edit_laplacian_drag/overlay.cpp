@@ -3,167 +3,122 @@
 
 #include <QOpenGLContext>
 #include <QOpenGLFunctions>
-#include <algorithm>
-#include <array>
+#include <QPainter>
 #include <cmath>
+
+#include "gizmo_picture.h"
+#include "hover_picture.h"
+#include "pen.h"
 
 using namespace lapedit;
 
 namespace {
 
-using Color = std::array<unsigned char, 3>;
-constexpr Color kHandle{255, 214, 10}, kFree{48, 190, 76}, kAnchor{225, 48, 38}, kOutline{20, 20, 24};
-constexpr Color kAxes[] = {{235, 60, 50}, {70, 200, 70}, {70, 120, 255}, {240, 240, 245}};
-constexpr unsigned char kFill = 135;  // of 255: the shading below has to stay readable
-
-Color colorOf(VertexClass c) {
-  return c == VertexClass::Handle ? kHandle : c == VertexClass::Anchor ? kAnchor : kFree;
-}
-
-void set(const Color& color, double alpha = 1) {
-  glColor4ub(color[0], color[1], color[2], static_cast<GLubyte>(255 * alpha));
-}
-
-void vertex(const Vector3& point) {
-  glVertex3dv(point.data());
-}
-
-/// Points with a dark rim, so that they show on any mesh.
-void drawPoints(const std::vector<unsigned>& indices, const Color& color, double size, double alpha) {
-  const auto count = static_cast<GLsizei>(indices.size());
-  glPointSize(static_cast<GLfloat>(size + 3));
-  set(kOutline, alpha);
-  glDrawElements(GL_POINTS, count, GL_UNSIGNED_INT, indices.data());
-  glPointSize(static_cast<GLfloat>(size));
-  set(color, alpha);
-  glDrawElements(GL_POINTS, count, GL_UNSIGNED_INT, indices.data());
-}
-
-void drawLine(const Vector3& from, const Vector3& to, const Color& color, double width) {
-  for (const bool rim : {true, false}) {
-    glLineWidth(static_cast<GLfloat>(rim ? width + 2 : width));
-    set(rim ? kOutline : color);
-    glBegin(GL_LINES);
-    vertex(from);
-    vertex(to);
-    glEnd();
-  }
-}
-
 /// From where the surface was grabbed to where it is wanted, and the axis that it is held to.
 void drawMotion(const DragSession& session, double pixelRatio) {
   const DragMotion& motion = *session.motion();
-  const Affine map = session.active_map();
+  const auto line = [](const Vector3& from, const Vector3& to) {
+    glBegin(GL_LINES);
+    pen::vertex(from);
+    pen::vertex(to);
+    glEnd();
+  };
   if (const auto axis = motion.axis()) {
     const double reach = 10 * session.settings().radius;
-    drawLine(motion.grab() - reach * *axis, motion.grab() + reach * *axis,
-             kAxes[static_cast<int>(motion.lock()) - static_cast<int>(AxisLock::X)], pixelRatio);
+    const Vector3& place = motion.kind() == MotionKind::Translate ? motion.grab() : motion.center();
+    pen::rimmed(pen::axisColor(motion.lock(), session.gizmo_part()), 1, pixelRatio,
+                [&] { line(place - reach * *axis, place + reach * *axis); });
   }
   if (motion.kind() == MotionKind::Translate && motion.moves()) {
-    drawLine(motion.grab(), map * motion.grab(), kHandle, 1.5 * pixelRatio);
+    const Vector3 moved = session.active_map() * motion.grab();
+    pen::rimmed(pen::kYellow, 1.5, pixelRatio, [&] { line(motion.grab(), moved); });
   }
 }
 
-/// Handles at their wanted places, for as long as no pose says where they are.
-void drawWanted(const DragSession& session, double size) {
-  const Affine map = session.active_map();
-  for (const bool rim : {true, false}) {
-    glPointSize(static_cast<GLfloat>(rim ? size + 3 : size));
-    set(rim ? kOutline : kHandle);
-    glBegin(GL_POINTS);
-    for (std::size_t g = 0; g < session.groups().size(); ++g) {
-      for (const int v : session.groups()[g]) {
-        const Vector3 place = session.mesh().vertices.row(v).transpose();
-        vertex(static_cast<int>(g) == session.active_group() ? Vector3(map * place) : place);
-      }
+void drawBrush(const Overlay::Brush& brush, const pen::Color& color, double pixelRatio) {
+  pen::rimmed(color, 1.5, pixelRatio, [&] { pen::circle(brush.center, brush.radius); });
+  pen::rimmed(color, 1.5, pixelRatio, [&] {  // adds or takes
+    glBegin(GL_LINES);
+    pen::vertex(Vector2(brush.center.x() - 4, brush.center.y()));
+    pen::vertex(Vector2(brush.center.x() + 4, brush.center.y()));
+    if (!brush.takes) {
+      pen::vertex(Vector2(brush.center.x(), brush.center.y() - 4));
+      pen::vertex(Vector2(brush.center.x(), brush.center.y() + 4));
     }
     glEnd();
-  }
+  });
 }
 
-void drawBrush(const Overlay::Brush& brush, double width, double height, double pixelRatio) {
-  glMatrixMode(GL_PROJECTION);
-  glPushMatrix();
-  glLoadIdentity();
-  glOrtho(0, width, height, 0, -1, 1);
-  glMatrixMode(GL_MODELVIEW);
-  glPushMatrix();
-  glLoadIdentity();
-  glDisable(GL_DEPTH_TEST);
-  for (const bool rim : {true, false}) {
-    glLineWidth(static_cast<GLfloat>((rim ? 3.5 : 1.5) * pixelRatio));
-    set(rim ? kOutline : brush.takes ? kAnchor : kFree);
-    glBegin(GL_LINE_LOOP);
-    constexpr int kCorners = 48;
-    for (int i = 0; i < kCorners; ++i) {
-      const double angle = 2 * 3.14159265358979 * i / kCorners;
-      glVertex2d(brush.center.x() + brush.radius * std::cos(angle), brush.center.y() + brush.radius * std::sin(angle));
-    }
-    glEnd();
+/// Of what the brush paints.
+pen::Color brushColor(const DragSession& session) {
+  switch (session.brush_target()) {
+    case BrushTarget::Handle:
+      return pen::groupColor(std::max(session.active_group(), 0));
+    case BrushTarget::Anchors:
+      return pen::kAnchor;
+    case BrushTarget::Region:
+      break;
   }
-  glPopMatrix();
-  glMatrixMode(GL_PROJECTION);
-  glPopMatrix();
-  glMatrixMode(GL_MODELVIEW);
+  return pen::kFree;
+}
+
+/// The colours of stretch, with words.
+QImage legendPicture(double pixelRatio) {
+  QImage image(QSize(220, 34) * pixelRatio, QImage::Format_ARGB32);
+  image.fill(Qt::transparent);
+  QPainter painter(&image);
+  painter.scale(pixelRatio, pixelRatio);
+  painter.setRenderHint(QPainter::Antialiasing);
+  painter.setBrush(QColor(pen::kDark[0], pen::kDark[1], pen::kDark[2], 190));
+  painter.setPen(Qt::NoPen);
+  painter.drawRoundedRect(0, 0, 220, 34, 5, 5);
+  for (int x = 0; x < 200; ++x) {
+    const pen::Color color = stretchColor(static_cast<float>(x - 99.5) / 99.5F);
+    painter.fillRect(10 + x, 5, 1, 9, QColor(color[0], color[1], color[2]));
+  }
+  QFont font = painter.font();
+  font.setPixelSize(11);
+  painter.setFont(font);
+  painter.setPen(Qt::white);
+  painter.drawText(QRect(10, 15, 200, 16), Qt::AlignLeft, QStringLiteral("half"));
+  painter.drawText(QRect(10, 15, 200, 16), Qt::AlignHCenter, QStringLiteral("length of edges"));
+  painter.drawText(QRect(10, 15, 200, 16), Qt::AlignRight, QStringLiteral("twice"));
+  return image;
 }
 
 }  // namespace
 
-/// Colours and lists, O(region).
-void Overlay::sort(const Region& region) {
-  handles_.clear();
-  anchors_.clear();
-  colors_.resize(4 * static_cast<std::size_t>(region.size()));
-  for (std::size_t i = 0; i < region.classes.size(); ++i) {
-    const Color color = colorOf(region.classes[i]);
-    std::copy(color.begin(), color.end(), colors_.begin() + static_cast<std::ptrdiff_t>(4 * i));
-    colors_[4 * i + 3] = kFill;
-    if (region.classes[i] == VertexClass::Handle) {
-      handles_.push_back(static_cast<unsigned>(i));
-    } else if (region.classes[i] == VertexClass::Anchor) {
-      anchors_.push_back(static_cast<unsigned>(i));
-    }
+/// At the lower left corner.
+void Overlay::drawLegend(const Options& options) {
+  if (legend_.isNull()) {
+    legend_ = legendPicture(options.pixelRatio);
   }
+  glRasterPos2d(12, options.height - 46);
+  glPixelZoom(1, -1);
+  glDrawPixels(legend_.width(), legend_.height(), GL_BGRA, GL_UNSIGNED_BYTE, legend_.constBits());
 }
 
-/// The region's colours, its anchors and its handles.
-void Overlay::drawRegion(const DragSession& session, double handleSize, double pixelRatio) {
-  const Region& region = *session.region();
-  const bool moving = session.motion() != nullptr;
-  if (session.region_serial() != sorted_) {
-    sorted_ = session.region_serial();
-    sort(region);
+void Overlay::drawGizmoOf(const DragSession& session, const Camera& view, double pixelRatio) {
+  const DragMotion* const motion = session.motion();
+  if (!motion) {
+    gizmo_ = session.gizmo(view);
+  } else if (gizmo_) {
+    // Where it was taken hold of, or where that has been moved to: the mesh knows nothing of the motion yet.
+    Gizmo held = place_gizmo(gizmo_->center, GizmoAxes::Layer, Vector3::Zero(), view);
+    held.axes = gizmo_->axes;
+    gizmo_ = held;
   }
-  glDisableClientState(GL_NORMAL_ARRAY);
-  glDisableClientState(GL_TEXTURE_COORD_ARRAY);
-  glEnableClientState(GL_VERTEX_ARRAY);
-  glVertexPointer(3, GL_DOUBLE, 0, session.pose().data());
-  if (!moving) {  // while it moves the surface itself is what to look at
-    glEnableClientState(GL_COLOR_ARRAY);
-    glColorPointer(4, GL_UNSIGNED_BYTE, 0, colors_.data());
-    glEnable(GL_POLYGON_OFFSET_FILL);
-    glPolygonOffset(-1, -2);
-    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(region.faces.size()), GL_UNSIGNED_INT, region.faces.data());
-    glDisable(GL_POLYGON_OFFSET_FILL);
+  if (!gizmo_ || (motion && session.gizmo_part() == GizmoPart::None)) {
+    return;
   }
-  glDisableClientState(GL_COLOR_ARRAY);
-  // Points lie in the surface: without this half of each would be hidden by it.
-  glDepthRange(0, 0.9995);
-  glPointSize(static_cast<GLfloat>((moving ? 1.5 : 2.5) * pixelRatio));
-  set(kAnchor, moving ? 0.5 : 1);
-  glDrawElements(GL_POINTS, static_cast<GLsizei>(anchors_.size()), GL_UNSIGNED_INT, anchors_.data());
-  if (!moving || session.in_hand()) {
-    glDisable(GL_DEPTH_TEST);
-    drawPoints(handles_, kHandle, handleSize, 0.25);  // through the surface
-    glEnable(GL_DEPTH_TEST);
-    glDepthRange(0, 0.999);
-    drawPoints(handles_, kHandle, handleSize, 1);
+  Gizmo shown = *gizmo_;
+  if (motion && motion->kind() == MotionKind::Translate) {
+    shown.center += motion->transform().translation;
   }
-  glDisableClientState(GL_VERTEX_ARRAY);
+  drawGizmo(shown, view, session.gizmo_part(), motion != nullptr, pixelRatio);
 }
 
-void Overlay::draw(const DragSession& session, const Camera& view, const std::optional<Brush>& brush, double width,
-                   double height, double pixelRatio) {
+void Overlay::draw(const DragSession& session, const Camera& view, const Options& options) {
   glPushAttrib(GL_ALL_ATTRIB_BITS);
   glPushClientAttrib(GL_CLIENT_ALL_ATTRIB_BITS);
   // Buffers that the host left bound would be taken for our arrays.
@@ -185,21 +140,27 @@ void Overlay::draw(const DragSession& session, const Camera& view, const std::op
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   glShadeModel(GL_SMOOTH);
 
-  const bool moving = session.motion() != nullptr;
-  const double handleSize = 9 * pixelRatio;
-  if (session.region()) {
-    drawRegion(session, handleSize, pixelRatio);
+  const double ratio = options.pixelRatio;
+  const HoverPreview* const hover = session.motion() ? nullptr : session.hover();
+  const bool on_group = hover && hover->kind == HoverPreview::Kind::Group;
+  surface_.draw(session, {on_group ? hover->group : -1, options.heat, ratio});
+  if (hover) {
+    drawHover(*hover, ratio);
   }
-  glDepthRange(0, 1);
   glDisable(GL_DEPTH_TEST);
-  if (moving && (!session.region() || !session.in_hand())) {
-    drawWanted(session, handleSize);
+  if (session.motion()) {
+    drawMotion(session, ratio);
   }
-  if (moving) {
-    drawMotion(session, pixelRatio);
-  }
-  if (brush && view.valid()) {
-    drawBrush(*brush, width, height, pixelRatio);
+  if (view.valid()) {
+    const pen::InPixels pixels(options.width, options.height);
+    if (options.brush) {
+      drawBrush(*options.brush, brushColor(session), ratio);
+    } else {
+      drawGizmoOf(session, view, ratio);
+    }
+    if (options.heat && session.region()) {
+      drawLegend(options);
+    }
   }
   glPopClientAttrib();
   glPopAttrib();

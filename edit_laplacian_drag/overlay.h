@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <QImage>
 #include <optional>
-#include <vector>
 
 #include "lapedit/session/drag_session.h"
+#include "surface_picture.h"
 
-/// Shows region, handles and motion of one session in the colours of the paper's Figure 3. Reads, and changes nothing.
+/// Shows region, handles, motion, gizmo and what a press would take, of one session. Reads, and changes nothing.
 class Overlay {
  public:
   struct Brush {
@@ -15,18 +16,22 @@ class Overlay {
     bool takes;
   };
 
+  struct Options {
+    double width = 0, height = 0;  ///< of the view, pixels
+    double pixelRatio = 1;         ///< device pixels per pixel
+    std::optional<Brush> brush;
+    bool heat = false;  ///< stretch of the edges in place of the region's tints
+  };
+
   /// Draws with the present OpenGL context, into the layer's coordinates: its transform is in the modelview matrix.
   /// Leaves the state of OpenGL as it was. O(size of the region).
-  /// @param pixelRatio  device pixels per pixel
-  void draw(const lapedit::DragSession& session, const lapedit::Camera& view, const std::optional<Brush>& brush,
-            double width, double height, double pixelRatio);
+  void draw(const lapedit::DragSession& session, const lapedit::Camera& view, const Options& options);
 
  private:
-  void drawRegion(const lapedit::DragSession& session, double handleSize, double pixelRatio);
-  void sort(const lapedit::Region& region);
+  void drawGizmoOf(const lapedit::DragSession& session, const lapedit::Camera& view, double pixelRatio);
+  void drawLegend(const Options& options);
 
-  // Of the session's region of this serial.
-  int sorted_ = -1;
-  std::vector<unsigned> handles_, anchors_;
-  std::vector<unsigned char> colors_;  // RGBA per region vertex
+  SurfacePicture surface_;
+  std::optional<lapedit::Gizmo> gizmo_;  // as it was before the motion
+  QImage legend_;
 };

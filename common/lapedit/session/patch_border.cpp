@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/session/patch_border.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+namespace lapedit {
+namespace {
+
+using Edge = std::pair<unsigned, unsigned>;
+
+/// Ascending, those that come once.
+std::vector<Edge> single_edges(const std::vector<unsigned>& corners) {
+  std::vector<Edge> edges;
+  edges.reserve(corners.size());
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const unsigned a = corners[i], b = corners[i % 3 == 2 ? i - 2 : i + 1];
+    if (a != b) {
+      edges.emplace_back(std::min(a, b), std::max(a, b));
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  std::size_t kept = 0;
+  for (std::size_t i = 0, next = 0; i < edges.size(); i = next) {
+    for (next = i + 1; next < edges.size() && edges[next] == edges[i]; ++next) {
+    }
+    if (next == i + 1) {
+      edges[kept++] = edges[i];
+    }
+  }
+  edges.resize(kept);
+  return edges;
+}
+
+}  // namespace
+
+Chains border_of(const std::vector<unsigned>& corners) {
+  const std::vector<Edge> edges = single_edges(corners);
+  // Each edge from both ends, to find what goes on from a vertex.
+  std::vector<std::pair<unsigned, std::size_t>> from;
+  from.reserve(2 * edges.size());
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    from.emplace_back(edges[e].first, e);
+    from.emplace_back(edges[e].second, e);
+  }
+  std::sort(from.begin(), from.end());
+  std::vector<char> used(edges.size(), 0);
+  Chains chains;
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    if (used[e]) {
+      continue;
+    }
+    const std::size_t first = chains.vertices.size();
+    unsigned at = edges[e].first;
+    chains.vertices.push_back(at);
+    for (std::size_t next = e; next < edges.size();) {
+      used[next] = 1;
+      at = edges[next].first == at ? edges[next].second : edges[next].first;
+      chains.vertices.push_back(at);
+      next = edges.size();
+      for (auto way = std::lower_bound(from.begin(), from.end(), std::make_pair(at, std::size_t{0}));
+           way != from.end() && way->first == at && next == edges.size(); ++way) {
+        next = used[way->second] ? next : way->second;
+      }
+    }
+    chains.lengths.push_back(static_cast<int>(chains.vertices.size() - first));
+  }
+  return chains;
+}
+
+}  // namespace lapedit

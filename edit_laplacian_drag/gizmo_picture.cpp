@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "gizmo_picture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pen.h"
+
+using namespace lapedit;
+
+namespace {
+
+constexpr double kHeadLength = 15, kHeadWidth = 6, kKnob = 5.5, kCross = 5;
+constexpr int kCorners = 72;
+
+struct Picture {
+  const Gizmo& gizmo;
+  const Camera& view;
+  double ratio;
+};
+
+void arrow(const Picture& p, int axis, bool bright) {
+  const Vector2 center = p.view.pixel(p.gizmo.center);
+  const Vector2 from = p.view.pixel(p.gizmo.along(axis, Gizmo::kFree));
+  const Vector2 tip = p.view.pixel(p.gizmo.along(axis, Gizmo::kTip));
+  const Vector2 way = (tip - center).stableNormalized(), side(-way.y(), way.x());
+  // The head shortens as the arrow does.
+  const double seen = std::min((tip - center).norm() / (Gizmo::kTip * 90), 1.0);
+  const Vector2 neck = tip - kHeadLength * std::max(seen, 0.4) * way;
+  const double half = bright ? kHeadWidth + 1.5 : kHeadWidth;
+  const pen::Color color = bright ? pen::kYellow : pen::axisColor(axis);
+  pen::rimmed(color, bright ? 4 : 2.5, p.ratio, [&] {
+    glBegin(GL_LINES);
+    pen::vertex(from);
+    pen::vertex(neck);
+    glEnd();
+  });
+  pen::rimmed(color, 1, p.ratio, [&] {
+    for (const GLenum mode : {GL_TRIANGLES, GL_LINE_LOOP}) {
+      glBegin(mode);
+      pen::vertex(tip);
+      pen::vertex(Vector2(neck + half * side));
+      pen::vertex(Vector2(neck - half * side));
+      glEnd();
+    }
+  });
+}
+
+/// One half of a ring: the one towards the viewer, or the other.
+void ring(const Picture& p, int axis, bool front, bool bright) {
+  const Vector3 sight = p.view.toward_viewer(p.gizmo.center);
+  const auto draw = [&] {
+    bool open = false;
+    for (int i = 0; i <= kCorners; ++i) {
+      const double angle = 2 * 3.14159265358979 * i / kCorners;
+      const Vector3 place = p.gizmo.on_ring(axis, angle);
+      // What is in the plane of the picture is in front.
+      const bool mine = ((place - p.gizmo.center).dot(sight) > -0.02 * p.gizmo.length) == front;
+      if (mine && !open) {
+        glBegin(GL_LINE_STRIP);
+      }
+      if (mine) {
+        pen::vertex(p.view.pixel(place));
+      } else if (open) {
+        glEnd();
+      }
+      open = mine;
+    }
+    if (open) {
+      glEnd();
+    }
+  };
+  const pen::Color color = bright ? pen::kYellow : pen::axisColor(axis);
+  if (front) {
+    pen::rimmed(color, bright ? 4 : 2.5, p.ratio, draw);
+  } else {
+    glLineWidth(static_cast<GLfloat>(1.5 * p.ratio));
+    pen::set(color, bright ? 0.7 : 0.35);
+    draw();
+  }
+}
+
+void knob(const Picture& p, bool bright) {
+  const Vector2 at = p.view.pixel(p.gizmo.knob(p.view));
+  const double half = bright ? kKnob + 1.5 : kKnob;
+  pen::rimmed(bright ? pen::kYellow : pen::kLight, 1, p.ratio, [&] {
+    for (const GLenum mode : {GL_QUADS, GL_LINE_LOOP}) {
+      glBegin(mode);
+      for (const Vector2& corner : {Vector2(-1, -1), Vector2(1, -1), Vector2(1, 1), Vector2(-1, 1)}) {
+        pen::vertex(Vector2(at + half * corner));
+      }
+      glEnd();
+    }
+  });
+}
+
+/// X, Y or Z beside an arrow's tip, so that colours are not all that tells them apart.
+void letter(const Picture& p, int axis) {
+  if (p.gizmo.axes != Matrix3::Identity()) {
+    return;  // not the layer's axes
+  }
+  static constexpr double kX[] = {-3, -4, 3, 4, -3, 4, 3, -4}, kY[] = {-3, -4, 0, 0, 3, -4, 0, 0, 0, 0, 0, 4},
+                          kZ[] = {-3, -4, 3, -4, 3, -4, -3, 4, -3, 4, 3, 4};
+  const double* const strokes = axis == 0 ? kX : axis == 1 ? kY : kZ;
+  const int count = axis == 0 ? 4 : 6;
+  const Vector2 center = p.view.pixel(p.gizmo.center), tip = p.view.pixel(p.gizmo.along(axis, Gizmo::kTip));
+  const Vector2 at = tip + 11 * (tip - center).stableNormalized();
+  pen::rimmed(pen::kLight, 1.3, p.ratio, [&] {
+    glBegin(GL_LINES);
+    for (int i = 0; i < count; ++i) {
+      pen::vertex(Vector2(at + Vector2(strokes[2 * i], strokes[2 * i + 1])));
+    }
+    glEnd();
+  });
+}
+
+/// The pivot.
+void cross(const Picture& p) {
+  const Vector2 at = p.view.pixel(p.gizmo.center);
+  pen::rimmed(pen::kLight, 1.3, p.ratio, [&] {
+    glBegin(GL_LINES);
+    for (const Vector2& way : {Vector2(kCross, 0), Vector2(0, kCross)}) {
+      pen::vertex(Vector2(at - way));
+      pen::vertex(Vector2(at + way));
+    }
+    glEnd();
+  });
+}
+
+}  // namespace
+
+void drawGizmo(const Gizmo& gizmo, const Camera& view, GizmoPart part, bool alone, double pixelRatio) {
+  if (!gizmo.center.allFinite() || !view.in_front(gizmo.center)) {
+    return;
+  }
+  const Picture p{gizmo, view, pixelRatio};
+  const auto is = [part](GizmoPart first, int axis) {
+    return part == static_cast<GizmoPart>(static_cast<int>(first) + axis);
+  };
+  const auto shown = [&](GizmoPart first, int axis) { return !alone || is(first, axis); };
+  for (const bool front : {false, true}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const bool held = is(GizmoPart::TurnX, axis);
+      if (shown(GizmoPart::TurnX, axis) && (alone || gizmo.ring_is_seen(axis, view))) {
+        ring(p, axis, front, held);
+      }
+    }
+    // Arrows that point away are behind the rings' near halves.
+    for (int axis = 0; axis < 3; ++axis) {
+      const bool towards = gizmo.axes.col(axis).dot(view.toward_viewer(gizmo.center)) > 0;
+      if (shown(GizmoPart::MoveX, axis) && towards == front && gizmo.arrow_is_seen(axis, view)) {
+        arrow(p, axis, is(GizmoPart::MoveX, axis));
+        letter(p, axis);
+      }
+    }
+  }
+  if (!alone || part == GizmoPart::Scale) {
+    knob(p, part == GizmoPart::Scale);
+  }
+  cross(p);
+}

@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "lapedit/session/gizmo.h"
+
+/// In pixels. @param part   under the cursor or held, shown brightly
+///             @param alone  nothing but that part: it is being dragged
+void drawGizmo(const lapedit::Gizmo& gizmo, const lapedit::Camera& view, lapedit::GizmoPart part, bool alone,
+               double pixelRatio);

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QtGui/qopengl.h>
+#include <array>
+
+#include "lapedit/session/gizmo.h"
+#include "lapedit/session/patch_border.h"
+
+/// What the pictures over the surface are drawn with: colours, and lines with a dark rim, which show on any mesh.
+namespace pen {
+
+using Color = std::array<unsigned char, 3>;
+
+// Okabe and Ito's colours, which the colour-blind tell apart: https://jfly.uni-koeln.de/color/
+constexpr Color kOrange{230, 159, 0}, kSkyBlue{86, 180, 233}, kGreen{0, 158, 115}, kYellow{240, 228, 66},
+    kBlue{0, 114, 178}, kVermillion{213, 94, 0}, kPurple{204, 121, 167};
+constexpr Color kDark{18, 18, 22}, kLight{252, 252, 252}, kGrey{130, 130, 136};
+
+constexpr Color kFree = kSkyBlue, kAnchor = kVermillion;
+
+/// Of handle groups, in turn.
+inline Color groupColor(std::size_t group) {
+  constexpr Color kGroups[] = {kYellow, kPurple, kBlue, kOrange};
+  return kGroups[group % 4];
+}
+
+/// Of axis 0, 1, 2: near to the red, green and blue that people know.
+inline Color axisColor(int axis) {
+  constexpr Color kAxes[] = {{232, 84, 40}, {0, 190, 130}, {70, 140, 240}};
+  return kAxes[axis];
+}
+
+/// Of what a motion is held to.
+inline Color axisColor(lapedit::AxisLock lock, lapedit::GizmoPart part) {
+  return lock == lapedit::AxisLock::Gizmo && lapedit::axis_number(part) >= 0 ? axisColor(lapedit::axis_number(part))
+         : lock >= lapedit::AxisLock::X && lock <= lapedit::AxisLock::Z
+             ? axisColor(static_cast<int>(lock) - static_cast<int>(lapedit::AxisLock::X))
+             : kLight;
+}
+
+inline void set(const Color& color, double alpha = 1) {
+  glColor4ub(color[0], color[1], color[2], static_cast<GLubyte>(255 * alpha));
+}
+
+inline void vertex(const lapedit::Vector3& point) {
+  glVertex3dv(point.data());
+}
+
+inline void vertex(const lapedit::Vector2& pixel) {
+  glVertex2dv(pixel.data());
+}
+
+/// Lines first with their rim, then again without. draw() is called twice.
+template <class Draw>
+void rimmed(const Color& color, double width, double pixelRatio, const Draw& draw, double alpha = 1) {
+  for (const bool rim : {true, false}) {
+    glLineWidth(static_cast<GLfloat>((rim ? width + 2 : width) * pixelRatio));
+    set(rim ? kDark : color, rim ? 0.75 * alpha : alpha);
+    draw();
+  }
+}
+
+/// Of the vertex array.
+void chains(const lapedit::Chains& chains);
+
+/// While it lives, coordinates are pixels from the upper left corner, and nothing is hidden.
+class InPixels {
+ public:
+  InPixels(double width, double height);
+  ~InPixels();
+  InPixels(const InPixels&) = delete;
+  InPixels& operator=(const InPixels&) = delete;
+};
+
+/// Round about a pixel.
+void circle(const lapedit::Vector2& center, double radius);
+
+}  // namespace pen

@@ -1,0 +1,345 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface_picture.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "pen.h"
+
+using namespace lapedit;
+
+namespace {
+
+constexpr unsigned kNone = ~0U;
+/// Lines and points lie in the surface: without this much of the depth half of each would be hidden by it.
+constexpr double kShift = 0.9993;
+
+/// Diagonal lines, eight pixels apart.
+const GLubyte* hatch() {
+  static const std::array<GLubyte, 128> pattern = [] {
+    std::array<GLubyte, 128> bits{};
+    for (int y = 0; y < 32; ++y) {
+      for (int x = 0; x < 32; ++x) {
+        bits[4 * y + x / 8] |= static_cast<GLubyte>((x + y) % 8 < 3 ? 0x80 >> (x % 8) : 0);
+      }
+    }
+    return bits;
+  }();
+  return pattern.data();
+}
+
+/// Dashes that wander with the time.
+void beginDashes(double pixelRatio, bool wandering) {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  const auto step = std::chrono::duration_cast<std::chrono::milliseconds>(now).count() / 50 % 16;
+  const unsigned dashes = 0x0FF00FF0U >> (wandering ? step : 0);
+  glEnable(GL_LINE_STIPPLE);
+  glLineStipple(static_cast<GLint>(std::ceil(pixelRatio)), static_cast<GLushort>(dashes & 0xFFFFU));
+}
+
+void triangles(const std::vector<unsigned>& corners) {
+  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(corners.size()), GL_UNSIGNED_INT, corners.data());
+}
+
+void tint(const std::vector<unsigned>& corners, const pen::Color& color, double alpha) {
+  pen::set(color, alpha);
+  triangles(corners);
+}
+
+/// Points with a dark rim, so that they show on any mesh.
+void points(const std::vector<unsigned>& indices, const pen::Color& color, double size, double alpha) {
+  for (const bool rim : {true, false}) {
+    glPointSize(static_cast<GLfloat>(rim ? size + 3 : size));
+    pen::set(rim ? pen::kDark : color, alpha);
+    glDrawElements(GL_POINTS, static_cast<GLsizei>(indices.size()), GL_UNSIGNED_INT, indices.data());
+  }
+}
+
+}  // namespace
+
+pen::Color stretchColor(float stretch) {
+  const float share = std::sqrt(std::min(std::abs(stretch), 1.0F));
+  const pen::Color& full = stretch > 0 ? pen::kVermillion : pen::kBlue;
+  pen::Color color;
+  for (int k = 0; k < 3; ++k) {
+    color[k] = static_cast<unsigned char>(pen::kLight[k] + share * static_cast<float>(full[k] - pen::kLight[k]));
+  }
+  return color;
+}
+
+// --- Lists ----------------------------------------------------------------------------------------------------------
+
+unsigned SurfacePicture::number(const Region* region, int vertex) const {
+  if (region) {
+    const std::vector<int>& inside = region->mesh_vertex;
+    const auto found = std::lower_bound(inside.begin(), inside.end(), vertex);
+    if (found != inside.end() && *found == vertex) {
+      return static_cast<unsigned>(found - inside.begin());
+    }
+  }
+  const auto found = std::lower_bound(outside_.begin(), outside_.end(), vertex);
+  return found != outside_.end() && *found == vertex
+             ? static_cast<unsigned>(found - outside_.begin()) + (region ? region->size() : 0)
+             : kNone;
+}
+
+/// O(region + handles).
+void SurfacePicture::list(const DragSession& session) {
+  const Region* const region = session.region();
+  regionSerial_ = session.region_serial();
+  groups_ = session.groups();
+  unconnected_ = session.unconnected();
+  outside_.clear();
+  std::vector<int> shown = unconnected_;
+  for (const std::vector<int>& group : groups_) {
+    shown.insert(shown.end(), group.begin(), group.end());
+  }
+  std::copy_if(shown.begin(), shown.end(), std::back_inserter(outside_), [&](int v) {
+    return !region || !std::binary_search(region->mesh_vertex.begin(), region->mesh_vertex.end(), v);
+  });
+  std::sort(outside_.begin(), outside_.end());
+  outside_.erase(std::unique(outside_.begin(), outside_.end()), outside_.end());
+
+  // The brushed vertices that nothing reaches are labelled like one more group.
+  std::vector<int> labels((region ? region->size() : 0) + outside_.size(), -1);
+  for (std::size_t g = 0; g <= groups_.size(); ++g) {
+    for (const int v : g < groups_.size() ? groups_[g] : unconnected_) {
+      labels[number(region, v)] = static_cast<int>(g);
+    }
+  }
+  handles_.assign(groups_.size() + 1, {});
+  sortFaces(session, labels);
+  findLoose(session, labels);
+  lost_ = std::move(handles_.back());
+  handles_.pop_back();
+}
+
+/// Each face to its group, to the anchors' band or to what is free; and their outlines.
+void SurfacePicture::sortFaces(const DragSession& session, const std::vector<int>& labels) {
+  const Region* const region = session.region();
+  free_ = band_ = Patch();
+  std::vector<unsigned> inside, within;  // corners of all faces; of those that are not in the band
+  for (Eigen::Index f = 0; region && f < region->faces.rows(); ++f) {
+    const int* const corners = region->faces.row(f).data();
+    const int label = labels[corners[0]];
+    const bool of_group = label >= 0 && labels[corners[1]] == label && labels[corners[2]] == label;
+    const bool of_band = !of_group && std::any_of(corners, corners + 3,
+                                                  [&](int i) { return region->classes[i] == VertexClass::Anchor; });
+    std::vector<unsigned>& faces = of_group ? handles_[label].faces : of_band ? band_.faces : free_.faces;
+    faces.insert(faces.end(), corners, corners + 3);
+    inside.insert(inside.end(), corners, corners + 3);
+    if (!of_band) {
+      within.insert(within.end(), corners, corners + 3);
+    }
+  }
+  rim_ = border_of(inside);
+  free_.border = band_.faces.empty() ? Chains() : border_of(within);
+  // Faces with a corner outside the region.
+  for (const int v : outside_) {
+    const unsigned i = number(region, v);
+    for (const int f : session.adjacency().faces[v]) {
+      unsigned corners[3];
+      bool mine = labels[i] >= 0;
+      for (int k = 0; k < 3; ++k) {
+        corners[k] = number(region, session.mesh().faces(f, k));
+        // Once, at its lowest corner outside.
+        mine = mine && corners[k] != kNone && labels[corners[k]] == labels[i] &&
+               (corners[k] >= i || (region && corners[k] < static_cast<unsigned>(region->size())));
+      }
+      if (mine) {
+        handles_[labels[i]].faces.insert(handles_[labels[i]].faces.end(), corners, corners + 3);
+      }
+    }
+  }
+  for (Patch& patch : handles_) {
+    patch.border = border_of(patch.faces);
+  }
+}
+
+/// Single vertices and curves: they have no faces.
+void SurfacePicture::findLoose(const DragSession& session, const std::vector<int>& labels) {
+  std::vector<char> in_face(labels.size(), 0);
+  for (const Patch& patch : handles_) {
+    for (const unsigned i : patch.faces) {
+      in_face[i] = 1;
+    }
+  }
+  for (std::size_t g = 0; g < handles_.size(); ++g) {
+    Patch& patch = handles_[g];
+    for (const int v : g < groups_.size() ? groups_[g] : unconnected_) {
+      const unsigned i = number(session.region(), v);
+      if (in_face[i]) {
+        continue;
+      }
+      patch.loose.push_back(i);
+      for (const int w : session.adjacency().neighbours[v]) {
+        const unsigned j = number(session.region(), w);
+        if (j != kNone && labels[j] == static_cast<int>(g) && (in_face[j] || i < j)) {
+          patch.border.vertices.insert(patch.border.vertices.end(), {i, j});
+          patch.border.lengths.push_back(2);
+        }
+      }
+    }
+  }
+}
+
+void SurfacePicture::place(const DragSession& session) {
+  const std::size_t inside = session.region() ? static_cast<std::size_t>(session.region()->size()) : 0;
+  places_.resize(3 * (inside + outside_.size()));
+  if (session.pose_serial() != poseSerial_ && inside > 0) {
+    std::copy(session.pose().data(), session.pose().data() + 3 * inside, places_.begin());
+  }
+  poseSerial_ = session.pose_serial();
+  for (std::size_t i = 0; i < outside_.size(); ++i) {
+    const double* const place = session.mesh().vertices.row(outside_[i]).data();
+    std::copy(place, place + 3, places_.begin() + static_cast<std::ptrdiff_t>(3 * (inside + i)));
+  }
+}
+
+// --- Drawing --------------------------------------------------------------------------------------------------------
+
+void SurfacePicture::draw(const DragSession& session, const Options& options) {
+  if (session.region_serial() != regionSerial_ || session.groups() != groups_ ||
+      session.unconnected() != unconnected_) {
+    list(session);
+    poseSerial_ = -1;
+  }
+  place(session);
+  glDisableClientState(GL_NORMAL_ARRAY);
+  glDisableClientState(GL_TEXTURE_COORD_ARRAY);
+  glDisableClientState(GL_COLOR_ARRAY);
+  glEnableClientState(GL_VERTEX_ARRAY);
+  glVertexPointer(3, GL_FLOAT, 0, places_.data());
+  glPolygonOffset(-1, -2);
+  glPolygonStipple(hatch());
+  if (session.region()) {
+    drawRegion(session, options);
+  }
+  for (std::size_t g = 0; g < handles_.size(); ++g) {
+    drawGroup(session, g, options);
+  }
+  drawUnconnected(options.pixelRatio);
+  glDepthRange(0, 1);
+  glDisableClientState(GL_VERTEX_ARRAY);
+}
+
+void SurfacePicture::drawRegion(const DragSession& session, const Options& options) {
+  const bool moving = session.motion() != nullptr;
+  glDepthRange(0, 1);
+  glEnable(GL_POLYGON_OFFSET_FILL);
+  if (options.heat) {
+    drawHeat(session);
+  } else {
+    // While it moves the surface itself is what to look at.
+    tint(free_.faces, pen::kFree, moving ? 0.12 : 0.38);
+    tint(band_.faces, pen::kAnchor, moving ? 0.2 : 0.45);
+  }
+  glDisable(GL_POLYGON_OFFSET_FILL);
+  glDepthRange(0, kShift);
+  const auto line = [&](const Chains& chains, const pen::Color& color, double alpha, double width) {
+    glLineWidth(static_cast<GLfloat>(width * options.pixelRatio));
+    pen::set(color, alpha);
+    pen::chains(chains);
+  };
+  line(free_.border, pen::kAnchor, 0.8, 1.5);
+  line(rim_, pen::kDark, 0.7, 3.5);
+  if (session.preparing()) {
+    beginDashes(options.pixelRatio, true);
+  }
+  line(rim_, pen::kLight, 0.95, 1.5);
+  glDisable(GL_LINE_STIPPLE);
+}
+
+void SurfacePicture::drawHeat(const DragSession& session) {
+  const Region& region = *session.region();
+  if (stretchedRegion_ != regionSerial_) {
+    stretch_ = std::make_unique<EdgeStretch>(region, session.original().vertices);
+    heat_.resize(4 * static_cast<std::size_t>(region.size()));
+    stretchedRegion_ = regionSerial_;
+  }
+  const std::vector<float>& stretch = stretch_->of(session.pose());
+  for (std::size_t i = 0; i < stretch.size(); ++i) {
+    const pen::Color color = stretchColor(stretch[i]);
+    std::copy(color.begin(), color.end(), &heat_[4 * i]);
+    // What keeps its length is nearly clear.
+    heat_[4 * i + 3] = static_cast<unsigned char>(70 + 160 * std::min(std::abs(stretch[i]), 1.0F));
+  }
+  glEnableClientState(GL_COLOR_ARRAY);
+  glColorPointer(4, GL_UNSIGNED_BYTE, 0, heat_.data());
+  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(region.faces.size()), GL_UNSIGNED_INT, region.faces.data());
+  glDisableClientState(GL_COLOR_ARRAY);
+}
+
+/// What moves has a bright outline, what holds is hatched.
+void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, const Options& options) {
+  const Patch& patch = handles_[group];
+  const pen::Color color = pen::groupColor(group);
+  const bool active = static_cast<int>(group) == session.active_group();
+  const bool moving = session.motion() != nullptr;
+  const bool hovered = static_cast<int>(group) == options.hovered;
+  // No pose says yet where it is.
+  const bool ahead = active && moving && (!session.region() || !session.in_hand());
+  if (ahead) {
+    Eigen::Matrix4d map = Eigen::Matrix4d::Identity();
+    map.topRows<3>() = session.active_map().matrix();
+    glPushMatrix();
+    glMultMatrixd(map.data());
+    glDisable(GL_DEPTH_TEST);
+  }
+  glDepthRange(0, 1);
+  glEnable(GL_POLYGON_OFFSET_FILL);
+  tint(patch.faces, color, (moving ? 0.25 : active ? 0.5 : 0.25) + (hovered ? 0.2 : 0));
+  if (!active) {
+    glEnable(GL_POLYGON_STIPPLE);
+    tint(patch.faces, color, moving ? 0.45 : 0.7);
+    glDisable(GL_POLYGON_STIPPLE);
+  }
+  glDisable(GL_POLYGON_OFFSET_FILL);
+
+  const double ratio = options.pixelRatio, size = (patch.loose.size() == 1 ? 9 : 6) * ratio;
+  const auto outline = [&](double width, double alpha) {
+    glLineWidth(static_cast<GLfloat>((width + 2.5) * ratio));
+    pen::set(pen::kDark, 0.85 * alpha);
+    pen::chains(patch.border);
+    if (!active || (session.preparing() && !session.region())) {
+      beginDashes(ratio, active);
+    }
+    glLineWidth(static_cast<GLfloat>(width * ratio));
+    pen::set(color, alpha);
+    pen::chains(patch.border);
+    glDisable(GL_LINE_STIPPLE);
+  };
+  const double width = (active ? 3 : 1.5) + (hovered ? 1 : 0);
+  if (active) {  // through the surface
+    glDisable(GL_DEPTH_TEST);
+    outline(width, 0.25);
+    points(patch.loose, color, size, 0.25);
+  }
+  if (!ahead) {
+    glEnable(GL_DEPTH_TEST);
+  }
+  glDepthRange(0, kShift);
+  outline(width, 1);
+  points(patch.loose, color, size, 1);
+  if (ahead) {
+    glEnable(GL_DEPTH_TEST);
+    glPopMatrix();
+  }
+}
+
+/// What is brushed and not connected to a handle.
+void SurfacePicture::drawUnconnected(double pixelRatio) {
+  glDepthRange(0, 1);
+  glEnable(GL_POLYGON_OFFSET_FILL);
+  tint(lost_.faces, pen::kLight, 0.35);
+  glEnable(GL_POLYGON_STIPPLE);
+  tint(lost_.faces, pen::kDark, 0.6);
+  glDisable(GL_POLYGON_STIPPLE);
+  glDisable(GL_POLYGON_OFFSET_FILL);
+  glDepthRange(0, kShift);
+  glLineWidth(static_cast<GLfloat>(1.5 * pixelRatio));
+  pen::set(pen::kGrey);
+  pen::chains(lost_.border);
+  points(lost_.loose, pen::kGrey, 4 * pixelRatio, 1);
+}

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/session/edge_stretch.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "allocation_watch.h"
+#include "shapes.h"
+#include "support.h"
+
+namespace lapedit {
+namespace {
+
+/// The vertices of a mesh from first on, as a region.
+Region region_from(const TriangleMesh& mesh, int first) {
+  Region region;
+  const int count = static_cast<int>(mesh.vertices.rows());
+  for (int v = first; v < count; ++v) {
+    region.mesh_vertex.push_back(v);
+  }
+  std::vector<int> corners;
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+    if (mesh.faces.row(f).minCoeff() >= first) {
+      for (int k = 0; k < 3; ++k) {
+        corners.push_back(mesh.faces(f, k) - first);
+      }
+    }
+  }
+  region.faces = Eigen::Map<const Faces>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
+  return region;
+}
+
+TEST(EdgeStretch, IsTheLargestChangeOfLengthAtEachVertex) {
+  const TriangleMesh sheet = shapes::grid(9, 9);
+  for (const int first : {0, 9}) {
+    const Region region = region_from(sheet, first);
+    EdgeStretch stretch(region, sheet.vertices);
+    Points pose = sheet.vertices.bottomRows(region.size());
+    for (const float value : stretch.of(pose)) {
+      EXPECT_NEAR(value, 0, 1e-6);
+    }
+    for (const double factor : {2.0, 0.5, 1.25, 0.8}) {
+      const double wanted = factor > 1 ? factor - 1 : 1 - 1 / factor;
+      for (const float value : stretch.of(Points(factor * pose))) {
+        EXPECT_NEAR(value, wanted, 1e-5);
+      }
+    }
+    // One vertex pulled away: it and its neighbours know of it, the others do not.
+    const int pulled = 3 * 9 + 4;
+    const double edge = (pose.row(1) - pose.row(0)).norm();
+    pose.row(pulled) += 3 * edge * Vector3::UnitZ().transpose();
+    const std::vector<float>& at = stretch.of(pose);
+    const Adjacency adjacency = build_adjacency(static_cast<int>(sheet.vertices.rows()), sheet.faces);
+    for (int i = 0; i < region.size(); ++i) {
+      const auto around = adjacency.neighbours[pulled + first];
+      const bool near = i == pulled || std::find(around.begin(), around.end(), i + first) != around.end();
+      EXPECT_EQ(at[i] > 0.5F, near) << i;
+      EXPECT_GE(at[i], -1e-6) << i;
+    }
+    EXPECT_NEAR(at[pulled], std::sqrt(10.0) - 1, 1e-4);
+  }
+}
+
+TEST(EdgeStretch, IsFiniteWhateverThePose) {
+  TriangleMesh sheet = shapes::grid(5, 5);
+  sheet.vertices.row(1) = sheet.vertices.row(0);  // an edge without a length
+  const Region region = region_from(sheet, 0);
+  EdgeStretch stretch(region, sheet.vertices);
+  Points pose = sheet.vertices;
+  pose.row(7) = pose.row(12);
+  pose(3, 1) = std::numeric_limits<double>::quiet_NaN();
+  pose(20, 0) = std::numeric_limits<double>::infinity();
+  pose.row(18) *= 1e30;
+  for (const float value : stretch.of(pose)) {
+    EXPECT_LE(std::abs(value), EdgeStretch::kMost);
+  }
+  EXPECT_EQ(stretch.of(pose)[7], -EdgeStretch::kMost);
+}
+
+TEST(EdgeStretch, AllocatesNothingPerPose) {
+  const TriangleMesh sheet = shapes::grid(200, 200);
+  const Region region = region_from(sheet, 0);
+  EdgeStretch stretch(region, sheet.vertices);
+  stretch.of(sheet.vertices);
+  const long before = allocations;
+  stretch.of(sheet.vertices);
+  EXPECT_EQ(allocations.load(), before);
+}
+
+}  // namespace
+}  // namespace lapedit
