@@ -298,6 +298,9 @@ TEST(DragGizmo, ArrowMovesAlongItsAxisAndAClickGoesThrough) {
   EXPECT_NEAR(
       (gizmo->center - support::rows(window.host, window.session.groups()[0]).colwise().mean().transpose()).norm(), 0,
       1e-5);
+  window.session.set_handle_mode(HandleMode::Curve);  // what is clicked next is not to be hidden by it
+  EXPECT_FALSE(window.session.gizmo(window.view));
+  window.session.set_handle_mode(HandleMode::Vertex);
   const Vector2 on_arrow = window.view.pixel(gizmo->along(1, 0.7));
   window.session.hover(window.at(on_arrow), {});
   EXPECT_EQ(window.session.gizmo_part(), GizmoPart::MoveY);

@@ -252,7 +252,9 @@ void SessionCore::release_motion() {
 }
 
 std::optional<Gizmo> SessionCore::gizmo(const Camera& view) const {
-  if (!tools.gizmo || selection.active < 0 || !view.valid()) {
+  const bool awaits_click = selection.next != Selection::Next::Handle || selection.mode == HandleMode::Curve ||
+                            (tools.pivot == Pivot::Point && tools.pivot_vertex < 0);
+  if (!tools.gizmo || awaits_click || selection.active < 0 || !view.valid()) {
     return std::nullopt;
   }
   const std::vector<int>& group = groups()[selection.active];
