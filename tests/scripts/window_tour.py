@@ -173,7 +173,7 @@ def main():
             window.resize(1280, 800)
             window.layer(matrix=turned(0, -25))
             window.trigger("Front")
-            window.wheel(400, 300, 3)
+            window.wheel(400, 300, -1)
             window.trigger(TOOL)
 
             def at(place):
