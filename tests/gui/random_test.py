@@ -13,7 +13,7 @@ EVENTS = int(os.environ.get("LAPEDIT_RANDOM_EVENTS", "20000"))  # of mouse, whee
 SEED = int(os.environ.get("LAPEDIT_RANDOM_SEED", "20241121"))
 BATCH = 30  # gestures that are sent together
 CHECKED = 6  # batches after which all is undone and compared
-KEYS = [*"XYZNTRSGCW0123456789.-[]", "Return", "Backspace", "Esc"]
+KEYS = [*"XYZNTRSGCWPBV0123456789.-[]", "Return", "Backspace", "Esc"]
 # What is not in the panel is left out.
 SETTINGS = {"radius": lambda r: r.choice([0, 0.05, 0.1, 0.3]), "padding": lambda r: r.choice([0, 10, 50, 100]),
             "handle_share": lambda r: r.choice([0, 20, 50]), "softness": lambda r: r.choice([0, 50, 100]),

@@ -10,7 +10,7 @@ from pictures import TOOL, Pictures, convert, nearest, part, turned
 from shapes import neighbours, within
 
 RATE = 8  # pictures per second
-WIDTH = 640
+WIDTH = 720
 HEIGHT = 600  # of the view, without MeshLab's figures below it
 OVER_GIZMO = 9  # Qt::SizeAllCursor
 HAND, NOSE = (1.0, -0.2, 0.15), (0, 1.39, 0.47)
@@ -70,7 +70,7 @@ class Tour:
         arguments = []
         for path, hundredths in self.frames:
             arguments += ["-delay", hundredths, path]
-        convert(*arguments, "-layers", "OptimizePlus", "+dither", "-colors", 72, "-loop", 0, picture)
+        convert(*arguments, "-layers", "OptimizePlus", "+dither", "-colors", 128, "-loop", 0, picture)
         print(f"{sum(h for _, h in self.frames) / 100:.1f} s, {len(self.frames)} pictures, {picture.stat().st_size / 1e6:.2f} MB")
 
 
@@ -134,8 +134,9 @@ def pull_nose(tour, window, at):
     window.set(part("clear"), True)
     tour.go(at(NOSE), 0.9)
     window.set(part("radius"), window.widget(part("radius"))["value"] / 4)
+    window.set(part("handle_share"), 25)
     window.move(*tour.place)
-    tour.frame(0.5)
+    tour.frame(0.8)
     tour.press()
     tour.go((tour.place[0] - 55, tour.place[1] + 8), 1.4)
     tour.release()
@@ -162,7 +163,7 @@ def keep(tour, window, pictures):
     window.idle()
     assert edited["positions"] == window.dump()["positions"]
     tour.caption = "... it gives the same coordinates, bit for bit."
-    tour.frame(2.2, cursor=False)
+    tour.frame(3, cursor=False)
 
 
 def main():
