@@ -29,8 +29,9 @@ struct FoldCauses {
 struct EditQuality {
   double normal_equation_residual = 0;  ///< |A^T (A x - b)| over |A^T| |b|-sized terms; rounding level when all is well
   double handle_displacement = 0;       ///< largest way a handle vertex was to go
-  double handle_residual = 0;           ///< largest distance of a handle vertex, as stored, from its target
-  double anchor_residual = 0;           ///< largest distance of an anchor from its place
+  /// Largest distance of a handle vertex, as stored, from its target; of each group, those with its largest weight.
+  double handle_residual = 0;
+  double anchor_residual = 0;  ///< largest distance of an anchor from its place
   double rotation_mean = 0, rotation_max = 0;
   double stretch_rms = 0;  ///< RMS over the region's edges of new length / old length - 1
   double stretch_max = 0;  ///< the largest of these, of edges that became longer

@@ -90,9 +90,9 @@ void Preparation::make_operator(const TriangleMesh& mesh) {
   s_.powers.first->apply(s_.rest.local, s_.delta, *s_.pool);
 }
 
-/// Squared weights w_i^2 (paper, sections 3 and 5): w for a handle, w d_i / d_max for an anchor. The anchors alone make
-/// the matrix definite; a small handle is left to a correction of the solution then, so that the next one finds the
-/// factor ready.
+/// Squared weights w_i^2 (paper, sections 3 and 5): w for a handle, or a share of it, w d_i / d_max for an anchor. The
+/// anchors alone make the matrix definite; a small handle is left to a correction of the solution then, so that the
+/// next one finds the factor ready.
 void Preparation::weigh() {
   const Region& region = s_.region;
   s_.squared_weights.resize(region.size());
@@ -101,7 +101,7 @@ void Preparation::weigh() {
       s_.all_anchored() && s_.settings.order == 1 && region.count(VertexClass::Handle) <= kSmallHandle;
   for (int i = 0; i < region.size(); ++i) {
     const VertexClass c = region.classes[i];
-    const double weight = c == VertexClass::Handle   ? s_.settings.handle_weight
+    const double weight = c == VertexClass::Handle   ? s_.settings.handle_weight * region.share(i)
                           : c == VertexClass::Anchor ? s_.settings.anchor_weight * region.anchor_weight[i]
                                                      : 0;
     s_.squared_weights[i] = factor_weights_[i] = weight * weight;
@@ -300,10 +300,11 @@ std::size_t LaplacianSystem::bytes() const {
   const Eigen::Index doubles = rest.world.size() + rest.local.size() + delta.size() + smooth_rest.size() +
                                falloff.weights.size() + squared_weights.size() + matrix->squared_weights.size() +
                                (correction ? correction->z.size() : 0);
-  return of(r.mesh_vertex) + of(r.classes) + of(r.group) + of(r.component) + of(r.distance) + of(r.anchor_weight) +
-         of(r.anchor_depth) + of(r.neighbours.offsets) + of(r.neighbours.values) + of(r.edge_faces) +
-         static_cast<std::size_t>(r.faces.size()) * sizeof(int) + static_cast<std::size_t>(doubles) * sizeof(double) +
-         powers.m->bytes() + (powers.first != powers.m ? powers.first->bytes() : 0) + matrix->cholesky.bytes() +
+  return of(r.mesh_vertex) + of(r.classes) + of(r.group) + of(r.handle_share) + of(r.component) + of(r.distance) +
+         of(r.anchor_weight) + of(r.anchor_depth) + of(r.neighbours.offsets) + of(r.neighbours.values) +
+         of(r.edge_faces) + static_cast<std::size_t>(r.faces.size()) * sizeof(int) +
+         static_cast<std::size_t>(doubles) * sizeof(double) + powers.m->bytes() +
+         (powers.first != powers.m ? powers.first->bytes() : 0) + matrix->cholesky.bytes() +
          (smoother ? smoother->bytes() : 0) + (blended ? blended->bytes() : 0);
 }
 

@@ -14,6 +14,7 @@ namespace lapedit {
 struct HandleGroup {
   std::vector<int> vertices;  ///< mesh vertex numbers
   HandleTransform transform;
+  std::vector<double> weights = {};  ///< of each vertex, kLeastShare to 1, what handle_weight counts there; empty: 1
 };
 
 /// One edit: which part, which handles, how far, with what settings.

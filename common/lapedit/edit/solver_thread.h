@@ -17,7 +17,10 @@ struct PrepareTask {
   RegionSpec region;
   std::vector<std::vector<int>> groups;  ///< handle groups, each ascending without duplicates
   EditSettings settings;
-  StoredScalar scalar = StoredScalar::Float;  ///< poses are rounded to it
+  StoredScalar scalar = StoredScalar::Float;      ///< poses are rounded to it
+  std::vector<std::vector<double>> weights = {};  ///< per group, as HandleGroup::weights; none: 1
+
+  StepProblem problem() const { return {*mesh, *adjacency, region, groups, settings, scalar, weights}; }
 };
 
 /// A mesh and the steps to apply to it.

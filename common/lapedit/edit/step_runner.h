@@ -25,6 +25,7 @@ struct StepProblem {
   std::vector<std::vector<int>> groups;  ///< handle groups, any order
   const EditSettings& settings;
   StoredScalar scalar = StoredScalar::Double;
+  std::vector<std::vector<double>> weights = {};  ///< per group, as HandleGroup::weights; none: 1
 };
 
 /// A step's region, and what finding it took.
@@ -33,7 +34,11 @@ struct FoundRegion {
   double milliseconds = 0;
 };
 
-/// @throws EditError as validate() and build_region()
+/// Ascending without duplicates, so that sums over a group do not depend on how it was written; of a vertex that is
+/// there twice the larger weight counts. @throws EditError (BadParameter) if there are weights, but not one for each
+void sort_group(std::vector<int>& vertices, std::vector<double>& weights);
+
+/// @throws EditError as validate(), sort_group() and build_region()
 FoundRegion find_region(const StepProblem& problem, const Progress& progress = {});
 
 /// Runs one step: region, preparation, poses. Filter, program, replay and window all run their steps by this class, so
