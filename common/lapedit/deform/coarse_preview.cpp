@@ -72,7 +72,7 @@ struct CoarsePreview::State {
   }
 
   std::vector<double> weights(const TriangleMesh& mesh) const {
-    return settings.laplacian == LaplacianKind::Umbrella
+    return settings.laplacian == LaplacianKind::Umbrella && region->links.empty()
                ? std::vector<double>()
                : edge_weights(settings.laplacian, *region, mesh, settings.membrane > 0).values;
   }

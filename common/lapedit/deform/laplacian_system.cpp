@@ -300,9 +300,9 @@ std::size_t LaplacianSystem::bytes() const {
   const Eigen::Index doubles = rest.world.size() + rest.local.size() + delta.size() + smooth_rest.size() +
                                falloff.weights.size() + squared_weights.size() + matrix->squared_weights.size() +
                                (correction ? correction->z.size() : 0);
-  return of(r.mesh_vertex) + of(r.classes) + of(r.group) + of(r.handle_share) + of(r.component) + of(r.distance) +
-         of(r.anchor_weight) + of(r.anchor_depth) + of(r.neighbours.offsets) + of(r.neighbours.values) +
-         of(r.edge_faces) + static_cast<std::size_t>(r.faces.size()) * sizeof(int) +
+  return of(r.mesh_vertex) + of(r.classes) + of(r.group) + of(r.handle_share) + of(r.links) + of(r.component) +
+         of(r.distance) + of(r.anchor_weight) + of(r.anchor_depth) + of(r.neighbours.offsets) +
+         of(r.neighbours.values) + of(r.edge_faces) + static_cast<std::size_t>(r.faces.size()) * sizeof(int) +
          static_cast<std::size_t>(doubles) * sizeof(double) + powers.m->bytes() +
          (powers.first != powers.m ? powers.first->bytes() : 0) + matrix->cholesky.bytes() +
          (smoother ? smoother->bytes() : 0) + (blended ? blended->bytes() : 0);

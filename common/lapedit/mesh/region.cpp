@@ -13,6 +13,7 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
+#include "lapedit/mesh/connect.h"
 #include "lapedit/mesh/geodesic.h"
 
 namespace lapedit {
@@ -470,6 +471,33 @@ void find_components(const std::vector<std::pair<int, int>>& handles, Region& re
   throw EditError(ErrorCause::NothingToFollow, sentence);
 }
 
+/// Links that leave a given set make no rim: what is not in it does not hold it.
+Region build_connected(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
+                       const std::vector<std::vector<int>>& groups, int threads,
+                       const std::vector<std::vector<double>>& shares) {
+  const bool given_set = spec.kind == RegionSpec::Kind::Vertices;
+  std::vector<char> flags(given_set ? mesh.vertices.rows() : 0, 0);
+  for (const int v : spec.vertices) {
+    if (v >= 0 && v < static_cast<int>(flags.size())) {
+      flags[v] = 1;
+    }
+  }
+  const Adjacency linked{linked_neighbours(mesh, adjacency.neighbours, spec.connect_gap, given_set ? &flags : nullptr),
+                         adjacency.faces};
+  RegionSpec plain = spec;
+  plain.connect_gap = 0;
+  Region region = build_region(mesh, linked, plain, groups, threads, shares);
+  for (int i = 0; i < region.size(); ++i) {
+    const IndexLists::Row ring = adjacency.neighbours[region.mesh_vertex[i]];
+    for (const int j : region.neighbours[i]) {
+      if (i < j && !std::binary_search(ring.begin(), ring.end(), region.mesh_vertex[j])) {
+        region.links.emplace_back(i, j);
+      }
+    }
+  }
+  return region;
+}
+
 }  // namespace
 
 int Region::count(VertexClass c) const {
@@ -480,6 +508,9 @@ Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const 
                     const std::vector<std::vector<int>>& groups, int threads,
                     const std::vector<std::vector<double>>& shares) {
   check_spec(spec);
+  if (spec.connect_gap != 0) {
+    return build_connected(mesh, adjacency, spec, groups, threads, shares);
+  }
   std::vector<int> local;  // at first the handles' groups
   const std::vector<int> handles = collect_handles(mesh, groups, local);
   check_shares(groups, shares);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "lapedit/mesh/adjacency.h"
@@ -42,6 +43,8 @@ struct RegionSpec {
   /// Width of the anchor band over the radius (Kind::Radius) or over the largest handle distance.
   double padding = 0.1;
   KeptAnchors anchors;  ///< Kind::Vertices: in place of the band; empty: padding decides
+  /// Pieces of the mesh that are nearer to each other than this, model units, are one: see linked_neighbours(). 0: off.
+  double connect_gap = 0;
 };
 
 /// A region of interest, classified. All arrays but mesh_vertex's values speak of local vertices 0 .. size() - 1, in
@@ -65,6 +68,8 @@ struct Region {
   double radius = 0;            ///< the given radius, or d_max where none was given
   int left_out = 0;             ///< vertices of a given set that no handle reaches: they stay, bit for bit
   int mesh_vertices = 0;        ///< of the whole mesh
+  /// Edges of the graph that connect_gap made, the lower vertex first, ascending; they have no faces.
+  std::vector<std::pair<int, int>> links;
 
   int size() const { return static_cast<int>(mesh_vertex.size()); }
   int count(VertexClass c) const;
