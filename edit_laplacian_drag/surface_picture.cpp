@@ -14,7 +14,7 @@ namespace {
 constexpr unsigned kNone = ~0U;
 /// Lines and points lie in the surface: without this much of the depth half of each would be hidden by it.
 constexpr double kShift = 0.9993;
-constexpr std::size_t kMostMovingFaces = 50000;
+constexpr std::size_t kMostMovingFaces = 12000;
 
 /// Diagonal lines, eight pixels apart.
 const GLubyte* hatch() {
