@@ -7,17 +7,22 @@
 #include <string>
 
 #include "lapedit/edit/edit.h"
+#include "lapedit_host/edit_tool.h"
 
 /// How an edit leaves the window, and comes back.
 
 class QWidget;
 
-/// Asks for a file and writes the edit into it as JSON. @return a line for the user, empty if no file was chosen
-std::string saveEdit(QWidget* parent, const lapedit::Edit& edit);
+/// Where the edit of a layer is looked for: <mesh>.laplacian.json beside the mesh.
+QString editFileFor(const lapedit::host::Layer& layer);
+
+/// Asks for a file and writes the edit into it as JSON. @param suggested  the file it begins with
+/// @return a line for the user, empty if no file was chosen
+std::string saveEdit(QWidget* parent, const lapedit::Edit& edit, const QString& suggested);
 
 /// Asks for a file and reads it. @return nothing if no file was chosen
 /// @throws EditError (BadScript)
-std::optional<lapedit::Edit> loadEdit(QWidget* parent);
+std::optional<lapedit::Edit> loadEdit(QWidget* parent, const QString& suggested);
 
 /// Text of an .mlx script that replays an edit, given as JSON, with the filter Laplacian Edit Replay.
 QString filterScript(const QByteArray& edit);

@@ -15,6 +15,7 @@
 #include "lapedit/base/error.h"
 #include "lapedit/json/edit_script.h"
 #include "lapedit_host/mesh_bridge.h"
+#include "translation.h"
 
 using namespace lapedit;
 using namespace lapedit::host;
@@ -22,6 +23,7 @@ using namespace lapedit::host;
 namespace {
 
 constexpr int kDragPixels = 3;     // what moves less is a click
+constexpr int kNoticePixels = 12;  // a notice goes when the mouse has gone on by this
 constexpr int kLongestWait = 200;  // milliseconds without a picture
 constexpr int kDashWait = 100;     // milliseconds between pictures that only show that something is prepared
 constexpr int kDashShare = 5;      // and at least as many times what one takes
@@ -74,7 +76,9 @@ std::optional<DragKey> sessionKey(const QKeyEvent& event) {
 LaplacianDragTool::LaplacianDragTool(HostWindow& window) : window_(window) {}
 
 LaplacianDragTool::~LaplacianDragTool() {
-  delete panel_;
+  if (shared_) {
+    shared_->end(*this);
+  }
 }
 
 /// Whatever a button or the worker starts must not throw into Qt.
@@ -88,55 +92,56 @@ void LaplacianDragTool::guarded(const Call& call) {
 }
 
 void LaplacianDragTool::say(const std::string& line) {
-  notice_ = line;
-  window_.log(line);
+  notice_ = core(line);
+  mouse_.noticedAt = mouse_.position;
+  window_.log(notice_.toStdString());
 }
 
 // --- On and off -----------------------------------------------------------------------------------------------------
 
 bool LaplacianDragTool::start() {
+  loadTranslation();
+  shared_ = &WindowSessions::of(*window_.canvas().window());
   active_ = nullptr;
   layer_ = -1;
   nothing_.clear();
   notice_.clear();
-  mouse_.pressed = mouse_.moved = false;
+  mouse_.pressed = mouse_.moved = mouse_.inside = false;
   mouse_.navigating = Qt::NoButton;
   clock_.reset();
   overlay_ = Overlay();
   const auto layer = window_.currentLayer();
   if (!layer) {
+    nothing_ = tr("There is no mesh: open one first.");
     if (!on_) {
-      say("There is no mesh: open one first.");
+      say(nothing_.toStdString());
     }
-    nothing_ = "There is no mesh: open one first.";
     return on_;
   }
-  forgetGoneLayers();
-  const auto known = sessions_.find(layer->id);
-  const bool resume = known != sessions_.end() && known->second->wasLeftLike(*layer->mesh) &&
-                      (known->second->inHistory.isEmpty() ||
-                       window_.removeFromHistory("Laplacian Edit Replay", known->second->inHistory));
+  shared_->begin(*this, window_.document(), layer->id);
+  shared_->forgetGone();
+  LayerSession* known = shared_->find(layer->id);
+  const bool resume =
+      known != nullptr && known->wasLeftLike(*layer->mesh) &&
+      (known->inHistory.isEmpty() || window_.removeFromHistory("Laplacian Edit Replay", known->inHistory));
   try {
-    if (!resume) {
-      sessions_.erase(layer->id);
-      sessions_[layer->id] = std::make_unique<LayerSession>(*layer->mesh, callbacksFor(layer->id));
-    }
+    active_ = resume ? known : &shared_->make(layer->id, *layer->mesh);
   } catch (const EditError& error) {
-    nothing_ = error.what();
-    say(nothing_);
+    nothing_ = core(error.what());
+    say(error.what());
     if (!on_) {
+      shared_->end(*this);
       return false;
     }
     openPanel();
     refreshPanel();
     return true;
   }
-  active_ = sessions_[layer->id].get();
   active_->inHistory.clear();
   layer_ = layer->id;
   on_ = true;
   openPanel();
-  panel_->setMeshSize(finite_diagonal(*layer->mesh));
+  shared_->panel().setMesh(active_->session().original());
   refreshPanel();
   window_.canvas().setFocus();
   window_.canvas().setMouseTracking(true);
@@ -144,90 +149,86 @@ bool LaplacianDragTool::start() {
 }
 
 void LaplacianDragTool::end() {
-  if (panel_) {
-    panel_->hide();
+  leaveCanvas();
+  if (shared_ && shared_->isUsedBy(*this)) {
+    shared_->hidePanel();
+    leaveLayer(true);
+    shared_->end(*this);
   }
-  window_.canvas().removeEventFilter(this);
-  window_.canvas().setMouseTracking(false);
+}
+
+void LaplacianDragTool::handOver(bool same_session) {
+  leaveCanvas();
+  leaveLayer(!same_session);
+  window_.endTool();
+}
+
+void LaplacianDragTool::sessionGone() {
+  active_ = nullptr;
+  layer_ = -1;
+}
+
+/// The view is the host's again.
+void LaplacianDragTool::leaveCanvas() {
+  QWidget& canvas = window_.canvas();
+  canvas.removeEventFilter(this);
+  canvas.setMouseTracking(false);
+  canvas.unsetCursor();
+  on_ = false;
+}
+
+/// What was applied stays, what is in progress is dropped. @param for_good  not for another view
+void LaplacianDragTool::leaveLayer(bool for_good) {
+  disconnect(&shared_->panel(), nullptr, this, nullptr);
   const auto layer = layer_ >= 0 ? window_.layer(layer_) : std::nullopt;
   if (active_ && !layer) {
-    sessions_.erase(layer_);
+    shared_->forget(layer_);
   } else if (active_) {
     DragSession& session = active_->session();
+    session.leave();
     session.finish();
     if (active_->foundChanged()) {
-      sessions_.erase(layer_);
+      shared_->forget(layer_);
     } else {
       bool settled = true;
       if (active_->takeWritten(settled)) {
         window_.uploadGeometry(layer_);
       }
-      const Edit edit = session.recorded();
-      if (!edit.steps.empty()) {
-        active_->inHistory = QString::fromStdString(write_edit(edit));
-        window_.appendToHistory("Laplacian Edit Replay", active_->inHistory, 1);
+      if (for_good) {
+        const Edit edit = session.recorded();
+        if (!edit.steps.empty()) {
+          active_->inHistory = QString::fromStdString(write_edit(edit));
+          window_.appendToHistory("Laplacian Edit Replay", active_->inHistory, 1);
+        }
+        session.clear();  // the factor takes much memory
       }
-      session.clear();  // the factor takes much memory
       active_->leave(*layer->mesh);
     }
   }
-  active_ = nullptr;
-  layer_ = -1;
-  on_ = false;
+  sessionGone();
 }
 
-LayerSession::Callbacks LaplacianDragTool::callbacksFor(int layer) {
-  LayerSession::Callbacks callbacks;
-  callbacks.mesh = [this, layer]() -> CMeshO* {
-    const auto present = window_.layer(layer);
-    return present ? present->mesh : nullptr;
-  };
-  callbacks.log = [this](const std::string& line) { window_.log(line); };
-  callbacks.wake = [this] {
-    if (!pollQueued_.exchange(true)) {
-      QMetaObject::invokeMethod(
-          this, [this] { poll(); }, Qt::QueuedConnection);
-    }
-  };
-  return callbacks;
-}
-
-void LaplacianDragTool::forgetGoneLayers() {
-  for (auto known = sessions_.begin(); known != sessions_.end();) {
-    known = window_.layer(known->first) ? std::next(known) : sessions_.erase(known);
-  }
+CMeshO* LaplacianDragTool::meshOf(int layer) {
+  const auto present = window_.layer(layer);
+  return present ? present->mesh : nullptr;
 }
 
 void LaplacianDragTool::openPanel() {
-  if (!panel_) {
-    panel_ = new Panel(window_.mainWindow(), &window_.canvas());
-    connect(panel_, &Panel::settingsEdited, this, [this](const DragSettings& settings) {
-      guarded([&] {
-        if (active_) {
-          active_->session().set_settings(settings);
-          afterEvent();
-        }
-      });
-    });
-    connect(panel_, &Panel::handleModeEdited, this, [this](HandleMode mode) {
-      guarded([&] {
-        if (active_) {
-          active_->session().set_handle_mode(mode);
-          afterEvent();
-        }
-      });
-    });
-    connect(panel_, &Panel::command, this, [this](const QString& part) { guarded([&] { command(part); }); });
-    connect(panel_, &Panel::closed, this, [this] {
-      if (on_) {
-        window_.endTool();
+  Panel& panel = shared_->panel();
+  panel.setCanvas(&window_.canvas());
+  disconnect(&panel, nullptr, this, nullptr);
+  connect(&panel, &Panel::edited, this, [this](const Panel::Change& change) {
+    guarded([&] {
+      if (active_) {
+        notice_.clear();
+        change(active_->session());
+        afterEvent();
       }
     });
-    if (window_.mainWindow() != nullptr) {
-      window_.mainWindow()->addDockWidget(Qt::LeftDockWidgetArea, panel_);
-    }
-  }
-  panel_->QDockWidget::show();
+  });
+  connect(&panel, &Panel::command, this, [this](const QString& part) { guarded([&] { command(part); }); });
+  connect(&panel, &Panel::closed, this, [this] { window_.endTool(); });
+  shared_->showPanel();
   window_.canvas().removeEventFilter(this);
   window_.canvas().installEventFilter(this);
 }
@@ -249,9 +250,9 @@ void LaplacianDragTool::draw() {
     return;
   }
   const auto layer = usableLayer();
-  std::string line = nothing_;
+  QString line = nothing_;
   if (active_ && !layer) {
-    line = "The layer is hidden: make it visible to edit it.";
+    line = tr("The layer is hidden: make it visible to edit it.");
   } else if (layer) {
     const QWidget& canvas = window_.canvas();
     glMatrixMode(GL_MODELVIEW);
@@ -263,22 +264,27 @@ void LaplacianDragTool::draw() {
     options.width = canvas.width();
     options.height = canvas.height();
     options.pixelRatio = canvas.devicePixelRatioF();
+    options.heat = shared_->panel().heat();
     const bool takes = mouse_.modifiers & Qt::ShiftModifier;
     if ((takes || mouse_.modifiers & Qt::ControlModifier) && !session.motion()) {
       options.brush = Overlay::Brush{cursor().pixel, session.settings().brush_pixels, takes};
     }
     overlay_.draw(session, view_, options);
     glPopMatrix();
-    line = !notice_.empty()      ? notice_
-           : window_.suspended() ? "Suspended: the mouse turns the view. Esc goes on with dragging."
-                                 : session.message();
+    line = !notice_.isEmpty()    ? notice_
+           : window_.suspended() ? tr("Suspended: the mouse turns the view. Esc goes on with dragging.")
+                                 : core(session.message());
     if (session.preparing()) {
-      line += "  [preparing: " + std::string(session.stage()) + ", " +
-              std::to_string(static_cast<int>(100 * session.progress())) + " %]";
+      line += tr("  [preparing: %1, %2 %]").arg(core(session.stage())).arg(static_cast<int>(100 * session.progress()));
+    }
+    if (window_.suspended() && session.motion()) {
+      // By MeshLab's button or menu; not from here, since nothing can be uploaded while drawing.
+      QMetaObject::invokeMethod(
+          this, [this] { dropMotion(); }, Qt::QueuedConnection);
     }
   }
-  if (!line.empty()) {
-    window_.showLine(kTitle, QString::fromStdString(line));
+  if (!line.isEmpty()) {
+    window_.showLine(kTitle, line);
   }
 }
 
@@ -289,22 +295,63 @@ bool LaplacianDragTool::poseIsComing() const {
          clock_.waitsForPose(kLongestWait);
 }
 
-/// Measures drawing from outside: the picture is on the screen once the paint event is over.
+/// Measures drawing from outside: the picture is on the screen once the paint event is over. Takes what MeshLab tells
+/// no tool of.
 bool LaplacianDragTool::eventFilter(QObject* object, QEvent* event) {
-  if (event->type() == QEvent::Paint && on_) {
-    if (poseIsComing()) {
-      return true;
-    }
-    clock_.paintBegins();
-    QMetaObject::invokeMethod(
-        this, [this] { framePainted(); }, Qt::QueuedConnection);
+  switch (event->type()) {
+    case QEvent::Paint:
+      if (poseIsComing()) {
+        return true;
+      }
+      clock_.paintBegins();
+      QMetaObject::invokeMethod(
+          this, [this] { framePainted(); }, Qt::QueuedConnection);
+      break;
+    case QEvent::ShortcutOverride:
+    case QEvent::KeyPress:
+      return escape(*event);
+    case QEvent::Leave:
+      mouse_.inside = false;
+      if (active_) {
+        active_->session().leave();
+        window_.repaint();
+      }
+      break;
+    case QEvent::DeferredDelete:  // the view is being closed
+      guarded([this] { end(); });
+      break;
+    default:
+      break;
   }
   return QObject::eventFilter(object, event);
 }
 
+/// Esc drops a motion; without one it is MeshLab's, which would take it first. @return whether the event is over
+bool LaplacianDragTool::escape(QEvent& event) {
+  if (static_cast<QKeyEvent&>(event).key() != Qt::Key_Escape || !active_ || !active_->session().motion()) {
+    return false;
+  }
+  event.accept();
+  if (event.type() == QEvent::KeyPress) {
+    dropMotion();
+  }
+  return true;
+}
+
+void LaplacianDragTool::dropMotion() {
+  guarded([this] {
+    if (active_ && active_->session().motion()) {
+      mouse_.pressed = false;
+      notice_.clear();
+      active_->session().cancel();
+      afterEvent();
+    }
+  });
+}
+
 void LaplacianDragTool::framePainted() {
-  if (clock_.painted() && panel_) {
-    panel_->setFrames(clock_.frames());
+  if (clock_.painted() && shared_ && shared_->isUsedBy(*this)) {
+    shared_->panel().setFrames(clock_.frames());
     refreshPanel();
   }
   // While a region is prepared its outline wanders, as often as leaves the processor to the preparation.
@@ -321,13 +368,63 @@ void LaplacianDragTool::framePainted() {
 // --- Mouse and keys -------------------------------------------------------------------------------------------------
 
 Cursor LaplacianDragTool::cursor() const {
-  return {view_, Vector2(mouse_.position.x(), mouse_.position.y())};
+  Cursor cursor;
+  cursor.view = view_;
+  cursor.pixel = Vector2(mouse_.position.x(), mouse_.position.y());
+  cursor.snap = mouse_.modifiers & Qt::ControlModifier;
+  return cursor;
+}
+
+PressModifiers LaplacianDragTool::pressModifiers() const {
+  return {bool(mouse_.modifiers & Qt::ControlModifier), bool(mouse_.modifiers & Qt::ShiftModifier)};
+}
+
+/// Shows what a press would take.
+void LaplacianDragTool::hover() {
+  if (mouse_.inside && !window_.suspended() && usableLayer() && view_.valid() &&
+      active_->session().hover(cursor(), pressModifiers())) {
+    window_.repaint();
+  }
+}
+
+Qt::CursorShape LaplacianDragTool::shape() const {
+  const DragSession& session = active_->session();
+  if (session.motion()) {
+    return Qt::ClosedHandCursor;
+  }
+  if (session.preparing() && !session.in_hand()) {
+    return Qt::BusyCursor;
+  }
+  if (mouse_.modifiers & (Qt::ControlModifier | Qt::ShiftModifier)) {
+    return Qt::CrossCursor;
+  }
+  if (session.gizmo_part() != GizmoPart::None) {
+    return Qt::SizeAllCursor;
+  }
+  const HoverPreview* const hover = session.hover();
+  return !hover                                     ? Qt::ArrowCursor
+         : hover->kind == HoverPreview::Kind::Group ? Qt::OpenHandCursor
+                                                    : Qt::PointingHandCursor;
+}
+
+void LaplacianDragTool::showShape() {
+  QWidget& canvas = window_.canvas();
+  if (!active_ || window_.suspended() || mouse_.navigating != Qt::NoButton) {
+    return;
+  }
+  if (canvas.cursor().shape() != shape()) {
+    canvas.setCursor(shape());
+  }
 }
 
 void LaplacianDragTool::mousePress(QMouseEvent& event) {
   mouse_.position = event.localPos();
   mouse_.modifiers = event.modifiers();
   notice_.clear();
+  if (event.button() == Qt::RightButton && active_ && active_->session().motion()) {
+    dropMotion();
+    return;
+  }
   const bool around = event.button() != Qt::LeftButton || (event.modifiers() & Qt::AltModifier);
   if (around) {
     if (mouse_.navigating == Qt::NoButton && !mouse_.pressed) {
@@ -343,9 +440,9 @@ void LaplacianDragTool::mousePress(QMouseEvent& event) {
   if (active_->session().state() == DragSession::State::Picked ||
       active_->session().state() == DragSession::State::Idle) {
     if (!active_->matches(*layer->mesh)) {
-      say("The mesh was changed by something else: starting afresh from what it is now.");
-      sessions_.erase(layer_);
+      shared_->forget(layer_);
       start();
+      say(tr("The mesh was changed by something else: starting afresh from what it is now.").toStdString());
       if (!active_) {
         return;
       }
@@ -354,14 +451,17 @@ void LaplacianDragTool::mousePress(QMouseEvent& event) {
   mouse_.pressed = true;
   mouse_.moved = false;
   mouse_.pressedAt = event.localPos();
-  active_->session().press(
-      cursor(), {bool(event.modifiers() & Qt::ControlModifier), bool(event.modifiers() & Qt::ShiftModifier)});
+  active_->session().press(cursor(), pressModifiers());
   afterEvent();
 }
 
 void LaplacianDragTool::mouseMove(QMouseEvent& event) {
   mouse_.position = event.localPos();
   mouse_.modifiers = event.modifiers();
+  mouse_.inside = event.buttons() == Qt::NoButton;
+  if ((mouse_.position - mouse_.noticedAt).manhattanLength() > kNoticePixels) {
+    notice_.clear();
+  }
   if (mouse_.navigating != Qt::NoButton) {
     window_.navigate(event, mouse_.navigating == Qt::MiddleButton ? Qt::MiddleButton : Qt::LeftButton);
     return;
@@ -386,17 +486,24 @@ void LaplacianDragTool::mouseMove(QMouseEvent& event) {
   session.move(cursor());
   if (session.motion()) {
     clock_.mouseMoved();
+    afterEvent();
+  } else if (mouse_.pressed) {
+    afterEvent();
+  } else {
+    hover();
+    showShape();
   }
-  afterEvent();
 }
 
 void LaplacianDragTool::mouseRelease(QMouseEvent& event) {
   mouse_.position = event.localPos();
   mouse_.modifiers = event.modifiers();
+  mouse_.inside = event.buttons() == Qt::NoButton;
   if (mouse_.navigating != Qt::NoButton) {
     if (event.button() == mouse_.navigating) {
       window_.navigate(event, mouse_.navigating == Qt::MiddleButton ? Qt::MiddleButton : Qt::LeftButton);
       mouse_.navigating = Qt::NoButton;
+      showShape();
     }
     return;
   }
@@ -415,13 +522,15 @@ void LaplacianDragTool::mouseRelease(QMouseEvent& event) {
     at.pixel = Vector2(mouse_.pressedAt.x(), mouse_.pressedAt.y());
   }
   active_->session().release(at);
+  hover();
   afterEvent();
 }
 
 void LaplacianDragTool::wheel(QWheelEvent& event) {
   event.accept();
   notice_.clear();
-  if (event.modifiers() & Qt::AltModifier) {
+  const bool control = event.modifiers() & Qt::ControlModifier, shift = event.modifiers() & Qt::ShiftModifier;
+  if ((event.modifiers() & Qt::AltModifier) || (control && !shift)) {
     window_.navigate(event);
     return;
   }
@@ -430,10 +539,11 @@ void LaplacianDragTool::wheel(QWheelEvent& event) {
   }
   const int angle = event.angleDelta().y() != 0 ? event.angleDelta().y() : event.angleDelta().x();
   const double notches = angle / 120.0;
-  DragSettings settings = active_->session().settings();
-  if (event.modifiers() & Qt::ShiftModifier) {
+  const DragSettings before = active_->session().settings();
+  DragSettings settings = before;
+  if (control) {
     settings.padding = std::clamp(settings.padding + kPaddingPerNotch * notches, 0.0, 1.0);
-  } else if (event.modifiers() & Qt::ControlModifier) {
+  } else if (shift) {
     const double grown =
         std::max(settings.handle_share, kSmallestHandleShare) * std::pow(kHandleSharePerNotch, notches);
     settings.handle_share = grown < kSmallestHandleShare ? 0 : std::min(grown, kLargestHandleShare);
@@ -441,7 +551,27 @@ void LaplacianDragTool::wheel(QWheelEvent& event) {
     settings.radius *= std::pow(kRadiusPerNotch, notches);
   }
   active_->session().set_settings(settings);
+  saySettings(before);
+  hover();
   afterEvent();
+}
+
+/// Says what the wheel has changed, unless that was refused.
+void LaplacianDragTool::saySettings(const DragSettings& before) {
+  const DragSettings& now = active_->session().settings();
+  const auto number = [](double value) { return QString::number(value, 'g', 3); };
+  if (now.radius != before.radius) {
+    notice_ = (active_->session().region() ? tr("Radius: %1 (Shift: handle size, Ctrl: zoom)")
+                                           : tr("Radius of the next region: %1 (Shift: handle size, Ctrl: zoom)"))
+                  .arg(number(now.radius));
+  } else if (now.handle_share != before.handle_share) {
+    notice_ = now.handle_share == 0 ? tr("Handle size: one vertex")
+                                    : tr("Handle size: %1 % of the radius, %2")
+                                          .arg(number(100 * now.handle_share), number(now.handle_share * now.radius));
+  } else if (now.padding != before.padding) {
+    notice_ = tr("Padding: %1 % of the radius").arg(number(100 * now.padding));
+  }
+  mouse_.noticedAt = mouse_.position;
 }
 
 void LaplacianDragTool::keyPress(QKeyEvent& event) {
@@ -456,6 +586,7 @@ void LaplacianDragTool::keyPress(QKeyEvent& event) {
     return;
   }
   notice_.clear();
+  modifiersChanged(event.key());
   const std::optional<DragKey> key = sessionKey(event);
   if (key && active_->session().key(*key, cursor())) {
     event.accept();
@@ -471,15 +602,27 @@ void LaplacianDragTool::keyRelease(QKeyEvent& event) {
     mouse_.modifiers &= ~Qt::KeyboardModifiers(Qt::ShiftModifier);
   }
   window_.repaint();
+  modifiersChanged(event.key());
+}
+
+/// Ctrl snaps a motion, and with Shift changes what a press does.
+void LaplacianDragTool::modifiersChanged(int key) {
+  if (key == Qt::Key_Control && usableLayer() && view_.valid() && active_->session().motion()) {
+    active_->session().move(cursor());
+    afterEvent();
+    return;
+  }
+  hover();
+  showShape();
 }
 
 // --- After each event -----------------------------------------------------------------------------------------------
 
 void LaplacianDragTool::poll() {
-  pollQueued_ = false;
   guarded([this] {
     if (active_) {
       active_->session().poll();
+      hover();
       afterEvent();
     }
   });
@@ -501,22 +644,23 @@ void LaplacianDragTool::afterEvent() {
     }
   }
   if (active_->foundChanged()) {
-    say("The mesh was changed by something else while it was dragged: starting afresh from what it is now.");
-    sessions_.erase(layer_);
-    mouse_.pressed = false;
+    shared_->forget(layer_);
     start();
+    say(tr("The mesh was changed by something else while it was dragged: starting afresh from what it is now.")
+            .toStdString());
   }
   refreshPanel();
+  showShape();
   window_.repaint();
 }
 
 void LaplacianDragTool::refreshPanel() {
-  if (!panel_) {
+  if (!shared_ || !shared_->isUsedBy(*this)) {
     return;
   }
   const DragSession* session = active_ ? &active_->session() : nullptr;
-  panel_->show(session, clock_.median());
-  panel_->setBusy(session && (session->busy() || session->state() == DragSession::State::Settling));
+  shared_->panel().show(session, clock_.median());
+  shared_->panel().setBusy(session && (session->busy() || session->state() == DragSession::State::Settling));
 }
 
 // --- The panel's buttons --------------------------------------------------------------------------------------------
@@ -531,6 +675,8 @@ void LaplacianDragTool::command(const QString& part) {
   const std::map<QString, std::function<void()>> commands = {
       {"from_selection",
        [&] { session.set_region(vertices_of_selected_faces(*layer->mesh, read_mesh(*layer->mesh))); }},
+      {"anchors_from_selection",
+       [&] { session.set_anchors(vertices_of_selected_faces(*layer->mesh, read_mesh(*layer->mesh))); }},
       {"component", [&] { session.whole_component(); }},
       {"grow", [&] { session.grow(); }},
       {"shrink", [&] { session.shrink(); }},
@@ -547,21 +693,21 @@ void LaplacianDragTool::command(const QString& part) {
       {"reset", [&] { session.reset(); }},
       {"save",
        [&] {
-         const std::string line = saveEdit(window_.mainWindow(), session.recorded());
+         const std::string line = saveEdit(window_.mainWindow(), session.recorded(), editFileFor(*layer));
          if (!line.empty()) {
            say(line);
          }
        }},
       {"load",
        [&] {
-         if (const auto edit = loadEdit(window_.mainWindow())) {
+         if (const auto edit = loadEdit(window_.mainWindow(), editFileFor(*layer))) {
            session.load(*edit);
          }
        }},
       {"copy",
        [&] {
          QGuiApplication::clipboard()->setText(filterScript(QByteArray::fromStdString(write_edit(session.recorded()))));
-         say("A filter script with all steps is on the clipboard.");
+         say(tr("A filter script with all steps is on the clipboard.").toStdString());
        }},
   };
   const auto found = commands.find(part);

@@ -4,19 +4,16 @@
 #include <QObject>
 #include <QPointF>
 #include <QPointer>
-#include <atomic>
-#include <map>
-#include <memory>
+#include <optional>
 #include <string>
 
 #include "frame_clock.h"
 #include "lapedit_host/edit_tool.h"
-#include "layer_session.h"
 #include "overlay.h"
-#include "panel.h"
+#include "window_sessions.h"
 
-/// The tool in one view: hands mouse and keys to the session of the current layer, draws it, and keeps the panel.
-class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool {
+/// The tool in one view: hands mouse and keys to the session of the current layer, and draws it.
+class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool, public SessionUser {
   Q_OBJECT
 
  public:
@@ -35,45 +32,56 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool 
   void keyPress(QKeyEvent& event) override;
   void keyRelease(QKeyEvent& event) override;
 
+  void handOver(bool same_session) override;
+  void sessionGone() override;
+  CMeshO* meshOf(int layer) override;
+  void log(const std::string& line) override { window_.log(line); }
+  void poll() override;
+
   bool eventFilter(QObject* object, QEvent* event) override;
 
  private:
   std::optional<lapedit::host::Layer> usableLayer();
-  LayerSession::Callbacks callbacksFor(int layer);
-  void forgetGoneLayers();
-  lapedit::Cursor cursor() const;
   void openPanel();
-  void poll();
+  void leaveLayer(bool for_good);
+  void leaveCanvas();
+  lapedit::Cursor cursor() const;
+  lapedit::PressModifiers pressModifiers() const;
+  void hover();
+  void modifiersChanged(int key);
+  void dropMotion();
+  bool escape(QEvent& event);
+  Qt::CursorShape shape() const;
+  void showShape();
   void afterEvent();
   void refreshPanel();
   bool poseIsComing() const;
   void framePainted();
   void command(const QString& part);
   void say(const std::string& line);
+  void saySettings(const lapedit::DragSettings& before);
   template <class Call>
   void guarded(const Call& call);
 
   lapedit::host::HostWindow& window_;
-  QPointer<Panel> panel_;
+  QPointer<WindowSessions> shared_;
   Overlay overlay_;
   bool on_ = false;
-  std::string nothing_;  // why there is no session, as a sentence
-  std::string notice_;   // of saving and loading, until the next event
+  QString nothing_;  // why there is no session, as a sentence
+  QString notice_;   // until the next event, or until the mouse goes on
 
   lapedit::Camera view_;
   struct Mouse {
-    QPointF position, pressedAt;
+    QPointF position, pressedAt, noticedAt;
     Qt::KeyboardModifiers modifiers;
     Qt::MouseButton navigating = Qt::NoButton;  // held for the host's own navigation
     bool pressed = false, moved = false;
+    bool inside = false;  // over the canvas, no button held
   } mouse_;
 
   FrameClock clock_;
   bool repaintQueued_ = false;
 
-  std::atomic<bool> pollQueued_{false};
-  // Last: their threads end first. By layer; one that is left may be taken up again.
-  std::map<int, std::unique_ptr<LayerSession>> sessions_;
   int layer_ = -1;
-  LayerSession* active_ = nullptr;
+  LayerSession* active_ = nullptr;  // of the layer; shared_ keeps it
 };

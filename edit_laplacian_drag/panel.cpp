@@ -1,65 +1,79 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "panel.h"
 
+#include <Eigen/Geometry>
 #include <QAction>
+#include <QCheckBox>
 #include <QCloseEvent>
 #include <QComboBox>
-#include <QDoubleSpinBox>
 #include <QFormLayout>
-#include <QGridLayout>
 #include <QLabel>
 #include <QLocale>
 #include <QProgressBar>
 #include <QPushButton>
 #include <QScrollArea>
 #include <QSignalBlocker>
+#include <QSlider>
 #include <QSpinBox>
+#include <QToolButton>
+#include <QVBoxLayout>
 #include <QVariantMap>
 #include <algorithm>
 #include <cmath>
+
+#include "lapedit/session/presets.h"
+#include "panel_icons.h"
+#include "panel_widgets.h"
+#include "translation.h"
 
 using namespace lapedit;
 
 namespace {
 
 constexpr double kLongest = 1e12;
-constexpr int kFieldWidth = 130, kButtonWidth = 50;
+constexpr int kFieldWidth = 160, kButtonWidth = 50, kBoxBesideSlider = 72;
+constexpr int kSliderSteps = 1000;
+// Of the mesh's size: ends of the slider for the radius.
+constexpr double kSmallestRadius = 0.002, kLargestRadius = 1;
+constexpr int kPlanes = 6;  // to mirror at
+const char* const kUnknown = "\u2013";
 
 QString nameOf(const QString& part) {
   return "laplacian_drag_" + part;
 }
 
-/// Shows no more digits than it needs.
-class NumberBox : public QDoubleSpinBox {
- public:
-  QString textFromValue(double value) const override {
-    QString text = QDoubleSpinBox::textFromValue(value);
-    while (text.contains('.') && (text.endsWith('0') || text.endsWith('.'))) {
-      text.chop(1);
-    }
-    return text;
-  }
-};
-
 /// As rich text, which is broken into lines.
-QString tip(const char* help) {
-  return "<qt>" + QString(help).toHtmlEscaped() + "</qt>";
+QString tip(const QString& help) {
+  return "<qt>" + help.toHtmlEscaped() + "</qt>";
 }
 
-/// Rows of buttons.
-void addRow(QFormLayout* form, const std::vector<QPushButton*>& buttons, int columns) {
-  auto* grid = new QGridLayout;
-  grid->setSpacing(2);
-  for (std::size_t i = 0; i < buttons.size(); ++i) {
-    grid->addWidget(buttons[i], static_cast<int>(i) / columns, static_cast<int>(i) % columns);
-  }
-  grid->setContentsMargins(0, 0, 0, 0);
-  form->addRow(grid);
+/// What title_of() makes of the settings' keys and choices, for translators.
+[[maybe_unused]] const char* const kTitles[] = {
+    QT_TRANSLATE_NOOP("lapedit", "Laplacian"),      QT_TRANSLATE_NOOP("lapedit", "Umbrella"),
+    QT_TRANSLATE_NOOP("lapedit", "Cotangent"),      QT_TRANSLATE_NOOP("lapedit", "Mean value"),
+    QT_TRANSLATE_NOOP("lapedit", "Order"),          QT_TRANSLATE_NOOP("lapedit", "Detail rotation"),
+    QT_TRANSLATE_NOOP("lapedit", "None"),           QT_TRANSLATE_NOOP("lapedit", "Smooth normals"),
+    QT_TRANSLATE_NOOP("lapedit", "Smooth surface"), QT_TRANSLATE_NOOP("lapedit", "Local global"),
+    QT_TRANSLATE_NOOP("lapedit", "Iterations"),     QT_TRANSLATE_NOOP("lapedit", "Normal radius"),
+    QT_TRANSLATE_NOOP("lapedit", "Handle weight"),  QT_TRANSLATE_NOOP("lapedit", "Anchor weight"),
+    QT_TRANSLATE_NOOP("lapedit", "Turning"),        QT_TRANSLATE_NOOP("lapedit", "Vertex"),
+    QT_TRANSLATE_NOOP("lapedit", "Edge"),           QT_TRANSLATE_NOOP("lapedit", "Rough"),
+    QT_TRANSLATE_NOOP("lapedit", "Unrotated"),      QT_TRANSLATE_NOOP("lapedit", "Falloff"),
+    QT_TRANSLATE_NOOP("lapedit", "Membrane")};
+
+/// What users see in place of a setting's key or of a choice.
+QString titleOf(const char* key) {
+  return core(title_of(key));
+}
+
+/// Where there is nothing to tell, nothing is told that was true before.
+QString text(const std::optional<double>& figure, char format, int digits) {
+  return figure ? QString::number(*figure, format, digits) : QString(kUnknown);
 }
 
 }  // namespace
 
-Panel::Panel(QWidget* parent, QWidget* canvas) : QDockWidget("Laplacian Drag", parent), canvas_(canvas) {
+Panel::Panel(QWidget* parent) : QDockWidget("Laplacian Drag", parent), column_(new QVBoxLayout) {
   setObjectName(nameOf("panel"));
   setAllowedAreas(Qt::LeftDockWidgetArea | Qt::RightDockWidgetArea);
   toggleViewAction()->setVisible(false);  // the tool shows and hides it
@@ -73,125 +87,267 @@ Panel::Panel(QWidget* parent, QWidget* canvas) : QDockWidget("Laplacian Drag", p
   small.setPointSizeF(0.82 * small.pointSizeF());
   content->setFont(small);
   content->setObjectName(nameOf("content"));
-  auto* form = new QFormLayout(content);
-  form->setVerticalSpacing(2);
-  form->setHorizontalSpacing(4);
-  form->setContentsMargins(6, 4, 6, 4);
+  column_->setSpacing(0);
+  column_->setContentsMargins(2, 0, 2, 0);
+  content->setLayout(column_);
 
-  addRegion(form);
-  addHandle(form);
-  for (const Setting& setting : settings_table()) {
-    form->addRow(QString::fromStdString(title_of(setting.key)), widgetOf(setting));
+  addBasic();
+  addRegion();
+  addHandles();
+  addGizmo();
+  addSymmetry();
+  addAdvanced();
+  addStatistics();
+  column_->addStretch();
+  int widest = 0;
+  for (QLabel* const title : titles_) {
+    title->setFont(small);  // not inherited yet
+    widest = std::max(widest, title->sizeHint().width());
   }
-  addSteps(form);
-  addFigures(form);
+  for (QLabel* const title : titles_) {
+    title->setMinimumWidth(widest);
+  }
   scroll->setWidget(content);
   setWidget(scroll);
   content->setMinimumWidth(content->sizeHint().width());
-  scroll->setMinimumWidth(content->sizeHint().width() + 20);
+  scroll->setMinimumWidth(content->sizeHint().width() + 16);
 }
 
-void Panel::addRegion(QFormLayout* form) {
-  form->addRow("Radius",
-               length("radius", "Size of a new region, along the surface (wheel)", access<&DragSettings::radius>()));
-  auto* padding =
-      number("padding", 0, 1, 2, "Width of the band of anchors inside the rim, over the region's size (Shift+wheel)",
-             access<&DragSettings::padding>());
-  padding->setSingleStep(0.02);
-  form->addRow("Padding", padding);
-  addRow(form,
-         {button("from_selection", "From selection", "The region is what the selected faces cover"),
-          button("component", "Component", "The region is the whole connected piece of the handle"),
-          button("grow", "Grow", "Makes the region larger by a ring ( ] )"),
-          button("shrink", "Shrink", "Makes the region smaller by a ring ( [ )"),
-          button("new_region", "New region", "The next click takes a new region (W)"),
-          button("clear", "Clear", "Forgets region and handles; what was applied stays")},
-         3);
-  auto* brush =
-      count("brush", 1, 1000, "Radius of the brush on the screen: Ctrl+drag adds to the region, Shift+drag takes away",
-            access<&DragSettings::brush_pixels>());
-  brush->setSuffix(" pixels");
-  form->addRow("Brush", brush);
-}
+// --- Groups ---------------------------------------------------------------------------------------------------------
 
-void Panel::addHandle(QFormLayout* form) {
-  mode_ = prepared<QComboBox>("mode", "What clicks make a handle of (C): a curve joins them by shortest paths");
-  mode_->addItems({"Vertex or group", "Curve"});
-  connect(mode_, QOverload<int>::of(&QComboBox::activated), this, [this](int index) {
-    emit handleModeEdited(index == 1 ? HandleMode::Curve : HandleMode::Vertex);
-    canvas_->setFocus();
-  });
-  form->addRow("Handle", mode_);
-  form->addRow("Handle size",
-               number("handle_share", 0, kLargestHandleShare, 2,
-                      "Radius of the disc that a click takes, over the region's radius (Ctrl+wheel); 0: one vertex",
-                      access<&DragSettings::handle_share>()));
-  addRow(form,
-         {button("next_group", "Next group", "The next click makes another handle; those there hold their place (G)"),
-          button("move", "Move", "The handle follows the mouse, no button held (T)"),
-          button("rotate", "Rotate", "The handle turns about its centre with the mouse (R)"),
-          button("scale", "Scale", "The handle grows about its centre with the mouse (S)"),
-          button("apply", "Apply", "Applies what is being moved (Return)"),
-          button("cancel", "Cancel", "Drops what is being moved (Backspace)")},
-         3);
-}
-
-void Panel::addSteps(QFormLayout* form) {
-  addRow(form,
-         {button("undo", "Undo", "Takes the last step back (Ctrl+Z)"),
-          button("redo", "Redo", "Does it again (Ctrl+Shift+Z)"),
-          button("reset", "Reset", "Back to the mesh as it was when the tool began")},
-         3);
-  addRow(form,
-         {button("save", "Save edit...", "Writes all steps as JSON, for Laplacian Edit Replay"),
-          button("load", "Load edit...", "Applies the steps of a saved edit"),
-          button("copy", "Copy script",
-                 "Copies as filter script: puts a filter script (.mlx) with all steps on the clipboard")},
-         3);
-}
-
-void Panel::addFigures(QFormLayout* form) {
+void Panel::addBasic() {
+  begin("basic", tr("Basic"), tr("What most edits need"), true);
+  const Access radius = access<&DragSettings::radius>();
+  row(tr("Radius"),
+      dragged(
+          length("radius", tr("Size of a new region, along the surface (wheel)"), radius),
+          [this](double place) {
+            const double value = size_ * kSmallestRadius * std::pow(kLargestRadius / kSmallestRadius, place);
+            const double step = std::pow(10.0, std::floor(std::log10(value)) - 2);  // three digits
+            return step * std::round(value / step);
+          },
+          [this](double value) {
+            return std::log(value / (size_ * kSmallestRadius)) / std::log(kLargestRadius / kSmallestRadius);
+          },
+          radius));
+  const double largest = 100 * kLargestHandleShare;
+  const Access share = access<&DragSettings::handle_share, 100>();
+  row(tr("Handle size"), dragged(
+                             percent("handle_share", static_cast<int>(largest),
+                                     tr("Radius of the disc that a press takes, in percent of the region's radius "
+                                        "(Shift+wheel); 0: the vertex under the cursor alone"),
+                                     share),
+                             [largest](double place) { return std::round(largest * place); },
+                             [largest](double value) { return value / largest; }, share));
+  auto* const mode = state(
+      "mode", {tr("Disc or vertex"), tr("Curve")},
+      tr("What clicks make a handle of (C): a curve joins them by shortest paths"),
+      [](const DragSession& session) { return session.handle_mode() == HandleMode::Curve ? 1 : 0; },
+      [](DragSession& session, int index) {
+        session.set_handle_mode(index == 1 ? HandleMode::Curve : HandleMode::Vertex);
+      });
+  mode->setItemIcon(0, panelIcon("disc", palette()));
+  mode->setItemIcon(1, panelIcon("curve", palette()));
+  row(tr("Handle"), mode);
+  row(tr("Preset"), presetChoice());
+  buttons({button("move", tr("Move"), tr("The handle follows the mouse, no button held (T)")),
+           button("rotate", tr("Rotate"), tr("The handle turns about its pivot with the mouse (R)")),
+           button("scale", tr("Scale"), tr("The handle grows about its pivot with the mouse (S)"))});
+  buttons({button("apply", tr("Apply"), tr("Applies what is being moved (Return)")),
+           button("cancel", tr("Drop"), tr("Drops what is being moved (Esc, Backspace, right button)"))});
+  buttons({button("undo", tr("Undo"), tr("Takes the last step back (Ctrl+Z)")),
+           button("redo", tr("Redo"), tr("Does it again (Ctrl+Shift+Z)")),
+           button("reset", tr("Reset"), tr("Back to the mesh as it was when the tool began"))});
+  buttons({button("save", tr("Save..."), tr("Writes all steps as JSON, for Laplacian Edit Replay")),
+           button("load", tr("Load..."), tr("Applies the steps of a saved edit")),
+           button("copy", tr("Script"),
+                  tr("Copies as filter script: puts a filter script (.mlx) with all steps on the clipboard"))});
   progress_ = new QProgressBar;
   progress_->setObjectName(nameOf("progress"));
-  progress_->setToolTip("How far the region is prepared");
+  progress_->setToolTip(tr("How far the region is prepared"));
   progress_->setRange(0, 100);
   progress_->setMaximumHeight(14);
-  form->addRow(progress_);
-  region_ = figure("region", "Vertices of the region by class, and of the mesh outside it");
-  times_ = figure("times", "Milliseconds to prepare the region and to solve for the last pose");
-  frame_ = figure("frame", "A frame of the drag, from the mouse's move to the picture: medians of the last frames");
-  quality_ =
-      figure("quality",
-             "Of the last pose: how far the handle is from its target, the most stretched edge, and where it folded");
-  for (QLabel* label : {region_, times_, frame_, quality_}) {
-    form->addRow(label);
+  form_->addRow(progress_);
+}
+
+void Panel::addRegion() {
+  begin("region", tr("Region"), tr("What of the surface follows the handle"));
+  buttons({button("from_selection", tr("Selection"), tr("The region is what the selected faces cover")),
+           button("component", tr("Component"), tr("The region is the whole connected piece of the handle")),
+           button("clear", tr("Clear"), tr("Forgets region and handles; what was applied stays"))});
+  buttons({button("grow", tr("Grow"), tr("Makes the region larger by a ring ( ] )")),
+           button("shrink", tr("Shrink"), tr("Makes the region smaller by a ring ( [ )")),
+           button("new_region", tr("New"), tr("The next click takes a new region (W)"))});
+  row(tr("Padding"), percent("padding", 100,
+                             tr("Width of the band of anchors inside the rim, in percent of the region's radius "
+                                "(Ctrl+Shift+wheel)"),
+                             access<&DragSettings::padding, 100>()));
+  auto* gap = length("connect_gap",
+                     tr("Pieces of the surface that are nearer to each other than this follow as one, such as eyes in "
+                        "a head; 0: pieces are left apart"),
+                     access<&DragSettings::connect_gap>());
+  gap->setSpecialValueText(tr("apart"));
+  row(tr("Connect gap"), gap);
+}
+
+void Panel::addHandles() {
+  begin("handle", tr("Handle and anchors"), tr("What is moved, and what holds"));
+  row(tr("Brush"),
+      state(
+          "brush_target", {tr("Region"), tr("Handle"), tr("Anchors")},
+          tr("What Ctrl+drag paints more of, and Shift+drag less"),
+          [](const DragSession& session) { return static_cast<int>(session.brush_target()); },
+          [](DragSession& session, int index) { session.set_brush_target(static_cast<BrushTarget>(index)); }));
+  auto* brush = count("brush", 1, 1000, tr("Radius of the brush on the screen"), access<&DragSettings::brush_pixels>());
+  brush->setSuffix(tr(" pixels"));
+  row(tr("Brush size"), brush);
+  row(tr("Softness"), percent("softness", 100,
+                              tr("Over how much of its radius the disc's weight falls off towards its rim, in percent; "
+                                 "0: all of it is held equally"),
+                              access<&DragSettings::softness, 100>()));
+  buttons({button("anchors_from_selection", tr("Anchors from selection"),
+                  tr("What the selected faces cover holds its place, instead of the band inside the rim"))});
+  buttons({button("next_group", tr("Next group"),
+                  tr("The next click makes another handle; those there hold their place (G)"))});
+}
+
+void Panel::addGizmo() {
+  begin("gizmo", tr("Gizmo and pivot"), tr("Arrows, rings and a knob at the handle, and what it turns about"));
+  const auto set = [this](bool on, GizmoAxes axes) {
+    change([on, axes](DragSession& session) { session.show_gizmo(on, axes); });
+  };
+  auto* const shown =
+      prepared<QCheckBox>("gizmo", tr("Arrows move along an axis, rings turn about it, the knob scales"));
+  shown->setText(tr("Show gizmo"));
+  auto* const axes = prepared<QComboBox>("gizmo_axes", tr("Which way the gizmo's arrows go"));
+  axes->addItems({tr("Layer"), tr("View"), tr("Normal")});
+  const auto edit = [set, shown, axes] { set(shown->isChecked(), static_cast<GizmoAxes>(axes->currentIndex())); };
+  connect(shown, &QCheckBox::clicked, this, edit);
+  connect(axes, QOverload<int>::of(&QComboBox::activated), this, edit);
+  shown_.push_back([shown, axes](const DragSession& session) {
+    shown->setChecked(session.gizmo_shown());
+    axes->setCurrentIndex(static_cast<int>(session.gizmo_axes()));
+  });
+  form_->addRow(shown);
+  row(tr("Axes"), axes);
+  row(tr("Pivot"),
+      state(
+          "pivot", {tr("Centroid"), tr("Rim"), tr("Picked")},
+          tr("What turning and scaling go about: the middle of the handle, the middle of the region's rim, "
+             "as the shoulder of an arm, or a point that the next click picks"),
+          [](const DragSession& session) { return static_cast<int>(session.pivot()); },
+          [](DragSession& session, int index) { session.set_pivot(static_cast<Pivot>(index)); }));
+}
+
+void Panel::addSymmetry() {
+  begin("symmetry", tr("Symmetry"), tr("Every step on both sides of a plane at once"));
+  QStringList choices = {tr("Off")};
+  for (const QString& pattern : {tr("%1, through the origin"), tr("%1, through the box's centre")}) {
+    for (const char* const axis : {"X", "Y", "Z"}) {
+      choices += pattern.arg(axis);
+    }
+  }
+  row(tr("Mirror"), state(
+                        "mirror", choices, tr("The plane of the layer that what is moved is mirrored at"),
+                        [this](const DragSession& session) {
+                          int index = session.mirror() ? kPlanes : 0;
+                          while (index > 0 && (session.mirror()->point != plane(index - 1).point ||
+                                               session.mirror()->normal != plane(index - 1).normal)) {
+                            --index;
+                          }
+                          return index;
+                        },
+                        [this](DragSession& session, int index) {
+                          session.set_mirror(index == 0 ? std::nullopt : std::optional(plane(index - 1)));
+                        }));
+}
+
+MirrorPlane Panel::plane(int index) const {
+  return {index < kPlanes / 2 ? Vector3(Vector3::Zero()) : middle_, Vector3::Unit(index % (kPlanes / 2))};
+}
+
+void Panel::addAdvanced() {
+  begin("advanced", tr("Advanced"), tr("The solver's numbers"));
+  for (const Setting& setting : settings_table()) {
+    row(titleOf(setting.key), widgetOf(setting));
   }
 }
 
-template <auto member>
+void Panel::addStatistics() {
+  begin("statistics", tr("Statistics"), tr("Counts, times and quality"));
+  region_ = figure("region", tr("Vertices of the region by class, and of the mesh outside it"));
+  times_ = figure("times", tr("Milliseconds until a drag could be followed, to prepare the region and to solve for the "
+                              "last pose, and what was taken over from the region before"));
+  frame_ = figure("frame", tr("A frame of the drag, from the mouse's move to the picture: medians of the last frames"));
+  quality_ = figure("quality", tr("Of the last pose: how far the handle is from its target, the most stretched edge, "
+                                  "and where it folded"));
+  heat_ =
+      prepared<QCheckBox>("heat", tr("Colours the region by how far its edges are longer or shorter than they were"));
+  heat_->setText(tr("Show stretch"));
+  connect(heat_, &QCheckBox::clicked, this, [this] { change([](DragSession&) {}); });
+  form_->addRow(heat_);
+  for (QLabel* label : {region_, times_, frame_, quality_}) {
+    form_->addRow(label);
+  }
+}
+
+void Panel::begin(const char* group, const QString& title, const QString& help, bool open) {
+  auto* const made = new FoldGroup(title, open);
+  made->header()->setObjectName(nameOf(QString("group_") + group));
+  made->header()->setToolTip(help);
+  column_->addWidget(made);
+  form_ = made->form();
+}
+
+void Panel::row(const QString& label, QWidget* field) {
+  auto* const title = new QLabel(label);
+  title->setToolTip(field->toolTip());
+  titles_.push_back(title);
+  form_->addRow(title, field);
+}
+
+void Panel::buttons(const std::vector<QPushButton*>& row) {
+  auto* const line = new QHBoxLayout;
+  line->setSpacing(2);
+  line->setContentsMargins(0, 0, 0, 0);
+  for (QPushButton* const each : row) {
+    line->addWidget(each, 1);
+  }
+  form_->addRow(line);
+}
+
+// --- Widgets --------------------------------------------------------------------------------------------------------
+
+template <auto member, int factor>
 Panel::Access Panel::access() {
-  return {[](const DragSettings& settings) { return static_cast<double>(settings.*member); },
-          [](DragSettings& settings, double value) { settings.*member = value; }};
+  return {[](const DragSettings& settings) { return static_cast<double>(settings.*member) * factor; },
+          [](DragSettings& settings, double value) { settings.*member = value / factor; }};
 }
 
 QWidget* Panel::widgetOf(const Setting& setting) {
   const Access access = {[&setting](const DragSettings& settings) { return setting.get(settings.edit); },
                          [&setting](DragSettings& settings, double value) { setting.set(settings.edit, value); }};
+  const QString help = tip(core(setting.help));
   switch (setting.kind) {
     case Setting::Kind::Choice:
       return choice(setting, access);
-    case Setting::Kind::Whole:
-      return count(setting.key, static_cast<int>(setting.low), static_cast<int>(setting.high), tip(setting.help),
-                   access);
+    case Setting::Kind::Whole: {
+      auto* box = count(setting.key, static_cast<int>(setting.low), static_cast<int>(setting.high), help, access);
+      box->setSuffix(tr(" times"));
+      return box;
+    }
     case Setting::Kind::Length: {
-      auto* box = length(setting.key, tip(setting.help), access);
-      box->setSpecialValueText("automatic");
+      auto* box = length(setting.key, help, access);
+      box->setSpecialValueText(tr("automatic"));
+      box->setSuffix(tr(" units"));
       return box;
     }
     case Setting::Kind::Number:
       break;
   }
-  return number(setting.key, setting.low, setting.high, 6, tip(setting.help), access);
+  auto* box = number(setting.key, setting.low, setting.high, 6, help, access);
+  box->setPrefix(tr("\u00d7 "));
+  return box;
 }
 
 template <class Widget>
@@ -205,17 +361,26 @@ Widget* Panel::prepared(const char* part, const QString& help) {
   return box;
 }
 
+void Panel::change(const Change& change) {
+  if (canvas_) {
+    canvas_->setFocus();  // first, since what has the keyboard is not brought up to date
+  }
+  emit edited(change);
+}
+
 template <class Widget, class Value>
 void Panel::follow(Widget* box, const Access& access, void (Widget::*changed)(Value), void (Widget::*bring)(Value)) {
   connect(box, changed, this, [this, set = access.set](Value value) {
     DragSettings settings = settings_;
     set(settings, value);
-    emit settingsEdited(settings);
-    canvas_->setFocus();
+    change([settings](DragSession& session) { session.set_settings(settings); });
   });
-  shown_.push_back([box, bring, get = access.get](const DragSettings& settings) {
+  shown_.push_back([box, bring, get = access.get](const DragSession& session) {
+    if (box->hasFocus()) {
+      return;  // somebody is typing
+    }
     const QSignalBlocker blocker(box);
-    (box->*bring)(static_cast<Value>(get(settings)));
+    (box->*bring)(static_cast<Value>(get(session.settings())));
   });
 }
 
@@ -227,6 +392,12 @@ QDoubleSpinBox* Panel::number(const char* part, double low, double high, int dig
   box->setRange(low, high);
   box->setKeyboardTracking(false);
   follow(box, access, QOverload<double>::of(&QDoubleSpinBox::valueChanged), &QDoubleSpinBox::setValue);
+  return box;
+}
+
+QDoubleSpinBox* Panel::percent(const char* part, int high, const QString& help, const Access& access) {
+  QDoubleSpinBox* const box = number(part, 0, high, 1, help, access);
+  box->setSuffix(tr(" %"));
   return box;
 }
 
@@ -243,17 +414,76 @@ QSpinBox* Panel::count(const char* part, int low, int high, const QString& help,
   return box;
 }
 
+QWidget* Panel::dragged(QDoubleSpinBox* box, const std::function<double(double)>& value_at,
+                        const std::function<double(double)>& place_of, const Access& access) {
+  const QString part = box->objectName().mid(nameOf("").size()) + "_slider";
+  auto* const slider = prepared<QSlider>(qPrintable(part), box->toolTip());
+  slider->setOrientation(Qt::Horizontal);
+  slider->setRange(0, kSliderSteps);
+  follow(static_cast<QAbstractSlider*>(slider),
+         Access{[access, place_of](const DragSettings& settings) {
+                  return std::round(kSliderSteps * std::clamp(place_of(access.get(settings)), 0.0, 1.0));
+                },
+                [access, value_at](DragSettings& settings, double place) {
+                  access.set(settings, value_at(place / kSliderSteps));
+                }},
+         &QAbstractSlider::valueChanged, &QAbstractSlider::setValue);
+  box->setFixedWidth(kBoxBesideSlider);
+  auto* const both = new QWidget;
+  both->setToolTip(box->toolTip());
+  auto* const line = new QHBoxLayout(both);
+  line->setSpacing(4);
+  line->setContentsMargins(0, 0, 0, 0);
+  line->addWidget(slider, 1);
+  line->addWidget(box);
+  return both;
+}
+
 QComboBox* Panel::choice(const Setting& setting, const Access& access) {
-  auto* const box = prepared<QComboBox>(setting.key, tip(setting.help));
+  auto* const box = prepared<QComboBox>(setting.key, tip(core(setting.help)));
   for (const char* name : setting.choices) {
-    box->addItem(QString::fromStdString(title_of(name)));
+    box->addItem(titleOf(name));
   }
   follow(box, access, QOverload<int>::of(&QComboBox::activated), &QComboBox::setCurrentIndex);
   return box;
 }
 
+QComboBox* Panel::presetChoice() {
+  auto* const box =
+      prepared<QComboBox>("preset", tr("Sets handle size and solver at once to what suits a kind of surface"));
+  for (const Preset& preset : presets()) {
+    box->addItem(core(preset.name));
+    box->setItemData(box->count() - 1, tip(core(preset.help)), Qt::ToolTipRole);
+  }
+  box->addItem(tr("Custom"));
+  box->setItemData(box->count() - 1, tip(tr("Values that no preset has.")), Qt::ToolTipRole);
+  connect(box, QOverload<int>::of(&QComboBox::activated), this, [this](int index) {
+    DragSettings settings = settings_;
+    if (index < static_cast<int>(presets().size())) {
+      presets()[static_cast<std::size_t>(index)].set(settings);
+    }
+    change([settings](DragSession& session) { session.set_settings(settings); });
+  });
+  shown_.push_back([box](const DragSession& session) {
+    const int preset = preset_of(session.settings());
+    box->setCurrentIndex(preset >= 0 ? preset : box->count() - 1);
+  });
+  return box;
+}
+
+QComboBox* Panel::state(const char* part, const QStringList& choices, const QString& help,
+                        const std::function<int(const DragSession&)>& get,
+                        const std::function<void(DragSession&, int)>& set) {
+  auto* const box = prepared<QComboBox>(part, help);
+  box->addItems(choices);
+  connect(box, QOverload<int>::of(&QComboBox::activated), this,
+          [this, set](int index) { change([set, index](DragSession& session) { set(session, index); }); });
+  shown_.push_back([box, get](const DragSession& session) { box->setCurrentIndex(get(session)); });
+  return box;
+}
+
 QPushButton* Panel::button(const char* part, const QString& text, const QString& help) {
-  auto* made = new QPushButton(text);
+  auto* made = new QPushButton(panelIcon(part, palette()), text);
   made->setObjectName(nameOf(part));
   made->setToolTip(help);
   made->setMinimumWidth(kButtonWidth);  // else the style's own, which is wide
@@ -272,12 +502,23 @@ QLabel* Panel::figure(const char* part, const QString& help) {
   return label;
 }
 
-void Panel::setMeshSize(double size) {
-  const int digits = size > 0 ? std::clamp(5 - static_cast<int>(std::floor(std::log10(size))), 2, 12) : 4;
-  for (QDoubleSpinBox* box : lengths_) {
-    const QSignalBlocker blocker(box);
-    box->setDecimals(digits);
-    box->setSingleStep(size > 0 ? std::pow(10.0, std::floor(std::log10(size)) - 2) : 0.01);
+// --- Showing --------------------------------------------------------------------------------------------------------
+
+void Panel::setMesh(const TriangleMesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (Eigen::Index i = 0; i < mesh.vertices.rows(); ++i) {
+    if (mesh.vertices.row(i).allFinite()) {
+      box.extend(Vector3(mesh.vertices.row(i).transpose()));
+    }
+  }
+  const double diagonal = box.isEmpty() ? 0 : box.diagonal().norm();
+  size_ = diagonal > 0 ? diagonal : 1;
+  middle_ = box.isEmpty() ? Vector3(Vector3::Zero()) : Vector3(box.center());
+  const int digits = std::clamp(5 - static_cast<int>(std::floor(std::log10(size_))), 2, 12);
+  for (QDoubleSpinBox* length : lengths_) {
+    const QSignalBlocker blocker(length);
+    length->setDecimals(digits);
+    length->setSingleStep(std::pow(10.0, std::floor(std::log10(size_)) - 2));
   }
 }
 
@@ -289,9 +530,8 @@ void Panel::show(const DragSession* session, const FrameTimes& median) {
   }
   settings_ = session->settings();
   for (const auto& bring : shown_) {
-    bring(settings_);
+    bring(*session);
   }
-  mode_->setCurrentIndex(session->handle_mode() == HandleMode::Curve ? 1 : 0);
   showCommands(*session);
   showFigures(*session, median);
 }
@@ -302,15 +542,15 @@ void Panel::showCommands(const DragSession& session) {
   const bool picked = !session.groups().empty();
   buttons_["undo"]->setEnabled(session.can_undo());
   buttons_["redo"]->setEnabled(session.can_redo());
-  buttons_["reset"]->setEnabled(steps);
-  buttons_["save"]->setEnabled(steps);
-  buttons_["copy"]->setEnabled(steps);
+  for (const char* part : {"reset", "save", "copy"}) {
+    buttons_[part]->setEnabled(steps);
+  }
   buttons_["apply"]->setEnabled(moving);
   buttons_["cancel"]->setEnabled(moving || session.state() == DragSession::State::Settling);
   for (const char* part : {"component", "next_group", "move", "rotate", "scale"}) {
     buttons_[part]->setEnabled(picked);
   }
-  for (const char* part : {"grow", "shrink"}) {
+  for (const char* part : {"grow", "shrink", "anchors_from_selection"}) {
     buttons_[part]->setEnabled(session.region() != nullptr);
   }
 }
@@ -318,30 +558,31 @@ void Panel::showCommands(const DragSession& session) {
 void Panel::showFigures(const DragSession& session, const FrameTimes& median) {
   const DragFigures figures = session.figures();
   progress_->setValue(session.preparing() ? static_cast<int>(100 * session.progress()) : session.ready() ? 100 : 0);
-  progress_->setFormat(session.preparing() ? QString("%1 %p %").arg(session.stage())
-                       : session.ready()   ? QString("ready")
+  progress_->setFormat(session.preparing() ? QString("%1 %p %").arg(core(session.stage()))
+                       : session.ready()   ? tr("ready")
                                            : QString());
-  region_->setText(QString("Handle %1, free %2, anchors %3, fixed %4; steps: %5")
-                       .arg(figures.handle)
-                       .arg(figures.free)
-                       .arg(figures.anchors)
-                       .arg(figures.fixed)
+  const bool known = session.region() != nullptr;
+  const auto count = [known](int vertices) { return known ? QString::number(vertices) : QString(kUnknown); };
+  region_->setText(tr("Handle %1, free %2, anchors %3, fixed %4; steps: %5")
+                       .arg(count(figures.handle), count(figures.free), count(figures.anchors), count(figures.fixed))
                        .arg(figures.steps));
-  times_->setText(QString("In the hand in %1 ms, prepared in %2 ms, solved in %3 ms")
-                      .arg(figures.in_hand_ms.value_or(0), 0, 'f', 1)
-                      .arg(figures.prepare_ms.value_or(0), 0, 'f', 1)
-                      .arg(figures.solve_ms.value_or(0), 0, 'f', 1));
-  frame_->setText(QString("Frame %1 ms (%2/s): solve %3, write %4, upload %5, draw %6")
-                      .arg(median.total, 0, 'f', 1)
-                      .arg(median.total > 0 ? 1000 / median.total : 0, 0, 'f', 0)
-                      .arg(median.solve, 0, 'f', 1)
-                      .arg(median.write, 0, 'f', 1)
-                      .arg(median.upload, 0, 'f', 1)
-                      .arg(median.draw, 0, 'f', 1));
-  quality_->setText(QString("Handle off by %1; largest stretch %2 %")
-                        .arg(figures.handle_error.value_or(0), 0, 'g', 3)
-                        .arg(100 * figures.largest_stretch.value_or(0), 0, 'f', 0) +
-                    (figures.advice.empty() ? QString() : "\n" + QString::fromStdString(figures.advice)));
+  times_->setText(
+      tr("In the hand in %1 ms, prepared in %2 ms, solved in %3 ms")
+          .arg(text(figures.in_hand_ms, 'f', 1), text(figures.prepare_ms, 'f', 1), text(figures.solve_ms, 'f', 1)) +
+      (figures.taken_over.empty() ? QString() : "\n" + tr("Taken over: %1").arg(core(figures.taken_over))));
+  const auto frame = [&](double milliseconds, int digits) {
+    return text(median.total > 0 ? std::optional(milliseconds) : std::nullopt, 'f', digits);
+  };
+  frame_->setText(tr("Frame %1 ms (%2/s): solve %3, write %4, upload %5, draw %6")
+                      .arg(frame(median.total, 1), frame(1000 / median.total, 0), frame(median.solve, 1),
+                           frame(median.write, 1), frame(median.upload, 1), frame(median.draw, 1)));
+  const auto stretch = figures.largest_stretch ? std::optional(100 * *figures.largest_stretch) : std::nullopt;
+  quality_->setText(
+      tr("Handle off by %1; largest stretch %2 %").arg(text(figures.handle_error, 'g', 3), text(stretch, 'f', 0)) +
+      (figures.advice.empty() ? QString() : "\n" + core(figures.advice)));
+}
+bool Panel::heat() const {
+  return heat_->isChecked();
 }
 
 void Panel::setBusy(bool busy) {

@@ -24,6 +24,7 @@ namespace lapedit::host {
 struct Layer {
   int id = -1;
   QString name;
+  QString file;  ///< where it was opened from or saved to last, absolute; empty if nowhere
   CMeshO* mesh = nullptr;
   bool visible = true;
   Eigen::Matrix4d transform = Eigen::Matrix4d::Identity();  ///< layer to world coordinates
@@ -36,6 +37,8 @@ class HostWindow {
 
   virtual QWidget& canvas() = 0;  ///< the OpenGL widget
   virtual QMainWindow* mainWindow() = 0;
+  /// What the layers belong to: ids are unique in it, it tells when it is destroyed. Null while there is none.
+  virtual QObject* document() = 0;
   virtual std::optional<Layer> currentLayer() = 0;
   virtual std::optional<Layer> layer(int id) = 0;
   virtual bool suspended() = 0;  ///< the tool is shown, but mouse and keys are the host's

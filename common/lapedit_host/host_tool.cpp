@@ -28,6 +28,7 @@ class HostView final : public HostWindow {
   QMainWindow* mainWindow() override { return qobject_cast<QMainWindow*>(area_->window()); }
   bool suspended() override { return area_->suspendedEditor; }
 
+  QObject* document() override { return area_->md(); }
   std::optional<Layer> currentLayer() override { return area_->mm() ? seen(*area_->mm()) : std::nullopt; }
 
   std::optional<Layer> layer(int id) override {
@@ -118,6 +119,7 @@ class HostView final : public HostWindow {
     Layer layer;
     layer.id = model.id();
     layer.name = model.shortName();
+    layer.file = model.fullName();
     layer.mesh = &model.cm;
     layer.visible = area_->meshVisibilityMap.value(model.id(), true);
     for (int i = 0; i < 4; ++i) {

@@ -14,7 +14,7 @@ class Keys(unittest.TestCase):
         known = [line.split("\t") for line in printed.splitlines()]
         self.assertGreater(len(known), 15)
         document = Document(pathlib.Path("edit_laplacian_drag/in-the-window.md"))
-        self.assertEqual([[code(row[0])[0], row[1]] for row in document.rows("Keys")], known)
+        self.assertEqual([[", ".join(code(row[0])), row[1]] for row in document.rows("Keys")], known)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a person does with the tool to regions and handles, in the real window on a generated mesh."""
 import math
+import re
 import unittest
 
 from tool import PANEL, TOOL, ToolTest, part
@@ -27,27 +28,45 @@ class Start(ToolTest):
             self.assertFalse(any(p["visible"] for p in w.widgets(PANEL).values()))
             self.assert_same(before, w.dump())
 
-    def test_panel_fits_a_small_window(self):
+    def test_panel_leaves_the_picture_its_width(self):
+        groups = ["region", "handle", "gizmo", "symmetry", "advanced", "statistics"]
+        basic = ["radius", "radius_slider", "handle_share", "handle_share_slider", "mode", "preset", "move", "rotate",
+                 "scale", "apply", "cancel", "undo", "redo", "reset", "save", "load", "copy", "progress"]
         with self.start(self.mesh) as w:
             w.resize(1280, 720)
-            panel = w.widget(PANEL)["rectangle"]
-            left, top, width, height = panel
-            self.assertLessEqual(left + width, 1280)
-            self.assertLessEqual(top + height, 720)
-            self.assertLess(width, 480)
-            self.assertGreater(w.ask("project")["width"], 440)
+            self.assertGreaterEqual(w.ask("project")["width"], 900)
+            w.resize(1280, 620)
+            left, top, width, height = w.widget(part("scroll"))["rectangle"]
+            self.assertLessEqual(top + height, 620)
+            for name in basic + ["group_" + g for g in groups]:
+                widget = w.widget(part(name))
+                x, y, wide, high = widget["rectangle"]
+                self.assertTrue(widget["visible"], name)
+                self.assertTrue(left <= x and x + wide <= left + width and top <= y and y + high <= top + height, name)
+            for group in groups:
+                w.set(part("group_" + group), True)
             for name, widget in w.widgets(part("")).items():
                 self.assertTrue(widget["visible"], name)
+            self.assertGreaterEqual(w.ask("project")["width"], 900)
+            w.set(part("group_advanced"), False)
+            self.assertFalse(w.widget(part("order"))["visible"])
+
+    def test_docks_that_went_for_the_picture_come_back(self):
+        with self.start(self.mesh) as w:
+            self.assertFalse(w.widget("layerDialog")["visible"])
+            w.trigger(TOOL)
+            self.assertTrue(w.widget("layerDialog")["visible"])
 
     def test_settings_buttons_and_figures_have_names_and_explain_themselves(self):
         with self.start(self.mesh) as w:
             named = 0
             for widget in w.ask("widgets", inside=PANEL)["widgets"]:
-                if widget["class"] in ("QDoubleSpinBox", "QSpinBox", "QComboBox", "QPushButton", "QProgressBar"):
+                if widget["class"] in ("NumberBox", "QSpinBox", "QSlider", "QComboBox", "QCheckBox", "QPushButton",
+                                       "QToolButton", "QProgressBar") and widget["name"] != "qt_toolbar_ext_button":
                     self.assertRegex(widget["name"], "^laplacian_drag_")
                     self.assertGreater(len(widget["tool_tip"]), 10, widget)
                     named += 1
-            self.assertGreater(named, 25)
+            self.assertGreater(named, 50)
 
 
 class Gesture(ToolTest):
@@ -134,15 +153,15 @@ class Region(ToolTest):
             w.wheel(x, y, 3)
             larger = w.widget(part("radius"))["value"]
             self.assertGreater(larger, radius)
-            w.wheel(x, y, 2, modifiers=["shift"])
+            w.wheel(x, y, 2, modifiers=["ctrl", "shift"])
             self.assertGreater(w.widget(part("padding"))["value"], padding)
             self.assertEqual(w.widget(part("radius"))["value"], larger)
             self.assert_same(before, w.dump())
-            w.wheel(x, y, -1, modifiers=["shift"])
+            w.wheel(x, y, -1, modifiers=["ctrl", "shift"])
             self.pull(w, self.CENTRE, (12, -9))
             region = self.steps_of(w)[0]["region"]
             self.assertAlmostEqual(region["radius"], larger, delta=0.01 * larger)
-            self.assertGreater(region["padding"], padding)
+            self.assertGreater(100 * region["padding"], padding)
             around = neighbours(len(self.points), self.faces)
             self.assertEqual(self.steps_in_log(w)[0]["region"],
                              len(within(self.points, around, self.CENTRE, region["radius"])))
@@ -153,6 +172,7 @@ class Region(ToolTest):
             chosen = [f for f, corners in enumerate(self.faces)
                       if all(10 <= v // self.ROWS <= 30 and 10 <= v % self.ROWS <= 30 for v in corners)]
             w.layer(selected_faces=chosen)
+            w.set(part("group_region"), True)
             selected = w.dump()["face_flags"]
             w.press_button(part("from_selection"))
             before = w.dump()
@@ -164,6 +184,7 @@ class Region(ToolTest):
 
     def test_selection_of_nothing_is_refused(self):
         with self.start(self.mesh) as w:
+            w.set(part("group_region"), True)
             w.press_button(part("from_selection"))
             self.assertRegex(self.message(w), "select")
 
@@ -195,6 +216,7 @@ class Region(ToolTest):
     def test_grow_shrink_and_whole_component(self):
         with self.start(self.mesh) as w:
             w.click(*w.pixel(self.CENTRE))
+            w.set(part("group_region"), True)
             sizes = [self.region_of_next_step(w)]
             for button in ("grow", "grow", "shrink", "component"):
                 w.press_button(part(button))
@@ -218,14 +240,18 @@ class Region(ToolTest):
 
 
 class Handle(ToolTest):
+    def set_disc(self, w, radius):
+        """In model units."""
+        w.set(part("handle_share"), 100 * radius / w.widget(part("radius"))["value"])
+
     def test_group_by_radius_and_by_clicks(self):
         with self.start(self.mesh) as w:
-            w.set(part("handle_radius"), 0.06)
+            self.set_disc(w, 0.06)
             w.click(*w.pixel(self.CENTRE))
             self.pull(w, self.CENTRE, (10, 10))
             grouped = self.steps_in_log(w)[0]["handle"]
             self.assertGreater(grouped, 5)
-            w.set(part("handle_radius"), 0)
+            self.set_disc(w, 0)
             w.click(*w.pixel(self.CENTRE + 4 * self.ROWS), modifiers=["ctrl"])
             self.pull(w, self.CENTRE, (10, 10))
             self.assertEqual(self.steps_in_log(w)[1]["handle"], grouped + 1)
@@ -234,14 +260,15 @@ class Handle(ToolTest):
             self.assertEqual(self.steps_in_log(w)[2]["handle"], grouped)
             self.assert_replay_is_the_same(w, self.mesh)
 
-    def test_wheel_with_ctrl_changes_the_handle_radius(self):
+    def test_wheel_with_shift_changes_the_handle_size(self):
         with self.start(self.mesh) as w:
-            w.wheel(300, 300, 16, modifiers=["ctrl"])
-            radius = w.widget(part("handle_radius"))["value"]
-            self.assertGreater(radius, 0.03)
+            w.wheel(300, 300, 16, modifiers=["shift"])
+            share = w.widget(part("handle_share"))["value"] / 100
+            self.assertGreater(share, 0.2)
             self.pull(w, self.CENTRE, (10, 10))
             around = neighbours(len(self.points), self.faces)
-            self.assertEqual(self.steps_in_log(w)[0]["handle"], len(within(self.points, around, self.CENTRE, radius)))
+            self.assertEqual(self.steps_in_log(w)[0]["handle"],
+                             len(within(self.points, around, self.CENTRE, share * w.widget(part("radius"))["value"])))
 
     def test_curve(self):
         with self.start(self.mesh) as w:
@@ -292,8 +319,8 @@ class Move(ToolTest):
         return self.steps_of(w)[-1]["handles"][0]
 
     def test_typed_amounts_along_axes_are_exact(self):
-        for keys, way in ((["X", *"0.25", "Return"], [0.25, 0, 0]), (["Y", "-", *".125", "Return"], [0, -0.125, 0]),
-                          (["Z", *"1", "Backspace", "Z", *"0.5", "Return"], [0, 0, 0.5])):
+        for keys, way in ((["T", "X", *"0.25", "Return"], [0.25, 0, 0]), (["T", "Y", "-", *".125", "Return"], [0, -0.125, 0]),
+                          (["T", "Z", *"1", "Backspace", "T", "Z", *"0.5", "Return"], [0, 0, 0.5])):
             with self.subTest(keys), self.start(self.mesh) as w:
                 before = w.dump()
                 handle = self.transform(w, keys)
@@ -305,14 +332,14 @@ class Move(ToolTest):
     def test_normal(self):
         with self.start(self.mesh) as w:
             normal = w.dump().triples("normals")[self.CENTRE]
-            way = self.transform(w, ["N", *"0.2", "Return"])["translation"]
+            way = self.transform(w, ["T", "N", *"0.2", "Return"])["translation"]
             self.assertAlmostEqual(math.hypot(*way), 0.2)
             along = sum(a * b for a, b in zip(way, normal)) / math.hypot(*way) / math.hypot(*normal)
             self.assertGreater(along, 0.95)
 
     def test_rotate_and_scale_a_group(self):
         with self.start(self.mesh) as w:
-            handle = self.transform(w, ["R", "Z", *"30", "Return"], handle_radius=0.08)
+            handle = self.transform(w, ["R", "Z", *"30", "Return"], handle_share=40)
             self.assertEqual(handle["rotation"]["degrees"], 30)
             self.assertEqual(handle["rotation"]["axis"], [0, 0, 1])
             w.key("S", *"1.5", "Return")
@@ -321,7 +348,7 @@ class Move(ToolTest):
 
     def test_rotation_follows_the_mouse(self):
         with self.start(self.mesh) as w:
-            w.set(part("handle_radius"), 0.08)
+            w.set(part("handle_share"), 40)
             x, y = w.pixel(self.CENTRE)
             w.click(x, y)
             w.move(x + 60, y)
@@ -364,6 +391,121 @@ class Move(ToolTest):
             w.key("Return")
             self.assertEqual(len(self.steps_in_log(w)), 1)
             self.assert_replay_is_the_same(w, self.mesh)
+
+
+class Drop(ToolTest):
+    """Ways to give up a motion: not one bit of the mesh changes."""
+
+    def test_right_button_drops_a_drag(self):
+        with self.start(self.mesh) as w:
+            before, camera = w.dump(), w.camera()
+            x, y = self.pull(w, self.CENTRE, (40, -40), release=False)
+            self.assertNotEqual(before.moved(w.dump()), set())
+            w.mouse("press", x, y, "right")
+            w.idle()
+            self.assert_same(before, w.dump())
+            w.mouse("move", x + 30, y + 10)
+            w.mouse("release", x, y, "right")
+            w.mouse("move", x + 50, y + 10)
+            w.mouse("release", x, y)
+            w.idle()
+            self.assert_same(before, w.dump())
+            self.assertEqual(w.camera(), camera)
+            self.assertEqual(self.steps_in_log(w), [])
+            self.assert_at(w, self.CENTRE, self.pull(w, self.CENTRE, (20, 10)))
+
+    def test_right_button_drops_a_motion_by_key(self):
+        with self.start(self.mesh) as w:
+            before, camera = w.dump(), w.camera()
+            x, y = w.pixel(self.CENTRE)
+            w.click(x, y)
+            w.key("T")
+            w.move(x + 30, y + 10)
+            w.click(x + 30, y + 10, "right")
+            w.move(x + 60, y)
+            self.assert_same(before, w.dump())
+            self.assertEqual(w.camera(), camera)
+            w.drag((x, y), (x + 50, y), button="right")
+            self.assertNotEqual(w.camera(), camera)
+
+    def test_escape_drops_a_motion_and_only_then_suspends(self):
+        with self.start(self.mesh) as w:
+            before = w.dump()
+            w.x_focus()
+            pixel = self.pull(w, self.CENTRE, (40, -40), release=False)
+            self.assertNotEqual(before.moved(w.dump()), set())
+            w.x("key", "Escape")
+            w.wait_cursor(self.ARROW)
+            self.assert_same(before, w.dump())
+            self.assertEqual(w.tool(), (TOOL, False))
+            w.mouse("release", *pixel)
+            w.idle()
+            self.assert_same(before, w.dump())
+            w.x("key", "Escape")
+            w.wait_tool(TOOL, True)
+
+    def test_suspending_drops_a_motion(self):
+        with self.start(self.mesh) as w:
+            before = w.dump()
+            x, y = w.pixel(self.CENTRE)
+            w.click(x, y)
+            w.key("T")
+            w.move(x + 30, y + 10)
+            self.assertNotEqual(before.moved(w.dump()), set())
+            w.trigger("Not editing")
+            self.assert_same(before, w.dump())
+            w.trigger("Not editing")
+            w.move(x + 60, y + 10)
+            self.assert_same(before, w.dump())
+
+
+class Hover(ToolTest):
+    def test_cursor_says_what_a_press_would_do(self):
+        with self.start(self.mesh, disc=30) as w:
+            x, y = w.pixel(self.CENTRE)
+            self.assertEqual(w.cursor(), self.ARROW)
+            w.move(x, y)
+            w.wait_cursor(self.POINTING_HAND)
+            w.move(3, 300)
+            self.assertEqual(w.cursor(), self.ARROW)
+            w.click(x, y)
+            w.move(x, y)
+            self.assertEqual(w.cursor(), self.OPEN_HAND)
+            w.move(x, y, modifiers=["ctrl"])
+            self.assertEqual(w.cursor(), self.CROSS)
+            w.move(*w.pixel(self.CENTRE + 10 * self.ROWS))
+            self.assertEqual(w.cursor(), self.POINTING_HAND)
+            self.pull(w, self.CENTRE, (20, 10), release=False)
+            self.assertEqual(w.cursor(), self.CLOSED_HAND)
+            w.mouse("release", x + 20, y + 10)
+            w.idle()
+            w.trigger(TOOL)
+            self.assertEqual(w.cursor(), self.ARROW)
+
+    def test_wheel_says_what_it_does(self):
+        with self.start(self.mesh, disc=20) as w:
+            w.move(300, 300)
+            w.wheel(300, 300, 1)
+            radius = w.widget(part("radius"))["value"]
+            found = re.match(r"Radius of the next region: ([\d.]+) \(Shift: handle size, Ctrl: zoom\)", self.message(w))
+            self.assertAlmostEqual(float(found[1]), radius, delta=0.01 * radius)
+            w.wheel(300, 300, 1, modifiers=["shift"])
+            self.assertRegex(self.message(w), "^Handle size: 25 % of the radius, ")
+            w.wheel(300, 300, 1, modifiers=["ctrl", "shift"])
+            self.assertRegex(self.message(w), "^Padding: 12 % of the radius")
+            w.move(303, 300)
+            self.assertRegex(self.message(w), "^Padding")
+            w.move(330, 300)
+            self.assertRegex(self.message(w), "^Press on the surface and drag")
+
+    def test_wheel_with_ctrl_or_alt_zooms(self):
+        with self.start(self.mesh) as w:
+            values = [w.widget(part(n))["value"] for n in ("radius", "handle_share", "padding")]
+            for modifier in ("ctrl", "alt"):
+                camera = w.camera()
+                w.wheel(300, 300, 3, modifiers=[modifier])
+                self.assertNotEqual(w.camera(), camera)
+            self.assertEqual(values, [w.widget(part(n))["value"] for n in ("radius", "handle_share", "padding")])
 
 
 if __name__ == "__main__":

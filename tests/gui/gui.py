@@ -244,7 +244,7 @@ class Window:
         self.idle()
 
     def dialog(self):
-        """The modal dialog that is open, {} if none is."""
+        """The modal dialog that is open, {} if none is; "files" are those chosen in a dialog for files."""
         return self.ask("dialog")
 
     def wait_dialog(self):
@@ -299,6 +299,13 @@ class Window:
     def camera(self):
         return self.ask("camera")
 
+    def wait_tool(self, title, suspended):
+        self._wait(lambda: self.tool() == (title, suspended), f"the tool does not become {title}, {suspended}", 20)
+
+    def wait_cursor(self, shape):
+        """What is under the cursor is looked for in the background."""
+        self._wait(lambda: self.cursor() == shape, f"the cursor does not become {shape}", 20)
+
     def log(self):
         """The lines of MeshLab's log so far. MeshLab prints them all; 2025.07 keeps none, once its window shows them."""
         self.marks += 1
@@ -320,8 +327,14 @@ class Window:
         return reply["tool"], reply["suspended"]
 
     def cursor(self):
-        """Qt's number of the cursor's shape over the view."""
+        """Number of the view's cursor among Qt's shapes."""
         return self.ask("tool")["cursor"]
+
+    def view(self, index=None, project=None):
+        """Makes a project, then one of its views the current one. @return how many views there are, and which it is"""
+        reply = self.ask("view", index=index, project=project)
+        self.idle()
+        return reply["views"], reply["current"]
 
     def clipboard(self, text=None):
         return self.ask("clipboard", text=text)["text"]

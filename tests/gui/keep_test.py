@@ -78,7 +78,7 @@ class Settings(ToolTest):
                     self.assertEqual(len(steps), 1)
                     self.assertEqual(steps[0][key], expected)
                     self.assert_replay_is_the_same(w, self.mesh)
-            w.set(part("padding"), 0.4)
+            w.set(part("padding"), 40)
             self.assertEqual(self.steps_of(w)[0]["region"]["padding"], 0.4)
             self.assert_replay_is_the_same(w, self.mesh)
 

@@ -98,7 +98,7 @@ class Layers(ToolTest):
             self.assert_at(w, self.CENTRE, pixel)
             self.assertEqual(w.layers()[0]["matrix"], self.TURNED)
             self.assertEqual(self.steps_of(w)[0]["handles"][0]["vertices"], str(self.CENTRE))
-            w.key("X", *"0.25", "Return")
+            w.key("T", "X", *"0.25", "Return")
             self.assertEqual(self.steps_of(w)[1]["handles"][0]["translation"], [0.25, 0, 0])
             self.assert_replay_is_the_same(w, self.mesh)
 
@@ -288,6 +288,113 @@ class Leave(ToolTest):
             self.assertEqual(sum(p["visible"] for p in w.widgets(PANEL).values()), 1)
             self.assert_at(w, self.CENTRE, self.pull(w, self.CENTRE, (30, 30)))
             self.assert_replay_is_the_same(w, self.mesh)
+
+
+class Views(ToolTest):
+    """Panel and sessions are the window's, whichever view is used."""
+
+    def split(self, *files):
+        """@return a window with two views, the tool on in the first, and the first one current"""
+        w = self.start(*files)
+        try:
+            w.trigger("Vertically")
+            self.assertEqual(w.view(index=0), (2, 0))
+            self.assertEqual(w.tool(), (TOOL, False))
+        except BaseException:
+            w.kill()
+            raise
+        return w
+
+    def panels(self, w):
+        return [p for p in w.widgets(PANEL).values() if p["visible"]]
+
+    def test_second_view_takes_the_session_over(self):
+        with self.split(self.mesh) as w:
+            states = [w.dump()]
+            for by in ((40, -30), (-10, 25)):
+                self.pull(w, self.CENTRE, by)
+                states.append(w.dump())
+            w.click(*w.pixel(self.CENTRE))
+            self.pull(w, self.CENTRE, (30, 30), release=False)
+            w.view(index=1)
+            self.assertEqual(w.tool()[0], "")
+            w.trigger(TOOL)
+            self.assertEqual(w.tool(), (TOOL, False))
+            self.assert_same(states[2], w.dump())
+            self.assertEqual(len(self.panels(w)), 1)
+            self.assertEqual(w.history(), [])
+            w.view(index=0)
+            self.assertEqual(w.tool()[0], "")
+            w.view(index=1)
+            w.press_button(part("undo"))
+            self.assert_same(states[1], w.dump())
+            self.assert_at(w, self.CENTRE, self.pull(w, self.CENTRE, (-20, -10)))
+            w.key("Z", "Z", modifiers=["ctrl"])
+            self.assert_same(states[0], w.dump())
+            w.key("Z", "Z", modifiers=["ctrl", "shift"])
+            self.assert_replay_is_the_same(w, self.mesh)
+            w.trigger(TOOL)
+            self.assertEqual(self.panels(w), [])
+            self.assertEqual(len(w.history()), 1)
+
+    def test_there_and_back(self):
+        with self.split(self.mesh) as w:
+            before = w.dump()
+            for view in (0, 1, 0, 1):
+                w.view(index=view)
+                if w.tool()[0] == "":
+                    w.trigger(TOOL)
+                self.pull(w, self.CENTRE, (12, -9))
+            self.assertEqual(len(self.steps_of(w)), 4)
+            self.assert_replay_is_the_same(w, self.mesh)
+            w.press_button(part("reset"))
+            self.assert_same(before, w.dump())
+
+    def test_view_is_closed_under_the_tool(self):
+        with self.split(self.mesh) as w:
+            self.pull(w, self.CENTRE, (40, -30))
+            applied = w.dump()
+            self.pull(w, self.CENTRE, (30, 30), release=False)
+            w.trigger("Close current view")
+            self.assertEqual(w.view(), (1, 0))
+            self.assert_same(applied, w.dump())
+            self.assertEqual(self.panels(w), [])
+            w.mouse("release", 300, 300)
+            w.trigger(TOOL)
+            w.press_button(part("undo"))
+            self.assertEqual(len(self.steps_in_log(w)), 1)
+            self.assert_at(w, self.CENTRE, self.pull(w, self.CENTRE, (20, 20)))
+
+    def test_two_projects_with_the_same_layer_number(self):
+        with self.start(self.mesh) as w:
+            before = w.dump()
+            self.pull(w, self.CENTRE, (40, -30))
+            first = w.dump()
+            w.trigger("New Empty Project...")
+            w.trigger("Import Mesh...", wait=False)
+            w.answer(path=self.mesh)
+            w.trigger("Front")
+            self.shade_smoothly(w)
+            w.trigger(TOOL)
+            self.assertEqual(len(self.panels(w)), 1)
+            self.assertFalse(w.widget(part("undo"))["enabled"])
+            self.pull(w, self.CENTRE, (-20, 10))
+            second = w.dump()
+            w.view(project=0)
+            self.assertEqual(w.tool()[0], "")
+            self.assert_same(first, w.dump())
+            w.trigger(TOOL)
+            w.press_button(part("undo"))
+            self.assert_same(before, w.dump())
+            w.view(project=1)
+            self.assert_same(second, w.dump())
+            w.trigger("Close Project", wait=False)
+            w.answer(button="Yes")
+            w.view(project=0)
+            if w.tool()[0] == "":
+                w.trigger(TOOL)
+            w.press_button(part("redo"))
+            self.assert_same(first, w.dump())
 
 
 class NothingToEdit(ToolTest):

@@ -23,14 +23,19 @@ class ToolTest(GuiTest):
     ROWS = 41
     CENTRE = 20 * ROWS + 20
 
+    # Of Qt's cursors.
+    ARROW, CROSS, SIZE_ALL, POINTING_HAND, BUSY, OPEN_HAND, CLOSED_HAND = 0, 2, 9, 13, 16, 17, 18
+
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
         cls.points, cls.faces = dome(cls.ROWS, cls.ROWS)
         cls.mesh = write_ply(cls.folder / "sheet.ply", cls.points, cls.faces)
 
-    def start(self, *files, view="Front"):
-        """@return a window with the tool active, large, looking at the first mesh"""
+    def start(self, *files, view="Front", disc=0, gizmo=False):
+        """@return a window with the tool active, large, looking at the first mesh
+        @param disc  handle size in percent of the radius; 0: a press takes the vertex under the cursor alone
+        @param gizmo  whether there is one, where presses may land"""
         window = self.open(*files)
         try:
             window.resize(1280, 900)
@@ -38,6 +43,8 @@ class ToolTest(GuiTest):
             self.shade_smoothly(window)
             window.trigger(TOOL)
             self.assertEqual(window.tool(), (TOOL, False))
+            window.set(part("handle_share"), disc)
+            window.set(part("gizmo"), gizmo)
         except BaseException:
             window.kill()
             raise

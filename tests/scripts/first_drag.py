@@ -13,17 +13,18 @@ SIDE = 330  # pixels of a picture
 
 
 class Scene:
-    """at: of the generated meshes a place, of real ones a vertex; way: pixels."""
+    """at: of the generated meshes a place, of real ones a vertex; way: pixels; away: notches of the wheel, so that nothing is
+    below the line of text."""
 
-    def __init__(self, mesh, at, way, matrix=None, view="Front"):
-        self.mesh, self.at, self.way, self.matrix, self.view = mesh, at, way, matrix, view
+    def __init__(self, mesh, at, way, matrix=None, view="Front", away=0):
+        self.mesh, self.at, self.way, self.matrix, self.view, self.away = mesh, at, way, matrix, view, away
 
 
 GENERATED = {
     "nose": Scene("head.ply", (0, -0.13, 1.21), (70, -10), turned(0, 60)),
     "ear": Scene("head.ply", (1.0, 0.33, -0.1), (75, -55), turned(0, -25)),
-    "horn": Scene("creature.ply", (1.29, 1.93, 0.31), (20, -75), turned(10, -20)),
-    "finger": Scene("hand.ply", (-0.17, 1.44, 0.1), (-60, -45)),
+    "horn": Scene("creature.ply", (1.29, 1.93, 0.31), (17, -62), turned(10, -20), away=1),
+    "finger": Scene("hand.ply", (-0.17, 1.44, 0.1), (-48, -36), away=1),
     "leg": Scene("creature.ply", (0.8, -1.29, 0.41), (80, 25), turned(5, -15)),
     "tail": Scene("creature.ply", (-2.18, 0.58, 0.05), (-30, -100), turned(5, -15)),
     "peak": Scene("terrain.ply", (1.9, 2.1, 1.1), (0, -90), turned(-62, 0)),
@@ -33,13 +34,13 @@ GENERATED = {
 REAL = {
     "nose (mannequin)": Scene("mannequin.off", 8624, (100, 15), view="Left (Z is up)"),
     "tentacle (octopus)": Scene("octopus.off", 3175, (30, -110), view="Front (Z is up)"),
-    "ear (bunny)": Scene("bunny.ply", 23637, (60, -70)),
+    "ear (bunny)": Scene("bunny.ply", 23637, (50, -58), away=1),
     "nose (igea)": Scene("igea.ply", 31536, (80, 10), view="Left"),
     "nose (Laurana)": Scene("Laurana50k.ply", 25805, (60, 10), turned(0, 50)),
-    "crown (mannequin)": Scene("mannequin.off", 2482, (-30, -90), view="Left (Z is up)"),
+    "crown (mannequin)": Scene("mannequin.off", 2482, (-25, -75), view="Left (Z is up)", away=1),
     "bump (plane)": Scene("bumpy_plane.off", 20200, (0, -90), turned(-60, 0)),
     "knot": Scene("texturedknot.ply", 0, (50, -70)),
-    "tooth (scan)": Scene("busted.STL", None, (30, -70)),
+    "tooth (scan)": Scene("busted.STL", None, (25, -58), away=1),
 }
 
 
@@ -60,6 +61,8 @@ def take(pictures, name, scene, folder, output):
         if scene.matrix:
             window.layer(matrix=scene.matrix)
         window.trigger(scene.view)
+        if scene.away:
+            window.wheel(400, 300, scene.away)
         window.trigger(TOOL)
         points = window.dump().triples()
         handle = (scene.at if isinstance(scene.at, int) else max(range(len(points)), key=lambda v: points[v][1])
@@ -72,7 +75,7 @@ def take(pictures, name, scene, folder, output):
         cut(window, window.grab(stages[1]), middle, SIDE, SIDE)
         window.mouse("release", x + scene.way[0], y + scene.way[1])
         window.idle()
-        window.press_button(part("clear"))  # nothing over what is to be looked at
+        window.set(part("clear"), True)  # nothing over what is to be looked at
         window.move(3, 300)
         cut(window, window.grab(stages[2]), middle, SIDE, SIDE)
         edit = pictures.saved_edit(window)

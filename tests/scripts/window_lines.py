@@ -203,7 +203,7 @@ class Lines:
         with self.tool("hand") as w:
             x, y = w.at(TIPS[1])
             w.click(x, y)
-            w.press_button(part("component"))
+            w.set(part("component"), True)
             self.shoot(w, "Component")
             w.drag((x, y), (x - 60, y - 30), steps=5, release=False)
             self.shoot(w, "dragged")
@@ -246,6 +246,35 @@ class Lines:
             x, y = w.at(NOSE)
             w.drag((x, y), (x + 60, y - 20), steps=8, release=False)
             self.shoot(w, "stretch while dragging", (x, y))
+
+    def documents(self):
+        """The pictures in edit_laplacian_drag/in-the-window.md."""
+        def keep(window, name, centre, width=460, height=330):
+            path = self.output / "documents" / f"{name}.png"
+            path.parent.mkdir(exist_ok=True)
+            cut(window, window.grab(path), centre, width, height)
+            convert(path, "+dither", "-colors", 200, f"PNG8:{path}")
+
+        with self.tool("head", turned(0, 40)) as w:
+            x, y = w.at(NOSE)
+            w.move(x - 8, y)
+            keep(w, "hover", (x - 60, y))
+        with self.tool("creature", turned(5, -15), radius=1.0, handle_share=0.25) as w:
+            x, y = w.at((0.8, -1.29, 0.41))
+            w.click(x, y)
+            self.set(w, "gizmo", True)
+            w.move(3, 300)
+            keep(w, "gizmo", (x - 20, y - 70))
+        with self.tool("hand", radius=1.2, handle_share=0.14) as w:
+            self.set(w, "gizmo", False)
+            w.click(*w.at(TIPS[0]))
+            for tip in TIPS[1:]:
+                w.key("G")
+                w.click(*w.at(tip))
+            x, y = w.at(TIPS[3])
+            w.drag((x, y), (x + 40, y - 30), steps=8, release=False)
+            keep(w, "groups", (x - 60, y + 75), 460, 330)
+            w.mouse("release", x + 40, y - 30)
 
     # Panel ------------------------------------------------------------------------------------------------------------
 

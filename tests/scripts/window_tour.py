@@ -7,10 +7,13 @@ import sys
 
 from pictures import TOOL, Pictures, convert, nearest, part, turned
 
+from shapes import neighbours, within
+
 RATE = 8  # pictures per second
-WIDTH = 600
+WIDTH = 720
+HEIGHT = 600  # of the view, without MeshLab's figures below it
 OVER_GIZMO = 9  # Qt::SizeAllCursor
-HAND, NOSE, SHOULDER = (1.0, -0.2, 0.15), (0, 1.39, 0.47), (0.42, 0.72, 0)
+HAND, NOSE = (1.0, -0.2, 0.15), (0, 1.39, 0.47)
 
 
 class Tour:
@@ -25,7 +28,7 @@ class Tour:
         self.corner = view["corner"]
         panel = window.widget(part("panel"))["rectangle"]
         left = min(panel[0], self.corner[0])
-        self.size = self.corner[0] + view["width"] - left, view["height"]
+        self.size = self.corner[0] + view["width"] - left, HEIGHT
         self.crop = f"{self.size[0]}x{self.size[1]}+{left}+{self.corner[1]}"
         self.origin = self.corner[0] - left  # of the view in the picture
 
@@ -57,9 +60,9 @@ class Tour:
         self.window.mouse("release", *self.place)
         self.window.idle()
 
-    def wheel(self, notches):
+    def wheel(self, notches, modifiers=()):
         for _ in range(abs(notches)):
-            self.window.wheel(*self.place, math.copysign(1, notches))
+            self.window.wheel(*self.place, math.copysign(1, notches), modifiers)
             self.window.move(*self.place)
             self.frame()
 
@@ -67,7 +70,7 @@ class Tour:
         arguments = []
         for path, hundredths in self.frames:
             arguments += ["-delay", hundredths, path]
-        convert(*arguments, "-layers", "OptimizePlus", "+dither", "-colors", 72, "-loop", 0, picture)
+        convert(*arguments, "-layers", "OptimizePlus", "+dither", "-colors", 128, "-loop", 0, picture)
         print(f"{sum(h for _, h in self.frames) / 100:.1f} s, {len(self.frames)} pictures, {picture.stat().st_size / 1e6:.2f} MB")
 
 
@@ -84,12 +87,24 @@ def ring_place(window, centre, angle):
     return centre[0] + middle * way[0], centre[1] + middle * way[1]
 
 
+def middle_of_rim(window, seed):
+    """Of the region about a vertex: in pixels."""
+    shape = window.dump()
+    points = shape.triples()
+    around = neighbours(len(points), shape.faces())
+    region = within(points, around, seed, window.widget(part("radius"))["value"])
+    rim = [points[v] for v in region if not around[v] <= region]
+    return window.project(points=[[sum(c) / len(rim) for c in zip(*rim)]])[0]
+
+
 def raise_arm(tour, window, at):
-    tour.caption = "The circle is what a press takes, the outline what follows. The wheel sets the radius."
+    tour.caption = "The disc is what a press takes, the outline what follows it."
     tour.frame(0.6)
     tour.go(at(HAND), 1.2)
-    tour.wheel(8)
-    tour.caption = "A click shows the region. Its gizmo turns about the shoulder: the middle of the region's rim."
+    tour.caption = "The wheel sets the radius, Shift+wheel the disc."
+    tour.wheel(6)
+    tour.wheel(4, ["shift"])
+    tour.caption = "A click shows the region. The pivot: the middle of its rim."
     tour.press()
     tour.release()
     window.set(part("gizmo"), True)
@@ -97,7 +112,7 @@ def raise_arm(tour, window, at):
     window.set(part("pivot"), "Rim")
     tour.frame(1.6)
     tour.caption = "Drag the ring: the arm is raised in one motion."
-    centre = at(SHOULDER)
+    centre = middle_of_rim(window, nearest(window.dump().triples(), HAND))
     start = ring_place(window, centre, math.radians(-45))
     tour.go(start, 0.8)
     tour.press()
@@ -116,11 +131,12 @@ def raise_arm(tour, window, at):
 def pull_nose(tour, window, at):
     tour.caption = "Press, drag, release."
     window.set(part("gizmo"), False)
-    window.press_button(part("clear"))
+    window.set(part("clear"), True)
     tour.go(at(NOSE), 0.9)
-    window.set(part("radius"), window.widget(part("radius"))["value"] / 1.1 ** 8 / 2)
+    window.set(part("radius"), window.widget(part("radius"))["value"] / 4)
+    window.set(part("handle_share"), 25)
     window.move(*tour.place)
-    tour.frame(0.5)
+    tour.frame(0.8)
     tour.press()
     tour.go((tour.place[0] - 55, tour.place[1] + 8), 1.4)
     tour.release()
@@ -147,7 +163,7 @@ def keep(tour, window, pictures):
     window.idle()
     assert edited["positions"] == window.dump()["positions"]
     tour.caption = "... it gives the same coordinates, bit for bit."
-    tour.frame(2.2, cursor=False)
+    tour.frame(3, cursor=False)
 
 
 def main():
@@ -158,6 +174,7 @@ def main():
             window.resize(1280, 800)
             window.layer(matrix=turned(0, -25))
             window.trigger("Front")
+            window.wheel(400, 300, -1)
             window.trigger(TOOL)
 
             def at(place):

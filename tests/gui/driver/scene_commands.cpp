@@ -4,8 +4,10 @@
 #include <QJsonArray>
 #include <QMdiArea>
 #include <QMdiSubWindow>
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <vector>
 
 #include "commands.h"
 #include "driver_host.h"
@@ -13,24 +15,47 @@
 namespace gui_driver {
 namespace {
 
-GLArea* find_gl_area() {
-  const QWidget* project = nullptr;  // a second project has a view of its own
-  for (const QWidget* candidate : QApplication::allWidgets()) {
-    if (const auto* projects = qobject_cast<const QMdiArea*>(candidate)) {
-      project = projects->currentSubWindow();
+QMdiArea& projects() {
+  for (QWidget* candidate : QApplication::allWidgets()) {
+    if (auto* const found = qobject_cast<QMdiArea*>(candidate)) {
+      return *found;
     }
   }
-  GLArea* found = nullptr;
+  throw std::runtime_error("there is no window of projects");
+}
+
+/// Views of the current project, the oldest first.
+std::vector<GLArea*> views() {
+  const QWidget* const project = projects().currentSubWindow();  // a second project has views of its own
+  std::vector<GLArea*> found;
   for (QWidget* candidate : QApplication::allWidgets()) {
     // MeshLab exports no GLArea for qobject_cast to compare with.
     if (candidate->inherits("GLArea") && project && project->isAncestorOf(candidate)) {
-      auto* area = static_cast<GLArea*>(candidate);
-      if (!found || area->isCurrent()) {
-        found = area;
-      }
+      found.push_back(static_cast<GLArea*>(candidate));
     }
   }
+  std::sort(found.begin(), found.end(), [](GLArea* a, GLArea* b) { return a->getId() < b->getId(); });
   return found;
+}
+
+GLArea* find_gl_area() {
+  const std::vector<GLArea*> all = views();
+  const auto current = std::find_if(all.begin(), all.end(), [](GLArea* area) { return area->isCurrent(); });
+  return current != all.end() ? *current : all.empty() ? nullptr : all.front();
+}
+
+/// Makes a project, then one of its views the current one, as a click on them does.
+Answer view(const QJsonObject& arguments) {
+  if (arguments.contains("project")) {
+    projects().setActiveSubWindow(projects().subWindowList().at(arguments["project"].toInt()));
+  }
+  const std::vector<GLArea*> all = views();
+  if (arguments.contains("index")) {
+    GLArea* const area = all.at(static_cast<std::size_t>(arguments["index"].toInt()));
+    QMetaObject::invokeMethod(area, "currentViewerChanged", Q_ARG(int, area->getId()));
+  }
+  const auto current = std::find(all.begin(), all.end(), find_gl_area());
+  return {{{"views", static_cast<int>(all.size())}, {"current", static_cast<int>(current - all.begin())}}};
 }
 
 QJsonArray numbers(const Matrix44m& matrix) {
@@ -324,6 +349,7 @@ void add_scene_commands(Commands& commands) {
   commands["on_screen"] = on_screen;
   commands["history"] = history;
   commands["tool"] = tool;
+  commands["view"] = view;
 }
 
 }  // namespace gui_driver

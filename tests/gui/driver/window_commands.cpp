@@ -216,6 +216,9 @@ Answer dialog(const QJsonObject&) {
   if (const auto* box = qobject_cast<const QMessageBox*>(modal)) {
     result["text"] = box->text() + box->informativeText();
   }
+  if (const auto* files = qobject_cast<const QFileDialog*>(modal)) {
+    result["files"] = QJsonArray::fromStringList(files->selectedFiles());
+  }
   return {result};
 }
 

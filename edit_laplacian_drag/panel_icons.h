@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QIcon>
+#include <QPalette>
+
+/// The picture of a button or choice of the panel, by its part of the name, in the palette's colours; empty if there is
+/// none.
+QIcon panelIcon(const QString& part, const QPalette& palette);

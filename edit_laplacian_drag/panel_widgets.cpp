@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "panel_widgets.h"
+
+#include <QFormLayout>
+#include <QToolButton>
+#include <QVBoxLayout>
+
+QString NumberBox::textFromValue(double value) const {
+  QString text = QDoubleSpinBox::textFromValue(value);
+  while (text.contains('.') && (text.endsWith('0') || text.endsWith('.'))) {
+    text.chop(1);
+  }
+  return text;
+}
+
+FoldGroup::FoldGroup(const QString& title, bool open) : header_(new QToolButton), form_(new QFormLayout) {
+  header_->setText(title);
+  header_->setCheckable(true);
+  header_->setChecked(open);
+  header_->setAutoRaise(true);
+  header_->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
+  header_->setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Fixed);
+  header_->setFocusPolicy(Qt::NoFocus);
+  QFont bold = header_->font();
+  bold.setBold(true);
+  header_->setFont(bold);
+
+  auto* const body = new QWidget;
+  form_->setVerticalSpacing(2);
+  form_->setHorizontalSpacing(4);
+  form_->setContentsMargins(4, 0, 4, 4);
+  body->setLayout(form_);
+
+  auto* const column = new QVBoxLayout(this);
+  column->setSpacing(0);
+  column->setContentsMargins(0, 0, 0, 0);
+  column->addWidget(header_);
+  column->addWidget(body);
+  const auto fold = [this, body](bool shown) {
+    body->setVisible(shown);
+    header_->setArrowType(shown ? Qt::DownArrow : Qt::RightArrow);
+  };
+  fold(open);
+  connect(header_, &QToolButton::toggled, this, fold);
+}

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "window_sessions.h"
+
+#include <QDockWidget>
+#include <QMainWindow>
+#include <iterator>
+#include <utility>
+
+namespace {
+
+constexpr int kPictureWidth = 900;  // pixels
+
+}  // namespace
+
+WindowSessions& WindowSessions::of(QWidget& window) {
+  auto* found = window.findChild<WindowSessions*>(QString(), Qt::FindDirectChildrenOnly);
+  return found ? *found : *new WindowSessions(window);
+}
+
+WindowSessions::WindowSessions(QWidget& window) : QObject(&window), panel_(new Panel(&window)) {
+  if (auto* const main_window = qobject_cast<QMainWindow*>(&window)) {
+    main_window->addDockWidget(Qt::LeftDockWidgetArea, panel_);
+  }
+}
+
+WindowSessions::~WindowSessions() {
+  if (user_) {
+    user_->sessionGone();
+  }
+}
+
+void WindowSessions::showPanel() {
+  const auto* const window = qobject_cast<QMainWindow*>(parent());
+  if (window != nullptr && !panel_->isVisible() &&
+      window->centralWidget()->width() - panel_->sizeHint().width() < kPictureWidth) {
+    for (QDockWidget* dock : window->findChildren<QDockWidget*>(QString(), Qt::FindDirectChildrenOnly)) {
+      const bool beside = window->dockWidgetArea(dock) == Qt::LeftDockWidgetArea ||
+                          window->dockWidgetArea(dock) == Qt::RightDockWidgetArea;
+      if (dock != panel_ && beside && dock->isVisible() && !dock->isFloating()) {
+        dock->hide();
+        aside_ += dock;
+      }
+    }
+  }
+  panel_->QDockWidget::show();
+}
+
+void WindowSessions::hidePanel() {
+  if (panel_) {
+    panel_->hide();
+  }
+  for (const QPointer<QDockWidget>& dock : std::exchange(aside_, {})) {
+    if (dock) {
+      dock->show();
+    }
+  }
+}
+
+void WindowSessions::begin(SessionUser& user, QObject* document, int layer) {
+  if (user_ && user_ != &user) {
+    user_->handOver(document == document_ && layer == layer_);  // while it is still the user: poses go its way
+  }
+  user_ = &user;
+  document_ = document;
+  layer_ = layer;
+}
+
+void WindowSessions::end(SessionUser& user) {
+  if (user_ == &user) {
+    user_ = nullptr;
+    document_ = nullptr;
+    layer_ = -1;
+  }
+}
+
+LayerSession* WindowSessions::find(int layer) {
+  const auto found = sessions_.find({document_, layer});
+  return found != sessions_.end() ? found->second.get() : nullptr;
+}
+
+LayerSession& WindowSessions::make(int layer, const CMeshO& mesh) {
+  sessions_.erase({document_, layer});
+  LayerSession::Callbacks callbacks;
+  callbacks.mesh = [this, layer, document = document_]() -> CMeshO* {
+    return user_ && document_ == document ? user_->meshOf(layer) : nullptr;
+  };
+  callbacks.log = [this](const std::string& line) {
+    if (user_) {
+      user_->log(line);
+    }
+  };
+  callbacks.wake = [this] {
+    if (!pollQueued_.exchange(true)) {
+      QMetaObject::invokeMethod(
+          this,
+          [this] {
+            pollQueued_ = false;
+            if (user_) {
+              user_->poll();
+            }
+          },
+          Qt::QueuedConnection);
+    }
+  };
+  auto made = std::make_unique<LayerSession>(mesh, std::move(callbacks));
+  connect(document_, &QObject::destroyed, this, &WindowSessions::forgetDocument, Qt::UniqueConnection);
+  return *(sessions_[{document_, layer}] = std::move(made));
+}
+
+void WindowSessions::forget(int layer) {
+  sessions_.erase({document_, layer});
+}
+
+void WindowSessions::forgetGone() {
+  for (auto known = sessions_.begin(); known != sessions_.end();) {
+    const bool gone = known->first.first == document_ && user_ && user_->meshOf(known->first.second) == nullptr;
+    known = gone ? sessions_.erase(known) : std::next(known);
+  }
+}
+
+void WindowSessions::forgetDocument(const QObject* document) {
+  if (user_ && document_ == document) {
+    user_->sessionGone();
+    user_ = nullptr;
+    document_ = nullptr;
+    hidePanel();
+  }
+  for (auto known = sessions_.begin(); known != sessions_.end();) {
+    known = known->first.first == document ? sessions_.erase(known) : std::next(known);
+  }
+}
