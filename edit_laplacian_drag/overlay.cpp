@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "overlay.h"
 
+#include <QCoreApplication>
 #include <QOpenGLContext>
 #include <QOpenGLFunctions>
 #include <QPainter>
@@ -80,9 +81,10 @@ QImage legendPicture(double pixelRatio) {
   font.setPixelSize(11);
   painter.setFont(font);
   painter.setPen(Qt::white);
-  painter.drawText(QRect(10, 15, 200, 16), Qt::AlignLeft, QStringLiteral("half"));
-  painter.drawText(QRect(10, 15, 200, 16), Qt::AlignHCenter, QStringLiteral("length of edges"));
-  painter.drawText(QRect(10, 15, 200, 16), Qt::AlignRight, QStringLiteral("twice"));
+  const QRect line(10, 15, 200, 16);
+  painter.drawText(line, Qt::AlignLeft, QCoreApplication::translate("Overlay", "half"));
+  painter.drawText(line, Qt::AlignHCenter, QCoreApplication::translate("Overlay", "length of edges"));
+  painter.drawText(line, Qt::AlignRight, QCoreApplication::translate("Overlay", "twice"));
   return image;
 }
 
@@ -103,7 +105,7 @@ void Overlay::drawGizmoOf(const DragSession& session, const Camera& view, double
   if (!motion) {
     gizmo_ = session.gizmo(view);
   } else if (gizmo_) {
-    // Where it was taken hold of, or where that has been moved to: the mesh knows nothing of the motion yet.
+    // Where it was taken hold of: asked for now, the session would look for the pivot again.
     Gizmo held = place_gizmo(gizmo_->center, GizmoAxes::Layer, Vector3::Zero(), view);
     held.axes = gizmo_->axes;
     gizmo_ = held;
@@ -157,6 +159,9 @@ void Overlay::draw(const DragSession& session, const Camera& view, const Options
       drawBrush(*options.brush, brushColor(session), ratio);
     } else {
       drawGizmoOf(session, view, ratio);
+    }
+    if (session.motion() && session.motion()->kind() == MotionKind::Rotate) {
+      drawTurn(*session.motion(), view, ratio);
     }
     if (options.heat && session.region()) {
       drawLegend(options);
