@@ -65,26 +65,28 @@ pen::Color brushColor(const DragSession& session) {
 
 /// The colours of stretch, with words.
 QImage legendPicture(double pixelRatio) {
-  QImage image(QSize(220, 34) * pixelRatio, QImage::Format_ARGB32);
+  QImage image(QSize(220, 48) * pixelRatio, QImage::Format_ARGB32);
   image.fill(Qt::transparent);
   QPainter painter(&image);
   painter.scale(pixelRatio, pixelRatio);
   painter.setRenderHint(QPainter::Antialiasing);
   painter.setBrush(QColor(pen::kDark[0], pen::kDark[1], pen::kDark[2], 190));
   painter.setPen(Qt::NoPen);
-  painter.drawRoundedRect(0, 0, 220, 34, 5, 5);
+  painter.drawRoundedRect(0, 0, 220, 48, 5, 5);
   for (int x = 0; x < 200; ++x) {
-    const pen::Color color = stretchColor(static_cast<float>(x - 99.5) / 99.5F);
-    painter.fillRect(10 + x, 5, 1, 9, QColor(color[0], color[1], color[2]));
+    const double factor = std::exp2((x - 99.5) / 50);
+    const pen::Color color = stretchColor(static_cast<float>(factor > 1 ? factor - 1 : 1 - 1 / factor));
+    painter.fillRect(10 + x, 20, 1, 9, QColor(color[0], color[1], color[2]));
   }
   QFont font = painter.font();
   font.setPixelSize(11);
   painter.setFont(font);
   painter.setPen(Qt::white);
-  const QRect line(10, 15, 200, 16);
-  painter.drawText(line, Qt::AlignLeft, QCoreApplication::translate("Overlay", "half"));
-  painter.drawText(line, Qt::AlignHCenter, QCoreApplication::translate("Overlay", "length of edges"));
-  painter.drawText(line, Qt::AlignRight, QCoreApplication::translate("Overlay", "twice"));
+  painter.drawText(QRect(0, 4, 220, 16), Qt::AlignHCenter, QCoreApplication::translate("Overlay", "Length of edges"));
+  const char* const factors[] = {"1/4", "1/2", "1", "2", "4"};
+  for (int i = 0; i < 5; ++i) {
+    painter.drawText(QRect(50 * i - 10, 31, 40, 16), Qt::AlignHCenter, QString(factors[i]));
+  }
   return image;
 }
 
@@ -95,7 +97,7 @@ void Overlay::drawLegend(const Options& options) {
   if (legend_.isNull()) {
     legend_ = legendPicture(options.pixelRatio);
   }
-  glRasterPos2d(12, options.height - 150);
+  glRasterPos2d(12, options.height - 164);
   glPixelZoom(1, -1);
   glDrawPixels(legend_.width(), legend_.height(), GL_BGRA, GL_UNSIGNED_BYTE, legend_.constBits());
 }
