@@ -66,7 +66,8 @@ std::optional<DragKey> sessionKey(const QKeyEvent& event) {
       {Qt::Key_X, DragKey::LockX},      {Qt::Key_Y, DragKey::LockY},     {Qt::Key_Z, DragKey::LockZ},
       {Qt::Key_N, DragKey::LockNormal}, {Qt::Key_T, DragKey::Translate}, {Qt::Key_R, DragKey::Rotate},
       {Qt::Key_S, DragKey::Scale},      {Qt::Key_G, DragKey::NextGroup}, {Qt::Key_C, DragKey::Curve},
-      {Qt::Key_W, DragKey::NewRegion}};
+      {Qt::Key_W, DragKey::NewRegion},  {Qt::Key_P, DragKey::Pivot},     {Qt::Key_B, DragKey::Brush},
+      {Qt::Key_V, DragKey::Gizmo}};
   const auto found = keys.find(key);
   return found != keys.end() ? std::optional<DragKey>(found->second) : std::nullopt;
 }
