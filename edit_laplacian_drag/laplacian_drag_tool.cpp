@@ -15,6 +15,7 @@
 #include "lapedit/base/error.h"
 #include "lapedit/json/edit_script.h"
 #include "lapedit_host/mesh_bridge.h"
+#include "panel_widgets.h"
 #include "translation.h"
 
 using namespace lapedit;
@@ -548,7 +549,7 @@ void LaplacianDragTool::wheel(QWheelEvent& event) {
         std::max(settings.handle_share, kSmallestHandleShare) * std::pow(kHandleSharePerNotch, notches);
     settings.handle_share = grown < kSmallestHandleShare ? 0 : std::min(grown, kLargestHandleShare);
   } else {
-    settings.radius *= std::pow(kRadiusPerNotch, notches);
+    settings.radius = threeDigits(settings.radius * std::pow(kRadiusPerNotch, notches));
   }
   active_->session().set_settings(settings);
   saySettings(before);

@@ -12,6 +12,8 @@ from tool import PANEL, TOOL, ToolTest, part
 from ply import write_ply
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+# Debian's /usr/bin/lupdate is there without them.
+LUPDATE, LRELEASE = (shutil.which(name, path="/usr/lib/qt5/bin") for name in ("lupdate", "lrelease"))
 UNKNOWN = "\u2013"
 
 
@@ -127,7 +129,7 @@ class Files(ToolTest):
             self.assert_same(result, w.dump())
 
 
-@unittest.skipUnless(shutil.which("lupdate") and shutil.which("lrelease"), "needs Qt's lupdate and lrelease")
+@unittest.skipUnless(LUPDATE and LRELEASE, "needs Qt's lupdate and lrelease")
 class Languages(ToolTest):
     """A language that is English in brackets."""
 
@@ -136,7 +138,7 @@ class Languages(ToolTest):
         super().setUpClass()
         cls.sources = [str(ROOT / "common/lapedit"), str(ROOT / "edit_laplacian_drag")]
         cls.catalogue = cls.folder / "laplacian_edit_eo.ts"
-        cls.tool("lupdate", "-silent", "-recursive", *cls.sources, "-tr-function-alias",
+        cls.tool(LUPDATE, "-silent", "-recursive", *cls.sources, "-tr-function-alias",
                  "QT_TRANSLATE_NOOP+=LAPEDIT_TEXT", "-no-obsolete", "-ts", cls.catalogue)
 
     @staticmethod
@@ -161,7 +163,7 @@ class Languages(ToolTest):
         tree.write(translated, encoding="utf-8", xml_declaration=True)
         folder = self.folder / ".local/share/laplacian-edit/translations"  # of the test's own home
         folder.mkdir(parents=True, exist_ok=True)
-        self.tool("lrelease", "-silent", translated, "-qm", folder / "laplacian_edit_eo.qm")
+        self.tool(LRELEASE, "-silent", translated, "-qm", folder / "laplacian_edit_eo.qm")
 
     def test_every_sentence_of_the_core_is_found(self):
         """What stands in the code and is not marked, or is marked and not found, would stay English."""
