@@ -106,6 +106,17 @@ class Statistics(ToolTest):
             self.assertRegex(figures()["times"], f"solved in {UNKNOWN} ms")
 
 
+    def test_stretch_is_shown_where_it_is(self):
+        with self.start(self.mesh, disc=20) as w:
+            x, y = self.pull(w, self.CENTRE, (40, -30), release=False)
+            plain = self.picture(w, x, y)
+            w.set(part("heat"), True)
+            hot = self.picture(w, x, y)
+            self.assertGreater(sum(a != b for a, b in zip(plain, hot)), 1000)
+            w.set(part("heat"), False)
+            self.assertLess(sum(a != b for a, b in zip(plain, self.picture(w, x, y))), 20)
+
+
 class Files(ToolTest):
     def test_dialogs_suggest_a_file_beside_the_mesh(self):
         folder = self.folder / "somewhere else"
