@@ -3,6 +3,7 @@
 """Plays an edit in the window, picture by picture: called by window_tour.sh with a mesh of a person and the GIF to make."""
 import math
 import pathlib
+import shutil
 import sys
 
 from pictures import TOOL, Pictures, convert, nearest, part, turned
@@ -170,7 +171,8 @@ def main():
     mesh, picture = (pathlib.Path(argument).resolve() for argument in sys.argv[1:])
 
     def make(pictures):
-        with pictures.open(mesh) as window:
+        copy = pathlib.Path(shutil.copy(mesh, pictures.folder))  # its folder is shown
+        with pictures.open(copy) as window:
             window.resize(1280, 800)
             window.layer(matrix=turned(0, -25))
             window.trigger("Front")
