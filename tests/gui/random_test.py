@@ -29,9 +29,9 @@ LEFT_ALONE = {"save", "load", "group_basic"}  # dialogs wait for an answer, and 
 class Events:
     """One kind of event per method; the name of each is its weight's key."""
 
-    WEIGHTS = {"press": 10, "move": 24, "hover": 10, "release": 12, "click": 8, "drag": 8, "fresh_drag": 6, "gizmo_drag": 8, "brush": 4,
-               "wheel": 6, "key": 14, "undo": 4, "redo": 3, "setting": 4, "choice": 2, "button": 4, "drop": 3, "navigate": 3,
-               "suspend": 1, "select": 1, "visible": 1}
+    WEIGHTS = {"press": 10, "move": 24, "hover": 10, "release": 12, "click": 8, "drag": 8, "fresh_drag": 6,
+               "gizmo_drag": 8, "brush": 4, "wheel": 6, "key": 14, "undo": 4, "redo": 3, "setting": 4, "choice": 2,
+               "button": 4, "drop": 3, "navigate": 3, "suspend": 1, "select": 1, "visible": 1}
     # Of a batch, since they take long.
     RARE = ["layer", "filter", "restart"]
 
