@@ -95,7 +95,9 @@ class DragSession {
   const Points& pose() const;    ///< where region()'s vertices are now, one row per vertex; changes with pose_serial()
   int pose_serial() const;       ///< counts the changes of region() and pose()
   const std::vector<std::vector<int>>& groups() const;  ///< handle groups, mesh vertex numbers
-  int active_group() const;                             ///< the one that moves, -1 if there is none
+  /// These and behind them their mirror images; those that move are of the active group.
+  const std::vector<std::vector<int>>& mirrored_groups() const;
+  int active_group() const;          ///< the one that moves, -1 if there is none
   Affine active_map() const;         ///< where the drag wants the active group, also before any pose is solved
   const DragMotion* motion() const;  ///< the drag in progress, null if there is none
   bool preparing() const;            ///< a region is on its way
