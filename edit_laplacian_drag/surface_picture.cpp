@@ -99,7 +99,7 @@ unsigned SurfacePicture::number(const Region* region, int vertex) const {
 void SurfacePicture::list(const DragSession& session) {
   const Region* const region = session.region();
   regionSerial_ = session.region_serial();
-  groups_ = session.groups();
+  groups_ = session.mirrored_groups();
   unconnected_ = session.unconnected();
   outside_.clear();
   std::vector<int> shown = unconnected_;
@@ -211,7 +211,7 @@ void SurfacePicture::place(const DragSession& session) {
 // --- Drawing --------------------------------------------------------------------------------------------------------
 
 void SurfacePicture::draw(const DragSession& session, const Options& options) {
-  if (session.region_serial() != regionSerial_ || session.groups() != groups_ ||
+  if (session.region_serial() != regionSerial_ || session.mirrored_groups() != groups_ ||
       session.unconnected() != unconnected_) {
     list(session);
     poseSerial_ = -1;
@@ -286,12 +286,14 @@ void SurfacePicture::drawHeat(const DragSession& session) {
 /// What moves has a bright outline, what holds is hatched.
 void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, const Options& options) {
   const Patch& patch = handles_[group];
-  const pen::Color color = pen::groupColor(group);
-  const bool active = static_cast<int>(group) == session.active_group();
+  const int given = session.group_of_image(static_cast<int>(group));
+  const pen::Color color = pen::groupColor(static_cast<std::size_t>(given));
+  const bool active = given == session.active_group();
   const bool moving = session.motion() != nullptr;
-  const bool hovered = static_cast<int>(group) == options.hovered;
+  const bool hovered = given == options.hovered;
   // No pose says yet where it is.
-  const bool ahead = active && moving && (!session.region() || !session.in_hand());
+  const bool ahead =
+      static_cast<int>(group) == session.active_group() && moving && (!session.region() || !session.in_hand());
   if (ahead) {
     Eigen::Matrix4d map = Eigen::Matrix4d::Identity();
     map.topRows<3>() = session.active_map().matrix();

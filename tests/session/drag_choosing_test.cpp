@@ -440,6 +440,22 @@ TEST(DragMirror, BothSidesMoveInOneStepAndAreReplayed) {
   EXPECT_EQ(window.session.mirrored_groups().size(), 1U);
 }
 
+TEST(DragMirror, PlaneIsFoundFromTheMesh) {
+  Window window(shapes::tapered_arm(24, 60, 0));
+  window.session.find_mirror();
+  ASSERT_TRUE(window.session.mirror());
+  EXPECT_NEAR(window.session.mirror()->normal.normalized().x(), 0, 1e-3);
+  TriangleMesh lopsided = shapes::icosphere(4);
+  const Vector3 longer(3, 2, 1.5);
+  for (int k = 0; k < 3; ++k) {
+    lopsided.vertices.col(k) = lopsided.vertices.col(k).cwiseMax(longer[k] * lopsided.vertices.col(k)).eval();
+  }
+  Window other(lopsided);
+  other.session.find_mirror();
+  EXPECT_FALSE(other.session.mirror());
+  EXPECT_NE(other.session.message().find("nowhere nearly its own mirror image"), std::string::npos);
+}
+
 TEST(DragMirror, MeshWithoutAnotherSideIsRefusedInASentence) {
   Window window(shapes::grid(60, 60));
   MirrorPlane plane;

@@ -67,6 +67,9 @@ const std::vector<std::vector<int>>& DragSession::groups() const {
 const std::vector<std::vector<int>>& DragSession::mirrored_groups() const {
   return impl_->all_groups();
 }
+int DragSession::group_of_image(int group) const {
+  return impl_->tools.mirrored ? impl_->tools.mirrored->source()[static_cast<std::size_t>(group)] : group;
+}
 int DragSession::active_group() const {
   return impl_->selection.active;
 }
@@ -257,6 +260,14 @@ void DragSession::set_mirror(const std::optional<MirrorPlane>& plane) {
   if (s.settle_down()) {
     s.tools.mirror = plane;
     s.handles_changed();
+  }
+}
+
+void DragSession::find_mirror() {
+  if (const std::optional<MirrorPlane> found = find_symmetry(mesh())) {
+    set_mirror(found);
+  } else {
+    impl_->refusal = messages::kNotSymmetric;
   }
 }
 
