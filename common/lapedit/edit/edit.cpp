@@ -98,7 +98,8 @@ class Poses {
         try {
           if (k > 0 || !runner) {
             mesh_.vertices = now_[p];
-            step = with_sorted_groups(edit.steps[k]);
+            step = with_sorted_groups(mirrored(mesh_, edit.steps[k]));
+            step.mirror = edit.steps[k].mirror;
           }
           run_step(step, p, k == 0, part_of(progress, k * poses + p, steps * poses), runner, each);
         } catch (const EditError& error) {
@@ -117,9 +118,9 @@ class Poses {
     if (!same_shape || !runner) {
       // Before the factorisation: what is wrong with a transform is said at once.
       const auto check_targets = [&](const Region&) { targets(mesh_, step, fractions_[p]); };
-      runner = std::make_unique<StepRunner>(
-          StepProblem{mesh_, adjacency_, step.region, groups_of(step), step.settings, scalar_, weights_of(step)},
-          progress, check_targets, std::move(runner));
+      runner = std::make_unique<StepRunner>(StepProblem{mesh_, adjacency_, step.region, groups_of(step), step.settings,
+                                                        scalar_, weights_of(step), step.mirror},
+                                            progress, check_targets, std::move(runner));
     }
     EditResult result;
     runner->solve(targets(mesh_, step, fractions_[p]), result.positions);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "lapedit/edit/mirror.h"
 #include "lapedit/edit/step_runner.h"
 
 namespace lapedit {
@@ -22,6 +23,7 @@ struct EditStep {
   RegionSpec region;
   std::vector<HandleGroup> handles;
   EditSettings settings;
+  std::optional<MirrorPlane> mirror = {};  ///< handles and region are mirrored across it, see mirrored()
 };
 
 /// A sequence of steps with the mesh it was made for.

@@ -19,8 +19,9 @@ struct PrepareTask {
   EditSettings settings;
   StoredScalar scalar = StoredScalar::Float;      ///< poses are rounded to it
   std::vector<std::vector<double>> weights = {};  ///< per group, as HandleGroup::weights; none: 1
+  std::optional<MirrorPlane> mirror = {};         ///< as StepProblem::mirror; groups and region are mirrored already
 
-  StepProblem problem() const { return {*mesh, *adjacency, region, groups, settings, scalar, weights}; }
+  StepProblem problem() const { return {*mesh, *adjacency, region, groups, settings, scalar, weights, mirror}; }
 };
 
 /// A mesh and the steps to apply to it.

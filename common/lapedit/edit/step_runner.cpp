@@ -81,27 +81,36 @@ StepRunner::StepRunner(const FoundRegion& found, const StepProblem& problem, con
     : scalar_(problem.scalar), region_ms_(found.milliseconds) {
   editor_ = std::make_unique<LaplacianEditor>(problem.mesh, *found.region, problem.settings, progress,
                                               previous ? std::move(previous->editor_) : nullptr);
+  if (problem.mirror) {
+    symmetry_.emplace(problem.mesh, region(), *problem.mirror);
+  }
+}
+
+void StepRunner::finish(Points& places) const {
+  if (symmetry_) {
+    symmetry_->apply(places);
+  }
+  round_to(scalar_, places);
 }
 
 void StepRunner::solve(const std::vector<Affine>& maps, Points& places, const Progress& go_on) {
   places = editor_->solve(maps, Affine::Identity(), go_on);
   ++solved_;
-  round_to(scalar_, places);
+  finish(places);
 }
 
 void StepRunner::preview(const std::vector<Affine>& maps, Points& places) {
   places = editor_->preview(maps);
-  round_to(scalar_, places);
+  finish(places);
 }
 
 EditReport StepRunner::report(bool whole) const {
   Points stored = editor_->positions();
-  round_to(scalar_, stored);
+  finish(stored);
   EditReport report = editor_->report(stored, whole);
   report.region_ms = region_ms_;
   if (solved_ > 1) {  // all that was there before this pose
     report.region_ms = report.operator_ms = report.factor_ms = report.kernel_ms = 0;
-    report.factor_taken_over = true;
   }
   return report;
 }

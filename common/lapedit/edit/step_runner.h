@@ -3,9 +3,12 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "lapedit/deform/laplacian_editor.h"
+#include "lapedit/edit/mirror.h"
 #include "lapedit/mesh/adjacency.h"
 
 namespace lapedit {
@@ -26,6 +29,9 @@ struct StepProblem {
   const EditSettings& settings;
   StoredScalar scalar = StoredScalar::Double;
   std::vector<std::vector<double>> weights = {};  ///< per group, as HandleGroup::weights; none: 1
+  /// The plane that groups and region were mirrored across: poses are made symmetric to the last bits, see
+  /// PoseSymmetry.
+  std::optional<MirrorPlane> mirror = {};
 };
 
 /// A step's region, and what finding it took.
@@ -80,10 +86,13 @@ class StepRunner {
   EditReport report(bool whole = true) const;
 
  private:
+  void finish(Points& places) const;
+
   StoredScalar scalar_;
   double region_ms_ = 0;
   int solved_ = 0;
   std::unique_ptr<LaplacianEditor> editor_;
+  std::optional<PoseSymmetry> symmetry_;
 };
 
 }  // namespace lapedit
