@@ -205,6 +205,7 @@ void SolverThread::State::publish_ready(int mine, double prepare_ms) {
     SolverNews& news = answered.news;
     news.ready = true;
     news.prepare_ms = prepare_ms;
+    news.taken_over = own.runner->taken_over();
     if (!stands_in()) {
       news.in_hand = true;
       news.in_hand_ms = prepare_ms;

@@ -46,6 +46,7 @@ struct SolverNews {
   double in_hand_ms = 0;                 ///< from the question on
   bool ready = false;                    ///< prepared: solves are being answered by the editor
   double prepare_ms = 0;                 ///< of all stages, once ready
+  std::string taken_over;                ///< once ready: see EditReport::taken_over
   bool pose = false;                     ///< the pose handed to poll() was filled
   std::shared_ptr<const EditReport> report;
   std::shared_ptr<const std::vector<EditResult>> applied;  ///< one entry per step of an ApplyTask

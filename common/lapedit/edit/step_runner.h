@@ -79,6 +79,7 @@ class StepRunner {
   /// The same for a picture of a drag: see LaplacianEditor::preview().
   void preview(const std::vector<Affine>& maps, Points& places);
   bool has_preview() const { return editor_->has_preview(); }
+  const std::string& taken_over() const { return editor_->taken_over(); }  ///< see EditReport::taken_over
 
   /// Report of preparation and last solve(), of its rounded places. Of a pose that came after another one, times of
   /// preparing are 0.
