@@ -210,7 +210,7 @@ void Panel::addHandles() {
   row(tr("Brush"),
       state(
           "brush_target", {tr("Region"), tr("Handle"), tr("Anchors")},
-          tr("What Ctrl+drag paints more of, and Shift+drag less"),
+          tr("What Ctrl+drag paints more of, and Shift+drag less (B)"),
           [](const DragSession& session) { return static_cast<int>(session.brush_target()); },
           [](DragSession& session, int index) { session.set_brush_target(static_cast<BrushTarget>(index)); }));
   auto* brush = count("brush", 1, 1000, tr("Radius of the brush on the screen"), access<&DragSettings::brush_pixels>());
@@ -232,7 +232,7 @@ void Panel::addGizmo() {
     change([on, axes](DragSession& session) { session.show_gizmo(on, axes); });
   };
   auto* const shown =
-      prepared<QCheckBox>("gizmo", tr("Arrows move along an axis, rings turn about it, the knob scales"));
+      prepared<QCheckBox>("gizmo", tr("Arrows move along an axis, rings turn about it, the knob scales (V)"));
   shown->setText(tr("Show gizmo"));
   auto* const axes = prepared<QComboBox>("gizmo_axes", tr("Which way the gizmo's arrows go"));
   axes->addItems({tr("Layer"), tr("View"), tr("Normal")});
@@ -249,7 +249,7 @@ void Panel::addGizmo() {
       state(
           "pivot", {tr("Centroid"), tr("Rim"), tr("Picked")},
           tr("What turning and scaling go about: the middle of the handle, the middle of the region's rim, "
-             "as the shoulder of an arm, or a point that the next click picks"),
+             "as the shoulder of an arm, or a point that the next click picks (P)"),
           [](const DragSession& session) { return static_cast<int>(session.pivot()); },
           [](DragSession& session, int index) { session.set_pivot(static_cast<Pivot>(index)); }));
 }

@@ -105,10 +105,13 @@ class Links(unittest.TestCase):
 
     def test_widgets_are_those_of_the_panel(self):
         panel = (ROOT / "edit_laplacian_drag/panel.cpp").read_text(encoding="utf-8")
-        made = set(re.findall(r'\b(?:number|length|count|choice|button|figure|prepared<\w+>|nameOf)\(\s*"(\w+)"', panel))
+        made = set(re.findall(r'\b(?:number|percent|length|count|choice|state|button|figure|prepared<\w+>|nameOf)'
+                              r'\(\s*"(\w+)"', panel)) - {"group_"}
+        made |= {f"group_{name}" for name in re.findall(r'\bbegin\("(\w+)"', panel)}
+        made |= {f"{name}_slider" for name in re.findall(r'\bdragged\(\s*\w+\(\s*"(\w+)"', panel)}
         # Those of settings are named as the settings are.
         settings = re.findall(r"`steps\[\]\.(\w+)` \|", self.documents["common/docs/json-format.md"].text)
-        made |= set(settings) - {"region", "handles", "rules"}
+        made |= set(settings) - {"region", "handles", "mirror", "rules"}
         rows = self.documents["tests/README.md"].rows("The window's tests")
         told = {name for row in rows for name in code(row[1].split(";")[0])}
         self.assertGreater(len(made), 30)

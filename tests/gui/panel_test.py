@@ -68,6 +68,15 @@ class Values(ToolTest):
                 self.assertEqual(w.widget(part(name))["currentIndex"], index, name)
             self.assertTrue(w.widget(part("gizmo"))["checked"])
 
+    def test_keys_change_what_the_panel_shows(self):
+        with self.start(self.mesh, gizmo=True) as w:
+            w.click(*w.pixel(self.CENTRE))
+            for key, name, index in (("C", "mode", 1), ("B", "brush_target", 1), ("P", "pivot", 2)):
+                w.key(key)
+                self.assertEqual(w.widget(part(name))["currentIndex"], index, key)
+            w.key("V")
+            self.assertFalse(w.widget(part("gizmo"))["checked"])
+
     def test_anchors_from_selection_hold(self):
         with self.start(self.mesh) as w:
             w.set(part("group_handle"), True)
