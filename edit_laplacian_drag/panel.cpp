@@ -262,6 +262,7 @@ void Panel::addSymmetry() {
       choices += pattern.arg(axis);
     }
   }
+  choices += tr("Found from the mesh");
   row(tr("Mirror"), state(
                         "mirror", choices, tr("The plane of the layer that what is moved is mirrored at"),
                         [this](const DragSession& session) {
@@ -270,10 +271,14 @@ void Panel::addSymmetry() {
                                                session.mirror()->normal != plane(index - 1).normal)) {
                             --index;
                           }
-                          return index;
+                          return session.mirror() && index == 0 ? kPlanes + 1 : index;
                         },
                         [this](DragSession& session, int index) {
-                          session.set_mirror(index == 0 ? std::nullopt : std::optional(plane(index - 1)));
+                          if (index > kPlanes) {
+                            session.find_mirror();
+                          } else {
+                            session.set_mirror(index == 0 ? std::nullopt : std::optional(plane(index - 1)));
+                          }
                         }));
 }
 

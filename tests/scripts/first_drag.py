@@ -6,6 +6,7 @@ import json
 import os
 import pathlib
 import subprocess
+import time
 
 from pictures import TOOL, Pictures, cut, nearest, part, sheet, turned, with_caption
 
@@ -13,8 +14,8 @@ SIDE = 330  # pixels of a picture
 
 
 class Scene:
-    """at: of the generated meshes a place, of real ones a vertex; way: pixels; away: notches of the wheel, so that nothing is
-    below the line of text."""
+    """at: of the generated meshes a place, of real ones a vertex; way: pixels; away: notches of the wheel, so that
+    nothing is below the line of text."""
 
     def __init__(self, mesh, at, way, matrix=None, view="Front", away=0):
         self.mesh, self.at, self.way, self.matrix, self.view, self.away = mesh, at, way, matrix, view, away
@@ -27,8 +28,8 @@ GENERATED = {
     "finger": Scene("hand.ply", (-0.17, 1.44, 0.1), (-48, -36), away=1),
     "leg": Scene("creature.ply", (0.8, -1.29, 0.41), (80, 25), turned(5, -15)),
     "tail": Scene("creature.ply", (-2.18, 0.58, 0.05), (-30, -100), turned(5, -15)),
-    "peak": Scene("terrain.ply", (1.9, 2.1, 1.1), (0, -90), turned(-62, 0)),
-    "plate": Scene("plate.ply", (80, 0, 2), (20, -110), turned(-60, 0)),
+    "peak": Scene("terrain.ply", (1.9, 2.04, 1.1), (0, -90), turned(-62, 0)),
+    "plate": Scene("plate.ply", (79, 1, 2), (20, -110), turned(-60, 0)),
     "letters": Scene("letters.ply", (2.0, 1.0, 0.12), (10, -80), turned(-50, 0)),
 }
 REAL = {
@@ -47,7 +48,8 @@ REAL = {
 def figures(mesh, edit, work):
     """Of the first step, replayed by the program."""
     report = work / "report.json"
-    subprocess.run([os.environ["LAPEDIT_COMMAND"], mesh, work / "out.ply", edit, "--report", report, "--quality", "-q"], check=True)
+    subprocess.run([os.environ["LAPEDIT_COMMAND"], mesh, work / "out.ply", edit, "--report", report, "--quality", "-q"],
+                   check=True)
     return json.loads(report.read_text())["outputs"][0]["steps"][0]
 
 
@@ -70,6 +72,8 @@ def take(pictures, name, scene, folder, output):
         x, y = window.pixel(handle)
         middle = x + scene.way[0] / 2, y + scene.way[1] / 2
         window.move(x, y)
+        time.sleep(0.5)  # what a press would take is shown when the search for it is ready
+        window.idle()
         cut(window, window.grab(stages[0]), middle, SIDE, SIDE)
         window.drag((x, y), (x + scene.way[0], y + scene.way[1]), steps=12, release=False)
         cut(window, window.grab(stages[1]), middle, SIDE, SIDE)
@@ -80,8 +84,8 @@ def take(pictures, name, scene, folder, output):
         cut(window, window.grab(stages[2]), middle, SIDE, SIDE)
         edit = pictures.saved_edit(window)
         found = figures(mesh, edit, pictures.folder)
-    caption = (f"{name}: handle {found['handle']:,} of {found['handle'] + found['free']:,}, stretch {100 * found['stretch_max']:.0f} %,"
-               f" flipped {found['flipped']}, folded {found['folded']}, crossing {found['new_intersections']}")
+    caption = (f"{name}: handle {found['handle']:,} of {found['handle'] + found['free']:,}, stretch "
+               f"{100 * found['stretch_max']:.0f} %, flipped {found['flipped']}, folded {found['folded']}, crossing {found['new_intersections']}")
     print(caption, flush=True)
     row = base.with_suffix(".png")
     with_caption(stages, caption, row)
@@ -99,7 +103,8 @@ def main():
     (given.output / "first_drag").mkdir(parents=True, exist_ok=True)
 
     def make(pictures):
-        for scenes, folder, name in ((GENERATED, given.generated, "first_drag.png"), (REAL, given.meshes, "first_drag_real.png")):
+        for scenes, folder, name in ((GENERATED, given.generated, "first_drag.png"),
+                                     (REAL, given.meshes, "first_drag_real.png")):
             rows = [take(pictures, scene, scenes[scene], folder, given.output) for scene in scenes
                     if (not given.names or scene in given.names) and (folder / scenes[scene].mesh).exists()]
             if rows:

@@ -56,7 +56,8 @@ def cut(window, picture, centre, width, height):
 def with_caption(pictures, caption, output):
     """The pictures side by side, the caption under them."""
     convert(*pictures, "+append", "-gravity", "center", "-background", "white", "-fill", "black", "-pointsize", 15,
-            "(", "-size", "x24", "label:" + caption.replace("%", "%%"), ")", "-append", "-bordercolor", "white", "-border", 4, output)
+            "(", "-size", "x24", "label:" + caption.replace("%", "%%"), ")", "-append", "-bordercolor", "white", "-border", 4,
+            output)
 
 
 def sheet(rows, columns, output, width=None):

@@ -29,7 +29,8 @@ def read_ply(path):
     header, rows = path.read_text(encoding="ascii").split("end_header\n")
     count = next(int(line.split()[2]) for line in header.splitlines() if line.startswith("element vertex"))
     rows = rows.splitlines()
-    return [tuple(map(float, row.split())) for row in rows[:count]], [tuple(map(int, row.split()[1:])) for row in rows[count:]]
+    return ([tuple(map(float, row.split())) for row in rows[:count]],
+            [tuple(map(int, row.split()[1:])) for row in rows[count:]])
 
 
 class Lines:
@@ -98,14 +99,16 @@ class Lines:
     def large_handle(self):
         """A group of some 2,000 vertices while it is dragged."""
         for name, colour in COLOURS.items():
-            with self.tool(self.coloured("head", colour), turned(0, 35), radius=1.1, handle_radius=0.48, handle_share=0.44) as w:
+            mesh = self.coloured("head", colour)
+            with self.tool(mesh, turned(0, 35), radius=1.1, handle_radius=0.48, handle_share=0.44) as w:
                 x, y = w.at(NOSE)
                 w.drag((x, y), (x + 60, y - 20), steps=8, release=False)
                 self.shoot(w, f"{name}: dragged", (x + 20, y - 20))
 
     def groups(self):
         for name in ("light", "green"):
-            with self.tool(self.coloured("hand", COLOURS[name]), radius=1.2, handle_radius=0.16, handle_share=0.14) as w:
+            mesh = self.coloured("hand", COLOURS[name])
+            with self.tool(mesh, radius=1.2, handle_radius=0.16, handle_share=0.14) as w:
                 w.click(*w.at(TIPS[0]))
                 for tip in TIPS[1:]:
                     w.key("G")
@@ -316,7 +319,8 @@ class Lines:
             w.answer(path=self.pictures.folder / "edit.json")
 
 
-NAMES = [name for name in vars(Lines) if not name.startswith("_") and name not in ("tool", "shoot", "has", "set", "coloured")]
+NAMES = [name for name in vars(Lines)
+         if not name.startswith("_") and name not in ("tool", "shoot", "has", "set", "coloured")]
 
 
 def main():

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Drags in the real MeshLab window and keeps what it looks like: called by window_pictures.sh.
 
-For each scene three screenshots: <scene>_region.png, <scene>_drag.png and <scene>_result.png; of the generated limb also
-the two pictures of the documents, without the host's dock at the right: window.png and an animation, drag.gif.
+For each scene three screenshots: <scene>_region.png, <scene>_drag.png and <scene>_result.png; of the generated limb also an
+animation, drag.gif.
 """
 import argparse
 import math
@@ -98,8 +98,6 @@ def take(pictures, name, scene, mesh, output, animate=False):
         window.grab(output / f"{name}_result.png")
         print(f"{name}: " + [line for line in window.log() if line.startswith(TOOL)][-1])
     if animate:
-        subprocess.run(["convert", output / f"{name}_region.png", *CROP, "-define", "png:compression-level=9",
-                        output / "window.png"], check=True)
         subprocess.run(["convert", "-delay", "7", *frames, "-delay", "120", frames[-1], *CROP, "-resize", "640x", "-layers",
                         "OptimizePlus", "+dither", "-colors", "96", "-loop", "0", output / "drag.gif"], check=True)
         for path in frames:

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Plays an edit in the window, picture by picture: called by window_tour.sh with a mesh of a person and the GIF to make."""
+"""Plays an edit in the window, picture by picture: called by window_tour.sh with the mesh and the GIF to make."""
 import math
 import pathlib
+import shutil
 import sys
 
 from pictures import TOOL, Pictures, convert, nearest, part, turned
@@ -36,11 +37,12 @@ class Tour:
         path = self.folder / f"tour{len(self.frames):03}.png"
         self.window.grab(path)
         x, y = self.place[0] + self.origin, self.place[1]
-        arrow = " ".join(f"{x + a:.0f},{y + b:.0f}" for a, b in ((0, 0), (0, 22), (5, 17), (9, 26), (13, 24), (9, 16), (16, 16)))
+        corners = (0, 0), (0, 22), (5, 17), (9, 26), (13, 24), (9, 16), (16, 16)
+        arrow = " ".join(f"{x + a:.0f},{y + b:.0f}" for a, b in corners)
         draw = ["-fill", "white", "-stroke", "black", "-draw", f"polygon {arrow}"] if cursor else []
-        convert(path, "-crop", self.crop, "+repage", *draw, "-resize", f"{WIDTH}x", "-stroke", "none", "-gravity", "south",
-                "-background", "#202028", "-fill", "white", "-pointsize", 17, "-splice", "0x30", "-annotate", "+0+6",
-                self.caption, path)
+        convert(path, "-crop", self.crop, "+repage", *draw, "-resize", f"{WIDTH}x", "-stroke", "none", "-gravity",
+                "south", "-background", "#202028", "-fill", "white", "-pointsize", 17, "-splice", "0x30", "-annotate",
+                "+0+6", self.caption, path)
         self.frames.append((path, round(100 * seconds)))
 
     def go(self, place, seconds, kind="move", modifiers=()):
@@ -71,7 +73,8 @@ class Tour:
         for path, hundredths in self.frames:
             arguments += ["-delay", hundredths, path]
         convert(*arguments, "-layers", "OptimizePlus", "+dither", "-colors", 128, "-loop", 0, picture)
-        print(f"{sum(h for _, h in self.frames) / 100:.1f} s, {len(self.frames)} pictures, {picture.stat().st_size / 1e6:.2f} MB")
+        print(f"{sum(h for _, h in self.frames) / 100:.1f} s, {len(self.frames)} pictures, "
+              f"{picture.stat().st_size / 1e6:.2f} MB")
 
 
 def ring_place(window, centre, angle):
@@ -170,7 +173,8 @@ def main():
     mesh, picture = (pathlib.Path(argument).resolve() for argument in sys.argv[1:])
 
     def make(pictures):
-        with pictures.open(mesh) as window:
+        copy = pathlib.Path(shutil.copy(mesh, pictures.folder))  # its folder is shown
+        with pictures.open(copy) as window:
             window.resize(1280, 800)
             window.layer(matrix=turned(0, -25))
             window.trigger("Front")
