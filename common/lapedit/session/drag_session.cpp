@@ -425,10 +425,26 @@ bool DragSession::Impl::press_gizmo(const Cursor& cursor) {
   return true;
 }
 
+namespace {
+
+/// What of the surface is under the cursor or, since a press takes an edge that is right beside it, within 4 pixels.
+std::optional<SurfaceHit> hit_near(const HoverSearch& search, const Cursor& cursor) {
+  std::optional<SurfaceHit> hit = search.hit(cursor.view.ray(cursor.pixel));
+  for (const double pixels : {2.0, 4.0}) {
+    for (int i = 0; i < 8 && !hit; ++i) {
+      const double angle = i * std::atan(1.0);
+      hit = search.hit(cursor.view.ray(cursor.pixel + pixels * Vector2(std::cos(angle), std::sin(angle))));
+    }
+  }
+  return hit;
+}
+
+}  // namespace
+
 /// What of the surface is under the cursor, and what a press would take there.
 void DragSession::Impl::look(const Cursor& cursor, PressModifiers modifiers) {
   HoverSearch* const search = pointer.background.of(history.mesh(), adjacency);
-  const std::optional<SurfaceHit> hit = search ? search->hit(cursor.view.ray(cursor.pixel)) : std::nullopt;
+  const std::optional<SurfaceHit> hit = search ? hit_near(*search, cursor) : std::nullopt;
   if (!hit) {
     pointer.preview.reset();
     return;
