@@ -263,15 +263,16 @@ void Panel::addSymmetry() {
     }
   }
   choices += tr("Found from the mesh");
+  choices += tr("Found from the mesh");
   row(tr("Mirror"), state(
                         "mirror", choices, tr("The plane of the layer that what is moved is mirrored at"),
                         [this](const DragSession& session) {
-                          int index = session.mirror() ? kPlanes : 0;
-                          while (index > 0 && (session.mirror()->point != plane(index - 1).point ||
-                                               session.mirror()->normal != plane(index - 1).normal)) {
-                            --index;
+                          int index = 0;
+                          while (session.mirror() && index++ < kPlanes &&
+                                 (session.mirror()->point != plane(index - 1).point ||
+                                  session.mirror()->normal != plane(index - 1).normal)) {
                           }
-                          return session.mirror() && index == 0 ? kPlanes + 1 : index;
+                          return index;
                         },
                         [this](DragSession& session, int index) {
                           if (index > kPlanes) {
