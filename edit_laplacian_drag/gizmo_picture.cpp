@@ -169,3 +169,38 @@ void drawGizmo(const Gizmo& gizmo, const Camera& view, GizmoPart part, bool alon
   }
   cross(p);
 }
+
+void drawTurn(const DragMotion& motion, const Camera& view, double pixelRatio) {
+  const HandleTransform turn = motion.transform();
+  const double radius = Gizmo::kRing * place_gizmo(motion.center(), GizmoAxes::Layer, Vector3::Zero(), view).length;
+  const Vector3 side = turn.axis.cross(motion.arm());
+  if (motion.arm().isZero(0) || !view.in_front(motion.center())) {
+    return;
+  }
+  constexpr double kRadians = 3.14159265358979 / 180;
+  const auto at = [&](double degrees, double share) {
+    const double angle = kRadians * degrees;
+    const Vector3 way = std::cos(angle) * motion.arm() + std::sin(angle) * side;
+    return view.pixel(motion.center() + share * radius * way);
+  };
+  const double degrees = std::clamp(turn.degrees, -360.0, 360.0);
+  const int corners = 1 + static_cast<int>(std::abs(degrees) / 4);
+  pen::set(pen::kYellow, 0.3);
+  glBegin(GL_TRIANGLE_FAN);
+  pen::vertex(view.pixel(motion.center()));
+  for (int i = 0; i <= corners; ++i) {
+    pen::vertex(at(degrees * i / corners, 1));
+  }
+  glEnd();
+  const auto line = [&](double angle, double from, double to) {
+    glBegin(GL_LINES);
+    pen::vertex(at(angle, from));
+    pen::vertex(at(angle, to));
+    glEnd();
+  };
+  pen::rimmed(pen::kLight, 1, pixelRatio, [&] { line(0, 0, 1); });
+  pen::rimmed(pen::kYellow, 1.5, pixelRatio, [&] { line(turn.degrees, 0, 1); });
+  for (double tick = 0; motion.step() > 0 && tick < 360; tick += motion.step()) {
+    pen::rimmed(pen::kLight, 1, pixelRatio, [&] { line(tick, 1.03, 1.1); });
+  }
+}

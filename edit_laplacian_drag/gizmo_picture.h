@@ -7,3 +7,6 @@
 ///             @param alone  nothing but that part: it is being dragged
 void drawGizmo(const lapedit::Gizmo& gizmo, const lapedit::Camera& view, lapedit::GizmoPart part, bool alone,
                double pixelRatio);
+
+/// The angle that a rotation has turned by, from where the mouse took hold; in pixels.
+void drawTurn(const lapedit::DragMotion& motion, const lapedit::Camera& view, double pixelRatio);

@@ -15,6 +15,7 @@
 #include "lapedit/base/error.h"
 #include "lapedit/json/edit_script.h"
 #include "lapedit_host/mesh_bridge.h"
+#include "panel_widgets.h"
 #include "translation.h"
 
 using namespace lapedit;
@@ -60,15 +61,17 @@ std::optional<DragKey> sessionKey(const QKeyEvent& event) {
   if (key >= Qt::Key_0 && key <= Qt::Key_9) {
     return digit_key(key - Qt::Key_0);
   }
-  static const std::map<int, DragKey> keys = {
-      {Qt::Key_Return, DragKey::Apply}, {Qt::Key_Enter, DragKey::Apply}, {Qt::Key_Backspace, DragKey::Cancel},
-      {Qt::Key_Period, DragKey::Point}, {Qt::Key_Comma, DragKey::Point}, {Qt::Key_Minus, DragKey::Minus},
-      {Qt::Key_X, DragKey::LockX},      {Qt::Key_Y, DragKey::LockY},     {Qt::Key_Z, DragKey::LockZ},
-      {Qt::Key_N, DragKey::LockNormal}, {Qt::Key_T, DragKey::Translate}, {Qt::Key_R, DragKey::Rotate},
-      {Qt::Key_S, DragKey::Scale},      {Qt::Key_G, DragKey::NextGroup}, {Qt::Key_C, DragKey::Curve},
-      {Qt::Key_W, DragKey::NewRegion}};
+  static const std::map<int, DragKey> keys = {{Qt::Key_Return, DragKey::Apply},     {Qt::Key_Enter, DragKey::Apply},
+                                              {Qt::Key_Backspace, DragKey::Cancel}, {Qt::Key_Period, DragKey::Point},
+                                              {Qt::Key_Comma, DragKey::Point},      {Qt::Key_Minus, DragKey::Minus}};
   const auto found = keys.find(key);
-  return found != keys.end() ? std::optional<DragKey>(found->second) : std::nullopt;
+  if (found != keys.end()) {
+    return found->second;
+  }
+  // Qt numbers letters as ASCII does, and those of the session are called as they are on the keyboard.
+  const auto letter = std::find_if(std::begin(kKeyHelp), std::end(kKeyHelp),
+                                   [key](const KeyHelp& help) { return help.name[0] == key && help.name[1] == '\0'; });
+  return letter != std::end(kKeyHelp) ? std::optional<DragKey>(letter->first) : std::nullopt;
 }
 
 }  // namespace
@@ -326,9 +329,14 @@ bool LaplacianDragTool::eventFilter(QObject* object, QEvent* event) {
   return QObject::eventFilter(object, event);
 }
 
-/// Esc drops a motion; without one it is MeshLab's, which would take it first. @return whether the event is over
+/// Esc drops what is moved or worked out; without that it is MeshLab's, which would take it first. @return whether the
+/// event is over
 bool LaplacianDragTool::escape(QEvent& event) {
-  if (static_cast<QKeyEvent&>(event).key() != Qt::Key_Escape || !active_ || !active_->session().motion()) {
+  if (static_cast<QKeyEvent&>(event).key() != Qt::Key_Escape || !active_ || window_.suspended()) {
+    return false;
+  }
+  const DragSession::State state = active_->session().state();
+  if (state != DragSession::State::Dragging && state != DragSession::State::Settling) {
     return false;
   }
   event.accept();
@@ -340,7 +348,7 @@ bool LaplacianDragTool::escape(QEvent& event) {
 
 void LaplacianDragTool::dropMotion() {
   guarded([this] {
-    if (active_ && active_->session().motion()) {
+    if (active_) {
       mouse_.pressed = false;
       notice_.clear();
       active_->session().cancel();
@@ -548,7 +556,7 @@ void LaplacianDragTool::wheel(QWheelEvent& event) {
         std::max(settings.handle_share, kSmallestHandleShare) * std::pow(kHandleSharePerNotch, notches);
     settings.handle_share = grown < kSmallestHandleShare ? 0 : std::min(grown, kLargestHandleShare);
   } else {
-    settings.radius *= std::pow(kRadiusPerNotch, notches);
+    settings.radius = threeDigits(settings.radius * std::pow(kRadiusPerNotch, notches));
   }
   active_->session().set_settings(settings);
   saySettings(before);

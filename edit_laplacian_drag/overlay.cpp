@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "overlay.h"
 
+#include <QCoreApplication>
 #include <QOpenGLContext>
 #include <QOpenGLFunctions>
 #include <QPainter>
@@ -64,25 +65,28 @@ pen::Color brushColor(const DragSession& session) {
 
 /// The colours of stretch, with words.
 QImage legendPicture(double pixelRatio) {
-  QImage image(QSize(220, 34) * pixelRatio, QImage::Format_ARGB32);
+  QImage image(QSize(220, 48) * pixelRatio, QImage::Format_ARGB32);
   image.fill(Qt::transparent);
   QPainter painter(&image);
   painter.scale(pixelRatio, pixelRatio);
   painter.setRenderHint(QPainter::Antialiasing);
   painter.setBrush(QColor(pen::kDark[0], pen::kDark[1], pen::kDark[2], 190));
   painter.setPen(Qt::NoPen);
-  painter.drawRoundedRect(0, 0, 220, 34, 5, 5);
+  painter.drawRoundedRect(0, 0, 220, 48, 5, 5);
   for (int x = 0; x < 200; ++x) {
-    const pen::Color color = stretchColor(static_cast<float>(x - 99.5) / 99.5F);
-    painter.fillRect(10 + x, 5, 1, 9, QColor(color[0], color[1], color[2]));
+    const double factor = std::exp2((x - 99.5) / 50);
+    const pen::Color color = stretchColor(static_cast<float>(factor > 1 ? factor - 1 : 1 - 1 / factor));
+    painter.fillRect(10 + x, 20, 1, 9, QColor(color[0], color[1], color[2]));
   }
   QFont font = painter.font();
   font.setPixelSize(11);
   painter.setFont(font);
   painter.setPen(Qt::white);
-  painter.drawText(QRect(10, 15, 200, 16), Qt::AlignLeft, QStringLiteral("half"));
-  painter.drawText(QRect(10, 15, 200, 16), Qt::AlignHCenter, QStringLiteral("length of edges"));
-  painter.drawText(QRect(10, 15, 200, 16), Qt::AlignRight, QStringLiteral("twice"));
+  painter.drawText(QRect(0, 4, 220, 16), Qt::AlignHCenter, QCoreApplication::translate("Overlay", "Length of edges"));
+  const char* const factors[] = {"1/4", "1/2", "1", "2", "4"};
+  for (int i = 0; i < 5; ++i) {
+    painter.drawText(QRect(50 * i - 10, 31, 40, 16), Qt::AlignHCenter, QString(factors[i]));
+  }
   return image;
 }
 
@@ -93,7 +97,7 @@ void Overlay::drawLegend(const Options& options) {
   if (legend_.isNull()) {
     legend_ = legendPicture(options.pixelRatio);
   }
-  glRasterPos2d(12, options.height - 150);
+  glRasterPos2d(12, options.height - 164);
   glPixelZoom(1, -1);
   glDrawPixels(legend_.width(), legend_.height(), GL_BGRA, GL_UNSIGNED_BYTE, legend_.constBits());
 }
@@ -103,7 +107,7 @@ void Overlay::drawGizmoOf(const DragSession& session, const Camera& view, double
   if (!motion) {
     gizmo_ = session.gizmo(view);
   } else if (gizmo_) {
-    // Where it was taken hold of, or where that has been moved to: the mesh knows nothing of the motion yet.
+    // Where it was taken hold of: asked for now, the session would look for the pivot again.
     Gizmo held = place_gizmo(gizmo_->center, GizmoAxes::Layer, Vector3::Zero(), view);
     held.axes = gizmo_->axes;
     gizmo_ = held;
@@ -157,6 +161,9 @@ void Overlay::draw(const DragSession& session, const Camera& view, const Options
       drawBrush(*options.brush, brushColor(session), ratio);
     } else {
       drawGizmoOf(session, view, ratio);
+    }
+    if (session.motion() && session.motion()->kind() == MotionKind::Rotate) {
+      drawTurn(*session.motion(), view, ratio);
     }
     if (options.heat && session.region()) {
       drawLegend(options);

@@ -47,19 +47,36 @@ QString tip(const QString& help) {
   return "<qt>" + help.toHtmlEscaped() + "</qt>";
 }
 
-/// What title_of() makes of the settings' keys and choices, for translators.
-[[maybe_unused]] const char* const kTitles[] = {
-    QT_TRANSLATE_NOOP("lapedit", "Laplacian"),      QT_TRANSLATE_NOOP("lapedit", "Umbrella"),
-    QT_TRANSLATE_NOOP("lapedit", "Cotangent"),      QT_TRANSLATE_NOOP("lapedit", "Mean value"),
-    QT_TRANSLATE_NOOP("lapedit", "Order"),          QT_TRANSLATE_NOOP("lapedit", "Detail rotation"),
-    QT_TRANSLATE_NOOP("lapedit", "None"),           QT_TRANSLATE_NOOP("lapedit", "Smooth normals"),
-    QT_TRANSLATE_NOOP("lapedit", "Smooth surface"), QT_TRANSLATE_NOOP("lapedit", "Local global"),
-    QT_TRANSLATE_NOOP("lapedit", "Iterations"),     QT_TRANSLATE_NOOP("lapedit", "Normal radius"),
-    QT_TRANSLATE_NOOP("lapedit", "Handle weight"),  QT_TRANSLATE_NOOP("lapedit", "Anchor weight"),
-    QT_TRANSLATE_NOOP("lapedit", "Turning"),        QT_TRANSLATE_NOOP("lapedit", "Vertex"),
-    QT_TRANSLATE_NOOP("lapedit", "Edge"),           QT_TRANSLATE_NOOP("lapedit", "Rough"),
-    QT_TRANSLATE_NOOP("lapedit", "Unrotated"),      QT_TRANSLATE_NOOP("lapedit", "Falloff"),
-    QT_TRANSLATE_NOOP("lapedit", "Membrane")};
+/// What title_of() makes of the settings' keys and choices, and the names of stages, for translators.
+[[maybe_unused]] const char* const kTitles[] = {QT_TRANSLATE_NOOP("lapedit", "Laplacian"),
+                                                QT_TRANSLATE_NOOP("lapedit", "Umbrella"),
+                                                QT_TRANSLATE_NOOP("lapedit", "Cotangent"),
+                                                QT_TRANSLATE_NOOP("lapedit", "Mean value"),
+                                                QT_TRANSLATE_NOOP("lapedit", "Order"),
+                                                QT_TRANSLATE_NOOP("lapedit", "Detail rotation"),
+                                                QT_TRANSLATE_NOOP("lapedit", "None"),
+                                                QT_TRANSLATE_NOOP("lapedit", "Smooth normals"),
+                                                QT_TRANSLATE_NOOP("lapedit", "Smooth surface"),
+                                                QT_TRANSLATE_NOOP("lapedit", "Local global"),
+                                                QT_TRANSLATE_NOOP("lapedit", "Iterations"),
+                                                QT_TRANSLATE_NOOP("lapedit", "Normal radius"),
+                                                QT_TRANSLATE_NOOP("lapedit", "Handle weight"),
+                                                QT_TRANSLATE_NOOP("lapedit", "Anchor weight"),
+                                                QT_TRANSLATE_NOOP("lapedit", "Turning"),
+                                                QT_TRANSLATE_NOOP("lapedit", "Vertex"),
+                                                QT_TRANSLATE_NOOP("lapedit", "Edge"),
+                                                QT_TRANSLATE_NOOP("lapedit", "Rough"),
+                                                QT_TRANSLATE_NOOP("lapedit", "Unrotated"),
+                                                QT_TRANSLATE_NOOP("lapedit", "Falloff"),
+                                                QT_TRANSLATE_NOOP("lapedit", "Membrane"),
+                                                QT_TRANSLATE_NOOP("lapedit", "region"),
+                                                QT_TRANSLATE_NOOP("lapedit", "operator"),
+                                                QT_TRANSLATE_NOOP("lapedit", "coarse level"),
+                                                QT_TRANSLATE_NOOP("lapedit", "factorisation"),
+                                                QT_TRANSLATE_NOOP("lapedit", "smoothing"),
+                                                QT_TRANSLATE_NOOP("lapedit", "rotations"),
+                                                QT_TRANSLATE_NOOP("lapedit", "solve"),
+                                                QT_TRANSLATE_NOOP("lapedit", "done")};
 
 /// What users see in place of a setting's key or of a choice.
 QString titleOf(const char* key) {
@@ -122,9 +139,7 @@ void Panel::addBasic() {
       dragged(
           length("radius", tr("Size of a new region, along the surface (wheel)"), radius),
           [this](double place) {
-            const double value = size_ * kSmallestRadius * std::pow(kLargestRadius / kSmallestRadius, place);
-            const double step = std::pow(10.0, std::floor(std::log10(value)) - 2);  // three digits
-            return step * std::round(value / step);
+            return threeDigits(size_ * kSmallestRadius * std::pow(kLargestRadius / kSmallestRadius, place));
           },
           [this](double value) {
             return std::log(value / (size_ * kSmallestRadius)) / std::log(kLargestRadius / kSmallestRadius);
@@ -195,7 +210,7 @@ void Panel::addHandles() {
   row(tr("Brush"),
       state(
           "brush_target", {tr("Region"), tr("Handle"), tr("Anchors")},
-          tr("What Ctrl+drag paints more of, and Shift+drag less"),
+          tr("What Ctrl+drag paints more of, and Shift+drag less (B)"),
           [](const DragSession& session) { return static_cast<int>(session.brush_target()); },
           [](DragSession& session, int index) { session.set_brush_target(static_cast<BrushTarget>(index)); }));
   auto* brush = count("brush", 1, 1000, tr("Radius of the brush on the screen"), access<&DragSettings::brush_pixels>());
@@ -217,7 +232,7 @@ void Panel::addGizmo() {
     change([on, axes](DragSession& session) { session.show_gizmo(on, axes); });
   };
   auto* const shown =
-      prepared<QCheckBox>("gizmo", tr("Arrows move along an axis, rings turn about it, the knob scales"));
+      prepared<QCheckBox>("gizmo", tr("Arrows move along an axis, rings turn about it, the knob scales (V)"));
   shown->setText(tr("Show gizmo"));
   auto* const axes = prepared<QComboBox>("gizmo_axes", tr("Which way the gizmo's arrows go"));
   axes->addItems({tr("Layer"), tr("View"), tr("Normal")});
@@ -234,7 +249,7 @@ void Panel::addGizmo() {
       state(
           "pivot", {tr("Centroid"), tr("Rim"), tr("Picked")},
           tr("What turning and scaling go about: the middle of the handle, the middle of the region's rim, "
-             "as the shoulder of an arm, or a point that the next click picks"),
+             "as the shoulder of an arm, or a point that the next click picks (P)"),
           [](const DragSession& session) { return static_cast<int>(session.pivot()); },
           [](DragSession& session, int index) { session.set_pivot(static_cast<Pivot>(index)); }));
 }
@@ -247,6 +262,7 @@ void Panel::addSymmetry() {
       choices += pattern.arg(axis);
     }
   }
+  choices += tr("Found from the mesh");
   row(tr("Mirror"), state(
                         "mirror", choices, tr("The plane of the layer that what is moved is mirrored at"),
                         [this](const DragSession& session) {
@@ -255,10 +271,14 @@ void Panel::addSymmetry() {
                                                session.mirror()->normal != plane(index - 1).normal)) {
                             --index;
                           }
-                          return index;
+                          return session.mirror() && index == 0 ? kPlanes + 1 : index;
                         },
                         [this](DragSession& session, int index) {
-                          session.set_mirror(index == 0 ? std::nullopt : std::optional(plane(index - 1)));
+                          if (index > kPlanes) {
+                            session.find_mirror();
+                          } else {
+                            session.set_mirror(index == 0 ? std::nullopt : std::optional(plane(index - 1)));
+                          }
                         }));
 }
 

@@ -4,6 +4,12 @@
 #include <QFormLayout>
 #include <QToolButton>
 #include <QVBoxLayout>
+#include <cmath>
+
+double threeDigits(double value) {
+  const double step = std::pow(10.0, std::floor(std::log10(value)) - 2);
+  return step * std::round(value / step);
+}
 
 QString NumberBox::textFromValue(double value) const {
   QString text = QDoubleSpinBox::textFromValue(value);

@@ -7,6 +7,9 @@
 class QFormLayout;
 class QToolButton;
 
+/// What a slider or a wheel sets: nobody wants more digits. @param value  greater than 0
+double threeDigits(double value);
+
 /// Shows no more digits than it needs.
 class NumberBox : public QDoubleSpinBox {
   Q_OBJECT

@@ -14,7 +14,7 @@ namespace {
 constexpr unsigned kNone = ~0U;
 /// Lines and points lie in the surface: without this much of the depth half of each would be hidden by it.
 constexpr double kShift = 0.9993;
-constexpr std::size_t kMostMovingFaces = 50000;
+constexpr std::size_t kMostMovingFaces = 12000;
 
 /// Diagonal lines, eight pixels apart.
 const GLubyte* hatch() {
@@ -49,8 +49,12 @@ void tint(const std::vector<unsigned>& corners, const pen::Color& color, double 
 }
 
 /// Points with a dark rim, so that they show on any mesh.
-void points(const std::vector<unsigned>& indices, const pen::Color& color, double size, double alpha) {
+void points(const std::vector<unsigned>& indices, const pen::Color& color, double size, double alpha,
+            bool rimmed = true) {
   for (const bool rim : {true, false}) {
+    if (rim && !rimmed) {
+      continue;
+    }
     glPointSize(static_cast<GLfloat>(rim ? size + 3 : size));
     pen::set(rim ? pen::kDark : color, alpha);
     glDrawElements(GL_POINTS, static_cast<GLsizei>(indices.size()), GL_UNSIGNED_INT, indices.data());
@@ -60,11 +64,17 @@ void points(const std::vector<unsigned>& indices, const pen::Color& color, doubl
 }  // namespace
 
 pen::Color stretchColor(float stretch) {
-  const float share = std::sqrt(std::min(std::abs(stretch), 1.0F));
-  const pen::Color& full = stretch > 0 ? pen::kVermillion : pen::kBlue;
+  constexpr pen::Color kLonger[] = {pen::kLight, pen::kYellow, pen::kVermillion, {94, 0, 36}};
+  constexpr pen::Color kShorter[] = {pen::kLight, pen::kSkyBlue, pen::kBlue, {0, 18, 74}};
+  const pen::Color* const stops = stretch > 0 ? kLonger : kShorter;
+  // By the half, by the whole and by twice a doubling or halving.
+  const float doublings = std::min(std::log2(1 + std::abs(stretch)), 2.0F);
+  const float place = doublings < 1 ? 2 * doublings : 1 + doublings;
+  const int stop = std::min(static_cast<int>(place), 2);
   pen::Color color;
   for (int k = 0; k < 3; ++k) {
-    color[k] = static_cast<unsigned char>(pen::kLight[k] + share * static_cast<float>(full[k] - pen::kLight[k]));
+    const float from = stops[stop][k], to = stops[stop + 1][k];
+    color[k] = static_cast<unsigned char>(from + (place - static_cast<float>(stop)) * (to - from));
   }
   return color;
 }
@@ -89,7 +99,7 @@ unsigned SurfacePicture::number(const Region* region, int vertex) const {
 void SurfacePicture::list(const DragSession& session) {
   const Region* const region = session.region();
   regionSerial_ = session.region_serial();
-  groups_ = session.groups();
+  groups_ = session.mirrored_groups();
   unconnected_ = session.unconnected();
   outside_.clear();
   std::vector<int> shown = unconnected_;
@@ -201,7 +211,7 @@ void SurfacePicture::place(const DragSession& session) {
 // --- Drawing --------------------------------------------------------------------------------------------------------
 
 void SurfacePicture::draw(const DragSession& session, const Options& options) {
-  if (session.region_serial() != regionSerial_ || session.groups() != groups_ ||
+  if (session.region_serial() != regionSerial_ || session.mirrored_groups() != groups_ ||
       session.unconnected() != unconnected_) {
     list(session);
     poseSerial_ = -1;
@@ -276,12 +286,14 @@ void SurfacePicture::drawHeat(const DragSession& session) {
 /// What moves has a bright outline, what holds is hatched.
 void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, const Options& options) {
   const Patch& patch = handles_[group];
-  const pen::Color color = pen::groupColor(group);
-  const bool active = static_cast<int>(group) == session.active_group();
+  const int given = session.group_of_image(static_cast<int>(group));
+  const pen::Color color = pen::groupColor(static_cast<std::size_t>(given));
+  const bool active = given == session.active_group();
   const bool moving = session.motion() != nullptr;
-  const bool hovered = static_cast<int>(group) == options.hovered;
+  const bool hovered = given == options.hovered;
   // No pose says yet where it is.
-  const bool ahead = active && moving && (!session.region() || !session.in_hand());
+  const bool ahead =
+      static_cast<int>(group) == session.active_group() && moving && (!session.region() || !session.in_hand());
   if (ahead) {
     Eigen::Matrix4d map = Eigen::Matrix4d::Identity();
     map.topRows<3>() = session.active_map().matrix();
@@ -299,7 +311,10 @@ void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, co
   }
   glDisable(GL_POLYGON_OFFSET_FILL);
 
-  const double ratio = options.pixelRatio, size = (patch.loose.size() == 1 ? 9 : 6) * ratio;
+  // What hangs on to faces is not a second thing to grab.
+  const bool alone = patch.faces.empty();
+  const double ratio = options.pixelRatio;
+  const double size = (!alone ? 4 : patch.loose.size() == 1 ? 9 : 6) * ratio;
   const auto outline = [&](double width, double alpha) {
     const auto line = [&](double pixels, const pen::Color& drawn, double opacity) {
       pen::set(drawn, opacity * alpha);
@@ -320,14 +335,14 @@ void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, co
   if (active) {  // through the surface
     glDisable(GL_DEPTH_TEST);
     outline(width, 0.25);
-    points(patch.loose, color, size, 0.25);
+    points(patch.loose, color, size, 0.25, alone);
   }
   if (!ahead) {
     glEnable(GL_DEPTH_TEST);
   }
   glDepthRange(0, kShift);
   outline(width, 1);
-  points(patch.loose, color, size, 1);
+  points(patch.loose, color, size, 1, alone);
   if (ahead) {
     glEnable(GL_DEPTH_TEST);
     glPopMatrix();

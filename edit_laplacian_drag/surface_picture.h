@@ -9,7 +9,7 @@
 #include "lapedit/session/patch_border.h"
 #include "pen.h"
 
-/// Of a stretch as EdgeStretch has it: longer is vermillion, shorter is blue, full at twice and half the length.
+/// Of a stretch as EdgeStretch has it: longer goes over yellow to red, shorter to blue, until four times and a quarter.
 pen::Color stretchColor(float stretch);
 
 /// Region, anchors and handle groups of a session, as tints and outlines on the surface. What is drawn is listed when

@@ -114,7 +114,7 @@ inline Points solve(const TriangleMesh& mesh, const Region& region, const EditSe
     b.topRows(n) = (m * b.topRows(n)).eval();
   }
   for (int i = 0; i < n; ++i) {
-    const double weight = region.classes[i] == VertexClass::Handle   ? settings.handle_weight
+    const double weight = region.classes[i] == VertexClass::Handle   ? settings.handle_weight * region.share(i)
                           : region.classes[i] == VertexClass::Anchor ? settings.anchor_weight * region.anchor_weight[i]
                                                                      : 0;
     a(n + i, i) = weight;

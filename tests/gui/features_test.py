@@ -359,6 +359,23 @@ class Move(ToolTest):
             turn = self.steps_of(w)[0]["handles"][0]["rotation"]
             self.assertAlmostEqual(abs(turn["degrees"]), 45, delta=2)
 
+    def test_ctrl_snaps_a_motion_from_when_it_is_pressed(self):
+        with self.start(self.mesh, disc=40) as w:
+            w.x_focus()
+            x, y = w.pixel(self.CENTRE)
+            w.click(x, y)
+            w.move(x + 60, y)
+            w.key("R")
+            w.move(x + 60 * math.cos(math.radians(37)), y - 60 * math.sin(math.radians(37)))
+            self.assertRegex(self.message(w), r"^Turning by 3[67](\.\d+)? degrees:")
+            w.x("keydown", "Control_L")
+            w.wait_message(r"^Turning by 30 degrees \(in steps of 15\):")
+            w.x("keyup", "Control_L")
+            w.wait_message(r"^Turning by 3[67](\.\d+)? degrees:")
+            w.move(x + 60 * math.cos(math.radians(80)), y - 60 * math.sin(math.radians(80)), modifiers=["ctrl"])
+            w.key("Return")
+            self.assertEqual(abs(self.steps_of(w)[0]["handles"][0]["rotation"]["degrees"]), 75)
+
     def test_axis_lock_while_dragging(self):
         with self.start(self.mesh) as w:
             x, y = w.pixel(self.CENTRE)
@@ -481,6 +498,23 @@ class Hover(ToolTest):
             w.idle()
             w.trigger(TOOL)
             self.assertEqual(w.cursor(), self.ARROW)
+
+    def test_what_a_press_would_take_is_drawn_and_follows_the_wheel(self):
+        with self.start(self.mesh, disc=20) as w:
+            x, y = w.pixel(self.CENTRE)
+            w.move(3, 300)
+            pictures = [self.picture(w, x, y)]
+            w.move(x, y)
+            w.wait_cursor(self.POINTING_HAND)
+            pictures.append(self.picture(w, x, y))
+            w.wheel(x, y, 2)
+            pictures.append(self.picture(w, x, y))
+            w.wheel(x, y, 2, modifiers=["shift"])
+            pictures.append(self.picture(w, x, y))
+            for before, after in zip(pictures, pictures[1:]):
+                self.assertGreater(sum(a != b for a, b in zip(before, after)), 100)
+            w.move(3, 300)
+            self.assertEqual(self.picture(w, x, y), pictures[0])
 
     def test_wheel_says_what_it_does(self):
         with self.start(self.mesh, disc=20) as w:

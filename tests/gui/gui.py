@@ -302,6 +302,10 @@ class Window:
     def wait_tool(self, title, suspended):
         self._wait(lambda: self.tool() == (title, suspended), f"the tool does not become {title}, {suspended}", 20)
 
+    def wait_message(self, pattern):
+        """Until a line over the picture is like that."""
+        self._wait(lambda: any(re.search(pattern, text) for text in self.on_screen()), f"no message {pattern}", 20)
+
     def wait_cursor(self, shape):
         """What is under the cursor is looked for in the background."""
         self._wait(lambda: self.cursor() == shape, f"the cursor does not become {shape}", 20)

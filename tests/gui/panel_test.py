@@ -12,6 +12,8 @@ from tool import PANEL, TOOL, ToolTest, part
 from ply import write_ply
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+# Debian's /usr/bin/lupdate is there without them.
+LUPDATE, LRELEASE = (shutil.which(name, path="/usr/lib/qt5/bin") for name in ("lupdate", "lrelease"))
 UNKNOWN = "\u2013"
 
 
@@ -66,6 +68,15 @@ class Values(ToolTest):
                 self.assertEqual(w.widget(part(name))["currentIndex"], index, name)
             self.assertTrue(w.widget(part("gizmo"))["checked"])
 
+    def test_keys_change_what_the_panel_shows(self):
+        with self.start(self.mesh, gizmo=True) as w:
+            w.click(*w.pixel(self.CENTRE))
+            for key, name, index in (("C", "mode", 1), ("B", "brush_target", 1), ("P", "pivot", 2)):
+                w.key(key)
+                self.assertEqual(w.widget(part(name))["currentIndex"], index, key)
+            w.key("V")
+            self.assertFalse(w.widget(part("gizmo"))["checked"])
+
     def test_anchors_from_selection_hold(self):
         with self.start(self.mesh) as w:
             w.set(part("group_handle"), True)
@@ -104,6 +115,17 @@ class Statistics(ToolTest):
             self.assertRegex(figures()["times"], f"solved in {UNKNOWN} ms")
 
 
+    def test_stretch_is_shown_where_it_is(self):
+        with self.start(self.mesh, disc=20) as w:
+            x, y = self.pull(w, self.CENTRE, (40, -30), release=False)
+            plain = self.picture(w, x, y)
+            w.set(part("heat"), True)
+            hot = self.picture(w, x, y)
+            self.assertGreater(sum(a != b for a, b in zip(plain, hot)), 1000)
+            w.set(part("heat"), False)
+            self.assertLess(sum(a != b for a, b in zip(plain, self.picture(w, x, y))), 20)
+
+
 class Files(ToolTest):
     def test_dialogs_suggest_a_file_beside_the_mesh(self):
         folder = self.folder / "somewhere else"
@@ -127,7 +149,7 @@ class Files(ToolTest):
             self.assert_same(result, w.dump())
 
 
-@unittest.skipUnless(shutil.which("lupdate") and shutil.which("lrelease"), "needs Qt's lupdate and lrelease")
+@unittest.skipUnless(LUPDATE and LRELEASE, "needs Qt's lupdate and lrelease")
 class Languages(ToolTest):
     """A language that is English in brackets."""
 
@@ -136,7 +158,7 @@ class Languages(ToolTest):
         super().setUpClass()
         cls.sources = [str(ROOT / "common/lapedit"), str(ROOT / "edit_laplacian_drag")]
         cls.catalogue = cls.folder / "laplacian_edit_eo.ts"
-        cls.tool("lupdate", "-silent", "-recursive", *cls.sources, "-tr-function-alias",
+        cls.tool(LUPDATE, "-silent", "-recursive", *cls.sources, "-tr-function-alias",
                  "QT_TRANSLATE_NOOP+=LAPEDIT_TEXT", "-no-obsolete", "-ts", cls.catalogue)
 
     @staticmethod
@@ -161,7 +183,7 @@ class Languages(ToolTest):
         tree.write(translated, encoding="utf-8", xml_declaration=True)
         folder = self.folder / ".local/share/laplacian-edit/translations"  # of the test's own home
         folder.mkdir(parents=True, exist_ok=True)
-        self.tool("lrelease", "-silent", translated, "-qm", folder / "laplacian_edit_eo.qm")
+        self.tool(LRELEASE, "-silent", translated, "-qm", folder / "laplacian_edit_eo.qm")
 
     def test_every_sentence_of_the_core_is_found(self):
         """What stands in the code and is not marked, or is marked and not found, would stay English."""

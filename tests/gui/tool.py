@@ -100,6 +100,14 @@ class ToolTest(GuiTest):
         for name in ("positions", "normals", "face_normals"):
             self.assertTrue(all(math.isfinite(c) for p in dump.triples(name) for c in p), name)
 
+    def picture(self, window, x, y, half=80):
+        """Colours on the screen around a pixel of the view, row by row."""
+        left, top = (round(corner + c) - half for corner, c in zip(window.view_corner(), (x, y)))
+        _, size, _, colours = window.grab(self.folder / "screen.ppm").read_bytes().split(b"\n", 3)
+        width = int(size.split()[0])
+        return [colours[at:at + 3] for row in range(top, top + 2 * half)
+                for at in range(3 * (row * width + left), 3 * (row * width + left + 2 * half), 3)]
+
     def message(self, window):
         """The one sentence over the picture, which is broken into lines where the view is narrow."""
         texts = window.on_screen()

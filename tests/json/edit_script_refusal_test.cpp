@@ -78,7 +78,8 @@ TEST(EditScriptRefusal, OtherVersionsAreRefusedWithBothNumbers) {
 TEST(EditScriptRefusal, UnknownKeysAreRefusedByNameAndPlace) {
   EXPECT_EQ(refusal(with_steps("{'region': {'radius': 1}, 'handles': [{'vertices': '1'}]},"
                                "{'region': {'radius': 1}, 'handles': [{'vertices': '1', 'translaton': [0,0,1]}]}")),
-            "steps[1].handles[0]: unknown key \"translaton\"; known keys are vertices, translation, rotation, scale, "
+            "steps[1].handles[0]: unknown key \"translaton\"; known keys are vertices, weights, translation, rotation, "
+            "scale, "
             "matrix.");
   expect_contains(refusal(js("{'laplacian_edit': 2, 'step': []}")), "edit: unknown key \"step\"");
   expect_contains(refusal(with_mesh("{'edges': 1}")),

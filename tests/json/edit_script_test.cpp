@@ -31,10 +31,12 @@ bool same(const EditStep& a, const EditStep& b) {
   const bool component = a.region.kind == RegionSpec::Kind::Component;
   return a.region.kind == b.region.kind && a.region.radius == b.region.radius &&
          a.region.vertices == b.region.vertices && (component || a.region.padding == b.region.padding) &&
-         a.settings == b.settings &&
+         a.settings == b.settings && a.region.connect_gap == b.region.connect_gap &&
+         a.mirror.has_value() == b.mirror.has_value() &&
+         (!a.mirror || (a.mirror->point == b.mirror->point && a.mirror->normal == b.mirror->normal)) &&
          std::equal(a.handles.begin(), a.handles.end(), b.handles.begin(), b.handles.end(),
                     [](const HandleGroup& g, const HandleGroup& h) {
-                      return g.vertices == h.vertices && same(g.transform, h.transform);
+                      return g.vertices == h.vertices && g.weights == h.weights && same(g.transform, h.transform);
                     });
 }
 
@@ -262,6 +264,30 @@ TEST(EditScript, KeptAnchorsAreWrittenAndReadBack) {
   const std::string list = "\"vertices\": \"3-7\"";
   wrong.replace(wrong.find(list), list.size(), "\"radius\": 2");
   EXPECT_THROW(read_edit(wrong), EditError);
+}
+
+/// Soft handles, a mirror plane and connected pieces; files without them do not mention them.
+TEST(EditScript, OptionalKeysAreWrittenWhereTheyAreUsed) {
+  Edit edit = read_edit(R"({"laplacian_edit": 2, "steps": [{"region": {"component": true, "connect": 0.02},
+      "handles": [{"vertices": "9,3-4", "weights": [1, 0.5, 0.003], "translation": [0, 0, 1]}],
+      "mirror": {"point": [0, 0.5, 0], "normal": [1, 0, 0]}}]})");
+  EditStep& step = edit.steps[0];
+  EXPECT_EQ(step.region.connect_gap, 0.02);
+  EXPECT_EQ(step.handles[0].weights, (std::vector<double>{1, 0.5, 0.003}));
+  ASSERT_TRUE(step.mirror);
+  EXPECT_EQ(step.mirror->point, Vector3(0, 0.5, 0));
+  EXPECT_EQ(step.mirror->normal, Vector3(1, 0, 0));
+  const std::string text = write_edit(edit);
+  EXPECT_TRUE(same(read_edit(text), edit)) << text;
+  EXPECT_NE(text.find("{\"component\": true, \"connect\": 0.02}"), std::string::npos) << text;
+  EXPECT_NE(text.find("\n   \"mirror\": {\"point\": [0,0.5,0], \"normal\": [1,0,0]},"), std::string::npos) << text;
+  step.region.connect_gap = 0;
+  step.handles[0].weights.clear();
+  step.mirror.reset();
+  const std::string plain = write_edit(edit);
+  for (const char* key : {"connect", "weights", "mirror"}) {
+    EXPECT_EQ(plain.find(key), std::string::npos) << plain;
+  }
 }
 
 TEST(EditScript, WritingRefusesWhatCouldNotBeRead) {

@@ -290,5 +290,28 @@ TEST(SparseCholesky, SaysWhichBackendItUses) {
   }
 }
 
+/// Of a matrix with other values in the same places.
+TEST(SparseCholesky, TakesOverAnAnalysis) {
+  const SparseMatrix first = grid_laplacian(30, 20, 0.1);
+  SparseMatrix second = first;
+  second.coeffs() *= 2;
+  second.diagonal().array() += 0.3;
+  const Points right = random_points(600, 5);
+  for (const CholeskyBackend backend : backends()) {
+    CholeskyOptions options;
+    options.backend = backend;
+    const SparseCholesky before(first, options);
+    EXPECT_FALSE(before.took_analysis());
+    Points alone, shared;
+    SparseCholesky(second, options).solve(right, alone);
+    options.same_pattern = &before;
+    SparseCholesky after(second, options);
+    EXPECT_EQ(after.took_analysis(), has_cholmod() && backend != CholeskyBackend::Eigen);
+    after.solve(right, shared);
+    EXPECT_TRUE((alone.array() == shared.array()).all());
+    EXPECT_FALSE(SparseCholesky(grid_laplacian(31, 20, 0.1), options).took_analysis()) << "another matrix";
+  }
+}
+
 }  // namespace
 }  // namespace lapedit

@@ -388,6 +388,128 @@ TEST(DragKeys, ControlGoesInSteps) {
   EXPECT_NEAR(std::remainder(degrees, 15), 0, 1e-9);
 }
 
+// --- Symmetry, soft handles, near pieces -----------------------------------------------------------------------------
+
+TEST(DragMirror, BothSidesMoveInOneStepAndAreReplayed) {
+  Window window(shapes::icosphere(4));
+  as_found(window);
+  change(window, [](DragSettings& s) { s.radius = 0.7; });
+  const Points before = window.host;
+  int ear = 0;
+  (before.col(0) - before.col(2).cwiseAbs()).maxCoeff(&ear);  // at the right, in front of the viewer's middle height
+  MirrorPlane plane;
+  plane.normal = Vector3::UnitX();
+  window.session.set_mirror(plane);
+  ASSERT_TRUE(window.session.mirror());
+  const Vector3 place = before.row(ear).transpose();
+  int seen = 0;
+  (before.rowwise() - (place + Vector3(-0.15, 0, 0.3)).transpose()).rowwise().norm().minCoeff(&seen);
+  window.click(seen);
+  ASSERT_EQ(window.session.groups().size(), 1U);
+  ASSERT_EQ(window.session.mirrored_groups().size(), 2U);
+  window.drag(seen, Vector2(40, 30));
+  ASSERT_EQ(window.session.figures().steps, 1) << window.session.message();
+  const EditStep step = window.session.recorded().steps[0];
+  EXPECT_TRUE(step.mirror);
+  EXPECT_EQ(step.handles.size(), 1U);
+  window.expect_consistent();
+  // The sphere is symmetric, and stays it.
+  double off = 0, moved = 0;
+  for (int v = 0; v < before.rows(); ++v) {
+    int twin = 0;
+    const Eigen::RowVector3d image(-before(v, 0), before(v, 1), before(v, 2));
+    (before.rowwise() - image).rowwise().norm().minCoeff(&twin);
+    const Eigen::RowVector3d way = window.host.row(v) - before.row(v),
+                             way_of_twin = window.host.row(twin) - before.row(twin);
+    off = std::max(off, (Eigen::RowVector3d(-way.x(), way.y(), way.z()) - way_of_twin).norm());
+    moved = std::max(moved, way.norm());
+  }
+  EXPECT_GT(moved, 0.1);
+  EXPECT_LT(off, 1e-5 * moved + 1e-6);
+  // Solved again with other settings, undone and done again.
+  change(window, [](DragSettings& s) { s.edit.membrane = 100; });
+  window.expect_consistent();
+  window.session.undo();
+  EXPECT_TRUE(same_bits(window.host, window.session.original().vertices));
+  window.session.redo();
+  window.session.wait();
+  EXPECT_TRUE(window.session.mirror());
+  window.expect_consistent();
+  window.session.set_mirror(std::nullopt);
+  window.session.wait();
+  EXPECT_EQ(window.session.mirrored_groups().size(), 1U);
+}
+
+TEST(DragMirror, PlaneIsFoundFromTheMesh) {
+  Window window(shapes::tapered_arm(24, 60, 0));
+  window.session.find_mirror();
+  ASSERT_TRUE(window.session.mirror());
+  EXPECT_NEAR(window.session.mirror()->normal.normalized().x(), 0, 1e-3);
+  TriangleMesh lopsided = shapes::icosphere(4);
+  const Vector3 longer(3, 2, 1.5);
+  for (int k = 0; k < 3; ++k) {
+    lopsided.vertices.col(k) = lopsided.vertices.col(k).cwiseMax(longer[k] * lopsided.vertices.col(k)).eval();
+  }
+  Window other(lopsided);
+  other.session.find_mirror();
+  EXPECT_FALSE(other.session.mirror());
+  EXPECT_NE(other.session.message().find("nowhere nearly its own mirror image"), std::string::npos);
+}
+
+TEST(DragMirror, MeshWithoutAnotherSideIsRefusedInASentence) {
+  Window window(shapes::grid(60, 60));
+  MirrorPlane plane;
+  plane.point = Vector3(1000, 0, 0);
+  window.session.set_mirror(plane);
+  window.click(kMiddle);
+  EXPECT_FALSE(window.session.ready());
+  EXPECT_NE(window.session.message().find("mirror"), std::string::npos) << window.session.message();
+  window.session.set_mirror(std::nullopt);
+  window.session.wait();
+  EXPECT_TRUE(window.session.ready());
+}
+
+TEST(DragSoft, WeightsFallOffAndAreRecorded) {
+  Window window(shapes::grid(60, 60));
+  change(window, [](DragSettings& s) {
+    s.radius = 12;
+    s.handle_share = 0.4;
+    s.softness = 1;
+  });
+  window.drag(kMiddle, Vector2(0, 40));
+  const EditStep soft = window.session.recorded().steps.at(0);
+  ASSERT_EQ(soft.handles[0].weights.size(), soft.handles[0].vertices.size());
+  EXPECT_EQ(*std::max_element(soft.handles[0].weights.begin(), soft.handles[0].weights.end()), 1);
+  EXPECT_LT(*std::min_element(soft.handles[0].weights.begin(), soft.handles[0].weights.end()), 0.1);
+  window.expect_consistent();
+  window.session.undo();
+  window.session.redo();
+  window.session.wait();
+  window.drag(kMiddle, Vector2(0, -20));
+  EXPECT_EQ(window.session.recorded().steps.at(1).handles[0].weights, soft.handles[0].weights);
+  window.expect_consistent();
+}
+
+TEST(DragGap, NearPiecesAreOneRegion) {
+  const TriangleMesh eye = shapes::icosphere(2), head = shapes::icosphere(4);
+  TriangleMesh mesh = shapes::together(head, eye, Vector3(0, 0, 2.02));
+  Window window(mesh);
+  change(window, [](DragSettings& s) { s.radius = 1; });
+  const int eye_front = static_cast<int>(head.vertices.rows()) + 0;
+  int front = 0;
+  mesh.vertices.col(2).maxCoeff(&front);
+  ASSERT_GE(front, eye_front);
+  window.click(front);
+  change(window, [](DragSettings& s) { s.radius = 100; });
+  EXPECT_EQ(window.session.region()->size(), eye.vertices.rows());
+  EXPECT_NE(window.session.message().find("Nothing holds"), std::string::npos);
+  change(window, [](DragSettings& s) { s.connect_gap = 0.1; });
+  EXPECT_GT(window.session.region()->size(), eye.vertices.rows());
+  window.drag(front, Vector2(30, 0));
+  EXPECT_EQ(window.session.recorded().steps.at(0).region.connect_gap, 0.1);
+  window.expect_consistent();
+}
+
 // --- Hover ----------------------------------------------------------------------------------------------------------
 
 const HoverPreview* hovered(Window& window, const Cursor& cursor) {

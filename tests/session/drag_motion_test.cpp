@@ -67,6 +67,7 @@ TEST(DragMotion, TurnFollowsTheCursorAboutTheCenter) {
   const Camera view = support::view_from(kCenter + Vector3(0, 0, 9), kCenter, Vector3::UnitY());
   // Seen from +z, counter-clockwise on the screen is counter-clockwise about z.
   DragMotion m = motion(MotionKind::Rotate, over(view, kCenter, Vector2(100, 0)));
+  EXPECT_LT((m.arm() - Vector3::UnitX()).norm(), 1e-9);
   m.move(over(view, kCenter, Vector2(0, -100)));
   EXPECT_NEAR(m.transform().degrees, 90, 1e-9);
   EXPECT_LT((m.transform().axis - Vector3::UnitZ()).norm(), 1e-9);
@@ -74,6 +75,7 @@ TEST(DragMotion, TurnFollowsTheCursorAboutTheCenter) {
   m.move(over(view, kCenter, Vector2(0, 100)));
   m.move(over(view, kCenter, Vector2(100, 1)));
   EXPECT_NEAR(m.transform().degrees, 360, 1);  // turns add up
+  EXPECT_LT((m.arm() - Vector3::UnitX()).norm(), 1e-9);
   EXPECT_EQ(m.transform().translation, Vector3::Zero());
 }
 

@@ -181,6 +181,7 @@ TEST(Gizmo, ItsRingsTurnWhatIsUnderTheCursorAlongWithIt) {
       DragMotion m(MotionKind::Rotate, kCenter, kCenter, kNoNormal, over(view, gizmo.on_ring(axis, 0.3)));
       m.hold(gizmo.axes.col(axis));
       EXPECT_FALSE(m.moves());
+      EXPECT_LT((m.arm() - (gizmo.on_ring(axis, 0.3) - kCenter).normalized()).norm(), 1e-9);
       for (double angle = 0.5; angle < 9; angle += 0.5) {  // more than once round
         m.move(over(view, gizmo.on_ring(axis, angle)));
         EXPECT_NEAR(m.transform().degrees, (angle - 0.3) * 180 / std::acos(-1.0), 1e-6);
@@ -198,6 +199,7 @@ TEST(Gizmo, ARingSeenFromItsSideFollowsTheMouse) {
     const Gizmo gizmo = place_gizmo(kCenter, GizmoAxes::Layer, kNoNormal, view);
     DragMotion m(MotionKind::Rotate, kCenter, kCenter, kNoNormal, over(view, kCenter));
     m.hold(Vector3::UnitY());
+    EXPECT_LT((m.arm() - side * Vector3::UnitZ()).norm(), 1e-9);
     const Vector3 near = kCenter + 0.8 * gizmo.length * view.toward_viewer(kCenter);
     m.move(over(view, kCenter, Vector2(36, 5)));
     EXPECT_NEAR(m.transform().degrees, 0.5 * 180 / std::acos(-1.0), 1e-6);

@@ -286,8 +286,9 @@ TEST(Selection, AnotherPaddingLetsGoOfKeptAnchors) {
   c.pick(kMiddle);
   c.pick(at(22, 21));
   ASSERT_FALSE(c.selection.region.anchors.empty());
-  EXPECT_FALSE(with_padding(c.selection, c.settings.padding).region.anchors.empty());
-  const Selection other = with_padding(c.selection, 0.3);
+  EXPECT_FALSE(with_padding(c.selection, c.settings).region.anchors.empty());
+  c.settings.padding = 0.3;
+  const Selection other = with_padding(c.selection, c.settings);
   EXPECT_TRUE(other.region.anchors.empty());
   EXPECT_EQ(other.region.padding, 0.3);
 }
@@ -301,19 +302,19 @@ TEST(Selection, StepGivesBackItsHandlesAndRegion) {
   Selection before;
   before.mode = HandleMode::Curve;
   before.by_hand = true;
-  const Selection undone = selection_of(step, false, before, 0.1);
+  const Selection undone = selection_of(step, false, before, DragSettings());
   EXPECT_EQ(undone.groups.size(), 3U);
   EXPECT_EQ(undone.active, 1) << "the one that moved";
   EXPECT_EQ(undone.region.kind, Kind::Radius);
   EXPECT_EQ(undone.mode, HandleMode::Curve);
   EXPECT_FALSE(undone.by_hand);
-  const Selection redone = selection_of(step, true, before, 0.1);
+  const Selection redone = selection_of(step, true, before, DragSettings());
   EXPECT_EQ(redone.region.kind, Kind::Vertices);
   EXPECT_EQ(redone.region.vertices, step.vertices);
   step.next.kind = Kind::Vertices;
   step.next.vertices = block(17, 23);
-  EXPECT_EQ(selection_of(step, true, before, 0.1).region.vertices, step.next.vertices);
-  EXPECT_EQ(selection_of(step, false, before, 0.1).region.kind, Kind::Radius);
+  EXPECT_EQ(selection_of(step, true, before, DragSettings()).region.vertices, step.next.vertices);
+  EXPECT_EQ(selection_of(step, false, before, DragSettings()).region.kind, Kind::Radius);
 }
 
 TEST(Selection, AnyChoicesLeaveGroupsApartAndInTheRegion) {

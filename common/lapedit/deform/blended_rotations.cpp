@@ -7,7 +7,7 @@ namespace lapedit {
 namespace {
 
 std::vector<double> weights_of(const TriangleMesh& mesh, const Region& region, const EditSettings& settings) {
-  return settings.laplacian == LaplacianKind::Umbrella
+  return settings.laplacian == LaplacianKind::Umbrella && region.links.empty()
              ? std::vector<double>()
              : edge_weights(settings.laplacian, region, mesh, settings.membrane > 0).values;
 }

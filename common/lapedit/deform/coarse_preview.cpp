@@ -72,7 +72,7 @@ struct CoarsePreview::State {
   }
 
   std::vector<double> weights(const TriangleMesh& mesh) const {
-    return settings.laplacian == LaplacianKind::Umbrella
+    return settings.laplacian == LaplacianKind::Umbrella && region->links.empty()
                ? std::vector<double>()
                : edge_weights(settings.laplacian, *region, mesh, settings.membrane > 0).values;
   }
@@ -101,13 +101,16 @@ void CoarsePreview::State::keep_details() {
   });
 }
 
-/// x_i = carried p_i + f_i (sum_k w_k u_k + sum_k w_k (R_k - I) d_i), f_i fading to 0 at the region's rim.
+/// x_i = carried p_i + f_i (sum_k w_k u_k + sum_k w_k (R_k - I) d_i), f_i fading to 0 at the region's rim. Handles are
+/// in place; where one is soft, by as much as its weight has to say against the surface's 1.
 void CoarsePreview::State::place(int first, int last) {
   for (int i = first; i < last; ++i) {
     const Vector3 at = rest.local.row(i).transpose();
     if (region->classes[i] == VertexClass::Handle) {
       positions.row(i) = rest.world.row(i) + targets[region->group[i]].displacement(at).transpose();
-      continue;
+      if (region->share(i) == 1) {
+        continue;
+      }
     }
     CellMotion sum = {};
     for (int k = 0; k < CellBlend::kReach; ++k) {
@@ -128,6 +131,11 @@ void CoarsePreview::State::place(int first, int last) {
     const Vector3 displacement =
         along.displacement(at) +
         unit * Vector3(static_cast<double>(way[0]), static_cast<double>(way[1]), static_cast<double>(way[2]));
+    if (region->classes[i] == VertexClass::Handle) {
+      const double weight = settings.handle_weight * region->share(i), held = weight * weight / (1 + weight * weight);
+      positions.row(i) += (1 - held) * (rest.world.row(i) + displacement.transpose() - positions.row(i));
+      continue;
+    }
     positions.row(i) = rest.world.row(i) + displacement.transpose();
   }
 }

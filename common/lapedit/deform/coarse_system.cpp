@@ -68,7 +68,8 @@ constexpr int kSmoothingSteps = 2;
 
 }  // namespace
 
-/// Where a handle has many vertices in a cell their rows would over-determine the blend: they are held in the mean.
+/// Where a handle has many vertices in a cell their rows would over-determine the blend: they are held in the mean, in
+/// which each counts by its squared weight.
 void CoarseSystem::hold_handles(const Region& region, const Points& rest, const RegionCells& cells,
                                 const CellBlend& blend, double handle_weight) {
   std::vector<int> vertices;
@@ -82,14 +83,16 @@ void CoarseSystem::hold_handles(const Region& region, const Points& rest, const 
   for (std::size_t first = 0, last = 0; first < vertices.size(); first = last) {
     Held held = {cells.of[vertices[first]], region.group[vertices[first]], Vector3::Zero(), 0, {}};
     std::vector<std::pair<int, double>>& row = held.row;
+    double count = 0;
     for (last = first; last < vertices.size() && key(vertices[last]) == key(vertices[first]); ++last) {
       const int i = vertices[last];
-      held.mean += rest.row(i).transpose();
+      const double counts = region.share(i) * region.share(i);
+      count += counts;
+      held.mean += counts * rest.row(i).transpose();
       for (int k = 0; k < CellBlend::kReach; ++k) {
-        row.emplace_back(blend.cells(k, i), static_cast<double>(blend.weights(k, i)));
+        row.emplace_back(blend.cells(k, i), counts * static_cast<double>(blend.weights(k, i)));
       }
     }
-    const auto count = static_cast<double>(last - first);
     held.mean /= count;
     held.weight = count * handle_weight * handle_weight;
     std::stable_sort(row.begin(), row.end(), [](const auto& a, const auto& b) { return a.first < b.first; });

@@ -20,7 +20,7 @@ class CoarseSystem {
   /// What a group's handle does to one cell.
   struct Held {
     int cell, group;
-    Vector3 mean;   ///< of the group's vertices in the cell
+    Vector3 mean;   ///< of the group's vertices in the cell, by their w^2
     double weight;  ///< sum of their w^2
     std::vector<std::pair<int, double>> row;
   };

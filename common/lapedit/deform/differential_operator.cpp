@@ -196,6 +196,21 @@ EdgeWeights mean_value_weights(const Region& region, const TriangleMesh& mesh) {
   return result;
 }
 
+/// Links have no triangles. They hold pieces together without pressing their shapes into each other: an eye in a socket
+/// that is bent by 0.3 is off a rigid motion by 5 to 17 % of its way with the weight of an edge, by 2 to 5 % with this
+/// share of it, and not more off its socket.
+void weaken_links(const Region& region, EdgeWeights& weights) {
+  constexpr double kLink = 0.03;
+  for (const auto& [i, j] : region.links) {
+    for (const int e : {entry_of(region.neighbours, i, j), entry_of(region.neighbours, j, i)}) {
+      weights.values[e] *= kLink;
+      if (!weights.uniform.empty()) {
+        weights.uniform[e] = 0;
+      }
+    }
+  }
+}
+
 DifferentialOperator from_edges(const Region& region, const EdgeWeights& weights) {
   const IndexLists& neighbours = region.neighbours;
   const auto is_uniform = [&](int from, int to) { return weights.uniform[entry_of(neighbours, from, to)]; };
@@ -224,17 +239,18 @@ const char* name(LaplacianKind kind) {
 
 /// w_ji = 1: the paper's equation (2).
 DifferentialOperator umbrella_operator(const Region& region) {
-  const std::vector<double> weights(region.neighbours.values.size(), 1);
-  return {from_weights(region, weights), 0, sums_of(region, weights)};
+  EdgeWeights weights{std::vector<double>(region.neighbours.values.size(), 1), {}};
+  weaken_links(region, weights);
+  return {from_weights(region, weights.values), 0, sums_of(region, weights.values)};
 }
 
 EdgeWeights edge_weights(LaplacianKind kind, const Region& region, const TriangleMesh& mesh, bool symmetric) {
-  if (kind == LaplacianKind::Umbrella) {
-    return {std::vector<double>(region.neighbours.values.size(), 1), {}};
+  EdgeWeights weights{std::vector<double>(region.neighbours.values.size(), 1), {}};
+  if (kind != LaplacianKind::Umbrella) {
+    weights = kind == LaplacianKind::Cotangent ? cotangent_weights(region, mesh) : mean_value_weights(region, mesh);
   }
-  EdgeWeights weights =
-      kind == LaplacianKind::Cotangent ? cotangent_weights(region, mesh) : mean_value_weights(region, mesh);
-  if (symmetric) {
+  weaken_links(region, weights);
+  if (symmetric && kind != LaplacianKind::Umbrella) {
     make_symmetric(region.neighbours, weights.values);
   }
   return weights;

@@ -207,6 +207,7 @@ EditQuality edit_quality(const LaplacianSystem& system, const EditConstraints& c
       ++group_sizes[region.group[i]];
     }
   }
+  const std::vector<double> largest = largest_shares(region);
   for (int i = 0; i < region.size(); ++i) {
     const Vector3 moved = (positions.row(i) - system.rest.world.row(i)).transpose();
     if (region.classes[i] == VertexClass::Handle) {
@@ -215,7 +216,9 @@ EditQuality edit_quality(const LaplacianSystem& system, const EditConstraints& c
         result.handle_displacement = way.norm();
         result.causes.lone_handle = group_sizes[region.group[i]] == 1;
       }
-      result.handle_residual = std::max(result.handle_residual, (moved - way).norm());
+      if (region.share(i) == largest[region.group[i]]) {
+        result.handle_residual = std::max(result.handle_residual, (moved - way).norm());
+      }
     } else if (region.classes[i] == VertexClass::Anchor) {
       const Vector3 way = constraints.carried(i).displacement(system.rest.local.row(i).transpose());
       result.anchor_residual = std::max(result.anchor_residual, (moved - way).norm());

@@ -29,8 +29,9 @@ struct FoldCauses {
 struct EditQuality {
   double normal_equation_residual = 0;  ///< |A^T (A x - b)| over |A^T| |b|-sized terms; rounding level when all is well
   double handle_displacement = 0;       ///< largest way a handle vertex was to go
-  double handle_residual = 0;           ///< largest distance of a handle vertex, as stored, from its target
-  double anchor_residual = 0;           ///< largest distance of an anchor from its place
+  /// Largest distance of a handle vertex, as stored, from its target; of each group, those with its largest weight.
+  double handle_residual = 0;
+  double anchor_residual = 0;  ///< largest distance of an anchor from its place
   double rotation_mean = 0, rotation_max = 0;
   double stretch_rms = 0;  ///< RMS over the region's edges of new length / old length - 1
   double stretch_max = 0;  ///< the largest of these, of edges that became longer
@@ -55,6 +56,9 @@ struct EditReport : RegionCounts, EditTimes, EditQuality {
   int uniform_edges = 0;           ///< see DifferentialOperator
   int refinements = 0;             ///< iterative refinement steps per solve
   bool factor_taken_over = false;  ///< shared with the editor before, for another handle in the same region
+  /// All that was shared with it: "nothing", or of "operator" and "factor" or, where that is new, the matrix's
+  /// "ordering" or its "analysis", with the ordering; as in "operator and factor".
+  std::string taken_over = "nothing";
 
   /// Several lines of plain text for a log, without a trailing newline.
   std::string text() const;

@@ -25,8 +25,12 @@ Eigen::RowVectorXd shares(const Eigen::RowVectorXd& distances) {
 GeodesicFalloff geodesic_falloff(const Region& region, const Points& points) {
   const int groups = 1 + *std::max_element(region.group.begin(), region.group.end());
   std::vector<std::vector<int>> seeds(groups + 1);  // the anchors come last
+  const std::vector<double> largest = largest_shares(region);
+  const auto is_handle = [&](int i) {
+    return region.classes[i] == VertexClass::Handle && region.share(i) == largest[region.group[i]];
+  };
   for (int i = 0; i < region.size(); ++i) {
-    if (region.classes[i] == VertexClass::Handle) {
+    if (is_handle(i)) {
       seeds[region.group[i]].push_back(i);
     } else if (region.classes[i] == VertexClass::Anchor) {
       seeds[groups].push_back(i);
@@ -41,14 +45,15 @@ GeodesicFalloff geodesic_falloff(const Region& region, const Points& points) {
       distances(i, k) = search.distance(i);
     }
     if (k < groups) {
-      result.lone.push_back(seeds[k].size() == 1 ? seeds[k][0] : -1);
+      const bool lone = std::count(region.group.begin(), region.group.end(), k) == 1;
+      result.lone.push_back(lone ? seeds[k][0] : -1);
     }
   }
   result.weights.setZero(region.size(), groups);
   for (int i = 0; i < region.size(); ++i) {
-    if (region.classes[i] == VertexClass::Handle) {
+    if (is_handle(i)) {
       result.weights(i, region.group[i]) = 1;
-    } else if (region.classes[i] == VertexClass::Free) {
+    } else if (region.classes[i] != VertexClass::Anchor) {
       result.weights.row(i) = shares(distances.row(i)).head(groups);
     }
   }

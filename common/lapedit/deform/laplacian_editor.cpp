@@ -212,6 +212,10 @@ const Region& LaplacianEditor::region() const {
   return state_->system->region;
 }
 
+const std::string& LaplacianEditor::taken_over() const {
+  return state_->report.taken_over;
+}
+
 const Points& LaplacianEditor::solve(const std::vector<Affine>& handles, const Affine& anchors, const Progress& go_on) {
   State& s = *state_;
   check_targets(region(), handles);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "lapedit/base/progress.h"
@@ -47,6 +48,7 @@ class LaplacianEditor {
   LaplacianEditor(LaplacianEditor&&) noexcept;
 
   const Region& region() const;
+  const std::string& taken_over() const;  ///< see EditReport::taken_over
 
   /// Positions of the region's vertices after its handle groups have moved.
   ///

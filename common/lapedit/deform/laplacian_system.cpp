@@ -40,12 +40,14 @@ class Preparation {
   void make_factor_and_smoother(const TriangleMesh& mesh, EditReport& report);
 
  private:
+  std::string taken_over(bool factor) const;
   bool factor_fits() const;
   bool smoother_fits() const;
   bool factorise(bool take_over);
   void refuse_the_hopeless() const;
   CholeskyOptions cholesky_options(bool single_precision) const;
   void make_factor(bool single_precision);
+  bool same_pull() const;
   bool make_sure();
   void smooth(bool take_over, const std::shared_ptr<ThreadPool>& pool);
 
@@ -54,7 +56,7 @@ class Preparation {
   bool took_operator_ = false;
   Eigen::VectorXd factor_weights_;  // w_i^2 of those that the factor is to know
   WoodburyCorrection kept_out_;     // rows and weights of the others
-  std::vector<int> order_;          // of elimination
+  bool took_order_ = false;
 };
 
 /// M of the paper's section 3, M^k with its membrane, and delta = M p.
@@ -90,9 +92,9 @@ void Preparation::make_operator(const TriangleMesh& mesh) {
   s_.powers.first->apply(s_.rest.local, s_.delta, *s_.pool);
 }
 
-/// Squared weights w_i^2 (paper, sections 3 and 5): w for a handle, w d_i / d_max for an anchor. The anchors alone make
-/// the matrix definite; a small handle is left to a correction of the solution then, so that the next one finds the
-/// factor ready.
+/// Squared weights w_i^2 (paper, sections 3 and 5): w for a handle, or a share of it, w d_i / d_max for an anchor. The
+/// anchors alone make the matrix definite; a small handle is left to a correction of the solution then, so that the
+/// next one finds the factor ready.
 void Preparation::weigh() {
   const Region& region = s_.region;
   s_.squared_weights.resize(region.size());
@@ -101,7 +103,7 @@ void Preparation::weigh() {
       s_.all_anchored() && s_.settings.order == 1 && region.count(VertexClass::Handle) <= kSmallHandle;
   for (int i = 0; i < region.size(); ++i) {
     const VertexClass c = region.classes[i];
-    const double weight = c == VertexClass::Handle   ? s_.settings.handle_weight
+    const double weight = c == VertexClass::Handle   ? s_.settings.handle_weight * region.share(i)
                           : c == VertexClass::Anchor ? s_.settings.anchor_weight * region.anchor_weight[i]
                                                      : 0;
     s_.squared_weights[i] = factor_weights_[i] = weight * weight;
@@ -134,7 +136,12 @@ void Preparation::make_factor_and_smoother(const TriangleMesh& mesh, EditReport&
   const bool take_factor = factor_fits(), take_smoother = smoother_fits();
   const bool smooths = s_.settings.rotation != DetailRotation::None;
   if (!take_factor || (s_.settings.rotation == DetailRotation::SmoothSurface && !take_smoother)) {
-    order_ = fill_reducing_ordering(s_.region.neighbours, s_.settings.threads);
+    took_order_ = previous_ && previous_->order && same_graph(previous_->region, s_.region);
+    s_.order = took_order_ ? previous_->order
+                           : std::make_shared<const std::vector<int>>(
+                                 fill_reducing_ordering(s_.region.neighbours, s_.settings.threads));
+  } else {
+    s_.order = previous_->order;
   }
   // The smoothing asks nothing of the factor: with a second thread it comes for free.
   constexpr int kWorthAThread = 2000;
@@ -144,6 +151,7 @@ void Preparation::make_factor_and_smoother(const TriangleMesh& mesh, EditReport&
     const Stopwatch own;
     if (part == 0) {
       report.factor_taken_over = factorise(take_factor);
+      report.taken_over = taken_over(report.factor_taken_over);
       report.factor_ms = own.elapsed();
     } else {
       if (s_.settings.rotation == DetailRotation::LocalGlobal) {
@@ -158,11 +166,24 @@ void Preparation::make_factor_and_smoother(const TriangleMesh& mesh, EditReport&
   });
 }
 
+std::string Preparation::taken_over(bool factor) const {
+  const std::string second = factor                                ? "factor"
+                             : s_.matrix->cholesky.took_analysis() ? "analysis"
+                             : took_order_                         ? "ordering"
+                                                                   : "";
+  return took_operator_ ? second.empty() ? "operator" : "operator and " + second : second.empty() ? "nothing" : second;
+}
+
 /// Makes the factor, or takes over the old one, and makes sure that solutions converge.
 /// @return whether the old one is taken
 bool Preparation::factorise(bool take_over) {
   if (take_over) {
     s_.matrix = previous_->matrix;
+    if (same_pull()) {
+      s_.correction = previous_->correction;
+      s_.refinements = previous_->refinements;
+      return true;
+    }
     if (make_sure()) {
       return true;
     }
@@ -209,14 +230,23 @@ CholeskyOptions Preparation::cholesky_options(bool single_precision) const {
   options.backend = s_.settings.backend;
   options.single_precision = single_precision;
   options.pool = s_.pool;
-  options.order = order_;
+  options.order = *s_.order;
   return options;
 }
 
 void Preparation::make_factor(bool single_precision) {
   s_.matrix.reset();  // not two of them in memory
-  s_.matrix =
-      std::make_shared<const FactoredNormalMatrix>(s_.powers.m, factor_weights_, cholesky_options(single_precision));
+  CholeskyOptions options = cholesky_options(single_precision);
+  if (took_order_ && previous_->settings.order == s_.settings.order &&
+      previous_->settings.backend == s_.settings.backend) {
+    options.same_pattern = &previous_->matrix->cholesky;
+  }
+  s_.matrix = std::make_shared<const FactoredNormalMatrix>(s_.powers.m, factor_weights_, options);
+}
+
+/// Whether the handles are those that the system before was made sure of.
+bool Preparation::same_pull() const {
+  return previous_->region.classes == s_.region.classes && previous_->squared_weights == s_.squared_weights;
 }
 
 /// Whether solutions are good, or get good, in as few steps as the factor's precision is worth: those of the handles'
@@ -251,7 +281,7 @@ void Preparation::smooth(bool take_over, const std::shared_ptr<ThreadPool>& pool
   } else {
     CholeskyOptions options;
     options.backend = settings.backend;
-    options.order = order_;
+    options.order = *s_.order;
     options.pool = pool;
     options.single_precision = true;
     s_.smoother = std::make_shared<const DiffusionSmoother>(s_.region, s_.rest.world, s_.normal_radius, options);
@@ -300,10 +330,11 @@ std::size_t LaplacianSystem::bytes() const {
   const Eigen::Index doubles = rest.world.size() + rest.local.size() + delta.size() + smooth_rest.size() +
                                falloff.weights.size() + squared_weights.size() + matrix->squared_weights.size() +
                                (correction ? correction->z.size() : 0);
-  return of(r.mesh_vertex) + of(r.classes) + of(r.group) + of(r.component) + of(r.distance) + of(r.anchor_weight) +
-         of(r.anchor_depth) + of(r.neighbours.offsets) + of(r.neighbours.values) + of(r.edge_faces) +
-         static_cast<std::size_t>(r.faces.size()) * sizeof(int) + static_cast<std::size_t>(doubles) * sizeof(double) +
-         powers.m->bytes() + (powers.first != powers.m ? powers.first->bytes() : 0) + matrix->cholesky.bytes() +
+  return of(r.mesh_vertex) + of(r.classes) + of(r.group) + of(r.handle_share) + of(r.links) + of(r.component) +
+         of(r.distance) + of(r.anchor_weight) + of(r.anchor_depth) + of(r.neighbours.offsets) +
+         of(r.neighbours.values) + of(r.edge_faces) + static_cast<std::size_t>(r.faces.size()) * sizeof(int) +
+         static_cast<std::size_t>(doubles) * sizeof(double) + powers.m->bytes() +
+         (powers.first != powers.m ? powers.first->bytes() : 0) + matrix->cholesky.bytes() +
          (smoother ? smoother->bytes() : 0) + (blended ? blended->bytes() : 0);
 }
 

@@ -47,8 +47,9 @@ struct LaplacianSystem {
   std::shared_ptr<ThreadPool> pool;
   RestPose rest;
   LaplacianPowers powers;
-  Points delta;                     ///< differential coordinates M_1 p of the rest pose
-  Eigen::VectorXd squared_weights;  ///< w_i^2 of handles and anchors, 0 for free vertices
+  std::shared_ptr<const std::vector<int>> order;  ///< of elimination; nothing where it was not asked for
+  Points delta;                                   ///< differential coordinates M_1 p of the rest pose
+  Eigen::VectorXd squared_weights;                ///< w_i^2 of handles and anchors, 0 for free vertices
   std::shared_ptr<const FactoredNormalMatrix> matrix;
   std::shared_ptr<const WoodburyCorrection> correction;  ///< small handles, which the factor does not know
   int refinements = 0;                                   ///< steps to kAccurate, where there is no correction

@@ -41,11 +41,9 @@ Progress part_of(const Progress& progress, std::size_t k, std::size_t count) {
   };
 }
 
-/// Each group ascending without duplicates: sums over it do not depend on how it was written.
 EditStep with_sorted_groups(EditStep step) {
   for (HandleGroup& handle : step.handles) {
-    std::sort(handle.vertices.begin(), handle.vertices.end());
-    handle.vertices.erase(std::unique(handle.vertices.begin(), handle.vertices.end()), handle.vertices.end());
+    sort_group(handle.vertices, handle.weights);
   }
   return step;
 }
@@ -57,6 +55,14 @@ std::vector<std::vector<int>> groups_of(const EditStep& step) {
     groups.push_back(handle.vertices);
   }
   return groups;
+}
+
+std::vector<std::vector<double>> weights_of(const EditStep& step) {
+  std::vector<std::vector<double>> weights;
+  for (const HandleGroup& handle : step.handles) {
+    weights.push_back(handle.weights);
+  }
+  return weights;
 }
 
 void put(const EditResult& result, Points& vertices) {
@@ -87,9 +93,14 @@ class Poses {
     }
     for (std::size_t k = 0; k < steps; ++k) {
       std::unique_ptr<StepRunner> runner;
-      const EditStep step = with_sorted_groups(edit.steps[k]);
+      EditStep step;  // as it runs
       for (std::size_t p = 0; p < poses; ++p) {
         try {
+          if (k > 0 || !runner) {
+            mesh_.vertices = now_[p];
+            step = with_sorted_groups(mirrored(mesh_, edit.steps[k]));
+            step.mirror = edit.steps[k].mirror;
+          }
           run_step(step, p, k == 0, part_of(progress, k * poses + p, steps * poses), runner, each);
         } catch (const EditError& error) {
           refuse(error, k, steps, p);
@@ -105,12 +116,11 @@ class Poses {
   void run_step(const EditStep& step, std::size_t p, bool same_shape, const Progress& progress,
                 std::unique_ptr<StepRunner>& runner, const Each& each) {
     if (!same_shape || !runner) {
-      mesh_.vertices = now_[p];
       // Before the factorisation: what is wrong with a transform is said at once.
       const auto check_targets = [&](const Region&) { targets(mesh_, step, fractions_[p]); };
-      runner = std::make_unique<StepRunner>(
-          StepProblem{mesh_, adjacency_, step.region, groups_of(step), step.settings, scalar_}, progress, check_targets,
-          std::move(runner));
+      runner = std::make_unique<StepRunner>(StepProblem{mesh_, adjacency_, step.region, groups_of(step), step.settings,
+                                                        scalar_, weights_of(step), step.mirror},
+                                            progress, check_targets, std::move(runner));
     }
     EditResult result;
     runner->solve(targets(mesh_, step, fractions_[p]), result.positions);

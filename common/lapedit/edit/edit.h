@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "lapedit/edit/mirror.h"
 #include "lapedit/edit/step_runner.h"
 
 namespace lapedit {
@@ -14,6 +15,7 @@ namespace lapedit {
 struct HandleGroup {
   std::vector<int> vertices;  ///< mesh vertex numbers
   HandleTransform transform;
+  std::vector<double> weights = {};  ///< of each vertex, kLeastShare to 1, what handle_weight counts there; empty: 1
 };
 
 /// One edit: which part, which handles, how far, with what settings.
@@ -21,6 +23,7 @@ struct EditStep {
   RegionSpec region;
   std::vector<HandleGroup> handles;
   EditSettings settings;
+  std::optional<MirrorPlane> mirror = {};  ///< handles and region are mirrored across it, see mirrored()
 };
 
 /// A sequence of steps with the mesh it was made for.

@@ -205,6 +205,7 @@ void SolverThread::State::publish_ready(int mine, double prepare_ms) {
     SolverNews& news = answered.news;
     news.ready = true;
     news.prepare_ms = prepare_ms;
+    news.taken_over = own.runner->taken_over();
     if (!stands_in()) {
       news.in_hand = true;
       news.in_hand_ms = prepare_ms;
@@ -219,7 +220,7 @@ void SolverThread::State::prepare(const PrepareTask& task, int mine) {
   job->generation = mine;
   own.scalar = task.scalar;
   const Progress progress_here = progress_of(mine);
-  const StepProblem problem{*task.mesh, *task.adjacency, task.region, task.groups, task.settings, task.scalar};
+  const StepProblem problem = task.problem();
   own.stand_in = StandIn();
   own.next_job.reset();
   job->found = find_region(problem, progress_here);
@@ -262,7 +263,7 @@ void SolverThread::State::prepare_in_background() {
   const auto previous = std::make_shared<std::unique_ptr<StepRunner>>(std::move(own.runner));
   background.start([this, job = own.job, previous] {
     const PrepareTask& task = job->task;
-    const StepProblem problem{*task.mesh, *task.adjacency, task.region, task.groups, task.settings, task.scalar};
+    const StepProblem problem = task.problem();
     return std::make_unique<StepRunner>(job->found, problem, progress_of(job->generation), std::move(*previous));
   });
 }

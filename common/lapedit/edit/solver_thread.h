@@ -17,7 +17,11 @@ struct PrepareTask {
   RegionSpec region;
   std::vector<std::vector<int>> groups;  ///< handle groups, each ascending without duplicates
   EditSettings settings;
-  StoredScalar scalar = StoredScalar::Float;  ///< poses are rounded to it
+  StoredScalar scalar = StoredScalar::Float;      ///< poses are rounded to it
+  std::vector<std::vector<double>> weights = {};  ///< per group, as HandleGroup::weights; none: 1
+  std::optional<MirrorPlane> mirror = {};         ///< as StepProblem::mirror; groups and region are mirrored already
+
+  StepProblem problem() const { return {*mesh, *adjacency, region, groups, settings, scalar, weights, mirror}; }
 };
 
 /// A mesh and the steps to apply to it.
@@ -42,6 +46,7 @@ struct SolverNews {
   double in_hand_ms = 0;                 ///< from the question on
   bool ready = false;                    ///< prepared: solves are being answered by the editor
   double prepare_ms = 0;                 ///< of all stages, once ready
+  std::string taken_over;                ///< once ready: see EditReport::taken_over
   bool pose = false;                     ///< the pose handed to poll() was filled
   std::shared_ptr<const EditReport> report;
   std::shared_ptr<const std::vector<EditResult>> applied;  ///< one entry per step of an ApplyTask

@@ -23,18 +23,45 @@ void round_to(StoredScalar scalar, Points& positions) {
   }
 }
 
+void sort_group(std::vector<int>& vertices, std::vector<double>& weights) {
+  if (!weights.empty() && weights.size() != vertices.size()) {
+    throw EditError(ErrorCause::BadParameter, "A handle group has " + std::to_string(vertices.size()) +
+                                                  " vertices and " + std::to_string(weights.size()) +
+                                                  " weights: give one weight for each vertex, or none at all.");
+  }
+  if (weights.empty()) {
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    return;
+  }
+  std::vector<std::pair<int, double>> pairs;
+  for (std::size_t k = 0; k < vertices.size(); ++k) {
+    pairs.emplace_back(vertices[k], -weights[k]);
+  }
+  std::sort(pairs.begin(), pairs.end());
+  vertices.clear();
+  weights.clear();
+  for (const auto& [vertex, weight] : pairs) {
+    if (vertices.empty() || vertices.back() != vertex) {
+      vertices.push_back(vertex);
+      weights.push_back(-weight);
+    }
+  }
+}
+
 FoundRegion find_region(const StepProblem& problem, const Progress& progress) {
   validate(problem.settings);
   std::vector<std::vector<int>> groups = problem.groups;
-  for (std::vector<int>& group : groups) {
-    std::sort(group.begin(), group.end());
-    group.erase(std::unique(group.begin(), group.end()), group.end());
+  std::vector<std::vector<double>> weights = problem.weights;
+  weights.resize(groups.size());
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    sort_group(groups[g], weights[g]);
   }
   report_progress(progress, 0, "region");
   const Stopwatch watch;
   FoundRegion found;
   found.region = std::make_shared<const Region>(
-      build_region(problem.mesh, problem.adjacency, problem.region, groups, problem.settings.threads));
+      build_region(problem.mesh, problem.adjacency, problem.region, groups, problem.settings.threads, weights));
   found.milliseconds = watch.elapsed();
   return found;
 }
@@ -54,27 +81,38 @@ StepRunner::StepRunner(const FoundRegion& found, const StepProblem& problem, con
     : scalar_(problem.scalar), region_ms_(found.milliseconds) {
   editor_ = std::make_unique<LaplacianEditor>(problem.mesh, *found.region, problem.settings, progress,
                                               previous ? std::move(previous->editor_) : nullptr);
+  if (problem.mirror) {
+    symmetry_.emplace(problem.mesh, region(), *problem.mirror);
+  }
+}
+
+void StepRunner::finish(Points& places) const {
+  if (symmetry_) {
+    symmetry_->apply(places);
+  }
+  round_to(scalar_, places);
 }
 
 void StepRunner::solve(const std::vector<Affine>& maps, Points& places, const Progress& go_on) {
   places = editor_->solve(maps, Affine::Identity(), go_on);
   ++solved_;
-  round_to(scalar_, places);
+  finish(places);
 }
 
 void StepRunner::preview(const std::vector<Affine>& maps, Points& places) {
   places = editor_->preview(maps);
-  round_to(scalar_, places);
+  finish(places);
 }
 
 EditReport StepRunner::report(bool whole) const {
   Points stored = editor_->positions();
-  round_to(scalar_, stored);
+  finish(stored);
   EditReport report = editor_->report(stored, whole);
   report.region_ms = region_ms_;
   if (solved_ > 1) {  // all that was there before this pose
     report.region_ms = report.operator_ms = report.factor_ms = report.kernel_ms = 0;
     report.factor_taken_over = true;
+    report.taken_over = "operator and factor";
   }
   return report;
 }

@@ -3,9 +3,12 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "lapedit/deform/laplacian_editor.h"
+#include "lapedit/edit/mirror.h"
 #include "lapedit/mesh/adjacency.h"
 
 namespace lapedit {
@@ -25,6 +28,10 @@ struct StepProblem {
   std::vector<std::vector<int>> groups;  ///< handle groups, any order
   const EditSettings& settings;
   StoredScalar scalar = StoredScalar::Double;
+  std::vector<std::vector<double>> weights = {};  ///< per group, as HandleGroup::weights; none: 1
+  /// The plane that groups and region were mirrored across: poses are made symmetric to the last bits, see
+  /// PoseSymmetry.
+  std::optional<MirrorPlane> mirror = {};
 };
 
 /// A step's region, and what finding it took.
@@ -33,7 +40,11 @@ struct FoundRegion {
   double milliseconds = 0;
 };
 
-/// @throws EditError as validate() and build_region()
+/// Ascending without duplicates, so that sums over a group do not depend on how it was written; of a vertex that is
+/// there twice the larger weight counts. @throws EditError (BadParameter) if there are weights, but not one for each
+void sort_group(std::vector<int>& vertices, std::vector<double>& weights);
+
+/// @throws EditError as validate(), sort_group() and build_region()
 FoundRegion find_region(const StepProblem& problem, const Progress& progress = {});
 
 /// Runs one step: region, preparation, poses. Filter, program, replay and window all run their steps by this class, so
@@ -68,6 +79,7 @@ class StepRunner {
   /// The same for a picture of a drag: see LaplacianEditor::preview().
   void preview(const std::vector<Affine>& maps, Points& places);
   bool has_preview() const { return editor_->has_preview(); }
+  const std::string& taken_over() const { return editor_->taken_over(); }  ///< see EditReport::taken_over
 
   /// Report of preparation and last solve(), of its rounded places. Of a pose that came after another one, times of
   /// preparing are 0.
@@ -75,10 +87,13 @@ class StepRunner {
   EditReport report(bool whole = true) const;
 
  private:
+  void finish(Points& places) const;
+
   StoredScalar scalar_;
   double region_ms_ = 0;
   int solved_ = 0;
   std::unique_ptr<LaplacianEditor> editor_;
+  std::optional<PoseSymmetry> symmetry_;
 };
 
 }  // namespace lapedit

@@ -124,6 +124,7 @@ RegionSpec read_region(const JsonObject& object, VertexLists& lists) {
     }
   }
   region.padding = object.number("padding", region.padding);
+  region.connect_gap = object.number("connect", region.connect_gap);
   if (object.has("anchors")) {
     if (region.kind != RegionSpec::Kind::Vertices) {
       refuse_json(object.where("anchors") + ": kept anchors go with the key vertices only.");
@@ -182,7 +183,7 @@ void read_setting(const JsonObject& object, const Setting& setting, EditSettings
 }
 
 EditStep read_step(const Json& value, const std::string& where, int version, VertexLists& lists) {
-  std::vector<const char*> keys = {"region", "handles"};
+  std::vector<const char*> keys = {"region", "handles", "mirror"};
   for (const Setting& setting : settings_table()) {
     keys.push_back(setting.key);
   }
@@ -195,13 +196,18 @@ EditStep read_step(const Json& value, const std::string& where, int version, Ver
     object.refuse_key("region", "an object");
   }
   const JsonObject region(object["region"], object.where("region"),
-                          {"radius", "vertices", "component", "padding", "anchors"});
+                          {"radius", "vertices", "component", "padding", "anchors", "connect"});
   step.region = read_region(region, lists);
   const Json& handles = object.filled_list("handles", "handle groups");
   for (std::size_t i = 0; i < handles.size(); ++i) {
     const JsonObject handle(handles[i], object.where("handles") + "[" + std::to_string(i) + "]",
-                            {"vertices", "translation", "rotation", "scale", "matrix"});
-    step.handles.push_back({lists.read(handle, "vertices"), read_transform(handle)});
+                            {"vertices", "weights", "translation", "rotation", "scale", "matrix"});
+    step.handles.push_back({lists.read(handle, "vertices"), read_transform(handle),
+                            handle.has("weights") ? handle.number_list("weights") : std::vector<double>()});
+  }
+  if (object.has("mirror")) {
+    const JsonObject mirror(object["mirror"], object.where("mirror"), {"point", "normal"});
+    step.mirror = MirrorPlane{mirror.numbers<3>("point"), mirror.numbers<3>("normal")};
   }
   const int rules = object.integer("rules", version);
   if (rules < 1 || rules > 2) {
@@ -265,14 +271,19 @@ Json json_of(const RegionSpec& region) {
   switch (region.kind) {
     case RegionSpec::Kind::Component:
       json["component"] = true;
-      return json;
+      break;
     case RegionSpec::Kind::Vertices:
       json["vertices"] = json_of(region.vertices);
       break;
     case RegionSpec::Kind::Radius:
       json["radius"] = json_of(region.radius);
   }
-  json["padding"] = json_of(region.padding);
+  if (region.kind != RegionSpec::Kind::Component) {
+    json["padding"] = json_of(region.padding);
+  }
+  if (region.connect_gap != 0) {
+    json["connect"] = json_of(region.connect_gap);
+  }
   if (region.kind == RegionSpec::Kind::Vertices && !region.anchors.empty()) {
     json["anchors"] = json_of(region.anchors);
   }
@@ -282,6 +293,9 @@ Json json_of(const RegionSpec& region) {
 Json json_of(const HandleGroup& handle) {
   const HandleTransform& t = handle.transform;
   Json json = {{"vertices", json_of(handle.vertices)}};
+  if (!handle.weights.empty()) {
+    json["weights"] = json_of(handle.weights);
+  }
   if (t.matrix) {
     Eigen::Matrix<double, 4, 4, Eigen::RowMajor> matrix = Eigen::Matrix4d::Identity();
     matrix.topRows<3>() = *t.matrix;
@@ -309,6 +323,9 @@ Json json_of(const EditStep& step) {
   Json json = {{"region", json_of(step.region)}, {"handles", Json::array()}};
   for (const HandleGroup& handle : step.handles) {
     json["handles"].push_back(json_of(handle));
+  }
+  if (step.mirror) {
+    json["mirror"] = {{"point", json_of(step.mirror->point)}, {"normal", json_of(step.mirror->normal)}};
   }
   for (const Setting& setting : settings_table()) {
     json[setting.key] = json_of(setting, setting.get(step.settings));
@@ -341,9 +358,13 @@ Json json_of(const Edit& edit) {
 }
 
 /// The library puts all on one line, or each number on its own. Here a line begins with each of these keys:
-const std::map<std::string, std::string> kLineBreaks = {{"mesh", "\n "},       {"steps", "\n "},
-                                                        {"region", "\n   "},   {"handles", "\n   "},
-                                                        {"anchors", "\n    "}, {settings_table().front().key, "\n   "}};
+const std::map<std::string, std::string> kLineBreaks = {{"mesh", "\n "},
+                                                        {"steps", "\n "},
+                                                        {"region", "\n   "},
+                                                        {"handles", "\n   "},
+                                                        {"anchors", "\n    "},
+                                                        {"mirror", "\n   "},
+                                                        {settings_table().front().key, "\n   "}};
 
 /// @param between  entries, if it is a list
 void write(const Json& value, const std::string& between, std::string& text) {

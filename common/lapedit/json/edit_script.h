@@ -24,8 +24,10 @@
 ///           reach            largest handle distance then, model units
 ///         padding        o width of the anchor band over the radius, or over the largest handle distance; does nothing
 ///                          to whole components
+///         connect        o pieces nearer to each other than this are one, model units; 0: off
 ///       handles          list of one or more groups
 ///         vertices         as above
+///         weights        o list, one number from 0.000001 to 1 per vertex
 ///         translation    o [x, y, z], model units
 ///         rotation       o
 ///           axis         o [x, y, z], any length but zero
@@ -33,6 +35,9 @@
 ///           center       o [x, y, z], of rotation and scale; absent: the group's centroid
 ///         scale          o
 ///         matrix         o in place of the three above: 16 numbers by rows, the last row 0, 0, 0, 1
+///       mirror           o the plane that region and handles are mirrored across
+///         point            [x, y, z], model units
+///         normal           [x, y, z], any length but zero
 ///       laplacian        o "umbrella", "cotangent"
 ///       order            o
 ///       detail_rotation  o "none", "smooth_normals", "smooth_surface"

@@ -37,6 +37,7 @@ struct SparseCholesky::Implementation {
   virtual bool single_precision() const = 0;
   virtual const char* name() const = 0;
   virtual std::size_t bytes() const = 0;
+  virtual bool took_analysis() const { return false; }
   virtual void solve(const Points& rhs, Points& x) { solve_with(ordered, 1, rhs, x); }
 
   /// Scaled right-hand sides in the order of elimination, their solution, and back.
@@ -155,38 +156,17 @@ struct CholmodFactor {
   CholmodFactor(const CholmodFactor&) = delete;
   CholmodFactor& operator=(const CholmodFactor&) = delete;
   cholmod_common common{};
-  cholmod_factor* factor = nullptr;
+  cholmod_factor* factor = nullptr;  // symbolic
+  Eigen::Index entries = 0;          // of the matrix
 };
 
 struct CholmodCholesky : SparseCholesky::Implementation {
-  CholmodCholesky(const SparseMatrix& matrix, const CholeskyOptions& options)
+  /// @param like  of a matrix with the same pattern, or nothing
+  CholmodCholesky(const SparseMatrix& matrix, const CholeskyOptions& options, const Implementation* like)
       : Implementation(options.pool ? options.pool : std::make_shared<ThreadPool>(1)) {
-    CholmodFactor made;
-    cholmod_common& common = made.common;
-    common.supernodal = CHOLMOD_SUPERNODAL;
-    common.nmethods = 1;
-    common.method[0].ordering = options.order.empty() ? CHOLMOD_AMD : CHOLMOD_GIVEN;
-    common.print = 0;  // an indefinite matrix is our refusal, not a line on the host's terminal
-    cholmod_sparse view{};
-    view.nrow = view.ncol = static_cast<std::size_t>(matrix.rows());
-    view.nzmax = static_cast<std::size_t>(matrix.nonZeros());
-    view.p = const_cast<int*>(matrix.outerIndexPtr());
-    view.i = const_cast<int*>(matrix.innerIndexPtr());
-    view.x = const_cast<double*>(matrix.valuePtr());
-    view.stype = -1;
-    view.itype = CHOLMOD_INT;
-    view.xtype = CHOLMOD_REAL;
-    view.dtype = CHOLMOD_DOUBLE;
-    view.sorted = view.packed = 1;
-    int* const given = options.order.empty() ? nullptr : const_cast<int*>(options.order.data());
-    made.factor = cholmod_analyze_p(&view, given, nullptr, 0, &common);
-    if (common.status == CHOLMOD_OUT_OF_MEMORY) {
-      throw std::bad_alloc();
-    }
-    const cholmod_factor* const l = made.factor;
-    if (common.status != CHOLMOD_OK || !l || !l->is_super) {
-      refuse_matrix(matrix.rows());
-    }
+    took = analysis_of(like, matrix);
+    analysis = took ? took : analyse(matrix, options);
+    const cholmod_factor* const l = analysis->factor;
     const int* const permutation = static_cast<const int*>(l->Perm);
     order.assign(permutation, permutation + l->n);
     SupernodalFactor raw;
@@ -207,8 +187,44 @@ struct CholmodCholesky : SparseCholesky::Implementation {
       refuse_matrix(matrix.rows());
     }
   }
+  static std::shared_ptr<const CholmodFactor> analysis_of(const Implementation* like, const SparseMatrix& matrix) {
+    const auto* const other = dynamic_cast<const CholmodCholesky*>(like);
+    const bool fits = other && other->analysis->entries == matrix.nonZeros() &&
+                      static_cast<Eigen::Index>(other->order.size()) == matrix.rows();
+    return fits ? other->analysis : nullptr;
+  }
+  static std::shared_ptr<const CholmodFactor> analyse(const SparseMatrix& matrix, const CholeskyOptions& options) {
+    const auto made = std::make_shared<CholmodFactor>();
+    made->entries = matrix.nonZeros();
+    cholmod_common& common = made->common;
+    common.supernodal = CHOLMOD_SUPERNODAL;
+    common.nmethods = 1;
+    common.method[0].ordering = options.order.empty() ? CHOLMOD_AMD : CHOLMOD_GIVEN;
+    common.print = 0;  // an indefinite matrix is our refusal, not a line on the host's terminal
+    cholmod_sparse view{};
+    view.nrow = view.ncol = static_cast<std::size_t>(matrix.rows());
+    view.nzmax = static_cast<std::size_t>(matrix.nonZeros());
+    view.p = const_cast<int*>(matrix.outerIndexPtr());
+    view.i = const_cast<int*>(matrix.innerIndexPtr());
+    view.x = const_cast<double*>(matrix.valuePtr());
+    view.stype = -1;
+    view.itype = CHOLMOD_INT;
+    view.xtype = CHOLMOD_REAL;
+    view.dtype = CHOLMOD_DOUBLE;
+    view.sorted = view.packed = 1;
+    int* const given = options.order.empty() ? nullptr : const_cast<int*>(options.order.data());
+    made->factor = cholmod_analyze_p(&view, given, nullptr, 0, &common);
+    if (common.status == CHOLMOD_OUT_OF_MEMORY) {
+      throw std::bad_alloc();
+    }
+    const cholmod_factor* const l = made->factor;
+    if (common.status != CHOLMOD_OK || !l || !l->is_super) {
+      refuse_matrix(matrix.rows());
+    }
+    return made;
+  }
   CholmodCholesky(const CholmodCholesky& other, std::shared_ptr<ThreadPool> used)
-      : Implementation(other, std::move(used)) {
+      : Implementation(other, std::move(used)), analysis(other.analysis), took(other.took) {
     if (other.in_single) {
       in_single = std::make_unique<SupernodalSolver<float>>(*other.in_single, *pool);
     } else {
@@ -249,21 +265,28 @@ struct CholmodCholesky : SparseCholesky::Implementation {
   }
   bool single_precision() const override { return in_single != nullptr; }
   const char* name() const override { return "CHOLMOD supernodal LLT"; }
-  std::size_t bytes() const override { return in_single ? in_single->bytes() : in_double->bytes(); }
+  std::size_t bytes() const override {
+    const cholmod_factor& l = *analysis->factor;
+    return (in_single ? in_single->bytes() : in_double->bytes()) + (l.ssize + 3 * l.nsuper + 2 * l.n) * sizeof(int);
+  }
+  bool took_analysis() const override { return took != nullptr; }
 
+  std::shared_ptr<const CholmodFactor> analysis;
+  std::shared_ptr<const CholmodFactor> took;  // the same, or nothing
   std::unique_ptr<SupernodalSolver<float>> in_single;
   std::unique_ptr<SupernodalSolver<double>> in_double;
 };
 #endif
 
-std::unique_ptr<SparseCholesky::Implementation> make(const SparseMatrix& matrix, const CholeskyOptions& options) {
+std::unique_ptr<SparseCholesky::Implementation> make(const SparseMatrix& matrix, const CholeskyOptions& options,
+                                                     [[maybe_unused]] const SparseCholesky::Implementation* like) {
   // What the factorisations do not look at themselves.
   if (!matrix.coeffs().allFinite() || !(matrix.diagonal().array() > 0).all()) {
     refuse_matrix(matrix.rows());
   }
 #ifdef LAPEDIT_HAVE_CHOLMOD
   if (options.backend != CholeskyBackend::Eigen) {
-    return std::make_unique<CholmodCholesky>(matrix, options);
+    return std::make_unique<CholmodCholesky>(matrix, options, like);
   }
 #else
   if (options.backend == CholeskyBackend::Cholmod) {
@@ -292,7 +315,8 @@ bool has_cholmod() {
 SparseCholesky::SparseCholesky(const SparseMatrix& matrix, CholeskyBackend backend)
     : SparseCholesky(matrix, with_backend(backend)) {}
 SparseCholesky::SparseCholesky(const SparseMatrix& matrix, const CholeskyOptions& options)
-    : implementation_(make(matrix, options)) {}
+    : implementation_(
+          make(matrix, options, options.same_pattern ? options.same_pattern->implementation_.get() : nullptr)) {}
 SparseCholesky::SparseCholesky(const SparseCholesky& other, std::shared_ptr<ThreadPool> pool)
     : implementation_(other.implementation_->share(pool ? std::move(pool) : std::make_shared<ThreadPool>(1))) {}
 SparseCholesky::~SparseCholesky() = default;
@@ -317,6 +341,9 @@ bool SparseCholesky::single_precision() const {
 }
 const char* SparseCholesky::backend_name() const {
   return implementation_->name();
+}
+bool SparseCholesky::took_analysis() const {
+  return implementation_->took_analysis();
 }
 std::size_t SparseCholesky::factor_nonzeros() const {
   return implementation_->nonzeros;

@@ -11,6 +11,8 @@
 
 namespace lapedit {
 
+class SparseCholesky;
+
 enum class CholeskyBackend {
   Automatic,  ///< CHOLMOD if this build has it, else Eigen
   Cholmod,    ///< SuiteSparse's supernodes, factored and solved with by SupernodalSolver
@@ -27,6 +29,9 @@ struct CholeskyOptions {
   /// refined. The Eigen backend stays in double.
   bool single_precision = false;
   std::shared_ptr<ThreadPool> pool;  ///< empty: the caller's thread alone
+  /// Factor of a matrix with the same pattern, in the same order, whose analysis is taken over where there is one; not
+  /// kept. The same bits.
+  const SparseCholesky* same_pattern = nullptr;
 };
 
 /// Factor of a symmetric positive definite matrix: made once, asked often. The only file that names a factorisation.
@@ -58,6 +63,8 @@ class SparseCholesky {
 
   bool single_precision() const;
   const char* backend_name() const;
+  /// Whether the analysis of CholeskyOptions::same_pattern was taken over.
+  bool took_analysis() const;
   std::size_t factor_nonzeros() const;
   std::size_t bytes() const;  ///< held for solving
 

@@ -13,6 +13,7 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
+#include "lapedit/mesh/connect.h"
 #include "lapedit/mesh/geodesic.h"
 
 namespace lapedit {
@@ -58,6 +59,25 @@ std::vector<int> collect_handles(const TriangleMesh& mesh, const std::vector<std
   }
   std::sort(handles.begin(), handles.end());
   return handles;
+}
+
+void check_shares(const std::vector<std::vector<int>>& groups, const std::vector<std::vector<double>>& shares) {
+  for (std::size_t g = 0; g < shares.size(); ++g) {
+    const std::size_t vertices = g < groups.size() ? groups[g].size() : 0;
+    if (!shares[g].empty() && shares[g].size() != vertices) {
+      throw EditError(ErrorCause::BadParameter, "Handle group " + std::to_string(g) + " has " +
+                                                    std::to_string(vertices) + " vertices and " +
+                                                    std::to_string(shares[g].size()) +
+                                                    " weights: give one weight for each vertex, or none at all.");
+    }
+    for (std::size_t k = 0; k < shares[g].size(); ++k) {
+      if (!(shares[g][k] >= kLeastShare && shares[g][k] <= 1)) {
+        throw EditError(ErrorCause::BadParameter, "Handle vertex " + std::to_string(groups[g][k]) + " has the weight " +
+                                                      number_text(shares[g][k]) +
+                                                      ": weights of handle vertices go from 0.000001 to 1.");
+      }
+    }
+  }
 }
 
 /// One flag per mesh vertex of a given set, which has to contain the handle.
@@ -376,6 +396,27 @@ void classify(ThreadPool& pool, const TriangleMesh& mesh, const RegionSpec& spec
   }
 }
 
+/// Where not all are 1; a vertex that is listed twice has the larger one.
+void take_shares(const std::vector<std::vector<int>>& groups, const std::vector<std::vector<double>>& shares,
+                 const std::vector<int>& local, Region& region) {
+  for (std::size_t g = 0; g < shares.size(); ++g) {
+    for (std::size_t k = 0; k < shares[g].size(); ++k) {
+      if (shares[g][k] < 1 && region.handle_share.empty()) {
+        region.handle_share.assign(region.mesh_vertex.size(), 0);
+      }
+    }
+  }
+  for (std::size_t g = 0; !region.handle_share.empty() && g < shares.size(); ++g) {
+    for (std::size_t k = 0; k < shares[g].size(); ++k) {
+      double& share = region.handle_share[local[groups[g][k]]];
+      share = std::max(share, shares[g][k]);
+    }
+  }
+  for (double& share : region.handle_share) {
+    share = share > 0 ? share : 1;
+  }
+}
+
 /// Whether the handles' own edges connect them all. All of a region is reached from them, so it is connected then.
 bool are_connected(const std::vector<std::pair<int, int>>& handles, const Region& region) {
   std::vector<int> found{handles[0].first};
@@ -430,6 +471,33 @@ void find_components(const std::vector<std::pair<int, int>>& handles, Region& re
   throw EditError(ErrorCause::NothingToFollow, sentence);
 }
 
+/// Links that leave a given set make no rim: what is not in it does not hold it.
+Region build_connected(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
+                       const std::vector<std::vector<int>>& groups, int threads,
+                       const std::vector<std::vector<double>>& shares) {
+  const bool given_set = spec.kind == RegionSpec::Kind::Vertices;
+  std::vector<char> flags(given_set ? mesh.vertices.rows() : 0, 0);
+  for (const int v : spec.vertices) {
+    if (v >= 0 && v < static_cast<int>(flags.size())) {
+      flags[v] = 1;
+    }
+  }
+  const Adjacency linked{linked_neighbours(mesh, adjacency.neighbours, spec.connect_gap, given_set ? &flags : nullptr),
+                         adjacency.faces};
+  RegionSpec plain = spec;
+  plain.connect_gap = 0;
+  Region region = build_region(mesh, linked, plain, groups, threads, shares);
+  for (int i = 0; i < region.size(); ++i) {
+    const IndexLists::Row ring = adjacency.neighbours[region.mesh_vertex[i]];
+    for (const int j : region.neighbours[i]) {
+      if (i < j && !std::binary_search(ring.begin(), ring.end(), region.mesh_vertex[j])) {
+        region.links.emplace_back(i, j);
+      }
+    }
+  }
+  return region;
+}
+
 }  // namespace
 
 int Region::count(VertexClass c) const {
@@ -437,10 +505,15 @@ int Region::count(VertexClass c) const {
 }
 
 Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
-                    const std::vector<std::vector<int>>& groups, int threads) {
+                    const std::vector<std::vector<int>>& groups, int threads,
+                    const std::vector<std::vector<double>>& shares) {
   check_spec(spec);
+  if (spec.connect_gap != 0) {
+    return build_connected(mesh, adjacency, spec, groups, threads, shares);
+  }
   std::vector<int> local;  // at first the handles' groups
   const std::vector<int> handles = collect_handles(mesh, groups, local);
+  check_shares(groups, shares);
   std::vector<std::pair<int, int>> local_handles;
   local_handles.reserve(handles.size());
   for (const int v : handles) {
@@ -485,7 +558,31 @@ Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const 
   extract_faces(pool, mesh, adjacency, local, region);
   classify(pool, mesh, spec, local, local_handles, rim, region);
   find_components(local_handles, region);
+  take_shares(groups, shares, local, region);
   return region;
+}
+
+std::vector<double> falloff_weights(const std::vector<double>& distances, double disc_radius, double softness) {
+  constexpr double kRim = 0.3;
+  const double rim = std::max(kLeastShare, kRim / std::max(1.0, static_cast<double>(distances.size())));
+  std::vector<double> weights;
+  weights.reserve(distances.size());
+  for (const double distance : distances) {
+    const double t = std::clamp((distance / disc_radius - 1 + softness) / softness, 0.0, 1.0);
+    const double smooth = t * t * (3 - 2 * t);
+    weights.push_back(softness > 0 ? std::pow(rim, smooth) : 1);
+  }
+  return weights;
+}
+
+std::vector<double> largest_shares(const Region& region) {
+  std::vector<double> largest(1 + *std::max_element(region.group.begin(), region.group.end()), 0);
+  for (int i = 0; i < region.size(); ++i) {
+    if (region.group[i] >= 0) {
+      largest[region.group[i]] = std::max(largest[region.group[i]], region.share(i));
+    }
+  }
+  return largest;
 }
 
 KeptAnchors anchors_of(const Region& region) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "lapedit/mesh/adjacency.h"
@@ -26,6 +27,9 @@ struct KeptAnchors {
   bool empty() const { return vertices.empty(); }
 };
 
+/// The smallest share of its group's weight that a handle vertex may have.
+constexpr double kLeastShare = 1e-6;
+
 /// Which part of the surface may change.
 struct RegionSpec {
   enum class Kind {
@@ -39,16 +43,20 @@ struct RegionSpec {
   /// Width of the anchor band over the radius (Kind::Radius) or over the largest handle distance.
   double padding = 0.1;
   KeptAnchors anchors;  ///< Kind::Vertices: in place of the band; empty: padding decides
+  /// Pieces of the mesh that are nearer to each other than this, model units, are one: see linked_neighbours(). 0: off.
+  double connect_gap = 0;
 };
 
 /// A region of interest, classified. All arrays but mesh_vertex's values speak of local vertices 0 .. size() - 1, in
 /// ascending order of their mesh vertex numbers.
 struct Region {
-  std::vector<int> mesh_vertex;       ///< local vertex -> mesh vertex
-  std::vector<VertexClass> classes;   ///< Anchor, Free or Handle
-  std::vector<int> group;             ///< handle group of a Handle vertex, -1 for others
-  std::vector<int> component;         ///< connected component of the region's graph
-  std::vector<char> anchored;         ///< per component: has it an anchor
+  std::vector<int> mesh_vertex;      ///< local vertex -> mesh vertex
+  std::vector<VertexClass> classes;  ///< Anchor, Free or Handle
+  std::vector<int> group;            ///< handle group of a Handle vertex, -1 for others
+  std::vector<int> component;        ///< connected component of the region's graph
+  std::vector<char> anchored;        ///< per component: has it an anchor
+  /// Of Handle vertices, what their weight is multiplied by, 1 for others; empty: 1 for all.
+  std::vector<double> handle_share;
   std::vector<double> distance;       ///< geodesic distance from the nearest handle vertex
   std::vector<double> anchor_weight;  ///< d / d_max for anchors, 0 for others (paper, section 5)
   /// For anchors: 0 at the inner edge of their band to 1 at the region's end; may be empty.
@@ -60,9 +68,12 @@ struct Region {
   double radius = 0;            ///< the given radius, or d_max where none was given
   int left_out = 0;             ///< vertices of a given set that no handle reaches: they stay, bit for bit
   int mesh_vertices = 0;        ///< of the whole mesh
+  /// Edges of the graph that connect_gap made, the lower vertex first, ascending; they have no faces.
+  std::vector<std::pair<int, int>> links;
 
   int size() const { return static_cast<int>(mesh_vertex.size()); }
   int count(VertexClass c) const;
+  double share(int i) const { return handle_share.empty() ? 1 : handle_share[i]; }
 };
 
 /// Finds and classifies the region.
@@ -74,10 +85,22 @@ struct Region {
 /// handle vertex are left out.
 /// @param groups  handle groups, mesh vertex numbers; a vertex may be in one group only
 /// @param threads  0: as many as the machine has; the region does not depend on it
+/// @param shares   of the groups' vertices, see Region::handle_share, kLeastShare to 1; empty lists, or none: 1
 /// @throws EditError (NoHandle, BadIndex, BadParameter, EmptyRegion, HandleOutsideRegion, NotFinite, NothingToFollow)
 /// Cost: O(k) in the region's size k, plus some passes over one number per mesh vertex.
 Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
-                    const std::vector<std::vector<int>>& groups, int threads = 0);
+                    const std::vector<std::vector<int>>& groups, int threads = 0,
+                    const std::vector<std::vector<double>>& shares = {});
+
+/// Shares for a disc that is soft towards its rim: 1 within (1 - softness) of its radius, and from there smoothly and
+/// geometrically down to 0.3 / N at the rim, N the disc's vertices. What is held by so little hardly differs from what
+/// is free, so a pull makes a dome; with N since the finer a smooth surface, the less of it a vertex has to say.
+/// @param distances  of the disc's vertices from its centre, model units, from 0 to the radius
+/// @param softness   0 (all 1) to 1
+std::vector<double> falloff_weights(const std::vector<double>& distances, double disc_radius, double softness);
+
+/// Of each handle group, the largest share of its vertices.
+std::vector<double> largest_shares(const Region& region);
 
 /// The region's anchors, to be kept for the next edit in it.
 KeptAnchors anchors_of(const Region& region);

@@ -137,6 +137,14 @@ double DragMotion::along_axis(const Cursor& cursor, double otherwise) const {
 void DragMotion::begin_angle() {
   ring_is_open_ = std::abs(gizmo_axis_.dot(cursor_.view.toward_viewer(center_))) > kFlattestRing;
   last_angle_ = angle_at(cursor_);
+  if (angle_ == 0) {
+    const Vector3 turned_about = axis().value_or(sight_);
+    const bool from_side = lock_ == AxisLock::Gizmo && !ring_is_open_;
+    const Vector3 seen = from_side ? cursor_.view.toward_viewer(center_)
+                                   : Vector3(cursor_.view.beside(center_, cursor_.pixel) - center_);
+    const Vector3 way = lock_ == AxisLock::Gizmo && ring_is_open_ ? on_ring(cursor_).value_or(seen) : seen;
+    arm_ = (way - way.dot(turned_about) * turned_about).stableNormalized();
+  }
 }
 
 double DragMotion::angle_at(const Cursor& cursor) const {
@@ -152,14 +160,17 @@ double DragMotion::ring_angle(const Cursor& cursor) const {
     const Vector2 way = view.pixel(center_ + view.pixel_size(center_) * tangent) - view.pixel(center_);
     return way.stableNormalized().dot(cursor.pixel - view.pixel(center_)) / kPixelsPerRadian;
   }
-  const Ray ray = view.ray(cursor.pixel);
+  const std::optional<Vector3> from_center = on_ring(cursor);
+  const Vector3 u = gizmo_axis_.unitOrthogonal();
+  return from_center ? std::atan2(gizmo_axis_.cross(u).dot(*from_center), u.dot(*from_center)) : last_angle_;
+}
+
+/// From the centre to where the cursor's ray passes the plane of the gizmo's ring; nothing beyond its horizon.
+std::optional<Vector3> DragMotion::on_ring(const Cursor& cursor) const {
+  const Ray ray = cursor.view.ray(cursor.pixel);
   const double far = gizmo_axis_.dot(center_ - ray.origin) / gizmo_axis_.dot(ray.direction);
   const Vector3 from_center = ray.origin + far * ray.direction - center_;
-  if (!(far > 0) || !from_center.allFinite() || from_center.isZero(0)) {
-    return last_angle_;  // beyond the plane's horizon
-  }
-  const Vector3 u = gizmo_axis_.unitOrthogonal();
-  return std::atan2(gizmo_axis_.cross(u).dot(from_center), u.dot(from_center));
+  return far > 0 && from_center.allFinite() && !from_center.isZero(0) ? std::optional(from_center) : std::nullopt;
 }
 
 /// Of the cursor about the centre, in the sense of a rotation about the axis.

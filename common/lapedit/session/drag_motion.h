@@ -49,6 +49,9 @@ class DragMotion {
   const Vector3& grab() const { return grab_; }
   /// Of rotation and scale.
   const Vector3& center() const { return center_; }
+  /// Direction from the centre that the mouse took hold in for a rotation: of length 1, at a right angle to the axis
+  /// (zero if it is along it).
+  const Vector3& arm() const { return arm_; }
 
   void move(const Cursor& cursor);
   /// 0-9 . or - (which changes the sign). @return false if that gives no number
@@ -66,6 +69,7 @@ class DragMotion {
   double angle_at(const Cursor& cursor) const;
   double screen_angle(const Cursor& cursor) const;
   double ring_angle(const Cursor& cursor) const;
+  std::optional<Vector3> on_ring(const Cursor& cursor) const;
   double screen_distance(const Cursor& cursor) const;
   void restart(const Cursor& cursor);
   void begin_angle();
@@ -75,6 +79,7 @@ class DragMotion {
   Vector3 grab_, center_, normal_;
   bool names_center_;  // it is not what a transform without a centre goes about
   Vector3 gizmo_axis_ = Vector3::Zero();
+  Vector3 arm_ = Vector3::Zero();
   Vector3 sight_;          // from the centre towards the viewer, when the motion began
   Cursor start_, cursor_;  // start_ has the view of cursor_
   // What the mouse did before the view changed last.

@@ -64,6 +64,12 @@ int DragSession::pose_serial() const {
 const std::vector<std::vector<int>>& DragSession::groups() const {
   return impl_->groups();
 }
+const std::vector<std::vector<int>>& DragSession::mirrored_groups() const {
+  return impl_->all_groups();
+}
+int DragSession::group_of_image(int group) const {
+  return impl_->tools.mirrored ? impl_->tools.mirrored->source()[static_cast<std::size_t>(group)] : group;
+}
 int DragSession::active_group() const {
   return impl_->selection.active;
 }
@@ -173,7 +179,8 @@ void DragSession::set_settings(const DragSettings& settings) {
   }
   const bool new_radius = settings.radius != s.settings.radius;
   const bool new_discs = settings.handle_share != s.settings.handle_share || settings.softness != s.settings.softness;
-  const bool new_rest = settings.padding != s.settings.padding || settings.edit != s.settings.edit;
+  const bool new_rest = settings.padding != s.settings.padding || settings.connect_gap != s.settings.connect_gap ||
+                        settings.edit != s.settings.edit;
   s.settings = settings;
   if (s.in<Loading>()) {
     return;
@@ -198,7 +205,7 @@ void DragSession::set_settings(const DragSettings& settings) {
   if (Picked* const picked = regrow ? s.in<Picked>() : nullptr) {
     picked->amendable = false;
   }
-  s.selection = with_padding(std::move(s.selection), settings.padding);
+  s.selection = with_padding(std::move(s.selection), settings);
   if (s.groups().empty()) {
     return;
   }
@@ -253,6 +260,14 @@ void DragSession::set_mirror(const std::optional<MirrorPlane>& plane) {
   if (s.settle_down()) {
     s.tools.mirror = plane;
     s.handles_changed();
+  }
+}
+
+void DragSession::find_mirror() {
+  if (const std::optional<MirrorPlane> found = find_symmetry(mesh())) {
+    set_mirror(found);
+  } else {
+    impl_->refusal = messages::kNotSymmetric;
   }
 }
 
@@ -410,10 +425,26 @@ bool DragSession::Impl::press_gizmo(const Cursor& cursor) {
   return true;
 }
 
+namespace {
+
+/// What of the surface is under the cursor or, since a press takes an edge that is right beside it, within 4 pixels.
+std::optional<SurfaceHit> hit_near(const HoverSearch& search, const Cursor& cursor) {
+  std::optional<SurfaceHit> hit = search.hit(cursor.view.ray(cursor.pixel));
+  for (const double pixels : {2.0, 4.0}) {
+    for (int i = 0; i < 8 && !hit; ++i) {
+      const double angle = i * std::atan(1.0);
+      hit = search.hit(cursor.view.ray(cursor.pixel + pixels * Vector2(std::cos(angle), std::sin(angle))));
+    }
+  }
+  return hit;
+}
+
+}  // namespace
+
 /// What of the surface is under the cursor, and what a press would take there.
 void DragSession::Impl::look(const Cursor& cursor, PressModifiers modifiers) {
   HoverSearch* const search = pointer.background.of(history.mesh(), adjacency);
-  const std::optional<SurfaceHit> hit = search ? search->hit(cursor.view.ray(cursor.pixel)) : std::nullopt;
+  const std::optional<SurfaceHit> hit = search ? hit_near(*search, cursor) : std::nullopt;
   if (!hit) {
     pointer.preview.reset();
     return;

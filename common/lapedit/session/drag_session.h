@@ -95,15 +95,18 @@ class DragSession {
   const Points& pose() const;    ///< where region()'s vertices are now, one row per vertex; changes with pose_serial()
   int pose_serial() const;       ///< counts the changes of region() and pose()
   const std::vector<std::vector<int>>& groups() const;  ///< handle groups, mesh vertex numbers
-  int active_group() const;                             ///< the one that moves, -1 if there is none
-  Affine active_map() const;         ///< where the drag wants the active group, also before any pose is solved
-  const DragMotion* motion() const;  ///< the drag in progress, null if there is none
-  bool preparing() const;            ///< a region is on its way
-  double progress() const;           ///< of that, 0 to 1
-  const char* stage() const;         ///< of that
-  bool in_hand() const;              ///< a drag is followed at once, if only by the region's stand-in
-  bool ready() const;                ///< the region is prepared
-  bool busy() const;                 ///< poll() has, or will have, something new
+  /// These, each with what of its mirror image it touches, and behind them the other images.
+  const std::vector<std::vector<int>>& mirrored_groups() const;
+  int group_of_image(int group) const;  ///< mirrored_groups() -> groups(): the same number but for images
+  int active_group() const;             ///< the one that moves, -1 if there is none
+  Affine active_map() const;            ///< where the drag wants the active group, also before any pose is solved
+  const DragMotion* motion() const;     ///< the drag in progress, null if there is none
+  bool preparing() const;               ///< a region is on its way
+  double progress() const;              ///< of that, 0 to 1
+  const char* stage() const;            ///< of that
+  bool in_hand() const;                 ///< a drag is followed at once, if only by the region's stand-in
+  bool ready() const;                   ///< the region is prepared
+  bool busy() const;                    ///< poll() has, or will have, something new
   /// Brushed vertices that no handle reaches: kept, and part of the region once something connects them. Ascending.
   const std::vector<int>& unconnected() const;
   /// Of the picture: where it is and how large, if there is an active group and it is switched on.
@@ -132,6 +135,7 @@ class DragSession {
   /// Every step goes on both sides of the plane at once; nothing: off.
   const std::optional<MirrorPlane>& mirror() const;
   void set_mirror(const std::optional<MirrorPlane>& plane);
+  void find_mirror();  ///< the plane that the mesh is most nearly symmetric about, see find_symmetry()
 
   // Mouse ------------------------------------------------------------------------------------------------------------
   // A press and a release without a move between them are a click: the host decides how far a move has to be.

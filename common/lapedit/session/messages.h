@@ -53,6 +53,9 @@ constexpr const char* kNoComponent = LAPEDIT_TEXT(
 constexpr const char* kNoRegion = LAPEDIT_TEXT("lapedit", "There is no region yet: click on the surface first.");
 constexpr const char* kNothingLeft = LAPEDIT_TEXT("lapedit", "Nothing would be left of the region: it stays as it is.");
 constexpr const char* kRegionNotKnown = LAPEDIT_TEXT("lapedit", "The region is still being found: wait a moment.");
+constexpr const char* kNotSymmetric = LAPEDIT_TEXT(
+    "lapedit",
+    "The mesh is nowhere nearly its own mirror image: choose one of the planes of the layer's axes instead.");
 constexpr const char* kNoAnchors = LAPEDIT_TEXT(
     "lapedit", "None of these vertices is in the region and in no handle: brush or select inside the region.");
 constexpr const char* kNoMotion = LAPEDIT_TEXT(

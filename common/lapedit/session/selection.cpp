@@ -36,12 +36,12 @@ std::vector<int> handles_of(const Selection& selection, int but = -1) {
   return handles;
 }
 
-Selection with_vertices(Selection selection, std::vector<int> vertices, double padding) {
+Selection with_vertices(Selection selection, std::vector<int> vertices, const DragSettings& settings) {
   selection.region = RegionSpec();
   selection.region.kind = RegionSpec::Kind::Vertices;
   selection.region.vertices = std::move(vertices);
   selection.has_region = true;
-  return with_padding(std::move(selection), padding);
+  return with_padding(std::move(selection), settings);
 }
 
 std::vector<int>& centers_of_active(Selection& selection) {
@@ -51,18 +51,21 @@ std::vector<int>& centers_of_active(Selection& selection) {
 void add_group(Selection& selection, std::vector<int> vertices, std::vector<int> centers) {
   selection.groups.push_back(std::move(vertices));
   selection.discs.centers.push_back(std::move(centers));
+  selection.weights.emplace_back();
   selection.active = static_cast<int>(selection.groups.size()) - 1;
 }
 
 void erase_group(Selection& selection, std::size_t group) {
   selection.groups.erase(selection.groups.begin() + static_cast<std::ptrdiff_t>(group));
   selection.discs.centers.erase(selection.discs.centers.begin() + static_cast<std::ptrdiff_t>(group));
+  selection.weights.erase(selection.weights.begin() + static_cast<std::ptrdiff_t>(group));
   selection.active = static_cast<int>(selection.groups.size()) - 1;
 }
 
 void clear_groups(Selection& selection) {
   selection.groups.clear();
   selection.discs.centers.clear();
+  selection.weights.clear();
   selection.active = -1;
 }
 
@@ -83,24 +86,37 @@ std::vector<int> disc(const Surface& surface, int vertex) {
   return within;
 }
 
-/// How far discs go from their centres: on a coarse mesh less far than they were to.
-double reach_of_discs(const Surface& surface, const Selection& selection) {
-  double reach = 0;
-  if (selection.discs.all()) {
-    GeodesicSearch search(surface.adjacency.neighbours, surface.mesh.vertices);
-    for (std::size_t g = 0; g < selection.groups.size(); ++g) {
-      search.run(selection.discs.centers[g], surface.settings.radius);
-      for (const int v : selection.groups[g]) {
-        reach = std::max(reach, std::min(search.distance(v), kLargestHandleShare * surface.settings.radius));
-      }
+/// What follows from discs once their groups are known: how far they go (on a coarse mesh less far than they were to),
+/// from where the region's radius counts, and weights.
+void follow_discs(const Surface& surface, Selection& selection) {
+  const double radius = disc_radius(surface.settings), softness = surface.settings.softness;
+  const bool counts = selection.discs.all();
+  selection.discs.reach = 0;
+  selection.weights.assign(selection.groups.size(), {});
+  std::optional<GeodesicSearch> search;
+  for (std::size_t g = 0; g < selection.groups.size(); ++g) {
+    const std::vector<int>& centers = selection.discs.centers[g];
+    if (centers.empty() || (!counts && softness == 0)) {
+      continue;
+    }
+    if (!search) {
+      search.emplace(surface.adjacency.neighbours, surface.mesh.vertices);
+    }
+    search->run(centers, surface.settings.radius);
+    std::vector<double> distances;
+    for (const int v : selection.groups[g]) {
+      distances.push_back(std::min(search->distance(v), surface.settings.radius));
+    }
+    const double reach = *std::max_element(distances.begin(), distances.end());
+    selection.discs.reach =
+        std::max(selection.discs.reach, std::min(reach, kLargestHandleShare * surface.settings.radius));
+    if (softness > 0 && reach > 0) {
+      selection.weights[g] = falloff_weights(distances, std::max(reach, radius), softness);
     }
   }
-  return reach;
-}
-
-/// A region that is grown by the radius counts from the centres of discs, not from their rims.
-void count_from_centers(const Surface& surface, Selection& selection) {
-  selection.discs.reach = reach_of_discs(surface, selection);
+  if (!counts) {
+    selection.discs.reach = 0;
+  }
   if (selection.has_region && selection.region.kind == RegionSpec::Kind::Radius) {
     selection.region.radius = surface.settings.radius - selection.discs.reach;
   }
@@ -148,7 +164,7 @@ Choice extend_curve(const Surface& surface, const Selection& selection, int vert
   Selection after = selection;
   after.groups[after.active] = united(after.groups[after.active], path);
   centers_of_active(after).clear();
-  count_from_centers(surface, after);
+  follow_discs(surface, after);
   after.curve_end = vertex;
   return after;
 }
@@ -163,7 +179,7 @@ Choice changed_by_hand(const Surface& surface, const Selection& selection, const
   if (changed.empty()) {
     return Refusal{messages::kNothingLeft};
   }
-  Selection after = with_vertices(selection, std::move(changed), surface.settings.padding);
+  Selection after = with_vertices(selection, std::move(changed), surface.settings);
   after.by_hand = true;
   return after;
 }
@@ -211,7 +227,7 @@ Choice pick(const Surface& surface, const Selection& selection, int vertex) {
     clear_groups(after);
   }
   add_group(after, std::move(handle), curve ? std::vector<int>() : std::vector<int>{vertex});
-  count_from_centers(surface, after);
+  follow_discs(surface, after);
   after.curve_end = curve ? vertex : -1;
   after.next = Next::Handle;
   return after;
@@ -229,7 +245,7 @@ Choice add_to_handle(const Surface& surface, const Selection& selection, int ver
     }
     clear_groups(after);
     add_group(after, std::move(handle), {vertex});
-    count_from_centers(surface, after);
+    follow_discs(surface, after);
     after.next = Next::Handle;
     return after;
   }
@@ -244,6 +260,7 @@ Choice add_to_handle(const Surface& surface, const Selection& selection, int ver
   if (std::vector<int>& centers = centers_of_active(after); !centers.empty()) {
     centers = united(centers, {vertex});
   }
+  follow_discs(surface, after);
   return after;
 }
 
@@ -260,9 +277,9 @@ Choice take_from_handle(const Surface& surface, const Selection& selection, int 
   if (after.groups[group].empty()) {
     erase_group(after, group);
   }
-  count_from_centers(surface, after);
+  follow_discs(surface, after);
   if (after.groups.empty() && surface.region) {
-    after = with_vertices(std::move(after), surface.region->mesh_vertex, surface.settings.padding);
+    after = with_vertices(std::move(after), surface.region->mesh_vertex, surface.settings);
   }
   return after;
 }
@@ -279,7 +296,7 @@ Selection brushed(const Surface& surface, const Selection& selection, const std:
   Selection after = selection;
   after.has_region = false;
   if (!vertices.empty()) {
-    after = with_vertices(std::move(after), std::move(vertices), surface.settings.padding);
+    after = with_vertices(std::move(after), std::move(vertices), surface.settings);
     after.by_hand = true;
   }
   return after;
@@ -312,7 +329,7 @@ Choice handle_brushed(const Surface& surface, const Selection& selection, const 
   if (group.empty()) {
     erase_group(after, static_cast<std::size_t>(after.active));
   }
-  count_from_centers(surface, after);
+  follow_discs(surface, after);
   return after;
 }
 
@@ -339,7 +356,7 @@ Choice with_anchors(const Surface& surface, const Selection& selection, std::vec
   if (vertices.empty()) {
     return Refusal{messages::kNoAnchors};
   }
-  Selection after = with_vertices(selection, region, surface.settings.padding);
+  Selection after = with_vertices(selection, region, surface.settings);
   after.by_hand = true;
   after.region.anchors.weights.assign(vertices.size(), 1);
   after.region.anchors.depths.assign(vertices.size(), 1);
@@ -357,7 +374,7 @@ Choice with_region(const Surface& surface, const Selection& selection, std::vect
   if (vertices.front() < 0 || vertices.back() >= n) {
     return Refusal{messages::no_such_vertices(n)};
   }
-  Selection after = with_vertices(selection, std::move(vertices), surface.settings.padding);
+  Selection after = with_vertices(selection, std::move(vertices), surface.settings);
   after.by_hand = true;
   if (after.next == Next::Region) {
     after.next = Next::Handle;
@@ -372,6 +389,7 @@ Choice with_region(const Surface& surface, const Selection& selection, std::vect
   if (after.groups.size() == selection.groups.size()) {
     after.active = selection.active;
   }
+  follow_discs(surface, after);
   return after;
 }
 
@@ -384,7 +402,7 @@ Choice whole_component(const Surface& surface, const Selection& selection) {
   after.region.kind = RegionSpec::Kind::Component;
   after.has_region = true;
   after.by_hand = false;
-  return with_padding(std::move(after), surface.settings.padding);
+  return with_padding(std::move(after), surface.settings);
 }
 
 Choice grown_by_a_ring(const Surface& surface, const Selection& selection) {
@@ -403,7 +421,7 @@ Selection with_radius(const Surface& surface, const Selection& selection) {
   after.region = RegionSpec();
   after.has_region = true;
   after.by_hand = false;
-  return with_padding(with_discs(surface, after), surface.settings.padding);
+  return with_padding(with_discs(surface, after), surface.settings);
 }
 
 Selection with_discs(const Surface& surface, const Selection& selection) {
@@ -423,15 +441,16 @@ Selection with_discs(const Surface& surface, const Selection& selection) {
     }
     others = united(others, after.groups[g]);
   }
-  count_from_centers(surface, after);
+  follow_discs(surface, after);
   return after;
 }
 
-Selection with_padding(Selection selection, double padding) {
-  if (selection.region.padding != padding) {
+Selection with_padding(Selection selection, const DragSettings& settings) {
+  if (selection.region.padding != settings.padding) {
     selection.region.anchors = KeptAnchors();
   }
-  selection.region.padding = padding;
+  selection.region.padding = settings.padding;
+  selection.region.connect_gap = settings.connect_gap;
   return selection;
 }
 
@@ -441,7 +460,7 @@ Selection with_region_kept(const Surface& surface, const Selection& selection) {
     return selection;
   }
   Selection after = selection.region.kind == RegionSpec::Kind::Radius
-                        ? with_vertices(selection, surface.region->mesh_vertex, surface.settings.padding)
+                        ? with_vertices(selection, surface.region->mesh_vertex, surface.settings)
                         : selection;
   const bool may_keep = after.region.kind == RegionSpec::Kind::Vertices && after.region.anchors.empty();
   if (may_keep && surface.prepared && !surface.region->distance.empty()) {
@@ -485,7 +504,7 @@ Choice with_next_group(const Selection& selection) {
   return after;
 }
 
-Selection selection_of(const AppliedStep& step, bool applied, const Selection& before, double padding) {
+Selection selection_of(const AppliedStep& step, bool applied, const Selection& before, const DragSettings& settings) {
   Selection after;
   after.mode = before.mode;
   after.taken = before.taken;
@@ -495,15 +514,16 @@ Selection selection_of(const AppliedStep& step, bool applied, const Selection& b
       after.active = static_cast<int>(after.groups.size());
     }
     after.groups.push_back(handle.vertices);
+    after.weights.push_back(handle.weights);
   }
   after.discs = step.discs;
   after.discs.centers.resize(after.groups.size());
   after.region = applied && step.next.kind == RegionSpec::Kind::Vertices ? step.next : step.step.region;
   if (applied && after.region.kind == RegionSpec::Kind::Radius) {
-    return with_vertices(std::move(after), step.vertices, padding);
+    return with_vertices(std::move(after), step.vertices, settings);
   }
   after.has_region = true;
-  return with_padding(std::move(after), padding);
+  return with_padding(std::move(after), settings);
 }
 
 }  // namespace lapedit

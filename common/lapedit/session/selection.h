@@ -18,11 +18,12 @@ struct Selection {
 
   RegionSpec region;  ///< means something if has_region
   bool has_region = false;
-  bool by_hand = false;                  ///< brushed or selected: not to be lost by a click
-  int taken = 0;                         ///< counts the regions that clicks have taken anew
-  std::vector<std::vector<int>> groups;  ///< handle groups: mesh vertex numbers, ascending
-  PickedDiscs discs;                     ///< as many centers as groups
-  int active = -1;                       ///< the group that moves, -1 if there is none
+  bool by_hand = false;                      ///< brushed or selected: not to be lost by a click
+  int taken = 0;                             ///< counts the regions that clicks have taken anew
+  std::vector<std::vector<int>> groups;      ///< handle groups: mesh vertex numbers, ascending
+  PickedDiscs discs;                         ///< as many centers as groups
+  std::vector<std::vector<double>> weights;  ///< per group, as HandleGroup::weights
+  int active = -1;                           ///< the group that moves, -1 if there is none
   HandleMode mode = HandleMode::Vertex;
   int curve_end = -1;  ///< where the next piece of a curve begins, -1 if there is no curve to lead on
   Next next = Next::Handle;
@@ -73,8 +74,8 @@ Choice shrunk_by_a_ring(const Surface& surface, const Selection& selection);
 Selection with_radius(const Surface& surface, const Selection& selection);
 /// Discs are as large as the settings say; a region that was grown by a radius still counts from their centres.
 Selection with_discs(const Surface& surface, const Selection& selection);
-/// Anchors that were kept belong to their padding.
-Selection with_padding(Selection selection, double padding);
+/// Padding and gap of the settings; anchors that were kept belong to their padding.
+Selection with_padding(Selection selection, const DragSettings& settings);
 /// The region for other handles: as it is shown, with its anchors. But anchors that hold nearly nothing, since they are
 /// next to the handle, are left to be found anew from the next one.
 Selection with_region_kept(const Surface& surface, const Selection& selection);
@@ -95,6 +96,6 @@ Vector3 middle_of_rim(const TriangleMesh& mesh, const Region& region, const std:
 std::vector<int> sorted_set(std::vector<int> vertices);
 
 /// Handles and region of a step. @param applied  its region then is a set
-Selection selection_of(const AppliedStep& step, bool applied, const Selection& before, double padding);
+Selection selection_of(const AppliedStep& step, bool applied, const Selection& before, const DragSettings& settings);
 
 }  // namespace lapedit

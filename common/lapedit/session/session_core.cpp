@@ -161,7 +161,22 @@ void SessionCore::prepare() {
   }
   preparation = Preparation::Running;
   in_hand = false;
-  worker.prepare({history.mesh(), adjacency, selection.region, groups(), settings.edit, scalar});
+  PrepareTask task{history.mesh(), adjacency, selection.region,  groups(),
+                   settings.edit,  scalar,    selection.weights, tools.mirror};
+  tools.mirrored.reset();
+  if (tools.mirror) {
+    try {
+      tools.mirrored = std::make_unique<MirroredHandles>(mesh(), groups(), *tools.mirror, selection.weights);
+      task.groups = tools.mirrored->groups();
+      task.weights = tools.mirrored->weights();
+      task.region = mirrored(mesh(), selection.region, *tools.mirror);
+    } catch (const EditError& error) {
+      worker.cancel();
+      on_error(error.what());
+      return;
+    }
+  }
+  worker.prepare(std::move(task));
 }
 
 void SessionCore::restore(Selection before) {
@@ -220,7 +235,7 @@ bool SessionCore::begin(MotionKind kind, const Vector3& grab, const Cursor& curs
   if (Drag* const drag = this->drag()) {
     drag->motion = motion;  // the same gesture goes on as another kind of motion
   } else {
-    phase = Dragging{{motion, by_button, {}}};
+    phase = Dragging{{motion, by_button, {}, {}}};
   }
   return true;
 }
@@ -228,12 +243,18 @@ bool SessionCore::begin(MotionKind kind, const Vector3& grab, const Cursor& curs
 /// Asks for the pose of the drag as it is now: a passing one or, once it is released, the one to stay.
 void SessionCore::ask() {
   Drag& drag = *this->drag();
-  drag.maps.resize(groups().size());
-  std::fill(drag.maps.begin(), drag.maps.end(), Affine::Identity());
+  drag.maps.assign(all_groups().size(), Affine::Identity());
   try {
-    drag.maps[selection.active] = resolve(drag.motion.transform(), center());
+    if (tools.mirrored) {
+      drag.given.assign(groups().size(), HandleTransform());
+      drag.given[selection.active] = drag.motion.transform();
+      tools.mirrored->maps(drag.given, drag.maps);
+    } else {
+      drag.maps[selection.active] = resolve(drag.motion.transform(), center());
+    }
   } catch (const EditError& error) {
-    refusal = error.what();  // the solve that follows takes the group as not moved
+    refusal = error.what();  // the solve that follows takes the groups as not moved
+    drag.maps.assign(all_groups().size(), Affine::Identity());
   }
   drag.last_serial = worker.solve(drag.maps, in<Releasing>() != nullptr);
   drag.first_serial = std::min(drag.first_serial, drag.last_serial);
@@ -284,19 +305,24 @@ void SessionCore::amend() {
     step.region.anchors = KeptAnchors();
   }
   step.region.padding = settings.padding;
+  step.region.connect_gap = settings.connect_gap;
   if (step.region.kind == RegionSpec::Kind::Radius) {
     step.region.radius = std::max(settings.radius - selection.discs.reach, (1 - kLargestHandleShare) * settings.radius);
   }
+  const EditStep written = mirrored(*amending.base, step);
   std::vector<std::vector<int>> handles;
+  std::vector<std::vector<double>> weights;
   std::vector<Affine> maps;
-  for (const HandleGroup& handle : step.handles) {
+  for (const HandleGroup& handle : written.handles) {
     handles.push_back(handle.vertices);
+    weights.push_back(handle.weights);
     maps.push_back(resolve(handle.transform, centroid(amending.base->vertices, handle.vertices)));
   }
   preparation = Preparation::Running;
   in_hand = false;
   heard = DragFigures();
-  worker.prepare({amending.base, adjacency, step.region, std::move(handles), step.settings, scalar});
+  worker.prepare({amending.base, adjacency, written.region, std::move(handles), step.settings, scalar,
+                  std::move(weights), step.mirror});
   amending.serial = worker.solve(maps, true);
 }
 
@@ -306,8 +332,9 @@ MouseEvents SessionCore::commit_release() {
   EditStep step;
   step.region = selection.region;
   step.settings = settings.edit;
-  for (const std::vector<int>& group : groups()) {
-    step.handles.push_back({group, {}});
+  step.mirror = tools.mirror;
+  for (std::size_t g = 0; g < groups().size(); ++g) {
+    step.handles.push_back({groups()[g], {}, selection.weights[g]});
   }
   step.handles[selection.active].transform = releasing.drag.motion.transform();
   const AppliedStep& applied = history.apply(std::move(step), shown.region()->mesh_vertex, shown.pose());
@@ -361,7 +388,8 @@ void SessionCore::go_on() {
 
 /// Goes back to the handle and the region of a step. @param applied  its region then is a set
 void SessionCore::take_over(const AppliedStep& step, bool applied) {
-  selection = selection_of(step, applied, selection, settings.padding);
+  selection = selection_of(step, applied, selection, settings);
+  tools.mirror = step.step.mirror;
   strokes = Strokes();
   heard = DragFigures();
   shown.await(nullptr);
@@ -445,6 +473,7 @@ bool SessionCore::listen(MouseEvents& waited) {
   }
   if (news.ready) {
     preparation = Preparation::Done;
+    heard.taken_over = news.taken_over;
     heard.prepare_ms = news.prepare_ms;
   }
   if (news.report) {

@@ -34,8 +34,9 @@ using MouseEvents = std::vector<MouseEvent>;
 /// A motion of the active group, and the solves that it asked for.
 struct Drag {
   DragMotion motion;
-  bool by_button;            ///< held, rather than begun by a key
-  std::vector<Affine> maps;  ///< of the groups; kept for its memory
+  bool by_button;                      ///< held, rather than begun by a key
+  std::vector<HandleTransform> given;  ///< of the user's groups
+  std::vector<Affine> maps;            ///< of all groups; both kept for their memory
   int first_serial = std::numeric_limits<int>::max(), last_serial = 0;
 };
 
@@ -85,6 +86,7 @@ struct Tools {
   Pivot pivot = Pivot::Centroid;
   int pivot_vertex = -1;  ///< Pivot::Point; -1: the next click picks it
   std::optional<MirrorPlane> mirror;
+  std::unique_ptr<const MirroredHandles> mirrored;  ///< of the region that is prepared; null without a plane
 };
 
 /// The cursor while no button is down.
@@ -150,6 +152,10 @@ struct SessionCore {
   const TriangleMesh& original() const { return history.original(); }
   const TriangleMesh& mesh() const { return *history.mesh(); }
   const std::vector<std::vector<int>>& groups() const { return selection.groups; }
+  /// With their mirror images behind them.
+  const std::vector<std::vector<int>>& all_groups() const {
+    return tools.mirrored ? tools.mirrored->groups() : groups();
+  }
   Surface surface() const {
     return {mesh(), *adjacency, settings, shown.region().get(), preparation == Preparation::Done};
   }

@@ -1,0 +1,531 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/edit/mirror.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "lapedit/base/error.h"
+#include "lapedit/base/format_text.h"
+#include "lapedit/deform/polar_decomposition.h"
+#include "lapedit/edit/edit.h"
+#include "lapedit/mesh/vertex_grid.h"
+
+namespace lapedit {
+namespace {
+
+constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180;
+
+Vector3 place_of(const Points& points, int v) {
+  return points.row(v).transpose();
+}
+
+/// Vertices with faces and coordinates.
+std::vector<int> usable_vertices(const TriangleMesh& mesh) {
+  std::vector<char> used(mesh.vertices.rows(), 0);
+  for (Eigen::Index k = 0; k < mesh.faces.size(); ++k) {
+    used[mesh.faces.data()[k]] = 1;
+  }
+  std::vector<int> vertices;
+  for (int v = 0; v < static_cast<int>(used.size()); ++v) {
+    if (used[v] && mesh.vertices.row(v).allFinite()) {
+      vertices.push_back(v);
+    }
+  }
+  return vertices;
+}
+
+Eigen::AlignedBox3d box_of(const Points& points, const std::vector<int>& vertices) {
+  Eigen::AlignedBox3d box;
+  for (const int v : vertices) {
+    box.extend(place_of(points, v));
+  }
+  return box;
+}
+
+double mean_edge(const TriangleMesh& mesh) {
+  double sum = 0;
+  Eigen::Index count = 0;
+  for (const auto& face : mesh.faces.rowwise()) {
+    for (int k = 0; k < 3; ++k) {
+      const double length = (mesh.vertices.row(face[k]) - mesh.vertices.row(face[(k + 1) % 3])).norm();
+      sum += std::isfinite(length) ? length : 0;
+      count += std::isfinite(length);
+    }
+  }
+  return count > 0 ? sum / static_cast<double>(count) : 0;
+}
+
+/// Images of vertices across a plane.
+class Images {
+ public:
+  Images(const TriangleMesh& mesh, const MirrorPlane& plane)
+      : mesh_(mesh), usable_(usable_vertices(mesh)), mirror_(reflection(plane)), grid_(mesh.vertices, usable_) {
+    constexpr double kEdges = 4, kOfDiagonal = 0.02;
+    edge_ = mean_edge(mesh);
+    limit_ = std::max(kEdges * edge_, kOfDiagonal * box_of(mesh.vertices, usable_).diagonal().norm());
+  }
+
+  double limit() const { return limit_; }
+
+  /// -1: there is none within the limit.
+  int of(int v) const {
+    const Vector3 place = mirror_ * place_of(mesh_.vertices, v);
+    return place.allFinite() ? grid_.nearest(place, limit_) : -1;
+  }
+
+  /// Pairs of a vertex of the image and that of the set which it is the image of; of several the lowest. Ascending.
+  /// @param set  ascending. @param missing  takes those without an image
+  std::vector<std::pair<int, int>> of(const std::vector<int>& set, std::vector<int>& missing) const {
+    std::vector<std::pair<int, int>> pairs;
+    for (const int v : set) {
+      const int image = of(v);
+      if (image >= 0) {
+        pairs.emplace_back(image, v);
+      } else {
+        missing.push_back(v);
+      }
+    }
+    if (set.size() > 1) {
+      add_between(set, pairs);
+    }
+    std::sort(pairs.begin(), pairs.end());
+    const auto same = [](const auto& a, const auto& b) { return a.first == b.first; };
+    pairs.erase(std::unique(pairs.begin(), pairs.end(), same), pairs.end());
+    return pairs;
+  }
+
+ private:
+  /// Those whose own images are in the set.
+  void add_between(const std::vector<int>& set, std::vector<std::pair<int, int>>& pairs) const {
+    Eigen::AlignedBox3d box;
+    for (const int v : set) {
+      box.extend(mirror_ * place_of(mesh_.vertices, v));
+    }
+    const Vector3 margin = Vector3::Constant(edge_);
+    box = Eigen::AlignedBox3d(box.min() - margin, box.max() + margin);
+    for (const int v : usable_) {
+      const Vector3 place = place_of(mesh_.vertices, v);
+      if (box.contains(place)) {
+        const int image = of(v);
+        if (image >= 0 && std::binary_search(set.begin(), set.end(), image)) {
+          pairs.emplace_back(v, image);
+        }
+      }
+    }
+  }
+
+  const TriangleMesh& mesh_;
+  std::vector<int> usable_;
+  Affine mirror_;
+  VertexGrid grid_;
+  double edge_ = 0, limit_ = 0;
+};
+
+[[noreturn]] void refuse_missing(const TriangleMesh& mesh, const std::vector<int>& missing, std::size_t of) {
+  const Vector3 place = place_of(mesh.vertices, missing[0]);
+  throw EditError(ErrorCause::BadParameter,
+                  std::to_string(missing.size()) + " of " + std::to_string(of) +
+                      " handle vertices have no vertex near their mirrored places, the first is vertex " +
+                      std::to_string(missing[0]) + " at (" + number_text(place[0]) + ", " + number_text(place[1]) +
+                      ", " + number_text(place[2]) + "): move the mirror plane, or edit without it.");
+}
+
+Vector3 turn_of(const Matrix3& rotation) {
+  const Eigen::AngleAxisd turn(rotation);
+  return turn.angle() * turn.axis();
+}
+
+bool turns_or_scales(const HandleTransform& transform) {
+  return transform.degrees != 0 || transform.scale != 1;
+}
+
+}  // namespace
+
+Affine reflection(const MirrorPlane& plane) {
+  if (!plane.point.allFinite() || !plane.normal.allFinite()) {
+    throw EditError(ErrorCause::NotFinite, "The mirror plane is not finite: give a finite point and normal.");
+  }
+  const double length = plane.normal.stableNorm();
+  if (!(length > 0)) {
+    throw EditError(ErrorCause::BadParameter,
+                    "The mirror plane's normal is (0, 0, 0): give a direction, for example (1, 0, 0).");
+  }
+  const Vector3 n = plane.normal / length;
+  Affine mirror;
+  mirror.linear() = Matrix3::Identity() - 2 * n * n.transpose();
+  mirror.translation() = 2 * n.dot(plane.point) * n;
+  return mirror;
+}
+
+MirroredHandles::MirroredHandles(const TriangleMesh& mesh, const std::vector<std::vector<int>>& groups,
+                                 const MirrorPlane& plane, const std::vector<std::vector<double>>& weights)
+    : mirror_(reflection(plane)), groups_(groups), weights_(weights), symmetric_(groups.size(), 0) {
+  normal_ = plane.normal.stableNormalized();
+  const Images images(mesh, plane);
+  weights_.resize(groups.size());
+  std::vector<char> taken(mesh.vertices.rows(), 0);
+  std::vector<int> missing;
+  std::size_t vertices = 0;
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    centroid(mesh.vertices, groups[g]);  // checks them
+    source_.push_back(static_cast<int>(g));
+    vertices += groups[g].size();
+    for (const int v : groups[g]) {
+      taken[v] = 1;
+    }
+  }
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const std::vector<int>& group = groups[g];
+    std::vector<int> image;
+    std::vector<double> image_weights;
+    for (const auto& [v, original] : images.of(group, missing)) {
+      const auto at = std::lower_bound(group.begin(), group.end(), original) - group.begin();
+      symmetric_[g] |= std::binary_search(group.begin(), group.end(), v);
+      if (!taken[v]) {
+        taken[v] = 1;
+        image.push_back(v);
+        image_weights.push_back(weights_[g].empty() ? 1 : weights_[g][at]);
+      }
+    }
+    if (weights_[g].empty()) {
+      image_weights.clear();
+    }
+    if (symmetric_[g]) {
+      groups_[g].insert(groups_[g].end(), image.begin(), image.end());
+      weights_[g].insert(weights_[g].end(), image_weights.begin(), image_weights.end());
+      sort_group(groups_[g], weights_[g]);
+    } else if (!image.empty()) {
+      groups_.push_back(std::move(image));
+      weights_.push_back(std::move(image_weights));
+      source_.push_back(static_cast<int>(g));
+    }
+  }
+  if (!missing.empty()) {
+    refuse_missing(mesh, missing, vertices);
+  }
+  for (const std::vector<int>& group : groups_) {
+    centroids_.push_back(centroid(mesh.vertices, group));
+  }
+}
+
+HandleTransform MirroredHandles::transform(std::size_t g, const std::vector<HandleTransform>& given) const {
+  const auto source = static_cast<std::size_t>(source_[g]);
+  return g >= symmetric_.size()    ? reflected(given[source], centroids_[source])
+         : symmetric_[source] != 0 ? symmetric(given[source], centroids_[g])
+                                   : given[source];
+}
+
+/// S T S.
+HandleTransform MirroredHandles::reflected(const HandleTransform& given, const Vector3& centre) const {
+  HandleTransform result = given;
+  if (given.matrix) {
+    Affine map;
+    map.matrix() = *given.matrix;
+    result.matrix = (mirror_ * map * mirror_).matrix();
+    return result;
+  }
+  result.translation = mirror_.linear() * given.translation;
+  result.axis = -(mirror_.linear() * given.axis);
+  if (given.center || turns_or_scales(given)) {
+    result.center = mirror_ * given.center.value_or(centre);
+  }
+  return result;
+}
+
+HandleTransform MirroredHandles::symmetric(const HandleTransform& given, const Vector3& centre) const {
+  const auto in_plane = [this](const Vector3& v) -> Vector3 { return v - normal_ * normal_.dot(v); };
+  const auto onto_plane = [this](const Vector3& p) -> Vector3 { return (p + mirror_ * p) / 2; };
+  HandleTransform result = given;
+  if (given.matrix) {
+    Affine map;
+    map.matrix() = *given.matrix;
+    const Matrix3 linear = map.linear(), rotation = PolarDecomposition(linear).rotation();
+    const Matrix3 stretch = rotation.transpose() * linear;
+    const Vector3 from = onto_plane(centre);
+    Affine mean;
+    mean.linear() = Eigen::AngleAxisd(turn_of(rotation).dot(normal_), normal_).toRotationMatrix() *
+                    ((stretch + mirror_.linear() * stretch * mirror_.linear()) / 2);
+    mean.translation() = from + in_plane(map * from - from) - mean.linear() * from;
+    result.matrix = mean.matrix();
+    return result;
+  }
+  result.translation = in_plane(given.translation);
+  const double length = given.axis.stableNorm();
+  if (given.degrees != 0 && length > 0) {
+    // The part of the rotation vector along the normal.
+    const double turn = std::remainder(given.degrees, 360) * given.axis.dot(normal_) / length;
+    constexpr double kNone = 1e-12;  // an axis within the plane
+    result.axis = normal_;
+    result.degrees = std::abs(turn) > kNone * std::abs(given.degrees) ? turn : 0;
+    if (std::abs(given.axis.dot(normal_)) > (1 - kNone) * length) {
+      result.degrees = given.axis.dot(normal_) > 0 ? given.degrees : -given.degrees;  // however often it goes round
+    }
+  }
+  if (given.center || turns_or_scales(given)) {
+    result.center = onto_plane(given.center.value_or(centre));
+  }
+  return result;
+}
+
+void MirroredHandles::maps(const std::vector<HandleTransform>& given, std::vector<Affine>& maps) const {
+  maps.resize(groups_.size());
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    maps[g] = resolve(transform(g, given), centroids_[g]);
+  }
+}
+
+RegionSpec mirrored(const TriangleMesh& mesh, const RegionSpec& region, const MirrorPlane& plane) {
+  RegionSpec result = region;
+  if (region.kind != RegionSpec::Kind::Vertices) {
+    return result;
+  }
+  const Images images(mesh, plane);
+  std::vector<int> missing;
+  std::vector<double> none;
+  sort_group(result.vertices, none);
+  std::vector<int> anchors = region.anchors.vertices;
+  sort_group(anchors, none);
+  for (const std::vector<int>* set : {&result.vertices, &anchors}) {
+    for (const int v : *set) {
+      if (v < 0 || v >= mesh.vertices.rows()) {
+        throw EditError(ErrorCause::BadIndex, "Region vertex " + std::to_string(v) + " does not exist: the mesh has " +
+                                                  std::to_string(mesh.vertices.rows()) + " vertices, numbered from 0.");
+      }
+    }
+  }
+  const std::vector<std::pair<int, int>> pairs = images.of(result.vertices, missing);
+  for (const auto& [v, original] : pairs) {
+    result.vertices.push_back(v);
+  }
+  sort_group(result.vertices, none);
+  if (region.anchors.empty()) {
+    return result;
+  }
+  // A vertex that was an anchor keeps what it came with.
+  std::vector<int> place(mesh.vertices.rows(), -1);
+  for (std::size_t k = 0; k < region.anchors.vertices.size(); ++k) {
+    place[region.anchors.vertices[k]] = static_cast<int>(k);
+  }
+  for (const auto& [v, original] : images.of(anchors, missing)) {
+    if (place[v] < 0) {
+      result.anchors.vertices.push_back(v);
+      result.anchors.weights.push_back(region.anchors.weights.at(place[original]));
+      result.anchors.depths.push_back(region.anchors.depths.at(place[original]));
+    }
+  }
+  return result;
+}
+
+EditStep mirrored(const TriangleMesh& mesh, const EditStep& step) {
+  EditStep result = step;
+  if (!step.mirror) {
+    return result;
+  }
+  std::vector<std::vector<int>> groups;
+  std::vector<std::vector<double>> weights;
+  std::vector<HandleTransform> transforms;
+  for (HandleGroup handle : step.handles) {
+    sort_group(handle.vertices, handle.weights);
+    groups.push_back(std::move(handle.vertices));
+    weights.push_back(std::move(handle.weights));
+    transforms.push_back(handle.transform);
+  }
+  const MirroredHandles handles(mesh, groups, *step.mirror, weights);
+  result.handles.clear();
+  for (std::size_t g = 0; g < handles.groups().size(); ++g) {
+    result.handles.push_back({handles.groups()[g], handles.transform(g, transforms), handles.weights()[g]});
+  }
+  result.region = mirrored(mesh, step.region, *step.mirror);
+  result.mirror.reset();
+  return result;
+}
+
+PoseSymmetry::PoseSymmetry(const TriangleMesh& mesh, const Region& region, const MirrorPlane& plane)
+    : rest_(region.size(), 3) {
+  constexpr double kSame = 1e-6;
+  const Affine mirror = reflection(plane);
+  mirror_ = mirror.linear();
+  std::vector<int> all(region.size());
+  for (int i = 0; i < region.size(); ++i) {
+    rest_.row(i) = mesh.vertices.row(region.mesh_vertex[i]);
+    all[i] = i;
+  }
+  const double limit = kSame * box_of(mesh.vertices, usable_vertices(mesh)).diagonal().norm();
+  const VertexGrid grid(rest_, all);
+  twin_.resize(region.size());
+  for (int i = 0; i < region.size(); ++i) {
+    twin_[i] = grid.nearest(mirror * place_of(rest_, i), limit);
+  }
+  const auto alone = [this](int i) { return twin_[i] < 0 || twin_[twin_[i]] != i; };
+  if (std::any_of(all.begin(), all.end(), alone)) {
+    twin_.clear();
+    rest_.resize(0, 3);
+  }
+}
+
+/// The ways, not the places: what the rest pose is off by stays.
+void PoseSymmetry::apply(Points& places) const {
+  for (int i = 0; i < static_cast<int>(twin_.size()); ++i) {
+    if (const int j = twin_[i]; i <= j) {
+      const Vector3 a = (places.row(i) - rest_.row(i)).transpose(), b = (places.row(j) - rest_.row(j)).transpose();
+      if (a == mirror_ * b) {
+        continue;  // not moved is not moved to the bit
+      }
+      const Vector3 mean = (a + mirror_ * b) / 2;
+      places.row(i) = rest_.row(i) + mean.transpose();
+      if (i != j) {
+        places.row(j) = rest_.row(j) + (mirror_ * mean).transpose();
+      }
+    }
+  }
+}
+
+namespace {
+
+/// How nearly a mesh is its own mirror image, from a sample of its vertices.
+class SymmetrySearch {
+ public:
+  explicit SymmetrySearch(const TriangleMesh& mesh)
+      : mesh_(mesh),
+        usable_(usable_vertices(mesh)),
+        grid_(mesh.vertices, usable_),
+        box_(box_of(mesh.vertices, usable_)) {
+    constexpr std::size_t kSample = 2000;
+    const std::size_t stride = usable_.size() / kSample + 1;
+    for (std::size_t k = 0; k < usable_.size(); k += stride) {
+      sample_.push_back(usable_[k]);
+    }
+  }
+
+  std::optional<MirrorPlane> find() const;
+
+ private:
+  struct Candidate {
+    MirrorPlane plane;
+    double error;  // mean distance
+  };
+  std::vector<MirrorPlane> planes() const;
+  double diagonal() const { return box_.diagonal().norm(); }
+  double error(const MirrorPlane& plane) const;
+  MirrorPlane refined(const MirrorPlane& plane) const;
+
+  const TriangleMesh& mesh_;
+  std::vector<int> usable_, sample_;
+  VertexGrid grid_;
+  Eigen::AlignedBox3d box_;
+};
+
+constexpr double kGivenUp = 0.05;  // of the diagonal: what is as far counts as this
+
+double SymmetrySearch::error(const MirrorPlane& plane) const {
+  const Affine mirror = reflection(plane);
+  const double limit = kGivenUp * diagonal();
+  double sum = 0, off = 0;
+  for (const int v : sample_) {
+    const Vector3 place = place_of(mesh_.vertices, v), image = mirror * place;
+    const int near = grid_.nearest(image, limit);
+    sum += near >= 0 ? (place_of(mesh_.vertices, near) - image).norm() : limit;
+    off += (image - place).norm() / 2;
+  }
+  // A flat mesh is no mirror image of itself across its own plane: nothing would be on the other side.
+  constexpr double kThin = 0.02;
+  const auto count = static_cast<double>(sample_.size());
+  return off / count > kThin * diagonal() ? sum / count : limit;
+}
+
+/// Coordinate axes first, since of equals the first is taken.
+std::vector<MirrorPlane> SymmetrySearch::planes() const {
+  Vector3 sum = Vector3::Zero();
+  double area = 0;
+  Matrix3 spread = Matrix3::Zero();
+  const Vector3 middle = box_.center();
+  for (const auto& face : mesh_.faces.rowwise()) {
+    const Vector3 a = place_of(mesh_.vertices, face[0]) - middle, b = place_of(mesh_.vertices, face[1]) - middle,
+                  c = place_of(mesh_.vertices, face[2]) - middle, centre = (a + b + c) / 3;
+    const double own = (b - a).cross(c - a).norm() / 2;
+    if (std::isfinite(own)) {
+      area += own;
+      sum += own * centre;
+      spread += own * centre * centre.transpose();
+    }
+  }
+  const Vector3 centroid = area > 0 ? Vector3(sum / area) : Vector3::Zero();
+  spread = area > 0 ? Matrix3(spread / area - centroid * centroid.transpose()) : Matrix3::Identity();
+  const Matrix3 axes = Eigen::SelfAdjointEigenSolver<Matrix3>(spread).eigenvectors();
+  std::vector<MirrorPlane> result;
+  for (const Matrix3& directions : {Matrix3(Matrix3::Identity()), axes}) {
+    for (const Vector3& point : {middle, Vector3(middle + centroid)}) {
+      for (int k = 0; k < 3; ++k) {
+        result.push_back({point, directions.col(k)});
+      }
+    }
+  }
+  return result;
+}
+
+/// The plane between the sampled vertices and what is nearest to their images: its normal is the direction in which
+/// those are apart.
+MirrorPlane SymmetrySearch::refined(const MirrorPlane& plane) const {
+  const Affine mirror = reflection(plane);
+  const double limit = kGivenUp * diagonal();
+  Matrix3 apart = Matrix3::Zero();
+  Vector3 between = Vector3::Zero();
+  int count = 0;
+  for (const int v : sample_) {
+    const Vector3 place = place_of(mesh_.vertices, v);
+    const int near = grid_.nearest(mirror * place, limit);
+    if (near >= 0) {
+      const Vector3 other = place_of(mesh_.vertices, near);
+      apart += (other - place) * (other - place).transpose();
+      between += (other + place) / 2;
+      ++count;
+    }
+  }
+  if (count == 0) {
+    return plane;
+  }
+  const Vector3 normal = Eigen::SelfAdjointEigenSolver<Matrix3>(apart).eigenvectors().col(2);
+  return {between / count, normal.dot(plane.normal) < 0 ? Vector3(-normal) : normal};
+}
+
+std::optional<MirrorPlane> SymmetrySearch::find() const {
+  constexpr double kMost = 0.01, kEqual = 1e-6;  // of the diagonal
+  constexpr std::size_t kRefined = 4;
+  constexpr int kSteps = 20;
+  if (sample_.empty() || !(diagonal() > 0)) {
+    return {};
+  }
+  std::vector<Candidate> candidates;
+  for (const MirrorPlane& plane : planes()) {
+    candidates.push_back({plane, error(plane)});
+  }
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.error < b.error; });
+  Candidate best = candidates[0];
+  for (std::size_t k = 0; k < kRefined; ++k) {
+    Candidate now = candidates[k];
+    for (int step = 0; step < kSteps && now.error > kEqual * diagonal(); ++step) {
+      const MirrorPlane plane = refined(now.plane);
+      const Candidate next{plane, error(plane)};
+      if (!(next.error < now.error)) {
+        break;
+      }
+      now = next;
+    }
+    if (now.error < best.error - kEqual * diagonal()) {
+      best = now;
+    }
+  }
+  return best.error <= kMost * diagonal() ? std::optional<MirrorPlane>(best.plane) : std::nullopt;
+}
+
+}  // namespace
+
+std::optional<MirrorPlane> find_symmetry(const TriangleMesh& mesh) {
+  return SymmetrySearch(mesh).find();
+}
+
+}  // namespace lapedit

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/mesh/vertex_grid.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace lapedit {
+
+VertexGrid::VertexGrid(const Points& points, std::vector<int> vertices) : points_(points) {
+  Eigen::AlignedBox3d box;
+  for (const int v : vertices) {
+    box.extend(points.row(v).transpose());
+  }
+  if (!vertices.empty()) {
+    constexpr double kCubesPerVertex = 2, kFlat = 1e-3;  // of the longest side
+    low_ = box.min();
+    const double longest = box.sizes().maxCoeff();
+    const Vector3 sides = box.sizes().cwiseMax(kFlat * longest);
+    const double size = std::cbrt(sides.prod() / (kCubesPerVertex * static_cast<double>(vertices.size())));
+    size_ = longest > 0 && std::isfinite(longest) && size > 0 ? size : 1;
+    for (int k = 0; k < 3; ++k) {
+      counts_[k] = longest > 0 ? 1 + static_cast<int>(box.sizes()[k] / size_) : 1;
+    }
+  }
+  const auto number = [this, &points](int v) {
+    const std::array<int, 3> cube = cube_at(points.row(v).transpose());
+    return (std::clamp(cube[2], 0, counts_[2] - 1) * counts_[1] + std::clamp(cube[1], 0, counts_[1] - 1)) * counts_[0] +
+           std::clamp(cube[0], 0, counts_[0] - 1);
+  };
+  std::sort(vertices.begin(), vertices.end());
+  offsets_.assign(static_cast<std::size_t>(counts_[0]) * counts_[1] * counts_[2] + 1, 0);
+  for (const int v : vertices) {
+    ++offsets_[number(v) + 1];
+  }
+  for (std::size_t k = 1; k < offsets_.size(); ++k) {
+    offsets_[k] += offsets_[k - 1];
+  }
+  vertices_.resize(vertices.size());
+  std::vector<int> next = offsets_;
+  for (const int v : vertices) {
+    vertices_[next[number(v)]++] = v;
+  }
+}
+
+/// Of a place outside, the cube at the border that is nearest.
+std::array<int, 3> VertexGrid::cube_at(const Vector3& place) const {
+  std::array<int, 3> cube{};
+  for (int k = 0; k < 3; ++k) {
+    cube[k] = static_cast<int>(std::clamp((place[k] - low_[k]) / size_, 0.0, static_cast<double>(counts_[k] - 1)));
+  }
+  return cube;
+}
+
+/// Squared, and never more than it is: how near the cubes of a ring and beyond may come.
+double VertexGrid::nearest_of_ring(const Vector3& place, const std::array<int, 3>& middle, int ring) const {
+  double gap = std::numeric_limits<double>::max();
+  for (int k = 0; k < 3; ++k) {
+    const double at = (place[k] - low_[k]) / size_;
+    // To the sides of the block of cubes inside the ring, as far as there are cubes beyond.
+    if (middle[k] - ring >= 0) {
+      gap = std::min(gap, at - (middle[k] - ring + 1));
+    }
+    if (middle[k] + ring < counts_[k]) {
+      gap = std::min(gap, middle[k] + ring - at);
+    }
+  }
+  constexpr double kRounding = 1e-9;
+  gap = gap < std::numeric_limits<double>::max() ? std::max(0.0, gap - kRounding) * size_ : kFar;
+  return gap * gap;
+}
+
+}  // namespace lapedit

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <map>
+#include <memory>
+
+#include "dense_reference.h"
+#include "lapedit/deform/coarse_preview.h"
+#include "lapedit/deform/laplacian_editor.h"
+#include "shapes.h"
+#include "support.h"
+
+namespace lapedit {
+namespace {
+
+/// A disc on a surface, with its vertices' distances from its centre.
+struct Disc {
+  TriangleMesh mesh;
+  Adjacency adjacency = support::adjacency_of(mesh);
+  int centre;
+  double radius;
+  std::vector<int> vertices;
+  std::vector<double> distances;
+  std::vector<double> from_centre;  // of all vertices
+
+  Disc(TriangleMesh surface, const Vector3& middle, double r)
+      : mesh(std::move(surface)), centre(support::vertex_at(mesh, middle)), radius(r) {
+    from_centre = support::bellman_ford(mesh, {centre});
+    for (int v = 0; v < static_cast<int>(from_centre.size()); ++v) {
+      if (from_centre[v] <= radius) {
+        vertices.push_back(v);
+        distances.push_back(from_centre[v]);
+      }
+    }
+  }
+
+  Region region(double reach, const std::vector<double>& weights) const {
+    RegionSpec spec;
+    spec.radius = reach;
+    return build_region(mesh, adjacency, spec, {vertices}, 0, {weights});
+  }
+  Region soft(double reach, double softness) const {
+    return region(reach, falloff_weights(distances, radius, softness));
+  }
+};
+
+Disc plane(double radius = 0.16, int columns = 160) {
+  return {shapes::letter_field(columns, columns / 2, 0), {2, 1, 0}, radius};
+}
+
+/// Degrees between faces at edges that begin at a distance.
+double largest_edge(const Disc& disc, const Points& places, double from, double to) {
+  const auto normal = [&](Eigen::Index f) -> Vector3 {
+    const Vector3 a = places.row(disc.mesh.faces(f, 0)), b = places.row(disc.mesh.faces(f, 1)),
+                  c = places.row(disc.mesh.faces(f, 2));
+    return (b - a).cross(c - a).normalized();
+  };
+  std::map<std::pair<int, int>, Eigen::Index> first;
+  double largest = 0;
+  for (Eigen::Index f = 0; f < disc.mesh.faces.rows(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      const int a = disc.mesh.faces(f, k), b = disc.mesh.faces(f, (k + 1) % 3);
+      const auto [other, is_new] = first.insert({{std::min(a, b), std::max(a, b)}, f});
+      if (!is_new && disc.from_centre[a] >= from && disc.from_centre[a] <= to) {
+        const double sine = normal(f).cross(normal(other->second)).norm();
+        largest = std::max(largest, std::asin(std::min(1.0, sine)) * 180 / std::acos(-1.0));
+      }
+    }
+  }
+  return largest;
+}
+
+TEST(SoftHandle, FallOffGoesSmoothlyFromOneToTheRim) {
+  const std::vector<double> distances{0, 0.25, 0.5, 0.75, 0.9, 1};
+  for (const double weight : falloff_weights(distances, 1, 0)) {
+    EXPECT_EQ(weight, 1);
+  }
+  for (const double softness : {0.5, 1.0}) {
+    const std::vector<double> weights = falloff_weights(distances, 1, softness);
+    EXPECT_EQ(weights[0], 1);
+    EXPECT_EQ(weights[2] == 1, softness == 0.5);
+    EXPECT_NEAR(weights[5], 0.3 / 6, 1e-15) << "over the number of vertices";
+    EXPECT_TRUE(std::is_sorted(weights.rbegin(), weights.rend()));
+  }
+}
+
+/// The disc's edge, 34 degrees where it is hard, is spread over the disc.
+TEST(SoftHandle, PulledDiscMakesADome) {
+  double edges[2];
+  for (const bool soft : {false, true}) {
+    const Disc disc = plane();
+    LaplacianEditor editor(disc.mesh, disc.soft(0.8, soft ? 1 : 0), EditSettings());
+    const Points& result = editor.solve({support::shift({0, 0, 0.3})});
+    Points places = disc.mesh.vertices;
+    for (int i = 0; i < editor.region().size(); ++i) {
+      places.row(editor.region().mesh_vertex[i]) = result.row(i);
+    }
+    edges[soft] = largest_edge(disc, places, 0, 1.5 * disc.radius);
+    EXPECT_NEAR(places(disc.centre, 2), 0.3, 1e-3);
+    EXPECT_LT(editor.report().handle_residual, 1e-3) << "of what is not soft";
+  }
+  EXPECT_GT(edges[0], 25) << "this says nothing";
+  EXPECT_LT(edges[1], 0.55 * edges[0]);
+}
+
+/// How far the rim stays behind does not depend on the mesh's resolution.
+TEST(SoftHandle, DomeIsTheSameOnCoarseAndFineMeshes) {
+  for (const int columns : {60, 120, 254}) {
+    const Disc disc = plane(0.25, columns);
+    LaplacianEditor editor(disc.mesh, disc.soft(0.8, 1), EditSettings());
+    const Points& result = editor.solve({support::shift({0, 0, 0.3})});
+    double rim = 0;
+    int count = 0;
+    for (int i = 0; i < editor.region().size(); ++i) {
+      if (std::abs(disc.from_centre[editor.region().mesh_vertex[i]] - disc.radius) < 0.15 * disc.radius) {
+        rim += result(i, 2);
+        ++count;
+      }
+    }
+    EXPECT_NEAR(1 - rim / count / 0.3, 0.12, 0.04) << columns;
+  }
+}
+
+/// w_i = share_i w, by hand.
+TEST(SoftHandle, AgreesWithTheDenseSystem) {
+  const Disc disc(shapes::letter_field(24, 12), {2, 1, 0}, 0.3);
+  EditSettings settings = support::older_settings();
+  settings.rotation = DetailRotation::None;
+  const Region region = disc.soft(0.9, 0.8);
+  ASSERT_FALSE(region.handle_share.empty());
+  const Affine up = support::shift({0.1, 0, 0.4});
+  Points targets(region.size(), 3);
+  for (int i = 0; i < region.size(); ++i) {
+    const Vector3 rest = disc.mesh.vertices.row(region.mesh_vertex[i]).transpose();
+    targets.row(i) = (region.classes[i] == VertexClass::Handle ? up * rest : rest).transpose();
+  }
+  LaplacianEditor editor(disc.mesh, region, settings);
+  EXPECT_LT(
+      support::error(editor.solve({up}), reference::solve(disc.mesh, region, settings, targets,
+                                                          std::vector<Matrix3>(region.size(), Matrix3::Identity()))),
+      1e-9);
+}
+
+/// Large handles by solutions, small ones by a correction.
+TEST(SoftHandle, PreviewsKeepTheirPromise) {
+  for (const double radius : {0.16, 0.04}) {
+    const Disc disc = plane(radius);
+    EXPECT_EQ(disc.vertices.size() <= 8, radius < 0.1);
+    for (EditSettings settings : {EditSettings(), support::older_settings()}) {
+      for (const RoughDeformation rough : {RoughDeformation::Unrotated, RoughDeformation::Falloff}) {
+        settings.rough = rough;
+        const Region region = disc.soft(0.8, 1);
+        LaplacianEditor editor(disc.mesh, region, settings);
+        ASSERT_TRUE(editor.has_preview());
+        const std::vector<Affine> maps{support::rigid(30, {0, 1, 1}, {0, 0.1, 0.2}, {2, 1, 0})};
+        const Points exact = editor.solve(maps);
+        EXPECT_LT((editor.preview(maps) - exact).rowwise().norm().maxCoeff(), 1e-4 * region.max_distance);
+      }
+    }
+  }
+}
+
+TEST(SoftHandle, StandInFollowsTheSoftRim) {
+  const Disc disc = plane(0.25, 254);
+  const auto region = std::make_shared<const Region>(disc.soft(0.9, 1));
+  const std::vector<Affine> maps{support::shift({0, 0, 0.4})};
+  LaplacianEditor editor(disc.mesh, *region, EditSettings());
+  const Points exact = editor.solve(maps);
+  CoarsePreview preview(disc.mesh, region, EditSettings(), {});
+  const Points near = preview.pose(maps);
+  double off = 0, plateau = 0;
+  for (int i = 0; i < region->size(); ++i) {
+    if (region->classes[i] == VertexClass::Handle) {
+      off = std::max(off, (near.row(i) - exact.row(i)).norm());
+      plateau = std::max(plateau, 0.4 - exact(i, 2));
+    }
+  }
+  EXPECT_GT(plateau, 0.03) << "this says nothing";
+  EXPECT_LT(off, 0.5 * plateau);
+}
+
+TEST(SoftHandle, WeightsOfOneChangeNoBit) {
+  const Disc disc = plane();
+  const Region plain = disc.region(0.8, {});
+  const Region ones = disc.region(0.8, std::vector<double>(disc.vertices.size(), 1));
+  EXPECT_TRUE(ones.handle_share.empty());
+  EXPECT_TRUE(plain.handle_share.empty());
+}
+
+TEST(SoftHandle, BadWeightsAreRefused) {
+  const Disc disc = plane();
+  std::vector<double> weights(disc.vertices.size(), 1);
+  for (const double bad : {0.0, -0.5, 1.5, std::nan("")}) {
+    weights[3] = bad;
+    const std::string sentence = support::expect_refusal(ErrorCause::BadParameter, [&] { disc.region(0.8, weights); });
+    EXPECT_NE(sentence.find("vertex " + std::to_string(disc.vertices[3])), std::string::npos) << sentence;
+  }
+  weights.pop_back();
+  support::expect_refusal(ErrorCause::BadParameter, [&] { disc.region(0.8, weights); });
+}
+
+}  // namespace
+}  // namespace lapedit

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include "lapedit/edit/edit.h"
+#include "lapedit/mesh/vertex_set.h"
+#include "shapes.h"
+#include "support.h"
+
+namespace lapedit {
+namespace {
+
+/// A ball with a socket, and an eye in it that touches nothing; the head's vertices come first.
+struct HeadWithEye {
+  static constexpr double kEye = 0.2, kClearance = 0.02;
+  const Vector3 socket{0.3, 0, 0.95};
+  TriangleMesh mesh;
+  int head_vertices = 0;
+
+  HeadWithEye() {
+    TriangleMesh head = shapes::icosphere(5), eye = shapes::icosphere(3);
+    head_vertices = static_cast<int>(head.vertices.rows());
+    for (int v = 0; v < head_vertices; ++v) {
+      const Vector3 from = head.vertices.row(v).transpose() - socket;
+      if (from.norm() < kEye + kClearance) {  // out through the back
+        const Vector3 to = (from.normalized() - 0.9 * socket.normalized()).normalized();
+        head.vertices.row(v) = (socket + (kEye + kClearance) * to).transpose();
+      }
+    }
+    eye.vertices *= kEye;
+    mesh = shapes::together(head, eye, socket);
+  }
+
+  EditStep step(const HandleTransform& transform) const {
+    const Adjacency adjacency = support::adjacency_of(mesh);
+    EditStep made;
+    made.region.radius = 1.6;
+    made.region.connect_gap = 0.05;
+    made.handles.push_back({vertices_within(mesh, adjacency, support::vertex_at(mesh, {0, 0, 1}), 0.08), transform});
+    return made;
+  }
+  Points after(const EditStep& step) const {
+    const EditResult result = apply_step(mesh, support::adjacency_of(mesh), step);
+    Points places = mesh.vertices;
+    for (std::size_t i = 0; i < result.vertices.size(); ++i) {
+      places.row(result.vertices[i]) = result.positions.row(static_cast<Eigen::Index>(i));
+    }
+    return places;
+  }
+  Points eye(const Points& places) const { return places.bottomRows(places.rows() - head_vertices); }
+  /// Mean way of the socket.
+  Vector3 socket_way(const Points& places) const {
+    Vector3 sum = Vector3::Zero();
+    int count = 0;
+    for (int v = 0; v < head_vertices; ++v) {
+      if ((mesh.vertices.row(v).transpose() - socket).norm() < kEye + kClearance + 1e-6) {
+        sum += (places.row(v) - mesh.vertices.row(v)).transpose();
+        ++count;
+      }
+    }
+    return sum / count;
+  }
+};
+
+/// The largest distance from the rigid motion that fits best.
+double off_rigid(const Points& before, const Points& after) {
+  const Eigen::Matrix4d fit =
+      Eigen::umeyama(Eigen::MatrixXd(before.transpose()), Eigen::MatrixXd(after.transpose()), false);
+  Affine map;
+  map.matrix() = fit.topRows<3>();
+  return (support::moved(map, before) - after).rowwise().norm().maxCoeff();
+}
+
+TEST(ConnectedPieces, EyeGoesWithItsSocketNearlyRigidly) {
+  const HeadWithEye head;
+  const Points rest = head.eye(head.mesh.vertices);
+  for (const Vector3& pull : {Vector3(0.1, 0.05, 0.3), Vector3(0.3, 0, -0.1)}) {
+    HandleTransform transform;
+    transform.translation = pull;
+    EditStep step = head.step(transform);
+    for (const LaplacianKind kind : {LaplacianKind::MeanValue, LaplacianKind::Cotangent, LaplacianKind::Umbrella}) {
+      step.settings.laplacian = kind;
+      const Points places = head.after(step), eye = head.eye(places);
+      ASSERT_TRUE(places.allFinite());
+      const Vector3 way = (eye - rest).colwise().mean().transpose();
+      EXPECT_GT(way.norm(), 0.15) << name(kind);
+      EXPECT_LT(off_rigid(rest, eye), 0.08 * way.norm()) << name(kind);
+      EXPECT_LT((way - head.socket_way(places)).norm(), 0.25 * way.norm()) << name(kind);
+    }
+    step.region.connect_gap = 0;
+    EXPECT_TRUE(support::same_bits(head.eye(head.after(step)), rest)) << "it stays where it is not connected";
+  }
+}
+
+/// Every setting takes a region of linked pieces, a whole one without anchors too.
+TEST(ConnectedPieces, AllSettingsKeepThemFiniteAndTogether) {
+  const HeadWithEye head;
+  HandleTransform transform;
+  transform.translation = Vector3(0, 0, 0.2);
+  EditStep step = head.step(transform);
+  for (const DetailRotation rotation :
+       {DetailRotation::None, DetailRotation::SmoothNormals, DetailRotation::SmoothSurface}) {
+    step.settings = support::older_settings();
+    step.settings.rotation = rotation;
+    const Points places = head.after(step);
+    ASSERT_TRUE(places.allFinite());
+    EXPECT_GT((head.eye(places) - head.eye(head.mesh.vertices)).col(2).mean(), 0.02) << name(rotation);
+  }
+  step = head.step(transform);
+  step.region.kind = RegionSpec::Kind::Component;
+  const Points places = head.after(step);
+  EXPECT_LT((places - head.mesh.vertices).rowwise().norm().maxCoeff(), 0.2 + 1e-9) << "it follows as a whole";
+  EXPECT_GT((places - head.mesh.vertices).rowwise().norm().minCoeff(), 0.2 - 1e-9);
+}
+
+TEST(ConnectedPieces, ReportCountsNoTrianglesThatAreNotThere) {
+  const HeadWithEye head;
+  HandleTransform transform;
+  transform.translation = Vector3(0.1, 0.05, 0.3);
+  const EditReport report =
+      apply_step(head.mesh, support::adjacency_of(head.mesh), head.step(transform)).reports.front();
+  EXPECT_EQ(report.uniform_edges, 0);
+  EXPECT_EQ(report.flipped, 0);
+  EXPECT_EQ(report.folded, 0);
+}
+
+}  // namespace
+}  // namespace lapedit

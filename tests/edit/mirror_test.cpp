@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/edit/mirror.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <random>
+
+#include "allocation_watch.h"
+#include "lapedit/edit/edit.h"
+#include "lapedit/edit/solver_thread.h"
+#include "lapedit/mesh/vertex_set.h"
+#include "shapes.h"
+#include "support.h"
+
+namespace lapedit {
+namespace {
+
+const Vector3 kLeft(-0.6, 0, 0.8), kRight(0.6, 0, 0.8);
+
+std::vector<int> disc(const TriangleMesh& mesh, const Vector3& middle, double radius) {
+  return vertices_within(mesh, support::adjacency_of(mesh), support::vertex_at(mesh, middle), radius);
+}
+
+/// A disc beside the plane x = 0 of a ball, pulled, turned and grown.
+EditStep one_sided(const TriangleMesh& mesh) {
+  EditStep step;
+  step.region.radius = 0.5;
+  step.handles.push_back({disc(mesh, kRight, 0.15), {}});
+  step.handles[0].transform.translation = Vector3(0.1, 0.05, 0.25);
+  step.handles[0].transform.axis = Vector3(1, 2, 1);
+  step.handles[0].transform.degrees = 25;
+  step.handles[0].transform.scale = 1.1;
+  step.mirror = MirrorPlane();
+  return step;
+}
+
+/// The same ball without symmetry.
+TriangleMesh crooked(const TriangleMesh& mesh) {
+  TriangleMesh result = mesh;
+  for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+    result.vertices(v, 1) += 0.02 * std::sin(5 * mesh.vertices(v, 0));
+    result.vertices(v, 2) += 0.01 * std::cos(3 * mesh.vertices(v, 0) + 1);
+  }
+  return result;
+}
+
+Points after(const TriangleMesh& mesh, const EditResult& result) {
+  Points places = mesh.vertices;
+  for (std::size_t i = 0; i < result.vertices.size(); ++i) {
+    places.row(result.vertices[i]) = result.positions.row(static_cast<Eigen::Index>(i));
+  }
+  return places;
+}
+
+/// Largest distance of a mirrored place from the nearest, over the diagonal: of an edit of a symmetric mesh.
+double asymmetry(const Points& places, const MirrorPlane& plane) {
+  const Affine mirror = reflection(plane);
+  double largest = 0;
+  for (Eigen::Index v = 0; v < places.rows(); ++v) {
+    const Vector3 image = mirror * Vector3(places.row(v).transpose());
+    largest = std::max(largest, (places.rowwise() - image.transpose()).rowwise().norm().minCoeff());
+  }
+  return largest / support::diameter(places);
+}
+
+TEST(Mirror, SymmetricMeshStaysSymmetric) {
+  const Affine turn = support::rigid(35, {1, 2, 3}, {3, -1, 2});
+  for (const bool turned : {false, true}) {
+    TriangleMesh mesh = shapes::icosphere(4);
+    EditStep step = one_sided(mesh);
+    if (turned) {
+      mesh = support::moved(turn, mesh);
+      step.mirror = MirrorPlane{turn * Vector3(0, 1, 0), 3 * (turn.linear() * Vector3::UnitX())};
+      step.handles[0].transform.translation = turn.linear() * step.handles[0].transform.translation;
+    }
+    for (const EditSettings& settings : {EditSettings(), support::older_settings()}) {
+      step.settings = settings;
+      const EditResult result = apply_step(mesh, support::adjacency_of(mesh), step);
+      const Points places = after(mesh, result);
+      EXPECT_LT(asymmetry(places, *step.mirror), 1e-9);
+      EXPECT_GT((places - mesh.vertices).rowwise().norm().maxCoeff(), 0.2);
+      EXPECT_LT(result.reports[0].handle_residual, 0.02);
+      EditStep plain = step;
+      plain.mirror.reset();
+      EXPECT_GT(asymmetry(after(mesh, apply_step(mesh, support::adjacency_of(mesh), plain)), *step.mirror), 0.02)
+          << "this says nothing";
+    }
+  }
+}
+
+TEST(Mirror, GivesTheBitsOfTheStepWrittenOut) {
+  const TriangleMesh mesh = crooked(shapes::icosphere(3));
+  EditStep step = one_sided(mesh);
+  for (const bool given_set : {false, true}) {
+    if (given_set) {
+      step.region.kind = RegionSpec::Kind::Vertices;
+      step.region.vertices = disc(mesh, kRight, 0.5);
+    }
+    const EditStep written = mirrored(mesh, step);
+    EXPECT_FALSE(written.mirror);
+    EXPECT_EQ(written.handles.size(), 2U);
+    EXPECT_EQ(written.region.vertices.size() > step.region.vertices.size(), given_set);
+    const Adjacency adjacency = support::adjacency_of(mesh);
+    const EditResult a = apply_step(mesh, adjacency, step), b = apply_step(mesh, adjacency, written);
+    EXPECT_EQ(a.vertices, b.vertices);
+    EXPECT_TRUE(support::same_bits(a.positions, b.positions));
+  }
+}
+
+/// As the window does it: groups, region and maps by hand, without a step.
+TEST(Mirror, WindowAndReplayHaveTheSameBits) {
+  const TriangleMesh mesh = shapes::icosphere(3);
+  const EditStep step = one_sided(mesh);
+  const MirroredHandles handles(mesh, {step.handles[0].vertices}, *step.mirror);
+  SolverThread thread(nullptr);
+  PrepareTask task;
+  task.mesh = std::make_shared<const TriangleMesh>(mesh);
+  task.adjacency = std::make_shared<const Adjacency>(support::adjacency_of(mesh));
+  task.region = mirrored(mesh, step.region, *step.mirror);
+  task.groups = handles.groups();
+  task.weights = handles.weights();
+  task.settings = step.settings;
+  task.mirror = step.mirror;
+  thread.prepare(task);
+  const std::vector<HandleTransform> transforms{step.handles[0].transform};
+  std::vector<Affine> maps;
+  handles.maps(transforms, maps);
+  thread.solve(maps, true);
+  SolverPose pose;
+  while (thread.wait()) {
+    thread.poll(pose);
+  }
+  EXPECT_TRUE(
+      support::same_bits(pose.positions, apply_step(mesh, *task.adjacency, step, 1, StoredScalar::Float).positions));
+  const long before = allocations;
+  handles.maps(transforms, maps);
+  EXPECT_EQ(allocations, before) << "in a frame";
+}
+
+TEST(Mirror, ImageOfATransformIsItsConjugate) {
+  const TriangleMesh mesh = shapes::icosphere(3);
+  const MirrorPlane plane{{0.05, 0, 0}, {2, 0, 0}};
+  const Affine mirror = reflection(plane);
+  std::vector<HandleTransform> transforms(3, one_sided(mesh).handles[0].transform);
+  transforms[1].center = Vector3(0.3, 0.2, 0.1);
+  transforms[2].matrix = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>::Random();
+  const MirroredHandles handles(mesh, {disc(mesh, kRight, 0.15)}, plane);
+  ASSERT_EQ(handles.groups().size(), 2U);
+  EXPECT_EQ(handles.source(), (std::vector<int>{0, 0}));
+  for (const HandleTransform& transform : transforms) {
+    std::vector<Affine> maps;
+    handles.maps({transform}, maps);
+    EXPECT_LT((maps[1].matrix() - (mirror * maps[0] * mirror).matrix()).norm(), 1e-12);
+  }
+}
+
+/// A group that its own image meets moves by what is the same on both sides.
+TEST(Mirror, GroupAcrossThePlaneKeepsTheSymmetricPart) {
+  const TriangleMesh mesh = shapes::icosphere(4);
+  const MirrorPlane plane;
+  const std::vector<int> across = disc(mesh, {0.05, 0, 1}, 0.2);
+  const MirroredHandles handles(mesh, {across}, plane);
+  ASSERT_EQ(handles.groups().size(), 1U);
+  EXPECT_GT(handles.groups()[0].size(), across.size());
+  const Affine mirror = reflection(plane);
+  HandleTransform transform = one_sided(mesh).handles[0].transform;
+  transform.axis = Vector3(1, 0, 0);
+  std::vector<Affine> maps;
+  handles.maps({transform}, maps);
+  EXPECT_LT((maps[0].matrix() - (mirror * maps[0] * mirror).matrix()).norm(), 1e-12);
+  EXPECT_NEAR(maps[0].linear().determinant(), std::pow(1.1, 3), 1e-12)
+      << "the turn is about the normal: all of it stays";
+  EXPECT_NEAR(handles.transform(0, {transform}).degrees, 25, 1e-12);
+  EXPECT_EQ(handles.transform(0, {transform}).translation, Vector3(0, 0.05, 0.25));
+  transform.axis = Vector3(0, 1, 0);
+  EXPECT_EQ(handles.transform(0, {transform}).degrees, 0) << "an axis in the plane";
+  transform.matrix = (support::rigid(40, {1, 1, 0}, {0.1, 0.2, 0.3}) * Eigen::Scaling(1.2, 0.8, 1.0)).matrix();
+  handles.maps({transform}, maps);
+  EXPECT_LT((maps[0].matrix() - (mirror * maps[0] * mirror).matrix()).norm(), 1e-12);
+}
+
+/// Vertices of a given group are in no image: both ears may be groups already.
+TEST(Mirror, GivenGroupsKeepTheirVertices) {
+  const TriangleMesh mesh = shapes::icosphere(4);
+  const std::vector<int> right = disc(mesh, kRight, 0.2), left = disc(mesh, kLeft, 0.1);
+  const MirroredHandles handles(mesh, {right, left}, MirrorPlane());
+  ASSERT_EQ(handles.groups().size(), 3U) << "the right one's image around the left one; the left one's is all taken";
+  EXPECT_EQ(handles.source(), (std::vector<int>{0, 1, 0}));
+  for (const int v : handles.groups()[2]) {
+    EXPECT_FALSE(std::binary_search(left.begin(), left.end(), v));
+  }
+  EXPECT_EQ(handles.groups()[2].size() + left.size(), right.size());
+}
+
+TEST(Mirror, WeightsGoWithTheirVertices) {
+  const TriangleMesh mesh = shapes::icosphere(4);
+  const std::vector<int> group = disc(mesh, kRight, 0.15);
+  std::vector<double> weights;
+  for (const int v : group) {
+    weights.push_back(0.5 + 0.4 * mesh.vertices(v, 1));
+  }
+  const MirroredHandles handles(mesh, {group}, MirrorPlane(), {weights});
+  ASSERT_EQ(handles.weights()[1].size(), group.size());
+  for (std::size_t k = 0; k < group.size(); ++k) {
+    EXPECT_NEAR(handles.weights()[1][k], 0.5 + 0.4 * mesh.vertices(handles.groups()[1][k], 1), 1e-9);
+  }
+}
+
+/// On a surface whose other side is finer, an image has no holes.
+TEST(Mirror, ImageIsAsDenseAsTheSurfaceThere) {
+  const TriangleMesh mesh = shapes::together(shapes::icosphere(3), shapes::icosphere(5), {3, 0, 0});
+  const MirrorPlane plane{{1.5, 0, 0}, {1, 0, 0}};
+  const std::vector<int> group = disc(mesh, {0, 0, 1}, 0.4);
+  const MirroredHandles handles(mesh, {group}, plane);
+  ASSERT_EQ(handles.groups().size(), 2U);
+  EXPECT_GT(handles.groups()[1].size(), 8 * group.size());
+  EXPECT_EQ(MirroredHandles(mesh, {{group[0]}}, plane).groups()[1].size(), 1U);
+}
+
+TEST(Mirror, KeptAnchorsAreMirroredWithTheirWeights) {
+  const TriangleMesh mesh = shapes::icosphere(3);
+  RegionSpec spec;
+  spec.kind = RegionSpec::Kind::Vertices;
+  spec.vertices = disc(mesh, kRight, 0.4);
+  spec.anchors.vertices = {spec.vertices[0], spec.vertices[3]};
+  spec.anchors.weights = {0.25, 0.75};
+  spec.anchors.depths = {0.5, 1};
+  spec.anchors.reach = 0.4;
+  const RegionSpec both = mirrored(mesh, spec, MirrorPlane());
+  ASSERT_EQ(both.anchors.vertices.size(), 4U);
+  EXPECT_EQ(both.anchors.reach, 0.4);
+  for (std::size_t k = 2; k < 4; ++k) {
+    const Vector3 image = Vector3(-1, 1, 1).cwiseProduct(mesh.vertices.row(both.anchors.vertices[k]).transpose());
+    const int original = support::vertex_at(mesh, image);
+    const auto at = std::find(spec.anchors.vertices.begin(), spec.anchors.vertices.end(), original);
+    ASSERT_NE(at, spec.anchors.vertices.end());
+    EXPECT_EQ(both.anchors.weights[k], spec.anchors.weights[at - spec.anchors.vertices.begin()]);
+    EXPECT_EQ(both.anchors.depths[k], spec.anchors.depths[at - spec.anchors.vertices.begin()]);
+  }
+}
+
+TEST(Mirror, WhatHasNoImageIsRefused) {
+  const TriangleMesh mesh = shapes::icosphere(3);
+  EditStep step = one_sided(mesh);
+  step.mirror->point = Vector3(2, 0, 0);
+  const std::string sentence =
+      support::expect_refusal(ErrorCause::BadParameter, [&] { apply_step(mesh, support::adjacency_of(mesh), step); });
+  const std::size_t count = step.handles[0].vertices.size();
+  EXPECT_EQ(sentence.find(std::to_string(count) + " of " + std::to_string(count) + " handle vertices"), 0U) << sentence;
+  EXPECT_NE(sentence.find("vertex " + std::to_string(step.handles[0].vertices[0])), std::string::npos) << sentence;
+  step.mirror = MirrorPlane{{0, 0, 0}, {0, 0, 0}};
+  support::expect_refusal(ErrorCause::BadParameter, [&] { apply_step(mesh, support::adjacency_of(mesh), step); });
+  step.mirror = MirrorPlane{{0, 0, std::nan("")}, {0, 0, 1}};
+  support::expect_refusal(ErrorCause::NotFinite, [&] { apply_step(mesh, support::adjacency_of(mesh), step); });
+}
+
+// --- The plane from the mesh -----------------------------------------------------------------------------------------
+
+TEST(FindSymmetry, FindsThePlaneHoweverTheMeshLies) {
+  TriangleMesh arm = shapes::tapered_arm(24, 60);  // symmetric across y = 0 alone
+  for (const bool noisy : {false, true}) {
+    if (noisy) {
+      std::mt19937 random(3);
+      std::normal_distribution<double> noise(0, 0.005);
+      for (Eigen::Index i = 0; i < arm.vertices.size(); ++i) {
+        arm.vertices.data()[i] += noise(random);
+      }
+    }
+    for (const Affine& map : {Affine::Identity(), support::rigid(50, {1, -2, 0.5}, {30, 7, -4})}) {
+      const TriangleMesh mesh = support::moved(map, arm);
+      const auto plane = find_symmetry(mesh);
+      ASSERT_TRUE(plane);
+      EXPECT_NEAR(std::abs(plane->normal.normalized().dot(map.linear() * Vector3::UnitY())), 1, noisy ? 1e-4 : 1e-6);
+      EXPECT_NEAR(plane->normal.normalized().dot(plane->point - map * Vector3::Zero()), 0, noisy ? 0.02 : 0.001);
+    }
+  }
+}
+
+TEST(FindSymmetry, TakesTheCoordinateAxisOfEquals) {
+  const auto plane = find_symmetry(shapes::icosphere(4));
+  ASSERT_TRUE(plane);
+  EXPECT_EQ(plane->normal, Vector3(1, 0, 0));
+  EXPECT_LT(plane->point.norm(), 1e-12);
+}
+
+TEST(FindSymmetry, FindsNothingWhereThereIsNone) {
+  TriangleMesh ball = shapes::icosphere(4);
+  ball.vertices.col(1) *= 2;
+  ball.vertices.col(2) *= 0.3;
+  const TriangleMesh mesh = shapes::together(support::moved(support::rigid(30, {1, 1, 1}, {0, 0, 0}), ball),
+                                             shapes::tapered_arm(24, 60), {3, 2, 1});
+  EXPECT_FALSE(find_symmetry(mesh));
+  EXPECT_FALSE(find_symmetry(TriangleMesh{Points(0, 3), Faces(0, 3)}));
+  const auto plane = find_symmetry(shapes::grid(30, 20));
+  ASSERT_TRUE(plane);
+  EXPECT_EQ(plane->normal[2], 0) << "a flat mesh is no image of itself across its own plane";
+}
+
+}  // namespace
+}  // namespace lapedit

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/mesh/vertex_grid.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+
+#include "support.h"
+
+namespace lapedit {
+namespace {
+
+int nearest_of_all(const Points& points, const std::vector<int>& vertices, const Vector3& place, double limit,
+                   int odd) {
+  int found = -1;
+  double best = limit * limit;
+  for (const int v : vertices) {
+    const double squared = (points.row(v).transpose() - place).squaredNorm();
+    if (v % 2 >= odd && (squared < best || (squared == best && (found < 0 || v < found)))) {
+      best = squared;
+      found = v;
+    }
+  }
+  return found;
+}
+
+/// Clouds, planes, lines and lattices full of ties, from places inside and far outside, with and without a limit.
+TEST(VertexGrid, FindsWhatLookingAtAllFinds) {
+  std::mt19937 random(14);
+  std::uniform_real_distribution<double> coordinate(-1, 1);
+  for (const Vector3& extent : {Vector3(1, 1, 1), Vector3(5, 1, 0), Vector3(0, 3, 0), Vector3(0, 0, 0)}) {
+    for (const bool lattice : {false, true}) {
+      Points points(500, 3);
+      for (Eigen::Index i = 0; i < points.size(); ++i) {
+        const double x = coordinate(random);
+        points.data()[i] = (lattice ? std::round(3 * x) / 3 : x) * extent[i % 3];
+      }
+      const std::vector<int> vertices = [&] {
+        std::vector<int> some = support::shuffled(500, 3);
+        some.resize(400);
+        return some;
+      }();
+      const VertexGrid grid(points, vertices);
+      for (int k = 0; k < 300; ++k) {
+        const double far = k % 3 == 0 ? 4 : 1;
+        Vector3 place(far * coordinate(random), far * coordinate(random), far * coordinate(random));
+        place = lattice ? Vector3((2 * place).array().round() / 6) : place;
+        EXPECT_EQ(grid.nearest(place), nearest_of_all(points, vertices, place, 1e100, 0));
+        EXPECT_EQ(grid.nearest(place, 0.3, [](int v) { return v % 2 == 1; }),
+                  nearest_of_all(points, vertices, place, 0.3, 1));
+      }
+    }
+  }
+  EXPECT_EQ(VertexGrid(Points(0, 3), {}).nearest(Vector3(1, 2, 3)), -1);
+}
+
+}  // namespace
+}  // namespace lapedit
