@@ -114,8 +114,7 @@ class Links(unittest.TestCase):
         made |= set(settings) - {"region", "handles", "mirror", "rules"}
         told = set()
         for kind, names in self.documents["tests/README.md"].rows("The window's tests"):
-            names = code(names.split(";")[0] if kind == "panel" else names)
-            told |= {"group_" + name for name in names if "<" not in name} if kind == "groups" else set(names)
+            told |= set(code(names.split(";")[0] if kind == "panel" else names))
         self.assertGreater(len(made), 30)
         self.assertEqual(told, made)
 
