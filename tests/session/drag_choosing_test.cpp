@@ -464,6 +464,13 @@ TEST(DragMirror, MeshWithoutAnotherSideIsRefusedInASentence) {
   window.click(kMiddle);
   EXPECT_FALSE(window.session.ready());
   EXPECT_NE(window.session.message().find("mirror"), std::string::npos) << window.session.message();
+  // A drag does not wait for what never comes.
+  window.drag(kMiddle, Vector2(20, 10));
+  EXPECT_EQ(window.session.state(), State::Picked);
+  EXPECT_FALSE(window.session.busy());
+  EXPECT_NE(window.session.message().find("mirror"), std::string::npos) << window.session.message();
+  window.keys("tx5\r");
+  EXPECT_EQ(window.session.figures().steps, 0);
   window.session.set_mirror(std::nullopt);
   window.session.wait();
   EXPECT_TRUE(window.session.ready());

@@ -338,7 +338,7 @@ TEST(DragSession, AnyEventsLeaveAConsistentSession) {
     Cursor cursor =
         pick(8) == 0 ? window.at(Vector2(pick(800), pick(600))) : window.at(pick(n), Vector2(pick(9) - 4, pick(9) - 4));
     cursor.snap = pick(4) == 0;
-    switch (pick(26)) {
+    switch (pick(27)) {
       case 0:
       case 1:
       case 2:
@@ -380,6 +380,10 @@ TEST(DragSession, AnyEventsLeaveAConsistentSession) {
       case 21:
         session.show_gizmo(pick(4) != 0, static_cast<GizmoAxes>(pick(3)));
         session.set_pivot(static_cast<Pivot>(pick(3)));
+        break;
+      case 24:
+        session.set_mirror(pick(2) ? std::optional(MirrorPlane{Vector3(2, 1, 0), Vector3::Unit(pick(3))})
+                                   : std::nullopt);
         break;
       case 22:
         session.set_anchors({pick(n), pick(n), pick(n)});

@@ -345,6 +345,9 @@ void DragSession::move(const Cursor& cursor) {
   if (s.pressed && !s.drag()) {
     // The motion begins where the button went down, however far the first move already is.
     if (!s.pressed->draggable || !s.begin(s.pressed->kind, s.pressed->point, s.pressed->cursor, true)) {
+      if (s.pressed) {
+        s.pressed->draggable = false;  // why not has been said
+      }
       return;
     }
     if (s.pressed->axis) {

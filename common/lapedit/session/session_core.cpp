@@ -228,6 +228,9 @@ bool SessionCore::begin(MotionKind kind, const Vector3& grab, const Cursor& curs
   }
   if (preparation == Preparation::None) {
     prepare();  // it was refused before: say why again
+    if (preparation == Preparation::None) {
+      return false;
+    }
   }
   const bool about_pivot = kind != MotionKind::Translate && tools.pivot != Pivot::Centroid;
   DragMotion motion(kind, grab, center(), mean_normal(mesh(), *adjacency, group), cursor,
