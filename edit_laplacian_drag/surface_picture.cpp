@@ -266,7 +266,7 @@ void SurfacePicture::drawRegion(const DragSession& session, const Options& optio
 void SurfacePicture::drawHeat(const DragSession& session) {
   const Region& region = *session.region();
   if (stretchedRegion_ != regionSerial_) {
-    stretch_ = std::make_unique<EdgeStretch>(region, session.original().vertices);
+    stretch_ = std::make_unique<VertexStretch>(region, session.original().vertices);
     heat_.resize(4 * static_cast<std::size_t>(region.size()));
     stretchedRegion_ = regionSerial_;
   }

@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "lapedit/session/drag_session.h"
-#include "lapedit/session/edge_stretch.h"
+#include "lapedit/session/vertex_stretch.h"
 #include "lapedit/session/patch_border.h"
 #include "pen.h"
 
-/// Of a stretch as EdgeStretch has it: longer goes over yellow to red, shorter to blue, until four times and a quarter.
+/// Of a stretch as VertexStretch has it: longer goes over yellow to red, shorter to blue, until four times and a quarter.
 pen::Color stretchColor(float stretch);
 
 /// Region, anchors and handle groups of a session, as tints and outlines on the surface. What is drawn is listed when
@@ -51,7 +51,7 @@ class SurfacePicture {
   std::vector<Patch> handles_;
   lapedit::Chains rim_;
 
-  std::unique_ptr<lapedit::EdgeStretch> stretch_;
+  std::unique_ptr<lapedit::VertexStretch> stretch_;
   int stretchedRegion_ = -1;
   std::vector<unsigned char> heat_;  // RGBA per region vertex
 };

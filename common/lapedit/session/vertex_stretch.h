@@ -9,11 +9,11 @@
 namespace lapedit {
 
 /// How much longer or shorter the edges of a region are than they were at rest, from pose to pose.
-class EdgeStretch {
+class VertexStretch {
  public:
   /// @param rest  the whole mesh
   /// Cost: O(region).
-  EdgeStretch(const Region& region, const Points& rest);
+  VertexStretch(const Region& region, const Points& rest);
 
   /// Per vertex of the region, of the edges at it, the one that has changed its length most: new / rest - 1 if it is
   /// longer, 1 - rest / new if it is shorter, so that twice as long is 1 and half as long -1. Edges that had no length

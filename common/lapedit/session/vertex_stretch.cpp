@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/session/edge_stretch.h"
+#include "lapedit/session/vertex_stretch.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@ constexpr int kVerticesPerPiece = 4096;
 
 }  // namespace
 
-EdgeStretch::EdgeStretch(const Region& region, const Points& rest)
+VertexStretch::VertexStretch(const Region& region, const Points& rest)
     : stretch_(static_cast<std::size_t>(region.size()), 0.0F), pool_(region.size() < 4 * kVerticesPerPiece ? 1 : 0) {
   std::vector<std::pair<int, int>> edges;
   edges.reserve(2 * static_cast<std::size_t>(region.faces.size()));
@@ -38,7 +38,7 @@ EdgeStretch::EdgeStretch(const Region& region, const Points& rest)
   }
 }
 
-const std::vector<float>& EdgeStretch::of(const Points& pose) {
+const std::vector<float>& VertexStretch::of(const Points& pose) {
   in_pieces(pool_, static_cast<int>(stretch_.size()), kVerticesPerPiece, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
       float most = 0;

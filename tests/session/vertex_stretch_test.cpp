@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/session/edge_stretch.h"
+#include "lapedit/session/vertex_stretch.h"
 
 #include <gtest/gtest.h>
 
@@ -33,11 +33,11 @@ Region region_from(const TriangleMesh& mesh, int first) {
   return region;
 }
 
-TEST(EdgeStretch, IsTheLargestChangeOfLengthAtEachVertex) {
+TEST(VertexStretch, IsTheLargestChangeOfLengthAtEachVertex) {
   const TriangleMesh sheet = shapes::grid(9, 9);
   for (const int first : {0, 9}) {
     const Region region = region_from(sheet, first);
-    EdgeStretch stretch(region, sheet.vertices);
+    VertexStretch stretch(region, sheet.vertices);
     Points pose = sheet.vertices.bottomRows(region.size());
     for (const float value : stretch.of(pose)) {
       EXPECT_NEAR(value, 0, 1e-6);
@@ -64,26 +64,26 @@ TEST(EdgeStretch, IsTheLargestChangeOfLengthAtEachVertex) {
   }
 }
 
-TEST(EdgeStretch, IsFiniteWhateverThePose) {
+TEST(VertexStretch, IsFiniteWhateverThePose) {
   TriangleMesh sheet = shapes::grid(5, 5);
   sheet.vertices.row(1) = sheet.vertices.row(0);  // an edge without a length
   const Region region = region_from(sheet, 0);
-  EdgeStretch stretch(region, sheet.vertices);
+  VertexStretch stretch(region, sheet.vertices);
   Points pose = sheet.vertices;
   pose.row(7) = pose.row(12);
   pose(3, 1) = std::numeric_limits<double>::quiet_NaN();
   pose(20, 0) = std::numeric_limits<double>::infinity();
   pose.row(18) *= 1e30;
   for (const float value : stretch.of(pose)) {
-    EXPECT_LE(std::abs(value), EdgeStretch::kMost);
+    EXPECT_LE(std::abs(value), VertexStretch::kMost);
   }
-  EXPECT_EQ(stretch.of(pose)[7], -EdgeStretch::kMost);
+  EXPECT_EQ(stretch.of(pose)[7], -VertexStretch::kMost);
 }
 
-TEST(EdgeStretch, AllocatesNothingPerPose) {
+TEST(VertexStretch, AllocatesNothingPerPose) {
   const TriangleMesh sheet = shapes::grid(200, 200);
   const Region region = region_from(sheet, 0);
-  EdgeStretch stretch(region, sheet.vertices);
+  VertexStretch stretch(region, sheet.vertices);
   stretch.of(sheet.vertices);
   const long before = allocations;
   stretch.of(sheet.vertices);
