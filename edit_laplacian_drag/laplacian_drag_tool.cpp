@@ -459,7 +459,11 @@ void LaplacianDragTool::mousePress(QMouseEvent& event) {
   mouse_.pressed = true;
   mouse_.moved = false;
   mouse_.pressedAt = event.localPos();
-  active_->session().press(cursor(), pressModifiers());
+  if (!active_->session().press(cursor(), pressModifiers()) && event.modifiers() == Qt::NoModifier) {
+    mouse_.pressed = false;
+    mouse_.navigating = Qt::LeftButton;
+    window_.navigate(event, Qt::LeftButton);
+  }
   afterEvent();
 }
 

@@ -131,7 +131,9 @@ class Gesture(ToolTest):
             before, lines = w.dump(), w.log()
             w.click(3, 300)
             self.assertRegex(self.message(w), "no surface")
-            w.drag((3, 300), (300, 300))
+            nose = w.pixel(self.CENTRE + 9)
+            w.drag((3, 300), (300, 300))  # turns the view
+            self.assertGreater(math.dist(nose, w.pixel(self.CENTRE + 9)), 20)
             self.assert_same(before, w.dump())
             self.assertEqual(w.log(), lines)
             self.pull(w, self.CENTRE, (20, 20))

@@ -76,9 +76,9 @@ class Window:
         try:
             self.socket = socket.socket(socket.AF_UNIX)
             self.socket.settimeout(PATIENCE + 30)
-            self._wait(lambda: self._connect(path), "MeshLab did not start")
+            self.wait(lambda: self._connect(path), "MeshLab did not start")
             self.answers = self.socket.makefile("rb")
-            self._wait(lambda: self._opened(files), "MeshLab did not open all files")
+            self.wait(lambda: self._opened(files), "MeshLab did not open all files")
             self.idle()
         except BaseException:
             self.kill()
@@ -105,7 +105,7 @@ class Window:
         for line in self.process.stdout:
             self.output.append(line.decode(errors="replace").rstrip("\n"))
 
-    def _wait(self, condition, sentence, patience=PATIENCE):
+    def wait(self, condition, sentence, patience=PATIENCE):
         end = time.monotonic() + patience
         while not condition():
             if self.process.poll() is not None or time.monotonic() > end:
@@ -255,7 +255,7 @@ class Window:
             found.update(self.dialog())
             return found
 
-        self._wait(opened, "no dialog opened", 20)
+        self.wait(opened, "no dialog opened", 20)
         return found
 
     def answer(self, path=None, button=None, wait=True):
@@ -265,7 +265,7 @@ class Window:
         if wait:
             self.idle()
             # A busy machine takes its time to close it, and the next answer is for another one.
-            self._wait(lambda: self.dialog().get("number") != found["number"], "the dialog stays open", 20)
+            self.wait(lambda: self.dialog().get("number") != found["number"], "the dialog stays open", 20)
         return found
 
     def run_filter(self, name):
@@ -300,15 +300,15 @@ class Window:
         return self.ask("camera")
 
     def wait_tool(self, title, suspended):
-        self._wait(lambda: self.tool() == (title, suspended), f"the tool does not become {title}, {suspended}", 20)
+        self.wait(lambda: self.tool() == (title, suspended), f"the tool does not become {title}, {suspended}", 20)
 
     def wait_message(self, pattern):
         """Until a line over the picture is like that."""
-        self._wait(lambda: any(re.search(pattern, text) for text in self.on_screen()), f"no message {pattern}", 20)
+        self.wait(lambda: any(re.search(pattern, text) for text in self.on_screen()), f"no message {pattern}", 20)
 
     def wait_cursor(self, shape):
         """What is under the cursor is looked for in the background."""
-        self._wait(lambda: self.cursor() == shape, f"the cursor does not become {shape}", 20)
+        self.wait(lambda: self.cursor() == shape, f"the cursor does not become {shape}", 20)
 
     def log(self):
         """The lines of MeshLab's log so far. MeshLab prints them all; 2025.07 keeps none, once its window shows them."""
@@ -374,7 +374,7 @@ class Window:
             self.fail("MeshLab did not end well")
 
     def wait_output(self, text):
-        self._wait(lambda: self._printed(text), f"no {text!r} in MeshLab's output")
+        self.wait(lambda: self._printed(text), f"no {text!r} in MeshLab's output")
 
     # From outside -----------------------------------------------------------------------------------------------------
 

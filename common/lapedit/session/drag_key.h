@@ -84,7 +84,7 @@ inline constexpr KeyHelp kKeyHelp[] = {
     {DragKey::Brush, DragKey::Brush, "B",
      LAPEDIT_TEXT("lapedit", "Lets the brush paint the handle; again: the anchors; again: the region.")},
     {DragKey::Gizmo, DragKey::Gizmo, "V",
-     LAPEDIT_TEXT("lapedit", "Hides the arrows, rings and the knob at the handle, and shows them again.")},
+     LAPEDIT_TEXT("lapedit", "Shows arrows, rings and a knob at the handle, and hides them again.")},
     {DragKey::Grow, DragKey::Grow, "]", LAPEDIT_TEXT("lapedit", "Grows the region by a ring.")},
     {DragKey::Shrink, DragKey::Shrink, "[", LAPEDIT_TEXT("lapedit", "Shrinks the region by a ring.")},
     {DragKey::Undo, DragKey::Undo, "Ctrl+Z", LAPEDIT_TEXT("lapedit", "Takes the last step back, exact to the bit.")},

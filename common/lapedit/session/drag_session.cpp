@@ -20,7 +20,7 @@ struct DragSession::Impl : SessionCore {
   void press_surface(const SurfaceHit& hit, const Cursor& cursor, PressModifiers modifiers);
   void click(const Press& press);
   void brush(const Cursor& cursor);
-  void press_beneath(const Cursor& cursor, PressModifiers modifiers);
+  bool press_beneath(const Cursor& cursor, PressModifiers modifiers);
   bool press_gizmo(const Cursor& cursor);
   void look(const Cursor& cursor, PressModifiers modifiers);
   void change_region(Choice (*choose)(const Surface&, const Selection&));
@@ -273,30 +273,30 @@ void DragSession::find_mirror() {
 
 // --- Mouse ----------------------------------------------------------------------------------------------------------
 
-void DragSession::press(const Cursor& cursor, PressModifiers modifiers) {
+bool DragSession::press(const Cursor& cursor, PressModifiers modifiers) {
   Impl& s = *impl_;
   if (!cursor.view.valid()) {
-    return;
+    return true;
   }
   if (MouseEvents* const waiting = s.waiting()) {
     waiting->push_back({MouseEvent::Kind::Press, cursor, modifiers});
-    return;
+    return true;
   }
   s.refusal.clear();
   if (const Drag* const drag = s.drag()) {
     if (!drag->by_button) {
       apply();
     }
-    return;
+    return true;
   }
   if (!modifiers.add && !modifiers.take && s.press_gizmo(cursor)) {
-    return;
+    return true;
   }
-  s.press_beneath(cursor, modifiers);
+  return s.press_beneath(cursor, modifiers);
 }
 
 /// A press on what is behind the gizmo.
-void DragSession::Impl::press_beneath(const Cursor& cursor, PressModifiers modifiers) {
+bool DragSession::Impl::press_beneath(const Cursor& cursor, PressModifiers modifiers) {
   const std::optional<SurfaceHit> hit = surface_at(mesh(), *adjacency, cursor);
   if (tools.pivot == Pivot::Point && tools.pivot_vertex < 0 && !modifiers.add && !modifiers.take) {
     if (hit) {
@@ -304,7 +304,7 @@ void DragSession::Impl::press_beneath(const Cursor& cursor, PressModifiers modif
     } else {
       refusal = messages::kNoSurface;
     }
-    return;
+    return hit.has_value();
   }
   const bool grabs = !modifiers.add && !modifiers.take && selection.next != Selection::Next::Region;
   const int grabbed = grabs ? group_at(mesh(), groups(), hit, cursor, settings.radius) : -1;
@@ -315,7 +315,9 @@ void DragSession::Impl::press_beneath(const Cursor& cursor, PressModifiers modif
     press_surface(*hit, cursor, modifiers);
   } else {
     refusal = messages::kNoSurface;
+    return false;
   }
+  return true;
 }
 
 void DragSession::move(const Cursor& cursor) {
@@ -628,7 +630,7 @@ bool DragSession::key(DragKey key, const Cursor& cursor) {
   }
   switch (key) {
     case DragKey::Apply:
-      apply();
+      s.in<Dragging>() ? apply() : void(s.refusal = messages::kNoMotion);
       return true;
     case DragKey::Pivot:
       set_pivot(s.tools.pivot == Pivot::Centroid ? Pivot::Point

@@ -140,7 +140,8 @@ class DragSession {
   // Mouse ------------------------------------------------------------------------------------------------------------
   // A press and a release without a move between them are a click: the host decides how far a move has to be.
 
-  void press(const Cursor& cursor, PressModifiers modifiers = {});
+  /// @return false if it was beside the mesh and every mark on it: the host may turn its view
+  bool press(const Cursor& cursor, PressModifiers modifiers = {});
   void move(const Cursor& cursor);  ///< also without a press: keys R, S, T follow the mouse
   /// The cursor rests or goes here with no button down. Bounded work, whatever the mesh. @return whether hover() or
   /// gizmo_part() changed

@@ -1,0 +1,228 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every gesture with a real mouse and keyboard: X events by xdotool. The driver only tells pixels and looks."""
+import contextlib
+import math
+import time
+import unittest
+
+from tool import TOOL, ToolTest, part
+
+WHEEL_UP, WHEEL_DOWN = 4, 5
+
+
+class Gestures(ToolTest):
+    @contextlib.contextmanager
+    def window(self, disc=20):
+        with self.start(self.mesh, disc=disc) as w:
+            w.x_focus()
+            self.left, self.top = w.view_corner()
+            yield w
+
+    def place(self, w, vertex, by=(0, 0)):
+        """On the screen."""
+        x, y = w.pixel(vertex)
+        return round(x + self.left + by[0]), round(y + self.top + by[1])
+
+    def at(self, row, column):
+        return row * self.ROWS + column
+
+    def x_click(self, w, vertex, *modifiers):
+        held = [("keydown", m) for m in modifiers], [("keyup", m) for m in modifiers]
+        w.x("mousemove", *self.place(w, vertex), *sum(held[0], ()), "sleep", 0.05, "click", 1, "sleep", 0.05,
+            *sum(held[1], ()))
+        self.seen(w)
+
+    def x_stroke(self, w, vertices, modifier):
+        w.x("mousemove", *self.place(w, vertices[0]), "keydown", modifier, "sleep", 0.05, "mousedown", 1)
+        for vertex in vertices:
+            w.x("mousemove", *self.place(w, vertex), "sleep", 0.03)
+        w.x("mouseup", 1, "sleep", 0.05, "keyup", modifier)
+        self.seen(w)
+
+    def seen(self, w):
+        """Until the window has what was sent: the events come by another way than the driver's questions."""
+        time.sleep(0.2)
+        w.idle()
+
+    def x_pull(self, w, start, way):
+        steps = len(self.steps_in_log(w))
+        w.x_drag(start, (start[0] + way[0], start[1] + way[1]))
+        w.wait(lambda: len(self.steps_in_log(w)) > steps, "no step was applied")
+        w.idle()
+
+    def counts(self, w):
+        """Of the region, from the panel: handle, free, anchors, fixed."""
+        return [int(word.strip(",;")) for word in w.widget(part("region"))["text"].split() if word.strip(",;").isdigit()]
+
+    def last_step(self, w):
+        return self.steps_of(w)[-1]
+
+    def test_hover_wheel_press_drag_release_and_undo(self):
+        with self.window() as w:
+            before = w.dump()
+            w.x("mousemove", *self.place(w, self.CENTRE))
+            self.seen(w)
+            radius = w.widget(part("radius"))["value"]
+            w.x("click", WHEEL_UP)
+            self.seen(w)
+            self.assertGreater(w.widget(part("radius"))["value"], radius)
+            share = w.widget(part("handle_share"))["value"]
+            w.x("keydown", "shift", "click", WHEEL_UP, "keyup", "shift")
+            self.seen(w)
+            self.assertGreater(w.widget(part("handle_share"))["value"], share)
+            w.x("click", WHEEL_DOWN, "keydown", "shift", "click", WHEEL_DOWN, "keyup", "shift")
+            camera = w.camera()
+            w.x("keydown", "ctrl", "click", WHEEL_UP, "keyup", "ctrl")
+            self.seen(w)
+            self.assertNotEqual(w.camera(), camera)
+            start = self.place(w, self.CENTRE)
+            self.x_pull(w, start, (40, -55))
+            self.assertLess(math.dist(self.place(w, self.CENTRE), (start[0] + 40, start[1] - 55)), 2.5)
+            self.assertGreater(self.steps_in_log(w)[0]["handle"], 5)
+            self.assert_replay_is_the_same(w, self.mesh)
+            w.x_focus()
+            w.x("key", "ctrl+z")
+            self.seen(w)
+            self.assert_same(before, w.dump())
+
+    def test_right_button_and_escape_drop_a_motion(self):
+        with self.window() as w:
+            before = w.dump()
+            for drop in (("click", 3), ("key", "Escape")):
+                start = self.place(w, self.CENTRE)
+                w.x("mousemove", *start, "mousedown", 1, "mousemove", start[0] + 30, start[1], "sleep", 0.1,
+                    "mousemove", start[0] + 60, start[1] + 9, "sleep", 0.1, *drop, "sleep", 0.1, "mouseup", 1)
+                self.seen(w)
+                self.assert_same(before, w.dump())
+                self.assertEqual(self.steps_in_log(w), [])
+                self.assertEqual(w.tool(), (TOOL, False))
+
+    def test_amounts_count_only_during_a_motion(self):
+        with self.window() as w:
+            before = w.dump()
+            self.x_click(w, self.CENTRE)
+            for keys in (("x",), ("6", "0"), ("Return",)):
+                for key in keys:
+                    w.x("key", key)
+                self.seen(w)
+                self.assertRegex(self.message(w), "Nothing is being moved")
+            self.assert_same(before, w.dump())
+            w.x("key", "t", "key", "x", "key", "period", "key", "2", "key", "Return")
+            self.seen(w)
+            self.assertEqual(self.last_step(w)["handles"][0]["translation"], [0.2, 0, 0])
+
+    def test_arrow_ring_and_knob(self):
+        with self.window() as w:
+            self.x_click(w, self.CENTRE)
+            w.x("key", "v")
+            self.seen(w)
+            self.assertTrue(w.widget(part("gizmo"))["checked"])
+            middle = self.place(w, self.CENTRE)
+            # Seen from above: an arrow to the right along X and one up along Y, a ring about Z of 0.8 of their length
+            # of 90 pixels, and the knob on the diagonal, as far.
+            self.x_pull(w, (middle[0] + 60, middle[1]), (45, 30))
+            way = self.last_step(w)["handles"][0]["translation"]
+            self.assertGreater(way[0], 0)
+            self.assertEqual(way[1:], [0, 0])
+            w.x_focus()
+            w.x("key", "ctrl+z")
+            self.seen(w)
+            angle = math.radians(20)
+            on_ring = [(round(middle[0] + 72 * math.cos(a)), round(middle[1] - 72 * math.sin(a)))
+                       for a in (angle, angle + math.radians(50))]
+            self.x_pull(w, on_ring[0], (on_ring[1][0] - on_ring[0][0], on_ring[1][1] - on_ring[0][1]))
+            turn = self.last_step(w)["handles"][0]["rotation"]
+            self.assertEqual(turn["axis"], [0, 0, 1])
+            self.assertAlmostEqual(turn["degrees"], 50, delta=3)
+            w.x_focus()
+            w.x("key", "ctrl+z")
+            self.seen(w)
+            # With Ctrl from when the ring is held on, in steps of 15 degrees.
+            w.x("mousemove", *on_ring[0], "mousedown", 1, "sleep", 0.05, "keydown", "ctrl", "mousemove",
+                on_ring[0][0] - 9, on_ring[0][1] - 20, "sleep", 0.1, "mousemove", *on_ring[1], "sleep", 0.1, "mouseup", 1,
+                "keyup", "ctrl")
+            self.seen(w)
+            self.assertEqual(self.last_step(w)["handles"][0]["rotation"]["degrees"] % 15, 0)
+            w.x_focus()
+            w.x("key", "ctrl+z")
+            self.seen(w)
+            knob = round(90 / math.sqrt(2))
+            self.x_pull(w, (middle[0] + knob, middle[1] - knob), (50, -50))
+            self.assertGreater(self.last_step(w)["handles"][0]["scale"], 1.2)
+            self.assert_replay_is_the_same(w, self.mesh)
+
+    def test_pivot_is_picked(self):
+        with self.window() as w:
+            self.x_click(w, self.CENTRE)
+            w.x("key", "p")
+            self.seen(w)
+            self.assertRegex(self.message(w), "turn about")
+            pivot = self.at(20, 25)
+            self.x_click(w, pivot)
+            start, middle = self.place(w, self.CENTRE), self.place(w, pivot)
+            w.x("mousemove", *start, "key", "r", "sleep", 0.1)
+            off = start[0] - middle[0], start[1] - middle[1]
+            w.x("mousemove", middle[0] + off[1], middle[1] - off[0], "sleep", 0.2, "key", "Return")
+            self.seen(w)
+            turn = self.last_step(w)["handles"][0]["rotation"]
+            for a, b in zip(turn["center"], self.points[pivot]):
+                self.assertAlmostEqual(a, b, places=5)
+            self.assertAlmostEqual(abs(turn["degrees"]), 90, delta=8)
+            self.assert_replay_is_the_same(w, self.mesh)
+
+    def test_painting_of_region_handle_and_anchors_with_undo(self):
+        with self.window(disc=0) as w:
+            self.x_click(w, self.CENTRE)
+            first = self.counts(w)
+            outward = [self.at(20, c) for c in range(22, 34, 2)]
+            self.x_stroke(w, outward, "ctrl")
+            larger = self.counts(w)
+            self.assertGreater(sum(larger[:3]), sum(first[:3]))
+            w.x("key", "b")  # the handle
+            self.seen(w)
+            self.x_stroke(w, [self.at(20, 21), self.at(20, 23)], "ctrl")
+            self.assertGreater(self.counts(w)[0], 1)
+            w.x("key", "b")  # the anchors
+            self.seen(w)
+            anchors = self.counts(w)[2]
+            self.x_stroke(w, [self.at(17, 18), self.at(17, 22)], "ctrl")
+            self.assertGreater(self.counts(w)[2], anchors)
+            self.x_stroke(w, [self.at(17, 18), self.at(17, 22)], "shift")
+            for expected in (None, None, larger, first):
+                w.x("key", "ctrl+z")
+                self.seen(w)
+                if expected:
+                    self.assertEqual(self.counts(w), expected)
+            w.x("key", "ctrl+shift+z")
+            self.seen(w)
+            self.assertEqual(self.counts(w), larger)
+            self.x_pull(w, self.place(w, self.CENTRE), (15, 20))
+            self.assert_replay_is_the_same(w, self.mesh)
+
+    def test_groups_and_both_sides(self):
+        with self.window() as w:
+            self.x_click(w, self.at(20, 14))
+            w.x("key", "g")
+            self.x_click(w, self.at(20, 18))
+            self.x_pull(w, self.place(w, self.at(20, 18)), (20, 30))
+            step = self.last_step(w)
+            self.assertEqual(len(step["handles"]), 2)
+            off = [a - b for a, b in zip(self.points[self.at(20, 12)], self.points[self.CENTRE])]
+            axis = 0 if abs(off[0]) > abs(off[1]) else 1
+            w.set(part("mirror"), 4 + axis)  # through the box's centre
+            self.seen(w)
+            w.x_focus()
+            w.x("key", "w")
+            self.x_click(w, self.at(20, 12))
+            before = w.dump()
+            self.x_pull(w, self.place(w, self.at(20, 12)), (10, 30))
+            self.assertIn("mirror", self.last_step(w))
+            moved = w.dump().moved(before)
+            sides = [self.points[v][axis] - self.points[self.CENTRE][axis] for v in moved]
+            self.assertLess(min(sides), 0.9 * -abs(off[axis]))
+            self.assertGreater(max(sides), 0.9 * abs(off[axis]))
+            self.assert_replay_is_the_same(w, self.mesh)
+
+
+if __name__ == "__main__":
+    unittest.main()
