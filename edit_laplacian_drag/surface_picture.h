@@ -5,11 +5,12 @@
 #include <vector>
 
 #include "lapedit/session/drag_session.h"
-#include "lapedit/session/vertex_stretch.h"
 #include "lapedit/session/patch_border.h"
+#include "lapedit/session/vertex_stretch.h"
 #include "pen.h"
 
-/// Of a stretch as VertexStretch has it: longer goes over yellow to red, shorter to blue, until four times and a quarter.
+/// Of a stretch as VertexStretch has it: longer goes over yellow to red, shorter to blue, until four times and a
+/// quarter.
 pen::Color stretchColor(float stretch);
 
 /// Region, anchors and handle groups of a session, as tints and outlines on the surface. What is drawn is listed when
