@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "pen.h"
 
@@ -117,7 +118,7 @@ void letter(const Picture& p, int axis) {
   const Vector2 at = tip + 11 * (tip - center).stableNormalized();
   pen::rimmed(pen::kLight, 1.3, p.ratio, [&] {
     glBegin(GL_LINES);
-    for (int i = 0; i < count; ++i) {
+    for (std::ptrdiff_t i = 0; i < count; ++i) {
       pen::vertex(Vector2(at + Vector2(strokes[2 * i], strokes[2 * i + 1])));
     }
     glEnd();

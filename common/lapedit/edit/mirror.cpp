@@ -16,8 +16,6 @@
 namespace lapedit {
 namespace {
 
-constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180;
-
 Vector3 place_of(const Points& points, int v) {
   return points.row(v).transpose();
 }
