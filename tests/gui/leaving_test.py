@@ -298,12 +298,18 @@ class Views(ToolTest):
         w = self.start(*files)
         try:
             w.trigger("Vertically")
+            w.view(index=1)
+            self.shade_smoothly(w)  # each view shades in its own way
             self.assertEqual(w.view(index=0), (2, 0))
             self.assertEqual(w.tool(), (TOOL, False))
         except BaseException:
             w.kill()
             raise
         return w
+
+    def assert_same_but_normals(self, before, after):
+        """Another view, when it is opened, has the host normalise normals that the session has seen before."""
+        self.assertLessEqual(set(before.differences(after)), {"normals", "face_normals"})
 
     def panels(self, w):
         return [p for p in w.widgets(PANEL).values() if p["visible"]]
@@ -330,7 +336,7 @@ class Views(ToolTest):
             self.assert_same(states[1], w.dump())
             self.assert_at(w, self.CENTRE, self.pull(w, self.CENTRE, (-20, -10)))
             w.key("Z", "Z", modifiers=["ctrl"])
-            self.assert_same(states[0], w.dump())
+            self.assert_same_but_normals(states[0], w.dump())
             w.key("Z", "Z", modifiers=["ctrl", "shift"])
             self.assert_replay_is_the_same(w, self.mesh)
             w.trigger(TOOL)
@@ -348,7 +354,7 @@ class Views(ToolTest):
             self.assertEqual(len(self.steps_of(w)), 4)
             self.assert_replay_is_the_same(w, self.mesh)
             w.press_button(part("reset"))
-            self.assert_same(before, w.dump())
+            self.assert_same_but_normals(before, w.dump())
 
     def test_view_is_closed_under_the_tool(self):
         with self.split(self.mesh) as w:
