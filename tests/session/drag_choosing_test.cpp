@@ -169,6 +169,7 @@ TEST(DragBrush, PaintedAnchorsHold) {
   window.session.set_brush_target(BrushTarget::Anchors);
   stroke(window, at(34, 28), at(34, 32), kAdd);
   EXPECT_NE(window.session.message().find("no region"), std::string::npos);
+  EXPECT_FALSE(window.session.can_undo());
   window.click(kMiddle);
   EXPECT_EQ(class_of(window.session, at(34, 30)), VertexClass::Free);
   const std::vector<int> region = window.session.region()->mesh_vertex;

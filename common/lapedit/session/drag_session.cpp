@@ -337,8 +337,6 @@ void DragSession::move(const Cursor& cursor) {
   }
   if (s.pressed && !s.pressed->plain()) {
     if (!std::exchange(s.pressed->brushed, true)) {
-      s.strokes.done.push_back(s.selection);
-      s.strokes.undone.clear();
       s.brush(s.pressed->cursor);
     }
     s.brush(cursor);
@@ -531,8 +529,13 @@ void DragSession::Impl::brush(const Cursor& cursor) {
                   : tools.brush == BrushTarget::Handle ? handle_brushed(surface(), selection, patch, add)
                                                        : anchors_brushed(surface(), selection, patch, add);
   refusal.clear();
+  Selection before = selection;
   if (!take(std::move(choice))) {
     return;
+  }
+  if (!std::exchange(pressed->recorded, true)) {  // a stroke of which nothing was taken is none to undo
+    strokes.done.push_back(std::move(before));
+    strokes.undone.clear();
   }
   if (!selection.has_region) {
     show_region(nullptr);

@@ -111,7 +111,7 @@ struct Press {
   Cursor cursor;
   PressModifiers modifiers;
   bool draggable = true;
-  bool brushed = false;
+  bool brushed = false, recorded = false;
   bool on_gizmo = false;
   std::optional<Vector3> axis = std::nullopt;  // of a gizmo's arrow or ring
   MotionKind kind = MotionKind::Translate;
