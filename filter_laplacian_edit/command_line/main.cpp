@@ -4,14 +4,21 @@
 
 #include <QApplication>
 #include <QTextCodec>
+#include <algorithm>
 #include <clocale>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <string>
+#include <system_error>
 
 #include "job.h"
+#include "job_pool.h"
 #include "lapedit/base/error.h"
+#include "lapedit/base/thread_pool.h"
+#include "list_run.h"
 
 namespace {
 
@@ -34,6 +41,48 @@ std::FILE* takeStandardOutput() {
   return file != nullptr ? file : stdout;
 }
 
+int fail(ExitCode code, const char* sentence) {
+  std::fprintf(stderr, "%s\n", sentence);
+  return code;
+}
+
+/// Tells what went wrong.
+template <class Work>
+int guarded(const Work& work) {
+  try {
+    return work();
+  } catch (const Failure& failure) {
+    return fail(failure.code(), failure.what());
+  } catch (const lapedit::EditError& error) {
+    return fail(Refused, error.what());
+  } catch (const std::exception& error) {
+    return fail(Unexpected, error.what());
+  } catch (...) {
+    return fail(Unexpected, "The program failed for a reason that it does not tell.");
+  }
+}
+
+/// A library reads how many threads it may have when it is loaded, and they wait for work at the cost of others'. So
+/// with a list the program starts anew, as the same process, with what is fit for several jobs side by side.
+void shareProcessors(int argc, char** argv) {
+  bool list = false;
+  int jobs = 0;
+  for (int k = 1; k < argc; ++k) {
+    const std::string argument = argv[k];
+    list = list || argument.rfind("--list", 0) == 0;
+    if (argument.rfind("--jobs", 0) == 0) {
+      const std::string value = argument.size() > 7 ? argument.substr(7) : k + 1 < argc ? argv[k + 1] : "";
+      jobs = std::atoi(value.c_str());
+    }
+  }
+  if (list && std::getenv("OPENBLAS_NUM_THREADS") == nullptr) {
+    const int threads = std::max(1, jobs > 0 ? processors() / jobs : 1);
+    ::setenv("OPENBLAS_NUM_THREADS", std::to_string(threads).c_str(), 1);
+    std::error_code ignored;
+    ::execv(std::filesystem::read_symlink("/proc/self/exe", ignored).c_str(), argv);
+  }
+}
+
 int work(int argc, char** argv, Notes& notes) {
   std::FILE* const output = takeStandardOutput();
   qInstallMessageHandler(keepQuiet);
@@ -48,8 +97,19 @@ int work(int argc, char** argv, Notes& notes) {
   for (int k = 0; k < argc; ++k) {
     arguments << QString::fromUtf8(argv[k]);
   }
+  // What the system gives, as under a cluster's scheduler, not what the machine has.
+  lapedit::limit_threads(processors());
   std::string text;
   if (const std::optional<Options> options = readOptions(arguments, text)) {
+    const auto job = [output](const Options& one, Notes& its_notes) {
+      return guarded([&] {
+        runJob(one, its_notes, output);
+        return Done;
+      });
+    };
+    if (!options->list.file.isEmpty()) {
+      return runList(*options, job, output);
+    }
     runJob(*options, notes, output);
   }
   std::fputs(text.c_str(), output);
@@ -57,25 +117,9 @@ int work(int argc, char** argv, Notes& notes) {
   return Done;
 }
 
-int fail(ExitCode code, const char* sentence) {
-  std::fprintf(stderr, "%s\n", sentence);
-  return code;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
-  return supervise([argc, argv](Notes& notes) -> int {
-    try {
-      return work(argc, argv, notes);
-    } catch (const Failure& failure) {
-      return fail(failure.code(), failure.what());
-    } catch (const lapedit::EditError& error) {
-      return fail(Refused, error.what());
-    } catch (const std::exception& error) {
-      return fail(Unexpected, error.what());
-    } catch (...) {
-      return fail(Unexpected, "The program failed for a reason that it does not tell.");
-    }
-  });
+  shareProcessors(argc, argv);
+  return supervise([argc, argv](Notes& notes) { return guarded([&] { return work(argc, argv, notes); }); });
 }

@@ -11,6 +11,8 @@ using lapedit::host::quoted;
 
 namespace {
 
+constexpr int kMostJobs = 500;  // each takes some open files
+
 constexpr char kDescription[] =
     "\nEdits a mesh without MeshLab's window and without an X server: applies an edit\n"
     "(.json) or a filter script (.mlx) to IN and writes the result to OUT. Formats are\n"
@@ -27,7 +29,7 @@ constexpr char kExitCodes[] =
     "  4  the output or the report could not be written\n"
     "  5  an unexpected error, in MeshLab or in this program\n"
     "Unless it is 0, no output was written or replaced; only a report may be missing\n"
-    "beside complete outputs, which is said.\n";
+    "beside complete outputs, which is said. Of a list, the largest code of any job.\n";
 
 [[noreturn]] void refuse(const std::string& sentence) {
   throw Failure(WrongUsage, sentence + " See --help.");
@@ -56,7 +58,40 @@ lapedit::host::KeptAttributes keptAttributes(const QString& list) {
   return kept;
 }
 
-/// By the suffix, or else by how the text begins.
+/// The part of the options that is about many jobs.
+ListOptions listOptions(const QCommandLineParser& parser) {
+  ListOptions list;
+  const auto path = [&](const char* name) {
+    return parser.isSet(name) ? QFileInfo(parser.value(name)).absoluteFilePath() : QString();
+  };
+  list.file = path("list");
+  list.log = path("job-log");
+  list.resume = parser.isSet("resume");
+  if (parser.isSet("jobs")) {
+    bool ok = false;
+    list.jobs = parser.value("jobs").toInt(&ok);
+    if (!ok || list.jobs < 1 || list.jobs > kMostJobs) {
+      refuse("The number of jobs is " + quoted(parser.value("jobs")) + ": give a whole number from 1 to " +
+             std::to_string(kMostJobs) + ".");
+    }
+  }
+  if (list.file.isEmpty() && (list.resume || !list.log.isEmpty())) {
+    refuse("The options --job-log and --resume are for --list.");
+  }
+  if (list.file.isEmpty() && list.jobs > 0 && !parser.isSet("fractions")) {
+    refuse("The option --jobs is for --list and --fractions.");
+  }
+  if (list.resume && list.log.isEmpty()) {
+    refuse("What is done already is in the job log: give --job-log with --resume.");
+  }
+  if (!list.file.isEmpty() && parser.isSet("report")) {
+    refuse("A report is of one job: with --list, give it in the line of the job, or take --job-log.");
+  }
+  return list;
+}
+
+}  // namespace
+
 bool isScript(const QString& path) {
   const QString suffix = QFileInfo(path).suffix().toLower();
   if (suffix == "mlx" || suffix == "json") {
@@ -65,8 +100,6 @@ bool isScript(const QString& path) {
   QFile file(path);
   return file.open(QIODevice::ReadOnly) && file.read(1024).trimmed().startsWith('<');
 }
-
-}  // namespace
 
 QStringList Options::outputs() const {
   if (!numbered) {
@@ -98,9 +131,16 @@ std::optional<Options> readOptions(const QStringList& arguments, std::string& te
       quality("quality", "Counts also the pairs of triangles that came to intersect, for report and log."),
       also("also", "Keeps also what the format leaves out by default: normals, selection, or both with a comma.",
            "LIST"),
-      plugins("plugins", "Takes MeshLab's plugins from another folder.", "DIR");
+      plugins("plugins", "Takes MeshLab's plugins from another folder.", "DIR"),
+      list("list", "Does many jobs, of which each line of a file says IN, OUT and EDIT, with tabs between.", "FILE"),
+      jobs("jobs",
+           "How many jobs of a list run at once; as many as there are processors unless given. Without a list: how "
+           "many processes write the files of --fractions, 1 unless given.",
+           "N"),
+      log("job-log", "Adds a line to a file, as JSON, whenever a job of a list has ended.", "FILE"),
+      resume("resume", "Leaves out the jobs that are done already, by the job log.");
   for (const QCommandLineOption* option :
-       {&one, &several, &report, &quality, &also, &plugins, &quiet, &help, &version}) {
+       {&one, &several, &report, &quality, &also, &plugins, &list, &jobs, &log, &resume, &quiet, &help, &version}) {
     parser.addOption(*option);
   }
   if (!parser.parse(arguments)) {
@@ -116,10 +156,13 @@ std::optional<Options> readOptions(const QStringList& arguments, std::string& te
     return {};
   }
   const QStringList files = parser.positionalArguments();
-  if (files.size() != 3) {
+  if (parser.isSet(list) && !files.isEmpty()) {
+    refuse("There are file names beside --list: give either.");
+  }
+  if (files.size() != 3 && !parser.isSet(list)) {
     refuse("There are " + std::to_string(files.size()) + " file names: give the mesh, the output and the edit.");
   }
-  for (const QCommandLineOption* option : {&one, &several, &report, &also, &plugins}) {
+  for (const QCommandLineOption* option : {&one, &several, &report, &also, &plugins, &list, &jobs, &log}) {
     if (parser.isSet(*option) && parser.values(*option).size() > 1) {
       refuse("The option --" + option->names().first().toStdString() + " is given more than once.");
     }
@@ -128,10 +171,13 @@ std::optional<Options> readOptions(const QStringList& arguments, std::string& te
     }
   }
   Options options;
-  options.input = QFileInfo(files[0]).absoluteFilePath();
-  options.output = QFileInfo(files[1]).absoluteFilePath();
-  options.edit = QFileInfo(files[2]).absoluteFilePath();
-  options.isScript = isScript(options.edit);
+  options.list = listOptions(parser);
+  if (options.list.file.isEmpty()) {
+    options.input = QFileInfo(files[0]).absoluteFilePath();
+    options.output = QFileInfo(files[1]).absoluteFilePath();
+    options.edit = QFileInfo(files[2]).absoluteFilePath();
+    options.isScript = isScript(options.edit);
+  }
   options.quiet = parser.isSet(quiet);
   options.quality = parser.isSet(quality);
   if (parser.isSet(report)) {
