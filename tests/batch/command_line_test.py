@@ -97,7 +97,8 @@ class CommandTest(HostTest):
 class Usage(CommandTest):
     def test_help_tells_options_and_exit_codes(self):
         text = self.done("--help")
-        for word in ("--fraction ", "--fractions", "--report", "--quality", "--also", "--plugins", "--quiet", "--version"):
+        for word in ("--fraction ", "--fractions", "--report", "--quality", "--also", "--plugins", "--list", "--quiet",
+                     "--version"):
             self.assertIn(word, text)
         for code in range(6):
             self.assertRegex(text, rf"\n  {code}  \w+")
