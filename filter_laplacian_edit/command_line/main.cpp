@@ -3,15 +3,17 @@
 #include <unistd.h>
 
 #include <QApplication>
-#include <QTextCodec>
+#include <QFile>
 #include <clocale>
 #include <csignal>
 #include <cstdio>
 #include <exception>
 #include <string>
 
+#include "file_names.h"
 #include "job.h"
 #include "lapedit/base/error.h"
+#include "supervisor.h"
 
 namespace {
 
@@ -19,6 +21,16 @@ namespace {
 void keepQuiet(QtMsgType type, const QMessageLogContext&, const QString& message) {
   if (type == QtFatalMsg || type == QtCriticalMsg) {
     std::fprintf(stderr, "%s\n", message.toLocal8Bit().constData());
+  }
+}
+
+/// Else the next file that is opened would be the standard output of whoever writes to it without asking.
+void openStandardStreams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(stream, F_GETFD) == -1) {
+      // Whatever is written is to fail, as on a closed one.
+      ::open(stream == STDOUT_FILENO ? "/dev/full" : "/dev/null", O_RDWR);
+    }
   }
 }
 
@@ -41,19 +53,18 @@ int work(int argc, char** argv, Notes& notes) {
   std::signal(SIGXFSZ, SIG_IGN);
   qputenv("QT_QPA_PLATFORM", "offscreen");
   QApplication application(argc, argv);
-  // Numbers in files have points, and file names are UTF-8, whatever the language.
+  // Numbers in files have points, and file names are bytes, whatever the language.
   std::setlocale(LC_NUMERIC, "C");
-  QTextCodec::setCodecForLocale(QTextCodec::codecForName("UTF-8"));
+  takeFileNamesAsBytes();
   QStringList arguments;
   for (int k = 0; k < argc; ++k) {
-    arguments << QString::fromUtf8(argv[k]);
+    arguments << QFile::decodeName(argv[k]);
   }
   std::string text;
   if (const std::optional<Options> options = readOptions(arguments, text)) {
     runJob(*options, notes, output);
   }
-  std::fputs(text.c_str(), output);
-  std::fflush(output);
+  printAll(text, output, "look where it leads");
   return Done;
 }
 
@@ -65,6 +76,7 @@ int fail(ExitCode code, const char* sentence) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  openStandardStreams();
   return supervise([argc, argv](Notes& notes) -> int {
     try {
       return work(argc, argv, notes);
@@ -73,6 +85,9 @@ int main(int argc, char** argv) {
     } catch (const lapedit::EditError& error) {
       return fail(Refused, error.what());
     } catch (const std::exception& error) {
+      if (lackIn(std::current_exception()) != Lack::Nothing) {
+        throw;
+      }
       return fail(Unexpected, error.what());
     } catch (...) {
       return fail(Unexpected, "The program failed for a reason that it does not tell.");

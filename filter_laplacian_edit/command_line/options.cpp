@@ -24,8 +24,8 @@ constexpr char kExitCodes[] =
     "  1  the edit or the script was refused\n"
     "  2  wrong usage\n"
     "  3  the mesh or the file of the edit could not be read\n"
-    "  4  the output or the report could not be written\n"
-    "  5  an unexpected error, in MeshLab or in this program\n"
+    "  4  the output, a report or the standard output could not be written\n"
+    "  5  not enough memory, threads or time, killed, or an unexpected error\n"
     "Unless it is 0, no output was written or replaced; only a report may be missing\n"
     "beside complete outputs, which is said.\n";
 
@@ -40,6 +40,15 @@ double fraction(const QString& text) {
     refuse("The fraction is " + quoted(text) + ": give a number from 0 (no change) to 1 (the whole edit).");
   }
   return number;
+}
+
+double timeout(const QString& text) {
+  bool ok = false;
+  const double seconds = text.toDouble(&ok);
+  if (!ok || !(seconds > 0 && seconds < 1e9)) {
+    refuse("The time limit is " + quoted(text) + ": give the seconds, more than 0.");
+  }
+  return seconds;
 }
 
 lapedit::host::KeptAttributes keptAttributes(const QString& list) {
@@ -63,7 +72,8 @@ bool isScript(const QString& path) {
     return suffix == "mlx";
   }
   QFile file(path);
-  return file.open(QIODevice::ReadOnly) && file.read(1024).trimmed().startsWith('<');
+  // What is read from a pipe is gone.
+  return QFileInfo(path).isFile() && file.open(QIODevice::ReadOnly) && file.read(1024).trimmed().startsWith('<');
 }
 
 }  // namespace
@@ -98,9 +108,10 @@ std::optional<Options> readOptions(const QStringList& arguments, std::string& te
       quality("quality", "Counts also the pairs of triangles that came to intersect, for report and log."),
       also("also", "Keeps also what the format leaves out by default: normals, selection, or both with a comma.",
            "LIST"),
-      plugins("plugins", "Takes MeshLab's plugins from another folder.", "DIR");
+      plugins("plugins", "Takes MeshLab's plugins from another folder.", "DIR"),
+      limit("timeout", "Ends with code 5, and leaves everything as it was, if it takes longer.", "SECONDS");
   for (const QCommandLineOption* option :
-       {&one, &several, &report, &quality, &also, &plugins, &quiet, &help, &version}) {
+       {&one, &several, &report, &quality, &also, &plugins, &limit, &quiet, &help, &version}) {
     parser.addOption(*option);
   }
   if (!parser.parse(arguments)) {
@@ -119,7 +130,7 @@ std::optional<Options> readOptions(const QStringList& arguments, std::string& te
   if (files.size() != 3) {
     refuse("There are " + std::to_string(files.size()) + " file names: give the mesh, the output and the edit.");
   }
-  for (const QCommandLineOption* option : {&one, &several, &report, &also, &plugins}) {
+  for (const QCommandLineOption* option : {&one, &several, &report, &also, &plugins, &limit}) {
     if (parser.isSet(*option) && parser.values(*option).size() > 1) {
       refuse("The option --" + option->names().first().toStdString() + " is given more than once.");
     }
@@ -139,6 +150,9 @@ std::optional<Options> readOptions(const QStringList& arguments, std::string& te
   }
   if (parser.isSet(plugins)) {
     options.plugins = QFileInfo(parser.value(plugins)).absoluteFilePath();
+  }
+  if (parser.isSet(limit)) {
+    options.timeout = timeout(parser.value(limit));
   }
   if (parser.isSet(also)) {
     options.kept = keptAttributes(parser.value(also));

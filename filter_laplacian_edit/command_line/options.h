@@ -19,6 +19,7 @@ struct Options {
   lapedit::host::KeptAttributes kept;
   bool quiet = false;
   bool quality = false;  ///< counts new self-intersections
+  double timeout = 0;    ///< seconds, 0: none
 
   QStringList outputs() const;  ///< one path per fraction
 };
