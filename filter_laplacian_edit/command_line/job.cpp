@@ -68,8 +68,9 @@ QByteArray textOfEdit(const QString& path) {
   }
   // Edits may be in scripts.
   constexpr auto kLargest = 2 * static_cast<qint64>(kLargestJson);
+  constexpr qint64 kPart = 1 << 16;
   QByteArray text;
-  for (QByteArray part = file.read(kLargest); !part.isEmpty(); part = file.read(kLargest)) {
+  for (QByteArray part = file.read(kPart); !part.isEmpty(); part = file.read(kPart)) {
     text += part;
     if (text.size() > kLargest) {
       refuseReading("edit", path, "it is larger than " + std::to_string(kLargest) + " bytes");

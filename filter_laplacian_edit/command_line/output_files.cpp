@@ -77,7 +77,7 @@ OutputFiles::OutputFiles(const std::string& what, const QStringList& places) : w
     }
     folder_ = folder.canonicalFilePath();
     names_ << file.fileName();
-    staged_ << (isUtf8(file.fileName()) ? file.fileName() : QString("%1.%2").arg(staged_.size()).arg(file.suffix()));
+    staged_ << (isUtf8(file.fileName()) ? file.fileName() : QString("laplacian-edit-%1.%2").arg(staged_.size()).arg(file.suffix()));
   }
 }
 
