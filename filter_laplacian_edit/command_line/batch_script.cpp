@@ -3,6 +3,7 @@
 
 #include <QXmlStreamReader>
 #include <algorithm>
+#include <cstdlib>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -116,8 +117,14 @@ QString common_type(const QString& type) {
 QString near_names(const QString& name, const QStringList& known) {
   std::vector<std::pair<int, QString>> ranked;
   for (const QString& other : known) {
+    const int most = std::max(2, name.size() / 3);
+    const bool within = other.contains(name, Qt::CaseInsensitive);
+    // Names of megabytes are not compared letter by letter: it takes at least their difference in length.
+    if (!within && std::abs(name.size() - other.size()) > most) {
+      continue;
+    }
     const int far = distance(name.toLower(), other.toLower());
-    if (far <= std::max(2, name.size() / 3) || other.contains(name, Qt::CaseInsensitive)) {
+    if (within || far <= most) {
       ranked.emplace_back(far, other);
     }
   }

@@ -7,8 +7,10 @@
 #include <QJsonDocument>
 #include <QJsonObject>
 #include <string>
+#include <system_error>
 
 #include "failure.h"
+#include "real_files.h"
 
 using lapedit::host::quoted;
 using lapedit::host::quoted_path;
@@ -80,8 +82,8 @@ class RealNames {
  public:
   QString of(const QString& path) {
     const QFileInfo file(path);
-    if (file.isSymLink() && file.exists()) {
-      return file.canonicalFilePath();
+    if (file.isSymLink()) {
+      return target(path);
     }
     const QString folder = file.path();
     auto known = folders_.find(folder);
@@ -93,6 +95,14 @@ class RealNames {
   }
 
  private:
+  static QString target(const QString& link) {
+    try {
+      return QFile::decodeName(RealFile(QFile::encodeName(link).toStdString()).path().c_str());
+    } catch (const std::system_error&) {  // in a circle, which its job will tell
+      return link;
+    }
+  }
+
   QHash<QString, QString> folders_;
 };
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "job.h"
 #include "job_list.h"
 #include "job_log.h"
 #include "job_pool.h"
@@ -60,8 +61,7 @@ class ListRun {
       failure = Failure(Unexpected, "No process can be started for a job: there are too many, or too little memory.");
     }
     if (!options_.quiet) {
-      std::fprintf(output, "%s\n", summary().c_str());
-      std::fflush(output);
+      printAll(summary() + "\n", output, "what is done is in the job log, if there is one");
     }
     if (failure) {
       throw *std::move(failure);

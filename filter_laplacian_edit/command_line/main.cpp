@@ -3,7 +3,7 @@
 #include <unistd.h>
 
 #include <QApplication>
-#include <QTextCodec>
+#include <QFile>
 #include <algorithm>
 #include <clocale>
 #include <csignal>
@@ -14,11 +14,13 @@
 #include <string>
 #include <system_error>
 
+#include "file_names.h"
 #include "job.h"
 #include "job_pool.h"
 #include "lapedit/base/error.h"
 #include "lapedit/base/thread_pool.h"
 #include "list_run.h"
+#include "supervisor.h"
 
 namespace {
 
@@ -26,6 +28,16 @@ namespace {
 void keepQuiet(QtMsgType type, const QMessageLogContext&, const QString& message) {
   if (type == QtFatalMsg || type == QtCriticalMsg) {
     std::fprintf(stderr, "%s\n", message.toLocal8Bit().constData());
+  }
+}
+
+/// Else the next file that is opened would be the standard output of whoever writes to it without asking.
+void openStandardStreams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(stream, F_GETFD) == -1) {
+      // Whatever is written is to fail, as on a closed one.
+      ::open(stream == STDOUT_FILENO ? "/dev/full" : "/dev/null", O_RDWR);
+    }
   }
 }
 
@@ -56,6 +68,9 @@ int guarded(const Work& work) {
   } catch (const lapedit::EditError& error) {
     return fail(Refused, error.what());
   } catch (const std::exception& error) {
+    if (lackIn(std::current_exception()) != Lack::Nothing) {
+      throw;
+    }
     return fail(Unexpected, error.what());
   } catch (...) {
     return fail(Unexpected, "The program failed for a reason that it does not tell.");
@@ -90,12 +105,12 @@ int work(int argc, char** argv, Notes& notes) {
   std::signal(SIGXFSZ, SIG_IGN);
   qputenv("QT_QPA_PLATFORM", "offscreen");
   QApplication application(argc, argv);
-  // Numbers in files have points, and file names are UTF-8, whatever the language.
+  // Numbers in files have points, and file names are bytes, whatever the language.
   std::setlocale(LC_NUMERIC, "C");
-  QTextCodec::setCodecForLocale(QTextCodec::codecForName("UTF-8"));
+  takeFileNamesAsBytes();
   QStringList arguments;
   for (int k = 0; k < argc; ++k) {
-    arguments << QString::fromUtf8(argv[k]);
+    arguments << QFile::decodeName(argv[k]);
   }
   // What the system gives, as under a cluster's scheduler, not what the machine has.
   lapedit::limit_threads(processors());
@@ -112,14 +127,14 @@ int work(int argc, char** argv, Notes& notes) {
     }
     runJob(*options, notes, output);
   }
-  std::fputs(text.c_str(), output);
-  std::fflush(output);
+  printAll(text, output, "look where it leads");
   return Done;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  openStandardStreams();
   shareProcessors(argc, argv);
   return supervise([argc, argv](Notes& notes) { return guarded([&] { return work(argc, argv, notes); }); });
 }

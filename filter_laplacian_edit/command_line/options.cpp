@@ -26,8 +26,8 @@ constexpr char kExitCodes[] =
     "  1  the edit or the script was refused\n"
     "  2  wrong usage\n"
     "  3  the mesh or the file of the edit could not be read\n"
-    "  4  the output or the report could not be written\n"
-    "  5  an unexpected error, in MeshLab or in this program\n"
+    "  4  the output, a report or the standard output could not be written\n"
+    "  5  not enough memory, threads or time, killed, or an unexpected error\n"
     "Unless it is 0, no output was written or replaced; only a report may be missing\n"
     "beside complete outputs, which is said. Of a list, the largest code of any job.\n";
 
@@ -44,6 +44,15 @@ double fraction(const QString& text) {
   return number;
 }
 
+double timeout(const QString& text) {
+  bool ok = false;
+  const double seconds = text.toDouble(&ok);
+  if (!ok || !(seconds > 0 && seconds < 1e9)) {
+    refuse("The time limit is " + quoted(text) + ": give the seconds, more than 0.");
+  }
+  return seconds;
+}
+
 lapedit::host::KeptAttributes keptAttributes(const QString& list) {
   lapedit::host::KeptAttributes kept;
   for (const QString& name : list.split(',')) {
@@ -56,6 +65,25 @@ lapedit::host::KeptAttributes keptAttributes(const QString& list) {
     }
   }
   return kept;
+}
+
+void readFractions(const QCommandLineParser& parser, Options& options) {
+  if (parser.isSet("fraction") && parser.isSet("fractions")) {
+    refuse("Give either --fraction or --fractions.");
+  }
+  if ((parser.isSet("fraction") || parser.isSet("fractions")) && options.isScript) {
+    refuse("Fractions are for JSON edits: in a script, give the parameter fraction of Laplacian Edit Replay.");
+  }
+  if (parser.isSet("fraction")) {
+    options.fractions = {fraction(parser.value("fraction"))};
+  }
+  if (parser.isSet("fractions")) {
+    options.numbered = true;
+    options.fractions.clear();
+    for (const QString& part : parser.value("fractions").split(',')) {
+      options.fractions.push_back(fraction(part));
+    }
+  }
 }
 
 /// The part of the options that is about many jobs.
@@ -98,7 +126,8 @@ bool isScript(const QString& path) {
     return suffix == "mlx";
   }
   QFile file(path);
-  return file.open(QIODevice::ReadOnly) && file.read(1024).trimmed().startsWith('<');
+  // What is read from a pipe is gone.
+  return QFileInfo(path).isFile() && file.open(QIODevice::ReadOnly) && file.read(1024).trimmed().startsWith('<');
 }
 
 QStringList Options::outputs() const {
@@ -138,9 +167,10 @@ std::optional<Options> readOptions(const QStringList& arguments, std::string& te
            "many processes write the files of --fractions, 1 unless given.",
            "N"),
       log("job-log", "Adds a line to a file, as JSON, whenever a job of a list has ended.", "FILE"),
-      resume("resume", "Leaves out the jobs that are done already, by the job log.");
-  for (const QCommandLineOption* option :
-       {&one, &several, &report, &quality, &also, &plugins, &list, &jobs, &log, &resume, &quiet, &help, &version}) {
+      resume("resume", "Leaves out the jobs that are done already, by the job log."),
+      limit("timeout", "Ends with code 5, and leaves everything as it was, if it takes longer.", "SECONDS");
+  for (const QCommandLineOption* option : {&one, &several, &report, &quality, &also, &plugins, &limit, &list, &jobs,
+                                           &log, &resume, &quiet, &help, &version}) {
     parser.addOption(*option);
   }
   if (!parser.parse(arguments)) {
@@ -162,7 +192,7 @@ std::optional<Options> readOptions(const QStringList& arguments, std::string& te
   if (files.size() != 3 && !parser.isSet(list)) {
     refuse("There are " + std::to_string(files.size()) + " file names: give the mesh, the output and the edit.");
   }
-  for (const QCommandLineOption* option : {&one, &several, &report, &also, &plugins, &list, &jobs, &log}) {
+  for (const QCommandLineOption* option : {&one, &several, &report, &also, &plugins, &limit, &list, &jobs, &log}) {
     if (parser.isSet(*option) && parser.values(*option).size() > 1) {
       refuse("The option --" + option->names().first().toStdString() + " is given more than once.");
     }
@@ -186,24 +216,12 @@ std::optional<Options> readOptions(const QStringList& arguments, std::string& te
   if (parser.isSet(plugins)) {
     options.plugins = QFileInfo(parser.value(plugins)).absoluteFilePath();
   }
+  if (parser.isSet(limit)) {
+    options.timeout = timeout(parser.value(limit));
+  }
   if (parser.isSet(also)) {
     options.kept = keptAttributes(parser.value(also));
   }
-  if (parser.isSet(one) && parser.isSet(several)) {
-    refuse("Give either --fraction or --fractions.");
-  }
-  if ((parser.isSet(one) || parser.isSet(several)) && options.isScript) {
-    refuse("Fractions are for JSON edits: in a script, give the parameter fraction of Laplacian Edit Replay.");
-  }
-  if (parser.isSet(one)) {
-    options.fractions = {fraction(parser.value(one))};
-  }
-  if (parser.isSet(several)) {
-    options.numbered = true;
-    options.fractions.clear();
-    for (const QString& part : parser.value(several).split(',')) {
-      options.fractions.push_back(fraction(part));
-    }
-  }
+  readFractions(parser, options);
   return options;
 }

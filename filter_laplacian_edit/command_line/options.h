@@ -29,6 +29,7 @@ struct Options {
   bool quiet = false;
   bool quality = false;  ///< counts new self-intersections
   ListOptions list;
+  double timeout = 0;  ///< seconds, 0: none
 
   QStringList outputs() const;  ///< one path per fraction
 };

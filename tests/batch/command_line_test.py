@@ -97,7 +97,7 @@ class CommandTest(HostTest):
 class Usage(CommandTest):
     def test_help_tells_options_and_exit_codes(self):
         text = self.done("--help")
-        for word in ("--fraction ", "--fractions", "--report", "--quality", "--also", "--plugins", "--list", "--quiet",
+        for word in ("--fraction ", "--fractions", "--report", "--quality", "--also", "--plugins", "--timeout", "--list",
                      "--version"):
             self.assertIn(word, text)
         for code in range(6):
@@ -131,11 +131,13 @@ class Usage(CommandTest):
                 (r"either --fraction or --fractions", (*good, "--fraction", "1", "--fractions", "0,1")),
                 (r"--fraction is given more than once", (*good, "--fraction", "1", "--fraction", "0")),
                 (r'no "colours" to be kept: give normals, selection', (*good, "--also", "colours")),
+                (r'time limit is "0": give the seconds', (*good, "--timeout", "0")),
+                (r'time limit is "nan"', (*good, "--timeout", "nan")),
                 (r"--report is empty", (*good, "--report", "")),
                 (r"in a script, give the parameter fraction", (self.mesh, "out.ply", script, "--fraction", "1")),
                 (r"in a script, give the parameter fraction", (self.mesh, "out.ply", script, "--fractions", "0,1"))):
             self.refused(WRONG_USAGE, sentence + r".* See --help\.", *arguments)
-        self.refused(WRONG_USAGE, r"report and the output are the same file", *good, "--report", "out.ply")
+        self.refused(WRONG_USAGE, r"output .* and the report .* are the same file", *good, "--report", "out.ply")
 
 
 class Edits(CommandTest):
@@ -184,7 +186,7 @@ class Edits(CommandTest):
             file.truncate(100 << 20)
         refused(r"104857600 bytes", huge)
         self.refused(UNREADABLE, r"edit .*none\.json.* does not exist", self.mesh, "out.ply", "none.json")
-        self.refused(UNREADABLE, r"edit .* is not an ordinary file", self.mesh, "out.ply", self.folder)
+        self.refused(UNREADABLE, r"edit .* is a folder", self.mesh, "out.ply", self.folder)
 
     def test_progress_is_for_terminals(self):
         for quiet in (False, True):
