@@ -21,6 +21,7 @@
 #include "lapedit/base/error.h"
 #include "lapedit_host/face_shape.h"
 #include "notes.h"
+#include "ply_file.h"
 #include "vertex_filter_plugin.h"
 
 namespace lapedit::host {
@@ -458,6 +459,9 @@ void BatchHost::State::require_complete(const QString& path, MeshModel& layer) {
   } else if (complete && suffix == "stl") {
     // Binary; read back, it has other vertices.
     complete = file.size() == 84 + 50 * static_cast<qint64>(layer.cm.fn);
+  } else if (const auto ply = suffix == "ply" ? walkPly(path) : std::nullopt; complete && ply) {
+    complete = ply->complete;
+    found = {static_cast<int>(ply->vertices), static_cast<int>(ply->faces)};
   } else if (complete && (suffix == "ply" || suffix == "off")) {
     MeshDocument copy;
     try {

@@ -13,6 +13,7 @@
 
 #include "file_names.h"
 #include "filter_laplacian_edit.h"
+#include "in_processes.h"
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
 #include "lapedit/base/stopwatch.h"
@@ -88,6 +89,20 @@ std::vector<int> unionOf(const std::vector<EditResult>& poses) {
     all = std::move(more);
   }
   return all;
+}
+
+/// Where some vertices are in a pose.
+Points positionsOf(const std::vector<int>& vertices, const EditResult& pose, const BridgedMesh& bridged) {
+  Points positions(static_cast<Eigen::Index>(vertices.size()), 3);
+  for (std::size_t i = 0, next = 0; i < vertices.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    if (next < pose.vertices.size() && pose.vertices[next] == vertices[i]) {
+      positions.row(row) = pose.positions.row(static_cast<Eigen::Index>(next++));
+    } else {
+      positions.row(row) = bridged.mesh.vertices.row(vertices[i]);
+    }
+  }
+  return positions;
 }
 
 class Job {
@@ -210,25 +225,24 @@ class Job {
       save(0);
       return;
     }
-    const Adjacency adjacency = build_adjacency(static_cast<int>(bridged.mesh.vertices.rows()), bridged.mesh.faces);
-    PoseWriter writer(mesh, bridged, adjacency);
-    const std::vector<int> moved = unionOf(results);
     for (std::size_t k = 0; k < results.size(); ++k) {
-      Points positions(static_cast<Eigen::Index>(moved.size()), 3);
-      for (std::size_t i = 0, next = 0; i < moved.size(); ++i) {
-        const auto row = static_cast<Eigen::Index>(i);
-        if (next < results[k].vertices.size() && results[k].vertices[next] == moved[i]) {
-          positions.row(row) = results[k].positions.row(static_cast<Eigen::Index>(next++));
-        } else {
-          positions.row(row) = bridged.mesh.vertices.row(moved[i]);
-        }
-      }
-      if (!writer.write(mesh, moved, positions, true)) {
-        throw Failure(Unexpected, "Writing a pose changed the mesh: write the poses one by one with --fraction.");
-      }
       print("Fraction " + number_text(options_.fractions[k]) + "\n" + textOf(results[k].reports));
-      save(static_cast<int>(k));
     }
+    begin();
+    const Stopwatch writing;
+    const Adjacency adjacency = build_adjacency(static_cast<int>(bridged.mesh.vertices.rows()), bridged.mesh.faces);
+    const std::vector<int> moved = unionOf(results);
+    const int processes = std::clamp(options_.list.jobs, 1, static_cast<int>(results.size()));
+    inProcesses(processes, [&](int number) {
+      PoseWriter writer(mesh, bridged, adjacency);
+      for (auto k = static_cast<std::size_t>(number); k < results.size(); k += static_cast<std::size_t>(processes)) {
+        if (!writer.write(mesh, moved, positionsOf(moved, results[k], bridged), true)) {
+          throw Failure(Unexpected, "Writing a pose changed the mesh: write the poses one by one with --fraction.");
+        }
+        save(static_cast<int>(k));
+      }
+    });
+    report_.write_ms = writing.elapsed();
   }
 
   void begin() {
