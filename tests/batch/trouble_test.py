@@ -106,7 +106,7 @@ class Hangs(Trouble):
         self.assertEqual(list(self.snapshot()), [str(self.place / "out.ply")])
 
     def test_writer_that_goes_on_again_is_not_ended(self):
-        with self.writing(environment={"LAPEDIT_STALL_SECONDS": "2"}, ) as process:
+        with self.writing(environment={"LAPEDIT_STALL_SECONDS": "2"}) as process:
             worker = worker_of(process)
             os.kill(worker, signal.SIGSTOP)
             time.sleep(3)
@@ -165,7 +165,7 @@ class Ends(Trouble):
 
     @unittest.skipIf(SANITIZED, "the address space is the sanitizer's")
     def test_small_address_spaces_make_nothing_hang(self):
-        for kilobytes in (60000, 100000, 150000, 200000, 250000, 300000, 409600, 600000):
+        for kilobytes in (60000, 100000, 150000, 200000, 250000, 300000, 409600, 600000, 3000000):
             code, _, errors = self.run_command(
                 self.mesh, "small.ply", self.edit,
                 preexec_fn=lambda limit=kilobytes << 10: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)))
