@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "batch_script.h"
 
+#include <QSet>
 #include <QXmlStreamReader>
 #include <algorithm>
 #include <cstdlib>
@@ -52,15 +53,16 @@ ScriptFilter read_filter(QXmlStreamReader& xml) {
   if (filter.name.isEmpty()) {
     refuse(xml, "a filter needs a name.");
   }
+  QSet<QString> names;
   while (xml.readNextStartElement()) {
     if (xml.name() != QLatin1String("Param")) {
       refuse(xml, "there is an element " + quoted(xml.name().toString()) + " where Param is expected.");
     }
     ScriptParameter parameter = read_parameter(xml);
-    for (const ScriptParameter& other : filter.parameters) {
-      if (other.name == parameter.name) {
-        refuse(xml, "the parameter " + quoted(parameter.name) + " is given twice.");
-      }
+    const int before = names.size();
+    names.insert(parameter.name);
+    if (names.size() == before) {
+      refuse(xml, "the parameter " + quoted(parameter.name) + " is given twice.");
     }
     filter.parameters.push_back(std::move(parameter));
     xml.skipCurrentElement();

@@ -13,11 +13,11 @@ bool isByte(const QString& name, int k) {
 }
 
 QString decoded(const QByteArray& bytes) {
-  const QString all = QString::fromUtf8(bytes);
-  if (all.toUtf8() == bytes) {
-    return all;
+  QString text = QString::fromUtf8(bytes);
+  if (text.toUtf8() == bytes) {
+    return text;
   }
-  QString text;
+  text.clear();
   for (int k = 0; k < bytes.size();) {
     int length = 1;
     while (length <= 4 && QString::fromUtf8(bytes.mid(k, length)).toUtf8() != bytes.mid(k, length)) {

@@ -12,6 +12,7 @@
 #include <cstdio>
 #include <cstring>
 #include <system_error>
+#include <utility>
 
 #include "batch_host.h"
 #include "failure.h"
@@ -118,23 +119,30 @@ void OutputFiles::synchronise() {
   }
 }
 
-void OutputFiles::replace(const QString& staged, const QString& name) const {
-  const QByteArray from = QFile::encodeName(beside(staged)), to = QFile::encodeName(folder_ + "/" + name);
-  struct stat before = {};
-  if (::stat(to.constData(), &before) == 0) {
-    handDown(before, from.constData());
-  }
-  if (::rename(from.constData(), to.constData()) != 0) {
-    refuse(folder_ + "/" + name, lastError());
-  }
-}
-
 void OutputFiles::place() {
+  QList<std::pair<QString, QString>> files;  // from, to
   for (const QString& name : others_) {
-    replace(name, name);
+    files << std::make_pair(beside(name), folder_ + "/" + name);
   }
   for (int k = 0; k < names_.size(); ++k) {
-    replace(staged_[k], names_[k]);
+    files << std::make_pair(path(k), folder_ + "/" + names_[k]);
+  }
+  // Much may have happened since the places were looked at.
+  for (const auto& [from, to] : files) {
+    if (QFileInfo(to).isDir()) {
+      refuse(to, "it has become a folder");
+    }
+  }
+  for (int k = 0; k < files.size(); ++k) {
+    const QByteArray from = QFile::encodeName(files[k].first), to = QFile::encodeName(files[k].second);
+    struct stat before = {};
+    if (::stat(to.constData(), &before) == 0) {
+      handDown(before, from.constData());
+    }
+    if (::rename(from.constData(), to.constData()) != 0) {
+      const std::string why = lastError();
+      refuse(files[k].second, k == 0 ? why : why + "; the files before it, " + std::to_string(k) + ", are complete");
+    }
   }
   synchronised(folder_);
 }

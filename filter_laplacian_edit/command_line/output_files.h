@@ -42,7 +42,6 @@ class OutputFiles {
 
  private:
   [[noreturn]] void refuse(const QString& place, const std::string& why) const;
-  void replace(const QString& staged, const QString& name) const;
 
   std::string what_;
   QString folder_;

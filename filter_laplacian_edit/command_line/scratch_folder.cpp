@@ -78,7 +78,8 @@ void ScratchFolder::make(const std::string& beside) {
   const std::string name = beginning();
   sweep(beside, name);
   for (int tries = 0; lock_ < 0; ++tries) {
-    std::string pattern = beside + "/" + name + "XXXXXX";
+    std::string pattern = beside;
+    pattern.append("/").append(name).append("XXXXXX");
     if (tries > 99 || ::mkdtemp(pattern.data()) == nullptr) {
       throw std::system_error(errno, std::generic_category());
     }
