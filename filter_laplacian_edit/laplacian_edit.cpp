@@ -126,8 +126,8 @@ EditStep editStep(const ParameterValues& values, const CMeshO& host, const Bridg
   return step;
 }
 
-std::string run(const ParameterValues& values, CMeshO& host, const Progress& progress, const ReportSink& sink,
-                int mostVertices) {
+FilterOutcome run(const ParameterValues& values, CMeshO& host, const Progress& progress, const ReportSink& sink,
+                  int mostVertices) {
   const BridgedMesh bridged = read_mesh(host);
   validate(bridged.mesh);
   const EditStep step = editStep(values, host, bridged);
@@ -138,7 +138,7 @@ std::string run(const ParameterValues& values, CMeshO& host, const Progress& pro
   if (sink) {
     sink(result.reports);
   }
-  return result.reports.front().text();
+  return {result.reports.front().text(), figuresOf(result.reports)};
 }
 
 }  // namespace

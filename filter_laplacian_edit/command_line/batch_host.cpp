@@ -20,6 +20,7 @@
 #include "file_names.h"
 #include "lapedit/base/error.h"
 #include "lapedit_host/face_shape.h"
+#include "lapedit_host/mesh_bridge.h"
 #include "notes.h"
 #include "ply_file.h"
 #include "vertex_filter_plugin.h"
@@ -329,6 +330,13 @@ QString BatchHost::version() {
 int BatchHost::open(const QString& path, const QString& called) {
   const auto layers = state_->read(path, state_->document, called);
   for (const auto& [layer, mask] : layers) {
+    try {
+      require_sound_corners(layer->cm);
+    } catch (const EditError& error) {
+      const QString sentence = QString::fromUtf8(error.what());
+      throw BatchError("The mesh " + quoted_path(path) +
+                       " cannot be read: " + (sentence.left(1).toLower() + sentence.mid(1)).toStdString());
+    }
     complete_layer(*layer, mask);
   }
   return static_cast<int>(layers.size());

@@ -109,4 +109,48 @@ std::string EditReport::text() const {
   return hint.empty() ? lines : lines + "\n" + hint;
 }
 
+std::vector<Figure> EditReport::figures() const {
+  using Value = decltype(Figure::value);
+  return {{"mesh_vertices", mesh_vertices},
+          {"handle", handle},
+          {"free", free},
+          {"anchors", anchors},
+          {"fixed", fixed},
+          {"left_out", left_out},
+          {"laplacian", laplacian},
+          {"order", order},
+          {"detail_rotation", rotation},
+          {"turning", turning},
+          {"rough", rough},
+          {"membrane", membrane},
+          {"iterations", iterations},
+          {"passes_dropped", passes_dropped},
+          {"normal_radius", normal_radius},
+          {"uniform_edges", uniform_edges},
+          {"solver", backend},
+          {"refinements", refinements},
+          {"factor_taken_over", factor_taken_over},
+          {"normal_equation_residual", normal_equation_residual},
+          {"handle_displacement", handle_displacement},
+          {"handle_residual", handle_residual},
+          {"anchor_residual", anchor_residual},
+          {"rotation_mean", rotation_mean},
+          {"rotation_max", rotation_max},
+          {"stretch_rms", stretch_rms},
+          {"stretch_max", stretch_max},
+          {"flipped", flipped},
+          {"folded", folded},
+          {"volume", volume},
+          {"volume_change", volume_change},
+          {"detail_height", detail_height ? Value(*detail_height) : Value()},
+          {"rotation_left", rotation_left},
+          {"new_intersections", new_intersections ? Value(*new_intersections) : Value()},
+          {"advice", advice()}};
+}
+
+std::vector<Figure> EditReport::times() const {
+  return {{"region", region_ms},   {"operator", operator_ms}, {"factorisation", factor_ms}, {"smoothing", kernel_ms},
+          {"rough", unrotated_ms}, {"normals", normals_ms},   {"rotations", rotate_ms},     {"solve", solve_ms}};
+}
+
 }  // namespace lapedit

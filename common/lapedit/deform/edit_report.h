@@ -3,6 +3,8 @@
 
 #include <optional>
 #include <string>
+#include <variant>
+#include <vector>
 
 namespace lapedit {
 
@@ -46,6 +48,12 @@ struct EditQuality {
   FoldCauses causes;
 };
 
+/// One of a report's figures under the name that it has wherever they are written; empty where it is not known.
+struct Figure {
+  const char* name;
+  std::variant<std::monostate, bool, int, double, std::string> value;
+};
+
 /// What an edit did, in numbers. Lengths in model units, angles in degrees.
 struct EditReport : RegionCounts, EditTimes, EditQuality {
   std::string laplacian, rotation, turning, rough, backend;
@@ -62,6 +70,11 @@ struct EditReport : RegionCounts, EditTimes, EditQuality {
 
   /// Several lines of plain text for a log, without a trailing newline.
   std::string text() const;
+
+  /// All figures but the times.
+  std::vector<Figure> figures() const;
+  /// Milliseconds, by what they were spent on.
+  std::vector<Figure> times() const;
 
   /// Where triangles folded over or came to meet: one sentence on what to do, else empty.
   std::string advice() const;
