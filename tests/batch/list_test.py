@@ -4,6 +4,7 @@ import json
 import os
 import pathlib
 import re
+import resource
 import shutil
 import signal
 import subprocess
@@ -333,6 +334,62 @@ class Lists(ListTest):
         self.assertEqual(most, 2)
         self.assertGreater(large_job, small_job + 20000)
         self.assertLess(large, small + 4000)
+
+
+class Poses(ListTest):
+    FRACTIONS = ",".join(str(k / 20) for k in range(1, 21))
+
+    def setUp(self):
+        super().setUp()
+        self.mesh = write_ply(self.place / "mesh.ply", *dome(61, 61))
+        self.edit = self.place / "edit.json"
+        self.edit.write_text(json.dumps({"laplacian_edit": 2, "steps": [
+            {"region": {"radius": 0.3}, "handles": [{"vertices": "1860", "translation": [0, 0, 0.2]}]}]}))
+        self.arguments = (self.mesh, "all.ply", self.edit, "--quiet", "--fractions", self.FRACTIONS)
+
+    def outputs(self):
+        return {path.name: path.read_bytes() for path in self.place.glob("all-*")}
+
+    def unwritable(self, sentence, process):
+        code, _, errors = self.ended(process)
+        self.assertEqual(code, UNWRITABLE, errors)
+        self.assertRegex(errors, rf"\A[^\n]*{sentence}[^\n]*\n\Z")
+        self.assertEqual({path.name for path in self.place.iterdir()}, {"mesh.ply", "edit.json"})
+
+    def test_several_processes_write_the_same_bytes(self):
+        self.done(*self.arguments)
+        alone = self.outputs()
+        self.assertEqual(len(alone), 20)
+        for jobs in (3, 50):
+            for path in self.place.glob("all-*"):
+                path.unlink()
+            self.done(*self.arguments, "--jobs", jobs, "--report", "report.json")
+            self.assertEqual(self.outputs(), alone)
+        self.assertGreater(json.loads((self.place / "report.json").read_text())["milliseconds"]["write"], 0)
+
+    def test_one_that_ends_by_a_signal_ends_all(self):
+        process = self.start(COMMAND, *self.arguments, "--jobs", 2)
+
+        def writers():
+            return [writer for worker in children(process.pid) for writer in children(worker)]
+
+        self.wait_until(lambda: len(writers()) == 2 and list(self.place.glob(".laplacian-edit-*/all-*")), process)
+        os.kill(writers()[1], signal.SIGABRT)
+        self.unwritable(r"stopped with an error of its own while writing .*signal 6.*nothing was written", process)
+
+    def test_what_one_cannot_write_is_told_once(self):
+        def limited():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (50000, 50000))
+
+        self.unwritable(r"output .*all-\d+\.ply.* cannot be written: ",
+                        self.start(COMMAND, *self.arguments, "--jobs", 2, preexec_fn=limited))
+
+    def test_what_does_not_arrive_to_the_last_byte_is_seen(self):
+        sanitizer = [self.environment["LD_PRELOAD"]] if os.environ.get("LAPEDIT_PRELOAD") else []
+        library = {"LD_PRELOAD": ":".join([*sanitizer, os.environ["LAPEDIT_SHORT_LIBRARY"]])}
+        for options in ((), ("--jobs", 2)):
+            self.unwritable(r"output .*all-\d+\.ply.* cannot be written: what arrived is not complete",
+                            self.start(COMMAND, *self.arguments, *options, environment=library))
 
 
 @unittest.skipUnless(shutil.which("parallel"), "needs GNU parallel (Debian: parallel)")
