@@ -210,6 +210,17 @@ class Lists(ListTest):
         self.assertRegex(errors, r"\ALine 1: [^\n]*\n\Z")
         self.assertFalse((self.place / "large-edited.ply").exists())
         self.require_edited(pairs)
+        # With the program its jobs end.
+        process = self.start(COMMAND, "--list", jobs, "--jobs", 1)
+        self.wait_until(workers, process)
+        (worker,) = workers()
+        process.kill()
+        self.ended(process)
+        limit = time.monotonic() + 60
+        while pathlib.Path(f"/proc/{worker}").exists():
+            self.assertLess(time.monotonic(), limit)
+            time.sleep(0.01)
+        self.assertFalse((self.place / "large-edited.ply").exists())
 
     def test_lines_of_json(self):
         (mesh, _), = self.family(1)
