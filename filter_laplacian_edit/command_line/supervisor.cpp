@@ -241,7 +241,7 @@ class Supervisor {
       case Placed::Nothing:
         return "nothing was written";
       case Placed::Some:
-        return "some of the files are in their places, each of them complete";
+        return "some of the files may be in their places, each of them complete";
       default:
         return "the outputs are complete, but there is no report";
     }
