@@ -192,7 +192,7 @@ class Supervisor {
       return say(Unexpected, reason() + nothing + "give it more memory (ulimit -v), or a smaller mesh.");
     }
     if (notes_.lack_ == Lack::Threads) {
-      return say(Unexpected, reason() + nothing + "allow more of them (ulimit -u), or end other programs.");
+      return say(Unexpected, reason() + nothing + "allow more of them, or more memory (ulimit -u, ulimit -v).");
     }
     if (signal == SIGXCPU) {
       return say(Unexpected, reason() + nothing + "allow more (ulimit -t).");
