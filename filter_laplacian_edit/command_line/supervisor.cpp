@@ -185,8 +185,9 @@ class Supervisor {
       return say(Unexpected, reason() + nothing + "allow more with --timeout.");
     }
     if (verdict_ == Watchdog::Verdict::Stalled) {
-      return say(notes_.code_,
-                 reason() + nothing + "look whether the file is what its name says, or try another format.");
+      return say(notes_.code_, reason() + nothing +
+                                   "look whether the file is what its name says, try another format, or allow more "
+                                   "(LAPEDIT_STALL_SECONDS).");
     }
     if (notes_.lack_ == Lack::Memory || signal == SIGKILL) {
       return say(Unexpected, reason() + nothing + "give it more memory (ulimit -v), or a smaller mesh.");
