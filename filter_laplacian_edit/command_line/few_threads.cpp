@@ -17,7 +17,7 @@ bool isBelow(int resource, rlim_t enough) {
 void takeFewThreads(int, char** arguments, char** environment) {
   const auto processors = static_cast<rlim_t>(sysconf(_SC_NPROCESSORS_ONLN));
   const rlim_t memory = (rlim_t{1} << 30) + processors * (rlim_t{256} << 20);
-  if (!isBelow(RLIMIT_AS, memory) && !isBelow(RLIMIT_NPROC, 1024)) {
+  if (!isBelow(RLIMIT_AS, memory) && !isBelow(RLIMIT_DATA, memory) && !isBelow(RLIMIT_NPROC, 1024)) {
     return;
   }
   char variable[] = "OPENBLAS_NUM_THREADS=1";

@@ -185,14 +185,15 @@ class Supervisor {
       return say(Unexpected, reason() + nothing + "allow more with --timeout.");
     }
     if (verdict_ == Watchdog::Verdict::Stalled) {
-      return say(notes_.code_,
-                 reason() + nothing + "look whether the file is what its name says, or try another format.");
+      return say(notes_.code_, reason() + nothing +
+                                   "look whether the file is what its name says, try another format, or allow more "
+                                   "(LAPEDIT_STALL_SECONDS).");
     }
     if (notes_.lack_ == Lack::Memory || signal == SIGKILL) {
       return say(Unexpected, reason() + nothing + "give it more memory (ulimit -v), or a smaller mesh.");
     }
     if (notes_.lack_ == Lack::Threads) {
-      return say(Unexpected, reason() + nothing + "allow more of them (ulimit -u), or end other programs.");
+      return say(Unexpected, reason() + nothing + "allow more of them, or more memory (ulimit -u, ulimit -v).");
     }
     if (signal == SIGXCPU) {
       return say(Unexpected, reason() + nothing + "allow more (ulimit -t).");
@@ -241,7 +242,7 @@ class Supervisor {
       case Placed::Nothing:
         return "nothing was written";
       case Placed::Some:
-        return "some of the files are in their places, each of them complete";
+        return "some of the files may be in their places, each of them complete";
       default:
         return "the outputs are complete, but there is no report";
     }

@@ -144,11 +144,26 @@ class Ends(Trouble):
                 self.ended(code, sentence, process)
 
     def test_library_that_ends_the_program(self):
-        libraries = [self.environment["LD_PRELOAD"]] if SANITIZED else []
-        environment = {"LD_PRELOAD": ":".join([*libraries, os.environ["LAPEDIT_ENDING_LIBRARY"]])}
-        with self.start(self.mesh, "new.ply", self.edit, environment=environment) as process:
-            self.ended(UNWRITABLE, r"\AMeshLab .* ended the program while writing .*new\.ply.* \(exit code 1\)" + NOTHING,
-                       process)
+        """What is in its place by then is what is said."""
+        libraries = ([self.environment["LD_PRELOAD"]] if SANITIZED else []) + [os.environ["LAPEDIT_ENDING_LIBRARY"]]
+        outputs = ["all-0001.ply", "all-0002.ply"]
+        for call, code, said, found in (
+                ("fsync 1", UNWRITABLE, r"writing .*all-0001\.ply.* \(exit code 1\): nothing was written; ", []),
+                ("rename 1", UNWRITABLE, r"writing .*: some of the files may be in their places, each of them complete\.", []),
+                ("rename 2", UNWRITABLE, r"writing .*: some of the files may be in their places, each of them complete\.",
+                 outputs[:1]),
+                ("rename 3", UNWRITABLE, r"writing .*: the outputs are complete, but there is no report\.", outputs),
+                ("unlinkat 1", 0, r"\A\Z", [*outputs, "report.json"])):
+            place = self.place / call.replace(" ", "")
+            place.mkdir()
+            ended, _, errors = self.run_command(
+                self.mesh, place / "all.ply", self.edit, "--fractions", "0.5,1", "--report", place / "report.json",
+                environment={"LD_PRELOAD": ":".join(libraries), "LAPEDIT_END_AT": call})
+            with self.subTest(call):
+                self.assertEqual(ended, code)
+                self.assertRegex(errors, r"\A(MeshLab \S+ or a library of its own ended the program while [^\n]*\.\n)?\Z")
+                self.assertRegex(errors, said)
+                self.assertEqual(sorted(path.name for path in place.iterdir()), found)
 
     @unittest.skipIf(SANITIZED, "the address space is the sanitizer's")
     def test_too_little_memory(self):
@@ -164,16 +179,17 @@ class Ends(Trouble):
                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30)))
 
     @unittest.skipIf(SANITIZED, "the address space is the sanitizer's")
-    def test_small_address_spaces_make_nothing_hang(self):
-        for kilobytes in (60000, 100000, 150000, 200000, 250000, 300000, 409600, 600000, 3000000):
-            code, _, errors = self.run_command(
-                self.mesh, "small.ply", self.edit,
-                preexec_fn=lambda limit=kilobytes << 10: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)))
-            with self.subTest(kilobytes):
-                self.assertTrue(code == 0 or errors, (code, errors))
-                self.assertEqual(code == 0, (self.place / "small.ply").exists())
-                (self.place / "small.ply").unlink(missing_ok=True)
-        self.assertEqual(code, 0, errors)
+    def test_small_memory_makes_nothing_hang(self):
+        for what, name in ((resource.RLIMIT_AS, "address space"), (resource.RLIMIT_DATA, "data")):
+            for kilobytes in (10000, 60000, 100000, 150000, 250000, 409600, 3000000):
+                code, _, errors = self.run_command(
+                    self.mesh, "small.ply", self.edit,
+                    preexec_fn=lambda kind=what, limit=kilobytes << 10: resource.setrlimit(kind, (limit, limit)))
+                with self.subTest((name, kilobytes)):
+                    self.assertTrue(code == 0 or errors, (code, errors))
+                    self.assertEqual(code == 0, (self.place / "small.ply").exists())
+                    (self.place / "small.ply").unlink(missing_ok=True)
+            self.assertEqual(code, 0, errors)
 
     def test_too_few_processes(self):
         self.folder.chmod(0o755)
