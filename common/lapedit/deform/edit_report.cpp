@@ -90,6 +90,9 @@ std::string EditReport::text() const {
   lines += format_text("\nHandle: to move %.6g, off its target by %.3g (%.3g %%); anchors moved at most %.3g",
                        handle_displacement, handle_residual,
                        handle_displacement > 0 ? 100 * handle_residual / handle_displacement : 0.0, anchor_residual);
+  if (handle_point_distance) {
+    lines += format_text("; its vertex is %.3g from the handle point", *handle_point_distance);
+  }
   lines += format_text(
       "\nDetail rotation: mean %.3g, largest %.3g degrees; edge stretch: RMS %.3g %%, largest %.3g %%; triangles "
       "flipped: %d",
@@ -131,6 +134,7 @@ std::vector<Figure> EditReport::figures() const {
           {"refinements", refinements},
           {"factor_taken_over", factor_taken_over},
           {"normal_equation_residual", normal_equation_residual},
+          {"handle_point_distance", handle_point_distance ? Value(*handle_point_distance) : Value()},
           {"handle_displacement", handle_displacement},
           {"handle_residual", handle_residual},
           {"anchor_residual", anchor_residual},

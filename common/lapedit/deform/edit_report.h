@@ -64,6 +64,8 @@ struct EditReport : RegionCounts, EditTimes, EditQuality {
   int uniform_edges = 0;           ///< see DifferentialOperator
   int refinements = 0;             ///< iterative refinement steps per solve
   bool factor_taken_over = false;  ///< shared with the editor before, for another handle in the same region
+  /// From the point that a handle was given by to the vertex nearest to it; nothing where it was given otherwise.
+  std::optional<double> handle_point_distance;
   /// All that was shared with it: "nothing", or of "operator" and "factor" or, where that is new, the matrix's
   /// "ordering" or its "analysis", with the ordering; as in "operator and factor".
   std::string taken_over = "nothing";
