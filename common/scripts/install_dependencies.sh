@@ -18,7 +18,7 @@ packages="
   meshlab"
 # A MeshLab that runs without a screen.
 display="xvfb xauth libgl1-mesa-dri python3"
-tests="$display ninja-build ccache libgtest-dev xdotool python3-numpy qttools5-dev-tools"
+tests="$display ninja-build ccache libgtest-dev xdotool python3-numpy qttools5-dev-tools parallel"
 for what in "$@"; do
   case $what in
   build) ;;

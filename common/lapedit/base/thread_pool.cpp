@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <utility>
 
 namespace lapedit {
@@ -13,6 +14,8 @@ using Clock = std::chrono::steady_clock;
 /// Waking a sleeper costs about as much as this: a helper looks for the next stage of the same frame for so long.
 constexpr std::chrono::microseconds kPatience{60};
 
+std::atomic<int> most_threads{std::numeric_limits<int>::max()};
+
 constexpr std::uint64_t number_of(std::uint64_t ticket) {
   return ticket >> 32;
 }
@@ -20,7 +23,12 @@ constexpr std::uint64_t number_of(std::uint64_t ticket) {
 }  // namespace
 
 int thread_count(int threads) {
-  return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const int wanted = threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  return std::min(wanted, most_threads.load());
+}
+
+void limit_threads(int most) {
+  most_threads = std::max(1, most);
 }
 
 ThreadPool::ThreadPool(int threads) {
