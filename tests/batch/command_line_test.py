@@ -88,7 +88,8 @@ class CommandTest(HostTest):
 
     def writing(self, *arguments, **options):
         """A run that writes for a while, when it has begun to."""
-        process = self.start(self.mesh, "all.ply", self.edit, "--fractions", ",".join(["0.5"] * 400), *arguments, **options)
+        process = self.start(self.mesh, "all.ply", self.edit, "--fractions", ",".join(["0.5"] * 400), "--quiet", *arguments,
+                             **options)
         end = time.monotonic() + 60
         while not list(self.place.glob(".laplacian-edit-*/all-0003.ply")):
             self.assertIsNone(process.poll())
