@@ -63,7 +63,11 @@ class CommandTest(HostTest):
     def run_command(self, *arguments, **options):
         """@return exit code, standard output, standard error"""
         with self.start(*arguments, **options) as process:
-            output, errors = process.communicate(timeout=120)
+            try:
+                output, errors = process.communicate(timeout=120)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                raise
         return process.returncode, (output or b"").decode(), (errors or b"").decode(errors="replace")
 
     def done(self, *arguments, **options):
