@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "file_names.h"
 
+#include <QDir>
+#include <QFileInfo>
 #include <QTextCodec>
 
 namespace {
@@ -65,6 +67,13 @@ class NameCodec : public QTextCodec {
 void takeFileNamesAsBytes() {
   static auto* const codec = new NameCodec;  // Qt's from now on
   QTextCodec::setCodecForLocale(codec);
+}
+
+QString fullPath(const QString& name) {
+  const QString full = name.startsWith('/') ? name : QDir::currentPath() + "/" + name;
+  const int slash = full.lastIndexOf('/');
+  const QString folder = full.contains("/../") ? QFileInfo(full.left(slash)).canonicalFilePath() : QString();
+  return QDir::cleanPath(folder.isEmpty() ? full : folder + full.mid(slash));
 }
 
 bool isUtf8(const QString& name) {

@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "failure.h"
+#include "file_names.h"
 #include "real_files.h"
 
 using lapedit::host::quoted;
@@ -23,7 +24,7 @@ namespace {
 }
 
 QByteArray absolute(const QString& path) {
-  return path.isEmpty() ? QByteArray() : QFile::encodeName(QFileInfo(path).absoluteFilePath());
+  return path.isEmpty() ? QByteArray() : QFile::encodeName(fullPath(path));
 }
 
 ListedJob jobOfJson(const QByteArray& text, const Options& common, int line) {

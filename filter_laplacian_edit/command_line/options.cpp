@@ -6,6 +6,7 @@
 #include <QFileInfo>
 
 #include "failure.h"
+#include "file_names.h"
 
 using lapedit::host::quoted;
 
@@ -89,9 +90,7 @@ void readFractions(const QCommandLineParser& parser, Options& options) {
 /// The part of the options that is about many jobs.
 ListOptions listOptions(const QCommandLineParser& parser) {
   ListOptions list;
-  const auto path = [&](const char* name) {
-    return parser.isSet(name) ? QFileInfo(parser.value(name)).absoluteFilePath() : QString();
-  };
+  const auto path = [&](const char* name) { return parser.isSet(name) ? fullPath(parser.value(name)) : QString(); };
   list.file = path("list");
   list.log = path("job-log");
   list.resume = parser.isSet("resume");
@@ -203,18 +202,18 @@ std::optional<Options> readOptions(const QStringList& arguments, std::string& te
   Options options;
   options.list = listOptions(parser);
   if (options.list.file.isEmpty()) {
-    options.input = QFileInfo(files[0]).absoluteFilePath();
-    options.output = QFileInfo(files[1]).absoluteFilePath();
-    options.edit = QFileInfo(files[2]).absoluteFilePath();
+    options.input = fullPath(files[0]);
+    options.output = fullPath(files[1]);
+    options.edit = fullPath(files[2]);
     options.isScript = isScript(options.edit);
   }
   options.quiet = parser.isSet(quiet);
   options.quality = parser.isSet(quality);
   if (parser.isSet(report)) {
-    options.report = QFileInfo(parser.value(report)).absoluteFilePath();
+    options.report = fullPath(parser.value(report));
   }
   if (parser.isSet(plugins)) {
-    options.plugins = QFileInfo(parser.value(plugins)).absoluteFilePath();
+    options.plugins = fullPath(parser.value(plugins));
   }
   if (parser.isSet(limit)) {
     options.timeout = timeout(parser.value(limit));

@@ -63,7 +63,11 @@ class CommandTest(HostTest):
     def run_command(self, *arguments, **options):
         """@return exit code, standard output, standard error"""
         with self.start(*arguments, **options) as process:
-            output, errors = process.communicate(timeout=120)
+            try:
+                output, errors = process.communicate(timeout=120)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                raise
         return process.returncode, (output or b"").decode(), (errors or b"").decode(errors="replace")
 
     def done(self, *arguments, **options):
@@ -88,7 +92,8 @@ class CommandTest(HostTest):
 
     def writing(self, *arguments, **options):
         """A run that writes for a while, when it has begun to."""
-        process = self.start(self.mesh, "all.ply", self.edit, "--fractions", ",".join(["0.5"] * 400), *arguments, **options)
+        process = self.start(self.mesh, "all.ply", self.edit, "--fractions", ",".join(["0.5"] * 400), "--quiet", *arguments,
+                             **options)
         end = time.monotonic() + 60
         while not list(self.place.glob(".laplacian-edit-*/all-0003.ply")):
             self.assertIsNone(process.poll())

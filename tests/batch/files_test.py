@@ -56,6 +56,17 @@ class RealFiles(CommandTest):
         (self.place / "lost.ply").symlink_to("none/real.ply")
         self.refused(UNWRITABLE, r"lost\.ply.* folder does not exist", self.mesh, "lost.ply", "edit.json")
 
+    def test_paths_go_by_the_links_that_they_name(self):
+        """What follows a link and ".." is beside the folder that the link leads to."""
+        (self.place / "there" / "sub").mkdir(parents=True)
+        (self.place / "link").symlink_to("there/sub")
+        for path in (self.mesh, self.edit):
+            path.rename(self.place / "there" / path.name)
+        self.done("link/../in.ply", "link/../out.ply", "link/../edit.json", "--report", "link/../report.json")
+        self.assertEqual((self.place / "out.ply").read_text(), "old")
+        self.assertEqual({path.name for path in (self.place / "there").iterdir()},
+                         {"sub", "in.ply", "edit.json", "out.ply", "report.json"})
+
     def test_permissions_are_handed_down_but_not_the_right_to_be_somebody_else(self):
         out = self.place / "out.ply"
         for mode, after in ((0o640, 0o640), (0o6775, 0o775), (0o1604, 0o604)):
