@@ -6,6 +6,9 @@
 #include <QHash>
 #include <QJsonDocument>
 #include <QJsonObject>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
 #include <string>
 #include <system_error>
 
@@ -151,18 +154,18 @@ void requireApart(const std::vector<ListedJob>& jobs, const Options& common) {
 }  // namespace
 
 std::vector<ListedJob> readJobList(const Options& common) {
-  QFile file(common.list.file);
-  if (QFileInfo(file).isDir() || !file.open(QIODevice::ReadOnly)) {
-    throw Failure(Unreadable, "The list " + quoted_path(common.list.file) + " cannot be read: " +
-                                  (QFileInfo(file).isDir() ? "it is a folder" : file.errorString().toStdString()) +
-                                  ".");
+  const bool is_folder = QFileInfo(common.list.file).isDir();
+  std::ifstream file(QFile::encodeName(common.list.file).toStdString());  // which may be a pipe
+  if (is_folder || !file) {
+    throw Failure(Unreadable, "The list " + quoted_path(common.list.file) +
+                                  " cannot be read: " + (is_folder ? "it is a folder" : std::strerror(errno)) + ".");
   }
   std::vector<ListedJob> jobs;
   int line = 0;
-  while (!file.atEnd()) {
-    QByteArray text = file.readLine();
+  for (std::string read; std::getline(file, read);) {
+    QByteArray text = QByteArray::fromStdString(read);
     ++line;
-    while (text.endsWith('\n') || text.endsWith('\r')) {
+    while (text.endsWith('\r')) {
       text.chop(1);
     }
     if (line == 1 && text.startsWith("\xef\xbb\xbf")) {

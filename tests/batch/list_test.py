@@ -233,6 +233,14 @@ class Lists(ListTest):
         self.assertEqual((self.place / "{\t}.ply").read_bytes(), (self.place / "alone.ply").read_bytes())
         self.assertEqual(json.loads((self.place / "r.json").read_text())["outputs"][0]["fraction"], 0.25)
 
+    def test_list_from_a_pipe_with_the_line_ends_of_windows(self):
+        pairs = self.family(3)
+        slowly = "while read -r line; do printf %s \"${line%json}\"; sleep 0.1; printf 'json\\r\\n'; done"
+        code, output, errors = self.ended(self.start(
+            "bash", "-c", slowly + " <family/jobs.tsv | laplacian-edit --list /dev/stdin"))
+        self.assertEqual((code, output, errors), (0, "3 of 3 jobs done, 0 failed.\n", ""))
+        self.require_edited(pairs)
+
     def test_poses(self):
         pairs = self.family(2)
         self.done("--list", "family/jobs.tsv", "--fractions", "0.5,1")
