@@ -20,6 +20,7 @@ void endAt(const char* function, int call) {
 
 }  // namespace
 
+// NOLINTBEGIN(readability-inconsistent-declaration-parameter-name): the system's own are reserved
 extern "C" {
 
 [[gnu::visibility("default")]] int fsync(int file) {
@@ -40,3 +41,4 @@ extern "C" {
   return static_cast<int>(syscall(SYS_unlinkat, folder, name, flags));
 }
 }
+// NOLINTEND(readability-inconsistent-declaration-parameter-name)
