@@ -119,7 +119,7 @@ bool Preparation::factor_fits() const {
   // A factor that had to be in double for another handle need not be for this one.
   return took_operator_ && previous_->settings.backend == s_.settings.backend &&
          previous_->matrix->squared_weights == factor_weights_ &&
-         (s_.settings.order > 1 || s_.settings.backend == CholeskyBackend::Eigen || !has_cholmod() ||
+         (s_.settings.order > 1 || s_.settings.backend == CholeskyBackend::Eigen ||
           previous_->matrix->cholesky.single_precision());
 }
 
