@@ -93,13 +93,6 @@ get_filename_component(_directory "${MeshLab_LIBRARY}" DIRECTORY)
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "${_meshlab}")
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "${_directory}")
-if(CHOLMOD_FOUND)
-  # Debian's CHOLMOD is content with the reference BLAS, which is several times slower. Any of these is taken instead as
-  # soon as it is installed.
-  string(APPEND CPACK_DEBIAN_PACKAGE_DEPENDS ", libopenblas0-pthread | libopenblas0-openmp | libopenblas0-serial"
-         " | libblis4-pthread | libblis4-openmp | libblis4-serial")
-endif()
-
 # MeshLab's plugin folder is given as an absolute path, hence DESTDIR; MeshLab looks below /usr only.
 set(CPACK_SET_DESTDIR ON)
 set(CPACK_INSTALL_PREFIX /usr)

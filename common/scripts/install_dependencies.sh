@@ -14,11 +14,10 @@ set -eu
 packages="
   g++ cmake make pkg-config dpkg-dev
   qtbase5-dev libqt5opengl5-dev libeigen3-dev nlohmann-json3-dev libglew-dev libglu1-mesa-dev
-  libsuitesparse-dev libopenblas-dev
   meshlab"
 # A MeshLab that runs without a screen.
 display="xvfb xauth libgl1-mesa-dri python3"
-tests="$display ninja-build ccache libgtest-dev xdotool python3-numpy qttools5-dev-tools parallel"
+tests="$display ninja-build ccache libgtest-dev libsuitesparse-dev xdotool python3-numpy qttools5-dev-tools parallel"
 for what in "$@"; do
   case $what in
   build) ;;

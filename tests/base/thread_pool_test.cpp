@@ -2,11 +2,14 @@
 #include "lapedit/base/thread_pool.h"
 
 #include <gtest/gtest.h>
+#include <pthread.h>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <ctime>
 #include <memory>
+#include <new>
 #include <set>
 #include <stdexcept>
 #include <thread>
@@ -19,6 +22,34 @@ namespace lapedit {
 namespace {
 
 using Pieces = std::vector<std::pair<int, int>>;
+
+/// Whether that comes true; a time limit tells what never will.
+template <class What>
+bool waited_for(const What& what, std::chrono::milliseconds limit = std::chrono::seconds(20)) {
+  const auto start = std::chrono::steady_clock::now();
+  while (!what()) {
+    if (std::chrono::steady_clock::now() - start > limit) {
+      return false;
+    }
+    std::this_thread::yield();
+  }
+  return true;
+}
+
+/// Whether two threads are at a job at the same time, sooner or later.
+bool is_shared(ThreadPool& pool) {
+  return waited_for([&] {
+    std::atomic<int> arrived{0};
+    std::atomic<bool> together{false};
+    pool.each(2, [&](int) {
+      ++arrived;
+      if (waited_for([&] { return arrived == 2; }, std::chrono::milliseconds(100))) {
+        together = true;
+      }
+    });
+    return together.load();
+  });
+}
 
 /// Fails if nothing else than the caller's thread ever works, or threads() counts wrongly.
 TEST(ThreadPool, HasAsManyThreadsAsItSays) {
@@ -77,17 +108,7 @@ TEST(ThreadPool, WakesUpAfterAPause) {
   ThreadPool pool(2);
   for (int job = 0; job < 20; ++job) {
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    std::atomic<int> arrived{0};
-    std::atomic<bool> together{true};
-    pool.each(2, [&](int) {
-      ++arrived;
-      const auto start = std::chrono::steady_clock::now();
-      while (arrived < 2 && together) {
-        std::this_thread::yield();
-        together = std::chrono::steady_clock::now() - start < std::chrono::seconds(20);
-      }
-    });
-    ASSERT_TRUE(together) << "job " << job;
+    ASSERT_TRUE(is_shared(pool)) << "job " << job;
   }
 }
 
@@ -139,13 +160,13 @@ TEST(ThreadPool, AllocatesNothingPerCall) {
   const long before_all = allocations;
   ThreadPool pool(3);
   ASSERT_GT(allocations.load(), before_all);  // or the count does not count
-  std::vector<int> seen(100, 0);
-  pool.each(100, [&](int piece) { ++seen[piece]; });
   // A sanitizer allocates for a thread that starts: all have to be there.
   std::atomic<int> started{0};
   pool.each(pool.threads(), [&](int) {
     for (++started; started < pool.threads();) std::this_thread::yield();
   });
+  std::vector<int> seen(100, 0);
+  pool.each(100, [&](int piece) { ++seen[piece]; });
   const long before = allocations;
   for (int job = 0; job < 200; ++job) {
     pool.each(100, [&](int piece) { ++seen[piece]; });
@@ -260,6 +281,94 @@ TEST(ThreadPool, WhatAPieceThrowsReachesTheCallerWhenTheOthersAreDone) {
       pool.each(20, [&](int) { ++done; });  // as good as before
       EXPECT_EQ(done, 20);
     }
+  }
+}
+
+/// A helper that gets no processor: fails if anything but the piece that it is at waits for it.
+TEST(ThreadPool, HelperThatIsHeldUpHoldsUpNothingButItsPiece) {
+  constexpr int kPieces = 100;
+  ThreadPool pool(2);
+  const auto caller = std::this_thread::get_id();
+  std::atomic<int> done{0};
+  std::atomic<bool> helped{false}, others_done{false};
+  pool.each(kPieces, [&](int) {
+    if (std::this_thread::get_id() == caller) {
+      waited_for([&] { return helped.load(); });
+    } else {
+      helped = true;
+      others_done = waited_for([&] { return done == kPieces - 1; });
+    }
+    ++done;
+  });
+  EXPECT_TRUE(helped);
+  EXPECT_TRUE(others_done);
+}
+
+/// Fails if who waits computes, or yields, instead of sleeping: beside others that costs a turn of theirs each time.
+TEST(ThreadPool, WaitingTakesNoProcessorTime) {
+  ThreadPool pool(2);
+  const auto caller = std::this_thread::get_id();
+  std::atomic<bool> helped{false};
+  const std::clock_t before = std::clock();  // of all threads
+  pool.each(2, [&](int) {
+    if (std::this_thread::get_id() == caller) {
+      while (!helped) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
+    } else {
+      helped = true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(600));
+    }
+  });
+  EXPECT_LT(static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC, 0.3) << "half of the time waited";
+}
+
+/// Fails if a caller that waited for nothing does so again and again, or never asks for help any more.
+TEST(ThreadPool, GoesOnAloneForAWhileWhereHelpersAreOfNoUse) {
+  ThreadPool pool(2);
+  const auto caller = std::this_thread::get_id();
+  std::atomic<int> helped{0};
+  const auto work = [&](int) {
+    if (std::this_thread::get_id() == caller) {
+      waited_for([&] { return helped > 0; });
+    } else {
+      ++helped;
+      std::this_thread::sleep_for(std::chrono::milliseconds(40));
+    }
+  };
+  pool.each(2, work);
+  ASSERT_EQ(helped, 1);
+  for (int job = 0; job < 20; ++job) {
+    pool.each(50, work);
+  }
+  EXPECT_EQ(helped, 1);
+  EXPECT_TRUE(is_shared(pool));
+}
+
+/// Fails if it ends, or waits for threads that there are not.
+TEST(ThreadPool, MakesDoWithTheThreadsThatItCanHave) {
+  pthread_attr_t usual, huge;
+  ASSERT_EQ(pthread_getattr_default_np(&usual), 0);
+  ASSERT_EQ(pthread_getattr_default_np(&huge), 0);
+  ASSERT_EQ(pthread_attr_setstacksize(&huge, std::size_t{1} << 50), 0);
+  ASSERT_EQ(pthread_setattr_default_np(&huge), 0);
+  ThreadPool pool(4);
+  ASSERT_EQ(pthread_setattr_default_np(&usual), 0);
+  EXPECT_EQ(pool.threads(), 1);
+  int done = 0;
+  pool.each(10, [&](int) { ++done; });
+  EXPECT_EQ(done, 10);
+}
+
+TEST(ThreadPool, LackOfMemoryReachesTheCallerAsSuch) {
+  for (const int threads : {1, 3}) {
+    ThreadPool pool(threads);
+    const auto caller = std::this_thread::get_id();
+    EXPECT_THROW(pool.each(30,
+                           [&](int piece) {
+                             if (std::this_thread::get_id() != caller || piece == 29) throw std::bad_alloc();
+                           }),
+                 std::bad_alloc);
   }
 }
 

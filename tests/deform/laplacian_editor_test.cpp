@@ -570,6 +570,20 @@ TEST(EditorConditioning, HopelessRegionsAreRefusedBeforeTheyAreFactored) {
   EXPECT_LT(refused_ms, factored_ms / 2);
 }
 
+/// The same region, which a membrane holds: fails if the estimate knows of bending alone.
+TEST(EditorConditioning, WhatAMembraneHoldsIsNotRefused) {
+  const TriangleMesh mesh = shapes::grid(150, 150);
+  const Region region = build_region(mesh, support::adjacency_of(mesh), within(150), {{75 * 150 + 75}});
+  EditSettings settings = support::older_settings();
+  settings.order = 3;
+  settings.rotation = DetailRotation::None;
+  settings.membrane = 500;
+  LaplacianEditor editor(mesh, region, settings);
+  editor.solve({support::shift(Vector3(1, 2, 3))});
+  EXPECT_LT(editor.report().normal_equation_residual, 1e-14);
+  EXPECT_LT(editor.report().handle_residual, 1e-6);
+}
+
 TEST(EditorConditioning, RefusalOfOrderOneAdvisesNoLowerOne) {
   const TriangleMesh mesh = shapes::grid(60, 60);
   RegionSpec spec;

@@ -4,7 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <thread>
 #include <vector>
+
+#include "lapedit/linear/tree_walk.h"
 
 namespace lapedit::supernode {
 namespace {
@@ -65,6 +70,41 @@ TEST(EliminationTree, ListsNameTheParentsRows) {
   EXPECT_EQ(tree.list_rows, std::vector<int>(40, 40));
   EXPECT_EQ(tree.list_places, std::vector<int>(40, 0)) << "the parent's own column";
   EXPECT_EQ(tree.leaves.size(), 40U);
+}
+
+/// A thread that gets no processor: fails if other tasks wait for it than those above or below its own.
+TEST(TreeWalk, ThreadThatIsHeldUpHoldsUpNothingButItsTask) {
+  const EliminationTree tree = Star(40).tree();
+  const int tasks = static_cast<int>(tree.tasks.size());
+  ThreadPool pool(2);
+  TreeWalk walk(tree, pool.threads());
+  const auto caller = std::this_thread::get_id();
+  for (const bool up : {true, false}) {
+    std::atomic<int> done{0};
+    std::atomic<bool> helped{false}, others_done{!up};
+    std::vector<int> times(tasks, 0);
+    const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    const auto wait_for = [&](const auto& what) {
+      while (!what() && std::chrono::steady_clock::now() < limit) {
+        std::this_thread::yield();
+      }
+      return what();
+    };
+    const auto work = [&](const EliminationTree::Task& task, int) {
+      const bool leaf = task.parent >= 0;
+      if (leaf && std::this_thread::get_id() != caller && !helped) {
+        helped = true;
+        others_done = wait_for([&] { return done == (up ? tasks - 2 : tasks - 1); });
+      } else if (leaf) {
+        wait_for([&] { return helped.load(); });
+      }
+      ++times[&task - tree.tasks.data()];
+      ++done;
+    };
+    up ? walk.upwards(pool, work) : walk.downwards(pool, work);
+    EXPECT_TRUE(helped && others_done) << (up ? "upwards" : "downwards");
+    EXPECT_EQ(times, std::vector<int>(tasks, 1));
+  }
 }
 
 }  // namespace

@@ -3,21 +3,37 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <limits>
+#include <system_error>
 #include <utility>
 
 namespace lapedit {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using Clock = Gate::Clock;
 
-/// Waking a sleeper costs about as much as this: a helper looks for the next stage of the same frame for so long.
-constexpr std::chrono::microseconds kPatience{60};
+/// More than this on either side is not remembered: a load comes and goes.
+constexpr std::chrono::milliseconds kMemory{2};
+/// The caller is alone for so many times what waiting has cost: so it costs no more than a part in as many.
+constexpr int kRest = 25;
 
 std::atomic<int> most_threads{std::numeric_limits<int>::max()};
 
 constexpr std::uint64_t number_of(std::uint64_t ticket) {
   return ticket >> 32;
+}
+constexpr int piece_of(std::uint64_t ticket) {
+  return static_cast<int>(ticket & 0xffffffffU);
+}
+
+/// Nanoseconds of processor time that this thread has had.
+std::int64_t processor_time() {
+  timespec time{};
+#ifdef CLOCK_THREAD_CPUTIME_ID
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+#endif
+  return std::int64_t{1000000000} * time.tv_sec + time.tv_nsec;
 }
 
 }  // namespace
@@ -34,17 +50,18 @@ void limit_threads(int most) {
 ThreadPool::ThreadPool(int threads) {
   const int helpers = thread_count(threads) - 1;
   helpers_.reserve(helpers);
-  for (int i = 0; i < helpers; ++i) {
-    helpers_.emplace_back([this] { help(); });
+  try {
+    for (int i = 0; i < helpers; ++i) {
+      helpers_.emplace_back([this] { help(); });
+    }
+  } catch (const std::exception&) {
+    // No room for its stack, or no right to another thread: it is done with those that there are.
   }
 }
 
 ThreadPool::~ThreadPool() {
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    quit_ = true;
-  }
-  wake_.notify_all();
+  quit_ = true;
+  for_work_.open();
   for (std::thread& helper : helpers_) {
     helper.join();
   }
@@ -54,13 +71,17 @@ ThreadPool::~ThreadPool() {
 bool ThreadPool::take(std::uint64_t number, int& piece) {
   std::uint64_t ticket = ticket_.load();
   // Of another job's ticket the count may be another's as well; the exchange then fails.
-  while (number_of(ticket) == number && static_cast<int>(ticket & 0xffffffffU) < pieces_.load()) {
+  while (number_of(ticket) == number && piece_of(ticket) < pieces_.load()) {
     if (ticket_.compare_exchange_weak(ticket, ticket + 1)) {
-      piece = static_cast<int>(ticket & 0xffffffffU);
+      piece = piece_of(ticket);
       return true;
     }
   }
   return false;
+}
+
+bool ThreadPool::has_pieces() const {
+  return piece_of(ticket_.load()) < pieces_.load();
 }
 
 void ThreadPool::work(Function function, const void* context, int piece) noexcept {
@@ -73,12 +94,11 @@ void ThreadPool::work(Function function, const void* context, int piece) noexcep
 }
 
 void ThreadPool::run(int pieces, Function function, const void* context) {
-  if (helpers_.empty() || pieces <= 1) {
-    for (int piece = 0; piece < pieces; ++piece) {
-      function(context, piece);
-    }
+  if (helpers_.empty() || pieces <= 1 || Clock::now() < alone_until_) {
+    run_alone(pieces, function, context);
     return;
   }
+  caller_ = std::this_thread::get_id();
   const std::uint64_t number = number_of(ticket_.load()) + 1;
   pieces_ = 0;  // nobody takes a piece until all is in place
   ticket_ = number << 32;
@@ -86,43 +106,54 @@ void ThreadPool::run(int pieces, Function function, const void* context) {
   function_ = function;
   context_ = context;
   pieces_ = pieces;
-  if (asleep_.load() > 0) {
-    { const std::lock_guard<std::mutex> lock(mutex_); }
-    wake_.notify_all();
-  }
+  for_work_.open();
   int piece = 0;
   while (take(number, piece)) {
     work(function, context, piece);
     ++done_;
   }
-  while (done_.load() < pieces) {
-    std::this_thread::yield();
+  if (done_.load() < pieces) {
+    wait(for_the_end_, [&] { return done_.load() == pieces; });
   }
+  settle_accounts();
   if (error_) {
     std::rethrow_exception(std::exchange(error_, nullptr));
   }
 }
 
+void ThreadPool::run_alone(int pieces, Function function, const void* context) {
+  for (int piece = 0; piece < pieces; ++piece) {
+    function(context, piece);
+  }
+}
+
+/// Of helpers on a processor of their own the caller has what they work; of those that have to share it with others,
+/// the wait for them.
+void ThreadPool::settle_accounts() {
+  balance_ = std::min<Clock::duration>(balance_ + Nanoseconds(helped_.exchange(0)) - waited_, kMemory);
+  waited_ = {};
+  if (balance_ < -kMemory) {
+    alone_until_ = Clock::now() - kRest * balance_;
+    balance_ = {};
+  }
+}
+
 void ThreadPool::help() {
-  Clock::time_point idle_since = Clock::now();
   while (!quit_) {
+    const std::uint64_t number = number_of(ticket_.load());
     int piece = 0;
-    bool worked = false;
-    while (take(number_of(ticket_.load()), piece)) {
-      work(function_.load(), context_.load(), piece);
-      ++done_;
-      worked = true;
-    }
-    if (worked) {
-      idle_since = Clock::now();
-    } else if (Clock::now() - idle_since < kPatience) {
-      std::this_thread::yield();
+    if (take(number, piece)) {
+      const std::int64_t start = processor_time();
+      do {
+        work(function_.load(), context_.load(), piece);
+        // The caller may have begun another job by the time that the piece is counted.
+        if (++done_ == pieces_.load()) {
+          for_the_end_.open();
+        }
+      } while (take(number, piece));
+      helped_ += processor_time() - start;
     } else {
-      std::unique_lock<std::mutex> lock(mutex_);
-      ++asleep_;
-      wake_.wait(lock, [this] { return quit_ || static_cast<int>(ticket_.load() & 0xffffffffU) < pieces_.load(); });
-      --asleep_;
-      idle_since = Clock::now();
+      for_work_.wait([this] { return quit_ || has_pieces(); });
     }
   }
 }

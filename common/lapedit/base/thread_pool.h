@@ -2,12 +2,13 @@
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
 #include <cstdint>
 #include <exception>
 #include <mutex>
 #include <thread>
 #include <vector>
+
+#include "lapedit/base/gate.h"
 
 namespace lapedit {
 
@@ -19,9 +20,11 @@ void limit_threads(int most);
 
 /// The one way to share work among threads: they stay, for work of fractions of a millisecond that comes again and
 /// again; nothing is started and nothing allocated per call. Whoever has time takes the next piece, so a thread that
-/// gets no processor holds up nobody but for the piece it is at. Waiting threads yield, and sleep soon.
+/// gets no processor holds up nobody but for the piece it is at. Where the caller waits for such pieces longer than the
+/// helpers work, as on a machine that computes something else, it goes on alone for a while.
 class ThreadPool {
  public:
+  /// Where a thread cannot be had there are fewer, in the end the caller's own.
   /// @param threads  0: as many as the machine has; 1: only the caller's own
   explicit ThreadPool(int threads);
   ~ThreadPool();
@@ -31,20 +34,33 @@ class ThreadPool {
   int threads() const { return 1 + static_cast<int>(helpers_.size()); }
 
   /// Calls work(piece) once for each piece of [0, pieces), and returns when all are done. One caller at a time. Which
-  /// thread gets which piece is not determined. What a piece throws reaches the caller when all others are done; of
-  /// several exceptions, one.
+  /// thread gets which piece is not determined, and one may get all. What a piece throws reaches the caller when all
+  /// others are done; of several exceptions, one.
   template <class Work>
   void each(int pieces, const Work& work) {
     run(
         pieces, [](const void* context, int piece) { (*static_cast<const Work*>(context))(piece); }, &work);
   }
 
+  /// For pieces that wait for each other: as Gate::wait(), and counted where it is the caller that waits.
+  template <class Ready>
+  void wait(Gate& gate, const Ready& ready) {
+    const Gate::Clock::duration time = gate.wait(ready);
+    if (std::this_thread::get_id() == caller_) {
+      waited_ += time;
+    }
+  }
+
  private:
   using Function = void (*)(const void*, int);
+  using Nanoseconds = std::chrono::nanoseconds;
   void run(int pieces, Function function, const void* context);
+  void run_alone(int pieces, Function function, const void* context);
   bool take(std::uint64_t number, int& piece);
   void work(Function function, const void* context, int piece) noexcept;
+  bool has_pieces() const;
   void help();
+  void settle_accounts();
 
   // A job's number (upper half) and its next piece (lower half) change together, so that a piece taken belongs to the
   // job whose function is read after.
@@ -54,10 +70,15 @@ class ThreadPool {
   std::atomic<Function> function_{nullptr};
   std::atomic<const void*> context_{nullptr};
   std::atomic<bool> quit_{false};
-  std::atomic<int> asleep_{0};
+  Gate for_work_, for_the_end_;
   std::mutex mutex_;
-  std::condition_variable wake_;
   std::exception_ptr error_;  // guarded by mutex_ until all pieces are done
+
+  std::thread::id caller_;
+  Gate::Clock::duration waited_{};       // by the caller, since accounts were settled
+  std::atomic<std::int64_t> helped_{0};  // nanoseconds of processor time
+  Gate::Clock::duration balance_{};      // what helpers were worth of late
+  Gate::Clock::time_point alone_until_{};
   std::vector<std::thread> helpers_;
 };
 

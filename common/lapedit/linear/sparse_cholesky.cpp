@@ -4,12 +4,10 @@
 #include <Eigen/SparseCholesky>
 #include <cmath>
 #include <utility>
-#ifdef LAPEDIT_HAVE_CHOLMOD
-#include <cholmod.h>
-#endif
 
 #include "lapedit/base/error.h"
 #include "lapedit/linear/multifrontal_cholesky.h"
+#include "lapedit/linear/supernodal_analysis.h"
 #include "lapedit/linear/supernodal_solve.h"
 
 namespace lapedit {
@@ -86,22 +84,13 @@ struct EigenCholesky : SparseCholesky::Implementation {
   EigenCholesky(const SparseMatrix& matrix, const std::vector<int>& given)
       : Implementation(std::make_shared<ThreadPool>(1)) {
     const Eigen::Index n = matrix.rows();
+    order = given.empty() ? minimum_degree(matrix) : given;
     Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation(n);
-    if (given.empty()) {
-      const SparseMatrix whole = matrix.selfadjointView<Eigen::Lower>();
-      Eigen::AMDOrdering<int>()(whole, permutation);
-      permutation = permutation.inverse().eval();
-    } else {
-      for (Eigen::Index k = 0; k < n; ++k) {
-        permutation.indices()[given[k]] = static_cast<int>(k);
-      }
+    for (Eigen::Index k = 0; k < n; ++k) {
+      permutation.indices()[order[k]] = static_cast<int>(k);
     }
     SparseMatrix permuted(n, n);
     permuted.selfadjointView<Eigen::Lower>() = matrix.selfadjointView<Eigen::Lower>().twistedBy(permutation);
-    order.resize(n);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      order[permutation.indices()[i]] = static_cast<int>(i);
-    }
     auto made = std::make_shared<Factor>();
     made->ldlt.compute(permuted);
     if (made->ldlt.info() != Eigen::Success) {
@@ -145,85 +134,39 @@ struct EigenCholesky : SparseCholesky::Implementation {
   Columns scratch;  // each right-hand side contiguous, as the factor wants it
 };
 
-#ifdef LAPEDIT_HAVE_CHOLMOD
-/// CHOLMOD's objects, freed in any case.
-struct CholmodFactor {
-  CholmodFactor() { cholmod_start(&common); }
-  ~CholmodFactor() {
-    cholmod_free_factor(&factor, &common);
-    cholmod_finish(&common);
-  }
-  CholmodFactor(const CholmodFactor&) = delete;
-  CholmodFactor& operator=(const CholmodFactor&) = delete;
-  cholmod_common common{};
-  cholmod_factor* factor = nullptr;  // symbolic
-  Eigen::Index entries = 0;          // of the matrix
-};
+struct SupernodalCholesky : SparseCholesky::Implementation {
+  struct Analysis {
+    SupernodalPattern pattern;
+    Eigen::Index entries;  // of the matrix
+  };
 
-struct CholmodCholesky : SparseCholesky::Implementation {
   /// @param like  of a matrix with the same pattern, or nothing
-  CholmodCholesky(const SparseMatrix& matrix, const CholeskyOptions& options, const Implementation* like)
+  SupernodalCholesky(const SparseMatrix& matrix, const CholeskyOptions& options, const Implementation* like)
       : Implementation(options.pool ? options.pool : std::make_shared<ThreadPool>(1)) {
     took = analysis_of(like, matrix);
-    analysis = took ? took : analyse(matrix, options);
-    const cholmod_factor* const l = analysis->factor;
-    const int* const permutation = static_cast<const int*>(l->Perm);
-    order.assign(permutation, permutation + l->n);
-    SupernodalFactor raw;
-    raw.size = static_cast<int>(l->n);
-    raw.supernodes = static_cast<int>(l->nsuper);
-    raw.columns = static_cast<const int*>(l->super);
-    raw.row_offsets = static_cast<const int*>(l->pi);
-    raw.value_offsets = static_cast<const int*>(l->px);
-    raw.rows = static_cast<const int*>(l->s);
-    nonzeros = l->xsize;
+    analysis =
+        took
+            ? took
+            : std::make_shared<const Analysis>(Analysis{supernodal_analysis(matrix, options.order), matrix.nonZeros()});
+    order = analysis->pattern.order;
+    nonzeros = analysis->pattern.factor_nonzeros();
     const SparseMatrix lower = supernode::lower_in_order(matrix, order);
     if (options.single_precision) {
-      in_single = std::make_unique<SupernodalSolver<float>>(raw, lower, *pool);
+      in_single = std::make_unique<SupernodalSolver<float>>(analysis->pattern.view(), lower, *pool);
     } else {
-      in_double = std::make_unique<SupernodalSolver<double>>(raw, lower, *pool);
+      in_double = std::make_unique<SupernodalSolver<double>>(analysis->pattern.view(), lower, *pool);
     }
     if (!(in_single ? in_single->positive_definite() : in_double->positive_definite())) {
       refuse_matrix(matrix.rows());
     }
   }
-  static std::shared_ptr<const CholmodFactor> analysis_of(const Implementation* like, const SparseMatrix& matrix) {
-    const auto* const other = dynamic_cast<const CholmodCholesky*>(like);
+  static std::shared_ptr<const Analysis> analysis_of(const Implementation* like, const SparseMatrix& matrix) {
+    const auto* const other = dynamic_cast<const SupernodalCholesky*>(like);
     const bool fits = other && other->analysis->entries == matrix.nonZeros() &&
                       static_cast<Eigen::Index>(other->order.size()) == matrix.rows();
     return fits ? other->analysis : nullptr;
   }
-  static std::shared_ptr<const CholmodFactor> analyse(const SparseMatrix& matrix, const CholeskyOptions& options) {
-    const auto made = std::make_shared<CholmodFactor>();
-    made->entries = matrix.nonZeros();
-    cholmod_common& common = made->common;
-    common.supernodal = CHOLMOD_SUPERNODAL;
-    common.nmethods = 1;
-    common.method[0].ordering = options.order.empty() ? CHOLMOD_AMD : CHOLMOD_GIVEN;
-    common.print = 0;  // an indefinite matrix is our refusal, not a line on the host's terminal
-    cholmod_sparse view{};
-    view.nrow = view.ncol = static_cast<std::size_t>(matrix.rows());
-    view.nzmax = static_cast<std::size_t>(matrix.nonZeros());
-    view.p = const_cast<int*>(matrix.outerIndexPtr());
-    view.i = const_cast<int*>(matrix.innerIndexPtr());
-    view.x = const_cast<double*>(matrix.valuePtr());
-    view.stype = -1;
-    view.itype = CHOLMOD_INT;
-    view.xtype = CHOLMOD_REAL;
-    view.dtype = CHOLMOD_DOUBLE;
-    view.sorted = view.packed = 1;
-    int* const given = options.order.empty() ? nullptr : const_cast<int*>(options.order.data());
-    made->factor = cholmod_analyze_p(&view, given, nullptr, 0, &common);
-    if (common.status == CHOLMOD_OUT_OF_MEMORY) {
-      throw std::bad_alloc();
-    }
-    const cholmod_factor* const l = made->factor;
-    if (common.status != CHOLMOD_OK || !l || !l->is_super) {
-      refuse_matrix(matrix.rows());
-    }
-    return made;
-  }
-  CholmodCholesky(const CholmodCholesky& other, std::shared_ptr<ThreadPool> used)
+  SupernodalCholesky(const SupernodalCholesky& other, std::shared_ptr<ThreadPool> used)
       : Implementation(other, std::move(used)), analysis(other.analysis), took(other.took) {
     if (other.in_single) {
       in_single = std::make_unique<SupernodalSolver<float>>(*other.in_single, *pool);
@@ -232,7 +175,7 @@ struct CholmodCholesky : SparseCholesky::Implementation {
     }
   }
   std::unique_ptr<Implementation> share(std::shared_ptr<ThreadPool> used) const override {
-    return std::make_unique<CholmodCholesky>(*this, std::move(used));
+    return std::make_unique<SupernodalCholesky>(*this, std::move(used));
   }
   void solve_in_order(double* x) override {
     if (in_double) {
@@ -264,19 +207,19 @@ struct CholmodCholesky : SparseCholesky::Implementation {
     rows = ordered.cast<float>();
   }
   bool single_precision() const override { return in_single != nullptr; }
-  const char* name() const override { return "CHOLMOD supernodal LLT"; }
+  const char* name() const override { return "supernodal LLT"; }
   std::size_t bytes() const override {
-    const cholmod_factor& l = *analysis->factor;
-    return (in_single ? in_single->bytes() : in_double->bytes()) + (l.ssize + 3 * l.nsuper + 2 * l.n) * sizeof(int);
+    const SupernodalPattern& p = analysis->pattern;
+    return (in_single ? in_single->bytes() : in_double->bytes()) +
+           (p.rows.size() + p.columns.size() + p.row_offsets.size() + 2 * p.order.size()) * sizeof(int);
   }
   bool took_analysis() const override { return took != nullptr; }
 
-  std::shared_ptr<const CholmodFactor> analysis;
-  std::shared_ptr<const CholmodFactor> took;  // the same, or nothing
+  std::shared_ptr<const Analysis> analysis;
+  std::shared_ptr<const Analysis> took;  // the same, or nothing
   std::unique_ptr<SupernodalSolver<float>> in_single;
   std::unique_ptr<SupernodalSolver<double>> in_double;
 };
-#endif
 
 std::unique_ptr<SparseCholesky::Implementation> make(const SparseMatrix& matrix, const CholeskyOptions& options,
                                                      [[maybe_unused]] const SparseCholesky::Implementation* like) {
@@ -284,15 +227,9 @@ std::unique_ptr<SparseCholesky::Implementation> make(const SparseMatrix& matrix,
   if (!matrix.coeffs().allFinite() || !(matrix.diagonal().array() > 0).all()) {
     refuse_matrix(matrix.rows());
   }
-#ifdef LAPEDIT_HAVE_CHOLMOD
   if (options.backend != CholeskyBackend::Eigen) {
-    return std::make_unique<CholmodCholesky>(matrix, options, like);
+    return std::make_unique<SupernodalCholesky>(matrix, options, like);
   }
-#else
-  if (options.backend == CholeskyBackend::Cholmod) {
-    throw EditError(ErrorCause::BadParameter, "This build has no CHOLMOD: choose the automatic or the Eigen backend.");
-  }
-#endif
   return std::make_unique<EigenCholesky>(matrix, options.order);
 }
 
@@ -303,14 +240,6 @@ CholeskyOptions with_backend(CholeskyBackend backend) {
 }
 
 }  // namespace
-
-bool has_cholmod() {
-#ifdef LAPEDIT_HAVE_CHOLMOD
-  return true;
-#else
-  return false;
-#endif
-}
 
 SparseCholesky::SparseCholesky(const SparseMatrix& matrix, CholeskyBackend backend)
     : SparseCholesky(matrix, with_backend(backend)) {}

@@ -14,12 +14,10 @@ namespace lapedit {
 class SparseCholesky;
 
 enum class CholeskyBackend {
-  Automatic,  ///< CHOLMOD if this build has it, else Eigen
-  Cholmod,    ///< SuiteSparse's supernodes, factored and solved with by SupernodalSolver
-  Eigen       ///< Eigen's simplicial LDL^T: slower and plain, the reference
+  Automatic,   ///< Supernodal
+  Supernodal,  ///< fronts, dense kernels and threads, solved with by SupernodalSolver
+  Eigen        ///< Eigen's simplicial LDL^T: slower and plain, the reference
 };
-
-bool has_cholmod();
 
 struct CholeskyOptions {
   CholeskyBackend backend = CholeskyBackend::Automatic;
@@ -40,8 +38,7 @@ class SparseCholesky {
   struct Implementation;
 
   /// @param matrix  compressed; both halves or the lower one: only the lower one is read
-  /// @throws EditError (IllConditioned) if the matrix is not positive definite to working precision; (BadParameter) if
-  ///         the backend is not in this build
+  /// @throws EditError (IllConditioned) if the matrix is not positive definite to working precision
   explicit SparseCholesky(const SparseMatrix& matrix, CholeskyBackend backend = CholeskyBackend::Automatic);
   SparseCholesky(const SparseMatrix& matrix, const CholeskyOptions& options);
   /// Shares the factor, which never changes, and has scratch of its own: both can solve at a time, each on a pool of

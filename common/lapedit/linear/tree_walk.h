@@ -2,7 +2,7 @@
 #pragma once
 
 #include <atomic>
-#include <thread>
+#include <mutex>
 #include <vector>
 
 #include "lapedit/linear/elimination_tree.h"
@@ -15,11 +15,7 @@ class TreeWalk {
  public:
   /// @param tree  must outlive the object
   TreeWalk(const EliminationTree& tree, int threads)
-      : tree_(tree),
-        threads_(threads),
-        pending_(tree.tasks.size()),
-        queue_(tree.tasks.size()),
-        ready_(tree.tasks.size()) {}
+      : tree_(tree), threads_(threads), pending_(tree.tasks.size()), queue_(tree.tasks.size()) {}
 
   /// Calls body(task, thread) for each task after its children. What one throws reaches the caller.
   template <class Body>
@@ -46,15 +42,16 @@ class TreeWalk {
     }
     start(up);
     pool.each(threads_, [&](int thread) {
-      int task = 0;
-      while (next(task)) {
+      int task = kNone;
+      while (task != kNone || next(pool, task)) {
         try {
           body(tree_.tasks[task], thread);
         } catch (...) {
           failed_ = true;  // nobody is to wait for what comes after it
+          gate_.open();
           throw;
         }
-        release(tree_.tasks[task], up);
+        task = release(tree_.tasks[task], up);
       }
     });
   }
@@ -63,51 +60,65 @@ class TreeWalk {
     failed_ = false;
     for (std::size_t t = 0; t < tree_.tasks.size(); ++t) {
       pending_[t].store(up ? tree_.tasks[t].children() : 1, std::memory_order_relaxed);
-      ready_[t].store(0, std::memory_order_relaxed);
     }
+    left_ = static_cast<int>(tree_.tasks.size());
     head_ = tail_ = 0;
     for (const int task : up ? tree_.leaves : tree_.roots) {
-      push(task);
+      queue_[tail_++] = task;
     }
   }
 
-  void push(int task) {
-    const int place = tail_++;
-    queue_[place] = task;
-    ready_[place].store(1, std::memory_order_release);
-  }
+  bool over() const { return failed_ || left_ == 0; }
 
-  bool next(int& task) {
-    const int place = head_++;
-    if (place >= static_cast<int>(queue_.size())) {
-      return false;
-    }
-    while (ready_[place].load(std::memory_order_acquire) == 0) {
-      if (failed_) {
-        return false;
+  /// Waits for a task that nobody is at. @return false if there will be none
+  bool next(ThreadPool& pool, int& task) {
+    while (!over()) {
+      {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        if (head_ < tail_) {
+          task = queue_[head_++];
+          return true;
+        }
       }
-      std::this_thread::yield();
+      pool.wait(gate_, [this] { return head_ < tail_ || over(); });
     }
-    task = queue_[place];
-    return true;
+    return false;
   }
 
-  void release(const Task& done, bool up) {
+  /// Of the tasks that waited for this one alone the first is for who has done this, the others for whoever is free.
+  int release(const Task& done, bool up) {
+    int own = kNone, others = 0;
+    const auto give = [&](int task) {
+      if (own == kNone) {
+        own = task;
+        return;
+      }
+      const std::lock_guard<std::mutex> lock(mutex_);
+      queue_[tail_++] = task;
+      ++others;
+    };
     if (!up) {
       for (int c = done.first_child; c < done.last_child; ++c) {
-        push(tree_.child_tasks[c]);
+        give(tree_.child_tasks[c]);
       }
     } else if (done.parent >= 0 && --pending_[done.parent] == 0) {
-      push(done.parent);
+      give(done.parent);
     }
+    if (--left_ == 0 || others > 0) {
+      gate_.open();
+    }
+    return failed_ ? kNone : own;
   }
 
+  static constexpr int kNone = -1;
   const EliminationTree& tree_;
   int threads_;
   std::vector<std::atomic<int>> pending_;
   std::vector<int> queue_;
-  std::vector<std::atomic<int>> ready_;
-  std::atomic<int> head_{0}, tail_{0};
+  std::mutex mutex_;
+  std::atomic<int> head_{0}, tail_{0};  // of the queue: changed under the mutex
+  std::atomic<int> left_{0};            // tasks not done
+  Gate gate_;
   std::atomic<bool> failed_{false};
 };
 

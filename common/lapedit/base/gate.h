@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+
+namespace lapedit {
+
+/// Where threads wait for each other: a moment at the ready, then asleep. Not by yielding, which gives the processor's
+/// whole turn to whoever else computes there, for work that is done in microseconds.
+class Gate {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// Returns when ready() is true; it reads atomics, and is asked often. @return how long that took
+  template <class Ready>
+  Clock::duration wait(const Ready& ready) {
+    // Waking a sleeper costs about as much as this.
+    constexpr std::chrono::microseconds kPatience{50};
+    constexpr int kLooks = 32;
+    const Clock::time_point start = Clock::now();
+    Clock::time_point now = start;
+    do {
+      for (int look = 0; look < kLooks; ++look) {
+        if (ready()) {
+          return Clock::now() - start;
+        }
+        pause();
+      }
+      now = Clock::now();
+    } while (now - start < kPatience);
+    std::unique_lock<std::mutex> lock(mutex_);
+    ++asleep_;  // before ready() is asked: who changes that after sees it
+    wake_.wait(lock, ready);
+    --asleep_;
+    return Clock::now() - start;
+  }
+
+  /// To be called after each change that may make a thread ready. Costs nothing while nobody sleeps.
+  void open() {
+    if (asleep_.load() > 0) {
+      { const std::lock_guard<std::mutex> lock(mutex_); }
+      wake_.notify_all();
+    }
+  }
+
+ private:
+  /// Tells the processor that this is a loop that waits.
+  static void pause() {
+#if defined(__x86_64__) || defined(__i386__)
+    __builtin_ia32_pause();
+#elif defined(__aarch64__)
+    __asm__ __volatile__("yield");
+#endif
+  }
+
+  std::atomic<int> asleep_{0};
+  std::mutex mutex_;
+  std::condition_variable wake_;
+};
+
+}  // namespace lapedit
