@@ -6,6 +6,7 @@
 
 #include <optional>
 #include <string>
+#include <thread>
 
 #include "drag_support.h"
 #include "lapedit/json/edit_script.h"
@@ -145,6 +146,17 @@ struct Player {
     }
   }
 
+  /// Until what was asked is answered; not the pause of the mouse after which a drag is posed in full, up to a second.
+  void settle() {
+    while (session().state() == DragSession::State::Dragging && session().preparing()) {
+      std::this_thread::yield();
+      session().poll();
+    }
+    if (session().state() != DragSession::State::Dragging) {
+      session().wait();
+    }
+  }
+
   /// What a window asks for while it draws.
   void look() {
     DragSession& s = session();
@@ -216,10 +228,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     } else {
       player.button(kind / 3 % 16);
     }
+    player.session().poll();
     if (waits) {
-      player.session().wait();
-    } else {
-      player.session().poll();
+      player.settle();
     }
     player.look();
     require(player.window.host.allFinite(), "what the host is given is finite");
