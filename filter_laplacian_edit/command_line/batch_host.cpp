@@ -18,6 +18,7 @@
 #include "batch_parameters.h"
 #include "lapedit/base/error.h"
 #include "lapedit_host/face_shape.h"
+#include "lapedit_host/mesh_bridge.h"
 #include "vertex_filter_plugin.h"
 
 namespace lapedit::host {
@@ -306,6 +307,13 @@ QString BatchHost::version() {
 int BatchHost::open(const QString& path) {
   const auto layers = state_->read(path, state_->document);
   for (const auto& [layer, mask] : layers) {
+    try {
+      require_sound_corners(layer->cm);
+    } catch (const EditError& error) {
+      const QString sentence = QString::fromUtf8(error.what());
+      throw BatchError("The mesh " + quoted_path(path) +
+                       " cannot be read: " + (sentence.left(1).toLower() + sentence.mid(1)).toStdString());
+    }
     complete_layer(*layer, mask);
   }
   return static_cast<int>(layers.size());
