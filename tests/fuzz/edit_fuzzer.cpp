@@ -74,8 +74,8 @@ RegionSpec region(Choices& choose, const TriangleMesh& mesh) {
 EditSettings settings(Choices& choose) {
   EditSettings result = choose.below(4) == 0 ? version_one_settings() : EditSettings();
   for (int k = choose.below(4); k > 0; --k) {
-    const Setting& setting = settings_table()[static_cast<std::size_t>(choose.below(
-        static_cast<int>(settings_table().size())))];
+    const Setting& setting =
+        settings_table()[static_cast<std::size_t>(choose.below(static_cast<int>(settings_table().size())))];
     switch (setting.kind) {
       case Setting::Kind::Choice:
         setting.set(result, choose.below(static_cast<int>(setting.choices.size())));
@@ -131,10 +131,10 @@ void check_result(const TriangleMesh& mesh, const EditResult& result) {
   require(result.positions.allFinite(), "a result is finite");
   require(result.positions == result.positions.cast<float>().cast<double>(), "a result fits into single precision");
   require(result.positions.rows() == static_cast<Eigen::Index>(result.vertices.size()), "a place for each vertex");
-  require(std::is_sorted(result.vertices.begin(), result.vertices.end(), std::less_equal<>()) &&
-              (result.vertices.empty() ||
-               (result.vertices.front() >= 0 && result.vertices.back() < vertex_count(mesh))),
-          "vertices are ascending and in the mesh");
+  require(
+      std::is_sorted(result.vertices.begin(), result.vertices.end(), std::less_equal<>()) &&
+          (result.vertices.empty() || (result.vertices.front() >= 0 && result.vertices.back() < vertex_count(mesh))),
+      "vertices are ascending and in the mesh");
 }
 
 }  // namespace
@@ -168,7 +168,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     for (std::size_t k = 0; k < poses[0].vertices.size(); ++k) {
       const auto row = static_cast<Eigen::Index>(k);
-      require(same_bits(poses[0].positions.row(row), mesh.vertices.row(poses[0].vertices[k])), "fraction 0 is the mesh");
+      require(same_bits(poses[0].positions.row(row), mesh.vertices.row(poses[0].vertices[k])),
+              "fraction 0 is the mesh");
     }
     require(poses[1].vertices == alone.vertices, "the same vertices alone and beside other fractions");
     require(same_bits(poses[1].positions, alone.positions), "the same bits with any threads, from JSON, beside others");

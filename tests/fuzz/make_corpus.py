@@ -61,7 +61,64 @@ def bad_texts():
     yield "range", good.replace('"1"', '"2147483647,3-1"')
 
 
+def parameter(kind, name, value):
+    return f'<Param type="Rich{kind}" name="{name}" value="{value}"/>'
+
+
+def point(name, x, y, z):
+    return f'<Param type="RichPoint3f" name="{name}" x="{x}" y="{y}" z="{z}"/>'
+
+
+def laplacian_edit(*parameters):
+    return '<filter name="Laplacian Edit">' + "".join(parameters) + "</filter>"
+
+
+def replay(text, fraction=1):
+    text = text.replace("&", "&amp;").replace('"', "&quot;")
+    return (f'<filter name="Laplacian Edit Replay">{parameter("String", "edit", text)}'
+            f'{parameter("Float", "fraction", fraction)}</filter>')
+
+
+def scripts():
+    up = point("translation", 0, 0, 0.5)
+    whole = parameter("Enum", "region_source", 2)
+    near = point("handle_point", 1, 0, 0)
+    for name, filters in (
+            ("empty", ""), ("no_parameters", laplacian_edit()), ("radius", laplacian_edit(
+                near, up, parameter("AbsPerc", "radius", 1.5))),
+            ("component", laplacian_edit(near, up, whole)),
+            ("turned", laplacian_edit(near, whole, point("rotation_axis", 0, 1, 0), parameter("Float", "scale", 2))),
+            ("settings", laplacian_edit(near, up, whole, parameter("Enum", "laplacian", 1), parameter("Int", "order", 2),
+                                        parameter("Enum", "detail_rotation", 2), parameter("Float", "membrane", 0))),
+            ("replay", replay(json.dumps(edit(step())))), ("half", replay(json.dumps(edit(step())), 0.5)),
+            ("two", laplacian_edit(near, up, whole) + replay(json.dumps(edit(step())))),
+            ("later_names", laplacian_edit(near.replace("Point3f", "Position"), up,
+                                           parameter("Percentage", "radius", 50))),
+            ("bad_type", laplacian_edit(parameter("Float", "order", 2))),
+            ("bad_name", laplacian_edit(parameter("Int", "ordre", 2))),
+            ("bad_number", laplacian_edit(point("handle_point", "one", "1e99", "nan"))),
+            ("bad_choice", laplacian_edit(parameter("Enum", "laplacian", 7))),
+            ("bad_filter", '<filter name="Laplacian Edits"/>'), ("bad_json", replay("{")),
+            ("comments", f"<!-- a --><![CDATA[b]]>{laplacian_edit(near, up, whole)}&#32;")):
+        yield name, f"<!DOCTYPE FilterScript>\n<FilterScript>\n{filters}\n</FilterScript>\n"
+    yield "cut", "<FilterScript><filter name="
+    yield "other_root", "<Script/>"
+
+
+LISTS = ["0", "1,2,3", "0-999", " 5 - 7 ,\t9", "", ",", "1,", "3-1", "1000", "-1", "+1", "1 2", "2147483648", "1--2",
+         "0-999,0", "00007", "1e3", "\x00"]
+RANDOM = 24  # inputs of the targets that take choices
+
+
 def main():
+    for name, text in scripts():
+        write("script", name, text)
+    for number, text in enumerate(LISTS):
+        write("vertex_list", f"list_{number:02}", text)
+    dice = random.Random(15)
+    for target in ("edit", "session", "mesh_file"):
+        for number in range(RANDOM):
+            write(target, f"random_{number:02}", dice.randbytes(dice.choice([40, 80, 160])))
     for name, value in edits():
         write("json", name, json.dumps(value))
     for name, text in bad_texts():

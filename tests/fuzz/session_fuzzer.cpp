@@ -50,9 +50,9 @@ struct Player {
 
   Cursor cursor() {
     const int x = choose.byte();
-    Cursor result = x < 32 ? window.at(Vector2(25 * x, 10 * choose.below(60)))
-                           : window.at(choose.index(vertex_count(window.session.mesh())),
-                                       Vector2(x % 9 - 4, x / 9 % 9 - 4));
+    Cursor result =
+        x < 32 ? window.at(Vector2(25 * x, 10 * choose.below(60)))
+               : window.at(choose.index(vertex_count(window.session.mesh())), Vector2(x % 9 - 4, x / 9 % 9 - 4));
     result.snap = x % 4 == 1;
     return result;
   }
@@ -171,7 +171,8 @@ struct Player {
     if (s.region() != nullptr) {
       require(s.pose().rows() == s.region()->size(), "a pose has a place for each vertex of the region");
     }
-    require(s.groups().size() <= s.mirrored_groups().size() || s.mirrored_groups().empty(), "images come behind groups");
+    require(s.groups().size() <= s.mirrored_groups().size() || s.mirrored_groups().empty(),
+            "images come behind groups");
   }
 
   void check() {
