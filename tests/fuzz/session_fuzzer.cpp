@@ -146,15 +146,14 @@ struct Player {
     }
   }
 
-  /// Until what was asked is answered; not the pause of the mouse after which a drag is posed in full, up to a second.
+  /// Until what was asked is answered. Not wait(): that is also for the pause of the mouse after which a drag is posed
+  /// in full, up to a second.
   void settle() {
-    while (session().state() == DragSession::State::Dragging && session().preparing()) {
+    while (session().state() == DragSession::State::Settling || session().preparing()) {
       std::this_thread::yield();
       session().poll();
     }
-    if (session().state() != DragSession::State::Dragging) {
-      session().wait();
-    }
+    session().poll();
   }
 
   /// What a window asks for while it draws.
@@ -178,7 +177,7 @@ struct Player {
   void check() {
     DragSession& s = session();
     s.finish();
-    s.wait();
+    settle();
     require(s.state() != DragSession::State::Dragging && s.state() != DragSession::State::Settling,
             "finish() leaves nothing in progress");
     require(same_bits(window.host, s.mesh().vertices), "host and session have the same bits");
@@ -197,11 +196,11 @@ struct Player {
     }
     require(same_bits(replayed, edited), "the record replays from JSON to the same bits");
     s.reset();
-    s.wait();
+    settle();
     require(same_bits(window.host, s.original().vertices), "undoing all gives the mesh back");
     for (std::size_t k = 0; k < edit.steps.size() && s.can_redo(); ++k) {
       s.redo();
-      s.wait();
+      settle();
     }
     require(same_bits(window.host, edited), "redoing all gives the edit back");
   }
