@@ -23,7 +23,7 @@ for what in "$@"; do
   build) ;;
   tests) packages="$packages $tests" ;;
   pictures) packages="$packages $display python3-numpy python3-vtk9" ;;
-  everything) packages="$packages $tests clang-format clang-tidy universal-ctags debootstrap" ;;
+  everything) packages="$packages $tests clang-format clang-tidy clang libclang-rt-dev gcovr universal-ctags debootstrap" ;;
   *)
     sed -n '/^# usage/,/^set/s/^# \{0,1\}//p' "$0" >&2
     exit 2
