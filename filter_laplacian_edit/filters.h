@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,10 @@ lapedit::host::FilterAction laplacianEditReplay(ReportSink sink = {}, int mostVe
 
 /// The reports of an edit's steps as text for a log.
 std::string textOf(const std::vector<lapedit::EditReport>& reports);
+
+/// What hosts that take figures get, under the names in the program's report: of the last step, and where there are
+/// several of all, as in "step_1_folded".
+std::map<std::string, QVariant> figuresOf(const std::vector<lapedit::EditReport>& reports);
 
 /// What a user should know about the method, HTML.
 QString aboutTheMethod();

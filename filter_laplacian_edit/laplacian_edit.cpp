@@ -11,7 +11,7 @@ using namespace lapedit::host;
 
 namespace {
 
-enum HandleSource { NearestVertex, SelectedVertices };
+enum HandleSource { NearestVertex, SelectedVertices, VertexNumber };
 enum RegionSource { GeodesicRadius, SelectedFaces, WholeComponent };
 
 Parameter parameterOf(const Setting& setting) {
@@ -46,11 +46,15 @@ std::vector<Parameter> parameters() {
        "handle_source",
        NearestVertex,
        "Handle",
-       "What is moved: the vertex nearest to the handle point, or all selected vertices together.",
-       {"Vertex nearest to the point", "Selected vertices"}},
+       "What is moved: the vertex nearest to the handle point, all selected vertices together, or the vertex of a "
+       "number.",
+       {"Vertex nearest to the point", "Selected vertices", "Vertex number"}},
       {Kind::Point, "handle_point", origin, "Handle point",
-       "A point on the surface, in the layer's own coordinates; the nearest vertex becomes the handle. Not used with "
-       "selected vertices."},
+       "A point on the surface, in the layer's own coordinates; the nearest vertex becomes the handle. Used with the "
+       "vertex nearest to the point only."},
+      {Kind::Integer, "handle_vertex", 0, "Handle vertex",
+       "Number of the vertex that becomes the handle, counted from 0. Used with the vertex number only; exact also "
+       "where points far from the origin are not."},
       {Kind::Choice,
        "region_source",
        GeodesicRadius,
@@ -80,6 +84,16 @@ std::vector<Parameter> parameters() {
 std::vector<int> handleVertices(const ParameterValues& values, const CMeshO& host, const BridgedMesh& bridged) {
   if (values.integer("handle_source") == NearestVertex) {
     return {nearest_vertex(bridged.mesh, values.point("handle_point"))};
+  }
+  if (values.integer("handle_source") == VertexNumber) {
+    const int vertex = values.integer("handle_vertex");
+    const auto count = bridged.mesh.vertices.rows();
+    if (vertex < 0 || vertex >= count) {
+      throw EditError(ErrorCause::BadIndex, "The handle vertex is " + std::to_string(vertex) + ", but there are " +
+                                                std::to_string(count) + " vertices: give a number from 0 to " +
+                                                std::to_string(count - 1) + ".");
+    }
+    return {vertex};
   }
   std::vector<int> selected = selected_vertices(host, bridged);
   if (selected.empty()) {
@@ -126,19 +140,23 @@ EditStep editStep(const ParameterValues& values, const CMeshO& host, const Bridg
   return step;
 }
 
-std::string run(const ParameterValues& values, CMeshO& host, const Progress& progress, const ReportSink& sink,
-                int mostVertices) {
+FilterOutcome run(const ParameterValues& values, CMeshO& host, const Progress& progress, const ReportSink& sink,
+                  int mostVertices) {
   const BridgedMesh bridged = read_mesh(host);
   validate(bridged.mesh);
   const EditStep step = editStep(values, host, bridged);
   const Adjacency adjacency = build_adjacency(static_cast<int>(bridged.mesh.vertices.rows()), bridged.mesh.faces);
   EditResult result = apply_step(bridged.mesh, adjacency, step, 1, kStoredScalar, progress);
+  if (values.integer("handle_source") == NearestVertex) {
+    const Vector3 vertex = bridged.mesh.vertices.row(step.handles.front().vertices.front()).transpose();
+    result.reports.front().handle_point_distance = (vertex - values.point("handle_point")).norm();
+  }
   write_positions(host, bridged, result);
   count_self_intersections(bridged.mesh, result, mostVertices);
   if (sink) {
     sink(result.reports);
   }
-  return result.reports.front().text();
+  return {result.reports.front().text(), figuresOf(result.reports)};
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ void note(std::size_t size) {
   }
 }
 }  // namespace
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(LAPEDIT_SANITIZER_ALLOCATES)
 extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*)(const volatile void*, std::size_t),
                                                          void (*)(const volatile void*));
 namespace {

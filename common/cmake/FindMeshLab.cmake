@@ -11,16 +11,35 @@ Result:
 Cache variables:
   MESHLAB_SOURCE_DIR  an unpacked MeshLab source tarball; set it to use that instead of fetching one
   MeshLab_PLUGIN_DIR  where the installed MeshLab looks for plugins
-  MeshLab_SCALAR      float (what distributions ship) or double
+  MeshLab_SCALAR      float (what distributions ship) or double: as the library has it, and it has to be that
 ]]
 
 set(MESHLAB_SOURCE_DIR "" CACHE PATH "Unpacked MeshLab source of the installed version; empty: fetched by apt")
-set(MeshLab_SCALAR float CACHE STRING "Coordinate type that the installed MeshLab was built with")
-set_property(CACHE MeshLab_SCALAR PROPERTY STRINGS float double)
-mark_as_advanced(MeshLab_SCALAR)
 
 find_library(MeshLab_LIBRARY meshlab-common PATH_SUFFIXES meshlab)
 mark_as_advanced(MeshLab_LIBRARY)
+set(_scalar float)
+if(MeshLab_LIBRARY)
+  if(NOT EXISTS "${MeshLab_LIBRARY}")
+    message(FATAL_ERROR "MeshLab_LIBRARY is ${MeshLab_LIBRARY}, where there is no file: give the path of "
+                        "libmeshlab-common.so.")
+  endif()
+  # The name of a function that takes a matrix of coordinates, as the linker has it.
+  file(STRINGS "${MeshLab_LIBRARY}" _name LIMIT_COUNT 1
+       REGEX "setSceneTransformationMatrixERKN3vcg8Matrix44I[fd]EE")
+  if(_name MATCHES "Matrix44IdE")
+    set(_scalar double)
+  elseif(NOT _name)
+    message(WARNING "${MeshLab_LIBRARY} does not tell whether its coordinates are float or double.")
+  endif()
+endif()
+set(MeshLab_SCALAR "${_scalar}" CACHE STRING "Coordinate type that the installed MeshLab was built with")
+set_property(CACHE MeshLab_SCALAR PROPERTY STRINGS float double)
+mark_as_advanced(MeshLab_SCALAR)
+if(_name AND NOT MeshLab_SCALAR STREQUAL _scalar)
+  message(FATAL_ERROR "MeshLab_SCALAR is ${MeshLab_SCALAR}, but ${MeshLab_LIBRARY} has coordinates in ${_scalar}: give "
+                      "-DMeshLab_SCALAR=${_scalar}, or another MeshLab_LIBRARY.")
+endif()
 find_package(Qt5 5.11 COMPONENTS Core Gui Widgets OpenGL Xml QUIET)
 find_package(OpenGL COMPONENTS OpenGL QUIET)
 find_package(GLEW QUIET)
@@ -65,6 +84,8 @@ find_package_handle_standard_args(
   MeshLab
   REQUIRED_VARS MeshLab_LIBRARY Qt5_FOUND OPENGL_GLU_FOUND GLEW_FOUND MeshLab_API
   VERSION_VAR MeshLab_VERSION)
+
+add_feature_info("MeshLab ${MeshLab_VERSION}" MeshLab_FOUND "coordinates in ${MeshLab_SCALAR}, ${MeshLab_LIBRARY}")
 
 if(MeshLab_FOUND AND NOT TARGET MeshLab::common)
   add_library(MeshLab::common SHARED IMPORTED)

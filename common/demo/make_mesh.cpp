@@ -21,6 +21,7 @@ namespace shapes = lapedit::shapes;
 const std::map<std::string, std::function<TriangleMesh()>> kMeshes = {
     {"letters", [] { return shapes::letter_field(254, 127); }},
     {"arm", [] { return shapes::tapered_arm(120, 140); }},
+    {"field", [] { return shapes::letter_field(300, 150); }},
     {"million", [] { return shapes::letter_field(1420, 710); }},
     {"head", [] { return shapes::head(); }},
     {"hand", [] { return shapes::hand(); }},

@@ -3,6 +3,7 @@
 
 #include <QString>
 #include <QStringList>
+#include <QVariant>
 #include <functional>
 #include <map>
 #include <string>
@@ -54,6 +55,12 @@ class ParameterValues {
   std::map<QString, ParameterValue> values_;
 };
 
+/// What a filter did.
+struct FilterOutcome {
+  std::string log;                          ///< text for the log
+  std::map<std::string, QVariant> figures;  ///< bool, int or double, which are what PyMeshLab hands on
+};
+
 /// A filter of the class Smoothing that moves vertices of the current layer and changes nothing else.
 struct FilterAction {
   QString name;         ///< in menus and .mlx scripts
@@ -61,9 +68,9 @@ struct FilterAction {
   QString info;         ///< HTML
   std::vector<Parameter> parameters;
 
-  /// Does the work. Changes the mesh only once nothing can fail any more. @return text for the log
+  /// Does the work. Changes the mesh only once nothing can fail any more.
   /// @throws std::exception whose what() is the sentence for the user
-  std::function<std::string(const ParameterValues&, CMeshO&, const Progress&)> run;
+  std::function<FilterOutcome(const ParameterValues&, CMeshO&, const Progress&)> run;
 };
 
 }  // namespace lapedit::host

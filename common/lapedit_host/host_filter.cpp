@@ -122,8 +122,8 @@ RichParameterList parameter_list(const FilterAction& filter, const CMeshO* mesh)
   return list;
 }
 
-std::string run_filter(const FilterAction& filter, const RichParameterList& parameters, CMeshO* mesh,
-                       bool (*callback)(int, const char*)) {
+FilterOutcome run_filter(const FilterAction& filter, const RichParameterList& parameters, CMeshO* mesh,
+                         bool (*callback)(int, const char*)) {
   if (mesh == nullptr) {
     throw EditError(ErrorCause::EmptyMesh, "There are 0 layers: open a triangle mesh first.");
   }

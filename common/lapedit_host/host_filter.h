@@ -16,10 +16,9 @@ RichParameterList parameter_list(const FilterAction& filter, const CMeshO* mesh)
 /// Runs a filter. The mesh is not changed if this throws.
 /// @param mesh      the current layer's, null if there is none
 /// @param callback  the host's progress, may be null
-/// @return text for the log
 /// @throws EditError  also for values of the wrong type, where the host itself would stop at an assertion
-std::string run_filter(const FilterAction& filter, const RichParameterList& parameters, CMeshO* mesh,
-                       bool (*callback)(int, const char*));
+FilterOutcome run_filter(const FilterAction& filter, const RichParameterList& parameters, CMeshO* mesh,
+                         bool (*callback)(int, const char*));
 
 /// The sentence for the user. To be called while an exception is handled.
 QString sentence_of_current_exception();

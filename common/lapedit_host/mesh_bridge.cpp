@@ -4,8 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <numeric>
+#include <string>
 
+#include "lapedit/base/error.h"
 #include "lapedit/base/thread_pool.h"
 #include "lapedit_host/face_shape.h"
 
@@ -56,6 +60,23 @@ void update_normals(CMeshO& host, const std::vector<char>& moved) {
   }
 }
 
+/// Throws if that is no vertex of the mesh. The corners may point anywhere: addresses are compared, none is followed.
+void require_vertex(const CMeshO& host, const CVertexO* corner, const char* kind, std::size_t number) {
+  const auto size = static_cast<std::intptr_t>(sizeof(CVertexO));
+  const auto count = static_cast<std::intptr_t>(host.vert.size());
+  const auto off = reinterpret_cast<std::intptr_t>(corner) - reinterpret_cast<std::intptr_t>(host.vert.data());
+  if (corner != nullptr && off % size == 0 && off / size >= 0 && off / size < count) {
+    return;
+  }
+  const std::intptr_t named = off / size;
+  const bool is_told = corner != nullptr && off % size == 0 && std::abs(named) <= std::numeric_limits<int>::max();
+  throw EditError(ErrorCause::BadIndex,
+                  std::string(kind) + " " + std::to_string(number) + " names " +
+                      (is_told ? "vertex " + std::to_string(named) : std::string("a vertex outside the mesh")) +
+                      ", but there are " + std::to_string(count) +
+                      " vertices, counted from 0: correct the file that the mesh was read from.");
+}
+
 /// Calls make_room(count) with the number of those that are not deleted, then use(place, element, number) for all, with
 /// the number of the next that is not.
 template <class Container, class MakeRoom, class Use>
@@ -95,7 +116,21 @@ Box3m finite_box(const CMeshO& host) {
   return box;
 }
 
+void require_sound_corners(const CMeshO& host) {
+  for (std::size_t f = 0; f < host.face.size(); ++f) {
+    for (int k = 0; k < 3 && !host.face[f].IsD(); ++k) {
+      require_vertex(host, host.face[f].cV(k), "Face", f);
+    }
+  }
+  for (std::size_t e = 0; e < host.edge.size(); ++e) {
+    for (int k = 0; k < 2 && !host.edge[e].IsD(); ++k) {
+      require_vertex(host, host.edge[e].cV(k), "Edge", e);
+    }
+  }
+}
+
 BridgedMesh read_mesh(const CMeshO& host) {
+  require_sound_corners(host);
   constexpr std::size_t kWorthThreads = 16384;
   ThreadPool pool(host.vert.size() >= kWorthThreads ? 0 : 1);
   BridgedMesh bridged;

@@ -20,7 +20,12 @@ struct BridgedMesh {
   std::vector<int> core_vertex;  ///< place in CMeshO::vert -> vertex of mesh, -1 if deleted
 };
 
+/// Readers of hosts make faces of any numbers that are in a file: nothing may walk over them before.
+/// @throws EditError (BadIndex) if a face or an edge names a vertex that is not there; O(faces + edges)
+void require_sound_corners(const CMeshO& host);
+
 /// O(vertices + faces). A face on a deleted vertex gets a corner -1, which validate() refuses.
+/// @throws EditError (BadIndex) as require_sound_corners() does
 BridgedMesh read_mesh(const CMeshO& host);
 
 /// Numbers of vertices of the bridged mesh, ascending.

@@ -16,8 +16,13 @@
 #include <utility>
 
 #include "batch_parameters.h"
+#include "dialog_watch.h"
+#include "file_names.h"
 #include "lapedit/base/error.h"
 #include "lapedit_host/face_shape.h"
+#include "lapedit_host/mesh_bridge.h"
+#include "notes.h"
+#include "ply_file.h"
 #include "vertex_filter_plugin.h"
 
 namespace lapedit::host {
@@ -186,6 +191,7 @@ struct BatchHost::State {
   std::map<QString, FormatPlugin*> readers, writers;  // by suffix in lower case
   std::map<QString, Filter> filters;
   MeshDocument document;
+  DialogWatch dialogs;
 
   void load_next(QStringList& files) {
     const QString file = files.takeFirst();
@@ -259,24 +265,42 @@ struct BatchHost::State {
     return *plugin;
   }
 
-  std::vector<std::pair<MeshModel*, int>> read(const QString& path, MeshDocument& into) {
+  std::vector<std::pair<MeshModel*, int>> read(const QString& path, MeshDocument& into, const QString& called) {
     const QFileInfo file(path);
     FormatPlugin& plugin = require(readers, path, "read");
     const CurrentFolder folder_of_file(file.absolutePath());
     std::vector<std::pair<MeshModel*, int>> layers;
     try {
       layers = read_layers(plugin, file, into, ask);
+      refuse_dialogs();
     } catch (const std::exception& error) {
-      throw BatchError("The mesh " + quoted_path(path) +
-                       " cannot be read: " + one_line(QString::fromUtf8(error.what())));
+      throw BatchError("The mesh " + quoted_path(called) + " cannot be read: " + reason(error));
     }
     if (layers.empty()) {
-      throw BatchError("The mesh " + quoted_path(path) + " cannot be read: there is none in the file.");
+      throw BatchError("The mesh " + quoted_path(called) + " cannot be read: there is none in the file.");
     }
     return layers;
   }
 
   void require_complete(const QString& path, MeshModel& layer);
+
+  /// What a dialog asks cannot be answered here. @throws std::runtime_error
+  void refuse_dialogs() {
+    const QString said = dialogs.take();
+    if (!said.isEmpty()) {
+      throw std::runtime_error("MeshLab opens a dialog, which nobody can answer here: " + said.toStdString());
+    }
+  }
+
+  /// In a handler: why the host could not do it. @throws what cannot be had from the system
+  std::string reason(const std::exception& error) {
+    // That is nothing that the plugin could tell.
+    if (lackIn(std::current_exception()) != Lack::Nothing) {
+      throw;
+    }
+    const QString said = dialogs.take();
+    return one_line(said.isEmpty() ? QString::fromUtf8(error.what()) : said);
+  }
 };
 
 BatchHost::BatchHost(const QString& plugins, Progress asked_now) : state_(std::make_unique<State>()) {
@@ -303,9 +327,16 @@ QString BatchHost::version() {
   return number.startsWith("MeshLab") ? number : "MeshLab " + number;
 }
 
-int BatchHost::open(const QString& path) {
-  const auto layers = state_->read(path, state_->document);
+int BatchHost::open(const QString& path, const QString& called) {
+  const auto layers = state_->read(path, state_->document, called);
   for (const auto& [layer, mask] : layers) {
+    try {
+      require_sound_corners(layer->cm);
+    } catch (const EditError& error) {
+      const QString sentence = QString::fromUtf8(error.what());
+      throw BatchError("The mesh " + quoted_path(path) +
+                       " cannot be read: " + (sentence.left(1).toLower() + sentence.mid(1)).toStdString());
+    }
     complete_layer(*layer, mask);
   }
   return static_cast<int>(layers.size());
@@ -370,13 +401,15 @@ void BatchHost::run(const std::vector<ScriptFilter>& script, const std::function
       RichParameterList parameters = standard_parameters(*filter.plugin, filter.action, s.document);
       lay_over(script[k], s.document, parameters);
       apply(*filter.plugin, filter.action, parameters, s.document, ask);
+      s.refuse_dialogs();
     } catch (const std::exception& error) {
+      const std::string why = s.reason(error);
       const std::string place = script.size() == 1
                                     ? std::string()
                                     : "Filter " + std::to_string(k + 1) + " of " + std::to_string(script.size()) +
                                           " (" + script[k].name.toStdString() + "): ";
       const bool ours = filter.file.isEmpty() || dynamic_cast<const EditError*>(&error) != nullptr;
-      throw EditError(ErrorCause::BadScript, place + (ours ? error.what() : one_line(QString::fromUtf8(error.what()))));
+      throw EditError(ErrorCause::BadScript, place + (ours ? error.what() : why));
     }
     if (MeshModel* const layer = s.document.mm()) {
       // The host's window counts them after each filter, and filters ask.
@@ -413,9 +446,11 @@ void BatchHost::save(const QString& path, const KeptAttributes& kept) {
   }
   const CurrentFolder folder(file.absolutePath());
   try {
-    write_layer(plugin, file, *layer, mask, ask);
+    // Below a folder whose name is no UTF-8, by the way through the current one.
+    write_layer(plugin, isUtf8(path) ? file : QFileInfo("/proc/self/cwd/" + file.fileName()), *layer, mask, ask);
+    s.refuse_dialogs();
   } catch (const std::exception& error) {
-    throw BatchError(one_line(QString::fromUtf8(error.what())));
+    throw BatchError(s.reason(error));
   }
   s.require_complete(path, *layer);
 }
@@ -432,12 +467,15 @@ void BatchHost::State::require_complete(const QString& path, MeshModel& layer) {
   } else if (complete && suffix == "stl") {
     // Binary; read back, it has other vertices.
     complete = file.size() == 84 + 50 * static_cast<qint64>(layer.cm.fn);
+  } else if (const auto ply = suffix == "ply" ? walkPly(path) : std::nullopt; complete && ply) {
+    complete = ply->complete;
+    found = {static_cast<int>(ply->vertices), static_cast<int>(ply->faces)};
   } else if (complete && (suffix == "ply" || suffix == "off")) {
     MeshDocument copy;
     try {
-      const MeshModel& read_back = *read(path, copy).front().first;
+      const MeshModel& read_back = *read(path, copy, path).front().first;
       found = {read_back.cm.vn, read_back.cm.fn};
-    } catch (const std::exception&) {
+    } catch (const BatchError&) {
       complete = false;
     }
   }

@@ -47,9 +47,10 @@ class BatchHost {
 
   /// Reads the layers of a file. The mesh is that of the file: unlike the window, this removes no faces that name a
   /// vertex twice, and no vertices that are no numbers.
+  /// @param called  for messages
   /// @return how many layers there are
   /// @throws BatchError
-  int open(const QString& path);
+  int open(const QString& path, const QString& called);
 
   /// The current layer's mesh; null if there is none.
   CMeshO* mesh();

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "batch_script.h"
 
+#include <QSet>
 #include <QXmlStreamReader>
 #include <algorithm>
+#include <cstdlib>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -51,15 +53,16 @@ ScriptFilter read_filter(QXmlStreamReader& xml) {
   if (filter.name.isEmpty()) {
     refuse(xml, "a filter needs a name.");
   }
+  QSet<QString> names;
   while (xml.readNextStartElement()) {
     if (xml.name() != QLatin1String("Param")) {
       refuse(xml, "there is an element " + quoted(xml.name().toString()) + " where Param is expected.");
     }
     ScriptParameter parameter = read_parameter(xml);
-    for (const ScriptParameter& other : filter.parameters) {
-      if (other.name == parameter.name) {
-        refuse(xml, "the parameter " + quoted(parameter.name) + " is given twice.");
-      }
+    const int before = names.size();
+    names.insert(parameter.name);
+    if (names.size() == before) {
+      refuse(xml, "the parameter " + quoted(parameter.name) + " is given twice.");
     }
     filter.parameters.push_back(std::move(parameter));
     xml.skipCurrentElement();
@@ -116,8 +119,14 @@ QString common_type(const QString& type) {
 QString near_names(const QString& name, const QStringList& known) {
   std::vector<std::pair<int, QString>> ranked;
   for (const QString& other : known) {
+    const int most = std::max(2, name.size() / 3);
+    const bool within = other.contains(name, Qt::CaseInsensitive);
+    // Names of megabytes are not compared letter by letter: it takes at least their difference in length.
+    if (!within && std::abs(name.size() - other.size()) > most) {
+      continue;
+    }
     const int far = distance(name.toLower(), other.toLower());
-    if (far <= std::max(2, name.size() / 3) || other.contains(name, Qt::CaseInsensitive)) {
+    if (within || far <= most) {
       ranked.emplace_back(far, other);
     }
   }

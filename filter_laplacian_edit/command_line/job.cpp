@@ -3,13 +3,17 @@
 
 #include <QFile>
 #include <QFileInfo>
-#include <QSaveFile>
 #include <algorithm>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
 #include <iterator>
 #include <limits>
 #include <utility>
 
+#include "file_names.h"
 #include "filter_laplacian_edit.h"
+#include "in_processes.h"
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
 #include "lapedit/base/stopwatch.h"
@@ -19,6 +23,7 @@
 #include "lapedit_host/self_intersections.h"
 #include "output_files.h"
 #include "progress_line.h"
+#include "real_files.h"
 #include "report.h"
 
 using namespace lapedit;
@@ -31,29 +36,48 @@ int mostVertices(const Options& options) {
   return options.quality ? std::numeric_limits<int>::max() : 0;
 }
 
-void requireReadable(const QString& path, const char* what) {
-  QFile file(path);
-  const QFileInfo info(path);
-  std::string why;
-  if (!info.exists()) {
-    why = "it does not exist";
-  } else if (!info.isFile()) {
-    why = "it is not an ordinary file";
-  } else if (!file.open(QIODevice::ReadOnly)) {
-    why = file.errorString().toLower().toStdString();
-  } else {
-    return;
-  }
+[[noreturn]] void refuseReading(const char* what, const QString& path, const std::string& why) {
   throw Failure(Unreadable, "The " + std::string(what) + " " + quoted_path(path) + " cannot be read: " + why + ".");
 }
 
-std::vector<ScriptFilter> loadScript(const QString& path) {
+void requireReadable(const QString& path) {
   QFile file(path);
-  // Edits may be in it.
-  if (!file.open(QIODevice::ReadOnly) || file.size() > 2 * static_cast<qint64>(kLargestJson)) {
-    throw Failure(Unreadable, "The script " + quoted_path(path) + " cannot be read: it is too large.");
+  const QFileInfo info(path);
+  if (!info.exists()) {
+    refuseReading("mesh", path, "it does not exist");
   }
-  return read_script(file.readAll());
+  if (!info.isFile()) {
+    refuseReading("mesh", path, "it is not an ordinary file");
+  }
+  if (!file.open(QIODevice::ReadOnly)) {
+    refuseReading("mesh", path, file.errorString().toLower().toStdString());
+  }
+}
+
+/// All of it, once: it may come from a pipe.
+QByteArray textOfEdit(const QString& path) {
+  QFile file(path);
+  const QFileInfo info(path);
+  if (!info.exists()) {
+    refuseReading("edit", path, "it does not exist");
+  }
+  if (info.isDir()) {
+    refuseReading("edit", path, "it is a folder");
+  }
+  if (!file.open(QIODevice::ReadOnly | QIODevice::Unbuffered)) {
+    refuseReading("edit", path, file.errorString().toLower().toStdString());
+  }
+  // Edits may be in scripts.
+  constexpr auto kLargest = 2 * static_cast<qint64>(kLargestJson);
+  constexpr qint64 kPart = 1 << 16;
+  QByteArray text;
+  for (QByteArray part = file.read(kPart); !part.isEmpty(); part = file.read(kPart)) {
+    text += part;
+    if (text.size() > kLargest) {
+      refuseReading("edit", path, "it is larger than " + std::to_string(kLargest) + " bytes");
+    }
+  }
+  return text;
 }
 
 /// All vertices that any of the poses has moved.
@@ -67,6 +91,20 @@ std::vector<int> unionOf(const std::vector<EditResult>& poses) {
   return all;
 }
 
+/// Where some vertices are in a pose.
+Points positionsOf(const std::vector<int>& vertices, const EditResult& pose, const BridgedMesh& bridged) {
+  Points positions(static_cast<Eigen::Index>(vertices.size()), 3);
+  for (std::size_t i = 0, next = 0; i < vertices.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    if (next < pose.vertices.size() && pose.vertices[next] == vertices[i]) {
+      positions.row(row) = pose.positions.row(static_cast<Eigen::Index>(next++));
+    } else {
+      positions.row(row) = bridged.mesh.vertices.row(vertices[i]);
+    }
+  }
+  return positions;
+}
+
 class Job {
  public:
   Job(const Options& options, Notes& notes, std::FILE* output)
@@ -74,7 +112,8 @@ class Job {
         notes_(notes),
         output_(output),
         line_(!options.quiet),
-        files_(options.outputs()),
+        files_("output", options.outputs()),
+        report_files_("report", options.report.isEmpty() ? QStringList() : QStringList(options.report)),
         filters_(
             [this](const std::vector<EditReport>& reports) {
               std::vector<EditReport>& steps = report_.poses.front().steps;
@@ -82,6 +121,7 @@ class Job {
             },
             mostVertices(options)),
         host_(options.plugins, [this](double fraction, const char* stage) {
+          notes_.progress(fraction);
           line_.show(fraction, stage);
           return true;
         }) {
@@ -89,14 +129,8 @@ class Job {
   }
 
   void run() {
-    requireReadable(options_.input, "mesh");
-    requireReadable(options_.edit, "edit");
-    if (options_.isScript) {
-      script_ = loadScript(options_.edit);
-    } else {
-      edit_ = load_edit(options_.edit.toStdString());
-    }
-    requireReport();
+    requireReadable(options_.input);
+    loadEdit();
     try {
       host_.require_writer(options_.output);
     } catch (const BatchError& error) {
@@ -115,37 +149,48 @@ class Job {
       applyEdit();
     }
     notes_.doing("writing", Unwritable);
-    stopwatch.lap();
-    files_.commit();
-    report_.write_ms += stopwatch.elapsed();
-    writeReport();
+    commit();
   }
 
  private:
-  void requireReport() const {
-    if (!options_.report.isEmpty()) {
-      const QFileInfo file(options_.report), folder(file.absolutePath());
-      if (file.isDir() || !folder.isDir() || !folder.isWritable()) {
-        throw Failure(Unwritable, "The report " + quoted_path(options_.report) +
-                                      " cannot be written: give a file in a "
-                                      "folder that exists and can be written to.");
-      }
-      if (options_.outputs().contains(options_.report)) {
-        throw Failure(WrongUsage, "The report and the output are the same file: give another name for the report.");
-      }
+  void loadEdit() {
+    notes_.doing("reading " + quoted_path(options_.edit), Unreadable);
+    const QByteArray text = textOfEdit(options_.edit);
+    if (!QFileInfo(options_.edit).isFile()) {  // as a pipe: options could not look into it
+      options_.isScript = text.trimmed().startsWith('<');
+    }
+    if (options_.isScript) {
+      script_ = read_script(text);
+      return;
+    }
+    try {
+      edit_ = read_edit(text.toStdString());
+    } catch (const EditError& refusal) {
+      throw EditError(refusal.cause(), quoted(options_.edit) + ": " + refusal.what());
     }
   }
 
+  /// Readers of the host know no names that are not UTF-8: such a file gets another one for as long as it is read.
   void read() {
-    notes_.doing("reading " + quoted_path(options_.input), Unreadable);
+    const QFileInfo input(options_.input);
+    notes_.doing("reading " + quoted_path(options_.input), Unreadable, input.size());
+    QString name = options_.input;
+    if (!isUtf8(input.fileName())) {
+      begin();
+      name = files_.beside("input." + input.suffix());
+      QFile::link(options_.input, name);
+    }
     try {
-      const int layers = host_.open(options_.input);
+      const int layers = host_.open(name, options_.input);
       if (layers > 1 && !options_.isScript) {
         throw Failure(Refused, "The file " + quoted_path(options_.input) + " holds " + std::to_string(layers) +
                                    " layers, of which one would be written: save the one to be edited by itself.");
       }
     } catch (const BatchError& error) {
       throw Failure(Unreadable, error.what());
+    }
+    if (name != options_.input) {
+      QFile::remove(name);
     }
     report_.vertices = host_.mesh()->vn;
     report_.faces = host_.mesh()->fn;
@@ -180,34 +225,38 @@ class Job {
       save(0);
       return;
     }
-    const Adjacency adjacency = build_adjacency(static_cast<int>(bridged.mesh.vertices.rows()), bridged.mesh.faces);
-    PoseWriter writer(mesh, bridged, adjacency);
-    const std::vector<int> moved = unionOf(results);
     for (std::size_t k = 0; k < results.size(); ++k) {
-      Points positions(static_cast<Eigen::Index>(moved.size()), 3);
-      for (std::size_t i = 0, next = 0; i < moved.size(); ++i) {
-        const auto row = static_cast<Eigen::Index>(i);
-        if (next < results[k].vertices.size() && results[k].vertices[next] == moved[i]) {
-          positions.row(row) = results[k].positions.row(static_cast<Eigen::Index>(next++));
-        } else {
-          positions.row(row) = bridged.mesh.vertices.row(moved[i]);
-        }
-      }
-      if (!writer.write(mesh, moved, positions, true)) {
-        throw Failure(Unexpected, "Writing a pose changed the mesh: write the poses one by one with --fraction.");
-      }
       print("Fraction " + number_text(options_.fractions[k]) + "\n" + textOf(results[k].reports));
-      save(static_cast<int>(k));
     }
+    begin();
+    const Stopwatch writing;
+    const Adjacency adjacency = build_adjacency(static_cast<int>(bridged.mesh.vertices.rows()), bridged.mesh.faces);
+    const std::vector<int> moved = unionOf(results);
+    const int processes = std::clamp(options_.list.jobs, 1, static_cast<int>(results.size()));
+    inProcesses(processes, [&](int number) {
+      PoseWriter writer(mesh, bridged, adjacency);
+      for (auto k = static_cast<std::size_t>(number); k < results.size(); k += static_cast<std::size_t>(processes)) {
+        if (!writer.write(mesh, moved, positionsOf(moved, results[k], bridged), true)) {
+          throw Failure(Unexpected, "Writing a pose changed the mesh: write the poses one by one with --fraction.");
+        }
+        save(static_cast<int>(k));
+      }
+    });
+    report_.write_ms = writing.elapsed();
+  }
+
+  void begin() {
+    files_.begin([this](const std::string& folder) { notes_.scratch(0, folder); });
   }
 
   void save(int k) {
-    if (k == 0) {
-      files_.begin([this](const QString& folder) { notes_.scratch(QFile::encodeName(folder).toStdString()); });
-    }
+    begin();
     const Stopwatch stopwatch;
     const QString place = options_.outputs().at(k);
-    notes_.doing("writing " + quoted_path(place), Unwritable);
+    constexpr std::int64_t kBytesOfElement = 50;  // about, in text
+    const CMeshO* const mesh = host_.mesh();
+    notes_.doing("writing " + quoted_path(place), Unwritable,
+                 mesh != nullptr ? kBytesOfElement * (std::int64_t{mesh->vn} + mesh->fn) : 0);
     try {
       host_.save(files_.path(k), options_.kept);
     } catch (const BatchError& error) {
@@ -216,30 +265,58 @@ class Job {
     report_.write_ms += stopwatch.elapsed();
   }
 
-  void writeReport() const {
-    if (options_.report.isEmpty()) {
-      return;
+  /// Until all is on the disk, nothing is in its place.
+  void commit() {
+    const Stopwatch stopwatch;
+    files_.synchronise();
+    report_.write_ms += stopwatch.elapsed();
+    if (!options_.report.isEmpty()) {
+      stageReport();
     }
-    QSaveFile file(options_.report);
+    NoInterruption uninterrupted;
+    notes_.placed(Placed::Some);
+    files_.place();
+    notes_.placed(Placed::Outputs);
+    if (!options_.report.isEmpty()) {
+      placeReport();
+    }
+    notes_.placed(Placed::All);
+    uninterrupted.forGood();
+  }
+
+  void stageReport() {
+    report_files_.begin([this](const std::string& folder) { notes_.scratch(1, folder); });
+    QFile file(report_files_.path(0));
     const QByteArray text = reportText(options_, report_);
-    if (!file.open(QIODevice::WriteOnly) || file.write(text) != text.size() || !file.commit()) {
-      throw Failure(Unwritable, "The report " + quoted_path(options_.report) + " cannot be written: " +
-                                    file.errorString().toStdString() + ". The output is complete.");
+    if (!file.open(QIODevice::WriteOnly) || file.write(text) != text.size() || !file.flush()) {
+      throw Failure(Unwritable, "The report " + quoted_path(options_.report) +
+                                    " cannot be written: " + file.errorString().toStdString() + ".");
+    }
+    file.close();
+    report_files_.synchronise();
+  }
+
+  void placeReport() {
+    try {
+      report_files_.place();
+    } catch (const Failure& failure) {
+      throw Failure(Unwritable, std::string(failure.what()) + " The outputs are complete.");
     }
   }
 
+  /// Before anything is in its place: whoever wants to know of it has to be told.
   void print(const std::string& text) {
     if (!options_.quiet && !text.empty()) {
       line_.clear();
-      std::fprintf(output_, "%s\n", text.c_str());
+      printAll(text + "\n", output_, "nothing was written; with --quiet there are no reports");
     }
   }
 
-  const Options& options_;
+  Options options_;
   Notes& notes_;
   std::FILE* output_;
   ProgressLine line_;
-  OutputFiles files_;
+  OutputFiles files_, report_files_;
   FilterLaplacianEdit filters_;
   BatchHost host_;
   std::vector<ScriptFilter> script_;
@@ -249,6 +326,16 @@ class Job {
 
 }  // namespace
 
+void printAll(const std::string& text, std::FILE* output, const std::string& advice) {
+  errno = 0;
+  if (std::fputs(text.c_str(), output) < 0 || std::fflush(output) != 0) {
+    throw Failure(Unwritable, "The standard output cannot be written to (" + std::string(std::strerror(errno)) +
+                                  "): " + advice + ".");
+  }
+}
+
 void runJob(const Options& options, Notes& notes, std::FILE* output) {
+  notes.timeLimit(options.timeout);
+  refuseSameFiles(options);
   Job(options, notes, output).run();
 }

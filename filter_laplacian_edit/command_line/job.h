@@ -2,11 +2,17 @@
 #pragma once
 
 #include <cstdio>
+#include <string>
 
+#include "notes.h"
 #include "options.h"
-#include "supervisor.h"
 
 /// Reads, edits, writes.
 /// @param output  for the reports
 /// @throws Failure, and whatever was not expected
 void runJob(const Options& options, Notes& notes, std::FILE* output);
+
+/// Brings a text to its reader.
+/// @param advice  for the sentence if that fails: what of it, and what to do
+/// @throws Failure (Unwritable)
+void printAll(const std::string& text, std::FILE* output, const std::string& advice);

@@ -3,15 +3,24 @@
 #include <unistd.h>
 
 #include <QApplication>
-#include <QTextCodec>
+#include <QFile>
+#include <algorithm>
 #include <clocale>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <string>
+#include <system_error>
 
+#include "file_names.h"
 #include "job.h"
+#include "job_pool.h"
 #include "lapedit/base/error.h"
+#include "lapedit/base/thread_pool.h"
+#include "list_run.h"
+#include "supervisor.h"
 
 namespace {
 
@@ -19,6 +28,16 @@ namespace {
 void keepQuiet(QtMsgType type, const QMessageLogContext&, const QString& message) {
   if (type == QtFatalMsg || type == QtCriticalMsg) {
     std::fprintf(stderr, "%s\n", message.toLocal8Bit().constData());
+  }
+}
+
+/// Else the next file that is opened would be the standard output of whoever writes to it without asking.
+void openStandardStreams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(stream, F_GETFD) == -1) {
+      // Whatever is written is to fail, as on a closed one.
+      ::open(stream == STDOUT_FILENO ? "/dev/full" : "/dev/null", O_RDWR);
+    }
   }
 }
 
@@ -34,6 +53,51 @@ std::FILE* takeStandardOutput() {
   return file != nullptr ? file : stdout;
 }
 
+int fail(ExitCode code, const char* sentence) {
+  std::fprintf(stderr, "%s\n", sentence);
+  return code;
+}
+
+/// Tells what went wrong.
+template <class Work>
+int guarded(const Work& work) {
+  try {
+    return work();
+  } catch (const Failure& failure) {
+    return fail(failure.code(), failure.what());
+  } catch (const lapedit::EditError& error) {
+    return fail(Refused, error.what());
+  } catch (const std::exception& error) {
+    if (lackIn(std::current_exception()) != Lack::Nothing) {
+      throw;
+    }
+    return fail(Unexpected, error.what());
+  } catch (...) {
+    return fail(Unexpected, "The program failed for a reason that it does not tell.");
+  }
+}
+
+/// A library reads how many threads it may have when it is loaded, and they wait for work at the cost of others'. So
+/// with a list the program starts anew, as the same process, with what is fit for several jobs side by side.
+void shareProcessors(int argc, char** argv) {
+  bool list = false;
+  int jobs = 0;
+  for (int k = 1; k < argc; ++k) {
+    const std::string argument = argv[k];
+    list = list || argument.rfind("--list", 0) == 0;
+    if (argument.rfind("--jobs", 0) == 0) {
+      const std::string value = argument.size() > 7 ? argument.substr(7) : k + 1 < argc ? argv[k + 1] : "";
+      jobs = std::atoi(value.c_str());
+    }
+  }
+  if (list && std::getenv("OPENBLAS_NUM_THREADS") == nullptr) {
+    const int threads = std::max(1, jobs > 0 ? processors() / jobs : 1);
+    ::setenv("OPENBLAS_NUM_THREADS", std::to_string(threads).c_str(), 1);
+    std::error_code ignored;
+    ::execv(std::filesystem::read_symlink("/proc/self/exe", ignored).c_str(), argv);
+  }
+}
+
 int work(int argc, char** argv, Notes& notes) {
   std::FILE* const output = takeStandardOutput();
   qInstallMessageHandler(keepQuiet);
@@ -41,41 +105,36 @@ int work(int argc, char** argv, Notes& notes) {
   std::signal(SIGXFSZ, SIG_IGN);
   qputenv("QT_QPA_PLATFORM", "offscreen");
   QApplication application(argc, argv);
-  // Numbers in files have points, and file names are UTF-8, whatever the language.
+  // Numbers in files have points, and file names are bytes, whatever the language.
   std::setlocale(LC_NUMERIC, "C");
-  QTextCodec::setCodecForLocale(QTextCodec::codecForName("UTF-8"));
+  takeFileNamesAsBytes();
   QStringList arguments;
   for (int k = 0; k < argc; ++k) {
-    arguments << QString::fromUtf8(argv[k]);
+    arguments << QFile::decodeName(argv[k]);
   }
+  // What the system gives, as under a cluster's scheduler, not what the machine has.
+  lapedit::limit_threads(processors());
   std::string text;
   if (const std::optional<Options> options = readOptions(arguments, text)) {
+    const auto job = [output](const Options& one, Notes& its_notes) {
+      return guarded([&] {
+        runJob(one, its_notes, output);
+        return Done;
+      });
+    };
+    if (!options->list.file.isEmpty()) {
+      return runList(*options, job, output);
+    }
     runJob(*options, notes, output);
   }
-  std::fputs(text.c_str(), output);
-  std::fflush(output);
+  printAll(text, output, "look where it leads");
   return Done;
-}
-
-int fail(ExitCode code, const char* sentence) {
-  std::fprintf(stderr, "%s\n", sentence);
-  return code;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  return supervise([argc, argv](Notes& notes) -> int {
-    try {
-      return work(argc, argv, notes);
-    } catch (const Failure& failure) {
-      return fail(failure.code(), failure.what());
-    } catch (const lapedit::EditError& error) {
-      return fail(Refused, error.what());
-    } catch (const std::exception& error) {
-      return fail(Unexpected, error.what());
-    } catch (...) {
-      return fail(Unexpected, "The program failed for a reason that it does not tell.");
-    }
-  });
+  openStandardStreams();
+  shareProcessors(argc, argv);
+  return supervise([argc, argv](Notes& notes) { return guarded([&] { return work(argc, argv, notes); }); });
 }

@@ -6,10 +6,13 @@
 #include <QFileInfo>
 
 #include "failure.h"
+#include "file_names.h"
 
 using lapedit::host::quoted;
 
 namespace {
+
+constexpr int kMostJobs = 500;  // each takes some open files
 
 constexpr char kDescription[] =
     "\nEdits a mesh without MeshLab's window and without an X server: applies an edit\n"
@@ -24,10 +27,10 @@ constexpr char kExitCodes[] =
     "  1  the edit or the script was refused\n"
     "  2  wrong usage\n"
     "  3  the mesh or the file of the edit could not be read\n"
-    "  4  the output or the report could not be written\n"
-    "  5  an unexpected error, in MeshLab or in this program\n"
+    "  4  the output, a report or the standard output could not be written\n"
+    "  5  not enough memory, threads or time, killed, or an unexpected error\n"
     "Unless it is 0, no output was written or replaced; only a report may be missing\n"
-    "beside complete outputs, which is said.\n";
+    "beside complete outputs, which is said. Of a list, the largest code of any job.\n";
 
 [[noreturn]] void refuse(const std::string& sentence) {
   throw Failure(WrongUsage, sentence + " See --help.");
@@ -40,6 +43,15 @@ double fraction(const QString& text) {
     refuse("The fraction is " + quoted(text) + ": give a number from 0 (no change) to 1 (the whole edit).");
   }
   return number;
+}
+
+double timeout(const QString& text) {
+  bool ok = false;
+  const double seconds = text.toDouble(&ok);
+  if (!ok || !(seconds > 0 && seconds < 1e9)) {
+    refuse("The time limit is " + quoted(text) + ": give the seconds, more than 0.");
+  }
+  return seconds;
 }
 
 lapedit::host::KeptAttributes keptAttributes(const QString& list) {
@@ -56,17 +68,66 @@ lapedit::host::KeptAttributes keptAttributes(const QString& list) {
   return kept;
 }
 
-/// By the suffix, or else by how the text begins.
+void readFractions(const QCommandLineParser& parser, Options& options) {
+  if (parser.isSet("fraction") && parser.isSet("fractions")) {
+    refuse("Give either --fraction or --fractions.");
+  }
+  if ((parser.isSet("fraction") || parser.isSet("fractions")) && options.isScript) {
+    refuse("Fractions are for JSON edits: in a script, give the parameter fraction of Laplacian Edit Replay.");
+  }
+  if (parser.isSet("fraction")) {
+    options.fractions = {fraction(parser.value("fraction"))};
+  }
+  if (parser.isSet("fractions")) {
+    options.numbered = true;
+    options.fractions.clear();
+    for (const QString& part : parser.value("fractions").split(',')) {
+      options.fractions.push_back(fraction(part));
+    }
+  }
+}
+
+/// The part of the options that is about many jobs.
+ListOptions listOptions(const QCommandLineParser& parser) {
+  ListOptions list;
+  const auto path = [&](const char* name) { return parser.isSet(name) ? fullPath(parser.value(name)) : QString(); };
+  list.file = path("list");
+  list.log = path("job-log");
+  list.resume = parser.isSet("resume");
+  if (parser.isSet("jobs")) {
+    bool ok = false;
+    list.jobs = parser.value("jobs").toInt(&ok);
+    if (!ok || list.jobs < 1 || list.jobs > kMostJobs) {
+      refuse("The number of jobs is " + quoted(parser.value("jobs")) + ": give a whole number from 1 to " +
+             std::to_string(kMostJobs) + ".");
+    }
+  }
+  if (list.file.isEmpty() && (list.resume || !list.log.isEmpty())) {
+    refuse("The options --job-log and --resume are for --list.");
+  }
+  if (list.file.isEmpty() && list.jobs > 0 && !parser.isSet("fractions")) {
+    refuse("The option --jobs is for --list and --fractions.");
+  }
+  if (list.resume && list.log.isEmpty()) {
+    refuse("What is done already is in the job log: give --job-log with --resume.");
+  }
+  if (!list.file.isEmpty() && parser.isSet("report")) {
+    refuse("A report is of one job: with --list, give it in the line of the job, or take --job-log.");
+  }
+  return list;
+}
+
+}  // namespace
+
 bool isScript(const QString& path) {
   const QString suffix = QFileInfo(path).suffix().toLower();
   if (suffix == "mlx" || suffix == "json") {
     return suffix == "mlx";
   }
   QFile file(path);
-  return file.open(QIODevice::ReadOnly) && file.read(1024).trimmed().startsWith('<');
+  // What is read from a pipe is gone.
+  return QFileInfo(path).isFile() && file.open(QIODevice::ReadOnly) && file.read(1024).trimmed().startsWith('<');
 }
-
-}  // namespace
 
 QStringList Options::outputs() const {
   if (!numbered) {
@@ -98,9 +159,17 @@ std::optional<Options> readOptions(const QStringList& arguments, std::string& te
       quality("quality", "Counts also the pairs of triangles that came to intersect, for report and log."),
       also("also", "Keeps also what the format leaves out by default: normals, selection, or both with a comma.",
            "LIST"),
-      plugins("plugins", "Takes MeshLab's plugins from another folder.", "DIR");
-  for (const QCommandLineOption* option :
-       {&one, &several, &report, &quality, &also, &plugins, &quiet, &help, &version}) {
+      plugins("plugins", "Takes MeshLab's plugins from another folder.", "DIR"),
+      list("list", "Does many jobs, of which each line of a file says IN, OUT and EDIT, with tabs between.", "FILE"),
+      jobs("jobs",
+           "How many jobs of a list run at once; as many as there are processors unless given. Without a list: how "
+           "many processes write the files of --fractions, 1 unless given.",
+           "N"),
+      log("job-log", "Adds a line to a file, as JSON, whenever a job of a list has ended.", "FILE"),
+      resume("resume", "Leaves out the jobs that are done already, by the job log."),
+      limit("timeout", "Ends with code 5, and leaves everything as it was, if it takes longer.", "SECONDS");
+  for (const QCommandLineOption* option : {&one, &several, &report, &quality, &also, &plugins, &limit, &list, &jobs,
+                                           &log, &resume, &quiet, &help, &version}) {
     parser.addOption(*option);
   }
   if (!parser.parse(arguments)) {
@@ -116,10 +185,13 @@ std::optional<Options> readOptions(const QStringList& arguments, std::string& te
     return {};
   }
   const QStringList files = parser.positionalArguments();
-  if (files.size() != 3) {
+  if (parser.isSet(list) && !files.isEmpty()) {
+    refuse("There are file names beside --list: give either.");
+  }
+  if (files.size() != 3 && !parser.isSet(list)) {
     refuse("There are " + std::to_string(files.size()) + " file names: give the mesh, the output and the edit.");
   }
-  for (const QCommandLineOption* option : {&one, &several, &report, &also, &plugins}) {
+  for (const QCommandLineOption* option : {&one, &several, &report, &also, &plugins, &limit, &list, &jobs, &log}) {
     if (parser.isSet(*option) && parser.values(*option).size() > 1) {
       refuse("The option --" + option->names().first().toStdString() + " is given more than once.");
     }
@@ -128,36 +200,27 @@ std::optional<Options> readOptions(const QStringList& arguments, std::string& te
     }
   }
   Options options;
-  options.input = QFileInfo(files[0]).absoluteFilePath();
-  options.output = QFileInfo(files[1]).absoluteFilePath();
-  options.edit = QFileInfo(files[2]).absoluteFilePath();
-  options.isScript = isScript(options.edit);
+  options.list = listOptions(parser);
+  if (options.list.file.isEmpty()) {
+    options.input = fullPath(files[0]);
+    options.output = fullPath(files[1]);
+    options.edit = fullPath(files[2]);
+    options.isScript = isScript(options.edit);
+  }
   options.quiet = parser.isSet(quiet);
   options.quality = parser.isSet(quality);
   if (parser.isSet(report)) {
-    options.report = QFileInfo(parser.value(report)).absoluteFilePath();
+    options.report = fullPath(parser.value(report));
   }
   if (parser.isSet(plugins)) {
-    options.plugins = QFileInfo(parser.value(plugins)).absoluteFilePath();
+    options.plugins = fullPath(parser.value(plugins));
+  }
+  if (parser.isSet(limit)) {
+    options.timeout = timeout(parser.value(limit));
   }
   if (parser.isSet(also)) {
     options.kept = keptAttributes(parser.value(also));
   }
-  if (parser.isSet(one) && parser.isSet(several)) {
-    refuse("Give either --fraction or --fractions.");
-  }
-  if ((parser.isSet(one) || parser.isSet(several)) && options.isScript) {
-    refuse("Fractions are for JSON edits: in a script, give the parameter fraction of Laplacian Edit Replay.");
-  }
-  if (parser.isSet(one)) {
-    options.fractions = {fraction(parser.value(one))};
-  }
-  if (parser.isSet(several)) {
-    options.numbered = true;
-    options.fractions.clear();
-    for (const QString& part : parser.value(several).split(',')) {
-      options.fractions.push_back(fraction(part));
-    }
-  }
+  readFractions(parser, options);
   return options;
 }

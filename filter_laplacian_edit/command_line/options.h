@@ -9,6 +9,15 @@
 
 #include "batch_host.h"
 
+/// Many jobs in one call.
+struct ListOptions {
+  QString file;  ///< a job per line, see job_list.h; empty: there is one job
+  int jobs = 0;  ///< how many run at once, or how many processes write poses; 0: not said
+  QString log;   ///< path of the job log, empty: none
+  bool resume = false;
+};
+
+/// A job; with a list, what holds for all of its jobs.
 struct Options {
   QString input, output, edit;  ///< absolute paths
   bool isScript = false;        ///< the edit is a filter script, not JSON
@@ -19,9 +28,14 @@ struct Options {
   lapedit::host::KeptAttributes kept;
   bool quiet = false;
   bool quality = false;  ///< counts new self-intersections
+  ListOptions list;
+  double timeout = 0;  ///< seconds, 0: none
 
   QStringList outputs() const;  ///< one path per fraction
 };
+
+/// Whether an edit is a filter script: by the suffix, or else by how the text begins.
+bool isScript(const QString& path);
 
 /// @return the options, or nothing where a text for the user was asked for
 /// @throws Failure (WrongUsage)

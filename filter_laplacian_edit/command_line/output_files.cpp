@@ -9,28 +9,26 @@
 #include <QFile>
 #include <QFileInfo>
 #include <cerrno>
-#include <csignal>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
+#include <system_error>
+#include <utility>
 
 #include "batch_host.h"
 #include "failure.h"
+#include "file_names.h"
+#include "real_files.h"
 
 using lapedit::host::quoted_path;
 
 namespace {
-
-[[noreturn]] void refuse(const QString& path, const std::string& why) {
-  throw Failure(Unwritable, "The output " + quoted_path(path) + " cannot be written: " + why + ".");
-}
 
 std::string lastError() {
   return std::strerror(errno);
 }
 
 /// Waits until a file or folder is on the disk. Some errors of writing show here only.
-bool synchronise(const QString& path) {
+bool synchronised(const QString& path) {
   const int file = ::open(QFile::encodeName(path).constData(), O_RDONLY | O_CLOEXEC);
   if (file < 0) {
     return false;
@@ -41,31 +39,27 @@ bool synchronise(const QString& path) {
   return done;
 }
 
-/// While it lives, a request to stop waits: either all files are in their places or none.
-class NoInterruption {
- public:
-  NoInterruption() {
-    sigset_t requests;
-    sigemptyset(&requests);
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
-      sigaddset(&requests, signal);
-    }
-    sigprocmask(SIG_BLOCK, &requests, &before_);
+/// Owner, group and permissions of the one for the other.
+void handDown(const struct stat& from, const char* to) {
+  mode_t mode = from.st_mode & 0777;
+  if (::chown(to, from.st_uid, from.st_gid) != 0 && ::chown(to, -1, from.st_gid) != 0) {
+    // What one group could do is nothing for another: only what everybody could.
+    mode &= ~070 | ((mode & 07) << 3);
   }
-  ~NoInterruption() { sigprocmask(SIG_SETMASK, &before_, nullptr); }
-  NoInterruption(const NoInterruption&) = delete;
-  NoInterruption& operator=(const NoInterruption&) = delete;
-
- private:
-  sigset_t before_;
-};
+  ::chmod(to, mode);
+}
 
 }  // namespace
 
-OutputFiles::OutputFiles(const QStringList& places) {
+OutputFiles::OutputFiles(const std::string& what, const QStringList& places) : what_(what) {
   for (const QString& place : places) {
-    const QFileInfo link(place);
-    const QFileInfo file(link.exists() ? link.canonicalFilePath() : place);
+    QString real = place;
+    try {
+      real = QFile::decodeName(RealFile(QFile::encodeName(place).toStdString()).path().c_str());
+    } catch (const std::system_error& error) {
+      refuse(place, error.code().message());
+    }
+    const QFileInfo file(real);
     const QFileInfo folder(file.absolutePath());
     if (file.fileName().isEmpty() || file.isDir()) {
       refuse(place, "it is a folder");
@@ -84,52 +78,83 @@ OutputFiles::OutputFiles(const QStringList& places) {
     }
     folder_ = folder.canonicalFilePath();
     names_ << file.fileName();
+    staged_ << (isUtf8(file.fileName()) ? file.fileName()
+                                        : QString("laplacian-edit-%1.%2").arg(staged_.size()).arg(file.suffix()));
   }
 }
 
-OutputFiles::~OutputFiles() {
-  if (!scratch_.isEmpty()) {
-    QDir(scratch_).removeRecursively();
-  }
+void OutputFiles::refuse(const QString& place, const std::string& why) const {
+  throw Failure(Unwritable, "The " + what_ + " " + quoted_path(place) + " cannot be written: " + why + ".");
 }
 
-void OutputFiles::begin(const std::function<void(const QString&)>& made) {
-  QByteArray pattern = QFile::encodeName(folder_ + "/.laplacian-edit-XXXXXX");
-  if (::mkdtemp(pattern.data()) == nullptr) {
-    refuse(folder_ + "/" + names_.first(), lastError());
+void OutputFiles::begin(const std::function<void(const std::string&)>& made) {
+  if (!scratch_.path().empty()) {
+    return;
   }
-  scratch_ = QFile::decodeName(pattern);
-  made(scratch_);
+  try {
+    scratch_.make(QFile::encodeName(folder_).toStdString());
+  } catch (const std::system_error& error) {
+    refuse(folder_ + "/" + names_.first(), error.code().message());
+  }
+  made(scratch_.path());
 }
 
 QString OutputFiles::path(int k) const {
-  return scratch_ + "/" + names_.at(k);
+  return beside(staged_.at(k));
 }
 
-void OutputFiles::place(const QString& name) {
-  const QByteArray from = QFile::encodeName(scratch_ + "/" + name), to = QFile::encodeName(folder_ + "/" + name);
-  struct stat before = {};
-  if (::stat(to.constData(), &before) == 0) {
-    ::chmod(from.constData(), before.st_mode & 07777);
-  }
-  if (::rename(from.constData(), to.constData()) != 0) {
-    refuse(folder_ + "/" + name, lastError());
-  }
+QString OutputFiles::beside(const QString& name) const {
+  return QFile::decodeName(scratch_.path().c_str()) + "/" + name;
 }
 
-void OutputFiles::commit() {
-  QStringList others;
-  for (const QString& name : QDir(scratch_).entryList(QDir::Files | QDir::Hidden)) {
-    if (!synchronise(scratch_ + "/" + name)) {
+void OutputFiles::synchronise() {
+  others_.clear();
+  for (const QString& name : QDir(beside(QString())).entryList(QDir::Files | QDir::Hidden)) {
+    if (!synchronised(beside(name))) {
       refuse(folder_ + "/" + name, lastError());
     }
-    if (!names_.contains(name)) {
-      others << name;
+    if (!staged_.contains(name)) {
+      others_ << name;
     }
   }
-  const NoInterruption uninterrupted;
-  for (const QString& name : others + names_) {
-    place(name);
+}
+
+void OutputFiles::place() {
+  QList<std::pair<QString, QString>> files;  // from, to
+  for (const QString& name : others_) {
+    files << std::make_pair(beside(name), folder_ + "/" + name);
   }
-  synchronise(folder_);
+  for (int k = 0; k < names_.size(); ++k) {
+    files << std::make_pair(path(k), folder_ + "/" + names_[k]);
+  }
+  // Much may have happened since the places were looked at.
+  for (const auto& [from, to] : files) {
+    if (QFileInfo(to).isDir()) {
+      refuse(to, "it has become a folder");
+    }
+  }
+  for (int k = 0; k < files.size(); ++k) {
+    const QByteArray from = QFile::encodeName(files[k].first), to = QFile::encodeName(files[k].second);
+    struct stat before = {};
+    if (::stat(to.constData(), &before) == 0) {
+      handDown(before, from.constData());
+    }
+    if (::rename(from.constData(), to.constData()) != 0) {
+      const std::string why = lastError();
+      refuse(files[k].second, k == 0 ? why : why + "; the files before it, " + std::to_string(k) + ", are complete");
+    }
+  }
+  synchronised(folder_);
+}
+
+NoInterruption::NoInterruption() {
+  sigset_t all;
+  sigfillset(&all);
+  sigprocmask(SIG_BLOCK, &all, &before_);
+}
+
+NoInterruption::~NoInterruption() {
+  if (!for_good_) {
+    sigprocmask(SIG_SETMASK, &before_, nullptr);
+  }
 }

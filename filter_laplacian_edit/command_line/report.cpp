@@ -4,6 +4,8 @@
 #include <QJsonArray>
 #include <QJsonDocument>
 #include <QJsonObject>
+#include <type_traits>
+#include <variant>
 
 #include "batch_host.h"
 #include "lapedit_host/mesh_bridge.h"
@@ -12,50 +14,33 @@ using namespace lapedit;
 
 namespace {
 
+QJsonValue jsonOf(const decltype(Figure::value)& value) {
+  return std::visit(
+      [](const auto& known) {
+        using Type = std::decay_t<decltype(known)>;
+        if constexpr (std::is_same_v<Type, std::monostate>) {
+          return QJsonValue();
+        } else if constexpr (std::is_same_v<Type, std::string>) {
+          return QJsonValue(QString::fromStdString(known));
+        } else {
+          return QJsonValue(known);
+        }
+      },
+      value);
+}
+
+QJsonObject object(const std::vector<Figure>& figures) {
+  QJsonObject all;
+  for (const Figure& figure : figures) {
+    all[figure.name] = jsonOf(figure.value);
+  }
+  return all;
+}
+
 QJsonObject step(const EditReport& report) {
-  return {{"mesh_vertices", report.mesh_vertices},
-          {"handle", report.handle},
-          {"free", report.free},
-          {"anchors", report.anchors},
-          {"fixed", report.fixed},
-          {"left_out", report.left_out},
-          {"laplacian", QString::fromStdString(report.laplacian)},
-          {"order", report.order},
-          {"detail_rotation", QString::fromStdString(report.rotation)},
-          {"turning", QString::fromStdString(report.turning)},
-          {"rough", QString::fromStdString(report.rough)},
-          {"membrane", report.membrane},
-          {"iterations", report.iterations},
-          {"passes_dropped", report.passes_dropped},
-          {"normal_radius", report.normal_radius},
-          {"uniform_edges", report.uniform_edges},
-          {"solver", QString::fromStdString(report.backend)},
-          {"refinements", report.refinements},
-          {"factor_taken_over", report.factor_taken_over},
-          {"normal_equation_residual", report.normal_equation_residual},
-          {"handle_displacement", report.handle_displacement},
-          {"handle_residual", report.handle_residual},
-          {"anchor_residual", report.anchor_residual},
-          {"rotation_mean", report.rotation_mean},
-          {"rotation_max", report.rotation_max},
-          {"stretch_rms", report.stretch_rms},
-          {"stretch_max", report.stretch_max},
-          {"flipped", report.flipped},
-          {"folded", report.folded},
-          {"volume", report.volume},
-          {"volume_change", report.volume_change},
-          {"detail_height", report.detail_height ? QJsonValue(*report.detail_height) : QJsonValue()},
-          {"rotation_left", report.rotation_left},
-          {"new_intersections", report.new_intersections ? QJsonValue(*report.new_intersections) : QJsonValue()},
-          {"advice", QString::fromStdString(report.advice())},
-          {"milliseconds", QJsonObject{{"region", report.region_ms},
-                                       {"operator", report.operator_ms},
-                                       {"factorisation", report.factor_ms},
-                                       {"smoothing", report.kernel_ms},
-                                       {"rough", report.unrotated_ms},
-                                       {"normals", report.normals_ms},
-                                       {"rotations", report.rotate_ms},
-                                       {"solve", report.solve_ms}}}};
+  QJsonObject all = object(report.figures());
+  all["milliseconds"] = object(report.times());
+  return all;
 }
 
 }  // namespace

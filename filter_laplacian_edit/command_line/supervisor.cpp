@@ -10,106 +10,263 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <ctime>
+#include <exception>
 #include <filesystem>
 #include <new>
+#include <string>
 #include <system_error>
 
 #include "batch_host.h"
+#include "watchdog.h"
 
 namespace {
 
-constexpr int kRequests[] = {SIGINT, SIGTERM, SIGHUP};
+constexpr long kLookEvery = 200'000'000;  // nanoseconds
 
-volatile sig_atomic_t worker = 0;
-
-void passOn(int signal) {
-  if (worker > 0) {
-    kill(worker, signal);
-  }
-}
-
-void copy(const std::string& text, char* to, std::size_t size) {
-  std::snprintf(to, size, "%s", text.c_str());
-}
-
-void handleRequests(void (*handler)(int)) {
-  struct sigaction action = {};
-  action.sa_handler = handler;
-  for (const int signal : kRequests) {
-    struct sigaction before = {};
-    sigaction(signal, nullptr, &before);
-    if (before.sa_handler != SIG_IGN) {  // as under nohup
-      sigaction(signal, &action, nullptr);
+bool comesFromAFault(int signal) {
+  for (const int fault : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGSYS, SIGABRT}) {
+    if (signal == fault) {
+      return true;
     }
   }
+  return false;
 }
+
+bool isLeftToTheSystem(int signal) {
+  for (const int other : {SIGKILL, SIGSTOP, SIGTSTP, SIGTTIN, SIGTTOU, SIGCONT, SIGURG, SIGWINCH, SIGPIPE}) {
+    if (signal == other) {
+      return true;
+    }
+  }
+  return comesFromAFault(signal);
+}
+
+/// All that can ask the program to end, and the end of the worker. While it lives, they wait to be taken.
+class Requests {
+ public:
+  Requests() {
+    // Else the worker's exit code would be thrown away by whoever started us so.
+    std::signal(SIGCHLD, SIG_DFL);
+    // Who reads the reports may be gone: that is an error of writing, not a reason to die in the middle.
+    std::signal(SIGPIPE, SIG_IGN);
+    sigemptyset(&taken_);
+    for (int signal = 1; signal <= SIGRTMAX; ++signal) {
+      struct sigaction action = {};
+      const bool known = sigaction(signal, nullptr, &action) == 0;
+      if (known && !isLeftToTheSystem(signal) && action.sa_handler != SIG_IGN) {  // as under nohup
+        sigaddset(&taken_, signal);
+      }
+    }
+    sigprocmask(SIG_BLOCK, &taken_, &before_);
+  }
+  ~Requests() { restore(); }
+  Requests(const Requests&) = delete;
+  Requests& operator=(const Requests&) = delete;
+
+  void restore() const { sigprocmask(SIG_SETMASK, &before_, nullptr); }
+
+  /// The next one, or 0 after a while without any.
+  int next() const {
+    const struct timespec while_ = {0, kLookEvery};
+    const int signal = sigtimedwait(&taken_, nullptr, &while_);
+    return signal > 0 ? signal : 0;
+  }
+
+ private:
+  sigset_t taken_, before_;
+};
+
+void raiseAsBefore(int signal) {
+  sigset_t only;
+  sigemptyset(&only);
+  sigaddset(&only, signal);
+  std::signal(signal, SIG_DFL);
+  raise(signal);
+  sigprocmask(SIG_UNBLOCK, &only, nullptr);
+}
+
+std::string host() {
+  return lapedit::host::BatchHost::version().toStdString();
+}
+
+/// Where std::terminate() finds what it knows of.
+Notes* own_notes = nullptr;
 
 }  // namespace
 
-void Notes::doing(const std::string& activity, ExitCode code) {
-  copy(activity, activity_, sizeof activity_);
-  code_ = code;
-}
+class Supervisor {
+ public:
+  explicit Supervisor(Notes& notes) : notes_(notes) {}
 
-void Notes::scratch(const std::string& folder) {
-  copy(folder, scratch_, sizeof scratch_);
-}
+  int run(const std::function<int(Notes&)>& work) {
+    const Requests requests;
+    const pid_t parent = getpid();
+    const pid_t worker = fork();
+    if (worker < 0) {
+      return say(Unexpected, std::string("The program cannot start its worker (") + std::strerror(errno) +
+                                 "): nothing was written; allow more processes (ulimit -u), or end some.");
+    }
+    if (worker == 0) {
+      prctl(PR_SET_PDEATHSIG, SIGKILL);
+      requests.restore();
+      if (getppid() != parent) {
+        _exit(Unexpected);
+      }
+      this->work(work);
+    }
+    attend(worker, requests);
+    return conclude();
+  }
+
+ private:
+  [[noreturn]] void work(const std::function<int(Notes&)>& work) {
+    own_notes = &notes_;
+    std::set_terminate([] {
+      own_notes->lacks(lackIn(std::current_exception()));
+      std::abort();
+    });
+    try {
+      notes_.finished(work(notes_));
+    } catch (...) {
+      notes_.lacks(lackIn(std::current_exception()));
+    }
+    std::fflush(nullptr);
+    // Not through the host's own clean-up, which nobody needs.
+    _exit(notes_.code_);
+  }
+
+  void attend(pid_t worker, const Requests& requests) {
+    Watchdog watchdog(worker, notes_);
+    for (;;) {
+      const pid_t ended = waitpid(worker, &status_, WNOHANG);
+      if (ended == worker || (ended < 0 && errno != EINTR)) {
+        return;
+      }
+      const int signal = requests.next();
+      if (signal != 0 && signal != SIGCHLD) {
+        request_ = signal;
+        kill(worker, signal);
+      }
+      const Watchdog::Verdict verdict = watchdog.look();
+      // Files that are on their way to their places get there.
+      const Placed placed = notes_.placed_;
+      if (verdict != Watchdog::Verdict::GoOn && (placed == Placed::Nothing || placed == Placed::All)) {
+        verdict_ = verdict;
+        kill(worker, SIGKILL);
+      }
+    }
+  }
+
+  int conclude() const {
+    if (notes_.finished_ && WIFEXITED(status_)) {
+      return notes_.code_;
+    }
+    for (const char* folder : notes_.scratch_) {
+      if (folder[0] != '\0') {
+        std::error_code ignored;
+        std::filesystem::remove_all(folder, ignored);
+      }
+    }
+    if (notes_.placed_ == Placed::All) {
+      return Done;
+    }
+    if (WIFSIGNALED(status_) && WTERMSIG(status_) == request_) {
+      raiseAsBefore(request_);
+    }
+    return notes_.placed_ == Placed::Nothing ? sayWhy() : say(Unwritable, reason() + ": " + state() + ".");
+  }
+
+  /// The cases in which nothing was written.
+  int sayWhy() const {
+    const std::string nothing = ": " + state() + "; ";
+    const int signal = WIFSIGNALED(status_) ? WTERMSIG(status_) : 0;
+    if (verdict_ == Watchdog::Verdict::OutOfTime) {
+      return say(Unexpected, reason() + nothing + "allow more with --timeout.");
+    }
+    if (verdict_ == Watchdog::Verdict::Stalled) {
+      return say(notes_.code_, reason() + nothing +
+                                   "look whether the file is what its name says, try another format, or allow more "
+                                   "(LAPEDIT_STALL_SECONDS).");
+    }
+    if (notes_.lack_ == Lack::Memory || signal == SIGKILL) {
+      return say(Unexpected, reason() + nothing + "give it more memory (ulimit -v), or a smaller mesh.");
+    }
+    if (notes_.lack_ == Lack::Threads) {
+      return say(Unexpected, reason() + nothing + "allow more of them, or more memory (ulimit -u, ulimit -v).");
+    }
+    if (signal == SIGXCPU) {
+      return say(Unexpected, reason() + nothing + "allow more (ulimit -t).");
+    }
+    if (signal != 0 && !comesFromAFault(signal)) {
+      return say(Unexpected, reason() + nothing + "start it again.");
+    }
+    const int code = notes_.code_;
+    return say(code, reason() + ": " + state() +
+                         (code == Unexpected ? "." : "; try another file format, such as PLY, OFF or STL."));
+  }
+
+  /// The sentence's beginning: what stopped the work.
+  std::string reason() const {
+    const std::string activity = std::string(" while ") + notes_.activity_;
+    const int signal = WIFSIGNALED(status_) ? WTERMSIG(status_) : 0;
+    if (verdict_ == Watchdog::Verdict::OutOfTime) {
+      return "The time given with --timeout was over" + activity;
+    }
+    if (verdict_ == Watchdog::Verdict::Stalled) {
+      return host() + " made no progress for a long time" + activity;
+    }
+    if (notes_.lack_ == Lack::Memory) {
+      return "There was not enough memory" + activity;
+    }
+    if (notes_.lack_ == Lack::Threads) {
+      return "The system allowed no more threads" + activity;
+    }
+    if (signal == SIGKILL) {
+      return "The program was killed" + activity + ", as the system does where memory runs out";
+    }
+    if (signal == SIGXCPU) {
+      return "The processor time allowed was over" + activity;
+    }
+    if (signal == 0) {
+      return host() + " or a library of its own ended the program" + activity + " (exit code " +
+             std::to_string(WEXITSTATUS(status_)) + ")";
+    }
+    const std::string number = " (signal " + std::to_string(signal) + ", " + strsignal(signal) + ")";
+    return comesFromAFault(signal) ? host() + " stopped with an error of its own" + activity + number
+                                   : "The program was ended" + activity + number;
+  }
+
+  std::string state() const {
+    switch (notes_.placed_.load()) {
+      case Placed::Nothing:
+        return "nothing was written";
+      case Placed::Some:
+        return "some of the files may be in their places, each of them complete";
+      default:
+        return "the outputs are complete, but there is no report";
+    }
+  }
+
+  static int say(int code, const std::string& sentence) {
+    std::fprintf(stderr, "%s\n", sentence.c_str());
+    return code;
+  }
+
+  Notes& notes_;
+  int status_ = 0;
+  int request_ = 0;  ///< the last one that was passed on
+  Watchdog::Verdict verdict_ = Watchdog::Verdict::GoOn;
+};
 
 int supervise(const std::function<int(Notes&)>& work) {
   void* const shared = mmap(nullptr, sizeof(Notes), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   if (shared == MAP_FAILED) {
-    std::perror("laplacian-edit: mmap");
+    std::fprintf(stderr, "There is not enough memory to begin (%s): nothing was written; give it more (ulimit -v).\n",
+                 std::strerror(errno));
     return Unexpected;
   }
-  auto* const notes = new (shared) Notes();
-  notes->doing("starting", Unexpected);
-  // Whoever is asked to stop before there is somebody to pass it on to stops by itself.
-  sigset_t requests, before;
-  sigemptyset(&requests);
-  for (const int signal : kRequests) {
-    sigaddset(&requests, signal);
-  }
-  sigprocmask(SIG_BLOCK, &requests, &before);
-  const pid_t parent = getpid();
-  const pid_t child = fork();
-  if (child < 0) {
-    std::perror("laplacian-edit: fork");
-    return Unexpected;
-  }
-  if (child == 0) {
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
-    sigprocmask(SIG_SETMASK, &before, nullptr);
-    if (getppid() != parent) {
-      _exit(Unexpected);
-    }
-    const int code = work(*notes);
-    std::fflush(nullptr);
-    // Not through the host's own clean-up, which nobody needs.
-    _exit(code);
-  }
-  worker = child;
-  handleRequests(passOn);
-  sigprocmask(SIG_SETMASK, &before, nullptr);
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  worker = 0;
-  if (WIFEXITED(status)) {
-    return WEXITSTATUS(status);
-  }
-  if (notes->scratch_[0] != '\0') {
-    std::error_code ignored;
-    std::filesystem::remove_all(notes->scratch_, ignored);
-  }
-  const int signal = WTERMSIG(status);
-  for (const int request : kRequests) {
-    if (signal == request) {
-      handleRequests(SIG_DFL);
-      raise(signal);
-    }
-  }
-  std::fprintf(stderr, "%s stopped with an error of its own while %s (signal %d, %s): nothing was written%s.\n",
-               lapedit::host::BatchHost::version().toUtf8().constData(), notes->activity_, signal, strsignal(signal),
-               notes->code_ == Unexpected ? "" : "; try another file format, such as PLY, OFF or STL");
-  return notes->code_;
+  const int code = Supervisor(*new (shared) Notes()).run(work);
+  munmap(shared, sizeof(Notes));
+  return code;
 }

@@ -45,7 +45,7 @@ class Documentation(HostTest):
         subprocess.run([STAGE / "bin" / "meshlabserver", "-d", file], env=self.environment, check=True,
                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=60)
         sections = {s.split(" \n")[0].split(" ", 1)[1]: s for s in file.read_text().split("\\section ")[1:]}
-        for name, kinds in (("Laplacian Edit", "Enum Point3f Enum AbsPerc Float Point3f Point3f Float Float Enum Int "
+        for name, kinds in (("Laplacian Edit", "Enum Point3f Int Enum AbsPerc Float Point3f Point3f Float Float Enum Int "
                                                "Enum Int AbsPerc Float Float Enum Enum Float"),
                             ("Laplacian Edit Replay", "String Float")):
             text = sections[name]
@@ -97,6 +97,25 @@ class Settings(FilterTest):
             "handles": [{"vertices": ",".join(map(str, picked)),
                          "rotation": {"axis": [0, 0, 2], "degrees": 30}, "scale": 1.2}]})])
         self.assertEqual(bits, same)
+
+    def test_a_vertex_is_taken_by_its_number(self):
+        by_point, log = self.bits([laplacian_edit(**self.lift)])
+        self.assertRegex(log, r"; its vertex is (0|\S+e-0[789]) from the handle point")
+        away = [c + 0.003 for c in self.points[CENTRE]]
+        beside, log = self.bits([laplacian_edit(**{**self.lift, "handle_point": away})])
+        self.assertIn("; its vertex is 0.0052 from the handle point", log)
+        by_number, log = self.bits([laplacian_edit(**{**self.lift, "handle_point": (9, 9, 9)}, handle_source=2,
+                                                   handle_vertex=CENTRE)])
+        self.assertNotIn("handle point", log)
+        self.assertEqual(by_number, by_point)
+        self.assertEqual(beside, by_point)
+
+    def test_a_vertex_that_is_not_there_is_refused(self):
+        count = len(self.points)
+        for vertex in (-1, count, 2000000000):
+            result = self.run_host([laplacian_edit(**self.lift, handle_source=2, handle_vertex=vertex)], self.mesh)
+            self.assert_refused(result, rf"The handle vertex is {vertex}, but there are {count} vertices: give a number "
+                                        rf"from 0 to {count - 1}\.")
 
     def test_selected_faces_are_the_region(self):
         inside = {v for v, p in enumerate(self.points) if 0.19 < p[0] < 0.81 and 0.29 < p[1] < 0.81}

@@ -46,7 +46,8 @@ real, integer = number("RichFloat"), number("RichInt")
 
 # Order and names are part of the interface: meshlabserver wants every parameter in a script.
 EDIT_PARAMETERS = {
-    "handle_source": (choice, 0), "handle_point": (point, (0, 0, 0)), "region_source": (choice, 0),
+    "handle_source": (choice, 0), "handle_point": (point, (0, 0, 0)), "handle_vertex": (integer, 0),
+    "region_source": (choice, 0),
     "radius": (length, 1), "padding": (real, 0.1), "translation": (point, (0, 0, 0)),
     "rotation_axis": (point, (0, 0, 1)), "rotation_angle": (real, 0), "scale": (real, 1), "laplacian": (choice, 2),
     "order": (integer, 1), "detail_rotation": (choice, 3), "iterations": (integer, 1), "normal_radius": (length, 0),

@@ -7,9 +7,12 @@
 #include <vcg/complex/algorithms/update/normal.h>
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <string>
 
 #include "host_support.h"
+#include "lapedit/base/error.h"
 #include "lapedit_host/face_shape.h"
 #include "shapes.h"
 
@@ -63,6 +66,27 @@ TEST(MeshBridge, RoundTripsAMeshWithDeletedVerticesAndFaces) {
     EXPECT_EQ(host.vert[v].cP()[2], v == 1 || v == 19 ? 7 : 0) << v;
   }
   EXPECT_EQ(host.bbox.max[2], 7);
+}
+
+TEST(MeshBridge, RefusesFacesThatNameNoVertex) {
+  for (const int number : {-1, 20, 400}) {
+    CMeshO host;
+    fill(host, shapes::grid(4, 5));
+    // As readers do with a number from a file.
+    const auto address = reinterpret_cast<std::intptr_t>(host.vert.data()) + number * std::intptr_t(sizeof(CVertexO));
+    host.face[7].V(1) = reinterpret_cast<CVertexO*>(address);
+    try {
+      read_mesh(host);
+      ADD_FAILURE() << number;
+    } catch (const EditError& error) {
+      EXPECT_EQ(error.cause(), ErrorCause::BadIndex);
+      EXPECT_EQ(error.what(), "Face 7 names vertex " + std::to_string(number) +
+                                  ", but there are 20 vertices, counted from 0: correct the file that the mesh was "
+                                  "read from.");
+    }
+    vcg::tri::Allocator<CMeshO>::DeleteFace(host, host.face[7]);
+    EXPECT_NO_THROW(read_mesh(host));
+  }
 }
 
 TEST(MeshBridge, ReadsALargeMeshInItsOrder) {

@@ -30,12 +30,12 @@ class Program(WithProgram):
 
     def test_options(self):
         known = set()
-        for short, name, argument in re.findall(r"^  (?:(-\w), )?(--\w+)(?: <([^>]+)>)?", self.help(), re.M):
+        for short, name, argument in re.findall(r"^  (?:(-\w), )?(--[\w-]+)(?: <([^>]+)>)?", self.help(), re.M):
             known |= {f"{name} {argument}".strip()} | ({short} - {""})
         self.assertGreater(len(known), 8)
         self.assertEqual({name for row in self.document.rows("Options") for name in code(row[0])}, known)
         self.assertEqual({name.split()[0] for name in known},
-                         set(re.findall(r"(?<![\w-])--?[a-z]+", self.manual.split(".SH OPTIONS")[1].split(".SH EXIT")[0]
+                         set(re.findall(r"(?<![\w-])--?[a-z][a-z-]*", self.manual.split(".SH OPTIONS")[1].split(".SH EXIT")[0]
                                         .replace("\\-", "-"))))
 
     def test_exit_codes(self):

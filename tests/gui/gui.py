@@ -123,7 +123,19 @@ class Window:
         except subprocess.TimeoutExpired:
             pass
         recent = "\n".join(self.recent)
-        raise AssertionError(f"{sentence}\nWhat was asked last:\n{recent}\nOutput of MeshLab:\n{self.text()}")
+        raise AssertionError(f"{sentence}{self._open_dialog()}\nWhat was asked last:\n{recent}\n"
+                             f"Output of MeshLab:\n{self.text()}")
+
+    def _open_dialog(self):
+        """For a message: MeshLab may be waiting for an answer that nobody gives."""
+        if self.process.poll() is not None:
+            return ""
+        try:
+            self.socket.settimeout(2)
+            self.socket.sendall(b'{"command": "dialog"}\n')
+            return f"; open is the dialog {self.answers.readline().strip()}"
+        except OSError:
+            return ""
 
     def kill(self):
         self.process.kill()
@@ -161,6 +173,8 @@ class Window:
         reply = json.loads(reply)
         if "error" in reply:
             self.fail(f"{line[:200]}: {reply['error']}")
+        if command == "dialog":
+            self.recent.append(f"-> {reply}")
         return reply
 
     def batch(self, requests):

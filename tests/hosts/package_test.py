@@ -26,6 +26,7 @@ import unittest
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "batch"))
 
+from library_folders import complaints  # noqa: E402
 from ply import Ply, bits_of, float_of, write_ply  # noqa: E402
 from shapes import neighbours, within  # noqa: E402
 from x_server import start_x_server  # noqa: E402
@@ -292,6 +293,9 @@ class Package(unittest.TestCase):
         self.assertLessEqual({"/usr/bin/laplacian-edit", "/usr/share/man/man1/laplacian-edit.1.gz"}, added)
         names = {pathlib.Path(path).name for path in added}
         self.assertLessEqual({"libedit_laplacian_drag.so", "libfilter_laplacian_edit.so"}, names)
+        installed = [CLEAN_ROOT / path[1:] for path in added if path.endswith((".so", "/bin/laplacian-edit"))]
+        self.assertEqual(len(installed), 3)
+        self.assertEqual([complaint for binary in installed for complaint in complaints(binary)], [])
 
         self.check_command_line(root)
         self.check_window(root)

@@ -3,6 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
+#include <limits>
+#include <random>
+
 #include "drag_support.h"
 
 namespace lapedit {
@@ -224,6 +229,40 @@ TEST(DragMotion, TheAxisOfAGizmoIsToldByItsName) {
   EXPECT_EQ(m.transform().translation, Vector3(0, 2, 0));
   m.hold(Vector3(1, 1, 0));
   EXPECT_EQ(m.text(), "Moving by 2 along the gizmo's axis (typed 2)");
+}
+
+/// Some mesh files have a coordinate near the largest float, or an infinite one, in the middle of others.
+TEST(DragMotion, NoViewOfFarPlacesMakesATransformThatIsNoNumber) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> exponent(-30, 38.5), unit(-1, 1);
+  const auto far = [&] { return std::pow(10.0, exponent(random)) * unit(random); };
+  const auto place = [&] { return Vector3(far(), far(), far()); };
+  int moved = 0;
+  for (int k = 0; k < 20000; ++k) {
+    Vector3 grab = place(), eye = place();
+    if (k % 7 == 0) {
+      grab[k % 3] = std::numeric_limits<double>::infinity();
+    }
+    const Cursor start{support::view_from(eye, grab + place()), Vector2(400 * unit(random), 300 * unit(random))};
+    const MotionKind kind = std::array{MotionKind::Translate, MotionKind::Rotate, MotionKind::Scale}[k % 3];
+    DragMotion m(kind, grab, k % 2 ? grab : place(), place(), start, k % 5 ? std::nullopt : std::optional(place()));
+    if (k % 4 == 0) {
+      m.hold(place());
+    } else if (k % 4 == 1) {
+      m.toggle_lock(AxisLock::Z);
+    }
+    Cursor next = k % 2 ? start : Cursor{support::view_from(eye, place()), start.pixel};
+    next.pixel = Vector2(far(), far());
+    next.snap = k % 11 == 0;
+    m.move(next);
+    if (k % 13 == 0) {
+      m.type('9');
+    }
+    ASSERT_NO_THROW(resolve(m.transform(), grab)) << k << ": " << m.text();
+    ASSERT_EQ(m.text().find("nan"), std::string::npos) << k << ": " << m.text();
+    moved += m.moves() ? 1 : 0;
+  }
+  EXPECT_GT(moved, 1000);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <ctime>
+#include <limits>
 #include <system_error>
 #include <utility>
 
@@ -16,6 +17,8 @@ using Clock = Gate::Clock;
 constexpr std::chrono::milliseconds kMemory{2};
 /// The caller is alone for so many times what waiting has cost: so it costs no more than a part in as many.
 constexpr int kRest = 25;
+
+std::atomic<int> most_threads{std::numeric_limits<int>::max()};
 
 constexpr std::uint64_t number_of(std::uint64_t ticket) {
   return ticket >> 32;
@@ -36,7 +39,12 @@ std::int64_t processor_time() {
 }  // namespace
 
 int thread_count(int threads) {
-  return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const int wanted = threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  return std::min(wanted, most_threads.load());
+}
+
+void limit_threads(int most) {
+  most_threads = std::max(1, most);
 }
 
 ThreadPool::ThreadPool(int threads) {

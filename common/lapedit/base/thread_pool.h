@@ -12,8 +12,11 @@
 
 namespace lapedit {
 
-/// Number of threads to use when asked for threads (0: all of the machine's).
+/// Number of threads to use when asked for threads (0: all of the machine's), within the limit.
 int thread_count(int threads);
+
+/// From now on thread_count() gives no more than these, in all of the process: for one of several that share a machine.
+void limit_threads(int most);
 
 /// The one way to share work among threads: they stay, for work of fractions of a millisecond that comes again and
 /// again; nothing is started and nothing allocated per call. Whoever has time takes the next piece, so a thread that

@@ -90,6 +90,9 @@ std::string EditReport::text() const {
   lines += format_text("\nHandle: to move %.6g, off its target by %.3g (%.3g %%); anchors moved at most %.3g",
                        handle_displacement, handle_residual,
                        handle_displacement > 0 ? 100 * handle_residual / handle_displacement : 0.0, anchor_residual);
+  if (handle_point_distance) {
+    lines += format_text("; its vertex is %.3g from the handle point", *handle_point_distance);
+  }
   lines += format_text(
       "\nDetail rotation: mean %.3g, largest %.3g degrees; edge stretch: RMS %.3g %%, largest %.3g %%; triangles "
       "flipped: %d",
@@ -107,6 +110,51 @@ std::string EditReport::text() const {
       region_ms, operator_ms, factor_ms, kernel_ms, unrotated_ms, normals_ms, rotate_ms, solve_ms);
   const std::string hint = advice();
   return hint.empty() ? lines : lines + "\n" + hint;
+}
+
+std::vector<Figure> EditReport::figures() const {
+  using Value = decltype(Figure::value);
+  return {{"mesh_vertices", mesh_vertices},
+          {"handle", handle},
+          {"free", free},
+          {"anchors", anchors},
+          {"fixed", fixed},
+          {"left_out", left_out},
+          {"laplacian", laplacian},
+          {"order", order},
+          {"detail_rotation", rotation},
+          {"turning", turning},
+          {"rough", rough},
+          {"membrane", membrane},
+          {"iterations", iterations},
+          {"passes_dropped", passes_dropped},
+          {"normal_radius", normal_radius},
+          {"uniform_edges", uniform_edges},
+          {"solver", backend},
+          {"refinements", refinements},
+          {"factor_taken_over", factor_taken_over},
+          {"normal_equation_residual", normal_equation_residual},
+          {"handle_point_distance", handle_point_distance ? Value(*handle_point_distance) : Value()},
+          {"handle_displacement", handle_displacement},
+          {"handle_residual", handle_residual},
+          {"anchor_residual", anchor_residual},
+          {"rotation_mean", rotation_mean},
+          {"rotation_max", rotation_max},
+          {"stretch_rms", stretch_rms},
+          {"stretch_max", stretch_max},
+          {"flipped", flipped},
+          {"folded", folded},
+          {"volume", volume},
+          {"volume_change", volume_change},
+          {"detail_height", detail_height ? Value(*detail_height) : Value()},
+          {"rotation_left", rotation_left},
+          {"new_intersections", new_intersections ? Value(*new_intersections) : Value()},
+          {"advice", advice()}};
+}
+
+std::vector<Figure> EditReport::times() const {
+  return {{"region", region_ms},   {"operator", operator_ms}, {"factorisation", factor_ms}, {"smoothing", kernel_ms},
+          {"rough", unrotated_ms}, {"normals", normals_ms},   {"rotations", rotate_ms},     {"solve", solve_ms}};
 }
 
 }  // namespace lapedit

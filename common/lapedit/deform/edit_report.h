@@ -3,6 +3,8 @@
 
 #include <optional>
 #include <string>
+#include <variant>
+#include <vector>
 
 namespace lapedit {
 
@@ -46,6 +48,12 @@ struct EditQuality {
   FoldCauses causes;
 };
 
+/// One of a report's figures under the name that it has wherever they are written; empty where it is not known.
+struct Figure {
+  const char* name;
+  std::variant<std::monostate, bool, int, double, std::string> value;
+};
+
 /// What an edit did, in numbers. Lengths in model units, angles in degrees.
 struct EditReport : RegionCounts, EditTimes, EditQuality {
   std::string laplacian, rotation, turning, rough, backend;
@@ -56,12 +64,19 @@ struct EditReport : RegionCounts, EditTimes, EditQuality {
   int uniform_edges = 0;           ///< see DifferentialOperator
   int refinements = 0;             ///< iterative refinement steps per solve
   bool factor_taken_over = false;  ///< shared with the editor before, for another handle in the same region
+  /// From the point that a handle was given by to the vertex nearest to it; nothing where it was given otherwise.
+  std::optional<double> handle_point_distance;
   /// All that was shared with it: "nothing", or of "operator" and "factor" or, where that is new, the matrix's
   /// "ordering" or its "analysis", with the ordering; as in "operator and factor".
   std::string taken_over = "nothing";
 
   /// Several lines of plain text for a log, without a trailing newline.
   std::string text() const;
+
+  /// All figures but the times.
+  std::vector<Figure> figures() const;
+  /// Milliseconds, by what they were spent on.
+  std::vector<Figure> times() const;
 
   /// Where triangles folded over or came to meet: one sentence on what to do, else empty.
   std::string advice() const;

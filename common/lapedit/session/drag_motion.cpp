@@ -64,6 +64,15 @@ double snapped(double amount, double step) {
   return step < 1 ? count / std::round(1 / step) : count * step;
 }
 
+/// No motion where far places and odd views give one that is no number.
+HandleTransform usable(const HandleTransform& transform) {
+  const bool finite = transform.translation.allFinite() && transform.axis.allFinite() &&
+                      std::isfinite(transform.degrees) && std::isfinite(transform.scale) &&
+                      (!transform.center || transform.center->allFinite());
+  const bool turns = transform.degrees == 0 || transform.axis.stableNorm() > 0;
+  return finite && turns ? transform : HandleTransform();
+}
+
 }  // namespace
 
 DragMotion::DragMotion(MotionKind kind, const Vector3& grab, const Vector3& centroid, const Vector3& normal,
@@ -198,7 +207,7 @@ double DragMotion::screen_distance(const Cursor& cursor) const {
 
 /// Goes on from here under a new view.
 void DragMotion::restart(const Cursor& cursor) {
-  const HandleTransform so_far = transform_by_mouse();
+  const HandleTransform so_far = usable(transform_by_mouse());
   translation_before_ = so_far.translation;
   factor_before_ = so_far.scale;
   along_ = 0;
@@ -283,6 +292,10 @@ double DragMotion::step() const {
 }
 
 HandleTransform DragMotion::transform() const {
+  return usable(wanted());
+}
+
+HandleTransform DragMotion::wanted() const {
   HandleTransform transform = transform_by_mouse();
   const std::optional<double> amount = number(typed_);
   const double step = this->step();

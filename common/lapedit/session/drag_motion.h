@@ -57,6 +57,7 @@ class DragMotion {
   /// 0-9 . or - (which changes the sign). @return false if that gives no number
   bool type(char character);
 
+  /// Always one that can be resolved: none at all where the view gives no number.
   HandleTransform transform() const;
   bool moves() const;        ///< whether the transform is another one than at the beginning
   double step() const;       ///< what amounts are multiples of: degrees, model units or a factor; 0: they are not
@@ -66,6 +67,7 @@ class DragMotion {
   Vector3 translation_by_mouse() const;
   double along_axis(const Cursor& cursor, double otherwise) const;
   HandleTransform transform_by_mouse() const;
+  HandleTransform wanted() const;
   double angle_at(const Cursor& cursor) const;
   double screen_angle(const Cursor& cursor) const;
   double ring_angle(const Cursor& cursor) const;

@@ -289,6 +289,7 @@ bool DragSession::press(const Cursor& cursor, PressModifiers modifiers) {
     }
     return true;
   }
+  s.end_stroke();  // whose release never came
   if (!modifiers.add && !modifiers.take && s.press_gizmo(cursor)) {
     return true;
   }
@@ -808,7 +809,7 @@ bool DragSession::poll() {
 
 void DragSession::finish() {
   Impl& s = *impl_;
-  s.pressed.reset();
+  s.end_stroke();
   if (MouseEvents* const waiting = s.waiting()) {
     waiting->clear();
   }

@@ -45,13 +45,14 @@ class VertexFilterPlugin : public QObject, public FilterPlugin {
                                               vcg::CallBackPos* callback) override {
     try {
       CMeshO* const mesh = document.mm() != nullptr ? &document.mm()->cm : nullptr;
+      FilterOutcome outcome = run_filter(filter(ID(action)), parameters, mesh, callback);
       // As std::string: the other overloads take a printf format.
-      log(GLLogStream::FILTER, run_filter(filter(ID(action)), parameters, mesh, callback));
+      log(GLLogStream::FILTER, outcome.log);
+      changed = static_cast<unsigned int>(postCondition(action));
+      return std::move(outcome.figures);
     } catch (...) {
       throw MLException(sentence_of_current_exception());
     }
-    changed = static_cast<unsigned int>(postCondition(action));
-    return {};
   }
 
   using FilterPlugin::filterInfo;

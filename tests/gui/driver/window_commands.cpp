@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <QAbstractButton>
+#include <QAbstractItemView>
 #include <QAction>
 #include <QApplication>
 #include <QClipboard>
@@ -222,19 +223,34 @@ Answer dialog(const QJsonObject&) {
   return {result};
 }
 
+/// What is selected in its list counts more than the name, and is selected late: when the folder has been read.
+void accept_file(const QPointer<QFileDialog>& files, const QString& path) {
+  if (!files) {
+    return;
+  }
+  for (QAbstractItemView* list : files->findChildren<QAbstractItemView*>()) {
+    list->clearSelection();
+  }
+  files->findChild<QLineEdit*>("fileNameEdit")->setText(path);
+  if (files->selectedFiles() == QStringList(path)) {
+    static_cast<QDialog&>(*files).accept();  // protected in QFileDialog
+  } else {
+    QTimer::singleShot(20, files, [files, path] { accept_file(files, path); });
+  }
+}
+
 /// path: for a file dialog. button: text of the one to press; absent: the dialog is accepted.
 Answer answer_dialog(const QJsonObject& arguments) {
   QPointer<QDialog> modal = qobject_cast<QDialog*>(QApplication::activeModalWidget());
   if (!modal) {
     throw std::runtime_error("no dialog is open");
   }
-  if (auto* files = qobject_cast<QFileDialog*>(modal.data()); files && arguments.contains("path")) {
-    const QString path = arguments["path"].toString();
-    auto* line = files->findChild<QLineEdit*>("fileNameEdit");
-    if (!line) {
-      throw std::runtime_error("a native file dialog");
+  if (arguments.contains("path")) {
+    const QPointer<QFileDialog> files = qobject_cast<QFileDialog*>(modal.data());
+    if (!files || !files->findChild<QLineEdit*>("fileNameEdit")) {
+      throw std::runtime_error("the dialog is none for files, or a native one");
     }
-    line->setText(path);
+    return {{}, [files, path = arguments["path"].toString()] { accept_file(files, path); }};
   }
   if (arguments.contains("button")) {
     for (QAbstractButton* button : modal->findChildren<QAbstractButton*>()) {

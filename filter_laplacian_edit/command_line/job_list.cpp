@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "job_list.h"
+
+#include <QFile>
+#include <QFileInfo>
+#include <QHash>
+#include <QJsonDocument>
+#include <QJsonObject>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <string>
+#include <system_error>
+
+#include "failure.h"
+#include "file_names.h"
+#include "real_files.h"
+
+using lapedit::host::quoted;
+using lapedit::host::quoted_path;
+
+namespace {
+
+[[noreturn]] void refuse(const Options& common, int line, const std::string& what) {
+  throw Failure(WrongUsage,
+                "The list " + quoted_path(common.list.file) + ", line " + std::to_string(line) + ": " + what + ".");
+}
+
+QByteArray absolute(const QString& path) {
+  return path.isEmpty() ? QByteArray() : QFile::encodeName(fullPath(path));
+}
+
+ListedJob jobOfJson(const QByteArray& text, const Options& common, int line) {
+  QJsonParseError error = {};
+  const QJsonDocument document = QJsonDocument::fromJson(text, &error);
+  if (!document.isObject()) {
+    refuse(common, line, "this is no JSON object (" + error.errorString().toStdString() + ")");
+  }
+  ListedJob job;
+  const QJsonObject object = document.object();
+  for (auto member = object.begin(); member != object.end(); ++member) {
+    const QString key = member.key();
+    QByteArray* const path = key == "in"       ? &job.input
+                             : key == "out"    ? &job.output
+                             : key == "edit"   ? &job.edit
+                             : key == "report" ? &job.report
+                                               : nullptr;
+    if (path != nullptr) {
+      *path = absolute(member->toString());
+      if (path->isEmpty()) {
+        refuse(common, line, key.toStdString() + " is to be the name of a file");
+      }
+    } else if (key == "fraction") {
+      job.fraction = member->toDouble(-1);
+      if (!(*job.fraction >= 0 && *job.fraction <= 1)) {
+        refuse(common, line, "the fraction is to be a number from 0 to 1");
+      }
+    } else {
+      refuse(common, line, "unknown key " + quoted(key) + "; known keys are in, out, edit, fraction, report");
+    }
+  }
+  if (job.input.isEmpty() || job.output.isEmpty() || job.edit.isEmpty()) {
+    refuse(common, line, "a job needs the keys in, out and edit");
+  }
+  return job;
+}
+
+ListedJob jobOfColumns(const QByteArray& text, const Options& common, int line) {
+  const QList<QByteArray> names = text.split('\t');
+  if (names.size() != 3) {
+    refuse(common, line,
+           "there are " + std::to_string(names.size()) + " names: give IN, OUT and EDIT with tabs between");
+  }
+  ListedJob job;
+  job.input = absolute(QFile::decodeName(names[0]));
+  job.output = absolute(QFile::decodeName(names[1]));
+  job.edit = absolute(QFile::decodeName(names[2]));
+  if (job.input.isEmpty() || job.output.isEmpty() || job.edit.isEmpty()) {
+    refuse(common, line, "a name is empty: give IN, OUT and EDIT with tabs between");
+  }
+  return job;
+}
+
+/// Names of files such that different names are different files.
+class RealNames {
+ public:
+  QString of(const QString& path) {
+    const QFileInfo file(path);
+    if (file.isSymLink()) {
+      return target(path);
+    }
+    const QString folder = file.path();
+    auto known = folders_.find(folder);
+    if (known == folders_.end()) {
+      const QString canonical = QFileInfo(folder).canonicalFilePath();
+      known = folders_.insert(folder, canonical.isEmpty() ? folder : canonical);
+    }
+    return *known + "/" + file.fileName();
+  }
+
+ private:
+  static QString target(const QString& link) {
+    try {
+      return QFile::decodeName(RealFile(QFile::encodeName(link).toStdString()).path().c_str());
+    } catch (const std::system_error&) {  // in a circle, which its job will tell
+      return link;
+    }
+  }
+
+  QHash<QString, QString> folders_;
+};
+
+/// Nothing is written twice, and nothing is read that is written.
+void requireApart(const std::vector<ListedJob>& jobs, const Options& common) {
+  RealNames real;
+  QHash<QString, int> written;  // to the line
+  constexpr int no_line = 0;
+  for (const QString& path : {common.list.file, common.list.log}) {
+    if (!path.isEmpty()) {
+      written.insert(real.of(path), no_line);
+    }
+  }
+  for (const ListedJob& job : jobs) {
+    const Options options = optionsOf(job, common);
+    for (const QString& path : options.outputs() + QStringList(options.report)) {
+      if (path.isEmpty()) {
+        continue;
+      }
+      const QString name = real.of(path);
+      const auto other = written.constFind(name);
+      if (other != written.constEnd()) {
+        refuse(common, job.line,
+               quoted_path(path) + " is also " +
+                   (*other == no_line ? "the list or the job log" : "written by line " + std::to_string(*other)) +
+                   ": give another name");
+      }
+      written.insert(name, job.line);
+    }
+  }
+  for (const ListedJob& job : jobs) {
+    for (const QByteArray& path : {job.input, job.edit}) {
+      const QString name = QFile::decodeName(path);
+      const int line = written.value(real.of(name), no_line);
+      if (line != no_line) {
+        refuse(common, job.line,
+               quoted_path(name) + " is written by " +
+                   (line == job.line ? "the same line" : "line " + std::to_string(line)) +
+                   ": jobs are done in any order, and some again by --resume, so give that output another name");
+      }
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<ListedJob> readJobList(const Options& common) {
+  const bool is_folder = QFileInfo(common.list.file).isDir();
+  std::ifstream file(QFile::encodeName(common.list.file).toStdString());  // which may be a pipe
+  if (is_folder || !file) {
+    throw Failure(Unreadable, "The list " + quoted_path(common.list.file) +
+                                  " cannot be read: " + (is_folder ? "it is a folder" : std::strerror(errno)) + ".");
+  }
+  std::vector<ListedJob> jobs;
+  int line = 0;
+  for (std::string read; std::getline(file, read);) {
+    QByteArray text = QByteArray::fromStdString(read);
+    ++line;
+    while (text.endsWith('\r')) {
+      text.chop(1);
+    }
+    if (line == 1 && text.startsWith("\xef\xbb\xbf")) {
+      text.remove(0, 3);
+    }
+    if (text.trimmed().isEmpty() || text.startsWith('#')) {
+      continue;
+    }
+    ListedJob job = text.startsWith('{') ? jobOfJson(text, common, line) : jobOfColumns(text, common, line);
+    job.line = line;
+    const bool poses = job.fraction || common.numbered || common.fractions != std::vector<double>{1};
+    if (poses && isScript(QFile::decodeName(job.edit))) {
+      refuse(common, line,
+             "fractions are for JSON edits: in a script, give the parameter fraction of Laplacian Edit Replay");
+    }
+    jobs.push_back(std::move(job));
+  }
+  requireApart(jobs, common);
+  return jobs;
+}
+
+Options optionsOf(const ListedJob& job, const Options& common) {
+  Options options = common;
+  options.list = {};
+  options.quiet = true;
+  options.input = QFile::decodeName(job.input);
+  options.output = QFile::decodeName(job.output);
+  options.edit = QFile::decodeName(job.edit);
+  options.report = QFile::decodeName(job.report);
+  options.isScript = isScript(options.edit);
+  if (job.fraction) {
+    options.fractions = {*job.fraction};
+    options.numbered = false;
+  }
+  return options;
+}

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "job_log.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <QFile>
+#include <QFileInfo>
+#include <QJsonArray>
+#include <QJsonDocument>
+#include <QJsonObject>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "failure.h"
+
+using lapedit::host::quoted_path;
+
+namespace {
+
+constexpr char kVersion[] = "laplacian_edit_job";
+
+[[noreturn]] void refuse(const QString& path, ExitCode code, const std::string& why) {
+  throw Failure(code, "The job log " + quoted_path(path) + " cannot be written: " + why + ".");
+}
+
+/// Size and time of a file, empty if there is none.
+std::pair<QByteArray, QByteArray> stateOf(const QString& path) {
+  struct stat state = {};
+  if (::stat(QFile::encodeName(path).constData(), &state) != 0) {
+    return {};
+  }
+  return {QByteArray::number(static_cast<qint64>(state.st_size)),
+          QByteArray::number(static_cast<qint64>(state.st_mtim.tv_sec)) + "." +
+              QByteArray::number(static_cast<qint64>(state.st_mtim.tv_nsec)).rightJustified(9, '0')};
+}
+
+/// The options of a job, as they would be given to do it alone.
+QJsonArray optionsAsGiven(const Options& job) {
+  QJsonArray options;
+  const auto add = [&](const char* name, const QString& value) {
+    options.append(QString(name));
+    if (!value.isEmpty()) {
+      options.append(value);
+    }
+  };
+  if (!job.isScript) {
+    QStringList fractions;
+    for (const double fraction : job.fractions) {
+      fractions << QString::number(fraction, 'g', 17);
+    }
+    add(job.numbered ? "--fractions" : "--fraction", fractions.join(','));
+  }
+  if (!job.report.isEmpty()) {
+    add("--report", job.report);
+  }
+  if (job.quality) {
+    add("--quality", {});
+  }
+  if (job.kept.normals || job.kept.selection) {
+    add("--also", job.kept.normals && job.kept.selection ? "normals,selection"
+                  : job.kept.normals                     ? "normals"
+                                                         : "selection");
+  }
+  if (!job.plugins.isEmpty()) {
+    add("--plugins", job.plugins);
+  }
+  return options;
+}
+
+/// What makes two jobs the same.
+QByteArray keyOf(const QJsonObject& entry) {
+  return QJsonDocument(QJsonArray{entry["in"], entry["out"], entry["edit"], entry["options"]})
+      .toJson(QJsonDocument::Compact);
+}
+
+QJsonObject entryOf(const Options& job) {
+  return {{"in", job.input}, {"out", job.output}, {"edit", job.edit}, {"options", optionsAsGiven(job)}};
+}
+
+}  // namespace
+
+InputState InputState::of(const Options& job) {
+  const auto input = stateOf(job.input), edit = stateOf(job.edit);
+  return {input.first, input.second, edit.first, edit.second};
+}
+
+bool InputState::operator==(const InputState& other) const {
+  return input_bytes == other.input_bytes && input_modified == other.input_modified && edit_bytes == other.edit_bytes &&
+         edit_modified == other.edit_modified;
+}
+
+JobLog::JobLog(const QString& path) : path_(path) {
+  if (path.isEmpty()) {
+    return;
+  }
+  if (QFileInfo::exists(path) && !QFileInfo(path).isFile()) {
+    refuse(path, Unwritable, "it is not an ordinary file");
+  }
+  file_ = ::open(QFile::encodeName(path).constData(), O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC, 0666);
+  if (file_ < 0) {
+    refuse(path, Unwritable, std::strerror(errno));
+  }
+  // Of a run that was killed the last jobs may be at their end still.
+  constexpr int tries = 100, microseconds = 100000;
+  for (int k = 0; ::flock(file_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK; ++k) {
+    if (k == tries) {
+      refuse(path, Unwritable, "another run is writing it: wait for its end, or give another file");
+    }
+    ::usleep(microseconds);
+  }
+  QFile before(path);
+  before.open(QIODevice::ReadOnly);
+  QByteArray text;
+  for (bool first = true; !before.atEnd(); first = false) {
+    text = before.readLine();
+    const QJsonObject entry = QJsonDocument::fromJson(text).object();
+    if (first && !entry.contains(kVersion)) {
+      refuse(path, WrongUsage, "there is something else in it: give a new file, or one of such a log");
+    }
+    if (entry["exit"].toInt(-1) == Done) {
+      const auto member = [&](const char* key) { return entry[QLatin1String(key)].toString().toUtf8(); };
+      done_.insert(keyOf(entry),
+                   {member("in_bytes"), member("in_modified"), member("edit_bytes"), member("edit_modified")});
+    }
+  }
+  // A line that was cut off stays by itself.
+  if (!text.isEmpty() && !text.endsWith('\n') && ::write(file_, "\n", 1) != 1) {
+    refuse(path, Unwritable, std::strerror(errno));
+  }
+}
+
+JobLog::~JobLog() {
+  if (file_ >= 0) {
+    ::close(file_);
+  }
+}
+
+bool JobLog::isDone(const Options& job) const {
+  const auto known = done_.constFind(keyOf(entryOf(job)));
+  if (known == done_.constEnd() || !(*known == InputState::of(job))) {
+    return false;
+  }
+  for (const QString& path : job.outputs() + QStringList(job.report)) {
+    if (!path.isEmpty() && !QFileInfo(path).isFile()) {
+      return false;
+    }
+  }
+  return true;
+}
+
+void JobLog::add(int line, const Options& job, const InputState& before, const JobEnd& end) {
+  if (file_ < 0) {
+    return;
+  }
+  QJsonObject entry = entryOf(job);
+  entry[kVersion] = 1;
+  entry["line"] = line;
+  entry["exit"] = end.code;
+  entry["sentence"] = QString::fromStdString(end.sentence);
+  entry["began"] = end.began;
+  entry["seconds"] = end.seconds;
+  entry["most_memory"] = end.most_memory;
+  entry["in_bytes"] = QString(before.input_bytes);
+  entry["in_modified"] = QString(before.input_modified);
+  entry["edit_bytes"] = QString(before.edit_bytes);
+  entry["edit_modified"] = QString(before.edit_modified);
+  const QByteArray text = QJsonDocument(entry).toJson(QJsonDocument::Compact) + "\n";
+  // At once, so that whoever reads sees whole lines.
+  if (::write(file_, text.constData(), static_cast<std::size_t>(text.size())) != text.size()) {
+    refuse(path_, Unwritable, std::strerror(errno));
+  }
+}

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QByteArray>
+#include <QHash>
+#include <QString>
+#include <string>
+
+#include "options.h"
+
+/// How a job of a list ended.
+struct JobEnd {
+  int code = 0;          ///< as the program would have ended with
+  std::string sentence;  ///< the last one on its standard error
+  double began = 0;      ///< seconds since 1970
+  double seconds = 0;
+  qint64 most_memory = 0;  ///< bytes, of its largest process
+};
+
+/// What a job reads, as it was when the job began.
+struct InputState {
+  QByteArray input_bytes, input_modified, edit_bytes, edit_modified;
+
+  static InputState of(const Options& job);
+  bool operator==(const InputState& other) const;
+};
+
+/// A file to which a line of JSON is added whenever a job has ended. One run at a time has it.
+class JobLog {
+ public:
+  /// @param path  made if it does not exist; empty: nothing is logged
+  /// @throws Failure (Unwritable; WrongUsage if the file is something else)
+  explicit JobLog(const QString& path);
+  ~JobLog();
+  JobLog(const JobLog&) = delete;
+  JobLog& operator=(const JobLog&) = delete;
+
+  /// Whether it was done, what it read is as it was, and all its files are still there.
+  bool isDone(const Options& job) const;
+
+  /// @throws Failure (Unwritable)
+  void add(int line, const Options& job, const InputState& before, const JobEnd& end);
+
+ private:
+  QString path_;
+  int file_ = -1;
+  QHash<QByteArray, InputState> done_;  // what was done, and of which inputs
+};

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "real_files.h"
+
+#include <sys/stat.h>
+
+#include <QFile>
+#include <cerrno>
+#include <filesystem>
+#include <system_error>
+#include <vector>
+
+#include "failure.h"
+#include "options.h"
+
+using lapedit::host::quoted_path;
+
+namespace {
+
+constexpr int kMostLinks = 40;  // the system's own limit
+
+std::string bytesOf(const QString& path) {
+  return QFile::encodeName(path).toStdString();
+}
+
+struct Named {
+  std::string role;
+  QString path;
+  RealFile file;
+};
+
+Named named(const std::string& role, const QString& path) {
+  try {
+    return {role, path, RealFile(bytesOf(path))};
+  } catch (const std::system_error&) {
+    throw Failure(WrongUsage, "The " + role + " " + quoted_path(path) + " is a link that leads in a circle.");
+  }
+}
+
+[[noreturn]] void refuse(const Named& a, const Named& b) {
+  throw Failure(WrongUsage, "The " + a.role + " " + quoted_path(a.path) + " and the " + b.role + " " +
+                                quoted_path(b.path) + " are the same file: give another name for the " + b.role + ".");
+}
+
+}  // namespace
+
+RealFile::RealFile(const std::string& name) {
+  namespace fs = std::filesystem;
+  fs::path path(name);
+  std::error_code error;
+  for (int links = 0; fs::is_symlink(fs::symlink_status(path, error)); ++links) {
+    const fs::path target = fs::read_symlink(path, error);
+    if (links == kMostLinks) {
+      throw std::system_error(ELOOP, std::generic_category());
+    }
+    // The system's own links, as /dev/stdin has them, name no path.
+    if (error || path.string().compare(0, 6, "/proc/") == 0) {
+      break;
+    }
+    path = path.parent_path() / target;
+  }
+  path_ = path.string();
+  name_ = path.filename().string();
+  folder_ = identify(path.parent_path().string());
+  file_ = identify(path_);
+}
+
+RealFile::Identity RealFile::identify(const std::string& path) {
+  struct stat found = {};
+  return ::stat(path.c_str(), &found) == 0 ? Identity{found.st_dev, found.st_ino} : Identity{};
+}
+
+bool RealFile::same(const Identity& a, const Identity& b) {
+  return a.number != 0 && a.number == b.number && a.device == b.device;
+}
+
+bool RealFile::hasPlaceOf(const RealFile& other) const {
+  return name_ == other.name_ && same(folder_, other.folder_);
+}
+
+bool RealFile::is(const RealFile& other) const {
+  return hasPlaceOf(other) || same(file_, other.file_);
+}
+
+void refuseSameFiles(const Options& options) {
+  const Named input = named("mesh", options.input), edit = named("edit", options.edit);
+  std::vector<Named> outputs;
+  for (const QString& path : options.outputs()) {
+    outputs.push_back(named("output", path));
+    const Named& output = outputs.back();
+    if (output.file.is(edit.file)) {
+      refuse(edit, output);
+    }
+    if (options.numbered && output.file.is(input.file)) {
+      refuse(input, output);
+    }
+    for (std::size_t k = 0; k + 1 < outputs.size(); ++k) {
+      if (output.file.hasPlaceOf(outputs[k].file)) {
+        refuse(outputs[k], output);
+      }
+    }
+  }
+  if (options.report.isEmpty()) {
+    return;
+  }
+  const Named report = named("report", options.report);
+  outputs.push_back(input);
+  outputs.push_back(edit);
+  for (const Named& other : outputs) {
+    if (report.file.is(other.file)) {
+      refuse(other, report);
+    }
+  }
+}

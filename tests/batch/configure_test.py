@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A MeshLab that is not there, or has other coordinates than one says, is told while configuring.
+
+Environment:
+  LAPEDIT_BUILD  the build folder
+"""
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+CACHE = (pathlib.Path(os.environ["LAPEDIT_BUILD"]) / "CMakeCache.txt").read_text()
+
+
+def cached(name):
+    return re.search(rf"^{name}:\w+=(.*)$", CACHE, re.M)[1]
+
+
+class Configure(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="lapedit-"))
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def refused(self, sentence, **settings):
+        settings = {"MeshLab_LIBRARY": cached("MeshLab_LIBRARY"), **settings}
+        done = subprocess.run(["cmake", "-S", ROOT, "-B", self.folder, *(f"-D{k}={v}" for k, v in settings.items())],
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=120)
+        text = " ".join(done.stderr.decode().split())
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("CMake Error", text)
+        self.assertRegex(text, sentence)
+
+    def test_library_that_is_not_there(self):
+        self.refused("MeshLab_LIBRARY is /nowhere/libmeshlab-common.so, where there is no file",
+                     MeshLab_LIBRARY="/nowhere/libmeshlab-common.so")
+
+    def test_coordinates_of_another_precision(self):
+        ours = cached("MeshLab_SCALAR")
+        other = {"float": "double", "double": "float"}[ours]
+        self.refused(f"MeshLab_SCALAR is {other}, but .* has coordinates in {ours}: give", MeshLab_SCALAR=other)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A small mesh and an edit of it. The result is finite and what the mesh can store; what is refused says why; it has
+// the same bits with any number of threads, beside other fractions and read from JSON; fraction 0 is the mesh.
+#include <optional>
+#include <string>
+
+#include "lapedit/base/error.h"
+#include "lapedit/edit/edit.h"
+#include "lapedit/json/edit_script.h"
+#include "random_mesh.h"
+
+using namespace lapedit;
+using namespace lapedit::fuzz;
+
+namespace {
+
+Vector3 vector(Choices& choose) {
+  const double x = choose.real(), y = choose.real();
+  return {x, y, choose.real()};
+}
+
+HandleTransform transform(Choices& choose) {
+  HandleTransform result;
+  const int kind = choose.below(16);
+  result.translation = vector(choose);
+  if (kind == 0) {
+    result.matrix.emplace();
+    for (int k = 0; k < 12; ++k) {
+      (*result.matrix)(k / 4, k % 4) = choose.real();
+    }
+  }
+  if ((kind & 1) != 0) {
+    result.axis = vector(choose);
+    result.degrees = 100 * choose.real();
+  }
+  if ((kind & 2) != 0) {
+    result.scale = choose.real();
+  }
+  if ((kind & 4) != 0) {
+    result.center = vector(choose);
+  }
+  return result;
+}
+
+RegionSpec region(Choices& choose, const TriangleMesh& mesh) {
+  RegionSpec result;
+  switch (choose.below(4)) {
+    case 0:
+      result.kind = RegionSpec::Kind::Component;
+      break;
+    case 1:
+      result.kind = RegionSpec::Kind::Vertices;
+      result.vertices = random_vertices(choose, mesh);
+      if (choose.flag()) {
+        result.anchors.vertices = random_vertices(choose, mesh);
+        for (std::size_t k = 0; k < result.anchors.vertices.size(); ++k) {
+          result.anchors.weights.push_back(choose.below(5) / 4.0);
+          result.anchors.depths.push_back(choose.below(5) / 4.0);
+        }
+        result.anchors.reach = choose.real();
+      }
+      break;
+    default:
+      result.radius = choose.real();
+  }
+  if (choose.flag()) {
+    result.padding = choose.below(11) / 10.0;
+    result.connect_gap = choose.below(4) == 0 ? choose.real() : 0;
+  }
+  return result;
+}
+
+EditSettings settings(Choices& choose) {
+  EditSettings result = choose.below(4) == 0 ? version_one_settings() : EditSettings();
+  for (int k = choose.below(4); k > 0; --k) {
+    const Setting& setting =
+        settings_table()[static_cast<std::size_t>(choose.below(static_cast<int>(settings_table().size())))];
+    switch (setting.kind) {
+      case Setting::Kind::Choice:
+        setting.set(result, choose.below(static_cast<int>(setting.choices.size())));
+        break;
+      case Setting::Kind::Whole:
+        setting.set(result, choose.below(5));
+        break;
+      default:
+        setting.set(result, choose.flag() ? choose.byte() : choose.real());
+    }
+  }
+  result.threads = 1;
+  return result;
+}
+
+Edit edit_of(Choices& choose, const TriangleMesh& mesh) {
+  Edit edit;
+  for (int steps = 1 + choose.below(2); steps > 0; --steps) {
+    EditStep step;
+    for (int groups = 1 + choose.below(8) / 6; groups > 0; --groups) {
+      HandleGroup group{random_vertices(choose, mesh), transform(choose)};
+      if (choose.below(8) == 0) {
+        for (std::size_t k = 0; k < group.vertices.size(); ++k) {
+          group.weights.push_back((1 + choose.below(4)) / 4.0);
+        }
+      }
+      step.handles.push_back(std::move(group));
+    }
+    step.region = region(choose, mesh);
+    step.settings = settings(choose);
+    if (choose.below(8) == 0) {
+      step.mirror = MirrorPlane{vector(choose), vector(choose)};
+    }
+    edit.steps.push_back(std::move(step));
+  }
+  return edit;
+}
+
+/// The same edit after it was text; nothing if it cannot be one.
+std::optional<Edit> reread(const Edit& edit, int threads) {
+  try {
+    Edit result = read_edit(write_edit(edit));
+    for (EditStep& step : result.steps) {
+      step.settings.threads = threads;
+    }
+    return result;
+  } catch (const EditError&) {
+    return {};
+  }
+}
+
+void check_result(const TriangleMesh& mesh, const EditResult& result) {
+  require(result.positions.allFinite(), "a result is finite");
+  require(result.positions == result.positions.cast<float>().cast<double>(), "a result fits into single precision");
+  require(result.positions.rows() == static_cast<Eigen::Index>(result.vertices.size()), "a place for each vertex");
+  require(
+      std::is_sorted(result.vertices.begin(), result.vertices.end(), std::less_equal<>()) &&
+          (result.vertices.empty() || (result.vertices.front() >= 0 && result.vertices.back() < vertex_count(mesh))),
+      "vertices are ascending and in the mesh");
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  Choices choose(data, size);
+  const TriangleMesh mesh = random_mesh(choose);
+  const int threads = 1 + choose.below(3);
+  const double part = choose.below(9) / 8.0;
+  const Edit edit = edit_of(choose, mesh);
+  const TriangleMesh before = mesh;
+
+  EditResult alone;
+  std::string refusal;
+  try {
+    alone = apply_edit(mesh, edit, 1, StoredScalar::Float);
+    check_result(mesh, alone);
+  } catch (const EditError& error) {
+    refusal = error.what();
+    require(refusal.size() > 10, "a refusal is a sentence");
+  }
+  const std::optional<Edit> again = reread(edit, threads);
+  if (!again) {
+    return 0;
+  }
+  try {
+    const std::vector<EditResult> poses = apply_edit(mesh, *again, {0, 1, part}, StoredScalar::Float);
+    require(refusal.empty(), "what is refused alone is refused beside other fractions");
+    for (const EditResult& pose : poses) {
+      check_result(mesh, pose);
+    }
+    for (std::size_t k = 0; k < poses[0].vertices.size(); ++k) {
+      const auto row = static_cast<Eigen::Index>(k);
+      // But for the sign of a zero.
+      require(poses[0].positions.row(row) == mesh.vertices.row(poses[0].vertices[k]), "fraction 0 is the mesh");
+    }
+    require(poses[1].vertices == alone.vertices, "the same vertices alone and beside other fractions");
+    require(same_bits(poses[1].positions, alone.positions), "the same bits with any threads, from JSON, beside others");
+  } catch (const EditError& error) {
+    // A second step may not fit to what is left of the first.
+    const bool refused = !refusal.empty() || edit.steps.size() > 1;
+    require(refused || std::strstr(error.what(), "At fraction") != nullptr, "what is done alone is done beside others");
+    if (!refused && std::strstr(error.what(), "At fraction 0:") != nullptr) {
+      std::fprintf(stderr, "%s\n", error.what());
+      require(false, "what is done in full is done at fraction 0");
+    }
+  }
+  require(same_bits(mesh.vertices, before.vertices) && mesh.faces == before.faces, "the mesh is not touched");
+  return 0;
+}

@@ -1,0 +1,129 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Writes the seeds of tests/fuzz/corpus/ anew. What a fuzzer found, files found_*, stays."""
+import json
+import pathlib
+import random
+
+HERE = pathlib.Path(__file__).resolve().parent
+WORDS = {"laplacian": ["umbrella", "cotangent", "mean_value"],
+         "detail_rotation": ["none", "smooth_normals", "smooth_surface", "local_global"],
+         "turning": ["vertex", "edge"], "rough": ["unrotated", "falloff"]}
+
+
+def write(target, name, content):
+    folder = HERE / "corpus" / target
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
+
+
+def step(**keys):
+    return {"region": {"radius": 1.5}, "handles": [{"vertices": "1", "translation": [0, 0, 1]}], **keys}
+
+
+def edit(*steps, version=2, **keys):
+    return {"laplacian_edit": version, **keys, "steps": list(steps)}
+
+
+def edits():
+    """Each kind of region, handle and setting."""
+    yield "radius", edit(step())
+    yield "version_1", edit(step(), version=1)
+    yield "mesh", edit(step(), mesh={"vertices": 42, "faces": 80, "connectivity": "0123456789abcdef"})
+    yield "vertices", edit(step(region={"vertices": "0-3, 5,7 - 9", "padding": 0.2}))
+    yield "component", edit(step(region={"component": True, "connect": 0.5}))
+    yield "anchors", edit(step(region={"vertices": "0-3", "padding": 0.2, "anchors": {
+        "vertices": "2,3", "weights": [1, 0.5], "depths": [0, 1], "reach": 2.5}}))
+    yield "rotation", edit(step(handles=[
+        {"vertices": "1-3", "weights": [1, 0.5, 0.000001], "scale": 1.5,
+         "rotation": {"axis": [1, 2, 3], "degrees": -30, "center": [0, 0.5, 1e-3]}}]))
+    yield "matrix", edit(step(handles=[{"vertices": "1", "matrix": [1, 0, 0, 1, 0, 2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}]))
+    yield "mirror", edit(step(mirror={"point": [0, 0, 0], "normal": [1, 0, 0]}))
+    yield "numbers", edit(step(handle_weight=1e-6, anchor_weight=1e6, membrane=0, normal_radius=1.7976931348623157e308,
+                               iterations=100, order=3, rules=1))
+    yield "steps", edit(step(), step(region={"component": True}), step())
+    for key, words in WORDS.items():
+        for word in words:
+            yield f"{key}_{word}", edit(step(**{key: word}))
+
+
+def bad_texts():
+    good = json.dumps(edit(step()))
+    yield "empty", ""
+    yield "cut", good[:60]
+    yield "mark", b"\xef\xbb\xbf" + good.encode()
+    yield "deep", "[" * 1100
+    yield "twice", good.replace('"radius": 1.5', '"radius": 1, "radius": 2')
+    yield "unknown", good.replace("radius", "radios")
+    yield "large_number", good.replace("1.5", "1e999")
+    yield "escape", good.replace('"1"', '"\\u0031\\ud83d\\ude00"')
+    yield "bytes", good.encode().replace(b'"1"', b'"\xff\xfe"')
+    yield "range", good.replace('"1"', '"2147483647,3-1"')
+
+
+def parameter(kind, name, value):
+    return f'<Param type="Rich{kind}" name="{name}" value="{value}"/>'
+
+
+def point(name, x, y, z):
+    return f'<Param type="RichPoint3f" name="{name}" x="{x}" y="{y}" z="{z}"/>'
+
+
+def laplacian_edit(*parameters):
+    return '<filter name="Laplacian Edit">' + "".join(parameters) + "</filter>"
+
+
+def replay(text, fraction=1):
+    text = text.replace("&", "&amp;").replace('"', "&quot;")
+    return (f'<filter name="Laplacian Edit Replay">{parameter("String", "edit", text)}'
+            f'{parameter("Float", "fraction", fraction)}</filter>')
+
+
+def scripts():
+    up = point("translation", 0, 0, 0.5)
+    whole = parameter("Enum", "region_source", 2)
+    near = point("handle_point", 1, 0, 0)
+    for name, filters in (
+            ("empty", ""), ("no_parameters", laplacian_edit()), ("radius", laplacian_edit(
+                near, up, parameter("AbsPerc", "radius", 1.5))),
+            ("component", laplacian_edit(near, up, whole)),
+            ("turned", laplacian_edit(near, whole, point("rotation_axis", 0, 1, 0), parameter("Float", "scale", 2))),
+            ("settings", laplacian_edit(near, up, whole, parameter("Enum", "laplacian", 1), parameter("Int", "order", 2),
+                                        parameter("Enum", "detail_rotation", 2), parameter("Float", "membrane", 0))),
+            ("replay", replay(json.dumps(edit(step())))), ("half", replay(json.dumps(edit(step())), 0.5)),
+            ("two", laplacian_edit(near, up, whole) + replay(json.dumps(edit(step())))),
+            ("later_names", laplacian_edit(near.replace("Point3f", "Position"), up,
+                                           parameter("Percentage", "radius", 50))),
+            ("bad_type", laplacian_edit(parameter("Float", "order", 2))),
+            ("bad_name", laplacian_edit(parameter("Int", "ordre", 2))),
+            ("bad_number", laplacian_edit(point("handle_point", "one", "1e99", "nan"))),
+            ("bad_choice", laplacian_edit(parameter("Enum", "laplacian", 7))),
+            ("bad_filter", '<filter name="Laplacian Edits"/>'), ("bad_json", replay("{")),
+            ("comments", f"<!-- a --><![CDATA[b]]>{laplacian_edit(near, up, whole)}&#32;")):
+        yield name, f"<!DOCTYPE FilterScript>\n<FilterScript>\n{filters}\n</FilterScript>\n"
+    yield "cut", "<FilterScript><filter name="
+    yield "other_root", "<Script/>"
+
+
+LISTS = ["0", "1,2,3", "0-999", " 5 - 7 ,\t9", "", ",", "1,", "3-1", "1000", "-1", "+1", "1 2", "2147483648", "1--2",
+         "0-999,0", "00007", "1e3", "\x00"]
+RANDOM = 24  # inputs of the targets that take choices
+
+
+def main():
+    for name, text in scripts():
+        write("script", name, text)
+    for number, text in enumerate(LISTS):
+        write("vertex_list", f"list_{number:02}", text)
+    dice = random.Random(15)
+    for target in ("edit", "session", "mesh_file"):
+        for number in range(RANDOM):
+            write(target, f"random_{number:02}", dice.randbytes(dice.choice([40, 80, 160])))
+    for name, value in edits():
+        write("json", name, json.dumps(value))
+    for name, text in bad_texts():
+        write("json", "bad_" + name, text)
+
+
+if __name__ == "__main__":
+    main()

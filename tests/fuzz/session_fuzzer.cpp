@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Mouse, keys and buttons in any order on a small mesh. Nothing is thrown; host, session and record are the same to the
+// bit; undoing all gives the mesh back, redoing all the edit; the record replays from JSON with any number of threads.
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "drag_support.h"
+#include "lapedit/json/edit_script.h"
+#include "lapedit/session/presets.h"
+#include "random_mesh.h"
+
+using namespace lapedit;
+using namespace lapedit::fuzz;
+using support::Window;
+
+namespace {
+
+constexpr int kMostEvents = 60, kMostSteps = 6;
+
+Vector3 direction(Choices& choose) {
+  return {choose.below(9) - 4.0, choose.below(9) - 4.0, 0.5 + choose.below(4)};
+}
+
+DragSettings settings(Choices& choose, DragSettings result) {
+  result.radius *= 0.25 * choose.below(12);
+  result.padding = 0.1 * choose.below(12);
+  result.handle_share = 0.3 * choose.below(4);
+  result.softness = 0.5 * choose.below(3);
+  result.connect_gap = choose.below(4) == 0 ? 0.25 * choose.below(8) : 0;
+  result.brush_pixels = 10 * choose.below(10);
+  const Setting& setting =
+      settings_table()[static_cast<std::size_t>(choose.below(static_cast<int>(settings_table().size())))];
+  setting.set(result.edit, choose.below(5));
+  if (choose.below(4) == 0) {
+    presets()[static_cast<std::size_t>(choose.below(static_cast<int>(presets().size())))].set(result);
+  }
+  return result;
+}
+
+struct Player {
+  Window window;
+  Choices& choose;
+  Edit saved;
+
+  DragSession& session() { return window.session; }
+
+  Cursor cursor() {
+    const int x = choose.byte();
+    Cursor result =
+        x < 32 ? window.at(Vector2(25 * x, 10 * choose.below(60)))
+               : window.at(choose.index(vertex_count(window.session.mesh())), Vector2(x % 9 - 4, x / 9 % 9 - 4));
+    result.snap = x % 4 == 1;
+    return result;
+  }
+
+  void mouse(int kind) {
+    const Cursor at = cursor();
+    const int held = choose.below(8);
+    const PressModifiers modifiers{held == 1, held == 2};
+    switch (kind) {
+      case 0:
+        session().hover(at, modifiers);
+        break;
+      case 1:
+      case 2:
+        session().press(at, modifiers);
+        break;
+      case 3:
+        session().release(at);
+        break;
+      case 4:
+        session().key(static_cast<DragKey>(choose.below(static_cast<int>(DragKey::Redo) + 1)), at);
+        break;
+      case 5:
+        // A drag in one event: else few inputs come that far.
+        session().press(at, modifiers);
+        session().move(cursor());
+        session().release(cursor());
+        break;
+      default:
+        session().move(at);
+    }
+  }
+
+  void button(int kind) {
+    const TriangleMesh& mesh = session().mesh();
+    switch (kind) {
+      case 0:
+        session().set_settings(settings(choose, session().settings()));
+        break;
+      case 1:
+        session().set_brush_target(static_cast<BrushTarget>(choose.below(3)));
+        session().set_handle_mode(static_cast<HandleMode>(choose.below(2)));
+        break;
+      case 2:
+        session().show_gizmo(choose.flag(), static_cast<GizmoAxes>(choose.below(3)));
+        session().set_pivot(static_cast<Pivot>(choose.below(3)));
+        break;
+      case 3:
+        session().set_anchors(random_vertices(choose, mesh));
+        break;
+      case 4:
+        session().set_region(random_vertices(choose, mesh));
+        break;
+      case 5: {
+        const int axis = choose.below(4);
+        session().set_mirror(axis == 3 ? std::nullopt
+                                       : std::optional(MirrorPlane{direction(choose), Vector3::Unit(axis)}));
+        break;
+      }
+      case 6:
+        choose.flag() ? session().find_mirror() : session().leave();
+        break;
+      case 7:
+        choose.flag() ? session().grow() : session().shrink();
+        break;
+      case 8:
+        choose.flag() ? session().whole_component() : session().new_region();
+        break;
+      case 9:
+        choose.flag() ? session().next_group() : session().clear();
+        break;
+      case 10:
+        choose.flag() ? session().apply() : session().cancel();
+        break;
+      case 11:
+        choose.flag() ? session().undo() : session().redo();
+        break;
+      case 12:
+        saved = session().recorded();
+        break;
+      case 13:
+        if (saved.steps.size() < 3) {
+          session().load(saved);
+        }
+        break;
+      case 14:
+        window.view = support::view_from(10 * direction(choose), mesh.vertices.row(0).transpose());
+        break;
+      default:
+        session().finish();
+    }
+  }
+
+  /// Until what was asked is answered. Not wait(): that is also for the pause of the mouse after which a drag is posed
+  /// in full, up to a second.
+  void settle() {
+    while (session().state() == DragSession::State::Settling || session().preparing()) {
+      std::this_thread::yield();
+      session().poll();
+    }
+    session().poll();
+  }
+
+  /// What a window asks for while it draws.
+  void look() {
+    DragSession& s = session();
+    require(!s.message().empty(), "there is always a message");
+    const DragFigures figures = s.figures();
+    require(figures.handle >= 0 && figures.free >= 0, "counts are counts");
+    if (const std::optional<Gizmo> gizmo = s.gizmo(window.view)) {
+      require(s.active_group() >= 0, "a gizmo is at a group");
+      s.pivot_place();
+    }
+    s.active_map();
+    if (s.region() != nullptr) {
+      require(s.pose().rows() == s.region()->size(), "a pose has a place for each vertex of the region");
+    }
+    require(s.groups().size() <= s.mirrored_groups().size() || s.mirrored_groups().empty(),
+            "images come behind groups");
+  }
+
+  void check() {
+    DragSession& s = session();
+    s.finish();
+    settle();
+    require(s.state() != DragSession::State::Dragging && s.state() != DragSession::State::Settling,
+            "finish() leaves nothing in progress");
+    require(same_bits(window.host, s.mesh().vertices), "host and session have the same bits");
+    const Points edited = s.mesh().vertices;
+    const Edit edit = s.recorded();
+    Points replayed = s.original().vertices;
+    if (!edit.steps.empty()) {
+      Edit read = read_edit(write_edit(edit));
+      for (EditStep& step : read.steps) {
+        step.settings.threads = 1 + choose.below(3);
+      }
+      const EditResult result = apply_edit(s.original(), read, 1, StoredScalar::Float);
+      for (std::size_t k = 0; k < result.vertices.size(); ++k) {
+        replayed.row(result.vertices[k]) = result.positions.row(static_cast<Eigen::Index>(k));
+      }
+    }
+    require(same_bits(replayed, edited), "the record replays from JSON to the same bits");
+    s.reset();
+    settle();
+    require(same_bits(window.host, s.original().vertices), "undoing all gives the mesh back");
+    for (std::size_t k = 0; k < edit.steps.size() && s.can_redo(); ++k) {
+      s.redo();
+      settle();
+    }
+    require(same_bits(window.host, edited), "redoing all gives the edit back");
+  }
+};
+
+bool finite(const TriangleMesh& mesh) {
+  return mesh.vertices.allFinite() && mesh.vertices.cwiseAbs().maxCoeff() < 1e6;
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  Choices choose(data, size);
+  const TriangleMesh mesh = random_mesh(choose);
+  if (!finite(mesh)) {
+    return -1;
+  }
+  // Waiting after each event makes a run the same each time; not waiting, events meet what is not ready yet.
+  const bool waits = choose.below(4) != 0;
+  Player player{Window(mesh), choose, {}};
+  for (int event = 0; choose.more() && event < kMostEvents && player.session().figures().steps < kMostSteps; ++event) {
+    const int kind = choose.byte();
+    if (kind % 3 != 0) {
+      player.mouse(kind / 3 % 7);
+    } else {
+      player.button(kind / 3 % 16);
+    }
+    player.session().poll();
+    if (waits) {
+      player.settle();
+    }
+    player.look();
+    require(player.window.host.allFinite(), "what the host is given is finite");
+  }
+  player.check();
+  return 0;
+}
