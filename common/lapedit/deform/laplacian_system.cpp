@@ -208,10 +208,9 @@ bool Preparation::factorise(bool take_over) {
 }
 
 /// With l the smallest eigenvalue of the matrix of order 1, s = l^(k/2) that of the operator of order k, and c the
-/// membrane's weight, the matrix of order k has none below about s^2 + c s. In 130 regions of 500 to 35,000 vertices of
-/// five meshes, the true one was 100 times s^2 or more without a membrane, and 5 to 7 times c s with one that counts;
-/// refinement converged up to u = 2,400 s^2, u the unit roundoff, and nowhere that u is more than a fifth of the true
-/// one. So what is far beyond both is refused for the price of a factor of order 1, a small part of the other's.
+/// membrane's weight, the matrix of order k has none below about s^2 + c s. How far the true one is above that differs
+/// much from mesh to mesh: refinement has converged up to u = 2,400 s^2, u the unit roundoff, and failed at 31. So only
+/// what is far beyond all that worked is refused for the price of a factor of order 1, a small part of the other's.
 void Preparation::refuse_the_hopeless() const {
   constexpr double kUnitRoundoff = 0x1p-53, kHopeless = 1e4, kHopelessMembrane = 20;
   const int order = s_.settings.order;
