@@ -208,7 +208,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     Host& host = Host::instance();
     const QString path = host.write("mesh." + suffix, bytes);
     host::BatchHost batch(host.plugins(), Progress());
-    batch.open(path);
+    batch.open(path, path);
     // Of polygons that are no manifold MeshLab's writers assert.
     const bool has_polygons = std::any_of(file.polygons.begin(), file.polygons.end(),
                                           [](const std::vector<int>& corners) { return corners.size() > 3; });

@@ -27,7 +27,7 @@ struct Scene {
                                                 "3 0 3 5\n");
     batch = std::make_unique<host::BatchHost>(Host::instance().plugins(), Progress());
     batch->add_filters(filters);
-    batch->open(file);
+    batch->open(file, file);
     for (const auto& vertex : batch->mesh()->vert) {
       places.push_back(vertex.cP());
     }
