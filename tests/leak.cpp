@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Leaks, so that a test sees LeakSanitizer at work: where it may not look at a process it says nothing of others either.
+// Leaks, so that a test sees LeakSanitizer at work: where it may not look at a process it says nothing of others
+// either.
 #include <cstdlib>
 
 int main() {
