@@ -56,8 +56,9 @@ class FilterParameters(WithProgram):
                          [(code(row[0])[0], row[1]) for row in self.tables["Laplacian Edit"]])
 
     def run_filter(self, filter_name, **values):
-        """Runs a filter on the middle of the sheet, with defaults that fit it."""
-        given = {"handle_source": 1, "radius": 0.45, "padding": 0.3, "edit": EDIT} | values
+        """Runs a filter on the middle of the sheet, with defaults that fit it; in most regions anchors as weak as they
+        may be are too ill-conditioned."""
+        given = {"handle_source": 1, "radius": 0.43, "padding": 0.3, "edit": EDIT} | values
         lines = []
         for row in self.tables[filter_name]:
             name, kind = code(row[0])[0], row[1]
