@@ -23,6 +23,7 @@ const std::map<std::string, std::function<TriangleMesh()>> kMeshes = {
     {"arm", [] { return shapes::tapered_arm(120, 140); }},
     {"field", [] { return shapes::letter_field(300, 150); }},
     {"million", [] { return shapes::letter_field(1420, 710); }},
+    {"three_million", [] { return shapes::letter_field(2450, 1225); }},
     {"head", [] { return shapes::head(); }},
     {"hand", [] { return shapes::hand(); }},
     {"creature", [] { return shapes::creature(); }},

@@ -1,0 +1,44 @@
+#!/bin/sh
+# SPDX-License-Identifier: GPL-3.0-or-later
+# One edit of all of a mesh of 1,008,200 vertices, and of one of 3,001,250, by laplacian-edit: prints rows of the table in
+# common/docs/performance.md. One end of the plane is held, the other is lifted and turned. 10 GB of memory.
+#
+# usage: whole_mesh.sh [million|three_million]...   both by default
+set -eu
+
+cd "$(dirname "$0")/../.."
+build=$PWD/build
+place=$build/whole
+[ $# -gt 0 ] || set -- million three_million
+
+cmake -S . -B "$build" >/dev/null
+cmake --build "$build" --parallel "$(nproc)" --target laplacian_edit_command make_mesh >/dev/null
+mkdir -p "$place"
+for name in "$@"; do
+  case $name in
+  million) across=710 along=1420 ;;
+  three_million) across=1225 along=2450 ;;
+  esac
+  end=$((across * along - 1))
+  "$build/common/demo/make_mesh" "$name" "$place/$name.ply"
+  cat >"$place/$name.json" <<EOF
+{"laplacian_edit": 2, "steps": [{"region": {"component": true}, "handles": [
+  {"vertices": "0-$((10 * across - 1))"},
+  {"vertices": "$((end - 10 * across + 1))-$end", "translation": [0, 0, 1],
+   "rotation": {"axis": [0, 1, 0], "degrees": -30}}]}]}
+EOF
+  printf '%s\t%s\t%s\n' "$place/$name.ply" "$place/$name.edited.ply" "$place/$name.json" >"$place/$name.tsv"
+  rm -f "$place/$name.log"
+  "$build/filter_laplacian_edit/laplacian-edit" "$place/$name.ply" "$place/$name.edited.ply" "$place/$name.json" \
+    --quiet --report "$place/$name.report.json"
+  "$build/filter_laplacian_edit/laplacian-edit" --quiet --list "$place/$name.tsv" --jobs 1 --job-log "$place/$name.log"
+  python3 - "$place/$name.report.json" "$place/$name.log" <<'EOF'
+import json
+import sys
+report = json.load(open(sys.argv[1]))
+job = json.loads(open(sys.argv[2]).readlines()[-1])
+times = report["milliseconds"]
+print(f"| {report['mesh']['vertices']:,} | {times['read'] / 1e3:.1f} | {times['edit'] / 1e3:.1f} | {times['write'] / 1e3:.1f} "
+      f"| {sum(times.values()) / 1e3:.1f} | {job['most_memory'] / 1e9:.1f} |")
+EOF
+done
