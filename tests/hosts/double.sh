@@ -52,7 +52,7 @@ echo "== double: build"
     -DLAPEDIT_MESHES="$LAPEDIT_MESHES" -DMESHLAB_SOURCE_DIR=/double/source -DMeshLab_LIBRARY="$library" -DMeshLab_SCALAR=double \
     >configure.log 2>&1 || { cat configure.log; exit 1; }
   # Nothing of the installed MeshLab, which has single precision, may be in it.
-  targets="filter_laplacian_edit edit_laplacian_drag laplacian_edit_command bridge_tests"
+  targets="filter_laplacian_edit edit_laplacian_drag laplacian_edit_command bridge_tests short_library ending_library"
   ninja $targets >build.log 2>&1 || { grep -A 12 FAILED build.log || tail -n 40 build.log; exit 1; }
   tail -n 1 build.log
   ldd filter_laplacian_edit/libfilter_laplacian_edit.so filter_laplacian_edit/laplacian-edit | grep meshlab-common |
