@@ -76,10 +76,11 @@ TEST(EliminationTree, ListsNameTheParentsRows) {
 TEST(TreeWalk, ThreadThatIsHeldUpHoldsUpNothingButItsTask) {
   const EliminationTree tree = Star(40).tree();
   const int tasks = static_cast<int>(tree.tasks.size());
-  ThreadPool pool(2);
-  TreeWalk walk(tree, pool.threads());
   const auto caller = std::this_thread::get_id();
   for (const bool up : {true, false}) {
+    // A new one: the old one may go on alone for a while, since waiting for its helper has cost so much.
+    ThreadPool pool(2);
+    TreeWalk walk(tree, pool.threads());
     std::atomic<int> done{0};
     std::atomic<bool> helped{false}, others_done{!up};
     std::vector<int> times(tasks, 0);
