@@ -11,6 +11,7 @@
 #include <QAction>
 #include <QFileInfo>
 #include <list>
+#include <map>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -29,9 +30,14 @@ struct LoadedPlugin {
 };
 
 inline LoadedPlugin load_plugin(const QString& file) {
-  // The application's own list: formats look there for readers of pictures.
+  // The application's own list, which takes each plugin once: formats look there for readers of pictures.
+  static std::map<QString, LoadedPlugin> loaded;
+  const auto found = loaded.find(file);
+  if (found != loaded.end()) {
+    return found->second;
+  }
   MeshLabPlugin* const plugin = meshlab::pluginManagerInstance().loadPlugin(file);
-  return {dynamic_cast<IOPlugin*>(plugin), dynamic_cast<FilterPlugin*>(plugin)};
+  return loaded[file] = {dynamic_cast<IOPlugin*>(plugin), dynamic_cast<FilterPlugin*>(plugin)};
 }
 
 inline std::list<FileFormat> read_formats(const FormatPlugin& plugin) {
