@@ -39,8 +39,12 @@ class CornersTest(HostTest):
                                               env=without_display(self.environment), stdout=subprocess.PIPE,
                                               stderr=subprocess.PIPE)
                         self.assertEqual(done.returncode, UNREADABLE, done.stderr)
-                        self.assertRegex(done.stderr.decode(), rf"\AThe mesh \"[^\n]+\" cannot be read: face 17 names "
-                                         rf"vertex {number}, but there are {len(points)} vertices, counted from 0: [^\n]+\.\n\Z")
+                        errors = done.stderr.decode()
+                        if "Assertion" in errors:  # a MeshLab whose reader looks, built with assertions
+                            self.assertRegex(errors.splitlines()[-1], "stopped with an error of its own while reading")
+                        else:
+                            self.assertRegex(errors, rf"\AThe mesh \"[^\n]+\" cannot be read: face 17 names vertex {number}, "
+                                             rf"but there are {len(points)} vertices, counted from 0: [^\n]+\.\n\Z")
                         self.assertFalse((self.folder / "out.ply").exists())
 
 
