@@ -10,9 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <filesystem>
 #include <string>
-#include <system_error>
 
 #include "file_names.h"
 #include "job.h"
@@ -77,8 +75,8 @@ int guarded(const Work& work) {
   }
 }
 
-/// A library reads how many threads it may have when it is loaded, and they wait for work at the cost of others'. So
-/// with a list the program starts anew, as the same process, with what is fit for several jobs side by side.
+/// Some of MeshLab's plugins bring a BLAS, which reads how many threads it may have when it is loaded: with a list what
+/// is fit for several jobs side by side.
 void shareProcessors(int argc, char** argv) {
   bool list = false;
   int jobs = 0;
@@ -93,8 +91,6 @@ void shareProcessors(int argc, char** argv) {
   if (list && std::getenv("OPENBLAS_NUM_THREADS") == nullptr) {
     const int threads = std::max(1, jobs > 0 ? processors() / jobs : 1);
     ::setenv("OPENBLAS_NUM_THREADS", std::to_string(threads).c_str(), 1);
-    std::error_code ignored;
-    ::execv(std::filesystem::read_symlink("/proc/self/exe", ignored).c_str(), argv);
   }
 }
 
