@@ -91,6 +91,8 @@ void OutputFiles::begin(const std::function<void(const std::string&)>& made) {
   if (!scratch_.path().empty()) {
     return;
   }
+  // Who cleans up after a request to stop has to know of the folder.
+  const NoInterruption uninterrupted;
   try {
     scratch_.make(QFile::encodeName(folder_).toStdString());
   } catch (const std::system_error& error) {

@@ -435,7 +435,8 @@ class Parallel(ListTest):
         (self.place / "family" / "hosts").write_text("2/ada\n2/grace\n")
         stand_in = self.place / "ssh"
         stand_in.write_text("""#!/bin/sh
-# Takes the place of ssh: the words after the host are the command.
+# Takes the place of ssh: the words after the host are the command. As on any host, a login has a shell.
+export SHELL=/bin/sh
 while [ $# -gt 0 ]; do
   word=$1
   shift
