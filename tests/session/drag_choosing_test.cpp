@@ -441,6 +441,39 @@ TEST(DragMirror, BothSidesMoveInOneStepAndAreReplayed) {
   EXPECT_EQ(window.session.mirrored_groups().size(), 1U);
 }
 
+TEST(DragMirror, PaintedHandleIsSeenAtOnceAndItsImageAtTheEnd) {
+  Window window(shapes::grid(60, 60));
+  MirrorPlane plane;
+  plane.normal = Vector3::UnitX();
+  plane.point = window.host.row(kMiddle).transpose();
+  window.session.set_mirror(plane);
+  window.click(at(15, 30));
+  ASSERT_EQ(window.session.groups().size(), 1U);
+  ASSERT_EQ(window.session.mirrored_groups().size(), 2U);
+  window.session.next_group();
+  window.session.set_brush_target(BrushTarget::Handle);
+  window.press(at(15, 45), kAdd);
+  window.session.move(window.at(at(18, 45)));
+  ASSERT_EQ(window.session.groups().size(), 2U);
+  ASSERT_GE(window.session.mirrored_groups().size(), 2U);
+  EXPECT_TRUE(has(window.session.mirrored_groups()[1], at(18, 45)));
+  window.session.release(window.at(at(18, 45)));
+  window.session.wait();
+  ASSERT_EQ(window.session.groups().size(), 2U);
+  ASSERT_EQ(window.session.mirrored_groups().size(), 4U);
+  EXPECT_EQ(window.session.group_of_image(2), 0);
+  EXPECT_EQ(window.session.group_of_image(3), 1);
+  // Nothing of them left: no images either.
+  change(window, [](DragSettings& s) { s.brush_pixels = 400; });
+  stroke(window, at(15, 45), at(15, 30), kTake);
+  while (!window.session.groups().empty()) {
+    const int before = static_cast<int>(window.session.groups().front().size());
+    stroke(window, window.session.groups().front().front(), window.session.groups().front().back(), kTake);
+    ASSERT_TRUE(window.session.groups().empty() || static_cast<int>(window.session.groups().front().size()) < before);
+  }
+  EXPECT_TRUE(window.session.mirrored_groups().empty());
+}
+
 TEST(DragMirror, PlaneIsFoundFromTheMesh) {
   Window window(shapes::tapered_arm(24, 60, 0));
   window.session.find_mirror();

@@ -136,6 +136,9 @@ bool SessionCore::take(Choice choice) {
   }
   Selection& chosen = std::get<Selection>(choice);
   const bool another_region = chosen.taken != selection.taken;
+  if (chosen.groups != selection.groups) {
+    tools.mirrored.reset();  // a stroke of the brush is seen at once, its image when it is prepared for
+  }
   selection = std::move(chosen);
   if (another_region) {
     show_region(nullptr);  // the old one would be taken for the new one's
@@ -153,6 +156,7 @@ void SessionCore::handles_changed() {
 void SessionCore::prepare() {
   heard.in_hand_ms = heard.prepare_ms = std::nullopt;
   heard.taken_over.clear();
+  tools.mirrored.reset();
   if (groups().empty()) {
     preparation = Preparation::None;
     in_hand = false;
@@ -163,7 +167,6 @@ void SessionCore::prepare() {
   in_hand = false;
   PrepareTask task{history.mesh(), adjacency, selection.region,  groups(),
                    settings.edit,  scalar,    selection.weights, tools.mirror};
-  tools.mirrored.reset();
   if (tools.mirror) {
     try {
       tools.mirrored = std::make_unique<MirroredHandles>(mesh(), groups(), *tools.mirror, selection.weights);

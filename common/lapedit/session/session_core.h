@@ -86,7 +86,7 @@ struct Tools {
   Pivot pivot = Pivot::Centroid;
   int pivot_vertex = -1;  ///< Pivot::Point; -1: the next click picks it
   std::optional<MirrorPlane> mirror;
-  std::unique_ptr<const MirroredHandles> mirrored;  ///< of the region that is prepared; null without a plane
+  std::unique_ptr<const MirroredHandles> mirrored;  ///< of the groups; null without a plane and while they are painted
 };
 
 /// The cursor while no button is down.
