@@ -4,6 +4,7 @@
 #include <QFile>
 #include <algorithm>
 #include <csignal>
+#include <cstdlib>
 #include <optional>
 #include <string>
 #include <utility>
@@ -17,7 +18,9 @@
 namespace {
 
 /// What each job would load for itself, into the process that all of them are copies of.
-void loadBefore(const Options& options) {
+void loadBefore(const Options& options, int at_once) {
+  // Some of MeshLab's plugins bring a BLAS, which reads how many threads it may have when it is loaded.
+  setenv("OPENBLAS_NUM_THREADS", std::to_string(std::max(1, processors() / at_once)).c_str(), 0);
   try {
     lapedit::host::BatchHost(options.plugins, {}).require_writer("common.ply");
   } catch (const std::exception&) {
@@ -37,7 +40,7 @@ class ListRun {
                             std::max(1, static_cast<int>(jobs_.size())))) {}
 
   int run(std::FILE* output) {
-    loadBefore(options_);
+    loadBefore(options_, at_once_);
     std::size_t next = 0;
     std::optional<Failure> failure;
     for (;;) {

@@ -4,11 +4,9 @@
 
 #include <QApplication>
 #include <QFile>
-#include <algorithm>
 #include <clocale>
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
 #include <exception>
 #include <string>
 
@@ -19,6 +17,7 @@
 #include "lapedit/base/thread_pool.h"
 #include "list_run.h"
 #include "supervisor.h"
+#include "system_limits.h"
 
 namespace {
 
@@ -75,25 +74,6 @@ int guarded(const Work& work) {
   }
 }
 
-/// Some of MeshLab's plugins bring a BLAS, which reads how many threads it may have when it is loaded: with a list what
-/// is fit for several jobs side by side.
-void shareProcessors(int argc, char** argv) {
-  bool list = false;
-  int jobs = 0;
-  for (int k = 1; k < argc; ++k) {
-    const std::string argument = argv[k];
-    list = list || argument.rfind("--list", 0) == 0;
-    if (argument.rfind("--jobs", 0) == 0) {
-      const std::string value = argument.size() > 7 ? argument.substr(7) : k + 1 < argc ? argv[k + 1] : "";
-      jobs = std::atoi(value.c_str());
-    }
-  }
-  if (list && std::getenv("OPENBLAS_NUM_THREADS") == nullptr) {
-    const int threads = std::max(1, jobs > 0 ? processors() / jobs : 1);
-    ::setenv("OPENBLAS_NUM_THREADS", std::to_string(threads).c_str(), 1);
-  }
-}
-
 int work(int argc, char** argv, Notes& notes) {
   std::FILE* const output = takeStandardOutput();
   qInstallMessageHandler(keepQuiet);
@@ -131,6 +111,6 @@ int work(int argc, char** argv, Notes& notes) {
 
 int main(int argc, char** argv) {
   openStandardStreams();
-  shareProcessors(argc, argv);
+  fitToLimits();
   return supervise([argc, argv](Notes& notes) { return guarded([&] { return work(argc, argv, notes); }); });
 }
