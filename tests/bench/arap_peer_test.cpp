@@ -5,6 +5,9 @@
 
 #include "shapes.h"
 #include "support.h"
+#ifdef QUALITY_LIBIGL
+#include "bench/igl_peer.h"
+#endif
 
 namespace quality {
 namespace {
@@ -37,7 +40,11 @@ Scene lifted(const lapedit::TriangleMesh& mesh, int handle) {
 
 TEST(ArapPeer, HoldsHandleAndAnchorsAndTakesTheRestAlong) {
   const Scene scene = lifted(shapes::grid(12, 12), 12 * 6 + 6);
-  for (const auto method : {arap, smooth_arap}) {
+  std::vector methods = {arap, smooth_arap};
+#ifdef QUALITY_LIBIGL
+  methods.insert(methods.end(), {igl_arap, igl_biharmonic});
+#endif
+  for (const auto method : methods) {
     const MethodResult result = method(scene);
     EXPECT_LT(control_error(scene, result.positions), 1e-12);
     EXPECT_GT(result.positions(12 * 6 + 7, 2), 0.1);
