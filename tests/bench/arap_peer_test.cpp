@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "shapes.h"
 #include "support.h"
 #ifdef QUALITY_LIBIGL
@@ -52,7 +54,15 @@ TEST(ArapPeer, HoldsHandleAndAnchorsAndTakesTheRestAlong) {
     const Figures figures = measure(scene, result);
     EXPECT_GT(figures.rms, 0.01);
     EXPECT_EQ(figures.flipped + figures.pairs, 0);
+    EXPECT_LT(figures.behind, 1e-12);
   }
+}
+
+TEST(ArapPeer, AHandleThatStaysBehindIsMeasured) {
+  const Scene scene = lifted(shapes::grid(12, 12), 12 * 6 + 6);
+  MethodResult result = arap(scene);
+  result.positions(12 * 6 + 6, 2) -= 0.1;
+  EXPECT_NEAR(measure(scene, result).behind, 0.1 / std::hypot(0.2, 1), 1e-9);
 }
 
 TEST(ArapPeer, BadMeshesEndWithAResultOrARefusal) {

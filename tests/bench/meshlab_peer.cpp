@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "meshlab_peer.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -24,16 +25,25 @@ std::string script_of(const Scene& scene, const Vector3& handle, const Vector3& 
     return "<Param type=\"RichString\" name=\"" + std::string(name) + "\" value=\"" + name + "+(" + number(shift) +
            ")*" + share + "\"/>\n";
   };
-  const double radius = scene.region.radius, reach = radius * (1 - scene.edit.region.padding);
+  // Straight to the nearest anchor, which along the surface is no nearer: no anchor moves.
+  double reach = scene.region.radius;
+  for (int i = 0; i < scene.region.size(); ++i) {
+    if (scene.region.classes[i] == lapedit::VertexClass::Anchor) {
+      const Vector3 anchor = scene.edit.mesh.vertices.row(scene.region.mesh_vertex[i]).transpose();
+      reach = std::min(reach, (anchor - handle).norm());
+    }
+  }
+  // What the distance does not reach gets 0, as the handle: so it has to reach all.
+  const std::string all = number(10 * scene.region.radius);
   const std::string over = "q/" + number(reach);
   const std::string share = "(q&lt;" + number(reach) + ")*(1-(" + over + ")^2)^2";
   return "<!DOCTYPE FilterScript>\n<FilterScript>\n"
          "<filter name=\"Colorize by geodesic distance from a given point\">\n"
          "<Param type=\"RichPoint3f\" name=\"startPoint\" x=\"" +
          number(handle.x()) + "\" y=\"" + number(handle.y()) + "\" z=\"" + number(handle.z()) +
-         "\"/>\n<Param type=\"RichAbsPerc\" name=\"maxDistance\" min=\"0\" max=\"" + number(4 * radius) +
-         "\" value=\"" + number(2 * radius) + "\"/>\n</filter>\n<filter name=\"Per Vertex Geometric Function\">\n" +
-         axis("x", way.x(), share) + axis("y", way.y(), share) + axis("z", way.z(), share) +
+         "\"/>\n<Param type=\"RichAbsPerc\" name=\"maxDistance\" min=\"0\" max=\"" + all + "\" value=\"" + all +
+         "\"/>\n</filter>\n<filter name=\"Per Vertex Geometric Function\">\n" + axis("x", way.x(), share) +
+         axis("y", way.y(), share) + axis("z", way.z(), share) +
          "<Param type=\"RichBool\" name=\"onselected\" value=\"false\"/>\n</filter>\n</FilterScript>\n";
 }
 

@@ -18,6 +18,7 @@ FIGURES = {
     "flipped": lambda f: f["flipped"],
     "new pairs": lambda f: f["pairs"],
     "volume": lambda f: None if f["volume"] is None else abs(f["volume"]),
+    "handle": lambda f: f["behind"],
     "preparing": lambda f: f["prepare_ms"],
     "settled": lambda f: None if f["prepare_ms"] is None else f["prepare_ms"] + f["solve_ms"],
     "frame": lambda f: f["frame_ms"],
@@ -64,6 +65,12 @@ def times(edits, method):
     return found
 
 
+def handles(edits, method):
+    """How far the handle is from its target, in per cent of its way: median and largest."""
+    found = [100 * edit[method]["behind"] for edit in edits if has_result(edit.get(method))]
+    return f"{statistics.median(found):.2g}", f"{max(found):.2g}"
+
+
 def main():
     with open(sys.argv[1], encoding="utf-8") as file:
         edits = json.load(file)
@@ -72,6 +79,8 @@ def main():
           [(name, edit["vertices"], *(cell(edit.get(method)) for method in present)) for name, edit in edits.items()])
     table(("peer better : default better", *FIGURES),
           [(peer, *counts(list(edits.values()), peer)) for peer in present if peer in PEERS])
+    table(("handle from its target, % of its way", "median", "largest"),
+          [(method, *handles(list(edits.values()), method)) for method in present])
     rows = [(method, times(list(edits.values()), method)) for method in present]
     table(("median, ms, and over the default's", "preparing", "", "settled", "", "frame", ""),
           [(method, *found) for method, found in rows if found])

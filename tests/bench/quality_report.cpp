@@ -46,7 +46,7 @@ double median(std::vector<double> values) {
 
 void print_line(const std::string& edit, const std::string& vertices, const std::string& method, const Figures& f) {
   if (!f.failed.empty()) {
-    std::printf("| %s | %s | %s | %s | | | | | | | | |\n", edit.c_str(), vertices.c_str(), method.c_str(),
+    std::printf("| %s | %s | %s | %s | | | | | | | | | |\n", edit.c_str(), vertices.c_str(), method.c_str(),
                 f.failed.c_str());
     return;
   }
@@ -57,10 +57,11 @@ void print_line(const std::string& edit, const std::string& vertices, const std:
     }
     return std::string(text);
   };
-  std::printf("| %s | %s | %s | %.1f | %.0f | %d | %d | %s | %s | %s | %s | %s%s |\n", edit.c_str(), vertices.c_str(),
-              method.c_str(), 100 * f.rms, 100 * f.largest, f.flipped, f.pairs, known("%+.1f", 100 * f.volume).c_str(),
-              known("%.1f", f.prepare_ms + f.solve_ms).c_str(), known("%.1f", f.prepare_ms).c_str(),
-              known("%.1f", f.solve_ms).c_str(), known("%.2f", f.frame_ms).c_str(), f.fast_frame ? "" : " (whole)");
+  std::printf("| %s | %s | %s | %.1f | %.0f | %d | %d | %s | %.2g | %s | %s | %s | %s%s |\n", edit.c_str(),
+              vertices.c_str(), method.c_str(), 100 * f.rms, 100 * f.largest, f.flipped, f.pairs,
+              known("%+.1f", 100 * f.volume).c_str(), 100 * f.behind, known("%.1f", f.prepare_ms + f.solve_ms).c_str(),
+              known("%.1f", f.prepare_ms).c_str(), known("%.1f", f.solve_ms).c_str(), known("%.2f", f.frame_ms).c_str(),
+              f.fast_frame ? "" : " (whole)");
 }
 
 const Value kRms = [](const Figures& f) { return f.rms; };
@@ -141,9 +142,10 @@ nlohmann::ordered_json as_json(const Figures& f) {
   if (!f.failed.empty()) {
     return {{"failed", f.failed}};
   }
-  nlohmann::ordered_json result = {{"rms", f.rms},           {"largest", f.largest},   {"flipped", f.flipped},
-                                   {"pairs", f.pairs},       {"volume", nullptr},      {"prepare_ms", f.prepare_ms},
-                                   {"solve_ms", f.solve_ms}, {"frame_ms", f.frame_ms}, {"fast_frame", f.fast_frame}};
+  nlohmann::ordered_json result = {
+      {"rms", f.rms},           {"largest", f.largest},      {"flipped", f.flipped},       {"pairs", f.pairs},
+      {"volume", nullptr},      {"behind", f.behind},        {"prepare_ms", f.prepare_ms}, {"solve_ms", f.solve_ms},
+      {"frame_ms", f.frame_ms}, {"fast_frame", f.fast_frame}};
   if (std::isfinite(f.volume)) {
     result["volume"] = f.volume;
   }
@@ -154,8 +156,8 @@ nlohmann::ordered_json as_json(const Figures& f) {
 
 void print_head() {
   std::printf(
-      "| edit | vertices | method | RMS stretch %% | largest %% | flipped | new pairs | volume %% | settled ms | "
-      "preparing | solving | frame |\n|---|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
+      "| edit | vertices | method | RMS stretch %% | largest %% | flipped | new pairs | volume %% | handle off %% | "
+      "settled ms | preparing | solving | frame |\n|---|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
 }
 
 void print_row(const Row& row, const std::vector<Method>& methods) {

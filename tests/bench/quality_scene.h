@@ -40,6 +40,7 @@ struct Method {
 struct Figures {
   double rms = 0, largest = 0;
   double volume = 0;  ///< not a number where nothing is enclosed
+  double behind = 0;  ///< largest distance of a handle vertex from its target over the longest way of one
   int flipped = 0, pairs = 0;
   double prepare_ms = 0, solve_ms = 0, frame_ms = 0;
   bool fast_frame = true;
