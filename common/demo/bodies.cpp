@@ -264,11 +264,11 @@ TriangleMesh dragon() {
             {{x + 0.04, -1.06, 0.5 * side + toe / 2}, {x + 0.26, -1.1, 0.5 * side + 1.4 * toe}, 0.075, 0.035, 0.04});
       }
     }
-    parts.push_back({{2.42, 0.8, 0.14 * side}, {2.1, 0.98, 0.26 * side}, 0.07, 0.05, 0.06});
-    parts.push_back({{2.1, 0.98, 0.26 * side}, {1.85, 1.2, 0.28 * side}, 0.05, 0.02, 0.03});
+    parts.push_back({{2.42, 0.8, 0.14 * side}, {2.1, 0.98, 0.26 * side}, 0.075, 0.06, 0.06});
+    parts.push_back({{2.1, 0.98, 0.26 * side}, {1.85, 1.2, 0.28 * side}, 0.06, 0.045, 0.03});
     parts.push_back({{2.6, 0.82, 0.15 * side}, {2.78, 0.78, 0.13 * side}, 0.05, 0.04, 0.06});
     parts.push_back(hollow({2.74, 0.72, 0.23 * side}, 0.07, 0.05));
-    parts.push_back(ball({2.72, 0.71, 0.16 * side}, 0.065, 0.02));
+    parts.push_back(ball({2.72, 0.71, 0.16 * side}, 0.075, 0.03));
     parts.push_back(ball({3.14, 0.62, 0.07 * side}, 0.045, 0.04));
   }
   TriangleMesh mesh = by_x(Body(parts, 0.026).mesh());
