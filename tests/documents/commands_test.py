@@ -132,9 +132,11 @@ class Commands(unittest.TestCase):
 
     def test_selections_and_tests_that_are_named(self):
         """They configure, select some tests each, and the tests that the table names are there."""
+        source = re.search(r"^MESHLAB_SOURCE_DIR:PATH=(.+)$", (BINARY_DIR / "CMakeCache.txt").read_text(encoding="utf-8"), re.M)
+        given = f" -DMESHLAB_SOURCE_DIR={source[1]}" if source else ""
         settings = f"-DLAPEDIT_MESHES={os.environ.get('LAPEDIT_MESHES', '')} -DLAPEDIT_BUILD_TESTS=ON -DLAPEDIT_TEST_HOSTS=ON"
         for _place, _line, text in self.of_kind(self.CONFIGURE):
-            shown = self.run_in_clone(text)
+            shown = self.run_in_clone(text + given)
             self.assertRegex(shown, r"Build files have been written to")
             self.assertNotIn("CMake Warning", shown)
         self.run_in_clone(f"cmake -S . -B build {settings}")
