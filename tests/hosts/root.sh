@@ -52,7 +52,7 @@ hosts=$(realpath -m "$hosts")
 
 # Each package list's root has a stamp, written last: what has another stamp, or none, is not ready.
 stamp_of() {
-  local packages=
+  local packages=''
   [ "$2" = bare ] || packages=$clean_packages
   [ "$2" != build ] || packages="$packages $build_packages"
   # shellcheck disable=SC2086,SC2116
@@ -213,7 +213,7 @@ make() {
   [ $# -eq 2 ] || usage
   local suite=$1 kind=$2
   case $suite in *[!a-z0-9-]* | '' | -*) usage ;; esac
-  local below= packages=
+  local below='' packages=''
   case $kind in
   bare) ;;
   clean) below=bare packages=$clean_packages ;;
