@@ -33,4 +33,7 @@ rm -rf --one-file-system "$root"
 (flock -s 8 && cp -a --reflink=auto "$bare" "$root") 8>>"$bare.lock"
 mkdir "$root/project"
 tar -C "$project" --exclude='./build*' --exclude=./.git --owner=0 --group=0 -c . | tar -C "$root/project" -x
-PYTHONDONTWRITEBYTECODE=1 LAPEDIT_FIRST_ROOT=$root LAPEDIT_OUTPUT=$root.log python3 "$here/first_test.py" -v --failfast 9>&-
+# In the background, so that a signal is seen at once; what it started ends with it.
+PYTHONDONTWRITEBYTECODE=1 LAPEDIT_FIRST_ROOT=$root LAPEDIT_OUTPUT=$root.log \
+  setpriv --pdeathsig TERM python3 "$here/first_test.py" -v --failfast 9>&- &
+wait $!
