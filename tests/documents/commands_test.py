@@ -51,7 +51,8 @@ ELSEWHERE = [
     (r"sbatch .* slurm_array\.sh .*", "command.list", "tests/batch/list_test.py", "slurm_array.sh"),
 ]
 
-# What no test runs, and why. Of its own scripts it is checked that they can be read and know the options.
+# What no test runs, and why. Of this project's programs among it is checked that they are there, that scripts can be
+# read, and that they know the options.
 EXCEPTIONS = [
     (r"python3 -m venv python|\. python/bin/activate|pip install pymeshlab\S*|git clone .*/meshlab|"
      r"cmake (.|\n)*build-python(.|\n)*", "PyMeshLab's wheel and its source come from the network"),
@@ -198,6 +199,8 @@ class Commands(unittest.TestCase):
             texts = sorted({text for _place, _line, text in self.of_kind(pattern)})
             print(f"Not run, {len(texts)} commands: {reason}: {', '.join(' '.join(t.split())[:60] for t in texts)}")
             for text in texts:
+                for program in re.findall(r"\w+_(?:bench|fuzzer)\b", text):
+                    self.assertTrue(list(ROOT.glob(f"tests/*/{program}.cpp")), program)
                 for script in re.findall(r"tests/[\w/]+\.(?:sh|py)", text):
                     with self.subTest(script=script):
                         source = (ROOT / script).read_text(encoding="utf-8")
