@@ -59,4 +59,4 @@ install() {
 install $packages
 # Libraries of MeshLab's own plugins are only recommended by its package from Debian 13 on. Without them it lacks filters.
 # shellcheck disable=SC2016,SC2046
-install $(dpkg-query -W -f '${Recommends}' meshlab | tr , '\n' | sed -n 's/^ *\(lib[^ ]*\).*/\1/p')
+install $(dpkg-query -W -f '${Recommends}' meshlab | tr , '\n' | sed -n '/|/d; s/^ *\(lib[^ ]*\).*/\1/p')
