@@ -56,7 +56,7 @@ ELSEWHERE = [
 EXCEPTIONS = [
     (r"python3 -m venv python|\. python/bin/activate|pip install pymeshlab\S*|git clone .*/meshlab|"
      r"cmake (.|\n)*build-python(.|\n)*", "PyMeshLab's wheel and its source come from the network"),
-    (r"(\w+=.*\n)?(xvfb-run -a )?tests/(scripts/(speed|quality)\.sh|bench/quality_pictures\.py)(.|\n)*|"
+    (r"(\w+=.*\n)?(xvfb-run -a )?tests/(scripts/(speed|quality)\.sh|bench/quality_(pictures|page)\.py)(.|\n)*|"
      r"(cmake --build )?build/speed.*", "measures for minutes up to hours, beside CGAL and Blender"),
     (r"tests/scripts/(whole_mesh|window_frames)\.sh.*", "measures: takes 10 GB, or a whole machine"),
     (r"tests/scripts/(paper|gallery|first_drag|window_(pictures|lines|tour|film))\.(sh|py)",
