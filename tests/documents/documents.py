@@ -135,6 +135,7 @@ def commands(path):
     lines = list(enumerate((ROOT / path).read_text(encoding="utf-8").splitlines(), 1))
     if path.suffix == ".1":
         return _of_manual(lines)
+    own_files = set(files())  # builds may be there or not
     found, block, language, indent, blank = [], [], None, 0, True  # the block that is being read
     for number, line in lines + [(len(lines) + 1, "")]:
         fence = re.match(r"\s*```(\w*)", line)
@@ -154,7 +155,7 @@ def commands(path):
                 block = []
             for span in re.findall(r"`([^`]+)`", line):
                 program, *arguments = span.split() or [""]
-                own = (ROOT / program).is_file() and os.access(ROOT / program, os.X_OK)
+                own = pathlib.Path(program) in own_files and os.access(ROOT / program, os.X_OK)
                 if own or arguments and re.fullmatch(r"sudo|c(make|test|pack)|apt(-get)?|pip|git|build[\w-]*/\S+", program):
                     found.append((number, span))
         blank = not line
