@@ -4,7 +4,7 @@
 #
 # usage: reproducible.sh [FOLDER]     FOLDER: for the builds, made anew; by default build/reproducible
 #
-# The second build has another umask, time zone, language, time and number of jobs than the first. Ends with 0 if the
+# The second build has another umask, time zone, language and time than the first. Ends with 0 if the
 # packages are the same and hold no path of theirs; some ten minutes on two cores.
 set -euo pipefail
 
@@ -27,7 +27,7 @@ build() {
 }
 
 (umask 022 && TZ=UTC build one "$(nproc)")
-(umask 077 && TZ=Asia/Tokyo LC_ALL=C.UTF-8 build another/folder/of/a/longer/name 1)
+(umask 077 && TZ=Asia/Tokyo LC_ALL=C.UTF-8 build another/folder/of/a/longer/name "$(nproc)")
 
 packages=("$folder"/one/build/*.deb "$folder"/another/folder/of/a/longer/name/build/*.deb)
 sha256sum "${packages[@]}"
