@@ -19,6 +19,7 @@ build() {
   local source=$folder/$1
   mkdir -p "$source"
   tar -xf "$tarball" -C "$source" --strip-components=1 --touch
+  # shellcheck disable=SC2016
   env -u CMAKE_CXX_COMPILER_LAUNCHER -u CMAKE_C_COMPILER_LAUNCHER CCACHE_DISABLE=1 sh -euc '
     cmake -S "$1" -B "$1/build"
     cmake --build "$1/build" --parallel "$2"

@@ -94,7 +94,7 @@ of() {
 {
   echo '| Part | Files | Lines |'
   echo '| --- | --- | --- |'
-  # shellcheck disable=SC2046 # no name has a space
+  # shellcheck disable=SC2016,SC2046 # Markdown; and no name has a space
   {
     row 'core, without the tool'"'"'s session' $(of "$filter/lapedit")
     row 'host layer' $(of "$filter/lapedit_host")
@@ -110,7 +110,7 @@ of() {
 } | tee "$folder/size.md"
 [ -n "$build" ] || exit 0
 
-# shellcheck source-path=SCRIPTDIR
+# shellcheck source=tests/hosts/build_root.sh
 . "$project/tests/hosts/build_root.sh" sid
 # shellcheck disable=SC2016
 "${root_sh[@]}" run "$root" "${options[@]}" --bind-ro "$folder=/patch" -- sh -euc '
