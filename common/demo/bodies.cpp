@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <vector>
 
 namespace lapedit::shapes {
@@ -131,6 +132,39 @@ TriangleMesh Body::mesh() const {
   return result;
 }
 
+/// Bumps as of scales, 0 to 1: near to 1 at one point of each cell of a jittered grid of that size.
+double scales(const Vector3& p, double size) {
+  const Vector3 at = p / size;
+  double nearest = 10;
+  for (int k = 0; k < 27; ++k) {
+    const std::array<long, 3> cell = {std::lround(std::floor(at[0])) + k % 3 - 1,
+                                      std::lround(std::floor(at[1])) + k / 3 % 3 - 1,
+                                      std::lround(std::floor(at[2])) + k / 9 - 1};
+    auto dice = static_cast<unsigned>(cell[0] * 73856093L ^ cell[1] * 19349663L ^ cell[2] * 83492791L);
+    Vector3 point;
+    for (int axis = 0; axis < 3; ++axis) {
+      dice = 1664525U * dice + 1013904223U;
+      point[axis] = static_cast<double>(cell[static_cast<std::size_t>(axis)]) + 0.2 + 0.6 * (dice >> 8) / (1U << 24);
+    }
+    nearest = std::min(nearest, (at - point).squaredNorm());
+  }
+  return std::max(0.0, 1 - nearest / 0.6);
+}
+
+/// The mesh with its vertices in the order of their x.
+TriangleMesh by_x(const TriangleMesh& mesh) {
+  std::vector<int> order(static_cast<std::size_t>(mesh.vertices.rows())), number(order.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](int a, int b) { return mesh.vertices(a, 0) < mesh.vertices(b, 0); });
+  TriangleMesh result = mesh;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    number[static_cast<std::size_t>(order[k])] = static_cast<int>(k);
+    result.vertices.row(static_cast<Eigen::Index>(k)) = mesh.vertices.row(order[k]);
+  }
+  result.faces = mesh.faces.unaryExpr([&](int v) { return number[static_cast<std::size_t>(v)]; });
+  return result;
+}
+
 Part ball(const Vector3& centre, double radius, double blend) {
   return {centre, centre, radius, radius, blend};
 }
@@ -199,6 +233,59 @@ TriangleMesh creature() {
     parts.push_back(ball({1.62, 1.02, 0.14 * side}, 0.07, 0.04));
   }
   return Body(parts, 0.034).mesh();
+}
+
+TriangleMesh dragon() {
+  const std::vector<Vector3> spine = {{-3.6, -0.28, 0}, {-3.0, -0.42, 0}, {-2.3, -0.38, 0}, {-1.6, -0.2, 0},
+                                      {-0.9, 0, 0},     {0.1, 0.08, 0},   {0.8, 0.1, 0},    {1.4, 0.32, 0},
+                                      {1.95, 0.5, 0},   {2.4, 0.6, 0}};
+  const std::vector<double> radius = {0.035, 0.07, 0.13, 0.22, 0.4, 0.5, 0.42, 0.26, 0.21, 0.2};
+  std::vector<Part> parts = {{spine[4], spine[5], radius[4], radius[5], 0.3, false, {1, 1, 0.85}}};
+  for (std::size_t k = 0; k + 1 < spine.size(); ++k) {
+    parts.push_back({spine[k], spine[k + 1], radius[k], radius[k + 1], 0.12, false, {1, 1, 0.9}});
+    for (const double t : {0.0, 0.34, 0.67}) {  // the ridge
+      const double width = radius[k] + t * (radius[k + 1] - radius[k]);
+      const Vector3 root = spine[k] + t * (spine[k + 1] - spine[k]) + Vector3(0, 0.85 * width, 0);
+      if (k > 0 && k < 8) {
+        parts.push_back(
+            {root, root + Vector3(-0.08, 0.13 + 0.4 * width, 0), 0.05 + 0.2 * width, 0.022, 0.04, false, {1, 1, 0.45}});
+      }
+    }
+  }
+  parts.push_back(ellipsoid({2.52, 0.66, 0}, 0.28, {1, 0.85, 0.85}, 0.15));
+  parts.push_back({{2.6, 0.64, 0}, {3.12, 0.54, 0}, 0.2, 0.13, 0.1, false, {1, 0.8, 0.9}});
+  parts.push_back({{2.5, 0.48, 0}, {3.02, 0.36, 0}, 0.13, 0.08, 0.03, false, {1, 0.8, 1}});
+  for (const double side : {-1.0, 1.0}) {
+    for (const double x : {-0.75, 0.62}) {
+      parts.push_back({{x, -0.1, 0.3 * side}, {x - 0.08, -0.62, 0.46 * side}, 0.24, 0.14, 0.2});
+      parts.push_back({{x - 0.08, -0.62, 0.46 * side}, {x + 0.04, -1.02, 0.5 * side}, 0.14, 0.1, 0.06});
+      for (const double toe : {-0.09, 0.0, 0.09}) {
+        parts.push_back(
+            {{x + 0.04, -1.06, 0.5 * side + toe / 2}, {x + 0.26, -1.1, 0.5 * side + 1.4 * toe}, 0.075, 0.035, 0.04});
+      }
+    }
+    parts.push_back({{2.42, 0.8, 0.14 * side}, {2.1, 0.98, 0.26 * side}, 0.075, 0.06, 0.06});
+    parts.push_back({{2.1, 0.98, 0.26 * side}, {1.85, 1.2, 0.28 * side}, 0.06, 0.045, 0.03});
+    parts.push_back({{2.6, 0.82, 0.15 * side}, {2.78, 0.78, 0.13 * side}, 0.05, 0.04, 0.06});
+    parts.push_back(hollow({2.74, 0.72, 0.23 * side}, 0.07, 0.05));
+    parts.push_back(ball({2.72, 0.71, 0.16 * side}, 0.075, 0.03));
+    parts.push_back(ball({3.14, 0.62, 0.07 * side}, 0.045, 0.04));
+  }
+  TriangleMesh mesh = by_x(Body(parts, 0.026).mesh());
+  Points normals = Points::Zero(mesh.vertices.rows(), 3);
+  for (const auto& f : mesh.faces.rowwise()) {
+    const Vector3 a = mesh.vertices.row(f[0]), b = mesh.vertices.row(f[1]), c = mesh.vertices.row(f[2]);
+    for (const int v : {f[0], f[1], f[2]}) normals.row(v) += (b - a).cross(c - a);
+  }
+  normals.rowwise().normalize();
+  for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+    const Vector3 p = mesh.vertices.row(v);
+    const double large = std::clamp(1.25 - std::abs(p[0]) / 3, 0.3, 1.0);  // smaller towards head and tail
+    const double on_body =
+        std::clamp((p[1] + 1.0) / 0.5, 0.0, 1.0) * (p[0] > 2.3 ? std::max(0.0, 1 - (p[0] - 2.3) / 0.3) : 1);
+    mesh.vertices.row(v) += 0.028 * large * on_body * scales(p, 0.125) * normals.row(v);
+  }
+  return mesh;
 }
 
 TriangleMesh person() {

@@ -17,6 +17,10 @@ TriangleMesh hand();
 /// (1.2, 1.2, 0.62), of the tail near (-2.2, 0.6, 0); a front foot near (0.75, -1.35, 0.3).
 TriangleMesh creature();
 
+/// A dragon with scales on four legs that looks to +x, about 7 long: snout near (3.2, 0.5, 0), tip of the tail near
+/// (-3.6, -0.3, 0). Its vertices are numbered by x, from the tail on.
+TriangleMesh dragon();
+
 /// A person who stands and looks to +z, about 3.5 high, arms hanging away from the body: nose tip near (0, 1.39, 0.47),
 /// shoulders at x = 0.4 and -0.4, y = 0.8, fingertips near (1.08, -0.4, 0.1) and its mirror image.
 TriangleMesh person();

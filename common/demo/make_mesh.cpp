@@ -27,6 +27,7 @@ const std::map<std::string, std::function<TriangleMesh()>> kMeshes = {
     {"head", [] { return shapes::head(); }},
     {"hand", [] { return shapes::hand(); }},
     {"creature", [] { return shapes::creature(); }},
+    {"dragon", [] { return shapes::dragon(); }},
     {"person", [] { return shapes::person(); }},
     {"terrain", [] { return shapes::terrain(); }},
     {"plate", [] { return shapes::bar(80, 50, 2); }},

@@ -2,6 +2,7 @@
 """Links lead somewhere, paths and names in code exist, the README is one page."""
 import fnmatch
 import os
+import pathlib
 import re
 import subprocess
 import unittest
@@ -84,10 +85,12 @@ class Links(unittest.TestCase):
                 with self.subTest(document=name, setting=setting):
                     self.assertRegex(sources, rf"\b{setting}\b")
 
-    def test_readme_is_one_page_with_one_picture(self):
+    def test_readme_is_one_page_with_a_film_and_a_picture(self):
         readme = self.documents["README.md"]
         self.assertLessEqual(len(readme.text.splitlines()), LONGEST_README)
-        self.assertEqual(len(re.findall(r"!\[", readme.text)), 1)
+        pictures = [pathlib.Path(name) for name in re.findall(r"!\[[^\]]*\]\(([^)]*)\)", readme.text)]
+        self.assertEqual(sorted(picture.suffix for picture in pictures), [".gif", ".png"])
+        self.assertLess(sum((ROOT / picture).stat().st_size for picture in pictures), 3e6)
 
     def test_the_citation_has_the_version_and_the_paper(self):
         citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")

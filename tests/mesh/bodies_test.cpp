@@ -11,7 +11,7 @@ namespace lapedit::shapes {
 namespace {
 
 TEST(Bodies, AreClosedOrientedAndInOnePiece) {
-  for (const TriangleMesh& body : {head(), hand(), creature(), person()}) {
+  for (const TriangleMesh& body : {head(), hand(), creature(), dragon(), person()}) {
     std::map<std::pair<int, int>, int> edges;  // directed
     double volume = 0;
     for (const auto& f : body.faces.rowwise()) {
