@@ -108,8 +108,6 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "${_directory}")
 set(CPACK_SET_DESTDIR ON)
 set(CPACK_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE
-                                                WORLD_READ WORLD_EXECUTE)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 
 # All that has a time in it has that of the release, so that another build gives the same bytes: the changelog here, and by
@@ -120,7 +118,8 @@ execute_process(COMMAND date -u -R -d "${LAPEDIT_RELEASE_DATE}" OUTPUT_VARIABLE 
                 OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
 configure_file("${CMAKE_CURRENT_LIST_DIR}/package/cpack_settings.cmake.in" "${_files}/cpack_settings.cmake" @ONLY)
 set(CPACK_PROJECT_CONFIG_FILE "${_files}/cpack_settings.cmake")
-set(CPACK_PRE_BUILD_SCRIPTS "${CMAKE_CURRENT_LIST_DIR}/package/same_times.cmake")
+set(CPACK_PRE_BUILD_SCRIPTS "${CMAKE_CURRENT_LIST_DIR}/package/same_everywhere.cmake")
+set(CPACK_POST_BUILD_SCRIPTS "${CMAKE_CURRENT_LIST_DIR}/package/pack_again.cmake")
 
 # Files of the package alone.
 configure_file("${CMAKE_CURRENT_LIST_DIR}/package/changelog.Debian.in" "${_files}/changelog.Debian" @ONLY)
