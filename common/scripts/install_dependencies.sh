@@ -31,24 +31,32 @@ for what in "$@"; do
   esac
 done
 
-missing=
-for package in $packages; do
-  # shellcheck disable=SC2016
-  status=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)
-  [ "$status" = installed ] || missing="$missing $package"
-done
-[ -n "$missing" ] || exit 0
-
-as_root=
-if [ "$(id -u)" -ne 0 ]; then
-  command -v sudo >/dev/null || { echo "install_dependencies.sh: as root, please install:$missing" >&2; exit 1; }
-  as_root=sudo
-fi
-echo "Installing:$missing"
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
+# install PACKAGE...: what is missing of them
+install() {
+  missing=
+  for package in "$@"; do
+    # shellcheck disable=SC2016
+    status=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)
+    [ "$status" = installed ] || missing="$missing $package"
+  done
+  [ -n "$missing" ] || return 0
+
+  as_root=
+  if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null || { echo "install_dependencies.sh: as root, please install:$missing" >&2; exit 1; }
+    as_root=sudo
+  fi
+  echo "Installing:$missing"
+  # shellcheck disable=SC2086
+  {
+    $as_root apt-get update -q &&
+      $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -qy --no-install-recommends $missing
+  } >"$log" 2>&1 </dev/null || { cat "$log" >&2; exit 1; }
+}
 # shellcheck disable=SC2086
-{
-  $as_root apt-get update -q &&
-    $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -qy --no-install-recommends $missing
-} >"$log" 2>&1 </dev/null || { cat "$log" >&2; exit 1; }
+install $packages
+# Libraries of MeshLab's own plugins are only recommended by its package from Debian 13 on. Without them it lacks filters.
+# shellcheck disable=SC2016,SC2046
+install $(dpkg-query -W -f '${Recommends}' meshlab | tr , '\n' | sed -n '/|/d; s/^ *\(lib[^ ]*\).*/\1/p')

@@ -3,8 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "shapes.h"
 #include "support.h"
+#ifdef QUALITY_LIBIGL
+#include "bench/igl_peer.h"
+#endif
 
 namespace quality {
 namespace {
@@ -37,7 +42,11 @@ Scene lifted(const lapedit::TriangleMesh& mesh, int handle) {
 
 TEST(ArapPeer, HoldsHandleAndAnchorsAndTakesTheRestAlong) {
   const Scene scene = lifted(shapes::grid(12, 12), 12 * 6 + 6);
-  for (const auto method : {arap, smooth_arap}) {
+  std::vector methods = {arap, smooth_arap};
+#ifdef QUALITY_LIBIGL
+  methods.insert(methods.end(), {igl_arap, igl_biharmonic});
+#endif
+  for (const auto method : methods) {
     const MethodResult result = method(scene);
     EXPECT_LT(control_error(scene, result.positions), 1e-12);
     EXPECT_GT(result.positions(12 * 6 + 7, 2), 0.1);
@@ -45,7 +54,15 @@ TEST(ArapPeer, HoldsHandleAndAnchorsAndTakesTheRestAlong) {
     const Figures figures = measure(scene, result);
     EXPECT_GT(figures.rms, 0.01);
     EXPECT_EQ(figures.flipped + figures.pairs, 0);
+    EXPECT_LT(figures.behind, 1e-12);
   }
+}
+
+TEST(ArapPeer, AHandleThatStaysBehindIsMeasured) {
+  const Scene scene = lifted(shapes::grid(12, 12), 12 * 6 + 6);
+  MethodResult result = arap(scene);
+  result.positions(12 * 6 + 6, 2) -= 0.1;
+  EXPECT_NEAR(measure(scene, result).behind, 0.1 / std::hypot(0.2, 1), 1e-9);
 }
 
 TEST(ArapPeer, BadMeshesEndWithAResultOrARefusal) {

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "blender_peer.h"
 
-#include <unistd.h>
-
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+
+#include "quality_files.h"
 
 namespace quality {
 namespace {
@@ -59,24 +58,15 @@ json scene_json(const Scene& scene, double scale) {
 }  // namespace
 
 MethodResult blender(const Scene& scene) {
-  const std::filesystem::path folder =
-      std::filesystem::temp_directory_path() / ("quality_blender_" + std::to_string(getpid()));
-  std::filesystem::create_directories(folder);
-  struct Remove {
-    const std::filesystem::path& folder;
-    ~Remove() {
-      std::error_code ignored;
-      std::filesystem::remove_all(folder, ignored);
-    }
-  } const remove{folder};
-  const std::filesystem::path input = folder / "scene.json", output = folder / "result.json";
+  const ScratchFolder folder("blender");
+  const std::filesystem::path input = folder.path / "scene.json", output = folder.path / "result.json";
   const double scale = blender_scale(scene);
   std::ofstream(input) << scene_json(scene, scale);
   // A spinning OpenMP thread would slow it tenfold as soon as something else runs.
-  const std::string command = "OMP_WAIT_POLICY=passive HOME='" + folder.string() +
+  const std::string command = "OMP_WAIT_POLICY=passive HOME='" + folder.path.string() +
                               "' blender -b --factory-startup -noaudio --python-exit-code 1 --python '" +
                               QUALITY_BLENDER_SCRIPT + "' -- '" + input.string() + "' '" + output.string() + "' >'" +
-                              (folder / "log").string() + "' 2>&1 </dev/null";
+                              (folder.path / "log").string() + "' 2>&1 </dev/null";
   if (std::system(command.c_str()) != 0 || !std::filesystem::exists(output)) {
     throw std::runtime_error("Blender has no result");
   }

@@ -15,11 +15,16 @@
 
 #include "arap_peer.h"
 #include "blender_peer.h"
+#include "meshlab_peer.h"
 #include "our_methods.h"
 #include "quality_edits.h"
+#include "quality_files.h"
 #include "quality_report.h"
 #include "quality_scene.h"
 #include "quality_text.h"
+#ifdef QUALITY_LIBIGL
+#include "igl_peer.h"
+#endif
 
 namespace quality {
 namespace {
@@ -34,6 +39,7 @@ constexpr const char* kUsage = R"(usage: quality_bench [OPTION]...
                         adds these settings, by the keys of JSON, under a name; what is not named is as by default
   --only A,B            only these methods
   --blender             Blender's Laplacian Deform too
+  --meshlab             what comes nearest among MeshLab's own filters too, for handles of one vertex
   --bars NAME           whose bars are computed (default)
   --threads N           ours; 0, the default: as many as the machine has
   --repeat N            best times of so many runs (2)
@@ -44,7 +50,7 @@ constexpr const char* kUsage = R"(usage: quality_bench [OPTION]...
 
 struct Options {
   std::vector<std::string> edits, only;
-  bool quick = false, blender = false, generated = true, real = true, list = false;
+  bool quick = false, blender = false, meshlab = false, generated = true, real = true, list = false;
   std::vector<std::pair<std::string, std::string>> ours;
   std::string bars = "default", json, out;
   int threads = 0, repeat = 2;
@@ -72,6 +78,13 @@ std::vector<Method> make_methods(const Options& options) {
   methods.push_back({"SR-ARAP", smooth_arap});
   if (options.blender) {
     methods.push_back({"Blender", blender, true});
+  }
+#ifdef QUALITY_LIBIGL
+  methods.push_back({"libigl", igl_arap});
+  methods.push_back({"biharmonic", igl_biharmonic});
+#endif
+  if (options.meshlab) {
+    methods.push_back({"MeshLab", meshlab_falloff, true, true});
   }
   for (const std::string& name : options.only) {
     if (std::none_of(methods.begin(), methods.end(), [&](const Method& m) { return m.name == name; })) {
@@ -107,18 +120,6 @@ void run_once_more(const Method& method, const Scene& scene, Outcome& outcome) {
   } catch (const std::exception& problem) {
     outcome.best.reset();
     outcome.failed = problem.what();
-  }
-}
-
-void write_ply(const std::filesystem::path& path, const lapedit::Points& positions, const lapedit::Faces& faces) {
-  std::ofstream out(path, std::ios::binary);
-  out << "ply\nformat binary_little_endian 1.0\nelement vertex " << positions.rows()
-      << "\nproperty float x\nproperty float y\nproperty float z\nelement face " << faces.rows()
-      << "\nproperty list uchar int vertex_indices\nend_header\n";
-  const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> single = positions.cast<float>();
-  out.write(reinterpret_cast<const char*>(single.data()), static_cast<std::streamsize>(single.size() * sizeof(float)));
-  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-    out.put(3).write(reinterpret_cast<const char*>(faces.row(f).data()), 3 * sizeof(int));
   }
 }
 
@@ -171,6 +172,8 @@ Options parse(int argc, char** argv) {
       options.quick = true;
     } else if (option == "--blender") {
       options.blender = true;
+    } else if (option == "--meshlab") {
+      options.meshlab = true;
     } else if (option == "--generated") {
       options.real = false;
     } else if (option == "--real") {

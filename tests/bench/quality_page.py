@@ -1,30 +1,90 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The table of common/docs/quality.md from quality.json of tests/scripts/quality.sh.
+"""Tables of common/docs/peers.md from quality.json of tests/scripts/quality.sh: the shape of each edit, how often each
+peer does better than the default, and the sums of times.
 
 usage: quality_page.py quality.json
 """
 import json
+import statistics
 import sys
 
-METHODS = ("paper", "before", "default", "ARAP", "SR-ARAP", "Blender")
+OURS = "default"
+PEERS = ("ARAP", "SR-ARAP", "libigl", "biharmonic", "Blender", "MeshLab")
+METHODS = ("paper", OURS, *PEERS)
+FIGURES = {
+    "RMS stretch": lambda f: f["rms"],
+    "largest stretch": lambda f: f["largest"],
+    "flipped": lambda f: f["flipped"],
+    "new pairs": lambda f: f["pairs"],
+    "volume": lambda f: None if f["volume"] is None else abs(f["volume"]),
+    "handle": lambda f: f["behind"],
+    "preparing": lambda f: f["prepare_ms"],
+    "settled": lambda f: None if f["prepare_ms"] is None else f["prepare_ms"] + f["solve_ms"],
+    "frame": lambda f: f["frame_ms"],
+}
+
+
+def has_result(figures):
+    return bool(figures) and "rms" in figures
 
 
 def cell(figures):
-    if not figures or "rms" not in figures:
+    if not has_result(figures):
         return "-"
     return "{:.0f} / {:.0f} / {} / {}".format(100 * figures["rms"], 100 * figures["largest"], figures["flipped"],
                                               figures["pairs"])
 
 
+def table(head, rows):
+    print("| " + " | ".join(head) + " |\n|---|" + "--:|" * (len(head) - 1))
+    for row in rows:
+        print("| " + " | ".join(map(str, row)) + " |")
+    print()
+
+
+def counts(edits, peer):
+    """Of the edits that both have made: in how many the peer's figure is better than ours, and than which ours is."""
+    for value in FIGURES.values():
+        pairs = [(value(edit[OURS]), value(edit[peer])) for edit in edits if has_result(edit.get(peer))]
+        pairs = [(ours, theirs) for ours, theirs in pairs if ours is not None and theirs is not None]
+        yield (f"{sum(theirs < ours for ours, theirs in pairs)} : {sum(ours < theirs for ours, theirs in pairs)}"
+               if pairs else "-")
+
+
+def times(edits, method):
+    """Medians in milliseconds, then over ours: medians of the edits' own ratios."""
+    found = []
+    for name in ("preparing", "settled", "frame"):
+        value = FIGURES[name]
+        pairs = [(value(edit[OURS]), value(edit[method])) for edit in edits if has_result(edit.get(method))]
+        if not pairs or any(theirs is None for _, theirs in pairs):
+            return None
+        found += [f"{statistics.median(theirs for _, theirs in pairs):.3g}",
+                  f"{statistics.median(theirs / ours for ours, theirs in pairs):.2f}"]
+    return found
+
+
+def handles(edits, method):
+    """How far the handle is from its target, in per cent of its way: median and largest."""
+    found = [100 * edit[method]["behind"] for edit in edits if has_result(edit.get(method))]
+    return f"{statistics.median(found):.2g}", f"{max(found):.2g}"
+
+
 def main():
     with open(sys.argv[1], encoding="utf-8") as file:
         edits = json.load(file)
-    edits = {name: edit for name, edit in edits.items() if isinstance(edit, dict) and "vertices" in edit}
-    print("| edit | vertices | " + " | ".join(METHODS) + " |")
-    print("|---|--:|" + "--:|" * len(METHODS))
-    for name, edit in edits.items():
-        print(f"| {name} | {edit['vertices']} | " + " | ".join(cell(edit.get(method)) for method in METHODS) + " |")
+    present = [method for method in METHODS if any(method in edit for edit in edits.values())]
+    table(("edit", "vertices", *present),
+          [(name, edit["vertices"], *(cell(edit.get(method)) for method in present)) for name, edit in edits.items()])
+    table(("peer better : default better", *FIGURES),
+          [(peer, *counts(list(edits.values()), peer)) for peer in present if peer in PEERS])
+    table(("handle from its target, % of its way", "median", "largest"),
+          [(method, *handles(list(edits.values()), method)) for method in present])
+    rows = [(method, times(list(edits.values()), method)) for method in present]
+    table(("median, ms, and over the default's", "preparing", "", "settled", "", "frame", ""),
+          [(method, *found) for method, found in rows if found])
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -13,7 +13,7 @@ import numpy
 
 RENDER = pathlib.Path(__file__).resolve().parents[2] / "common/demo/render.py"
 MOST_BYTES = 200_000
-METHODS = ["before", "default", "ARAP", "SR-ARAP", "Blender"]
+METHODS = ["default", "ARAP", "SR-ARAP", "libigl", "biharmonic", "Blender", "MeshLab"]
 
 
 def caption(method, figures):
@@ -47,8 +47,8 @@ def main():
     parser.add_argument("--json", type=pathlib.Path, help="as given to quality_bench --json, for the captions")
     parser.add_argument("--output", type=pathlib.Path, help="folder of the pictures; by default the same")
     parser.add_argument("--methods", default=",".join(METHODS), help="to be shown beside the rest pose")
-    parser.add_argument("--height", type=int, default=300)
-    parser.add_argument("--columns", type=int, default=3)
+    parser.add_argument("--height", type=int, default=210)
+    parser.add_argument("--columns", type=int, default=4)
     parser.add_argument("--edits", default="", help="all by default")
     given = parser.parse_args()
     figures = json.loads(given.json.read_text(encoding="utf-8")) if given.json else {}

@@ -13,11 +13,12 @@ namespace {
 
 using Value = std::function<double(const Figures&)>;
 
-/// Those for which every method has a result.
-std::vector<Row> whole(const std::vector<Row>& rows) {
+/// Those for which every method has a result, but for methods that make some of the edits only.
+std::vector<Row> whole(const std::vector<Row>& rows, const std::vector<Method>& methods) {
   std::vector<Row> result;
-  std::copy_if(rows.begin(), rows.end(), std::back_inserter(result), [](const Row& row) {
-    return std::all_of(row.of.begin(), row.of.end(), [](const Figures& f) { return f.failed.empty(); });
+  std::copy_if(rows.begin(), rows.end(), std::back_inserter(result), [&methods](const Row& row) {
+    return std::equal(row.of.begin(), row.of.end(), methods.begin(),
+                      [](const Figures& f, const Method& method) { return f.failed.empty() || method.some; });
   });
   return result;
 }
@@ -45,17 +46,22 @@ double median(std::vector<double> values) {
 
 void print_line(const std::string& edit, const std::string& vertices, const std::string& method, const Figures& f) {
   if (!f.failed.empty()) {
-    std::printf("| %s | %s | %s | %s | | | | | | | | |\n", edit.c_str(), vertices.c_str(), method.c_str(),
+    std::printf("| %s | %s | %s | %s | | | | | | | | | |\n", edit.c_str(), vertices.c_str(), method.c_str(),
                 f.failed.c_str());
     return;
   }
-  char volume[32] = "-";
-  if (std::isfinite(f.volume)) {
-    std::snprintf(volume, sizeof volume, "%+.1f", 100 * f.volume);
-  }
-  std::printf("| %s | %s | %s | %.1f | %.0f | %d | %d | %s | %.1f | %.1f | %.1f | %.2f%s |\n", edit.c_str(),
-              vertices.c_str(), method.c_str(), 100 * f.rms, 100 * f.largest, f.flipped, f.pairs, volume,
-              f.prepare_ms + f.solve_ms, f.prepare_ms, f.solve_ms, f.frame_ms, f.fast_frame ? "" : " (whole)");
+  const auto known = [](const char* format, double value) {
+    char text[32] = "-";
+    if (std::isfinite(value)) {
+      std::snprintf(text, sizeof text, format, value);
+    }
+    return std::string(text);
+  };
+  std::printf("| %s | %s | %s | %.1f | %.0f | %d | %d | %s | %.2g | %s | %s | %s | %s%s |\n", edit.c_str(),
+              vertices.c_str(), method.c_str(), 100 * f.rms, 100 * f.largest, f.flipped, f.pairs,
+              known("%+.1f", 100 * f.volume).c_str(), 100 * f.behind, known("%.1f", f.prepare_ms + f.solve_ms).c_str(),
+              known("%.1f", f.prepare_ms).c_str(), known("%.1f", f.solve_ms).c_str(), known("%.2f", f.frame_ms).c_str(),
+              f.fast_frame ? "" : " (whole)");
 }
 
 const Value kRms = [](const Figures& f) { return f.rms; };
@@ -136,9 +142,10 @@ nlohmann::ordered_json as_json(const Figures& f) {
   if (!f.failed.empty()) {
     return {{"failed", f.failed}};
   }
-  nlohmann::ordered_json result = {{"rms", f.rms},           {"largest", f.largest},   {"flipped", f.flipped},
-                                   {"pairs", f.pairs},       {"volume", nullptr},      {"prepare_ms", f.prepare_ms},
-                                   {"solve_ms", f.solve_ms}, {"frame_ms", f.frame_ms}, {"fast_frame", f.fast_frame}};
+  nlohmann::ordered_json result = {
+      {"rms", f.rms},           {"largest", f.largest},      {"flipped", f.flipped},       {"pairs", f.pairs},
+      {"volume", nullptr},      {"behind", f.behind},        {"prepare_ms", f.prepare_ms}, {"solve_ms", f.solve_ms},
+      {"frame_ms", f.frame_ms}, {"fast_frame", f.fast_frame}};
   if (std::isfinite(f.volume)) {
     result["volume"] = f.volume;
   }
@@ -149,8 +156,8 @@ nlohmann::ordered_json as_json(const Figures& f) {
 
 void print_head() {
   std::printf(
-      "| edit | vertices | method | RMS stretch %% | largest %% | flipped | new pairs | volume %% | settled ms | "
-      "preparing | solving | frame |\n|---|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
+      "| edit | vertices | method | RMS stretch %% | largest %% | flipped | new pairs | volume %% | handle off %% | "
+      "settled ms | preparing | solving | frame |\n|---|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
 }
 
 void print_row(const Row& row, const std::vector<Method>& methods) {
@@ -161,7 +168,7 @@ void print_row(const Row& row, const std::vector<Method>& methods) {
 }
 
 void print_summary(const std::vector<Row>& all, const std::vector<Method>& methods) {
-  const std::vector<Row> rows = whole(all);
+  const std::vector<Row> rows = whole(all, methods);
   std::printf(
       "\n%zu of %zu edits have a result of every method.\n\n| over all edits | RMS %%, mean | median | largest %%, "
       "mean | median | flipped, sum | median | "
@@ -170,6 +177,9 @@ void print_summary(const std::vector<Row>& all, const std::vector<Method>& metho
       "|\n|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
       rows.size(), all.size());
   for (std::size_t m = 0; m < methods.size(); ++m) {
+    if (methods[m].some) {
+      continue;
+    }
     const auto of = [&](const Value& value) { return column(rows, m, value); };
     const auto some = [](const std::vector<double>& values) {
       return std::count_if(values.begin(), values.end(), [](double value) { return value > 0; });
@@ -189,7 +199,7 @@ void print_bars(const std::vector<Row>& all, const std::vector<Method>& methods,
         std::find_if(methods.begin(), methods.end(), [&](const Method& m) { return m.name == name; }) -
         methods.begin());
   };
-  const std::vector<Row> rows = whole(all);
+  const std::vector<Row> rows = whole(all, methods);
   const std::size_t peer = find(beside), us = find(whose);
   if (peer == methods.size() || us == methods.size() || rows.empty()) {
     return;

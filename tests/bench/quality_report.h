@@ -20,10 +20,10 @@ void print_head();
 void print_row(const Row& row, const std::vector<Method>& methods);
 
 /// Sums, means and medians over the edits for which every method has a result.
-void print_summary(const std::vector<Row>& rows, const std::vector<Method>& methods);
+void print_summary(const std::vector<Row>& all, const std::vector<Method>& methods);
 
 /// One method's figures beside another's, with the bars that we set ourselves; missed ones are bold.
-void print_bars(const std::vector<Row>& rows, const std::vector<Method>& methods, const std::string& whose,
+void print_bars(const std::vector<Row>& all, const std::vector<Method>& methods, const std::string& whose,
                 const std::string& beside);
 
 nlohmann::ordered_json as_json(const Row& row, const std::vector<Method>& methods);

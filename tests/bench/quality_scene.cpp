@@ -1,12 +1,29 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "quality_scene.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "intersecting_pairs.h"
 #include "quality_measures.h"
 
 namespace quality {
+namespace {
+
+double handle_behind(const Edit& edit, const lapedit::Points& after) {
+  double error = 0, way = 0;
+  for (std::size_t group = 0; group < edit.handles.size(); ++group) {
+    for (const int v : edit.handles[group]) {
+      const lapedit::Vector3 rest = edit.mesh.vertices.row(v).transpose(), now = after.row(v).transpose();
+      const lapedit::Vector3 target = edit.maps[group] * rest;
+      error = std::max(error, (now - target).norm());
+      way = std::max(way, (target - rest).norm());
+    }
+  }
+  return error / way;
+}
+
+}  // namespace
 
 Scene::Scene(Edit given)
     : edit(std::move(given)),
@@ -22,6 +39,7 @@ Figures measure(const Scene& scene, const MethodResult& result) {
   Figures figures;
   figures.rms = stretch.rms;
   figures.largest = stretch.largest;
+  figures.behind = handle_behind(scene.edit, after);
   figures.flipped = flipped_triangles(scene.adjacency, mesh_faces, scene.faces, before, after);
   figures.pairs = new_pairs(scene.pairs, intersecting_pairs(mesh_faces, scene.faces, after));
   figures.volume = scene.edit.height_field ? std::numeric_limits<double>::quiet_NaN()

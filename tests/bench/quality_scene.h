@@ -23,7 +23,7 @@ struct Scene {
 
 struct MethodResult {
   lapedit::Points positions;  ///< of the whole mesh
-  double prepare_ms = 0;      ///< until the handle can be moved
+  double prepare_ms = 0;      ///< until the handle can be moved; not a number, as the other two, where it is unknown
   double solve_ms = 0;        ///< the edit, settled
   double frame_ms = 0;        ///< a frame of a drag
   bool fast_frame = true;     ///< a frame is not the settled edit over again
@@ -32,13 +32,15 @@ struct MethodResult {
 struct Method {
   std::string name;
   std::function<MethodResult(const Scene&)> run;  ///< throws std::exception if there is no result
-  bool once = false;                              ///< its times are of several runs already
+  bool once = false;  ///< it is run once: its times are of several runs already, or there are none
+  bool some = false;  ///< it makes some of the edits only, and has no part in sums over all of them
 };
 
 /// Shape and times of one edit by one method; 1 for 100 %.
 struct Figures {
   double rms = 0, largest = 0;
   double volume = 0;  ///< not a number where nothing is enclosed
+  double behind = 0;  ///< largest distance of a handle vertex from its target over the longest way of one
   int flipped = 0, pairs = 0;
   double prepare_ms = 0, solve_ms = 0, frame_ms = 0;
   bool fast_frame = true;

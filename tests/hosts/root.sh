@@ -10,6 +10,7 @@
 #        root.sh check                         ends with 0 where roots can be used; else says what is missing
 #
 #   SUITE             a release of Debian: bookworm, trixie, sid
+#   KIND bare         what debootstrap's smallest variant gives, and no more
 #   KIND clean        the packaged MeshLab, what it depends on, and Mesa's software OpenGL
 #   KIND build        that, and all that is needed to build and test; 1.4 GB where clean takes 0.5
 #   --fresh           makes it anew; without it, it is kept until this script wants other packages
@@ -51,8 +52,9 @@ hosts=$(realpath -m "$hosts")
 
 # Each package list's root has a stamp, written last: what has another stamp, or none, is not ready.
 stamp_of() {
-  local packages=$clean_packages
-  [ "$2" = clean ] || packages="$packages $build_packages"
+  local packages=''
+  [ "$2" = bare ] || packages=$clean_packages
+  [ "$2" != build ] || packages="$packages $build_packages"
   # shellcheck disable=SC2086,SC2116
   echo "$recipe $1 $2 $(echo $packages)" | sha256sum | cut -d ' ' -f 1
 }
@@ -142,12 +144,12 @@ mirror() {
     }'
 }
 
-make_clean() {
+make_bare() {
   local suite=$1 root=$2 uri
   uri=$(mirror)
   [ -n "$uri" ] || fail "this machine's apt sources name no Debian mirror to make a root from."
   in_namespace debootstrap --variant=minbase --force-check-gpg \
-    --keyring=/usr/share/keyrings/debian-archive-keyring.gpg "$suite" "$root" "$uri"
+    --keyring=/usr/share/keyrings/debian-archive-keyring.gpg "$suite" "$root" "$uri" || return
   printf 'deb %s %s main\ndeb-src %s %s main\n' "$uri" "$suite" "$uri" "$suite" >"$root/etc/apt/sources.list"
   {
     # A mirror may be a snapshot, and a root is kept for longer than sid's lists are valid.
@@ -156,7 +158,6 @@ make_clean() {
   } >"$root/etc/apt/apt.conf.d/99lapedit"
   # It can be made again, and is made faster so.
   echo force-unsafe-io >"$root/etc/dpkg/dpkg.cfg.d/lapedit"
-  install_packages "$root" "$clean_packages"
 }
 
 install_packages() {
@@ -212,7 +213,13 @@ make() {
   [ $# -eq 2 ] || usage
   local suite=$1 kind=$2
   case $suite in *[!a-z0-9-]* | '' | -*) usage ;; esac
-  case $kind in clean | build) ;; *) usage ;; esac
+  local below='' packages=''
+  case $kind in
+  bare) ;;
+  clean) below=bare packages=$clean_packages ;;
+  build) below=clean packages=$build_packages ;;
+  *) usage ;;
+  esac
   local root=$hosts/$suite-$kind stamp
   stamp=$(stamp_of "$suite" "$kind")
   mkdir -p "$hosts"
@@ -224,10 +231,10 @@ make() {
     fi
   fi
   check
-  if [ "$kind" = build ]; then
+  if [ -n "$below" ]; then
     # In a process of its own, which has its own lock; in the background, as above.
     # shellcheck disable=SC2086
-    setpriv --pdeathsig TERM "$script" make $fresh "$suite" clean >/dev/null &
+    setpriv --pdeathsig TERM "$script" make $fresh "$suite" $below >/dev/null &
     wait $!
   fi
   lock "$root.lock"
@@ -237,18 +244,18 @@ make() {
     part=$root.part
     discard "$part"
     local log=$root.log
-    if [ "$kind" = clean ]; then
-      make_clean "$suite" "$part" >"$log" 2>&1 || { tail -n 30 "$log" >&2; fail "$root could not be made, see $log."; }
-    else
-      local clean=$hosts/$suite-clean
-      exec 8>>"$clean.lock"
-      flock -s 8
-      cp -a --reflink=auto "$clean" "$part"
-      exec 8>&-
-      rm -f "$part/.lapedit-root"
-      install_packages "$part" "$build_packages" >"$log" 2>&1 ||
-        { tail -n 30 "$log" >&2; fail "$root could not be made, see $log."; }
-    fi
+    {
+      if [ -z "$below" ]; then
+        make_bare "$suite" "$part"
+      else
+        exec 8>>"$hosts/$suite-$below.lock"
+        flock -s 8
+        cp -a --reflink=auto "$hosts/$suite-$below" "$part" &&
+          exec 8>&- &&
+          rm -f "$part/.lapedit-root" &&
+          install_packages "$part" "$packages"
+      fi
+    } >"$log" 2>&1 || { tail -n 30 "$log" >&2; fail "$root could not be made, see $log."; }
     echo "$stamp" >"$part/.lapedit-root"
     mv "$part" "$root"
     part=

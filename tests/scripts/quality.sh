@@ -1,11 +1,14 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Measures the shape of edits beside CGAL's ARAP and SR-ARAP and Blender in one run: a Markdown table with the bars that
-# we set ourselves, all figures as JSON, and one picture for each edit with the methods side by side.
+# Measures the shape of edits beside CGAL's ARAP and SR-ARAP, Blender, libigl and what MeshLab itself has, in one run: a
+# Markdown table with the bars that we set ourselves, all figures as JSON, and one picture for each edit with the methods
+# side by side.
 #
 # usage: quality.sh [OPTION of quality_bench]...   for example --quick, --edits limb_90,bunny_group, or
 #                                                  --ours NAME=laplacian=cotangent,iterations=3
 # QUALITY_OUTPUT: folder of quality.md, quality.json and the pictures; build/quality/result by default.
+# LIBIGL_INCLUDE_DIR: folder of libigl's headers. Debian has no package of it, but MeshLab's source in Debian 13 carries
+# it, and that is fetched where this is not set.
 # LAPEDIT_MESHES: folder of the real meshes; by default ../shared/meshes beside this project, if it is there.
 set -eu
 
@@ -13,6 +16,7 @@ cd "$(dirname "$0")/../.."
 build=$PWD/build/quality
 output=${QUALITY_OUTPUT:-$build/result}
 meshes=${LAPEDIT_MESHES:-$PWD/../shared/meshes}
+libigl=${LIBIGL_INCLUDE_DIR:-$build/libigl}
 
 missing=
 for package in g++ cmake libeigen3-dev nlohmann-json3-dev libsuitesparse-dev libopenblas-dev libbenchmark-dev libcgal-dev; do
@@ -34,8 +38,35 @@ else
   echo "quality.sh: Blender is not installed and is left out." >&2
 fi
 
+if command -v meshlabserver >/dev/null && command -v xvfb-run >/dev/null; then
+  set -- --meshlab "$@"
+else
+  echo "quality.sh: MeshLab's own filters are left out without meshlabserver (MeshLab 2020.09) and xvfb." >&2
+fi
+
+# By an apt configuration of its own: the system's is not touched.
+fetch_libigl() {
+  apt=$build/apt
+  mkdir -p "$apt/lists/partial" "$apt/cache/archives/partial" "$libigl"
+  mirror=$(apt-get indextargets --format "\$(REPO_URI) \$(CODENAME) \$(COMPONENT)" |
+    awk '$2 !~ /-/ && $3 == "main" { print $1; exit }')
+  echo "deb-src [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $mirror trixie main" \
+    >"$apt/sources.list"
+  set -- -q -o "Dir::Etc::sourcelist=$apt/sources.list" -o Dir::Etc::sourceparts=- -o "Dir::State::lists=$apt/lists" \
+    -o "Dir::Cache=$apt/cache"
+  (
+    cd "$apt"
+    apt-get "$@" update && apt-get "$@" source --download-only --tar-only meshlab/trixie &&
+      tar -xf meshlab_*.orig.tar.xz -C "$libigl" --strip-components=5 --wildcards '*/src/external/libigl-*/include/igl'
+  ) >"$apt/log" 2>&1
+}
+if [ ! -f "$libigl/igl/arap.h" ] && { [ -n "${LIBIGL_INCLUDE_DIR:-}" ] || ! fetch_libigl; }; then
+  echo "quality.sh: libigl's headers are not in $libigl, so it is left out." >&2
+  libigl=
+fi
+
 cmake -S . -B "$build" -DCMAKE_BUILD_TYPE=Release -DLAPEDIT_BUILD_TESTS=ON -DLAPEDIT_BUILD_BENCHMARKS=ON \
-  -DLAPEDIT_MESHES="$meshes" >/dev/null
+  -DLAPEDIT_MESHES="$meshes" -DLIBIGL_INCLUDE_DIR="$libigl" >/dev/null
 cmake --build "$build" --parallel "$(nproc)" --target quality_bench >/dev/null
 rm -rf "$output"
 mkdir -p "$output/meshes"

@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A newcomer's first minutes, in a bare root; then the same without any rights. Run by first.sh.
+
+Environment:
+  LAPEDIT_FIRST_ROOT  a root with nothing installed, and a copy of this project in /project; is changed
+  LAPEDIT_OUTPUT      file for what is printed
+"""
+import json
+import math
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import time
+import unittest
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE.parent / "batch"), str(HERE.parent / "documents")]
+
+from documents import commands  # noqa: E402
+from ply import Ply, bits_of  # noqa: E402
+
+ROOT = pathlib.Path(os.environ["LAPEDIT_FIRST_ROOT"])
+PROJECT = ROOT / "project"
+DEMO = PROJECT / "build" / "demo"
+USER = 1000
+# No right is left, none can be had, nothing can be mounted, and there is no shared memory.
+WITHOUT_RIGHTS = ["sh", "-euc", 'mount -t tmpfs -o ro none /dev/shm; exec "$@"', "sh",
+                  "setpriv", f"--reuid={USER}", f"--regid={USER}", "--clear-groups", "--bounding-set=-all",
+                  "--inh-caps=-all", "--ambient-caps=-all", "--no-new-privs"]
+README = [text for _line, text in commands(pathlib.Path("README.md"))]
+SUITE_ITSELF = {"tests/run", "tests/run --everything"}  # more than minutes
+unseen = set(README) - SUITE_ITSELF
+
+
+def readme(start):
+    """The README's command that begins so."""
+    found = {text for text in README if text.startswith(start)}
+    assert len(found) == 1, f"{start}: {found}"
+    unseen.difference_update(found)
+    return found.pop()
+
+
+def generated(path):
+    """A mesh in text, as make_mesh writes it. @return points, triangles"""
+    header, _, body = path.read_text(encoding="utf-8").partition("end_header\n")
+    count = int(re.search(r"element vertex (\d+)", header)[1])
+    rows = [line.split() for line in body.splitlines()]
+    return [tuple(map(float, row[:3])) for row in rows[:count]], [tuple(map(int, row[1:4])) for row in rows[count:]]
+
+
+def run(command, *options, rights=True, code=0, typed=""):
+    """Runs shell commands in the root, in /project. @return what they print"""
+    began = time.monotonic()
+    if not rights:
+        options += "--env", "HOME=/home/newcomer"
+    done = subprocess.run(
+        ["setpriv", "--pdeathsig", "TERM", str(HERE / "root.sh"), "run", str(ROOT), "--directory", "/project", *options, "--",
+         *([] if rights else WITHOUT_RIGHTS), "sh", "-euc", command],
+        input=typed.encode(), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=1800, check=False)
+    text = done.stdout.decode(errors="replace")
+    with open(os.environ["LAPEDIT_OUTPUT"], "a", encoding="utf-8") as log:
+        log.write(f"$ {command}\n{text}[{done.returncode}, {time.monotonic() - began:.0f} s]\n\n")
+    if done.returncode != code:
+        raise AssertionError(f"{command} ended with {done.returncode}:\n{text}")
+    return text
+
+
+class First(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        pathlib.Path(os.environ["LAPEDIT_OUTPUT"]).write_text("", encoding="utf-8")
+
+    def test_1_demonstration(self):
+        self.assertFalse((ROOT / "usr/bin/cmake").exists(), "the root is not bare")
+        self.check_demonstration(run(readme("common/demo/run")))
+
+    def check_demonstration(self, printed):
+        steps = len(json.loads((PROJECT / "common/demo/dragon.json").read_text(encoding="utf-8"))["steps"])
+        self.assertEqual(printed.count("Region: "), steps + 2)
+        for name in ("dragon.png", "before_after.png", "before_after_replay.png"):
+            self.assertIn(f"/project/build/demo/{name}\n", printed)
+            picture = (DEMO / name).read_bytes()
+            self.assertEqual(picture[:8], b"\x89PNG\r\n\x1a\n")
+            self.assertGreater(len(picture), 20000, "it shows little")
+        for before, after in (("dragon", "dragon_after"), ("before", "after"), ("before", "after_replay")):
+            self.assertIn(f"/project/build/demo/{before}.ply", printed)
+            self.assertIn(f"/project/build/demo/{after}.ply\n", printed)
+            points, faces = generated(DEMO / f"{before}.ply")
+            edited = Ply(DEMO / f"{after}.ply")
+            self.assertEqual(edited.faces(), faces)
+            moved = sum(a != tuple(map(bits_of, b)) for a, b in zip(edited.point_bits(), points))
+            self.assertGreater(moved, 1000)
+            if after != "after_replay":
+                self.assertLess(moved, len(points) - 1000)
+        self.check_turned(generated(DEMO / "before.ply")[0], Ply(DEMO / "after.ply").points())
+
+    def check_turned(self, before, after):
+        """The strip at the end has turned by 110 degrees about the second axis, as a whole."""
+        strip = [v for v, p in enumerate(before) if p[0] > 3.6]
+        self.assertGreater(len(strip), 3000)
+        c, s = math.cos(math.radians(110)), math.sin(math.radians(110))
+        first = strip[0]
+        for v in strip[1:]:
+            x, y, z = (a - b for a, b in zip(before[v], before[first]))
+            turned = (c * x + s * z, y, c * z - s * x)
+            for is_at, wanted in zip((a - b for a, b in zip(after[v], after[first])), turned):
+                self.assertAlmostEqual(is_at, wanted, delta=1e-3)
+
+    def test_2_install(self):
+        """As a package, then with CMake; the first script by the program that is installed. All is taken away again."""
+        run("apt-get install -qy --no-install-recommends sudo")  # which a newcomer has
+        run(readme("common/scripts/install_dependencies.sh"))
+        run(readme("cmake -S . -B build"))
+        run(readme("cmake --build build --parallel "))
+        run(readme("(cd build && cpack)"))
+        run(readme("sudo apt install ./build/"), typed="y\n")
+        self.check_first_script()
+        run(readme("sudo apt purge --autoremove meshlab-laplacian-edit"), typed="y\n")
+        self.assertEqual(self.installed(), [])
+        run(readme("sudo cmake --install build"))
+        self.assertIn("/usr/local/bin/laplacian-edit", self.installed())
+        self.check_first_script()
+        run("xargs rm <build/install_manifest.txt")
+        self.assertEqual(self.installed(), [])
+
+    def test_3_without_rights(self):
+        """All that is needed is installed by now; nobody is asked for a password or for the right to mount."""
+        run(f"rm -r build/demo; mkdir /home/newcomer; chown -R {USER}:{USER} /project /home/newcomer")
+        self.assertRegex(run("! mount -t tmpfs none /mnt 2>&1", rights=False), "superuser|denied|not permitted")
+        self.check_demonstration(run(readme("common/demo/run"), rights=False))
+        command = readme("cmake --build build --target install-user")
+        if (ROOT / "usr/bin/meshlabserver").exists():
+            refusal = run(f"! {command} 2>&1", rights=False)
+            self.assertIn("has no plugin folder for users", " ".join(refusal.split()))
+            folder = "/project/build/filter_laplacian_edit"
+        else:
+            run(command, rights=False)
+            folder = "/home/newcomer/.local/bin"
+        self.check_first_script("--env", f"PATH={folder}:/usr/bin:/bin", rights=False)
+        run("cmake -S . -B build -DLAPEDIT_BUILD_TESTS=ON && ctest --test-dir build --output-on-failure --no-tests=error "
+            r"--parallel $(nproc) -R '^(command|host)\.(stage|filter|refusal)$'", rights=False)
+
+    def test_4_nothing_was_left_out(self):
+        self.assertEqual(unseen, set())
+
+    def check_first_script(self, *options, **how):
+        """It is the demonstration's edit, which meshlabserver made where there is one: the same to the bit."""
+        (PROJECT / "after.ply").unlink(missing_ok=True)
+        run(readme("echo '{") + "\n" + readme("laplacian-edit "), *options, **how)
+        self.assertEqual(Ply(PROJECT / "after.ply").point_bits(), Ply(DEMO / "after.ply").point_bits())
+
+    def installed(self):
+        found = run("find /usr /home /root -name '*laplacian*' -not -type d")
+        return found.split()
+
+
+if __name__ == "__main__":
+    unittest.main()
