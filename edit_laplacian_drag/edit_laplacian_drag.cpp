@@ -4,7 +4,9 @@
 #include "laplacian_drag_tool.h"
 
 EditLaplacianDrag::EditLaplacianDrag()
-    : EditToolPlugin({LaplacianDragTool::kTitle,
-                      "bends the surface by dragging a handle; details keep their shape and turn with it",
-                      ":/laplacian_drag/icon.png", QKeySequence("Ctrl+Alt+L"),
-                      [](lapedit::host::HostWindow& window) { return std::make_unique<LaplacianDragTool>(window); }}) {}
+    : EditToolPlugin(
+          {LaplacianDragTool::kTitle,
+           "bends the surface by dragging a handle; details keep their shape and turn with it (Laplacian editing for "
+           "MeshLab " LAPEDIT_VERSION ")",
+           ":/laplacian_drag/icon.png", QKeySequence("Ctrl+Alt+L"),
+           [](lapedit::host::HostWindow& window) { return std::make_unique<LaplacianDragTool>(window); }}) {}

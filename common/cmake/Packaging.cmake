@@ -8,6 +8,17 @@ Two ways out of the build folder besides `cmake --install`:
 Included last: needs the targets, and what FindMeshLab.cmake has found.
 ]]
 
+# What software centres tell of it. The day is that of the release.
+file(STRINGS "${PROJECT_SOURCE_DIR}/CHANGELOG.md" _heading LIMIT_COUNT 1 REGEX "^## [0-9]")
+if(NOT _heading MATCHES "^## ([0-9.]+) \\(([0-9]+-[0-9]+-[0-9]+)\\)$" OR NOT CMAKE_MATCH_1 STREQUAL PROJECT_VERSION)
+  message(FATAL_ERROR "The newest release in CHANGELOG.md is \"${_heading}\", not \"## ${PROJECT_VERSION} (<date>)\".")
+endif()
+set(LAPEDIT_RELEASE_DATE "${CMAKE_MATCH_2}")
+set(_files "${PROJECT_BINARY_DIR}/package")
+set(_metainfo "${_files}/net.meshlab.meshlab.laplacian_edit.metainfo.xml")
+configure_file("${CMAKE_CURRENT_LIST_DIR}/package/metainfo.xml.in" "${_metainfo}" @ONLY)
+install(FILES "${_metainfo}" DESTINATION share/metainfo)
+
 # Into the user's own folders ------------------------------------------------------------------------------------------
 
 # As the host's mlapplication.cpp puts it together. With double precision it also has a version of its own.
@@ -97,13 +108,20 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "${_directory}")
 set(CPACK_SET_DESTDIR ON)
 set(CPACK_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE
-                                                WORLD_READ WORLD_EXECUTE)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 
+# All that has a time in it has that of the release, so that another build gives the same bytes: the changelog here, and by
+# cpack_settings.cmake what CPack writes.
+execute_process(COMMAND date -u -d "${LAPEDIT_RELEASE_DATE}" +%s OUTPUT_VARIABLE LAPEDIT_RELEASE_TIME
+                OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND date -u -R -d "${LAPEDIT_RELEASE_DATE}" OUTPUT_VARIABLE _date
+                OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+configure_file("${CMAKE_CURRENT_LIST_DIR}/package/cpack_settings.cmake.in" "${_files}/cpack_settings.cmake" @ONLY)
+set(CPACK_PROJECT_CONFIG_FILE "${_files}/cpack_settings.cmake")
+set(CPACK_PRE_BUILD_SCRIPTS "${CMAKE_CURRENT_LIST_DIR}/package/same_everywhere.cmake")
+set(CPACK_POST_BUILD_SCRIPTS "${CMAKE_CURRENT_LIST_DIR}/package/pack_again.cmake")
+
 # Files of the package alone.
-set(_files "${PROJECT_BINARY_DIR}/package")
-file(TIMESTAMP "${PROJECT_SOURCE_DIR}/CHANGELOG.md" _date "%a, %d %b %Y %H:%M:%S +0000" UTC)
 configure_file("${CMAKE_CURRENT_LIST_DIR}/package/changelog.Debian.in" "${_files}/changelog.Debian" @ONLY)
 configure_file("${PROJECT_SOURCE_DIR}/CHANGELOG.md" "${_files}/changelog" COPYONLY)
 execute_process(COMMAND "${LAPEDIT_GZIP}" -9nkf "${_files}/changelog" "${_files}/changelog.Debian"
@@ -113,6 +131,10 @@ if(TARGET laplacian_edit_command)
   execute_process(COMMAND "${LAPEDIT_GZIP}" -9nkf "${_files}/laplacian-edit.1" COMMAND_ERROR_IS_FATAL ANY)
 endif()
 set(_modes PERMISSIONS OWNER_READ OWNER_WRITE GROUP_READ WORLD_READ)
+install(
+  FILES "${CMAKE_CURRENT_LIST_DIR}/package/lintian-overrides"
+  DESTINATION share/lintian/overrides ${_modes} RENAME "${CPACK_PACKAGE_NAME}"
+  COMPONENT package EXCLUDE_FROM_ALL)
 install(
   FILES "${CMAKE_CURRENT_LIST_DIR}/package/copyright" "${_files}/changelog.gz"
         "${_files}/changelog.Debian.gz"

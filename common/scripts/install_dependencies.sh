@@ -17,13 +17,13 @@ packages="
   meshlab"
 # A MeshLab that runs without a screen.
 display="xvfb xauth libgl1-mesa-dri python3"
-tests="$display ninja-build ccache libgtest-dev libsuitesparse-dev xdotool python3-numpy qttools5-dev-tools parallel"
+tests="$display ninja-build ccache libgtest-dev libsuitesparse-dev xdotool python3-numpy qttools5-dev-tools parallel appstream"
 for what in "$@"; do
   case $what in
   build) ;;
   tests) packages="$packages $tests" ;;
   pictures) packages="$packages $display python3-numpy python3-vtk9" ;;
-  everything) packages="$packages $tests clang-format clang-tidy clang libclang-rt-dev gcovr universal-ctags debootstrap" ;;
+  everything) packages="$packages $tests clang-format clang-tidy clang libclang-rt-dev gcovr universal-ctags debootstrap lintian" ;;
   *)
     sed -n '/^# usage/,/^set/s/^# \{0,1\}//p' "$0" >&2
     exit 2

@@ -40,6 +40,9 @@ ELSEWHERE = [
     (r"ctest --test-dir build", None, RUN, 'ctest --test-dir "$1"'),
     (r"tests/fuzz/run .*", None, RUN, "if tests/fuzz/run --quick;"),
     (r"tests/scripts/coverage\.sh build-coverage", None, RUN, "if tests/scripts/coverage.sh build-coverage;"),
+    (r"tests/scripts/reproducible\.sh", None, RUN, "if tests/scripts/reproducible.sh;"),
+    (r"tests/scripts/upstream_patch\.sh", "documents.release", "tests/documents/release_test.py", "upstream_patch.sh"),
+    (r"common/scripts/source_tarball\.sh", "documents.tarball", "tests/documents/tarball_test.py", "source_tarball.sh"),
     (r"tests/hosts/check\.sh trixie", "hosts.trixie", "tests/hosts/CMakeLists.txt", "check.sh"),
     (r"tests/hosts/first\.sh trixie", "hosts.first_trixie", "tests/hosts/CMakeLists.txt", "first.sh"),
     (r"tests/hosts/double\.sh", "hosts.double", "tests/hosts/CMakeLists.txt", "double.sh"),
@@ -61,6 +64,8 @@ EXCEPTIONS = [
     (r"tests/scripts/(whole_mesh|window_frames)\.sh.*", "measures: takes 10 GB, or a whole machine"),
     (r"tests/scripts/(paper|gallery|first_drag|window_(pictures|lines|tour|film))\.(sh|py)",
      "makes the documents' pictures, to be looked at: minutes each"),
+    (r"tests/scripts/upstream_patch\.sh --build", "builds MeshLab's library: minutes, in a root of sid"),
+    (r"git tag .*", "makes a release"),
     (r"build-fuzz/tests/fuzz/\w+_fuzzer .*", "wants a finding of the fuzzer's"),
 ]
 

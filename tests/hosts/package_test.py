@@ -244,6 +244,27 @@ class Window:
             self.fail(f"MeshLab ended with {self.process.returncode}")
 
 
+class Archive(unittest.TestCase):
+    """The .deb itself."""
+
+    def test_lintian_is_content(self):
+        """This machine's lintian."""
+        done = subprocess.run(["lintian", "--fail-on", "error,warning", PACKAGE], stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, timeout=PATIENCE, encoding="utf-8", check=False)
+        self.assertEqual(done.returncode, 0, done.stdout)
+
+    def test_no_other_build_could_be_told_from_it(self):
+        """No times and paths in it; tests/scripts/reproducible.sh compares two builds."""
+        folder = pathlib.Path(tempfile.mkdtemp(prefix="lapedit-"))
+        self.addCleanup(shutil.rmtree, folder)
+        subprocess.run(["dpkg-deb", "-x", PACKAGE, folder], check=True, timeout=PATIENCE)
+        paths = [path for path in folder.rglob("*") if not path.is_symlink()]
+        self.assertEqual(len({path.stat().st_mtime for path in paths}), 1)
+        # Where package_test.sh has source and build.
+        told = [path for path in paths if path.is_file() and re.search(rb"/(build|src)/\w", path.read_bytes())]
+        self.assertEqual(told, [])
+
+
 class Package(unittest.TestCase):
     def setUp(self):
         self.display = start_x_server(self.addCleanup, "%dx%d" % SIZE)

@@ -1,0 +1,24 @@
+#!/bin/sh
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Makes meshlab-laplacian-edit-<version>.tar.xz from this project, a clean clone or an unpacked tarball, and prints its path.
+# The same files give the same bytes. It takes all files but builds and what git keeps, and needs no git.
+#
+# usage: source_tarball.sh [FOLDER]     FOLDER: where it goes; by default build
+set -eu
+folder=${1:-$(dirname "$0")/../../build}
+mkdir -p "$folder"
+folder=$(cd "$folder" && pwd)
+cd "$(dirname "$0")/../.."
+
+version=$(sed -n 's/^project(laplacian_edit VERSION \([0-9.]*\) .*/\1/p' CMakeLists.txt)
+date=$(sed -n "s/^## $version (\([0-9-]*\))$/\1/p" CHANGELOG.md)
+[ -n "$date" ] || { echo "source_tarball.sh: CHANGELOG.md has no \"## $version (<date>)\"." >&2; exit 1; }
+name=meshlab-laplacian-edit-$version
+tarball=$folder/$name.tar.xz
+trap 'rm -f "$tarball.part"' EXIT
+# One thread, as the number of threads changes the bytes.
+XZ_OPT='-6 --threads=1' TZ=UTC LC_ALL=C tar --create --xz --file "$tarball.part" --format=gnu --sort=name \
+  --mtime="$date 00:00:00" --owner=0 --group=0 --numeric-owner --mode=u=rwX,go=rX --transform="s,^[.],$name," \
+  --exclude='./.git' --exclude='./.cache' --exclude='./build*' --exclude='*.user' --exclude=__pycache__ .
+mv "$tarball.part" "$tarball"
+echo "$tarball"

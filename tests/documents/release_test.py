@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The version stands in one place, CMakeLists.txt, and all else agrees with it."""
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import tempfile
+import unittest
+import xml.etree.ElementTree
+
+from documents import ROOT, Document
+
+PROGRAM = os.environ["LAPEDIT_COMMAND"]
+METAINFO = next((pathlib.Path(os.environ["LAPEDIT_BINARY_DIR"]) / "package").glob("*.metainfo.xml"))
+
+# Of 1.0.0. MeshLab 2020.09 takes a script only with all of them, so the lists never change.
+PARAMETERS = {
+    "Laplacian Edit":
+        "handle_source handle_point handle_vertex region_source radius padding translation rotation_axis rotation_angle "
+        "scale laplacian order detail_rotation iterations normal_radius handle_weight anchor_weight turning rough membrane",
+    "Laplacian Edit Replay": "edit fraction",
+}
+
+
+def text_of(path):
+    return (ROOT / path).read_text(encoding="utf-8")
+
+
+class Release(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.version = re.search(r"^project\(laplacian_edit VERSION (\S+) ", text_of("CMakeLists.txt"), re.M)[1]
+        cls.date = re.search(r"^date-released: (\S+)$", text_of("CITATION.cff"), re.M)[1]
+
+    def test_citation(self):
+        self.assertEqual(re.search(r"^version: (\S+)$", text_of("CITATION.cff"), re.M)[1], self.version)
+
+    def test_changes(self):
+        newest = re.search(r"^## (\d.*)$", text_of("CHANGELOG.md"), re.M)[1]
+        self.assertEqual(newest, f"{self.version} ({self.date})")
+
+    def test_manual(self):
+        manual = text_of("filter_laplacian_edit/command_line/laplacian-edit.1")
+        self.assertIn(f'\n.TH LAPLACIAN-EDIT 1 {self.date} "laplacian-edit {self.version}" ', manual)
+
+    def test_program(self):
+        told = subprocess.check_output([PROGRAM, "--version"], encoding="utf-8")
+        self.assertRegex(told, rf"^laplacian-edit {re.escape(self.version)} on MeshLab \d")
+
+    def test_plugins(self):
+        """What they say of themselves in MeshLab."""
+        told = f"aplacian editing for MeshLab {self.version}".encode()
+        for variable in ("LAPEDIT_FILTER_PLUGIN", "LAPEDIT_TOOL_PLUGIN"):
+            with self.subTest(plugin=variable):
+                self.assertIn(told, pathlib.Path(os.environ[variable]).read_bytes())
+
+    def test_metainfo(self):
+        newest = xml.etree.ElementTree.parse(METAINFO).find("releases/release")
+        self.assertEqual(newest.attrib, {"version": self.version, "date": self.date})
+
+    @unittest.skipUnless(shutil.which("appstreamcli"), "no appstreamcli here")
+    def test_metainfo_is_valid(self):
+        done = subprocess.run(["appstreamcli", "validate", "--no-net", "--explain", METAINFO], stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, timeout=60, encoding="utf-8", check=False)
+        self.assertEqual(done.returncode, 0, done.stdout)
+
+    def test_parameters_stay(self):
+        filters = json.loads(subprocess.check_output([os.environ["LAPEDIT_DESCRIBE_FILTERS"]]))
+        self.assertEqual({name: " ".join(p["name"] for p in parameters) for name, parameters in filters.items()}, PARAMETERS)
+
+    def test_size_of_the_patch(self):
+        """The document's table is from about this version."""
+        with tempfile.TemporaryDirectory(prefix="lapedit-") as folder:
+            printed = subprocess.check_output([ROOT / "tests/scripts/upstream_patch.sh", folder], encoding="utf-8")
+        measured = [line.strip("|").split(" | ") for line in printed.splitlines()[2:]]
+        told = [line.strip("|").split(" | ") for line in Document(pathlib.Path("common/docs/upstream.md")).text.splitlines()
+                if re.search(r"\| \d+ \| \d+ \|$", line)]
+        self.assertEqual([row[0] for row in told], [row[0] for row in measured])
+        for row, now in zip(told, measured):
+            self.assertAlmostEqual(int(row[2]) / int(now[2]), 1, delta=0.1, msg=row[0])
+
+
+if __name__ == "__main__":
+    unittest.main()

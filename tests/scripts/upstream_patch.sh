@@ -1,0 +1,144 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Lays the two plugins out as MeshLab's own repository would have them, and prints how large that patch is.
+#
+# usage: upstream_patch.sh [--build] [FOLDER]
+#   --build  also builds them there, in MeshLab 2025.07's own source: in the root of sid that tests/hosts/root.sh makes
+#   FOLDER   where the files go, made anew; by default build/upstream
+set -euo pipefail
+
+build=
+if [ "${1:-}" = --build ]; then
+  build=yes
+  shift
+fi
+project=$(realpath "$(dirname "$0")/../..")
+folder=$(realpath -m "${1:-$project/build/upstream}")
+filter=$folder/src/meshlabplugins/filter_laplacian_edit
+tool=$folder/src/meshlabplugins/edit_laplacian_drag
+rm -rf "$folder"
+mkdir -p "$filter/lapedit" "$filter/lapedit_host" "$tool/lapedit"
+cd "$project"
+
+# Of the layer for hosts the newest interface alone, and nothing that serves the program alone.
+cp -r common/lapedit/{base,mesh,linear,deform,edit,json} "$filter/lapedit"
+cp common/lapedit_host/*.{h,cpp} common/lapedit_host/api_2022/*.h common/lapedit_host/api_2022/parameters_2025/*.h "$filter/lapedit_host"
+rm "$filter"/lapedit_host/batch_*.h
+cp filter_laplacian_edit/*.{h,cpp} "$filter"
+cp -r common/lapedit/session "$tool/lapedit"
+cp edit_laplacian_drag/*.{h,cpp,qrc,png} "$tool"
+
+version=$(sed -n 's/^project(laplacian_edit VERSION \([0-9.]*\) .*/\1/p' CMakeLists.txt)
+# list FOLDER: its sources, as CMake takes them
+list() {
+  (cd "$1" && find . -name '*.cpp' | sort | sed 's,^\./,\t\t,')
+}
+kernels() {
+  awk '/^set\(kernel_options|^set_source_files_properties\(/ { on = 1 } on { print "\t" $0 } /\)$/ { on = 0 }' common/CMakeLists.txt
+}
+cat >"$filter/CMakeLists.txt" <<END
+# SPDX-License-Identifier: GPL-3.0-or-later
+
+find_package(nlohmann_json 3.9 QUIET)
+if(nlohmann_json_FOUND AND CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
+	# Shared with edit_laplacian_drag.
+	add_library(
+		laplacian-edit-core STATIC EXCLUDE_FROM_ALL
+$(list "$filter" | grep 'lapedit'))
+$(kernels)
+	target_include_directories(
+		laplacian-edit-core PUBLIC \${CMAKE_CURRENT_SOURCE_DIR} \${CMAKE_CURRENT_SOURCE_DIR}/lapedit_host)
+	# Results are the same to the bit with every compiler.
+	target_compile_options(laplacian-edit-core PRIVATE -ffp-contract=off)
+	target_compile_definitions(laplacian-edit-core PUBLIC LAPEDIT_VERSION="$version")
+	target_link_libraries(
+		laplacian-edit-core PUBLIC meshlab-common nlohmann_json::nlohmann_json Threads::Threads OpenGL::GLU)
+
+	add_meshlab_plugin(
+		filter_laplacian_edit
+$(list "$filter" | grep -v 'lapedit'))
+	target_link_libraries(filter_laplacian_edit PRIVATE laplacian-edit-core)
+	set_target_properties(
+		laplacian-edit-core filter_laplacian_edit
+		PROPERTIES CXX_STANDARD 17 CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+else()
+	message(STATUS "Skipping filter_laplacian_edit - needs nlohmann's JSON, and GCC or Clang.")
+endif()
+END
+cat >"$tool/CMakeLists.txt" <<END
+# SPDX-License-Identifier: GPL-3.0-or-later
+
+if(TARGET laplacian-edit-core)
+	add_meshlab_plugin(
+		edit_laplacian_drag
+$(list "$tool")
+		icons.qrc)
+	target_link_libraries(edit_laplacian_drag PRIVATE laplacian-edit-core \${CMAKE_DL_LIBS})
+	target_compile_options(edit_laplacian_drag PRIVATE -ffp-contract=off)
+	set_target_properties(
+		edit_laplacian_drag PROPERTIES CXX_STANDARD 17 CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+else()
+	message(STATUS "Skipping edit_laplacian_drag - filter_laplacian_edit is not built.")
+endif()
+END
+
+# row NAME FILE...
+row() {
+  local name=$1
+  shift
+  printf '| %s | %d | %d |\n' "$name" $# "$(cat "$@" | wc -l)"
+}
+of() {
+  find "$@" \( -name '*.cpp' -o -name '*.h' \)
+}
+{
+  echo '| Part | Files | Lines |'
+  echo '| --- | --- | --- |'
+  # shellcheck disable=SC2016,SC2046 # Markdown; and no name has a space
+  {
+    row 'core, without the tool'"'"'s session' $(of "$filter/lapedit")
+    row 'host layer' $(of "$filter/lapedit_host")
+    row 'filters' $(of "$filter" -maxdepth 1)
+    row 'session of the tool' $(of "$tool/lapedit")
+    row 'tool' $(of "$tool" -maxdepth 1)
+    row 'two `CMakeLists.txt`, resource list' "$filter/CMakeLists.txt" "$tool/CMakeLists.txt" "$tool"/*.qrc
+    row 'all, with two lines more in `src/CMakeLists.txt`, and an icon' $(find "$folder" -type f ! -name '*.png')
+    row 'left out of what is shipped: the program' $(of filter_laplacian_edit/command_line) common/lapedit_host/api_*/batch_*.h common/lapedit_host/api_2022/parameters_*/batch_*.h
+    row 'left out: other MeshLabs' $(of common/lapedit_host/api_2020 common/lapedit_host/api_2022/parameters_2022 ! -name 'batch_*')
+    row 'left out: finding MeshLab, packages' $(find common/cmake common/scripts -type f)
+  }
+} | tee "$folder/size.md"
+[ -n "$build" ] || exit 0
+
+# shellcheck source=tests/hosts/build_root.sh
+. "$project/tests/hosts/build_root.sh" sid
+# shellcheck disable=SC2016
+"${root_sh[@]}" run "$root" "${options[@]}" --bind-ro "$folder=/patch" -- sh -euc '
+  version=$(dpkg-query -W -f "\${source:Version}" meshlab)
+  mkdir -p /upstream
+  cd /upstream
+  rm -rf source build
+  mkdir source
+  tarball=$(echo /double/meshlab_"${version%-*}".orig.tar.*) # as tests/hosts/double.sh has left it
+  if [ ! -f "$tarball" ]; then
+    { apt-get -q update && apt-get -q -o APT::Sandbox::User=root source --download-only --tar-only "meshlab=$version"; } \
+      >source.log 2>&1 || { cat source.log; exit 1; }
+    tarball=$(echo "$PWD"/meshlab_*.orig.tar.*)
+  fi
+  tar -xf "$tarball" -C source --strip-components=1
+  cp -r /patch/src source
+  sed -i "s,^\(\t*\)meshlabplugins/filter_layer$,&\n\1meshlabplugins/filter_laplacian_edit,
+    s,^\(\t*\)meshlabplugins/edit_manipulators$,\1meshlabplugins/edit_laplacian_drag\n&," source/src/CMakeLists.txt
+  [ "$(grep -c laplacian source/src/CMakeLists.txt)" -eq 2 ]
+  plugins="filter_laplacian_edit edit_laplacian_drag"
+  downloads=$(grep -oh "MESHLAB_ALLOW_DOWNLOAD_SOURCE_[A-Z0-9_]*" source/src/external/*.cmake | sort -u |
+    sed "s/.*/-D&=OFF/")
+  # Newer Eigen and CMake do not tell these in the way that MeshLab asks for.
+  found="-DEIGEN3_INCLUDE_DIR=/usr/include/eigen3 -DGLEW_VERSION=$(dpkg-query -W -f "\${Version}" libglew-dev)"
+  # Not MeshLab'"'"'s other plugins, for many of which Debian has no libraries.
+  cmake -G Ninja -S source -B build -DCMAKE_BUILD_TYPE=Release $found $downloads \
+    "-DMESHLAB_PLUGINS=$(printf "meshlabplugins/%s;" $plugins)" >configure.log 2>&1 || { cat configure.log; exit 1; }
+  ninja -C build $plugins >build.log 2>&1 || { grep -A 12 FAILED build.log || tail -n 40 build.log; exit 1; }
+  grep "MeshLab version" configure.log
+  grep -c "warning:" build.log || true
+  find build -name "lib*laplacian*.so" -exec ls -l {} +'
