@@ -202,11 +202,16 @@ class Window:
             time.sleep(0.1)
         return self.fail(f"no window with the title {title!r}")
 
-    def gone(self, title):
+    def gone(self, title, pressing=None):
+        """Until it is no longer on the screen. @param pressing  a key, again every two seconds"""
         end = time.monotonic() + PATIENCE
+        press = time.monotonic()
         while self.x("search", "--onlyvisible", "--name", title, check=False):
             if time.monotonic() > end:
                 self.fail(f"the window {title!r} does not go away")
+            if pressing and time.monotonic() >= press:
+                self.keys(pressing)
+                press = time.monotonic() + 2
             time.sleep(0.1)
 
     def focus(self):
@@ -227,9 +232,9 @@ class Window:
         self.focus()
         self.keys("ctrl+e")
         self.find("Choose Saving Options")
-        self.keys("Return")
+        # A window that has just come loses keys until it has the keyboard.
+        self.gone("Choose Saving Options", pressing="Return")
         self.wait("Saved Mesh", times)
-        self.gone("Choose Saving Options")
         self.focus()
 
     def quit(self):
