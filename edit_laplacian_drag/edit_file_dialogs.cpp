@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_file_dialogs.h"
 
-#include <QCoreApplication>
 #include <QDir>
 #include <QFileDialog>
 #include <QFileInfo>
@@ -12,7 +11,7 @@
 
 namespace {
 
-const char* const kFiles = QT_TRANSLATE_NOOP("EditFileDialogs", "Laplacian edits (*.json)");
+const char* const kFiles = "Laplacian edits (*.json)";
 
 void writeParameter(QXmlStreamWriter& xml, const char* type, const char* name, const QString& value) {
   xml.writeEmptyElement("Param");
@@ -30,8 +29,7 @@ QString editFileFor(const lapedit::host::Layer& layer) {
 
 std::string saveEdit(QWidget* parent, const lapedit::Edit& edit, const QString& suggested) {
   const QByteArray json = QByteArray::fromStdString(lapedit::write_edit(edit));
-  QFileDialog dialog(parent, QCoreApplication::translate("EditFileDialogs", "Save edit"), QFileInfo(suggested).path(),
-                     QCoreApplication::translate("EditFileDialogs", kFiles));
+  QFileDialog dialog(parent, "Save edit", QFileInfo(suggested).path(), kFiles);
   dialog.setAcceptMode(QFileDialog::AcceptSave);
   dialog.setDefaultSuffix("json");
   dialog.selectFile(suggested);
@@ -41,18 +39,15 @@ std::string saveEdit(QWidget* parent, const lapedit::Edit& edit, const QString& 
   const QString path = dialog.selectedFiles().constFirst();
   QSaveFile file(path);
   if (!file.open(QIODevice::WriteOnly) || file.write(json) != json.size() || !file.commit()) {
-    return QCoreApplication::translate("EditFileDialogs", "The edit could not be written to %1: %2.")
-        .arg(path, file.errorString())
-        .toStdString();
+    return QString("The edit could not be written to %1: %2.").arg(path, file.errorString()).toStdString();
   }
-  return QCoreApplication::translate("EditFileDialogs", "The edit was saved as %1.").arg(path).toStdString();
+  return QString("The edit was saved as %1.").arg(path).toStdString();
 }
 
 std::optional<lapedit::Edit> loadEdit(QWidget* parent, const QString& suggested) {
   // A file to begin with that is not there would be a name that cannot be opened.
   const QString begin = QFileInfo::exists(suggested) ? suggested : QFileInfo(suggested).path();
-  const QString path = QFileDialog::getOpenFileName(parent, QCoreApplication::translate("EditFileDialogs", "Load edit"),
-                                                    begin, QCoreApplication::translate("EditFileDialogs", kFiles));
+  const QString path = QFileDialog::getOpenFileName(parent, "Load edit", begin, kFiles);
   if (path.isEmpty()) {
     return std::nullopt;
   }

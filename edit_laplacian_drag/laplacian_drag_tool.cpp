@@ -16,7 +16,6 @@
 #include "lapedit/json/edit_script.h"
 #include "lapedit_host/mesh_bridge.h"
 #include "panel_widgets.h"
-#include "translation.h"
 
 using namespace lapedit;
 using namespace lapedit::host;
@@ -95,7 +94,7 @@ void LaplacianDragTool::guarded(const Call& call) {
 }
 
 void LaplacianDragTool::say(const std::string& line) {
-  notice_ = core(line);
+  notice_ = QString::fromStdString(line);
   mouse_.noticedAt = mouse_.position;
   window_.log(notice_.toStdString());
 }
@@ -103,7 +102,6 @@ void LaplacianDragTool::say(const std::string& line) {
 // --- On and off -----------------------------------------------------------------------------------------------------
 
 bool LaplacianDragTool::start() {
-  loadTranslation();
   shared_ = &WindowSessions::of(*window_.canvas().window());
   active_ = nullptr;
   layer_ = -1;
@@ -130,7 +128,7 @@ bool LaplacianDragTool::start() {
   try {
     active_ = resume ? known : &shared_->make(layer->id, *layer->mesh);
   } catch (const EditError& error) {
-    nothing_ = core(error.what());
+    nothing_ = error.what();
     say(error.what());
     if (!on_) {
       shared_->end(*this);
@@ -276,9 +274,9 @@ void LaplacianDragTool::draw() {
     glPopMatrix();
     line = !notice_.isEmpty()    ? notice_
            : window_.suspended() ? tr("Suspended: the mouse turns the view. Esc goes on with dragging.")
-                                 : core(session.message());
+                                 : QString::fromStdString(session.message());
     if (session.preparing()) {
-      line += tr("  [preparing: %1, %2 %]").arg(core(session.stage())).arg(static_cast<int>(100 * session.progress()));
+      line += tr("  [preparing: %1, %2 %]").arg(session.stage()).arg(static_cast<int>(100 * session.progress()));
     }
     if (window_.suspended() && session.motion()) {
       // By MeshLab's button or menu; not from here, since nothing can be uploaded while drawing.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "overlay.h"
 
-#include <QCoreApplication>
 #include <QOpenGLContext>
 #include <QOpenGLFunctions>
 #include <QPainter>
@@ -82,7 +81,7 @@ QImage legendPicture(double pixelRatio) {
   font.setPixelSize(11);
   painter.setFont(font);
   painter.setPen(Qt::white);
-  painter.drawText(QRect(0, 4, 220, 16), Qt::AlignHCenter, QCoreApplication::translate("Overlay", "Length of edges"));
+  painter.drawText(QRect(0, 4, 220, 16), Qt::AlignHCenter, "Length of edges");
   const char* const factors[] = {"1/4", "1/2", "1", "2", "4"};
   for (int i = 0; i < 5; ++i) {
     painter.drawText(QRect(50 * i - 10, 31, 40, 16), Qt::AlignHCenter, QString(factors[i]));

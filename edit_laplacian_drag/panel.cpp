@@ -24,7 +24,6 @@
 #include "lapedit/session/presets.h"
 #include "panel_icons.h"
 #include "panel_widgets.h"
-#include "translation.h"
 
 using namespace lapedit;
 
@@ -47,40 +46,9 @@ QString tip(const QString& help) {
   return "<qt>" + help.toHtmlEscaped() + "</qt>";
 }
 
-/// What title_of() makes of the settings' keys and choices, and the names of stages, for translators.
-[[maybe_unused]] const char* const kTitles[] = {QT_TRANSLATE_NOOP("lapedit", "Laplacian"),
-                                                QT_TRANSLATE_NOOP("lapedit", "Umbrella"),
-                                                QT_TRANSLATE_NOOP("lapedit", "Cotangent"),
-                                                QT_TRANSLATE_NOOP("lapedit", "Mean value"),
-                                                QT_TRANSLATE_NOOP("lapedit", "Order"),
-                                                QT_TRANSLATE_NOOP("lapedit", "Detail rotation"),
-                                                QT_TRANSLATE_NOOP("lapedit", "None"),
-                                                QT_TRANSLATE_NOOP("lapedit", "Smooth normals"),
-                                                QT_TRANSLATE_NOOP("lapedit", "Smooth surface"),
-                                                QT_TRANSLATE_NOOP("lapedit", "Local global"),
-                                                QT_TRANSLATE_NOOP("lapedit", "Iterations"),
-                                                QT_TRANSLATE_NOOP("lapedit", "Normal radius"),
-                                                QT_TRANSLATE_NOOP("lapedit", "Handle weight"),
-                                                QT_TRANSLATE_NOOP("lapedit", "Anchor weight"),
-                                                QT_TRANSLATE_NOOP("lapedit", "Turning"),
-                                                QT_TRANSLATE_NOOP("lapedit", "Vertex"),
-                                                QT_TRANSLATE_NOOP("lapedit", "Edge"),
-                                                QT_TRANSLATE_NOOP("lapedit", "Rough"),
-                                                QT_TRANSLATE_NOOP("lapedit", "Unrotated"),
-                                                QT_TRANSLATE_NOOP("lapedit", "Falloff"),
-                                                QT_TRANSLATE_NOOP("lapedit", "Membrane"),
-                                                QT_TRANSLATE_NOOP("lapedit", "region"),
-                                                QT_TRANSLATE_NOOP("lapedit", "operator"),
-                                                QT_TRANSLATE_NOOP("lapedit", "coarse level"),
-                                                QT_TRANSLATE_NOOP("lapedit", "factorisation"),
-                                                QT_TRANSLATE_NOOP("lapedit", "smoothing"),
-                                                QT_TRANSLATE_NOOP("lapedit", "rotations"),
-                                                QT_TRANSLATE_NOOP("lapedit", "solve"),
-                                                QT_TRANSLATE_NOOP("lapedit", "done")};
-
 /// What users see in place of a setting's key or of a choice.
 QString titleOf(const char* key) {
-  return core(title_of(key));
+  return QString::fromStdString(title_of(key));
 }
 
 /// Where there is nothing to tell, nothing is told that was true before.
@@ -348,7 +316,7 @@ Panel::Access Panel::access() {
 QWidget* Panel::widgetOf(const Setting& setting) {
   const Access access = {[&setting](const DragSettings& settings) { return setting.get(settings.edit); },
                          [&setting](DragSettings& settings, double value) { setting.set(settings.edit, value); }};
-  const QString help = tip(core(setting.help));
+  const QString help = tip(setting.help);
   switch (setting.kind) {
     case Setting::Kind::Choice:
       return choice(setting, access);
@@ -461,7 +429,7 @@ QWidget* Panel::dragged(QDoubleSpinBox* box, const std::function<double(double)>
 }
 
 QComboBox* Panel::choice(const Setting& setting, const Access& access) {
-  auto* const box = prepared<QComboBox>(setting.key, tip(core(setting.help)));
+  auto* const box = prepared<QComboBox>(setting.key, tip(setting.help));
   for (const char* name : setting.choices) {
     box->addItem(titleOf(name));
   }
@@ -473,8 +441,8 @@ QComboBox* Panel::presetChoice() {
   auto* const box =
       prepared<QComboBox>("preset", tr("Sets handle size and solver at once to what suits a kind of surface"));
   for (const Preset& preset : presets()) {
-    box->addItem(core(preset.name));
-    box->setItemData(box->count() - 1, tip(core(preset.help)), Qt::ToolTipRole);
+    box->addItem(preset.name);
+    box->setItemData(box->count() - 1, tip(preset.help), Qt::ToolTipRole);
   }
   box->addItem(tr("Custom"));
   box->setItemData(box->count() - 1, tip(tr("Values that no preset has.")), Qt::ToolTipRole);
@@ -579,7 +547,7 @@ void Panel::showCommands(const DragSession& session) {
 void Panel::showFigures(const DragSession& session, const FrameTimes& median) {
   const DragFigures figures = session.figures();
   progress_->setValue(session.preparing() ? static_cast<int>(100 * session.progress()) : session.ready() ? 100 : 0);
-  progress_->setFormat(session.preparing() ? QString("%1 %p %").arg(core(session.stage()))
+  progress_->setFormat(session.preparing() ? QString("%1 %p %").arg(session.stage())
                        : session.ready()   ? tr("ready")
                                            : QString());
   const bool known = session.region() != nullptr;
@@ -590,7 +558,8 @@ void Panel::showFigures(const DragSession& session, const FrameTimes& median) {
   times_->setText(
       tr("In the hand in %1 ms, prepared in %2 ms, solved in %3 ms")
           .arg(text(figures.in_hand_ms, 'f', 1), text(figures.prepare_ms, 'f', 1), text(figures.solve_ms, 'f', 1)) +
-      (figures.taken_over.empty() ? QString() : "\n" + tr("Taken over: %1").arg(core(figures.taken_over))));
+      (figures.taken_over.empty() ? QString()
+                                  : "\n" + tr("Taken over: %1").arg(QString::fromStdString(figures.taken_over))));
   const auto frame = [&](double milliseconds, int digits) {
     return text(median.total > 0 ? std::optional(milliseconds) : std::nullopt, 'f', digits);
   };
@@ -600,7 +569,7 @@ void Panel::showFigures(const DragSession& session, const FrameTimes& median) {
   const auto stretch = figures.largest_stretch ? std::optional(100 * *figures.largest_stretch) : std::nullopt;
   quality_->setText(
       tr("Handle off by %1; largest stretch %2 %").arg(text(figures.handle_error, 'g', 3), text(stretch, 'f', 0)) +
-      (figures.advice.empty() ? QString() : "\n" + core(figures.advice)));
+      (figures.advice.empty() ? QString() : "\n" + QString::fromStdString(figures.advice)));
 }
 bool Panel::heat() const {
   return heat_->isChecked();

@@ -1,20 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panel: what its widgets show and set, files that its dialogs suggest, and other languages."""
+"""The panel: what its widgets show and set, and the files that its dialogs suggest."""
 import json
 import math
-import pathlib
 import re
-import shutil
-import subprocess
 import unittest
-import xml.etree.ElementTree as xml
 
 from tool import PANEL, TOOL, ToolTest, part
 from ply import write_ply
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-# Debian's /usr/bin/lupdate is there without them.
-LUPDATE, LRELEASE = (shutil.which(name, path="/usr/lib/qt5/bin") for name in ("lupdate", "lrelease"))
 UNKNOWN = "\u2013"
 
 
@@ -166,77 +159,6 @@ class Files(ToolTest):
             self.assertEqual(w.wait_dialog()["files"], [str(suggested)])
             w.answer()
             self.assert_same(result, w.dump())
-
-
-@unittest.skipUnless(LUPDATE and LRELEASE, "needs Qt's lupdate and lrelease")
-class Languages(ToolTest):
-    """A language that is English in brackets."""
-
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.sources = [str(ROOT / "common/lapedit"), str(ROOT / "edit_laplacian_drag")]
-        cls.catalogue = cls.folder / "laplacian_edit_eo.ts"
-        cls.tool(LUPDATE, "-silent", "-recursive", *cls.sources, "-tr-function-alias",
-                 "QT_TRANSLATE_NOOP+=LAPEDIT_TEXT", "-no-obsolete", "-ts", cls.catalogue)
-
-    @staticmethod
-    def tool(*command):
-        subprocess.run(list(map(str, command)), check=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-
-    def sentences(self):
-        """By context."""
-        found = {}
-        for context in xml.parse(self.catalogue).getroot().iter("context"):
-            found[context.findtext("name")] = [m.findtext("source") for m in context.iter("message")]
-        return found
-
-    def translated_home(self):
-        """Puts the language where the tool looks for it."""
-        tree = xml.parse(self.catalogue)
-        for message in tree.getroot().iter("message"):
-            translation = message.find("translation")
-            translation.attrib.pop("type", None)
-            translation.text = "[" + message.findtext("source") + "]"
-        translated = self.folder / "translated.ts"
-        tree.write(translated, encoding="utf-8", xml_declaration=True)
-        folder = self.folder / ".local/share/laplacian-edit/translations"  # of the test's own home
-        folder.mkdir(parents=True, exist_ok=True)
-        self.tool(LRELEASE, "-silent", translated, "-qm", folder / "laplacian_edit_eo.qm")
-
-    def test_every_sentence_of_the_core_is_found(self):
-        """What stands in the code and is not marked, or is marked and not found, would stay English."""
-        folder = ROOT / "common/lapedit"
-        texts = "".join(path.read_text() for suffix in ("*.h", "*.cpp") for path in sorted(folder.rglob(suffix)))
-        literal = r'((?:"(?:[^"\\]|\\.)*"\s*)+)'
-        marked = {"".join(re.findall(r'"((?:[^"\\]|\\.)*)"', group))
-                  for group in re.findall(r'LAPEDIT_TEXT\(\s*"lapedit",\s*' + literal + r"\)", texts)}
-        self.assertGreater(len(marked), 100)
-        self.assertLessEqual(marked, set(self.sentences()["lapedit"]))
-        messages = (folder / "session/messages.h").read_text()
-        self.assertEqual(messages.count("constexpr const char* k"), messages.count("LAPEDIT_TEXT("))
-        functions = (folder / "session/messages.cpp").read_text()
-        self.assertEqual(re.findall(r'format_text\(\s*"', functions), [])
-
-    def test_a_language_is_shown_everywhere(self):
-        self.translated_home()
-        environment = dict(self.environment, LANGUAGE="eo", LANG="eo", LC_ALL="eo_XX.UTF-8")
-        type(self).environment, before = environment, self.environment
-        try:
-            with self.start(self.mesh, disc=20) as w:
-                self.assertRegex(self.message(w), r"^\[Press on the surface")
-                for widget in w.ask("widgets", inside=PANEL)["widgets"]:
-                    if widget["name"].startswith("laplacian_drag_") and widget["tool_tip"]:
-                        self.assertRegex(widget["tool_tip"], r"^(<qt>)?\[.*\](</qt>)?$", widget)
-                    for text in (widget.get("text"), widget.get("currentText")):
-                        if text and re.search("[A-Za-z]{2}", text) and widget["class"] not in ("QLineEdit",):
-                            self.assertIn("[", text, widget)
-                w.key("X")
-                self.assertRegex(self.message(w), r"^\[Nothing is being moved")
-                self.pull(w, self.CENTRE, (20, -20), release=False)
-                self.assertRegex(self.message(w), r"^\[\[Moving by [\d.]+\]: release to apply")
-        finally:
-            type(self).environment = before
 
 
 if __name__ == "__main__":

@@ -7,7 +7,6 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
-#include "lapedit/base/translate.h"
 
 namespace lapedit {
 namespace {
@@ -38,20 +37,16 @@ const std::vector<Setting>& settings_table() {
        "umbrella, cotangent or mean value",
        0,
        2,
-       LAPEDIT_TEXT(
-           "lapedit",
-           "How the detail at a vertex is measured: against the plain mean of its neighbours (umbrella, the paper's "
-           "choice), with cotangent weights, which depend less on the triangulation, or with mean-value weights, which "
-           "uneven and obtuse triangles suit as well."),
+       "How the detail at a vertex is measured: against the plain mean of its neighbours (umbrella, the paper's "
+       "choice), with cotangent weights, which depend less on the triangulation, or with mean-value weights, which "
+       "uneven and obtuse triangles suit as well.",
        get<&S::laplacian>,
        set<&S::laplacian>,
        {"umbrella", "cotangent", "mean_value"}},
       {Kind::Whole, "order", "order of the Laplacian", "1, 2 or 3", 1, 3,
-       LAPEDIT_TEXT(
-           "lapedit",
-           "How often the Laplacian is applied, 1 to 3. Higher orders blend more smoothly into the fixed part and take "
-           "longer; use them for pulls without detail rotation, since errors of rotations and turned groups make them "
-           "overshoot."),
+       "How often the Laplacian is applied, 1 to 3. Higher orders blend more smoothly into the fixed part and take "
+       "longer; use them for pulls without detail rotation, since errors of rotations and turned groups make them "
+       "overshoot.",
        get<&S::order>, set<&S::order>},
       {Kind::Choice,
        "detail_rotation",
@@ -59,45 +54,35 @@ const std::vector<Setting>& settings_table() {
        "none, smooth normals, smooth surface or local-global",
        0,
        3,
-       LAPEDIT_TEXT(
-           "lapedit",
-           "How details turn with the surface: not at all, by the paper's frames of smooth normals, by rotations "
-           "fitted to "
-           "the smoothed surface, or by those of some hundred patches, fitted and solved for in turns until nothing "
-           "changes (local-global)."),
+       "How details turn with the surface: not at all, by the paper's frames of smooth normals, by rotations fitted to "
+       "the smoothed surface, or by those of some hundred patches, fitted and solved for in turns until nothing "
+       "changes (local-global).",
        get<&S::rotation>,
        set<&S::rotation>,
        {"none", "smooth_normals", "smooth_surface", "local_global"}},
       {Kind::Whole, "iterations", "number of iterations", "a whole number from 1 to 100", 1, 100,
-       LAPEDIT_TEXT(
-           "lapedit",
-           "How often the rotations are estimated anew from the last result, 1 to 100. More than one helps large edits "
-           "with the smooth surface. Local-global rotations go on by themselves until nothing changes."),
+       "How often the rotations are estimated anew from the last result, 1 to 100. More than one helps large edits "
+       "with the smooth surface. Local-global rotations go on by themselves until nothing changes.",
        get<&S::iterations>, set<&S::iterations>},
       {Kind::Length, "normal_radius", "normal radius", "a finite length, or 0 for an automatic one", 0,
        std::numeric_limits<double>::max(),
-       LAPEDIT_TEXT(
-           "lapedit",
-           "Radius of the smoothing that separates details from the surface below; has to exceed the size of the "
-           "details. 0: chosen from the mesh. Local-global rotations do without."),
+       "Radius of the smoothing that separates details from the surface below; has to exceed the size of the details. "
+       "0: chosen from the mesh. Local-global rotations do without.",
        get<&S::normal_radius>, set<&S::normal_radius>},
       {Kind::Number, "handle_weight", "handle weight", kWeights, kLightest, kHeaviest,
-       LAPEDIT_TEXT("lapedit", "How strongly the handle is drawn to its target, 0.000001 to 1000000."),
-       get<&S::handle_weight>, set<&S::handle_weight>},
+       "How strongly the handle is drawn to its target, 0.000001 to 1000000.", get<&S::handle_weight>,
+       set<&S::handle_weight>},
       {Kind::Number, "anchor_weight", "anchor weight", kWeights, kLightest, kHeaviest,
-       LAPEDIT_TEXT("lapedit", "How strongly the band inside the rim is held in place, 0.000001 to 1000000."),
-       get<&S::anchor_weight>, set<&S::anchor_weight>},
+       "How strongly the band inside the rim is held in place, 0.000001 to 1000000.", get<&S::anchor_weight>,
+       set<&S::anchor_weight>},
       {Kind::Choice,
        "turning",
        "turning of details",
        "vertex or edge",
        0,
        1,
-       LAPEDIT_TEXT("lapedit",
-                    "What the rotations turn: the detail at each vertex as a whole (vertex, the paper's way), or each "
-                    "edge by the "
-                    "mean "
-                    "of its ends' rotations (edge), which lets flat parts bend, so that limbs keep their thickness."),
+       "What the rotations turn: the detail at each vertex as a whole (vertex, the paper's way), or each edge by the "
+       "mean of its ends' rotations (edge), which lets flat parts bend, so that limbs keep their thickness.",
        get<&S::turning>,
        set<&S::turning>,
        {"vertex", "edge"}},
@@ -107,20 +92,15 @@ const std::vector<Setting>& settings_table() {
        "unrotated or falloff",
        0,
        1,
-       LAPEDIT_TEXT(
-           "lapedit",
-           "What the rotations are first estimated from: the solution with details not yet turned (unrotated, the "
-           "paper's "
-           "way), or the handle's motion, falling off with the distance along the surface (falloff), which needs no "
-           "solution."),
+       "What the rotations are first estimated from: the solution with details not yet turned (unrotated, the paper's "
+       "way), or the handle's motion, falling off with the distance along the surface (falloff), which needs no "
+       "solution.",
        get<&S::rough>,
        set<&S::rough>,
        {"unrotated", "falloff"}},
       {Kind::Number, "membrane", "membrane weight", "a number from 0 to 1000000", 0, 1e6,
-       LAPEDIT_TEXT("lapedit",
-                    "What stretching costs beside bending, 0 to 1000000: with 0 the surface only keeps from bending "
-                    "(the paper's "
-                    "way); the more, the more evenly lengths are kept over the whole region."),
+       "What stretching costs beside bending, 0 to 1000000: with 0 the surface only keeps from bending (the paper's "
+       "way); the more, the more evenly lengths are kept over the whole region.",
        get<&S::membrane>, set<&S::membrane>},
   };
   return table;

@@ -3,8 +3,6 @@
 
 #include <optional>
 
-#include "lapedit/base/translate.h"
-
 namespace lapedit {
 
 /// Keys that a session understands, whatever a window calls them.
@@ -51,45 +49,31 @@ struct KeyHelp {
 
 /// Every key once, in the order of DragKey.
 inline constexpr KeyHelp kKeyHelp[] = {
-    {DragKey::Digit0, DragKey::Digit9, "0-9",
-     LAPEDIT_TEXT("lapedit", "Gives an exact amount: a length, degrees or a factor.")},
-    {DragKey::Point, DragKey::Point, ".", LAPEDIT_TEXT("lapedit", "Begins the decimals of an amount.")},
-    {DragKey::Minus, DragKey::Minus, "-", LAPEDIT_TEXT("lapedit", "Changes the sign of an amount.")},
-    {DragKey::LockX, DragKey::LockX, "X",
-     LAPEDIT_TEXT("lapedit", "Moves along, or turns about, the X axis of the mesh; again: free.")},
-    {DragKey::LockY, DragKey::LockY, "Y",
-     LAPEDIT_TEXT("lapedit", "Moves along, or turns about, the Y axis of the mesh; again: free.")},
-    {DragKey::LockZ, DragKey::LockZ, "Z",
-     LAPEDIT_TEXT("lapedit", "Moves along, or turns about, the Z axis of the mesh; again: free.")},
+    {DragKey::Digit0, DragKey::Digit9, "0-9", "Gives an exact amount: a length, degrees or a factor."},
+    {DragKey::Point, DragKey::Point, ".", "Begins the decimals of an amount."},
+    {DragKey::Minus, DragKey::Minus, "-", "Changes the sign of an amount."},
+    {DragKey::LockX, DragKey::LockX, "X", "Moves along, or turns about, the X axis of the mesh; again: free."},
+    {DragKey::LockY, DragKey::LockY, "Y", "Moves along, or turns about, the Y axis of the mesh; again: free."},
+    {DragKey::LockZ, DragKey::LockZ, "Z", "Moves along, or turns about, the Z axis of the mesh; again: free."},
     {DragKey::LockNormal, DragKey::LockNormal, "N",
-     LAPEDIT_TEXT("lapedit", "Moves along, or turns about, the surface normal at the handle; again: free.")},
-    {DragKey::Translate, DragKey::Translate, "T",
-     LAPEDIT_TEXT("lapedit", "Moves the handle with the mouse, no button held.")},
-    {DragKey::Rotate, DragKey::Rotate, "R",
-     LAPEDIT_TEXT("lapedit", "Turns a handle of several vertices with the mouse, no button held.")},
-    {DragKey::Scale, DragKey::Scale, "S",
-     LAPEDIT_TEXT("lapedit", "Scales a handle of several vertices with the mouse, no button held.")},
-    {DragKey::Apply, DragKey::Apply, "Return", LAPEDIT_TEXT("lapedit", "Applies what is being moved.")},
-    {DragKey::Cancel, DragKey::Cancel, "Backspace, Esc",
-     LAPEDIT_TEXT("lapedit", "Drops what is being moved or worked out.")},
-    {DragKey::Curve, DragKey::Curve, "C",
-     LAPEDIT_TEXT("lapedit", "Changes between handles that are vertices and handles that are curves.")},
-    {DragKey::NextGroup, DragKey::NextGroup, "G",
-     LAPEDIT_TEXT("lapedit", "Makes the next click another handle group, the others holding.")},
-    {DragKey::NewRegion, DragKey::NewRegion, "W", LAPEDIT_TEXT("lapedit", "Makes the next click take a new region.")},
+     "Moves along, or turns about, the surface normal at the handle; again: free."},
+    {DragKey::Translate, DragKey::Translate, "T", "Moves the handle with the mouse, no button held."},
+    {DragKey::Rotate, DragKey::Rotate, "R", "Turns a handle of several vertices with the mouse, no button held."},
+    {DragKey::Scale, DragKey::Scale, "S", "Scales a handle of several vertices with the mouse, no button held."},
+    {DragKey::Apply, DragKey::Apply, "Return", "Applies what is being moved."},
+    {DragKey::Cancel, DragKey::Cancel, "Backspace, Esc", "Drops what is being moved or worked out."},
+    {DragKey::Curve, DragKey::Curve, "C", "Changes between handles that are vertices and handles that are curves."},
+    {DragKey::NextGroup, DragKey::NextGroup, "G", "Makes the next click another handle group, the others holding."},
+    {DragKey::NewRegion, DragKey::NewRegion, "W", "Makes the next click take a new region."},
     {DragKey::Pivot, DragKey::Pivot, "P",
-     LAPEDIT_TEXT("lapedit",
-                  "Turns and scales about a point that the next click picks; again: about the middle of the region's "
-                  "rim; again: about the handle's centre.")},
-    {DragKey::Brush, DragKey::Brush, "B",
-     LAPEDIT_TEXT("lapedit", "Lets the brush paint the handle; again: the anchors; again: the region.")},
-    {DragKey::Gizmo, DragKey::Gizmo, "V",
-     LAPEDIT_TEXT("lapedit", "Shows arrows, rings and a knob at the handle, and hides them again.")},
-    {DragKey::Grow, DragKey::Grow, "]", LAPEDIT_TEXT("lapedit", "Grows the region by a ring.")},
-    {DragKey::Shrink, DragKey::Shrink, "[", LAPEDIT_TEXT("lapedit", "Shrinks the region by a ring.")},
-    {DragKey::Undo, DragKey::Undo, "Ctrl+Z", LAPEDIT_TEXT("lapedit", "Takes the last step back, exact to the bit.")},
-    {DragKey::Redo, DragKey::Redo, "Ctrl+Shift+Z",
-     LAPEDIT_TEXT("lapedit", "Applies the step that was taken back last again.")},
+     "Turns and scales about a point that the next click picks; again: about the middle of the region's rim; again: "
+     "about the handle's centre."},
+    {DragKey::Brush, DragKey::Brush, "B", "Lets the brush paint the handle; again: the anchors; again: the region."},
+    {DragKey::Gizmo, DragKey::Gizmo, "V", "Shows arrows, rings and a knob at the handle, and hides them again."},
+    {DragKey::Grow, DragKey::Grow, "]", "Grows the region by a ring."},
+    {DragKey::Shrink, DragKey::Shrink, "[", "Shrinks the region by a ring."},
+    {DragKey::Undo, DragKey::Undo, "Ctrl+Z", "Takes the last step back, exact to the bit."},
+    {DragKey::Redo, DragKey::Redo, "Ctrl+Shift+Z", "Applies the step that was taken back last again."},
 };
 
 /// The key of a digit 0 to 9.

@@ -37,28 +37,22 @@ void validate(const DragSettings& settings) {
     throw EditError(ErrorCause::BadParameter, messages::out_of_range(what, value, wanted));
   };
   if (!(settings.radius > 0 && std::isfinite(settings.radius))) {
-    refuse(LAPEDIT_TEXT("lapedit", "region's radius"), settings.radius,
-           LAPEDIT_TEXT("lapedit", "a finite length greater than 0"));
+    refuse("region's radius", settings.radius, "a finite length greater than 0");
   }
   if (!(settings.padding >= 0 && settings.padding <= 1)) {
-    refuse(LAPEDIT_TEXT("lapedit", "padding"), settings.padding,
-           LAPEDIT_TEXT("lapedit", "a share of the region's radius from 0 to 1"));
+    refuse("padding", settings.padding, "a share of the region's radius from 0 to 1");
   }
   if (!(settings.handle_share >= 0 && settings.handle_share <= kLargestHandleShare)) {
-    refuse(LAPEDIT_TEXT("lapedit", "handle's share of the radius"), settings.handle_share,
-           LAPEDIT_TEXT("lapedit", "a number from 0, a single vertex, to 0.9"));
+    refuse("handle's share of the radius", settings.handle_share, "a number from 0, a single vertex, to 0.9");
   }
   if (!(settings.softness >= 0 && settings.softness <= 1)) {
-    refuse(LAPEDIT_TEXT("lapedit", "handle's softness"), settings.softness,
-           LAPEDIT_TEXT("lapedit", "a share of its disc from 0 to 1"));
+    refuse("handle's softness", settings.softness, "a share of its disc from 0 to 1");
   }
   if (!(settings.connect_gap >= 0 && std::isfinite(settings.connect_gap))) {
-    refuse(LAPEDIT_TEXT("lapedit", "gap to connect pieces over"), settings.connect_gap,
-           LAPEDIT_TEXT("lapedit", "a finite length, or 0 to leave pieces apart"));
+    refuse("gap to connect pieces over", settings.connect_gap, "a finite length, or 0 to leave pieces apart");
   }
   if (!(settings.brush_pixels >= 1 && settings.brush_pixels <= 1000)) {
-    refuse(LAPEDIT_TEXT("lapedit", "brush's radius"), settings.brush_pixels,
-           LAPEDIT_TEXT("lapedit", "1 to 1000 pixels"));
+    refuse("brush's radius", settings.brush_pixels, "1 to 1000 pixels");
   }
 }
 

@@ -18,12 +18,12 @@ const char* name(AxisLock lock, const Vector3& axis) {
     case AxisLock::Z:
       return "Z";
     case AxisLock::Normal:
-      return translated(LAPEDIT_TEXT("lapedit", "the normal"));
+      return "the normal";
     case AxisLock::Gizmo:
       return axis == Vector3::UnitX()   ? "X"
              : axis == Vector3::UnitY() ? "Y"
              : axis == Vector3::UnitZ() ? "Z"
-                                        : translated(LAPEDIT_TEXT("lapedit", "the gizmo's axis"));
+                                        : "the gizmo's axis";
     case AxisLock::None:
       break;
   }
@@ -36,14 +36,9 @@ const char* name(AxisLock lock, const Vector3& axis) {
 
 std::string dragging(const DragMotion& motion, bool by_button) {
   const char* const pattern =
-      by_button
-          ? translated(LAPEDIT_TEXT(
-                "lapedit",
-                "%s: release to apply, Esc drops it; X Y Z N lock an axis, Ctrl goes in steps, digits give "
-                "an amount."))
-          : translated(LAPEDIT_TEXT("lapedit",
-                                    "%s: click or press Return to apply, Esc drops it; X Y Z N lock an axis, Ctrl goes "
-                                    "in steps, digits give an amount."));
+      by_button ? "%s: release to apply, Esc drops it; X Y Z N lock an axis, Ctrl goes in steps, digits give an amount."
+                : "%s: click or press Return to apply, Esc drops it; X Y Z N lock an axis, Ctrl goes in steps, digits "
+                  "give an amount.";
   return format_text(pattern, motion.text().c_str());
 }
 
@@ -58,153 +53,123 @@ std::string motion(MotionKind kind, const HandleTransform& now, const std::optio
   };
   std::string line;
   if (kind == MotionKind::Scale) {
-    line = format_text(translated(LAPEDIT_TEXT("lapedit", "Scaling by %s")), text(now.scale).c_str());
+    line = format_text("Scaling by %s", text(now.scale).c_str());
   } else if (kind == MotionKind::Rotate) {
-    line = axis ? format_text(translated(LAPEDIT_TEXT("lapedit", "Turning by %s degrees about %s")),
-                              text(now.degrees).c_str(), name(lock, *axis))
-                : format_text(translated(LAPEDIT_TEXT("lapedit", "Turning by %s degrees")), text(now.degrees).c_str());
+    line = axis ? format_text("Turning by %s degrees about %s", text(now.degrees).c_str(), name(lock, *axis))
+                : format_text("Turning by %s degrees", text(now.degrees).c_str());
   } else {
-    line = axis
-               ? format_text(translated(LAPEDIT_TEXT("lapedit", "Moving by %s along %s")),
-                             text(now.translation.dot(*axis)).c_str(), name(lock, *axis))
-               : format_text(translated(LAPEDIT_TEXT("lapedit", "Moving by %s")), text(now.translation.norm()).c_str());
+    line = axis ? format_text("Moving by %s along %s", text(now.translation.dot(*axis)).c_str(), name(lock, *axis))
+                : format_text("Moving by %s", text(now.translation.norm()).c_str());
   }
   if (step > 0) {
-    line += format_text(translated(LAPEDIT_TEXT("lapedit", " (in steps of %s)")), text(step).c_str());
+    line += format_text(" (in steps of %s)", text(step).c_str());
   }
-  return typed.empty() ? line : line + format_text(translated(LAPEDIT_TEXT("lapedit", " (typed %s)")), typed.c_str());
+  return typed.empty() ? line : line + format_text(" (typed %s)", typed.c_str());
 }
 
 // Refusals -----------------------------------------------------------------------------------------------------------
 
 std::string out_of_range(const char* what, double value, const char* wanted) {
-  return format_text(translated(LAPEDIT_TEXT("lapedit", "The %s is %g: give %s.")), translated(what), value,
-                     translated(wanted));
+  return format_text("The %s is %g: give %s.", what, value, wanted);
 }
 
 std::string no_such_vertices(int vertices_of_mesh) {
-  return format_text(
-      translated(LAPEDIT_TEXT("lapedit", "The mesh has %d vertices, numbered from 0: choose a region among them.")),
-      vertices_of_mesh);
+  return format_text("The mesh has %d vertices, numbered from 0: choose a region among them.", vertices_of_mesh);
 }
 
 std::string outside_region(int vertex) {
   return format_text(
-      translated(LAPEDIT_TEXT(
-          "lapedit",
-          "Vertex %d is outside the region: click inside it, brush it larger with Ctrl, or press W for a new region.")),
+      "Vertex %d is outside the region: click inside it, brush it larger with Ctrl, or press W for a new region.",
       vertex);
 }
 
 std::string no_path(int from, int to) {
-  return format_text(
-      translated(LAPEDIT_TEXT(
-          "lapedit", "No path along edges leads from vertex %d to vertex %d: click on the same piece of the surface.")),
-      from, to);
+  return format_text("No path along edges leads from vertex %d to vertex %d: click on the same piece of the surface.",
+                     from, to);
 }
 
 std::string curve_outside_region(const std::vector<int>& outside) {
   return format_text(
-      translated(LAPEDIT_TEXT(
-          "lapedit",
-          "%zu vertices of the curve would lie outside the region, the first is vertex %d: enlarge the region or click "
-          "inside it.")),
+      "%zu vertices of the curve would lie outside the region, the first is vertex %d: enlarge the region or click "
+      "inside it.",
       outside.size(), outside.front());
 }
 
 std::string not_added(int vertex) {
-  return format_text(
-      translated(LAPEDIT_TEXT("lapedit", "Vertex %d is outside the region or in another handle: it was not added.")),
-      vertex);
+  return format_text("Vertex %d is outside the region or in another handle: it was not added.", vertex);
 }
 
 std::string nothing_painted(int vertex) {
   return format_text(
-      translated(LAPEDIT_TEXT(
-          "lapedit",
-          "Vertex %d and those around it are outside the region or in another handle: brush inside the region.")),
-      vertex);
+      "Vertex %d and those around it are outside the region or in another handle: brush inside the region.", vertex);
 }
 
 std::string unconnected(const std::vector<int>& vertices) {
-  return format_text(translated(LAPEDIT_TEXT("lapedit",
-                                             "%zu brushed vertices, the first is vertex %d, are not connected to a "
-                                             "handle: they are kept but stay in place; "
-                                             "brush the way to them, or press G and click there.")),
-                     vertices.size(), vertices.front());
+  return format_text(
+      "%zu brushed vertices, the first is vertex %d, are not connected to a handle: they are kept but stay in place; "
+      "brush the way to them, or press G and click there.",
+      vertices.size(), vertices.front());
 }
 
 std::string nothing_holds(int vertices) {
-  return format_text(translated(LAPEDIT_TEXT("lapedit",
-                                             "Nothing holds this piece of %d vertices, so all of it would move: choose "
-                                             "a smaller radius, press G and click "
-                                             "where it is to stay, or give a gap to connect it to its neighbours.")),
-                     vertices);
+  return format_text(
+      "Nothing holds this piece of %d vertices, so all of it would move: choose a smaller radius, press G and click "
+      "where it is to stay, or give a gap to connect it to its neighbours.",
+      vertices);
 }
 
 std::string in_no_handle(int vertex) {
-  return format_text(translated(LAPEDIT_TEXT("lapedit",
-                                             "Vertex %d is in no handle: Shift-click on a handle vertex takes it away, "
-                                             "Shift-drag brushes the region smaller.")),
-                     vertex);
+  return format_text(
+      "Vertex %d is in no handle: Shift-click on a handle vertex takes it away, Shift-drag brushes the region smaller.",
+      vertex);
 }
 
 std::string single_vertex(MotionKind kind, int vertex) {
-  const char* const pattern =
-      kind == MotionKind::Rotate
-          ? translated(LAPEDIT_TEXT("lapedit",
-                                    "Turning needs a handle of several vertices, and this one is vertex %d alone: set "
-                                    "a handle size or add vertices with Ctrl-clicks."))
-          : translated(LAPEDIT_TEXT("lapedit",
-                                    "Scaling needs a handle of several vertices, and this one is vertex %d alone: set "
-                                    "a handle size or add vertices with Ctrl-clicks."));
+  const char* const pattern = kind == MotionKind::Rotate
+                                  ? "Turning needs a handle of several vertices, and this one is vertex %d alone: set "
+                                    "a handle size or add vertices with Ctrl-clicks."
+                                  : "Scaling needs a handle of several vertices, and this one is vertex %d alone: set "
+                                    "a handle size or add vertices with Ctrl-clicks.";
   return format_text(pattern, vertex);
 }
 
 // Lines for a log ----------------------------------------------------------------------------------------------------
 
 std::string not_possible(const std::string& why) {
-  return format_text(translated(LAPEDIT_TEXT("lapedit", "not possible: %s")), translated(why.c_str()));
+  return format_text("not possible: %s", why.c_str());
 }
 
 std::string step_applied(std::size_t number, const DragMotion& motion, const std::vector<int>& handle, int region_size,
                          double prepare_ms, double solve_ms) {
   const char* const pattern =
       handle.size() == 1
-          ? translated(LAPEDIT_TEXT("lapedit",
-                                    "step %zu: %s, handle of %zu vertex (%d), region of %d vertices, prepared in %.1f "
-                                    "ms, solved in %.1f ms"))
-          : translated(LAPEDIT_TEXT("lapedit",
-                                    "step %zu: %s, handle of %zu vertices (the first is %d), region of %d vertices, "
-                                    "prepared in %.1f ms, solved in %.1f ms"));
+          ? "step %zu: %s, handle of %zu vertex (%d), region of %d vertices, prepared in %.1f ms, solved in %.1f ms"
+          : "step %zu: %s, handle of %zu vertices (the first is %d), region of %d vertices, prepared in %.1f ms, "
+            "solved in %.1f ms";
   return format_text(pattern, number, motion.text().c_str(), handle.size(), handle.front(), region_size, prepare_ms,
                      solve_ms);
 }
 
 std::string step_amended(std::size_t number, int region_size, double prepare_ms, double solve_ms) {
-  return format_text(translated(LAPEDIT_TEXT("lapedit",
-                                             "step %zu again with other settings: region of %d vertices, prepared in "
-                                             "%.1f ms, solved in %.1f ms")),
-                     number, region_size, prepare_ms, solve_ms);
+  return format_text(
+      "step %zu again with other settings: region of %d vertices, prepared in %.1f ms, solved in %.1f ms", number,
+      region_size, prepare_ms, solve_ms);
 }
 
 std::string edit_applied(std::size_t steps) {
-  return format_text(steps == 1 ? translated(LAPEDIT_TEXT("lapedit", "%zu step of a saved edit applied"))
-                                : translated(LAPEDIT_TEXT("lapedit", "%zu steps of a saved edit applied")),
-                     steps);
+  return format_text(steps == 1 ? "%zu step of a saved edit applied" : "%zu steps of a saved edit applied", steps);
 }
 
 std::string step_undone(std::size_t number) {
-  return format_text(translated(LAPEDIT_TEXT("lapedit", "step %zu undone")), number);
+  return format_text("step %zu undone", number);
 }
 
 std::string step_redone(std::size_t number) {
-  return format_text(translated(LAPEDIT_TEXT("lapedit", "step %zu redone")), number);
+  return format_text("step %zu redone", number);
 }
 
 std::string all_undone(std::size_t steps) {
-  return format_text(steps == 1 ? translated(LAPEDIT_TEXT("lapedit", "back to the original: %zu step undone"))
-                                : translated(LAPEDIT_TEXT("lapedit", "back to the original: %zu steps undone")),
+  return format_text(steps == 1 ? "back to the original: %zu step undone" : "back to the original: %zu steps undone",
                      steps);
 }
 

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "lapedit/base/translate.h"
 #include "lapedit/session/drag_motion.h"
 
 /// Every sentence of a session that a user reads: what comes next, why something is refused, and lines for a log.
@@ -15,21 +14,17 @@ namespace lapedit::messages {
 
 // What the next click does -------------------------------------------------------------------------------------------
 
-constexpr const char* kLoading = LAPEDIT_TEXT("lapedit", "Applying the saved edit. Backspace drops it.");
-constexpr const char* kSolving = LAPEDIT_TEXT("lapedit", "Solving for the exact result. Backspace drops it.");
-constexpr const char* kNextIsRegion = LAPEDIT_TEXT("lapedit", "Click on the surface for a new region and its handle.");
-constexpr const char* kNextIsGroup =
-    LAPEDIT_TEXT("lapedit", "Click on the surface for another handle; those there hold their place.");
-constexpr const char* kNextIsPivot = LAPEDIT_TEXT("lapedit", "Click on the surface where the handle is to turn about.");
-constexpr const char* kPickInRegion = LAPEDIT_TEXT("lapedit", "Click inside the region to pick its handle.");
-constexpr const char* kPickAnywhere =
-    LAPEDIT_TEXT("lapedit", "Press on the surface and drag, or click to see the region first.");
-constexpr const char* kLeadCurve =
-    LAPEDIT_TEXT("lapedit", "Click to lead the curve on, drag the curve to move it; C ends it.");
-constexpr const char* kDragHandle = LAPEDIT_TEXT("lapedit",
-                                                 "Drag the handle (V shows arrows and rings; T moves, R turns, S "
-                                                 "scales), click inside the region for another one, outside for a new "
-                                                 "region.");
+constexpr const char* kLoading = "Applying the saved edit. Backspace drops it.";
+constexpr const char* kSolving = "Solving for the exact result. Backspace drops it.";
+constexpr const char* kNextIsRegion = "Click on the surface for a new region and its handle.";
+constexpr const char* kNextIsGroup = "Click on the surface for another handle; those there hold their place.";
+constexpr const char* kNextIsPivot = "Click on the surface where the handle is to turn about.";
+constexpr const char* kPickInRegion = "Click inside the region to pick its handle.";
+constexpr const char* kPickAnywhere = "Press on the surface and drag, or click to see the region first.";
+constexpr const char* kLeadCurve = "Click to lead the curve on, drag the curve to move it; C ends it.";
+constexpr const char* kDragHandle =
+    "Drag the handle (V shows arrows and rings; T moves, R turns, S scales), click inside the region for another one, "
+    "outside for a new region.";
 std::string dragging(const DragMotion& motion, bool by_button);
 
 /// "Moving by 0.5 along Y (typed 0.5)"
@@ -41,30 +36,25 @@ std::string motion(MotionKind kind, const HandleTransform& now, const std::optio
 // Refusals -----------------------------------------------------------------------------------------------------------
 
 constexpr const char* kStillSettling =
-    LAPEDIT_TEXT("lapedit", "The last step is still being worked out: wait a moment, or press Backspace to drop it.");
-constexpr const char* kNoSurface =
-    LAPEDIT_TEXT("lapedit", "There is no surface of this layer under the cursor: click on the mesh.");
-constexpr const char* kNoNormal =
-    LAPEDIT_TEXT("lapedit", "The surface has no normal at the handle: lock X, Y or Z instead.");
-constexpr const char* kNoRegionVertices =
-    LAPEDIT_TEXT("lapedit", "The region has no vertices: select some faces first.");
-constexpr const char* kNoComponent = LAPEDIT_TEXT(
-    "lapedit", "There is no handle, so it is not known whose component is meant: click on the surface first.");
-constexpr const char* kNoRegion = LAPEDIT_TEXT("lapedit", "There is no region yet: click on the surface first.");
-constexpr const char* kNothingLeft = LAPEDIT_TEXT("lapedit", "Nothing would be left of the region: it stays as it is.");
-constexpr const char* kRegionNotKnown = LAPEDIT_TEXT("lapedit", "The region is still being found: wait a moment.");
-constexpr const char* kNotSymmetric = LAPEDIT_TEXT(
-    "lapedit",
-    "The mesh is nowhere nearly its own mirror image: choose one of the planes of the layer's axes instead.");
-constexpr const char* kNoAnchors = LAPEDIT_TEXT(
-    "lapedit", "None of these vertices is in the region and in no handle: brush or select inside the region.");
-constexpr const char* kNoMotion = LAPEDIT_TEXT(
-    "lapedit", "Nothing is being moved: drag the handle, or press T, R or S first; then X, Y, Z, N and digits count.");
-constexpr const char* kNoPivot =
-    LAPEDIT_TEXT("lapedit", "There is no handle yet whose pivot could be placed: click on the surface first.");
-constexpr const char* kNoHandle = LAPEDIT_TEXT("lapedit", "There is no handle yet: the first click makes one.");
-constexpr const char* kNothingToUndo = LAPEDIT_TEXT("lapedit", "There is nothing to undo: no step has been applied.");
-constexpr const char* kNothingToRedo = LAPEDIT_TEXT("lapedit", "There is nothing to redo: no step has been undone.");
+    "The last step is still being worked out: wait a moment, or press Backspace to drop it.";
+constexpr const char* kNoSurface = "There is no surface of this layer under the cursor: click on the mesh.";
+constexpr const char* kNoNormal = "The surface has no normal at the handle: lock X, Y or Z instead.";
+constexpr const char* kNoRegionVertices = "The region has no vertices: select some faces first.";
+constexpr const char* kNoComponent =
+    "There is no handle, so it is not known whose component is meant: click on the surface first.";
+constexpr const char* kNoRegion = "There is no region yet: click on the surface first.";
+constexpr const char* kNothingLeft = "Nothing would be left of the region: it stays as it is.";
+constexpr const char* kRegionNotKnown = "The region is still being found: wait a moment.";
+constexpr const char* kNotSymmetric =
+    "The mesh is nowhere nearly its own mirror image: choose one of the planes of the layer's axes instead.";
+constexpr const char* kNoAnchors =
+    "None of these vertices is in the region and in no handle: brush or select inside the region.";
+constexpr const char* kNoMotion =
+    "Nothing is being moved: drag the handle, or press T, R or S first; then X, Y, Z, N and digits count.";
+constexpr const char* kNoPivot = "There is no handle yet whose pivot could be placed: click on the surface first.";
+constexpr const char* kNoHandle = "There is no handle yet: the first click makes one.";
+constexpr const char* kNothingToUndo = "There is nothing to undo: no step has been applied.";
+constexpr const char* kNothingToRedo = "There is nothing to redo: no step has been undone.";
 std::string out_of_range(const char* what, double value, const char* wanted);
 std::string no_such_vertices(int vertices_of_mesh);
 std::string outside_region(int vertex);
@@ -79,8 +69,8 @@ std::string single_vertex(MotionKind kind, int vertex);
 
 // Lines for a log ----------------------------------------------------------------------------------------------------
 
-constexpr const char* kStrokeUndone = LAPEDIT_TEXT("lapedit", "stroke of the brush undone");
-constexpr const char* kStrokeRedone = LAPEDIT_TEXT("lapedit", "stroke of the brush redone");
+constexpr const char* kStrokeUndone = "stroke of the brush undone";
+constexpr const char* kStrokeRedone = "stroke of the brush redone";
 std::string not_possible(const std::string& why);
 std::string step_applied(std::size_t number, const DragMotion& motion, const std::vector<int>& handle, int region_size,
                          double prepare_ms, double solve_ms);

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/session/presets.h"
 
-#include "lapedit/base/translate.h"
-
 namespace lapedit {
 namespace {
 
@@ -26,25 +24,19 @@ EditSettings with_membrane(double membrane) {
 
 const std::vector<Preset>& presets() {
   static const std::vector<Preset> list = {
-      {LAPEDIT_TEXT("lapedit", "General"), LAPEDIT_TEXT("lapedit", "What suits most surfaces."),
+      {"General", "What suits most surfaces.",
        [](DragSettings& s) { set(s, EditSettings(), DragSettings().handle_share, DragSettings().softness); }},
-      {LAPEDIT_TEXT("lapedit", "Limb"),
-       LAPEDIT_TEXT(
-           "lapedit",
-           "Arms, legs, tails and horns: a larger handle, less stretch, the limb bends and keeps its thickness."),
+      {"Limb", "Arms, legs, tails and horns: a larger handle, less stretch, the limb bends and keeps its thickness.",
        [](DragSettings& s) { set(s, with_membrane(1000), 0.25, 0); }},
-      {LAPEDIT_TEXT("lapedit", "Face"),
-       LAPEDIT_TEXT("lapedit", "Noses, lips, ears and cheeks: a soft dab that runs out smoothly."),
+      {"Face", "Noses, lips, ears and cheeks: a soft dab that runs out smoothly.",
        [](DragSettings& s) { set(s, with_membrane(200), 0.25, 1); }},
-      {LAPEDIT_TEXT("lapedit", "Terrain"),
-       LAPEDIT_TEXT("lapedit", "Hills and height fields: details stay upright, since nothing is turned."),
+      {"Terrain", "Hills and height fields: details stay upright, since nothing is turned.",
        [](DragSettings& s) {
          EditSettings edit = with_membrane(0);
          edit.rotation = DetailRotation::None;
          set(s, edit, 0.25, 1);
        }},
-      {LAPEDIT_TEXT("lapedit", "Sharp"),
-       LAPEDIT_TEXT("lapedit", "Machined parts and letters: a small handle, edges and corners keep their shape."),
+      {"Sharp", "Machined parts and letters: a small handle, edges and corners keep their shape.",
        [](DragSettings& s) { set(s, with_membrane(1000), 0.1, 0); }},
   };
   return list;
