@@ -1,12 +1,17 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Compares the same edits made on several hosts and prints a Markdown table of it.
+"""Compares the same edits made by several builds, or with the stored digests of their coordinates.
 
-usage: compare.py FOLDER...   folders made by write_results.sh; each is compared with the first
+usage: compare.py FOLDER FOLDER...    compares each folder with the first one and prints a Markdown table
+       compare.py --stored FOLDER     compares a folder with digests.txt
+       compare.py --store FOLDER      writes digests.txt
 
-Every coordinate of every mesh has to be the same to the bit, but for the edits in BOUNDS. Ends with 1 if one is not.
+The folders are made by write_results.sh. Every coordinate of every mesh has to be the same to the bit; the program ends
+with 1 if one differs. digests.txt has a line for each edit: the first 16 digits of a SHA-256 of the coordinates that were
+read, and of those that were written.
 """
 import array
+import hashlib
 import json
 import math
 import pathlib
@@ -17,8 +22,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "batch")
 
 from ply import Ply  # noqa: E402
 
-# "mesh/edit": the largest difference that is allowed, over the diagonal of what the edit moves; and why, as a comment.
-BOUNDS = {}
+DIGESTS = pathlib.Path(__file__).resolve().parent / "digests.txt"
 
 
 class Failed(Exception):
@@ -34,6 +38,9 @@ class Pose:
 
     def __len__(self):
         return len(self.bits[0])
+
+    def digest(self):
+        return hashlib.sha256(b"".join(axis.tobytes() for axis in self.bits)).hexdigest()[:16]
 
     def coordinate(self, axis, vertex):
         return struct.unpack("<f", struct.pack("<I", self.bits[axis][vertex]))[0]
@@ -126,17 +133,50 @@ def compare(folders):
         for result, host in zip(results, hosts[1:]):
             totals[0] += result.compared
             totals[1] += result.differing
-            if result.differing and not result.relative <= BOUNDS.get(name, -1):
+            if result.differing:
                 failures.append(f"{name} on {host}: {result}.")
     print(f"\n{totals[0]:,} coordinates compared, {totals[1]:,} differ.")
     return failures
 
 
+def digests_of(folder):
+    """By edit: the digests of the poses, the first of which is the mesh as it was read."""
+    edits = {name: Edit(folder / name) for name in edits_in(folder)}
+    return {name: [pose.digest() for pose in (edit.before, *edit.after)] for name, edit in edits.items()}
+
+
+def stored_digests():
+    lines = DIGESTS.read_text(encoding="utf-8").splitlines()
+    return {name: digests for name, *digests in map(str.split, lines)}
+
+
+def compare_with_stored(folder):
+    """@return sentences on what is not the same. An edit whose mesh this machine lacks is not compared."""
+    stored, failures = stored_digests(), []
+    made = digests_of(folder)
+    for name, digests in made.items():
+        if name not in stored:
+            failures.append(f"{name} has no stored digests: write them with --store.")
+        elif digests[0] != stored[name][0]:
+            failures.append(f"{name}: the mesh has other coordinates than when the digests were stored.")
+        elif digests != stored[name]:
+            failures.append(f"{name}: the edit gives other coordinates than when the digests were stored.")
+    print(f"{len(made)} of {len(stored)} stored edits compared.")
+    return failures if made else [f"{folder} has no edits."]
+
+
 def main():
-    folders = [pathlib.Path(argument) for argument in sys.argv[1:]]
-    if len(folders) < 2:
-        sys.exit("usage: compare.py FOLDER FOLDER...")
-    failures = compare(folders)
+    arguments = sys.argv[1:]
+    if len(arguments) != 2 and (len(arguments) < 2 or arguments[0].startswith("--")):
+        sys.exit("\n".join(__doc__.splitlines()[2:5]))
+    if arguments[0] == "--store":
+        DIGESTS.write_text("".join(f"{name} {' '.join(digests)}\n"
+                                   for name, digests in digests_of(pathlib.Path(arguments[1])).items()))
+        return
+    if arguments[0] == "--stored":
+        failures = compare_with_stored(pathlib.Path(arguments[1]))
+    else:
+        failures = compare([pathlib.Path(argument) for argument in arguments])
     if failures:
         print("\nNot the same:", *failures, sep="\n  ")
         sys.exit(1)

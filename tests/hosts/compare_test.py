@@ -80,13 +80,18 @@ class CompareTest(unittest.TestCase):
     def test_an_edit_that_moves_nothing_compares_nothing(self):
         self.assertIn("moves nothing", self.compare(self.host("a", after=POINTS), self.host("b", after=POINTS))[1])
 
-    def test_a_bound_holds_for_its_edit_and_no_further(self):
-        other = self.lifted()
-        other[3] = (next_float(other[3][0]), *other[3][1:])
-        hosts = [self.host("a"), self.host("b", after=other)]
-        for bound, passes in [({"mesh.ply/lift": 1e-6}, True), ({"mesh.ply/lift": 1e-12}, False), ({"other": 1}, False)]:
-            with unittest.mock.patch.object(compare, "BOUNDS", bound):
-                self.assertEqual(self.compare(*hosts)[1] == "", passes, bound)
+    def test_stored_digests_are_compared(self):
+        results = self.host("a")
+        with unittest.mock.patch.object(compare, "DIGESTS", self.folder / "digests.txt"):
+            with unittest.mock.patch.object(compare.sys, "argv", ["compare.py", "--store", str(results)]):
+                compare.main()
+            self.assertEqual(compare.compare_with_stored(results), [])
+            other = self.lifted()
+            other[3] = (next_float(other[3][0]), *other[3][1:])
+            self.assertIn("the edit gives other coordinates", compare.compare_with_stored(self.host("b", after=other))[0])
+            self.assertIn("the mesh has other", compare.compare_with_stored(self.host("c", before=other))[0])
+            self.assertIn("no stored digests", compare.compare_with_stored(self.host("d", edit="mesh.ply/other"))[0])
+            self.assertIn("has no edits", compare.compare_with_stored(self.folder / "nowhere")[0])
 
     def test_meshes_have_to_be_read_alike(self):
         other = [(9, 9, 9), *POINTS[1:]]
