@@ -51,7 +51,7 @@ inline std::ostream& operator<<(std::ostream& out, const NamedCase& edit) {
 class EditProperties : public ::testing::TestWithParam<NamedCase> {
  protected:
   static EditSettings settings_of(LaplacianKind laplacian, DetailRotation rotation, int order = 1) {
-    EditSettings settings = support::older_settings();
+    EditSettings settings = support::smooth_surface_settings();
     settings.laplacian = laplacian;
     settings.rotation = rotation;
     settings.order = order;

@@ -11,7 +11,7 @@
 namespace lapedit {
 
 /// An edit with every key in it.
-inline const char* const kExample = R"({"laplacian_edit": 2,
+inline const char* const kExample = R"({"laplacian_edit": 1,
  "mesh": {"vertices": 11703, "faces": 23402, "connectivity": "0123456789abcdef"},
  "steps": [{
    "region": {"radius": 1.2155, "padding": 0.1},

@@ -22,11 +22,14 @@
 /// What several tests share: error measures, renumbering, regions built by hand.
 namespace lapedit::support {
 
-/// The paper's system with the smoothed surface's rotations and no membrane, by today's rules: what the defaults were
-/// before rotations settled with the pose.
-inline EditSettings older_settings() {
-  EditSettings settings = version_one_settings();
-  settings.rules = EditSettings().rules;
+/// The paper's system, with rotations of the smoothed surface and without a membrane.
+inline EditSettings smooth_surface_settings() {
+  EditSettings settings;
+  settings.laplacian = LaplacianKind::Umbrella;
+  settings.rotation = DetailRotation::SmoothSurface;
+  settings.handle_weight = settings.anchor_weight = 10;
+  settings.turning = DetailTurning::Vertex;
+  settings.membrane = 0;
   return settings;
 }
 

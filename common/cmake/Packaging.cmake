@@ -9,11 +9,8 @@ Included last: needs the targets, and what FindMeshLab.cmake has found.
 ]]
 
 # What software centres tell of it. The day is that of the release.
-file(STRINGS "${PROJECT_SOURCE_DIR}/CHANGELOG.md" _heading LIMIT_COUNT 1 REGEX "^## [0-9]")
-if(NOT _heading MATCHES "^## ([0-9.]+) \\(([0-9]+-[0-9]+-[0-9]+)\\)$" OR NOT CMAKE_MATCH_1 STREQUAL PROJECT_VERSION)
-  message(FATAL_ERROR "The newest release in CHANGELOG.md is \"${_heading}\", not \"## ${PROJECT_VERSION} (<date>)\".")
-endif()
-set(LAPEDIT_RELEASE_DATE "${CMAKE_MATCH_2}")
+file(STRINGS "${PROJECT_SOURCE_DIR}/CITATION.cff" _date REGEX "^date-released: ")
+string(REPLACE "date-released: " "" LAPEDIT_RELEASE_DATE "${_date}")
 set(_files "${PROJECT_BINARY_DIR}/package")
 set(_metainfo "${_files}/net.meshlab.meshlab.laplacian_edit.metainfo.xml")
 configure_file("${CMAKE_CURRENT_LIST_DIR}/package/metainfo.xml.in" "${_metainfo}" @ONLY)

@@ -28,7 +28,7 @@ def write(path, k):
 
 def main(count, folder):
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / "edit.json").write_text(json.dumps({"laplacian_edit": 2, "steps": [
+    (folder / "edit.json").write_text(json.dumps({"laplacian_edit": 1, "steps": [
         {"region": {"radius": 0.35}, "handles": [{"vertices": str(SIDE * SIDE // 2), "translation": [0, 0, 0.2]}]}]}))
     jobs = []
     for k in range(1, count + 1):

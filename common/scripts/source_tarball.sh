@@ -11,8 +11,7 @@ folder=$(cd "$folder" && pwd)
 cd "$(dirname "$0")/../.."
 
 version=$(sed -n 's/^project(laplacian_edit VERSION \([0-9.]*\) .*/\1/p' CMakeLists.txt)
-date=$(sed -n "s/^## $version (\([0-9-]*\))$/\1/p" CHANGELOG.md)
-[ -n "$date" ] || { echo "source_tarball.sh: CHANGELOG.md has no \"## $version (<date>)\"." >&2; exit 1; }
+date=$(sed -n 's/^date-released: //p' CITATION.cff)
 name=meshlab-laplacian-edit-$version
 tarball=$folder/$name.tar.xz
 trap 'rm -f "$tarball.part"' EXIT

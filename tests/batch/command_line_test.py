@@ -45,7 +45,7 @@ class CommandTest(HostTest):
 
     def write_edit(self, *steps, name="edit.json"):
         path = self.folder / name
-        path.write_text(json.dumps({"laplacian_edit": 2, "steps": steps}))
+        path.write_text(json.dumps({"laplacian_edit": 1, "steps": steps}))
         return path
 
     def write_script(self, *filters, name="script.mlx"):

@@ -24,7 +24,7 @@ class CornersTest(HostTest):
         script = self.folder / "script.mlx"
         script.write_text(f"<FilterScript>{laplacian_edit(handle_point=points[220], radius=0.3)}</FilterScript>")
         edit = self.folder / "edit.json"
-        edit.write_text('{"laplacian_edit": 2, "steps": '
+        edit.write_text('{"laplacian_edit": 1, "steps": '
                         '[{"region": {"radius": 0.3}, "handles": [{"vertices": "220", "translation": [0, 0, 0.2]}]}]}')
         for number in (-2000000000, -1, len(points), len(points) + 20, 2000000000):
             for corners in ((0, number, 22), (0, 1, number, 22)):

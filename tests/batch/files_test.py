@@ -159,7 +159,7 @@ class Names(CommandTest):
                 self.assertEqual(self.bits(self.place / "out.ply"), bits)
         with open(self.edit, "rb") as file:
             self.refused(WRONG_USAGE, r"are the same file", self.mesh, self.edit, "/dev/stdin", stdin=file)
-        end = self.piped(b'{"laplacian_edit": 2,')
+        end = self.piped(b'{"laplacian_edit": 1,')
         self.refused(REFUSED, r"line 1", self.mesh, "out.ply", "/dev/stdin", stdin=end)
         os.close(end)
 

@@ -171,7 +171,7 @@ class Replay(FilterTest):
     def test_steps_apply_in_order_like_filters_in_a_row(self):
         other = 21 * 7 + 8
         step = {"region": {"radius": 0.3}, "handles": [{"vertices": str(other), "translation": [0.05, 0, 0.1]}]}
-        edit = json.dumps({"laplacian_edit": 2, "mesh": {"vertices": len(self.points), "faces": len(self.faces)},
+        edit = json.dumps({"laplacian_edit": 1, "mesh": {"vertices": len(self.points), "faces": len(self.faces)},
                            "steps": [self.lift_json, step]})
         at_once, log = self.bits([replay(edit)])
         one_by_one, _ = self.bits([replay(self.lift_json), replay(step)])
@@ -179,7 +179,7 @@ class Replay(FilterTest):
         self.assertIn("Step 2 of 2", log)
 
     def test_text_with_quotes_newlines_and_entities_reaches_the_filter(self):
-        pretty = json.dumps({"laplacian_edit": 2, "steps": [self.lift_json]}, indent=2)
+        pretty = json.dumps({"laplacian_edit": 1, "steps": [self.lift_json]}, indent=2)
         self.assertIn("\n", pretty)
         bits, _ = self.bits([replay(" \n\t" + pretty + "\n")])
         same, _ = self.bits([replay(self.lift_json)])
@@ -188,7 +188,7 @@ class Replay(FilterTest):
     def test_file_by_absolute_and_relative_path(self):
         folder = self.folder / "ed it & <co>"
         folder.mkdir()
-        (folder / "lift.json").write_text(json.dumps({"laplacian_edit": 2, "steps": [self.lift_json]}))
+        (folder / "lift.json").write_text(json.dumps({"laplacian_edit": 1, "steps": [self.lift_json]}))
         same, _ = self.bits([replay(self.lift_json)])
         for path in (folder / "lift.json", "ed it & <co>/lift.json"):
             bits, _ = self.bits([replay(str(path))])

@@ -65,7 +65,7 @@ def laplacian_edit(**given):
 def replay(edit, fraction=1):
     """edit: a JSON text or path as it is, or the members of an edit's only step."""
     if isinstance(edit, dict):
-        edit = json.dumps({"laplacian_edit": 2, "steps": [edit]})
+        edit = json.dumps({"laplacian_edit": 1, "steps": [edit]})
     value = quoteattr(str(edit), {"\n": "&#10;", "\t": "&#9;"})
     return (f'<filter name="Laplacian Edit Replay"><Param type="RichString" name="edit" value={value}/>'
             + real("fraction", fraction) + "</filter>")

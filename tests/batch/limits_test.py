@@ -26,7 +26,7 @@ class LimitsTest(HostTest):
         super().setUpClass()
         cls.mesh = write_ply(cls.folder / "dome.ply", *dome())
         cls.edit = cls.folder / "edit.json"
-        cls.edit.write_text(json.dumps({"laplacian_edit": 2, "steps": [
+        cls.edit.write_text(json.dumps({"laplacian_edit": 1, "steps": [
             {"region": {"radius": 0.35}, "handles": [{"vertices": str(CENTRE), "translation": [0, 0, 0.2]}]}]}))
         cls.expected = cls.edited({}, "unlimited.ply")
 

@@ -166,7 +166,7 @@ class Lists(ListTest):
         broken = self.place / "broken.ply"
         whole = write_ply(self.place / "whole.ply", *dome()).read_bytes()
         broken.write_bytes(whole[:len(whole) // 2])
-        (self.place / "empty.json").write_text('{"laplacian_edit": 2, "steps": [{"region": {"radius": -1}}]}')
+        (self.place / "empty.json").write_text('{"laplacian_edit": 1, "steps": [{"region": {"radius": -1}}]}')
         (self.place / "bad.mlx").write_text(
             "<!DOCTYPE FilterScript><FilterScript>" + laplacian_edit(radius=-1) + "</FilterScript>")
         edit = "family/edit.json"
@@ -332,7 +332,7 @@ class Lists(ListTest):
         for side in (15, 301):
             meshes = [write_ply(self.place / f"{side}-{k}.ply", *dome(side, side)) for k in range(4)]
             edit = {"region": {"radius": 0.2}, "handles": [{"vertices": "112", "translation": [0, 0, 0.1]}]}
-            (self.place / "edit.json").write_text(json.dumps({"laplacian_edit": 2, "steps": [edit]}))
+            (self.place / "edit.json").write_text(json.dumps({"laplacian_edit": 1, "steps": [edit]}))
             jobs = self.write_list(*((m, f"{m.stem}-out.ply", "edit.json") for m in meshes))
             log = self.place / f"{side}.jsonl"
             process = self.start(COMMAND, "--list", jobs, "--jobs", 2, "--job-log", log)
@@ -362,7 +362,7 @@ class Poses(ListTest):
         super().setUp()
         self.mesh = write_ply(self.place / "mesh.ply", *dome(61, 61))
         self.edit = self.place / "edit.json"
-        self.edit.write_text(json.dumps({"laplacian_edit": 2, "steps": [
+        self.edit.write_text(json.dumps({"laplacian_edit": 1, "steps": [
             {"region": {"radius": 0.3}, "handles": [{"vertices": "1860", "translation": [0, 0, 0.2]}]}]}))
         self.arguments = (self.mesh, "all.ply", self.edit, "--quiet", "--fractions", self.FRACTIONS)
 

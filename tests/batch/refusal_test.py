@@ -119,7 +119,7 @@ class Meshes(RefusalTest):
 
 class Scripts(RefusalTest):
     def text(self, **members):
-        return json.dumps({"laplacian_edit": 2, "steps": [self.good_json], **members})
+        return json.dumps({"laplacian_edit": 1, "steps": [self.good_json], **members})
 
     def test_malformed(self):
         good = self.text()
@@ -162,7 +162,7 @@ class Scripts(RefusalTest):
 
     def test_later_step_is_named_and_nothing_is_changed(self):
         bad = {"region": {"radius": -1}, "handles": [{"vertices": "1"}]}
-        self.refused([replay(json.dumps({"laplacian_edit": 2, "steps": [self.good_json, bad]}))], r"Step 2 of 2: ")
+        self.refused([replay(json.dumps({"laplacian_edit": 1, "steps": [self.good_json, bad]}))], r"Step 2 of 2: ")
 
     def test_fraction(self):
         self.refused([replay(self.good_json, fraction=2)], r"fraction is 2.* 0 .* 1 ")

@@ -17,8 +17,11 @@ namespace {
 
 /// Those that the peers can follow: the umbrella operator without a membrane.
 lapedit::EditSettings settings(int order, int threads) {
-  lapedit::EditSettings result = lapedit::version_one_settings();
-  result.rules = 2;
+  lapedit::EditSettings result;
+  result.laplacian = lapedit::LaplacianKind::Umbrella;
+  result.rotation = lapedit::DetailRotation::SmoothSurface;
+  result.turning = lapedit::DetailTurning::Vertex;
+  result.membrane = 0;
   result.order = order;
   result.threads = threads;
   result.handle_weight = Ours::kHandleWeight;

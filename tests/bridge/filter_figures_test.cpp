@@ -11,7 +11,7 @@
 namespace lapedit::host {
 namespace {
 
-constexpr char kTwoSteps[] = R"({"laplacian_edit": 2, "steps": [
+constexpr char kTwoSteps[] = R"({"laplacian_edit": 1, "steps": [
     {"region": {"radius": 4}, "handles": [{"vertices": "60", "translation": [0, 0, 1]}]},
     {"region": {"radius": 2}, "handles": [{"vertices": "20", "translation": [0, 0, 0.5]}]}]})";
 

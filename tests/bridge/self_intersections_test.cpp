@@ -45,7 +45,7 @@ int counted_by_vcglib(const TriangleMesh& mesh, const EditResult& result) {
 /// A limb whose tip is pulled by some way.
 EditResult pulled(const TriangleMesh& mesh, const Vector3& way, double radius = 7) {
   EditStep step;
-  step.settings = support::older_settings();  // which let it fold
+  step.settings = support::smooth_surface_settings();  // which let it fold
   step.region.radius = radius;
   step.handles = {{{static_cast<int>(mesh.vertices.rows()) - 1}, {}}};
   step.handles[0].transform.translation = way;

@@ -65,7 +65,7 @@ struct Turned {
     for (const Affine& map : maps) {
       targets.push_back(LocalMotion::of(map, Vector3::Zero()));
     }
-    carry_components(region, rest, targets, LocalMotion::of(anchors, Vector3::Zero()), settings.rules, carried, seen);
+    carry_components(region, rest, targets, LocalMotion::of(anchors, Vector3::Zero()), carried, seen);
   }
   const CellTurning& solve(const Maps& maps, bool goes_on = false) {
     ask(maps);
@@ -158,7 +158,7 @@ TEST(CellTurning, TwistOfAComponentWithoutAnchorsIsSharedByBothEnds) {
     t.solve({Affine::Identity(), rigid(degrees, Vector3::UnitX(), Vector3::Zero())});
     ASSERT_EQ(t.carried.size(), 1U);
     const Matrix3 along = t.carried[0].linear + Matrix3::Identity();
-    EXPECT_LT(support::rotation_defect(along), 1e-12) << "rules 2 carry by a rotation";
+    EXPECT_LT(support::rotation_defect(along), 1e-12) << "components are carried by a rotation";
     const std::vector<Matrix3> rotations = t.spread();
     for (int i = 0; i < t.region.size(); ++i) {
       const Matrix3 whole = rotations[i] * along;

@@ -71,7 +71,7 @@ std::vector<int> around(const TriangleMesh& mesh, const Vector3& point, double r
 }
 
 EditSettings with(int order, LaplacianKind kind, DetailRotation rotation) {
-  EditSettings settings = support::older_settings();
+  EditSettings settings = support::smooth_surface_settings();
   settings.order = order;
   settings.laplacian = kind;
   settings.rotation = rotation;

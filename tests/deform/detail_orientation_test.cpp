@@ -34,7 +34,7 @@ Region grid_region(const TriangleMesh& mesh) {
 }
 
 EditSettings settings_of(LaplacianKind laplacian, DetailRotation rotation, double radius, int iterations) {
-  EditSettings settings = support::older_settings();
+  EditSettings settings = support::smooth_surface_settings();
   settings.laplacian = laplacian;
   settings.rotation = rotation;
   settings.normal_radius = radius;

@@ -90,7 +90,7 @@ void for_all_settings(const std::function<void(const EditSettings&)>& function) 
   for (const CholeskyBackend backend : {CholeskyBackend::Automatic, CholeskyBackend::Eigen}) {
     for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
       for (const DetailRotation rotation : {DetailRotation::None, DetailRotation::SmoothSurface}) {
-        EditSettings settings = support::older_settings();
+        EditSettings settings = support::smooth_surface_settings();
         settings.backend = backend;
         settings.laplacian = laplacian;
         settings.rotation = rotation;
@@ -106,7 +106,7 @@ void for_all_settings(const std::function<void(const EditSettings&)>& function) 
   }
 }
 
-const EditSettings kBoth[] = {{}, support::older_settings()};
+const EditSettings kBoth[] = {{}, support::smooth_surface_settings()};
 
 /// Largest distance between preview and solution over the region's largest handle distance, or the longest way.
 double difference(LaplacianEditor& editor, const Maps& maps) {
@@ -268,7 +268,7 @@ TEST(DragPreview, NormalsAreThoseOfThePose) {
 /// Fails if the fast path is taken where it does not compute what solve() does.
 TEST(DragPreview, IsSolveItselfWhereThereIsNoFastPath) {
   const Scene s = letters();
-  std::vector<std::pair<const char*, EditSettings>> cases(4, {"", support::older_settings()});
+  std::vector<std::pair<const char*, EditSettings>> cases(4, {"", support::smooth_surface_settings()});
   cases[0].first = "order 2", cases[0].second.order = 2;
   cases[1].first = "two passes", cases[1].second.iterations = 2;
   cases[2].first = "smooth normals", cases[2].second.rotation = DetailRotation::SmoothNormals;

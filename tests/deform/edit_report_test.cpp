@@ -147,15 +147,15 @@ TEST(EditReport, OpenSurfacesChangeTheirVolumeByWhatIsAdded) {
 TEST(EditReport, HeightOfDetailIsThatOfTheBumps) {
   const TriangleMesh mesh = shapes::bumpy_grid();
   EditReport report;
-  const auto system = prepare_system(mesh, whole(mesh), support::older_settings(), nullptr, {}, report);
+  const auto system = prepare_system(mesh, whole(mesh), support::smooth_surface_settings(), nullptr, {}, report);
   EXPECT_NEAR(detail_height(*system, mesh.vertices).value(), 1, 1e-5);
   EXPECT_NEAR(detail_height(*system, shapes::bumpy_grid(1.5).vertices).value(), 0.5, 0.1);
   EXPECT_NEAR(detail_height(*system, shapes::grid(100, 60).vertices).value(), 0, 1e-5);
   const Points moved = (mesh.vertices * turn(1).transpose()).rowwise() + Vector3(100, 200, 300).transpose();
   EXPECT_NEAR(detail_height(*system, moved).value(), 1, 1e-5);
   const TriangleMesh flat = shapes::grid(40, 30);
-  EXPECT_FALSE(
-      detail_height(*prepare_system(flat, whole(flat), support::older_settings(), nullptr, {}, report), flat.vertices));
+  EXPECT_FALSE(detail_height(
+      *prepare_system(flat, whole(flat), support::smooth_surface_settings(), nullptr, {}, report), flat.vertices));
   EditSettings unrotated;
   unrotated.rotation = DetailRotation::None;
   EXPECT_FALSE(detail_height(*prepare_system(mesh, whole(mesh), unrotated, nullptr, {}, report), mesh.vertices));
@@ -173,8 +173,8 @@ TEST(EditReport, HeightOfDetailIsNotThatOfABend) {
     }
   }
   const std::vector<Affine> lift = {support::shift(Vector3(0, 0, 40))};
-  LaplacianEditor base(plane, support::whole_region(plane, {handle}, anchors), support::older_settings());
-  LaplacianEditor edited(bumpy, support::whole_region(bumpy, {handle}, anchors), support::older_settings());
+  LaplacianEditor base(plane, support::whole_region(plane, {handle}, anchors), support::smooth_surface_settings());
+  LaplacianEditor edited(bumpy, support::whole_region(bumpy, {handle}, anchors), support::smooth_surface_settings());
   const Points bumps = edited.solve(lift) - base.solve(lift);
   const Eigen::VectorXd on_bump = (bumpy.vertices.col(2).array() > 0).cast<double>();
   const double kept = bumps.rowwise().norm().dot(on_bump) / bumpy.vertices.col(2).sum();
@@ -189,7 +189,7 @@ struct Limb {
 
   explicit Limb(double handle_from = 10) {
     step.region.radius = 6;
-    step.settings = support::older_settings();
+    step.settings = support::smooth_surface_settings();
     step.handles.resize(1);
     for (int v = 0; v < mesh.vertices.rows(); ++v) {
       if (mesh.vertices(v, 0) >= handle_from) {
@@ -287,7 +287,7 @@ TEST_F(ReportOfAnEdit, CountsAddUp) {
 }
 
 TEST_F(ReportOfAnEdit, NumbersAreThoseOfTheEdit) {
-  for (const EditSettings& settings : {EditSettings(), support::older_settings()}) {
+  for (const EditSettings& settings : {EditSettings(), support::smooth_surface_settings()}) {
     const EditReport r = report(settings);
     EXPECT_NEAR(r.handle_displacement, 10, 1e-12);
     EXPECT_GT(r.handle_residual, 0);
@@ -318,7 +318,7 @@ TEST_F(ReportOfAnEdit, NumbersAreThoseOfTheEdit) {
 }
 
 TEST_F(ReportOfAnEdit, SettingsAreNamed) {
-  EditSettings settings = support::older_settings();
+  EditSettings settings = support::smooth_surface_settings();
   settings.laplacian = LaplacianKind::Cotangent;
   settings.order = 2;
   settings.rotation = DetailRotation::None;
@@ -336,7 +336,7 @@ TEST_F(ReportOfAnEdit, SettingsAreNamed) {
 }
 
 TEST_F(ReportOfAnEdit, WhatIsNotThePapersChoiceIsInTheText) {
-  EditSettings settings = support::older_settings();
+  EditSettings settings = support::smooth_surface_settings();
   EXPECT_EQ(report(settings).text().find("turned by"), std::string::npos);
   EXPECT_EQ(report(settings).text().find("first from"), std::string::npos);
   settings.turning = DetailTurning::Edge;
@@ -349,7 +349,7 @@ TEST_F(ReportOfAnEdit, WhatIsNotThePapersChoiceIsInTheText) {
 }
 
 TEST_F(ReportOfAnEdit, RotationLeftIsWhatTheLastPassTurned) {
-  EditSettings settings = support::older_settings();
+  EditSettings settings = support::smooth_surface_settings();
   const EditReport once = report(settings);
   EXPECT_NEAR(once.rotation_left, once.rotation_max, 1e-9);
   EXPECT_EQ(once.text().find("still turned"), std::string::npos);
@@ -369,7 +369,7 @@ TEST(ReportOfAFreeComponent, IsThatOfItsMotion) {
   const TriangleMesh mesh = shapes::tapered_arm(24, 60);
   EditStep step;
   step.region.kind = RegionSpec::Kind::Component;
-  step.settings = support::older_settings();
+  step.settings = support::smooth_surface_settings();
   step.handles = {{{0, 1, 2, 3}, {}}};
   step.handles[0].transform.translation = Vector3(1, 2, 3);
   step.handles[0].transform.axis = Vector3(1, 1, 0);
@@ -390,7 +390,7 @@ TEST(ReportOfAFreeComponent, IsThatOfItsMotion) {
 }
 
 TEST_F(ReportOfAnEdit, NothingMovedReportsZero) {
-  for (const EditSettings& settings : {EditSettings(), support::older_settings()}) {
+  for (const EditSettings& settings : {EditSettings(), support::smooth_surface_settings()}) {
     const EditReport r = report(settings, 0);
     EXPECT_EQ(r.handle_displacement, 0);
     EXPECT_EQ(r.handle_residual, 0);

@@ -64,9 +64,6 @@ TEST(EditSettings, AreEqualWhereEverySettingIs) {
   other.threads = 1;
   EXPECT_NE(other, standard);
   other = standard;
-  other.rules = 1;
-  EXPECT_NE(other, standard);
-  other = standard;
   other.backend = CholeskyBackend::Eigen;
   EXPECT_NE(other, standard);
 }
@@ -134,18 +131,6 @@ TEST(EditSettings, ChoicesAreWhatTheirNamesSay) {
   EditSettings settings;
   setting("membrane").set(settings, 1200);
   EXPECT_EQ(settings.membrane, 1200);
-}
-
-/// What files of version 1 mean is written down once and for all.
-TEST(EditSettings, VersionOneNamesThePaperlikeChoices) {
-  const EditSettings settings = version_one_settings();
-  EXPECT_EQ(settings.rules, 1);
-  const std::vector<double> expected = {0, 1, 2, 1, 0, 10, 10, 0, 0, 0};  // in the table's order
-  for (std::size_t row = 0; row < expected.size(); ++row) {
-    EXPECT_EQ(settings_table()[row].get(settings), expected[row]) << settings_table()[row].key;
-  }
-  EXPECT_EQ(refusal(settings), "");
-  EXPECT_TRUE(has_fast_path(settings));
 }
 
 TEST(EditSettings, FastPathIsForOrderOneAndWhatAFrameKnows) {

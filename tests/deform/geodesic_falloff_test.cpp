@@ -46,7 +46,7 @@ struct Scene {
 };
 
 EditSettings falloff_settings() {
-  EditSettings settings = support::older_settings();
+  EditSettings settings = support::smooth_surface_settings();
   settings.rough = RoughDeformation::Falloff;
   return settings;
 }
@@ -228,7 +228,7 @@ TEST(RoughDeformation, IsForgottenAfterSomePasses) {
   const Scene scene;
   double difference[2] = {};
   for (const int passes : {1, 4}) {
-    EditSettings settings = support::older_settings();
+    EditSettings settings = support::smooth_surface_settings();
     settings.iterations = passes;
     LaplacianEditor plain(scene.mesh, scene.region, settings);
     settings.rough = RoughDeformation::Falloff;
@@ -284,12 +284,12 @@ TEST(RoughDeformation, CellsFallOffAlike) {
   Points full[2];
   double rms[2][2];  // of cells from full poses, shares of the way
   for (const int f : {0, 1}) {
-    EditSettings settings = support::older_settings();
+    EditSettings settings = support::smooth_surface_settings();
     settings.rough = static_cast<RoughDeformation>(f);
     full[f] = LaplacianEditor(limb.mesh, limb.region, settings).solve(maps);
   }
   for (const int c : {0, 1}) {
-    EditSettings settings = support::older_settings();
+    EditSettings settings = support::smooth_surface_settings();
     settings.rough = static_cast<RoughDeformation>(c);
     CoarsePreview cells(limb.mesh, std::make_shared<const Region>(limb.region), settings);
     const Points& pose = cells.pose(maps);
@@ -308,7 +308,7 @@ TEST(RoughDeformation, LargeTurnsOfALimbFlipNothing) {
   const Limb limb;
   EditReport reports[2];
   for (const RoughDeformation rough : {RoughDeformation::Unrotated, RoughDeformation::Falloff}) {
-    EditSettings settings = support::older_settings();
+    EditSettings settings = support::smooth_surface_settings();
     settings.rough = rough;
     LaplacianEditor editor(limb.mesh, limb.region, settings);
     editor.solve(Limb::bent(170));

@@ -147,7 +147,7 @@ const std::vector<EditSettings> kDenseSettings = [] {
   for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
     for (const int order : {1, 2, 3}) {
       for (const double weight : {1.0, 10.0}) {
-        EditSettings settings = support::older_settings();
+        EditSettings settings = support::smooth_surface_settings();
         settings.laplacian = laplacian;
         settings.order = order;
         settings.handle_weight = weight;
@@ -270,7 +270,7 @@ TEST(DenseLeastSquares, AgreesWhereTheNormalEquationsAreIllConditioned) {
     targets(v, 2) += 5;
   }
   for (const auto& [order, bound] : {std::pair{2, 1e-11}, std::pair{3, 1e-8}}) {
-    EditSettings settings = support::older_settings();
+    EditSettings settings = support::smooth_surface_settings();
     settings.order = order;
     settings.rotation = DetailRotation::None;
     LaplacianEditor editor(mesh, region, settings);
@@ -519,7 +519,7 @@ TEST(EditorConditioning, SystemBeyondDoublePrecisionIsRefusedNotSolvedWrongly) {
   RegionSpec spec;
   spec.kind = RegionSpec::Kind::Component;
   const Region region = build_region(mesh, support::adjacency_of(mesh), spec, {{30 * 60 + 30}});
-  EditSettings settings = support::older_settings();
+  EditSettings settings = support::smooth_surface_settings();
   settings.order = 3;
   for (const CholeskyBackend backend : {CholeskyBackend::Automatic, CholeskyBackend::Eigen}) {
     settings.backend = backend;
@@ -534,7 +534,7 @@ TEST(EditorConditioning, SlowRefinementIsRightToo) {
   tube.vertices.col(0) *= 13;
   const int tip = static_cast<int>(tube.vertices.rows()) - 1;
   const Region region = build_region(tube, support::adjacency_of(tube), within(42), {{tip}});
-  EditSettings settings = support::older_settings();
+  EditSettings settings = support::smooth_surface_settings();
   settings.order = 3;
   settings.rotation = DetailRotation::None;
   Points results[2];
@@ -553,7 +553,7 @@ TEST(EditorConditioning, SlowRefinementIsRightToo) {
 TEST(EditorConditioning, HopelessRegionsAreRefusedBeforeTheyAreFactored) {
   const TriangleMesh mesh = shapes::grid(150, 150);
   const Region region = build_region(mesh, support::adjacency_of(mesh), within(150), {{75 * 150 + 75}});
-  EditSettings settings = support::older_settings();
+  EditSettings settings = support::smooth_surface_settings();
   settings.order = 3;
   settings.rotation = DetailRotation::None;
   double refused_ms = kInfinity, factored_ms = kInfinity;
@@ -574,7 +574,7 @@ TEST(EditorConditioning, HopelessRegionsAreRefusedBeforeTheyAreFactored) {
 TEST(EditorConditioning, WhatAMembraneHoldsIsNotRefused) {
   const TriangleMesh mesh = shapes::grid(150, 150);
   const Region region = build_region(mesh, support::adjacency_of(mesh), within(150), {{75 * 150 + 75}});
-  EditSettings settings = support::older_settings();
+  EditSettings settings = support::smooth_surface_settings();
   settings.order = 3;
   settings.rotation = DetailRotation::None;
   settings.membrane = 50000;  // far from where it is chance
@@ -589,7 +589,7 @@ TEST(EditorConditioning, RefusalOfOrderOneAdvisesNoLowerOne) {
   RegionSpec spec;
   spec.kind = RegionSpec::Kind::Component;
   const Region region = build_region(mesh, support::adjacency_of(mesh), spec, {{30 * 60 + 30}});
-  EditSettings settings = support::older_settings();
+  EditSettings settings = support::smooth_surface_settings();
   settings.handle_weight = 2e-6;
   try {
     LaplacianEditor(mesh, region, settings);

@@ -48,7 +48,7 @@ Points solved(const System& system) {
 
 TEST(LaplacianSystem, NextHandleSharesOperatorFactorAndSmootherByPointer) {
   const Scene scene;
-  for (const EditSettings& settings : {EditSettings(), support::older_settings()}) {
+  for (const EditSettings& settings : {EditSettings(), support::smooth_surface_settings()}) {
     EditReport report;
     const System first = prepared(scene.mesh, scene.first, settings, nullptr, report);
     EXPECT_FALSE(report.factor_taken_over);
@@ -66,7 +66,7 @@ TEST(LaplacianSystem, NextHandleSharesOperatorFactorAndSmootherByPointer) {
 /// Fails if the next system takes something out of the one before, or what it shares is not what it would make.
 TEST(LaplacianSystem, BothStayUsableWithTheSameBits) {
   const Scene scene;
-  for (const EditSettings& settings : {EditSettings(), support::older_settings()}) {
+  for (const EditSettings& settings : {EditSettings(), support::smooth_surface_settings()}) {
     EditReport report;
     const System first = prepared(scene.mesh, scene.first, settings, nullptr, report);
     const Points before = solved(first);
@@ -90,9 +90,9 @@ TEST(LaplacianSystem, BothStayUsableWithTheSameBits) {
 TEST(LaplacianSystem, OnlyWhatFitsIsShared) {
   const Scene scene;
   EditReport report;
-  const System first = prepared(scene.mesh, scene.first, support::older_settings(), nullptr, report);
+  const System first = prepared(scene.mesh, scene.first, support::smooth_surface_settings(), nullptr, report);
   const auto next = [&](auto change) {
-    EditSettings settings = support::older_settings();
+    EditSettings settings = support::smooth_surface_settings();
     change(settings);
     return prepared(scene.mesh, scene.second, settings, first.get(), report);
   };

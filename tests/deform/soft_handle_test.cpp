@@ -124,7 +124,7 @@ TEST(SoftHandle, DomeIsTheSameOnCoarseAndFineMeshes) {
 /// w_i = share_i w, by hand.
 TEST(SoftHandle, AgreesWithTheDenseSystem) {
   const Disc disc(shapes::letter_field(24, 12), {2, 1, 0}, 0.3);
-  EditSettings settings = support::older_settings();
+  EditSettings settings = support::smooth_surface_settings();
   settings.rotation = DetailRotation::None;
   const Region region = disc.soft(0.9, 0.8);
   ASSERT_FALSE(region.handle_share.empty());
@@ -146,7 +146,7 @@ TEST(SoftHandle, PreviewsKeepTheirPromise) {
   for (const double radius : {0.16, 0.04}) {
     const Disc disc = plane(radius);
     EXPECT_EQ(disc.vertices.size() <= 8, radius < 0.1);
-    for (EditSettings settings : {EditSettings(), support::older_settings()}) {
+    for (EditSettings settings : {EditSettings(), support::smooth_surface_settings()}) {
       for (const RoughDeformation rough : {RoughDeformation::Unrotated, RoughDeformation::Falloff}) {
         settings.rough = rough;
         const Region region = disc.soft(0.8, 1);

@@ -15,7 +15,7 @@ PROGRAM = os.environ["LAPEDIT_COMMAND"]
 TYPES = {"Choice": "RichEnum", "Point": "RichPoint3f", "Length": "RichAbsPerc", "Real": "RichFloat",
          "Integer": "RichInt", "Text": "RichString"}
 
-EDIT = ('{"laplacian_edit": 2, "steps": [{"region": {"radius": 0.4}, '
+EDIT = ('{"laplacian_edit": 1, "steps": [{"region": {"radius": 0.4}, '
         '"handles": [{"vertices": "66", "translation": [0, 0, 0.1]}]}]}')
 
 

@@ -86,7 +86,7 @@ class JsonKeys(WithProgram):
 
     def settings(self):
         return {path.rsplit(".", 1)[1]: row for path, row in self.rows.items() if path.count(".") == 1 and "steps" in path
-                and path not in ("steps[].region", "steps[].handles", "steps[].mirror", "steps[].rules")}
+                and path not in ("steps[].region", "steps[].handles", "steps[].mirror")}
 
     def choices(self, name):
         """The names that the reader knows for a value, none if it wants something else."""

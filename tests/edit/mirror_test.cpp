@@ -74,7 +74,7 @@ TEST(Mirror, SymmetricMeshStaysSymmetric) {
       step.mirror = MirrorPlane{turn * Vector3(0, 1, 0), 3 * (turn.linear() * Vector3::UnitX())};
       step.handles[0].transform.translation = turn.linear() * step.handles[0].transform.translation;
     }
-    for (const EditSettings& settings : {EditSettings(), support::older_settings()}) {
+    for (const EditSettings& settings : {EditSettings(), support::smooth_surface_settings()}) {
       step.settings = settings;
       const EditResult result = apply_step(mesh, support::adjacency_of(mesh), step);
       const Points places = after(mesh, result);

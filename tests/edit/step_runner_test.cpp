@@ -144,7 +144,7 @@ TEST(StepRunner, NextDragInARegionTakesOverWhatIsTheSame) {
     EditSettings settings;
     const char* taken;
   };
-  EditSettings umbrella = support::older_settings(), cotangent = umbrella, eigen;
+  EditSettings umbrella = support::smooth_surface_settings(), cotangent = umbrella, eigen;
   cotangent.laplacian = LaplacianKind::Cotangent;
   eigen.backend = CholeskyBackend::Eigen;
   for (const Case& c : {Case{umbrella, "operator and factor"}, Case{cotangent, "analysis"},

@@ -72,7 +72,13 @@ RegionSpec region(Choices& choose, const TriangleMesh& mesh) {
 }
 
 EditSettings settings(Choices& choose) {
-  EditSettings result = choose.below(4) == 0 ? version_one_settings() : EditSettings();
+  EditSettings result;
+  if (choose.below(4) == 0) {
+    result.laplacian = LaplacianKind::Umbrella;
+    result.rotation = DetailRotation::SmoothSurface;
+    result.turning = DetailTurning::Vertex;
+    result.membrane = 0;
+  }
   for (int k = choose.below(4); k > 0; --k) {
     const Setting& setting =
         settings_table()[static_cast<std::size_t>(choose.below(static_cast<int>(settings_table().size())))];

@@ -21,14 +21,13 @@ def step(**keys):
     return {"region": {"radius": 1.5}, "handles": [{"vertices": "1", "translation": [0, 0, 1]}], **keys}
 
 
-def edit(*steps, version=2, **keys):
-    return {"laplacian_edit": version, **keys, "steps": list(steps)}
+def edit(*steps, **keys):
+    return {"laplacian_edit": 1, **keys, "steps": list(steps)}
 
 
 def edits():
     """Each kind of region, handle and setting."""
     yield "radius", edit(step())
-    yield "version_1", edit(step(), version=1)
     yield "mesh", edit(step(), mesh={"vertices": 42, "faces": 80, "connectivity": "0123456789abcdef"})
     yield "vertices", edit(step(region={"vertices": "0-3, 5,7 - 9", "padding": 0.2}))
     yield "component", edit(step(region={"component": True, "connect": 0.5}))
@@ -40,7 +39,7 @@ def edits():
     yield "matrix", edit(step(handles=[{"vertices": "1", "matrix": [1, 0, 0, 1, 0, 2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}]))
     yield "mirror", edit(step(mirror={"point": [0, 0, 0], "normal": [1, 0, 0]}))
     yield "numbers", edit(step(handle_weight=1e-6, anchor_weight=1e6, membrane=0, normal_radius=1.7976931348623157e308,
-                               iterations=100, order=3, rules=1))
+                               iterations=100, order=3))
     yield "steps", edit(step(), step(region={"component": True}), step())
     for key, words in WORDS.items():
         for word in words:

@@ -66,7 +66,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   std::optional<std::vector<int>> read;
   try {
-    read = read_edit(R"({"laplacian_edit": 2, "mesh": {"vertices": )" + std::to_string(kVertices) +
+    read = read_edit(R"({"laplacian_edit": 1, "mesh": {"vertices": )" + std::to_string(kVertices) +
                      R"(}, "steps": [{"region": {"radius": 1}, "handles": [{"vertices": ")" + escaped + R"("}]}]})")
                .steps.at(0)
                .handles.at(0)

@@ -122,9 +122,9 @@ class Keep(ToolTest):
 
     def test_what_cannot_be_loaded_is_told_in_a_line(self):
         broken = self.folder / "broken.json"
-        broken.write_text('{"laplacian_edit": 2, "steps": 3}')
+        broken.write_text('{"laplacian_edit": 1, "steps": 3}')
         other = self.folder / "other.json"
-        other.write_text(json.dumps({"laplacian_edit": 2, "mesh": {"vertices": 5, "faces": 6}, "steps": [
+        other.write_text(json.dumps({"laplacian_edit": 1, "mesh": {"vertices": 5, "faces": 6}, "steps": [
             {"region": {"radius": 1}, "handles": [{"vertices": "0", "translation": [1, 0, 0]}]}]}))
         with self.start(self.mesh) as w:
             before = w.dump()

@@ -391,7 +391,7 @@ class Package(unittest.TestCase):
     def write_edit(self):
         """Lifts the middle. @return what it may move"""
         radius = 0.4
-        edit = {"laplacian_edit": 2, "steps": [{"region": {"radius": radius}, "handles": [
+        edit = {"laplacian_edit": 1, "steps": [{"region": {"radius": radius}, "handles": [
             {"vertices": str(MIDDLE), "translation": [0, 0, 0.3]}]}]}
         (self.data / "edit.json").write_text(json.dumps(edit))
         return within(self.points, neighbours(len(self.points), self.faces), MIDDLE, radius)

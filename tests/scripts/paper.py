@@ -87,7 +87,7 @@ class Paper:
     def edited(self, mesh, name, steps):
         """@return the result's path and the report"""
         edit, result, report = (self.output / f"{name}{suffix}" for suffix in (".json", ".ply", ".report.json"))
-        edit.write_text(json.dumps({"laplacian_edit": 2, "steps": steps}))
+        edit.write_text(json.dumps({"laplacian_edit": 1, "steps": steps}))
         subprocess.run([self.given.command, "--quiet", "--report", report, mesh.path, result, edit], check=True)
         return result, json.loads(report.read_text())["outputs"][0]["steps"]
 

@@ -22,7 +22,7 @@ for name in "$@"; do
   end=$((across * along - 1))
   "$build/common/demo/make_mesh" "$name" "$place/$name.ply"
   cat >"$place/$name.json" <<EOF
-{"laplacian_edit": 2, "steps": [{"region": {"component": true}, "handles": [
+{"laplacian_edit": 1, "steps": [{"region": {"component": true}, "handles": [
   {"vertices": "0-$((10 * across - 1))"},
   {"vertices": "$((end - 10 * across + 1))-$end", "translation": [0, 0, 1],
    "rotation": {"axis": [0, 1, 0], "degrees": -30}}]}]}

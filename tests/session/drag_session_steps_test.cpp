@@ -538,7 +538,7 @@ TEST(DragSteps, FiguresTellOfTheLastStep) {
 TEST(DragSteps, AdviceIsGivenWhereAStepFolded) {
   Window window(plate());
   DragSettings settings = window.session.settings();
-  settings.edit = support::older_settings();
+  settings.edit = support::smooth_surface_settings();
   settings.edit.rotation = DetailRotation::None;
   window.session.set_settings(settings);
   window.drag(kMiddle, Vector2(20, 10));

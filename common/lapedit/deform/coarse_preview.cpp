@@ -154,7 +154,7 @@ const Points& CoarsePreview::pose(const std::vector<Affine>& handles) {
   for (std::size_t g = 0; g < handles.size(); ++g) {
     s.targets[g] = LocalMotion::of(handles[g], s.rest.origin);
   }
-  carry_components(*s.region, s.rest.local, s.targets, LocalMotion(), s.settings.rules, s.carried, s.handles_seen);
+  carry_components(*s.region, s.rest.local, s.targets, LocalMotion(), s.carried, s.handles_seen);
   if (s.cell_turning) {
     s.cell_turning->solve(s.targets, s.carried, true);
   } else {

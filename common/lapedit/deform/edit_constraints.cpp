@@ -33,8 +33,7 @@ void EditConstraints::set(const std::vector<Affine>& handles, const Affine& anch
 void EditConstraints::carry_along(const Affine& anchors) {
   const Region& region = system_.region;
   const Points& rest = system_.rest.local;
-  carry_components(region, rest, targets_, LocalMotion::of(anchors, system_.rest.origin), system_.settings.rules,
-                   carried_, handles_seen_);
+  carry_components(region, rest, targets_, LocalMotion::of(anchors, system_.rest.origin), carried_, handles_seen_);
   carried_rotation_.assign(carried_.size(), Matrix3::Identity());
   carries_ = false;
   for (std::size_t c = 0; c < carried_.size(); ++c) {

@@ -122,24 +122,9 @@ std::string title_of(const char* key) {
 }
 
 bool operator==(const EditSettings& a, const EditSettings& b) {
-  return a.backend == b.backend && a.threads == b.threads && a.rules == b.rules &&
+  return a.backend == b.backend && a.threads == b.threads &&
          std::all_of(settings_table().begin(), settings_table().end(),
                      [&](const Setting& setting) { return setting.get(a) == setting.get(b); });
-}
-
-EditSettings version_one_settings() {
-  EditSettings settings;
-  settings.laplacian = LaplacianKind::Umbrella;
-  settings.order = 1;
-  settings.rotation = DetailRotation::SmoothSurface;
-  settings.iterations = 1;
-  settings.normal_radius = 0;
-  settings.handle_weight = settings.anchor_weight = 10;
-  settings.turning = DetailTurning::Vertex;
-  settings.rough = RoughDeformation::Unrotated;
-  settings.membrane = 0;
-  settings.rules = 1;
-  return settings;
 }
 
 bool has_fast_path(const EditSettings& settings) {

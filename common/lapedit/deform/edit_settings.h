@@ -43,9 +43,6 @@ struct EditSettings {
   /// What stretching costs beside bending, see membrane_factor(). 0: nothing, the paper's choice; beyond 1000 it shows
   /// at the region's rim.
   double membrane = 500;
-  /// Which rules an edit is solved by, so that a recorded one gives its bits for ever: 1, those of files of version 1,
-  /// or 2. Nothing that users choose, so no row of the table.
-  int rules = 2;
   CholeskyBackend backend = CholeskyBackend::Automatic;
   int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
@@ -54,9 +51,6 @@ bool operator==(const EditSettings& a, const EditSettings& b);
 inline bool operator!=(const EditSettings& a, const EditSettings& b) {
   return !(a == b);
 }
-
-/// What keys that a step with rules 1 lacks stand for; never changes.
-EditSettings version_one_settings();
 
 /// Whether drags have a fast path with these settings: see LaplacianEditor::preview().
 bool has_fast_path(const EditSettings& settings);

@@ -150,7 +150,7 @@ void LaplacianEditor::State::turn_details(const Progress& go_on) {
   double least = std::numeric_limits<double>::infinity();
   rotation->start(constraints);
   for (int pass = 0; pass < settings.iterations; ++pass) {
-    const bool may_drop = settings.rules > 1 && (settings.order > 1 || pass > 0);
+    const bool may_drop = settings.order > 1 || pass > 0;
     if (settings.iterations > 1) {
       rotations_before = rotations;
     }

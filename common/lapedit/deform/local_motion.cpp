@@ -70,8 +70,7 @@ LocalMotion mean_motion(const Region& region, const Points& rest, const std::vec
 }  // namespace
 
 void carry_components(const Region& region, const Points& rest, const std::vector<LocalMotion>& targets,
-                      const LocalMotion& anchors, int rules, std::vector<LocalMotion>& carried,
-                      std::vector<HandlesSeen>& seen) {
+                      const LocalMotion& anchors, std::vector<LocalMotion>& carried, std::vector<HandlesSeen>& seen) {
   carried.assign(region.anchored.size(), LocalMotion());
   seen.assign(region.anchored.size(), HandlesSeen());
   for (std::size_t c = 0; c < carried.size(); ++c) {
@@ -93,7 +92,7 @@ void carry_components(const Region& region, const Points& rest, const std::vecto
     carried[c].translation += (target.translation - carried[c].translation) / seen[c].count;
     seen[c].agree = seen[c].agree && target.linear == targets[seen[c].first_group].linear;
   }
-  for (std::size_t c = 0; rules > 1 && c < carried.size(); ++c) {
+  for (std::size_t c = 0; c < carried.size(); ++c) {
     if (!seen[c].agree) {
       carried[c] = mean_motion(region, rest, targets, static_cast<int>(c));
     }

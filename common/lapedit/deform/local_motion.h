@@ -28,11 +28,10 @@ struct HandlesSeen {
 };
 
 /// Where each component of a region is carried before anything is solved for: with its anchors, or else by the mean of
-/// its groups' maps, in which rotations stay rotations. A linear mean (EditSettings::rules 1) of groups that turn by
-/// different angles shrinks what is between them.
+/// its groups' maps, in which rotations stay rotations: a linear mean of groups that turn by different angles would
+/// shrink what is between them.
 /// @param rest  size() x 3, about the origin of the motions. Nothing is allocated after the first call.
 void carry_components(const Region& region, const Points& rest, const std::vector<LocalMotion>& targets,
-                      const LocalMotion& anchors, int rules, std::vector<LocalMotion>& carried,
-                      std::vector<HandlesSeen>& seen);
+                      const LocalMotion& anchors, std::vector<LocalMotion>& carried, std::vector<HandlesSeen>& seen);
 
 }  // namespace lapedit

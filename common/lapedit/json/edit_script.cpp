@@ -8,7 +8,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <limits>
-#include <map>
 #include <memory>
 #include <string>
 #include <system_error>
@@ -20,7 +19,7 @@
 namespace lapedit {
 namespace {
 
-constexpr int kVersion = 2;                              // written; 1 is read as well
+constexpr int kVersion = 1;
 constexpr std::int64_t kMostListedVertices = 100000000;  // in all lists of an edit together
 
 /// Reads vertex lists, counting what they expand to before memory is taken for it.
@@ -182,13 +181,10 @@ void read_setting(const JsonObject& object, const Setting& setting, EditSettings
   }
 }
 
-EditStep read_step(const Json& value, const std::string& where, int version, VertexLists& lists) {
+EditStep read_step(const Json& value, const std::string& where, VertexLists& lists) {
   std::vector<const char*> keys = {"region", "handles", "mirror"};
   for (const Setting& setting : settings_table()) {
     keys.push_back(setting.key);
-  }
-  if (version > 1) {
-    keys.push_back("rules");
   }
   const JsonObject object(value, where, keys);
   EditStep step;
@@ -209,11 +205,6 @@ EditStep read_step(const Json& value, const std::string& where, int version, Ver
     const JsonObject mirror(object["mirror"], object.where("mirror"), {"point", "normal"});
     step.mirror = MirrorPlane{mirror.numbers<3>("point"), mirror.numbers<3>("normal")};
   }
-  const int rules = object.integer("rules", version);
-  if (rules < 1 || rules > 2) {
-    object.refuse_key("rules", "1 or 2");
-  }
-  step.settings = rules == 1 ? version_one_settings() : EditSettings();
   for (const Setting& setting : settings_table()) {
     read_setting(object, setting, step.settings);
   }
@@ -223,6 +214,10 @@ EditStep read_step(const Json& value, const std::string& where, int version, Ver
 Json json_of(double value) {
   if (!std::isfinite(value)) {
     throw EditError(ErrorCause::NotFinite, "The edit cannot be written: one of its numbers is NaN or infinite.");
+  }
+  constexpr double kLargestWhole = 9007199254740992;  // 2^53
+  if (value == std::floor(value) && std::abs(value) <= kLargestWhole) {
+    return static_cast<std::int64_t>(value);  // "0" and not "0.0"
   }
   return value;
 }
@@ -330,9 +325,6 @@ Json json_of(const EditStep& step) {
   for (const Setting& setting : settings_table()) {
     json[setting.key] = json_of(setting, setting.get(step.settings));
   }
-  if (step.settings.rules != EditSettings().rules) {
-    json["rules"] = step.settings.rules;
-  }
   return json;
 }
 
@@ -357,42 +349,6 @@ Json json_of(const Edit& edit) {
   return json;
 }
 
-/// The library puts all on one line, or each number on its own. Here a line begins with each of these keys:
-const std::map<std::string, std::string> kLineBreaks = {{"mesh", "\n "},
-                                                        {"steps", "\n "},
-                                                        {"region", "\n   "},
-                                                        {"handles", "\n   "},
-                                                        {"anchors", "\n    "},
-                                                        {"mirror", "\n   "},
-                                                        {settings_table().front().key, "\n   "}};
-
-/// @param between  entries, if it is a list
-void write(const Json& value, const std::string& between, std::string& text) {
-  if (value.is_number()) {
-    text += json_number(value.get<double>());
-  } else if (value.is_array()) {
-    text += '[';
-    for (const Json& entry : value) {
-      text += &entry == &value.front() ? "" : between;
-      write(entry, "", text);
-    }
-    text += ']';
-  } else if (value.is_object()) {
-    text += '{';
-    for (const auto& [key, entry] : value.items()) {
-      const bool first = &entry == &value.front();
-      const auto line_break = kLineBreaks.find(key);
-      text += first ? "" : ",";
-      text += line_break != kLineBreaks.end() ? line_break->second : first ? "" : " ";
-      text += "\"" + key + "\": ";
-      write(entry, key == "handles" ? ",\n               " : key == "steps" ? ", " : ",", text);
-    }
-    text += '}';
-  } else {
-    text += value.dump(-1, ' ', false, Json::error_handler_t::replace);
-  }
-}
-
 std::string trimmed(const std::string& text) {
   constexpr const char* kSpace = " \t\n\v\f\r";
   const std::size_t first = text.find_first_not_of(kSpace);
@@ -405,10 +361,8 @@ Edit read_edit(const std::string& json) {
   const Json root = parse_json(json);
   const auto version = root.find("laplacian_edit");
   // First of all: another version may well have other keys.
-  const double number = version != root.end() && version->is_number() ? version->get<double>() : 0;
-  if (number != 1 && number != kVersion) {
-    refuse_json("laplacian_edit: expected the number 1 or " + std::to_string(kVersion) +
-                ", the versions that are read here, " +
+  if (version == root.end() || *version != kVersion) {
+    refuse_json("laplacian_edit: expected the number " + std::to_string(kVersion) + ", the version of this format, " +
                 (version == root.end() ? "but the key is missing" : "found " + describe(*version)) + ".");
   }
   const JsonObject object(root, "edit", {"laplacian_edit", "mesh", "steps"});
@@ -432,7 +386,7 @@ Edit read_edit(const std::string& json) {
   VertexLists lists(edit.mesh_vertices);
   const Json& steps = object.filled_list("steps", "steps");
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    edit.steps.push_back(read_step(steps[i], "steps[" + std::to_string(i) + "]", static_cast<int>(number), lists));
+    edit.steps.push_back(read_step(steps[i], "steps[" + std::to_string(i) + "]", lists));
   }
   return edit;
 }
@@ -473,9 +427,7 @@ Edit load_edit(const std::string& text_or_path) {
 }
 
 std::string write_edit(const Edit& edit) {
-  std::string json;
-  write(json_of(edit), "", json);
-  json += '\n';
+  std::string json = json_of(edit).dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
   read_edit(json);  // what cannot be read again is refused now, with the same sentence
   return json;
 }

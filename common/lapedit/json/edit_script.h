@@ -9,7 +9,7 @@
 ///
 /// Keys (o: optional, with the default of EditSettings, RegionSpec or HandleTransform; any other key is refused):
 ///
-///     laplacian_edit     the version of this format: 2, or 1, whose steps all have rules 1
+///     laplacian_edit     the version of this format: 1
 ///     mesh             o the mesh it was made for; each key is optional, what is given is compared by apply_edit()
 ///       vertices, faces    counts
 ///       connectivity       checksum of 16 digits, see connectivity_checksum()
@@ -38,17 +38,15 @@
 ///       mirror           o the plane that region and handles are mirrored across
 ///         point            [x, y, z], model units
 ///         normal           [x, y, z], any length but zero
-///       laplacian        o "umbrella", "cotangent"
+///       laplacian        o "umbrella", "cotangent", "mean_value"
 ///       order            o
-///       detail_rotation  o "none", "smooth_normals", "smooth_surface"
+///       detail_rotation  o "none", "smooth_normals", "smooth_surface", "local_global"
 ///       iterations       o
 ///       normal_radius    o model units; 0: automatic
 ///       handle_weight    o
 ///       anchor_weight    o
 ///       turning          o "vertex", "edge"
 ///       rough            o "unrotated", "falloff"
-///       rules            o in version 2 only: EditSettings::rules, 1 where a step was recorded with version 1; absent
-///                          settings then take version_one_settings()
 ///
 /// Example: the steps of a file on a mesh, half of the way.
 ///

@@ -7,7 +7,7 @@
 /// JSON as text, from outside and for it.
 namespace lapedit {
 
-/// Numbers are doubles, all of them; objects keep the order of their keys.
+/// Objects keep the order of their keys.
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kLargestJson = 64 << 20;  ///< bytes; seven million vertex numbers fit
@@ -16,13 +16,10 @@ constexpr std::size_t kLargestJson = 64 << 20;  ///< bytes; seven million vertex
 [[noreturn]] void refuse_json(const std::string& sentence);
 
 /// The object that a UTF-8 text (with or without a byte order mark) holds.
-/// @throws EditError (BadScript) with line and column for what is no JSON and for a key that is given twice in an
-///         object; for texts of more than kLargestJson bytes, and for values more than 1,024 deep in each other
+/// @throws EditError (BadScript) with line and column for what is no JSON; for a key that is given twice in an object;
+///         for texts of more than kLargestJson bytes, and for values more than 1,024 deep in each other
 /// Cost: O(n log k) for n bytes with at most k keys in an object
 Json parse_json(std::string json);
-
-/// The shortest decimal that reads back as the same double; a zero's sign is lost. Must be finite.
-std::string json_number(double number);
 
 /// Text from outside, made fit for a message: quoted, control characters escaped, not too long.
 std::string quoted_text(const std::string& text);
