@@ -67,9 +67,9 @@ std::string refusal(const std::string& json) {
   return refusal_of([&json] { read_edit(json); });
 }
 
-TEST(EditScriptRefusal, OtherVersionsAreRefusedWithBothNumbers) {
+TEST(EditScriptRefusal, OtherVersionsAreRefusedWithTheNumber) {
   const std::string newer = refusal(js("{'laplacian_edit': 3, 'poses': []}"));
-  expect_contains(newer, "expected the number 1 or 2");
+  expect_contains(newer, "expected the number 1");
   expect_contains(newer, "the number 3");
   expect_contains(refusal(js("{'steps': []}")), "laplacian_edit: expected the number 1");
   expect_contains(refusal(js("{'laplacian_edit': '1'}")), "found the text \"1\"");
@@ -94,7 +94,7 @@ TEST(EditScriptRefusal, UnknownKeysAreRefusedByNameAndPlace) {
 }
 
 TEST(EditScriptRefusal, WrongTypesAreRefusedWithWhatWasExpected) {
-  expect_contains(refusal("[]"), "it has to be an object");
+  expect_contains(refusal("[]"), "it has to be a JSON object");
   expect_contains(refusal(js("{'laplacian_edit': 1}")),
                   "edit.steps: expected a list of one or more steps, but the key");
   expect_contains(refusal(js("{'laplacian_edit': 1, 'steps': {}}")), "list of one or more steps, found an object.");

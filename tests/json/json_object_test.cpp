@@ -67,7 +67,7 @@ TEST(JsonObject, SyntaxErrorsNameLineAndColumn) {
       {"// comment\n{}", "line 1, column 1: "},
       {"hello", "line 1, column 1: "},
       {"\xFF\xFE{", "line 1, column 1: "},
-      {"{\"a\": 1} x", "expected end of input"},
+      {"{\"a\": 1} 2", "expected end of input"},
       {std::string("{}\0", 3), "byte 0"},
       {"{\"a\": NaN}", "invalid literal"},
       {"{\"a\": 1e999}", "number overflow"},
@@ -75,7 +75,7 @@ TEST(JsonObject, SyntaxErrorsNameLineAndColumn) {
       {"{\"a\": \"\x05\"}", "control character"},
       {"{\"a\": \"\xFF\"}", "UTF-8"},
       {"{\"a\": \"\n\"}", "control character"},
-      {"{\"a\\", "missing closing quote"},
+      {"{\"a", "missing closing quote"},
   };
   for (const auto& [text, part] : cases) {
     expect_contains(refusal(text), part);
