@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <optional>
 #include <utility>
 
 #include "filters.h"
 #include "lapedit/base/error.h"
-#include "lapedit_host/mesh_bridge.h"
-#include "lapedit_host/self_intersections.h"
 
 using namespace lapedit;
 using namespace lapedit::host;
@@ -142,21 +141,20 @@ EditStep editStep(const ParameterValues& values, const CMeshO& host, const Bridg
 
 FilterOutcome run(const ParameterValues& values, CMeshO& host, const Progress& progress, const ReportSink& sink,
                   int mostVertices) {
-  const BridgedMesh bridged = read_mesh(host);
-  validate(bridged.mesh);
-  const EditStep step = editStep(values, host, bridged);
-  const Adjacency adjacency = build_adjacency(static_cast<int>(bridged.mesh.vertices.rows()), bridged.mesh.faces);
-  EditResult result = apply_step(bridged.mesh, adjacency, step, 1, kStoredScalar, progress);
-  if (values.integer("handle_source") == NearestVertex) {
-    const Vector3 vertex = bridged.mesh.vertices.row(step.handles.front().vertices.front()).transpose();
-    result.reports.front().handle_point_distance = (vertex - values.point("handle_point")).norm();
-  }
-  write_positions(host, bridged, result);
-  count_self_intersections(bridged.mesh, result, mostVertices);
-  if (sink) {
-    sink(result.reports);
-  }
-  return {result.reports.front().text(), figuresOf(result.reports)};
+  std::optional<double> distance;
+  const auto make = [&](const BridgedMesh& bridged) {
+    const EditStep step = editStep(values, host, bridged);
+    if (values.integer("handle_source") == NearestVertex) {
+      const Vector3 vertex = bridged.mesh.vertices.row(step.handles.front().vertices.front()).transpose();
+      distance = (vertex - values.point("handle_point")).norm();
+    }
+    Edit edit;
+    edit.steps = {step};
+    return edit;
+  };
+  EditedMesh edited = edit_mesh(host, make, {1}, mostVertices, progress);
+  edited.poses.front().reports.front().handle_point_distance = distance;
+  return write_edited(host, edited, sink);
 }
 
 }  // namespace

@@ -18,9 +18,7 @@
 #include "lapedit/base/format_text.h"
 #include "lapedit/base/stopwatch.h"
 #include "lapedit/json/edit_script.h"
-#include "lapedit_host/mesh_bridge.h"
 #include "lapedit_host/pose_writer.h"
-#include "lapedit_host/self_intersections.h"
 #include "output_files.h"
 #include "progress_line.h"
 #include "real_files.h"
@@ -207,36 +205,34 @@ class Job {
   void applyEdit() {
     notes_.doing("editing", Unexpected);
     CMeshO& mesh = *host_.mesh();
-    const BridgedMesh bridged = read_mesh(mesh);
     const Stopwatch stopwatch;
-    std::vector<EditResult> results =
-        apply_edit(bridged.mesh, edit_, options_.fractions, kStoredScalar, [this](double done, const char* stage) {
+    const auto make = [this](const BridgedMesh&) { return edit_; };
+    const EditedMesh edited =
+        edit_mesh(mesh, make, options_.fractions, mostVertices(options_), [this](double done, const char* stage) {
           line_.show(done, stage);
           return true;
         });
     report_.edit_ms = stopwatch.elapsed();
+    const std::vector<EditResult>& results = edited.poses;
     for (std::size_t k = 0; k < results.size(); ++k) {
-      count_self_intersections(bridged.mesh, results[k], mostVertices(options_));
       report_.poses.push_back({options_.fractions[k], results[k].reports});
     }
     if (results.size() == 1) {
-      write_positions(mesh, bridged, results.front());
-      print(textOf(results.front().reports));
+      print(write_edited(mesh, edited, {}).log);
       save(0);
       return;
     }
     for (std::size_t k = 0; k < results.size(); ++k) {
-      print("Fraction " + number_text(options_.fractions[k]) + "\n" + textOf(results[k].reports));
+      print("Fraction " + number_text(options_.fractions[k]) + "\n" + text_of(results[k].reports));
     }
     begin();
     const Stopwatch writing;
-    const Adjacency adjacency = build_adjacency(static_cast<int>(bridged.mesh.vertices.rows()), bridged.mesh.faces);
     const std::vector<int> moved = unionOf(results);
     const int processes = std::clamp(options_.list.jobs, 1, static_cast<int>(results.size()));
     inProcesses(processes, [&](int number) {
-      PoseWriter writer(mesh, bridged, adjacency);
+      PoseWriter writer(mesh, edited.bridged, edited.adjacency);
       for (auto k = static_cast<std::size_t>(number); k < results.size(); k += static_cast<std::size_t>(processes)) {
-        if (!writer.write(mesh, moved, positionsOf(moved, results[k], bridged), true)) {
+        if (!writer.write(mesh, moved, positionsOf(moved, results[k], edited.bridged), true)) {
           throw Failure(Unexpected, "Writing a pose changed the mesh: write the poses one by one with --fraction.");
         }
         save(static_cast<int>(k));

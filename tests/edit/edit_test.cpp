@@ -216,7 +216,8 @@ TEST(Edit, SeveralFractionsHaveTheBitsThatEachHasAlone) {
         step.settings.iterations = 2;
       }
       for (const StoredScalar scalar : {StoredScalar::Float, StoredScalar::Double}) {
-        const std::vector<EditResult> together = apply_edit(mesh, edit, kFractions, scalar);
+        const std::vector<EditResult> together =
+            apply_edit(mesh, support::adjacency_of(mesh), edit, kFractions, scalar);
         ASSERT_EQ(together.size(), kFractions.size());
         for (std::size_t p = 0; p < kFractions.size(); ++p) {
           const EditResult alone = apply_edit(mesh, edit, kFractions[p], scalar);
@@ -232,7 +233,8 @@ TEST(Edit, SeveralFractionsHaveTheBitsThatEachHasAlone) {
 
 TEST(Edit, SeveralFractionsOfOneStepShareOneFactorisation) {
   const TriangleMesh mesh = test_mesh();
-  const std::vector<EditResult> poses = apply_edit(mesh, edit_of({pull({kMiddle}, {0, 0, 3})}), kFractions);
+  const std::vector<EditResult> poses =
+      apply_edit(mesh, support::adjacency_of(mesh), edit_of({pull({kMiddle}, {0, 0, 3})}), kFractions);
   for (std::size_t p = 0; p < poses.size(); ++p) {
     const EditReport& report = poses[p].reports.at(0);
     EXPECT_EQ(report.factor_taken_over, p > 0);
@@ -261,7 +263,8 @@ TEST(Edit, LaterStepsOfSeveralFractionsTakeOverWhatFits) {
     second.region.anchors.depths.assign(second.region.anchors.vertices.size(), 1);
     second.region.anchors.reach = 5;
     second.settings.laplacian = laplacian;
-    const std::vector<EditResult> poses = apply_edit(mesh, edit_of({pull({kMiddle}, {0, 0, 3}), second}), kFractions);
+    const std::vector<EditResult> poses =
+        apply_edit(mesh, support::adjacency_of(mesh), edit_of({pull({kMiddle}, {0, 0, 3}), second}), kFractions);
     for (std::size_t p = 0; p < poses.size(); ++p) {
       EXPECT_EQ(poses[p].reports.at(1).factor_taken_over, p > 0 && laplacian == LaplacianKind::Umbrella) << p;
     }
@@ -273,14 +276,15 @@ TEST(Edit, RefusalsOfSeveralFractionsNameTheFraction) {
   const EditStep good = pull({kMiddle}, {0, 0, 3});
   EditStep bad = pull({kMiddle}, {0, 0, 1e39});
   try {
-    apply_edit(mesh, edit_of({good, bad}), std::vector<double>{0, 0.5}, StoredScalar::Float);
+    apply_edit(mesh, support::adjacency_of(mesh), edit_of({good, bad}), std::vector<double>{0, 0.5},
+               StoredScalar::Float);
     ADD_FAILURE() << "was taken";
   } catch (const EditError& error) {
     EXPECT_EQ(error.cause(), ErrorCause::NotFinite);
     expect_contains(error.what(), "Step 2 of 2: At fraction 0.5: The result");
   }
-  EXPECT_THROW(apply_edit(mesh, edit_of({good}), std::vector<double>{0.5, 2}), EditError);
-  EXPECT_TRUE(apply_edit(mesh, edit_of({good}), std::vector<double>{}).empty());
+  EXPECT_THROW(apply_edit(mesh, support::adjacency_of(mesh), edit_of({good}), std::vector<double>{0.5, 2}), EditError);
+  EXPECT_TRUE(apply_edit(mesh, support::adjacency_of(mesh), edit_of({good}), std::vector<double>{}).empty());
 }
 
 TEST(Edit, ProgressRisesOverSeveralFractions) {

@@ -167,7 +167,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
   }
   try {
-    const std::vector<EditResult> poses = apply_edit(mesh, *again, {0, 1, part}, StoredScalar::Float);
+    validate(mesh);
+    const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
+    const std::vector<EditResult> poses = apply_edit(mesh, adjacency, *again, {0, 1, part}, StoredScalar::Float);
     require(refusal.empty(), "what is refused alone is refused beside other fractions");
     for (const EditResult& pose : poses) {
       check_result(mesh, pose);

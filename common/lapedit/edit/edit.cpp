@@ -213,15 +213,16 @@ EditResult apply_step(const TriangleMesh& mesh, const Adjacency& adjacency, cons
 
 EditResult apply_edit(const TriangleMesh& mesh, const Edit& edit, double fraction, StoredScalar scalar,
                       const Progress& progress) {
-  return std::move(apply_edit(mesh, edit, std::vector<double>{fraction}, scalar, progress).front());
+  validate(mesh);
+  const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
+  return std::move(apply_edit(mesh, adjacency, edit, std::vector<double>{fraction}, scalar, progress).front());
 }
 
-std::vector<EditResult> apply_edit(const TriangleMesh& mesh, const Edit& edit, const std::vector<double>& fractions,
-                                   StoredScalar scalar, const Progress& progress) {
-  validate(mesh);
+std::vector<EditResult> apply_edit(const TriangleMesh& mesh, const Adjacency& adjacency, const Edit& edit,
+                                   const std::vector<double>& fractions, StoredScalar scalar,
+                                   const Progress& progress) {
   std::for_each(fractions.begin(), fractions.end(), check_fraction);
   require_same_mesh(mesh, edit);
-  const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
   std::vector<std::vector<char>> touched(fractions.size(), std::vector<char>(mesh.vertices.rows(), 0));
   std::vector<EditResult> results(fractions.size());
   Poses poses(mesh, adjacency, fractions, scalar);

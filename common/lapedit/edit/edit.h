@@ -69,12 +69,14 @@ EditResult apply_step(const TriangleMesh& mesh, const Adjacency& adjacency, cons
 EditResult apply_edit(const TriangleMesh& mesh, const Edit& edit, double fraction = 1,
                       StoredScalar scalar = StoredScalar::Double, const Progress& progress = {});
 
-/// The same for several fractions at once, each with the bits that it has alone. The first step is prepared once for
-/// all of them; the others start from different shapes, and take over what still fits.
+/// The same for several fractions at once, each with the bits that it has alone. The mesh has to have passed
+/// validate(), and adjacency to be its own. The first step is prepared once for all of them; the others start from
+/// different shapes, and take over what still fits.
 /// @return one result per fraction, in their order. A report whose first times are 0 is of a pose for which nothing had
 ///         to be prepared
 /// @throws EditError as apply_edit(), with the fraction before the sentence when there are several
-std::vector<EditResult> apply_edit(const TriangleMesh& mesh, const Edit& edit, const std::vector<double>& fractions,
-                                   StoredScalar scalar = StoredScalar::Double, const Progress& progress = {});
+std::vector<EditResult> apply_edit(const TriangleMesh& mesh, const Adjacency& adjacency, const Edit& edit,
+                                   const std::vector<double>& fractions, StoredScalar scalar = StoredScalar::Double,
+                                   const Progress& progress = {});
 
 }  // namespace lapedit
