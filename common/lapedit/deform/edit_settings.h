@@ -46,7 +46,7 @@ struct EditSettings {
   /// Which rules an edit is solved by, so that a recorded one gives its bits for ever: 1, those of files of version 1,
   /// or 2. Nothing that users choose, so no row of the table.
   int rules = 2;
-  CholeskyBackend backend = CholeskyBackend::Automatic;
+  CholeskyBackend backend = CholeskyBackend::Supernodal;
   int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
 
