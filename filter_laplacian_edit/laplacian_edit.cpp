@@ -3,6 +3,7 @@
 
 #include "filters.h"
 #include "lapedit/base/error.h"
+#include "lapedit/mesh/vertex_set.h"
 #include "lapedit_host/mesh_bridge.h"
 #include "lapedit_host/self_intersections.h"
 
