@@ -4,6 +4,7 @@
 
 #include "filters.h"
 #include "lapedit/base/error.h"
+#include "lapedit/mesh/vertex_set.h"
 
 using namespace lapedit;
 using namespace lapedit::host;

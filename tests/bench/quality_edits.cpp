@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lapedit/mesh/geodesic.h"
+#include "lapedit/mesh/vertex_set.h"
 #include "quality_shapes.h"
 #include "shapes.h"
 #ifdef QUALITY_REAL_MESHES

@@ -128,7 +128,7 @@ TEST_P(OperatorOn, UmbrellaIsTheMeanOfTheNeighbours) {
       expected(j, j) = 1;
     }
   }
-  const DifferentialOperator found = umbrella_operator(region);
+  const DifferentialOperator found = differential_operator(LaplacianKind::Umbrella, region, {});
   EXPECT_LT((dense(found) - expected).cwiseAbs().maxCoeff(), 1e-15);
   EXPECT_EQ(found.uniform_edges, 0);
 }
@@ -136,10 +136,11 @@ TEST_P(OperatorOn, UmbrellaIsTheMeanOfTheNeighbours) {
 TEST_P(OperatorOn, CotangentDoesNotFeelScaleOrMotion) {
   const TriangleMesh mesh = GetParam()();
   const Region region = whole(mesh);
-  const DifferentialOperator found = cotangent_operator(region, mesh);
+  const DifferentialOperator found = differential_operator(LaplacianKind::Cotangent, region, mesh);
   for (const double scale : {1e-9, 1e9}) {
     const Affine map = Affine(support::rigid(40, Vector3(1, 2, 3), Vector3::Zero()) * Eigen::Scaling(scale));
-    const DifferentialOperator other = cotangent_operator(region, support::moved(map, mesh));
+    const DifferentialOperator other =
+        differential_operator(LaplacianKind::Cotangent, region, support::moved(map, mesh));
     // Degenerate shapes hold needles whose cotangents amplify rounding by their aspect ratio.
     EXPECT_LT((dense(found) - dense(other)).cwiseAbs().maxCoeff(), 1e-7);
     EXPECT_EQ(found.uniform_edges, other.uniform_edges);
@@ -168,10 +169,11 @@ TEST_P(OperatorOn, MeanValueIsSymmetricAndPositive) {
 TEST_P(OperatorOn, MeanValueDoesNotFeelScaleOrMotion) {
   const TriangleMesh mesh = GetParam()();
   const Region region = whole(mesh);
-  const DifferentialOperator found = mean_value_operator(region, mesh);
+  const DifferentialOperator found = differential_operator(LaplacianKind::MeanValue, region, mesh, true);
   for (const double scale : {1e-9, 1e9}) {
     const Affine map = Affine(support::rigid(40, Vector3(1, 2, 3), Vector3::Zero()) * Eigen::Scaling(scale));
-    const DifferentialOperator other = mean_value_operator(region, support::moved(map, mesh));
+    const DifferentialOperator other =
+        differential_operator(LaplacianKind::MeanValue, region, support::moved(map, mesh), true);
     EXPECT_LT((dense(found) - dense(other)).cwiseAbs().maxCoeff(), 1e-7);
     EXPECT_LT((found.sums - other.sums).cwiseAbs().maxCoeff(), 1e-7 * found.sums.maxCoeff());
     EXPECT_EQ(found.uniform_edges, other.uniform_edges);
@@ -181,8 +183,8 @@ TEST_P(OperatorOn, MeanValueDoesNotFeelScaleOrMotion) {
 TEST(MeanValueOperator, EqualsTheUmbrellaOnEquilateralTriangles) {
   const TriangleMesh mesh = equilateral_grid(7, 6);
   const Region region = whole(mesh);
-  const DifferentialOperator found = mean_value_operator(region, mesh);
-  const Eigen::MatrixXd umbrella = dense(umbrella_operator(region));
+  const DifferentialOperator found = differential_operator(LaplacianKind::MeanValue, region, mesh, true);
+  const Eigen::MatrixXd umbrella = dense(differential_operator(LaplacianKind::Umbrella, region, {}));
   for (const int j : interior(7, 6)) {
     EXPECT_LT((dense(found).row(j) - umbrella.row(j)).cwiseAbs().maxCoeff(), 1e-14) << "row " << j;
     EXPECT_NEAR(found.sums[j], 6 * 2 / std::sqrt(3.0), 1e-12) << "the unit that degenerate edges are given in";
@@ -191,7 +193,7 @@ TEST(MeanValueOperator, EqualsTheUmbrellaOnEquilateralTriangles) {
 
 TEST(MeanValueOperator, IsTheTangentsOfTheHalvedAnglesBesideAnEdgeOverItsLength) {
   for (const TriangleMesh& mesh : {shapes::letter_field(14, 9), shapes::icosphere(2), shapes::tapered_arm(10, 20)}) {
-    const DifferentialOperator found = mean_value_operator(whole(mesh), mesh);
+    const DifferentialOperator found = differential_operator(LaplacianKind::MeanValue, whole(mesh), mesh, true);
     EXPECT_EQ(found.uniform_edges, 0);
     EXPECT_LT((dense(found) - mean_value_by_angles(mesh)).cwiseAbs().maxCoeff(), 1e-10);
   }
@@ -205,7 +207,7 @@ TEST(MeanValueOperator, HasTheValuesWorkedOutByHand) {
   mesh.vertices << 0, 0, 0, 1, 0, 0, 0, 1, 0, -2, 0, 0, 0, -1, 0;
   mesh.faces.resize(4, 3);
   mesh.faces << 0, 1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 1;
-  const Eigen::MatrixXd m = dense(mean_value_operator(whole(mesh), mesh));
+  const Eigen::MatrixXd m = dense(differential_operator(LaplacianKind::MeanValue, whole(mesh), mesh, true));
   const double eighth = std::sqrt(2.0) - 1, golden = (std::sqrt(5.0) - 1) / 2;
   const double weights[] = {1 + eighth, 1 + (eighth + golden) / 2, golden, 1 + (eighth + golden) / 2};
   const double sum = weights[0] + weights[1] + weights[2] + weights[3];
@@ -221,7 +223,7 @@ TEST(MeanValueOperator, ObtusePairsKeepAWeight) {
   mesh.vertices << -std::sqrt(3.0), 0, 0, std::sqrt(3.0), 0, 0, 0, 1, 0, 0, -1, 0;
   mesh.faces.resize(2, 3);
   mesh.faces << 0, 1, 2, 1, 0, 3;
-  EXPECT_LT(dense(mean_value_operator(whole(mesh), mesh))(0, 1), -0.1);
+  EXPECT_LT(dense(differential_operator(LaplacianKind::MeanValue, whole(mesh), mesh, true))(0, 1), -0.1);
 }
 
 TEST(MeanValueOperator, WeightsAreCutAndBadTrianglesTakeTheUniformOne) {
@@ -238,10 +240,11 @@ TEST(MeanValueOperator, WeightsAreCutAndBadTrianglesTakeTheUniformOne) {
     EXPECT_TRUE(!mean_value.uniform[e] || std::abs(mean_value.values[e] - uniform) < 1e-15);
   }
   EXPECT_GT(cut, 0) << "needles of 1e-7";
-  EXPECT_GT(mean_value_operator(region, bad).uniform_edges, 20);
-  EXPECT_EQ(mean_value_operator(region, bad).uniform_edges, cotangent_operator(region, bad).uniform_edges);
+  EXPECT_GT(differential_operator(LaplacianKind::MeanValue, region, bad, true).uniform_edges, 20);
+  EXPECT_EQ(differential_operator(LaplacianKind::MeanValue, region, bad, true).uniform_edges,
+            differential_operator(LaplacianKind::Cotangent, region, bad).uniform_edges);
   const TriangleMesh healthy = shapes::grid(12, 9);
-  EXPECT_EQ(mean_value_operator(whole(healthy), healthy).uniform_edges, 0);
+  EXPECT_EQ(differential_operator(LaplacianKind::MeanValue, whole(healthy), healthy, true).uniform_edges, 0);
 }
 
 TEST(MeanValueOperator, CornerThatIsNotANumberOutsideTheRegionDoesNotEnter) {
@@ -255,7 +258,7 @@ TEST(MeanValueOperator, CornerThatIsNotANumberOutsideTheRegionDoesNotEnter) {
       mesh.vertices.row(v).setConstant(std::numeric_limits<double>::quiet_NaN());
     }
   }
-  const DifferentialOperator found = mean_value_operator(region, mesh);
+  const DifferentialOperator found = differential_operator(LaplacianKind::MeanValue, region, mesh, true);
   EXPECT_TRUE(dense(found).allFinite());
   EXPECT_TRUE(found.sums.allFinite());
   EXPECT_GT(found.uniform_edges, 0);
@@ -293,7 +296,7 @@ TEST(EdgeWeights, CotangentsTakeTheLargerOfAnEdgesTwoWhereTheyHaveToBeSymmetric)
 
 TEST(UmbrellaOperator, SubtractsThePlainMeanOnAHexagon) {
   const TriangleMesh mesh = shapes::grid(3, 3);
-  const Eigen::MatrixXd m = dense(umbrella_operator(whole(mesh)));
+  const Eigen::MatrixXd m = dense(differential_operator(LaplacianKind::Umbrella, whole(mesh), {}));
   EXPECT_EQ(m(4, 4), 1);
   for (const int neighbour : {1, 2, 3, 5, 6, 7}) {
     EXPECT_EQ(m(4, neighbour), -1.0 / 6);
@@ -306,8 +309,8 @@ TEST(UmbrellaOperator, SubtractsThePlainMeanOnAHexagon) {
 TEST(CotangentOperator, EqualsTheUmbrellaOnEquilateralTriangles) {
   const TriangleMesh mesh = equilateral_grid(7, 6);
   const Region region = whole(mesh);
-  const Eigen::MatrixXd cotangent = dense(cotangent_operator(region, mesh));
-  const Eigen::MatrixXd umbrella = dense(umbrella_operator(region));
+  const Eigen::MatrixXd cotangent = dense(differential_operator(LaplacianKind::Cotangent, region, mesh));
+  const Eigen::MatrixXd umbrella = dense(differential_operator(LaplacianKind::Umbrella, region, {}));
   for (const int j : interior(7, 6)) {
     EXPECT_LT((cotangent.row(j) - umbrella.row(j)).cwiseAbs().maxCoeff(), 1e-14) << "row " << j;
   }
@@ -315,7 +318,7 @@ TEST(CotangentOperator, EqualsTheUmbrellaOnEquilateralTriangles) {
 
 TEST(CotangentOperator, IsTheCotangentsOfTheAnglesOppositeToAnEdge) {
   for (const TriangleMesh& mesh : {shapes::letter_field(14, 9), shapes::icosphere(2), shapes::tapered_arm(10, 20)}) {
-    const DifferentialOperator found = cotangent_operator(whole(mesh), mesh);
+    const DifferentialOperator found = differential_operator(LaplacianKind::Cotangent, whole(mesh), mesh);
     EXPECT_EQ(found.uniform_edges, 0);
     EXPECT_LT((dense(found) - cotangent_by_angles(mesh)).cwiseAbs().maxCoeff(), 1e-10);
   }
@@ -323,7 +326,7 @@ TEST(CotangentOperator, IsTheCotangentsOfTheAnglesOppositeToAnEdge) {
 
 TEST(CotangentOperator, RightAngleGivesNoWeightAcross) {
   const TriangleMesh mesh = shapes::grid(3, 3);
-  const Eigen::MatrixXd m = dense(cotangent_operator(whole(mesh), mesh));
+  const Eigen::MatrixXd m = dense(differential_operator(LaplacianKind::Cotangent, whole(mesh), mesh));
   EXPECT_NEAR(m(4, 2), 0, 1e-16) << "both angles opposite to a diagonal are right";
   for (const int neighbour : {1, 3, 5, 7}) {
     EXPECT_NEAR(m(4, neighbour), -0.25, 1e-15);
@@ -337,7 +340,7 @@ TEST(CotangentOperator, ObtusePairsCountAsZero) {
   mesh.vertices << -std::sqrt(3.0), 0, 0, std::sqrt(3.0), 0, 0, 0, 1, 0, 0, -1, 0;
   mesh.faces.resize(2, 3);
   mesh.faces << 0, 1, 2, 1, 0, 3;
-  const DifferentialOperator found = cotangent_operator(whole(mesh), mesh);
+  const DifferentialOperator found = differential_operator(LaplacianKind::Cotangent, whole(mesh), mesh);
   const Eigen::MatrixXd m = dense(found);
   EXPECT_EQ(m(0, 1), 0);
   EXPECT_NEAR(m(0, 2), -0.5, 1e-15);
@@ -353,7 +356,7 @@ TEST(CotangentOperator, NeedlesAreCut) {
   mesh.vertices << 0, 0, 0, 1, 0, 0, 0.5, std::sqrt(0.75), 0, 0, -1e4, 0;
   mesh.faces.resize(2, 3);
   mesh.faces << 0, 1, 2, 1, 0, 3;
-  const DifferentialOperator found = cotangent_operator(whole(mesh), mesh);
+  const DifferentialOperator found = differential_operator(LaplacianKind::Cotangent, whole(mesh), mesh);
   const double equilateral = 0.5 / std::sqrt(3.0), cut = 0.5 * 1e3 + equilateral;
   EXPECT_NEAR(dense(found)(0, 1), -cut / (cut + equilateral + 0.5e-4), 1e-12);
   EXPECT_EQ(found.uniform_edges, 0);
@@ -363,9 +366,9 @@ TEST(CotangentOperator, IsZeroOnAPlaneWhereverNoWeightIsNegative) {
   constexpr int kRows = 24, kColumns = 16;
   const TriangleMesh mesh = shapes::letter_field(kRows, kColumns, 0);
   const Region region = whole(mesh);
-  const DifferentialOperator found = cotangent_operator(region, mesh);
+  const DifferentialOperator found = differential_operator(LaplacianKind::Cotangent, region, mesh);
   const Points deltas = found.matrix * mesh.vertices;
-  const Points uniform = umbrella_operator(region).matrix * mesh.vertices;
+  const Points uniform = differential_operator(LaplacianKind::Umbrella, region, {}).matrix * mesh.vertices;
   // Where clamping took place shows in the operator: a zero between neighbours.
   const Eigen::MatrixXd m = dense(found);
   int checked = 0;
@@ -388,7 +391,7 @@ TEST(CotangentOperator, FacesAcrossTheRimCount) {
   RegionSpec spec;
   spec.radius = 0.8;
   const Region region = build_region(mesh, support::adjacency_of(mesh), spec, {{60}});
-  const Eigen::MatrixXd m = dense(cotangent_operator(region, mesh));
+  const Eigen::MatrixXd m = dense(differential_operator(LaplacianKind::Cotangent, region, mesh));
   const Eigen::MatrixXd all = cotangent_by_angles(mesh);
   for (int j = 0; j < region.size(); ++j) {
     double inside = 0;  // share of the row's weight that stays in the region
@@ -408,7 +411,7 @@ TEST(CotangentOperator, DegenerateTrianglesAreCountedAndTakeTheUniformWeight) {
   mesh.vertices << 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 2, 0, 0;
   mesh.faces.resize(3, 3);
   mesh.faces << 0, 1, 2, 1, 3, 2, 0, 4, 1;
-  const DifferentialOperator found = cotangent_operator(whole(mesh), mesh);
+  const DifferentialOperator found = differential_operator(LaplacianKind::Cotangent, whole(mesh), mesh);
   EXPECT_EQ(found.uniform_edges, 3);  // 0-1, 1-4, 0-4
   const Eigen::MatrixXd m = dense(found);
   EXPECT_EQ(m(4, 0), -0.5);
@@ -420,7 +423,7 @@ TEST(CotangentOperator, DegenerateTrianglesAreCountedAndTakeTheUniformWeight) {
 
 TEST(CotangentOperator, EdgesOfFacesWithoutAreaAreUniformAndNoOthers) {
   const TriangleMesh healthy = shapes::grid(12, 9);
-  EXPECT_EQ(cotangent_operator(whole(healthy), healthy).uniform_edges, 0);
+  EXPECT_EQ(differential_operator(LaplacianKind::Cotangent, whole(healthy), healthy).uniform_edges, 0);
   const TriangleMesh bad = shapes::degenerate_grid(12, 9);
   std::set<std::pair<int, int>> edges;
   for (const auto& face : bad.faces.rowwise()) {
@@ -432,7 +435,7 @@ TEST(CotangentOperator, EdgesOfFacesWithoutAreaAreUniformAndNoOthers) {
       }
     }
   }
-  const DifferentialOperator found = cotangent_operator(whole(bad), bad);
+  const DifferentialOperator found = differential_operator(LaplacianKind::Cotangent, whole(bad), bad);
   EXPECT_EQ(found.uniform_edges, static_cast<int>(edges.size()));
   EXPECT_GT(found.uniform_edges, 20);
   EXPECT_TRUE(dense(found).allFinite());
@@ -453,7 +456,7 @@ TEST(CotangentOperator, CornerThatIsNotANumberOutsideTheRegionDoesNotEnter) {
   }
   ASSERT_GE(outside, 0);
   mesh.vertices(outside, 0) = std::numeric_limits<double>::quiet_NaN();
-  const DifferentialOperator found = cotangent_operator(region, mesh);
+  const DifferentialOperator found = differential_operator(LaplacianKind::Cotangent, region, mesh);
   EXPECT_TRUE(dense(found).allFinite());
   EXPECT_GT(found.uniform_edges, 0);
 }
@@ -471,7 +474,7 @@ TEST(OperatorPower, IsTheProductOfOperators) {
 }
 
 TEST(OperatorPower, OtherOrdersAreRefused) {
-  const SparseMatrix m = umbrella_operator(whole(shapes::grid(3, 3))).matrix;
+  const SparseMatrix m = differential_operator(LaplacianKind::Umbrella, whole(shapes::grid(3, 3)), {}).matrix;
   for (const int order : {-1, 0, 4}) {
     support::expect_refusal(ErrorCause::BadParameter, [&] { power(m, order); });
   }

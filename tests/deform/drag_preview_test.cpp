@@ -87,7 +87,7 @@ std::vector<Scene> scenes() {
 }
 
 void for_all_settings(const std::function<void(const EditSettings&)>& function) {
-  for (const CholeskyBackend backend : {CholeskyBackend::Automatic, CholeskyBackend::Eigen}) {
+  for (const CholeskyBackend backend : {CholeskyBackend::Supernodal, CholeskyBackend::Eigen}) {
     for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
       for (const DetailRotation rotation : {DetailRotation::None, DetailRotation::SmoothSurface}) {
         EditSettings settings = support::smooth_surface_settings();

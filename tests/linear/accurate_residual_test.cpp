@@ -99,7 +99,8 @@ TEST(AccurateResidual, IsThatOfQuadruplePrecision) {
 TEST(AccurateResidual, MultiplesOfAKnownSolutionNeedNoProduct) {
   std::mt19937 random(4);
   const TriangleMesh mesh = shapes::tapered_arm(30, 40);
-  const SparseMatrix m = umbrella_operator(support::whole_region(mesh, {{0}}, {})).matrix;
+  const SparseMatrix m =
+      differential_operator(LaplacianKind::Umbrella, support::whole_region(mesh, {{0}}, {}), {}).matrix;
   const SparseMatrix a = SparseMatrix(m.transpose()) + m;
   const Eigen::Index n = a.cols();
   const Eigen::VectorXd z = random_points(n, random).col(0);
@@ -136,7 +137,8 @@ TEST(AccurateResidual, MultiplesOfAKnownSolutionNeedNoProduct) {
 TEST(AccurateResidual, FollowsFromASmallStepInWorkingPrecision) {
   std::mt19937 random(6);
   const TriangleMesh mesh = shapes::tapered_arm(30, 40);
-  const SparseMatrix m = umbrella_operator(support::whole_region(mesh, {{0}}, {})).matrix;
+  const SparseMatrix m =
+      differential_operator(LaplacianKind::Umbrella, support::whole_region(mesh, {{0}}, {}), {}).matrix;
   const SparseMatrix a = SparseMatrix(m.transpose()) + m;
   const Eigen::VectorXd diagonal = random_points(m.cols(), random).col(0);
   const Points step = random_points(m.cols(), random), start = random_points(m.cols(), random);

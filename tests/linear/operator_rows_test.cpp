@@ -116,7 +116,8 @@ TEST_P(OperatorRowsOn, ThreadsDoNotChangeABit) {
 /// Fails if the stretch is added to the rows as well, to the wrong side, or left out of the product.
 TEST_P(OperatorRowsOn, StretchIsAddedToTheTransposedAlone) {
   const TriangleMesh mesh = GetParam()();
-  const DifferentialOperator op = mean_value_operator(support::whole_region(mesh, {{0}}, {}), mesh);
+  const DifferentialOperator op =
+      differential_operator(LaplacianKind::MeanValue, support::whole_region(mesh, {{0}}, {}), mesh, true);
   const Eigen::VectorXd stretch = 0.37 * op.sums;
   const OperatorRows rows(op.matrix, stretch);
   ThreadPool one(1), two(2);
@@ -145,7 +146,8 @@ TEST_P(OperatorRowsOn, StretchIsAddedToTheTransposedAlone) {
 
 TEST(OperatorRows, AllocatesNothingForAProduct) {
   const TriangleMesh mesh = shapes::letter_field(80, 40);
-  const OperatorRows rows(umbrella_operator(support::whole_region(mesh, {{0}}, {})).matrix);
+  const OperatorRows rows(
+      differential_operator(LaplacianKind::Umbrella, support::whole_region(mesh, {{0}}, {}), {}).matrix);
   ThreadPool pool(2);
   // A sanitizer allocates for a thread that starts: all have to be there.
   std::atomic<int> started{0};

@@ -22,8 +22,8 @@ const std::vector<double> kWeights = {100, 1, 25, 4};
 struct Problem {
   TriangleMesh mesh = shapes::tapered_arm(12, 20);
   std::shared_ptr<ThreadPool> pool = std::make_shared<ThreadPool>(2);
-  std::shared_ptr<const OperatorRows> m =
-      std::make_shared<const OperatorRows>(umbrella_operator(support::whole_region(mesh, {{0}}, {})).matrix);
+  std::shared_ptr<const OperatorRows> m = std::make_shared<const OperatorRows>(
+      differential_operator(LaplacianKind::Umbrella, support::whole_region(mesh, {{0}}, {}), {}).matrix);
   Eigen::VectorXd known = Eigen::VectorXd::Zero(mesh.vertices.rows()), all;
   Points right;
   Eigen::MatrixXd dense, dense_known;
@@ -100,7 +100,8 @@ TEST(RefinedSolver, CorrectedFactorGivesTheBitsOfAFactorThatKnowsAllRows) {
 TEST(RefinedSolver, SolvesWithAStretchToTheBit) {
   using Long = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
   Problem p;
-  const DifferentialOperator op = mean_value_operator(support::whole_region(p.mesh, {{0}}, {}), p.mesh);
+  const DifferentialOperator op =
+      differential_operator(LaplacianKind::MeanValue, support::whole_region(p.mesh, {{0}}, {}), p.mesh, true);
   const Eigen::VectorXd stretch = 0.02 * op.sums;
   p.m = std::make_shared<const OperatorRows>(op.matrix, stretch);
   const Long m = Eigen::MatrixXd(op.matrix).cast<long double>();

@@ -56,7 +56,7 @@ Points random_points(int n, unsigned seed) {
 }
 
 std::vector<CholeskyBackend> backends() {
-  return {CholeskyBackend::Automatic, CholeskyBackend::Supernodal, CholeskyBackend::Eigen};
+  return {CholeskyBackend::Supernodal, CholeskyBackend::Eigen};
 }
 
 ErrorCause refusal(const SparseMatrix& matrix, CholeskyBackend backend) {
@@ -267,7 +267,6 @@ TEST(SparseCholesky, SaysWhichBackendItUses) {
     return std::string(SparseCholesky(matrix, backend).backend_name());
   };
   EXPECT_NE(name(CholeskyBackend::Eigen).find("Eigen"), std::string::npos);
-  EXPECT_EQ(name(CholeskyBackend::Automatic), name(CholeskyBackend::Supernodal));
   EXPECT_NE(name(CholeskyBackend::Supernodal).find("supernodal"), std::string::npos);
   for (const CholeskyBackend backend : backends()) {
     const std::size_t entries = SparseCholesky(matrix, backend).factor_nonzeros();

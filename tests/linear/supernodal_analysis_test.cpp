@@ -84,7 +84,7 @@ std::vector<std::vector<char>> eliminated(const SparseMatrix& matrix, const std:
   return entry;
 }
 
-/// Fails if an entry of the factor has no place, rows are not as SupernodalFactor wants them, or the new order fills
+/// Fails if an entry of the factor has no place, rows are not as SupernodalPattern wants them, or the new order fills
 /// more.
 TEST(SupernodalAnalysis, HoldsAllEntriesOfTheFactor) {
   for (const AnalysisCase& c : cases()) {

@@ -211,19 +211,6 @@ void weaken_links(const Region& region, EdgeWeights& weights) {
   }
 }
 
-DifferentialOperator from_edges(const Region& region, const EdgeWeights& weights) {
-  const IndexLists& neighbours = region.neighbours;
-  const auto is_uniform = [&](int from, int to) { return weights.uniform[entry_of(neighbours, from, to)]; };
-  DifferentialOperator result{from_weights(region, weights.values), 0, sums_of(region, weights.values)};
-  for (int j = 0; j < region.size(); ++j) {
-    for (int e = neighbours.offsets[j]; e < neighbours.offsets[j + 1]; ++e) {
-      const int other = neighbours.values[e];
-      result.uniform_edges += j < other && (weights.uniform[e] || is_uniform(other, j));
-    }
-  }
-  return result;
-}
-
 }  // namespace
 
 const char* name(LaplacianKind kind) {
@@ -235,13 +222,6 @@ const char* name(LaplacianKind kind) {
     default:
       return "mean value";
   }
-}
-
-/// w_ji = 1: the paper's equation (2).
-DifferentialOperator umbrella_operator(const Region& region) {
-  EdgeWeights weights{std::vector<double>(region.neighbours.values.size(), 1), {}};
-  weaken_links(region, weights);
-  return {from_weights(region, weights.values), 0, sums_of(region, weights.values)};
 }
 
 EdgeWeights edge_weights(LaplacianKind kind, const Region& region, const TriangleMesh& mesh, bool symmetric) {
@@ -256,18 +236,19 @@ EdgeWeights edge_weights(LaplacianKind kind, const Region& region, const Triangl
   return weights;
 }
 
-DifferentialOperator cotangent_operator(const Region& region, const TriangleMesh& mesh) {
-  return from_edges(region, cotangent_weights(region, mesh));
-}
-
-DifferentialOperator mean_value_operator(const Region& region, const TriangleMesh& mesh) {
-  return differential_operator(LaplacianKind::MeanValue, region, mesh, true);
-}
-
 DifferentialOperator differential_operator(LaplacianKind kind, const Region& region, const TriangleMesh& mesh,
                                            bool symmetric) {
-  return kind == LaplacianKind::Umbrella ? umbrella_operator(region)
-                                         : from_edges(region, edge_weights(kind, region, mesh, symmetric));
+  const EdgeWeights weights = edge_weights(kind, region, mesh, symmetric);
+  const IndexLists& neighbours = region.neighbours;
+  const auto is_uniform = [&](int from, int to) { return weights.uniform[entry_of(neighbours, from, to)]; };
+  DifferentialOperator result{from_weights(region, weights.values), 0, sums_of(region, weights.values)};
+  for (int j = 0; !weights.uniform.empty() && j < region.size(); ++j) {
+    for (int e = neighbours.offsets[j]; e < neighbours.offsets[j + 1]; ++e) {
+      const int other = neighbours.values[e];
+      result.uniform_edges += j < other && (weights.uniform[e] || is_uniform(other, j));
+    }
+  }
+  return result;
 }
 
 SparseMatrix power(const SparseMatrix& matrix, int order) {

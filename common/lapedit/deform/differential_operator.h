@@ -8,14 +8,30 @@
 namespace lapedit {
 
 /// Which linear differential operator measures the detail (paper, section 3).
-enum class LaplacianKind { Umbrella, Cotangent, MeanValue };
+enum class LaplacianKind {
+  /// alpha_ji = 1 / valence(j): the paper's choice for its edits.
+  Umbrella,
+  /// alpha_ji proportional to the edge's cotangent weight: half the sum of the cotangents opposite to it.
+  ///
+  /// Negative weights (obtuse pairs) count as zero, so no row has a zero or negative sum; cotangents are
+  /// cut at kLargestCotangent. An edge of a triangle without area (or of no triangle, or with a non-finite corner) gets
+  /// the weight of an equilateral mesh, 1 / sqrt(3), and is counted in uniform_edges.
+  Cotangent,
+  /// alpha_ji proportional to the mean of the edge's two mean-value weights, (tan(a / 2) + tan(b / 2)) / length, a and
+  /// b the angles at the corner beside it. Never negative and never nearly zero, so that obtuse and uneven triangles
+  /// hold together too. Weights are cut to 1/1000 to 1000 times that of an equilateral mesh of the region's mean edge
+  /// length, which edges of triangles without area (or of none) take. Source: M. Floater, Mean value coordinates, CAGD
+  /// 2003.
+  MeanValue
+};
 
 const char* name(LaplacianKind kind);
 
 /// w_ji, one per entry of region.neighbours, not negative and before rows are normalised: alpha_ji = w_ji / sum_k w_jk.
 struct EdgeWeights {
   std::vector<double> values;
-  std::vector<char> uniform;  ///< entries without usable faces, which have the weight of an equilateral mesh
+  std::vector<char>
+      uniform;  ///< entries without usable faces, which have the weight of an equilateral mesh; umbrella: empty
 };
 
 /// @param symmetric  w_ji = w_ij for each edge, where cotangents are not: the rows without any
@@ -28,22 +44,6 @@ struct DifferentialOperator {
   int uniform_edges = 0;  ///< edges that took the uniform weight since their triangles have no usable one
   Eigen::VectorXd sums;   ///< of each row's weights: D of M = D^-1 L
 };
-
-/// alpha_ji = 1 / valence(j): the paper's choice for its edits.
-DifferentialOperator umbrella_operator(const Region& region);
-
-/// alpha_ji proportional to the edge's cotangent weight: half the sum of the cotangents opposite to it.
-///
-/// Negative weights (obtuse pairs) count as zero, so no row has a zero or negative sum; cotangents are
-/// cut at kLargestCotangent. An edge of a triangle without area (or of no triangle, or with a non-finite corner) gets
-/// the weight of an equilateral mesh, 1 / sqrt(3), and is counted in uniform_edges.
-DifferentialOperator cotangent_operator(const Region& region, const TriangleMesh& mesh);
-
-/// alpha_ji proportional to the mean of the edge's two mean-value weights, (tan(a / 2) + tan(b / 2)) / length, a and b
-/// the angles at the corner beside it. Never negative and never nearly zero, so that obtuse and uneven triangles hold
-/// together too. Weights are cut to 1/1000 to 1000 times that of an equilateral mesh of the region's mean edge length,
-/// which edges of triangles without area (or of none) take. Source: M. Floater, Mean value coordinates, CAGD 2003.
-DifferentialOperator mean_value_operator(const Region& region, const TriangleMesh& mesh);
 
 /// @param symmetric  as for edge_weights()
 DifferentialOperator differential_operator(LaplacianKind kind, const Region& region, const TriangleMesh& mesh,

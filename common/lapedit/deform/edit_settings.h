@@ -43,7 +43,7 @@ struct EditSettings {
   /// What stretching costs beside bending, see membrane_factor(). 0: nothing, the paper's choice; beyond 1000 it shows
   /// at the region's rim.
   double membrane = 500;
-  CholeskyBackend backend = CholeskyBackend::Automatic;
+  CholeskyBackend backend = CholeskyBackend::Supernodal;
   int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
 

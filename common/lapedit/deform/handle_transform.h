@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <Eigen/Geometry>
 #include <optional>
 
 #include "lapedit/mesh/triangle_mesh.h"
 
 namespace lapedit {
-
-using Affine = Eigen::Transform<double, 3, Eigen::AffineCompact>;
 
 /// How the vertices of one handle group move: rotation and uniform scale about a centre, then a translation; or any
 /// affine map. Lengths in model units.

@@ -25,7 +25,7 @@ double largest_row(const Points& points) {
 
 }  // namespace
 
-struct LaplacianEditor::State {
+struct LaplacianEditor::Impl {
   EditReport report;  // of preparation and last solve, without what is worked out on demand
   std::shared_ptr<const LaplacianSystem> system;
   RefinedSolver solver;
@@ -46,8 +46,8 @@ struct LaplacianEditor::State {
   std::vector<Matrix3> kept_rotations;
   Points kept_right, pose;
 
-  State(const TriangleMesh& mesh, Region region, const EditSettings& settings, const Progress& progress,
-        const LaplacianSystem* before)
+  Impl(const TriangleMesh& mesh, Region region, const EditSettings& settings, const Progress& progress,
+       const LaplacianSystem* before)
       : system(prepare_system(mesh, std::move(region), settings, before, progress, report)),
         solver(system->matrix, system->correction, system->pool),
         constraints(*system),
@@ -77,7 +77,7 @@ struct LaplacianEditor::State {
   void collect_positions();
 };
 
-void LaplacianEditor::State::take(const Refinement& refined) {
+void LaplacianEditor::Impl::take(const Refinement& refined) {
   if (std::isfinite(refined.last_change) && !refined.converged()) {
     refuse_conditioning(*system);
   }
@@ -85,12 +85,12 @@ void LaplacianEditor::State::take(const Refinement& refined) {
 }
 
 /// d = (M^T M + W^2)^-1 b, to the last bit of a double.
-void LaplacianEditor::State::solve_exactly(const Points& right_hand_side, const Progress& go_on) {
+void LaplacianEditor::Impl::solve_exactly(const Points& right_hand_side, const Progress& go_on) {
   take(solver.refine_to_the_bit(right_hand_side, displacement, go_on));
 }
 
 /// The same without rotations, for what the handles ask for alone.
-void LaplacianEditor::State::pull(const Progress& go_on) {
+void LaplacianEditor::Impl::pull(const Progress& go_on) {
   if (solver.has_one_row()) {
     one_pull = constraints.right_hand_side().row(system->correction->rows[0]);
     take(solver.pull_to_the_bit(*one_pull, displacement, go_on));
@@ -100,7 +100,7 @@ void LaplacianEditor::State::pull(const Progress& go_on) {
 }
 
 /// One solution, with rotations that have settled before.
-void LaplacianEditor::State::turn_with_cells(const Progress& go_on) {
+void LaplacianEditor::Impl::turn_with_cells(const Progress& go_on) {
   report_progress(go_on, 0, "rotations");
   rotation->turn_with_cells(constraints, rotations, right);
   report.rotate_ms = rotation->rotate_ms();
@@ -113,12 +113,12 @@ void LaplacianEditor::State::turn_with_cells(const Progress& go_on) {
 }
 
 /// RMS edge stretch of the pose so far.
-double LaplacianEditor::State::stretch() {
+double LaplacianEditor::Impl::stretch() {
   pose = displacement + (constraints.carry() ? constraints.carried_pose() : system->rest.local);
   return edge_stretch(system->region, system->rest.local, pose).rms;
 }
 
-void LaplacianEditor::State::swap_with_kept() {
+void LaplacianEditor::Impl::swap_with_kept() {
   displacement.swap(previous);
   rotations.swap(kept_rotations);
   right.swap(kept_right);
@@ -127,7 +127,7 @@ void LaplacianEditor::State::swap_with_kept() {
 /// Back to the pass before. A fall-off that rotations were estimated from is no result: the unrotated solution is, if
 /// it is not worse than the pass.
 /// @param stretched  what the pass came to. @return whether it is dropped
-bool LaplacianEditor::State::drop_pass(double stretched, const Progress& go_on) {
+bool LaplacianEditor::Impl::drop_pass(double stretched, const Progress& go_on) {
   swap_with_kept();
   if (report.iterations == 0 && !system->falloff.empty()) {
     pull(go_on);
@@ -144,7 +144,7 @@ bool LaplacianEditor::State::drop_pass(double stretched, const Progress& go_on) 
 /// is dropped: with orders 2 and 3 errors of the rotations can grow from pass to pass. Good passes have been seen to
 /// stretch edges up to 1.3 times as much as a pose before, bad ones 1.5 to 20 times. The first pass of order 1 is
 /// always kept, as previews have it too.
-void LaplacianEditor::State::turn_details(const Progress& go_on) {
+void LaplacianEditor::Impl::turn_details(const Progress& go_on) {
   constexpr double kSettled = 1e-4, kWorse = 1.5, kSlack = 0.05;
   const EditSettings& settings = system->settings;
   double least = std::numeric_limits<double>::infinity();
@@ -181,7 +181,7 @@ void LaplacianEditor::State::turn_details(const Progress& go_on) {
 }
 
 /// x = p + what its component is carried + d
-void LaplacianEditor::State::collect_positions() {
+void LaplacianEditor::Impl::collect_positions() {
   const RestPose& rest = system->rest;
   positions.resize(rest.world.rows(), 3);
   for (int i = 0; i < system->region.size(); ++i) {
@@ -201,23 +201,23 @@ void LaplacianEditor::State::collect_positions() {
 LaplacianEditor::LaplacianEditor(const TriangleMesh& mesh, Region region, const EditSettings& settings,
                                  const Progress& progress, std::unique_ptr<LaplacianEditor> previous) {
   validate(settings);
-  state_ = std::make_unique<State>(mesh, std::move(region), settings, progress,
-                                   previous ? previous->state_->system.get() : nullptr);
+  impl_ = std::make_unique<Impl>(mesh, std::move(region), settings, progress,
+                                 previous ? previous->impl_->system.get() : nullptr);
 }
 
 LaplacianEditor::~LaplacianEditor() = default;
 LaplacianEditor::LaplacianEditor(LaplacianEditor&&) noexcept = default;
 
 const Region& LaplacianEditor::region() const {
-  return state_->system->region;
+  return impl_->system->region;
 }
 
 const std::string& LaplacianEditor::taken_over() const {
-  return state_->report.taken_over;
+  return impl_->report.taken_over;
 }
 
 const Points& LaplacianEditor::solve(const std::vector<Affine>& handles, const Affine& anchors, const Progress& go_on) {
-  State& s = *state_;
+  Impl& s = *impl_;
   check_targets(region(), handles);
   if (!anchors.matrix().allFinite()) {
     throw EditError(ErrorCause::NotFinite, "The motion of the anchors is not finite: give a finite transform.");
@@ -246,11 +246,11 @@ const Points& LaplacianEditor::solve(const std::vector<Affine>& handles, const A
 }
 
 const Points& LaplacianEditor::preview(const std::vector<Affine>& handles) {
-  if (!state_->preview) {
+  if (!impl_->preview) {
     return solve(handles);
   }
   check_targets(region(), handles);
-  const Points& pose = state_->preview->pose(handles);
+  const Points& pose = impl_->preview->pose(handles);
   if (!pose.allFinite()) {
     return solve(handles);  // beyond single precision, or beyond all: it will say so
   }
@@ -258,16 +258,16 @@ const Points& LaplacianEditor::preview(const std::vector<Affine>& handles) {
 }
 
 bool LaplacianEditor::has_preview() const {
-  return state_->preview != nullptr;
+  return impl_->preview != nullptr;
 }
 
 const Points& LaplacianEditor::preview_normals() {
   static const Points kNone(0, 3);
-  return state_->preview ? state_->preview->normals() : kNone;
+  return impl_->preview ? impl_->preview->normals() : kNone;
 }
 
 std::size_t LaplacianEditor::bytes() const {
-  const State& s = *state_;
+  const Impl& s = *impl_;
   const Eigen::Index doubles = s.displacement.size() + s.right.size() + s.previous.size() + s.positions.size() +
                                s.kept_right.size() + s.pose.size();
   return s.system->bytes() + s.solver.bytes() + s.constraints.bytes() + (s.rotation ? s.rotation->bytes() : 0) +
@@ -277,15 +277,15 @@ std::size_t LaplacianEditor::bytes() const {
 }
 
 const std::vector<Matrix3>& LaplacianEditor::rotations() const {
-  return state_->rotations;
+  return impl_->rotations;
 }
 
 const Points& LaplacianEditor::positions() const {
-  return state_->positions;
+  return impl_->positions;
 }
 
 EditReport LaplacianEditor::report(const Points& stored, bool whole) const {
-  const State& s = *state_;
+  const Impl& s = *impl_;
   EditReport report = s.report;
   if (s.positions.rows() == 0) {
     return report;  // nothing has been solved for

@@ -95,8 +95,8 @@ class LaplacianEditor {
   EditReport report() const { return report(positions()); }
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace lapedit

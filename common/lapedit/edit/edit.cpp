@@ -153,24 +153,6 @@ class Poses {
 
 }  // namespace
 
-Vector3 centroid(const Points& vertices, const std::vector<int>& group) {
-  if (group.empty()) {
-    throw EditError(ErrorCause::NoHandle, "A handle group has no vertices: name at least one vertex to move.");
-  }
-  for (const int v : group) {
-    if (v < 0 || v >= vertices.rows()) {
-      throw EditError(ErrorCause::BadIndex, "Handle vertex " + std::to_string(v) + " does not exist: the mesh has " +
-                                                std::to_string(vertices.rows()) + " vertices, numbered from 0.");
-    }
-  }
-  Vector3 offset = Vector3::Zero();
-  const Vector3 first = vertices.row(group.front()).transpose();
-  for (const int v : group) {
-    offset += vertices.row(v).transpose() - first;
-  }
-  return first + offset / static_cast<double>(group.size());
-}
-
 void require_same_mesh(const TriangleMesh& mesh, const Edit& edit) {
   const auto vertices = mesh.vertices.rows();
   const auto faces = mesh.faces.rows();

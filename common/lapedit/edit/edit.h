@@ -2,39 +2,12 @@
 #pragma once
 
 #include <functional>
-#include <optional>
-#include <string>
 #include <vector>
 
 #include "lapedit/edit/mirror.h"
 #include "lapedit/edit/step_runner.h"
 
 namespace lapedit {
-
-/// Vertices that move together, and how.
-struct HandleGroup {
-  std::vector<int> vertices;  ///< mesh vertex numbers
-  HandleTransform transform;
-  std::vector<double> weights = {};  ///< of each vertex, kLeastShare to 1, what handle_weight counts there; empty: 1
-};
-
-/// One edit: which part, which handles, how far, with what settings.
-struct EditStep {
-  RegionSpec region;
-  std::vector<HandleGroup> handles;
-  EditSettings settings;
-  std::optional<MirrorPlane> mirror = {};  ///< handles and region are mirrored across it, see mirrored()
-};
-
-/// A sequence of steps with the mesh it was made for.
-struct Edit {
-  std::optional<int> mesh_vertices, mesh_faces;
-  std::string connectivity;  ///< checksum, empty: not given
-  std::vector<EditStep> steps;
-};
-
-/// Centroid of some vertices. @throws EditError (BadIndex, NoHandle)
-Vector3 centroid(const Points& vertices, const std::vector<int>& group);
 
 /// The new places of some vertices; all others stay.
 struct EditResult {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/edit/mirror.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -10,37 +9,14 @@
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
 #include "lapedit/deform/polar_decomposition.h"
-#include "lapedit/edit/edit.h"
 #include "lapedit/mesh/vertex_grid.h"
+#include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
 namespace {
 
 Vector3 place_of(const Points& points, int v) {
   return points.row(v).transpose();
-}
-
-/// Vertices with faces and coordinates.
-std::vector<int> usable_vertices(const TriangleMesh& mesh) {
-  std::vector<char> used(mesh.vertices.rows(), 0);
-  for (Eigen::Index k = 0; k < mesh.faces.size(); ++k) {
-    used[mesh.faces.data()[k]] = 1;
-  }
-  std::vector<int> vertices;
-  for (int v = 0; v < static_cast<int>(used.size()); ++v) {
-    if (used[v] && mesh.vertices.row(v).allFinite()) {
-      vertices.push_back(v);
-    }
-  }
-  return vertices;
-}
-
-Eigen::AlignedBox3d box_of(const Points& points, const std::vector<int>& vertices) {
-  Eigen::AlignedBox3d box;
-  for (const int v : vertices) {
-    box.extend(place_of(points, v));
-  }
-  return box;
 }
 
 double mean_edge(const TriangleMesh& mesh) {
@@ -63,7 +39,7 @@ class Images {
       : mesh_(mesh), usable_(usable_vertices(mesh)), mirror_(reflection(plane)), grid_(mesh.vertices, usable_) {
     constexpr double kEdges = 4, kOfDiagonal = 0.02;
     edge_ = mean_edge(mesh);
-    limit_ = std::max(kEdges * edge_, kOfDiagonal * box_of(mesh.vertices, usable_).diagonal().norm());
+    limit_ = std::max(kEdges * edge_, kOfDiagonal * bounding_box(mesh.vertices, usable_).diagonal().norm());
   }
 
   double limit() const { return limit_; }
@@ -141,22 +117,6 @@ bool turns_or_scales(const HandleTransform& transform) {
 }
 
 }  // namespace
-
-Affine reflection(const MirrorPlane& plane) {
-  if (!plane.point.allFinite() || !plane.normal.allFinite()) {
-    throw EditError(ErrorCause::NotFinite, "The mirror plane is not finite: give a finite point and normal.");
-  }
-  const double length = plane.normal.stableNorm();
-  if (!(length > 0)) {
-    throw EditError(ErrorCause::BadParameter,
-                    "The mirror plane's normal is (0, 0, 0): give a direction, for example (1, 0, 0).");
-  }
-  const Vector3 n = plane.normal / length;
-  Affine mirror;
-  mirror.linear() = Matrix3::Identity() - 2 * n * n.transpose();
-  mirror.translation() = 2 * n.dot(plane.point) * n;
-  return mirror;
-}
 
 MirroredHandles::MirroredHandles(const TriangleMesh& mesh, const std::vector<std::vector<int>>& groups,
                                  const MirrorPlane& plane, const std::vector<std::vector<double>>& weights)
@@ -288,10 +248,7 @@ RegionSpec mirrored(const TriangleMesh& mesh, const RegionSpec& region, const Mi
   sort_group(anchors, none);
   for (const std::vector<int>* set : {&result.vertices, &anchors}) {
     for (const int v : *set) {
-      if (v < 0 || v >= mesh.vertices.rows()) {
-        throw EditError(ErrorCause::BadIndex, "Region vertex " + std::to_string(v) + " does not exist: the mesh has " +
-                                                  std::to_string(mesh.vertices.rows()) + " vertices, numbered from 0.");
-      }
+      require_vertex("Region vertex", v, mesh.vertices.rows());
     }
   }
   const std::vector<std::pair<int, int>> pairs = images.of(result.vertices, missing);
@@ -351,7 +308,7 @@ PoseSymmetry::PoseSymmetry(const TriangleMesh& mesh, const Region& region, const
     rest_.row(i) = mesh.vertices.row(region.mesh_vertex[i]);
     all[i] = i;
   }
-  const double limit = kSame * box_of(mesh.vertices, usable_vertices(mesh)).diagonal().norm();
+  const double limit = kSame * bounding_box(mesh.vertices, usable_vertices(mesh)).diagonal().norm();
   const VertexGrid grid(rest_, all);
   twin_.resize(region.size());
   for (int i = 0; i < region.size(); ++i) {
@@ -379,151 +336,6 @@ void PoseSymmetry::apply(Points& places) const {
       }
     }
   }
-}
-
-namespace {
-
-/// How nearly a mesh is its own mirror image, from a sample of its vertices.
-class SymmetrySearch {
- public:
-  explicit SymmetrySearch(const TriangleMesh& mesh)
-      : mesh_(mesh),
-        usable_(usable_vertices(mesh)),
-        grid_(mesh.vertices, usable_),
-        box_(box_of(mesh.vertices, usable_)) {
-    constexpr std::size_t kSample = 2000;
-    const std::size_t stride = usable_.size() / kSample + 1;
-    for (std::size_t k = 0; k < usable_.size(); k += stride) {
-      sample_.push_back(usable_[k]);
-    }
-  }
-
-  std::optional<MirrorPlane> find() const;
-
- private:
-  struct Candidate {
-    MirrorPlane plane;
-    double error;  // mean distance
-  };
-  std::vector<MirrorPlane> planes() const;
-  double diagonal() const { return box_.diagonal().norm(); }
-  double error(const MirrorPlane& plane) const;
-  MirrorPlane refined(const MirrorPlane& plane) const;
-
-  const TriangleMesh& mesh_;
-  std::vector<int> usable_, sample_;
-  VertexGrid grid_;
-  Eigen::AlignedBox3d box_;
-};
-
-constexpr double kGivenUp = 0.05;  // of the diagonal: what is as far counts as this
-
-double SymmetrySearch::error(const MirrorPlane& plane) const {
-  const Affine mirror = reflection(plane);
-  const double limit = kGivenUp * diagonal();
-  double sum = 0, off = 0;
-  for (const int v : sample_) {
-    const Vector3 place = place_of(mesh_.vertices, v), image = mirror * place;
-    const int near = grid_.nearest(image, limit);
-    sum += near >= 0 ? (place_of(mesh_.vertices, near) - image).norm() : limit;
-    off += (image - place).norm() / 2;
-  }
-  // A flat mesh is no mirror image of itself across its own plane: nothing would be on the other side.
-  constexpr double kThin = 0.02;
-  const auto count = static_cast<double>(sample_.size());
-  return off / count > kThin * diagonal() ? sum / count : limit;
-}
-
-/// Coordinate axes first, since of equals the first is taken.
-std::vector<MirrorPlane> SymmetrySearch::planes() const {
-  Vector3 sum = Vector3::Zero();
-  double area = 0;
-  Matrix3 spread = Matrix3::Zero();
-  const Vector3 middle = box_.center();
-  for (const auto& face : mesh_.faces.rowwise()) {
-    const Vector3 a = place_of(mesh_.vertices, face[0]) - middle, b = place_of(mesh_.vertices, face[1]) - middle,
-                  c = place_of(mesh_.vertices, face[2]) - middle, centre = (a + b + c) / 3;
-    const double own = (b - a).cross(c - a).norm() / 2;
-    if (std::isfinite(own)) {
-      area += own;
-      sum += own * centre;
-      spread += own * centre * centre.transpose();
-    }
-  }
-  const Vector3 centroid = area > 0 ? Vector3(sum / area) : Vector3::Zero();
-  spread = area > 0 ? Matrix3(spread / area - centroid * centroid.transpose()) : Matrix3::Identity();
-  const Matrix3 axes = Eigen::SelfAdjointEigenSolver<Matrix3>(spread).eigenvectors();
-  std::vector<MirrorPlane> result;
-  for (const Matrix3& directions : {Matrix3(Matrix3::Identity()), axes}) {
-    for (const Vector3& point : {middle, Vector3(middle + centroid)}) {
-      for (int k = 0; k < 3; ++k) {
-        result.push_back({point, directions.col(k)});
-      }
-    }
-  }
-  return result;
-}
-
-/// The plane between the sampled vertices and what is nearest to their images: its normal is the direction in which
-/// those are apart.
-MirrorPlane SymmetrySearch::refined(const MirrorPlane& plane) const {
-  const Affine mirror = reflection(plane);
-  const double limit = kGivenUp * diagonal();
-  Matrix3 apart = Matrix3::Zero();
-  Vector3 between = Vector3::Zero();
-  int count = 0;
-  for (const int v : sample_) {
-    const Vector3 place = place_of(mesh_.vertices, v);
-    const int near = grid_.nearest(mirror * place, limit);
-    if (near >= 0) {
-      const Vector3 other = place_of(mesh_.vertices, near);
-      apart += (other - place) * (other - place).transpose();
-      between += (other + place) / 2;
-      ++count;
-    }
-  }
-  if (count == 0) {
-    return plane;
-  }
-  const Vector3 normal = Eigen::SelfAdjointEigenSolver<Matrix3>(apart).eigenvectors().col(2);
-  return {between / count, normal.dot(plane.normal) < 0 ? Vector3(-normal) : normal};
-}
-
-std::optional<MirrorPlane> SymmetrySearch::find() const {
-  constexpr double kMost = 0.01, kEqual = 1e-6;  // of the diagonal
-  constexpr std::size_t kRefined = 4;
-  constexpr int kSteps = 20;
-  if (sample_.empty() || !(diagonal() > 0)) {
-    return {};
-  }
-  std::vector<Candidate> candidates;
-  for (const MirrorPlane& plane : planes()) {
-    candidates.push_back({plane, error(plane)});
-  }
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.error < b.error; });
-  Candidate best = candidates[0];
-  for (std::size_t k = 0; k < kRefined; ++k) {
-    Candidate now = candidates[k];
-    for (int step = 0; step < kSteps && now.error > kEqual * diagonal(); ++step) {
-      const MirrorPlane plane = refined(now.plane);
-      const Candidate next{plane, error(plane)};
-      if (!(next.error < now.error)) {
-        break;
-      }
-      now = next;
-    }
-    if (now.error < best.error - kEqual * diagonal()) {
-      best = now;
-    }
-  }
-  return best.error <= kMost * diagonal() ? std::optional<MirrorPlane>(best.plane) : std::nullopt;
-}
-
-}  // namespace
-
-std::optional<MirrorPlane> find_symmetry(const TriangleMesh& mesh) {
-  return SymmetrySearch(mesh).find();
 }
 
 }  // namespace lapedit

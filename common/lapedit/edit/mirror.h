@@ -1,24 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <optional>
 #include <vector>
 
-#include "lapedit/deform/handle_transform.h"
-#include "lapedit/mesh/region.h"
+#include "lapedit/edit/edit_step.h"
 
 namespace lapedit {
-
-struct EditStep;
-
-/// A plane that an edit is mirrored across.
-struct MirrorPlane {
-  Vector3 point = Vector3::Zero();    ///< any of its points, model units
-  Vector3 normal = Vector3::UnitX();  ///< any length but zero
-};
-
-/// S: x -> x - 2 n n . (x - p). @throws EditError (NotFinite, BadParameter)
-Affine reflection(const MirrorPlane& plane);
 
 /// Handle groups with their mirror images.
 ///
@@ -69,12 +56,6 @@ RegionSpec mirrored(const TriangleMesh& mesh, const RegionSpec& region, const Mi
 /// The step without its key `mirror`, written out for a mesh: equal but for StepProblem::mirror.
 /// @throws EditError as the above
 EditStep mirrored(const TriangleMesh& mesh, const EditStep& step);
-
-/// The plane that the mesh is most nearly its own mirror image across; nothing if its vertices' mirrored places are
-/// farther from the surface's vertices than 1 % of the bounding box's diagonal in the mean. Tried are the planes across
-/// the coordinate axes, which win if they are as good, and across the axes of inertia, each through the centre of the
-/// box and through the centroid; the best are refined. Deterministic. Cost: O(vertices), some 0.1 s for 100,000.
-std::optional<MirrorPlane> find_symmetry(const TriangleMesh& mesh);
 
 /// Averages poses of a region that is its own mirror image, so that they are it to the last bits: cells and
 /// factorisations follow the numbering of the vertices and are not symmetric.

@@ -96,7 +96,7 @@ enum class Answer {
 
 }  // namespace
 
-struct SolverThread::State {
+struct SolverThread::Impl {
   std::function<void()> wake;
   mutable std::mutex mutex;
   std::condition_variable question;  // for the thread
@@ -123,6 +123,8 @@ struct SolverThread::State {
   }};
 
   void drop();
+  template <class Change>
+  void ask(const Change& change);
   void run();
   bool usable() const { return own.runner && own.generation == generation; }
   bool stands_in() const { return own.stand_in.preview && own.stand_in.generation == generation; }
@@ -155,8 +157,19 @@ struct SolverThread::State {
   void publish(int mine, const Change& change);
 };
 
+/// Drops what was asked before, and asks what `change` makes of `asked`.
+template <class Change>
+void SolverThread::Impl::ask(const Change& change) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex);
+    drop();
+    change(asked);
+  }
+  question.notify_all();
+}
+
 /// Under the mutex: nothing asked before counts any more.
-void SolverThread::State::drop() {
+void SolverThread::Impl::drop() {
   ++generation;
   asked.prepare.reset();
   asked.apply.reset();
@@ -169,7 +182,7 @@ void SolverThread::State::drop() {
 }
 
 template <class Change>
-void SolverThread::State::publish(int mine, const Change& change) {
+void SolverThread::Impl::publish(int mine, const Change& change) {
   {
     const std::lock_guard<std::mutex> lock(mutex);
     if (generation != mine) {
@@ -184,7 +197,7 @@ void SolverThread::State::publish(int mine, const Change& change) {
   }
 }
 
-Progress SolverThread::State::progress_of(int mine) {
+Progress SolverThread::Impl::progress_of(int mine) {
   return [this, mine](double fraction, const char* name) {
     progress = fraction;
     stage = name;
@@ -198,7 +211,7 @@ Progress SolverThread::State::progress_of(int mine) {
   };
 }
 
-void SolverThread::State::publish_ready(int mine, double prepare_ms) {
+void SolverThread::Impl::publish_ready(int mine, double prepare_ms) {
   own.report_due = false;
   unsettled = false;
   publish(mine, [&] {
@@ -214,7 +227,7 @@ void SolverThread::State::publish_ready(int mine, double prepare_ms) {
 }
 
 /// A region and, if it is a large one, what stands in for it; the rest is the background's.
-void SolverThread::State::prepare(const PrepareTask& task, int mine) {
+void SolverThread::Impl::prepare(const PrepareTask& task, int mine) {
   const auto job = std::make_shared<Job>();
   job->task = task;
   job->generation = mine;
@@ -252,7 +265,7 @@ void SolverThread::State::prepare(const PrepareTask& task, int mine) {
 }
 
 /// Gives the background what it is to do next, once it has nothing else to do.
-void SolverThread::State::prepare_in_background() {
+void SolverThread::Impl::prepare_in_background() {
   if (own.next_job && own.next_job->generation != generation) {
     own.next_job.reset();  // dropped meanwhile
   }
@@ -269,7 +282,7 @@ void SolverThread::State::prepare_in_background() {
 }
 
 /// Takes what the background has made; with it the editor's poses begin to take the place of the stand-in's.
-void SolverThread::State::take_prepared(std::unique_lock<std::mutex>& lock) {
+void SolverThread::Impl::take_prepared(std::unique_lock<std::mutex>& lock) {
   const std::shared_ptr<Job> job = std::move(own.job);
   const int mine = job->generation;
   lock.unlock();
@@ -311,7 +324,7 @@ void SolverThread::State::take_prepared(std::unique_lock<std::mutex>& lock) {
   }
 }
 
-void SolverThread::State::apply(const ApplyTask& task, int mine) {
+void SolverThread::Impl::apply(const ApplyTask& task, int mine) {
   require_same_mesh(*task.mesh, task.edit);
   auto results = std::make_shared<std::vector<EditResult>>();
   apply_steps(*task.mesh, *task.adjacency, task.edit, 1, task.scalar, progress_of(mine),
@@ -319,7 +332,7 @@ void SolverThread::State::apply(const ApplyTask& task, int mine) {
   publish(mine, [&] { answered.news.applied = results; });
 }
 
-void SolverThread::State::publish_pose(int mine, int serial, const std::shared_ptr<const EditReport>& report) {
+void SolverThread::Impl::publish_pose(int mine, int serial, const std::shared_ptr<const EditReport>& report) {
   own.pose.serial = serial;
   publish(mine, [&] {
     std::swap(answered.pose, own.pose);
@@ -329,7 +342,7 @@ void SolverThread::State::publish_pose(int mine, int serial, const std::shared_p
 }
 
 /// A pose that is to stay counts as one before it, so that nobody takes it for that.
-void SolverThread::State::stand_in(int mine, bool last) {
+void SolverThread::Impl::stand_in(int mine, bool last) {
   const Stopwatch watch;
   StandIn& here = own.stand_in;
   try {
@@ -347,7 +360,7 @@ void SolverThread::State::stand_in(int mine, bool last) {
   publish_pose(mine, last ? own.serial - 1 : own.serial, nullptr);
 }
 
-void SolverThread::State::solve(int mine, Answer kind) {
+void SolverThread::Impl::solve(int mine, Answer kind) {
   const Stopwatch watch;
   const auto go_on = [this, mine](double, const char*) { return generation == mine && newest == own.serial; };
   if (kind == Answer::Preview) {
@@ -367,7 +380,7 @@ void SolverThread::State::solve(int mine, Answer kind) {
 }
 
 /// One frame on the way from the stand-in's poses to the editor's. @param places  in: the editor's
-void SolverThread::State::blend(Points& places) {
+void SolverThread::Impl::blend(Points& places) {
   StandIn& way = own.stand_in;
   if (way.frames_left == 0) {
     return;
@@ -393,7 +406,7 @@ void SolverThread::State::blend(Points& places) {
 }
 
 /// While the mouse rests: the next frame of the blend.
-void SolverThread::State::blend_waiting(std::unique_lock<std::mutex>& lock) {
+void SolverThread::Impl::blend_waiting(std::unique_lock<std::mutex>& lock) {
   const int mine = generation;
   working = true;
   lock.unlock();
@@ -412,7 +425,7 @@ void SolverThread::State::blend_waiting(std::unique_lock<std::mutex>& lock) {
 }
 
 /// The frames of the blend up to a pose that is to stay.
-void SolverThread::State::blend_to_last(int mine) {
+void SolverThread::Impl::blend_to_last(int mine) {
   StandIn& way = own.stand_in;
   const Points last = own.pose.positions;
   const double solve_ms = own.pose.solve_ms;
@@ -443,7 +456,7 @@ void SolverThread::State::blend_to_last(int mine) {
 
 /// Until there is something to do. @return otherwise what the mouse's pause is for: the next frame of a blend, or
 /// settling the last pose
-SolverThread::State::Pause SolverThread::State::wait_for_work(std::unique_lock<std::mutex>& lock) {
+SolverThread::Impl::Pause SolverThread::Impl::wait_for_work(std::unique_lock<std::mutex>& lock) {
   const auto ready = [this] { return has_work(); };
   if (usable() && own.stand_in.frames_left > 0) {
     return question.wait_for(lock, kFrame, ready) ? Pause::None : Pause::ForBlend;
@@ -457,7 +470,7 @@ SolverThread::State::Pause SolverThread::State::wait_for_work(std::unique_lock<s
 }
 
 /// First the pose in full, then, after another pause, what there is to report on it.
-void SolverThread::State::settle(std::unique_lock<std::mutex>& lock) {
+void SolverThread::Impl::settle(std::unique_lock<std::mutex>& lock) {
   const int mine = generation;
   const bool in_full = std::exchange(own.preview, false);
   own.report_due = in_full;
@@ -479,7 +492,7 @@ void SolverThread::State::settle(std::unique_lock<std::mutex>& lock) {
   working = failed;  // nothing was published, but whoever asks busy() is to learn that it is over
 }
 
-void SolverThread::State::answer_next(std::unique_lock<std::mutex>& lock) {
+void SolverThread::Impl::answer_next(std::unique_lock<std::mutex>& lock) {
   const int mine = generation;
   const std::unique_ptr<PrepareTask> prepare_task = std::move(asked.prepare);
   const std::unique_ptr<ApplyTask> apply_task = std::move(asked.apply);
@@ -517,7 +530,7 @@ void SolverThread::State::answer_next(std::unique_lock<std::mutex>& lock) {
   }
 }
 
-void SolverThread::State::run() {
+void SolverThread::Impl::run() {
   std::unique_lock<std::mutex> lock(mutex);
   while (true) {
     if (std::exchange(working, false) && wake) {
@@ -553,79 +566,62 @@ void SolverThread::State::run() {
   }
 }
 
-SolverThread::SolverThread(std::function<void()> wake) : state_(std::make_unique<State>()) {
-  state_->wake = std::move(wake);
-  state_->thread = std::thread([this] { state_->run(); });
+SolverThread::SolverThread(std::function<void()> wake) : impl_(std::make_unique<Impl>()) {
+  impl_->wake = std::move(wake);
+  impl_->thread = std::thread([this] { impl_->run(); });
 }
 
 SolverThread::~SolverThread() {
-  {
-    const std::lock_guard<std::mutex> lock(state_->mutex);
-    state_->drop();
-    state_->asked.quit = true;
-  }
-  state_->question.notify_all();
-  state_->thread.join();
+  impl_->ask([](Asked& asked) { asked.quit = true; });
+  impl_->thread.join();
 }
 
 void SolverThread::prepare(PrepareTask task) {
-  {
-    const std::lock_guard<std::mutex> lock(state_->mutex);
-    state_->drop();
-    state_->asked.prepare = std::make_unique<PrepareTask>(std::move(task));
-    state_->asked.has_region = true;
-  }
-  state_->question.notify_all();
+  impl_->ask([&task](Asked& asked) {
+    asked.prepare = std::make_unique<PrepareTask>(std::move(task));
+    asked.has_region = true;
+  });
 }
 
 void SolverThread::apply(ApplyTask task) {
-  {
-    const std::lock_guard<std::mutex> lock(state_->mutex);
-    state_->drop();
-    state_->asked.apply = std::make_unique<ApplyTask>(std::move(task));
-  }
-  state_->question.notify_all();
+  impl_->ask([&task](Asked& asked) { asked.apply = std::make_unique<ApplyTask>(std::move(task)); });
 }
 
 void SolverThread::cancel() {
-  {
-    const std::lock_guard<std::mutex> lock(state_->mutex);
-    state_->drop();
-  }
-  state_->question.notify_all();
+  impl_->ask([](Asked&) {});
 }
 
 int SolverThread::solve(const std::vector<Affine>& maps, bool last) {
   int serial = 0;
   {
-    const std::lock_guard<std::mutex> lock(state_->mutex);
-    state_->asked.maps = maps;
-    state_->asked.last = last;
-    state_->asked.stand_in_seen = false;
-    state_->asked.solve = state_->asked.has_region;
-    serial = ++state_->asked.serial;
-    state_->newest = serial;
+    const std::lock_guard<std::mutex> lock(impl_->mutex);
+    impl_->asked.maps = maps;
+    impl_->asked.last = last;
+    impl_->asked.stand_in_seen = false;
+    impl_->asked.solve = impl_->asked.has_region;
+    serial = ++impl_->asked.serial;
+    impl_->newest = serial;
     const Clock::time_point now = Clock::now();
-    state_->asked.apart = now - state_->asked.at;
-    state_->asked.at = now;
+    impl_->asked.apart = now - impl_->asked.at;
+    impl_->asked.at = now;
   }
-  state_->question.notify_all();
+  impl_->question.notify_all();
   return serial;
 }
 
 SolverNews SolverThread::poll(SolverPose& pose) {
-  const std::lock_guard<std::mutex> lock(state_->mutex);
-  SolverNews news = std::exchange(state_->answered.news, SolverNews());
-  state_->answered.has_news = false;
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
+  SolverNews news = std::exchange(impl_->answered.news, SolverNews());
+  impl_->answered.has_news = false;
   if (news.pose) {
-    std::swap(pose, state_->answered.pose);
+    std::swap(pose, impl_->answered.pose);
   }
   return news;
 }
 
 bool SolverThread::wait() {
-  std::unique_lock<std::mutex> lock(state_->mutex);
-  State& s = *state_;
+  std::unique_lock<std::mutex> lock(impl_->mutex);
+  Impl& s = *impl_;
   s.answer.wait(lock, [&s] {
     // The runner may be looked at while the worker is not at work only.
     return s.answered.has_news || (!s.working && !s.unsettled && !s.preparing && !s.blending && !s.asked.prepare &&
@@ -635,17 +631,17 @@ bool SolverThread::wait() {
 }
 
 bool SolverThread::busy() const {
-  const std::lock_guard<std::mutex> lock(state_->mutex);
-  return state_->working || state_->unsettled || state_->preparing || state_->blending || state_->asked.prepare ||
-         state_->asked.apply || state_->asked.solve || state_->answered.has_news;
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
+  return impl_->working || impl_->unsettled || impl_->preparing || impl_->blending || impl_->asked.prepare ||
+         impl_->asked.apply || impl_->asked.solve || impl_->answered.has_news;
 }
 
 double SolverThread::progress() const {
-  return state_->progress;
+  return impl_->progress;
 }
 
 const char* SolverThread::stage() const {
-  return state_->stage;
+  return impl_->stage;
 }
 
 }  // namespace lapedit

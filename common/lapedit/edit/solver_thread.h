@@ -95,8 +95,8 @@ class SolverThread {
   const char* stage() const;  ///< name of what is being done
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace lapedit

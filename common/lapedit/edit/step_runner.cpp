@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/edit/step_runner.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "lapedit/base/error.h"
@@ -20,32 +19,6 @@ void round_to(StoredScalar scalar, Points& positions) {
     throw EditError(
         ErrorCause::NotFinite,
         "The result does not fit into the mesh's single precision: the handle's displacement is too large.");
-  }
-}
-
-void sort_group(std::vector<int>& vertices, std::vector<double>& weights) {
-  if (!weights.empty() && weights.size() != vertices.size()) {
-    throw EditError(ErrorCause::BadParameter, "A handle group has " + std::to_string(vertices.size()) +
-                                                  " vertices and " + std::to_string(weights.size()) +
-                                                  " weights: give one weight for each vertex, or none at all.");
-  }
-  if (weights.empty()) {
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-    return;
-  }
-  std::vector<std::pair<int, double>> pairs;
-  for (std::size_t k = 0; k < vertices.size(); ++k) {
-    pairs.emplace_back(vertices[k], -weights[k]);
-  }
-  std::sort(pairs.begin(), pairs.end());
-  vertices.clear();
-  weights.clear();
-  for (const auto& [vertex, weight] : pairs) {
-    if (vertices.empty() || vertices.back() != vertex) {
-      vertices.push_back(vertex);
-      weights.push_back(-weight);
-    }
   }
 }
 

@@ -40,10 +40,6 @@ struct FoundRegion {
   double milliseconds = 0;
 };
 
-/// Ascending without duplicates, so that sums over a group do not depend on how it was written; of a vertex that is
-/// there twice the larger weight counts. @throws EditError (BadParameter) if there are weights, but not one for each
-void sort_group(std::vector<int>& vertices, std::vector<double>& weights);
-
 /// @throws EditError as validate(), sort_group() and build_region()
 FoundRegion find_region(const StepProblem& problem, const Progress& progress = {});
 

@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <new>
+#include <numeric>
 #include <vector>
 
 #include "lapedit/linear/frontal_kernels.h"
@@ -55,22 +56,22 @@ class Recycler {
 
 class Factorisation {
  public:
-  Factorisation(const SparseMatrix& lower, const SupernodalFactor& structure, const EliminationTree& tree,
+  Factorisation(const SparseMatrix& lower, const SupernodalPattern& pattern, const TaskTree& tree,
                 const std::function<void(int, const double*, int)>& take, ThreadPool& pool)
       : lower_(lower),
-        structure_(structure),
+        pattern_(pattern),
         tree_(tree),
         take_(take),
         pool_(pool),
-        children_(structure.supernodes + 1, 0),
-        fronts_(structure.supernodes),
-        places_(pool.threads(), std::vector<int>(structure.size)) {
+        children_(tree.nodes.size() + 1, 0),
+        fronts_(tree.nodes.size()),
+        places_(pool.threads(), std::vector<int>(tree.size)) {
     list_children();
   }
 
   bool run() {
     TreeWalk walk(tree_, pool_.threads());
-    walk.upwards(pool_, [this](const EliminationTree::Task& task, int worker) {
+    walk.upwards(pool_, [this](const TaskTree::Task& task, int worker) {
       for (int s = task.first_node; s <= task.last_node && definite_; ++s) {
         eliminate(s, places_[worker].data());
       }
@@ -84,10 +85,10 @@ class Factorisation {
     int kind = 0;
   };
 
-  int columns(int s) const { return structure_.columns[s + 1] - structure_.columns[s]; }
-  int size(int s) const { return structure_.row_offsets[s + 1] - structure_.row_offsets[s]; }
+  int columns(int s) const { return tree_.nodes[s].columns; }
+  int size(int s) const { return tree_.nodes[s].rows; }
   int stride(int s) const { return (size(s) + kFrontLanes - 1) / kFrontLanes * kFrontLanes; }
-  const int* rows(int s) const { return structure_.rows + structure_.row_offsets[s]; }
+  const int* rows(int s) const { return pattern_.rows.data() + pattern_.row_offsets[s]; }
 
   void list_children();
   void eliminate(int s, int* place);
@@ -95,8 +96,8 @@ class Factorisation {
   void add_child(int child, const int* place, double* front, int front_stride);
 
   const SparseMatrix& lower_;
-  const SupernodalFactor& structure_;
-  const EliminationTree& tree_;
+  const SupernodalPattern& pattern_;
+  const TaskTree& tree_;
   const std::function<void(int, const double*, int)>& take_;
   ThreadPool& pool_;
   FrontalKernel kernel_ = best_frontal_kernel();
@@ -108,31 +109,22 @@ class Factorisation {
 };
 
 void Factorisation::list_children() {
-  std::vector<int> node(structure_.size), parent(structure_.supernodes, -1);
-  for (int s = 0; s < structure_.supernodes; ++s) {
-    std::fill(node.begin() + structure_.columns[s], node.begin() + structure_.columns[s + 1], s);
+  for (const TaskTree::Node& node : tree_.nodes) {
+    children_[node.parent + 1] += node.parent >= 0 ? 1 : 0;
   }
-  for (int s = 0; s < structure_.supernodes; ++s) {
-    if (size(s) > columns(s)) {
-      parent[s] = node[rows(s)[columns(s)]];
-      ++children_[parent[s] + 1];
-    }
-  }
-  for (int s = 0; s < structure_.supernodes; ++s) {
-    children_[s + 1] += children_[s];
-  }
+  std::partial_sum(children_.begin(), children_.end(), children_.begin());
   child_.resize(children_.back());
   std::vector<int> next(children_.begin(), children_.end() - 1);
-  for (int s = 0; s < structure_.supernodes; ++s) {
-    if (parent[s] >= 0) {
-      child_[next[parent[s]]++] = s;
+  for (std::size_t s = 0; s < tree_.nodes.size(); ++s) {
+    if (const int parent = tree_.nodes[s].parent; parent >= 0) {
+      child_[next[parent]++] = static_cast<int>(s);
     }
   }
 }
 
 void Factorisation::add_matrix(int s, const int* place, double* front) const {
-  const int first = structure_.columns[s];
-  for (int j = first; j < structure_.columns[s + 1]; ++j) {
+  const int first = tree_.nodes[s].first_column;
+  for (int j = first; j < first + columns(s); ++j) {
     double* const column = front + static_cast<std::size_t>(j - first) * stride(s);
     for (SparseMatrix::InnerIterator entry(lower_, j); entry; ++entry) {
       column[place[entry.row()]] = entry.value();
@@ -183,10 +175,10 @@ void Factorisation::eliminate(int s, int* place) {
 
 }  // namespace
 
-bool multifrontal_cholesky(const SparseMatrix& lower, const SupernodalFactor& structure, const EliminationTree& tree,
+bool multifrontal_cholesky(const SparseMatrix& lower, const SupernodalPattern& pattern, const TaskTree& tree,
                            const std::function<void(int supernode, const double* columns, int stride)>& take,
                            ThreadPool& pool) {
-  return Factorisation(lower, structure, tree, take, pool).run();
+  return Factorisation(lower, pattern, tree, take, pool).run();
 }
 
 SparseMatrix lower_in_order(const SparseMatrix& lower, const std::vector<int>& order) {

@@ -3,8 +3,9 @@
 
 #include <functional>
 
+#include "lapedit/base/thread_pool.h"
 #include "lapedit/base/types.h"
-#include "lapedit/linear/elimination_tree.h"
+#include "lapedit/linear/task_tree.h"
 
 namespace lapedit::supernode {
 
@@ -14,13 +15,12 @@ namespace lapedit::supernode {
 /// on their number. They do on the instructions that the processor has.
 ///
 /// @param lower      the lower half of the matrix, in the order of elimination, columns sorted
-/// @param structure  supernodes of its factor; values are not read
-/// @param take       called once for each supernode, from any thread: its columns of L, as SupernodalFactor has them
-/// but
-///                   `stride` apart
+/// @param pattern    of its factor. @param tree  made of the pattern
+/// @param take       called once for each supernode, from any thread: its columns of L, column after
+///                   column, `stride` apart; what is above the diagonal is undefined
 /// @return whether the matrix is positive definite; if not, some supernodes are not taken
 /// Memory: the fronts whose parents are not made yet; about a tenth of the factor.
-bool multifrontal_cholesky(const SparseMatrix& lower, const SupernodalFactor& structure, const EliminationTree& tree,
+bool multifrontal_cholesky(const SparseMatrix& lower, const SupernodalPattern& pattern, const TaskTree& tree,
                            const std::function<void(int supernode, const double* columns, int stride)>& take,
                            ThreadPool& pool);
 

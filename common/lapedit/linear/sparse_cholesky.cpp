@@ -3,6 +3,8 @@
 
 #include <Eigen/SparseCholesky>
 #include <cmath>
+#include <optional>
+#include <type_traits>
 #include <utility>
 
 #include "lapedit/base/error.h"
@@ -22,25 +24,20 @@ namespace {
 
 }  // namespace
 
-struct SparseCholesky::Implementation {
-  explicit Implementation(std::shared_ptr<ThreadPool> used) : pool(std::move(used)) {}
+struct SparseCholesky::Impl {
+  Impl(std::shared_ptr<ThreadPool> used, const char* called) : pool(std::move(used)), name(called) {}
+  Impl(const Impl& other, std::shared_ptr<ThreadPool> used) : Impl(other) { pool = std::move(used); }
+  Impl& operator=(const Impl&) = delete;
+  virtual ~Impl() = default;
   /// Shares the factor; the scratch is made when it is needed.
-  Implementation(const Implementation& other, std::shared_ptr<ThreadPool> used)
-      : pool(std::move(used)), order(other.order), nonzeros(other.nonzeros) {}
-  Implementation& operator=(const Implementation&) = delete;
-  virtual ~Implementation() = default;
-  virtual std::unique_ptr<Implementation> share(std::shared_ptr<ThreadPool> pool) const = 0;
-  virtual void solve_in_order(double* x) = 0;
+  virtual std::unique_ptr<Impl> share(std::shared_ptr<ThreadPool> pool) const = 0;
+  virtual void solve(const Points& rhs, Points& x) = 0;
   virtual void solve_in_order(float* x) = 0;
-  virtual bool single_precision() const = 0;
-  virtual const char* name() const = 0;
-  virtual std::size_t bytes() const = 0;
-  virtual bool took_analysis() const { return false; }
-  virtual void solve(const Points& rhs, Points& x) { solve_with(ordered, 1, rhs, x); }
 
   /// Scaled right-hand sides in the order of elimination, their solution, and back.
-  template <class Ordered>
-  void solve_with(Ordered& rows, double scale, const Points& rhs, Points& x) {
+  /// @param rows  scratch. @param solve_rows  in place
+  template <class Ordered, class Solve>
+  void solve_with(Ordered& rows, double scale, const Points& rhs, Points& x, const Solve& solve_rows) {
     constexpr int kGrain = 4096;
     const auto n = static_cast<int>(order.size());
     rows.resize(n, 3);
@@ -49,7 +46,7 @@ struct SparseCholesky::Implementation {
         rows.row(k) = (rhs.row(order[k]) / scale).template cast<typename Ordered::Scalar>();
       }
     });
-    solve_in_order(rows.data());
+    solve_rows();
     x.resize(n, 3);
     in_pieces(*pool, n, kGrain, [&](int first, int last) {
       for (int k = first; k < last; ++k) {
@@ -59,21 +56,28 @@ struct SparseCholesky::Implementation {
   }
 
   std::shared_ptr<ThreadPool> pool;
+  const char* name;
   std::vector<int> order;
-  std::size_t nonzeros = 0;
-  Points ordered;  // in the order of elimination
-  Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> ordered_single;
+  std::size_t nonzeros = 0, bytes = 0;
+  bool single_precision = false, took_analysis = false;
+
+ protected:
+  Impl(const Impl&) = default;
 };
+
+namespace {
+
+using Impl = SparseCholesky::Impl;
+
+template <typename Scalar>
+using Rows = Eigen::Matrix<Scalar, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
 /// A power of two, so that no digit is lost, which makes the largest number about 1.
 double scale_of(double largest) {
   return largest > 0 && std::isfinite(largest) ? std::ldexp(1.0, std::ilogb(largest)) : 1;
 }
 
-namespace {
-
-struct EigenCholesky : SparseCholesky::Implementation {
-  using Columns = Eigen::Matrix<double, Eigen::Dynamic, 3>;
+struct EigenCholesky : Impl {
   using Natural = Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>>;
 
   struct Factor {
@@ -82,7 +86,7 @@ struct EigenCholesky : SparseCholesky::Implementation {
   };
 
   EigenCholesky(const SparseMatrix& matrix, const std::vector<int>& given)
-      : Implementation(std::make_shared<ThreadPool>(1)) {
+      : Impl(std::make_shared<ThreadPool>(1), "Eigen simplicial LDLT") {
     const Eigen::Index n = matrix.rows();
     order = given.empty() ? minimum_degree(matrix) : given;
     Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation(n);
@@ -101,21 +105,19 @@ struct EigenCholesky : SparseCholesky::Implementation {
       refuse_matrix(n);
     }
     nonzeros = static_cast<std::size_t>(made->ldlt.matrixL().nestedExpression().nonZeros());
+    bytes = nonzeros * (sizeof(double) + sizeof(int));
     factor = std::move(made);
   }
   EigenCholesky(const EigenCholesky& other, std::shared_ptr<ThreadPool> used)
-      : Implementation(other, std::move(used)), factor(other.factor) {}
-  std::unique_ptr<Implementation> share(std::shared_ptr<ThreadPool> used) const override {
+      : Impl(other, std::move(used)), factor(other.factor) {}
+  std::unique_ptr<Impl> share(std::shared_ptr<ThreadPool> used) const override {
     return std::make_unique<EigenCholesky>(*this, std::move(used));
   }
-  void solve_in_order(double* x) override {
-    Eigen::Map<Points> rows(x, size(), 3);
-    scratch = rows;
-    solve_scratch();
-    rows = scratch;
+  void solve(const Points& rhs, Points& x) override {
+    solve_with(scratch, 1, rhs, x, [this] { solve_scratch(); });
   }
   void solve_in_order(float* x) override {
-    Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>> rows(x, size(), 3);
+    Eigen::Map<Rows<float>> rows(x, static_cast<Eigen::Index>(order.size()), 3);
     scratch = rows.cast<double>();
     solve_scratch();
     rows = scratch.cast<float>();
@@ -125,112 +127,90 @@ struct EigenCholesky : SparseCholesky::Implementation {
     scratch.array().colwise() /= factor->pivots.array();
     factor->ldlt.matrixU().solveInPlace(scratch);
   }
-  Eigen::Index size() const { return static_cast<Eigen::Index>(order.size()); }
-  bool single_precision() const override { return false; }
-  const char* name() const override { return "Eigen simplicial LDLT"; }
-  std::size_t bytes() const override { return nonzeros * (sizeof(double) + sizeof(int)); }
 
   std::shared_ptr<const Factor> factor;
-  Columns scratch;  // each right-hand side contiguous, as the factor wants it
+  Eigen::Matrix<double, Eigen::Dynamic, 3> scratch;  // each right-hand side contiguous, as the factor wants it
 };
 
-struct SupernodalCholesky : SparseCholesky::Implementation {
-  struct Analysis {
-    SupernodalPattern pattern;
-    Eigen::Index entries;  // of the matrix
-  };
+struct Analysis {
+  SupernodalPattern pattern;
+  Eigen::Index entries;  // of the matrix
+};
 
-  /// @param like  of a matrix with the same pattern, or nothing
-  SupernodalCholesky(const SparseMatrix& matrix, const CholeskyOptions& options, const Implementation* like)
-      : Implementation(options.pool ? options.pool : std::make_shared<ThreadPool>(1)) {
-    took = analysis_of(like, matrix);
-    analysis =
-        took
-            ? took
-            : std::make_shared<const Analysis>(Analysis{supernodal_analysis(matrix, options.order), matrix.nonZeros()});
+struct Analysed : Impl {
+  using Impl::Impl;
+  Analysed(const Analysed& other, std::shared_ptr<ThreadPool> used)
+      : Impl(other, std::move(used)), analysis(other.analysis) {}
+
+  /// @param like  of a matrix with the same pattern, or null
+  void analyse(const SparseMatrix& matrix, const std::vector<int>& given, const Impl* like) {
+    const auto* const other = dynamic_cast<const Analysed*>(like);
+    took_analysis = other && other->analysis->entries == matrix.nonZeros() &&
+                    static_cast<Eigen::Index>(other->order.size()) == matrix.rows();
+    analysis = took_analysis
+                   ? other->analysis
+                   : std::make_shared<const Analysis>(Analysis{supernodal_analysis(matrix, given), matrix.nonZeros()});
     order = analysis->pattern.order;
     nonzeros = analysis->pattern.factor_nonzeros();
-    const SparseMatrix lower = supernode::lower_in_order(matrix, order);
-    if (options.single_precision) {
-      in_single = std::make_unique<SupernodalSolver<float>>(analysis->pattern.view(), lower, *pool);
-    } else {
-      in_double = std::make_unique<SupernodalSolver<double>>(analysis->pattern.view(), lower, *pool);
-    }
-    if (!(in_single ? in_single->positive_definite() : in_double->positive_definite())) {
-      refuse_matrix(matrix.rows());
-    }
   }
-  static std::shared_ptr<const Analysis> analysis_of(const Implementation* like, const SparseMatrix& matrix) {
-    const auto* const other = dynamic_cast<const SupernodalCholesky*>(like);
-    const bool fits = other && other->analysis->entries == matrix.nonZeros() &&
-                      static_cast<Eigen::Index>(other->order.size()) == matrix.rows();
-    return fits ? other->analysis : nullptr;
-  }
-  SupernodalCholesky(const SupernodalCholesky& other, std::shared_ptr<ThreadPool> used)
-      : Implementation(other, std::move(used)), analysis(other.analysis), took(other.took) {
-    if (other.in_single) {
-      in_single = std::make_unique<SupernodalSolver<float>>(*other.in_single, *pool);
-    } else {
-      in_double = std::make_unique<SupernodalSolver<double>>(*other.in_double, *pool);
-    }
-  }
-  std::unique_ptr<Implementation> share(std::shared_ptr<ThreadPool> used) const override {
-    return std::make_unique<SupernodalCholesky>(*this, std::move(used));
-  }
-  void solve_in_order(double* x) override {
-    if (in_double) {
-      in_double->solve(x, *pool);
-      return;
-    }
-    Eigen::Map<Points> rows(x, static_cast<Eigen::Index>(order.size()), 3);
-    const double scale = scale_of(rows.cwiseAbs().maxCoeff());
-    ordered_single = (rows / scale).cast<float>();
-    in_single->solve(ordered_single.data(), *pool);
-    rows = scale * ordered_single.cast<double>();
-  }
-  void solve(const Points& rhs, Points& x) override {
-    if (in_single) {
-      solve_with(ordered_single, scale_of(rhs.cwiseAbs().maxCoeff()), rhs, x);
-    } else {
-      solve_with(ordered, 1, rhs, x);
-    }
-  }
-  void solve_in_order(float* x) override {
-    if (in_single) {
-      in_single->solve(x, *pool);
-      return;
-    }
-    const auto n = static_cast<Eigen::Index>(order.size());
-    Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>> rows(x, n, 3);
-    ordered = rows.cast<double>();
-    in_double->solve(ordered.data(), *pool);
-    rows = ordered.cast<float>();
-  }
-  bool single_precision() const override { return in_single != nullptr; }
-  const char* name() const override { return "supernodal LLT"; }
-  std::size_t bytes() const override {
-    const SupernodalPattern& p = analysis->pattern;
-    return (in_single ? in_single->bytes() : in_double->bytes()) +
-           (p.rows.size() + p.columns.size() + p.row_offsets.size() + 2 * p.order.size()) * sizeof(int);
-  }
-  bool took_analysis() const override { return took != nullptr; }
 
   std::shared_ptr<const Analysis> analysis;
-  std::shared_ptr<const Analysis> took;  // the same, or nothing
-  std::unique_ptr<SupernodalSolver<float>> in_single;
-  std::unique_ptr<SupernodalSolver<double>> in_double;
 };
 
-std::unique_ptr<SparseCholesky::Implementation> make(const SparseMatrix& matrix, const CholeskyOptions& options,
-                                                     [[maybe_unused]] const SparseCholesky::Implementation* like) {
+template <typename Scalar>
+struct SupernodalCholesky : Analysed {
+  static constexpr bool kSingle = std::is_same_v<Scalar, float>;
+
+  SupernodalCholesky(const SparseMatrix& matrix, const CholeskyOptions& options, const Impl* like)
+      : Analysed(options.pool ? options.pool : std::make_shared<ThreadPool>(1), "supernodal LLT") {
+    analyse(matrix, options.order, like);
+    const SupernodalPattern& p = analysis->pattern;
+    solver.emplace(p, supernode::lower_in_order(matrix, order), *pool);
+    if (!solver->positive_definite()) {
+      refuse_matrix(matrix.rows());
+    }
+    single_precision = kSingle;
+    bytes =
+        solver->bytes() + (p.rows.size() + p.columns.size() + p.row_offsets.size() + 2 * p.order.size()) * sizeof(int);
+  }
+  SupernodalCholesky(const SupernodalCholesky& other, std::shared_ptr<ThreadPool> used)
+      : Analysed(other, std::move(used)) {
+    solver.emplace(*other.solver, *pool);
+  }
+  std::unique_ptr<Impl> share(std::shared_ptr<ThreadPool> used) const override {
+    return std::make_unique<SupernodalCholesky>(*this, std::move(used));
+  }
+  void solve(const Points& rhs, Points& x) override {
+    solve_with(ordered, kSingle ? scale_of(rhs.cwiseAbs().maxCoeff()) : 1, rhs, x,
+               [this] { solver->solve(ordered.data(), *pool); });
+  }
+  void solve_in_order(float* x) override {
+    if constexpr (kSingle) {
+      solver->solve(x, *pool);
+    } else {
+      Eigen::Map<Rows<float>> rows(x, static_cast<Eigen::Index>(order.size()), 3);
+      ordered = rows.cast<double>();
+      solver->solve(ordered.data(), *pool);
+      rows = ordered.template cast<float>();
+    }
+  }
+
+  std::optional<SupernodalSolver<Scalar>> solver;
+  Rows<Scalar> ordered;  // in the order of elimination
+};
+
+std::unique_ptr<Impl> make(const SparseMatrix& matrix, const CholeskyOptions& options, const Impl* like) {
   // What the factorisations do not look at themselves.
   if (!matrix.coeffs().allFinite() || !(matrix.diagonal().array() > 0).all()) {
     refuse_matrix(matrix.rows());
   }
-  if (options.backend != CholeskyBackend::Eigen) {
-    return std::make_unique<SupernodalCholesky>(matrix, options, like);
+  if (options.backend == CholeskyBackend::Eigen) {
+    return std::make_unique<EigenCholesky>(matrix, options.order);
   }
-  return std::make_unique<EigenCholesky>(matrix, options.order);
+  if (options.single_precision) {
+    return std::make_unique<SupernodalCholesky<float>>(matrix, options, like);
+  }
+  return std::make_unique<SupernodalCholesky<double>>(matrix, options, like);
 }
 
 CholeskyOptions with_backend(CholeskyBackend backend) {
@@ -244,41 +224,37 @@ CholeskyOptions with_backend(CholeskyBackend backend) {
 SparseCholesky::SparseCholesky(const SparseMatrix& matrix, CholeskyBackend backend)
     : SparseCholesky(matrix, with_backend(backend)) {}
 SparseCholesky::SparseCholesky(const SparseMatrix& matrix, const CholeskyOptions& options)
-    : implementation_(
-          make(matrix, options, options.same_pattern ? options.same_pattern->implementation_.get() : nullptr)) {}
+    : impl_(make(matrix, options, options.same_pattern ? options.same_pattern->impl_.get() : nullptr)) {}
 SparseCholesky::SparseCholesky(const SparseCholesky& other, std::shared_ptr<ThreadPool> pool)
-    : implementation_(other.implementation_->share(pool ? std::move(pool) : std::make_shared<ThreadPool>(1))) {}
+    : impl_(other.impl_->share(pool ? std::move(pool) : std::make_shared<ThreadPool>(1))) {}
 SparseCholesky::~SparseCholesky() = default;
 SparseCholesky::SparseCholesky(SparseCholesky&&) noexcept = default;
 SparseCholesky& SparseCholesky::operator=(SparseCholesky&&) noexcept = default;
 
 void SparseCholesky::solve(const Points& rhs, Points& x) {
-  implementation_->solve(rhs, x);
+  impl_->solve(rhs, x);
 }
 
 void SparseCholesky::solve_in_order(float* x) {
-  implementation_->solve_in_order(x);
-}
-void SparseCholesky::solve_in_order(double* x) {
-  implementation_->solve_in_order(x);
+  impl_->solve_in_order(x);
 }
 const std::vector<int>& SparseCholesky::order() const {
-  return implementation_->order;
+  return impl_->order;
 }
 bool SparseCholesky::single_precision() const {
-  return implementation_->single_precision();
+  return impl_->single_precision;
 }
 const char* SparseCholesky::backend_name() const {
-  return implementation_->name();
+  return impl_->name;
 }
 bool SparseCholesky::took_analysis() const {
-  return implementation_->took_analysis();
+  return impl_->took_analysis;
 }
 std::size_t SparseCholesky::factor_nonzeros() const {
-  return implementation_->nonzeros;
+  return impl_->nonzeros;
 }
 std::size_t SparseCholesky::bytes() const {
-  return implementation_->bytes();
+  return impl_->bytes;
 }
 
 }  // namespace lapedit

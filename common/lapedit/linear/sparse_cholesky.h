@@ -14,13 +14,12 @@ namespace lapedit {
 class SparseCholesky;
 
 enum class CholeskyBackend {
-  Automatic,   ///< Supernodal
   Supernodal,  ///< fronts, dense kernels and threads, solved with by SupernodalSolver
   Eigen        ///< Eigen's simplicial LDL^T: slower and plain, the reference
 };
 
 struct CholeskyOptions {
-  CholeskyBackend backend = CholeskyBackend::Automatic;
+  CholeskyBackend backend = CholeskyBackend::Supernodal;
   /// Elimination order: order[k] is the row eliminated k-th. Empty: approximate minimum degree.
   std::vector<int> order;
   /// Keeps the factor in single precision: half the memory and twice the speed, and solutions good to some 1e-5, to be
@@ -35,11 +34,11 @@ struct CholeskyOptions {
 /// Factor of a symmetric positive definite matrix: made once, asked often. The only file that names a factorisation.
 class SparseCholesky {
  public:
-  struct Implementation;
+  struct Impl;
 
   /// @param matrix  compressed; both halves or the lower one: only the lower one is read
   /// @throws EditError (IllConditioned) if the matrix is not positive definite to working precision
-  explicit SparseCholesky(const SparseMatrix& matrix, CholeskyBackend backend = CholeskyBackend::Automatic);
+  explicit SparseCholesky(const SparseMatrix& matrix, CholeskyBackend backend = CholeskyBackend::Supernodal);
   SparseCholesky(const SparseMatrix& matrix, const CholeskyOptions& options);
   /// Shares the factor, which never changes, and has scratch of its own: both can solve at a time, each on a pool of
   /// its own (empty: the caller's thread alone). The same bits. O(n).
@@ -53,9 +52,8 @@ class SparseCholesky {
   void solve(const Points& rhs, Points& x);
 
   /// The same in the order of elimination and in place: row k of x (n x 3, row after row) belongs to row order()[k] of
-  /// the matrix. In single precision the entries of the matrix and of x have to be within 1e-15 .. 1e15.
+  /// the matrix. The entries of the matrix and of x have to be within 1e-15 .. 1e15.
   void solve_in_order(float* x);
-  void solve_in_order(double* x);
   const std::vector<int>& order() const;
 
   bool single_precision() const;
@@ -66,7 +64,7 @@ class SparseCholesky {
   std::size_t bytes() const;  ///< held for solving
 
  private:
-  std::unique_ptr<Implementation> implementation_;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace lapedit

@@ -284,25 +284,6 @@ void fill_rows(const Lists& left, const std::vector<int>& post, const std::vecto
 
 }  // namespace
 
-SupernodalFactor SupernodalPattern::view() const {
-  SupernodalFactor result;
-  result.size = static_cast<int>(order.size());
-  result.supernodes = static_cast<int>(columns.size()) - 1;
-  result.columns = columns.data();
-  result.row_offsets = row_offsets.data();
-  result.rows = rows.data();
-  return result;
-}
-
-std::size_t SupernodalPattern::factor_nonzeros() const {
-  std::size_t sum = 0;
-  for (std::size_t s = 0; s + 1 < columns.size(); ++s) {
-    sum += static_cast<std::size_t>(columns[s + 1] - columns[s]) *
-           static_cast<std::size_t>(row_offsets[s + 1] - row_offsets[s]);
-  }
-  return sum;
-}
-
 std::vector<int> minimum_degree(const SparseMatrix& matrix) {
   const SparseMatrix whole = matrix.selfadjointView<Eigen::Lower>();
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation;

@@ -1,22 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstddef>
 #include <vector>
 
 #include "lapedit/base/types.h"
-#include "lapedit/linear/supernodal_solve.h"
+#include "lapedit/linear/supernodal_pattern.h"
 
 namespace lapedit {
-
-/// Where the entries of a sparse Cholesky factor are: what SupernodalFactor points to, but for the values.
-struct SupernodalPattern {
-  std::vector<int> order;  ///< of elimination: order[k] is the row eliminated k-th
-  std::vector<int> columns, row_offsets, rows;
-
-  SupernodalFactor view() const;
-  std::size_t factor_nonzeros() const;  ///< of supernodes as dense columns
-};
 
 /// The elimination tree (Liu 1990), its columns' counts without their entries (Gilbert, Ng and Peyton 1994), and
 /// supernodes, joined where a few zeros more make them larger, by the rules of SuiteSparse's CHOLMOD (Chen, Davis,

@@ -11,9 +11,9 @@
 #include <sys/mman.h>
 #endif
 
-#include "lapedit/linear/elimination_tree.h"
 #include "lapedit/linear/multifrontal_cholesky.h"
 #include "lapedit/linear/supernode_kernels.h"
+#include "lapedit/linear/task_tree.h"
 #include "lapedit/linear/tree_walk.h"
 
 namespace lapedit {
@@ -66,53 +66,82 @@ class Buffer {
 /// The factor: never changed once made.
 template <typename Scalar>
 struct SupernodalSolver<Scalar>::Tiles {
-  EliminationTree tree;
+  TaskTree tree;
   Buffer<Scalar> values;
   bool definite = true;
 
-  Tiles(const SupernodalFactor& factor, ThreadPool& pool) : tree(factor) {
+  Tiles(const SupernodalPattern& pattern, const SparseMatrix& lower, ThreadPool& pool) : tree(pattern) {
     values.allocate(tree.tiles + kAhead / sizeof(Scalar));
-    constexpr int kGrain = 64;
-    in_pieces(pool, factor.supernodes, kGrain, [&](int first, int last) {
-      for (int s = first; s < last; ++s) {
-        write(s, factor.values + factor.value_offsets[s], tree.nodes[s].rows);
-      }
-    });
-  }
-  Tiles(const SupernodalFactor& structure, const SparseMatrix& lower, ThreadPool& pool) : tree(structure) {
-    values.allocate(tree.tiles + kAhead / sizeof(Scalar));
-    definite = multifrontal_cholesky(
-        lower, structure, tree, [this](int s, const double* columns, int stride) { write(s, columns, stride); }, pool);
-  }
-  void write(int s, const double* columns, int stride) {
-    const EliminationTree::Node& node = tree.nodes[s];
-    write_tiles(columns, stride, node.columns, node.rows, values.data() + node.tiles);
+    const auto take = [this](int s, const double* columns, int stride) {
+      const TaskTree::Node& node = tree.nodes[s];
+      write_tiles(columns, stride, node.columns, node.rows, values.data() + node.tiles);
+    };
+    definite = multifrontal_cholesky(lower, pattern, tree, take, pool);
   }
 };
 
 /// The two passes of a solve, L y = b and L^T x = y, and the memory that they need.
 template <typename Scalar>
 struct SupernodalSolver<Scalar>::Passes {
-  using Node = EliminationTree::Node;
-  using Task = EliminationTree::Task;
+  using Node = TaskTree::Node;
+  using Task = TaskTree::Task;
 
   const Tiles& factor;
-  const EliminationTree& tree;
+  const TaskTree& tree;
   Kernels<Scalar> kernels = best_kernels<Scalar>();
-  std::vector<Scalar> lists;               // three per entry
-  std::vector<std::vector<Scalar>> local;  // per thread: local vectors
+  std::vector<Scalar> lists;                 // three per entry
+  std::vector<std::vector<Scalar>> vectors;  // per thread: local vectors
   TreeWalk walk;
 
   Passes(const Tiles& solved_with, int threads)
       : factor(solved_with),
         tree(factor.tree),
         lists(3 * tree.list_rows.size()),
-        local(threads, std::vector<Scalar>(3 * static_cast<std::size_t>(tree.most_rows + kWide + kTall))),
+        vectors(threads, std::vector<Scalar>(3 * static_cast<std::size_t>(tree.most_rows + kWide + kTall))),
         walk(tree, threads) {}
 
   void forward_task(const Task& task, Scalar* x, Scalar* v);
   void backward_task(const Task& task, Scalar* x, Scalar* v);
+  /// Of a row of tree.rows: in x, or in the list of a branch.
+  Scalar* place_of(int row, Scalar* x) {
+    return row < tree.size ? x + 3 * static_cast<std::size_t>(row)
+                           : lists.data() + 3 * static_cast<std::size_t>(row - tree.size);
+  }
   int pad_of(const Node& node) const { return node.rows + kWide + kTall; }
+};
+
+/// The local vectors of a supernode, by row.
+template <typename Scalar>
+struct Local {
+  Scalar *x, *y, *z;
+
+  Local(Scalar* v, int pad) : x(v), y(v + pad), z(v + 2 * static_cast<std::size_t>(pad)) {}
+  void set(int i, const Scalar* from) const {
+    x[i] = from[0];
+    y[i] = from[1];
+    z[i] = from[2];
+  }
+  void get(int i, Scalar* to) const {
+    to[0] = x[i];
+    to[1] = y[i];
+    to[2] = z[i];
+  }
+  void add(int i, const Scalar* from) const {
+    x[i] += from[0];
+    y[i] += from[1];
+    z[i] += from[2];
+  }
+  void add_to(int i, Scalar* to) const {
+    to[0] += x[i];
+    to[1] += y[i];
+    to[2] += z[i];
+  }
+  void clear(int first, int pad) const {
+    const std::size_t bytes = sizeof(Scalar) * static_cast<std::size_t>(pad - first);
+    std::memset(x + first, 0, bytes);
+    std::memset(y + first, 0, bytes);
+    std::memset(z + first, 0, bytes);
+  }
 };
 
 template <typename Scalar>
@@ -123,53 +152,34 @@ void SupernodalSolver<Scalar>::Passes::forward_task(const Task& task, Scalar* x,
   for (int s = task.first_node; s <= task.last_node; ++s) {
     const Node& node = tree.nodes[s];
     const int pad = pad_of(node);
-    Scalar* const px = v;
-    Scalar* const py = v + pad;
-    Scalar* const pz = v + 2 * static_cast<std::size_t>(pad);
-    const Scalar* in = x + 3 * static_cast<std::size_t>(node.first_column);
-    for (int i = 0; i < node.columns; ++i, in += 3) {
-      px[i] = in[0];
-      py[i] = in[1];
-      pz[i] = in[2];
+    const Local<Scalar> local(v, pad);
+    Scalar* const mine = x + 3 * static_cast<std::size_t>(node.first_column);
+    for (int i = 0; i < node.columns; ++i) {
+      local.set(i, mine + 3 * static_cast<std::size_t>(i));
     }
-    const std::size_t tail = sizeof(Scalar) * static_cast<std::size_t>(pad - node.columns);
-    std::memset(px + node.columns, 0, tail);
-    std::memset(py + node.columns, 0, tail);
-    std::memset(pz + node.columns, 0, tail);
+    local.clear(node.columns, pad);
     if (!branch) {
       for (int c = task.first_child; c < task.last_child; ++c) {
         const Task& child = tree.tasks[tree.child_tasks[c]];
         const Scalar* given = lists.data() + 3 * static_cast<std::size_t>(child.list);
         for (int i = child.list; i < child.list + child.list_size; ++i, given += 3) {
-          const int place = tree.list_places[i];
-          px[place] += given[0];
-          py[place] += given[1];
-          pz[place] += given[2];
+          local.add(tree.list_places[i], given);
         }
       }
     }
     kernels.forward(factor.values.data() + node.tiles, node.columns, node.rows, v, pad);
-    Scalar* out = x + 3 * static_cast<std::size_t>(node.first_column);
-    for (int i = 0; i < node.columns; ++i, out += 3) {
-      out[0] = px[i];
-      out[1] = py[i];
-      out[2] = pz[i];
+    for (int i = 0; i < node.columns; ++i) {
+      local.get(i, mine + 3 * static_cast<std::size_t>(i));
     }
     if (branch) {
       const int* row = tree.rows.data() + node.row_offset;
       for (int i = node.columns; i < node.rows; ++i, ++row) {
-        Scalar* const to = *row < tree.size ? x + 3 * static_cast<std::size_t>(*row)
-                                            : lists.data() + 3 * static_cast<std::size_t>(*row - tree.size);
-        to[0] += px[i];
-        to[1] += py[i];
-        to[2] += pz[i];
+        local.add_to(i, place_of(*row, x));
       }
     } else {
       Scalar* to = own;
       for (int i = node.columns; i < node.rows; ++i, to += 3) {
-        to[0] = px[i];
-        to[1] = py[i];
-        to[2] = pz[i];
+        local.get(i, to);
       }
     }
   }
@@ -184,47 +194,28 @@ void SupernodalSolver<Scalar>::Passes::backward_task(const Task& task, Scalar* x
   for (int s = task.last_node; s >= task.first_node; --s) {
     const Node& node = tree.nodes[s];
     const int pad = pad_of(node);
-    Scalar* const px = v;
-    Scalar* const py = v + pad;
-    Scalar* const pz = v + 2 * static_cast<std::size_t>(pad);
+    const Local<Scalar> local(v, pad);
     Scalar* const mine = x + 3 * static_cast<std::size_t>(node.first_column);
-    const Scalar* in = mine;
-    for (int i = 0; i < node.columns; ++i, in += 3) {
-      px[i] = in[0];
-      py[i] = in[1];
-      pz[i] = in[2];
+    for (int i = 0; i < node.columns; ++i) {
+      local.set(i, mine + 3 * static_cast<std::size_t>(i));
     }
     const int* row = tree.rows.data() + node.row_offset;
     for (int i = node.columns; i < node.rows; ++i, ++row) {
-      const Scalar* const from = *row < tree.size ? x + 3 * static_cast<std::size_t>(*row)
-                                                  : lists.data() + 3 * static_cast<std::size_t>(*row - tree.size);
-      px[i] = from[0];
-      py[i] = from[1];
-      pz[i] = from[2];
+      local.set(i, place_of(*row, x));
     }
-    const std::size_t tail = sizeof(Scalar) * static_cast<std::size_t>(pad - node.rows);
-    std::memset(px + node.rows, 0, tail);
-    std::memset(py + node.rows, 0, tail);
-    std::memset(pz + node.rows, 0, tail);
+    local.clear(node.rows, pad);
     kernels.backward(factor.values.data() + node.tiles + tiles_of(node.columns, node.rows), node.columns, node.rows, v,
                      pad);
-    Scalar* out = mine;
-    for (int i = 0; i < node.columns; ++i, out += 3) {
-      out[0] = px[i];
-      out[1] = py[i];
-      out[2] = pz[i];
+    for (int i = 0; i < node.columns; ++i) {
+      local.get(i, mine + 3 * static_cast<std::size_t>(i));
     }
   }
 }
 
 template <typename Scalar>
-SupernodalSolver<Scalar>::SupernodalSolver(const SupernodalFactor& factor, ThreadPool& pool)
-    : tiles_(std::make_shared<const Tiles>(factor, pool)), passes_(std::make_unique<Passes>(*tiles_, pool.threads())) {}
-
-template <typename Scalar>
-SupernodalSolver<Scalar>::SupernodalSolver(const SupernodalFactor& structure, const SparseMatrix& lower,
+SupernodalSolver<Scalar>::SupernodalSolver(const SupernodalPattern& pattern, const SparseMatrix& lower,
                                            ThreadPool& pool)
-    : tiles_(std::make_shared<const Tiles>(structure, lower, pool)),
+    : tiles_(std::make_shared<const Tiles>(pattern, lower, pool)),
       passes_(std::make_unique<Passes>(*tiles_, pool.threads())) {}
 
 template <typename Scalar>
@@ -242,8 +233,8 @@ SupernodalSolver<Scalar>::~SupernodalSolver() = default;
 template <typename Scalar>
 void SupernodalSolver<Scalar>::solve(Scalar* x, ThreadPool& pool) {
   Passes& p = *passes_;
-  p.walk.upwards(pool, [&](const auto& task, int thread) { p.forward_task(task, x, p.local[thread].data()); });
-  p.walk.downwards(pool, [&](const auto& task, int thread) { p.backward_task(task, x, p.local[thread].data()); });
+  p.walk.upwards(pool, [&](const auto& task, int thread) { p.forward_task(task, x, p.vectors[thread].data()); });
+  p.walk.downwards(pool, [&](const auto& task, int thread) { p.backward_task(task, x, p.vectors[thread].data()); });
 }
 
 template <typename Scalar>

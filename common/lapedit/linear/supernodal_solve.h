@@ -6,21 +6,9 @@
 
 #include "lapedit/base/thread_pool.h"
 #include "lapedit/base/types.h"
+#include "lapedit/linear/supernodal_pattern.h"
 
 namespace lapedit {
-
-/// A supernodal factor L of a symmetric positive definite matrix of size n, L L^T = P A P^T, as CHOLMOD lays it out.
-/// Supernode s has the columns columns[s] .. columns[s + 1] - 1; its rows, its own columns first and then ascending,
-/// are rows[row_offsets[s] .. row_offsets[s + 1]), and its values stand column by column from values[value_offsets[s]].
-struct SupernodalFactor {
-  int size = 0;
-  int supernodes = 0;
-  const int* columns = nullptr;
-  const int* row_offsets = nullptr;
-  const int* value_offsets = nullptr;
-  const int* rows = nullptr;
-  const double* values = nullptr;
-};
 
 /// Solves with a supernodal factor for three right-hand sides at once, at the pace of reading the factor twice.
 ///
@@ -31,11 +19,9 @@ struct SupernodalFactor {
 template <typename Scalar>
 class SupernodalSolver {
  public:
-  /// Cost: the factor read and written once; bytes() of memory. The factor is not kept.
-  SupernodalSolver(const SupernodalFactor& factor, ThreadPool& pool);
   /// Factors a matrix. @param lower  its lower half, in the order of elimination, columns sorted
-  /// @param structure  of its factor; values are not read, and it is not kept
-  SupernodalSolver(const SupernodalFactor& structure, const SparseMatrix& lower, ThreadPool& pool);
+  /// @param pattern  of its factor; not kept. Keeps bytes() of memory
+  SupernodalSolver(const SupernodalPattern& pattern, const SparseMatrix& lower, ThreadPool& pool);
   bool positive_definite() const;  ///< else there is nothing to solve with
   /// Shares the tiles, which never change, and has scratch of its own: both can be at work at a time, each on a pool of
   /// its own. O(1).

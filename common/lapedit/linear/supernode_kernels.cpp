@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <type_traits>
 
 #include "lapedit/base/cpu_dispatch.h"
 
@@ -175,39 +176,16 @@ constexpr int panels_below(int rows_below) {
   return (rows_below + kTall - 1) / kTall;
 }
 
-template <int Width>
-struct WidthTag {
-  static constexpr int kWidth = Width;
-};
-
-template <class Function>
+/// Calls a function with the width as a type, for a width of 1 to kWide.
+template <int Width = 1, class Function>
 LAPEDIT_INLINE void with_width(int width, const Function& function) {
-  switch (width) {
-    case 1:
-      function(WidthTag<1>());
-      break;
-    case 2:
-      function(WidthTag<2>());
-      break;
-    case 3:
-      function(WidthTag<3>());
-      break;
-    case 4:
-      function(WidthTag<4>());
-      break;
-    case 5:
-      function(WidthTag<5>());
-      break;
-    case 6:
-      function(WidthTag<6>());
-      break;
-    case 7:
-      function(WidthTag<7>());
-      break;
-    default:
-      function(WidthTag<8>());
-      break;
+  if constexpr (Width < kWide) {
+    if (width > Width) {
+      with_width<Width + 1>(width, function);
+      return;
+    }
   }
+  function(std::integral_constant<int, Width>());
 }
 
 template <typename Scalar>
@@ -219,7 +197,7 @@ LAPEDIT_INLINE void forward_supernode(const Scalar* tiles, int columns, int rows
   if (first < columns) {
     with_width(
         columns - first, [&](auto tag) __attribute__((always_inline)) {
-          forward_block<Scalar, decltype(tag)::kWidth>(tiles, panels_below(rows - columns), v + first, pad);
+          forward_block<Scalar, decltype(tag)::value>(tiles, panels_below(rows - columns), v + first, pad);
         });
   }
 }
@@ -237,7 +215,7 @@ LAPEDIT_INLINE void backward_supernode(const Scalar* end, int columns, int rows,
     end -= block_size(rest, rows - columns);
     with_width(
         rest, [&](auto tag) __attribute__((always_inline)) {
-          backward_block<Scalar, decltype(tag)::kWidth, Group>(end, panels_below(rows - columns), v + first, pad);
+          backward_block<Scalar, decltype(tag)::value, Group>(end, panels_below(rows - columns), v + first, pad);
         });
   }
   while (first > 0) {
@@ -302,7 +280,7 @@ Kernels<Scalar> best_kernels() {
 
 /// The inverse of a triangle T, column by column: t'_jj = 1 / t_jj, t'_ij = -(sum_{j <= k < i} t_ik t'_kj) / t_ii.
 template <typename Scalar>
-Scalar* write_tiles(const double* values, int stride, int columns, int rows, Scalar* out) {
+void write_tiles(const double* values, int stride, int columns, int rows, Scalar* out) {
   for (int first = 0; first < columns; first += kWide) {
     const int width = std::min(kWide, columns - first);
     double inverse[kWide][kWide] = {};  // [column][row]
@@ -335,7 +313,6 @@ Scalar* write_tiles(const double* values, int stride, int columns, int rows, Sca
       }
     }
   }
-  return out;
 }
 
 std::size_t tiles_of(int columns, int rows) {
@@ -349,7 +326,7 @@ std::size_t tiles_of(int columns, int rows) {
 
 template Kernels<float> best_kernels();
 template Kernels<double> best_kernels();
-template float* write_tiles(const double*, int, int, int, float*);
-template double* write_tiles(const double*, int, int, int, double*);
+template void write_tiles(const double*, int, int, int, float*);
+template void write_tiles(const double*, int, int, int, double*);
 
 }  // namespace lapedit::supernode

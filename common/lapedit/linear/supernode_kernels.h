@@ -34,9 +34,9 @@ Kernels<Scalar> best_kernels();
 /// How many values a supernode's tiles have.
 std::size_t tiles_of(int columns, int rows);
 
-/// Copies a supernode's values into tiles and inverts the triangles. @return behind what was written
+/// Copies a supernode's values into tiles and inverts the triangles.
 /// @param values  its columns, `stride` apart
 template <typename Scalar>
-Scalar* write_tiles(const double* values, int stride, int columns, int rows, Scalar* out);
+void write_tiles(const double* values, int stride, int columns, int rows, Scalar* out);
 
 }  // namespace lapedit::supernode

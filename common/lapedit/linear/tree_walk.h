@@ -5,16 +5,17 @@
 #include <mutex>
 #include <vector>
 
-#include "lapedit/linear/elimination_tree.h"
+#include "lapedit/base/thread_pool.h"
+#include "lapedit/linear/task_tree.h"
 
 namespace lapedit::supernode {
 
-/// Shares the tasks of an elimination tree among the threads of a pool. Made once; a walk allocates nothing. One at a
+/// Shares the tasks of a tree among the threads of a pool. Made once; a walk allocates nothing. One at a
 /// time.
 class TreeWalk {
  public:
   /// @param tree  must outlive the object
-  TreeWalk(const EliminationTree& tree, int threads)
+  TreeWalk(const TaskTree& tree, int threads)
       : tree_(tree), threads_(threads), pending_(tree.tasks.size()), queue_(tree.tasks.size()) {}
 
   /// Calls body(task, thread) for each task after its children. What one throws reaches the caller.
@@ -29,7 +30,7 @@ class TreeWalk {
   }
 
  private:
-  using Task = EliminationTree::Task;
+  using Task = TaskTree::Task;
 
   template <class Body>
   void walk(ThreadPool& pool, bool up, const Body& body) {
@@ -111,7 +112,7 @@ class TreeWalk {
   }
 
   static constexpr int kNone = -1;
-  const EliminationTree& tree_;
+  const TaskTree& tree_;
   int threads_;
   std::vector<std::atomic<int>> pending_;
   std::vector<int> queue_;

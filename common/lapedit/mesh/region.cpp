@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/mesh/region.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -15,6 +14,7 @@
 #include "lapedit/base/format_text.h"
 #include "lapedit/mesh/connect.h"
 #include "lapedit/mesh/geodesic.h"
+#include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
 namespace {
@@ -38,10 +38,7 @@ std::vector<int> collect_handles(const TriangleMesh& mesh, const std::vector<std
                       "Handle group " + std::to_string(g) + " has no vertices: name at least one vertex to move.");
     }
     for (const int v : groups[g]) {
-      if (v < 0 || v >= n) {
-        throw EditError(ErrorCause::BadIndex, "Handle vertex " + std::to_string(v) + " does not exist: the mesh has " +
-                                                  std::to_string(n) + " vertices, numbered from 0.");
-      }
+      require_vertex("Handle vertex", v, n);
       if (group_of[v] >= 0 && group_of[v] != static_cast<int>(g)) {
         throw EditError(ErrorCause::BadIndex, "Vertex " + std::to_string(v) + " is in handle groups " +
                                                   std::to_string(group_of[v]) + " and " + std::to_string(g) +
@@ -88,10 +85,7 @@ std::vector<char> flag_set(const TriangleMesh& mesh, const std::vector<int>& set
   }
   std::vector<char> flags(n, 0);
   for (const int v : set) {
-    if (v < 0 || v >= n) {
-      throw EditError(ErrorCause::BadIndex, "Region vertex " + std::to_string(v) + " does not exist: the mesh has " +
-                                                std::to_string(n) + " vertices, numbered from 0.");
-    }
+    require_vertex("Region vertex", v, n);
     flags[v] = 1;
   }
   const auto outside = [&flags](int v) { return !flags[v]; };
@@ -157,11 +151,7 @@ void check_anchors(const KeptAnchors& anchors, int mesh_vertices) {
                                                   ": give the largest handle distance that they were made with.");
   }
   for (std::size_t i = 0; i < count; ++i) {
-    if (anchors.vertices[i] < 0 || anchors.vertices[i] >= mesh_vertices) {
-      throw EditError(ErrorCause::BadIndex, "Kept anchor " + std::to_string(anchors.vertices[i]) +
-                                                " does not exist: the mesh has " + std::to_string(mesh_vertices) +
-                                                " vertices, numbered from 0.");
-    }
+    require_vertex("Kept anchor", anchors.vertices[i], mesh_vertices);
     if (!(anchors.weights[i] >= 0 && anchors.weights[i] <= 1 && anchors.depths[i] >= 0 && anchors.depths[i] <= 1)) {
       throw EditError(ErrorCause::BadParameter, "Kept anchor " + std::to_string(anchors.vertices[i]) +
                                                     " has the weight " + number_text(anchors.weights[i]) +
@@ -269,6 +259,7 @@ bool extract_graph(ThreadPool& pool, const TriangleMesh& mesh, const Adjacency& 
       });
   return finite;
 }
+
 /// The faces that touch a region edge, and those inside.
 void extract_faces(ThreadPool& pool, const TriangleMesh& mesh, const Adjacency& adjacency,
                    const std::vector<int>& local, Region& region) {
@@ -596,47 +587,6 @@ KeptAnchors anchors_of(const Region& region) {
   }
   anchors.reach = anchors.empty() ? 0 : region.max_distance;
   return anchors;
-}
-
-int nearest_vertex(const TriangleMesh& mesh, const Vector3& point) {
-  if (!point.allFinite()) {
-    throw EditError(ErrorCause::NotFinite,
-                    "The handle point is not finite: give three finite coordinates on the surface.");
-  }
-  std::vector<char> used(mesh.vertices.rows(), 0);
-  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
-    for (int k = 0; k < 3; ++k) {
-      used[mesh.faces(f, k)] = 1;
-    }
-  }
-  Eigen::AlignedBox3d box;
-  int nearest = -1;
-  double best = kUnreached;
-  for (int v = 0; v < static_cast<int>(mesh.vertices.rows()); ++v) {
-    if (!used[v] || !is_finite(mesh.vertices, v)) {
-      continue;
-    }
-    const Vector3 place = mesh.vertices.row(v).transpose();
-    box.extend(place);
-    const double distance = (place - point).norm();
-    if (distance < best) {
-      best = distance;
-      nearest = v;
-    }
-  }
-  if (nearest < 0) {
-    throw EditError(ErrorCause::NotFinite,
-                    "No vertex of the mesh has three finite coordinates: repair the mesh first.");
-  }
-  constexpr double kFar = 0.1;
-  if (best > kFar * box.diagonal().norm()) {
-    throw EditError(ErrorCause::BadParameter,
-                    "The handle point (" + number_text(point[0]) + ", " + number_text(point[1]) + ", " +
-                        number_text(point[2]) + ") is " + number_text(best) + " away from the nearest vertex, number " +
-                        std::to_string(nearest) + ", more than a tenth of the mesh's bounding-box diagonal (" +
-                        number_text(box.diagonal().norm()) + "): give a point on the surface.");
-  }
-  return nearest;
 }
 
 }  // namespace lapedit

@@ -105,9 +105,4 @@ std::vector<double> largest_shares(const Region& region);
 /// The region's anchors, to be kept for the next edit in it.
 KeptAnchors anchors_of(const Region& region);
 
-/// The vertex with at least one face that is nearest to a point.
-/// @throws EditError (NotFinite, BadParameter) if the point is not finite, or farther from every such vertex than a
-///         tenth of the bounding box's diagonal
-int nearest_vertex(const TriangleMesh& mesh, const Vector3& point);
-
 }  // namespace lapedit

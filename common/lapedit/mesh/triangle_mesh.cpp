@@ -48,4 +48,26 @@ std::string connectivity_checksum(std::size_t vertex_count, const Faces& faces) 
   return text;
 }
 
+std::vector<int> usable_vertices(const TriangleMesh& mesh) {
+  std::vector<char> used(mesh.vertices.rows(), 0);
+  for (Eigen::Index k = 0; k < mesh.faces.size(); ++k) {
+    used[mesh.faces.data()[k]] = 1;
+  }
+  std::vector<int> vertices;
+  for (int v = 0; v < static_cast<int>(used.size()); ++v) {
+    if (used[v] && mesh.vertices.row(v).allFinite()) {
+      vertices.push_back(v);
+    }
+  }
+  return vertices;
+}
+
+Eigen::AlignedBox3d bounding_box(const Points& points, const std::vector<int>& vertices) {
+  Eigen::AlignedBox3d box;
+  for (const int v : vertices) {
+    box.extend(points.row(v).transpose());
+  }
+  return box;
+}
+
 }  // namespace lapedit

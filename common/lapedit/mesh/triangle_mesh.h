@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "lapedit/base/types.h"
 
@@ -21,5 +22,11 @@ void validate(const TriangleMesh& mesh);
 
 /// 64-bit FNV-1a over the vertex count and all face corners in order, as 16 hex digits. Coordinates do not enter.
 std::string connectivity_checksum(std::size_t vertex_count, const Faces& faces);
+
+/// Returns the vertices that have a face and finite coordinates. O(vertices + faces)
+std::vector<int> usable_vertices(const TriangleMesh& mesh);
+
+/// Returns the bounding box of some vertices with finite coordinates.
+Eigen::AlignedBox3d bounding_box(const Points& points, const std::vector<int>& vertices);
 
 }  // namespace lapedit

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/mesh/vertex_grid.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -9,10 +8,7 @@
 namespace lapedit {
 
 VertexGrid::VertexGrid(const Points& points, std::vector<int> vertices) : points_(points) {
-  Eigen::AlignedBox3d box;
-  for (const int v : vertices) {
-    box.extend(points.row(v).transpose());
-  }
+  const Eigen::AlignedBox3d box = bounding_box(points, vertices);
   if (!vertices.empty()) {
     constexpr double kCubesPerVertex = 2, kFlat = 1e-3;  // of the longest side
     low_ = box.min();

@@ -13,18 +13,19 @@
 namespace lapedit {
 namespace {
 
-void require_vertex(const TriangleMesh& mesh, int vertex) {
-  if (vertex < 0 || vertex >= mesh.vertices.rows()) {
-    throw EditError(ErrorCause::BadIndex, "Vertex " + std::to_string(vertex) + " does not exist: the mesh has " +
-                                              std::to_string(mesh.vertices.rows()) + " vertices, numbered from 0.");
-  }
-}
-
 bool contains(const std::vector<int>& set, int vertex) {
   return std::binary_search(set.begin(), set.end(), vertex);
 }
 
 }  // namespace
+
+void require_vertex(const char* what, int vertex, Eigen::Index count) {
+  if (vertex < 0 || vertex >= count) {
+    throw EditError(ErrorCause::BadIndex, std::string(what) + " " + std::to_string(vertex) +
+                                              " does not exist: the mesh has " + std::to_string(count) +
+                                              " vertices, numbered from 0.");
+  }
+}
 
 std::vector<int> grown(const Adjacency& adjacency, const std::vector<int>& set) {
   std::vector<int> result = set;
@@ -59,7 +60,7 @@ std::vector<int> without(const std::vector<int>& a, const std::vector<int>& b) {
 }
 
 std::vector<int> vertices_within(const TriangleMesh& mesh, const Adjacency& adjacency, int vertex, double radius) {
-  require_vertex(mesh, vertex);
+  require_vertex("Vertex", vertex, mesh.vertices.rows());
   if (!(radius >= 0 && std::isfinite(radius))) {
     throw EditError(ErrorCause::BadParameter,
                     "The radius is " + number_text(radius) + ": give a finite length, or 0 for a single vertex.");
@@ -74,8 +75,8 @@ std::vector<int> vertices_within(const TriangleMesh& mesh, const Adjacency& adja
 }
 
 std::vector<int> shortest_path(const TriangleMesh& mesh, const Adjacency& adjacency, int from, int to) {
-  require_vertex(mesh, from);
-  require_vertex(mesh, to);
+  require_vertex("Vertex", from, mesh.vertices.rows());
+  require_vertex("Vertex", to, mesh.vertices.rows());
   GeodesicSearch search(adjacency.neighbours, mesh.vertices);
   const std::vector<int>& settled = search.run({from}, kUnreached);
   if (!std::isfinite(search.distance(to))) {
@@ -103,6 +104,38 @@ std::vector<int> shortest_path(const TriangleMesh& mesh, const Adjacency& adjace
   }
   std::reverse(path.begin(), path.end());
   return path;
+}
+
+int nearest_vertex(const TriangleMesh& mesh, const Vector3& point) {
+  if (!point.allFinite()) {
+    throw EditError(ErrorCause::NotFinite,
+                    "The handle point is not finite: give three finite coordinates on the surface.");
+  }
+  const std::vector<int> usable = usable_vertices(mesh);
+  int nearest = -1;
+  double best = kUnreached;
+  for (const int v : usable) {
+    const Vector3 place = mesh.vertices.row(v).transpose();
+    const double distance = (place - point).norm();
+    if (distance < best) {
+      best = distance;
+      nearest = v;
+    }
+  }
+  if (nearest < 0) {
+    throw EditError(ErrorCause::NotFinite,
+                    "No vertex of the mesh has three finite coordinates: repair the mesh first.");
+  }
+  constexpr double kFar = 0.1;
+  const double diagonal = bounding_box(mesh.vertices, usable).diagonal().norm();
+  if (best > kFar * diagonal) {
+    throw EditError(ErrorCause::BadParameter,
+                    "The handle point (" + number_text(point[0]) + ", " + number_text(point[1]) + ", " +
+                        number_text(point[2]) + ") is " + number_text(best) + " away from the nearest vertex, number " +
+                        std::to_string(nearest) + ", more than a tenth of the mesh's bounding-box diagonal (" +
+                        number_text(diagonal) + "): give a point on the surface.");
+  }
+  return nearest;
 }
 
 }  // namespace lapedit

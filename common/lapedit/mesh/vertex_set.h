@@ -7,6 +7,11 @@
 
 namespace lapedit {
 
+/// @param what   names the vertex in the message, such as "Handle vertex"
+/// @param count  vertices of the mesh
+/// @throws EditError (BadIndex) if there is no such vertex
+void require_vertex(const char* what, int vertex, Eigen::Index count);
+
 /// Sets of mesh vertices are ascending lists without duplicates.
 
 /// The set and all its neighbours. O(size of the result), plus sorting.
@@ -27,5 +32,10 @@ std::vector<int> vertices_within(const TriangleMesh& mesh, const Adjacency& adja
 /// Deterministic: of several as short, always the same.
 /// @throws EditError (BadIndex)
 std::vector<int> shortest_path(const TriangleMesh& mesh, const Adjacency& adjacency, int from, int to);
+
+/// Returns the vertex with at least one face that is nearest to a point.
+/// @throws EditError (NotFinite, BadParameter) if the point is not finite, or farther from every such vertex than a
+///         tenth of the bounding box's diagonal
+int nearest_vertex(const TriangleMesh& mesh, const Vector3& point);
 
 }  // namespace lapedit

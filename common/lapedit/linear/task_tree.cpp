@@ -1,39 +1,35 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/linear/elimination_tree.h"
+#include "lapedit/linear/task_tree.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "lapedit/linear/supernode_kernels.h"
 
 namespace lapedit::supernode {
 
-/// Of each supernode: its parent, and how much hangs on it.
-struct EliminationTree::Branches {
-  std::vector<int> parent, first;  // first supernode of the branch
-  std::vector<double> work;        // of the branch
+/// How much hangs on each supernode.
+struct TaskTree::Branches {
+  std::vector<int> first;    // first supernode of the branch
+  std::vector<double> work;  // of the branch
   double all = 0;
   bool postordered = true;  // branches are runs of consecutive supernodes
 
-  Branches(const SupernodalFactor& factor, const EliminationTree& tree)
-      : parent(factor.supernodes, -1), first(factor.supernodes), work(factor.supernodes) {
-    const int count = factor.supernodes;
-    std::vector<int> node_of_column(factor.size), branch_size(count, 1);
+  explicit Branches(const std::vector<Node>& nodes) : first(nodes.size()), work(nodes.size()) {
+    const int count = static_cast<int>(nodes.size());
+    std::vector<int> branch_size(count, 1);
+    std::iota(first.begin(), first.end(), 0);
     for (int s = 0; s < count; ++s) {
-      first[s] = s;
-      std::fill(node_of_column.begin() + factor.columns[s], node_of_column.begin() + factor.columns[s + 1], s);
-    }
-    for (int s = 0; s < count; ++s) {
-      const Node& node = tree.nodes[s];
+      const Node& node = nodes[s];
       // What a supernode costs beyond reading it: gathering and scattering its rows.
       const double own = static_cast<double>(node.columns) * node.rows + 6.0 * node.rows;
       work[s] += own;
       all += own;
       postordered = postordered && branch_size[s] == s - first[s] + 1;
-      if (node.rows > node.columns) {
-        parent[s] = node_of_column[tree.rows[node.row_offset]];
-        work[parent[s]] += work[s];
-        first[parent[s]] = std::min(first[parent[s]], first[s]);
-        branch_size[parent[s]] += branch_size[s];
+      if (node.parent >= 0) {
+        work[node.parent] += work[s];
+        first[node.parent] = std::min(first[node.parent], first[s]);
+        branch_size[node.parent] += branch_size[s];
       }
     }
   }
@@ -44,30 +40,32 @@ struct EliminationTree::Branches {
   }
 };
 
-EliminationTree::EliminationTree(const SupernodalFactor& factor)
-    : size(factor.size),
-      nodes(factor.supernodes),
-      rows(factor.rows, factor.rows + factor.row_offsets[factor.supernodes]) {
-  for (int s = 0; s < factor.supernodes; ++s) {
+TaskTree::TaskTree(const SupernodalPattern& pattern)
+    : size(pattern.size()), nodes(pattern.supernodes()), rows(pattern.rows) {
+  std::vector<int> node_of_column(size);
+  for (int s = 0; s < pattern.supernodes(); ++s) {
     Node& node = nodes[s];
-    node.first_column = factor.columns[s];
-    node.columns = factor.columns[s + 1] - factor.columns[s];
-    node.rows = factor.row_offsets[s + 1] - factor.row_offsets[s];
-    node.row_offset = factor.row_offsets[s] + node.columns;
+    node.first_column = pattern.columns[s];
+    node.columns = pattern.columns_of(s);
+    node.rows = pattern.rows_of(s);
+    node.row_offset = pattern.row_offsets[s] + node.columns;
     node.tiles = tiles;
     tiles += tiles_of(node.columns, node.rows);
     most_rows = std::max(most_rows, node.rows);
+    std::fill_n(node_of_column.begin() + node.first_column, node.columns, s);
   }
-  const Branches branches(factor, *this);
-  cut(branches);
-  join(branches);
+  for (Node& node : nodes) {
+    node.parent = node.rows > node.columns ? node_of_column[rows[node.row_offset]] : -1;
+  }
+  cut(Branches(nodes));
+  join();
   rename_rows();
 }
 
 /// Into branches of at most a share of all work, and supernodes above them.
-void EliminationTree::cut(const Branches& branches) {
+void TaskTree::cut(const Branches& branches) {
   for (int s = 0; s < static_cast<int>(nodes.size()); ++s) {
-    const int parent = branches.parent[s];
+    const int parent = nodes[s].parent;
     const bool small = branches.small(s);
     if (small && parent >= 0 && branches.small(parent)) {
       continue;  // inside a branch
@@ -85,7 +83,7 @@ void EliminationTree::cut(const Branches& branches) {
 }
 
 /// Parents, children, and where a task's rows above it are in its parent.
-void EliminationTree::join(const Branches& branches) {
+void TaskTree::join() {
   std::vector<int> task_of(nodes.size(), -1);
   for (std::size_t t = 0; t < tasks.size(); ++t) {
     task_of[tasks[t].last_node] = static_cast<int>(t);
@@ -94,7 +92,7 @@ void EliminationTree::join(const Branches& branches) {
   std::vector<std::vector<int>> children(tasks.size());
   for (std::size_t t = 0; t < tasks.size(); ++t) {
     Task& task = tasks[t];
-    const int parent = branches.parent[task.last_node];
+    const int parent = nodes[task.last_node].parent;
     if (parent < 0) {
       roots.push_back(static_cast<int>(t));
       continue;
@@ -126,7 +124,7 @@ void EliminationTree::join(const Branches& branches) {
 
 /// Inside a branch, rows above it are named by their place in its list. Comes last, since join() reads rows of
 /// supernodes that are tasks of their own, which stay.
-void EliminationTree::rename_rows() {
+void TaskTree::rename_rows() {
   for (const Task& task : tasks) {
     const int end = nodes[task.last_node].first_column + nodes[task.last_node].columns;
     const int* const list_begin = list_rows.data() + task.list;

@@ -4,16 +4,17 @@
 #include <cstddef>
 #include <vector>
 
-#include "lapedit/linear/supernodal_solve.h"
+#include "lapedit/linear/supernodal_pattern.h"
 
 namespace lapedit::supernode {
 
 /// The elimination tree of a supernodal factor, cut into tasks that threads can share: small branches are one task
 /// each, every supernode above them is a task of its own. A task adds what it has for rows above it into a list of its
 /// own, which its parent takes over in the order of its children, so sums do not depend on the number of threads.
-struct EliminationTree {
+struct TaskTree {
   struct Node {  ///< a supernode
     int first_column, columns, rows;
+    int parent;         ///< -1: a root
     int row_offset;     ///< of its rows below its own columns, in `rows`
     std::size_t tiles;  ///< offset of its values
   };
@@ -38,12 +39,12 @@ struct EliminationTree {
   std::vector<int> leaves, roots;  ///< tasks
 
   /// O(rows of the factor).
-  explicit EliminationTree(const SupernodalFactor& factor);
+  explicit TaskTree(const SupernodalPattern& pattern);
 
  private:
   struct Branches;
   void cut(const Branches& branches);
-  void join(const Branches& branches);
+  void join();
   void rename_rows();
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/linear/elimination_tree.h"
+#include "lapedit/linear/task_tree.h"
 
 #include <gtest/gtest.h>
 
@@ -14,40 +14,29 @@
 namespace lapedit::supernode {
 namespace {
 
-/// A factor of `leaves` columns that all have one more row, the last column's: a star.
-struct Star {
-  std::vector<int> columns{0}, row_offsets{0}, value_offsets{0}, rows;
-
-  explicit Star(int leaves) {
-    for (int j = 0; j <= leaves; ++j) {
-      rows.push_back(j);
-      if (j < leaves) {
-        rows.push_back(leaves);
-      }
-      columns.push_back(j + 1);
-      row_offsets.push_back(static_cast<int>(rows.size()));
-      value_offsets.push_back(static_cast<int>(rows.size()));
+/// The tree of a factor of `leaves` columns that all have one more row, the last column's: a star.
+TaskTree star(int leaves) {
+  SupernodalPattern pattern;
+  pattern.columns = pattern.row_offsets = {0};
+  for (int j = 0; j <= leaves; ++j) {
+    pattern.rows.push_back(j);
+    if (j < leaves) {
+      pattern.rows.push_back(leaves);
     }
+    pattern.columns.push_back(j + 1);
+    pattern.row_offsets.push_back(static_cast<int>(pattern.rows.size()));
   }
-  EliminationTree tree() const {
-    SupernodalFactor view;
-    view.size = view.supernodes = static_cast<int>(columns.size()) - 1;
-    view.columns = columns.data();
-    view.row_offsets = row_offsets.data();
-    view.value_offsets = value_offsets.data();
-    view.rows = rows.data();
-    return EliminationTree(view);
-  }
-};
+  return TaskTree(pattern);
+}
 
 /// Fails if a column is lost, done twice or cut from its parent.
-TEST(EliminationTree, TasksCoverAllSupernodesOnceAndKnowTheirParents) {
+TEST(TaskTree, TasksCoverAllSupernodesOnceAndKnowTheirParents) {
   for (const int leaves : {1, 3, 40, 500}) {
-    const EliminationTree tree = Star(leaves).tree();
+    const TaskTree tree = star(leaves);
     std::vector<int> seen(leaves + 1, 0);
     int children = 0;
     for (std::size_t t = 0; t < tree.tasks.size(); ++t) {
-      const EliminationTree::Task& task = tree.tasks[t];
+      const TaskTree::Task& task = tree.tasks[t];
       ASSERT_LE(task.first_node, task.last_node);
       for (int s = task.first_node; s <= task.last_node; ++s) {
         ++seen[s];
@@ -64,8 +53,8 @@ TEST(EliminationTree, TasksCoverAllSupernodesOnceAndKnowTheirParents) {
 }
 
 /// Fails if what a task hands up does not arrive at the row that it is meant for.
-TEST(EliminationTree, ListsNameTheParentsRows) {
-  const EliminationTree tree = Star(40).tree();
+TEST(TaskTree, ListsNameTheParentsRows) {
+  const TaskTree tree = star(40);
   ASSERT_EQ(tree.tasks.size(), 41U) << "a branch ends below the supernode that all hang on";
   EXPECT_EQ(tree.list_rows, std::vector<int>(40, 40));
   EXPECT_EQ(tree.list_places, std::vector<int>(40, 0)) << "the parent's own column";
@@ -74,7 +63,7 @@ TEST(EliminationTree, ListsNameTheParentsRows) {
 
 /// A thread that gets no processor: fails if other tasks wait for it than those above or below its own.
 TEST(TreeWalk, ThreadThatIsHeldUpHoldsUpNothingButItsTask) {
-  const EliminationTree tree = Star(40).tree();
+  const TaskTree tree = star(40);
   const int tasks = static_cast<int>(tree.tasks.size());
   const auto caller = std::this_thread::get_id();
   for (const bool up : {true, false}) {
@@ -91,7 +80,7 @@ TEST(TreeWalk, ThreadThatIsHeldUpHoldsUpNothingButItsTask) {
       }
       return what();
     };
-    const auto work = [&](const EliminationTree::Task& task, int) {
+    const auto work = [&](const TaskTree::Task& task, int) {
       const bool leaf = task.parent >= 0;
       if (leaf && std::this_thread::get_id() != caller && !helped) {
         helped = true;
