@@ -11,17 +11,17 @@
 #include <limits>
 #include <utility>
 
-#include "file_names.h"
+#include "files/file_names.h"
+#include "files/output_files.h"
+#include "files/real_files.h"
 #include "filter_laplacian_edit.h"
-#include "in_processes.h"
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
 #include "lapedit/base/stopwatch.h"
 #include "lapedit/json/edit_script.h"
 #include "lapedit_host/pose_writer.h"
-#include "output_files.h"
+#include "processes/in_processes.h"
 #include "progress_line.h"
-#include "real_files.h"
 #include "report.h"
 
 using namespace lapedit;
@@ -35,7 +35,7 @@ int mostVertices(const Options& options) {
 }
 
 [[noreturn]] void refuseReading(const char* what, const QString& path, const std::string& why) {
-  throw Failure(Unreadable, "The " + std::string(what) + " " + quoted_path(path) + " cannot be read: " + why + ".");
+  throw Failure(Unreadable, "The " + std::string(what) + " " + quotedPath(path) + " cannot be read: " + why + ".");
 }
 
 void requireReadable(const QString& path) {
@@ -123,25 +123,25 @@ class Job {
           line_.show(fraction, stage);
           return true;
         }) {
-    host_.add_filters(filters_);
+    host_.addFilters(filters_);
   }
 
   void run() {
     requireReadable(options_.input);
     loadEdit();
     try {
-      host_.require_writer(options_.output);
+      host_.requireWriter(options_.output);
     } catch (const BatchError& error) {
       throw Failure(Unwritable, error.what());
     }
-    host_.require_filters(script_);
+    host_.requireFilters(script_);
 
     Stopwatch stopwatch;
     read();
-    report_.read_ms = stopwatch.lap();
+    report_.readMs = stopwatch.lap();
     if (options_.isScript) {
       runScript();
-      report_.edit_ms = stopwatch.lap();
+      report_.editMs = stopwatch.lap();
       save(0);
     } else {
       applyEdit();
@@ -152,13 +152,13 @@ class Job {
 
  private:
   void loadEdit() {
-    notes_.doing("reading " + quoted_path(options_.edit), Unreadable);
+    notes_.doing("reading " + quotedPath(options_.edit), Unreadable);
     const QByteArray text = textOfEdit(options_.edit);
     if (!QFileInfo(options_.edit).isFile()) {  // as a pipe: options could not look into it
       options_.isScript = text.trimmed().startsWith('<');
     }
     if (options_.isScript) {
-      script_ = read_script(text);
+      script_ = readScript(text);
       return;
     }
     try {
@@ -171,7 +171,7 @@ class Job {
   /// Readers of the host know no names that are not UTF-8: such a file gets another one for as long as it is read.
   void read() {
     const QFileInfo input(options_.input);
-    notes_.doing("reading " + quoted_path(options_.input), Unreadable, input.size());
+    notes_.doing("reading " + quotedPath(options_.input), Unreadable, input.size());
     QString name = options_.input;
     if (!isUtf8(input.fileName())) {
       begin();
@@ -181,7 +181,7 @@ class Job {
     try {
       const int layers = host_.open(name, options_.input);
       if (layers > 1 && !options_.isScript) {
-        throw Failure(Refused, "The file " + quoted_path(options_.input) + " holds " + std::to_string(layers) +
+        throw Failure(Refused, "The file " + quotedPath(options_.input) + " holds " + std::to_string(layers) +
                                    " layers, of which one would be written: save the one to be edited by itself.");
       }
     } catch (const BatchError& error) {
@@ -212,7 +212,7 @@ class Job {
           line_.show(done, stage);
           return true;
         });
-    report_.edit_ms = stopwatch.elapsed();
+    report_.editMs = stopwatch.elapsed();
     const std::vector<EditResult>& results = edited.poses;
     for (std::size_t k = 0; k < results.size(); ++k) {
       report_.poses.push_back({options_.fractions[k], results[k].reports});
@@ -238,7 +238,7 @@ class Job {
         save(static_cast<int>(k));
       }
     });
-    report_.write_ms = writing.elapsed();
+    report_.writeMs = writing.elapsed();
   }
 
   void begin() {
@@ -251,21 +251,21 @@ class Job {
     const QString place = options_.outputs().at(k);
     constexpr std::int64_t kBytesOfElement = 50;  // about, in text
     const CMeshO* const mesh = host_.mesh();
-    notes_.doing("writing " + quoted_path(place), Unwritable,
+    notes_.doing("writing " + quotedPath(place), Unwritable,
                  mesh != nullptr ? kBytesOfElement * (std::int64_t{mesh->vn} + mesh->fn) : 0);
     try {
       host_.save(files_.path(k), options_.kept);
     } catch (const BatchError& error) {
-      throw Failure(Unwritable, "The output " + quoted_path(place) + " cannot be written: " + error.what());
+      throw Failure(Unwritable, "The output " + quotedPath(place) + " cannot be written: " + error.what());
     }
-    report_.write_ms += stopwatch.elapsed();
+    report_.writeMs += stopwatch.elapsed();
   }
 
   /// Until all is on the disk, nothing is in its place.
   void commit() {
     const Stopwatch stopwatch;
     files_.synchronise();
-    report_.write_ms += stopwatch.elapsed();
+    report_.writeMs += stopwatch.elapsed();
     if (!options_.report.isEmpty()) {
       stageReport();
     }
@@ -285,7 +285,7 @@ class Job {
     QFile file(report_files_.path(0));
     const QByteArray text = reportText(options_, report_);
     if (!file.open(QIODevice::WriteOnly) || file.write(text) != text.size() || !file.flush()) {
-      throw Failure(Unwritable, "The report " + quoted_path(options_.report) +
+      throw Failure(Unwritable, "The report " + quotedPath(options_.report) +
                                     " cannot be written: " + file.errorString().toStdString() + ".");
     }
     file.close();

@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <string>
 
-#include "notes.h"
 #include "options.h"
+#include "processes/notes.h"
 
 /// Reads, edits, writes.
 /// @param output  for the reports

@@ -10,14 +10,14 @@
 #include <exception>
 #include <string>
 
-#include "file_names.h"
+#include "files/file_names.h"
 #include "job.h"
-#include "job_pool.h"
 #include "lapedit/base/error.h"
 #include "lapedit/base/thread_pool.h"
-#include "list_run.h"
-#include "supervisor.h"
-#include "system_limits.h"
+#include "lists/job_pool.h"
+#include "lists/list_run.h"
+#include "processes/supervisor.h"
+#include "processes/system_limits.h"
 
 namespace {
 
@@ -92,9 +92,9 @@ int work(int argc, char** argv, Notes& notes) {
   lapedit::limit_threads(processors());
   std::string text;
   if (const std::optional<Options> options = readOptions(arguments, text)) {
-    const auto job = [output](const Options& one, Notes& its_notes) {
+    const auto job = [output](const Options& one, Notes& itsNotes) {
       return guarded([&] {
-        runJob(one, its_notes, output);
+        runJob(one, itsNotes, output);
         return Done;
       });
     };

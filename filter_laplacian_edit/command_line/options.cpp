@@ -6,7 +6,7 @@
 #include <QFileInfo>
 
 #include "failure.h"
-#include "file_names.h"
+#include "files/file_names.h"
 
 using lapedit::host::quoted;
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "batch_host.h"
+#include "host/batch_host.h"
 
 /// Many jobs in one call.
 struct ListOptions {

@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <variant>
 
-#include "batch_host.h"
+#include "host/batch_host.h"
 #include "lapedit_host/mesh_bridge.h"
 
 using namespace lapedit;
@@ -70,6 +70,6 @@ QByteArray reportText(const Options& options, const JobReport& report) {
       {"edit", options.edit},
       {"mesh", QJsonObject{{"vertices", report.vertices}, {"faces", report.faces}}},
       {"outputs", outputs},
-      {"milliseconds", QJsonObject{{"read", report.read_ms}, {"edit", report.edit_ms}, {"write", report.write_ms}}}};
+      {"milliseconds", QJsonObject{{"read", report.readMs}, {"edit", report.editMs}, {"write", report.writeMs}}}};
   return QJsonDocument(all).toJson();
 }

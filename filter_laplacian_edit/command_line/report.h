@@ -17,7 +17,7 @@ struct Pose {
 
 struct JobReport {
   int vertices = 0, faces = 0;  ///< of the mesh that was read
-  double read_ms = 0, edit_ms = 0, write_ms = 0;
+  double readMs = 0, editMs = 0, writeMs = 0;
   std::vector<Pose> poses;
 };
 

@@ -11,7 +11,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "batch_host.h"
+#include "host/batch_host.h"
 #include "fuzz.h"
 
 /// Leaks that are not ours.

@@ -26,7 +26,7 @@ struct Scene {
                                                 "3 0 2 4\n3 2 1 4\n3 1 3 4\n3 3 0 4\n3 2 0 5\n3 1 2 5\n3 3 1 5\n"
                                                 "3 0 3 5\n");
     batch = std::make_unique<host::BatchHost>(Host::instance().plugins(), Progress());
-    batch->add_filters(filters);
+    batch->addFilters(filters);
     batch->open(file, file);
     for (const auto& vertex : batch->mesh()->vert) {
       places.push_back(vertex.cP());
@@ -77,9 +77,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   Host::instance();
   try {
     const std::vector<host::ScriptFilter> script =
-        host::read_script(QByteArray(reinterpret_cast<const char*>(data), static_cast<int>(size)));
+        host::readScript(QByteArray(reinterpret_cast<const char*>(data), static_cast<int>(size)));
     Scene& s = scene();
-    s.batch->require_filters(script);
+    s.batch->requireFilters(script);
     if (script.size() > 3) {
       return 0;
     }

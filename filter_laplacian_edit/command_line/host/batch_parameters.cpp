@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "batch_parameters.h"
+#include "host/batch_parameters.h"
 
 #include <QColor>
 #include <memory>
@@ -24,7 +24,7 @@ QString attribute(const ScriptParameter& given, const QString& name) {
   return *found;
 }
 
-int whole_number(const ScriptParameter& given, const QString& name) {
+int wholeNumber(const ScriptParameter& given, const QString& name) {
   bool ok = false;
   const QString text = attribute(given, name);
   const int number = text.toInt(&ok);
@@ -58,7 +58,7 @@ bool truth(const ScriptParameter& given) {
 }
 
 int choice(const ScriptParameter& given, const RichEnum& known) {
-  const int chosen = whole_number(given, "value");
+  const int chosen = wholeNumber(given, "value");
   if (chosen < 0 || chosen >= known.enumvalues.size()) {
     QStringList numbered;
     for (const QString& value : known.enumvalues) {
@@ -72,7 +72,7 @@ int choice(const ScriptParameter& given, const RichEnum& known) {
 QColor color(const ScriptParameter& given) {
   int parts[4];
   for (int k = 0; k < 4; ++k) {
-    parts[k] = whole_number(given, QString("rgba"[k]));
+    parts[k] = wholeNumber(given, QString("rgba"[k]));
     if (parts[k] < 0 || parts[k] > 255) {
       refuse(given, "has a colour of " + std::to_string(parts[k]) + ": give numbers from 0 to 255.");
     }
@@ -93,7 +93,7 @@ void set(const ScriptParameter& given, MeshDocument& document, RichParameter& pa
   if (type == "RichBool") {
     parameter.setValue(BoolValue(truth(given)));
   } else if (type == "RichInt") {
-    parameter.setValue(IntValue(whole_number(given, "value")));
+    parameter.setValue(IntValue(wholeNumber(given, "value")));
   } else if (type == "RichEnum") {
     parameter.setValue(ChoiceValue(choice(given, dynamic_cast<const RichEnum&>(parameter))));
   } else if (type == "RichFloat") {
@@ -114,7 +114,7 @@ void set(const ScriptParameter& given, MeshDocument& document, RichParameter& pa
   } else if (type == "RichMatrix44f") {
     parameter.setValue(MatrixValue(matrix(given)));
   } else if (type == "RichMesh") {
-    const int layer = whole_number(given, "value");
+    const int layer = wholeNumber(given, "value");
     const std::unique_ptr<Value> value = layer_value(document, layer);
     if (!value) {
       refuse(given, "is layer " + std::to_string(layer) + ", which does not exist: correct the script.");
@@ -127,7 +127,7 @@ void set(const ScriptParameter& given, MeshDocument& document, RichParameter& pa
 
 }  // namespace
 
-void lay_over(const ScriptFilter& filter, MeshDocument& document, RichParameterList& list) {
+void layOver(const ScriptFilter& filter, MeshDocument& document, RichParameterList& list) {
   for (const ScriptParameter& given : filter.parameters) {
     if (!list.hasParameter(given.name)) {
       QStringList known;
@@ -139,7 +139,7 @@ void lay_over(const ScriptFilter& filter, MeshDocument& document, RichParameterL
                                                  (known.isEmpty() ? "none" : known.join(", ").toStdString()) + ".");
     }
     RichParameter& parameter = list.getParameterByName(given.name);
-    const QString type = common_type(parameter.stringType());
+    const QString type = commonType(parameter.stringType());
     if (given.type != type) {
       refuse(given, "is a " + given.type.toStdString() + " in the script, which is of the wrong type: it is a " +
                         type.toStdString() + ".");

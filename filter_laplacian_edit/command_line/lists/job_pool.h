@@ -9,8 +9,8 @@
 #include <optional>
 #include <string>
 
-#include "job_log.h"
-#include "supervisor.h"
+#include "lists/job_log.h"
+#include "processes/supervisor.h"
 
 /// Jobs that run side by side, each in a supervised process of its own: whatever happens to one happens to no other.
 /// For a process without threads, of which there is one pool at a time. Requests to stop are passed on to all jobs.

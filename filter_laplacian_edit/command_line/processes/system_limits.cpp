@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "system_limits.h"
+#include "processes/system_limits.h"
 
 #include <sys/mman.h>
 #include <sys/resource.h>

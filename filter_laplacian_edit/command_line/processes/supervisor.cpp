@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "supervisor.h"
+#include "processes/supervisor.h"
 
 #include <sys/mman.h>
 #include <sys/prctl.h>
@@ -17,8 +17,8 @@
 #include <string>
 #include <system_error>
 
-#include "batch_host.h"
-#include "watchdog.h"
+#include "host/batch_host.h"
+#include "processes/watchdog.h"
 
 namespace {
 
@@ -91,7 +91,7 @@ std::string host() {
 }
 
 /// Where std::terminate() finds what it knows of.
-Notes* own_notes = nullptr;
+Notes* ownNotes = nullptr;
 
 }  // namespace
 
@@ -121,9 +121,9 @@ class Supervisor {
 
  private:
   [[noreturn]] void work(const std::function<int(Notes&)>& work) {
-    own_notes = &notes_;
+    ownNotes = &notes_;
     std::set_terminate([] {
-      own_notes->lacks(lackIn(std::current_exception()));
+      ownNotes->lacks(lackIn(std::current_exception()));
       std::abort();
     });
     try {

@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "options.h"
-#include "supervisor.h"
+#include "processes/supervisor.h"
 
 /// Does the jobs of a list, several at once, each in a process of its own. Opens no mesh itself: its memory does not
 /// depend on theirs. A job that fails is told on the standard error and stops no other. After a request to stop no job

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "ply_file.h"
+#include "files/ply_file.h"
 
 #include <QByteArray>
 #include <QFile>

@@ -21,7 +21,7 @@ inline std::string quoted(const QString& text) {
 
 struct ScriptParameter {
   QString name;
-  QString type;                       ///< as 2020.09 calls it, see common_type()
+  QString type;                       ///< as 2020.09 calls it, see commonType()
   QMap<QString, QString> attributes;  ///< of the element, without name and type
 };
 
@@ -32,12 +32,12 @@ struct ScriptFilter {
 
 /// The filters of a script, in order.
 /// @throws EditError (BadScript) that says in which line of the script
-std::vector<ScriptFilter> read_script(const QByteArray& text);
+std::vector<ScriptFilter> readScript(const QByteArray& text);
 
 /// The name that MeshLab 2020.09 has for a type of parameters.
-QString common_type(const QString& type);
+QString commonType(const QString& type);
 
 /// Up to three of the names that look most like the given one, quoted, with "or" between; empty if none does.
-QString near_names(const QString& name, const QStringList& known);
+QString nearNames(const QString& name, const QStringList& known);
 
 }  // namespace lapedit::host

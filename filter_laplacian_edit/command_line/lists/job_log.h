@@ -14,12 +14,12 @@ struct JobEnd {
   std::string sentence;  ///< the last one on its standard error
   double began = 0;      ///< seconds since 1970
   double seconds = 0;
-  qint64 most_memory = 0;  ///< bytes, of its largest process
+  qint64 mostMemory = 0;  ///< bytes, of its largest process
 };
 
 /// What a job reads, as it was when the job began.
 struct InputState {
-  QByteArray input_bytes, input_modified, edit_bytes, edit_modified;
+  QByteArray inputBytes, inputModified, editBytes, editModified;
 
   static InputState of(const Options& job);
   bool operator==(const InputState& other) const;

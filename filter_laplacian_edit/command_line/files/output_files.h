@@ -7,7 +7,7 @@
 #include <functional>
 #include <string>
 
-#include "scratch_folder.h"
+#include "files/scratch_folder.h"
 
 /// Files that appear in their place all at once, when they are complete. Until then they are in a folder of their own
 /// beside it, under the names that they will have (or plain ones, where those are no UTF-8), so that they can refer to

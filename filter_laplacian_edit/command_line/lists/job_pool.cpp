@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "job_pool.h"
+#include "lists/job_pool.h"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -151,7 +151,7 @@ std::optional<std::pair<int, JobEnd>> JobPool::reap() {
     JobEnd end = endOf(status, job->second.text);
     end.began = job->second.began;
     end.seconds = now() - end.began;
-    end.most_memory = 1024 * static_cast<qint64>(used.ru_maxrss);
+    end.mostMemory = 1024 * static_cast<qint64>(used.ru_maxrss);
     const int number = job->second.number;
     jobs_.erase(job);
     return std::make_pair(number, std::move(end));

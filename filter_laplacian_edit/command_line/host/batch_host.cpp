@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "batch_host.h"
+#include "host/batch_host.h"
 
 #include <common/mlapplication.h>
 #include <dlfcn.h>
@@ -15,14 +15,14 @@
 #include <map>
 #include <utility>
 
-#include "batch_parameters.h"
-#include "dialog_watch.h"
-#include "file_names.h"
+#include "files/file_names.h"
+#include "files/ply_file.h"
+#include "host/batch_parameters.h"
+#include "host/dialog_watch.h"
 #include "lapedit/base/error.h"
 #include "lapedit_host/face_shape.h"
 #include "lapedit_host/mesh_bridge.h"
-#include "notes.h"
-#include "ply_file.h"
+#include "processes/notes.h"
 #include "vertex_filter_plugin.h"
 
 namespace lapedit::host {
@@ -53,11 +53,11 @@ class CurrentFolder {
 };
 
 /// The host's message on one line, less its preface, with a full stop.
-std::string one_line(QString message) {
-  for (const QString& end_of_preface : {QString("Error details:"), QString(":\n")}) {
-    const int at = message.indexOf(end_of_preface);
+std::string oneLine(QString message) {
+  for (const QString& endOfPreface : {QString("Error details:"), QString(":\n")}) {
+    const int at = message.indexOf(endOfPreface);
     if (at >= 0) {
-      message = message.mid(at + end_of_preface.size());
+      message = message.mid(at + endOfPreface.size());
       break;
     }
   }
@@ -69,7 +69,7 @@ std::string one_line(QString message) {
 }
 
 /// The innermost part of a message of Qt's about a library: what is missing, as the loader said it.
-QString reason_of_loader(const QString& message) {
+QString reasonOfLoader(const QString& message) {
   const int open = message.lastIndexOf(": (");
   QString reason = (open < 0 ? message : message.mid(open + 3)).simplified();
   while (reason.endsWith('.') || reason.endsWith(')')) {
@@ -79,7 +79,7 @@ QString reason_of_loader(const QString& message) {
 }
 
 /// Beside the library itself, wherever that is installed.
-QString standard_plugins() {
+QString standardPlugins() {
   Dl_info library = {};
   if (dladdr(reinterpret_cast<const void*>(&MeshLabApplication::appVer), &library) == 0) {
     return {};
@@ -90,7 +90,7 @@ QString standard_plugins() {
 }
 
 /// What a layer has of what a format can keep.
-int mask_of(const MeshModel& layer) {
+int maskOf(const MeshModel& layer) {
   static constexpr std::pair<int, int> kBits[] = {
       {Mask::IOM_VERTFLAGS, MeshModel::MM_VERTFLAG},        {Mask::IOM_VERTCOLOR, MeshModel::MM_VERTCOLOR},
       {Mask::IOM_VERTQUALITY, MeshModel::MM_VERTQUALITY},   {Mask::IOM_VERTNORMAL, MeshModel::MM_VERTNORMAL},
@@ -101,9 +101,9 @@ int mask_of(const MeshModel& layer) {
       {Mask::IOM_WEDGNORMAL, MeshModel::MM_WEDGNORMAL},     {Mask::IOM_BITPOLYGONAL, MeshModel::MM_POLYGONAL},
   };
   int mask = Mask::IOM_VERTCOORD | Mask::IOM_FACEINDEX;
-  for (const auto& [in_file, in_mesh] : kBits) {
-    if (layer.hasDataMask(in_mesh)) {
-      mask |= in_file;
+  for (const auto& [inFile, inMesh] : kBits) {
+    if (layer.hasDataMask(inMesh)) {
+      mask |= inFile;
     }
   }
   if ((mask & Mask::IOM_WEDGTEXCOORD) != 0) {
@@ -119,7 +119,7 @@ int mask_of(const MeshModel& layer) {
 }
 
 /// Normals and box, as the host makes them of a new layer.
-void complete_layer(MeshModel& layer, int mask) {
+void completeLayer(MeshModel& layer, int mask) {
   using Normals = vcg::tri::UpdateNormal<CMeshO>;
   if ((mask & Mask::IOM_BITPOLYGONAL) != 0) {
     layer.updateDataMask(MeshModel::MM_POLYGONAL | MeshModel::MM_FACEFACETOPO);
@@ -138,7 +138,7 @@ void complete_layer(MeshModel& layer, int mask) {
 }
 
 /// Whether what was written last may have been cut short: no more can be written, or no more into this file.
-bool is_full(const QFileInfo& written) {
+bool isFull(const QFileInfo& written) {
   struct rlimit limit = {};
   if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
       static_cast<rlim_t>(written.size()) >= limit.rlim_cur) {
@@ -154,7 +154,7 @@ bool is_full(const QFileInfo& written) {
 }
 
 /// Lines of a text file that begin with "v " and "f ".
-std::pair<int, int> count_in_obj(const QString& path) {
+std::pair<int, int> countInObj(const QString& path) {
   QFile file(path);
   file.open(QIODevice::ReadOnly);
   std::pair<int, int> counts = {0, 0};
@@ -168,7 +168,7 @@ std::pair<int, int> count_in_obj(const QString& path) {
 
 }  // namespace
 
-std::string quoted_path(const QString& path) {
+std::string quotedPath(const QString& path) {
   QString text = path;
   for (QChar& letter : text) {
     if (letter.category() == QChar::Other_Control) {
@@ -186,36 +186,36 @@ struct BatchHost::State {
   };
 
   QString folder;
-  QStringList formats_left, filters_left;             // plugin files that are not loaded yet
-  QStringList not_loaded;                             // those that could not be, and why
+  QStringList formatsLeft, filtersLeft;               // plugin files that are not loaded yet
+  QStringList notLoaded;                              // those that could not be, and why
   std::map<QString, FormatPlugin*> readers, writers;  // by suffix in lower case
   std::map<QString, Filter> filters;
   MeshDocument document;
   DialogWatch dialogs;
 
-  void load_next(QStringList& files) {
+  void loadNext(QStringList& files) {
     const QString file = files.takeFirst();
     LoadedPlugin plugin;
     try {
       plugin = load_plugin(folder + "/" + file);
     } catch (const std::exception& error) {
       // Not an error until somebody needs it, and then it is missing under its name.
-      not_loaded << file + ": " + reason_of_loader(QString::fromUtf8(error.what()));
+      notLoaded << file + ": " + reasonOfLoader(QString::fromUtf8(error.what()));
       return;
     }
     if (plugin.format != nullptr) {
-      add_format(*plugin.format);
+      addFormat(*plugin.format);
     }
     if (plugin.filter != nullptr) {
-      add_filter(*plugin.filter, file);
+      addFilter(*plugin.filter, file);
     }
   }
 
-  std::string what_is_not_loaded() const {
-    return not_loaded.isEmpty() ? std::string() : " (not loaded: " + not_loaded.join("; ").toStdString() + ")";
+  std::string whatIsNotLoaded() const {
+    return notLoaded.isEmpty() ? std::string() : " (not loaded: " + notLoaded.join("; ").toStdString() + ")";
   }
 
-  void add_format(FormatPlugin& plugin) {
+  void addFormat(FormatPlugin& plugin) {
     plugin.setLog(&document.Log);
     for (const auto& format : read_formats(plugin)) {
       for (const QString& suffix : format.extensions) {
@@ -229,7 +229,7 @@ struct BatchHost::State {
     }
   }
 
-  void add_filter(HostFilterPlugin& plugin, const QString& file) {
+  void addFilter(HostFilterPlugin& plugin, const QString& file) {
     plugin.setLog(&document.Log);
     for (QAction* action : plugin.actions()) {
       filters.emplace(action->text(), Filter{&plugin, action, file});
@@ -238,8 +238,8 @@ struct BatchHost::State {
 
   /// @return null if no plugin knows the suffix
   FormatPlugin* find(const std::map<QString, FormatPlugin*>& known, const QString& suffix) {
-    while (known.find(suffix.toLower()) == known.end() && !formats_left.isEmpty()) {
-      load_next(formats_left);
+    while (known.find(suffix.toLower()) == known.end() && !formatsLeft.isEmpty()) {
+      loadNext(formatsLeft);
     }
     const auto found = known.find(suffix.toLower());
     return found == known.end() ? nullptr : found->second;
@@ -254,12 +254,12 @@ struct BatchHost::State {
       for (const auto& [name, ignored] : known) {
         suffixes << name;
       }
-      const std::string in_folder = " in " + folder.toStdString();
+      const std::string inFolder = " in " + folder.toStdString();
       if (suffixes.isEmpty()) {
-        throw BatchError("There are no plugins of MeshLab that can " + std::string(verb) + " meshes" + in_folder +
-                         what_is_not_loaded() + ": give their folder with --plugins.");
+        throw BatchError("There are no plugins of MeshLab that can " + std::string(verb) + " meshes" + inFolder +
+                         whatIsNotLoaded() + ": give their folder with --plugins.");
       }
-      throw BatchError("No plugin of MeshLab" + in_folder + " can " + verb + " " + quoted_path(path) +
+      throw BatchError("No plugin of MeshLab" + inFolder + " can " + verb + " " + quotedPath(path) +
                        ": the suffixes are " + suffixes.join(", ").toStdString() + ".");
     }
     return *plugin;
@@ -268,24 +268,24 @@ struct BatchHost::State {
   std::vector<std::pair<MeshModel*, int>> read(const QString& path, MeshDocument& into, const QString& called) {
     const QFileInfo file(path);
     FormatPlugin& plugin = require(readers, path, "read");
-    const CurrentFolder folder_of_file(file.absolutePath());
+    const CurrentFolder folderOfFile(file.absolutePath());
     std::vector<std::pair<MeshModel*, int>> layers;
     try {
       layers = read_layers(plugin, file, into, ask);
-      refuse_dialogs();
+      refuseDialogs();
     } catch (const std::exception& error) {
-      throw BatchError("The mesh " + quoted_path(called) + " cannot be read: " + reason(error));
+      throw BatchError("The mesh " + quotedPath(called) + " cannot be read: " + reason(error));
     }
     if (layers.empty()) {
-      throw BatchError("The mesh " + quoted_path(called) + " cannot be read: there is none in the file.");
+      throw BatchError("The mesh " + quotedPath(called) + " cannot be read: there is none in the file.");
     }
     return layers;
   }
 
-  void require_complete(const QString& path, MeshModel& layer);
+  void requireComplete(const QString& path, MeshModel& layer);
 
   /// What a dialog asks cannot be answered here. @throws std::runtime_error
-  void refuse_dialogs() {
+  void refuseDialogs() {
     const QString said = dialogs.take();
     if (!said.isEmpty()) {
       throw std::runtime_error("MeshLab opens a dialog, which nobody can answer here: " + said.toStdString());
@@ -299,23 +299,23 @@ struct BatchHost::State {
       throw;
     }
     const QString said = dialogs.take();
-    return one_line(said.isEmpty() ? QString::fromUtf8(error.what()) : said);
+    return oneLine(said.isEmpty() ? QString::fromUtf8(error.what()) : said);
   }
 };
 
-BatchHost::BatchHost(const QString& plugins, Progress asked_now) : state_(std::make_unique<State>()) {
-  asked() = std::move(asked_now);
-  state_->folder = plugins.isEmpty() ? standard_plugins() : plugins;
+BatchHost::BatchHost(const QString& plugins, Progress askedNow) : state_(std::make_unique<State>()) {
+  asked() = std::move(askedNow);
+  state_->folder = plugins.isEmpty() ? standardPlugins() : plugins;
   const QDir folder(state_->folder);
-  state_->formats_left = folder.entryList({"libio_*.so"}, QDir::Files);
+  state_->formatsLeft = folder.entryList({"libio_*.so"}, QDir::Files);
   // Has the common formats: mostly the only one that is needed.
   const QString base = "libio_base.so";
-  if (state_->formats_left.removeOne(base)) {
-    state_->formats_left.prepend(base);
+  if (state_->formatsLeft.removeOne(base)) {
+    state_->formatsLeft.prepend(base);
   }
-  state_->filters_left = folder.entryList({"libfilter_*.so"}, QDir::Files);
+  state_->filtersLeft = folder.entryList({"libfilter_*.so"}, QDir::Files);
   // These are part of this program.
-  state_->filters_left.removeOne("libfilter_laplacian_edit.so");
+  state_->filtersLeft.removeOne("libfilter_laplacian_edit.so");
 }
 
 BatchHost::~BatchHost() {
@@ -334,10 +334,10 @@ int BatchHost::open(const QString& path, const QString& called) {
       require_sound_corners(layer->cm);
     } catch (const EditError& error) {
       const QString sentence = QString::fromUtf8(error.what());
-      throw BatchError("The mesh " + quoted_path(path) +
+      throw BatchError("The mesh " + quotedPath(path) +
                        " cannot be read: " + (sentence.left(1).toLower() + sentence.mid(1)).toStdString());
     }
-    complete_layer(*layer, mask);
+    completeLayer(*layer, mask);
   }
   return static_cast<int>(layers.size());
 }
@@ -347,15 +347,15 @@ CMeshO* BatchHost::mesh() {
   return layer != nullptr ? &layer->cm : nullptr;
 }
 
-void BatchHost::add_filters(VertexFilterPlugin& plugin) {
-  state_->add_filter(plugin, {});
+void BatchHost::addFilters(VertexFilterPlugin& plugin) {
+  state_->addFilter(plugin, {});
 }
 
-void BatchHost::require_filters(const std::vector<ScriptFilter>& script) {
+void BatchHost::requireFilters(const std::vector<ScriptFilter>& script) {
   State& s = *state_;
   for (const ScriptFilter& wanted : script) {
-    while (s.filters.find(wanted.name) == s.filters.end() && !s.filters_left.isEmpty()) {
-      s.load_next(s.filters_left);
+    while (s.filters.find(wanted.name) == s.filters.end() && !s.filtersLeft.isEmpty()) {
+      s.loadNext(s.filtersLeft);
     }
     const auto found = s.filters.find(wanted.name);
     if (found == s.filters.end()) {
@@ -363,10 +363,10 @@ void BatchHost::require_filters(const std::vector<ScriptFilter>& script) {
       for (const auto& [name, ignored] : s.filters) {
         known << name;
       }
-      const QString near = near_names(wanted.name, known);
+      const QString near = nearNames(wanted.name, known);
       throw EditError(ErrorCause::BadScript,
                       version().toStdString() + " has no filter " + quoted(wanted.name) + " in " +
-                          s.folder.toStdString() + s.what_is_not_loaded() +
+                          s.folder.toStdString() + s.whatIsNotLoaded() +
                           (near.isEmpty() ? ": correct the script." : ": did you mean " + near.toStdString() + "?"));
     }
     if (draws(*found->second.plugin, found->second.action, found->second.file)) {
@@ -399,9 +399,9 @@ void BatchHost::run(const std::vector<ScriptFilter>& script, const std::function
       }
       layer->updateDataMask(filter.plugin->getRequirements(filter.action));
       RichParameterList parameters = standard_parameters(*filter.plugin, filter.action, s.document);
-      lay_over(script[k], s.document, parameters);
+      layOver(script[k], s.document, parameters);
       apply(*filter.plugin, filter.action, parameters, s.document, ask);
-      s.refuse_dialogs();
+      s.refuseDialogs();
     } catch (const std::exception& error) {
       const std::string why = s.reason(error);
       const std::string place = script.size() == 1
@@ -424,7 +424,7 @@ void BatchHost::run(const std::vector<ScriptFilter>& script, const std::function
   }
 }
 
-void BatchHost::require_writer(const QString& path) {
+void BatchHost::requireWriter(const QString& path) {
   state_->require(state_->writers, path, "write");
 }
 
@@ -440,7 +440,7 @@ void BatchHost::save(const QString& path, const KeptAttributes& kept) {
   find_masks(plugin, file.suffix(), capability, standard);
   standard |= kept.normals ? Mask::IOM_VERTNORMAL | Mask::IOM_FACENORMAL : 0;
   standard |= kept.selection ? Mask::IOM_FLAGS : 0;
-  const int mask = mask_of(*layer) & capability & standard;
+  const int mask = maskOf(*layer) & capability & standard;
   if ((mask & Mask::IOM_BITPOLYGONAL) != 0) {
     layer->updateDataMask(MeshModel::MM_FACEFACETOPO);
   }
@@ -448,22 +448,22 @@ void BatchHost::save(const QString& path, const KeptAttributes& kept) {
   try {
     // Below a folder whose name is no UTF-8, by the way through the current one.
     write_layer(plugin, isUtf8(path) ? file : QFileInfo("/proc/self/cwd/" + file.fileName()), *layer, mask, ask);
-    s.refuse_dialogs();
+    s.refuseDialogs();
   } catch (const std::exception& error) {
     throw BatchError(s.reason(error));
   }
-  s.require_complete(path, *layer);
+  s.requireComplete(path, *layer);
 }
 
 /// Many writers do not look whether their output arrives.
-void BatchHost::State::require_complete(const QString& path, MeshModel& layer) {
+void BatchHost::State::requireComplete(const QString& path, MeshModel& layer) {
   const QFileInfo file(path);
-  const bool full = is_full(file);
+  const bool full = isFull(file);
   const QString suffix = file.suffix().toLower();
   bool complete = !full && file.exists() && file.size() > 0;
   std::pair<int, int> found = {layer.cm.vn, layer.cm.fn};
   if (complete && suffix == "obj") {
-    found = count_in_obj(path);
+    found = countInObj(path);
   } else if (complete && suffix == "stl") {
     // Binary; read back, it has other vertices.
     complete = file.size() == 84 + 50 * static_cast<qint64>(layer.cm.fn);
@@ -473,8 +473,8 @@ void BatchHost::State::require_complete(const QString& path, MeshModel& layer) {
   } else if (complete && (suffix == "ply" || suffix == "off")) {
     MeshDocument copy;
     try {
-      const MeshModel& read_back = *read(path, copy, path).front().first;
-      found = {read_back.cm.vn, read_back.cm.fn};
+      const MeshModel& readBack = *read(path, copy, path).front().first;
+      found = {readBack.cm.vn, readBack.cm.fn};
     } catch (const BatchError&) {
       complete = false;
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "watchdog.h"
+#include "processes/watchdog.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -54,10 +54,10 @@ Watchdog::Verdict Watchdog::look() {
   waited_ += std::min(seconds(now - last_), 1.0);
   last_ = now;
   const std::int64_t bytes = notes_.bytes_;
-  const Signs signs_now = signs();
+  const Signs signsNow = signs();
   const double used = processorTime();
-  if (bytes < 0 || signs_now != seen_) {
-    seen_ = signs_now;
+  if (bytes < 0 || signsNow != seen_) {
+    seen_ = signsNow;
     used_ = used;
     waited_ = 0;
     return Verdict::GoOn;

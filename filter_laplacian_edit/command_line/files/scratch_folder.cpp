@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "scratch_folder.h"
+#include "files/scratch_folder.h"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -46,11 +46,11 @@ bool hasLocks(int folder) {
   return ::flock(folder, LOCK_EX | LOCK_NB) == 0;
 }
 
-void sweep(const std::string& folder, const std::string& name_begins) {
+void sweep(const std::string& folder, const std::string& nameBegins) {
   std::error_code error;
   for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const std::string name = entry->path().filename().string();
-    if (name.compare(0, name_begins.size(), name_begins) != 0 || name.size() != name_begins.size() + 6) {
+    if (name.compare(0, nameBegins.size(), nameBegins) != 0 || name.size() != nameBegins.size() + 6) {
       continue;
     }
     const int held = lock(entry->path().string());

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "notes.h"
+#include "processes/notes.h"
 
 /// Does the work in a process of its own. The host stops at assertions for files that it does not understand, and some
 /// of its readers never end; whoever calls this program gets a sentence, an exit code and no rubbish then, as when it

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "real_files.h"
+#include "files/real_files.h"
 
 #include <sys/stat.h>
 
@@ -12,7 +12,7 @@
 #include "failure.h"
 #include "options.h"
 
-using lapedit::host::quoted_path;
+using lapedit::host::quotedPath;
 
 namespace {
 
@@ -32,13 +32,13 @@ Named named(const std::string& role, const QString& path) {
   try {
     return {role, path, RealFile(bytesOf(path))};
   } catch (const std::system_error&) {
-    throw Failure(WrongUsage, "The " + role + " " + quoted_path(path) + " is a link that leads in a circle.");
+    throw Failure(WrongUsage, "The " + role + " " + quotedPath(path) + " is a link that leads in a circle.");
   }
 }
 
 [[noreturn]] void refuse(const Named& a, const Named& b) {
-  throw Failure(WrongUsage, "The " + a.role + " " + quoted_path(a.path) + " and the " + b.role + " " +
-                                quoted_path(b.path) + " are the same file: give another name for the " + b.role + ".");
+  throw Failure(WrongUsage, "The " + a.role + " " + quotedPath(a.path) + " and the " + b.role + " " +
+                                quotedPath(b.path) + " are the same file: give another name for the " + b.role + ".");
 }
 
 }  // namespace

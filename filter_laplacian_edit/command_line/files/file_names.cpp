@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "file_names.h"
+#include "files/file_names.h"
 
 #include <QDir>
 #include <QFileInfo>

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "batch_script.h"
+#include "host/batch_script.h"
 #include "lapedit/base/progress.h"
 #include "lapedit/mesh/triangle_mesh.h"
 
@@ -22,7 +22,7 @@ namespace lapedit::host {
 class VertexFilterPlugin;
 
 /// A path for a message: all of it, since its end tells the most.
-std::string quoted_path(const QString& path);
+std::string quotedPath(const QString& path);
 
 /// What the host could not do, in a sentence for the user.
 class BatchError : public std::runtime_error {
@@ -56,11 +56,11 @@ class BatchHost {
   CMeshO* mesh();
 
   /// Filters that come before those of the host's plugins. The plugin has to live as long as this object.
-  void add_filters(VertexFilterPlugin& plugin);
+  void addFilters(VertexFilterPlugin& plugin);
 
   /// Whether all filters exist and can run here; plugins are loaded as needed.
   /// @throws EditError (BadScript)
-  void require_filters(const std::vector<ScriptFilter>& script);
+  void requireFilters(const std::vector<ScriptFilter>& script);
 
   /// Runs filters on the current layer, as it is then.
   /// @param before  called before each filter
@@ -70,7 +70,7 @@ class BatchHost {
            const std::function<void(const QString&)>& after);
 
   /// @throws BatchError if no plugin writes files of this name
-  void require_writer(const QString& path);
+  void requireWriter(const QString& path);
 
   /// Writes the current layer with all that it has and the format keeps by default, and makes sure that the file is
   /// complete, as far as it can be read back.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "dialog_watch.h"
+#include "host/dialog_watch.h"
 
 #include <QApplication>
 #include <QDialog>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "in_processes.h"
+#include "processes/in_processes.h"
 
 #include <fcntl.h>
 #include <sys/prctl.h>

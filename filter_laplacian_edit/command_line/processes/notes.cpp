@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "notes.h"
+#include "processes/notes.h"
 
 #include <cstdio>
 #include <new>

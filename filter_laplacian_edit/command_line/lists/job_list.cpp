@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "job_list.h"
+#include "lists/job_list.h"
 
 #include <QFile>
 #include <QFileInfo>
@@ -13,17 +13,17 @@
 #include <system_error>
 
 #include "failure.h"
-#include "file_names.h"
-#include "real_files.h"
+#include "files/file_names.h"
+#include "files/real_files.h"
 
 using lapedit::host::quoted;
-using lapedit::host::quoted_path;
+using lapedit::host::quotedPath;
 
 namespace {
 
 [[noreturn]] void refuse(const Options& common, int line, const std::string& what) {
   throw Failure(WrongUsage,
-                "The list " + quoted_path(common.list.file) + ", line " + std::to_string(line) + ": " + what + ".");
+                "The list " + quotedPath(common.list.file) + ", line " + std::to_string(line) + ": " + what + ".");
 }
 
 QByteArray absolute(const QString& path) {
@@ -114,10 +114,10 @@ class RealNames {
 void requireApart(const std::vector<ListedJob>& jobs, const Options& common) {
   RealNames real;
   QHash<QString, int> written;  // to the line
-  constexpr int no_line = 0;
+  constexpr int noLine = 0;
   for (const QString& path : {common.list.file, common.list.log}) {
     if (!path.isEmpty()) {
-      written.insert(real.of(path), no_line);
+      written.insert(real.of(path), noLine);
     }
   }
   for (const ListedJob& job : jobs) {
@@ -130,8 +130,8 @@ void requireApart(const std::vector<ListedJob>& jobs, const Options& common) {
       const auto other = written.constFind(name);
       if (other != written.constEnd()) {
         refuse(common, job.line,
-               quoted_path(path) + " is also " +
-                   (*other == no_line ? "the list or the job log" : "written by line " + std::to_string(*other)) +
+               quotedPath(path) + " is also " +
+                   (*other == noLine ? "the list or the job log" : "written by line " + std::to_string(*other)) +
                    ": give another name");
       }
       written.insert(name, job.line);
@@ -140,10 +140,10 @@ void requireApart(const std::vector<ListedJob>& jobs, const Options& common) {
   for (const ListedJob& job : jobs) {
     for (const QByteArray& path : {job.input, job.edit}) {
       const QString name = QFile::decodeName(path);
-      const int line = written.value(real.of(name), no_line);
-      if (line != no_line) {
+      const int line = written.value(real.of(name), noLine);
+      if (line != noLine) {
         refuse(common, job.line,
-               quoted_path(name) + " is written by " +
+               quotedPath(name) + " is written by " +
                    (line == job.line ? "the same line" : "line " + std::to_string(line)) +
                    ": jobs are done in any order, and some again by --resume, so give that output another name");
       }
@@ -154,11 +154,11 @@ void requireApart(const std::vector<ListedJob>& jobs, const Options& common) {
 }  // namespace
 
 std::vector<ListedJob> readJobList(const Options& common) {
-  const bool is_folder = QFileInfo(common.list.file).isDir();
+  const bool isFolder = QFileInfo(common.list.file).isDir();
   std::ifstream file(QFile::encodeName(common.list.file).toStdString());  // which may be a pipe
-  if (is_folder || !file) {
-    throw Failure(Unreadable, "The list " + quoted_path(common.list.file) +
-                                  " cannot be read: " + (is_folder ? "it is a folder" : std::strerror(errno)) + ".");
+  if (isFolder || !file) {
+    throw Failure(Unreadable, "The list " + quotedPath(common.list.file) +
+                                  " cannot be read: " + (isFolder ? "it is a folder" : std::strerror(errno)) + ".");
   }
   std::vector<ListedJob> jobs;
   int line = 0;

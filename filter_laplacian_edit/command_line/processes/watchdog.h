@@ -6,7 +6,7 @@
 #include <chrono>
 #include <cstdint>
 
-#include "notes.h"
+#include "processes/notes.h"
 
 /// Sees when a worker has used up its time, or when the host's reading or writing gets nowhere. As getting on counts
 /// what the host says of its progress, and each byte that is read or written. Time is the processor's, so that a

@@ -2,13 +2,13 @@
 #pragma once
 
 #include "batch_plugins.h"
-#include "batch_script.h"
+#include "host/batch_script.h"
 
 namespace lapedit::host {
 
 /// Lays a script's values over the list of a filter's parameters; those that it does not mention keep theirs.
 /// @throws EditError (BadScript) for unknown names, other types, what is no number, and numbers of no choice: the host
 ///         itself would stop at an assertion, or not see it
-void lay_over(const ScriptFilter& filter, MeshDocument& document, RichParameterList& list);
+void layOver(const ScriptFilter& filter, MeshDocument& document, RichParameterList& list);
 
 }  // namespace lapedit::host

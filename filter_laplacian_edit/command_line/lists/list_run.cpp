@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "list_run.h"
+#include "lists/list_run.h"
 
 #include <QFile>
 #include <algorithm>
@@ -10,19 +10,19 @@
 #include <utility>
 
 #include "job.h"
-#include "job_list.h"
-#include "job_log.h"
-#include "job_pool.h"
+#include "lists/job_list.h"
+#include "lists/job_log.h"
+#include "lists/job_pool.h"
 #include "progress_line.h"
 
 namespace {
 
 /// What each job would load for itself, into the process that all of them are copies of.
-void loadBefore(const Options& options, int at_once) {
+void loadBefore(const Options& options, int atOnce) {
   // Some of MeshLab's plugins bring a BLAS, which reads how many threads it may have when it is loaded.
-  setenv("OPENBLAS_NUM_THREADS", std::to_string(std::max(1, processors() / at_once)).c_str(), 0);
+  setenv("OPENBLAS_NUM_THREADS", std::to_string(std::max(1, processors() / atOnce)).c_str(), 0);
   try {
-    lapedit::host::BatchHost(options.plugins, {}).require_writer("common.ply");
+    lapedit::host::BatchHost(options.plugins, {}).requireWriter("common.ply");
   } catch (const std::exception&) {
     // The jobs will tell.
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "output_files.h"
+#include "files/output_files.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -14,12 +14,12 @@
 #include <system_error>
 #include <utility>
 
-#include "batch_host.h"
 #include "failure.h"
-#include "file_names.h"
-#include "real_files.h"
+#include "files/file_names.h"
+#include "files/real_files.h"
+#include "host/batch_host.h"
 
-using lapedit::host::quoted_path;
+using lapedit::host::quotedPath;
 
 namespace {
 
@@ -84,7 +84,7 @@ OutputFiles::OutputFiles(const std::string& what, const QStringList& places) : w
 }
 
 void OutputFiles::refuse(const QString& place, const std::string& why) const {
-  throw Failure(Unwritable, "The " + what_ + " " + quoted_path(place) + " cannot be written: " + why + ".");
+  throw Failure(Unwritable, "The " + what_ + " " + quotedPath(place) + " cannot be written: " + why + ".");
 }
 
 void OutputFiles::begin(const std::function<void(const std::string&)>& made) {

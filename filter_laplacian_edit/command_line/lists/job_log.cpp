@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "job_log.h"
+#include "lists/job_log.h"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -17,14 +17,14 @@
 
 #include "failure.h"
 
-using lapedit::host::quoted_path;
+using lapedit::host::quotedPath;
 
 namespace {
 
 constexpr char kVersion[] = "laplacian_edit_job";
 
 [[noreturn]] void refuse(const QString& path, ExitCode code, const std::string& why) {
-  throw Failure(code, "The job log " + quoted_path(path) + " cannot be written: " + why + ".");
+  throw Failure(code, "The job log " + quotedPath(path) + " cannot be written: " + why + ".");
 }
 
 /// Size and time of a file, empty if there is none.
@@ -89,8 +89,8 @@ InputState InputState::of(const Options& job) {
 }
 
 bool InputState::operator==(const InputState& other) const {
-  return input_bytes == other.input_bytes && input_modified == other.input_modified && edit_bytes == other.edit_bytes &&
-         edit_modified == other.edit_modified;
+  return inputBytes == other.inputBytes && inputModified == other.inputModified && editBytes == other.editBytes &&
+         editModified == other.editModified;
 }
 
 JobLog::JobLog(const QString& path) : path_(path) {
@@ -163,11 +163,11 @@ void JobLog::add(int line, const Options& job, const InputState& before, const J
   entry["sentence"] = QString::fromStdString(end.sentence);
   entry["began"] = end.began;
   entry["seconds"] = end.seconds;
-  entry["most_memory"] = end.most_memory;
-  entry["in_bytes"] = QString(before.input_bytes);
-  entry["in_modified"] = QString(before.input_modified);
-  entry["edit_bytes"] = QString(before.edit_bytes);
-  entry["edit_modified"] = QString(before.edit_modified);
+  entry["most_memory"] = end.mostMemory;
+  entry["in_bytes"] = QString(before.inputBytes);
+  entry["in_modified"] = QString(before.inputModified);
+  entry["edit_bytes"] = QString(before.editBytes);
+  entry["edit_modified"] = QString(before.editModified);
   const QByteArray text = QJsonDocument(entry).toJson(QJsonDocument::Compact) + "\n";
   // At once, so that whoever reads sees whole lines.
   if (::write(file_, text.constData(), static_cast<std::size_t>(text.size())) != text.size()) {

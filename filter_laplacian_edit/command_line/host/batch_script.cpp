@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "batch_script.h"
+#include "host/batch_script.h"
 
 #include <QSet>
 #include <QXmlStreamReader>
@@ -19,7 +19,7 @@ namespace {
                   "The script cannot be read, line " + std::to_string(xml.lineNumber()) + ": " + what);
 }
 
-void refuse_malformed(const QXmlStreamReader& xml) {
+void refuseMalformed(const QXmlStreamReader& xml) {
   if (xml.hasError()) {
     std::string what = xml.errorString().toStdString();
     while (!what.empty() && (what.back() == '.' || what.back() == '\n')) {
@@ -29,14 +29,14 @@ void refuse_malformed(const QXmlStreamReader& xml) {
   }
 }
 
-ScriptParameter read_parameter(QXmlStreamReader& xml) {
+ScriptParameter readParameter(QXmlStreamReader& xml) {
   ScriptParameter parameter;
   for (const QXmlStreamAttribute& attribute : xml.attributes()) {
     const QString name = attribute.name().toString();
     if (name == "name") {
       parameter.name = attribute.value().toString();
     } else if (name == "type") {
-      parameter.type = common_type(attribute.value().toString());
+      parameter.type = commonType(attribute.value().toString());
     } else {
       parameter.attributes.insert(name, attribute.value().toString());
     }
@@ -47,7 +47,7 @@ ScriptParameter read_parameter(QXmlStreamReader& xml) {
   return parameter;
 }
 
-ScriptFilter read_filter(QXmlStreamReader& xml) {
+ScriptFilter readFilter(QXmlStreamReader& xml) {
   ScriptFilter filter;
   filter.name = xml.attributes().value("name").toString();
   if (filter.name.isEmpty()) {
@@ -58,7 +58,7 @@ ScriptFilter read_filter(QXmlStreamReader& xml) {
     if (xml.name() != QLatin1String("Param")) {
       refuse(xml, "there is an element " + quoted(xml.name().toString()) + " where Param is expected.");
     }
-    ScriptParameter parameter = read_parameter(xml);
+    ScriptParameter parameter = readParameter(xml);
     const int before = names.size();
     names.insert(parameter.name);
     if (names.size() == before) {
@@ -87,7 +87,7 @@ int distance(const QString& a, const QString& b) {
 
 }  // namespace
 
-std::vector<ScriptFilter> read_script(const QByteArray& text) {
+std::vector<ScriptFilter> readScript(const QByteArray& text) {
   QXmlStreamReader xml(text);
   std::vector<ScriptFilter> filters;
   if (xml.readNextStartElement()) {
@@ -98,25 +98,25 @@ std::vector<ScriptFilter> read_script(const QByteArray& text) {
       if (xml.name() != QLatin1String("filter")) {
         refuse(xml, "there is an element " + quoted(xml.name().toString()) + " where filter is expected.");
       }
-      filters.push_back(read_filter(xml));
+      filters.push_back(readFilter(xml));
     }
     while (!xml.atEnd()) {
       xml.readNext();
     }
   }
-  refuse_malformed(xml);
+  refuseMalformed(xml);
   return filters;
 }
 
-QString common_type(const QString& type) {
-  static const QMap<QString, QString> later_names = {
+QString commonType(const QString& type) {
+  static const QMap<QString, QString> laterNames = {
       {"RichPosition", "RichPoint3f"},  {"RichDirection", "RichPoint3f"}, {"RichPercentage", "RichAbsPerc"},
       {"RichFileOpen", "RichOpenFile"}, {"RichFileSave", "RichSaveFile"}, {"RichMatrix44", "RichMatrix44f"},
       {"RichShot", "RichShotf"}};
-  return later_names.value(type, type);
+  return laterNames.value(type, type);
 }
 
-QString near_names(const QString& name, const QStringList& known) {
+QString nearNames(const QString& name, const QStringList& known) {
   std::vector<std::pair<int, QString>> ranked;
   for (const QString& other : known) {
     const int most = std::max(2, name.size() / 3);
