@@ -158,9 +158,9 @@ void LaplacianDragTool::end() {
   }
 }
 
-void LaplacianDragTool::handOver(bool same_session) {
+void LaplacianDragTool::handOver(bool sameSession) {
   leaveCanvas();
-  leaveLayer(!same_session);
+  leaveLayer(!sameSession);
   window_.endTool();
 }
 
@@ -178,8 +178,8 @@ void LaplacianDragTool::leaveCanvas() {
   on_ = false;
 }
 
-/// What was applied stays, what is in progress is dropped. @param for_good  not for another view
-void LaplacianDragTool::leaveLayer(bool for_good) {
+/// What was applied stays, what is in progress is dropped. @param forGood  not for another view
+void LaplacianDragTool::leaveLayer(bool forGood) {
   disconnect(&shared_->panel(), nullptr, this, nullptr);
   const auto layer = layer_ >= 0 ? window_.layer(layer_) : std::nullopt;
   if (active_ && !layer) {
@@ -188,14 +188,14 @@ void LaplacianDragTool::leaveLayer(bool for_good) {
     DragSession& session = active_->session();
     session.leave();
     session.finish();
-    if (active_->foundChanged()) {
+    const LayerSession::Update update = active_->update(*layer->mesh);
+    if (update == LayerSession::Update::MeshChanged) {
       shared_->forget(layer_);
     } else {
-      bool settled = true;
-      if (active_->takeWritten(settled)) {
+      if (update != LayerSession::Update::Nothing) {
         window_.uploadGeometry(layer_);
       }
-      if (for_good) {
+      if (forGood) {
         const Edit edit = session.recorded();
         if (!edit.steps.empty()) {
           active_->inHistory = QString::fromStdString(write_edit(edit));
@@ -642,22 +642,22 @@ void LaplacianDragTool::afterEvent() {
   if (!active_) {
     return;
   }
-  bool settled = true;
-  if (active_->takeWritten(settled)) {
+  CMeshO* const mesh = meshOf(layer_);
+  const LayerSession::Update update = mesh ? active_->update(*mesh) : LayerSession::Update::Nothing;
+  if (update == LayerSession::Update::MeshChanged) {
+    shared_->forget(layer_);
+    start();
+    say(tr("The mesh was changed by something else while it was dragged: starting afresh from what it is now.")
+            .toStdString());
+  } else if (update != LayerSession::Update::Nothing) {
     QElapsedTimer upload;
     upload.start();
     window_.uploadGeometry(layer_);
     clock_.poseArrived(active_->session().figures().solve_ms.value_or(0), active_->writeMilliseconds(),
                        milliseconds(upload));
-    if (settled) {
+    if (update == LayerSession::Update::Settled) {
       window_.markModified(layer_);
     }
-  }
-  if (active_->foundChanged()) {
-    shared_->forget(layer_);
-    start();
-    say(tr("The mesh was changed by something else while it was dragged: starting afresh from what it is now.")
-            .toStdString());
   }
   refreshPanel();
   showShape();

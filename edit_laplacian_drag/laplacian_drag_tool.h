@@ -32,7 +32,7 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   void keyPress(QKeyEvent& event) override;
   void keyRelease(QKeyEvent& event) override;
 
-  void handOver(bool same_session) override;
+  void handOver(bool sameSession) override;
   void sessionGone() override;
   CMeshO* meshOf(int layer) override;
   void log(const std::string& line) override { window_.log(line); }
@@ -43,7 +43,7 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
  private:
   std::optional<lapedit::host::Layer> usableLayer();
   void openPanel();
-  void leaveLayer(bool for_good);
+  void leaveLayer(bool forGood);
   void leaveCanvas();
   lapedit::Cursor cursor() const;
   lapedit::PressModifiers pressModifiers() const;

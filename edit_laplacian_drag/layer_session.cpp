@@ -3,22 +3,15 @@
 
 #include <QElapsedTimer>
 #include <QHash>
-#include <utility>
 
 using namespace lapedit;
 using namespace lapedit::host;
 
-LayerSession::LayerSession(const CMeshO& mesh, Callbacks callbacks)
-    : LayerSession(mesh, read_mesh(mesh), std::move(callbacks)) {}
+LayerSession::LayerSession(const CMeshO& mesh, const DragSession::Callbacks& callbacks)
+    : LayerSession(mesh, read_mesh(mesh), callbacks) {}
 
-LayerSession::LayerSession(const CMeshO& mesh, const BridgedMesh& bridged, Callbacks callbacks)
-    : callbacks_(std::move(callbacks)),
-      session_(bridged.mesh, kStoredScalar,
-               {[this](const std::vector<int>& vertices, const Points& positions, bool settled) {
-                  write(vertices, positions, settled);
-                },
-                callbacks_.log, callbacks_.wake}),
-      writer_(mesh, bridged, session_.adjacency()) {}
+LayerSession::LayerSession(const CMeshO& mesh, const BridgedMesh& bridged, const DragSession::Callbacks& callbacks)
+    : session_(bridged.mesh, kStoredScalar, callbacks), writer_(mesh, bridged, session_.adjacency()) {}
 
 uint LayerSession::hashOfNormals(const CMeshO& mesh) {
   uint hash = 0;
@@ -31,20 +24,16 @@ uint LayerSession::hashOfNormals(const CMeshO& mesh) {
   return hash;
 }
 
-void LayerSession::write(const std::vector<int>& vertices, const Points& positions, bool settled) {
-  CMeshO* mesh = callbacks_.mesh();
-  if (mesh == nullptr || foundChanged_) {
-    return;
+LayerSession::Update LayerSession::update(CMeshO& mesh) {
+  const PoseChange* const change = session_.take_change();
+  if (change == nullptr) {
+    return Update::Nothing;
   }
   QElapsedTimer timer;
   timer.start();
-  foundChanged_ = !writer_.write(*mesh, vertices, positions, settled);
+  if (!writer_.write(mesh, change->vertices, change->places, change->settled)) {
+    return Update::MeshChanged;
+  }
   writeMilliseconds_ = static_cast<double>(timer.nsecsElapsed()) * 1e-6;
-  written_ = written_ || !foundChanged_;
-  settled_ = settled;
-}
-
-bool LayerSession::takeWritten(bool& settled) {
-  settled = settled_;
-  return std::exchange(written_, false);
+  return change->settled ? Update::Settled : Update::Passing;
 }

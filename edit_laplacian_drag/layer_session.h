@@ -2,9 +2,6 @@
 #pragma once
 
 #include <QString>
-#include <functional>
-#include <string>
-#include <vector>
 
 #include "lapedit/session/drag_session.h"
 #include "lapedit_host/pose_writer.h"
@@ -12,14 +9,8 @@
 /// A dragging session with the mesh of one layer, whose poses are written into it.
 class LayerSession {
  public:
-  struct Callbacks {
-    std::function<CMeshO*()> mesh;  ///< the layer's mesh, null if it is gone
-    std::function<void(const std::string&)> log;
-    std::function<void()> wake;  ///< as DragSession's
-  };
-
   /// @throws EditError if there is nothing to edit in the mesh
-  LayerSession(const CMeshO& mesh, Callbacks callbacks);
+  LayerSession(const CMeshO& mesh, const lapedit::DragSession::Callbacks& callbacks);
 
   lapedit::DragSession& session() { return session_; }
   /// Whether vertices, faces and positions of the mesh are still as this session wrote them.
@@ -29,21 +20,23 @@ class LayerSession {
   void leave(const CMeshO& mesh) { normalsLeft_ = hashOfNormals(mesh); }
   bool wasLeftLike(const CMeshO& mesh) const { return matches(mesh) && hashOfNormals(mesh) == normalsLeft_; }
 
-  /// Whether poses were written since the last call. @param settled  whether the last of them is there to stay
-  bool takeWritten(bool& settled);
+  enum class Update {
+    Nothing,     ///< no vertex has moved
+    Passing,     ///< a pose in progress was written
+    Settled,     ///< what was applied or taken back was written
+    MeshChanged  ///< nothing was written: somebody else had changed the mesh
+  };
+  /// Writes what the session has moved since the last call into the layer's mesh.
+  Update update(CMeshO& mesh);
   double writeMilliseconds() const { return writeMilliseconds_; }  ///< of the last pose
-  /// Whether a pose could not be written since somebody else had changed the mesh.
-  bool foundChanged() const { return foundChanged_; }
 
   QString inHistory;  ///< the edit that was put into the document's history last
 
  private:
-  LayerSession(const CMeshO& mesh, const lapedit::host::BridgedMesh& bridged, Callbacks callbacks);
+  LayerSession(const CMeshO& mesh, const lapedit::host::BridgedMesh& bridged,
+               const lapedit::DragSession::Callbacks& callbacks);
   static uint hashOfNormals(const CMeshO& mesh);
-  void write(const std::vector<int>& vertices, const lapedit::Points& positions, bool settled);
 
-  Callbacks callbacks_;
-  bool written_ = false, settled_ = true, foundChanged_ = false;
   double writeMilliseconds_ = 0;
   uint normalsLeft_ = 0;
   lapedit::DragSession session_;

@@ -145,8 +145,8 @@ void Overlay::draw(const DragSession& session, const Camera& view, const Options
 
   const double ratio = options.pixelRatio;
   const HoverPreview* const hover = session.motion() ? nullptr : session.hover();
-  const bool on_group = hover && hover->kind == HoverPreview::Kind::Group;
-  surface_.draw(session, {on_group ? hover->group : -1, options.heat, ratio});
+  const bool onGroup = hover && hover->kind == HoverPreview::Kind::Group;
+  surface_.draw(session, {onGroup ? hover->group : -1, options.heat, ratio});
   if (hover) {
     drawHover(*hover, ratio);
   }

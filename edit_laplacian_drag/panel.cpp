@@ -403,18 +403,18 @@ QSpinBox* Panel::count(const char* part, int low, int high, const QString& help,
   return box;
 }
 
-QWidget* Panel::dragged(QDoubleSpinBox* box, const std::function<double(double)>& value_at,
-                        const std::function<double(double)>& place_of, const Access& access) {
+QWidget* Panel::dragged(QDoubleSpinBox* box, const std::function<double(double)>& valueAt,
+                        const std::function<double(double)>& placeOf, const Access& access) {
   const QString part = box->objectName().mid(nameOf("").size()) + "_slider";
   auto* const slider = prepared<QSlider>(qPrintable(part), box->toolTip());
   slider->setOrientation(Qt::Horizontal);
   slider->setRange(0, kSliderSteps);
   follow(static_cast<QAbstractSlider*>(slider),
-         Access{[access, place_of](const DragSettings& settings) {
-                  return std::round(kSliderSteps * std::clamp(place_of(access.get(settings)), 0.0, 1.0));
+         Access{[access, placeOf](const DragSettings& settings) {
+                  return std::round(kSliderSteps * std::clamp(placeOf(access.get(settings)), 0.0, 1.0));
                 },
-                [access, value_at](DragSettings& settings, double place) {
-                  access.set(settings, value_at(place / kSliderSteps));
+                [access, valueAt](DragSettings& settings, double place) {
+                  access.set(settings, valueAt(place / kSliderSteps));
                 }},
          &QAbstractSlider::valueChanged, &QAbstractSlider::setValue);
   box->setFixedWidth(kBoxBesideSlider);

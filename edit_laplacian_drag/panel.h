@@ -86,8 +86,8 @@ class Panel : public QDockWidget {
   QDoubleSpinBox* length(const char* part, const QString& help, const Access& access);
   QSpinBox* count(const char* part, int low, int high, const QString& help, const Access& access);
   /// A number with a slider beside it, which has kSliderSteps places.
-  QWidget* dragged(QDoubleSpinBox* box, const std::function<double(double)>& value_at,
-                   const std::function<double(double)>& place_of, const Access& access);
+  QWidget* dragged(QDoubleSpinBox* box, const std::function<double(double)>& valueAt,
+                   const std::function<double(double)>& placeOf, const Access& access);
   QComboBox* choice(const lapedit::Setting& setting, const Access& access);
   QComboBox* presetChoice();
   /// Of what belongs to the session and not to its settings.

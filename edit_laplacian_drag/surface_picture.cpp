@@ -134,13 +134,13 @@ void SurfacePicture::sortFaces(const DragSession& session, const std::vector<int
   for (Eigen::Index f = 0; region && f < region->faces.rows(); ++f) {
     const int* const corners = region->faces.row(f).data();
     const int label = labels[corners[0]];
-    const bool of_group = label >= 0 && labels[corners[1]] == label && labels[corners[2]] == label;
-    const bool of_band = !of_group && std::any_of(corners, corners + 3,
-                                                  [&](int i) { return region->classes[i] == VertexClass::Anchor; });
-    std::vector<unsigned>& faces = of_group ? handles_[label].faces : of_band ? band_.faces : free_.faces;
+    const bool ofGroup = label >= 0 && labels[corners[1]] == label && labels[corners[2]] == label;
+    const bool ofBand =
+        !ofGroup && std::any_of(corners, corners + 3, [&](int i) { return region->classes[i] == VertexClass::Anchor; });
+    std::vector<unsigned>& faces = ofGroup ? handles_[label].faces : ofBand ? band_.faces : free_.faces;
     faces.insert(faces.end(), corners, corners + 3);
     inside.insert(inside.end(), corners, corners + 3);
-    if (!of_band) {
+    if (!ofBand) {
       within.insert(within.end(), corners, corners + 3);
     }
   }
@@ -170,23 +170,23 @@ void SurfacePicture::sortFaces(const DragSession& session, const std::vector<int
 
 /// Single vertices and curves: they have no faces.
 void SurfacePicture::findLoose(const DragSession& session, const std::vector<int>& labels) {
-  std::vector<char> in_face(labels.size(), 0);
+  std::vector<char> inFace(labels.size(), 0);
   for (const Patch& patch : handles_) {
     for (const unsigned i : patch.faces) {
-      in_face[i] = 1;
+      inFace[i] = 1;
     }
   }
   for (std::size_t g = 0; g < handles_.size(); ++g) {
     Patch& patch = handles_[g];
     for (const int v : g < groups_.size() ? groups_[g] : unconnected_) {
       const unsigned i = number(session.region(), v);
-      if (in_face[i]) {
+      if (inFace[i]) {
         continue;
       }
       patch.loose.push_back(i);
       for (const int w : session.adjacency().neighbours[v]) {
         const unsigned j = number(session.region(), w);
-        if (j != kNone && labels[j] == static_cast<int>(g) && (in_face[j] || i < j)) {
+        if (j != kNone && labels[j] == static_cast<int>(g) && (inFace[j] || i < j)) {
           patch.border.vertices.insert(patch.border.vertices.end(), {i, j});
           patch.border.lengths.push_back(2);
         }

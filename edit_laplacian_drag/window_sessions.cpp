@@ -18,8 +18,8 @@ WindowSessions& WindowSessions::of(QWidget& window) {
 }
 
 WindowSessions::WindowSessions(QWidget& window) : QObject(&window), panel_(new Panel(&window)) {
-  if (auto* const main_window = qobject_cast<QMainWindow*>(&window)) {
-    main_window->addDockWidget(Qt::LeftDockWidgetArea, panel_);
+  if (auto* const mainWindow = qobject_cast<QMainWindow*>(&window)) {
+    mainWindow->addDockWidget(Qt::LeftDockWidgetArea, panel_);
   }
 }
 
@@ -80,10 +80,7 @@ LayerSession* WindowSessions::find(int layer) {
 
 LayerSession& WindowSessions::make(int layer, const CMeshO& mesh) {
   sessions_.erase({document_, layer});
-  LayerSession::Callbacks callbacks;
-  callbacks.mesh = [this, layer, document = document_]() -> CMeshO* {
-    return user_ && document_ == document ? user_->meshOf(layer) : nullptr;
-  };
+  lapedit::DragSession::Callbacks callbacks;
   callbacks.log = [this](const std::string& line) {
     if (user_) {
       user_->log(line);
@@ -102,7 +99,7 @@ LayerSession& WindowSessions::make(int layer, const CMeshO& mesh) {
           Qt::QueuedConnection);
     }
   };
-  auto made = std::make_unique<LayerSession>(mesh, std::move(callbacks));
+  auto made = std::make_unique<LayerSession>(mesh, callbacks);
   connect(document_, &QObject::destroyed, this, &WindowSessions::forgetDocument, Qt::UniqueConnection);
   return *(sessions_[{document_, layer}] = std::move(made));
 }

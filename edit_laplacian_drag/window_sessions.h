@@ -16,7 +16,7 @@
 class SessionUser {
  public:
   /// Another user begins, perhaps with the same session, which is to be left in peace then.
-  virtual void handOver(bool same_session) = 0;
+  virtual void handOver(bool sameSession) = 0;
   /// The sessions are about to go away, and nothing of them may be used any more.
   virtual void sessionGone() = 0;
   virtual CMeshO* meshOf(int layer) = 0;  ///< null if it is gone

@@ -69,7 +69,9 @@ inline DragKey key_of(char character) {
 class Window {
  public:
   Window(const TriangleMesh& mesh, Camera seen)
-      : view(std::move(seen)), host(stored(mesh).vertices), session(stored(mesh), StoredScalar::Float, callbacks()) {
+      : view(std::move(seen)),
+        session(stored(mesh), StoredScalar::Float, {[this](const std::string& line) { log.push_back(line); }, {}}),
+        host_(stored(mesh).vertices) {
     // Handles of one vertex, unless a test says otherwise.
     DragSettings settings = session.settings();
     settings.handle_share = 0;
@@ -105,8 +107,8 @@ class Window {
   }
 
   /// The mesh of the host, the session and the record are the same to the bit.
-  void expect_consistent() const {
-    EXPECT_TRUE(same_bits(host, session.mesh().vertices));
+  void expect_consistent() {
+    EXPECT_TRUE(same_bits(host(), session.mesh().vertices));
     const Edit edit = session.recorded();
     Points replayed = session.original().vertices;
     if (!edit.steps.empty()) {
@@ -118,26 +120,34 @@ class Window {
     EXPECT_TRUE(same_bits(replayed, session.mesh().vertices));
   }
 
+  /// What the host has by now.
+  const Points& host() {
+    if (const PoseChange* const change = session.take_change()) {
+      for (std::size_t i = 0; i < change->vertices.size(); ++i) {
+        host_.row(change->vertices[i]) = change->places.row(static_cast<Eigen::Index>(i));
+      }
+      ++poses_;
+      settled_ = change->settled;
+    }
+    return host_;
+  }
+  int poses() {
+    host();
+    return poses_;
+  }
+  bool settled() {
+    host();
+    return settled_;
+  }
+
   Camera view;
-  Points host;
   std::vector<std::string> log;
-  int poses = 0;
-  bool settled = true;
-  DragSession session;  // last: its thread ends before the rest
+  DragSession session;
 
  private:
-  DragSession::Callbacks callbacks() {
-    DragSession::Callbacks result;
-    result.pose = [this](const std::vector<int>& vertices, const Points& positions, bool is_settled) {
-      for (std::size_t i = 0; i < vertices.size(); ++i) {
-        host.row(vertices[i]) = positions.row(static_cast<Eigen::Index>(i));
-      }
-      ++poses;
-      settled = is_settled;
-    };
-    result.log = [this](const std::string& line) { log.push_back(line); };
-    return result;
-  }
+  Points host_;
+  int poses_ = 0;
+  bool settled_ = true;
 };
 
 }  // namespace lapedit::support

@@ -181,7 +181,7 @@ struct Player {
     settle();
     require(s.state() != DragSession::State::Dragging && s.state() != DragSession::State::Settling,
             "finish() leaves nothing in progress");
-    require(same_bits(window.host, s.mesh().vertices), "host and session have the same bits");
+    require(same_bits(window.host(), s.mesh().vertices), "host and session have the same bits");
     const Points edited = s.mesh().vertices;
     const Edit edit = s.recorded();
     Points replayed = s.original().vertices;
@@ -198,12 +198,12 @@ struct Player {
     require(same_bits(replayed, edited), "the record replays from JSON to the same bits");
     s.reset();
     settle();
-    require(same_bits(window.host, s.original().vertices), "undoing all gives the mesh back");
+    require(same_bits(window.host(), s.original().vertices), "undoing all gives the mesh back");
     for (std::size_t k = 0; k < edit.steps.size() && s.can_redo(); ++k) {
       s.redo();
       settle();
     }
-    require(same_bits(window.host, edited), "redoing all gives the edit back");
+    require(same_bits(window.host(), edited), "redoing all gives the edit back");
   }
 };
 
@@ -233,7 +233,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       player.settle();
     }
     player.look();
-    require(player.window.host.allFinite(), "what the host is given is finite");
+    require(player.window.host().allFinite(), "what the host is given is finite");
   }
   player.check();
   return 0;

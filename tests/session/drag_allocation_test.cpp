@@ -61,9 +61,9 @@ TEST(Drag, SessionAllocatesNothingOnceItMoves) {
   window.press(handle);
   const Vector2 from = window.at(handle).pixel;
   const auto move = [&](int i) {
-    const int poses = window.poses;
+    const int poses = window.poses();
     window.session.move(window.at(from + Vector2(i, 2 * i)));
-    while (window.poses == poses) {
+    while (window.poses() == poses) {
       window.session.poll();
     }
   };
@@ -72,14 +72,14 @@ TEST(Drag, SessionAllocatesNothingOnceItMoves) {
     move(i);
   }
   window.session.wait();  // for the pose in full that follows where the mouse rests
-  const int poses = window.poses;
+  const int poses = window.poses();
   const long before = allocations;
   for (int i = 7; i <= 20; ++i) {
     move(i);
   }
   window.session.wait();
   EXPECT_EQ(allocations - before, 0);
-  EXPECT_GE(window.poses, poses + 10);
+  EXPECT_GE(window.poses(), poses + 10);
 }
 
 }  // namespace

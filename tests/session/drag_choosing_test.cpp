@@ -177,10 +177,10 @@ TEST(DragBrush, PaintedAnchorsHold) {
   EXPECT_EQ(window.session.region()->mesh_vertex, region);
   EXPECT_EQ(class_of(window.session, at(34, 30)), VertexClass::Anchor);
   EXPECT_EQ(class_of(window.session, kMiddle), VertexClass::Handle);
-  const Points before = window.host;
+  const Points before = window.host();
   window.drag(kMiddle, Vector2(0, 40));
-  const double held = (window.host.row(at(34, 30)) - before.row(at(34, 30))).norm();
-  const double free = (window.host.row(at(26, 30)) - before.row(at(26, 30))).norm();
+  const double held = (window.host().row(at(34, 30)) - before.row(at(34, 30))).norm();
+  const double free = (window.host().row(at(26, 30)) - before.row(at(26, 30))).norm();
   EXPECT_LT(held, 0.1 * free);
   window.expect_consistent();
   // They stay for the next step, and can be taken away.
@@ -231,7 +231,7 @@ TEST(DragBrush, StrokesAreUndoneOneByOne) {
   EXPECT_EQ(window.session.region()->mesh_vertex, larger);
   window.drag(kMiddle, Vector2(20, 0));
   window.session.undo();
-  EXPECT_TRUE(same_bits(window.host, window.session.original().vertices));
+  EXPECT_TRUE(same_bits(window.host(), window.session.original().vertices));
   EXPECT_EQ(window.session.figures().steps, 0);
 }
 
@@ -281,7 +281,7 @@ TEST(DragKeys, AmountsWithoutAMotionDoNothingButSaySo) {
   }
   window.keys("x60\r");
   EXPECT_EQ(window.session.figures().steps, 0);
-  EXPECT_TRUE(same_bits(window.host, window.session.original().vertices));
+  EXPECT_TRUE(same_bits(window.host(), window.session.original().vertices));
   window.keys("tx6\r");
   EXPECT_EQ(window.session.figures().steps, 1);
 }
@@ -297,7 +297,7 @@ TEST(DragGizmo, ArrowMovesAlongItsAxisAndAClickGoesThrough) {
   const std::optional<Gizmo> gizmo = window.session.gizmo(window.view);
   ASSERT_TRUE(gizmo);
   EXPECT_NEAR(
-      (gizmo->center - support::rows(window.host, window.session.groups()[0]).colwise().mean().transpose()).norm(), 0,
+      (gizmo->center - support::rows(window.host(), window.session.groups()[0]).colwise().mean().transpose()).norm(), 0,
       1e-5);
   window.session.set_handle_mode(HandleMode::Curve);  // what is clicked next is not to be hidden by it
   EXPECT_FALSE(window.session.gizmo(window.view));
@@ -354,7 +354,7 @@ TEST(DragGizmo, RingTurnsAboutThePivot) {
   ASSERT_TRUE(transform.center);
   EXPECT_EQ(*transform.center, pivot);
   // The handle keeps its distance from the pivot.
-  EXPECT_NEAR((window.host.row(kMiddle).transpose() - pivot).norm(), 10, 0.1);
+  EXPECT_NEAR((window.host().row(kMiddle).transpose() - pivot).norm(), 10, 0.1);
   window.expect_consistent();
 }
 
@@ -395,7 +395,7 @@ TEST(DragMirror, BothSidesMoveInOneStepAndAreReplayed) {
   Window window(shapes::icosphere(4));
   as_found(window);
   change(window, [](DragSettings& s) { s.radius = 0.7; });
-  const Points before = window.host;
+  const Points before = window.host();
   int ear = 0;
   (before.col(0) - before.col(2).cwiseAbs()).maxCoeff(&ear);  // at the right, in front of the viewer's middle height
   MirrorPlane plane;
@@ -420,8 +420,8 @@ TEST(DragMirror, BothSidesMoveInOneStepAndAreReplayed) {
     int twin = 0;
     const Eigen::RowVector3d image(-before(v, 0), before(v, 1), before(v, 2));
     (before.rowwise() - image).rowwise().norm().minCoeff(&twin);
-    const Eigen::RowVector3d way = window.host.row(v) - before.row(v),
-                             way_of_twin = window.host.row(twin) - before.row(twin);
+    const Eigen::RowVector3d way = window.host().row(v) - before.row(v),
+                             way_of_twin = window.host().row(twin) - before.row(twin);
     off = std::max(off, (Eigen::RowVector3d(-way.x(), way.y(), way.z()) - way_of_twin).norm());
     moved = std::max(moved, way.norm());
   }
@@ -431,7 +431,7 @@ TEST(DragMirror, BothSidesMoveInOneStepAndAreReplayed) {
   change(window, [](DragSettings& s) { s.edit.membrane = 100; });
   window.expect_consistent();
   window.session.undo();
-  EXPECT_TRUE(same_bits(window.host, window.session.original().vertices));
+  EXPECT_TRUE(same_bits(window.host(), window.session.original().vertices));
   window.session.redo();
   window.session.wait();
   EXPECT_TRUE(window.session.mirror());
@@ -445,7 +445,7 @@ TEST(DragMirror, PaintedHandleIsSeenAtOnceAndItsImageAtTheEnd) {
   Window window(shapes::grid(60, 60));
   MirrorPlane plane;
   plane.normal = Vector3::UnitX();
-  plane.point = window.host.row(kMiddle).transpose();
+  plane.point = window.host().row(kMiddle).transpose();
   window.session.set_mirror(plane);
   window.click(at(15, 30));
   ASSERT_EQ(window.session.groups().size(), 1U);

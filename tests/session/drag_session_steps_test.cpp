@@ -177,7 +177,7 @@ TEST(DragRegion, BrushAddsAndTakesWhatIsUnderIt) {
   window.drag(kMiddle, Vector2(5, 5), kTake);
   EXPECT_TRUE(has(region_of(window), kMiddle));
   EXPECT_EQ(window.session.figures().steps, 0);
-  EXPECT_EQ(window.poses, 0);
+  EXPECT_EQ(window.poses(), 0);
 }
 
 TEST(DragRegion, KeysEndAStroke) {
@@ -208,7 +208,7 @@ TEST(DragRegion, BrushDoesNotTouchTheFarSide) {
   ASSERT_NE(window.session.region(), nullptr);
   EXPECT_GT(region_of(window).size(), 100U);
   for (const int v : region_of(window)) {
-    EXPECT_GT(window.host(v, 0), 0.1);
+    EXPECT_GT(window.host()(v, 0), 0.1);
   }
 }
 
@@ -247,7 +247,7 @@ TEST(DragRegion, HandleAloneIsRefusedWithALine) {
   EXPECT_EQ(window.log.size(), 1U);
   window.drag(kMiddle, Vector2(30, 30));
   EXPECT_EQ(window.session.figures().steps, 0);
-  EXPECT_TRUE(same_bits(window.host, window.session.original().vertices));
+  EXPECT_TRUE(same_bits(window.host(), window.session.original().vertices));
   change(window, [](DragSettings& s) { s.radius = 5; });
   window.drag(kMiddle, Vector2(30, 30));
   EXPECT_EQ(window.session.figures().steps, 1);
@@ -264,7 +264,7 @@ TEST(DragHandle, ClicksAddAndTakeVertices) {
   window.click(at(30, 32), kTake);
   EXPECT_EQ(window.session.groups(), (std::vector<std::vector<int>>{{at(30, 30), at(31, 31)}}));
   window.drag(at(31, 31), Vector2(20, 20));
-  const Points way = window.host - window.session.original().vertices;
+  const Points way = window.host() - window.session.original().vertices;
   EXPECT_LT((way.row(at(30, 30)) - way.row(at(31, 31))).norm(), 0.01 * way.row(at(30, 30)).norm());
   window.expect_consistent();
 }
@@ -286,7 +286,7 @@ TEST(DragHandle, SeveralGroupsMoveOnTheirOwn) {
   ASSERT_EQ(window.session.groups().size(), 2U);
   EXPECT_EQ(window.session.active_group(), 1);
   window.drag(at(36, 30), Vector2(0, 30));
-  const Points way = window.host - window.session.original().vertices;
+  const Points way = window.host() - window.session.original().vertices;
   EXPECT_LT(way.row(kMiddle).norm(), 0.01 * way.row(at(36, 30)).norm());
   window.drag(kMiddle, Vector2(0, -30));
   EXPECT_EQ(window.session.active_group(), 0);
@@ -311,7 +311,7 @@ TEST(DragHandle, CurveIsJoinedByShortestPathsAndMovesAsOne) {
   EXPECT_EQ(window.session.groups()[0].size(), 15U);
   window.drag(at(30, 30), Vector2(0, 25));
   EXPECT_EQ(window.session.figures().steps, 1);
-  const Points way = window.host - window.session.original().vertices;
+  const Points way = window.host() - window.session.original().vertices;
   EXPECT_LT((way.row(at(25, 30)) - way.row(at(35, 34))).norm(), 0.01 * way.row(at(25, 30)).norm());
   window.expect_consistent();
 }
@@ -320,15 +320,15 @@ TEST(DragHandle, CurveIsJoinedByShortestPathsAndMovesAsOne) {
 
 TEST(DragSteps, UndoAndRedoAreExact) {
   Window window(plate());
-  std::vector<Points> states{window.host};
+  std::vector<Points> states{window.host()};
   for (const int vertex : {kMiddle, at(32, 28), at(50, 50)}) {
     window.drag(vertex, Vector2(20, 12));
-    states.push_back(window.host);
+    states.push_back(window.host());
   }
   for (int k = 2; k >= 0; --k) {
     window.session.undo();
     window.session.wait();
-    EXPECT_TRUE(same_bits(window.host, states[k])) << k;
+    EXPECT_TRUE(same_bits(window.host(), states[k])) << k;
   }
   EXPECT_FALSE(window.session.can_undo());
   window.session.undo();
@@ -336,11 +336,11 @@ TEST(DragSteps, UndoAndRedoAreExact) {
   for (int k = 1; k <= 3; ++k) {
     window.session.redo();
     window.session.wait();
-    EXPECT_TRUE(same_bits(window.host, states[k])) << k;
+    EXPECT_TRUE(same_bits(window.host(), states[k])) << k;
   }
   window.expect_consistent();
   window.session.reset();
-  EXPECT_TRUE(same_bits(window.host, states[0]));
+  EXPECT_TRUE(same_bits(window.host(), states[0]));
   EXPECT_TRUE(window.session.can_redo());
 }
 
@@ -362,9 +362,9 @@ TEST(DragSteps, UndoGoesBackToHandleAndRegionOfTheStep) {
 TEST(DragSteps, OtherSettingsSolveTheLastStepAgain) {
   Window window(plate());
   window.drag(kMiddle, Vector2(40, 25));
-  const Points order1 = window.host;
+  const Points order1 = window.host();
   change(window, [](DragSettings& s) { s.edit.order = 2; });
-  EXPECT_FALSE(same_bits(window.host, order1));
+  EXPECT_FALSE(same_bits(window.host(), order1));
   EXPECT_EQ(window.session.figures().steps, 1);
   EXPECT_EQ(window.session.recorded().steps.at(0).settings.order, 2);
   window.expect_consistent();
@@ -377,18 +377,18 @@ TEST(DragSteps, OtherSettingsSolveTheLastStepAgain) {
     s.padding = 0.1;
     s.edit.order = 1;
   });
-  EXPECT_TRUE(same_bits(window.host, order1));
+  EXPECT_TRUE(same_bits(window.host(), order1));
   window.session.undo();
-  EXPECT_TRUE(same_bits(window.host, window.session.original().vertices));
+  EXPECT_TRUE(same_bits(window.host(), window.session.original().vertices));
 }
 
 TEST(DragSteps, OtherSettingsLeaveTheLastStepAloneOnceSomethingElseIsPicked) {
   Window window(plate());
   window.drag(kMiddle, Vector2(40, 25));
-  const Points before = window.host;
+  const Points before = window.host();
   window.click(at(32, 30));
   change(window, [](DragSettings& s) { s.edit.order = 2; });
-  EXPECT_TRUE(same_bits(window.host, before));
+  EXPECT_TRUE(same_bits(window.host(), before));
   EXPECT_EQ(window.session.recorded().steps.at(0).settings.order, 1);
 }
 
@@ -398,10 +398,10 @@ TEST(DragSteps, OtherSettingsSolveTheDragInProgressAgain) {
   window.press(kMiddle);
   window.session.move(window.at(kMiddle, Vector2(40, 0)));
   window.session.wait();
-  const Points before = window.host;
+  const Points before = window.host();
   change(window, [](DragSettings& s) { s.edit.order = 2; });
   EXPECT_EQ(window.session.state(), State::Dragging);
-  EXPECT_FALSE(same_bits(window.host, before));
+  EXPECT_FALSE(same_bits(window.host(), before));
   change(window, [](DragSettings& s) { s.radius *= 0.5; });
   window.session.release(window.at(kMiddle, Vector2(40, 0)));
   window.session.wait();
@@ -445,7 +445,7 @@ TEST(DragSteps, ButtonReleasedWhileAStepIsSolvedForAgainHoldsNothing) {
 TEST(DragSteps, AmendmentAndLoadCanBeDropped) {
   Window window(plate());
   window.drag(kMiddle, Vector2(40, 25));
-  const Points before = window.host;
+  const Points before = window.host();
   DragSettings settings = window.session.settings();
   settings.edit.order = 2;
   window.session.set_settings(settings);
@@ -454,7 +454,7 @@ TEST(DragSteps, AmendmentAndLoadCanBeDropped) {
   window.session.wait();
   EXPECT_EQ(window.session.state(), State::Picked);
   EXPECT_TRUE(window.session.ready());
-  EXPECT_TRUE(same_bits(window.host, before));
+  EXPECT_TRUE(same_bits(window.host(), before));
   EXPECT_EQ(window.session.recorded().steps.at(0).settings.order, 1);
 
   window.session.load(window.session.recorded());
@@ -463,7 +463,7 @@ TEST(DragSteps, AmendmentAndLoadCanBeDropped) {
   window.session.wait();
   EXPECT_EQ(window.session.state(), State::Picked);
   EXPECT_TRUE(window.session.ready());
-  EXPECT_TRUE(same_bits(window.host, before));
+  EXPECT_TRUE(same_bits(window.host(), before));
 
   change(window, [](DragSettings& s) { s.edit.order = 3; });
   EXPECT_EQ(window.session.figures().steps, 1);
@@ -480,12 +480,12 @@ TEST(DragSteps, SavedEditLoadsToTheSameBits) {
   EXPECT_EQ(other.session.state(), State::Settling);
   other.session.wait();
   EXPECT_EQ(other.session.state(), State::Picked);
-  EXPECT_TRUE(same_bits(other.host, window.host));
+  EXPECT_TRUE(same_bits(other.host(), window.host()));
   EXPECT_EQ(other.session.figures().steps, 2);
   other.expect_consistent();
   other.session.undo();
   other.session.undo();
-  EXPECT_TRUE(same_bits(other.host, other.session.original().vertices));
+  EXPECT_TRUE(same_bits(other.host(), other.session.original().vertices));
 }
 
 TEST(DragSteps, EditOfAnotherMeshIsRefused) {
@@ -496,7 +496,7 @@ TEST(DragSteps, EditOfAnotherMeshIsRefused) {
   other.session.wait();
   EXPECT_EQ(other.session.state(), State::Idle);
   EXPECT_NE(other.session.message().find("made for a mesh of 3600 vertices"), std::string::npos);
-  EXPECT_TRUE(same_bits(other.host, other.session.original().vertices));
+  EXPECT_TRUE(same_bits(other.host(), other.session.original().vertices));
 }
 
 TEST(DragSteps, EachAppliedStepIsLoggedInOneLine) {

@@ -40,14 +40,14 @@ TEST(DragSession, PressDragReleaseBringsTheVertexUnderTheCursor) {
   EXPECT_EQ(window.session.state(), State::Picked);
   EXPECT_EQ(window.session.recorded().steps.size(), 1U);
   EXPECT_LT((window.at(kMiddle).pixel - target).norm(), 0.1);
-  EXPECT_TRUE(window.settled);
+  EXPECT_TRUE(window.settled());
   window.expect_consistent();
   const std::vector<int>& region = window.session.region()->mesh_vertex;
   int fixed = 0;
-  for (int v = 0; v < window.host.rows(); ++v) {
+  for (int v = 0; v < window.host().rows(); ++v) {
     if (!has(region, v)) {
       ++fixed;
-      EXPECT_EQ(window.host.row(v), window.session.original().vertices.row(v));
+      EXPECT_EQ(window.host().row(v), window.session.original().vertices.row(v));
     }
   }
   EXPECT_GT(fixed, 100);
@@ -63,10 +63,10 @@ TEST(DragSession, ReleaseBeforeTheRegionIsReadyGivesTheSameBits) {
   at_once.session.move(at_once.at(at_once.at(kMiddle).pixel + Vector2(60, -40)));
   at_once.session.release(at_once.at(at_once.at(kMiddle).pixel + Vector2(60, -40)));
   EXPECT_EQ(at_once.session.state(), State::Settling);
-  EXPECT_EQ(at_once.poses, 0);
+  EXPECT_EQ(at_once.poses(), 0);
   at_once.session.wait();
   EXPECT_EQ(at_once.session.recorded().steps.size(), 1U);
-  EXPECT_TRUE(same_bits(prepared.host, at_once.host));
+  EXPECT_TRUE(same_bits(prepared.host(), at_once.host()));
 }
 
 TEST(DragSession, EachMoveShowsAPassingPoseOfTheNewestCursor) {
@@ -79,19 +79,19 @@ TEST(DragSession, EachMoveShowsAPassingPoseOfTheNewestCursor) {
   }
   window.session.wait();
   EXPECT_EQ(window.session.state(), State::Dragging);
-  EXPECT_GE(window.poses, 1);
-  EXPECT_FALSE(window.settled);
-  EXPECT_LT((window.view.pixel(window.host.row(kMiddle).transpose()) - (from + Vector2(50, 0))).norm(), 0.1);
+  EXPECT_GE(window.poses(), 1);
+  EXPECT_FALSE(window.settled());
+  EXPECT_LT((window.view.pixel(window.host().row(kMiddle).transpose()) - (from + Vector2(50, 0))).norm(), 0.1);
   EXPECT_TRUE(same_bits(window.session.mesh().vertices, window.session.original().vertices));
 }
 
 TEST(DragSession, PerspectiveDragStaysInThePlaneOfThePicture) {
   const TriangleMesh mesh = hills();
   Window window(mesh, support::view_from(Vector3(30, -60, 60), Vector3(30, 30, 0)));
-  const Vector3 before = window.host.row(kMiddle).transpose();
+  const Vector3 before = window.host().row(kMiddle).transpose();
   const Vector2 target = window.at(kMiddle).pixel + Vector2(20, -90);
   window.drag(kMiddle, Vector2(20, -90));
-  const Vector3 after = window.host.row(kMiddle).transpose();
+  const Vector3 after = window.host().row(kMiddle).transpose();
   EXPECT_LT((window.view.pixel(after) - target).norm(), 0.2);
   EXPECT_NEAR((after - before).dot(Vector3(0, -90, 60).normalized()), 0, 1e-2 * (after - before).norm());
 }
@@ -136,7 +136,7 @@ TEST(DragSession, ClickShowsTheRegionAndMovesNothing) {
   ASSERT_NE(window.session.region(), nullptr);
   EXPECT_EQ(window.session.region()->count(VertexClass::Handle), 1);
   EXPECT_GT(window.session.region()->count(VertexClass::Anchor), 0);
-  EXPECT_EQ(window.poses, 0);
+  EXPECT_EQ(window.poses(), 0);
   EXPECT_TRUE(window.log.empty());
   EXPECT_FALSE(window.session.can_undo());
 }
@@ -167,10 +167,10 @@ TEST(DragSession, CancelledDragLeavesEveryBit) {
   window.press(kMiddle);
   window.session.move(window.at(kMiddle, Vector2(50, 20)));
   window.session.wait();
-  EXPECT_FALSE(same_bits(window.host, window.session.original().vertices));
+  EXPECT_FALSE(same_bits(window.host(), window.session.original().vertices));
   window.keys("\b");
-  EXPECT_TRUE(same_bits(window.host, window.session.original().vertices));
-  EXPECT_TRUE(window.settled);
+  EXPECT_TRUE(same_bits(window.host(), window.session.original().vertices));
+  EXPECT_TRUE(window.settled());
   window.session.release(window.at(kMiddle));
   window.session.wait();
   EXPECT_EQ(window.session.recorded().steps.size(), 0U);
@@ -186,7 +186,7 @@ TEST(DragSession, ReleasedStepCanBeDroppedUntilItIsThere) {
   window.session.cancel();
   window.session.wait();
   EXPECT_EQ(window.session.recorded().steps.size(), 0U);
-  EXPECT_TRUE(same_bits(window.host, window.session.original().vertices));
+  EXPECT_TRUE(same_bits(window.host(), window.session.original().vertices));
 }
 
 TEST(DragSession, FinishAppliesWhatWasReleasedAndDropsWhatIsHeld) {
@@ -205,7 +205,7 @@ TEST(DragSession, FinishAppliesWhatWasReleasedAndDropsWhatIsHeld) {
   held.session.wait();
   held.session.finish();
   EXPECT_EQ(held.session.recorded().steps.size(), 0U);
-  EXPECT_TRUE(same_bits(held.host, held.session.original().vertices));
+  EXPECT_TRUE(same_bits(held.host(), held.session.original().vertices));
 }
 
 TEST(DragSession, MouseWhileAStepIsWorkedOutIsNotLost) {
@@ -298,7 +298,7 @@ TEST(DragSession, TurnAndScaleGoAboutTheGroupsCenter) {
   window.expect_consistent();
   // Turned and grown for real: the handle's vertices span 1.5 times what they did.
   const Points before = support::rows(window.session.original().vertices, edit.steps[0].handles[0].vertices);
-  const Points after = support::rows(window.host, edit.steps[0].handles[0].vertices);
+  const Points after = support::rows(window.host(), edit.steps[0].handles[0].vertices);
   EXPECT_NEAR(support::diameter(after) / support::diameter(before), 1.5, 0.3);
 }
 
@@ -330,7 +330,7 @@ TEST(DragSession, AnyEventsLeaveAConsistentSession) {
   Window window(shapes::letter_field(40, 20));
   std::mt19937 random(20260);
   const auto pick = [&random](int count) { return static_cast<int>(random() % static_cast<unsigned>(count)); };
-  const int n = static_cast<int>(window.host.rows());
+  const int n = static_cast<int>(window.host().rows());
   Edit saved;
   const std::string keys = "xyzntrsgcwpbv0123456789.-\r\b";
   for (int event = 0; event < 3000; ++event) {
@@ -426,25 +426,25 @@ TEST(DragSession, AnyEventsLeaveAConsistentSession) {
       default:
         session.poll();
     }
-    ASSERT_TRUE(window.host.allFinite()) << "event " << event;
+    ASSERT_TRUE(window.host().allFinite()) << "event " << event;
     ASSERT_FALSE(session.message().empty());
     if (event % 100 == 99) {
       session.finish();
       session.wait();
-      ASSERT_TRUE(same_bits(window.host, session.mesh().vertices)) << "event " << event;
+      ASSERT_TRUE(same_bits(window.host(), session.mesh().vertices)) << "event " << event;
     }
     if (session.figures().steps > 12) {
       session.finish();
       window.expect_consistent();
       session.reset();
-      ASSERT_TRUE(same_bits(window.host, session.original().vertices)) << "event " << event;
+      ASSERT_TRUE(same_bits(window.host(), session.original().vertices)) << "event " << event;
     }
   }
   window.session.finish();
   window.session.wait();
   window.expect_consistent();
   window.session.reset();
-  EXPECT_TRUE(same_bits(window.host, window.session.original().vertices));
+  EXPECT_TRUE(same_bits(window.host(), window.session.original().vertices));
 }
 
 }  // namespace

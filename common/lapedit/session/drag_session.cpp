@@ -5,244 +5,148 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/session/messages.h"
-#include "lapedit/session/session_impl.h"
 
 namespace lapedit {
 
 using namespace phase;
 
+DragSession::DragSession(TriangleMesh mesh, StoredScalar scalar, const Callbacks& callbacks)
+    : model_(std::move(mesh), scalar, callbacks.log),
+      solver_(model_, callbacks.wake),
+      mouse_(model_, solver_, callbacks.wake) {}
+
 // --- What there is to see -------------------------------------------------------------------------------------------
 
-DragSession::DragSession(TriangleMesh mesh, StoredScalar scalar, Callbacks callbacks)
-    : impl_(std::make_unique<Impl>(std::move(mesh), scalar, std::move(callbacks))) {}
-DragSession::~DragSession() = default;
-
 DragSession::State DragSession::state() const {
-  return impl_->waiting()      ? State::Settling
-         : impl_->drag()       ? State::Dragging
-         : impl_->in<Picked>() ? State::Picked
-                               : State::Idle;
+  return solver_.waits()        ? State::Settling
+         : solver_.moving()     ? State::Dragging
+         : solver_.in<Picked>() ? State::Picked
+                                : State::Idle;
 }
-const TriangleMesh& DragSession::original() const {
-  return impl_->original();
-}
-const TriangleMesh& DragSession::mesh() const {
-  return impl_->mesh();
-}
-const Adjacency& DragSession::adjacency() const {
-  return *impl_->adjacency;
-}
-const Region* DragSession::region() const {
-  return impl_->shown.region().get();
-}
-int DragSession::region_serial() const {
-  return impl_->shown.region_serial();
-}
-const Points& DragSession::pose() const {
-  return impl_->shown.pose();
-}
-int DragSession::pose_serial() const {
-  return impl_->shown.serial();
-}
-const std::vector<std::vector<int>>& DragSession::groups() const {
-  return impl_->groups();
-}
-const std::vector<std::vector<int>>& DragSession::mirrored_groups() const {
-  return impl_->all_groups();
-}
+
 int DragSession::group_of_image(int group) const {
-  return impl_->tools.mirrored ? impl_->tools.mirrored->source()[static_cast<std::size_t>(group)] : group;
+  return model_.tools.mirrored ? model_.tools.mirrored->source()[static_cast<std::size_t>(group)] : group;
 }
-int DragSession::active_group() const {
-  return impl_->selection.active;
-}
+
 const DragMotion* DragSession::motion() const {
-  const Drag* const drag = impl_->drag();
+  const Dragging* const drag = solver_.in<Dragging>();
   return drag ? &drag->motion : nullptr;
-}
-bool DragSession::preparing() const {
-  return impl_->preparation == Impl::Preparation::Running;
-}
-double DragSession::progress() const {
-  return impl_->worker.progress();
-}
-const char* DragSession::stage() const {
-  return impl_->worker.stage();
-}
-bool DragSession::in_hand() const {
-  return impl_->in_hand;
-}
-bool DragSession::ready() const {
-  return impl_->preparation == Impl::Preparation::Done;
-}
-const std::vector<int>& DragSession::unconnected() const {
-  return impl_->unconnected;
-}
-std::optional<Gizmo> DragSession::gizmo(const Camera& view) const {
-  return impl_->gizmo(view);
-}
-GizmoPart DragSession::gizmo_part() const {
-  return impl_->pointer.part;
-}
-const HoverPreview* DragSession::hover() const {
-  return impl_->pointer.preview ? &*impl_->pointer.preview : nullptr;
-}
-bool DragSession::busy() const {
-  return impl_->worker.busy();
-}
-const DragSettings& DragSession::settings() const {
-  return impl_->settings;
-}
-HandleMode DragSession::handle_mode() const {
-  return impl_->selection.mode;
 }
 
 Affine DragSession::active_map() const {
-  const Drag* const drag = impl_->drag();
-  return drag && impl_->selection.active >= 0 ? resolve(drag->motion.transform(), impl_->center())
-                                              : Affine(Affine::Identity());
+  return motion() && model_.selection.active >= 0 ? resolve(motion()->transform(), model_.center())
+                                                  : Affine(Affine::Identity());
 }
 
 std::string DragSession::message() const {
-  Impl& s = *impl_;
-  if (!s.refusal.empty()) {
-    return s.refusal;
+  const Selection& selection = model_.selection;
+  if (!model_.refusal.empty()) {
+    return model_.refusal;
   }
-  if (s.waiting()) {
-    return s.in<Loading>() ? messages::kLoading : messages::kSolving;
+  if (solver_.waits()) {
+    return solver_.in<Loading>() ? messages::kLoading : messages::kSolving;
   }
-  if (const Drag* const drag = s.drag()) {
+  if (const Dragging* const drag = solver_.in<Dragging>()) {
     return messages::dragging(drag->motion, drag->by_button);
   }
-  if (s.selection.next == Selection::Next::Region) {
+  if (selection.next == Selection::Next::Region) {
     return messages::kNextIsRegion;
   }
-  if (s.selection.next == Selection::Next::Group) {
+  if (selection.next == Selection::Next::Group) {
     return messages::kNextIsGroup;
   }
-  if (s.tools.pivot == Pivot::Point && s.tools.pivot_vertex < 0) {
+  if (model_.tools.awaits_pivot()) {
     return messages::kNextIsPivot;
   }
-  if (s.in<Idle>()) {
-    return s.selection.has_region ? messages::kPickInRegion : messages::kPickAnywhere;
+  if (solver_.in<Idle>()) {
+    return selection.has_region ? messages::kPickInRegion : messages::kPickAnywhere;
   }
-  if (!s.unconnected.empty()) {
-    return messages::unconnected(s.unconnected);
+  if (!model_.unconnected.empty()) {
+    return messages::unconnected(model_.unconnected);
   }
-  if (const int free = s.shown.held_by_nothing(); free > 0) {
+  if (const int free = model_.shown.held_by_nothing(); free > 0) {
     return messages::nothing_holds(free);
   }
-  return s.selection.mode == HandleMode::Curve && s.selection.curve_end >= 0 ? messages::kLeadCurve
-                                                                             : messages::kDragHandle;
-}
-
-DragFigures DragSession::figures() const {
-  const Impl& s = *impl_;
-  DragFigures figures = s.heard;
-  if (const Region* const region = s.shown.region().get()) {
-    figures.handle = s.shown.count(VertexClass::Handle);
-    figures.free = s.shown.count(VertexClass::Free);
-    figures.anchors = s.shown.count(VertexClass::Anchor);
-    figures.fixed = static_cast<int>(s.mesh().vertices.rows()) - region->size();
-  }
-  figures.steps = static_cast<int>(s.history.steps().size());
-  return figures;
+  return selection.mode == HandleMode::Curve && selection.curve_end >= 0 ? messages::kLeadCurve : messages::kDragHandle;
 }
 
 // --- Settings -------------------------------------------------------------------------------------------------------
 
 void DragSession::set_settings(const DragSettings& settings) {
-  Impl& s = *impl_;
-  s.refusal.clear();
+  model_.refusal.clear();
   try {
     validate(settings);
   } catch (const EditError& error) {
-    s.refusal = error.what();
+    model_.refusal = error.what();
     return;
   }
-  const bool new_radius = settings.radius != s.settings.radius;
-  const bool new_discs = settings.handle_share != s.settings.handle_share || settings.softness != s.settings.softness;
-  const bool new_rest = settings.padding != s.settings.padding || settings.connect_gap != s.settings.connect_gap ||
-                        settings.edit != s.settings.edit;
-  s.settings = settings;
-  if (s.in<Loading>()) {
+  const DragSettings before = std::exchange(model_.settings, settings);
+  if (solver_.in<Loading>()) {
     return;
   }
+  const bool new_radius = settings.radius != before.radius;
+  const bool new_discs = settings.handle_share != before.handle_share || settings.softness != before.softness;
+  const bool new_rest =
+      settings.padding != before.padding || settings.connect_gap != before.connect_gap || settings.edit != before.edit;
   // While a step is solved for again the worker has that to do, whatever has changed.
-  if (s.amendable() && s.history.can_undo() &&
-      (new_rest ||
-       (new_radius && (s.in<Amending>() || s.history.steps().back().step.region.kind == RegionSpec::Kind::Radius)))) {
-    s.amend();
+  if (solver_.amendable() && model_.history.can_undo() &&
+      (new_rest || (new_radius && (solver_.in<Amending>() ||
+                                   model_.history.steps().back().step.region.kind == RegionSpec::Kind::Radius)))) {
+    solver_.amend();
     return;
   }
   // The radius counts for regions that were grown by it, and for what is left of them after a step.
-  const bool regrow = new_radius && s.selection.has_region && !s.selection.by_hand &&
-                      s.selection.region.kind != RegionSpec::Kind::Component;
+  Selection& selection = model_.selection;
+  const bool regrow =
+      new_radius && selection.has_region && !selection.by_hand && selection.region.kind != RegionSpec::Kind::Component;
   if (regrow) {
-    s.selection = with_radius(s.surface(), s.selection);
-  } else if (new_discs && !s.amendable()) {
-    s.selection = with_discs(s.surface(), s.selection);
+    selection = with_radius(solver_.surface(), selection);
+  } else if (new_discs && !solver_.amendable()) {
+    selection = with_discs(solver_.surface(), selection);
   } else if (!new_rest) {
     return;
   }
-  if (Picked* const picked = regrow ? s.in<Picked>() : nullptr) {
-    picked->amendable = false;
+  if (regrow && solver_.in<Picked>()) {
+    solver_.rest(false);
   }
-  s.selection = with_padding(std::move(s.selection), settings);
-  if (s.groups().empty()) {
+  selection = with_padding(std::move(selection), settings);
+  if (selection.groups.empty()) {
     return;
   }
-  s.prepare();
-  if (s.drag()) {
-    s.ask();
+  const bool was_in_progress = solver_.in_progress();
+  solver_.prepare();
+  if (solver_.in<Dragging>()) {
+    solver_.ask();
+  } else if (was_in_progress) {
+    mouse_.forget();
   }
 }
 
 void DragSession::set_handle_mode(HandleMode mode) {
-  impl_->refusal.clear();
-  impl_->selection = with_mode(impl_->selection, mode);
+  model_.refusal.clear();
+  model_.selection = with_mode(model_.selection, mode);
 }
 
-BrushTarget DragSession::brush_target() const {
-  return impl_->tools.brush;
-}
 void DragSession::set_brush_target(BrushTarget target) {
-  impl_->refusal.clear();
-  impl_->tools.brush = target;
+  model_.refusal.clear();
+  model_.tools.brush = target;
 }
 
-bool DragSession::gizmo_shown() const {
-  return impl_->tools.gizmo;
-}
-GizmoAxes DragSession::gizmo_axes() const {
-  return impl_->tools.axes;
-}
 void DragSession::show_gizmo(bool on, GizmoAxes axes) {
-  impl_->tools.gizmo = on;
-  impl_->tools.axes = axes;
+  model_.tools.gizmo = on;
+  model_.tools.axes = axes;
 }
 
-Pivot DragSession::pivot() const {
-  return impl_->tools.pivot;
-}
 void DragSession::set_pivot(Pivot pivot) {
-  impl_->refusal.clear();
-  impl_->tools.pivot = pivot;
-  impl_->tools.pivot_vertex = -1;
-}
-Vector3 DragSession::pivot_place() const {
-  return impl_->pivot_place();
+  model_.refusal.clear();
+  model_.tools.pivot = pivot;
+  model_.tools.pivot_vertex = -1;
 }
 
-const std::optional<MirrorPlane>& DragSession::mirror() const {
-  return impl_->tools.mirror;
-}
 void DragSession::set_mirror(const std::optional<MirrorPlane>& plane) {
-  Impl& s = *impl_;
-  s.refusal.clear();
-  if (s.settle_down()) {
-    s.tools.mirror = plane;
-    s.handles_changed();
+  if (settle_down()) {
+    model_.tools.mirror = plane;
+    solver_.handles_changed();
   }
 }
 
@@ -250,175 +154,296 @@ void DragSession::find_mirror() {
   if (const std::optional<MirrorPlane> found = find_symmetry(mesh())) {
     set_mirror(found);
   } else {
-    impl_->refusal = messages::kNotSymmetric;
+    model_.refusal = messages::kNotSymmetric;
   }
 }
 
 // --- Region and handles ---------------------------------------------------------------------------------------------
 
+/// Whether region and handles may change now; ends a drag in progress for it.
+bool DragSession::settle_down() {
+  model_.refusal.clear();
+  if (solver_.waits()) {
+    model_.refusal = messages::kStillSettling;
+    return false;
+  }
+  cancel();
+  mouse_.end_stroke();
+  return true;
+}
+
 /// What a button does to the region.
-void DragSession::Impl::change_region(Choice (*choose)(const Surface&, const Selection&)) {
-  refusal.clear();
-  if (settle_down() && take(choose(surface(), selection))) {
-    if (selection.by_hand) {
-      show_by_hand();
+void DragSession::take_changed(Choice choice) {
+  if (model_.take(std::move(choice))) {
+    if (model_.selection.by_hand) {
+      model_.show_by_hand();
     }
-    handles_changed();
+    solver_.handles_changed();
   }
 }
 
 void DragSession::set_region(std::vector<int> vertices) {
-  Impl& s = *impl_;
-  s.refusal.clear();
-  if (s.settle_down() && s.take(with_region(s.surface(), s.selection, std::move(vertices)))) {
-    s.show_by_hand();
-    s.handles_changed();
+  if (settle_down()) {
+    take_changed(with_region(solver_.surface(), model_.selection, std::move(vertices)));
   }
 }
 
 void DragSession::set_anchors(std::vector<int> vertices) {
-  Impl& s = *impl_;
-  s.refusal.clear();
-  if (s.settle_down() && s.take(with_anchors(s.surface(), s.selection, std::move(vertices)))) {
-    s.show_by_hand();
-    s.handles_changed();
+  if (settle_down()) {
+    take_changed(with_anchors(solver_.surface(), model_.selection, std::move(vertices)));
   }
 }
 
 void DragSession::whole_component() {
-  impl_->change_region(lapedit::whole_component);
+  if (settle_down()) {
+    take_changed(lapedit::whole_component(solver_.surface(), model_.selection));
+  }
 }
 
 void DragSession::grow() {
-  impl_->change_region(grown_by_a_ring);
+  if (settle_down()) {
+    take_changed(grown_by_a_ring(solver_.surface(), model_.selection));
+  }
 }
 
 void DragSession::shrink() {
-  impl_->change_region(shrunk_by_a_ring);
+  if (settle_down()) {
+    take_changed(shrunk_by_a_ring(solver_.surface(), model_.selection));
+  }
 }
 
 void DragSession::clear() {
-  impl_->change_region([](const Surface&, const Selection& selection) { return Choice(cleared(selection)); });
+  if (settle_down()) {
+    take_changed(cleared(model_.selection));
+  }
 }
 
 void DragSession::new_region() {
-  impl_->refusal.clear();
-  impl_->take(with_next_region(impl_->selection));
+  model_.refusal.clear();
+  model_.take(with_next_region(model_.selection));
 }
 
 void DragSession::next_group() {
-  impl_->refusal.clear();
-  impl_->take(with_next_group(impl_->selection));
+  model_.refusal.clear();
+  model_.take(with_next_group(model_.selection));
 }
 
 // --- Steps ----------------------------------------------------------------------------------------------------------
 
 bool DragSession::can_undo() const {
-  return impl_->history.can_undo() || impl_->in_progress() || !impl_->strokes.done.empty();
+  return model_.history.can_undo() || solver_.in_progress() || !model_.strokes.done.empty();
 }
 
 bool DragSession::can_redo() const {
-  return (impl_->history.can_redo() || !impl_->strokes.undone.empty()) && !impl_->in_progress();
+  return (model_.history.can_redo() || !model_.strokes.undone.empty()) && !solver_.in_progress();
+}
+
+/// Goes back, or on again, by a stroke of the brush.
+void DragSession::restore(std::vector<Selection>& from, std::vector<Selection>& to, const char* line) {
+  to.push_back(std::exchange(model_.selection, std::move(from.back())));
+  from.pop_back();
+  if (model_.selection.region.kind == RegionSpec::Kind::Vertices && model_.selection.has_region) {
+    model_.show_by_hand();
+  } else {
+    model_.show_region(nullptr);
+  }
+  solver_.handles_changed();
+  model_.log(line);
 }
 
 void DragSession::undo() {
-  Impl& s = *impl_;
-  s.refusal.clear();
-  if (s.in_progress()) {
-    s.drop();
+  model_.refusal.clear();
+  if (solver_.in_progress()) {
+    cancel();
     return;
   }
-  if (s.undo_stroke()) {
-    return;
+  mouse_.end_stroke();
+  if (!model_.strokes.done.empty()) {
+    restore(model_.strokes.done, model_.strokes.undone, messages::kStrokeUndone);
+  } else if (!model_.history.can_undo()) {
+    model_.refusal = messages::kNothingToUndo;
+  } else {
+    const AppliedStep& step = model_.history.undo();
+    model_.show_mesh(step.vertices, step.before);
+    model_.log(messages::step_undone(model_.history.steps().size() + 1));
+    solver_.take_over(step, false);
   }
-  if (!s.history.can_undo()) {
-    s.refusal = messages::kNothingToUndo;
-    return;
-  }
-  const AppliedStep& step = s.history.undo();
-  s.show_mesh(step.vertices, step.before, true);
-  s.log(messages::step_undone(s.history.steps().size() + 1));
-  s.take_over(step, false);
 }
 
 void DragSession::redo() {
-  Impl& s = *impl_;
-  s.refusal.clear();
-  if (!s.settle_down() || s.redo_stroke()) {
+  if (!settle_down()) {
     return;
   }
-  if (!s.history.can_redo()) {
-    s.refusal = messages::kNothingToRedo;
-    return;
+  if (!model_.strokes.undone.empty()) {
+    restore(model_.strokes.undone, model_.strokes.done, messages::kStrokeRedone);
+  } else if (!model_.history.can_redo()) {
+    model_.refusal = messages::kNothingToRedo;
+  } else {
+    const AppliedStep& step = model_.history.redo();
+    model_.show_mesh(step.vertices, step.after);
+    model_.log(messages::step_redone(model_.history.steps().size()));
+    solver_.take_over(step, true);
   }
-  const AppliedStep& step = s.history.redo();
-  s.show_mesh(step.vertices, step.after, true);
-  s.log(messages::step_redone(s.history.steps().size()));
-  s.take_over(step, true);
 }
 
 void DragSession::reset() {
-  Impl& s = *impl_;
   cancel();
-  const std::size_t count = s.history.steps().size();
+  const std::size_t count = model_.history.steps().size();
   const AppliedStep* first = nullptr;
-  while (s.history.can_undo()) {
-    first = &s.history.undo();
-    s.show_mesh(first->vertices, first->before, !s.history.can_undo());
+  while (model_.history.can_undo()) {
+    first = &model_.history.undo();
+    model_.show_mesh(first->vertices, first->before);
   }
   if (first) {
-    s.log(messages::all_undone(count));
-    s.take_over(*first, false);
+    model_.log(messages::all_undone(count));
+    solver_.take_over(*first, false);
   }
-}
-
-Edit DragSession::recorded() const {
-  return impl_->history.recorded();
 }
 
 void DragSession::load(Edit edit) {
-  Impl& s = *impl_;
   cancel();
-  s.pressed.reset();
-  s.preparation = Impl::Preparation::Running;
-  s.worker.apply({s.history.mesh(), s.adjacency, edit, s.scalar});
-  s.phase = Loading{std::move(edit), s.amendable(), {}};
+  mouse_.forget();
+  solver_.load(std::move(edit));
 }
 
-// --- News of the worker ---------------------------------------------------------------------------------------------
+// --- Answers of the solver ------------------------------------------------------------------------------------------
 
 bool DragSession::poll() {
-  MouseEvents waited;
-  const bool news = impl_->listen(waited);
-  for (const MouseEvent& event : waited) {
-    if (event.kind == MouseEvent::Kind::Press) {
-      press(event.cursor, event.modifiers);
-    } else if (event.kind == MouseEvent::Kind::Move) {
-      move(event.cursor);
-    } else {
-      release(event.cursor);
-    }
+  const bool was_in_progress = solver_.in_progress();
+  const SessionSolver::News news = solver_.poll();
+  if (was_in_progress && !solver_.in_progress()) {
+    // Without a step it was not possible.
+    news == SessionSolver::News::Step ? mouse_.replay() : mouse_.forget();
   }
-  return news;
+  return news != SessionSolver::News::None;
 }
 
 void DragSession::finish() {
-  Impl& s = *impl_;
-  s.end_stroke();
-  if (MouseEvents* const waiting = s.waiting()) {
-    waiting->clear();
-  }
-  while (s.in<Releasing>() && s.worker.wait()) {
+  mouse_.end_stroke();
+  mouse_.forget();
+  while (solver_.in<Dragging>() && solver_.waits() && solver_.wait()) {
     poll();
   }
-  if (s.in_progress()) {
-    s.drop();
-  }
+  cancel();
 }
 
 void DragSession::wait() {
-  while (impl_->worker.wait()) {
+  while (solver_.wait()) {
     poll();
+  }
+}
+
+// --- Keys and motion ------------------------------------------------------------------------------------------------
+
+bool DragSession::key(DragKey key, const Cursor& cursor) {
+  model_.refusal.clear();
+  switch (key) {  // those that mean something while a step is worked out as well
+    case DragKey::Cancel: {
+      const bool something = solver_.in_progress();
+      cancel();
+      return something;
+    }
+    case DragKey::Undo:
+      undo();
+      return true;
+    case DragKey::Redo:
+      redo();
+      return true;
+    case DragKey::Grow:
+      grow();
+      return true;
+    case DragKey::Shrink:
+      shrink();
+      return true;
+    default:
+      break;
+  }
+  if (solver_.waits()) {
+    return false;
+  }
+  switch (key) {
+    case DragKey::Apply:
+      solver_.moving() ? apply() : void(model_.refusal = messages::kNoMotion);
+      return true;
+    case DragKey::Pivot:
+      set_pivot(model_.tools.pivot == Pivot::Centroid ? Pivot::Point
+                : model_.tools.pivot == Pivot::Point  ? Pivot::Rim
+                                                      : Pivot::Centroid);
+      return true;
+    case DragKey::Brush:
+      set_brush_target(model_.tools.brush == BrushTarget::Region   ? BrushTarget::Handle
+                       : model_.tools.brush == BrushTarget::Handle ? BrushTarget::Anchors
+                                                                   : BrushTarget::Region);
+      return true;
+    case DragKey::Gizmo:
+      show_gizmo(!model_.tools.gizmo, model_.tools.axes);
+      return true;
+    case DragKey::NextGroup:
+      next_group();
+      return true;
+    case DragKey::NewRegion:
+      new_region();
+      return true;
+    case DragKey::Curve:
+      set_handle_mode(model_.selection.mode == HandleMode::Curve ? HandleMode::Vertex : HandleMode::Curve);
+      return true;
+    default:
+      return motion_key(key, cursor);
+  }
+}
+
+/// Keys that begin a motion, or say more of it.
+bool DragSession::motion_key(DragKey key, const Cursor& cursor) {
+  if (!solver_.in<Dragging>() && key != DragKey::Rotate && key != DragKey::Scale && key != DragKey::Translate) {
+    model_.refusal = messages::kNoMotion;  // an amount from nowhere could be anything
+    return true;
+  }
+  bool begun = true;
+  if (key == DragKey::Rotate) {
+    begun = begin_by_key(MotionKind::Rotate, cursor);
+  } else if (key == DragKey::Scale) {
+    begun = begin_by_key(MotionKind::Scale, cursor);
+  } else if (key == DragKey::Translate) {
+    begun = begin_by_key(MotionKind::Translate, cursor);
+  }
+  if (!begun) {
+    return false;
+  }
+  DragMotion& motion = solver_.in<Dragging>()->motion;
+  if (const std::optional<char> typed = typed_character(key)) {
+    motion.type(*typed);
+  } else if (key == DragKey::LockX || key == DragKey::LockY || key == DragKey::LockZ) {
+    motion.toggle_lock(key == DragKey::LockX ? AxisLock::X : key == DragKey::LockY ? AxisLock::Y : AxisLock::Z);
+  } else if (key == DragKey::LockNormal && !motion.toggle_lock(AxisLock::Normal)) {
+    model_.refusal = messages::kNoNormal;
+  }
+  solver_.ask();
+  return true;
+}
+
+bool DragSession::begin_by_key(MotionKind kind, const Cursor& cursor) {
+  if (mouse_.brushing()) {
+    mouse_.end_stroke();
+  }
+  if (!model_.has_active_group()) {
+    return false;
+  }
+  return solver_.begin(kind, solver_.in<Dragging>() ? solver_.in<Dragging>()->motion.grab() : model_.center(), cursor,
+                       false);
+}
+
+void DragSession::apply() {
+  model_.refusal.clear();
+  if (solver_.moving()) {
+    mouse_.release_motion();
+  }
+}
+
+void DragSession::cancel() {
+  model_.refusal.clear();
+  if (solver_.in_progress()) {
+    mouse_.forget();
+    solver_.drop();
   }
 }
 

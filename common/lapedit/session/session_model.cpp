@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/session/session_model.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "lapedit/session/picking.h"
+
+namespace lapedit {
+namespace {
+
+TriangleMesh checked(TriangleMesh mesh) {
+  validate(mesh);
+  return mesh;
+}
+
+/// Newer places take precedence over those that nobody has taken yet.
+PoseChange joined(const PoseChange& older, const std::vector<int>& vertices, const Points& places) {
+  PoseChange all;
+  std::set_union(older.vertices.begin(), older.vertices.end(), vertices.begin(), vertices.end(),
+                 std::back_inserter(all.vertices));
+  all.places.resize(static_cast<Eigen::Index>(all.vertices.size()), 3);
+  Eigen::Index row = 0, old_row = 0, new_row = 0;
+  for (const int v : all.vertices) {
+    const bool in_older = old_row < older.places.rows() && older.vertices[static_cast<std::size_t>(old_row)] == v;
+    const bool in_newer = new_row < places.rows() && vertices[static_cast<std::size_t>(new_row)] == v;
+    all.places.row(row++) = in_newer ? places.row(new_row) : older.places.row(old_row);
+    old_row += in_older ? 1 : 0;
+    new_row += in_newer ? 1 : 0;
+  }
+  return all;
+}
+
+}  // namespace
+
+SessionModel::SessionModel(TriangleMesh mesh, StoredScalar stored, std::function<void(const std::string&)> log_line)
+    : scalar(stored),
+      history(checked(std::move(mesh))),
+      adjacency(std::make_shared<const Adjacency>(
+          build_adjacency(static_cast<int>(history.original().vertices.rows()), history.original().faces))),
+      log(log_line ? std::move(log_line) : [](const std::string&) {}),
+      settings(settings_for(history.original())) {}
+
+Vector3 SessionModel::pivot_place() const {
+  const Region* const region = shown.region().get();
+  if (tools.pivot == Pivot::Point && tools.pivot_vertex >= 0) {
+    return mesh().vertices.row(tools.pivot_vertex).transpose();
+  }
+  return tools.pivot == Pivot::Rim && region ? middle_of_rim(mesh(), *region, active_group()) : center();
+}
+
+std::optional<Gizmo> SessionModel::gizmo(const Camera& view) const {
+  const bool awaits_click =
+      selection.next != Selection::Next::Handle || selection.mode == HandleMode::Curve || tools.awaits_pivot();
+  if (!tools.gizmo || awaits_click || selection.active < 0 || !view.valid()) {
+    return std::nullopt;
+  }
+  return place_gizmo(pivot_place(), tools.axes, mean_normal(mesh(), *adjacency, active_group()), view);
+}
+
+bool SessionModel::take(Choice choice) {
+  if (const Refusal* const refused = std::get_if<Refusal>(&choice)) {
+    refusal = refused->sentence;
+    return false;
+  }
+  Selection& chosen = std::get<Selection>(choice);
+  const bool another_region = chosen.taken != selection.taken;
+  if (chosen.groups != selection.groups) {
+    tools.mirrored.reset();  // a stroke of the brush is seen at once, its image when it is prepared for
+  }
+  selection = std::move(chosen);
+  if (another_region) {
+    show_region(nullptr);  // the old one would be taken for the new one's
+  }
+  return true;
+}
+
+void SessionModel::show(const std::vector<int>& vertices, const Points& places, bool settled) {
+  if (changed_ && vertices != change_.vertices) {
+    const bool was_settled = change_.settled;
+    change_ = joined(change_, vertices, places);
+    change_.settled = was_settled;
+  } else {
+    if (vertices != change_.vertices) {
+      change_.vertices = vertices;
+    }
+    change_.places = places;
+    change_.settled &= changed_;
+  }
+  change_.settled |= settled;
+  changed_ = true;
+}
+
+void SessionModel::show_mesh(const std::vector<int>& vertices, const Points& places) {
+  visibility.reset();
+  show(vertices, places, true);
+}
+
+void SessionModel::show_by_hand() {
+  show_region(std::make_shared<const Region>(region_by_hand(mesh(), *adjacency, selection.region.vertices, groups())));
+}
+
+void SessionModel::back_to_mesh(bool settled) {
+  if (shown.rest(mesh())) {
+    show(shown.region()->mesh_vertex, shown.pose(), settled);
+  }
+}
+
+const PoseChange* SessionModel::take_change() {
+  return std::exchange(changed_, false) ? &change_ : nullptr;
+}
+
+}  // namespace lapedit

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lapedit/edit/mirror.h"
+#include "lapedit/mesh/visibility.h"
+#include "lapedit/session/gizmo.h"
+#include "lapedit/session/history.h"
+#include "lapedit/session/selection.h"
+#include "lapedit/session/shown_region.h"
+
+namespace lapedit {
+
+/// What the brush paints.
+enum class BrushTarget { Region, Handle, Anchors };
+
+/// What turning and scaling go about.
+enum class Pivot {
+  Centroid,  ///< of the active group
+  Rim,       ///< the middle of the region's rim on the group's piece: the shoulder of an arm
+  Point      ///< a vertex that was picked; it goes with the surface
+};
+
+/// New places of some vertices of the mesh.
+struct PoseChange {
+  std::vector<int> vertices;  ///< mesh vertex numbers, ascending
+  Points places;              ///< one row per vertex
+  bool settled = false;       ///< what was applied or taken back is among them, else it is a passing pose
+};
+
+/// What the user has switched on, beside settings and selection.
+struct Tools {
+  BrushTarget brush = BrushTarget::Region;
+  bool gizmo = false;
+  GizmoAxes axes = GizmoAxes::Layer;
+  Pivot pivot = Pivot::Centroid;
+  int pivot_vertex = -1;  ///< Pivot::Point; -1: the next click picks it
+  std::optional<MirrorPlane> mirror;
+  std::unique_ptr<const MirroredHandles> mirrored;  ///< of the groups; null without a plane and while they are painted
+
+  bool awaits_pivot() const { return pivot == Pivot::Point && pivot_vertex < 0; }
+};
+
+/// Strokes of the brush since the last step, for undo.
+struct Strokes {
+  std::vector<Selection> done;    ///< before each of them, the oldest first
+  std::vector<Selection> undone;  ///< after each that was taken back, the newest last
+};
+
+/// What a session holds: the mesh with its steps, what is chosen and switched on, and what of it is shown.
+struct SessionModel {
+  StoredScalar scalar;
+  History history;
+  std::shared_ptr<const Adjacency> adjacency;
+  std::function<void(const std::string&)> log;
+  DragSettings settings;
+  Selection selection;
+  Tools tools;
+  Strokes strokes;
+  std::string refusal;
+  ShownRegion shown;
+  std::unique_ptr<Visibility> visibility;  ///< of the mesh as it is, once the brush has asked
+  std::vector<int> unconnected;            ///< of the selection's vertices, ascending
+
+  /// @throws EditError as validate()
+  SessionModel(TriangleMesh mesh, StoredScalar stored, std::function<void(const std::string&)> log_line);
+
+  const TriangleMesh& mesh() const { return *history.mesh(); }
+  const std::vector<std::vector<int>>& groups() const { return selection.groups; }
+  /// With their mirror images behind them.
+  const std::vector<std::vector<int>>& all_groups() const {
+    return tools.mirrored ? tools.mirrored->groups() : groups();
+  }
+  bool has_active_group() const { return !groups().empty() && selection.active >= 0; }
+  const std::vector<int>& active_group() const { return groups()[static_cast<std::size_t>(selection.active)]; }
+  Vector3 center() const { return centroid(mesh().vertices, active_group()); }
+  Vector3 pivot_place() const;  ///< what turning and scaling go about
+  std::optional<Gizmo> gizmo(const Camera& view) const;
+
+  /// Makes a choice the selection, or tells why not. @return whether it was taken
+  bool take(Choice choice);
+
+  /// Notes new places for take_change(). With the vertices of the last change nothing is allocated.
+  void show(const std::vector<int>& vertices, const Points& places, bool settled);
+  /// After a change of the mesh.
+  void show_mesh(const std::vector<int>& vertices, const Points& places);
+  void show_region(std::shared_ptr<const Region> region) { shown.show(std::move(region), mesh()); }
+  /// Shows a region that was made by hand before its distances are known.
+  void show_by_hand();
+  void back_to_mesh(bool settled);
+  const PoseChange* take_change();
+
+ private:
+  PoseChange change_;
+  bool changed_ = false;  // since the last take_change()
+};
+
+}  // namespace lapedit

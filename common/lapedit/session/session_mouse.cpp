@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/session/session_mouse.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "lapedit/base/error.h"
+#include "lapedit/session/messages.h"
+#include "lapedit/session/picking.h"
+
+namespace lapedit {
+
+using namespace phase;
+
+SessionMouse::SessionMouse(SessionModel& model, SessionSolver& solver, std::function<void()> wake)
+    : model_(model), solver_(solver), background_(std::move(wake)) {}
+
+bool SessionMouse::press(const Cursor& cursor, PressModifiers modifiers) {
+  if (!cursor.view.valid()) {
+    return true;
+  }
+  if (solver_.waits()) {
+    waiting_.push_back({Event::Kind::Press, cursor, modifiers});
+    return true;
+  }
+  model_.refusal.clear();
+  if (const Dragging* const drag = solver_.in<Dragging>()) {
+    if (!drag->by_button) {
+      release_motion();
+    }
+    return true;
+  }
+  end_stroke();  // whose release never came
+  return (modifiers.none() && press_gizmo(cursor)) || press_beneath(cursor, modifiers);
+}
+
+/// A press on what is behind the gizmo.
+bool SessionMouse::press_beneath(const Cursor& cursor, PressModifiers modifiers) {
+  const std::optional<SurfaceHit> hit = surface_at(model_.mesh(), *model_.adjacency, cursor);
+  if (model_.tools.awaits_pivot() && modifiers.none()) {
+    if (hit) {
+      model_.tools.pivot_vertex = hit->vertex;
+    } else {
+      model_.refusal = messages::kNoSurface;
+    }
+    return hit.has_value();
+  }
+  const bool grabs = modifiers.none() && model_.selection.next != Selection::Next::Region;
+  const int grabbed = grabs ? group_at(model_.mesh(), model_.groups(), hit, cursor, model_.settings.radius) : -1;
+  if (grabbed >= 0) {
+    model_.selection.active = grabbed;
+    pressed_ = Press{hit ? hit->point : cursor.view.beside(model_.center(), cursor.pixel), -1, cursor, modifiers};
+  } else if (hit) {
+    press_surface(*hit, cursor, modifiers);
+  } else {
+    model_.refusal = messages::kNoSurface;
+    return false;
+  }
+  return true;
+}
+
+void SessionMouse::move(const Cursor& cursor) {
+  if (!cursor.view.valid()) {
+    return;
+  }
+  if (solver_.waits()) {
+    // Only what follows a press counts, and of moves the last.
+    if (!waiting_.empty()) {
+      if (waiting_.back().kind == Event::Kind::Move) {
+        waiting_.pop_back();
+      }
+      waiting_.push_back({Event::Kind::Move, cursor, {}});
+    }
+    return;
+  }
+  if (pressed_ && !pressed_->modifiers.none()) {
+    if (!std::exchange(pressed_->brushed, true)) {
+      brush(pressed_->cursor);
+    }
+    brush(cursor);
+    return;
+  }
+  if (pressed_ && !solver_.in<Dragging>()) {
+    // The motion begins where the button went down, however far the first move already is.
+    if (!pressed_->draggable || !solver_.begin(pressed_->kind, pressed_->point, pressed_->cursor, true)) {
+      pressed_->draggable = false;  // why not has been said
+      return;
+    }
+    if (pressed_->axis) {
+      solver_.in<Dragging>()->motion.hold(*pressed_->axis);
+    }
+  }
+  Dragging* const drag = solver_.in<Dragging>();
+  if (drag && (pressed_ || !drag->by_button)) {
+    drag->motion.move(cursor);
+    solver_.ask();
+  }
+}
+
+bool SessionMouse::hover(const Cursor& cursor, PressModifiers modifiers) {
+  const bool was = preview_.has_value();
+  const GizmoPart before = part_;
+  if (!cursor.view.valid() || solver_.in_progress() || pressed_) {
+    preview_.reset();
+    return was;
+  }
+  const std::optional<Gizmo> gizmo = model_.gizmo(cursor.view);
+  part_ = gizmo ? gizmo_part_at(*gizmo, cursor) : GizmoPart::None;
+  if (part_ != GizmoPart::None) {
+    preview_.reset();
+  } else {
+    look(cursor, modifiers);
+  }
+  return was || preview_ || before != part_;
+}
+
+void SessionMouse::leave() {
+  preview_.reset();
+  part_ = GizmoPart::None;
+}
+
+void SessionMouse::release(const Cursor& cursor) {
+  if (!waiting_.empty()) {
+    waiting_.push_back({Event::Kind::Release, cursor, {}});
+    return;
+  }
+  if (solver_.waits() || !pressed_) {
+    pressed_.reset();
+    return;
+  }
+  if (Dragging* const drag = solver_.in<Dragging>()) {
+    if (cursor.view.valid()) {
+      drag->motion.move(cursor);
+    }
+    release_motion();
+    return;
+  }
+  const Press press = *pressed_;
+  end_stroke();
+  if (press.on_gizmo) {  // a click means what is behind it
+    press_beneath(press.cursor, {});
+    pressed_.reset();
+  } else if (!press.modifiers.none() && !press.brushed) {
+    click(press);
+  }
+}
+
+void SessionMouse::end_stroke() {
+  const bool brushed = pressed_ && pressed_->brushed;
+  pressed_.reset();
+  if (brushed) {
+    solver_.handles_changed();
+  }
+}
+
+/// A press on an arrow, a ring or the knob. @return whether it was one
+bool SessionMouse::press_gizmo(const Cursor& cursor) {
+  const std::optional<Gizmo> gizmo = model_.gizmo(cursor.view);
+  part_ = gizmo ? gizmo_part_at(*gizmo, cursor) : GizmoPart::None;
+  if (part_ == GizmoPart::None) {
+    return false;
+  }
+  pressed_ = Press{gizmo->center, -1, cursor, {}};
+  pressed_->on_gizmo = true;
+  pressed_->kind = kind_of(part_);
+  pressed_->axis = axis_of(*gizmo, part_);
+  return true;
+}
+
+namespace {
+
+/// What of the surface is under the cursor or, since a press takes an edge that is right beside it, within 4 pixels.
+std::optional<SurfaceHit> hit_near(const HoverSearch& search, const Cursor& cursor) {
+  std::optional<SurfaceHit> hit = search.hit(cursor.view.ray(cursor.pixel));
+  for (const double pixels : {2.0, 4.0}) {
+    for (int i = 0; i < 8 && !hit; ++i) {
+      const double angle = i * std::atan(1.0);
+      hit = search.hit(cursor.view.ray(cursor.pixel + pixels * Vector2(std::cos(angle), std::sin(angle))));
+    }
+  }
+  return hit;
+}
+
+}  // namespace
+
+/// What of the surface is under the cursor, and what a press would take there.
+void SessionMouse::look(const Cursor& cursor, PressModifiers modifiers) {
+  HoverSearch* const search = background_.of(model_.history.mesh(), model_.adjacency);
+  const std::optional<SurfaceHit> hit = search ? hit_near(*search, cursor) : std::nullopt;
+  if (!hit) {
+    preview_.reset();
+    return;
+  }
+  using Kind = HoverPreview::Kind;
+  HoverPreview& preview = preview_ ? *preview_ : preview_.emplace();
+  const bool inside = model_.selection.has_region && model_.selection.next != Selection::Next::Region &&
+                      model_.shown.region() &&
+                      std::binary_search(model_.shown.region()->mesh_vertex.begin(),
+                                         model_.shown.region()->mesh_vertex.end(), hit->vertex);
+  const bool plain = modifiers.none();
+  preview.group = plain && model_.selection.next != Selection::Next::Region
+                      ? group_at(model_.mesh(), model_.groups(), hit, cursor, model_.settings.radius)
+                      : -1;
+  preview.kind = !plain ? Kind::Brush : preview.group >= 0 ? Kind::Group : inside ? Kind::Handle : Kind::Region;
+  preview.point = hit->point;
+  const Vector3 normal = area_normal(model_.mesh(), hit->face);
+  const double length = normal.norm();
+  preview.normal = length > 0 && std::isfinite(length) ? Vector3(normal / length) : Vector3(Vector3::Zero());
+  preview.radius = model_.settings.radius;
+  preview.disc_radius =
+      model_.selection.mode == HandleMode::Vertex ? model_.settings.handle_share * model_.settings.radius : 0;
+  if (preview.kind == Kind::Region || preview.kind == Kind::Handle) {
+    search->outline(hit->vertex, preview);
+  } else {
+    preview.region.resize(0, 3);
+    preview.disc.resize(0, 3);
+  }
+}
+
+/// A press beside all handles.
+void SessionMouse::press_surface(const SurfaceHit& hit, const Cursor& cursor, PressModifiers modifiers) {
+  pressed_ = Press{hit.point, hit.vertex, cursor, modifiers};
+  if (!pressed_->modifiers.none()) {
+    return;  // a brush or, with the release, a click
+  }
+  try {
+    const bool taken = model_.take(pick(solver_.surface(), model_.selection, hit.vertex));
+    pressed_->draggable = taken && model_.selection.mode == HandleMode::Vertex;
+    if (taken) {
+      solver_.handles_changed();
+    }
+  } catch (const EditError& error) {
+    pressed_.reset();
+    model_.refusal = error.what();
+  }
+}
+
+/// A click with Ctrl or Shift.
+void SessionMouse::click(const Press& press) {
+  try {
+    const auto choose = press.modifiers.add ? add_to_handle : take_from_handle;
+    if (!model_.take(choose(solver_.surface(), model_.selection, press.vertex))) {
+      return;
+    }
+  } catch (const EditError& error) {
+    model_.refusal = error.what();
+    return;
+  }
+  if (model_.groups().empty() && model_.shown.region()) {
+    model_.show_by_hand();
+  }
+  solver_.handles_changed();
+}
+
+void SessionMouse::brush(const Cursor& cursor) {
+  const std::optional<SurfaceHit> hit = surface_at(model_.mesh(), *model_.adjacency, cursor);
+  if (!hit) {
+    return;
+  }
+  if (!model_.visibility) {
+    model_.visibility = std::make_unique<Visibility>(model_.mesh());
+  }
+  const double radius = model_.settings.brush_pixels * cursor.view.pixel_size(hit->point);
+  const std::vector<int> patch =
+      brushed_vertices(model_.mesh(), *model_.adjacency, *model_.visibility, cursor.view, *hit, radius);
+  if (patch.empty()) {
+    return;
+  }
+  const bool add = pressed_->modifiers.add;
+  Choice choice =
+      model_.tools.brush == BrushTarget::Region   ? Choice(brushed(solver_.surface(), model_.selection, patch, add))
+      : model_.tools.brush == BrushTarget::Handle ? handle_brushed(solver_.surface(), model_.selection, patch, add)
+                                                  : anchors_brushed(solver_.surface(), model_.selection, patch, add);
+  model_.refusal.clear();
+  Selection before = model_.selection;
+  if (!model_.take(std::move(choice))) {
+    return;
+  }
+  if (!std::exchange(pressed_->recorded, true)) {  // a stroke of which nothing was taken is none to undo
+    model_.strokes.done.push_back(std::move(before));
+    model_.strokes.undone.clear();
+  }
+  if (!model_.selection.has_region) {
+    model_.show_region(nullptr);
+    return;
+  }
+  solver_.rest(false);
+  if (model_.selection.region.kind == RegionSpec::Kind::Vertices) {
+    model_.show_by_hand();
+  }
+}
+
+void SessionMouse::release_motion() {
+  pressed_.reset();
+  part_ = GizmoPart::None;
+  solver_.release();
+}
+
+void SessionMouse::forget() {
+  pressed_.reset();
+  part_ = GizmoPart::None;
+  waiting_.clear();
+}
+
+void SessionMouse::replay() {
+  for (const Event& event : std::exchange(waiting_, {})) {
+    if (event.kind == Event::Kind::Press) {
+      press(event.cursor, event.modifiers);
+    } else if (event.kind == Event::Kind::Move) {
+      move(event.cursor);
+    } else {
+      release(event.cursor);
+    }
+  }
+}
+
+}  // namespace lapedit

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "lapedit/session/hover.h"
+#include "lapedit/session/session_solver.h"
+
+namespace lapedit {
+
+struct PressModifiers {
+  bool add = false;   ///< Ctrl: a click adds to the handle, a drag brushes more of what is painted
+  bool take = false;  ///< Shift: a click takes from the handle, a drag brushes less of it
+
+  bool none() const { return !add && !take; }
+};
+
+/// What the mouse means: which handle or region a press takes, where a drag and a stroke of the brush begin and end,
+/// and what a press would take.
+class SessionMouse {
+ public:
+  /// @param wake  called from another thread when preview() may know more
+  SessionMouse(SessionModel& model, SessionSolver& solver, std::function<void()> wake);
+
+  // As DragSession's functions.
+  bool press(const Cursor& cursor, PressModifiers modifiers);
+  void move(const Cursor& cursor);
+  void release(const Cursor& cursor);
+  bool hover(const Cursor& cursor, PressModifiers modifiers);
+  void leave();
+  const HoverPreview* preview() const { return preview_ ? &*preview_ : nullptr; }
+  GizmoPart gizmo_part() const { return part_; }
+
+  bool brushing() const { return pressed_ && !pressed_->modifiers.none(); }
+  /// Ends a stroke of the brush that something else cuts short.
+  void end_stroke();
+  /// The motion ends where it is.
+  void release_motion();
+  /// Takes up what was pressed and released while a step was worked out, on the mesh that the step leaves.
+  void replay();
+  /// What is pressed, or was while a step was worked out, means nothing any more.
+  void forget();
+
+ private:
+  struct Event {
+    enum class Kind { Press, Move, Release } kind;
+    Cursor cursor;
+    PressModifiers modifiers;
+  };
+
+  /// A button that is down.
+  struct Press {
+    Vector3 point;    // what was grabbed
+    int vertex = -1;  // nearest to it
+    Cursor cursor;
+    PressModifiers modifiers;
+    bool draggable = true;
+    bool brushed = false, recorded = false;
+    bool on_gizmo = false;
+    std::optional<Vector3> axis = std::nullopt;  // of a gizmo's arrow or ring
+    MotionKind kind = MotionKind::Translate;
+  };
+
+  bool press_gizmo(const Cursor& cursor);
+  bool press_beneath(const Cursor& cursor, PressModifiers modifiers);
+  void press_surface(const SurfaceHit& hit, const Cursor& cursor, PressModifiers modifiers);
+  void click(const Press& press);
+  void brush(const Cursor& cursor);
+  void look(const Cursor& cursor, PressModifiers modifiers);
+
+  SessionModel& model_;
+  SessionSolver& solver_;
+  std::optional<Press> pressed_;
+  std::vector<Event> waiting_;  // came while a step was worked out
+  // No button is down.
+  HoverBackground background_;
+  std::optional<HoverPreview> preview_;
+  GizmoPart part_ = GizmoPart::None;  // under the cursor; also of the motion that it was dragged by
+};
+
+}  // namespace lapedit

@@ -1,0 +1,381 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/session/session_solver.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "lapedit/base/error.h"
+#include "lapedit/mesh/vertex_set.h"
+#include "lapedit/session/messages.h"
+#include "lapedit/session/picking.h"
+
+namespace lapedit {
+
+using namespace phase;
+
+SessionSolver::SessionSolver(SessionModel& model, std::function<void()> wake)
+    : model_(model), worker_(std::move(wake)) {}
+
+bool SessionSolver::amendable() const {
+  const Picked* const picked = in<Picked>();
+  return (picked && picked->amendable) || in<Amending>();
+}
+
+Surface SessionSolver::surface() const {
+  return {model_.mesh(), *model_.adjacency, model_.settings, model_.shown.region().get(), ready()};
+}
+
+DragFigures SessionSolver::figures() const {
+  DragFigures figures = heard_;
+  if (const Region* const region = model_.shown.region().get()) {
+    figures.handle = model_.shown.count(VertexClass::Handle);
+    figures.free = model_.shown.count(VertexClass::Free);
+    figures.anchors = model_.shown.count(VertexClass::Anchor);
+    figures.fixed = static_cast<int>(model_.mesh().vertices.rows()) - region->size();
+  }
+  figures.steps = static_cast<int>(model_.history.steps().size());
+  return figures;
+}
+
+// --- Regions ---------------------------------------------------------------------------------------------------------
+
+void SessionSolver::rest(bool amendable) {
+  if (model_.groups().empty()) {
+    phase_ = Idle();
+  } else {
+    phase_ = Picked{amendable};
+  }
+}
+
+void SessionSolver::handles_changed() {
+  heard_ = DragFigures();  // of another handle or region
+  rest(false);
+  prepare();
+}
+
+void SessionSolver::ask_to_prepare(PrepareTask task) {
+  preparation_ = Preparation::Running;
+  in_hand_ = false;
+  worker_.prepare(std::move(task));
+}
+
+void SessionSolver::prepare() {
+  heard_.in_hand_ms = heard_.prepare_ms = std::nullopt;
+  heard_.taken_over.clear();
+  Tools& tools = model_.tools;
+  tools.mirrored.reset();
+  const Selection& selection = model_.selection;
+  if (selection.groups.empty()) {
+    preparation_ = Preparation::None;
+    in_hand_ = false;
+    worker_.cancel();
+    return;
+  }
+  PrepareTask task{model_.history.mesh(), model_.adjacency, selection.region,  selection.groups,
+                   model_.settings.edit,  model_.scalar,    selection.weights, tools.mirror};
+  if (tools.mirror) {
+    try {
+      tools.mirrored =
+          std::make_unique<MirroredHandles>(model_.mesh(), selection.groups, *tools.mirror, selection.weights);
+      task.groups = tools.mirrored->groups();
+      task.weights = tools.mirrored->weights();
+      task.region = mirrored(model_.mesh(), selection.region, *tools.mirror);
+    } catch (const EditError& error) {
+      worker_.cancel();
+      on_error(error.what());
+      return;
+    }
+  }
+  ask_to_prepare(std::move(task));
+}
+
+// --- Drags -----------------------------------------------------------------------------------------------------------
+
+bool SessionSolver::begin(MotionKind kind, const Vector3& grab, const Cursor& cursor, bool by_button) {
+  if (!model_.has_active_group() || !cursor.view.valid()) {
+    return false;
+  }
+  const std::vector<int>& group = model_.active_group();
+  if (kind != MotionKind::Translate && group.size() == 1) {
+    model_.refusal = messages::single_vertex(kind, group.front());
+    return false;
+  }
+  if (preparation_ == Preparation::None) {
+    prepare();  // it was refused before: say why again
+    if (preparation_ == Preparation::None) {
+      return false;
+    }
+  }
+  const bool about_pivot = kind != MotionKind::Translate && model_.tools.pivot != Pivot::Centroid;
+  DragMotion motion(kind, grab, model_.center(), mean_normal(model_.mesh(), *model_.adjacency, group), cursor,
+                    about_pivot ? std::optional(model_.pivot_place()) : std::nullopt);
+  if (Dragging* const drag = in<Dragging>()) {
+    drag->motion = motion;
+  } else {
+    phase_ = Dragging{motion, by_button};
+  }
+  return true;
+}
+
+void SessionSolver::ask() {
+  Dragging& drag = std::get<Dragging>(phase_);
+  const auto active = static_cast<std::size_t>(model_.selection.active);
+  drag.maps.assign(model_.all_groups().size(), Affine::Identity());
+  try {
+    if (model_.tools.mirrored) {
+      drag.given.assign(model_.groups().size(), HandleTransform());
+      drag.given[active] = drag.motion.transform();
+      model_.tools.mirrored->maps(drag.given, drag.maps);
+    } else {
+      drag.maps[active] = resolve(drag.motion.transform(), model_.center());
+    }
+  } catch (const EditError& error) {
+    model_.refusal = error.what();  // the solve that follows takes the groups as not moved
+    drag.maps.assign(model_.all_groups().size(), Affine::Identity());
+  }
+  drag.last_serial = worker_.solve(drag.maps, drag.released);
+  drag.first_serial = std::min(drag.first_serial, drag.last_serial);
+}
+
+void SessionSolver::release() {
+  Dragging& drag = std::get<Dragging>(phase_);
+  if (!drag.motion.moves()) {
+    drop();
+    return;
+  }
+  drag.released = true;
+  ask();
+}
+
+void SessionSolver::drop() {
+  const Loading* const loading = in<Loading>();
+  const bool elsewhere = loading || in<Amending>();  // what the worker has prepared is not the selection
+  rest(loading ? loading->amendable : amendable());
+  if (std::shared_ptr<const Region> awaited = model_.shown.take_awaited()) {
+    model_.back_to_mesh(true);
+    model_.show_region(std::move(awaited));
+  }
+  model_.back_to_mesh(true);
+  if (elsewhere) {
+    prepare();
+  }
+}
+
+// --- Steps -----------------------------------------------------------------------------------------------------------
+
+void SessionSolver::amend() {
+  if (!in<Amending>()) {
+    phase_ = Amending{model_.history.steps().back().step, model_.history.before_last()};
+  }
+  Amending& amending = *in<Amending>();
+  const DragSettings& settings = model_.settings;
+  EditStep& step = amending.step;
+  step.settings = settings.edit;
+  if (step.region.padding != settings.padding) {
+    step.region.anchors = KeptAnchors();
+  }
+  step.region.padding = settings.padding;
+  step.region.connect_gap = settings.connect_gap;
+  if (step.region.kind == RegionSpec::Kind::Radius) {
+    step.region.radius =
+        std::max(settings.radius - model_.selection.discs.reach, (1 - kLargestHandleShare) * settings.radius);
+  }
+  const EditStep written = mirrored(*amending.base, step);
+  std::vector<std::vector<int>> handles;
+  std::vector<std::vector<double>> weights;
+  std::vector<Affine> maps;
+  for (const HandleGroup& handle : written.handles) {
+    handles.push_back(handle.vertices);
+    weights.push_back(handle.weights);
+    maps.push_back(resolve(handle.transform, centroid(amending.base->vertices, handle.vertices)));
+  }
+  heard_ = DragFigures();
+  ask_to_prepare({amending.base, model_.adjacency, written.region, std::move(handles), step.settings, model_.scalar,
+                  std::move(weights), step.mirror});
+  amending.serial = worker_.solve(maps, true);
+}
+
+void SessionSolver::load(Edit edit) {
+  preparation_ = Preparation::Running;
+  worker_.apply({model_.history.mesh(), model_.adjacency, edit, model_.scalar});
+  phase_ = Loading{std::move(edit), amendable()};
+}
+
+void SessionSolver::take_over(const AppliedStep& step, bool applied) {
+  model_.selection = selection_of(step, applied, model_.selection, model_.settings);
+  model_.tools.mirror = step.step.mirror;
+  model_.strokes = Strokes();
+  heard_ = DragFigures();
+  model_.shown.await(nullptr);
+  if (model_.shown.region()) {
+    model_.show_region(model_.shown.region());
+  }
+  prepare();
+  rest(applied);
+}
+
+void SessionSolver::commit_drag() {
+  const Dragging& drag = std::get<Dragging>(phase_);
+  const Selection& selection = model_.selection;
+  History& history = model_.history;
+  EditStep step;
+  step.region = selection.region;
+  step.settings = model_.settings.edit;
+  step.mirror = model_.tools.mirror;
+  for (std::size_t g = 0; g < selection.groups.size(); ++g) {
+    step.handles.push_back({selection.groups[g], {}, selection.weights[g]});
+  }
+  step.handles[static_cast<std::size_t>(selection.active)].transform = drag.motion.transform();
+  const AppliedStep& applied = history.apply(std::move(step), model_.shown.region()->mesh_vertex, model_.shown.pose());
+  history.set_discs(selection.discs);
+  model_.strokes = Strokes();
+  model_.show_mesh(applied.vertices, applied.after);
+  model_.log(messages::step_applied(history.steps().size(), drag.motion, model_.active_group(),
+                                    model_.shown.region()->size(), heard_.prepare_ms.value_or(0),
+                                    heard_.solve_ms.value_or(0)) +
+             (heard_.advice.empty() ? "" : "; " + heard_.advice));
+  go_on();
+}
+
+void SessionSolver::commit_amended() {
+  Amending& amending = std::get<Amending>(phase_);
+  History& history = model_.history;
+  const std::shared_ptr<const Region> region = model_.shown.take_awaited();
+  model_.show(history.steps().back().vertices, history.steps().back().before, false);
+  const AppliedStep& applied = history.amend(amending.step, region->mesh_vertex, solved_.positions);
+  history.set_discs(model_.selection.discs);
+  model_.show_mesh(applied.vertices, applied.after);
+  model_.log(messages::step_amended(history.steps().size(), region->size(), heard_.prepare_ms.value_or(0),
+                                    heard_.solve_ms.value_or(0)));
+  model_.show_region(region);
+  model_.selection.region = std::move(amending.step.region);
+  model_.selection.has_region = true;
+  go_on();
+}
+
+void SessionSolver::commit_loaded(const std::vector<EditResult>& results) {
+  Edit& edit = std::get<Loading>(phase_).edit;
+  for (std::size_t k = 0; k < results.size(); ++k) {
+    const AppliedStep& applied =
+        model_.history.apply(std::move(edit.steps[k]), results[k].vertices, results[k].positions);
+    model_.show_mesh(applied.vertices, applied.after);
+  }
+  model_.log(messages::edit_applied(results.size()));
+  take_over(model_.history.steps().back(), true);
+}
+
+/// The next drag goes on from the mesh as it is now, in the same region.
+void SessionSolver::go_on() {
+  model_.shown.settle();
+  model_.selection = with_region_kept(surface(), model_.selection);
+  model_.history.set_next_region(model_.selection.region);
+  phase_ = Picked{true};
+  prepare();
+}
+
+// --- Answers ---------------------------------------------------------------------------------------------------------
+
+void SessionSolver::on_error(const std::string& sentence) {
+  preparation_ = Preparation::None;
+  in_hand_ = false;
+  model_.log(messages::not_possible(sentence));
+  if (in_progress()) {
+    drop();
+  }
+  if (!model_.shown.region() || !model_.selection.has_region) {
+    model_.show_region(nullptr);
+  }
+  model_.refusal = sentence;
+}
+
+/// @return whether the pose completes a step
+bool SessionSolver::take_pose() {
+  if (const Amending* const amending = in<Amending>()) {
+    if (solved_.serial != amending->serial) {
+      return false;
+    }
+    heard_.solve_ms = solved_.solve_ms;
+    commit_amended();
+    return true;
+  }
+  const Dragging* const drag = in<Dragging>();
+  if (!drag || solved_.serial < drag->first_serial) {
+    return false;
+  }
+  heard_.solve_ms = solved_.solve_ms;
+  ShownRegion& shown = model_.shown;
+  if (std::shared_ptr<const Region> awaited = shown.take_awaited()) {
+    model_.back_to_mesh(false);
+    model_.show_region(std::move(awaited));
+  }
+  if (!shown.region() || solved_.positions.rows() != shown.region()->size()) {
+    if (drag->released) {
+      drop();
+    }
+    return false;
+  }
+  shown.pose(solved_.positions);
+  if (drag->released && solved_.serial == drag->last_serial) {
+    commit_drag();
+    return true;
+  }
+  model_.show(shown.region()->mesh_vertex, shown.pose(), false);
+  return false;
+}
+
+/// What of a region made by hand no handle reaches.
+void SessionSolver::find_unconnected(const Region& region) {
+  model_.unconnected.clear();
+  if (region.left_out > 0 && !in<Amending>() && !in<Loading>()) {
+    model_.unconnected = without(sorted_set(model_.selection.region.vertices), region.mesh_vertex);
+  }
+}
+
+SessionSolver::News SessionSolver::poll() {
+  const SolverNews news = worker_.poll(solved_);
+  bool step_done = false;
+  if (news.region) {
+    find_unconnected(*news.region);
+    if (model_.shown.away() || in<Amending>() || in<Loading>()) {
+      model_.shown.await(news.region);
+    } else {
+      model_.show_region(news.region);
+    }
+  }
+  if (news.in_hand) {
+    in_hand_ = true;
+    heard_.in_hand_ms = news.in_hand_ms;
+  }
+  if (news.ready) {
+    preparation_ = Preparation::Done;
+    heard_.taken_over = news.taken_over;
+    heard_.prepare_ms = news.prepare_ms;
+  }
+  if (news.report) {
+    heard_.handle_error = news.report->handle_residual;
+    heard_.largest_stretch = news.report->stretch_max;
+    heard_.advice = news.report->advice();
+  }
+  if (news.pose) {
+    step_done = take_pose();
+  }
+  if (news.applied) {
+    commit_loaded(*news.applied);
+    step_done = true;
+  }
+  if (!news.error.empty()) {
+    on_error(news.error);
+  }
+  if (!news.pose_error.empty()) {
+    if (waits()) {
+      model_.log(messages::not_possible(news.pose_error));
+      drop();
+    }
+    model_.refusal = news.pose_error;
+  }
+  const bool some = news.region || news.in_hand || news.ready || news.report || news.pose || news.applied ||
+                    !news.error.empty() || !news.pose_error.empty();
+  return step_done ? News::Step : some ? News::Some : News::None;
+}
+
+}  // namespace lapedit
