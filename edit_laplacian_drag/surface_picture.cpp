@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "lapedit/mesh/vertex_set.h"
 #include "pen.h"
 
 using namespace lapedit;
@@ -83,16 +84,12 @@ pen::Color stretchColor(float stretch) {
 
 unsigned SurfacePicture::number(const Region* region, int vertex) const {
   if (region) {
-    const std::vector<int>& inside = region->mesh_vertex;
-    const auto found = std::lower_bound(inside.begin(), inside.end(), vertex);
-    if (found != inside.end() && *found == vertex) {
-      return static_cast<unsigned>(found - inside.begin());
+    if (const int place = place_in(region->mesh_vertex, vertex); place >= 0) {
+      return static_cast<unsigned>(place);
     }
   }
-  const auto found = std::lower_bound(outside_.begin(), outside_.end(), vertex);
-  return found != outside_.end() && *found == vertex
-             ? static_cast<unsigned>(found - outside_.begin()) + (region ? region->size() : 0)
-             : kNone;
+  const int place = place_in(outside_, vertex);
+  return place >= 0 ? static_cast<unsigned>(place + (region ? region->size() : 0)) : kNone;
 }
 
 /// O(region + handles).
@@ -101,16 +98,11 @@ void SurfacePicture::list(const DragSession& session) {
   regionSerial_ = session.region_serial();
   groups_ = session.mirrored_groups();
   unconnected_ = session.unconnected();
-  outside_.clear();
-  std::vector<int> shown = unconnected_;
+  outside_ = unconnected_;
   for (const std::vector<int>& group : groups_) {
-    shown.insert(shown.end(), group.begin(), group.end());
+    outside_.insert(outside_.end(), group.begin(), group.end());
   }
-  std::copy_if(shown.begin(), shown.end(), std::back_inserter(outside_), [&](int v) {
-    return !region || !std::binary_search(region->mesh_vertex.begin(), region->mesh_vertex.end(), v);
-  });
-  std::sort(outside_.begin(), outside_.end());
-  outside_.erase(std::unique(outside_.begin(), outside_.end()), outside_.end());
+  outside_ = without(sorted_set(std::move(outside_)), region ? region->mesh_vertex : std::vector<int>());
 
   // The brushed vertices that nothing reaches are labelled like one more group.
   std::vector<int> labels((region ? region->size() : 0) + outside_.size(), -1);

@@ -11,6 +11,7 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/thread_pool.h"
+#include "lapedit/mesh/vertex_set.h"
 #include "lapedit_host/face_shape.h"
 
 namespace lapedit::host {
@@ -177,9 +178,7 @@ std::vector<int> vertices_of_selected_faces(const CMeshO& host, const BridgedMes
       }
     }
   }
-  std::sort(vertices.begin(), vertices.end());
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-  return vertices;
+  return sorted_set(std::move(vertices));
 }
 
 void write_positions(CMeshO& host, const BridgedMesh& bridged, const EditResult& result) {

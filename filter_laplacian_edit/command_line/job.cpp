@@ -19,6 +19,7 @@
 #include "lapedit/base/format_text.h"
 #include "lapedit/base/stopwatch.h"
 #include "lapedit/json/edit_script.h"
+#include "lapedit/mesh/vertex_set.h"
 #include "lapedit_host/pose_writer.h"
 #include "processes/in_processes.h"
 #include "progress_line.h"
@@ -82,9 +83,7 @@ QByteArray textOfEdit(const QString& path) {
 std::vector<int> unionOf(const std::vector<EditResult>& poses) {
   std::vector<int> all;
   for (const EditResult& pose : poses) {
-    std::vector<int> more;
-    std::set_union(all.begin(), all.end(), pose.vertices.begin(), pose.vertices.end(), std::back_inserter(more));
-    all = std::move(more);
+    all = united(all, pose.vertices);
   }
   return all;
 }

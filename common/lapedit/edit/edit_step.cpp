@@ -31,8 +31,7 @@ void sort_group(std::vector<int>& vertices, std::vector<double>& weights) {
                                                   " weights: give one weight for each vertex, or none at all.");
   }
   if (weights.empty()) {
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    vertices = sorted_set(std::move(vertices));
     return;
   }
   std::vector<std::pair<int, double>> pairs;

@@ -84,7 +84,7 @@ class Images {
       const Vector3 place = place_of(mesh_.vertices, v);
       if (box.contains(place)) {
         const int image = of(v);
-        if (image >= 0 && std::binary_search(set.begin(), set.end(), image)) {
+        if (image >= 0 && contains(set, image)) {
           pairs.emplace_back(v, image);
         }
       }
@@ -140,8 +140,8 @@ MirroredHandles::MirroredHandles(const TriangleMesh& mesh, const std::vector<std
     std::vector<int> image;
     std::vector<double> image_weights;
     for (const auto& [v, original] : images.of(group, missing)) {
-      const auto at = std::lower_bound(group.begin(), group.end(), original) - group.begin();
-      symmetric_[g] |= std::binary_search(group.begin(), group.end(), v);
+      const auto at = static_cast<std::size_t>(place_in(group, original));
+      symmetric_[g] |= contains(group, v);
       if (!taken[v]) {
         taken[v] = 1;
         image.push_back(v);

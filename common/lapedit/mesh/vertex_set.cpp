@@ -5,19 +5,13 @@
 #include <cmath>
 #include <iterator>
 #include <string>
+#include <utility>
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
 #include "lapedit/mesh/geodesic.h"
 
 namespace lapedit {
-namespace {
-
-bool contains(const std::vector<int>& set, int vertex) {
-  return std::binary_search(set.begin(), set.end(), vertex);
-}
-
-}  // namespace
 
 void require_vertex(const char* what, int vertex, Eigen::Index count) {
   if (vertex < 0 || vertex >= count) {
@@ -27,15 +21,24 @@ void require_vertex(const char* what, int vertex, Eigen::Index count) {
   }
 }
 
+std::vector<int> sorted_set(std::vector<int> vertices) {
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  return vertices;
+}
+
+int place_in(const std::vector<int>& set, int vertex) {
+  const auto found = std::lower_bound(set.begin(), set.end(), vertex);
+  return found != set.end() && *found == vertex ? static_cast<int>(found - set.begin()) : -1;
+}
+
 std::vector<int> grown(const Adjacency& adjacency, const std::vector<int>& set) {
   std::vector<int> result = set;
   for (const int v : set) {
     const IndexLists::Row ring = adjacency.neighbours[v];
     result.insert(result.end(), ring.begin(), ring.end());
   }
-  std::sort(result.begin(), result.end());
-  result.erase(std::unique(result.begin(), result.end()), result.end());
-  return result;
+  return sorted_set(std::move(result));
 }
 
 std::vector<int> shrunk(const Adjacency& adjacency, const std::vector<int>& set, const std::vector<int>& keep) {
@@ -50,6 +53,12 @@ std::vector<int> shrunk(const Adjacency& adjacency, const std::vector<int>& set,
 std::vector<int> united(const std::vector<int>& a, const std::vector<int>& b) {
   std::vector<int> result;
   std::set_union(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(result));
+  return result;
+}
+
+std::vector<int> common(const std::vector<int>& a, const std::vector<int>& b) {
+  std::vector<int> result;
+  std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(result));
   return result;
 }
 

@@ -12,7 +12,16 @@ namespace lapedit {
 /// @throws EditError (BadIndex) if there is no such vertex
 void require_vertex(const char* what, int vertex, Eigen::Index count);
 
-/// Sets of mesh vertices are ascending lists without duplicates.
+// Sets of vertices are ascending lists without duplicates.
+
+/// Any order and duplicates -> a set.
+std::vector<int> sorted_set(std::vector<int> vertices);
+
+/// Where a vertex stands in a set, -1 if it is not in it.
+int place_in(const std::vector<int>& set, int vertex);
+inline bool contains(const std::vector<int>& set, int vertex) {
+  return place_in(set, vertex) >= 0;
+}
 
 /// The set and all its neighbours. O(size of the result), plus sorting.
 std::vector<int> grown(const Adjacency& adjacency, const std::vector<int>& set);
@@ -22,6 +31,7 @@ std::vector<int> grown(const Adjacency& adjacency, const std::vector<int>& set);
 std::vector<int> shrunk(const Adjacency& adjacency, const std::vector<int>& set, const std::vector<int>& keep);
 
 std::vector<int> united(const std::vector<int>& a, const std::vector<int>& b);
+std::vector<int> common(const std::vector<int>& a, const std::vector<int>& b);
 std::vector<int> without(const std::vector<int>& a, const std::vector<int>& b);
 
 /// Vertices within a distance along the surface of a vertex (that vertex alone for a radius of 0).

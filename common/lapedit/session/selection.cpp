@@ -2,7 +2,6 @@
 #include "lapedit/session/selection.h"
 
 #include <algorithm>
-#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -14,16 +13,6 @@ namespace lapedit {
 namespace {
 
 using Next = Selection::Next;
-
-std::vector<int> common(const std::vector<int>& a, const std::vector<int>& b) {
-  std::vector<int> result;
-  std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(result));
-  return result;
-}
-
-bool contains(const std::vector<int>& set, int vertex) {
-  return std::binary_search(set.begin(), set.end(), vertex);
-}
 
 /// All handle vertices. @param but  a group to leave out
 std::vector<int> handles_of(const Selection& selection, int but = -1) {
@@ -186,18 +175,8 @@ Choice changed_by_hand(const Surface& surface, const Selection& selection, const
 
 }  // namespace
 
-std::vector<int> sorted_set(std::vector<int> vertices) {
-  std::sort(vertices.begin(), vertices.end());
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-  return vertices;
-}
-
 Vector3 middle_of_rim(const TriangleMesh& mesh, const Region& region, const std::vector<int>& group) {
-  const auto local = [&region](int vertex) {
-    const auto found = std::lower_bound(region.mesh_vertex.begin(), region.mesh_vertex.end(), vertex);
-    return found != region.mesh_vertex.end() && *found == vertex ? found - region.mesh_vertex.begin() : -1;
-  };
-  const auto first = local(group.front());
+  const int first = place_in(region.mesh_vertex, group.front());
   std::vector<int> rim;
   for (int i = 0; i < region.size(); ++i) {
     const bool deepest = region.anchor_depth.empty() || region.anchor_depth[i] >= 1;

@@ -92,9 +92,6 @@ Choice with_next_group(const Selection& selection);
 /// about. The group's centroid where nothing holds. O(region).
 Vector3 middle_of_rim(const TriangleMesh& mesh, const Region& region, const std::vector<int>& group);
 
-/// Any order and duplicates -> a set.
-std::vector<int> sorted_set(std::vector<int> vertices);
-
 /// Handles and region of a step. @param applied  its region then is a set
 Selection selection_of(const AppliedStep& step, bool applied, const Selection& before, const DragSettings& settings);
 

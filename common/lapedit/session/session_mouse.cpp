@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/session/session_mouse.h"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "lapedit/base/error.h"
+#include "lapedit/mesh/vertex_set.h"
 #include "lapedit/session/messages.h"
 #include "lapedit/session/picking.h"
 
@@ -195,9 +195,7 @@ void SessionMouse::look(const Cursor& cursor, PressModifiers modifiers) {
   using Kind = HoverPreview::Kind;
   HoverPreview& preview = preview_ ? *preview_ : preview_.emplace();
   const bool inside = model_.selection.has_region && model_.selection.next != Selection::Next::Region &&
-                      model_.shown.region() &&
-                      std::binary_search(model_.shown.region()->mesh_vertex.begin(),
-                                         model_.shown.region()->mesh_vertex.end(), hit->vertex);
+                      model_.shown.region() && contains(model_.shown.region()->mesh_vertex, hit->vertex);
   const bool plain = modifiers.none();
   preview.group = plain && model_.selection.next != Selection::Next::Region
                       ? group_at(model_.mesh(), model_.groups(), hit, cursor, model_.settings.radius)

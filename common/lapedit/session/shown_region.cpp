@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "lapedit/mesh/vertex_set.h"
 #include "lapedit/session/history.h"
 
 namespace lapedit {
@@ -13,10 +14,7 @@ Region region_by_hand(const TriangleMesh& mesh, const Adjacency& adjacency, cons
   region.mesh_vertex = vertices;
   region.mesh_vertices = static_cast<int>(mesh.vertices.rows());
   region.classes.assign(vertices.size(), VertexClass::Free);
-  const auto local = [&vertices](int v) {
-    const auto place = std::lower_bound(vertices.begin(), vertices.end(), v);
-    return place != vertices.end() && *place == v ? static_cast<int>(place - vertices.begin()) : -1;
-  };
+  const auto local = [&vertices](int v) { return place_in(vertices, v); };
   std::vector<int> corners;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     for (const int w : adjacency.neighbours[vertices[i]]) {
