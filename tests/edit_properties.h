@@ -90,14 +90,6 @@ class EditProperties : public ::testing::TestWithParam<NamedCase> {
     return std::vector<Affine>(edit.maps.size(), Affine::Identity());
   }
 
-  /// A part of the way, or beyond: (1 - t) identity + t map.
-  static Affine part(const Affine& map, double t) {
-    Affine result = map;
-    result.linear() = (1 - t) * Matrix3::Identity() + t * map.linear();
-    result.translation() = t * map.translation();
-    return result;
-  }
-
   /// The same edit seen from elsewhere; map is a similarity of the given scale.
   static EditCase seen_through(const EditCase& edit, const Affine& map, double scale) {
     EditCase result = edit;
@@ -328,7 +320,7 @@ TEST_P(EditProperties, UnrotatedResultIsAffineInTheHandles) {
       for (const double t : {0.3, -2.0, 100.0}) {
         std::vector<Affine> maps;
         for (const Affine& map : edit.maps) {
-          maps.push_back(part(map, t));
+          maps.push_back(support::part(map, t));
         }
         EXPECT_LT(support::error(editor.solve(maps), (1 - t) * rest + t * whole), 1e-10) << "t = " << t;
       }

@@ -11,6 +11,7 @@
 #include <numeric>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lapedit/base/error.h"
@@ -131,6 +132,53 @@ inline std::vector<int> renumbered(std::vector<int> vertices, const std::vector<
 
 inline Adjacency adjacency_of(const TriangleMesh& mesh) {
   return build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
+}
+
+/// What lies within a radius of the handles.
+inline RegionSpec within(double radius) {
+  RegionSpec spec;
+  spec.radius = radius;
+  return spec;
+}
+
+/// A region of these vertices.
+inline RegionSpec given(std::vector<int> vertices) {
+  RegionSpec spec;
+  spec.kind = RegionSpec::Kind::Vertices;
+  spec.vertices = std::move(vertices);
+  return spec;
+}
+
+/// The vertices at whose places a condition holds.
+template <typename Condition>
+std::vector<int> vertices_where(const TriangleMesh& mesh, Condition holds) {
+  std::vector<int> result;
+  for (int v = 0; v < mesh.vertices.rows(); ++v) {
+    if (holds(Vector3(mesh.vertices.row(v)))) {
+      result.push_back(v);
+    }
+  }
+  return result;
+}
+
+/// The vertices less than a radius away from a point, in a straight line.
+inline std::vector<int> around(const TriangleMesh& mesh, const Vector3& point, double radius) {
+  return vertices_where(mesh, [&](const Vector3& p) { return (p - point).norm() < radius; });
+}
+
+/// A part of the way, or beyond: (1 - t) identity + t map.
+inline Affine part(const Affine& map, double t) {
+  Affine result = map;
+  result.linear() = (1 - t) * Matrix3::Identity() + t * map.linear();
+  result.translation() = t * map.translation();
+  return result;
+}
+
+inline std::vector<Affine> part(std::vector<Affine> maps, double t) {
+  for (Affine& map : maps) {
+    map = part(map, t);
+  }
+  return maps;
 }
 
 /// The vertex nearest to a point.

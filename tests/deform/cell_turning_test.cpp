@@ -29,14 +29,9 @@ EditSettings settled(DetailTurning turning = DetailTurning::Edge, double membran
   return settings;
 }
 
+/// Of places from one x to another.
 std::vector<int> where(const TriangleMesh& mesh, double from, double to) {
-  std::vector<int> result;
-  for (int v = 0; v < mesh.vertices.rows(); ++v) {
-    if (mesh.vertices(v, 0) >= from && mesh.vertices(v, 0) <= to) {
-      result.push_back(v);
-    }
-  }
-  return result;
+  return support::vertices_where(mesh, [=](const Vector3& p) { return p[0] >= from && p[0] <= to; });
 }
 
 /// A region whose cells are turned without the rest of an editor.
@@ -309,18 +304,6 @@ TEST(CellTurning, DoesNotDependOnWhatCameBefore) {
       EXPECT_TRUE(support::same_bits(used->cells().displacement(), fresh->cells().displacement())) << goes_on;
       EXPECT_EQ(used->cells().rotations(), fresh->cells().rotations()) << goes_on;
     }
-  }
-}
-
-TEST(CellTurning, ThreadsDoNotChangeABit) {
-  const auto one = limb();
-  one->solve({bent(100)});
-  for (const int threads : {2, 5}) {
-    const auto other = limb(settled(), threads);
-    other->solve({bent(100)});
-    EXPECT_TRUE(support::same_bits(other->cells().displacement(), one->cells().displacement())) << threads;
-    EXPECT_EQ(other->cells().rotations(), one->cells().rotations()) << threads;
-    EXPECT_EQ(other->spread(), one->spread()) << threads;
   }
 }
 

@@ -20,9 +20,11 @@ namespace lapedit {
 namespace {
 
 using Maps = std::vector<Affine>;
+using support::around;
 using support::rigid;
 using support::same_bits;
 using support::shift;
+using support::within;
 
 struct Scene {
   std::string name;
@@ -33,13 +35,7 @@ struct Scene {
   double largest_rms, largest_error;  // of the handle's way
 
   CoarsePreview preview() const { return CoarsePreview(mesh, region, settings); }
-  Points rest() const {
-    Points places(region->size(), 3);
-    for (int i = 0; i < region->size(); ++i) {
-      places.row(i) = mesh.vertices.row(region->mesh_vertex[i]);
-    }
-    return places;
-  }
+  Points rest() const { return support::rows(mesh.vertices, region->mesh_vertex); }
 };
 
 Scene scene(const std::string& name, const TriangleMesh& mesh, const RegionSpec& spec,
@@ -52,22 +48,6 @@ Scene scene(const std::string& name, const TriangleMesh& mesh, const RegionSpec&
           settings,
           rms,
           largest};
-}
-
-RegionSpec within(double radius) {
-  RegionSpec spec;
-  spec.radius = radius;
-  return spec;
-}
-
-std::vector<int> around(const TriangleMesh& mesh, const Vector3& point, double radius) {
-  std::vector<int> near;
-  for (int v = 0; v < mesh.vertices.rows(); ++v) {
-    if ((mesh.vertices.row(v).transpose() - point).norm() < radius) {
-      near.push_back(v);
-    }
-  }
-  return near;
 }
 
 EditSettings with(int order, LaplacianKind kind, DetailRotation rotation) {

@@ -24,6 +24,8 @@ namespace lapedit {
 namespace {
 
 using Maps = std::vector<Affine>;
+using support::around;
+using support::part;
 using support::rigid;
 using support::same_bits;
 using support::shift;
@@ -39,19 +41,8 @@ struct Scene {
 
 Scene scene(const char* name, const TriangleMesh& mesh, double radius, const std::vector<std::vector<int>>& handles,
             Maps maps) {
-  RegionSpec spec;
-  spec.radius = radius;
-  return {name, mesh, build_region(mesh, support::adjacency_of(mesh), spec, handles), std::move(maps)};
-}
-
-std::vector<int> around(const TriangleMesh& mesh, const Vector3& point, double radius) {
-  std::vector<int> near;
-  for (int v = 0; v < mesh.vertices.rows(); ++v) {
-    if ((mesh.vertices.row(v).transpose() - point).norm() < radius) {
-      near.push_back(v);
-    }
-  }
-  return near;
+  return {name, mesh, build_region(mesh, support::adjacency_of(mesh), support::within(radius), handles),
+          std::move(maps)};
 }
 
 Affine grown(double factor, const Vector3& center) {
@@ -117,16 +108,6 @@ double difference(LaplacianEditor& editor, const Maps& maps) {
   EXPECT_FALSE(same_bits(fast, exact)) << "there is no fast path: this says nothing";
   return (fast - exact).rowwise().norm().maxCoeff() /
          std::max(editor.region().max_distance, (exact - rest).rowwise().norm().maxCoeff());
-}
-
-/// A part of the way, or beyond: (1 - t) identity + t map.
-Maps part(const Maps& maps, double t) {
-  Maps result = maps;
-  for (Affine& map : result) {
-    map.linear() = (1 - t) * Matrix3::Identity() + t * map.linear();
-    map.translation() *= t;
-  }
-  return result;
 }
 
 /// Fails if any term of a frame is wrong. The bound is the one that the header promises.

@@ -18,32 +18,12 @@
 namespace lapedit {
 namespace {
 
+using support::given;
+using support::vertices_where;
+using support::within;
+
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-RegionSpec within(double radius) {
-  RegionSpec spec;
-  spec.radius = radius;
-  return spec;
-}
-
-RegionSpec given(std::vector<int> vertices) {
-  RegionSpec spec;
-  spec.kind = RegionSpec::Kind::Vertices;
-  spec.vertices = std::move(vertices);
-  return spec;
-}
-
-template <typename Predicate>
-std::vector<int> vertices_where(const TriangleMesh& mesh, Predicate holds) {
-  std::vector<int> result;
-  for (int v = 0; v < mesh.vertices.rows(); ++v) {
-    if (holds(Vector3(mesh.vertices.row(v)))) {
-      result.push_back(v);
-    }
-  }
-  return result;
-}
 
 /// Raised letters on gentle waves: no two edges of a vertex are equally tangential.
 TriangleMesh wavy_letters(int nx, int ny) {
@@ -283,6 +263,9 @@ TEST(DenseLeastSquares, AgreesWhereTheNormalEquationsAreIllConditioned) {
 
 // --- components ---
 
+constexpr DetailRotation kRotations[] = {DetailRotation::None, DetailRotation::SmoothNormals,
+                                         DetailRotation::SmoothSurface, DetailRotation::LocalGlobal};
+
 TEST(Components, OneWithoutHandleStays) {
   const TriangleMesh mesh = shapes::two_pieces(2);
   EditStep step;
@@ -304,9 +287,9 @@ TEST(Components, OneWithoutAnchorFollowsItsHandle) {
   const Affine pull = support::shift(Vector3(0, 0, 0.4));
   Affine stretch = support::rigid(110, Vector3(1, 3, 2), Vector3(4, 5, 6), Vector3(3, 0, 0));
   stretch.linear() *= Vector3(2, 1, 0.5).asDiagonal();
-  for (const DetailRotation rotation :
-       {DetailRotation::None, DetailRotation::SmoothNormals, DetailRotation::SmoothSurface}) {
-    for (const Affine& map : {support::shift(Vector3(7, -1, 2)), stretch}) {
+  for (const DetailRotation rotation : kRotations) {
+    for (const Affine& map :
+         {support::shift(Vector3(7, -1, 2)), support::rigid(170, Vector3(1, 3, 2), Vector3(4, 5, 6)), stretch}) {
       EditSettings settings;
       settings.rotation = rotation;
       LaplacianEditor editor(mesh, region, settings);
@@ -321,8 +304,9 @@ TEST(Components, OneWithoutAnchorFollowsItsHandle) {
           moved = std::max(moved, (q - p).norm());
         }
       }
-      EXPECT_LT(off, 1e-14 * 10) << name(rotation);
-      EXPECT_NEAR(moved, 0.4, 0.01) << "the other one is edited as ever";
+      const bool settles = rotation == DetailRotation::LocalGlobal;
+      EXPECT_LT(off, settles ? 1e-12 : 1e-13) << name(rotation);
+      EXPECT_NEAR(moved, 0.4, settles ? 0.02 : 0.01) << "the other one is edited as ever";
     }
   }
 }
@@ -334,8 +318,7 @@ TEST(Components, OneWithTwoHandlesAndNoAnchorMeetsBoth) {
   RegionSpec spec;
   spec.kind = RegionSpec::Kind::Component;
   const Region region = build_region(mesh, support::adjacency_of(mesh), spec, ends);
-  for (const DetailRotation rotation :
-       {DetailRotation::None, DetailRotation::SmoothNormals, DetailRotation::SmoothSurface}) {
+  for (const DetailRotation rotation : kRotations) {
     EditSettings settings;
     settings.rotation = rotation;
     LaplacianEditor editor(mesh, region, settings);
@@ -437,29 +420,6 @@ TEST(EditorReport, ChangesNothing) {
 }
 
 // --- what bad input gets ---
-
-TEST(EditSettings, ValuesOutsideTheirRangeAreRefusedByName) {
-  auto refused = [](const char* name, auto change) {
-    EditSettings settings;
-    change(settings);
-    const std::string sentence = support::expect_refusal(ErrorCause::BadParameter, [&] { validate(settings); });
-    EXPECT_NE(sentence.find(name), std::string::npos) << sentence;
-  };
-  validate(EditSettings());
-  for (const int order : {-1, 0, 4}) {
-    refused("order", [&](EditSettings& s) { s.order = order; });
-  }
-  for (const int iterations : {-1, 0, 101}) {
-    refused("iterations", [&](EditSettings& s) { s.iterations = iterations; });
-  }
-  for (const double radius : {-1e-9, kNaN, kInfinity}) {
-    refused("normal radius", [&](EditSettings& s) { s.normal_radius = radius; });
-  }
-  for (const double weight : {0.0, -1.0, kNaN, kInfinity, 1e-12, 1e12}) {
-    refused("handle weight", [&](EditSettings& s) { s.handle_weight = weight; });
-    refused("anchor weight", [&](EditSettings& s) { s.anchor_weight = weight; });
-  }
-}
 
 class EditorErrors : public ::testing::Test {
  protected:
@@ -614,7 +574,7 @@ double least_thickness(const Points& tube, int around, int first_ring, int last_
 }
 
 /// One end held by a group, the other one turned about the limb: averaged linearly, the middle followed cos(angle / 2),
-/// down to nothing. The bound is what cotangent weights keep beside the handles; the umbrella keeps 1.
+/// down to nothing. The bound is what cotangent weights keep beside the handles; the others keep nearly 1.
 TEST(TwistedLimb, KeepsItsThickness) {
   constexpr int kAround = 16, kRings = 40, kHeld = 3;
   TriangleMesh mesh = shapes::cylinder(kAround, kRings);
@@ -627,54 +587,25 @@ TEST(TwistedLimb, KeepsItsThickness) {
     ends[1].push_back(static_cast<int>(mesh.vertices.rows()) - 1 - i);
   }
   const auto region = std::make_shared<const Region>(build_region(mesh, support::adjacency_of(mesh), spec, ends));
-  for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
+  for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent, LaplacianKind::MeanValue}) {
     for (const DetailTurning turning : {DetailTurning::Vertex, DetailTurning::Edge}) {
-      for (const int passes : {1, 3}) {
-        EditSettings settings;
-        settings.laplacian = laplacian;
-        settings.turning = turning;
-        settings.iterations = passes;
-        LaplacianEditor editor(mesh, *region, settings);
-        CoarsePreview coarse(mesh, region, settings);
-        for (const double degrees : {60.0, 90.0, 120.0, 150.0, 179.0}) {
-          const std::vector<Affine> maps = {Affine::Identity(),
-                                            support::rigid(degrees, Vector3::UnitX(), Vector3::Zero())};
-          const auto thickness = [&](const Points& pose) {
-            return least_thickness(pose, kAround, kHeld, kRings - 1 - kHeld);
-          };
-          const std::string where = std::string(name(laplacian)) + ", " + name(turning) + ", " +
-                                    std::to_string(passes) + " passes, " + std::to_string(degrees);
-          EXPECT_GT(thickness(editor.solve(maps)), 0.75) << where;
-          EXPECT_GT(thickness(coarse.pose(maps)), 0.75) << where;
-        }
-      }
-    }
-  }
-}
-
-/// Shapes with all that scans bring are edited like any other.
-TEST(EditorOnBadMeshes, ResultIsFiniteAndTheHandleArrives) {
-  TriangleMesh with_nan = shapes::grid(14, 11);
-  with_nan.vertices(0, 1) = kNaN;  // outside the region
-  TriangleMesh flat = shapes::grid(14, 11);
-  flat.vertices.col(0).setZero();  // nothing but zero-area triangles
-  const TriangleMesh meshes[] = {shapes::degenerate_grid(14, 11), shapes::non_manifold_grid(14, 11),
-                                 shapes::inconsistent_grid(14, 11), with_nan, flat};
-  for (const TriangleMesh& mesh : meshes) {
-    const Region region = build_region(mesh, support::adjacency_of(mesh), within(3.3), {{71}, {60, 61}});
-    for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
-      for (const DetailRotation rotation :
-           {DetailRotation::None, DetailRotation::SmoothNormals, DetailRotation::SmoothSurface}) {
-        EditSettings settings;
-        settings.laplacian = laplacian;
-        settings.rotation = rotation;
-        settings.iterations = 2;
-        LaplacianEditor editor(mesh, region, settings);
-        const Points& result = editor.solve({support::shift(Vector3(0, 0, 2)), support::shift(Vector3(0, 0, 1))});
-        const double largest = (result - support::rows(mesh.vertices, region.mesh_vertex)).rowwise().norm().maxCoeff();
-        EXPECT_TRUE(result.allFinite());
-        EXPECT_LT(largest, 2.5) << "nothing overshoots: " << name(laplacian) << ", " << name(rotation);
-        EXPECT_LT(editor.report().handle_residual, 0.02 * 2) << name(laplacian) << ", " << name(rotation);
+      EditSettings settings;
+      settings.laplacian = laplacian;
+      settings.turning = turning;
+      LaplacianEditor editor(mesh, *region, settings);
+      CoarsePreview coarse(mesh, region, settings);
+      const bool by_default = settings == EditSettings();
+      for (const double degrees : {60.0, 90.0, 120.0, 150.0, 179.0}) {
+        const std::vector<Affine> maps = {Affine::Identity(),
+                                          support::rigid(degrees, Vector3::UnitX(), Vector3::Zero())};
+        const auto thickness = [&](const Points& pose) {
+          return least_thickness(pose, kAround, kHeld, kRings - 1 - kHeld);
+        };
+        const std::string where =
+            std::string(name(laplacian)) + ", " + name(turning) + ", " + std::to_string(degrees) + " degrees";
+        EXPECT_GT(thickness(editor.solve(maps)), by_default ? 0.9 : 0.75) << where;
+        EXPECT_TRUE(!by_default || editor.report().flipped == 0) << where;
+        EXPECT_GT(thickness(coarse.pose(maps)), 0.75) << where;
       }
     }
   }

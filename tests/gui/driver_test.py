@@ -4,7 +4,7 @@ import struct
 import unittest
 
 from gui import GuiTest
-from ply import Ply, bits_of, write_ply
+from ply import bits_of, write_ply
 from shapes import dome
 
 SELECTED = 0x20  # vcglib's flag
@@ -50,51 +50,6 @@ class Driver(GuiTest):
                         self.assertEqual(self.selected(w), [vertex])
                     w.trigger("Select Vertices")
 
-    def test_mouse_of_both_kinds_turns_the_trackball(self):
-        with self.open(self.mesh) as w:
-            w.resize(1100, 800)
-            camera = w.camera()
-            w.drag((200, 200), (260, 250))
-            turned = w.camera()
-            self.assertNotEqual(turned, camera)
-            left, top = w.view_corner()
-            w.x_focus()
-            w.x_drag((left + 200, top + 200), (left + 150, top + 260))
-            w.idle()
-            self.assertNotEqual(w.camera(), turned)
-            w.wheel(200, 200, 2)
-            self.assertEqual(w.tool(), ("", False))
-
-    def test_filter_with_a_dialog_and_export(self):
-        with self.open(self.mesh) as w:
-            before = w.dump()
-            w.run_filter("Laplacian Smooth")
-            self.assertEqual([h["name"] for h in w.history()], ["Laplacian Smooth"])
-            self.assertIn("Smoothed 441 vertices", w.log())
-            self.assertGreater(len(before.moved(w.dump())), 400)
-            out = self.folder / "out.ply"
-            w.trigger("Export Mesh As...", wait=False)
-            w.answer(path=out)
-            w.answer()
-            w.wait_output("Saved Mesh")
-            self.assertEqual(Ply(out).point_bits(), w.dump().point_bits())
-
-    def test_picture_shows_view_and_panels(self):
-        with self.open(self.mesh) as w:
-            picture = w.grab(self.folder / "window.ppm").read_bytes()
-            header, size, _, pixels = picture.split(b"\n", 3)
-            width, _ = map(int, size.split())
-            self.assertEqual(header, b"P6")
-            left, top = w.view_corner()
-
-            def color(x, y):
-                at = 3 * (width * round(top + y) + round(left + x))
-                return tuple(pixels[at:at + 3])
-            grey, background = color(*w.pixel(130)), color(5, 100)
-            self.assertLess(max(grey) - min(grey), 8)
-            self.assertGreater(background[2], background[0])
-            self.assertGreater(min(color(w.ask("project")["width"] + 40, 300)), 200)
-
     def test_a_crash_is_noticed(self):
         with self.assertRaisesRegex(AssertionError, "ended with -11"):
             with self.open(self.mesh) as w:
@@ -106,12 +61,6 @@ class Driver(GuiTest):
         with self.assertRaisesRegex(AssertionError, "no such action"):
             with self.open(self.mesh) as w:
                 w.trigger("Make Coffee")
-
-    def test_closing_with_changes_is_answered(self):
-        with self.open(self.mesh) as w:
-            w.run_filter("Laplacian Smooth")
-            w.quit()
-            self.assertEqual(w.process.returncode, 0)
 
 
 if __name__ == "__main__":

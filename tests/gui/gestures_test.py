@@ -5,7 +5,7 @@ import math
 import time
 import unittest
 
-from tool import TOOL, ToolTest, part
+from tool import ToolTest, part
 
 WHEEL_UP, WHEEL_DOWN = 4, 5
 
@@ -84,18 +84,6 @@ class Gestures(ToolTest):
             w.x("key", "ctrl+z")
             self.seen(w)
             self.assert_same(before, w.dump())
-
-    def test_right_button_and_escape_drop_a_motion(self):
-        with self.window() as w:
-            before = w.dump()
-            for drop in (("click", 3), ("key", "Escape")):
-                start = self.place(w, self.CENTRE)
-                w.x("mousemove", *start, "mousedown", 1, "mousemove", start[0] + 30, start[1], "sleep", 0.1,
-                    "mousemove", start[0] + 60, start[1] + 9, "sleep", 0.1, *drop, "sleep", 0.1, "mouseup", 1)
-                self.seen(w)
-                self.assert_same(before, w.dump())
-                self.assertEqual(self.steps_in_log(w), [])
-                self.assertEqual(w.tool(), (TOOL, False))
 
     def test_amounts_count_only_during_a_motion(self):
         with self.window() as w:

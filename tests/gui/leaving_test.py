@@ -25,13 +25,6 @@ class Navigate(ToolTest):
             self.assertEqual(len(self.steps_in_log(w)), 2)
             self.assert_replay_is_the_same(w, self.mesh)
 
-    def test_wheel_with_alt_zooms(self):
-        with self.start(self.mesh) as w:
-            camera, radius = w.camera(), w.widget(part("radius"))["value"]
-            w.wheel(300, 300, 3, modifiers=["alt"])
-            self.assertNotEqual(w.camera(), camera)
-            self.assertEqual(w.widget(part("radius"))["value"], radius)
-
     def test_suspended_tool_leaves_the_mouse_to_the_camera(self):
         with self.start(self.mesh) as w:
             before, camera = w.dump(), w.camera()
@@ -73,18 +66,6 @@ class Navigate(ToolTest):
             w.trigger("Toggle Orthographic Camera")
             self.assert_at(w, self.CENTRE, self.pull(w, self.CENTRE, (40, 20)))
             self.assertEqual(len(self.steps_in_log(w)), 1)
-
-    def test_camera_moved_during_a_drag_by_key(self):
-        with self.start(self.mesh) as w:
-            x, y = w.pixel(self.CENTRE)
-            w.click(x, y)
-            w.move(x, y)
-            w.key("T")
-            w.move(x + 20, y)
-            w.drag((300, 300), (340, 320), button="middle")
-            w.key("Return")
-            self.assertEqual(len(self.steps_in_log(w)), 1)
-            self.assert_replay_is_the_same(w, self.mesh)
 
 
 class Layers(ToolTest):
@@ -279,16 +260,6 @@ class Leave(ToolTest):
             self.assertEqual(before.point_bits(), w.dump().point_bits())
             self.assert_finite(w.dump())
 
-    def test_started_again_and_again(self):
-        with self.start(self.mesh) as w:
-            for _ in range(10):
-                w.click(*w.pixel(self.CENTRE))
-                w.trigger(TOOL)
-                w.trigger(TOOL)
-            self.assertEqual(sum(p["visible"] for p in w.widgets(PANEL).values()), 1)
-            self.assert_at(w, self.CENTRE, self.pull(w, self.CENTRE, (30, 30)))
-            self.assert_replay_is_the_same(w, self.mesh)
-
 
 class Views(ToolTest):
     """Panel and sessions are the window's, whichever view is used."""
@@ -342,19 +313,6 @@ class Views(ToolTest):
             w.trigger(TOOL)
             self.assertEqual(self.panels(w), [])
             self.assertEqual(len(w.history()), 1)
-
-    def test_there_and_back(self):
-        with self.split(self.mesh) as w:
-            before = w.dump()
-            for view in (0, 1, 0, 1):
-                w.view(index=view)
-                if w.tool()[0] == "":
-                    w.trigger(TOOL)
-                self.pull(w, self.CENTRE, (12, -9))
-            self.assertEqual(len(self.steps_of(w)), 4)
-            self.assert_replay_is_the_same(w, self.mesh)
-            w.press_button(part("reset"))
-            self.assert_same_but_normals(before, w.dump())
 
     def test_view_is_closed_under_the_tool(self):
         with self.split(self.mesh) as w:

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The panel: what its widgets show and set, and the files that its dialogs suggest."""
 import json
-import math
 import re
 import unittest
 
-from tool import PANEL, TOOL, ToolTest, part
+from tool import TOOL, ToolTest, part
 from ply import write_ply
 
 UNKNOWN = "\u2013"
@@ -61,24 +60,6 @@ class Values(ToolTest):
             for name, index in choices.items():
                 self.assertEqual(w.widget(part(name))["currentIndex"], index, name)
             self.assertTrue(w.widget(part("gizmo"))["checked"])
-
-    def test_symmetry_is_found(self):
-        # Its own mirror image, and turned so that this is across no axis' plane.
-        smooth = [(2 * x, y, math.sin(math.pi * x) * math.sin(math.pi * y)) for x, y, _ in self.points]
-        cosine, sine = math.cos(0.5), math.sin(0.5)
-        turned = [(cosine * x - sine * y, sine * x + cosine * y, z) for x, y, z in smooth]
-        with self.start(write_ply(self.folder / "turned.ply", turned, self.faces)) as w:
-            w.set(part("mirror"), "Found from the mesh")
-            self.assertEqual(w.widget(part("mirror"))["currentText"], "Found from the mesh")
-            w.set(part("mirror"), "Y, through the origin")
-            self.assertEqual(w.widget(part("mirror"))["currentText"], "Y, through the origin")
-            w.set(part("mirror"), "Off")
-            self.assertEqual(w.widget(part("mirror"))["currentIndex"], 0)
-            w.set(part("mirror"), "Found from the mesh")
-            self.pull(w, self.CENTRE + 8, (10, -10))
-            normal = self.steps_of(w)[0]["mirror"]["normal"]
-            self.assertTrue(any(abs(abs(a * normal[0] + b * normal[1]) - 1) < 1e-3
-                                for a, b in ((cosine, sine), (-sine, cosine))), normal)
 
     def test_keys_change_what_the_panel_shows(self):
         with self.start(self.mesh, gizmo=True) as w:

@@ -14,11 +14,7 @@
 namespace lapedit {
 namespace {
 
-RegionSpec within(double radius) {
-  RegionSpec spec;
-  spec.radius = radius;
-  return spec;
-}
+using support::within;
 
 // Large regions are smoothed more narrowly than by default, which takes most of the time.
 
