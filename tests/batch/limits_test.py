@@ -67,15 +67,16 @@ class LimitsTest(HostTest):
 
     def test_less_and_less_address_space(self):
         """Down to where not even the libraries can be loaded: an end, and nothing or all of the output."""
-        for megabytes in range(360, 20, -40):
-            with self.subTest(megabytes=megabytes):
-                output = self.folder / f"less_{megabytes}.ply"
-                code, text = self.run_limited({resource.RLIMIT_AS: megabytes * KILOBYTE**2}, self.mesh, output, self.edit)
-                self.assertEqual(output.exists(), code == 0, text)
-                if code == 0:
-                    self.assertEqual(Ply(output).point_bits(), self.expected)
-                else:
-                    self.assertNotEqual(text, "")
+        for kind in (resource.RLIMIT_AS, resource.RLIMIT_DATA):
+            for megabytes in range(360, 20, -40):
+                with self.subTest(kind=kind, megabytes=megabytes):
+                    output = self.folder / f"less_{kind}_{megabytes}.ply"
+                    code, text = self.run_limited({kind: megabytes * KILOBYTE**2}, self.mesh, output, self.edit)
+                    self.assertEqual(output.exists(), code == 0, text)
+                    if code == 0:
+                        self.assertEqual(Ply(output).point_bits(), self.expected)
+                    else:
+                        self.assertNotEqual(text, "")
 
     def test_nobody_brings_threads_along(self):
         """No BLAS: its threads compute while they wait, and cost address space."""

@@ -35,11 +35,6 @@ class Parameters(RefusalTest):
         self.refused_edit(r"radius is (-?nan|not finite)", radius="nan")
         self.refused_edit(r"radius is inf", radius="inf")
 
-    def test_padding(self):
-        self.refused_edit(r"padding is -0\.1.* 0 .*1", padding=-0.1)
-        self.refused_edit(r"padding is 1\.1.* 0 .*1", padding=1.1)
-        self.refused_edit(r"padding is -?nan.* 0 .*1", padding="nan")
-
     def test_handle_point(self):
         self.refused_edit(r"\(0\.5, 0\.5, 9\) is .* nearest vertex, number \d+.*diagonal", handle_point=(0.5, 0.5, 9))
         self.refused_edit(r"handle point is not finite", handle_point=(0.5, "nan", 0))
@@ -121,44 +116,15 @@ class Scripts(RefusalTest):
     def text(self, **members):
         return json.dumps({"laplacian_edit": 1, "steps": [self.good_json], **members})
 
-    def test_malformed(self):
-        good = self.text()
-        self.refused([replay(good[:-20])], r"line 1")
-        self.refused([replay("{")], r"line 1")
-        self.refused([replay(good + "}")], r"line 1")
-        self.refused([replay("")], r"No edit is given")
-        self.refused([replay(good.replace('"steps"', '"stepz"'))], r"stepz")
-        self.refused([replay(good.replace("0.35", '"0.35"'))], r"steps\[0\]\.region\.radius")
-        self.refused([replay(good.replace("0.35", "1e999"))], r"number.*1e999")
-
-    def test_hostile(self):
-        self.refused([replay('{"laplacian_edit": ' + "[" * 100000)], r"deep")
-        self.refused([replay(self.text().replace(f'"{CENTRE}"', '"0-999999999999"'))], r"steps\[0\]\.handles\[0\]")
-        self.refused([replay(self.text().replace(f'"{CENTRE}"', '"0-2000000000"'))], r"2000000001 vertices")
-        self.refused([replay(self.text().replace(f'"{CENTRE}"', '"%s%n%1$s"'))], r"%s%n%1\$s")
-        huge = self.folder / "huge.json"
-        with open(huge, "wb") as file:
-            file.write(self.text().encode())
-            file.truncate(100 << 20)
-        self.refused([replay(str(huge))], r"104857600 bytes")
-
     def test_files(self):
+        self.refused([replay("")], r"No edit is given")
+        self.refused([replay("{")], r"line 1")
+        self.refused([replay(self.text(mesh={"vertices": 440, "faces": 800}))], r"440 vertices.* 441 vertices")
         self.refused([replay(str(self.folder / "none.json"))], r"none\.json.* nor the path of a file")
         self.refused([replay(str(self.folder))], r"neither JSON text.* nor the path of a file")
         binary = self.folder / "binary.json"
         binary.write_bytes(bytes(range(256)) * 40)
         self.refused([replay(str(binary))], r"binary\.json.*not valid JSON")
-
-    def test_mesh_that_does_not_fit(self):
-        self.refused([replay(self.text(mesh={"vertices": 440, "faces": 800}))], r"440 vertices.* 441 vertices")
-        self.refused([replay(self.text(mesh={"faces": 801}))], r"801 faces.* 800 faces")
-        self.refused([replay(self.text(mesh={"connectivity": "0123456789abcdef"}))], r"0123456789abcdef.*[0-9a-f]{16}")
-        self.refused([replay(self.text().replace(f'"{CENTRE}"', '"441"'))], r"441.* 441 vertices")
-
-    def test_handles(self):
-        self.refused([replay({"region": {"radius": 0.3}, "handles": []})], r"handles")
-        twice = {"vertices": str(CENTRE), "translation": [0, 0, 1]}
-        self.refused([replay({"region": {"radius": 0.3}, "handles": [twice, twice]})], rf"{CENTRE}")
 
     def test_later_step_is_named_and_nothing_is_changed(self):
         bad = {"region": {"radius": -1}, "handles": [{"vertices": "1"}]}

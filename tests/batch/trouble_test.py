@@ -178,19 +178,6 @@ class Ends(Trouble):
                          name, "out.ply", self.edit,
                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30)))
 
-    @unittest.skipIf(SANITIZED, "the address space is the sanitizer's")
-    def test_small_memory_makes_nothing_hang(self):
-        for what, name in ((resource.RLIMIT_AS, "address space"), (resource.RLIMIT_DATA, "data")):
-            for kilobytes in (10000, 60000, 100000, 150000, 250000, 409600, 3000000):
-                code, _, errors = self.run_command(
-                    self.mesh, "small.ply", self.edit,
-                    preexec_fn=lambda kind=what, limit=kilobytes << 10: resource.setrlimit(kind, (limit, limit)))
-                with self.subTest((name, kilobytes)):
-                    self.assertTrue(code == 0 or errors, (code, errors))
-                    self.assertEqual(code == 0, (self.place / "small.ply").exists())
-                    (self.place / "small.ply").unlink(missing_ok=True)
-            self.assertEqual(code, 0, errors)
-
     def test_too_few_processes(self):
         self.folder.chmod(0o755)
         self.place.chmod(0o755)
