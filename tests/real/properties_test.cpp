@@ -77,39 +77,6 @@ INSTANTIATE_TEST_SUITE_P(Real, EditProperties,
 
 namespace {
 
-struct Facts {
-  const char* file;
-  int vertices, faces, components, isolated;
-  double diagonal;
-};
-
-class RealMesh : public ::testing::TestWithParam<Facts> {};
-INSTANTIATE_TEST_SUITE_P(All, RealMesh,
-                         ::testing::Values(Facts{"mannequin.off", 11703, 23402, 1, 0, 4.31628},
-                                           Facts{"octopus.off", 16944, 33872, 4, 0, 1.45659},
-                                           Facts{"bumpy_plane.off", 40401, 80000, 1, 0, 141.774},
-                                           Facts{"bunny.ply", 35947, 69451, 1, 1113, 0.250246},
-                                           Facts{"Laurana50k.ply", 27861, 49954, 1, 2735, 745.639},
-                                           Facts{"igea.ply", 134345, 268686, 1, 0, 0.156399},
-                                           Facts{"texturedknot.ply", 1440, 2880, 1, 0, 282.683}));
-
-TEST_P(RealMesh, IsTheOneDescribed) {
-  const Facts& facts = GetParam();
-  const TriangleMesh mesh = real::load(facts.file);
-  validate(mesh);
-  EXPECT_EQ(mesh.vertices.rows(), facts.vertices);
-  EXPECT_EQ(mesh.faces.rows(), facts.faces);
-  EXPECT_NEAR(support::diameter(mesh.vertices) / facts.diagonal, 1, 1e-5);
-  const Adjacency adjacency = support::adjacency_of(mesh);
-  std::vector<int> labels;
-  int isolated = 0;
-  for (int v = 0; v < facts.vertices; ++v) {
-    isolated += adjacency.neighbours[v].size() == 0;
-  }
-  EXPECT_EQ(isolated, facts.isolated);
-  EXPECT_EQ(connected_components(adjacency.neighbours, labels), facts.components + isolated);
-}
-
 struct Size {
   const char* file;
   int handle;
@@ -171,15 +138,6 @@ TEST(RealRegions, NearestVertexOfTheDescribedPoints) {
   EXPECT_EQ(nearest_vertex(real::load("mannequin.off"), Vector3(0.0185447, -1.24318, -0.0873)), 8624);
   EXPECT_EQ(nearest_vertex(real::load("octopus.off"), Vector3(0.326838, -0.31208, 0.174829)), 3175);
   EXPECT_EQ(nearest_vertex(real::load("bunny.ply"), Vector3(-0.0175221, 0.187321, -0.0198494)), 23637);
-}
-
-TEST(RealRegions, IsolatedVerticesAreNeverInARegionOfARadius) {
-  const TriangleMesh mesh = real::load("bunny.ply");
-  const Adjacency adjacency = support::adjacency_of(mesh);
-  const Region region = build_region(mesh, adjacency, within(0.06), {{23637}});
-  for (const int v : region.mesh_vertex) {
-    EXPECT_GT(adjacency.neighbours[v].size(), 0);
-  }
 }
 
 }  // namespace
