@@ -181,6 +181,17 @@ inline std::vector<Affine> part(std::vector<Affine> maps, double t) {
   return maps;
 }
 
+/// Over the sides of all faces.
+inline double mean_edge(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (const auto& face : mesh.faces.rowwise()) {
+    for (int k = 0; k < 3; ++k) {
+      sum += (mesh.vertices.row(face[k]) - mesh.vertices.row(face[(k + 1) % 3])).norm();
+    }
+  }
+  return sum / static_cast<double>(3 * mesh.faces.rows());
+}
+
 /// The vertex nearest to a point.
 inline int vertex_at(const TriangleMesh& mesh, const Vector3& point) {
   Eigen::Index nearest = 0;

@@ -307,25 +307,6 @@ TEST(CellTurning, DoesNotDependOnWhatCameBefore) {
   }
 }
 
-TEST(CellTurning, AllocatesNothingAfterTheFirstSolution) {
-  const auto t = limb();
-  std::vector<Matrix3> rotations;
-  Maps maps = {bent(20)};
-  const long before_all = allocations;
-  t->solve(maps);
-  t->blended.spread(rotations, t->pool);
-  ASSERT_GT(allocations.load(), before_all);  // or the count does not count
-  for (const bool goes_on : {false, true}) {
-    for (const double degrees : {20.0, 25.0, 95.0, 179.0, 5.0}) {
-      t->ask({bent(degrees)});
-      const long before = allocations;
-      t->blended.cells().solve(t->targets, t->carried, goes_on);
-      t->blended.spread(rotations, t->pool);
-      EXPECT_EQ(allocations - before, 0) << degrees << ", " << goes_on;
-    }
-  }
-}
-
 /// The first frame of a drag is often one in which nothing has moved.
 TEST(CellTurning, AllocatesNothingAfterASolutionForNothing) {
   const auto t = limb();

@@ -16,6 +16,8 @@
 namespace lapedit {
 namespace {
 
+using support::mean_edge;
+
 Region whole(const TriangleMesh& mesh) {
   return support::whole_region(mesh, {{0}}, {});
 }
@@ -40,16 +42,6 @@ Eigen::MatrixXd dense(const TriangleMesh& mesh, double radius) {
     result.middleCols(first, columns) = out.leftCols(columns);
   }
   return result;
-}
-
-double mean_edge(const TriangleMesh& mesh) {
-  double sum = 0;
-  for (const auto& face : mesh.faces.rowwise()) {
-    for (int k = 0; k < 3; ++k) {
-      sum += (mesh.vertices.row(face[k]) - mesh.vertices.row(face[(k + 1) % 3])).norm();
-    }
-  }
-  return sum / static_cast<double>(3 * mesh.faces.rows());
 }
 
 class DiffusionOn : public ::testing::TestWithParam<TriangleMesh (*)()> {};

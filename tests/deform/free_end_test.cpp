@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "lapedit/deform/laplacian_editor.h"
+#include "lapedit/deform/polar_decomposition.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "shapes.h"
 #include "support.h"
@@ -18,7 +19,7 @@ Matrix3 turn_of(const Points& before, const Points& after, double from, double t
     }
   }
   const Points a = support::rows(before, inside), b = support::rows(after, inside);
-  return Eigen::umeyama(Eigen::MatrixXd(a.transpose()), Eigen::MatrixXd(b.transpose()), false).topLeftCorner<3, 3>();
+  return nearest_rotation((b.rowwise() - b.colwise().mean()).transpose() * (a.rowwise() - a.colwise().mean()));
 }
 
 double degrees_between(const Matrix3& a, const Matrix3& b) {

@@ -153,7 +153,7 @@ Points dense_edit(const Scene& s, const EditSettings& settings, const reference:
     a(i, i) += weight * weight;
     b.row(i) += weight * weight * target.transpose();
   }
-  return Eigen::PartialPivLU<reference::Matrix>(a).solve(b);
+  return reference::solve(a, b);
 }
 
 TEST(SettledRotations, EditSolvesItsEquationsGivenItsRotations) {

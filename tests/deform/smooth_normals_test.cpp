@@ -13,6 +13,8 @@
 namespace lapedit {
 namespace {
 
+using support::mean_edge;
+
 constexpr std::size_t kNeverSampled = std::numeric_limits<std::size_t>::max();
 
 Region whole(const TriangleMesh& mesh, int handle = 0) {
@@ -49,16 +51,6 @@ Eigen::MatrixXd kernel_by_definition(const TriangleMesh& mesh, double r) {
     result.row(i) /= result.row(i).sum();
   }
   return result;
-}
-
-double mean_edge(const TriangleMesh& mesh) {
-  double sum = 0;
-  for (const auto& face : mesh.faces.rowwise()) {
-    for (int k = 0; k < 3; ++k) {
-      sum += (mesh.vertices.row(face[k]) - mesh.vertices.row(face[(k + 1) % 3])).norm();
-    }
-  }
-  return sum / static_cast<double>(3 * mesh.faces.rows());
 }
 
 /// A plane with noise of a quarter of its edges across it.
