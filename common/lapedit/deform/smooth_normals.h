@@ -35,7 +35,6 @@ class SmoothingKernel : public Smoother {
   double radius() const { return radius_; }
   bool sampled() const { return blend_ != nullptr; }
   std::size_t entries() const;
-  std::size_t bytes() const override { return entries() * (sizeof(int) + sizeof(double)); }
 
  private:
   struct Rows {  // sparse rows, normalised
