@@ -20,7 +20,6 @@
 #include "host/batch_parameters.h"
 #include "host/dialog_watch.h"
 #include "lapedit/base/error.h"
-#include "lapedit_host/face_shape.h"
 #include "lapedit_host/mesh_bridge.h"
 #include "processes/notes.h"
 #include "vertex_filter_plugin.h"
