@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include "lapedit/deform/polar_decomposition.h"
 #include "lapedit/edit/edit.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "shapes.h"
@@ -63,11 +64,9 @@ struct HeadWithEye {
 
 /// The largest distance from the rigid motion that fits best.
 double off_rigid(const Points& before, const Points& after) {
-  const Eigen::Matrix4d fit =
-      Eigen::umeyama(Eigen::MatrixXd(before.transpose()), Eigen::MatrixXd(after.transpose()), false);
-  Affine map;
-  map.matrix() = fit.topRows<3>();
-  return (support::moved(map, before) - after).rowwise().norm().maxCoeff();
+  const Points a = before.rowwise() - before.colwise().mean(), b = after.rowwise() - after.colwise().mean();
+  const Matrix3 turn = nearest_rotation(b.transpose() * a);
+  return (a * turn.transpose() - b).rowwise().norm().maxCoeff();
 }
 
 TEST(ConnectedPieces, EyeGoesWithItsSocketNearlyRigidly) {

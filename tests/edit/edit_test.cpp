@@ -11,6 +11,7 @@
 
 #include "lapedit/base/error.h"
 #include "shapes.h"
+#include "support.h"
 
 namespace lapedit {
 namespace {
@@ -290,10 +291,12 @@ TEST(Edit, RefusalsOfSeveralFractionsNameTheFraction) {
 TEST(Edit, ProgressRisesOverSeveralFractions) {
   const Edit edit = edit_of({pull({kMiddle}, {0, 0, 3}), pull({kMiddle + 3}, {1, 0, 0})});
   std::vector<double> seen;
-  apply_edit(test_mesh(), edit, kFractions, StoredScalar::Double, [&](double fraction, const char*) {
-    seen.push_back(fraction);
-    return true;
-  });
+  const TriangleMesh mesh = test_mesh();
+  apply_edit(mesh, support::adjacency_of(mesh), edit, kFractions, StoredScalar::Double,
+             [&](double fraction, const char*) {
+               seen.push_back(fraction);
+               return true;
+             });
   EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end()));
   EXPECT_GE(seen.front(), 0);
   EXPECT_EQ(seen.back(), 1);
