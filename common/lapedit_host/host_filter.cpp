@@ -6,7 +6,6 @@
 #include <exception>
 
 #include "lapedit/base/error.h"
-#include "lapedit_host/face_shape.h"
 #include "lapedit_host/mesh_bridge.h"
 
 namespace lapedit::host {

@@ -2,7 +2,6 @@
 #include "lapedit_host/mesh_bridge.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -12,54 +11,9 @@
 #include "lapedit/base/error.h"
 #include "lapedit/base/thread_pool.h"
 #include "lapedit/mesh/vertex_set.h"
-#include "lapedit_host/face_shape.h"
 
 namespace lapedit::host {
 namespace {
-
-std::array<std::size_t, 3> corners_of(const CMeshO& host, const CFaceO& face) {
-  return {vcg::tri::Index(host, face.cV(0)), vcg::tri::Index(host, face.cV(1)), vcg::tri::Index(host, face.cV(2))};
-}
-
-bool any(const std::vector<char>& flags, const std::array<std::size_t, 3>& corners) {
-  return flags[corners[0]] || flags[corners[1]] || flags[corners[2]];
-}
-
-void update_normals(CMeshO& host, const std::vector<char>& moved) {
-  std::vector<char> shows(host.vert.size(), 0);  // corners of faces with a moved corner
-  for (CFaceO& face : host.face) {
-    if (face.IsD()) {
-      continue;
-    }
-    const auto corners = corners_of(host, face);
-    if (any(moved, corners)) {
-      for (const std::size_t corner : corners) {
-        shows[corner] = 1;
-      }
-      FaceShape shape;
-      if (measure(face.cP(0), face.cP(1), face.cP(2), shape)) {
-        face.N() = to_host(shape.normal);
-      }
-    }
-  }
-  Points sums = Points::Zero(static_cast<Eigen::Index>(host.vert.size()), 3);
-  for (const CFaceO& face : host.face) {
-    FaceShape shape;
-    if (face.IsD() || !any(shows, corners_of(host, face)) || !measure(face.cP(0), face.cP(1), face.cP(2), shape)) {
-      continue;
-    }
-    const auto corners = corners_of(host, face);
-    for (int k = 0; k < 3; ++k) {
-      sums.row(static_cast<Eigen::Index>(corners[k])) += shape.angles[k] * shape.normal.transpose();
-    }
-  }
-  for (std::size_t v = 0; v < host.vert.size(); ++v) {
-    const Vector3 sum = sums.row(static_cast<Eigen::Index>(v)).transpose();
-    if (shows[v] && sum.norm() > 0) {
-      host.vert[v].N() = to_host(sum);
-    }
-  }
-}
 
 /// Throws if that is no vertex of the mesh. The corners may point anywhere: addresses are compared, none is followed.
 void require_vertex(const CMeshO& host, const CVertexO* corner, const char* kind, std::size_t number) {
@@ -179,20 +133,6 @@ std::vector<int> vertices_of_selected_faces(const CMeshO& host, const BridgedMes
     }
   }
   return sorted_set(std::move(vertices));
-}
-
-void write_positions(CMeshO& host, const BridgedMesh& bridged, const EditResult& result) {
-  std::vector<char> moved(host.vert.size(), 0);
-  for (std::size_t i = 0; i < result.vertices.size(); ++i) {
-    const auto v = static_cast<std::size_t>(bridged.host_vertex[result.vertices[i]]);
-    const Point3m place = to_host(result.positions.row(static_cast<Eigen::Index>(i)).transpose());
-    if (place != host.vert[v].cP()) {
-      host.vert[v].P() = place;
-      moved[v] = 1;
-    }
-  }
-  update_normals(host, moved);
-  host.bbox = finite_box(host);
 }
 
 double finite_diagonal(const CMeshO& host) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cmath>
 #include <type_traits>
 #include <vector>
 
@@ -32,13 +33,20 @@ BridgedMesh read_mesh(const CMeshO& host);
 std::vector<int> selected_vertices(const CMeshO& host, const BridgedMesh& bridged);
 std::vector<int> vertices_of_selected_faces(const CMeshO& host, const BridgedMesh& bridged);
 
-/// Gives vertices their new places, then brings up to date what follows from them: the normals of the faces at moved
-/// vertices, those of these faces' corners, and the bounding box. What did not move keeps its bits, and so does
-/// everything else in the mesh. Normals are those of the host's own update (unit length for faces, sums weighted by
-/// angle for vertices), but never NaN: faces without area or with a non-finite corner give none, and a face or vertex
-/// that gets none keeps the one it had. The box leaves non-finite vertices out.
-/// @param host  the mesh that bridged was read from, with the same vertices and faces
-void write_positions(CMeshO& host, const BridgedMesh& bridged, const EditResult& result);
+inline bool is_finite(const Point3m& point) {
+  return std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);
+}
+
+inline Vector3 to_core(const Point3m& point) {
+  return {static_cast<double>(point[0]), static_cast<double>(point[1]), static_cast<double>(point[2])};
+}
+
+inline Point3m to_host(const Vector3& point) {
+  return {static_cast<Scalarm>(point[0]), static_cast<Scalarm>(point[1]), static_cast<Scalarm>(point[2])};
+}
+
+/// Box around all finite vertices.
+Box3m finite_box(const CMeshO& host);
 
 /// Length of the diagonal of the box around all finite vertices; 0 if there is none.
 double finite_diagonal(const CMeshO& host);

@@ -5,6 +5,7 @@
 #include <utility>
 #include <variant>
 
+#include "lapedit_host/pose_writer.h"
 #include "lapedit_host/self_intersections.h"
 
 namespace lapedit::host {
@@ -41,7 +42,7 @@ EditedMesh edit_mesh(const CMeshO& host, const MakeEdit& make, const std::vector
 FilterOutcome write_edited(CMeshO& host, const EditedMesh& edited, const ReportSink& sink) {
   const EditResult& pose = edited.poses.front();
   FilterOutcome outcome = {text_of(pose.reports), figures_of(pose.reports)};
-  write_positions(host, edited.bridged, pose);
+  write_positions(host, edited.bridged, edited.adjacency, pose);
   if (sink) {
     sink(pose.reports);
   }

@@ -8,6 +8,8 @@
 #include <cstring>
 #include <limits>
 
+#include "lapedit/base/error.h"
+
 namespace lapedit::host {
 namespace {
 
@@ -17,6 +19,29 @@ constexpr int kGrain = 4096;
 bool same_bits(const Point3m& a, const Point3m& b) {
   // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): it is the bits that are meant
   return std::memcmp(a.V(), b.V(), sizeof(Scalarm) * 3) == 0;
+}
+
+/// @return false if the face has no area or a non-finite corner
+bool measure(const Point3m& a, const Point3m& b, const Point3m& c, FaceShape& shape) {
+  if (!is_finite(a) || !is_finite(b) || !is_finite(c)) {
+    return false;
+  }
+  const std::array<Vector3, 3> corners = {to_core(a), to_core(b), to_core(c)};
+  std::array<Vector3, 3> edges;  // edge k leads from corner k to the next
+  for (int k = 0; k < 3; ++k) {
+    edges[k] = corners[(k + 1) % 3] - corners[k];
+  }
+  const Vector3 normal = edges[0].cross(edges[1]);
+  const double length = normal.stableNorm();
+  if (!(length > 0) || !std::isfinite(length)) {
+    return false;
+  }
+  shape.normal = normal / length;
+  for (int k = 0; k < 3; ++k) {
+    const Vector3& in = edges[(k + 2) % 3];
+    shape.angles[k] = std::atan2(edges[k].cross(-in).norm(), edges[k].dot(-in));
+  }
+  return true;
 }
 
 void list_flagged(const std::vector<char>& flags, std::vector<int>& list) {
@@ -272,6 +297,12 @@ bool PoseWriter::matches(const CMeshO& host) const {
     }
   }
   return true;
+}
+
+void write_positions(CMeshO& host, const BridgedMesh& bridged, const Adjacency& adjacency, const EditResult& result) {
+  if (!PoseWriter(host, bridged, adjacency).write(host, result.vertices, result.positions, true)) {
+    throw EditError(ErrorCause::MeshMismatch, "The layer has changed while it was edited: start the edit again.");
+  }
 }
 
 }  // namespace lapedit::host

@@ -1,21 +1,29 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "lapedit/base/thread_pool.h"
 #include "lapedit/mesh/adjacency.h"
-#include "lapedit_host/face_shape.h"
 #include "lapedit_host/mesh_bridge.h"
 
 namespace lapedit::host {
+
+/// Unit normal of a face, and the angles at its corners.
+struct FaceShape {
+  Vector3 normal;
+  std::array<double, 3> angles;
+};
 
 /// Writes poses into a host mesh again and again, at the cost of what moves and not of the mesh, and can bring back the
 /// mesh's first state to the bit.
 ///
 /// The mesh after write() depends only on the positions of all vertices, not on the way there: positions are those
 /// given, with the first bits where they are equal to the first ones (zeros of the other sign); normals of faces with a
-/// vertex away from its first place, and of these faces' corners, are as write_positions() makes them; all other
+/// vertex away from its first place, and of these faces' corners, are those of the host's own update (unit length for
+/// faces, sums weighted by angle for vertices), but never NaN: faces without area or with a non-finite corner give
+/// none, and a face or vertex that gets none keeps its first one. The box leaves non-finite vertices out. All other
 /// normals, and the box of a mesh all of whose vertices are in their first place, are what they were at first, bit for
 /// bit. A pose that is not settled is a picture that the next one follows: of the vertices given with it, and around
 /// them, vertex normals are unit length and weighted by area, which takes no arc tangent, and the box waits.
@@ -92,5 +100,9 @@ class PoseWriter {
   std::vector<int> place_;                    // mesh face -> entry of affected_.around, if it is there
   ThreadPool pool_{0};
 };
+
+/// Writes one pose that stays. @param adjacency  of bridged.mesh
+/// @throws EditError (MeshMismatch) if `bridged` was not read from this mesh. Cost: O(vertices + faces)
+void write_positions(CMeshO& host, const BridgedMesh& bridged, const Adjacency& adjacency, const EditResult& result);
 
 }  // namespace lapedit::host

@@ -4,7 +4,7 @@
 #include "lapedit/deform/coarse_preview.h"
 #include "lapedit/deform/laplacian_editor.h"
 #include "lapedit/deform/smooth_normals.h"
-#include "lapedit/linear/fill_reducing_ordering.h"
+#include "lapedit/linear/nested_dissection.h"
 #include "lapedit/linear/sparse_cholesky.h"
 
 namespace speed {

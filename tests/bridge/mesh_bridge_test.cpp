@@ -13,8 +13,9 @@
 
 #include "host_support.h"
 #include "lapedit/base/error.h"
-#include "lapedit_host/face_shape.h"
+#include "lapedit_host/pose_writer.h"
 #include "shapes.h"
+#include "support.h"
 
 namespace lapedit::host {
 namespace {
@@ -61,7 +62,7 @@ TEST(MeshBridge, RoundTripsAMeshWithDeletedVerticesAndFaces) {
                 static_cast<int>(vcg::tri::Index(host, host.face[f + 1].cV(k))));
     }
   }
-  write_positions(host, bridged, shift(bridged, {0, 18}, {0, 0, 7}));
+  write_positions(host, bridged, support::adjacency_of(bridged.mesh), shift(bridged, {0, 18}, {0, 0, 7}));
   for (int v = 0; v < 20; ++v) {
     EXPECT_EQ(host.vert[v].cP()[2], v == 1 || v == 19 ? 7 : 0) << v;
   }
@@ -150,7 +151,7 @@ TEST(MeshBridge, KeepsTheBitsOfAllThatDoesNotMove) {
   const BridgedMesh bridged = read_mesh(host);
   EditResult result = shift(bridged, {13, 14}, Vector3::Zero());
   result.positions.row(0) += Vector3(0, 0, 1).transpose();
-  write_positions(host, bridged, result);
+  write_positions(host, bridged, support::adjacency_of(bridged.mesh), result);
   for (std::size_t v = 0; v < host.vert.size(); ++v) {
     EXPECT_EQ(same_bits(host.vert[v].cP(), before[v]), v != 13) << v;
   }
@@ -168,7 +169,7 @@ TEST(MeshBridge, NormalsAreTheHostsOwnAroundMovedVerticesAndUntouchedElsewhere) 
   }
   const BridgedMesh bridged = read_mesh(host);
   const int moved = 20;
-  write_positions(host, bridged, shift(bridged, {moved}, {0.1, 0.2, 0}));
+  write_positions(host, bridged, support::adjacency_of(bridged.mesh), shift(bridged, {moved}, {0.1, 0.2, 0}));
   CMeshO expected;
   fill(expected, read_mesh(host).mesh);
   host_normals(expected);
@@ -210,7 +211,7 @@ TEST(MeshBridge, NeverWritesNormalsThatAreNotNumbers) {
       finite.push_back(v);
     }
   }
-  write_positions(host, bridged, shift(bridged, finite, {0, 0, 2}));
+  write_positions(host, bridged, support::adjacency_of(bridged.mesh), shift(bridged, finite, {0, 0, 2}));
   for (const CVertexO& vertex : host.vert) {
     EXPECT_TRUE(std::isfinite(vertex.cN().Norm()));
   }
@@ -293,7 +294,7 @@ TEST(MeshBridge, LeavesAttributesFlagsAndTransformAlone) {
     face_flags.push_back(face.cFlags());
   }
   const BridgedMesh bridged = read_mesh(host);
-  write_positions(host, bridged, shift(bridged, {0, 1, 2, 3, 20, 41}, {1, 2, 3}));
+  write_positions(host, bridged, support::adjacency_of(bridged.mesh), shift(bridged, {0, 1, 2, 3, 20, 41}, {1, 2, 3}));
   ASSERT_EQ(host.vert[41].cP()[0], static_cast<Scalarm>(bridged.mesh.vertices(41, 0) + 1));
   for (std::size_t v = 0; v < host.vert.size(); ++v) {
     EXPECT_EQ(host.vert[v].cC(), colour(v));

@@ -51,6 +51,95 @@ void expect_same(const State& a, const State& b) {
   expect_same({a.box.min, a.box.max}, {b.box.min, b.box.max}, "corner of the box");
 }
 
+// What PoseWriter is compared with: all normals at moved vertices, in passes over the whole mesh.
+
+/// Unit normal of a face, and the angles at its corners.
+struct Shape {
+  Vector3 normal;
+  std::array<double, 3> angles;
+};
+
+/// @return false if the face has no area or a non-finite corner
+bool measured(const Point3m& a, const Point3m& b, const Point3m& c, Shape& shape) {
+  if (!is_finite(a) || !is_finite(b) || !is_finite(c)) {
+    return false;
+  }
+  const std::array<Vector3, 3> corners = {to_core(a), to_core(b), to_core(c)};
+  std::array<Vector3, 3> edges;  // edge k leads from corner k to the next
+  for (int k = 0; k < 3; ++k) {
+    edges[k] = corners[(k + 1) % 3] - corners[k];
+  }
+  const Vector3 normal = edges[0].cross(edges[1]);
+  const double length = normal.stableNorm();
+  if (!(length > 0) || !std::isfinite(length)) {
+    return false;
+  }
+  shape.normal = normal / length;
+  for (int k = 0; k < 3; ++k) {
+    const Vector3& in = edges[(k + 2) % 3];
+    shape.angles[k] = std::atan2(edges[k].cross(-in).norm(), edges[k].dot(-in));
+  }
+  return true;
+}
+
+std::array<std::size_t, 3> corners_of(const CMeshO& host, const CFaceO& face) {
+  return {vcg::tri::Index(host, face.cV(0)), vcg::tri::Index(host, face.cV(1)), vcg::tri::Index(host, face.cV(2))};
+}
+
+bool any(const std::vector<char>& flags, const std::array<std::size_t, 3>& corners) {
+  return flags[corners[0]] || flags[corners[1]] || flags[corners[2]];
+}
+
+void update_normals(CMeshO& host, const std::vector<char>& moved) {
+  std::vector<char> shows(host.vert.size(), 0);  // corners of faces with a moved corner
+  for (CFaceO& face : host.face) {
+    if (face.IsD()) {
+      continue;
+    }
+    const auto corners = corners_of(host, face);
+    if (any(moved, corners)) {
+      for (const std::size_t corner : corners) {
+        shows[corner] = 1;
+      }
+      Shape shape;
+      if (measured(face.cP(0), face.cP(1), face.cP(2), shape)) {
+        face.N() = to_host(shape.normal);
+      }
+    }
+  }
+  Points sums = Points::Zero(static_cast<Eigen::Index>(host.vert.size()), 3);
+  for (const CFaceO& face : host.face) {
+    Shape shape;
+    if (face.IsD() || !any(shows, corners_of(host, face)) || !measured(face.cP(0), face.cP(1), face.cP(2), shape)) {
+      continue;
+    }
+    const auto corners = corners_of(host, face);
+    for (int k = 0; k < 3; ++k) {
+      sums.row(static_cast<Eigen::Index>(corners[k])) += shape.angles[k] * shape.normal.transpose();
+    }
+  }
+  for (std::size_t v = 0; v < host.vert.size(); ++v) {
+    const Vector3 sum = sums.row(static_cast<Eigen::Index>(v)).transpose();
+    if (shows[v] && sum.norm() > 0) {
+      host.vert[v].N() = to_host(sum);
+    }
+  }
+}
+
+void write_plainly(CMeshO& host, const BridgedMesh& bridged, const EditResult& result) {
+  std::vector<char> moved(host.vert.size(), 0);
+  for (std::size_t i = 0; i < result.vertices.size(); ++i) {
+    const auto v = static_cast<std::size_t>(bridged.host_vertex[result.vertices[i]]);
+    const Point3m place = to_host(result.positions.row(static_cast<Eigen::Index>(i)).transpose());
+    if (place != host.vert[v].cP()) {
+      host.vert[v].P() = place;
+      moved[v] = 1;
+    }
+  }
+  update_normals(host, moved);
+  host.bbox = finite_box(host);
+}
+
 /// A host mesh with normals and a box as no update makes them, as files have them.
 class Scene {
  public:
@@ -69,7 +158,7 @@ class Scene {
     EditResult result;
     result.vertices = vertices;
     result.positions = positions;
-    write_positions(twin, bridged, result);
+    write_plainly(twin, bridged, result);
     return State(twin);
   }
 

@@ -439,7 +439,6 @@ TEST(BlendedRotations, FollowTheirCellsAndAreHeldBackAtTheRim) {
   }
   EXPECT_GT(held, 0);
   EXPECT_GT(free, 100);
-  EXPECT_GE(t->blended.bytes(), static_cast<std::size_t>(t->region.size()) * (8 + 8 * 8));
 }
 
 }  // namespace

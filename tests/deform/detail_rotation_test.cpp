@@ -8,7 +8,6 @@
 #include <random>
 #include <vector>
 
-#include "lapedit/deform/nearest_rotations.h"
 #include "lapedit/deform/polar_decomposition.h"
 #include "shapes.h"
 #include "support.h"

@@ -9,7 +9,7 @@
 
 #include "batch_fuzz.h"
 #include "lapedit/base/error.h"
-#include "lapedit_host/mesh_bridge.h"
+#include "lapedit_host/pose_writer.h"
 #include "random_mesh.h"
 
 using namespace lapedit;
@@ -174,7 +174,8 @@ void edit_and_save(host::BatchHost& batch, const QString& again) {
   edit.steps[0].handles[0].transform.translation = Vector3(0.25, 0, 0.5);
   const EditResult result = apply_edit(bridged.mesh, edit, 1, host::kStoredScalar);
   require(result.positions.allFinite(), "a result is finite");
-  host::write_positions(*batch.mesh(), bridged, result);
+  host::write_positions(*batch.mesh(), bridged,
+                        build_adjacency(static_cast<int>(bridged.mesh.vertices.rows()), bridged.mesh.faces), result);
   TriangleMesh after = host::read_mesh(*batch.mesh()).mesh;
   for (std::size_t k = 0; k < result.vertices.size(); ++k) {
     require(same_bits(after.vertices.row(result.vertices[k]), result.positions.row(static_cast<Eigen::Index>(k))),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/linear/fill_reducing_ordering.h"
+#include "lapedit/linear/nested_dissection.h"
 
 #include <gtest/gtest.h>
 

@@ -176,12 +176,8 @@ TEST(OperatorRows, SwapBothHalves) {
   Points expected, expected_transposed, out;
   a.apply(mesh.vertices, expected, pool);
   a.apply_transposed(mesh.vertices, expected_transposed, pool);
-  const std::size_t bytes = a.bytes();
-  EXPECT_GT(bytes, make(grid).bytes());
-  EXPECT_GE(bytes, 2U * (162 + 960) * 12);
   std::swap(a, b);
   std::swap(b, empty);
-  EXPECT_EQ(empty.bytes(), bytes);
   empty.apply(mesh.vertices, out, pool);
   EXPECT_TRUE(support::same_bits(out, expected));
   empty.apply_transposed(mesh.vertices, out, pool);

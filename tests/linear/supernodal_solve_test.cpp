@@ -193,7 +193,6 @@ TYPED_TEST(SupernodalSolve, CopySharesTheFactorToTheBit) {
     const Rows<TypeParam> right = random_rows<TypeParam>(factor.dense.rows(), 5);
     const Rows<TypeParam> expected = this->solved(*solver, right, one);
     SupernodalSolver<TypeParam> copy(*solver, three);
-    EXPECT_EQ(copy.bytes(), solver->bytes());
     solver.reset();
     ASSERT_TRUE(this->solved(copy, right, three) == expected) << factor.name;
   }

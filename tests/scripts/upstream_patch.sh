@@ -103,7 +103,7 @@ of() {
     row 'tool' $(of "$tool" -maxdepth 1)
     row 'two `CMakeLists.txt`, resource list' "$filter/CMakeLists.txt" "$tool/CMakeLists.txt" "$tool"/*.qrc
     row 'all, with two lines more in `src/CMakeLists.txt`, and an icon' $(find "$folder" -type f ! -name '*.png')
-    row 'left out of what is shipped: the program' $(of filter_laplacian_edit/command_line) common/lapedit_host/api_*/batch_*.h common/lapedit_host/api_2022/parameters_*/batch_*.h
+    row 'left out of what is shipped: the program' $(of filter_laplacian_edit/command_line) common/lapedit_host/api_*/batch_*.h
     row 'left out: other MeshLabs' $(of common/lapedit_host/api_2020 common/lapedit_host/api_2022/parameters_2022 ! -name 'batch_*')
     row 'left out: finding MeshLab, packages' $(find common/cmake common/scripts -type f)
   }

@@ -62,9 +62,4 @@ void BlendedRotations::spread(std::vector<Matrix3>& rotations, ThreadPool& pool)
   });
 }
 
-std::size_t BlendedRotations::bytes() const {
-  return hold_.capacity() * sizeof(double) + static_cast<std::size_t>(blend_.cells.size()) * sizeof(int) +
-         static_cast<std::size_t>(blend_.weights.size()) * sizeof(float);
-}
-
 }  // namespace lapedit

@@ -26,8 +26,6 @@ class BlendedRotations {
   /// @param rotations  out: one per vertex, of the cells' last. The same bits for any number of threads
   void spread(std::vector<Matrix3>& rotations, ThreadPool& pool);
 
-  std::size_t bytes() const;
-
  private:
   RegionCells cells_;
   CellBlend blend_;

@@ -20,10 +20,6 @@ SparseMatrix stiffness_matrix(const RegionCells& cells, const std::vector<Symmet
   Triplets entries;
   entries.reserve(9 * cells.triangles.size() + 4 * static_cast<std::size_t>(m));
   std::vector<char> covered(cells.neighbours.values.size(), 0);
-  const auto place = [&](int a, int b) {
-    const auto row = cells.neighbours[a];
-    return cells.neighbours.offsets[a] + (std::lower_bound(row.begin(), row.end(), b) - row.begin());
-  };
   for (const std::array<int, 3>& t : cells.triangles) {
     const Vector3 p[3] = {cells.centres.row(t[0]).transpose(), cells.centres.row(t[1]).transpose(),
                           cells.centres.row(t[2]).transpose()};
@@ -45,14 +41,14 @@ SparseMatrix stiffness_matrix(const RegionCells& cells, const std::vector<Symmet
       for (int j = 0; j < 3; ++j) {
         entries.emplace_back(t[i], t[j], twice_area / 2 * gradient[i].dot(tensor * gradient[j]));
         if (i != j) {
-          covered[place(t[i], t[j])] = 1;
+          covered[cells.neighbours.entry(t[i], t[j])] = 1;
         }
       }
     }
   }
   for (int a = 0; a < m; ++a) {
     for (int k = cells.neighbours.offsets[a]; k < cells.neighbours.offsets[a + 1]; ++k) {
-      if (const int b = cells.neighbours.values[k]; !covered[k] && !covered[place(b, a)]) {
+      if (const int b = cells.neighbours.values[k]; !covered[k] && !covered[cells.neighbours.entry(b, a)]) {
         const double edges = 0.5 * (std::sqrt(cells.vertices[a]) + std::sqrt(cells.vertices[b]));
         entries.emplace_back(a, a, cells.crossing[k] / edges);
         entries.emplace_back(a, b, -cells.crossing[k] / edges);

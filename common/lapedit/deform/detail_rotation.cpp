@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "lapedit/base/stopwatch.h"
-#include "lapedit/deform/nearest_rotations.h"
 
 namespace lapedit {
 namespace {
@@ -74,13 +73,6 @@ void RotationEstimator::set_before(const Points& before) {
 void RotationEstimator::set_before_smoothed(const Points& smoothed) {
   smooth_before_ = smoothed;
   vertex_normals(smooth_before_, region_.faces, normals_before_, areas_);
-}
-
-std::size_t RotationEstimator::bytes() const {
-  const Eigen::Index doubles = before_.size() + after_.size() + smooth_before_.size() + smooth_after_.size() +
-                               normals_before_.size() + normals_after_.size() + scratch_.size() + areas_.size();
-  return static_cast<std::size_t>(doubles) * sizeof(double) +
-         (covariances_.capacity() + spread_.capacity()) * sizeof(Matrix3);
 }
 
 void RotationEstimator::estimate(const Points& displacement, std::vector<Matrix3>& rotations, const Vector3* pull) {

@@ -42,7 +42,6 @@ class RotationEstimator {
   /// Cost: O(kernel entries) + O(edges).
   void estimate(const Points& displacement, std::vector<Matrix3>& rotations, const Vector3* pull = nullptr);
 
-  std::size_t bytes() const;
   double normals_ms() const { return normals_ms_; }  ///< smoothing share of the last estimate()
   double rotate_ms() const { return rotate_ms_; }    ///< fitting share of the last estimate()
 

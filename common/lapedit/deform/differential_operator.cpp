@@ -27,16 +27,12 @@ Eigen::VectorXd sums_of(const Region& region, const std::vector<double>& weights
 
 /// M of the paper's equation (1) and section 3, from one non-negative weight w_ji per entry of region.neighbours:
 /// m_jj = 1, m_ji = -alpha_ji = -w_ji / sum_k w_jk; each row with neighbours has a positive sum.
-SparseMatrix from_weights(const Region& region, const std::vector<double>& weights) {
+SparseMatrix from_weights(const Region& region, const std::vector<double>& weights, const Eigen::VectorXd& sums) {
   const IndexLists& neighbours = region.neighbours;
   Eigen::SparseMatrix<double, Eigen::RowMajor, int> rows(region.size(), region.size());
   rows.reserve(static_cast<Eigen::Index>(neighbours.values.size()) + region.size());
   for (int j = 0; j < region.size(); ++j) {
     rows.startVec(j);
-    double sum = 0;
-    for (int k = neighbours.offsets[j]; k < neighbours.offsets[j + 1]; ++k) {
-      sum += weights[k];
-    }
     bool own = neighbours[j].size() == 0;
     for (int k = neighbours.offsets[j]; k < neighbours.offsets[j + 1]; ++k) {
       const int i = neighbours.values[k];
@@ -44,7 +40,7 @@ SparseMatrix from_weights(const Region& region, const std::vector<double>& weigh
         rows.insertBack(j, j) = 1;
         own = true;
       }
-      rows.insertBack(j, i) = -weights[k] / sum;
+      rows.insertBack(j, i) = -weights[k] / sums[j];
     }
     if (!own) {
       rows.insertBack(j, j) = 1;
@@ -76,41 +72,61 @@ bool corner_cotangents(const TriangleMesh& mesh, int face, double cotangents[3])
   return true;
 }
 
-/// Where `to` is among the neighbours of `from`.
-int entry_of(const IndexLists& neighbours, int from, int to) {
-  const auto row = neighbours[from];
-  return neighbours.offsets[from] + static_cast<int>(std::lower_bound(row.begin(), row.end(), to) - row.begin());
-}
+/// What faces give to the edges at them, in both directions of each.
+class EdgeSums {
+ public:
+  explicit EdgeSums(const Region& region)
+      : neighbours_(region.neighbours),
+        sums_{std::vector<double>(neighbours_.values.size(), 0), std::vector<char>(neighbours_.values.size(), 0)},
+        known_(neighbours_.values.size(), 0),
+        local_(region.mesh_vertices, -1) {
+    for (int i = 0; i < region.size(); ++i) {
+      local_[region.mesh_vertex[i]] = i;
+    }
+  }
+
+  /// @param a,b  mesh vertices, of which an edge is one of the region only if both are. @param usable  the face
+  void add(int a, int b, bool usable, double weight) {
+    const int i = local_[a], j = local_[b];
+    if (i < 0 || j < 0 || i == j) {
+      return;
+    }
+    for (const int e : {neighbours_.entry(i, j), neighbours_.entry(j, i)}) {
+      known_[e] = 1;
+      sums_.uniform[e] |= !usable;
+      sums_.values[e] += usable ? weight : 0;
+    }
+  }
+
+  EdgeWeights take() {
+    for (std::size_t e = 0; e < known_.size(); ++e) {
+      sums_.uniform[e] |= !known_[e];
+    }
+    return std::move(sums_);
+  }
+
+ private:
+  const IndexLists& neighbours_;
+  EdgeWeights sums_;
+  std::vector<char> known_;
+  std::vector<int> local_;  // of a mesh vertex
+};
 
 /// w_ji = (cot a + cot b) / 2, a and b the angles opposite to edge ji.
 EdgeWeights cotangent_weights(const Region& region, const TriangleMesh& mesh) {
   const IndexLists& neighbours = region.neighbours;
-  EdgeWeights result{std::vector<double>(neighbours.values.size(), 0), std::vector<char>(neighbours.values.size(), 0)};
-  std::vector<double>& weights = result.values;
-  std::vector<char>& uniform = result.uniform;
-  std::vector<char> known(neighbours.values.size(), 0);
-  std::vector<int> local(region.mesh_vertices, -1);
-  for (int i = 0; i < region.size(); ++i) {
-    local[region.mesh_vertex[i]] = i;
-  }
+  EdgeSums sums(region);
   for (const int face : region.edge_faces) {
     double cotangents[3] = {0, 0, 0};
     const bool usable = corner_cotangents(mesh, face, cotangents);
     for (int k = 0; k < 3; ++k) {
-      const int a = local[mesh.faces(face, (k + 1) % 3)];
-      const int b = local[mesh.faces(face, (k + 2) % 3)];
-      if (a < 0 || b < 0 || a == b) {
-        continue;
-      }
-      for (const int e : {entry_of(neighbours, a, b), entry_of(neighbours, b, a)}) {
-        known[e] = 1;
-        uniform[e] |= !usable;
-        weights[e] += 0.5 * cotangents[k];
-      }
+      sums.add(mesh.faces(face, (k + 1) % 3), mesh.faces(face, (k + 2) % 3), usable, 0.5 * cotangents[k]);
     }
   }
+  EdgeWeights result = sums.take();
+  std::vector<double>& weights = result.values;
+  std::vector<char>& uniform = result.uniform;
   for (std::size_t e = 0; e < weights.size(); ++e) {
-    uniform[e] |= !known[e];
     weights[e] = uniform[e] ? kEquilateralWeight : std::max(weights[e], 0.0);
   }
   // A row whose weights all vanished tells nothing about its vertex: it becomes a row of the umbrella.
@@ -133,7 +149,7 @@ void make_symmetric(const IndexLists& neighbours, std::vector<double>& weights) 
   for (int i = 0; i + 1 < static_cast<int>(neighbours.offsets.size()); ++i) {
     for (int e = neighbours.offsets[i]; e < neighbours.offsets[i + 1]; ++e) {
       if (const int j = neighbours.values[e]; i < j) {
-        double& back = weights[entry_of(neighbours, j, i)];
+        double& back = weights[neighbours.entry(j, i)];
         weights[e] = back = std::max(weights[e], back);
       }
     }
@@ -155,14 +171,7 @@ double mean_edge(const Region& region, const TriangleMesh& mesh) {
 /// tan(angle / 2) = |a x b| / (|a| |b| + a . b) at a corner, a and b its edges, divided by each edge's length.
 EdgeWeights mean_value_weights(const Region& region, const TriangleMesh& mesh) {
   constexpr double kRange = 1e3;
-  const IndexLists& neighbours = region.neighbours;
-  const std::size_t entries = neighbours.values.size();
-  EdgeWeights result{std::vector<double>(entries, 0), std::vector<char>(entries, 0)};
-  std::vector<char> known(entries, 0);
-  std::vector<int> local(region.mesh_vertices, -1);
-  for (int i = 0; i < region.size(); ++i) {
-    local[region.mesh_vertex[i]] = i;
-  }
+  EdgeSums sums(region);
   const double unit = mean_edge(region, mesh);
   for (const int face : region.edge_faces) {
     double cotangents[3];
@@ -174,22 +183,15 @@ EdgeWeights mean_value_weights(const Region& region, const TriangleMesh& mesh) {
       const Vector3 b = (mesh.vertices.row(ends[1]) - mesh.vertices.row(at)).transpose();
       const double half = a.cross(b).norm() / (a.norm() * b.norm() + a.dot(b));
       for (const int end : ends) {
-        if (local[at] < 0 || local[end] < 0 || at == end) {
-          continue;
-        }
         const double length = (mesh.vertices.row(end) - mesh.vertices.row(at)).norm();
-        for (const int e : {entry_of(neighbours, local[at], local[end]), entry_of(neighbours, local[end], local[at])}) {
-          known[e] = 1;
-          result.uniform[e] |= !usable;
-          result.values[e] += usable ? 0.5 * half * unit / length : 0;
-        }
+        sums.add(at, end, usable, 0.5 * half * unit / length);
       }
     }
   }
   // Two triangles at an edge: tan 30 degrees twice, over the length; a quarter of it from each corner and side.
   constexpr double kUniform = 2 * kEquilateralWeight;
-  for (std::size_t e = 0; e < entries; ++e) {
-    result.uniform[e] |= !known[e];
+  EdgeWeights result = sums.take();
+  for (std::size_t e = 0; e < result.values.size(); ++e) {
     result.values[e] =
         result.uniform[e] ? kUniform : std::clamp(result.values[e], kUniform / kRange, kUniform * kRange);
   }
@@ -202,7 +204,7 @@ EdgeWeights mean_value_weights(const Region& region, const TriangleMesh& mesh) {
 void weaken_links(const Region& region, EdgeWeights& weights) {
   constexpr double kLink = 0.03;
   for (const auto& [i, j] : region.links) {
-    for (const int e : {entry_of(region.neighbours, i, j), entry_of(region.neighbours, j, i)}) {
+    for (const int e : {region.neighbours.entry(i, j), region.neighbours.entry(j, i)}) {
       weights.values[e] *= kLink;
       if (!weights.uniform.empty()) {
         weights.uniform[e] = 0;
@@ -240,8 +242,10 @@ DifferentialOperator differential_operator(LaplacianKind kind, const Region& reg
                                            bool symmetric) {
   const EdgeWeights weights = edge_weights(kind, region, mesh, symmetric);
   const IndexLists& neighbours = region.neighbours;
-  const auto is_uniform = [&](int from, int to) { return weights.uniform[entry_of(neighbours, from, to)]; };
-  DifferentialOperator result{from_weights(region, weights.values), 0, sums_of(region, weights.values)};
+  const auto is_uniform = [&](int from, int to) { return weights.uniform[neighbours.entry(from, to)]; };
+  DifferentialOperator result;
+  result.sums = sums_of(region, weights.values);
+  result.matrix = from_weights(region, weights.values, result.sums);
   for (int j = 0; !weights.uniform.empty() && j < region.size(); ++j) {
     for (int e = neighbours.offsets[j]; e < neighbours.offsets[j + 1]; ++e) {
       const int other = neighbours.values[e];

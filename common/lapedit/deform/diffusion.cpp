@@ -72,12 +72,6 @@ std::unique_ptr<Smoother> DiffusionSmoother::share(std::shared_ptr<ThreadPool> p
   return std::unique_ptr<Smoother>(new DiffusionSmoother(*this, std::move(pool)));
 }
 
-std::size_t DiffusionSmoother::bytes() const {
-  return factor_->bytes() + static_cast<std::size_t>(matrix_->mass.size()) * sizeof(double) +
-         static_cast<std::size_t>(matrix_->matrix.nonZeros()) * (sizeof(double) + sizeof(int)) +
-         static_cast<std::size_t>(scratch_.right.rows()) * 3 * (5 + scratch_.of_pull.size()) * sizeof(double);
-}
-
 /// (K / s + L) x' = K / s x, twice.
 void DiffusionSmoother::apply_for_preview(const Points& in, Points& out) const {
   out = in;

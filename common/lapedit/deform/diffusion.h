@@ -34,7 +34,6 @@ class DiffusionSmoother : public Smoother {
   /// One solve per step, not refined.
   void apply_for_preview(const Points& in, Points& out) const override;
   std::unique_ptr<Smoother> share(std::shared_ptr<ThreadPool> pool) const override;
-  std::size_t bytes() const override;
 
  private:
   struct Matrix {          // K + s L

@@ -85,8 +85,4 @@ Vector3 EditConstraints::wanted_way(int i) const {
   return targets_[system_.region.group[i]].displacement(system_.rest.local.row(i).transpose());
 }
 
-std::size_t EditConstraints::bytes() const {
-  return static_cast<std::size_t>(carried_pose_.size() + right_.size()) * sizeof(double);
-}
-
 }  // namespace lapedit

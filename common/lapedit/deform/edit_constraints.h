@@ -39,7 +39,6 @@ class EditConstraints {
 
   /// c_i - p_i: the way from rest to target of a handle vertex.
   Vector3 wanted_way(int i) const;
-  std::size_t bytes() const;
 
  private:
   void carry_along(const Affine& anchors);

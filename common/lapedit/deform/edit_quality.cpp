@@ -21,7 +21,6 @@ class Unsmoothed : public Smoother {
   std::unique_ptr<Smoother> share(std::shared_ptr<ThreadPool> /*pool*/) const override {
     return std::make_unique<Unsmoothed>();
   }
-  std::size_t bytes() const override { return 0; }
 };
 
 /// Of length twice the area.

@@ -266,16 +266,6 @@ const Points& LaplacianEditor::preview_normals() {
   return impl_->preview ? impl_->preview->normals() : kNone;
 }
 
-std::size_t LaplacianEditor::bytes() const {
-  const Impl& s = *impl_;
-  const Eigen::Index doubles = s.displacement.size() + s.right.size() + s.previous.size() + s.positions.size() +
-                               s.kept_right.size() + s.pose.size();
-  return s.system->bytes() + s.solver.bytes() + s.constraints.bytes() + (s.rotation ? s.rotation->bytes() : 0) +
-         (s.preview ? s.preview->bytes() : 0) +
-         (s.rotations.capacity() + s.kept_rotations.capacity() + s.rotations_before.capacity()) * sizeof(Matrix3) +
-         static_cast<std::size_t>(doubles) * sizeof(double);
-}
-
 const std::vector<Matrix3>& LaplacianEditor::rotations() const {
   return impl_->rotations;
 }

@@ -79,9 +79,6 @@ class LaplacianEditor {
   /// there is no fast path.
   const Points& preview_normals();
 
-  /// Bytes held, without the mesh. O(1).
-  std::size_t bytes() const;
-
   /// Detail rotations of the last solve, one per region vertex.
   const std::vector<Matrix3>& rotations() const;
 

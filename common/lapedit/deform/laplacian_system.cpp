@@ -12,7 +12,7 @@
 #include "lapedit/deform/diffusion.h"
 #include "lapedit/deform/membrane.h"
 #include "lapedit/deform/smooth_normals.h"
-#include "lapedit/linear/fill_reducing_ordering.h"
+#include "lapedit/linear/nested_dissection.h"
 
 namespace lapedit {
 namespace {
@@ -324,20 +324,6 @@ bool LaplacianSystem::all_anchored() const {
 
 bool LaplacianSystem::may_preview() const {
   return all_anchored() && has_fast_path(settings);
-}
-
-std::size_t LaplacianSystem::bytes() const {
-  const auto of = [](const auto& list) { return list.capacity() * sizeof(list[0]); };
-  const Region& r = region;
-  const Eigen::Index doubles = rest.world.size() + rest.local.size() + delta.size() + smooth_rest.size() +
-                               falloff.weights.size() + squared_weights.size() + matrix->squared_weights.size() +
-                               (correction ? correction->z.size() : 0);
-  return of(r.mesh_vertex) + of(r.classes) + of(r.group) + of(r.handle_share) + of(r.links) + of(r.component) +
-         of(r.distance) + of(r.anchor_weight) + of(r.anchor_depth) + of(r.neighbours.offsets) +
-         of(r.neighbours.values) + of(r.edge_faces) + static_cast<std::size_t>(r.faces.size()) * sizeof(int) +
-         static_cast<std::size_t>(doubles) * sizeof(double) + powers.m->bytes() +
-         (powers.first != powers.m ? powers.first->bytes() : 0) + matrix->cholesky.bytes() +
-         (smoother ? smoother->bytes() : 0) + (blended ? blended->bytes() : 0);
 }
 
 std::shared_ptr<const LaplacianSystem> prepare_system(const TriangleMesh& mesh, Region region,

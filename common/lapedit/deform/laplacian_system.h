@@ -64,7 +64,6 @@ struct LaplacianSystem {
   /// Whether drags have a fast path.
   bool may_preview() const;
   bool all_anchored() const;
-  std::size_t bytes() const;
 };
 
 /// @param previous  whose operator, factor and smoother are shared where they fit; may be nothing, which gives the same

@@ -7,7 +7,7 @@
 #include <cstring>
 
 #include "lapedit/base/cpu_dispatch.h"
-#include "lapedit/deform/nearest_rotations.h"
+#include "lapedit/deform/polar_decomposition.h"
 
 namespace lapedit {
 namespace {
@@ -49,11 +49,9 @@ LAPEDIT_INLINE void mean_around(const IndexLists& neighbours, int cells, const d
 void mean_around_plain(const IndexLists& neighbours, int cells, const double* in, double* out) {
   mean_around(neighbours, cells, in, out);
 }
-#ifdef LAPEDIT_HAVE_AVX
 LAPEDIT_AVX2 void mean_around_avx2(const IndexLists& neighbours, int cells, const double* in, double* out) {
   mean_around(neighbours, cells, in, out);
 }
-#endif
 
 }  // namespace
 
@@ -120,10 +118,8 @@ void LocalGlobal::fit(const Points& displacement, std::vector<Matrix3>& rotation
 }
 
 void LocalGlobal::average() {
-  auto* mean = mean_around_plain;
-#ifdef LAPEDIT_HAVE_AVX
-  mean = cpu_level() != CpuLevel::Plain ? mean_around_avx2 : mean;  // the same bits: sums are not contracted
-#endif
+  // The same bits: sums are not contracted.
+  const auto mean = for_processor(mean_around_plain, mean_around_avx2, mean_around_avx2);
   for (int round = 0; round < kAveraging; ++round) {
     current_.swap(other_);
     mean(cells_.neighbours, cells_.count(), other_.data(), current_.data());

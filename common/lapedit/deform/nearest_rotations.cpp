@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/deform/nearest_rotations.h"
-
 #include <algorithm>
 #include <cstdint>
 
@@ -15,8 +13,6 @@ namespace lapedit {
 namespace {
 
 constexpr int kLanes = 8;
-
-#ifdef LAPEDIT_HAVE_AVX
 
 typedef double Lanes __attribute__((vector_size(kLanes * sizeof(double))));
 typedef std::int64_t Mask __attribute__((vector_size(kLanes * sizeof(double))));
@@ -134,22 +130,14 @@ LAPEDIT_AVX512 void turn_avx512(const Matrix3* matrices, int count, Matrix3* rot
   turn_all(matrices, count, rotations);
 }
 
-#endif
+void turn_plain(const Matrix3* matrices, int count, Matrix3* rotations) {
+  std::transform(matrices, matrices + count, rotations, nearest_rotation);
+}
 
 }  // namespace
 
 void nearest_rotations(const Matrix3* matrices, int count, Matrix3* rotations) {
-#ifdef LAPEDIT_HAVE_AVX
-  if (cpu_level() == CpuLevel::Avx512) {
-    return turn_avx512(matrices, count, rotations);
-  }
-  if (cpu_level() == CpuLevel::Avx2) {
-    return turn_avx2(matrices, count, rotations);
-  }
-#endif
-  for (int i = 0; i < count; ++i) {
-    rotations[i] = nearest_rotation(matrices[i]);
-  }
+  for_processor(turn_plain, turn_avx2, turn_avx512)(matrices, count, rotations);
 }
 
 }  // namespace lapedit

@@ -28,4 +28,8 @@ class PolarDecomposition {
 /// matrix. Newton's iteration away from singular matrices, which is several times faster, else PolarDecomposition.
 Matrix3 nearest_rotation(const Matrix3& matrix);
 
+/// rotations[i] = nearest_rotation(matrices[i]), bit for bit, several at a time where the processor can. They may be
+/// the same.
+void nearest_rotations(const Matrix3* matrices, int count, Matrix3* rotations);
+
 }  // namespace lapedit

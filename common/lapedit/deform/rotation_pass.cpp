@@ -106,9 +106,4 @@ void RotationPass::turn_coordinates(const EditConstraints& constraints, const st
   right += constraints.right_hand_side();
 }
 
-std::size_t RotationPass::bytes() const {
-  return (smoother_ ? smoother_->bytes() - system_.smoother->bytes() + estimator_->bytes() : 0) +
-         static_cast<std::size_t>(smooth_rest_.size() + turned_.size() + between_.size()) * sizeof(double);
-}
-
 }  // namespace lapedit

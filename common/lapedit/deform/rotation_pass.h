@@ -34,7 +34,6 @@ class RotationPass {
     return estimator_ ? estimator_->normals_ms() : 0;
   }                                                ///< smoothing share of the last turn()
   double rotate_ms() const { return rotate_ms_; }  ///< the rest of it
-  std::size_t bytes() const;
 
  private:
   void turn_coordinates(const EditConstraints& constraints, const std::vector<Matrix3>& rotations, Points& right);

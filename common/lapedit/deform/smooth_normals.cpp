@@ -97,32 +97,12 @@ void vertex_normals(const Points& points, const Faces& faces, Points& normals) {
 
 namespace {
 
-/// Rows centres x vertices: w_cj = p(dist(c, j)) / sum_k p(dist(c, k)), the paper's section 6.
+/// Columns and weights of each row.
+using Lists = std::vector<std::vector<std::pair<int, double>>>;
+
+/// Each weight over the sum of its list's.
 template <typename Rows>
-Rows kernel_rows(const Region& region, const Points& rest, const std::vector<int>& centres, double radius,
-                 int threads) {
-  const int count = static_cast<int>(centres.size());
-  std::vector<std::vector<std::pair<int, double>>> lists(centres.size());
-  ThreadPool pool(count >= 2 * kGrain ? threads : 1);
-  in_pieces(pool, count, kGrain, [&](int first, int last) {
-    GeodesicSearch search(region.neighbours, rest);
-    for (int c = first; c < last; ++c) {
-      const std::vector<int>& ball = search.run({centres[c]}, radius);
-      auto& list = lists[c];
-      list.reserve(ball.size());
-      double sum = 0;
-      for (const int j : ball) {
-        const double weight = kernel(search.distance(j), radius);
-        if (weight > 0) {
-          list.emplace_back(j, weight);
-          sum += weight;
-        }
-      }
-      for (auto& entry : list) {
-        entry.second /= sum;
-      }
-    }
-  });
+Rows normalised_rows(Lists lists) {
   Rows rows;
   std::size_t total = 0;
   for (const auto& list : lists) {
@@ -131,31 +111,6 @@ Rows kernel_rows(const Region& region, const Points& rest, const std::vector<int
   rows.columns.reserve(total);
   rows.weights.reserve(total);
   for (auto& list : lists) {
-    for (const auto& [column, weight] : list) {
-      rows.columns.push_back(column);
-      rows.weights.push_back(weight);
-    }
-    rows.offsets.push_back(rows.columns.size());
-    std::vector<std::pair<int, double>>().swap(list);
-  }
-  return rows;
-}
-
-/// Rows vertices x centres: the kernel of a radius around the centres, seen from the vertices.
-template <typename Rows>
-Rows blend_rows(const Region& region, const Points& rest, const std::vector<int>& centres, double radius) {
-  GeodesicSearch search(region.neighbours, rest);
-  std::vector<std::vector<std::pair<int, double>>> lists(region.size());
-  for (int c = 0; c < static_cast<int>(centres.size()); ++c) {
-    for (const int j : search.run({centres[c]}, radius)) {
-      const double weight = kernel(search.distance(j), radius);
-      if (weight > 0) {
-        lists[j].emplace_back(c, weight);
-      }
-    }
-  }
-  Rows rows;
-  for (const auto& list : lists) {
     double sum = 0;
     for (const auto& entry : list) {
       sum += entry.second;
@@ -165,22 +120,55 @@ Rows blend_rows(const Region& region, const Points& rest, const std::vector<int>
       rows.weights.push_back(weight / sum);
     }
     rows.offsets.push_back(rows.columns.size());
+    Lists::value_type().swap(list);
   }
   return rows;
+}
+
+/// Lists of vertices for centres: w_cj = p(dist(c, j)), to be divided by sum_k w_ck, the paper's section 6.
+Lists kernel_lists(const Region& region, const Points& rest, const std::vector<int>& centres, double radius,
+                   int threads) {
+  const int count = static_cast<int>(centres.size());
+  Lists lists(centres.size());
+  ThreadPool pool(count >= 2 * kGrain ? threads : 1);
+  in_pieces(pool, count, kGrain, [&](int first, int last) {
+    GeodesicSearch search(region.neighbours, rest);
+    for (int c = first; c < last; ++c) {
+      const std::vector<int>& ball = search.run({centres[c]}, radius);
+      lists[c].reserve(ball.size());
+      for (const int j : ball) {
+        if (const double weight = kernel(search.distance(j), radius); weight > 0) {
+          lists[c].emplace_back(j, weight);
+        }
+      }
+    }
+  });
+  return lists;
+}
+
+/// Lists of centres for vertices: the same kernel, seen from the vertices.
+Lists blend_lists(const Region& region, const Points& rest, const std::vector<int>& centres, double radius) {
+  const Lists balls = kernel_lists(region, rest, centres, radius, 1);
+  Lists lists(region.size());
+  for (std::size_t c = 0; c < balls.size(); ++c) {
+    for (const auto& [j, weight] : balls[c]) {
+      lists[j].emplace_back(static_cast<int>(c), weight);
+    }
+  }
+  return lists;
 }
 
 }  // namespace
 
 SmoothingKernel::SmoothingKernel(const Region& region, const Points& rest, double radius, int threads,
-                                 std::size_t max_entries)
-    : radius_(radius) {
+                                 std::size_t max_entries) {
   std::vector<int> centres(region.size());
   std::iota(centres.begin(), centres.end(), 0);
   if (mean_ball_size(region, rest, radius) * region.size() > static_cast<double>(max_entries)) {
     centres = sample_centres(region, rest, radius / 4);
-    blend_ = std::make_shared<const Rows>(blend_rows<Rows>(region, rest, centres, radius / 2));
+    blend_ = std::make_shared<const Rows>(normalised_rows<Rows>(blend_lists(region, rest, centres, radius / 2)));
   }
-  direct_ = std::make_shared<const Rows>(kernel_rows<Rows>(region, rest, centres, radius, threads));
+  direct_ = std::make_shared<const Rows>(normalised_rows<Rows>(kernel_lists(region, rest, centres, radius, threads)));
 }
 
 std::unique_ptr<Smoother> SmoothingKernel::share(std::shared_ptr<ThreadPool> /*pool*/) const {

@@ -32,10 +32,8 @@ class SmoothingKernel : public Smoother {
 
   std::unique_ptr<Smoother> share(std::shared_ptr<ThreadPool> pool) const override;
 
-  double radius() const { return radius_; }
   bool sampled() const { return blend_ != nullptr; }
   std::size_t entries() const;
-  std::size_t bytes() const override { return entries() * (sizeof(int) + sizeof(double)); }
 
  private:
   struct Rows {  // sparse rows, normalised
@@ -46,7 +44,6 @@ class SmoothingKernel : public Smoother {
   static void multiply(const Rows& rows, const Points& in, Points& out);
   SmoothingKernel(const SmoothingKernel& other) = default;
 
-  double radius_;
   std::shared_ptr<const Rows> direct_;  // vertices x vertices, or centres x vertices when sampled
   std::shared_ptr<const Rows> blend_;   // vertices x centres when sampled, else nothing
   mutable Points centres_;              // scratch

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstddef>
 #include <memory>
 
 #include "lapedit/base/thread_pool.h"
@@ -28,8 +27,6 @@ class Smoother {
   /// The same map: its tables shared, its scratch another, so that both can be at work at a time, each on a pool of its
   /// own (empty: the caller's thread alone).
   virtual std::unique_ptr<Smoother> share(std::shared_ptr<ThreadPool> pool) const = 0;
-
-  virtual std::size_t bytes() const = 0;
 };
 
 }  // namespace lapedit

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <future>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -12,7 +13,6 @@
 #include "lapedit/base/error.h"
 #include "lapedit/base/stopwatch.h"
 #include "lapedit/deform/coarse_preview.h"
-#include "lapedit/edit/background_preparation.h"
 
 namespace lapedit {
 namespace {
@@ -117,10 +117,8 @@ struct SolverThread::Impl {
   std::atomic<const char*> stage{""};
 
   AtWork own;
-  BackgroundPreparation background{[this] {
-    { const std::lock_guard<std::mutex> lock(mutex); }  // not between somebody's look and his falling asleep
-    question.notify_all();
-  }};
+  std::atomic<bool> prepared{false};                    // the background has made a runner, or failed
+  std::future<std::unique_ptr<StepRunner>> background;  // valid until its result is taken; the destructor waits
 
   void drop();
   template <class Change>
@@ -130,8 +128,7 @@ struct SolverThread::Impl {
   bool stands_in() const { return own.stand_in.preview && own.stand_in.generation == generation; }
   bool answerable() const { return asked.solve && (usable() || (stands_in() && !(asked.last && asked.stand_in_seen))); }
   bool has_work() const {
-    return asked.quit || asked.prepare || asked.apply || background.ended() || (own.runner && !usable()) ||
-           answerable();
+    return asked.quit || asked.prepare || asked.apply || prepared || (own.runner && !usable()) || answerable();
   }
   enum class Pause { None, ForBlend, ToSettle };
   Pause wait_for_work(std::unique_lock<std::mutex>& lock);
@@ -269,15 +266,24 @@ void SolverThread::Impl::prepare_in_background() {
   if (own.next_job && own.next_job->generation != generation) {
     own.next_job.reset();  // dropped meanwhile
   }
-  if (background.at_work() || !own.next_job) {
+  if (background.valid() || !own.next_job) {
     return;
   }
   own.job = std::exchange(own.next_job, nullptr);
   const auto previous = std::make_shared<std::unique_ptr<StepRunner>>(std::move(own.runner));
-  background.start([this, job = own.job, previous] {
-    const PrepareTask& task = job->task;
-    const StepProblem problem = task.problem();
-    return std::make_unique<StepRunner>(job->found, problem, progress_of(job->generation), std::move(*previous));
+  background = std::async(std::launch::async, [this, job = own.job, previous] {
+    struct Announce {
+      ~Announce() {
+        {
+          const std::lock_guard<std::mutex> lock(thread.mutex);  // Prevents a lost wake-up.
+          thread.prepared = true;
+        }
+        thread.question.notify_all();
+      }
+      Impl& thread;
+    } const announce{*this};
+    return std::make_unique<StepRunner>(job->found, job->task.problem(), progress_of(job->generation),
+                                        std::move(*previous));
   });
 }
 
@@ -285,10 +291,11 @@ void SolverThread::Impl::prepare_in_background() {
 void SolverThread::Impl::take_prepared(std::unique_lock<std::mutex>& lock) {
   const std::shared_ptr<Job> job = std::move(own.job);
   const int mine = job->generation;
+  prepared = false;
   lock.unlock();
   std::string error;
   try {
-    std::unique_ptr<StepRunner> made = background.take();
+    std::unique_ptr<StepRunner> made = background.get();
     if (generation == mine || !own.runner) {
       own.runner = std::move(made);
       own.generation = mine;
@@ -548,7 +555,7 @@ void SolverThread::Impl::run() {
       blend_waiting(lock);
     } else if (pause == Pause::ToSettle) {
       settle(lock);
-    } else if (background.ended()) {
+    } else if (prepared) {
       working = true;
       take_prepared(lock);
     } else if (own.runner && !usable() && !asked.prepare) {

@@ -172,21 +172,13 @@ void run_plain(const What& what, int first, int last) {
   run<Split>(what, first, last);
 }
 template <class What>
-using Run = void (*)(const What&, int, int);
-
-#ifdef LAPEDIT_HAVE_AVX
-template <class What>
 LAPEDIT_AVX2 void run_fused(const What& what, int first, int last) {
   run<Fused>(what, first, last);
 }
-#endif
 
 template <class What>
 void run_all(const What& what, ThreadPool& pool, int rows) {
-  Run<What> run = run_plain<What>;
-#ifdef LAPEDIT_HAVE_AVX
-  run = cpu_level() != CpuLevel::Plain ? run_fused<What> : run;
-#endif
+  const auto run = for_processor(run_plain<What>, run_fused<What>, run_fused<What>);
   in_pieces(pool, rows, kGrain, [&](int first, int last) { run(what, first, last); });
 }
 

@@ -74,4 +74,11 @@ inline double score(double low, double high, double separator) {
   return 0.5 * separator * separator / (low + high + separator) + kBalance * (1 - entropy);
 }
 
+/// Makes a separator smaller, or a division more even: takes the smallest one among `layers` layers of vertices on each
+/// side, by a largest flow (Dinic 1970). Takes time in proportion to the band's entries, times the few phases that a
+/// flow needs in practice; allocates what `scratch` does not have yet.
+/// @param scratch  its `side` is the division, per vertex of the piece; changed where that makes its score better
+/// @param counts   vertices per side, likewise
+void improve_separator(const Piece& piece, Scratch& scratch, Counts& counts, int layers);
+
 }  // namespace lapedit::dissection

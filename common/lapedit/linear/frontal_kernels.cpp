@@ -150,29 +150,17 @@ LAPEDIT_INLINE bool factor_front(double* front, int stride, int size, int column
 bool factor_plain(double* front, int stride, int size, int columns) {
   return factor_front<1, 2>(front, stride, size, columns);
 }
-#ifdef LAPEDIT_HAVE_AVX
 LAPEDIT_AVX2 bool factor_avx2(double* front, int stride, int size, int columns) {
   return factor_front<1, 4>(front, stride, size, columns);
 }
 LAPEDIT_AVX512 bool factor_avx512(double* front, int stride, int size, int columns) {
   return factor_front<3, 8>(front, stride, size, columns);
 }
-#endif
 
 }  // namespace
 
 FrontalKernel best_frontal_kernel() {
-#ifdef LAPEDIT_HAVE_AVX
-  switch (cpu_level()) {
-    case CpuLevel::Avx512:
-      return factor_avx512;
-    case CpuLevel::Avx2:
-      return factor_avx2;
-    default:
-      break;
-  }
-#endif
-  return factor_plain;
+  return for_processor(factor_plain, factor_avx2, factor_avx512);
 }
 
 }  // namespace lapedit::supernode

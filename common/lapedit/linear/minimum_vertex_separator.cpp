@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/linear/minimum_vertex_separator.h"
+#include "lapedit/linear/dissection_parts.h"
 
 namespace lapedit::dissection {
 namespace {

@@ -14,7 +14,7 @@ namespace lapedit::supernode {
 /// the parent. Independent branches go to different threads; the order of all sums is fixed, so the bits do not depend
 /// on their number. They do on the instructions that the processor has.
 ///
-/// @param lower      the lower half of the matrix, in the order of elimination, columns sorted
+/// @param lower      the lower half of the matrix, in the order of elimination, the entries of a column in any
 /// @param pattern    of its factor. @param tree  made of the pattern
 /// @param take       called once for each supernode, from any thread: its columns of L, column after
 ///                   column, `stride` apart; what is above the diagonal is undefined
@@ -23,9 +23,5 @@ namespace lapedit::supernode {
 bool multifrontal_cholesky(const SparseMatrix& lower, const SupernodalPattern& pattern, const TaskTree& tree,
                            const std::function<void(int supernode, const double* columns, int stride)>& take,
                            ThreadPool& pool);
-
-/// The lower half of a symmetric matrix with its rows and columns in another order, compressed and sorted.
-/// @param lower  at least its lower half. @param order  order[k] is the old number of row k
-SparseMatrix lower_in_order(const SparseMatrix& lower, const std::vector<int>& order);
 
 }  // namespace lapedit::supernode

@@ -20,4 +20,13 @@ namespace lapedit {
 /// Cost: O(n log n), about 2 microseconds per vertex at 100,000; some 200 bytes per vertex.
 std::vector<int> nested_dissection(const IndexLists& neighbours, const Points& points, int threads = 1);
 
+/// The order in which a factorisation of an editor's system over a graph should eliminate its vertices; empty where
+/// approximate minimum degree does as well, below some ten thousand vertices.
+///
+/// Nested dissection by coordinates, with numbers of edges to three far-off vertices for coordinates: on a surface they
+/// cut as well as its own (2 to 3 % more fill), and a shape that has been edited keeps its order, and so its factor.
+/// @param threads  at most this many (0: all of the machine's); the order does not depend on it
+/// Cost: as nested_dissection().
+std::vector<int> fill_reducing_ordering(const IndexLists& neighbours, int threads);
+
 }  // namespace lapedit

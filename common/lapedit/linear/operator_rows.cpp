@@ -110,9 +110,4 @@ SparseMatrix OperatorRows::normal_matrix(const Eigen::VectorXd& diagonal, Thread
   return result;
 }
 
-std::size_t OperatorRows::bytes() const {
-  return static_cast<std::size_t>(columns_.nonZeros() + rows_.nonZeros()) * (sizeof(int) + sizeof(double)) +
-         2 * static_cast<std::size_t>(columns_.cols() + 1) * sizeof(int);
-}
-
 }  // namespace lapedit

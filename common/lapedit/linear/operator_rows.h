@@ -29,7 +29,6 @@ class OperatorRows {
 
   const SparseMatrix& matrix() const { return columns_; }
   const Rows& rows() const { return rows_; }
-  std::size_t bytes() const;
 
  private:
   SparseMatrix columns_;

@@ -179,13 +179,6 @@ double RefinedSolver::relative_residual(const Points& right, const Points& x) co
   return size > 0 ? (product - right).cwiseAbs().maxCoeff() / size : 0;
 }
 
-std::size_t RefinedSolver::bytes() const {
-  const Eigen::Index doubles = squared_weights_.size() + residual_.size() + step_.size() + doubled_.high.size() +
-                               doubled_.low.size() + between_.high.size() + between_.low.size() +
-                               response_.high.size() + response_.low.size();
-  return static_cast<std::size_t>(doubles) * sizeof(double);
-}
-
 std::optional<WoodburyCorrection> woodbury_correction(RefinedSolver& a0, Eigen::Index size, std::vector<int> rows,
                                                       std::vector<double> squared_weights, double accurate,
                                                       int most_steps) {

@@ -68,7 +68,6 @@ class RefinedSolver {
   double relative_residual(const Points& right, const Points& x) const;
 
   SparseCholesky& cholesky() { return cholesky_; }  ///< of A0
-  std::size_t bytes() const;                        ///< of the scratch
 
  private:
   class System;

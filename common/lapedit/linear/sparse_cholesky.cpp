@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "lapedit/base/error.h"
-#include "lapedit/linear/multifrontal_cholesky.h"
 #include "lapedit/linear/supernodal_analysis.h"
 #include "lapedit/linear/supernodal_solve.h"
 
@@ -58,7 +57,7 @@ struct SparseCholesky::Impl {
   std::shared_ptr<ThreadPool> pool;
   const char* name;
   std::vector<int> order;
-  std::size_t nonzeros = 0, bytes = 0;
+  std::size_t nonzeros = 0;
   bool single_precision = false, took_analysis = false;
 
  protected:
@@ -77,6 +76,17 @@ double scale_of(double largest) {
   return largest > 0 && std::isfinite(largest) ? std::ldexp(1.0, std::ilogb(largest)) : 1;
 }
 
+/// The lower half of a symmetric matrix whose row k is the given one's row order[k].
+SparseMatrix lower_in_order(const SparseMatrix& matrix, const std::vector<int>& order) {
+  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation(matrix.rows());
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    permutation.indices()[order[k]] = static_cast<int>(k);
+  }
+  SparseMatrix result(matrix.rows(), matrix.rows());
+  result.selfadjointView<Eigen::Lower>() = matrix.selfadjointView<Eigen::Lower>().twistedBy(permutation);
+  return result;
+}
+
 struct EigenCholesky : Impl {
   using Natural = Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>>;
 
@@ -89,14 +99,8 @@ struct EigenCholesky : Impl {
       : Impl(std::make_shared<ThreadPool>(1), "Eigen simplicial LDLT") {
     const Eigen::Index n = matrix.rows();
     order = given.empty() ? minimum_degree(matrix) : given;
-    Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation(n);
-    for (Eigen::Index k = 0; k < n; ++k) {
-      permutation.indices()[order[k]] = static_cast<int>(k);
-    }
-    SparseMatrix permuted(n, n);
-    permuted.selfadjointView<Eigen::Lower>() = matrix.selfadjointView<Eigen::Lower>().twistedBy(permutation);
     auto made = std::make_shared<Factor>();
-    made->ldlt.compute(permuted);
+    made->ldlt.compute(lower_in_order(matrix, order));
     if (made->ldlt.info() != Eigen::Success) {
       refuse_matrix(n);
     }
@@ -105,7 +109,6 @@ struct EigenCholesky : Impl {
       refuse_matrix(n);
     }
     nonzeros = static_cast<std::size_t>(made->ldlt.matrixL().nestedExpression().nonZeros());
-    bytes = nonzeros * (sizeof(double) + sizeof(int));
     factor = std::move(made);
   }
   EigenCholesky(const EigenCholesky& other, std::shared_ptr<ThreadPool> used)
@@ -164,14 +167,11 @@ struct SupernodalCholesky : Analysed {
   SupernodalCholesky(const SparseMatrix& matrix, const CholeskyOptions& options, const Impl* like)
       : Analysed(options.pool ? options.pool : std::make_shared<ThreadPool>(1), "supernodal LLT") {
     analyse(matrix, options.order, like);
-    const SupernodalPattern& p = analysis->pattern;
-    solver.emplace(p, supernode::lower_in_order(matrix, order), *pool);
+    solver.emplace(analysis->pattern, lower_in_order(matrix, order), *pool);
     if (!solver->positive_definite()) {
       refuse_matrix(matrix.rows());
     }
     single_precision = kSingle;
-    bytes =
-        solver->bytes() + (p.rows.size() + p.columns.size() + p.row_offsets.size() + 2 * p.order.size()) * sizeof(int);
   }
   SupernodalCholesky(const SupernodalCholesky& other, std::shared_ptr<ThreadPool> used)
       : Analysed(other, std::move(used)) {
@@ -252,9 +252,6 @@ bool SparseCholesky::took_analysis() const {
 }
 std::size_t SparseCholesky::factor_nonzeros() const {
   return impl_->nonzeros;
-}
-std::size_t SparseCholesky::bytes() const {
-  return impl_->bytes;
 }
 
 }  // namespace lapedit

@@ -61,7 +61,6 @@ class SparseCholesky {
   /// Whether the analysis of CholeskyOptions::same_pattern was taken over.
   bool took_analysis() const;
   std::size_t factor_nonzeros() const;
-  std::size_t bytes() const;  ///< held for solving
 
  private:
   std::unique_ptr<Impl> impl_;

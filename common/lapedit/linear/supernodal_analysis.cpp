@@ -60,7 +60,8 @@ struct Neighbours {
   }
 };
 
-std::vector<int> elimination_tree(const Lists& left, int n) {
+/// The parents of the elimination tree (Liu 1990): each column's first row below the diagonal of the factor.
+std::vector<int> parents_of_columns(const Lists& left, int n) {
   std::vector<int> parent(n, kNone), ancestor(n, kNone);
   for (int k = 0; k < n; ++k) {
     for (const int* entry = left.begin(k); entry != left.end(k); ++entry) {
@@ -295,7 +296,7 @@ SupernodalPattern supernodal_analysis(const SparseMatrix& matrix, const std::vec
   const std::vector<int> given = order.empty() ? minimum_degree(matrix) : order;
   const int n = static_cast<int>(given.size());
   const Neighbours neighbours(matrix, given);
-  const std::vector<int> parent = elimination_tree(neighbours.left, n);
+  const std::vector<int> parent = parents_of_columns(neighbours.left, n);
   const std::vector<int> count = column_counts(neighbours.below, parent, postorder(parent, std::vector<int>(n, 0)));
   const std::vector<int> post = postorder(parent, count);
   // All of it once more by the place in the postorder.

@@ -1,12 +1,33 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "lapedit/base/types.h"
-#include "lapedit/linear/supernodal_pattern.h"
 
 namespace lapedit {
+
+/// Where the entries of a supernodal factor L of a symmetric matrix are, L L^T = P A P^T, as CHOLMOD lays it out.
+/// Supernode s has the columns columns[s] .. columns[s + 1] - 1; its rows, its own columns first and then ascending,
+/// are rows[row_offsets[s] .. row_offsets[s + 1]).
+struct SupernodalPattern {
+  std::vector<int> order;  ///< of elimination: order[k] is the row of A eliminated k-th
+  std::vector<int> columns, row_offsets, rows;
+
+  int size() const { return columns.back(); }  ///< of the matrix
+  int supernodes() const { return static_cast<int>(columns.size()) - 1; }
+  int columns_of(int s) const { return columns[s + 1] - columns[s]; }
+  int rows_of(int s) const { return row_offsets[s + 1] - row_offsets[s]; }
+  /// Number of entries, supernodes counted as dense columns. O(supernodes)
+  std::size_t factor_nonzeros() const {
+    std::size_t sum = 0;
+    for (int s = 0; s < supernodes(); ++s) {
+      sum += static_cast<std::size_t>(columns_of(s)) * static_cast<std::size_t>(rows_of(s));
+    }
+    return sum;
+  }
+};
 
 /// The elimination tree (Liu 1990), its columns' counts without their entries (Gilbert, Ng and Peyton 1994), and
 /// supernodes, joined where a few zeros more make them larger, by the rules of SuiteSparse's CHOLMOD (Chen, Davis,

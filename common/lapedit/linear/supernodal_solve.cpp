@@ -39,7 +39,6 @@ class Buffer {
     if (!data_) {
       throw std::bad_alloc();
     }
-    size_ = size;
 #ifdef __linux__
     if (alignment == kPage) {
       madvise(data_, bytes, MADV_HUGEPAGE);  // only advice: nothing to do if it is not taken
@@ -52,13 +51,9 @@ class Buffer {
   const T* data() const {
     return data_;
   }
-  std::size_t size() const {
-    return size_;
-  }
 
  private:
   T* data_ = nullptr;
-  std::size_t size_ = 0;
 };
 
 }  // namespace
@@ -235,11 +230,6 @@ void SupernodalSolver<Scalar>::solve(Scalar* x, ThreadPool& pool) {
   Passes& p = *passes_;
   p.walk.upwards(pool, [&](const auto& task, int thread) { p.forward_task(task, x, p.vectors[thread].data()); });
   p.walk.downwards(pool, [&](const auto& task, int thread) { p.backward_task(task, x, p.vectors[thread].data()); });
-}
-
-template <typename Scalar>
-std::size_t SupernodalSolver<Scalar>::bytes() const {
-  return tiles_->values.size() * sizeof(Scalar) + tiles_->tree.rows.size() * sizeof(int);
 }
 
 template class SupernodalSolver<float>;

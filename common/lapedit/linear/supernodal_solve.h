@@ -6,7 +6,7 @@
 
 #include "lapedit/base/thread_pool.h"
 #include "lapedit/base/types.h"
-#include "lapedit/linear/supernodal_pattern.h"
+#include "lapedit/linear/supernodal_analysis.h"
 
 namespace lapedit {
 
@@ -19,8 +19,8 @@ namespace lapedit {
 template <typename Scalar>
 class SupernodalSolver {
  public:
-  /// Factors a matrix. @param lower  its lower half, in the order of elimination, columns sorted
-  /// @param pattern  of its factor; not kept. Keeps bytes() of memory
+  /// Factors a matrix. @param lower  its lower half, in the order of elimination, the entries of a column in any
+  /// @param pattern  of its factor; not kept
   SupernodalSolver(const SupernodalPattern& pattern, const SparseMatrix& lower, ThreadPool& pool);
   bool positive_definite() const;  ///< else there is nothing to solve with
   /// Shares the tiles, which never change, and has scratch of its own: both can be at work at a time, each on a pool of
@@ -32,8 +32,6 @@ class SupernodalSolver {
   /// @param x  n x 3, row after row, in the factor's order: row k is the k-th vertex eliminated
   /// Nothing is allocated. One call at a time.
   void solve(Scalar* x, ThreadPool& pool);
-
-  std::size_t bytes() const;
 
  private:
   struct Tiles;

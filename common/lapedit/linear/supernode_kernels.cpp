@@ -235,7 +235,6 @@ void backward_plain(const Scalar* end, int columns, int rows, Scalar* v, int pad
   backward_supernode<Scalar, 2>(end, columns, rows, v, pad);
 }
 
-#ifdef LAPEDIT_HAVE_AVX
 template <typename Scalar>
 LAPEDIT_AVX2 void forward_avx2(const Scalar* tiles, int columns, int rows, Scalar* v, int pad) {
   forward_supernode(tiles, columns, rows, v, pad);
@@ -252,7 +251,6 @@ template <typename Scalar>
 LAPEDIT_AVX512 void backward_avx512(const Scalar* end, int columns, int rows, Scalar* v, int pad) {
   backward_supernode<Scalar, 8>(end, columns, rows, v, pad);
 }
-#endif
 
 /// What single precision would hold as a denormal number, slow to work with, is far below its rounding.
 template <typename Scalar>
@@ -265,17 +263,8 @@ Scalar stored(double value) {
 
 template <typename Scalar>
 Kernels<Scalar> best_kernels() {
-#ifdef LAPEDIT_HAVE_AVX
-  switch (cpu_level()) {
-    case CpuLevel::Avx512:
-      return {forward_avx512<Scalar>, backward_avx512<Scalar>};
-    case CpuLevel::Avx2:
-      return {forward_avx2<Scalar>, backward_avx2<Scalar>};
-    default:
-      break;
-  }
-#endif
-  return {forward_plain<Scalar>, backward_plain<Scalar>};
+  return {for_processor(forward_plain<Scalar>, forward_avx2<Scalar>, forward_avx512<Scalar>),
+          for_processor(backward_plain<Scalar>, backward_avx2<Scalar>, backward_avx512<Scalar>)};
 }
 
 /// The inverse of a triangle T, column by column: t'_jj = 1 / t_jj, t'_ij = -(sum_{j <= k < i} t_ik t'_kj) / t_ii.

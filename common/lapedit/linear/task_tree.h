@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "lapedit/linear/supernodal_pattern.h"
+#include "lapedit/linear/supernodal_analysis.h"
 
 namespace lapedit::supernode {
 

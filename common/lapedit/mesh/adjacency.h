@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "lapedit/mesh/triangle_mesh.h"
@@ -22,6 +23,11 @@ struct IndexLists {
 
   int rows() const { return static_cast<int>(offsets.size()) - 1; }
   Row operator[](int row) const { return {values.data() + offsets[row], values.data() + offsets[row + 1]}; }
+  /// The place in `values` of a value that an ascending row has.
+  int entry(int row, int value) const {
+    return static_cast<int>(std::lower_bound(values.begin() + offsets[row], values.begin() + offsets[row + 1], value) -
+                            values.begin());
+  }
 };
 
 /// Who is next to whom in a whole mesh; made once per mesh and independent of its coordinates.

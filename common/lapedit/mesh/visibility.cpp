@@ -94,8 +94,8 @@ struct Crossing {
 
 }  // namespace
 
-struct Visibility::Tree {
-  explicit Tree(const TriangleMesh& the_mesh) : mesh(the_mesh), faces(finite_faces(the_mesh)) {
+struct Visibility::Impl {
+  explicit Impl(const TriangleMesh& the_mesh) : mesh(the_mesh), faces(finite_faces(the_mesh)) {
     if (faces.getRootIndex() >= 0) {  // there is a box around two faces at least
       constexpr double kSamePlace = 1e-7;
       same_place = kSamePlace * faces.getVolume(faces.getRootIndex()).diagonal().norm();
@@ -107,11 +107,11 @@ struct Visibility::Tree {
   double same_place = 0;  // what is nearer than this lies in the same place: a seam between duplicated vertices
 };
 
-Visibility::Visibility(const TriangleMesh& mesh) : tree_(std::make_unique<Tree>(mesh)) {}
+Visibility::Visibility(const TriangleMesh& mesh) : impl_(std::make_unique<Impl>(mesh)) {}
 Visibility::~Visibility() = default;
 
 bool Visibility::sees(const Camera& view, const Adjacency& adjacency, int vertex, int side) const {
-  const TriangleMesh& mesh = tree_->mesh;
+  const TriangleMesh& mesh = impl_->mesh;
   const Vector3 place = mesh.vertices.row(vertex).transpose();
   // As far as the near plane only: it cuts off what lies before it, and the viewer may be inside the mesh.
   const Ray through = view.ray(view.pixel(place));
@@ -124,15 +124,15 @@ bool Visibility::sees(const Camera& view, const Adjacency& adjacency, int vertex
   if (!shown) {
     return false;
   }
-  Crossing crossing(mesh, vertex, {place, -through.direction}, tree_->same_place, reach);
-  Eigen::BVIntersect(tree_->faces, crossing);
+  Crossing crossing(mesh, vertex, {place, -through.direction}, impl_->same_place, reach);
+  Eigen::BVIntersect(impl_->faces, crossing);
   return !crossing.found;
 }
 
 std::optional<SurfaceHit> Visibility::first_hit(const Ray& ray) const {
-  Nearest nearest(tree_->mesh, ray);
-  Eigen::BVIntersect(tree_->faces, nearest);
-  return nearest.face >= 0 ? std::optional(hit_of(tree_->mesh, ray, nearest.face, nearest.distance)) : std::nullopt;
+  Nearest nearest(impl_->mesh, ray);
+  Eigen::BVIntersect(impl_->faces, nearest);
+  return nearest.face >= 0 ? std::optional(hit_of(impl_->mesh, ray, nearest.face, nearest.distance)) : std::nullopt;
 }
 
 std::vector<int> brushed_vertices(const TriangleMesh& mesh, const Adjacency& adjacency, const Visibility& visibility,

@@ -27,8 +27,8 @@ class Visibility {
   std::optional<SurfaceHit> first_hit(const Ray& ray) const;
 
  private:
-  struct Tree;
-  std::unique_ptr<Tree> tree_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 /// The vertices within a distance along the surface of a hit that are visible, from the side that was hit, and reached

@@ -6,6 +6,7 @@
 #include <QAction>
 #include <QFileInfo>
 #include <QPluginLoader>
+#include <memory>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -16,6 +17,10 @@ namespace lapedit::host {
 
 using FormatPlugin = MeshIOInterface;
 using HostFilterPlugin = MeshFilterInterface;
+using ChoiceValue = EnumValue;
+using LengthValue = AbsPercValue;
+using PathValue = FileValue;
+using SliderValue = DynamicFloatValue;
 
 /// One file may hold both kinds; null is what it does not hold.
 struct LoadedPlugin {
@@ -91,6 +96,14 @@ inline void apply(HostFilterPlugin& plugin, QAction* action, const RichParameter
   if (!plugin.applyFilter(action, document, parameters, callback)) {
     throw std::runtime_error(plugin.errorMsg().toStdString());
   }
+}
+
+/// @param number  place in the list of layers. @return null if there is no such layer
+inline std::unique_ptr<Value> layer_value(MeshDocument& document, int number) {
+  if (number < 0 || number >= document.meshList.size()) {
+    return nullptr;
+  }
+  return std::make_unique<MeshValue>(&document, number);
 }
 
 }  // namespace lapedit::host

@@ -12,6 +12,7 @@
 #include <QFileInfo>
 #include <list>
 #include <map>
+#include <memory>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -22,6 +23,10 @@ namespace lapedit::host {
 
 using FormatPlugin = IOPlugin;
 using HostFilterPlugin = FilterPlugin;
+using ChoiceValue = IntValue;
+using LengthValue = FloatValue;
+using PathValue = StringValue;
+using SliderValue = FloatValue;
 
 /// One file may hold both kinds; null is what it does not hold.
 struct LoadedPlugin {
@@ -93,6 +98,14 @@ inline void apply(HostFilterPlugin& plugin, QAction* action, const RichParameter
                   MeshDocument& document, vcg::CallBackPos* callback) {
   unsigned int changed = 0;
   plugin.applyFilter(action, parameters, document, changed, callback);
+}
+
+/// @param number  the layer's. @return null if there is no such layer
+inline std::unique_ptr<Value> layer_value(MeshDocument& document, int number) {
+  if (number < 0 || document.getMesh(static_cast<unsigned int>(number)) == nullptr) {
+    return nullptr;
+  }
+  return std::make_unique<IntValue>(number);
 }
 
 }  // namespace lapedit::host

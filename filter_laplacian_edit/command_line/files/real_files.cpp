@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/real_files.h"
 
-#include <sys/stat.h>
-
 #include <QFile>
 #include <cerrno>
 #include <filesystem>
@@ -20,6 +18,12 @@ constexpr int kMostLinks = 40;  // the system's own limit
 
 std::string bytesOf(const QString& path) {
   return QFile::encodeName(path).toStdString();
+}
+
+/// Whether both exist and are the same file or folder.
+bool same(const std::filesystem::path& a, const std::filesystem::path& b) {
+  std::error_code error;
+  return std::filesystem::equivalent(a, b, error);
 }
 
 struct Named {
@@ -58,27 +62,15 @@ RealFile::RealFile(const std::string& name) {
     }
     path = path.parent_path() / target;
   }
-  path_ = path.string();
-  name_ = path.filename().string();
-  folder_ = identify(path.parent_path().string());
-  file_ = identify(path_);
-}
-
-RealFile::Identity RealFile::identify(const std::string& path) {
-  struct stat found = {};
-  return ::stat(path.c_str(), &found) == 0 ? Identity{found.st_dev, found.st_ino} : Identity{};
-}
-
-bool RealFile::same(const Identity& a, const Identity& b) {
-  return a.number != 0 && a.number == b.number && a.device == b.device;
+  path_ = path;
 }
 
 bool RealFile::hasPlaceOf(const RealFile& other) const {
-  return name_ == other.name_ && same(folder_, other.folder_);
+  return path_.filename() == other.path_.filename() && same(path_.parent_path(), other.path_.parent_path());
 }
 
 bool RealFile::is(const RealFile& other) const {
-  return hasPlaceOf(other) || same(file_, other.file_);
+  return hasPlaceOf(other) || same(path_, other.path_);
 }
 
 void refuseSameFiles(const Options& options) {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <sys/types.h>
-
+#include <filesystem>
 #include <string>
 
 struct Options;
@@ -13,7 +12,7 @@ class RealFile {
   /// @param name  bytes. @throws std::system_error where links lead in a circle
   explicit RealFile(const std::string& name);
 
-  const std::string& path() const { return path_; }  ///< with no link at its end
+  const std::string& path() const { return path_.native(); }  ///< with no link at its end
 
   /// Whether both are the same name in the same folder: what replaces one replaces the other.
   bool hasPlaceOf(const RealFile& other) const;
@@ -21,15 +20,7 @@ class RealFile {
   bool is(const RealFile& other) const;
 
  private:
-  struct Identity {
-    dev_t device = 0;
-    ino_t number = 0;  // 0: there is none
-  };
-  static Identity identify(const std::string& path);
-  static bool same(const Identity& a, const Identity& b);
-
-  std::string path_, name_;
-  Identity folder_, file_;
+  std::filesystem::path path_;
 };
 
 /// Refuses what would be replaced by accident: no output and no report may be the edit, or each other; the report may

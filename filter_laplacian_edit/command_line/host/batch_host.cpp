@@ -20,7 +20,6 @@
 #include "host/batch_parameters.h"
 #include "host/dialog_watch.h"
 #include "lapedit/base/error.h"
-#include "lapedit_host/face_shape.h"
 #include "lapedit_host/mesh_bridge.h"
 #include "processes/notes.h"
 #include "vertex_filter_plugin.h"
@@ -178,7 +177,7 @@ std::string quotedPath(const QString& path) {
   return "\"" + text.toStdString() + "\"";
 }
 
-struct BatchHost::State {
+struct BatchHost::Impl {
   struct Filter {
     HostFilterPlugin* plugin;
     QAction* action;
@@ -303,19 +302,19 @@ struct BatchHost::State {
   }
 };
 
-BatchHost::BatchHost(const QString& plugins, Progress askedNow) : state_(std::make_unique<State>()) {
+BatchHost::BatchHost(const QString& plugins, Progress askedNow) : impl_(std::make_unique<Impl>()) {
   asked() = std::move(askedNow);
-  state_->folder = plugins.isEmpty() ? standardPlugins() : plugins;
-  const QDir folder(state_->folder);
-  state_->formatsLeft = folder.entryList({"libio_*.so"}, QDir::Files);
+  impl_->folder = plugins.isEmpty() ? standardPlugins() : plugins;
+  const QDir folder(impl_->folder);
+  impl_->formatsLeft = folder.entryList({"libio_*.so"}, QDir::Files);
   // Has the common formats: mostly the only one that is needed.
   const QString base = "libio_base.so";
-  if (state_->formatsLeft.removeOne(base)) {
-    state_->formatsLeft.prepend(base);
+  if (impl_->formatsLeft.removeOne(base)) {
+    impl_->formatsLeft.prepend(base);
   }
-  state_->filtersLeft = folder.entryList({"libfilter_*.so"}, QDir::Files);
+  impl_->filtersLeft = folder.entryList({"libfilter_*.so"}, QDir::Files);
   // These are part of this program.
-  state_->filtersLeft.removeOne("libfilter_laplacian_edit.so");
+  impl_->filtersLeft.removeOne("libfilter_laplacian_edit.so");
 }
 
 BatchHost::~BatchHost() {
@@ -328,7 +327,7 @@ QString BatchHost::version() {
 }
 
 int BatchHost::open(const QString& path, const QString& called) {
-  const auto layers = state_->read(path, state_->document, called);
+  const auto layers = impl_->read(path, impl_->document, called);
   for (const auto& [layer, mask] : layers) {
     try {
       require_sound_corners(layer->cm);
@@ -343,16 +342,16 @@ int BatchHost::open(const QString& path, const QString& called) {
 }
 
 CMeshO* BatchHost::mesh() {
-  MeshModel* const layer = state_->document.mm();
+  MeshModel* const layer = impl_->document.mm();
   return layer != nullptr ? &layer->cm : nullptr;
 }
 
 void BatchHost::addFilters(VertexFilterPlugin& plugin) {
-  state_->addFilter(plugin, {});
+  impl_->addFilter(plugin, {});
 }
 
 void BatchHost::requireFilters(const std::vector<ScriptFilter>& script) {
-  State& s = *state_;
+  Impl& s = *impl_;
   for (const ScriptFilter& wanted : script) {
     while (s.filters.find(wanted.name) == s.filters.end() && !s.filtersLeft.isEmpty()) {
       s.loadNext(s.filtersLeft);
@@ -378,9 +377,9 @@ void BatchHost::requireFilters(const std::vector<ScriptFilter>& script) {
 
 void BatchHost::run(const std::vector<ScriptFilter>& script, const std::function<void(const ScriptFilter&)>& before,
                     const std::function<void(const QString&)>& after) {
-  State& s = *state_;
+  Impl& s = *impl_;
   for (std::size_t k = 0; k < script.size(); ++k) {
-    const State::Filter& filter = s.filters.at(script[k].name);
+    const Impl::Filter& filter = s.filters.at(script[k].name);
     QStringList log;
     s.document.Log.print(log);
     const int logged = log.size();
@@ -425,11 +424,11 @@ void BatchHost::run(const std::vector<ScriptFilter>& script, const std::function
 }
 
 void BatchHost::requireWriter(const QString& path) {
-  state_->require(state_->writers, path, "write");
+  impl_->require(impl_->writers, path, "write");
 }
 
 void BatchHost::save(const QString& path, const KeptAttributes& kept) {
-  State& s = *state_;
+  Impl& s = *impl_;
   const QFileInfo file(path);
   FormatPlugin& plugin = s.require(s.writers, path, "write");
   MeshModel* const layer = s.document.mm();
@@ -456,7 +455,7 @@ void BatchHost::save(const QString& path, const KeptAttributes& kept) {
 }
 
 /// Many writers do not look whether their output arrives.
-void BatchHost::State::requireComplete(const QString& path, MeshModel& layer) {
+void BatchHost::Impl::requireComplete(const QString& path, MeshModel& layer) {
   const QFileInfo file(path);
   const bool full = isFull(file);
   const QString suffix = file.suffix().toLower();

@@ -78,8 +78,8 @@ class BatchHost {
   void save(const QString& path, const KeptAttributes& kept);
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace lapedit::host

@@ -6,7 +6,7 @@
 #include <string>
 #include <type_traits>
 
-#include "batch_values.h"
+#include "host_parameters.h"
 #include "lapedit/base/error.h"
 
 namespace lapedit::host {

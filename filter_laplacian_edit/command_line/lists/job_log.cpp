@@ -22,6 +22,8 @@ using lapedit::host::quotedPath;
 namespace {
 
 constexpr char kVersion[] = "laplacian_edit_job";
+constexpr QLatin1String kStateKeys[] = {QLatin1String("in_bytes"), QLatin1String("in_modified"),
+                                        QLatin1String("edit_bytes"), QLatin1String("edit_modified")};
 
 [[noreturn]] void refuse(const QString& path, ExitCode code, const std::string& why) {
   throw Failure(code, "The job log " + quotedPath(path) + " cannot be written: " + why + ".");
@@ -83,14 +85,9 @@ QJsonObject entryOf(const Options& job) {
 
 }  // namespace
 
-InputState InputState::of(const Options& job) {
+InputState inputState(const Options& job) {
   const auto input = stateOf(job.input), edit = stateOf(job.edit);
   return {input.first, input.second, edit.first, edit.second};
-}
-
-bool InputState::operator==(const InputState& other) const {
-  return inputBytes == other.inputBytes && inputModified == other.inputModified && editBytes == other.editBytes &&
-         editModified == other.editModified;
 }
 
 JobLog::JobLog(const QString& path) : path_(path) {
@@ -122,9 +119,10 @@ JobLog::JobLog(const QString& path) : path_(path) {
       refuse(path, WrongUsage, "there is something else in it: give a new file, or one of such a log");
     }
     if (entry["exit"].toInt(-1) == Done) {
-      const auto member = [&](const char* key) { return entry[QLatin1String(key)].toString().toUtf8(); };
-      done_.insert(keyOf(entry),
-                   {member("in_bytes"), member("in_modified"), member("edit_bytes"), member("edit_modified")});
+      InputState& state = done_[keyOf(entry)];
+      for (std::size_t k = 0; k < state.size(); ++k) {
+        state[k] = entry[kStateKeys[k]].toString().toUtf8();
+      }
     }
   }
   // A line that was cut off stays by itself.
@@ -141,7 +139,7 @@ JobLog::~JobLog() {
 
 bool JobLog::isDone(const Options& job) const {
   const auto known = done_.constFind(keyOf(entryOf(job)));
-  if (known == done_.constEnd() || !(*known == InputState::of(job))) {
+  if (known == done_.constEnd() || *known != inputState(job)) {
     return false;
   }
   for (const QString& path : job.outputs() + QStringList(job.report)) {
@@ -164,10 +162,9 @@ void JobLog::add(int line, const Options& job, const InputState& before, const J
   entry["began"] = end.began;
   entry["seconds"] = end.seconds;
   entry["most_memory"] = end.mostMemory;
-  entry["in_bytes"] = QString(before.inputBytes);
-  entry["in_modified"] = QString(before.inputModified);
-  entry["edit_bytes"] = QString(before.editBytes);
-  entry["edit_modified"] = QString(before.editModified);
+  for (std::size_t k = 0; k < before.size(); ++k) {
+    entry[kStateKeys[k]] = QString(before[k]);
+  }
   const QByteArray text = QJsonDocument(entry).toJson(QJsonDocument::Compact) + "\n";
   // At once, so that whoever reads sees whole lines.
   if (::write(file_, text.constData(), static_cast<std::size_t>(text.size())) != text.size()) {

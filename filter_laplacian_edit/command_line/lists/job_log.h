@@ -4,6 +4,7 @@
 #include <QByteArray>
 #include <QHash>
 #include <QString>
+#include <array>
 #include <string>
 
 #include "options.h"
@@ -17,13 +18,9 @@ struct JobEnd {
   qint64 mostMemory = 0;  ///< bytes, of its largest process
 };
 
-/// What a job reads, as it was when the job began.
-struct InputState {
-  QByteArray inputBytes, inputModified, editBytes, editModified;
-
-  static InputState of(const Options& job);
-  bool operator==(const InputState& other) const;
-};
+/// Size and time of the mesh and of the edit that a job reads, as they were when the job began.
+using InputState = std::array<QByteArray, 4>;
+InputState inputState(const Options& job);
 
 /// A file to which a line of JSON is added whenever a job has ended. One run at a time has it.
 class JobLog {

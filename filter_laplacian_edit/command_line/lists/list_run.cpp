@@ -82,7 +82,7 @@ class ListRun {
       ++done_before_;
       return true;
     }
-    InputState state = InputState::of(job);
+    InputState state = inputState(job);
     const int threads = std::max(1, processors() / at_once_);
     if (!pool_.start(static_cast<int>(k), threads, [&](Notes& notes) { return job_(job, notes); })) {
       return false;
