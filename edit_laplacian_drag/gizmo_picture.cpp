@@ -30,12 +30,7 @@ void arrow(const Picture& p, int axis, bool bright) {
   const Vector2 neck = tip - kHeadLength * std::max(seen, 0.4) * way;
   const double half = bright ? kHeadWidth + 1.5 : kHeadWidth;
   const pen::Color color = bright ? pen::kYellow : pen::axisColor(axis);
-  pen::rimmed(color, bright ? 4 : 2.5, p.ratio, [&] {
-    glBegin(GL_LINES);
-    pen::vertex(from);
-    pen::vertex(neck);
-    glEnd();
-  });
+  pen::rimmed(color, bright ? 4 : 2.5, p.ratio, [&] { pen::line(from, neck); });
   pen::rimmed(color, 1, p.ratio, [&] {
     for (const GLenum mode : {GL_TRIANGLES, GL_LINE_LOOP}) {
       glBegin(mode);
@@ -90,10 +85,7 @@ void knob(const Picture& p, bool bright) {
   const Vector2 center = p.view.pixel(p.gizmo.center);
   glLineWidth(static_cast<GLfloat>(p.ratio));
   pen::set(pen::kLight, 0.5);
-  glBegin(GL_LINES);
-  pen::vertex(Vector2(center + Gizmo::kRing / Gizmo::kKnob * (at - center)));
-  pen::vertex(at);
-  glEnd();
+  pen::line(Vector2(center + Gizmo::kRing / Gizmo::kKnob * (at - center)), at);
   pen::rimmed(bright ? pen::kYellow : pen::kLight, 1, p.ratio, [&] {
     for (const GLenum mode : {GL_QUADS, GL_LINE_LOOP}) {
       glBegin(mode);
@@ -129,12 +121,9 @@ void letter(const Picture& p, int axis) {
 void cross(const Picture& p) {
   const Vector2 at = p.view.pixel(p.gizmo.center);
   pen::rimmed(pen::kLight, 1.3, p.ratio, [&] {
-    glBegin(GL_LINES);
     for (const Vector2& way : {Vector2(kCross, 0), Vector2(0, kCross)}) {
-      pen::vertex(Vector2(at - way));
-      pen::vertex(Vector2(at + way));
+      pen::line(Vector2(at - way), Vector2(at + way));
     }
-    glEnd();
   });
 }
 
@@ -193,12 +182,7 @@ void drawTurn(const DragMotion& motion, const Camera& view, double pixelRatio) {
     pen::vertex(at(degrees * i / corners, 1));
   }
   glEnd();
-  const auto line = [&](double angle, double from, double to) {
-    glBegin(GL_LINES);
-    pen::vertex(at(angle, from));
-    pen::vertex(at(angle, to));
-    glEnd();
-  };
+  const auto line = [&](double angle, double from, double to) { pen::line(at(angle, from), at(angle, to)); };
   pen::rimmed(pen::kLight, 1, pixelRatio, [&] { line(0, 0, 1); });
   pen::rimmed(pen::kYellow, 1.5, pixelRatio, [&] { line(turn.degrees, 0, 1); });
   for (double tick = 0; motion.step() > 0 && tick < 360; tick += motion.step()) {

@@ -17,35 +17,26 @@ namespace {
 /// From where the surface was grabbed to where it is wanted, and the axis that it is held to.
 void drawMotion(const DragSession& session, double pixelRatio) {
   const DragMotion& motion = *session.motion();
-  const auto line = [](const Vector3& from, const Vector3& to) {
-    glBegin(GL_LINES);
-    pen::vertex(from);
-    pen::vertex(to);
-    glEnd();
-  };
   if (const auto axis = motion.axis()) {
     const double reach = 10 * session.settings().radius;
     const Vector3& place = motion.kind() == MotionKind::Translate ? motion.grab() : motion.center();
     pen::rimmed(pen::axisColor(motion.lock(), session.gizmo_part()), 1, pixelRatio,
-                [&] { line(place - reach * *axis, place + reach * *axis); });
+                [&] { pen::line<Vector3>(place - reach * *axis, place + reach * *axis); });
   }
   if (motion.kind() == MotionKind::Translate && motion.moves()) {
     const Vector3 moved = session.active_map() * motion.grab();
-    pen::rimmed(pen::kYellow, 1.5, pixelRatio, [&] { line(motion.grab(), moved); });
+    pen::rimmed(pen::kYellow, 1.5, pixelRatio, [&] { pen::line(motion.grab(), moved); });
   }
 }
 
 void drawBrush(const Overlay::Brush& brush, const pen::Color& color, double pixelRatio) {
   pen::rimmed(color, 1.5, pixelRatio, [&] { pen::circle(brush.center, brush.radius); });
   pen::rimmed(color, 1.5, pixelRatio, [&] {  // adds or takes
-    glBegin(GL_LINES);
-    pen::vertex(Vector2(brush.center.x() - 4, brush.center.y()));
-    pen::vertex(Vector2(brush.center.x() + 4, brush.center.y()));
+    const Vector2 across(4, 0), up(0, 4);
+    pen::line<Vector2>(brush.center - across, brush.center + across);
     if (!brush.takes) {
-      pen::vertex(Vector2(brush.center.x(), brush.center.y() - 4));
-      pen::vertex(Vector2(brush.center.x(), brush.center.y() + 4));
+      pen::line<Vector2>(brush.center - up, brush.center + up);
     }
-    glEnd();
   });
 }
 

@@ -494,12 +494,7 @@ QLabel* Panel::figure(const char* part, const QString& help) {
 // --- Showing --------------------------------------------------------------------------------------------------------
 
 void Panel::setMesh(const TriangleMesh& mesh) {
-  Eigen::AlignedBox3d box;
-  for (Eigen::Index i = 0; i < mesh.vertices.rows(); ++i) {
-    if (mesh.vertices.row(i).allFinite()) {
-      box.extend(Vector3(mesh.vertices.row(i).transpose()));
-    }
-  }
+  const Eigen::AlignedBox3d box = bounding_box(mesh.vertices);
   const double diagonal = box.isEmpty() ? 0 : box.diagonal().norm();
   size_ = diagonal > 0 ? diagonal : 1;
   middle_ = box.isEmpty() ? Vector3(Vector3::Zero()) : Vector3(box.center());

@@ -51,6 +51,14 @@ inline void vertex(const lapedit::Vector2& pixel) {
   glVertex2dv(pixel.data());
 }
 
+template <class Place>
+void line(const Place& from, const Place& to) {
+  glBegin(GL_LINES);
+  vertex(from);
+  vertex(to);
+  glEnd();
+}
+
 /// Lines first with their rim, then again without. draw() is called twice.
 template <class Draw>
 void rimmed(const Color& color, double width, double pixelRatio, const Draw& draw, double alpha = 1) {

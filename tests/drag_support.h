@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lapedit/base/error.h"
+#include "lapedit/mesh/vertex_set.h"
 #include "lapedit/session/drag_session.h"
 #include "shapes.h"
 #include "support.h"
@@ -113,9 +114,7 @@ class Window {
     Points replayed = session.original().vertices;
     if (!edit.steps.empty()) {
       const EditResult result = apply_edit(session.original(), edit, 1, StoredScalar::Float);
-      for (std::size_t i = 0; i < result.vertices.size(); ++i) {
-        replayed.row(result.vertices[i]) = result.positions.row(static_cast<Eigen::Index>(i));
-      }
+      scatter(result.vertices, result.positions, replayed);
     }
     EXPECT_TRUE(same_bits(replayed, session.mesh().vertices));
   }
@@ -123,9 +122,7 @@ class Window {
   /// What the host has by now.
   const Points& host() {
     if (const PoseChange* const change = session.take_change()) {
-      for (std::size_t i = 0; i < change->vertices.size(); ++i) {
-        host_.row(change->vertices[i]) = change->places.row(static_cast<Eigen::Index>(i));
-      }
+      scatter(change->vertices, change->places, host_);
       ++poses_;
       settled_ = change->settled;
     }

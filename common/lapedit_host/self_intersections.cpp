@@ -11,6 +11,7 @@
 #include <exception>
 
 #include "lapedit/base/thread_pool.h"
+#include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit::host {
 namespace {
@@ -164,9 +165,7 @@ void each_near(Grid& grid, const GridMesh& mesh, const std::vector<Box>& boxes, 
 
 int new_self_intersections(const TriangleMesh& before, const EditResult& result, int threads) {
   Points after = before.vertices;
-  for (std::size_t i = 0; i < result.vertices.size(); ++i) {
-    after.row(result.vertices[i]) = result.positions.row(static_cast<Eigen::Index>(i));
-  }
+  scatter(result.vertices, result.positions, after);
   const NearFaces near = near_faces(before, after);
   if (near.moved == 0) {
     return 0;

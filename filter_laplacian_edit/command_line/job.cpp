@@ -90,16 +90,9 @@ std::vector<int> unionOf(const std::vector<EditResult>& poses) {
 
 /// Where some vertices are in a pose.
 Points positionsOf(const std::vector<int>& vertices, const EditResult& pose, const BridgedMesh& bridged) {
-  Points positions(static_cast<Eigen::Index>(vertices.size()), 3);
-  for (std::size_t i = 0, next = 0; i < vertices.size(); ++i) {
-    const auto row = static_cast<Eigen::Index>(i);
-    if (next < pose.vertices.size() && pose.vertices[next] == vertices[i]) {
-      positions.row(row) = pose.positions.row(static_cast<Eigen::Index>(next++));
-    } else {
-      positions.row(row) = bridged.mesh.vertices.row(vertices[i]);
-    }
-  }
-  return positions;
+  Points places = bridged.mesh.vertices;
+  scatter(pose.vertices, pose.positions, places);
+  return gather(places, vertices);
 }
 
 class Job {

@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include "lapedit/mesh/vertex_set.h"
 #include "shapes.h"
 #include "support.h"
 

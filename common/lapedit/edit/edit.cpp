@@ -10,6 +10,7 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
+#include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
 namespace {
@@ -19,16 +20,6 @@ void check_fraction(double fraction) {
     throw EditError(ErrorCause::BadParameter, "The fraction is " + number_text(fraction) +
                                                   ": give a number from 0 (no change) to 1 (the whole edit).");
   }
-}
-
-/// Where the handle groups of a step go, one map per group.
-std::vector<Affine> targets(const TriangleMesh& mesh, const EditStep& step, double fraction) {
-  std::vector<Affine> maps;
-  maps.reserve(step.handles.size());
-  for (const HandleGroup& handle : step.handles) {
-    maps.push_back(resolve(handle.transform, centroid(mesh.vertices, handle.vertices), fraction));
-  }
-  return maps;
 }
 
 /// A part of the whole progress, number k of so many.
@@ -46,29 +37,6 @@ EditStep with_sorted_groups(EditStep step) {
     sort_group(handle.vertices, handle.weights);
   }
   return step;
-}
-
-std::vector<std::vector<int>> groups_of(const EditStep& step) {
-  std::vector<std::vector<int>> groups;
-  groups.reserve(step.handles.size());
-  for (const HandleGroup& handle : step.handles) {
-    groups.push_back(handle.vertices);
-  }
-  return groups;
-}
-
-std::vector<std::vector<double>> weights_of(const EditStep& step) {
-  std::vector<std::vector<double>> weights;
-  for (const HandleGroup& handle : step.handles) {
-    weights.push_back(handle.weights);
-  }
-  return weights;
-}
-
-void put(const EditResult& result, Points& vertices) {
-  for (std::size_t i = 0; i < result.vertices.size(); ++i) {
-    vertices.row(result.vertices[i]) = result.positions.row(static_cast<Eigen::Index>(i));
-  }
 }
 
 /// One pose per fraction, on their way through the steps.
@@ -126,7 +94,7 @@ class Poses {
     runner->solve(targets(mesh_, step, fractions_[p]), result.positions);
     result.vertices = runner->region().mesh_vertex;
     result.reports.push_back(runner->report());
-    put(result, now_[p]);
+    scatter(result.vertices, result.positions, now_[p]);
     each(p, std::move(result));
     report_progress(progress, 1, "done");
   }
@@ -205,26 +173,14 @@ std::vector<EditResult> apply_edit(const TriangleMesh& mesh, const Adjacency& ad
                                    const Progress& progress) {
   std::for_each(fractions.begin(), fractions.end(), check_fraction);
   require_same_mesh(mesh, edit);
-  std::vector<std::vector<char>> touched(fractions.size(), std::vector<char>(mesh.vertices.rows(), 0));
   std::vector<EditResult> results(fractions.size());
   Poses poses(mesh, adjacency, fractions, scalar);
   poses.run(edit, progress, [&](std::size_t p, EditResult&& step) {
-    for (const int v : step.vertices) {
-      touched[p][v] = 1;
-    }
+    results[p].vertices = united(results[p].vertices, step.vertices);
     results[p].reports.push_back(std::move(step.reports.front()));
   });
   for (std::size_t p = 0; p < results.size(); ++p) {
-    EditResult& result = results[p];
-    for (int v = 0; v < static_cast<int>(touched[p].size()); ++v) {
-      if (touched[p][v]) {
-        result.vertices.push_back(v);
-      }
-    }
-    result.positions.resize(static_cast<Eigen::Index>(result.vertices.size()), 3);
-    for (std::size_t i = 0; i < result.vertices.size(); ++i) {
-      result.positions.row(static_cast<Eigen::Index>(i)) = poses.vertices(p).row(result.vertices[i]);
-    }
+    results[p].positions = gather(poses.vertices(p), results[p].vertices);
   }
   return results;
 }

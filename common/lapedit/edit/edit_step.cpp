@@ -24,6 +24,30 @@ Vector3 centroid(const Points& vertices, const std::vector<int>& group) {
   return first + offset / static_cast<double>(group.size());
 }
 
+std::vector<std::vector<int>> groups_of(const EditStep& step) {
+  std::vector<std::vector<int>> groups;
+  for (const HandleGroup& handle : step.handles) {
+    groups.push_back(handle.vertices);
+  }
+  return groups;
+}
+
+std::vector<std::vector<double>> weights_of(const EditStep& step) {
+  std::vector<std::vector<double>> weights;
+  for (const HandleGroup& handle : step.handles) {
+    weights.push_back(handle.weights);
+  }
+  return weights;
+}
+
+std::vector<Affine> targets(const TriangleMesh& mesh, const EditStep& step, double fraction) {
+  std::vector<Affine> maps;
+  for (const HandleGroup& handle : step.handles) {
+    maps.push_back(resolve(handle.transform, centroid(mesh.vertices, handle.vertices), fraction));
+  }
+  return maps;
+}
+
 void sort_group(std::vector<int>& vertices, std::vector<double>& weights) {
   if (!weights.empty() && weights.size() != vertices.size()) {
     throw EditError(ErrorCause::BadParameter, "A handle group has " + std::to_string(vertices.size()) +

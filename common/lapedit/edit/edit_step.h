@@ -37,6 +37,12 @@ struct Edit {
 /// Centroid of some vertices. @throws EditError (BadIndex, NoHandle)
 Vector3 centroid(const Points& vertices, const std::vector<int>& group);
 
+// Of the handles of a step, one entry per group.
+std::vector<std::vector<int>> groups_of(const EditStep& step);
+std::vector<std::vector<double>> weights_of(const EditStep& step);
+/// Where they go. @throws EditError as centroid() and resolve()
+std::vector<Affine> targets(const TriangleMesh& mesh, const EditStep& step, double fraction = 1);
+
 /// Makes the group ascending without duplicates, so that sums over a group do not depend on how it was written; of a
 /// vertex that is there twice the larger weight counts. @throws EditError (BadParameter) if there are weights, but not
 /// one for each

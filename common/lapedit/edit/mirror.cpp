@@ -279,16 +279,12 @@ EditStep mirrored(const TriangleMesh& mesh, const EditStep& step) {
   if (!step.mirror) {
     return result;
   }
-  std::vector<std::vector<int>> groups;
-  std::vector<std::vector<double>> weights;
   std::vector<HandleTransform> transforms;
-  for (HandleGroup handle : step.handles) {
+  for (HandleGroup& handle : result.handles) {
     sort_group(handle.vertices, handle.weights);
-    groups.push_back(std::move(handle.vertices));
-    weights.push_back(std::move(handle.weights));
     transforms.push_back(handle.transform);
   }
-  const MirroredHandles handles(mesh, groups, *step.mirror, weights);
+  const MirroredHandles handles(mesh, groups_of(result), *step.mirror, weights_of(result));
   result.handles.clear();
   for (std::size_t g = 0; g < handles.groups().size(); ++g) {
     result.handles.push_back({handles.groups()[g], handles.transform(g, transforms), handles.weights()[g]});

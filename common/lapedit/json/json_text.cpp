@@ -11,96 +11,63 @@
 namespace lapedit {
 namespace {
 
-constexpr std::size_t kDeepest = 1024;
+constexpr std::size_t kDeepest = 1024, kMostKeys = 1000;
 
-/// Builds the value. The library's own builder takes the last of two equal keys, looks for them one by one, and reads
+/// Looks at what the library's parser reads: it takes the last of two equal keys, looks for them one by one, and reads
 /// as deep as the text goes.
-class Builder : public nlohmann::json_sax<Json> {
+class Watch {
  public:
-  Json take() { return std::move(root_); }
-
-  bool null() override { return add(nullptr); }
-  bool boolean(bool value) override { return add(value); }
-  bool number_integer(std::int64_t value) override { return add(value); }
-  bool number_unsigned(std::uint64_t value) override { return add(value); }
-  bool number_float(double value, const std::string&) override { return add(value); }
-  bool string(std::string& value) override { return add(std::move(value)); }
-  bool binary(Json::binary_t&) override { return false; }
-  bool start_object(std::size_t) override { return open(Json::object()); }
-  bool start_array(std::size_t) override { return open(Json::array()); }
-  bool end_object() override { return close(); }
-  bool end_array() override { return close(); }
-
-  bool key(std::string& name) override {
-    if (!open_.back().keys.insert(name).second) {
-      refuse_json(where() + ": the key " + quoted_text(name) + " is given twice in one object; keep one of the two.");
+  bool operator()(int, Json::parse_event_t event, const Json& value) {
+    using Event = Json::parse_event_t;
+    if (event == Event::key) {
+      add_key(value.get_ref<const std::string&>());
+    } else if (event == Event::object_start || event == Event::array_start) {
+      if (open_.size() == kDeepest) {
+        refuse_json("The edit nests lists or objects more than " + std::to_string(kDeepest) +
+                    " deep; a valid one nests them 6 deep.");
+      }
+      open_.push_back({event == Event::array_start, 0, {}, {}});
+    } else {
+      if (event != Event::value) {
+        open_.pop_back();
+      }
+      if (!open_.empty()) {
+        ++open_.back().entries;
+      }
     }
-    key_ = std::move(name);
     return true;
-  }
-
-  bool parse_error(std::size_t, const std::string&, const nlohmann::json::exception& error) override {
-    std::string what = error.what();
-    what.erase(0, what.find("] ") + 2);                           // the library's number of the error
-    what.erase(std::min(what.find("; last read"), what.size()));  // which quotes the text
-    refuse_json("The edit is not valid JSON: " + what + ".");
   }
 
  private:
   struct Open {
-    Json* value;
-    std::string key;  ///< of this value in the object that holds it
+    bool is_array;
+    std::size_t entries;  ///< that are complete
+    std::string key;      ///< read last
     std::set<std::string> keys;
   };
 
-  /// Where the value that is being read is, such as "steps[1].region".
+  void add_key(const std::string& key) {
+    Open& object = open_.back();
+    if (!object.keys.insert(key).second) {
+      refuse_json(where() + ": the key " + quoted_text(key) + " is given twice in one object; keep one of the two.");
+    }
+    if (object.keys.size() > kMostKeys) {
+      refuse_json(where() + ": the object has more than " + std::to_string(kMostKeys) + " keys.");
+    }
+    object.key = key;
+  }
+
+  /// Of the object that is being read, such as "steps[1].region".
   std::string where() const {
-    std::string path = "edit";
-    for (std::size_t i = 1; i < open_.size(); ++i) {
-      const Json& parent = *open_[i - 1].value;
-      path = parent.is_array() ? path + "[" + std::to_string(parent.size() - 1) + "]"
-             : i == 1          ? open_[i].key
-                               : path + "." + open_[i].key;
+    std::string path;
+    for (std::size_t i = 0; i + 1 < open_.size(); ++i) {
+      path +=
+          open_[i].is_array ? "[" + std::to_string(open_[i].entries) + "]" : (path.empty() ? "" : ".") + open_[i].key;
     }
-    return path;
+    return path.empty() ? "edit" : path;
   }
 
-  Json& place(Json&& value) {
-    if (open_.empty()) {
-      return root_ = std::move(value);
-    }
-    Json& parent = *open_.back().value;
-    if (parent.is_array()) {
-      return parent.emplace_back(std::move(value));
-    }
-    // Not by the key, which would be looked for: that it is new is known.
-    return parent.get_ref<Json::object_t&>()
-        .std::vector<Json::object_t::value_type>::emplace_back(key_, std::move(value))
-        .second;
-  }
-
-  bool add(Json&& value) {
-    place(std::move(value));
-    return true;
-  }
-
-  bool open(Json&& value) {
-    if (open_.size() == kDeepest) {
-      refuse_json("The edit nests lists or objects more than " + std::to_string(kDeepest) +
-                  " deep; a valid one nests them 6 deep.");
-    }
-    open_.push_back({&place(std::move(value)), key_, {}});
-    return true;
-  }
-
-  bool close() {
-    open_.pop_back();
-    return true;
-  }
-
-  Json root_;
   std::vector<Open> open_;
-  std::string key_;
 };
 
 }  // namespace
@@ -123,9 +90,15 @@ Json parse_json(std::string json) {
   if (json.find('\0') != std::string::npos) {  // the parser takes it for the end
     refuse_json("The edit is not valid JSON: it has a byte 0.");
   }
-  Builder builder;
-  Json::sax_parse(json, &builder);
-  Json root = builder.take();
+  Json root;
+  try {
+    root = Json::parse(json, [watch = Watch()](auto... read) mutable { return watch(read...); });
+  } catch (const Json::exception& error) {
+    std::string what = error.what();
+    what.erase(0, what.find("] ") + 2);                           // the library's number of the error
+    what.erase(std::min(what.find("; last read"), what.size()));  // which quotes the text
+    refuse_json("The edit is not valid JSON: " + what + ".");
+  }
   if (!root.is_object()) {
     refuse_json("The edit is " + describe(root) + "; it has to be a JSON object.");
   }

@@ -17,7 +17,7 @@ constexpr std::size_t kLargestJson = 64 << 20;  ///< bytes; seven million vertex
 
 /// The object that a UTF-8 text (with or without a byte order mark) holds.
 /// @throws EditError (BadScript) with line and column for what is no JSON; for a key that is given twice in an object;
-///         for texts of more than kLargestJson bytes, and for values more than 1,024 deep in each other
+///         for texts of more than kLargestJson bytes, objects of more than 1,000 keys, and values more than 1,024 deep
 /// Cost: O(n log k) for n bytes with at most k keys in an object
 Json parse_json(std::string json);
 

@@ -70,4 +70,14 @@ Eigen::AlignedBox3d bounding_box(const Points& points, const std::vector<int>& v
   return box;
 }
 
+Eigen::AlignedBox3d bounding_box(const Points& points) {
+  Eigen::AlignedBox3d box;
+  for (Eigen::Index v = 0; v < points.rows(); ++v) {
+    if (points.row(v).allFinite()) {
+      box.extend(points.row(v).transpose());
+    }
+  }
+  return box;
+}
+
 }  // namespace lapedit

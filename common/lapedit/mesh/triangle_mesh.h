@@ -28,5 +28,7 @@ std::vector<int> usable_vertices(const TriangleMesh& mesh);
 
 /// Returns the bounding box of some vertices with finite coordinates.
 Eigen::AlignedBox3d bounding_box(const Points& points, const std::vector<int>& vertices);
+/// Of all that are finite; empty if there are none.
+Eigen::AlignedBox3d bounding_box(const Points& points);
 
 }  // namespace lapedit

@@ -68,6 +68,20 @@ std::vector<int> without(const std::vector<int>& a, const std::vector<int>& b) {
   return result;
 }
 
+Points gather(const Points& points, const std::vector<int>& vertices) {
+  Points rows(static_cast<Eigen::Index>(vertices.size()), 3);
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    rows.row(static_cast<Eigen::Index>(i)) = points.row(vertices[i]);
+  }
+  return rows;
+}
+
+void scatter(const std::vector<int>& vertices, const Points& rows, Points& points) {
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    points.row(vertices[i]) = rows.row(static_cast<Eigen::Index>(i));
+  }
+}
+
 std::vector<int> vertices_within(const TriangleMesh& mesh, const Adjacency& adjacency, int vertex, double radius) {
   require_vertex("Vertex", vertex, mesh.vertices.rows());
   if (!(radius >= 0 && std::isfinite(radius))) {

@@ -34,6 +34,10 @@ std::vector<int> united(const std::vector<int>& a, const std::vector<int>& b);
 std::vector<int> common(const std::vector<int>& a, const std::vector<int>& b);
 std::vector<int> without(const std::vector<int>& a, const std::vector<int>& b);
 
+/// Rows of some vertices, and back to where they came from.
+Points gather(const Points& points, const std::vector<int>& vertices);
+void scatter(const std::vector<int>& vertices, const Points& rows, Points& points);
+
 /// Vertices within a distance along the surface of a vertex (that vertex alone for a radius of 0).
 /// @throws EditError (BadIndex, BadParameter if the radius is negative or not finite)
 std::vector<int> vertices_within(const TriangleMesh& mesh, const Adjacency& adjacency, int vertex, double radius);

@@ -173,8 +173,9 @@ bool DragSession::settle_down() {
 }
 
 /// What a button does to the region.
-void DragSession::take_changed(Choice choice) {
-  if (model_.take(std::move(choice))) {
+template <class Choose>
+void DragSession::change_region(const Choose& choose) {
+  if (settle_down() && model_.take(choose(solver_.surface(), model_.selection))) {
     if (model_.selection.by_hand) {
       model_.show_by_hand();
     }
@@ -183,39 +184,27 @@ void DragSession::take_changed(Choice choice) {
 }
 
 void DragSession::set_region(std::vector<int> vertices) {
-  if (settle_down()) {
-    take_changed(with_region(solver_.surface(), model_.selection, std::move(vertices)));
-  }
+  change_region([&](const Surface& s, const Selection& now) { return with_region(s, now, std::move(vertices)); });
 }
 
 void DragSession::set_anchors(std::vector<int> vertices) {
-  if (settle_down()) {
-    take_changed(with_anchors(solver_.surface(), model_.selection, std::move(vertices)));
-  }
+  change_region([&](const Surface& s, const Selection& now) { return with_anchors(s, now, std::move(vertices)); });
 }
 
 void DragSession::whole_component() {
-  if (settle_down()) {
-    take_changed(lapedit::whole_component(solver_.surface(), model_.selection));
-  }
+  change_region(lapedit::whole_component);
 }
 
 void DragSession::grow() {
-  if (settle_down()) {
-    take_changed(grown_by_a_ring(solver_.surface(), model_.selection));
-  }
+  change_region(grown_by_a_ring);
 }
 
 void DragSession::shrink() {
-  if (settle_down()) {
-    take_changed(shrunk_by_a_ring(solver_.surface(), model_.selection));
-  }
+  change_region(shrunk_by_a_ring);
 }
 
 void DragSession::clear() {
-  if (settle_down()) {
-    take_changed(cleared(model_.selection));
-  }
+  change_region([](const Surface&, const Selection& now) { return Choice(cleared(now)); });
 }
 
 void DragSession::new_region() {
@@ -265,7 +254,7 @@ void DragSession::undo() {
   } else {
     const AppliedStep& step = model_.history.undo();
     model_.show_mesh(step.vertices, step.before);
-    model_.log(messages::step_undone(model_.history.steps().size() + 1));
+    model_.log(messages::step_changed(model_.history.steps().size() + 1, "undone"));
     solver_.take_over(step, false);
   }
 }
@@ -281,7 +270,7 @@ void DragSession::redo() {
   } else {
     const AppliedStep& step = model_.history.redo();
     model_.show_mesh(step.vertices, step.after);
-    model_.log(messages::step_redone(model_.history.steps().size()));
+    model_.log(messages::step_changed(model_.history.steps().size(), "redone"));
     solver_.take_over(step, true);
   }
 }
@@ -394,19 +383,15 @@ bool DragSession::key(DragKey key, const Cursor& cursor) {
 
 /// Keys that begin a motion, or say more of it.
 bool DragSession::motion_key(DragKey key, const Cursor& cursor) {
-  if (!solver_.in<Dragging>() && key != DragKey::Rotate && key != DragKey::Scale && key != DragKey::Translate) {
+  const bool begins = key == DragKey::Translate || key == DragKey::Rotate || key == DragKey::Scale;
+  if (!begins && !solver_.in<Dragging>()) {
     model_.refusal = messages::kNoMotion;  // an amount from nowhere could be anything
     return true;
   }
-  bool begun = true;
-  if (key == DragKey::Rotate) {
-    begun = begin_by_key(MotionKind::Rotate, cursor);
-  } else if (key == DragKey::Scale) {
-    begun = begin_by_key(MotionKind::Scale, cursor);
-  } else if (key == DragKey::Translate) {
-    begun = begin_by_key(MotionKind::Translate, cursor);
-  }
-  if (!begun) {
+  if (begins && !begin_by_key(key == DragKey::Rotate  ? MotionKind::Rotate
+                              : key == DragKey::Scale ? MotionKind::Scale
+                                                      : MotionKind::Translate,
+                              cursor)) {
     return false;
   }
   DragMotion& motion = solver_.in<Dragging>()->motion;

@@ -168,7 +168,8 @@ class DragSession {
 
  private:
   bool settle_down();
-  void take_changed(Choice choice);
+  template <class Choose>
+  void change_region(const Choose& choose);
   void restore(std::vector<Selection>& from, std::vector<Selection>& to, const char* line);
   bool motion_key(DragKey key, const Cursor& cursor);
   bool begin_by_key(MotionKind kind, const Cursor& cursor);

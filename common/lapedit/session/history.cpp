@@ -3,24 +3,9 @@
 
 #include <utility>
 
+#include "lapedit/mesh/vertex_set.h"
+
 namespace lapedit {
-namespace {
-
-void scatter(const std::vector<int>& vertices, const Points& rows, Points& points) {
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    points.row(vertices[i]) = rows.row(static_cast<Eigen::Index>(i));
-  }
-}
-
-}  // namespace
-
-Points gather(const Points& points, const std::vector<int>& vertices) {
-  Points rows(static_cast<Eigen::Index>(vertices.size()), 3);
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    rows.row(static_cast<Eigen::Index>(i)) = points.row(vertices[i]);
-  }
-  return rows;
-}
 
 History::History(TriangleMesh original)
     : original_(std::make_shared<const TriangleMesh>(std::move(original))), mesh_(original_) {}

@@ -10,9 +10,6 @@
 
 namespace lapedit {
 
-/// Rows of some vertices.
-Points gather(const Points& points, const std::vector<int>& vertices);
-
 /// Handles as clicks made them: what grows with the radius.
 struct PickedDiscs {
   std::vector<std::vector<int>> centers;  ///< per handle group the vertices clicked; none: a group of another origin

@@ -160,12 +160,8 @@ std::string edit_applied(std::size_t steps) {
   return format_text(steps == 1 ? "%zu step of a saved edit applied" : "%zu steps of a saved edit applied", steps);
 }
 
-std::string step_undone(std::size_t number) {
-  return format_text("step %zu undone", number);
-}
-
-std::string step_redone(std::size_t number) {
-  return format_text("step %zu redone", number);
+std::string step_changed(std::size_t number, const char* how) {
+  return format_text("step %zu %s", number, how);
 }
 
 std::string all_undone(std::size_t steps) {

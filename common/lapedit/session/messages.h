@@ -76,8 +76,7 @@ std::string step_applied(std::size_t number, const DragMotion& motion, const std
                          double prepare_ms, double solve_ms);
 std::string step_amended(std::size_t number, int region_size, double prepare_ms, double solve_ms);
 std::string edit_applied(std::size_t steps);
-std::string step_undone(std::size_t number);
-std::string step_redone(std::size_t number);
+std::string step_changed(std::size_t number, const char* how);  ///< "undone", "redone"
 std::string all_undone(std::size_t steps);
 
 }  // namespace lapedit::messages

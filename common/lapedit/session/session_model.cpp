@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/session/session_model.h"
 
-#include <algorithm>
-#include <iterator>
 #include <utility>
 
+#include "lapedit/mesh/vertex_set.h"
 #include "lapedit/session/picking.h"
 
 namespace lapedit {
@@ -17,17 +16,11 @@ TriangleMesh checked(TriangleMesh mesh) {
 
 /// Newer places take precedence over those that nobody has taken yet.
 PoseChange joined(const PoseChange& older, const std::vector<int>& vertices, const Points& places) {
-  PoseChange all;
-  std::set_union(older.vertices.begin(), older.vertices.end(), vertices.begin(), vertices.end(),
-                 std::back_inserter(all.vertices));
+  PoseChange all{united(older.vertices, vertices), {}};
   all.places.resize(static_cast<Eigen::Index>(all.vertices.size()), 3);
-  Eigen::Index row = 0, old_row = 0, new_row = 0;
-  for (const int v : all.vertices) {
-    const bool in_older = old_row < older.places.rows() && older.vertices[static_cast<std::size_t>(old_row)] == v;
-    const bool in_newer = new_row < places.rows() && vertices[static_cast<std::size_t>(new_row)] == v;
-    all.places.row(row++) = in_newer ? places.row(new_row) : older.places.row(old_row);
-    old_row += in_older ? 1 : 0;
-    new_row += in_newer ? 1 : 0;
+  for (Eigen::Index row = 0; row < all.places.rows(); ++row) {
+    const int v = all.vertices[static_cast<std::size_t>(row)], place = place_in(vertices, v);
+    all.places.row(row) = place >= 0 ? places.row(place) : older.places.row(place_in(older.vertices, v));
   }
   return all;
 }
@@ -77,18 +70,14 @@ bool SessionModel::take(Choice choice) {
 }
 
 void SessionModel::show(const std::vector<int>& vertices, const Points& places, bool settled) {
+  settled |= changed_ && change_.settled;
   if (changed_ && vertices != change_.vertices) {
-    const bool was_settled = change_.settled;
     change_ = joined(change_, vertices, places);
-    change_.settled = was_settled;
   } else {
-    if (vertices != change_.vertices) {
-      change_.vertices = vertices;
-    }
+    change_.vertices = vertices;
     change_.places = places;
-    change_.settled &= changed_;
   }
-  change_.settled |= settled;
+  change_.settled = settled;
   changed_ = true;
 }
 

@@ -181,18 +181,10 @@ void SessionSolver::amend() {
         std::max(settings.radius - model_.selection.discs.reach, (1 - kLargestHandleShare) * settings.radius);
   }
   const EditStep written = mirrored(*amending.base, step);
-  std::vector<std::vector<int>> handles;
-  std::vector<std::vector<double>> weights;
-  std::vector<Affine> maps;
-  for (const HandleGroup& handle : written.handles) {
-    handles.push_back(handle.vertices);
-    weights.push_back(handle.weights);
-    maps.push_back(resolve(handle.transform, centroid(amending.base->vertices, handle.vertices)));
-  }
   heard_ = DragFigures();
-  ask_to_prepare({amending.base, model_.adjacency, written.region, std::move(handles), step.settings, model_.scalar,
-                  std::move(weights), step.mirror});
-  amending.serial = worker_.solve(maps, true);
+  ask_to_prepare({amending.base, model_.adjacency, written.region, groups_of(written), step.settings, model_.scalar,
+                  weights_of(written), step.mirror});
+  amending.serial = worker_.solve(targets(*amending.base, written), true);
 }
 
 void SessionSolver::load(Edit edit) {
