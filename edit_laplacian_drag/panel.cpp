@@ -566,6 +566,7 @@ void Panel::showFigures(const DragSession& session, const FrameTimes& median) {
       tr("Handle off by %1; largest stretch %2 %").arg(text(figures.handle_error, 'g', 3), text(stretch, 'f', 0)) +
       (figures.advice.empty() ? QString() : "\n" + QString::fromStdString(figures.advice)));
 }
+
 bool Panel::heat() const {
   return heat_->isChecked();
 }

@@ -10,24 +10,14 @@ namespace lapedit::messages {
 namespace {
 
 const char* name(AxisLock lock, const Vector3& axis) {
-  switch (lock) {
-    case AxisLock::X:
-      return "X";
-    case AxisLock::Y:
-      return "Y";
-    case AxisLock::Z:
-      return "Z";
-    case AxisLock::Normal:
-      return "the normal";
-    case AxisLock::Gizmo:
-      return axis == Vector3::UnitX()   ? "X"
-             : axis == Vector3::UnitY() ? "Y"
-             : axis == Vector3::UnitZ() ? "Z"
-                                        : "the gizmo's axis";
-    case AxisLock::None:
-      break;
+  if (lock == AxisLock::Gizmo) {
+    return axis == Vector3::UnitX()   ? "X"
+           : axis == Vector3::UnitY() ? "Y"
+           : axis == Vector3::UnitZ() ? "Z"
+                                      : "the gizmo's axis";
   }
-  return "";
+  constexpr const char* kNames[] = {"", "X", "Y", "Z", "the normal"};
+  return kNames[static_cast<int>(lock)];
 }
 
 }  // namespace
