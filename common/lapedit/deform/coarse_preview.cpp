@@ -34,7 +34,7 @@ Four four(double a, double b, double c) {
 
 }  // namespace
 
-struct CoarsePreview::State {
+struct CoarsePreview::Impl {
   std::shared_ptr<const Region> region;
   EditSettings settings;
   ThreadPool pool;
@@ -52,8 +52,8 @@ struct CoarsePreview::State {
   std::vector<CellMotion> motions;
   Points positions;
 
-  State(const TriangleMesh& mesh, std::shared_ptr<const Region> given, const EditSettings& wanted,
-        const Progress& progress)
+  Impl(const TriangleMesh& mesh, std::shared_ptr<const Region> given, const EditSettings& wanted,
+       const Progress& progress)
       : region(std::move(given)),
         settings(wanted),
         pool(wanted.threads),
@@ -85,7 +85,7 @@ struct CoarsePreview::State {
   void place(int first, int last);
 };
 
-void CoarsePreview::State::keep_details() {
+void CoarsePreview::Impl::keep_details() {
   constexpr int kGrain = 2048;
   details.resize(region->size());
   in_pieces(pool, region->size(), kGrain, [&](int first, int last) {
@@ -103,7 +103,7 @@ void CoarsePreview::State::keep_details() {
 
 /// x_i = carried p_i + f_i (sum_k w_k u_k + sum_k w_k (R_k - I) d_i), f_i fading to 0 at the region's rim. Handles are
 /// in place; where one is soft, by as much as its weight has to say against the surface's 1.
-void CoarsePreview::State::place(int first, int last) {
+void CoarsePreview::Impl::place(int first, int last) {
   for (int i = first; i < last; ++i) {
     const Vector3 at = rest.local.row(i).transpose();
     if (region->classes[i] == VertexClass::Handle) {
@@ -143,12 +143,12 @@ void CoarsePreview::State::place(int first, int last) {
 CoarsePreview::CoarsePreview(const TriangleMesh& mesh, std::shared_ptr<const Region> region,
                              const EditSettings& settings, const Progress& progress) {
   validate(settings);
-  state_ = std::make_unique<State>(mesh, std::move(region), settings, progress);
+  impl_ = std::make_unique<Impl>(mesh, std::move(region), settings, progress);
 }
 CoarsePreview::~CoarsePreview() = default;
 
 const Points& CoarsePreview::pose(const std::vector<Affine>& handles) {
-  State& s = *state_;
+  Impl& s = *impl_;
   check_targets(*s.region, handles);
   s.targets.resize(handles.size());
   for (std::size_t g = 0; g < handles.size(); ++g) {
@@ -180,7 +180,7 @@ const Points& CoarsePreview::pose(const std::vector<Affine>& handles) {
 }
 
 int CoarsePreview::cells() const {
-  return state_->cells.count();
+  return impl_->cells.count();
 }
 
 }  // namespace lapedit

@@ -32,8 +32,8 @@ class CoarsePreview {
   int cells() const;
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace lapedit

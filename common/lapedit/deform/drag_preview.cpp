@@ -84,7 +84,7 @@ struct PlacedCorrection {
 
 }  // namespace
 
-struct DragPreview::Inside {
+struct DragPreview::Impl {
   Kernels kernels = best_kernels();
   SparseCholesky& factor;
   std::shared_ptr<ThreadPool> pool;
@@ -102,8 +102,8 @@ struct DragPreview::Inside {
   std::vector<float> x;
   Points positions, normals;
 
-  Inside(const PreviewBase& base, const Eigen::MatrixXd& responses, const Eigen::MatrixXd& smooth_responses,
-         SparseCholesky& used, std::shared_ptr<ThreadPool> given)
+  Impl(const PreviewBase& base, const Eigen::MatrixXd& responses, const Eigen::MatrixXd& smooth_responses,
+       SparseCholesky& used, std::shared_ptr<ThreadPool> given)
       : factor(used),
         pool(std::move(given)),
         averaged(base.smooth_rest != nullptr ? (base.region->size() + kLanes - 1) / kLanes : 0),
@@ -139,7 +139,7 @@ struct DragPreview::Inside {
   void place_all();
 };
 
-View DragPreview::Inside::view() const {
+View DragPreview::Impl::view() const {
   View v = tables.view();
   v.active = static_cast<int>(which.size());
   v.which = which.data();
@@ -149,7 +149,7 @@ View DragPreview::Inside::view() const {
 }
 
 /// The responses that move, and how, in units of the tables.
-void DragPreview::Inside::choose(const Points& motions) {
+void DragPreview::Impl::choose(const Points& motions) {
   which.clear();
   motion.clear();
   for (int r = 0; r < tables.responses; ++r) {
@@ -163,7 +163,7 @@ void DragPreview::Inside::choose(const Points& motions) {
 }
 
 /// P1 = P0 + sum_r u_r w_r and its normals: with several responses they are no longer linear in them.
-void DragPreview::Inside::smooth_normals_after() {
+void DragPreview::Impl::smooth_normals_after() {
   for_places([&](int first, int last) {
     for (int place = first; place < last; ++place) {
       Four sum = tables.smooth_rest[place];
@@ -185,7 +185,7 @@ void DragPreview::Inside::smooth_normals_after() {
 }
 
 /// turned = (R - I) delta, R nearest to the averages of C + |C| n1 n0^T (see RotationEstimator).
-void DragPreview::Inside::turn_deltas() {
+void DragPreview::Impl::turn_deltas() {
   const View v = view();
   in_pieces(*pool, tables.blocks, kGrain,
             [&](int first, int last) { kernels.normal_terms(v, first, last, averaged.in()); });
@@ -198,7 +198,7 @@ void DragPreview::Inside::turn_deltas() {
 }
 
 /// x = M^T turned, with its membrane.
-void DragPreview::Inside::apply_transposed() {
+void DragPreview::Impl::apply_transposed() {
   const View v = view();
   const auto* const y = reinterpret_cast<const float*>(turned.data());
   in_pieces(*pool, tables.blocks, kGrain,
@@ -206,7 +206,7 @@ void DragPreview::Inside::apply_transposed() {
 }
 
 /// Those that single precision leaves too few digits, from the matrices that the kernel has left.
-void DragPreview::Inside::turn_hard_ones(int first_block, int last_block) {
+void DragPreview::Impl::turn_hard_ones(int first_block, int last_block) {
   for (int block = first_block; block < last_block; ++block) {
     for (int lane = 0; hard[block] && lane < kLanes && block * kLanes + lane < tables.size; ++lane) {
       const std::size_t place = static_cast<std::size_t>(block) * kLanes + lane;
@@ -233,7 +233,7 @@ void DragPreview::Inside::turn_hard_ones(int first_block, int last_block) {
 }
 
 /// p + unit (y + sum_r u_r w_r + Z K (W^-2 b_h - y_h)), y what x is now.
-void DragPreview::Inside::place_all() {
+void DragPreview::Impl::place_all() {
   const int columns = correction.columns();
   correction.solve(x.data());
   for_places([&](int first, int last) {
@@ -266,12 +266,12 @@ void DragPreview::Inside::place_all() {
 DragPreview::DragPreview(const PreviewBase& base, const Eigen::MatrixXd& responses,
                          const Eigen::MatrixXd& smooth_responses, SparseCholesky& factor,
                          std::shared_ptr<ThreadPool> pool)
-    : inside_(std::make_unique<Inside>(base, responses, smooth_responses, factor, std::move(pool))) {}
+    : impl_(std::make_unique<Impl>(base, responses, smooth_responses, factor, std::move(pool))) {}
 
 DragPreview::~DragPreview() = default;
 
 const Points& DragPreview::pose(const Points& motions, const BlendedRotations* blended) {
-  Inside& s = *inside_;
+  Impl& s = *impl_;
   s.choose(motions);
   if (s.which.empty() || !(s.tables.rotated || s.cell_turns)) {
     std::fill(s.x.begin(), s.x.end(), 0.0F);
@@ -295,7 +295,7 @@ const Points& DragPreview::pose(const Points& motions, const BlendedRotations* b
 }
 
 const Points& DragPreview::normals() {
-  Inside& s = *inside_;
+  Impl& s = *impl_;
   s.normals.resize(s.tables.size, 3);
   s.for_places([&](int first, int last) {
     for (int place = first; place < last; ++place) {
@@ -315,7 +315,7 @@ const Points& DragPreview::normals() {
 }
 
 std::size_t DragPreview::bytes() const {
-  const Inside& s = *inside_;
+  const Impl& s = *impl_;
   const auto of = [](const auto& list) { return list.capacity() * sizeof(list[0]); };
   return s.tables.bytes() + (s.cell_turns ? s.cell_turns->bytes() : 0) + of(s.averaged.current) + of(s.averaged.other) +
          of(s.correction.z) + of(s.turned) + of(s.smooth_after) + of(s.after) + of(s.smooth_normals) + of(s.x) +

@@ -57,8 +57,8 @@ class DragPreview {
   std::size_t bytes() const;
 
  private:
-  struct Inside;
-  std::unique_ptr<Inside> inside_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace lapedit

@@ -7,8 +7,6 @@
 #include <locale>
 #include <sstream>
 
-#include "lapedit/session/messages.h"
-
 namespace lapedit {
 namespace {
 
@@ -22,6 +20,17 @@ constexpr double kFlattestRing = 0.35;
 /// Of a ring seen from its side: the radius of a gizmo's.
 constexpr double kPixelsPerRadian = 72;
 constexpr double kAngleStep = 15, kScaleStep = 0.1, kFewestPixelsPerStep = 10;
+
+std::string name(AxisLock lock, const Vector3& axis) {
+  if (lock == AxisLock::Gizmo) {
+    return axis == Vector3::UnitX()   ? "X"
+           : axis == Vector3::UnitY() ? "Y"
+           : axis == Vector3::UnitZ() ? "Z"
+                                      : "the gizmo's axis";
+  }
+  constexpr const char* kNames[] = {"", "X", "Y", "Z", "the normal"};
+  return kNames[static_cast<int>(lock)];
+}
 
 /// The number typed, if it is one yet.
 std::optional<double> number(const std::string& typed) {
@@ -332,7 +341,28 @@ bool DragMotion::moves() const {
 }
 
 std::string DragMotion::text() const {
-  return messages::motion(kind_, transform(), axis(), lock_, step(), typed_);
+  const auto text = [](double amount) {
+    std::ostringstream out;
+    out.imbue(std::locale::classic());
+    out.precision(4);
+    out << amount;
+    return out.str();
+  };
+  const HandleTransform now = transform();
+  const std::optional<Vector3> held = axis();
+  std::string line;
+  if (kind_ == MotionKind::Scale) {
+    line = "Scaling by " + text(now.scale);
+  } else if (kind_ == MotionKind::Rotate) {
+    line = "Turning by " + text(now.degrees) + " degrees" + (held ? " about " + name(lock_, *held) : "");
+  } else {
+    line = "Moving by " +
+           (held ? text(now.translation.dot(*held)) + " along " + name(lock_, *held) : text(now.translation.norm()));
+  }
+  if (step() > 0) {
+    line += " (in steps of " + text(step()) + ")";
+  }
+  return typed_.empty() ? line : line + " (typed " + typed_ + ")";
 }
 
 }  // namespace lapedit

@@ -1,26 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/session/messages.h"
 
-#include <locale>
-#include <sstream>
-
 #include "lapedit/base/format_text.h"
 
 namespace lapedit::messages {
-namespace {
-
-const char* name(AxisLock lock, const Vector3& axis) {
-  if (lock == AxisLock::Gizmo) {
-    return axis == Vector3::UnitX()   ? "X"
-           : axis == Vector3::UnitY() ? "Y"
-           : axis == Vector3::UnitZ() ? "Z"
-                                      : "the gizmo's axis";
-  }
-  constexpr const char* kNames[] = {"", "X", "Y", "Z", "the normal"};
-  return kNames[static_cast<int>(lock)];
-}
-
-}  // namespace
 
 // What the next click does -------------------------------------------------------------------------------------------
 
@@ -30,31 +13,6 @@ std::string dragging(const DragMotion& motion, bool by_button) {
                 : "%s: click or press Return to apply, Esc drops it; X Y Z N lock an axis, Ctrl goes in steps, digits "
                   "give an amount.";
   return format_text(pattern, motion.text().c_str());
-}
-
-std::string motion(MotionKind kind, const HandleTransform& now, const std::optional<Vector3>& axis, AxisLock lock,
-                   double step, const std::string& typed) {
-  const auto text = [](double amount) {
-    std::ostringstream out;
-    out.imbue(std::locale::classic());
-    out.precision(4);
-    out << amount;
-    return out.str();
-  };
-  std::string line;
-  if (kind == MotionKind::Scale) {
-    line = format_text("Scaling by %s", text(now.scale).c_str());
-  } else if (kind == MotionKind::Rotate) {
-    line = axis ? format_text("Turning by %s degrees about %s", text(now.degrees).c_str(), name(lock, *axis))
-                : format_text("Turning by %s degrees", text(now.degrees).c_str());
-  } else {
-    line = axis ? format_text("Moving by %s along %s", text(now.translation.dot(*axis)).c_str(), name(lock, *axis))
-                : format_text("Moving by %s", text(now.translation.norm()).c_str());
-  }
-  if (step > 0) {
-    line += format_text(" (in steps of %s)", text(step).c_str());
-  }
-  return typed.empty() ? line : line + format_text(" (typed %s)", typed.c_str());
 }
 
 // Refusals -----------------------------------------------------------------------------------------------------------

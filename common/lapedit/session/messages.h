@@ -8,8 +8,8 @@
 
 #include "lapedit/session/drag_motion.h"
 
-/// Every sentence of a session that a user reads: what comes next, why something is refused, and lines for a log.
-/// Functions translate; constants are translated where they are shown.
+/// Every sentence of a session that a user reads: what comes next, why something is refused, and lines for a log. What
+/// a motion says of itself is DragMotion::text().
 namespace lapedit::messages {
 
 // What the next click does -------------------------------------------------------------------------------------------
@@ -26,12 +26,6 @@ constexpr const char* kDragHandle =
     "Drag the handle (V shows arrows and rings; T moves, R turns, S scales), click inside the region for another one, "
     "outside for a new region.";
 std::string dragging(const DragMotion& motion, bool by_button);
-
-/// "Moving by 0.5 along Y (typed 0.5)"
-/// @param axis  of the lock, none without one
-/// @param step  that the amount is a multiple of; 0: of none
-std::string motion(MotionKind kind, const HandleTransform& now, const std::optional<Vector3>& axis, AxisLock lock,
-                   double step, const std::string& typed);
 
 // Refusals -----------------------------------------------------------------------------------------------------------
 
