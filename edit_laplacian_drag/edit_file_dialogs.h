@@ -7,7 +7,7 @@
 #include <string>
 
 #include "lapedit/edit/edit.h"
-#include "lapedit_host/edit_tool.h"
+#include "lapedit_host/tool/edit_tool.h"
 
 /// How an edit leaves the window, and comes back.
 

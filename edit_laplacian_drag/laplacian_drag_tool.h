@@ -8,7 +8,7 @@
 #include <string>
 
 #include "frame_clock.h"
-#include "lapedit_host/edit_tool.h"
+#include "lapedit_host/tool/edit_tool.h"
 #include "overlay.h"
 #include "window_sessions.h"
 

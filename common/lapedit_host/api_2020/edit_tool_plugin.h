@@ -4,7 +4,7 @@
 #include <QObject>
 #include <utility>
 
-#include "lapedit_host/host_tool.h"
+#include "lapedit_host/tool/host_tool.h"
 
 // For the plugin's Q_PLUGIN_METADATA and Q_INTERFACES.
 #define LAPEDIT_EDIT_IID MESH_EDIT_INTERFACE_FACTORY_IID
@@ -17,13 +17,13 @@ class EditToolPlugin : public QObject, public MeshEditInterfaceFactory {
  public:
   QList<QAction*> actions() const override { return {action_}; }
   MeshEditInterface* getMeshEditInterface(QAction* action) override {
-    return action == action_ ? make_host_tool(description_) : nullptr;
+    return action == action_ ? makeHostTool(description_) : nullptr;
   }
   QString getEditToolDescription(QAction*) override { return description_.description; }
 
  protected:
   explicit EditToolPlugin(EditToolAction description)
-      : description_(std::move(description)), action_(make_action(description_, this)) {}
+      : description_(std::move(description)), action_(makeAction(description_, this)) {}
 
  private:
   EditToolAction description_;

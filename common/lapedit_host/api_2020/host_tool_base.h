@@ -9,7 +9,7 @@
 #include <QString>
 #include <string>
 
-#include "lapedit_host/tool_events.h"
+#include "lapedit_host/tool/tool_events.h"
 
 /// What of a tool MeshLab 2020.09 calls otherwise than other versions.
 namespace lapedit::host {

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "lapedit_host/host_tool.h"
+#include "lapedit_host/tool/host_tool.h"
 
 // For the plugin's Q_PLUGIN_METADATA and Q_INTERFACES.
 #define LAPEDIT_EDIT_IID EDIT_PLUGIN_IID
@@ -22,13 +22,13 @@ class EditToolPlugin : public QObject, public EditPlugin {
   QString pluginName() const override { return description_.title; }
   QString vendor() const override { return "Laplacian editing for MeshLab"; }
   ::EditTool* getEditTool(const QAction* action) override {
-    return action == actionList.front() ? make_host_tool(description_) : nullptr;
+    return action == actionList.front() ? makeHostTool(description_) : nullptr;
   }
   QString getEditToolDescription(const QAction*) override { return description_.description; }
 
  protected:
   explicit EditToolPlugin(EditToolAction description) : description_(std::move(description)) {
-    actionList.push_back(make_action(description_, this));
+    actionList.push_back(makeAction(description_, this));
   }
 
  private:

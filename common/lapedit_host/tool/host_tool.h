@@ -4,16 +4,16 @@
 #include <QAction>
 
 #include "host_tool_base.h"
-#include "lapedit_host/edit_tool.h"
+#include "lapedit_host/tool/edit_tool.h"
 
 /// What the adapters of all hosts need to present a tool (edit_tool_plugin.h of each).
 namespace lapedit::host {
 
 /// A tool for one view, as the host calls it. Catches everything that the tool throws: an exception would end the
 /// application. @return owned by its view, once it is started there
-HostToolBase* make_host_tool(const EditToolAction& description);
+HostToolBase* makeHostTool(const EditToolAction& description);
 
 /// The entry of menu and toolbar.
-QAction* make_action(const EditToolAction& description, QObject* parent);
+QAction* makeAction(const EditToolAction& description, QObject* parent);
 
 }  // namespace lapedit::host

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit_host/host_tool.h"
+#include "lapedit_host/tool/host_tool.h"
 
 #include <meshlab/glarea.h>
 
@@ -243,11 +243,11 @@ class HostTool final : public QObject, public HostToolBase {
 
 }  // namespace
 
-HostToolBase* make_host_tool(const EditToolAction& description) {
+HostToolBase* makeHostTool(const EditToolAction& description) {
   return new HostTool(description);
 }
 
-QAction* make_action(const EditToolAction& description, QObject* parent) {
+QAction* makeAction(const EditToolAction& description, QObject* parent) {
   auto* const action = new QAction(QIcon(description.icon), description.title, parent);
   action->setCheckable(true);
   action->setShortcut(description.shortcut);
