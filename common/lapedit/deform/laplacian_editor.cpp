@@ -262,8 +262,8 @@ bool LaplacianEditor::has_preview() const {
 }
 
 const Points& LaplacianEditor::preview_normals() {
-  static const Points kNone(0, 3);
-  return impl_->preview ? impl_->preview->normals() : kNone;
+  static const Points none(0, 3);
+  return impl_->preview ? impl_->preview->normals() : none;
 }
 
 const std::vector<Matrix3>& LaplacianEditor::rotations() const {
