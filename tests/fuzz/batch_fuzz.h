@@ -11,8 +11,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "host/batch_host.h"
 #include "fuzz.h"
+#include "host/batch_host.h"
 
 /// Leaks that are not ours.
 extern "C" inline __attribute__((used, visibility("default"))) const char* __lsan_default_suppressions() {
