@@ -24,7 +24,7 @@ class LayerSession {
     Nothing,     ///< no vertex has moved
     Passing,     ///< a pose in progress was written
     Settled,     ///< what was applied or taken back was written
-    MeshChanged  ///< nothing was written: somebody else had changed the mesh
+    MeshChanged  ///< the mesh was changed elsewhere; it was left as it is
   };
   /// Writes what the session has moved since the last call into the layer's mesh.
   Update update(CMeshO& mesh);

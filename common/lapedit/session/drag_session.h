@@ -26,8 +26,8 @@ namespace lapedit {
 ///
 /// Mouse and keys in, poses out. Nothing here waits: regions are prepared and poses solved by a worker thread, and
 /// poll() takes them up; take_change() says which vertices have moved since. Each release applies one EditStep to the
-/// mesh, of which recorded() tells all: applied to original() by apply_edit() they give mesh() bit for bit. No function
-/// throws for what a user can do; what is not possible is told by message().
+/// mesh. recorded() holds them all: applied to original() by apply_edit() they give mesh() bit for bit. User input never
+/// makes a function throw: message() says what was refused.
 class DragSession {
  public:
   enum class State {

@@ -56,7 +56,7 @@ using Phase = std::variant<Idle, Picked, Dragging, Amending, Loading>;
 /// What the panel shows. Counts of the region; milliseconds; lengths in model units.
 struct DragFigures {
   int handle = 0, free = 0, anchors = 0, fixed = 0;
-  // What is not known, as the region is being prepared or nothing was posed in it yet, is nothing.
+  // Empty while the region is being prepared, or before it has a pose.
   std::optional<double> in_hand_ms;  ///< until a drag could be followed
   std::optional<double> prepare_ms;
   std::optional<double> solve_ms;         ///< of the last pose
