@@ -26,8 +26,8 @@ namespace lapedit {
 ///
 /// Mouse and keys in, poses out. Nothing here waits: regions are prepared and poses solved by a worker thread, and
 /// poll() takes them up; take_change() says which vertices have moved since. Each release applies one EditStep to the
-/// mesh. recorded() holds them all: applied to original() by apply_edit() they give mesh() bit for bit. User input never
-/// makes a function throw: message() says what was refused.
+/// mesh. recorded() holds them all: applied to original() by apply_edit() they give mesh() bit for bit. User input
+/// never makes a function throw: message() says what was refused.
 class DragSession {
  public:
   enum class State {
