@@ -154,7 +154,7 @@ void drawGizmo(const Gizmo& gizmo, const Camera& view, GizmoPart part, bool alon
       }
     }
   }
-  if (!alone || part == GizmoPart::Scale) {
+  if (alone ? part == GizmoPart::Scale : !gizmo.only_arrows) {
     knob(p, part == GizmoPart::Scale);
   }
   cross(p);

@@ -323,6 +323,7 @@ QWidget* Panel::widgetOf(const Setting& setting) {
     case Setting::Kind::Whole: {
       auto* box = count(setting.key, static_cast<int>(setting.low), static_cast<int>(setting.high), help, access);
       box->setSuffix(tr(" times"));
+      box->setSpecialValueText(setting.low == 0 ? tr("automatic") : QString());
       return box;
     }
     case Setting::Kind::Length: {

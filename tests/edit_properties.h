@@ -23,15 +23,16 @@ constexpr double kRounding = 1e-9;
 /// The same where rotations settle: the last pass still changes that much. Up to 3e-8 was seen.
 constexpr double kSettled = 1e-6;
 
-/// What vertices' numbers may do there: cells grow from every so manieth vertex. 3 % was seen, on a bar of 24 x 4 x 4.
-constexpr double kOtherCells = 0.04;
+/// What turning a mesh with ties does there: coordinates decide which vertices begin cells. 1.2 % was seen, on an
+/// arm.
+constexpr double kOtherCells = 0.02;
 
 struct EditCase {
   std::string name;
   TriangleMesh mesh;
   RegionSpec region;
   std::vector<std::vector<int>> handles;
-  std::vector<Affine> maps;  ///< one per handle group
+  std::vector<HandleMotion> maps;  ///< one per handle group
   /// Several edges of a vertex are equally tangential, so rounding decides which one the paper's frames follow.
   bool has_ties = false;
   double normal_radius = 0;         ///< 0: automatic
@@ -86,8 +87,8 @@ class EditProperties : public ::testing::TestWithParam<NamedCase> {
   static Points rest_of(const EditCase& edit, const LaplacianEditor& editor) {
     return support::rows(edit.mesh.vertices, editor.region().mesh_vertex);
   }
-  static std::vector<Affine> unmoved(const EditCase& edit) {
-    return std::vector<Affine>(edit.maps.size(), Affine::Identity());
+  static std::vector<HandleMotion> unmoved(const EditCase& edit) {
+    return std::vector<HandleMotion>(edit.maps.size(), Affine::Identity());
   }
 
   /// The same edit seen from elsewhere; map is a similarity of the given scale.
@@ -96,8 +97,8 @@ class EditProperties : public ::testing::TestWithParam<NamedCase> {
     result.mesh = support::moved(map, edit.mesh);
     result.region.radius *= scale;
     result.normal_radius *= scale;
-    for (Affine& handle_map : result.maps) {
-      handle_map = Affine(map * handle_map * map.inverse());
+    for (HandleMotion& handle_map : result.maps) {
+      handle_map.map = map * handle_map.map * map.inverse();
     }
     return result;
   }
@@ -155,7 +156,7 @@ TEST_P(EditProperties, OutsideTheRegionNothingIsTouched) {
   step.region = edit.region;
   for (std::size_t g = 0; g < edit.handles.size(); ++g) {
     HandleTransform transform;
-    transform.matrix = edit.maps[g].matrix();
+    transform.matrix = edit.maps[g].map.matrix();
     step.handles.push_back({edit.handles[g], transform});
   }
   const TriangleMesh before = edit.mesh;
@@ -191,7 +192,8 @@ TEST_P(EditProperties, TurningAndScalingAllTurnsAndScalesTheResult) {
   }
   for_all_settings([&](const EditSettings& settings) {
     if (!undecided(edit, settings)) {
-      EXPECT_LT(equivariance_error(edit, settings, views), rounding(settings));
+      const bool other_cells = edit.has_ties && settings.rotation == DetailRotation::LocalGlobal;
+      EXPECT_LT(equivariance_error(edit, settings, views), other_cells ? kOtherCells : rounding(settings));
     }
   });
 }
@@ -226,7 +228,7 @@ TEST_P(EditProperties, RigidMotionOfAllConstraintsIsThatOfTheRegion) {
   for_all_settings([&](const EditSettings& settings) {
     if (settings.rotation != DetailRotation::None) {
       LaplacianEditor editor = editor_of(edit, settings);
-      const Points& result = editor.solve(std::vector<Affine>(edit.maps.size(), map), map);
+      const Points& result = editor.solve(std::vector<HandleMotion>(edit.maps.size(), map), map);
       EXPECT_LT(support::error(result, support::moved(map, rest_of(edit, editor))), 1e-12);
       for (const Matrix3& rotation : editor.rotations()) {
         ASSERT_LT((rotation - map.linear()).norm(), 1e-12);
@@ -240,9 +242,9 @@ TEST_P(EditProperties, MovingTheAnchorsCarriesTheEditAlong) {
   const EditCase edit = GetParam().make();
   const double size = support::diameter(edit.mesh.vertices);
   const Affine map = support::rigid(130, Vector3(1, 2, -1), size * Vector3(0.3, -0.2, 1));
-  std::vector<Affine> maps;
-  for (const Affine& handle_map : edit.maps) {
-    maps.push_back(Affine(map * handle_map));
+  std::vector<HandleMotion> maps;
+  for (const HandleMotion& handle_map : edit.maps) {
+    maps.push_back(Affine(map * handle_map.map));
   }
   for_all_settings([&](const EditSettings& settings) {
     if (settings.rotation != DetailRotation::None && !undecided(edit, settings)) {
@@ -253,7 +255,7 @@ TEST_P(EditProperties, MovingTheAnchorsCarriesTheEditAlong) {
       for (std::size_t i = 0; i < here.rotations().size(); ++i) {
         worst = std::max(worst, (there.rotations()[i] - map.linear() * here.rotations()[i]).norm());
       }
-      EXPECT_LT(worst, 1e-6) << "rotations of thin parts are known less well than positions";
+      EXPECT_LT(worst, 1e-5) << "rotations of thin parts are known less well than positions";
     }
   });
 }
@@ -279,7 +281,7 @@ TEST_P(EditProperties, RenumberingPermutesTheResult) {
       all.row(two.region().mesh_vertex[i]) = renumbered.row(i);
     }
     EXPECT_LT(support::error(support::rows(all, support::renumbered(one.region().mesh_vertex, numbers)), result),
-              settings.rotation == DetailRotation::LocalGlobal ? kOtherCells : kRounding);
+              rounding(settings));
   });
 }
 
@@ -302,8 +304,8 @@ TEST_P(EditProperties, SolvesDoNotDependOnWhatWasSolvedBefore) {
   const Affine elsewhere = support::rigid(-60, Vector3(1, 0, 1), size * Vector3(1, 1, 1));
   for_all_settings([&](const EditSettings& settings) {
     LaplacianEditor fresh = editor_of(edit, settings), used = editor_of(edit, settings);
-    used.solve(std::vector<Affine>(edit.maps.size(), elsewhere), elsewhere);
-    used.solve(std::vector<Affine>(edit.maps.size(), elsewhere));
+    used.solve(std::vector<HandleMotion>(edit.maps.size(), elsewhere), elsewhere);
+    used.solve(std::vector<HandleMotion>(edit.maps.size(), elsewhere));
     EXPECT_TRUE(support::same_bits(used.solve(edit.maps), fresh.solve(edit.maps)));
     EXPECT_EQ(used.rotations(), fresh.rotations());
   });
@@ -318,15 +320,15 @@ TEST_P(EditProperties, UnrotatedResultIsAffineInTheHandles) {
       const Points rest = rest_of(edit, editor);
       const Points whole = editor.solve(edit.maps);
       for (const double t : {0.3, -2.0, 100.0}) {
-        std::vector<Affine> maps;
-        for (const Affine& map : edit.maps) {
-          maps.push_back(support::part(map, t));
+        std::vector<HandleMotion> maps;
+        for (const HandleMotion& map : edit.maps) {
+          maps.push_back(support::part(map.map, t));
         }
         EXPECT_LT(support::error(editor.solve(maps), (1 - t) * rest + t * whole), 1e-10) << "t = " << t;
       }
       Points sum = rest;  // of the responses to each group alone
       for (std::size_t g = 0; g < edit.maps.size(); ++g) {
-        std::vector<Affine> maps = unmoved(edit);
+        std::vector<HandleMotion> maps = unmoved(edit);
         maps[g] = edit.maps[g];
         sum += editor.solve(maps) - rest;
       }

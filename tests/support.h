@@ -174,9 +174,9 @@ inline Affine part(const Affine& map, double t) {
   return result;
 }
 
-inline std::vector<Affine> part(std::vector<Affine> maps, double t) {
-  for (Affine& map : maps) {
-    map = part(map, t);
+inline std::vector<HandleMotion> part(std::vector<HandleMotion> maps, double t) {
+  for (HandleMotion& map : maps) {
+    map.map = part(map.map, t);
   }
   return maps;
 }

@@ -50,7 +50,7 @@ EDIT_PARAMETERS = {
     "region_source": (choice, 0),
     "radius": (length, 1), "padding": (real, 0.1), "translation": (point, (0, 0, 0)),
     "rotation_axis": (point, (0, 0, 1)), "rotation_angle": (real, 0), "scale": (real, 1), "laplacian": (choice, 2),
-    "order": (integer, 1), "detail_rotation": (choice, 3), "iterations": (integer, 1), "normal_radius": (length, 0),
+    "order": (integer, 1), "detail_rotation": (choice, 3), "iterations": (integer, 0), "normal_radius": (length, 0),
     "handle_weight": (real, 30), "anchor_weight": (real, 30),
     "turning": (choice, 1), "rough": (choice, 0), "membrane": (real, 500)}
 

@@ -42,7 +42,8 @@ class Parameters(RefusalTest):
     def test_settings(self):
         self.refused_edit(r"order .*is 0: give 1, 2 or 3", order=0)
         self.refused_edit(r"order .*is 4: give 1, 2 or 3", order=4)
-        self.refused_edit(r"iterations.* 0", iterations=0)
+        self.refused_edit(r"iterations is -1: give a whole number from 0 to 100", iterations=-1)
+        self.refused_edit(r"iterations is 101: give a whole number from 0 to 100", iterations=101)
         self.refused_edit(r"normal[_ ]radius is -1", normal_radius=-1)
         self.refused_edit(r"normal[_ ]radius is -?nan", normal_radius="nan")
         self.refused_edit(r"handle[_ ]weight is 0", handle_weight=0)
@@ -52,6 +53,10 @@ class Parameters(RefusalTest):
     def test_transform(self):
         self.refused_edit(r"scale is 0", scale=0)
         self.refused_edit(r"scale is not a finite number", scale="nan")
+        self.refused_edit(rf"group 0 is vertex {CENTRE} alone, which cannot be scaled by 2 .*: name several", scale=2)
+        self.refused_edit(rf"vertex {CENTRE} alone, which cannot be rotated by 10 degrees", rotation_angle=10)
+        turned = {**self.good_json, "handles": [{"vertices": str(CENTRE), "rotation": {"degrees": 270}}]}
+        self.refused([replay(turned)], rf"vertex {CENTRE} alone, which cannot be rotated by 270 degrees")
         self.refused_edit(r"rotation axis is \(0, 0, 0\)", rotation_axis=(0, 0, 0), rotation_angle=10)
         self.refused_edit(r"not a finite number", rotation_angle="inf")
         self.refused_edit(r"translation is not a finite number", translation=("inf", 0, 0))

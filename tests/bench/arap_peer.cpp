@@ -36,7 +36,7 @@ Mesh cgal_mesh(const lapedit::TriangleMesh& mesh) {
 }
 
 template <CGAL::Deformation_algorithm_tag tag>
-MethodResult deformed(const Scene& scene) {
+MethodResult deformed(const Scene& scene, int iterations) {
   const lapedit::TriangleMesh& mesh = scene.edit.mesh;
   const lapedit::Region& region = scene.region;
   using Deformation = CGAL::Surface_mesh_deformation<Mesh, CGAL::Default, CGAL::Default, tag>;
@@ -71,14 +71,14 @@ MethodResult deformed(const Scene& scene) {
   }
   // Each alone, as in a drag; they go on from one another.
   std::vector<double> frames;
-  for (int k = 0; k < kArapIterations; ++k) {
+  for (int k = 0; k < iterations; ++k) {
     lapedit::Stopwatch frame;
     deformation.deform(1, 0.0);
     frames.push_back(frame.elapsed());
   }
   result.solve_ms = watch.elapsed();
-  std::nth_element(frames.begin(), frames.begin() + kArapIterations / 2, frames.end());
-  result.frame_ms = frames[static_cast<std::size_t>(kArapIterations / 2)];
+  std::nth_element(frames.begin(), frames.begin() + iterations / 2, frames.end());
+  result.frame_ms = frames[static_cast<std::size_t>(iterations / 2)];
   result.positions.resize(mesh.vertices.rows(), 3);
   for (const auto v : surface.vertices()) {
     const Kernel::Point_3& p = surface.point(v);
@@ -89,12 +89,12 @@ MethodResult deformed(const Scene& scene) {
 
 }  // namespace
 
-MethodResult arap(const Scene& scene) {
-  return deformed<CGAL::ORIGINAL_ARAP>(scene);
+MethodResult arap(const Scene& scene, int iterations) {
+  return deformed<CGAL::ORIGINAL_ARAP>(scene, iterations);
 }
 
 MethodResult smooth_arap(const Scene& scene) {
-  return deformed<CGAL::SRE_ARAP>(scene);
+  return deformed<CGAL::SRE_ARAP>(scene, kArapIterations);
 }
 
 }  // namespace quality

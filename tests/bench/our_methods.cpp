@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "our_methods.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
+#include <memory>
 #include <stdexcept>
 #include <vector>
 
@@ -13,6 +16,18 @@
 namespace quality {
 
 using lapedit::EditSettings;
+
+namespace {
+
+lapedit::Points whole_mesh(const Edit& edit, const lapedit::Region& region, const lapedit::Points& solved) {
+  lapedit::Points result = edit.mesh.vertices;
+  for (int i = 0; i < region.size(); ++i) {
+    result.row(region.mesh_vertex[i]) = solved.row(i);
+  }
+  return result;
+}
+
+}  // namespace
 
 EditSettings settings_of(const std::string& text) {
   EditSettings settings;
@@ -50,27 +65,35 @@ MethodResult ours(const Scene& scene, const EditSettings& settings) {
       edit.mesh, lapedit::build_region(edit.mesh, scene.adjacency, edit.region, edit.handles, settings.threads),
       settings);
   result.prepare_ms = watch.lap();
-  const lapedit::Points& solved = editor.solve(edit.maps);
+  const lapedit::Points& solved = editor.solve({edit.maps.begin(), edit.maps.end()});
   result.solve_ms = watch.lap();
-  result.positions = edit.mesh.vertices;
-  for (int i = 0; i < editor.region().size(); ++i) {
-    result.positions.row(editor.region().mesh_vertex[i]) = solved.row(i);
-  }
+  result.positions = whole_mesh(edit, editor.region(), solved);
   result.fast_frame = editor.has_preview();
   // A mouse that comes near the pose, small step by small step.
   std::vector<double> frames;
   for (int k = 0; k < kFrames; ++k) {
-    std::vector<lapedit::Affine> maps = edit.maps;
-    for (lapedit::Affine& map : maps) {
-      map.translation() *= 1 - 0.002 * (kFrames - k);
+    std::vector<lapedit::HandleMotion> motions(edit.maps.begin(), edit.maps.end());
+    for (lapedit::HandleMotion& motion : motions) {
+      motion.map.translation() *= 1 - 0.002 * (kFrames - k);
     }
     watch.lap();
-    editor.preview(maps);
+    editor.preview(motions);
     frames.push_back(watch.lap());
   }
   std::nth_element(frames.begin(), frames.begin() + kFrames / 2, frames.end());
   result.frame_ms = frames[kFrames / 2];
   return result;
+}
+
+std::function<lapedit::Points(double)> poser(const Scene& scene, const EditSettings& settings) {
+  const auto editor = std::make_shared<lapedit::LaplacianEditor>(scene.edit.mesh, scene.region, settings);
+  return [&scene, editor](double fraction) {
+    std::vector<lapedit::HandleMotion> motions(scene.edit.maps.begin(), scene.edit.maps.end());
+    for (lapedit::HandleMotion& motion : motions) {
+      motion.part = fraction;
+    }
+    return whole_mesh(scene.edit, editor->region(), editor->solve(motions));
+  };
 }
 
 }  // namespace quality

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <string>
+#include <vector>
 
 #include "lapedit/deform/edit_settings.h"
 #include "quality_scene.h"
@@ -15,5 +17,9 @@ lapedit::EditSettings settings_of(const std::string& text);
 /// This library's. A frame is a preview near the end of a drag.
 /// @throws EditError
 MethodResult ours(const Scene& scene, const lapedit::EditSettings& settings);
+
+/// Returns a function that solves for a fraction of the edit's motions, 0 to 1, and returns the positions of the whole
+/// mesh. It uses the scene, which has to live as long.
+std::function<lapedit::Points(double)> poser(const Scene& scene, const lapedit::EditSettings& settings);
 
 }  // namespace quality

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Shape and time of edits by this library's settings and by its peers, as a Markdown table with the bars we set
-// ourselves. See README.md.
+// Shape and time of edits by this library's settings and by its peers, as a Markdown table with the project's targets.
+// See README.md.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
@@ -19,6 +21,7 @@
 #include "our_methods.h"
 #include "quality_edits.h"
 #include "quality_files.h"
+#include "quality_motions.h"
 #include "quality_report.h"
 #include "quality_scene.h"
 #include "quality_text.h"
@@ -29,8 +32,6 @@
 namespace quality {
 namespace {
 
-constexpr const char* kArap = "ARAP";
-
 constexpr const char* kUsage = R"(usage: quality_bench [OPTION]...
   --edits A,B           these edits (--list names them)
   --quick               a handful of them
@@ -40,7 +41,10 @@ constexpr const char* kUsage = R"(usage: quality_bench [OPTION]...
   --only A,B            only these methods
   --blender             Blender's Laplacian Deform too
   --meshlab             what comes nearest among MeshLab's own filters too, for handles of one vertex
-  --bars NAME           whose bars are computed (default)
+  --targets NAME        the settings that are compared with the targets (default)
+  --jumps               instead of the table: the largest movement in 50, 500 and 5,000 steps of each edit
+  --renumbered          instead of the table: the change of each edit when the mesh is numbered at random
+  --symmetric           instead of the table: the asymmetry of edits that are symmetric
   --threads N           ours; 0, the default: as many as the machine has
   --repeat N            best times of so many runs (2)
   --json FILE           all figures
@@ -52,7 +56,7 @@ struct Options {
   std::vector<std::string> edits, only;
   bool quick = false, blender = false, meshlab = false, generated = true, real = true, list = false;
   std::vector<std::pair<std::string, std::string>> ours;
-  std::string bars = "default", json, out;
+  std::string targets = "default", steadiness, json, out;
   int threads = 0, repeat = 2;
 };
 
@@ -60,7 +64,7 @@ bool among(const std::vector<std::string>& names, const std::string& name) {
   return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
 }
 
-std::vector<Method> make_methods(const Options& options) {
+std::vector<std::pair<std::string, lapedit::EditSettings>> make_settings(const Options& options) {
   const std::string common = "order=1,rough=unrotated,membrane=0,handle_weight=10,anchor_weight=10,";
   std::vector<std::pair<std::string, std::string>> named = {
       {"paper", common + "laplacian=umbrella,detail_rotation=smooth_normals,iterations=1,turning=vertex"},
@@ -68,13 +72,21 @@ std::vector<Method> make_methods(const Options& options) {
       {"cotangent3", common + "laplacian=cotangent,detail_rotation=smooth_surface,iterations=3,turning=edge"},
       {"default", ""}};
   named.insert(named.end(), options.ours.begin(), options.ours.end());
-  std::vector<Method> methods;
+  std::vector<std::pair<std::string, lapedit::EditSettings>> result;
   for (const auto& [name, text] : named) {
-    lapedit::EditSettings settings = settings_of(text);
-    settings.threads = options.threads;
-    methods.push_back({name, [settings](const Scene& scene) { return ours(scene, settings); }});
+    result.emplace_back(name, settings_of(text));
+    result.back().second.threads = options.threads;
   }
-  methods.push_back({kArap, arap});
+  return result;
+}
+
+std::vector<Method> make_methods(const Options& options) {
+  std::vector<Method> methods;
+  for (const auto& [name, settings] : make_settings(options)) {
+    methods.push_back({name, [settings = settings](const Scene& scene) { return ours(scene, settings); }});
+  }
+  methods.push_back({"ARAP", [](const Scene& scene) { return arap(scene); }});
+  methods.push_back({"ARAP100", [](const Scene& scene) { return arap(scene, kManyArapIterations); }, true});
   methods.push_back({"SR-ARAP", smooth_arap});
   if (options.blender) {
     methods.push_back({"Blender", blender, true});
@@ -153,47 +165,36 @@ void write_rest(const std::filesystem::path& folder, const Scene& scene) {
 
 Options parse(int argc, char** argv) {
   Options options;
+  const std::map<std::string, std::function<void(const std::string&)>> with_value = {
+      {"--edits", [&](const std::string& value) { options.edits = split(value, ','); }},
+      {"--only", [&](const std::string& value) { options.only = split(value, ','); }},
+      {"--ours", [&](const std::string& value) { options.ours.push_back(key_and_value(value)); }},
+      {"--targets", [&](const std::string& value) { options.targets = value; }},
+      {"--threads", [&](const std::string& value) { options.threads = std::stoi(value); }},
+      {"--repeat", [&](const std::string& value) { options.repeat = std::max(1, std::stoi(value)); }},
+      {"--json", [&](const std::string& value) { options.json = value; }},
+      {"--out", [&](const std::string& value) { options.out = value; }}};
+  const std::map<std::string, std::function<void()>> alone = {
+      {"--quick", [&] { options.quick = true; }},
+      {"--blender", [&] { options.blender = true; }},
+      {"--meshlab", [&] { options.meshlab = true; }},
+      {"--generated", [&] { options.real = false; }},
+      {"--real", [&] { options.generated = false; }},
+      {"--list", [&] { options.list = true; }},
+      {"--jumps", [&] { options.steadiness = "--jumps"; }},
+      {"--renumbered", [&] { options.steadiness = "--renumbered"; }},
+      {"--symmetric", [&] { options.steadiness = "--symmetric"; }}};
   for (int k = 1; k < argc; ++k) {
     const std::string option = argv[k];
-    const auto value = [&]() -> std::string {
-      if (k + 1 >= argc) {
-        throw std::runtime_error(option + " wants a value");
-      }
-      return argv[++k];
-    };
     if (option == "--help") {
       std::fputs(kUsage, stdout);
       std::exit(0);
-    } else if (option == "--edits") {
-      options.edits = split(value(), ',');
-    } else if (option == "--only") {
-      options.only = split(value(), ',');
-    } else if (option == "--quick") {
-      options.quick = true;
-    } else if (option == "--blender") {
-      options.blender = true;
-    } else if (option == "--meshlab") {
-      options.meshlab = true;
-    } else if (option == "--generated") {
-      options.real = false;
-    } else if (option == "--real") {
-      options.generated = false;
-    } else if (option == "--list") {
-      options.list = true;
-    } else if (option == "--ours") {
-      options.ours.push_back(key_and_value(value()));
-    } else if (option == "--bars") {
-      options.bars = value();
-    } else if (option == "--threads") {
-      options.threads = std::stoi(value());
-    } else if (option == "--repeat") {
-      options.repeat = std::max(1, std::stoi(value()));
-    } else if (option == "--json") {
-      options.json = value();
-    } else if (option == "--out") {
-      options.out = value();
+    } else if (alone.count(option) > 0) {
+      alone.at(option)();
+    } else if (with_value.count(option) > 0 && k + 1 < argc) {
+      with_value.at(option)(argv[++k]);
     } else {
-      throw std::runtime_error("unknown: " + option + "\n" + kUsage);
+      throw std::runtime_error("unknown, or without its value: " + option + "\n" + kUsage);
     }
   }
   return options;
@@ -225,6 +226,15 @@ int run(int argc, char** argv) {
     }
     return 0;
   }
+  if (!options.steadiness.empty()) {
+    for (const auto& [name, settings] : make_settings(options)) {
+      if (name == options.targets) {
+        print_steadiness(options.steadiness, chosen, settings);
+        return 0;
+      }
+    }
+    throw std::runtime_error("there are no settings " + options.targets);
+  }
   print_head();
   std::vector<Row> rows;
   nlohmann::ordered_json json;
@@ -241,7 +251,7 @@ int run(int argc, char** argv) {
         run_once_more(methods[m], scene, outcomes[m]);
       }
     }
-    Row row{named->name, scene.region.size(), std::vector<Figures>(methods.size())};
+    Row row{named->name, named->kind, scene.region.size(), std::vector<Figures>(methods.size())};
     for (std::size_t m = 0; m < methods.size(); ++m) {
       if (!outcomes[m].best) {
         row.of[m].failed = outcomes[m].failed;
@@ -257,7 +267,7 @@ int run(int argc, char** argv) {
     rows.push_back(std::move(row));
   }
   print_summary(rows, methods);
-  print_bars(rows, methods, options.bars, kArap);
+  print_targets(rows, methods, options.targets);
   if (!options.json.empty()) {
     std::ofstream(options.json) << json.dump(1) << '\n';
   }

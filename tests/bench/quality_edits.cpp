@@ -3,8 +3,7 @@
 
 #include <cmath>
 
-#include "lapedit/mesh/geodesic.h"
-#include "lapedit/mesh/vertex_set.h"
+#include "quality_handles.h"
 #include "quality_shapes.h"
 #include "shapes.h"
 #ifdef QUALITY_REAL_MESHES
@@ -13,69 +12,6 @@
 
 namespace quality {
 namespace {
-
-using lapedit::Affine;
-using lapedit::RegionSpec;
-using lapedit::TriangleMesh;
-using lapedit::Vector3;
-
-constexpr double kPi = 3.14159265358979323846;
-
-int vertex_at(const TriangleMesh& mesh, const Vector3& place) {
-  return lapedit::nearest_vertex(mesh, place);
-}
-
-template <typename Condition>
-std::vector<int> vertices_where(const TriangleMesh& mesh, Condition condition) {
-  std::vector<int> result;
-  for (int v = 0; v < mesh.vertices.rows(); ++v) {
-    if (condition(Vector3(mesh.vertices.row(v)))) {
-      result.push_back(v);
-    }
-  }
-  return result;
-}
-
-/// All within a distance along the surface.
-std::vector<int> patch(const TriangleMesh& mesh, int vertex, double radius) {
-  const auto adjacency = lapedit::build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
-  lapedit::GeodesicSearch search(adjacency.neighbours, mesh.vertices);
-  return search.run({vertex}, radius);
-}
-
-RegionSpec within(double radius) {
-  RegionSpec spec;
-  spec.radius = radius;
-  return spec;
-}
-
-Affine shift(double x, double y, double z) {
-  return Affine(Eigen::Translation3d(x, y, z));
-}
-
-/// Turned about an axis through a point, then moved.
-Affine turn(double degrees, const Vector3& axis, const Vector3& centre, const Vector3& way = Vector3::Zero()) {
-  const Eigen::AngleAxisd rotation(degrees * kPi / 180, axis.normalized());
-  return Affine(Eigen::Translation3d(centre + way) * rotation * Eigen::Translation3d(-centre));
-}
-
-/// A limb's end turned as if the limb, from its root on, became an arc of the same length.
-/// @param along  from the root to the end
-Affine arc(double degrees, const Vector3& axis, const Vector3& root, const Vector3& along) {
-  const double angle = degrees * kPi / 180;
-  const Vector3 side = axis.normalized().cross(along);
-  const Vector3 end = along * (std::sin(angle) / angle) + side * ((1 - std::cos(angle)) / angle);
-  return turn(degrees, axis, root + along, end - along);
-}
-
-/// Where a group is.
-Vector3 middle(const TriangleMesh& mesh, const std::vector<int>& group) {
-  Vector3 sum = Vector3::Zero();
-  for (const int v : group) {
-    sum += Vector3(mesh.vertices.row(v));
-  }
-  return sum / static_cast<double>(group.size());
-}
 
 Edit ear(bool group) {
   Edit edit;
@@ -103,29 +39,19 @@ Edit bent_limb(double degrees) {
   return edit;
 }
 
-Edit twisted_limb(double degrees) {
-  Edit edit = bent_limb(degrees);
-  edit.maps = {turn(degrees, {1, 0, 0}, {9, 0, 0})};
-  return edit;
-}
-
-Edit pulled_limb() {
-  Edit edit;
-  edit.mesh = lapedit::shapes::tapered_arm(72, 130);
-  edit.handles = {{vertex_at(edit.mesh, {10, 0, 0})}};
-  edit.region = within(9);
-  edit.maps = {shift(-3, 0, 6)};
-  edit.toward = {0, -1, 0.2};
+Edit twisted_limb() {
+  Edit edit = bent_limb(120);
+  edit.maps = {turn(120, {1, 0, 0}, {9, 0, 0})};
   return edit;
 }
 
 /// At the elbow, as a user who turns the fist about it.
-Edit bent_arm(double degrees) {
+Edit bent_arm() {
   Edit edit;
   edit.mesh = body_with_arm(0.04);
   edit.handles = {vertices_where(edit.mesh, [](const Vector3& p) { return p.x() > 3.3; })};
   edit.region = within(2.6);
-  edit.maps = {arc(degrees, {0, -1, 0}, {0.9, 0, 0}, {2.4, 0, 0})};
+  edit.maps = {arc(120, {0, -1, 0}, {0.9, 0, 0}, {2.4, 0, 0})};
   edit.toward = {0.2, -1, 0.25};
   return edit;
 }
@@ -137,17 +63,6 @@ Edit pulled_arm() {
   edit.region = within(3.6);
   edit.maps = {shift(-1.2, 0, 2.2)};
   edit.toward = {0.2, -1, 0.25};
-  return edit;
-}
-
-Edit turned_head(double degrees, const Vector3& axis, const Vector3& way) {
-  Edit edit;
-  edit.mesh = bust(0.045);
-  edit.handles = {
-      vertices_where(edit.mesh, [](const Vector3& p) { return p.z() > 1.75 || (p.z() > 1 && p.y() < -0.5); })};
-  edit.region = within(1.9);
-  edit.maps = {turn(degrees, axis, {0, 0, 1.4}, way)};
-  edit.toward = {0.7, -0.8, 0.35};
   return edit;
 }
 
@@ -175,19 +90,19 @@ Edit pulled_nose(double way, double radius) {
   return edit;
 }
 
-Edit letters(const Vector3& way) {
+Edit letters() {
   Edit edit;
   edit.mesh = lapedit::shapes::letter_field(180, 90);
   edit.height_field = true;
   edit.handles = {{vertex_at(edit.mesh, {2.05, 0.9, 0.12})}};
   edit.region = within(1.8);
-  edit.maps = {shift(way.x(), way.y(), way.z())};
+  edit.maps = {shift(0.8, 0, 1)};
   edit.toward = {0.3, -0.9, 0.75};
   return edit;
 }
 
 /// The grid of figures that a known angle and height belong to: see detail_orientation_test.
-Edit bumpy_grid(const Vector3& way) {
+Edit bumpy_grid() {
   Edit edit;
   edit.mesh = lapedit::shapes::bumpy_grid();
   edit.height_field = true;
@@ -199,17 +114,19 @@ Edit bumpy_grid(const Vector3& way) {
   spec.anchors.depths.assign(spec.anchors.vertices.size(), 1);
   spec.anchors.reach = 50;
   edit.handles = {vertices_where(edit.mesh, [](const Vector3& p) { return p.x() == 50; })};
-  edit.maps = {shift(way.x(), way.y(), way.z())};
+  edit.maps = {shift(30, 0, 60)};
   return edit;
 }
 
-Edit twisted_bar(double degrees) {
+/// A bar without anchors, held by its ends.
+Edit bar(const Affine& left, const Affine& right) {
   Edit edit;
   edit.mesh = lapedit::shapes::bar(60, 14, 14);
   edit.region.kind = RegionSpec::Kind::Component;
   edit.handles = {vertices_where(edit.mesh, [](const Vector3& p) { return p.x() < 4.5; }),
                   vertices_where(edit.mesh, [](const Vector3& p) { return p.x() > 55.5; })};
-  edit.maps = {Affine::Identity(), turn(degrees, {1, 0, 0}, {0, 7, 7})};
+  edit.maps = {left, right};
+  edit.toward = {0.2, -1, 0.3};
   return edit;
 }
 
@@ -238,69 +155,75 @@ Edit real_turned(Edit edit, double patch_radius, double degrees, const Vector3& 
 
 std::vector<NamedEdit> make_edits() {
   std::vector<NamedEdit> list;
-  const auto add = [&list](const char* name, bool quick, std::function<Edit()> make) {
-    list.push_back({name, quick, false, std::move(make)});
+  const auto add = [&list](const char* name, EditClass kind, bool quick, std::function<Edit()> make) {
+    list.push_back({name, kind, quick, false, std::move(make)});
   };
-  add("ear_vertex", true, [] { return ear(false); });
-  add("ear_group", false, [] { return ear(true); });
-  add("limb_60", false, [] { return bent_limb(60); });
-  add("limb_90", true, [] { return bent_limb(90); });
-  add("limb_120", false, [] { return bent_limb(120); });
-  add("limb_179", false, [] { return bent_limb(179); });
-  add("limb_twisted", false, [] { return twisted_limb(120); });
-  add("limb_vertex", true, pulled_limb);
-  add("arm_90", false, [] { return bent_arm(90); });
-  add("arm_120", false, [] { return bent_arm(120); });
-  add("arm_vertex", false, pulled_arm);
-  add("head_turned", true, [] { return turned_head(75, {0, 0, 1}, {0, 0, 0}); });
-  add("head_nodding", false, [] { return turned_head(60, {1, 0, 0}, {0, -0.5, -0.2}); });
-  add("nose_gently", false, [] { return pulled_nose(0.5, 0.9); });
-  add("nose_far", true, [] { return pulled_nose(1.5, 0.9); });
-  add("tail_vertex", false, [] { return bent_tail(false); });
-  add("tail_group", true, [] { return bent_tail(true); });
-  add("letters_up", false, [] { return letters({0, 0, 1}); });
-  add("letters_sideways", false, [] { return letters({0.8, 0, 1}); });
-  add("grid_up", false, [] { return bumpy_grid({0, 0, 40}); });
-  add("grid_sideways", true, [] { return bumpy_grid({30, 0, 60}); });
-  add("bar_twisted", true, [] { return twisted_bar(90); });
+  add("ear_vertex", EditClass::Vertex, true, [] { return ear(false); });
+  add("ear_group", EditClass::FarTurned, false, [] { return ear(true); });
+  add("limb_90", EditClass::Turned, true, [] { return bent_limb(90); });
+  add("limb_120", EditClass::FarTurned, false, [] { return bent_limb(120); });
+  add("limb_179", EditClass::FarTurned, false, [] { return bent_limb(179); });
+  add("limb_twisted", EditClass::FarTurned, false, twisted_limb);
+  add("arm_120", EditClass::FarTurned, false, bent_arm);
+  add("arm_vertex", EditClass::Vertex, true, pulled_arm);
+  add("nose_gently", EditClass::Vertex, false, [] { return pulled_nose(0.5, 0.9); });
+  add("nose_far", EditClass::Vertex, true, [] { return pulled_nose(1.5, 0.9); });
+  add("tail_vertex", EditClass::Vertex, false, [] { return bent_tail(false); });
+  add("tail_group", EditClass::Turned, true, [] { return bent_tail(true); });
+  add("letters_sideways", EditClass::Vertex, false, letters);
+  add("grid_sideways", EditClass::Other, true, bumpy_grid);
+  add("bar_twisted", EditClass::Several, true, [] { return bar(Affine::Identity(), turn(90, {1, 0, 0}, {0, 7, 7})); });
+  add("bar_both_ends", EditClass::Several, false, [] {
+    const Vector3 centre(30, 7, 7);
+    return bar(arc(60, {0, 1, 0}, centre, {-25.5, 0, 0}), arc(60, {0, -1, 0}, centre, {25.5, 0, 0}));
+  });
+  add_joint_edits(list);
 #ifdef QUALITY_REAL_MESHES
-  const auto add_real = [&list](const char* name, bool quick, std::function<Edit()> make) {
-    list.push_back({name, quick, true, std::move(make)});
+  const auto add_real = [&list](const char* name, EditClass kind, bool quick, std::function<Edit()> make) {
+    list.push_back({name, kind, quick, true, std::move(make)});
   };
   const Vector3 profile(0.9, -0.55, 0.15), below(0.5, 0.45, -0.9), face(0.9, 0.1, 0.6), y(0, 1, 0);
-  add_real("mannequin_nose", false, [=] {
+  add_real("mannequin_nose", EditClass::Vertex, false, [=] {
     return real("mannequin.off", 8624, 0.6117, {0, -12 / 9.4 * 0.6117, 0}, profile);
   });
-  add_real("mannequin_face", false, [=] { return real("mannequin.off", 8624, 1.2155, {0, -1.29, 0}, profile); });
-  add_real("mannequin_far", true, [=] {
+  add_real("mannequin_face", EditClass::Vertex, false, [=] {
+    return real("mannequin.off", 8624, 1.2155, {0, -1.29, 0}, profile);
+  });
+  add_real("mannequin_far", EditClass::Vertex, true, [=] {
     return real("mannequin.off", 8624, 1.2155, {0, -12 / 9.4 * 1.2155, 0}, profile);
   });
-  add_real("mannequin_head", false, [=] {
+  add_real("mannequin_head", EditClass::Turned, false, [=] {
     Edit edit = real("mannequin.off", 8624, 0.9, {0, 0, 0}, {-0.5, -0.8, 0.2});
     edit.handles = {vertices_where(edit.mesh, [](const Vector3& p) { return p.z() > -0.62 + 0.35 * p.y(); })};
     edit.maps = {turn(60, {0, 0, 1}, {0, 0.2, 0})};
     return edit;
   });
-  add_real("octopus_vertex", true, [=] { return real("octopus.off", 3175, 0.8, {0, 0.437, 0}, below, y); });
-  add_real("octopus_group", false, [=] {
+  add_real("octopus_vertex", EditClass::Vertex, true, [=] {
+    return real("octopus.off", 3175, 0.8, {0, 0.437, 0}, below, y);
+  });
+  add_real("octopus_group", EditClass::Turned, false, [=] {
     return real_turned(real("octopus.off", 3175, 0.8, {0, 0.3, 0}, below, y), 0.1, 90, {-0.65, 0, 0.76});
   });
-  add_real("bunny_vertex", true, [=] {
+  add_real("bunny_vertex", EditClass::Vertex, true, [=] {
     return real("bunny.ply", 23637, 0.06, {0.03, -0.05, 0.03}, {0.5, 0.15, 1}, y);
   });
-  add_real("bunny_group", false, [=] {
+  add_real("bunny_group", EditClass::Turned, false, [=] {
     return real_turned(real("bunny.ply", 23637, 0.06, {0.015, -0.015, 0.03}, {0.5, 0.15, 1}, y), 0.015, 75, {1, 0, 0});
   });
-  add_real("igea_nose", false, [=] { return real("igea.ply", 31536, 0.02, {0, 0, 0.02}, face, y); });
-  add_real("igea_face", false, [=] { return real("igea.ply", 31536, 0.0374, {0, 0.01, 0.03}, face, y); });
-  add_real("laurana_nose", false, [=] { return real("Laurana50k.ply", 25805, 80, {0, 0, 60}, face, y); });
+  add_real("igea_nose", EditClass::Vertex, false, [=] { return real("igea.ply", 31536, 0.02, {0, 0, 0.02}, face, y); });
+  add_real("igea_face", EditClass::Vertex, false, [=] {
+    return real("igea.ply", 31536, 0.0374, {0, 0.01, 0.03}, face, y);
+  });
+  add_real("laurana_nose", EditClass::Vertex, false, [=] {
+    return real("Laurana50k.ply", 25805, 80, {0, 0, 60}, face, y);
+  });
   const auto bumps = [](double radius, const Vector3& way) {
     Edit edit = real("bumpy_plane.off", 20200, radius, way, {0.3, -0.9, 0.6});
     edit.height_field = true;
     return edit;
   };
-  add_real("bumps_up", false, [=] { return bumps(40, {0, 0, 42.5}); });
-  add_real("bumps_sideways", false, [=] { return bumps(30, {20, 0, 30}); });
+  add_real("bumps_up", EditClass::Vertex, false, [=] { return bumps(40, {0, 0, 42.5}); });
+  add_real("bumps_sideways", EditClass::Vertex, false, [=] { return bumps(30, {20, 0, 30}); });
 #endif
   return list;
 }

@@ -17,17 +17,32 @@ struct Edit {
   std::vector<std::vector<int>> handles;
   std::vector<lapedit::Affine> maps;                            ///< one per handle group
   bool height_field = false;                                    ///< encloses nothing
+  bool symmetric = false;                                       ///< all of it is its own mirror image in x
   lapedit::Vector3 toward = {0.35, -0.8, 0.6}, up = {0, 0, 1};  ///< for a picture: from the mesh to the eye, upwards
+};
+
+/// Kinds of edits, which the summary compares one by one.
+enum class EditClass {
+  Vertex,     ///< one vertex pulled
+  Turned,     ///< one group turned by at most 90 degrees
+  FarTurned,  ///< one group turned by more
+  Several,    ///< several groups, or whole components
+  Elbow,      ///< a short free joint between two rigid parts
+  Other
 };
 
 /// Made when it is asked for.
 struct NamedEdit {
   const char* name;
+  EditClass kind;
   bool quick;  ///< among the handful
   bool real;   ///< on a mesh of the folder with the real ones
   std::function<Edit()> make;
 };
 
 const std::vector<NamedEdit>& edits();
+
+/// The part of the list that quality_joints.cpp defines.
+void add_joint_edits(std::vector<NamedEdit>& list);
 
 }  // namespace quality

@@ -17,6 +17,8 @@ using lapedit::Matrix3;
 using lapedit::Points;
 using lapedit::Vector3;
 
+constexpr double kPi = 3.14159265358979323846;
+
 /// Twice the area, along the normal.
 Vector3 cross(const Points& p, const Faces& faces, int f) {
   const Vector3 a = p.row(faces(f, 0));
@@ -129,6 +131,30 @@ int flipped_triangles(const Adjacency& adjacency, const Faces& faces, const std:
     const Matrix3 sum = rotation(faces(f, 0)) + rotation(faces(f, 1)) + rotation(faces(f, 2));
     return (nearest_rotation(sum) * cross(before, faces, f)).dot(cross(after, faces, f)) < 0;
   }));
+}
+
+double dihedral_change(const Faces& faces, const std::vector<int>& looked_at, const Points& before,
+                       const Points& after) {
+  std::map<std::pair<int, int>, std::vector<std::pair<int, int>>> sides;  // edge -> its faces and their third corners
+  for (const int f : looked_at) {
+    for (int k = 0; k < 3; ++k) {
+      sides[std::minmax(faces(f, k), faces(f, (k + 1) % 3))].emplace_back(f, faces(f, (k + 2) % 3));
+    }
+  }
+  double sum = 0;
+  int count = 0;
+  for (const auto& [side, at] : sides) {
+    const auto angle = [&faces, &side = side, &at = at](const Points& p) {
+      const Vector3 a = cross(p, faces, at[0].first), b = cross(p, faces, at[1].first);
+      const double beyond = a.dot(p.row(at[1].second) - p.row(side.first));
+      return std::copysign(std::atan2(a.cross(b).norm(), a.dot(b)), -beyond) * 180 / kPi;
+    };
+    if (at.size() == 2) {
+      sum += std::abs(std::remainder(angle(after) - angle(before), 360.0));
+      ++count;
+    }
+  }
+  return count > 0 ? sum / count : 0;
 }
 
 double volume_change(const Faces& faces, const std::vector<int>& looked_at, const Points& before, const Points& after) {

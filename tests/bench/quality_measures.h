@@ -25,6 +25,12 @@ std::vector<int> region_faces(const lapedit::Adjacency& adjacency, const lapedit
 int flipped_triangles(const lapedit::Adjacency& adjacency, const lapedit::Faces& faces,
                       const std::vector<int>& looked_at, const lapedit::Points& before, const lapedit::Points& after);
 
+/// Mean absolute change, in degrees, of the angle between the normals of neighbouring faces among those looked at, with
+/// its sign: positive where the surface is convex. Edges of more than two faces, and at faces without area, are left
+/// out.
+double dihedral_change(const lapedit::Faces& faces, const std::vector<int>& looked_at, const lapedit::Points& before,
+                       const lapedit::Points& after);
+
 /// Change of the volume below some faces over what they enclose before, closed by a fan over their border's centroid;
 /// not a number where they are as good as flat.
 double volume_change(const lapedit::Faces& faces, const std::vector<int>& looked_at, const lapedit::Points& before,

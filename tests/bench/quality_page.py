@@ -10,7 +10,7 @@ import statistics
 import sys
 
 OURS = "default"
-PEERS = ("ARAP", "SR-ARAP", "libigl", "biharmonic", "Blender", "MeshLab")
+PEERS = ("ARAP", "ARAP100", "SR-ARAP", "libigl", "biharmonic", "Blender", "MeshLab")
 METHODS = ("paper", OURS, *PEERS)
 FIGURES = {
     "RMS stretch": lambda f: f["rms"],

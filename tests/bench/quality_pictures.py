@@ -13,7 +13,7 @@ import numpy
 
 RENDER = pathlib.Path(__file__).resolve().parents[2] / "common/demo/render.py"
 MOST_BYTES = 200_000
-METHODS = ["default", "ARAP", "SR-ARAP", "libigl", "biharmonic", "Blender", "MeshLab"]
+METHODS = ["default", "ARAP", "ARAP100", "SR-ARAP", "libigl", "biharmonic", "Blender", "MeshLab"]
 
 
 def caption(method, figures):

@@ -12,6 +12,7 @@ namespace quality {
 
 struct Row {
   std::string edit;
+  EditClass kind;
   int vertices;             ///< of the region
   std::vector<Figures> of;  ///< one per method
 };
@@ -22,9 +23,9 @@ void print_row(const Row& row, const std::vector<Method>& methods);
 /// Sums, means and medians over the edits for which every method has a result.
 void print_summary(const std::vector<Row>& all, const std::vector<Method>& methods);
 
-/// One method's figures beside another's, with the bars that we set ourselves; missed ones are bold.
-void print_bars(const std::vector<Row>& all, const std::vector<Method>& methods, const std::string& whose,
-                const std::string& beside);
+/// One method's figures compared with those of ARAP and ARAP100, for each class of edits and with the project's
+/// targets; missed ones are bold.
+void print_targets(const std::vector<Row>& all, const std::vector<Method>& methods, const std::string& whose);
 
 nlohmann::ordered_json as_json(const Row& row, const std::vector<Method>& methods);
 

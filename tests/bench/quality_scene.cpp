@@ -30,7 +30,16 @@ Scene::Scene(Edit given)
       adjacency(lapedit::build_adjacency(static_cast<int>(edit.mesh.vertices.rows()), edit.mesh.faces)),
       region(lapedit::build_region(edit.mesh, adjacency, edit.region, edit.handles)),
       faces(region_faces(adjacency, region)),
-      pairs(intersecting_pairs(edit.mesh.faces, faces, edit.mesh.vertices)) {}
+      pairs(intersecting_pairs(edit.mesh.faces, faces, edit.mesh.vertices)),
+      has_free_corner(static_cast<std::size_t>(edit.mesh.faces.rows()), 0) {
+  for (int i = 0; i < region.size(); ++i) {
+    if (region.classes[i] == lapedit::VertexClass::Free) {
+      for (const int f : adjacency.faces[region.mesh_vertex[i]]) {
+        has_free_corner[f] = 1;
+      }
+    }
+  }
+}
 
 Figures measure(const Scene& scene, const MethodResult& result) {
   const auto& [before, mesh_faces] = scene.edit.mesh;
@@ -41,7 +50,13 @@ Figures measure(const Scene& scene, const MethodResult& result) {
   figures.largest = stretch.largest;
   figures.behind = handle_behind(scene.edit, after);
   figures.flipped = flipped_triangles(scene.adjacency, mesh_faces, scene.faces, before, after);
-  figures.pairs = new_pairs(scene.pairs, intersecting_pairs(mesh_faces, scene.faces, after));
+  std::vector<std::pair<int, int>> pairs = intersecting_pairs(mesh_faces, scene.faces, after);
+  pairs.erase(std::remove_if(
+                  pairs.begin(), pairs.end(),
+                  [&has = scene.has_free_corner](const auto& pair) { return !has[pair.first] && !has[pair.second]; }),
+              pairs.end());
+  figures.pairs = new_pairs(scene.pairs, pairs);
+  figures.dihedral = dihedral_change(mesh_faces, scene.faces, before, after);
   figures.volume = scene.edit.height_field ? std::numeric_limits<double>::quiet_NaN()
                                            : volume_change(mesh_faces, scene.faces, before, after);
   figures.prepare_ms = result.prepare_ms;

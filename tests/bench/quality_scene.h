@@ -17,6 +17,7 @@ struct Scene {
   lapedit::Region region;
   std::vector<int> faces;                  ///< with a corner in the region
   std::vector<std::pair<int, int>> pairs;  ///< that intersect before
+  std::vector<char> has_free_corner;       ///< per face of the mesh
 
   explicit Scene(Edit given);
 };
@@ -39,8 +40,9 @@ struct Method {
 /// Shape and times of one edit by one method; 1 for 100 %.
 struct Figures {
   double rms = 0, largest = 0;
-  double volume = 0;  ///< not a number where nothing is enclosed
-  double behind = 0;  ///< largest distance of a handle vertex from its target over the longest way of one
+  double volume = 0;    ///< not a number where nothing is enclosed
+  double behind = 0;    ///< largest distance of a handle vertex from its target over the longest way of one
+  double dihedral = 0;  ///< mean absolute change of the angles between faces, degrees
   int flipped = 0, pairs = 0;
   double prepare_ms = 0, solve_ms = 0, frame_ms = 0;
   bool fast_frame = true;

@@ -47,6 +47,19 @@ double noise(int a, int b) {
   return static_cast<double>(h) / 2147483647.5 - 1;
 }
 
+TriangleMesh mesh_of(const std::vector<Vector3>& vertices, const std::vector<std::array<int, 3>>& faces) {
+  TriangleMesh mesh;
+  mesh.vertices.resize(static_cast<Eigen::Index>(vertices.size()), 3);
+  for (std::size_t v = 0; v < vertices.size(); ++v) {
+    mesh.vertices.row(static_cast<Eigen::Index>(v)) = vertices[v];
+  }
+  mesh.faces.resize(static_cast<Eigen::Index>(faces.size()), 3);
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    mesh.faces.row(static_cast<Eigen::Index>(f)) << faces[f][0], faces[f][1], faces[f][2];
+  }
+  return mesh;
+}
+
 /// One vertex in each cell that the surface passes, one square across each edge of the grid that it cuts.
 TriangleMesh surface_nets(const Field& distance, const Vector3& low, const Vector3& high, double cell) {
   std::array<int, 3> size{};
@@ -114,16 +127,36 @@ TriangleMesh surface_nets(const Field& distance, const Vector3& low, const Vecto
       }
     }
   }
-  TriangleMesh mesh;
-  mesh.vertices.resize(static_cast<Eigen::Index>(vertices.size()), 3);
-  for (std::size_t v = 0; v < vertices.size(); ++v) {
-    mesh.vertices.row(static_cast<Eigen::Index>(v)) = vertices[v];
+  return mesh_of(vertices, faces);
+}
+
+/// The half of a mesh with x > 0 and its mirror image. Vertices nearer to the plane x = 0 than the gap are put onto it;
+/// no face may cross it.
+TriangleMesh mirrored(const TriangleMesh& mesh, double gap) {
+  std::vector<int> right(static_cast<std::size_t>(mesh.vertices.rows()), -1), left = right;
+  std::vector<Vector3> vertices;
+  for (std::size_t v = 0; v < right.size(); ++v) {
+    Vector3 p = mesh.vertices.row(static_cast<Eigen::Index>(v));
+    if (p.x() > -gap) {
+      p.x() = p.x() < gap ? 0 : p.x();
+      right[v] = left[v] = static_cast<int>(vertices.size());
+      vertices.push_back(p);
+      if (p.x() > 0) {
+        left[v] = static_cast<int>(vertices.size());
+        vertices.emplace_back(-p.x(), p.y(), p.z());
+      }
+    }
   }
-  mesh.faces.resize(static_cast<Eigen::Index>(faces.size()), 3);
-  for (std::size_t f = 0; f < faces.size(); ++f) {
-    mesh.faces.row(static_cast<Eigen::Index>(f)) << faces[f][0], faces[f][1], faces[f][2];
+  std::vector<std::array<int, 3>> faces;
+  for (const auto& f : mesh.faces.rowwise()) {
+    const auto a = static_cast<std::size_t>(f[0]), b = static_cast<std::size_t>(f[1]),
+               c = static_cast<std::size_t>(f[2]);
+    if (right[a] >= 0 && right[b] >= 0 && right[c] >= 0) {
+      faces.push_back({right[a], right[b], right[c]});
+      faces.push_back({left[a], left[c], left[b]});
+    }
   }
-  return mesh;
+  return mesh_of(vertices, faces);
 }
 
 }  // namespace
@@ -224,6 +257,24 @@ TriangleMesh body_with_tail(double cell, Vector3& sting) {
   (mesh.vertices.rowwise() - (tip + Vector3(-0.1, 0, 0.1)).transpose()).rowwise().squaredNorm().minCoeff(&nearest);
   sting = mesh.vertices.row(nearest);
   return mesh;
+}
+
+TriangleMesh symmetric_figure(double cell) {
+  const auto distance = [](const Vector3& q) {
+    const Vector3 p(std::abs(q.x()), q.y(), q.z());
+    double d = ellipsoid(p, Vector3(0, 0, 0.45), Vector3(0.42, 0.3, 0.65));
+    d = blend(d, capsule(p, Vector3(0, 0, 0.9), Vector3(0, 0, 1.3), 0.17, 0.14), 0.15);
+    d = blend(d, ellipsoid(p, Vector3(0, -0.03, 1.55), Vector3(0.29, 0.33, 0.36)), 0.1);
+    d = blend(d, capsule(p, Vector3(0, -0.33, 1.5), Vector3(0, -0.42, 1.45), 0.07, 0.06), 0.06);
+    d = blend(d, capsule(p, Vector3(0.33, 0, 0.85), Vector3(0.72, 0, 0.35), 0.15, 0.12), 0.12);
+    d = blend(d, capsule(p, Vector3(0.72, 0, 0.35), Vector3(1.0, -0.08, -0.15), 0.12, 0.09), 0.05);
+    d = blend(d, ball(p, Vector3(1.05, -0.1, -0.25), 0.13), 0.05);
+    d = blend(d, capsule(p, Vector3(0.26, 0, 0), Vector3(0.32, 0, -1.5), 0.19, 0.12), 0.12);
+    return blend(d, capsule(p, Vector3(0.32, 0, -1.55), Vector3(0.35, -0.28, -1.58), 0.13, 0.1), 0.06);
+  };
+  // The middle of a cell is on the plane, so that no square crosses it.
+  const double side = (std::ceil(1.3 / cell) + 0.5) * cell;
+  return mirrored(level_set(distance, Vector3(-side, -0.7, -1.8), Vector3(side, 0.5, 2.1), cell), 0.25 * cell);
 }
 
 TriangleMesh uneven_face(int rows, int columns) {

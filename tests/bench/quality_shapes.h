@@ -16,7 +16,8 @@ lapedit::TriangleMesh level_set(const std::function<double(const lapedit::Vector
 /// Ball of radius 1 around the origin with a thin cupped ear on top, from z = 0.9 to 2.4, 0.1 thick and bent forwards.
 lapedit::TriangleMesh head_with_ear(double cell);
 
-/// An arm of length 4 along x with elbow and fist, on a body of radius 1.2 around (-1, 0, 0).
+/// An arm of length 4 along x with fist and, at x = 2, where it is 0.6 wide, an elbow, on a body of radius 1.2 around
+/// (-1, 0, 0).
 lapedit::TriangleMesh body_with_arm(double cell);
 
 /// Shoulders below z = 0, a neck up to 1.2, a head of radius 0.8 around (0, 0, 1.8) with a snout towards -y.
@@ -24,6 +25,9 @@ lapedit::TriangleMesh bust(double cell);
 
 /// A body around the origin and a tail of seven beads that rises behind it, its sting last.
 lapedit::TriangleMesh body_with_tail(double cell, lapedit::Vector3& sting);
+
+/// A figure that stands and looks to -y, from z = -1.7 to 1.9: its mesh is exactly its own mirror image in x.
+lapedit::TriangleMesh symmetric_figure(double cell);
 
 /// A face, open at its border: height over [-1.5, 1.5]^2 with a nose at (0, 0), of rows x columns vertices that are
 /// spaced unevenly and shaken: sizes of triangles vary 30 times, many are obtuse.

@@ -172,7 +172,7 @@ TEST(EditReport, HeightOfDetailIsNotThatOfABend) {
       handle.push_back(v);
     }
   }
-  const std::vector<Affine> lift = {support::shift(Vector3(0, 0, 40))};
+  const std::vector<HandleMotion> lift = {support::shift(Vector3(0, 0, 40))};
   LaplacianEditor base(plane, support::whole_region(plane, {handle}, anchors), support::smooth_surface_settings());
   LaplacianEditor edited(bumpy, support::whole_region(bumpy, {handle}, anchors), support::smooth_surface_settings());
   const Points bumps = edited.solve(lift) - base.solve(lift);
@@ -247,7 +247,10 @@ TEST(AdviceOnAnEdit, NamesTheWaysInOrder) {
   r.new_intersections = 1;
   EXPECT_EQ(r.advice(), "1 pair of triangles came to intersect: make the edit in two steps.");
   r.folded = 12;
-  r.causes = {4711, true, 1, 100};
+  r.causes.near = 4711;
+  r.causes.lone_handle = true;
+  r.causes.reach = 1;
+  r.causes.turn = 100;
   EXPECT_EQ(r.advice(),
             "12 triangles folded over near vertex 4711: take a group of vertices as the handle, or make the edit in "
             "two steps.");
@@ -256,6 +259,141 @@ TEST(AdviceOnAnEdit, NamesTheWaysInOrder) {
   EXPECT_EQ(r.advice(),
             "1 triangle folded over near vertex 4711: take a larger region, take a group of vertices as the handle, or "
             "make the edit in two steps.");
+}
+
+TEST(AdviceOnAnEdit, IsAtMostTwoSentencesTheFirstOnTheShape) {
+  EditReport r;
+  r.handle_displacement = 2;
+  r.causes.reach = 3;
+  r.stretch_max = 5;
+  r.causes.stretched = 17;
+  r.causes.distance = 0.2;
+  r.causes.behind = 4;
+  r.iterations = 6;
+  r.rotation_left = 10;
+  r.rotation = name(DetailRotation::LocalGlobal);
+  EXPECT_EQ(r.advice(), "");
+  r.order = 2;
+  const std::string on_order =
+      "Local-global rotations stretch more with order 2: use order 1, or another detail rotation.";
+  EXPECT_EQ(r.advice(), on_order);
+  r.rotation_left = 10.5;
+  const std::string on_rotations =
+      "The rotations have not settled after 6 passes, the last of which turned a detail by 10.5 degrees: raise "
+      "iterations.";
+  EXPECT_EQ(r.advice(), on_rotations + " " + on_order);
+  r.iterations = 100;
+  EXPECT_EQ(r.advice(), on_order) << "there are no more";
+  r.iterations = 1;
+  EXPECT_EQ(r.advice(), on_order) << "all that a single pass turned";
+  r.iterations = 6;
+  r.causes.distance = 0.25;
+  const std::string on_handle =
+      "The handle is 0.25, or 12.5 % of its displacement, from its target at vertex 4: raise handle_weight, or take a "
+      "larger region.";
+  EXPECT_EQ(r.advice(), on_handle + " " + on_rotations);
+  r.stretch_max = 5.25;
+  EXPECT_EQ(r.advice(), "An edge at vertex 17 became 6.25 times as long: use order 1. " + on_handle);
+  r.order = 1;
+  EXPECT_EQ(r.advice(), "An edge at vertex 17 became 6.25 times as long: make the edit in two steps. " + on_handle);
+  r.folded = 2;
+  r.causes.near = 5;
+  r.causes.lone_handle = true;
+  EXPECT_EQ(
+      r.advice(),
+      "2 triangles folded over near vertex 5, and an edge at vertex 17 became 6.25 times as long: take a group of "
+      "vertices as the handle. " +
+          on_handle);
+  r.handle_displacement = 10;
+  r.folded = 0;
+  r.stretch_max = 1;
+  r.rotation = name(DetailRotation::SmoothSurface);
+  EXPECT_EQ(r.advice(), on_rotations.substr(0, on_rotations.size() - 1) + ", or use local-global rotations.");
+  r.passes_dropped = 1;
+  EXPECT_EQ(r.advice(), "") << "more would not be kept";
+  r = EditReport();
+  r.order = 3;
+  r.rotation = name(DetailRotation::LocalGlobal);
+  EXPECT_EQ(r.advice(), "") << "nothing moved";
+}
+
+/// A grid as a whole component: a small group in the middle holds, another beside it is turned.
+struct Sheet {
+  TriangleMesh mesh = shapes::grid(30, 20);
+  EditStep step;
+
+  Sheet() {
+    step.region.kind = RegionSpec::Kind::Component;
+    step.handles.resize(2);
+    step.settings.rotation = DetailRotation::None;
+    step.settings.membrane = 0;
+    step.handles[0].vertices = {289, 290, 309, 310};
+    step.handles[1].vertices = {292, 293, 312, 313};
+    step.handles[1].transform.axis = Vector3(0, 1, 0);
+    step.handles[1].transform.degrees = 40;
+  }
+  EditReport report() const { return apply_step(mesh, support::adjacency_of(mesh), step).reports.at(0); }
+};
+
+TEST(AdviceOnAnEdit, NamesTheOrderThatBlowsASheetUp) {
+  Sheet sheet;
+  EXPECT_EQ(sheet.report().advice(), "");
+  sheet.step.settings.order = 3;
+  const EditReport r = sheet.report();
+  EXPECT_GT(r.stretch_max, 5);
+  EXPECT_NE(r.advice().find("dge at vertex " + std::to_string(r.causes.stretched) + " became "), std::string::npos);
+  EXPECT_NE(r.advice().find("use order 1"), std::string::npos) << r.advice();
+}
+
+TEST(AdviceOnAnEdit, NamesTheEdgeThatIsStretchedMost) {
+  Limb limb;
+  limb.step.handles[0].transform.translation = Vector3(25, 0, 0);
+  const EditResult result = apply_step(limb.mesh, support::adjacency_of(limb.mesh), limb.step);
+  const EditReport& r = result.reports.at(0);
+  ASSERT_GT(r.stretch_max, 5);
+  double longest = 0;
+  const Points after = [&] {
+    Points places = limb.mesh.vertices;
+    for (std::size_t i = 0; i < result.vertices.size(); ++i) {
+      places.row(result.vertices[i]) = result.positions.row(static_cast<Eigen::Index>(i));
+    }
+    return places;
+  }();
+  for (const auto& face : limb.mesh.faces.rowwise()) {
+    for (int k = 0; k < 3; ++k) {
+      const int a = face[k], b = face[(k + 1) % 3];
+      if (std::min(a, b) == r.causes.stretched) {
+        const double before = (limb.mesh.vertices.row(a) - limb.mesh.vertices.row(b)).norm();
+        longest = std::max(longest, (after.row(a) - after.row(b)).norm() / before - 1);
+      }
+    }
+  }
+  EXPECT_NEAR(longest, r.stretch_max, 1e-12);
+  EXPECT_NE(r.advice().find("dge at vertex " + std::to_string(r.causes.stretched)), std::string::npos) << r.advice();
+}
+
+TEST(AdviceOnAnEdit, IsAHigherWeightForAHandleThatLags) {
+  Limb limb(9);
+  limb.step.handles[0].transform.translation = Vector3(0, 0, 1);
+  EXPECT_EQ(limb.report().advice(), "");
+  limb.step.settings.handle_weight = 0.01;
+  const EditReport r = limb.report();
+  EXPECT_GT(r.causes.distance, 0.1);
+  EXPECT_NEAR(r.causes.distance, r.handle_residual, 1e-12);
+  EXPECT_NE(r.advice().find("from its target at vertex " + std::to_string(r.causes.behind) + ": raise handle_weight"),
+            std::string::npos)
+      << r.advice();
+  limb.step.handles[0].weights.assign(limb.step.handles[0].vertices.size(), 0.5);  // lags on purpose
+  EXPECT_EQ(limb.report().advice(), "");
+}
+
+TEST(AdviceOnAnEdit, IsOrderOneForLocalGlobalRotations) {
+  Limb limb(9);
+  limb.step.settings = EditSettings();
+  limb.step.handles[0].transform.translation = Vector3(0, 0, 0.5);
+  EXPECT_EQ(limb.report().advice(), "");
+  limb.step.settings.order = 2;
+  EXPECT_NE(limb.report().advice().find("order 2: use order 1, or another detail rotation."), std::string::npos);
 }
 
 class ReportOfAnEdit : public testing::Test {

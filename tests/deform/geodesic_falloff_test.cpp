@@ -18,7 +18,7 @@
 namespace lapedit {
 namespace {
 
-using Maps = std::vector<Affine>;
+using Maps = std::vector<HandleMotion>;
 
 /// A region of a bumpy grid with two handles, one of them a single vertex.
 struct Scene {
@@ -119,7 +119,8 @@ TEST(RoughDeformation, FirstRotationsAreThoseOfTheFalloff) {
     for (int i = 0; i < region.size(); ++i) {
       const Vector3 place = rest.row(i).transpose();
       way.row(i) =
-          (weights(i, 0) * scene.maps[0].translation() + weights(i, 1) * (scene.maps[1] * place - place)).transpose();
+          (weights(i, 0) * scene.maps[0].map.translation() + weights(i, 1) * (scene.maps[1].map * place - place))
+              .transpose();
     }
     const SmoothingKernel kernel(region, rest, settings.normal_radius, 1);
     ThreadPool pool(1);
@@ -164,14 +165,14 @@ TEST(RoughDeformation, GoesAlongWithTheAnchors) {
   const Affine turn = support::rigid(60, Vector3(1, 2, 3), Vector3(3, -1, 2));
   LaplacianEditor editor(scene.mesh, scene.region, falloff_settings());
   const Points still = editor.solve(scene.maps);
-  const Points along = editor.solve({turn * scene.maps[0], turn * scene.maps[1]}, turn);
+  const Points along = editor.solve({turn * scene.maps[0].map, turn * scene.maps[1].map}, turn);
   EXPECT_LT(support::error(along, support::moved(turn, still)), 1e-9);
 }
 
 TEST(RoughDeformation, ComponentWithoutAnchorsFollowsItsHandle) {
   const TriangleMesh mesh = shapes::two_pieces();
   const int other = static_cast<int>(mesh.vertices.rows()) - 1;
-  const Region region = support::whole_region(mesh, {{0}, {other}}, {});
+  const Region region = support::whole_region(mesh, {support::around(mesh, mesh.vertices.row(0), 0.4), {other}}, {});
   LaplacianEditor editor(mesh, region, falloff_settings());
   const Affine turn = support::rigid(100, Vector3(1, 2, 3), Vector3(3, -1, 2));
   const Points result = editor.solve({turn, Affine::Identity()});

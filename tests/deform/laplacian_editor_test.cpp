@@ -107,8 +107,8 @@ namespace {
 struct SmallProblem {
   TriangleMesh mesh = wavy_letters(17, 10);
   std::vector<std::vector<int>> handles{{74, 75, 84}, {112}};
-  std::vector<Affine> maps{support::rigid(35, Vector3(1, 0, 1), Vector3(0.1, 0, 0.4), Vector3(1.8, 1, 0)),
-                           support::shift(Vector3(-0.1, 0.2, 0.3))};
+  std::vector<HandleMotion> maps{support::rigid(35, Vector3(1, 0, 1), Vector3(0.1, 0, 0.4), Vector3(1.8, 1, 0)),
+                                 support::shift(Vector3(-0.1, 0.2, 0.3))};
   Region region = build_region(mesh, support::adjacency_of(mesh), within(1.3), handles);
   Points rest = support::rows(mesh.vertices, region.mesh_vertex);
   Points targets = rest;
@@ -116,7 +116,7 @@ struct SmallProblem {
   SmallProblem() {
     for (int i = 0; i < region.size(); ++i) {
       if (region.group[i] >= 0) {
-        targets.row(i) = (maps[region.group[i]] * Vector3(rest.row(i))).transpose();
+        targets.row(i) = (maps[region.group[i]].map * Vector3(rest.row(i))).transpose();
       }
     }
   }
@@ -221,11 +221,11 @@ TEST(DenseLeastSquares, AgreesOnAClosedSurfaceAndOnABar) {
   for (const TriangleMesh& mesh : meshes) {
     const int n = static_cast<int>(mesh.vertices.rows());
     const Region region = support::whole_region(mesh, {{0}, {n / 2, n / 2 + 1}}, {n - 1, n - 2, n - 3});
-    const std::vector<Affine> maps{support::shift(Vector3(0.2, 0.5, 0.1)), support::shift(Vector3(0, -0.4, 0.3))};
+    const std::vector<HandleMotion> maps{support::shift(Vector3(0.2, 0.5, 0.1)), support::shift(Vector3(0, -0.4, 0.3))};
     Points targets = mesh.vertices;
     for (int i = 0; i < n; ++i) {
       if (region.group[i] >= 0) {
-        targets.row(i) = (maps[region.group[i]] * Vector3(mesh.vertices.row(i))).transpose();
+        targets.row(i) = (maps[region.group[i]].map * Vector3(mesh.vertices.row(i))).transpose();
       }
     }
     for (const EditSettings& settings : kGivenRotations) {
@@ -282,8 +282,9 @@ TEST(Components, OneWithoutAnchorFollowsItsHandle) {
   // A part of one sphere, which is held along its rim, and all of another one.
   const TriangleMesh mesh = shapes::two_pieces(2);
   const RegionSpec spec = given(vertices_where(mesh, [](const Vector3& p) { return p[0] > 1.5 || p[2] > -0.3; }));
-  const int held = support::vertex_at(mesh, Vector3(0, 0, 1)), loose = support::vertex_at(mesh, Vector3(3, 0, 1));
-  const Region region = build_region(mesh, support::adjacency_of(mesh), spec, {{held}, {loose}});
+  const int held = support::vertex_at(mesh, Vector3(0, 0, 1));
+  const Region region =
+      build_region(mesh, support::adjacency_of(mesh), spec, {{held}, support::around(mesh, Vector3(3, 0, 1), 0.4)});
   const Affine pull = support::shift(Vector3(0, 0, 0.4));
   Affine stretch = support::rigid(110, Vector3(1, 3, 2), Vector3(4, 5, 6), Vector3(3, 0, 0));
   stretch.linear() *= Vector3(2, 1, 0.5).asDiagonal();
@@ -365,13 +366,13 @@ TEST(SettledPose, AllocatesNothingAfterTheFirst) {
       handle[0].push_back(60 * 50 + j);
     }
     LaplacianEditor editor(mesh, build_region(mesh, adjacency, within(20.5), handle), {});
-    std::vector<Affine> maps = {support::shift(Vector3(4, 0, 20))};
+    std::vector<HandleMotion> maps = {support::shift(Vector3(4, 0, 20))};
     const long before_all = allocations;
     editor.solve(maps);
     ASSERT_GT(allocations.load(), before_all);  // or the count does not count
     const long before = allocations;
     for (int pose = 0; pose < 3; ++pose) {
-      maps[0].translation().x() += 0.3;
+      maps[0].map.translation().x() += 0.3;
       editor.solve(maps);
     }
     EXPECT_EQ(allocations - before, 0) << size;
@@ -382,9 +383,9 @@ TEST(SettledPose, AllocatesNothingAfterTheFirst) {
 TEST(EditorReport, ChangesNothing) {
   const TriangleMesh mesh = wavy_letters(40, 24);
   const Region region = build_region(mesh, support::adjacency_of(mesh), within(0.9), {{490}, {420, 421, 444}});
-  const std::vector<Affine> first = {support::shift(Vector3(0, 0.1, 0.3)), support::shift(Vector3(0, 0, 0.1))};
-  const std::vector<Affine> second = {support::shift(Vector3(0.1, 0, -0.2)),
-                                      support::rigid(20, Vector3::UnitX(), Vector3(0, 0, 0.1))};
+  const std::vector<HandleMotion> first = {support::shift(Vector3(0, 0.1, 0.3)), support::shift(Vector3(0, 0, 0.1))};
+  const std::vector<HandleMotion> second = {support::shift(Vector3(0.1, 0, -0.2)),
+                                            support::rigid(20, Vector3::UnitX(), Vector3(0, 0, 0.1))};
   for (const int order : {1, 2}) {
     EditSettings settings;
     settings.order = order;
@@ -401,8 +402,9 @@ TEST(EditorReport, ChangesNothing) {
     };
     EXPECT_EQ(same().handle_displacement, 0) << "nothing has been solved for";
     EXPECT_TRUE(support::same_bits(asked.preview(first), quiet.preview(first)));
-    EXPECT_EQ(same().handle_displacement, order == 1 ? 0 : first[0].translation().norm()) << "a preview is not seen";
-    for (const std::vector<Affine>& maps : {first, second}) {
+    EXPECT_EQ(same().handle_displacement, order == 1 ? 0 : first[0].map.translation().norm())
+        << "a preview is not seen";
+    for (const std::vector<HandleMotion>& maps : {first, second}) {
       const Points& solution = asked.solve(maps);
       const Points kept = solution;
       const EditReport report = same();
@@ -438,7 +440,7 @@ TEST_F(EditorErrors, SettingsAreChecked) {
 
 TEST_F(EditorErrors, EditorStaysUsableAfterARefusedSolve) {
   LaplacianEditor editor(mesh_, region_, {});
-  const std::vector<Affine> good = {support::shift(Vector3(0, 0, 0.3)), support::shift(Vector3(0, 0, 0.2))};
+  const std::vector<HandleMotion> good = {support::shift(Vector3(0, 0, 0.3)), support::shift(Vector3(0, 0, 0.2))};
   const Points before = editor.solve(good);
   Affine bad = Affine::Identity();
   bad(1, 3) = kNaN;
@@ -594,8 +596,8 @@ TEST(TwistedLimb, KeepsItsThickness) {
       CoarsePreview coarse(mesh, region, settings);
       const bool by_default = settings == EditSettings();
       for (const double degrees : {60.0, 90.0, 120.0, 150.0, 179.0}) {
-        const std::vector<Affine> maps = {Affine::Identity(),
-                                          support::rigid(degrees, Vector3::UnitX(), Vector3::Zero())};
+        const std::vector<HandleMotion> maps = {Affine::Identity(),
+                                                support::rigid(degrees, Vector3::UnitX(), Vector3::Zero())};
         const auto thickness = [&](const Points& pose) {
           return least_thickness(pose, kAround, kHeld, kRings - 1 - kHeld);
         };

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
+
 #include "support.h"
 
 namespace lapedit {
@@ -15,21 +17,32 @@ const Vector3 kCentre(1, -2, 0.5);
 const std::vector<Vector3> kPlaces = {kCentre, Vector3(2, -2, 0.5), Vector3(0.3, -1, 1.5), Vector3(1, -4, -2)};
 const std::vector<double> kParts = {0, 0.1, 1.0 / 3, 0.5, 0.9, 0.999, 1};
 
-LocalMotion motion(const Affine& map) {
-  return LocalMotion::of(map, Vector3::Zero());
+constexpr double kUnit = 0.1;  // a step of a way
+
+HandleMotion turned(double degrees, const Vector3& axis, const Vector3& way,
+                    const std::optional<Vector3>& center = std::nullopt) {
+  HandleTransform transform;
+  transform.degrees = degrees;
+  transform.axis = axis;
+  transform.translation = way;
+  transform.center = center;
+  return resolve(transform, kCentre);
 }
 
-MotionPath path_of(const Affine& target) {
-  return {LocalMotion(), motion(target), kCentre};
+MotionPath path_of(const HandleMotion& target) {
+  return {target, Vector3::Zero(), kCentre};
 }
 
-Vector3 place_after(const MotionPath& path, const Vector3& rest, double part, const LocalMotion& carried = {}) {
-  return rest + carried.displacement(rest) + path.way(rest, part);
+Vector3 place_after(const MotionPath& path, const Vector3& rest, double part) {
+  return rest + path.at(part).displacement(rest);
 }
 
-std::vector<Affine> some_maps() {
-  Affine shear = rigid(70, Vector3(1, 0, 2), Vector3(0.3, 0, 1), kCentre);
+std::vector<HandleMotion> some_motions() {
+  Affine shear = rigid(70, Vector3(1, 0, 2), Vector3(0.3, 0, 1), kCentre), flat = shear,
+         point = shift(Vector3(1, 1, 1));
   shear.linear() *= (Matrix3() << 1.5, 0.4, 0, 0, 0.7, 0, 0.2, 0, 1).finished();
+  flat.linear() *= Vector3(1, 1, 0).asDiagonal();
+  point.linear().setZero();
   return {Affine::Identity(),
           shift(Vector3(1, 2, 3)),
           rigid(29, Vector3(1, 2, 3), Vector3(1, 0, 0)),
@@ -37,21 +50,27 @@ std::vector<Affine> some_maps() {
           rigid(180, Vector3(0, 0, 1), Vector3(0, 0, 4)),
           Affine(Eigen::Scaling(2.5)),
           Affine(Eigen::Scaling(Vector3(1, 1, -1))),
-          shear};
+          shear,
+          flat,
+          point,
+          turned(270, Vector3(1, 1, 0), Vector3(1, 0, 2)),
+          turned(-800, Vector3(1, 1, 0), Vector3(1, 0, 2), Vector3(3, 3, 3)),
+          turned(360, Vector3(0, 0, 1), Vector3(0, 0, 0), Vector3(3, 3, 3))};
 }
 
-/// Fails if a path ends beside its target by rounding, or does not begin where things are.
-TEST(MotionPath, LeadsFromNoWayToTheTargetToTheBit) {
-  for (const Affine& carried : some_maps()) {
-    for (const Affine& target : some_maps()) {
-      const MotionPath path(motion(carried), motion(target), kCentre);
-      for (const Vector3& rest : kPlaces) {
-        EXPECT_EQ(path.way(rest, 1), motion(target).displacement(rest) - motion(carried).displacement(rest));
-        EXPECT_LT(path.way(rest, 0).norm(), 1e-13);
-        EXPECT_LT((path.way(rest, 1 - 1e-9) - path.way(rest, 1)).norm(), 1e-7) << "a jump at the end";
-        for (const double part : kParts) {
-          EXPECT_TRUE(path.way(rest, part).allFinite());
-        }
+/// Fails if a path ends beside its target by rounding, does not begin at rest, or jumps.
+TEST(MotionPath, LeadsFromRestToTheTargetToTheBit) {
+  for (const HandleMotion& target : some_motions()) {
+    const MotionPath path = path_of(target);
+    const LocalMotion whole = LocalMotion::of(target.map, Vector3::Zero());
+    EXPECT_TRUE(path.at(0).none());
+    EXPECT_EQ(path.at(1).linear, whole.linear);
+    EXPECT_EQ(path.at(1).translation, whole.translation);
+    for (const Vector3& rest : kPlaces) {
+      for (const double part : {0.0, 0.3, 0.5, 1 - 1e-9}) {
+        const Vector3 here = place_after(path, rest, part);
+        EXPECT_TRUE(here.allFinite());
+        EXPECT_LT((place_after(path, rest, part + 1e-9) - here).norm(), 2e-7) << "a jump at " << part;
       }
     }
   }
@@ -59,77 +78,79 @@ TEST(MotionPath, LeadsFromNoWayToTheTargetToTheBit) {
 
 /// Fails if a group takes the chord, on which it would shrink or come too near.
 TEST(MotionPath, TurnAboutAFarPivotKeepsTheDistanceFromIt) {
-  const Vector3 pivot(40, 3, -7);
+  const Vector3 pivot(40, 3, -7), axis(0.2, 1, 0.4);
   for (const double degrees : {31.0, 90.0, 150.0, 179.0, 180.0}) {
-    const MotionPath path = path_of(rigid(degrees, Vector3(0.2, 1, 0.4), Vector3::Zero(), pivot));
-    for (const Vector3& rest : kPlaces) {
-      for (const double part : kParts) {
-        EXPECT_NEAR((place_after(path, rest, part) - pivot).norm(), (rest - pivot).norm(), 1e-11) << degrees;
-      }
-    }
-  }
-}
-
-TEST(MotionPath, StaysRigidWhereTheTargetIs) {
-  for (const double degrees : {5.0, 29.0, 31.0, 120.0, 179.9, 180.0}) {
-    const MotionPath path = path_of(rigid(degrees, Vector3(1, 2, -1), Vector3(3, 0, 1), Vector3(0, 5, 0)));
-    for (const double part : kParts) {
-      for (const Vector3& a : kPlaces) {
-        for (const Vector3& b : kPlaces) {
-          EXPECT_NEAR((place_after(path, a, part) - place_after(path, b, part)).norm(), (a - b).norm(), 1e-12);
+    for (const MotionPath& path : {path_of(rigid(degrees, axis, Vector3::Zero(), pivot)),
+                                   path_of(turned(degrees + 360, axis, Vector3::Zero(), pivot))}) {
+      for (const Vector3& rest : kPlaces) {
+        for (const double part : kParts) {
+          EXPECT_NEAR((place_after(path, rest, part) - pivot).norm(), (rest - pivot).norm(), 1e-11) << degrees;
         }
       }
     }
   }
 }
 
-/// Each part turns further about the same axis, the whole way in steps() parts of not much more than 30 degrees.
-TEST(MotionPath, TurnsEvenlyEnoughAndAlongItsAxis) {
-  const Vector3 axis(0, 0, 1);
-  for (const double degrees : {45.0, 90.0, 135.0, 180.0}) {
-    const MotionPath path = path_of(rigid(degrees, axis, Vector3(0, 0, 2), kCentre));
-    Vector3 before = Vector3::UnitX();
-    for (int step = 1; step <= path.steps(); ++step) {
-      const double part = static_cast<double>(step) / path.steps();
-      const Vector3 now = place_after(path, kCentre + Vector3::UnitX(), part) - place_after(path, kCentre, part);
-      const double angle = std::atan2(before.cross(now)[2], before.dot(now)) * 180 / std::acos(-1.0);
-      EXPECT_GT(angle, 10) << degrees << ", step " << step;
-      EXPECT_LT(angle, 50) << degrees << ", step " << step;
-      EXPECT_NEAR(path.way(kCentre, part)[2], 2 * part, 1e-12);
-      before = now;
+TEST(MotionPath, StaysRigidWhereTheTargetIs) {
+  for (const double degrees : {5.0, 29.0, 31.0, 120.0, 179.9, 180.0, 270.0, 725.0}) {
+    for (const MotionPath& path : {path_of(rigid(degrees, Vector3(1, 2, -1), Vector3(3, 0, 1), Vector3(0, 5, 0))),
+                                   path_of(turned(degrees, Vector3(1, 2, -1), Vector3(3, 0, 1)))}) {
+      for (const double part : kParts) {
+        for (const Vector3& a : kPlaces) {
+          for (const Vector3& b : kPlaces) {
+            EXPECT_NEAR((place_after(path, a, part) - place_after(path, b, part)).norm(), (a - b).norm(), 1e-12);
+          }
+        }
+      }
     }
   }
 }
 
-TEST(MotionPath, TakesAStepForEach30Degrees) {
-  const Vector3 axis(1, 2, 3);
-  for (const auto& [degrees, steps] : {std::pair(0.0, 1),
-                                       {1.0, 1},
-                                       {29.0, 1},
-                                       {31.0, 2},
-                                       {59.0, 2},
-                                       {61.0, 3},
-                                       {89.0, 3},
-                                       {91.0, 4},
-                                       {119.0, 4},
-                                       {121.0, 5},
-                                       {149.0, 5},
-                                       {151.0, 6},
-                                       {179.0, 6},
-                                       {180.0, 6},
-                                       {181.0, 6},
-                                       {-31.0, 2},
-                                       {330.5, 1},
-                                       {359.0, 1}}) {
-    EXPECT_EQ(path_of(rigid(degrees, axis, Vector3(1, 0, 0), Vector3(4, 5, 6))).steps(), steps) << degrees;
-  }
-  for (const Vector3& other : {axis, Vector3(0, 0, 1), Vector3(1, -1, 0.3)}) {
-    for (int thirty = 1; thirty <= 6; ++thirty) {
-      EXPECT_EQ(path_of(rigid(30 * thirty, other, Vector3::Zero())).steps(), thirty) << "rounding must not decide";
+/// Fails if 270 degrees go the short way, or a turn is lost.
+TEST(MotionPath, TurnsEvenlyAndCountsItsTurns) {
+  for (const double degrees : {45.0, 90.0, 179.0, 180.0, 270.0, -300.0, 360.0, 1000.0}) {
+    const MotionPath path = path_of(turned(degrees, Vector3::UnitZ(), Vector3(0, 0, 2)));
+    for (const double part : kParts) {
+      const Matrix3 expected = Eigen::AngleAxisd(part * degrees * std::acos(-1.0) / 180, Vector3::UnitZ()).matrix();
+      EXPECT_LT((path.at(part).linear + Matrix3::Identity() - expected).norm(), 1e-13) << degrees << ", " << part;
+      EXPECT_LT((path.at(part).displacement(kCentre) - Vector3(0, 0, 2 * part)).norm(), 1e-13);
     }
   }
-  EXPECT_EQ(path_of(shift(Vector3(100, 0, 0))).steps(), 1);
-  EXPECT_EQ(path_of(Affine(Eigen::Scaling(7.0))).steps(), 1) << "no turn";
+}
+
+/// Fails if a map does not turn at the same rate: Affine maps do not know how often they turn.
+TEST(MotionPath, MapTurnsByLessThanAHalfTurn) {
+  const Vector3 axis(1, 2, 3);
+  for (const double degrees : {1.0, 100.0, 179.9, 200.0, 330.0, -45.0}) {
+    const double least = std::remainder(degrees, 360);
+    const MotionPath path = path_of(rigid(degrees, axis, Vector3(1, 0, 0), kCentre));
+    const Matrix3 expected =
+        Eigen::AngleAxisd(0.25 * least * std::acos(-1.0) / 180, axis.normalized()).toRotationMatrix();
+    EXPECT_LT((path.at(0.25).linear + Matrix3::Identity() - expected).norm(), 1e-9) << degrees;
+  }
+}
+
+/// Scripts' fractions go the way of the whole.
+TEST(MotionPath, PathOfAMapIsPartOfTheLongerOne) {
+  const Affine whole = rigid(120, Vector3(1, 2, 3), Vector3(1, 0, 4), kCentre);
+  const LocalMotion half = path_of(whole).at(0.5);
+  Affine to = Affine::Identity();
+  to.linear() += half.linear;
+  to.translation() = half.translation;
+  for (const Vector3& rest : kPlaces) {
+    EXPECT_LT((place_after(path_of(to), rest, 0.5) - place_after(path_of(whole), rest, 0.25)).norm(), 1e-12);
+  }
+}
+
+TEST(MotionPath, LengthCountsTurnsWaysAndStretches) {
+  const Vector3 axis(1, 2, 3);
+  for (const double degrees : {0.0, 15.0, 60.0, 180.0}) {
+    EXPECT_NEAR(path_of(rigid(degrees, axis, Vector3::Zero(), kCentre)).length(kUnit), degrees / 30, 1e-9);
+  }
+  EXPECT_NEAR(path_of(turned(-720, axis, Vector3::Zero())).length(kUnit), 24, 1e-9);
+  EXPECT_NEAR(path_of(shift(Vector3(0, 3, 4))).length(kUnit), 50, 1e-9);
+  EXPECT_GT(path_of(Affine(Eigen::Scaling(7.0))).length(kUnit), 20);
+  EXPECT_EQ(path_of(Affine::Identity()).length(kUnit), 0);
 }
 
 TEST(MotionPath, ScaleAndShearFadeIn) {
@@ -139,7 +160,7 @@ TEST(MotionPath, ScaleAndShearFadeIn) {
   for (const Vector3& rest : kPlaces) {
     for (const double part : kParts) {
       const Vector3 expected = part * (2 * (rest - kCentre) + way);
-      EXPECT_LT((growing.way(rest, part) - expected).norm(), 1e-13);
+      EXPECT_LT((growing.at(part).displacement(rest) - expected).norm(), 1e-13);
     }
   }
   // Behind a turn the stretch is what it is without one.
@@ -154,44 +175,6 @@ TEST(MotionPath, ScaleAndShearFadeIn) {
     const Vector3 middle = place_after(path, kCentre, part);
     for (const Vector3& rest : kPlaces) {
       EXPECT_NEAR((place_after(path, rest, part) - middle).norm(), (expected * (rest - kCentre)).norm(), 1e-12);
-    }
-  }
-}
-
-/// A singular map has no inverse to be relative to.
-TEST(MotionPath, SingularMapsGiveFiniteWays) {
-  Affine flat = rigid(50, Vector3(1, 0, 0), Vector3(0, 1, 0)), point = shift(Vector3(1, 1, 1));
-  flat.linear() *= Vector3(1, 1, 0).asDiagonal();
-  point.linear().setZero();
-  for (const Affine& singular : {flat, point}) {
-    for (const Affine& other : some_maps()) {
-      for (const MotionPath& path :
-           {MotionPath(motion(singular), motion(other), kCentre), MotionPath(motion(other), motion(singular), kCentre),
-            MotionPath(motion(singular), motion(singular), kCentre)}) {
-        EXPECT_GE(path.steps(), 1);
-        for (const double part : kParts) {
-          EXPECT_TRUE(path.way(kPlaces[1], part).allFinite()) << part;
-        }
-      }
-    }
-    const MotionPath path(motion(singular), motion(some_maps()[3]), kCentre);
-    EXPECT_EQ(path.way(kPlaces[1], 1),
-              motion(some_maps()[3]).displacement(kPlaces[1]) - motion(singular).displacement(kPlaces[1]));
-  }
-}
-
-/// What is carried and then turned goes the way of what lies there from the start.
-TEST(MotionPath, IsRelativeToWhereTheComponentIsCarried) {
-  const Affine carried = rigid(110, Vector3(0, 1, 1), Vector3(5, 0, 0)), further = some_maps()[3];
-  const MotionPath path(motion(carried), motion(Affine(further * carried)), kCentre);
-  const MotionPath there(LocalMotion(), motion(further), carried * kCentre);
-  EXPECT_EQ(path.steps(), there.steps());
-  const MotionPath none(motion(carried), motion(carried), kCentre);
-  EXPECT_EQ(none.steps(), 1);
-  for (const Vector3& rest : kPlaces) {
-    for (const double part : kParts) {
-      EXPECT_LT((path.way(rest, part) - there.way(carried * rest, part)).norm(), 1e-12);
-      EXPECT_LT(none.way(rest, part).norm(), 1e-14);
     }
   }
 }

@@ -20,7 +20,7 @@ namespace {
 struct Scene {
   TriangleMesh mesh = shapes::bumpy_grid();
   Region region;
-  std::vector<Affine> maps{support::shift(Vector3(2, 1, 6))};
+  std::vector<HandleMotion> maps{support::shift(Vector3(2, 1, 6))};
 
   explicit Scene(double radius = 7) {
     RegionSpec spec;
@@ -48,7 +48,7 @@ Points dense(const Scene& scene, const EditSettings& settings, const std::vector
   Points target = rest;
   for (int i = 0; i < n; ++i) {
     if (region.classes[i] == VertexClass::Handle) {
-      target.row(i) = (scene.maps[0] * Vector3(rest.row(i).transpose())).transpose();
+      target.row(i) = (scene.maps[0].map * Vector3(rest.row(i).transpose())).transpose();
     }
     for (int j = 0; j < n; ++j) {
       if (j != i) {
@@ -135,7 +135,7 @@ TEST(RotationPass, EdgesOfALimbAreStretchedLessWhenTheyTurn) {
 struct Lift {
   TriangleMesh mesh = shapes::bumpy_grid();
   Region region;
-  std::vector<Affine> maps{support::shift(Vector3(0, 0, 40))};
+  std::vector<HandleMotion> maps{support::shift(Vector3(0, 0, 40))};
 
   Lift() {
     RegionSpec spec;

@@ -18,7 +18,7 @@
 namespace lapedit {
 namespace {
 
-using Maps = std::vector<Affine>;
+using Maps = std::vector<HandleMotion>;
 using support::around;
 using support::part;
 using support::rigid;
@@ -37,6 +37,7 @@ EditSettings settled(LaplacianKind laplacian = LaplacianKind::MeanValue, DetailT
   settings.rotation = DetailRotation::LocalGlobal;
   settings.turning = turning;
   settings.membrane = membrane;
+  settings.iterations = 1;  // the cells' rotations alone: those that previews have too
   settings.threads = 1;
   return settings;
 }
@@ -149,7 +150,7 @@ Points dense_edit(const Scene& s, const EditSettings& settings, const reference:
                               ? settings.anchor_weight * s.region.anchor_weight[i]
                               : 0;
     const Vector3 p = rest.row(i);
-    const Vector3 target = s.region.group[i] >= 0 ? Vector3(s.maps[s.region.group[i]] * p) : p;
+    const Vector3 target = s.region.group[i] >= 0 ? Vector3(s.maps[s.region.group[i]].map * p) : p;
     a(i, i) += weight * weight;
     b.row(i) += weight * weight * target.transpose();
   }
@@ -324,7 +325,7 @@ TEST(SettledRotations, IsolatedVerticesGoWithTheirHandle) {
   for (int i = 0; i < region.size(); ++i) {
     if (region.mesh_vertex[i] == lone) {
       const Vector3 p = mesh.vertices.row(lone);
-      EXPECT_LT((result.row(i).transpose() - maps[0] * p).norm(), 1e-9);
+      EXPECT_LT((result.row(i).transpose() - maps[0].map * p).norm(), 1e-9);
     }
   }
   EXPECT_LT(editor.report().handle_residual, 0.02 * 2);

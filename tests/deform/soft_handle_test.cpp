@@ -117,7 +117,7 @@ TEST(SoftHandle, DomeIsTheSameOnCoarseAndFineMeshes) {
         ++count;
       }
     }
-    EXPECT_NEAR(1 - rim / count / 0.3, 0.12, 0.04) << columns;
+    EXPECT_NEAR(1 - rim / count / 0.3, 0.1, 0.05) << columns;
   }
 }
 
@@ -149,10 +149,11 @@ TEST(SoftHandle, PreviewsKeepTheirPromise) {
     for (EditSettings settings : {EditSettings(), support::smooth_surface_settings()}) {
       for (const RoughDeformation rough : {RoughDeformation::Unrotated, RoughDeformation::Falloff}) {
         settings.rough = rough;
+        settings.iterations = 1;
         const Region region = disc.soft(0.8, 1);
         LaplacianEditor editor(disc.mesh, region, settings);
         ASSERT_TRUE(editor.has_preview());
-        const std::vector<Affine> maps{support::rigid(30, {0, 1, 1}, {0, 0.1, 0.2}, {2, 1, 0})};
+        const std::vector<HandleMotion> maps{support::rigid(30, {0, 1, 1}, {0, 0.1, 0.2}, {2, 1, 0})};
         const Points exact = editor.solve(maps);
         EXPECT_LT((editor.preview(maps) - exact).rowwise().norm().maxCoeff(), 1e-4 * region.max_distance);
       }
@@ -163,7 +164,7 @@ TEST(SoftHandle, PreviewsKeepTheirPromise) {
 TEST(SoftHandle, StandInFollowsTheSoftRim) {
   const Disc disc = plane(0.25, 254);
   const auto region = std::make_shared<const Region>(disc.soft(0.9, 1));
-  const std::vector<Affine> maps{support::shift({0, 0, 0.4})};
+  const std::vector<HandleMotion> maps{support::shift({0, 0, 0.4})};
   LaplacianEditor editor(disc.mesh, *region, EditSettings());
   const Points exact = editor.solve(maps);
   CoarsePreview preview(disc.mesh, region, EditSettings(), {});

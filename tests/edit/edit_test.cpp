@@ -417,6 +417,179 @@ TEST(Edit, BadTransformsAndSettingsAreRefused) {
   expect_contains(error.what(), "4");
 }
 
+/// Landmarks of a cross about the middle, each with a target of its own: up, apart and twisted.
+EditStep landmarks(const TriangleMesh& mesh) {
+  EditStep step = pull({}, Vector3::Zero());
+  int k = 0;
+  for (const int v : {kMiddle + 2, kMiddle - 2, kMiddle + 2 * kColumns, kMiddle, kMiddle - 2 * kColumns}) {
+    const Vector3 place = mesh.vertices.row(v).transpose(), arm = place - mesh.vertices.row(kMiddle).transpose();
+    step.handles[0].vertices.push_back(v);
+    step.handles[0].targets.emplace_back(place + Vector3(-0.2 * arm.y(), 0.2 * arm.x(), 2 + 0.25 * ++k));
+  }
+  return step;
+}
+
+TEST(EditTargets, AreMetByEachVertex) {
+  const TriangleMesh mesh = test_mesh();
+  const EditStep step = landmarks(mesh);
+  const EditResult result = apply_edit(mesh, edit_of({step}));
+  const Points after = applied(mesh, result);
+  const EditReport& report = result.reports.at(0);
+  EXPECT_LT(report.handle_residual, 0.05 * report.handle_displacement);
+  double largest = 0;
+  for (std::size_t k = 0; k < step.handles[0].vertices.size(); ++k) {
+    largest =
+        std::max(largest, (after.row(step.handles[0].vertices[k]).transpose() - step.handles[0].targets[k]).norm());
+  }
+  EXPECT_NEAR(largest, report.handle_residual, 1e-9);
+}
+
+TEST(EditTargets, OrderAndRepetitionOfVerticesDoNotMatter) {
+  const TriangleMesh mesh = test_mesh();
+  const EditStep step = landmarks(mesh);
+  const Points expected = applied(mesh, apply_edit(mesh, edit_of({step})));
+  EditStep other = step;
+  HandleGroup& group = other.handles[0];
+  std::reverse(group.vertices.begin(), group.vertices.end());
+  std::reverse(group.targets.begin(), group.targets.end());
+  group.vertices.push_back(group.vertices[1]);
+  group.targets.push_back(group.targets[1]);
+  EXPECT_EQ(differing(applied(mesh, apply_edit(mesh, edit_of({other}))), expected), 0);
+  group.weights = {0.5, 0.25, 0.75, 1, 0.125, 0.3};
+  EditStep sorted = other;
+  sort_group(sorted.handles[0], 0);
+  EXPECT_TRUE(std::is_sorted(sorted.handles[0].vertices.begin(), sorted.handles[0].vertices.end()));
+  ASSERT_EQ(sorted.handles[0].vertices.size(), 5U);
+  for (std::size_t k = 0; k < 5; ++k) {
+    const auto at = std::find(group.vertices.begin(), group.vertices.end(), sorted.handles[0].vertices[k]);
+    EXPECT_EQ(sorted.handles[0].targets[k], group.targets[static_cast<std::size_t>(at - group.vertices.begin())]);
+  }
+  EXPECT_EQ(
+      differing(applied(mesh, apply_edit(mesh, edit_of({other}))), applied(mesh, apply_edit(mesh, edit_of({sorted})))),
+      0);
+}
+
+TEST(EditTargets, FractionGoesPartOfTheWay) {
+  const TriangleMesh mesh = test_mesh();
+  EditStep step = landmarks(mesh);
+  for (std::size_t k = 0; k < step.handles[0].vertices.size(); ++k) {  // shifted, and a hat pulled out of the middle
+    const int v = step.handles[0].vertices[k];
+    step.handles[0].targets[k] = mesh.vertices.row(v).transpose() + Vector3(1, 0, v == kMiddle ? 3 : 2);
+  }
+  EditStep half = step;
+  for (std::size_t k = 0; k < step.handles[0].vertices.size(); ++k) {
+    const Vector3 place = mesh.vertices.row(step.handles[0].vertices[k]).transpose();
+    half.handles[0].targets[k] = (place + step.handles[0].targets[k]) / 2;
+  }
+  const Points part = applied(mesh, apply_edit(mesh, edit_of({step}), 0.5));
+  for (std::size_t k = 0; k < step.handles[0].vertices.size(); ++k) {
+    EXPECT_LT((part.row(step.handles[0].vertices[k]).transpose() - half.handles[0].targets[k]).norm(), 0.05);
+  }
+  EXPECT_EQ(differing(applied(mesh, apply_edit(mesh, edit_of({landmarks(mesh)}), 0)), mesh.vertices), 0);
+}
+
+TEST(EditTargets, AtTheVerticesPlacesNothingMovesToTheBit) {
+  const TriangleMesh mesh = test_mesh();
+  EditStep step = landmarks(mesh);
+  for (std::size_t k = 0; k < step.handles[0].vertices.size(); ++k) {
+    step.handles[0].targets[k] = mesh.vertices.row(step.handles[0].vertices[k]).transpose();
+  }
+  EXPECT_EQ(differing(applied(mesh, apply_edit(mesh, edit_of({step}))), mesh.vertices), 0);
+}
+
+TEST(EditTargets, VerticesOfLowWeightLag) {
+  const TriangleMesh mesh = test_mesh();
+  EditStep step = landmarks(mesh);
+  const auto distance = [&](std::size_t k) {
+    const Points after = applied(mesh, apply_edit(mesh, edit_of({step})));
+    return (after.row(step.handles[0].vertices[k]).transpose() - step.handles[0].targets[k]).norm();
+  };
+  step.handles[0].targets[3].z() += 2;  // the middle one, written fourth
+  const double firm = distance(3);
+  step.handles[0].weights = {1, 1, 1, 0.01, 1};
+  EXPECT_GT(distance(3), 5 * firm + 0.5);
+  EXPECT_LT(distance(0), 0.2);
+}
+
+TEST(EditTargets, UnusableOnesAreRefusedWithGroupAndNumbers) {
+  const TriangleMesh mesh = test_mesh();
+  EditStep step = landmarks(mesh);
+  step.handles.insert(step.handles.begin(), HandleGroup{{5 * kColumns + 10}, {}});
+  HandleGroup& group = step.handles[1];
+  group.targets.pop_back();
+  const EditError few = refusal(mesh, edit_of({step}));
+  EXPECT_EQ(few.cause(), ErrorCause::BadParameter);
+  expect_contains(few.what(), "Handle group 1 has 5 vertices and 4 targets");
+  group.targets.emplace_back(0, std::numeric_limits<double>::quiet_NaN(), 0);
+  const EditError infinite = refusal(mesh, edit_of({step}));
+  EXPECT_EQ(infinite.cause(), ErrorCause::NotFinite);
+  expect_contains(infinite.what(), "vertex " + std::to_string(group.vertices.back()) + " in handle group 1");
+  group.vertices.back() = group.vertices.front();
+  group.targets.back() = group.targets[1];
+  const EditError twice = refusal(mesh, edit_of({step}));
+  EXPECT_EQ(twice.cause(), ErrorCause::BadParameter);
+  expect_contains(twice.what(), "Handle group 1 has vertex " + std::to_string(group.vertices.front()) + " twice");
+  step = landmarks(mesh);
+  step.mirror = MirrorPlane{Vector3(15, 10, 0), Vector3(1, 0, 0)};
+  const EditError mirror = refusal(mesh, edit_of({step}));
+  EXPECT_EQ(mirror.cause(), ErrorCause::BadParameter);
+  expect_contains(mirror.what(), "targets of both sides");
+}
+
+/// What is refused is refused before the costly part, whose stages progress would name.
+EditError early_refusal(const TriangleMesh& mesh, const EditStep& step) {
+  return refusal(mesh, edit_of({step}), 1, StoredScalar::Double, [](double, const char* stage) {
+    EXPECT_STREQ(stage, "region");
+    return true;
+  });
+}
+
+TEST(EditOfALoneVertex, IsRefusedARotationOrScaleOfItsOwn) {
+  const TriangleMesh mesh = test_mesh();
+  for (const bool component : {false, true}) {
+    EditStep step = pull({0, 1, 2}, Vector3::Zero());
+    step.handles.push_back({{kMiddle, kMiddle}, {}});
+    step.region.kind = component ? RegionSpec::Kind::Component : RegionSpec::Kind::Radius;
+    HandleTransform& transform = step.handles[1].transform;
+    transform.scale = 100;
+    const EditError scaled = early_refusal(mesh, step);
+    EXPECT_EQ(scaled.cause(), ErrorCause::BadParameter);
+    EXPECT_STREQ(scaled.what(),
+                 "Handle group 1 is vertex 310 alone, which cannot be scaled by 100 about itself: name several "
+                 "vertices, or give a translation.");
+    transform.scale = 1;
+    transform.degrees = -20;
+    const EditError turned = early_refusal(mesh, step);
+    EXPECT_EQ(turned.cause(), ErrorCause::BadParameter);
+    expect_contains(turned.what(), "Handle group 1 is vertex 310 alone, which cannot be rotated by -20 degrees");
+    step.mirror = MirrorPlane{mesh.vertices.row(kMiddle).transpose(), Vector3(1, 0, 0)};
+    EXPECT_EQ(early_refusal(mesh, step).cause(), ErrorCause::BadParameter);
+    step.mirror.reset();
+    transform = HandleTransform();
+    transform.axis = Vector3::Zero();  // of a rotation that is none
+    EXPECT_NO_THROW(apply_edit(mesh, edit_of({step})));
+  }
+}
+
+/// About a center, or by a matrix, it goes where its place is led, and the piece keeps its size.
+TEST(EditOfALoneVertex, IsMovedByWhatMovesItsPlace) {
+  const TriangleMesh mesh = test_mesh();
+  EditStep step = pull({kMiddle}, Vector3(3, 0, 0));
+  step.region.kind = RegionSpec::Kind::Component;
+  const Points expected = applied(mesh, apply_edit(mesh, edit_of({step})));
+  HandleTransform& transform = step.handles[0].transform;
+  const Vector3 place = mesh.vertices.row(kMiddle).transpose();
+  transform.translation.setZero();
+  transform.center = place - Vector3(1.5, 0, 0);
+  transform.scale = 3;
+  EXPECT_LT((applied(mesh, apply_edit(mesh, edit_of({step}))) - expected).cwiseAbs().maxCoeff(), 1e-9);
+  transform = HandleTransform();
+  transform.matrix.emplace();
+  transform.matrix->leftCols<3>() = 100 * Matrix3::Identity();
+  transform.matrix->col(3) = place + Vector3(3, 0, 0) - 100 * place;
+  EXPECT_LT((applied(mesh, apply_edit(mesh, edit_of({step}))) - expected).cwiseAbs().maxCoeff(), 1e-9);
+}
+
 TEST(Edit, ProgressRisesOverAllStepsAndCanCancel) {
   const TriangleMesh mesh = test_mesh();
   const Edit edit = edit_of({pull({kMiddle}, {0, 0, 3}), pull({kMiddle + 3}, {1, 0, 0})});

@@ -124,7 +124,7 @@ TEST(Mirror, WindowAndReplayHaveTheSameBits) {
   task.mirror = step.mirror;
   thread.prepare(task);
   const std::vector<HandleTransform> transforms{step.handles[0].transform};
-  std::vector<Affine> maps;
+  std::vector<HandleMotion> maps;
   handles.maps(transforms, maps);
   thread.solve(maps, true);
   SolverPose pose;
@@ -149,9 +149,9 @@ TEST(Mirror, ImageOfATransformIsItsConjugate) {
   ASSERT_EQ(handles.groups().size(), 2U);
   EXPECT_EQ(handles.source(), (std::vector<int>{0, 0}));
   for (const HandleTransform& transform : transforms) {
-    std::vector<Affine> maps;
+    std::vector<HandleMotion> maps;
     handles.maps({transform}, maps);
-    EXPECT_LT((maps[1].matrix() - (mirror * maps[0] * mirror).matrix()).norm(), 1e-12);
+    EXPECT_LT((maps[1].map.matrix() - (mirror * maps[0].map * mirror).matrix()).norm(), 1e-12);
   }
 }
 
@@ -166,10 +166,10 @@ TEST(Mirror, GroupAcrossThePlaneKeepsTheSymmetricPart) {
   const Affine mirror = reflection(plane);
   HandleTransform transform = one_sided(mesh).handles[0].transform;
   transform.axis = Vector3(1, 0, 0);
-  std::vector<Affine> maps;
+  std::vector<HandleMotion> maps;
   handles.maps({transform}, maps);
-  EXPECT_LT((maps[0].matrix() - (mirror * maps[0] * mirror).matrix()).norm(), 1e-12);
-  EXPECT_NEAR(maps[0].linear().determinant(), std::pow(1.1, 3), 1e-12)
+  EXPECT_LT((maps[0].map.matrix() - (mirror * maps[0].map * mirror).matrix()).norm(), 1e-12);
+  EXPECT_NEAR(maps[0].map.linear().determinant(), std::pow(1.1, 3), 1e-12)
       << "the turn is about the normal: all of it stays";
   EXPECT_NEAR(handles.transform(0, {transform}).degrees, 25, 1e-12);
   EXPECT_EQ(handles.transform(0, {transform}).translation, Vector3(0, 0.05, 0.25));
@@ -177,7 +177,7 @@ TEST(Mirror, GroupAcrossThePlaneKeepsTheSymmetricPart) {
   EXPECT_EQ(handles.transform(0, {transform}).degrees, 0) << "an axis in the plane";
   transform.matrix = (support::rigid(40, {1, 1, 0}, {0.1, 0.2, 0.3}) * Eigen::Scaling(1.2, 0.8, 1.0)).matrix();
   handles.maps({transform}, maps);
-  EXPECT_LT((maps[0].matrix() - (mirror * maps[0] * mirror).matrix()).norm(), 1e-12);
+  EXPECT_LT((maps[0].map.matrix() - (mirror * maps[0].map * mirror).matrix()).norm(), 1e-12);
 }
 
 /// Vertices of a given group are in no image: both ears may be groups already.

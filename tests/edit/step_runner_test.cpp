@@ -30,7 +30,7 @@ struct Scene {
   StepProblem problem(StoredScalar scalar) const {
     return {mesh, adjacency, step.region, {step.handles[0].vertices}, step.settings, scalar};
   }
-  std::vector<Affine> maps() const {
+  std::vector<HandleMotion> maps() const {
     const HandleGroup& handle = step.handles[0];
     return {resolve(handle.transform, centroid(mesh.vertices, handle.vertices))};
   }
@@ -91,7 +91,7 @@ TEST(StepRunner, ReportsHowFarOffIsWhatTheMeshStores) {
       const Vector3 place = places.row(i).transpose(),
                     rest = scene.mesh.vertices.row(region.mesh_vertex[i]).transpose();
       if (region.classes[i] == VertexClass::Handle) {
-        handle = std::max(handle, (place - scene.maps()[0] * rest).norm());
+        handle = std::max(handle, (place - scene.maps()[0].map * rest).norm());
       } else if (region.classes[i] == VertexClass::Anchor) {
         anchor = std::max(anchor, (place - rest).norm());
       }

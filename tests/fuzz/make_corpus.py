@@ -37,6 +37,7 @@ def edits():
         {"vertices": "1-3", "weights": [1, 0.5, 0.000001], "scale": 1.5,
          "rotation": {"axis": [1, 2, 3], "degrees": -30, "center": [0, 0.5, 1e-3]}}]))
     yield "matrix", edit(step(handles=[{"vertices": "1", "matrix": [1, 0, 0, 1, 0, 2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}]))
+    yield "targets", edit(step(handles=[{"vertices": "3,1", "weights": [1, 0.5], "targets": [[0, 0.5, 1e-3], [1, 2, 3]]}]))
     yield "mirror", edit(step(mirror={"point": [0, 0, 0], "normal": [1, 0, 0]}))
     yield "numbers", edit(step(handle_weight=1e-6, anchor_weight=1e6, membrane=0, normal_radius=1.7976931348623157e308,
                                iterations=100, order=3))

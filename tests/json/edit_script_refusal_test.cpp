@@ -78,9 +78,8 @@ TEST(EditScriptRefusal, OtherVersionsAreRefusedWithTheNumber) {
 TEST(EditScriptRefusal, UnknownKeysAreRefusedByNameAndPlace) {
   EXPECT_EQ(refusal(with_steps("{'region': {'radius': 1}, 'handles': [{'vertices': '1'}]},"
                                "{'region': {'radius': 1}, 'handles': [{'vertices': '1', 'translaton': [0,0,1]}]}")),
-            "steps[1].handles[0]: unknown key \"translaton\"; known keys are vertices, weights, translation, rotation, "
-            "scale, "
-            "matrix.");
+            "steps[1].handles[0]: unknown key \"translaton\"; known keys are vertices, weights, targets, translation, "
+            "rotation, scale, matrix.");
   expect_contains(refusal(js("{'laplacian_edit': 1, 'step': []}")), "edit: unknown key \"step\"");
   expect_contains(refusal(with_mesh("{'edges': 1}")),
                   "mesh: unknown key \"edges\"; known keys are vertices, faces, connectivity.");
@@ -129,6 +128,11 @@ TEST(EditScriptRefusal, WrongTypesAreRefusedWithWhatWasExpected) {
       {"{'vertices': '1', 'rotation': {'degrees': '3'}}", "rotation.degrees: expected a number, found the text"},
       {"{'vertices': '1', 'rotation': {'center': null}}", "rotation.center: expected a list of 3 numbers, found null."},
       {"{'vertices': '1', 'scale': true}", "scale: expected a number, found true."},
+      {"{'vertices': '1', 'targets': 1}", "targets: expected a list of one or more points, found the number 1."},
+      {"{'vertices': '1', 'targets': []}", "targets: expected a list of one or more points, found a list of length 0."},
+      {"{'vertices': '1', 'targets': [0, 0, 1]}", "targets[0]: expected a list of 3 numbers, found the number 0."},
+      {"{'vertices': '1-2', 'targets': [[0, 0, 1], [1, 2]]}", "targets[1]: expected a list of 3 numbers, found a list"},
+      {"{'vertices': '1', 'targets': [[0, null, 1]]}", "targets[0][1]: expected a number, found null."},
       {"{'vertices': '1', 'matrix': [1,0,0,0, 0,1,0,0, 0,0,1,0]}", "matrix: expected a list of 16 numbers, found a"},
       {"{'vertices': '1', 'matrix': [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,2]}", "matrix: the last row"},
       {"{'vertices': '1', 'matrix': [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,1,0,1]}", "matrix: the last row"},
@@ -140,6 +144,10 @@ TEST(EditScriptRefusal, WrongTypesAreRefusedWithWhatWasExpected) {
   for (const char* other : {"'scale': 1", "'rotation': {}", "'translation': [0, 0, 0]"}) {
     const std::string matrix = "{'vertices': '1', 'matrix': [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1], ";
     expect_contains(refusal(with_handle(matrix + other + "}")), "steps[0].handles[0]: has both matrix and ");
+  }
+  for (const std::string other : {"scale", "rotation", "translation", "matrix"}) {
+    EXPECT_EQ(refusal(with_handle("{'vertices': '1', 'targets': [[0, 0, 1]], '" + other + "': 1}")),
+              "steps[0].handles[0]: has both targets and " + other + "; drop one of the two.");
   }
 
   const std::pair<const char*, const char*> settings[] = {

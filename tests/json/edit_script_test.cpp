@@ -36,7 +36,8 @@ bool same(const EditStep& a, const EditStep& b) {
          (!a.mirror || (a.mirror->point == b.mirror->point && a.mirror->normal == b.mirror->normal)) &&
          std::equal(a.handles.begin(), a.handles.end(), b.handles.begin(), b.handles.end(),
                     [](const HandleGroup& g, const HandleGroup& h) {
-                      return g.vertices == h.vertices && g.weights == h.weights && same(g.transform, h.transform);
+                      return g.vertices == h.vertices && g.weights == h.weights && g.targets == h.targets &&
+                             same(g.transform, h.transform);
                     });
 }
 
@@ -144,7 +145,7 @@ TEST(EditScript, WritesKeysInTheDocumentedOrder) {
   EXPECT_EQ(text, R"({"laplacian_edit":1,"mesh":{"vertices":11703},"steps":[{"region":{"radius":1.2155,"padding":0.1},)"
                   R"("handles":[{"vertices":"12-14,77,9-10,9","translation":[0,-0.9,0.3333333333333333],)"
                   R"("rotation":{"axis":[0,0,1],"degrees":0},"scale":1}],"laplacian":"cotangent","order":1,)"
-                  R"("detail_rotation":"smooth_normals","iterations":1,"normal_radius":0,"handle_weight":30,)"
+                  R"("detail_rotation":"smooth_normals","iterations":0,"normal_radius":0,"handle_weight":30,)"
                   R"("anchor_weight":30,"turning":"vertex","rough":"falloff","membrane":7.5}]})");
 }
 
@@ -182,6 +183,10 @@ TEST(EditScript, RoundTripKeepsEveryBit) {
         for (int v = first; v < first + 10; v += 1 + some(2)) handle.vertices.push_back(v);
         if (some(2)) std::shuffle(handle.vertices.begin(), handle.vertices.end(), random);
         HandleTransform& transform = handle.transform;
+        if (some(4) == 0) {
+          for (std::size_t k = 0; k < handle.vertices.size(); ++k) handle.targets.push_back(vector());
+          continue;
+        }
         if (some(3) == 0) {
           transform.matrix.emplace();
           for (int i = 0; i < 12; ++i) transform.matrix->data()[i] = any_double(random);
@@ -248,6 +253,23 @@ TEST(EditScript, OptionalKeysAreWrittenWhereTheyAreUsed) {
   }
 }
 
+/// One point per vertex, in the order in which the vertices are written.
+TEST(EditScript, TargetsAreReadAndWrittenInPlaceOfATransform) {
+  const Edit edit = read_edit(R"({"laplacian_edit": 1, "steps": [{"region": {"component": true}, "handles": [
+      {"vertices": "9,3-4", "weights": [1, 0.5, 1], "targets": [[1, 2, 3], [0.1, -1e-300, 0], [7, 8, 9.5]]},
+      {"vertices": "1", "translation": [0, 0, 1]}]}]})");
+  const HandleGroup& group = edit.steps[0].handles[0];
+  EXPECT_EQ(group.vertices, (std::vector<int>{9, 3, 4}));
+  EXPECT_EQ(group.targets, (std::vector<Vector3>{{1, 2, 3}, {0.1, -1e-300, 0}, {7, 8, 9.5}}));
+  EXPECT_TRUE(edit.steps[0].handles[1].targets.empty());
+  const std::string text = write_edit(edit);
+  EXPECT_TRUE(same(read_edit(text), edit)) << text;
+  const std::size_t first = text.find("\"vertices\""), second = text.find("\"vertices\"", first + 1);
+  EXPECT_NE(text.substr(first, second - first).find("\"targets\""), std::string::npos);
+  EXPECT_EQ(text.substr(first, second - first).find("\"translation\""), std::string::npos) << text;
+  EXPECT_EQ(text.substr(second).find("\"targets\""), std::string::npos) << text;
+}
+
 TEST(EditScript, WritingRefusesWhatCouldNotBeRead) {
   const Edit good = read_edit(kExample);
   const auto cause = [&](const auto& spoil) {
@@ -264,6 +286,8 @@ TEST(EditScript, WritingRefusesWhatCouldNotBeRead) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   EXPECT_EQ(cause([](Edit& e) { e.steps[0].region.radius = kNaN; }), ErrorCause::NotFinite);
   EXPECT_EQ(cause([](Edit& e) { e.steps[0].handles[0].transform.translation[1] = -kInfinity; }), ErrorCause::NotFinite);
+  EXPECT_EQ(cause([=](Edit& e) { e.steps[0].handles[0].targets.emplace_back(0, 0, kInfinity); }),
+            ErrorCause::NotFinite);
   EXPECT_EQ(cause([](Edit& e) { (*e.steps[0].handles[2].transform.matrix)(2, 3) = kNaN; }), ErrorCause::NotFinite);
   EXPECT_EQ(cause([](Edit& e) { e.steps[0].settings.anchor_weight = kInfinity; }), ErrorCause::NotFinite);
   EXPECT_EQ(cause([](Edit& e) { e.steps.clear(); }), ErrorCause::BadScript);

@@ -184,7 +184,7 @@ struct Job {
 
 /// Expects that a job comes out the same, whatever has been done before.
 void expect_same(const std::string& what, const Job& before, const Job& job) {
-  const std::vector<Affine> maps{support::rigid(20, {0, 1, 1}, {0.1, 0.2, 0.4}, {2, 1, 0})};
+  const std::vector<HandleMotion> maps{support::rigid(20, {0, 1, 1}, {0.1, 0.2, 0.4}, {2, 1, 0})};
   std::unique_ptr<LaplacianEditor> fresh = job.editor(), previous = before.editor();
   previous->solve(maps);
   previous->preview(maps);

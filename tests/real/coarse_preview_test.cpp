@@ -28,15 +28,15 @@ struct Recorded {
 /// Those of regions for which there is a stand-in. Where a limb is thinner than the smoothing, or a group turns a mesh
 /// that nothing holds, the rotations are not what the cells resolve.
 const Recorded kRecorded[] = {
-    {"bumpy_plane.off", "crest", 0.032, 0.03},
-    {"bumpy_plane.off", "hill_cotangent", 0.008, 0.014},
-    {"bumpy_plane.off", "hill_to_the_border", 0.031, 0.017},
+    {"bumpy_plane.off", "crest", 0.06, 0.037},
+    {"bumpy_plane.off", "hill_cotangent", 0.009, 0.014},
+    {"bumpy_plane.off", "hill_to_the_border", 0.035, 0.035},
     {"igea.ply", "all_held_at_the_back", 0.125, 0.12},
-    {"igea.ply", "nose_and_face", 0.013, 0.029},
+    {"igea.ply", "nose_and_face", 0.015, 0.029},
     {"igea.ply", "nose_order_3", 0.16, 0.039},
-    {"octopus.off", "body_held_by_another_tentacle", 0.34, 0.72},
-    {"octopus.off", "most_of_the_body", 0.027, 0.047},
-    {"octopus.off", "tentacle_and_root_order_2", 0.036, 0.025},
+    {"octopus.off", "body_held_by_another_tentacle", 0.34, 1.13},
+    {"octopus.off", "most_of_the_body", 0.027, 0.069},
+    {"octopus.off", "tentacle_and_root_order_2", 0.037, 0.11},
 };
 
 TEST(RealCoarsePreviews, AreNearTheFullPose) {
@@ -46,7 +46,7 @@ TEST(RealCoarsePreviews, AreNearTheFullPose) {
                                 recorded.edit + ".json");
     const EditStep& step = edit.steps[0];
     std::vector<std::vector<int>> groups;
-    std::vector<Affine> maps;
+    std::vector<HandleMotion> maps;
     for (const HandleGroup& handle : step.handles) {
       groups.push_back(handle.vertices);
       maps.push_back(resolve(handle.transform, centroid(mesh.vertices, handle.vertices)));
@@ -65,7 +65,7 @@ TEST(RealCoarsePreviews, AreNearTheFullPose) {
         const Vector3 rest = mesh.vertices.row(region.mesh_vertex[i]).transpose();
         if (region.classes[i] == VertexClass::Handle) {
           way = std::max(way, (full.row(i).transpose() - rest).norm());
-          EXPECT_LT((pose.row(i).transpose() - maps[region.group[i]] * rest).norm(), 1e-9 * region.max_distance);
+          EXPECT_LT((pose.row(i).transpose() - maps[region.group[i]].map * rest).norm(), 1e-9 * region.max_distance);
         } else if (region.anchor_depth[i] == 1) {
           EXPECT_EQ(pose.row(i).transpose(), rest);
         }

@@ -29,13 +29,13 @@ TEST(Drag, AllocatesNothingAfterTheFirstSolve) {
         settings.iterations = 2;
         const long before_all = allocations;
         LaplacianEditor editor(mesh, build_region(mesh, support::adjacency_of(mesh), region, {{handle}}), settings);
-        std::vector<Affine> maps{support::shift(Vector3(0, 0, 0.4))};
+        std::vector<HandleMotion> maps{support::shift(Vector3(0, 0, 0.4))};
         editor.solve(maps);
         ASSERT_GT(allocations.load(), before_all);  // or the count does not count
         const long before = allocations;
         largest_allocation = 0;
         for (int i = 0; i < 5; ++i) {
-          maps[0].translation().x() += 0.01;
+          maps[0].map.translation().x() += 0.01;
           editor.solve(maps);
         }
         const long made = allocations - before;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <set>
 #include <thread>
 
 #include "drag_support.h"
@@ -356,6 +357,31 @@ TEST(DragGizmo, RingTurnsAboutThePivot) {
   // The handle keeps its distance from the pivot.
   EXPECT_NEAR((window.host().row(kMiddle).transpose() - pivot).norm(), 10, 0.1);
   window.expect_consistent();
+}
+
+TEST(DragGizmo, OfASingleVertexHasArrowsOnly) {
+  Window window(shapes::grid(60, 60), support::view_from(Vector3(-40, -50, 60), Vector3(30, 30, 0)));
+  for (const bool lone : {false, true}) {
+    window.session.clear();
+    change(window, [lone](DragSettings& s) { s.handle_share = lone ? 0 : 0.3; });
+    window.click(kMiddle);
+    EXPECT_EQ(window.session.groups().at(0).size() == 1, lone);
+    window.session.show_gizmo(true, GizmoAxes::Layer);
+    const std::optional<Gizmo> gizmo = window.session.gizmo(window.view);
+    ASSERT_TRUE(gizmo);
+    std::set<GizmoPart> parts;
+    const Vector2 center = window.view.pixel(gizmo->center);
+    for (double x = -120; x <= 120; x += 3) {
+      for (double y = -120; y <= 120; y += 3) {
+        parts.insert(gizmo_part_at(*gizmo, window.at(Vector2(center + Vector2(x, y)))));
+      }
+    }
+    EXPECT_EQ(parts.size(), lone ? 4U : 8U);
+    EXPECT_EQ(parts.count(GizmoPart::MoveX) + parts.count(GizmoPart::MoveY) + parts.count(GizmoPart::MoveZ), 3U);
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_EQ(gizmo->ring_is_seen(axis, window.view), !lone);  // which the picture follows
+    }
+  }
 }
 
 TEST(DragGizmo, RimIsTheMiddleOfWhatHoldsAnArm) {

@@ -94,7 +94,7 @@ TEST(DragMotion, TurnAboutALockedAxisGoesTheWayTheSurfaceIsSeenToTurn) {
     EXPECT_EQ(m.transform().axis, Vector3::UnitZ());
     // A point to the right on the screen goes up.
     const Vector3 right = view.beside(kCenter, over(view, kCenter, Vector2(100, 0)).pixel);
-    const Vector3 turned = resolve(m.transform(), kCenter) * right;
+    const Vector3 turned = resolve(m.transform(), kCenter).map * right;
     EXPECT_LT(view.pixel(turned).y(), view.pixel(kCenter).y() - 90);
   }
 }
@@ -146,7 +146,7 @@ TEST(DragMotion, AnotherPivotIsNamedInTheTransform) {
     DragMotion m(kind, kCenter, kCenter, Vector3::UnitZ(), over(view, pivot, Vector2(100, 0)), pivot);
     m.move(over(view, pivot, Vector2(30, 120)));
     EXPECT_TRUE(m.moves());
-    const Affine map = resolve(m.transform(), kCenter);
+    const Affine map = resolve(m.transform(), kCenter).map;
     EXPECT_LT((map * pivot - pivot).norm(), 1e-12);
     EXPECT_GT((map * point - point).norm(), 0.1);
     EXPECT_FALSE(DragMotion(kind, kCenter, kCenter, Vector3::UnitZ(), over(view, kCenter)).transform().center);

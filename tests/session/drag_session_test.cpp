@@ -302,12 +302,17 @@ TEST(DragSession, TurnAndScaleGoAboutTheGroupsCenter) {
   EXPECT_NEAR(support::diameter(after) / support::diameter(before), 1.5, 0.3);
 }
 
-TEST(DragSession, TurningASingleVertexIsRefused) {
+TEST(DragSession, RotatingOrScalingASingleVertexIsRefused) {
   Window window(hills());
   window.click(kMiddle);
-  window.keys("r");
-  EXPECT_EQ(window.session.state(), State::Picked);
-  EXPECT_NE(window.session.message().find("several vertices"), std::string::npos);
+  for (const char* key : {"r", "s"}) {
+    window.keys(key);
+    EXPECT_EQ(window.session.state(), State::Picked);
+    EXPECT_NE(window.session.message().find(std::string(*key == 'r' ? "Turning" : "Scaling") +
+                                            " needs a handle of several vertices, and this one is vertex " +
+                                            std::to_string(kMiddle) + " alone"),
+              std::string::npos);
+  }
 }
 
 TEST(DragSession, KeyMotionFollowsTheMouseAndAClickAppliesIt) {

@@ -203,7 +203,7 @@ TEST(Gizmo, ARingSeenFromItsSideFollowsTheMouse) {
     const Vector3 near = kCenter + 0.8 * gizmo.length * view.toward_viewer(kCenter);
     m.move(over(view, kCenter, Vector2(36, 5)));
     EXPECT_NEAR(m.transform().degrees, 0.5 * 180 / std::acos(-1.0), 1e-6);
-    const Vector3 turned = resolve(m.transform(), kCenter) * near;
+    const Vector3 turned = resolve(m.transform(), kCenter).map * near;
     EXPECT_GT(view.pixel(turned).x(), view.pixel(near).x() + 20);  // the way the mouse went
     m.move(over(view, kCenter, Vector2(-360, 0)));
     EXPECT_NEAR(m.transform().degrees, -5 * 180 / std::acos(-1.0), 1e-6);  // in one move

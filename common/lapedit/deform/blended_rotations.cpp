@@ -2,6 +2,7 @@
 #include "lapedit/deform/blended_rotations.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 
 namespace lapedit {
 namespace {
@@ -34,10 +35,11 @@ void BlendedRotations::quaternions(std::vector<Eigen::Vector4d>& quaternions) co
   }
 }
 
-/// q = sum_k w_k +-q_k, each sign towards the first cell's; then towards the identity, as far as it is held back.
+/// q = sum_k w_k (q_k . q_0) q_k, then towards the identity, as far as it is held back. No sign of a quaternion changes
+/// it, and it has no jumps where two cells rotate by 180 degrees against each other.
 void BlendedRotations::spread(std::vector<Matrix3>& rotations, ThreadPool& pool) {
   constexpr int kGrain = 1024;
-  constexpr double kCancelled = 0.1;
+  constexpr double kCancelled = 0.2;
   quaternions(quaternions_);
   const auto n = static_cast<int>(hold_.size());
   rotations.resize(n);
@@ -48,16 +50,15 @@ void BlendedRotations::spread(std::vector<Matrix3>& rotations, ThreadPool& pool)
       for (int k = 0; k < CellBlend::kReach; ++k) {
         const Eigen::Vector4d& one = quaternions_[blend_.cells(k, i)];
         const auto weight = static_cast<double>(blend_.weights(k, i));
-        sum += (one.dot(towards) < 0 ? -weight : weight) * one;
+        sum += weight * one.dot(towards) * one;
       }
-      double length = sum.norm();
-      if (!(length > kCancelled)) {
-        sum = towards;
-        length = 1;
-      }
-      sum *= (sum[3] < 0 ? hold_[i] - 1 : 1 - hold_[i]) / length;
-      sum[3] += hold_[i];
-      rotations[i] = Eigen::Quaterniond(Eigen::Vector4d(sum.normalized())).toRotationMatrix();
+      sum += std::max(0.0, kCancelled - sum.norm()) * towards;
+      sum.normalize();
+      const double along = hold_[i] * sum[3];
+      sum *= 1 - hold_[i];
+      sum[3] += along;
+      rotations[i] = sum.isZero(0) ? Matrix3(Matrix3::Identity())
+                                   : Eigen::Quaterniond(Eigen::Vector4d(sum.normalized())).toRotationMatrix();
     }
   });
 }

@@ -50,13 +50,13 @@ void CellPose::measure_falloff(const Region& region, const Points& rest) {
   }
 }
 
-void CellPose::fall_off(const std::vector<LocalMotion>& targets) {
+void CellPose::fall_off() {
   displacement_.setZero(cells_.count(), 3);
   for (std::size_t g = 0; g < falloff_.lone.size(); ++g) {
     for (int c = 0; c < cells_.count(); ++c) {
       const Vector3 place = falloff_.lone[g] >= 0 ? rest_.row(falloff_.lone[g]).transpose().eval()
                                                   : cells_.centres.row(c).transpose().eval();
-      const Vector3 way = targets[g].displacement(place) - carried(c).displacement(place);
+      const Vector3 way = paths_->motions()[g].displacement(place) - carried(c).displacement(place);
       displacement_.row(c) += falloff_.weights(c, static_cast<Eigen::Index>(g)) * way.transpose();
     }
   }
@@ -97,11 +97,11 @@ void CellPose::turn(Points& turned) const {
   }
 }
 
-void CellPose::solve(const std::vector<LocalMotion>& targets, const std::vector<LocalMotion>& carried) {
-  carried_ = &carried;
+void CellPose::solve(const GroupPaths& paths) {
+  paths_ = &paths;
   constraints_.setZero(cells_.count(), 3);
   for (const CoarseSystem::Held& held : system_.held()) {
-    const Vector3 way = targets[held.group].displacement(held.mean) - this->carried(held.cell).displacement(held.mean);
+    const Vector3 way = held.displacement(paths) - carried(held.cell).displacement(held.mean);
     for (const auto& [cell, weight] : held.row) {
       constraints_.row(cell) += held.weight * weight * way.transpose();
     }
@@ -109,22 +109,22 @@ void CellPose::solve(const std::vector<LocalMotion>& targets, const std::vector<
   if (falloff_.empty()) {
     system_.solve(constraints_, displacement_);
   } else {
-    fall_off(targets);
+    fall_off();
   }
   std::fill(rotations_.begin(), rotations_.end(), Matrix3::Identity());
   if (settings_.rotation == DetailRotation::None || constraints_.isZero(0)) {
     return;
   }
-  if (std::all_of(carried.begin(), carried.end(), [](const LocalMotion& motion) { return motion.none(); })) {
+  if (!paths.carries()) {
     smooth_before_ = smooth_rest_;
   } else {
     smooth_before_ = cells_.centres;
     for (int c = 0; c < cells_.count(); ++c) {
-      smooth_before_.row(c) += this->carried(c).displacement(cells_.centres.row(c).transpose()).transpose();
+      smooth_before_.row(c) += carried(c).displacement(cells_.centres.row(c).transpose()).transpose();
     }
     system_.smooth(smooth_before_);
   }
-  for (int pass = 0; pass < settings_.iterations; ++pass) {
+  for (int pass = 0; pass < settings_.passes(); ++pass) {
     previous_ = displacement_;
     smooth_after_ = displacement_;
     system_.smooth(smooth_after_);

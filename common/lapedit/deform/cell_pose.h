@@ -18,17 +18,16 @@ class CellPose {
   CellPose(const Region& region, const Points& rest, const RegionCells& cells, const CellBlend& blend,
            const EditSettings& settings, double normal_radius, ThreadPool& pool);
 
-  /// @param targets  motions of the groups, @param carried  of the components. Nothing is allocated after the first
-  /// call
-  void solve(const std::vector<LocalMotion>& targets, const std::vector<LocalMotion>& carried);
+  /// @param paths  at their end. Nothing is allocated after the first call
+  void solve(const GroupPaths& paths);
 
   const Points& displacement() const { return displacement_; }          ///< of the centres, from where they are carried
   const std::vector<Matrix3>& rotations() const { return rotations_; }  ///< likewise
-  const LocalMotion& carried(int cell) const { return (*carried_)[component_[cell]]; }
+  const LocalMotion& carried(int cell) const { return paths_->carried()[component_[cell]]; }
 
  private:
   void measure_falloff(const Region& region, const Points& rest);
-  void fall_off(const std::vector<LocalMotion>& targets);
+  void fall_off();
   void fit_rotations();
   void turn(Points& turned) const;
 
@@ -43,7 +42,7 @@ class CellPose {
   double settled_;              // a pass that changes less is the last
   GeodesicFalloff falloff_;     // of the cells; empty: rotations are estimated from the unrotated result
 
-  const std::vector<LocalMotion>* carried_ = nullptr;
+  const GroupPaths* paths_ = nullptr;
   Points smooth_rest_, constraints_, displacement_, previous_, turned_, smooth_before_, smooth_after_;
   std::vector<Matrix3> rotations_;
 };

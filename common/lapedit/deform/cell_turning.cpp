@@ -6,9 +6,12 @@
 namespace lapedit {
 namespace {
 
-constexpr int kPassesOnTheWay = 5, kMostPasses = 600;
-constexpr double kAccurate = 1e-9;          // of the handles' largest way
-constexpr double kAccurateForFrame = 1e-5;  // of that or of the region's size, whichever is larger
+/// A given number for each step, so that poses change evenly with the handle, where settled ones jump.
+struct Passes {
+  int on_the_way, at_the_end;
+};
+constexpr Passes kFull = {5, 20}, kQuick = {2, 10};
+constexpr double kSettled = 1e-9;  // of the handles' largest way: no pass changes anything then
 
 }  // namespace
 
@@ -25,34 +28,22 @@ CellTurning::CellTurning(const Region& region, const Points& rest, const RegionC
       component_(cells.count(), 0),
       hold_(cells.count(), 0),
       local_global_(cells, surface_, hold_, settings, system_),
-      size_(region.max_distance),
       linear_(cells.count()),
       rotations_(cells.count(), Matrix3::Identity()) {
-  gather(region, rest);
+  gather(region);
   // All scratch has its size from here on, whatever the first frame of a drag asks for.
   constraints_.setZero(cells.count(), 3);
   displacement_.setZero(cells.count(), 3);
   local_global_.start(cells.centres, std::vector<Matrix3>(cells.count(), Matrix3::Zero()));
-  local_global_.settle(constraints_, 0, 2, true, displacement_, rotations_);
+  local_global_.settle(constraints_, 0, 2, displacement_, rotations_);
   displacement_.setZero();
   std::fill(rotations_.begin(), rotations_.end(), Matrix3::Identity());
 }
 
-/// What of vertices counts for cells and groups.
-void CellTurning::gather(const Region& region, const Points& rest) {
-  groups_.resize(1 + *std::max_element(region.group.begin(), region.group.end()));
+void CellTurning::gather(const Region& region) {
   for (int i = 0; i < region.size(); ++i) {
     component_[cells_.of[i]] = region.component[i];
     hold_[cells_.of[i]] += region.anchor_depth.empty() ? 0 : region.anchor_depth[i];
-    if (region.group[i] >= 0) {
-      Group& group = groups_[region.group[i]];
-      group.component = region.component[i];
-      group.centre += rest.row(i).transpose();
-      ++group.size;
-    }
-  }
-  for (Group& group : groups_) {
-    group.centre /= std::max(group.size, 1);
   }
   for (int c = 0; c < cells_.count(); ++c) {
     const double depth = hold_[c] / cells_.vertices[c];
@@ -60,27 +51,23 @@ void CellTurning::gather(const Region& region, const Points& rest) {
   }
 }
 
-/// Only while nothing is carried, and by less than about 30 degrees a group.
-bool CellTurning::may_go_on(const std::vector<LocalMotion>& targets, const std::vector<LocalMotion>& carried) const {
-  constexpr double kFar = 0.7;
-  if (!solved_ || last_targets_.size() != targets.size() ||
-      !std::all_of(carried.begin(), carried.end(), [](const LocalMotion& motion) { return motion.none(); })) {
-    return false;
+/// Moves the rest pose as the components are moved at this step.
+void CellTurning::carry(const GroupPaths& paths) {
+  carried_ = cells_.centres;
+  for (int c = 0; c < cells_.count(); ++c) {
+    const LocalMotion& along = paths.carried()[component_[c]];
+    linear_[c] = along.linear;
+    carried_.row(c) += along.displacement(cells_.centres.row(c).transpose()).transpose();
   }
-  for (std::size_t g = 0; g < targets.size(); ++g) {
-    if (!((targets[g].linear - last_targets_[g].linear).norm() < kFar)) {
-      return false;
-    }
-  }
-  return true;
+  local_global_.start(carried_, linear_);
 }
 
-/// What the handles ask for after a part of their way. @return the largest of it
-double CellTurning::ask(double part) {
+/// Sets what the handles ask for at this step. @return their largest displacement from where they are carried
+double CellTurning::ask(const GroupPaths& paths) {
   double largest = 0;
   constraints_.setZero(cells_.count(), 3);
   for (const CoarseSystem::Held& held : system_.held()) {
-    const Vector3 way = paths_[held.group].way(held.mean, part);
+    const Vector3 way = held.displacement(paths) - paths.carried()[component_[held.cell]].displacement(held.mean);
     largest = std::max(largest, way.norm());
     for (const auto& [cell, weight] : held.row) {
       constraints_.row(cell) += held.weight * weight * way.transpose();
@@ -89,44 +76,26 @@ double CellTurning::ask(double part) {
   return largest;
 }
 
-void CellTurning::solve(const std::vector<LocalMotion>& targets, const std::vector<LocalMotion>& carried,
-                        bool goes_on) {
-  const bool warm = goes_on && may_go_on(targets, carried);
-  last_targets_ = targets;
-  paths_.clear();
-  int steps = 1;
-  for (std::size_t g = 0; g < groups_.size(); ++g) {
-    paths_.emplace_back(carried[groups_[g].component], targets[g], groups_[g].centre);
-    steps = std::max(steps, paths_.back().steps());
-  }
-  carried_ = cells_.centres;
-  for (int c = 0; c < cells_.count(); ++c) {
-    const LocalMotion& along = carried[component_[c]];
-    linear_[c] = along.linear;
-    carried_.row(c) += along.displacement(cells_.centres.row(c).transpose()).transpose();
-  }
-  local_global_.start(carried_, linear_);
-  if (!warm) {
-    displacement_.setZero(cells_.count(), 3);
-    std::fill(rotations_.begin(), rotations_.end(), Matrix3::Identity());
-  }
+void CellTurning::solve(GroupPaths& paths, bool quick) {
+  displacement_.setZero(cells_.count(), 3);
+  std::fill(rotations_.begin(), rotations_.end(), Matrix3::Identity());
   passes_ = 0;
-  left_ = turned_ = 0;
-  solved_ = true;
-  for (int step = warm ? steps : 1; step <= steps; ++step) {
-    const bool last = step == steps;
-    const double way = ask(last ? 1 : static_cast<double>(step) / steps);
+  left_ = 0;
+  const int steps = paths.steps();
+  for (int step = 1; step <= steps; ++step) {
+    paths.go(step);
+    carry(paths);
+    const double way = ask(paths);
     if (way == 0) {
       displacement_.setZero();
       std::fill(rotations_.begin(), rotations_.end(), Matrix3::Identity());
       continue;
     }
-    const double accurate = goes_on ? kAccurateForFrame * std::max(way, size_) : kAccurate * way;
+    const Passes& passes = quick ? kQuick : kFull;
     const LocalGlobal::Outcome outcome = local_global_.settle(
-        constraints_, accurate, last ? kMostPasses : kPassesOnTheWay, warm, displacement_, rotations_);
+        constraints_, kSettled * way, step == steps ? passes.at_the_end : passes.on_the_way, displacement_, rotations_);
     passes_ += outcome.passes;
     left_ = outcome.left / way;
-    turned_ = outcome.turned;
   }
 }
 

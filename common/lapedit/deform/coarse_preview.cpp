@@ -47,8 +47,7 @@ struct CoarsePreview::Impl {
   std::vector<Four> details;  // p_i - sum_k w_k C_k: what of a vertex turns with its cells; then how far it goes along
 
   // Of a frame.
-  std::vector<LocalMotion> targets, carried;
-  std::vector<HandlesSeen> handles_seen;
+  GroupPaths paths;
   std::vector<CellMotion> motions;
   Points positions;
 
@@ -60,7 +59,8 @@ struct CoarsePreview::Impl {
         rest(mesh, *region),
         unit(region->max_distance > 0 ? std::ldexp(1.0, std::ilogb(region->max_distance)) : 1),
         cells(make_cells(*region, rest.local, weights(mesh), wanted_cells(region->size()), pool)),
-        blend((report_progress(progress, 0.05, "coarse level"), cells), rest.local, pool) {
+        blend((report_progress(progress, 0.05, "coarse level"), cells), rest.local, pool),
+        paths(*region, rest.local, rest.origin) {
     if (settings.rotation == DetailRotation::LocalGlobal) {
       cell_turning = std::make_unique<CellTurning>(*region, rest.local, cells, blend, settings, settings.backend, pool);
     } else {
@@ -107,7 +107,7 @@ void CoarsePreview::Impl::place(int first, int last) {
   for (int i = first; i < last; ++i) {
     const Vector3 at = rest.local.row(i).transpose();
     if (region->classes[i] == VertexClass::Handle) {
-      positions.row(i) = rest.world.row(i) + targets[region->group[i]].displacement(at).transpose();
+      positions.row(i) = rest.world.row(i) + paths.displacement(i).transpose();
       if (region->share(i) == 1) {
         continue;
       }
@@ -122,7 +122,7 @@ void CoarsePreview::Impl::place(int first, int last) {
       sum.way += weight * motion.way;
     }
     const Four detail = details[i];
-    const LocalMotion& along = carried[region->component[i]];
+    const LocalMotion& along = paths.carried()[region->component[i]];
     Vector3 turned(static_cast<double>(detail[0]), static_cast<double>(detail[1]), static_cast<double>(detail[2]));
     turned += along.linear * turned;
     const Four way =
@@ -147,18 +147,13 @@ CoarsePreview::CoarsePreview(const TriangleMesh& mesh, std::shared_ptr<const Reg
 }
 CoarsePreview::~CoarsePreview() = default;
 
-const Points& CoarsePreview::pose(const std::vector<Affine>& handles) {
+const Points& CoarsePreview::pose(const std::vector<HandleMotion>& handles) {
   Impl& s = *impl_;
-  check_targets(*s.region, handles);
-  s.targets.resize(handles.size());
-  for (std::size_t g = 0; g < handles.size(); ++g) {
-    s.targets[g] = LocalMotion::of(handles[g], s.rest.origin);
-  }
-  carry_components(*s.region, s.rest.local, s.targets, LocalMotion(), s.carried, s.handles_seen);
+  s.paths.set(handles);
   if (s.cell_turning) {
-    s.cell_turning->solve(s.targets, s.carried, true);
+    s.cell_turning->solve(s.paths, true);
   } else {
-    s.cell_pose->solve(s.targets, s.carried);
+    s.cell_pose->solve(s.paths);
   }
   const Points& ways = s.cell_turning ? s.cell_turning->displacement() : s.cell_pose->displacement();
   const std::vector<Matrix3>& turns = s.cell_turning ? s.cell_turning->rotations() : s.cell_pose->rotations();

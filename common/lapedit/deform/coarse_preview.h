@@ -24,10 +24,10 @@ class CoarsePreview {
                 const Progress& progress = {});
   ~CoarsePreview();
 
-  /// @param handles  one map per handle group, absolute coordinates
+  /// @param handles  one motion per handle group
   /// @return         size() x 3, row i belongs to region.mesh_vertex[i]; valid until the next call
   /// Nothing is allocated after the first call. @throws EditError (NoHandle, NotFinite)
-  const Points& pose(const std::vector<Affine>& handles);
+  const Points& pose(const std::vector<HandleMotion>& handles);
 
   int cells() const;
 

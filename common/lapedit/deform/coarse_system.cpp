@@ -64,8 +64,16 @@ constexpr int kSmoothingSteps = 2;
 
 }  // namespace
 
+Vector3 CoarseSystem::Held::displacement(const GroupPaths& paths) const {
+  Vector3 offset = Vector3::Zero();
+  for (std::size_t k = 0; k < vertices.size() && paths.has_targets(); ++k) {
+    offset += vertices[k].second * paths.target_offset(vertices[k].first);
+  }
+  return paths.displacement(group, mean, offset);
+}
+
 /// Where a handle has many vertices in a cell their rows would over-determine the blend: they are held in the mean, in
-/// which each counts by its squared weight.
+/// which each counts by its squared weight. A cell that is all handle is held itself: its vertices may follow others.
 void CoarseSystem::hold_handles(const Region& region, const Points& rest, const RegionCells& cells,
                                 const CellBlend& blend, double handle_weight) {
   std::vector<int> vertices;
@@ -77,20 +85,30 @@ void CoarseSystem::hold_handles(const Region& region, const Points& rest, const 
   const auto key = [&](int i) { return std::make_pair(cells.of[i], region.group[i]); };
   std::stable_sort(vertices.begin(), vertices.end(), [&](int a, int b) { return key(a) < key(b); });
   for (std::size_t first = 0, last = 0; first < vertices.size(); first = last) {
-    Held held = {cells.of[vertices[first]], region.group[vertices[first]], Vector3::Zero(), 0, {}};
+    Held held = {cells.of[vertices[first]], region.group[vertices[first]], Vector3::Zero(), 0, {}, {}};
     std::vector<std::pair<int, double>>& row = held.row;
     double count = 0;
     for (last = first; last < vertices.size() && key(vertices[last]) == key(vertices[first]); ++last) {
       const int i = vertices[last];
       const double counts = region.share(i) * region.share(i);
       count += counts;
+      held.vertices.emplace_back(i, counts);
       held.mean += counts * rest.row(i).transpose();
       for (int k = 0; k < CellBlend::kReach; ++k) {
         row.emplace_back(blend.cells(k, i), counts * static_cast<double>(blend.weights(k, i)));
       }
     }
     held.mean /= count;
+    for (auto& [i, share] : held.vertices) {
+      share /= count;
+    }
     held.weight = count * handle_weight * handle_weight;
+    if (static_cast<double>(last - first) == cells.vertices[held.cell]) {
+      held.mean = cells.centres.row(held.cell).transpose();
+      held.row = {{held.cell, 1}};
+      held_.push_back(std::move(held));
+      continue;
+    }
     std::stable_sort(row.begin(), row.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     std::size_t written = 0;
     for (std::size_t k = 0; k < row.size(); ++k) {

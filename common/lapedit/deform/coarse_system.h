@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lapedit/deform/edit_settings.h"
+#include "lapedit/deform/group_paths.h"
 #include "lapedit/deform/region_cells.h"
 
 namespace lapedit {
@@ -23,6 +24,9 @@ class CoarseSystem {
     Vector3 mean;   ///< of the group's vertices in the cell, by their w^2
     double weight;  ///< sum of their w^2
     std::vector<std::pair<int, double>> row;
+    std::vector<std::pair<int, double>> vertices;  ///< of the region, and each one's share of the mean
+
+    Vector3 displacement(const GroupPaths& paths) const;  ///< of the mean
   };
 
   /// @param normal_radius  of the smoothing, model units; 0: nothing is smoothed

@@ -3,9 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <string>
 
-#include "lapedit/base/error.h"
 #include "lapedit/deform/polar_decomposition.h"
 
 namespace lapedit {
@@ -21,26 +19,20 @@ Matrix3 rotation_of(const LocalMotion& motion) {
 
 }  // namespace
 
-void EditConstraints::set(const std::vector<Affine>& handles, const Affine& anchors) {
-  targets_.resize(handles.size());
-  for (std::size_t g = 0; g < handles.size(); ++g) {
-    targets_[g] = LocalMotion::of(handles[g], system_.rest.origin);
-  }
-  carry_along(anchors);
+void EditConstraints::set(const std::vector<HandleMotion>& handles, const Affine& anchors) {
+  paths_.set(handles, anchors);
+  carry_along();
   set_right_hand_side();
 }
 
-void EditConstraints::carry_along(const Affine& anchors) {
+void EditConstraints::carry_along() {
   const Region& region = system_.region;
   const Points& rest = system_.rest.local;
-  carry_components(region, rest, targets_, LocalMotion::of(anchors, system_.rest.origin), carried_, handles_seen_);
-  carried_rotation_.assign(carried_.size(), Matrix3::Identity());
-  carries_ = false;
-  for (std::size_t c = 0; c < carried_.size(); ++c) {
-    if (!carried_[c].none()) {
-      carries_ = true;
-      carried_rotation_[c] = rotation_of(carried_[c]);
-    }
+  const std::vector<LocalMotion>& carried_motions = paths_.carried();
+  carried_rotation_.assign(carried_motions.size(), Matrix3::Identity());
+  carries_ = paths_.carries();
+  for (std::size_t c = 0; carries_ && c < carried_motions.size(); ++c) {
+    carried_rotation_[c] = rotation_of(carried_motions[c]);
   }
   if (carries_) {
     carried_pose_ = rest;
@@ -74,15 +66,11 @@ void EditConstraints::fall_off(Points& displacement) const {
         if (weight > 0) {
           const Vector3 place = rest.row(falloff.lone[g] >= 0 ? falloff.lone[g] : i).transpose();
           displacement.row(i) +=
-              weight * (targets_[g].displacement(place) - carried(i).displacement(place)).transpose();
+              weight * (paths_.motions()[g].displacement(place) - carried(i).displacement(place)).transpose();
         }
       }
     }
   });
-}
-
-Vector3 EditConstraints::wanted_way(int i) const {
-  return targets_[system_.region.group[i]].displacement(system_.rest.local.row(i).transpose());
 }
 
 }  // namespace lapedit

@@ -79,7 +79,7 @@ Eigen::VectorXd heights(const Region& region, const Points& places, const Points
 /// Only where something flipped: what agrees with rotations that vary slowly is not folded.
 void find_folds(const LaplacianSystem& system, const Points& positions, EditQuality& result) {
   const Region& region = system.region;
-  FoldCauses& causes = result.causes;
+  AdviceCauses& causes = result.causes;
   causes.reach = region.radius;
   causes.turn = result.rotation_max;
   if (result.flipped == 0) {
@@ -118,7 +118,10 @@ EdgeStretch edge_stretch(const Region& region, const Points& before, const Point
       if (i < j && old_length > 0) {
         const double stretch = (after.row(i) - after.row(j)).norm() / old_length - 1;
         sum += stretch * stretch;
-        result.largest = std::max(result.largest, stretch);
+        if (stretch > result.largest) {
+          result.largest = stretch;
+          result.at = i;
+        }
         ++edges;
       }
     }
@@ -218,6 +221,10 @@ EditQuality edit_quality(const LaplacianSystem& system, const EditConstraints& c
       if (region.share(i) == largest[region.group[i]]) {
         result.handle_residual = std::max(result.handle_residual, (moved - way).norm());
       }
+      if (region.share(i) == 1 && (moved - way).norm() > result.causes.distance) {
+        result.causes.distance = (moved - way).norm();
+        result.causes.behind = region.mesh_vertex[i];
+      }
     } else if (region.classes[i] == VertexClass::Anchor) {
       const Vector3 way = constraints.carried(i).displacement(system.rest.local.row(i).transpose());
       result.anchor_residual = std::max(result.anchor_residual, (moved - way).norm());
@@ -229,6 +236,7 @@ EditQuality edit_quality(const LaplacianSystem& system, const EditConstraints& c
   const EdgeStretch stretch = edge_stretch(region, system.rest.world, positions);
   result.stretch_rms = stretch.rms;
   result.stretch_max = stretch.largest;
+  result.causes.stretched = stretch.at < 0 ? -1 : region.mesh_vertex[stretch.at];
   result.flipped = flipped_triangles(region, system.rest.world, positions, rotations);
   find_folds(system, positions, result);
   result.volume = enclosed_volume(region, system.rest.world);

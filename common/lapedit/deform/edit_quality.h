@@ -13,6 +13,7 @@ namespace lapedit {
 /// Of |after| / |before| - 1 over the region's edges: RMS, and the largest above 0. Edges without length are left out.
 struct EdgeStretch {
   double rms = 0, largest = 0;
+  int at = -1;  ///< the lower end of the edge with the largest, a vertex of the region; -1: none became longer
 };
 EdgeStretch edge_stretch(const Region& region, const Points& before, const Points& after);
 

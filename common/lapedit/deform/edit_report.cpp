@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/deform/edit_report.h"
 
+#include <algorithm>
 #include <vector>
 
 #include "lapedit/base/format_text.h"
@@ -31,30 +32,77 @@ std::string quality_line(const EditReport& report) {
   return line;
 }
 
-}  // namespace
-
-std::string EditReport::advice() const {
-  const int meeting = new_intersections.value_or(0);
-  if (folded == 0 && meeting == 0) {
+/// On folds, intersections and stretch.
+std::string advice_on_shape(const EditReport& report) {
+  constexpr double kStretched = 5;
+  const int meeting = report.new_intersections.value_or(0);
+  std::string sentence;
+  if (report.folded > 0) {
+    sentence = counted(report.folded, "triangle", "triangles") + " folded over near vertex " +
+               std::to_string(report.causes.near);
+  } else if (meeting > 0) {
+    sentence = counted(meeting, "pair", "pairs") + " of triangles came to intersect";
+  }
+  if (report.stretch_max > kStretched) {
+    sentence += std::string(sentence.empty() ? "An" : ", and an") + " edge at vertex " +
+                std::to_string(report.causes.stretched) +
+                format_text(" became %.3g times as long", 1 + report.stretch_max);
+  }
+  if (sentence.empty()) {
     return {};
   }
-  std::string sentence =
-      folded > 0 ? counted(folded, "triangle", "triangles") + " folded over near vertex " + std::to_string(causes.near)
-                 : counted(meeting, "pair", "pairs") + " of triangles came to intersect";
   std::vector<const char*> ways;
-  if (handle_displacement > causes.reach) {
+  if (report.handle_displacement > report.causes.reach) {
     ways.push_back("take a larger region");
   }
-  if (causes.lone_handle) {
+  if (report.causes.lone_handle) {
     ways.push_back("take a group of vertices as the handle");
   }
-  if (causes.turn > 90 || ways.empty()) {
+  if (report.order > 1) {
+    ways.push_back("use order 1");
+  }
+  if (report.causes.turn > 90 || ways.empty()) {
     ways.push_back("make the edit in two steps");
   }
   for (std::size_t k = 0; k < ways.size(); ++k) {
     sentence += std::string(k == 0 ? ": " : k + 1 < ways.size() ? ", " : ", or ") + ways[k];
   }
   return sentence + ".";
+}
+
+}  // namespace
+
+std::string EditReport::advice() const {
+  constexpr double kBehind = 0.1, kUnsettled = 10;
+  constexpr std::size_t kMostSentences = 2;
+  constexpr int kMostPasses = 100;
+  std::vector<std::string> sentences;
+  if (const std::string on_shape = advice_on_shape(*this); !on_shape.empty()) {
+    sentences.push_back(on_shape);
+  }
+  if (handle_displacement > 0 && causes.distance > kBehind * handle_displacement) {
+    sentences.push_back(
+        format_text("The handle is %.3g, or %.3g %% of its displacement, from its target at vertex %d: raise "
+                    "handle_weight, or take a larger region.",
+                    causes.distance, 100 * causes.distance / handle_displacement, causes.behind));
+  }
+  const bool local_global = rotation == name(DetailRotation::LocalGlobal);
+  // In 26 edits of 8 meshes local-global rotations had 0.3 to 3.8 degrees left after 6 passes, 3.5 to 47 after 2.
+  if (iterations > 1 && iterations < kMostPasses && passes_dropped == 0 && rotation_left > kUnsettled) {
+    sentences.push_back(
+        format_text("The rotations have not settled after %d passes, the last of which turned a detail by %.3g "
+                    "degrees: raise iterations%s.",
+                    iterations, rotation_left, local_global ? "" : ", or use local-global rotations"));
+  }
+  if (order > 1 && local_global && handle_displacement > 0) {
+    sentences.push_back(format_text(
+        "Local-global rotations stretch more with order %d: use order 1, or another detail rotation.", order));
+  }
+  std::string text;
+  for (std::size_t k = 0; k < std::min(sentences.size(), kMostSentences); ++k) {
+    text += (k > 0 ? " " : "") + sentences[k];
+  }
+  return text;
 }
 
 std::string EditReport::text() const {

@@ -19,12 +19,15 @@ struct EditTimes {
          solve_ms = 0;
 };
 
-/// What makes triangles fold over, and where they did.
-struct FoldCauses {
-  int near = -1;             ///< mesh vertex with the most folded triangles, -1 without
+/// What makes triangles fold over and edges stretch, and where: mesh vertices, -1 for none.
+struct AdviceCauses {
+  int near = -1;             ///< vertex with the most folded triangles
   bool lone_handle = false;  ///< the handle with the longest way is one vertex
   double reach = 0;          ///< the region's radius
   double turn = 0;           ///< largest of the detail rotations and of the surface's at a handle
+  int stretched = -1;        ///< the lower end of the edge with the largest stretch
+  int behind = -1;           ///< the handle vertex of full weight that is farthest from its target
+  double distance = 0;       ///< from there to its target
 };
 
 /// How good the result is.
@@ -45,7 +48,7 @@ struct EditQuality {
   std::optional<double> detail_height;   ///< see detail_height(); nothing without detail rotation
   double rotation_left = 0;              ///< by which the last pass still turned a detail, at most; 0 without passes
   std::optional<int> new_intersections;  ///< pairs of triangles that meet and did not before; for the host to count
-  FoldCauses causes;
+  AdviceCauses causes;
 };
 
 /// One of a report's figures under the name that it has wherever they are written; empty where it is not known.
@@ -78,7 +81,9 @@ struct EditReport : RegionCounts, EditTimes, EditQuality {
   /// Milliseconds, by what they were spent on.
   std::vector<Figure> times() const;
 
-  /// Where triangles folded over or came to meet: one sentence on what to do, else empty.
+  /// What to do about folded or intersecting triangles, edges that became more than six times as long, handles far from
+  /// their targets, rotations that have not settled, and local-global rotations of higher order: at most two sentences,
+  /// in this order; else empty.
   std::string advice() const;
 };
 

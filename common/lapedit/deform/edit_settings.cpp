@@ -60,9 +60,9 @@ const std::vector<Setting>& settings_table() {
        get<&S::rotation>,
        set<&S::rotation>,
        {"none", "smooth_normals", "smooth_surface", "local_global"}},
-      {Kind::Whole, "iterations", "number of iterations", "a whole number from 1 to 100", 1, 100,
-       "How often the rotations are estimated anew from the last result, 1 to 100. More than one helps large edits "
-       "with the smooth surface. Local-global rotations go on by themselves until nothing changes.",
+      {Kind::Whole, "iterations", "number of iterations", "a whole number from 0 to 100", 0, 100,
+       "Number of passes, each of which estimates the rotations from the last result, 0 to 100. 0: automatic, which is "
+       "8 for local-global rotations and 1 for the others. More than one helps large edits with the smooth surface.",
        get<&S::iterations>, set<&S::iterations>},
       {Kind::Length, "normal_radius", "normal radius", "a finite length, or 0 for an automatic one", 0,
        std::numeric_limits<double>::max(),
@@ -121,6 +121,11 @@ std::string title_of(const char* key) {
   return title;
 }
 
+int EditSettings::passes() const {
+  constexpr int kLocalGlobal = 8;  // more lowers the stretch by a few per cent and makes more triangles intersect
+  return iterations > 0 ? iterations : rotation == DetailRotation::LocalGlobal ? kLocalGlobal : 1;
+}
+
 bool operator==(const EditSettings& a, const EditSettings& b) {
   return a.backend == b.backend && a.threads == b.threads &&
          std::all_of(settings_table().begin(), settings_table().end(),
@@ -131,7 +136,7 @@ bool has_fast_path(const EditSettings& settings) {
   if (settings.rotation == DetailRotation::LocalGlobal) {
     return settings.order == 1;
   }
-  return settings.order == 1 && settings.iterations == 1 && settings.rotation != DetailRotation::SmoothNormals &&
+  return settings.order == 1 && settings.passes() == 1 && settings.rotation != DetailRotation::SmoothNormals &&
          (settings.turning == DetailTurning::Vertex || settings.rotation == DetailRotation::None);
 }
 

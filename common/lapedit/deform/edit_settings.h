@@ -31,8 +31,9 @@ struct EditSettings {
   LaplacianKind laplacian = LaplacianKind::MeanValue;
   int order = 1;
   DetailRotation rotation = DetailRotation::LocalGlobal;
-  /// Rotation passes; stops early once a pass moves nothing by 1e-4 of the region's radius.
-  int iterations = 1;
+  /// Rotation passes; 0: see passes(). Those of smoothed surfaces stop once one moves nothing by 1e-4 of the region's
+  /// radius.
+  int iterations = 0;
   double normal_radius = 0;  ///< r of the smoothing, model units; 0: automatic
   /// Against equations of weight 1 per differential coordinate. The membrane pulls harder at handles and rim than
   /// bending alone, for which 10 is enough: a single vertex stays 0.02 to 0.1 % of its way behind.
@@ -44,6 +45,8 @@ struct EditSettings {
   /// at the region's rim.
   double membrane = 500;
   CholeskyBackend backend = CholeskyBackend::Supernodal;
+  /// iterations, or how many 0 stands for.
+  int passes() const;
   int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
 

@@ -114,18 +114,14 @@ std::unique_ptr<HandleResponses> HandleResponses::make(const LaplacianSystem& sy
   }
   made->preview_ = std::make_unique<DragPreview>(parts, found, smooth_found, solver.cholesky(), system.pool);
   made->motions_.setZero(found.cols(), 3);
-  made->nothing_carried_.resize(system.region.anchored.size());
   return made;
 }
 
-const Points& HandleResponses::pose(const std::vector<Affine>& handles) {
-  targets_.resize(handles.size());
-  for (std::size_t g = 0; g < handles.size(); ++g) {
-    targets_[g] = LocalMotion::of(handles[g], system_.rest.origin);
-  }
+const Points& HandleResponses::pose(const std::vector<HandleMotion>& handles) {
+  paths_.set(handles);
   for (std::size_t r = 0; r < responses_.size(); ++r) {
     const Response& response = responses_[r];
-    const LocalMotion& motion = targets_[response.group];
+    const LocalMotion& motion = paths_.motions()[response.group];
     motions_.row(static_cast<Eigen::Index>(r)) =
         (response.vertex >= 0  ? motion.displacement(system_.rest.local.row(response.vertex).transpose())
          : response.column < 3 ? Vector3(motion.linear.col(response.column))
@@ -133,7 +129,7 @@ const Points& HandleResponses::pose(const std::vector<Affine>& handles) {
             .transpose();
   }
   if (system_.blended) {
-    system_.blended->cells().solve(targets_, nothing_carried_, true);
+    system_.blended->cells().solve(paths_, false);
   }
   return preview_->pose(motions_, system_.blended.get());
 }

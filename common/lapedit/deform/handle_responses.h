@@ -16,8 +16,8 @@ class HandleResponses {
   /// @param solver  of the system. @return nothing if there are more responses than a preview takes
   static std::unique_ptr<HandleResponses> make(const LaplacianSystem& system, RefinedSolver& solver);
 
-  /// The pose for handle maps in absolute coordinates, see DragPreview::pose().
-  const Points& pose(const std::vector<Affine>& handles);
+  /// The pose for handle motions without targets of their vertices, see DragPreview::pose().
+  const Points& pose(const std::vector<HandleMotion>& handles);
   const Points& normals() { return preview_->normals(); }
   std::size_t bytes() const { return preview_->bytes(); }
 
@@ -27,7 +27,8 @@ class HandleResponses {
     int column;  // of the group's motion about the origin; 3: its translation
     int vertex;  // local, of a group that is one vertex; else -1
   };
-  explicit HandleResponses(const LaplacianSystem& system) : system_(system) {}
+  explicit HandleResponses(const LaplacianSystem& system)
+      : system_(system), paths_(system.region, system.rest.local, system.rest.origin) {}
   void list();
   Eigen::MatrixXd unit_motions() const;
   Eigen::MatrixXd fallen_off() const;
@@ -36,7 +37,7 @@ class HandleResponses {
   const LaplacianSystem& system_;
   std::vector<Response> responses_;
   Points motions_;
-  std::vector<LocalMotion> targets_, nothing_carried_;  // of the groups; of the components, which are all anchored
+  GroupPaths paths_;
   std::unique_ptr<DragPreview> preview_;
 };
 

@@ -12,17 +12,35 @@ namespace lapedit {
 struct HandleTransform {
   Vector3 translation = Vector3::Zero();
   Vector3 axis = Vector3::UnitZ();  ///< any length but zero
-  double degrees = 0;
-  std::optional<Vector3> center;  ///< of rotation and scale; the group's centroid if absent
-  double scale = 1;               ///< > 0
+  double degrees = 0;               ///< 270 and -90 lead to the same place along different paths
+  std::optional<Vector3> center;    ///< of rotation and scale; the group's centroid if absent
+  double scale = 1;                 ///< > 0
   /// Replaces all of the above: the upper three rows of a 4 x 4 matrix, applied to absolute coordinates.
   std::optional<Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> matrix;
 };
 
-/// The map that the transform stands for, taken a fraction of the way: 0 is exactly the identity, 1 exactly the
-/// transform; in between rotations go by angle, scale and translation linearly. A matrix is split into rotation and
-/// stretch (polar decomposition) for this, and moves about the group's centroid.
+/// Where the vertices of one handle group go, and along which path: see MotionPath. Absolute coordinates.
+struct HandleMotion {
+  /// A rotation that counts its turns.
+  struct Turn {
+    Vector3 axis = Vector3::UnitZ();  ///< unit
+    double degrees = 0;
+    std::optional<Vector3> center;  ///< the group goes in a circle about it; absent: it rotates about its own centroid
+  };
+
+  Affine map = Affine::Identity();
+  std::optional<Turn> turn;  ///< the rotation in `map`; absent: at most 180 degrees
+  /// Of each vertex of the group, in the order of their numbers, in place of `map`; no rows: `map` counts.
+  Points targets = Points(0, 3);
+  double part = 1;  ///< how far along the path, 0 to 1
+
+  HandleMotion() = default;
+  HandleMotion(const Affine& to) : map(to) {}  // NOLINT(google-explicit-constructor): an affine map is a motion
+};
+
+/// The motion that the transform stands for, all of the way.
+/// @param centroid  of the group at rest
 /// @throws EditError (BadParameter, NotFinite)
-Affine resolve(const HandleTransform& transform, const Vector3& centroid, double fraction = 1);
+HandleMotion resolve(const HandleTransform& transform, const Vector3& centroid);
 
 }  // namespace lapedit

@@ -54,14 +54,14 @@ class LaplacianEditor {
   ///
   /// A component without anchors is first carried along by the mean of its groups' maps, so that it follows a single
   /// one exactly; one with anchors by the map given for them.
-  /// @param handles  one map per handle group, absolute coordinates
+  /// @param handles  one motion per handle group; an affine map is one
   /// @param anchors  where the anchors go; in an edit they stay
   /// @return         size() x 3, model units, row i belongs to region().mesh_vertex[i]; valid until the next call
   /// @throws EditError (NotFinite) if a map or the result is not finite; (Cancelled); the editor stays usable
   /// @param go_on    asked now and then; called with the fraction 0
   /// Cost: one unrotated solve, unless rotations are estimated from a fall-off, and one per rotation pass, each of some
   /// steps of refinement; nothing is allocated after the first call.
-  const Points& solve(const std::vector<Affine>& handles, const Affine& anchors = Affine::Identity(),
+  const Points& solve(const std::vector<HandleMotion>& handles, const Affine& anchors = Affine::Identity(),
                       const Progress& go_on = {});
 
   /// The same for a picture of a drag: within 1e-4 of the region's largest handle distance, or of the longest way of a
@@ -70,7 +70,7 @@ class LaplacianEditor {
   /// report() do not see it. Not moved is not moved to the bit.
   /// @throws EditError as solve()
   /// Nothing is allocated after the first call.
-  const Points& preview(const std::vector<Affine>& handles);
+  const Points& preview(const std::vector<HandleMotion>& handles);
 
   /// Whether preview() is faster than solve() and not the same to the bit.
   bool has_preview() const;

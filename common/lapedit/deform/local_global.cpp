@@ -3,55 +3,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
-#include <cstring>
 
-#include "lapedit/base/cpu_dispatch.h"
 #include "lapedit/deform/polar_decomposition.h"
 
 namespace lapedit {
 namespace {
 
 // Found by measuring stretch, folds and the tilt of details over some twenty edits (tests/scripts/quality.sh).
-constexpr int kSmoothing = 2;
-constexpr int kAveraging = 4;
+constexpr int kSmoothing = 1;
+constexpr int kAveraging = 1;
 constexpr double kNormals = 0.5;
-constexpr int kWindow = 5;
-
-constexpr int kStride = 12;  // of matrices that are averaged: three vectors
-typedef double Lanes __attribute__((vector_size(4 * sizeof(double))));
-
-LAPEDIT_INLINE Lanes load(const double* from) {
-  Lanes result;
-  std::memcpy(&result, from, sizeof result);
-  return result;
-}
-
-/// Mean over a cell and its neighbours.
-LAPEDIT_INLINE void mean_around(const IndexLists& neighbours, int cells, const double* in, double* out) {
-  for (int a = 0; a < cells; ++a) {
-    const double* from = in + std::ptrdiff_t{kStride} * a;
-    Lanes sum[3] = {load(from), load(from + 4), load(from + 8)};
-    for (const int b : neighbours[a]) {
-      from = in + std::ptrdiff_t{kStride} * b;
-      for (int e = 0; e < 3; ++e) {
-        sum[e] += load(from + 4 * static_cast<std::ptrdiff_t>(e));
-      }
-    }
-    const double share = 1 / (1 + static_cast<double>(neighbours[a].size()));
-    for (int e = 0; e < 3; ++e) {
-      sum[e] *= share;
-    }
-    std::memcpy(out + std::ptrdiff_t{kStride} * a, sum, sizeof sum);
-  }
-}
-
-void mean_around_plain(const IndexLists& neighbours, int cells, const double* in, double* out) {
-  mean_around(neighbours, cells, in, out);
-}
-LAPEDIT_AVX2 void mean_around_avx2(const IndexLists& neighbours, int cells, const double* in, double* out) {
-  mean_around(neighbours, cells, in, out);
-}
+constexpr double kMomentum = 0.5;
+// What keeps a pose from jumping while its handle moves on, at places where the surface collapses: a normal fades out,
+// and a rotation stays near the last one.
+constexpr double kSureNormal = 0.5, kInertia = 0.5;
 
 }  // namespace
 
@@ -62,11 +27,9 @@ LocalGlobal::LocalGlobal(const RegionCells& cells, const CellSurface& surface, c
       hold_(hold),
       settings_(settings),
       system_(system),
-      mixing_(kWindow),
+      averages_(cells.count()),
       covariances_(cells.count()),
-      before_(cells.neighbours.values.size()),
-      current_(kStride * static_cast<std::size_t>(cells.count()), 0),
-      other_(current_.size(), 0) {}
+      before_(cells.neighbours.values.size()) {}
 
 void LocalGlobal::start(const Points& carried, const std::vector<Matrix3>& linear) {
   if (carried_.rows() == carried.rows() && carried_ == carried && linear_ == linear) {
@@ -100,30 +63,20 @@ void LocalGlobal::fit(const Points& displacement, std::vector<Matrix3>& rotation
       second += surface_.slope(k)[1] * edge;
     }
     const Vector3 normal = first.cross(second);
-    const double length = normal.norm();
-    if (length > 0) {
-      covariance += (kNormals * covariance.norm() / length * normal) * normals_before_.row(a);
-    }
-    Eigen::Map<Matrix3>(current_.data() + std::ptrdiff_t{kStride} * a) = covariance;
+    const double length = std::sqrt(normal.squaredNorm() + kSureNormal * kSureNormal);
+    covariance += (kNormals * covariance.norm() / length * normal) * normals_before_.row(a);
+    averages_[a] = covariance;
   }
-  average();
+  averages_.average(cells_.neighbours, kAveraging, alone_);
   for (int a = 0; a < cells_.count(); ++a) {
-    const Matrix3 averaged = Eigen::Map<const Matrix3>(current_.data() + std::ptrdiff_t{kStride} * a);
+    const Matrix3 averaged = averages_[a];
     covariances_[a] = averaged.allFinite() ? averaged : Matrix3(Matrix3::Identity());
+    covariances_[a] += kInertia * covariances_[a].norm() * rotations[a];
     if (hold_[a] > 0) {
       covariances_[a] = (1 - hold_[a]) * covariances_[a] + hold_[a] * covariances_[a].norm() * Matrix3::Identity();
     }
   }
   nearest_rotations(covariances_.data(), cells_.count(), rotations.data());
-}
-
-void LocalGlobal::average() {
-  // The same bits: sums are not contracted.
-  const auto mean = for_processor(mean_around_plain, mean_around_avx2, mean_around_avx2);
-  for (int round = 0; round < kAveraging; ++round) {
-    current_.swap(other_);
-    mean(cells_.neighbours, cells_.count(), other_.data(), current_.data());
-  }
 }
 
 /// sum_b -M_ab ((R_a + R_b) / 2 - I) (C_a - C_b), or with R_a alone.
@@ -146,35 +99,31 @@ void LocalGlobal::turn(const std::vector<Matrix3>& rotations, Points& turned) co
   }
 }
 
-LocalGlobal::Outcome LocalGlobal::settle(const Points& constraints, double accurate, int most_passes, bool goes_on,
+LocalGlobal::Outcome LocalGlobal::settle(const Points& constraints, double accurate, int most_passes,
                                          Points& displacement, std::vector<Matrix3>& rotations) {
   Outcome outcome;
-  mixing_.restart();
   while (outcome.passes < most_passes) {
-    const bool fits = goes_on || outcome.passes > 0;
-    if (fits) {
+    if (outcome.passes > 0) {
       fit(displacement, rotations);
     }
     turn(rotations, turned_);
     next_ = constraints;
     system_.add_turned(turned_, next_);
     system_.solve(next_, next_);
-    ++outcome.passes;
-    if (!fits) {
-      displacement = next_;
+    if (++outcome.passes == 1) {
+      displacement = result_ = next_;
       continue;
     }
     outcome.left = (next_ - displacement).rowwise().norm().maxCoeff();
-    mixing_.step(displacement, next_);
+    // Rotations are fitted to a place somewhat ahead, which is worth several passes.
+    displacement = next_ + kMomentum * (next_ - result_);
+    result_.swap(next_);
     if (!(outcome.left >= accurate)) {
       break;
     }
   }
-  last_ = rotations;
   fit(displacement, rotations);
-  for (int a = 0; a < cells_.count(); ++a) {
-    outcome.turned = std::max(outcome.turned, (rotations[a] - last_[a]).norm() / std::sqrt(2.0));
-  }
+  displacement = result_;
   return outcome;
 }
 

@@ -5,13 +5,12 @@
 
 #include "lapedit/deform/cell_surface.h"
 #include "lapedit/deform/coarse_system.h"
-#include "lapedit/deform/local_motion.h"
-#include "lapedit/linear/anderson_mixing.h"
+#include "lapedit/deform/matrix_averages.h"
 
 namespace lapedit {
 
-/// Rotations of a region's cells that have converged: fitted to where the cells are (local step), solved with (global
-/// step), and again until nothing changes. As in as-rigid-as-possible deformation (O. Sorkine, M. Alexa, SGP 2007), but
+/// Rotations of a region's cells: fitted to where the cells are (local step), solved with (global step), and again, so
+/// many times. As in as-rigid-as-possible deformation (O. Sorkine, M. Alexa, SGP 2007), but
 /// on few cells, which makes it cheap, and with bending, which keeps it smooth.
 ///
 /// Local: the covariances of smoothed places before and after with |C| n1 n0^T / 2 for the normals, averaged over some
@@ -25,24 +24,21 @@ class LocalGlobal {
 
   struct Outcome {
     int passes = 0;
-    double left = 0;    ///< change of the last pass, model units
-    double turned = 0;  ///< by which the last pass still turned a cell, at most, radians
+    double left = 0;  ///< change of the last pass, model units
   };
 
   /// Where the cells are carried, and by what linear map (minus identity) each.
   void start(const Points& carried, const std::vector<Matrix3>& linear);
 
   /// @param constraints   what CoarseSystem::solve() is asked for without rotations
-  /// @param displacement  in and out; in only where `goes_on`
-  /// @param rotations     in and out: with what the first global step is made
-  /// @param goes_on       whether displacement is a result to start from; else the first step is global
+  /// @param displacement  out: a result of the equations. @param rotations  in and out: with what the first step, a
+  ///                      global one, is made
   /// Nothing is allocated after the first call.
-  Outcome settle(const Points& constraints, double accurate, int most_passes, bool goes_on, Points& displacement,
+  Outcome settle(const Points& constraints, double accurate, int most_passes, Points& displacement,
                  std::vector<Matrix3>& rotations);
 
  private:
   void fit(const Points& displacement, std::vector<Matrix3>& rotations);
-  void average();
   void turn(const std::vector<Matrix3>& rotations, Points& turned) const;
 
   const RegionCells& cells_;
@@ -50,11 +46,11 @@ class LocalGlobal {
   const std::vector<double>& hold_;
   const EditSettings& settings_;
   CoarseSystem& system_;
-  AndersonMixing mixing_;
-  Points carried_, smooth_before_, smooth_after_, normals_before_, scratch_, next_, turned_;
-  std::vector<Matrix3> linear_, covariances_, last_;
-  std::vector<Vector3> before_;          // per entry of neighbours: g_ab (P0_b - P0_a)
-  std::vector<double> current_, other_;  // matrices that are averaged, kStride numbers apart
+  ThreadPool alone_{1};  // some hundred cells are not worth a second thread
+  Points result_, carried_, smooth_before_, smooth_after_, normals_before_, scratch_, next_, turned_;
+  MatrixAverages averages_;
+  std::vector<Matrix3> linear_, covariances_;
+  std::vector<Vector3> before_;  // per entry of neighbours: g_ab (P0_b - P0_a)
 };
 
 }  // namespace lapedit

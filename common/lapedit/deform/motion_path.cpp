@@ -1,57 +1,77 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/deform/motion_path.h"
 
-#include <Eigen/Geometry>
-#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
 
+#include "lapedit/base/trigonometry.h"
 #include "lapedit/deform/polar_decomposition.h"
 
 namespace lapedit {
 
-MotionPath::MotionPath(const LocalMotion& carried, const LocalMotion& target, const Vector3& centre)
-    : carried_(carried),
-      target_(target),
-      centre_(centre + carried.displacement(centre)),
-      pivot_(centre_),
-      along_(target.displacement(centre) - carried.displacement(centre)),
-      turn_(0, 0, 0, 1),
-      stretch_(Matrix3::Identity()) {
-  const Matrix3 from = carried.linear + Matrix3::Identity();
-  const Matrix3 linear = (target.linear + Matrix3::Identity()) * from.inverse();
-  if (!linear.allFinite() || linear.isIdentity(0)) {
-    return;
-  }
-  const Matrix3 rotation = PolarDecomposition(linear).rotation();
-  stretch_ = rotation.transpose() * linear;
-  const Eigen::Quaterniond quaternion(rotation);
-  turn_ = quaternion.coeffs() * (quaternion.w() < 0 ? -1 : 1);
-  // cos(angle / 2) where the angle is 30 degrees, 60 and so on.
-  constexpr double kCosines[] = {0.96592582628906829, 0.86602540378443865, 0.70710678118654752, 0.5,
-                                 0.25881904510252076};
-  constexpr double kRounding = 1e-9;  // a quarter of a turn is three steps, however it is given
-  for (const double cosine : kCosines) {
-    steps_ += turn_[3] < cosine - kRounding;
-  }
-  if (steps_ == 1) {
-    return;  // hardly a turn: straight on
-  }
-  const Vector3 axis = turn_.head<3>().normalized();
-  const Vector3 way = along_;
-  along_ = axis * axis.dot(way);
-  pivot_ = centre_ + (Matrix3::Identity() - rotation + axis * axis.transpose()).inverse() * (way - along_);
+LocalMotion LocalMotion::of(const Affine& map, const Vector3& origin) {
+  LocalMotion motion;
+  motion.linear = map.linear() - Matrix3::Identity();
+  motion.translation = motion.linear * origin + map.translation();
+  return motion;
 }
 
-Vector3 MotionPath::way(const Vector3& rest, double part) const {
-  const Vector3 carried = carried_.displacement(rest);
-  if (part == 1) {
-    return target_.displacement(rest) - carried;
+MotionPath::MotionPath(const HandleMotion& to, const Vector3& origin, const Vector3& centre)
+    : whole_(LocalMotion::of(to.map, origin)), centre_(centre), way_(whole_.displacement(centre)) {
+  if (whole_.linear.isZero(0) && !to.turn) {
+    return;
   }
-  Eigen::Vector4d turn = part * turn_;
-  turn[3] += 1 - part;
-  const Matrix3 rotation = Eigen::Quaterniond(Eigen::Vector4d(turn.normalized())).toRotationMatrix();
-  const Vector3 from = rest + carried;
-  const Vector3 stretched = (from - centre_) + part * ((stretch_ * (from - centre_)) - (from - centre_));
-  return pivot_ + rotation * (centre_ - pivot_) + rotation * stretched + part * along_ - from;
+  const Matrix3 linear = to.map.linear();
+  Matrix3 rotation;
+  if (to.turn) {
+    axis_ = to.turn->axis;
+    degrees_ = to.turn->degrees;
+    rotation = rotation_about(axis_, degrees_);
+  } else {
+    rotation = PolarDecomposition(linear).rotation();
+    const AxisAngle turn(rotation);
+    axis_ = turn.axis;
+    degrees_ = turn.degrees;
+  }
+  stretch_ = rotation.transpose() * linear;
+  if (to.turn && to.turn->center) {
+    lever_ = centre + origin - *to.turn->center;
+    scale_ = stretch_.trace() / 3;
+  } else if (!to.turn || std::abs(degrees_) <= 180) {
+    arc_ = degrees_;
+  }
+}
+
+LocalMotion MotionPath::at(double part) const {
+  if (part == 0) {
+    return {};
+  }
+  if (part == 1) {
+    return whole_;
+  }
+  LocalMotion motion;
+  Vector3 way = part * way_;
+  if (!stretch_.isIdentity(0) || degrees_ != 0) {
+    const Matrix3 rotation = rotation_about(axis_, part * degrees_);
+    motion.linear = rotation * (stretch_ + (1 - part) * (Matrix3::Identity() - stretch_)) - Matrix3::Identity();
+    if (!lever_.isZero(0)) {
+      const auto circle = [this](double p) -> Vector3 {
+        return (1 + p * (scale_ - 1)) * (rotation_about(axis_, p * degrees_) * lever_) - lever_;
+      };
+      way += circle(part) - part * circle(1);
+    } else if (arc_ != 0) {
+      const Vector3 along = axis_ * axis_.dot(way_);
+      way = part * along + sine_ratio(arc_ / 2, part) * (rotation_about(axis_, (part - 1) * arc_ / 2) * (way_ - along));
+    }
+  }
+  motion.translation = way - motion.linear * centre_;
+  return motion;
+}
+
+double MotionPath::length(double unit) const {
+  constexpr double kDegrees = 30, kStretch = 0.25;
+  return std::max({std::abs(degrees_) / kDegrees, unit > 0 ? way_.norm() / unit : 0,
+                   (stretch_ - Matrix3::Identity()).norm() / kStretch});
 }
 
 }  // namespace lapedit

@@ -16,23 +16,22 @@ LAPEDIT_INLINE float sum_of(Four v) {
 
 /// As BlendedRotations::spread(): columns of R - I.
 LAPEDIT_INLINE void spread(const Follow* follow, const Four* quaternions, int first, int last, Four* turns) {
-  constexpr float kCancelled = 0.01F;
+  constexpr float kCancelled = 0.2F;
   for (int place = first; place < last; ++place) {
     const Follow& f = follow[place];
     const Four towards = quaternions[f.cells[0]];
     Four q = {};
     for (int k = 0; k < CellBlend::kReach; ++k) {
       const Four one = quaternions[f.cells[k]];
-      q += (sum_of(one * towards) < 0 ? -f.weights[k] : f.weights[k]) * one;
+      q += f.weights[k] * sum_of(one * towards) * one;
     }
-    float squared = sum_of(q * q);
-    if (!(squared > kCancelled)) {
-      q = towards;
-      squared = 1;
-    }
-    q *= (q[3] < 0 ? f.hold - 1 : 1 - f.hold) / std::sqrt(squared);
-    q[3] += f.hold;
+    q += std::max(0.0F, kCancelled - std::sqrt(sum_of(q * q))) * towards;
     q *= 1 / std::sqrt(sum_of(q * q));
+    const float along = f.hold * q[3];
+    q *= 1 - f.hold;
+    q[3] += along;
+    const float squared = sum_of(q * q);
+    q = squared > 0 ? q / std::sqrt(squared) : Four{0, 0, 0, 1};
     const float x = q[0], y = q[1], z = q[2], w = q[3];
     Four* const columns = turns + 4 * static_cast<std::ptrdiff_t>(place);
     columns[0] = Four{-2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0};

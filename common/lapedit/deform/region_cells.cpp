@@ -8,6 +8,8 @@
 #include <limits>
 #include <utility>
 
+#include "lapedit/deform/cell_packing.h"
+
 namespace lapedit {
 namespace {
 
@@ -17,75 +19,12 @@ Four four(const Vector3& v) {
   return Four{static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]), 0};
 }
 
-constexpr double kRounding = 1e-9;  // decides nothing, so that cells are the same however the mesh is turned or scaled
-constexpr int kPieces = 8;          // sums are taken in so many parts, whatever the threads
+constexpr int kPieces = 8;  // sums are taken in so many parts, whatever the threads
 
 /// Calls body(piece, first, last) for kPieces parts of [0, count).
 template <class Body>
 void in_parts(ThreadPool& pool, Eigen::Index count, const Body& body) {
   pool.each(kPieces, [&](int piece) { body(piece, count * piece / kPieces, count * (piece + 1) / kPieces); });
-}
-
-// --- Seeds and growth ------------------------------------------------------------------------------------------------
-
-/// Vertices that begin a cell, spread along the numbering of the vertices: as many in a stretch of it as its share of
-/// the density (d / d_max + 0.2)^-1.
-std::vector<int> spread_seeds(const Region& region, int target) {
-  constexpr double kSoft = 0.2, kStart = 0.5 + kRounding;
-  const int n = region.size();
-  const double scale = region.max_distance > 0 ? 1 / region.max_distance : 0;
-  const auto density = [&](int i) { return 1 / (std::min(region.distance[i] * scale, 1.0) + kSoft); };
-  double sum = 0;
-  for (int i = 0; i < n; ++i) {
-    sum += density(i);
-  }
-  std::vector<int> group_size(1 + *std::max_element(region.group.begin(), region.group.end()), 0);
-  for (const int g : region.group) {
-    group_size[g >= 0 ? g : 0] += g >= 0;
-  }
-  std::vector<int> seeds;
-  double due = kStart;
-  for (int i = 0; i < n; ++i) {
-    due += std::min(1.0, density(i) * target / sum);
-    const bool alone = region.group[i] >= 0 && group_size[region.group[i]] == 1;
-    if (due >= 1 || alone) {
-      due -= due >= 1 ? 1 : 0;
-      seeds.push_back(i);
-    }
-  }
-  return seeds;
-}
-
-/// Rings around all seeds at a time; what they do not reach gets seeds of its own.
-void grow(const Region& region, std::vector<int>& seeds, std::vector<int>& of, std::vector<int>& queue) {
-  const int n = region.size();
-  of.assign(n, -1);
-  queue.clear();
-  for (std::size_t c = 0; c < seeds.size(); ++c) {
-    of[seeds[c]] = static_cast<int>(c);
-    queue.push_back(seeds[c]);
-  }
-  std::size_t head = 0;
-  for (int next = 0;;) {
-    for (; head < queue.size(); ++head) {
-      const int v = queue[head], cell = of[v];
-      for (const int w : region.neighbours[v]) {
-        if (of[w] < 0) {
-          of[w] = cell;
-          queue.push_back(w);
-        }
-      }
-    }
-    while (next < n && of[next] >= 0) {
-      ++next;
-    }
-    if (next == n) {
-      return;
-    }
-    of[next] = static_cast<int>(seeds.size());
-    seeds.push_back(next);
-    queue.push_back(next);
-  }
 }
 
 Points centroids(const std::vector<int>& of, const Points& rest, int count, std::vector<double>& sizes) {
@@ -99,24 +38,6 @@ Points centroids(const std::vector<int>& of, const Points& rest, int count, std:
     centres.row(c) /= sizes[c];
   }
   return centres;
-}
-
-/// Moves seeds to the middle of their cells, but those at a lone handle vertex.
-void recentre(const Region& region, const Points& rest, const RegionCells& cells, std::vector<int>& seeds) {
-  std::vector<double> nearest(seeds.size(), std::numeric_limits<double>::infinity());
-  for (std::size_t c = 0; c < seeds.size(); ++c) {
-    if (region.classes[seeds[c]] == VertexClass::Handle) {
-      nearest[c] = -1;
-    }
-  }
-  for (int i = 0; i < region.size(); ++i) {
-    const int c = cells.of[i];
-    const double distance = (rest.row(i) - cells.centres.row(c)).squaredNorm();
-    if (distance < (1 - kRounding) * nearest[c]) {
-      nearest[c] = distance;
-      seeds[c] = i;
-    }
-  }
 }
 
 /// Moves the centres of cells at an open border of the mesh onto it: the cells' triangles would leave out a strip
@@ -488,12 +409,6 @@ void Weigher::operator()(const Vector3& place, int cell, int* to, float* weights
 
 }  // namespace
 
-Symmetric squared(const Vector3& v) {
-  Symmetric result;
-  result << v[0] * v[0], v[0] * v[1], v[0] * v[2], v[1] * v[1], v[1] * v[2], v[2] * v[2];
-  return result;
-}
-
 Matrix3 full_matrix(const Symmetric& s) {
   Matrix3 result;
   result << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
@@ -503,18 +418,8 @@ Matrix3 full_matrix(const Symmetric& s) {
 RegionCells make_cells(const Region& region, const Points& rest, const std::vector<double>& weights, int target,
                        ThreadPool& pool) {
   RegionCells cells;
-  constexpr int kLarge = 60000;  // from here on cells are so large that their shapes matter less than the time
-  const int recentrings = region.size() < kLarge ? 2 : 1;
-  std::vector<int> seeds = spread_seeds(region, target), queue;
-  queue.reserve(region.size());
-  for (int round = 0;; ++round) {
-    grow(region, seeds, cells.of, queue);
-    cells.centres = centroids(cells.of, rest, static_cast<int>(seeds.size()), cells.vertices);
-    if (round == recentrings) {
-      break;
-    }
-    recentre(region, rest, cells, seeds);
-  }
+  const int count = pack_cells(region, rest, target, pool, cells.of);
+  cells.centres = centroids(cells.of, rest, count, cells.vertices);
   reach_borders(region, rest, cells);
   CellSums(region, rest, weights, cells, pool).take();
   return cells;

@@ -12,15 +12,19 @@ namespace lapedit {
 
 /// A symmetric 3 x 3 tensor: xx xy xz yy yz zz.
 using Symmetric = Eigen::Matrix<double, 6, 1>;
-Symmetric squared(const Vector3& v);  ///< v v^T
+/// v v^T
+inline Symmetric squared(const Vector3& v) {
+  Symmetric result;
+  result << v[0] * v[0], v[0] * v[1], v[0] * v[2], v[1] * v[1], v[1] * v[2], v[2] * v[2];
+  return result;
+}
 Matrix3 full_matrix(const Symmetric& s);
 
 /// A region in patches of neighbouring vertices, and what a coarse stand-in for the region has to know of each.
 ///
-/// Cells are grown by rings around seeds, which are moved to the vertex nearest to their cell's centroid, once or
-/// twice; seeds are denser near the handle, where an edit bends most. Where three cells meet in a face their centroids
-/// span a triangle: with them the cells are a coarse mesh of the region. Everything follows from the region and its
-/// rest pose, to the bit, whatever the number of threads.
+/// Cells are packed along the surface, see pack_cells(), denser near the handle, where an edit bends most. Where three
+/// cells meet in a face their centroids span a triangle: with them the cells are a coarse mesh of the region.
+/// Everything follows from the region and its rest pose, to the bit, whatever the number of threads.
 struct RegionCells {
   std::vector<int> of;           ///< cell of each vertex of the region
   Points centres;                ///< centroids of the rest pose, at open borders of the border's part, cells x 3
@@ -41,7 +45,7 @@ struct RegionCells {
 
 /// @param rest    size() x 3, the region's rest pose about a local origin
 /// @param weights  w_ij, one per entry of region.neighbours (see edge_weights); empty: 1, the umbrella's
-/// @param target  cells wanted; small components and the seeds' spacing make it a few more or less
+/// @param target  cells wanted; it may be a few more or less, see pack_cells()
 /// Cost: O(edges).
 RegionCells make_cells(const Region& region, const Points& rest, const std::vector<double>& weights, int target,
                        ThreadPool& pool);

@@ -83,10 +83,21 @@ void RotationPass::turn(const Points& displacement, const Vector3* pull, const E
   rotate_ms_ = estimator_->rotate_ms() + watch.elapsed();
 }
 
-void RotationPass::turn_with_cells(const EditConstraints& constraints, std::vector<Matrix3>& rotations, Points& right) {
+void RotationPass::turn_with_cells(EditConstraints& constraints, std::vector<Matrix3>& rotations, Points& right) {
   const Stopwatch watch;
-  system_.blended->cells().solve(constraints.targets(), constraints.carried_motions(), false);
+  system_.blended->cells().solve(constraints.paths(), false);
   system_.blended->spread(rotations, *system_.pool);
+  turn_coordinates(constraints, rotations, right);
+  rotate_ms_ = watch.elapsed();
+}
+
+void RotationPass::turn_with_rings(const Points& displacement, const EditConstraints& constraints,
+                                   std::vector<Matrix3>& rotations, Points& right) {
+  const Stopwatch watch;
+  if (!rings_) {
+    rings_ = std::make_unique<RingRotations>(system_.region, *system_.powers.first, *system_.pool);
+  }
+  rings_->fit(constraints.carry() ? constraints.carried_pose() : system_.rest.local, displacement, rotations);
   turn_coordinates(constraints, rotations, right);
   rotate_ms_ = watch.elapsed();
 }

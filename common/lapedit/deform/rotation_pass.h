@@ -6,6 +6,7 @@
 
 #include "lapedit/deform/detail_rotation.h"
 #include "lapedit/deform/edit_constraints.h"
+#include "lapedit/deform/ring_rotations.h"
 
 namespace lapedit {
 
@@ -28,7 +29,10 @@ class RotationPass {
             std::vector<Matrix3>& rotations, Points& right);
 
   /// The same with the cells' rotations, for DetailRotation::LocalGlobal: from the constraints alone.
-  void turn_with_cells(const EditConstraints& constraints, std::vector<Matrix3>& rotations, Points& right);
+  void turn_with_cells(EditConstraints& constraints, std::vector<Matrix3>& rotations, Points& right);
+  /// The same with rotations fitted to the one-rings of the last pose, for the passes after that one.
+  void turn_with_rings(const Points& displacement, const EditConstraints& constraints, std::vector<Matrix3>& rotations,
+                       Points& right);
 
   double normals_ms() const {
     return estimator_ ? estimator_->normals_ms() : 0;
@@ -41,6 +45,7 @@ class RotationPass {
   const LaplacianSystem& system_;
   std::unique_ptr<Smoother> smoother_;
   std::unique_ptr<RotationEstimator> estimator_;
+  std::unique_ptr<RingRotations> rings_;  // made when it is asked for
   bool at_rest_ = false;
   Points smooth_rest_;  // exactly; made when it is asked for, which is after many previews
   Points turned_, between_;

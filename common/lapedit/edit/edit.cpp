@@ -33,8 +33,8 @@ Progress part_of(const Progress& progress, std::size_t k, std::size_t count) {
 }
 
 EditStep with_sorted_groups(EditStep step) {
-  for (HandleGroup& handle : step.handles) {
-    sort_group(handle.vertices, handle.weights);
+  for (std::size_t g = 0; g < step.handles.size(); ++g) {
+    sort_group(step.handles[g], g);
   }
   return step;
 }
@@ -85,13 +85,13 @@ class Poses {
                 std::unique_ptr<StepRunner>& runner, const Each& each) {
     if (!same_shape || !runner) {
       // Before the factorisation: what is wrong with a transform is said at once.
-      const auto check_targets = [&](const Region&) { targets(mesh_, step, fractions_[p]); };
+      const auto check_targets = [&](const Region&) { motions_of(mesh_, step, fractions_[p]); };
       runner = std::make_unique<StepRunner>(StepProblem{mesh_, adjacency_, step.region, groups_of(step), step.settings,
                                                         scalar_, weights_of(step), step.mirror},
                                             progress, check_targets, std::move(runner));
     }
     EditResult result;
-    runner->solve(targets(mesh_, step, fractions_[p]), result.positions);
+    runner->solve(motions_of(mesh_, step, fractions_[p]), result.positions);
     result.vertices = runner->region().mesh_vertex;
     result.reports.push_back(runner->report());
     scatter(result.vertices, result.positions, now_[p]);

@@ -2,12 +2,53 @@
 #include "lapedit/edit/edit_step.h"
 
 #include <algorithm>
+#include <numeric>
+#include <string>
 #include <utility>
 
 #include "lapedit/base/error.h"
+#include "lapedit/base/format_text.h"
 #include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
+namespace {
+
+std::string group_name(std::size_t number) {
+  return "Handle group " + std::to_string(number);
+}
+
+/// A single vertex has no rotation and no scale of its own.
+void check_handle(const HandleGroup& handle, std::size_t number) {
+  const HandleTransform& transform = handle.transform;
+  const bool alone = handle.vertices.size() == 1 && !transform.matrix && !transform.center;
+  if (alone && (transform.degrees != 0 || transform.scale != 1)) {
+    const std::string what = transform.degrees != 0
+                                 ? "cannot be rotated by " + number_text(transform.degrees) + " degrees"
+                                 : "cannot be scaled by " + number_text(transform.scale);
+    throw EditError(ErrorCause::BadParameter, group_name(number) + " is vertex " +
+                                                  std::to_string(handle.vertices.front()) + " alone, which " + what +
+                                                  " about itself: name several vertices, or give a translation.");
+  }
+}
+
+/// None where they are the vertices' own places: that is no motion, to the bit.
+Points targets_of(const HandleGroup& handle, std::size_t number, const TriangleMesh& mesh) {
+  Points targets(static_cast<Eigen::Index>(handle.targets.size()), 3);
+  bool elsewhere = false;
+  for (std::size_t k = 0; k < handle.targets.size(); ++k) {
+    const Vector3& target = handle.targets[k];
+    const int vertex = handle.vertices[k];
+    if (!target.allFinite()) {
+      throw EditError(ErrorCause::NotFinite, "The target of vertex " + std::to_string(vertex) + " in handle group " +
+                                                 std::to_string(number) + " is not finite: give finite coordinates.");
+    }
+    targets.row(static_cast<Eigen::Index>(k)) = target.transpose();
+    elsewhere |= target != mesh.vertices.row(vertex).transpose();
+  }
+  return elsewhere ? targets : Points(0, 3);
+}
+
+}  // namespace
 
 Vector3 centroid(const Points& vertices, const std::vector<int>& group) {
   if (group.empty()) {
@@ -40,12 +81,30 @@ std::vector<std::vector<double>> weights_of(const EditStep& step) {
   return weights;
 }
 
-std::vector<Affine> targets(const TriangleMesh& mesh, const EditStep& step, double fraction) {
-  std::vector<Affine> maps;
-  for (const HandleGroup& handle : step.handles) {
-    maps.push_back(resolve(handle.transform, centroid(mesh.vertices, handle.vertices), fraction));
+std::vector<HandleMotion> motions_of(const TriangleMesh& mesh, const EditStep& step, double fraction) {
+  std::vector<HandleMotion> motions;
+  for (std::size_t g = 0; g < step.handles.size(); ++g) {
+    HandleGroup handle = step.handles[g];
+    sort_group(handle, g);
+    HandleMotion motion = resolve(handle.transform, centroid(mesh.vertices, handle.vertices));
+    check_handle(handle, g);
+    motion.part = fraction;
+    motion.targets = targets_of(handle, g, mesh);
+    motions.push_back(std::move(motion));
   }
-  return maps;
+  return motions;
+}
+
+void check_handles(const EditStep& step) {
+  for (std::size_t g = 0; g < step.handles.size(); ++g) {
+    check_handle(step.handles[g], g);
+    if (step.mirror && !step.handles[g].targets.empty()) {
+      throw EditError(ErrorCause::BadParameter,
+                      group_name(g) +
+                          " has targets, which are not mirrored: leave the mirror out, and give vertices and "
+                          "targets of both sides.");
+    }
+  }
 }
 
 void sort_group(std::vector<int>& vertices, std::vector<double>& weights) {
@@ -71,6 +130,34 @@ void sort_group(std::vector<int>& vertices, std::vector<double>& weights) {
       weights.push_back(-weight);
     }
   }
+}
+
+void sort_group(HandleGroup& group, std::size_t number) {
+  if (group.targets.empty()) {
+    sort_group(group.vertices, group.weights);
+    return;
+  }
+  if (group.targets.size() != group.vertices.size()) {
+    throw EditError(ErrorCause::BadParameter, group_name(number) + " has " + std::to_string(group.vertices.size()) +
+                                                  " vertices and " + std::to_string(group.targets.size()) +
+                                                  " targets: give one target for each vertex, in the same order.");
+  }
+  std::vector<std::size_t> order(group.vertices.size());
+  std::iota(order.begin(), order.end(), std::size_t(0));
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return group.vertices[a] < group.vertices[b]; });
+  std::vector<Vector3> targets;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    if (k == 0 || group.vertices[order[k]] != group.vertices[order[k - 1]]) {
+      targets.push_back(group.targets[order[k]]);
+    } else if (group.targets[order[k]] != targets.back()) {
+      throw EditError(ErrorCause::BadParameter, group_name(number) + " has vertex " +
+                                                    std::to_string(group.vertices[order[k]]) +
+                                                    " twice, with different targets: give one target for it.");
+    }
+  }
+  sort_group(group.vertices, group.weights);
+  group.targets = std::move(targets);
 }
 
 }  // namespace lapedit

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,7 +17,8 @@ namespace lapedit {
 struct HandleGroup {
   std::vector<int> vertices;  ///< mesh vertex numbers
   HandleTransform transform;
-  std::vector<double> weights = {};  ///< of each vertex, kLeastShare to 1, what handle_weight counts there; empty: 1
+  std::vector<double> weights = {};   ///< of each vertex, kLeastShare to 1, what handle_weight counts there; empty: 1
+  std::vector<Vector3> targets = {};  ///< of each vertex, in place of the transform; empty: the transform counts
 };
 
 /// One edit: which part, which handles, how far, with what settings.
@@ -40,12 +42,20 @@ Vector3 centroid(const Points& vertices, const std::vector<int>& group);
 // Of the handles of a step, one entry per group.
 std::vector<std::vector<int>> groups_of(const EditStep& step);
 std::vector<std::vector<double>> weights_of(const EditStep& step);
-/// Where they go. @throws EditError as centroid() and resolve()
-std::vector<Affine> targets(const TriangleMesh& mesh, const EditStep& step, double fraction = 1);
+/// How they move; targets in ascending order of the vertices. @param fraction  of the path, 0 to 1. @throws EditError
+/// as centroid(), resolve() and sort_group(); (BadParameter) as check_handles(); (NotFinite)
+std::vector<HandleMotion> motions_of(const TriangleMesh& mesh, const EditStep& step, double fraction = 1);
+
+/// @throws EditError (BadParameter) if a group of one vertex is to be rotated or scaled without a
+/// center, or if a group with targets is to be mirrored
+void check_handles(const EditStep& step);
 
 /// Makes the group ascending without duplicates, so that sums over a group do not depend on how it was written; of a
 /// vertex that is there twice the larger weight counts. @throws EditError (BadParameter) if there are weights, but not
 /// one for each
 void sort_group(std::vector<int>& vertices, std::vector<double>& weights);
+/// The same with its targets. @param number  of the group in its step, for the message. @throws EditError
+/// (BadParameter) also if there are targets, but not one for each vertex, or different ones for one vertex
+void sort_group(HandleGroup& group, std::size_t number);
 
 }  // namespace lapedit

@@ -228,7 +228,7 @@ HandleTransform MirroredHandles::symmetric(const HandleTransform& given, const V
   return result;
 }
 
-void MirroredHandles::maps(const std::vector<HandleTransform>& given, std::vector<Affine>& maps) const {
+void MirroredHandles::maps(const std::vector<HandleTransform>& given, std::vector<HandleMotion>& maps) const {
   maps.resize(groups_.size());
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     maps[g] = resolve(transform(g, given), centroids_[g]);
@@ -280,10 +280,11 @@ EditStep mirrored(const TriangleMesh& mesh, const EditStep& step) {
     return result;
   }
   std::vector<HandleTransform> transforms;
-  for (HandleGroup& handle : result.handles) {
-    sort_group(handle.vertices, handle.weights);
-    transforms.push_back(handle.transform);
+  for (std::size_t g = 0; g < result.handles.size(); ++g) {
+    sort_group(result.handles[g], g);
+    transforms.push_back(result.handles[g].transform);
   }
+  check_handles(result);  // images of rotations and scales have a center
   const MirroredHandles handles(mesh, groups_of(result), *step.mirror, weights_of(result));
   result.handles.clear();
   for (std::size_t g = 0; g < handles.groups().size(); ++g) {

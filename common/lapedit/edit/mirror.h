@@ -34,7 +34,7 @@ class MirroredHandles {
   /// What group g does, from the transform of each given group. @throws EditError as resolve()
   HandleTransform transform(std::size_t g, const std::vector<HandleTransform>& given) const;
   /// All of them resolved, with the bits that the runner's have. Nothing is allocated after the first call.
-  void maps(const std::vector<HandleTransform>& given, std::vector<Affine>& maps) const;
+  void maps(const std::vector<HandleTransform>& given, std::vector<HandleMotion>& maps) const;
 
  private:
   HandleTransform symmetric(const HandleTransform& given, const Vector3& centre) const;

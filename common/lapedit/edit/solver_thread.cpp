@@ -41,8 +41,8 @@ struct Asked {
   std::unique_ptr<ApplyTask> apply;
   bool has_region = false;  ///< prepared, or still to be
   bool solve = false;
-  bool stand_in_seen = false;  ///< the newest solve has been answered by the stand-in
-  std::vector<Affine> maps;    ///< of the newest solve, with what follows
+  bool stand_in_seen = false;      ///< the newest solve has been answered by the stand-in
+  std::vector<HandleMotion> maps;  ///< of the newest solve, with what follows
   bool last = false;
   int serial = 0;
   Clock::time_point at;
@@ -81,7 +81,7 @@ struct AtWork {
   StandIn stand_in;
   std::shared_ptr<Job> job, next_job;         ///< the background's
   StoredScalar scalar = StoredScalar::Float;  ///< of what was prepared last
-  std::vector<Affine> maps;
+  std::vector<HandleMotion> maps;
   int serial = 0;
   SolverPose pose;
   bool preview = false;     ///< the last pose was one, and is still to be solved for in full
@@ -598,7 +598,7 @@ void SolverThread::cancel() {
   impl_->ask([](Asked&) {});
 }
 
-int SolverThread::solve(const std::vector<Affine>& maps, bool last) {
+int SolverThread::solve(const std::vector<HandleMotion>& maps, bool last) {
   int serial = 0;
   {
     const std::lock_guard<std::mutex> lock(impl_->mutex);

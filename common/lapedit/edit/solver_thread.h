@@ -81,7 +81,7 @@ class SolverThread {
   ///              (LaplacianEditor::preview); when the questions pause it is followed by the full pose, of the same
   ///              serial, and then by its report
   /// Nothing is allocated once as many maps were given before.
-  int solve(const std::vector<Affine>& maps, bool last);
+  int solve(const std::vector<HandleMotion>& maps, bool last);
 
   /// Hands out what is new. @param pose  swapped with the newest pose, if there is one, and to be given again next
   /// time: nothing is allocated

@@ -66,13 +66,13 @@ void StepRunner::finish(Points& places) const {
   round_to(scalar_, places);
 }
 
-void StepRunner::solve(const std::vector<Affine>& maps, Points& places, const Progress& go_on) {
+void StepRunner::solve(const std::vector<HandleMotion>& maps, Points& places, const Progress& go_on) {
   places = editor_->solve(maps, Affine::Identity(), go_on);
   ++solved_;
   finish(places);
 }
 
-void StepRunner::preview(const std::vector<Affine>& maps, Points& places) {
+void StepRunner::preview(const std::vector<HandleMotion>& maps, Points& places) {
   places = editor_->preview(maps);
   finish(places);
 }

@@ -70,10 +70,10 @@ class StepRunner {
   /// @param places  region().size() x 3; keeps its storage if it has the right size
   /// @param go_on   asked now and then
   /// @throws EditError as LaplacianEditor::solve() and round_to(); the runner stays usable
-  void solve(const std::vector<Affine>& maps, Points& places, const Progress& go_on = {});
+  void solve(const std::vector<HandleMotion>& maps, Points& places, const Progress& go_on = {});
 
   /// The same for a picture of a drag: see LaplacianEditor::preview().
-  void preview(const std::vector<Affine>& maps, Points& places);
+  void preview(const std::vector<HandleMotion>& maps, Points& places);
   bool has_preview() const { return editor_->has_preview(); }
   const std::string& taken_over() const { return editor_->taken_over(); }  ///< see EditReport::taken_over
 

@@ -137,14 +137,19 @@ RegionSpec read_region(const JsonObject& object, VertexLists& lists) {
   return region;
 }
 
+/// Refuses the others beside a key that replaces them.
+void require_alone(const JsonObject& object, const char* key, const std::vector<const char*>& others) {
+  for (const char* other : others) {
+    if (object.has(other)) {
+      refuse_json(object.where() + ": has both " + key + " and " + other + "; drop one of the two.");
+    }
+  }
+}
+
 HandleTransform read_transform(const JsonObject& object) {
   HandleTransform transform;
   if (object.has("matrix")) {
-    for (const char* other : {"translation", "rotation", "scale"}) {
-      if (object.has(other)) {
-        refuse_json(object.where() + ": has both matrix and " + other + "; a matrix says all, drop one of the two.");
-      }
-    }
+    require_alone(object, "matrix", {"translation", "rotation", "scale"});
     const auto numbers = object.numbers<16>("matrix");
     if (numbers.tail<4>() != Eigen::Vector4d(0, 0, 0, 1)) {
       refuse_json(object.where("matrix") + ": the last row (the last four numbers) has to be 0, 0, 0, 1.");
@@ -167,6 +172,21 @@ HandleTransform read_transform(const JsonObject& object) {
   }
   transform.scale = object.number("scale", transform.scale);
   return transform;
+}
+
+HandleGroup read_handle(const JsonObject& object, VertexLists& lists) {
+  HandleGroup handle;
+  handle.vertices = lists.read(object, "vertices");
+  if (object.has("weights")) {
+    handle.weights = object.number_list("weights");
+  }
+  if (object.has("targets")) {
+    require_alone(object, "targets", {"translation", "rotation", "scale", "matrix"});
+    handle.targets = object.point_list("targets", "points");
+  } else {
+    handle.transform = read_transform(object);
+  }
+  return handle;
 }
 
 void read_setting(const JsonObject& object, const Setting& setting, EditSettings& settings) {
@@ -197,9 +217,8 @@ EditStep read_step(const Json& value, const std::string& where, VertexLists& lis
   const Json& handles = object.filled_list("handles", "handle groups");
   for (std::size_t i = 0; i < handles.size(); ++i) {
     const JsonObject handle(handles[i], object.where("handles") + "[" + std::to_string(i) + "]",
-                            {"vertices", "weights", "translation", "rotation", "scale", "matrix"});
-    step.handles.push_back({lists.read(handle, "vertices"), read_transform(handle),
-                            handle.has("weights") ? handle.number_list("weights") : std::vector<double>()});
+                            {"vertices", "weights", "targets", "translation", "rotation", "scale", "matrix"});
+    step.handles.push_back(read_handle(handle, lists));
   }
   if (object.has("mirror")) {
     const JsonObject mirror(object["mirror"], object.where("mirror"), {"point", "normal"});
@@ -290,6 +309,13 @@ Json json_of(const HandleGroup& handle) {
   Json json = {{"vertices", json_of(handle.vertices)}};
   if (!handle.weights.empty()) {
     json["weights"] = json_of(handle.weights);
+  }
+  if (!handle.targets.empty()) {
+    json["targets"] = Json::array();
+    for (const Vector3& target : handle.targets) {
+      json["targets"].push_back(json_of(target));
+    }
+    return json;
   }
   if (t.matrix) {
     Eigen::Matrix<double, 4, 4, Eigen::RowMajor> matrix = Eigen::Matrix4d::Identity();

@@ -28,6 +28,7 @@
 ///       handles          list of one or more groups
 ///         vertices         as above
 ///         weights        o list, one number from 0.000001 to 1 per vertex
+///         targets        o in place of the four below: list, one [x, y, z] per vertex, in the order of vertices
 ///         translation    o [x, y, z], model units
 ///         rotation       o
 ///           axis         o [x, y, z], any length but zero
@@ -67,8 +68,8 @@ Edit read_edit(const std::string& json);
 Edit load_edit(const std::string& text_or_path);
 
 /// Writes keys in the order above, all settings explicitly (a later change of defaults does not change an old file) and
-/// numbers such that read_edit() gives the same doubles (only a zero's sign is lost). Vertices keep their order. With a
-/// matrix, the transform's other members are not written.
+/// numbers such that read_edit() gives the same doubles (only a zero's sign is lost). Vertices keep their order. With
+/// targets the transform, and with a matrix its other members are not written.
 /// @throws EditError (NotFinite, BadScript) if read_edit() could not read the result
 std::string write_edit(const Edit& edit);
 

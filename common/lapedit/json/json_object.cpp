@@ -7,6 +7,21 @@
 #include <utility>
 
 namespace lapedit {
+namespace {
+
+void read_numbers(const Json& list, const std::string& where, double* values, int count) {
+  if (!list.is_array() || list.size() != static_cast<std::size_t>(count)) {
+    refuse_json(where + ": expected a list of " + std::to_string(count) + " numbers, found " + describe(list) + ".");
+  }
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (!list[i].is_number()) {
+      refuse_json(where + "[" + std::to_string(i) + "]: expected a number, found " + describe(list[i]) + ".");
+    }
+    values[i] = list[i].get<double>();
+  }
+}
+
+}  // namespace
 
 JsonObject::JsonObject(const Json& value, std::string where, const std::vector<const char*>& known_keys)
     : object_(value), where_(std::move(where)) {
@@ -92,17 +107,20 @@ int JsonObject::choice(const char* key, const std::vector<const char*>& names, i
   refuse_key(key, "one of " + list);
 }
 
+std::vector<Eigen::Vector3d> JsonObject::point_list(const char* key, const char* of_what) const {
+  const Json& list = filled_list(key, of_what);
+  std::vector<Eigen::Vector3d> points(list.size());
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    read_numbers(list[i], where(key) + "[" + std::to_string(i) + "]", points[i].data(), 3);
+  }
+  return points;
+}
+
 void JsonObject::numbers(const char* key, double* values, int count) const {
-  const Json& list = (*this)[key];
-  if (!list.is_array() || list.size() != static_cast<std::size_t>(count)) {
+  if (!has(key)) {
     refuse_key(key, "a list of " + std::to_string(count) + " numbers");
   }
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    if (!list[i].is_number()) {
-      refuse_json(where(key) + "[" + std::to_string(i) + "]: expected a number, found " + describe(list[i]) + ".");
-    }
-    values[i] = list[i].get<double>();
-  }
+  read_numbers((*this)[key], where(key), values, count);
 }
 
 }  // namespace lapedit

@@ -28,7 +28,8 @@ class JsonObject {
   const std::string& text(const char* key) const;
   const Json& filled_list(const char* key, const char* of_what) const;  ///< one entry or more
 
-  std::vector<double> number_list(const char* key) const;  ///< of any length
+  std::vector<double> number_list(const char* key) const;                               ///< of any length
+  std::vector<Eigen::Vector3d> point_list(const char* key, const char* of_what) const;  ///< one point or more
 
   template <int N>
   Eigen::Matrix<double, N, 1> numbers(const char* key) const {

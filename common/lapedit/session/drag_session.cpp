@@ -34,7 +34,7 @@ const DragMotion* DragSession::motion() const {
 }
 
 Affine DragSession::active_map() const {
-  return motion() && model_.selection.active >= 0 ? resolve(motion()->transform(), model_.center())
+  return motion() && model_.selection.active >= 0 ? resolve(motion()->transform(), model_.center()).map
                                                   : Affine(Affine::Identity());
 }
 

@@ -53,7 +53,7 @@ bool Gizmo::arrow_is_seen(int axis, const Camera& view) const {
 }
 
 bool Gizmo::ring_is_seen(int axis, const Camera& view) const {
-  return std::abs(axes.col(axis).dot(view.toward_viewer(center))) > kLeastSine && view.in_front(center);
+  return !only_arrows && std::abs(axes.col(axis).dot(view.toward_viewer(center))) > kLeastSine && view.in_front(center);
 }
 
 Gizmo place_gizmo(const Vector3& center, GizmoAxes axes, const Vector3& normal, const Camera& view) {
@@ -92,7 +92,7 @@ GizmoPart gizmo_part_at(const Gizmo& gizmo, const Cursor& cursor) {
       part = offered;
     }
   };
-  if ((cursor.pixel - view.pixel(gizmo.knob(view))).norm() < kKnobPixels) {
+  if (!gizmo.only_arrows && (cursor.pixel - view.pixel(gizmo.knob(view))).norm() < kKnobPixels) {
     return GizmoPart::Scale;
   }
   for (int axis = 0; axis < 3; ++axis) {

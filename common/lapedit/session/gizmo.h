@@ -25,8 +25,9 @@ struct Gizmo {
   static constexpr double kFree = 0.2, kTip = 1.15, kRing = 0.8, kKnob = 1;  ///< in lengths, from the centre
 
   Vector3 center;
-  Matrix3 axes;       ///< a right-handed frame, by columns, length 1
-  double length = 0;  ///< model units; 90 pixels
+  Matrix3 axes;              ///< a right-handed frame, by columns, length 1
+  double length = 0;         ///< model units; 90 pixels
+  bool only_arrows = false;  ///< of a handle of one vertex, which has nothing to rotate or scale
 
   /// Of an arrow.
   Vector3 along(int axis, double lengths) const { return center + lengths * length * axes.col(axis); }

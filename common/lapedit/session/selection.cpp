@@ -489,7 +489,7 @@ Selection selection_of(const AppliedStep& step, bool applied, const Selection& b
   after.taken = before.taken;
   after.active = 0;
   for (const HandleGroup& handle : step.step.handles) {
-    if (!resolve(handle.transform, Vector3::Zero()).matrix().isIdentity(0)) {
+    if (!handle.targets.empty() || !resolve(handle.transform, Vector3::Zero()).map.matrix().isIdentity(0)) {
       after.active = static_cast<int>(after.groups.size());
     }
     after.groups.push_back(handle.vertices);

@@ -49,7 +49,9 @@ std::optional<Gizmo> SessionModel::gizmo(const Camera& view) const {
   if (!tools.gizmo || awaits_click || selection.active < 0 || !view.valid()) {
     return std::nullopt;
   }
-  return place_gizmo(pivot_place(), tools.axes, mean_normal(mesh(), *adjacency, active_group()), view);
+  Gizmo gizmo = place_gizmo(pivot_place(), tools.axes, mean_normal(mesh(), *adjacency, active_group()), view);
+  gizmo.only_arrows = active_group().size() == 1;
+  return gizmo;
 }
 
 bool SessionModel::take(Choice choice) {

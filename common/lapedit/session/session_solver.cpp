@@ -120,7 +120,7 @@ bool SessionSolver::begin(MotionKind kind, const Vector3& grab, const Cursor& cu
 void SessionSolver::ask() {
   Dragging& drag = std::get<Dragging>(phase_);
   const auto active = static_cast<std::size_t>(model_.selection.active);
-  drag.maps.assign(model_.all_groups().size(), Affine::Identity());
+  drag.maps.assign(model_.all_groups().size(), HandleMotion());
   try {
     if (model_.tools.mirrored) {
       drag.given.assign(model_.groups().size(), HandleTransform());
@@ -131,7 +131,7 @@ void SessionSolver::ask() {
     }
   } catch (const EditError& error) {
     model_.refusal = error.what();  // the solve that follows takes the groups as not moved
-    drag.maps.assign(model_.all_groups().size(), Affine::Identity());
+    drag.maps.assign(model_.all_groups().size(), HandleMotion());
   }
   drag.last_serial = worker_.solve(drag.maps, drag.released);
   drag.first_serial = std::min(drag.first_serial, drag.last_serial);
@@ -184,7 +184,7 @@ void SessionSolver::amend() {
   heard_ = DragFigures();
   ask_to_prepare({amending.base, model_.adjacency, written.region, groups_of(written), step.settings, model_.scalar,
                   weights_of(written), step.mirror});
-  amending.serial = worker_.solve(targets(*amending.base, written), true);
+  amending.serial = worker_.solve(motions_of(*amending.base, written), true);
 }
 
 void SessionSolver::load(Edit edit) {

@@ -32,7 +32,7 @@ struct Dragging {
   bool by_button;     ///< held, rather than begun by a key
   bool released = false;
   std::vector<HandleTransform> given = {};                              ///< of the user's groups
-  std::vector<Affine> maps = {};                                        ///< of all groups; both kept for their memory
+  std::vector<HandleMotion> maps = {};                                  ///< of all groups; both kept for their memory
   int first_serial = std::numeric_limits<int>::max(), last_serial = 0;  ///< of the solves asked for
 };
 
@@ -62,7 +62,7 @@ struct DragFigures {
   std::optional<double> solve_ms;         ///< of the last pose
   std::optional<double> handle_error;     ///< largest distance of a handle vertex from its target, of the last report
   std::optional<double> largest_stretch;  ///< of an edge, new over old length minus 1, of the last report
-  std::string advice;                     ///< of the last report, where something folded
+  std::string advice;                     ///< of the last report; empty: none
   std::string taken_over;                 ///< what preparing took over from the region before
   int steps = 0;                          ///< applied
 };

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/deform/group_paths.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "lapedit/base/error.h"
+#include "lapedit/deform/polar_decomposition.h"
+
+namespace lapedit {
+namespace {
+
+constexpr double kUnit = 0.1;  // of the region's size
+constexpr int kLeastSteps = 12, kMostSteps = 40;
+constexpr int kSeveral = -1, kNoGroup = -2;
+
+bool same(const LocalMotion& a, const LocalMotion& b) {
+  return a.linear == b.linear && a.translation == b.translation;
+}
+
+}  // namespace
+
+GroupPaths::GroupPaths(const Region& region, const Points& rest, const Vector3& origin)
+    : region_(region),
+      rest_(rest),
+      origin_(origin),
+      groups_(1 + *std::max_element(region.group.begin(), region.group.end())),
+      place_(region.size(), -1),
+      motions_(groups_.size()),
+      carried_(region.anchored.size()),
+      leader_(region.anchored.size(), kNoGroup) {
+  for (int i = 0; i < region.size(); ++i) {
+    if (region.group[i] >= 0) {
+      Group& group = groups_[region.group[i]];
+      place_[i] = static_cast<int>(group.vertices.size());
+      group.vertices.push_back(i);
+      group.components.push_back(region.component[i]);
+      group.centre += rest.row(i).transpose();
+    }
+  }
+  for (Group& group : groups_) {
+    std::sort(group.components.begin(), group.components.end());
+    group.components.erase(std::unique(group.components.begin(), group.components.end()), group.components.end());
+    group.centre /= static_cast<double>(std::max<std::size_t>(group.vertices.size(), 1));
+  }
+}
+
+void GroupPaths::check(const std::vector<HandleMotion>& motions) const {
+  if (motions.size() < groups_.size()) {
+    throw EditError(ErrorCause::NoHandle, std::to_string(motions.size()) + " handle motions were given for " +
+                                              std::to_string(groups_.size()) + " handle groups: give one for each.");
+  }
+  for (std::size_t g = 0; g < motions.size(); ++g) {
+    const HandleMotion& motion = motions[g];
+    if (!motion.map.matrix().allFinite() || !motion.targets.allFinite() || !std::isfinite(motion.part)) {
+      throw EditError(ErrorCause::NotFinite,
+                      "The target of handle group " + std::to_string(g) + " is not finite: give finite coordinates.");
+    }
+    if (g < groups_.size() && motion.targets.rows() > 0 &&
+        motion.targets.rows() != static_cast<Eigen::Index>(groups_[g].vertices.size())) {
+      throw EditError(ErrorCause::BadParameter, "Handle group " + std::to_string(g) + " has " +
+                                                    std::to_string(groups_[g].vertices.size()) + " vertices and " +
+                                                    std::to_string(motion.targets.rows()) +
+                                                    " targets: give one target for each vertex.");
+    }
+  }
+}
+
+/// The rigid motion that fits the targets best is the group's; what they are off it is turned back.
+void GroupPaths::set_targets(Group& group, const HandleMotion& motion) {
+  const auto count = static_cast<Eigen::Index>(group.vertices.size());
+  Vector3 mean = Vector3::Zero();
+  for (Eigen::Index k = 0; k < count; ++k) {
+    group.offsets.row(k) = motion.targets.row(k) - origin_.transpose();
+    mean += group.offsets.row(k).transpose() / static_cast<double>(count);
+  }
+  Matrix3 covariance = Matrix3::Zero();
+  for (Eigen::Index k = 0; k < count; ++k) {
+    covariance += (group.offsets.row(k).transpose() - mean) * (rest_.row(group.vertices[k]) - group.centre.transpose());
+  }
+  const Matrix3 rotation = nearest_rotation(covariance);
+  Affine rigid;
+  rigid.linear() = rotation;
+  rigid.translation() = mean - rotation * group.centre;
+  group.path = MotionPath(rigid, Vector3::Zero(), group.centre);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    group.offsets.row(k) =
+        (rotation.transpose() * (group.offsets.row(k).transpose() - mean) + group.centre).transpose() -
+        rest_.row(group.vertices[k]);
+  }
+}
+
+void GroupPaths::set(const std::vector<HandleMotion>& motions, const Affine& anchors) {
+  check(motions);
+  if (!anchors.matrix().allFinite()) {
+    throw EditError(ErrorCause::NotFinite, "The motion of the anchors is not finite: give a finite transform.");
+  }
+  const double unit = kUnit * region_.max_distance;
+  anchors_ = LocalMotion::of(anchors, origin_);
+  double length = 0;
+  has_targets_ = false;
+  std::fill(leader_.begin(), leader_.end(), kNoGroup);
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    Group& group = groups_[g];
+    group.part = motions[g].part;
+    group.offsets.resize(motions[g].targets.rows(), 3);
+    if (group.offsets.rows() > 0) {
+      has_targets_ = true;
+      set_targets(group, motions[g]);
+      length = std::max(length, unit > 0 ? group.offsets.rowwise().norm().maxCoeff() / unit : 0);
+    } else {
+      // Paths begin where the anchors are taken.
+      HandleMotion to = motions[g];
+      if (!anchors_.none()) {
+        to.map = anchors.inverse() * to.map;
+      }
+      group.path = MotionPath(to, origin_, group.centre);
+    }
+    length = std::max(length, group.path.length(unit));
+    for (const int c : group.components) {
+      lead(static_cast<int>(g), leader_[c]);
+    }
+  }
+  constexpr double kRounding = 1e-9;  // a quarter of a turn is three steps, however it is given
+  steps_ = std::clamp(static_cast<int>(std::ceil(std::min<double>(length, kMostSteps) - kRounding)), kLeastSteps,
+                      kMostSteps);
+  go(steps_);
+}
+
+/// One motion for all groups of a component is followed exactly; a group of one vertex does not say how it turns.
+void GroupPaths::lead(int g, int& leader) const {
+  const Group& group = groups_[g];
+  if (leader == kNoGroup && group.offsets.rows() == 0) {
+    leader = g;
+  } else if (leader == kNoGroup || leader == kSeveral || group.offsets.rows() > 0) {
+    leader = kSeveral;
+  } else {
+    const Group& other = groups_[leader];
+    const bool turns = group.vertices.size() > 1 || other.vertices.size() > 1;
+    const bool alike = turns ? same(group.path.at(1), other.path.at(1)) : same(after(group, 1), after(other, 1));
+    leader = !alike ? kSeveral : group.vertices.size() > other.vertices.size() ? g : leader;
+  }
+}
+
+void GroupPaths::go(int step) {
+  const double share = step == steps_ ? 1 : static_cast<double>(step) / steps_;
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    motions_[g] = after(groups_[g], share * groups_[g].part);
+    groups_[g].now = share * groups_[g].part;
+  }
+  for (std::size_t c = 0; c < carried_.size(); ++c) {
+    carried_[c] = region_.anchored[c]      ? anchors_
+                  : leader_[c] == kNoGroup ? LocalMotion()
+                  : leader_[c] != kSeveral ? motions_[leader_[c]]
+                                           : best_fit(static_cast<int>(c));
+  }
+}
+
+LocalMotion GroupPaths::after(const Group& group, double part) const {
+  LocalMotion motion = group.path.at(part);
+  if (group.vertices.size() == 1) {
+    motion.translation = motion.displacement(group.centre);
+    motion.linear.setZero();
+  }
+  if (!anchors_.none()) {
+    const Matrix3 linear = anchors_.linear + Matrix3::Identity();
+    motion.translation = anchors_.translation + linear * motion.translation;
+    motion.linear = anchors_.linear + linear * motion.linear;
+  }
+  return motion;
+}
+
+Vector3 GroupPaths::displacement(int group, const Vector3& place, const Vector3& offset) const {
+  const Vector3 off = groups_[group].now * offset;
+  return motions_[group].displacement(place + off) + off;
+}
+
+Vector3 GroupPaths::displacement(int i) const {
+  return displacement(region_.group[i], rest_.row(i).transpose(), target_offset(i));
+}
+
+Vector3 GroupPaths::target_offset(int i) const {
+  const Group& group = groups_[region_.group[i]];
+  return group.offsets.rows() > 0 ? group.offsets.row(place_[i]).transpose().eval() : Vector3::Zero().eval();
+}
+
+bool GroupPaths::carries() const {
+  return !std::all_of(carried_.begin(), carried_.end(), [](const LocalMotion& motion) { return motion.none(); });
+}
+
+/// Each vertex counts by its squared weight, as in the equations.
+LocalMotion GroupPaths::best_fit(int component) const {
+  const auto for_vertices = [&](const auto& body) {
+    for (const Group& group : groups_) {
+      for (const int i : group.vertices) {
+        if (region_.component[i] == component) {
+          const double share = region_.share(i);
+          body(share * share, rest_.row(i).transpose(), displacement(i));
+        }
+      }
+    }
+  };
+  double count = 0;
+  Vector3 place = Vector3::Zero(), way = Vector3::Zero();
+  for_vertices([&](double weight, const Vector3& from, const Vector3& moved) {
+    count += weight;
+    place += weight * from;
+    way += weight * moved;
+  });
+  place /= count;
+  way /= count;
+  Matrix3 covariance = Matrix3::Zero();
+  for_vertices([&](double weight, const Vector3& from, const Vector3& moved) {
+    const Vector3 before = from - place;
+    const Matrix3 product = (before + (moved - way)) * before.transpose();
+    covariance += weight * product;
+  });
+  LocalMotion fit;
+  fit.linear = nearest_rotation(covariance) - Matrix3::Identity();
+  fit.translation = way - fit.linear * place;
+  return fit;
+}
+
+}  // namespace lapedit

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/deform/ring_rotations.h"
+
+#include "lapedit/deform/polar_decomposition.h"
+
+namespace lapedit {
+
+RingRotations::RingRotations(const Region& region, const OperatorRows& m, ThreadPool& pool)
+    : region_(region), m_(m), pool_(pool), covariances_(region.size()) {}
+
+void RingRotations::fit(const Points& before, const Points& displacement, std::vector<Matrix3>& rotations) {
+  // Fewer tilt details: 2 rounds by 14.6 and 25.8 degrees where these do by 11.5 and 19.7 (detail_orientation_test).
+  constexpr int kAveraging = 8;
+  constexpr int kGrain = 512;
+  in_pieces(pool_, region_.size(), kGrain, [&](int first, int last) {
+    for (int i = first; i < last; ++i) {
+      Matrix3 covariance = Matrix3::Zero();
+      for (OperatorRows::Rows::InnerIterator entry(m_.rows(), i); entry; ++entry) {
+        const auto j = static_cast<int>(entry.col());
+        const Vector3 edge = (before.row(i) - before.row(j)).transpose();
+        const Vector3 after = edge + (displacement.row(i) - displacement.row(j)).transpose();
+        // In this order a vertex that has not moved has a symmetric covariance.
+        const Matrix3 product = after * edge.transpose();
+        covariance -= entry.value() * product;
+      }
+      covariances_[i] = covariance;
+    }
+  });
+  covariances_.average(region_.neighbours, kAveraging, pool_);
+  rotations.resize(region_.size());
+  in_pieces(pool_, region_.size(), kGrain, [&](int first, int last) {
+    for (int i = first; i < last; ++i) {
+      rotations[i] = covariances_[i];
+      if (!rotations[i].allFinite()) {
+        rotations[i].setIdentity();
+      }
+    }
+    nearest_rotations(rotations.data() + first, last - first, rotations.data() + first);
+  });
+}
+
+}  // namespace lapedit
