@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "lapedit/deform/laplacian_editor.h"
+#include "lapedit/edit/laplacian_editor.h"
 #include "support.h"
 
 /// The method a second time, slow and plain: dense matrices, absolute positions, a QR factorisation of the stacked

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "lapedit/deform/laplacian_editor.h"
+#include "lapedit/edit/laplacian_editor.h"
 #include "lapedit/edit/edit.h"
 #include "support.h"
 

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <memory>
 #include <numeric>
 #include <random>
 #include <string>
@@ -17,6 +18,7 @@
 #include "lapedit/base/error.h"
 #include "lapedit/deform/edit_settings.h"
 #include "lapedit/deform/handle_transform.h"
+#include "lapedit/deform/rest_pose.h"
 #include "lapedit/mesh/geodesic.h"
 #include "lapedit/mesh/region.h"
 
@@ -68,6 +70,10 @@ inline double largest_angle(const std::vector<Matrix3>& a, const std::vector<Mat
 /// How far a matrix is from being a rotation.
 inline double rotation_defect(const Matrix3& matrix) {
   return std::max((matrix.transpose() * matrix - Matrix3::Identity()).norm(), std::abs(matrix.determinant() - 1));
+}
+
+inline std::shared_ptr<const RestPose> rest_pose(const TriangleMesh& mesh, const Region& region) {
+  return std::make_shared<const RestPose>(mesh, std::make_shared<const Region>(region));
 }
 
 inline Affine shift(const Vector3& way) {

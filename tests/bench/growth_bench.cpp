@@ -10,7 +10,7 @@
 
 #include "lapedit/base/stopwatch.h"
 #include "lapedit/deform/coarse_preview.h"
-#include "lapedit/deform/laplacian_editor.h"
+#include "lapedit/edit/laplacian_editor.h"
 #include "scene.h"
 
 namespace {

@@ -21,7 +21,7 @@
 
 #include "lapedit/base/stopwatch.h"
 #include "lapedit/deform/coarse_preview.h"
-#include "lapedit/deform/laplacian_editor.h"
+#include "lapedit/edit/laplacian_editor.h"
 #include "lapedit/linear/nested_dissection.h"
 #include "scene.h"
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "lapedit/base/stopwatch.h"
-#include "lapedit/deform/laplacian_editor.h"
+#include "lapedit/edit/laplacian_editor.h"
 #include "quality_text.h"
 
 namespace quality {

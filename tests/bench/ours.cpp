@@ -2,7 +2,7 @@
 #include "ours.h"
 
 #include "lapedit/deform/coarse_preview.h"
-#include "lapedit/deform/laplacian_editor.h"
+#include "lapedit/edit/laplacian_editor.h"
 #include "lapedit/deform/smooth_normals.h"
 #include "lapedit/linear/nested_dissection.h"
 #include "lapedit/linear/sparse_cholesky.h"

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <map>
 
-#include "lapedit/deform/laplacian_editor.h"
+#include "lapedit/edit/laplacian_editor.h"
 #include "shapes.h"
 #include "support.h"
 

@@ -17,7 +17,7 @@ struct Scene {
   TriangleMesh mesh = shapes::two_pieces(2);
   EditReport report;
   std::shared_ptr<const LaplacianSystem> system =
-      prepare_system(mesh, support::whole_region(mesh, {{100}, {200}, {250, 251}}, {0, 1}),
+      prepare_system(mesh, support::rest_pose(mesh, support::whole_region(mesh, {{100}, {200}, {250, 251}}, {0, 1})),
                      support::smooth_surface_settings(), nullptr, {}, report);
   EditConstraints constraints{*system};
 

@@ -133,31 +133,6 @@ TEST(EditSettings, ChoicesAreWhatTheirNamesSay) {
   EXPECT_EQ(settings.membrane, 1200);
 }
 
-TEST(EditSettings, FastPathIsForOrderOneAndWhatAFrameKnows) {
-  const auto fast = [](DetailRotation rotation, int order, int iterations, DetailTurning turning, double membrane) {
-    EditSettings settings;
-    settings.rotation = rotation;
-    settings.order = order;
-    settings.iterations = iterations;
-    settings.turning = turning;
-    settings.membrane = membrane;
-    return has_fast_path(settings);
-  };
-  for (const double membrane : {0.0, 1200.0}) {
-    for (const DetailTurning turning : {DetailTurning::Vertex, DetailTurning::Edge}) {
-      for (const int iterations : {1, 3}) {
-        const bool one = iterations == 1, by_vertices = turning == DetailTurning::Vertex;
-        EXPECT_TRUE(fast(DetailRotation::LocalGlobal, 1, iterations, turning, membrane)) << "passes do not count";
-        EXPECT_FALSE(fast(DetailRotation::LocalGlobal, 2, iterations, turning, membrane));
-        EXPECT_FALSE(fast(DetailRotation::SmoothNormals, 1, iterations, turning, membrane));
-        EXPECT_EQ(fast(DetailRotation::None, 1, iterations, turning, membrane), one);
-        EXPECT_EQ(fast(DetailRotation::SmoothSurface, 1, iterations, turning, membrane), one && by_vertices);
-        EXPECT_FALSE(fast(DetailRotation::SmoothSurface, 3, iterations, turning, membrane));
-      }
-    }
-  }
-}
-
 /// All documents of the project.
 std::string documents() {
   namespace fs = std::filesystem;

@@ -9,8 +9,7 @@
 #include <numeric>
 #include <vector>
 
-#include "lapedit/deform/coarse_preview.h"
-#include "lapedit/deform/laplacian_editor.h"
+#include "lapedit/edit/laplacian_editor.h"
 #include "lapedit/deform/smooth_normals.h"
 #include "shapes.h"
 #include "support.h"
@@ -220,7 +219,6 @@ TEST(RoughDeformation, IsNotAskedForWithoutRotationsOrWhereTheySettle) {
     settings.rough = RoughDeformation::Falloff;
     LaplacianEditor editor(scene.mesh, scene.region, settings);
     EXPECT_TRUE(support::same_bits(editor.solve(scene.maps), plain.solve(scene.maps))) << name(rotation);
-    EXPECT_TRUE(support::same_bits(editor.preview(scene.maps), plain.preview(scene.maps))) << name(rotation);
   }
 }
 
@@ -237,20 +235,6 @@ TEST(RoughDeformation, IsForgottenAfterSomePasses) {
     difference[passes > 1] = support::error(editor.solve(scene.maps), plain.solve(scene.maps));
   }
   EXPECT_LT(difference[1], 0.1 * difference[0]);
-}
-
-/// Within 1e-4 of the largest handle distance, as every preview, with one group and with several.
-TEST(RoughDeformation, FallsOffOnTheFastPathToo) {
-  const Scene scene;
-  LaplacianEditor editor(scene.mesh, scene.region, falloff_settings());
-  ASSERT_TRUE(editor.has_preview());
-  const Affine still = Affine::Identity();
-  for (const Maps& maps : {scene.maps, Maps{scene.maps[0], still}, Maps{still, scene.maps[1]}}) {
-    const Points drawn = editor.preview(maps);
-    const double difference = (drawn - editor.solve(maps)).rowwise().norm().maxCoeff();
-    EXPECT_LT(difference, 1e-4 * scene.region.max_distance);
-  }
-  EXPECT_TRUE(support::same_bits(editor.preview({still, still}), scene.rest()));
 }
 
 /// A limb whose end is a handle.
@@ -276,33 +260,6 @@ struct Limb {
     return {support::rigid(-degrees, Vector3::UnitY(), to - center, center)};
   }
 };
-
-/// Before the region is ready too.
-TEST(RoughDeformation, CellsFallOffAlike) {
-  const Limb limb;
-  const Maps maps = Limb::bent(170);
-  const double way = 8;
-  Points full[2];
-  double rms[2][2];  // of cells from full poses, shares of the way
-  for (const int f : {0, 1}) {
-    EditSettings settings = support::smooth_surface_settings();
-    settings.rough = static_cast<RoughDeformation>(f);
-    full[f] = LaplacianEditor(limb.mesh, limb.region, settings).solve(maps);
-  }
-  for (const int c : {0, 1}) {
-    EditSettings settings = support::smooth_surface_settings();
-    settings.rough = static_cast<RoughDeformation>(c);
-    CoarsePreview cells(limb.mesh, std::make_shared<const Region>(limb.region), settings);
-    const Points& pose = cells.pose(maps);
-    for (const int f : {0, 1}) {
-      rms[c][f] = (pose - full[f]).norm() / std::sqrt(limb.region.size()) / way;
-      std::printf("cells %s, full pose %s: RMS %.2f %% of the way\n", name(static_cast<RoughDeformation>(c)),
-                  name(static_cast<RoughDeformation>(f)), 100 * rms[c][f]);
-    }
-  }
-  EXPECT_LT(rms[1][1], rms[0][0]);        // as near as to the other
-  EXPECT_LT(rms[1][1], 0.6 * rms[0][1]);  // and nearer than the cells' other pose
-}
 
 /// What is linear in the turn itself has lost its way there.
 TEST(RoughDeformation, LargeTurnsOfALimbFlipNothing) {

@@ -34,7 +34,7 @@ struct Scene {
 
 System prepared(const TriangleMesh& mesh, const Region& region, const EditSettings& settings,
                 const LaplacianSystem* previous, EditReport& report) {
-  return prepare_system(mesh, region, settings, previous, {}, report);
+  return prepare_system(mesh, support::rest_pose(mesh, region), settings, previous, {}, report);
 }
 
 Points solved(const System& system) {
@@ -74,7 +74,6 @@ TEST(LaplacianSystem, BothStayUsableWithTheSameBits) {
     const System alone = prepared(scene.mesh, scene.second, settings, nullptr, report);
     EXPECT_TRUE(support::same_bits(solved(first), before));
     EXPECT_TRUE(support::same_bits(solved(second), solved(alone)));
-    EXPECT_TRUE(support::same_bits(second->smooth_rest, alone->smooth_rest));
     EXPECT_FALSE(support::same_bits(solved(second), before)) << "another handle, another result";
     if (settings.rotation == DetailRotation::LocalGlobal) {
       continue;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "lapedit/deform/edit_quality.h"
-#include "lapedit/deform/laplacian_editor.h"
+#include "lapedit/edit/laplacian_editor.h"
 #include "lapedit/deform/membrane.h"
 #include "shapes.h"
 #include "support.h"
@@ -192,19 +192,6 @@ TEST(DroppedPass, IsNoneOfOrderOne) {
       EXPECT_EQ(lift.solve(settings).second.passes_dropped, 0) << name(laplacian) << ", " << name(turning);
     }
   }
-}
-
-TEST(RotationPass, TurningByEdgesHasNoFastPath) {
-  const Scene scene;
-  EditSettings settings = support::smooth_surface_settings();
-  EXPECT_TRUE(has_fast_path(settings));
-  settings.turning = DetailTurning::Edge;
-  LaplacianEditor editor(scene.mesh, scene.region, settings);
-  EXPECT_FALSE(editor.has_preview());
-  const Points drawn = editor.preview(scene.maps);
-  EXPECT_TRUE(support::same_bits(drawn, editor.solve(scene.maps)));
-  settings.rotation = DetailRotation::None;  // nothing turns
-  EXPECT_TRUE(LaplacianEditor(scene.mesh, scene.region, settings).has_preview());
 }
 
 }  // namespace

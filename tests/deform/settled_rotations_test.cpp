@@ -11,7 +11,7 @@
 #include <limits>
 
 #include "dense_reference.h"
-#include "lapedit/deform/laplacian_editor.h"
+#include "lapedit/edit/laplacian_editor.h"
 #include "shapes.h"
 #include "support.h"
 
@@ -37,7 +37,7 @@ EditSettings settled(LaplacianKind laplacian = LaplacianKind::MeanValue, DetailT
   settings.rotation = DetailRotation::LocalGlobal;
   settings.turning = turning;
   settings.membrane = membrane;
-  settings.iterations = 1;  // the cells' rotations alone: those that previews have too
+  settings.iterations = 1;  // the cells' rotations alone
   settings.threads = 1;
   return settings;
 }
@@ -102,15 +102,6 @@ Scene limb(double degrees = 80, int around_it = 16, int rings = 60) {
   const Vector3 end(1 + radius * std::sin(angle), 0, radius * (1 - std::cos(angle))), at(1 + length, 0, 0);
   return scene("limb", mesh, spec, {vertices_where(mesh, [](const Vector3& p) { return p[0] > 10.4; })},
                {rigid(-degrees, Vector3::UnitY(), end - at, at)});
-}
-
-std::vector<Scene> scenes() {
-  const TriangleMesh ball = shapes::icosphere(4), arm = shapes::tapered_arm(18, 54);
-  return {letters(), patches(), limb(),
-          scene("arm", arm, within(7.1), {{static_cast<int>(arm.vertices.rows()) - 1}}, {shift({-2, 0.5, 4})}),
-          scene("ball", ball, within(1.2),
-                {{support::vertex_at(ball, {0, 0.6, 0.8})}, {support::vertex_at(ball, {0.6, 0, 0.8})}},
-                {shift({0.1, 0.3, 0.5}), shift({0.2, -0.2, 0.1})})};
 }
 
 double farthest(const Points& a, const Points& b) {
@@ -284,7 +275,6 @@ TEST(SettledRotations, SmallRegionsAreEditedToo) {
         const Points result = editor.solve({map});
         EXPECT_TRUE(result.allFinite()) << n << " vertices, " << handles << " of them handles";
         EXPECT_LT(editor.report().handle_residual, 0.05) << n << ", " << handles << ", " << describe(settings);
-        EXPECT_LT(farthest(editor.preview({map}), result), 1e-4 * std::max(4.0, 2 * n * 0.2)) << n << ", " << handles;
         EXPECT_TRUE(same_bits(editor.solve({Affine::Identity()}), mesh.vertices));
       }
     }
@@ -358,7 +348,6 @@ TEST(SettledRotations, BadMeshesAreEditedLikeAnyOther) {
       const Points result = editor.solve(maps);
       EXPECT_LT(farthest(result, s.rest()), 2.5) << "nothing overshoots: " << which << ", " << describe(settings);
       EXPECT_LT(editor.report().handle_residual, 0.02 * 2) << which << ", " << describe(settings);
-      EXPECT_LT(farthest(editor.preview(maps), result), 1e-4 * 3.3) << which << ", " << describe(settings);
     }
   }
 }
@@ -425,51 +414,7 @@ TEST(SettledRotations, HigherOrdersDoNotExplode) {
       const double way = editor.report().handle_displacement;
       EXPECT_LT(farthest(pose, s.rest()), 1.5 * way) << s.name << ", order " << order;
       EXPECT_LT(editor.report().stretch_rms, 4 * first.report().stretch_rms + 0.05) << s.name << ", order " << order;
-      EXPECT_FALSE(editor.has_preview());
-      EXPECT_TRUE(same_bits(editor.preview(s.maps), Points(editor.solve(s.maps))));
     }
-  }
-}
-
-// --- frames of a drag: the kernels that older processors take are tested by this suite's name ---
-
-/// Largest distance over the region's largest handle distance, or the longest way: what preview() promises.
-double difference(const Scene& s, const Points& frame, const Points& exact) {
-  return farthest(frame, exact) / std::max(s.region.max_distance, farthest(exact, s.rest()));
-}
-
-TEST(DragPreviewOfSettledRotations, IsTheSolutionForAllOperatorsAndTurnings) {
-  for (const Scene& s : scenes()) {
-    for (const EditSettings& settings : all_settings()) {
-      LaplacianEditor editor = s.editor(settings);
-      ASSERT_TRUE(editor.has_preview());
-      for (const double t : {0.01, 1.0}) {
-        const Points exact = editor.solve(part(s.maps, t));
-        const Points& frame = editor.preview(part(s.maps, t));
-        EXPECT_LT(difference(s, frame, exact), 1e-4) << s.name << ", " << describe(settings) << ", " << t;
-        EXPECT_FALSE(same_bits(frame, exact)) << "there is no fast path: this says nothing";
-      }
-    }
-  }
-}
-
-/// Fails if frames drift away along a drag, or after a jump.
-TEST(DragPreviewOfSettledRotations, FollowsADragAndJumps) {
-  for (const Scene& s : scenes()) {
-    LaplacianEditor dragged = s.editor(), exact = s.editor();
-    for (const double t : {0.02, 0.1, 0.2, 0.3, 0.45, 0.6, 0.7, 0.85, 1.0, 0.15, 0.95, -0.5, 1.0, 0.0, 0.5}) {
-      const Points frame = dragged.preview(part(s.maps, t));
-      EXPECT_LT(difference(s, frame, exact.solve(part(s.maps, t))), 1e-4) << s.name << " at " << t;
-    }
-  }
-}
-
-TEST(DragPreviewOfSettledRotations, FollowsALimbAroundInSteps) {
-  LaplacianEditor dragged = limb().editor(), exact = limb().editor();
-  for (double degrees = 6; degrees < 175; degrees += 12) {
-    const Scene s = limb(degrees);
-    const Points frame = dragged.preview(s.maps);
-    EXPECT_LT(difference(s, frame, exact.solve(s.maps)), 1e-4) << degrees;
   }
 }
 

@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "dense_reference.h"
-#include "lapedit/deform/coarse_preview.h"
-#include "lapedit/deform/laplacian_editor.h"
+#include "lapedit/live/drag_frames.h"
+#include "lapedit/edit/laplacian_editor.h"
 #include "shapes.h"
 #include "support.h"
 
@@ -141,34 +141,40 @@ TEST(SoftHandle, AgreesWithTheDenseSystem) {
       1e-9);
 }
 
-/// Large handles by solutions, small ones by a correction.
-TEST(SoftHandle, PreviewsKeepTheirPromise) {
+/// Large handles by the factor, small ones by a correction; weights down to nearly nothing.
+TEST(SoftHandle, FramesFollowTheirWeights) {
   for (const double radius : {0.16, 0.04}) {
     const Disc disc = plane(radius);
     EXPECT_EQ(disc.vertices.size() <= 8, radius < 0.1);
-    for (EditSettings settings : {EditSettings(), support::smooth_surface_settings()}) {
-      for (const RoughDeformation rough : {RoughDeformation::Unrotated, RoughDeformation::Falloff}) {
-        settings.rough = rough;
-        settings.iterations = 1;
-        const Region region = disc.soft(0.8, 1);
-        LaplacianEditor editor(disc.mesh, region, settings);
-        ASSERT_TRUE(editor.has_preview());
+    for (const double weight : {30.0, 1.0, 0.1, 0.003, 1e-6}) {
+      for (const DetailRotation rotation : {DetailRotation::None, DetailRotation::LocalGlobal}) {
+        EditSettings settings;
+        settings.handle_weight = weight;
+        settings.rotation = rotation;
+        const auto region = std::make_shared<const Region>(disc.soft(0.8, 1));
+        DragFrames frames(disc.mesh, region, settings);
+        LaplacianEditor editor(disc.mesh, frames.cells(), settings, {}, nullptr);
         const std::vector<HandleMotion> maps{support::rigid(30, {0, 1, 1}, {0, 0.1, 0.2}, {2, 1, 0})};
-        const Points exact = editor.solve(maps);
-        EXPECT_LT((editor.preview(maps) - exact).rowwise().norm().maxCoeff(), 1e-4 * region.max_distance);
+        const Points exact = editor.solve(maps), cells = frames.pose(maps);
+        EXPECT_LT((cells - exact).rowwise().norm().maxCoeff(), 0.05) << weight << ", " << name(rotation);
+        frames.correct_with(&editor);
+        frames.pose(maps);
+        while (frames.refine()) {
+        }
+        EXPECT_LT((frames.positions() - exact).rowwise().norm().maxCoeff(), 0.004) << weight << ", " << name(rotation);
       }
     }
   }
 }
 
-TEST(SoftHandle, StandInFollowsTheSoftRim) {
+TEST(SoftHandle, CellsFollowTheSoftRim) {
   const Disc disc = plane(0.25, 254);
   const auto region = std::make_shared<const Region>(disc.soft(0.9, 1));
   const std::vector<HandleMotion> maps{support::shift({0, 0, 0.4})};
   LaplacianEditor editor(disc.mesh, *region, EditSettings());
   const Points exact = editor.solve(maps);
-  CoarsePreview preview(disc.mesh, region, EditSettings(), {});
-  const Points near = preview.pose(maps);
+  DragFrames frames(disc.mesh, region, EditSettings());
+  const Points near = frames.pose(maps);
   double off = 0, plateau = 0;
   for (int i = 0; i < region->size(); ++i) {
     if (region->classes[i] == VertexClass::Handle) {

@@ -8,7 +8,7 @@
 
 #include "allocation_watch.h"
 #include "lapedit/edit/edit.h"
-#include "lapedit/edit/solver_thread.h"
+#include "lapedit/live/solver_thread.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "shapes.h"
 #include "support.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "lapedit/base/error.h"
-#include "lapedit/edit/solver_thread.h"
+#include "lapedit/live/solver_thread.h"
 #include "shapes.h"
 #include "support.h"
 

@@ -5,7 +5,7 @@
 
 #include "allocation_watch.h"
 #include "drag_support.h"
-#include "lapedit/deform/laplacian_editor.h"
+#include "lapedit/edit/laplacian_editor.h"
 #include "shapes.h"
 #include "support.h"
 

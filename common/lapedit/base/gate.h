@@ -6,6 +6,8 @@
 #include <condition_variable>
 #include <mutex>
 
+#include "lapedit/base/simd.h"
+
 namespace lapedit {
 
 /// Where threads wait for each other: a moment at the ready, then asleep. Not by yielding, which gives the processor's
@@ -27,7 +29,7 @@ class Gate {
         if (ready()) {
           return Clock::now() - start;
         }
-        pause();
+        pause_processor();
       }
       now = Clock::now();
     } while (now - start < kPatience);
@@ -47,15 +49,6 @@ class Gate {
   }
 
  private:
-  /// Tells the processor that this is a loop that waits.
-  static void pause() {
-#if defined(__x86_64__) || defined(__i386__)
-    __builtin_ia32_pause();
-#elif defined(__aarch64__)
-    __asm__ __volatile__("yield");
-#endif
-  }
-
   std::atomic<int> asleep_{0};
   std::mutex mutex_;
   std::condition_variable wake_;

@@ -73,7 +73,7 @@ std::unique_ptr<Smoother> DiffusionSmoother::share(std::shared_ptr<ThreadPool> p
 }
 
 /// (K / s + L) x' = K / s x, twice.
-void DiffusionSmoother::apply_for_preview(const Points& in, Points& out) const {
+void DiffusionSmoother::apply_roughly(const Points& in, Points& out) const {
   out = in;
   for (int step = 0; step < kSteps; ++step) {
     for (Eigen::Index i = 0; i < out.rows(); ++i) {

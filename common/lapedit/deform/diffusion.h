@@ -32,7 +32,7 @@ class DiffusionSmoother : public Smoother {
   void apply(const Points& in, Points& out) const override;
   void apply_to_pull(const Points& in, const Vector3& pull, Points& out) const override;
   /// One solve per step, not refined.
-  void apply_for_preview(const Points& in, Points& out) const override;
+  void apply_roughly(const Points& in, Points& out) const override;
   std::unique_ptr<Smoother> share(std::shared_ptr<ThreadPool> pool) const override;
 
  private:

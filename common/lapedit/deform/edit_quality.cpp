@@ -167,15 +167,11 @@ std::optional<double> detail_height(const LaplacianSystem& system, const Points&
   }
   const Region& region = system.region;
   const auto smoother = system.smoother->share(system.pool);
-  Points places = system.rest.world.rowwise() - system.rest.world.row(0), smooth = system.smooth_rest;
-  if (smooth.rows() == 0) {
-    smoother->apply_for_preview(places, smooth);
-  } else if (system.smooth_rest_is_exact) {  // which is about the origin, and constants are kept
-    smooth = (smooth.rowwise() - system.rest.local.row(0)).eval();
-  }
+  Points places = system.rest.world.rowwise() - system.rest.world.row(0), smooth;
+  smoother->apply_roughly(places, smooth);
   const Eigen::VectorXd old_heights = heights(region, places, smooth);
   places = after.rowwise() - after.row(0);
-  smoother->apply_for_preview(places, smooth);
+  smoother->apply_roughly(places, smooth);
   const Eigen::VectorXd new_heights = heights(region, places, smooth);
   double found = 0, all = 0, reach = 0;
   for (int i = 0; i < region.size(); ++i) {

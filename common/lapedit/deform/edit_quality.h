@@ -35,7 +35,7 @@ double enclosed_volume(const Region& region, const Points& positions);
 /// Share of the detail's height h = n . (p - S p) that is found again: sum h' h / sum h^2 over the free vertices, n the
 /// normals of the smooth surface S p. Curvature that the edit adds falls out, which a ratio of the two heights would
 /// count (grid of detail_orientation_test, lifted: 1.14 where 0.98 of the bumps' height is kept; this says 0.985).
-/// Nothing where there is no detail, or no smoother. Cost: a smoothing, as for previews; two where there are none.
+/// Nothing where there is no detail, or no smoother. Cost: two smoothings.
 std::optional<double> detail_height(const LaplacianSystem& system, const Points& after);
 
 /// Largest angle between R_i and S_i, degrees; S empty: from no rotation.

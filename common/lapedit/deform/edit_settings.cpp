@@ -132,14 +132,6 @@ bool operator==(const EditSettings& a, const EditSettings& b) {
                      [&](const Setting& setting) { return setting.get(a) == setting.get(b); });
 }
 
-bool has_fast_path(const EditSettings& settings) {
-  if (settings.rotation == DetailRotation::LocalGlobal) {
-    return settings.order == 1;
-  }
-  return settings.order == 1 && settings.passes() == 1 && settings.rotation != DetailRotation::SmoothNormals &&
-         (settings.turning == DetailTurning::Vertex || settings.rotation == DetailRotation::None);
-}
-
 void validate(const EditSettings& settings) {
   for (const Setting& setting : settings_table()) {
     const double value = setting.get(settings);

@@ -55,9 +55,6 @@ inline bool operator!=(const EditSettings& a, const EditSettings& b) {
   return !(a == b);
 }
 
-/// Whether drags have a fast path with these settings: see LaplacianEditor::preview().
-bool has_fast_path(const EditSettings& settings);
-
 /// @throws EditError (BadParameter) naming the setting, its value and its range
 void validate(const EditSettings& settings);
 

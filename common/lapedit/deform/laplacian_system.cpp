@@ -37,7 +37,7 @@ class Preparation {
   void make_operator(const TriangleMesh& mesh);
   void weigh();
   /// Makes factor and smoother, on two threads where that helps.
-  void make_factor_and_smoother(const TriangleMesh& mesh, EditReport& report);
+  void make_factor_and_smoother(EditReport& report);
 
  private:
   std::string taken_over(bool factor) const;
@@ -132,9 +132,10 @@ bool Preparation::smoother_fits() const {
          same_graph(previous_->region, s_.region) && previous_->rest.world == s_.rest.world;
 }
 
-void Preparation::make_factor_and_smoother(const TriangleMesh& mesh, EditReport& report) {
+void Preparation::make_factor_and_smoother(EditReport& report) {
   const bool take_factor = factor_fits(), take_smoother = smoother_fits();
-  const bool smooths = s_.settings.rotation != DetailRotation::None;
+  const bool smooths = s_.settings.rotation == DetailRotation::SmoothNormals ||
+                       s_.settings.rotation == DetailRotation::SmoothSurface;
   if (!take_factor || (s_.settings.rotation == DetailRotation::SmoothSurface && !take_smoother)) {
     took_order_ = previous_ && previous_->order && same_graph(previous_->region, s_.region);
     s_.order = took_order_ ? previous_->order
@@ -154,13 +155,7 @@ void Preparation::make_factor_and_smoother(const TriangleMesh& mesh, EditReport&
       report.taken_over = taken_over(report.factor_taken_over);
       report.factor_ms = own.elapsed();
     } else {
-      if (s_.settings.rotation == DetailRotation::LocalGlobal) {
-        ThreadPool own_pool(1);
-        s_.blended = std::make_shared<BlendedRotations>(mesh, s_.region, s_.rest.local, s_.settings,
-                                                        apart ? own_pool : *s_.pool);
-      } else {
-        smooth(take_smoother, apart ? nullptr : s_.pool);
-      }
+      smooth(take_smoother, apart ? nullptr : s_.pool);
       report.kernel_ms = own.elapsed();
     }
   });
@@ -288,17 +283,6 @@ void Preparation::smooth(bool take_over, const std::shared_ptr<ThreadPool>& pool
     options.single_precision = true;
     s_.smoother = std::make_shared<const DiffusionSmoother>(s_.region, s_.rest.world, s_.normal_radius, options);
   }
-  if (settings.rotation == DetailRotation::SmoothSurface && s_.may_preview()) {
-    s_.smooth_rest_is_exact = settings.normal_radius > 0;  // the kernel has but one way
-    if (take_over && previous_->smooth_rest.rows() > 0) {
-      s_.smooth_rest = previous_->smooth_rest;
-    } else if (s_.smooth_rest_is_exact) {
-      s_.smoother->share(pool)->apply(s_.rest.local, s_.smooth_rest);
-    } else {
-      const Points about_first = s_.rest.world.rowwise() - s_.rest.world.row(0);  // whatever the handle
-      s_.smoother->share(pool)->apply_for_preview(about_first, s_.smooth_rest);
-    }
-  }
   if (settings.rough == RoughDeformation::Falloff) {
     s_.falloff = geodesic_falloff(s_.region, s_.rest.local);
   }
@@ -306,33 +290,14 @@ void Preparation::smooth(bool take_over, const std::shared_ptr<ThreadPool>& pool
 
 }  // namespace
 
-RestPose::RestPose(const TriangleMesh& mesh, const Region& region) : world(region.size(), 3) {
-  const auto handle = std::find(region.classes.begin(), region.classes.end(), VertexClass::Handle);
-  if (handle == region.classes.end()) {
-    throw EditError(ErrorCause::NoHandle, "There is no handle in the region: name at least one vertex to move.");
-  }
-  for (int i = 0; i < region.size(); ++i) {
-    world.row(i) = mesh.vertices.row(region.mesh_vertex[i]);
-  }
-  origin = world.row(handle - region.classes.begin()).transpose();
-  local = world.rowwise() - origin.transpose();
-}
-
 bool LaplacianSystem::all_anchored() const {
   return std::all_of(region.anchored.begin(), region.anchored.end(), [](char anchored) { return anchored; });
 }
 
-bool LaplacianSystem::may_preview() const {
-  return all_anchored() && has_fast_path(settings);
-}
-
-std::shared_ptr<const LaplacianSystem> prepare_system(const TriangleMesh& mesh, Region region,
+std::shared_ptr<const LaplacianSystem> prepare_system(const TriangleMesh& mesh, std::shared_ptr<const RestPose> rest,
                                                       const EditSettings& settings, const LaplacianSystem* previous,
                                                       const Progress& progress, EditReport& report) {
-  const auto made = std::make_shared<LaplacianSystem>();
-  made->rest = RestPose(mesh, region);
-  made->region = std::move(region);
-  made->settings = settings;
+  const auto made = std::make_shared<LaplacianSystem>(std::move(rest), settings);
   made->pool = previous && previous->settings.threads == settings.threads
                    ? previous->pool
                    : std::make_shared<ThreadPool>(settings.threads);
@@ -347,7 +312,7 @@ std::shared_ptr<const LaplacianSystem> prepare_system(const TriangleMesh& mesh, 
     made->normal_radius =
         settings.normal_radius > 0 ? settings.normal_radius : automatic_normal_radius(made->region, made->rest.world);
   }
-  preparation.make_factor_and_smoother(mesh, report);
+  preparation.make_factor_and_smoother(report);
   report_progress(progress, 0.6, "smoothing");
 
   report.mesh_vertices = made->region.mesh_vertices;

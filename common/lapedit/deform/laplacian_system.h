@@ -4,29 +4,17 @@
 #include <memory>
 #include <vector>
 
-#include "lapedit/deform/blended_rotations.h"
 #include "lapedit/deform/edit_report.h"
 #include "lapedit/deform/edit_settings.h"
 #include "lapedit/deform/geodesic_falloff.h"
+#include "lapedit/deform/rest_pose.h"
 #include "lapedit/deform/smoother.h"
 #include "lapedit/linear/refined_solver.h"
-#include "lapedit/mesh/region.h"
 
 namespace lapedit {
 
-/// Enough for what is to be refined further, and for previews.
+/// Enough for what is to be refined further.
 constexpr double kAccurate = 1e-8;
-
-/// Where a region's vertices are before an edit.
-struct RestPose {
-  Vector3 origin = Vector3::Zero();  ///< the first handle vertex
-  Points world;                      ///< as given, size() x 3
-  Points local;                      ///< about the origin: digits are kept far from zero
-
-  RestPose() = default;
-  /// @throws EditError (NoHandle)
-  RestPose(const TriangleMesh& mesh, const Region& region);
-};
 
 /// M^k and M_1 = M of the paper's section 3, k the order; for order 1 one and the same object.
 struct LaplacianPowers {
@@ -42,10 +30,11 @@ struct LaplacianPowers {
 /// scratch of its own, and so has what Smoother::share() gives. The pool is shared as well, which allows one call at a
 /// time among all that share it.
 struct LaplacianSystem {
-  Region region;
+  std::shared_ptr<const RestPose> shared_rest;
+  const RestPose& rest;
+  const Region& region;
   EditSettings settings;
   std::shared_ptr<ThreadPool> pool;
-  RestPose rest;
   LaplacianPowers powers;
   std::shared_ptr<const std::vector<int>> order;  ///< of elimination; nothing where it was not asked for
   Points delta;                                   ///< differential coordinates M_1 p of the rest pose
@@ -54,23 +43,19 @@ struct LaplacianSystem {
   std::shared_ptr<const WoodburyCorrection> correction;  ///< small handles, which the factor does not know
   int refinements = 0;                                   ///< steps to kAccurate, where there is no correction
   double normal_radius = 0;                              ///< 0 without rotation
-  std::shared_ptr<const Smoother> smoother;              ///< nothing without rotation
-  Points smooth_rest;  ///< S rest.local but for its place, as previews need it; or empty
-  bool smooth_rest_is_exact = false;
-  /// Nothing but for DetailRotation::LocalGlobal; of this system alone, and what poses it works with it.
-  std::shared_ptr<BlendedRotations> blended;
+  std::shared_ptr<const Smoother> smoother;              ///< nothing but for smooth normals and surfaces
   GeodesicFalloff falloff;  ///< empty where rotations are not estimated from it
 
-  /// Whether drags have a fast path.
-  bool may_preview() const;
+  LaplacianSystem(std::shared_ptr<const RestPose> pose, const EditSettings& given)
+      : shared_rest(std::move(pose)), rest(*shared_rest), region(*rest.region), settings(given) {}
   bool all_anchored() const;
 };
 
 /// @param previous  whose operator, factor and smoother are shared where they fit; may be nothing, which gives the same
 ///                  bits in more time
 /// @param report    takes times, counts and what was shared
-/// @throws EditError (NoHandle, IllConditioned, Cancelled)
-std::shared_ptr<const LaplacianSystem> prepare_system(const TriangleMesh& mesh, Region region,
+/// @throws EditError (IllConditioned, Cancelled)
+std::shared_ptr<const LaplacianSystem> prepare_system(const TriangleMesh& mesh, std::shared_ptr<const RestPose> rest,
                                                       const EditSettings& settings, const LaplacianSystem* previous,
                                                       const Progress& progress, EditReport& report);
 

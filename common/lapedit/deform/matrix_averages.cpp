@@ -4,28 +4,22 @@
 #include <cstddef>
 #include <cstring>
 
-#include "lapedit/base/cpu_dispatch.h"
+#include "lapedit/base/simd.h"
 
 namespace lapedit {
 namespace {
 
 constexpr int kStride = 12;
-typedef double Lanes __attribute__((vector_size(4 * sizeof(double))));
-
-LAPEDIT_INLINE Lanes load(const double* from) {
-  Lanes result;
-  std::memcpy(&result, from, sizeof result);
-  return result;
-}
+using Lanes = Doubles4;
 
 LAPEDIT_INLINE void mean_around(const IndexLists& neighbours, int first, int last, const double* in, double* out) {
   for (int a = first; a < last; ++a) {
     const double* from = in + std::ptrdiff_t{kStride} * a;
-    Lanes sum[3] = {load(from), load(from + 4), load(from + 8)};
+    Lanes sum[3] = {load<Lanes>(from), load<Lanes>(from + 4), load<Lanes>(from + 8)};
     for (const int b : neighbours[a]) {
       from = in + std::ptrdiff_t{kStride} * b;
       for (int e = 0; e < 3; ++e) {
-        sum[e] += load(from + 4 * static_cast<std::ptrdiff_t>(e));
+        sum[e] += load<Lanes>(from + 4 * static_cast<std::ptrdiff_t>(e));
       }
     }
     const double share = 1 / (1 + static_cast<double>(neighbours[a].size()));

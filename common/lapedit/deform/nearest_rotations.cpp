@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "lapedit/base/cpu_dispatch.h"
+#include "lapedit/base/simd.h"
 #include "lapedit/deform/polar_decomposition.h"
 
 // Newton's iteration of nearest_rotation() for eight matrices at a time. Each lane does the operations that Eigen does

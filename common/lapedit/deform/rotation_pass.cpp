@@ -9,6 +9,10 @@ RotationPass::RotationPass(const LaplacianSystem& system) : system_(system) {
   if (system.smoother) {
     smoother_ = system.smoother->share(system.pool);
     estimator_ = std::make_unique<RotationEstimator>(system.settings.rotation, system.region, *smoother_, *system.pool);
+    if (system.settings.rotation == DetailRotation::SmoothSurface) {
+      smoother_->apply(system.rest.local, smooth_rest_);
+    }
+    start_at_rest();
   }
 }
 
@@ -22,15 +26,10 @@ void RotationPass::start(const EditConstraints& constraints) {
 }
 
 void RotationPass::start_at_rest() {
-  if (system_.settings.rotation != DetailRotation::SmoothSurface) {
-    estimator_->set_before(system_.rest.local);
-  } else if (system_.smooth_rest_is_exact) {
-    estimator_->set_before_smoothed(system_.smooth_rest);
-  } else {
-    if (smooth_rest_.rows() == 0) {
-      smoother_->apply(system_.rest.local, smooth_rest_);
-    }
+  if (system_.settings.rotation == DetailRotation::SmoothSurface) {
     estimator_->set_before_smoothed(smooth_rest_);
+  } else {
+    estimator_->set_before(system_.rest.local);
   }
   at_rest_ = true;
 }
@@ -78,17 +77,8 @@ void turn_edges(const LaplacianSystem& system, const EditConstraints& constraint
 void RotationPass::turn(const Points& displacement, const Vector3* pull, const EditConstraints& constraints,
                         std::vector<Matrix3>& rotations, Points& right) {
   estimator_->estimate(displacement, rotations, pull);
-  const Stopwatch watch;
-  turn_coordinates(constraints, rotations, right);
-  rotate_ms_ = estimator_->rotate_ms() + watch.elapsed();
-}
-
-void RotationPass::turn_with_cells(EditConstraints& constraints, std::vector<Matrix3>& rotations, Points& right) {
-  const Stopwatch watch;
-  system_.blended->cells().solve(constraints.paths(), false);
-  system_.blended->spread(rotations, *system_.pool);
-  turn_coordinates(constraints, rotations, right);
-  rotate_ms_ = watch.elapsed();
+  turn_by(rotations, constraints, right);
+  rotate_ms_ += estimator_->rotate_ms();
 }
 
 void RotationPass::turn_with_rings(const Points& displacement, const EditConstraints& constraints,
@@ -98,14 +88,15 @@ void RotationPass::turn_with_rings(const Points& displacement, const EditConstra
     rings_ = std::make_unique<RingRotations>(system_.region, *system_.powers.first, *system_.pool);
   }
   rings_->fit(constraints.carry() ? constraints.carried_pose() : system_.rest.local, displacement, rotations);
-  turn_coordinates(constraints, rotations, right);
-  rotate_ms_ = watch.elapsed();
+  const double fit_ms = watch.elapsed();
+  turn_by(rotations, constraints, right);
+  rotate_ms_ += fit_ms;
 }
 
 /// For k > 1 that is not M^T (R - I) M^k p, the coordinates of order k turned: those carry low-frequency errors of R
 /// that the inverse of M^k blows up. On the octopus (16,554 vertices, order 2) the stretch is 49 % instead of 485 %.
-void RotationPass::turn_coordinates(const EditConstraints& constraints, const std::vector<Matrix3>& rotations,
-                                    Points& right) {
+void RotationPass::turn_by(const std::vector<Matrix3>& rotations, const EditConstraints& constraints, Points& right) {
+  const Stopwatch watch;
   turned_.resize(system_.region.size(), 3);
   const bool by_edges = system_.settings.turning == DetailTurning::Edge;
   (by_edges ? turn_edges : turn_vertices)(system_, constraints, rotations, turned_);
@@ -115,6 +106,7 @@ void RotationPass::turn_coordinates(const EditConstraints& constraints, const st
   }
   system_.powers.m->apply_transposed(turned_, right, *system_.pool);
   right += constraints.right_hand_side();
+  rotate_ms_ = watch.elapsed();
 }
 
 }  // namespace lapedit

@@ -14,12 +14,11 @@ namespace lapedit {
 /// coordinates turned by them. Nothing is allocated after the first pass.
 class RotationPass {
  public:
-  /// @param system  with a smoother or blended rotations; must outlive the object
+  /// @param system  must outlive the object. Cost: with a smoother a smoothing
   explicit RotationPass(const LaplacianSystem& system);
 
   /// Sets the pose that rotations are measured from: the carried one, or that at rest.
   void start(const EditConstraints& constraints);
-  void start_at_rest();
 
   /// @param displacement  from that pose, size() x 3
   /// @param pull          where the displacement is z pull^T with always the same z; may be nothing
@@ -28,9 +27,9 @@ class RotationPass {
   void turn(const Points& displacement, const Vector3* pull, const EditConstraints& constraints,
             std::vector<Matrix3>& rotations, Points& right);
 
-  /// The same with the cells' rotations, for DetailRotation::LocalGlobal: from the constraints alone.
-  void turn_with_cells(EditConstraints& constraints, std::vector<Matrix3>& rotations, Points& right);
-  /// The same with rotations fitted to the one-rings of the last pose, for the passes after that one.
+  /// The same with given rotations. @param rotations  relative to where the vertices are carried
+  void turn_by(const std::vector<Matrix3>& rotations, const EditConstraints& constraints, Points& right);
+  /// The same with rotations fitted to the one-rings of the last pose, for DetailRotation::LocalGlobal.
   void turn_with_rings(const Points& displacement, const EditConstraints& constraints, std::vector<Matrix3>& rotations,
                        Points& right);
 
@@ -40,14 +39,13 @@ class RotationPass {
   double rotate_ms() const { return rotate_ms_; }  ///< the rest of it
 
  private:
-  void turn_coordinates(const EditConstraints& constraints, const std::vector<Matrix3>& rotations, Points& right);
-
+  void start_at_rest();
   const LaplacianSystem& system_;
   std::unique_ptr<Smoother> smoother_;
   std::unique_ptr<RotationEstimator> estimator_;
   std::unique_ptr<RingRotations> rings_;  // made when it is asked for
   bool at_rest_ = false;
-  Points smooth_rest_;  // exactly; made when it is asked for, which is after many previews
+  Points smooth_rest_;
   Points turned_, between_;
   double rotate_ms_ = 0;
 };

@@ -17,8 +17,8 @@ class Smoother {
   /// out = S in, size() x 3 each. in and out must be different objects; out keeps its storage if it has the right size.
   virtual void apply(const Points& in, Points& out) const = 0;
 
-  /// As well as a preview in single precision needs it.
-  virtual void apply_for_preview(const Points& in, Points& out) const { apply(in, out); }
+  /// To some five digits.
+  virtual void apply_roughly(const Points& in, Points& out) const { apply(in, out); }
 
   /// The same bits for `in` = z pull^T to a rounding, z the same scalars at every call: later calls may use what the
   /// first one found.

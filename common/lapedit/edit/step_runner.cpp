@@ -50,10 +50,13 @@ StepRunner::StepRunner(const StepProblem& problem, const Progress& progress, con
 }
 
 StepRunner::StepRunner(const FoundRegion& found, const StepProblem& problem, const Progress& progress,
-                       std::unique_ptr<StepRunner> previous)
+                       std::unique_ptr<StepRunner> previous, std::shared_ptr<CellModel> cells)
     : scalar_(problem.scalar), region_ms_(found.milliseconds) {
-  editor_ = std::make_unique<LaplacianEditor>(problem.mesh, *found.region, problem.settings, progress,
-                                              previous ? std::move(previous->editor_) : nullptr);
+  std::unique_ptr<LaplacianEditor> before = previous ? std::move(previous->editor_) : nullptr;
+  editor_ = cells ? std::make_unique<LaplacianEditor>(problem.mesh, std::move(cells), problem.settings, progress,
+                                                      std::move(before))
+                  : std::make_unique<LaplacianEditor>(problem.mesh, found.region, problem.settings, progress,
+                                                      std::move(before));
   if (problem.mirror) {
     symmetry_.emplace(problem.mesh, region(), *problem.mirror);
   }
@@ -69,11 +72,6 @@ void StepRunner::finish(Points& places) const {
 void StepRunner::solve(const std::vector<HandleMotion>& maps, Points& places, const Progress& go_on) {
   places = editor_->solve(maps, Affine::Identity(), go_on);
   ++solved_;
-  finish(places);
-}
-
-void StepRunner::preview(const std::vector<HandleMotion>& maps, Points& places) {
-  places = editor_->preview(maps);
   finish(places);
 }
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "lapedit/deform/laplacian_editor.h"
+#include "lapedit/edit/laplacian_editor.h"
 #include "lapedit/edit/mirror.h"
 #include "lapedit/mesh/adjacency.h"
 
@@ -60,10 +60,12 @@ class StepRunner {
                       std::unique_ptr<StepRunner> previous = nullptr);
 
   /// The same for a region that is known.
+  /// @param cells  if they are there already
   StepRunner(const FoundRegion& found, const StepProblem& problem, const Progress& progress,
-             std::unique_ptr<StepRunner> previous);
+             std::unique_ptr<StepRunner> previous, std::shared_ptr<CellModel> cells = nullptr);
 
   const Region& region() const { return editor_->region(); }
+  const LaplacianEditor& editor() const { return *editor_; }
 
   /// Where the region's vertices go, rounded to what the mesh can store.
   /// @param maps    one per handle group, absolute coordinates
@@ -72,10 +74,10 @@ class StepRunner {
   /// @throws EditError as LaplacianEditor::solve() and round_to(); the runner stays usable
   void solve(const std::vector<HandleMotion>& maps, Points& places, const Progress& go_on = {});
 
-  /// The same for a picture of a drag: see LaplacianEditor::preview().
-  void preview(const std::vector<HandleMotion>& maps, Points& places);
-  bool has_preview() const { return editor_->has_preview(); }
   const std::string& taken_over() const { return editor_->taken_over(); }  ///< see EditReport::taken_over
+
+  /// What is done with each pose: made symmetric, and rounded to what the mesh can store. @throws as round_to()
+  void finish(Points& places) const;
 
   /// Report of preparation and last solve(), of its rounded places. Of a pose that came after another one, times of
   /// preparing are 0.
@@ -83,8 +85,6 @@ class StepRunner {
   EditReport report(bool whole = true) const;
 
  private:
-  void finish(Points& places) const;
-
   StoredScalar scalar_;
   double region_ms_ = 0;
   int solved_ = 0;

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstring>
 
-#include "lapedit/base/cpu_dispatch.h"
+#include "lapedit/base/simd.h"
 
 // This file must be compiled without contraction of a * b + c: the errors of products and sums would be wrong.
 
@@ -16,7 +16,7 @@ namespace {
 constexpr int kGrain = 1024;
 
 /// Three coordinates, and one to fill the vector.
-typedef double Lanes __attribute__((vector_size(32)));
+using Lanes = Doubles4;
 
 /// The error a b - p of the rounded product p: exact, with an instruction for it (Fused) or by splitting factors into
 /// halves of 26 bits (TwoProduct, Dekker 1971; Ogita, Rump, Oishi 2005, section 2).
@@ -24,7 +24,7 @@ struct Fused {
   static LAPEDIT_INLINE Lanes error(double a, Lanes b, Lanes p) {
     Lanes result;
     for (int lane = 0; lane < 4; ++lane) {
-      result[lane] = __builtin_fma(a, b[lane], -p[lane]);
+      result[lane] = fused(a, b[lane], -p[lane]);
     }
     return result;
   }

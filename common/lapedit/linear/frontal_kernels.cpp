@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstring>
 
-#include "lapedit/base/cpu_dispatch.h"
+#include "lapedit/base/simd.h"
 
 namespace lapedit::supernode {
 namespace {
@@ -15,16 +15,7 @@ constexpr int kLanes = kFrontLanes;
 constexpr int kBlock = 8;   // columns that are solved for at a time
 constexpr int kPanel = 64;  // columns whose products are taken away at a time
 
-typedef double Lanes __attribute__((vector_size(kLanes * sizeof(double))));
-
-LAPEDIT_INLINE Lanes load(const double* place) {
-  Lanes result;
-  std::memcpy(&result, place, sizeof result);
-  return result;
-}
-LAPEDIT_INLINE void store(double* place, Lanes value) {
-  std::memcpy(place, &value, sizeof value);
-}
+using Lanes = Simd<double, kLanes>::Vector;
 
 constexpr std::ptrdiff_t kStep = kLanes;
 
@@ -37,14 +28,14 @@ LAPEDIT_INLINE void subtract_tile(double* to, const double* by, const double* ro
   for (int j = 0; j < Width; ++j) {
 #pragma GCC unroll 4
     for (int v = 0; v < Tall; ++v) {
-      sum[j][v] = load(to + static_cast<std::size_t>(j) * stride + v * kStep);
+      sum[j][v] = load<Lanes>(to + static_cast<std::size_t>(j) * stride + v * kStep);
     }
   }
   for (int p = 0; p < depth; ++p) {
     Lanes column[Tall];
 #pragma GCC unroll 4
     for (int v = 0; v < Tall; ++v) {
-      column[v] = load(by + v * kStep);
+      column[v] = load<Lanes>(by + v * kStep);
     }
 #pragma GCC unroll 8
     for (int j = 0; j < Width; ++j) {
@@ -120,7 +111,7 @@ LAPEDIT_INLINE bool solve_block(double* front, int stride, int first, int width)
   for (int row = first / kLanes * kLanes; row < stride; row += kLanes) {
     Lanes x[kBlock];
     for (int j = 0; j < width; ++j) {
-      x[j] = load(block + static_cast<std::size_t>(j) * stride + row);
+      x[j] = load<Lanes>(block + static_cast<std::size_t>(j) * stride + row);
       for (int p = 0; p < j; ++p) {
         x[j] -= triangle[j][p] * x[p];
       }

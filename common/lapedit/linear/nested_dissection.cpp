@@ -10,6 +10,7 @@
 #include <numeric>
 #include <utility>
 
+#include "lapedit/base/simd.h"
 #include "lapedit/base/thread_pool.h"
 #include "lapedit/linear/dissection_parts.h"
 
@@ -99,7 +100,7 @@ struct Leaf {
  private:
   static int count(const Row& row) {
     int sum = 0;
-    for (const std::uint64_t word : row) sum += __builtin_popcountll(word);
+    for (const std::uint64_t word : row) sum += count_bits(word);
     return sum;
   }
 
@@ -107,7 +108,7 @@ struct Leaf {
   static void for_each_own(const Row& row, Body body) {
     for (int k = 0; k + 1 < kWords; ++k) {
       for (std::uint64_t bits = row[k]; bits != 0; bits &= bits - 1) {
-        body(64 * k + __builtin_ctzll(bits));
+        body(64 * k + lowest_bit(bits));
       }
     }
   }

@@ -52,6 +52,10 @@ class RefinedSolver {
   /// @return how many steps that took; -1: it does not converge
   int refine_to(const Points& right, Points& x, double accurate);
 
+  /// x = A^-1 right in one solve, to the digits that the factor has. @param right  taken as scratch
+  /// Nothing is allocated after the first call.
+  void solve(Points& right, Points& x);
+
   /// The smallest eigenvalue of A0, or more: by a few inverse iterations. Cost: six solves.
   double smallest_eigenvalue();
 
@@ -71,7 +75,6 @@ class RefinedSolver {
 
  private:
   class System;
-  void solve(Points& right, Points& x);
 
   std::shared_ptr<const FactoredNormalMatrix> matrix_;
   std::shared_ptr<const WoodburyCorrection> correction_;

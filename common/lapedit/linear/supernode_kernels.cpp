@@ -6,19 +6,17 @@
 #include <cstring>
 #include <type_traits>
 
-#include "lapedit/base/cpu_dispatch.h"
+#include "lapedit/base/simd.h"
 
 namespace lapedit::supernode {
 namespace {
 
 template <typename Scalar>
-struct Lanes {
-  typedef Scalar Vector __attribute__((vector_size(kTall * sizeof(Scalar))));
-};
+using Lanes = Simd<Scalar, kTall>;
 
 template <typename Scalar>
 LAPEDIT_INLINE void fetch(const Scalar* place) {
-  __builtin_prefetch(reinterpret_cast<const char*>(place) + kAhead);
+  prefetch(reinterpret_cast<const char*>(place) + kAhead);
 }
 
 /// Sums over the lanes of eight vectors, one per lane.
@@ -27,23 +25,16 @@ LAPEDIT_INLINE Vector lane_sums(const Vector* s) {
   Vector t[4], u[2];
 #pragma GCC unroll 4
   for (std::ptrdiff_t k = 0; k < 4; ++k) {
-    t[k] = __builtin_shufflevector(s[2 * k], s[2 * k + 1], 0, 8, 2, 10, 4, 12, 6, 14) +
-           __builtin_shufflevector(s[2 * k], s[2 * k + 1], 1, 9, 3, 11, 5, 13, 7, 15);
+    t[k] = LAPEDIT_SHUFFLE(s[2 * k], s[2 * k + 1], 0, 8, 2, 10, 4, 12, 6, 14) +
+           LAPEDIT_SHUFFLE(s[2 * k], s[2 * k + 1], 1, 9, 3, 11, 5, 13, 7, 15);
   }
 #pragma GCC unroll 2
   for (std::ptrdiff_t k = 0; k < 2; ++k) {
-    u[k] = __builtin_shufflevector(t[2 * k], t[2 * k + 1], 0, 1, 8, 9, 4, 5, 12, 13) +
-           __builtin_shufflevector(t[2 * k], t[2 * k + 1], 2, 3, 10, 11, 6, 7, 14, 15);
+    u[k] = LAPEDIT_SHUFFLE(t[2 * k], t[2 * k + 1], 0, 1, 8, 9, 4, 5, 12, 13) +
+           LAPEDIT_SHUFFLE(t[2 * k], t[2 * k + 1], 2, 3, 10, 11, 6, 7, 14, 15);
   }
-  return __builtin_shufflevector(u[0], u[1], 0, 1, 2, 3, 8, 9, 10, 11) +
-         __builtin_shufflevector(u[0], u[1], 4, 5, 6, 7, 12, 13, 14, 15);
-}
-
-template <typename Vector, typename Scalar>
-LAPEDIT_INLINE Vector load(const Scalar* place) {
-  Vector result;
-  std::memcpy(&result, place, sizeof result);
-  return result;
+  return LAPEDIT_SHUFFLE(u[0], u[1], 0, 1, 2, 3, 8, 9, 10, 11) +
+         LAPEDIT_SHUFFLE(u[0], u[1], 4, 5, 6, 7, 12, 13, 14, 15);
 }
 
 // Loops over lanes, columns and right-hand sides have to be unrolled for their sums to stay in registers.
@@ -196,7 +187,7 @@ LAPEDIT_INLINE void forward_supernode(const Scalar* tiles, int columns, int rows
   }
   if (first < columns) {
     with_width(
-        columns - first, [&](auto tag) __attribute__((always_inline)) {
+        columns - first, [&](auto tag) LAPEDIT_ALWAYS_INLINE {
           forward_block<Scalar, decltype(tag)::value>(tiles, panels_below(rows - columns), v + first, pad);
         });
   }
@@ -214,7 +205,7 @@ LAPEDIT_INLINE void backward_supernode(const Scalar* end, int columns, int rows,
   if (rest > 0) {
     end -= block_size(rest, rows - columns);
     with_width(
-        rest, [&](auto tag) __attribute__((always_inline)) {
+        rest, [&](auto tag) LAPEDIT_ALWAYS_INLINE {
           backward_block<Scalar, decltype(tag)::value, Group>(end, panels_below(rows - columns), v + first, pad);
         });
   }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <functional>
 
+#include "lapedit/base/simd.h"
+
 namespace lapedit {
 namespace {
 
@@ -158,10 +160,10 @@ bool DistanceField::shorten(int vertex, double distance) {
 void DistanceField::fetch_ahead(const Front& front, std::size_t i) const {
   constexpr std::size_t kRow = 12, kPoints = 6;
   if (i + kRow < front.near.size()) {
-    __builtin_prefetch(neighbours_[front.near[i + kRow].vertex].first);
+    prefetch(neighbours_[front.near[i + kRow].vertex].first);
     for (const int next : neighbours_[front.near[i + kPoints].vertex]) {
-      __builtin_prefetch(points_.data() + 3 * static_cast<std::ptrdiff_t>(next));
-      __builtin_prefetch(&distance_[next]);
+      prefetch(points_.data() + 3 * static_cast<std::ptrdiff_t>(next));
+      prefetch(&distance_[next]);
     }
   }
 }

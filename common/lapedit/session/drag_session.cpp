@@ -47,7 +47,7 @@ std::string DragSession::message() const {
     return solver_.in<Loading>() ? messages::kLoading : messages::kSolving;
   }
   if (const Dragging* const drag = solver_.in<Dragging>()) {
-    return messages::dragging(drag->motion, drag->by_button);
+    return messages::dragging(drag->motion, drag->by_button, solver_.figures().full_frames);
   }
   if (selection.next == Selection::Next::Region) {
     return messages::kNextIsRegion;

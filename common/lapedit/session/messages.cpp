@@ -7,12 +7,13 @@ namespace lapedit::messages {
 
 // What the next click does -------------------------------------------------------------------------------------------
 
-std::string dragging(const DragMotion& motion, bool by_button) {
+std::string dragging(const DragMotion& motion, bool by_button, bool full_frames) {
   const char* const pattern =
       by_button ? "%s: release to apply, Esc drops it; X Y Z N lock an axis, Ctrl goes in steps, digits give an amount."
                 : "%s: click or press Return to apply, Esc drops it; X Y Z N lock an axis, Ctrl goes in steps, digits "
                   "give an amount.";
-  return format_text(pattern, motion.text().c_str());
+  const std::string text = format_text(pattern, motion.text().c_str());
+  return full_frames ? text + " With these rotations each frame is a full solution." : text;
 }
 
 // Refusals -----------------------------------------------------------------------------------------------------------

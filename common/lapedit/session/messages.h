@@ -25,7 +25,7 @@ constexpr const char* kLeadCurve = "Click to lead the curve on, drag the curve t
 constexpr const char* kDragHandle =
     "Drag the handle (V shows arrows and rings; T moves, R turns, S scales), click inside the region for another one, "
     "outside for a new region.";
-std::string dragging(const DragMotion& motion, bool by_button);
+std::string dragging(const DragMotion& motion, bool by_button, bool full_frames);
 
 // Refusals -----------------------------------------------------------------------------------------------------------
 

@@ -341,6 +341,7 @@ SessionSolver::News SessionSolver::poll() {
   if (news.ready) {
     preparation_ = Preparation::Done;
     heard_.taken_over = news.taken_over;
+    heard_.full_frames = news.full_frames;
     heard_.prepare_ms = news.prepare_ms;
   }
   if (news.report) {

@@ -9,7 +9,7 @@
 #include <variant>
 #include <vector>
 
-#include "lapedit/edit/solver_thread.h"
+#include "lapedit/live/solver_thread.h"
 #include "lapedit/session/drag_motion.h"
 #include "lapedit/session/session_model.h"
 
@@ -63,6 +63,7 @@ struct DragFigures {
   std::optional<double> handle_error;     ///< largest distance of a handle vertex from its target, of the last report
   std::optional<double> largest_stretch;  ///< of an edge, new over old length minus 1, of the last report
   std::string advice;                     ///< of the last report; empty: none
+  bool full_frames = false;               ///< each frame of a drag is a full solution
   std::string taken_over;                 ///< what preparing took over from the region before
   int steps = 0;                          ///< applied
 };
@@ -141,7 +142,7 @@ class SessionSolver {
   SessionModel& model_;
   phase::Phase phase_;
   Preparation preparation_ = Preparation::None;
-  bool in_hand_ = false;  // drags are followed, if only by the stand-in
+  bool in_hand_ = false;  // drags are followed, if only by the cells
   DragFigures heard_;     // times and errors
   SolverPose solved_;
   SolverThread worker_;  // last: its thread ends first

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/cells/cell_model.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace lapedit {
+namespace {
+
+using Four = Floats4;
+
+/// Where two cells rotate by 180 degrees against each other their sum is short, and the nearest cell's counts.
+constexpr double kCancelled = 0.2;
+
+std::vector<double> weights_of(const TriangleMesh& mesh, const Region& region, const EditSettings& settings) {
+  return settings.laplacian == LaplacianKind::Umbrella && region.links.empty()
+             ? std::vector<double>()
+             : edge_weights(settings.laplacian, region, mesh, settings.membrane > 0).values;
+}
+
+RegionCells cells_of(const TriangleMesh& mesh, const RestPose& rest, const EditSettings& settings) {
+  ThreadPool pool(settings.threads);
+  return make_cells(*rest.region, rest.local, weights_of(mesh, *rest.region, settings),
+                    CellPose::wanted_cells(rest.region->size()), pool);
+}
+
+CellBlend blend_of(const RegionCells& cells, const RestPose& rest, const EditSettings& settings) {
+  ThreadPool pool(settings.threads);
+  return {cells, rest.local, pool};
+}
+
+template <class Vector>
+Four four(const Vector& v) {
+  return Four{static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]),
+              v.size() > 3 ? static_cast<float>(v[v.size() - 1]) : 0};
+}
+
+LAPEDIT_INLINE float sum_of(Four v) {
+  return (v[0] + v[1]) + (v[2] + v[3]);
+}
+
+}  // namespace
+
+CellModel::CellModel(const TriangleMesh& mesh, std::shared_ptr<const RestPose> rest, const EditSettings& settings,
+                     const Progress& progress)
+    : rest_(std::move(rest)),
+      settings_(settings),
+      cells_(cells_of(mesh, *rest_, settings)),
+      blend_((report_progress(progress, 0.05, "cells"), blend_of(cells_, *rest_, settings))),
+      pose_(*rest_->region, rest_->local, cells_, blend_, settings_),
+      paths_(*rest_->region, rest_->local, rest_->origin),
+      hold_(rest_->region->size(), 0),
+      quaternions_(cells_.count()),
+      placed_(cells_.count()),
+      carried_(3 * rest_->region->anchored.size()) {
+  const std::vector<double>& depths = rest_->region->anchor_depth;
+  for (std::size_t i = 0; i < depths.size(); ++i) {
+    hold_[i] = depths[i] * depths[i] * (3 - 2 * depths[i]);
+  }
+}
+
+void CellModel::solve(const std::vector<HandleMotion>& handles, const Affine& anchors, bool quick) {
+  paths_.set(handles, anchors);
+  pose_.solve(paths_, quick);
+  for (int c = 0; c < cells_.count(); ++c) {
+    quaternions_[c] = Eigen::Quaterniond(pose_.rotations()[c]).coeffs();
+  }
+}
+
+/// q = sum_k w_k (q_k . q_0) q_k, then towards the identity, as far as it is held back. No sign of a quaternion changes
+/// it, and it has no jumps.
+void CellModel::spread(std::vector<Matrix3>& rotations, ThreadPool& pool) {
+  constexpr int kGrain = 1024;
+  const auto n = static_cast<int>(hold_.size());
+  rotations.resize(n);
+  in_pieces(pool, n, kGrain, [&](int first, int last) {
+    for (int i = first; i < last; ++i) {
+      const Eigen::Vector4d towards = quaternions_[blend_.cells(0, i)];
+      Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+      for (int k = 0; k < CellBlend::kReach; ++k) {
+        const Eigen::Vector4d& one = quaternions_[blend_.cells(k, i)];
+        const auto weight = static_cast<double>(blend_.weights(k, i));
+        sum += weight * one.dot(towards) * one;
+      }
+      sum += std::max(0.0, kCancelled - sum.norm()) * towards;
+      sum.normalize();
+      const double along = hold_[i] * sum[3];
+      sum *= 1 - hold_[i];
+      sum[3] += along;
+      rotations[i] = sum.isZero(0) ? Matrix3(Matrix3::Identity())
+                                   : Eigen::Quaterniond(Eigen::Vector4d(sum.normalized())).toRotationMatrix();
+    }
+  });
+}
+
+struct CellModel::Placing {
+  const CellBlend& blend;
+  const std::vector<double>& hold;
+  const std::vector<int>& component;
+  const Placed* cells;
+  const Floats4* carried;  // nothing: none is
+  Turn* turns;
+  double* displacement;
+
+  /// p_i + f (sum_k w_k u_k + (R - I)(p_i - sum_k w_k C_k)), f fading to 0 at the region's rim; R as in spread().
+  LAPEDIT_INLINE void place(int i) const {
+    const int* const which = &blend.cells(0, i);
+    const float* const weights = &blend.weights(0, i);
+    const Four towards = cells[which[0]].quaternion;
+    Four q = {}, way = {}, centre = {};
+    for (int k = 0; k < CellBlend::kReach; ++k) {
+      const Placed& one = cells[which[k]];
+      q += weights[k] * sum_of(one.quaternion * towards) * one.quaternion;
+      way += weights[k] * one.way;
+      centre += weights[k] * one.centre;
+    }
+    q += std::max(0.0F, static_cast<float>(kCancelled) - std::sqrt(sum_of(q * q))) * towards;
+    q *= 1 / std::sqrt(sum_of(q * q));
+    const auto held = static_cast<float>(hold[i]);
+    const float along = held * q[3];
+    q *= 1 - held;
+    q[3] += along;
+    const float squared = sum_of(q * q);
+    q = squared > 0 ? q / std::sqrt(squared) : Four{0, 0, 0, 1};
+    const float x = q[0], y = q[1], z = q[2], w = q[3];
+    Four* const columns = turns[i].columns;
+    columns[0] = Four{-2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0};
+    columns[1] = Four{2 * (x * y - w * z), -2 * (x * x + z * z), 2 * (y * z + w * x), 0};
+    columns[2] = Four{2 * (x * z + w * y), 2 * (y * z - w * x), -2 * (x * x + y * y), 0};
+    Four detail = turns[i].rest - centre;
+    if (carried != nullptr) {
+      const Four* const by = carried + 3 * static_cast<std::ptrdiff_t>(component[i]);
+      detail += detail[0] * by[0] + detail[1] * by[1] + detail[2] * by[2];
+    }
+    way += detail[0] * columns[0] + detail[1] * columns[1] + detail[2] * columns[2];
+    for (std::ptrdiff_t e = 0; e < 3; ++e) {
+      displacement[3 * static_cast<std::ptrdiff_t>(i) + e] = static_cast<double>((1 - held) * way[e]);
+    }
+  }
+  static void plain(const Placing& all, int first, int last) {
+    for (int i = first; i < last; ++i) {
+      all.place(i);
+    }
+  }
+  LAPEDIT_AVX2 static void avx2(const Placing& all, int first, int last) {
+    for (int i = first; i < last; ++i) {
+      all.place(i);
+    }
+  }
+};
+
+/// A handle is in place by as much as its weight has to say.
+void CellModel::place_handle(int i, double unit, Points& displacement) const {
+  const double weight = settings_.handle_weight * rest_->region->share(i), held = weight * weight / (1 + weight * weight);
+  displacement.row(i) += held * (paths_.displacement(i).transpose() / unit - displacement.row(i));
+}
+
+void CellModel::place(double unit, std::vector<Turn>& turns, Points& displacement, ThreadPool& pool) {
+  constexpr int kGrain = 2048;
+  const Region& region = *rest_->region;
+  for (int c = 0; c < cells_.count(); ++c) {
+    placed_[c] = {four(quaternions_[c]), four(pose_.displacement().row(c) / unit), four(cells_.centres.row(c) / unit)};
+  }
+  const bool carries = paths_.carries();
+  for (std::size_t k = 0; k < carried_.size(); ++k) {
+    carried_[k] = four(paths_.carried()[k / 3].linear.col(static_cast<Eigen::Index>(k % 3)));
+  }
+  const Placing placing = {blend_,       hold_,        region.component, placed_.data(), carries ? carried_.data() : nullptr,
+                           turns.data(), displacement.data()};
+  const auto kernel = for_processor(Placing::plain, Placing::avx2, Placing::avx2);
+  in_pieces(pool, region.size(), kGrain, [&](int first, int last) {
+    kernel(placing, first, last);
+    for (int i = first; i < last; ++i) {
+      if (carries) {
+        const LocalMotion& along = paths_.carried()[region.component[i]];
+        displacement.row(i) += along.displacement(rest_->local.row(i).transpose()).transpose() / unit;
+        Four* const columns = turns[i].columns;
+        const Four before[3] = {columns[0], columns[1], columns[2]};
+        for (int c = 0; c < 3; ++c) {  // (I + M)(I + L) - I
+          const Four by = carried_[3 * region.component[i] + c];
+          columns[c] += by + by[0] * before[0] + by[1] * before[1] + by[2] * before[2];
+        }
+      }
+      if (region.classes[i] == VertexClass::Handle) {
+        place_handle(i, unit, displacement);
+      }
+    }
+  });
+}
+
+}  // namespace lapedit

@@ -1,0 +1,327 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/cells/cell_packing.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "lapedit/mesh/geodesic.h"
+
+namespace lapedit {
+namespace {
+
+// Lengths are whole numbers of a step. So ties are ties, however the mesh is turned, scaled or numbered.
+using Steps = std::uint16_t;
+constexpr Steps kSpacing = 60000, kFar = 65535;
+constexpr int kPieces = 8;  // sums are taken in so many parts, whatever the threads
+
+class Packing {
+ public:
+  Packing(const Region& region, const Points& rest, int target, ThreadPool& pool)
+      : region_(region), rest_(rest), pool_(pool), target_(std::max(target, 1)) {}
+
+  int pack(std::vector<int>& of);
+
+ private:
+  void find_groups();
+  void find_rigid();
+  double sum_of_cells(bool all) const;
+  double rounded(double length) const;
+  double spacing_for(double sum, double cells, int vertices) const;
+  void choose_spacing();
+  void measure_edges();
+  void sort();
+  int seed(int most, std::vector<int>& of);
+  void claim(int seed, int cell, std::vector<int>& of);
+  std::array<std::int64_t, 4> place(int vertex) const;
+  bool is_rigid(int i) const {
+    return region_.classes[i] == VertexClass::Handle
+               ? region_.share(i) == 1
+               : region_.classes[i] == VertexClass::Anchor && !region_.anchor_depth.empty() &&
+                     region_.anchor_depth[i] == 1;
+  }
+
+  const Region& region_;
+  const Points& rest_;
+  ThreadPool& pool_;
+  const int target_;
+  std::vector<int> lone_;  // the vertices of groups that have one
+  bool all_lone_ = false;
+  std::vector<char> rigid_;
+  std::vector<double> depth_;   // into what is rigid, from its border, model units
+  int free_ = 0;                // vertices
+  bool has_inside_ = false;     // something rigid
+  std::vector<float> density_;  // per vertex: 1 over the spacing there, in units of spacing_
+  double spacing_ = 0, extent_ = 0;
+  Vector3 middle_;
+  std::vector<Steps> lengths_;  // per entry of neighbours
+  std::vector<int> order_;
+  std::vector<std::uint32_t> keys_;
+  std::vector<Steps> distance_;  // from the nearest seed
+  std::vector<int> queue_, tied_;
+};
+
+/// Groups of one vertex, which has a cell in any case.
+void Packing::find_groups() {
+  std::vector<int> size(1 + *std::max_element(region_.group.begin(), region_.group.end()), 0), any(size.size(), -1);
+  for (int i = 0; i < region_.size(); ++i) {
+    if (const int g = region_.group[i]; g >= 0) {
+      ++size[g];
+      any[g] = i;
+    }
+  }
+  for (std::size_t g = 0; g < size.size(); ++g) {
+    if (size[g] == 1) {
+      lone_.push_back(any[g]);
+    }
+  }
+  all_lone_ = lone_.size() == size.size();
+}
+
+/// What moves as one: handle vertices, and anchors at the end of their band or painted ones.
+void Packing::find_rigid() {
+  const int n = region_.size();
+  rigid_.resize(n);
+  depth_.assign(n, 0);
+  int rigid = 0;
+  for (int i = 0; i < n; ++i) {
+    rigid_[i] = is_rigid(i) ? 1 : 0;
+    rigid += rigid_[i];
+  }
+  free_ = n - rigid;
+  std::vector<int> border;
+  for (int i = 0; i < n; ++i) {
+    if (rigid_[i]) {
+      for (const int j : region_.neighbours[i]) {
+        if (!rigid_[j] || region_.group[j] != region_.group[i]) {
+          border.push_back(i);
+          break;
+        }
+      }
+    }
+  }
+  has_inside_ = static_cast<int>(border.size()) < rigid;
+  if (has_inside_) {
+    const DistanceField field(region_.neighbours, rest_, border, kUnreached, &rigid_, pool_);
+    for (int i = 0; i < n; ++i) {
+      depth_[i] = field[i] < kUnreached ? field[i] : 0;
+    }
+  }
+  for (int i = 0; i < n; ++i) {
+    extent_ = std::max(extent_, region_.distance[i] + depth_[i]);
+  }
+}
+
+/// Sum of area times density^2 over the faces, of all vertices or of those that are not rigid.
+double Packing::sum_of_cells(bool all) const {
+  double sums[kPieces] = {};
+  const Eigen::Index count = region_.faces.rows();
+  pool_.each(kPieces, [&](int piece) {
+    for (Eigen::Index f = count * piece / kPieces; f < count * (piece + 1) / kPieces; ++f) {
+      double density = 0;
+      Vector3 corner[3];
+      for (int k = 0; k < 3; ++k) {
+        const int i = region_.faces(f, k);
+        corner[k] = rest_.row(i).transpose();
+        const auto own = static_cast<double>(density_[i]);
+        density += all || !rigid_[i] ? own * own : 0;
+      }
+      sums[piece] += density / 6 * (corner[1] - corner[0]).cross(corner[2] - corner[0]).norm();
+    }
+  });
+  double sum = 0;
+  for (const double one : sums) {
+    sum += one;
+  }
+  return sum;
+}
+
+/// Without the last bits, which depend on the order of summation.
+double rounded_ratio(double x) {
+  constexpr double kBits = 4096;
+  int exponent = 0;
+  const double part = std::frexp(x, &exponent);
+  return std::ldexp(std::round(part * kBits) / kBits, exponent);
+}
+
+/// In parts of a length that scales with the mesh.
+double Packing::rounded(double length) const {
+  const double unit = region_.max_distance > 0 ? region_.max_distance : 1;
+  return unit * rounded_ratio(length / unit);
+}
+
+/// Packed seeds that keep a spacing r have 0.72 r^2 of the surface each, and on a mesh whose edges are not much shorter
+/// than r about what r and 0.55 edges would have.
+double Packing::spacing_for(double sum, double cells, int vertices) const {
+  constexpr double kPacked = 0.72, kEdge = 0.55;
+  return rounded(std::sqrt(sum / (kPacked * cells)) * (1 - kEdge * std::sqrt(std::min(1.0, cells / vertices))));
+}
+
+/// Cells are as dense as 1 / (d / d_max + 0.2), as far as that makes them no smaller than five vertices. Around handles
+/// of one vertex, which pull the surface to a tip, they get smaller still; inside of what is rigid they grow by 0.7 for
+/// each unit of length.
+void Packing::choose_spacing() {
+  constexpr double kSoft = 0.2, kTip = 0.11, kAroundTip = 0.5, kInside = 0.7, kVerticesPerCell = 5;
+  const int n = region_.size(), free = free_ > 0 ? free_ : n;
+  density_.resize(n);
+  const double scale = region_.max_distance > 0 ? 1 / region_.max_distance : 0;
+  for (int i = 0; i < n; ++i) {
+    density_[i] = static_cast<float>(1 / std::sqrt(std::min(region_.distance[i] * scale, 1.0) + kSoft));
+  }
+  const double cells = std::min<double>(target_, std::max(1.0, free / kVerticesPerCell));
+  spacing_ = spacing_for(sum_of_cells(free_ == 0), cells, free);
+  if (!(spacing_ > 0)) {
+    return;
+  }
+  for (int i = 0; i < n && all_lone_; ++i) {
+    const double tip = kTip + kAroundTip * region_.distance[i] / spacing_;
+    density_[i] = std::max(density_[i], static_cast<float>(1 / tip));
+  }
+  if (has_inside_) {
+    for (int i = 0; i < n; ++i) {
+      const auto own = static_cast<double>(density_[i]);
+      density_[i] = static_cast<float>(own / (1 + kInside * depth_[i] * own / spacing_));
+    }
+    spacing_ = std::max(spacing_, spacing_for(sum_of_cells(true), target_, n));
+  }
+}
+
+void Packing::measure_edges() {
+  constexpr int kGrain = 4096;
+  const IndexLists& neighbours = region_.neighbours;
+  lengths_.resize(neighbours.values.size());
+  const double steps = spacing_ > 0 ? 0.5 * kSpacing / spacing_ : 0;
+  in_pieces(pool_, region_.size(), kGrain, [&](int first, int last) {
+    for (int i = first; i < last; ++i) {
+      for (int k = neighbours.offsets[i]; k < neighbours.offsets[i + 1]; ++k) {
+        const int j = neighbours.values[k];
+        const double density = static_cast<double>(density_[i]) + static_cast<double>(density_[j]);
+        const double length = steps * density * (rest_.row(i) - rest_.row(j)).norm();
+        lengths_[k] = static_cast<Steps>(std::min<double>(length + 0.5, kFar));
+      }
+    }
+  });
+}
+
+/// By the distance from where handles end.
+void Packing::sort() {
+  constexpr int kBits = 11;
+  constexpr std::uint32_t kMask = (1U << kBits) - 1;
+  const int n = region_.size();
+  const double scale = extent_ > 0 ? ((1U << (2 * kBits)) - 1) / extent_ : 0;
+  keys_.resize(n);
+  std::array<std::vector<int>, 2> starts;
+  starts.fill(std::vector<int>(kMask + 2, 0));
+  for (int i = 0; i < n; ++i) {
+    keys_[i] = static_cast<std::uint32_t>((region_.distance[i] + depth_[i]) * scale + 0.3);
+    ++starts[0][1 + (keys_[i] & kMask)];
+    ++starts[1][1 + (keys_[i] >> kBits)];
+  }
+  for (std::vector<int>& start : starts) {
+    for (std::size_t k = 1; k < start.size(); ++k) {
+      start[k] += start[k - 1];
+    }
+  }
+  queue_.resize(n);
+  order_.resize(n);
+  for (int i = 0; i < n; ++i) {
+    queue_[starts[0][keys_[i] & kMask]++] = i;
+  }
+  for (const int i : queue_) {
+    order_[starts[1][keys_[i] >> kBits]++] = i;
+  }
+}
+
+/// What decides between vertices that are equally far from where handles end: how far they are from the middle of the
+/// region, which does not depend on how the mesh is turned; then their coordinates.
+std::array<std::int64_t, 4> Packing::place(int vertex) const {
+  constexpr double kPlaces = 1 << 20, kBetween = 0.3;
+  const Vector3 p = rest_.row(vertex).transpose();
+  const double values[4] = {(p - middle_).norm(), p[0], p[1], p[2]};
+  std::array<std::int64_t, 4> result = {};
+  for (int k = 0; k < 4 && spacing_ > 0; ++k) {
+    result[k] = static_cast<std::int64_t>(std::floor(values[k] / spacing_ * kPlaces + kBetween));
+  }
+  return result;
+}
+
+/// Takes over all vertices that are nearer to a seed than to those before it.
+void Packing::claim(int seed, int cell, std::vector<int>& of) {
+  const IndexLists& neighbours = region_.neighbours;
+  queue_.assign(1, seed);
+  distance_[seed] = 0;
+  of[seed] = cell;
+  for (std::size_t head = 0; head < queue_.size(); ++head) {
+    const int v = queue_[head];
+    const unsigned own = distance_[v];
+    for (int k = neighbours.offsets[v]; k < neighbours.offsets[v + 1]; ++k) {
+      const int w = neighbours.values[k];
+      const unsigned through = own + lengths_[k];
+      if (through <= kSpacing && through < distance_[w]) {
+        distance_[w] = static_cast<Steps>(through);
+        of[w] = cell;
+        queue_.push_back(w);
+      }
+    }
+  }
+}
+
+int Packing::seed(int most, std::vector<int>& of) {
+  const int n = region_.size();
+  of.assign(n, -1);
+  distance_.assign(n, kFar);
+  int cells = 0;
+  for (const int v : lone_) {
+    claim(v, cells++, of);
+  }
+  for (int first = 0, last = 0; first < n; first = last) {
+    tied_.clear();
+    for (last = first; last < n && keys_[order_[last]] == keys_[order_[first]]; ++last) {
+      if (of[order_[last]] < 0) {
+        tied_.push_back(order_[last]);
+      }
+    }
+    if (tied_.size() > 1) {
+      std::stable_sort(tied_.begin(), tied_.end(), [this](int a, int b) { return place(a) < place(b); });
+    }
+    for (const int v : tied_) {
+      if (of[v] < 0) {
+        claim(v, cells++, of);
+      }
+    }
+    if (most > 0 && cells > most) {
+      return cells;  // tried again with a wider spacing
+    }
+  }
+  return cells;
+}
+
+int Packing::pack(std::vector<int>& of) {
+  find_groups();
+  find_rigid();
+  choose_spacing();
+  sort();
+  middle_ = rest_.colwise().mean().transpose();
+  constexpr double kTooMany = 1.3;
+  constexpr int kTries = 6;
+  for (int tries = 1;; ++tries) {
+    measure_edges();
+    const int cells = seed(tries < kTries ? 4 * target_ + 100 : 0, of);
+    const double many = static_cast<double>(cells - static_cast<int>(lone_.size())) / target_;
+    if (many <= kTooMany || tries == kTries) {
+      return cells;
+    }
+    spacing_ = rounded(spacing_ * std::sqrt(many));
+  }
+}
+
+}  // namespace
+
+int pack_cells(const Region& region, const Points& rest, int target, ThreadPool& pool, std::vector<int>& of) {
+  return Packing(region, rest, target, pool).pack(of);
+}
+
+}  // namespace lapedit

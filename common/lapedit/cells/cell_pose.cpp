@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/cells/cell_pose.h"
+
+#include <algorithm>
+
+namespace lapedit {
+namespace {
+
+/// A given number for each step, so that poses change evenly with the handle, where settled ones jump.
+struct Passes {
+  int on_the_way, at_the_end;
+};
+constexpr Passes kFull = {5, 20}, kQuick = {2, 10};
+constexpr double kSettled = 1e-9;  // of the handles' largest way: no pass changes anything then
+
+}  // namespace
+
+int CellPose::wanted_cells(int vertices) {
+  constexpr int kVerticesPerCell = 5;
+  return std::min(vertices / kVerticesPerCell, kCells);
+}
+
+CellPose::CellPose(const Region& region, const Points& rest, const RegionCells& cells, const CellBlend& blend,
+                   const EditSettings& settings)
+    : cells_(cells),
+      surface_(cells),
+      system_(region, rest, cells, blend, settings),
+      rotates_(settings.rotation != DetailRotation::None),
+      component_(cells.count(), 0),
+      hold_(cells.count(), 0),
+      local_global_(cells, surface_, hold_, settings, system_),
+      linear_(cells.count()),
+      rotations_(cells.count(), Matrix3::Identity()) {
+  gather(region);
+  // All scratch has its size from here on, whatever the first frame of a drag asks for.
+  constraints_.setZero(cells.count(), 3);
+  displacement_.setZero(cells.count(), 3);
+  local_global_.start(cells.centres, std::vector<Matrix3>(cells.count(), Matrix3::Zero()));
+  local_global_.settle(constraints_, 0, 2, displacement_, rotations_);
+  displacement_.setZero();
+  std::fill(rotations_.begin(), rotations_.end(), Matrix3::Identity());
+}
+
+void CellPose::gather(const Region& region) {
+  for (int i = 0; i < region.size(); ++i) {
+    component_[cells_.of[i]] = region.component[i];
+    hold_[cells_.of[i]] += region.anchor_depth.empty() ? 0 : region.anchor_depth[i];
+  }
+  for (int c = 0; c < cells_.count(); ++c) {
+    const double depth = hold_[c] / cells_.vertices[c];
+    hold_[c] = depth * depth * (3 - 2 * depth);
+  }
+}
+
+/// Moves the rest pose as the components are moved at this step.
+void CellPose::carry(const GroupPaths& paths) {
+  carried_ = cells_.centres;
+  for (int c = 0; c < cells_.count(); ++c) {
+    const LocalMotion& along = paths.carried()[component_[c]];
+    linear_[c] = along.linear;
+    carried_.row(c) += along.displacement(cells_.centres.row(c).transpose()).transpose();
+  }
+  local_global_.start(carried_, linear_);
+}
+
+/// Sets what the handles ask for at this step. @return their largest displacement from where they are carried
+double CellPose::ask(const GroupPaths& paths) {
+  double largest = 0;
+  constraints_.setZero(cells_.count(), 3);
+  for (const CoarseSystem::Held& held : system_.held()) {
+    const Vector3 way = held.displacement(paths) - paths.carried()[component_[held.cell]].displacement(held.mean);
+    largest = std::max(largest, way.norm());
+    for (const auto& [cell, weight] : held.row) {
+      constraints_.row(cell) += held.weight * weight * way.transpose();
+    }
+  }
+  return largest;
+}
+
+void CellPose::solve(GroupPaths& paths, bool quick) {
+  displacement_.setZero(cells_.count(), 3);
+  std::fill(rotations_.begin(), rotations_.end(), Matrix3::Identity());
+  passes_ = 0;
+  left_ = 0;
+  const int steps = paths.steps();
+  if (!rotates_) {
+    carry(paths);
+    ask(paths);
+    system_.solve(constraints_, displacement_);
+    return;
+  }
+  for (int step = 1; step <= steps; ++step) {
+    paths.go(step);
+    carry(paths);
+    const double way = ask(paths);
+    if (way == 0) {
+      displacement_.setZero();
+      std::fill(rotations_.begin(), rotations_.end(), Matrix3::Identity());
+      continue;
+    }
+    const Passes& passes = quick ? kQuick : kFull;
+    const LocalGlobal::Outcome outcome = local_global_.settle(
+        constraints_, kSettled * way, step == steps ? passes.at_the_end : passes.on_the_way, displacement_, rotations_);
+    passes_ += outcome.passes;
+    left_ = outcome.left / way;
+  }
+}
+
+}  // namespace lapedit

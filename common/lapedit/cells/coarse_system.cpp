@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/cells/coarse_system.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "lapedit/deform/membrane.h"
+
+namespace lapedit {
+namespace {
+
+using Triplets = std::vector<Eigen::Triplet<double>>;
+
+/// int (grad phi_i)^T T (grad phi_j) over the cells' triangles, T the mean of their cells' tensors per area; edges that
+/// no triangle has take their crossing edges' weight over their length, counted in edges.
+SparseMatrix stiffness_matrix(const RegionCells& cells) {
+  constexpr double kSliver = 0.05;  // twice the area over the longest edge squared: says little about gradients
+  const int m = cells.count();
+  Triplets entries;
+  entries.reserve(9 * cells.triangles.size() + 4 * static_cast<std::size_t>(m));
+  std::vector<char> covered(cells.neighbours.values.size(), 0);
+  for (const std::array<int, 3>& t : cells.triangles) {
+    const Vector3 p[3] = {cells.centres.row(t[0]).transpose(), cells.centres.row(t[1]).transpose(),
+                          cells.centres.row(t[2]).transpose()};
+    Vector3 normal = (p[1] - p[0]).cross(p[2] - p[0]);
+    const double twice_area = normal.norm();
+    const double longest =
+        std::max({(p[1] - p[0]).squaredNorm(), (p[2] - p[1]).squaredNorm(), (p[0] - p[2]).squaredNorm()});
+    const double area = cells.area[t[0]] + cells.area[t[1]] + cells.area[t[2]];
+    if (!(twice_area > kSliver * longest) || !(area > 0)) {
+      continue;
+    }
+    normal /= twice_area;
+    const Matrix3 tensor = full_matrix(cells.stiffness[t[0]] + cells.stiffness[t[1]] + cells.stiffness[t[2]]) / area;
+    Vector3 gradient[3];
+    for (int k = 0; k < 3; ++k) {
+      gradient[k] = normal.cross(p[(k + 2) % 3] - p[(k + 1) % 3]) / twice_area;
+    }
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) {
+        entries.emplace_back(t[i], t[j], twice_area / 2 * gradient[i].dot(tensor * gradient[j]));
+        if (i != j) {
+          covered[cells.neighbours.entry(t[i], t[j])] = 1;
+        }
+      }
+    }
+  }
+  for (int a = 0; a < m; ++a) {
+    for (int k = cells.neighbours.offsets[a]; k < cells.neighbours.offsets[a + 1]; ++k) {
+      if (const int b = cells.neighbours.values[k]; !covered[k] && !covered[cells.neighbours.entry(b, a)]) {
+        const double edges = 0.5 * (std::sqrt(cells.vertices[a]) + std::sqrt(cells.vertices[b]));
+        entries.emplace_back(a, a, cells.crossing[k] / edges);
+        entries.emplace_back(a, b, -cells.crossing[k] / edges);
+      }
+    }
+  }
+  SparseMatrix matrix(m, m);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+}  // namespace
+
+Vector3 CoarseSystem::Held::displacement(const GroupPaths& paths) const {
+  Vector3 offset = Vector3::Zero();
+  for (std::size_t k = 0; k < vertices.size() && paths.has_targets(); ++k) {
+    offset += vertices[k].second * paths.target_offset(vertices[k].first);
+  }
+  return paths.displacement(group, mean, offset);
+}
+
+/// Where a handle has many vertices in a cell their rows would over-determine the blend: they are held in the mean, in
+/// which each counts by its squared weight. A cell that is all handle is held itself: its vertices may follow others.
+void CoarseSystem::hold_handles(const Region& region, const Points& rest, const RegionCells& cells,
+                                const CellBlend& blend, double handle_weight) {
+  std::vector<int> vertices;
+  for (int i = 0; i < region.size(); ++i) {
+    if (region.classes[i] == VertexClass::Handle) {
+      vertices.push_back(i);
+    }
+  }
+  const auto key = [&](int i) { return std::make_pair(cells.of[i], region.group[i]); };
+  std::stable_sort(vertices.begin(), vertices.end(), [&](int a, int b) { return key(a) < key(b); });
+  for (std::size_t first = 0, last = 0; first < vertices.size(); first = last) {
+    Held held = {cells.of[vertices[first]], region.group[vertices[first]], Vector3::Zero(), 0, {}, {}};
+    std::vector<std::pair<int, double>>& row = held.row;
+    double count = 0;
+    for (last = first; last < vertices.size() && key(vertices[last]) == key(vertices[first]); ++last) {
+      const int i = vertices[last];
+      const double counts = region.share(i) * region.share(i);
+      count += counts;
+      held.vertices.emplace_back(i, counts);
+      held.mean += counts * rest.row(i).transpose();
+      for (int k = 0; k < CellBlend::kReach; ++k) {
+        row.emplace_back(blend.cells(k, i), counts * static_cast<double>(blend.weights(k, i)));
+      }
+    }
+    held.mean /= count;
+    for (auto& [i, share] : held.vertices) {
+      share /= count;
+    }
+    held.weight = count * handle_weight * handle_weight;
+    if (static_cast<double>(last - first) == cells.vertices[held.cell]) {
+      held.mean = cells.centres.row(held.cell).transpose();
+      held.row = {{held.cell, 1}};
+      held_.push_back(std::move(held));
+      continue;
+    }
+    std::stable_sort(row.begin(), row.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::size_t written = 0;
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      if (written > 0 && row[written - 1].first == row[k].first) {
+        row[written - 1].second += row[k].second / count;
+      } else {
+        row[written++] = {row[k].first, row[k].second / count};
+      }
+    }
+    row.resize(written);
+    held_.push_back(std::move(held));
+  }
+}
+
+CoarseSystem::CoarseSystem(const Region& region, const Points& rest, const RegionCells& cells, const CellBlend& blend,
+                           const EditSettings& settings)
+    : order_(settings.order) {
+  hold_handles(region, rest, cells, blend, settings.handle_weight);
+  make_normal(region, rest, cells, settings);
+}
+
+/// M^kT N M^k + c D M^k + W^2.
+void CoarseSystem::make_normal(const Region& region, const Points& rest, const RegionCells& cells,
+                               const EditSettings& settings) {
+  const int m = cells.count();
+  rows_ = Eigen::Map<const Eigen::VectorXd>(cells.vertices.data(), m);
+  const Eigen::VectorXd weight = Eigen::Map<const Eigen::VectorXd>(cells.weight.data(), m);
+  first_ = weight.cwiseInverse().asDiagonal() * stiffness_matrix(cells);
+  power_ = power(first_, order_);
+  SparseMatrix normal = SparseMatrix(power_.transpose()) * (rows_.asDiagonal() * power_);
+  stretch_ = membrane_factor(settings, region, rest, weight.sum() / region.size()) * weight;
+  if (settings.membrane > 0) {
+    normal += stretch_.asDiagonal() * power_;
+  }
+  // Anchors, and a trace of weight that keeps cells definite which nothing holds.
+  constexpr double kTrace = 1e-13;
+  Eigen::VectorXd anchored = Eigen::VectorXd::Constant(m, kTrace);
+  for (int i = 0; i < region.size(); ++i) {
+    if (region.classes[i] == VertexClass::Anchor) {
+      const double w = settings.anchor_weight * region.anchor_weight[i];
+      anchored[cells.of[i]] += w * w;
+    }
+  }
+  Triplets entries;
+  for (int c = 0; c < m; ++c) {
+    entries.emplace_back(c, c, anchored[c]);
+  }
+  for (const Held& held : held_) {
+    for (const auto& [a, wa] : held.row) {
+      for (const auto& [b, wb] : held.row) {
+        entries.emplace_back(a, b, held.weight * wa * wb);
+      }
+    }
+  }
+  SparseMatrix constraints(m, m);
+  constraints.setFromTriplets(entries.begin(), entries.end());
+  normal += constraints;
+  normal_ = std::make_unique<SparseCholesky>(normal, CholeskyBackend::Eigen);
+}
+
+void CoarseSystem::add_turned(Points& turned, Points& right) const {
+  for (int k = 1; k < order_; ++k) {
+    between_.resize(turned.rows(), 3);
+    between_.noalias() = first_ * turned;
+    turned.swap(between_);
+  }
+  for (Eigen::Index c = 0; c < turned.rows(); ++c) {
+    right.row(c) += stretch_[c] * turned.row(c);
+    turned.row(c) *= rows_[c];
+  }
+  right.noalias() += power_.transpose() * turned;
+}
+
+}  // namespace lapedit

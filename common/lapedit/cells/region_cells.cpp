@@ -1,0 +1,409 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/cells/region_cells.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "lapedit/base/simd.h"
+#include "lapedit/cells/cell_packing.h"
+
+namespace lapedit {
+namespace {
+
+using Four = Floats4;
+
+Four four(const Vector3& v) {
+  return Four{static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]), 0};
+}
+
+constexpr int kPieces = 8;  // sums are taken in so many parts, whatever the threads
+
+/// Calls body(piece, first, last) for kPieces parts of [0, count).
+template <class Body>
+void in_parts(ThreadPool& pool, Eigen::Index count, const Body& body) {
+  pool.each(kPieces, [&](int piece) { body(piece, count * piece / kPieces, count * (piece + 1) / kPieces); });
+}
+
+Points centroids(const std::vector<int>& of, const Points& rest, int count, std::vector<double>& sizes) {
+  Points centres = Points::Zero(count, 3);
+  sizes.assign(count, 0);
+  for (std::size_t i = 0; i < of.size(); ++i) {
+    centres.row(of[i]) += rest.row(static_cast<Eigen::Index>(i));
+    sizes[of[i]] += 1;
+  }
+  for (int c = 0; c < count; ++c) {
+    centres.row(c) /= sizes[c];
+  }
+  return centres;
+}
+
+/// Moves the centres of cells at an open border of the mesh onto it: the cells' triangles would leave out a strip
+/// there, half a cell wide, and with it what holds the surface straight.
+void reach_borders(const Region& region, const Points& rest, RegionCells& cells) {
+  std::vector<int> faces(region.size(), 0);
+  for (Eigen::Index f = 0; f < region.faces.rows(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      ++faces[region.faces(f, k)];
+    }
+  }
+  std::vector<int> found(cells.count(), 0);
+  for (int i = 0; i < region.size(); ++i) {
+    if (region.classes[i] != VertexClass::Anchor && region.neighbours[i].size() > faces[i]) {
+      const int c = cells.of[i];
+      if (found[c]++ == 0) {
+        cells.centres.row(c).setZero();
+      }
+      cells.centres.row(c) += (rest.row(i) - cells.centres.row(c)) / found[c];
+    }
+  }
+}
+
+// --- Sums over cells -------------------------------------------------------------------------------------------------
+
+/// Edges from one cell into another.
+struct Crossing {
+  int to;
+  double weight;
+};
+
+/// What one part of the region's faces and edges adds to the cells.
+struct PartialSums {
+  std::vector<double> area, weight;
+  Points normals;
+  std::vector<Symmetric> stiffness;  // sums of w_ij e e^T
+  std::vector<std::array<int, 3>> triangles;
+  std::vector<std::vector<Crossing>> crossing;  // per cell
+
+  void clear(int count) {
+    area.assign(count, 0);
+    weight.assign(count, 0);
+    normals.setZero(count, 3);
+    stiffness.assign(count, Symmetric::Zero());
+    crossing.assign(count, {});
+  }
+  void cross(int from, int to, double of_edge) {
+    std::vector<Crossing>& list = crossing[from];
+    auto known = std::find_if(list.begin(), list.end(), [to](const Crossing& entry) { return entry.to == to; });
+    if (known == list.end()) {
+      known = list.insert(known, {to, 0});
+    }
+    known->weight += of_edge;
+  }
+};
+
+class CellSums {
+ public:
+  CellSums(const Region& region, const Points& rest, const std::vector<double>& weights, RegionCells& cells,
+           ThreadPool& pool)
+      : region_(region), rest_(rest), weights_(weights), cells_(cells), pool_(pool) {}
+
+  void take();
+
+ private:
+  void add_faces(PartialSums& to, Eigen::Index first, Eigen::Index last) const;
+  void add_edges(PartialSums& to, Eigen::Index first, Eigen::Index last) const;
+  void merge(std::vector<PartialSums>& parts);
+  void merge_neighbours(std::vector<PartialSums>& parts);
+
+  const Region& region_;
+  const Points& rest_;
+  const std::vector<double>& weights_;
+  RegionCells& cells_;
+  ThreadPool& pool_;
+};
+
+void CellSums::add_faces(PartialSums& to, Eigen::Index first, Eigen::Index last) const {
+  for (Eigen::Index f = first; f < last; ++f) {
+    int cell[3];
+    Vector3 corner[3];
+    for (int k = 0; k < 3; ++k) {
+      cell[k] = cells_.of[region_.faces(f, k)];
+      corner[k] = rest_.row(region_.faces(f, k)).transpose();
+    }
+    const Vector3 normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
+    const double share = normal.norm() / 6;
+    for (int k = 0; k < 3; ++k) {
+      to.normals.row(cell[k]) += normal.transpose();
+      to.area[cell[k]] += share;
+    }
+    if (cell[0] != cell[1] && cell[1] != cell[2] && cell[2] != cell[0]) {
+      std::sort(cell, cell + 3);
+      to.triangles.push_back({cell[0], cell[1], cell[2]});
+    }
+  }
+}
+
+void CellSums::add_edges(PartialSums& to, Eigen::Index first, Eigen::Index last) const {
+  const IndexLists& neighbours = region_.neighbours;
+  const bool weighted = !weights_.empty();
+  for (Eigen::Index i = first; i < last; ++i) {
+    const int own = cells_.of[i];
+    Symmetric stiffness = Symmetric::Zero();
+    double weight = 0;
+    for (int k = neighbours.offsets[i]; k < neighbours.offsets[i + 1]; ++k) {
+      const int j = neighbours.values[k];
+      const double of_edge = weighted ? weights_[k] : 1;
+      stiffness += of_edge * squared((rest_.row(i) - rest_.row(j)).transpose());
+      weight += of_edge;
+      if (cells_.of[j] != own) {
+        to.cross(own, cells_.of[j], of_edge);
+      }
+    }
+    to.stiffness[own] += stiffness;
+    to.weight[own] += weight;
+  }
+}
+
+void CellSums::merge(std::vector<PartialSums>& parts) {
+  const int m = cells_.count();
+  cells_.area.assign(m, 0);
+  cells_.weight.assign(m, 0);
+  cells_.normals.setZero(m, 3);
+  cells_.stiffness.assign(m, Symmetric::Zero());
+  for (const PartialSums& part : parts) {
+    for (int c = 0; c < m; ++c) {
+      cells_.area[c] += part.area[c];
+      cells_.weight[c] += part.weight[c];
+      cells_.stiffness[c] += 0.5 * part.stiffness[c];
+    }
+    cells_.normals += part.normals;
+    cells_.triangles.insert(cells_.triangles.end(), part.triangles.begin(), part.triangles.end());
+  }
+  std::sort(cells_.triangles.begin(), cells_.triangles.end());
+  cells_.triangles.erase(std::unique(cells_.triangles.begin(), cells_.triangles.end()), cells_.triangles.end());
+  constexpr double kLeast = 1e-6;
+  for (int c = 0; c < m; ++c) {
+    // Cells of obtuse or flat faces alone, where the operator has the umbrella's rows.
+    cells_.weight[c] = std::max(cells_.weight[c], kLeast * cells_.vertices[c]);
+  }
+}
+
+void CellSums::merge_neighbours(std::vector<PartialSums>& parts) {
+  constexpr double kLeast = 1e-3;  // where cotangents cancel
+  cells_.neighbours.offsets.assign(1, 0);
+  std::vector<Crossing> all;
+  for (int c = 0; c < cells_.count(); ++c) {
+    all.clear();
+    for (PartialSums& part : parts) {
+      all.insert(all.end(), part.crossing[c].begin(), part.crossing[c].end());
+    }
+    std::stable_sort(all.begin(), all.end(), [](const Crossing& a, const Crossing& b) { return a.to < b.to; });
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      if (k > 0 && all[k].to == all[k - 1].to) {
+        cells_.crossing.back() += all[k].weight;
+      } else {
+        cells_.neighbours.values.push_back(all[k].to);
+        cells_.crossing.push_back(all[k].weight);
+      }
+    }
+    cells_.neighbours.offsets.push_back(static_cast<int>(cells_.neighbours.values.size()));
+  }
+  for (double& weight : cells_.crossing) {
+    weight = std::max(weight, kLeast);
+  }
+}
+
+void CellSums::take() {
+  std::vector<PartialSums> parts(kPieces);
+  in_parts(pool_, region_.size(), [&](int piece, Eigen::Index first, Eigen::Index last) {
+    parts[piece].clear(cells_.count());
+    add_edges(parts[piece], first, last);
+  });
+  in_parts(pool_, region_.faces.rows(),
+           [&](int piece, Eigen::Index first, Eigen::Index last) { add_faces(parts[piece], first, last); });
+  merge(parts);
+  merge_neighbours(parts);
+}
+
+// --- Blending --------------------------------------------------------------------------------------------------------
+
+/// Each cell with its neighbours and theirs.
+IndexLists two_rings(const RegionCells& cells) {
+  IndexLists result;
+  std::vector<int> row;
+  for (int c = 0; c < cells.count(); ++c) {
+    row.assign(1, c);
+    for (const int near : cells.neighbours[c]) {
+      row.push_back(near);
+      row.insert(row.end(), cells.neighbours[near].begin(), cells.neighbours[near].end());
+    }
+    std::sort(row.begin(), row.end());
+    row.erase(std::unique(row.begin(), row.end()), row.end());
+    result.values.insert(result.values.end(), row.begin(), row.end());
+    result.offsets.push_back(static_cast<int>(result.values.size()));
+  }
+  return result;
+}
+
+/// How far each cell reaches, squared: to its neighbours' centres and a third as far again, and to all of its vertices.
+std::vector<float> squared_reaches(const RegionCells& cells, const Points& rest) {
+  constexpr double kBeyondNeighbours = 1.35, kBeyondVertices = 1.1;
+  std::vector<double> squared(cells.count(), 0);
+  for (std::size_t i = 0; i < cells.of.size(); ++i) {
+    double& most = squared[cells.of[i]];
+    most = std::max(most, (rest.row(static_cast<Eigen::Index>(i)) - cells.centres.row(cells.of[i])).squaredNorm());
+  }
+  std::vector<float> result(cells.count());
+  for (int c = 0; c < cells.count(); ++c) {
+    double sum = 0;
+    for (const int near : cells.neighbours[c]) {
+      sum += (cells.centres.row(near) - cells.centres.row(c)).norm();
+    }
+    const int count = cells.neighbours[c].size();
+    const double reach =
+        std::max(count > 0 ? kBeyondNeighbours * sum / count : 0.0, kBeyondVertices * std::sqrt(squared[c]));
+    result[c] = static_cast<float>(std::max(reach * reach, static_cast<double>(std::numeric_limits<float>::min())));
+  }
+  return result;
+}
+
+/// Weights (1 - t^2 / T^2)^2 at the distance t from a cell, T the cell's reach, made to reproduce linear functions of
+/// the cells' centres as far as those spread: w_k (1 + c (e_k - e)), e_k = C_k - p, e their mean, c = -S^-1 e.
+class Weigher {
+ public:
+  Weigher(const RegionCells& cells, const Points& rest);
+
+  /// @param to,weights  kReach of each
+  void operator()(const Vector3& place, int cell, int* to, float* weights) const;
+
+ private:
+  struct Candidate {
+    Four place;    // from the centre of the row's cell
+    float faster;  // 1 / T^2
+    int cell;
+  };
+  struct Reaching {
+    Four way;  // to the cell's centre
+    float weight;
+    int cell;
+  };
+  static constexpr int kRoom = 64;
+  int reaching(Four place, int cell, Reaching* found) const;
+
+  const RegionCells& cells_;
+  std::vector<int> offsets_;
+  std::vector<Candidate> candidates_;  // each cell with its neighbours and theirs
+};
+
+Weigher::Weigher(const RegionCells& cells, const Points& rest) : cells_(cells) {
+  const IndexLists rings = two_rings(cells);
+  const std::vector<float> reaches = squared_reaches(cells, rest);
+  offsets_ = rings.offsets;
+  candidates_.resize(rings.values.size());
+  for (int c = 0; c < cells.count(); ++c) {
+    for (int k = rings.offsets[c]; k < rings.offsets[c + 1]; ++k) {
+      const int other = rings.values[k];
+      const Vector3 place = (cells.centres.row(other) - cells.centres.row(c)).transpose();
+      candidates_[k] = {four(place), 1 / reaches[other], other};
+    }
+  }
+}
+
+/// At most kReach cells; those that count least are left out.
+int Weigher::reaching(Four place, int cell, Reaching* found) const {
+  int count = 0;
+  for (int k = offsets_[cell]; k < offsets_[cell + 1]; ++k) {
+    const Candidate& candidate = candidates_[k];
+    const Four e = candidate.place - place;
+    const float rest = 1 - (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) * candidate.faster;
+    found[count] = {e, rest * rest, candidate.cell};
+    count += rest > 0 && count < kRoom - 1 ? 1 : 0;  // without a branch, which nobody could predict
+  }
+  if (count > CellBlend::kReach) {
+    std::nth_element(found, found + CellBlend::kReach, found + count,
+                     [](const Reaching& a, const Reaching& b) { return a.weight > b.weight; });
+    const float least = found[CellBlend::kReach].weight;
+    count = CellBlend::kReach;
+    for (int k = 0; k < count; ++k) {
+      found[k].weight -= least;  // so that what is left out goes without a step
+    }
+  }
+  return count;
+}
+
+void Weigher::operator()(const Vector3& place, int cell, int* to, float* weights) const {
+  constexpr double kFlat = 0.03;  // of the spread: what counts as no direction of the surface
+  constexpr float kTrace = 1e-12F;
+  Reaching near[kRoom];
+  int count = reaching(four(place - cells_.centres.row(cell).transpose()), cell, near);
+  if (count == 0) {
+    near[0] = {Four{}, 1, cell};
+    count = 1;
+  }
+  Four mean = {};
+  float sum = 0;
+  for (int k = 0; k < count; ++k) {
+    near[k].weight += kTrace;
+    sum += near[k].weight;
+    mean += near[k].weight * near[k].way;
+  }
+  mean /= sum;
+  Four spread[3] = {};
+  for (int k = 0; k < count; ++k) {
+    near[k].weight /= sum;
+    near[k].way -= mean;
+    for (int row = 0; row < 3; ++row) {
+      spread[row] += (near[k].weight * near[k].way[row]) * near[k].way;
+    }
+  }
+  Matrix3 matrix;
+  Vector3 middle;
+  for (int row = 0; row < 3; ++row) {
+    middle[row] = static_cast<double>(mean[row]);
+    for (int column = 0; column < 3; ++column) {
+      matrix(row, column) = static_cast<double>(spread[row][column]);
+    }
+  }
+  const double size = matrix.trace();
+  Four correction = {};
+  if (size > 0) {
+    matrix.diagonal().array() += kFlat * size;
+    correction = four(-(matrix.inverse() * middle));
+  }
+  constexpr float kLeast = -0.5F, kMost = 2.5F;  // beyond, the cells lie badly about the place
+  float total = 0;
+  for (int k = 0; k < CellBlend::kReach; ++k) {
+    const Reaching& from = near[k < count ? k : 0];
+    const Four along = correction * from.way;
+    to[k] = from.cell;
+    weights[k] = k < count ? from.weight * std::clamp(1 + along[0] + along[1] + along[2], kLeast, kMost) : 0.0F;
+    total += weights[k];
+  }
+  for (int k = 0; k < CellBlend::kReach; ++k) {
+    weights[k] /= total;
+  }
+}
+
+}  // namespace
+
+Matrix3 full_matrix(const Symmetric& s) {
+  Matrix3 result;
+  result << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
+  return result;
+}
+
+RegionCells make_cells(const Region& region, const Points& rest, const std::vector<double>& weights, int target,
+                       ThreadPool& pool) {
+  RegionCells cells;
+  const int count = pack_cells(region, rest, target, pool, cells.of);
+  cells.centres = centroids(cells.of, rest, count, cells.vertices);
+  reach_borders(region, rest, cells);
+  CellSums(region, rest, weights, cells, pool).take();
+  return cells;
+}
+
+CellBlend::CellBlend(const RegionCells& from, const Points& rest, ThreadPool& pool)
+    : cells(kReach, rest.rows()), weights(kReach, rest.rows()) {
+  const Weigher weigher(from, rest);
+  in_parts(pool, rest.rows(), [&](int, Eigen::Index first, Eigen::Index last) {
+    for (Eigen::Index i = first; i < last; ++i) {
+      weigher(rest.row(i).transpose(), from.of[i], cells.col(i).data(), weights.col(i).data());
+    }
+  });
+}
+
+}  // namespace lapedit

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "lapedit/base/thread_pool.h"
+#include "lapedit/deform/differential_operator.h"
+#include "lapedit/mesh/region.h"
+
+namespace lapedit {
+
+/// A symmetric 3 x 3 tensor: xx xy xz yy yz zz.
+using Symmetric = Eigen::Matrix<double, 6, 1>;
+/// v v^T
+inline Symmetric squared(const Vector3& v) {
+  Symmetric result;
+  result << v[0] * v[0], v[0] * v[1], v[0] * v[2], v[1] * v[1], v[1] * v[2], v[2] * v[2];
+  return result;
+}
+Matrix3 full_matrix(const Symmetric& s);
+
+/// A region in patches of neighbouring vertices, and what a coarse model of the region has to know of each.
+///
+/// Cells are packed along the surface, see pack_cells(), denser near the handle, where an edit bends most. Where three
+/// cells meet in a face their centroids span a triangle: with them the cells are a coarse mesh of the region.
+/// Everything follows from the region and its rest pose, to the bit, whatever the number of threads.
+struct RegionCells {
+  std::vector<int> of;           ///< cell of each vertex of the region
+  Points centres;                ///< centroids of the rest pose, at open borders of the border's part, cells x 3
+  IndexLists neighbours;         ///< cells that an edge leads to, ascending
+  std::vector<double> crossing;  ///< per entry of neighbours: sum of the weights w_ij of these edges
+  std::vector<std::array<int, 3>> triangles;  ///< cells that meet in a face, ascending, each once
+
+  std::vector<double> vertices, area;  ///< number of vertices, and a third of the faces at each
+  Points normals;                      ///< sums of those faces' area normals
+  /// Sums over a cell's vertices: of w_ij, and of half w_ij e e^T over the edges e, what gradients cost in it.
+  std::vector<double> weight;
+  std::vector<Symmetric> stiffness;
+
+  int count() const { return static_cast<int>(vertices.size()); }
+};
+
+/// @param rest    size() x 3, the region's rest pose about a local origin
+/// @param weights  w_ij, one per entry of region.neighbours (see edge_weights); empty: 1, the umbrella's
+/// @param target  cells wanted; it may be a few more or less, see pack_cells()
+/// Cost: O(edges).
+RegionCells make_cells(const Region& region, const Points& rest, const std::vector<double>& weights, int target,
+                       ThreadPool& pool);
+
+/// How vertices follow cells: each by at most kReach of them, with weights that have the sum 1 and reproduce linear
+/// functions along the surface (moving least squares), falling off smoothly with the distance from a cell.
+struct CellBlend {
+  static constexpr int kReach = 8;
+  /// Of each vertex a column; unused entries repeat the first with weight 0.
+  Eigen::Array<int, kReach, Eigen::Dynamic> cells;
+  Eigen::Array<float, kReach, Eigen::Dynamic> weights;
+
+  /// Cost: O(vertices). @param rest as above
+  CellBlend(const RegionCells& from, const Points& rest, ThreadPool& pool);
+};
+
+}  // namespace lapedit

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/deform/rest_pose.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "lapedit/base/error.h"
+
+namespace lapedit {
+
+RestPose::RestPose(const TriangleMesh& mesh, std::shared_ptr<const Region> of)
+    : region(std::move(of)), world(region->size(), 3) {
+  const auto handle = std::find(region->classes.begin(), region->classes.end(), VertexClass::Handle);
+  if (handle == region->classes.end()) {
+    throw EditError(ErrorCause::NoHandle, "There is no handle in the region: name at least one vertex to move.");
+  }
+  for (int i = 0; i < region->size(); ++i) {
+    world.row(i) = mesh.vertices.row(region->mesh_vertex[i]);
+  }
+  origin = world.row(handle - region->classes.begin()).transpose();
+  local = world.rowwise() - origin.transpose();
+}
+
+}  // namespace lapedit

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/live/drag_frames.h"
+
+#include <cmath>
+#include <utility>
+
+#include "lapedit/base/error.h"
+#include "lapedit/base/simd.h"
+#include "lapedit/deform/ring_rotations.h"
+
+namespace lapedit {
+namespace {
+
+using Turn = CellModel::Turn;
+
+/// y_i = sum_j -M_ij (((T_i + T_j) / 2 - I)(p_i - p_j) - (d_i - d_j)), or with T_i alone: what the turned edges ask for
+/// beyond what they have.
+struct EdgeResidual {
+  const OperatorRows::Rows& m;
+  const Turn* turns;
+  const double* displacement;  // readable for one number more
+  bool by_edges;
+  double* out;
+
+  static LAPEDIT_INLINE Floats4 turned(const Turn& turn, Floats4 edge) {
+    return edge[0] * turn.columns[0] + edge[1] * turn.columns[1] + edge[2] * turn.columns[2];
+  }
+  LAPEDIT_INLINE Doubles4 at(int vertex) const { return load<Doubles4>(displacement + 3 * std::ptrdiff_t{vertex}); }
+
+  LAPEDIT_INLINE void sum(int i) const {
+    const Turn& own = turns[i];
+    Floats4 coordinate = {}, others = {};
+    Doubles4 way = {};
+    const Doubles4 here = at(i);
+    for (int k = m.outerIndexPtr()[i]; k < m.outerIndexPtr()[i + 1]; ++k) {
+      const int j = m.innerIndexPtr()[k];
+      const double entry = m.valuePtr()[k];
+      const Floats4 edge = static_cast<float>(entry) * (turns[j].rest - own.rest);
+      coordinate += edge;
+      others += turned(turns[j], edge);
+      way += entry * (at(j) - here);
+    }
+    const Floats4 whole = turned(own, coordinate);
+    const Floats4 wanted = by_edges ? 0.5F * (whole + others) : whole;
+    for (std::ptrdiff_t e = 0; e < 3; ++e) {
+      out[3 * std::ptrdiff_t{i} + e] = static_cast<double>(wanted[e]) - way[e];
+    }
+  }
+  static void plain(const EdgeResidual& all, int first, int last) {
+    for (int i = first; i < last; ++i) {
+      all.sum(i);
+    }
+  }
+  LAPEDIT_AVX2 static void avx2(const EdgeResidual& all, int first, int last) {
+    for (int i = first; i < last; ++i) {
+      all.sum(i);
+    }
+  }
+};
+
+/// What a correction is made with.
+struct Correction {
+  const LaplacianSystem& system;
+  RefinedSolver solver;
+  RingRotations rings;
+  std::vector<int> held;  // vertices with a weight
+  std::vector<Matrix3> rotations;
+  Points edges, between, residual, step, before, previous, ahead;
+
+  explicit Correction(const LaplacianSystem& of)
+      : system(of), solver(of.matrix, of.correction, of.pool), rings(of.region, *of.powers.first, *of.pool) {
+    for (int i = 0; i < of.region.size(); ++i) {
+      if (of.squared_weights[i] > 0) {
+        held.push_back(i);
+      }
+    }
+    edges.resize(of.region.size(), 3);
+    residual.resize(of.region.size(), 3);
+  }
+};
+
+}  // namespace
+
+struct DragFrames::Impl {
+  EditSettings settings;
+  ThreadPool pool;
+  std::shared_ptr<CellModel> cells;
+  std::unique_ptr<Correction> correction;
+  double unit;  // of lengths in single precision, and of displacements
+  std::vector<Turn> turns;
+  Points displacement;  // with a row to spare
+  Points positions;
+  int passes = 0;  // of the last pose
+
+  Impl(const TriangleMesh& mesh, std::shared_ptr<const Region> region, const EditSettings& given,
+       const Progress& progress)
+      : settings(given),
+        pool(given.threads),
+        cells(std::make_shared<CellModel>(mesh, std::make_shared<const RestPose>(mesh, std::move(region)), given,
+                                          progress)),
+        unit(rest().region->max_distance > 0 ? std::ldexp(1.0, std::ilogb(rest().region->max_distance)) : 1),
+        turns(rest().region->size(), Turn{}),
+        positions(rest().region->size(), 3) {
+    displacement.setZero(rest().region->size() + 1, 3);
+    for (int i = 0; i < rest().region->size(); ++i) {
+      for (int e = 0; e < 3; ++e) {
+        turns[i].rest[e] = static_cast<float>(rest().local(i, e) / unit);
+      }
+    }
+  }
+  const RestPose& rest() const { return *cells->rest(); }
+
+  void correct();
+  void carry_before(Points& before) const;
+  void collect();
+};
+
+/// displacement += A^-1 (b(R) - A x0)
+void DragFrames::Impl::correct() {
+  Correction& c = *correction;
+  const LaplacianSystem& system = c.system;
+  constexpr int kGrain = 1024;
+  const EdgeResidual residual = {system.powers.first->rows(), turns.data(), displacement.data(),
+                                 settings.turning == DetailTurning::Edge, c.edges.data()};
+  const auto kernel = for_processor(EdgeResidual::plain, EdgeResidual::avx2, EdgeResidual::avx2);
+  in_pieces(*system.pool, system.region.size(), kGrain, [&](int first, int last) { kernel(residual, first, last); });
+  for (int k = 1; k < settings.order; ++k) {
+    system.powers.first->apply(c.edges, c.between, *system.pool);
+    c.edges.swap(c.between);
+  }
+  system.powers.m->apply_transposed(c.edges, c.residual, *system.pool);
+  for (const int i : c.held) {
+    const Vector3 wanted = system.region.classes[i] == VertexClass::Handle
+                               ? cells->paths().displacement(i)
+                               : cells->paths().carried()[system.region.component[i]].displacement(
+                                     system.rest.local.row(i).transpose());
+    c.residual.row(i) += system.squared_weights[i] * (wanted.transpose() / unit - displacement.row(i));
+  }
+  c.solver.solve(c.residual, c.step);
+  displacement.topRows(c.step.rows()) += c.step;
+  ++passes;
+}
+
+void DragFrames::Impl::collect() {
+  positions = rest().world + unit * displacement.topRows(positions.rows());
+  if (!positions.allFinite()) {
+    throw EditError(ErrorCause::NotFinite,
+                    "The result is not finite: the handle's displacement is too large for the mesh.");
+  }
+}
+
+DragFrames::DragFrames(const TriangleMesh& mesh, std::shared_ptr<const Region> region, const EditSettings& settings,
+                       const Progress& progress) {
+  validate(settings);
+  impl_ = std::make_unique<Impl>(mesh, std::move(region), settings, progress);
+}
+DragFrames::~DragFrames() = default;
+
+const std::shared_ptr<CellModel>& DragFrames::cells() const {
+  return impl_->cells;
+}
+
+bool DragFrames::has_frames(const EditSettings& settings) {
+  return settings.rotation == DetailRotation::None || settings.rotation == DetailRotation::LocalGlobal;
+}
+
+void DragFrames::correct_with(const LaplacianEditor* editor) {
+  impl_->correction.reset();
+  if (editor != nullptr && has_frames(impl_->settings)) {
+    impl_->correction = std::make_unique<Correction>(editor->system());
+  }
+}
+
+const Points& DragFrames::pose(const std::vector<HandleMotion>& handles) {
+  Impl& s = *impl_;
+  ThreadPool& pool = s.correction ? *s.correction->system.pool : s.pool;
+  s.cells->solve(handles, Affine::Identity(), true);
+  s.cells->place(s.unit, s.turns, s.displacement, pool);
+  s.passes = 0;
+  if (s.correction) {
+    s.correct();
+  }
+  s.collect();
+  return s.positions;
+}
+
+bool DragFrames::refine() {
+  Impl& s = *impl_;
+  if (!s.correction || s.passes == 0 || s.settings.rotation != DetailRotation::LocalGlobal ||
+      s.passes >= s.settings.passes()) {
+    return false;
+  }
+  Correction& c = *s.correction;
+  const auto n = s.positions.rows();
+  // From where the components are carried, as the editor fits them.
+  const GroupPaths& paths = s.cells->paths();
+  c.ahead = s.displacement.topRows(n);
+  if (s.passes > 1) {
+    c.ahead += kMomentum * (s.displacement.topRows(n) - c.previous);
+  }
+  c.previous = s.displacement.topRows(n);
+  c.ahead *= s.unit;
+  if (paths.carries()) {
+    c.before = s.rest().local;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const LocalMotion& along = paths.carried()[s.rest().region->component[i]];
+      const Vector3 way = along.displacement(s.rest().local.row(i).transpose());
+      c.before.row(i) += way.transpose();
+      c.ahead.row(i) -= way.transpose();
+    }
+  }
+  c.rings.fit(paths.carries() ? c.before : s.rest().local, c.ahead, c.rotations);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Matrix3& along = paths.carried()[s.rest().region->component[i]].linear;
+    const Matrix3 turn = c.rotations[i] - Matrix3::Identity();
+    const Matrix3 whole = turn + turn * along + along;
+    for (int k = 0; k < 3; ++k) {
+      for (int e = 0; e < 3; ++e) {
+        s.turns[i].columns[k][e] = static_cast<float>(whole(e, k));
+      }
+    }
+  }
+  s.correct();
+  s.collect();
+  return true;
+}
+
+bool DragFrames::corrected() const {
+  return impl_->passes > 0;
+}
+
+const Points& DragFrames::positions() const {
+  return impl_->positions;
+}
+
+}  // namespace lapedit

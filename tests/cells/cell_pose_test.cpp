@@ -1,0 +1,403 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/cells/cell_model.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "allocation_watch.h"
+#include "shapes.h"
+#include "support.h"
+
+namespace lapedit {
+namespace {
+
+using Maps = std::vector<HandleMotion>;
+using support::rigid;
+using support::shift;
+
+const double kDegree = std::acos(-1.0) / 180;
+
+EditSettings settled(DetailTurning turning = DetailTurning::Edge, double membrane = 1200) {
+  EditSettings settings;
+  settings.laplacian = LaplacianKind::MeanValue;
+  settings.rotation = DetailRotation::LocalGlobal;
+  settings.turning = turning;
+  settings.membrane = membrane;
+  return settings;
+}
+
+/// Of places from one x to another.
+std::vector<int> where(const TriangleMesh& mesh, double from, double to) {
+  return support::vertices_where(mesh, [=](const Vector3& p) { return p[0] >= from && p[0] <= to; });
+}
+
+/// A region whose cells are turned without the rest of an editor.
+struct Turned {
+  TriangleMesh mesh;
+  Region region;
+  EditSettings settings;
+  ThreadPool pool;
+  Points rest;
+  CellModel model;
+
+  Turned(TriangleMesh of, const RegionSpec& spec, const std::vector<std::vector<int>>& handles, EditSettings with,
+         int threads = 1)
+      : mesh(std::move(of)),
+        region(build_region(mesh, support::adjacency_of(mesh), spec, handles)),
+        settings(with),
+        pool(threads),
+        rest(support::rows(mesh.vertices, region.mesh_vertex)),
+        model(mesh, support::rest_pose(mesh, region), settings) {}
+
+  const CellPose& cells() const { return model.pose(); }
+  const CellPose& solve(const Maps& maps, bool frame = false) {
+    model.solve(maps, Affine::Identity(), frame);
+    return cells();
+  }
+  std::vector<Matrix3> spread() {
+    std::vector<Matrix3> rotations;
+    model.spread(rotations, pool);
+    return rotations;
+  }
+};
+
+/// A tube along x from 0 to 12, held at its root, whose tip is the handle.
+std::unique_ptr<Turned> limb(const EditSettings& settings = settled(), int threads = 1) {
+  TriangleMesh mesh = shapes::cylinder(24, 90);
+  mesh.vertices.col(0) *= 3;
+  RegionSpec spec;
+  spec.kind = RegionSpec::Kind::Vertices;
+  spec.vertices = where(mesh, 1, 12);
+  const std::vector<std::vector<int>> tip = {where(mesh, 10.5, 12)};
+  return std::make_unique<Turned>(mesh, spec, tip, settings, threads);
+}
+
+/// As a finger bends: the tip goes around on an arc of the limb's length.
+Affine bent(double degrees) {
+  const double angle = degrees * kDegree, from = 1, length = 9.5;
+  const double radius = length / angle;
+  const Vector3 end(from + radius * std::sin(angle), 0, radius * (1 - std::cos(angle)));
+  return rigid(-degrees, Vector3::UnitY(), end - Vector3(from + length, 0, 0), Vector3(from + length, 0, 0));
+}
+
+double angle_of(const Matrix3& rotation) {
+  return support::largest_angle({rotation}, {Matrix3::Identity()}) / kDegree;
+}
+
+double farthest(const Points& a, const Points& b) {
+  return (a - b).rowwise().norm().maxCoeff();
+}
+
+// --- what rotations come out ---
+
+/// Fails if rotations stay behind, overshoot, or do not fade out towards the rim.
+TEST(CellPose, BentLimbTurnsFromNothingAtTheRimToTheGroupsTurnAtTheHandle) {
+  const auto t = limb();
+  for (const double degrees : {20.0, 90.0, 179.0}) {
+    const Affine map = bent(degrees);
+    t->solve({map});
+    const std::vector<Matrix3> rotations = t->spread();
+    std::vector<double> sums(12, 0), counts(12, 0);
+    for (int i = 0; i < t->region.size(); ++i) {
+      ASSERT_LT(support::rotation_defect(rotations[i]), 1e-12);
+      ASSERT_LT(angle_of(rotations[i]), degrees + 6) << degrees;
+      const auto part = std::min(11, static_cast<int>(t->rest(i, 0)));
+      sums[part] += angle_of(rotations[i]);
+      ++counts[part];
+      if (t->region.anchor_depth[i] == 1) {
+        EXPECT_LT(angle_of(rotations[i]), 1e-6) << "held back at the end of the band";
+      }
+      if (t->rest(i, 0) > 11) {
+        EXPECT_LT(support::largest_angle({rotations[i]}, {map.linear()}) / kDegree, 0.06 * degrees + 1) << degrees;
+      }
+    }
+    for (int part = 2; part < 11; ++part) {
+      EXPECT_GT(sums[part] / counts[part] - sums[part - 1] / counts[part - 1], -0.02 * degrees) << degrees << part;
+    }
+    EXPECT_NEAR(sums[6] / counts[6] / degrees, 0.57, 0.15) << "about half of it halfway";
+  }
+}
+
+/// Turned and twisted ends of what nothing holds. Relative to their mean, one end turns back and the other one on.
+TEST(CellPose, TwistOfAComponentWithoutAnchorsIsSharedByBothEnds) {
+  TriangleMesh mesh = shapes::cylinder(20, 60);
+  mesh.vertices.col(0) *= 3;
+  RegionSpec spec;
+  spec.kind = RegionSpec::Kind::Component;
+  Turned t(mesh, spec, {where(mesh, 0, 0.8), where(mesh, 11.2, 12)}, settled());
+  for (const double degrees : {60.0, 120.0, 170.0}) {
+    t.solve({Affine::Identity(), rigid(degrees, Vector3::UnitX(), Vector3::Zero())});
+    ASSERT_EQ(t.model.paths().carried().size(), 1U);
+    const Matrix3 along = t.model.paths().carried()[0].linear + Matrix3::Identity();
+    EXPECT_LT(support::rotation_defect(along), 1e-12) << "components are carried by a rotation";
+    const std::vector<Matrix3> rotations = t.spread();
+    for (int i = 0; i < t.region.size(); ++i) {
+      const Matrix3 whole = rotations[i] * along;
+      const double x = t.rest(i, 0), turned = angle_of(whole);
+      EXPECT_LT(std::abs(whole(0, 0) - 1), 0.02) << "about the limb's axis";
+      if (x < 0.5) {
+        EXPECT_LT(turned, 0.08 * degrees + 1);
+      } else if (x > 11.5) {
+        EXPECT_NEAR(turned / degrees, 1, 0.1);
+      } else if (x > 5.8 && x < 6.2) {
+        EXPECT_NEAR(turned / degrees, 0.5, 0.05);
+      }
+    }
+  }
+}
+
+/// What is carried needs no turning of its own. Fails if rounding makes a rotation of it.
+TEST(CellPose, ComponentThatIsCarriedAsAWholeTurnsToTheBit) {
+  TriangleMesh mesh = shapes::tapered_arm(14, 40);
+  RegionSpec spec;
+  spec.kind = RegionSpec::Kind::Component;
+  Turned t(mesh, spec, {where(mesh, 0, 1), where(mesh, 9, 10)}, settled());
+  for (const Affine& map :
+       {Affine::Identity(), shift(Vector3(1, 2, 3)), rigid(150, Vector3(1, 2, 3), Vector3(4, 0, 1))}) {
+    t.solve({map, map});
+    EXPECT_LT(t.cells().displacement().cwiseAbs().maxCoeff(), 1e-12);
+    for (const Matrix3& rotation : t.cells().rotations()) {
+      ASSERT_LT((rotation - Matrix3::Identity()).norm(), 1e-11);
+    }
+  }
+}
+
+TEST(CellPose, NothingMovedTurnsNothingToTheBit) {
+  for (const double degrees : {0.0, 80.0}) {
+    const auto t = limb();
+    if (degrees > 0) {
+      t->solve({bent(degrees)});
+      EXPECT_GT(t->cells().passes(), 0);
+    }
+    for (const bool goes_on : {false, true}) {
+      t->solve({Affine::Identity()}, goes_on);
+      EXPECT_TRUE(t->cells().displacement().isZero(0));
+      EXPECT_EQ(t->cells().rotations(), std::vector<Matrix3>(t->cells().rotations().size(), Matrix3::Identity()));
+      EXPECT_EQ(t->spread(), std::vector<Matrix3>(t->region.size(), Matrix3::Identity()));
+      EXPECT_EQ(t->cells().left(), 0);
+    }
+  }
+}
+
+// --- that they have settled ---
+
+/// Fails if the passes that are made are too few: an edit that has settled hardly changes in a pass.
+TEST(CellPose, ComesNearToWhatSettles) {
+  for (const DetailTurning turning : {DetailTurning::Edge, DetailTurning::Vertex}) {
+    const auto t = limb(settled(turning));
+    for (const double degrees : {15.0, 90.0, 179.0}) {
+      const Maps maps = {bent(degrees)};
+      t->solve(maps);
+      EXPECT_LT(t->cells().left(), 3e-3) << name(turning) << degrees;
+      EXPECT_GT(t->cells().passes(), 12) << degrees;
+    }
+  }
+}
+
+/// The global step by a dense solve, the local one by singular values: the settled state is a fixed point of both.
+TEST(LocalGlobal, SettledStateSatisfiesItsEquations) {
+  TriangleMesh mesh = shapes::cylinder(18, 50);
+  mesh.vertices.col(0) *= 3;
+  RegionSpec spec;
+  spec.kind = RegionSpec::Kind::Vertices;
+  spec.vertices = where(mesh, 1, 12);
+  const Region region = build_region(mesh, support::adjacency_of(mesh), spec, {where(mesh, 11, 12)});
+  const Points rest = support::rows(mesh.vertices, region.mesh_vertex);
+  ThreadPool pool(1);
+  for (const DetailTurning turning : {DetailTurning::Edge, DetailTurning::Vertex}) {
+    for (const double membrane : {0.0, 1200.0}) {
+      const EditSettings settings = settled(turning, membrane);
+      const std::vector<double> weights = edge_weights(settings.laplacian, region, mesh, true).values;
+      const RegionCells cells = make_cells(region, rest, weights, 100, pool);
+      const CellBlend blend(cells, rest, pool);
+      const CellSurface surface(cells);
+      CoarseSystem system(region, rest, cells, blend, settings);
+      const std::vector<double> hold(cells.count(), 0);
+      LocalGlobal local_global(cells, surface, hold, settings, system);
+      Points constraints = Points::Zero(cells.count(), 3), displacement;
+      std::vector<Matrix3> rotations(cells.count(), Matrix3::Identity());
+      const Affine map = bent(60);
+      for (const CoarseSystem::Held& held : system.held()) {
+        for (const auto& [cell, weight] : held.row) {
+          constraints.row(cell) += held.weight * weight * (map * held.mean - held.mean).transpose();
+        }
+      }
+      local_global.start(cells.centres, std::vector<Matrix3>(cells.count(), Matrix3::Zero()));
+      const LocalGlobal::Outcome outcome = local_global.settle(constraints, 1e-8, 4000, displacement, rotations);
+      EXPECT_LT(outcome.left, 1e-8) << name(turning) << ", " << membrane;
+
+      const Eigen::MatrixXd m = system.differential_operator();
+      Points turned = Points::Zero(cells.count(), 3);
+      for (int a = 0; a < cells.count(); ++a) {
+        for (int b = 0; b < cells.count(); ++b) {
+          const Vector3 edge = (cells.centres.row(a) - cells.centres.row(b)).transpose();
+          const Matrix3 mean =
+              turning == DetailTurning::Edge ? Matrix3(0.5 * (rotations[a] + rotations[b])) : rotations[a];
+          turned.row(a) -= m(a, b) * (mean * edge - edge).transpose();  // nothing where a is b
+        }
+      }
+      Points right = constraints, expected;
+      system.add_turned(turned, right);
+      system.solve(right, expected);
+      EXPECT_LT(farthest(displacement, expected), 1e-6) << name(turning) << ", " << membrane;
+      EXPECT_GT(farthest(displacement, Points::Zero(cells.count(), 3)), 3) << "nothing moved";
+    }
+  }
+}
+
+/// Nothing of what came before is in the result, to the bit: drags and scripts end alike.
+TEST(CellPose, DoesNotDependOnWhatCameBefore) {
+  const Maps maps = {bent(75)};
+  for (const bool quick : {false, true}) {
+    const auto used = limb(), fresh = limb();
+    fresh->solve(maps, quick);
+    for (const Affine& before : {bent(-160), bent(60), rigid(90, Vector3::UnitX(), Vector3(0, 30, 5))}) {
+      used->solve({before}, !quick);
+      used->solve(maps, quick);
+      EXPECT_TRUE(support::same_bits(used->cells().displacement(), fresh->cells().displacement())) << quick;
+      EXPECT_EQ(used->cells().rotations(), fresh->cells().rotations()) << quick;
+    }
+  }
+}
+
+/// Fails if a script's fractions jump: a step of the handle by 0.008 moves no cell by more than half as much again.
+TEST(CellPose, PosesChangeEvenlyWithTheFraction) {
+  const auto t = limb();
+  HandleTransform push;
+  push.translation = Vector3(-8, 0, 0);  // back into itself, where it buckles
+  HandleMotion motion = resolve(push, Vector3::Zero());
+  Points before;
+  for (int k = 700; k <= 1000; ++k) {
+    motion.part = k / 1000.0;
+    t->solve({motion});
+    if (before.rows() > 0) {
+      EXPECT_LT(farthest(t->cells().displacement(), before), 0.012) << k;
+    }
+    before = t->cells().displacement();
+  }
+}
+
+/// The first frame of a drag is often one in which nothing has moved.
+TEST(CellPose, AllocatesNothingAfterASolutionForNothing) {
+  const auto t = limb();
+  t->solve({Affine::Identity()});
+  const Maps maps = {bent(50)};
+  const long before = allocations;
+  t->solve(maps, true);
+  EXPECT_EQ(allocations - before, 0);
+}
+
+// --- what cells have to be for that ---
+
+/// A cell that hangs on one other has no tangent plane; what rounding makes of one is another normal in each pass, and
+/// rotations never settle. Of a ribbon as narrow as its cells the last ones are such.
+TEST(CellSurface, CellsWithNeighboursInALineHaveNoNormal) {
+  const TriangleMesh ribbon = shapes::grid(200, 2);
+  RegionSpec spec;
+  spec.radius = 150;
+  Turned t(support::moved(rigid(33, Vector3(1, 2, 3), Vector3::Zero()), ribbon), spec, {{0, 1}}, settled());
+  ThreadPool pool(1);
+  const std::vector<double> weights = edge_weights(LaplacianKind::MeanValue, t.region, t.mesh, true).values;
+  const RegionCells cells = make_cells(t.region, t.rest, weights, CellPose::wanted_cells(t.region.size()), pool);
+  const CellSurface surface(cells);
+  int lone = 0;
+  for (int c = 0; c < cells.count(); ++c) {
+    const Vector3 normal = surface.normal(c, cells.centres);
+    if (cells.neighbours[c].size() < 2) {
+      ++lone;
+      EXPECT_TRUE(normal.isZero(0)) << c;
+    } else {
+      EXPECT_TRUE(normal.isZero(0) || std::abs(normal.norm() - 1) < 1e-12) << c;
+    }
+  }
+  EXPECT_GT(lone, 0) << "another region is needed";
+}
+
+// --- strange input ---
+
+TEST(CellPose, SingularAndMirroringMapsGiveFiniteRotations) {
+  const auto t = limb();
+  for (const Vector3& scale : {Vector3(0, 0, 0), Vector3(1, 0, 1), Vector3(-1, 1, 1), Vector3(-1, -1, -1)}) {
+    Affine map = shift(Vector3(1, 0, 2));
+    map.linear() = scale.asDiagonal();
+    t->solve({map});
+    EXPECT_TRUE(t->cells().displacement().allFinite()) << scale.transpose();
+    for (const Matrix3& rotation : t->spread()) {
+      ASSERT_LT(support::rotation_defect(rotation), 1e-9) << scale.transpose();
+    }
+  }
+  TriangleMesh mesh = shapes::cylinder(10, 20);
+  RegionSpec spec;
+  spec.kind = RegionSpec::Kind::Component;
+  Turned loose(mesh, spec, {where(mesh, 0, 0.5), where(mesh, 3.5, 4)}, settled());
+  Affine flat = Affine::Identity();
+  flat.linear() = Vector3(1, 1, 0).asDiagonal();
+  loose.solve({flat, flat});  // carried by a map that has no inverse
+  loose.solve({flat, Affine(flat * rigid(40, Vector3::UnitX(), Vector3(0, 1, 0)))});
+  EXPECT_TRUE(loose.cells().displacement().allFinite());
+  for (const Matrix3& rotation : loose.spread()) {
+    ASSERT_LT(support::rotation_defect(rotation), 1e-9);
+  }
+}
+
+TEST(CellModel, RotationsFollowTheirCellsAndAreHeldBackAtTheRim) {
+  const auto t = limb();
+  t->solve({bent(90)});
+  const std::vector<Matrix3> rotations = t->spread();
+  const CellBlend blend(t->model.cells(), t->model.rest()->local, t->pool);
+  int held = 0, free = 0;
+  for (int i = 0; i < t->region.size(); ++i) {
+    const double depth = t->region.anchor_depth[i], hold = depth * depth * (3 - 2 * depth);
+    held += hold == 1;
+    free += hold == 0;
+    // The mean of quaternions by their likeness to the first one, and from there towards none.
+    const auto quaternion = [&](int k) -> Eigen::Vector4d {
+      return Eigen::Quaterniond(t->cells().rotations()[blend.cells(k, i)]).coeffs();
+    };
+    Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+    for (int k = 0; k < CellBlend::kReach; ++k) {
+      sum += quaternion(k).dot(quaternion(0)) * blend.weights(k, i) * quaternion(k);
+    }
+    ASSERT_GT(sum.norm(), 0.2);
+    sum.normalize();
+    sum = (1 - hold) * sum + hold * sum[3] * Eigen::Vector4d::UnitW();
+    const Matrix3 expected = Eigen::Quaterniond(Eigen::Vector4d(sum.normalized())).toRotationMatrix();
+    EXPECT_LT((rotations[i] - expected).norm(), 1e-12) << "vertex " << i;
+  }
+  EXPECT_GT(held, 0);
+  EXPECT_GT(free, 100);
+}
+
+/// Fails if a picture's rotations are others than a script's, or a place other than the cells say.
+TEST(CellModel, PicturesAreWhatScriptsStartFrom) {
+  const auto t = limb();
+  t->solve({bent(90)});
+  const std::vector<Matrix3> rotations = t->spread();
+  std::vector<CellModel::Turn> turns(t->region.size(), CellModel::Turn{});
+  const double unit = 8;
+  for (int i = 0; i < t->region.size(); ++i) {
+    for (int e = 0; e < 3; ++e) {
+      turns[i].rest[e] = static_cast<float>(t->model.rest()->local(i, e) / unit);
+    }
+  }
+  Points displacement = Points::Zero(t->region.size() + 1, 3);
+  t->model.place(unit, turns, displacement, t->pool);
+  for (int i = 0; i < t->region.size(); ++i) {
+    for (int c = 0; c < 3; ++c) {
+      for (int e = 0; e < 3; ++e) {
+        EXPECT_NEAR(turns[i].columns[c][e], rotations[i](e, c) - (c == e), 1e-5) << i;
+      }
+    }
+    if (t->region.classes[i] == VertexClass::Handle) {
+      const Vector3 p = t->rest.row(i), way = bent(90) * p - p;
+      EXPECT_LT((unit * displacement.row(i).transpose() - way).norm(), 1e-3 * way.norm()) << i;
+    } else if (t->region.anchor_depth[i] == 1) {
+      EXPECT_LT(displacement.row(i).norm(), 1e-9) << i;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lapedit

@@ -1,0 +1,390 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/live/drag_frames.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "allocation_watch.h"
+#include "shapes.h"
+#include "support.h"
+
+namespace lapedit {
+namespace {
+
+using Maps = std::vector<HandleMotion>;
+using support::around;
+using support::part;
+using support::rigid;
+using support::same_bits;
+using support::shift;
+
+struct Scene {
+  const char* name;
+  TriangleMesh mesh;
+  Region region;
+  Maps maps;
+
+};
+
+Scene scene(const char* name, const TriangleMesh& mesh, double radius, const std::vector<std::vector<int>>& handles,
+            Maps maps) {
+  return {name, mesh, build_region(mesh, support::adjacency_of(mesh), support::within(radius), handles),
+          std::move(maps)};
+}
+
+Affine grown(double factor, const Vector3& center) {
+  return Affine(Eigen::Translation3d(center) * Eigen::Scaling(factor) * Eigen::Translation3d(-center));
+}
+
+Scene letters() {
+  const TriangleMesh mesh = shapes::letter_field(60, 30);
+  return scene("letters", mesh, 0.9, {{support::vertex_at(mesh, {2, 1, 0})}}, {shift({0.2, 0.1, 0.7})});
+}
+
+/// Three groups of several vertices; large enough to be shared between threads.
+Scene patches() {
+  const TriangleMesh mesh = shapes::letter_field(100, 50);
+  const Vector3 a(1.2, 1, 0), b(2, 1, 0), c(2.8, 1, 0);
+  return scene("patches", mesh, 0.7, {around(mesh, a, 0.12), around(mesh, b, 0.15), around(mesh, c, 0.1)},
+               {rigid(40, {0, 0, 1}, {0, 0.1, 0.3}, a), grown(1.5, b), shift({0.1, 0, 0.2}) * grown(0.7, c)});
+}
+
+/// A component that nothing holds, with two groups.
+Scene loose() {
+  TriangleMesh mesh = shapes::cylinder(18, 50);
+  mesh.vertices.col(0) *= 3;
+  RegionSpec spec;
+  spec.kind = RegionSpec::Kind::Component;
+  const auto end = [&](double from, double to) {
+    return support::vertices_where(mesh, [=](const Vector3& p) { return p[0] >= from && p[0] <= to; });
+  };
+  return {"loose", mesh, build_region(mesh, support::adjacency_of(mesh), spec, {end(0, 0.8), end(11.2, 12)}),
+          {shift({0, 0, 3}), rigid(70, {0, 1, 0}, {-2, 0, 4}, {12, 0, 0})}};
+}
+
+/// A target for each of many vertices.
+Scene landmarks() {
+  const TriangleMesh mesh = shapes::letter_field(60, 30);
+  std::vector<int> marks;
+  for (int v = 0; v < mesh.vertices.rows(); v += 37) {
+    if ((mesh.vertices.row(v) - Eigen::RowVector3d(2, 1, 0)).norm() < 0.6) {
+      marks.push_back(v);
+    }
+  }
+  Scene s = scene("landmarks", mesh, 0.4, {marks}, {HandleMotion()});
+  s.maps[0].targets = support::rows(mesh.vertices, marks);
+  for (Eigen::Index k = 0; k < s.maps[0].targets.rows(); ++k) {
+    s.maps[0].targets(k, 2) += 0.2 + 0.05 * std::sin(3.0 * static_cast<double>(k));
+  }
+  return s;
+}
+
+std::vector<Scene> scenes() {
+  const TriangleMesh arm = shapes::tapered_arm(18, 54), ball = shapes::icosphere(4), bar = shapes::bar(24, 4, 4);
+  const TriangleMesh pair = shapes::two_pieces(3);
+  const auto at = [](const TriangleMesh& mesh, const Vector3& p) { return support::vertex_at(mesh, p); };
+  return {letters(),
+          patches(),
+          scene("arm", arm, 7.1, {{static_cast<int>(arm.vertices.rows()) - 1}}, {shift({-2, 0.5, 4})}),
+          scene("ball", ball, 1.2, {{at(ball, {0, 0.6, 0.8})}, {at(ball, {0.6, 0, 0.8})}},
+                {shift({0.1, 0.3, 0.5}), shift({0.2, -0.2, 0.1})}),
+          scene("bar", bar, 18, {around(bar, {24, 2, 2}, 3.1)}, {rigid(60, {1, 0.5, 0}, {-3, 1, 5}, {24, 2, 2})}),
+          scene("pair", pair, 1.5, {{at(pair, {0, 0, 1})}, around(pair, {3, 0, 1}, 0.2)},
+                {shift({0, 0.2, 0.4}), rigid(30, {1, 0, 0}, {0, 0, 0.2}, {3, 0, 1})}),
+          scene("degenerate", shapes::degenerate_grid(40, 30), 11, {{15 * 30 + 12}}, {shift({1, 2, 6})}),
+          loose(),
+          landmarks()};
+}
+
+/// An editor with frames of its cells.
+struct Dragged {
+  DragFrames frames;
+  LaplacianEditor editor;
+
+  Dragged(const Scene& s, const EditSettings& settings)
+      : frames(s.mesh, std::make_shared<const Region>(s.region), settings),
+        editor(s.mesh, frames.cells(), settings, {}, nullptr) {
+    frames.correct_with(&editor);
+  }
+  /// The frame that a mouse at rest ends with.
+  const Points& rested(const Maps& maps) {
+    frames.pose(maps);
+    while (frames.refine()) {
+    }
+    return frames.positions();
+  }
+};
+
+EditSettings with(DetailRotation rotation, LaplacianKind laplacian = LaplacianKind::MeanValue,
+                  DetailTurning turning = DetailTurning::Edge) {
+  EditSettings settings;
+  settings.rotation = rotation;
+  settings.laplacian = laplacian;
+  settings.turning = turning;
+  return settings;
+}
+
+constexpr DetailRotation kBoth[] = {DetailRotation::None, DetailRotation::LocalGlobal};
+
+/// The handles' longest way, and no less than the region's reach where frames are compared by their largest error.
+double way_of(const Scene& s, const Maps& maps) {
+  const auto rest = support::rest_pose(s.mesh, s.region);
+  GroupPaths paths(s.region, rest->local, rest->origin);
+  paths.set(maps);
+  double way = 0;
+  for (int i = 0; i < s.region.size(); ++i) {
+    way = s.region.group[i] < 0 ? way : std::max(way, paths.displacement(i).norm());
+  }
+  return way;
+}
+
+double rms(const Points& a, const Points& b) {
+  return (a - b).norm() / std::sqrt(static_cast<double>(a.rows()));
+}
+
+Maps part_of(const Maps& maps, double t) {
+  Maps result = maps;
+  for (HandleMotion& motion : result) {
+    motion.part = t;
+  }
+  return result;
+}
+
+/// Fails if any term of a frame is wrong: without rotations it is the solution but for the factor's digits.
+TEST(DragFrames, UnrotatedAreTheSolutionToFourDigits) {
+  for (const Scene& s : scenes()) {
+    for (const CholeskyBackend backend : {CholeskyBackend::Supernodal, CholeskyBackend::Eigen}) {
+      for (const LaplacianKind laplacian :
+           {LaplacianKind::Umbrella, LaplacianKind::Cotangent, LaplacianKind::MeanValue}) {
+        for (const int order : {1, 2}) {
+          EditSettings settings = with(DetailRotation::None, laplacian);
+          settings.backend = backend;
+          settings.order = order;
+          Dragged drag(s, settings);
+          for (const double t : {0.01, 1.0}) {
+            const Maps maps = part_of(s.maps, t);
+            const Points exact = drag.editor.solve(maps);
+            const Points& frame = drag.frames.pose(maps);
+            EXPECT_LT((frame - exact).rowwise().norm().maxCoeff(), 2e-4 * way_of(s, maps))
+                << s.name << ", " << name(laplacian) << ", order " << order << ", " << t;
+            EXPECT_FALSE(same_bits(frame, exact)) << "this says nothing";
+          }
+        }
+      }
+    }
+  }
+}
+
+/// The released pose is that of the last frame, to 1 % of the handle's way.
+TEST(DragFrames, RestedFrameIsNearTheReleasedPose) {
+  for (const Scene& s : scenes()) {
+    for (const LaplacianKind laplacian :
+         {LaplacianKind::Umbrella, LaplacianKind::Cotangent, LaplacianKind::MeanValue}) {
+      for (const DetailTurning turning : {DetailTurning::Edge, DetailTurning::Vertex}) {
+        const EditSettings settings = with(DetailRotation::LocalGlobal, laplacian, turning);
+        Dragged drag(s, settings);
+        for (const double t : {0.05, 1.0}) {
+          const Maps maps = part_of(s.maps, t);
+          const Points exact = drag.editor.solve(maps);
+          EXPECT_LT(rms(drag.rested(maps), exact), 0.01 * way_of(s, maps))
+              << s.name << ", " << name(laplacian) << ", " << name(turning) << ", " << t;
+        }
+      }
+    }
+  }
+}
+
+/// Fails if a frame has other rotations than the cells say, or more passes than the editor.
+TEST(DragFrames, GoThroughTheEditorsPasses) {
+  for (const Scene& s : scenes()) {
+    EditSettings settings = with(DetailRotation::LocalGlobal);
+    for (const int passes : {1, 2, 5}) {
+      settings.iterations = passes;
+      Dragged drag(s, settings);
+      drag.frames.pose(s.maps);
+      int made = 1;
+      while (drag.frames.refine()) {
+        ++made;
+      }
+      EXPECT_EQ(made, passes) << s.name;
+      EXPECT_LT(rms(drag.frames.positions(), drag.editor.solve(s.maps)), 0.02 * way_of(s, s.maps))
+          << s.name << " after " << passes;
+    }
+  }
+}
+
+TEST(DragFrames, HigherOrdersUseTheFactorThatIsThere) {
+  for (const Scene& s : {letters(), patches()}) {
+    EditSettings settings = with(DetailRotation::LocalGlobal);
+    settings.order = 2;
+    settings.iterations = 1;
+    Dragged drag(s, settings);
+    EXPECT_LT(rms(drag.frames.pose(s.maps), drag.editor.solve(s.maps)), 0.02 * way_of(s, s.maps)) << s.name;
+  }
+}
+
+/// Fails if the bounds hold for near handles only. Here they go up to twice as far as the region reaches.
+TEST(DragFrames, FarHandlesKeepTheBounds) {
+  for (const Scene& s : scenes()) {
+    if (s.maps[0].targets.rows() > 0) {
+      continue;
+    }
+    const Maps far = part(s.maps, 3);
+    Dragged unrotated(s, with(DetailRotation::None)), turned(s, with(DetailRotation::LocalGlobal));
+    const double way = way_of(s, far);
+    EXPECT_LT((unrotated.frames.pose(far) - unrotated.editor.solve(far)).rowwise().norm().maxCoeff(), 3e-4 * way)
+        << s.name;
+    EXPECT_LT(rms(turned.rested(far), turned.editor.solve(far)), 0.01 * way) << s.name;
+  }
+}
+
+/// Fails if lengths leave the range of single precision, or coordinates lose their digits far from the origin.
+TEST(DragFrames, ScaleAndPlaceDoNotMatter) {
+  for (const Scene& s : {letters(), patches()}) {
+    for (const auto& [scale, place] : {std::pair(1e-9, 0.0), {1e7, 0.0}, {1.0, 1e5}, {1e-30, 1e-27}, {1e20, 0.0}}) {
+      const Affine view = shift(place * Vector3(1, -2, 3)) * Eigen::Scaling(scale);
+      Scene there = s;
+      there.mesh = support::moved(view, s.mesh);
+      for (double* length : {&there.region.max_distance, &there.region.radius}) {
+        *length *= scale;
+      }
+      for (double& distance : there.region.distance) {
+        distance *= scale;
+      }
+      for (HandleMotion& map : there.maps) {
+        map.map = view * map.map * view.inverse();
+      }
+      const double way = way_of(there, there.maps);
+      Dragged unrotated(there, with(DetailRotation::None)), turned(there, with(DetailRotation::LocalGlobal));
+      EXPECT_LT(rms(unrotated.frames.pose(there.maps), unrotated.editor.solve(there.maps)), 1e-4 * way)
+          << s.name << " at scale " << scale << ", place " << place;
+      EXPECT_LT(rms(turned.rested(there.maps), turned.editor.solve(there.maps)), 0.01 * way)
+          << s.name << " at scale " << scale << ", place " << place;
+    }
+  }
+}
+
+/// Fails if a frame leaves something behind, or rounding moves what nobody moved.
+TEST(DragFrames, NotMovedIsNotMovedToTheBit) {
+  for (const Scene& s : scenes()) {
+    for (const DetailRotation rotation : kBoth) {
+      Dragged drag(s, with(rotation));
+      const Points rest = support::rows(s.mesh.vertices, s.region.mesh_vertex);
+      const Maps none(s.maps.size(), Affine::Identity());
+      EXPECT_TRUE(same_bits(drag.frames.pose(none), rest)) << s.name;
+      EXPECT_FALSE(same_bits(drag.frames.pose(s.maps), rest)) << s.name;
+      EXPECT_TRUE(same_bits(drag.frames.pose(none), rest)) << s.name << ", after another frame";
+      EXPECT_TRUE(same_bits(drag.rested(none), rest)) << s.name << ", after its passes";
+    }
+  }
+}
+
+/// Slow, fast and detouring drags end in the same frame and in the same pose, to the bit.
+TEST(DragFrames, NothingThatCameBeforeMatters) {
+  for (const Scene& s : scenes()) {
+    Dragged fresh(s, with(DetailRotation::LocalGlobal)), used(s, with(DetailRotation::LocalGlobal));
+    const Points first = fresh.frames.pose(s.maps), rested = fresh.rested(s.maps);
+    const Points released = fresh.editor.solve(s.maps);
+    for (int step = 1; step <= 20; ++step) {  // slowly
+      used.frames.pose(part_of(s.maps, step / 20.0));
+    }
+    EXPECT_TRUE(same_bits(used.frames.pose(s.maps), first)) << s.name;
+    for (const double t : {0.3, 1.6, 0.1}) {  // by a detour with rests
+      used.rested(part_of(s.maps, t));
+      used.editor.solve(part_of(s.maps, t));
+    }
+    EXPECT_TRUE(same_bits(used.frames.pose(s.maps), first)) << s.name;
+    EXPECT_TRUE(same_bits(used.rested(s.maps), rested)) << s.name;
+    EXPECT_TRUE(same_bits(used.editor.solve(s.maps), released)) << s.name;
+  }
+}
+
+TEST(DragFrames, ThreadsDoNotChangeABit) {
+  for (const Scene& s : {letters(), patches()}) {
+    for (const DetailRotation rotation : kBoth) {
+      Points pose;
+      for (const int threads : {1, 2, 3}) {
+        EditSettings settings = with(rotation);
+        settings.threads = threads;
+        Dragged drag(s, settings);
+        const Points other = drag.rested(s.maps);
+        pose = threads == 1 ? other : pose;
+        EXPECT_TRUE(same_bits(other, pose)) << s.name << ", " << threads << " threads";
+      }
+    }
+  }
+}
+
+TEST(DragFrames, AllocateNothingAfterTheFirst) {
+  for (const Scene& s : {letters(), patches(), loose()}) {
+    for (const DetailRotation rotation : kBoth) {
+      const long before_all = allocations;
+      Dragged drag(s, with(rotation));
+      Maps maps = s.maps;
+      drag.rested(maps);
+      ASSERT_GT(allocations.load(), before_all);  // or the count does not count
+      // A sanitizer allocates for a thread that starts: they have to be there.
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      const long before = allocations;
+      for (int frame = 0; frame < 5; ++frame) {
+        maps[0].map.translation().x() += 0.01;
+        drag.rested(maps);
+      }
+      EXPECT_EQ(allocations - before, 0) << s.name;
+    }
+  }
+}
+
+/// Fails if a frame is said to be corrected where it is not what the editor computes.
+TEST(DragFrames, OtherRotationsHaveNone) {
+  const Scene s = letters();
+  for (const DetailRotation rotation : {DetailRotation::SmoothNormals, DetailRotation::SmoothSurface}) {
+    const EditSettings settings = with(rotation);
+    EXPECT_FALSE(DragFrames::has_frames(settings));
+    Dragged drag(s, settings);
+    DragFrames alone(s.mesh, std::make_shared<const Region>(s.region), settings);
+    EXPECT_TRUE(same_bits(drag.frames.pose(s.maps), alone.pose(s.maps)));
+    EXPECT_FALSE(drag.frames.corrected());
+    EXPECT_FALSE(drag.frames.refine());
+  }
+}
+
+/// Fails if a map that is not finite gets through, or spoils the frames that come after it.
+TEST(DragFrames, StrangeMapsAreRefusedOrFollowed) {
+  for (const Scene& s : {letters(), patches()}) {
+    for (const DetailRotation rotation : kBoth) {
+      Dragged drag(s, with(rotation));
+      const Points expected = drag.frames.pose(s.maps);
+      for (const double strange : {std::nan(""), std::numeric_limits<double>::infinity()}) {
+        Maps maps = s.maps;
+        maps.back().map.translation().y() = strange;
+        support::expect_refusal(ErrorCause::NotFinite, [&] { drag.frames.pose(maps); });
+        EXPECT_TRUE(same_bits(drag.frames.pose(s.maps), expected)) << s.name;
+      }
+      support::expect_refusal(ErrorCause::NoHandle, [&] { drag.frames.pose({}); });
+      for (const double way : {1e6, 1e12, 1e60}) {
+        Maps maps = s.maps;
+        maps[0] = shift(way * Vector3(1, 2, 3)) * maps[0].map;
+        try {
+          EXPECT_TRUE(drag.frames.pose(maps).allFinite()) << s.name << ", a way of " << way;
+        } catch (const EditError& error) {
+          EXPECT_EQ(error.cause(), ErrorCause::NotFinite);
+        }
+        EXPECT_TRUE(same_bits(drag.frames.pose(s.maps), expected)) << s.name << ", after a way of " << way;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lapedit

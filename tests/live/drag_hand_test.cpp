@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/live/drag_frames.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "allocation_watch.h"
+#include "lapedit/edit/laplacian_editor.h"
+#include "shapes.h"
+#include "support.h"
+
+namespace lapedit {
+namespace {
+
+using Maps = std::vector<HandleMotion>;
+using support::around;
+using support::rigid;
+using support::same_bits;
+using support::shift;
+using support::within;
+
+struct Scene {
+  std::string name;
+  TriangleMesh mesh;
+  std::shared_ptr<const Region> region;
+  Maps maps;
+  EditSettings settings;
+  double largest_rms, largest_error;  // of the handle's way
+
+  DragFrames frames() const { return {mesh, region, settings}; }
+  Points rest() const { return support::rows(mesh.vertices, region->mesh_vertex); }
+};
+
+Scene scene(const std::string& name, const TriangleMesh& mesh, const RegionSpec& spec,
+            const std::vector<std::vector<int>>& handles, Maps maps, const EditSettings& settings, double rms,
+            double largest) {
+  return {name,
+          mesh,
+          std::make_shared<const Region>(build_region(mesh, support::adjacency_of(mesh), spec, handles)),
+          std::move(maps),
+          settings,
+          rms,
+          largest};
+}
+
+EditSettings with(int order, LaplacianKind kind, DetailRotation rotation) {
+  EditSettings settings = support::smooth_surface_settings();
+  settings.order = order;
+  settings.laplacian = kind;
+  settings.rotation = rotation;
+  return settings;
+}
+
+/// Every kind of handle, order, operator and rotation on some thousand vertices, and every kind of handle by default.
+/// The bounds are what is seen, and a half on top.
+std::vector<Scene> scenes() {
+  const TriangleMesh letters = shapes::letter_field(254, 127), grid = shapes::bumpy_grid();
+  const TriangleMesh ball = shapes::icosphere(5);
+  const auto at = [](const TriangleMesh& mesh, const Vector3& p) { return support::vertex_at(mesh, p); };
+  const Vector3 middle = Vector3(2, 1, 0);
+  std::vector<int> line;
+  for (int v = 60 * 50 + 20; v <= 60 * 50 + 40; ++v) {
+    line.push_back(v);
+  }
+  const auto umbrella = LaplacianKind::Umbrella, cotangent = LaplacianKind::Cotangent;
+  const auto surface = DetailRotation::SmoothSurface, none = DetailRotation::None;
+  return {
+      scene("vertex", letters, within(0.9), {{at(letters, middle)}}, {shift({0.2, 0.1, 0.5})},
+            with(1, umbrella, surface), 0.05, 0.25),
+      scene("unrotated", letters, within(0.9), {{at(letters, middle)}}, {shift({0.2, 0.1, 0.5})},
+            with(1, umbrella, none), 0.024, 0.09),
+      scene("turned", letters, within(0.8), {around(letters, middle, 0.15)},
+            {rigid(30, {0, 1, 0}, {0, 0.1, 0.3}, middle)}, with(1, umbrella, surface), 0.05, 0.2),
+      scene("two groups", letters, within(0.6),
+            {around(letters, {1.4, 1, 0}, 0.12), around(letters, {2.6, 1, 0}, 0.12)},
+            {shift({0, 0, 0.4}), rigid(25, {1, 0, 0}, {0, 0, -0.2}, {2.6, 1, 0})}, with(1, cotangent, surface), 0.045,
+            0.18),
+      scene("curve", grid, within(25), {line}, {shift({0, 0, 8})}, with(1, umbrella, surface), 0.09, 0.26),
+      scene("order 2", grid, within(40), {{60 * 50 + 30}}, {shift({0, 2, 9})}, with(2, umbrella, surface), 0.1, 0.3),
+      scene("cotangent", ball, within(1.5), {{at(ball, {0, 0, 1})}}, {shift({0.2, 0, 0.5})},
+            with(1, cotangent, surface), 0.015, 0.037),
+      scene("vertex by default", letters, within(0.9), {{at(letters, middle)}}, {shift({0.2, 0.1, 0.5})}, {}, 0.09,
+            0.25),
+      scene("turned by default", letters, within(0.8), {around(letters, middle, 0.15)},
+            {rigid(30, {0, 1, 0}, {0, 0.1, 0.3}, middle)}, {}, 0.08, 0.28),
+      scene("two groups by default", letters, within(0.6),
+            {around(letters, {1.4, 1, 0}, 0.12), around(letters, {2.6, 1, 0}, 0.12)},
+            {shift({0, 0, 0.4}), rigid(25, {1, 0, 0}, {0, 0, -0.2}, {2.6, 1, 0})}, {}, 0.08, 0.38),
+      scene("curve by default", grid, within(25), {line}, {shift({0, 0, 8})}, {}, 0.036, 0.125),
+      scene("ball by default", ball, within(1.5), {{at(ball, {0, 0, 1})}}, {shift({0.2, 0, 0.5})}, {}, 0.027, 0.054),
+  };
+}
+
+double longest_way(const Scene& s, const Points& pose) {
+  double longest = 0;
+  const Points rest = s.rest();
+  for (int i = 0; i < s.region->size(); ++i) {
+    if (s.region->classes[i] == VertexClass::Handle) {
+      longest = std::max(longest, (pose.row(i) - rest.row(i)).norm());
+    }
+  }
+  return longest;
+}
+
+TEST(DragHand, IsNearTheFullPoseForEveryKindOfHandle) {
+  for (const Scene& s : scenes()) {
+    LaplacianEditor editor(s.mesh, *s.region, s.settings);
+    const Points full = editor.solve(s.maps);
+    DragFrames frames = s.frames();
+    const Points difference = frames.pose(s.maps) - full;
+    const double way = longest_way(s, full);
+    const double rms = std::sqrt(difference.squaredNorm() / static_cast<double>(difference.rows())) / way;
+    const double most = difference.rowwise().norm().maxCoeff() / way;
+    std::cout << s.name << ": " << s.region->size() << " vertices, " << frames.cells()->cells().count() << " cells, RMS " << 100 * rms
+              << " %, largest " << 100 * most << " % of the handle's way\n";
+    EXPECT_LT(rms, s.largest_rms) << s.name;
+    EXPECT_LT(most, s.largest_error) << s.name;
+  }
+}
+
+/// A handle is weighed against the surface, as in the solution.
+TEST(DragHand, HandleAndRimAreInPlace) {
+  for (const Scene& s : scenes()) {
+    DragFrames frames = s.frames();
+    const Points pose = frames.pose(s.maps), rest = s.rest();
+    int rim = 0;
+    for (int i = 0; i < s.region->size(); ++i) {
+      if (s.region->classes[i] == VertexClass::Handle) {
+        const Vector3 wanted = s.maps[s.region->group[i]].map * Vector3(rest.row(i));
+        EXPECT_LT((pose.row(i).transpose() - wanted).norm(), 1e-3 * longest_way(s, pose)) << s.name;
+      } else if (s.region->anchor_depth[i] == 1) {
+        EXPECT_EQ(pose.row(i), rest.row(i)) << s.name;
+        ++rim;
+      }
+    }
+    EXPECT_GT(rim, 0) << s.name;
+  }
+}
+
+TEST(DragHand, WhatIsNotMovedKeepsItsBits) {
+  for (const Scene& s : scenes()) {
+    EXPECT_TRUE(same_bits(s.frames().pose(Maps(s.maps.size(), Affine::Identity())), s.rest())) << s.name;
+  }
+}
+
+TEST(DragHand, WithoutAnchorsTheWholeFollowsRigidly) {
+  const TriangleMesh ball = shapes::icosphere(5);
+  RegionSpec all;
+  all.kind = RegionSpec::Kind::Component;
+  const Scene s =
+      scene("ball", ball, all, {around(ball, {0, 0, 1}, 0.3)}, {rigid(70, {1, 2, 0}, {3, 0, 1}, {0, 0, 1})}, {}, 0, 0);
+  const Points pose = s.frames().pose(s.maps), rest = s.rest();
+  Points wanted = rest;
+  for (int i = 0; i < rest.rows(); ++i) {
+    wanted.row(i) = (s.maps[0].map * Vector3(rest.row(i))).transpose();
+  }
+  EXPECT_LT(support::error(pose, wanted), 1e-6);
+}
+
+TEST(DragHand, ThreadsAndEarlierPosesDoNotMatter) {
+  for (const Scene& s : scenes()) {
+    if (s.maps.size() < 2) {
+      continue;
+    }
+    EditSettings one = s.settings, three = s.settings;
+    one.threads = 1;
+    three.threads = 3;
+    DragFrames a(s.mesh, s.region, one), b(s.mesh, s.region, three);
+    const Points fresh = a.pose(s.maps);
+    EXPECT_TRUE(same_bits(b.pose(s.maps), fresh)) << s.name;
+    for (DragFrames* frames : {&a, &b}) {
+      frames->pose({shift({1, 0, 0}), shift({0, 1, 0})});
+    }
+    const Points again = a.pose(s.maps);
+    EXPECT_TRUE(same_bits(again, b.pose(s.maps))) << s.name;
+    EXPECT_TRUE(same_bits(again, fresh)) << s.name;
+  }
+}
+
+TEST(DragHand, NothingIsAllocatedPerFrame) {
+  for (const Scene& s : scenes()) {
+    DragFrames frames = s.frames();
+    frames.pose(s.maps);
+    const Maps more = [&s] {
+      Maps maps = s.maps;
+      maps[0].map.translation() *= 1.1;
+      return maps;
+    }();
+    const long before = allocations;
+    frames.pose(more);
+    EXPECT_EQ(allocations - before, 0) << s.name;
+  }
+}
+
+TEST(DragHand, RefusalsAreSentences) {
+  const Scene s = scenes()[0];
+  DragFrames frames = s.frames();
+  EXPECT_THROW(frames.pose({}), EditError);
+  EXPECT_THROW(frames.pose({shift({std::nan(""), 0, 0})}), EditError);
+  EXPECT_THROW(frames.pose({shift({1e300, 1e300, 1e300})}), EditError);
+  EXPECT_TRUE(frames.pose(s.maps).allFinite());
+}
+
+}  // namespace
+}  // namespace lapedit

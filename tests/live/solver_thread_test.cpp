@@ -1,0 +1,392 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/live/solver_thread.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "shapes.h"
+#include "support.h"
+
+namespace lapedit {
+namespace {
+
+PrepareTask task_for(int handle, double radius = 8) {
+  PrepareTask task;
+  static const auto mesh = std::make_shared<const TriangleMesh>(shapes::bumpy_grid());
+  static const auto adjacency = std::make_shared<const Adjacency>(support::adjacency_of(*mesh));
+  task.mesh = mesh;
+  task.adjacency = adjacency;
+  task.region.radius = radius;
+  task.groups = {{handle}};
+  task.scalar = StoredScalar::Double;
+  return task;
+}
+
+constexpr int kHandle = 3030;
+
+/// All news until the worker rests, as one.
+SolverNews all_news(SolverThread& worker, SolverPose& pose) {
+  SolverNews all;
+  while (worker.wait()) {
+    SolverNews news = worker.poll(pose);
+    all.region = news.region ? news.region : all.region;
+    all.report = news.report ? news.report : all.report;
+    all.applied = news.applied ? news.applied : all.applied;
+    all.ready |= news.ready;
+    all.pose |= news.pose;
+    all.error += news.error;
+    all.pose_error += news.pose_error;
+  }
+  return all;
+}
+
+TEST(SolverThread, PosesAreThoseOfTheEditor) {
+  SolverThread worker(nullptr);
+  SolverPose pose;
+  PrepareTask task = task_for(kHandle);
+  LaplacianEditor editor(*task.mesh, build_region(*task.mesh, *task.adjacency, task.region, task.groups),
+                         task.settings);
+  worker.prepare(task);
+  const int serial = worker.solve({support::shift(Vector3(1, 2, 3))}, true);
+  const SolverNews news = all_news(worker, pose);
+  ASSERT_TRUE(news.region && news.ready && news.pose && news.report);
+  EXPECT_EQ(news.region->mesh_vertex, editor.region().mesh_vertex);
+  EXPECT_EQ(pose.serial, serial);
+  EXPECT_TRUE(support::same_bits(pose.positions, editor.solve({support::shift(Vector3(1, 2, 3))})));
+  EXPECT_NEAR(news.report->handle_displacement, Vector3(1, 2, 3).norm(), 1e-9);
+}
+
+TEST(SolverThread, SolvesTheNewestQuestionAndNotAll) {
+  SolverThread worker(nullptr);
+  SolverPose pose;
+  worker.prepare(task_for(kHandle, 25));
+  int serial = 0;
+  for (int i = 1; i <= 1000; ++i) {
+    serial = worker.solve({support::shift(Vector3(0, 0, 0.01 * i))}, i == 1000);
+  }
+  int answers = 0;
+  while (worker.wait()) {
+    answers += worker.poll(pose).pose;
+  }
+  EXPECT_EQ(pose.serial, serial);
+  EXPECT_GE(answers, 1);
+  EXPECT_LT(answers, 10);  // all but the last few came while the region was being prepared
+}
+
+TEST(SolverThread, NewTaskDropsTheOldOne) {
+  SolverThread worker(nullptr);
+  SolverPose pose;
+  worker.prepare(task_for(kHandle, 40));
+  worker.solve({support::shift(Vector3(0, 0, 1))}, false);
+  worker.prepare(task_for(1000, 5));
+  const SolverNews news = all_news(worker, pose);
+  ASSERT_TRUE(news.region);
+  EXPECT_TRUE(news.ready);
+  EXPECT_FALSE(news.pose);
+  const std::vector<int>& vertices = news.region->mesh_vertex;
+  EXPECT_TRUE(std::binary_search(vertices.begin(), vertices.end(), 1000));
+}
+
+TEST(SolverThread, CancelDropsAllAndNothingComesAfterIt) {
+  SolverThread worker(nullptr);
+  SolverPose pose;
+  worker.prepare(task_for(kHandle, 40));
+  worker.solve({support::shift(Vector3(0, 0, 1))}, false);
+  worker.cancel();
+  const SolverNews news = all_news(worker, pose);
+  EXPECT_FALSE(news.region || news.ready || news.pose);
+  EXPECT_TRUE(news.error.empty());
+}
+
+TEST(SolverThread, ErrorsAreSentences) {
+  SolverThread worker(nullptr);
+  SolverPose pose;
+  worker.prepare(task_for(kHandle, 0.01));
+  EXPECT_NE(all_news(worker, pose).error.find("handle alone"), std::string::npos);
+  worker.solve({support::shift(Vector3(0, 0, 1))}, true);
+  EXPECT_FALSE(all_news(worker, pose).pose);
+  EXPECT_FALSE(worker.busy());  // not waiting for ever for a region that cannot be had
+  worker.prepare(task_for(kHandle));
+  worker.solve({support::shift(Vector3(std::nan(""), 0, 0))}, true);
+  const SolverNews news = all_news(worker, pose);
+  EXPECT_NE(news.pose_error.find("finite"), std::string::npos);
+  worker.solve({support::shift(Vector3(0, 0, 1))}, true);
+  EXPECT_TRUE(all_news(worker, pose).pose);
+}
+
+TEST(SolverThread, AppliesStepsOneAfterTheOther) {
+  SolverThread worker(nullptr);
+  SolverPose pose;
+  const PrepareTask task = task_for(kHandle);
+  EditStep step;
+  step.region = task.region;
+  step.handles = {{{kHandle}, {}}};
+  step.handles[0].transform.translation = Vector3(0, 0, 2);
+  Edit edit;
+  edit.steps = {step, step};
+  worker.apply({task.mesh, task.adjacency, edit, StoredScalar::Double});
+  const SolverNews news = all_news(worker, pose);
+  ASSERT_TRUE(news.applied);
+  ASSERT_EQ(news.applied->size(), 2U);
+  const EditResult both = apply_edit(*task.mesh, edit);
+  Points places = task.mesh->vertices;
+  for (const EditResult& result : *news.applied) {
+    for (std::size_t i = 0; i < result.vertices.size(); ++i) {
+      places.row(result.vertices[i]) = result.positions.row(static_cast<Eigen::Index>(i));
+    }
+  }
+  EXPECT_TRUE(support::same_bits(support::rows(places, both.vertices), both.positions));
+}
+
+TEST(SolverThread, WakesItsOwnerForEachPieceOfNews) {
+  std::atomic<int> woken{0};
+  SolverThread worker([&woken] { ++woken; });
+  SolverPose pose;
+  worker.prepare(task_for(kHandle));
+  all_news(worker, pose);
+  EXPECT_GE(woken, 2);
+  const int before = woken;
+  worker.solve({support::shift(Vector3(0, 0, 1))}, false);
+  all_news(worker, pose);
+  EXPECT_GT(woken, before);
+}
+
+/// Enough to be in the hand long before it is prepared.
+PrepareTask large_task() {
+  PrepareTask task;
+  static const auto mesh = std::make_shared<const TriangleMesh>(shapes::letter_field(254, 127));
+  static const auto adjacency = std::make_shared<const Adjacency>(support::adjacency_of(*mesh));
+  task.mesh = mesh;
+  task.adjacency = adjacency;
+  task.region.radius = 1.6;
+  task.groups = {{support::vertex_at(*mesh, {2, 1, 0})}};
+  task.settings.iterations = 1;
+  task.scalar = StoredScalar::Float;
+  return task;
+}
+
+Points exact_pose(const PrepareTask& task, const std::vector<HandleMotion>& maps) {
+  Points exact;
+  StepRunner({*task.mesh, *task.adjacency, task.region, task.groups, task.settings, task.scalar}).solve(maps, exact);
+  return exact;
+}
+
+/// All poses until the worker rests, and which of them came before the region was prepared.
+struct Followed {
+  std::vector<SolverPose> poses;
+  int before_ready = 0;
+  bool in_hand = false, ready = false;
+  std::string error, pose_error;
+
+  void listen(SolverThread& worker, bool to_the_first_pose = false) {
+    while (worker.wait()) {
+      SolverPose pose;
+      const SolverNews news = worker.poll(pose);
+      in_hand |= news.in_hand;
+      if (news.pose) {
+        before_ready += !ready && !news.ready;
+        poses.push_back(pose);
+      }
+      ready |= news.ready;
+      error += news.error;
+      pose_error += news.pose_error;
+      if (to_the_first_pose && news.pose) {
+        return;
+      }
+    }
+  }
+  /// The longest way of a vertex from one pose to the next.
+  double longest_jump() const {
+    double longest = 0;
+    for (std::size_t k = 1; k < poses.size(); ++k) {
+      longest = std::max(longest, (poses[k].positions - poses[k - 1].positions).rowwise().norm().maxCoeff());
+    }
+    return longest;
+  }
+};
+
+const std::vector<HandleMotion> kLifted = {support::shift(Vector3(0.1, 0, 0.5))};
+
+/// What holds whenever these threads get their time: a busy machine has several tries. @param look  @return whether
+template <class Look>
+bool seen_in_some_try(const Look& look) {
+  constexpr int kTries = 10;
+  for (int k = 0; k < kTries; ++k) {
+    if (look()) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/// Cells alone, then with their correction, then the pose in full, all on their own where the mouse rests.
+TEST(InTheHand, FollowsFirstAndBecomesTheEditors) {
+  PrepareTask task = large_task();
+  for (const int passes : {1, 4}) {
+    task.settings.iterations = passes;
+    const Points exact = exact_pose(task, kLifted);
+    EXPECT_TRUE(seen_in_some_try([&] {
+      SolverThread worker(nullptr);
+      worker.prepare(task);
+      const int serial = worker.solve(kLifted, false);
+      Followed seen;
+      seen.listen(worker);
+      EXPECT_TRUE(seen.in_hand && seen.ready);
+      EXPECT_TRUE(support::same_bits(seen.poses.back().positions, exact));
+      for (const SolverPose& pose : seen.poses) {
+        EXPECT_EQ(pose.serial, serial);
+      }
+      const double apart = (seen.poses.front().positions - exact).rowwise().norm().maxCoeff();
+      return seen.before_ready >= 1 && static_cast<int>(seen.poses.size()) == passes + 2 && apart > 0 &&
+             seen.longest_jump() < 1.1 * apart;
+    })) << passes;
+  }
+}
+
+TEST(InTheHand, BecomesTheEditorsWhileTheMouseMoves) {
+  const PrepareTask task = large_task();
+  EXPECT_TRUE(seen_in_some_try([&] {
+    SolverThread worker(nullptr);
+    worker.prepare(task);
+    Followed seen;
+    Affine at = kLifted[0].map;
+    for (int frame = 0; frame < 4000 && !(seen.ready && frame > 200); ++frame) {
+      at.translation().z() = 0.5 + 1e-5 * frame;
+      worker.solve({at}, false);
+      seen.listen(worker, true);
+    }
+    const Points frame = seen.poses.back().positions;
+    worker.solve({at}, true);
+    seen.listen(worker);
+    EXPECT_TRUE(seen.ready);
+    const Points exact = exact_pose(task, {at});
+    EXPECT_TRUE(support::same_bits(seen.poses.back().positions, exact));
+    return seen.before_ready >= 3 && (frame - exact).rowwise().norm().maxCoeff() < 0.02;
+  }));
+}
+
+TEST(InTheHand, WhatIsReleasedBeforeTheRegionIsPreparedIsTheEditors) {
+  const PrepareTask task = large_task();
+  const Points exact = exact_pose(task, kLifted);
+  EXPECT_TRUE(seen_in_some_try([&] {
+    SolverThread worker(nullptr);
+    worker.prepare(task);
+    worker.solve({support::shift(Vector3(0.1, 0, 0.4))}, false);
+    Followed seen;
+    seen.listen(worker, true);
+    const bool early = !seen.ready;
+    const int serial = worker.solve(kLifted, true);
+    seen.listen(worker);
+    EXPECT_EQ(seen.poses.back().serial, serial);
+    EXPECT_TRUE(support::same_bits(seen.poses.back().positions, exact));
+    for (std::size_t k = 0; k + 1 < seen.poses.size(); ++k) {
+      EXPECT_LT(seen.poses[k].serial, serial);  // nobody takes them for what stays
+    }
+    return early && seen.before_ready >= 2;  // the released pose is seen at once
+  }));
+}
+
+TEST(InTheHand, NothingComesAfterCancel) {
+  SolverThread worker(nullptr);
+  worker.prepare(large_task());
+  worker.solve(kLifted, false);
+  Followed seen;
+  seen.listen(worker, true);
+  worker.cancel();
+  Followed after;
+  after.listen(worker);
+  EXPECT_TRUE(after.poses.empty());
+  EXPECT_FALSE(after.ready);
+  EXPECT_FALSE(worker.busy());
+}
+
+TEST(InTheHand, AnotherRegionIsInTheHandWhileTheOldOneIsStillPrepared) {
+  SolverThread worker(nullptr);
+  worker.prepare(large_task());
+  worker.solve(kLifted, false);
+  Followed first;
+  first.listen(worker, true);
+  PrepareTask other = large_task();
+  other.groups = {{support::vertex_at(*other.mesh, {1.2, 1, 0})}};
+  worker.prepare(other);
+  worker.solve(kLifted, true);
+  Followed second;
+  second.listen(worker);
+  ASSERT_TRUE(second.ready);
+  EXPECT_TRUE(support::same_bits(second.poses.back().positions, exact_pose(other, kLifted)));
+}
+
+TEST(InTheHand, SmallRegionIsNotDisturbedByLargeOnesThatWereDropped) {
+  SolverThread worker(nullptr);
+  PrepareTask other = large_task();
+  other.groups = {{support::vertex_at(*other.mesh, {1.2, 1, 0})}};
+  PrepareTask small = large_task();
+  small.region.radius = 0.1;
+  const Points exact = exact_pose(small, kLifted);
+  for (int round = 0; round < 6; ++round) {
+    worker.prepare(large_task());
+    worker.solve(kLifted, false);
+    Followed first;
+    first.listen(worker, true);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20 * round));  // into a stage that cannot be left
+    worker.prepare(other);                                               // waits for the first one to end
+    worker.solve(kLifted, false);
+    Followed second;
+    second.listen(worker, true);
+    worker.prepare(small);
+    for (int k = 0; k < 20; ++k) {  // while those end
+      worker.solve(kLifted, true);
+      Followed third;
+      third.listen(worker);
+      ASSERT_FALSE(third.poses.empty());
+      EXPECT_TRUE(support::same_bits(third.poses.back().positions, exact));
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  }
+}
+
+TEST(InTheHand, WhatTheEditorRefusesIsSaid) {
+  PrepareTask task = large_task();
+  SolverThread worker(nullptr);
+  worker.prepare(task);
+  worker.solve({support::shift(Vector3(std::nan(""), 0, 0))}, true);
+  Followed seen;
+  seen.listen(worker);
+  EXPECT_NE(seen.pose_error.find("finite"), std::string::npos);
+  EXPECT_TRUE(seen.poses.empty());
+  worker.solve(kLifted, true);
+  seen.listen(worker);
+  EXPECT_TRUE(support::same_bits(seen.poses.back().positions, exact_pose(task, kLifted)));
+}
+
+TEST(InTheHand, EndsBeforeTheRegionIsPrepared) {
+  for (int i = 0; i < 5; ++i) {
+    SolverThread worker(nullptr);
+    worker.prepare(large_task());
+    worker.solve(kLifted, false);
+    Followed seen;
+    seen.listen(worker, true);
+    if (i % 2 == 1) {
+      worker.solve(kLifted, true);
+    }
+  }
+}
+
+TEST(SolverThread, EndsInTheMiddleOfItsWork) {
+  for (int i = 0; i < 20; ++i) {
+    SolverThread worker(nullptr);
+    worker.prepare(task_for(kHandle, 30));
+    worker.solve({support::shift(Vector3(0, 0, 1))}, false);
+  }
+}
+
+}  // namespace
+}  // namespace lapedit
