@@ -37,7 +37,8 @@ enum class CpuLevel { Plain, Avx2, Avx512 };
 /// environment no better than that, as on an older processor. The same all the time.
 CpuLevel cpu_level();
 
-/// `lanes` numbers that are added, multiplied and so on together.
+/// `lanes` numbers that are added, multiplied and so on together. Containers do not align more than 16 bytes: those of
+/// larger vectors hold numbers, to be read by load().
 template <class Scalar, int lanes>
 struct Simd {
   typedef Scalar Vector __attribute__((vector_size(lanes * sizeof(Scalar))));

@@ -63,6 +63,14 @@ CellModel::CellModel(const TriangleMesh& mesh, std::shared_ptr<const RestPose> r
 
 void CellModel::solve(const std::vector<HandleMotion>& handles, const Affine& anchors, bool quick) {
   paths_.set(handles, anchors);
+  solve(quick);
+}
+
+void CellModel::solve_in_full() {
+  solve(false);
+}
+
+void CellModel::solve(bool quick) {
   pose_.solve(paths_, quick);
   for (int c = 0; c < cells_.count(); ++c) {
     quaternions_[c] = Eigen::Quaterniond(pose_.rotations()[c]).coeffs();

@@ -31,6 +31,7 @@ class CellModel {
   /// The result depends on nothing that came before; nothing is allocated after the first call but for targets.
   /// @throws EditError as GroupPaths::set()
   void solve(const std::vector<HandleMotion>& handles, const Affine& anchors, bool quick);
+  void solve_in_full();  ///< for the same motions
 
   /// Rotations of the vertices relative to where they are carried: those of the cells, blended by quaternions and faded
   /// to the identity across the anchor band.
@@ -53,6 +54,7 @@ class CellModel {
   void place(double unit, std::vector<Turn>& turns, Points& displacement, ThreadPool& pool);
 
  private:
+  void solve(bool quick);
   /// A cell's pose in single precision.
   struct Placed {
     Floats4 quaternion, way, centre;

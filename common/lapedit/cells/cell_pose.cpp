@@ -10,7 +10,7 @@ namespace {
 struct Passes {
   int on_the_way, at_the_end;
 };
-constexpr Passes kFull = {5, 20}, kQuick = {2, 10};
+constexpr Passes kFull = {5, 20}, kQuick = {1, 8};
 constexpr double kSettled = 1e-9;  // of the handles' largest way: no pass changes anything then
 
 }  // namespace

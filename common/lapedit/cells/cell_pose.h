@@ -24,7 +24,7 @@ class CellPose {
 
   /// Goes along the paths, step by step, with a few passes for each and more for the last.
   /// @param paths   at their end before and after
-  /// @param quick   in less than half of the time and so much less accurate
+  /// @param quick   in a quarter of the time and so much less accurate
   /// The result depends on nothing that came before; nothing is allocated after the first call.
   void solve(GroupPaths& paths, bool quick);
 

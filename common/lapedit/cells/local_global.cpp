@@ -20,6 +20,87 @@ constexpr double kSureNormal = 0.5, kInertia = 0.5;
 
 }  // namespace
 
+/// What a pass sums over the edges between cells. Points and columns of matrices are read four numbers at a time, and
+/// sums taken in one order, so that the bits are those of every processor.
+struct LocalGlobal::Edges {
+  const RegionCells& cells;
+  const CellSurface& surface;
+  const OperatorRows::Rows& m;
+
+  static LAPEDIT_INLINE Doubles4 three(const double* from) { return Doubles4{from[0], from[1], from[2], 0}; }
+
+  /// C_a = sum_b g_ab (P1_b - P1_a)(P0_b - P0_a)^T with the term of the normal, see the class.
+  LAPEDIT_INLINE void covariance(int a, const Points& after, const Vector3* before, const double* normal_before,
+                                 double* to) const {
+    Doubles4 column[3] = {}, first = {}, second = {};  // tangents, as in CellSurface::normal()
+    const Doubles4 here = three(&after(a, 0));
+    for (int k = cells.neighbours.offsets[a]; k < cells.neighbours.offsets[a + 1]; ++k) {
+      const Doubles4 edge = three(&after(cells.neighbours.values[k], 0)) - here;
+      for (int c = 0; c < 3; ++c) {
+        column[c] += edge * before[k][c];
+      }
+      first += surface.slope(k)[0] * edge;
+      second += surface.slope(k)[1] * edge;
+    }
+    const Doubles4 normal = {first[1] * second[2] - first[2] * second[1], first[2] * second[0] - first[0] * second[2],
+                             first[0] * second[1] - first[1] * second[0], 0};
+    const Doubles4 squares = column[0] * column[0] + column[1] * column[1] + column[2] * column[2],
+                   normals = normal * normal;
+    const double size = std::sqrt(squares[0] + squares[1] + squares[2]);
+    const double length = std::sqrt(normals[0] + normals[1] + normals[2] + kSureNormal * kSureNormal);
+    for (int c = 0; c < 3; ++c) {
+      column[c] += (kNormals * size / length * normal_before[c]) * normal;
+      for (std::ptrdiff_t e = 0; e < 3; ++e) {
+        to[3 * c + e] = column[c][e];
+      }
+    }
+  }
+
+  static LAPEDIT_INLINE Doubles4 turned(const double* columns, const double* edge) {
+    return edge[0] * load<Doubles4>(columns) + edge[1] * load<Doubles4>(columns + 4) +
+           edge[2] * load<Doubles4>(columns + 8);
+  }
+  /// sum_b ((R_a + R_b) / 2 - I) e_ab, e_ab = -M_ab (C_a - C_b), or with R_a alone.
+  /// @param turns  of each cell R - I in three columns of four numbers
+  LAPEDIT_INLINE void turn(const double* turns, const Points& edges, const Points& sums, bool by_edges,
+                           double* to) const {
+    for (int a = 0; a < cells.count(); ++a, to += 3) {
+      Doubles4 sum = turned(turns + 12 * std::ptrdiff_t{a}, &sums(a, 0));
+      if (by_edges) {
+        for (int k = m.outerIndexPtr()[a]; k < m.outerIndexPtr()[a + 1]; ++k) {
+          sum += turned(turns + 12 * std::ptrdiff_t{m.innerIndexPtr()[k]}, &edges(k, 0));
+        }
+        sum *= 0.5;
+      }
+      for (std::ptrdiff_t e = 0; e < 3; ++e) {
+        to[e] = sum[e];
+      }
+    }
+  }
+  LAPEDIT_INLINE void all_covariances(const Points& after, const Vector3* before, const Points& normals,
+                                      MatrixAverages& to) const {
+    for (int a = 0; a < cells.count(); ++a) {
+      covariance(a, after, before, &normals(a, 0), to[a].data());
+    }
+  }
+  static void covariances_plain(const Edges& all, const Points& after, const Vector3* before, const Points& normals,
+                                MatrixAverages& to) {
+    all.all_covariances(after, before, normals, to);
+  }
+  LAPEDIT_AVX2 static void covariances_avx2(const Edges& all, const Points& after, const Vector3* before,
+                                            const Points& normals, MatrixAverages& to) {
+    all.all_covariances(after, before, normals, to);
+  }
+  static void turn_plain(const Edges& all, const double* turns, const Points& edges, const Points& sums, bool by_edges,
+                         double* to) {
+    all.turn(turns, edges, sums, by_edges, to);
+  }
+  LAPEDIT_AVX2 static void turn_avx2(const Edges& all, const double* turns, const Points& edges, const Points& sums,
+                                     bool by_edges, double* to) {
+    all.turn(turns, edges, sums, by_edges, to);
+  }
+};
+
 LocalGlobal::LocalGlobal(const RegionCells& cells, const CellSurface& surface, const std::vector<double>& hold,
                          const EditSettings& settings, CoarseSystem& system)
     : cells_(cells),
@@ -29,7 +110,11 @@ LocalGlobal::LocalGlobal(const RegionCells& cells, const CellSurface& surface, c
       system_(system),
       averages_(cells.count()),
       covariances_(cells.count()),
-      before_(cells.neighbours.values.size()) {}
+      before_(cells.neighbours.values.size()),
+      turns_(12 * static_cast<std::size_t>(cells.count())),
+      m_(system.differential_operator()),
+      edges_(m_.nonZeros(), 3),
+      sums_(cells.count(), 3) {}
 
 void LocalGlobal::start(const Points& carried, const std::vector<Matrix3>& linear) {
   if (carried_.rows() == carried.rows() && carried_ == carried && linear_ == linear) {
@@ -40,6 +125,14 @@ void LocalGlobal::start(const Points& carried, const std::vector<Matrix3>& linea
   smooth_before_ = carried;
   surface_.smooth(kSmoothing, smooth_before_, scratch_);
   normals_before_.resize(carried.rows(), 3);
+  sums_.setZero();
+  for (int a = 0; a < cells_.count(); ++a) {
+    for (int k = m_.outerIndexPtr()[a]; k < m_.outerIndexPtr()[a + 1]; ++k) {
+      const Vector3 edge = (cells_.centres.row(a) - cells_.centres.row(m_.innerIndexPtr()[k])).transpose();
+      edges_.row(k) = -m_.valuePtr()[k] * (edge + linear[a] * edge).transpose();
+      sums_.row(a) += edges_.row(k);
+    }
+  }
   for (int a = 0; a < cells_.count(); ++a) {
     normals_before_.row(a) = surface_.normal(a, smooth_before_).transpose();
     for (int k = cells_.neighbours.offsets[a]; k < cells_.neighbours.offsets[a + 1]; ++k) {
@@ -49,24 +142,13 @@ void LocalGlobal::start(const Points& carried, const std::vector<Matrix3>& linea
   }
 }
 
-/// The rotation nearest to C_a = sum_b g_ab (P1_b - P1_a)(P0_b - P0_a)^T + |.| n1 n0^T / 2, averaged.
+/// The rotation nearest to the averaged covariances.
 void LocalGlobal::fit(const Points& displacement, std::vector<Matrix3>& rotations) {
   smooth_after_ = carried_ + displacement;
   surface_.smooth(kSmoothing, smooth_after_, scratch_);
-  for (int a = 0; a < cells_.count(); ++a) {
-    Matrix3 covariance = Matrix3::Zero();
-    Vector3 first = Vector3::Zero(), second = Vector3::Zero();  // tangents, as in CellSurface::normal()
-    for (int k = cells_.neighbours.offsets[a]; k < cells_.neighbours.offsets[a + 1]; ++k) {
-      const Vector3 edge = (smooth_after_.row(cells_.neighbours.values[k]) - smooth_after_.row(a)).transpose();
-      covariance.noalias() += edge * before_[k].transpose();
-      first += surface_.slope(k)[0] * edge;
-      second += surface_.slope(k)[1] * edge;
-    }
-    const Vector3 normal = first.cross(second);
-    const double length = std::sqrt(normal.squaredNorm() + kSureNormal * kSureNormal);
-    covariance += (kNormals * covariance.norm() / length * normal) * normals_before_.row(a);
-    averages_[a] = covariance;
-  }
+  const Edges edges = {cells_, surface_, m_};
+  for_processor(Edges::covariances_plain, Edges::covariances_avx2, Edges::covariances_avx2)(
+      edges, smooth_after_, before_.data(), normals_before_, averages_);
   averages_.average(cells_.neighbours, kAveraging, alone_);
   for (int a = 0; a < cells_.count(); ++a) {
     const Matrix3 averaged = averages_[a];
@@ -79,24 +161,18 @@ void LocalGlobal::fit(const Points& displacement, std::vector<Matrix3>& rotation
   nearest_rotations(covariances_.data(), cells_.count(), rotations.data());
 }
 
-/// sum_b -M_ab ((R_a + R_b) / 2 - I) (C_a - C_b), or with R_a alone.
-void LocalGlobal::turn(const std::vector<Matrix3>& rotations, Points& turned) const {
-  const SparseMatrix& m = system_.differential_operator();
-  const bool by_edges = settings_.turning == DetailTurning::Edge;
-  turned.setZero(cells_.count(), 3);
-  for (int b = 0; b < m.outerSize(); ++b) {
-    for (SparseMatrix::InnerIterator entry(m, b); entry; ++entry) {
-      const auto a = static_cast<int>(entry.row());
-      if (a == b) {
-        continue;
-      }
-      Vector3 edge = (cells_.centres.row(a) - cells_.centres.row(b)).transpose();
-      edge += linear_[a] * edge;
-      const Vector3 after =
-          by_edges ? Vector3(0.5 * ((rotations[a] + rotations[b]) * edge)) : Vector3(rotations[a] * edge);
-      turned.row(a) -= entry.value() * (after - edge).transpose();
+void LocalGlobal::turn(const std::vector<Matrix3>& rotations, Points& turned) {
+  turned.resize(cells_.count(), 3);
+  for (int a = 0; a < cells_.count(); ++a) {
+    for (int c = 0; c < 3; ++c) {
+      double* const column = &turns_[12 * static_cast<std::size_t>(a) + 4 * c];
+      store(column, Edges::three(&rotations[a](0, c)));
+      column[c] -= 1;
     }
   }
+  const Edges edges = {cells_, surface_, m_};
+  for_processor(Edges::turn_plain, Edges::turn_avx2, Edges::turn_avx2)(
+      edges, turns_.data(), edges_, sums_, settings_.turning == DetailTurning::Edge, turned.data());
 }
 
 LocalGlobal::Outcome LocalGlobal::settle(const Points& constraints, double accurate, int most_passes,

@@ -6,6 +6,7 @@
 #include "lapedit/cells/cell_surface.h"
 #include "lapedit/cells/coarse_system.h"
 #include "lapedit/deform/matrix_averages.h"
+#include "lapedit/linear/operator_rows.h"
 
 namespace lapedit {
 
@@ -38,8 +39,9 @@ class LocalGlobal {
                  std::vector<Matrix3>& rotations);
 
  private:
+  struct Edges;
   void fit(const Points& displacement, std::vector<Matrix3>& rotations);
-  void turn(const std::vector<Matrix3>& rotations, Points& turned) const;
+  void turn(const std::vector<Matrix3>& rotations, Points& turned);
 
   const RegionCells& cells_;
   const CellSurface& surface_;
@@ -51,6 +53,9 @@ class LocalGlobal {
   MatrixAverages averages_;
   std::vector<Matrix3> linear_, covariances_;
   std::vector<Vector3> before_;  // per entry of neighbours: g_ab (P0_b - P0_a)
+  std::vector<double> turns_;    // of each cell the columns of R - I, four numbers each
+  OperatorRows::Rows m_;         // the system's M
+  Points edges_, sums_;          // per entry of it -M_ab (C_a - C_b), carried along, and over each row
 };
 
 }  // namespace lapedit

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "lapedit/base/error.h"
+#include "lapedit/base/simd.h"
 #include "lapedit/linear/supernodal_analysis.h"
 #include "lapedit/linear/supernodal_solve.h"
 
@@ -87,6 +88,34 @@ SparseMatrix lower_in_order(const SparseMatrix& matrix, const std::vector<int>& 
   return result;
 }
 
+/// L D L^T x = b for three right-hand sides and a fourth that is nothing, which is twice as fast as one after the other.
+struct Triangles {
+  const int* offsets;
+  const int* rows;
+  const double* values;
+  const double* pivots;
+  Eigen::Index size;
+
+  LAPEDIT_INLINE void solve(double* x) const {
+    for (Eigen::Index i = 0; i < size; ++i) {
+      const auto own = load<Doubles4>(x + 4 * i);
+      for (int k = offsets[i]; k < offsets[i + 1]; ++k) {
+        double* const below = x + 4 * std::ptrdiff_t{rows[k]};
+        store(below, load<Doubles4>(below) - values[k] * own);
+      }
+    }
+    for (Eigen::Index i = size - 1; i >= 0; --i) {
+      Doubles4 own = load<Doubles4>(x + 4 * i) / pivots[i];
+      for (int k = offsets[i]; k < offsets[i + 1]; ++k) {
+        own -= values[k] * load<Doubles4>(x + 4 * std::ptrdiff_t{rows[k]});
+      }
+      store(x + 4 * i, own);
+    }
+  }
+  static void plain(const Triangles& all, double* x) { all.solve(x); }
+  LAPEDIT_AVX2 static void avx2(const Triangles& all, double* x) { all.solve(x); }
+};
+
 struct EigenCholesky : Impl {
   using Natural = Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>>;
 
@@ -117,22 +146,31 @@ struct EigenCholesky : Impl {
     return std::make_unique<EigenCholesky>(*this, std::move(used));
   }
   void solve(const Points& rhs, Points& x) override {
-    solve_with(scratch, 1, rhs, x, [this] { solve_scratch(); });
+    solve_in_place([&](std::size_t k) { return rhs.row(order[k]); });
+    x.resize(rhs.rows(), 3);
+    for (std::size_t k = 0; k < order.size(); ++k) {
+      x.row(order[k]) = scratch.row(static_cast<Eigen::Index>(k)).head<3>();
+    }
   }
   void solve_in_order(float* x) override {
     Eigen::Map<Rows<float>> rows(x, static_cast<Eigen::Index>(order.size()), 3);
-    scratch = rows.cast<double>();
-    solve_scratch();
-    rows = scratch.cast<float>();
+    solve_in_place([&](std::size_t k) { return rows.row(static_cast<Eigen::Index>(k)).cast<double>(); });
+    rows = scratch.leftCols<3>().cast<float>();
   }
-  void solve_scratch() {
-    factor->ldlt.matrixL().solveInPlace(scratch);
-    scratch.array().colwise() /= factor->pivots.array();
-    factor->ldlt.matrixU().solveInPlace(scratch);
+  template <class Row>
+  void solve_in_place(const Row& row) {
+    scratch.resize(static_cast<Eigen::Index>(order.size()), 4);
+    for (std::size_t k = 0; k < order.size(); ++k) {
+      scratch.row(static_cast<Eigen::Index>(k)) << row(k), 0;
+    }
+    const SparseMatrix& lower = factor->ldlt.matrixL().nestedExpression();
+    const Triangles triangles = {lower.outerIndexPtr(), lower.innerIndexPtr(), lower.valuePtr(), factor->pivots.data(),
+                                 scratch.rows()};
+    for_processor(Triangles::plain, Triangles::avx2, Triangles::avx2)(triangles, scratch.data());
   }
 
   std::shared_ptr<const Factor> factor;
-  Eigen::Matrix<double, Eigen::Dynamic, 3> scratch;  // each right-hand side contiguous, as the factor wants it
+  Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor> scratch;
 };
 
 struct Analysis {

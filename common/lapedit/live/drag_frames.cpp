@@ -90,7 +90,8 @@ struct DragFrames::Impl {
   std::vector<Turn> turns;
   Points displacement;  // with a row to spare
   Points positions;
-  int passes = 0;  // of the last pose
+  int passes = 0;         // of the last pose
+  bool is_quick = false;  // its cells
 
   Impl(const TriangleMesh& mesh, std::shared_ptr<const Region> region, const EditSettings& given,
        const Progress& progress)
@@ -110,8 +111,9 @@ struct DragFrames::Impl {
   }
   const RestPose& rest() const { return *cells->rest(); }
 
+  void start(bool quick);
+  void turn_rings();
   void correct();
-  void carry_before(Points& before) const;
   void collect();
 };
 
@@ -171,55 +173,71 @@ void DragFrames::correct_with(const LaplacianEditor* editor) {
   }
 }
 
+/// The cells' pose and, if there is a factor, its correction.
+void DragFrames::Impl::start(bool quick) {
+  ThreadPool& used = correction ? *correction->system.pool : pool;
+  cells->place(unit, turns, displacement, used);
+  passes = 0;
+  is_quick = quick;
+  if (correction) {
+    correct();
+  }
+  collect();
+}
+
+/// Rotations of the one-rings, ahead of the last pass, relative to where the components are carried, as the editor has
+/// them.
+void DragFrames::Impl::turn_rings() {
+  Correction& c = *correction;
+  const Region& region = *rest().region;
+  const GroupPaths& paths = cells->paths();
+  const auto n = positions.rows();
+  c.ahead = displacement.topRows(n);
+  if (passes > 1) {
+    c.ahead += kMomentum * (displacement.topRows(n) - c.previous);
+  }
+  c.previous = displacement.topRows(n);
+  c.ahead *= unit;
+  c.before = rest().local;
+  for (Eigen::Index i = 0; paths.carries() && i < n; ++i) {
+    const Vector3 way = paths.carried()[region.component[i]].displacement(rest().local.row(i).transpose());
+    c.before.row(i) += way.transpose();
+    c.ahead.row(i) -= way.transpose();
+  }
+  c.rings.fit(c.before, c.ahead, c.rotations);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Matrix3& along = paths.carried()[region.component[i]].linear;
+    const Matrix3 turn = c.rotations[i] - Matrix3::Identity();
+    const Matrix3 whole = turn + turn * along + along;
+    for (int k = 0; k < 3; ++k) {
+      for (int e = 0; e < 3; ++e) {
+        turns[i].columns[k][e] = static_cast<float>(whole(e, k));
+      }
+    }
+  }
+}
+
 const Points& DragFrames::pose(const std::vector<HandleMotion>& handles) {
   Impl& s = *impl_;
-  ThreadPool& pool = s.correction ? *s.correction->system.pool : s.pool;
   s.cells->solve(handles, Affine::Identity(), true);
-  s.cells->place(s.unit, s.turns, s.displacement, pool);
-  s.passes = 0;
-  if (s.correction) {
-    s.correct();
-  }
-  s.collect();
+  s.start(true);
   return s.positions;
 }
 
 bool DragFrames::refine() {
   Impl& s = *impl_;
-  if (!s.correction || s.passes == 0 || s.settings.rotation != DetailRotation::LocalGlobal ||
-      s.passes >= s.settings.passes()) {
+  if (!corrected() || s.settings.rotation != DetailRotation::LocalGlobal) {
     return false;
   }
-  Correction& c = *s.correction;
-  const auto n = s.positions.rows();
-  // From where the components are carried, as the editor fits them.
-  const GroupPaths& paths = s.cells->paths();
-  c.ahead = s.displacement.topRows(n);
-  if (s.passes > 1) {
-    c.ahead += kMomentum * (s.displacement.topRows(n) - c.previous);
+  if (s.is_quick) {
+    s.cells->solve_in_full();
+    s.start(false);
+    return true;
   }
-  c.previous = s.displacement.topRows(n);
-  c.ahead *= s.unit;
-  if (paths.carries()) {
-    c.before = s.rest().local;
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const LocalMotion& along = paths.carried()[s.rest().region->component[i]];
-      const Vector3 way = along.displacement(s.rest().local.row(i).transpose());
-      c.before.row(i) += way.transpose();
-      c.ahead.row(i) -= way.transpose();
-    }
+  if (s.passes >= s.settings.passes()) {
+    return false;
   }
-  c.rings.fit(paths.carries() ? c.before : s.rest().local, c.ahead, c.rotations);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Matrix3& along = paths.carried()[s.rest().region->component[i]].linear;
-    const Matrix3 turn = c.rotations[i] - Matrix3::Identity();
-    const Matrix3 whole = turn + turn * along + along;
-    for (int k = 0; k < 3; ++k) {
-      for (int e = 0; e < 3; ++e) {
-        s.turns[i].columns[k][e] = static_cast<float>(whole(e, k));
-      }
-    }
-  }
+  s.turn_rings();
   s.correct();
   s.collect();
   return true;

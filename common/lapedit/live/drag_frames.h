@@ -16,8 +16,8 @@ namespace lapedit {
 ///
 /// with the residual through the edges of x0 in double precision and one solve with the factor that is there: x0 is off
 /// by a few hundredths of the handle's way, so that five digits of the solve are enough for all that can be seen. The
-/// first frame of a pose has the rotations of the cells; refine() goes through the editor's other passes. Frames depend
-/// on nothing that came before. For any number of groups, targets of single vertices, and components without anchors.
+/// first frame of a pose has rotations of the cells, with few passes on them; refine() goes through all that the editor
+/// does. Frames depend on nothing that came before. For any number of groups, targets of single vertices, and components without anchors.
 ///
 /// Rotations that are not the cells' (smooth normals and surfaces) have no such frames: has_frames().
 class DragFrames {
@@ -44,7 +44,8 @@ class DragFrames {
   /// Nothing is allocated after the first call, but for targets. @throws EditError (NoHandle, NotFinite)
   const Points& pose(const std::vector<HandleMotion>& handles);
 
-  /// The next pass of the pose: never more than the editor's. @return whether there was one; it is in positions()
+  /// The pose again with the cells' rotations in full, then its next passes: never more than the editor's. @return
+  /// whether there was one; it is in positions()
   /// Nothing is allocated after the first passes. @throws EditError (NotFinite)
   bool refine();
   const Points& positions() const;
