@@ -9,8 +9,7 @@
 #include <memory>
 
 #include "lapedit/base/stopwatch.h"
-#include "lapedit/deform/coarse_preview.h"
-#include "lapedit/edit/laplacian_editor.h"
+#include "lapedit/live/drag_frames.h"
 #include "scene.h"
 
 namespace {
@@ -40,21 +39,18 @@ int main(int argc, char** argv) {
   const auto region = std::make_shared<const lapedit::Region>(
       lapedit::build_region(scene.mesh, scene.adjacency, scene.spec, scene.handle));
   const double found = watch.lap();
-  double in_hand = 0, hand_frame = 0;
-  {
-    lapedit::CoarsePreview preview(scene.mesh, region, settings);
-    preview.pose({speed::handle_move(0)});
-    in_hand = found + watch.lap();
-    preview.pose({speed::handle_move(1)});
-    hand_frame = watch.lap();
-  }
   const double before = held_megabytes();
-  watch.lap();
-  lapedit::LaplacianEditor editor(scene.mesh, *region, settings);
+  lapedit::DragFrames frames(scene.mesh, region, settings);
+  frames.pose({speed::handle_move(0)});
+  const double in_hand = found + watch.lap();
+  frames.pose({speed::handle_move(1)});
+  const double hand_frame = watch.lap();
+  lapedit::LaplacianEditor editor(scene.mesh, frames.cells(), settings, {}, nullptr);
+  frames.correct_with(&editor);
   const double ready = watch.lap(), held = held_megabytes() - before;
-  editor.preview({speed::handle_move(0)});
+  frames.pose({speed::handle_move(0)});
   watch.lap();
-  editor.preview({speed::handle_move(1)});
+  frames.pose({speed::handle_move(1)});
   const double frame = watch.lap();
   editor.solve({speed::handle_move(1)});
   const double settled_first = watch.lap();

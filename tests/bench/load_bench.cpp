@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "lapedit/base/stopwatch.h"
-#include "lapedit/deform/coarse_preview.h"
+#include "lapedit/live/drag_frames.h"
 #include "lapedit/edit/laplacian_editor.h"
 #include "lapedit/linear/nested_dissection.h"
 #include "scene.h"
@@ -116,8 +116,8 @@ void in_the_hand(benchmark::State& state, const speed::Scene& scene) {
   const auto settings = with_threads(state);
   const auto region = std::make_shared<const lapedit::Region>(scene.region);
   timed(state, "in the hand", [&] {
-    lapedit::CoarsePreview preview(scene.mesh, region, settings);
-    preview.pose({speed::handle_move(0)});
+    lapedit::DragFrames frames(scene.mesh, region, settings);
+    frames.pose({speed::handle_move(0)});
   });
 }
 
@@ -133,7 +133,6 @@ void region_ready(benchmark::State& state, const speed::Scene& scene) {
   lapedit::EditTimes times;
   timed(state, "region ready", [&] {
     lapedit::LaplacianEditor editor(scene.mesh, scene.region, settings);
-    editor.preview({speed::handle_move(0)});
     times = editor.report();
   });
   state.counters["operator"] = times.operator_ms;
@@ -142,10 +141,13 @@ void region_ready(benchmark::State& state, const speed::Scene& scene) {
 }
 
 void drag_frame(benchmark::State& state, const speed::Scene& scene) {
-  lapedit::LaplacianEditor editor(scene.mesh, scene.region, with_threads(state));
+  const auto settings = with_threads(state);
+  lapedit::DragFrames frames(scene.mesh, std::make_shared<const lapedit::Region>(scene.region), settings);
+  const lapedit::LaplacianEditor editor(scene.mesh, frames.cells(), settings, {}, nullptr);
+  frames.correct_with(&editor);
   int frame = 0;
-  editor.preview({speed::handle_move(frame)});
-  timed(state, "drag frame", [&] { editor.preview({speed::handle_move(++frame)}); });
+  frames.pose({speed::handle_move(frame)});
+  timed(state, "drag frame", [&] { frames.pose({speed::handle_move(++frame)}); });
 }
 
 void settled_pose(benchmark::State& state, const speed::Scene& scene) {

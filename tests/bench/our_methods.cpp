@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "lapedit/base/stopwatch.h"
-#include "lapedit/edit/laplacian_editor.h"
+#include "lapedit/live/drag_frames.h"
 #include "quality_text.h"
 
 namespace quality {
@@ -68,7 +68,9 @@ MethodResult ours(const Scene& scene, const EditSettings& settings) {
   const lapedit::Points& solved = editor.solve({edit.maps.begin(), edit.maps.end()});
   result.solve_ms = watch.lap();
   result.positions = whole_mesh(edit, editor.region(), solved);
-  result.fast_frame = editor.has_preview();
+  result.fast_frame = lapedit::DragFrames::has_frames(settings);
+  lapedit::DragFrames frames_of(edit.mesh, std::make_shared<const lapedit::Region>(editor.region()), settings);
+  frames_of.correct_with(&editor);
   // A mouse that comes near the pose, small step by small step.
   std::vector<double> frames;
   for (int k = 0; k < kFrames; ++k) {
@@ -77,7 +79,7 @@ MethodResult ours(const Scene& scene, const EditSettings& settings) {
       motion.map.translation() *= 1 - 0.002 * (kFrames - k);
     }
     watch.lap();
-    editor.preview(motions);
+    result.fast_frame ? frames_of.pose(motions) : editor.solve(motions);
     frames.push_back(watch.lap());
   }
   std::nth_element(frames.begin(), frames.begin() + kFrames / 2, frames.end());

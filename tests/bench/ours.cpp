@@ -1,25 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ours.h"
 
-#include "lapedit/deform/coarse_preview.h"
-#include "lapedit/edit/laplacian_editor.h"
-#include "lapedit/deform/smooth_normals.h"
+#include <algorithm>
+
+#include "lapedit/live/drag_frames.h"
 #include "lapedit/linear/nested_dissection.h"
 #include "lapedit/linear/sparse_cholesky.h"
 
 namespace speed {
 
+using lapedit::DragFrames;
 using lapedit::LaplacianEditor;
 using lapedit::Points;
 using lapedit::Region;
 
 namespace {
 
-/// Those that the peers can follow: the umbrella operator without a membrane.
+/// Those that the peers can follow: the umbrella operator without a membrane, whole coordinates, one pass.
 lapedit::EditSettings settings(int order, int threads) {
   lapedit::EditSettings result;
   result.laplacian = lapedit::LaplacianKind::Umbrella;
-  result.rotation = lapedit::DetailRotation::SmoothSurface;
+  result.iterations = 1;
   result.turning = lapedit::DetailTurning::Vertex;
   result.membrane = 0;
   result.order = order;
@@ -33,40 +34,42 @@ lapedit::EditSettings settings(int order, int threads) {
 
 struct Ours::State {
   lapedit::EditSettings settings;
+  std::unique_ptr<DragFrames> frames;
   std::unique_ptr<LaplacianEditor> editor;
-  std::vector<lapedit::Affine> handles;
+  std::vector<lapedit::HandleMotion> handles{1};
   const Points* positions = nullptr;
-  const Points* normals = nullptr;
-  Points own_normals;
-  Eigen::VectorXd areas;
+
+  /// As SolverThread does it.
+  void prepare(const Scene& scene, Region region) {
+    constexpr int kHandFrom = 12000;
+    if (region.size() < kHandFrom) {
+      editor = std::make_unique<LaplacianEditor>(scene.mesh, std::move(region), settings, lapedit::Progress(),
+                                                 std::move(editor));
+      frames = std::make_unique<DragFrames>(editor->cells(), settings);
+    } else {
+      frames = std::make_unique<DragFrames>(scene.mesh, std::make_shared<const Region>(std::move(region)), settings);
+      editor = std::make_unique<LaplacianEditor>(scene.mesh, frames->cells(), settings, lapedit::Progress(),
+                                                 std::move(editor));
+    }
+    frames->correct_with(editor.get());
+  }
 };
 
 Ours::Ours(const Scene& scene, int order, int threads) : state_(std::make_unique<State>()) {
   State& s = *state_;
   s.settings = settings(order, threads);
-  s.handles.resize(1);
-  s.editor = std::make_unique<LaplacianEditor>(
-      scene.mesh, lapedit::build_region(scene.mesh, scene.adjacency, scene.spec, scene.handle, threads), s.settings);
+  s.prepare(scene, lapedit::build_region(scene.mesh, scene.adjacency, scene.spec, scene.handle, threads));
 }
 Ours::~Ours() = default;
 
 void Ours::frame(const lapedit::Affine& handle) {
   State& s = *state_;
   s.handles[0] = handle;
-  s.positions = &s.editor->preview(s.handles);
-  s.normals = &s.editor->preview_normals();
-  if (s.normals->rows() == 0) {
-    lapedit::vertex_normals(*s.positions, s.editor->region().faces, s.own_normals, s.areas);
-    s.normals = &s.own_normals;
-  }
+  s.positions = &s.frames->pose(s.handles);
 }
 const Points& Ours::positions() const {
   return *state_->positions;
 }
-const Points& Ours::normals() const {
-  return *state_->normals;
-}
-
 const Points& Ours::exact(const lapedit::Affine& handle) {
   state_->handles[0] = handle;
   return state_->editor->solve(state_->handles);
@@ -75,7 +78,7 @@ const std::vector<lapedit::Matrix3>& Ours::exact_rotations() const {
   return state_->editor->rotations();
 }
 
-void Ours::second_handle(const Scene& scene, int vertex) {
+void Ours::second_handle(const Scene& scene, const std::vector<int>& vertices) {
   State& s = *state_;
   Region region = s.editor->region();
   for (int i = 0; i < region.size(); ++i) {
@@ -83,13 +86,12 @@ void Ours::second_handle(const Scene& scene, int vertex) {
       region.classes[i] = lapedit::VertexClass::Free;
       region.group[i] = -1;
     }
-    if (region.mesh_vertex[i] == vertex) {
+    if (std::binary_search(vertices.begin(), vertices.end(), region.mesh_vertex[i])) {
       region.classes[i] = lapedit::VertexClass::Handle;
       region.group[i] = 0;
     }
   }
-  s.editor = std::make_unique<LaplacianEditor>(scene.mesh, std::move(region), s.settings, lapedit::Progress(),
-                                               std::move(s.editor));
+  s.prepare(scene, std::move(region));
 }
 const Region& Ours::region() const {
   return state_->editor->region();
@@ -97,16 +99,14 @@ const Region& Ours::region() const {
 
 struct OurHand::State {
   std::shared_ptr<const Region> region;
-  lapedit::CoarsePreview preview;
-  std::vector<lapedit::Affine> handles{lapedit::Affine::Identity()};
+  DragFrames frames;
+  std::vector<lapedit::HandleMotion> handles{1};
   const Points* positions = nullptr;
-  Points normals;
-  Eigen::VectorXd areas;
 
   State(const Scene& scene, const lapedit::EditSettings& given)
       : region(std::make_shared<const Region>(
             lapedit::build_region(scene.mesh, scene.adjacency, scene.spec, scene.handle, given.threads))),
-        preview(scene.mesh, region, given) {}
+        frames(scene.mesh, region, given) {}
 };
 
 OurHand::OurHand(const Scene& scene, int order, int threads)
@@ -116,14 +116,13 @@ OurHand::~OurHand() = default;
 void OurHand::frame(const lapedit::Affine& handle) {
   State& s = *state_;
   s.handles[0] = handle;
-  s.positions = &s.preview.pose(s.handles);
-  lapedit::vertex_normals(*s.positions, s.region->faces, s.normals, s.areas);
+  s.positions = &s.frames.pose(s.handles);
 }
 const Points& OurHand::positions() const {
   return *state_->positions;
 }
 int OurHand::cells() const {
-  return state_->preview.cells();
+  return state_->frames.cells()->cells().count();
 }
 
 struct OurSolver::State {

@@ -21,10 +21,9 @@ class Ours {
   Ours(const Scene& scene, int order, int threads);
   ~Ours();
 
-  /// A drag frame: cursor in, positions and vertex normals of the region out.
+  /// A drag frame: cursor in, positions of the region out.
   void frame(const lapedit::Affine& handle);
   const lapedit::Points& positions() const;
-  const lapedit::Points& normals() const;
 
   /// The same pose by the plain path in double precision, and the rotations it
   /// took.
@@ -32,7 +31,8 @@ class Ours {
   const std::vector<lapedit::Matrix3>& exact_rotations() const;
 
   /// Takes another handle in the same region, with the same anchors: from picked to the first drag possible.
-  void second_handle(const Scene& scene, int vertex);
+  /// @param vertices  ascending mesh vertex numbers
+  void second_handle(const Scene& scene, const std::vector<int>& vertices);
   const lapedit::Region& region() const;
 
  private:
@@ -40,7 +40,7 @@ class Ours {
   std::unique_ptr<State> state_;
 };
 
-/// The library's stand-in for the time in which a region is prepared.
+/// The library's frames for the time in which a region is prepared.
 class OurHand {
  public:
   /// In the hand: from the handle picked until frames can follow.

@@ -50,27 +50,37 @@ SparseMatrix from_weights(const Region& region, const std::vector<double>& weigh
   return rows;
 }
 
-/// Cotangents at the three corners of a face: (a - c) . (b - c) / |(a - c) x (b - c)| at c. @return whether the face
-/// has area enough to define them
-bool corner_cotangents(const TriangleMesh& mesh, int face, double cotangents[3]) {
-  Vector3 corner[3];
-  for (int k = 0; k < 3; ++k) {
-    corner[k] = mesh.vertices.row(mesh.faces(face, k)).transpose();
+/// A face with area enough to define angles: at its corners, and lengths of the edges opposite to them.
+struct Angles {
+  bool usable = false;  ///< not when a corner is not a number, either
+  double twice_area = 0;
+  double products[3] = {};  ///< a . b of the two edges at a corner
+  double lengths[3] = {};
+
+  Angles(const TriangleMesh& mesh, int face) {
+    Vector3 edges[3];
+    double longest = 0;
+    for (int k = 0; k < 3; ++k) {
+      edges[k] = (mesh.vertices.row(mesh.faces(face, (k + 2) % 3)) - mesh.vertices.row(mesh.faces(face, (k + 1) % 3)))
+                     .transpose();
+      const double squared = edges[k].squaredNorm();
+      lengths[k] = std::sqrt(squared);
+      longest = std::max(longest, squared);
+    }
+    twice_area = edges[0].cross(edges[1]).norm();
+    usable = twice_area > kNoArea * longest;
+    for (int k = 0; k < 3; ++k) {
+      products[k] = -edges[(k + 1) % 3].dot(edges[(k + 2) % 3]);
+    }
   }
-  const double twice_area = (corner[1] - corner[0]).cross(corner[2] - corner[0]).norm();
-  double longest = 0;
-  for (int k = 0; k < 3; ++k) {
-    longest = std::max(longest, (corner[(k + 1) % 3] - corner[k]).squaredNorm());
+  double cotangent(int corner) const {
+    return std::clamp(products[corner] / twice_area, -kLargestCotangent, kLargestCotangent);
   }
-  if (!(twice_area > kNoArea * longest)) {  // also when a corner is not a number
-    return false;
+  /// tan(angle / 2) = |a x b| / (|a| |b| + a . b)
+  double half_tangent(int corner) const {
+    return twice_area / (lengths[(corner + 1) % 3] * lengths[(corner + 2) % 3] + products[corner]);
   }
-  for (int k = 0; k < 3; ++k) {
-    const double cotangent = (corner[(k + 1) % 3] - corner[k]).dot(corner[(k + 2) % 3] - corner[k]) / twice_area;
-    cotangents[k] = std::clamp(cotangent, -kLargestCotangent, kLargestCotangent);
-  }
-  return true;
-}
+};
 
 /// What faces give to the edges at them, in both directions of each.
 class EdgeSums {
@@ -117,10 +127,9 @@ EdgeWeights cotangent_weights(const Region& region, const TriangleMesh& mesh) {
   const IndexLists& neighbours = region.neighbours;
   EdgeSums sums(region);
   for (const int face : region.edge_faces) {
-    double cotangents[3] = {0, 0, 0};
-    const bool usable = corner_cotangents(mesh, face, cotangents);
+    const Angles angles(mesh, face);
     for (int k = 0; k < 3; ++k) {
-      sums.add(mesh.faces(face, (k + 1) % 3), mesh.faces(face, (k + 2) % 3), usable, 0.5 * cotangents[k]);
+      sums.add(mesh.faces(face, (k + 1) % 3), mesh.faces(face, (k + 2) % 3), angles.usable, 0.5 * angles.cotangent(k));
     }
   }
   EdgeWeights result = sums.take();
@@ -168,24 +177,18 @@ double mean_edge(const Region& region, const TriangleMesh& mesh) {
   return sum > 0 ? sum / static_cast<double>(region.neighbours.values.size()) : 1;
 }
 
-/// tan(angle / 2) = |a x b| / (|a| |b| + a . b) at a corner, a and b its edges, divided by each edge's length.
+/// Half the tangents of half the angles beside an edge, over its length.
 EdgeWeights mean_value_weights(const Region& region, const TriangleMesh& mesh) {
   constexpr double kRange = 1e3;
   EdgeSums sums(region);
   const double unit = mean_edge(region, mesh);
   for (const int face : region.edge_faces) {
-    double cotangents[3];
-    const bool usable = corner_cotangents(mesh, face, cotangents);
+    const Angles angles(mesh, face);
+    const double half[3] = {angles.half_tangent(0), angles.half_tangent(1), angles.half_tangent(2)};
     for (int k = 0; k < 3; ++k) {
-      const int at = mesh.faces(face, k);
-      const int ends[2] = {mesh.faces(face, (k + 1) % 3), mesh.faces(face, (k + 2) % 3)};
-      const Vector3 a = (mesh.vertices.row(ends[0]) - mesh.vertices.row(at)).transpose();
-      const Vector3 b = (mesh.vertices.row(ends[1]) - mesh.vertices.row(at)).transpose();
-      const double half = a.cross(b).norm() / (a.norm() * b.norm() + a.dot(b));
-      for (const int end : ends) {
-        const double length = (mesh.vertices.row(end) - mesh.vertices.row(at)).norm();
-        sums.add(at, end, usable, 0.5 * half * unit / length);
-      }
+      const int one = (k + 1) % 3, other = (k + 2) % 3;
+      sums.add(mesh.faces(face, one), mesh.faces(face, other), angles.usable,
+               0.5 * (half[one] + half[other]) * unit / angles.lengths[k]);
     }
   }
   // Two triangles at an edge: tan 30 degrees twice, over the length; a quarter of it from each corner and side.

@@ -93,12 +93,10 @@ struct DragFrames::Impl {
   int passes = 0;         // of the last pose
   bool is_quick = false;  // its cells
 
-  Impl(const TriangleMesh& mesh, std::shared_ptr<const Region> region, const EditSettings& given,
-       const Progress& progress)
+  Impl(std::shared_ptr<CellModel> made, const EditSettings& given)
       : settings(given),
         pool(given.threads),
-        cells(std::make_shared<CellModel>(mesh, std::make_shared<const RestPose>(mesh, std::move(region)), given,
-                                          progress)),
+        cells(std::move(made)),
         unit(rest().region->max_distance > 0 ? std::ldexp(1.0, std::ilogb(rest().region->max_distance)) : 1),
         turns(rest().region->size(), Turn{}),
         positions(rest().region->size(), 3) {
@@ -154,8 +152,12 @@ void DragFrames::Impl::collect() {
 DragFrames::DragFrames(const TriangleMesh& mesh, std::shared_ptr<const Region> region, const EditSettings& settings,
                        const Progress& progress) {
   validate(settings);
-  impl_ = std::make_unique<Impl>(mesh, std::move(region), settings, progress);
+  impl_ = std::make_unique<Impl>(
+      std::make_shared<CellModel>(mesh, std::make_shared<const RestPose>(mesh, std::move(region)), settings, progress),
+      settings);
 }
+DragFrames::DragFrames(std::shared_ptr<CellModel> cells, const EditSettings& settings)
+    : impl_(std::make_unique<Impl>(std::move(cells), settings)) {}
 DragFrames::~DragFrames() = default;
 
 const std::shared_ptr<CellModel>& DragFrames::cells() const {

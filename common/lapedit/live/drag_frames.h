@@ -26,6 +26,8 @@ class DragFrames {
   /// @throws EditError (NoHandle, IllConditioned, Cancelled)
   DragFrames(const TriangleMesh& mesh, std::shared_ptr<const Region> region, const EditSettings& settings,
              const Progress& progress = {});
+  /// The same with cells that are there already.
+  DragFrames(std::shared_ptr<CellModel> cells, const EditSettings& settings);
   ~DragFrames();
 
   /// What an editor of the same region can be made with.

@@ -24,7 +24,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kPause{50}, kLongestPause{1000};
 
 /// Smaller regions are prepared before anybody notices.
-constexpr int kHandFrom = 4000;
+constexpr int kHandFrom = 12000;
 
 constexpr const char* kNoMemory = "There is not enough memory for this region: choose a smaller one.";
 
@@ -215,7 +215,9 @@ void SolverThread::Impl::publish_ready(int mine, double prepare_ms, bool in_hand
 /// Where there can be none the editor will say what is wrong, or has no trouble with it.
 void SolverThread::Impl::make_frames(const PrepareTask& task, const FoundRegion& found, int mine) {
   try {
-    own.frames = std::make_unique<DragFrames>(*task.mesh, found.region, task.settings, progress_of(mine));
+    const std::shared_ptr<CellModel> made = usable() ? own.runner->editor().cells() : nullptr;
+    own.frames = made ? std::make_unique<DragFrames>(made, task.settings)
+                      : std::make_unique<DragFrames>(*task.mesh, found.region, task.settings, progress_of(mine));
     own.frames_generation = mine;
   } catch (const EditError& error) {
     if (error.cause() == ErrorCause::Cancelled) {
@@ -236,18 +238,18 @@ void SolverThread::Impl::prepare(const PrepareTask& task, int mine) {
   own.next_job.reset();
   job->found = find_region(problem, progress_here);
   publish(mine, [&] { answered.news.region = job->found.region; });
-  const bool in_hand = job->found.region->size() >= kHandFrom;
-  if (in_hand || DragFrames::has_frames(task.settings)) {
-    make_frames(task, job->found, mine);
-    job->cells = own.frames ? own.frames->cells() : nullptr;
-  }
-  if (!in_hand) {
-    own.runner = std::make_unique<StepRunner>(job->found, problem, progress_here, std::move(own.runner), job->cells);
+  if (job->found.region->size() < kHandFrom) {
+    own.runner = std::make_unique<StepRunner>(job->found, problem, progress_here, std::move(own.runner));
     own.generation = mine;
+    if (DragFrames::has_frames(task.settings)) {
+      make_frames(task, job->found, mine);
+    }
     publish_ready(mine, job->watch.elapsed(), false);
     return;
   }
+  make_frames(task, job->found, mine);
   if (own.frames) {
+    job->cells = own.frames->cells();
     publish(mine, [&] {
       answered.news.in_hand = true;
       answered.news.in_hand_ms = job->watch.elapsed();
