@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "lapedit/edit/laplacian_editor.h"
 #include "lapedit/edit/edit.h"
+#include "lapedit/edit/laplacian_editor.h"
 #include "support.h"
 
 /// What every edit has to hold exactly (to rounding), as a test suite over edits: each program that includes this file

@@ -20,9 +20,9 @@
 #include <vector>
 
 #include "lapedit/base/stopwatch.h"
-#include "lapedit/live/drag_frames.h"
 #include "lapedit/edit/laplacian_editor.h"
 #include "lapedit/linear/nested_dissection.h"
+#include "lapedit/live/drag_frames.h"
 #include "scene.h"
 
 namespace {

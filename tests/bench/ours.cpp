@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
-#include "lapedit/live/drag_frames.h"
 #include "lapedit/linear/nested_dissection.h"
 #include "lapedit/linear/sparse_cholesky.h"
+#include "lapedit/live/drag_frames.h"
 
 namespace speed {
 

@@ -385,10 +385,7 @@ class Case {
         const Points pose = ours.positions();
         error->take((pose - ours.exact(handle_move(frame))).cwiseAbs().maxCoeff() / scene_.spec.radius);
       }
-      add(n_, {"ours/frame",
-               order_,
-               threads,
-               rounds(2 * frame_seconds_),
+      add(n_, {"ours/frame", order_, threads, rounds(2 * frame_seconds_),
                [this, &ours] {
                  ours.frame(handle_move(++frame_));
                  ++frame_;

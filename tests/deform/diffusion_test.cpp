@@ -188,27 +188,5 @@ TEST(Diffusion, DegenerateShapesAreSmoothedToo) {
   EXPECT_LT((smoothed(lone, 1, lone.vertices) - lone.vertices).cwiseAbs().maxCoeff(), 1e-15);
 }
 
-/// Fails if what is kept of the first pull is not as good as a solve.
-TEST(Diffusion, PullsAreSmoothedToTheSameBits) {
-  const TriangleMesh mesh = shapes::bumpy_grid();
-  const Region region = support::whole_region(mesh, {{0}}, {});
-  const DiffusionSmoother smoother(region, mesh.vertices, 6);
-  CholeskyOptions single;
-  single.single_precision = true;
-  single.pool = std::make_shared<ThreadPool>(2);
-  const DiffusionSmoother other(region, mesh.vertices, 6, single);
-  Eigen::VectorXd z = mesh.vertices.col(0).cwiseAbs() + mesh.vertices.col(2);
-  z /= z.cwiseAbs().maxCoeff();
-  Points expected, found, with_single;
-  for (const Vector3& pull : {Vector3(0, 0, 3), Vector3(-4.4, 1e-3, 0.7), Vector3(1e5, 2, -1e6)}) {
-    const Points in = z * pull.transpose();
-    smoother.apply(in, expected);
-    smoother.apply_to_pull(in, pull, found);
-    other.apply_to_pull(in, pull, with_single);
-    EXPECT_TRUE(support::same_bits(found, expected));
-    EXPECT_TRUE(support::same_bits(with_single, expected));
-  }
-}
-
 }  // namespace
 }  // namespace lapedit

@@ -147,18 +147,21 @@ TEST(EditReport, OpenSurfacesChangeTheirVolumeByWhatIsAdded) {
 TEST(EditReport, HeightOfDetailIsThatOfTheBumps) {
   const TriangleMesh mesh = shapes::bumpy_grid();
   EditReport report;
-  const auto system = prepare_system(mesh, support::rest_pose(mesh, whole(mesh)), support::smooth_surface_settings(), nullptr, {}, report);
+  const auto system = prepare_system(mesh, support::rest_pose(mesh, whole(mesh)), support::smooth_surface_settings(),
+                                     nullptr, {}, report);
   EXPECT_NEAR(detail_height(*system, mesh.vertices).value(), 1, 1e-5);
   EXPECT_NEAR(detail_height(*system, shapes::bumpy_grid(1.5).vertices).value(), 0.5, 0.1);
   EXPECT_NEAR(detail_height(*system, shapes::grid(100, 60).vertices).value(), 0, 1e-5);
   const Points moved = (mesh.vertices * turn(1).transpose()).rowwise() + Vector3(100, 200, 300).transpose();
   EXPECT_NEAR(detail_height(*system, moved).value(), 1, 1e-5);
   const TriangleMesh flat = shapes::grid(40, 30);
-  EXPECT_FALSE(detail_height(
-      *prepare_system(flat, support::rest_pose(flat, whole(flat)), support::smooth_surface_settings(), nullptr, {}, report), flat.vertices));
+  EXPECT_FALSE(detail_height(*prepare_system(flat, support::rest_pose(flat, whole(flat)),
+                                             support::smooth_surface_settings(), nullptr, {}, report),
+                             flat.vertices));
   EditSettings unrotated;
   unrotated.rotation = DetailRotation::None;
-  EXPECT_FALSE(detail_height(*prepare_system(mesh, support::rest_pose(mesh, whole(mesh)), unrotated, nullptr, {}, report), mesh.vertices));
+  EXPECT_FALSE(detail_height(
+      *prepare_system(mesh, support::rest_pose(mesh, whole(mesh)), unrotated, nullptr, {}, report), mesh.vertices));
 }
 
 /// What bends with the surface is no detail: the share found is that by which the bumps rise over an edited plane.

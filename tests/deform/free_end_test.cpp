@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
-#include "lapedit/edit/laplacian_editor.h"
 #include "lapedit/deform/polar_decomposition.h"
+#include "lapedit/edit/laplacian_editor.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "shapes.h"
 #include "support.h"

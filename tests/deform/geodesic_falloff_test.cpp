@@ -9,8 +9,8 @@
 #include <numeric>
 #include <vector>
 
-#include "lapedit/edit/laplacian_editor.h"
 #include "lapedit/deform/smooth_normals.h"
+#include "lapedit/edit/laplacian_editor.h"
 #include "shapes.h"
 #include "support.h"
 

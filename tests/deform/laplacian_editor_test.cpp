@@ -10,8 +10,8 @@
 #include "dense_reference.h"
 #include "edit_properties.h"
 #include "lapedit/base/stopwatch.h"
-#include "lapedit/live/drag_frames.h"
 #include "lapedit/deform/laplacian_system.h"
+#include "lapedit/live/drag_frames.h"
 #include "shapes.h"
 #include "support.h"
 

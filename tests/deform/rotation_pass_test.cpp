@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "lapedit/deform/edit_quality.h"
-#include "lapedit/edit/laplacian_editor.h"
 #include "lapedit/deform/membrane.h"
+#include "lapedit/edit/laplacian_editor.h"
 #include "shapes.h"
 #include "support.h"
 

@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "dense_reference.h"
-#include "lapedit/live/drag_frames.h"
 #include "lapedit/edit/laplacian_editor.h"
+#include "lapedit/live/drag_frames.h"
 #include "shapes.h"
 #include "support.h"
 

@@ -95,45 +95,6 @@ TEST(AccurateResidual, IsThatOfQuadruplePrecision) {
   }
 }
 
-/// What is known of one solution serves all its multiples. Fails if a low part is forgotten.
-TEST(AccurateResidual, MultiplesOfAKnownSolutionNeedNoProduct) {
-  std::mt19937 random(4);
-  const TriangleMesh mesh = shapes::tapered_arm(30, 40);
-  const SparseMatrix m =
-      differential_operator(LaplacianKind::Umbrella, support::whole_region(mesh, {{0}}, {}), {}).matrix;
-  const SparseMatrix a = SparseMatrix(m.transpose()) + m;
-  const Eigen::Index n = a.cols();
-  const Eigen::VectorXd z = random_points(n, random).col(0);
-  DoubledColumn product{Eigen::VectorXd(n), Eigen::VectorXd(n)};
-  for (Eigen::Index j = 0; j < n; ++j) {
-    Quad sum = 0;
-    for (SparseMatrix::InnerIterator entry(a, j); entry; ++entry) {
-      sum += static_cast<Quad>(entry.value()) * static_cast<Quad>(z[entry.row()]);
-    }
-    product.high[j] = static_cast<double>(sum);
-    product.low[j] = static_cast<double>(sum - static_cast<Quad>(product.high[j]));
-  }
-  const Vector3 factor(0.3, -7.1, 1e-5);
-  const Points right = product.high * factor.transpose();
-  ThreadPool pool(2);
-  DoubledPoints x;
-  Points left, expected;
-  start_from_known(z, product, factor, right, x, left, pool);
-  symmetric_residual(a, right, x, expected, pool);
-  EXPECT_GT(expected.cwiseAbs().maxCoeff(), 1e-18) << "nothing was left to be measured";
-  EXPECT_LT((left - expected).cwiseAbs().maxCoeff(), 1e-29);
-  for (Eigen::Index i = 0; i < 3 * n; ++i) {
-    EXPECT_EQ(static_cast<double>(sum_of(x, i / 3, i % 3) - static_cast<Quad>(z[i / 3]) * factor[i % 3]), 0);
-  }
-  Points once;
-  DoubledColumn{product.high, product.low}.times(factor, once, pool);
-  for (Eigen::Index i = 0; i < 3 * n; ++i) {
-    const Quad exact = (static_cast<Quad>(product.high[i / 3]) + static_cast<Quad>(product.low[i / 3])) *
-                       static_cast<Quad>(factor[i % 3]);
-    EXPECT_EQ(once(i / 3, i % 3), static_cast<double>(exact));
-  }
-}
-
 TEST(AccurateResidual, FollowsFromASmallStepInWorkingPrecision) {
   std::mt19937 random(6);
   const TriangleMesh mesh = shapes::tapered_arm(30, 40);

@@ -33,7 +33,6 @@ struct Scene {
   TriangleMesh mesh;
   Region region;
   Maps maps;
-
 };
 
 Scene scene(const char* name, const TriangleMesh& mesh, double radius, const std::vector<std::vector<int>>& handles,
@@ -68,7 +67,9 @@ Scene loose() {
   const auto end = [&](double from, double to) {
     return support::vertices_where(mesh, [=](const Vector3& p) { return p[0] >= from && p[0] <= to; });
   };
-  return {"loose", mesh, build_region(mesh, support::adjacency_of(mesh), spec, {end(0, 0.8), end(11.2, 12)}),
+  return {"loose",
+          mesh,
+          build_region(mesh, support::adjacency_of(mesh), spec, {end(0, 0.8), end(11.2, 12)}),
           {shift({0, 0, 3}), rigid(70, {0, 1, 0}, {-2, 0, 4}, {12, 0, 0})}};
 }
 

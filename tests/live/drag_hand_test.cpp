@@ -117,8 +117,8 @@ TEST(DragHand, IsNearTheFullPoseForEveryKindOfHandle) {
     const double way = longest_way(s, full);
     const double rms = std::sqrt(difference.squaredNorm() / static_cast<double>(difference.rows())) / way;
     const double most = difference.rowwise().norm().maxCoeff() / way;
-    std::cout << s.name << ": " << s.region->size() << " vertices, " << frames.cells()->cells().count() << " cells, RMS " << 100 * rms
-              << " %, largest " << 100 * most << " % of the handle's way\n";
+    std::cout << s.name << ": " << s.region->size() << " vertices, " << frames.cells()->cells().count()
+              << " cells, RMS " << 100 * rms << " %, largest " << 100 * most << " % of the handle's way\n";
     EXPECT_LT(rms, s.largest_rms) << s.name;
     EXPECT_LT(most, s.largest_error) << s.name;
   }

@@ -161,7 +161,8 @@ struct CellModel::Placing {
 
 /// A handle is in place by as much as its weight has to say.
 void CellModel::place_handle(int i, double unit, Points& displacement) const {
-  const double weight = settings_.handle_weight * rest_->region->share(i), held = weight * weight / (1 + weight * weight);
+  const double weight = settings_.handle_weight * rest_->region->share(i),
+               held = weight * weight / (1 + weight * weight);
   displacement.row(i) += held * (paths_.displacement(i).transpose() / unit - displacement.row(i));
 }
 
@@ -175,8 +176,13 @@ void CellModel::place(double unit, std::vector<Turn>& turns, Points& displacemen
   for (std::size_t k = 0; k < carried_.size(); ++k) {
     carried_[k] = four(paths_.carried()[k / 3].linear.col(static_cast<Eigen::Index>(k % 3)));
   }
-  const Placing placing = {blend_,       hold_,        region.component, placed_.data(), carries ? carried_.data() : nullptr,
-                           turns.data(), displacement.data()};
+  const Placing placing = {blend_,
+                           hold_,
+                           region.component,
+                           placed_.data(),
+                           carries ? carried_.data() : nullptr,
+                           turns.data(),
+                           displacement.data()};
   const auto kernel = for_processor(Placing::plain, Placing::avx2, Placing::avx2);
   in_pieces(pool, region.size(), kGrain, [&](int first, int last) {
     kernel(placing, first, last);

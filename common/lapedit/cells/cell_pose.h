@@ -18,7 +18,7 @@ class CellPose {
 
   /// @param region,cells,settings  must outlive the object; blend and rest need not
   CellPose(const Region& region, const Points& rest, const RegionCells& cells, const CellBlend& blend,
-              const EditSettings& settings);
+           const EditSettings& settings);
   CellPose(const CellPose&) = delete;
   CellPose& operator=(const CellPose&) = delete;
 

@@ -4,9 +4,9 @@
 #include <memory>
 #include <vector>
 
+#include "lapedit/cells/region_cells.h"
 #include "lapedit/deform/edit_settings.h"
 #include "lapedit/deform/group_paths.h"
-#include "lapedit/cells/region_cells.h"
 
 namespace lapedit {
 
@@ -47,7 +47,7 @@ class CoarseSystem {
                     double handle_weight);
   void make_normal(const Region& region, const Points& rest, const RegionCells& cells, const EditSettings& settings);
 
-  SparseMatrix first_, power_;             // M and M^k
+  SparseMatrix first_, power_;      // M and M^k
   Eigen::VectorXd rows_, stretch_;  // N, c D
   int order_;
   std::vector<Held> held_;

@@ -75,7 +75,7 @@ void RotationEstimator::set_before_smoothed(const Points& smoothed) {
   vertex_normals(smooth_before_, region_.faces, normals_before_, areas_);
 }
 
-void RotationEstimator::estimate(const Points& displacement, std::vector<Matrix3>& rotations, const Vector3* pull) {
+void RotationEstimator::estimate(const Points& displacement, std::vector<Matrix3>& rotations) {
   rotations.resize(region_.size());
   Stopwatch watch;
   if (kind_ == DetailRotation::SmoothNormals) {
@@ -84,11 +84,7 @@ void RotationEstimator::estimate(const Points& displacement, std::vector<Matrix3
     smoother_.apply(normals_after_, smooth_after_);
     normalise(smooth_after_, normals_after_);
   } else {
-    if (pull != nullptr) {
-      smoother_.apply_to_pull(displacement, *pull, scratch_);
-    } else {
-      smoother_.apply(displacement, scratch_);
-    }
+    smoother_.apply(displacement, scratch_);
     smooth_after_ = smooth_before_ + scratch_;
     vertex_normals(smooth_after_, region_.faces, normals_after_, areas_);
   }

@@ -38,9 +38,8 @@ class RotationEstimator {
 
   /// @param displacement  size() x 3, pose after minus pose before
   /// @param rotations     one matrix (determinant +1) per vertex; exactly the identity where nothing near it moves
-  /// @param pull          see Smoother::apply_to_pull()
   /// Cost: O(kernel entries) + O(edges).
-  void estimate(const Points& displacement, std::vector<Matrix3>& rotations, const Vector3* pull = nullptr);
+  void estimate(const Points& displacement, std::vector<Matrix3>& rotations);
 
   double normals_ms() const { return normals_ms_; }  ///< smoothing share of the last estimate()
   double rotate_ms() const { return rotate_ms_; }    ///< fitting share of the last estimate()

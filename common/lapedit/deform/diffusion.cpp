@@ -99,15 +99,9 @@ class DiffusionSmoother::System : public RefinedSystem {
 };
 
 /// The same, each step solved to the last bit.
-void DiffusionSmoother::smooth(const Points& in, const Vector3* pull, Points& out) const {
+void DiffusionSmoother::apply(const Points& in, Points& out) const {
   constexpr int kGrain = 4096;
   Points &right = scratch_.right, &left = scratch_.left;
-  DoubledPoints& x = scratch_.x;
-  std::vector<OfPull>& known = scratch_.of_pull;
-  const bool from_known = pull != nullptr && !known.empty();
-  if (pull != nullptr) {
-    known.resize(kSteps);
-  }
   System system(*this);
   right.resize(in.rows(), 3);
   for (int step = 0; step < kSteps; ++step) {
@@ -117,44 +111,10 @@ void DiffusionSmoother::smooth(const Points& in, const Vector3* pull, Points& ou
         right.row(i) = matrix_->mass[i] * from.row(i);
       }
     });
-    if (from_known) {
-      start_from_known(known[step].z, known[step].product, *pull, right, x, left, *pool_);
-    } else {
-      left = right;
-    }
-    refine_to_the_bit(system, factor_->single_precision(), from_known, x, left, scratch_.step, *pool_);
-    out = x.high;
-    if (pull != nullptr && !from_known) {
-      know(*pull, out, known[step]);
-    }
+    left = right;
+    refine_to_the_bit(system, factor_->single_precision(), scratch_.x, left, scratch_.step, *pool_);
+    out = scratch_.x.high;
   }
-  if (pull != nullptr && !from_known && !known[kSteps - 1].z.allFinite()) {
-    known.clear();  // from beyond all numbers nothing is to start
-  }
-}
-
-/// Of a smoothed pull, that of 1; and K + s L times it.
-void DiffusionSmoother::know(const Vector3& pull, const Points& smoothed, OfPull& known) const {
-  Eigen::Index largest = 0;
-  pull.cwiseAbs().maxCoeff(&largest);
-  known.z = smoothed.col(largest) / pull[largest];
-  DoubledPoints z;
-  z.set(Points::Zero(smoothed.rows(), 3));
-  z.high.col(0) = known.z;
-  Points product, rest;
-  symmetric_residual(matrix_->matrix, z.low, z, product, *pool_);
-  product = -product;
-  symmetric_residual(matrix_->matrix, product, z, rest, *pool_);
-  known.product.high = product.col(0);
-  known.product.low = -rest.col(0);  // what rounding took
-}
-
-void DiffusionSmoother::apply(const Points& in, Points& out) const {
-  smooth(in, nullptr, out);
-}
-
-void DiffusionSmoother::apply_to_pull(const Points& in, const Vector3& pull, Points& out) const {
-  smooth(in, &pull, out);
 }
 
 }  // namespace lapedit

@@ -30,7 +30,6 @@ class DiffusionSmoother : public Smoother {
 
   /// The same bits with every factorisation, BLAS and processor.
   void apply(const Points& in, Points& out) const override;
-  void apply_to_pull(const Points& in, const Vector3& pull, Points& out) const override;
   /// One solve per step, not refined.
   void apply_roughly(const Points& in, Points& out) const override;
   std::unique_ptr<Smoother> share(std::shared_ptr<ThreadPool> pool) const override;
@@ -40,19 +39,12 @@ class DiffusionSmoother : public Smoother {
     Eigen::VectorXd mass;  // K
     SparseMatrix matrix;   // both halves, for residuals
   };
-  struct OfPull {  // a smoothed pull of 1, and the matrix times it
-    Eigen::VectorXd z;
-    DoubledColumn product;
-  };
   struct Scratch {  // so that a drag allocates nothing
     Points right, left, step;
     DoubledPoints x;
-    std::vector<OfPull> of_pull;  // of each step; empty: not asked for yet
   };
   class System;
   DiffusionSmoother(const DiffusionSmoother& other, std::shared_ptr<ThreadPool> pool);
-  void smooth(const Points& in, const Vector3* pull, Points& out) const;
-  void know(const Vector3& pull, const Points& smoothed, OfPull& known) const;
 
   std::shared_ptr<const Matrix> matrix_;
   std::shared_ptr<ThreadPool> pool_;

@@ -134,8 +134,8 @@ bool Preparation::smoother_fits() const {
 
 void Preparation::make_factor_and_smoother(EditReport& report) {
   const bool take_factor = factor_fits(), take_smoother = smoother_fits();
-  const bool smooths = s_.settings.rotation == DetailRotation::SmoothNormals ||
-                       s_.settings.rotation == DetailRotation::SmoothSurface;
+  const bool smooths =
+      s_.settings.rotation == DetailRotation::SmoothNormals || s_.settings.rotation == DetailRotation::SmoothSurface;
   if (!take_factor || (s_.settings.rotation == DetailRotation::SmoothSurface && !take_smoother)) {
     took_order_ = previous_ && previous_->order && same_graph(previous_->region, s_.region);
     s_.order = took_order_ ? previous_->order

@@ -44,7 +44,7 @@ struct LaplacianSystem {
   int refinements = 0;                                   ///< steps to kAccurate, where there is no correction
   double normal_radius = 0;                              ///< 0 without rotation
   std::shared_ptr<const Smoother> smoother;              ///< nothing but for smooth normals and surfaces
-  GeodesicFalloff falloff;  ///< empty where rotations are not estimated from it
+  GeodesicFalloff falloff;                               ///< empty where rotations are not estimated from it
 
   LaplacianSystem(std::shared_ptr<const RestPose> pose, const EditSettings& given)
       : shared_rest(std::move(pose)), rest(*shared_rest), region(*rest.region), settings(given) {}

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <string>
 #include <utility>
 
@@ -31,11 +30,10 @@ struct PoseSolver::Impl {
   std::unique_ptr<RotationPass> rotation;  // nothing without detail rotation
 
   // Of the last solve, size() x 3 each.
-  Points displacement;              // d, from the carried pose
-  Points right;                     // what it solves the normal equations for
-  Points previous;                  // d of the pass before
-  std::optional<Vector3> one_pull;  // where there is a response for it
-  Points positions;                 // no rows before the first solve
+  Points displacement;  // d, from the carried pose
+  Points right;         // what it solves the normal equations for
+  Points previous;      // d of the pass before
+  Points positions;     // no rows before the first solve
   std::vector<Matrix3> rotations;
   std::vector<Matrix3> rotations_before;  // of the pass before, where there are several
 
@@ -57,7 +55,6 @@ struct PoseSolver::Impl {
     report_progress(progress, 0.9, "solve");
   }
 
-  void pull(const Progress& go_on);
   void solve_exactly(const Points& right_hand_side, const Progress& go_on);
   void take(const Refinement& refined);
   void turn_locally(const std::vector<Matrix3>* start, const Progress& go_on);
@@ -78,16 +75,6 @@ void PoseSolver::Impl::take(const Refinement& refined) {
 /// d = (M^T M + W^2)^-1 b, to the last bit of a double.
 void PoseSolver::Impl::solve_exactly(const Points& right_hand_side, const Progress& go_on) {
   take(solver.refine_to_the_bit(right_hand_side, displacement, go_on));
-}
-
-/// The same without rotations, for what the handles ask for alone.
-void PoseSolver::Impl::pull(const Progress& go_on) {
-  if (solver.has_one_row()) {
-    one_pull = constraints.right_hand_side().row(system->correction->rows[0]);
-    take(solver.pull_to_the_bit(*one_pull, displacement, go_on));
-  } else {
-    solve_exactly(constraints.right_hand_side(), go_on);
-  }
 }
 
 /// One solution with the rotations to start from, then more with those of the vertices' one-rings, fitted to a place
@@ -135,7 +122,7 @@ void PoseSolver::Impl::swap_with_kept() {
 bool PoseSolver::Impl::drop_pass(double stretched, const Progress& go_on) {
   swap_with_kept();
   if (report.iterations == 0 && !system->falloff.empty()) {
-    pull(go_on);
+    solve_exactly(constraints.right_hand_side(), go_on);
     if (!(stretch() <= stretched)) {
       swap_with_kept();
       return false;
@@ -166,7 +153,7 @@ void PoseSolver::Impl::turn_details(const Progress& go_on) {
     }
     previous = displacement;
     report_progress(go_on, 0, "rotations");
-    rotation->turn(displacement, pass == 0 && one_pull ? &*one_pull : nullptr, constraints, rotations, right);
+    rotation->turn(displacement, constraints, rotations, right);
     report.normals_ms += rotation->normals_ms();
     report.rotate_ms += rotation->rotate_ms();
     const Stopwatch watch;
@@ -233,7 +220,7 @@ const Points& PoseSolver::solve(const std::vector<HandleMotion>& handles, const 
   } else if (!s.system->falloff.empty()) {
     s.constraints.fall_off(s.displacement);
   } else {
-    s.pull(go_on);
+    s.solve_exactly(s.constraints.right_hand_side(), go_on);
   }
   s.report.unrotated_ms = watch.elapsed();
   s.report.normals_ms = s.report.rotate_ms = s.report.solve_ms = 0;

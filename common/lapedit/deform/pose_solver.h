@@ -41,7 +41,8 @@ class PoseSolver {
   /// one exactly; one with anchors by the map given for them.
   /// @param handles  one motion per handle group; an affine map is one
   /// @param anchors  where the anchors go; in an edit they stay
-  /// @param start    with DetailRotation::LocalGlobal the rotations of the first pass, one per vertex, relative to where
+  /// @param start    with DetailRotation::LocalGlobal the rotations of the first pass, one per vertex, relative to
+  /// where
   ///                 it is carried; nothing: the identity
   /// @return         size() x 3, model units, row i belongs to region().mesh_vertex[i]; valid until the next call
   /// @throws EditError (NotFinite) if a map or the result is not finite; (Cancelled); the editor stays usable

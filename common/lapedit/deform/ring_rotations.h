@@ -9,8 +9,8 @@
 
 namespace lapedit {
 
-/// Of a sequence of passes x, each fits its rotations to x + kMomentum (x - x before): ahead of the last solution, which
-/// is worth more than twice as many passes.
+/// Of a sequence of passes x, each fits its rotations to x + kMomentum (x - x before): ahead of the last solution,
+/// which is worth more than twice as many passes.
 constexpr double kMomentum = 0.9;
 
 /// Fits the rotations of vertices to a pose of a region: R_i is the rotation nearest to the covariance

@@ -74,9 +74,9 @@ void turn_edges(const LaplacianSystem& system, const EditConstraints& constraint
 
 }  // namespace
 
-void RotationPass::turn(const Points& displacement, const Vector3* pull, const EditConstraints& constraints,
-                        std::vector<Matrix3>& rotations, Points& right) {
-  estimator_->estimate(displacement, rotations, pull);
+void RotationPass::turn(const Points& displacement, const EditConstraints& constraints, std::vector<Matrix3>& rotations,
+                        Points& right) {
+  estimator_->estimate(displacement, rotations);
   turn_by(rotations, constraints, right);
   rotate_ms_ += estimator_->rotate_ms();
 }

@@ -21,11 +21,10 @@ class RotationPass {
   void start(const EditConstraints& constraints);
 
   /// @param displacement  from that pose, size() x 3
-  /// @param pull          where the displacement is z pull^T with always the same z; may be nothing
   /// @param rotations     R_i, one per vertex
   /// @param right         out: w^2-weighted constraints + M^T M_1^(k-1) (R - I) delta, k the order
-  void turn(const Points& displacement, const Vector3* pull, const EditConstraints& constraints,
-            std::vector<Matrix3>& rotations, Points& right);
+  void turn(const Points& displacement, const EditConstraints& constraints, std::vector<Matrix3>& rotations,
+            Points& right);
 
   /// The same with given rotations. @param rotations  relative to where the vertices are carried
   void turn_by(const std::vector<Matrix3>& rotations, const EditConstraints& constraints, Points& right);

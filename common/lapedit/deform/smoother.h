@@ -20,10 +20,6 @@ class Smoother {
   /// To some five digits.
   virtual void apply_roughly(const Points& in, Points& out) const { apply(in, out); }
 
-  /// The same bits for `in` = z pull^T to a rounding, z the same scalars at every call: later calls may use what the
-  /// first one found.
-  virtual void apply_to_pull(const Points& in, const Vector3& /*pull*/, Points& out) const { apply(in, out); }
-
   /// The same map: its tables shared, its scratch another, so that both can be at work at a time, each on a pool of its
   /// own (empty: the caller's thread alone).
   virtual std::unique_ptr<Smoother> share(std::shared_ptr<ThreadPool> pool) const = 0;

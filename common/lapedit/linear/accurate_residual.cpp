@@ -137,53 +137,16 @@ LAPEDIT_INLINE void run(const Pass& pass, int first, int last) {
   }
 }
 
-/// x = z factor^T, and what is left of a right-hand side by another multiple.
-struct Multiple {
-  const double *z, *z_low;  // with a low part x is rounded once, and nothing else is asked for
-  const double* factor;
-  double *x_high, *x_low;
-  const double *product_high, *product_low;
-  const double* right;
-  double* left;
-};
-
-template <class Product>
-LAPEDIT_INLINE void run(const Multiple& multiple, int first, int last) {
-  const Lanes by = {multiple.factor[0], multiple.factor[1], multiple.factor[2], 0};
-  for (int i = first; i < last; ++i) {
-    const double z = multiple.z[i];
-    const Lanes x = z * by, error = Product::error(z, by, x);
-    if (multiple.z_low != nullptr) {
-      set_row(multiple.x_high, i, x + (error + multiple.z_low[i] * by));
-      continue;
-    }
-    set_row(multiple.x_high, i, x);
-    set_row(multiple.x_low, i, error);
-    Sum sum;
-    sum.add_product<Product>(multiple.product_high[i], by, Lanes{});
-    sum.low += multiple.product_low[i] * by;
-    sum.add(-row_of(multiple.right, i, kAlone), Lanes{});
-    set_row(multiple.left, i, -(sum.high + sum.low));
-  }
+void run_plain(const Pass& pass, int first, int last) {
+  run<Split>(pass, first, last);
 }
-
-template <class What>
-void run_plain(const What& what, int first, int last) {
-  run<Split>(what, first, last);
-}
-template <class What>
-LAPEDIT_AVX2 void run_fused(const What& what, int first, int last) {
-  run<Fused>(what, first, last);
-}
-
-template <class What>
-void run_all(const What& what, ThreadPool& pool, int rows) {
-  const auto run = for_processor(run_plain<What>, run_fused<What>, run_fused<What>);
-  in_pieces(pool, rows, kGrain, [&](int first, int last) { run(what, first, last); });
+LAPEDIT_AVX2 void run_fused(const Pass& pass, int first, int last) {
+  run<Fused>(pass, first, last);
 }
 
 void run_all(const Pass& pass, ThreadPool& pool) {
-  run_all(pass, pool, pass.last_row + 1);
+  const auto run = for_processor(run_plain, run_fused, run_fused);
+  in_pieces(pool, pass.last_row + 1, kGrain, [&](int first, int last) { run(pass, first, last); });
 }
 
 /// @param low  may be nothing
@@ -238,33 +201,6 @@ void DoubledPoints::add(const Points& step, ThreadPool& pool) {
   });
 }
 
-void DoubledColumn::times(const Vector3& factor, Points& out, ThreadPool& pool) const {
-  out.resize(high.size(), 3);
-  Multiple multiple = {};
-  multiple.z = high.data();
-  multiple.z_low = low.data();
-  multiple.factor = factor.data();
-  multiple.x_high = out.data();
-  run_all(multiple, pool, static_cast<int>(high.size()));
-}
-
-void start_from_known(const Eigen::VectorXd& z, const DoubledColumn& product, const Vector3& factor,
-                      const Points& right, DoubledPoints& x, Points& left, ThreadPool& pool) {
-  x.high.resize(z.size(), 3);
-  x.low.resize(z.size(), 3);
-  left.resize(z.size(), 3);
-  Multiple multiple = {};
-  multiple.z = z.data();
-  multiple.factor = factor.data();
-  multiple.x_high = x.high.data();
-  multiple.x_low = x.low.data();
-  multiple.product_high = product.high.data();
-  multiple.product_low = product.low.data();
-  multiple.right = right.data();
-  multiple.left = left.data();
-  run_all(multiple, pool, static_cast<int>(z.size()));
-}
-
 void normal_residual(const OperatorRows& m, const Eigen::VectorXd& diagonal, const Points& right,
                      const DoubledPoints& x, DoubledPoints& between, Points& out, ThreadPool& pool) {
   between.high.resize(right.rows(), 3);
@@ -313,8 +249,8 @@ void subtract_symmetric_product(const SparseMatrix& a, const Points& step, Point
   run_all(pass, pool);
 }
 
-Refinement refine_to_the_bit(RefinedSystem& system, bool single_precision, bool from_start, DoubledPoints& x,
-                             Points& left, Points& step, ThreadPool& pool) {
+Refinement refine_to_the_bit(RefinedSystem& system, bool single_precision, DoubledPoints& x, Points& left, Points& step,
+                             ThreadPool& pool) {
   constexpr double kAccurate = 1e-24, kStalled = 0.5, kSpoiled = 0.1;
   constexpr int kMostSteps = 90;
   // What a solve leaves of an error comes from the factor's rounding and grows with the condition; so does what a
@@ -322,7 +258,7 @@ Refinement refine_to_the_bit(RefinedSystem& system, bool single_precision, bool 
   const double coarse = single_precision ? 16 * 0x1p-29 : 1;
   double rate = single_precision ? 1e-5 : 1e-12;  // of an error, that a step leaves: the worst so far, or a guess
   double moved = 0;                               // by steps that were subtracted in working precision
-  bool started = from_start, exact = true;
+  bool started = false, exact = true;
   Refinement done;
   done.last_change = 1;
   while (done.steps < kMostSteps) {

@@ -19,19 +19,6 @@ struct DoubledPoints {
   void add(const Points& step, ThreadPool& pool);
 };
 
-/// Scalars of twice the working precision, likewise.
-struct DoubledColumn {
-  Eigen::VectorXd high, low;
-
-  /// out = this times factor^T, n x 3, rounded once.
-  void times(const Vector3& factor, Points& out, ThreadPool& pool) const;
-};
-
-/// What is left of a right-hand side by a multiple of a known solution: x = z factor^T and left = right - A z factor^T,
-/// for z in working precision and A z in twice of it. O(n)
-void start_from_known(const Eigen::VectorXd& z, const DoubledColumn& product, const Vector3& factor,
-                      const Points& right, DoubledPoints& x, Points& left, ThreadPool& pool);
-
 /// out = right - (M^T M + diag(diagonal)) x. Relative error about 1e-31 of the sizes of the terms, but for the last
 /// rounding. @param between  scratch; it and out keep their storage if they have the right size. O(entries of M)
 void normal_residual(const OperatorRows& m, const Eigen::VectorXd& diagonal, const Points& right,
@@ -73,10 +60,8 @@ struct Refinement {
 /// any more. A residual is taken in doubled precision only where working precision would spoil the next step, and the
 /// steps end when one more, at the pace of the slowest so far, would not be seen.
 /// @param single_precision  whether the factor is
-/// @param from_start  whether x is a start and left its residual; else left is the right-hand side
-/// @param x           out: the solution
-/// @param left,step   scratch
-Refinement refine_to_the_bit(RefinedSystem& system, bool single_precision, bool from_start, DoubledPoints& x,
-                             Points& left, Points& step, ThreadPool& pool);
+/// @param left   the right-hand side; scratch. @param x  out: the solution. @param step  scratch
+Refinement refine_to_the_bit(RefinedSystem& system, bool single_precision, DoubledPoints& x, Points& left, Points& step,
+                             ThreadPool& pool);
 
 }  // namespace lapedit

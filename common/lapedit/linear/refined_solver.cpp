@@ -155,20 +155,9 @@ Refinement RefinedSolver::refine_to_the_bit(const Points& right, Points& x, cons
   residual_ = right;
   System system(*this, right, go_on);
   const Refinement done =
-      lapedit::refine_to_the_bit(system, cholesky_.single_precision(), false, doubled_, residual_, step_, *pool_);
+      lapedit::refine_to_the_bit(system, cholesky_.single_precision(), doubled_, residual_, step_, *pool_);
   x = doubled_.high;
   return done;
-}
-
-Refinement RefinedSolver::pull_to_the_bit(const Vector3& pull, Points& x, const Progress& go_on) {
-  if (response_.high.size() == 0) {
-    Points unit = Points::Zero(squared_weights_.size(), 3);
-    unit(correction_->rows[0], 0) = 1;
-    response_refined_ = refine_to_the_bit(unit, x, go_on);
-    response_ = {doubled_.high.col(0), doubled_.low.col(0)};
-  }
-  response_.times(pull, x, *pool_);
-  return response_refined_;
 }
 
 double RefinedSolver::relative_residual(const Points& right, const Points& x) const {

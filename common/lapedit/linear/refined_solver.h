@@ -63,11 +63,6 @@ class RefinedSolver {
   /// @param go_on  asked at each step. @throws EditError (Cancelled)
   Refinement refine_to_the_bit(const Points& right, Points& x, const Progress& go_on = {});
 
-  /// Whether there is a correction of one row, so that what is asked for at it alone is a multiple of one solution.
-  bool has_one_row() const { return correction_->rows.size() == 1; }
-  /// The same for b that is zero but for that row, the three numbers of `pull`. Only the first call solves.
-  Refinement pull_to_the_bit(const Vector3& pull, Points& x, const Progress& go_on = {});
-
   /// |A x - b| over (|A0| + largest w^2) |x| + |b|, largest entries each; 0 if all are. Changes nothing.
   double relative_residual(const Points& right, const Points& x) const;
 
@@ -86,10 +81,6 @@ class RefinedSolver {
   Points residual_, step_;
   Points at_rows_, corrected_;
   DoubledPoints doubled_, between_;
-
-  // A^-1 e of the correction's one row, made when it is asked for; and how that went.
-  DoubledColumn response_;
-  Refinement response_refined_;
 };
 
 /// The correction for rows that have no weight in A0. @param a0  a solver without one

@@ -88,7 +88,8 @@ SparseMatrix lower_in_order(const SparseMatrix& matrix, const std::vector<int>& 
   return result;
 }
 
-/// L D L^T x = b for three right-hand sides and a fourth that is nothing, which is twice as fast as one after the other.
+/// L D L^T x = b for three right-hand sides and a fourth that is nothing, which is twice as fast as one after the
+/// other.
 struct Triangles {
   const int* offsets;
   const int* rows;

@@ -186,10 +186,9 @@ LAPEDIT_INLINE void forward_supernode(const Scalar* tiles, int columns, int rows
     tiles = forward_block<Scalar, kWide>(tiles, panels_below(rows - first - kWide), v + first, pad);
   }
   if (first < columns) {
-    with_width(
-        columns - first, [&](auto tag) LAPEDIT_ALWAYS_INLINE {
-          forward_block<Scalar, decltype(tag)::value>(tiles, panels_below(rows - columns), v + first, pad);
-        });
+    with_width(columns - first, [&](auto tag) LAPEDIT_ALWAYS_INLINE {
+      forward_block<Scalar, decltype(tag)::value>(tiles, panels_below(rows - columns), v + first, pad);
+    });
   }
 }
 
@@ -204,10 +203,9 @@ LAPEDIT_INLINE void backward_supernode(const Scalar* end, int columns, int rows,
   int first = columns - rest;
   if (rest > 0) {
     end -= block_size(rest, rows - columns);
-    with_width(
-        rest, [&](auto tag) LAPEDIT_ALWAYS_INLINE {
-          backward_block<Scalar, decltype(tag)::value, Group>(end, panels_below(rows - columns), v + first, pad);
-        });
+    with_width(rest, [&](auto tag) LAPEDIT_ALWAYS_INLINE {
+      backward_block<Scalar, decltype(tag)::value, Group>(end, panels_below(rows - columns), v + first, pad);
+    });
   }
   while (first > 0) {
     first -= kWide;

@@ -130,10 +130,10 @@ void DragFrames::Impl::correct() {
   }
   system.powers.m->apply_transposed(c.edges, c.residual, *system.pool);
   for (const int i : c.held) {
-    const Vector3 wanted = system.region.classes[i] == VertexClass::Handle
-                               ? cells->paths().displacement(i)
-                               : cells->paths().carried()[system.region.component[i]].displacement(
-                                     system.rest.local.row(i).transpose());
+    const Vector3 wanted =
+        system.region.classes[i] == VertexClass::Handle
+            ? cells->paths().displacement(i)
+            : cells->paths().carried()[system.region.component[i]].displacement(system.rest.local.row(i).transpose());
     c.residual.row(i) += system.squared_weights[i] * (wanted.transpose() / unit - displacement.row(i));
   }
   c.solver.solve(c.residual, c.step);

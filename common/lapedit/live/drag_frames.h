@@ -17,7 +17,8 @@ namespace lapedit {
 /// with the residual through the edges of x0 in double precision and one solve with the factor that is there: x0 is off
 /// by a few hundredths of the handle's way, so that five digits of the solve are enough for all that can be seen. The
 /// first frame of a pose has rotations of the cells, with few passes on them; refine() goes through all that the editor
-/// does. Frames depend on nothing that came before. For any number of groups, targets of single vertices, and components without anchors.
+/// does. Frames depend on nothing that came before. For any number of groups, targets of single vertices, and
+/// components without anchors.
 ///
 /// Rotations that are not the cells' (smooth normals and surfaces) have no such frames: has_frames().
 class DragFrames {

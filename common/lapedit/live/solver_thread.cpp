@@ -447,7 +447,8 @@ void SolverThread::Impl::settle(std::unique_lock<std::mutex>& lock) {
       publish(mine, [&] { answered.news.report = report; });
     }
   } catch (const std::exception&) {
-    own.report_due = own.preview = own.refines = false;  // the frame has said what there is to say, or the mouse goes on
+    own.report_due = own.preview = own.refines =
+        false;  // the frame has said what there is to say, or the mouse goes on
     failed = true;
   }
   unsettled = false;
@@ -584,16 +585,16 @@ bool SolverThread::wait() {
   Impl& s = *impl_;
   s.answer.wait(lock, [&s] {
     // The runner may be looked at while the worker is not at work only.
-    return s.answered.has_news || (!s.working && !s.unsettled && !s.preparing && !s.asked.prepare &&
-                                   !s.asked.apply && !(s.asked.solve && s.usable()));
+    return s.answered.has_news || (!s.working && !s.unsettled && !s.preparing && !s.asked.prepare && !s.asked.apply &&
+                                   !(s.asked.solve && s.usable()));
   });
   return s.answered.has_news;
 }
 
 bool SolverThread::busy() const {
   const std::lock_guard<std::mutex> lock(impl_->mutex);
-  return impl_->working || impl_->unsettled || impl_->preparing || impl_->asked.prepare ||
-         impl_->asked.apply || impl_->asked.solve || impl_->answered.has_news;
+  return impl_->working || impl_->unsettled || impl_->preparing || impl_->asked.prepare || impl_->asked.apply ||
+         impl_->asked.solve || impl_->answered.has_news;
 }
 
 double SolverThread::progress() const {

@@ -77,8 +77,8 @@ class DragSession {
   bool preparing() const { return solver_.preparing(); }           ///< a region is on its way
   double progress() const { return solver_.worker().progress(); }  ///< of that, 0 to 1
   const char* stage() const { return solver_.worker().stage(); }   ///< of that
-  bool in_hand() const { return solver_.in_hand(); }  ///< a drag is followed at once, if only by the region's cells
-  bool ready() const { return solver_.ready(); }      ///< the region is prepared
+  bool in_hand() const { return solver_.in_hand(); }     ///< a drag is followed at once, if only by the region's cells
+  bool ready() const { return solver_.ready(); }         ///< the region is prepared
   bool busy() const { return solver_.worker().busy(); }  ///< poll() has, or will have, something new
   /// Brushed vertices that no handle reaches: kept, and part of the region once something connects them. Ascending.
   const std::vector<int>& unconnected() const { return model_.unconnected; }
