@@ -21,12 +21,12 @@ mkdir -p "$filter/lapedit" "$filter/lapedit_host/tool" "$tool/lapedit"
 cd "$project"
 
 # Of the layer for hosts the newest interface alone, and nothing that serves the program alone.
-cp -r common/lapedit/{base,mesh,linear,deform,edit,json} "$filter/lapedit"
+cp -r common/lapedit/{base,mesh,linear,deform,cells,edit,json} "$filter/lapedit"
 cp common/lapedit_host/*.{h,cpp} common/lapedit_host/api_2022/*.h common/lapedit_host/api_2022/parameters_2025/*.h "$filter/lapedit_host"
 cp common/lapedit_host/tool/*.{h,cpp} "$filter/lapedit_host/tool"
 rm "$filter"/lapedit_host/batch_*.h
 cp filter_laplacian_edit/*.{h,cpp} "$filter"
-cp -r common/lapedit/session "$tool/lapedit"
+cp -r common/lapedit/{live,session} "$tool/lapedit"
 cp edit_laplacian_drag/*.{h,cpp,qrc,png} "$tool"
 
 version=$(sed -n 's/^project(laplacian_edit VERSION \([0-9.]*\) .*/\1/p' CMakeLists.txt)
