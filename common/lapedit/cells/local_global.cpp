@@ -51,7 +51,7 @@ struct LocalGlobal::Edges {
     for (int c = 0; c < 3; ++c) {
       column[c] += (kNormals * size / length * normal_before[c]) * normal;
       for (std::ptrdiff_t e = 0; e < 3; ++e) {
-        to[3 * c + e] = column[c][e];
+        to[3 * static_cast<std::ptrdiff_t>(c) + e] = column[c][e];
       }
     }
   }
@@ -111,10 +111,11 @@ LocalGlobal::LocalGlobal(const RegionCells& cells, const CellSurface& surface, c
       averages_(cells.count()),
       covariances_(cells.count()),
       before_(cells.neighbours.values.size()),
-      turns_(12 * static_cast<std::size_t>(cells.count())),
-      m_(system.differential_operator()),
-      edges_(m_.nonZeros(), 3),
-      sums_(cells.count(), 3) {}
+      turning_{OperatorRows::Rows(system.differential_operator()), {}, {}, {}} {
+  turning_.edges.resize(turning_.m.nonZeros(), 3);
+  turning_.sums.resize(cells.count(), 3);
+  turning_.turns.resize(12 * static_cast<std::size_t>(cells.count()));
+}
 
 void LocalGlobal::start(const Points& carried, const std::vector<Matrix3>& linear) {
   if (carried_.rows() == carried.rows() && carried_ == carried && linear_ == linear) {
@@ -125,12 +126,12 @@ void LocalGlobal::start(const Points& carried, const std::vector<Matrix3>& linea
   smooth_before_ = carried;
   surface_.smooth(kSmoothing, smooth_before_, scratch_);
   normals_before_.resize(carried.rows(), 3);
-  sums_.setZero();
+  turning_.sums.setZero();
   for (int a = 0; a < cells_.count(); ++a) {
-    for (int k = m_.outerIndexPtr()[a]; k < m_.outerIndexPtr()[a + 1]; ++k) {
-      const Vector3 edge = (cells_.centres.row(a) - cells_.centres.row(m_.innerIndexPtr()[k])).transpose();
-      edges_.row(k) = -m_.valuePtr()[k] * (edge + linear[a] * edge).transpose();
-      sums_.row(a) += edges_.row(k);
+    for (int k = turning_.m.outerIndexPtr()[a]; k < turning_.m.outerIndexPtr()[a + 1]; ++k) {
+      const Vector3 edge = (cells_.centres.row(a) - cells_.centres.row(turning_.m.innerIndexPtr()[k])).transpose();
+      turning_.edges.row(k) = -turning_.m.valuePtr()[k] * (edge + linear[a] * edge).transpose();
+      turning_.sums.row(a) += turning_.edges.row(k);
     }
   }
   for (int a = 0; a < cells_.count(); ++a) {
@@ -146,7 +147,7 @@ void LocalGlobal::start(const Points& carried, const std::vector<Matrix3>& linea
 void LocalGlobal::fit(const Points& displacement, std::vector<Matrix3>& rotations) {
   smooth_after_ = carried_ + displacement;
   surface_.smooth(kSmoothing, smooth_after_, scratch_);
-  const Edges edges = {cells_, surface_, m_};
+  const Edges edges = {cells_, surface_, turning_.m};
   for_processor(Edges::covariances_plain, Edges::covariances_avx2, Edges::covariances_avx2)(
       edges, smooth_after_, before_.data(), normals_before_, averages_);
   averages_.average(cells_.neighbours, kAveraging, alone_);
@@ -165,14 +166,15 @@ void LocalGlobal::turn(const std::vector<Matrix3>& rotations, Points& turned) {
   turned.resize(cells_.count(), 3);
   for (int a = 0; a < cells_.count(); ++a) {
     for (int c = 0; c < 3; ++c) {
-      double* const column = &turns_[12 * static_cast<std::size_t>(a) + 4 * c];
+      double* const column = &turning_.turns[12 * static_cast<std::size_t>(a) + 4 * static_cast<std::size_t>(c)];
       store(column, Edges::three(&rotations[a](0, c)));
       column[c] -= 1;
     }
   }
-  const Edges edges = {cells_, surface_, m_};
+  const Edges edges = {cells_, surface_, turning_.m};
   for_processor(Edges::turn_plain, Edges::turn_avx2, Edges::turn_avx2)(
-      edges, turns_.data(), edges_, sums_, settings_.turning == DetailTurning::Edge, turned.data());
+      edges, turning_.turns.data(), turning_.edges, turning_.sums, settings_.turning == DetailTurning::Edge,
+      turned.data());
 }
 
 LocalGlobal::Outcome LocalGlobal::settle(const Points& constraints, double accurate, int most_passes,

@@ -40,6 +40,12 @@ class LocalGlobal {
 
  private:
   struct Edges;
+  /// What turn() reads.
+  struct Turning {
+    OperatorRows::Rows m;       // the system's M
+    Points edges, sums;         // per entry of it -M_ab (C_a - C_b), carried along, and over each row
+    std::vector<double> turns;  // of each cell the columns of R - I, four numbers each
+  };
   void fit(const Points& displacement, std::vector<Matrix3>& rotations);
   void turn(const std::vector<Matrix3>& rotations, Points& turned);
 
@@ -53,9 +59,7 @@ class LocalGlobal {
   MatrixAverages averages_;
   std::vector<Matrix3> linear_, covariances_;
   std::vector<Vector3> before_;  // per entry of neighbours: g_ab (P0_b - P0_a)
-  std::vector<double> turns_;    // of each cell the columns of R - I, four numbers each
-  OperatorRows::Rows m_;         // the system's M
-  Points edges_, sums_;          // per entry of it -M_ab (C_a - C_b), carried along, and over each row
+  Turning turning_;
 };
 
 }  // namespace lapedit

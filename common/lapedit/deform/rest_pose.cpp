@@ -8,8 +8,8 @@
 
 namespace lapedit {
 
-RestPose::RestPose(const TriangleMesh& mesh, std::shared_ptr<const Region> of)
-    : region(std::move(of)), world(region->size(), 3) {
+RestPose::RestPose(const TriangleMesh& mesh, std::shared_ptr<const Region> with)
+    : region(std::move(with)), world(region->size(), 3) {
   const auto handle = std::find(region->classes.begin(), region->classes.end(), VertexClass::Handle);
   if (handle == region->classes.end()) {
     throw EditError(ErrorCause::NoHandle, "There is no handle in the region: name at least one vertex to move.");

@@ -15,7 +15,7 @@ struct RestPose {
   Points local;                      ///< about the origin: digits are kept far from zero
 
   /// @param mesh  not kept. @throws EditError (NoHandle)
-  RestPose(const TriangleMesh& mesh, std::shared_ptr<const Region> region);
+  RestPose(const TriangleMesh& mesh, std::shared_ptr<const Region> with);
 };
 
 }  // namespace lapedit
