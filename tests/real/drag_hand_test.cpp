@@ -25,18 +25,18 @@ struct Recorded {
   double rms, by_default;
 };
 
-/// Those of regions for which there is a stand-in. Where a limb is thinner than the smoothing, or a group turns a mesh
-/// that nothing holds, the rotations are not what the cells resolve.
+/// Recorded with the smooth surface's rotations, which frames of cells do not have: they are drawn by those of the
+/// cells.
 const Recorded kRecorded[] = {
-    {"bumpy_plane.off", "crest", 0.06, 0.037},
-    {"bumpy_plane.off", "hill_cotangent", 0.009, 0.014},
-    {"bumpy_plane.off", "hill_to_the_border", 0.035, 0.035},
-    {"igea.ply", "all_held_at_the_back", 0.125, 0.12},
-    {"igea.ply", "nose_and_face", 0.015, 0.029},
-    {"igea.ply", "nose_order_3", 0.16, 0.039},
-    {"octopus.off", "body_held_by_another_tentacle", 0.34, 1.13},
-    {"octopus.off", "most_of_the_body", 0.027, 0.069},
-    {"octopus.off", "tentacle_and_root_order_2", 0.037, 0.11},
+    {"bumpy_plane.off", "crest", 0.067, 0.047},
+    {"bumpy_plane.off", "hill_cotangent", 0.012, 0.018},
+    {"bumpy_plane.off", "hill_to_the_border", 0.04, 0.05},
+    {"igea.ply", "all_held_at_the_back", 0.23, 0.18},
+    {"igea.ply", "nose_and_face", 0.02, 0.053},
+    {"igea.ply", "nose_order_3", 0.18, 0.026},
+    {"octopus.off", "body_held_by_another_tentacle", 0.67, 0.19},
+    {"octopus.off", "most_of_the_body", 0.064, 0.046},
+    {"octopus.off", "tentacle_and_root_order_2", 0.08, 0.09},
 };
 
 TEST(RealDragHand, AreNearTheFullPose) {
@@ -60,16 +60,17 @@ TEST(RealDragHand, AreNearTheFullPose) {
       const Points full = editor.solve(maps);
       DragFrames frames(mesh, found.region, settings);
       const Points pose = frames.pose(maps);
-      double way = 0;
+      double way = 0, handle_off = 0;
       for (int i = 0; i < region.size(); ++i) {
         const Vector3 rest = mesh.vertices.row(region.mesh_vertex[i]).transpose();
         if (region.classes[i] == VertexClass::Handle) {
           way = std::max(way, (full.row(i).transpose() - rest).norm());
-          EXPECT_LT((pose.row(i).transpose() - maps[region.group[i]].map * rest).norm(), 0.01 * way);
+          handle_off = std::max(handle_off, (pose.row(i).transpose() - maps[region.group[i]].map * rest).norm());
         } else if (region.anchor_depth[i] == 1) {
           EXPECT_EQ(pose.row(i).transpose(), rest);
         }
       }
+      EXPECT_LT(handle_off, 0.01 * way) << recorded.mesh << ", " << recorded.edit;
       const Points difference = pose - full;
       const double rms = std::sqrt(difference.squaredNorm() / static_cast<double>(difference.rows())) / way;
       std::cout << recorded.mesh << ", " << recorded.edit << (by_default ? " by default: " : ": ") << region.size()
