@@ -302,6 +302,21 @@ TEST(DragSession, TurnAndScaleGoAboutTheGroupsCenter) {
   EXPECT_NEAR(support::diameter(after) / support::diameter(before), 1.5, 0.3);
 }
 
+/// Fails if the line over the picture does not say why frames are slow, or says it where they are not.
+TEST(DragSession, SaysWhereFramesAreFullSolutions) {
+  for (const DetailRotation rotation : {DetailRotation::LocalGlobal, DetailRotation::SmoothSurface}) {
+    Window window(hills());
+    DragSettings settings = window.session.settings();
+    settings.edit.rotation = rotation;
+    window.session.set_settings(settings);
+    window.click(kMiddle);
+    window.press(kMiddle);
+    window.session.move(window.at(window.at(kMiddle).pixel + Vector2(20, 10)));
+    EXPECT_EQ(window.session.message().find("each frame is a full solution") != std::string::npos,
+              rotation == DetailRotation::SmoothSurface);
+  }
+}
+
 TEST(DragSession, RotatingOrScalingASingleVertexIsRefused) {
   Window window(hills());
   window.click(kMiddle);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "lapedit/base/simd.h"
@@ -14,8 +15,8 @@ namespace {
 
 constexpr int kLanes = 8;
 
-typedef double Lanes __attribute__((vector_size(kLanes * sizeof(double))));
-typedef std::int64_t Mask __attribute__((vector_size(kLanes * sizeof(double))));
+using Lanes = Simd<double, kLanes>::Vector;
+using Mask = Simd<std::int64_t, kLanes>::Vector;
 
 /// Column after column, as in Eigen.
 struct Matrices {
@@ -26,7 +27,7 @@ struct Matrices {
 
 /// In the order in which Eigen sums nine squares with vectors of two.
 LAPEDIT_INLINE Lanes squared_norm(const Matrices& a) {
-  const auto square = [&a](int k) __attribute__((always_inline)) {
+  const auto square = [&a](int k) LAPEDIT_ALWAYS_INLINE {
     return a.m[k] * a.m[k];
   };
   return (((square(0) + square(2)) + (square(4) + square(6))) + ((square(1) + square(3)) + (square(5) + square(7)))) +
@@ -35,7 +36,7 @@ LAPEDIT_INLINE Lanes squared_norm(const Matrices& a) {
 
 LAPEDIT_INLINE Lanes square_root(Lanes a) {
   for (int lane = 0; lane < kLanes; ++lane) {
-    a[lane] = __builtin_sqrt(a[lane]);
+    a[lane] = std::sqrt(a[lane]);
   }
   return a;
 }
@@ -60,7 +61,7 @@ LAPEDIT_INLINE Matrices inverse_transposed(const Matrices& a) {
 }
 
 LAPEDIT_INLINE Lanes determinant(const Matrices& a) {
-  const auto term = [&a](int i, int j, int k) __attribute__((always_inline)) {
+  const auto term = [&a](int i, int j, int k) LAPEDIT_ALWAYS_INLINE {
     return a(0, i) * (a(1, j) * a(2, k) - a(1, k) * a(2, j));
   };
   return term(0, 1, 2) - term(1, 0, 2) + term(2, 0, 1);
