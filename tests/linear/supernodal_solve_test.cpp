@@ -254,30 +254,6 @@ SparseMatrix positive_definite(int n, double diagonal) {
   return SparseMatrix(m.transpose()) * m + diagonal * identity;
 }
 
-std::vector<CholeskyOptions> all_options() {
-  std::vector<CholeskyOptions> all(4);
-  all[1].single_precision = true;
-  all[2].pool = std::make_shared<ThreadPool>(3);
-  all[3].backend = CholeskyBackend::Eigen;
-  return all;
-}
-
-/// Fails if rows are permuted the wrong way, or one precision goes another way than the other.
-TEST(SparseCholeskyInOrder, SolvesInOrderAsItSolves) {
-  constexpr int kSize = 257;
-  const SparseMatrix matrix = positive_definite(kSize, 0.1);
-  const Points right = random_rows<double>(kSize, 7);
-  for (const CholeskyOptions& options : all_options()) {
-    SparseCholesky factor(matrix, options);
-    Points x;
-    factor.solve(right, x);
-    const Points ordered = support::rows(x, factor.order());
-    Rows<float> single = support::rows(right, factor.order()).cast<float>();
-    factor.solve_in_order(single.data());
-    EXPECT_LT((single.cast<double>() - ordered).norm() / ordered.norm(), factor.single_precision() ? 1e-5 : 1e-6);
-  }
-}
-
 /// Fails if the factor in single precision is worse than rounding makes it, or the right-hand side's scale matters.
 TEST(SparseCholeskySingle, PrecisionNeedsOneStepOfRefinement) {
   constexpr int kSize = 500;

@@ -32,7 +32,6 @@ struct SparseCholesky::Impl {
   /// Shares the factor; the scratch is made when it is needed.
   virtual std::unique_ptr<Impl> share(std::shared_ptr<ThreadPool> pool) const = 0;
   virtual void solve(const Points& rhs, Points& x) = 0;
-  virtual void solve_in_order(float* x) = 0;
 
   /// Scaled right-hand sides in the order of elimination, their solution, and back.
   /// @param rows  scratch. @param solve_rows  in place
@@ -147,27 +146,19 @@ struct EigenCholesky : Impl {
     return std::make_unique<EigenCholesky>(*this, std::move(used));
   }
   void solve(const Points& rhs, Points& x) override {
-    solve_in_place([&](std::size_t k) { return rhs.row(order[k]); });
-    x.resize(rhs.rows(), 3);
-    for (std::size_t k = 0; k < order.size(); ++k) {
-      x.row(order[k]) = scratch.row(static_cast<Eigen::Index>(k)).head<3>();
-    }
-  }
-  void solve_in_order(float* x) override {
-    Eigen::Map<Rows<float>> rows(x, static_cast<Eigen::Index>(order.size()), 3);
-    solve_in_place([&](std::size_t k) { return rows.row(static_cast<Eigen::Index>(k)).cast<double>(); });
-    rows = scratch.leftCols<3>().cast<float>();
-  }
-  template <class Row>
-  void solve_in_place(const Row& row) {
-    scratch.resize(static_cast<Eigen::Index>(order.size()), 4);
-    for (std::size_t k = 0; k < order.size(); ++k) {
-      scratch.row(static_cast<Eigen::Index>(k)) << row(k), 0;
+    const auto n = static_cast<Eigen::Index>(order.size());
+    scratch.resize(n, 4);
+    for (Eigen::Index k = 0; k < n; ++k) {
+      scratch.row(k) << rhs.row(order[k]), 0;
     }
     const SparseMatrix& lower = factor->ldlt.matrixL().nestedExpression();
     const Triangles triangles = {lower.outerIndexPtr(), lower.innerIndexPtr(), lower.valuePtr(), factor->pivots.data(),
-                                 scratch.rows()};
+                                 n};
     for_processor(Triangles::plain, Triangles::avx2, Triangles::avx2)(triangles, scratch.data());
+    x.resize(n, 3);
+    for (Eigen::Index k = 0; k < n; ++k) {
+      x.row(order[k]) = scratch.row(k).head<3>();
+    }
   }
 
   std::shared_ptr<const Factor> factor;
@@ -223,17 +214,6 @@ struct SupernodalCholesky : Analysed {
     solve_with(ordered, kSingle ? scale_of(rhs.cwiseAbs().maxCoeff()) : 1, rhs, x,
                [this] { solver->solve(ordered.data(), *pool); });
   }
-  void solve_in_order(float* x) override {
-    if constexpr (kSingle) {
-      solver->solve(x, *pool);
-    } else {
-      Eigen::Map<Rows<float>> rows(x, static_cast<Eigen::Index>(order.size()), 3);
-      ordered = rows.cast<double>();
-      solver->solve(ordered.data(), *pool);
-      rows = ordered.template cast<float>();
-    }
-  }
-
   std::optional<SupernodalSolver<Scalar>> solver;
   Rows<Scalar> ordered;  // in the order of elimination
 };
@@ -274,9 +254,6 @@ void SparseCholesky::solve(const Points& rhs, Points& x) {
   impl_->solve(rhs, x);
 }
 
-void SparseCholesky::solve_in_order(float* x) {
-  impl_->solve_in_order(x);
-}
 const std::vector<int>& SparseCholesky::order() const {
   return impl_->order;
 }

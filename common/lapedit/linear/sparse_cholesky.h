@@ -51,9 +51,7 @@ class SparseCholesky {
   /// first call with the same x. Cost: the factor read twice.
   void solve(const Points& rhs, Points& x);
 
-  /// The same in the order of elimination and in place: row k of x (n x 3, row after row) belongs to row order()[k] of
-  /// the matrix. The entries of the matrix and of x have to be within 1e-15 .. 1e15.
-  void solve_in_order(float* x);
+  /// Of elimination: row order()[k] is the k-th.
   const std::vector<int>& order() const;
 
   bool single_precision() const;
