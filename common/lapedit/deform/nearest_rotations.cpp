@@ -27,9 +27,7 @@ struct Matrices {
 
 /// In the order in which Eigen sums nine squares with vectors of two.
 LAPEDIT_INLINE Lanes squared_norm(const Matrices& a) {
-  const auto square = [&a](int k) LAPEDIT_ALWAYS_INLINE {
-    return a.m[k] * a.m[k];
-  };
+  const auto square = [&a](int k) LAPEDIT_ALWAYS_INLINE { return a.m[k] * a.m[k]; };
   return (((square(0) + square(2)) + (square(4) + square(6))) + ((square(1) + square(3)) + (square(5) + square(7)))) +
          square(8);
 }
@@ -61,9 +59,8 @@ LAPEDIT_INLINE Matrices inverse_transposed(const Matrices& a) {
 }
 
 LAPEDIT_INLINE Lanes determinant(const Matrices& a) {
-  const auto term = [&a](int i, int j, int k) LAPEDIT_ALWAYS_INLINE {
-    return a(0, i) * (a(1, j) * a(2, k) - a(1, k) * a(2, j));
-  };
+  const auto term = [&a](int i, int j, int k)
+                        LAPEDIT_ALWAYS_INLINE { return a(0, i) * (a(1, j) * a(2, k) - a(1, k) * a(2, j)); };
   return term(0, 1, 2) - term(1, 0, 2) + term(2, 0, 1);
 }
 
