@@ -159,7 +159,7 @@ TEST(SolverThread, WakesItsOwnerForEachPieceOfNews) {
   EXPECT_GT(woken, before);
 }
 
-/// Enough to be in the hand long before it is prepared.
+/// Large enough that the cells answer long before the region is prepared.
 PrepareTask large_task() {
   PrepareTask task;
   static const auto mesh = std::make_shared<const TriangleMesh>(shapes::letter_field(254, 127));

@@ -43,7 +43,7 @@ struct LaplacianSystem {
   std::shared_ptr<const WoodburyCorrection> correction;  ///< small handles, which the factor does not know
   int refinements = 0;                                   ///< steps to kAccurate, where there is no correction
   double normal_radius = 0;                              ///< 0 without rotation
-  std::shared_ptr<const Smoother> smoother;              ///< nothing but for smooth normals and surfaces
+  std::shared_ptr<const Smoother> smoother;              ///< only for smooth normals and surfaces
   GeodesicFalloff falloff;                               ///< empty where rotations are not estimated from it
 
   LaplacianSystem(std::shared_ptr<const RestPose> pose, const EditSettings& given)

@@ -200,13 +200,16 @@ void DragFrames::Impl::turn_rings() {
   }
   c.previous = displacement.topRows(n);
   c.ahead *= unit;
-  c.before = rest().local;
-  for (Eigen::Index i = 0; paths.carries() && i < n; ++i) {
+  const bool carries = paths.carries();
+  if (carries) {
+    c.before = rest().local;
+  }
+  for (Eigen::Index i = 0; carries && i < n; ++i) {
     const Vector3 way = paths.carried()[region.component[i]].displacement(rest().local.row(i).transpose());
     c.before.row(i) += way.transpose();
     c.ahead.row(i) -= way.transpose();
   }
-  c.rings.fit(c.before, c.ahead, c.rotations);
+  c.rings.fit(carries ? c.before : rest().local, c.ahead, c.rotations);
   for (Eigen::Index i = 0; i < n; ++i) {
     const Matrix3& along = paths.carried()[region.component[i]].linear;
     const Matrix3 turn = c.rotations[i] - Matrix3::Identity();
