@@ -17,7 +17,7 @@ packages="
   meshlab"
 # A MeshLab that runs without a screen.
 display="xvfb xauth libgl1-mesa-dri python3"
-tests="$display ninja-build ccache libgtest-dev libsuitesparse-dev xdotool python3-numpy parallel appstream"
+tests="$display ninja-build ccache libgtest-dev libsuitesparse-dev xdotool python3-numpy parallel appstream strace"
 for what in "$@"; do
   case $what in
   build) ;;

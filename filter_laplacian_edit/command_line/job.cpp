@@ -9,9 +9,11 @@
 #include <cstring>
 #include <iterator>
 #include <limits>
+#include <system_error>
 #include <utility>
 
 #include "files/file_names.h"
+#include "files/input_file.h"
 #include "files/output_files.h"
 #include "files/real_files.h"
 #include "filter_laplacian_edit.h"
@@ -39,8 +41,8 @@ int mostVertices(const Options& options) {
   throw Failure(Unreadable, "The " + std::string(what) + " " + quotedPath(path) + " cannot be read: " + why + ".");
 }
 
+/// Reads all of it, since some of MeshLab's readers take an error of reading for the end of the file.
 void requireReadable(const QString& path) {
-  QFile file(path);
   const QFileInfo info(path);
   if (!info.exists()) {
     refuseReading("mesh", path, "it does not exist");
@@ -48,33 +50,34 @@ void requireReadable(const QString& path) {
   if (!info.isFile()) {
     refuseReading("mesh", path, "it is not an ordinary file");
   }
-  if (!file.open(QIODevice::ReadOnly)) {
-    refuseReading("mesh", path, file.errorString().toLower().toStdString());
+  try {
+    InputFile file(path);
+    while (!file.read(1 << 20).isEmpty()) {
+    }
+  } catch (const std::system_error& error) {
+    refuseReading("mesh", path, error.code().message());
   }
 }
 
 /// All of it, once: it may come from a pipe.
 QByteArray textOfEdit(const QString& path) {
-  QFile file(path);
-  const QFileInfo info(path);
-  if (!info.exists()) {
-    refuseReading("edit", path, "it does not exist");
-  }
-  if (info.isDir()) {
-    refuseReading("edit", path, "it is a folder");
-  }
-  if (!file.open(QIODevice::ReadOnly | QIODevice::Unbuffered)) {
-    refuseReading("edit", path, file.errorString().toLower().toStdString());
-  }
   // Edits may be in scripts.
   constexpr auto kLargest = 2 * static_cast<qint64>(kLargestJson);
-  constexpr qint64 kPart = 1 << 16;
+  constexpr int kPart = 1 << 16;
   QByteArray text;
-  for (QByteArray part = file.read(kPart); !part.isEmpty(); part = file.read(kPart)) {
-    text += part;
-    if (text.size() > kLargest) {
-      refuseReading("edit", path, "it is larger than " + std::to_string(kLargest) + " bytes");
+  try {
+    InputFile file(path);
+    for (QByteArray part = file.read(kPart); !part.isEmpty(); part = file.read(kPart)) {
+      text += part;
+      if (text.size() > kLargest) {
+        refuseReading("edit", path, "it is larger than " + std::to_string(kLargest) + " bytes");
+      }
     }
+  } catch (const std::system_error& error) {
+    refuseReading("edit", path,
+                  error.code() == std::errc::is_a_directory              ? "it is a folder"
+                  : error.code() == std::errc::no_such_file_or_directory ? "it does not exist"
+                                                                         : error.code().message());
   }
   return text;
 }

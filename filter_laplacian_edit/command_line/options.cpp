@@ -2,11 +2,12 @@
 #include "options.h"
 
 #include <QCommandLineParser>
-#include <QFile>
 #include <QFileInfo>
+#include <system_error>
 
 #include "failure.h"
 #include "files/file_names.h"
+#include "files/input_file.h"
 
 using lapedit::host::quoted;
 
@@ -124,9 +125,12 @@ bool isScript(const QString& path) {
   if (suffix == "mlx" || suffix == "json") {
     return suffix == "mlx";
   }
-  QFile file(path);
-  // What is read from a pipe is gone.
-  return QFileInfo(path).isFile() && file.open(QIODevice::ReadOnly) && file.read(1024).trimmed().startsWith('<');
+  try {
+    // What is read from a pipe is gone.
+    return QFileInfo(path).isFile() && InputFile(path).read(1024).trimmed().startsWith('<');
+  } catch (const std::system_error&) {
+    return false;  // the job says why it cannot be read
+  }
 }
 
 QStringList Options::outputs() const {

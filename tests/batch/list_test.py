@@ -271,6 +271,9 @@ class Lists(ListTest):
         refused(r"line 2: a name is empty", (mesh, "", edit))
         refused(r"line 2: this is no JSON object", "{")
         refused(r'line 2: unknown key "inn"; known keys are', '{"inn": "a"}')
+        refused(r'line 2: the key "out" is given twice: keep one',
+                json.dumps({"in": str(mesh), "out": "a.ply", "edit": str(edit)})[:-1] + ', "out": "b.ply"}')
+        refused(r"cannot be read after line 1: the line is too long", "x" * 2000000, code=UNREADABLE)
         refused(r"line 2: out is to be the name of a file", '{"out": 3}')
         refused(r"line 2: a job needs the keys in, out and edit", '{"in": "a", "out": "b"}')
         refused(r"line 2: the fraction is to be a number from 0 to 1",
@@ -282,8 +285,10 @@ class Lists(ListTest):
         refused(r'line 2: ".*own\.off" is written by the same line', ("family/own.off", "other/own.off", edit))
         refused(r'line 2: ".*jobs\.tsv" is also the list or the job log', (mesh, "jobs.tsv", edit))
         refused(r'line 2: ".*log" is also the list or the job log', (mesh, "log", edit), options=("--job-log", "log"))
+        refused(r'line 2: ".*log" is the job log: give the log another name', ("log", "out.ply", edit),
+                options=("--job-log", "log"))
         refused(r"line 2: fractions are for JSON edits", (mesh, "out.ply", "s.mlx"), options=("--fraction", "0.5"))
-        refused(r"job log .*edit\.json.*: there is something else in it", options=("--job-log", edit))
+        refused(r"job log .*s\.mlx.*: there is something else in it", options=("--job-log", "s.mlx"))
         refused(r"job log .*cannot be written", options=("--job-log", "none/log"), code=UNWRITABLE)
         for sentence, arguments in (
                 (r"file names beside --list", ("--list", "jobs.tsv", mesh, output, edit)),
@@ -295,9 +300,40 @@ class Lists(ListTest):
             code, _, errors = self.run_command(*arguments)
             self.assertEqual(code, WRONG_USAGE)
             self.assertRegex(errors, sentence)
-        code, _, errors = self.run_command("--list", "none.tsv")
-        self.assertEqual(code, UNREADABLE)
-        self.assertRegex(errors, r"\AThe list .*none\.tsv.* cannot be read: [^\n]*\n\Z")
+        for name in ("none.tsv", "family", "/proc/self/mem"):
+            code, output, errors = self.run_command("--list", name)
+            self.assertEqual((code, output), (UNREADABLE, ""))
+            self.assertRegex(errors, r"\AThe list .* cannot be read: [^\n]*; no job was begun\.\n\Z")
+
+    @unittest.skipUnless(shutil.which("strace"), "needs strace")
+    def test_an_error_of_reading_is_not_the_end(self):
+        """Each read after the first of a file fails: of a list, an edit, a job log, a mesh."""
+        pairs = self.family(3)
+        edit = self.place / "family" / "edit.json"
+        folder = self.place / "fails"
+        folder.mkdir()
+        jobs, log, large, mesh = (folder / name for name in ("jobs.tsv", "log.jsonl", "edit.json", "mesh.off"))
+        jobs.write_text("".join(f"{pairs[0][0]}\t{self.place}/{k:0200}.ply\t{edit}\n" for k in range(900)))
+        log.write_text('{"laplacian_edit_job": 1}\n' * 10000)
+        large.write_text(edit.read_text() + " " * 200000)
+        mesh.write_text(pairs[0][0].read_text() + "\n" * 2000000)
+        short = self.write_list((pairs[0][0], "out.ply", edit))
+        before = sorted(self.place.rglob("*"))
+        for path, sentence, arguments in (
+                (jobs, r"\AThe list .*jobs\.tsv. cannot be read after line \d+: .*error; no job was begun\.\n\Z",
+                 ("--list", jobs)),
+                (log, r"\AThe job log .*log\.jsonl. cannot be read: .*error\.\n\Z", ("--list", short, "--job-log", log)),
+                (large, r"\AThe edit .*edit\.json. cannot be read: .*error\.\n\Z", (pairs[0][0], "out.ply", large)),
+                (mesh, r"\AThe mesh .*mesh\.off. cannot be read: .*error\.\n\Z", (mesh, "out.ply", edit))):
+            with self.subTest(path.name):
+                # Only the trace of that file: its first read works.
+                code, output, errors = self.ended(self.start(
+                    "strace", "--follow-forks", "--quiet=all", "--output=/dev/null", f"--trace-path={path}",
+                    "--trace=read", "--inject=read:error=EIO:when=2+", COMMAND, *arguments,
+                    environment={"LC_ALL": "C"}))
+                self.assertEqual((code, output), (UNREADABLE, ""), errors)
+                self.assertRegex(errors, sentence)
+                self.assertEqual(sorted(self.place.rglob("*")), before)
 
     def test_what_is_done_again(self):
         pairs = self.family(4)
@@ -317,14 +353,33 @@ class Lists(ListTest):
         self.assertEqual(redone("--fraction", "0.5"), [1, 2, 3, 4])
         os.utime(self.place / "family" / "edit.json")
         self.assertEqual(redone(), [1, 2, 3, 4])
-        # A line that did not get to the disk whole stands by itself, and its job counts for nothing.
-        lines = self.log.read_bytes().splitlines(keepends=True)
-        ours = [line for line in lines if json.loads(line)["options"] == ["--fraction", "1"]][-4:]
-        self.log.write_bytes(b"".join(ours)[:-20])
+        # An output that was emptied, or lost its report.
+        pairs[3][1].write_bytes(b"")
+        self.assertEqual(redone(), [4])
+
+    def test_lines_of_the_log_that_cannot_be_read(self):
+        """What a power failure leaves is skipped, wherever it is, and its jobs are done again."""
+        self.family(4)
+        command = ("--list", "family/jobs.tsv", "--job-log", self.log, "--resume")
         self.done(*command)
-        text = self.log.read_text().splitlines()
-        self.assertEqual(len(text), 5)
-        self.assertEqual(json.loads(text[4])["line"], json.loads(ours[3])["line"])
+        lines = self.log.read_bytes().splitlines(keepends=True)
+        for count, where, text in (
+                (1, "line 1 is no entry and is skipped; its job counts", b"".join([lines[0][:60] + b"\n", *lines[1:]])),
+                (1, "line 4 is no entry and is skipped; its job counts", b"".join(lines)[:-20]),
+                (2, "lines 1, 3 are no entries and are skipped; their jobs count",
+                 b"".join([bytes(40) + b"\n", lines[1], b'{"began":1, "in"\n', lines[3]])),
+                (4, "line 1 is no entry", lines[0][:5]),
+                (4, "line 1 is no entry", bytes(4096))):
+            with self.subTest(text[:20]):
+                self.log.write_bytes(text)
+                code, output, errors = self.run_command(*command)
+                self.assertEqual(code, 0, errors)
+                self.assertRegex(output, rf"\A4 of 4 jobs done( \({4 - count} of them before\))?, 0 failed\.\n\Z")
+                self.assertRegex(errors, rf"\AThe job log .*log\.jsonl.: {where}[^\n]*\.\n\Z")
+                self.assertEqual(self.log.read_bytes().splitlines(keepends=True)[:-count],
+                                 (text if text.endswith(b"\n") else text + b"\n").splitlines(keepends=True))
+                output = self.run_command(*command)[1]
+                self.assertEqual(output, "4 of 4 jobs done (4 of them before), 0 failed.\n")
 
     def test_memory_and_processes_are_bounded(self):
         """What starts the jobs opens no mesh, has one thread, and has no more than so many jobs at once."""

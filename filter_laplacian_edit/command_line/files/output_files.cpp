@@ -23,10 +23,6 @@ using lapedit::host::quotedPath;
 
 namespace {
 
-std::string lastError() {
-  return std::strerror(errno);
-}
-
 /// Waits until a file or folder is on the disk. Some errors of writing show here only.
 bool synchronised(const QString& path) {
   const int file = ::open(QFile::encodeName(path).constData(), O_RDONLY | O_CLOEXEC);
@@ -50,6 +46,21 @@ void handDown(const struct stat& from, const char* to) {
 }
 
 }  // namespace
+
+std::string whyNotWritten(int error) {
+  switch (error) {
+    case ENOSPC:
+      return "the disk is full: make room, or write to another disk";
+    case EDQUOT:
+      return "your share of the disk (quota) is used up: make room, or write to another disk";
+    case EFBIG:
+      return "it is larger than a file may be here: raise the limit (ulimit -f), or write to another disk";
+    case EROFS:
+      return "the disk is read-only: write to another one";
+    default:
+      return std::strerror(error);
+  }
+}
 
 OutputFiles::OutputFiles(const std::string& what, const QStringList& places) : what_(what) {
   for (const QString& place : places) {
@@ -96,7 +107,7 @@ void OutputFiles::begin(const std::function<void(const std::string&)>& made) {
   try {
     scratch_.make(QFile::encodeName(folder_).toStdString());
   } catch (const std::system_error& error) {
-    refuse(folder_ + "/" + names_.first(), error.code().message());
+    refuse(folder_ + "/" + names_.first(), whyNotWritten(error.code().value()));
   }
   made(scratch_.path());
 }
@@ -113,7 +124,7 @@ void OutputFiles::synchronise() {
   others_.clear();
   for (const QString& name : QDir(beside(QString())).entryList(QDir::Files | QDir::Hidden)) {
     if (!synchronised(beside(name))) {
-      refuse(folder_ + "/" + name, lastError());
+      refuse(folder_ + "/" + name, whyNotWritten(errno));
     }
     if (!staged_.contains(name)) {
       others_ << name;
@@ -142,7 +153,7 @@ void OutputFiles::place() {
       handDown(before, from.constData());
     }
     if (::rename(from.constData(), to.constData()) != 0) {
-      const std::string why = lastError();
+      const std::string why = whyNotWritten(errno);
       refuse(files[k].second, k == 0 ? why : why + "; the files before it, " + std::to_string(k) + ", are complete");
     }
   }

@@ -9,6 +9,9 @@
 
 #include "files/scratch_folder.h"
 
+/// Why a file cannot be written, and what to do, as the end of a sentence without a full stop. @param error  errno
+std::string whyNotWritten(int error);
+
 /// Files that appear in their place all at once, when they are complete. Until then they are in a folder of their own
 /// beside it, under the names that they will have (or plain ones, where those are no UTF-8), so that they can refer to
 /// each other.

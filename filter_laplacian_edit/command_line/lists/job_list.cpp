@@ -6,15 +6,15 @@
 #include <QHash>
 #include <QJsonDocument>
 #include <QJsonObject>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
+#include <set>
 #include <string>
 #include <system_error>
 
 #include "failure.h"
 #include "files/file_names.h"
+#include "files/input_file.h"
 #include "files/real_files.h"
+#include "lapedit/json/json_text.h"
 
 using lapedit::host::quoted;
 using lapedit::host::quotedPath;
@@ -30,11 +30,29 @@ QByteArray absolute(const QString& path) {
   return path.isEmpty() ? QByteArray() : QFile::encodeName(fullPath(path));
 }
 
+/// Qt's parser keeps the last of several equal keys. @return the first that is given twice, empty if none is
+std::string repeatedKey(const QByteArray& text) {
+  using lapedit::Json;
+  std::set<std::string> keys;
+  std::string repeated;
+  const auto watch = [&](int, Json::parse_event_t event, const Json& value) {
+    if (event == Json::parse_event_t::key && !keys.insert(value.get<std::string>()).second && repeated.empty()) {
+      repeated = value.get<std::string>();
+    }
+    return true;
+  };
+  const Json ignored = Json::parse(text.begin(), text.end(), watch, false);
+  return repeated;
+}
+
 ListedJob jobOfJson(const QByteArray& text, const Options& common, int line) {
   QJsonParseError error = {};
   const QJsonDocument document = QJsonDocument::fromJson(text, &error);
   if (!document.isObject()) {
     refuse(common, line, "this is no JSON object (" + error.errorString().toStdString() + ")");
+  }
+  if (const std::string key = repeatedKey(text); !key.empty()) {
+    refuse(common, line, "the key " + lapedit::quoted_text(key) + " is given twice: keep one of the two");
   }
   ListedJob job;
   const QJsonObject object = document.object();
@@ -115,6 +133,7 @@ void requireApart(const std::vector<ListedJob>& jobs, const Options& common) {
   RealNames real;
   QHash<QString, int> written;  // to the line
   constexpr int noLine = 0;
+  const QString log = real.of(common.list.log);
   for (const QString& path : {common.list.file, common.list.log}) {
     if (!path.isEmpty()) {
       written.insert(real.of(path), noLine);
@@ -140,7 +159,11 @@ void requireApart(const std::vector<ListedJob>& jobs, const Options& common) {
   for (const ListedJob& job : jobs) {
     for (const QByteArray& path : {job.input, job.edit}) {
       const QString name = QFile::decodeName(path);
-      const int line = written.value(real.of(name), noLine);
+      const QString file = real.of(name);
+      if (!common.list.log.isEmpty() && file == log) {
+        refuse(common, job.line, quotedPath(name) + " is the job log: give the log another name");
+      }
+      const int line = written.value(file, noLine);
       if (line != noLine) {
         refuse(common, job.line,
                quotedPath(name) + " is written by " +
@@ -151,37 +174,45 @@ void requireApart(const std::vector<ListedJob>& jobs, const Options& common) {
   }
 }
 
+/// Adds the job of a line, if it has one.
+void addJob(QByteArray text, const Options& common, int line, std::vector<ListedJob>& jobs) {
+  while (text.endsWith('\n') || text.endsWith('\r')) {
+    text.chop(1);
+  }
+  if (line == 1 && text.startsWith("\xef\xbb\xbf")) {
+    text.remove(0, 3);
+  }
+  if (text.trimmed().isEmpty() || text.startsWith('#')) {
+    return;
+  }
+  ListedJob job = text.startsWith('{') ? jobOfJson(text, common, line) : jobOfColumns(text, common, line);
+  job.line = line;
+  const bool poses = job.fraction || common.numbered || common.fractions != std::vector<double>{1};
+  if (poses && isScript(QFile::decodeName(job.edit))) {
+    refuse(common, line,
+           "fractions are for JSON edits: in a script, give the parameter fraction of Laplacian Edit Replay");
+  }
+  jobs.push_back(std::move(job));
+}
+
 }  // namespace
 
 std::vector<ListedJob> readJobList(const Options& common) {
-  const bool isFolder = QFileInfo(common.list.file).isDir();
-  std::ifstream file(QFile::encodeName(common.list.file).toStdString());  // which may be a pipe
-  if (isFolder || !file) {
-    throw Failure(Unreadable, "The list " + quotedPath(common.list.file) +
-                                  " cannot be read: " + (isFolder ? "it is a folder" : std::strerror(errno)) + ".");
-  }
   std::vector<ListedJob> jobs;
   int line = 0;
-  for (std::string read; std::getline(file, read);) {
-    QByteArray text = QByteArray::fromStdString(read);
-    ++line;
-    while (text.endsWith('\r')) {
-      text.chop(1);
+  try {
+    InputFile file(common.list.file);  // which may be a pipe
+    for (QByteArray text = file.readLine(); !text.isEmpty(); text = file.readLine()) {
+      ++line;
+      addJob(text, common, line, jobs);
     }
-    if (line == 1 && text.startsWith("\xef\xbb\xbf")) {
-      text.remove(0, 3);
-    }
-    if (text.trimmed().isEmpty() || text.startsWith('#')) {
-      continue;
-    }
-    ListedJob job = text.startsWith('{') ? jobOfJson(text, common, line) : jobOfColumns(text, common, line);
-    job.line = line;
-    const bool poses = job.fraction || common.numbered || common.fractions != std::vector<double>{1};
-    if (poses && isScript(QFile::decodeName(job.edit))) {
-      refuse(common, line,
-             "fractions are for JSON edits: in a script, give the parameter fraction of Laplacian Edit Replay");
-    }
-    jobs.push_back(std::move(job));
+  } catch (const std::system_error& error) {
+    const std::string why = error.code() == std::errc::is_a_directory ? "it is a folder"
+                            : error.code() == std::errc::message_size ? "the line is too long"
+                                                                      : error.code().message();
+    throw Failure(Unreadable, "The list " + quotedPath(common.list.file) + " cannot be read" +
+                                  (line > 0 ? " after line " + std::to_string(line) : "") + ": " + why +
+                                  "; no job was begun.");
   }
   requireApart(jobs, common);
   return jobs;

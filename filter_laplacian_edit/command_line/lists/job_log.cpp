@@ -13,15 +13,19 @@
 #include <QJsonObject>
 #include <cerrno>
 #include <cstring>
+#include <system_error>
 #include <utility>
 
 #include "failure.h"
+#include "files/input_file.h"
+#include "files/output_files.h"
 
 using lapedit::host::quotedPath;
 
 namespace {
 
 constexpr char kVersion[] = "laplacian_edit_job";
+constexpr char kSizes[] = "out_bytes";
 constexpr QLatin1String kStateKeys[] = {QLatin1String("in_bytes"), QLatin1String("in_modified"),
                                         QLatin1String("edit_bytes"), QLatin1String("edit_modified")};
 
@@ -79,6 +83,24 @@ QByteArray keyOf(const QJsonObject& entry) {
       .toJson(QJsonDocument::Compact);
 }
 
+/// Bytes of the outputs in their order, and of the report if there is one; null for what is not there.
+QJsonArray outputSizes(const Options& job) {
+  QJsonArray sizes;
+  for (const QString& path : job.outputs() + QStringList(job.report)) {
+    const QFileInfo file(path);
+    if (!path.isEmpty()) {
+      sizes.append(file.isFile() ? QJsonValue(file.size()) : QJsonValue());
+    }
+  }
+  return sizes;
+}
+
+/// Whether a line is the beginning of an entry, or what a power failure leaves of one.
+bool isCutShort(const QByteArray& text) {
+  static const QByteArray kBegin = R"({"began":)";
+  return kBegin.startsWith(text) || text.startsWith(kBegin) || text.count('\0') == text.size();
+}
+
 QJsonObject entryOf(const Options& job) {
   return {{"in", job.input}, {"out", job.output}, {"edit", job.edit}, {"options", optionsAsGiven(job)}};
 }
@@ -99,7 +121,7 @@ JobLog::JobLog(const QString& path) : path_(path) {
   }
   file_ = ::open(QFile::encodeName(path).constData(), O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC, 0666);
   if (file_ < 0) {
-    refuse(path, Unwritable, std::strerror(errno));
+    refuse(path, Unwritable, whyNotWritten(errno));
   }
   // Of a run that was killed the last jobs may be at their end still.
   constexpr int tries = 100, microseconds = 100000;
@@ -109,25 +131,60 @@ JobLog::JobLog(const QString& path) : path_(path) {
     }
     ::usleep(microseconds);
   }
-  QFile before(path);
-  before.open(QIODevice::ReadOnly);
-  QByteArray text;
-  for (bool first = true; !before.atEnd(); first = false) {
-    text = before.readLine();
-    const QJsonObject entry = QJsonDocument::fromJson(text).object();
-    if (first && !entry.contains(kVersion)) {
-      refuse(path, WrongUsage, "there is something else in it: give a new file, or one of such a log");
-    }
-    if (entry["exit"].toInt(-1) == Done) {
-      InputState& state = done_[keyOf(entry)];
-      for (std::size_t k = 0; k < state.size(); ++k) {
-        state[k] = entry[kStateKeys[k]].toString().toUtf8();
+  read();
+}
+
+/// What is done, by a log of earlier runs. Lines that cannot be read, as the last one before a power failure, are
+/// skipped; a file without any line of a log is something else.
+void JobLog::read() {
+  QByteArray last;
+  QStringList bad;
+  bool isLog = false;
+  int line = 0;
+  try {
+    InputFile before(path_);
+    for (QByteArray text = before.readLine(); !text.isEmpty(); text = before.readLine()) {
+      last = text;
+      ++line;
+      const QJsonObject entry = QJsonDocument::fromJson(text).object();
+      isLog = isLog || entry.contains(kVersion) || isCutShort(text);
+      if (!entry.contains(kVersion)) {
+        bad << QString::number(line);
+      } else if (entry["exit"].toInt(-1) == Done) {
+        Known& known = done_[keyOf(entry)];
+        for (std::size_t k = 0; k < known.state.size(); ++k) {
+          known.state[k] = entry[kStateKeys[k]].toString().toUtf8();
+        }
+        known.sizes = entry[kSizes].toArray();
       }
     }
+  } catch (const std::system_error& error) {
+    throw Failure(Unreadable, "The job log " + quotedPath(path_) + " cannot be read: " + error.code().message() + ".");
+  }
+  if (line > 0 && !isLog) {
+    refuse(path_, WrongUsage, "there is something else in it: give a new file, or one of such a log");
+  }
+  if (!bad.isEmpty()) {
+    constexpr int kNamed = 10;
+    const bool several = bad.size() > 1;
+    const std::string more =
+        bad.size() > kNamed ? ", and " + std::to_string(bad.size() - kNamed) + " more" : std::string();
+    complaint_ = "The job log " + quotedPath(path_) + ": " + (several ? "lines " : "line ") +
+                 QStringList(bad.mid(0, kNamed)).join(", ").toStdString() + more +
+                 (several ? " are no entries and are skipped; their jobs count as not done."
+                          : " is no entry and is skipped; its job counts as not done.");
   }
   // A line that was cut off stays by itself.
-  if (!text.isEmpty() && !text.endsWith('\n') && ::write(file_, "\n", 1) != 1) {
-    refuse(path, Unwritable, std::strerror(errno));
+  if (!last.isEmpty() && !last.endsWith('\n')) {
+    append("\n");
+  }
+}
+
+void JobLog::append(const QByteArray& text) {
+  errno = 0;
+  // At once, so that readers see whole lines.
+  if (::write(file_, text.constData(), static_cast<std::size_t>(text.size())) != text.size()) {
+    refuse(path_, Unwritable, errno != 0 ? whyNotWritten(errno) : "what arrived is not complete");
   }
 }
 
@@ -139,15 +196,8 @@ JobLog::~JobLog() {
 
 bool JobLog::isDone(const Options& job) const {
   const auto known = done_.constFind(keyOf(entryOf(job)));
-  if (known == done_.constEnd() || *known != inputState(job)) {
-    return false;
-  }
-  for (const QString& path : job.outputs() + QStringList(job.report)) {
-    if (!path.isEmpty() && !QFileInfo(path).isFile()) {
-      return false;
-    }
-  }
-  return true;
+  return known != done_.constEnd() && known->state == inputState(job) && known->sizes == outputSizes(job) &&
+         !known->sizes.contains(QJsonValue());
 }
 
 void JobLog::add(int line, const Options& job, const InputState& before, const JobEnd& end) {
@@ -165,9 +215,6 @@ void JobLog::add(int line, const Options& job, const InputState& before, const J
   for (std::size_t k = 0; k < before.size(); ++k) {
     entry[kStateKeys[k]] = QString(before[k]);
   }
-  const QByteArray text = QJsonDocument(entry).toJson(QJsonDocument::Compact) + "\n";
-  // At once, so that whoever reads sees whole lines.
-  if (::write(file_, text.constData(), static_cast<std::size_t>(text.size())) != text.size()) {
-    refuse(path_, Unwritable, std::strerror(errno));
-  }
+  entry[kSizes] = outputSizes(job);
+  append(QJsonDocument(entry).toJson(QJsonDocument::Compact) + "\n");
 }

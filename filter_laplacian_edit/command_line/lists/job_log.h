@@ -3,6 +3,7 @@
 
 #include <QByteArray>
 #include <QHash>
+#include <QJsonArray>
 #include <QString>
 #include <array>
 #include <string>
@@ -32,14 +33,26 @@ class JobLog {
   JobLog(const JobLog&) = delete;
   JobLog& operator=(const JobLog&) = delete;
 
-  /// Whether it was done, what it read is as it was, and all its files are still there.
+  /// Which lines are no entries, in a sentence; empty if all are.
+  const std::string& complaint() const { return complaint_; }
+
+  /// Whether it was done, what it read is as it was, and all its files are still there and have their sizes.
   bool isDone(const Options& job) const;
 
   /// @throws Failure (Unwritable)
   void add(int line, const Options& job, const InputState& before, const JobEnd& end);
 
  private:
+  struct Known {
+    InputState state;
+    QJsonArray sizes;  // of the outputs
+  };
+
+  void read();
+  void append(const QByteArray& text);
+
   QString path_;
   int file_ = -1;
-  QHash<QByteArray, InputState> done_;  // what was done, and of which inputs
+  QHash<QByteArray, Known> done_;  // what was done, and of which inputs
+  std::string complaint_;
 };

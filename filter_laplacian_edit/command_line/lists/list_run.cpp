@@ -40,6 +40,9 @@ class ListRun {
                             std::max(1, static_cast<int>(jobs_.size())))) {}
 
   int run(std::FILE* output) {
+    if (!log_.complaint().empty()) {
+      std::fprintf(stderr, "%s\n", log_.complaint().c_str());
+    }
     loadBefore(options_, at_once_);
     std::size_t next = 0;
     std::optional<Failure> failure;
