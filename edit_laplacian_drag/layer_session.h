@@ -15,8 +15,8 @@ class LayerSession {
   lapedit::DragSession& session() { return session_; }
   /// Whether vertices, faces and positions of the mesh are still as this session wrote them.
   bool matches(const CMeshO& mesh) const { return writer_.matches(mesh); }
-  /// The tool is left. wasLeftLike() then tells whether the mesh is still the same, normals included, which a filter
-  /// may have made anew.
+  /// To be called when the tool is left. wasLeftLike() then returns whether the mesh is still the same, normals
+  /// included, which a filter may have recomputed.
   void leave(const CMeshO& mesh) { normalsLeft_ = hashOfNormals(mesh); }
   bool wasLeftLike(const CMeshO& mesh) const { return matches(mesh) && hashOfNormals(mesh) == normalsLeft_; }
 

@@ -51,7 +51,7 @@ QString titleOf(const char* key) {
   return QString::fromStdString(title_of(key));
 }
 
-/// Where there is nothing to tell, nothing is told that was true before.
+/// Empty where there is no value, so that no outdated one is shown.
 QString text(const std::optional<double>& figure, char format, int digits) {
   return figure ? QString::number(*figure, format, digits) : QString(kUnknown);
 }
@@ -367,7 +367,7 @@ void Panel::follow(Widget* box, const Access& access, void (Widget::*changed)(Va
   });
   shown_.push_back([box, bring, get = access.get](const DragSession& session) {
     if (box->hasFocus()) {
-      return;  // somebody is typing
+      return;  // the user is typing
     }
     const QSignalBlocker blocker(box);
     (box->*bring)(static_cast<Value>(get(session.settings())));
@@ -552,7 +552,7 @@ void Panel::showFigures(const DragSession& session, const FrameTimes& median) {
                        .arg(count(figures.handle), count(figures.free), count(figures.anchors), count(figures.fixed))
                        .arg(figures.steps));
   times_->setText(
-      tr("In the hand in %1 ms, prepared in %2 ms, solved in %3 ms")
+      tr("First frame after %1 ms, prepared in %2 ms, solved in %3 ms")
           .arg(text(figures.in_hand_ms, 'f', 1), text(figures.prepare_ms, 'f', 1), text(figures.solve_ms, 'f', 1)) +
       (figures.taken_over.empty() ? QString()
                                   : "\n" + tr("Taken over: %1").arg(QString::fromStdString(figures.taken_over))));

@@ -41,7 +41,7 @@ class WindowSessions : public QObject {
   void showPanel();
   void hidePanel();
 
-  /// From now on this is the user; the one before is told.
+  /// Makes this the user of the panel, and notifies the previous one.
   void begin(SessionUser& user, QObject* document, int layer);
   void end(SessionUser& user);  ///< nothing if it is not the user
   bool isUsedBy(const SessionUser& user) const { return user_ == &user; }

@@ -63,7 +63,7 @@ if(MeshLab_LIBRARY AND Qt5_FOUND AND OpenGL_FOUND AND OPENGL_GLU_FOUND AND GLEW_
     set(MeshLab_APIS 2020)
   elseif(EXISTS "${MeshLab_ROOT_DIR}/src/common/plugins/interfaces/filter_plugin.h")
     set(MeshLab_API 2022)
-    # The kinds of parameters changed once more.
+    # The kinds of parameters changed again.
     if(EXISTS "${MeshLab_ROOT_DIR}/src/common/parameters/values.h")
       set(MeshLab_APIS 2022 2022/parameters_2025)
     else()

@@ -24,10 +24,10 @@ void require_vertex(const CMeshO& host, const CVertexO* corner, const char* kind
     return;
   }
   const std::intptr_t named = off / size;
-  const bool is_told = corner != nullptr && off % size == 0 && std::abs(named) <= std::numeric_limits<int>::max();
+  const bool is_given = corner != nullptr && off % size == 0 && std::abs(named) <= std::numeric_limits<int>::max();
   throw EditError(ErrorCause::BadIndex,
                   std::string(kind) + " " + std::to_string(number) + " names " +
-                      (is_told ? "vertex " + std::to_string(named) : std::string("a vertex outside the mesh")) +
+                      (is_given ? "vertex " + std::to_string(named) : std::string("a vertex outside the mesh")) +
                       ", but there are " + std::to_string(count) +
                       " vertices, counted from 0: correct the file that the mesh was read from.");
 }

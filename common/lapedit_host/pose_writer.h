@@ -35,7 +35,7 @@ class PoseWriter {
   PoseWriter(const CMeshO& host, const BridgedMesh& bridged, const Adjacency& adjacency);
 
   /// @return false, and nothing is written, if the host mesh has other numbers of vertices and faces than at
-  ///         construction, or other positions at these vertices than those written last: somebody else changed it
+  ///         construction, or other positions at these vertices than those written last: other code changed it
   /// @param host       the mesh of construction, in the same place of memory or not
   /// @param vertices   vertex numbers of the bridged mesh, each once
   /// @param positions  one row per entry of vertices

@@ -295,7 +295,7 @@ class Job {
     }
   }
 
-  /// Before anything is in its place: whoever wants to know of it has to be told.
+  /// Before any file is replaced: the reader of the reports has to get them first.
   void print(const std::string& text) {
     if (!options_.quiet && !text.empty()) {
       line_.clear();

@@ -28,7 +28,7 @@ void keepQuiet(QtMsgType type, const QMessageLogContext&, const QString& message
   }
 }
 
-/// Else the next file that is opened would be the standard output of whoever writes to it without asking.
+/// Otherwise the next file that is opened would be the standard output of any code that writes to it.
 void openStandardStreams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (::fcntl(stream, F_GETFD) == -1) {

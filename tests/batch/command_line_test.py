@@ -428,7 +428,7 @@ class Scripts(CommandTest):
             script.write_text(text)
             self.refused(REFUSED, sentence, self.mesh, "out.ply", script)
 
-    def test_plugin_that_cannot_be_loaded_is_told_when_a_filter_is_missing(self):
+    def test_plugin_that_cannot_be_loaded_is_reported_when_a_filter_is_missing(self):
         plugins = self.place / "plugins"
         plugins.mkdir()
         directory = re.search(r" in (/[^\s:]+)", self.run_command(self.mesh, "out.ply", self.write_script(

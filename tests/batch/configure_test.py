@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A MeshLab that is not there, or has other coordinates than one says, is told while configuring.
+"""A missing MeshLab, or one with other coordinates than given, is reported while configuring.
 
 Environment:
   LAPEDIT_BUILD  the build folder

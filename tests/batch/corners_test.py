@@ -19,7 +19,7 @@ class CornersTest(HostTest):
         path.write_text("\n".join(lines) + "\n")
         return path
 
-    def test_a_corner_out_of_range_is_told_with_face_and_vertex(self):
+    def test_a_corner_out_of_range_is_reported_with_face_and_vertex(self):
         points, faces = dome()
         script = self.folder / "script.mlx"
         script.write_text(f"<FilterScript>{laplacian_edit(handle_point=points[220], radius=0.3)}</FilterScript>")

@@ -67,7 +67,7 @@ class RealFiles(CommandTest):
         self.assertEqual({path.name for path in (self.place / "there").iterdir()},
                          {"sub", "in.ply", "edit.json", "out.ply", "report.json"})
 
-    def test_permissions_are_handed_down_but_not_the_right_to_be_somebody_else(self):
+    def test_permissions_are_handed_down_but_not_the_right_to_be_another_user(self):
         out = self.place / "out.ply"
         for mode, after in ((0o640, 0o640), (0o6775, 0o775), (0o1604, 0o604)):
             out.chmod(mode)

@@ -451,7 +451,7 @@ class Poses(ListTest):
         os.kill(writers()[1], signal.SIGABRT)
         self.unwritable(r"stopped with an error of its own while writing .*signal 6.*nothing was written", process)
 
-    def test_what_one_cannot_write_is_told_once(self):
+    def test_what_one_cannot_write_is_reported_once(self):
         def limited():
             resource.setrlimit(resource.RLIMIT_FSIZE, (50000, 50000))
 
@@ -490,7 +490,7 @@ class Parallel(ListTest):
         (self.place / "family" / "hosts").write_text("2/ada\n2/grace\n")
         stand_in = self.place / "ssh"
         stand_in.write_text("""#!/bin/sh
-# Takes the place of ssh: the words after the host are the command. As on any host, a login has a shell.
+# Replaces ssh: the words after the host are the command. As on any host, a login has a shell.
 export SHELL=/bin/sh
 while [ $# -gt 0 ]; do
   word=$1

@@ -204,7 +204,7 @@ class Ends(Trouble):
             if code != 0:
                 self.assertRegex(errors, r"allowed no more threads while \w+" + NOTHING)
 
-    def test_whoever_ignores_the_end_of_children_gets_the_exit_code(self):
+    def test_caller_that_ignores_the_end_of_children_gets_the_exit_code(self):
         self.refused(UNREADABLE, r"does not exist", "none.ply", "out.ply", self.edit,
                      preexec_fn=lambda: signal.signal(signal.SIGCHLD, signal.SIG_IGN))
 

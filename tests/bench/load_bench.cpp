@@ -112,10 +112,10 @@ lapedit::EditSettings with_threads(const benchmark::State& state) {
 
 using Case = std::function<void(benchmark::State&, const speed::Scene&)>;
 
-void in_the_hand(benchmark::State& state, const speed::Scene& scene) {
+void first_frame(benchmark::State& state, const speed::Scene& scene) {
   const auto settings = with_threads(state);
   const auto region = std::make_shared<const lapedit::Region>(scene.region);
-  timed(state, "in the hand", [&] {
+  timed(state, "first frame", [&] {
     lapedit::DragFrames frames(scene.mesh, region, settings);
     frames.pose({speed::handle_move(0)});
   });
@@ -190,7 +190,7 @@ int main(int argc, char** argv) {
     }
   };
   add("ordering", ordering, 3);
-  add("in the hand", in_the_hand, 3);
+  add("first frame", first_frame, 3);
   add("region ready", region_ready, 3);
   add("drag frame", drag_frame, 40);
   add("settled pose", settled_pose, 4);

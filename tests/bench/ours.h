@@ -43,7 +43,7 @@ class Ours {
 /// The library's frames for the time in which a region is prepared.
 class OurHand {
  public:
-  /// In the hand: from the handle picked until frames can follow.
+  /// From the handle picked until frames can follow.
   OurHand(const Scene& scene, int order, int threads);
   ~OurHand();
 

@@ -114,7 +114,7 @@ struct Outcome {
   std::string failed;                ///< why there is none
 };
 
-void run_once_more(const Method& method, const Scene& scene, Outcome& outcome) {
+void run_again(const Method& method, const Scene& scene, Outcome& outcome) {
   if (!outcome.failed.empty() || (method.once && outcome.best)) {
     return;
   }
@@ -248,7 +248,7 @@ int run(int argc, char** argv) {
     std::vector<Outcome> outcomes(methods.size());
     for (int k = 0; k < options.repeat; ++k) {
       for (std::size_t m = 0; m < methods.size(); ++m) {
-        run_once_more(methods[m], scene, outcomes[m]);
+        run_again(methods[m], scene, outcomes[m]);
       }
     }
     Row row{named->name, named->kind, scene.region.size(), std::vector<Figures>(methods.size())};

@@ -32,14 +32,14 @@ def has_result(figures):
 def cell(figures):
     if not has_result(figures):
         return "-"
-    return "{:.0f} / {:.0f} / {} / {}".format(100 * figures["rms"], 100 * figures["largest"], figures["flipped"],
-                                              figures["pairs"])
+    return "{:.0f}/{:.0f}/{}/{}".format(100 * figures["rms"], 100 * figures["largest"], figures["flipped"],
+                                        figures["pairs"])
 
 
 def table(head, rows):
-    print("| " + " | ".join(head) + " |\n|---|" + "--:|" * (len(head) - 1))
+    print("|" + "|".join(head) + "|\n|---|" + "--:|" * (len(head) - 1))
     for row in rows:
-        print("| " + " | ".join(map(str, row)) + " |")
+        print("|" + "|".join(map(str, row)) + "|")
     print()
 
 
@@ -66,7 +66,7 @@ def times(edits, method):
 
 
 def handles(edits, method):
-    """How far the handle is from its target, in per cent of its way: median and largest."""
+    """How far the handle is from its target, in per cent of its displacement: median and largest."""
     found = [100 * edit[method]["behind"] for edit in edits if has_result(edit.get(method))]
     return f"{statistics.median(found):.2g}", f"{max(found):.2g}"
 
@@ -79,7 +79,7 @@ def main():
           [(name, edit["vertices"], *(cell(edit.get(method)) for method in present)) for name, edit in edits.items()])
     table(("peer better : default better", *FIGURES),
           [(peer, *counts(list(edits.values()), peer)) for peer in present if peer in PEERS])
-    table(("handle from its target, % of its way", "median", "largest"),
+    table(("handle from its target, % of its displacement", "median", "largest"),
           [(method, *handles(list(edits.values()), method)) for method in present])
     rows = [(method, times(list(edits.values()), method)) for method in present]
     table(("median, ms, and over the default's", "preparing", "", "settled", "", "frame", ""),

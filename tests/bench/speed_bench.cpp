@@ -168,7 +168,7 @@ struct CoarseDistance {
   }
 };
 
-/// What is in the hand before the region is ready.
+/// Frames before the region is ready.
 /// @param full  nothing: there is no full pose to compare with
 void add_hand(const Scene& scene, int order, int threads, const Options& options, Ours* full) {
   const int n = options.vertices;

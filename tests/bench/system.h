@@ -13,9 +13,9 @@ namespace speed {
 using Sparse = Eigen::SparseMatrix<double>;
 using Columns = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
-/// The region's least-squares system with the umbrella operator, assembled here
-/// once more, so that the peers' matrix and the checks depend on nothing of the
-/// library's.
+/// The region's least-squares system with the umbrella operator, assembled
+/// here, so that the peers' matrix and the checks are independent of the
+/// library.
 struct System {
   int order = 1;
   Sparse first;                     ///< M_1

@@ -13,13 +13,13 @@ import platform
 import statistics
 import sys
 
-# Of the issue this benchmark answers: (ratio, threads) -> smallest region it holds for, and the largest ratio allowed.
+# Targets of the project: (ratio, threads) -> smallest region it holds for, and the largest ratio allowed.
 # Ratios of peers are ours over the peer's.
-BARS = {
+TARGETS = {
     "frame / Blender update": [(4685, 1 / 10), (12774, 1 / 20), (32280, 1 / 25)],
     "frame / CGAL iteration": [(4685, 1 / 8)],
-    "in the hand / CHOLMOD analyse + factor": [(32280, 1 / 8), (100000, 1 / 12), (300000, 1 / 20)],
-    "frame in the hand / drag frame": [(0, 1)],
+    "first frame / CHOLMOD analyse + factor": [(32280, 1 / 8), (100000, 1 / 12), (300000, 1 / 20)],
+    "first frame / drag frame": [(0, 1)],
     "solve / reading the factor twice": [(32280, 3)],
     "region ready / CHOLMOD analyse + factor": [(0, 1.3), (300000, 1)],
     "region ready / CGAL preprocess": [(0, 1)],
@@ -27,7 +27,7 @@ BARS = {
     "second disc / region ready": [(0, 1 / 2)],
     "memory / factor": [(0, 1.5)],
 }
-ON_TWO_THREADS = {"in the hand / CHOLMOD analyse + factor", "region ready / CHOLMOD analyse + factor"}
+ON_TWO_THREADS = {"first frame / CHOLMOD analyse + factor", "region ready / CHOLMOD analyse + factor"}
 
 
 class Results:
@@ -119,8 +119,8 @@ def threads_text(threads):
 
 
 TIMES = [
-    ("ours: in the hand", "ours/hand", (1, 2)),
-    ("ours: frame in the hand", "ours/hand_frame", (1, 2)),
+    ("ours: first frame", "ours/hand", (1, 2)),
+    ("ours: frame of the cells", "ours/hand_frame", (1, 2)),
     ("ours: region ready", "ours/ready", (1, 2)),
     ("ours: second handle in the same region", "ours/second_handle", (1, 2)),
     ("ours: a disc as the second handle", "ours/second_disc", (1, 2)),
@@ -159,7 +159,7 @@ def times(results, order):
     for label, name, key, unit in (("ours: memory, MB", "ours/ready", "bytes", 1e6),
                                    ("ours: factor, MB", "ours/ready", "nonzeros", 1e6 / 8),
                                    ("CHOLMOD: factor, MB", "cholmod/ready", "nonzeros", 1e6 / 8),
-                                   ("ours: cells in the hand", "ours/hand", "cells", 1)):
+                                   ("ours: cells", "ours/hand", "cells", 1)):
         values = [results.get(name, order, 1, size, key) for size in results.sizes]
         rows.append([label] + [number(value / unit) if value else "-" for value in values] +
                     [growth(zip(results.sizes, values))])
@@ -167,12 +167,12 @@ def times(results, order):
 
 
 def ratios(results, order):
-    """@return rows, and how many cells miss their bar"""
+    """@return rows, and how many cells miss their target"""
     def over(a, b):
         return a / b if a and b else None
 
     rows, missed = [], 0
-    for label, bars in BARS.items():
+    for label, targets in TARGETS.items():
         for threads in (1, 2):
             values = []
             for size in results.sizes:
@@ -187,9 +187,9 @@ def ratios(results, order):
                         lambda: over(ours("ready"), results.get("cholmod/ready", order, threads, size)),
                     "region ready / CGAL preprocess":
                         lambda: over(ours("ready"), results.get("cgal/ready", order, 1, size)),
-                    "in the hand / CHOLMOD analyse + factor":
+                    "first frame / CHOLMOD analyse + factor":
                         lambda: over(ours("hand"), results.get("cholmod/ready", order, threads, size)),
-                    "frame in the hand / drag frame": lambda: over(ours("hand_frame"), ours("frame")),
+                    "first frame / drag frame": lambda: over(ours("hand_frame"), ours("frame")),
                     "second handle / region ready": lambda: over(ours("second_handle"), ours("ready")),
                     "second disc / region ready": lambda: over(ours("second_disc"), ours("ready")),
                     "memory / factor": lambda: over(results.get("ours/ready", order, threads, size, "bytes"),
@@ -201,19 +201,19 @@ def ratios(results, order):
             row = [label + threads_text(threads)]
             judged = order == 1 and (threads == 2 or label not in ON_TWO_THREADS)
             for size, value in zip(results.sizes, values):
-                bar = next((limit for least, limit in reversed(bars) if size >= least), None)
-                miss = judged and value is not None and bar is not None and value > bar
+                target = next((limit for least, limit in reversed(targets) if size >= least), None)
+                miss = judged and value is not None and target is not None and value > target
                 missed += miss
                 text = "-" if value is None else f"1/{number(1 / value)}" if value < 0.5 else number(value)
                 row.append(f"**{text}**" if miss else text)
             row.append("; ".join((f"1/{round(1 / limit)}" if limit < 1 else f"{limit:g}") +
-                                 (f" from {least:,}" if least else "") for least, limit in bars) if judged else "")
+                                 (f" from {least:,}" if least else "") for least, limit in targets) if judged else "")
             rows.append(row)
     return rows, missed
 
 
 def coarse(results, order):
-    """The frames in the hand against the full poses, per cent of the handle's way; those beyond their bound bold."""
+    """The frames of the cells against the full poses, per cent of the handle's way; those beyond their bound bold."""
     rows = []
     for label, key in (("RMS", "error"), ("largest", "largest")):
         cells = [results.cell("ours/hand_frame", order, 1, size) for size in results.sizes]
@@ -256,8 +256,8 @@ def main():
     print(f"- compiler: {context['compiler']}, flags `{context['flags'].strip()}`")
     print(f"- Eigen {context['Eigen']}, CHOLMOD {context['CHOLMOD']}, {context['BLAS']}, CGAL {context['CGAL']}"
           f"{', Blender ' + results.blender if results.blender else ''}\n")
-    print("In the hand: from the handle picked to the first frame, before the region is ready; frames there are approximate."
-          " Region ready: to the first frame of the fast path. Irregular discs with detail; columns are region vertices. Milliseconds, median (minimum); the repetitions of all"
+    print("First frame: from the handle picked to a frame of the cells, before the region is ready; these frames are"
+          " approximate. Region ready: to the first corrected frame. Irregular discs with detail; columns are region vertices. Milliseconds, median (minimum); the repetitions of all"
           " rows of a size and order are shuffled, Blender runs before and between them, and every frame has another target."
           " Growth is the exponent of n. CHOLMOD runs without its own OpenMP loops, which slow it down; ours with whatever"
           " a host has. Threads of a row are also those of BLAS.\n")
@@ -266,11 +266,11 @@ def main():
         print(f"## Order {order}\n")
         print(table(["ms", *sizes, "growth"], times(results, order)))
         rows, missed = ratios(results, order)
-        print("Ratios of medians" + (f"; {missed} of them, in bold, miss their bar" if missed else "") + ":\n")
-        print(table(["ratio", *sizes, "bar" if order == 1 else ""], rows))
-        print("The frames in the hand against the plain path, per cent of the handle's way; RMS over the region at most 1:\n")
+        print("Ratios of medians" + (f"; {missed} of them, in bold, miss their targets" if missed else "") + ":\n")
+        print(table(["ratio", *sizes, "target" if order == 1 else ""], rows))
+        print("The frames of the cells against the plain path, per cent of the handle's way; RMS over the region at most 1:\n")
         print(table(["coarse against full", *sizes], coarse(results, order)))
-        print("Largest error (bound). Frames in the hand: RMS, over the handle's way; in the hand: of the handle alone. Poses: against the plain path, over the radius; the plain path and the solves:"
+        print("Largest error (bound). Frames of the cells: RMS, over the handle's displacement; first frame: of the handle alone. Poses: against the plain path, over the radius; the plain path and the solves:"
               " against an iteratively refined solution, over its largest entry; CGAL: constrained vertices against their"
               " places; Blender: what the handle stays behind, of its way (soft constraints).\n")
         print(table(["error", *sizes], errors(results, order)))

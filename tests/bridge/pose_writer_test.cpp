@@ -454,7 +454,7 @@ TEST(PoseWriter, KeepsTheBoxWhileThePoseIsNotSettled) {
   expect_same(box(), {first.box.min, first.box.max}, "corner of the box");
 }
 
-TEST(PoseWriter, SeesWhenSomebodyElseChangesTheMesh) {
+TEST(PoseWriter, SeesWhenOtherCodeChangesTheMesh) {
   using Allocator = vcg::tri::Allocator<CMeshO>;
   using Change = void (*)(CMeshO&);
   const std::vector<Change> positions = {

@@ -101,7 +101,7 @@ TEST(GeodesicFalloff, IsFiniteOnDegenerateMeshes) {
   EXPECT_LE(weights.rowwise().sum().maxCoeff(), 1 + 1e-15);
 }
 
-/// The editor's rotations are those between the rest pose and the fallen-off one, estimated here once more.
+/// The editor's rotations are those between the rest pose and the fallen-off one, estimated here again.
 TEST(RoughDeformation, FirstRotationsAreThoseOfTheFalloff) {
   const Scene scene;
   const Region& region = scene.region;

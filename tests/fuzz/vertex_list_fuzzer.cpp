@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Any text as a vertex list of an edit: what is taken, and what it means, is told by a plain second reader.
+// Any text as a vertex list of an edit: a plain second reader decides what is accepted and what it means.
 #include <limits>
 #include <optional>
 #include <sstream>

@@ -57,7 +57,7 @@ class Driver(GuiTest):
                 w.process.wait()
                 w.layers()
 
-    def test_what_cannot_be_done_is_told(self):
+    def test_what_cannot_be_done_is_reported(self):
         with self.assertRaisesRegex(AssertionError, "no such action"):
             with self.open(self.mesh) as w:
                 w.trigger("Make Coffee")

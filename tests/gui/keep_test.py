@@ -93,7 +93,7 @@ class Keep(ToolTest):
             self.assert_same(result, w.dump())
             self.assert_replay_is_the_same(w, self.mesh)
 
-    def test_what_cannot_be_loaded_is_told_in_a_line(self):
+    def test_what_cannot_be_loaded_is_reported_in_a_line(self):
         broken = self.folder / "broken.json"
         broken.write_text('{"laplacian_edit": 1, "steps": 3}')
         other = self.folder / "other.json"

@@ -177,7 +177,7 @@ environment=()
 enter() {
   local root=$1 directory=$2
   shift 2
-  # Whoever runs it may have changed networks since it was made.
+  # The user may have changed networks since it was made.
   [ ! -e /etc/resolv.conf ] || cat /etc/resolv.conf >"$root/etc/resolv.conf"
   local mounts=()
   local pair

@@ -228,7 +228,7 @@ bool seen_in_some_try(const Look& look) {
 }
 
 /// Cells alone, then with their correction, then the pose in full, all on their own where the mouse rests.
-TEST(InTheHand, FollowsFirstAndBecomesTheEditors) {
+TEST(FirstFrames, FollowsFirstAndBecomesTheEditors) {
   PrepareTask task = large_task();
   for (const int passes : {1, 4}) {
     task.settings.iterations = passes;
@@ -251,7 +251,7 @@ TEST(InTheHand, FollowsFirstAndBecomesTheEditors) {
   }
 }
 
-TEST(InTheHand, BecomesTheEditorsWhileTheMouseMoves) {
+TEST(FirstFrames, BecomesTheEditorsWhileTheMouseMoves) {
   const PrepareTask task = large_task();
   EXPECT_TRUE(seen_in_some_try([&] {
     SolverThread worker(nullptr);
@@ -273,7 +273,7 @@ TEST(InTheHand, BecomesTheEditorsWhileTheMouseMoves) {
   }));
 }
 
-TEST(InTheHand, WhatIsReleasedBeforeTheRegionIsPreparedIsTheEditors) {
+TEST(FirstFrames, WhatIsReleasedBeforeTheRegionIsPreparedIsTheEditors) {
   const PrepareTask task = large_task();
   const Points exact = exact_pose(task, kLifted);
   EXPECT_TRUE(seen_in_some_try([&] {
@@ -294,7 +294,7 @@ TEST(InTheHand, WhatIsReleasedBeforeTheRegionIsPreparedIsTheEditors) {
   }));
 }
 
-TEST(InTheHand, NothingComesAfterCancel) {
+TEST(FirstFrames, NothingComesAfterCancel) {
   SolverThread worker(nullptr);
   worker.prepare(large_task());
   worker.solve(kLifted, false);
@@ -308,7 +308,7 @@ TEST(InTheHand, NothingComesAfterCancel) {
   EXPECT_FALSE(worker.busy());
 }
 
-TEST(InTheHand, AnotherRegionIsInTheHandWhileTheOldOneIsStillPrepared) {
+TEST(FirstFrames, AnotherRegionHasFramesWhileTheOldOneIsStillPrepared) {
   SolverThread worker(nullptr);
   worker.prepare(large_task());
   worker.solve(kLifted, false);
@@ -324,7 +324,7 @@ TEST(InTheHand, AnotherRegionIsInTheHandWhileTheOldOneIsStillPrepared) {
   EXPECT_TRUE(support::same_bits(second.poses.back().positions, exact_pose(other, kLifted)));
 }
 
-TEST(InTheHand, SmallRegionIsNotDisturbedByLargeOnesThatWereDropped) {
+TEST(FirstFrames, SmallRegionIsNotDisturbedByLargeOnesThatWereDropped) {
   SolverThread worker(nullptr);
   PrepareTask other = large_task();
   other.groups = {{support::vertex_at(*other.mesh, {1.2, 1, 0})}};
@@ -353,7 +353,7 @@ TEST(InTheHand, SmallRegionIsNotDisturbedByLargeOnesThatWereDropped) {
   }
 }
 
-TEST(InTheHand, WhatTheEditorRefusesIsSaid) {
+TEST(FirstFrames, WhatTheEditorRefusesIsSaid) {
   PrepareTask task = large_task();
   SolverThread worker(nullptr);
   worker.prepare(task);
@@ -367,7 +367,7 @@ TEST(InTheHand, WhatTheEditorRefusesIsSaid) {
   EXPECT_TRUE(support::same_bits(seen.poses.back().positions, exact_pose(task, kLifted)));
 }
 
-TEST(InTheHand, EndsBeforeTheRegionIsPrepared) {
+TEST(FirstFrames, EndsBeforeTheRegionIsPrepared) {
   for (int i = 0; i < 5; ++i) {
     SolverThread worker(nullptr);
     worker.prepare(large_task());

@@ -54,7 +54,7 @@ TEST(VertexSet, BorderOfTheMeshIsNoOutside) {
   EXPECT_EQ(grown(kAround, all), all);
 }
 
-TEST(VertexSet, ShrinkingKeepsWhatItIsTold) {
+TEST(VertexSet, ShrinkingKeepsTheGivenVertices) {
   EXPECT_EQ(shrunk(kAround, square(6, 7), {}), Set());
   EXPECT_EQ(shrunk(kAround, square(6, 7), {6 * 20 + 7, 300}), Set{6 * 20 + 7});
 }

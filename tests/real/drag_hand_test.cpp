@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is in the hand before a region is prepared, against the full pose: the recorded edits on real meshes.
+// Frames before a region is prepared, against the full pose: the recorded edits on real meshes.
 #include "lapedit/live/drag_frames.h"
 
 #include <gtest/gtest.h>

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Builds the Debian package twice from the source tarball, in two folders, without a compiler cache, and compares the bytes.
 #
-# usage: reproducible.sh [FOLDER]     FOLDER: for the builds, made anew; by default build/reproducible
+# usage: reproducible.sh [FOLDER]     FOLDER: for the builds, replaced; by default build/reproducible
 #
 # The second build has another umask, time zone, language and time than the first. Ends with 0 if the
 # packages are the same and hold no path of theirs; some ten minutes on two cores.

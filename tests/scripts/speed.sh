@@ -5,7 +5,7 @@
 # usage: speed.sh [--quick] [OUTPUT]   OUTPUT: build/speed/speed.md by default
 # --quick: regions up to 12,774 vertices and few rounds. Ends with 1 when a result is outside its bound.
 # SPEED_SIZES, SPEED_SIZES_2: regions' vertices, for order 1 and for order 2. SPEED_SIZES_HAND: those of order 2 for which
-# there is no factor, and only what is in the hand before it is timed.
+# there is no factor, where only first frames are timed.
 set -eu
 
 quick=
@@ -92,7 +92,7 @@ for vertices in $sizes; do
   esac
 done
 for vertices in $sizes_hand; do
-  echo "$vertices vertices, order 2, in the hand"
+  echo "$vertices vertices, order 2, first frame"
   ours "$vertices" 2 --hand
 done
 rm -f "$results/scene.bin"

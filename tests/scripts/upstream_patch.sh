@@ -4,7 +4,7 @@
 #
 # usage: upstream_patch.sh [--build] [FOLDER]
 #   --build  also builds them there, in MeshLab 2025.07's own source: in the root of sid that tests/hosts/root.sh makes
-#   FOLDER   where the files go, made anew; by default build/upstream
+#   FOLDER   where the files go, replaced; by default build/upstream
 set -euo pipefail
 
 build=

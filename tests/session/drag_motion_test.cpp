@@ -218,7 +218,7 @@ TEST(DragMotion, SnappedAmountsGoOnFreelyUnderAnotherView) {
   EXPECT_EQ(free.transform().translation, snapped.transform().translation);
 }
 
-TEST(DragMotion, TheAxisOfAGizmoIsToldByItsName) {
+TEST(DragMotion, TheAxisOfAGizmoIsFoundByItsName) {
   const Camera view = oblique();
   DragMotion m = motion(MotionKind::Translate, over(view, kCenter));
   m.hold(Vector3(0, 3, 0));

@@ -10,8 +10,8 @@
 
 namespace lapedit {
 
-/// Where threads wait for each other: a moment at the ready, then asleep. Not by yielding, which gives the processor's
-/// whole turn to whoever else computes there, for work that is done in microseconds.
+/// Where threads wait for each other: they spin for a moment, then sleep. Yielding would give a whole time slice to
+/// another process, for work that takes microseconds.
 class Gate {
  public:
   using Clock = std::chrono::steady_clock;

@@ -15,13 +15,13 @@ namespace lapedit {
 /// Number of threads to use when asked for threads (0: all of the machine's), within the limit.
 int thread_count(int threads);
 
-/// From now on thread_count() gives no more than these, in all of the process: for one of several that share a machine.
+/// Limits thread_count() in the whole process from now on, for one of several processes that share a machine.
 void limit_threads(int most);
 
-/// The one way to share work among threads: they stay, for work of fractions of a millisecond that comes again and
-/// again; nothing is started and nothing allocated per call. Whoever has time takes the next piece, so a thread that
-/// gets no processor holds up nobody but for the piece it is at. Where the caller waits for such pieces longer than the
-/// helpers work, as on a machine that computes something else, it goes on alone for a while.
+/// Shares work among threads that stay, for work of fractions of a millisecond that comes again and again; a call
+/// starts no thread and allocates nothing. Each idle thread takes the next piece, so a thread without a processor
+/// delays only the piece that it works on. If the caller waits longer than the helpers work, as on a machine with other
+/// load, it works alone for a while.
 class ThreadPool {
  public:
   /// Where a thread cannot be had there are fewer, in the end the caller's own.

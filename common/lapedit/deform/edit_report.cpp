@@ -135,7 +135,7 @@ std::string EditReport::text() const {
   if (refinements > 0) {
     lines += format_text(", %d refinement steps", refinements);
   }
-  lines += format_text("\nHandle: to move %.6g, off its target by %.3g (%.3g %%); anchors moved at most %.3g",
+  lines += format_text("\nHandle: to move %.6g, distance to its target %.3g (%.3g %%); anchors moved at most %.3g",
                        handle_displacement, handle_residual,
                        handle_displacement > 0 ? 100 * handle_residual / handle_displacement : 0.0, anchor_residual);
   if (handle_point_distance) {

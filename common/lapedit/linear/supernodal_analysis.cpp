@@ -299,7 +299,7 @@ SupernodalPattern supernodal_analysis(const SparseMatrix& matrix, const std::vec
   const std::vector<int> parent = parents_of_columns(neighbours.left, n);
   const std::vector<int> count = column_counts(neighbours.below, parent, postorder(parent, std::vector<int>(n, 0)));
   const std::vector<int> post = postorder(parent, count);
-  // All of it once more by the place in the postorder.
+  // The same again, numbered by the postorder.
   SupernodalPattern pattern;
   pattern.order.resize(n);
   std::vector<int> place(n), placed_parent(n), placed_count(n);

@@ -86,7 +86,7 @@ class TreeWalk {
     return false;
   }
 
-  /// Of the tasks that waited for this one alone the first is for who has done this, the others for whoever is free.
+  /// Of the tasks that waited for this one only, the calling thread takes the first, and idle threads the others.
   int release(const Task& done, bool up) {
     int own = kNone, others = 0;
     const auto give = [&](int task) {

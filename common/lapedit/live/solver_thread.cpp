@@ -453,7 +453,7 @@ void SolverThread::Impl::settle(std::unique_lock<std::mutex>& lock) {
   }
   unsettled = false;
   lock.lock();
-  working = failed;  // nothing was published, but whoever asks busy() is to learn that it is over
+  working = failed;  // nothing was published, but callers of busy() have to learn that it is over
 }
 
 void SolverThread::Impl::answer_next(std::unique_lock<std::mutex>& lock) {
@@ -499,7 +499,7 @@ void SolverThread::Impl::run() {
   while (true) {
     if (std::exchange(working, false) && wake) {
       lock.unlock();
-      wake();  // whoever asks busy() now learns that it is over
+      wake();  // callers of busy() now learn that it is over
       lock.lock();
     }
     answer.notify_all();

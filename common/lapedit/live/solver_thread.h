@@ -57,7 +57,7 @@ struct SolverNews {
 
 /// Prepares regions and solves for poses on threads of its own, so that a window never waits.
 ///
-/// A region of more than a few thousand vertices is in the hand at once: until it is prepared, passing poses are those
+/// A region of more than a few thousand vertices has previews at once: until it is prepared, passing poses are those
 /// of its cells, and after that DragFrames with their correction. What stays is always the editor's, to the bit.
 ///
 /// The newest question wins: prepare(), apply() and cancel() drop what was asked before, solve() the solves before it

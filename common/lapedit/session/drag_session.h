@@ -124,7 +124,7 @@ class DragSession {
 
   // Keys -------------------------------------------------------------------------------------------------------------
 
-  /// What each does is told by kKeyHelp. @return whether the key means anything now
+  /// Handles a key; kKeyHelp describes them. @return whether the key has a meaning now
   bool key(DragKey key, const Cursor& cursor);
   void apply();   ///< applies the drag in progress
   void cancel();  ///< drops the drag in progress, not one bit of the mesh has changed

@@ -61,7 +61,7 @@ class HoverBackground {
   /// @param wake  called from that thread when a search is there
   explicit HoverBackground(std::function<void()> wake) : wake_(std::move(wake)) {}
 
-  /// The search over a mesh, null until it is there; asked for another mesh, it is made anew.
+  /// Returns the search over a mesh, null until it is ready. Another mesh starts another search.
   HoverSearch* of(const std::shared_ptr<const TriangleMesh>& mesh, const std::shared_ptr<const Adjacency>& adjacency);
 
  private:

@@ -186,7 +186,7 @@ class HostTool final : public QObject, public HostToolBase {
     guarded([&] { tool_->keyRelease(*event); });
   }
 
-  /// MeshLab tells tools nothing of a double click, which takes the place of its second press.
+  /// MeshLab does not pass double clicks to tools; Qt sends one instead of the second press.
   bool eventFilter(QObject*, QEvent* event) override {
     if (event->type() == QEvent::MouseButtonDblClick && !view_.suspended()) {
       guarded([&] { tool_->mousePress(static_cast<QMouseEvent&>(*event)); });

@@ -6,7 +6,7 @@ class MLSceneGLSharedDataContext;
 
 namespace lapedit::host {
 
-/// What a tool of MeshLab's window is told, under names that no version of MeshLab has.
+/// Events of a tool of MeshLab's window, under names that no version of MeshLab has.
 class ToolEvents {
  public:
   ToolEvents() = default;

@@ -26,7 +26,7 @@ class OutputFiles {
   OutputFiles& operator=(const OutputFiles&) = delete;
 
   /// Makes the folder, unless it is there.
-  /// @param made  is told the folder before anything is in it
+  /// @param made  called with the folder before anything is in it
   /// @throws Failure (Unwritable)
   void begin(const std::function<void(const std::string&)>& made);
 
@@ -39,7 +39,7 @@ class OutputFiles {
   void synchronise();
 
   /// Brings them to their places, one after the other. A file that was there hands down owner, group and permissions as
-  /// far as the right exists, but never the right to run as somebody else.
+  /// far as the right exists, but never the right to run as another user.
   /// @throws Failure (Unwritable)
   void place();
 

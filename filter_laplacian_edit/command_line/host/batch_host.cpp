@@ -198,7 +198,7 @@ struct BatchHost::Impl {
     try {
       plugin = load_plugin(folder + "/" + file);
     } catch (const std::exception& error) {
-      // Not an error until somebody needs it, and then it is missing under its name.
+      // Not an error until a script needs it, and then it is missing under its name.
       notLoaded << file + ": " + reasonOfLoader(QString::fromUtf8(error.what()));
       return;
     }

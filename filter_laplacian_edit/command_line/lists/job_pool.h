@@ -28,7 +28,7 @@ class JobPool {
   int stopped() const { return stopped_; }
 
   /// Starts a job.
-  /// @param number   by which it is told from others
+  /// @param number   identifies it
   /// @param threads  how many it should use
   /// @return false if no process can be started now
   bool start(int number, int threads, const std::function<int(Notes&)>& work);

@@ -46,7 +46,7 @@ bool isLeftToTheSystem(int signal) {
 class Requests {
  public:
   Requests() {
-    // Else the worker's exit code would be thrown away by whoever started us so.
+    // Otherwise the worker's exit code is lost where the parent process ignores the end of its children.
     std::signal(SIGCHLD, SIG_DFL);
     // Who reads the reports may be gone: that is an error of writing, not a reason to die in the middle.
     std::signal(SIGPIPE, SIG_IGN);

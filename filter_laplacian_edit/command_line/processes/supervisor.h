@@ -5,13 +5,12 @@
 
 #include "processes/notes.h"
 
-/// Does the work in a process of its own. The host stops at assertions for files that it does not understand, and some
-/// of its readers never end; whoever calls this program gets a sentence, an exit code and no rubbish then, as when it
-/// is interrupted or out of memory. What of the output is in its place decides what is said.
+/// Does the work in a process of its own. MeshLab stops at assertions for files that it does not understand, and some
+/// of its readers never end. The caller of this program then gets an error message, an exit code and no partial output,
+/// as when it is interrupted or out of memory. The message depends on which outputs were written.
 ///
-/// May be called again and again, by one thread at a time. It is to be called before there are threads.
-/// @param work  returns the exit code, after it has said why on the standard error. What it throws for want of memory
-/// or
-///              threads is told by the supervisor
+/// May be called repeatedly, by one thread at a time, before any other thread exists.
+/// @param work  returns the exit code, after it has reported the reason on the standard error. The supervisor reports
+///              what it throws for lack of memory or threads
 /// @return the exit code
 int supervise(const std::function<int(Notes&)>& work);

@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 #
-# Does the jobs of a list on a cluster: each task of the array takes every n-th of them. Once more the same command does
+# Does the jobs of a list on a cluster: each task of the array takes every n-th of them. The same command again does
 # what is left.
 #
 #   sbatch --array=0-9 slurm_array.sh LIST [FOLDER_FOR_LOGS]

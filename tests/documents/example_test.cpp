@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The README's lines of C++ compile as they are printed and do what they say.
+#include <cmath>
+#include <cstdio>
+
+#include "readme_example.h"
+#include "shapes.h"
+
+int main() {
+  lapedit::TriangleMesh mesh = lapedit::shapes::grid(30, 30);
+  mesh.vertices *= 0.05;
+  const lapedit::Points before = mesh.vertices;
+  lift(mesh);
+  const lapedit::Points moved = mesh.vertices - before;
+  int still = 0;
+  for (int i = 0; i < mesh.vertices.rows(); ++i) {
+    still += moved.row(i).isZero(0);
+  }
+  const double height = moved(42, 2);
+  std::printf("vertex 42 was lifted by %g, %d of %ld vertices did not move\n", height, still, mesh.vertices.rows());
+  return std::abs(height - 0.1) < 1e-3 && still > 700 && moved.col(2).maxCoeff() < 0.11 ? 0 : 1;
+}
