@@ -30,6 +30,7 @@ class SurfacePicture {
   /// Faces, an outline, and vertices that are in none of the faces.
   struct Patch {
     std::vector<unsigned> faces, loose;
+    std::vector<unsigned> points = {};  // of a curve that bends
     lapedit::Chains border;
   };
 

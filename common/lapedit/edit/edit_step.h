@@ -46,8 +46,12 @@ std::vector<std::vector<double>> weights_of(const EditStep& step);
 /// as centroid(), resolve() and sort_group(); (BadParameter) as check_handles(); (NotFinite)
 std::vector<HandleMotion> motions_of(const TriangleMesh& mesh, const EditStep& step, double fraction = 1);
 
-/// @throws EditError (BadParameter) if a group of one vertex is to be rotated or scaled without a
-/// center, or if a group with targets is to be mirrored
+/// Targets as HandleMotion has them: one row for each vertex, but none if they are the vertices' own places, which is
+/// no motion, to the bit. Allocates nothing for as many rows as before.
+void targets_to(const std::vector<int>& vertices, const std::vector<Vector3>& targets, const TriangleMesh& mesh,
+                Points& rows);
+
+/// @throws EditError (BadParameter) if a group of one vertex is to be rotated or scaled without a center
 void check_handles(const EditStep& step);
 
 /// Makes the group ascending without duplicates, so that sums over a group do not depend on how it was written; of a

@@ -16,7 +16,8 @@ namespace lapedit {
 /// plane stays, of a rotation the turn about the plane's normal, of a scale all of it, about a centre in the plane; of
 /// a matrix with the polar decomposition L = Q P the same of way and turn, and (P + S P S) / 2. Any other group has
 /// an image that moves by S T S: the translation mirrored, the axis mirrored and turned round for the same degrees,
-/// the centre mirrored, the same scale.
+/// the centre mirrored, the same scale. Of targets the displacements are mirrored; where a vertex and its image are
+/// both in a group, they go by the mean of what each was to do.
 class MirroredHandles {
  public:
   /// @param groups  mesh vertex numbers, ascending without duplicates; @param weights  of each group, or none
@@ -33,12 +34,21 @@ class MirroredHandles {
 
   /// What group g does, from the transform of each given group. @throws EditError as resolve()
   HandleTransform transform(std::size_t g, const std::vector<HandleTransform>& given) const;
-  /// All of them resolved, with the bits that the runner's have. Nothing is allocated after the first call.
+  /// Where the vertices of group g go, from the targets of each given group, which are finite; empty: of none.
+  /// Allocates nothing for as many targets as before.
+  void targets(std::size_t g, const std::vector<std::vector<Vector3>>& given, std::vector<Vector3>& targets) const;
+  /// All of them resolved but for targets, with the bits that the runner's have. Nothing is allocated after the first
+  /// call.
   void maps(const std::vector<HandleTransform>& given, std::vector<HandleMotion>& maps) const;
 
  private:
   HandleTransform symmetric(const HandleTransform& given, const Vector3& centre) const;
   HandleTransform reflected(const HandleTransform& given, const Vector3& centre) const;
+
+  /// Of a vertex of groups_: where it stands in the given group, and where what it is the image of; -1: nowhere.
+  struct Twin {
+    int own, original;
+  };
 
   Vector3 normal_;
   Affine mirror_;
@@ -47,6 +57,8 @@ class MirroredHandles {
   std::vector<int> source_;
   std::vector<char> symmetric_;     // of each given group
   std::vector<Vector3> centroids_;  // of groups_
+  std::vector<std::vector<Twin>> twins_;
+  std::vector<Points> rest_, given_rest_;  // of groups_ and of the given ones
 };
 
 /// The region with what is mirrored: sets of vertices and kept anchors take their images in, as far as there are any; a

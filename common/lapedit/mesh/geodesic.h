@@ -44,6 +44,24 @@ class GeodesicSearch {
   std::vector<int> reached_;
 };
 
+/// Shortest paths along edges from one vertex. Deterministic: of several as short, always the same.
+class ShortestPaths {
+ public:
+  /// As GeodesicSearch.
+  ShortestPaths(const IndexLists& neighbours, const Points& points);
+
+  /// @param most  paths lead to so many vertices, the nearest
+  void begin(int from, std::size_t most = std::numeric_limits<std::size_t>::max());
+  /// Vertices from the first to this one, both included; empty if no path was found.
+  std::vector<int> to(int vertex) const;
+
+ private:
+  const IndexLists& neighbours_;
+  const Points& points_;
+  GeodesicSearch search_;
+  std::vector<int> order_;  // in which vertices were reached; of others it means nothing
+};
+
 /// The same distances, bit for bit, for a large part of a graph at once and on several threads.
 ///
 /// A vertex's distance is the smallest sum of edge lengths over all ways to it, added up from the seed on. A sum that

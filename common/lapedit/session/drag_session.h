@@ -71,7 +71,10 @@ class DragSession {
   /// These, each with what of its mirror image it touches, and behind them the other images.
   const std::vector<std::vector<int>>& mirrored_groups() const { return model_.all_groups(); }
   int group_of_image(int group) const;  ///< mirrored_groups() -> groups(): the same number but for images
-  int active_group() const { return model_.selection.active; }  ///< the one that moves, -1 if there is none
+  int active_group() const { return model_.selection.active; }           ///< the one that moves, -1 if there is none
+  bool moves(int group) const { return model_.selection.moves(group); }  ///< with the next drag
+  /// Of a group that is a curve; else its path is empty.
+  const HandleCurve& curve(int group) const { return model_.selection.discs.curves[static_cast<std::size_t>(group)]; }
   Affine active_map() const;         ///< where the drag wants the active group, also before any pose is solved
   const DragMotion* motion() const;  ///< the drag in progress, null if there is none
   bool preparing() const { return solver_.preparing(); }           ///< a region is on its way

@@ -10,9 +10,18 @@
 
 namespace lapedit {
 
-/// Handles as clicks made them: what grows with the radius.
+/// A handle that is a curve: what clicks joined by shortest paths.
+struct HandleCurve {
+  std::vector<int> path;    ///< vertices in order, all of them in the handle; empty: the handle is no curve
+  std::vector<int> points;  ///< places in path of the vertices clicked, ascending
+
+  bool bends() const { return points.size() > 1; }
+};
+
+/// Handles as clicks made them: what grows with the radius, and curves.
 struct PickedDiscs {
   std::vector<std::vector<int>> centers;  ///< per handle group the vertices clicked; none: a group of another origin
+  std::vector<HandleCurve> curves;        ///< per handle group
   double reach = 0;                       ///< of the discs from their centres at most, model units; 0: no discs
 
   bool all() const {

@@ -6,6 +6,7 @@
 
 #include "lapedit/mesh/visibility.h"
 #include "lapedit/session/drag_motion.h"
+#include "lapedit/session/history.h"
 
 // What a cursor on the screen means on a mesh.
 namespace lapedit {
@@ -19,6 +20,9 @@ std::optional<SurfaceHit> surface_at(const TriangleMesh& mesh, const Adjacency& 
 /// @param depth  how far a handle may be from the hit, model units
 int group_at(const TriangleMesh& mesh, const std::vector<std::vector<int>>& groups,
              const std::optional<SurfaceHit>& hit, const Cursor& cursor, double depth);
+
+/// The point of a curve that bends which a press at the cursor moves, -1 if there is none.
+int curve_point_at(const TriangleMesh& mesh, const HandleCurve& curve, const Cursor& cursor);
 
 /// Area-weighted normal of the surface at some vertices, of any length; zero if there is none.
 Vector3 mean_normal(const TriangleMesh& mesh, const Adjacency& adjacency, const std::vector<int>& vertices);

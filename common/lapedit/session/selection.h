@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <variant>
 #include <vector>
@@ -24,9 +25,12 @@ struct Selection {
   PickedDiscs discs;                         ///< as many centers as groups
   std::vector<std::vector<double>> weights;  ///< per group, as HandleGroup::weights
   int active = -1;                           ///< the group that moves, -1 if there is none
+  std::vector<int> along = {};               ///< groups that move with it, ascending
   HandleMode mode = HandleMode::Vertex;
   int curve_end = -1;  ///< where the next piece of a curve begins, -1 if there is no curve to lead on
   Next next = Next::Handle;
+
+  bool moves(int group) const { return group == active || std::find(along.begin(), along.end(), group) != along.end(); }
 };
 
 /// A sentence for the user: why a choice was not taken.
@@ -53,6 +57,11 @@ struct Surface {
 Choice pick(const Surface& surface, const Selection& selection, int vertex);
 Choice add_to_handle(const Surface& surface, const Selection& selection, int vertex);
 Choice take_from_handle(const Surface& surface, const Selection& selection, int vertex);
+
+/// A press on a group: it moves, and those that move with it if it is one of them.
+Selection with_grabbed(const Selection& selection, int group);
+/// A group that holds moves with the others from now on; one that moves holds, unless it is the only one.
+Selection with_group_chosen(const Selection& selection, int group);
 
 // Regions ------------------------------------------------------------------------------------------------------------
 

@@ -78,7 +78,7 @@ struct SessionModel {
   }
   bool has_active_group() const { return !groups().empty() && selection.active >= 0; }
   const std::vector<int>& active_group() const { return groups()[static_cast<std::size_t>(selection.active)]; }
-  Vector3 center() const { return centroid(mesh().vertices, active_group()); }
+  Vector3 center() const;       ///< of all groups that move. Allocates nothing
   Vector3 pivot_place() const;  ///< what turning and scaling go about
   std::optional<Gizmo> gizmo(const Camera& view) const;
 

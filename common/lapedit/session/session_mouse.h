@@ -59,6 +59,8 @@ class SessionMouse {
     bool draggable = true;
     bool brushed = false, recorded = false;
     bool on_gizmo = false;
+    int group = -1;                              // that was grabbed
+    int curve_point = -1;                        // of it, a curve
     std::optional<Vector3> axis = std::nullopt;  // of a gizmo's arrow or ring
     MotionKind kind = MotionKind::Translate;
   };
@@ -69,6 +71,8 @@ class SessionMouse {
   void click(const Press& press);
   void brush(const Cursor& cursor);
   void look(const Cursor& cursor, PressModifiers modifiers);
+  bool grabs(PressModifiers modifiers) const;
+  void preview_curve(HoverSearch& search, const SurfaceHit& hit, const Cursor& cursor, HoverPreview& preview);
 
   SessionModel& model_;
   SessionSolver& solver_;

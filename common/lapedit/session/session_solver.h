@@ -28,11 +28,15 @@ struct Picked {
 
 /// The handle follows the mouse or typed numbers or, once released, its exact result is being solved for.
 struct Dragging {
-  DragMotion motion;  ///< of the active group
+  DragMotion motion;  ///< of the groups that move
   bool by_button;     ///< held, rather than begun by a key
   bool released = false;
-  std::vector<HandleTransform> given = {};                              ///< of the user's groups
-  std::vector<HandleMotion> maps = {};                                  ///< of all groups; both kept for their memory
+  std::vector<HandleTransform> given = {};         ///< of the user's groups
+  std::vector<Vector3> all_targets = {};           ///< of a group or an image
+  std::vector<std::vector<Vector3>> targets = {};  ///< of the user's groups, where one is bent
+  std::vector<HandleMotion> maps = {};             ///< of all groups; all kept for their memory
+  /// Of each vertex of the active group, a curve of which a point moves: shares of the motion, and of its mirror image.
+  std::vector<double> bend = {}, mirrored_bend = {};
   int first_serial = std::numeric_limits<int>::max(), last_serial = 0;  ///< of the solves asked for
 };
 
@@ -108,6 +112,8 @@ class SessionSolver {
   /// The active group begins to move; a drag in progress goes on as another kind of motion.
   /// @return false if it cannot, which the model's refusal tells
   bool begin(MotionKind kind, const Vector3& grab, const Cursor& cursor, bool by_button);
+  /// The drag that has begun moves a point of the active group, a curve, alone.
+  void bend(int point);
   /// Asks for the pose of the drag as it is now: a passing one or, once it is released, the one to stay.
   void ask();
   void release();
@@ -131,6 +137,7 @@ class SessionSolver {
   enum class Preparation { None, Running, Done };
 
   void ask_to_prepare(PrepareTask task);
+  void set_targets(phase::Dragging& drag) const;
   bool take_pose();
   void commit_drag();
   void commit_amended();
