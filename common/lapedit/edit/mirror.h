@@ -26,13 +26,13 @@ class MirroredHandles {
   MirroredHandles(const TriangleMesh& mesh, const std::vector<std::vector<int>>& groups, const MirrorPlane& plane,
                   const std::vector<std::vector<double>>& weights = {});
 
-  /// The given groups in their order, and behind them the images.
+  /// Returns the given groups in their order, followed by the images.
   const std::vector<std::vector<int>>& groups() const { return groups_; }
   const std::vector<std::vector<double>>& weights() const { return weights_; }
-  /// The given group that each of them belongs to.
+  /// Returns the given group of each of them.
   const std::vector<int>& source() const { return source_; }
 
-  /// What group g does, from the transform of each given group. @throws EditError as resolve()
+  /// Returns the motion of group g from the transforms of the given groups. @throws EditError as resolve()
   HandleTransform transform(std::size_t g, const std::vector<HandleTransform>& given) const;
   /// Where the vertices of group g go, from the targets of each given group, which are finite; empty: of none.
   /// Allocates nothing for as many targets as before.
@@ -61,20 +61,19 @@ class MirroredHandles {
   std::vector<Points> rest_, given_rest_;  // of groups_ and of the given ones
 };
 
-/// The region with what is mirrored: sets of vertices and kept anchors take their images in, as far as there are any; a
+/// Returns the region with its mirror image: vertex sets and kept anchors include their images, where these exist; a
 /// radius and components follow from the handles. @throws EditError (BadIndex)
 RegionSpec mirrored(const TriangleMesh& mesh, const RegionSpec& region, const MirrorPlane& plane);
 
-/// The step without its key `mirror`, written out for a mesh: equal but for StepProblem::mirror.
-/// @throws EditError as the above
+/// Returns an equivalent step without `mirror` for a mesh, except for StepProblem::mirror. @throws EditError as
+/// mirrored region and handles do
 EditStep mirrored(const TriangleMesh& mesh, const EditStep& step);
 
-/// Averages poses of a region that is its own mirror image, so that they are it to the last bits: cells and
-/// factorisations follow the numbering of the vertices and are not symmetric.
+/// Averages poses of a symmetric region with their mirror images, so that they are symmetric to the last bits; cells
+/// and factorisations are not symmetric.
 class PoseSymmetry {
  public:
-  /// Does nothing where a vertex of the region has no twin in it, at its mirrored place but for 1e-6 of the mesh's
-  /// diagonal.
+  /// Has no effect if a vertex of the region has no twin within 1e-6 of the mesh's diagonal of its mirrored position.
   PoseSymmetry(const TriangleMesh& mesh, const Region& region, const MirrorPlane& plane);
   bool applies() const { return !twin_.empty(); }
   void apply(Points& places) const;  ///< size() x 3; allocates nothing
