@@ -9,15 +9,15 @@ namespace lapedit {
 
 /// Handle groups with their mirror images.
 ///
-/// The image of a set of vertices are the vertices nearest to its mirrored places, and those whose own mirrored places
-/// are nearest to one of the set, so that an image is as dense as the surface there; that of a lone vertex is one
-/// vertex. A vertex that is in a given group stays in it and is in no image. A group that its own image meets becomes
-/// one with it: what of its transform is not the same on both sides falls away. Of a translation the part along the
-/// plane stays, of a rotation the turn about the plane's normal, of a scale all of it, about a centre in the plane; of
-/// a matrix with the polar decomposition L = Q P the same of way and turn, and (P + S P S) / 2. Any other group has
-/// an image that moves by S T S: the translation mirrored, the axis mirrored and turned round for the same degrees,
-/// the centre mirrored, the same scale. Of targets the displacements are mirrored; where a vertex and its image are
-/// both in a group, they go by the mean of what each was to do.
+/// The image of a vertex set consists of the vertices nearest to its mirrored positions, and of those whose mirrored
+/// positions are nearest to a vertex of the set, so that an image is as dense as the surface there; the image of a
+/// single vertex is one vertex. Vertices of given groups are in no image. A group that meets its own image is merged
+/// with it, and keeps the symmetric part of its transform: of a translation the part along the plane, of a rotation the
+/// turn about the plane's normal, of a scale all of it, about a centre in the plane; of a matrix with the polar
+/// decomposition L = Q P the same parts of translation and rotation, and (P + S P S) / 2. Any other group has an image
+/// that moves by S T S: translation and centre are mirrored, the axis is mirrored and reversed, the scale is equal. Of
+/// targets the displacements are mirrored; where a vertex and its image are both in a group, they go by the mean of
+/// what each was to do.
 class MirroredHandles {
  public:
   /// @param groups  mesh vertex numbers, ascending without duplicates; @param weights  of each group, or none

@@ -62,7 +62,7 @@ class ShortestPaths {
   std::vector<int> order_;  // in which vertices were reached; of others it means nothing
 };
 
-/// The same distances, bit for bit, for a large part of a graph at once and on several threads.
+/// Computes the same distances, bit for bit, for a large part of a graph on several threads.
 ///
 /// A vertex's distance is the smallest sum of edge lengths over all paths to it, added up from the seed. A smaller
 /// partial sum never ends larger, rounded or not, so paths may be tried in any order: here by distance in steps of
