@@ -8,11 +8,12 @@
 
 #include "lapedit/session/drag_motion.h"
 
-/// Every sentence of a session that a user reads: what comes next, why something is refused, and lines for a log. What
-/// a motion says of itself is DragMotion::text().
+/// All messages of a session: the effect of the next click, reasons of refusals, and lines for a log.
+/// DragMotion::text() describes motions.
 namespace lapedit::messages {
 
-// What the next click does -------------------------------------------------------------------------------------------
+// The effect of the next click
+// -------------------------------------------------------------------------------------------
 
 constexpr const char* kLoading = "Applying the saved edit. Backspace drops it.";
 constexpr const char* kSolving = "Solving for the exact result. Backspace drops it.";
