@@ -2,11 +2,13 @@
 #include "lapedit/live/solver_thread.h"
 
 #include <gtest/gtest.h>
+#include <pthread.h>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <exception>
 #include <memory>
 #include <string>
 #include <thread>
@@ -104,6 +106,61 @@ TEST(SolverThread, CancelDropsAllAndNothingComesAfterIt) {
   const SolverNews news = all_news(worker, pose);
   EXPECT_FALSE(news.region || news.ready || news.pose);
   EXPECT_TRUE(news.error.empty());
+}
+
+/// While this lives, no thread can be started: none has room for its stack.
+class NoThreads {
+ public:
+  NoThreads() {
+    pthread_attr_t huge;
+    EXPECT_EQ(pthread_getattr_default_np(&usual_), 0);
+    EXPECT_EQ(pthread_getattr_default_np(&huge), 0);
+    EXPECT_EQ(pthread_attr_setstacksize(&huge, std::size_t{1} << 46), 0);
+    EXPECT_EQ(pthread_setattr_default_np(&huge), 0);
+  }
+  ~NoThreads() { pthread_setattr_default_np(&usual_); }
+  NoThreads(const NoThreads&) = delete;
+  NoThreads& operator=(const NoThreads&) = delete;
+
+ private:
+  pthread_attr_t usual_;
+};
+
+TEST(SolverThread, WithoutAThreadForALargeRegionItPreparesItItself) {
+  SolverPose expected, pose;
+  PrepareTask task = task_for(kHandle, 100);
+  const auto mesh = std::make_shared<const TriangleMesh>(shapes::grid(140, 140));
+  task.mesh = mesh;
+  task.adjacency = std::make_shared<const Adjacency>(support::adjacency_of(*mesh));
+  const std::vector<HandleMotion> maps = {support::shift(Vector3(1, 2, 3))};
+  {
+    SolverThread worker(nullptr);
+    worker.prepare(task);
+    worker.solve(maps, true);
+    const SolverNews news = all_news(worker, expected);
+    ASSERT_TRUE(news.ready && news.region);
+    ASSERT_GT(news.region->size(), 12000) << "smaller ones have no thread of their own";
+  }
+  SolverThread worker(nullptr);
+  const NoThreads none;
+  for (int k = 0; k < 2; ++k) {
+    worker.prepare(task);
+    worker.solve(maps, true);
+    const SolverNews news = all_news(worker, pose);
+    EXPECT_TRUE(news.ready && news.report);
+    EXPECT_EQ(news.error + news.pose_error, "");
+    EXPECT_TRUE(support::same_bits(pose.positions, expected.positions));
+  }
+}
+
+TEST(SolverThread, IsRefusedInASentenceWhereNoThreadCanBeHad) {
+  const NoThreads none;
+  try {
+    const SolverThread worker(nullptr);
+    FAIL();
+  } catch (const std::exception& error) {
+    EXPECT_NE(std::string(error.what()).find("allows no more threads: end some programs"), std::string::npos);
+  }
 }
 
 TEST(SolverThread, ErrorsAreSentences) {

@@ -7,6 +7,8 @@
 #include <condition_variable>
 #include <future>
 #include <mutex>
+#include <stdexcept>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -273,20 +275,28 @@ void SolverThread::Impl::prepare_in_background() {
   }
   own.job = std::exchange(own.next_job, nullptr);
   const auto previous = std::make_shared<std::unique_ptr<StepRunner>>(std::move(own.runner));
-  background = std::async(std::launch::async, [this, job = own.job, previous] {
-    struct Announce {
-      ~Announce() {
-        {
-          const std::lock_guard<std::mutex> lock(thread.mutex);  // Prevents a lost wake-up.
-          thread.prepared = true;
-        }
-        thread.question.notify_all();
-      }
-      Impl& thread;
-    } const announce{*this};
+  const auto make = [this, job = own.job, previous] {
     return std::make_unique<StepRunner>(job->found, job->task.problem(), progress_of(job->generation),
                                         std::move(*previous), job->cells);
-  });
+  };
+  try {
+    background = std::async(std::launch::async, [this, make] {
+      struct Announce {
+        ~Announce() {
+          {
+            const std::lock_guard<std::mutex> lock(thread.mutex);  // Prevents a lost wake-up.
+            thread.prepared = true;
+          }
+          thread.question.notify_all();
+        }
+        Impl& thread;
+      } const announce{*this};
+      return make();
+    });
+  } catch (const std::system_error&) {  // no thread can be had: take_prepared() does it on this one
+    background = std::async(std::launch::deferred, make);
+    prepared = true;
+  }
 }
 
 /// Takes what the background has made: from now on frames are corrected with it.
@@ -529,7 +539,11 @@ void SolverThread::Impl::run() {
 
 SolverThread::SolverThread(std::function<void()> wake) : impl_(std::make_unique<Impl>()) {
   impl_->wake = std::move(wake);
-  impl_->thread = std::thread([this] { impl_->run(); });
+  try {
+    impl_->thread = std::thread([this] { impl_->run(); });
+  } catch (const std::system_error&) {
+    throw std::runtime_error("The system allows no more threads: end some programs, or raise the limit (ulimit -u).");
+  }
 }
 
 SolverThread::~SolverThread() {

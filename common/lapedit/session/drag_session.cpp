@@ -67,13 +67,7 @@ std::string DragSession::message() const {
   if (const int free = model_.shown.held_by_nothing(); free > 0) {
     return messages::nothing_holds(free);
   }
-  if (selection.mode == HandleMode::Curve && selection.curve_end >= 0) {
-    return messages::kLeadCurve;
-  }
-  if (selection.groups.size() > 1) {
-    return messages::drag_handles(selection.along.size() + 1, selection.groups.size());
-  }
-  return selection.discs.curves.front().bends() ? messages::kBendCurve : messages::kDragHandle;
+  return selection.mode == HandleMode::Curve && selection.curve_end >= 0 ? messages::kLeadCurve : messages::kDragHandle;
 }
 
 // --- Settings -------------------------------------------------------------------------------------------------------

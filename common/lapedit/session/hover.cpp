@@ -4,17 +4,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-
-#include "lapedit/mesh/vertex_set.h"
+#include <system_error>
 
 namespace lapedit {
 
 HoverSearch::HoverSearch(const TriangleMesh& mesh, const Adjacency& adjacency)
-    : mesh_(mesh),
-      adjacency_(adjacency),
-      faces_(mesh),
-      search_(adjacency.neighbours, mesh.vertices),
-      paths_(adjacency.neighbours, mesh.vertices) {}
+    : mesh_(mesh), adjacency_(adjacency), faces_(mesh), search_(adjacency.neighbours, mesh.vertices) {}
 
 std::optional<SurfaceHit> HoverSearch::hit(const Ray& ray) const {
   return faces_.first_hit(ray);
@@ -77,18 +72,6 @@ void HoverSearch::outline(int vertex, HoverPreview& preview) {
   }
 }
 
-void HoverSearch::path(int from, int to, Points& places) {
-  if (from < 0) {
-    places.resize(0, 3);
-    return;
-  }
-  if (from != paths_from_) {
-    paths_.begin(from, kMostVertices);
-    paths_from_ = from;
-  }
-  places = gather(mesh_.vertices, paths_.to(to));
-}
-
 HoverSearch* HoverBackground::of(const std::shared_ptr<const TriangleMesh>& mesh,
                                  const std::shared_ptr<const Adjacency>& adjacency) {
   {
@@ -103,14 +86,20 @@ HoverSearch* HoverBackground::of(const std::shared_ptr<const TriangleMesh>& mesh
     mesh_ = mesh;
     adjacency_ = adjacency;
     is_coming_ = true;
-    work_ = std::async(std::launch::async, [this, mesh, adjacency] {
-      auto search = std::make_unique<HoverSearch>(*mesh, *adjacency);
-      {
-        const std::lock_guard<std::mutex> lock(mutex_);
-        found_ = std::move(search);
-      }
-      wake_();
-    });
+    try {
+      work_ = std::async(std::launch::async, [this, mesh, adjacency] {
+        auto search = std::make_unique<HoverSearch>(*mesh, *adjacency);
+        {
+          const std::lock_guard<std::mutex> lock(mutex_);
+          found_ = std::move(search);
+        }
+        wake_();
+      });
+    } catch (const std::system_error&) {  // no thread can be had now: the next movement of the mouse asks again
+      mesh_.reset();
+      is_coming_ = false;
+      return nullptr;
+    }
   }
   return mesh == mesh_ ? ready_.get() : nullptr;
 }
