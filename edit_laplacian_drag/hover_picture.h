@@ -3,5 +3,5 @@
 
 #include "lapedit/session/hover.h"
 
-/// Draws outlines of what a press would pick on the surface; SurfacePicture highlights groups.
+/// Outlines on the surface of what a press would take; for a group the surface's own picture shows it.
 void drawHover(const lapedit::HoverPreview& preview, double pixelRatio);

@@ -23,8 +23,7 @@ class QSlider;
 class QSpinBox;
 class QVBoxLayout;
 
-/// The tool's dock panel: groups of widgets that fold. Every widget is named laplacian_drag_<part>; tests use the
-/// names.
+/// The tool's dock panel: groups of widgets that fold. Every widget is called laplacian_drag_<part>, also for tests.
 class Panel : public QDockWidget {
   Q_OBJECT
 
@@ -33,22 +32,22 @@ class Panel : public QDockWidget {
 
   explicit Panel(QWidget* parent);
 
-  /// @param canvas  gets the keyboard focus after a value was entered
+  /// @param canvas  gets the keyboard back when a value has been entered
   void setCanvas(QWidget* canvas) { canvas_ = canvas; }
-  /// @param mesh  its size defines steps, digits and ranges of lengths, its box the mirror planes
+  /// @param mesh  steps, digits and ranges of lengths follow its size, planes its box
   void setMesh(const lapedit::TriangleMesh& mesh);
-  /// Shows the state of a session; null: nothing can be edited.
+  /// Brings all to the state of a session; null: nothing can be edited.
   void show(const lapedit::DragSession* session, const FrameTimes& median);
-  bool heat() const;  ///< whether stretch is to be shown
+  bool heat() const;  ///< whether stretch is to be seen
   void setBusy(bool busy);
   void setFrames(const std::deque<FrameTimes>& frames);
 
  signals:
-  /// Emitted when a value was edited.
+  /// A value was edited.
   void edited(const Panel::Change& change);
-  /// Emitted when a button was pressed. @param part of its name
+  /// A button was pressed. @param part  of its name
   void command(const QString& part);
-  /// Emitted when the user closed the panel.
+  /// The user closed the panel.
   void closed();
 
  protected:
@@ -61,7 +60,7 @@ class Panel : public QDockWidget {
     std::function<double(const lapedit::DragSettings&)> get;
     std::function<void(lapedit::DragSettings&, double)> set;
   };
-  /// @param factor  shown value over stored value
+  /// @param factor  what is shown over what is set
   template <auto member, int factor = 1>
   static Access access();
 
@@ -73,7 +72,7 @@ class Panel : public QDockWidget {
   void addAdvanced();
   void addStatistics();
 
-  /// Adds the widgets that follow to this group.
+  /// All that is added from now on is in this group.
   void begin(const char* group, const QString& title, const QString& help, bool open = false);
   void row(const QString& label, QWidget* field);
   void buttons(const std::vector<QPushButton*>& row);
@@ -86,36 +85,36 @@ class Panel : public QDockWidget {
   QDoubleSpinBox* percent(const char* part, int high, const QString& help, const Access& access);
   QDoubleSpinBox* length(const char* part, const QString& help, const Access& access);
   QSpinBox* count(const char* part, int low, int high, const QString& help, const Access& access);
-  /// A number with a slider of kSliderSteps positions.
+  /// A number with a slider beside it, which has kSliderSteps places.
   QWidget* dragged(QDoubleSpinBox* box, const std::function<double(double)>& valueAt,
                    const std::function<double(double)>& placeOf, const Access& access);
   QComboBox* choice(const lapedit::Setting& setting, const Access& access);
   QComboBox* presetChoice();
-  /// A value of the session that is no setting.
+  /// Of what belongs to the session and not to its settings.
   QComboBox* state(const char* part, const QStringList& choices, const QString& help,
                    const std::function<int(const lapedit::DragSession&)>& get,
                    const std::function<void(lapedit::DragSession&, int)>& set);
   QPushButton* button(const char* part, const QString& text, const QString& help);
   QLabel* figure(const char* part, const QString& help);
-  /// Connects the widget: input changes the settings, and show() displays them.
+  /// From now on what is entered changes the settings, and show() brings them back.
   template <class Widget, class Value>
   void follow(Widget* box, const Access& access, void (Widget::*changed)(Value), void (Widget::*bring)(Value));
   void change(const Change& change);
 
-  /// Returns the planes X, Y, Z through the origin of the layer, then through the middle of its box.
+  /// X, Y, Z through the origin of the layer, then through the middle of its box.
   lapedit::MirrorPlane plane(int index) const;
   void showCommands(const lapedit::DragSession& session);
   void showFigures(const lapedit::DragSession& session, const FrameTimes& median);
 
   QPointer<QWidget> canvas_;
   QVBoxLayout* column_;
-  QFormLayout* form_ = nullptr;  ///< of the current group
+  QFormLayout* form_ = nullptr;  ///< of the group that is being filled
   lapedit::DragSettings settings_;
   double size_ = 1;  ///< of the mesh
   lapedit::Vector3 middle_ = lapedit::Vector3::Zero();
   std::vector<std::function<void(const lapedit::DragSession&)>> shown_;  ///< one per value
   std::vector<QLabel*> titles_;                                          ///< of rows
-  std::vector<QDoubleSpinBox*> lengths_;                                 ///< with digits that depend on the mesh's size
+  std::vector<QDoubleSpinBox*> lengths_;                                 ///< whose digits follow the mesh's size
   QCheckBox* heat_;
   QProgressBar* progress_;
   QLabel *region_, *times_, *frame_, *quality_;

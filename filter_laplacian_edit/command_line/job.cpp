@@ -1,18 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "job.h"
 
+#include <sys/mman.h>
+
 #include <QFile>
 #include <QFileInfo>
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <iterator>
 #include <limits>
+#include <new>
+#include <optional>
 #include <system_error>
 #include <utility>
 
 #include "files/file_names.h"
+#include "files/file_writer.h"
 #include "files/input_file.h"
 #include "files/output_files.h"
 #include "files/real_files.h"
@@ -98,6 +104,33 @@ Points positionsOf(const std::vector<int>& vertices, const EditResult& pose, con
   return gather(places, vertices);
 }
 
+/// Numbers that processes started later can set, of which each may be missing.
+class SharedNumbers {
+ public:
+  explicit SharedNumbers(std::size_t count)
+      : bytes_(count * sizeof(double)),
+        place_(mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0)) {
+    if (place_ == MAP_FAILED) {
+      throw std::bad_alloc();
+    }
+  }
+  ~SharedNumbers() { munmap(place_, bytes_); }
+  SharedNumbers(const SharedNumbers&) = delete;
+  SharedNumbers& operator=(const SharedNumbers&) = delete;
+
+  void set(std::size_t k, std::optional<double> number) const {
+    static_cast<double*>(place_)[k] = number.value_or(std::numeric_limits<double>::quiet_NaN());
+  }
+  std::optional<double> get(std::size_t k) const {
+    const double number = static_cast<const double*>(place_)[k];
+    return std::isnan(number) ? std::nullopt : std::optional<double>(number);
+  }
+
+ private:
+  std::size_t bytes_;
+  void* place_;
+};
+
 class Job {
  public:
   Job(const Options& options, Notes& notes, std::FILE* output)
@@ -137,11 +170,13 @@ class Job {
     if (options_.isScript) {
       runScript();
       report_.editMs = stopwatch.lap();
-      save(0);
+      refuseAdvice();
+      report_.poses[0].lost = save(0);
     } else {
       applyEdit();
     }
     notes_.doing("writing", Unwritable);
+    tellLost();
     commit();
   }
 
@@ -212,9 +247,10 @@ class Job {
     for (std::size_t k = 0; k < results.size(); ++k) {
       report_.poses.push_back({options_.fractions[k], results[k].reports});
     }
+    refuseAdvice();
     if (results.size() == 1) {
       print(write_edited(mesh, edited, {}).log);
-      save(0);
+      report_.poses[0].lost = save(0);
       return;
     }
     for (std::size_t k = 0; k < results.size(); ++k) {
@@ -224,15 +260,19 @@ class Job {
     const Stopwatch writing;
     const std::vector<int> moved = unionOf(results);
     const int processes = std::clamp(options_.list.jobs, 1, static_cast<int>(results.size()));
+    const SharedNumbers lost(results.size());
     inProcesses(processes, [&](int number) {
       PoseWriter writer(mesh, edited.bridged, edited.adjacency);
       for (auto k = static_cast<std::size_t>(number); k < results.size(); k += static_cast<std::size_t>(processes)) {
         if (!writer.write(mesh, moved, positionsOf(moved, results[k], edited.bridged), true)) {
           throw Failure(Unexpected, "Writing a pose changed the mesh: write the poses one by one with --fraction.");
         }
-        save(static_cast<int>(k));
+        lost.set(k, save(static_cast<int>(k)));
       }
     });
+    for (std::size_t k = 0; k < results.size(); ++k) {
+      report_.poses[k].lost = lost.get(k);
+    }
     report_.writeMs = writing.elapsed();
   }
 
@@ -240,7 +280,8 @@ class Job {
     files_.begin([this](const std::string& folder) { notes_.scratch(0, folder); });
   }
 
-  void save(int k) {
+  /// @return as BatchHost::save()
+  std::optional<double> save(int k) {
     begin();
     const Stopwatch stopwatch;
     const QString place = options_.outputs().at(k);
@@ -248,12 +289,67 @@ class Job {
     const CMeshO* const mesh = host_.mesh();
     notes_.doing("writing " + quotedPath(place), Unwritable,
                  mesh != nullptr ? kBytesOfElement * (std::int64_t{mesh->vn} + mesh->fn) : 0);
+    const std::string beginning = "The output " + quotedPath(place) + " cannot be written: ";
+    std::optional<double> lost;
     try {
-      host_.save(files_.path(k), options_.kept);
+      lost = host_.save(files_.path(k), options_.kept);
     } catch (const BatchError& error) {
-      throw Failure(Unwritable, "The output " + quotedPath(place) + " cannot be written: " + error.what());
+      throw Failure(Unwritable, beginning + error.what());
+    }
+    constexpr double kMostLost = 1e-3;
+    const double moved = displacement(report_.poses.at(static_cast<std::size_t>(k)));
+    if (moved > 0 && lost.value_or(0) > kMostLost * moved) {
+      throw Failure(Unwritable, beginning + "its coordinates are up to " + format_text("%.3g", *lost) +
+                                    " from the result, of an edit by " + format_text("%.3g", moved) +
+                                    ": write PLY, OFF or OBJ, which keep them.");
     }
     report_.writeMs += stopwatch.elapsed();
+    return lost;
+  }
+
+  /// Of the steps of a pose, the largest that a handle makes.
+  static double displacement(const Pose& pose) {
+    double most = 0;
+    for (const EditReport& step : pose.steps) {
+      most = std::max(most, step.handle_displacement);
+    }
+    return most;
+  }
+
+  /// Where advice is an error. @throws Failure (Advised)
+  void refuseAdvice() const {
+    for (const Pose& pose : report_.poses) {
+      for (std::size_t k = 0; options_.strict && k < pose.steps.size(); ++k) {
+        const std::string advice = pose.steps[k].advice();
+        if (!advice.empty()) {
+          const std::string where =
+              (options_.numbered ? "at fraction " + number_text(pose.fraction) + ", " : std::string()) +
+              (pose.steps.size() > 1
+                   ? "step " + std::to_string(k + 1) + " of " + std::to_string(pose.steps.size()) + ", "
+                   : std::string());
+          throw Failure(Advised, "With --strict nothing was written: " + where + advice);
+        }
+      }
+    }
+  }
+
+  /// What a format does not keep of the coordinates, in a sentence. @throws Failure (Advised) where that is an error
+  void tellLost() {
+    for (std::size_t k = 0; k < report_.poses.size(); ++k) {
+      const std::optional<double> lost = report_.poses[k].lost;
+      if (lost == 0.0) {
+        continue;
+      }
+      const std::string sentence =
+          "The coordinates in " + quotedPath(options_.outputs().at(static_cast<int>(k))) +
+          (lost ? " are up to " + format_text("%.3g", *lost) + " from the result"
+                : " cannot be compared with the result, since MeshLab does not read the format") +
+          ": write PLY, OFF or OBJ, which keep them.";
+      if (options_.strict) {
+        throw Failure(Advised, "With --strict nothing was written: " + sentence);
+      }
+      print(sentence);
+    }
   }
 
   /// Until all is on the disk, nothing is in its place.
@@ -277,13 +373,14 @@ class Job {
 
   void stageReport() {
     report_files_.begin([this](const std::string& folder) { notes_.scratch(1, folder); });
-    QFile file(report_files_.path(0));
-    const QByteArray text = reportText(options_, report_);
-    if (!file.open(QIODevice::WriteOnly) || file.write(text) != text.size() || !file.flush()) {
+    try {
+      FileWriter file(report_files_.path(0));
+      file.write(reportText(options_, report_));
+      file.close();
+    } catch (const std::system_error& error) {
       throw Failure(Unwritable, "The report " + quotedPath(options_.report) +
-                                    " cannot be written: " + file.errorString().toStdString() + ".");
+                                    " cannot be written: " + whyNotWritten(error.code().value()) + ".");
     }
-    file.close();
     report_files_.synchronise();
   }
 
@@ -318,6 +415,9 @@ class Job {
 }  // namespace
 
 void printAll(const std::string& text, std::FILE* output, const std::string& advice) {
+  if (output == nullptr) {
+    throw Failure(Unwritable, "The standard output cannot be written to (it is closed): " + advice + ".");
+  }
   errno = 0;
   if (std::fputs(text.c_str(), output) < 0 || std::fflush(output) != 0) {
     throw Failure(Unwritable, "The standard output cannot be written to (" + std::string(std::strerror(errno)) +

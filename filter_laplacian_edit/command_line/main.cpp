@@ -16,6 +16,7 @@
 #include "lapedit/base/thread_pool.h"
 #include "lists/job_pool.h"
 #include "lists/list_run.h"
+#include "processes/error_stream.h"
 #include "processes/supervisor.h"
 #include "processes/system_limits.h"
 
@@ -29,17 +30,23 @@ void keepQuiet(QtMsgType type, const QMessageLogContext&, const QString& message
 }
 
 /// Otherwise the next file that is opened would be the standard output of any code that writes to it.
-void openStandardStreams() {
+/// @return whether the standard output was open
+bool openStandardStreams() {
+  const bool hasOutput = ::fcntl(STDOUT_FILENO, F_GETFD) != -1;
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (::fcntl(stream, F_GETFD) == -1) {
-      // Whatever is written is to fail, as on a closed one.
-      ::open(stream == STDOUT_FILENO ? "/dev/full" : "/dev/null", O_RDWR);
+      ::open("/dev/null", O_RDWR);
     }
   }
+  return hasOutput;
 }
 
 /// Some of the hosts' code prints to the standard output, which is for the reports.
-std::FILE* takeStandardOutput() {
+/// @return null if it is closed
+std::FILE* takeStandardOutput(bool isOpen) {
+  if (!isOpen) {
+    return nullptr;
+  }
   const int output = ::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 3);
   const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
   if (nowhere >= 0) {
@@ -51,7 +58,7 @@ std::FILE* takeStandardOutput() {
 }
 
 int fail(ExitCode code, const char* sentence) {
-  std::fprintf(stderr, "%s\n", sentence);
+  std::fprintf(errorStream(), "%s\n", sentence);
   return code;
 }
 
@@ -74,8 +81,8 @@ int guarded(const Work& work) {
   }
 }
 
-int work(int argc, char** argv, Notes& notes) {
-  std::FILE* const output = takeStandardOutput();
+int work(int argc, char** argv, bool hasOutput, Notes& notes) {
+  std::FILE* const output = takeStandardOutput(hasOutput);
   qInstallMessageHandler(keepQuiet);
   // A full disk is to be told, not to end the program.
   std::signal(SIGXFSZ, SIG_IGN);
@@ -110,7 +117,7 @@ int work(int argc, char** argv, Notes& notes) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  openStandardStreams();
+  const bool hasOutput = openStandardStreams();
   fitToLimits();
-  return supervise([argc, argv](Notes& notes) { return guarded([&] { return work(argc, argv, notes); }); });
+  return supervise([&](Notes& notes) { return guarded([&] { return work(argc, argv, hasOutput, notes); }); });
 }

@@ -3,6 +3,7 @@
 
 #include <QCommandLineParser>
 #include <QFileInfo>
+#include <algorithm>
 #include <system_error>
 
 #include "failure.h"
@@ -30,6 +31,7 @@ constexpr char kExitCodes[] =
     "  3  the mesh or the file of the edit could not be read\n"
     "  4  the output, a report or the standard output could not be written\n"
     "  5  not enough memory, threads or time, killed, or an unexpected error\n"
+    "  6  with --strict: there is advice on the result\n"
     "Unless it is 0, no output was written or replaced; only a report may be missing\n"
     "beside complete outputs, which is said. Of a list, the largest code of any job.\n";
 
@@ -161,6 +163,7 @@ std::optional<Options> readOptions(const QStringList& arguments, std::string& te
               "F,F,..."),
       report("report", "Writes the figures of all steps to a file, as JSON.", "FILE"),
       quality("quality", "Counts also the pairs of triangles that came to intersect, for report and log."),
+      strict("strict", "Ends with code 6, and writes nothing, where the report has advice on the result."),
       also("also", "Keeps also what the format leaves out by default: normals, selection, or both with a comma.",
            "LIST"),
       plugins("plugins", "Takes MeshLab's plugins from another folder.", "DIR"),
@@ -172,13 +175,17 @@ std::optional<Options> readOptions(const QStringList& arguments, std::string& te
       log("job-log", "Adds a line to a file, as JSON, whenever a job of a list has ended.", "FILE"),
       resume("resume", "Leaves out the jobs that are done already, by the job log."),
       limit("timeout", "Ends with code 5, and leaves everything as it was, if it takes longer.", "SECONDS");
-  for (const QCommandLineOption* option : {&one, &several, &report, &quality, &also, &plugins, &limit, &list, &jobs,
-                                           &log, &resume, &quiet, &help, &version}) {
+  for (const QCommandLineOption* option : {&one, &several, &report, &quality, &strict, &also, &plugins, &limit, &list,
+                                           &jobs, &log, &resume, &quiet, &help, &version}) {
     parser.addOption(*option);
   }
   if (!parser.parse(arguments)) {
     QString error = parser.errorText();
-    refuse((error.endsWith('.') ? error : error + ".").toStdString());
+    error += error.endsWith('.') ? "" : ".";
+    const bool isName = std::any_of(arguments.begin(), arguments.end(), [](const QString& argument) {
+      return argument.size() > 2 && argument.startsWith('-') && !argument.startsWith("--");
+    });
+    refuse(error.toStdString() + (isName ? " Give a file name that begins with - as ./-name, or after --." : ""));
   }
   if (parser.isSet(help)) {
     text = parser.helpText().toStdString() + kExitCodes;
@@ -203,6 +210,12 @@ std::optional<Options> readOptions(const QStringList& arguments, std::string& te
       refuse("The option --" + option->names().first().toStdString() + " is empty.");
     }
   }
+  static constexpr const char* kRoles[] = {"mesh", "output", "edit"};
+  for (int k = 0; k < files.size(); ++k) {
+    if (files[k].isEmpty()) {
+      refuse("The name of the " + std::string(kRoles[k]) + " is empty: give a file.");
+    }
+  }
   Options options;
   options.list = listOptions(parser);
   if (options.list.file.isEmpty()) {
@@ -213,6 +226,7 @@ std::optional<Options> readOptions(const QStringList& arguments, std::string& te
   }
   options.quiet = parser.isSet(quiet);
   options.quality = parser.isSet(quality);
+  options.strict = parser.isSet(strict);
   if (parser.isSet(report)) {
     options.report = fullPath(parser.value(report));
   }

@@ -8,11 +8,13 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "processes/error_stream.h"
+
 namespace {
 
 bool isTerminal() {
   const char* const kind = std::getenv("TERM");
-  return isatty(STDERR_FILENO) != 0 && kind != nullptr && std::strcmp(kind, "dumb") != 0;
+  return isatty(fileno(errorStream())) != 0 && kind != nullptr && std::strcmp(kind, "dumb") != 0;
 }
 
 }  // namespace
@@ -26,14 +28,14 @@ ProgressLine::~ProgressLine() {
 void ProgressLine::show(double fraction, const char* stage) {
   if (wanted_) {
     const int percent = static_cast<int>(100 * std::clamp(fraction, 0.0, 1.0));
-    std::fprintf(stderr, "\r\033[K%3d %% %.60s", percent, stage);
+    std::fprintf(errorStream(), "\r\033[K%3d %% %.60s", percent, stage);
     shown_ = true;
   }
 }
 
 void ProgressLine::clear() {
   if (shown_) {
-    std::fputs("\r\033[K", stderr);
+    std::fputs("\r\033[K", errorStream());
     shown_ = false;
   }
 }

@@ -54,7 +54,8 @@ QByteArray reportText(const Options& options, const JobReport& report) {
     for (const EditReport& each : pose.steps) {
       steps.append(step(each));
     }
-    QJsonObject output = {{"file", files[k]}, {"steps", steps}};
+    QJsonObject output = {
+        {"file", files[k]}, {"steps", steps}, {"coordinate_error", pose.lost ? QJsonValue(*pose.lost) : QJsonValue()}};
     if (!options.isScript) {
       output["fraction"] = pose.fraction;
     }

@@ -4,6 +4,7 @@
 #include <QByteArray>
 #include <QString>
 #include <QStringList>
+#include <optional>
 #include <vector>
 
 #include "lapedit/deform/edit_report.h"
@@ -13,6 +14,8 @@
 struct Pose {
   double fraction = 1;
   std::vector<lapedit::EditReport> steps;
+  /// By how much coordinates in the file differ from the result, at most; null where that is not known.
+  std::optional<double> lost = {};
 };
 
 struct JobReport {

@@ -16,7 +16,7 @@ from shapes import dome, moved, together
 
 CENTRE = 21 * 10 + 10  # vertex in the middle of the dome
 PAGE = pathlib.Path(__file__).parents[2] / "filter_laplacian_edit" / "command_line" / "laplacian-edit.1"
-REFUSED, WRONG_USAGE, UNREADABLE, UNWRITABLE, UNEXPECTED = 1, 2, 3, 4, 5
+REFUSED, WRONG_USAGE, UNREADABLE, UNWRITABLE, UNEXPECTED, ADVISED = 1, 2, 3, 4, 5, 6
 
 
 def version():
@@ -111,10 +111,10 @@ class CommandTest(HostTest):
 class Usage(CommandTest):
     def test_help_tells_options_and_exit_codes(self):
         text = self.done("--help")
-        for word in ("--fraction ", "--fractions", "--report", "--quality", "--also", "--plugins", "--timeout", "--list",
+        for word in ("--fraction ", "--fractions", "--report", "--quality", "--strict", "--also", "--plugins", "--timeout", "--list",
                      "--version"):
             self.assertIn(word, text)
-        for code in range(6):
+        for code in range(7):
             self.assertRegex(text, rf"\n  {code}  \w+")
         self.assertLess(max(map(len, text.splitlines()[1:])), 82)
 
@@ -124,7 +124,7 @@ class Usage(CommandTest):
         self.assertEqual(set(re.findall(r"(?m)^\.B\w* .*?(--\w+)", page)), set(re.findall(r"--\w+", text)) - {"--options"})
         codes = re.findall(r"(?m)^  (\d)  (.+)$", text)
         self.assertEqual(re.findall(r"(?m)^\.B (\d)\n(.+)$", page), codes)
-        self.assertEqual(len(codes), 6)
+        self.assertEqual(len(codes), 7)
 
     def test_version_names_the_host(self):
         self.assertTrue(version())
@@ -138,6 +138,11 @@ class Usage(CommandTest):
                 (r"There are 4 file names", (*good, "x")),
                 (r"nknown option.*sideways", (*good, "--sideways")),
                 (r"issing value.*fraction", (*good, "--fraction")),
+                (r"nknown option.* Give a file name that begins with - as \./-name, or after --\.",
+                 (self.mesh, "-dash.off", self.edit)),
+                (r"name of the mesh is empty", ("", "out.ply", self.edit)),
+                (r"name of the output is empty", (self.mesh, "", self.edit)),
+                (r"name of the edit is empty", (self.mesh, "out.ply", "")),
                 (r'fraction is "2": give a number from 0', (*good, "--fraction", "2")),
                 (r'fraction is "nan"', (*good, "--fraction", "nan")),
                 (r'fraction is "half"', (*good, "--fractions", "0.25,half")),
@@ -532,6 +537,115 @@ class Formats(CommandTest):
                      "out.ply", self.edit, "--plugins", "plugins")
 
 
+class Digits(CommandTest):
+    """What MeshLab's writers round is written with all digits, or said."""
+
+    def coordinates(self, path):
+        lines = path.read_text().splitlines()
+        if path.suffix == ".off":
+            lines = lines[2:2 + len(self.points)]
+        elif path.suffix == ".obj":
+            lines = [line[2:] for line in lines if line.startswith("v ")]
+        return [tuple(bits_of(float(word)) for word in line.split()[:3]) for line in lines]
+
+    def test_text_formats_keep_every_bit(self):
+        for scale, offset in ((1, (0, 0, 0)), (2e-9, (0, 0, 0)), (3e5, (7e6, 0.1, -7e6))):
+            points = moved((self.points, self.faces), scale, offset)[0]
+            mesh = write_ply(self.place / "mesh.ply", points, self.faces)
+            edit = self.write_edit({"region": {"radius": 0.35 * scale},
+                                    "handles": [{"vertices": str(CENTRE), "translation": [0, 0, 0.2 * scale]}]})
+            self.done(mesh, "out.ply", edit)
+            expected = self.bits(self.place / "out.ply")
+            self.assertNotEqual(expected[CENTRE], bits_of(points[CENTRE][2]))
+            for suffix in ("off", "obj", "xyz"):
+                text = self.done(mesh, "out." + suffix, edit, "--report", "report.json", "--strict")
+                with self.subTest((suffix, scale)):
+                    self.assertEqual(self.coordinates(self.place / ("out." + suffix)), expected)
+                    self.assertNotIn("coordinates in", text)
+                    (output,) = json.loads((self.place / "report.json").read_text())["outputs"]
+                    self.assertEqual(output["coordinate_error"], 0)
+            self.done(self.place / "out.off", "again.ply", edit, "--fraction", "0")
+            self.assertEqual(self.bits(self.place / "again.ply"), expected)
+
+    def test_all_else_in_the_file_stays(self):
+        mesh = write_ply(self.place / "coloured.ply", self.points, self.faces,
+                         vertex_extra="property uchar red\nproperty uchar green\nproperty uchar blue\n",
+                         vertex_values=[f"{k % 200} 10 20" for k in range(len(self.points))])
+        self.done(mesh, "out.off", self.edit)
+        lines = (self.place / "out.off").read_text().splitlines()
+        self.assertEqual((lines[0], lines[1].split()[:2], len(lines)), ("COFF", ["441", "800"], 2 + 441 + 800))
+        self.assertEqual([line.split()[3:] for line in lines[2:443]], [[str(k % 200), "10", "20", "255"] for k in range(441)])
+        self.assertEqual([tuple(map(int, line.split()[1:4])) for line in lines[443:]], self.faces)
+
+    def test_what_a_format_loses_is_said(self):
+        compared = 0
+        for suffix in ("dae", "wrl", "3ds"):
+            code, text, errors = self.run_command(self.mesh, "out." + suffix, self.edit, "--report", "report.json")
+            if code == UNWRITABLE and "No plugin" in errors:
+                continue
+            self.assertEqual((code, errors), (0, ""))
+            (output,) = json.loads((self.place / "report.json").read_text())["outputs"]
+            lost = output["coordinate_error"]
+            with self.subTest(suffix):
+                self.assertLess(lost, 1e-4)
+                said = re.search(r"(?m)^The coordinates in \".*/out\.\w+\" are up to (\S+) from the result: write PLY, OFF or "
+                                 r"OBJ, which keep them\.$", text)
+                self.assertEqual(said is not None, lost > 0)
+                if lost > 0:
+                    compared += 1
+                    self.assertAlmostEqual(float(said[1]), lost, delta=0.01 * lost)
+                    self.assertEqual(self.done(self.mesh, "out." + suffix, self.edit, "--quiet"), "")
+                    self.refused(ADVISED, r"\AWith --strict nothing was written: The coordinates in .* are up to", self.mesh,
+                                 "strict." + suffix, self.edit, "--strict", "--quiet")
+                    little = self.write_edit(
+                        {**self.lift, "handles": [{"vertices": str(CENTRE), "translation": [0, 0, 20 * lost]}]})
+                    self.refused(UNWRITABLE, r"its coordinates are up to \S+ from the result, of an edit by \S+: write PLY",
+                                 self.mesh, "little." + suffix, little)
+                    self.edit = self.write_edit(self.lift)
+        self.assertGreater(compared, 0)
+        text = self.done(self.mesh, "out.dxf", self.edit, "--report", "report.json")
+        (output,) = json.loads((self.place / "report.json").read_text())["outputs"]
+        self.assertIsNone(output["coordinate_error"])
+        self.assertRegex(text, r"out\.dxf\" cannot be compared with the result, since MeshLab does not read the format: write")
+
+    def test_each_pose_is_compared(self):
+        self.done(self.mesh, "all.dxf", self.edit, "--fractions", "0.5,1", "--jobs", "2", "--report", "report.json")
+        self.done(self.mesh, "all.off", self.edit, "--fractions", "0.5,1", "--jobs", "2", "--report", "off.json")
+        for name, lost in (("report.json", None), ("off.json", 0)):
+            outputs = json.loads((self.place / name).read_text())["outputs"]
+            self.assertEqual([output["coordinate_error"] for output in outputs], [lost, lost])
+
+
+class Strict(CommandTest):
+    def test_advice_is_an_error(self):
+        far = write_ply(self.place / "far.ply", *moved((self.points, self.faces), 100, (1e8, 1e8, 0)))
+        side = [{"region": {"component": True}, "order": 3,
+                 "handles": [{"vertices": "0-20"}, {"vertices": "220-222", "translation": [0, 0, 4],
+                                                    "rotation": {"axis": [0, 1, 0], "degrees": 120}}]}]
+        ring = [{"region": {"radius": 0.45}, "detail_rotation": "local_global", "iterations": 2,
+                 "handles": [{"vertices": "219-221,240-242,198-200", "translation": [0.3, 0, 0.5]}]}]
+        shift = [{"region": {"radius": 35}, "handles": [{"vertices": "220", "translation": [0.4, 0, 0]}]}]
+        for sentence, mesh, steps in (
+                (r"100 % of its displacement, .*: move the mesh to the origin", far, shift),
+                (r"became \S+ times as long: ", self.mesh, side),
+                (r"rotations have not settled after \d+ passes, ", self.mesh, ring)):
+            if SCALAR == "double" and mesh == far:
+                continue
+            edit = self.write_edit(*steps)
+            self.refused(ADVISED, r"\AWith --strict nothing was written: [^\n]*" + sentence, mesh, "out.ply", edit, "--quiet",
+                         "--strict")
+            self.assertRegex(self.done(mesh, "lax.ply", edit), sentence)
+            (self.place / "lax.ply").unlink()
+        self.done(self.mesh, "out.ply", self.write_edit(self.lift), "--quiet", "--strict")
+
+    def test_step_and_fraction_are_named(self):
+        high = {**self.lift, "handles": [{"vertices": str(CENTRE), "translation": [0, 0, 3]}]}
+        edit = self.write_edit(self.lift, high)
+        self.refused(ADVISED, r"at fraction 1, step 2 of 2, ", self.mesh, "all.ply", edit, "--fractions", "0,1", "--strict")
+        script = self.write_script(replay(self.lift), replay(high))
+        self.refused(ADVISED, r"step 2 of 2, ", self.mesh, "out.ply", script, "--strict")
+
+
 class Files(CommandTest):
     def limited(self):
         """Writes of more than 8 KB fail as on a full disk."""
@@ -548,8 +662,19 @@ class Files(CommandTest):
         # The last one's writer does not look whether its output arrives.
         for suffix in ("ply", "off", "obj", "stl", "xyz"):
             (self.place / ("out." + suffix)).write_text("old")
-            self.refused(UNWRITABLE, r"output .*out\." + suffix + ".* cannot be written: ", self.mesh, "out." + suffix,
-                         self.edit, preexec_fn=self.limited)
+            self.refused(UNWRITABLE, r"output .*out\." + suffix + r".* cannot be written: it is larger than a file may be here: "
+                         r"raise the limit \(ulimit -f\)", self.mesh, "out." + suffix, self.edit, preexec_fn=self.limited)
+
+    @unittest.skipUnless(os.geteuid() == 0, "needs root's rights to mount")
+    def test_disk_that_is_full_says_so(self):
+        disk = self.place / "disk"
+        disk.mkdir()
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=16k", "tmpfs", disk], check=False).returncode != 0:
+            self.skipTest("nobody may mount here")
+        self.addCleanup(subprocess.run, ["umount", disk], check=True)
+        for suffix in ("ply", "off", "obj", "stl", "xyz", "dae", "dxf"):
+            self.refused(UNWRITABLE, r"output .*out\.\w+.* cannot be written: the disk is full: make room, or write to another",
+                         self.mesh, "disk/out." + suffix, self.edit)
 
     def test_places_that_cannot_be_written(self):
         (self.place / "folder.ply").mkdir()

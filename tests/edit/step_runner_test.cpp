@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "lapedit/base/error.h"
@@ -35,6 +36,26 @@ struct Scene {
     return {resolve(handle.transform, centroid(mesh.vertices, handle.vertices))};
   }
 };
+
+/// Far from the origin single precision keeps no small displacement: that is said, and no weight helps.
+TEST(StepRunner, AdviceNamesTheStepsOfCoordinatesFarFromTheOrigin) {
+  Scene scene;
+  scene.mesh.vertices.rowwise() += Eigen::RowVector3d(1e8, 0, 0);
+  scene.step.handles[0].transform = {};
+  scene.step.handles[0].transform.translation = Vector3(0.4, 0, 0);
+  for (const StoredScalar scalar : {StoredScalar::Double, StoredScalar::Float}) {
+    Points rounded = scene.mesh.vertices;
+    round_to(scalar, rounded);
+    scene.mesh.vertices = rounded;
+    StepRunner runner(scene.problem(scalar));
+    Points places;
+    runner.solve(scene.maps(), places);
+    const std::string advice = runner.report().advice();
+    EXPECT_EQ(advice.find("mesh keeps coordinates in steps of 11.9: move the mesh to the origin") != std::string::npos,
+              scalar == StoredScalar::Float)
+        << advice;
+  }
+}
 
 /// By the runner itself, as filters and programs run it, and as the window does.
 TEST(StepRunner, EveryWayToRunAStepHasTheSameBits) {

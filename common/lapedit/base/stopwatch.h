@@ -10,10 +10,10 @@ class Stopwatch {
   using Clock = std::chrono::steady_clock;
 
  public:
-  /// Returns the time since construction or the last lap().
+  /// Since the start or the last lap().
   double elapsed() const { return std::chrono::duration<double, std::milli>(Clock::now() - last_).count(); }
 
-  /// Returns elapsed() and restarts.
+  /// The same, and starts anew.
   double lap() {
     const auto now = Clock::now();
     const double ms = std::chrono::duration<double, std::milli>(now - last_).count();

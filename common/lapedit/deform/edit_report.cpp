@@ -82,17 +82,22 @@ std::string EditReport::advice() const {
   }
   if (handle_displacement > 0 && causes.distance > kBehind * handle_displacement) {
     sentences.push_back(
-        format_text("The handle is %.3g, or %.3g %% of its displacement, from its target at vertex %d: raise "
-                    "handle_weight, or take a larger region.",
-                    causes.distance, 100 * causes.distance / handle_displacement, causes.behind));
+        format_text("The handle is %.3g, or %.3g %% of its displacement, from its target at vertex %d", causes.distance,
+                    100 * causes.distance / handle_displacement, causes.behind) +
+        (causes.step > kBehind * handle_displacement
+             ? format_text(", where the mesh keeps coordinates in steps of %.3g: move the mesh to the origin.",
+                           causes.step)
+             : ": raise handle_weight, or take a larger region."));
   }
   const bool local_global = rotation == name(DetailRotation::LocalGlobal);
   // In 26 edits of 8 meshes local-global rotations had 0.3 to 3.8 degrees left after 6 passes, 3.5 to 47 after 2.
-  if (iterations > 1 && iterations < kMostPasses && passes_dropped == 0 && rotation_left > kUnsettled) {
+  if (iterations > 1 && passes_dropped == 0 && rotation_left > kUnsettled) {
+    std::string ways = iterations < kMostPasses ? "raise iterations" : "";
+    ways += local_global ? "" : (ways.empty() ? "" : ", or ") + std::string("use local-global rotations");
     sentences.push_back(
         format_text("The rotations have not settled after %d passes, the last of which turned a detail by %.3g "
-                    "degrees: raise iterations%s.",
-                    iterations, rotation_left, local_global ? "" : ", or use local-global rotations"));
+                    "degrees: %s.",
+                    iterations, rotation_left, ways.empty() ? "make the edit in two steps" : ways.c_str()));
   }
   if (order > 1 && local_global && handle_displacement > 0) {
     sentences.push_back(format_text(

@@ -28,6 +28,7 @@ struct AdviceCauses {
   int stretched = -1;        ///< the lower end of the edge with the largest stretch
   int behind = -1;           ///< the handle vertex of full weight that is farthest from its target
   double distance = 0;       ///< from there to its target
+  double step = 0;           ///< between coordinates that the mesh can store there
 };
 
 /// How good the result is.

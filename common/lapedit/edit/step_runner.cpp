@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/edit/step_runner.h"
 
+#include <algorithm>
+#include <limits>
 #include <utility>
+#include <vector>
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/stopwatch.h"
@@ -79,6 +82,13 @@ EditReport StepRunner::report(bool whole) const {
   Points stored = editor_->positions();
   finish(stored);
   EditReport report = editor_->report(stored, whole);
+  const std::vector<int>& vertices = region().mesh_vertex;
+  const auto behind = std::find(vertices.begin(), vertices.end(), report.causes.behind);
+  if (behind != vertices.end()) {
+    const double most = stored.row(behind - vertices.begin()).cwiseAbs().maxCoeff();
+    report.causes.step = most * (scalar_ == StoredScalar::Float ? std::numeric_limits<float>::epsilon()
+                                                                : std::numeric_limits<double>::epsilon());
+  }
   report.region_ms = region_ms_;
   if (solved_ > 1) {  // all that was there before this pose
     report.region_ms = report.operator_ms = report.factor_ms = report.kernel_ms = 0;

@@ -14,36 +14,36 @@ void require_vertex(const char* what, int vertex, Eigen::Index count);
 
 // Sets of vertices are ascending lists without duplicates.
 
-/// Returns the set of vertices given in any order, with duplicates.
+/// Any order and duplicates -> a set.
 std::vector<int> sorted_set(std::vector<int> vertices);
 
-/// Returns the index of a vertex in a set, -1 if it is not in it.
+/// Where a vertex stands in a set, -1 if it is not in it.
 int place_in(const std::vector<int>& set, int vertex);
 inline bool contains(const std::vector<int>& set, int vertex) {
   return place_in(set, vertex) >= 0;
 }
 
-/// Returns the set and all its neighbours. O(size of the result), plus sorting.
+/// The set and all its neighbours. O(size of the result), plus sorting.
 std::vector<int> grown(const Adjacency& adjacency, const std::vector<int>& set);
 
-/// Returns the set without the vertices that have a neighbour outside it, except those to keep. The border of the mesh
-/// does not count as outside.
+/// The set without the vertices that have a neighbour outside it, except those to keep. A border of the mesh is no
+/// outside.
 std::vector<int> shrunk(const Adjacency& adjacency, const std::vector<int>& set, const std::vector<int>& keep);
 
 std::vector<int> united(const std::vector<int>& a, const std::vector<int>& b);
 std::vector<int> common(const std::vector<int>& a, const std::vector<int>& b);
 std::vector<int> without(const std::vector<int>& a, const std::vector<int>& b);
 
-/// Copies the rows of some vertices, and back.
+/// Rows of some vertices, and back to where they came from.
 Points gather(const Points& points, const std::vector<int>& vertices);
 void scatter(const std::vector<int>& vertices, const Points& rows, Points& points);
 
-/// Returns the vertices within a distance of a vertex along the surface (that vertex alone for a radius of 0).
+/// Vertices within a distance along the surface of a vertex (that vertex alone for a radius of 0).
 /// @throws EditError (BadIndex, BadParameter if the radius is negative or not finite)
 std::vector<int> vertices_within(const TriangleMesh& mesh, const Adjacency& adjacency, int vertex, double radius);
 
-/// Returns the vertices of a shortest path along edges, both ends included; empty if there is no path. Deterministic:
-/// always the same one of several shortest paths.
+/// Vertices of a shortest path along edges, from the first to the second, both included; empty if no path leads there.
+/// Deterministic: of several as short, always the same.
 /// @throws EditError (BadIndex)
 std::vector<int> shortest_path(const TriangleMesh& mesh, const Adjacency& adjacency, int from, int to);
 

@@ -11,10 +11,10 @@
 
 #include "lapedit_host/tool/tool_events.h"
 
-/// The functions of a tool that MeshLab since 2021 declares differently.
+/// What of a tool MeshLab calls otherwise than version 2020.09.
 namespace lapedit::host {
 
-/// MeshLab passes the current layer by reference even if there is none: the view returns it instead.
+/// MeshLab passes the current layer by reference even if there is none: the view is asked for it instead.
 class HostToolBase : public ::EditTool, protected ToolEvents {
  public:
   using ::EditTool::decorate;

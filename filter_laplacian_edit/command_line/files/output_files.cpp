@@ -10,12 +10,12 @@
 #include <QFileInfo>
 #include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <system_error>
 #include <utility>
 
 #include "failure.h"
 #include "files/file_names.h"
+#include "files/file_writer.h"
 #include "files/real_files.h"
 #include "host/batch_host.h"
 
@@ -46,21 +46,6 @@ void handDown(const struct stat& from, const char* to) {
 }
 
 }  // namespace
-
-std::string whyNotWritten(int error) {
-  switch (error) {
-    case ENOSPC:
-      return "the disk is full: make room, or write to another disk";
-    case EDQUOT:
-      return "your share of the disk (quota) is used up: make room, or write to another disk";
-    case EFBIG:
-      return "it is larger than a file may be here: raise the limit (ulimit -f), or write to another disk";
-    case EROFS:
-      return "the disk is read-only: write to another one";
-    default:
-      return std::strerror(error);
-  }
-}
 
 OutputFiles::OutputFiles(const std::string& what, const QStringList& places) : what_(what) {
   for (const QString& place : places) {

@@ -9,36 +9,34 @@
 
 #include "files/scratch_folder.h"
 
-/// Returns why a file cannot be written and what to do, as the end of a sentence without a full stop. @param error
-/// errno
-std::string whyNotWritten(int error);
-
-/// Files that replace their targets together, when all are complete. Until then they are in a folder next to the
-/// targets, under their final names (or plain ones where those are no UTF-8), so that they can refer to each other.
+/// Files that appear in their place all at once, when they are complete. Until then they are in a folder of their own
+/// beside it, under the names that they will have (or plain ones, where those are no UTF-8), so that they can refer to
+/// each other.
 class OutputFiles {
  public:
-  /// Checks that the targets can be written, as far as possible; creates nothing. @param what name in messages:
-  /// "output" or "report" @param places absolute paths; links are followed, also if they lead to no file
+  /// Checks that the places can be written to, as far as that can be seen; nothing is made yet.
+  /// @param what    as it is called in messages: "output" or "report"
+  /// @param places  absolute paths; links are followed, also where nothing is at their end
   /// @throws Failure (Unwritable)
   OutputFiles(const std::string& what, const QStringList& places);
   OutputFiles(const OutputFiles&) = delete;
   OutputFiles& operator=(const OutputFiles&) = delete;
 
-  /// Creates the folder, unless it exists.
+  /// Makes the folder, unless it is there.
   /// @param made  called with the folder before anything is in it
   /// @throws Failure (Unwritable)
   void begin(const std::function<void(const std::string&)>& made);
 
-  /// Returns where to write output number k. Other files in its folder are moved with it.
+  /// Where to write output number k. Other files beside it come along.
   QString path(int k) const;
-  /// Returns a path in that folder.
+  /// A path beside them.
   QString beside(const QString& name) const;
 
-  /// Flushes all files to the disk. @throws Failure (Unwritable)
+  /// Brings all files to the disk. @throws Failure (Unwritable)
   void synchronise();
 
-  /// Moves the files to their targets, one after the other. Owner, group and permissions of a replaced file are kept as
-  /// far as permitted, but no setuid or setgid bit.
+  /// Brings them to their places, one after the other. A file that was there hands down owner, group and permissions as
+  /// far as the right exists, but never the right to run as another user.
   /// @throws Failure (Unwritable)
   void place();
 
@@ -47,16 +45,16 @@ class OutputFiles {
 
   std::string what_;
   QString folder_;
-  QStringList names_, staged_;  ///< final paths, and paths until then
-  QStringList others_;          ///< other files in the folder
+  QStringList names_, staged_;  ///< in their places, and until then
+  QStringList others_;          ///< those that came along
   ScratchFolder scratch_;
 };
 
-/// Blocks requests to stop during its lifetime, so that either all targets are replaced or none.
+/// While it lives, a request to stop waits: either all files are in their places or none.
 class NoInterruption {
  public:
   NoInterruption();
-  /// Blocks requests until the end of the process, since no work is left to stop.
+  /// From here on it waits for the process's end: there is nothing left to be stopped.
   void forGood() { for_good_ = true; }
   ~NoInterruption();
   NoInterruption(const NoInterruption&) = delete;

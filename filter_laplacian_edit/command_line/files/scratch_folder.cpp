@@ -11,6 +11,7 @@
 #include <climits>
 #include <cstdlib>
 #include <filesystem>
+#include <string>
 #include <system_error>
 
 namespace {
@@ -68,8 +69,10 @@ void sweep(const std::string& folder, const std::string& nameBegins) {
 
 ScratchFolder::~ScratchFolder() {
   if (!path_.empty()) {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
+    std::error_code ignored, unknown;
+    // Where it is now: the folder around it may have been moved.
+    const std::filesystem::path now = std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(lock_), unknown);
+    std::filesystem::remove_all(unknown ? std::filesystem::path(path_) : now, ignored);
     ::close(lock_);
   }
 }

@@ -3,6 +3,7 @@
 
 #include <common/mlapplication.h>
 #include <dlfcn.h>
+#include <fcntl.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -12,16 +13,24 @@
 #include <QDir>
 #include <QFile>
 #include <QFileInfo>
+#include <algorithm>
+#include <cerrno>
 #include <map>
+#include <system_error>
 #include <utility>
 
 #include "files/file_names.h"
+#include "files/file_writer.h"
 #include "files/ply_file.h"
+#include "files/stl_file.h"
+#include "host/all_digits.h"
 #include "host/batch_parameters.h"
 #include "host/dialog_watch.h"
+#include "host/read_back.h"
 #include "lapedit/base/error.h"
 #include "lapedit_host/mesh_bridge.h"
 #include "processes/notes.h"
+#include "processes/watchdog.h"
 #include "vertex_filter_plugin.h"
 
 namespace lapedit::host {
@@ -136,33 +145,42 @@ void completeLayer(MeshModel& layer, int mask) {
   layer.cm.bbox = finite_box(layer.cm);
 }
 
-/// Whether what was written last may have been cut short: no more can be written, or no more into this file.
-bool isFull(const QFileInfo& written) {
+/// Why what was written last may have been cut short: no more can be written, or no more into this file.
+/// @return the error's number, 0 if there is none
+int whyShort(const QFileInfo& written) {
   struct rlimit limit = {};
   if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
       static_cast<rlim_t>(written.size()) >= limit.rlim_cur) {
-    return true;
+    return EFBIG;
   }
   // Writers fill the disk to its last block.
-  QFile more(written.absolutePath() + "/more");
+  const QByteArray name = QFile::encodeName(written.absolutePath() + "/more");
+  const int more = ::open(name.constData(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
   const QByteArray block(4096, 'x');
-  const bool fits = more.open(QIODevice::WriteOnly | QIODevice::Unbuffered) && more.write(block) == block.size() &&
-                    fsync(more.handle()) == 0;
-  more.remove();
-  return !fits;
+  if (more >= 0) {
+    errno = ENOSPC;  // of a part that is written
+  }
+  const bool fits = more >= 0 &&
+                    ::write(more, block.constData(), static_cast<std::size_t>(block.size())) == block.size() &&
+                    ::fsync(more) == 0;
+  const int error = fits ? 0 : errno;
+  if (more >= 0) {
+    ::close(more);
+  }
+  ::unlink(name.constData());
+  return error;
 }
 
-/// Lines of a text file that begin with "v " and "f ".
-std::pair<int, int> countInObj(const QString& path) {
-  QFile file(path);
-  file.open(QIODevice::ReadOnly);
-  std::pair<int, int> counts = {0, 0};
-  while (!file.atEnd()) {
-    const QByteArray line = file.readLine();
-    counts.first += line.startsWith("v ") && line.endsWith('\n') ? 1 : 0;
-    counts.second += line.startsWith("f ") && line.endsWith('\n') ? 1 : 0;
+/// By how much coordinates change in single precision, at most.
+double lostInFloats(const CMeshO& mesh) {
+  double most = 0;
+  for (const auto& vertex : mesh.vert) {
+    if (!vertex.IsD() && is_finite(vertex.cP())) {
+      const Vector3 place = to_core(vertex.cP());
+      most = std::max(most, (place - place.cast<float>().cast<double>()).norm());
+    }
   }
-  return counts;
+  return most;
 }
 
 }  // namespace
@@ -267,6 +285,12 @@ struct BatchHost::Impl {
   std::vector<std::pair<MeshModel*, int>> read(const QString& path, MeshDocument& into, const QString& called) {
     const QFileInfo file(path);
     FormatPlugin& plugin = require(readers, path, "read");
+    if (file.suffix().toLower() == "stl") {
+      const std::string why = whyNoStl(path);
+      if (!why.empty()) {
+        throw BatchError("The mesh " + quotedPath(called) + " cannot be read: " + why + ".");
+      }
+    }
     const CurrentFolder folderOfFile(file.absolutePath());
     std::vector<std::pair<MeshModel*, int>> layers;
     try {
@@ -281,7 +305,8 @@ struct BatchHost::Impl {
     return layers;
   }
 
-  void requireComplete(const QString& path, MeshModel& layer);
+  static void refuseShort(const QFileInfo& written);
+  std::optional<double> lostBy(const QString& path, MeshModel& layer);
 
   /// What a dialog asks cannot be answered here. @throws std::runtime_error
   void refuseDialogs() {
@@ -427,7 +452,7 @@ void BatchHost::requireWriter(const QString& path) {
   impl_->require(impl_->writers, path, "write");
 }
 
-void BatchHost::save(const QString& path, const KeptAttributes& kept) {
+std::optional<double> BatchHost::save(const QString& path, const KeptAttributes& kept) {
   Impl& s = *impl_;
   const QFileInfo file(path);
   FormatPlugin& plugin = s.require(s.writers, path, "write");
@@ -449,38 +474,61 @@ void BatchHost::save(const QString& path, const KeptAttributes& kept) {
     write_layer(plugin, isUtf8(path) ? file : QFileInfo("/proc/self/cwd/" + file.fileName()), *layer, mask, ask);
     s.refuseDialogs();
   } catch (const std::exception& error) {
-    throw BatchError(s.reason(error));
+    const std::string why = s.reason(error);
+    s.refuseShort(file);
+    throw BatchError(why);
   }
-  s.requireComplete(path, *layer);
+  s.refuseShort(file);
+  try {
+    return s.lostBy(path, *layer);
+  } catch (const std::system_error& error) {
+    throw BatchError(whyNotWritten(error.code().value()) + ".");
+  }
 }
 
 /// Many writers do not look whether their output arrives.
-void BatchHost::Impl::requireComplete(const QString& path, MeshModel& layer) {
+void BatchHost::Impl::refuseShort(const QFileInfo& written) {
+  if (const int error = whyShort(written)) {
+    throw BatchError(whyNotWritten(error) + ".");
+  }
+}
+
+/// By how much coordinates in a file that was written differ from the layer's, at most. @throws BatchError if it is not
+/// complete
+std::optional<double> BatchHost::Impl::lostBy(const QString& path, MeshModel& layer) {
   const QFileInfo file(path);
-  const bool full = isFull(file);
   const QString suffix = file.suffix().toLower();
-  bool complete = !full && file.exists() && file.size() > 0;
+  bool complete = file.exists() && file.size() > 0;
   std::pair<int, int> found = {layer.cm.vn, layer.cm.fn};
-  if (complete && suffix == "obj") {
-    found = countInObj(path);
-  } else if (complete && suffix == "stl") {
+  std::optional<double> lost = 0.0;
+  if (!complete) {
+  } else if (suffix == "stl") {
     // Binary; read back, it has other vertices.
     complete = file.size() == 84 + 50 * static_cast<qint64>(layer.cm.fn);
-  } else if (const auto ply = suffix == "ply" ? walkPly(path) : std::nullopt; complete && ply) {
+    lost = lostInFloats(layer.cm);
+  } else if (const auto ply = suffix == "ply" ? walkPly(path) : std::nullopt) {
     complete = ply->complete;
     found = {static_cast<int>(ply->vertices), static_cast<int>(ply->faces)};
-  } else if (complete && (suffix == "ply" || suffix == "off")) {
+  } else if (const auto text = keepAllDigits(path, layer.cm)) {
+    complete = text->complete;
+    found = {text->vertices, text->faces};
+  } else {
     MeshDocument copy;
-    try {
-      const MeshModel& readBack = *read(path, copy, path).front().first;
-      found = {readBack.cm.vn, readBack.cm.fn};
-    } catch (const BatchError&) {
-      complete = false;
+    const auto back = readBack(
+        layer.cm, [&]() -> const CMeshO& { return read(path, copy, path).front().first->cm; },
+        Watchdog::patience(file.size()));
+    lost = back ? std::optional<double>(back->off) : std::nullopt;
+    // What of these is not as MeshLab writes it may have lost a part.
+    if (suffix == "ply" || suffix == "off" || suffix == "obj" || suffix == "xyz") {
+      complete = back.has_value();
+      found = back ? std::make_pair(back->vertices, suffix == "xyz" ? layer.cm.fn : back->faces) : found;
     }
   }
   if (!complete || found.first != layer.cm.vn || found.second != layer.cm.fn) {
-    throw BatchError(full ? "there is not enough room for it." : "what arrived is not complete.");
+    refuseShort(file);  // which may have become so since
+    throw BatchError("what arrived is not complete: look whether the disk is sound, and start it again.");
   }
+  return lost;
 }
 
 }  // namespace lapedit::host

@@ -17,8 +17,8 @@
 #include <utility>
 
 #include "failure.h"
+#include "files/file_writer.h"
 #include "files/input_file.h"
-#include "files/output_files.h"
 
 using lapedit::host::quotedPath;
 
@@ -65,6 +65,9 @@ QJsonArray optionsAsGiven(const Options& job) {
   }
   if (job.quality) {
     add("--quality", {});
+  }
+  if (job.strict) {
+    add("--strict", {});
   }
   if (job.kept.normals || job.kept.selection) {
     add("--also", job.kept.normals && job.kept.selection ? "normals,selection"

@@ -13,6 +13,7 @@
 #include "lists/job_list.h"
 #include "lists/job_log.h"
 #include "lists/job_pool.h"
+#include "processes/error_stream.h"
 #include "progress_line.h"
 
 namespace {
@@ -41,7 +42,7 @@ class ListRun {
 
   int run(std::FILE* output) {
     if (!log_.complaint().empty()) {
-      std::fprintf(stderr, "%s\n", log_.complaint().c_str());
+      std::fprintf(errorStream(), "%s\n", log_.complaint().c_str());
     }
     loadBefore(options_, at_once_);
     std::size_t next = 0;
@@ -104,7 +105,7 @@ class ListRun {
       ++failed_;
       worst_ = std::max(worst_, end.code);
       line_.clear();
-      std::fprintf(stderr, "Line %d: %s\n", listed.line, end.sentence.c_str());
+      std::fprintf(errorStream(), "Line %d: %s\n", listed.line, end.sentence.c_str());
     }
     log_.add(listed.line, optionsOf(listed, options_), state->second, end);
     states_.erase(state);

@@ -8,36 +8,35 @@
 
 #include "failure.h"
 
-/// Which of outputs and report have replaced their targets.
+/// What of the output and the report is in its place.
 enum class Placed { Nothing, Some, Outputs, All };
 
-/// A resource that the system refuses.
+/// What cannot be had from the system.
 enum class Lack { Nothing, Memory, Threads };
 
-/// Returns the resource that an exception is about.
+/// Whether that is what an exception is about.
 Lack lackIn(const std::exception_ptr& problem);
 
-/// Messages from the worker to its supervisor. One process writes, the other reads, even after the first has died;
-/// texts only then.
+/// What the worker lets its supervisor know. Written by one process, read by another, even after the first has died.
+/// Texts are to be read only then.
 class Notes {
  public:
   static constexpr int kScratchFolders = 2;
 
   /// @param activity  as in "reading mesh.ply"
-  /// @param code      exit code if the worker stops in this activity
-  /// @param bytes     approximate size of the file that MeshLab reads or writes, which requires progress; negative:
-  /// none
+  /// @param code      what the program ends with if this stops it
+  /// @param bytes     about how many the host reads or writes now: it has to get on with them. Negative: no such work
   void doing(const std::string& activity, ExitCode code, std::int64_t bytes = -1);
-  /// Progress of the activity, 0 to 1.
+  /// How far that has come, 0 to 1.
   void progress(double fraction) { percent_ = static_cast<int>(100 * fraction); }
-  /// A folder that has to be removed in the end.
-  /// @param k  index, below kScratchFolders
+  /// A folder that has to be gone in the end.
+  /// @param k  which, below kScratchFolders
   void scratch(int k, const std::string& folder);
   void placed(Placed what) { placed_ = what; }
   void lacks(Lack what) { lack_ = what; }
-  /// Time limit of the whole work, from the start of the program.
+  /// For the whole work, since the start of the program.
   void timeLimit(double seconds) { time_limit_ = seconds; }
-  /// Notes a regular end, with an error message if there is one. A worker that ends without this call was ended.
+  /// The worker ended as it should, with a sentence if there is one to be said. Who ends without this was ended.
   void finished(int code);
 
  private:

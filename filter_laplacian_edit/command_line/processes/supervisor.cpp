@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "processes/supervisor.h"
 
+#include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -18,6 +21,7 @@
 #include <system_error>
 
 #include "host/batch_host.h"
+#include "processes/error_stream.h"
 #include "processes/watchdog.h"
 
 namespace {
@@ -101,6 +105,11 @@ class Supervisor {
 
   int run(const std::function<int(Notes&)>& work) {
     const Requests requests;
+    int ends[2] = {-1, -1};  // of what the worker says apart from our own sentences
+    if (pipe2(ends, O_CLOEXEC | O_NONBLOCK) != 0) {
+      return say(Unexpected, std::string("The program cannot start its worker (") + std::strerror(errno) +
+                                 "): nothing was written; allow more open files (ulimit -n).");
+    }
     const pid_t parent = getpid();
     const pid_t worker = fork();
     if (worker < 0) {
@@ -113,9 +122,14 @@ class Supervisor {
       if (getppid() != parent) {
         _exit(Unexpected);
       }
+      divertStandardError(ends[1]);
       this->work(work);
     }
+    close(ends[1]);
+    said_from_ = ends[0];
     attend(worker, requests);
+    hear();
+    close(said_from_);
     return conclude();
   }
 
@@ -139,7 +153,11 @@ class Supervisor {
   void attend(pid_t worker, const Requests& requests) {
     Watchdog watchdog(worker, notes_);
     for (;;) {
-      const pid_t ended = waitpid(worker, &status_, WNOHANG);
+      hear();
+      struct rusage used = {};
+      const pid_t ended = wait4(worker, &status_, WNOHANG, &used);
+      processor_seconds_ = static_cast<double>(used.ru_utime.tv_sec + used.ru_stime.tv_sec) +
+                           1e-6 * static_cast<double>(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
       if (ended == worker || (ended < 0 && errno != EINTR)) {
         return;
       }
@@ -156,6 +174,39 @@ class Supervisor {
         kill(worker, SIGKILL);
       }
     }
+  }
+
+  /// Keeps the end of what the worker says.
+  void hear() {
+    constexpr std::size_t kKept = 4096;
+    char part[4096];
+    for (ssize_t count = 0; (count = read(said_from_, part, sizeof part)) > 0;) {
+      said_.append(part, static_cast<std::size_t>(count));
+      said_.erase(0, said_.size() - std::min(said_.size(), kKept));
+    }
+  }
+
+  /// The end of its last line, for a message; empty if it said nothing.
+  std::string lastWords() const {
+    constexpr std::size_t kLongest = 200;
+    std::string text = said_;
+    text.erase(text.find_last_not_of(" \r\n") + 1);
+    text.erase(0, text.find_last_of('\n') + 1);
+    std::replace_if(
+        text.begin(), text.end(), [](unsigned char letter) { return letter < ' ' || letter > '~'; }, '?');
+    if (text.size() > kLongest) {
+      text = "..." + text.substr(text.size() - kLongest);
+    }
+    return text;
+  }
+
+  /// Whether a worker that was killed had used up its processor time.
+  bool isOutOfProcessorTime(int signal) const {
+    struct rlimit limit = {};
+    constexpr double kSpare = 0.5;
+    return signal == SIGXCPU ||
+           (signal == SIGKILL && getrlimit(RLIMIT_CPU, &limit) == 0 && limit.rlim_max != RLIM_INFINITY &&
+            processor_seconds_ + kSpare >= static_cast<double>(limit.rlim_max));
   }
 
   int conclude() const {
@@ -189,14 +240,14 @@ class Supervisor {
                                    "look whether the file is what its name says, try another format, or allow more "
                                    "(LAPEDIT_STALL_SECONDS).");
     }
+    if (isOutOfProcessorTime(signal)) {
+      return say(Unexpected, reason() + nothing + "allow more (ulimit -t).");
+    }
     if (notes_.lack_ == Lack::Memory || signal == SIGKILL) {
       return say(Unexpected, reason() + nothing + "give it more memory (ulimit -v), or a smaller mesh.");
     }
     if (notes_.lack_ == Lack::Threads) {
       return say(Unexpected, reason() + nothing + "allow more of them, or more memory (ulimit -u, ulimit -v).");
-    }
-    if (signal == SIGXCPU) {
-      return say(Unexpected, reason() + nothing + "allow more (ulimit -t).");
     }
     if (signal != 0 && !comesFromAFault(signal)) {
       return say(Unexpected, reason() + nothing + "start it again.");
@@ -222,17 +273,19 @@ class Supervisor {
     if (notes_.lack_ == Lack::Threads) {
       return "The system allowed no more threads" + activity;
     }
+    if (isOutOfProcessorTime(signal)) {
+      return "The processor time allowed was over" + activity;
+    }
     if (signal == SIGKILL) {
       return "The program was killed" + activity + ", as the system does where memory runs out";
     }
-    if (signal == SIGXCPU) {
-      return "The processor time allowed was over" + activity;
-    }
+    const std::string last = lastWords();
+    const std::string words = last.empty() ? "" : ": " + last;
     if (signal == 0) {
       return host() + " or a library of its own ended the program" + activity + " (exit code " +
-             std::to_string(WEXITSTATUS(status_)) + ")";
+             std::to_string(WEXITSTATUS(status_)) + words + ")";
     }
-    const std::string number = " (signal " + std::to_string(signal) + ", " + strsignal(signal) + ")";
+    const std::string number = " (signal " + std::to_string(signal) + ", " + strsignal(signal) + words + ")";
     return comesFromAFault(signal) ? host() + " stopped with an error of its own" + activity + number
                                    : "The program was ended" + activity + number;
   }
@@ -254,6 +307,9 @@ class Supervisor {
   }
 
   Notes& notes_;
+  int said_from_ = -1;
+  std::string said_;
+  double processor_seconds_ = 0;  ///< of the worker
   int status_ = 0;
   int request_ = 0;  ///< the last one that was passed on
   Watchdog::Verdict verdict_ = Watchdog::Verdict::GoOn;
