@@ -2,6 +2,7 @@
 #include "laplacian_drag_tool.h"
 
 #include <QtGui/qopengl.h>
+#include <QApplication>
 #include <QClipboard>
 #include <QGuiApplication>
 #include <QMainWindow>
@@ -9,13 +10,16 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <utility>
 
 #include "edit_file_dialogs.h"
 #include "lapedit/base/error.h"
 #include "lapedit/json/edit_script.h"
+#include "lapedit/mesh/ray_cast.h"
 #include "lapedit_host/mesh_bridge.h"
 #include "panel_widgets.h"
+#include "pen.h"
 
 using namespace lapedit;
 using namespace lapedit::host;
@@ -27,6 +31,7 @@ constexpr int kNoticePixels = 12;  // a notice goes when the mouse has gone on b
 constexpr int kLongestWait = 200;  // milliseconds without a picture
 constexpr int kDashWait = 100;     // milliseconds between pictures that only show that something is prepared
 constexpr int kDashShare = 5;      // and at least as many times what one takes
+constexpr const char* kLineProperty = "laplacian_drag_line";  // of the canvas, for tests
 constexpr double kRadiusPerNotch = 1.1, kHandleSharePerNotch = 1.25, kPaddingPerNotch = 0.02;
 constexpr double kSmallestHandleShare = 0.01;  // below it is a single vertex
 
@@ -47,8 +52,8 @@ std::optional<DragKey> sessionKey(const QKeyEvent& event) {
   if ((modifiers & Qt::ControlModifier) && key == Qt::Key_Z) {
     return modifiers & Qt::ShiftModifier ? DragKey::Redo : DragKey::Undo;
   }
-  if ((modifiers & Qt::ControlModifier) && key == Qt::Key_Y) {
-    return DragKey::Redo;
+  if (modifiers == Qt::ControlModifier && (key == Qt::Key_Y || key == Qt::Key_C)) {
+    return key == Qt::Key_Y ? DragKey::Redo : DragKey::Copy;
   }
   // On many keyboards brackets take a modifier.
   if (key == Qt::Key_BracketRight || key == Qt::Key_BracketLeft) {
@@ -62,7 +67,8 @@ std::optional<DragKey> sessionKey(const QKeyEvent& event) {
   }
   static const std::map<int, DragKey> keys = {{Qt::Key_Return, DragKey::Apply},     {Qt::Key_Enter, DragKey::Apply},
                                               {Qt::Key_Backspace, DragKey::Cancel}, {Qt::Key_Period, DragKey::Point},
-                                              {Qt::Key_Comma, DragKey::Point},      {Qt::Key_Minus, DragKey::Minus}};
+                                              {Qt::Key_Comma, DragKey::Point},      {Qt::Key_Minus, DragKey::Minus},
+                                              {Qt::Key_F1, DragKey::Help}};
   const auto found = keys.find(key);
   if (found != keys.end()) {
     return found->second;
@@ -71,6 +77,20 @@ std::optional<DragKey> sessionKey(const QKeyEvent& event) {
   const auto letter = std::find_if(std::begin(kKeyHelp), std::end(kKeyHelp),
                                    [key](const KeyHelp& help) { return help.name[0] == key && help.name[1] == '\0'; });
   return letter != std::end(kKeyHelp) ? std::optional<DragKey>(letter->first) : std::nullopt;
+}
+
+/// Keys that are the window's business, and that MeshLab may have another use for.
+bool isOfWindow(std::optional<DragKey> key) {
+  return key == DragKey::Copy || key == DragKey::Help;
+}
+
+/// "1, 2, 3"
+QString placeOf(const TriangleMesh& mesh, int vertex, int digits) {
+  QStringList numbers;
+  for (int k = 0; k < 3; ++k) {
+    numbers += QString::number(mesh.vertices(vertex, k), 'g', digits);
+  }
+  return numbers.join(", ");
 }
 
 }  // namespace
@@ -93,6 +113,14 @@ void LaplacianDragTool::guarded(const Call& call) {
   }
 }
 
+/// Keys are for what the mouse is over.
+void LaplacianDragTool::takeKeys() {
+  if (on_ && !window_.canvas().hasFocus() && QApplication::activePopupWidget() == nullptr &&
+      QApplication::activeModalWidget() == nullptr) {
+    window_.canvas().setFocus(Qt::MouseFocusReason);
+  }
+}
+
 void LaplacianDragTool::say(const std::string& line) {
   notice_ = QString::fromStdString(line);
   mouse_.noticedAt = mouse_.position;
@@ -107,6 +135,8 @@ bool LaplacianDragTool::start() {
   layer_ = -1;
   nothing_.clear();
   notice_.clear();
+  offered_ = -1;
+  keysShown_ = false;
   mouse_.pressed = mouse_.moved = mouse_.inside = false;
   mouse_.navigating = Qt::NoButton;
   clock_.reset();
@@ -120,6 +150,9 @@ bool LaplacianDragTool::start() {
     return on_;
   }
   shared_->begin(*this, window_.document(), layer->id);
+  // By name, as MeshLab's signals have no address that plugins of all versions could take.
+  connect(window_.document(), SIGNAL(meshSetChanged()), this, SLOT(layersChanged()),
+          static_cast<Qt::ConnectionType>(Qt::QueuedConnection | Qt::UniqueConnection));
   shared_->forgetGone();
   LayerSession* known = shared_->find(layer->id);
   const bool resume =
@@ -144,8 +177,10 @@ bool LaplacianDragTool::start() {
   openPanel();
   shared_->panel().setMesh(active_->session().original());
   refreshPanel();
-  window_.canvas().setFocus();
   window_.canvas().setMouseTracking(true);
+  takeKeys();
+  // Menus, tool bars and docks take them after this.
+  QTimer::singleShot(0, this, [this] { takeKeys(); });
   return true;
 }
 
@@ -167,6 +202,17 @@ void LaplacianDragTool::handOver(bool sameSession) {
 void LaplacianDragTool::sessionGone() {
   active_ = nullptr;
   layer_ = -1;
+  offered_ = -1;
+}
+
+/// Of the last layer MeshLab says nothing when it goes.
+void LaplacianDragTool::layersChanged() {
+  if (active_ && !window_.layer(layer_)) {
+    shared_->forget(layer_);
+    sessionGone();
+    nothing_ = tr("There is no mesh: open one first.");
+    refreshPanel();
+  }
 }
 
 /// The view is the host's again.
@@ -246,20 +292,14 @@ std::optional<Layer> LaplacianDragTool::usableLayer() {
 // --- Drawing --------------------------------------------------------------------------------------------------------
 
 void LaplacianDragTool::draw() {
-  const auto current = window_.currentLayer();
-  if (!current) {
-    return;
-  }
   const auto layer = usableLayer();
-  QString line = nothing_;
-  if (active_ && !layer) {
-    line = tr("The layer is hidden: make it visible to edit it.");
-  } else if (layer) {
-    const QWidget& canvas = window_.canvas();
+  const QWidget& canvas = window_.canvas();
+  worldToClip_ = matrixOf(GL_PROJECTION_MATRIX) * matrixOf(GL_MODELVIEW_MATRIX);
+  if (layer) {
     glMatrixMode(GL_MODELVIEW);
     glPushMatrix();
     glMultMatrixd(layer->transform.data());
-    view_ = Camera(matrixOf(GL_PROJECTION_MATRIX) * matrixOf(GL_MODELVIEW_MATRIX), canvas.width(), canvas.height());
+    view_ = Camera(worldToClip_ * layer->transform, canvas.width(), canvas.height());
     DragSession& session = active_->session();
     Overlay::Options options;
     options.width = canvas.width();
@@ -267,25 +307,78 @@ void LaplacianDragTool::draw() {
     options.pixelRatio = canvas.devicePixelRatioF();
     options.heat = shared_->panel().heat();
     const bool takes = mouse_.modifiers & Qt::ShiftModifier;
-    if ((takes || mouse_.modifiers & Qt::ControlModifier) && !session.motion()) {
+    if ((takes || mouse_.modifiers & Qt::ControlModifier || session.keeps_fixed()) && !session.motion()) {
       options.brush = Overlay::Brush{cursor().pixel, session.settings().brush_pixels, takes};
     }
     overlay_.draw(session, view_, options);
     glPopMatrix();
-    line = !notice_.isEmpty()    ? notice_
-           : window_.suspended() ? tr("Suspended: the mouse turns the view. Esc goes on with dragging.")
-                                 : QString::fromStdString(session.message());
-    if (session.preparing()) {
-      line += tr("  [preparing: %1, %2 %]").arg(session.stage()).arg(static_cast<int>(100 * session.progress()));
-    }
     if (window_.suspended() && session.motion()) {
       // By MeshLab's button or menu; not from here, since nothing can be uploaded while drawing.
       QMetaObject::invokeMethod(
           this, [this] { dropMotion(); }, Qt::QueuedConnection);
     }
   }
-  if (!line.isEmpty()) {
-    window_.showLine(kTitle, line);
+  drawLine(line(layer.has_value()));
+}
+
+/// What the line over the picture says. @param usable  there is a layer to edit
+LinePicture::Line LaplacianDragTool::line(bool usable) {
+  if (!usable) {
+    return {active_ ? tr("The layer is hidden: make it visible to edit it.") : nothing_, {}, {}};
+  }
+  const DragSession& session = active_->session();
+  LinePicture::Line line;
+  line.text = !notice_.isEmpty()    ? notice_
+              : window_.suspended() ? tr("Suspended: the mouse turns the view. Esc goes on with dragging.")
+                                    : QString::fromStdString(session.message());
+  if (session.preparing()) {
+    line.text += tr("  [preparing: %1, %2 %]").arg(session.stage()).arg(static_cast<int>(100 * session.progress()));
+  }
+  if (const std::string warning = session.warning(); !warning.empty() && notice_.isEmpty()) {
+    line.warning = QString::fromStdString(warning);
+    if (!session.motion() && !shared_->panel().heat()) {
+      line.warning += tr(" Click here to see where.");
+    }
+  }
+  if (const HoverPreview* const hover = session.hover(); hover && !window_.suspended() && !session.motion()) {
+    line.place =
+        tr("Vertex %1 at %2 (Ctrl+C copies)").arg(hover->vertex).arg(placeOf(session.mesh(), hover->vertex, 6));
+  }
+  return line;
+}
+
+/// The cursor, unless the line is there to be pressed, and the handle.
+QVector<QPointF> LaplacianDragTool::notToCover() const {
+  QVector<QPointF> pixels;
+  if (active_ && view_.valid()) {
+    const DragSession& session = active_->session();
+    if (offered_ < 0 && session.warning().empty()) {
+      pixels += mouse_.position;
+    }
+    if (session.active_group() >= 0) {
+      const Vector3 place = session.active_map() *
+                            centroid(session.mesh().vertices, session.groups()[std::size_t(session.active_group())]);
+      const Vector2 pixel = view_.pixel(place);
+      pixels += QPointF(pixel.x(), pixel.y());
+    }
+  }
+  return pixels;
+}
+
+void LaplacianDragTool::drawLine(const LinePicture::Line& line) {
+  QWidget& canvas = window_.canvas();
+  QStringList texts{line.text, line.warning, line.place};
+  texts.removeAll(QString());
+  canvas.setProperty(kLineProperty, keysShown_ ? "keys" : texts.join('\n'));
+  if (texts.isEmpty()) {
+    return;
+  }
+  const pen::FlatState state;
+  const pen::InPixels pixels(canvas.width(), canvas.height());
+  if (keysShown_) {
+    linePicture_.drawKeys(canvas.size(), canvas.devicePixelRatioF());
+  } else {
+    linePicture_.draw(line, canvas.size(), canvas.devicePixelRatioF(), notToCover());
   }
 }
 
@@ -309,8 +402,16 @@ bool LaplacianDragTool::eventFilter(QObject* object, QEvent* event) {
           this, [this] { framePainted(); }, Qt::QueuedConnection);
       break;
     case QEvent::ShortcutOverride:
+      if (isOfWindow(sessionKey(static_cast<QKeyEvent&>(*event)))) {
+        event->accept();
+        return true;
+      }
+      return escape(*event);
     case QEvent::KeyPress:
       return escape(*event);
+    case QEvent::Enter:
+      takeKeys();
+      break;
     case QEvent::Leave:
       mouse_.inside = false;
       if (active_) {
@@ -327,19 +428,30 @@ bool LaplacianDragTool::eventFilter(QObject* object, QEvent* event) {
   return QObject::eventFilter(object, event);
 }
 
-/// Esc drops what is moved or worked out; without that it is MeshLab's, which would take it first. @return whether the
-/// event is over
+/// Esc hides the table of keys, drops what is moved or worked out, ends painting; without these it is MeshLab's, which
+/// would take it first. @return whether the event is over
 bool LaplacianDragTool::escape(QEvent& event) {
   if (static_cast<QKeyEvent&>(event).key() != Qt::Key_Escape || !active_ || window_.suspended()) {
     return false;
   }
-  const DragSession::State state = active_->session().state();
-  if (state != DragSession::State::Dragging && state != DragSession::State::Settling) {
+  DragSession& session = active_->session();
+  const DragSession::State state = session.state();
+  const bool moves = state == DragSession::State::Dragging || state == DragSession::State::Settling;
+  if (!moves && !session.keeps_fixed() && !keysShown_) {
     return false;
   }
   event.accept();
-  if (event.type() == QEvent::KeyPress) {
+  if (event.type() != QEvent::KeyPress) {
+    return true;
+  }
+  if (keysShown_) {
+    keysShown_ = false;
+    window_.repaint();
+  } else if (moves) {
     dropMotion();
+  } else {
+    session.set_keep_fixed(false);
+    afterEvent();
   }
   return true;
 }
@@ -426,7 +538,13 @@ void LaplacianDragTool::showShape() {
 void LaplacianDragTool::mousePress(QMouseEvent& event) {
   mouse_.position = event.localPos();
   mouse_.modifiers = event.modifiers();
+  takeKeys();
+  if (event.button() == Qt::LeftButton && pressLine()) {
+    return;
+  }
   notice_.clear();
+  offered_ = -1;
+  keysShown_ = false;
   if (event.button() == Qt::RightButton && active_ && active_->session().motion()) {
     dropMotion();
     return;
@@ -459,18 +577,74 @@ void LaplacianDragTool::mousePress(QMouseEvent& event) {
   mouse_.pressedAt = event.localPos();
   if (!active_->session().press(cursor(), pressModifiers()) && event.modifiers() == Qt::NoModifier) {
     mouse_.pressed = false;
+    offerLayer();
     mouse_.navigating = Qt::LeftButton;
     window_.navigate(event, Qt::LeftButton);
   }
   afterEvent();
 }
 
+/// Does what the line over the picture offers. @return whether it was pressed
+bool LaplacianDragTool::pressLine() {
+  if (!linePicture_.rectangle().contains(mouse_.position) || keysShown_) {
+    return false;
+  }
+  if (offered_ >= 0) {
+    window_.setCurrentLayer(std::exchange(offered_, -1));
+    notice_.clear();
+    return true;
+  }
+  if (active_ && !active_->session().warning().empty() && !active_->session().motion()) {
+    shared_->panel().setHeat(true);
+    afterEvent();
+    return true;
+  }
+  return false;
+}
+
+/// Where the cursor is on the surface of another layer. @return whether it is
+bool LaplacianDragTool::offerLayer() {
+  const QWidget& canvas = window_.canvas();
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Layer& layer : window_.layers()) {
+    const Camera view(worldToClip_ * layer.transform, canvas.width(), canvas.height());
+    if (layer.id == layer_ || !layer.visible || !view.valid()) {
+      continue;
+    }
+    const Ray ray = view.ray(cursor().pixel);
+    if (const auto hit = first_hit(read_mesh(*layer.mesh).mesh, ray)) {
+      const Eigen::Vector4d clip = worldToClip_ * layer.transform * hit->point.homogeneous();
+      if (clip.z() / clip.w() < nearest) {
+        nearest = clip.z() / clip.w();
+        offered_ = layer.id;
+        notice_ = tr("This is the layer %1, which is not the current one: click here to edit it.").arg(layer.name);
+      }
+    }
+  }
+  return offered_ >= 0;
+}
+
+/// Number and coordinates of the vertex under the cursor, to the clipboard.
+void LaplacianDragTool::copyPlace() {
+  if (const HoverPreview* const hover = usableLayer() ? active_->session().hover() : nullptr) {
+    const QString place = placeOf(active_->session().mesh(), hover->vertex, 9);
+    QGuiApplication::clipboard()->setText(QString("%1 [%2]").arg(hover->vertex).arg(place));
+    say(tr("On the clipboard: vertex %1 at %2").arg(hover->vertex).arg(place).toStdString());
+    window_.repaint();
+  }
+}
+
 void LaplacianDragTool::mouseMove(QMouseEvent& event) {
   mouse_.position = event.localPos();
   mouse_.modifiers = event.modifiers();
   mouse_.inside = event.buttons() == Qt::NoButton;
-  if ((mouse_.position - mouse_.noticedAt).manhattanLength() > kNoticePixels) {
+  takeKeys();
+  // An offer can be reached.
+  if (offered_ < 0 && (mouse_.position - mouse_.noticedAt).manhattanLength() > kNoticePixels) {
     notice_.clear();
+    if (active_ && event.buttons() == Qt::NoButton) {
+      active_->session().forget_refusal();
+    }
   }
   if (mouse_.navigating != Qt::NoButton) {
     window_.navigate(event, mouse_.navigating == Qt::MiddleButton ? Qt::MiddleButton : Qt::LeftButton);
@@ -539,6 +713,10 @@ void LaplacianDragTool::mouseRelease(QMouseEvent& event) {
 void LaplacianDragTool::wheel(QWheelEvent& event) {
   event.accept();
   notice_.clear();
+  offered_ = -1;
+  if (active_) {
+    active_->session().forget_refusal();
+  }
   const bool control = event.modifiers() & Qt::ControlModifier, shift = event.modifiers() & Qt::ShiftModifier;
   if ((event.modifiers() & Qt::AltModifier) || (control && !shift)) {
     window_.navigate(event);
@@ -592,12 +770,17 @@ void LaplacianDragTool::keyPress(QKeyEvent& event) {
     mouse_.modifiers |= Qt::ShiftModifier;
   }
   window_.repaint();
-  if (!usableLayer()) {
+  const std::optional<DragKey> key = sessionKey(event);
+  if (key == DragKey::Help) {
+    keysShown_ = !keysShown_;
+  } else if (key == DragKey::Copy) {
+    copyPlace();
+  }
+  if (isOfWindow(key) || !usableLayer()) {
     return;
   }
   notice_.clear();
   modifiersChanged(event.key());
-  const std::optional<DragKey> key = sessionKey(event);
   if (key && active_->session().key(*key, cursor())) {
     event.accept();
     afterEvent();
@@ -676,6 +859,10 @@ void LaplacianDragTool::refreshPanel() {
 // --- The panel's buttons --------------------------------------------------------------------------------------------
 
 void LaplacianDragTool::command(const QString& part) {
+  if (part == "help") {
+    keysShown_ = !keysShown_;
+    window_.repaint();
+  }
   const auto layer = usableLayer();
   if (!layer) {
     return;
@@ -696,6 +883,7 @@ void LaplacianDragTool::command(const QString& part) {
       {"move", [&] { session.key(DragKey::Translate, cursor()); }},
       {"rotate", [&] { session.key(DragKey::Rotate, cursor()); }},
       {"scale", [&] { session.key(DragKey::Scale, cursor()); }},
+      {"keep_fixed", [&] { session.set_keep_fixed(!session.keeps_fixed()); }},
       {"apply", [&] { session.apply(); }},
       {"cancel", [&] { session.cancel(); }},
       {"undo", [&] { session.undo(); }},
@@ -724,6 +912,6 @@ void LaplacianDragTool::command(const QString& part) {
   if (found != commands.end()) {
     found->second();
   }
-  window_.canvas().setFocus();
+  takeKeys();
   afterEvent();
 }

@@ -9,6 +9,7 @@
 
 #include "frame_clock.h"
 #include "lapedit_host/tool/edit_tool.h"
+#include "line_picture.h"
 #include "overlay.h"
 #include "window_sessions.h"
 
@@ -40,6 +41,9 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
 
   bool eventFilter(QObject* object, QEvent* event) override;
 
+ private slots:
+  void layersChanged();
+
  private:
   std::optional<lapedit::host::Layer> usableLayer();
   void openPanel();
@@ -58,6 +62,13 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   bool poseIsComing() const;
   void framePainted();
   void command(const QString& part);
+  void takeKeys();
+  LinePicture::Line line(bool usable);
+  QVector<QPointF> notToCover() const;
+  void drawLine(const LinePicture::Line& line);
+  bool pressLine();
+  bool offerLayer();
+  void copyPlace();
   void say(const std::string& line);
   void saySettings(const lapedit::DragSettings& before);
   template <class Call>
@@ -66,11 +77,15 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   lapedit::host::HostWindow& window_;
   QPointer<WindowSessions> shared_;
   Overlay overlay_;
+  LinePicture linePicture_;
+  bool keysShown_ = false;
+  int offered_ = -1;  // layer that a press on the notice switches to
   bool on_ = false;
   QString nothing_;  // why there is no session, as a sentence
   QString notice_;   // until the next event, or until the mouse goes on
 
   lapedit::Camera view_;
+  Eigen::Matrix4d worldToClip_ = Eigen::Matrix4d::Identity();
   struct Mouse {
     QPointF position, pressedAt, noticedAt;
     Qt::KeyboardModifiers modifiers;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "overlay.h"
 
-#include <QOpenGLContext>
-#include <QOpenGLFunctions>
 #include <QPainter>
 #include <cmath>
 
@@ -27,6 +25,19 @@ void drawMotion(const DragSession& session, double pixelRatio) {
     const Vector3 moved = session.active_map() * motion.grab();
     pen::rimmed(pen::kYellow, 1.5, pixelRatio, [&] { pen::line(motion.grab(), moved); });
   }
+}
+
+/// What turning goes about, where no gizmo shows it.
+void drawPivot(const DragSession& session, const Camera& view, double pixelRatio) {
+  if (session.pivot() == Pivot::Centroid || session.active_group() < 0 || session.gizmo_shown() || session.motion()) {
+    return;
+  }
+  const Vector2 center = view.pixel(session.pivot_place()), across(9, 0), up(0, 9);
+  pen::rimmed(pen::kOrange, 2, pixelRatio, [&] {
+    pen::circle(center, 5);
+    pen::line<Vector2>(center - across, center + across);
+    pen::line<Vector2>(center - up, center + up);
+  });
 }
 
 void drawBrush(const Overlay::Brush& brush, const pen::Color& color, double pixelRatio) {
@@ -113,31 +124,13 @@ void Overlay::drawGizmoOf(const DragSession& session, const Camera& view, double
 }
 
 void Overlay::draw(const DragSession& session, const Camera& view, const Options& options) {
-  glPushAttrib(GL_ALL_ATTRIB_BITS);
-  glPushClientAttrib(GL_CLIENT_ALL_ATTRIB_BITS);
-  // Buffers that the host left bound would be taken for our arrays.
-  if (QOpenGLContext* context = QOpenGLContext::currentContext()) {
-    context->functions()->glUseProgram(0);
-    context->functions()->glBindBuffer(GL_ARRAY_BUFFER, 0);
-    context->functions()->glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, 0);
-  }
-  glDisable(GL_LIGHTING);
-  glDisable(GL_TEXTURE_2D);
-  glDisable(GL_CULL_FACE);
-  glEnable(GL_DEPTH_TEST);
-  glDepthFunc(GL_LEQUAL);
-  glDepthMask(GL_FALSE);
-  glEnable(GL_BLEND);
-  glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-  glEnable(GL_POINT_SMOOTH);
-  glEnable(GL_LINE_SMOOTH);
-  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
-  glShadeModel(GL_SMOOTH);
-
+  const pen::FlatState state;
   const double ratio = options.pixelRatio;
   const HoverPreview* const hover = session.motion() ? nullptr : session.hover();
   const bool onGroup = hover && hover->kind == HoverPreview::Kind::Group;
-  surface_.draw(session, {onGroup ? hover->group : -1, options.heat, ratio});
+  if (!session.next_is_region()) {
+    surface_.draw(session, {onGroup ? hover->group : -1, options.heat, ratio});
+  }
   if (hover) {
     drawHover(*hover, ratio);
   }
@@ -151,6 +144,7 @@ void Overlay::draw(const DragSession& session, const Camera& view, const Options
       drawBrush(*options.brush, brushColor(session), ratio);
     } else {
       drawGizmoOf(session, view, ratio);
+      drawPivot(session, view, ratio);
     }
     if (session.motion() && session.motion()->kind() == MotionKind::Rotate) {
       drawTurn(*session.motion(), view, ratio);
@@ -159,6 +153,4 @@ void Overlay::draw(const DragSession& session, const Camera& view, const Options
       drawLegend(options);
     }
   }
-  glPopClientAttrib();
-  glPopAttrib();
 }

@@ -2,13 +2,17 @@
 #include "panel.h"
 
 #include <Eigen/Geometry>
+#include <QAbstractItemView>
 #include <QAction>
+#include <QApplication>
 #include <QCheckBox>
 #include <QCloseEvent>
 #include <QComboBox>
 #include <QFormLayout>
+#include <QKeyEvent>
 #include <QLabel>
 #include <QLocale>
+#include <QMap>
 #include <QProgressBar>
 #include <QPushButton>
 #include <QScrollArea>
@@ -20,6 +24,7 @@
 #include <QVariantMap>
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "lapedit/session/presets.h"
 #include "panel_icons.h"
@@ -36,6 +41,7 @@ constexpr int kSliderSteps = 1000;
 constexpr double kSmallestRadius = 0.002, kLargestRadius = 1;
 constexpr int kPlanes = 6;  // to mirror at
 const char* const kUnknown = "\u2013";
+const char* const kListOf = "laplacian_drag_list_of";  // property: the box that a list belongs to
 
 QString nameOf(const QString& part) {
   return "laplacian_drag_" + part;
@@ -48,7 +54,11 @@ QString tip(const QString& help) {
 
 /// What users see in place of a setting's key or of a choice.
 QString titleOf(const char* key) {
-  return QString::fromStdString(title_of(key));
+  static const QMap<QString, const char*> titles = {
+      {"order", "Smoothness"},          {"iterations", "Passes"}, {"turning", "Rotate details"},
+      {"vertex", "By vertex"},          {"edge", "By edge"},      {"rough", "First estimate"},
+      {"unrotated", "Details at rest"}, {"falloff", "Falloff"},   {"membrane", "Stiffness"}};
+  return titles.contains(key) ? QString(titles[key]) : QString::fromStdString(title_of(key));
 }
 
 /// Empty where there is no value, so that no outdated one is shown.
@@ -66,6 +76,7 @@ Panel::Panel(QWidget* parent) : QDockWidget("Laplacian Drag", parent), column_(n
   scroll->setObjectName(nameOf("scroll"));
   scroll->setWidgetResizable(true);
   scroll->setFrameShape(QFrame::NoFrame);
+  scroll->setFocusPolicy(Qt::NoFocus);  // a click beside a value leaves the keys to the canvas
   scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
   auto* content = new QWidget;
   QFont small = content->font();
@@ -133,11 +144,23 @@ void Panel::addBasic() {
   mode->setItemIcon(1, panelIcon("curve", palette()));
   row(tr("Handle"), mode);
   row(tr("Preset"), presetChoice());
+  row(tr("Turn about"),
+      state(
+          "pivot", {tr("Handle's middle"), tr("Shoulder (edge)"), tr("Point (next click)")},
+          tr("What turning and scaling go about (P): the middle of the handle, the middle of the region's edge, as the "
+             "shoulder of an arm, or a point that the next click picks"),
+          [](const DragSession& session) { return static_cast<int>(session.pivot()); },
+          [](DragSession& session, int index) { session.set_pivot(static_cast<Pivot>(index)); }));
   buttons({button("move", tr("Move"), tr("The handle follows the mouse, no button held (T)")),
            button("rotate", tr("Rotate"), tr("The handle turns about its pivot with the mouse (R)")),
            button("scale", tr("Scale"), tr("The handle grows about its pivot with the mouse (S)"))});
   buttons({button("apply", tr("Apply"), tr("Applies what is being moved (Return)")),
-           button("cancel", tr("Drop"), tr("Drops what is being moved (Esc, Backspace, right button)"))});
+           button("cancel", tr("Cancel"), tr("Takes back what is being moved (Esc, Backspace, right button)"))});
+  auto* const fixed = button("keep_fixed", tr("Keep fixed"),
+                             tr("Paint what is to stay, no key held; Shift takes away. It stays for all regions"));
+  fixed->setCheckable(true);
+  shown_.push_back([fixed](const DragSession& session) { fixed->setChecked(session.keeps_fixed()); });
+  buttons({fixed, button("help", tr("Keys"), tr("Shows all keys over the picture (?)"))});
   buttons({button("undo", tr("Undo"), tr("Takes the last step back (Ctrl+Z)")),
            button("redo", tr("Redo"), tr("Does it again (Ctrl+Shift+Z)")),
            button("reset", tr("Reset"), tr("Back to the mesh as it was when the tool began"))});
@@ -150,6 +173,9 @@ void Panel::addBasic() {
   progress_->setToolTip(tr("How far the region is prepared"));
   progress_->setRange(0, 100);
   progress_->setMaximumHeight(14);
+  QSizePolicy keepsPlace = progress_->sizePolicy();
+  keepsPlace.setRetainSizeWhenHidden(true);
+  progress_->setSizePolicy(keepsPlace);
   form_->addRow(progress_);
 }
 
@@ -161,23 +187,23 @@ void Panel::addRegion() {
   buttons({button("grow", tr("Grow"), tr("Makes the region larger by a ring ( ] )")),
            button("shrink", tr("Shrink"), tr("Makes the region smaller by a ring ( [ )")),
            button("new_region", tr("New"), tr("The next click takes a new region (W)"))});
-  row(tr("Padding"), percent("padding", 100,
-                             tr("Width of the band of anchors inside the rim, in percent of the region's radius "
-                                "(Ctrl+Shift+wheel)"),
-                             access<&DragSettings::padding, 100>()));
+  row(tr("Fixed edge"), percent("padding", 100,
+                                tr("Width of the band inside the region's edge that stays, in percent of its radius "
+                                   "(Ctrl+Shift+wheel)"),
+                                access<&DragSettings::padding, 100>()));
   auto* gap = length("connect_gap",
                      tr("Pieces of the surface that are nearer to each other than this follow as one, such as eyes in "
-                        "a head; 0: pieces are left apart"),
+                        "a head; 0: off"),
                      access<&DragSettings::connect_gap>());
-  gap->setSpecialValueText(tr("apart"));
-  row(tr("Connect gap"), gap);
+  gap->setSpecialValueText(tr("off"));
+  row(tr("Join pieces"), gap);
 }
 
 void Panel::addHandles() {
-  begin("handle", tr("Handle and anchors"), tr("What is moved, and what holds"));
+  begin("handle", tr("Brush and handle"), tr("What is moved, and what stays"));
   row(tr("Brush"),
       state(
-          "brush_target", {tr("Region"), tr("Handle"), tr("Anchors")},
+          "brush_target", {tr("Region"), tr("Handle"), tr("Keep fixed")},
           tr("What Ctrl+drag paints more of, and Shift+drag less (B)"),
           [](const DragSession& session) { return static_cast<int>(session.brush_target()); },
           [](DragSession& session, int index) { session.set_brush_target(static_cast<BrushTarget>(index)); }));
@@ -188,14 +214,14 @@ void Panel::addHandles() {
                               tr("Over how much of its radius the disc's weight falls off towards its rim, in percent; "
                                  "0: all of it is held equally"),
                               access<&DragSettings::softness, 100>()));
-  buttons({button("anchors_from_selection", tr("Anchors from selection"),
-                  tr("What the selected faces cover holds its place, instead of the band inside the rim"))});
-  buttons({button("next_group", tr("Next group"),
+  buttons({button("anchors_from_selection", tr("Fix the selection"),
+                  tr("What the selected faces cover stays, in place of the region's fixed edge"))});
+  buttons({button("next_group", tr("Add a handle"),
                   tr("The next click makes another handle; those there hold their place (G)"))});
 }
 
 void Panel::addGizmo() {
-  begin("gizmo", tr("Gizmo and pivot"), tr("Arrows, rings and a knob at the handle, and what it turns about"));
+  begin("gizmo", tr("Gizmo"), tr("Arrows, rings and a knob at the handle"));
   const auto set = [this](bool on, GizmoAxes axes) {
     change([on, axes](DragSession& session) { session.show_gizmo(on, axes); });
   };
@@ -213,13 +239,6 @@ void Panel::addGizmo() {
   });
   form_->addRow(shown);
   row(tr("Axes"), axes);
-  row(tr("Pivot"),
-      state(
-          "pivot", {tr("Centroid"), tr("Rim"), tr("Picked")},
-          tr("What turning and scaling go about: the middle of the handle, the middle of the region's rim, "
-             "as the shoulder of an arm, or a point that the next click picks (P)"),
-          [](const DragSession& session) { return static_cast<int>(session.pivot()); },
-          [](DragSession& session, int index) { session.set_pivot(static_cast<Pivot>(index)); }));
 }
 
 void Panel::addSymmetry() {
@@ -230,7 +249,6 @@ void Panel::addSymmetry() {
       choices += pattern.arg(axis);
     }
   }
-  choices += tr("Found from the mesh");
   choices += tr("Found from the mesh");
   row(tr("Mirror"), state(
                         "mirror", choices, tr("The plane of the layer that what is moved is mirrored at"),
@@ -265,8 +283,9 @@ void Panel::addAdvanced() {
 void Panel::addStatistics() {
   begin("statistics", tr("Statistics"), tr("Counts, times and quality"));
   region_ = figure("region", tr("Vertices of the region by class, and of the mesh outside it"));
-  times_ = figure("times", tr("Milliseconds until a drag could be followed, to prepare the region and to solve for the "
-                              "last pose, and what was taken over from the region before"));
+  times_ = figure("times",
+                  tr("Milliseconds until the first frame of a drag was possible, to prepare the region and to solve "
+                     "for the last pose, and what was reused of the region before"));
   frame_ = figure("frame", tr("A frame of the drag, from the mouse's move to the picture: medians of the last frames"));
   quality_ = figure("quality", tr("Of the last pose: how far the handle is from its target, the most stretched edge, "
                                   "and where it folded"));
@@ -322,7 +341,6 @@ QWidget* Panel::widgetOf(const Setting& setting) {
       return choice(setting, access);
     case Setting::Kind::Whole: {
       auto* box = count(setting.key, static_cast<int>(setting.low), static_cast<int>(setting.high), help, access);
-      box->setSuffix(tr(" times"));
       box->setSpecialValueText(setting.low == 0 ? tr("automatic") : QString());
       return box;
     }
@@ -345,10 +363,23 @@ Widget* Panel::prepared(const char* part, const QString& help) {
   auto* box = new Widget;
   box->setObjectName(nameOf(part));
   box->setToolTip(help);
-  box->setFocusPolicy(Qt::ClickFocus);
+  // Keys are the canvas's. Only what is typed into needs them, until the value is entered or the mouse is elsewhere.
+  box->setFocusPolicy(std::is_base_of_v<QAbstractSpinBox, Widget> ? Qt::ClickFocus : Qt::NoFocus);
   box->installEventFilter(this);
   box->setMaximumWidth(kFieldWidth);
+  if constexpr (std::is_base_of_v<QAbstractSpinBox, Widget>) {
+    connect(box, &QAbstractSpinBox::editingFinished, this, &Panel::giveKeysBack);
+  } else if constexpr (std::is_base_of_v<QComboBox, Widget>) {
+    box->view()->installEventFilter(this);
+    box->view()->setProperty(kListOf, QVariant::fromValue<QObject*>(box));
+  }
   return box;
+}
+
+void Panel::giveKeysBack() {
+  if (canvas_ && isAncestorOf(QApplication::focusWidget())) {
+    canvas_->setFocus();
+  }
 }
 
 void Panel::change(const Change& change) {
@@ -542,10 +573,9 @@ void Panel::showCommands(const DragSession& session) {
 
 void Panel::showFigures(const DragSession& session, const FrameTimes& median) {
   const DragFigures figures = session.figures();
-  progress_->setValue(session.preparing() ? static_cast<int>(100 * session.progress()) : session.ready() ? 100 : 0);
-  progress_->setFormat(session.preparing() ? QString("%1 %p %").arg(session.stage())
-                       : session.ready()   ? tr("ready")
-                                           : QString());
+  progress_->setVisible(session.preparing());
+  progress_->setValue(static_cast<int>(100 * session.progress()));
+  progress_->setFormat(QString("%1 %p %").arg(session.stage()));
   const bool known = session.region() != nullptr;
   const auto count = [known](int vertices) { return known ? QString::number(vertices) : QString(kUnknown); };
   region_->setText(tr("Handle %1, free %2, anchors %3, fixed %4; steps: %5")
@@ -555,21 +585,25 @@ void Panel::showFigures(const DragSession& session, const FrameTimes& median) {
       tr("First frame after %1 ms, prepared in %2 ms, solved in %3 ms")
           .arg(text(figures.in_hand_ms, 'f', 1), text(figures.prepare_ms, 'f', 1), text(figures.solve_ms, 'f', 1)) +
       (figures.taken_over.empty() ? QString()
-                                  : "\n" + tr("Taken over: %1").arg(QString::fromStdString(figures.taken_over))));
+                                  : "\n" + tr("Reused: %1").arg(QString::fromStdString(figures.taken_over))));
   const auto frame = [&](double milliseconds, int digits) {
     return text(median.total > 0 ? std::optional(milliseconds) : std::nullopt, 'f', digits);
   };
-  frame_->setText(tr("Frame %1 ms (%2/s): solve %3, write %4, upload %5, draw %6")
+  frame_->setText(tr("Frame %1 ms (%2/s): solve %3, write %4, send %5, draw %6")
                       .arg(frame(median.total, 1), frame(1000 / median.total, 0), frame(median.solve, 1),
                            frame(median.write, 1), frame(median.upload, 1), frame(median.draw, 1)));
   const auto stretch = figures.largest_stretch ? std::optional(100 * *figures.largest_stretch) : std::nullopt;
-  quality_->setText(
-      tr("Handle off by %1; largest stretch %2 %").arg(text(figures.handle_error, 'g', 3), text(stretch, 'f', 0)) +
-      (figures.advice.empty() ? QString() : "\n" + QString::fromStdString(figures.advice)));
+  quality_->setText(tr("Handle %1 from its target; largest stretch %2 %")
+                        .arg(text(figures.handle_error, 'g', 3), text(stretch, 'f', 0)) +
+                    (figures.advice.empty() ? QString() : "\n" + QString::fromStdString(figures.advice)));
 }
 
 bool Panel::heat() const {
   return heat_->isChecked();
+}
+
+void Panel::setHeat(bool on) {
+  heat_->setChecked(on);
 }
 
 void Panel::setBusy(bool busy) {
@@ -585,10 +619,29 @@ void Panel::setFrames(const std::deque<FrameTimes>& frames) {
   setProperty("laplacian_drag_frames", list);
 }
 
-/// The wheel scrolls the panel; it changes a value only after a click on it.
+/// The wheel scrolls the panel; it changes a number only after a click on it. Esc leaves a list or a number alone,
+/// where Qt closes the list already when it asks for shortcuts, and MeshLab's own Esc would follow.
 bool Panel::eventFilter(QObject* object, QEvent* event) {
-  if (event->type() == QEvent::Wheel && !static_cast<QWidget*>(object)->hasFocus()) {
+  const QEvent::Type type = event->type();
+  if (type == QEvent::Wheel && !static_cast<QWidget*>(object)->hasFocus()) {
     event->ignore();
+    return true;
+  }
+  const bool key = type == QEvent::ShortcutOverride || type == QEvent::KeyPress;
+  if (key && static_cast<QKeyEvent*>(event)->key() == Qt::Key_Escape) {
+    event->accept();
+    if (type == QEvent::KeyPress) {
+      if (auto* const list = qobject_cast<QComboBox*>(object->property(kListOf).value<QObject*>())) {
+        list->hidePopup();
+      } else {
+        if (auto* const whole = qobject_cast<QSpinBox*>(object)) {
+          whole->setValue(whole->value());  // what was typed is no value yet
+        } else if (auto* const number = qobject_cast<QDoubleSpinBox*>(object)) {
+          number->setValue(number->value());
+        }
+        giveKeysBack();
+      }
+    }
     return true;
   }
   return QDockWidget::eventFilter(object, event);

@@ -39,6 +39,7 @@ class Panel : public QDockWidget {
   /// Brings all to the state of a session; null: nothing can be edited.
   void show(const lapedit::DragSession* session, const FrameTimes& median);
   bool heat() const;  ///< whether stretch is to be seen
+  void setHeat(bool on);
   void setBusy(bool busy);
   void setFrames(const std::deque<FrameTimes>& frames);
 
@@ -100,6 +101,7 @@ class Panel : public QDockWidget {
   template <class Widget, class Value>
   void follow(Widget* box, const Access& access, void (Widget::*changed)(Value), void (Widget::*bring)(Value));
   void change(const Change& change);
+  void giveKeysBack();
 
   /// X, Y, Z through the origin of the layer, then through the middle of its box.
   lapedit::MirrorPlane plane(int index) const;

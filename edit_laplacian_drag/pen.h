@@ -81,6 +81,15 @@ class InPixels {
   InPixels& operator=(const InPixels&) = delete;
 };
 
+/// While it lives, OpenGL draws flat colours; afterwards its state is what it was.
+class FlatState {
+ public:
+  FlatState();
+  ~FlatState();
+  FlatState(const FlatState&) = delete;
+  FlatState& operator=(const FlatState&) = delete;
+};
+
 /// Round about a pixel.
 void circle(const lapedit::Vector2& center, double radius);
 

@@ -98,24 +98,32 @@ void SurfacePicture::list(const DragSession& session) {
   regionSerial_ = session.region_serial();
   groups_ = session.mirrored_groups();
   unconnected_ = session.unconnected();
-  outside_ = unconnected_;
-  for (const std::vector<int>& group : groups_) {
-    outside_.insert(outside_.end(), group.begin(), group.end());
+  held_ = session.held();
+  outside_.clear();
+  const std::size_t kinds = groups_.size() + 2;
+  for (std::size_t k = 0; k < kinds; ++k) {
+    outside_.insert(outside_.end(), labelled(k).begin(), labelled(k).end());
   }
   outside_ = without(sorted_set(std::move(outside_)), region ? region->mesh_vertex : std::vector<int>());
 
-  // The brushed vertices that nothing reaches are labelled like one more group.
+  // What nothing reaches and what is kept fixed are labelled like two more groups; handles come first.
   std::vector<int> labels((region ? region->size() : 0) + outside_.size(), -1);
-  for (std::size_t g = 0; g <= groups_.size(); ++g) {
-    for (const int v : g < groups_.size() ? groups_[g] : unconnected_) {
-      labels[number(region, v)] = static_cast<int>(g);
+  for (std::size_t k = kinds; k-- > 0;) {
+    for (const int v : labelled(k)) {
+      labels[number(region, v)] = static_cast<int>(k);
     }
   }
-  handles_.assign(groups_.size() + 1, {});
+  handles_.assign(kinds, {});
   sortFaces(session, labels);
   findLoose(session, labels);
+  fixed_ = std::move(handles_.back());
+  handles_.pop_back();
   lost_ = std::move(handles_.back());
   handles_.pop_back();
+}
+
+const std::vector<int>& SurfacePicture::labelled(std::size_t label) const {
+  return label < groups_.size() ? groups_[label] : label == groups_.size() ? unconnected_ : held_;
 }
 
 /// Each face to its group, to the anchors' band or to what is free; and their outlines.
@@ -170,9 +178,9 @@ void SurfacePicture::findLoose(const DragSession& session, const std::vector<int
   }
   for (std::size_t g = 0; g < handles_.size(); ++g) {
     Patch& patch = handles_[g];
-    for (const int v : g < groups_.size() ? groups_[g] : unconnected_) {
+    for (const int v : labelled(g)) {
       const unsigned i = number(session.region(), v);
-      if (inFace[i]) {
+      if (inFace[i] || labels[i] != static_cast<int>(g)) {
         continue;
       }
       patch.loose.push_back(i);
@@ -204,7 +212,7 @@ void SurfacePicture::place(const DragSession& session) {
 
 void SurfacePicture::draw(const DragSession& session, const Options& options) {
   if (session.region_serial() != regionSerial_ || session.mirrored_groups() != groups_ ||
-      session.unconnected() != unconnected_) {
+      session.unconnected() != unconnected_ || session.held() != held_) {
     list(session);
     poseSerial_ = -1;
   }
@@ -223,6 +231,7 @@ void SurfacePicture::draw(const DragSession& session, const Options& options) {
     drawGroup(session, g, options);
   }
   drawUnconnected(options.pixelRatio);
+  drawHeld(session.motion() != nullptr, options.pixelRatio);
   glDepthRange(0, 1);
   glDisableClientState(GL_VERTEX_ARRAY);
 }
@@ -354,4 +363,18 @@ void SurfacePicture::drawUnconnected(double pixelRatio) {
   pen::set(pen::kGrey);
   pen::chains(lost_.border, 1.5 * pixelRatio);
   points(lost_.loose, pen::kGrey, 4 * pixelRatio, 1);
+}
+
+void SurfacePicture::drawHeld(bool moving, double pixelRatio) {
+  glDepthRange(0, 1);
+  glEnable(GL_POLYGON_OFFSET_FILL);
+  tint(fixed_.faces, pen::kAnchor, moving ? 0.35 : 0.6);
+  glEnable(GL_POLYGON_STIPPLE);
+  tint(fixed_.faces, pen::kDark, 0.35);
+  glDisable(GL_POLYGON_STIPPLE);
+  glDisable(GL_POLYGON_OFFSET_FILL);
+  glDepthRange(0, kShift);
+  pen::set(pen::kAnchor);
+  pen::chains(fixed_.border, 1.5 * pixelRatio);
+  points(fixed_.loose, pen::kAnchor, 4 * pixelRatio, 1);
 }

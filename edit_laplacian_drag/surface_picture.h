@@ -42,13 +42,16 @@ class SurfacePicture {
   void drawHeat(const lapedit::DragSession& session);
   void drawGroup(const lapedit::DragSession& session, std::size_t group, const Options& options);
   void drawUnconnected(double pixelRatio);
+  void drawHeld(bool moving, double pixelRatio);
+  /// Groups, then what nothing reaches, then what is kept fixed.
+  const std::vector<int>& labelled(std::size_t label) const;
 
   // Vertices are numbered as in the region, those outside it behind.
   int regionSerial_ = -1, poseSerial_ = -1;
   std::vector<std::vector<int>> groups_;
-  std::vector<int> unconnected_, outside_;  // mesh vertex numbers
+  std::vector<int> unconnected_, held_, outside_;  // mesh vertex numbers
   std::vector<float> places_;
-  Patch free_, band_, lost_;
+  Patch free_, band_, lost_, fixed_;
   std::vector<Patch> handles_;
   lapedit::Chains rim_;
 

@@ -13,7 +13,7 @@ EVENTS = int(os.environ.get("LAPEDIT_RANDOM_EVENTS", "20000"))  # of mouse, whee
 SEED = int(os.environ.get("LAPEDIT_RANDOM_SEED", "20241121"))
 BATCH = 30  # gestures that are sent together
 CHECKED = 6  # batches after which all is undone and compared
-KEYS = [*"XYZNTRSGCWPBV0123456789.-[]", "Return", "Backspace", "Esc"]
+KEYS = [*"XYZNTRSGCWPBV0123456789.-[]?", "Return", "Backspace", "Esc"]
 # What is not in the panel is left out.
 SETTINGS = {"radius": lambda r: r.choice([0, 0.05, 0.1, 0.3]), "padding": lambda r: r.choice([0, 10, 50, 100]),
             "handle_share": lambda r: r.choice([0, 20, 50]), "softness": lambda r: r.choice([0, 50, 100]),
@@ -185,12 +185,14 @@ class Events:
         self.mouse("release", {"x": 3, "y": 3})
         self.ask("key", key="Backspace", modifiers=[])
         self.ask("set", name=part("clear"), value=True)  # also where it is folded away
+        self.ask("set", name=part("keep_fixed"), value=False)
         self.ask("set", name=part("mode"), value=0)
         self.ask("set", name=part("radius"), value=self.random.uniform(0.1, 0.4))
         self.drag()
 
     def gizmo_drag(self):
         """A handle, then drags that begin around it, where arrows, rings and the knob are."""
+        self.ask("set", name=part("keep_fixed"), value=False)
         self.ask("set", name=part("mode"), value=0)
         vertex = self.random.randrange(len(self.test.points))
         at = {"vertex": vertex, "x": 0, "y": 0}

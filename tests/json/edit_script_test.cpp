@@ -219,8 +219,10 @@ TEST(EditScript, KeptAnchorsAreWrittenAndReadBack) {
   region.kind = RegionSpec::Kind::Vertices;
   region.vertices = {3, 4, 5, 6, 7};
   region.anchors = {{6, 7}, {0.95, 1.0 / 3}, {0.25, 1}, 1e-3 / 7};
+  region.held = {2, 5};
   const std::string text = write_edit(edit);
   const KeptAnchors read = read_edit(text).steps[0].region.anchors;
+  EXPECT_EQ(read_edit(text).steps[0].region.held, region.held);
   EXPECT_EQ(read.vertices, region.anchors.vertices);
   EXPECT_EQ(read.weights, region.anchors.weights);
   EXPECT_EQ(read.depths, region.anchors.depths);

@@ -20,12 +20,12 @@ TEST(DragKey, EachIsTheUsersToReadOnce) {
     EXPECT_TRUE(sentences.insert(help.does).second) << help.does;
     EXPECT_EQ(std::string(help.does).back(), '.');
   }
-  EXPECT_EQ(next, static_cast<int>(DragKey::Redo) + 1);
+  EXPECT_EQ(next, static_cast<int>(DragKey::Help) + 1);
 }
 
 TEST(DragKey, DigitsPointAndMinusAreTyped) {
   std::string typed;
-  for (int key = 0; key <= static_cast<int>(DragKey::Redo); ++key) {
+  for (int key = 0; key <= static_cast<int>(DragKey::Help); ++key) {
     if (const auto character = typed_character(static_cast<DragKey>(key))) {
       typed += *character;
     }

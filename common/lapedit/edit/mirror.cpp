@@ -237,12 +237,23 @@ void MirroredHandles::maps(const std::vector<HandleTransform>& given, std::vecto
 
 RegionSpec mirrored(const TriangleMesh& mesh, const RegionSpec& region, const MirrorPlane& plane) {
   RegionSpec result = region;
-  if (region.kind != RegionSpec::Kind::Vertices) {
+  if (region.kind != RegionSpec::Kind::Vertices && region.held.empty()) {
     return result;
   }
   const Images images(mesh, plane);
   std::vector<int> missing;
   std::vector<double> none;
+  sort_group(result.held, none);
+  for (const int v : result.held) {
+    require_vertex("Held vertex", v, mesh.vertices.rows());
+  }
+  for (const auto& [v, original] : images.of(result.held, missing)) {
+    result.held.push_back(v);
+  }
+  sort_group(result.held, none);
+  if (region.kind != RegionSpec::Kind::Vertices) {
+    return result;
+  }
   sort_group(result.vertices, none);
   std::vector<int> anchors = region.anchors.vertices;
   sort_group(anchors, none);

@@ -124,6 +124,9 @@ RegionSpec read_region(const JsonObject& object, VertexLists& lists) {
   }
   region.padding = object.number("padding", region.padding);
   region.connect_gap = object.number("connect", region.connect_gap);
+  if (object.has("held")) {
+    region.held = lists.read(object, "held");
+  }
   if (object.has("anchors")) {
     if (region.kind != RegionSpec::Kind::Vertices) {
       refuse_json(object.where("anchors") + ": kept anchors go with the key vertices only.");
@@ -212,7 +215,7 @@ EditStep read_step(const Json& value, const std::string& where, VertexLists& lis
     object.refuse_key("region", "an object");
   }
   const JsonObject region(object["region"], object.where("region"),
-                          {"radius", "vertices", "component", "padding", "anchors", "connect"});
+                          {"radius", "vertices", "component", "padding", "anchors", "held", "connect"});
   step.region = read_region(region, lists);
   const Json& handles = object.filled_list("handles", "handle groups");
   for (std::size_t i = 0; i < handles.size(); ++i) {
@@ -297,6 +300,9 @@ Json json_of(const RegionSpec& region) {
   }
   if (region.connect_gap != 0) {
     json["connect"] = json_of(region.connect_gap);
+  }
+  if (!region.held.empty()) {
+    json["held"] = json_of(region.held);
   }
   if (region.kind == RegionSpec::Kind::Vertices && !region.anchors.empty()) {
     json["anchors"] = json_of(region.anchors);

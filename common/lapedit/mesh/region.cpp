@@ -355,6 +355,11 @@ void place_anchor_band(ThreadPool& pool, const TriangleMesh& mesh, const RegionS
       depth[i] = (region.distance[i] - (1 - spec.padding) * spec.radius) / (spec.padding * spec.radius);
     });
   }
+  for (const int v : spec.held) {
+    if (const int i = local[v]; i >= 0) {
+      depth[i] = region.anchor_weight[i] = 1;
+    }
+  }
 }
 
 /// Handle, anchor or free. An anchor's weight is d / d_max, so that those near the handle give way to it.
@@ -499,6 +504,9 @@ Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const 
                     const std::vector<std::vector<int>>& groups, int threads,
                     const std::vector<std::vector<double>>& shares) {
   check_spec(spec);
+  for (const int v : spec.held) {
+    require_vertex("Held vertex", v, static_cast<int>(mesh.vertices.rows()));
+  }
   if (spec.connect_gap != 0) {
     return build_connected(mesh, adjacency, spec, groups, threads, shares);
   }

@@ -43,6 +43,8 @@ struct RegionSpec {
   /// Width of the anchor band over the radius (Kind::Radius) or over the largest handle distance.
   double padding = 0.1;
   KeptAnchors anchors;  ///< Kind::Vertices: in place of the band; empty: padding decides
+  /// Hold as well, with full weight: any order, those outside the region or in a handle do not count.
+  std::vector<int> held;
   /// Pieces of the mesh that are nearer to each other than this, model units, are one: see linked_neighbours(). 0: off.
   double connect_gap = 0;
 };
@@ -81,8 +83,8 @@ struct Region {
 /// Anchors are the vertices farther than (1 - padding) radius from the handle (Kind::Radius), or nearer than padding
 /// times the largest handle distance to the rim (Kind::Vertices), and always the rim: region vertices with a mesh
 /// neighbour outside. Kept anchors take the band's place, with the weights and the largest distance that they came
-/// with. A handle vertex is never an anchor. The border of the mesh is not a rim. Components of the region without a
-/// handle vertex are left out.
+/// with. Held vertices are anchors as well. A handle vertex is never an anchor. The border of the mesh is not a rim.
+/// Components of the region without a handle vertex are left out.
 /// @param groups  handle groups, mesh vertex numbers; a vertex may be in one group only
 /// @param threads  0: as many as the machine has; the region does not depend on it
 /// @param shares   of the groups' vertices, see Region::handle_share, kLeastShare to 1; empty lists, or none: 1

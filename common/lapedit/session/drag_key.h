@@ -37,7 +37,9 @@ enum class DragKey : unsigned char {
   Grow,
   Shrink,
   Undo,
-  Redo
+  Redo,
+  Copy,
+  Help
 };
 
 /// What a user reads of some keys: one row for all from first to last.
@@ -61,19 +63,24 @@ inline constexpr KeyHelp kKeyHelp[] = {
     {DragKey::Rotate, DragKey::Rotate, "R", "Turns a handle of several vertices with the mouse, no button held."},
     {DragKey::Scale, DragKey::Scale, "S", "Scales a handle of several vertices with the mouse, no button held."},
     {DragKey::Apply, DragKey::Apply, "Return", "Applies what is being moved."},
-    {DragKey::Cancel, DragKey::Cancel, "Backspace, Esc", "Drops what is being moved or worked out."},
+    {DragKey::Cancel, DragKey::Cancel, "Backspace, Esc",
+     "Takes back what is being moved or worked out; ends painting."},
     {DragKey::Curve, DragKey::Curve, "C", "Changes between handles that are vertices and handles that are curves."},
     {DragKey::NextGroup, DragKey::NextGroup, "G", "Makes the next click another handle group, the others holding."},
     {DragKey::NewRegion, DragKey::NewRegion, "W", "Makes the next click take a new region."},
     {DragKey::Pivot, DragKey::Pivot, "P",
-     "Turns and scales about a point that the next click picks; again: about the middle of the region's rim; again: "
-     "about the handle's centre."},
-    {DragKey::Brush, DragKey::Brush, "B", "Lets the brush paint the handle; again: the anchors; again: the region."},
+     "Turns and scales about a point that the next click picks; again: about the shoulder, the middle of the region's "
+     "edge; again: about the handle's middle."},
+    {DragKey::Brush, DragKey::Brush, "B",
+     "Lets the brush paint the handle; again: what is kept fixed; again: the region."},
     {DragKey::Gizmo, DragKey::Gizmo, "V", "Shows arrows, rings and a knob at the handle, and hides them again."},
     {DragKey::Grow, DragKey::Grow, "]", "Grows the region by a ring."},
     {DragKey::Shrink, DragKey::Shrink, "[", "Shrinks the region by a ring."},
-    {DragKey::Undo, DragKey::Undo, "Ctrl+Z", "Takes the last step back, exact to the bit."},
-    {DragKey::Redo, DragKey::Redo, "Ctrl+Shift+Z", "Applies the step that was taken back last again."},
+    {DragKey::Undo, DragKey::Undo, "Ctrl+Z",
+     "Takes back what was done last: a step, a stroke or a setting, exact to the bit."},
+    {DragKey::Redo, DragKey::Redo, "Ctrl+Shift+Z", "Does again what was taken back last."},
+    {DragKey::Copy, DragKey::Copy, "Ctrl+C", "Copies number and coordinates of the vertex under the cursor."},
+    {DragKey::Help, DragKey::Help, "?", "Shows all keys over the picture, and hides them again."},
 };
 
 /// The key of a digit 0 to 9.

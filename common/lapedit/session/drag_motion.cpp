@@ -320,7 +320,11 @@ HandleTransform DragMotion::wanted() const {
     }
     case MotionKind::Rotate:
       transform.axis = plain(transform.axis);
-      transform.degrees = (amount ? *amount : step > 0 ? snapped(transform.degrees, step) : transform.degrees) + 0.0;
+      // A typed angle goes on the way that the mouse has gone.
+      transform.degrees = (amount     ? std::copysign(1.0, angle_) * *amount
+                           : step > 0 ? snapped(transform.degrees, step)
+                                      : transform.degrees) +
+                          0.0;
       break;
     case MotionKind::Scale:
       if (amount || step > 0) {

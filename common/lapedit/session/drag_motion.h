@@ -26,8 +26,8 @@ enum class AxisLock { None, X, Y, Z, Normal, Gizmo };
 /// goes about the centre on the screen; about the axis of a gizmo's ring by the angle that it goes along the ring.
 /// Scale is the growth of the cursor's distance from the centre on the screen.
 /// With Cursor::snap angles go in steps of 15 degrees, factors in steps of 0.1, and lengths in steps of 1, 2 or 5 times
-/// a power of ten that show as 10 to 25 pixels. A typed number replaces what the mouse says. The view may change on the
-/// way.
+/// a power of ten that show as 10 to 25 pixels. A typed number replaces what the mouse says; a typed angle counts in
+/// the direction that the mouse has turned to. The view may change on the way.
 class DragMotion {
  public:
   /// @param grab      the point of the surface that is to stay under the cursor

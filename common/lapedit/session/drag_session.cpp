@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "lapedit/base/error.h"
+#include "lapedit/mesh/vertex_set.h"
 #include "lapedit/session/messages.h"
 
 namespace lapedit {
@@ -39,7 +40,6 @@ Affine DragSession::active_map() const {
 }
 
 std::string DragSession::message() const {
-  const Selection& selection = model_.selection;
   if (!model_.refusal.empty()) {
     return model_.refusal;
   }
@@ -48,6 +48,22 @@ std::string DragSession::message() const {
   }
   if (const Dragging* const drag = solver_.in<Dragging>()) {
     return messages::dragging(drag->motion, drag->by_button, solver_.figures().full_frames);
+  }
+  std::string text = next_click();
+  if (!model_.tools.keeps_fixed && model_.tools.brush != BrushTarget::Region) {
+    text += model_.tools.brush == BrushTarget::Handle ? messages::kPaintsHandle : messages::kPaintsFixed;
+  }
+  if (model_.tools.pivot != Pivot::Centroid && !model_.tools.awaits_pivot()) {
+    text += model_.tools.pivot == Pivot::Rim ? messages::kTurnsAboutRim : messages::kTurnsAboutPoint;
+  }
+  return text;
+}
+
+/// What the next click does.
+std::string DragSession::next_click() const {
+  const Selection& selection = model_.selection;
+  if (model_.tools.keeps_fixed) {
+    return messages::kKeepFixed;
   }
   if (selection.next == Selection::Next::Region) {
     return messages::kNextIsRegion;
@@ -92,7 +108,7 @@ void DragSession::set_settings(const DragSettings& settings) {
   if (solver_.amendable() && model_.history.can_undo() &&
       (new_rest || (new_radius && (solver_.in<Amending>() ||
                                    model_.history.steps().back().step.region.kind == RegionSpec::Kind::Radius)))) {
-    solver_.amend();
+    solver_.amend(before);
     return;
   }
   // The radius counts for regions that were grown by it, and for what is left of them after a step.
@@ -130,6 +146,14 @@ void DragSession::set_handle_mode(HandleMode mode) {
 void DragSession::set_brush_target(BrushTarget target) {
   model_.refusal.clear();
   model_.tools.brush = target;
+  model_.tools.keeps_fixed &= target == BrushTarget::Anchors;
+}
+
+void DragSession::set_keep_fixed(bool on) {
+  if (settle_down()) {
+    model_.tools.brush = on ? BrushTarget::Anchors : BrushTarget::Region;
+    model_.tools.keeps_fixed = on;
+  }
 }
 
 void DragSession::show_gizmo(bool on, GizmoAxes axes) {
@@ -160,6 +184,11 @@ void DragSession::find_mirror() {
 
 // --- Region and handles ---------------------------------------------------------------------------------------------
 
+std::string DragSession::warning() const {
+  const bool of_what_is_seen = solver_.in<Dragging>() || solver_.amendable();
+  return of_what_is_seen && model_.refusal.empty() ? solver_.figures().advice : std::string();
+}
+
 /// Whether region and handles may change now; ends a drag in progress for it.
 bool DragSession::settle_down() {
   model_.refusal.clear();
@@ -188,7 +217,14 @@ void DragSession::set_region(std::vector<int> vertices) {
 }
 
 void DragSession::set_anchors(std::vector<int> vertices) {
-  change_region([&](const Surface& s, const Selection& now) { return with_anchors(s, now, std::move(vertices)); });
+  change_region([&](const Surface& s, const Selection& now) {
+    Choice choice = with_anchors(s, now, std::move(vertices));
+    if (Selection* const chosen = std::get_if<Selection>(&choice)) {
+      chosen->held = united(chosen->held, chosen->region.anchors.vertices);
+      chosen->region.held = chosen->held;
+    }
+    return choice;
+  });
 }
 
 void DragSession::whole_component() {
@@ -220,24 +256,30 @@ void DragSession::next_group() {
 // --- Steps ----------------------------------------------------------------------------------------------------------
 
 bool DragSession::can_undo() const {
-  return model_.history.can_undo() || solver_.in_progress() || !model_.strokes.done.empty();
+  return solver_.in_progress() || !model_.timeline.done().empty();
 }
 
 bool DragSession::can_redo() const {
-  return (model_.history.can_redo() || !model_.strokes.undone.empty()) && !solver_.in_progress();
+  return !model_.timeline.undone().empty() && !solver_.in_progress();
 }
 
-/// Goes back, or on again, by a stroke of the brush.
-void DragSession::restore(std::vector<Selection>& from, std::vector<Selection>& to, const char* line) {
-  to.push_back(std::exchange(model_.selection, std::move(from.back())));
-  from.pop_back();
+/// Undoes an action or, again, does it.
+void DragSession::turn_round(Action& action, bool again) {
+  const std::size_t steps = model_.history.steps().size();
+  if (const AppliedStep* const step = model_.turn_round(action, again)) {
+    const bool settings = action.kind == Action::Kind::Settings;
+    model_.log(settings ? (again ? messages::kSettingsRedone : messages::kSettingsUndone)
+                        : messages::step_changed(again ? steps + 1 : steps, again ? "redone" : "undone"));
+    solver_.take_over(*step, again || settings);
+    return;
+  }
   if (model_.selection.region.kind == RegionSpec::Kind::Vertices && model_.selection.has_region) {
     model_.show_by_hand();
   } else {
     model_.show_region(nullptr);
   }
   solver_.handles_changed();
-  model_.log(line);
+  model_.log(again ? messages::kStrokeRedone : messages::kStrokeUndone);
 }
 
 void DragSession::undo() {
@@ -247,15 +289,10 @@ void DragSession::undo() {
     return;
   }
   mouse_.end_stroke();
-  if (!model_.strokes.done.empty()) {
-    restore(model_.strokes.done, model_.strokes.undone, messages::kStrokeUndone);
-  } else if (!model_.history.can_undo()) {
+  if (model_.timeline.done().empty()) {
     model_.refusal = messages::kNothingToUndo;
   } else {
-    const AppliedStep& step = model_.history.undo();
-    model_.show_mesh(step.vertices, step.before);
-    model_.log(messages::step_changed(model_.history.steps().size() + 1, "undone"));
-    solver_.take_over(step, false);
+    turn_round(model_.timeline.undo(), false);
   }
 }
 
@@ -263,25 +300,20 @@ void DragSession::redo() {
   if (!settle_down()) {
     return;
   }
-  if (!model_.strokes.undone.empty()) {
-    restore(model_.strokes.undone, model_.strokes.done, messages::kStrokeRedone);
-  } else if (!model_.history.can_redo()) {
+  if (model_.timeline.undone().empty()) {
     model_.refusal = messages::kNothingToRedo;
   } else {
-    const AppliedStep& step = model_.history.redo();
-    model_.show_mesh(step.vertices, step.after);
-    model_.log(messages::step_changed(model_.history.steps().size(), "redone"));
-    solver_.take_over(step, true);
+    turn_round(model_.timeline.redo(), true);
   }
 }
 
 void DragSession::reset() {
   cancel();
+  mouse_.end_stroke();
   const std::size_t count = model_.history.steps().size();
   const AppliedStep* first = nullptr;
   while (model_.history.can_undo()) {
-    first = &model_.history.undo();
-    model_.show_mesh(first->vertices, first->before);
+    first = model_.turn_round(model_.timeline.undo(), false);
   }
   if (first) {
     model_.log(messages::all_undone(count));
@@ -328,8 +360,12 @@ bool DragSession::key(DragKey key, const Cursor& cursor) {
   model_.refusal.clear();
   switch (key) {  // those that mean something while a step is worked out as well
     case DragKey::Cancel: {
-      const bool something = solver_.in_progress();
-      cancel();
+      const bool something = solver_.in_progress() || model_.tools.keeps_fixed;
+      if (solver_.in_progress()) {
+        cancel();
+      } else if (something) {
+        set_keep_fixed(false);
+      }
       return something;
     }
     case DragKey::Undo:

@@ -87,6 +87,11 @@ class DragSession {
   GizmoPart gizmo_part() const { return mouse_.gizmo_part(); }    ///< under the cursor, or held
   const HoverPreview* hover() const { return mouse_.preview(); }  ///< what a press would take, null if nothing
   std::string message() const;  ///< one line: what was refused, else what the next click does
+  void forget_refusal() { model_.refusal.clear(); }
+  /// What is wrong with the pose of the drag in progress or of the last step, and what to do; empty: nothing is known.
+  std::string warning() const;
+  bool next_is_region() const { return model_.selection.next == Selection::Next::Region; }  ///< of a click
+  const std::vector<int>& held() const { return model_.selection.held; }  ///< painted to stay, ascending
   DragFigures figures() const { return solver_.figures(); }
 
   // Settings ---------------------------------------------------------------------------------------------------------
@@ -99,6 +104,9 @@ class DragSession {
   void set_handle_mode(HandleMode mode);
   BrushTarget brush_target() const { return model_.tools.brush; }
   void set_brush_target(BrushTarget target);
+  /// While it is on, the brush paints what is kept fixed, and needs no modifier.
+  bool keeps_fixed() const { return model_.tools.keeps_fixed; }
+  void set_keep_fixed(bool on);
   bool gizmo_shown() const { return model_.tools.gizmo; }
   GizmoAxes gizmo_axes() const { return model_.tools.axes; }
   void show_gizmo(bool on, GizmoAxes axes);
@@ -144,9 +152,10 @@ class DragSession {
 
   bool can_undo() const;
   bool can_redo() const;
-  void undo();  ///< of a drag in progress: drops it; of strokes of the brush since the last step: the last one
+  void undo();  ///< of a drag in progress: drops it; else the last of timeline().done()
   void redo();
-  void reset();  ///< undoes all
+  void reset();  ///< undoes all steps, and what came after the first
+  const Timeline& timeline() const { return model_.timeline; }
   Edit recorded() const {
     return model_.history.recorded();
   }  ///< applied steps, with counts and connectivity of the mesh
@@ -168,9 +177,10 @@ class DragSession {
 
  private:
   bool settle_down();
+  std::string next_click() const;
   template <class Choose>
   void change_region(const Choose& choose);
-  void restore(std::vector<Selection>& from, std::vector<Selection>& to, const char* line);
+  void turn_round(Action& action, bool again);
   bool motion_key(DragKey key, const Cursor& cursor);
   bool begin_by_key(MotionKind kind, const Cursor& cursor);
 

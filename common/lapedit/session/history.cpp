@@ -50,6 +50,12 @@ const AppliedStep& History::amend(EditStep step, std::vector<int> vertices, Poin
   return apply(std::move(step), std::move(vertices), std::move(after));
 }
 
+void History::exchange_last(AppliedStep& step) {
+  put(steps_.back().vertices, steps_.back().before);
+  std::swap(steps_.back(), step);
+  put(steps_.back().vertices, steps_.back().after);
+}
+
 const AppliedStep& History::undo() {
   undone_.push_back(std::move(steps_.back()));
   steps_.pop_back();

@@ -51,6 +51,8 @@ class History {
   const AppliedStep& apply(EditStep step, std::vector<int> vertices, Points after);
   /// As if this step had been applied in place of the last one.
   const AppliedStep& amend(EditStep step, std::vector<int> vertices, Points after);
+  /// Swaps the last step for another result of it. There has to be one.
+  void exchange_last(AppliedStep& step);
   /// Sets AppliedStep::next of the last step.
   void set_next_region(RegionSpec next) { steps_.back().next = std::move(next); }
   /// Sets AppliedStep::discs of the last step.

@@ -25,6 +25,7 @@ struct HoverPreview {
   };
   Kind kind = Kind::Region;
   int group = -1;                                             ///< Kind::Group
+  int vertex = -1;                                            ///< nearest to the point
   Vector3 point = Vector3::Zero(), normal = Vector3::Zero();  ///< under the cursor; the normal has length 1 or 0
   double radius = 0, disc_radius = 0;                         ///< model units; a disc of 0 is one vertex
   Points region, disc;                                        ///< outlines; no rows for what is not taken

@@ -23,8 +23,14 @@ constexpr const char* kPickInRegion = "Click inside the region to pick its handl
 constexpr const char* kPickAnywhere = "Press on the surface and drag, or click to see the region first.";
 constexpr const char* kLeadCurve = "Click to lead the curve on, drag the curve to move it; C ends it.";
 constexpr const char* kDragHandle =
-    "Drag the handle (V shows arrows and rings; T moves, R turns, S scales), click inside the region for another one, "
-    "outside for a new region.";
+    "Drag the handle; a click on it shows arrows and rings (T moves, R turns, S scales). Click inside the region for "
+    "another handle, outside for a new region.";
+constexpr const char* kKeepFixed = "Paint what is to stay; Shift takes away. Esc ends it.";
+// Behind these, where they are not the usual.
+constexpr const char* kPaintsHandle = " Brush: handle.";
+constexpr const char* kPaintsFixed = " Brush: keep fixed.";
+constexpr const char* kTurnsAboutRim = " Turns about: shoulder (edge of the region).";
+constexpr const char* kTurnsAboutPoint = " Turns about: the point picked.";
 std::string dragging(const DragMotion& motion, bool by_button, bool full_frames);
 
 // Refusals -----------------------------------------------------------------------------------------------------------
@@ -42,13 +48,14 @@ constexpr const char* kRegionNotKnown = "The region is still being found: wait a
 constexpr const char* kNotSymmetric =
     "The mesh is nowhere nearly its own mirror image: choose one of the planes of the layer's axes instead.";
 constexpr const char* kNoAnchors =
-    "None of these vertices is in the region and in no handle: brush or select inside the region.";
+    "None of these vertices is fixed, or could be: select or paint inside the region, beside the handles.";
+constexpr const char* kNothingToHold = "All of this is kept fixed already, or is a handle: paint beside it.";
 constexpr const char* kNoMotion =
     "Nothing is being moved: drag the handle, or press T, R or S first; then X, Y, Z, N and digits count.";
 constexpr const char* kNoPivot = "There is no handle yet whose pivot could be placed: click on the surface first.";
 constexpr const char* kNoHandle = "There is no handle yet: the first click makes one.";
-constexpr const char* kNothingToUndo = "There is nothing to undo: no step has been applied.";
-constexpr const char* kNothingToRedo = "There is nothing to redo: no step has been undone.";
+constexpr const char* kNothingToUndo = "There is nothing to undo: nothing has been done yet.";
+constexpr const char* kNothingToRedo = "There is nothing to redo: nothing has been undone.";
 std::string out_of_range(const char* what, double value, const char* wanted);
 std::string no_such_vertices(int vertices_of_mesh);
 std::string outside_region(int vertex);
@@ -63,8 +70,13 @@ std::string single_vertex(MotionKind kind, int vertex);
 
 // Lines for a log ----------------------------------------------------------------------------------------------------
 
+constexpr const char* kStroke = "Stroke of the brush";
+constexpr const char* kOtherSettings = "Other settings";
+constexpr const char* kSavedStep = "Step of a saved edit";
 constexpr const char* kStrokeUndone = "stroke of the brush undone";
 constexpr const char* kStrokeRedone = "stroke of the brush redone";
+constexpr const char* kSettingsUndone = "change of settings undone";
+constexpr const char* kSettingsRedone = "change of settings redone";
 std::string not_possible(const std::string& why);
 std::string step_applied(std::size_t number, const DragMotion& motion, const std::vector<int>& handle, int region_size,
                          double prepare_ms, double solve_ms);

@@ -313,14 +313,24 @@ Choice handle_brushed(const Surface& surface, const Selection& selection, const 
 }
 
 Choice anchors_brushed(const Surface& surface, const Selection& selection, const std::vector<int>& patch, bool add) {
-  if (!selection.has_region || !surface.region || surface.region->distance.empty()) {
-    if (selection.region.anchors.empty()) {
-      return Refusal{selection.has_region ? messages::kRegionNotKnown : messages::kNoRegion};
+  Selection after = selection;
+  after.held = add ? united(selection.held, without(patch, handles_of(selection))) : without(selection.held, patch);
+  after.region.held = after.held;
+  const bool is_known = surface.region != nullptr && !surface.region->distance.empty();
+  if (!add && selection.has_region && (is_known || !selection.region.anchors.empty())) {
+    const KeptAnchors now = selection.region.anchors.empty() ? anchors_of(*surface.region) : selection.region.anchors;
+    const std::vector<int> own = without(sorted_set(now.vertices), selection.held);
+    if (!common(own, patch).empty()) {
+      return with_anchors(surface, after, without(own, patch));
     }
   }
-  const KeptAnchors now = selection.region.anchors.empty() ? anchors_of(*surface.region) : selection.region.anchors;
-  return with_anchors(surface, selection,
-                      add ? united(sorted_set(now.vertices), patch) : without(sorted_set(now.vertices), patch));
+  if (after.held == selection.held) {
+    return Refusal{add ? messages::kNothingToHold : messages::kNoAnchors};
+  }
+  if (!add && !selection.region.anchors.empty()) {  // they came to be the region's own with the last step
+    return with_anchors(surface, after, without(sorted_set(selection.region.anchors.vertices), patch));
+  }
+  return after;
 }
 
 Choice with_anchors(const Surface& surface, const Selection& selection, std::vector<int> vertices) {
@@ -430,6 +440,7 @@ Selection with_padding(Selection selection, const DragSettings& settings) {
   }
   selection.region.padding = settings.padding;
   selection.region.connect_gap = settings.connect_gap;
+  selection.region.held = selection.held;
   return selection;
 }
 
@@ -487,6 +498,7 @@ Selection selection_of(const AppliedStep& step, bool applied, const Selection& b
   Selection after;
   after.mode = before.mode;
   after.taken = before.taken;
+  after.held = before.held;
   after.active = 0;
   for (const HandleGroup& handle : step.step.handles) {
     if (!handle.targets.empty() || !resolve(handle.transform, Vector3::Zero()).map.matrix().isIdentity(0)) {

@@ -18,6 +18,7 @@ struct Selection {
 
   RegionSpec region;  ///< means something if has_region
   bool has_region = false;
+  std::vector<int> held;                     ///< painted to stay: vertices of any region, ascending
   bool by_hand = false;                      ///< brushed or selected: not to be lost by a click
   int taken = 0;                             ///< counts the regions that clicks have taken anew
   std::vector<std::vector<int>> groups;      ///< handle groups: mesh vertex numbers, ascending
@@ -61,7 +62,8 @@ Choice take_from_handle(const Surface& surface, const Selection& selection, int 
 Selection brushed(const Surface& surface, const Selection& selection, const std::vector<int>& patch, bool add);
 /// A stroke that paints the active handle group, or the first; what lies outside a given region is not taken.
 Choice handle_brushed(const Surface& surface, const Selection& selection, const std::vector<int>& patch, bool add);
-/// A stroke that paints the region's stationary anchors. The rim always holds.
+/// A stroke that paints what holds, in this region and in those to come; a stroke that takes away also takes the
+/// region's own anchors there. The rim always holds.
 Choice anchors_brushed(const Surface& surface, const Selection& selection, const std::vector<int>& patch, bool add);
 /// These vertices of the region hold, and its rim; in any order.
 Choice with_anchors(const Surface& surface, const Selection& selection, std::vector<int> vertices);
@@ -79,7 +81,7 @@ Selection with_padding(Selection selection, const DragSettings& settings);
 /// The region for other handles: as it is shown, with its anchors. But anchors that hold nearly nothing, since they are
 /// next to the handle, are left to be found anew from the next one.
 Selection with_region_kept(const Surface& surface, const Selection& selection);
-/// No region and no handle.
+/// No region and no handle, and nothing held.
 Selection cleared(const Selection& selection);
 
 // What the next click does -------------------------------------------------------------------------------------------

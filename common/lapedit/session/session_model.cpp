@@ -44,8 +44,8 @@ Vector3 SessionModel::pivot_place() const {
 }
 
 std::optional<Gizmo> SessionModel::gizmo(const Camera& view) const {
-  const bool awaits_click =
-      selection.next != Selection::Next::Handle || selection.mode == HandleMode::Curve || tools.awaits_pivot();
+  const bool awaits_click = selection.next != Selection::Next::Handle || selection.mode == HandleMode::Curve ||
+                            tools.awaits_pivot() || tools.keeps_fixed;
   if (!tools.gizmo || awaits_click || selection.active < 0 || !view.valid()) {
     return std::nullopt;
   }
@@ -96,6 +96,30 @@ void SessionModel::back_to_mesh(bool settled) {
   if (shown.rest(mesh())) {
     show(shown.region()->mesh_vertex, shown.pose(), settled);
   }
+}
+
+const AppliedStep* SessionModel::turn_round(Action& action, bool again) {
+  if (action.kind == Action::Kind::Stroke) {
+    std::swap(selection, *action.selection);
+    return nullptr;
+  }
+  if (action.kind == Action::Kind::Settings) {
+    std::swap(settings, *action.settings);
+    show_mesh(history.steps().back().vertices, history.steps().back().before);
+    history.exchange_last(*action.replaced);
+    again = true;
+  } else if (again) {
+    history.redo();
+  } else {
+    const AppliedStep& step = history.undo();
+    show_mesh(step.vertices, step.before);
+    selection = action.selection ? *action.selection : selection_of(step, false, selection, settings);
+    return &step;
+  }
+  const AppliedStep& step = history.steps().back();
+  show_mesh(step.vertices, step.after);
+  selection = selection_of(step, true, selection, settings);
+  return &step;
 }
 
 const PoseChange* SessionModel::take_change() {

@@ -13,6 +13,7 @@
 #include "lapedit/session/history.h"
 #include "lapedit/session/selection.h"
 #include "lapedit/session/shown_region.h"
+#include "lapedit/session/timeline.h"
 
 namespace lapedit {
 
@@ -36,6 +37,7 @@ struct PoseChange {
 /// What the user has switched on, beside settings and selection.
 struct Tools {
   BrushTarget brush = BrushTarget::Region;
+  bool keeps_fixed = false;  ///< the brush paints anchors without a modifier
   bool gizmo = false;
   GizmoAxes axes = GizmoAxes::Layer;
   Pivot pivot = Pivot::Centroid;
@@ -44,12 +46,6 @@ struct Tools {
   std::unique_ptr<const MirroredHandles> mirrored;  ///< of the groups; null without a plane and while they are painted
 
   bool awaits_pivot() const { return pivot == Pivot::Point && pivot_vertex < 0; }
-};
-
-/// Strokes of the brush since the last step, for undo.
-struct Strokes {
-  std::vector<Selection> done;    ///< before each of them, the oldest first
-  std::vector<Selection> undone;  ///< after each that was taken back, the newest last
 };
 
 /// What a session holds: the mesh with its steps, what is chosen and switched on, and what of it is shown.
@@ -61,7 +57,7 @@ struct SessionModel {
   DragSettings settings;
   Selection selection;
   Tools tools;
-  Strokes strokes;
+  Timeline timeline;
   std::string refusal;
   ShownRegion shown;
   std::unique_ptr<Visibility> visibility;  ///< of the mesh as it is, once the brush has asked
@@ -93,6 +89,9 @@ struct SessionModel {
   /// Shows a region that was made by hand before its distances are known.
   void show_by_hand();
   void back_to_mesh(bool settled);
+  /// Turns an action round that has just changed its list. @param again  it is done again
+  /// @return the step that the selection belongs to then, null for a stroke
+  const AppliedStep* turn_round(Action& action, bool again);
   const PoseChange* take_change();
 
  private:

@@ -32,6 +32,7 @@ bool SessionMouse::press(const Cursor& cursor, PressModifiers modifiers) {
     return true;
   }
   end_stroke();  // whose release never came
+  modifiers.add |= model_.tools.keeps_fixed && modifiers.none();
   return (modifiers.none() && press_gizmo(cursor)) || press_beneath(cursor, modifiers);
 }
 
@@ -51,6 +52,7 @@ bool SessionMouse::press_beneath(const Cursor& cursor, PressModifiers modifiers)
   if (grabbed >= 0) {
     model_.selection.active = grabbed;
     pressed_ = Press{hit ? hit->point : cursor.view.beside(model_.center(), cursor.pixel), -1, cursor, modifiers};
+    pressed_->on_handle = true;
   } else if (hit) {
     press_surface(*hit, cursor, modifiers);
   } else {
@@ -137,8 +139,16 @@ void SessionMouse::release(const Cursor& cursor) {
     return;
   }
   const Press press = *pressed_;
+  if (model_.tools.keeps_fixed && !press.modifiers.none() && !press.brushed) {  // a dab
+    pressed_->brushed = true;
+    brush(cursor);
+    end_stroke();
+    return;
+  }
   end_stroke();
-  if (press.on_gizmo) {  // a click means what is behind it
+  if (press.on_handle && press.draggable) {
+    model_.tools.gizmo = true;
+  } else if (press.on_gizmo) {  // a click means what is behind it
     press_beneath(press.cursor, {});
     pressed_.reset();
   } else if (!press.modifiers.none() && !press.brushed) {
@@ -196,12 +206,13 @@ void SessionMouse::look(const Cursor& cursor, PressModifiers modifiers) {
   HoverPreview& preview = preview_ ? *preview_ : preview_.emplace();
   const bool inside = model_.selection.has_region && model_.selection.next != Selection::Next::Region &&
                       model_.shown.region() && contains(model_.shown.region()->mesh_vertex, hit->vertex);
-  const bool plain = modifiers.none();
+  const bool plain = modifiers.none() && !model_.tools.keeps_fixed;
   preview.group = plain && model_.selection.next != Selection::Next::Region
                       ? group_at(model_.mesh(), model_.groups(), hit, cursor, model_.settings.radius)
                       : -1;
   preview.kind = !plain ? Kind::Brush : preview.group >= 0 ? Kind::Group : inside ? Kind::Handle : Kind::Region;
   preview.point = hit->point;
+  preview.vertex = hit->vertex;
   const Vector3 normal = area_normal(model_.mesh(), hit->face);
   const double length = normal.norm();
   preview.normal = length > 0 && std::isfinite(length) ? Vector3(normal / length) : Vector3(Vector3::Zero());
@@ -276,8 +287,7 @@ void SessionMouse::brush(const Cursor& cursor) {
     return;
   }
   if (!std::exchange(pressed_->recorded, true)) {  // a stroke of which nothing was taken is none to undo
-    model_.strokes.done.push_back(std::move(before));
-    model_.strokes.undone.clear();
+    model_.timeline.add({Action::Kind::Stroke, messages::kStroke, std::move(before)}, model_.settings);
   }
   if (!model_.selection.has_region) {
     model_.show_region(nullptr);

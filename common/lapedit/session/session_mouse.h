@@ -58,7 +58,7 @@ class SessionMouse {
     PressModifiers modifiers;
     bool draggable = true;
     bool brushed = false, recorded = false;
-    bool on_gizmo = false;
+    bool on_gizmo = false, on_handle = false;
     std::optional<Vector3> axis = std::nullopt;  // of a gizmo's arrow or ring
     MotionKind kind = MotionKind::Translate;
   };

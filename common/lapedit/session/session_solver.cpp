@@ -148,6 +148,8 @@ void SessionSolver::release() {
 }
 
 void SessionSolver::drop() {
+  heard_.solve_ms = heard_.handle_error = heard_.largest_stretch = std::nullopt;
+  heard_.advice.clear();
   const Loading* const loading = in<Loading>();
   const bool elsewhere = loading || in<Amending>();  // what the worker has prepared is not the selection
   rest(loading ? loading->amendable : amendable());
@@ -163,9 +165,9 @@ void SessionSolver::drop() {
 
 // --- Steps -----------------------------------------------------------------------------------------------------------
 
-void SessionSolver::amend() {
+void SessionSolver::amend(const DragSettings& before) {
   if (!in<Amending>()) {
-    phase_ = Amending{model_.history.steps().back().step, model_.history.before_last()};
+    phase_ = Amending{model_.history.steps().back().step, model_.history.before_last(), before};
   }
   Amending& amending = *in<Amending>();
   const DragSettings& settings = model_.settings;
@@ -194,9 +196,7 @@ void SessionSolver::load(Edit edit) {
 }
 
 void SessionSolver::take_over(const AppliedStep& step, bool applied) {
-  model_.selection = selection_of(step, applied, model_.selection, model_.settings);
   model_.tools.mirror = step.step.mirror;
-  model_.strokes = Strokes();
   heard_ = DragFigures();
   model_.shown.await(nullptr);
   if (model_.shown.region()) {
@@ -208,7 +208,7 @@ void SessionSolver::take_over(const AppliedStep& step, bool applied) {
 
 void SessionSolver::commit_drag() {
   const Dragging& drag = std::get<Dragging>(phase_);
-  const Selection& selection = model_.selection;
+  const Selection selection = model_.selection;
   History& history = model_.history;
   EditStep step;
   step.region = selection.region;
@@ -220,7 +220,7 @@ void SessionSolver::commit_drag() {
   step.handles[static_cast<std::size_t>(selection.active)].transform = drag.motion.transform();
   const AppliedStep& applied = history.apply(std::move(step), model_.shown.region()->mesh_vertex, model_.shown.pose());
   history.set_discs(selection.discs);
-  model_.strokes = Strokes();
+  model_.timeline.add({Action::Kind::Step, drag.motion.text(), selection}, model_.settings);
   model_.show_mesh(applied.vertices, applied.after);
   model_.log(messages::step_applied(history.steps().size(), drag.motion, model_.active_group(),
                                     model_.shown.region()->size(), heard_.prepare_ms.value_or(0),
@@ -234,6 +234,8 @@ void SessionSolver::commit_amended() {
   History& history = model_.history;
   const std::shared_ptr<const Region> region = model_.shown.take_awaited();
   model_.show(history.steps().back().vertices, history.steps().back().before, false);
+  Action action{Action::Kind::Settings, messages::kOtherSettings, {}, amending.before, history.steps().back()};
+  model_.timeline.add(std::move(action), model_.settings);
   const AppliedStep& applied = history.amend(amending.step, region->mesh_vertex, solved_.positions);
   history.set_discs(model_.selection.discs);
   model_.show_mesh(applied.vertices, applied.after);
@@ -250,10 +252,13 @@ void SessionSolver::commit_loaded(const std::vector<EditResult>& results) {
   for (std::size_t k = 0; k < results.size(); ++k) {
     const AppliedStep& applied =
         model_.history.apply(std::move(edit.steps[k]), results[k].vertices, results[k].positions);
+    model_.timeline.add({Action::Kind::Step, messages::kSavedStep}, model_.settings);
     model_.show_mesh(applied.vertices, applied.after);
   }
   model_.log(messages::edit_applied(results.size()));
-  take_over(model_.history.steps().back(), true);
+  const AppliedStep& last = model_.history.steps().back();
+  model_.selection = selection_of(last, true, model_.selection, model_.settings);
+  take_over(last, true);
 }
 
 /// The next drag goes on from the mesh as it is now, in the same region.

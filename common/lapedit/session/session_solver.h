@@ -40,6 +40,7 @@ struct Dragging {
 struct Amending {
   EditStep step;
   std::shared_ptr<const TriangleMesh> base;  ///< the mesh before the step
+  DragSettings before;                       ///< of the step as it is now
   int serial = 0;                            ///< of the solve
 };
 
@@ -116,9 +117,10 @@ class SessionSolver {
 
   // Steps ------------------------------------------------------------------------------------------------------------
 
-  void amend();  ///< solves the last step again with the settings as they are now
+  /// Solves the last step again with the settings as they are now. @param before  those of the step as it is
+  void amend(const DragSettings& before);
   void load(Edit edit);
-  /// Goes back to the handle and the region of a step. @param applied  its region then is a set
+  /// The selection has become that of a step. @param applied  it is the one after it, else the one before
   void take_over(const AppliedStep& step, bool applied);
 
   // Answers ----------------------------------------------------------------------------------------------------------

@@ -6,7 +6,6 @@
 
 #include <common/interfaces.h>
 
-#include <QString>
 #include <string>
 
 #include "lapedit_host/tool/tool_events.h"
@@ -27,9 +26,6 @@ class HostToolBase : public MeshEditInterface, protected ToolEvents {
 
 inline void write_log(MeshDocument& document, const std::string& line) {
   document.Log.Log(GLLogStream::FILTER, line);
-}
-inline void show_on_picture(MeshDocument& document, const QString& title, const QString& layer, const QString& html) {
-  document.Log.RealTimeLog(title, layer, html);
 }
 inline FilterScript* history_of(MeshDocument& document) {
   return document.filterHistory;

@@ -6,7 +6,6 @@
 
 #include <common/plugins/interfaces/edit_plugin.h>
 
-#include <QString>
 #include <string>
 
 #include "lapedit_host/tool/tool_events.h"
@@ -31,9 +30,6 @@ class HostToolBase : public ::EditTool, protected ToolEvents {
 
 inline void write_log(MeshDocument& document, const std::string& line) {
   document.Log.log(GLLogStream::FILTER, line);
-}
-inline void show_on_picture(MeshDocument& document, const QString& title, const QString& layer, const QString& html) {
-  document.Log.realTimeLog(title, layer, html);
 }
 inline FilterScript* history_of(MeshDocument& document) {
   return &document.filterHistory;

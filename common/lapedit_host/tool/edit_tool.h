@@ -11,6 +11,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 class CMeshO;
 class QMainWindow;
@@ -41,15 +42,15 @@ class HostWindow {
   virtual QObject* document() = 0;
   virtual std::optional<Layer> currentLayer() = 0;
   virtual std::optional<Layer> layer(int id) = 0;
-  virtual bool suspended() = 0;  ///< the tool is shown, but mouse and keys are the host's
+  virtual std::vector<Layer> layers() = 0;
+  virtual void setCurrentLayer(int id) = 0;  ///< once the present event is over
+  virtual bool suspended() = 0;              ///< the tool is shown, but mouse and keys are the host's
 
   /// The layer's positions and normals have changed: brings them to the graphics card. Not while drawing.
   virtual void uploadGeometry(int layer) = 0;
   virtual void markModified(int layer) = 0;
   virtual void repaint() = 0;
 
-  /// A line over the picture; while drawing only, and again with each drawing.
-  virtual void showLine(const QString& title, const QString& line) = 0;
   virtual void log(const std::string& line) = 0;
 
   /// Lets the host's own navigation have an event, as if this button had been used.

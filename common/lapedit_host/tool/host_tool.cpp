@@ -4,10 +4,10 @@
 #include <meshlab/glarea.h>
 
 #include <QApplication>
-#include <QFontMetrics>
 #include <QMainWindow>
 #include <exception>
 #include <utility>
+#include <vector>
 
 namespace lapedit::host {
 namespace {
@@ -22,7 +22,6 @@ class HostView final : public HostWindow {
     shared_ = shared;
   }
   bool attached() const { return area_ != nullptr; }
-  void setDrawing(MeshModel* model) { drawing_ = model; }
 
   QWidget& canvas() override { return *area_; }
   QMainWindow* mainWindow() override { return qobject_cast<QMainWindow*>(area_->window()); }
@@ -34,6 +33,27 @@ class HostView final : public HostWindow {
   std::optional<Layer> layer(int id) override {
     MeshModel* model = find(id);
     return model ? seen(*model) : std::nullopt;
+  }
+
+  std::vector<Layer> layers() override {
+    std::vector<Layer> list;
+    for (const auto id : area_->meshVisibilityMap.keys()) {
+      if (const auto found = layer(static_cast<int>(id))) {
+        list.push_back(*found);
+      }
+    }
+    return list;
+  }
+
+  void setCurrentLayer(int id) override {
+    QMetaObject::invokeMethod(
+        area_,
+        [this, id] {
+          if (area_->md() != nullptr && find(id) != nullptr) {
+            area_->md()->setCurrentMesh(id);
+          }
+        },
+        Qt::QueuedConnection);
   }
 
   void uploadGeometry(int layer) override {
@@ -55,12 +75,6 @@ class HostView final : public HostWindow {
   }
 
   void repaint() override { area_->updateAllSiblingsGLAreas(); }
-
-  void showLine(const QString& title, const QString& line) override {
-    if (drawing_ != nullptr && area_->md() != nullptr) {
-      show_on_picture(*area_->md(), title, drawing_->shortName(), wrapped(line));
-    }
-  }
 
   void log(const std::string& line) override {
     if (area_ != nullptr && area_->md() != nullptr) {
@@ -130,25 +144,6 @@ class HostView final : public HostWindow {
     return layer;
   }
 
-  /// MeshLab shows HTML, and does not break lines.
-  QString wrapped(const QString& line) const {
-    constexpr int kFontPixels = 11;  // MeshLab's for these lines
-    QFont font("Helvetica");
-    font.setPixelSize(kFontPixels);
-    const QFontMetrics metrics(font);
-    QString html, row;
-    for (const QString& word : line.split(' ')) {
-      const QString longer = row.isEmpty() ? word : row + ' ' + word;
-      if (!row.isEmpty() && metrics.horizontalAdvance(longer) > area_->width() - 4 * kFontPixels) {
-        html += row.toHtmlEscaped() + "<br>";
-        row = word;
-      } else {
-        row = longer;
-      }
-    }
-    return html + row.toHtmlEscaped();
-  }
-
   /// To the view itself, as if the tool were suspended.
   void pass(QEvent& event) {
     const bool before = std::exchange(area_->suspendedEditor, true);
@@ -159,7 +154,6 @@ class HostView final : public HostWindow {
   QString title_;
   GLArea* area_ = nullptr;
   MLSceneGLSharedDataContext* shared_ = nullptr;
-  MeshModel* drawing_ = nullptr;
 };
 
 /// MeshLab never deletes a tool: it is made a child of its view.
@@ -214,10 +208,8 @@ class HostTool final : public QObject, public HostToolBase {
     }
     guarded([this] { return tool_->start(); });
   }
-  void draw(GLArea* area) override {
-    view_.setDrawing(area->mm());
+  void draw(GLArea*) override {
     guarded([this] { tool_->draw(); });
-    view_.setDrawing(nullptr);
   }
 
   template <class Call>

@@ -266,16 +266,16 @@ Answer camera(const QJsonObject&) {
   return {{{"matrix", numbers(eye_matrix(area))}, {"fov", static_cast<double>(area.fov)}}};
 }
 
-/// What the boxes over the picture say. MeshLab forgets them once they are drawn, so the tool is asked again.
+/// What the line over the picture says, which the tool leaves with its view when it draws.
 Answer on_screen(const QJsonObject&) {
   GLArea& area = gl_area();
   MeshDocument& md = document();
   QJsonArray texts;
   if (area.getCurrentMeshEditor() && md.mm()) {
     area.makeCurrent();
-    md.Log.clearRealTimeLog();
+    area.setProperty("laplacian_drag_line", QString());
     draw_tool(area, *md.mm());
-    for (const auto& [mesh, text] : md.Log.realTimeLogMultiMap()) {
+    if (const QString text = area.property("laplacian_drag_line").toString(); !text.isEmpty()) {
       texts += text;
     }
     area.repaint();  // with the right matrices, which the tool may have kept

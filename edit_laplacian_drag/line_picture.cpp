@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "line_picture.h"
+
+#include <QtGui/qopengl.h>
+
+#include <QPainter>
+#include <algorithm>
+
+#include "lapedit/session/drag_key.h"
+#include "pen.h"
+
+using namespace lapedit;
+
+namespace {
+
+constexpr int kWidest = 760, kMargin = 10, kPadding = 7, kFontPixels = 12;
+constexpr int kClearance = 30;       // pixels around what is not to be covered
+constexpr int kLinesOfMeshLab = 90;  // high, at the bottom
+
+QColor colorOf(const pen::Color& color, int alpha = 255) {
+  return QColor(color[0], color[1], color[2], alpha);
+}
+
+QFont fontOf(int pixels) {
+  QFont font("Helvetica");
+  font.setPixelSize(pixels);
+  return font;
+}
+
+/// A clear image, which is painted on in the pixels of the view.
+QImage blank(const QSize& size, double pixelRatio) {
+  QImage image(size * pixelRatio, QImage::Format_ARGB32);
+  image.setDevicePixelRatio(pixelRatio);
+  image.fill(Qt::transparent);
+  return image;
+}
+
+void background(QPainter& painter, const QSize& size, const QColor& color) {
+  painter.setRenderHint(QPainter::Antialiasing);
+  painter.setPen(Qt::NoPen);
+  painter.setBrush(color);
+  painter.drawRoundedRect(QRect(QPoint(), size), 5, 5);
+}
+
+struct Paragraph {
+  QString text;
+  QColor color;
+  QRect place = {};
+};
+
+QImage pictureOf(const LinePicture::Line& line, int widest, double pixelRatio) {
+  Paragraph paragraphs[] = {
+      {line.text, Qt::white}, {line.warning, colorOf(pen::kYellow)}, {line.place, QColor(190, 200, 210)}};
+  const QFontMetrics metrics(fontOf(kFontPixels));
+  QSize size(0, 2 * kPadding);
+  for (Paragraph& paragraph : paragraphs) {
+    if (!paragraph.text.isEmpty()) {
+      const QRect room(kPadding, size.height() - kPadding, widest - 2 * kPadding, 10000);
+      paragraph.place = metrics.boundingRect(room, Qt::TextWordWrap, paragraph.text);
+      size = QSize(std::max(size.width(), paragraph.place.width() + 2 * kPadding + 2),
+                   size.height() + paragraph.place.height());
+    }
+  }
+  QImage image = blank(size, pixelRatio);
+  QPainter painter(&image);
+  background(painter, size, line.warning.isEmpty() ? QColor(18, 18, 22, 175) : QColor(96, 34, 0, 215));
+  painter.setFont(fontOf(kFontPixels));
+  for (const Paragraph& paragraph : paragraphs) {
+    painter.setPen(paragraph.color);
+    painter.drawText(paragraph.place, Qt::TextWordWrap, paragraph.text);
+  }
+  return image;
+}
+
+QImage pictureOfKeys(double pixelRatio) {
+  constexpr int kWidth = 620, kNames = 130;
+  struct Row {
+    const char* name;
+    const char* does;
+  };
+  std::vector<Row> rows = {{"press and drag", "Moves the handle, or takes a new one with the region around it."},
+                           {"click", "Takes a handle and shows its region; on a handle: shows arrows and rings."},
+                           {"Ctrl+drag, Shift+drag", "Paints more, paints less of what the brush paints."},
+                           {"wheel, Shift+wheel", "Radius of the region; size of the handle."},
+                           {"right, middle button", "Turns, moves the view; Ctrl+wheel zooms."},
+                           {"?, F1", "Shows and hides these keys."}};
+  for (const KeyHelp& help : kKeyHelp) {
+    rows.push_back({help.name, help.does});
+  }
+  const QFontMetrics metrics(fontOf(kFontPixels - 1));
+  const auto height = [&](const Row& row) {
+    return metrics.boundingRect(QRect(0, 0, kWidth - kNames - 2 * kPadding, 1000), Qt::TextWordWrap, row.does)
+               .height() +
+           2;
+  };
+  int total = 2 * kPadding;
+  for (const Row& row : rows) {
+    total += height(row);
+  }
+  const QSize size(kWidth, total);
+  QImage image = blank(size, pixelRatio);
+  QPainter painter(&image);
+  background(painter, size, QColor(18, 18, 22, 225));
+  painter.setFont(fontOf(kFontPixels - 1));
+  int y = kPadding;
+  for (const Row& row : rows) {
+    painter.setPen(colorOf(pen::kYellow));
+    painter.drawText(kPadding, y, kNames, 1000, Qt::AlignLeft, row.name);
+    painter.setPen(Qt::white);
+    painter.drawText(QRect(kPadding + kNames, y, kWidth - kNames - 2 * kPadding, 1000), Qt::TextWordWrap, row.does);
+    y += height(row);
+  }
+  return image;
+}
+
+/// @param corner  upper left, pixels of the view; the coordinates are these
+void put(const QImage& image, const QPointF& corner) {
+  // A raster position beside the view would draw nothing.
+  glRasterPos2d(std::max(corner.x(), 0.0), std::max(corner.y(), 0.0));
+  glPixelZoom(1, -1);
+  glDrawPixels(image.width(), image.height(), GL_BGRA, GL_UNSIGNED_BYTE, image.constBits());
+}
+
+}  // namespace
+
+void LinePicture::draw(const Line& line, const QSize& view, double pixelRatio, const QVector<QPointF>& avoid) {
+  if (!(line == line_) || view != view_ || pixelRatio != pixelRatio_) {
+    line_ = line;
+    view_ = view;
+    pixelRatio_ = pixelRatio;
+    picture_ = pictureOf(line, std::min(kWidest, view.width() - 2 * kMargin), pixelRatio);
+  }
+  const QSizeF size = QSizeF(picture_.size()) / pixelRatio;
+  rectangle_ = QRectF(QPointF((view.width() - size.width()) / 2, kMargin), size);
+  const QRectF kept = rectangle_.adjusted(-kClearance, -kClearance, kClearance, kClearance);
+  if (std::any_of(avoid.begin(), avoid.end(), [&](const QPointF& pixel) { return kept.contains(pixel); })) {
+    rectangle_.moveTop(view.height() - kLinesOfMeshLab - kMargin - size.height());
+  }
+  put(picture_, rectangle_.topLeft());
+}
+
+void LinePicture::drawKeys(const QSize& view, double pixelRatio) {
+  if (keys_.isNull() || keys_.devicePixelRatio() != pixelRatio) {
+    keys_ = pictureOfKeys(pixelRatio);
+  }
+  const QSizeF size = QSizeF(keys_.size()) / pixelRatio;
+  put(keys_, QPointF((view.width() - size.width()) / 2, (view.height() - size.height()) / 2));
+}

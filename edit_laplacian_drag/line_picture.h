@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QImage>
+#include <QPointF>
+#include <QRectF>
+#include <QSize>
+#include <QString>
+#include <QVector>
+
+/// The line over the picture, and the table of keys. Draws with the present OpenGL context, in the pixels of the view.
+class LinePicture {
+ public:
+  struct Line {
+    QString text;     ///< what happens, or what the next click does
+    QString warning;  ///< shown in another colour; empty: none
+    QString place;    ///< what is under the cursor; empty: nothing
+    bool operator==(const Line& other) const {
+      return text == other.text && warning == other.warning && place == other.place;
+    }
+  };
+
+  /// At the top of the view, or at its bottom where the top is needed for other things.
+  /// @param avoid  pixels that are not to be covered
+  void draw(const Line& line, const QSize& view, double pixelRatio, const QVector<QPointF>& avoid);
+  /// In the middle of the view.
+  void drawKeys(const QSize& view, double pixelRatio);
+  /// Where the line was drawn last, pixels of the view.
+  const QRectF& rectangle() const { return rectangle_; }
+
+ private:
+  Line line_;
+  QImage picture_, keys_;
+  QSize view_;
+  double pixelRatio_ = 0;
+  QRectF rectangle_;
+};

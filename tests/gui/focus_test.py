@@ -1,0 +1,285 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Keys go where the mouse is, and the line over the picture: by X events, without a click on the picture first."""
+import re
+import time
+import unittest
+
+from tool import PANEL, TOOL, ToolTest, part
+from ply import write_ply
+from shapes import moved
+
+
+class Keyboard(ToolTest):
+    def at(self, w, vertex):
+        left, top = w.view_corner()
+        x, y = w.pixel(vertex)
+        return round(left + x), round(top + y)
+
+    def hover(self, w, vertex=None):
+        w.x("mousemove", *self.at(w, self.CENTRE if vertex is None else vertex))
+        self.seen(w)
+
+    def click_on(self, w, name):
+        x, y, width, height = w.widget(name)["rectangle"]
+        w.x("mousemove", x + min(width // 2, 40), y + height // 2, "sleep", 0.05, "click", 1)
+        self.seen(w)
+
+    def key(self, w, *keys):
+        for key in keys:
+            w.x("key", key)
+        self.seen(w)
+
+    def seen(self, w):
+        time.sleep(0.2)
+        w.idle()
+
+    def wait_mode(self, w, index):
+        w.wait(lambda: w.widget(part("mode"))["currentIndex"] == index, "the key was not for the picture", 20)
+
+    def test_keys_work_from_the_start_and_after_coming_back(self):
+        with self.open(self.mesh) as w:
+            w.resize(1280, 900)
+            w.trigger("Front")
+            self.shade_smoothly(w)
+            w.x_focus()
+            w.x("mousemove", *self.at(w, self.CENTRE))
+            w.x("key", "ctrl+alt+l")
+            w.wait_output("Started Mode " + TOOL)
+            self.hover(w, self.CENTRE + 1)
+            self.key(w, "c")
+            self.wait_mode(w, 1)
+            self.key(w, "c")
+            self.wait_mode(w, 0)
+            before = w.dump()
+            w.set(part("handle_share"), 0)
+            self.pull(w, self.CENTRE, (30, 20))
+            self.assertNotEqual(w.dump().moved(before), set())
+            for _ in range(2):
+                w.x("key", "ctrl+alt+l")
+                self.seen(w)
+            self.assertEqual(w.tool(), (TOOL, False))
+            self.hover(w)
+            self.key(w, "ctrl+z")
+            w.wait(lambda: not w.dump().moved(before), "undo did not reach the tool", 20)
+
+    def test_each_widget_of_the_panel_leaves_the_keys_to_the_picture(self):
+        with self.start(self.mesh) as w:
+            w.x_focus()
+            index = 0
+            names = ["radius", "radius_slider", "handle_share", "handle_share_slider", "mode", "preset", "pivot", "move",
+                     "keep_fixed", "group_region", "padding", "connect_gap", "group_region", "group_handle",
+                     "brush_target", "brush", "softness", "group_handle", "group_gizmo", "gizmo", "gizmo_axes",
+                     "group_gizmo", "group_symmetry", "mirror", "group_symmetry", "group_advanced", "order", "turning",
+                     "membrane", "group_advanced", "group_statistics", "heat"]
+            for name in names:
+                with self.subTest(name):
+                    self.click_on(w, part(name))
+                    if name in ("mode", "preset", "pivot", "brush_target", "gizmo_axes", "mirror", "turning"):
+                        self.key(w, "Escape")  # closes the list
+                    self.assertEqual(w.tool(), (TOOL, False))
+                    values = w.widget(part("preset"))["currentText"]
+                    self.hover(w)
+                    self.key(w, "c")
+                    index = 1 - index
+                    self.wait_mode(w, index)
+                    self.assertEqual(w.widget(part("preset"))["currentText"], values)
+                    self.hover(w, self.CENTRE + 5)
+
+    def test_digits_do_not_go_into_a_field_that_the_mouse_has_left(self):
+        with self.start(self.mesh) as w:
+            w.x_focus()
+            w.click(*w.pixel(self.CENTRE))
+            radius = w.widget(part("radius"))["value"]
+            self.click_on(w, part("radius"))
+            self.hover(w)
+            self.key(w, "t", "x", "period", "2", "Return")
+            self.assertEqual(self.steps_of(w)[0]["handles"][0]["translation"], [0.2, 0, 0])
+            self.assertEqual(w.widget(part("radius"))["value"], radius)
+            w.x_focus()
+            self.click_on(w, part("radius"))
+            self.key(w, "ctrl+a", "3", "Escape")  # typed, and given up
+            self.assertEqual(w.tool(), (TOOL, False))
+            self.assertEqual(w.widget(part("radius"))["value"], radius)
+
+    def test_keys_are_shown_by_their_key_and_button(self):
+        with self.start(self.mesh) as w:
+            w.x_focus()
+            self.hover(w)
+            for how in ("question", "F1"):
+                self.key(w, how)
+                self.assertEqual(self.message(w), "keys")
+                self.key(w, "Escape")
+                self.assertNotEqual(self.message(w), "keys")
+                self.assertEqual(w.tool(), (TOOL, False))
+            w.press_button(part("help"))
+            self.assertEqual(self.message(w), "keys")
+            self.hover(w)
+            w.x("click", 1)
+            self.seen(w)
+            self.assertNotEqual(self.message(w), "keys")
+
+    def test_vertex_under_the_cursor_is_named_and_copied(self):
+        with self.start(self.mesh) as w:
+            w.x_focus()
+            self.hover(w)
+            w.wait_message(rf"Vertex {self.CENTRE} at ")
+            self.key(w, "ctrl+c")
+            number, place = re.match(r"(\d+) \[(.*)\]$", w.clipboard()).groups()
+            self.assertEqual(int(number), self.CENTRE)
+            for a, b in zip(map(float, place.split(",")), self.points[self.CENTRE]):
+                self.assertAlmostEqual(a, b, places=5)
+
+    def test_strokes_and_steps_are_undone_in_order(self):
+        with self.start(self.mesh) as w:
+            w.x_focus()
+            before = w.dump()
+            w.click(*w.pixel(self.CENTRE))
+            self.pull(w, self.CENTRE, (30, 20))
+            step = w.dump()
+            w.drag(w.pixel(self.CENTRE + 6), w.pixel(self.CENTRE + 12), modifiers=["ctrl"])
+            w.set(part("group_statistics"), True)
+            self.pull(w, self.CENTRE, (10, 20))
+            self.hover(w)
+            self.key(w, "ctrl+z")
+            self.assert_same(step, w.dump())
+            self.key(w, "ctrl+z")  # the stroke
+            self.assert_same(step, w.dump())
+            self.key(w, "ctrl+z")
+            self.assert_same(before, w.dump())
+
+
+class Line(ToolTest):
+    def press_line(self, w):
+        """The line is in the middle of the upper edge."""
+        w.click(w.ask("project")["width"] / 2, 20)
+
+    def test_bad_shape_is_warned_of_and_shown(self):
+        with self.start(self.mesh, disc=20) as w:
+            self.pull(w, self.CENTRE, (150, -250), release=False)
+            w.wait_message("folded over|times as long")
+            w.mouse("release", *(c + d for c, d in zip(w.pixel(self.CENTRE), (0, 0))))
+            w.idle()
+            self.assertRegex(self.message(w), "Click here to see where")
+            self.assertFalse(w.widget(part("heat"))["checked"])
+            w.key("Z", modifiers=["ctrl"])
+            self.assertNotRegex(self.message(w), "folded|times as long")
+
+    def test_warning_is_pressed(self):
+        with self.start(self.mesh, disc=20) as w:
+            self.pull(w, self.CENTRE, (250, 150))
+            self.assertRegex(self.message(w), "Click here to see where")
+            self.press_line(w)
+            self.assertTrue(w.widget(part("heat"))["checked"])
+            self.assertNotRegex(self.message(w), "Click here")
+            self.assertEqual(len(self.steps_in_log(w)), 1)
+
+    def test_other_layer_is_named_and_can_be_chosen(self):
+        aside = write_ply(self.folder / "aside.ply", *moved((self.points, self.faces), offset=(1.3, 0, 0)))
+        with self.start(self.mesh, aside) as w:
+            w.layer(0, current=True)
+            w.click(*w.pixel(self.CENTRE, layer=1))
+            self.assertRegex(self.message(w), r"layer aside\.ply.*click here")
+            self.press_line(w)
+            w.wait(lambda: w.layers()[1]["current"], "the layer did not become the current one", 20)
+            self.assertEqual(w.tool(), (TOOL, False))
+
+    def test_refusal_goes_when_the_mouse_goes_on(self):
+        with self.start(self.mesh) as w:
+            w.set(part("group_region"), True)
+            w.press_button(part("from_selection"))
+            self.assertRegex(self.message(w), "select some faces")
+            w.move(300, 300)
+            w.move(340, 320)
+            self.assertNotRegex(self.message(w), "select some faces")
+
+    def test_modes_are_named_and_the_pivot_is_drawn(self):
+        with self.start(self.mesh, disc=20) as w:
+            x, y = w.pixel(self.CENTRE)
+            w.click(x, y)
+            w.move(3, 300)
+            self.assertNotRegex(self.message(w), "Brush|Turns about")
+            plain = self.picture(w, x, y)
+            w.key("B", "B", "P", "P")
+            self.assertRegex(self.message(w), r"Brush: keep fixed\. Turns about: shoulder")
+            self.assertGreater(sum(a != b for a, b in zip(plain, self.picture(w, x, y))), 30)
+            w.key("W")  # the old region is not what the next click is about
+            tinted = self.picture(w, x, y)
+            self.assertGreater(sum(a != b for a, b in zip(plain, tinted)), 1000)
+
+    def test_dropped_motion_leaves_no_figures(self):
+        with self.start(self.mesh, disc=20) as w:
+            self.pull(w, self.CENTRE, (40, -40), release=False)
+            w.wait(lambda: re.search(r"stretch \d", w.widget(part("quality"))["text"]), "no figures", 20)
+            w.key("Backspace")
+            self.assertNotRegex(w.widget(part("quality"))["text"], r"\d")
+
+    def test_typed_angle_goes_on_where_the_mouse_has_turned_to(self):
+        with self.start(self.mesh, disc=40) as w:
+            x, y = w.pixel(self.CENTRE)
+            w.click(x, y)
+            for side in (1, -1):
+                w.move(x + 60, y)
+                w.key("R")
+                w.move(x + 50, y + 30 * side)
+                turning = float(re.match(r"Turning by (-?[\d.]+)", self.message(w))[1])
+                w.key("4", "5")
+                typed = float(re.match(r"Turning by (-?[\d.]+)", self.message(w))[1])
+                self.assertEqual(typed, 45 if turning > 0 else -45)
+                w.key("Backspace")
+
+
+class KeepFixed(ToolTest):
+    def test_is_painted_without_a_key_and_stays(self):
+        with self.start(self.mesh, disc=20) as w:
+            w.press_button(part("keep_fixed"))
+            self.assertRegex(self.message(w), "Paint what is to stay")
+            held = [(20 + k) * self.ROWS + 24 for k in range(-4, 5)]
+            w.drag(w.pixel(held[0]), w.pixel(held[-1]), steps=16)
+            before = w.dump()
+            w.x_focus()
+            w.move(*w.pixel(self.CENTRE))
+            w.x("key", "Escape")  # ends painting, and does not suspend
+            w.wait(lambda: not w.widget(part("keep_fixed"))["checked"], "painting does not end", 20)
+            self.assertEqual(w.tool(), (TOOL, False))
+            w.click(*w.pixel(self.CENTRE))
+            w.drag(w.pixel(self.CENTRE - 3 * self.ROWS), w.pixel(self.CENTRE - 9 * self.ROWS), modifiers=["ctrl"])
+            self.pull(w, self.CENTRE, (-40, -60))
+            after = w.dump()
+            way = [max(abs(a - b) for a, b in zip(before.triples()[v], after.triples()[v]))
+                   for v in (self.CENTRE, held[4])]
+            self.assertGreater(way[0], 0.05)
+            self.assertLess(way[1], 0.03 * way[0])
+            self.assert_replay_is_the_same(w, self.mesh)
+
+    def test_click_on_the_handle_shows_the_gizmo_and_a_drag_moves_it(self):
+        with self.start(self.mesh, disc=20) as w:
+            x, y = w.pixel(self.CENTRE)
+            w.click(x, y)
+            self.assertFalse(w.widget(part("gizmo"))["checked"])
+            w.click(x, y)
+            self.assertTrue(w.widget(part("gizmo"))["checked"])
+            self.assert_at(w, self.CENTRE, self.pull(w, self.CENTRE, (25, -20)))
+
+
+class Panel(ToolTest):
+    def test_lists_and_buttons_without_a_mesh(self):
+        with self.start(self.mesh) as w:
+            self.assertEqual(w.widget(part("mirror"))["count"], 8)  # off, six planes, one found
+            self.assertFalse(w.widget(part("progress"))["visible"])  # nothing is prepared
+            w.layer(remove=True)
+            for name in ("load", "keep_fixed", "mode"):
+                widget = w.widget(part(name))
+                self.assertFalse(widget["visible"] and widget["enabled"], name)
+
+    def test_point_cloud_is_refused_where_it_is_seen(self):
+        cloud = write_ply(self.folder / "points.ply", self.points, [])
+        with self.start(cloud, self.mesh) as w:
+            w.layer(0, current=True)
+            for name in ("load", "keep_fixed", "mode"):
+                widget = w.widget(part(name))
+                self.assertFalse(widget["visible"] and widget["enabled"], name)
+            self.assertRegex(self.message(w), "faces")
+
+
+if __name__ == "__main__":
+    unittest.main()
