@@ -112,7 +112,7 @@ def raise_arm(tour, window, at):
     tour.release()
     window.set(part("gizmo"), True)
     window.set(part("gizmo_axes"), "View")
-    window.set(part("pivot"), "Rim")
+    window.set(part("pivot"), "Shoulder (edge)")
     tour.frame(1.6)
     tour.caption = "Drag the ring: the arm is raised in one motion."
     centre = middle_of_rim(window, nearest(window.dump().triples(), HAND))
