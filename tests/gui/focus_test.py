@@ -231,6 +231,7 @@ class Line(ToolTest):
 class KeepFixed(ToolTest):
     def test_is_painted_without_a_key_and_stays(self):
         with self.start(self.mesh, disc=20) as w:
+            w.set(part("radius"), 0.4)
             w.press_button(part("keep_fixed"))
             self.assertRegex(self.message(w), "Paint what is to stay")
             held = [(20 + k) * self.ROWS + 24 for k in range(-4, 5)]
