@@ -9,14 +9,14 @@
 #include "lapedit/edit/edit.h"
 #include "lapedit_host/tool/edit_tool.h"
 
-/// How an edit leaves the window, and comes back.
+/// Saving and loading edits in the window.
 
 class QWidget;
 
-/// Where the edit of a layer is looked for: <mesh>.laplacian.json beside the mesh.
+/// Returns the default file of a layer's edit: <mesh>.laplacian.json beside the mesh.
 QString editFileFor(const lapedit::host::Layer& layer);
 
-/// Asks for a file and writes the edit into it as JSON. @param suggested  the file it begins with
+/// Asks for a file and writes the edit into it as JSON. @param suggested the file that the dialog proposes
 /// @return a line for the user, empty if no file was chosen
 std::string saveEdit(QWidget* parent, const lapedit::Edit& edit, const QString& suggested);
 
@@ -24,5 +24,5 @@ std::string saveEdit(QWidget* parent, const lapedit::Edit& edit, const QString& 
 /// @throws EditError (BadScript)
 std::optional<lapedit::Edit> loadEdit(QWidget* parent, const QString& suggested);
 
-/// Text of an .mlx script that replays an edit, given as JSON, with the filter Laplacian Edit Replay.
+/// Returns the text of an .mlx script that replays an edit, given as JSON, with the filter Laplacian Edit Replay.
 QString filterScript(const QByteArray& edit);

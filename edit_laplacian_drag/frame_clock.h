@@ -4,26 +4,26 @@
 #include <QElapsedTimer>
 #include <deque>
 
-/// Milliseconds of one frame of a drag, from the mouse's move to the picture on the screen.
+/// Milliseconds of one frame of a drag, from the mouse move to the image on the screen.
 struct FrameTimes {
   double solve = 0, write = 0, upload = 0, draw = 0, total = 0;
 };
 
-/// Times the frames of a drag: from the first mouse move that is not on the screen yet to the picture that shows it.
+/// Times the frames of a drag: from the first mouse move that is not shown yet to the image that shows it.
 class FrameClock {
  public:
   void reset();
 
   void mouseMoved();
-  /// A pose was brought to the graphics card.
+  /// To be called when a pose was uploaded to the graphics card.
   void poseArrived(double solve, double write, double upload);
   void paintBegins() { sincePaint_.start(); }
   /// Milliseconds since then.
   int sincePaint() const { return static_cast<int>(sincePaint_.elapsed()); }
-  /// The picture is on the screen. @return whether that completes a frame
+  /// To be called when the image is on the screen. @return whether that completes a frame
   bool painted();
 
-  /// Whether the mouse moved, not longer ago than this, and no pose has come since.
+  /// Returns whether the mouse moved within this time and no pose has followed.
   bool waitsForPose(int milliseconds) const;
 
   const std::deque<FrameTimes>& frames() const { return frames_; }  ///< the last hundred

@@ -3,10 +3,10 @@
 
 #include "lapedit/session/gizmo.h"
 
-/// In pixels. @param part   under the cursor or held, shown brightly
-///             @param alone  nothing but that part: it is being dragged
+/// Draws a gizmo, in pixels. @param part under the cursor or held, highlighted
+///             @param alone  draws only that part, which is being dragged
 void drawGizmo(const lapedit::Gizmo& gizmo, const lapedit::Camera& view, lapedit::GizmoPart part, bool alone,
                double pixelRatio);
 
-/// The angle that a rotation has turned by, from where the mouse took hold; in pixels.
+/// Draws the angle of a rotation, from where the mouse started; in pixels.
 void drawTurn(const lapedit::DragMotion& motion, const lapedit::Camera& view, double pixelRatio);

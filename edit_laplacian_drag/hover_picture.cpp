@@ -10,6 +10,8 @@ using namespace lapedit;
 
 namespace {
 
+constexpr double kAbove = 0.9993;  // the surface that the lines lie in
+
 void segments(const Points& ends) {
   glEnableClientState(GL_VERTEX_ARRAY);
   glVertexPointer(3, GL_DOUBLE, 0, ends.data());
@@ -29,15 +31,40 @@ void tangentCircle(const HoverPreview& preview, double radius) {
   glEnd();
 }
 
+void dot(const Vector3& place, double size, double pixelRatio) {
+  for (const bool rim : {true, false}) {
+    glPointSize(static_cast<GLfloat>((rim ? size + 3 : size) * pixelRatio));
+    pen::set(rim ? pen::kDark : pen::kYellow, 0.8);
+    glBegin(GL_POINTS);
+    pen::vertex(place);
+    glEnd();
+  }
+}
+
+/// What a click leads the curve on by.
+void drawPath(const Points& path, double pixelRatio) {
+  glDepthRange(0, kAbove);
+  glEnableClientState(GL_VERTEX_ARRAY);
+  glVertexPointer(3, GL_DOUBLE, 0, path.data());
+  pen::rimmed(pen::kYellow, 2, pixelRatio, [&] { glDrawArrays(GL_LINE_STRIP, 0, static_cast<GLsizei>(path.rows())); });
+  glDisableClientState(GL_VERTEX_ARRAY);
+  glDepthRange(0, 1);
+}
+
 }  // namespace
 
 void drawHover(const HoverPreview& preview, double pixelRatio) {
+  if (preview.path.rows() > 1) {
+    drawPath(preview.path, pixelRatio);
+  }
+  if (preview.curve_point) {
+    dot(*preview.curve_point, 13, pixelRatio);
+  }
   using Kind = HoverPreview::Kind;
   if (preview.kind != Kind::Region && preview.kind != Kind::Handle) {
     return;
   }
-  constexpr double kShift = 0.9993;  // above the surface that the lines lie in
-  glDepthRange(0, kShift);
+  glDepthRange(0, kAbove);
   const bool flat = !preview.is_whole && !preview.normal.isZero(0);
   if (preview.kind == Kind::Region) {
     pen::rimmed(pen::kLight, 1.2, pixelRatio, [&] {
@@ -55,13 +82,7 @@ void drawHover(const HoverPreview& preview, double pixelRatio) {
       }
     });
   } else {
-    for (const bool rim : {true, false}) {
-      glPointSize(static_cast<GLfloat>((rim ? 10 : 7) * pixelRatio));
-      pen::set(rim ? pen::kDark : pen::kYellow, 0.8);
-      glBegin(GL_POINTS);
-      pen::vertex(preview.point);
-      glEnd();
-    }
+    dot(preview.point, 7, pixelRatio);
   }
   glDepthRange(0, 1);
 }

@@ -3,5 +3,5 @@
 
 #include "lapedit/session/hover.h"
 
-/// Outlines on the surface of what a press would take; for a group the surface's own picture shows it.
+/// Draws outlines of what a press would pick on the surface; SurfacePicture highlights groups.
 void drawHover(const lapedit::HoverPreview& preview, double pixelRatio);

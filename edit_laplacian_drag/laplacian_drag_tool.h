@@ -13,7 +13,7 @@
 #include "overlay.h"
 #include "window_sessions.h"
 
-/// The tool in one view: hands mouse and keys to the session of the current layer, and draws it.
+/// The tool in one view: passes mouse and keys to the session of the current layer, and draws it.
 class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool, public SessionUser {
   Q_OBJECT
 
@@ -81,15 +81,15 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   bool keysShown_ = false;
   int offered_ = -1;  // layer that a press on the notice switches to
   bool on_ = false;
-  QString nothing_;  // why there is no session, as a sentence
-  QString notice_;   // until the next event, or until the mouse goes on
+  QString nothing_;  // message why there is no session
+  QString notice_;   // shown until the next event or mouse move
 
   lapedit::Camera view_;
   Eigen::Matrix4d worldToClip_ = Eigen::Matrix4d::Identity();
   struct Mouse {
     QPointF position, pressedAt, noticedAt;
     Qt::KeyboardModifiers modifiers;
-    Qt::MouseButton navigating = Qt::NoButton;  // held for the host's own navigation
+    Qt::MouseButton navigating = Qt::NoButton;  // held for MeshLab's navigation
     bool pressed = false, moved = false;
     bool inside = false;  // over the canvas, no button held
   } mouse_;

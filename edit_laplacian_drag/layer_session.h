@@ -6,14 +6,14 @@
 #include "lapedit/session/drag_session.h"
 #include "lapedit_host/pose_writer.h"
 
-/// A dragging session with the mesh of one layer, whose poses are written into it.
+/// A dragging session with the mesh of one layer; writes poses into the mesh.
 class LayerSession {
  public:
   /// @throws EditError if there is nothing to edit in the mesh
   LayerSession(const CMeshO& mesh, const lapedit::DragSession::Callbacks& callbacks);
 
   lapedit::DragSession& session() { return session_; }
-  /// Whether vertices, faces and positions of the mesh are still as this session wrote them.
+  /// Returns whether vertices, faces and positions of the mesh are still as this session wrote them.
   bool matches(const CMeshO& mesh) const { return writer_.matches(mesh); }
   /// To be called when the tool is left. wasLeftLike() then returns whether the mesh is still the same, normals
   /// included, which a filter may have recomputed.
@@ -23,14 +23,14 @@ class LayerSession {
   enum class Update {
     Nothing,     ///< no vertex has moved
     Passing,     ///< a pose in progress was written
-    Settled,     ///< what was applied or taken back was written
-    MeshChanged  ///< the mesh was changed elsewhere; it was left as it is
+    Settled,     ///< an applied or undone step was written
+    MeshChanged  ///< other code changed the mesh; nothing was written
   };
-  /// Writes what the session has moved since the last call into the layer's mesh.
+  /// Writes the vertices that have moved since the last call into the layer's mesh.
   Update update(CMeshO& mesh);
   double writeMilliseconds() const { return writeMilliseconds_; }  ///< of the last pose
 
-  QString inHistory;  ///< the edit that was put into the document's history last
+  QString inHistory;  ///< the last edit in the document's history
 
  private:
   LayerSession(const CMeshO& mesh, const lapedit::host::BridgedMesh& bridged,

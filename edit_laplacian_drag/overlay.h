@@ -7,7 +7,7 @@
 #include "lapedit/session/drag_session.h"
 #include "surface_picture.h"
 
-/// Shows region, handles, motion, gizmo and what a press would take, of one session. Reads, and changes nothing.
+/// Shows region, handles, motion, gizmo and the preview of a press for one session. Only reads the session.
 class Overlay {
  public:
   struct Brush {
@@ -20,11 +20,11 @@ class Overlay {
     double width = 0, height = 0;  ///< of the view, pixels
     double pixelRatio = 1;         ///< device pixels per pixel
     std::optional<Brush> brush;
-    bool heat = false;  ///< stretch of the edges in place of the region's tints
+    bool heat = false;  ///< stretch of the edges instead of the region's tints
   };
 
-  /// Draws with the present OpenGL context, into the layer's coordinates: its transform is in the modelview matrix.
-  /// Leaves the state of OpenGL as it was. O(size of the region).
+  /// Draws with the current OpenGL context, in the layer's coordinates: its transform is in the modelview matrix.
+  /// Restores OpenGL's state. O(size of the region).
   void draw(const lapedit::DragSession& session, const lapedit::Camera& view, const Options& options);
 
  private:
@@ -32,6 +32,6 @@ class Overlay {
   void drawLegend(const Options& options);
 
   SurfacePicture surface_;
-  std::optional<lapedit::Gizmo> gizmo_;  // as it was before the motion
+  std::optional<lapedit::Gizmo> gizmo_;  // before the motion
   QImage legend_;
 };

@@ -23,7 +23,8 @@ class QSlider;
 class QSpinBox;
 class QVBoxLayout;
 
-/// The tool's dock panel: groups of widgets that fold. Every widget is called laplacian_drag_<part>, also for tests.
+/// The tool's dock panel: groups of widgets that fold. Every widget is named laplacian_drag_<part>; tests use the
+/// names.
 class Panel : public QDockWidget {
   Q_OBJECT
 
@@ -32,23 +33,23 @@ class Panel : public QDockWidget {
 
   explicit Panel(QWidget* parent);
 
-  /// @param canvas  gets the keyboard back when a value has been entered
+  /// @param canvas  gets the keyboard focus after a value was entered
   void setCanvas(QWidget* canvas) { canvas_ = canvas; }
-  /// @param mesh  steps, digits and ranges of lengths follow its size, planes its box
+  /// @param mesh  its size defines steps, digits and ranges of lengths, its box the mirror planes
   void setMesh(const lapedit::TriangleMesh& mesh);
-  /// Brings all to the state of a session; null: nothing can be edited.
+  /// Shows the state of a session; null: nothing can be edited.
   void show(const lapedit::DragSession* session, const FrameTimes& median);
-  bool heat() const;  ///< whether stretch is to be seen
+  bool heat() const;  ///< whether stretch is to be shown
   void setHeat(bool on);
   void setBusy(bool busy);
   void setFrames(const std::deque<FrameTimes>& frames);
 
  signals:
-  /// A value was edited.
+  /// Emitted when a value was edited.
   void edited(const Panel::Change& change);
-  /// A button was pressed. @param part  of its name
+  /// Emitted when a button was pressed. @param part of its name
   void command(const QString& part);
-  /// The user closed the panel.
+  /// Emitted when the user closed the panel.
   void closed();
 
  protected:
@@ -61,7 +62,7 @@ class Panel : public QDockWidget {
     std::function<double(const lapedit::DragSettings&)> get;
     std::function<void(lapedit::DragSettings&, double)> set;
   };
-  /// @param factor  what is shown over what is set
+  /// @param factor  shown value over stored value
   template <auto member, int factor = 1>
   static Access access();
 
@@ -73,7 +74,7 @@ class Panel : public QDockWidget {
   void addAdvanced();
   void addStatistics();
 
-  /// All that is added from now on is in this group.
+  /// Adds the widgets that follow to this group.
   void begin(const char* group, const QString& title, const QString& help, bool open = false);
   void row(const QString& label, QWidget* field);
   void buttons(const std::vector<QPushButton*>& row);
@@ -86,37 +87,37 @@ class Panel : public QDockWidget {
   QDoubleSpinBox* percent(const char* part, int high, const QString& help, const Access& access);
   QDoubleSpinBox* length(const char* part, const QString& help, const Access& access);
   QSpinBox* count(const char* part, int low, int high, const QString& help, const Access& access);
-  /// A number with a slider beside it, which has kSliderSteps places.
+  /// A number with a slider of kSliderSteps positions.
   QWidget* dragged(QDoubleSpinBox* box, const std::function<double(double)>& valueAt,
                    const std::function<double(double)>& placeOf, const Access& access);
   QComboBox* choice(const lapedit::Setting& setting, const Access& access);
   QComboBox* presetChoice();
-  /// Of what belongs to the session and not to its settings.
+  /// A value of the session that is no setting.
   QComboBox* state(const char* part, const QStringList& choices, const QString& help,
                    const std::function<int(const lapedit::DragSession&)>& get,
                    const std::function<void(lapedit::DragSession&, int)>& set);
   QPushButton* button(const char* part, const QString& text, const QString& help);
   QLabel* figure(const char* part, const QString& help);
-  /// From now on what is entered changes the settings, and show() brings them back.
+  /// Connects the widget: input changes the settings, and show() displays them.
   template <class Widget, class Value>
   void follow(Widget* box, const Access& access, void (Widget::*changed)(Value), void (Widget::*bring)(Value));
   void change(const Change& change);
   void giveKeysBack();
 
-  /// X, Y, Z through the origin of the layer, then through the middle of its box.
+  /// Returns the planes X, Y, Z through the origin of the layer, then through the middle of its box.
   lapedit::MirrorPlane plane(int index) const;
   void showCommands(const lapedit::DragSession& session);
   void showFigures(const lapedit::DragSession& session, const FrameTimes& median);
 
   QPointer<QWidget> canvas_;
   QVBoxLayout* column_;
-  QFormLayout* form_ = nullptr;  ///< of the group that is being filled
+  QFormLayout* form_ = nullptr;  ///< of the current group
   lapedit::DragSettings settings_;
   double size_ = 1;  ///< of the mesh
   lapedit::Vector3 middle_ = lapedit::Vector3::Zero();
   std::vector<std::function<void(const lapedit::DragSession&)>> shown_;  ///< one per value
   std::vector<QLabel*> titles_;                                          ///< of rows
-  std::vector<QDoubleSpinBox*> lengths_;                                 ///< whose digits follow the mesh's size
+  std::vector<QDoubleSpinBox*> lengths_;                                 ///< with digits that depend on the mesh's size
   QCheckBox* heat_;
   QProgressBar* progress_;
   QLabel *region_, *times_, *frame_, *quality_;

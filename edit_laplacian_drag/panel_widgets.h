@@ -7,10 +7,10 @@
 class QFormLayout;
 class QToolButton;
 
-/// What a slider or a wheel sets: nobody wants more digits. @param value  greater than 0
+/// Rounds values of sliders and wheels to few digits. @param value greater than 0
 double threeDigits(double value);
 
-/// Shows no more digits than it needs.
+/// A number without trailing zeros.
 class NumberBox : public QDoubleSpinBox {
   Q_OBJECT
 
@@ -18,7 +18,7 @@ class NumberBox : public QDoubleSpinBox {
   QString textFromValue(double value) const override;
 };
 
-/// Widgets under a title that folds them away.
+/// Widgets under a title that folds them.
 class FoldGroup : public QWidget {
   Q_OBJECT
 

@@ -7,31 +7,31 @@
 #include "lapedit/session/gizmo.h"
 #include "lapedit/session/patch_border.h"
 
-/// What the pictures over the surface are drawn with: colours, and lines with a dark rim, which show on any mesh.
+/// Draws over the surface: colours, and lines with a dark rim, which are visible on any mesh.
 namespace pen {
 
 using Color = std::array<unsigned char, 3>;
 
-// Okabe and Ito's colours, which the colour-blind tell apart: https://jfly.uni-koeln.de/color/
+// Okabe and Ito's colours, which colour-blind people can distinguish: https://jfly.uni-koeln.de/color/
 constexpr Color kOrange{230, 159, 0}, kSkyBlue{86, 180, 233}, kGreen{0, 158, 115}, kYellow{240, 228, 66},
     kBlue{0, 114, 178}, kVermillion{213, 94, 0}, kPurple{204, 121, 167};
 constexpr Color kDark{18, 18, 22}, kLight{252, 252, 252}, kGrey{130, 130, 136};
 
 constexpr Color kFree = kSkyBlue, kAnchor = kVermillion;
 
-/// Of handle groups, in turn.
+/// Returns the colour of a handle group, in turn.
 inline Color groupColor(std::size_t group) {
   constexpr Color kGroups[] = {kYellow, kPurple, kBlue, kOrange, kGreen};
   return kGroups[group % 5];
 }
 
-/// Of axis 0, 1, 2: near to the red, green and blue that people know.
+/// Returns the colour of axis 0, 1, 2: near the usual red, green and blue.
 inline Color axisColor(int axis) {
   constexpr Color kAxes[] = {{232, 84, 40}, {0, 190, 130}, {70, 140, 240}};
   return kAxes[axis];
 }
 
-/// Of what a motion is held to.
+/// The colour of a locked axis.
 inline Color axisColor(lapedit::AxisLock lock, lapedit::GizmoPart part) {
   return lock == lapedit::AxisLock::Gizmo && lapedit::axis_number(part) >= 0 ? axisColor(lapedit::axis_number(part))
          : lock >= lapedit::AxisLock::X && lock <= lapedit::AxisLock::Z
@@ -59,7 +59,7 @@ void line(const Place& from, const Place& to) {
   glEnd();
 }
 
-/// Lines first with their rim, then again without. draw() is called twice.
+/// Draws lines with a rim, then again without; calls draw() twice.
 template <class Draw>
 void rimmed(const Color& color, double width, double pixelRatio, const Draw& draw, double alpha = 1) {
   for (const bool rim : {true, false}) {
@@ -69,10 +69,10 @@ void rimmed(const Color& color, double width, double pixelRatio, const Draw& dra
   }
 }
 
-/// Of the vertex array. Joints of wide lines are filled, which shows through where lines are not opaque.
+/// Draws lines of the vertex array. Joints of wide lines are filled, which is visible where lines are not opaque.
 void chains(const lapedit::Chains& chains, double width, bool opaque = true);
 
-/// While it lives, coordinates are pixels from the upper left corner, and nothing is hidden.
+/// During its lifetime coordinates are pixels from the upper left corner, without a depth test.
 class InPixels {
  public:
   InPixels(double width, double height);
@@ -90,7 +90,7 @@ class FlatState {
   FlatState& operator=(const FlatState&) = delete;
 };
 
-/// Round about a pixel.
+/// A circle about a pixel.
 void circle(const lapedit::Vector2& center, double radius);
 
 }  // namespace pen

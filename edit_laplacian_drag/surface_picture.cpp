@@ -118,6 +118,12 @@ void SurfacePicture::list(const DragSession& session) {
   findLoose(session, labels);
   fixed_ = std::move(handles_.back());
   handles_.pop_back();
+  for (std::size_t g = 0; g < session.groups().size(); ++g) {
+    const HandleCurve& curve = session.curve(static_cast<int>(g));
+    for (std::size_t k = 0; curve.bends() && k < curve.points.size(); ++k) {
+      handles_[g].points.push_back(number(region, curve.path[curve.points[k]]));
+    }
+  }
   lost_ = std::move(handles_.back());
   handles_.pop_back();
 }
@@ -289,12 +295,11 @@ void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, co
   const Patch& patch = handles_[group];
   const int given = session.group_of_image(static_cast<int>(group));
   const pen::Color color = pen::groupColor(static_cast<std::size_t>(given));
-  const bool active = given == session.active_group();
+  const bool active = session.moves(given);
   const bool moving = session.motion() != nullptr;
   const bool hovered = given == options.hovered;
   // No pose says yet where it is.
-  const bool ahead =
-      static_cast<int>(group) == session.active_group() && moving && (!session.region() || !session.in_hand());
+  const bool ahead = session.moves(static_cast<int>(group)) && moving && (!session.region() || !session.in_hand());
   if (ahead) {
     Eigen::Matrix4d map = Eigen::Matrix4d::Identity();
     map.topRows<3>() = session.active_map().matrix();
@@ -344,6 +349,7 @@ void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, co
   glDepthRange(0, kShift);
   outline(width, 1);
   points(patch.loose, color, size, 1, alone);
+  points(patch.points, color, 9 * ratio, 1);
   if (ahead) {
     glEnable(GL_DEPTH_TEST);
     glPopMatrix();

@@ -9,27 +9,28 @@
 #include "lapedit/session/vertex_stretch.h"
 #include "pen.h"
 
-/// Of a stretch as VertexStretch has it: longer goes over yellow to red, shorter to blue, until four times and a
-/// quarter.
+/// Returns the colour of a stretch as in VertexStretch: longer through yellow to red, shorter to blue, up to a factor
+/// of four and a quarter.
 pen::Color stretchColor(float stretch);
 
-/// Region, anchors and handle groups of a session, as tints and outlines on the surface. What is drawn is listed when
-/// region or groups change; a frame of a drag only takes the new places, and allocates nothing.
+/// Region, anchors and handle groups of a session, as tints and outlines on the surface. Lists are built when region or
+/// groups change; a frame of a drag only reads new positions, and allocates nothing.
 class SurfacePicture {
  public:
   struct Options {
     int hovered = -1;         ///< group under the cursor
-    bool heat = false;        ///< stretch of the edges in place of the region's tints
+    bool heat = false;        ///< stretch of the edges instead of the region's tints
     double pixelRatio = 1.0;  ///< device pixels per pixel
   };
 
-  /// O(what has changed), and the tests whether groups have.
+  /// O(size of the change), and a comparison of the groups.
   void draw(const lapedit::DragSession& session, const Options& options);
 
  private:
   /// Faces, an outline, and vertices that are in none of the faces.
   struct Patch {
     std::vector<unsigned> faces, loose;
+    std::vector<unsigned> points = {};  // of a curve that bends
     lapedit::Chains border;
   };
 
@@ -46,7 +47,7 @@ class SurfacePicture {
   /// Groups, then what nothing reaches, then what is kept fixed.
   const std::vector<int>& labelled(std::size_t label) const;
 
-  // Vertices are numbered as in the region, those outside it behind.
+  // Vertices are numbered as in the region, followed by those outside.
   int regionSerial_ = -1, poseSerial_ = -1;
   std::vector<std::vector<int>> groups_;
   std::vector<int> unconnected_, held_, outside_;  // mesh vertex numbers

@@ -12,23 +12,23 @@
 #include "layer_session.h"
 #include "panel.h"
 
-/// What uses the panel and the sessions, one at a time: the tool in a view.
+/// The user of the panel and the sessions, one at a time: the tool in a view.
 class SessionUser {
  public:
-  /// Another user begins, perhaps with the same session, which is to be left in peace then.
+  /// Another user begins, perhaps with the same session, which must not be touched then.
   virtual void handOver(bool sameSession) = 0;
-  /// The sessions are about to go away, and nothing of them may be used any more.
+  /// The sessions are about to be deleted and must not be used any more.
   virtual void sessionGone() = 0;
-  virtual CMeshO* meshOf(int layer) = 0;  ///< null if it is gone
+  virtual CMeshO* meshOf(int layer) = 0;  ///< null if it was deleted
   virtual void log(const std::string& line) = 0;
-  virtual void poll() = 0;  ///< the session has something new
+  virtual void poll() = 0;  ///< the session has news
 
  protected:
   ~SessionUser() = default;
 };
 
-/// What the tools in one main window's views share: the panel, and a session for each layer that was edited, whichever
-/// view it was edited in. One per main window, and its child.
+/// Shared by the tools in one main window's views: the panel, and a session for each edited layer. One per main window,
+/// and its child.
 class WindowSessions : public QObject {
   Q_OBJECT
 
@@ -37,22 +37,22 @@ class WindowSessions : public QObject {
   ~WindowSessions() override;
 
   Panel& panel() { return *panel_; }
-  /// The host's own docks go while the panel is there, if they would leave the picture too little width.
+  /// Hides MeshLab's docks while the panel is shown, if the view would become too narrow.
   void showPanel();
   void hidePanel();
 
   /// Makes this the user of the panel, and notifies the previous one.
   void begin(SessionUser& user, QObject* document, int layer);
-  void end(SessionUser& user);  ///< nothing if it is not the user
+  void end(SessionUser& user);  ///< no effect if it is not the current user
   bool isUsedBy(const SessionUser& user) const { return user_ == &user; }
 
-  // Layers of the document that the user began with.
+  // Layers of the user's document.
 
   LayerSession* find(int layer);
-  /// A fresh session in place of the one there was. @throws EditError if there is nothing to edit in the mesh
+  /// Replaces the session by a new one. @throws EditError if the mesh cannot be edited
   LayerSession& make(int layer, const CMeshO& mesh);
   void forget(int layer);
-  /// Forgets sessions of layers that are gone.
+  /// Deletes sessions of deleted layers.
   void forgetGone();
 
  private:
@@ -62,7 +62,7 @@ class WindowSessions : public QObject {
   void forgetDocument(const QObject* document);
 
   QPointer<Panel> panel_;
-  QList<QPointer<QDockWidget>> aside_;  // docks that went
+  QList<QPointer<QDockWidget>> aside_;  // hidden docks
   SessionUser* user_ = nullptr;
   QObject* document_ = nullptr;  // the user's
   int layer_ = -1;

@@ -15,8 +15,8 @@
 
 class CMeshO;
 
-/// What a filter is, in the terms of no particular MeshLab version: a plugin describes its filters with this, and the
-/// adapter of the host at hand (api_<generation>/vertex_filter_plugin.h) presents them to it.
+/// Describes a filter independently of MeshLab's version. The adapter of the version
+/// (api_<generation>/vertex_filter_plugin.h) presents it to MeshLab.
 namespace lapedit::host {
 
 /// int for Choice and Integer, double for Length and Real.
@@ -40,8 +40,8 @@ struct Parameter {
   QStringList choices = {};
 };
 
-/// What the user gave, one value of the right kind for each parameter. Float numbers of the host come as the shortest
-/// decimal that means the same float: 0.1 is 0.1 here, not 0.10000000149.
+/// The user's values, one of the right kind for each parameter. MeshLab's floats become the shortest decimal of the
+/// same float: 0.1 is 0.1 here, not 0.10000000149.
 class ParameterValues {
  public:
   void set(const QString& name, ParameterValue value) { values_[name] = std::move(value); }
@@ -55,10 +55,10 @@ class ParameterValues {
   std::map<QString, ParameterValue> values_;
 };
 
-/// What a filter did.
+/// The result of a filter.
 struct FilterOutcome {
   std::string log;                          ///< text for the log
-  std::map<std::string, QVariant> figures;  ///< bool, int or double, which are what PyMeshLab hands on
+  std::map<std::string, QVariant> figures;  ///< bool, int or double, the types that PyMeshLab passes on
 };
 
 /// A filter of the class Smoothing that moves vertices of the current layer and changes nothing else.
@@ -68,8 +68,8 @@ struct FilterAction {
   QString info;         ///< HTML
   std::vector<Parameter> parameters;
 
-  /// Does the work. Changes the mesh only once nothing can fail any more.
-  /// @throws std::exception whose what() is the sentence for the user
+  /// Does the work. Changes the mesh only when nothing can fail any more. @throws std::exception whose what() is the
+  /// message for the user
   std::function<FilterOutcome(const ParameterValues&, CMeshO&, const Progress&)> run;
 };
 

@@ -7,20 +7,20 @@
 #include "host_parameters.h"
 #include "lapedit_host/filter_action.h"
 
-/// What the adapters of all hosts need to present a filter (vertex_filter_plugin.h of each).
+/// Shared by the adapters of all MeshLab versions (vertex_filter_plugin.h).
 namespace lapedit::host {
 
-/// The host's list of a filter's parameters. @param mesh  the current layer's, null if there is none
+/// Returns MeshLab's list of a filter's parameters. @param mesh  the current layer's, null if there is none
 RichParameterList parameter_list(const FilterAction& filter, const CMeshO* mesh);
 
 /// Runs a filter. The mesh is not changed if this throws.
 /// @param mesh      the current layer's, null if there is none
-/// @param callback  the host's progress, may be null
-/// @throws EditError  also for values of the wrong type, where the host itself would stop at an assertion
+/// @param callback  MeshLab's progress callback, may be null
+/// @throws EditError  also for values of the wrong type, for which MeshLab would stop at an assertion
 FilterOutcome run_filter(const FilterAction& filter, const RichParameterList& parameters, CMeshO* mesh,
                          bool (*callback)(int, const char*));
 
-/// The sentence for the user. To be called while an exception is handled.
+/// Returns the message for the user. To be called while an exception is handled.
 QString sentence_of_current_exception();
 
 }  // namespace lapedit::host

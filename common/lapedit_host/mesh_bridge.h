@@ -8,8 +8,8 @@
 #include "host_mesh.h"
 #include "lapedit/edit/edit.h"
 
-/// Between MeshLab's mesh and the core's. Everything here is in the layer's own coordinates: the layer's transform
-/// (CMeshO::Tr) is neither read nor changed.
+/// Converts between MeshLab's mesh and the core's, in the layer's own coordinates: the layer's transform (CMeshO::Tr)
+/// is neither read nor changed.
 namespace lapedit::host {
 
 constexpr StoredScalar kStoredScalar = std::is_same_v<Scalarm, float> ? StoredScalar::Float : StoredScalar::Double;
@@ -17,19 +17,19 @@ constexpr StoredScalar kStoredScalar = std::is_same_v<Scalarm, float> ? StoredSc
 /// The vertices and faces of a host mesh that are not deleted, in their order.
 struct BridgedMesh {
   TriangleMesh mesh;
-  std::vector<int> host_vertex;  ///< vertex of mesh -> place in CMeshO::vert
-  std::vector<int> core_vertex;  ///< place in CMeshO::vert -> vertex of mesh, -1 if deleted
+  std::vector<int> host_vertex;  ///< vertex of mesh -> index in CMeshO::vert
+  std::vector<int> core_vertex;  ///< index in CMeshO::vert -> vertex of mesh, -1 if deleted
 };
 
-/// Readers of hosts make faces of any numbers that are in a file: nothing may walk over them before.
-/// @throws EditError (BadIndex) if a face or an edge names a vertex that is not there; O(faces + edges)
+/// Checks that faces and edges name existing vertices, since MeshLab's readers accept any numbers of a file. To be
+/// called before anything visits them. @throws EditError (BadIndex). O(faces + edges)
 void require_sound_corners(const CMeshO& host);
 
-/// O(vertices + faces). A face on a deleted vertex gets a corner -1, which validate() refuses.
+/// Reads a mesh. A face on a deleted vertex gets a corner -1, which validate() refuses. O(vertices + faces).
 /// @throws EditError (BadIndex) as require_sound_corners() does
 BridgedMesh read_mesh(const CMeshO& host);
 
-/// Numbers of vertices of the bridged mesh, ascending.
+/// Returns vertex numbers of the bridged mesh, ascending.
 std::vector<int> selected_vertices(const CMeshO& host, const BridgedMesh& bridged);
 std::vector<int> vertices_of_selected_faces(const CMeshO& host, const BridgedMesh& bridged);
 
@@ -45,10 +45,10 @@ inline Point3m to_host(const Vector3& point) {
   return {static_cast<Scalarm>(point[0]), static_cast<Scalarm>(point[1]), static_cast<Scalarm>(point[2])};
 }
 
-/// Box around all finite vertices.
+/// Returns the box around all finite vertices.
 Box3m finite_box(const CMeshO& host);
 
-/// Length of the diagonal of the box around all finite vertices; 0 if there is none.
+/// Returns the length of that box's diagonal; 0 without finite vertices.
 double finite_diagonal(const CMeshO& host);
 
 }  // namespace lapedit::host

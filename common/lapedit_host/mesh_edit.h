@@ -18,7 +18,7 @@ using ReportSink = std::function<void(const std::vector<EditReport>&)>;
 /// Makes the edit of a mesh that has passed validate().
 using MakeEdit = std::function<Edit(const BridgedMesh&)>;
 
-/// A host mesh as it was read, and what an edit makes of it.
+/// A host mesh as it was read, and the results of an edit.
 struct EditedMesh {
   BridgedMesh bridged;
   Adjacency adjacency;            ///< of bridged.mesh
@@ -27,7 +27,7 @@ struct EditedMesh {
 
 /// Reads the mesh, applies the edit and counts new self-intersections. Does not change the host mesh.
 /// @param fractions      how far the handles go, 0 to 1 each
-/// @param most_vertices  of a result whose new self-intersections are counted
+/// @param most_vertices  new self-intersections are counted in meshes of at most this size
 /// @throws EditError as read_mesh(), validate() and apply_edit(), and what `make` throws
 EditedMesh edit_mesh(const CMeshO& host, const MakeEdit& make, const std::vector<double>& fractions, int most_vertices,
                      const Progress& progress);

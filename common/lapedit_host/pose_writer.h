@@ -16,17 +16,17 @@ struct FaceShape {
   std::array<double, 3> angles;
 };
 
-/// Writes poses into a host mesh again and again, at the cost of what moves and not of the mesh, and can bring back the
-/// mesh's first state to the bit.
+/// Writes any number of poses into a host mesh, at a cost that depends on the moved vertices and not on the mesh, and
+/// can restore the mesh's first state bit by bit.
 ///
-/// The mesh after write() depends only on the positions of all vertices, not on the way there: positions are those
-/// given, with the first bits where they are equal to the first ones (zeros of the other sign); normals of faces with a
-/// vertex away from its first place, and of these faces' corners, are those of the host's own update (unit length for
-/// faces, sums weighted by angle for vertices), but never NaN: faces without area or with a non-finite corner give
-/// none, and a face or vertex that gets none keeps its first one. The box leaves non-finite vertices out. All other
-/// normals, and the box of a mesh all of whose vertices are in their first place, are what they were at first, bit for
-/// bit. A pose that is not settled is a picture that the next one follows: of the vertices given with it, and around
-/// them, vertex normals are unit length and weighted by area, which takes no arc tangent, and the box waits.
+/// The mesh after write() depends only on the positions of all vertices, not on earlier poses. Positions are those
+/// given, with the first bits where they equal the first ones (zeros of the other sign). Normals of faces with a moved
+/// vertex, and of these faces' corners, are those of MeshLab's own update (unit length for faces, sums weighted by
+/// angle for vertices), but never NaN: faces without area or with a non-finite corner contribute none, and a face or
+/// vertex without contributions keeps its first normal. The box excludes non-finite vertices. All other normals, and
+/// the box of a mesh without moved vertices, keep their first bits. For a pose that is not settled, vertex normals at
+/// and around the given vertices have unit length and area weights, which need no arc tangent, and the box is not
+/// updated.
 class PoseWriter {
  public:
   /// Copies positions, normals and box of the host mesh. O(vertices + faces).
@@ -36,21 +36,21 @@ class PoseWriter {
 
   /// @return false, and nothing is written, if the host mesh has other numbers of vertices and faces than at
   ///         construction, or other positions at these vertices than those written last: other code changed it
-  /// @param host       the mesh of construction, in the same place of memory or not
+  /// @param host       the mesh of construction, also if it has moved in memory
   /// @param vertices   vertex numbers of the bridged mesh, each once
   /// @param positions  one row per entry of vertices
-  /// @param settled    whether the pose is there to stay; other vertices than the last time settle the last pose, too
+  /// @param settled    whether the pose is final; other vertices than in the last call settle the last pose, too
   /// Cost: O(faces at these vertices and at their neighbours), and a pass over all vertices if settled; with other
-  /// vertices than the last time, a pass over one byte per vertex and face. With the same ones nothing is allocated,
-  /// but by the first settled pose.
+  /// vertices than in the last call, a pass over one byte per vertex and face. With the same vertices only the first
+  /// settled pose allocates.
   bool write(CMeshO& host, const std::vector<int>& vertices, const Points& positions, bool settled);
 
-  /// Whether vertices and faces of the host are still those of construction, and its positions those of the last
-  /// write(). O(vertices + faces).
+  /// Returns whether vertices and faces of the host mesh are still those of construction, and positions those of the
+  /// last write(). O(vertices + faces).
   bool matches(const CMeshO& host) const;
 
  private:
-  /// Place now, and whether it has other bits than at first.
+  /// Current position, and whether its bits differ from the first ones.
   struct Corner {
     Point3m place;
     bool is_away;
@@ -61,7 +61,7 @@ class PoseWriter {
     bool has_shape, is_away;
   };
 
-  /// Twice the area along the normal, zero if there is no such vector.
+  /// The normal, twice the area long; zero if undefined.
   struct AreaNormal {
     Vector3 vector;
     bool is_away;
@@ -101,7 +101,7 @@ class PoseWriter {
   ThreadPool pool_{0};
 };
 
-/// Writes one pose that stays. @param adjacency  of bridged.mesh
+/// Writes one final pose. @param adjacency  of bridged.mesh
 /// @throws EditError (MeshMismatch) if `bridged` was not read from this mesh. Cost: O(vertices + faces)
 void write_positions(CMeshO& host, const BridgedMesh& bridged, const Adjacency& adjacency, const EditResult& result);
 

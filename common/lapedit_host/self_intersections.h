@@ -5,16 +5,16 @@
 
 namespace lapedit::host {
 
-/// How many pairs of faces intersect after an edit and did not before, by vcglib's own test, which MeshLab's filter
-/// *Select Self Intersecting Faces* uses: of faces that share an edge never, of those that share a corner where one is
-/// pierced by the edge opposite to it. Looks at faces with a moved corner, and at all that they could meet. Faces
-/// without area, or not finite, meet nothing.
-/// @param before  the mesh that the result is an edit of
+/// Returns the number of pairs of faces that intersect after an edit and did not before, by vcglib's test, which
+/// MeshLab's filter *Select Self Intersecting Faces* uses: faces that share an edge never intersect, those that share a
+/// corner do if the opposite edge of one pierces the other. Checks faces with a moved corner against all others. Faces
+/// without area, or not finite, intersect nothing.
+/// @param before  the mesh before the edit
 /// @param threads 0: as many as the machine has; the number does not depend on it
 /// Cost: about that of one solution of a region of these faces.
 int new_self_intersections(const TriangleMesh& before, const EditResult& result, int threads = 0);
 
-/// Puts that number into the last report, where there are at most so many vertices. What goes wrong leaves it out.
+/// Sets that number in the last report if the mesh has at most `most_vertices` vertices. Errors leave it unset.
 void count_self_intersections(const TriangleMesh& before, EditResult& result, int most_vertices);
 
 }  // namespace lapedit::host

@@ -4,18 +4,18 @@
 #include <stdexcept>
 #include <string>
 
-/// What the program ends with; part of its interface.
+/// Exit codes of the program; part of its interface.
 enum ExitCode {
   Done = 0,
   Refused = 1,     ///< the edit or the script
   WrongUsage = 2,  ///< of the command line
   Unreadable = 3,  ///< the mesh, or the file of the edit
   Unwritable = 4,  ///< the output or the report
-  Unexpected = 5,  ///< an error in the host or here
+  Unexpected = 5,  ///< an error in MeshLab or in this program
   Advised = 6      ///< there is advice on the result, and it is an error (--strict)
 };
 
-/// Ends the program with a code and a sentence.
+/// Ends the program with a code and a message.
 class Failure : public std::runtime_error {
  public:
   Failure(ExitCode code, const std::string& sentence) : std::runtime_error(sentence), code_(code) {}

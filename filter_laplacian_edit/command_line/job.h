@@ -9,11 +9,10 @@
 
 /// Reads, edits, writes.
 /// @param output  for the reports
-/// @throws Failure, and whatever was not expected
+/// @throws Failure, and unexpected exceptions
 void runJob(const Options& options, Notes& notes, std::FILE* output);
 
-/// Brings a text to its reader.
-/// @param output  null: it is closed
-/// @param advice  for the sentence if that fails: what of it, and what to do
+/// Writes a text to the standard output. @param output null if it
+/// is closed. @param advice end of the message on failure: the consequence, and what to do
 /// @throws Failure (Unwritable)
 void printAll(const std::string& text, std::FILE* output, const std::string& advice);

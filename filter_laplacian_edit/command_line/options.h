@@ -11,20 +11,20 @@
 
 /// Many jobs in one call.
 struct ListOptions {
-  QString file;  ///< a job per line, see job_list.h; empty: there is one job
-  int jobs = 0;  ///< how many run at once, or how many processes write poses; 0: not said
+  QString file;  ///< one job per line, see job_list.h; empty: a single job
+  int jobs = 0;  ///< number of concurrent jobs, or of processes that write poses; 0: not given
   QString log;   ///< path of the job log, empty: none
   bool resume = false;
 };
 
-/// A job; with a list, what holds for all of its jobs.
+/// A job; with a list, the options of all its jobs.
 struct Options {
   QString input, output, edit;  ///< absolute paths
   bool isScript = false;        ///< the edit is a filter script, not JSON
   std::vector<double> fractions = {1};
   bool numbered = false;  ///< one output per fraction, its number in the name
   QString report;         ///< path, empty: none
-  QString plugins;        ///< folder, empty: the host's own
+  QString plugins;        ///< folder, empty: MeshLab's own
   lapedit::host::KeptAttributes kept;
   bool quiet = false;
   bool strict = false;   ///< advice on a result is an error
@@ -35,9 +35,9 @@ struct Options {
   QStringList outputs() const;  ///< one path per fraction
 };
 
-/// Whether an edit is a filter script: by the suffix, or else by how the text begins.
+/// Returns whether an edit is a filter script, by the suffix, otherwise by the beginning of the text.
 bool isScript(const QString& path);
 
-/// @return the options, or nothing where a text for the user was asked for
+/// @return the options, or `std::nullopt` if only a text for the user was requested
 /// @throws Failure (WrongUsage)
 std::optional<Options> readOptions(const QStringList& arguments, std::string& text);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-/// One line on the terminal that is written anew as the work goes on, and is gone in the end; nothing where the
-/// standard error is no terminal.
+/// A line on the terminal that is updated during the work and removed at the end; none if the standard error is no
+/// terminal.
 class ProgressLine {
  public:
   explicit ProgressLine(bool wanted);

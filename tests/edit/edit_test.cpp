@@ -529,11 +529,6 @@ TEST(EditTargets, UnusableOnesAreRefusedWithGroupAndNumbers) {
   const EditError twice = refusal(mesh, edit_of({step}));
   EXPECT_EQ(twice.cause(), ErrorCause::BadParameter);
   expect_contains(twice.what(), "Handle group 1 has vertex " + std::to_string(group.vertices.front()) + " twice");
-  step = landmarks(mesh);
-  step.mirror = MirrorPlane{Vector3(15, 10, 0), Vector3(1, 0, 0)};
-  const EditError mirror = refusal(mesh, edit_of({step}));
-  EXPECT_EQ(mirror.cause(), ErrorCause::BadParameter);
-  expect_contains(mirror.what(), "targets of both sides");
 }
 
 /// What is refused is refused before the costly part, whose stages progress would name.

@@ -181,6 +181,54 @@ TEST(Mirror, GroupAcrossThePlaneKeepsTheSymmetricPart) {
 }
 
 /// Vertices of a given group are in no image: both ears may be groups already.
+TEST(Mirror, TargetsAreMirroredAsDisplacements) {
+  const TriangleMesh mesh = shapes::icosphere(3);
+  EditStep step = one_sided(mesh);
+  HandleGroup& group = step.handles[0];
+  const auto way = [](const Vector3& place) { return Vector3(0.1 + 0.2 * place.z(), 0.1 * place.y(), 0.05); };
+  for (const int v : group.vertices) {
+    group.targets.push_back(mesh.vertices.row(v).transpose() + way(mesh.vertices.row(v).transpose()));
+  }
+  const EditStep written = mirrored(mesh, step);
+  ASSERT_EQ(written.handles.size(), 2U);
+  EXPECT_EQ(written.handles[0].targets, group.targets);
+  const HandleGroup& image = written.handles[1];
+  ASSERT_EQ(image.targets.size(), image.vertices.size());
+  const Matrix3 mirror = reflection(*step.mirror).linear();
+  for (std::size_t k = 0; k < image.vertices.size(); ++k) {
+    const Vector3 place = mesh.vertices.row(image.vertices[k]).transpose();
+    const Vector3 twin = reflection(*step.mirror) * place;
+    EXPECT_LT((image.targets[k] - place - mirror * way(twin)).norm(), 1e-12) << k;
+  }
+  const EditResult result = apply_step(mesh, support::adjacency_of(mesh), step);
+  EXPECT_LT(asymmetry(after(mesh, result), *step.mirror), 1e-12);
+}
+
+TEST(Mirror, TargetsOfAGroupAcrossThePlaneAreTheMeanOfBothSides) {
+  const TriangleMesh mesh = shapes::icosphere(3);
+  EditStep step = one_sided(mesh);
+  step.mirror = MirrorPlane{Vector3::Zero(), Vector3::UnitX()};
+  HandleGroup& group = step.handles[0];
+  group.transform = HandleTransform();
+  int right = 0, left = 0;
+  mesh.vertices.rowwise().operator-(Eigen::RowVector3d(0.3, 0, 1)).rowwise().norm().minCoeff(&right);
+  const Eigen::RowVector3d image(-mesh.vertices(right, 0), mesh.vertices(right, 1), mesh.vertices(right, 2));
+  (mesh.vertices.rowwise() - image).rowwise().norm().minCoeff(&left);
+  ASSERT_NE(left, right);
+  group.vertices = {std::min(left, right), std::max(left, right)};
+  const Vector3 up(0.02, 0.1, 0.2);
+  for (const int v : group.vertices) {
+    group.targets.push_back(mesh.vertices.row(v).transpose() + (v == right ? up : Vector3(Vector3::Zero())));
+  }
+  const EditStep written = mirrored(mesh, step);
+  ASSERT_EQ(written.handles.size(), 1U);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const int v = written.handles[0].vertices[k];
+    const Vector3 half = v == right ? Vector3(up / 2) : Vector3(-up.x() / 2, up.y() / 2, up.z() / 2);
+    EXPECT_LT((written.handles[0].targets[k] - mesh.vertices.row(v).transpose() - half).norm(), 1e-12);
+  }
+}
+
 TEST(Mirror, GivenGroupsKeepTheirVertices) {
   const TriangleMesh mesh = shapes::icosphere(4);
   const std::vector<int> right = disc(mesh, kRight, 0.2), left = disc(mesh, kLeft, 0.1);

@@ -187,6 +187,50 @@ class Gestures(ToolTest):
             self.x_pull(w, self.place(w, self.CENTRE), (15, 20))
             self.assert_replay_is_the_same(w, self.mesh)
 
+    def test_chosen_groups_move_together(self):
+        with self.window(disc=0) as w:
+            groups = [self.at(20, 14), self.at(20, 18), self.at(23, 16)]
+            self.x_click(w, groups[0])
+            for vertex in groups[1:]:
+                w.x("key", "g")
+                self.x_click(w, vertex)
+            self.x_click(w, groups[0], "shift")
+            self.assertRegex(self.message(w), "2 of 3 move together")
+            before = w.dump().triples()
+            self.x_pull(w, self.place(w, groups[2]), (15, 25))
+            handles = self.last_step(w)["handles"]
+            self.assertEqual(handles[0]["translation"], handles[2]["translation"])
+            self.assertEqual(handles[1]["translation"], [0, 0, 0])
+            after = w.dump().triples()
+            ways = [math.dist(before[v], after[v]) for v in groups]
+            self.assertGreater(ways[0], 0.01)
+            self.assertLess(ways[1], 0.02 * ways[0])
+            self.assert_replay_is_the_same(w, self.mesh)
+
+    def test_curve_bends_by_its_points_and_shows_the_next_piece(self):
+        with self.window(disc=0) as w:
+            left, middle, right = (self.at(20, c) for c in (14, 20, 26))
+            w.set(part("radius"), 2 * w.widget(part("radius"))["value"])
+            w.x_focus()
+            w.x("key", "c")
+            self.x_click(w, left)
+            between = w.pixel(self.at(20, 18))
+            w.x("mousemove", 5, 5)
+            self.seen(w)
+            plain = self.picture(w, *between, half=6)
+            w.x("mousemove", *self.place(w, self.at(20, 22)))
+            w.wait(lambda: self.picture(w, *between, half=6) != plain, "the next piece is not shown", 20)
+            self.x_click(w, middle)
+            self.x_click(w, right)
+            before = w.dump().triples()
+            for point in (left, right):  # a smile
+                self.x_pull(w, self.place(w, point), (0, -25))
+                self.assertIn("targets", self.last_step(w)["handles"][0])
+            after = w.dump().triples()
+            self.assertGreater(min(math.dist(before[v], after[v]) for v in (left, right)), 0.01)
+            self.assertLess(math.dist(before[middle], after[middle]), 0.02 * math.dist(before[left], after[left]))
+            self.assert_replay_is_the_same(w, self.mesh)
+
     def test_groups_and_both_sides(self):
         with self.window() as w:
             self.x_click(w, self.at(20, 14))

@@ -82,5 +82,36 @@ TEST(Drag, SessionAllocatesNothingOnceItMoves) {
   EXPECT_GE(window.poses(), poses + 10);
 }
 
+TEST(Drag, BendingACurveAllocatesNothingOnceItMoves) {
+  support::Window window(shapes::letter_field(60, 30));
+  DragSettings settings = window.session.settings();
+  settings.edit.backend = CholeskyBackend::Eigen;
+  window.session.set_settings(settings);
+  window.session.set_handle_mode(HandleMode::Curve);
+  for (const Vector3& place : {Vector3(1.8, 1, 0), Vector3(2.0, 1, 0), Vector3(2.2, 1, 0)}) {
+    window.click(support::vertex_at(window.session.mesh(), place));
+  }
+  const int end = support::vertex_at(window.session.mesh(), Vector3(2.2, 1, 0));
+  window.press(end);
+  const Vector2 from = window.at(end).pixel;
+  const auto move = [&](int i) {
+    const int poses = window.poses();
+    window.session.move(window.at(from + Vector2(i, 2 * i)));
+    while (window.poses() == poses) {
+      window.session.poll();
+    }
+  };
+  for (int i = 1; i <= 6; ++i) {
+    move(i);
+  }
+  window.session.wait();
+  const long before = allocations;
+  for (int i = 7; i <= 20; ++i) {
+    move(i);
+  }
+  window.session.wait();
+  EXPECT_EQ(allocations - before, 0);
+}
+
 }  // namespace
 }  // namespace lapedit

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <thread>
 
 #include "drag_support.h"
 #include "lapedit/session/drag_session.h"
@@ -314,6 +315,180 @@ TEST(DragHandle, CurveIsJoinedByShortestPathsAndMovesAsOne) {
   const Points way = window.host() - window.session.original().vertices;
   EXPECT_LT((way.row(at(25, 30)) - way.row(at(35, 34))).norm(), 0.01 * way.row(at(25, 30)).norm());
   window.expect_consistent();
+}
+
+/// Three groups in a row, the middle one chosen last.
+void take_three(Window& window) {
+  change(window, [](DragSettings& s) { s.radius = 14; });
+  window.click(at(26, 30));
+  for (const int next : {at(34, 30), at(30, 34)}) {
+    window.session.next_group();
+    window.click(next);
+  }
+  ASSERT_EQ(window.session.groups().size(), 3U);
+}
+
+TEST(DragHandles, ShiftClickChoosesGroupsThatMoveTogether) {
+  Window window(plate());
+  take_three(window);
+  window.click(at(26, 30), kTake);
+  EXPECT_TRUE(window.session.moves(0));
+  EXPECT_FALSE(window.session.moves(1));
+  EXPECT_TRUE(window.session.moves(2));
+  EXPECT_EQ(window.session.groups().size(), 3U) << "a vertex was taken away";
+  EXPECT_NE(window.session.message().find("2 of 3 move together"), std::string::npos) << window.session.message();
+  window.drag(at(30, 34), Vector2(20, 25));
+  const EditStep step = window.session.recorded().steps.at(0);
+  EXPECT_FALSE(step.handles[0].transform.translation.isZero());
+  EXPECT_EQ(step.handles[0].transform.translation, step.handles[2].transform.translation);
+  EXPECT_TRUE(step.handles[1].transform.translation.isZero(0));
+  const Points way = window.host() - window.session.original().vertices;
+  EXPECT_LT((way.row(at(26, 30)) - way.row(at(30, 34))).norm(), 0.01 * way.row(at(30, 34)).norm());
+  EXPECT_LT(way.row(at(34, 30)).norm(), 0.01 * way.row(at(30, 34)).norm());
+  window.expect_consistent();
+  // Undone, the same groups are chosen; a plain press on one that holds moves it alone.
+  window.session.undo();
+  window.session.wait();
+  EXPECT_TRUE(window.session.moves(0) && !window.session.moves(1) && window.session.moves(2));
+  window.drag(at(34, 30), Vector2(0, 20));
+  EXPECT_TRUE(!window.session.moves(0) && window.session.moves(1) && !window.session.moves(2));
+  window.expect_consistent();
+}
+
+TEST(DragHandles, ChosenGroupsTurnAboutTheirCommonCentre) {
+  Window window(plate());
+  take_three(window);
+  window.click(at(26, 30), kTake);
+  window.click(at(34, 30), kTake);
+  window.click(at(30, 34), kTake);  // lets it hold
+  EXPECT_TRUE(window.session.moves(0) && window.session.moves(1) && !window.session.moves(2));
+  window.keys("rz90\r");
+  const EditStep step = window.session.recorded().steps.at(0);
+  ASSERT_TRUE(step.handles[0].transform.center);
+  const Vector3 middle =
+      (window.session.original().vertices.row(at(26, 30)) + window.session.original().vertices.row(at(34, 30)))
+          .transpose() /
+      2;
+  EXPECT_LT((*step.handles[0].transform.center - middle).norm(), 1e-9);
+  EXPECT_EQ(step.handles[0].transform.degrees, 90);
+  EXPECT_EQ(step.handles[1].transform.center, step.handles[0].transform.center);
+  EXPECT_EQ(step.handles[2].transform.degrees, 0);
+  const Vector3 before = window.session.original().vertices.row(at(26, 30)).transpose() - middle;
+  const Vector3 after = window.host().row(at(26, 30)).transpose() - middle;
+  EXPECT_LT((after - Vector3(-before.y(), before.x(), before.z())).norm(), 0.05);
+  window.expect_consistent();
+}
+
+/// A curve through three points, 5 vertices apart.
+void draw_mouth(Window& window) {
+  change(window, [](DragSettings& s) { s.radius = 15; });
+  window.session.set_handle_mode(HandleMode::Curve);
+  for (const int v : {at(25, 30), at(30, 30), at(35, 30)}) {
+    window.click(v);
+  }
+  ASSERT_EQ(window.session.groups().size(), 1U);
+  ASSERT_EQ(window.session.curve(0).points.size(), 3U);
+}
+
+TEST(DragCurve, BendsByAPointWhileTheOthersHold) {
+  Window window(plate());
+  draw_mouth(window);
+  const Points rest = window.session.original().vertices;
+  window.drag(at(35, 30), Vector2(0, -30));
+  const HandleGroup handle = window.session.recorded().steps.at(0).handles.at(0);
+  ASSERT_EQ(handle.targets.size(), 11U);
+  std::vector<double> up;
+  for (int i = 25; i <= 35; ++i) {
+    const auto k = static_cast<std::size_t>(std::find(handle.vertices.begin(), handle.vertices.end(), at(i, 30)) -
+                                            handle.vertices.begin());
+    up.push_back((handle.targets[k] - rest.row(at(i, 30)).transpose()).y());
+  }
+  for (int i = 0; i <= 5; ++i) {
+    EXPECT_EQ(up[i], 0) << i;
+  }
+  for (int i = 6; i <= 10; ++i) {
+    EXPECT_GT(up[i], up[i - 1]) << i;
+    EXPECT_GT(up[i] - up[i - 1], i > 6 ? up[i - 1] - up[i - 2] : 0) << i;  // turns up more and more towards its end
+  }
+  EXPECT_NEAR(window.host()(at(35, 30), 1) - rest(at(35, 30), 1), up[10], 0.02 * up[10]);
+  window.expect_consistent();
+  // The curve still bends, by another point: a smile.
+  window.drag(at(25, 30), Vector2(0, -30));
+  EXPECT_EQ(window.session.recorded().steps.at(1).handles.at(0).targets.size(), 11U);
+  EXPECT_GT(window.host()(at(25, 30), 1) - rest(at(25, 30), 1), 0.9 * up[10]);
+  EXPECT_LT(std::abs(window.host()(at(30, 30), 1) - rest(at(30, 30), 1)), 0.02 * up[10]);
+  window.expect_consistent();
+  // Solved again with other settings, and taken back with its points.
+  change(window, [](DragSettings& s) { s.edit.membrane = 100; });
+  window.expect_consistent();
+  window.session.undo();
+  window.session.undo();
+  window.session.wait();
+  EXPECT_TRUE(same_bits(window.host(), rest));
+  EXPECT_EQ(window.session.curve(0).points.size(), 3U);
+}
+
+TEST(DragCurve, SmilesOnBothSidesOfAPlane) {
+  Window window(shapes::grid(61, 61));
+  change(window, [](DragSettings& s) { s.radius = 15; });
+  window.session.set_mirror(MirrorPlane{Vector3(30, 0, 0), Vector3::UnitX()});
+  window.session.set_handle_mode(HandleMode::Curve);
+  const auto place = [&](int x, int y) { return support::vertex_at(window.session.original(), Vector3(x, y, 0)); };
+  for (const int x : {24, 30, 36}) {
+    window.click(place(x, 30));
+  }
+  window.drag(place(36, 30), Vector2(10, -30));
+  ASSERT_EQ(window.session.figures().steps, 1) << window.session.message();
+  EXPECT_TRUE(window.session.recorded().steps[0].mirror);
+  const Points way = window.host() - window.session.original().vertices;
+  EXPECT_GT(way(place(36, 30), 1), 0.5);
+  EXPECT_GT(way(place(36, 30), 0), 0.1);
+  EXPECT_NEAR(way(place(24, 30), 1), way(place(36, 30), 1), 1e-3);  // diagonals of the grid are not symmetric
+  EXPECT_NEAR(way(place(24, 30), 0), -way(place(36, 30), 0), 1e-3);
+  EXPECT_LT(way.row(place(30, 30)).norm(), 0.05);
+  window.expect_consistent();
+}
+
+TEST(DragCurve, PressBetweenItsPointsMovesAllOfIt) {
+  Window window(plate());
+  draw_mouth(window);
+  window.drag(at(33, 30), Vector2(0, -30));
+  EXPECT_TRUE(window.session.recorded().steps.at(0).handles.at(0).targets.empty());
+  // Bent by keys: the amount is the point's, and R turns the curve as a whole.
+  window.press(at(35, 30));
+  window.session.move(window.at(at(35, 30), Vector2(0, -10)));
+  window.keys("y2\r");
+  const HandleGroup bent = window.session.recorded().steps.at(1).handles.at(0);
+  ASSERT_EQ(bent.targets.size(), 11U);
+  window.expect_consistent();
+}
+
+TEST(DragCurve, NextPieceIsShownAsTheClickTakesIt) {
+  Window window(plate());
+  change(window, [](DragSettings& s) { s.radius = 15; });
+  window.session.set_handle_mode(HandleMode::Curve);
+  window.click(at(25, 30));
+  const auto look = [&](int vertex) {
+    for (int tries = 0; tries < 1000; ++tries) {
+      window.session.hover(window.at(vertex), {});
+      if (window.session.hover()) {
+        return;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  };
+  look(at(31, 33));
+  ASSERT_TRUE(window.session.hover());
+  const Points shown = window.session.hover()->path;
+  window.click(at(31, 33));
+  const std::vector<int>& path = window.session.curve(0).path;
+  ASSERT_EQ(shown.rows(), static_cast<Eigen::Index>(path.size()));
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    EXPECT_EQ(shown.row(static_cast<Eigen::Index>(i)), window.session.mesh().vertices.row(path[i])) << i;
+  }
+  look(at(31, 33));
+  ASSERT_TRUE(window.session.hover()->curve_point);
+  EXPECT_EQ(window.session.hover()->path.rows(), 0);
 }
 
 // --- Steps ----------------------------------------------------------------------------------------------------------

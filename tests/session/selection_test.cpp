@@ -342,6 +342,10 @@ TEST(Selection, AnyChoicesLeaveGroupsApartAndInTheRegion) {
         taken += c.take(take_from_handle(c.surface(), c.selection, vertex));
         break;
       case 4:
+        if (any(2) && !c.selection.groups.empty()) {
+          const int group = any(static_cast<int>(c.selection.groups.size()));
+          c.selection = any(3) ? with_group_chosen(c.selection, group) : with_grabbed(c.selection, group);
+        }
         taken += c.take(with_next_group(c.selection));
         break;
       case 5:
@@ -364,6 +368,14 @@ TEST(Selection, AnyChoicesLeaveGroupsApartAndInTheRegion) {
     const Selection& s = c.selection;
     ASSERT_EQ(s.active < 0, s.groups.empty()) << event;
     ASSERT_LT(s.active, static_cast<int>(s.groups.size())) << event;
+    ASSERT_EQ(s.discs.curves.size(), s.groups.size()) << event;
+    ASSERT_TRUE(s.along.empty() || s.along.back() < static_cast<int>(s.groups.size())) << event;
+    ASSERT_FALSE(has(s.along, s.active)) << event;
+    for (std::size_t g = 0; g < s.groups.size(); ++g) {
+      for (const int v : s.discs.curves[g].path) {
+        ASSERT_TRUE(has(s.groups[g], v)) << event;
+      }
+    }
     std::vector<int> all;
     for (const std::vector<int>& group : s.groups) {
       ASSERT_FALSE(group.empty()) << event;

@@ -22,7 +22,7 @@ enum class ErrorCause {
   Cancelled             ///< the progress callback answered "stop"
 };
 
-/// The one exception of the core. what() is a sentence for the user: what is wrong, where, what to do.
+/// The one exception of the core. what() is a message for the user: what is wrong, where, and what to do.
 class EditError : public std::runtime_error {
  public:
   EditError(ErrorCause cause, const std::string& sentence) : std::runtime_error(sentence), cause_(cause) {}

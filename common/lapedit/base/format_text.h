@@ -7,10 +7,10 @@
 
 namespace lapedit {
 
-/// Text like printf's, in the C locale's digits as the host has set them; cut at 1,023 bytes.
+/// Returns text formatted as by printf, with the decimal point of the process's locale; truncated at 1,023 bytes.
 LAPEDIT_PRINTF(1, 2) std::string format_text(const char* pattern, ...);
 
-/// A number for a sentence: six significant digits, whatever the host's locale.
+/// Returns a number for messages: six significant digits, independent of the locale.
 std::string number_text(double number);
 
 }  // namespace lapedit

@@ -16,10 +16,10 @@ class Gate {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Returns when ready() is true; it reads atomics, and is asked often. @return how long that took
+  /// Returns when ready() is true; ready() reads atomics and is called often. @return the time spent waiting
   template <class Ready>
   Clock::duration wait(const Ready& ready) {
-    // Waking a sleeper costs about as much as this.
+    // About the cost of waking a sleeping thread.
     constexpr std::chrono::microseconds kPatience{50};
     constexpr int kLooks = 32;
     const Clock::time_point start = Clock::now();
@@ -34,13 +34,13 @@ class Gate {
       now = Clock::now();
     } while (now - start < kPatience);
     std::unique_lock<std::mutex> lock(mutex_);
-    ++asleep_;  // before ready() is asked: who changes that after sees it
+    ++asleep_;  // before ready() is called: a thread that changes its result later sees this
     wake_.wait(lock, ready);
     --asleep_;
     return Clock::now() - start;
   }
 
-  /// To be called after each change that may make a thread ready. Costs nothing while nobody sleeps.
+  /// To be called after each change that may make a thread ready. Costs one atomic read while no thread sleeps.
   void open() {
     if (asleep_.load() > 0) {
       { const std::lock_guard<std::mutex> lock(mutex_); }

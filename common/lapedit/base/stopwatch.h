@@ -10,10 +10,10 @@ class Stopwatch {
   using Clock = std::chrono::steady_clock;
 
  public:
-  /// Since the start or the last lap().
+  /// Returns the time since construction or the last lap().
   double elapsed() const { return std::chrono::duration<double, std::milli>(Clock::now() - last_).count(); }
 
-  /// The same, and starts anew.
+  /// Returns elapsed() and restarts.
   double lap() {
     const auto now = Clock::now();
     const double ms = std::chrono::duration<double, std::milli>(now - last_).count();

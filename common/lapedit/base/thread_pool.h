@@ -12,7 +12,7 @@
 
 namespace lapedit {
 
-/// Number of threads to use when asked for threads (0: all of the machine's), within the limit.
+/// Returns the number of threads to use for a requested number (0: all of the machine's), within the limit.
 int thread_count(int threads);
 
 /// Limits thread_count() in the whole process from now on, for one of several processes that share a machine.
@@ -24,7 +24,7 @@ void limit_threads(int most);
 /// load, it works alone for a while.
 class ThreadPool {
  public:
-  /// Where a thread cannot be had there are fewer, in the end the caller's own.
+  /// If the system refuses threads there are fewer, at worst only the caller's own.
   /// @param threads  0: as many as the machine has; 1: only the caller's own
   explicit ThreadPool(int threads);
   ~ThreadPool();
@@ -34,15 +34,15 @@ class ThreadPool {
   int threads() const { return 1 + static_cast<int>(helpers_.size()); }
 
   /// Calls work(piece) once for each piece of [0, pieces), and returns when all are done. One caller at a time. Which
-  /// thread gets which piece is not determined, and one may get all. What a piece throws reaches the caller when all
-  /// others are done; of several exceptions, one.
+  /// thread gets which piece is not determined, and one may get all. An exception of a piece reaches the caller when
+  /// all others are done; of several exceptions, one.
   template <class Work>
   void each(int pieces, const Work& work) {
     run(
         pieces, [](const void* context, int piece) { (*static_cast<const Work*>(context))(piece); }, &work);
   }
 
-  /// For pieces that wait for each other: as Gate::wait(), and counted where it is the caller that waits.
+  /// Waits as Gate::wait() does, for pieces that depend on each other; the caller's waiting time is counted.
   template <class Ready>
   void wait(Gate& gate, const Ready& ready) {
     const Gate::Clock::duration time = gate.wait(ready);
@@ -77,7 +77,7 @@ class ThreadPool {
   std::thread::id caller_;
   Gate::Clock::duration waited_{};       // by the caller, since accounts were settled
   std::atomic<std::int64_t> helped_{0};  // nanoseconds of processor time
-  Gate::Clock::duration balance_{};      // what helpers were worth of late
+  Gate::Clock::duration balance_{};      // recent benefit of the helpers
   Gate::Clock::time_point alone_until_{};
   std::vector<std::thread> helpers_;
 };

@@ -3,15 +3,15 @@
 
 #include "lapedit/base/types.h"
 
-// Sines and cosines by the four operations and square roots alone: those of the C library differ in the last bit from
-// one processor and version to another.
+// Sines and cosines from the four operations and square roots only, since those of the C library differ in the last bit
+// between processors and versions.
 
 namespace lapedit {
 
 /// Returns the rotation by an angle of any size about a unit axis, to 1e-15; multiples of 90 degrees are exact.
 Matrix3 rotation_about(const Vector3& axis, double degrees);
 
-/// sin(part * angle) / sin(angle), an angle of at most 90 degrees; `part` for an angle of 0.
+/// Returns sin(part * angle) / sin(angle) for an angle of at most 90 degrees; `part` for an angle of 0.
 double sine_ratio(double degrees, double part);
 
 /// A rotation's angle, 0 to 180 degrees, and unit axis; the z axis for the identity.

@@ -9,21 +9,21 @@
 
 namespace lapedit {
 
-/// The new places of some vertices; all others stay.
+/// The new positions of the moved vertices; all others stay.
 struct EditResult {
   std::vector<int> vertices;        ///< ascending mesh vertex numbers
   Points positions;                 ///< one row per entry of vertices
   std::vector<EditReport> reports;  ///< one per step
 };
 
-/// @throws EditError (MeshMismatch) if what the edit tells of its mesh is not true of this one
+/// @throws EditError (MeshMismatch) if the mesh differs from the edit's description of its mesh
 void require_same_mesh(const TriangleMesh& mesh, const Edit& edit);
 
-/// Runs all steps, each on the result of the one before, and hands out the result of each as it comes. The mesh is not
-/// changed; it has to have passed validate(), and adjacency to be its own.
+/// Runs all steps, each on the result of the one before, and passes each result to `each`. The mesh is not changed.
+/// Requires a mesh that has passed validate(), and its adjacency.
 /// @param fraction  how far the handles go, 0 to 1
 /// @throws EditError (BadParameter if fraction is outside [0, 1]; BadScript if there are no steps; and what a step
-///         throws, with the step's number before the sentence when there are several)
+/// throws, with the step's number before the message when there are several)
 void apply_steps(const TriangleMesh& mesh, const Adjacency& adjacency, const Edit& edit, double fraction,
                  StoredScalar scalar, const Progress& progress, const std::function<void(EditResult&&)>& each);
 
@@ -42,12 +42,11 @@ EditResult apply_step(const TriangleMesh& mesh, const Adjacency& adjacency, cons
 EditResult apply_edit(const TriangleMesh& mesh, const Edit& edit, double fraction = 1,
                       StoredScalar scalar = StoredScalar::Double, const Progress& progress = {});
 
-/// The same for several fractions at once, each with the bits that it has alone. The mesh has to have passed
-/// validate(), and adjacency to be its own. The first step is prepared once for all of them; the others start from
-/// different shapes, and take over what still fits.
-/// @return one result per fraction, in their order. A report whose first times are 0 is of a pose for which nothing had
-///         to be prepared
-/// @throws EditError as apply_edit(), with the fraction before the sentence when there are several
+/// Runs the edit for several fractions, each with the same bits as alone. Requires a mesh that has passed validate(),
+/// and its adjacency. The first step is prepared once for all fractions; later steps start from different shapes and
+/// reuse what still fits. @return one result per fraction, in their order. Preparation times of 0 in a report mean that
+/// the preparation was reused @throws EditError as apply_edit(), with the fraction before the message when there are
+/// several
 std::vector<EditResult> apply_edit(const TriangleMesh& mesh, const Adjacency& adjacency, const Edit& edit,
                                    const std::vector<double>& fractions, StoredScalar scalar = StoredScalar::Double,
                                    const Progress& progress = {});

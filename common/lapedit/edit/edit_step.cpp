@@ -31,24 +31,30 @@ void check_handle(const HandleGroup& handle, std::size_t number) {
   }
 }
 
-/// None where they are the vertices' own places: that is no motion, to the bit.
-Points targets_of(const HandleGroup& handle, std::size_t number, const TriangleMesh& mesh) {
-  Points targets(static_cast<Eigen::Index>(handle.targets.size()), 3);
-  bool elsewhere = false;
+void require_finite_targets(const HandleGroup& handle, std::size_t number) {
   for (std::size_t k = 0; k < handle.targets.size(); ++k) {
-    const Vector3& target = handle.targets[k];
-    const int vertex = handle.vertices[k];
-    if (!target.allFinite()) {
-      throw EditError(ErrorCause::NotFinite, "The target of vertex " + std::to_string(vertex) + " in handle group " +
-                                                 std::to_string(number) + " is not finite: give finite coordinates.");
+    if (!handle.targets[k].allFinite()) {
+      throw EditError(ErrorCause::NotFinite, "The target of vertex " + std::to_string(handle.vertices[k]) +
+                                                 " in handle group " + std::to_string(number) +
+                                                 " is not finite: give finite coordinates.");
     }
-    targets.row(static_cast<Eigen::Index>(k)) = target.transpose();
-    elsewhere |= target != mesh.vertices.row(vertex).transpose();
   }
-  return elsewhere ? targets : Points(0, 3);
 }
 
 }  // namespace
+
+void targets_to(const std::vector<int>& vertices, const std::vector<Vector3>& targets, const TriangleMesh& mesh,
+                Points& rows) {
+  rows.resize(static_cast<Eigen::Index>(targets.size()), 3);
+  bool elsewhere = false;
+  for (std::size_t k = 0; k < targets.size(); ++k) {
+    rows.row(static_cast<Eigen::Index>(k)) = targets[k].transpose();
+    elsewhere |= targets[k] != mesh.vertices.row(vertices[k]).transpose();
+  }
+  if (!elsewhere) {
+    rows.resize(0, 3);
+  }
+}
 
 Vector3 centroid(const Points& vertices, const std::vector<int>& group) {
   if (group.empty()) {
@@ -89,7 +95,8 @@ std::vector<HandleMotion> motions_of(const TriangleMesh& mesh, const EditStep& s
     HandleMotion motion = resolve(handle.transform, centroid(mesh.vertices, handle.vertices));
     check_handle(handle, g);
     motion.part = fraction;
-    motion.targets = targets_of(handle, g, mesh);
+    require_finite_targets(handle, g);
+    targets_to(handle.vertices, handle.targets, mesh, motion.targets);
     motions.push_back(std::move(motion));
   }
   return motions;
@@ -98,12 +105,6 @@ std::vector<HandleMotion> motions_of(const TriangleMesh& mesh, const EditStep& s
 void check_handles(const EditStep& step) {
   for (std::size_t g = 0; g < step.handles.size(); ++g) {
     check_handle(step.handles[g], g);
-    if (step.mirror && !step.handles[g].targets.empty()) {
-      throw EditError(ErrorCause::BadParameter,
-                      group_name(g) +
-                          " has targets, which are not mirrored: leave the mirror out, and give vertices and "
-                          "targets of both sides.");
-    }
   }
 }
 

@@ -13,15 +13,15 @@
 
 namespace lapedit {
 
-/// Vertices that move together, and how.
+/// Vertices that move together, and their motion.
 struct HandleGroup {
   std::vector<int> vertices;  ///< mesh vertex numbers
   HandleTransform transform;
-  std::vector<double> weights = {};   ///< of each vertex, kLeastShare to 1, what handle_weight counts there; empty: 1
-  std::vector<Vector3> targets = {};  ///< of each vertex, in place of the transform; empty: the transform counts
+  std::vector<double> weights = {};   ///< per vertex, kLeastShare to 1: factor of handle_weight; empty: 1
+  std::vector<Vector3> targets = {};  ///< per vertex, replaces the transform; empty: the transform applies
 };
 
-/// One edit: which part, which handles, how far, with what settings.
+/// One step of an edit: region, handles with their motions, settings.
 struct EditStep {
   RegionSpec region;
   std::vector<HandleGroup> handles;
@@ -29,32 +29,35 @@ struct EditStep {
   std::optional<MirrorPlane> mirror = {};  ///< handles and region are mirrored across it, see mirrored()
 };
 
-/// A sequence of steps with the mesh it was made for.
+/// A sequence of steps, with a description of its mesh.
 struct Edit {
   std::optional<int> mesh_vertices, mesh_faces;
   std::string connectivity;  ///< checksum, empty: not given
   std::vector<EditStep> steps;
 };
 
-/// Centroid of some vertices. @throws EditError (BadIndex, NoHandle)
+/// Returns the centroid of some vertices. @throws EditError (BadIndex, NoHandle)
 Vector3 centroid(const Points& vertices, const std::vector<int>& group);
 
 // Of the handles of a step, one entry per group.
 std::vector<std::vector<int>> groups_of(const EditStep& step);
 std::vector<std::vector<double>> weights_of(const EditStep& step);
-/// How they move; targets in ascending order of the vertices. @param fraction  of the path, 0 to 1. @throws EditError
-/// as centroid(), resolve() and sort_group(); (BadParameter) as check_handles(); (NotFinite)
+/// Returns the motions of the groups; targets in ascending order of the vertices. @param fraction  of the path, 0 to 1.
+/// @throws EditError as centroid(), resolve() and sort_group(); (BadParameter) as check_handles(); (NotFinite)
 std::vector<HandleMotion> motions_of(const TriangleMesh& mesh, const EditStep& step, double fraction = 1);
 
-/// @throws EditError (BadParameter) if a group of one vertex is to be rotated or scaled without a
-/// center, or if a group with targets is to be mirrored
+/// Targets as HandleMotion has them: one row for each vertex, but none if they are the vertices' own places, which is
+/// no motion, to the bit. Allocates nothing for as many rows as before.
+void targets_to(const std::vector<int>& vertices, const std::vector<Vector3>& targets, const TriangleMesh& mesh,
+                Points& rows);
+
+/// @throws EditError (BadParameter) if a group of one vertex is to be rotated or scaled without a center
 void check_handles(const EditStep& step);
 
-/// Makes the group ascending without duplicates, so that sums over a group do not depend on how it was written; of a
-/// vertex that is there twice the larger weight counts. @throws EditError (BadParameter) if there are weights, but not
-/// one for each
+/// Sorts the group and removes duplicates, so that sums over it do not depend on how it was written. A vertex that is
+/// listed twice keeps the larger weight. @throws EditError (BadParameter) if there are weights, but not one for each
 void sort_group(std::vector<int>& vertices, std::vector<double>& weights);
-/// The same with its targets. @param number  of the group in its step, for the message. @throws EditError
+/// Sorts the group with its targets. @param number of the group in its step, for the message. @throws EditError
 /// (BadParameter) also if there are targets, but not one for each vertex, or different ones for one vertex
 void sort_group(HandleGroup& group, std::size_t number);
 

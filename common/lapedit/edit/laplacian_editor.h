@@ -23,8 +23,8 @@
 
 namespace lapedit {
 
-/// One region with its handles, ready to be posed again and again: a PoseSolver that with DetailRotation::LocalGlobal
-/// starts from the rotations of a CellModel. The same motions give the same bits, whatever came before.
+/// One region with its handles, ready for any number of poses: a PoseSolver that starts from the rotations of a
+/// CellModel with DetailRotation::LocalGlobal. The same motions give the same bits, independent of earlier poses.
 class LaplacianEditor {
  public:
   /// @param mesh      rest pose; not kept
@@ -36,14 +36,14 @@ class LaplacianEditor {
                   std::unique_ptr<LaplacianEditor> previous = nullptr)
       : LaplacianEditor(mesh, std::make_shared<const Region>(std::move(region)), settings, progress,
                         std::move(previous)) {}
-  /// The same with cells that are there already. @param cells  of the same mesh and settings
+  /// Uses existing cells. @param cells of the same mesh and settings
   LaplacianEditor(const TriangleMesh& mesh, std::shared_ptr<CellModel> cells, const EditSettings& settings,
                   const Progress& progress, std::unique_ptr<LaplacianEditor> previous);
 
   const Region& region() const { return solver_->system().region; }
   const LaplacianSystem& system() const { return solver_->system(); }
   const std::string& taken_over() const { return solver_->taken_over(); }
-  const std::shared_ptr<CellModel>& cells() const { return cells_; }  ///< nothing where they were not needed
+  const std::shared_ptr<CellModel>& cells() const { return cells_; }  ///< null if they are not needed
 
   /// See PoseSolver::solve(). @throws EditError as PoseSolver::solve(); the editor stays usable
   const Points& solve(const std::vector<HandleMotion>& handles, const Affine& anchors = Affine::Identity(),
@@ -63,7 +63,7 @@ class LaplacianEditor {
   std::shared_ptr<CellModel> cells_;
   std::unique_ptr<PoseSolver> solver_;
   std::vector<Matrix3> start_;
-  double cells_ms_ = 0, turn_ms_ = 0;  // of making them, and of the last pose
+  double cells_ms_ = 0, turn_ms_ = 0;  // of constructing the cells, and of their last pose
 };
 
 }  // namespace lapedit

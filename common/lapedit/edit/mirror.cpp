@@ -135,11 +135,13 @@ MirroredHandles::MirroredHandles(const TriangleMesh& mesh, const std::vector<std
       taken[v] = 1;
     }
   }
+  std::vector<std::vector<std::pair<int, int>>> pairs;
   for (std::size_t g = 0; g < groups.size(); ++g) {
     const std::vector<int>& group = groups[g];
     std::vector<int> image;
     std::vector<double> image_weights;
-    for (const auto& [v, original] : images.of(group, missing)) {
+    pairs.push_back(images.of(group, missing));
+    for (const auto& [v, original] : pairs.back()) {
       const auto at = static_cast<std::size_t>(place_in(group, original));
       symmetric_[g] |= contains(group, v);
       if (!taken[v]) {
@@ -164,8 +166,20 @@ MirroredHandles::MirroredHandles(const TriangleMesh& mesh, const std::vector<std
   if (!missing.empty()) {
     refuse_missing(mesh, missing, vertices);
   }
-  for (const std::vector<int>& group : groups_) {
-    centroids_.push_back(centroid(mesh.vertices, group));
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    const std::vector<int>& given = groups[static_cast<std::size_t>(source_[g])];
+    const std::vector<std::pair<int, int>>& image = pairs[static_cast<std::size_t>(source_[g])];
+    centroids_.push_back(centroid(mesh.vertices, groups_[g]));
+    rest_.push_back(gather(mesh.vertices, groups_[g]));
+    std::vector<Twin>& twins = twins_.emplace_back();
+    for (const int v : groups_[g]) {
+      const auto found = std::lower_bound(image.begin(), image.end(), std::pair(v, -1));
+      const bool is_image = found != image.end() && found->first == v && (g >= groups.size() || symmetric_[g] != 0);
+      twins.push_back({g < groups.size() ? place_in(given, v) : -1, is_image ? place_in(given, found->second) : -1});
+    }
+  }
+  for (const std::vector<int>& group : groups) {
+    given_rest_.push_back(gather(mesh.vertices, group));
   }
 }
 
@@ -228,10 +242,33 @@ HandleTransform MirroredHandles::symmetric(const HandleTransform& given, const V
   return result;
 }
 
+void MirroredHandles::targets(std::size_t g, const std::vector<std::vector<Vector3>>& given,
+                              std::vector<Vector3>& targets) const {
+  targets.clear();
+  const auto source = static_cast<std::size_t>(source_[g]);
+  if (source >= given.size() || given[source].empty()) {
+    return;
+  }
+  const std::vector<Vector3>& to = given[source];
+  const auto way = [&](int place) -> Vector3 { return to[place] - given_rest_[source].row(place).transpose(); };
+  for (std::size_t k = 0; k < twins_[g].size(); ++k) {
+    const auto& [own, original] = twins_[g][k];
+    if (original < 0) {
+      targets.push_back(to[own]);
+      continue;
+    }
+    const Vector3 image = mirror_.linear() * way(original);
+    targets.push_back(rest_[g].row(static_cast<Eigen::Index>(k)).transpose() +
+                      (own < 0 ? image : Vector3((way(own) + image) / 2)));
+  }
+}
+
 void MirroredHandles::maps(const std::vector<HandleTransform>& given, std::vector<HandleMotion>& maps) const {
   maps.resize(groups_.size());
   for (std::size_t g = 0; g < groups_.size(); ++g) {
-    maps[g] = resolve(transform(g, given), centroids_[g]);
+    const HandleMotion motion = resolve(transform(g, given), centroids_[g]);
+    maps[g].map = motion.map;
+    maps[g].turn = motion.turn;
   }
 }
 
@@ -291,15 +328,18 @@ EditStep mirrored(const TriangleMesh& mesh, const EditStep& step) {
     return result;
   }
   std::vector<HandleTransform> transforms;
+  std::vector<std::vector<Vector3>> targets;
   for (std::size_t g = 0; g < result.handles.size(); ++g) {
     sort_group(result.handles[g], g);
     transforms.push_back(result.handles[g].transform);
+    targets.push_back(result.handles[g].targets);
   }
   check_handles(result);  // images of rotations and scales have a center
   const MirroredHandles handles(mesh, groups_of(result), *step.mirror, weights_of(result));
   result.handles.clear();
   for (std::size_t g = 0; g < handles.groups().size(); ++g) {
     result.handles.push_back({handles.groups()[g], handles.transform(g, transforms), handles.weights()[g]});
+    handles.targets(g, targets, result.handles.back().targets);
   }
   result.region = mirrored(mesh, step.region, *step.mirror);
   result.mirror.reset();

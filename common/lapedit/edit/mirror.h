@@ -9,14 +9,15 @@ namespace lapedit {
 
 /// Handle groups with their mirror images.
 ///
-/// The image of a set of vertices are the vertices nearest to its mirrored places, and those whose own mirrored places
-/// are nearest to one of the set, so that an image is as dense as the surface there; that of a lone vertex is one
-/// vertex. A vertex that is in a given group stays in it and is in no image. A group that its own image meets becomes
-/// one with it: what of its transform is not the same on both sides falls away. Of a translation the part along the
-/// plane stays, of a rotation the turn about the plane's normal, of a scale all of it, about a centre in the plane; of
-/// a matrix with the polar decomposition L = Q P the same of way and turn, and (P + S P S) / 2. Any other group has
-/// an image that moves by S T S: the translation mirrored, the axis mirrored and turned round for the same degrees,
-/// the centre mirrored, the same scale.
+/// The image of a vertex set consists of the vertices nearest to its mirrored positions, and of those whose mirrored
+/// positions are nearest to a vertex of the set, so that an image is as dense as the surface there; the image of a
+/// single vertex is one vertex. Vertices of given groups are in no image. A group that meets its own image is merged
+/// with it, and keeps the symmetric part of its transform: of a translation the part along the plane, of a rotation the
+/// turn about the plane's normal, of a scale all of it, about a centre in the plane; of a matrix with the polar
+/// decomposition L = Q P the same parts of translation and rotation, and (P + S P S) / 2. Any other group has an image
+/// that moves by S T S: translation and centre are mirrored, the axis is mirrored and reversed, the scale is equal. Of
+/// targets the displacements are mirrored; where a vertex and its image are both in a group, they go by the mean of
+/// what each was to do.
 class MirroredHandles {
  public:
   /// @param groups  mesh vertex numbers, ascending without duplicates; @param weights  of each group, or none
@@ -25,20 +26,29 @@ class MirroredHandles {
   MirroredHandles(const TriangleMesh& mesh, const std::vector<std::vector<int>>& groups, const MirrorPlane& plane,
                   const std::vector<std::vector<double>>& weights = {});
 
-  /// The given groups in their order, and behind them the images.
+  /// Returns the given groups in their order, followed by the images.
   const std::vector<std::vector<int>>& groups() const { return groups_; }
   const std::vector<std::vector<double>>& weights() const { return weights_; }
-  /// The given group that each of them belongs to.
+  /// Returns the given group of each of them.
   const std::vector<int>& source() const { return source_; }
 
-  /// What group g does, from the transform of each given group. @throws EditError as resolve()
+  /// Returns the motion of group g from the transforms of the given groups. @throws EditError as resolve()
   HandleTransform transform(std::size_t g, const std::vector<HandleTransform>& given) const;
-  /// All of them resolved, with the bits that the runner's have. Nothing is allocated after the first call.
+  /// Where the vertices of group g go, from the targets of each given group, which are finite; empty: of none.
+  /// Allocates nothing for as many targets as before.
+  void targets(std::size_t g, const std::vector<std::vector<Vector3>>& given, std::vector<Vector3>& targets) const;
+  /// All of them resolved but for targets, with the bits that the runner's have. Nothing is allocated after the first
+  /// call.
   void maps(const std::vector<HandleTransform>& given, std::vector<HandleMotion>& maps) const;
 
  private:
   HandleTransform symmetric(const HandleTransform& given, const Vector3& centre) const;
   HandleTransform reflected(const HandleTransform& given, const Vector3& centre) const;
+
+  /// Of a vertex of groups_: where it stands in the given group, and where what it is the image of; -1: nowhere.
+  struct Twin {
+    int own, original;
+  };
 
   Vector3 normal_;
   Affine mirror_;
@@ -47,22 +57,23 @@ class MirroredHandles {
   std::vector<int> source_;
   std::vector<char> symmetric_;     // of each given group
   std::vector<Vector3> centroids_;  // of groups_
+  std::vector<std::vector<Twin>> twins_;
+  std::vector<Points> rest_, given_rest_;  // of groups_ and of the given ones
 };
 
-/// The region with what is mirrored: sets of vertices and kept anchors take their images in, as far as there are any; a
+/// Returns the region with its mirror image: vertex sets and kept anchors include their images, where these exist; a
 /// radius and components follow from the handles. @throws EditError (BadIndex)
 RegionSpec mirrored(const TriangleMesh& mesh, const RegionSpec& region, const MirrorPlane& plane);
 
-/// The step without its key `mirror`, written out for a mesh: equal but for StepProblem::mirror.
-/// @throws EditError as the above
+/// Returns an equivalent step without `mirror` for a mesh, except for StepProblem::mirror. @throws EditError as
+/// mirrored region and handles do
 EditStep mirrored(const TriangleMesh& mesh, const EditStep& step);
 
-/// Averages poses of a region that is its own mirror image, so that they are it to the last bits: cells and
-/// factorisations follow the numbering of the vertices and are not symmetric.
+/// Averages poses of a symmetric region with their mirror images, so that they are symmetric to the last bits; cells
+/// and factorisations are not symmetric.
 class PoseSymmetry {
  public:
-  /// Does nothing where a vertex of the region has no twin in it, at its mirrored place but for 1e-6 of the mesh's
-  /// diagonal.
+  /// Has no effect if a vertex of the region has no twin within 1e-6 of the mesh's diagonal of its mirrored position.
   PoseSymmetry(const TriangleMesh& mesh, const Region& region, const MirrorPlane& plane);
   bool applies() const { return !twin_.empty(); }
   void apply(Points& places) const;  ///< size() x 3; allocates nothing

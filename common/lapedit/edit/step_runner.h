@@ -17,10 +17,10 @@ namespace lapedit {
 /// what an interactive session saw.
 enum class StoredScalar { Float, Double };
 
-/// Rounds to what the mesh can store. @throws EditError (NotFinite) if that leaves a coordinate infinite
+/// Rounds to the mesh's precision. @throws EditError (NotFinite) if a coordinate becomes infinite
 void round_to(StoredScalar scalar, Points& positions);
 
-/// Everything that a step is solved with but its handles' ways.
+/// Everything that a step is solved with, except the handles' motions.
 struct StepProblem {
   const TriangleMesh& mesh;  ///< rest pose; has passed validate()
   const Adjacency& adjacency;
@@ -29,12 +29,11 @@ struct StepProblem {
   const EditSettings& settings;
   StoredScalar scalar = StoredScalar::Double;
   std::vector<std::vector<double>> weights = {};  ///< per group, as HandleGroup::weights; none: 1
-  /// The plane that groups and region were mirrored across: poses are made symmetric to the last bits, see
-  /// PoseSymmetry.
+  /// The mirror plane of groups and region: poses become symmetric to the last bits, see PoseSymmetry.
   std::optional<MirrorPlane> mirror = {};
 };
 
-/// A step's region, and what finding it took.
+/// A step's region, and the time that finding it took.
 struct FoundRegion {
   std::shared_ptr<const Region> region;
   double milliseconds = 0;
@@ -43,8 +42,8 @@ struct FoundRegion {
 /// @throws EditError as validate(), sort_group() and build_region()
 FoundRegion find_region(const StepProblem& problem, const Progress& progress = {});
 
-/// Runs one step: region, preparation, poses. Filter, program, replay and window all run their steps by this class, so
-/// that the same step has the same bits everywhere.
+/// Runs one step: region, preparation, poses. Filters, program and window run all steps with this class, so that a step
+/// has the same bits everywhere.
 ///
 ///     StepRunner runner({mesh, adjacency, region, {{8624}}, settings, StoredScalar::Float});
 ///     runner.solve({map}, places);  // row i belongs to runner.region().mesh_vertex[i]
@@ -53,35 +52,34 @@ class StepRunner {
   using RegionKnown = std::function<void(const Region&)>;
 
   /// Finds the region and prepares it. The problem need not outlive the call.
-  /// @param region_known  called before the costly part; what it throws ends the preparation
-  /// @param previous      a runner that is not wanted any more: what of it still fits is taken over
+  /// @param region_known  called before the costly part; its exceptions end the preparation
+  /// @param previous      a runner that is no longer needed: parts that still fit are reused
   /// @throws EditError as build_region() and LaplacianEditor
   explicit StepRunner(const StepProblem& problem, const Progress& progress = {}, const RegionKnown& region_known = {},
                       std::unique_ptr<StepRunner> previous = nullptr);
 
-  /// The same for a region that is known.
-  /// @param cells  if they are there already
+  /// Prepares a known region. @param cells null if they do not exist yet
   StepRunner(const FoundRegion& found, const StepProblem& problem, const Progress& progress,
              std::unique_ptr<StepRunner> previous, std::shared_ptr<CellModel> cells = nullptr);
 
   const Region& region() const { return editor_->region(); }
   const LaplacianEditor& editor() const { return *editor_; }
 
-  /// Where the region's vertices go, rounded to what the mesh can store.
+  /// Computes the new positions of the region's vertices, rounded to the mesh's precision.
   /// @param maps    one per handle group, absolute coordinates
   /// @param places  region().size() x 3; keeps its storage if it has the right size
-  /// @param go_on   asked now and then
-  /// @throws EditError as LaplacianEditor::solve() and round_to(); the runner stays usable
+  /// @param go_on   called repeatedly @throws EditError as LaplacianEditor::solve() and round_to(); the runner stays
+  /// usable
   void solve(const std::vector<HandleMotion>& maps, Points& places, const Progress& go_on = {});
 
   const std::string& taken_over() const { return editor_->taken_over(); }  ///< see EditReport::taken_over
 
-  /// What is done with each pose: made symmetric, and rounded to what the mesh can store. @throws as round_to()
+  /// Finishes a pose: makes it symmetric and rounds it to the mesh's precision. @throws EditError as round_to()
   void finish(Points& places) const;
 
-  /// Report of preparation and last solve(), of its rounded places. Of a pose that came after another one, times of
-  /// preparing are 0.
-  /// @param whole  with what takes time and no window shows: the height of detail
+  /// Returns the report of preparation and last solve(), for the rounded positions. Preparation times are 0 after the
+  /// first pose.
+  /// @param whole  includes the height of detail, which takes time and which no window shows
   EditReport report(bool whole = true) const;
 
  private:

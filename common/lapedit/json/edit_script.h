@@ -5,7 +5,7 @@
 
 #include "lapedit/edit/edit.h"
 
-/// Edits as JSON text, so that what was done by hand or written by a script can be replayed exactly.
+/// Edits as JSON text, so that interactive and scripted edits can be replayed exactly.
 ///
 /// Keys (o: optional, with the default of EditSettings, RegionSpec or HandleTransform; any other key is refused):
 ///
@@ -57,10 +57,9 @@
 /// EditSettings::backend and threads belong to the machine, not to the edit, and are not part of the text.
 namespace lapedit {
 
-/// Reads UTF-8 text, with or without a byte order mark. What it looks at is the form: keys, types, finite numbers,
-/// vertex lists (which may not be longer than the mesh that the text names). The ranges of settings are known to those
-/// who use them, and checked by apply_edit().
-/// @throws EditError (BadScript) whose sentence says where ("steps[1].handles[0]", or line and column)
+/// Reads UTF-8 text, with or without a byte order mark. Checks keys, types, finite numbers and vertex lists (which may
+/// not be longer than the mesh that the text names). apply_edit() checks the ranges of settings. @throws EditError
+/// (BadScript) whose message says where ("steps[1].handles[0]", or line and column)
 Edit read_edit(const std::string& json);
 
 /// Reads JSON text (UTF-8) if the argument begins with "{" (after white space), else the file of that path.

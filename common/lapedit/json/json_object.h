@@ -9,11 +9,11 @@
 
 namespace lapedit {
 
-/// An object together with its place in the text, such as "steps[1].handles[0]". Nothing is guessed, and each
-/// complaint, an EditError (BadScript), says where it is. The value has to outlive it.
+/// An object together with its place in the text, such as "steps[1].handles[0]". Nothing is guessed, and each EditError
+/// (BadScript) names the place. The value has to outlive the object.
 class JsonObject {
  public:
-  /// Refuses what is no object, and keys that are not known.
+  /// Refuses values that are no objects, and unknown keys.
   JsonObject(const Json& value, std::string where, const std::vector<const char*>& known_keys);
 
   const std::string& where() const { return where_; }

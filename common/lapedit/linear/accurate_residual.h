@@ -6,12 +6,12 @@
 
 namespace lapedit {
 
-/// Residuals of linear systems in about twice the working precision. With them iterative refinement goes on until the
-/// solution is right to the last bit of a double, whatever the factorisation is like: results do not depend on the
-/// BLAS, the ordering or the processor. Source: T. Ogita, S. Rump, S. Oishi, Accurate sum and dot product, SISC 2005.
+/// Residuals of linear systems in about twice the working precision. With them iterative refinement makes the solution
+/// correct to the last bit of a double, whatever the quality of the factor: results do not depend on ordering or
+/// processor. Source: T. Ogita, S. Rump, S. Oishi, Accurate sum and dot product, SISC 2005.
 
-/// Points of twice the working precision: the sum of two numbers each, low at most half a unit in the last place of
-/// high.
+/// Points of twice the working precision: each coordinate is the sum of two numbers, low at most half a unit in the
+/// last place of high.
 struct DoubledPoints {
   Points high, low;
 
@@ -19,8 +19,8 @@ struct DoubledPoints {
   void add(const Points& step, ThreadPool& pool);
 };
 
-/// out = right - (M^T M + diag(diagonal)) x. Relative error about 1e-31 of the sizes of the terms, but for the last
-/// rounding. @param between  scratch; it and out keep their storage if they have the right size. O(entries of M)
+/// out = right - (M^T M + diag(diagonal)) x. Error about 1e-31 of the terms' sizes, plus the final rounding. @param
+/// between scratch; it and out keep their storage if they have the right size. O(entries of M)
 void normal_residual(const OperatorRows& m, const Eigen::VectorXd& diagonal, const Points& right,
                      const DoubledPoints& x, DoubledPoints& between, Points& out, ThreadPool& pool);
 
@@ -28,37 +28,37 @@ void normal_residual(const OperatorRows& m, const Eigen::VectorXd& diagonal, con
 void symmetric_residual(const SparseMatrix& a, const Points& right, const DoubledPoints& x, Points& out,
                         ThreadPool& pool);
 
-/// left -= (M^T M + diag(diagonal)) step, in working precision: a residual after a small step, for a fifth of the price
-/// of a new one. @param between  scratch
+/// left -= (M^T M + diag(diagonal)) step, in working precision: updates a residual after a small step, for a fifth of
+/// the cost of a new one. @param between  scratch
 void subtract_normal_product(const OperatorRows& m, const Eigen::VectorXd& diagonal, const Points& step,
                              Points& between, Points& left, ThreadPool& pool);
 
 /// left -= A step for a symmetric matrix with both halves stored, likewise.
 void subtract_symmetric_product(const SparseMatrix& a, const Points& step, Points& left, ThreadPool& pool);
 
-/// What iterative refinement asks of a system A x = b and a factor of A.
+/// The operations that iterative refinement needs from a system A x = b and a factor of A.
 class RefinedSystem {
  public:
   virtual ~RefinedSystem() = default;
   /// left = b - A x in doubled precision.
   virtual void residual(const DoubledPoints& x, Points& left) = 0;
-  /// left -= A step in working precision; asked only where the factor is in single precision.
+  /// left -= A step in working precision; called only if the factor is in single precision.
   virtual void subtract_product(const Points& step, Points& left) = 0;
-  /// step about A^-1 left. May change left while it works.
+  /// step = A^-1 left approximately. May use left as scratch.
   virtual void solve(Points& left, Points& step) = 0;
 };
 
-/// How a refinement went.
+/// The outcome of a refinement.
 struct Refinement {
-  int steps = 0;           ///< residuals taken
-  double last_change = 0;  ///< the size of the last step over that of the solution
+  int steps = 0;           ///< number of residuals computed
+  double last_change = 0;  ///< size of the last step, over that of the solution
 
-  bool converged() const { return last_change < 1e-6; }  ///< else the solution is not to be trusted
+  bool converged() const { return last_change < 1e-6; }  ///< otherwise the solution is not reliable
 };
 
-/// Iterative refinement of a solution until it is right to the last bit, or until a step does not get it much nearer
-/// any more. A residual is taken in doubled precision only where working precision would spoil the next step, and the
-/// steps end when one more, at the pace of the slowest so far, would not be seen.
+/// Refines a solution until it is correct to the last bit, or until steps stop improving it. Residuals are computed in
+/// doubled precision only where working precision would spoil the next step. The steps end when another one, at the
+/// rate of the slowest so far, would change nothing.
 /// @param single_precision  whether the factor is
 /// @param left   the right-hand side; scratch. @param x  out: the solution. @param step  scratch
 Refinement refine_to_the_bit(RefinedSystem& system, bool single_precision, DoubledPoints& x, Points& left, Points& step,

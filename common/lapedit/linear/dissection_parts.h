@@ -9,15 +9,16 @@
 
 #include "lapedit/mesh/adjacency.h"
 
-// What the files of nested dissection share: nested_dissection.cpp and minimum_vertex_separator.cpp.
+// Shared by nested_dissection.cpp and minimum_vertex_separator.cpp.
 
 namespace lapedit::dissection {
 
-constexpr double kBalance = 5;       // of an uneven division, see score(); tried out
-constexpr double kLeastPart = 0.02;  // what is no division: a smaller side, or a separator of more than the next
+constexpr double kBalance = 5;  // penalty of an uneven division, see score(); found by experiment
+constexpr double kLeastPart =
+    0.02;  // a side smaller than this, or a separator larger than the next constant, is no division
 constexpr double kMostSeparated = 0.6;
 
-/// Vertices to be put in order, and around them the ghosts: those of separators above that are next to them. Two
+/// Vertices to be ordered, surrounded by ghosts: adjacent vertices of separators above. Two
 /// vertices with a common ghost are neighbours in the matrix's graph.
 struct Piece {
   int own = 0;              ///< vertices 0 .. own - 1 are its own, the others ghosts
@@ -32,7 +33,7 @@ enum Side : std::uint8_t { kLow, kHigh, kSeparator, kGhost };
 
 using Counts = std::array<int, 4>;  // vertices per side
 
-/// Memory used again and again by one thread. The first ones are per vertex of a piece.
+/// Scratch memory of one thread. The first arrays have an entry per vertex of a piece.
 struct Scratch {
   std::vector<std::uint8_t> side;   // Side
   std::vector<std::uint8_t> place;  // bin along the axis; then whether beyond the cut
@@ -58,14 +59,14 @@ struct Scratch {
   }
 };
 
-/// Whether a division is worth going on with.
+/// Returns whether a division is worth pursuing.
 inline bool is_division(const Counts& counts) {
   const int n = counts[kLow] + counts[kHigh] + counts[kSeparator];
   return std::min(counts[kLow], counts[kHigh]) >= kLeastPart * n && counts[kSeparator] <= kMostSeparated * n;
 }
 
-/// What a separator costs per vertex of the piece: the entries of its own triangle, and more for an uneven division,
-/// whose larger part takes more levels.
+/// Returns the cost of a separator per vertex of the piece: the entries of its own triangle, and more for an uneven
+/// division, whose larger part needs more levels.
 inline double score(double low, double high, double separator) {
   low = std::max(low, 0.0);
   high = std::max(high, 0.0);
@@ -74,10 +75,10 @@ inline double score(double low, double high, double separator) {
   return 0.5 * separator * separator / (low + high + separator) + kBalance * (1 - entropy);
 }
 
-/// Makes a separator smaller, or a division more even: takes the smallest one among `layers` layers of vertices on each
-/// side, by a largest flow (Dinic 1970). Takes time in proportion to the band's entries, times the few phases that a
-/// flow needs in practice; allocates what `scratch` does not have yet.
-/// @param scratch  its `side` is the division, per vertex of the piece; changed where that makes its score better
+/// Improves a separator or a division: finds the smallest separator among `layers` layers of vertices on each side by a
+/// maximum flow (Dinic 1970). Time is proportional to the band's entries, times the few phases that a flow needs in
+/// practice; `scratch` grows as needed.
+/// @param scratch  its `side` is the division, per vertex of the piece; changed if that improves its score
 /// @param counts   vertices per side, likewise
 void improve_separator(const Piece& piece, Scratch& scratch, Counts& counts, int layers);
 

@@ -3,17 +3,16 @@
 
 namespace lapedit::supernode {
 
-constexpr int kFrontLanes = 8;  ///< rows of a front are a multiple of it
+constexpr int kFrontLanes = 8;  ///< the number of rows of a front is a multiple of it
 
-/// The first steps of a dense Cholesky factorisation, in place: the first `columns` columns become those of L, and what
-/// is right of them loses their products.
-/// @param front  size x size, column by column, `stride` (a multiple of kFrontLanes) apart; the lower half. What is
-/// above
-///               the diagonal and behind a column is written to.
+/// Performs the first steps of a dense Cholesky factorisation in place: the first `columns` columns become those of L,
+/// and their products are subtracted from the columns to their right.
+/// @param front  size x size, column by column, `stride` (a multiple of kFrontLanes) apart; the lower half. Entries
+/// above the diagonal and behind a column are overwritten.
 /// @return whether all pivots are positive
 using FrontalKernel = bool (*)(double* front, int stride, int size, int columns);
 
-/// For this processor.
+/// Returns the kernel for this processor.
 FrontalKernel best_frontal_kernel();
 
 }  // namespace lapedit::supernode

@@ -6,17 +6,17 @@
 
 namespace lapedit {
 
-/// An operator M over a region with its rows and its columns at hand, so that products with M and M^T are sums over
-/// neighbours, on several threads and with the same bits on any number of them.
+/// An operator M over a region, stored by rows and by columns, so that products with M and M^T are sums over
+/// neighbours, on several threads and with the same bits for any number of them.
 class OperatorRows {
  public:
   using Rows = Eigen::SparseMatrix<double, Eigen::RowMajor, int>;
 
   OperatorRows() = default;
   explicit OperatorRows(const SparseMatrix& matrix);
-  /// With M^T + diag(stretch) wherever it says M^T: with D M symmetric for some diagonal D and stretch a multiple of it
-  /// the normal matrix is M^T M + stretch M, the energy |M x|^2 + x^T stretch M x. @param stretch  n; empty: none.
-  /// M has all of its diagonal
+  /// Uses M^T + diag(stretch) in place of M^T. If D M is symmetric for a diagonal D and stretch is a multiple of D, the
+  /// normal matrix is M^T M + stretch M, the energy |M x|^2 + x^T stretch M x. @param stretch  n; empty: none. The
+  /// diagonal of M has to be complete
   OperatorRows(const SparseMatrix& matrix, const Eigen::VectorXd& stretch);
 
   /// out = M x. x and out must be different objects; out keeps its storage if it has the right size. O(entries).

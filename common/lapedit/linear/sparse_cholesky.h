@@ -14,24 +14,25 @@ namespace lapedit {
 class SparseCholesky;
 
 enum class CholeskyBackend {
-  Supernodal,  ///< fronts, dense kernels and threads, solved with by SupernodalSolver
-  Eigen        ///< Eigen's simplicial LDL^T: slower and plain, the reference
+  Supernodal,  ///< fronts, dense kernels and threads; SupernodalSolver solves with it
+  Eigen        ///< Eigen's simplicial LDL^T: slower and simple, the reference
 };
 
 struct CholeskyOptions {
   CholeskyBackend backend = CholeskyBackend::Supernodal;
   /// Elimination order: order[k] is the row eliminated k-th. Empty: approximate minimum degree.
   std::vector<int> order;
-  /// Keeps the factor in single precision: half the memory and twice the speed, and solutions good to some 1e-5, to be
-  /// refined. The Eigen backend stays in double.
+  /// Keeps the factor in single precision: half the memory and twice the speed, and solutions with a relative error of
+  /// about 1e-5, to be refined. The Eigen backend uses double.
   bool single_precision = false;
-  std::shared_ptr<ThreadPool> pool;  ///< empty: the caller's thread alone
-  /// Factor of a matrix with the same pattern, in the same order, whose analysis is taken over where there is one; not
+  std::shared_ptr<ThreadPool> pool;  ///< empty: the caller's thread alone Factor of a matrix with the same pattern, in
+                                     ///< the same order, whose analysis is taken over where there is one; not
   /// kept. The same bits.
   const SparseCholesky* same_pattern = nullptr;
 };
 
-/// Factor of a symmetric positive definite matrix: made once, asked often. The only file that names a factorisation.
+/// Factor of a symmetric positive definite matrix, computed once and solved with often. No other file names a
+/// factorisation.
 class SparseCholesky {
  public:
   struct Impl;
@@ -40,23 +41,23 @@ class SparseCholesky {
   /// @throws EditError (IllConditioned) if the matrix is not positive definite to working precision
   explicit SparseCholesky(const SparseMatrix& matrix, CholeskyBackend backend = CholeskyBackend::Supernodal);
   SparseCholesky(const SparseMatrix& matrix, const CholeskyOptions& options);
-  /// Shares the factor, which never changes, and has scratch of its own: both can solve at a time, each on a pool of
-  /// its own (empty: the caller's thread alone). The same bits. O(n).
+  /// Shares the immutable factor and has scratch of its own: both can solve concurrently, each with its own pool
+  /// (empty: the caller's thread alone), with the same bits. O(n).
   SparseCholesky(const SparseCholesky& other, std::shared_ptr<ThreadPool> pool);
   ~SparseCholesky();
   SparseCholesky(SparseCholesky&&) noexcept;
   SparseCholesky& operator=(SparseCholesky&&) noexcept;
 
-  /// x = matrix^-1 rhs, for three right-hand sides; rhs and x may be the same object. Nothing is allocated after the
-  /// first call with the same x. Cost: the factor read twice.
+  /// x = matrix^-1 rhs, for three right-hand sides; rhs and x may be the same object. Allocates nothing after the first
+  /// call with the same x. Cost: reading the factor twice.
   void solve(const Points& rhs, Points& x);
 
-  /// Of elimination: row order()[k] is the k-th.
+  /// Elimination order: row order()[k] is the k-th.
   const std::vector<int>& order() const;
 
   bool single_precision() const;
   const char* backend_name() const;
-  /// Whether the analysis of CholeskyOptions::same_pattern was taken over.
+  /// Returns whether the analysis of CholeskyOptions::same_pattern was reused.
   bool took_analysis() const;
   std::size_t factor_nonzeros() const;
 

@@ -17,7 +17,7 @@ namespace lapedit::supernode {
 
 constexpr int kWide = 8;     // columns of a block
 constexpr int kTall = 8;     // rows of a panel
-constexpr int kAhead = 512;  // bytes that the kernels ask for in advance: the hardware stops at small pages
+constexpr int kAhead = 512;  // bytes of prefetching: the hardware stops at small pages
 
 template <typename Scalar>
 struct Kernels {
@@ -27,11 +27,11 @@ struct Kernels {
   void (*backward)(const Scalar* tiles, int columns, int rows, Scalar* v, int pad);
 };
 
-/// For this processor.
+/// Returns the kernels for this processor.
 template <typename Scalar>
 Kernels<Scalar> best_kernels();
 
-/// How many values a supernode's tiles have.
+/// Returns the number of values of a supernode's tiles.
 std::size_t tiles_of(int columns, int rows);
 
 /// Copies a supernode's values into tiles and inverts the triangles.

@@ -8,9 +8,9 @@
 
 namespace lapedit::supernode {
 
-/// The elimination tree of a supernodal factor, cut into tasks that threads can share: small branches are one task
-/// each, every supernode above them is a task of its own. A task adds what it has for rows above it into a list of its
-/// own, which its parent takes over in the order of its children, so sums do not depend on the number of threads.
+/// The elimination tree of a supernodal factor, cut into tasks that threads can share: each small branch is one task,
+/// each supernode above is a task of its own. A task collects its sums for rows above it in a list, which its parent
+/// adds in the order of its children, so sums do not depend on the number of threads.
 struct TaskTree {
   struct Node {  ///< a supernode
     int first_column, columns, rows;

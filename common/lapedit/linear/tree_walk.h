@@ -10,20 +10,19 @@
 
 namespace lapedit::supernode {
 
-/// Shares the tasks of a tree among the threads of a pool. Made once; a walk allocates nothing. One at a
-/// time.
+/// Shares the tasks of a tree among the threads of a pool. A walk allocates nothing. One walk at a time.
 class TreeWalk {
  public:
   /// @param tree  must outlive the object
   TreeWalk(const TaskTree& tree, int threads)
       : tree_(tree), threads_(threads), pending_(tree.tasks.size()), queue_(tree.tasks.size()) {}
 
-  /// Calls body(task, thread) for each task after its children. What one throws reaches the caller.
+  /// Calls body(task, thread) for each task after its children. Exceptions reach the caller.
   template <class Body>
   void upwards(ThreadPool& pool, const Body& body) {
     walk(pool, true, body);
   }
-  /// After its parent.
+  /// Calls body(task, thread) for each task after its parent.
   template <class Body>
   void downwards(ThreadPool& pool, const Body& body) {
     walk(pool, false, body);
@@ -48,7 +47,7 @@ class TreeWalk {
         try {
           body(tree_.tasks[task], thread);
         } catch (...) {
-          failed_ = true;  // nobody is to wait for what comes after it
+          failed_ = true;  // ends the waiting for tasks that depend on it
           gate_.open();
           throw;
         }
@@ -71,7 +70,7 @@ class TreeWalk {
 
   bool over() const { return failed_ || left_ == 0; }
 
-  /// Waits for a task that nobody is at. @return false if there will be none
+  /// Waits for a task that no thread works on. @return false if there will be none
   bool next(ThreadPool& pool, int& task) {
     while (!over()) {
       {

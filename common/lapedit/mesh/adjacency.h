@@ -8,7 +8,7 @@
 
 namespace lapedit {
 
-/// Lists of integers of different lengths behind each other: row i is values[offsets[i] .. offsets[i + 1]).
+/// Concatenated lists of integers of different lengths: row i is values[offsets[i] .. offsets[i + 1]).
 struct IndexLists {
   struct Row {
     const int* first;
@@ -23,20 +23,20 @@ struct IndexLists {
 
   int rows() const { return static_cast<int>(offsets.size()) - 1; }
   Row operator[](int row) const { return {values.data() + offsets[row], values.data() + offsets[row + 1]}; }
-  /// The place in `values` of a value that an ascending row has.
+  /// Returns the index in `values` of a value of an ascending row.
   int entry(int row, int value) const {
     return static_cast<int>(std::lower_bound(values.begin() + offsets[row], values.begin() + offsets[row + 1], value) -
                             values.begin());
   }
 };
 
-/// Who is next to whom in a whole mesh; made once per mesh and independent of its coordinates.
+/// The neighbours of all vertices of a mesh; built once per mesh, independent of its coordinates.
 struct Adjacency {
   IndexLists neighbours;  ///< per vertex: the other ends of its edges, ascending, each once
   IndexLists faces;       ///< per vertex: the faces around it, ascending, each once
 };
 
-/// O(vertices + faces). Degenerate faces give only the edges between different vertices.
+/// Builds the adjacency. Degenerate faces contribute only edges between different vertices. O(vertices + faces).
 /// @param threads  0: as many as the machine has; the result does not depend on it
 Adjacency build_adjacency(int vertex_count, const Faces& faces, int threads = 0);
 

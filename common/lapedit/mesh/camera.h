@@ -11,7 +11,8 @@ struct Ray {
   Vector3 direction = Vector3::UnitZ();
 };
 
-/// How a window shows the mesh. Pixels are counted from the upper left corner, y downwards, and may have fractions.
+/// The mapping from the mesh to a window. Pixels are counted from the upper left corner, y downwards, and may have
+/// fractions.
 class Camera {
  public:
   Camera();
@@ -19,7 +20,7 @@ class Camera {
   ///                 [-1, 1]^3, near to far; perspective or orthographic
   Camera(const Eigen::Matrix4d& to_clip, double width, double height);
 
-  /// Whether the map can be inverted and is finite; nothing below may be asked otherwise.
+  /// Returns whether the map is finite and invertible, as the functions below require.
   bool valid() const { return valid_; }
   bool operator==(const Camera& other) const {
     return to_clip_ == other.to_clip_ && width_ == other.width_ && height_ == other.height_;
@@ -27,13 +28,13 @@ class Camera {
 
   Vector2 pixel(const Vector3& point) const;
   bool in_front(const Vector3& point) const;  ///< of the near plane's camera, not behind it
-  /// From the near plane into the picture, through a pixel.
+  /// Returns the ray from the near plane through a pixel.
   Ray ray(const Vector2& pixel) const;
-  /// The point behind a pixel that lies in the plane through a point, parallel to the picture.
+  /// Returns the point at a pixel in the plane through a point, parallel to the image.
   Vector3 beside(const Vector3& point, const Vector2& pixel) const;
-  /// Length of a pixel in the plane through a point, parallel to the picture.
+  /// Returns the length of a pixel in the plane through a point, parallel to the image.
   double pixel_size(const Vector3& point) const;
-  /// Direction, of length 1, from a point towards the viewer.
+  /// Returns the unit direction from a point to the viewer.
   Vector3 toward_viewer(const Vector3& point) const;
 
  private:

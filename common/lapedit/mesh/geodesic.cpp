@@ -76,6 +76,40 @@ const std::vector<int>& GeodesicSearch::run(const std::vector<int>& seeds, doubl
   return reached_;
 }
 
+ShortestPaths::ShortestPaths(const IndexLists& neighbours, const Points& points)
+    : neighbours_(neighbours), points_(points), search_(neighbours, points), order_(points.rows(), -1) {}
+
+void ShortestPaths::begin(int from, std::size_t most) {
+  const std::vector<int>& reached = search_.run({from}, kUnreached, nullptr, most);
+  for (std::size_t i = 0; i < reached.size(); ++i) {
+    order_[reached[i]] = static_cast<int>(i);
+  }
+}
+
+/// Back along the neighbour that the shortest way came from; one reached earlier, or edges of length zero would lead
+/// round in circles.
+std::vector<int> ShortestPaths::to(int vertex) const {
+  if (!std::isfinite(search_.distance(vertex))) {
+    return {};
+  }
+  std::vector<int> path{vertex};
+  while (order_[path.back()] > 0) {
+    const int v = path.back();
+    int best = -1;
+    double shortest = kUnreached;
+    for (const int w : neighbours_[v]) {
+      const double through = search_.distance(w) + (points_.row(w) - points_.row(v)).norm();
+      if (order_[w] < order_[v] && through < shortest) {
+        shortest = through;
+        best = w;
+      }
+    }
+    path.push_back(best);
+  }
+  std::reverse(path.begin(), path.end());
+  return path;
+}
+
 /// Vertices whose ways on are still to be tried, those of one thread. One may be listed again when it comes nearer.
 struct DistanceField::Front {
   struct Item {

@@ -24,14 +24,14 @@ class GeodesicSearch {
   /// Both arguments must outlive the object; row i of points is vertex i of the graph.
   GeodesicSearch(const IndexLists& neighbours, const Points& points);
 
-  /// Distances (model units) from the nearest of the seeds to all vertices no farther than cutoff.
+  /// Computes the distances, in model units, from the nearest of the seeds to all vertices no farther than cutoff.
   /// @param allowed  if given, one flag per vertex: only flagged ones are entered
-  /// @param most     the search ends with so many vertices, the nearest
+  /// @param most     the search ends after this many vertices, the nearest ones
   /// @return         the reached vertices, nearest first; ties by vertex number. Valid until the next call
   const std::vector<int>& run(const std::vector<int>& seeds, double cutoff, const std::vector<char>* allowed = nullptr,
                               std::size_t most = std::numeric_limits<std::size_t>::max());
 
-  /// Distance found by the last run, kUnreached where it did not come.
+  /// Returns the distance found by the last run, kUnreached for vertices that it did not reach.
   double distance(int vertex) const { return stamp_[vertex] == 2 * search_ ? distance_[vertex] : kUnreached; }
 
  private:
@@ -44,19 +44,36 @@ class GeodesicSearch {
   std::vector<int> reached_;
 };
 
-/// The same distances, bit for bit, for a large part of a graph at once and on several threads.
+/// Shortest paths along edges from one vertex. Deterministic: of several as short, always the same.
+class ShortestPaths {
+ public:
+  /// As GeodesicSearch.
+  ShortestPaths(const IndexLists& neighbours, const Points& points);
+
+  /// @param most  paths lead to so many vertices, the nearest
+  void begin(int from, std::size_t most = std::numeric_limits<std::size_t>::max());
+  /// Vertices from the first to this one, both included; empty if no path was found.
+  std::vector<int> to(int vertex) const;
+
+ private:
+  const IndexLists& neighbours_;
+  const Points& points_;
+  GeodesicSearch search_;
+  std::vector<int> order_;  // in which vertices were reached; of others it means nothing
+};
+
+/// Computes the same distances, bit for bit, for a large part of a graph on several threads.
 ///
-/// A vertex's distance is the smallest sum of edge lengths over all ways to it, added up from the seed on. A sum that
-/// starts smaller never ends larger, rounded or not, so the ways may be tried in any order: here by distance in steps
-/// of about an edge, with no order inside a step (delta-stepping, Meyer and Sanders 2003). O(vertices + what is
-/// reached).
+/// A vertex's distance is the smallest sum of edge lengths over all paths to it, added up from the seed. A smaller
+/// partial sum never ends larger, rounded or not, so paths may be tried in any order: here by distance in steps of
+/// about an edge, with no order inside a step (delta-stepping, Meyer and Sanders 2003). O(vertices + what is reached).
 class DistanceField {
  public:
   /// As GeodesicSearch and its run().
   DistanceField(const IndexLists& neighbours, const Points& points, const std::vector<int>& seeds, double cutoff,
                 const std::vector<char>* allowed, ThreadPool& pool);
 
-  /// Model units, kUnreached where none of the seeds comes.
+  /// Model units; kUnreached for vertices that no seed reaches.
   double operator[](int vertex) const {
     const double found = distance_[vertex].load(std::memory_order_relaxed);
     return found < limit_ ? found : kUnreached;
@@ -71,7 +88,7 @@ class DistanceField {
   const IndexLists& neighbours_;
   const Points& points_;
   const std::vector<char>* allowed_;
-  double limit_;  // what is as far is not reached
+  double limit_;  // vertices at this distance are not reached
   std::unique_ptr<std::atomic<double>[]> distance_;
 };
 

@@ -11,26 +11,26 @@ namespace lapedit {
 /// Role of a vertex in an edit; the colours are those of the paper's Figure 3.
 enum class VertexClass : unsigned char {
   Fixed,   ///< outside the region of interest: keeps its bits
-  Anchor,  ///< stationary anchor (red): held where it was, softly
-  Free,    ///< (green) follows
+  Anchor,  ///< stationary anchor (red): held where it was by a soft constraint
+  Free,    ///< (green) follows the handle
   Handle   ///< (yellow) moved by the user
 };
 
-/// Anchors of an earlier edit in the same region, kept for the next one: the paper's loop takes other handles in one
-/// region, whose anchors were settled with the first.
+/// Anchors of an earlier edit in the same region, kept for the next one: in the paper's loop several handles share a
+/// region, whose anchors the first handle defined.
 struct KeptAnchors {
   std::vector<int> vertices;    ///< mesh vertex numbers, each once
-  std::vector<double> weights;  ///< of each, d / d_max then, from 0 to 1
+  std::vector<double> weights;  ///< of each, d / d_max at that time, from 0 to 1
   std::vector<double> depths;   ///< of each, in the band, from 0 to 1
-  double reach = 0;             ///< largest handle distance then, model units: > 0 where there are vertices
+  double reach = 0;             ///< largest handle distance at that time, model units: > 0 if there are vertices
 
   bool empty() const { return vertices.empty(); }
 };
 
-/// The smallest share of its group's weight that a handle vertex may have.
+/// Smallest share of its group's weight that a handle vertex may have.
 constexpr double kLeastShare = 1e-6;
 
-/// Which part of the surface may change.
+/// The part of the surface that may change.
 struct RegionSpec {
   enum class Kind {
     Radius,    ///< all vertices within a geodesic radius of the nearest handle vertex
@@ -49,15 +49,15 @@ struct RegionSpec {
   double connect_gap = 0;
 };
 
-/// A region of interest, classified. All arrays but mesh_vertex's values speak of local vertices 0 .. size() - 1, in
-/// ascending order of their mesh vertex numbers.
+/// A region of interest with classified vertices. All arrays use local vertex numbers 0 .. size() - 1, except the
+/// values of mesh_vertex, in ascending order of their mesh vertex numbers.
 struct Region {
   std::vector<int> mesh_vertex;      ///< local vertex -> mesh vertex
   std::vector<VertexClass> classes;  ///< Anchor, Free or Handle
   std::vector<int> group;            ///< handle group of a Handle vertex, -1 for others
   std::vector<int> component;        ///< connected component of the region's graph
-  std::vector<char> anchored;        ///< per component: has it an anchor
-  /// Of Handle vertices, what their weight is multiplied by, 1 for others; empty: 1 for all.
+  std::vector<char> anchored;        ///< per component: whether it has an anchor
+  /// Factor of the weight of each Handle vertex, 1 for others; empty: 1 for all.
   std::vector<double> handle_share;
   std::vector<double> distance;       ///< geodesic distance from the nearest handle vertex
   std::vector<double> anchor_weight;  ///< d / d_max for anchors, 0 for others (paper, section 5)
@@ -68,9 +68,9 @@ struct Region {
   std::vector<int> edge_faces;  ///< mesh faces with two or three corners in the region: all that touch a region edge
   double max_distance = 0;      ///< d_max, over the whole region
   double radius = 0;            ///< the given radius, or d_max where none was given
-  int left_out = 0;             ///< vertices of a given set that no handle reaches: they stay, bit for bit
+  int left_out = 0;             ///< number of vertices of a given set that no handle reaches: they keep their bits
   int mesh_vertices = 0;        ///< of the whole mesh
-  /// Edges of the graph that connect_gap made, the lower vertex first, ascending; they have no faces.
+  /// Edges that connect_gap adds to the graph, the lower vertex first, ascending; they have no faces.
   std::vector<std::pair<int, int>> links;
 
   int size() const { return static_cast<int>(mesh_vertex.size()); }
@@ -82,9 +82,9 @@ struct Region {
 ///
 /// Anchors are the vertices farther than (1 - padding) radius from the handle (Kind::Radius), or nearer than padding
 /// times the largest handle distance to the rim (Kind::Vertices), and always the rim: region vertices with a mesh
-/// neighbour outside. Kept anchors take the band's place, with the weights and the largest distance that they came
-/// with. Held vertices are anchors as well. A handle vertex is never an anchor. The border of the mesh is not a rim.
-/// Components of the region without a handle vertex are left out.
+/// neighbour outside. Kept anchors replace the band, with their own weights and largest distance. Held vertices are
+/// anchors as well. A handle vertex is never an anchor. The border of the mesh is not a rim. Components of the region
+/// without a handle vertex are excluded.
 /// @param groups  handle groups, mesh vertex numbers; a vertex may be in one group only
 /// @param threads  0: as many as the machine has; the region does not depend on it
 /// @param shares   of the groups' vertices, see Region::handle_share, kLeastShare to 1; empty lists, or none: 1
@@ -94,17 +94,17 @@ Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const 
                     const std::vector<std::vector<int>>& groups, int threads = 0,
                     const std::vector<std::vector<double>>& shares = {});
 
-/// Shares for a disc that is soft towards its rim: 1 within (1 - softness) of its radius, and from there smoothly and
-/// geometrically down to 0.3 / N at the rim, N the disc's vertices. What is held by so little hardly differs from what
-/// is free, so a pull makes a dome; with N since the finer a smooth surface, the less of it a vertex has to say.
+/// Returns the shares for a disc that is soft towards its rim: 1 within (1 - softness) of its radius, and from there
+/// smoothly and geometrically down to 0.3 / N at the rim, N the number of its vertices. A vertex with so small a weight
+/// is almost free, so a pull makes a dome. N is a factor because each vertex of a finer surface has less influence.
 /// @param distances  of the disc's vertices from its centre, model units, from 0 to the radius
 /// @param softness   0 (all 1) to 1
 std::vector<double> falloff_weights(const std::vector<double>& distances, double disc_radius, double softness);
 
-/// Of each handle group, the largest share of its vertices.
+/// Returns the largest share of the vertices of each handle group.
 std::vector<double> largest_shares(const Region& region);
 
-/// The region's anchors, to be kept for the next edit in it.
+/// Returns the region's anchors, to be kept for the next edit in it.
 KeptAnchors anchors_of(const Region& region);
 
 }  // namespace lapedit

@@ -15,12 +15,13 @@ struct TriangleMesh {
   Faces faces;
 };
 
-/// Checks what every algorithm here relies on: at least one vertex and face, and all face corners in range.
-/// Coordinates are not looked at: only the region's have to be finite. O(faces).
+/// Checks what every algorithm requires: at least one vertex and face, and all face corners in range. Does not check
+/// coordinates, since only the region's have to be finite. O(faces).
 /// @throws EditError (EmptyMesh, BadIndex)
 void validate(const TriangleMesh& mesh);
 
-/// 64-bit FNV-1a over the vertex count and all face corners in order, as 16 hex digits. Coordinates do not enter.
+/// Returns the 64-bit FNV-1a hash of the vertex count and all face corners in order, as 16 hexadecimal digits.
+/// Coordinates are not part of it.
 std::string connectivity_checksum(std::size_t vertex_count, const Faces& faces);
 
 /// Returns the vertices that have a face and finite coordinates. O(vertices + faces)
@@ -28,7 +29,7 @@ std::vector<int> usable_vertices(const TriangleMesh& mesh);
 
 /// Returns the bounding box of some vertices with finite coordinates.
 Eigen::AlignedBox3d bounding_box(const Points& points, const std::vector<int>& vertices);
-/// Of all that are finite; empty if there are none.
+/// Returns the bounding box of all finite points; empty if there are none.
 Eigen::AlignedBox3d bounding_box(const Points& points);
 
 }  // namespace lapedit

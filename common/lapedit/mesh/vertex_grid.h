@@ -11,21 +11,21 @@
 
 namespace lapedit {
 
-/// Some vertices in cubes of space, so that near ones are found in O(1). The cubes number about twice the vertices.
+/// A grid of cubes over some vertices that finds near ones in O(1). There are about twice as many cubes as vertices.
 class VertexGrid {
  public:
-  /// @param vertices  with finite coordinates; kept, as points are looked at: they must outlive the object
+  /// @param vertices  with finite coordinates; points are not copied and must outlive the object
   VertexGrid(const Points& points, std::vector<int> vertices);
 
-  /// The vertex nearest to a place, the lowest number of several; -1 if none is within the limit.
-  /// @param accept  bool(int vertex): which count
+  /// Returns the vertex nearest to a point, the lowest number of several; -1 if none is within the limit.
+  /// @param accept  bool(int vertex): whether a vertex is considered
   template <class Accept>
   int nearest(const Vector3& place, double limit, const Accept& accept) const {
     int found = -1;
     double best = limit * limit;
     const std::array<int, 3> middle = cube_at(place);
     const int rings = *std::max_element(counts_.begin(), counts_.end());
-    // A ring of cubes whose nearest point is farther than what was found, or than the limit, has nothing to say.
+    // Rings of cubes farther than the nearest vertex found, or than the limit, are skipped.
     for (int ring = 0; ring <= rings && (ring == 0 || nearest_of_ring(place, middle, ring) <= best); ++ring) {
       for_ring(middle, ring, [&](int cube) {
         for (int k = offsets_[cube]; k < offsets_[cube + 1]; ++k) {
@@ -49,7 +49,7 @@ class VertexGrid {
   std::array<int, 3> cube_at(const Vector3& place) const;
   double nearest_of_ring(const Vector3& place, const std::array<int, 3>& middle, int ring) const;
 
-  /// The cubes at a (Chebyshev) distance, those inside the grid.
+  /// Visits the cubes of the grid at a Chebyshev distance.
   template <class Body>
   void for_ring(const std::array<int, 3>& middle, int ring, const Body& body) const {
     const auto low = [&](int k) { return std::max(0, middle[k] - ring); };

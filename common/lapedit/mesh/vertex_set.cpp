@@ -100,33 +100,9 @@ std::vector<int> vertices_within(const TriangleMesh& mesh, const Adjacency& adja
 std::vector<int> shortest_path(const TriangleMesh& mesh, const Adjacency& adjacency, int from, int to) {
   require_vertex("Vertex", from, mesh.vertices.rows());
   require_vertex("Vertex", to, mesh.vertices.rows());
-  GeodesicSearch search(adjacency.neighbours, mesh.vertices);
-  const std::vector<int>& settled = search.run({from}, kUnreached);
-  if (!std::isfinite(search.distance(to))) {
-    return {};
-  }
-  // Back along the neighbour that the shortest way came from; one settled earlier, or edges of length zero would lead
-  // round in circles.
-  std::vector<int> order(mesh.vertices.rows(), -1);
-  for (std::size_t i = 0; i < settled.size(); ++i) {
-    order[settled[i]] = static_cast<int>(i);
-  }
-  std::vector<int> path{to};
-  while (path.back() != from) {
-    const int v = path.back();
-    int best = -1;
-    double shortest = kUnreached;
-    for (const int w : adjacency.neighbours[v]) {
-      const double through = search.distance(w) + (mesh.vertices.row(w) - mesh.vertices.row(v)).norm();
-      if (order[w] >= 0 && order[w] < order[v] && through < shortest) {
-        shortest = through;
-        best = w;
-      }
-    }
-    path.push_back(best);
-  }
-  std::reverse(path.begin(), path.end());
-  return path;
+  ShortestPaths paths(adjacency.neighbours, mesh.vertices);
+  paths.begin(from);
+  return paths.to(to);
 }
 
 int nearest_vertex(const TriangleMesh& mesh, const Vector3& point) {

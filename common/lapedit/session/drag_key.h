@@ -5,7 +5,7 @@
 
 namespace lapedit {
 
-/// Keys that a session understands, whatever a window calls them.
+/// Keys of a session, independent of their names in a window system.
 enum class DragKey : unsigned char {
   Digit0,
   Digit1,
@@ -42,7 +42,7 @@ enum class DragKey : unsigned char {
   Help
 };
 
-/// What a user reads of some keys: one row for all from first to last.
+/// Help text of some keys: one row for all from first to last.
 struct KeyHelp {
   DragKey first, last;
   const char* name;  ///< on the keyboard
@@ -83,12 +83,12 @@ inline constexpr KeyHelp kKeyHelp[] = {
     {DragKey::Help, DragKey::Help, "?", "Shows all keys over the picture, and hides them again."},
 };
 
-/// The key of a digit 0 to 9.
+/// Returns the key of a digit 0 to 9.
 constexpr DragKey digit_key(int digit) {
   return static_cast<DragKey>(static_cast<int>(DragKey::Digit0) + digit);
 }
 
-/// What a key adds to an amount: 0-9 . or -; nothing for other keys.
+/// Returns the character that a key adds to an amount, 0-9 . or -; none for other keys.
 constexpr std::optional<char> typed_character(DragKey key) {
   if (key <= DragKey::Digit9) {
     return static_cast<char>('0' + static_cast<int>(key));

@@ -9,7 +9,7 @@
 
 namespace lapedit {
 
-/// Where the mouse is and what shows there. Pixels as in Camera.
+/// The position of the mouse, with the view. Pixels as in Camera.
 struct Cursor {
   Camera view;
   Vector2 pixel = Vector2::Zero();
@@ -19,48 +19,48 @@ struct Cursor {
 enum class MotionKind { Translate, Rotate, Scale };
 enum class AxisLock { None, X, Y, Z, Normal, Gizmo };
 
-/// From mouse and typed numbers to the transform of a handle group.
+/// Converts mouse movements and typed numbers to the transform of a handle group.
 ///
-/// Translation follows the cursor in the plane parallel to the picture, or along the locked axis as far as the nearest
-/// point to the cursor's ray. Rotation goes about the line of sight or the locked axis by the angle that the cursor
-/// goes about the centre on the screen; about the axis of a gizmo's ring by the angle that it goes along the ring.
-/// Scale is the growth of the cursor's distance from the centre on the screen.
-/// With Cursor::snap angles go in steps of 15 degrees, factors in steps of 0.1, and lengths in steps of 1, 2 or 5 times
-/// a power of ten that show as 10 to 25 pixels. A typed number replaces what the mouse says; a typed angle counts in
-/// the direction that the mouse has turned to. The view may change on the way.
+/// Translation follows the cursor in the plane parallel to the image, or along the locked axis to the point nearest to
+/// the cursor's ray. Rotation is about the line of sight or the locked axis, by the angle of the cursor about the
+/// centre on the screen, or along a gizmo's ring. Scale is the ratio of the cursor's distances from the centre on the
+/// screen. With Cursor::snap angles go in steps of 15 degrees, factors in steps of 0.1, and lengths in steps of 1, 2 or
+/// 5 times a power of ten that show as 10 to 25 pixels. A typed number replaces the amount of the mouse; a typed angle
+/// counts in the direction of the mouse. The view may change during a motion.
 class DragMotion {
  public:
   /// @param grab      the point of the surface that is to stay under the cursor
-  /// @param centroid  of the handle group: of rotation and scale, where no pivot is given
+  /// @param centroid  of the handle group: centre of rotation and scale without a pivot
   /// @param normal    of the surface at the handle, any length; zero if it has none
   /// @param pivot     another centre of rotation and scale, which transform() then names
   DragMotion(MotionKind kind, const Vector3& grab, const Vector3& centroid, const Vector3& normal, const Cursor& cursor,
              const std::optional<Vector3>& pivot = std::nullopt);
 
-  /// Begins held to an axis of a gizmo, of any length but zero.
+  /// Locks the motion to an axis of a gizmo, of any length but zero.
   void hold(const Vector3& axis);
 
   MotionKind kind() const { return kind_; }
   AxisLock lock() const { return lock_; }
-  /// The same lock again frees it. @return false if there is no such axis: a surface without a normal
+  /// Locks an axis; the same lock again releases it. @return false if the axis does not exist, as for a surface without
+  /// a normal
   bool toggle_lock(AxisLock lock);
-  /// Direction of the locked axis, length 1.
+  /// Returns the unit direction of the locked axis.
   std::optional<Vector3> axis() const;
   const Vector3& grab() const { return grab_; }
-  /// Of rotation and scale.
+  /// Returns the centre of rotation and scale.
   const Vector3& center() const { return center_; }
-  /// Direction from the centre that the mouse took hold in for a rotation: of length 1, at a right angle to the axis
-  /// (zero if it is along it).
+  /// Returns the unit direction from the centre to where the mouse started a rotation, orthogonal to the axis (zero if
+  /// parallel to it).
   const Vector3& arm() const { return arm_; }
 
   void move(const Cursor& cursor);
-  /// 0-9 . or - (which changes the sign). @return false if that gives no number
+  /// Adds 0-9 . or - (which changes the sign). @return false if that gives no number
   bool type(char character);
 
-  /// Always one that can be resolved: none at all where the view gives no number.
+  /// Returns a transform that can always be resolved; the identity where the view gives no number.
   HandleTransform transform() const;
-  bool moves() const;        ///< whether the transform is another one than at the beginning
-  double step() const;       ///< what amounts are multiples of: degrees, model units or a factor; 0: they are not
+  bool moves() const;        ///< whether the transform differs from the first one
+  double step() const;       ///< amounts are multiples of it: degrees, model units or a factor; 0: no steps
   std::string text() const;  ///< "Moving by 0.5 along Y"
 
  private:

@@ -83,7 +83,13 @@ std::string DragSession::next_click() const {
   if (const int free = model_.shown.held_by_nothing(); free > 0) {
     return messages::nothing_holds(free);
   }
-  return selection.mode == HandleMode::Curve && selection.curve_end >= 0 ? messages::kLeadCurve : messages::kDragHandle;
+  if (selection.mode == HandleMode::Curve && selection.curve_end >= 0) {
+    return messages::kLeadCurve;
+  }
+  if (selection.groups.size() > 1) {
+    return messages::drag_handles(selection.along.size() + 1, selection.groups.size());
+  }
+  return selection.discs.curves.front().bends() ? messages::kBendCurve : messages::kDragHandle;
 }
 
 // --- Settings -------------------------------------------------------------------------------------------------------

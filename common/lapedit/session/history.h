@@ -10,17 +10,26 @@
 
 namespace lapedit {
 
-/// Handles as clicks made them: what grows with the radius.
+/// A handle that is a curve: clicked vertices joined by shortest paths.
+struct HandleCurve {
+  std::vector<int> path;    ///< vertices in order, all of them in the handle; empty: the handle is no curve
+  std::vector<int> points;  ///< indices in path of the clicked vertices, ascending
+
+  bool bends() const { return points.size() > 1; }
+};
+
+/// Handles as they were clicked: discs, which grow with the radius, and curves.
 struct PickedDiscs {
-  std::vector<std::vector<int>> centers;  ///< per handle group the vertices clicked; none: a group of another origin
-  double reach = 0;                       ///< of the discs from their centres at most, model units; 0: no discs
+  std::vector<std::vector<int>> centers;  ///< per handle group the clicked vertices; none: a group of another origin
+  std::vector<HandleCurve> curves;        ///< per handle group
+  double reach = 0;                       ///< largest radius of the discs, model units; 0: no discs
 
   bool all() const {
     return !centers.empty() && std::none_of(centers.begin(), centers.end(), [](const auto& c) { return c.empty(); });
   }
 };
 
-/// A step with what it changed.
+/// A step with its changes.
 struct AppliedStep {
   EditStep step;
   std::vector<int> vertices;  ///< mesh vertex numbers

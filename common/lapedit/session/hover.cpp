@@ -6,10 +6,16 @@
 #include <cmath>
 #include <system_error>
 
+#include "lapedit/mesh/vertex_set.h"
+
 namespace lapedit {
 
 HoverSearch::HoverSearch(const TriangleMesh& mesh, const Adjacency& adjacency)
-    : mesh_(mesh), adjacency_(adjacency), faces_(mesh), search_(adjacency.neighbours, mesh.vertices) {}
+    : mesh_(mesh),
+      adjacency_(adjacency),
+      faces_(mesh),
+      search_(adjacency.neighbours, mesh.vertices),
+      paths_(adjacency.neighbours, mesh.vertices) {}
 
 std::optional<SurfaceHit> HoverSearch::hit(const Ray& ray) const {
   return faces_.first_hit(ray);
@@ -70,6 +76,18 @@ void HoverSearch::outline(int vertex, HoverPreview& preview) {
   if (preview.disc_radius > 0 && preview.disc_radius <= seen) {
     trace(reached, preview.disc_radius, preview.disc);
   }
+}
+
+void HoverSearch::path(int from, int to, Points& places) {
+  if (from < 0) {
+    places.resize(0, 3);
+    return;
+  }
+  if (from != paths_from_) {
+    paths_.begin(from, kMostVertices);
+    paths_from_ = from;
+  }
+  places = gather(mesh_.vertices, paths_.to(to));
 }
 
 HoverSearch* HoverBackground::of(const std::shared_ptr<const TriangleMesh>& mesh,

@@ -29,6 +29,8 @@ struct HoverPreview {
   Vector3 point = Vector3::Zero(), normal = Vector3::Zero();  ///< under the cursor; the normal has length 1 or 0
   double radius = 0, disc_radius = 0;                         ///< model units; a disc of 0 is one vertex
   Points region, disc;                                        ///< outlines; no rows for what is not taken
+  Points path;                                                ///< the next piece of a curve, from vertex to vertex
+  std::optional<Vector3> curve_point;                         ///< of the group, a curve: the point that a drag moves
   bool is_whole = true;                                       ///< whether the search for the outlines came to its end
 };
 
@@ -44,6 +46,10 @@ class HoverSearch {
   /// Outlines of what is within the radii of a vertex, along the surface. No more than kMostVertices are looked at.
   void outline(int vertex, HoverPreview& preview);
 
+  /// Places of the shortest path, as a click would take it; none if it leads farther than kMostVertices. @param from
+  /// -1: none
+  void path(int from, int to, Points& places);
+
   static constexpr std::size_t kMostVertices = 20000;
 
  private:
@@ -53,6 +59,8 @@ class HoverSearch {
   const Adjacency& adjacency_;
   Visibility faces_;
   GeodesicSearch search_;
+  ShortestPaths paths_;
+  int paths_from_ = -1;
   std::vector<double> ends_;  // scratch: coordinates of segments
 };
 

@@ -7,6 +7,12 @@ namespace lapedit::messages {
 
 // What the next click does -------------------------------------------------------------------------------------------
 
+std::string drag_handles(std::size_t moving, std::size_t all) {
+  return format_text(
+      "Drag a handle: %zu of %zu move together, the others hold; Shift+click on a handle chooses it, or lets it hold.",
+      moving, all);
+}
+
 std::string dragging(const DragMotion& motion, bool by_button, bool full_frames) {
   const char* const pattern =
       by_button ? "%s: release to apply, Esc drops it; X Y Z N lock an axis, Ctrl goes in steps, digits give an amount."

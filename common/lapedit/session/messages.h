@@ -8,11 +8,12 @@
 
 #include "lapedit/session/drag_motion.h"
 
-/// Every sentence of a session that a user reads: what comes next, why something is refused, and lines for a log. What
-/// a motion says of itself is DragMotion::text().
+/// All messages of a session: the effect of the next click, reasons of refusals, and lines for a log.
+/// DragMotion::text() describes motions.
 namespace lapedit::messages {
 
-// What the next click does -------------------------------------------------------------------------------------------
+// The effect of the next click
+// -------------------------------------------------------------------------------------------
 
 constexpr const char* kLoading = "Applying the saved edit. Backspace drops it.";
 constexpr const char* kSolving = "Solving for the exact result. Backspace drops it.";
@@ -21,7 +22,8 @@ constexpr const char* kNextIsGroup = "Click on the surface for another handle; t
 constexpr const char* kNextIsPivot = "Click on the surface where the handle is to turn about.";
 constexpr const char* kPickInRegion = "Click inside the region to pick its handle.";
 constexpr const char* kPickAnywhere = "Press on the surface and drag, or click to see the region first.";
-constexpr const char* kLeadCurve = "Click to lead the curve on, drag the curve to move it; C ends it.";
+constexpr const char* kLeadCurve =
+    "Click to lead the curve on; drag one of its points to bend it, the curve between them to move it; C ends it.";
 constexpr const char* kDragHandle =
     "Drag the handle; a click on it shows arrows and rings (T moves, R turns, S scales). Click inside the region for "
     "another handle, outside for a new region.";
@@ -31,6 +33,10 @@ constexpr const char* kPaintsHandle = " Brush: handle.";
 constexpr const char* kPaintsFixed = " Brush: keep fixed.";
 constexpr const char* kTurnsAboutRim = " Turns about: shoulder (edge of the region).";
 constexpr const char* kTurnsAboutPoint = " Turns about: the point picked.";
+std::string drag_handles(std::size_t moving, std::size_t all);
+constexpr const char* kBendCurve =
+    "Drag a point of the curve to bend it, the curve between points to move all of it; click inside the region for "
+    "another handle.";
 std::string dragging(const DragMotion& motion, bool by_button, bool full_frames);
 
 // Refusals -----------------------------------------------------------------------------------------------------------

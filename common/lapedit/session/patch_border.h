@@ -5,13 +5,13 @@
 
 namespace lapedit {
 
-/// Ways along edges, behind each other; one that is closed ends with the vertex that it begins with.
+/// Concatenated paths along edges; a closed one ends with its first vertex.
 struct Chains {
   std::vector<unsigned> vertices;
   std::vector<int> lengths;  ///< vertices of each
 };
 
-/// The edges that belong to exactly one of some faces, as chains: an outline of the faces. O(faces log faces).
+/// Returns the edges that belong to exactly one of some faces, as chains: an outline of the faces. O(faces log faces).
 /// @param corners  three per face
 Chains border_of(const std::vector<unsigned>& corners);
 

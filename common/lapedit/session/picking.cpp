@@ -59,6 +59,20 @@ int group_at(const TriangleMesh& mesh, const std::vector<std::vector<int>>& grou
   return found;
 }
 
+int curve_point_at(const TriangleMesh& mesh, const HandleCurve& curve, const Cursor& cursor) {
+  int found = -1;
+  double nearest = kGrabPixels;
+  for (std::size_t k = 0; curve.bends() && k < curve.points.size(); ++k) {
+    const Vector3 place = mesh.vertices.row(curve.path[curve.points[k]]).transpose();
+    const double pixels = cursor.view.in_front(place) ? pixels_away(cursor, place) : kGrabPixels;
+    if (pixels < nearest) {
+      nearest = pixels;
+      found = static_cast<int>(k);
+    }
+  }
+  return found;
+}
+
 Vector3 mean_normal(const TriangleMesh& mesh, const Adjacency& adjacency, const std::vector<int>& vertices) {
   Vector3 sum = Vector3::Zero();
   for (const int v : vertices) {

@@ -6,21 +6,25 @@
 
 #include "lapedit/mesh/visibility.h"
 #include "lapedit/session/drag_motion.h"
+#include "lapedit/session/history.h"
 
-// What a cursor on the screen means on a mesh.
+// From a cursor on the screen to the mesh.
 namespace lapedit {
 
-/// What of the surface a press means: what is under the cursor, or an edge right beside it. O(mesh).
+/// Returns the surface point of a press: under the cursor, or on an edge next to it. O(mesh).
 std::optional<SurfaceHit> surface_at(const TriangleMesh& mesh, const Adjacency& adjacency, const Cursor& cursor);
 
-/// The handle group whose mark on the screen the cursor is on, -1 if there is none. Marks show through the surface, so
-/// what lies a little behind it can be taken hold of, but not what is on the far side.
+/// Returns the handle group whose mark is under the cursor, -1 if there is none. Marks show through the surface, so a
+/// mark slightly behind it can be picked, but not one on the far side.
 /// @param hit    of the surface at the cursor
 /// @param depth  how far a handle may be from the hit, model units
 int group_at(const TriangleMesh& mesh, const std::vector<std::vector<int>>& groups,
              const std::optional<SurfaceHit>& hit, const Cursor& cursor, double depth);
 
-/// Area-weighted normal of the surface at some vertices, of any length; zero if there is none.
+/// Returns the point of a bendable curve that a press at the cursor moves, -1 if there is none.
+int curve_point_at(const TriangleMesh& mesh, const HandleCurve& curve, const Cursor& cursor);
+
+/// Returns the area-weighted normal of the surface at some vertices, of any length; zero if undefined.
 Vector3 mean_normal(const TriangleMesh& mesh, const Adjacency& adjacency, const std::vector<int>& vertices);
 
 }  // namespace lapedit

@@ -7,17 +7,17 @@
 
 namespace lapedit {
 
-/// Settings that suit a kind of surface, set at once. Nothing but their values is recorded.
+/// Settings for a kind of surface. Only their values are recorded.
 struct Preset {
   const char* name;  ///< what the user sees
   const char* help;  ///< one sentence
   void (*set)(DragSettings&);
 };
 
-/// The first are the settings that a session begins with.
+/// Returns the presets; the first one has the initial settings.
 const std::vector<Preset>& presets();
 
-/// The preset whose values the settings have, -1 if none. Sizes and what belongs to the machine do not count.
+/// Returns the preset with the values of the settings, -1 if none. Sizes and machine settings are ignored.
 int preset_of(const DragSettings& settings);
 
 }  // namespace lapedit

@@ -37,25 +37,35 @@ std::vector<int>& centers_of_active(Selection& selection) {
   return selection.discs.centers[static_cast<std::size_t>(selection.active)];
 }
 
-void add_group(Selection& selection, std::vector<int> vertices, std::vector<int> centers) {
+HandleCurve& curve_of_active(Selection& selection) {
+  return selection.discs.curves[static_cast<std::size_t>(selection.active)];
+}
+
+void add_group(Selection& selection, std::vector<int> vertices, std::vector<int> centers, HandleCurve curve = {}) {
   selection.groups.push_back(std::move(vertices));
+  selection.discs.curves.push_back(std::move(curve));
   selection.discs.centers.push_back(std::move(centers));
   selection.weights.emplace_back();
   selection.active = static_cast<int>(selection.groups.size()) - 1;
+  selection.along.clear();
 }
 
 void erase_group(Selection& selection, std::size_t group) {
   selection.groups.erase(selection.groups.begin() + static_cast<std::ptrdiff_t>(group));
   selection.discs.centers.erase(selection.discs.centers.begin() + static_cast<std::ptrdiff_t>(group));
+  selection.discs.curves.erase(selection.discs.curves.begin() + static_cast<std::ptrdiff_t>(group));
   selection.weights.erase(selection.weights.begin() + static_cast<std::ptrdiff_t>(group));
   selection.active = static_cast<int>(selection.groups.size()) - 1;
+  selection.along.clear();
 }
 
 void clear_groups(Selection& selection) {
   selection.groups.clear();
   selection.discs.centers.clear();
+  selection.discs.curves.clear();
   selection.weights.clear();
   selection.active = -1;
+  selection.along.clear();
 }
 
 double disc_radius(const DragSettings& settings) {
@@ -143,16 +153,22 @@ Choice extend_curve(const Surface& surface, const Selection& selection, int vert
   if (path.empty()) {
     return Refusal{messages::no_path(selection.curve_end, vertex)};
   }
-  path = without(sorted_set(std::move(path)), handles_of(selection, selection.active));
+  const std::vector<int> others = handles_of(selection, selection.active);
+  path.erase(std::remove_if(path.begin(), path.end(), [&](int v) { return contains(others, v); }), path.end());
   if (selection.region.kind != RegionSpec::Kind::Radius && surface.region) {
-    const std::vector<int> outside = without(path, surface.region->mesh_vertex);
+    const std::vector<int> outside = without(sorted_set(path), surface.region->mesh_vertex);
     if (!outside.empty()) {
       return Refusal{messages::curve_outside_region(outside)};
     }
   }
   Selection after = selection;
-  after.groups[after.active] = united(after.groups[after.active], path);
+  after.groups[after.active] = united(after.groups[after.active], sorted_set(path));
   centers_of_active(after).clear();
+  if (HandleCurve& curve = curve_of_active(after); !curve.path.empty() && path.size() > 1) {
+    const bool goes_on = path.front() == curve.path.back();
+    curve.path.insert(curve.path.end(), path.begin() + (goes_on ? 1 : 0), path.end());
+    curve.points.push_back(static_cast<int>(curve.path.size()) - 1);
+  }
   follow_discs(surface, after);
   after.curve_end = vertex;
   return after;
@@ -205,7 +221,8 @@ Choice pick(const Surface& surface, const Selection& selection, int vertex) {
   } else {
     clear_groups(after);
   }
-  add_group(after, std::move(handle), curve ? std::vector<int>() : std::vector<int>{vertex});
+  add_group(after, std::move(handle), curve ? std::vector<int>() : std::vector<int>{vertex},
+            curve ? HandleCurve{{vertex}, {0}} : HandleCurve());
   follow_discs(surface, after);
   after.curve_end = curve ? vertex : -1;
   after.next = Next::Handle;
@@ -236,6 +253,7 @@ Choice add_to_handle(const Surface& surface, const Selection& selection, int ver
     return Refusal{messages::not_added(vertex)};
   }
   after.groups[after.active] = united(after.groups[after.active], handle);
+  curve_of_active(after) = HandleCurve();
   if (std::vector<int>& centers = centers_of_active(after); !centers.empty()) {
     centers = united(centers, {vertex});
   }
@@ -253,12 +271,33 @@ Choice take_from_handle(const Surface& surface, const Selection& selection, int 
   const auto group = static_cast<std::size_t>(found - selection.groups.begin());
   after.groups[group] = without(after.groups[group], {vertex});
   after.discs.centers[group].clear();
+  after.discs.curves[group] = HandleCurve();
   if (after.groups[group].empty()) {
     erase_group(after, group);
   }
   follow_discs(surface, after);
   if (after.groups.empty() && surface.region) {
     after = with_vertices(std::move(after), surface.region->mesh_vertex, surface.settings);
+  }
+  return after;
+}
+
+Selection with_grabbed(const Selection& selection, int group) {
+  Selection after = selection;
+  after.along =
+      selection.moves(group) ? without(united(selection.along, {selection.active}), {group}) : std::vector<int>();
+  after.active = group;
+  return after;
+}
+
+Selection with_group_chosen(const Selection& selection, int group) {
+  Selection after = selection;
+  if (!selection.moves(group)) {
+    after.along = united(selection.along, {selection.active});
+    after.active = group;
+  } else if (!selection.along.empty()) {
+    after.active = group == selection.active ? selection.along.back() : selection.active;
+    after.along = without(without(selection.along, {group}), {after.active});
   }
   return after;
 }
@@ -304,6 +343,7 @@ Choice handle_brushed(const Surface& surface, const Selection& selection, const 
   }
   group = add ? united(group, taken) : without(group, patch);
   centers_of_active(after).clear();
+  curve_of_active(after) = HandleCurve();
   after.curve_end = -1;
   if (group.empty()) {
     erase_group(after, static_cast<std::size_t>(after.active));
@@ -372,11 +412,13 @@ Choice with_region(const Surface& surface, const Selection& selection, std::vect
   for (std::size_t g = 0; g < selection.groups.size(); ++g) {
     std::vector<int> inside = common(selection.groups[g], after.region.vertices);
     if (!inside.empty()) {
-      add_group(after, std::move(inside), selection.discs.centers[g]);
+      HandleCurve curve = inside.size() == selection.groups[g].size() ? selection.discs.curves[g] : HandleCurve();
+      add_group(after, std::move(inside), selection.discs.centers[g], std::move(curve));
     }
   }
   if (after.groups.size() == selection.groups.size()) {
     after.active = selection.active;
+    after.along = selection.along;
   }
   follow_discs(surface, after);
   return after;
@@ -499,16 +541,19 @@ Selection selection_of(const AppliedStep& step, bool applied, const Selection& b
   after.mode = before.mode;
   after.taken = before.taken;
   after.held = before.held;
-  after.active = 0;
+  std::vector<int> moved;
   for (const HandleGroup& handle : step.step.handles) {
     if (!handle.targets.empty() || !resolve(handle.transform, Vector3::Zero()).map.matrix().isIdentity(0)) {
-      after.active = static_cast<int>(after.groups.size());
+      moved.push_back(static_cast<int>(after.groups.size()));
     }
     after.groups.push_back(handle.vertices);
     after.weights.push_back(handle.weights);
   }
+  after.active = moved.empty() ? 0 : moved.back();
+  after.along = without(moved, {after.active});
   after.discs = step.discs;
   after.discs.centers.resize(after.groups.size());
+  after.discs.curves.resize(after.groups.size());
   after.region = applied && step.next.kind == RegionSpec::Kind::Vertices ? step.next : step.step.region;
   if (applied && after.region.kind == RegionSpec::Kind::Radius) {
     return with_vertices(std::move(after), step.vertices, settings);

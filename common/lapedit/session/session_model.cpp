@@ -35,6 +35,21 @@ SessionModel::SessionModel(TriangleMesh mesh, StoredScalar stored, std::function
       log(log_line ? std::move(log_line) : [](const std::string&) {}),
       settings(settings_for(history.original())) {}
 
+Vector3 SessionModel::center() const {
+  if (selection.along.empty()) {
+    return centroid(mesh().vertices, active_group());
+  }
+  Vector3 sum = Vector3::Zero();
+  std::size_t count = 0;
+  for (std::size_t g = 0; g < groups().size(); ++g) {
+    if (selection.moves(static_cast<int>(g))) {
+      sum += static_cast<double>(groups()[g].size()) * centroid(mesh().vertices, groups()[g]);
+      count += groups()[g].size();
+    }
+  }
+  return sum / static_cast<double>(count);
+}
+
 Vector3 SessionModel::pivot_place() const {
   const Region* const region = shown.region().get();
   if (tools.pivot == Pivot::Point && tools.pivot_vertex >= 0) {
@@ -50,7 +65,7 @@ std::optional<Gizmo> SessionModel::gizmo(const Camera& view) const {
     return std::nullopt;
   }
   Gizmo gizmo = place_gizmo(pivot_place(), tools.axes, mean_normal(mesh(), *adjacency, active_group()), view);
-  gizmo.only_arrows = active_group().size() == 1;
+  gizmo.only_arrows = active_group().size() == 1 && selection.along.empty();
   return gizmo;
 }
 

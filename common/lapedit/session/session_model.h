@@ -17,24 +17,24 @@
 
 namespace lapedit {
 
-/// What the brush paints.
+/// The target of the brush.
 enum class BrushTarget { Region, Handle, Anchors };
 
-/// What turning and scaling go about.
+/// The centre of rotation and scale.
 enum class Pivot {
   Centroid,  ///< of the active group
   Rim,       ///< the middle of the region's rim on the group's piece: the shoulder of an arm
-  Point      ///< a vertex that was picked; it goes with the surface
+  Point      ///< a picked vertex; it moves with the surface
 };
 
-/// New places of some vertices of the mesh.
+/// New positions of some vertices of the mesh.
 struct PoseChange {
   std::vector<int> vertices;  ///< mesh vertex numbers, ascending
   Points places;              ///< one row per vertex
-  bool settled = false;       ///< what was applied or taken back is among them, else it is a passing pose
+  bool settled = false;       ///< applied or undone steps are among them; otherwise it is a passing pose
 };
 
-/// What the user has switched on, beside settings and selection.
+/// The user's switches, apart from settings and selection.
 struct Tools {
   BrushTarget brush = BrushTarget::Region;
   bool keeps_fixed = false;  ///< the brush paints anchors without a modifier
@@ -48,7 +48,7 @@ struct Tools {
   bool awaits_pivot() const { return pivot == Pivot::Point && pivot_vertex < 0; }
 };
 
-/// What a session holds: the mesh with its steps, what is chosen and switched on, and what of it is shown.
+/// The state of a session: the mesh with its steps, selection and switches, and what is shown of it.
 struct SessionModel {
   StoredScalar scalar;
   History history;
@@ -60,7 +60,7 @@ struct SessionModel {
   Timeline timeline;
   std::string refusal;
   ShownRegion shown;
-  std::unique_ptr<Visibility> visibility;  ///< of the mesh as it is, once the brush has asked
+  std::unique_ptr<Visibility> visibility;  ///< of the current mesh, built when the brush needs it
   std::vector<int> unconnected;            ///< of the selection's vertices, ascending
 
   /// @throws EditError as validate()
@@ -68,25 +68,25 @@ struct SessionModel {
 
   const TriangleMesh& mesh() const { return *history.mesh(); }
   const std::vector<std::vector<int>>& groups() const { return selection.groups; }
-  /// With their mirror images behind them.
+  /// Returns the groups, followed by their mirror images.
   const std::vector<std::vector<int>>& all_groups() const {
     return tools.mirrored ? tools.mirrored->groups() : groups();
   }
   bool has_active_group() const { return !groups().empty() && selection.active >= 0; }
   const std::vector<int>& active_group() const { return groups()[static_cast<std::size_t>(selection.active)]; }
-  Vector3 center() const { return centroid(mesh().vertices, active_group()); }
-  Vector3 pivot_place() const;  ///< what turning and scaling go about
+  Vector3 center() const;       ///< of all groups that move. Allocates nothing
+  Vector3 pivot_place() const;  ///< the centre of rotation and scale
   std::optional<Gizmo> gizmo(const Camera& view) const;
 
-  /// Makes a choice the selection, or tells why not. @return whether it was taken
+  /// Makes a choice the selection, or reports why not. @return whether it was accepted
   bool take(Choice choice);
 
-  /// Notes new places for take_change(). With the vertices of the last change nothing is allocated.
+  /// Notes new positions for take_change(). Allocates nothing for the vertices of the last change.
   void show(const std::vector<int>& vertices, const Points& places, bool settled);
-  /// After a change of the mesh.
+  /// To be called after a change of the mesh.
   void show_mesh(const std::vector<int>& vertices, const Points& places);
   void show_region(std::shared_ptr<const Region> region) { shown.show(std::move(region), mesh()); }
-  /// Shows a region that was made by hand before its distances are known.
+  /// Shows a painted region before its distances are known.
   void show_by_hand();
   void back_to_mesh(bool settled);
   /// Turns an action round that has just changed its list. @param again  it is done again

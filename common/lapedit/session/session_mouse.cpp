@@ -36,6 +36,12 @@ bool SessionMouse::press(const Cursor& cursor, PressModifiers modifiers) {
   return (modifiers.none() && press_gizmo(cursor)) || press_beneath(cursor, modifiers);
 }
 
+/// Whether a press on a group's mark means the group: Shift chooses among several.
+bool SessionMouse::grabs(PressModifiers modifiers) const {
+  return model_.selection.next != Selection::Next::Region &&
+         (modifiers.none() || (modifiers.take && !modifiers.add && model_.groups().size() > 1));
+}
+
 /// A press on what is behind the gizmo.
 bool SessionMouse::press_beneath(const Cursor& cursor, PressModifiers modifiers) {
   const std::optional<SurfaceHit> hit = surface_at(model_.mesh(), *model_.adjacency, cursor);
@@ -47,12 +53,18 @@ bool SessionMouse::press_beneath(const Cursor& cursor, PressModifiers modifiers)
     }
     return hit.has_value();
   }
-  const bool grabs = modifiers.none() && model_.selection.next != Selection::Next::Region;
-  const int grabbed = grabs ? group_at(model_.mesh(), model_.groups(), hit, cursor, model_.settings.radius) : -1;
+  const int grabbed =
+      grabs(modifiers) ? group_at(model_.mesh(), model_.groups(), hit, cursor, model_.settings.radius) : -1;
   if (grabbed >= 0) {
-    model_.selection.active = grabbed;
-    pressed_ = Press{hit ? hit->point : cursor.view.beside(model_.center(), cursor.pixel), -1, cursor, modifiers};
-    pressed_->on_handle = true;
+    if (modifiers.none()) {
+      model_.selection = with_grabbed(model_.selection, grabbed);
+    }
+    pressed_ = Press{hit ? hit->point : cursor.view.beside(model_.center(), cursor.pixel), hit ? hit->vertex : -1,
+                     cursor, modifiers};
+    pressed_->on_handle = modifiers.none();
+    pressed_->group = grabbed;
+    const HandleCurve& curve = model_.selection.discs.curves[static_cast<std::size_t>(grabbed)];
+    pressed_->curve_point = modifiers.none() ? curve_point_at(model_.mesh(), curve, cursor) : -1;
   } else if (hit) {
     press_surface(*hit, cursor, modifiers);
   } else {
@@ -91,6 +103,9 @@ void SessionMouse::move(const Cursor& cursor) {
     }
     if (pressed_->axis) {
       solver_.in<Dragging>()->motion.hold(*pressed_->axis);
+    }
+    if (pressed_->curve_point >= 0 && model_.selection.along.empty()) {
+      solver_.bend(pressed_->curve_point);
     }
   }
   Dragging* const drag = solver_.in<Dragging>();
@@ -206,11 +221,11 @@ void SessionMouse::look(const Cursor& cursor, PressModifiers modifiers) {
   HoverPreview& preview = preview_ ? *preview_ : preview_.emplace();
   const bool inside = model_.selection.has_region && model_.selection.next != Selection::Next::Region &&
                       model_.shown.region() && contains(model_.shown.region()->mesh_vertex, hit->vertex);
-  const bool plain = modifiers.none() && !model_.tools.keeps_fixed;
-  preview.group = plain && model_.selection.next != Selection::Next::Region
-                      ? group_at(model_.mesh(), model_.groups(), hit, cursor, model_.settings.radius)
-                      : -1;
-  preview.kind = !plain ? Kind::Brush : preview.group >= 0 ? Kind::Group : inside ? Kind::Handle : Kind::Region;
+  modifiers.add |= model_.tools.keeps_fixed && modifiers.none();
+  const bool plain = modifiers.none();
+  preview.group = grabs(modifiers) ? group_at(model_.mesh(), model_.groups(), hit, cursor, model_.settings.radius) : -1;
+  preview.kind = preview.group >= 0 ? Kind::Group : !plain ? Kind::Brush : inside ? Kind::Handle : Kind::Region;
+  preview_curve(*search, *hit, cursor, preview);
   preview.point = hit->point;
   preview.vertex = hit->vertex;
   const Vector3 normal = area_normal(model_.mesh(), hit->face);
@@ -224,6 +239,24 @@ void SessionMouse::look(const Cursor& cursor, PressModifiers modifiers) {
   } else {
     preview.region.resize(0, 3);
     preview.disc.resize(0, 3);
+  }
+}
+
+/// The curve's next piece, or which of its points is under the cursor.
+void SessionMouse::preview_curve(HoverSearch& search, const SurfaceHit& hit, const Cursor& cursor,
+                                 HoverPreview& preview) {
+  const Selection& selection = model_.selection;
+  const bool leads_on = selection.mode == HandleMode::Curve && selection.curve_end >= 0 && selection.active >= 0 &&
+                        selection.next == Selection::Next::Handle;
+  const bool next =
+      leads_on && (preview.kind == HoverPreview::Kind::Handle || preview.kind == HoverPreview::Kind::Region);
+  search.path(next ? selection.curve_end : -1, hit.vertex, preview.path);
+  preview.curve_point.reset();
+  if (preview.kind == HoverPreview::Kind::Group && selection.along.empty()) {
+    const HandleCurve& curve = selection.discs.curves[static_cast<std::size_t>(preview.group)];
+    if (const int point = curve_point_at(model_.mesh(), curve, cursor); point >= 0) {
+      preview.curve_point = model_.mesh().vertices.row(curve.path[curve.points[point]]).transpose();
+    }
   }
 }
 
@@ -247,6 +280,10 @@ void SessionMouse::press_surface(const SurfaceHit& hit, const Cursor& cursor, Pr
 
 /// A click with Ctrl or Shift.
 void SessionMouse::click(const Press& press) {
+  if (press.group >= 0) {
+    model_.selection = with_group_chosen(model_.selection, press.group);
+    return;
+  }
   try {
     const auto choose = press.modifiers.add ? add_to_handle : take_from_handle;
     if (!model_.take(choose(solver_.surface(), model_.selection, press.vertex))) {

@@ -17,8 +17,8 @@ struct PressModifiers {
   bool none() const { return !add && !take; }
 };
 
-/// What the mouse means: which handle or region a press takes, where a drag and a stroke of the brush begin and end,
-/// and what a press would take.
+/// Interprets the mouse: which handle or region a press picks, where drags and strokes of the brush begin and end, and
+/// the preview of a press.
 class SessionMouse {
  public:
   /// @param wake  called from another thread when preview() may know more
@@ -34,13 +34,13 @@ class SessionMouse {
   GizmoPart gizmo_part() const { return part_; }
 
   bool brushing() const { return pressed_ && !pressed_->modifiers.none(); }
-  /// Ends a stroke of the brush that something else cuts short.
+  /// Ends a stroke of the brush that another action interrupts.
   void end_stroke();
-  /// The motion ends where it is.
+  /// Ends the motion at its current position.
   void release_motion();
-  /// Takes up what was pressed and released while a step was worked out, on the mesh that the step leaves.
+  /// Handles presses and releases that came while a step was solved, on the mesh after the step.
   void replay();
-  /// What is pressed, or was while a step was worked out, means nothing any more.
+  /// Discards pressed buttons, and events that came while a step was solved.
   void forget();
 
  private:
@@ -59,6 +59,8 @@ class SessionMouse {
     bool draggable = true;
     bool brushed = false, recorded = false;
     bool on_gizmo = false, on_handle = false;
+    int group = -1;                              // that was grabbed
+    int curve_point = -1;                        // of it, a curve
     std::optional<Vector3> axis = std::nullopt;  // of a gizmo's arrow or ring
     MotionKind kind = MotionKind::Translate;
   };
@@ -69,11 +71,13 @@ class SessionMouse {
   void click(const Press& press);
   void brush(const Cursor& cursor);
   void look(const Cursor& cursor, PressModifiers modifiers);
+  bool grabs(PressModifiers modifiers) const;
+  void preview_curve(HoverSearch& search, const SurfaceHit& hit, const Cursor& cursor, HoverPreview& preview);
 
   SessionModel& model_;
   SessionSolver& solver_;
   std::optional<Press> pressed_;
-  std::vector<Event> waiting_;  // came while a step was worked out
+  std::vector<Event> waiting_;  // came while a step was solved
   // No button is down.
   HoverBackground background_;
   std::optional<HoverPreview> preview_;

@@ -6,6 +6,7 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/mesh/vertex_set.h"
+#include "lapedit/session/curve_bend.h"
 #include "lapedit/session/messages.h"
 #include "lapedit/session/picking.h"
 
@@ -96,7 +97,8 @@ bool SessionSolver::begin(MotionKind kind, const Vector3& grab, const Cursor& cu
     return false;
   }
   const std::vector<int>& group = model_.active_group();
-  if (kind != MotionKind::Translate && group.size() == 1) {
+  const bool alone = model_.selection.along.empty();
+  if (kind != MotionKind::Translate && group.size() == 1 && alone) {
     model_.refusal = messages::single_vertex(kind, group.front());
     return false;
   }
@@ -106,28 +108,76 @@ bool SessionSolver::begin(MotionKind kind, const Vector3& grab, const Cursor& cu
       return false;
     }
   }
-  const bool about_pivot = kind != MotionKind::Translate && model_.tools.pivot != Pivot::Centroid;
+  const bool about_pivot = kind != MotionKind::Translate && (model_.tools.pivot != Pivot::Centroid || !alone);
   DragMotion motion(kind, grab, model_.center(), mean_normal(model_.mesh(), *model_.adjacency, group), cursor,
                     about_pivot ? std::optional(model_.pivot_place()) : std::nullopt);
   if (Dragging* const drag = in<Dragging>()) {
     drag->motion = motion;
+    if (kind != MotionKind::Translate) {
+      drag->bend.clear();
+    }
   } else {
     phase_ = Dragging{motion, by_button};
   }
   return true;
 }
 
+void SessionSolver::bend(int point) {
+  Dragging& drag = std::get<Dragging>(phase_);
+  const HandleCurve& curve = model_.selection.discs.curves[static_cast<std::size_t>(model_.selection.active)];
+  drag.bend = bend_weights(model_.mesh(), model_.active_group(), curve, point);
+  drag.mirrored_bend.assign(drag.bend.size(), 0);
+  const std::optional<MirrorPlane>& plane = model_.tools.mirror;
+  const int image = plane ? mirrored_point(model_.mesh(), curve, point, reflection(*plane)) : -1;
+  if (image >= 0) {
+    drag.mirrored_bend = bend_weights(model_.mesh(), model_.active_group(), curve, image);
+  }
+}
+
+/// Of the curve that is bent, if one is.
+void SessionSolver::set_targets(Dragging& drag) const {
+  drag.targets.resize(model_.groups().size());
+  for (std::size_t g = 0; g < drag.targets.size(); ++g) {
+    std::vector<Vector3>& targets = drag.targets[g];
+    targets.clear();
+    if (drag.bend.empty() || static_cast<int>(g) != model_.selection.active) {
+      continue;
+    }
+    const Vector3 way = drag.motion.transform().translation;
+    const std::optional<MirrorPlane>& plane = model_.tools.mirror;
+    const Vector3 image = plane ? Vector3(reflection(*plane).linear() * way) : way;
+    for (std::size_t k = 0; k < drag.bend.size(); ++k) {
+      targets.push_back(model_.mesh().vertices.row(model_.groups()[g][k]).transpose() + drag.bend[k] * way +
+                        drag.mirrored_bend[k] * image);
+    }
+  }
+}
+
 void SessionSolver::ask() {
   Dragging& drag = std::get<Dragging>(phase_);
-  const auto active = static_cast<std::size_t>(model_.selection.active);
-  drag.maps.assign(model_.all_groups().size(), HandleMotion());
+  const std::vector<std::vector<int>>& groups = model_.groups();
+  drag.given.resize(groups.size());
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const bool moves = model_.selection.moves(static_cast<int>(g)) && drag.bend.empty();
+    drag.given[g] = moves ? drag.motion.transform() : HandleTransform();
+  }
+  set_targets(drag);
+  const std::vector<std::vector<int>>& all = model_.all_groups();
   try {
+    drag.maps.resize(all.size());
     if (model_.tools.mirrored) {
-      drag.given.assign(model_.groups().size(), HandleTransform());
-      drag.given[active] = drag.motion.transform();
       model_.tools.mirrored->maps(drag.given, drag.maps);
-    } else {
-      drag.maps[active] = resolve(drag.motion.transform(), model_.center());
+    }
+    for (std::size_t g = 0; g < all.size(); ++g) {
+      if (model_.tools.mirrored) {
+        model_.tools.mirrored->targets(g, drag.targets, drag.all_targets);
+      } else {
+        const HandleMotion motion = resolve(drag.given[g], centroid(model_.mesh().vertices, all[g]));
+        drag.maps[g].map = motion.map;
+        drag.maps[g].turn = motion.turn;
+      }
+      targets_to(all[g], model_.tools.mirrored ? drag.all_targets : drag.targets[g], model_.mesh(),
+                 drag.maps[g].targets);
     }
   } catch (const EditError& error) {
     model_.refusal = error.what();  // the solve that follows takes the groups as not moved
@@ -215,9 +265,8 @@ void SessionSolver::commit_drag() {
   step.settings = model_.settings.edit;
   step.mirror = model_.tools.mirror;
   for (std::size_t g = 0; g < selection.groups.size(); ++g) {
-    step.handles.push_back({selection.groups[g], {}, selection.weights[g]});
+    step.handles.push_back({selection.groups[g], drag.given[g], selection.weights[g], drag.targets[g]});
   }
-  step.handles[static_cast<std::size_t>(selection.active)].transform = drag.motion.transform();
   const AppliedStep& applied = history.apply(std::move(step), model_.shown.region()->mesh_vertex, model_.shown.pose());
   history.set_discs(selection.discs);
   model_.timeline.add({Action::Kind::Step, drag.motion.text(), selection}, model_.settings);

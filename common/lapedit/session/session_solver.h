@@ -15,7 +15,7 @@
 
 namespace lapedit {
 
-/// What a session is doing, and what means something only meanwhile.
+/// The phases of a session, each with the data that only it needs.
 namespace phase {
 
 /// There is no handle.
@@ -23,20 +23,24 @@ struct Idle {};
 
 /// There is a handle.
 struct Picked {
-  bool amendable = false;  ///< the step applied last is still what settings are about
+  bool amendable = false;  ///< settings still apply to the last step
 };
 
-/// The handle follows the mouse or typed numbers or, once released, its exact result is being solved for.
+/// The handle follows the mouse or typed numbers, or its exact result is being solved for after the release.
 struct Dragging {
-  DragMotion motion;  ///< of the active group
-  bool by_button;     ///< held, rather than begun by a key
+  DragMotion motion;  ///< of the groups that move
+  bool by_button;     ///< started by a button rather than by a key
   bool released = false;
-  std::vector<HandleTransform> given = {};                              ///< of the user's groups
-  std::vector<HandleMotion> maps = {};                                  ///< of all groups; both kept for their memory
+  std::vector<HandleTransform> given = {};         ///< of the user's groups
+  std::vector<Vector3> all_targets = {};           ///< of a group or an image
+  std::vector<std::vector<Vector3>> targets = {};  ///< of the user's groups, where one is bent
+  std::vector<HandleMotion> maps = {};             ///< of all groups; the vectors keep their memory
+  /// Of each vertex of the active group, a curve of which a point moves: shares of the motion, and of its mirror image.
+  std::vector<double> bend = {}, mirrored_bend = {};
   int first_serial = std::numeric_limits<int>::max(), last_serial = 0;  ///< of the solves asked for
 };
 
-/// The last step is being solved for again, with other settings.
+/// The last step is being solved again with other settings.
 struct Amending {
   EditStep step;
   std::shared_ptr<const TriangleMesh> base;  ///< the mesh before the step
@@ -54,23 +58,23 @@ using Phase = std::variant<Idle, Picked, Dragging, Amending, Loading>;
 
 }  // namespace phase
 
-/// What the panel shows. Counts of the region; milliseconds; lengths in model units.
+/// Figures of the panel. Counts of the region; milliseconds; lengths in model units.
 struct DragFigures {
   int handle = 0, free = 0, anchors = 0, fixed = 0;
   // Empty while the region is being prepared, or before it has a pose.
-  std::optional<double> in_hand_ms;  ///< until a drag could be followed
+  std::optional<double> in_hand_ms;  ///< until frames were available
   std::optional<double> prepare_ms;
   std::optional<double> solve_ms;         ///< of the last pose
   std::optional<double> handle_error;     ///< largest distance of a handle vertex from its target, of the last report
   std::optional<double> largest_stretch;  ///< of an edge, new over old length minus 1, of the last report
   std::string advice;                     ///< of the last report; empty: none
   bool full_frames = false;               ///< each frame of a drag is a full solution
-  std::string taken_over;                 ///< what preparing took over from the region before
+  std::string taken_over;                 ///< what was reused from the previous region
   int steps = 0;                          ///< applied
 };
 
-/// What a session asks the solver for, and what comes of the answers: a region is prepared, a drag posed and made a
-/// step, the last step solved for again, a saved edit applied. One of these at a time is the phase.
+/// Requests to the solver and their results: prepares regions, poses drags and makes them steps, solves the last step
+/// again, applies saved edits. One of these at a time is the phase.
 class SessionSolver {
  public:
   /// @param wake  as SolverThread's
@@ -85,10 +89,10 @@ class SessionSolver {
     return std::get_if<P>(&phase_);
   }
   bool moving() const { return in<phase::Dragging>() && !in<phase::Dragging>()->released; }
-  /// Whether a step is being worked out: only drop() is possible until it is there.
+  /// Returns whether a step is being solved: until then only drop() is possible.
   bool waits() const { return in_progress() && !moving(); }
   bool in_progress() const { return in<phase::Dragging>() || in<phase::Amending>() || in<phase::Loading>(); }
-  bool amendable() const;  ///< settings are about the last step
+  bool amendable() const;  ///< settings apply to the last step
   Surface surface() const;
   DragFigures figures() const;
   bool preparing() const { return preparation_ == Preparation::Running; }
@@ -99,33 +103,35 @@ class SessionSolver {
   // Regions ----------------------------------------------------------------------------------------------------------
 
   void prepare();
-  /// After groups or region have changed: prepares for them.
+  /// Prepares after a change of groups or region.
   void handles_changed();
-  /// Nothing is to be amended any more.
+  /// Ends amending: settings no longer apply to the last step.
   void rest(bool amendable);
 
   // Drags ------------------------------------------------------------------------------------------------------------
 
-  /// The active group begins to move; a drag in progress goes on as another kind of motion.
-  /// @return false if it cannot, which the model's refusal tells
+  /// Begins to move the active group; a drag in progress changes to another kind of motion. @return false if that is
+  /// impossible; the model has the reason
   bool begin(MotionKind kind, const Vector3& grab, const Cursor& cursor, bool by_button);
-  /// Asks for the pose of the drag as it is now: a passing one or, once it is released, the one to stay.
+  /// Makes the current drag move a single point of the active group, a curve.
+  void bend(int point);
+  /// Requests the pose of the current drag: a passing one, or the final one after the release.
   void ask();
   void release();
-  /// Ends what is in progress without a trace.
+  /// Cancels work in progress without a trace.
   void drop();
 
   // Steps ------------------------------------------------------------------------------------------------------------
 
-  /// Solves the last step again with the settings as they are now. @param before  those of the step as it is
+  /// Solves the last step again with the current settings. @param before  the settings of the step as it is
   void amend(const DragSettings& before);
   void load(Edit edit);
-  /// The selection has become that of a step. @param applied  it is the one after it, else the one before
+  /// Returns to handle and region of a step. @param applied  whether its region becomes a set
   void take_over(const AppliedStep& step, bool applied);
 
   // Answers ----------------------------------------------------------------------------------------------------------
 
-  enum class News { None, Some, Step };  ///< Step: what was waited for has been applied
+  enum class News { None, Some, Step };  ///< Step: the awaited step has been applied
   News poll();
   bool wait() { return worker_.wait(); }
 
@@ -133,6 +139,7 @@ class SessionSolver {
   enum class Preparation { None, Running, Done };
 
   void ask_to_prepare(PrepareTask task);
+  void set_targets(phase::Dragging& drag) const;
   bool take_pose();
   void commit_drag();
   void commit_amended();

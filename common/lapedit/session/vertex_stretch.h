@@ -8,18 +8,18 @@
 
 namespace lapedit {
 
-/// How much longer or shorter the edges of a region are than they were at rest, from pose to pose.
+/// Stretch of a region's edges against the rest pose, for any number of poses.
 class VertexStretch {
  public:
   /// @param rest  the whole mesh
   /// Cost: O(region).
   VertexStretch(const Region& region, const Points& rest);
 
-  /// Per vertex of the region, of the edges at it, the one that has changed its length most: new / rest - 1 if it is
-  /// longer, 1 - rest / new if it is shorter, so that twice as long is 1 and half as long -1. Edges that had no length
-  /// do not count; what is not finite is 0; all values are in [-kMost, kMost].
+  /// Returns per vertex of the region the edge that has changed its length most: new / rest - 1 if it is
+  /// longer, 1 - rest / new if it is shorter, so that twice as long is 1 and half as long -1. Edges of length zero are
+  /// ignored; non-finite values become 0; all values are in [-kMost, kMost].
   /// @param pose  one row per vertex of the region
-  /// Cost: two looks at each edge; nothing is allocated.
+  /// Cost: two visits of each edge; allocates nothing.
   const std::vector<float>& of(const Points& pose);
 
   static constexpr float kMost = 1e6F;

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-/// MeshLab 2020.09's plugins, called without its window. What fails throws std::exception. Only the program uses it; it
-/// is here since hosts differ in no other folder.
+/// Calls MeshLab 2020.09's plugins without its window. Failures throw std::exception. Only the program uses it; it is
+/// here because only these folders depend on the version.
 namespace lapedit::host {
 
 using FormatPlugin = MeshIOInterface;
@@ -22,7 +22,7 @@ using LengthValue = AbsPercValue;
 using PathValue = FileValue;
 using SliderValue = DynamicFloatValue;
 
-/// One file may hold both kinds; null is what it does not hold.
+/// A file may contain both kinds; the one that it lacks is null.
 struct LoadedPlugin {
   FormatPlugin* format = nullptr;
   HostFilterPlugin* filter = nullptr;
@@ -74,7 +74,8 @@ inline void write_layer(FormatPlugin& plugin, const QFileInfo& file, MeshModel& 
   }
 }
 
-/// Whether a filter draws, which takes a graphics card or an X server: these do not say so themselves.
+/// Returns whether a filter draws, which needs a graphics card or an X server: this version's filters do not declare
+/// it.
 inline bool draws(const HostFilterPlugin&, const QAction*, const QString& plugin_file) {
   for (const char* name : {"filter_ao", "filter_color_projection", "filter_img_patch_param", "filter_mutualglobal",
                            "filter_mutualinfo", "filter_sample_gpu", "filter_sdfgpu"}) {
@@ -98,7 +99,7 @@ inline void apply(HostFilterPlugin& plugin, QAction* action, const RichParameter
   }
 }
 
-/// @param number  place in the list of layers. @return null if there is no such layer
+/// @param number  index in the list of layers. @return null if there is no such layer
 inline std::unique_ptr<Value> layer_value(MeshDocument& document, int number) {
   if (number < 0 || number >= document.meshList.size()) {
     return nullptr;

@@ -10,10 +10,10 @@
 
 #include "lapedit_host/tool/tool_events.h"
 
-/// What of a tool MeshLab 2020.09 calls otherwise than other versions.
+/// The functions of a tool that MeshLab 2020.09 declares differently.
 namespace lapedit::host {
 
-/// MeshLab passes the current layer by reference even if there is none: the view is asked for it instead.
+/// MeshLab passes the current layer by reference even if there is none: the view returns it instead.
 class HostToolBase : public MeshEditInterface, protected ToolEvents {
  public:
   bool StartEdit(MeshDocument&, GLArea* area, MLSceneGLSharedDataContext* shared) final { return start(area, shared); }

@@ -16,7 +16,7 @@
 
 namespace lapedit::host {
 
-/// Presents filters to MeshLab 2020.09. Catches everything they throw: an exception would end the application.
+/// Presents filters to MeshLab 2020.09. Catches all exceptions, which would end the application.
 class VertexFilterPlugin : public QObject, public MeshFilterInterface {
  public:
   QString pluginName() const override { return name_; }
@@ -30,7 +30,7 @@ class VertexFilterPlugin : public QObject, public MeshFilterInterface {
     return MeshModel::MM_VERTCOORD | MeshModel::MM_VERTNORMAL | MeshModel::MM_FACENORMAL;
   }
 
-  /// meshlabserver asks before it has checked that there is a mesh.
+  /// meshlabserver calls this before it checks that there is a mesh.
   void initParameterSet(QAction* action, MeshDocument& document, RichParameterList& parameters) override {
     parameters = parameter_list(filter(ID(action)), current(document));
   }

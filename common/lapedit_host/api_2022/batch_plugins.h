@@ -17,8 +17,8 @@
 #include <utility>
 #include <vector>
 
-/// The plugins of MeshLab from 2021 on, called without its window. What fails throws std::exception. Only the program
-/// uses it; it is here since hosts differ in no other folder.
+/// Calls the plugins of MeshLab since 2021 without its window. Failures throw std::exception. Only the program uses it;
+/// it is here because only these folders depend on the version.
 namespace lapedit::host {
 
 using FormatPlugin = IOPlugin;
@@ -28,14 +28,14 @@ using LengthValue = FloatValue;
 using PathValue = StringValue;
 using SliderValue = FloatValue;
 
-/// One file may hold both kinds; null is what it does not hold.
+/// A file may contain both kinds; the one that it lacks is null.
 struct LoadedPlugin {
   FormatPlugin* format = nullptr;
   HostFilterPlugin* filter = nullptr;
 };
 
 inline LoadedPlugin load_plugin(const QString& file) {
-  // The application's own list, which takes each plugin once: formats look there for readers of pictures.
+  // The application's own list, which accepts each plugin once: formats look there for image readers.
   static std::map<QString, LoadedPlugin> loaded;
   const auto found = loaded.find(file);
   if (found != loaded.end()) {
@@ -85,7 +85,7 @@ inline void write_layer(FormatPlugin& plugin, const QFileInfo& file, MeshModel& 
               callback);
 }
 
-/// Whether a filter draws, which takes a graphics card or an X server.
+/// Returns whether a filter draws, which needs a graphics card or an X server.
 inline bool draws(const HostFilterPlugin& plugin, const QAction* action, const QString&) {
   return plugin.requiresGLContext(action);
 }

@@ -10,10 +10,10 @@
 
 #include "lapedit_host/tool/tool_events.h"
 
-/// What of a tool MeshLab calls otherwise than version 2020.09.
+/// The functions of a tool that MeshLab since 2021 declares differently.
 namespace lapedit::host {
 
-/// MeshLab passes the current layer by reference even if there is none: the view is asked for it instead.
+/// MeshLab passes the current layer by reference even if there is none: the view returns it instead.
 class HostToolBase : public ::EditTool, protected ToolEvents {
  public:
   using ::EditTool::decorate;

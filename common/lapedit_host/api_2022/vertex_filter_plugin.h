@@ -18,7 +18,7 @@
 
 namespace lapedit::host {
 
-/// Presents filters to MeshLab from 2021 on. What they throw becomes the one kind of exception that MeshLab catches.
+/// Presents filters to MeshLab since 2021. Their exceptions become the one type that MeshLab catches.
 class VertexFilterPlugin : public QObject, public FilterPlugin {
  public:
   std::pair<std::string, bool> getMLVersion() const override {

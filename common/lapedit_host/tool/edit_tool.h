@@ -17,11 +17,11 @@ class CMeshO;
 class QMainWindow;
 class QWidget;
 
-/// What an interactive tool is, in the terms of no particular MeshLab version; the adapter of the host at hand
+/// Describes an interactive tool independently of MeshLab's version. The adapter of the version
 /// (api_<generation>/edit_tool_plugin.h) presents it to MeshLab.
 namespace lapedit::host {
 
-/// A layer as a tool sees it. Valid until the next event.
+/// The layer of a tool. Valid until the next event.
 struct Layer {
   int id = -1;
   QString name;
@@ -31,38 +31,38 @@ struct Layer {
   Eigen::Matrix4d transform = Eigen::Matrix4d::Identity();  ///< layer to world coordinates
 };
 
-/// What a tool may ask of the view that it works in. One per view.
+/// The services of a view for its tool. One per view.
 class HostWindow {
  public:
   virtual ~HostWindow() = default;
 
   virtual QWidget& canvas() = 0;  ///< the OpenGL widget
   virtual QMainWindow* mainWindow() = 0;
-  /// What the layers belong to: ids are unique in it, it tells when it is destroyed. Null while there is none.
+  /// The owner of the layers: ids are unique in it, and it signals its destruction. Null while there is none.
   virtual QObject* document() = 0;
   virtual std::optional<Layer> currentLayer() = 0;
   virtual std::optional<Layer> layer(int id) = 0;
   virtual std::vector<Layer> layers() = 0;
-  virtual void setCurrentLayer(int id) = 0;  ///< once the present event is over
-  virtual bool suspended() = 0;              ///< the tool is shown, but mouse and keys are the host's
+  virtual void setCurrentLayer(int id) = 0;  ///< after the current event
+  virtual bool suspended() = 0;              ///< the tool is shown, but MeshLab handles mouse and keys
 
-  /// The layer's positions and normals have changed: brings them to the graphics card. Not while drawing.
+  /// Uploads the layer's changed positions and normals to the graphics card. Not while drawing.
   virtual void uploadGeometry(int layer) = 0;
   virtual void markModified(int layer) = 0;
   virtual void repaint() = 0;
 
   virtual void log(const std::string& line) = 0;
 
-  /// Lets the host's own navigation have an event, as if this button had been used.
+  /// Passes an event to MeshLab's navigation, as if this button had been used.
   virtual void navigate(const QMouseEvent& event, Qt::MouseButton as) = 0;
   virtual void navigate(const QWheelEvent& event) = 0;
 
-  /// Ends the tool, once the present event is over.
+  /// Ends the tool after the current event.
   virtual void endTool() = 0;
 
-  /// Appends a filter to the document's history, if the host keeps one. @param edit  its parameter of that name
+  /// Appends a filter to the document's history, if MeshLab keeps one. @param edit  its parameter of that name
   virtual void appendToHistory(const QString& filter, const QString& edit, double fraction) = 0;
-  /// Takes the last entry of the history away if it is this one. @return whether it was
+  /// Removes the last entry of the history if it is this one. @return whether it was
   virtual bool removeFromHistory(const QString& filter, const QString& edit) = 0;
 };
 
@@ -71,12 +71,12 @@ class InteractiveTool {
  public:
   virtual ~InteractiveTool() = default;
 
-  /// The tool is switched on, or the current layer has changed while it is on. @return false: not on this layer
+  /// Called when the tool is switched on, or the current layer changes while it is on. @return false: not on this layer
   virtual bool start() = 0;
-  /// The tool is switched off, or the current layer changes. The layer of before may be gone.
+  /// Called when the tool is switched off, or the current layer changes. The previous layer may be deleted.
   virtual void end() = 0;
 
-  /// Over the drawn scene. The modelview matrix is that of the world.
+  /// Draws over the scene. The modelview matrix is that of the world.
   virtual void draw() = 0;
   virtual void mousePress(QMouseEvent& event) = 0;  ///< also the second press of a double click
   virtual void mouseMove(QMouseEvent& event) = 0;

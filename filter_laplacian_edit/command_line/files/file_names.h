@@ -3,13 +3,12 @@
 
 #include <QString>
 
-/// Names of files are bytes, mostly UTF-8. From here on all of Qt takes them so, and keeps bytes that are no UTF-8 as
-/// lone surrogates, U+DC80 to U+DCFF, out of which they are made again where a file is opened.
+/// Names of files are bytes, mostly UTF-8. After this call Qt treats them so, and represents bytes that are no UTF-8 as
+/// lone surrogates, U+DC80 to U+DCFF, which become bytes again when a file is opened.
 void takeFileNamesAsBytes();
 
-/// The path of a name from the root. What follows a link to a folder and ".." is beside the folder, not beside the
-/// link.
+/// Returns the absolute path of a name. ".." after a link to a folder is relative to the folder, not to the link.
 QString fullPath(const QString& name);
 
-/// Whether a name is UTF-8: only then can the host's plugins, with ways of their own, have it.
+/// Returns whether a name is UTF-8; MeshLab's plugins can open only such names.
 bool isUtf8(const QString& name);

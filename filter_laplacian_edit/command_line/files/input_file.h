@@ -4,8 +4,8 @@
 #include <QByteArray>
 #include <QString>
 
-/// A file or a pipe that is read to its end. Streams of C++ and of Qt report an error of reading as the end; this class
-/// throws. All functions throw std::system_error.
+/// A file or a pipe that is read to its end. Streams of C++ and Qt report a read error as the end; this class throws.
+/// All functions throw std::system_error.
 class InputFile {
  public:
   explicit InputFile(const QString& path);
@@ -13,15 +13,15 @@ class InputFile {
   InputFile(const InputFile&) = delete;
   InputFile& operator=(const InputFile&) = delete;
 
-  /// The next bytes, at most so many; empty at the end.
+  /// Returns the next bytes, at most this many; empty at the end.
   QByteArray read(int most);
 
-  /// The next line, with its line break, which the last one may lack; empty at the end.
+  /// Returns the next line with its line break, which the last one may lack; empty at the end.
   /// @param most  bytes; a longer line throws (EMSGSIZE)
   QByteArray readLine(int most = 1 << 20);
 
  private:
   int file_ = -1;
-  QByteArray ahead_;  // read, and not asked for yet, from begin_ on
+  QByteArray ahead_;  // read but not returned yet, from begin_ on
   int begin_ = 0;
 };

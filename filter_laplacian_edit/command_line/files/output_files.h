@@ -9,34 +9,32 @@
 
 #include "files/scratch_folder.h"
 
-/// Files that appear in their place all at once, when they are complete. Until then they are in a folder of their own
-/// beside it, under the names that they will have (or plain ones, where those are no UTF-8), so that they can refer to
-/// each other.
+/// Files that replace their targets together, when all are complete. Until then they are in a folder next to the
+/// targets, under their final names (or plain ones where those are no UTF-8), so that they can refer to each other.
 class OutputFiles {
  public:
-  /// Checks that the places can be written to, as far as that can be seen; nothing is made yet.
-  /// @param what    as it is called in messages: "output" or "report"
-  /// @param places  absolute paths; links are followed, also where nothing is at their end
+  /// Checks that the targets can be written, as far as possible; creates nothing. @param what name in messages:
+  /// "output" or "report" @param places absolute paths; links are followed, also if they lead to no file
   /// @throws Failure (Unwritable)
   OutputFiles(const std::string& what, const QStringList& places);
   OutputFiles(const OutputFiles&) = delete;
   OutputFiles& operator=(const OutputFiles&) = delete;
 
-  /// Makes the folder, unless it is there.
+  /// Creates the folder, unless it exists.
   /// @param made  called with the folder before anything is in it
   /// @throws Failure (Unwritable)
   void begin(const std::function<void(const std::string&)>& made);
 
-  /// Where to write output number k. Other files beside it come along.
+  /// Returns where to write output number k. Other files in its folder are moved with it.
   QString path(int k) const;
-  /// A path beside them.
+  /// Returns a path in that folder.
   QString beside(const QString& name) const;
 
-  /// Brings all files to the disk. @throws Failure (Unwritable)
+  /// Flushes all files to the disk. @throws Failure (Unwritable)
   void synchronise();
 
-  /// Brings them to their places, one after the other. A file that was there hands down owner, group and permissions as
-  /// far as the right exists, but never the right to run as another user.
+  /// Moves the files to their targets, one after the other. Owner, group and permissions of a replaced file are kept as
+  /// far as permitted, but no setuid or setgid bit.
   /// @throws Failure (Unwritable)
   void place();
 
@@ -45,16 +43,16 @@ class OutputFiles {
 
   std::string what_;
   QString folder_;
-  QStringList names_, staged_;  ///< in their places, and until then
-  QStringList others_;          ///< those that came along
+  QStringList names_, staged_;  ///< final paths, and paths until then
+  QStringList others_;          ///< other files in the folder
   ScratchFolder scratch_;
 };
 
-/// While it lives, a request to stop waits: either all files are in their places or none.
+/// Blocks requests to stop during its lifetime, so that either all targets are replaced or none.
 class NoInterruption {
  public:
   NoInterruption();
-  /// From here on it waits for the process's end: there is nothing left to be stopped.
+  /// Blocks requests until the end of the process, since no work is left to stop.
   void forGood() { for_good_ = true; }
   ~NoInterruption();
   NoInterruption(const NoInterruption&) = delete;

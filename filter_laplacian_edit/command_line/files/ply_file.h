@@ -5,13 +5,12 @@
 #include <cstdint>
 #include <optional>
 
-/// What a binary PLY file has.
+/// Contents of a binary PLY file.
 struct PlyCounts {
-  bool complete = false;  ///< as long as its header and its lists say, to the byte
+  bool complete = false;  ///< its length matches header and lists, to the byte
   std::int64_t vertices = 0, faces = 0;
 };
 
-/// Walks through a binary, little-endian PLY file. Takes no memory, and a twentieth of the time that reading it into a
-/// mesh takes.
-/// @return nothing if it is none
+/// Scans a binary, little-endian PLY file without storing it, in a twentieth of the time of reading a mesh. @return
+/// `std::nullopt` if it is no such file
 std::optional<PlyCounts> walkPly(const QString& path);

@@ -6,7 +6,7 @@
 
 struct Options;
 
-/// The file that a name leads to in the end, by whatever links, also one that is not there yet.
+/// The file that a name leads to through all links, also if it does not exist yet.
 class RealFile {
  public:
   /// @param name  bytes. @throws std::system_error where links lead in a circle
@@ -14,16 +14,16 @@ class RealFile {
 
   const std::string& path() const { return path_.native(); }  ///< with no link at its end
 
-  /// Whether both are the same name in the same folder: what replaces one replaces the other.
+  /// Returns whether both are the same name in the same folder, so that replacing one replaces the other.
   bool hasPlaceOf(const RealFile& other) const;
-  /// Whether they are that, or hard links to one file.
+  /// Returns whether they are the same name, or hard links to one file.
   bool is(const RealFile& other) const;
 
  private:
   std::filesystem::path path_;
 };
 
-/// Refuses what would be replaced by accident: no output and no report may be the edit, or each other; the report may
-/// not be the input, which a single output may be.
+/// Refuses names that would replace a file by accident: no output and no report may be the edit, or each other; the
+/// report may not be the input, while a single output may.
 /// @throws Failure (WrongUsage)
 void refuseSameFiles(const Options& options);

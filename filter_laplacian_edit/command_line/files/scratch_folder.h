@@ -3,9 +3,8 @@
 
 #include <string>
 
-/// A folder for files that are not complete yet, gone when this is. If the program is killed, what is left is swept by
-/// the next one that makes such a folder beside it, on the same machine and as the same user: an owner that lives holds
-/// a lock.
+/// A folder for incomplete files, removed by the destructor. After a killed program the next one that creates such a
+/// folder in the same place, on the same machine and as the same user, removes it: a living owner holds a lock.
 class ScratchFolder {
  public:
   ScratchFolder() = default;
@@ -13,10 +12,10 @@ class ScratchFolder {
   ScratchFolder(const ScratchFolder&) = delete;
   ScratchFolder& operator=(const ScratchFolder&) = delete;
 
-  /// Sweeps, and makes a new one. Names are bytes. @throws std::system_error
+  /// Removes abandoned folders and creates a new one. Names are bytes. @throws std::system_error
   void make(const std::string& beside);
 
-  const std::string& path() const { return path_; }  ///< empty: not made
+  const std::string& path() const { return path_; }  ///< empty: not created
 
  private:
   std::string path_;

@@ -16,16 +16,16 @@
 
 class CMeshO;
 
-/// The host's library at work without its window, on one document: reading, filters, writing. No particular MeshLab
-/// version is seen here; those differ in api_<generation>/batch_plugins.h.
+/// MeshLab's library without its window, on one document: reading, filters, writing. Independent of MeshLab's version;
+/// api_<generation>/batch_plugins.h has the differences.
 namespace lapedit::host {
 
 class VertexFilterPlugin;
 
-/// A path for a message: all of it, since its end tells the most.
+/// Returns a path for a message, in full, since its end matters most.
 std::string quotedPath(const QString& path);
 
-/// What the host could not do, in a sentence for the user.
+/// An operation that MeshLab could not do, with a message for the user.
 class BatchError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -39,33 +39,32 @@ struct KeptAttributes {
 
 class BatchHost {
  public:
-  /// @param plugins  folder of the host's plugins; empty: beside the host's library
-  /// @param asked    now and then while the host works; false stops what can be stopped
+  /// @param plugins  folder of MeshLab's plugins; empty: next to MeshLab's library
+  /// @param asked    called repeatedly while MeshLab works; false stops it where possible
   BatchHost(const QString& plugins, Progress asked);
   ~BatchHost();
 
-  static QString version();  ///< of the library that is loaded, as in "MeshLab 2020.09"
+  static QString version();  ///< of the loaded library, as in "MeshLab 2020.09"
 
-  /// Reads the layers of a file. The mesh is that of the file: unlike the window, this removes no faces that name a
-  /// vertex twice, and no vertices that are no numbers.
-  /// @param called  for messages
-  /// @return how many layers there are
+  /// Reads the layers of a file. Unlike MeshLab's window, this keeps faces that name a vertex twice, and vertices with
+  /// non-finite coordinates.
+  /// @param called  name in messages @return the number of layers
   /// @throws BatchError
   int open(const QString& path, const QString& called);
 
   /// The current layer's mesh; null if there is none.
   CMeshO* mesh();
 
-  /// Filters that come before those of the host's plugins. The plugin has to live as long as this object.
+  /// Adds filters that take precedence over those of MeshLab's plugins. The plugin has to outlive this object.
   void addFilters(VertexFilterPlugin& plugin);
 
-  /// Whether all filters exist and can run here; plugins are loaded as needed.
+  /// Checks that all filters exist and can run here; loads plugins as needed.
   /// @throws EditError (BadScript)
   void requireFilters(const std::vector<ScriptFilter>& script);
 
-  /// Runs filters on the current layer, as it is then.
+  /// Runs filters on the current layer.
   /// @param before  called before each filter
-  /// @param after   called after it, with what it wrote to the log
+  /// @param after   called after it, with its log
   /// @throws EditError
   void run(const std::vector<ScriptFilter>& script, const std::function<void(const ScriptFilter&)>& before,
            const std::function<void(const QString&)>& after);
@@ -73,10 +72,10 @@ class BatchHost {
   /// @throws BatchError if no plugin writes files of this name
   void requireWriter(const QString& path);
 
-  /// Writes the current layer with all that it has and the format keeps by default, and makes sure that the file is
+  /// Writes the current layer with all attributes that the format keeps by default, and checks that the file is
   /// complete, as far as it can be read back. Coordinates in OFF, OBJ and XYZ get all their digits.
-  /// @return by how much coordinates in the file differ from the mesh's, at most; null if the host cannot read it back
-  /// @throws BatchError whose text is the end of a sentence: why not
+  /// @return largest distance of coordinates in the file from the mesh's; null if MeshLab cannot read it back
+  /// @throws BatchError whose text is the end of a sentence with the reason
   std::optional<double> save(const QString& path, const KeptAttributes& kept);
 
  private:

@@ -6,9 +6,9 @@
 
 namespace lapedit::host {
 
-/// Lays a script's values over the list of a filter's parameters; those that it does not mention keep theirs.
-/// @throws EditError (BadScript) for unknown names, other types, what is no number, and numbers of no choice: the host
-///         itself would stop at an assertion, or not see it
+/// Sets a script's values in the list of a filter's parameters; the others keep their values.
+/// @throws EditError (BadScript) for unknown names, other types, invalid numbers and numbers of no choice, for which
+/// MeshLab would stop at an assertion, or not notice
 void layOver(const ScriptFilter& filter, MeshDocument& document, RichParameterList& list);
 
 }  // namespace lapedit::host

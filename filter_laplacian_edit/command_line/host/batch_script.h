@@ -10,18 +10,18 @@
 
 #include "lapedit/json/json_text.h"
 
-/// Filter scripts (.mlx) as text. Hosts read them too, but stop at assertions for what is not as they wrote it
-/// themselves, pass over what they do not know, and do not know each other's names for the types of parameters.
+/// Filter scripts (.mlx) as text. MeshLab reads them too, but stops at assertions for unexpected text, skips unknown
+/// elements, and its versions do not know each other's names of parameter types.
 namespace lapedit::host {
 
-/// A text for a message, as the core quotes it.
+/// Returns a text for a message, quoted as in the core.
 inline std::string quoted(const QString& text) {
   return lapedit::quoted_text(text.toStdString());
 }
 
 struct ScriptParameter {
   QString name;
-  QString type;                       ///< as 2020.09 calls it, see commonType()
+  QString type;                       ///< MeshLab 2020.09's name, see commonType()
   QMap<QString, QString> attributes;  ///< of the element, without name and type
 };
 
@@ -30,14 +30,13 @@ struct ScriptFilter {
   std::vector<ScriptParameter> parameters;
 };
 
-/// The filters of a script, in order.
-/// @throws EditError (BadScript) that says in which line of the script
+/// Returns the filters of a script, in order. @throws EditError (BadScript) with the line of the script
 std::vector<ScriptFilter> readScript(const QByteArray& text);
 
-/// The name that MeshLab 2020.09 has for a type of parameters.
+/// Returns MeshLab 2020.09's name of a parameter type.
 QString commonType(const QString& type);
 
-/// Up to three of the names that look most like the given one, quoted, with "or" between; empty if none does.
+/// Returns up to three names similar to the given one, quoted, with "or" between; empty if there are none.
 QString nearNames(const QString& name, const QStringList& known);
 
 }  // namespace lapedit::host

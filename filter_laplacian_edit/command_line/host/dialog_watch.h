@@ -4,13 +4,13 @@
 #include <QObject>
 #include <QString>
 
-/// Some of the host's plugins open a dialog and wait for an answer, which nobody can give here. While this lives, each
-/// is turned down at once, and what it said is kept.
+/// Declines dialogs: some of MeshLab's plugins open one and wait for an answer, which is impossible here. During the
+/// lifetime of this object each is declined at once, and its text is kept.
 class DialogWatch : public QObject {
  public:
   DialogWatch();
 
-  /// What the first dialog since the last call said; null if there was none.
+  /// Returns the text of the first dialog since the last call; null if there was none.
   QString take();
 
  protected:

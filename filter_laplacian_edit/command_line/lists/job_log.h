@@ -10,33 +10,33 @@
 
 #include "options.h"
 
-/// How a job of a list ended.
+/// The result of a job of a list.
 struct JobEnd {
-  int code = 0;          ///< as the program would have ended with
-  std::string sentence;  ///< the last one on its standard error
+  int code = 0;          ///< exit code of the same job as a single call
+  std::string sentence;  ///< the last line on its standard error
   double began = 0;      ///< seconds since 1970
   double seconds = 0;
   qint64 mostMemory = 0;  ///< bytes, of its largest process
 };
 
-/// Size and time of the mesh and of the edit that a job reads, as they were when the job began.
+/// Size and time of the mesh and the edit that a job reads, at its start.
 using InputState = std::array<QByteArray, 4>;
 InputState inputState(const Options& job);
 
-/// A file to which a line of JSON is added whenever a job has ended. One run at a time has it.
+/// A file that gets a line of JSON for each finished job. Only one run at a time uses it.
 class JobLog {
  public:
-  /// @param path  made if it does not exist; empty: nothing is logged
+  /// @param path  created if it does not exist; empty: no log
   /// @throws Failure (Unwritable; WrongUsage if the file is something else)
   explicit JobLog(const QString& path);
   ~JobLog();
   JobLog(const JobLog&) = delete;
   JobLog& operator=(const JobLog&) = delete;
 
-  /// Which lines are no entries, in a sentence; empty if all are.
+  /// Returns a message with the lines that are no entries; empty if all are.
   const std::string& complaint() const { return complaint_; }
 
-  /// Whether it was done, what it read is as it was, and all its files are still there and have their sizes.
+  /// Returns whether the job was done, its inputs are unchanged, and all its files still exist with their sizes.
   bool isDone(const Options& job) const;
 
   /// @throws Failure (Unwritable)
@@ -53,6 +53,6 @@ class JobLog {
 
   QString path_;
   int file_ = -1;
-  QHash<QByteArray, Known> done_;  // what was done, and of which inputs
+  QHash<QByteArray, Known> done_;  // finished jobs with the states of their inputs
   std::string complaint_;
 };

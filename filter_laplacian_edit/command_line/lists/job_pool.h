@@ -12,25 +12,25 @@
 #include "lists/job_log.h"
 #include "processes/supervisor.h"
 
-/// Jobs that run side by side, each in a supervised process of its own: whatever happens to one happens to no other.
-/// For a process without threads, of which there is one pool at a time. Requests to stop are passed on to all jobs.
+/// Runs jobs concurrently, each in a supervised process of its own, so that no failure affects other jobs. For a
+/// process without threads, with one pool at a time. Requests to stop are passed on to all jobs.
 class JobPool {
  public:
   JobPool();
-  /// To be called when no job runs any more.
+  /// To be called when no job runs.
   ~JobPool();
   JobPool(const JobPool&) = delete;
   JobPool& operator=(const JobPool&) = delete;
 
   int running() const { return static_cast<int>(jobs_.size()); }
 
-  /// The request to stop that has arrived (SIGINT, SIGTERM or SIGHUP), 0 if none has.
+  /// Returns the request to stop that has arrived (SIGINT, SIGTERM or SIGHUP), 0 if none has.
   int stopped() const { return stopped_; }
 
   /// Starts a job.
   /// @param number   identifies it
-  /// @param threads  how many it should use
-  /// @return false if no process can be started now
+  /// @param threads  number of threads to use
+  /// @return false if the system starts no further process
   bool start(int number, int threads, const std::function<int(Notes&)>& work);
 
   /// Waits for the next job to end. @return its number and its end
@@ -39,7 +39,7 @@ class JobPool {
  private:
   struct Running {
     int number = 0;
-    int errors = -1;  // what it writes to its standard error can be read here
+    int errors = -1;  // its standard error
     std::string text;
     double began = 0;
   };
@@ -53,5 +53,5 @@ class JobPool {
   sigset_t before_ = {};
 };
 
-/// Processors that this process may use.
+/// Returns the number of processors that this process may use.
 int processors();

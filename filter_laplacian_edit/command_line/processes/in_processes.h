@@ -4,8 +4,7 @@
 #include <functional>
 
 /// Calls work(0) to work(count - 1), each in a process of its own that is a copy of this one; a single one in this
-/// process itself. What they change in memory is lost. They are not to use threads that are there already.
-/// @throws Failure, std::bad_alloc or std::runtime_error that the first of them threw; the others have been stopped
-/// then.
-///         Where one was ended by a signal, this process ends by the same
+/// process itself. Their changes to memory are lost. They must not use existing threads.
+/// @throws Failure, std::bad_alloc or std::runtime_error of the first failure; the others are stopped then. If a signal
+/// ended one, this process ends by the same signal
 void inProcesses(int count, const std::function<void(int)>& work);

@@ -8,35 +8,36 @@
 
 #include "failure.h"
 
-/// What of the output and the report is in its place.
+/// Which of outputs and report have replaced their targets.
 enum class Placed { Nothing, Some, Outputs, All };
 
-/// What cannot be had from the system.
+/// A resource that the system refuses.
 enum class Lack { Nothing, Memory, Threads };
 
-/// Whether that is what an exception is about.
+/// Returns the resource that an exception is about.
 Lack lackIn(const std::exception_ptr& problem);
 
-/// What the worker lets its supervisor know. Written by one process, read by another, even after the first has died.
-/// Texts are to be read only then.
+/// Messages from the worker to its supervisor. One process writes, the other reads, even after the first has died;
+/// texts only then.
 class Notes {
  public:
   static constexpr int kScratchFolders = 2;
 
   /// @param activity  as in "reading mesh.ply"
-  /// @param code      what the program ends with if this stops it
-  /// @param bytes     about how many the host reads or writes now: it has to get on with them. Negative: no such work
+  /// @param code      exit code if the worker stops in this activity
+  /// @param bytes     approximate size of the file that MeshLab reads or writes, which requires progress; negative:
+  /// none
   void doing(const std::string& activity, ExitCode code, std::int64_t bytes = -1);
-  /// How far that has come, 0 to 1.
+  /// Progress of the activity, 0 to 1.
   void progress(double fraction) { percent_ = static_cast<int>(100 * fraction); }
-  /// A folder that has to be gone in the end.
-  /// @param k  which, below kScratchFolders
+  /// A folder that has to be removed in the end.
+  /// @param k  index, below kScratchFolders
   void scratch(int k, const std::string& folder);
   void placed(Placed what) { placed_ = what; }
   void lacks(Lack what) { lack_ = what; }
-  /// For the whole work, since the start of the program.
+  /// Time limit of the whole work, from the start of the program.
   void timeLimit(double seconds) { time_limit_ = seconds; }
-  /// The worker ended as it should, with a sentence if there is one to be said. Who ends without this was ended.
+  /// Notes a regular end, with an error message if there is one. A worker that ends without this call was ended.
   void finished(int code);
 
  private:

@@ -8,24 +8,24 @@
 
 #include "processes/notes.h"
 
-/// Sees when a worker has used up its time, or when the host's reading or writing gets nowhere. As getting on counts
-/// what the host says of its progress, and each byte that is read or written. Time is the processor's, so that a
-/// machine with much else to do is no reason to end anything; ten times as long without any work counts as well.
+/// Detects a worker that has exceeded its time, or whose reading or writing makes no progress. Progress is what MeshLab
+/// reports, and each byte that is read or written. Processor time counts, so that a busy machine ends nothing; ten
+/// times as long without any work counts as well.
 class Watchdog {
  public:
   enum class Verdict { GoOn, OutOfTime, Stalled };
 
   Watchdog(pid_t worker, const Notes& notes);
 
-  /// To be called some times a second.
+  /// To be called several times a second.
   Verdict look();
 
-  /// How long nothing may happen with files of so many bytes, seconds: two minutes (LAPEDIT_STALL_SECONDS in the
-  /// environment says otherwise), and one more for each megabyte.
+  /// Returns the longest time without progress for a file of this size, in seconds: two minutes (LAPEDIT_STALL_SECONDS
+  /// in the environment overrides it), and one second for each megabyte.
   static double patience(std::int64_t bytes);
 
  private:
-  /// What changes while the work gets on.
+  /// Signs of progress.
   struct Signs {
     int activities = 0, percent = 0;
     std::int64_t moved = 0;  // bytes
@@ -42,6 +42,6 @@ class Watchdog {
   const Notes& notes_;
   Clock::time_point start_, last_;
   Signs seen_;
-  double used_ = 0;    // of the processor when there was a sign last, seconds
+  double used_ = 0;    // processor time at the last sign, seconds
   double waited_ = 0;  // since then, seconds
 };

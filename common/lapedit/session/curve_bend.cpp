@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/session/curve_bend.h"
+
+#include <algorithm>
+
+#include "lapedit/mesh/vertex_set.h"
+
+namespace lapedit {
+namespace {
+
+Vector3 place_of(const TriangleMesh& mesh, int vertex) {
+  return mesh.vertices.row(vertex).transpose();
+}
+
+/// What a point's neighbour leaves to it, at a share of the way from the neighbour.
+/// @param free_point, free_neighbour  whether it is an end of the curve
+double rise(double share, bool free_point, bool free_neighbour) {
+  if (free_point && free_neighbour) {
+    return share;
+  }
+  return free_point ? share * share : free_neighbour ? 1 - (1 - share) * (1 - share) : share * share * (3 - 2 * share);
+}
+
+}  // namespace
+
+std::vector<double> bend_weights(const TriangleMesh& mesh, const std::vector<int>& group, const HandleCurve& curve,
+                                 int point) {
+  const std::vector<int>& path = curve.path;
+  std::vector<double> length(path.size(), 0);
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    length[i] = length[i - 1] + (place_of(mesh, path[i]) - place_of(mesh, path[i - 1])).norm();
+  }
+  const bool closed = path.front() == path.back();
+  const int last = static_cast<int>(curve.points.size()) - 1;
+  const auto is_free = [&](int k) { return !closed && (k == 0 || k == last); };
+  std::vector<double> weights(group.size(), 0);
+  const auto spread = [&](int k) {
+    for (const int neighbour : {k - 1, k + 1}) {
+      if (neighbour < 0 || neighbour > last) {
+        continue;
+      }
+      const double to = length[curve.points[k]], from = length[curve.points[neighbour]];
+      for (int i = std::min(curve.points[k], curve.points[neighbour]);
+           i <= std::max(curve.points[k], curve.points[neighbour]); ++i) {
+        const double share = to != from ? (length[i] - from) / (to - from) : i == curve.points[k] ? 1 : 0;
+        if (const int at = place_in(group, path[i]); at >= 0) {
+          weights[at] = std::max(weights[at], rise(share, is_free(k), is_free(neighbour)));
+        }
+      }
+    }
+  };
+  spread(point);
+  if (closed && (point == 0 || point == last)) {
+    spread(last - point);
+  }
+  return weights;
+}
+
+int mirrored_point(const TriangleMesh& mesh, const HandleCurve& curve, int point, const Affine& mirror) {
+  constexpr double kOfWay = 0.25;  // from the point to its image
+  const Vector3 place = place_of(mesh, curve.path[curve.points[point]]), image = mirror * place;
+  double nearest = kOfWay * (image - place).norm();
+  int found = -1;
+  for (int k = 0; k < static_cast<int>(curve.points.size()); ++k) {
+    const double distance = (place_of(mesh, curve.path[curve.points[k]]) - image).norm();
+    if (k != point && distance < nearest) {
+      nearest = distance;
+      found = k;
+    }
+  }
+  return found;
+}
+
+}  // namespace lapedit
