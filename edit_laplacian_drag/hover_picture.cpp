@@ -31,13 +31,25 @@ void tangentCircle(const HoverPreview& preview, double radius) {
   glEnd();
 }
 
-void dot(const Vector3& place, double size, double pixelRatio) {
+void dot(const Vector3& place, double size, double pixelRatio, double alpha = 0.8) {
   for (const bool rim : {true, false}) {
     glPointSize(static_cast<GLfloat>((rim ? size + 3 : size) * pixelRatio));
-    pen::set(rim ? pen::kDark : pen::kYellow, 0.8);
+    pen::set(rim ? pen::kDark : pen::kYellow, alpha);
     glBegin(GL_POINTS);
     pen::vertex(place);
     glEnd();
+  }
+}
+
+/// Paler, what the other side of the plane takes.
+void drawImage(const HoverPreview& preview, double pixelRatio) {
+  constexpr double kPale = 0.45;
+  pen::rimmed(
+      pen::kLight, 1.2, pixelRatio, [&] { segments(preview.mirrored_region); }, kPale);
+  pen::rimmed(
+      pen::kYellow, 2, pixelRatio, [&] { segments(preview.mirrored_disc); }, kPale);
+  if (preview.disc_radius == 0) {
+    dot(*preview.mirrored_point, 7, pixelRatio, kPale);
   }
 }
 
@@ -65,6 +77,9 @@ void drawHover(const HoverPreview& preview, double pixelRatio) {
     return;
   }
   glDepthRange(0, kAbove);
+  if (preview.mirrored_point) {
+    drawImage(preview, pixelRatio);
+  }
   const bool flat = !preview.is_whole && !preview.normal.isZero(0);
   if (preview.kind == Kind::Region) {
     pen::rimmed(pen::kLight, 1.2, pixelRatio, [&] {

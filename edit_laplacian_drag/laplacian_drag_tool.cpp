@@ -160,6 +160,9 @@ bool LaplacianDragTool::start() {
       (known->inHistory.isEmpty() || window_.removeFromHistory("Laplacian Edit Replay", known->inHistory));
   try {
     active_ = resume ? known : &shared_->make(layer->id, *layer->mesh);
+    if (!resume) {
+      shared_->panel().remembered().bringTo(active_->session());
+    }
   } catch (const EditError& error) {
     nothing_ = error.what();
     say(error.what());

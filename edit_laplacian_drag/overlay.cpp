@@ -93,6 +93,39 @@ QImage legendPicture(double pixelRatio) {
 
 }  // namespace
 
+/// A pane through the mesh, as large as its box.
+void Overlay::drawPlane(const DragSession& session, double pixelRatio) {
+  if (!box_) {
+    box_ = bounding_box(session.original().vertices);
+  }
+  if (box_->isEmpty()) {
+    return;
+  }
+  const MirrorPlane& plane = *session.mirror();
+  const Vector3 normal = plane.normal.stableNormalized(), middle = box_->center();
+  const Vector3 center = middle - normal.dot(middle - plane.point) * normal;
+  Vector3 sides[2];
+  int most = 0;
+  normal.cwiseAbs().maxCoeff(&most);
+  for (int k = 0; k < 2; ++k) {  // along the layer's axes, as far as the plane is
+    const Vector3 axis = Vector3::Unit((most + 1 + k) % 3);
+    sides[k] = (axis - normal.dot(axis) * normal).normalized() * 0.6 * box_->sizes()[(most + 1 + k) % 3];
+  }
+  const Vector3 corners[] = {center - sides[0] - sides[1], center + sides[0] - sides[1], center + sides[0] + sides[1],
+                             center - sides[0] + sides[1]};
+  const auto pane = [&](GLenum mode) {
+    glBegin(mode);
+    for (const Vector3& corner : corners) {
+      pen::vertex(corner);
+    }
+    glEnd();
+  };
+  pen::set(pen::kPurple, 0.12);
+  pane(GL_QUADS);
+  pen::rimmed(
+      pen::kPurple, 1, pixelRatio, [&] { pane(GL_LINE_LOOP); }, 0.6);
+}
+
 /// At the left, above the host's own lines.
 void Overlay::drawLegend(const Options& options) {
   if (legend_.isNull()) {
@@ -130,6 +163,9 @@ void Overlay::draw(const DragSession& session, const Camera& view, const Options
   const bool onGroup = hover && hover->kind == HoverPreview::Kind::Group;
   if (!session.next_is_region()) {
     surface_.draw(session, {onGroup ? hover->group : -1, options.heat, ratio});
+  }
+  if (session.mirror()) {
+    drawPlane(session, ratio);
   }
   if (hover) {
     drawHover(*hover, ratio);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <Eigen/Geometry>
 #include <QImage>
 #include <optional>
 
@@ -29,9 +30,11 @@ class Overlay {
 
  private:
   void drawGizmoOf(const lapedit::DragSession& session, const lapedit::Camera& view, double pixelRatio);
+  void drawPlane(const lapedit::DragSession& session, double pixelRatio);
   void drawLegend(const Options& options);
 
   SurfacePicture surface_;
   std::optional<lapedit::Gizmo> gizmo_;  // before the motion
   QImage legend_;
+  std::optional<Eigen::AlignedBox3d> box_;  // of the mesh at the beginning
 };

@@ -9,6 +9,7 @@
 #include <QCloseEvent>
 #include <QComboBox>
 #include <QFormLayout>
+#include <QInputDialog>
 #include <QKeyEvent>
 #include <QLabel>
 #include <QLocale>
@@ -88,6 +89,7 @@ Panel::Panel(QWidget* parent) : QDockWidget("Laplacian Drag", parent), column_(n
   content->setLayout(column_);
 
   addBasic();
+  addLastStep();
   addRegion();
   addHandles();
   addGizmo();
@@ -144,6 +146,16 @@ void Panel::addBasic() {
   mode->setItemIcon(1, panelIcon("curve", palette()));
   row(tr("Handle"), mode);
   row(tr("Preset"), presetChoice());
+  auto* const save = button("save_preset", tr("Save preset..."), tr("Keeps the values as a preset of your own"));
+  auto* const defaults = button("defaults", tr("Defaults"), tr("Gives all settings the values that they began with"));
+  connect(save, &QPushButton::clicked, this, &Panel::saveOrRemovePreset);
+  connect(defaults, &QPushButton::clicked, this, [this] {
+    change([settings = defaults_](DragSession& session) {
+      session.set_settings(settings);
+      session.show_gizmo(false, GizmoAxes::Layer);
+    });
+  });
+  buttons({save, defaults});
   row(tr("Turn about"),
       state(
           "pivot", {tr("Handle's middle"), tr("Shoulder (edge)"), tr("Point (next click)")},
@@ -177,6 +189,76 @@ void Panel::addBasic() {
   keepsPlace.setRetainSizeWhenHidden(true);
   progress_->setSizePolicy(keepsPlace);
   form_->addRow(progress_);
+}
+
+void Panel::addLastStep() {
+  begin("last_step", tr("Last step"), tr("What was done last; it can be changed until something else is picked"));
+  using Get = std::function<double&(LastStep&)>;
+  const auto send = [this](const LastStep& last, bool passing) {
+    change([last, passing](DragSession& session) { session.set_last_step(last.motion, last.share, passing); });
+  };
+  const auto field = [&](const char* part, const QString& help, double low, int digits, bool turns, const Get& get) {
+    QDoubleSpinBox* const box = prepared<NumberBox>(part, help);
+    box->setLocale(QLocale::c());
+    box->setDecimals(digits);
+    box->setRange(low, kLongest);
+    box->setKeyboardTracking(false);
+    connect(box, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this, [this, get, send](double value) {
+      if (LastStep last = lastStep_.value_or(LastStep()); lastStep_) {
+        get(last) = value;
+        send(last, false);
+      }
+    });
+    shown_.push_back([this, box, get, turns](const DragSession&) {
+      box->setEnabled(lastStep_ && !lastStep_->bent && !(turns && lastStep_->single));
+      if (!box->hasFocus()) {
+        const QSignalBlocker blocker(box);
+        LastStep last = lastStep_.value_or(LastStep());
+        box->setValue(get(last));
+      }
+    });
+    return box;
+  };
+  auto* const line = new QWidget;
+  auto* const fields = new QHBoxLayout(line);
+  fields->setSpacing(2);
+  fields->setContentsMargins(0, 0, 0, 0);
+  line->setToolTip(tr("How far it was moved along X, Y and Z of the layer, in model units"));
+  for (int axis = 0; axis < 3; ++axis) {
+    lengths_.push_back(field(qPrintable(QString("last_") + "xyz"[axis]), line->toolTip(), -kLongest, 4, false,
+                             [axis](LastStep& last) -> double& { return last.motion.translation[axis]; }));
+    lengths_.back()->setButtonSymbols(QAbstractSpinBox::NoButtons);
+    lengths_.back()->setMinimumWidth(kButtonWidth);
+    fields->addWidget(lengths_.back(), 1);
+  }
+  row(tr("Moved"), line);
+  auto* const turned = field("last_turn", tr("How far it was turned, about the axis that it was turned about; else Z"),
+                             -kLongest, 2, true, [](LastStep& last) -> double& { return last.motion.degrees; });
+  turned->setSuffix(tr(" degrees"));
+  row(tr("Turned"), turned);
+  auto* const scaled = field("last_scale", tr("The factor that it was scaled by"), 0.0001, 4, true,
+                             [](LastStep& last) -> double& { return last.motion.scale; });
+  scaled->setSingleStep(0.1);
+  row(tr("Scaled"), scaled);
+  auto* const share = prepared<QSlider>("last_share", tr("How much of the way is gone: 0 to 100 percent"));
+  share->setOrientation(Qt::Horizontal);
+  share->setRange(0, 100);
+  const auto go = [this, share, send] {
+    if (LastStep last = lastStep_.value_or(LastStep()); lastStep_) {
+      last.share = share->value() / 100.0;
+      send(last, share->isSliderDown());
+    }
+  };
+  connect(share, &QSlider::valueChanged, this, go);
+  connect(share, &QSlider::sliderReleased, this, go);
+  shown_.push_back([this, share](const DragSession&) {
+    share->setEnabled(lastStep_.has_value());
+    if (!share->isSliderDown()) {
+      const QSignalBlocker blocker(share);
+      share->setValue(static_cast<int>(std::round(100 * (lastStep_ ? lastStep_->share : 1))));
+    }
+  });
+  row(tr("Of the way"), share);
 }
 
 void Panel::addRegion() {
@@ -472,24 +554,56 @@ QComboBox* Panel::choice(const Setting& setting, const Access& access) {
 QComboBox* Panel::presetChoice() {
   auto* const box =
       prepared<QComboBox>("preset", tr("Sets handle size and solver at once to what suits a kind of surface"));
-  for (const Preset& preset : presets()) {
-    box->addItem(preset.name);
-    box->setItemData(box->count() - 1, tip(preset.help), Qt::ToolTipRole);
-  }
-  box->addItem(tr("Custom"));
-  box->setItemData(box->count() - 1, tip(tr("Values that no preset has.")), Qt::ToolTipRole);
-  connect(box, QOverload<int>::of(&QComboBox::activated), this, [this](int index) {
+  const auto fill = [this, box] {
+    box->clear();
+    for (const Preset& preset : presets()) {
+      box->addItem(preset.name);
+      box->setItemData(box->count() - 1, tip(preset.help), Qt::ToolTipRole);
+    }
+    for (const QString& name : remembered_.presets()) {
+      box->addItem(name);
+      box->setItemData(box->count() - 1, tip(tr("A preset of your own.")), Qt::ToolTipRole);
+    }
+    box->addItem(tr("Custom"));
+    box->setItemData(box->count() - 1, tip(tr("Values that no preset has.")), Qt::ToolTipRole);
+  };
+  fill();
+  connect(box, QOverload<int>::of(&QComboBox::activated), this, [this, box](int index) {
     DragSettings settings = settings_;
     if (index < static_cast<int>(presets().size())) {
       presets()[static_cast<std::size_t>(index)].set(settings);
+    } else if (index < box->count() - 1) {
+      remembered_.usePreset(box->itemText(index), settings);
     }
     change([settings](DragSession& session) { session.set_settings(settings); });
   });
-  shown_.push_back([box](const DragSession& session) {
+  shown_.push_back([this, box, fill](const DragSession& session) {
+    const int builtIn = static_cast<int>(presets().size()), own = remembered_.presets().size();
+    if (box->count() != builtIn + own + 1) {
+      fill();
+    }
     const int preset = preset_of(session.settings());
-    box->setCurrentIndex(preset >= 0 ? preset : box->count() - 1);
+    const int ofOwn = remembered_.presets().indexOf(remembered_.presetOf(session.settings()));
+    box->setCurrentIndex(ofOwn >= 0 ? builtIn + ofOwn : preset >= 0 ? preset : box->count() - 1);
+    buttons_["save_preset"]->setText(ofOwn >= 0 ? tr("Delete preset") : tr("Save preset..."));
   });
   return box;
+}
+
+/// The own preset that is chosen goes; else the values become one.
+void Panel::saveOrRemovePreset() {
+  const QString own = remembered_.presetOf(settings_);
+  if (!own.isEmpty()) {
+    remembered_.removePreset(own);
+  } else {
+    bool accepted = false;
+    const QString name =
+        QInputDialog::getText(this, tr("Save preset"), tr("Name of the preset:"), QLineEdit::Normal, {}, &accepted);
+    if (accepted) {
+      remembered_.savePreset(name, settings_);
+    }
+  }
+  change([](DragSession&) {});
 }
 
 QComboBox* Panel::state(const char* part, const QStringList& choices, const QString& help,
@@ -529,6 +643,7 @@ void Panel::setMesh(const TriangleMesh& mesh) {
   const Eigen::AlignedBox3d box = bounding_box(mesh.vertices);
   const double diagonal = box.isEmpty() ? 0 : box.diagonal().norm();
   size_ = diagonal > 0 ? diagonal : 1;
+  defaults_ = settings_for(mesh);
   middle_ = box.isEmpty() ? Vector3(Vector3::Zero()) : Vector3(box.center());
   const int digits = std::clamp(5 - static_cast<int>(std::floor(std::log10(size_))), 2, 12);
   for (QDoubleSpinBox* length : lengths_) {
@@ -545,6 +660,8 @@ void Panel::show(const DragSession* session, const FrameTimes& median) {
     return;
   }
   settings_ = session->settings();
+  lastStep_ = session->last_step();
+  remembered_.keep(*session);
   for (const auto& bring : shown_) {
     bring(*session);
   }

@@ -7,10 +7,12 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "frame_clock.h"
 #include "lapedit/session/drag_session.h"
+#include "remembered_settings.h"
 
 class QCheckBox;
 class QComboBox;
@@ -41,6 +43,7 @@ class Panel : public QDockWidget {
   void show(const lapedit::DragSession* session, const FrameTimes& median);
   bool heat() const;  ///< whether stretch is to be shown
   void setHeat(bool on);
+  RememberedSettings& remembered() { return remembered_; }
   void setBusy(bool busy);
   void setFrames(const std::deque<FrameTimes>& frames);
 
@@ -72,6 +75,7 @@ class Panel : public QDockWidget {
   void addGizmo();
   void addSymmetry();
   void addAdvanced();
+  void addLastStep();
   void addStatistics();
 
   /// Adds the widgets that follow to this group.
@@ -92,6 +96,7 @@ class Panel : public QDockWidget {
                    const std::function<double(double)>& placeOf, const Access& access);
   QComboBox* choice(const lapedit::Setting& setting, const Access& access);
   QComboBox* presetChoice();
+  void saveOrRemovePreset();
   /// A value of the session that is no setting.
   QComboBox* state(const char* part, const QStringList& choices, const QString& help,
                    const std::function<int(const lapedit::DragSession&)>& get,
@@ -113,11 +118,14 @@ class Panel : public QDockWidget {
   QVBoxLayout* column_;
   QFormLayout* form_ = nullptr;  ///< of the current group
   lapedit::DragSettings settings_;
+  lapedit::DragSettings defaults_;  ///< of the mesh
+  RememberedSettings remembered_;
   double size_ = 1;  ///< of the mesh
   lapedit::Vector3 middle_ = lapedit::Vector3::Zero();
   std::vector<std::function<void(const lapedit::DragSession&)>> shown_;  ///< one per value
   std::vector<QLabel*> titles_;                                          ///< of rows
   std::vector<QDoubleSpinBox*> lengths_;                                 ///< with digits that depend on the mesh's size
+  std::optional<lapedit::LastStep> lastStep_;
   QCheckBox* heat_;
   QProgressBar* progress_;
   QLabel *region_, *times_, *frame_, *quality_;

@@ -28,9 +28,10 @@ class Start(ToolTest):
             self.assert_same(before, w.dump())
 
     def test_panel_leaves_the_picture_its_width(self):
-        groups = ["region", "handle", "gizmo", "symmetry", "advanced", "statistics"]
-        basic = ["radius", "radius_slider", "handle_share", "handle_share_slider", "mode", "preset", "move", "rotate",
-                 "scale", "apply", "cancel", "undo", "redo", "reset", "save", "load", "copy", "pivot", "keep_fixed", "help"]
+        groups = ["last_step", "region", "handle", "gizmo", "symmetry", "advanced", "statistics"]
+        basic = ["radius", "radius_slider", "handle_share", "handle_share_slider", "mode", "preset", "save_preset",
+                 "defaults", "move", "rotate", "scale", "apply", "cancel", "undo", "redo", "reset", "save", "load", "copy",
+                 "pivot", "keep_fixed", "help"]
         with self.start(self.mesh) as w:
             w.resize(1280, 720)
             self.assertGreaterEqual(w.ask("project")["width"], 900)

@@ -231,6 +231,58 @@ class Gestures(ToolTest):
             self.assertLess(math.dist(before[middle], after[middle]), 0.02 * math.dist(before[left], after[left]))
             self.assert_replay_is_the_same(w, self.mesh)
 
+    def test_plane_and_other_side_are_shown(self):
+        with self.window() as w:
+            off = [a - b for a, b in zip(self.points[self.at(20, 12)], self.points[self.CENTRE])]
+            axis = 0 if abs(off[0]) > abs(off[1]) else 1
+            w.x("mousemove", 5, 5)
+            self.seen(w)
+            here, there = w.pixel(self.at(20, 30)), w.pixel(self.at(20, 10))
+            middle, plain = self.picture(w, *w.pixel(self.CENTRE), half=20), self.picture(w, *there)
+            w.set(part("mirror"), 4 + axis)
+            w.x("mousemove", 5, 5)
+            self.seen(w)
+            self.assertNotEqual(self.picture(w, *w.pixel(self.CENTRE), half=20), middle, "the plane is not drawn")
+            plain = self.picture(w, *there)
+            w.x("mousemove", *self.place(w, self.at(20, 30)))
+            w.wait(lambda: sum(a != b for a, b in zip(self.picture(w, *there), plain)) > 100,
+                   "the other side is not shown", 20)
+            self.assertNotEqual(here, there)
+
+    def test_last_step_takes_numbers_and_a_share(self):
+        with self.window() as w:
+            w.set(part("group_last_step"), True)
+            slider = w.widget(part("last_share"))
+            self.assertFalse(slider["enabled"])
+            before = w.dump().triples()
+            self.x_pull(w, self.place(w, self.CENTRE), (0, -40))
+            whole = self.last_step(w)["handles"][0]["translation"]
+            full = w.dump().triples()[self.CENTRE]
+            # The slider's knob, pulled from the right end to the left with the mouse: shown on the way, then applied.
+            left, top, width, height = w.widget(part("last_share"))["rectangle"]
+            knob = left + width - 6, top + height // 2
+            w.x("mousemove", *knob, "mousedown", 1)
+            for share in (0.9, 0.7, 0.5):
+                w.x("mousemove", round(left + width * share), knob[1], "sleep", 0.1)
+            w.wait(lambda: math.dist(w.dump().triples()[self.CENTRE], full) > 0.01, "nothing is shown", 20)
+            w.x("mouseup", 1)
+            w.wait(lambda: self.steps_of(w)[-1]["handles"][0]["translation"] != whole, "nothing was applied", 20)
+            share = w.widget(part("last_share"))["value"]
+            self.assertTrue(30 < share < 70, share)
+            now = self.last_step(w)["handles"][0]["translation"]
+            for a, b in zip(now, whole):
+                self.assertAlmostEqual(a, b * share / 100, places=9)
+            self.assertEqual(len(self.steps_of(w)), 1)
+            self.assert_replay_is_the_same(w, self.mesh)
+            w.set(part("last_y"), 0.1)
+            w.set(part("last_share"), 100)
+            self.assertAlmostEqual(self.last_step(w)["handles"][0]["translation"][1], 0.1, places=6)
+            self.assert_replay_is_the_same(w, self.mesh)
+            w.x_focus()
+            w.x("key", "ctrl+z")
+            self.seen(w)
+            self.assertEqual(w.dump().triples(), before)
+
     def test_groups_and_both_sides(self):
         with self.window() as w:
             self.x_click(w, self.at(20, 14))

@@ -8,6 +8,7 @@ import collections
 import json
 import pathlib
 import re
+import shutil
 import socket
 import struct
 import subprocess
@@ -425,5 +426,8 @@ class GuiTest(HostTest):
     """A test case that can open MeshLab's window, and run meshlabserver."""
     screen = "1280x900"
 
-    def open(self, *files):
+    def open(self, *files, keeps=False):
+        """@param keeps  whether the tool has the settings of the window before"""
+        if not keeps:
+            shutil.rmtree(type(self).folder / "laplacian-edit", ignore_errors=True)
         return Window(type(self).environment, type(self).folder, files)

@@ -48,6 +48,40 @@ class Values(ToolTest):
             w.set(part("preset"), "General")
             self.assertEqual(before, {n: w.widget(part(n)) for n in before})
 
+    def test_settings_and_own_presets_are_remembered(self):
+        with self.start(self.mesh, disc=33, gizmo=True) as w:
+            w.set(part("membrane"), 123)
+            w.set(part("detail_rotation"), 0)
+            w.set(part("radius"), 0.2)
+            w.x_focus()
+            w.press_button(part("save_preset"), wait=False)
+            w.wait_dialog()
+            w.x("sleep", 0.3, "type", "My noses")
+            w.answer()
+            self.assertEqual(w.widget(part("preset"))["currentText"], "My noses")
+            w.set(part("handle_share"), 12)
+            self.assertEqual(w.widget(part("preset"))["currentText"], "Custom")
+            values = {n: w.widget(part(n)) for n in ("handle_share", "membrane", "detail_rotation", "gizmo", "padding")}
+        with self.open(self.mesh, keeps=True) as w:
+            w.trigger(TOOL)
+            for name, before in values.items():
+                now = w.widget(part(name))
+                for key in ("value", "currentIndex", "checked"):
+                    self.assertEqual(now.get(key), before.get(key), name)
+            self.assertNotEqual(w.widget(part("radius"))["value"], 0.2)  # a length belongs to its mesh
+            w.set(part("preset"), "My noses")
+            self.assertEqual(w.widget(part("handle_share"))["value"], 33)
+            self.assertEqual(w.widget(part("save_preset"))["text"], "Delete preset")
+            w.press_button(part("save_preset"))
+            self.assertEqual(w.widget(part("preset"))["currentText"], "Custom")
+            w.press_button(part("defaults"))
+            self.assertEqual(w.widget(part("preset"))["currentText"], "General")
+            self.assertFalse(w.widget(part("gizmo"))["checked"])
+        with self.open(self.mesh, keeps=True) as w:
+            w.trigger(TOOL)
+            self.assertEqual(w.widget(part("preset"))["currentText"], "General")
+            self.assertNotIn("My noses", str(w.widget(part("preset"))))
+
     def test_what_belongs_to_the_session_is_kept_by_it(self):
         with self.start(self.mesh) as w:
             choices = {"mode": 1, "brush_target": 2, "gizmo_axes": 1, "pivot": 1, "mirror": 4}

@@ -52,5 +52,16 @@ TEST(FindSymmetry, FindsNothingWhereThereIsNone) {
   EXPECT_EQ(plane->normal[2], 0) << "a flat mesh is no image of itself across its own plane";
 }
 
+TEST(Asymmetry, IsTheMeanDistanceOfTheSides) {
+  TriangleMesh ball = shapes::icosphere(4);
+  EXPECT_LT(asymmetry(ball, {}), 1e-9);
+  EXPECT_LT(asymmetry(ball, {Vector3::Zero(), Vector3(0, 0, 5)}), 1e-9);
+  const double shifted = asymmetry(ball, {Vector3(0.02, 0, 0), Vector3::UnitX()});
+  EXPECT_GT(shifted, 0.002);
+  EXPECT_LT(shifted, 0.04 / std::sqrt(12.0));
+  EXPECT_LT(shifted, asymmetry(ball, {Vector3(0.06, 0, 0), Vector3::UnitX()}));
+  EXPECT_EQ(asymmetry(TriangleMesh{Points(0, 3), Faces(0, 3)}, {}), 0);
+}
+
 }  // namespace
 }  // namespace lapedit

@@ -602,6 +602,44 @@ TEST(DragMirror, PlaneIsFoundFromTheMesh) {
   EXPECT_NE(other.session.message().find("nowhere nearly its own mirror image"), std::string::npos);
 }
 
+TEST(DragMirror, OtherSideIsShownUnderTheCursor) {
+  Window window(shapes::grid(61, 61));
+  as_found(window);
+  change(window, [](DragSettings& s) { s.radius = 6; });
+  const int right = support::vertex_at(window.session.original(), Vector3(40, 30, 0));
+  const auto look = [&] {
+    for (int tries = 0; tries < 1000 && !window.session.hover(); ++tries) {
+      window.session.hover(window.at(right), {});
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  };
+  look();
+  ASSERT_TRUE(window.session.hover());
+  EXPECT_FALSE(window.session.hover()->mirrored_point);
+  window.session.set_mirror(MirrorPlane{Vector3(30, 0, 0), Vector3::UnitX()});
+  EXPECT_EQ(window.session.message().find("mirror image"), std::string::npos) << window.session.message();
+  window.session.hover(window.at(right), {});
+  const HoverPreview& seen = *window.session.hover();
+  ASSERT_TRUE(seen.mirrored_point);
+  EXPECT_EQ(*seen.mirrored_point, Vector3(20, 30, 0));
+  ASSERT_GT(seen.mirrored_region.rows(), 0);
+  const Vector3 middle = seen.mirrored_region.colwise().mean().transpose();
+  EXPECT_LT((middle - Vector3(20, 30, 0)).norm(), 0.5);
+  EXPECT_NEAR((seen.mirrored_region.rowwise() - middle.transpose()).rowwise().norm().maxCoeff(), 6, 0.5);
+  EXPECT_GT(seen.mirrored_disc.rows(), 0);
+}
+
+TEST(DragMirror, AsymmetricMeshIsSaid) {
+  TriangleMesh lopsided = shapes::icosphere(4);
+  lopsided.vertices.col(0) = lopsided.vertices.col(0).cwiseMax(2 * lopsided.vertices.col(0)).eval();
+  Window window(lopsided);
+  window.session.set_mirror(MirrorPlane());
+  EXPECT_TRUE(window.session.mirror());
+  EXPECT_NE(window.session.message().find("not its own mirror image"), std::string::npos) << window.session.message();
+  window.session.set_mirror(MirrorPlane{Vector3::Zero(), Vector3::UnitY()});
+  EXPECT_EQ(window.session.message().find("mirror image"), std::string::npos) << window.session.message();
+}
+
 TEST(DragMirror, MeshWithoutAnotherSideIsRefusedInASentence) {
   Window window(shapes::grid(60, 60));
   MirrorPlane plane;

@@ -730,5 +730,134 @@ TEST(DragSteps, AdviceIsGivenWhereAStepFolded) {
   EXPECT_EQ(window.log.back().substr(window.log.back().size() - advice.size() - 2), "; " + advice);
 }
 
+// --- The last step stays open ---------------------------------------------------------------------------------------
+
+TEST(DragLastStep, TakesNumbersAndAShareOfTheWay) {
+  Window window(plate());
+  window.click(kMiddle);
+  EXPECT_FALSE(window.session.last_step());
+  window.session.set_last_step(HandleTransform(), 1);
+  EXPECT_NE(window.session.message().find("no last step"), std::string::npos);
+  window.keys("tz4\r");
+  ASSERT_TRUE(window.session.last_step());
+  EXPECT_EQ(window.session.last_step()->motion.translation, Vector3(0, 0, 4));
+  const double rest = window.session.original().vertices(kMiddle, 2);
+  HandleTransform motion = window.session.last_step()->motion;
+  window.session.set_last_step(motion, 0.25);
+  window.session.wait();
+  EXPECT_EQ(window.session.recorded().steps.size(), 1U);
+  EXPECT_EQ(window.session.recorded().steps[0].handles[0].transform.translation, Vector3(0, 0, 1));
+  EXPECT_NEAR(window.host()(kMiddle, 2) - rest, 1, 0.02);
+  EXPECT_EQ(window.session.last_step()->motion.translation, Vector3(0, 0, 4)) << "all of the way is not forgotten";
+  window.expect_consistent();
+  motion.translation = Vector3(1, 0, 2);
+  window.session.set_last_step(motion, 1);
+  window.session.wait();
+  EXPECT_EQ(window.session.recorded().steps[0].handles[0].transform.translation, Vector3(1, 0, 2));
+  window.expect_consistent();
+  // A share stays one when settings change, and comes back with undo and redo.
+  window.session.set_last_step(motion, 0.5);
+  window.session.wait();
+  change(window, [](DragSettings& s) { s.edit.membrane = 100; });
+  EXPECT_EQ(window.session.last_step()->share, 0.5);
+  window.expect_consistent();
+  window.session.undo();
+  EXPECT_TRUE(same_bits(window.host(), window.session.original().vertices));
+  window.session.redo();
+  window.session.wait();
+  EXPECT_EQ(window.session.last_step()->share, 0.5);
+  // None of the way is none, to the bit; and it can be gone again.
+  window.session.set_last_step(motion, 0);
+  window.session.wait();
+  EXPECT_TRUE(same_bits(window.host(), window.session.original().vertices));
+  window.session.set_last_step(motion, 1);
+  window.session.wait();
+  EXPECT_NEAR(window.host()(kMiddle, 2) - rest, 2, 0.02);
+  window.expect_consistent();
+  window.click(at(32, 30));
+  EXPECT_FALSE(window.session.last_step());
+}
+
+TEST(DragLastStep, IsShownWhileItChangesAndAppliedAtTheEnd) {
+  Window window(plate());
+  window.click(kMiddle);
+  window.keys("tz4\r");
+  const double rest = window.session.original().vertices(kMiddle, 2);
+  const Points before = window.host();
+  const HandleTransform motion = window.session.last_step()->motion;
+  for (const double share : {0.9, 0.7, 0.5}) {
+    window.session.set_last_step(motion, share, true);
+    window.session.wait();
+    EXPECT_NEAR(window.host()(kMiddle, 2) - rest, 4 * share, 0.05);
+    EXPECT_FALSE(window.settled());
+    EXPECT_EQ(window.session.recorded().steps[0].handles[0].transform.translation, Vector3(0, 0, 4));
+  }
+  window.session.cancel();
+  window.session.wait();
+  EXPECT_TRUE(same_bits(window.host(), before));
+  window.expect_consistent();
+  window.session.set_last_step(motion, 0.5, true);
+  window.session.set_last_step(motion, 0.5);
+  window.session.wait();
+  EXPECT_TRUE(window.settled());
+  EXPECT_EQ(window.session.recorded().steps[0].handles[0].transform.translation, Vector3(0, 0, 2));
+  window.expect_consistent();
+}
+
+TEST(DragLastStep, OfABentCurveAndOfSeveralHandlesAndOnBothSides) {
+  Window bent(plate());
+  draw_mouth(bent);
+  bent.drag(at(35, 30), Vector2(0, -30));
+  ASSERT_TRUE(bent.session.last_step());
+  EXPECT_TRUE(bent.session.last_step()->bent);
+  const double whole = bent.host()(at(35, 30), 1) - bent.session.original().vertices(at(35, 30), 1);
+  bent.session.set_last_step(HandleTransform(), 0.5);
+  bent.session.wait();
+  EXPECT_NEAR(bent.host()(at(35, 30), 1) - bent.session.original().vertices(at(35, 30), 1), whole / 2, 0.02 * whole);
+  bent.expect_consistent();
+
+  Window several(plate());
+  take_three(several);
+  several.click(at(26, 30), kTake);
+  several.keys("rz90\r");
+  several.session.set_last_step(several.session.last_step()->motion, 0.5);
+  several.session.wait();
+  EXPECT_EQ(several.session.recorded().steps[0].handles[0].transform.degrees, 45);
+  EXPECT_EQ(several.session.recorded().steps[0].handles[1].transform.degrees, 0);
+  several.expect_consistent();
+
+  Window both(shapes::grid(61, 61));
+  both.session.set_mirror(MirrorPlane{Vector3(30, 0, 0), Vector3::UnitX()});
+  const int right = support::vertex_at(both.session.original(), Vector3(38, 30, 0)),
+            left = support::vertex_at(both.session.original(), Vector3(22, 30, 0));
+  both.click(right);
+  both.keys("tz4\r");
+  both.session.set_last_step(both.session.last_step()->motion, 0.5);
+  both.session.wait();
+  EXPECT_NEAR(both.host()(right, 2), 2, 0.02);
+  EXPECT_NEAR(both.host()(left, 2), 2, 0.02);
+  both.expect_consistent();
+}
+
+TEST(DragLastStep, RefusesWhatItCannotDo) {
+  Window window(plate());
+  window.click(kMiddle);
+  window.keys("tz4\r");
+  const Points before = window.host();
+  HandleTransform motion = window.session.last_step()->motion;
+  EXPECT_TRUE(window.session.last_step()->single);
+  motion.degrees = 10;
+  window.session.set_last_step(motion, 1);
+  EXPECT_NE(window.session.message().find("Turning needs a handle of several vertices"), std::string::npos);
+  motion = HandleTransform();
+  motion.scale = 0;
+  window.session.set_last_step(motion, 1);
+  EXPECT_NE(window.session.message().find("greater than 0"), std::string::npos);
+  window.session.set_last_step(HandleTransform(), 1.5);
+  EXPECT_NE(window.session.message().find("from 0 to 1"), std::string::npos);
+  window.session.wait();
+  EXPECT_TRUE(same_bits(window.host(), before));
+}
+
 }  // namespace
 }  // namespace lapedit

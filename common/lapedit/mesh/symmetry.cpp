@@ -32,6 +32,9 @@ class SymmetrySearch {
   }
 
   std::optional<MirrorPlane> find() const;
+  double share(const MirrorPlane& plane) const {
+    return sample_.empty() || !(diagonal() > 0) ? 0 : error(plane) / diagonal();
+  }
 
  private:
   struct Candidate {
@@ -123,7 +126,7 @@ MirrorPlane SymmetrySearch::refined(const MirrorPlane& plane) const {
 }
 
 std::optional<MirrorPlane> SymmetrySearch::find() const {
-  constexpr double kMost = 0.01, kEqual = 1e-6;  // of the diagonal
+  constexpr double kEqual = 1e-6;  // of the diagonal
   constexpr std::size_t kRefined = 4;
   constexpr int kSteps = 20;
   if (sample_.empty() || !(diagonal() > 0)) {
@@ -150,7 +153,7 @@ std::optional<MirrorPlane> SymmetrySearch::find() const {
       best = now;
     }
   }
-  return best.error <= kMost * diagonal() ? std::optional<MirrorPlane>(best.plane) : std::nullopt;
+  return best.error <= kSymmetric * diagonal() ? std::optional<MirrorPlane>(best.plane) : std::nullopt;
 }
 
 }  // namespace
@@ -169,6 +172,10 @@ Affine reflection(const MirrorPlane& plane) {
   mirror.linear() = Matrix3::Identity() - 2 * n * n.transpose();
   mirror.translation() = 2 * n.dot(plane.point) * n;
   return mirror;
+}
+
+double asymmetry(const TriangleMesh& mesh, const MirrorPlane& plane) {
+  return SymmetrySearch(mesh).share(plane);
 }
 
 std::optional<MirrorPlane> find_symmetry(const TriangleMesh& mesh) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/session/drag_session.h"
 
+#include <cmath>
 #include <utility>
 
 #include "lapedit/base/error.h"
@@ -177,6 +178,10 @@ void DragSession::set_mirror(const std::optional<MirrorPlane>& plane) {
   if (settle_down()) {
     model_.tools.mirror = plane;
     solver_.handles_changed();
+    const double off = plane ? asymmetry(mesh(), *plane) : 0;
+    if (off > kSymmetric && model_.refusal.empty()) {
+      model_.refusal = messages::asymmetric(off);
+    }
   }
 }
 
@@ -185,6 +190,26 @@ void DragSession::find_mirror() {
     set_mirror(found);
   } else {
     model_.refusal = messages::kNotSymmetric;
+  }
+}
+
+void DragSession::set_last_step(const HandleTransform& motion, double share, bool passing) {
+  model_.refusal.clear();
+  const std::optional<LastStep> last = last_step();
+  if (!last) {
+    model_.refusal = messages::kNoLastStep;
+  } else if (!(motion.scale > 0) || !std::isfinite(motion.scale)) {
+    model_.refusal = messages::out_of_range("factor of the last step", motion.scale, "a finite number greater than 0");
+  } else if (!(share >= 0 && share <= 1)) {
+    model_.refusal = messages::out_of_range("share of the last step", share, "a number from 0 to 1");
+  } else if (!motion.translation.allFinite() || !std::isfinite(motion.degrees)) {
+    model_.refusal = messages::out_of_range("displacement of the last step", motion.translation.norm() + motion.degrees,
+                                            "finite numbers");
+  } else if (last->single && (motion.degrees != 0 || motion.scale != 1)) {
+    model_.refusal = messages::single_vertex(motion.degrees != 0 ? MotionKind::Rotate : MotionKind::Scale,
+                                             model_.active_group().front());
+  } else {
+    solver_.amend_way(motion, share, passing);
   }
 }
 

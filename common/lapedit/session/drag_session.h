@@ -127,6 +127,13 @@ class DragSession {
   void set_mirror(const std::optional<MirrorPlane>& plane);
   void find_mirror();  ///< uses the plane of find_symmetry()
 
+  /// The step applied last, until something else is picked.
+  std::optional<LastStep> last_step() const { return solver_.last_step(); }
+  /// Solves the step again with this motion of what was moved, or with a share of it, 0 to 1; of a curve that was bent
+  /// the share counts alone. What is out of range is refused by message().
+  /// @param passing  it is going to be changed again: only shown
+  void set_last_step(const HandleTransform& motion, double share, bool passing = false);
+
   // Mouse ------------------------------------------------------------------------------------------------------------
   // A press and a release without a move between them are a click: the caller decides how far a move has to be.
 

@@ -7,6 +7,36 @@
 
 namespace lapedit {
 
+std::vector<HandleGroup> part_of_way(const StepWay& way, const TriangleMesh& rest) {
+  std::vector<HandleGroup> handles = way.whole;
+  const double share = way.share;
+  for (HandleGroup& handle : handles) {
+    if (share == 1) {
+      break;
+    }
+    HandleTransform& transform = handle.transform;
+    transform.translation = share * transform.translation + Vector3::Zero();  // without negative zeros
+    transform.degrees = share * transform.degrees + 0.0;
+    transform.scale = 1 + share * (transform.scale - 1);
+    for (std::size_t k = 0; k < handle.targets.size(); ++k) {
+      const Vector3 place = rest.vertices.row(handle.vertices[k]).transpose();
+      handle.targets[k] = share == 0 ? place : Vector3(place + share * (handle.targets[k] - place));
+    }
+  }
+  return handles;
+}
+
+StepWay way_of(const EditStep& step) {
+  StepWay way{step.handles, {}, 1};
+  for (std::size_t g = 0; g < step.handles.size(); ++g) {
+    const HandleGroup& handle = step.handles[g];
+    if (!handle.targets.empty() || !resolve(handle.transform, Vector3::Zero()).map.matrix().isIdentity(0)) {
+      way.moved.push_back(static_cast<int>(g));
+    }
+  }
+  return way;
+}
+
 History::History(TriangleMesh original)
     : original_(std::make_shared<const TriangleMesh>(std::move(original))), mesh_(original_) {}
 
@@ -40,7 +70,8 @@ const AppliedStep& History::apply(EditStep step, std::vector<int> vertices, Poin
   undone_.clear();
   Points before = gather(mesh_->vertices, vertices);
   put(vertices, after);
-  steps_.push_back({std::move(step), std::move(vertices), std::move(before), std::move(after), {}, {}});
+  StepWay way = way_of(step);
+  steps_.push_back({std::move(step), std::move(vertices), std::move(before), std::move(after), {}, {}, std::move(way)});
   return steps_.back();
 }
 

@@ -29,6 +29,13 @@ struct PickedDiscs {
   }
 };
 
+/// How the handles of a step go all of the way, where the step takes a share of it.
+struct StepWay {
+  std::vector<HandleGroup> whole;
+  std::vector<int> moved;  ///< those that the user moved, ascending
+  double share = 1;
+};
+
 /// A step with its changes.
 struct AppliedStep {
   EditStep step;
@@ -36,7 +43,13 @@ struct AppliedStep {
   Points before, after;       ///< one row per entry of vertices
   RegionSpec next;            ///< the region for what follows in it
   PickedDiscs discs;          ///< of its handles
+  StepWay way;
 };
+
+/// The handles at a share from 0 to 1 of their way. @param rest  the mesh before the step
+std::vector<HandleGroup> part_of_way(const StepWay& way, const TriangleMesh& rest);
+/// The way of a step that is applied as it is.
+StepWay way_of(const EditStep& step);
 
 /// A mesh and the steps that made it what it is. Undo puts back what was there, so it is exact to the bit.
 ///
@@ -66,6 +79,8 @@ class History {
   void set_next_region(RegionSpec next) { steps_.back().next = std::move(next); }
   /// Sets AppliedStep::discs of the last step.
   void set_discs(PickedDiscs discs) { steps_.back().discs = std::move(discs); }
+  /// Sets AppliedStep::way of the last step.
+  void set_way(StepWay way) { steps_.back().way = std::move(way); }
   /// Takes the last step back. There has to be one. @return the step
   const AppliedStep& undo();
   /// Applies the step again that was taken back last. There has to be one. @return the step

@@ -9,11 +9,18 @@
 #include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
+namespace {
+
+constexpr double kOfSize = 0.02;  // of the mesh
+
+}  // namespace
 
 HoverSearch::HoverSearch(const TriangleMesh& mesh, const Adjacency& adjacency)
     : mesh_(mesh),
       adjacency_(adjacency),
       faces_(mesh),
+      grid_(mesh.vertices, usable_vertices(mesh)),
+      near_(kOfSize * bounding_box(mesh.vertices, usable_vertices(mesh)).diagonal().norm()),
       search_(adjacency.neighbours, mesh.vertices),
       paths_(adjacency.neighbours, mesh.vertices) {}
 
@@ -76,6 +83,25 @@ void HoverSearch::outline(int vertex, HoverPreview& preview) {
   if (preview.disc_radius > 0 && preview.disc_radius <= seen) {
     trace(reached, preview.disc_radius, preview.disc);
   }
+}
+
+void HoverSearch::mirrored_outline(const std::optional<MirrorPlane>& plane, int vertex, HoverPreview& preview) {
+  preview.mirrored_region.resize(0, 3);
+  preview.mirrored_disc.resize(0, 3);
+  preview.mirrored_point.reset();
+  const Vector3 place = plane ? Vector3(reflection(*plane) * mesh_.vertices.row(vertex).transpose()) : Vector3::Zero();
+  const int image = plane && place.allFinite() ? grid_.nearest(place, near_) : -1;
+  if (image < 0) {
+    return;
+  }
+  HoverPreview other;
+  other.kind = preview.kind;
+  other.radius = preview.radius;
+  other.disc_radius = preview.disc_radius;
+  outline(image, other);
+  preview.mirrored_region = std::move(other.region);
+  preview.mirrored_disc = std::move(other.disc);
+  preview.mirrored_point = mesh_.vertices.row(image).transpose();
 }
 
 void HoverSearch::path(int from, int to, Points& places) {

@@ -11,6 +11,8 @@
 
 #include "lapedit/mesh/geodesic.h"
 #include "lapedit/mesh/ray_cast.h"
+#include "lapedit/mesh/symmetry.h"
+#include "lapedit/mesh/vertex_grid.h"
 #include "lapedit/mesh/visibility.h"
 
 namespace lapedit {
@@ -29,6 +31,8 @@ struct HoverPreview {
   Vector3 point = Vector3::Zero(), normal = Vector3::Zero();  ///< under the cursor; the normal has length 1 or 0
   double radius = 0, disc_radius = 0;                         ///< model units; a disc of 0 is one vertex
   Points region, disc;                                        ///< outlines; no rows for what is not taken
+  Points mirrored_region, mirrored_disc;                      ///< the same on the other side of a plane
+  std::optional<Vector3> mirrored_point;                      ///< the middle of the disc there
   Points path;                                                ///< the next piece of a curve, from vertex to vertex
   std::optional<Vector3> curve_point;                         ///< of the group, a curve: the point that a drag moves
   bool is_whole = true;                                       ///< whether the search for the outlines came to its end
@@ -46,6 +50,9 @@ class HoverSearch {
   /// Outlines of what is within the radii of a vertex, along the surface. No more than kMostVertices are looked at.
   void outline(int vertex, HoverPreview& preview);
 
+  /// Outlines of what the plane's other side takes, about the image of a vertex; none without one.
+  void mirrored_outline(const std::optional<MirrorPlane>& plane, int vertex, HoverPreview& preview);
+
   /// Places of the shortest path, as a click would take it; none if it leads farther than kMostVertices. @param from
   /// -1: none
   void path(int from, int to, Points& places);
@@ -58,6 +65,8 @@ class HoverSearch {
   const TriangleMesh& mesh_;
   const Adjacency& adjacency_;
   Visibility faces_;
+  VertexGrid grid_;
+  double near_;  // an image is no farther from its vertex
   GeodesicSearch search_;
   ShortestPaths paths_;
   int paths_from_ = -1;

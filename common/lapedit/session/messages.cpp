@@ -24,6 +24,14 @@ std::string dragging(const DragMotion& motion, bool by_button, bool full_frames)
 
 // Refusals -----------------------------------------------------------------------------------------------------------
 
+std::string asymmetric(double share) {
+  return format_text(
+      "The mesh is not its own mirror image: its sides differ by %.1f %% of its size or more in the mean. Each side "
+      "moves "
+      "where a vertex is near the mirrored place.",
+      100 * share);
+}
+
 std::string out_of_range(const char* what, double value, const char* wanted) {
   return format_text("The %s is %g: give %s.", what, value, wanted);
 }

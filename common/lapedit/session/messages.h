@@ -62,6 +62,9 @@ constexpr const char* kNoPivot = "There is no handle yet whose pivot could be pl
 constexpr const char* kNoHandle = "There is no handle yet: the first click makes one.";
 constexpr const char* kNothingToUndo = "There is nothing to undo: nothing has been done yet.";
 constexpr const char* kNothingToRedo = "There is nothing to redo: nothing has been undone.";
+constexpr const char* kNoLastStep =
+    "There is no last step to change: drag a handle first, and change it before something else is picked.";
+std::string asymmetric(double share);
 std::string out_of_range(const char* what, double value, const char* wanted);
 std::string no_such_vertices(int vertices_of_mesh);
 std::string outside_region(int vertex);

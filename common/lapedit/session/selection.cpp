@@ -541,14 +541,11 @@ Selection selection_of(const AppliedStep& step, bool applied, const Selection& b
   after.mode = before.mode;
   after.taken = before.taken;
   after.held = before.held;
-  std::vector<int> moved;
   for (const HandleGroup& handle : step.step.handles) {
-    if (!handle.targets.empty() || !resolve(handle.transform, Vector3::Zero()).map.matrix().isIdentity(0)) {
-      moved.push_back(static_cast<int>(after.groups.size()));
-    }
     after.groups.push_back(handle.vertices);
     after.weights.push_back(handle.weights);
   }
+  const std::vector<int> moved = step.way.moved.empty() ? way_of(step.step).moved : step.way.moved;
   after.active = moved.empty() ? 0 : moved.back();
   after.along = without(moved, {after.active});
   after.discs = step.discs;

@@ -236,9 +236,11 @@ void SessionMouse::look(const Cursor& cursor, PressModifiers modifiers) {
       model_.selection.mode == HandleMode::Vertex ? model_.settings.handle_share * model_.settings.radius : 0;
   if (preview.kind == Kind::Region || preview.kind == Kind::Handle) {
     search->outline(hit->vertex, preview);
+    search->mirrored_outline(model_.tools.mirror, hit->vertex, preview);
   } else {
     preview.region.resize(0, 3);
     preview.disc.resize(0, 3);
+    search->mirrored_outline({}, hit->vertex, preview);
   }
 }
 

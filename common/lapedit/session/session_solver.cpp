@@ -202,6 +202,10 @@ void SessionSolver::drop() {
   heard_.advice.clear();
   const Loading* const loading = in<Loading>();
   const bool elsewhere = loading || in<Amending>();  // what the worker has prepared is not the selection
+  if (const Amending* const amending = in<Amending>(); amending && amending->region) {
+    const std::vector<int>& vertices = amending->region->mesh_vertex;
+    model_.show(vertices, gather(model_.mesh().vertices, vertices), true);
+  }
   rest(loading ? loading->amendable : amendable());
   if (std::shared_ptr<const Region> awaited = model_.shown.take_awaited()) {
     model_.back_to_mesh(true);
@@ -215,13 +219,34 @@ void SessionSolver::drop() {
 
 // --- Steps -----------------------------------------------------------------------------------------------------------
 
-void SessionSolver::amend(const DragSettings& before) {
-  if (!in<Amending>()) {
-    phase_ = Amending{model_.history.steps().back().step, model_.history.before_last(), before};
+std::optional<LastStep> SessionSolver::last_step() const {
+  const Amending* const amending = in<Amending>();
+  if (!amendable() || !model_.history.can_undo()) {
+    return std::nullopt;
   }
-  Amending& amending = *in<Amending>();
+  const StepWay& way = amending ? amending->way : model_.history.steps().back().way;
+  if (way.moved.empty()) {
+    return std::nullopt;
+  }
+  const HandleGroup& handle = way.whole[static_cast<std::size_t>(way.moved.back())];
+  if (handle.transform.matrix) {
+    return std::nullopt;
+  }
+  const bool single = way.moved.size() == 1 && handle.vertices.size() == 1 && !handle.transform.center;
+  return LastStep{handle.transform, way.share, !handle.targets.empty(), single};
+}
+
+void SessionSolver::begin_amending(const DragSettings& before) {
+  if (!in<Amending>()) {
+    const AppliedStep& last = model_.history.steps().back();
+    phase_ = Amending{last.step, model_.history.before_last(), last.way, before};
+  }
+}
+
+void SessionSolver::amend(const DragSettings& before) {
+  begin_amending(before);
   const DragSettings& settings = model_.settings;
-  EditStep& step = amending.step;
+  EditStep& step = in<Amending>()->step;
   step.settings = settings.edit;
   if (step.region.padding != settings.padding) {
     step.region.anchors = KeptAnchors();
@@ -232,11 +257,58 @@ void SessionSolver::amend(const DragSettings& before) {
     step.region.radius =
         std::max(settings.radius - model_.selection.discs.reach, (1 - kLargestHandleShare) * settings.radius);
   }
-  const EditStep written = mirrored(*amending.base, step);
-  heard_ = DragFigures();
-  ask_to_prepare({amending.base, model_.adjacency, written.region, groups_of(written), step.settings, model_.scalar,
-                  weights_of(written), step.mirror});
-  amending.serial = worker_.solve(motions_of(*amending.base, written), true);
+  ask_amended(true);
+}
+
+void SessionSolver::amend_way(const HandleTransform& motion, double share, bool open) {
+  const bool prepares = !in<Amending>();
+  begin_amending(model_.settings);
+  Amending& amending = *in<Amending>();
+  amending.open = open;
+  amending.way.share = share;
+  HandleTransform whole = motion;
+  const std::vector<int>& moved = amending.way.moved;
+  if (moved.size() > 1 && !whole.center && (whole.degrees != 0 || whole.scale != 1)) {
+    std::vector<int> vertices;
+    for (const int g : moved) {
+      vertices = united(vertices, amending.way.whole[static_cast<std::size_t>(g)].vertices);
+    }
+    whole.center = centroid(amending.base->vertices, vertices);
+  }
+  for (const int g : moved) {
+    HandleGroup& handle = amending.way.whole[static_cast<std::size_t>(g)];
+    if (handle.targets.empty()) {
+      handle.transform = whole;
+    }
+  }
+  amending.step.handles = part_of_way(amending.way, *amending.base);
+  ask_amended(prepares);
+}
+
+void SessionSolver::ask_amended(bool prepares) {
+  Amending& amending = *in<Amending>();
+  const EditStep written = mirrored(*amending.base, amending.step);
+  if (prepares) {
+    heard_ = DragFigures();
+    amending.region = nullptr;
+    amending.first_serial = std::numeric_limits<int>::max();
+    ask_to_prepare({amending.base, model_.adjacency, written.region, groups_of(written), amending.step.settings,
+                    model_.scalar, weights_of(written), amending.step.mirror});
+  }
+  amending.serial = worker_.solve(motions_of(*amending.base, written), !amending.open);
+  amending.first_serial = std::min(amending.first_serial, amending.serial);
+}
+
+/// A passing pose of the step, while it goes on being changed.
+void SessionSolver::show_amended(const Amending& amending) {
+  const std::vector<int>& vertices = amending.region->mesh_vertex;
+  ShownRegion& shown = model_.shown;
+  if (shown.region() && shown.region()->mesh_vertex == vertices) {
+    shown.pose(solved_.positions);
+    model_.show(vertices, shown.pose(), false);
+  } else {
+    model_.show(vertices, solved_.positions, false);
+  }
 }
 
 void SessionSolver::load(Edit edit) {
@@ -267,9 +339,11 @@ void SessionSolver::commit_drag() {
   for (std::size_t g = 0; g < selection.groups.size(); ++g) {
     step.handles.push_back({selection.groups[g], drag.given[g], selection.weights[g], drag.targets[g]});
   }
+  StepWay way{step.handles, united(selection.along, {selection.active}), 1};
   const AppliedStep& applied = history.apply(std::move(step), model_.shown.region()->mesh_vertex, model_.shown.pose());
   history.set_discs(selection.discs);
   model_.timeline.add({Action::Kind::Step, drag.motion.text(), selection}, model_.settings);
+  history.set_way(std::move(way));
   model_.show_mesh(applied.vertices, applied.after);
   model_.log(messages::step_applied(history.steps().size(), drag.motion, model_.active_group(),
                                     model_.shown.region()->size(), heard_.prepare_ms.value_or(0),
@@ -281,12 +355,14 @@ void SessionSolver::commit_drag() {
 void SessionSolver::commit_amended() {
   Amending& amending = std::get<Amending>(phase_);
   History& history = model_.history;
-  const std::shared_ptr<const Region> region = model_.shown.take_awaited();
+  const std::shared_ptr<const Region> region = amending.region;
+  model_.shown.await(nullptr);
   model_.show(history.steps().back().vertices, history.steps().back().before, false);
   Action action{Action::Kind::Settings, messages::kOtherSettings, {}, amending.before, history.steps().back()};
   model_.timeline.add(std::move(action), model_.settings);
   const AppliedStep& applied = history.amend(amending.step, region->mesh_vertex, solved_.positions);
   history.set_discs(model_.selection.discs);
+  history.set_way(std::move(amending.way));
   model_.show_mesh(applied.vertices, applied.after);
   model_.log(messages::step_amended(history.steps().size(), region->size(), heard_.prepare_ms.value_or(0),
                                     heard_.solve_ms.value_or(0)));
@@ -337,10 +413,15 @@ void SessionSolver::on_error(const std::string& sentence) {
 /// @return whether the pose completes a step
 bool SessionSolver::take_pose() {
   if (const Amending* const amending = in<Amending>()) {
-    if (solved_.serial != amending->serial) {
+    if (solved_.serial < amending->first_serial || !amending->region ||
+        solved_.positions.rows() != amending->region->size()) {
       return false;
     }
     heard_.solve_ms = solved_.solve_ms;
+    if (amending->open || solved_.serial != amending->serial) {
+      show_amended(*amending);
+      return false;
+    }
     commit_amended();
     return true;
   }
@@ -382,6 +463,9 @@ SessionSolver::News SessionSolver::poll() {
   bool step_done = false;
   if (news.region) {
     find_unconnected(*news.region);
+    if (Amending* const amending = in<Amending>()) {
+      amending->region = news.region;
+    }
     if (model_.shown.away() || in<Amending>() || in<Loading>()) {
       model_.shown.await(news.region);
     } else {

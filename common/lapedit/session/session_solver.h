@@ -44,8 +44,11 @@ struct Dragging {
 struct Amending {
   EditStep step;
   std::shared_ptr<const TriangleMesh> base;  ///< the mesh before the step
-  DragSettings before;                       ///< of the step as it is now
-  int serial = 0;                            ///< of the solve
+  StepWay way;
+  DragSettings before;                                             ///< of the step as it is now
+  bool open = false;                                               ///< goes on being changed: only looked at meanwhile
+  std::shared_ptr<const Region> region = nullptr;                  ///< of the step, once it is known
+  int first_serial = std::numeric_limits<int>::max(), serial = 0;  ///< of the solves
 };
 
 /// The steps of a saved edit are being applied.
@@ -73,6 +76,14 @@ struct DragFigures {
   int steps = 0;                          ///< applied
 };
 
+/// The step applied last, while it may still be changed.
+struct LastStep {
+  HandleTransform motion;  ///< of what was moved, all of the way
+  double share = 1;
+  bool bent = false;    ///< a curve was: motion does not say how
+  bool single = false;  ///< one vertex was moved, which has no rotation and scale
+};
+
 /// Requests to the solver and their results: prepares regions, poses drags and makes them steps, solves the last step
 /// again, applies saved edits. One of these at a time is the phase.
 class SessionSolver {
@@ -95,6 +106,7 @@ class SessionSolver {
   bool amendable() const;  ///< settings apply to the last step
   Surface surface() const;
   DragFigures figures() const;
+  std::optional<LastStep> last_step() const;
   bool preparing() const { return preparation_ == Preparation::Running; }
   bool ready() const { return preparation_ == Preparation::Done; }
   bool in_hand() const { return in_hand_; }
@@ -125,6 +137,9 @@ class SessionSolver {
 
   /// Solves the last step again with the current settings. @param before  the settings of the step as it is
   void amend(const DragSettings& before);
+  /// Solves it again with another motion of what was moved, or a share of it; amendable() has to hold.
+  /// @param open  it is only shown, until it is asked again
+  void amend_way(const HandleTransform& motion, double share, bool open);
   void load(Edit edit);
   /// Returns to handle and region of a step. @param applied  whether its region becomes a set
   void take_over(const AppliedStep& step, bool applied);
@@ -141,6 +156,9 @@ class SessionSolver {
   void ask_to_prepare(PrepareTask task);
   void set_targets(phase::Dragging& drag) const;
   bool take_pose();
+  void begin_amending(const DragSettings& before);
+  void ask_amended(bool prepares);
+  void show_amended(const phase::Amending& amending);
   void commit_drag();
   void commit_amended();
   void commit_loaded(const std::vector<EditResult>& results);
