@@ -142,7 +142,7 @@ QString sentence_of_current_exception() {
   } catch (const std::exception& error) {
     return QString::fromUtf8(error.what());
   } catch (...) {
-    return "The filter failed for a reason that it does not tell.";
+    return "The filter failed for an unknown reason.";
   }
 }
 

@@ -77,7 +77,7 @@ int guarded(const Work& work) {
     }
     return fail(Unexpected, error.what());
   } catch (...) {
-    return fail(Unexpected, "The program failed for a reason that it does not tell.");
+    return fail(Unexpected, "The program failed for an unknown reason.");
   }
 }
 

@@ -19,12 +19,12 @@ constexpr int kMostJobs = 500;  // each takes some open files
 constexpr char kDescription[] =
     "\nEdits a mesh without MeshLab's window and without an X server: applies an edit\n"
     "(.json) or a filter script (.mlx) to IN and writes the result to OUT. Formats are\n"
-    "those of the installed MeshLab's plugins, by the suffix of the name; what the\n"
-    "mesh has and the format keeps by default is kept. OUT may be IN. It is replaced\n"
-    "only when all that is to be written is complete.";
+    "those of the installed MeshLab's plugins, by the suffix of the name; attributes\n"
+    "that the format keeps by default are kept. OUT may be IN. It is replaced only\n"
+    "when all outputs are complete.";
 
 constexpr char kExitCodes[] =
-    "\nExit codes, with one sentence on the standard error:\n"
+    "\nExit codes, with an error message on the standard error:\n"
     "  0  done\n"
     "  1  the edit or the script was refused\n"
     "  2  wrong usage\n"
@@ -32,8 +32,8 @@ constexpr char kExitCodes[] =
     "  4  the output, a report or the standard output could not be written\n"
     "  5  not enough memory, threads or time, killed, or an unexpected error\n"
     "  6  with --strict: there is advice on the result\n"
-    "Unless it is 0, no output was written or replaced; only a report may be missing\n"
-    "beside complete outputs, which is said. Of a list, the largest code of any job.\n";
+    "Unless it is 0, no output was written or replaced; the message says if only the\n"
+    "report is missing. A list has the largest code of its jobs.\n";
 
 [[noreturn]] void refuse(const std::string& sentence) {
   throw Failure(WrongUsage, sentence + " See --help.");
@@ -112,10 +112,10 @@ ListOptions listOptions(const QCommandLineParser& parser) {
     refuse("The option --jobs is for --list and --fractions.");
   }
   if (list.resume && list.log.isEmpty()) {
-    refuse("What is done already is in the job log: give --job-log with --resume.");
+    refuse("The option --resume reads the job log: give --job-log too.");
   }
   if (!list.file.isEmpty() && parser.isSet("report")) {
-    refuse("A report is of one job: with --list, give it in the line of the job, or take --job-log.");
+    refuse("The option --report is for one job: with --list, give the report in the job's line, or use --job-log.");
   }
   return list;
 }
@@ -156,25 +156,25 @@ std::optional<Options> readOptions(const QStringList& arguments, std::string& te
   parser.addPositionalArgument("EDIT", "The edit: JSON text (.json), or a filter script (.mlx).");
   const QCommandLineOption help({"h", "help"}, "Shows this text."), version({"v", "version"}, "Shows the versions."),
       quiet({"q", "quiet"}, "Writes no reports and no progress."),
-      one("fraction", "How far the handles of a JSON edit go, 0 to 1; 1 unless given.", "F"),
+      one("fraction", "How far the handles of a JSON edit go, 0 to 1, by default 1.", "F"),
       several("fractions",
               "Several poses of a JSON edit, as in 0.25,0.5,1: the factorisation is made once, and the files are "
               "numbered in the order of the list, as in OUT-0001.ply.",
               "F,F,..."),
       report("report", "Writes the figures of all steps to a file, as JSON.", "FILE"),
-      quality("quality", "Counts also the pairs of triangles that came to intersect, for report and log."),
+      quality("quality", "Also counts pairs of triangles that came to intersect, for report and log."),
       strict("strict", "Ends with code 6, and writes nothing, where the report has advice on the result."),
-      also("also", "Keeps also what the format leaves out by default: normals, selection, or both with a comma.",
+      also("also", "Also keeps attributes that the format omits by default: normals, selection, or both with a comma.",
            "LIST"),
       plugins("plugins", "Takes MeshLab's plugins from another folder.", "DIR"),
-      list("list", "Does many jobs, of which each line of a file says IN, OUT and EDIT, with tabs between.", "FILE"),
+      list("list", "Runs many jobs; each line of a file gives IN, OUT and EDIT, separated by tabs.", "FILE"),
       jobs("jobs",
-           "How many jobs of a list run at once; as many as there are processors unless given. Without a list: how "
-           "many processes write the files of --fractions, 1 unless given.",
+           "Number of concurrent jobs of a list, by default the number of processors. Without a list: number of "
+           "processes that write the files of --fractions, by default 1.",
            "N"),
-      log("job-log", "Adds a line to a file, as JSON, whenever a job of a list has ended.", "FILE"),
-      resume("resume", "Leaves out the jobs that are done already, by the job log."),
-      limit("timeout", "Ends with code 5, and leaves everything as it was, if it takes longer.", "SECONDS");
+      log("job-log", "Adds a line of JSON to a file for each finished job of a list.", "FILE"),
+      resume("resume", "Skips jobs that the job log lists as done."),
+      limit("timeout", "Time limit: ends with code 5 and writes nothing.", "SECONDS");
   for (const QCommandLineOption* option : {&one, &several, &report, &quality, &strict, &also, &plugins, &limit, &list,
                                            &jobs, &log, &resume, &quiet, &help, &version}) {
     parser.addOption(*option);
@@ -197,7 +197,7 @@ std::optional<Options> readOptions(const QStringList& arguments, std::string& te
   }
   const QStringList files = parser.positionalArguments();
   if (parser.isSet(list) && !files.isEmpty()) {
-    refuse("There are file names beside --list: give either.");
+    refuse("File names and --list are given together: give only one of them.");
   }
   if (files.size() != 3 && !parser.isSet(list)) {
     refuse("There are " + std::to_string(files.size()) + " file names: give the mesh, the output and the edit.");

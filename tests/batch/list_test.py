@@ -291,7 +291,7 @@ class Lists(ListTest):
         refused(r"job log .*s\.mlx.*: there is something else in it", options=("--job-log", "s.mlx"))
         refused(r"job log .*cannot be written", options=("--job-log", "none/log"), code=UNWRITABLE)
         for sentence, arguments in (
-                (r"file names beside --list", ("--list", "jobs.tsv", mesh, output, edit)),
+                (r"File names and --list are given together", ("--list", "jobs.tsv", mesh, output, edit)),
                 (r"--job-log and --resume are for --list", (mesh, output, edit, "--resume")),
                 (r"--jobs is for --list and --fractions", (mesh, output, edit, "--jobs", 2)),
                 (r'number of jobs is "0"', ("--list", "jobs.tsv", "--jobs", 0)),

@@ -67,7 +67,7 @@ OutputFiles::OutputFiles(const std::string& what, const QStringList& places) : w
       refuse(place, "its folder does not exist");
     }
     if (!folder.isWritable()) {
-      refuse(place, "its folder does not let itself be written to");
+      refuse(place, "its folder is not writable");
     }
     if (!folder_.isEmpty() && folder_ != folder.canonicalFilePath()) {
       refuse(place, "it is a link to another folder than the output before it");

@@ -44,7 +44,7 @@ JobEnd endOf(int status, const std::string& text) {
   if (WIFEXITED(status)) {
     end.code = WEXITSTATUS(status);
     if (end.code != Done && end.sentence.empty()) {
-      end.sentence = "It ended with code " + std::to_string(end.code) + " without a word.";
+      end.sentence = "It ended with code " + std::to_string(end.code) + " without an error message.";
     }
     return end;
   }

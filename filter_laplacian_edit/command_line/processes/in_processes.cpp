@@ -77,7 +77,8 @@ void stop(const std::vector<pid_t>& processes) {
   }
   char sentence[2001] = {};
   const bool told = ::read(sentences, sentence, sizeof sentence - 1) > 0;
-  throw Failure(static_cast<ExitCode>(code), told ? sentence : "A process that wrote files ended without a word.");
+  throw Failure(static_cast<ExitCode>(code),
+                told ? sentence : "A process that wrote files ended without an error message.");
 }
 
 }  // namespace

@@ -236,9 +236,10 @@ class Supervisor {
       return say(Unexpected, reason() + nothing + "allow more with --timeout.");
     }
     if (verdict_ == Watchdog::Verdict::Stalled) {
-      return say(notes_.code_, reason() + nothing +
-                                   "look whether the file is what its name says, try another format, or allow more "
-                                   "(LAPEDIT_STALL_SECONDS).");
+      return say(notes_.code_,
+                 reason() + nothing +
+                     "check that the file has the format of its suffix, try another format, or allow more "
+                     "(LAPEDIT_STALL_SECONDS).");
     }
     if (isOutOfProcessorTime(signal)) {
       return say(Unexpected, reason() + nothing + "allow more (ulimit -t).");
