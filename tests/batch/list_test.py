@@ -295,8 +295,8 @@ class Lists(ListTest):
                 (r"--job-log and --resume are for --list", (mesh, output, edit, "--resume")),
                 (r"--jobs is for --list and --fractions", (mesh, output, edit, "--jobs", 2)),
                 (r'number of jobs is "0"', ("--list", "jobs.tsv", "--jobs", 0)),
-                (r"give --job-log with --resume", ("--list", "jobs.tsv", "--resume")),
-                (r"report is of one job", ("--list", "jobs.tsv", "--report", "r.json"))):
+                (r"The option --resume reads the job log: give --job-log too", ("--list", "jobs.tsv", "--resume")),
+                (r"--report is for one job", ("--list", "jobs.tsv", "--report", "r.json"))):
             code, _, errors = self.run_command(*arguments)
             self.assertEqual(code, WRONG_USAGE)
             self.assertRegex(errors, sentence)

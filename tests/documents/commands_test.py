@@ -40,6 +40,7 @@ ELSEWHERE = [
     (r"ctest --test-dir build", None, RUN, 'ctest --test-dir "$1"'),
     (r"tests/fuzz/run .*", None, RUN, "if tests/fuzz/run --quick;"),
     (r"tests/scripts/coverage\.sh build-coverage", None, RUN, "if tests/scripts/coverage.sh build-coverage;"),
+    (r"tests/scripts/faults\.sh", None, RUN, "if tests/scripts/faults.sh;"),
     (r"tests/scripts/reproducible\.sh", None, RUN, "if tests/scripts/reproducible.sh;"),
     (r"tests/scripts/upstream_patch\.sh", "documents.release", "tests/documents/release_test.py", "upstream_patch.sh"),
     (r"common/scripts/source_tarball\.sh", "documents.tarball", "tests/documents/tarball_test.py", "source_tarball.sh"),
