@@ -894,7 +894,7 @@ void LaplacianDragTool::command(const QString& part) {
       {"reset", [&] { session.reset(); }},
       {"save",
        [&] {
-         const std::string line = saveEdit(window_.mainWindow(), session.recorded(), editFileFor(*layer));
+         const std::string line = saveEdit(window_.mainWindow(), session.saved(), editFileFor(*layer));
          if (!line.empty()) {
            say(line);
          }

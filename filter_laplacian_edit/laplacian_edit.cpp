@@ -4,7 +4,7 @@
 
 #include "filters.h"
 #include "lapedit/base/error.h"
-#include "lapedit/mesh/vertex_set.h"
+#include "lapedit/mesh/vertex_finder.h"
 
 using namespace lapedit;
 using namespace lapedit::host;

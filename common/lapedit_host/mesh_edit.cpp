@@ -5,6 +5,7 @@
 #include <utility>
 #include <variant>
 
+#include "lapedit/edit/places.h"
 #include "lapedit_host/pose_writer.h"
 #include "lapedit_host/self_intersections.h"
 
@@ -31,8 +32,12 @@ EditedMesh edit_mesh(const CMeshO& host, const MakeEdit& make, const std::vector
   const TriangleMesh& mesh = edited.bridged.mesh;
   validate(mesh);
   const Edit edit = make(edited.bridged);
+  require_same_mesh(mesh, edit);
   edited.adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
-  edited.poses = apply_edit(mesh, edited.adjacency, edit, fractions, kStoredScalar, progress);
+  const SelectedVertices selection = {selected_vertices(host, edited.bridged),
+                                      vertices_of_selected_faces(host, edited.bridged)};
+  edited.poses = apply_edit(mesh, edited.adjacency, located(mesh, edited.adjacency, edit, selection), fractions,
+                            kStoredScalar, progress);
   for (EditResult& pose : edited.poses) {
     count_self_intersections(mesh, pose, most_vertices);
   }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lapedit/mesh/geodesic.h"
+#include "lapedit/mesh/vertex_finder.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "quality_edits.h"
 

@@ -106,18 +106,42 @@ TEST(EditScriptRefusal, WrongTypesAreRefusedWithWhatWasExpected) {
   expect_contains(refusal(with_handle("")), "expected a list of one or more handle groups, found a list of length 0.");
   expect_contains(refusal(with_handle("7")), "steps[0].handles[0]: expected an object, found the number 7.");
 
-  const std::string exactly_one = "steps[0].region: needs exactly one of the keys radius, vertices and component.";
+  const std::string exactly_one =
+      "steps[0].region: needs exactly one of the keys radius, vertices, component, within "
+      "and selected.";
   for (const char* region : {"{}", "{'padding': 0.1}", "{'radius': 1, 'vertices': '1'}",
                              "{'radius': 1, 'component': true}", "{'vertices': '1', 'component': true}"}) {
     EXPECT_EQ(refusal(with_region(region)), exactly_one);
   }
+  expect_contains(refusal(with_region("{'within': {'point': [0, 0, 0], 'radius': 1}, 'anchors': {}}")),
+                  "anchors: kept anchors go with the key vertices only.");
+  expect_contains(refusal(with_mesh("{'places': {'vertices': '3,1', 'points': [[0, 0, 0], [1, 0, 0]]}}")),
+                  "mesh.places.vertices: vertex 1 comes after 3; put them in ascending order, each once.");
+  expect_contains(refusal(with_mesh("{'places': {'vertices': '1,3', 'points': [[0, 0, 0]]}}")),
+                  "mesh.places.points: holds 1 places of 2 vertices; give one for each");
   expect_contains(refusal(with_region("{'component': false}")), "region.component: expected true, found false.");
   expect_contains(refusal(with_region("{'component': 1}")), "region.component: expected true, found the number 1.");
   expect_contains(refusal(with_region("{'radius': '20 %'}")), "radius: expected a number, found the text \"20 %\".");
   expect_contains(refusal(with_region("{'radius': 1, 'padding': []}")), "region.padding: expected a number, found a");
 
   const std::pair<const char*, const char*> handles[] = {
-      {"{}", "vertices: expected a text, but the key is missing."},
+      {"{}", "needs exactly one of the keys vertices, point, points, within, selected and landmarks."},
+      {"{'vertices': '1', 'point': [0, 0, 0]}", "needs exactly one of the keys vertices, point, points,"},
+      {"{'point': [0, 0]}", "point: expected a list of 3 numbers, found a list of"},
+      {"{'points': []}", "points: expected a list of one or more points, found a list of length 0."},
+      {"{'points': [[0, 0, 'x']]}", "points[0][2]: expected a number, found the text \"x\"."},
+      {"{'within': {'point': [0, 0, 0]}}", "within.radius: expected a number, but the key is missing."},
+      {"{'within': {'radius': 1}}", "within.point: expected a list of 3 numbers, but the key is missing"},
+      {"{'selected': 1}", "selected: expected true, found the number 1."},
+      {"{'selected': true, 'weights': [1]}", "weights: goes with vertices, point, points or landmarks only."},
+      {"{'points': [[0, 0, 0]], 'weights': [1, 1]}", "weights: holds 2 numbers for 1 points; give one for each"},
+      {"{'points': [[0, 0, 0], [1, 0, 0]], 'targets': [[0, 0, 1]]}", "targets: 1 targets are given for 2 points;"},
+      {"{'points': [[0, 0, 0], [1, 0, 0]], 'target': [0, 0, 1]}", "target: 1 targets are given for 2 points;"},
+      {"{'point': [0, 0, 0], 'target': [0, 0, 1], 'targets': [[0, 0, 1]]}", "has both target and targets"},
+      {"{'point': [0, 0, 0], 'target': [0, 0, 1], 'translation': [0, 0, 1]}", "has both target and translation"},
+      {"{'selected': true, 'target': [0, 0, 1]}", "target: goes with point, points or vertices only"},
+      {"{'landmarks': {'from': 'no.pp', 'to': 'no.pp'}}", "handles[0].landmarks: \"no.pp\" is not the path of a file."},
+      {"{'landmarks': {'from': 'no.pp'}}", "landmarks.to: expected a text, but the key is missing."},
       {"{'vertices': 1}", "vertices: expected a text, found the number 1."},
       {"{'vertices': [1]}", "vertices: expected a text, found a list of length 1."},
       {"{'vertices': '1', 'translation': 1}", "translation: expected a list of 3 numbers, found the number 1."},
@@ -290,7 +314,7 @@ TEST(EditScriptRefusal, HugeFilesAreNotRead) {
     load_edit(path);
     FAIL() << "was read";
   } catch (const EditError& error) {
-    expect_contains(error.what(), "68719476736 bytes; the limit for an edit is 67108864");
+    expect_contains(error.what(), "68719476736 bytes; the limit is 67108864");
   }
   EXPECT_LT(largest_allocation, 1000000U);
   std::filesystem::remove(path);

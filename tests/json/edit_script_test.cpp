@@ -272,6 +272,36 @@ TEST(EditScript, TargetsAreReadAndWrittenInPlaceOfATransform) {
   EXPECT_EQ(text.substr(second).find("\"targets\""), std::string::npos) << text;
 }
 
+TEST(EditScript, PlacesAreReadAndWrittenInPlaceOfVertices) {
+  const Edit edit = read_edit(R"({"laplacian_edit": 1,
+      "mesh": {"places": {"vertices": "3,7-8", "points": [[0, 0, 1], [0.5, 0, 1e-7], [1, 2, 3]]}},
+      "steps": [{"region": {"within": {"point": [1, 2, 3], "radius": 0.5}}, "handles": [
+        {"point": [1, 2, 3], "target": [4, 5, 6]},
+        {"points": [[1, 2, 3], [0.1, 0, 0]], "weights": [1, 0.5], "translation": [0, 0, 1]},
+        {"within": {"point": [0, 0, 1], "radius": 2}}]},
+      {"region": {"selected": true}, "handles": [{"selected": true, "scale": 2}]}]})");
+  EXPECT_TRUE(edit.by_place());
+  EXPECT_EQ(edit.places.vertices, (std::vector<int>{3, 7, 8}));
+  EXPECT_EQ(edit.places.points[1], Vector3(0.5, 0, 1e-7));
+  const EditStep& step = edit.steps[0];
+  EXPECT_EQ(step.region.kind, RegionSpec::Kind::Vertices);
+  EXPECT_EQ(step.region_places.within->point, Vector3(1, 2, 3));
+  EXPECT_EQ(step.region_places.within->radius, 0.5);
+  EXPECT_EQ(step.handles[0].places.points, (std::vector<Vector3>{{1, 2, 3}}));
+  EXPECT_EQ(step.handles[0].targets, (std::vector<Vector3>{{4, 5, 6}}));
+  EXPECT_EQ(step.handles[1].places.points[1], Vector3(0.1, 0, 0));
+  EXPECT_EQ(step.handles[1].weights, (std::vector<double>{1, 0.5}));
+  EXPECT_EQ(step.handles[2].places.within->radius, 2);
+  EXPECT_TRUE(edit.steps[1].region_places.selected);
+  EXPECT_TRUE(edit.steps[1].handles[0].places.selected);
+  const std::string text = write_edit(edit);
+  EXPECT_EQ(write_edit(read_edit(text)), text);
+  for (const char* key : {"\"places\"", "\"within\"", "\"selected\": true", "\"targets\"", "\"points\""}) {
+    EXPECT_NE(text.find(key), std::string::npos) << key;
+  }
+  EXPECT_TRUE(read_edit(text).by_place());
+}
+
 TEST(EditScript, WritingRefusesWhatCouldNotBeRead) {
   const Edit good = read_edit(kExample);
   const auto cause = [&](const auto& spoil) {
@@ -337,6 +367,19 @@ TEST_F(EditFile, TextAndPathGiveTheSameEdit) {
   EXPECT_TRUE(same(load_edit(write("edit.json", kExample)), expected));
   EXPECT_TRUE(same(load_edit(" " + write("\xC3\xA4 b.json", kExample) + "\n"), expected));
   EXPECT_TRUE(same(load_edit(write("bom.json", std::string("\xEF\xBB\xBF") + kExample)), expected));
+}
+
+/// Their names are relative to the edit's file.
+TEST_F(EditFile, LandmarkFilesAreBesideTheEdit) {
+  write("from.csv", "name,x,y,z\nnose,0,0,1\nchin,0,-1,0.5\n");
+  write("to.csv", "chin,0,-2,0.5\nnose,0,0,2\n");
+  const std::string path = write("edit.json", R"({"laplacian_edit": 1, "steps": [{"region": {"component": true},
+      "handles": [{"landmarks": {"from": "from.csv", "to": "to.csv"}, "weights": [1, 0.5]}]}]})");
+  const HandleGroup group = load_edit(path).steps[0].handles[0];
+  EXPECT_EQ(group.names, (std::vector<std::string>{"nose", "chin"}));
+  EXPECT_EQ(group.places.points, (std::vector<Vector3>{{0, 0, 1}, {0, -1, 0.5}}));
+  EXPECT_EQ(group.targets, (std::vector<Vector3>{{0, 0, 2}, {0, -2, 0.5}}));
+  EXPECT_EQ(group.weights, (std::vector<double>{1, 0.5}));
 }
 
 TEST_F(EditFile, UnusablePathsAreRefusedByName) {

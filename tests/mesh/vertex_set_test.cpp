@@ -150,21 +150,5 @@ TEST(ShortestPath, IsEmptyBetweenPieces) {
   EXPECT_TRUE(shortest_path(mesh, support::adjacency_of(mesh), 0, static_cast<int>(mesh.vertices.rows()) - 1).empty());
 }
 
-TEST(NearestVertex, IsTheNearestThatHasAFace) {
-  const TriangleMesh mesh = shapes::degenerate_grid(12, 9);  // five isolated vertices at z = 10
-  EXPECT_EQ(nearest_vertex(mesh, Vector3(3.2, 4.1, 0.3)), 9 * 3 + 4);
-  EXPECT_LT(nearest_vertex(mesh, Vector3(0, 0, 1.0)), 108);
-}
-
-TEST(NearestVertex, PointFarAwayOrNotANumberIsRefused) {
-  TriangleMesh mesh = shapes::grid(11, 11);
-  const double tenth = 0.1 * std::sqrt(200.0);
-  EXPECT_EQ(nearest_vertex(mesh, Vector3(5, 5, 0.99 * tenth)), 60);
-  support::expect_refusal(ErrorCause::BadParameter, [&] { nearest_vertex(mesh, Vector3(5, 5, 1.01 * tenth)); });
-  support::expect_refusal(ErrorCause::NotFinite, [&] { nearest_vertex(mesh, Vector3(5, std::nan(""), 0)); });
-  mesh.vertices(60, 0) = std::nan("");
-  EXPECT_NE(nearest_vertex(mesh, Vector3(5, 5, 0)), 60);
-}
-
 }  // namespace
 }  // namespace lapedit

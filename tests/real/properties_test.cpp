@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "edit_properties.h"
+#include "lapedit/mesh/vertex_finder.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "mesh/plain_region.h"
 #include "mesh_loader.h"

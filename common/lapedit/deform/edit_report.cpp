@@ -2,6 +2,7 @@
 #include "lapedit/deform/edit_report.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "lapedit/base/format_text.h"
@@ -32,6 +33,22 @@ std::string quality_line(const EditReport& report) {
   return line;
 }
 
+std::string landmark_line(const std::vector<LandmarkResidual>& landmarks) {
+  if (landmarks.empty()) {
+    return {};
+  }
+  double squares = 0;
+  const LandmarkResidual* worst = &landmarks.front();
+  for (const LandmarkResidual& one : landmarks) {
+    squares += one.residual * one.residual;
+    worst = one.residual > worst->residual ? &one : worst;
+  }
+  return format_text("\nLandmarks: %d, distance to their targets: RMS %.3g, largest %.3g at \"",
+                     static_cast<int>(landmarks.size()), std::sqrt(squares / static_cast<double>(landmarks.size())),
+                     worst->residual) +
+         worst->name + "\" (vertex " + std::to_string(worst->vertex) + ")";
+}
+
 /// On folds, intersections and stretch.
 std::string advice_on_shape(const EditReport& report) {
   constexpr double kStretched = 5;
@@ -55,7 +72,10 @@ std::string advice_on_shape(const EditReport& report) {
   if (report.handle_displacement > report.causes.reach) {
     ways.push_back("take a larger region");
   }
-  if (report.causes.lone_handle) {
+  if (report.has_targets) {
+    ways.push_back("check the targets near it");
+    ways.push_back("lower the weights of landmarks that contradict each other");
+  } else if (report.causes.lone_handle) {
     ways.push_back("take a group of vertices as the handle");
   }
   if (report.order > 1) {
@@ -87,7 +107,8 @@ std::string EditReport::advice() const {
         (causes.step > kBehind * handle_displacement
              ? format_text(", where the mesh keeps coordinates in steps of %.3g: move the mesh to the origin.",
                            causes.step)
-             : ": raise handle_weight, or take a larger region."));
+         : has_targets ? ": raise handle_weight, or check that target."
+                       : ": raise handle_weight, or take a larger region."));
   }
   const bool local_global = rotation == name(DetailRotation::LocalGlobal);
   // In 26 edits of 8 meshes local-global rotations had 0.3 to 3.8 degrees left after 6 passes, 3.5 to 47 after 2.
@@ -146,6 +167,7 @@ std::string EditReport::text() const {
   if (handle_point_distance) {
     lines += format_text("; its vertex is %.3g from the handle point", *handle_point_distance);
   }
+  lines += landmark_line(landmarks);
   lines += format_text(
       "\nDetail rotation: mean %.3g, largest %.3g degrees; edge stretch: RMS %.3g %%, largest %.3g %%; triangles "
       "flipped: %d",

@@ -58,6 +58,13 @@ struct Figure {
   std::variant<std::monostate, bool, int, double, std::string> value;
 };
 
+/// How well a landmark is met.
+struct LandmarkResidual {
+  std::string name;
+  int vertex = -1;      ///< of the mesh
+  double residual = 0;  ///< distance to its target, model units
+};
+
 /// What an edit did, in numbers. Lengths in model units, angles in degrees.
 struct EditReport : RegionCounts, EditTimes, EditQuality {
   std::string laplacian, rotation, turning, rough, backend;
@@ -73,6 +80,8 @@ struct EditReport : RegionCounts, EditTimes, EditQuality {
   /// All that was shared with it: "nothing", or of "operator" and "factor" or, where that is new, the matrix's
   /// "ordering" or its "analysis", with the ordering; as in "operator and factor".
   std::string taken_over = "nothing";
+  bool has_targets = false;                 ///< of single vertices
+  std::vector<LandmarkResidual> landmarks;  ///< of a whole edit with landmarks
 
   /// Several lines of plain text for a log, without a trailing newline.
   std::string text() const;

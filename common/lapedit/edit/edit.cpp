@@ -10,6 +10,7 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
+#include "lapedit/edit/places.h"
 #include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
@@ -39,6 +40,18 @@ EditStep with_sorted_groups(EditStep step) {
   return step;
 }
 
+/// Of the landmarks of a step.
+std::vector<LandmarkResidual> residuals(const EditStep& step, const Points& vertices) {
+  std::vector<LandmarkResidual> all;
+  for (const HandleGroup& group : step.handles) {
+    for (std::size_t k = 0; k < group.names.size(); ++k) {
+      const int vertex = group.vertices[k];
+      all.push_back({group.names[k], vertex, (vertices.row(vertex).transpose() - group.targets[k]).norm()});
+    }
+  }
+  return all;
+}
+
 /// One pose per fraction, on their way through the steps.
 class Poses {
  public:
@@ -54,7 +67,8 @@ class Poses {
   }
 
   /// @param each  called for every step and pose, in this order
-  void run(const Edit& edit, const Progress& progress, const Each& each) {
+  void run(const Edit& given, const Progress& progress, const Each& each) {
+    const Edit edit = located(mesh_, adjacency_, given);
     const std::size_t steps = edit.steps.size(), poses = fractions_.size();
     if (steps == 0) {
       throw EditError(ErrorCause::BadScript, "The edit has no steps: give at least one.");
@@ -95,6 +109,11 @@ class Poses {
     result.vertices = runner->region().mesh_vertex;
     result.reports.push_back(runner->report());
     scatter(result.vertices, result.positions, now_[p]);
+    result.reports.back().has_targets = std::any_of(step.handles.begin(), step.handles.end(),
+                                                    [](const HandleGroup& group) { return !group.targets.empty(); });
+    if (fractions_[p] == 1) {
+      result.reports.back().landmarks = residuals(step, now_[p]);
+    }
     each(p, std::move(result));
     report_progress(progress, 1, "done");
   }
@@ -119,26 +138,33 @@ class Poses {
   std::vector<Points> now_;  // vertices, per pose
 };
 
+std::string by_place_advice(const Edit& edit) {
+  return edit.places.points.empty() ? ""
+                                    : "; or, to apply it by place, remove vertices, faces and connectivity from the "
+                                      "edit's key mesh, and leave places";
+}
+
 }  // namespace
 
 void require_same_mesh(const TriangleMesh& mesh, const Edit& edit) {
   const auto vertices = mesh.vertices.rows();
   const auto faces = mesh.faces.rows();
   if ((edit.mesh_vertices && *edit.mesh_vertices != vertices) || (edit.mesh_faces && *edit.mesh_faces != faces)) {
-    throw EditError(ErrorCause::MeshMismatch,
-                    "The edit was made for a mesh of " +
-                        (edit.mesh_vertices ? std::to_string(*edit.mesh_vertices) : std::string("any number of")) +
-                        " vertices and " +
-                        (edit.mesh_faces ? std::to_string(*edit.mesh_faces) : std::string("any number of")) +
-                        " faces, but this one has " + std::to_string(vertices) + " vertices and " +
-                        std::to_string(faces) + " faces: open the mesh that the edit was made for.");
+    throw EditError(
+        ErrorCause::MeshMismatch,
+        "The edit was made for a mesh of " +
+            (edit.mesh_vertices ? std::to_string(*edit.mesh_vertices) : std::string("any number of")) +
+            " vertices and " + (edit.mesh_faces ? std::to_string(*edit.mesh_faces) : std::string("any number of")) +
+            " faces, but this one has " + std::to_string(vertices) + " vertices and " + std::to_string(faces) +
+            " faces: open the mesh that the edit was made for" + by_place_advice(edit) + ".");
   }
   if (!edit.connectivity.empty()) {
     const std::string checksum = connectivity_checksum(static_cast<std::size_t>(vertices), mesh.faces);
     if (checksum != edit.connectivity) {
       throw EditError(ErrorCause::MeshMismatch, "The edit was made for a mesh of connectivity " + edit.connectivity +
                                                     ", but this one, of the same size, has " + checksum +
-                                                    ": its vertices or faces are in another order.");
+                                                    ": its vertices or faces are in another order" +
+                                                    by_place_advice(edit) + ".");
     }
   }
 }

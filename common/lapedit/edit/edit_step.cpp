@@ -148,9 +148,13 @@ void sort_group(HandleGroup& group, std::size_t number) {
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return group.vertices[a] < group.vertices[b]; });
   std::vector<Vector3> targets;
+  std::vector<std::string> names;
   for (std::size_t k = 0; k < order.size(); ++k) {
     if (k == 0 || group.vertices[order[k]] != group.vertices[order[k - 1]]) {
       targets.push_back(group.targets[order[k]]);
+      if (order[k] < group.names.size()) {
+        names.push_back(group.names[order[k]]);
+      }
     } else if (group.targets[order[k]] != targets.back()) {
       throw EditError(ErrorCause::BadParameter, group_name(number) + " has vertex " +
                                                     std::to_string(group.vertices[order[k]]) +
@@ -159,6 +163,7 @@ void sort_group(HandleGroup& group, std::size_t number) {
   }
   sort_group(group.vertices, group.weights);
   group.targets = std::move(targets);
+  group.names = std::move(names);
 }
 
 }  // namespace lapedit

@@ -13,12 +13,28 @@
 
 namespace lapedit {
 
+/// Vertices given by their positions on the mesh before the first step; see located(). At most one kind is given.
+struct Places {
+  struct Disc {
+    Vector3 point = Vector3::Zero();
+    double radius = 0;  ///< along the surface, model units
+  };
+
+  std::vector<Vector3> points;  ///< the vertex nearest to each
+  std::optional<Disc> within;   ///< all vertices within the radius of the one nearest to the point
+  bool selected = false;        ///< those selected in MeshLab
+
+  bool empty() const { return points.empty() && !within && !selected; }
+};
+
 /// Vertices that move together, and their motion.
 struct HandleGroup {
   std::vector<int> vertices;  ///< mesh vertex numbers
   HandleTransform transform;
-  std::vector<double> weights = {};   ///< per vertex, kLeastShare to 1: factor of handle_weight; empty: 1
-  std::vector<Vector3> targets = {};  ///< per vertex, replaces the transform; empty: the transform applies
+  std::vector<double> weights = {};     ///< per vertex, kLeastShare to 1: factor of handle_weight; empty: 1
+  std::vector<Vector3> targets = {};    ///< per vertex, replaces the transform; empty: the transform applies
+  std::vector<std::string> names = {};  ///< of the landmarks that vertices and targets come from, or none
+  Places places = {};                   ///< replaces vertices until located() finds them
 };
 
 /// One step of an edit: region, handles with their motions, settings.
@@ -27,13 +43,23 @@ struct EditStep {
   std::vector<HandleGroup> handles;
   EditSettings settings;
   std::optional<MirrorPlane> mirror = {};  ///< handles and region are mirrored across it, see mirrored()
+  Places region_places = {};               ///< in place of region.vertices, until they are located
+};
+
+/// Where some vertices of a mesh are, so that an edit of it can be applied to another mesh of the same object.
+struct VertexPlaces {
+  std::vector<int> vertices;  ///< mesh vertex numbers, ascending
+  std::vector<Vector3> points;
 };
 
 /// A sequence of steps, with a description of its mesh.
 struct Edit {
   std::optional<int> mesh_vertices, mesh_faces;
   std::string connectivity;  ///< checksum, empty: not given
+  VertexPlaces places = {};  ///< of the vertices that the steps name; they count where nothing above is given
   std::vector<EditStep> steps;
+
+  bool by_place() const { return !places.points.empty() && !mesh_vertices && !mesh_faces && connectivity.empty(); }
 };
 
 /// Returns the centroid of some vertices. @throws EditError (BadIndex, NoHandle)

@@ -2,19 +2,17 @@
 #include "lapedit/json/edit_script.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <limits>
-#include <memory>
 #include <string>
 #include <system_error>
 #include <utility>
 
 #include "lapedit/base/error.h"
 #include "lapedit/json/json_object.h"
+#include "lapedit/json/landmarks.h"
 
 namespace lapedit {
 namespace {
@@ -106,20 +104,51 @@ class VertexLists {
   std::int64_t total_ = 0;
 };
 
-RegionSpec read_region(const JsonObject& object, VertexLists& lists) {
-  if (object.has("radius") + object.has("vertices") + object.has("component") != 1) {
-    refuse_json(object.where() + ": needs exactly one of the keys radius, vertices and component.");
+void require_true(const JsonObject& object, const char* key) {
+  if (object[key] != true) {
+    object.refuse_key(key, "true");
   }
+}
+
+Places::Disc read_disc(const JsonObject& object) {
+  const JsonObject disc(object["within"], object.where("within"), {"point", "radius"});
+  if (!disc.has("radius")) {
+    disc.refuse_key("radius", "a number");
+  }
+  return {disc.numbers<3>("point"), disc.number("radius", 0)};
+}
+
+/// Refuses an object that has not exactly one of some keys.
+void require_one_of(const JsonObject& object, const std::vector<const char*>& keys) {
+  std::string list;
+  int count = 0;
+  for (std::size_t k = 0; k < keys.size(); ++k) {
+    list += std::string(k == 0 ? "" : k + 1 < keys.size() ? ", " : " and ") + keys[k];
+    count += object.has(keys[k]) ? 1 : 0;
+  }
+  if (count != 1) {
+    refuse_json(object.where() + ": needs exactly one of the keys " + list + ".");
+  }
+}
+
+RegionSpec read_region(const JsonObject& object, VertexLists& lists, Places& places) {
+  require_one_of(object, {"radius", "vertices", "component", "within", "selected"});
   RegionSpec region;
   if (object.has("radius")) {
     region.radius = object.number("radius", region.radius);
   } else if (object.has("vertices")) {
     region.kind = RegionSpec::Kind::Vertices;
     region.vertices = lists.read(object, "vertices");
-  } else {
+  } else if (object.has("component")) {
     region.kind = RegionSpec::Kind::Component;
-    if (object["component"] != true) {
-      object.refuse_key("component", "true");
+    require_true(object, "component");
+  } else {
+    region.kind = RegionSpec::Kind::Vertices;
+    if (object.has("within")) {
+      places.within = read_disc(object);
+    } else {
+      require_true(object, "selected");
+      places.selected = true;
     }
   }
   region.padding = object.number("padding", region.padding);
@@ -128,7 +157,7 @@ RegionSpec read_region(const JsonObject& object, VertexLists& lists) {
     region.held = lists.read(object, "held");
   }
   if (object.has("anchors")) {
-    if (region.kind != RegionSpec::Kind::Vertices) {
+    if (!object.has("vertices")) {
       refuse_json(object.where("anchors") + ": kept anchors go with the key vertices only.");
     }
     const JsonObject anchors(object["anchors"], object.where("anchors"), {"vertices", "weights", "depths", "reach"});
@@ -177,19 +206,100 @@ HandleTransform read_transform(const JsonObject& object) {
   return transform;
 }
 
-HandleGroup read_handle(const JsonObject& object, VertexLists& lists) {
+/// Where the text comes from: vertex lists, and the folder that names of files in it are in.
+struct Source {
+  VertexLists& lists;
+  const std::string& folder;
+
+  std::string path(const std::string& name) const {
+    const std::filesystem::path path(name);
+    return path.is_absolute() || folder.empty() ? name : (std::filesystem::path(folder) / path).string();
+  }
+};
+
+HandleGroup read_landmark_keys(const JsonObject& object, const Source& source) {
+  const JsonObject files(object["landmarks"], object.where("landmarks"), {"from", "to"});
+  const std::string from = files.text("from"), to = files.text("to");
+  try {
+    return load_landmarks(source.path(from), source.path(to));
+  } catch (const EditError& refusal) {
+    throw EditError(refusal.cause(), files.where() + ": " + refusal.what());
+  }
+}
+
+/// Targets of points or of vertices.
+void read_targets(const JsonObject& object, HandleGroup& handle) {
+  const char* const key = object.has("target") ? "target" : "targets";
+  require_alone(object, key, {"translation", "rotation", "scale", "matrix"});
+  if (object.has("target")) {
+    require_alone(object, "target", {"targets"});
+    handle.targets = {object.numbers<3>("target")};
+  } else {
+    handle.targets = object.point_list("targets", "points");
+  }
+  if (handle.places.within || handle.places.selected) {
+    refuse_json(object.where(key) + ": goes with point, points or vertices only, since each target needs its vertex.");
+  }
+  const std::size_t points = handle.places.points.size();
+  if (points > 0 && points != handle.targets.size()) {
+    refuse_json(object.where(key) + ": " + std::to_string(handle.targets.size()) + " targets are given for " +
+                std::to_string(points) + " points; give one for each, in the same order.");
+  }
+  for (std::size_t k = 0; k < handle.places.points.size(); ++k) {
+    handle.names.push_back(object.where(object.has("point") ? "point" : "points") +
+                           (object.has("point") ? "" : "[" + std::to_string(k) + "]"));
+  }
+}
+
+HandleGroup read_handle(const JsonObject& object, const Source& source) {
+  require_one_of(object, {"vertices", "point", "points", "within", "selected", "landmarks"});
   HandleGroup handle;
-  handle.vertices = lists.read(object, "vertices");
+  if (object.has("landmarks")) {
+    require_alone(object, "landmarks", {"target", "targets", "translation", "rotation", "scale", "matrix"});
+    handle = read_landmark_keys(object, source);
+  } else if (object.has("vertices")) {
+    handle.vertices = source.lists.read(object, "vertices");
+  } else if (object.has("point")) {
+    handle.places.points = {object.numbers<3>("point")};
+  } else if (object.has("points")) {
+    handle.places.points = object.point_list("points", "points");
+  } else if (object.has("within")) {
+    handle.places.within = read_disc(object);
+  } else {
+    require_true(object, "selected");
+    handle.places.selected = true;
+  }
   if (object.has("weights")) {
     handle.weights = object.number_list("weights");
+    if (handle.places.within || handle.places.selected) {
+      refuse_json(object.where("weights") + ": goes with vertices, point, points or landmarks only.");
+    }
+    if (!handle.places.points.empty() && handle.weights.size() != handle.places.points.size()) {
+      refuse_json(object.where("weights") + ": holds " + std::to_string(handle.weights.size()) + " numbers for " +
+                  std::to_string(handle.places.points.size()) + " points; give one for each, in the same order.");
+    }
   }
-  if (object.has("targets")) {
-    require_alone(object, "targets", {"translation", "rotation", "scale", "matrix"});
-    handle.targets = object.point_list("targets", "points");
-  } else {
+  if (object.has("target") || object.has("targets")) {
+    read_targets(object, handle);
+  } else if (!object.has("landmarks")) {
     handle.transform = read_transform(object);
   }
   return handle;
+}
+
+VertexPlaces read_places(const JsonObject& object, VertexLists& lists) {
+  VertexPlaces places = {lists.read(object, "vertices"), object.point_list("points", "points")};
+  if (places.points.size() != places.vertices.size()) {
+    refuse_json(object.where("points") + ": holds " + std::to_string(places.points.size()) + " places of " +
+                std::to_string(places.vertices.size()) + " vertices; give one for each, in the same order.");
+  }
+  for (std::size_t k = 1; k < places.vertices.size(); ++k) {
+    if (places.vertices[k] <= places.vertices[k - 1]) {
+      refuse_json(object.where("vertices") + ": vertex " + std::to_string(places.vertices[k]) + " comes after " +
+                  std::to_string(places.vertices[k - 1]) + "; put them in ascending order, each once.");
+    }
+  }
+  return places;
 }
 
 void read_setting(const JsonObject& object, const Setting& setting, EditSettings& settings) {
@@ -204,7 +314,7 @@ void read_setting(const JsonObject& object, const Setting& setting, EditSettings
   }
 }
 
-EditStep read_step(const Json& value, const std::string& where, VertexLists& lists) {
+EditStep read_step(const Json& value, const std::string& where, const Source& source) {
   std::vector<const char*> keys = {"region", "handles", "mirror"};
   for (const Setting& setting : settings_table()) {
     keys.push_back(setting.key);
@@ -214,14 +324,16 @@ EditStep read_step(const Json& value, const std::string& where, VertexLists& lis
   if (!object.has("region")) {
     object.refuse_key("region", "an object");
   }
-  const JsonObject region(object["region"], object.where("region"),
-                          {"radius", "vertices", "component", "padding", "anchors", "held", "connect"});
-  step.region = read_region(region, lists);
+  const JsonObject region(
+      object["region"], object.where("region"),
+      {"radius", "vertices", "component", "within", "selected", "padding", "anchors", "held", "connect"});
+  step.region = read_region(region, source.lists, step.region_places);
   const Json& handles = object.filled_list("handles", "handle groups");
   for (std::size_t i = 0; i < handles.size(); ++i) {
     const JsonObject handle(handles[i], object.where("handles") + "[" + std::to_string(i) + "]",
-                            {"vertices", "weights", "targets", "translation", "rotation", "scale", "matrix"});
-    step.handles.push_back(read_handle(handle, lists));
+                            {"vertices", "point", "points", "within", "selected", "landmarks", "weights", "target",
+                             "targets", "translation", "rotation", "scale", "matrix"});
+    step.handles.push_back(read_handle(handle, source));
   }
   if (object.has("mirror")) {
     const JsonObject mirror(object["mirror"], object.where("mirror"), {"point", "normal"});
@@ -283,14 +395,32 @@ Json json_of(const KeptAnchors& anchors) {
           {"reach", json_of(anchors.reach)}};
 }
 
-Json json_of(const RegionSpec& region) {
+Json json_of(const Places::Disc& disc) {
+  return {{"point", json_of(disc.point)}, {"radius", json_of(disc.radius)}};
+}
+
+Json json_of(const std::vector<Vector3>& points) {
+  Json list = Json::array();
+  for (const Vector3& point : points) {
+    list.push_back(json_of(point));
+  }
+  return list;
+}
+
+Json json_of(const RegionSpec& region, const Places& places) {
   Json json = Json::object();
   switch (region.kind) {
     case RegionSpec::Kind::Component:
       json["component"] = true;
       break;
     case RegionSpec::Kind::Vertices:
-      json["vertices"] = json_of(region.vertices);
+      if (places.within) {
+        json["within"] = json_of(*places.within);
+      } else if (places.selected) {
+        json["selected"] = true;
+      } else {
+        json["vertices"] = json_of(region.vertices);
+      }
       break;
     case RegionSpec::Kind::Radius:
       json["radius"] = json_of(region.radius);
@@ -312,15 +442,21 @@ Json json_of(const RegionSpec& region) {
 
 Json json_of(const HandleGroup& handle) {
   const HandleTransform& t = handle.transform;
-  Json json = {{"vertices", json_of(handle.vertices)}};
+  Json json;
+  if (!handle.places.points.empty()) {
+    json["points"] = json_of(handle.places.points);
+  } else if (handle.places.within) {
+    json["within"] = json_of(*handle.places.within);
+  } else if (handle.places.selected) {
+    json["selected"] = true;
+  } else {
+    json["vertices"] = json_of(handle.vertices);
+  }
   if (!handle.weights.empty()) {
     json["weights"] = json_of(handle.weights);
   }
   if (!handle.targets.empty()) {
-    json["targets"] = Json::array();
-    for (const Vector3& target : handle.targets) {
-      json["targets"].push_back(json_of(target));
-    }
+    json["targets"] = json_of(handle.targets);
     return json;
   }
   if (t.matrix) {
@@ -347,7 +483,7 @@ Json json_of(const Setting& setting, double value) {
 }
 
 Json json_of(const EditStep& step) {
-  Json json = {{"region", json_of(step.region)}, {"handles", Json::array()}};
+  Json json = {{"region", json_of(step.region, step.region_places)}, {"handles", Json::array()}};
   for (const HandleGroup& handle : step.handles) {
     json["handles"].push_back(json_of(handle));
   }
@@ -371,6 +507,9 @@ Json json_of(const Edit& edit) {
   if (!edit.connectivity.empty()) {
     mesh["connectivity"] = edit.connectivity;
   }
+  if (!edit.places.vertices.empty()) {
+    mesh["places"] = {{"vertices", json_of(edit.places.vertices)}, {"points", json_of(edit.places.points)}};
+  }
   if (!mesh.is_null()) {
     json["mesh"] = std::move(mesh);
   }
@@ -389,7 +528,7 @@ std::string trimmed(const std::string& text) {
 
 }  // namespace
 
-Edit read_edit(const std::string& json) {
+Edit read_edit(const std::string& json, const std::string& folder) {
   const Json root = parse_json(json);
   const auto version = root.find("laplacian_edit");
   // First of all: another version may well have other keys.
@@ -400,7 +539,7 @@ Edit read_edit(const std::string& json) {
   const JsonObject object(root, "edit", {"laplacian_edit", "mesh", "steps"});
   Edit edit;
   if (object.has("mesh")) {
-    const JsonObject mesh(object["mesh"], "mesh", {"vertices", "faces", "connectivity"});
+    const JsonObject mesh(object["mesh"], "mesh", {"vertices", "faces", "connectivity", "places"});
     if (mesh.has("vertices")) {
       edit.mesh_vertices = mesh.integer("vertices", 0);
     }
@@ -416,9 +555,13 @@ Edit read_edit(const std::string& json) {
     }
   }
   VertexLists lists(edit.mesh_vertices);
+  const Source source = {lists, folder};
+  if (object.has("mesh") && object["mesh"].contains("places")) {
+    edit.places = read_places(JsonObject(object["mesh"]["places"], "mesh.places", {"vertices", "points"}), lists);
+  }
   const Json& steps = object.filled_list("steps", "steps");
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    edit.steps.push_back(read_step(steps[i], "steps[" + std::to_string(i) + "]", lists));
+    edit.steps.push_back(read_step(steps[i], "steps[" + std::to_string(i) + "]", source));
   }
   return edit;
 }
@@ -436,23 +579,9 @@ Edit load_edit(const std::string& text_or_path) {
   if (!fs::is_regular_file(text, error)) {
     refuse_json(quoted_text(text) + " is neither JSON text, which begins with {, nor the path of a file.");
   }
-  const std::uintmax_t size = fs::file_size(text, error);
-  if (!error && size > kLargestJson) {
-    refuse_json(quoted_text(text) + " is a file of " + std::to_string(size) + " bytes; the limit for an edit is " +
-                std::to_string(kLargestJson) + ".");
-  }
-  errno = 0;
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(text.c_str(), "rb"), std::fclose);
-  std::string json;
-  if (file) {
-    json.resize(static_cast<std::size_t>(size) + 1);  // one more, to see whether it has grown
-    json.resize(std::fread(json.data(), 1, json.size(), file.get()));
-  }
-  if (!file || std::ferror(file.get()) != 0) {
-    refuse_json(quoted_text(text) + " cannot be read: " + std::generic_category().message(errno) + ".");
-  }
+  const std::string json = read_text_file(text);
   try {
-    return read_edit(json);
+    return read_edit(json, fs::path(text).parent_path().string());
   } catch (const EditError& refusal) {
     throw EditError(refusal.cause(), quoted_text(text) + ": " + refusal.what());
   }

@@ -13,11 +13,14 @@
 ///     mesh             o the mesh it was made for; each key is optional, what is given is compared by apply_edit()
 ///       vertices, faces    counts
 ///       connectivity       checksum of 16 digits, see connectivity_checksum()
+///       places             vertices, ascending, and points, where these are: see Edit::by_place()
 ///     steps              list of one or more, each applied to the result of the one before
-///       region           one of the following three:
+///       region           one of the following five:
 ///         radius           geodesic radius about the handles, model units
 ///         vertices         "12-40,77": single numbers and ranges, both ends included, counted from 0
 ///         component        true: the whole connected components of the handles
+///         within           point and radius: the vertices within the radius along the surface of the one nearest
+///         selected         true: what is selected
 ///         anchors        o with vertices only: anchors kept from an earlier step in the same region
 ///           vertices         as above
 ///           weights, depths  lists, one number from 0 to 1 per vertex
@@ -26,9 +29,12 @@
 ///                          to whole components
 ///         connect        o pieces nearer to each other than this are one, model units; 0: off
 ///       handles          list of one or more groups
-///         vertices         as above
-///         weights        o list, one number from 0.000001 to 1 per vertex
-///         targets        o in place of the four below: list, one [x, y, z] per vertex, in the order of vertices
+///         vertices         as above; or one of the following five:
+///         point, points    [x, y, z], or a list of such: the vertex nearest to each
+///         within, selected   as above
+///         landmarks        from and to: files of points and of their targets, see load_landmarks()
+///         weights        o list, one number from 0.000001 to 1 per vertex or point
+///         target, targets  o in place of the four below: [x, y, z], or a list, one per vertex or point in their order
 ///         translation    o [x, y, z], model units
 ///         rotation       o
 ///           axis         o [x, y, z], any length but zero
@@ -58,9 +64,10 @@
 namespace lapedit {
 
 /// Reads UTF-8 text, with or without a byte order mark. Checks keys, types, finite numbers and vertex lists (which may
-/// not be longer than the mesh that the text names). apply_edit() checks the ranges of settings. @throws EditError
-/// (BadScript) whose message says where ("steps[1].handles[0]", or line and column)
-Edit read_edit(const std::string& json);
+/// not be longer than the mesh that the text names). apply_edit() checks the ranges of settings.
+/// @param folder  folder of relative names of landmark files; empty: the current folder
+/// @throws EditError (BadScript) whose message says where ("steps[1].handles[0]", or line and column)
+Edit read_edit(const std::string& json, const std::string& folder = {});
 
 /// Reads JSON text (UTF-8) if the argument begins with "{" (after white space), else the file of that path.
 /// @throws EditError (BadScript)

@@ -105,36 +105,4 @@ std::vector<int> shortest_path(const TriangleMesh& mesh, const Adjacency& adjace
   return paths.to(to);
 }
 
-int nearest_vertex(const TriangleMesh& mesh, const Vector3& point) {
-  if (!point.allFinite()) {
-    throw EditError(ErrorCause::NotFinite,
-                    "The handle point is not finite: give three finite coordinates on the surface.");
-  }
-  const std::vector<int> usable = usable_vertices(mesh);
-  int nearest = -1;
-  double best = kUnreached;
-  for (const int v : usable) {
-    const Vector3 place = mesh.vertices.row(v).transpose();
-    const double distance = (place - point).norm();
-    if (distance < best) {
-      best = distance;
-      nearest = v;
-    }
-  }
-  if (nearest < 0) {
-    throw EditError(ErrorCause::NotFinite,
-                    "No vertex of the mesh has three finite coordinates: repair the mesh first.");
-  }
-  constexpr double kFar = 0.1;
-  const double diagonal = bounding_box(mesh.vertices, usable).diagonal().norm();
-  if (best > kFar * diagonal) {
-    throw EditError(ErrorCause::BadParameter,
-                    "The handle point (" + number_text(point[0]) + ", " + number_text(point[1]) + ", " +
-                        number_text(point[2]) + ") is " + number_text(best) + " away from the nearest vertex, number " +
-                        std::to_string(nearest) + ", more than a tenth of the mesh's bounding-box diagonal (" +
-                        number_text(diagonal) + "): give a point on the surface.");
-  }
-  return nearest;
-}
-
 }  // namespace lapedit

@@ -47,9 +47,4 @@ std::vector<int> vertices_within(const TriangleMesh& mesh, const Adjacency& adja
 /// @throws EditError (BadIndex)
 std::vector<int> shortest_path(const TriangleMesh& mesh, const Adjacency& adjacency, int from, int to);
 
-/// Returns the vertex with at least one face that is nearest to a point.
-/// @throws EditError (NotFinite, BadParameter) if the point is not finite, or farther from every such vertex than a
-///         tenth of the bounding box's diagonal
-int nearest_vertex(const TriangleMesh& mesh, const Vector3& point);
-
 }  // namespace lapedit

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "lapedit/base/error.h"
+#include "lapedit/edit/places.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "lapedit/session/messages.h"
 
@@ -352,10 +353,18 @@ void DragSession::reset() {
   }
 }
 
+Edit DragSession::saved() const {
+  return with_places(original(), *model_.adjacency, recorded());
+}
+
 void DragSession::load(Edit edit) {
   cancel();
   mouse_.forget();
-  solver_.load(std::move(edit));
+  try {
+    solver_.load(located(*model_.history.mesh(), *model_.adjacency, std::move(edit)));
+  } catch (const EditError& error) {
+    model_.refusal = error.what();
+  }
 }
 
 // --- Answers of the solver ------------------------------------------------------------------------------------------

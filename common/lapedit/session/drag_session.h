@@ -175,7 +175,8 @@ class DragSession {
   const Timeline& timeline() const { return model_.timeline; }
   Edit recorded() const {
     return model_.history.recorded();
-  }  ///< applied steps, with counts and connectivity of the mesh
+  }                    ///< applied steps, with counts and connectivity of the mesh
+  Edit saved() const;  ///< the same with places, see with_places()
   /// Applies the steps of an edit to the current mesh as steps of this session, in the background.
   void load(Edit edit);
 

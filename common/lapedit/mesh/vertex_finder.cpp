@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/mesh/vertex_finder.h"
+
+#include "lapedit/base/error.h"
+#include "lapedit/base/format_text.h"
+
+namespace lapedit {
+
+VertexFinder::VertexFinder(const TriangleMesh& mesh)
+    : mesh_(mesh),
+      usable_(usable_vertices(mesh)),
+      diagonal_(bounding_box(mesh.vertices, usable_).diagonal().norm()),
+      grid_(mesh.vertices, usable_) {
+  if (usable_.empty()) {
+    throw EditError(ErrorCause::NotFinite,
+                    "No vertex of the mesh has three finite coordinates: repair the mesh first.");
+  }
+}
+
+VertexFinder::Found VertexFinder::anywhere(const Vector3& point, const std::string& what) const {
+  if (!point.allFinite()) {
+    throw EditError(ErrorCause::NotFinite, what + " is not finite: give three finite coordinates on the surface.");
+  }
+  int vertex = grid_.nearest(point);
+  if (vertex < 0) {  // so far away that squares of distances overflow
+    vertex = usable_.front();
+  }
+  return {vertex, (mesh_.vertices.row(vertex).transpose() - point).stableNorm()};
+}
+
+VertexFinder::Found VertexFinder::on_surface(const Vector3& point, const std::string& what, const char* advice) const {
+  constexpr double kFar = 0.1;
+  const Found found = anywhere(point, what);
+  if (found.distance > kFar * diagonal_) {
+    throw EditError(ErrorCause::BadParameter, what + " " + place_text(point) + " is " + number_text(found.distance) +
+                                                  " away from the nearest vertex, number " +
+                                                  std::to_string(found.vertex) +
+                                                  ", more than a tenth of the mesh's bounding-box diagonal (" +
+                                                  number_text(diagonal_) + "): " + advice + ".");
+  }
+  return found;
+}
+
+int nearest_vertex(const TriangleMesh& mesh, const Vector3& point) {
+  return VertexFinder(mesh).on_surface(point, "The handle point").vertex;
+}
+
+std::string place_text(const Vector3& point) {
+  return "(" + number_text(point[0]) + ", " + number_text(point[1]) + ", " + number_text(point[2]) + ")";
+}
+
+}  // namespace lapedit

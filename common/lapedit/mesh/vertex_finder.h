@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "lapedit/mesh/vertex_grid.h"
+
+namespace lapedit {
+
+/// Finds the vertices of a mesh nearest to points. Only vertices with a face and finite coordinates count.
+class VertexFinder {
+ public:
+  struct Found {
+    int vertex;
+    double distance;  ///< model units
+  };
+
+  /// The mesh has to outlive the object. O(vertices + faces). @throws EditError (NotFinite) if no vertex counts
+  explicit VertexFinder(const TriangleMesh& mesh);
+
+  /// Returns the nearest vertex, the lowest number of several. @param what  names the point in a refusal
+  /// @throws EditError (NotFinite, BadParameter) if the point is not finite, or farther from every vertex than a tenth
+  ///         of the bounding box's diagonal
+  Found on_surface(const Vector3& point, const std::string& what,
+                   const char* advice = "give a point on the surface") const;
+  /// The same at any distance. @throws EditError (NotFinite)
+  Found anywhere(const Vector3& point, const std::string& what) const;
+
+ private:
+  const TriangleMesh& mesh_;
+  std::vector<int> usable_;
+  double diagonal_;
+  VertexGrid grid_;
+};
+
+/// Returns the vertex nearest to the handle point. @throws EditError as VertexFinder
+int nearest_vertex(const TriangleMesh& mesh, const Vector3& point);
+
+/// "(x, y, z)"
+std::string place_text(const Vector3& point);
+
+}  // namespace lapedit

@@ -1,0 +1,341 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/edit/places.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lapedit/base/error.h"
+#include "lapedit/edit/edit.h"
+#include "lapedit/mesh/vertex_finder.h"
+#include "lapedit/mesh/vertex_set.h"
+#include "shapes.h"
+#include "support.h"
+
+namespace lapedit {
+namespace {
+
+TriangleMesh ball(int levels) {
+  return shapes::icosphere(levels);
+}
+
+Vector3 place(const TriangleMesh& mesh, int vertex) {
+  return mesh.vertices.row(vertex).transpose();
+}
+
+Edit located_on(const TriangleMesh& mesh, const Edit& edit, const SelectedVertices& selection = {}) {
+  return located(mesh, support::adjacency_of(mesh), edit, selection);
+}
+
+/// An edit of one group.
+Edit edit_of(HandleGroup group, double radius = 1) {
+  Edit edit;
+  edit.steps.resize(1);
+  edit.steps[0].region.radius = radius;
+  edit.steps[0].handles = {std::move(group)};
+  return edit;
+}
+
+HandleGroup points_of(std::vector<Vector3> points, std::vector<Vector3> targets = {}) {
+  HandleGroup group;
+  group.places.points = std::move(points);
+  group.targets = std::move(targets);
+  return group;
+}
+
+std::string refusal(ErrorCause cause, const TriangleMesh& mesh, const Edit& edit,
+                    const SelectedVertices& selection = {}) {
+  return support::expect_refusal(cause, [&] { located_on(mesh, edit, selection); });
+}
+
+void expect_contains(const std::string& text, const std::string& part) {
+  EXPECT_NE(text.find(part), std::string::npos) << text;
+}
+
+TEST(Places, ArePointsDiscsAndSelections) {
+  const TriangleMesh mesh = ball(3);
+  const Edit points = located_on(mesh, edit_of(points_of({1.01 * place(mesh, 40), place(mesh, 7)})));
+  EXPECT_EQ(points.steps[0].handles[0].vertices, (std::vector<int>{40, 7}));
+  EXPECT_TRUE(points.steps[0].handles[0].places.empty());
+
+  Edit disc = edit_of({});
+  disc.steps[0].handles[0].places.within = Places::Disc{0.99 * place(mesh, 12), 0.3};
+  disc.steps[0].region.kind = RegionSpec::Kind::Vertices;
+  disc.steps[0].region_places.within = Places::Disc{place(mesh, 12), 0.6};
+  const Edit found = located_on(mesh, disc);
+  const Adjacency around = support::adjacency_of(mesh);
+  EXPECT_EQ(found.steps[0].handles[0].vertices, vertices_within(mesh, around, 12, 0.3));
+  EXPECT_EQ(found.steps[0].region.vertices, vertices_within(mesh, around, 12, 0.6));
+
+  Edit selected = edit_of({});
+  selected.steps[0].handles[0].places.selected = true;
+  selected.steps[0].region_places.selected = true;
+  const SelectedVertices both = {{3}, {1, 2, 3}};
+  EXPECT_EQ(located_on(mesh, selected, both).steps[0].handles[0].vertices, both.vertices);
+  EXPECT_EQ(located_on(mesh, selected, both).steps[0].region.vertices, both.of_faces);
+  EXPECT_EQ(located_on(mesh, selected, {{}, {1, 2}}).steps[0].handles[0].vertices, (std::vector<int>{1, 2}));
+  EXPECT_EQ(located_on(mesh, selected, {{5}, {}}).steps[0].region.vertices, std::vector<int>{5});
+  expect_contains(refusal(ErrorCause::NoHandle, mesh, selected), "No vertex and no face is selected");
+}
+
+/// A landmark is seldom at a vertex: the vertex moves as it does. At a vertex the target is met to the bit.
+TEST(Places, VerticesMoveAsTheirPoints) {
+  const TriangleMesh mesh = ball(3);
+  const Vector3 off(0.004, -0.003, 0.002), way(0.1, 1.0 / 3, -0.2);
+  const Edit edit =
+      located_on(mesh, edit_of(points_of({place(mesh, 40) + off, place(mesh, 7)}, {place(mesh, 40) + off + way, way})));
+  EXPECT_LT((edit.steps[0].handles[0].targets[0] - place(mesh, 40) - way).norm(), 1e-15);
+  EXPECT_EQ(edit.steps[0].handles[0].targets[1], way);
+}
+
+TEST(Places, AreRefusedByName) {
+  const TriangleMesh mesh = ball(3);
+  HandleGroup group = points_of({place(mesh, 40), Vector3(0, 0, 5)}, {Vector3::Zero(), Vector3::Zero()});
+  group.names = {"nose", "chin"};
+  expect_contains(refusal(ErrorCause::BadParameter, mesh, edit_of(group)), "Landmark \"chin\" (0, 0, 5) is 4 away");
+  group.places.points[1] = 1.001 * place(mesh, 40);
+  expect_contains(refusal(ErrorCause::BadParameter, mesh, edit_of(group)),
+                  "Landmark \"nose\" and Landmark \"chin\" are both nearest to vertex 40");
+  group.places.points[1][0] = std::numeric_limits<double>::quiet_NaN();
+  expect_contains(refusal(ErrorCause::NotFinite, mesh, edit_of(group)), "Landmark \"chin\" is not finite");
+  expect_contains(refusal(ErrorCause::BadParameter, mesh, edit_of(points_of({place(mesh, 1), Vector3(9, 9, 9)}))),
+                  "Point 1 of handle group 0 (9, 9, 9) is");
+  Edit disc = edit_of({});
+  disc.steps[0].handles[0].places.within = Places::Disc{place(mesh, 12), -1};
+  expect_contains(refusal(ErrorCause::BadParameter, mesh, disc), "The radius is -1");
+  disc.steps[0].handles[0].places.within->point *= 3;
+  expect_contains(refusal(ErrorCause::BadParameter, mesh, disc), "The point of handle group 0 (");
+}
+
+TEST(Places, PointsAreOnTheMeshBeforeTheFirstStep) {
+  const TriangleMesh mesh = ball(3);
+  Edit edit = edit_of(points_of({place(mesh, 40)}));
+  edit.steps[0].handles[0].transform.translation = 0.8 * place(mesh, 40);
+  edit.steps.push_back(edit.steps[0]);  // at its place the surface is no longer
+  Edit by_number = edit;
+  for (EditStep& step : by_number.steps) {
+    step.handles[0].vertices = {40};
+    step.handles[0].places = {};
+  }
+  EXPECT_EQ(apply_edit(mesh, edit).positions, apply_edit(mesh, by_number).positions);
+}
+
+TEST(Places, LandmarksAreReportedByName) {
+  const TriangleMesh mesh = ball(3);
+  HandleGroup group = points_of({place(mesh, 40), place(mesh, 7)}, {1.3 * place(mesh, 40), 1.2 * place(mesh, 7)});
+  group.names = {"nose", "chin"};
+  group.weights = {1, 0.001};
+  const Edit edit = edit_of(group, 2);
+  const EditResult result = apply_edit(mesh, edit);
+  const std::vector<LandmarkResidual>& landmarks = result.reports[0].landmarks;
+  ASSERT_EQ(landmarks.size(), 2U);
+  for (const LandmarkResidual& landmark : landmarks) {
+    const int given = landmark.name == "nose" ? 0 : 1;
+    EXPECT_EQ(landmark.vertex, given == 0 ? 40 : 7);
+    const Vector3 now = result.positions.row(place_in(result.vertices, landmark.vertex)).transpose();
+    EXPECT_DOUBLE_EQ(landmark.residual, (now - group.targets[static_cast<std::size_t>(given)]).norm());
+    EXPECT_EQ(landmark.residual > 0.05, given == 1) << "the low weight approximates";
+  }
+  expect_contains(result.reports[0].text(), "Landmarks: 2, distance to their targets: RMS ");
+  expect_contains(result.reports[0].text(), "at \"chin\" (vertex 7)");
+  EXPECT_TRUE(apply_edit(mesh, edit, 0.5).reports[0].landmarks.empty());
+}
+
+/// Each face in four, without smoothing: the same surface.
+TriangleMesh subdivided(const TriangleMesh& mesh) {
+  TriangleMesh fine;
+  std::vector<Vector3> points;
+  for (const auto& p : mesh.vertices.rowwise()) {
+    points.emplace_back(p.transpose());
+  }
+  std::map<std::pair<int, int>, int> middles;
+  const auto middle = [&](int a, int b) {
+    const auto [found, is_new] = middles.emplace(std::minmax(a, b), static_cast<int>(points.size()));
+    if (is_new) {
+      points.emplace_back((points[static_cast<std::size_t>(a)] + points[static_cast<std::size_t>(b)]) / 2);
+    }
+    return found->second;
+  };
+  fine.faces.resize(4 * mesh.faces.rows(), 3);
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+    const int a = mesh.faces(f, 0), b = mesh.faces(f, 1), c = mesh.faces(f, 2);
+    const int ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+    fine.faces.middleRows(4 * f, 4) << a, ab, ca, ab, b, bc, ca, bc, c, ab, bc, ca;
+  }
+  fine.vertices.resize(static_cast<Eigen::Index>(points.size()), 3);
+  for (std::size_t v = 0; v < points.size(); ++v) {
+    fine.vertices.row(static_cast<Eigen::Index>(v)) = points[v].transpose();
+  }
+  return fine;
+}
+
+/// Vertices in cubes of space become one: what decimation by clustering makes.
+TriangleMesh decimated(const TriangleMesh& mesh, double cube) {
+  std::map<std::array<long, 3>, int> cubes;
+  std::vector<int> to(static_cast<std::size_t>(mesh.vertices.rows()));
+  std::vector<Vector3> sums;
+  std::vector<int> counts;
+  for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+    const Vector3 p = mesh.vertices.row(v).transpose();
+    const auto cell = [cube](double x) { return std::lround(std::floor(x / cube)); };
+    const auto [found, is_new] = cubes.emplace(std::array<long, 3>{cell(p[0]), cell(p[1]), cell(p[2])}, counts.size());
+    if (is_new) {
+      sums.emplace_back(Vector3::Zero());
+      counts.push_back(0);
+    }
+    to[static_cast<std::size_t>(v)] = found->second;
+    sums[static_cast<std::size_t>(found->second)] += p;
+    ++counts[static_cast<std::size_t>(found->second)];
+  }
+  TriangleMesh coarse;
+  coarse.vertices.resize(static_cast<Eigen::Index>(sums.size()), 3);
+  for (std::size_t v = 0; v < sums.size(); ++v) {
+    coarse.vertices.row(static_cast<Eigen::Index>(v)) = sums[v].normalized().transpose();
+  }
+  std::vector<Eigen::RowVector3i> faces;
+  for (const auto& f : mesh.faces.rowwise()) {
+    const Eigen::RowVector3i g(to[static_cast<std::size_t>(f[0])], to[static_cast<std::size_t>(f[1])],
+                               to[static_cast<std::size_t>(f[2])]);
+    if (g[0] != g[1] && g[1] != g[2] && g[2] != g[0]) {
+      faces.push_back(g);
+    }
+  }
+  coarse.faces.resize(static_cast<Eigen::Index>(faces.size()), 3);
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    coarse.faces.row(static_cast<Eigen::Index>(f)) = faces[f];
+  }
+  return coarse;
+}
+
+/// As the window saves it: a group pulled within a radius, another one in the kept region, and a group by its targets.
+Edit saved_edit(const TriangleMesh& mesh) {
+  const Adjacency adjacency = support::adjacency_of(mesh);
+  const auto nearest = [&](const Vector3& point) { return VertexFinder(mesh).anywhere(point, "Point").vertex; };
+  Edit edit;
+  edit.mesh_vertices = static_cast<int>(mesh.vertices.rows());
+  edit.mesh_faces = static_cast<int>(mesh.faces.rows());
+  edit.connectivity = connectivity_checksum(static_cast<std::size_t>(mesh.vertices.rows()), mesh.faces);
+  EditStep first;
+  first.region.radius = 1.2;
+  first.handles.resize(1);
+  first.handles[0].vertices = vertices_within(mesh, adjacency, nearest({0, 0, 1}), 0.25);
+  first.handles[0].transform.translation = {0, 0.1, 0.4};
+  const Region region = build_region(mesh, adjacency, first.region, {first.handles[0].vertices});
+  EditStep second;
+  second.region.kind = RegionSpec::Kind::Vertices;
+  second.region.vertices = region.mesh_vertex;
+  second.region.anchors = anchors_of(region);
+  second.handles.resize(2);
+  second.handles[0].vertices = {nearest({0.5, 0, 0.9})};
+  second.handles[0].transform.translation = {0.1, 0, 0.1};
+  second.handles[1].vertices = vertices_within(mesh, adjacency, nearest({-0.5, 0, 0.9}), 0.2);
+  for (const int v : second.handles[1].vertices) {
+    second.handles[1].weights.push_back(v % 2 == 0 ? 1 : 0.5);
+  }
+  EditStep third;
+  third.region.radius = 0.8;
+  third.handles.resize(1);
+  third.handles[0].vertices = {nearest({1, 0, 0}), nearest({0.9, 0.4, 0})};
+  third.handles[0].targets = {{1.3, 0, 0}, {1.1, 0.5, 0}};
+  edit.steps = {first, second, third};
+  return with_places(mesh, adjacency, edit);
+}
+
+TEST(Places, ASavedEditIsAppliedToTheSameBitsByVertices) {
+  const TriangleMesh mesh = ball(4);
+  Edit edit = saved_edit(mesh);
+  ASSERT_GT(edit.places.vertices.size(), 500U);
+  const EditResult by_vertices = apply_edit(mesh, edit);
+  edit.places = {};
+  const EditResult without_places = apply_edit(mesh, edit);
+  EXPECT_EQ(by_vertices.vertices, without_places.vertices);
+  EXPECT_EQ(by_vertices.positions, without_places.positions);
+}
+
+TEST(Places, AnotherMeshIsRefusedUntilTheEditIsByPlace) {
+  const TriangleMesh mesh = ball(4), other = subdivided(mesh);
+  const Edit edit = saved_edit(mesh);
+  expect_contains(support::expect_refusal(ErrorCause::MeshMismatch, [&] { apply_edit(other, edit); }),
+                  "to apply it by place, remove vertices, faces and connectivity");
+  Edit moved = edit;
+  moved.mesh_vertices.reset();
+  moved.mesh_faces.reset();
+  moved.connectivity.clear();
+  for (Vector3& point : moved.places.points) {
+    point += Vector3(0.5, 0, 0);
+  }
+  expect_contains(support::expect_refusal(ErrorCause::BadParameter, [&] { apply_edit(other, moved); }),
+                  "take a mesh of the same object");
+  moved.places.vertices.pop_back();
+  moved.places.points.pop_back();
+  for (std::size_t k = 0; k < moved.places.points.size(); ++k) {
+    moved.places.points[k] -= Vector3(0.5, 0, 0);
+  }
+  moved.steps[0].handles[0].vertices.push_back(static_cast<int>(mesh.vertices.rows()) - 1);
+  expect_contains(support::expect_refusal(ErrorCause::MeshMismatch, [&] { apply_edit(other, moved); }),
+                  "is not among mesh.places");
+}
+
+/// On the same mesh by place, on a four times finer and on a coarser one: nearly the same surface.
+class ByPlace : public testing::TestWithParam<int> {};
+
+TEST_P(ByPlace, TheEditedSurfaceIsTheSame) {
+  const TriangleMesh mesh = ball(4);
+  const TriangleMesh other = GetParam() == 0 ? mesh : GetParam() == 1 ? subdivided(mesh) : decimated(mesh, 0.08);
+  if (GetParam() == 2) {
+    ASSERT_LT(other.vertices.rows(), mesh.vertices.rows() / 2);
+  }
+  Edit edit = saved_edit(mesh);
+  Points expected = mesh.vertices;
+  const EditResult by_vertices = apply_edit(mesh, edit);
+  scatter(by_vertices.vertices, by_vertices.positions, expected);
+  edit.mesh_vertices.reset();
+  edit.mesh_faces.reset();
+  edit.connectivity.clear();
+  const EditResult by_place = apply_edit(other, edit);
+  Points found = other.vertices;
+  scatter(by_place.vertices, by_place.positions, found);
+  if (GetParam() == 0) {
+    EXPECT_EQ(found, expected) << "the same vertices";
+    return;
+  }
+  const VertexFinder finder(mesh);
+  double squares = 0, largest = 0;
+  for (Eigen::Index v = 0; v < other.vertices.rows(); ++v) {
+    const Vector3 rest = other.vertices.row(v).transpose();
+    const int twin = finder.anywhere(rest, "Vertex").vertex;
+    const Vector3 way = found.row(v).transpose() - rest;
+    const Vector3 its_way = (expected.row(twin) - mesh.vertices.row(twin)).transpose();
+    squares += (way - its_way).squaredNorm();
+    largest = std::max(largest, its_way.norm());
+  }
+  ASSERT_GT(largest, 0.4);
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(other.vertices.rows())), 0.03 * largest);
+}
+INSTANTIATE_TEST_SUITE_P(SameSubdividedDecimated, ByPlace, testing::Values(0, 1, 2));
+
+/// A set by place has no holes where the mesh is finer, and does not reach through the body.
+TEST(Places, SetsAreAsDenseAsTheMeshAndStayOnTheirSide) {
+  const TriangleMesh mesh = ball(3), fine = subdivided(mesh);
+  const Adjacency adjacency = support::adjacency_of(mesh);
+  const int pole = VertexFinder(mesh).anywhere({0, 0, 1}, "Pole").vertex;
+  HandleGroup group;
+  group.vertices = vertices_within(mesh, adjacency, pole, 0.4);
+  const std::vector<int> set =
+      located_on(fine, with_places(mesh, adjacency, edit_of(group))).steps[0].handles[0].vertices;
+  EXPECT_GT(set.size(), 3 * group.vertices.size());
+  EXPECT_LT(set.size(), 6 * group.vertices.size());
+  for (const int v : set) {
+    EXPECT_LT((place(fine, v) - place(mesh, pole)).norm(), 0.55);
+  }
+}
+
+}  // namespace
+}  // namespace lapedit
