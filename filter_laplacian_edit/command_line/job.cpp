@@ -27,6 +27,7 @@
 #include "lapedit/base/format_text.h"
 #include "lapedit/base/stopwatch.h"
 #include "lapedit/json/edit_script.h"
+#include "lapedit/json/landmarks.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "lapedit_host/pose_writer.h"
 #include "processes/in_processes.h"
@@ -66,7 +67,7 @@ void requireReadable(const QString& path) {
 }
 
 /// All of it, once: it may come from a pipe.
-QByteArray textOfEdit(const QString& path) {
+QByteArray textOf(const char* what, const QString& path) {
   // Edits may be in scripts.
   constexpr auto kLargest = 2 * static_cast<qint64>(kLargestJson);
   constexpr int kPart = 1 << 16;
@@ -76,16 +77,21 @@ QByteArray textOfEdit(const QString& path) {
     for (QByteArray part = file.read(kPart); !part.isEmpty(); part = file.read(kPart)) {
       text += part;
       if (text.size() > kLargest) {
-        refuseReading("edit", path, "it is larger than " + std::to_string(kLargest) + " bytes");
+        refuseReading(what, path, "it is larger than " + std::to_string(kLargest) + " bytes");
       }
     }
   } catch (const std::system_error& error) {
-    refuseReading("edit", path,
+    refuseReading(what, path,
                   error.code() == std::errc::is_a_directory              ? "it is a folder"
                   : error.code() == std::errc::no_such_file_or_directory ? "it does not exist"
                                                                          : error.code().message());
   }
   return text;
+}
+
+NamedLandmarks landmarksOf(const QString& path) {
+  const std::string name = QFile::encodeName(path).toStdString();
+  return {name, read_landmarks(textOf("landmark file", path).toStdString(), name)};
 }
 
 /// All vertices that any of the poses has moved.
@@ -155,7 +161,9 @@ class Job {
   }
 
   void run() {
-    requireReadable(options_.input);
+    if (!options_.fromStream) {
+      requireReadable(options_.input);
+    }
     loadEdit();
     try {
       host_.requireWriter(options_.output);
@@ -183,7 +191,11 @@ class Job {
  private:
   void loadEdit() {
     notes_.doing("reading " + quotedPath(options_.edit), Unreadable);
-    const QByteArray text = textOfEdit(options_.edit);
+    if (!options_.targets.isEmpty()) {
+      edit_ = fit_landmarks(pair_landmarks(landmarksOf(options_.edit), landmarksOf(options_.targets)));
+      return;
+    }
+    const QByteArray text = textOf("edit", options_.edit);
     if (!QFileInfo(options_.edit).isFile()) {  // as a pipe: options could not look into it
       options_.isScript = text.trimmed().startsWith('<');
     }
@@ -192,7 +204,10 @@ class Job {
       return;
     }
     try {
-      edit_ = read_edit(text.toStdString());
+      // Names of landmark files in it are relative to its folder.
+      const QFileInfo file(options_.edit);
+      const QString folder = file.isFile() && !options_.edit.startsWith("/dev/") ? file.absolutePath() : QString();
+      edit_ = read_edit(text.toStdString(), QFile::encodeName(folder).toStdString());
     } catch (const EditError& refusal) {
       throw EditError(refusal.cause(), quoted(options_.edit) + ": " + refusal.what());
     }
@@ -203,7 +218,11 @@ class Job {
     const QFileInfo input(options_.input);
     notes_.doing("reading " + quotedPath(options_.input), Unreadable, input.size());
     QString name = options_.input;
-    if (!isUtf8(input.fileName())) {
+    if (options_.fromStream) {
+      begin();
+      name = files_.beside("input.ply");
+      spool(name);
+    } else if (!isUtf8(input.fileName())) {
       begin();
       name = files_.beside("input." + input.suffix());
       QFile::link(options_.input, name);
@@ -222,6 +241,49 @@ class Job {
     }
     report_.vertices = host_.mesh()->vn;
     report_.faces = host_.mesh()->fn;
+  }
+
+  /// Keeps what comes through a pipe, since readers of the host want a file.
+  static void spool(const QString& name) {
+    constexpr int kPart = 1 << 20;
+    QFile copy(name);
+    try {
+      InputFile input("/dev/stdin");
+      QByteArray part = input.read(kPart);
+      if (!part.startsWith("ply")) {
+        refuseReading("mesh", "-", "the standard input does not begin as a PLY file");
+      }
+      if (!copy.open(QIODevice::WriteOnly)) {
+        refuseReading("mesh", "-", copy.errorString().toStdString());
+      }
+      for (; !part.isEmpty(); part = input.read(kPart)) {
+        if (copy.write(part) != part.size()) {
+          refuseReading("mesh", "-", copy.errorString().toStdString());
+        }
+      }
+    } catch (const std::system_error& error) {
+      refuseReading("mesh", "-", error.code().message());
+    }
+    if (!copy.flush()) {
+      refuseReading("mesh", "-", copy.errorString().toStdString());
+    }
+  }
+
+  /// In place of a file that would be put to its place.
+  void sendToStream() {
+    constexpr int kPart = 1 << 20;
+    InputFile file(files_.path(0));
+    errno = 0;
+    for (QByteArray part = file.read(kPart); !part.isEmpty(); part = file.read(kPart)) {
+      if (std::fwrite(part.constData(), 1, static_cast<std::size_t>(part.size()), output_) !=
+          static_cast<std::size_t>(part.size())) {
+        break;
+      }
+    }
+    if (std::fflush(output_) != 0 || std::ferror(output_) != 0) {
+      throw Failure(Unwritable, "The mesh cannot be written to the standard output (" +
+                                    std::string(std::strerror(errno)) + "): what arrived is not complete.");
+    }
   }
 
   void runScript() {
@@ -362,7 +424,7 @@ class Job {
     }
     NoInterruption uninterrupted;
     notes_.placed(Placed::Some);
-    files_.place();
+    options_.toStream ? sendToStream() : files_.place();
     notes_.placed(Placed::Outputs);
     if (!options_.report.isEmpty()) {
       placeReport();
@@ -394,7 +456,7 @@ class Job {
 
   /// Before any file is replaced: the reader of the reports has to get them first.
   void print(const std::string& text) {
-    if (!options_.quiet && !text.empty()) {
+    if (!options_.quiet && !options_.toStream && !text.empty()) {
       line_.clear();
       printAll(text + "\n", output_, "nothing was written; with --quiet there are no reports");
     }

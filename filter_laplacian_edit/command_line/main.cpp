@@ -19,6 +19,7 @@
 #include "processes/error_stream.h"
 #include "processes/supervisor.h"
 #include "processes/system_limits.h"
+#include "questions.h"
 
 namespace {
 
@@ -107,6 +108,10 @@ int work(int argc, char** argv, bool hasOutput, Notes& notes) {
     };
     if (!options->list.file.isEmpty()) {
       return runList(*options, job, output);
+    }
+    if (options->info || !options->nearest.empty()) {
+      printAll(answer(*options, notes), output, "there is nobody to be answered");
+      return Done;
     }
     runJob(*options, notes, output);
   }

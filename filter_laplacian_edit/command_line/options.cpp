@@ -2,8 +2,11 @@
 #include "options.h"
 
 #include <QCommandLineParser>
+#include <QDir>
 #include <QFileInfo>
+#include <QRegularExpression>
 #include <algorithm>
+#include <cmath>
 #include <system_error>
 
 #include "failure.h"
@@ -71,6 +74,61 @@ lapedit::host::KeptAttributes keptAttributes(const QString& list) {
   return kept;
 }
 
+/// Three numbers with commas.
+lapedit::Vector3 point(const QString& text) {
+  const QStringList parts = text.split(',');
+  lapedit::Vector3 point;
+  for (int k = 0; k < 3; ++k) {
+    bool ok = false;
+    point[k] = parts.value(k).trimmed().toDouble(&ok);
+    if (!ok || parts.size() != 3 || !std::isfinite(point[k])) {
+      refuse("The point is " + quoted(text) + ": give three numbers with commas, as in 0.5,-1.2,3.");
+    }
+  }
+  return point;
+}
+
+/// A list of fractions, or first:last:count, evenly spaced.
+std::vector<double> fractionList(const QString& text) {
+  std::vector<double> fractions;
+  const QStringList range = text.split(':');
+  if (range.size() == 1) {
+    for (const QString& part : text.split(',')) {
+      fractions.push_back(fraction(part));
+    }
+    return fractions;
+  }
+  constexpr int kMost = 9999;  // four digits in names
+  bool ok = false;
+  const int count = range.value(2).toInt(&ok);
+  if (range.size() != 3 || !ok || count < 2 || count > kMost) {
+    refuse("The fractions are " + quoted(text) + ": give first:last:count with a count from 2 to " +
+           std::to_string(kMost) + ", as in 0:1:60, or a list with commas.");
+  }
+  const double first = fraction(range[0]), last = fraction(range[1]);
+  for (int k = 0; k < count; ++k) {
+    fractions.push_back(k + 1 == count ? last : first + (last - first) * k / (count - 1));
+  }
+  return fractions;
+}
+
+/// The two files of --landmarks, which Qt's parser takes for one file and a name; they are taken out.
+QStringList takeLandmarks(QStringList& arguments) {
+  const int at = arguments.indexOf("--landmarks");
+  if (at < 0) {
+    return {};
+  }
+  const QStringList files = arguments.mid(at + 1, 2);
+  if (files.size() < 2 || files.join("\n").contains(QRegularExpression("(^|\n)(-|$)"))) {
+    refuse("The option --landmarks takes two files: the points, and their targets.");
+  }
+  arguments.erase(arguments.begin() + at, arguments.begin() + at + 3);
+  if (arguments.contains("--landmarks")) {
+    refuse("The option --landmarks is given more than once.");
+  }
+  return files;
+}
+
 void readFractions(const QCommandLineParser& parser, Options& options) {
   if (parser.isSet("fraction") && parser.isSet("fractions")) {
     refuse("Give either --fraction or --fractions.");
@@ -83,10 +141,7 @@ void readFractions(const QCommandLineParser& parser, Options& options) {
   }
   if (parser.isSet("fractions")) {
     options.numbered = true;
-    options.fractions.clear();
-    for (const QString& part : parser.value("fractions").split(',')) {
-      options.fractions.push_back(fraction(part));
-    }
+    options.fractions = fractionList(parser.value("fractions"));
   }
 }
 
@@ -120,6 +175,24 @@ ListOptions listOptions(const QCommandLineParser& parser) {
   return list;
 }
 
+/// The mesh, the output, and the edit or both files of landmarks. A pipe is "-".
+void readFiles(const QStringList& files, Options& options) {
+  const QString pipe = "-";
+  options.fromStream = files[0] == pipe;
+  options.toStream = files[1] == pipe;
+  options.input = options.fromStream ? "/dev/stdin" : fullPath(files[0]);
+  options.output = options.toStream ? QDir::tempPath() + "/standard-output.ply" : fullPath(files[1]);
+  options.edit = files[2] == pipe ? "/dev/stdin" : fullPath(files[2]);
+  if (files.size() == 4) {
+    options.targets = fullPath(files[3]);
+    return;
+  }
+  if (options.fromStream && files[2] == pipe) {
+    refuse("The standard input is named twice: give the mesh or the edit as a file.");
+  }
+  options.isScript = files[2] != pipe && isScript(options.edit);
+}
+
 }  // namespace
 
 bool isScript(const QString& path) {
@@ -148,19 +221,29 @@ QStringList Options::outputs() const {
   return paths;
 }
 
-std::optional<Options> readOptions(const QStringList& arguments, std::string& text) {
+std::optional<Options> readOptions(QStringList arguments, std::string& text) {
   QCommandLineParser parser;
+  const QStringList landmarks = takeLandmarks(arguments);
   parser.setApplicationDescription(kDescription);
   parser.addPositionalArgument("IN", "The mesh.");
   parser.addPositionalArgument("OUT", "The file to be written.");
-  parser.addPositionalArgument("EDIT", "The edit: JSON text (.json), or a filter script (.mlx).");
+  parser.addPositionalArgument("EDIT",
+                               "The edit: JSON text (.json), or a filter script (.mlx). - is a pipe, for IN and "
+                               "OUT as PLY.");
   const QCommandLineOption help({"h", "help"}, "Shows this text."), version({"v", "version"}, "Shows the versions."),
       quiet({"q", "quiet"}, "Writes no reports and no progress."),
       one("fraction", "How far the handles of a JSON edit go, 0 to 1, by default 1.", "F"),
       several("fractions",
               "Several poses of a JSON edit, as in 0.25,0.5,1: the factorisation is made once, and the files are "
-              "numbered in the order of the list, as in OUT-0001.ply.",
+              "numbered in the order of the list, as in OUT-0001.ply. 0:1:60 are 60 from 0 to 1.",
               "F,F,..."),
+      marks("landmarks",
+            "In place of EDIT: moves the points of one file to those of another, by their names (.pp, .csv, .fcsv, "
+            ".mrk.json). It is followed by both files.",
+            "FROM TO"),
+      nearest("nearest", "Prints number, place and distance of the vertex that is nearest, of the mesh IN alone.",
+              "X,Y,Z"),
+      info("info", "Prints counts, box, pieces and borders of the mesh IN alone."),
       report("report", "Writes the figures of all steps to a file, as JSON.", "FILE"),
       quality("quality", "Also counts pairs of triangles that came to intersect, for report and log."),
       strict("strict", "Ends with code 6, and writes nothing, where the report has advice on the result."),
@@ -175,8 +258,8 @@ std::optional<Options> readOptions(const QStringList& arguments, std::string& te
       log("job-log", "Adds a line of JSON to a file for each finished job of a list.", "FILE"),
       resume("resume", "Skips jobs that the job log lists as done."),
       limit("timeout", "Time limit: ends with code 5 and writes nothing.", "SECONDS");
-  for (const QCommandLineOption* option : {&one, &several, &report, &quality, &strict, &also, &plugins, &limit, &list,
-                                           &jobs, &log, &resume, &quiet, &help, &version}) {
+  for (const QCommandLineOption* option : {&one, &several, &marks, &nearest, &info, &report, &quality, &strict, &also,
+                                           &plugins, &limit, &list, &jobs, &log, &resume, &quiet, &help, &version}) {
     parser.addOption(*option);
   }
   if (!parser.parse(arguments)) {
@@ -199,7 +282,18 @@ std::optional<Options> readOptions(const QStringList& arguments, std::string& te
   if (parser.isSet(list) && !files.isEmpty()) {
     refuse("File names and --list are given together: give only one of them.");
   }
-  if (files.size() != 3 && !parser.isSet(list)) {
+  const bool asks = parser.isSet(nearest) || parser.isSet(info);
+  if (parser.isSet(list) && (asks || !landmarks.isEmpty())) {
+    refuse("The options --landmarks, --nearest and --info are for one mesh, not for --list.");
+  }
+  if (asks && files.size() != 1) {
+    refuse("There are " + std::to_string(files.size()) + " file names: give the mesh alone with --nearest or --info.");
+  }
+  if (!asks && !landmarks.isEmpty() && files.size() != 2) {
+    refuse("There are " + std::to_string(files.size()) +
+           " file names: with --landmarks give the mesh and the output, and no edit.");
+  }
+  if (!asks && landmarks.isEmpty() && files.size() != 3 && !parser.isSet(list)) {
     refuse("There are " + std::to_string(files.size()) + " file names: give the mesh, the output and the edit.");
   }
   for (const QCommandLineOption* option : {&one, &several, &report, &also, &plugins, &limit, &list, &jobs, &log}) {
@@ -218,11 +312,14 @@ std::optional<Options> readOptions(const QStringList& arguments, std::string& te
   }
   Options options;
   options.list = listOptions(parser);
-  if (options.list.file.isEmpty()) {
+  options.info = parser.isSet(info);
+  for (const QString& text_of_point : parser.values(nearest)) {
+    options.nearest.push_back(point(text_of_point));
+  }
+  if (asks) {
     options.input = fullPath(files[0]);
-    options.output = fullPath(files[1]);
-    options.edit = fullPath(files[2]);
-    options.isScript = isScript(options.edit);
+  } else if (options.list.file.isEmpty()) {
+    readFiles(landmarks.isEmpty() ? files : files + landmarks, options);
   }
   options.quiet = parser.isSet(quiet);
   options.quality = parser.isSet(quality);
@@ -240,5 +337,8 @@ std::optional<Options> readOptions(const QStringList& arguments, std::string& te
     options.kept = keptAttributes(parser.value(also));
   }
   readFractions(parser, options);
+  if (options.numbered && options.toStream) {
+    refuse("Several poses cannot be written to the standard output: give a file name with --fractions.");
+  }
   return options;
 }

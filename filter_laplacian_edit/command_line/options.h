@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/batch_host.h"
+#include "lapedit/base/types.h"
 
 /// Many jobs in one call.
 struct ListOptions {
@@ -20,7 +21,12 @@ struct ListOptions {
 /// A job; with a list, the options of all its jobs.
 struct Options {
   QString input, output, edit;  ///< absolute paths
-  bool isScript = false;        ///< the edit is a filter script, not JSON
+  QString targets;              ///< landmarks: edit is the file of the points, this that of their targets; or empty
+  bool fromStream = false;      ///< the mesh is read from the standard input, as PLY
+  bool toStream = false;        ///< the mesh is written to the standard output, as PLY
+  std::vector<lapedit::Vector3> nearest;  ///< only the vertices nearest to these are asked for
+  bool info = false;                      ///< only what the mesh is is asked for
+  bool isScript = false;                  ///< the edit is a filter script, not JSON
   std::vector<double> fractions = {1};
   bool numbered = false;  ///< one output per fraction, its number in the name
   QString report;         ///< path, empty: none
@@ -40,4 +46,4 @@ bool isScript(const QString& path);
 
 /// @return the options, or `std::nullopt` if only a text for the user was requested
 /// @throws Failure (WrongUsage)
-std::optional<Options> readOptions(const QStringList& arguments, std::string& text);
+std::optional<Options> readOptions(QStringList arguments, std::string& text);

@@ -40,6 +40,12 @@ QJsonObject object(const std::vector<Figure>& figures) {
 QJsonObject step(const EditReport& report) {
   QJsonObject all = object(report.figures());
   all["milliseconds"] = object(report.times());
+  QJsonArray landmarks;
+  for (const LandmarkResidual& one : report.landmarks) {
+    landmarks.append(
+        QJsonObject{{"name", QString::fromStdString(one.name)}, {"vertex", one.vertex}, {"residual", one.residual}});
+  }
+  all["landmarks"] = landmarks;
   return all;
 }
 
@@ -62,7 +68,7 @@ QByteArray reportText(const Options& options, const JobReport& report) {
     outputs.append(output);
   }
   const bool single = host::kStoredScalar == StoredScalar::Float;
-  const QJsonObject all = {
+  QJsonObject all = {
       {"laplacian_edit_report", 1},
       {"program", "laplacian-edit " LAPEDIT_VERSION},
       {"host", host::BatchHost::version()},
@@ -72,5 +78,8 @@ QByteArray reportText(const Options& options, const JobReport& report) {
       {"mesh", QJsonObject{{"vertices", report.vertices}, {"faces", report.faces}}},
       {"outputs", outputs},
       {"milliseconds", QJsonObject{{"read", report.readMs}, {"edit", report.editMs}, {"write", report.writeMs}}}};
+  if (!options.targets.isEmpty()) {
+    all["targets"] = options.targets;
+  }
   return QJsonDocument(all).toJson();
 }

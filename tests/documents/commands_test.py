@@ -50,6 +50,9 @@ ELSEWHERE = [
     (r"tests/hosts/package_test\.sh trixie", "hosts.package_trixie", "tests/hosts/CMakeLists.txt", "package_test.sh"),
     (r"tests/hosts/compare\.py", "hosts.same_coordinates", "tests/hosts/CMakeLists.txt", "compare.py"),
     (r"tests/hosts/root\.sh", "hosts.root", "tests/hosts/root_test.sh", "root.sh"),
+    (r"(laplacian-edit|cat nose\.json) (.|\n)*head(.|\n)*|build/common/demo/make_mesh head head\.ply|"
+     r"echo '(.|\n)*' > (?!edit)\w+\.\w+", "documents.scripts_by_place", "tests/documents/scripts_by_place_test.py",
+     "for line, text in commands(PAGE)"),
     (r"(export .*\n)?parallel (.|\n)*", "command.list", "tests/batch/list_test.py",
      r'ONE_CALL, PARALLEL, HOSTS = re.findall(r"```sh\n(.*?)```", DOCUMENT, re.S)'),
     (r"sbatch .* slurm_array\.sh .*", "command.list", "tests/batch/list_test.py", "slurm_array.sh"),
@@ -117,7 +120,7 @@ class Commands(unittest.TestCase):
     SOME_TESTS = r"build/tests/\w+ --gtest_filter=\S+"
     MAKE_FAMILY = r"common/demo/make_family\.py .*"
     EDIT_FILE = r"echo '(.|\n)*' > edit\.json"
-    SINGLE = r"laplacian-edit (?!--list)(.|\n)*"
+    SINGLE = r"laplacian-edit (?!--list)(?!(.|\n)*head)(.|\n)*"
     LIST = r"laplacian-edit --list .*"
     SERVER = r"xvfb-run -a meshlabserver .*"
     HERE = [CONFIGURE, SELECT, SOME_TESTS, MAKE_FAMILY, EDIT_FILE, SINGLE, LIST, SERVER]

@@ -37,6 +37,10 @@ class JsonKeys(WithProgram):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
+        # What the example names.
+        (cls.folder / "from.pp").write_text('<PickedPoints><point x="0" y="0" z="0" name="a"/></PickedPoints>', encoding="utf-8")
+        (cls.folder / "to.mrk.json").write_text(
+            '{"markups": [{"controlPoints": [{"label": "a", "position": [0, 0, 1]}]}]}', encoding="utf-8")
         cls.document = Document(pathlib.Path("common/docs/json-format.md"))
         cls.examples = [json.loads(text) for language, text in cls.document.blocks if language == "json"]
         cls.rows = {code(row[0])[0]: row for row in cls.document.rows("Keys")}

@@ -78,11 +78,11 @@ TEST(EditScriptRefusal, OtherVersionsAreRefusedWithTheNumber) {
 TEST(EditScriptRefusal, UnknownKeysAreRefusedByNameAndPlace) {
   EXPECT_EQ(refusal(with_steps("{'region': {'radius': 1}, 'handles': [{'vertices': '1'}]},"
                                "{'region': {'radius': 1}, 'handles': [{'vertices': '1', 'translaton': [0,0,1]}]}")),
-            "steps[1].handles[0]: unknown key \"translaton\"; known keys are vertices, weights, targets, translation, "
-            "rotation, scale, matrix.");
+            "steps[1].handles[0]: unknown key \"translaton\"; known keys are vertices, point, points, within, "
+            "selected, landmarks, weights, target, targets, translation, rotation, scale, matrix.");
   expect_contains(refusal(js("{'laplacian_edit': 1, 'step': []}")), "edit: unknown key \"step\"");
   expect_contains(refusal(with_mesh("{'edges': 1}")),
-                  "mesh: unknown key \"edges\"; known keys are vertices, faces, connectivity.");
+                  "mesh: unknown key \"edges\"; known keys are vertices, faces, connectivity, places.");
   expect_contains(refusal(with_region("{'radius': 1, 'pad': 1}")), "steps[0].region: unknown key \"pad\"");
   expect_contains(refusal(with_setting("'Order': 1")), "steps[0]: unknown key \"Order\"");
   expect_contains(refusal(with_handle("{'vertices': '1', 'rotation': {'angle': 1}}")),
@@ -125,8 +125,6 @@ TEST(EditScriptRefusal, WrongTypesAreRefusedWithWhatWasExpected) {
   expect_contains(refusal(with_region("{'radius': 1, 'padding': []}")), "region.padding: expected a number, found a");
 
   const std::pair<const char*, const char*> handles[] = {
-      {"{}", "needs exactly one of the keys vertices, point, points, within, selected and landmarks."},
-      {"{'vertices': '1', 'point': [0, 0, 0]}", "needs exactly one of the keys vertices, point, points,"},
       {"{'point': [0, 0]}", "point: expected a list of 3 numbers, found a list of"},
       {"{'points': []}", "points: expected a list of one or more points, found a list of length 0."},
       {"{'points': [[0, 0, 'x']]}", "points[0][2]: expected a number, found the text \"x\"."},
@@ -137,10 +135,8 @@ TEST(EditScriptRefusal, WrongTypesAreRefusedWithWhatWasExpected) {
       {"{'points': [[0, 0, 0]], 'weights': [1, 1]}", "weights: holds 2 numbers for 1 points; give one for each"},
       {"{'points': [[0, 0, 0], [1, 0, 0]], 'targets': [[0, 0, 1]]}", "targets: 1 targets are given for 2 points;"},
       {"{'points': [[0, 0, 0], [1, 0, 0]], 'target': [0, 0, 1]}", "target: 1 targets are given for 2 points;"},
-      {"{'point': [0, 0, 0], 'target': [0, 0, 1], 'targets': [[0, 0, 1]]}", "has both target and targets"},
-      {"{'point': [0, 0, 0], 'target': [0, 0, 1], 'translation': [0, 0, 1]}", "has both target and translation"},
       {"{'selected': true, 'target': [0, 0, 1]}", "target: goes with point, points or vertices only"},
-      {"{'landmarks': {'from': 'no.pp', 'to': 'no.pp'}}", "handles[0].landmarks: \"no.pp\" is not the path of a file."},
+      {"{'landmarks': {'from': 'no.pp', 'to': 'no.pp'}}", "landmarks: \"no.pp\" is not the path of a file."},
       {"{'landmarks': {'from': 'no.pp'}}", "landmarks.to: expected a text, but the key is missing."},
       {"{'vertices': 1}", "vertices: expected a text, found the number 1."},
       {"{'vertices': [1]}", "vertices: expected a text, found a list of length 1."},
@@ -164,6 +160,15 @@ TEST(EditScriptRefusal, WrongTypesAreRefusedWithWhatWasExpected) {
   };
   for (const auto& [handle, part] : handles) {
     expect_contains(refusal(with_handle(handle)), std::string("steps[0].handles[0].") + part);
+  }
+  const std::pair<const char*, const char*> whole[] = {
+      {"{}", "needs exactly one of the keys vertices, point, points, within, selected and landmarks."},
+      {"{'vertices': '1', 'point': [0, 0, 0]}", "needs exactly one of the keys vertices, point, points,"},
+      {"{'point': [0, 0, 0], 'target': [0, 0, 1], 'targets': [[0, 0, 1]]}", "has both target and targets"},
+      {"{'point': [0, 0, 0], 'target': [0, 0, 1], 'translation': [0, 0, 1]}", "has both target and translation"},
+  };
+  for (const auto& [handle, part] : whole) {
+    expect_contains(refusal(with_handle(handle)), std::string("steps[0].handles[0]: ") + part);
   }
   for (const char* other : {"'scale': 1", "'rotation': {}", "'translation': [0, 0, 0]"}) {
     const std::string matrix = "{'vertices': '1', 'matrix': [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1], ";

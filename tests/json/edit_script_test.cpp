@@ -390,7 +390,7 @@ TEST_F(EditFile, UnusablePathsAreRefusedByName) {
   expect_contains(refusal("[1]"), "\"[1]\" is neither JSON text");
   expect_contains(refusal("/dev/zero"), "is neither JSON text");
   const std::string inside = refusal(write("bad.json", "{\n\"laplacian_edit\" 1}"));
-  expect_contains(inside, "bad.json\": The edit is not valid JSON: parse error at line 2, column ");
+  expect_contains(inside, "bad.json\": The text is not valid JSON: parse error at line 2, column ");
 }
 
 }  // namespace

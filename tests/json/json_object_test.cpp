@@ -58,7 +58,7 @@ TEST(JsonObject, NumbersReadBackAsTheSameDouble) {
 
 TEST(JsonObject, SyntaxErrorsNameLineAndColumn) {
   const std::pair<std::string, const char*> cases[] = {
-      {"{\"a\": 1,\n \"steps\": [1 2]}", "The edit is not valid JSON: parse error at line 2, column 14: "},
+      {"{\"a\": 1,\n \"steps\": [1 2]}", "The text is not valid JSON: parse error at line 2, column 14: "},
       {"{\"a\": 1,\n\"b\": ?}", "line 2, column 6: "},
       {"{\"a\": 1,\n", "unexpected end of input"},
       {"{\"a\": 01}", "line 1, column 8: "},

@@ -101,8 +101,8 @@ TEST(Landmarks, WhatIsWrongIsSaidWithPlaceAndName) {
   expect_contains(refusal("<PickedPoints><point x=\"1", "a.pp"), "is cut off within an element");
   expect_contains(refusal("1,0,0,zero,0,0,0,1,1,1,0,a\n", "a.fcsv"), "line 1: the z of landmark \"a\" is \"zero\"");
   expect_contains(refusal("# columns = a,b\n1,2\n", "a.fcsv"), "columns are not named x, y, z and label");
-  expect_contains(refusal("[]", "a.json"), "no list markups");
-  expect_contains(refusal("{", "a.json"), "line 1");
+  expect_contains(refusal("{}", "a.json"), "no list markups");
+  expect_contains(refusal("{", "a.json"), "\"a.json\": ");
   expect_contains(refusal(R"({"markups": [{}]})", "a.json"), "markups[0]: has no list controlPoints");
   expect_contains(refusal(R"({"markups": [{"controlPoints": [{}]}]})", "a.json"), "controlPoints[0]: has no label");
   expect_contains(refusal(R"({"markups": [{"controlPoints": [{"label": "a", "position": [1, 2]}]}]})", "a.json"),

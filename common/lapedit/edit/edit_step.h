@@ -56,8 +56,8 @@ struct VertexPlaces {
 struct Edit {
   std::optional<int> mesh_vertices, mesh_faces;
   std::string connectivity;  ///< checksum, empty: not given
-  VertexPlaces places = {};  ///< of the vertices that the steps name; they count where nothing above is given
   std::vector<EditStep> steps;
+  VertexPlaces places = {};  ///< of the vertices that the steps name; they count where the mesh is not given
 
   bool by_place() const { return !places.points.empty() && !mesh_vertices && !mesh_faces && connectivity.empty(); }
 };

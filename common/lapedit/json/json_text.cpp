@@ -88,7 +88,7 @@ Json parse_json(std::string json) {
     refuse_json("The edit is an empty text; give a JSON object.");
   }
   if (json.find('\0') != std::string::npos) {  // the parser takes it for the end
-    refuse_json("The edit is not valid JSON: it has a byte 0.");
+    refuse_json("The text is not valid JSON: it has a byte 0.");
   }
   Json root;
   try {
@@ -97,10 +97,10 @@ Json parse_json(std::string json) {
     std::string what = error.what();
     what.erase(0, what.find("] ") + 2);                           // the library's number of the error
     what.erase(std::min(what.find("; last read"), what.size()));  // which quotes the text
-    refuse_json("The edit is not valid JSON: " + what + ".");
+    refuse_json("The text is not valid JSON: " + what + ".");
   }
   if (!root.is_object()) {
-    refuse_json("The edit is " + describe(root) + "; it has to be a JSON object.");
+    refuse_json("The text is " + describe(root) + "; it has to be a JSON object.");
   }
   return root;
 }

@@ -279,8 +279,13 @@ void read_fiducials(const std::string& text, const std::string& name, Collector&
 }
 
 void read_markups(const std::string& text, const std::string& name, Collector& all) {
-  const Json root = parse_json(text);
-  if (!root.is_object() || !root.contains("markups") || !root["markups"].is_array()) {
+  Json root;
+  try {
+    root = parse_json(text);
+  } catch (const EditError& refusal) {
+    throw EditError(refusal.cause(), name + ": " + refusal.what());
+  }
+  if (!root.contains("markups") || !root["markups"].is_array()) {
     refuse_json(name + ": has no list markups; save it with 3D Slicer.");
   }
   for (std::size_t m = 0; m < root["markups"].size(); ++m) {
@@ -368,9 +373,9 @@ LandmarkFile read_landmarks(const std::string& text, const std::string& name) {
   return std::move(all.file);
 }
 
-HandleGroup load_landmarks(const std::string& from, const std::string& to) {
-  const LandmarkFile first = read_landmarks(read_text_file(from), from);
-  const LandmarkFile second = read_landmarks(read_text_file(to), to);
+HandleGroup pair_landmarks(const NamedLandmarks& from_file, const NamedLandmarks& to_file) {
+  const LandmarkFile &first = from_file.file, &second = to_file.file;
+  const std::string &from = from_file.name, &to = to_file.name;
   if (!first.system.empty() && !second.system.empty() && first.system != second.system) {
     refuse_json("The landmarks of " + quoted_text(from) + " are in " + first.system + " coordinates, those of " +
                 quoted_text(to) + " in " + second.system + "; save both in those of the mesh.");
@@ -397,6 +402,23 @@ HandleGroup load_landmarks(const std::string& from, const std::string& to) {
     group.targets.push_back(targets.at(landmark.name));
   }
   return group;
+}
+
+HandleGroup load_landmarks(const std::string& from, const std::string& to) {
+  const NamedLandmarks points = {from, read_landmarks(read_text_file(from), from)};
+  return pair_landmarks(points, {to, read_landmarks(read_text_file(to), to)});
+}
+
+Edit fit_landmarks(HandleGroup group) {
+  EditStep step;
+  step.region.kind = RegionSpec::Kind::Component;
+  step.handles = {std::move(group)};
+  step.settings.laplacian = LaplacianKind::Cotangent;
+  step.settings.rotation = DetailRotation::None;
+  step.settings.membrane = 0;
+  Edit edit;
+  edit.steps = {std::move(step)};
+  return edit;
 }
 
 std::string read_text_file(const std::string& path) {

@@ -26,11 +26,22 @@ struct LandmarkFile {
 ///         finite number, a name that is there twice
 LandmarkFile read_landmarks(const std::string& text, const std::string& name);
 
-/// Reads two files and makes one handle group of them, its points, names and targets. Landmarks are paired by name.
-/// @throws EditError (BadScript) as read_landmarks(); if a file cannot be read; for names that are in one file only,
-/// and
-///         for files in different coordinate systems
+/// Landmarks with the name of their file, for messages.
+struct NamedLandmarks {
+  std::string name;
+  LandmarkFile file;
+};
+
+/// Makes one handle group of the landmarks of two files: its points, names and targets. They are paired by name.
+/// @throws EditError (BadScript) for names that are in one file only, and for files in different coordinate systems
+HandleGroup pair_landmarks(const NamedLandmarks& from, const NamedLandmarks& to);
+
+/// The same for two files. @throws EditError (BadScript) also as read_text_file() and read_landmarks()
 HandleGroup load_landmarks(const std::string& from, const std::string& to);
+
+/// Returns an edit that fits the whole components of a group to its targets, by the settings that suit landmarks all
+/// over a surface: the displacement of one landmark goes over smoothly into that of the next.
+Edit fit_landmarks(HandleGroup group);
 
 /// Reads a text file. @throws EditError (BadScript) if it is none, cannot be read, or is larger than kLargestJson
 std::string read_text_file(const std::string& path);

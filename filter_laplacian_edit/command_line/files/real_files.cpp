@@ -75,12 +75,16 @@ bool RealFile::is(const RealFile& other) const {
 
 void refuseSameFiles(const Options& options) {
   const Named input = named("mesh", options.input), edit = named("edit", options.edit);
+  const Named targets = named("landmark file", options.targets.isEmpty() ? options.edit : options.targets);
   std::vector<Named> outputs;
   for (const QString& path : options.outputs()) {
     outputs.push_back(named("output", path));
     const Named& output = outputs.back();
     if (output.file.is(edit.file)) {
       refuse(edit, output);
+    }
+    if (output.file.is(targets.file)) {
+      refuse(targets, output);
     }
     if (options.numbered && output.file.is(input.file)) {
       refuse(input, output);
@@ -97,6 +101,7 @@ void refuseSameFiles(const Options& options) {
   const Named report = named("report", options.report);
   outputs.push_back(input);
   outputs.push_back(edit);
+  outputs.push_back(targets);
   for (const Named& other : outputs) {
     if (report.file.is(other.file)) {
       refuse(other, report);
