@@ -63,7 +63,7 @@ if(MeshLab_LIBRARY AND Qt5_FOUND AND OpenGL_FOUND AND OPENGL_GLU_FOUND AND GLEW_
     set(MeshLab_APIS 2020)
   elseif(EXISTS "${MeshLab_ROOT_DIR}/src/common/plugins/interfaces/filter_plugin.h")
     set(MeshLab_API 2022)
-    # The kinds of parameters changed again.
+    # The kinds of parameters changed with 2023.12.
     if(EXISTS "${MeshLab_ROOT_DIR}/src/common/parameters/values.h")
       set(MeshLab_APIS 2022 2022/parameters_2025)
     else()
@@ -75,6 +75,19 @@ if(MeshLab_LIBRARY AND Qt5_FOUND AND OpenGL_FOUND AND OPENGL_GLU_FOUND AND GLEW_
                         "interfaces and vcglib are needed.")
   endif()
   file(STRINGS "${MeshLab_ROOT_DIR}/ML_VERSION" MeshLab_VERSION LIMIT_COUNT 1)
+  # With double precision its version ends with d; the H is the compiler's.
+  file(STRINGS "${MeshLab_LIBRARY}" _versions REGEX "^20[0-9][0-9][.][0-9][0-9]d?H?$")
+  string(REGEX REPLACE "[dH]" "" _versions "${_versions}")
+  list(REMOVE_DUPLICATES _versions)
+  if(NOT _versions)
+    message(WARNING "${MeshLab_LIBRARY} does not tell its version: that it is ${MeshLab_VERSION}, as the headers are, is "
+                    "not checked.")
+  elseif(NOT MeshLab_VERSION IN_LIST _versions)
+    list(JOIN _versions ", " _versions)
+    message(FATAL_ERROR "The headers in ${MeshLab_ROOT_DIR} are MeshLab ${MeshLab_VERSION}'s, but ${MeshLab_LIBRARY} is "
+                        "of MeshLab ${_versions}: give that version's source with -DMESHLAB_SOURCE_DIR=..., or another "
+                        "MeshLab_LIBRARY.")
+  endif()
   cmake_path(GET MeshLab_LIBRARY PARENT_PATH _directory)
   set(MeshLab_PLUGIN_DIR "${_directory}/plugins" CACHE PATH "Where MeshLab looks for plugins, and ours are installed")
 endif()

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit_host/host_filter.h"
 
-#include <charconv>
+#include <QByteArray>
 #include <cmath>
 #include <exception>
+#include <limits>
 
 #include "lapedit/base/error.h"
 #include "lapedit_host/mesh_bridge.h"
@@ -17,10 +18,16 @@ double as_typed(float number) {
   if (!std::isfinite(number)) {
     return number;
   }
-  char text[64];
-  double result = 0;
-  std::from_chars(text, std::to_chars(text, text + sizeof text, number).ptr, result);
-  return result;
+  // Older standard libraries have no std::from_chars for such numbers.
+  double typed = number;
+  for (int digits = 1; digits <= std::numeric_limits<float>::max_digits10; ++digits) {
+    typed = QByteArray::number(static_cast<double>(number), 'g', digits).toDouble();
+    const auto same = static_cast<float>(typed);
+    if (!std::isless(same, number) && !std::isgreater(same, number)) {
+      break;
+    }
+  }
+  return typed;
 }
 
 /// A coordinate of a host with meshes in double precision comes from its caller as it is, but from a script it was read

@@ -1,22 +1,39 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <bitset>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <type_traits>
 
-// All that only GCC and clang understand.
+// All that only GCC and clang understand, and with LAPEDIT_PLAIN_KERNELS a form of it for any C++17 compiler.
 //
 // Kernels for several generations of processors in one build, for the few files that need them: a kernel is an
 // always-inlined template, and one function per generation, with that generation's attribute, calls it. Vectors are
-// GCC's and clang's vector types, which every generation can compile.
+// GCC's and clang's vector types, which every generation can compile; plain ones are structs of numbers.
 
+#if defined(__GNUC__) && !defined(LAPEDIT_PLAIN_KERNELS)
 #define LAPEDIT_ALWAYS_INLINE __attribute__((always_inline))
+#define LAPEDIT_PRAGMA(text) _Pragma(#text)
+/// Before a loop that has to be unrolled for its sums to stay in registers.
+#define LAPEDIT_UNROLL(count) LAPEDIT_PRAGMA(GCC unroll count)
+#else
+#define LAPEDIT_ALWAYS_INLINE
+#define LAPEDIT_UNROLL(count)
+#ifndef LAPEDIT_PLAIN_KERNELS
+#define LAPEDIT_PLAIN_KERNELS
+#endif
+#endif
 #define LAPEDIT_INLINE inline LAPEDIT_ALWAYS_INLINE
+#ifdef __GNUC__
 #define LAPEDIT_PRINTF(text, first) __attribute__((format(printf, text, first)))
-/// Lanes of two vectors, numbered through.
-#define LAPEDIT_SHUFFLE __builtin_shufflevector
+#else
+#define LAPEDIT_PRINTF(text, first)
+#endif
 
-#if defined(__x86_64__)
+#if defined(__x86_64__) && !defined(LAPEDIT_PLAIN_KERNELS)
 #define LAPEDIT_HAVE_AVX 1
 #define LAPEDIT_AVX2 __attribute__((target("avx2,fma")))
 #ifdef __clang__
@@ -39,10 +56,114 @@ CpuLevel cpu_level();
 
 /// `lanes` numbers that are added, multiplied and so on together. Containers do not align more than 16 bytes: those of
 /// larger vectors hold numbers, to be read by load().
+#ifdef LAPEDIT_PLAIN_KERNELS
+template <class Scalar, int lanes>
+struct PlainVector {
+  Scalar lane[lanes];
+
+  Scalar& operator[](std::ptrdiff_t k) { return lane[k]; }
+  const Scalar& operator[](std::ptrdiff_t k) const { return lane[k]; }
+
+#define LAPEDIT_OPERATOR(sign)                                            \
+  PlainVector& operator sign##=(const PlainVector& b) {                   \
+    return *this = *this sign b;                                          \
+  }                                                                       \
+  PlainVector& operator sign##=(Scalar b) {                               \
+    return *this = *this sign b;                                          \
+  }                                                                       \
+  friend PlainVector operator sign(Scalar a, const PlainVector& b) {      \
+    return filled(a) sign b;                                              \
+  }                                                                       \
+  friend PlainVector operator sign(const PlainVector& a, Scalar b) {      \
+    return a sign filled(b);                                              \
+  }                                                                       \
+  friend PlainVector operator sign(PlainVector a, const PlainVector& b) { \
+    for (int k = 0; k < lanes; ++k) {                                     \
+      a.lane[k] = a.lane[k] sign b.lane[k];                               \
+    }                                                                     \
+    return a;                                                             \
+  }
+  LAPEDIT_OPERATOR(+)
+  LAPEDIT_OPERATOR(-)
+  LAPEDIT_OPERATOR(*)
+  LAPEDIT_OPERATOR(/)
+  LAPEDIT_OPERATOR(&)
+  LAPEDIT_OPERATOR(|)
+#undef LAPEDIT_OPERATOR
+
+  /// All bits set where it is so.
+  using Mask = PlainVector<std::conditional_t<sizeof(Scalar) == 8, std::int64_t, std::int32_t>, lanes>;
+#define LAPEDIT_COMPARISON(sign)                                          \
+  friend Mask operator sign(const PlainVector& a, Scalar b) {             \
+    return a sign filled(b);                                              \
+  }                                                                       \
+  friend Mask operator sign(const PlainVector& a, const PlainVector& b) { \
+    Mask result;                                                          \
+    for (int k = 0; k < lanes; ++k) {                                     \
+      result.lane[k] = a.lane[k] sign b.lane[k] ? -1 : 0;                 \
+    }                                                                     \
+    return result;                                                        \
+  }
+  LAPEDIT_COMPARISON(<)
+  LAPEDIT_COMPARISON(>)
+  LAPEDIT_COMPARISON(!=)
+#undef LAPEDIT_COMPARISON
+
+  friend PlainVector operator-(PlainVector a) {
+    for (Scalar& each : a.lane) {
+      each = -each;
+    }
+    return a;
+  }
+  friend PlainVector operator~(PlainVector a) {
+    for (Scalar& each : a.lane) {
+      each = ~each;
+    }
+    return a;
+  }
+
+ private:
+  static PlainVector filled(Scalar value) {
+    PlainVector result;
+    for (Scalar& each : result.lane) {
+      each = value;
+    }
+    return result;
+  }
+};
+template <class Scalar, int lanes>
+struct Simd {
+  using Vector = PlainVector<Scalar, lanes>;
+};
+/// Lanes of two vectors, numbered through.
+template <int... numbers, class Scalar, int lanes>
+PlainVector<Scalar, lanes> shuffle(const PlainVector<Scalar, lanes>& a, const PlainVector<Scalar, lanes>& b) {
+  return {{(numbers < lanes ? a.lane[numbers % lanes] : b.lane[numbers % lanes])...}};
+}
+/// Of each lane a where the mask is set, else b.
+template <class Mask, class Scalar, int lanes>
+PlainVector<Scalar, lanes> select(const Mask& mask, PlainVector<Scalar, lanes> a, const PlainVector<Scalar, lanes>& b) {
+  for (int k = 0; k < lanes; ++k) {
+    a.lane[k] = mask.lane[k] != 0 ? a.lane[k] : b.lane[k];
+  }
+  return a;
+}
+#else
 template <class Scalar, int lanes>
 struct Simd {
   typedef Scalar Vector __attribute__((vector_size(lanes * sizeof(Scalar))));
 };
+/// Lanes of two vectors, numbered through.
+template <int... numbers, class Vector>
+LAPEDIT_INLINE Vector shuffle(Vector a, Vector b) {
+  return __builtin_shufflevector(a, b, numbers...);
+}
+/// Of each lane a where the mask is set, else b.
+template <class Mask, class Vector>
+LAPEDIT_INLINE Vector select(Mask mask, Vector a, Vector b) {
+  return mask ? a : b;
+}
+#endif
 using Floats4 = Simd<float, 4>::Vector;
 using Doubles4 = Simd<double, 4>::Vector;
 
@@ -56,6 +177,7 @@ template <class Vector, class Scalar>
 LAPEDIT_INLINE void store(Scalar* to, Vector vector) {
   std::memcpy(to, &vector, sizeof vector);
 }
+#ifdef __GNUC__
 LAPEDIT_INLINE void prefetch(const void* place) {
   __builtin_prefetch(place);
 }
@@ -65,15 +187,24 @@ LAPEDIT_INLINE int count_bits(std::uint64_t word) {
 LAPEDIT_INLINE int lowest_bit(std::uint64_t word) {
   return __builtin_ctzll(word);
 }
+#else
+inline void prefetch(const void*) {}
+inline int count_bits(std::uint64_t word) {
+  return static_cast<int>(std::bitset<64>(word).count());
+}
+inline int lowest_bit(std::uint64_t word) {
+  return count_bits((word & (~word + 1)) - 1);
+}
+#endif
 /// a b + c, rounded once.
 LAPEDIT_INLINE double fused(double a, double b, double c) {
-  return __builtin_fma(a, b, c);
+  return std::fma(a, b, c);
 }
 /// Tells the processor that this is a loop that waits.
 inline void pause_processor() {
-#if defined(__x86_64__) || defined(__i386__)
+#if defined(__GNUC__) && (defined(__x86_64__) || defined(__i386__))
   __builtin_ia32_pause();
-#elif defined(__aarch64__)
+#elif defined(__GNUC__) && defined(__aarch64__)
   __asm__ __volatile__("yield");
 #endif
 }

@@ -46,12 +46,12 @@ LAPEDIT_INLINE Lanes cofactor(const Matrices& a, int i, int j) {
 
 LAPEDIT_INLINE Matrices inverse_transposed(const Matrices& a) {
   Matrices result;
-#pragma GCC unroll 9
+  LAPEDIT_UNROLL(9)
   for (int k = 0; k < 9; ++k) {
     result.m[k] = cofactor(a, k % 3, k / 3);
   }
   const Lanes factor = 1 / ((result.m[0] * a.m[0] + result.m[1] * a.m[1]) + result.m[2] * a.m[2]);
-#pragma GCC unroll 9
+  LAPEDIT_UNROLL(9)
   for (int k = 0; k < 9; ++k) {
     result.m[k] *= factor;
   }
@@ -68,7 +68,7 @@ LAPEDIT_INLINE Lanes determinant(const Matrices& a) {
 LAPEDIT_INLINE Mask iterate(Matrices& x) {
   constexpr double kUndetermined = 1e-10, kSafeDeterminant = 1e-4;
   const Lanes size = square_root(squared_norm(x));
-#pragma GCC unroll 9
+  LAPEDIT_UNROLL(9)
   for (int k = 0; k < 9; ++k) {
     x.m[k] = x.m[k] / size + (k % 4 == 0 ? kUndetermined : 0);
   }
@@ -79,11 +79,11 @@ LAPEDIT_INLINE Mask iterate(Matrices& x) {
     const Matrices back = inverse_transposed(x);
     const Lanes gamma = square_root(square_root(squared_norm(back)) / square_root(squared_norm(x)));
     Matrices next, change;
-#pragma GCC unroll 9
+    LAPEDIT_UNROLL(9)
     for (int k = 0; k < 9; ++k) {
       next.m[k] = 0.5 * (gamma * x.m[k] + back.m[k] / gamma);
       change.m[k] = next.m[k] - x.m[k];
-      x.m[k] = settled ? x.m[k] : next.m[k];
+      x.m[k] = select(settled, x.m[k], next.m[k]);
     }
     settled |= open & (squared_norm(change) < 1e-26);
     const Mask left = open & ~settled;

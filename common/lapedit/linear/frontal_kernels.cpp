@@ -24,22 +24,22 @@ constexpr std::ptrdiff_t kStep = kLanes;
 template <int Tall, int Width>
 LAPEDIT_INLINE void subtract_tile(double* to, const double* by, const double* rows, int stride, int depth) {
   Lanes sum[Width][Tall];
-#pragma GCC unroll 8
+  LAPEDIT_UNROLL(8)
   for (int j = 0; j < Width; ++j) {
-#pragma GCC unroll 4
+    LAPEDIT_UNROLL(4)
     for (int v = 0; v < Tall; ++v) {
       sum[j][v] = load<Lanes>(to + static_cast<std::size_t>(j) * stride + v * kStep);
     }
   }
   for (int p = 0; p < depth; ++p) {
     Lanes column[Tall];
-#pragma GCC unroll 4
+    LAPEDIT_UNROLL(4)
     for (int v = 0; v < Tall; ++v) {
       column[v] = load<Lanes>(by + v * kStep);
     }
-#pragma GCC unroll 8
+    LAPEDIT_UNROLL(8)
     for (int j = 0; j < Width; ++j) {
-#pragma GCC unroll 4
+      LAPEDIT_UNROLL(4)
       for (int v = 0; v < Tall; ++v) {
         sum[j][v] -= rows[j] * column[v];
       }
@@ -47,9 +47,9 @@ LAPEDIT_INLINE void subtract_tile(double* to, const double* by, const double* ro
     by += stride;
     rows += Width;
   }
-#pragma GCC unroll 8
+  LAPEDIT_UNROLL(8)
   for (int j = 0; j < Width; ++j) {
-#pragma GCC unroll 4
+    LAPEDIT_UNROLL(4)
     for (int v = 0; v < Tall; ++v) {
       store(to + static_cast<std::size_t>(j) * stride + v * kStep, sum[j][v]);
     }

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <mutex>
@@ -17,8 +16,10 @@
 namespace lapedit::supernode {
 namespace {
 
+constexpr std::align_val_t kLine{64};
+
 struct Free {
-  void operator()(double* memory) const { std::free(memory); }
+  void operator()(double* memory) const { ::operator delete(memory, kLine); }
 };
 using Memory = std::unique_ptr<double, Free>;
 
@@ -26,7 +27,7 @@ using Memory = std::unique_ptr<double, Free>;
 class Recycler {
  public:
   Memory take(std::size_t size, int& kind) {
-    constexpr std::size_t kLine = 64, kLeast = 64;
+    constexpr std::size_t kLeast = 64;
     kind = 0;
     while ((kLeast << kind) < size) {
       ++kind;
@@ -38,11 +39,7 @@ class Recycler {
       free.pop_back();
       return memory;
     }
-    Memory memory(static_cast<double*>(std::aligned_alloc(kLine, (kLeast << kind) * sizeof(double))));
-    if (!memory) {
-      throw std::bad_alloc();
-    }
-    return memory;
+    return Memory(static_cast<double*>(::operator new((kLeast << kind) * sizeof(double), kLine)));
   }
   void give(Memory memory, int kind) {
     const std::lock_guard<std::mutex> lock(mutex_);

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <new>
+#include <utility>
 #include <vector>
 #ifdef __linux__
 #include <sys/mman.h>
@@ -27,21 +27,17 @@ template <typename T>
 class Buffer {
  public:
   Buffer() = default;
-  ~Buffer() { std::free(data_); }
+  ~Buffer() { release(); }
   Buffer(const Buffer&) = delete;
   Buffer& operator=(const Buffer&) = delete;
   void allocate(std::size_t size) {
     constexpr std::size_t kLine = 64, kPage = std::size_t(1) << 21;
-    const std::size_t alignment = size * sizeof(T) >= kPage ? kPage : kLine;
-    const std::size_t bytes = (size * sizeof(T) + alignment - 1) / alignment * alignment;
-    std::free(data_);
-    data_ = static_cast<T*>(std::aligned_alloc(alignment, std::max(bytes, alignment)));
-    if (!data_) {
-      throw std::bad_alloc();
-    }
+    release();
+    alignment_ = std::align_val_t(size * sizeof(T) >= kPage ? kPage : kLine);
+    data_ = static_cast<T*>(::operator new(size * sizeof(T), alignment_));
 #ifdef __linux__
-    if (alignment == kPage) {
-      madvise(data_, bytes, MADV_HUGEPAGE);  // only advice: nothing to do if it is not taken
+    if (alignment_ == std::align_val_t(kPage)) {
+      madvise(data_, size * sizeof(T), MADV_HUGEPAGE);  // only advice: nothing to do if it is not taken
     }
 #endif
   }
@@ -53,7 +49,12 @@ class Buffer {
   }
 
  private:
+  void release() {
+    ::operator delete(std::exchange(data_, nullptr), alignment_);
+  }
+
   T* data_ = nullptr;
+  std::align_val_t alignment_{1};
 };
 
 }  // namespace

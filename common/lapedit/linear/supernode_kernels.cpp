@@ -23,18 +23,17 @@ LAPEDIT_INLINE void fetch(const Scalar* place) {
 template <typename Vector>
 LAPEDIT_INLINE Vector lane_sums(const Vector* s) {
   Vector t[4], u[2];
-#pragma GCC unroll 4
+  LAPEDIT_UNROLL(4)
   for (std::ptrdiff_t k = 0; k < 4; ++k) {
-    t[k] = LAPEDIT_SHUFFLE(s[2 * k], s[2 * k + 1], 0, 8, 2, 10, 4, 12, 6, 14) +
-           LAPEDIT_SHUFFLE(s[2 * k], s[2 * k + 1], 1, 9, 3, 11, 5, 13, 7, 15);
+    t[k] = shuffle<0, 8, 2, 10, 4, 12, 6, 14>(s[2 * k], s[2 * k + 1]) +
+           shuffle<1, 9, 3, 11, 5, 13, 7, 15>(s[2 * k], s[2 * k + 1]);
   }
-#pragma GCC unroll 2
+  LAPEDIT_UNROLL(2)
   for (std::ptrdiff_t k = 0; k < 2; ++k) {
-    u[k] = LAPEDIT_SHUFFLE(t[2 * k], t[2 * k + 1], 0, 1, 8, 9, 4, 5, 12, 13) +
-           LAPEDIT_SHUFFLE(t[2 * k], t[2 * k + 1], 2, 3, 10, 11, 6, 7, 14, 15);
+    u[k] = shuffle<0, 1, 8, 9, 4, 5, 12, 13>(t[2 * k], t[2 * k + 1]) +
+           shuffle<2, 3, 10, 11, 6, 7, 14, 15>(t[2 * k], t[2 * k + 1]);
   }
-  return LAPEDIT_SHUFFLE(u[0], u[1], 0, 1, 2, 3, 8, 9, 10, 11) +
-         LAPEDIT_SHUFFLE(u[0], u[1], 4, 5, 6, 7, 12, 13, 14, 15);
+  return shuffle<0, 1, 2, 3, 8, 9, 10, 11>(u[0], u[1]) + shuffle<4, 5, 6, 7, 12, 13, 14, 15>(u[0], u[1]);
 }
 
 // Loops over lanes, columns and right-hand sides have to be unrolled for their sums to stay in registers.
@@ -45,15 +44,15 @@ LAPEDIT_INLINE const Scalar* forward_block(const Scalar* block, int panels, Scal
   using Vector = typename Lanes<Scalar>::Vector;
   Scalar y[3][kWide];
   Vector start[3] = {};
-#pragma GCC unroll 8
+  LAPEDIT_UNROLL(8)
   for (int j = 0; j < Width; ++j) {
     const Vector column = load<Vector>(block + j * kWide);
-#pragma GCC unroll 3
+    LAPEDIT_UNROLL(3)
     for (int r = 0; r < 3; ++r) {
       start[r] += column * v[r * pad + j];
     }
   }
-#pragma GCC unroll 3
+  LAPEDIT_UNROLL(3)
   for (int r = 0; r < 3; ++r) {
     std::memcpy(y[r], &start[r], sizeof start[r]);
     std::memcpy(v + r * pad, y[r], Width * sizeof(Scalar));
@@ -62,20 +61,20 @@ LAPEDIT_INLINE const Scalar* forward_block(const Scalar* block, int panels, Scal
   Scalar* below = v + Width;
   for (int p = 0; p < panels; ++p) {
     Vector sum[3];
-#pragma GCC unroll 3
+    LAPEDIT_UNROLL(3)
     for (int r = 0; r < 3; ++r) {
       sum[r] = load<Vector>(below + r * pad);
     }
-#pragma GCC unroll 8
+    LAPEDIT_UNROLL(8)
     for (int j = 0; j < Width; ++j) {
       const Vector column = load<Vector>(tile + j * kTall);
       fetch(tile + j * kTall);
-#pragma GCC unroll 3
+      LAPEDIT_UNROLL(3)
       for (int r = 0; r < 3; ++r) {
         sum[r] -= column * y[r][j];
       }
     }
-#pragma GCC unroll 3
+    LAPEDIT_UNROLL(3)
     for (int r = 0; r < 3; ++r) {
       std::memcpy(below + r * pad, &sum[r], sizeof sum[r]);
     }
@@ -93,15 +92,15 @@ LAPEDIT_INLINE void backward_sums(const Scalar* tile, int panels, const Scalar* 
   Vector sum[3][Count] = {};
   for (int p = 0; p < panels; ++p) {
     Vector x[3];
-#pragma GCC unroll 3
+    LAPEDIT_UNROLL(3)
     for (int r = 0; r < 3; ++r) {
       x[r] = load<Vector>(below + r * pad);
     }
-#pragma GCC unroll 8
+    LAPEDIT_UNROLL(8)
     for (int j = 0; j < Count; ++j) {
       const Vector column = load<Vector>(tile + j * kTall);
       fetch(tile + j * kTall);
-#pragma GCC unroll 3
+      LAPEDIT_UNROLL(3)
       for (int r = 0; r < 3; ++r) {
         sum[r][j] += column * x[r];
       }
@@ -109,9 +108,9 @@ LAPEDIT_INLINE void backward_sums(const Scalar* tile, int panels, const Scalar* 
     tile += Width * kTall;
     below += kTall;
   }
-#pragma GCC unroll 3
+  LAPEDIT_UNROLL(3)
   for (int r = 0; r < 3; ++r) {
-#pragma GCC unroll 8
+    LAPEDIT_UNROLL(8)
     for (int j = 0; j < Count; ++j) {
       sums[r][j] = sum[r][j];
     }
@@ -126,13 +125,13 @@ LAPEDIT_INLINE void backward_block(const Scalar* block, int panels, Scalar* v, i
   Vector sums[3][kWide] = {};
   constexpr int kWhole = Width / Group * Group;
   const Scalar* const tiles = block + Width * kWide;
-#pragma GCC unroll 8
+  LAPEDIT_UNROLL(8)
   for (int first = 0; first < kWhole; first += Group) {
     Vector part[3][kWide];
     backward_sums<Scalar, Width, Group>(tiles + first * kTall, panels, v + Width, pad, part);
-#pragma GCC unroll 3
+    LAPEDIT_UNROLL(3)
     for (int r = 0; r < 3; ++r) {
-#pragma GCC unroll 8
+      LAPEDIT_UNROLL(8)
       for (int j = 0; j < Group; ++j) {
         sums[r][first + j] = part[r][j];
       }
@@ -141,20 +140,20 @@ LAPEDIT_INLINE void backward_block(const Scalar* block, int panels, Scalar* v, i
   if constexpr (kWhole < Width) {
     Vector part[3][kWide];
     backward_sums<Scalar, Width, Width - kWhole>(tiles + kWhole * kTall, panels, v + Width, pad, part);
-#pragma GCC unroll 3
+    LAPEDIT_UNROLL(3)
     for (int r = 0; r < 3; ++r) {
-#pragma GCC unroll 8
+      LAPEDIT_UNROLL(8)
       for (int j = kWhole; j < Width; ++j) {
         sums[r][j] = part[r][j - kWhole];
       }
     }
   }
-#pragma GCC unroll 3
+  LAPEDIT_UNROLL(3)
   for (int r = 0; r < 3; ++r) {
     // Lanes beyond Width are rows below, and meet zeros of the triangle.
     const Vector y = load<Vector>(v + r * pad) - lane_sums(sums[r]);
     Vector products[kWide] = {};
-#pragma GCC unroll 8
+    LAPEDIT_UNROLL(8)
     for (int j = 0; j < Width; ++j) {
       products[j] = load<Vector>(block + j * kWide) * y;
     }

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pymeshlab_plugin.h"
+
+#include <QByteArray>
+#include <QJsonDocument>
+#include <QJsonObject>
+#include <optional>
+#include <utility>
+
+#include "lapedit/json/edit_script.h"
+#include "report_steps.h"
+
+using namespace lapedit;
+using namespace lapedit::host;
+
+namespace {
+
+/// An edit that was made, and of what.
+struct Kept {
+  QString text;
+  double fraction;
+  EditedMesh edited;
+};
+
+/// PyMeshLab may damage a MeshSet when a filter refuses, so an edit is first made of a copy, and then again of the
+/// user's mesh: that finds the result here.
+thread_local std::optional<Kept> kept;
+thread_local QByteArray report;
+
+bool same(const TriangleMesh& a, const TriangleMesh& b) {
+  return a.vertices.rows() == b.vertices.rows() && a.faces.rows() == b.faces.rows() && a.vertices == b.vertices &&
+         a.faces == b.faces;
+}
+
+FilterOutcome replay(const ParameterValues& values, CMeshO& host, const Progress& progress) {
+  const QString text = values.text("edit");
+  const double fraction = values.real("fraction");
+  BridgedMesh bridged = read_mesh(host);
+  if (kept && kept->text == text && kept->fraction == fraction && same(kept->edited.bridged.mesh, bridged.mesh)) {
+    kept->edited.bridged = std::move(bridged);
+  } else {
+    kept.reset();
+    const Edit edit = load_edit(text.toStdString());
+    const auto make = [&edit](const BridgedMesh&) { return edit; };
+    kept = Kept{text, fraction, edit_mesh(host, make, {fraction}, kFewVertices, progress)};
+  }
+  const TriangleMesh& mesh = kept->edited.bridged.mesh;
+  const QJsonObject counts = {{"vertices", static_cast<int>(mesh.vertices.rows())},
+                              {"faces", static_cast<int>(mesh.faces.rows())}};
+  const QJsonObject all = {
+      {"mesh", counts}, {"fraction", fraction}, {"steps", jsonOfSteps(kept->edited.poses.front().reports)}};
+  report = QJsonDocument(all).toJson(QJsonDocument::Compact);
+  return write_edited(host, kept->edited, {});
+}
+
+FilterAction keepingReplay() {
+  FilterAction filter = laplacianEditReplay();
+  filter.run = replay;
+  return filter;
+}
+
+}  // namespace
+
+PyMeshLabPlugin::PyMeshLabPlugin() : VertexFilterPlugin("PyMeshLabLaplacianEdit", {laplacianEdit(), keepingReplay()}) {}
+
+const char* laplacian_edit_report() {
+  return report.constData();
+}
+
+void laplacian_edit_forget() {
+  kept.reset();
+  report.clear();
+}
