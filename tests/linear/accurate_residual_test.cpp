@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <random>
 #include <string>
 
@@ -14,7 +15,13 @@
 namespace lapedit {
 namespace {
 
-__extension__ using Quad = __float128;  // 113 bits
+// 113 bits, also where long double has them (arm64).
+#ifdef __SIZEOF_FLOAT128__
+__extension__ using Quad = __float128;
+#else
+using Quad = long double;
+static_assert(std::numeric_limits<Quad>::digits == 113, "This test needs quadruple precision.");
+#endif
 
 Points random_points(Eigen::Index n, std::mt19937& random) {
   return Points::NullaryExpr(n, 3, [&] { return random() / 2147483648.0 - 1; });

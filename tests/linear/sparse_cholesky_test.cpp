@@ -42,7 +42,13 @@ SparseMatrix random_positive_definite(int n, unsigned seed) {
   std::uniform_real_distribution<double> number(-1, 1);
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(4 * static_cast<std::size_t>(n));
-  for (int i = 0; i < 3 * n; ++i) entries.emplace_back(place(random), place(random), number(random));
+  for (int i = 0; i < 3 * n; ++i) {
+    // One statement each: compilers evaluate arguments in different orders.
+    const double value = number(random);
+    const int column = place(random);
+    const int row = place(random);
+    entries.emplace_back(row, column, value);
+  }
   for (int i = 0; i < n; ++i) entries.emplace_back(i, i, 1);
   SparseMatrix root(n, n);
   root.setFromTriplets(entries.begin(), entries.end());
