@@ -17,13 +17,14 @@ packages="
   meshlab"
 # A MeshLab that runs without a screen.
 display="xvfb xauth libgl1-mesa-dri python3"
-tests="$display ninja-build ccache libgtest-dev libsuitesparse-dev xdotool python3-numpy parallel appstream strace"
+tests="$display ninja-build ccache python3-venv libgtest-dev libsuitesparse-dev xdotool python3-numpy parallel appstream strace"
 for what in "$@"; do
   case $what in
   build) ;;
   tests) packages="$packages $tests" ;;
   pictures) packages="$packages $display python3-numpy python3-vtk9" ;;
-  everything) packages="$packages $tests clang-format clang-tidy clang libclang-rt-dev gcovr universal-ctags debootstrap lintian" ;;
+  everything) packages="$packages $tests clang-format clang-tidy clang libclang-rt-dev gcovr universal-ctags debootstrap lintian
+    libc++-dev libc++abi-dev g++-aarch64-linux-gnu qemu-user-static g++-mingw-w64-x86-64-posix wine64" ;;
   *)
     sed -n '/^# usage/,/^set/s/^# \{0,1\}//p' "$0" >&2
     exit 2
