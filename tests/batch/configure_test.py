@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A missing MeshLab, or one with other coordinates than given, is reported while configuring.
+"""A missing MeshLab, other coordinates than given, and headers of another version are reported while configuring.
 
 Environment:
   LAPEDIT_BUILD  the build folder
@@ -13,7 +13,8 @@ import tempfile
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-CACHE = (pathlib.Path(os.environ["LAPEDIT_BUILD"]) / "CMakeCache.txt").read_text()
+BUILD = pathlib.Path(os.environ["LAPEDIT_BUILD"])
+CACHE = (BUILD / "CMakeCache.txt").read_text(encoding="utf-8")
 
 
 def cached(name):
@@ -42,6 +43,19 @@ class Configure(unittest.TestCase):
         ours = cached("MeshLab_SCALAR")
         other = {"float": "double", "double": "float"}[ours]
         self.refused(f"MeshLab_SCALAR is {other}, but .* has coordinates in {ours}: give", MeshLab_SCALAR=other)
+
+    def test_headers_of_another_version(self):
+        given = cached("MESHLAB_SOURCE_DIR")
+        ours = pathlib.Path(given) if given else next(BUILD.glob("meshlab-source/*/unpacked/*/ML_VERSION")).parent
+        version = (ours / "ML_VERSION").read_text(encoding="utf-8").strip()
+        source = self.folder / "source"
+        source.mkdir()
+        for path in ours.iterdir():
+            if path.name != "ML_VERSION":
+                (source / path.name).symlink_to(path)
+        (source / "ML_VERSION").write_text("2019.03\n", encoding="utf-8")
+        self.refused(rf"The headers in .*/source are MeshLab 2019.03's, but .* is of MeshLab {version}: give that version's "
+                     "source", MESHLAB_SOURCE_DIR=source)
 
 
 if __name__ == "__main__":

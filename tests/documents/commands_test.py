@@ -53,6 +53,8 @@ ELSEWHERE = [
     (r"(laplacian-edit|cat nose\.json) (.|\n)*head(.|\n)*|build/common/demo/make_mesh head head\.ply|"
      r"echo '(.|\n)*' > (?!edit)\w+\.\w+", "documents.scripts_by_place", "tests/documents/scripts_by_place_test.py",
      "for line, text in commands(PAGE)"),
+    (r"filter_laplacian_edit/python/make_wheel\.sh build/wheel", "wheel.make", "tests/python/CMakeLists.txt", "make_wheel.sh"),
+    (r"python3 -m venv v && v/bin/pip install .*", "wheel.2025.7", "tests/python/wheel_test.sh", "python3 -m venv"),
     (r"(export .*\n)?parallel (.|\n)*", "command.list", "tests/batch/list_test.py",
      r'ONE_CALL, PARALLEL, HOSTS = re.findall(r"```sh\n(.*?)```", DOCUMENT, re.S)'),
     (r"sbatch .* slurm_array\.sh .*", "command.list", "tests/batch/list_test.py", "slurm_array.sh"),
@@ -61,8 +63,7 @@ ELSEWHERE = [
 # What no test runs, and why. Of this project's programs among it is checked that they are there, that scripts can be
 # read, and that they know the options.
 EXCEPTIONS = [
-    (r"python3 -m venv python|\. python/bin/activate|pip install pymeshlab\S*|git clone .*/meshlab|"
-     r"cmake (.|\n)*build-python(.|\n)*", "PyMeshLab's wheel and its source come from the network"),
+    (r"\./MeshLab\.AppImage .*|common/scripts/build_for\.sh squashfs-root", "official builds come from the network"),
     (r"(\w+=.*\n)?(xvfb-run -a )?tests/(scripts/(speed|quality)\.sh|bench/quality_(pictures|page)\.py)(.|\n)*|"
      r"(cmake --build )?build/speed.*", "measures for minutes up to hours, beside CGAL and Blender"),
     (r"tests/scripts/(whole_mesh|window_frames)\.sh.*", "measures: takes 10 GB, or a whole machine"),
@@ -115,7 +116,7 @@ class Commands(unittest.TestCase):
 
     # What is run here: the kinds of commands, and how.
 
-    CONFIGURE = r"cmake -S \. -B build(?!-python)( -D.*)?"
+    CONFIGURE = r"cmake -S \. -B build( -D.*)?"
     SELECT = r"ctest --test-dir build -[LR] \S+"
     SOME_TESTS = r"build/tests/\w+ --gtest_filter=\S+"
     MAKE_FAMILY = r"common/demo/make_family\.py .*"
