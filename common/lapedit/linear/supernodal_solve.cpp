@@ -32,12 +32,14 @@ class Buffer {
   Buffer& operator=(const Buffer&) = delete;
   void allocate(std::size_t size) {
     constexpr std::size_t kLine = 64, kPage = std::size_t(1) << 21;
+    const std::size_t alignment = size * sizeof(T) >= kPage ? kPage : kLine;
+    const std::size_t bytes = (size * sizeof(T) + alignment - 1) / alignment * alignment;
     release();
-    alignment_ = std::align_val_t(size * sizeof(T) >= kPage ? kPage : kLine);
-    data_ = static_cast<T*>(::operator new(size * sizeof(T), alignment_));
+    alignment_ = std::align_val_t(alignment);
+    data_ = static_cast<T*>(::operator new(bytes, alignment_));
 #ifdef __linux__
-    if (alignment_ == std::align_val_t(kPage)) {
-      madvise(data_, size * sizeof(T), MADV_HUGEPAGE);  // only advice: nothing to do if it is not taken
+    if (alignment == kPage) {
+      madvise(data_, bytes, MADV_HUGEPAGE);  // only advice: nothing to do if it is not taken
     }
 #endif
   }
