@@ -61,13 +61,15 @@ done
 headers="-Wno-maybe-uninitialized -nostdinc++ -isystem $libraries/usr/include/c++/10"
 headers="$headers -isystem $libraries/usr/include/x86_64-linux-gnu/c++/10"
 link="--sysroot=$libraries -L$libraries/usr/lib/gcc/x86_64-linux-gnu/10 -L$libraries/usr/lib/x86_64-linux-gnu"
-link="$link -L$libraries/lib/x86_64-linux-gnu -lpthread"
-launcher=
-! command -v ccache >/dev/null || launcher=";-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"
+link="$link -L$libraries/lib/x86_64-linux-gnu"
+arguments="-DCMAKE_CXX_FLAGS=$headers;-DCMAKE_MODULE_LINKER_FLAGS=$link;-DCMAKE_CXX_STANDARD_LIBRARIES=-lpthread"
+# libGL is on every desktop, libOpenGL is not.
+arguments="$arguments;-DOpenGL_GL_PREFERENCE=LEGACY"
+! command -v ccache >/dev/null || arguments="$arguments;-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"
 rm -rf "$folder/plain" "$folder/dist"
 log pip wheel --no-deps -w "$folder/plain" "$here" -C build-dir="$folder/build" \
   -C cmake.define.LAPEDIT_PYMESHLABS="$folders" \
-  -C cmake.define.LAPEDIT_PLUGIN_ARGS="-DCMAKE_CXX_FLAGS=$headers;-DCMAKE_MODULE_LINKER_FLAGS=$link;-DOpenGL_GL_PREFERENCE=LEGACY$launcher"
+  -C cmake.define.LAPEDIT_PLUGIN_ARGS="$arguments"
 # PyMeshLab has these libraries loaded when the plugin is.
 log auditwheel repair --plat manylinux_2_31_x86_64 --only-plat --exclude libmeshlab-common.so --exclude 'libQt5*.so.5' \
   -w "$folder/dist" "$folder"/plain/*.whl

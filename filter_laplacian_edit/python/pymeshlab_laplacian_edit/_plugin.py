@@ -26,9 +26,17 @@ def plugin_path(version: str) -> pathlib.Path:
     return _PLUGINS / found[0] / "laplacian_edit_pymeshlab.so"
 
 
+def require_numpy(pymeshlab_version: str, numpy_version: str) -> None:
+    """Raises ImportError for a PyMeshLab that was built before NumPy 2 and crashes with it."""
+    if pymeshlab_version.startswith("2022.") and int(numpy_version.split(".")[0]) >= 2:
+        raise ImportError(f"PyMeshLab {pymeshlab_version} crashes with NumPy {numpy_version}: pip install 'numpy<2'.")
+
+
 def load() -> ctypes.CDLL:
     """Loads the plugin into PyMeshLab, unless it is loaded already. Returns its library."""
-    path = plugin_path(importlib.metadata.version("pymeshlab"))
+    version = importlib.metadata.version("pymeshlab")
+    path = plugin_path(version)
+    require_numpy(version, importlib.metadata.version("numpy"))
     import pymeshlab  # pylint: disable=import-outside-toplevel
     if _FILTER not in pymeshlab.filter_list():
         pymeshlab.load_plugin(str(path))
