@@ -421,6 +421,7 @@ TEST(DragCurve, BendsByAPointWhileTheOthersHold) {
   // Solved again with other settings, and taken back with its points.
   change(window, [](DragSettings& s) { s.edit.membrane = 100; });
   window.expect_consistent();
+  window.session.undo();  // the settings
   window.session.undo();
   window.session.undo();
   window.session.wait();
@@ -761,9 +762,13 @@ TEST(DragLastStep, TakesNumbersAndAShareOfTheWay) {
   change(window, [](DragSettings& s) { s.edit.membrane = 100; });
   EXPECT_EQ(window.session.last_step()->share, 0.5);
   window.expect_consistent();
-  window.session.undo();
+  while (window.session.can_undo()) {
+    window.session.undo();
+  }
   EXPECT_TRUE(same_bits(window.host(), window.session.original().vertices));
-  window.session.redo();
+  while (window.session.can_redo()) {
+    window.session.redo();
+  }
   window.session.wait();
   EXPECT_EQ(window.session.last_step()->share, 0.5);
   // None of the way is none, to the bit; and it can be gone again.

@@ -62,7 +62,7 @@ const std::vector<Setting>& settings_table() {
        {"none", "smooth_normals", "smooth_surface", "local_global"}},
       {Kind::Whole, "iterations", "number of iterations", "a whole number from 0 to 100", 0, 100,
        "Number of passes, each of which estimates the rotations from the last result, 0 to 100. 0: automatic, which is "
-       "8 for local-global rotations and 1 for the others. More than one helps large edits with the smooth surface.",
+       "3 for local-global rotations and 1 for the others. More than one helps large edits with the smooth surface.",
        get<&S::iterations>, set<&S::iterations>},
       {Kind::Length, "normal_radius", "normal radius", "a finite length, or 0 for an automatic one", 0,
        std::numeric_limits<double>::max(),
@@ -122,7 +122,7 @@ std::string title_of(const char* key) {
 }
 
 int EditSettings::passes() const {
-  constexpr int kLocalGlobal = 8;  // more lowers the stretch by a few per cent and makes more triangles intersect
+  constexpr int kLocalGlobal = 3;  // more passes stretch less, but flatten bent tubes and limbs
   return iterations > 0 ? iterations : rotation == DetailRotation::LocalGlobal ? kLocalGlobal : 1;
 }
 

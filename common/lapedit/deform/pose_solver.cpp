@@ -78,7 +78,7 @@ void PoseSolver::Impl::solve_exactly(const Points& right_hand_side, const Progre
 }
 
 /// One solution with the rotations to start from, then more with those of the vertices' one-rings, fitted to a place
-/// somewhat ahead of the last solution: eight such passes are worth some twenty without.
+/// somewhat ahead of the last solution: that replaces several passes.
 void PoseSolver::Impl::turn_locally(const std::vector<Matrix3>* start, const Progress& go_on) {
   if (start != nullptr) {
     rotations = *start;
