@@ -193,6 +193,32 @@ void readFiles(const QStringList& files, Options& options) {
   options.isScript = files[2] != pipe && isScript(options.edit);
 }
 
+/// @param asks  the options ask about one mesh
+void checkFileNames(const QStringList& files, bool listed, bool asks, bool hasLandmarks) {
+  if (listed && !files.isEmpty()) {
+    refuse("File names and --list are given together: give only one of them.");
+  }
+  if (listed && (asks || hasLandmarks)) {
+    refuse("The options --landmarks, --nearest and --info are for one mesh, not for --list.");
+  }
+  if (asks && files.size() != 1) {
+    refuse("There are " + std::to_string(files.size()) + " file names: give the mesh alone with --nearest or --info.");
+  }
+  if (!asks && hasLandmarks && files.size() != 2) {
+    refuse("There are " + std::to_string(files.size()) +
+           " file names: with --landmarks give the mesh and the output, and no edit.");
+  }
+  if (!asks && !hasLandmarks && files.size() != 3 && !listed) {
+    refuse("There are " + std::to_string(files.size()) + " file names: give the mesh, the output and the edit.");
+  }
+  static constexpr const char* kRoles[] = {"mesh", "output", "edit"};
+  for (int k = 0; k < files.size(); ++k) {
+    if (files[k].isEmpty()) {
+      refuse("The name of the " + std::string(kRoles[k]) + " is empty: give a file.");
+    }
+  }
+}
+
 }  // namespace
 
 bool isScript(const QString& path) {
@@ -279,35 +305,14 @@ std::optional<Options> readOptions(QStringList arguments, std::string& text) {
     return {};
   }
   const QStringList files = parser.positionalArguments();
-  if (parser.isSet(list) && !files.isEmpty()) {
-    refuse("File names and --list are given together: give only one of them.");
-  }
   const bool asks = parser.isSet(nearest) || parser.isSet(info);
-  if (parser.isSet(list) && (asks || !landmarks.isEmpty())) {
-    refuse("The options --landmarks, --nearest and --info are for one mesh, not for --list.");
-  }
-  if (asks && files.size() != 1) {
-    refuse("There are " + std::to_string(files.size()) + " file names: give the mesh alone with --nearest or --info.");
-  }
-  if (!asks && !landmarks.isEmpty() && files.size() != 2) {
-    refuse("There are " + std::to_string(files.size()) +
-           " file names: with --landmarks give the mesh and the output, and no edit.");
-  }
-  if (!asks && landmarks.isEmpty() && files.size() != 3 && !parser.isSet(list)) {
-    refuse("There are " + std::to_string(files.size()) + " file names: give the mesh, the output and the edit.");
-  }
+  checkFileNames(files, parser.isSet(list), asks, !landmarks.isEmpty());
   for (const QCommandLineOption* option : {&one, &several, &report, &also, &plugins, &limit, &list, &jobs, &log}) {
     if (parser.isSet(*option) && parser.values(*option).size() > 1) {
       refuse("The option --" + option->names().first().toStdString() + " is given more than once.");
     }
     if (parser.isSet(*option) && parser.value(*option).isEmpty()) {
       refuse("The option --" + option->names().first().toStdString() + " is empty.");
-    }
-  }
-  static constexpr const char* kRoles[] = {"mesh", "output", "edit"};
-  for (int k = 0; k < files.size(); ++k) {
-    if (files[k].isEmpty()) {
-      refuse("The name of the " + std::string(kRoles[k]) + " is empty: give a file.");
     }
   }
   Options options;
