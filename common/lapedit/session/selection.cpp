@@ -165,8 +165,10 @@ Choice extend_curve(const Surface& surface, const Selection& selection, int vert
   after.groups[after.active] = united(after.groups[after.active], sorted_set(path));
   centers_of_active(after).clear();
   if (HandleCurve& curve = curve_of_active(after); !curve.path.empty() && path.size() > 1) {
-    const bool goes_on = path.front() == curve.path.back();
-    curve.path.insert(curve.path.end(), path.begin() + (goes_on ? 1 : 0), path.end());
+    if (path.front() == curve.path.back()) {
+      curve.path.pop_back();
+    }
+    curve.path.insert(curve.path.end(), path.begin(), path.end());
     curve.points.push_back(static_cast<int>(curve.path.size()) - 1);
   }
   follow_discs(surface, after);
