@@ -11,51 +11,54 @@
 
 namespace lapedit {
 
-/// A region with its handles on some hundred cells: they are posed in milliseconds, whatever the region's size, and the
-/// vertices follow them. Scripts and releases take rotations to start from of it, frames of a drag the whole pose. For
-/// every setting, region and kind of handle; rotations that are not DetailRotation::None are those of LocalGlobal.
+/// A coarse model of a region and its handles, with some hundred cells. The cells are posed in milliseconds, whatever
+/// the region's size, and the vertices follow them. Scripts and releases start from its rotations; frames of a drag
+/// show its pose. It accepts every setting, region and kind of handle; rotations other than DetailRotation::None are
+/// those of LocalGlobal.
 class CellModel {
  public:
-  /// @param mesh  rest pose; not kept
-  /// Cost: O(edges), some milliseconds for each 10000 vertices. @throws EditError (IllConditioned, Cancelled)
+  /// @param mesh  rest pose; not kept after construction
+  /// Cost: O(edges), some milliseconds per 10000 vertices. @throws EditError (IllConditioned, Cancelled)
   CellModel(const TriangleMesh& mesh, std::shared_ptr<const RestPose> rest, const EditSettings& settings,
             const Progress& progress = {});
 
   const std::shared_ptr<const RestPose>& rest() const { return rest_; }
   const RegionCells& cells() const { return cells_; }
   const CellPose& pose() const { return pose_; }
-  const GroupPaths& paths() const { return paths_; }  ///< of the last solve(), at their end
+  const GroupPaths& paths() const { return paths_; }  ///< of the last solve(), at their ends
 
   /// @param handles,anchors  as for GroupPaths::set()
   /// @param quick            see CellPose::solve()
-  /// The result depends on nothing that came before; nothing is allocated after the first call but for targets.
+  /// Poses the cells. The result does not depend on earlier calls; after the first call memory is allocated for targets
+  /// only.
   /// @throws EditError as GroupPaths::set()
   void solve(const std::vector<HandleMotion>& handles, const Affine& anchors, bool quick);
-  void solve_in_full();  ///< for the same motions
+  void solve_in_full();  ///< repeats the last solve() without `quick`
 
-  /// Rotations of the vertices relative to where they are carried: those of the cells, blended by quaternions and faded
-  /// to the identity across the anchor band.
-  /// @param rotations  out: one per vertex. The same bits for any number of threads and on every processor
+  /// Computes the rotations of the vertices, relative to the rigid motion of their component: those of the cells,
+  /// blended as quaternions and faded to the identity across the anchor band.
+  /// @param rotations  out: one per vertex, with the same bits for any number of threads and on every processor
   void spread(std::vector<Matrix3>& rotations, ThreadPool& pool);
 
-  /// How a vertex is turned, in single precision: the columns of T - I, T the linear map of its surroundings with all
-  /// that they are carried by, and its place at rest.
+  /// The local linear map of a vertex in single precision: the columns of T - I, where T includes the rigid motion of
+  /// the component, and the position at rest.
   struct Turn {
     Floats4 columns[3];
     Floats4 rest;
   };
 
-  /// About where the vertices go, for a picture, about the rest pose's origin and in model units over `unit`: they
-  /// follow the cells with their details turned along (an embedded deformation). A handle is in place by as much as its
-  /// weight has to say against the surface's 1.
-  /// @param unit          a power of two: of lengths in single precision
-  /// @param turns         rest is read; columns are written
-  /// @param displacement  out, one more row than vertices: from the rest pose, exactly zero where nothing moves
+  /// Approximates the displacements of the vertices for a picture, relative to the rest pose's origin and in model
+  /// units over `unit`: vertices follow the cells, and details rotate with them (an embedded deformation). A handle
+  /// vertex lies between the cells' pose and its target, according to its weight against the surface's weight of 1.
+  /// @param unit          a power of two, the unit of lengths in single precision
+  /// @param turns         `rest` is read, `columns` are written
+  /// @param displacement  out, one more row than vertices: displacements from the rest pose, exactly zero where nothing
+  ///                      moves
   void place(double unit, std::vector<Turn>& turns, Points& displacement, ThreadPool& pool);
 
  private:
   void solve(bool quick);
-  /// A cell's pose in single precision.
+  /// The pose of a cell in single precision.
   struct Placed {
     Floats4 quaternion, way, centre;
   };
@@ -68,11 +71,11 @@ class CellModel {
   CellBlend blend_;
   CellPose pose_;
   GroupPaths paths_;
-  std::vector<double> hold_;  // how far a vertex's rotation is held back, 0 to 1
+  std::vector<double> hold_;  // by how much a vertex's rotation is reduced, 0 to 1
 
-  std::vector<Eigen::Vector4d> quaternions_;  // of the cells' last pose, x y z w, the sign as it comes
+  std::vector<Eigen::Vector4d> quaternions_;  // of the cells' last pose, x y z w, with either sign
   std::vector<Placed> placed_;
-  std::vector<Floats4> carried_;  // of each component three columns
+  std::vector<Floats4> carried_;  // three columns per component
 };
 
 }  // namespace lapedit

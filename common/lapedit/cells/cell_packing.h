@@ -8,19 +8,19 @@
 
 namespace lapedit {
 
-/// Divides a region into patches of neighbouring vertices that are about as wide as they are long, whatever its
-/// triangles are like.
+/// Divides a region into patches of neighbouring vertices that are about as wide as long, whatever the shape of the
+/// triangles.
 ///
-/// Seeds are packed along the surface: from where handles end outwards and inwards, each vertex that is farther than a
-/// spacing from all seeds so far becomes the next one. A cell is what is nearest to its seed along edges. The spacing
-/// grows with the distance from the handles, and into groups that move rigidly and anchors that stay, where rotations
-/// do not vary. Vertices that are equally far from the handles come in the order of their distance from the region's
-/// middle, then of their coordinates, and only those with the same coordinates in the order of their numbers. The same
-/// for any number of threads.
+/// Seeds are packed along the surface: from the rims of the handles outwards and inwards, each vertex that is farther
+/// than the local spacing from all earlier seeds becomes a seed. A cell consists of the vertices that are nearest to
+/// its seed along edges. The spacing grows with the distance from the handles, and towards the inside of rigid groups
+/// and of the anchor band, where rotations do not vary. Vertices at the same distance from the handles are sorted by
+/// their distance from the region's middle, then by coordinates, and by number only if coordinates are equal. The
+/// result is the same for any number of threads.
 /// @param rest    size() x 3, the region's rest pose about a local origin
-/// @param target  cells wanted; in what is free there are at most one for each five vertices
-/// @param of      out: cell of each vertex of the region
-/// @return        the number of cells: a few more or less than wanted
+/// @param target  number of cells wanted; the free part has at most one cell per five vertices
+/// @param of      out: the cell of each vertex of the region
+/// @return        the number of cells, close to `target`
 /// Cost: O(edges).
 int pack_cells(const Region& region, const Points& rest, int target, ThreadPool& pool, std::vector<int>& of);
 

@@ -7,12 +7,12 @@
 
 namespace lapedit {
 
-/// How the cells of a region move and rotate: displacements and rotations at the end of the handles' paths, which are
-/// followed in steps, so that limbs bend and buckle the way that they came. With DetailRotation::None nothing rotates.
-/// Deterministic to the bit.
+/// The pose of the cells of a region: displacements and rotations at the end of the handles' paths. The paths are
+/// followed in steps, so that a limb bends to the side from which the handle came. With DetailRotation::None nothing
+/// rotates. Results have the same bits everywhere.
 class CellPose {
  public:
-  /// Enough for the rotations of any region: 1500 were no better.
+  /// The usual number of cells. 1500 cells gave no better rotations.
   static constexpr int kCells = 400;
   static int wanted_cells(int vertices);
 
@@ -22,16 +22,16 @@ class CellPose {
   CellPose(const CellPose&) = delete;
   CellPose& operator=(const CellPose&) = delete;
 
-  /// Goes along the paths, step by step, with a few passes for each and more for the last.
-  /// @param paths   at their end before and after
-  /// @param quick   in a quarter of the time and so much less accurate
-  /// The result depends on nothing that came before; nothing is allocated after the first call.
+  /// Follows the paths step by step, with a few passes per step and more in the last one.
+  /// @param paths   at their ends before and after the call
+  /// @param quick   takes a quarter of the time, with a larger error
+  /// The result does not depend on earlier calls. Nothing is allocated after the first call.
   void solve(GroupPaths& paths, bool quick);
 
-  const Points& displacement() const { return displacement_; }          ///< of the centres, from where they are carried
+  const Points& displacement() const { return displacement_; }          ///< of the centres, from the rigidly moved pose
   const std::vector<Matrix3>& rotations() const { return rotations_; }  ///< likewise
   int passes() const { return passes_; }                                ///< of the last solve()
-  double left() const { return left_; }  ///< change of its last pass over the handles' largest way
+  double left() const { return left_; }  ///< change of its last pass over the handles' largest displacement
 
  private:
   void gather(const Region& region);
@@ -43,7 +43,7 @@ class CellPose {
   CoarseSystem system_;
   bool rotates_;
   std::vector<int> component_;  // of each cell
-  std::vector<double> hold_;    // how far its rotation is held back, 0 to 1
+  std::vector<double> hold_;    // by how much its rotation is reduced, 0 to 1
   LocalGlobal local_global_;
   std::vector<Matrix3> linear_;
   Points carried_, constraints_, displacement_;

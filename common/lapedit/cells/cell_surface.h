@@ -7,19 +7,21 @@
 
 namespace lapedit {
 
-/// A region's cells as a surface: how near neighbours are, normals, smoothing.
+/// The cells of a region as a surface: weights of neighbours, normals, smoothing.
 class CellSurface {
  public:
   /// @param cells  must outlive the object
   explicit CellSurface(const RegionCells& cells);
 
-  /// How much an entry of cells.neighbours counts for what a cell's surroundings do.
+  /// The weight of an entry of cells.neighbours in averages over a cell's surroundings.
   double nearness(int entry) const { return nearness_[entry]; }
-  /// What an end's way adds to the gradient along the surface, in a basis of the cell's tangent plane.
+  /// The contribution of an end's displacement to the gradient along the surface, in a basis of the cell's tangent
+  /// plane.
   const Vector2& slope(int entry) const { return slope_[entry]; }
-  /// The unit normal of the surface whose cells are at these places; zero where it has none.
+  /// Returns the unit normal at a cell for the given positions of all cells; zero if it is undefined.
   Vector3 normal(int cell, const Points& at) const;
-  /// Each place becomes the mean of its own and its neighbours', so many times. @param other  scratch
+  /// Replaces each position by the mean of its own and its neighbours' positions, `rounds` times.
+  /// @param other  scratch
   void smooth(int rounds, Points& places, Points& other) const;
 
  private:

@@ -10,16 +10,17 @@
 
 namespace lapedit {
 
-/// Rotations of a region's cells: fitted to where the cells are (local step), solved with (global step), and again, so
-/// many times. As in as-rigid-as-possible deformation (O. Sorkine, M. Alexa, SGP 2007), but
-/// on few cells, which makes it cheap, and with bending, which keeps it smooth.
+/// Finds rotations of a region's cells by alternating a local step, which fits rotations to the positions of the cells,
+/// and a global step, which solves for positions with these rotations. This is as-rigid-as-possible deformation (O.
+/// Sorkine, M. Alexa, SGP 2007) on few cells, which makes it cheap, and with bending energy, which keeps it smooth.
 ///
-/// Local: the covariances of smoothed places before and after with |C| n1 n0^T / 2 for the normals, averaged over some
-/// rings; details that are smaller than that do not tilt the rotations. Global: CoarseSystem's equations with each edge
-/// between cells turned by the mean of its ends' rotations.
+/// Local step: covariances of smoothed positions before and after, plus |C| n1 n0^T / 2 for the normals, are averaged
+/// over some rings, so that smaller details do not tilt the rotations. Global step: CoarseSystem's equations, with each
+/// edge between cells rotated by the mean of its ends' rotations.
 class LocalGlobal {
  public:
-  /// All must outlive the object. @param hold  per cell, how far its rotation is held back, 0 to 1
+  /// All arguments must outlive the object.
+  /// @param hold  per cell, by how much its rotation is reduced, 0 to 1
   LocalGlobal(const RegionCells& cells, const CellSurface& surface, const std::vector<double>& hold,
               const EditSettings& settings, CoarseSystem& system);
 
@@ -28,23 +29,23 @@ class LocalGlobal {
     double left = 0;  ///< change of the last pass, model units
   };
 
-  /// Where the cells are carried, and by what linear map (minus identity) each.
+  /// Sets the rigidly moved positions of the cells and the linear part (minus identity) of each motion.
   void start(const Points& carried, const std::vector<Matrix3>& linear);
 
-  /// @param constraints   what CoarseSystem::solve() is asked for without rotations
-  /// @param displacement  out: a result of the equations. @param rotations  in and out: with what the first step, a
-  ///                      global one, is made
+  /// @param constraints   the right-hand side of CoarseSystem::solve() without rotations
+  /// @param displacement  out: the solution
+  /// @param rotations     in: those of the first step, which is a global one; out: the last ones
   /// Nothing is allocated after the first call.
   Outcome settle(const Points& constraints, double accurate, int most_passes, Points& displacement,
                  std::vector<Matrix3>& rotations);
 
  private:
   struct Edges;
-  /// What turn() reads.
+  /// Data that turn() reads.
   struct Turning {
     OperatorRows::Rows m;       // the system's M
-    Points edges, sums;         // per entry of it -M_ab (C_a - C_b), carried along, and over each row
-    std::vector<double> turns;  // of each cell the columns of R - I, four numbers each
+    Points edges, sums;         // -M_ab (C_a - C_b) per entry of m, moved rigidly; its sums over rows
+    std::vector<double> turns;  // columns of R - I per cell, four numbers each
   };
   void fit(const Points& displacement, std::vector<Matrix3>& rotations);
   void turn(const std::vector<Matrix3>& rotations, Points& turned);
@@ -54,7 +55,7 @@ class LocalGlobal {
   const std::vector<double>& hold_;
   const EditSettings& settings_;
   CoarseSystem& system_;
-  ThreadPool alone_{1};  // some hundred cells are not worth a second thread
+  ThreadPool alone_{1};  // a second thread does not pay for some hundred cells
   Points result_, carried_, smooth_before_, smooth_after_, normals_before_, scratch_, next_, turned_;
   MatrixAverages averages_;
   std::vector<Matrix3> linear_, covariances_;

@@ -20,21 +20,21 @@ inline Symmetric squared(const Vector3& v) {
 }
 Matrix3 full_matrix(const Symmetric& s);
 
-/// A region in patches of neighbouring vertices, and what a coarse model of the region has to know of each.
+/// A region divided into patches of neighbouring vertices, and the data of each patch that a coarse model needs.
 ///
-/// Cells are packed along the surface, see pack_cells(), denser near the handle, where an edit bends most. Where three
-/// cells meet in a face their centroids span a triangle: with them the cells are a coarse mesh of the region.
-/// Everything follows from the region and its rest pose, to the bit, whatever the number of threads.
+/// Cells are packed along the surface by pack_cells(), more densely near the handle, where an edit bends most. Where
+/// three cells meet in a face their centroids span a triangle, so that the cells form a coarse mesh of the region. All
+/// data depends only on the region and its rest pose, bit for bit, whatever the number of threads.
 struct RegionCells {
   std::vector<int> of;           ///< cell of each vertex of the region
-  Points centres;                ///< centroids of the rest pose, at open borders of the border's part, cells x 3
-  IndexLists neighbours;         ///< cells that an edge leads to, ascending
+  Points centres;                ///< centroids at rest, cells x 3; at open borders those of the vertices on the border
+  IndexLists neighbours;         ///< cells connected by an edge, ascending
   std::vector<double> crossing;  ///< per entry of neighbours: sum of the weights w_ij of these edges
   std::vector<std::array<int, 3>> triangles;  ///< cells that meet in a face, ascending, each once
 
-  std::vector<double> vertices, area;  ///< number of vertices, and a third of the faces at each
+  std::vector<double> vertices, area;  ///< number of vertices; a third of the area of the faces at each
   Points normals;                      ///< sums of those faces' area normals
-  /// Sums over a cell's vertices: of w_ij, and of half w_ij e e^T over the edges e, what gradients cost in it.
+  /// Sums over a cell's vertices: of w_ij, and of w_ij e e^T / 2 over the edges e, the cost of gradients in the cell.
   std::vector<double> weight;
   std::vector<Symmetric> stiffness;
 
@@ -43,16 +43,16 @@ struct RegionCells {
 
 /// @param rest    size() x 3, the region's rest pose about a local origin
 /// @param weights  w_ij, one per entry of region.neighbours (see edge_weights); empty: 1, the umbrella's
-/// @param target  cells wanted; it may be a few more or less, see pack_cells()
+/// @param target  number of cells wanted, approximately met: see pack_cells()
 /// Cost: O(edges).
 RegionCells make_cells(const Region& region, const Points& rest, const std::vector<double>& weights, int target,
                        ThreadPool& pool);
 
-/// How vertices follow cells: each by at most kReach of them, with weights that have the sum 1 and reproduce linear
-/// functions along the surface (moving least squares), falling off smoothly with the distance from a cell.
+/// Weights by which vertices follow cells. Each vertex follows at most kReach cells; the weights sum to 1, reproduce
+/// linear functions along the surface (moving least squares), and fall off smoothly with the distance from a cell.
 struct CellBlend {
   static constexpr int kReach = 8;
-  /// Of each vertex a column; unused entries repeat the first with weight 0.
+  /// One column per vertex; unused entries repeat the first cell with weight 0.
   Eigen::Array<int, kReach, Eigen::Dynamic> cells;
   Eigen::Array<float, kReach, Eigen::Dynamic> weights;
 

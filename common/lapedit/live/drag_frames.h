@@ -8,51 +8,53 @@
 
 namespace lapedit {
 
-/// Frames of a drag: pictures of the pose that LaplacianEditor::solve() gives, in a fraction of its time.
+/// Frames of a drag: approximations of the pose of LaplacianEditor::solve(), in a fraction of its time.
 ///
-/// The cells' pose x0 is the frame until the region is prepared, and then the start of
+/// The cells' pose x0 is the frame until the region is prepared. Afterwards the frame is
 ///
 ///     x = x0 + A^-1 (b(R) - A x0),
 ///
-/// with the residual through the edges of x0 in double precision and one solve with the factor that is there: x0 is off
-/// by a few hundredths of the handle's way, so that five digits of the solve are enough for all that can be seen. The
-/// first frame of a pose has rotations of the cells, with few passes on them; refine() goes through all that the editor
-/// does. Frames depend on nothing that came before. For any number of groups, targets of single vertices, and
+/// where the residual is computed in double precision and one solve with the existing factor follows. The error of x0
+/// is a few hundredths of the handle's displacement, so a solve with five digits is enough for a picture. The first
+/// frame of a pose uses rotations of the cells after few passes; refine() makes the editor's remaining passes. Frames
+/// do not depend on earlier ones. They exist for any number of groups, for targets of single vertices, and for
 /// components without anchors.
 ///
-/// Rotations that are not the cells' (smooth normals and surfaces) have no such frames: has_frames().
+/// Smooth normals and smooth surfaces have no such frames: see has_frames().
 class DragFrames {
  public:
-  /// x0 alone. @param mesh  rest pose; not kept
+  /// Makes the cells; frames are x0.
+  /// @param mesh  rest pose; not kept after construction
   /// @throws EditError (NoHandle, IllConditioned, Cancelled)
   DragFrames(const TriangleMesh& mesh, std::shared_ptr<const Region> region, const EditSettings& settings,
              const Progress& progress = {});
-  /// The same with cells that are there already.
+  /// The same with existing cells.
   DragFrames(std::shared_ptr<CellModel> cells, const EditSettings& settings);
   ~DragFrames();
 
-  /// What an editor of the same region can be made with.
+  /// Returns the cells, with which an editor of the same region can be constructed.
   const std::shared_ptr<CellModel>& cells() const;
 
-  /// From now on with the correction. @param editor  made with cells(), or nothing: x0 alone. Must outlive its use; its
-  ///                                                 pool is used
+  /// Adds the correction to later frames.
+  /// @param editor  made with cells(); must outlive its use, and its thread pool is used. Null: frames are x0
   /// Cost: O(vertices).
   void correct_with(const LaplacianEditor* editor);
 
-  /// Whether there is a correction with these settings.
+  /// Returns whether frames exist with these settings.
   static bool has_frames(const EditSettings& settings);
 
   /// @param handles  one motion per handle group
   /// @return         size() x 3, row i belongs to region.mesh_vertex[i]; valid until the next call
-  /// Nothing is allocated after the first call, but for targets. @throws EditError (NoHandle, NotFinite)
+  /// After the first call memory is allocated for targets only. @throws EditError (NoHandle, NotFinite)
   const Points& pose(const std::vector<HandleMotion>& handles);
 
-  /// The pose again with the cells' rotations in full, then its next passes: never more than the editor's. @return
-  /// whether there was one; it is in positions()
+  /// Improves the last pose: first with all passes of the cells, then with one more pass over the vertices per call, up
+  /// to the editor's number.
+  /// @return  whether there was such a pass; the result is in positions()
   /// Nothing is allocated after the first passes. @throws EditError (NotFinite)
   bool refine();
   const Points& positions() const;
-  bool corrected() const;  ///< whether the last pose was
+  bool corrected() const;  ///< whether the last pose has the correction
 
  private:
   struct Impl;
