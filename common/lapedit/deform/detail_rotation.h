@@ -6,43 +6,44 @@
 
 namespace lapedit {
 
-/// How differential coordinates turn with the surface.
+/// How differential coordinates rotate with the surface.
 enum class DetailRotation {
-  None,           ///< they do not
+  None,           ///< no rotation
   SmoothNormals,  ///< the paper's frames: a smooth normal and the most tangential edge (section 4)
   SmoothSurface,  ///< rotations fitted to the smoothed surface
-  LocalGlobal     ///< those of the region's cells, until local and global steps change nothing: see CellTurning
+  LocalGlobal     ///< fitted and solved for in turns, on cells and then on vertices: see LocalGlobal, RingRotations
 };
 
 const char* name(DetailRotation rotation);
 
-/// How often fitted covariances are averaged over the one-ring.
+/// Number of averages of the fitted covariances over the one-ring.
 constexpr int kAveragingPasses = 4;
 
-/// SmoothSurface: with P0 and P1 the smoothed positions before and after, n0 and n1 the vertex normals of those
-/// surfaces, C = sum over a vertex's edges of (P1_j - P1_i)(P0_j - P0_i)^T + |.|_F n1 n0^T, averaged over the one-ring
-/// four times over; the rotation nearest to it, faded to the identity across the anchor band. Source: this project; the
-/// averaging also settles what thin limbs leave open.
+/// SmoothSurface: let P0 and P1 be the smoothed positions before and after, n0 and n1 the vertex normals of those
+/// surfaces, and C = sum over a vertex's edges of (P1_j - P1_i)(P0_j - P0_i)^T + |.|_F n1 n0^T. C is averaged over the
+/// one-ring four times; the result is the nearest rotation, faded to the identity across the anchor band. Source: this
+/// project. The averages also determine rotations about the axis of thin limbs.
 ///
-/// Estimates one rotation per region vertex between two poses. Made once per region; nothing is allocated after the
-/// first estimate().
+/// Estimates one rotation per region vertex between two poses. Construct it once per region; nothing is allocated after
+/// the first estimate().
 class RotationEstimator {
  public:
-  /// @param smoother  smoothing for both kinds; must outlive the object, as must region and pool
+  /// @param smoother  smoothing for both kinds; smoother, region and pool must outlive the object
   RotationEstimator(DetailRotation kind, const Region& region, const Smoother& smoother, ThreadPool& pool);
 
-  /// Sets the pose to turn from, size() x 3.
+  /// Sets the pose that rotations are measured from, size() x 3.
   void set_before(const Points& before);
-  /// The same by its smoothed positions, for SmoothSurface.
+  /// Sets the smoothed positions of that pose, for SmoothSurface.
   void set_before_smoothed(const Points& smoothed);
 
   /// @param displacement  size() x 3, pose after minus pose before
-  /// @param rotations     one matrix (determinant +1) per vertex; exactly the identity where nothing near it moves
+  /// @param rotations     out: one matrix (determinant +1) per vertex; exactly the identity where no vertex nearby
+  ///                      moves
   /// Cost: O(kernel entries) + O(edges).
   void estimate(const Points& displacement, std::vector<Matrix3>& rotations);
 
-  double normals_ms() const { return normals_ms_; }  ///< smoothing share of the last estimate()
-  double rotate_ms() const { return rotate_ms_; }    ///< fitting share of the last estimate()
+  double normals_ms() const { return normals_ms_; }  ///< time of smoothing in the last estimate()
+  double rotate_ms() const { return rotate_ms_; }    ///< time of fitting in the last estimate()
 
  private:
   template <class Body>

@@ -13,43 +13,44 @@ enum class LaplacianKind {
   Umbrella,
   /// alpha_ji proportional to the edge's cotangent weight: half the sum of the cotangents opposite to it.
   ///
-  /// Negative weights (obtuse pairs) count as zero, so no row has a zero or negative sum; cotangents are
-  /// cut at kLargestCotangent. An edge of a triangle without area (or of no triangle, or with a non-finite corner) gets
-  /// the weight of an equilateral mesh, 1 / sqrt(3), and is counted in uniform_edges.
+  /// Negative weights (obtuse pairs) are replaced by zero, so no row has a zero or negative sum; cotangents are clamped
+  /// at kLargestCotangent. An edge of a triangle without area (or of no triangle, or with a non-finite corner) gets the
+  /// weight of an equilateral mesh, 1 / sqrt(3), and is counted in uniform_edges.
   Cotangent,
-  /// alpha_ji proportional to the mean of the edge's two mean-value weights, (tan(a / 2) + tan(b / 2)) / length, a and
-  /// b the angles at the corner beside it. Never negative and never nearly zero, so that obtuse and uneven triangles
-  /// hold together too. Weights are cut to 1/1000 to 1000 times that of an equilateral mesh of the region's mean edge
-  /// length, which edges of triangles without area (or of none) take. Source: M. Floater, Mean value coordinates, CAGD
-  /// 2003.
+  /// alpha_ji proportional to the mean of the edge's two mean-value weights, (tan(a / 2) + tan(b / 2)) / length, where
+  /// a and b are the angles at the corner next to the edge. Weights are never negative or nearly zero, so obtuse and
+  /// uneven triangles stay connected. They are clamped to 1/1000 to 1000 times the weight in an equilateral mesh of the
+  /// region's mean edge length; edges of triangles without area (or of none) have that weight. Source: M. Floater, Mean
+  /// value coordinates, CAGD 2003.
   MeanValue
 };
 
 const char* name(LaplacianKind kind);
 
-/// w_ji, one per entry of region.neighbours, not negative and before rows are normalised: alpha_ji = w_ji / sum_k w_jk.
+/// Weights w_ji >= 0, one per entry of region.neighbours, before rows are normalised: alpha_ji = w_ji / sum_k w_jk.
 struct EdgeWeights {
   std::vector<double> values;
   std::vector<char>
-      uniform;  ///< entries without usable faces, which have the weight of an equilateral mesh; umbrella: empty
+      uniform;  ///< marks entries without usable faces, which have the weight of an equilateral mesh; umbrella: empty
 };
 
-/// @param symmetric  w_ji = w_ij for each edge, where cotangents are not: the rows without any
+/// @param symmetric  gives both directions of each edge the larger weight; otherwise rows whose cotangent weights are
+///                   all zero are not symmetric
 EdgeWeights edge_weights(LaplacianKind kind, const Region& region, const TriangleMesh& mesh, bool symmetric = false);
 
 /// An n x n operator M over a region: row j is D(p_j) = p_j - sum_i alpha_ji p_i, the alphas of a row summing to 1.
 /// The row of a vertex without neighbours is zero.
 struct DifferentialOperator {
   SparseMatrix matrix;
-  int uniform_edges = 0;  ///< edges that took the uniform weight since their triangles have no usable one
-  Eigen::VectorXd sums;   ///< of each row's weights: D of M = D^-1 L
+  int uniform_edges = 0;  ///< edges with the uniform weight, since their triangles have no usable one
+  Eigen::VectorXd sums;   ///< sums of each row's weights: D of M = D^-1 L
 };
 
 /// @param symmetric  as for edge_weights()
 DifferentialOperator differential_operator(LaplacianKind kind, const Region& region, const TriangleMesh& mesh,
                                            bool symmetric = false);
 
-/// M^k. @throws EditError (BadParameter) unless order is 1, 2 or 3
+/// Returns M^k. @throws EditError (BadParameter) unless order is 1, 2 or 3
 SparseMatrix power(const SparseMatrix& matrix, int order);
 
 }  // namespace lapedit

@@ -8,7 +8,7 @@
 
 namespace lapedit {
 
-/// Vertices of the mesh and of its region.
+/// Numbers of vertices in the mesh and in its region, by class.
 struct RegionCounts {
   int mesh_vertices = 0, handle = 0, free = 0, anchors = 0, fixed = 0, left_out = 0;
 };
@@ -19,81 +19,82 @@ struct EditTimes {
          solve_ms = 0;
 };
 
-/// What makes triangles fold over and edges stretch, and where: mesh vertices, -1 for none.
+/// Causes and places of folds and stretched edges. Places are mesh vertices, -1 for none.
 struct AdviceCauses {
   int near = -1;             ///< vertex with the most folded triangles
-  bool lone_handle = false;  ///< the handle with the longest way is one vertex
+  bool lone_handle = false;  ///< the handle with the largest displacement is a single vertex
   double reach = 0;          ///< the region's radius
-  double turn = 0;           ///< largest of the detail rotations and of the surface's at a handle
+  double turn = 0;           ///< largest detail rotation, or rotation of the surface at a handle
   int stretched = -1;        ///< the lower end of the edge with the largest stretch
   int behind = -1;           ///< the handle vertex of full weight that is farthest from its target
-  double distance = 0;       ///< from there to its target
-  double step = 0;           ///< between coordinates that the mesh can store there
+  double distance = 0;       ///< of that vertex to its target
+  double step = 0;           ///< spacing of the coordinates that the mesh can store there
 };
 
-/// How good the result is.
+/// Figures on the quality of the result.
 struct EditQuality {
   double normal_equation_residual = 0;  ///< |A^T (A x - b)| over |A^T| |b|-sized terms; rounding level when all is well
-  double handle_displacement = 0;       ///< largest way a handle vertex was to go
-  /// Largest distance of a handle vertex, as stored, from its target; of each group, those with its largest weight.
+  double handle_displacement = 0;       ///< largest displacement from a handle vertex to its target
+  /// Largest distance of a handle vertex, as stored, from its target, over the vertices with the largest weight of each
+  /// group.
   double handle_residual = 0;
   double anchor_residual = 0;  ///< largest distance of an anchor from its place
   double rotation_mean = 0, rotation_max = 0;
   double stretch_rms = 0;  ///< RMS over the region's edges of new length / old length - 1
   double stretch_max = 0;  ///< the largest of these, of edges that became longer
   int flipped = 0;         ///< triangles of the region turned by more than 90 degrees against their rotated original
-  int folded = 0;          ///< the same against the surface around them, whatever details were turned by
-  double volume = 0;       ///< see enclosed_volume(), before the edit
+  int folded = 0;          ///< the same against the surface around them, independent of detail rotations
+  double volume = 0;       ///< before the edit, see enclosed_volume()
   double volume_change = 0;
-  bool is_body = false;  ///< whether the volume is one to take shares of: not that of a nearly flat region
-  std::optional<double> detail_height;   ///< see detail_height(); nothing without detail rotation
-  double rotation_left = 0;              ///< by which the last pass still turned a detail, at most; 0 without passes
-  std::optional<int> new_intersections;  ///< pairs of triangles that meet and did not before; for the host to count
+  bool is_body = false;  ///< whether a percentage of the volume is meaningful, as it is not in a nearly flat region
+  std::optional<double> detail_height;   ///< see detail_height(); empty without detail rotation
+  double rotation_left = 0;              ///< largest change of a detail rotation in the last pass; 0 without passes
+  std::optional<int> new_intersections;  ///< pairs of triangles that intersect only after the edit; counted by callers
   AdviceCauses causes;
 };
 
-/// One of a report's figures under the name that it has wherever they are written; empty where it is not known.
+/// A figure of a report with its name in JSON and Python; the value is empty if it is unknown.
 struct Figure {
   const char* name;
   std::variant<std::monostate, bool, int, double, std::string> value;
 };
 
-/// How well a landmark is met.
+/// The distance of a landmark to its target.
 struct LandmarkResidual {
   std::string name;
   int vertex = -1;      ///< of the mesh
   double residual = 0;  ///< distance to its target, model units
 };
 
-/// What an edit did, in numbers. Lengths in model units, angles in degrees.
+/// The figures of an edit. Lengths are in model units, angles in degrees, times in milliseconds.
 struct EditReport : RegionCounts, EditTimes, EditQuality {
   std::string laplacian, rotation, turning, rough, backend;
-  int order = 1, iterations = 0;  ///< iterations actually made
+  int order = 1, iterations = 0;  ///< iterations made
   double membrane = 0;
-  int passes_dropped = 0;          ///< iterations asked for but not kept, since the next one made it worse
-  double normal_radius = 0;        ///< used; 0 if no rotation
+  int passes_dropped = 0;          ///< iterations that were dropped, since a pass made the result worse
+  double normal_radius = 0;        ///< the radius used; 0 without rotation
   int uniform_edges = 0;           ///< see DifferentialOperator
   int refinements = 0;             ///< iterative refinement steps per solve
-  bool factor_taken_over = false;  ///< shared with the editor before, for another handle in the same region
-  /// From the point that a handle was given by to the vertex nearest to it; nothing where it was given otherwise.
+  bool factor_taken_over = false;  ///< whether the previous editor's factor was reused
+  /// Distance from a handle's given point to the nearest vertex; empty if no point was given.
   std::optional<double> handle_point_distance;
-  /// All that was shared with it: "nothing", or of "operator" and "factor" or, where that is new, the matrix's
-  /// "ordering" or its "analysis", with the ordering; as in "operator and factor".
+  /// Everything that was reused of the previous editor: "nothing", or "operator", "factor" and, if the factor is new,
+  /// the matrix's "ordering" or its "analysis" (which includes the ordering), as in "operator and factor".
   std::string taken_over = "nothing";
-  bool has_targets = false;                 ///< of single vertices
-  std::vector<LandmarkResidual> landmarks;  ///< of a whole edit with landmarks
+  bool has_targets = false;                 ///< whether single vertices had targets
+  std::vector<LandmarkResidual> landmarks;  ///< of a whole edit with landmarks; empty for a step
 
-  /// Several lines of plain text for a log, without a trailing newline.
+  /// Returns several lines of plain text for a log, without a trailing newline.
   std::string text() const;
 
-  /// All figures but the times.
+  /// Returns all figures except times.
   std::vector<Figure> figures() const;
-  /// Milliseconds, by what they were spent on.
+  /// Returns times in milliseconds, by stage.
   std::vector<Figure> times() const;
 
-  /// What to do about folded or intersecting triangles, edges that became more than six times as long, handles far from
-  /// their targets, rotations that have not settled, and local-global rotations of higher order: at most two sentences,
-  /// in this order; else empty.
+  /// Returns at most two sentences of advice on, in this order, folded or intersecting triangles, edges that became
+  /// more than six times as long, handles far from their targets, rotations that have not converged, and local-global
+  /// rotations of higher order; otherwise an empty string.
   std::string advice() const;
 };
 

@@ -10,7 +10,7 @@
 
 namespace lapedit {
 
-/// What local rotations R turn.
+/// What the local rotations R are applied to.
 enum class DetailTurning {
   Vertex,  ///< whole differential coordinates, R_i delta_i: the paper's section 4
   Edge     ///< each edge by the mean of its ends' rotations: flat parts bend too, so that limbs keep their thickness
@@ -20,34 +20,35 @@ const char* name(DetailTurning turning);
 
 /// What the rotations of the first pass are estimated from: the paper's reference surface (section 4).
 enum class RoughDeformation {
-  Unrotated,  ///< the solution with differential coordinates that are not turned yet: the paper's choice
-  Falloff     ///< the handles' motions falling off with geodesic distance, see GeodesicFalloff: no solution
+  Unrotated,  ///< the solution with unrotated differential coordinates: the paper's choice
+  Falloff     ///< the handles' motions, falling off with geodesic distance: see GeodesicFalloff
 };
 
 const char* name(RoughDeformation rough);
 
-/// How an edit is solved, whatever its region and handles. What users can set is also a row of settings_table().
+/// The settings of an edit, independent of its region and handles. Those that users can set have a row in
+/// settings_table().
 struct EditSettings {
   LaplacianKind laplacian = LaplacianKind::MeanValue;
   int order = 1;
   DetailRotation rotation = DetailRotation::LocalGlobal;
-  /// Rotation passes; 0: see passes(). Those of smoothed surfaces stop once one moves nothing by 1e-4 of the region's
-  /// radius.
+  /// Number of rotation passes; 0: see passes(). Smooth normals and smooth surface stop when a pass moves no vertex by
+  /// more than 1e-4 of the region's radius.
   int iterations = 0;
   double normal_radius = 0;  ///< r of the smoothing, model units; 0: automatic
-  /// Against equations of weight 1 per differential coordinate. The membrane pulls harder at handles and rim than
-  /// bending alone, for which 10 is enough: a single vertex stays 0.02 to 0.1 % of its way behind.
+  /// Weight of handle constraints; equations of differential coordinates weigh 1. The membrane pulls harder at handles
+  /// and rim than bending alone, for which 10 suffices: a single vertex lags by 0.02 to 0.1 % of its displacement.
   double handle_weight = 30;
   double anchor_weight = 30;  ///< an anchor's own weight is this times d / d_max
   DetailTurning turning = DetailTurning::Edge;
   RoughDeformation rough = RoughDeformation::Unrotated;
-  /// What stretching costs beside bending, see membrane_factor(). 0: nothing, the paper's choice; beyond 1000 it shows
-  /// at the region's rim.
+  /// Cost of stretching against bending, see membrane_factor(). 0: none, the paper's choice. Values beyond 1000 show at
+  /// the region's rim.
   double membrane = 500;
   CholeskyBackend backend = CholeskyBackend::Supernodal;
-  /// iterations, or how many 0 stands for.
+  /// Returns the number of passes: `iterations`, or the automatic number if it is 0.
   int passes() const;
-  int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+  int threads = 0;  ///< 0: number of processors. The result does not depend on it
 };
 
 bool operator==(const EditSettings& a, const EditSettings& b);
@@ -58,8 +59,8 @@ inline bool operator!=(const EditSettings& a, const EditSettings& b) {
 /// @throws EditError (BadParameter) naming the setting, its value and its range
 void validate(const EditSettings& settings);
 
-/// All there is to know about a setting that users give. The filter's parameters, the keys of JSON, the panel's widgets
-/// and validate() are made from these; the default is that of EditSettings.
+/// Description of a setting that users can give. The filter's parameters, JSON keys, the panel's widgets and validate()
+/// are made from these; the default is that of EditSettings.
 struct Setting {
   enum class Kind {
     Choice,  ///< one of choices, by number
@@ -71,18 +72,18 @@ struct Setting {
   Kind kind;
   const char* key;      ///< in JSON and scripts; never changes
   const char* subject;  ///< in a refusal: "The <subject> is 7: give <range>."
-  const char* range;    ///< low to high in words
+  const char* range;    ///< the range in words
   double low, high;
   const char* help;  ///< for the filter's dialog and the panel
   double (*get)(const EditSettings&);
   void (*set)(EditSettings&, double);
-  std::vector<const char*> choices = {};  ///< as they are called in JSON
+  std::vector<const char*> choices = {};  ///< names in JSON
 };
 
-/// In the order in which they are shown and written.
+/// Returns all settings in the order in which they are shown and written.
 const std::vector<Setting>& settings_table();
 
-/// What the user sees in place of a key or a choice: "Smooth normals" for smooth_normals.
+/// Returns the label of a key or a choice: "Smooth normals" for smooth_normals.
 std::string title_of(const char* key);
 
 }  // namespace lapedit

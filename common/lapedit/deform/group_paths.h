@@ -8,34 +8,34 @@
 
 namespace lapedit {
 
-/// The paths of all handle groups of a region, and where its components are moved rigidly before anything is solved
-/// for: with their anchors, or else by the motion of their groups, where all of them move alike, or by the rigid motion
-/// that fits best to the places of all their handle vertices. Scripts, drags and releases go along the same steps of
-/// these paths, so that they take the same branch where a limb can buckle one way or the other.
+/// The paths of all handle groups of a region, and the rigid motions of its components before the solve. A component
+/// moves with its anchors; without anchors, with its groups if all of them move alike, or else by the rigid motion that
+/// fits the positions of all its handle vertices best. Scripts, drags and releases follow the same steps of these
+/// paths, so that a limb buckles to the same side in all of them.
 class GroupPaths {
  public:
-  /// @param rest    the region's rest pose about `origin`, size() x 3; region and rest must outlive the object
+  /// @param rest    rest pose relative to `origin`, size() x 3; region and rest must outlive the object
   GroupPaths(const Region& region, const Points& rest, const Vector3& origin);
 
-  /// Sets the motions, one per group, and goes to their end. A group of one vertex has no rotation and no scale of its
-  /// own: only its way counts. Nothing is allocated after the first call, but for targets of vertices.
+  /// Sets the motions, one per group, and moves to their ends. A group of one vertex has a displacement, but no
+  /// rotation and no scale. After the first call memory is allocated for targets of vertices only.
   /// @throws EditError (NoHandle, NotFinite, BadParameter) unless there is a finite motion for each group, with no
   ///         targets or one for each vertex
   void set(const std::vector<HandleMotion>& motions, const Affine& anchors = Affine::Identity());
 
-  /// Equal steps of the paths, as many to a part of them. A step is at most 30 degrees of rotation, a tenth of the
-  /// region's size or a quarter of a stretch, but where the path is very long.
+  /// Returns the number of equal steps of the paths. A step is at most 30 degrees of rotation, a tenth of the region's
+  /// size or a stretch of a quarter, unless the path is very long.
   int steps() const { return steps_; }
-  /// Goes to the end of a step, 1 to steps().
+  /// Moves all groups to the end of a step, 1 to steps().
   void go(int step);
 
-  /// Displacement of handle vertex i of the region at the end of the step.
+  /// Returns the displacement of handle vertex i of the region at the end of the step.
   Vector3 displacement(int i) const;
-  /// The same for a place in a group.
-  /// @param offset  mean of target_offset() over the vertices that the place stands for
+  /// Returns the same for a position in a group.
+  /// @param offset  mean of target_offset() over the vertices that the position represents
   Vector3 displacement(int group, const Vector3& place, const Vector3& offset) const;
-  /// Distance from where its group's motion leads handle vertex i to its target, in coordinates that rotate with the
-  /// group.
+  /// Returns the vector from the position of handle vertex i after its group's motion to its target, in coordinates
+  /// that rotate with the group.
   Vector3 target_offset(int i) const;
   bool has_targets() const { return has_targets_; }                     ///< of single vertices, in any group
   const std::vector<LocalMotion>& motions() const { return motions_; }  ///< of the groups; without target_offset()
@@ -62,10 +62,10 @@ class GroupPaths {
   const Points& rest_;
   Vector3 origin_;
   std::vector<Group> groups_;
-  std::vector<int> place_;  // of a handle vertex in its group
+  std::vector<int> place_;  // index of a handle vertex in its group
   LocalMotion anchors_;
   std::vector<LocalMotion> motions_, carried_;
-  std::vector<int> leader_;  // of each component: a group that all groups move like, kSeveral or kNoGroup
+  std::vector<int> leader_;  // per component: a group that all its groups move like, kSeveral or kNoGroup
   int steps_ = 1;
   bool has_targets_ = false;
 };

@@ -7,8 +7,8 @@
 
 namespace lapedit {
 
-/// How the vertices of one handle group move: rotation and uniform scale about a centre, then a translation; or any
-/// affine map. Lengths in model units.
+/// The transform of a handle group: rotation and uniform scale about a centre, then a translation; or any affine map.
+/// Lengths are in model units.
 struct HandleTransform {
   Vector3 translation = Vector3::Zero();
   Vector3 axis = Vector3::UnitZ();  ///< any length but zero
@@ -19,26 +19,26 @@ struct HandleTransform {
   std::optional<Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> matrix;
 };
 
-/// Where the vertices of one handle group go, and along which path: see MotionPath. Absolute coordinates.
+/// The motion of a handle group to its target, along the path of MotionPath. Coordinates are absolute.
 struct HandleMotion {
   /// A rotation that counts its turns.
   struct Turn {
     Vector3 axis = Vector3::UnitZ();  ///< unit
     double degrees = 0;
-    std::optional<Vector3> center;  ///< the group goes in a circle about it; absent: it rotates about its own centroid
+    std::optional<Vector3> center;  ///< centre of the circular path; absent: the group rotates about its own centroid
   };
 
   Affine map = Affine::Identity();
   std::optional<Turn> turn;  ///< the rotation in `map`; absent: at most 180 degrees
-  /// Of each vertex of the group, in the order of their numbers, in place of `map`; no rows: `map` counts.
+  /// Targets of the group's vertices, ascending by vertex number; they replace `map`. No rows: `map` is used.
   Points targets = Points(0, 3);
-  double part = 1;  ///< how far along the path, 0 to 1
+  double part = 1;  ///< fraction of the path, 0 to 1
 
   HandleMotion() = default;
   HandleMotion(const Affine& to) : map(to) {}  // NOLINT(google-explicit-constructor): an affine map is a motion
 };
 
-/// The motion that the transform stands for, all of the way.
+/// Returns the motion that the transform describes, with `part` 1.
 /// @param centroid  of the group at rest
 /// @throws EditError (BadParameter, NotFinite)
 HandleMotion resolve(const HandleTransform& transform, const Vector3& centroid);

@@ -9,7 +9,7 @@
 
 namespace lapedit {
 
-/// One 3 x 3 matrix per node of a graph, averaged over the nodes' neighbours. Source: this project; averages keep
+/// One 3 x 3 matrix per node of a graph, averaged over the nodes' neighbours. Source: this project. The averages keep
 /// details from tilting the rotations that are fitted to the matrices.
 class MatrixAverages {
  public:

@@ -5,7 +5,8 @@
 
 namespace lapedit {
 
-/// A map x -> L x + t as "minus identity", about a local origin: keeps a translation of a far-away mesh exact.
+/// A map x -> L x + t, stored as L - I and t relative to a local origin, so that translations of meshes far from the
+/// origin are exact.
 struct LocalMotion {
   Matrix3 linear = Matrix3::Zero();       ///< L - I
   Vector3 translation = Vector3::Zero();  ///< displacement of the local origin
@@ -15,22 +16,23 @@ struct LocalMotion {
   bool none() const { return linear.isZero(0) && translation.isZero(0); }
 };
 
-/// The path of a handle group from rest to its target. It rotates at an even rate; scale and shear grow at an even
-/// rate. Its centroid goes along the arc that a rotation of at most 180 degrees about one axis describes (a screw); in
-/// a circle where the rotation has a centre of its own; and straight where it rotates by more without one, or not at
-/// all. The path to a part of the target is that part of the path. The bits are the same on every processor.
+/// The path of a handle group from rest to its target. The rotation angle, scale and shear grow evenly. The centroid
+/// moves in a circle if the rotation has a given centre; along the arc of a screw motion if the rotation has none and
+/// at most 180 degrees; and straight otherwise. The path of a fraction of an edit is that fraction of the path. The
+/// bits are the same on every processor.
 class MotionPath {
  public:
   MotionPath() = default;
-  /// @param to      all of the way; HandleMotion::part and targets are not looked at
+  /// @param to      the whole motion; HandleMotion::part and targets are ignored
   /// @param origin  of local coordinates
   /// @param centre  centroid of the group at rest, local
   MotionPath(const HandleMotion& to, const Vector3& origin, const Vector3& centre);
 
-  /// The motion after a part of the path from 0 to 1; exactly the identity at 0 and the target at 1.
+  /// Returns the motion at a fraction of the path; exactly the identity at 0 and the whole motion at 1.
   LocalMotion at(double part) const;
 
-  /// Length of the path, where 30 degrees of rotation, a way of `unit` or a quarter of a stretch are 1.
+  /// Returns the length of the path, in which 30 degrees of rotation, a displacement of `unit`, or a stretch of a
+  /// quarter count as 1.
   double length(double unit) const;
 
  private:

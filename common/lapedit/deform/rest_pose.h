@@ -7,14 +7,15 @@
 
 namespace lapedit {
 
-/// A region with its handles, and where its vertices are before an edit. Shared by all that poses it.
+/// A region with its handles, and the positions of its vertices before an edit. All objects that pose the region share
+/// it.
 struct RestPose {
   std::shared_ptr<const Region> region;
   Vector3 origin = Vector3::Zero();  ///< the first handle vertex
   Points world;                      ///< as given, size() x 3
-  Points local;                      ///< about the origin: digits are kept far from zero
+  Points local;                      ///< relative to `origin`, so that no digits are lost far from zero
 
-  /// @param mesh  not kept. @throws EditError (NoHandle)
+  /// @param mesh  not kept after construction. @throws EditError (NoHandle)
   RestPose(const TriangleMesh& mesh, std::shared_ptr<const Region> with);
 };
 

@@ -9,18 +9,18 @@
 
 namespace lapedit {
 
-/// Unit vertex normals, area-weighted over the given faces; zero where a vertex has no face with area, or where its
-/// faces cancel. O(faces). The second form keeps its workspace between calls.
+/// Computes unit vertex normals, area-weighted over the given faces; zero where a vertex has no face with area, or
+/// where its faces cancel. Cost: O(faces). The second form keeps its workspace between calls.
 void vertex_normals(const Points& points, const Faces& faces, Points& normals);
 void vertex_normals(const Points& points, const Faces& faces, Points& normals, Eigen::VectorXd& areas);
 
-/// The smoothing of the paper's section 6 as a linear map over a region: row i is the weighted mean over the vertices
-/// within geodesic distance r of vertex i, weight p(t) = 2 t^3/r^3 - 3 t^2/r^2 + 1, rows normalised to sum 1.
-/// Distances and weights belong to the rest shape: made once per region, applied to whatever lives on its vertices.
+/// The smoothing of the paper's section 6 as a linear map over a region. Row i is the weighted mean over the vertices
+/// within geodesic distance r of vertex i, with the weight p(t) = 2 t^3/r^3 - 3 t^2/r^2 + 1; rows sum to 1. Distances
+/// and weights are those of the rest shape, so one object serves all poses of a region.
 ///
-/// When the neighbourhoods together would hold more than max_entries vertices, means are taken at sample centres r/4 to
-/// r/2 apart and blended by the kernel of radius r/2: cost and memory then no longer grow with r, and the smoothing is
-/// a little wider. The centres depend on how the mesh is numbered where it is symmetric.
+/// If the neighbourhoods together would hold more than max_entries vertices, means are computed at sample centres r/4
+/// to r/2 apart and blended by the kernel of radius r/2. Cost and memory then do not grow with r, and the smoothing is
+/// slightly wider. On symmetric meshes the centres depend on the vertex numbers.
 class SmoothingKernel : public Smoother {
  public:
   /// @param rest     size() x 3 rest positions of the region
@@ -45,15 +45,16 @@ class SmoothingKernel : public Smoother {
   SmoothingKernel(const SmoothingKernel& other) = default;
 
   std::shared_ptr<const Rows> direct_;  // vertices x vertices, or centres x vertices when sampled
-  std::shared_ptr<const Rows> blend_;   // vertices x centres when sampled, else nothing
+  std::shared_ptr<const Rows> blend_;   // vertices x centres when sampled, else null
   mutable Points centres_;              // scratch
 };
 
-/// The radius used for normal_radius = 0: 0.3 of the largest handle distance in the region, at least four mean edges.
+/// Returns the radius for normal_radius = 0: 0.3 of the largest distance from a handle in the region, at least four
+/// mean edges.
 ///
-/// An edit bends a region on the scale of its own size, so what is clearly smaller is detail and should turn as one.
-/// Below 0.2 the details of the grid of detail_orientation_test tilt more and pulled limbs stretch more; above 0.4
-/// limbs lose their own detail.
+/// An edit bends a region on the scale of its size, so clearly smaller features are detail and should rotate as a
+/// whole. Below 0.2 the details of the grid of detail_orientation_test tilt more and pulled limbs stretch more; above
+/// 0.4 limbs lose their own detail.
 double automatic_normal_radius(const Region& region, const Points& rest);
 
 }  // namespace lapedit

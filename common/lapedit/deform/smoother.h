@@ -8,20 +8,21 @@
 
 namespace lapedit {
 
-/// A linear low-pass S over the vertices of a region: what it makes of positions is the underlying smooth surface.
-/// Constants are kept, and components do not mix. One call at a time.
+/// A linear low-pass filter S over the vertices of a region; applied to positions it gives the underlying smooth
+/// surface. It keeps constants and does not mix components. Not thread-safe: one call at a time.
 class Smoother {
  public:
   virtual ~Smoother() = default;
 
-  /// out = S in, size() x 3 each. in and out must be different objects; out keeps its storage if it has the right size.
+  /// Computes out = S in, size() x 3 each. `in` and `out` must be different objects; `out` keeps its storage if it has
+  /// the right size.
   virtual void apply(const Points& in, Points& out) const = 0;
 
-  /// To some five digits.
+  /// Computes the same to about five digits.
   virtual void apply_roughly(const Points& in, Points& out) const { apply(in, out); }
 
-  /// The same map: its tables shared, its scratch another, so that both can be at work at a time, each on a pool of its
-  /// own (empty: the caller's thread alone).
+  /// Returns the same map with shared tables and its own scratch memory, so that both can be used at the same time,
+  /// each with its own pool (null: the caller's thread alone).
   virtual std::unique_ptr<Smoother> share(std::shared_ptr<ThreadPool> pool) const = 0;
 };
 
