@@ -576,6 +576,8 @@ class Digits(CommandTest):
         self.assertEqual((lines[0], lines[1].split()[:2], len(lines)), ("COFF", ["441", "800"], 2 + 441 + 800))
         self.assertEqual([line.split()[3:] for line in lines[2:443]], [[str(k % 200), "10", "20", "255"] for k in range(441)])
         self.assertEqual([tuple(map(int, line.split()[1:4])) for line in lines[443:]], self.faces)
+        self.done(self.place / "out.off", "again.off", self.edit, "--fraction", "0")
+        self.assertEqual((self.place / "again.off").read_text(), (self.place / "out.off").read_text())
 
     def test_what_a_format_loses_is_said(self):
         compared = 0

@@ -464,7 +464,10 @@ std::optional<double> BatchHost::save(const QString& path, const KeptAttributes&
   find_masks(plugin, file.suffix(), capability, standard);
   standard |= kept.normals ? Mask::IOM_VERTNORMAL | Mask::IOM_FACENORMAL : 0;
   standard |= kept.selection ? Mask::IOM_FLAGS : 0;
-  const int mask = maskOf(*layer) & capability & standard;
+  int mask = maskOf(*layer) & capability & standard;
+  if (file.suffix().toLower() == "off" && (mask & Mask::IOM_VERTCOLOR) != 0) {
+    mask &= ~Mask::IOM_VERTNORMAL;  // MeshLab 2025.07 writes them after the colours, but reads them before
+  }
   if ((mask & Mask::IOM_BITPOLYGONAL) != 0) {
     layer->updateDataMask(MeshModel::MM_FACEFACETOPO);
   }
