@@ -13,9 +13,10 @@ namespace {
 
 using Clock = Gate::Clock;
 
-/// More than this on either side is not remembered: a load comes and goes.
+/// Bound of the remembered balance, since the load of a machine changes.
 constexpr std::chrono::milliseconds kMemory{2};
-/// The caller is alone for so many times what waiting has cost: so it costs no more than a part in as many.
+/// The caller works alone for this many times what waiting has cost, so that waiting costs at most 1 / kRest of the
+/// time.
 constexpr int kRest = 25;
 
 std::atomic<int> most_threads{std::numeric_limits<int>::max()};
@@ -27,7 +28,7 @@ constexpr int piece_of(std::uint64_t ticket) {
   return static_cast<int>(ticket & 0xffffffffU);
 }
 
-/// Nanoseconds of processor time that this thread has had.
+/// Returns the processor time of this thread in nanoseconds.
 std::int64_t processor_time() {
   timespec time{};
 #ifdef CLOCK_THREAD_CPUTIME_ID
@@ -55,7 +56,7 @@ ThreadPool::ThreadPool(int threads) {
       helpers_.emplace_back([this] { help(); });
     }
   } catch (const std::exception&) {
-    // No room for its stack, or no right to another thread: it is done with those that there are.
+    // No memory for its stack, or no permission for another thread: the pool works with the threads that it has.
   }
 }
 
@@ -67,10 +68,10 @@ ThreadPool::~ThreadPool() {
   }
 }
 
-/// Takes the next piece of a job, if it has one.
+/// Takes the next piece of a job, if there is one.
 bool ThreadPool::take(std::uint64_t number, int& piece) {
   std::uint64_t ticket = ticket_.load();
-  // Of another job's ticket the count may be another's as well; the exchange then fails.
+  // The count may already be that of another job; the exchange then fails.
   while (number_of(ticket) == number && piece_of(ticket) < pieces_.load()) {
     if (ticket_.compare_exchange_weak(ticket, ticket + 1)) {
       piece = piece_of(ticket);
@@ -100,7 +101,7 @@ void ThreadPool::run(int pieces, Function function, const void* context) {
   }
   caller_ = std::this_thread::get_id();
   const std::uint64_t number = number_of(ticket_.load()) + 1;
-  pieces_ = 0;  // nobody takes a piece until all is in place
+  pieces_ = 0;  // no thread takes a piece until all members are set
   ticket_ = number << 32;
   done_ = 0;
   function_ = function;
@@ -127,8 +128,8 @@ void ThreadPool::run_alone(int pieces, Function function, const void* context) {
   }
 }
 
-/// Of helpers on a processor of their own the caller has what they work; of those that have to share it with others,
-/// the wait for them.
+/// Helpers on a free processor save the caller their work; helpers that share a processor with other programs cost the
+/// caller the wait for them.
 void ThreadPool::settle_accounts() {
   balance_ = std::min<Clock::duration>(balance_ + Nanoseconds(helped_.exchange(0)) - waited_, kMemory);
   waited_ = {};
@@ -146,7 +147,7 @@ void ThreadPool::help() {
       const std::int64_t start = processor_time();
       do {
         work(function_.load(), context_.load(), piece);
-        // The caller may have begun another job by the time that the piece is counted.
+        // The caller may have begun another job before the piece is counted.
         if (++done_ == pieces_.load()) {
           for_the_end_.open();
         }

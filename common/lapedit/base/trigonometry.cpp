@@ -12,7 +12,7 @@ struct SineCosine {
   double sine, cosine;
 };
 
-/// Taylor's series about the nearest multiple of 90 degrees.
+/// Computes Taylor's series about the nearest multiple of 90 degrees.
 SineCosine sine_cosine(double degrees) {
   constexpr int kTerms = 11;
   const double within = std::remainder(degrees, 360);
@@ -36,7 +36,7 @@ SineCosine sine_cosine(double degrees) {
   }
 }
 
-/// In degrees, of a tangent from 0 to 1.
+/// Returns the angle in degrees of a tangent from 0 to 1.
 double arc_tangent(double tangent) {
   constexpr int kTerms = 14, kHalvings = 2;
   double u = tangent;

@@ -23,7 +23,7 @@ void check_fraction(double fraction) {
   }
 }
 
-/// A part of the whole progress, number k of so many.
+/// Returns the progress of part k of `count`, as a part of the whole.
 Progress part_of(const Progress& progress, std::size_t k, std::size_t count) {
   if (!progress) {
     return {};
@@ -40,7 +40,7 @@ EditStep with_sorted_groups(EditStep step) {
   return step;
 }
 
-/// Of the landmarks of a step.
+/// Returns the residuals of the landmarks of a step.
 std::vector<LandmarkResidual> residuals(const EditStep& step, const Points& vertices) {
   std::vector<LandmarkResidual> all;
   for (const HandleGroup& group : step.handles) {
@@ -52,7 +52,7 @@ std::vector<LandmarkResidual> residuals(const EditStep& step, const Points& vert
   return all;
 }
 
-/// One pose per fraction, on their way through the steps.
+/// One pose per fraction; all go through the steps together.
 class Poses {
  public:
   using Each = std::function<void(std::size_t pose, EditResult&&)>;
@@ -75,7 +75,7 @@ class Poses {
     }
     for (std::size_t k = 0; k < steps; ++k) {
       std::unique_ptr<StepRunner> runner;
-      EditStep step;  // as it runs
+      EditStep step;  // with resolved vertices
       for (std::size_t p = 0; p < poses; ++p) {
         try {
           if (k > 0 || !runner) {
@@ -91,14 +91,14 @@ class Poses {
     }
   }
 
-  /// All vertices of a pose.
+  /// Returns all vertices of a pose.
   const Points& vertices(std::size_t p) const { return now_[p]; }
 
  private:
   void run_step(const EditStep& step, std::size_t p, bool same_shape, const Progress& progress,
                 std::unique_ptr<StepRunner>& runner, const Each& each) {
     if (!same_shape || !runner) {
-      // Before the factorisation: what is wrong with a transform is said at once.
+      // Checks transforms before the factorisation, so that errors are reported at once.
       const auto check_targets = [&](const Region&) { motions_of(mesh_, step, fractions_[p]); };
       runner = std::make_unique<StepRunner>(StepProblem{mesh_, adjacency_, step.region, groups_of(step), step.settings,
                                                         scalar_, weights_of(step), step.mirror},
@@ -118,7 +118,7 @@ class Poses {
     report_progress(progress, 1, "done");
   }
 
-  /// Says which step and which fraction a refusal is about, if there are several. To be called while it is handled.
+  /// Adds step and fraction to a refusal, if there are several. Call it in the handler of the exception.
   [[noreturn]] void refuse(const EditError& error, std::size_t k, std::size_t steps, std::size_t p) const {
     const bool cancelled = error.cause() == ErrorCause::Cancelled;
     std::string sentence = error.what();
@@ -131,7 +131,7 @@ class Poses {
     throw EditError(error.cause(), sentence);
   }
 
-  TriangleMesh mesh_;  // the pose at work
+  TriangleMesh mesh_;  // the current pose
   const Adjacency& adjacency_;
   const std::vector<double>& fractions_;
   StoredScalar scalar_;

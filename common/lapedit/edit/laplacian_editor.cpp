@@ -20,7 +20,7 @@ LaplacianEditor::LaplacianEditor(const TriangleMesh& mesh, std::shared_ptr<CellM
   prepare(mesh, cells_->rest(), settings, progress, std::move(previous));
 }
 
-/// The cells ask nothing of the factor: with a second thread they come for free.
+/// The cells do not need the factor, so a second thread makes them meanwhile.
 void LaplacianEditor::prepare(const TriangleMesh& mesh, std::shared_ptr<const RestPose> rest,
                               const EditSettings& settings, const Progress& progress,
                               std::unique_ptr<LaplacianEditor> previous) {

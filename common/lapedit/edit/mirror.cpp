@@ -44,14 +44,14 @@ class Images {
 
   double limit() const { return limit_; }
 
-  /// -1: there is none within the limit.
+  /// -1: no vertex within the limit.
   int of(int v) const {
     const Vector3 place = mirror_ * place_of(mesh_.vertices, v);
     return place.allFinite() ? grid_.nearest(place, limit_) : -1;
   }
 
-  /// Pairs of a vertex of the image and that of the set which it is the image of; of several the lowest. Ascending.
-  /// @param set  ascending. @param missing  takes those without an image
+  /// Returns pairs of a vertex of the image and the (lowest) vertex of the set whose image it is, ascending.
+  /// @param set  ascending. @param missing out: the vertices without an image
   std::vector<std::pair<int, int>> of(const std::vector<int>& set, std::vector<int>& missing) const {
     std::vector<std::pair<int, int>> pairs;
     for (const int v : set) {
@@ -72,7 +72,7 @@ class Images {
   }
 
  private:
-  /// Those whose own images are in the set.
+  /// Returns the vertices whose own images are in the set.
   void add_between(const std::vector<int>& set, std::vector<std::pair<int, int>>& pairs) const {
     Eigen::AlignedBox3d box;
     for (const int v : set) {
@@ -128,7 +128,7 @@ MirroredHandles::MirroredHandles(const TriangleMesh& mesh, const std::vector<std
   std::vector<int> missing;
   std::size_t vertices = 0;
   for (std::size_t g = 0; g < groups.size(); ++g) {
-    centroid(mesh.vertices, groups[g]);  // checks them
+    centroid(mesh.vertices, groups[g]);  // checks the vertices
     source_.push_back(static_cast<int>(g));
     vertices += groups[g].size();
     for (const int v : groups[g]) {
@@ -227,13 +227,13 @@ HandleTransform MirroredHandles::symmetric(const HandleTransform& given, const V
   result.translation = in_plane(given.translation);
   const double length = given.axis.stableNorm();
   if (given.degrees != 0 && length > 0) {
-    // The part of the rotation vector along the normal.
+    // Returns the part of the rotation vector along the normal.
     const double turn = std::remainder(given.degrees, 360) * given.axis.dot(normal_) / length;
     constexpr double kNone = 1e-12;  // an axis within the plane
     result.axis = normal_;
     result.degrees = std::abs(turn) > kNone * std::abs(given.degrees) ? turn : 0;
     if (std::abs(given.axis.dot(normal_)) > (1 - kNone) * length) {
-      result.degrees = given.axis.dot(normal_) > 0 ? given.degrees : -given.degrees;  // however often it goes round
+      result.degrees = given.axis.dot(normal_) > 0 ? given.degrees : -given.degrees;  // also for several full turns
     }
   }
   if (given.center || turns_or_scales(given)) {
@@ -307,7 +307,7 @@ RegionSpec mirrored(const TriangleMesh& mesh, const RegionSpec& region, const Mi
   if (region.anchors.empty()) {
     return result;
   }
-  // A vertex that was an anchor keeps what it came with.
+  // A vertex that was an anchor keeps its weight and depth.
   std::vector<int> place(mesh.vertices.rows(), -1);
   for (std::size_t k = 0; k < region.anchors.vertices.size(); ++k) {
     place[region.anchors.vertices[k]] = static_cast<int>(k);
@@ -369,13 +369,13 @@ PoseSymmetry::PoseSymmetry(const TriangleMesh& mesh, const Region& region, const
   }
 }
 
-/// The ways, not the places: what the rest pose is off by stays.
+/// Displacements are averaged, not positions, so that asymmetries of the rest pose stay.
 void PoseSymmetry::apply(Points& places) const {
   for (int i = 0; i < static_cast<int>(twin_.size()); ++i) {
     if (const int j = twin_[i]; i <= j) {
       const Vector3 a = (places.row(i) - rest_.row(i)).transpose(), b = (places.row(j) - rest_.row(j)).transpose();
       if (a == mirror_ * b) {
-        continue;  // not moved is not moved to the bit
+        continue;  // vertices that do not move keep their bits
       }
       const Vector3 mean = (a + mirror_ * b) / 2;
       places.row(i) = rest_.row(i) + mean.transpose();

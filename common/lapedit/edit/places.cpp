@@ -27,7 +27,7 @@ std::string name_of(const HandleGroup& group, std::size_t number, std::size_t k)
                                 : "Point " + std::to_string(k) + " of handle group " + std::to_string(number);
 }
 
-/// Places of a mesh's vertices on another mesh.
+/// Positions of a mesh's vertices, applied to another mesh.
 class Transfer {
  public:
   Transfer(const TriangleMesh& mesh, const Adjacency& adjacency, const VertexFinder& finder, const VertexPlaces& from)
@@ -43,10 +43,10 @@ class Transfer {
     grid_.emplace(points_, std::move(rows));
   }
 
-  /// The nearest vertex. @throws EditError (MeshMismatch) if the place is not listed
+  /// Returns the nearest vertex. @throws EditError (MeshMismatch) if the position is not listed
   int image(int vertex) const { return image_[row(vertex)]; }
 
-  /// The vertices that stand for a set, ascending, and for each the member of the set that it comes from.
+  /// Returns the vertices that replace a set, ascending, each with the member of the set that it is nearest to.
   std::map<int, int> images(const std::vector<int>& set) const {
     std::map<int, int> found;
     std::vector<int> front;
@@ -56,11 +56,11 @@ class Transfer {
       }
     }
     const std::vector<int> members = sorted_set(set);
-    for (auto& [v, member] : found) {  // several may have come here
+    for (auto& [v, member] : found) {  // several members may have the same nearest vertex
       member = nearest_member(members, v).value_or(member);
     }
     if (set.size() > 1) {
-      // Only along the surface: what is behind the set is nearest to it too.
+      // Grows along the surface only, since vertices behind the set are near it as well.
       for (std::size_t k = 0; k < front.size(); ++k) {
         for (const int w : adjacency_.neighbours[front[k]]) {
           const auto member = found.count(w) == 0 ? nearest_member(members, w) : std::nullopt;
@@ -84,7 +84,7 @@ class Transfer {
     return static_cast<std::size_t>(place);
   }
 
-  /// The listed vertex that a vertex of this mesh is nearest to, if it is in the set.
+  /// Returns the listed vertex nearest to a vertex of this mesh, if it is in the set.
   std::optional<int> nearest_member(const std::vector<int>& members, int vertex) const {
     if (!mesh_.vertices.row(vertex).allFinite()) {
       return std::nullopt;
@@ -117,7 +117,7 @@ void transfer(const Transfer& to_here, HandleGroup& group, std::vector<int>& tak
   } else {
     for (const auto& [vertex, member] : to_here.images(group.vertices)) {
       if (contains(taken, vertex)) {
-        continue;  // of the group before
+        continue;  // belongs to an earlier group
       }
       vertices.push_back(vertex);
       if (!group.weights.empty()) {
@@ -136,7 +136,7 @@ void transfer(const Transfer& to_here, RegionSpec& region) {
   }
   const std::map<int, int> images = to_here.images(region.vertices);
   KeptAnchors anchors;
-  std::map<int, std::size_t> entry;  // of the kept anchors
+  std::map<int, std::size_t> entry;  // indices of the kept anchors
   for (std::size_t k = 0; k < region.anchors.vertices.size(); ++k) {
     entry.emplace(region.anchors.vertices[k], k);
   }
@@ -162,7 +162,7 @@ void check_anchors(const KeptAnchors& anchors) {
   }
 }
 
-/// Two landmarks on one vertex cannot both be met.
+/// Refuses two landmarks on one vertex, which cannot both be met.
 void refuse_doubles(const HandleGroup& group, std::size_t number) {
   std::map<int, std::size_t> first;
   for (std::size_t k = 0; k < group.vertices.size(); ++k) {
@@ -263,7 +263,7 @@ Edit with_places(const TriangleMesh& mesh, const Adjacency& adjacency, Edit edit
   }
   for (const int v : named) {
     Vector3 place = mesh.vertices.row(v).transpose();
-    for (double& number : place) {  // a place is no finer than a float: the text is half as long
+    for (double& number : place) {  // single precision is enough, and the text is half as long
       char text[32];
       std::snprintf(text, sizeof text, "%.9g", number);
       number = std::strtod(text, nullptr);

@@ -90,7 +90,7 @@ EditReport StepRunner::report(bool whole) const {
                                                                 : std::numeric_limits<double>::epsilon());
   }
   report.region_ms = region_ms_;
-  if (solved_ > 1) {  // all that was there before this pose
+  if (solved_ > 1) {  // everything existed before this pose
     report.region_ms = report.operator_ms = report.factor_ms = report.kernel_ms = 0;
     report.factor_taken_over = true;
     report.taken_over = "operator and factor";

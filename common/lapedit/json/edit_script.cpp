@@ -18,9 +18,9 @@ namespace lapedit {
 namespace {
 
 constexpr int kVersion = 1;
-constexpr std::int64_t kMostListedVertices = 100000000;  // in all lists of an edit together
+constexpr std::int64_t kMostListedVertices = 100000000;  // of all lists of an edit together
 
-/// Reads vertex lists, counting what they expand to before memory is taken for it.
+/// Reads vertex lists, and counts the vertices before memory is allocated for them.
 class VertexLists {
  public:
   explicit VertexLists(const std::optional<int>& mesh_vertices) : mesh_vertices_(mesh_vertices) {}
@@ -65,7 +65,7 @@ class VertexLists {
       for (int vertex = first; vertex < last; ++vertex) {
         vertices.push_back(vertex);
       }
-      vertices.push_back(last);  // apart, since last + 1 may overflow
+      vertices.push_back(last);  // separately, since last + 1 may overflow
     }
     return vertices;
   }
@@ -76,7 +76,7 @@ class VertexLists {
       while (at != end && (*at == ' ' || *at == '\t' || *at == '\n' || *at == '\r')) ++at;
     };
     skip_space();
-    if (at == end || *at < '0' || *at > '9') {  // from_chars would take a minus sign
+    if (at == end || *at < '0' || *at > '9') {  // from_chars would accept a minus sign
       return false;
     }
     const auto [stop, error] = std::from_chars(at, end, value);
@@ -118,7 +118,7 @@ Places::Disc read_disc(const JsonObject& object) {
   return {disc.numbers<3>("point"), disc.number("radius", 0)};
 }
 
-/// Refuses an object that has not exactly one of some keys.
+/// Refuses an object unless it has exactly one of some keys.
 void require_one_of(const JsonObject& object, const std::vector<const char*>& keys) {
   std::string list;
   int count = 0;
@@ -169,7 +169,7 @@ RegionSpec read_region(const JsonObject& object, VertexLists& lists, Places& pla
   return region;
 }
 
-/// Refuses the others beside a key that replaces them.
+/// Refuses keys that another given key replaces.
 void require_alone(const JsonObject& object, const char* key, const std::vector<const char*>& others) {
   for (const char* other : others) {
     if (object.has(other)) {
@@ -206,7 +206,7 @@ HandleTransform read_transform(const JsonObject& object) {
   return transform;
 }
 
-/// Where the text comes from: vertex lists, and the folder that names of files in it are in.
+/// The context of the text: its vertex lists, and the folder of file names in it.
 struct Source {
   VertexLists& lists;
   const std::string& folder;
@@ -227,7 +227,7 @@ HandleGroup read_landmark_keys(const JsonObject& object, const Source& source) {
   }
 }
 
-/// Targets of points or of vertices.
+/// Reads targets of points or of vertices.
 void read_targets(const JsonObject& object, HandleGroup& handle) {
   const char* const key = object.has("target") ? "target" : "targets";
   require_alone(object, key, {"translation", "rotation", "scale", "matrix"});
@@ -372,7 +372,7 @@ Json json_of(const Vector3& vector) {
   return json_of(vector.data(), 3);
 }
 
-/// Consecutive numbers become ranges.
+/// Writes consecutive numbers as ranges.
 Json json_of(const std::vector<int>& vertices) {
   std::string text;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
@@ -531,7 +531,7 @@ std::string trimmed(const std::string& text) {
 Edit read_edit(const std::string& json, const std::string& folder) {
   const Json root = parse_json(json);
   const auto version = root.find("laplacian_edit");
-  // First of all: another version may well have other keys.
+  // The version is checked first, since another version may have other keys.
   if (version == root.end() || *version != kVersion) {
     refuse_json("laplacian_edit: expected the number " + std::to_string(kVersion) + ", the version of this format, " +
                 (version == root.end() ? "but the key is missing" : "found " + describe(*version)) + ".");
@@ -589,7 +589,7 @@ Edit load_edit(const std::string& text_or_path) {
 
 std::string write_edit(const Edit& edit) {
   std::string json = json_of(edit).dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
-  read_edit(json);  // what cannot be read again is refused now, with the same sentence
+  read_edit(json);  // refuses text that could not be read again, with the same message
   return json;
 }
 

@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::size_t kDeepest = 1024, kMostKeys = 1000;
 
-/// Looks at what the library's parser reads: it takes the last of two equal keys, looks for them one by one, and reads
-/// as deep as the text goes.
+/// Checks what the library's parser reads, since the parser accepts duplicate keys (the last one wins, found by linear
+/// search) and any depth.
 class Watch {
  public:
   bool operator()(int, Json::parse_event_t event, const Json& value) {
@@ -57,7 +57,7 @@ class Watch {
     object.key = key;
   }
 
-  /// Of the object that is being read, such as "steps[1].region".
+  /// Returns the path of the object that is being read, such as "steps[1].region".
   std::string where() const {
     std::string path;
     for (std::size_t i = 0; i + 1 < open_.size(); ++i) {
@@ -87,7 +87,7 @@ Json parse_json(std::string json) {
   if (json.find_first_not_of(" \t\r\n") == std::string::npos) {
     refuse_json("The edit is an empty text; give a JSON object.");
   }
-  if (json.find('\0') != std::string::npos) {  // the parser takes it for the end
+  if (json.find('\0') != std::string::npos) {  // the parser would take it as the end
     refuse_json("The text is not valid JSON: it has a byte 0.");
   }
   Json root;
@@ -95,8 +95,8 @@ Json parse_json(std::string json) {
     root = Json::parse(json, [watch = Watch()](auto... read) mutable { return watch(read...); });
   } catch (const Json::exception& error) {
     std::string what = error.what();
-    what.erase(0, what.find("] ") + 2);                           // the library's number of the error
-    what.erase(std::min(what.find("; last read"), what.size()));  // which quotes the text
+    what.erase(0, what.find("] ") + 2);                           // removes the library's error number
+    what.erase(std::min(what.find("; last read"), what.size()));  // removes the quoted text
     refuse_json("The text is not valid JSON: " + what + ".");
   }
   if (!root.is_object()) {

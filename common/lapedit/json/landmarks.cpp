@@ -40,7 +40,7 @@ bool ends_with(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
-/// Numbers as a file has them, also "nan"; none if it is no number.
+/// Reads a number, including "nan"; `std::nullopt` if the text is no number.
 std::optional<double> number(const std::string& text) {
   const std::string clean = trimmed(text);
   const char* const end = clean.data() + clean.size();
@@ -49,7 +49,7 @@ std::optional<double> number(const std::string& text) {
   return error == std::errc() && stop == end && !clean.empty() ? std::optional<double>(value) : std::nullopt;
 }
 
-/// What all formats have in common.
+/// Checks that all formats have in common.
 class Collector {
  public:
   void add(const std::string& where, std::string name, const std::array<std::string, 3>& coordinates) {
@@ -94,7 +94,7 @@ std::string without_entities(const std::string& text) {
   return plain;
 }
 
-/// Attributes of an element, from behind its name to its end.
+/// Reads the attributes of an element, from after its name to its end.
 std::map<std::string, std::string> attributes(const std::string& text) {
   std::map<std::string, std::string> found;
   std::size_t at = 0;
@@ -110,7 +110,7 @@ std::map<std::string, std::string> attributes(const std::string& text) {
   }
 }
 
-/// Where an element ends: at the first > that is not in quotes.
+/// Returns the end of an element: the first > outside quotes.
 std::size_t end_of_element(const std::string& text, std::size_t at) {
   char quote = 0;
   for (; at < text.size(); ++at) {
@@ -187,7 +187,7 @@ void for_lines(const std::string& text, const Body& body) {
   }
 }
 
-/// The columns of name, x, y and z; the name's is -1 where there is none.
+/// The columns of name, x, y and z; the column of names is -1 if there is none.
 using Columns = std::array<int, 4>;
 
 std::optional<Columns> columns_of(const std::vector<std::string>& header) {
@@ -222,7 +222,7 @@ void read_table(const std::string& text, const std::string& name, Collector& all
     if (!columns) {
       columns = columns_of(cells);
       if (columns) {
-        return;  // it was the header
+        return;  // this line is the header
       }
       if (cells.size() != 3 && cells.size() != 4) {
         refuse_json(where + ": has " + std::to_string(cells.size()) +
@@ -244,7 +244,7 @@ void read_table(const std::string& text, const std::string& name, Collector& all
 
 // --- 3D Slicer ------------------------------------------------------------------------------------------------------
 
-/// Numbers stand for names in old files.
+/// Old files have numbers in place of names.
 std::string coordinate_system(const std::string& text) {
   return text == "0" ? "RAS" : text == "1" ? "LPS" : text;
 }
@@ -321,7 +321,7 @@ void read_markups(const std::string& text, const std::string& name, Collector& a
   }
 }
 
-/// The first names of a set.
+/// Returns the first names of a set, for a message.
 std::string listed(const std::vector<std::string>& names) {
   constexpr std::size_t kMost = 5;
   std::string text;
@@ -436,7 +436,7 @@ std::string read_text_file(const std::string& path) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
   std::string text;
   if (file) {
-    text.resize(static_cast<std::size_t>(size) + 1);  // one more, to see whether it has grown
+    text.resize(static_cast<std::size_t>(size) + 1);  // one more byte, to detect that the file has grown
     text.resize(std::fread(text.data(), 1, text.size(), file.get()));
   }
   if (!file || std::ferror(file.get()) != 0) {

@@ -15,11 +15,11 @@ namespace {
 
 constexpr int kGrain = 1024;
 
-/// Three coordinates, and one to fill the vector.
+/// Three coordinates, and one to fill the vector register.
 using Lanes = Doubles4;
 
-/// The error a b - p of the rounded product p: exact, with an instruction for it (Fused) or by splitting factors into
-/// halves of 26 bits (TwoProduct, Dekker 1971; Ogita, Rump, Oishi 2005, section 2).
+/// Returns the exact error a b - p of the rounded product p, by a fused instruction (Fused) or by splitting factors
+/// into halves of 26 bits (TwoProduct, Dekker 1971; Ogita, Rump, Oishi 2005, section 2).
 struct Fused {
   static LAPEDIT_INLINE Lanes error(double a, Lanes b, Lanes p) {
     Lanes result;
@@ -38,8 +38,8 @@ struct Split {
   }
 };
 
-/// Row i of n x 3 points. Only behind the last one is there nothing to fill the vector with; and what is written in the
-/// same pass is read alone, since another thread may be at the next row.
+/// Reads row i of n x 3 points. The last row has no number after it to fill the vector with; rows written in the same
+/// pass are read without it, since another thread may be writing the next row.
 constexpr int kAlone = -1;
 LAPEDIT_INLINE Lanes row_of(const double* points, int i, int last_row) {
   Lanes row = {};
@@ -56,8 +56,8 @@ LAPEDIT_INLINE void set_row(double* points, int i, Lanes row) {
   std::memcpy(points + 3 * static_cast<std::size_t>(i), &row, 3 * sizeof(double));
 }
 
-/// high + low, and what is added to them: the error of high + term is exact (TwoSum, Knuth 1969), and goes into low
-/// with that of the product (Dot2, Ogita, Rump, Oishi 2005, section 4).
+/// A sum high + low. The error of high + term is computed exactly (TwoSum, Knuth 1969) and added to low with that of
+/// the product (Dot2, Ogita, Rump, Oishi 2005, section 4).
 struct Sum {
   Lanes high = {}, low = {};
 
@@ -74,22 +74,21 @@ struct Sum {
   }
 };
 
-/// One pass over a range of rows: sums of entries times rows of x; then, where there is a right-hand side, what is left
-/// of it.
+/// One pass over a range of rows: sums of entries times rows of x, subtracted from the right-hand side if there is one.
 struct Pass {
   const int* offsets;
   const int* inner;
   const double* values;
   int last_row;
-  const double *x_high, *x_low;  // what the entries are multiplied with; no low part: all in working precision
+  const double *x_high, *x_low;  // factors of the entries; without a low part: all in working precision
 
-  // Without a right-hand side the sums themselves.
+  // Without a right-hand side: the sums.
   double *sum_high, *sum_low;
 
   const double* right;
   double* left;
   const double* diagonal;        // may be null
-  const double *d_high, *d_low;  // what it is multiplied with
+  const double *d_high, *d_low;  // its factors
 };
 
 /// In working precision.
@@ -149,7 +148,7 @@ void run_all(const Pass& pass, ThreadPool& pool) {
   in_pieces(pool, pass.last_row + 1, kGrain, [&](int first, int last) { run(pass, first, last); });
 }
 
-/// @param low  may be nothing
+/// @param low  may be null
 template <class Compressed>
 Pass pass_over(const Compressed& lists, const Points& high, const Points* low) {
   Pass pass = {};
@@ -253,11 +252,11 @@ Refinement refine_to_the_bit(RefinedSystem& system, bool single_precision, Doubl
                              ThreadPool& pool) {
   constexpr double kAccurate = 1e-24, kStalled = 0.5, kSpoiled = 0.1;
   constexpr int kMostSteps = 90;
-  // What a solve leaves of an error comes from the factor's rounding and grows with the condition; so does what a
-  // residual in working precision gets wrong: 2^-29 of it, and not all alike.
+  // The error after a solve comes from the factor's rounding and grows with the condition number; so does the error of
+  // a residual in working precision, which is about 2^-29 of it.
   const double coarse = single_precision ? 16 * 0x1p-29 : 1;
-  double rate = single_precision ? 1e-5 : 1e-12;  // of an error, that a step leaves: the worst so far, or a guess
-  double moved = 0;                               // by steps that were subtracted in working precision
+  double rate = single_precision ? 1e-5 : 1e-12;  // share of an error that a step leaves: the worst so far, or a guess
+  double moved = 0;                               // sum of steps that were subtracted in working precision
   bool started = false, exact = true;
   Refinement done;
   done.last_change = 1;

@@ -12,14 +12,15 @@ namespace lapedit::supernode {
 namespace {
 
 constexpr int kLanes = kFrontLanes;
-constexpr int kBlock = 8;   // columns that are solved for at a time
-constexpr int kPanel = 64;  // columns whose products are taken away at a time
+constexpr int kBlock = 8;   // columns solved at a time
+constexpr int kPanel = 64;  // columns whose products are subtracted at a time
 
 using Lanes = Simd<double, kLanes>::Vector;
 
 constexpr std::ptrdiff_t kStep = kLanes;
 
-/// Width columns from `to` on lose the products of `depth` columns from `by` on: Tall vectors of their rows.
+/// Subtracts the products of `depth` columns from `by` on from Width columns from `to` on, for Tall vectors of their
+/// rows.
 /// @param rows  entries of the columns `by` in the rows of the diagonal: Width for each of them
 template <int Tall, int Width>
 LAPEDIT_INLINE void subtract_tile(double* to, const double* by, const double* rows, int stride, int depth) {
@@ -56,7 +57,7 @@ LAPEDIT_INLINE void subtract_tile(double* to, const double* by, const double* ro
   }
 }
 
-/// All rows from the diagonal on of Width columns.
+/// Does so for all rows from the diagonal on of Width columns.
 template <int Tall, int Width>
 LAPEDIT_INLINE void subtract_columns(double* front, int stride, int column, int by, int depth) {
   double rows[kPanel * Width];
@@ -87,7 +88,7 @@ LAPEDIT_INLINE void subtract(double* front, int stride, int first, int last, int
   }
 }
 
-/// Factors the triangle of a few columns and solves for the rows below, those of the triangle among them.
+/// Factors the triangle of a few columns and solves for the rows below, including those of the triangle.
 LAPEDIT_INLINE bool solve_block(double* front, int stride, int first, int width) {
   double triangle[kBlock][kBlock], inverse[kBlock];
   double* const block = front + static_cast<std::size_t>(first) * stride;

@@ -6,8 +6,8 @@ namespace {
 
 constexpr int kShortestPhases = 3;
 
-/// The smallest separator within a band of layers around a given one: a largest flow (Dinic 1970) through the band's
-/// vertices, each of capacity one.
+/// Finds the smallest separator within a band of layers around a given one, by a maximum flow (Dinic 1970) through the
+/// band's vertices, each of capacity one.
 ///
 /// Second neighbours are not listed: the flow goes from vertex to vertex through nets, one per vertex u, that join all
 /// of u's neighbours and u. A net is a node; a vertex of the band ("column") is two, its entry and its exit. Local
@@ -16,9 +16,9 @@ class SeparatorFlow {
  public:
   SeparatorFlow(const Piece& piece, Scratch& scratch) : piece_(piece), s_(scratch) {}
 
-  /// Changes scratch.side where that makes it better.
+  /// Changes scratch.side if that makes it better.
   void improve(Counts& counts, int layers) {
-    // The cut is the one nearest to the source: on the larger side it evens out.
+    // The cut is the one nearest to the source. With the source on the larger side it balances the sides.
     source_ = counts[kLow] >= counts[kHigh] ? kLow : kHigh;
     sink_ = source_ == kLow ? kHigh : kLow;
     if (!collect(layers)) {
@@ -26,7 +26,7 @@ class SeparatorFlow {
     }
     s_.in.assign(columns_, -1);
     s_.out.assign(columns_, -1);
-    // Shortest ways first; the few that are left are found as well by any.
+    // Shortest paths first; for the few that remain any paths will do.
     bool more = true;
     for (int phase = 0; more && phase < kShortestPhases; ++phase) {
       more = find_levels() && augment<true>();
@@ -59,7 +59,7 @@ class SeparatorFlow {
  private:
   enum End : std::uint8_t { kSourceEnd = 1, kSinkEnd = 2 };
 
-  /// Lists the band's columns and nets. @return whether there is something on both sides of it
+  /// Lists the band's columns and nets. @return whether there are vertices on both sides of it
   bool collect(int layers) {
     const int n = piece_.own;
     std::vector<int>& local = s_.local;
@@ -114,13 +114,13 @@ class SeparatorFlow {
 
   std::uint8_t end_at(int v) const { return v >= piece_.own ? 0 : s_.side[v] == source_ ? kSourceEnd : kSinkEnd; }
 
-  // Nodes: net u; nets_ + v, the entry of column v; nets_ + columns_ + v, its exit. Flow runs in[v] -> v -> out[v].
-  // What an entry of a used column leads to is back to where its flow comes from; an exit is reached only backwards.
+  // Nodes: net u; nets_ + v, the entry of column v; nets_ + columns_ + v, its exit. Flow runs in[v] -> v -> out[v]. The
+  // entry of a used column leads back to where its flow comes from; an exit is reached only backwards.
   int node_of(int net, int column) const { return s_.out[column] == net ? nets_ + columns_ + column : nets_ + column; }
   int column_of(int node) const { return node < nets_ + columns_ ? node - nets_ : node - nets_ - columns_; }
   bool leads_back(int node) const { return node < nets_ + columns_ && s_.in[node - nets_] >= 0; }
 
-  /// Distances from the source, as far as to the sink. @return whether that can be reached
+  /// Computes distances from the source up to the sink. @return whether the sink can be reached
   bool find_levels() {
     std::vector<int>& queue = s_.path;
     std::vector<int>& depth = s_.depth;
@@ -158,7 +158,7 @@ class SeparatorFlow {
     return false;
   }
 
-  /// Sends flow on all shortest ways (kShortest: depth is the distance), or on some ways of any length (depth is -1
+  /// Sends flow on all shortest paths (kShortest: depth is the distance), or on some paths of any length (depth is -1
   /// where the search has not been). @return whether there was one
   template <bool kShortest>
   bool augment() {
@@ -192,7 +192,7 @@ class SeparatorFlow {
     return any;
   }
 
-  /// Next untried node of a depth that the given one leads to, -1 if none is left.
+  /// Returns the next untried node of a depth that the given node leads to, -1 if none is left.
   int next_node(int node, int depth) {
     int& arc = s_.arc[node];
     if (node >= nets_ && leads_back(node)) {
@@ -213,7 +213,7 @@ class SeparatorFlow {
     return -1;
   }
 
-  /// One unit along the path: nets and columns in turn.
+  /// Sends one unit along the path of alternating nets and columns.
   template <bool kShortest>
   void send() {
     for (std::size_t k = 1; k + 1 < s_.path.size(); k += 2) {

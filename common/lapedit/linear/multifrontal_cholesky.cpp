@@ -23,7 +23,7 @@ struct Free {
 };
 using Memory = std::unique_ptr<double, Free>;
 
-/// Memory of fronts, used again: new pages cost more than many a front.
+/// Memory of fronts, reused, since new pages cost more than small fronts.
 class Recycler {
  public:
   Memory take(std::size_t size, int& kind) {
@@ -129,7 +129,7 @@ void Factorisation::add_matrix(int s, const int* place, double* front) const {
   }
 }
 
-/// What a child leaves for the rows below its columns.
+/// A child's update of the rows below its columns.
 void Factorisation::add_child(int child, const int* place, double* front, int front_stride) {
   const int first = columns(child), last = size(child), child_stride = stride(child);
   const int* const row = rows(child);

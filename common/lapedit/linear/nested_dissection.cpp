@@ -20,24 +20,24 @@ using namespace dissection;
 
 namespace {
 
-constexpr int kLeafWords = 4;          // 64-bit words of a leaf's rows
-constexpr int kLargeLeafWords = 16;    // and of those of a piece that cannot be divided
-constexpr double kTail = 0.2;          // a plane leaves at least this part of the vertices on each side
-constexpr double kHub = 4;             // times the root of a piece's size: neighbours too many to cut through
+constexpr int kLeafWords = 4;        // 64-bit words of a leaf's rows
+constexpr int kLargeLeafWords = 16;  // the same of a piece that cannot be divided
+constexpr double kTail = 0.2;        // a plane leaves at least this part of the vertices on each side
+constexpr double kHub = 4;  // times the root of a piece's size: vertices with more neighbours are not cut through
 constexpr int kAlwaysSearched = 2000;  // vertices; a smaller piece is searched if its plane is not good
-constexpr double kGoodScore = 3.5;     // of a plane; 2.6 is a straight cut through the middle of an even disc
-constexpr double kLeastLevel = 0.05;   // the same of a cut between levels
+constexpr double kGoodScore = 3.5;     // of a plane; a straight cut through the middle of an even disc has 2.6
+constexpr double kLeastLevel = 0.05;   // the same for a cut between levels
 constexpr int kThreadGrain = 4000;     // vertices
 
-/// Layers on each side of a separator among which a smaller one is looked for.
+/// Layers on each side of a separator in which a smaller one is sought.
 int band_layers(int vertices) {
   return vertices < 500 ? 1 : vertices < 10000 ? 2 : 3;
 }
 
 // ---- Leaves ---------------------------------------------------------------------------------------------------------
 
-/// Minimum degree, exact, on rows of bits: the elimination graph of second neighbours. The last word is for the ghosts,
-/// which count but are not eliminated; more than 64 share bits.
+/// Exact minimum degree on rows of bits, in the elimination graph of second neighbours. The last word is for ghosts,
+/// which count but are not eliminated; more than 64 ghosts share bits.
 template <int kWords>
 struct Leaf {
   static constexpr int kMost = 64 * (kWords - 1);
@@ -45,7 +45,7 @@ struct Leaf {
 
   static void order(const Piece& piece, Scratch& scratch, int* order) {
     const int n = piece.own;
-    // All vertices next to one vertex are next to each other.
+    // All neighbours of a vertex are neighbours of each other.
     scratch.nets.assign(static_cast<std::size_t>(piece.size()) * kWords, 0);
     for (int u = 0; u < piece.size(); ++u) {
       std::uint64_t* net = &scratch.nets[static_cast<std::size_t>(u) * kWords];
@@ -59,7 +59,7 @@ struct Leaf {
       set(u);
       for (const int v : piece.next[u]) set(v);
     }
-    std::vector<Row> rows(n);  // each with its own vertex
+    std::vector<Row> rows(n);  // each with its vertex itself
     std::vector<int> degree(n);
     for (int v = 0; v < n; ++v) {
       rows[v] = {};
@@ -77,7 +77,8 @@ struct Leaf {
       for (int v = 1; v < n; ++v) {
         if (degree[v] < degree[pivot]) pivot = v;
       }
-      // The pivot and all whose neighbours are the pivot's go at once: after the first the others add nothing.
+      // The pivot and all vertices with the same neighbours are eliminated together: after the first the others add no
+      // fill.
       const Row clique = rows[pivot];
       Row gone{};
       for_each_own(clique, [&](int u) {
@@ -114,7 +115,7 @@ struct Leaf {
   }
 };
 
-/// Of a piece that has no separator worth the name: it is nearly complete.
+/// For a piece without a useful separator, which is nearly complete.
 void order_whole(const Piece& piece, Scratch& scratch, int* order) {
   if (piece.own <= Leaf<kLargeLeafWords>::kMost) {
     Leaf<kLargeLeafWords>::order(piece, scratch, order);
@@ -129,9 +130,8 @@ void order_whole(const Piece& piece, Scratch& scratch, int* order) {
 
 // ---- Divisions ------------------------------------------------------------------------------------------------------
 
-/// Coordinates along the longest axis of inertia of a piece's own vertices, in scratch.along: the eigenvector of
-/// sum_v (x_v - mean)(x_v - mean)^T with the largest eigenvalue. @return the own vertex at
-/// its lower end
+/// Computes coordinates along the longest axis of inertia of a piece's own vertices, in scratch.along: the eigenvector
+/// of sum_v (x_v - mean)(x_v - mean)^T with the largest eigenvalue. @return the own vertex at its lower end
 int project(const Piece& piece, Scratch& scratch) {
   const float* at = piece.at.data();
   const float origin[3] = {at[0], at[1], at[2]};
@@ -160,12 +160,12 @@ int project(const Piece& piece, Scratch& scratch) {
   return lowest;
 }
 
-/// The best plane across the axis, all of them looked at. scratch.place becomes whether a vertex is beyond it.
+/// Finds the best of all planes across the axis. scratch.place becomes whether a vertex is beyond it.
 /// @return its score
 double cut_by_plane(const Piece& piece, Scratch& scratch) {
   const int n = piece.own;
   constexpr int kCoarseBins = 256;
-  constexpr int kBins = 128;  // fine ones where the plane may be, in between a coarse histogram's tails
+  constexpr int kBins = 128;  // fine bins where the plane may be, between the tails of a coarse histogram
   const auto [lowest, highest] = std::minmax_element(scratch.along.begin(), scratch.along.begin() + n);
   const float start = *lowest;
   std::array<int, kCoarseBins> coarse{};
@@ -181,7 +181,7 @@ double cut_by_plane(const Piece& piece, Scratch& scratch) {
   for (int v = 0; v < piece.size(); ++v) {
     place[v] = static_cast<std::uint8_t>(std::clamp((scratch.along[v] - from) * scale + 1, 0.0F, kBins - 1.0F));
   }
-  // A vertex is in the separators of all planes that leave it and a neighbour on different sides.
+  // A vertex is in the separators of all planes that separate it from a neighbour.
   std::array<int, kBins> vertices{}, change{};
   for (int v = 0; v < n; ++v) {
     std::uint8_t low = place[v], high = place[v];
@@ -225,8 +225,8 @@ int search(const Piece& piece, Scratch& scratch, int seed, int begin) {
   return end;
 }
 
-/// Shares out the connected parts of a piece, of which the queue has the first: largest first, each to the side with
-/// fewer. @return vertices per side
+/// Distributes the connected parts of a piece, of which the queue has the first: the largest first, each to the smaller
+/// side. @return vertices per side
 Counts share_components(const Piece& piece, Scratch& scratch, int end) {
   struct Component {
     int own, begin, end;
@@ -257,8 +257,8 @@ Counts share_components(const Piece& piece, Scratch& scratch, int end) {
   return counts;
 }
 
-/// The best of the levels of a breadth-first search, if better than a plane's score: it goes around limbs, where a
-/// plane cuts all that lie side by side.
+/// Finds the best level of a breadth-first search, if it is better than a plane's score: a level goes around a limb,
+/// where a plane cuts all limbs that lie side by side.
 void cut_by_level(const Piece& piece, Scratch& scratch, double best) {
   int last = -1;
   for (int k = 0, low = 0, before = 0, level = 0; k < piece.size(); ++level) {
@@ -278,8 +278,8 @@ void cut_by_level(const Piece& piece, Scratch& scratch, double best) {
   }
 }
 
-/// Puts what is around vertices of very many neighbours into the separator: no cut comes through, and cliques larger
-/// than a separator cost less than what they spoil. @return vertices per side, none on the higher one
+/// Puts the neighbourhoods of vertices with very many neighbours into the separator, since no cut goes through them and
+/// cliques larger than a separator cost less. @return vertices per side, none on the higher one
 Counts take_hubs(const Piece& piece, Scratch& scratch) {
   Counts counts{};
   const double most = kHub * std::sqrt(piece.own);
@@ -301,7 +301,7 @@ Counts take_hubs(const Piece& piece, Scratch& scratch) {
   return counts;
 }
 
-/// Puts each vertex on a side or into the separator, and counts them. @return whether that is a division worth having
+/// Puts each vertex on a side or into the separator, and counts them. @return whether that is a useful division
 bool divide(const Piece& piece, Scratch& scratch, Counts& counts) {
   const int n = piece.own;
   const int size = piece.size();
@@ -322,7 +322,8 @@ bool divide(const Piece& piece, Scratch& scratch, Counts& counts) {
     }
     cut_by_level(piece, scratch, best);
   }
-  // What is next to the other side separates second neighbours as well: between two that remain are two of these.
+  // Vertices next to the other side separate second neighbours as well: any path between two remaining vertices
+  // contains two of them.
   counts = {};
   for (int v = 0; v < n; ++v) {
     bool cut = false;
@@ -334,7 +335,7 @@ bool divide(const Piece& piece, Scratch& scratch, Counts& counts) {
   return is_division(counts);
 }
 
-/// One side of a divided piece, in the order of the queue: neighbours near each other in memory.
+/// Makes one side of a divided piece, in the order of the queue, so that neighbours are near each other in memory.
 Piece part(const Piece& whole, Side side, Scratch& scratch) {
   std::vector<int>& local = scratch.local;
   std::vector<int>& from = scratch.from;
@@ -351,7 +352,7 @@ Piece part(const Piece& whole, Side side, Scratch& scratch) {
   }
   Piece result;
   const int own = result.own = static_cast<int>(from.size());
-  if (scratch.values.size() < 2 * most) scratch.values.resize(2 * most);  // a ghost's lists are others' turned around
+  if (scratch.values.size() < 2 * most) scratch.values.resize(2 * most);  // ghosts' lists are reversed ones
   int* const values = scratch.values.data();
   int* end = values;
   std::vector<int>& offsets = result.next.offsets;
@@ -419,7 +420,7 @@ void dissect(Piece piece, int* order, int threads, Scratch& scratch) {
   }
 }
 
-/// Numbers of edges from a vertex, and from the lowest unreached one on where that leads nowhere any more.
+/// Computes numbers of edges from a vertex; if vertices remain, continues from the lowest unreached one.
 /// @return the last vertex reached
 int count_edges(const IndexLists& neighbours, int from, std::vector<int>& count, std::vector<int>& queue) {
   count.assign(neighbours.rows(), -1);
@@ -458,7 +459,7 @@ std::vector<int> nested_dissection(const IndexLists& neighbours, const Points& p
   all.vertex.resize(n);
   std::iota(all.vertex.begin(), all.vertex.end(), 0);
   all.next = neighbours;
-  // In the box [-1, 1]^3, where single precision is enough.
+  // Scales to the box [-1, 1]^3, where single precision is enough.
   const Eigen::RowVector3d low = points.colwise().minCoeff(), high = points.colwise().maxCoeff();
   const Eigen::RowVector3d middle = low / 2 + high / 2;
   const double extent = (high / 2 - low / 2).maxCoeff();

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kGrain = 1024;
 
-/// out row i = sum of the entries of list i times rows of x.
+/// Computes row i of out, the sum of the entries of list i times rows of x.
 template <class Compressed>
 void multiply(const Compressed& lists, const Points& x, Points& out, ThreadPool& pool) {
   const int* const offsets = lists.outerIndexPtr();
@@ -35,7 +35,7 @@ OperatorRows::OperatorRows(const SparseMatrix& matrix) : columns_(matrix), rows_
 
 OperatorRows::OperatorRows(const SparseMatrix& matrix, const Eigen::VectorXd& stretch) : OperatorRows(matrix) {
   for (Eigen::Index i = 0; i < stretch.size(); ++i) {
-    if (stretch[i] != 0) {  // else there may be no such entry
+    if (stretch[i] != 0) {  // otherwise there may be no such entry
       columns_.coeffRef(i, i) += stretch[i];
     }
   }
@@ -49,7 +49,7 @@ void OperatorRows::apply_transposed(const Points& x, Points& out, ThreadPool& po
   multiply(columns_, x, out, pool);
 }
 
-/// (M^T M)_ij = sum over rows r of m_ri m_rj, for i >= j: a column j is its entries' rows, scaled and added.
+/// Computes (M^T M)_ij = sum over rows r of m_ri m_rj, for i >= j: column j is the scaled sum of its entries' rows.
 SparseMatrix OperatorRows::normal_matrix(const Eigen::VectorXd& diagonal, ThreadPool& pool) const {
   const int n = static_cast<int>(columns_.cols());
   struct Piece {

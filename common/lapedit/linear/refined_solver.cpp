@@ -13,7 +13,7 @@ double largest_row(const Points& points) {
   return points.rows() > 0 ? points.rowwise().norm().maxCoeff() : 0;
 }
 
-/// out = M^T (M x) + W^2 x. @param between  scratch
+/// Computes out = M^T (M x) + W^2 x. @param between scratch
 void normal_product(const OperatorRows& m, const Eigen::VectorXd& squared_weights, const Points& x, Points& between,
                     Points& out, ThreadPool& pool) {
   m.apply(x, between, pool);
@@ -23,7 +23,7 @@ void normal_product(const OperatorRows& m, const Eigen::VectorXd& squared_weight
   }
 }
 
-/// The largest sum of absolute values in a row, from the lower half.
+/// Returns the largest sum of absolute values in a row, from the lower half.
 double largest_sum(const SparseMatrix& lower) {
   Eigen::VectorXd sums = Eigen::VectorXd::Zero(lower.cols());
   for (int j = 0; j < lower.outerSize(); ++j) {
@@ -35,7 +35,7 @@ double largest_sum(const SparseMatrix& lower) {
   return sums.size() > 0 ? sums.maxCoeff() : 0;
 }
 
-/// M^T M + W0^2, and its norm.
+/// Computes M^T M + W0^2 and its norm.
 const SparseMatrix& measured(const SparseMatrix& matrix, double& norm) {
   norm = largest_sum(matrix);
   return matrix;
@@ -76,7 +76,8 @@ double RefinedSolver::smallest_eigenvalue() {
 }
 
 int RefinedSolver::refine_to(const Points& right, Points& x, double accurate) {
-  // A factor in single precision that does no better is not worth its memory; one in double is the last there is.
+  // A factor in single precision that converges more slowly does not pay for its memory; a factor in double is the last
+  // resort.
   constexpr double kSlow = 0.1, kGoodEnough = 1e-10;
   const double hopeless = cholesky_.single_precision() ? kSlow : 0.5;
   const int most_steps = cholesky_.single_precision() ? 8 : 40;
@@ -96,13 +97,13 @@ int RefinedSolver::refine_to(const Points& right, Points& x, double accurate) {
     }
     x += step;
     if (change * change / last < accurate) {
-      return count + 1;  // as the next one would find
+      return count + 1;  // the next step would find this
     }
     last = change;
   }
 }
 
-/// x = A^-1 b, as good as the factor is: y + Z K (W^-2 b_h - y_h).
+/// Computes x = A^-1 b to the precision of the factor: y + Z K (W^-2 b_h - y_h).
 void RefinedSolver::solve(Points& right, Points& x) {
   const WoodburyCorrection& add = *correction_;
   if (add.rows.empty()) {

@@ -29,11 +29,11 @@ struct SparseCholesky::Impl {
   Impl(const Impl& other, std::shared_ptr<ThreadPool> used) : Impl(other) { pool = std::move(used); }
   Impl& operator=(const Impl&) = delete;
   virtual ~Impl() = default;
-  /// Shares the factor; the scratch is made when it is needed.
+  /// Shares the factor; scratch memory is allocated on first use.
   virtual std::unique_ptr<Impl> share(std::shared_ptr<ThreadPool> pool) const = 0;
   virtual void solve(const Points& rhs, Points& x) = 0;
 
-  /// Scaled right-hand sides in the order of elimination, their solution, and back.
+  /// Scales right-hand sides, solves in the order of elimination, and scales back.
   /// @param rows  scratch. @param solve_rows  in place
   template <class Ordered, class Solve>
   void solve_with(Ordered& rows, double scale, const Points& rhs, Points& x, const Solve& solve_rows) {
@@ -71,12 +71,12 @@ using Impl = SparseCholesky::Impl;
 template <typename Scalar>
 using Rows = Eigen::Matrix<Scalar, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
-/// A power of two, so that no digit is lost, which makes the largest number about 1.
+/// Returns a power of two (so that no digit is lost) that scales the largest number to about 1.
 double scale_of(double largest) {
   return largest > 0 && std::isfinite(largest) ? std::ldexp(1.0, std::ilogb(largest)) : 1;
 }
 
-/// The lower half of a symmetric matrix whose row k is the given one's row order[k].
+/// Returns the lower half of a symmetric matrix whose row k is row order[k] of the given one.
 SparseMatrix lower_in_order(const SparseMatrix& matrix, const std::vector<int>& order) {
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation(matrix.rows());
   for (std::size_t k = 0; k < order.size(); ++k) {
@@ -87,8 +87,7 @@ SparseMatrix lower_in_order(const SparseMatrix& matrix, const std::vector<int>& 
   return result;
 }
 
-/// L D L^T x = b for three right-hand sides and a fourth that is nothing, which is twice as fast as one after the
-/// other.
+/// Solves L D L^T x = b for three right-hand sides and a fourth of zeros, twice as fast as one after the other.
 struct Triangles {
   const int* offsets;
   const int* rows;
@@ -215,11 +214,11 @@ struct SupernodalCholesky : Analysed {
                [this] { solver->solve(ordered.data(), *pool); });
   }
   std::optional<SupernodalSolver<Scalar>> solver;
-  Rows<Scalar> ordered;  // in the order of elimination
+  Rows<Scalar> ordered;  // rows in the order of elimination
 };
 
 std::unique_ptr<Impl> make(const SparseMatrix& matrix, const CholeskyOptions& options, const Impl* like) {
-  // What the factorisations do not look at themselves.
+  // Checks what the factorisations do not check themselves.
   if (!matrix.coeffs().allFinite() || !(matrix.diagonal().array() > 0).all()) {
     refuse_matrix(matrix.rows());
   }

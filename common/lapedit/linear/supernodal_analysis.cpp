@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kNone = -1;
 
-/// For each of n rows a list of others, one after the other.
+/// Lists of rows for each of n rows, stored one after the other.
 struct Lists {
   std::vector<int> offsets, values;
 
@@ -33,7 +33,7 @@ struct Lists {
   std::vector<int> next_;
 };
 
-/// What is left and below of the diagonal, in the given order.
+/// Returns the lower half in the given order.
 struct Neighbours {
   Lists left, below;
 
@@ -60,7 +60,7 @@ struct Neighbours {
   }
 };
 
-/// The parents of the elimination tree (Liu 1990): each column's first row below the diagonal of the factor.
+/// Computes the parents of the elimination tree (Liu 1990): each column's first row below the diagonal of the factor.
 std::vector<int> parents_of_columns(const Lists& left, int n) {
   std::vector<int> parent(n, kNone), ancestor(n, kNone);
   for (int k = 0; k < n; ++k) {
@@ -76,7 +76,8 @@ std::vector<int> parents_of_columns(const Lists& left, int n) {
   return parent;
 }
 
-/// Children before their parents, branches together; of several children those with the largest weight last.
+/// Orders children before their parents and branches together; of several children the one with the largest weight
+/// comes last.
 std::vector<int> postorder(const std::vector<int>& parent, const std::vector<int>& weight) {
   const int n = static_cast<int>(parent.size());
   std::vector<int> with_weight(n, kNone), next(n), first_child(n, kNone), sibling(n, kNone), order, path;
@@ -110,8 +111,8 @@ std::vector<int> postorder(const std::vector<int>& parent, const std::vector<int
   return order;
 }
 
-/// Entries of each column of the factor, its diagonal included: of each row's subtree of the elimination tree the
-/// leaves count, less where their paths meet.
+/// Counts the entries of each column of the factor, including the diagonal: the leaves of each row's subtree of the
+/// elimination tree, minus the places where their paths meet.
 std::vector<int> column_counts(const Lists& below, const std::vector<int>& parent, const std::vector<int>& post) {
   const int n = static_cast<int>(parent.size());
   std::vector<int> count(n), first(n, kNone), most_first(n, kNone), last_leaf(n, kNone), ancestor(n);
@@ -129,7 +130,7 @@ std::vector<int> column_counts(const Lists& below, const std::vector<int>& paren
     }
     for (const int* row = below.begin(j); row != below.end(j); ++row) {
       if (first[j] <= most_first[*row]) {
-        continue;  // no leaf of the row's subtree
+        continue;  // not a leaf of the row's subtree
       }
       most_first[*row] = first[j];
       ++count[j];
@@ -158,7 +159,8 @@ std::vector<int> column_counts(const Lists& below, const std::vector<int>& paren
   return count;
 }
 
-/// First columns, the number of columns behind them. Columns that are a chain with the same rows make a supernode.
+/// Returns the first columns of supernodes, followed by the number of columns. Columns that form a chain with the same
+/// rows make a supernode.
 std::vector<int> fundamental_supernodes(const std::vector<int>& parent, const std::vector<int>& count) {
   const int n = static_cast<int>(parent.size());
   std::vector<int> children(n, 0), columns{0};
@@ -196,13 +198,13 @@ std::vector<int> parents_of_supernodes(const std::vector<int>& columns, const st
   return above;
 }
 
-/// A supernode before its parent, and what it would be as one with it.
+/// A supernode before its parent, and the two joined.
 struct Joined {
   int columns = 0, rows = 0;
   double zeros = 0;
 };
 
-/// CHOLMOD's rule. @return whether lower and upper are better one; then lower is that
+/// Applies CHOLMOD's rule. @return whether lower and upper should be joined; lower is the result then
 bool join(Joined& lower, const Joined& upper) {
   const int columns = lower.columns + upper.columns;
   double zeros = upper.zeros;
@@ -225,7 +227,7 @@ bool join(Joined& lower, const Joined& upper) {
   return true;
 }
 
-/// Joins supernodes to the ones right behind them that are their parents. Fills columns and row_offsets.
+/// Joins supernodes with their parents if these follow directly. Fills columns and row_offsets.
 void join_supernodes(const std::vector<int>& fundamental, const std::vector<int>& parent, const std::vector<int>& count,
                      SupernodalPattern& pattern) {
   const int supernodes = static_cast<int>(fundamental.size()) - 1;
@@ -263,7 +265,7 @@ void join_supernodes(const std::vector<int>& fundamental, const std::vector<int>
   pattern.columns.push_back(fundamental.back());
 }
 
-/// Row k is in all supernodes on the ways from its entries up the tree to its own.
+/// Row k is in all supernodes on the paths from its entries up the tree to its own.
 void fill_rows(const Lists& left, const std::vector<int>& post, const std::vector<int>& place,
                const std::vector<int>& parent, SupernodalPattern& pattern) {
   const std::vector<int> of = supernode_of_columns(pattern.columns);
@@ -299,7 +301,7 @@ SupernodalPattern supernodal_analysis(const SparseMatrix& matrix, const std::vec
   const std::vector<int> parent = parents_of_columns(neighbours.left, n);
   const std::vector<int> count = column_counts(neighbours.below, parent, postorder(parent, std::vector<int>(n, 0)));
   const std::vector<int> post = postorder(parent, count);
-  // The same again, numbered by the postorder.
+  // The same, numbered by the postorder.
   SupernodalPattern pattern;
   pattern.order.resize(n);
   std::vector<int> place(n), placed_parent(n), placed_count(n);

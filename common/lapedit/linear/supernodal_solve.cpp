@@ -22,7 +22,7 @@ using namespace supernode;
 
 namespace {
 
-/// Cache-aligned and not initialised; large ones in large pages, since a solve streams through them.
+/// Cache-aligned, uninitialised memory; large blocks use large pages, since a solve streams through them.
 template <typename T>
 class Buffer {
  public:
@@ -39,7 +39,7 @@ class Buffer {
     data_ = static_cast<T*>(::operator new(bytes, alignment_));
 #ifdef __linux__
     if (alignment == kPage) {
-      madvise(data_, bytes, MADV_HUGEPAGE);  // only advice: nothing to do if it is not taken
+      madvise(data_, bytes, MADV_HUGEPAGE);  // advice only: failure does not matter
     }
 #endif
   }
@@ -61,7 +61,7 @@ class Buffer {
 
 }  // namespace
 
-/// The factor: never changed once made.
+/// The factor. It does not change after construction.
 template <typename Scalar>
 struct SupernodalSolver<Scalar>::Tiles {
   TaskTree tree;
@@ -78,7 +78,7 @@ struct SupernodalSolver<Scalar>::Tiles {
   }
 };
 
-/// The two passes of a solve, L y = b and L^T x = y, and the memory that they need.
+/// The two passes of a solve, L y = b and L^T x = y, and their memory.
 template <typename Scalar>
 struct SupernodalSolver<Scalar>::Passes {
   using Node = TaskTree::Node;
@@ -100,7 +100,7 @@ struct SupernodalSolver<Scalar>::Passes {
 
   void forward_task(const Task& task, Scalar* x, Scalar* v);
   void backward_task(const Task& task, Scalar* x, Scalar* v);
-  /// Of a row of tree.rows: in x, or in the list of a branch.
+  /// Returns the address of a row of tree.rows: in x, or in the list of a branch.
   Scalar* place_of(int row, Scalar* x) {
     return row < tree.size ? x + 3 * static_cast<std::size_t>(row)
                            : lists.data() + 3 * static_cast<std::size_t>(row - tree.size);
@@ -108,7 +108,7 @@ struct SupernodalSolver<Scalar>::Passes {
   int pad_of(const Node& node) const { return node.rows + kWide + kTall; }
 };
 
-/// The local vectors of a supernode, by row.
+/// Returns the local vectors of a supernode, by row.
 template <typename Scalar>
 struct Local {
   Scalar *x, *y, *z;

@@ -19,7 +19,7 @@ LAPEDIT_INLINE void fetch(const Scalar* place) {
   prefetch(reinterpret_cast<const char*>(place) + kAhead);
 }
 
-/// Sums over the lanes of eight vectors, one per lane.
+/// Returns the sums over the lanes of eight vectors, one per lane.
 template <typename Vector>
 LAPEDIT_INLINE Vector lane_sums(const Vector* s) {
   Vector t[4], u[2];
@@ -38,7 +38,8 @@ LAPEDIT_INLINE Vector lane_sums(const Vector* s) {
 
 // Loops over lanes, columns and right-hand sides have to be unrolled for their sums to stay in registers.
 
-/// One block of L y = b, forward: y = T^-1 v with T the block's triangle, then v below -= L y. @return behind the block
+/// Solves one block of L y = b: y = T^-1 v with T the block's triangle, then v below -= L y. @return the end of the
+/// block
 template <typename Scalar, int Width>
 LAPEDIT_INLINE const Scalar* forward_block(const Scalar* block, int panels, Scalar* v, int pad) {
   using Vector = typename Lanes<Scalar>::Vector;
@@ -84,7 +85,7 @@ LAPEDIT_INLINE const Scalar* forward_block(const Scalar* block, int panels, Scal
   return tile;
 }
 
-/// Sums of a panel's column times the rows below, for Count columns of a block from `first` on.
+/// Returns the sums of a panel's column times the rows below, for Count columns of a block from `first` on.
 template <typename Scalar, int Width, int Count>
 LAPEDIT_INLINE void backward_sums(const Scalar* tile, int panels, const Scalar* below, int pad,
                                   typename Lanes<Scalar>::Vector (*sums)[kWide]) {
@@ -117,8 +118,7 @@ LAPEDIT_INLINE void backward_sums(const Scalar* tile, int panels, const Scalar* 
   }
 }
 
-/// One block of L^T x = y, backward: v of the block = T^-T (v - L^T v below). Group columns at a time, as registers
-/// allow.
+/// Solves one block of L^T x = y: v of the block = T^-T (v - L^T v below), Group columns at a time, as registers allow.
 template <typename Scalar, int Width, int Group>
 LAPEDIT_INLINE void backward_block(const Scalar* block, int panels, Scalar* v, int pad) {
   using Vector = typename Lanes<Scalar>::Vector;
@@ -150,7 +150,7 @@ LAPEDIT_INLINE void backward_block(const Scalar* block, int panels, Scalar* v, i
   }
   LAPEDIT_UNROLL(3)
   for (int r = 0; r < 3; ++r) {
-    // Lanes beyond Width are rows below, and meet zeros of the triangle.
+    // Lanes beyond Width are rows below; the triangle has zeros there.
     const Vector y = load<Vector>(v + r * pad) - lane_sums(sums[r]);
     Vector products[kWide] = {};
     LAPEDIT_UNROLL(8)
@@ -191,7 +191,7 @@ LAPEDIT_INLINE void forward_supernode(const Scalar* tiles, int columns, int rows
   }
 }
 
-/// Values of one block's tiles.
+/// Returns the number of values of one block's tiles.
 constexpr std::size_t block_size(int width, int rows_below) {
   return static_cast<std::size_t>(width) * (kWide + kTall * static_cast<std::size_t>(panels_below(rows_below)));
 }
@@ -240,7 +240,7 @@ LAPEDIT_AVX512 void backward_avx512(const Scalar* end, int columns, int rows, Sc
   backward_supernode<Scalar, 8>(end, columns, rows, v, pad);
 }
 
-/// What single precision would hold as a denormal number, slow to work with, is far below its rounding.
+/// Denormal numbers of single precision are slow, and far below its rounding.
 template <typename Scalar>
 Scalar stored(double value) {
   constexpr double kNothing = sizeof(Scalar) < sizeof(double) ? 1e-25 : 0;
@@ -255,7 +255,8 @@ Kernels<Scalar> best_kernels() {
           for_processor(backward_plain<Scalar>, backward_avx2<Scalar>, backward_avx512<Scalar>)};
 }
 
-/// The inverse of a triangle T, column by column: t'_jj = 1 / t_jj, t'_ij = -(sum_{j <= k < i} t_ik t'_kj) / t_ii.
+/// Computes the inverse of a triangle T, column by column: t'_jj = 1 / t_jj, t'_ij = -(sum_{j <= k < i} t_ik t'_kj) /
+/// t_ii.
 template <typename Scalar>
 void write_tiles(const double* values, int stride, int columns, int rows, Scalar* out) {
   for (int first = 0; first < columns; first += kWide) {

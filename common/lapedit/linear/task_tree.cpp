@@ -8,7 +8,7 @@
 
 namespace lapedit::supernode {
 
-/// How much hangs on each supernode.
+/// The work below each supernode.
 struct TaskTree::Branches {
   std::vector<int> first;    // first supernode of the branch
   std::vector<double> work;  // of the branch
@@ -21,7 +21,7 @@ struct TaskTree::Branches {
     std::iota(first.begin(), first.end(), 0);
     for (int s = 0; s < count; ++s) {
       const Node& node = nodes[s];
-      // What a supernode costs beyond reading it: gathering and scattering its rows.
+      // Cost of a supernode in addition to reading it: gathering and scattering its rows.
       const double own = static_cast<double>(node.columns) * node.rows + 6.0 * node.rows;
       work[s] += own;
       all += own;
@@ -62,7 +62,7 @@ TaskTree::TaskTree(const SupernodalPattern& pattern)
   rename_rows();
 }
 
-/// Into branches of at most a share of all work, and supernodes above them.
+/// Divides the tree into branches of at most a share of all work, and supernodes above them.
 void TaskTree::cut(const Branches& branches) {
   for (int s = 0; s < static_cast<int>(nodes.size()); ++s) {
     const int parent = nodes[s].parent;
@@ -82,7 +82,7 @@ void TaskTree::cut(const Branches& branches) {
   }
 }
 
-/// Parents, children, and where a task's rows above it are in its parent.
+/// Computes parents, children, and where a task's rows above it are in its parent.
 void TaskTree::join() {
   std::vector<int> task_of(nodes.size(), -1);
   for (std::size_t t = 0; t < tasks.size(); ++t) {
@@ -122,8 +122,8 @@ void TaskTree::join() {
   }
 }
 
-/// Inside a branch, rows above it are named by their place in its list. Comes last, since join() reads rows of
-/// supernodes that are tasks of their own, which stay.
+/// Inside a branch, rows above it are replaced by their indices in its list. This must come last, since join() reads
+/// the rows of supernodes that are tasks of their own, which do not change.
 void TaskTree::rename_rows() {
   for (const Task& task : tasks) {
     const int end = nodes[task.last_node].first_column + nodes[task.last_node].columns;

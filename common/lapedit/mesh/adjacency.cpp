@@ -9,7 +9,7 @@
 namespace lapedit {
 namespace {
 
-/// Calls work(k, first, last) for the k-th part of [0, count), one for each thread.
+/// Calls work(k, first, last) for the k-th part of [0, count), one part per thread.
 template <class Work>
 void in_parts(ThreadPool& pool, Eigen::Index count, const Work& work) {
   const int parts = pool.threads();
@@ -18,14 +18,14 @@ void in_parts(ThreadPool& pool, Eigen::Index count, const Work& work) {
   });
 }
 
-/// Where a part puts the next entry of each row, or how many it has; and the entry it came with last.
+/// Per row: where a part writes its next entry, or the number of its entries; and its last entry.
 struct Place {
   int count = 0;
   int last = -1;
 };
 using Places = std::vector<std::vector<Place>>;
 
-/// Makes room for rows to which the parts add one after the other, and puts each part at its places.
+/// Allocates rows in which the entries of the parts follow each other, and computes where each part writes.
 IndexLists make_rows(Places& parts, int rows) {
   IndexLists lists;
   lists.offsets.resize(rows + 1);
@@ -42,9 +42,9 @@ IndexLists make_rows(Places& parts, int rows) {
   return lists;
 }
 
-/// The faces around each vertex.
+/// Returns the faces around each vertex.
 IndexLists faces_around(ThreadPool& pool, Places& parts, int vertex_count, const Faces& faces) {
-  // Of a face that names a vertex twice, each comes once.
+  // A face that names a vertex twice is listed once.
   const auto each_corner = [&faces](int f, const auto& use) {
     const int a = faces(f, 0), b = faces(f, 1), c = faces(f, 2);
     use(a);
@@ -70,8 +70,8 @@ IndexLists faces_around(ThreadPool& pool, Places& parts, int vertex_count, const
   return around;
 }
 
-/// The other ends of each vertex's edges. Vertices enter themselves, one after the other, into the rows of their
-/// neighbours: that leaves nothing to sort, and what comes twice comes in a row.
+/// Returns the other ends of each vertex's edges. Vertices enter themselves in ascending order into the rows of their
+/// neighbours, so rows are sorted and duplicates are adjacent.
 IndexLists rings(ThreadPool& pool, Places& parts, const IndexLists& around, const Faces& faces) {
   const auto each_neighbour = [&](int v, const auto& use) {
     for (const int f : around[v]) {
@@ -108,7 +108,7 @@ IndexLists rings(ThreadPool& pool, Places& parts, const IndexLists& around, cons
 
 Adjacency build_adjacency(int vertex_count, const Faces& faces, int threads) {
   constexpr int kWorthThreads = 16384;
-  constexpr int kMostThreads = 4;  // each needs memory of its own
+  constexpr int kMostThreads = 4;  // each thread needs its own memory
   ThreadPool pool(vertex_count >= kWorthThreads ? std::min(thread_count(threads), kMostThreads) : 1);
   Places parts(pool.threads());
   IndexLists around = faces_around(pool, parts, vertex_count, faces);
@@ -117,7 +117,8 @@ Adjacency build_adjacency(int vertex_count, const Faces& faces, int threads) {
 }
 
 int connected_components(const IndexLists& neighbours, std::vector<int>& labels) {
-  // Trees of vertices, each with its lowest at the root; in order of numbers, which is that of memory.
+  // Trees of vertices, each with its lowest vertex as the root; visited in the order of numbers, which is that of
+  // memory.
   const int n = neighbours.rows();
   std::vector<int> parent(n);
   const auto root_of = [&parent](int v) {
@@ -131,7 +132,7 @@ int connected_components(const IndexLists& neighbours, std::vector<int>& labels)
     int root = v;
     for (const int w : neighbours[v]) {
       if (w >= v) {
-        break;  // its own turn comes
+        break;  // is visited later
       }
       const int other = root_of(w);
       parent[std::max(root, other)] = std::min(root, other);

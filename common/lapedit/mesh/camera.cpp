@@ -21,7 +21,7 @@ Camera::Camera(const Eigen::Matrix4d& to_clip, double width, double height)
     : to_clip_(to_clip), width_(width), height_(height) {
   bool invertible = false;
   if (to_clip.allFinite()) {
-    // A singular matrix has rank below 4 whatever the units: rows and columns are brought to like size first.
+    // Rows and columns are scaled to similar size first, so that a singular matrix has rank below 4 in any units.
     const Eigen::Vector4d rows = to_clip.cwiseAbs().rowwise().maxCoeff().cwiseInverse();
     const Eigen::Matrix4d like_rows = rows.asDiagonal() * to_clip;
     const Eigen::Vector4d columns = like_rows.cwiseAbs().colwise().maxCoeff().transpose().cwiseInverse();
@@ -46,7 +46,7 @@ bool Camera::in_front(const Vector3& point) const {
 Ray Camera::ray(const Vector2& pixel) const {
   const Vector3 on_near(2 * pixel.x() / width_ - 1, 1 - 2 * pixel.y() / height_, -1);
   const Eigen::Vector4d near = from_clip_ * on_near.homogeneous();
-  // The way that the place takes with growing depth; the far plane itself may be infinitely far away.
+  // The direction of a point with growing depth; the far plane may be infinitely far away.
   const Eigen::Vector4d deeper = from_clip_.col(2);
   const Vector3 way = deeper.head<3>() * near.w() - near.head<3>() * deeper.w();
   return {near.head<3>() / near.w(), way.stableNormalized()};

@@ -23,7 +23,7 @@ struct Link {
   }
 };
 
-/// The label that most vertices have, the lowest of several.
+/// Returns the most frequent label, the lowest one of equally frequent labels.
 int largest_label(const std::vector<int>& labels, int count) {
   std::vector<int> sizes(count, 0);
   for (const int label : labels) {
@@ -32,7 +32,8 @@ int largest_label(const std::vector<int>& labels, int count) {
   return static_cast<int>(std::max_element(sizes.begin(), sizes.end()) - sizes.begin());
 }
 
-/// From each vertex that has one in reach; of the largest piece only those in the other pieces' box are looked at.
+/// Links from each vertex that has another piece in reach; of the largest piece only vertices in the other pieces' box
+/// are examined.
 std::vector<Link> nearest_links(const Points& points, const IndexLists& neighbours, double gap,
                                 const std::vector<char>* allowed) {
   std::vector<int> labels, usable;

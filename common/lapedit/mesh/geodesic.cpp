@@ -10,7 +10,7 @@
 namespace lapedit {
 namespace {
 
-/// Median length of some edges; 0 if there are none of finite length.
+/// Returns the median length of a sample of edges; 0 if none has a finite length.
 double usual_edge(const IndexLists& neighbours, const Points& points) {
   constexpr int kSamples = 255;
   std::vector<double> lengths;
@@ -59,7 +59,7 @@ const std::vector<int>& GeodesicSearch::run(const std::vector<int>& seeds, doubl
     std::pop_heap(heap_.begin(), heap_.end(), farther);
     heap_.pop_back();
     if (stamp_[vertex] == settled) {
-      continue;  // an older, longer way to a vertex already settled
+      continue;  // an older, longer path to a settled vertex
     }
     stamp_[vertex] = settled;
     reached_.push_back(vertex);
@@ -86,8 +86,8 @@ void ShortestPaths::begin(int from, std::size_t most) {
   }
 }
 
-/// Back along the neighbour that the shortest way came from; one reached earlier, or edges of length zero would lead
-/// round in circles.
+/// Goes back to the neighbour from which the shortest path came. It must have been reached earlier, since edges of
+/// length zero would form cycles.
 std::vector<int> ShortestPaths::to(int vertex) const {
   if (!std::isfinite(search_.distance(vertex))) {
     return {};
@@ -110,17 +110,18 @@ std::vector<int> ShortestPaths::to(int vertex) const {
   return path;
 }
 
-/// Vertices whose ways on are still to be tried, those of one thread. One may be listed again when it comes nearer.
+/// Vertices of one thread whose edges are still to be tried. A vertex is listed again when its distance becomes
+/// smaller.
 struct DistanceField::Front {
   struct Item {
     double distance;
     int vertex;
   };
-  std::vector<Item> near;  // within the step, in the order of finding
+  std::vector<Item> near;  // within the step, in the order in which they were found
   std::vector<Item> far;   // beyond it
-  double nearest = 0;      // of those beyond it
+  double nearest = 0;      // distance of those beyond it
 
-  /// Shares what is far among the first fronts, as many as are worth a thread. @return their number
+  /// Distributes the far vertices among the first fronts, as many as pay for a thread. @return their number
   static int balance(std::vector<Front>& fronts) {
     constexpr std::size_t kGrain = 192;
     std::size_t all = 0;
@@ -161,7 +162,7 @@ DistanceField::DistanceField(const IndexLists& neighbours, const Points& points,
       distance_[v].store(limit_, std::memory_order_relaxed);
     }
   });
-  constexpr double kEdges = 3;  // fewer steps, and still hardly a vertex looked at twice
+  constexpr double kEdges = 3;  // few steps, and hardly any vertex visited twice
   const double step = kEdges * usual_edge(neighbours, points);
   std::vector<Front> fronts(pool.threads());
   for (const int seed : seeds) {
@@ -178,7 +179,7 @@ DistanceField::DistanceField(const IndexLists& neighbours, const Points& points,
   }
 }
 
-/// Gives a vertex a distance that is smaller than the one it has. @return false if it is not
+/// Sets the distance of a vertex if it is smaller than the current one. @return false if it is not
 bool DistanceField::shorten(int vertex, double distance) {
   std::atomic<double>& place = distance_[vertex];
   double found = place.load(std::memory_order_relaxed);
@@ -190,7 +191,7 @@ bool DistanceField::shorten(int vertex, double distance) {
   return false;
 }
 
-/// Asks the memory for what later vertices of the list need: nothing else tells the processor where they are.
+/// Prefetches the data of later vertices of the list, since the processor cannot predict their addresses.
 void DistanceField::fetch_ahead(const Front& front, std::size_t i) const {
   constexpr std::size_t kRow = 12, kPoints = 6;
   if (i + kRow < front.near.size()) {
@@ -202,7 +203,7 @@ void DistanceField::fetch_ahead(const Front& front, std::size_t i) const {
   }
 }
 
-/// Tries all ways on from the front's vertices no farther than end, and from those found on the way.
+/// Tries all edges of the front's vertices at most `end` away, and of those that are found meanwhile.
 void DistanceField::advance(Front& front, double end) {
   const auto is_old = [this](const Front::Item& item) {
     return distance_[item.vertex].load(std::memory_order_relaxed) < item.distance;

@@ -9,7 +9,7 @@
 namespace lapedit {
 namespace {
 
-/// Sets that are joined.
+/// Disjoint sets that can be joined.
 class Pieces {
  public:
   explicit Pieces(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }

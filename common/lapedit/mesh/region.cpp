@@ -23,7 +23,7 @@ bool is_finite(const Points& points, int vertex) {
   return points.row(vertex).allFinite();
 }
 
-/// All handle vertices, ascending; fills the group of each mesh vertex (-1: none).
+/// Returns all handle vertices, ascending, and fills the group of each mesh vertex (-1: none).
 std::vector<int> collect_handles(const TriangleMesh& mesh, const std::vector<std::vector<int>>& groups,
                                  std::vector<int>& group_of) {
   const int n = static_cast<int>(mesh.vertices.rows());
@@ -77,7 +77,7 @@ void check_shares(const std::vector<std::vector<int>>& groups, const std::vector
   }
 }
 
-/// One flag per mesh vertex of a given set, which has to contain the handle.
+/// Returns one flag per mesh vertex for a given set, which must contain the handle.
 std::vector<char> flag_set(const TriangleMesh& mesh, const std::vector<int>& set, const std::vector<int>& handles) {
   const int n = static_cast<int>(mesh.vertices.rows());
   if (set.empty()) {
@@ -100,8 +100,8 @@ std::vector<char> flag_set(const TriangleMesh& mesh, const std::vector<int>& set
   return flags;
 }
 
-/// Vertices without usable coordinates in a given set, or in or next to a region without one: their distance is
-/// unknown. @param vertices  the set or the region, any order
+/// Refuses vertices with non-finite coordinates in a given set, or else in or next to the region, since their distance
+/// is unknown. @param vertices the set or the region, any order
 void require_finite(const TriangleMesh& mesh, const Adjacency& adjacency, const std::vector<int>& vertices,
                     bool given_set) {
   std::vector<int> bad;
@@ -161,13 +161,13 @@ void check_anchors(const KeptAnchors& anchors, int mesh_vertices) {
   }
 }
 
-/// What is wanted of [0, count), in order and on several threads: select(first, last) counts it, two kinds at a time,
-/// reserve(total) makes room, take(first, last, place) puts it there.
+/// Collects selected elements of [0, count), in order and on several threads: select(first, last) counts two kinds of
+/// elements, reserve(total) allocates, take(first, last, place) writes them.
 using Counts = std::array<int, 2>;
 template <class Select, class Reserve, class Take>
 void gather(ThreadPool& pool, int count, const Select& select, const Reserve& reserve, const Take& take) {
   constexpr int kGrain = 4096;
-  constexpr int kPiecesPerThread = 4;  // threads are seldom equally fast
+  constexpr int kPiecesPerThread = 4;  // since threads are seldom equally fast
   const int pieces = std::max(1, std::min(count / kGrain, kPiecesPerThread * pool.threads()));
   const auto border = [=](int piece) { return static_cast<int>(static_cast<std::int64_t>(count) * piece / pieces); };
   std::vector<Counts> places(pieces + 1, Counts{0, 0});
@@ -181,14 +181,14 @@ void gather(ThreadPool& pool, int count, const Select& select, const Reserve& re
   pool.each(pieces, [&](int piece) { take(border(piece), border(piece + 1), places[piece]); });
 }
 
-/// Calls each of the functions once, on several threads: fresh memory takes the most of their time.
+/// Calls each of the functions once, on several threads, since most of their time is spent on fresh memory.
 template <class... Functions>
 void at_once(ThreadPool& pool, const Functions&... functions) {
   const std::array<std::function<void()>, sizeof...(functions)> list = {functions...};
   pool.each(static_cast<int>(list.size()), [&list](int i) { list[i](); });
 }
 
-/// Numbers what was reached in the order of the mesh. @param local  becomes: mesh vertex -> local vertex, or -1
+/// Numbers the reached vertices in the order of the mesh. @param local out: mesh vertex -> local vertex, or -1
 void number_vertices(ThreadPool& pool, const DistanceField& field, std::vector<int>& local, Region& region) {
   gather(
       pool, region.mesh_vertices,
@@ -217,14 +217,14 @@ void number_vertices(ThreadPool& pool, const DistanceField& field, std::vector<i
       });
 }
 
-/// The region's graph. @param rim  gets one flag per local vertex: has it a mesh neighbour outside
-/// @return whether all neighbours outside have usable coordinates
+/// Makes the region's graph. @param rim out: one flag per local vertex, whether it has a mesh neighbour outside
+/// @return whether all neighbours outside have finite coordinates
 bool extract_graph(ThreadPool& pool, const TriangleMesh& mesh, const Adjacency& adjacency,
                    const std::vector<int>& local, std::vector<char>& rim, Region& region) {
   std::vector<int>& offsets = region.neighbours.offsets;
   std::vector<int>& values = region.neighbours.values;
   std::atomic<bool> finite{true};
-  const bool is_whole = region.size() == region.mesh_vertices;  // nothing to look up then
+  const bool is_whole = region.size() == region.mesh_vertices;  // no lookup needed then
   at_once(
       pool, [&] { offsets.resize(region.mesh_vertex.size() + 1); }, [&] { rim.resize(region.mesh_vertex.size()); });
   gather(
@@ -260,7 +260,7 @@ bool extract_graph(ThreadPool& pool, const TriangleMesh& mesh, const Adjacency& 
   return finite;
 }
 
-/// The faces that touch a region edge, and those inside.
+/// Finds the faces that touch a region edge, and those inside.
 void extract_faces(ThreadPool& pool, const TriangleMesh& mesh, const Adjacency& adjacency,
                    const std::vector<int>& local, Region& region) {
   // A pass over all faces is faster than collecting and sorting, unless there are many more of them.
@@ -270,7 +270,7 @@ void extract_faces(ThreadPool& pool, const TriangleMesh& mesh, const Adjacency& 
   std::vector<int> around;
   for (int i = 0; is_small && i < region.size(); ++i) {
     for (const int f : adjacency.faces[region.mesh_vertex[i]]) {
-      // Listed by its lowest corner inside, so each comes once.
+      // Each face is listed once, by its lowest corner inside.
       bool is_lowest = true;
       for (int k = 0; k < 3; ++k) {
         is_lowest = is_lowest && (!is_inside(f, k) || local[mesh.faces(f, k)] >= i);
@@ -314,12 +314,12 @@ void extract_faces(ThreadPool& pool, const TriangleMesh& mesh, const Adjacency& 
 
 constexpr int kGrain = 4096;
 
-/// Where the anchors are: anchor_depth becomes how far into their band each vertex is, 0 or less outside it, 1 at its
-/// far end; anchor_weight that of kept ones, -1 for all others. With d the distance from the handle, b that from the
+/// Computes anchor_depth, the depth of each vertex in the anchor band (0 or less outside it, 1 at its far end), and
+/// anchor_weight, the weight of kept anchors (-1 for all others). With d the distance from the handle, b that from the
 /// rim, p the padding, r the radius and d_max the largest d:
-///   grown by a radius:  (d - (1 - p) r) / (p r)
-///   a given set:        1 - b / (p d_max)
-///   kept anchors:       as they came
+///     grown by a radius:  (d - (1 - p) r) / (p r)
+///     a given set:        1 - b / (p d_max)
+///     kept anchors:       as given
 void place_anchor_band(ThreadPool& pool, const TriangleMesh& mesh, const RegionSpec& spec,
                        const std::vector<int>& local, const std::vector<char>& rim, Region& region) {
   const auto each = [&](const auto& body) {
@@ -362,7 +362,8 @@ void place_anchor_band(ThreadPool& pool, const TriangleMesh& mesh, const RegionS
   }
 }
 
-/// Handle, anchor or free. An anchor's weight is d / d_max, so that those near the handle give way to it.
+/// Classifies vertices as handle, anchor or free. An anchor's weight is d / d_max, so that anchors near the handle are
+/// weak.
 /// @param handles  local vertices, and their groups
 void classify(ThreadPool& pool, const TriangleMesh& mesh, const RegionSpec& spec, const std::vector<int>& local,
               const std::vector<std::pair<int, int>>& handles, const std::vector<char>& rim, Region& region) {
@@ -392,7 +393,7 @@ void classify(ThreadPool& pool, const TriangleMesh& mesh, const RegionSpec& spec
   }
 }
 
-/// Where not all are 1; a vertex that is listed twice has the larger one.
+/// Sets weights unless all are 1; a vertex that is listed twice has the larger one.
 void take_shares(const std::vector<std::vector<int>>& groups, const std::vector<std::vector<double>>& shares,
                  const std::vector<int>& local, Region& region) {
   for (std::size_t g = 0; g < shares.size(); ++g) {
@@ -413,7 +414,7 @@ void take_shares(const std::vector<std::vector<int>>& groups, const std::vector<
   }
 }
 
-/// Whether the handles' own edges connect them all. All of a region is reached from them, so it is connected then.
+/// Returns whether the handles' own edges connect them all. The region, which is reached from them, is connected then.
 bool are_connected(const std::vector<std::pair<int, int>>& handles, const Region& region) {
   std::vector<int> found{handles[0].first};
   if (handles.size() > 1) {
@@ -467,7 +468,7 @@ void find_components(const std::vector<std::pair<int, int>>& handles, Region& re
   throw EditError(ErrorCause::NothingToFollow, sentence);
 }
 
-/// Links that leave a given set make no rim: what is not in it does not hold it.
+/// Links that leave a given set make no rim, since vertices outside the set do not hold it.
 Region build_connected(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
                        const std::vector<std::vector<int>>& groups, int threads,
                        const std::vector<std::vector<double>>& shares) {
@@ -510,7 +511,7 @@ Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const 
   if (spec.connect_gap != 0) {
     return build_connected(mesh, adjacency, spec, groups, threads, shares);
   }
-  std::vector<int> local;  // at first the handles' groups
+  std::vector<int> local;  // first used for the handles' groups
   const std::vector<int> handles = collect_handles(mesh, groups, local);
   check_shares(groups, shares);
   std::vector<std::pair<int, int>> local_handles;

@@ -16,7 +16,7 @@ Vector3 place_of(const Points& points, int v) {
   return points.row(v).transpose();
 }
 
-/// How nearly a mesh is its own mirror image, from a sample of its vertices.
+/// Measures how nearly a mesh is its own mirror image, by a sample of its vertices.
 class SymmetrySearch {
  public:
   explicit SymmetrySearch(const TriangleMesh& mesh)
@@ -52,7 +52,7 @@ class SymmetrySearch {
   Eigen::AlignedBox3d box_;
 };
 
-constexpr double kGivenUp = 0.05;  // of the diagonal: what is as far counts as this
+constexpr double kGivenUp = 0.05;  // of the diagonal: larger distances count as this
 
 double SymmetrySearch::error(const MirrorPlane& plane) const {
   const Affine mirror = reflection(plane);
@@ -64,13 +64,13 @@ double SymmetrySearch::error(const MirrorPlane& plane) const {
     sum += near >= 0 ? (place_of(mesh_.vertices, near) - image).norm() : limit;
     off += (image - place).norm() / 2;
   }
-  // A flat mesh is no mirror image of itself across its own plane: nothing would be on the other side.
+  // A flat mesh is not mirrored across its own plane, since it has no vertices on the other side.
   constexpr double kThin = 0.02;
   const auto count = static_cast<double>(sample_.size());
   return off / count > kThin * diagonal() ? sum / count : limit;
 }
 
-/// Coordinate axes first, since of equals the first is taken.
+/// Coordinate axes come first, since the first of equals is taken.
 std::vector<MirrorPlane> SymmetrySearch::planes() const {
   Vector3 sum = Vector3::Zero();
   double area = 0;
@@ -100,8 +100,8 @@ std::vector<MirrorPlane> SymmetrySearch::planes() const {
   return result;
 }
 
-/// The plane between the sampled vertices and what is nearest to their images: its normal is the direction in which
-/// those are apart.
+/// Returns the plane between the sampled vertices and the vertices nearest to their images; its normal is the direction
+/// between them.
 MirrorPlane SymmetrySearch::refined(const MirrorPlane& plane) const {
   const Affine mirror = reflection(plane);
   const double limit = kGivenUp * diagonal();

@@ -22,7 +22,7 @@ VertexFinder::Found VertexFinder::anywhere(const Vector3& point, const std::stri
     throw EditError(ErrorCause::NotFinite, what + " is not finite: give three finite coordinates on the surface.");
   }
   int vertex = grid_.nearest(point);
-  if (vertex < 0) {  // so far away that squares of distances overflow
+  if (vertex < 0) {  // so far away that squared distances overflow
     vertex = usable_.front();
   }
   return {vertex, (mesh_.vertices.row(vertex).transpose() - point).stableNorm()};

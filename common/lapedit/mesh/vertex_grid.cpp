@@ -40,7 +40,7 @@ VertexGrid::VertexGrid(const Points& points, std::vector<int> vertices) : points
   }
 }
 
-/// Of a place outside, the cube at the border that is nearest.
+/// For a point outside, the nearest cube at the border.
 std::array<int, 3> VertexGrid::cube_at(const Vector3& place) const {
   std::array<int, 3> cube{};
   for (int k = 0; k < 3; ++k) {
@@ -49,12 +49,12 @@ std::array<int, 3> VertexGrid::cube_at(const Vector3& place) const {
   return cube;
 }
 
-/// Squared, and never more than it is: how near the cubes of a ring and beyond may come.
+/// Returns a lower bound of the squared distance to the cubes of a ring and beyond.
 double VertexGrid::nearest_of_ring(const Vector3& place, const std::array<int, 3>& middle, int ring) const {
   double gap = std::numeric_limits<double>::max();
   for (int k = 0; k < 3; ++k) {
     const double at = (place[k] - low_[k]) / size_;
-    // To the sides of the block of cubes inside the ring, as far as there are cubes beyond.
+    // Distance to those sides of the block of cubes inside the ring that have cubes beyond.
     if (middle[k] - ring >= 0) {
       gap = std::min(gap, at - (middle[k] - ring + 1));
     }

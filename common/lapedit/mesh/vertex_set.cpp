@@ -89,7 +89,7 @@ std::vector<int> vertices_within(const TriangleMesh& mesh, const Adjacency& adja
                     "The radius is " + number_text(radius) + ": give a finite length, or 0 for a single vertex.");
   }
   if (radius == 0) {
-    return {vertex};  // not those in the same place
+    return {vertex};  // without other vertices at the same position
   }
   GeodesicSearch search(adjacency.neighbours, mesh.vertices);
   std::vector<int> result = search.run({vertex}, radius);

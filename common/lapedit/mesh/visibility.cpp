@@ -23,7 +23,7 @@ FaceTree finite_faces(const TriangleMesh& mesh) {
     if (a.allFinite() && b.allFinite() && c.allFinite()) {
       faces.push_back(f);
       const FaceTree::Volume box(a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c));
-      // No narrower than distance_along(), nor than two neighbouring numbers.
+      // Not narrower than the error of distance_along(), nor than the spacing of numbers.
       constexpr double kRounding = 1e-15;
       const Vector3 margin = Vector3::Constant(kRaySeam * box.diagonal().norm()) +
                              kRounding * box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs());
@@ -33,16 +33,16 @@ FaceTree finite_faces(const TriangleMesh& mesh) {
   return {faces.begin(), faces.end(), boxes.begin(), boxes.end()};
 }
 
-/// Whether a ray, as origin and the inverse of its direction, meets a box before its last place.
+/// Returns whether a ray, given by its origin and the inverse of its direction, meets a box before its end.
 bool meets(const FaceTree::Volume& box, const Vector3& origin, const Vector3& inverse, double last) {
   const Eigen::Array3d at_min = (box.min() - origin).cwiseProduct(inverse);
   const Eigen::Array3d at_max = (box.max() - origin).cwiseProduct(inverse);
   const double enter = at_min.min(at_max).maxCoeff();
   const double leave = at_min.max(at_max).minCoeff();
-  return !(enter > leave || enter > last || leave < 0);  // not a number: zero times infinity, at the very border
+  return !(enter > leave || enter > last || leave < 0);  // NaN at the border: zero times infinity
 }
 
-/// Asks the tree for the first face along a ray; of several as near for the first of the mesh.
+/// Queries the tree for the first face along a ray; among equally near faces the first of the mesh.
 struct Nearest {
   Nearest(const TriangleMesh& the_mesh, const Ray& the_ray)
       : mesh(the_mesh), ray(the_ray), inverse(the_ray.direction.cwiseInverse()) {}
@@ -65,7 +65,7 @@ struct Nearest {
   int face = -1;
 };
 
-/// Asks the tree whether any face but those of a vertex crosses a stretch of a ray.
+/// Queries the tree whether any face except those of a vertex crosses a part of a ray.
 struct Crossing {
   Crossing(const TriangleMesh& the_mesh, int the_vertex, const Ray& the_ray, double the_first, double the_last)
       : mesh(the_mesh),
@@ -96,7 +96,7 @@ struct Crossing {
 
 struct Visibility::Impl {
   explicit Impl(const TriangleMesh& the_mesh) : mesh(the_mesh), faces(finite_faces(the_mesh)) {
-    if (faces.getRootIndex() >= 0) {  // there is a box around two faces at least
+    if (faces.getRootIndex() >= 0) {  // there is a box around at least two faces
       constexpr double kSamePlace = 1e-7;
       same_place = kSamePlace * faces.getVolume(faces.getRootIndex()).diagonal().norm();
     }
@@ -104,7 +104,7 @@ struct Visibility::Impl {
 
   const TriangleMesh& mesh;
   FaceTree faces;
-  double same_place = 0;  // what is nearer than this lies in the same place: a seam between duplicated vertices
+  double same_place = 0;  // vertices nearer than this are at the same position: a seam of duplicate vertices
 };
 
 Visibility::Visibility(const TriangleMesh& mesh) : impl_(std::make_unique<Impl>(mesh)) {}
@@ -113,11 +113,11 @@ Visibility::~Visibility() = default;
 bool Visibility::sees(const Camera& view, const Adjacency& adjacency, int vertex, int side) const {
   const TriangleMesh& mesh = impl_->mesh;
   const Vector3 place = mesh.vertices.row(vertex).transpose();
-  // As far as the near plane only: it cuts off what lies before it, and the viewer may be inside the mesh.
+  // Ends at the near plane, which clips everything before it: the viewer may be inside the mesh.
   const Ray through = view.ray(view.pixel(place));
   const double reach = (place - through.origin).dot(through.direction);
   const IndexLists::Row around = adjacency.faces[vertex];
-  // Comparisons are such that a place behind the viewer or one that is no number is not seen.
+  // The comparisons make points behind the viewer and NaN invisible.
   const bool shown = reach >= 0 && std::any_of(around.begin(), around.end(), [&](int f) {
                        return side * area_normal(mesh, f).dot(through.direction) < 0;
                      });
