@@ -11,7 +11,8 @@ namespace {
 
 using Four = Floats4;
 
-/// Where two cells rotate by 180 degrees against each other their sum is short, and the nearest cell's counts.
+/// Where two cells rotate by 180 degrees against each other their sum is short, and the nearest cell's rotation is
+/// used.
 constexpr double kCancelled = 0.2;
 
 std::vector<double> weights_of(const TriangleMesh& mesh, const Region& region, const EditSettings& settings) {
@@ -77,8 +78,8 @@ void CellModel::solve(bool quick) {
   }
 }
 
-/// q = sum_k w_k (q_k . q_0) q_k, then towards the identity, as far as it is held back. No sign of a quaternion changes
-/// it, and it has no jumps.
+/// Computes q = sum_k w_k (q_k . q_0) q_k, blended with the identity by hold_. It does not depend on the signs of
+/// quaternions and has no jumps.
 void CellModel::spread(std::vector<Matrix3>& rotations, ThreadPool& pool) {
   constexpr int kGrain = 1024;
   const auto n = static_cast<int>(hold_.size());
@@ -108,7 +109,7 @@ struct CellModel::Placing {
   const std::vector<double>& hold;
   const std::vector<int>& component;
   const Placed* cells;
-  const Floats4* carried;  // nothing: none is
+  const Floats4* carried;  // null: no component moves rigidly
   Turn* turns;
   double* displacement;
 
@@ -159,7 +160,7 @@ struct CellModel::Placing {
   }
 };
 
-/// A handle is in place by as much as its weight has to say.
+/// Moves a handle vertex towards its target, according to its weight.
 void CellModel::place_handle(int i, double unit, Points& displacement) const {
   const double weight = settings_.handle_weight * rest_->region->share(i),
                held = weight * weight / (1 + weight * weight);

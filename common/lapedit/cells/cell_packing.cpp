@@ -13,10 +13,10 @@
 namespace lapedit {
 namespace {
 
-// Lengths are whole numbers of a step. So ties are ties, however the mesh is turned, scaled or numbered.
+// Lengths are whole numbers of a step, so that ties are ties however the mesh is rotated, scaled or numbered.
 using Steps = std::uint16_t;
 constexpr Steps kSpacing = 60000, kFar = 65535;
-constexpr int kPieces = 8;  // sums are taken in so many parts, whatever the threads
+constexpr int kPieces = 8;  // parts of sums, for any number of threads
 
 class Packing {
  public:
@@ -51,9 +51,9 @@ class Packing {
   std::vector<int> lone_;  // the vertices of groups that have one
   bool all_lone_ = false;
   std::vector<char> rigid_;
-  std::vector<double> depth_;   // into what is rigid, from its border, model units
+  std::vector<double> depth_;   // inside rigid parts, from their border, model units
   int free_ = 0;                // vertices
-  bool has_inside_ = false;     // something rigid
+  bool has_inside_ = false;     // whether there is a rigid part
   std::vector<float> density_;  // per vertex: 1 over the spacing there, in units of spacing_
   double spacing_ = 0, extent_ = 0;
   Vector3 middle_;
@@ -64,7 +64,7 @@ class Packing {
   std::vector<int> queue_, tied_;
 };
 
-/// Groups of one vertex, which has a cell in any case.
+/// Groups of one vertex, which always has a cell.
 void Packing::find_groups() {
   std::vector<int> size(1 + *std::max_element(region_.group.begin(), region_.group.end()), 0), any(size.size(), -1);
   for (int i = 0; i < region_.size(); ++i) {
@@ -81,7 +81,7 @@ void Packing::find_groups() {
   all_lone_ = lone_.size() == size.size();
 }
 
-/// What moves as one: handle vertices, and anchors at the end of their band or painted ones.
+/// Rigid parts: handle vertices, and anchors at the end of their band or painted ones.
 void Packing::find_rigid() {
   const int n = region_.size();
   rigid_.resize(n);
@@ -139,7 +139,7 @@ double Packing::sum_of_cells(bool all) const {
   return sum;
 }
 
-/// Without the last bits, which depend on the order of summation.
+/// Drops the last bits, which depend on the order of summation.
 double rounded_ratio(double x) {
   constexpr double kBits = 4096;
   int exponent = 0;
@@ -147,7 +147,7 @@ double rounded_ratio(double x) {
   return std::ldexp(std::round(part * kBits) / kBits, exponent);
 }
 
-/// In parts of a length that scales with the mesh.
+/// In units of a length that scales with the mesh.
 double Packing::rounded(double length) const {
   const double unit = region_.max_distance > 0 ? region_.max_distance : 1;
   return unit * rounded_ratio(length / unit);
@@ -206,7 +206,7 @@ void Packing::measure_edges() {
   });
 }
 
-/// By the distance from where handles end.
+/// Sorts by the distance from the rims of handles.
 void Packing::sort() {
   constexpr int kBits = 11;
   constexpr std::uint32_t kMask = (1U << kBits) - 1;
@@ -235,8 +235,8 @@ void Packing::sort() {
   }
 }
 
-/// What decides between vertices that are equally far from where handles end: how far they are from the middle of the
-/// region, which does not depend on how the mesh is turned; then their coordinates.
+/// Order of vertices with equal distances from the rims of handles: by the distance from the middle of the region,
+/// which does not depend on the orientation of the mesh; then by coordinates.
 std::array<std::int64_t, 4> Packing::place(int vertex) const {
   constexpr double kPlaces = 1 << 20, kBetween = 0.3;
   const Vector3 p = rest_.row(vertex).transpose();
@@ -248,7 +248,7 @@ std::array<std::int64_t, 4> Packing::place(int vertex) const {
   return result;
 }
 
-/// Takes over all vertices that are nearer to a seed than to those before it.
+/// Assigns all vertices that are nearer to a seed than to earlier ones.
 void Packing::claim(int seed, int cell, std::vector<int>& of) {
   const IndexLists& neighbours = region_.neighbours;
   queue_.assign(1, seed);

@@ -6,12 +6,12 @@
 namespace lapedit {
 namespace {
 
-/// A given number for each step, so that poses change evenly with the handle, where settled ones jump.
+/// The number per step is fixed, so that poses change evenly with the handle; converged poses jump.
 struct Passes {
   int on_the_way, at_the_end;
 };
 constexpr Passes kFull = {5, 20}, kQuick = {1, 8};
-constexpr double kSettled = 1e-9;  // of the handles' largest way: no pass changes anything then
+constexpr double kSettled = 1e-9;  // of the handles' largest displacement: rotations have converged
 
 }  // namespace
 
@@ -32,7 +32,7 @@ CellPose::CellPose(const Region& region, const Points& rest, const RegionCells& 
       linear_(cells.count()),
       rotations_(cells.count(), Matrix3::Identity()) {
   gather(region);
-  // All scratch has its size from here on, whatever the first frame of a drag asks for.
+  // Allocates all scratch memory here, so that frames allocate nothing.
   constraints_.setZero(cells.count(), 3);
   displacement_.setZero(cells.count(), 3);
   local_global_.start(cells.centres, std::vector<Matrix3>(cells.count(), Matrix3::Zero()));
@@ -52,7 +52,7 @@ void CellPose::gather(const Region& region) {
   }
 }
 
-/// Moves the rest pose as the components are moved at this step.
+/// Moves the rest pose rigidly with the components of this step.
 void CellPose::carry(const GroupPaths& paths) {
   carried_ = cells_.centres;
   for (int c = 0; c < cells_.count(); ++c) {
@@ -63,7 +63,7 @@ void CellPose::carry(const GroupPaths& paths) {
   local_global_.start(carried_, linear_);
 }
 
-/// Sets what the handles ask for at this step. @return their largest displacement from where they are carried
+/// Sets the handles' constraints of this step. @return their largest displacement from the rigidly moved pose
 double CellPose::ask(const GroupPaths& paths) {
   double largest = 0;
   constraints_.setZero(cells_.count(), 3);

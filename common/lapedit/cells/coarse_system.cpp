@@ -15,7 +15,7 @@ using Triplets = std::vector<Eigen::Triplet<double>>;
 /// int (grad phi_i)^T T (grad phi_j) over the cells' triangles, T the mean of their cells' tensors per area; edges that
 /// no triangle has take their crossing edges' weight over their length, counted in edges.
 SparseMatrix stiffness_matrix(const RegionCells& cells) {
-  constexpr double kSliver = 0.05;  // twice the area over the longest edge squared: says little about gradients
+  constexpr double kSliver = 0.05;  // twice the area over the longest edge squared: gradients are inaccurate
   const int m = cells.count();
   Triplets entries;
   entries.reserve(9 * cells.triangles.size() + 4 * static_cast<std::size_t>(m));
@@ -70,8 +70,8 @@ Vector3 CoarseSystem::Held::displacement(const GroupPaths& paths) const {
   return paths.displacement(group, mean, offset);
 }
 
-/// Where a handle has many vertices in a cell their rows would over-determine the blend: they are held in the mean, in
-/// which each counts by its squared weight. A cell that is all handle is held itself: its vertices may follow others.
+/// Many handle vertices in a cell would over-determine the blend, so their mean is constrained, weighted by squared
+/// weights. A cell of handle vertices only is constrained itself, since its vertices may follow others.
 void CoarseSystem::hold_handles(const Region& region, const Points& rest, const RegionCells& cells,
                                 const CellBlend& blend, double handle_weight) {
   std::vector<int> vertices;
@@ -141,7 +141,7 @@ void CoarseSystem::make_normal(const Region& region, const Points& rest, const R
   if (settings.membrane > 0) {
     normal += stretch_.asDiagonal() * power_;
   }
-  // Anchors, and a trace of weight that keeps cells definite which nothing holds.
+  // Anchors, and a tiny weight that keeps the matrix definite for cells without constraints.
   constexpr double kTrace = 1e-13;
   Eigen::VectorXd anchored = Eigen::VectorXd::Constant(m, kTrace);
   for (int i = 0; i < region.size(); ++i) {

@@ -14,14 +14,14 @@ constexpr int kSmoothing = 1;
 constexpr int kAveraging = 1;
 constexpr double kNormals = 0.5;
 constexpr double kMomentum = 0.5;
-// What keeps a pose from jumping while its handle moves on, at places where the surface collapses: a normal fades out,
-// and a rotation stays near the last one.
+// Prevents jumps of the pose where the surface collapses: the normal fades out, and the rotation stays near the last
+// one.
 constexpr double kSureNormal = 0.5, kInertia = 0.5;
 
 }  // namespace
 
-/// What a pass sums over the edges between cells. Points and columns of matrices are read four numbers at a time, and
-/// sums taken in one order, so that the bits are those of every processor.
+/// Sums over the edges between cells. Points and matrix columns are read four numbers at a time and added in a fixed
+/// order, so that the bits are the same on every processor.
 struct LocalGlobal::Edges {
   const RegionCells& cells;
   const CellSurface& surface;
@@ -119,7 +119,7 @@ LocalGlobal::LocalGlobal(const RegionCells& cells, const CellSurface& surface, c
 
 void LocalGlobal::start(const Points& carried, const std::vector<Matrix3>& linear) {
   if (carried_.rows() == carried.rows() && carried_ == carried && linear_ == linear) {
-    return;  // in a drag it is the rest pose in every frame
+    return;  // in a drag this is the rest pose in every frame
   }
   carried_ = carried;
   linear_ = linear;
@@ -143,7 +143,7 @@ void LocalGlobal::start(const Points& carried, const std::vector<Matrix3>& linea
   }
 }
 
-/// The rotation nearest to the averaged covariances.
+/// Computes the rotations nearest to the averaged covariances.
 void LocalGlobal::fit(const Points& displacement, std::vector<Matrix3>& rotations) {
   smooth_after_ = carried_ + displacement;
   surface_.smooth(kSmoothing, smooth_after_, scratch_);
@@ -193,7 +193,7 @@ LocalGlobal::Outcome LocalGlobal::settle(const Points& constraints, double accur
       continue;
     }
     outcome.left = (next_ - displacement).rowwise().norm().maxCoeff();
-    // Rotations are fitted to a place somewhat ahead, which is worth several passes.
+    // Rotations are fitted to an extrapolated pose, which saves several passes.
     displacement = next_ + kMomentum * (next_ - result_);
     result_.swap(next_);
     if (!(outcome.left >= accurate)) {

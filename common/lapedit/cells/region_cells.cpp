@@ -20,7 +20,7 @@ Four four(const Vector3& v) {
   return Four{static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]), 0};
 }
 
-constexpr int kPieces = 8;  // sums are taken in so many parts, whatever the threads
+constexpr int kPieces = 8;  // parts of sums, for any number of threads
 
 /// Calls body(piece, first, last) for kPieces parts of [0, count).
 template <class Body>
@@ -41,8 +41,8 @@ Points centroids(const std::vector<int>& of, const Points& rest, int count, std:
   return centres;
 }
 
-/// Moves the centres of cells at an open border of the mesh onto it: the cells' triangles would leave out a strip
-/// there, half a cell wide, and with it what holds the surface straight.
+/// Moves the centres of cells at an open border onto the border. Otherwise the cells' triangles would miss a strip of
+/// half a cell there, and its stiffness.
 void reach_borders(const Region& region, const Points& rest, RegionCells& cells) {
   std::vector<int> faces(region.size(), 0);
   for (Eigen::Index f = 0; f < region.faces.rows(); ++f) {
@@ -70,7 +70,7 @@ struct Crossing {
   double weight;
 };
 
-/// What one part of the region's faces and edges adds to the cells.
+/// Contributions of one part of the region's faces and edges to the cells.
 struct PartialSums {
   std::vector<double> area, weight;
   Points normals;
@@ -177,7 +177,7 @@ void CellSums::merge(std::vector<PartialSums>& parts) {
   cells_.triangles.erase(std::unique(cells_.triangles.begin(), cells_.triangles.end()), cells_.triangles.end());
   constexpr double kLeast = 1e-6;
   for (int c = 0; c < m; ++c) {
-    // Cells of obtuse or flat faces alone, where the operator has the umbrella's rows.
+    // For cells of obtuse or flat faces only, where the operator has the umbrella's rows.
     cells_.weight[c] = std::max(cells_.weight[c], kLeast * cells_.vertices[c]);
   }
 }
@@ -239,7 +239,8 @@ IndexLists two_rings(const RegionCells& cells) {
   return result;
 }
 
-/// How far each cell reaches, squared: to its neighbours' centres and a third as far again, and to all of its vertices.
+/// Returns the squared reach of each cell: 4/3 of the distance to its neighbours' centres, and at least all of its
+/// vertices.
 std::vector<float> squared_reaches(const RegionCells& cells, const Points& rest) {
   constexpr double kBeyondNeighbours = 1.35, kBeyondVertices = 1.1;
   std::vector<double> squared(cells.count(), 0);
@@ -303,7 +304,7 @@ Weigher::Weigher(const RegionCells& cells, const Points& rest) : cells_(cells) {
   }
 }
 
-/// At most kReach cells; those that count least are left out.
+/// At most kReach cells; those with the smallest weights are dropped.
 int Weigher::reaching(Four place, int cell, Reaching* found) const {
   int count = 0;
   for (int k = offsets_[cell]; k < offsets_[cell + 1]; ++k) {
@@ -311,7 +312,7 @@ int Weigher::reaching(Four place, int cell, Reaching* found) const {
     const Four e = candidate.place - place;
     const float rest = 1 - (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) * candidate.faster;
     found[count] = {e, rest * rest, candidate.cell};
-    count += rest > 0 && count < kRoom - 1 ? 1 : 0;  // without a branch, which nobody could predict
+    count += rest > 0 && count < kRoom - 1 ? 1 : 0;  // without an unpredictable branch
   }
   if (count > CellBlend::kReach) {
     std::nth_element(found, found + CellBlend::kReach, found + count,
@@ -319,14 +320,14 @@ int Weigher::reaching(Four place, int cell, Reaching* found) const {
     const float least = found[CellBlend::kReach].weight;
     count = CellBlend::kReach;
     for (int k = 0; k < count; ++k) {
-      found[k].weight -= least;  // so that what is left out goes without a step
+      found[k].weight -= least;  // so that dropped cells fade out without a step
     }
   }
   return count;
 }
 
 void Weigher::operator()(const Vector3& place, int cell, int* to, float* weights) const {
-  constexpr double kFlat = 0.03;  // of the spread: what counts as no direction of the surface
+  constexpr double kFlat = 0.03;  // of the spread: smaller directions are not along the surface
   constexpr float kTrace = 1e-12F;
   Reaching near[kRoom];
   int count = reaching(four(place - cells_.centres.row(cell).transpose()), cell, near);
@@ -364,7 +365,7 @@ void Weigher::operator()(const Vector3& place, int cell, int* to, float* weights
     matrix.diagonal().array() += kFlat * size;
     correction = four(-(matrix.inverse() * middle));
   }
-  constexpr float kLeast = -0.5F, kMost = 2.5F;  // beyond, the cells lie badly about the place
+  constexpr float kLeast = -0.5F, kMost = 2.5F;  // beyond, the cells surround the position badly
   float total = 0;
   for (int k = 0; k < CellBlend::kReach; ++k) {
     const Reaching& from = near[k < count ? k : 0];

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kGrain = 512;
 
-/// The unit vector along v, or zero if v has no length against scale.
+/// Returns the unit vector along v, or zero if v is negligible against `scale`.
 Vector3 unit_or_zero(const Vector3& v, double scale) {
   const double length = v.norm();
   if (!(length > 1e-9 * scale)) {
@@ -20,7 +20,8 @@ Vector3 unit_or_zero(const Vector3& v, double scale) {
   return v / length;
 }
 
-/// Smoothed normals made unit; where they cancel (a radius beyond a limb's thickness) the vertex's own normal.
+/// Normalises smoothed normals; where they cancel (a radius beyond a limb's thickness) it takes the vertex's own
+/// normal.
 void normalise(Points& smoothed, const Points& own) {
   constexpr double kCancelled = 1e-3;
   for (Eigen::Index i = 0; i < smoothed.rows(); ++i) {
@@ -135,7 +136,7 @@ void RotationEstimator::paper_frames(std::vector<Matrix3>& rotations) {
   }
 }
 
-/// Calls body(i) for the vertices, on all threads.
+/// Calls body(i) for all vertices, on all threads.
 template <class Body>
 void RotationEstimator::for_vertices(const Body& body) {
   in_pieces(pool_, region_.size(), kGrain, [&](int first, int last) {
@@ -157,12 +158,13 @@ void RotationEstimator::smooth_surface(std::vector<Matrix3>& rotations) {
       covariance.noalias() +=
           (smooth_after_.row(j) - smooth_after_.row(i)).transpose() * (smooth_before_.row(j) - smooth_before_.row(i));
     }
-    // Apart, since Eigen would scale one factor first and lose the symmetry of what has not moved.
+    // Two statements, since Eigen would scale one factor first and lose the symmetry for vertices that have not moved.
     const Matrix3 normals = normals_after_.row(i).transpose() * normals_before_.row(i);
     covariances_[i] = covariance + covariance.norm() * normals;
   });
-  // Where the smoothed surface has collapsed (a limb thinner than the radius) one ring of edges says little: sums over
-  // a few rings do, and cost no table. More passes gain nothing on the grid of detail_orientation_test.
+  // Where the smoothed surface has collapsed (a limb thinner than the radius) one ring of edges does not determine a
+  // rotation, but sums over a few rings do, without a table. More passes gain nothing on the grid of
+  // detail_orientation_test.
   for (int pass = 0; pass < kAveragingPasses; ++pass) {
     spread_.swap(covariances_);
     for_vertices([&](int i) {
@@ -173,7 +175,7 @@ void RotationEstimator::smooth_surface(std::vector<Matrix3>& rotations) {
       covariances_[i] = sum / (1 + region_.neighbours[i].size());
     });
   }
-  // What lies beyond the rim does not turn, so the rotations fade out across the anchors.
+  // The surface beyond the rim does not rotate, so rotations fade out across the anchors.
   in_pieces(pool_, n, kGrain, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
       const double depth = region_.anchor_depth.empty() ? 0 : region_.anchor_depth[i];

@@ -50,9 +50,9 @@ SparseMatrix from_weights(const Region& region, const std::vector<double>& weigh
   return rows;
 }
 
-/// A face with area enough to define angles: at its corners, and lengths of the edges opposite to them.
+/// Geometry of a face whose area is large enough to define angles, per corner, with the lengths of the opposite edges.
 struct Angles {
-  bool usable = false;  ///< not when a corner is not a number, either
+  bool usable = false;  ///< false also if a corner is NaN
   double twice_area = 0;
   double products[3] = {};  ///< a . b of the two edges at a corner
   double lengths[3] = {};
@@ -82,7 +82,7 @@ struct Angles {
   }
 };
 
-/// What faces give to the edges at them, in both directions of each.
+/// Adds the contributions of faces to their edges, in both directions.
 class EdgeSums {
  public:
   explicit EdgeSums(const Region& region)
@@ -138,7 +138,7 @@ EdgeWeights cotangent_weights(const Region& region, const TriangleMesh& mesh) {
   for (std::size_t e = 0; e < weights.size(); ++e) {
     weights[e] = uniform[e] ? kEquilateralWeight : std::max(weights[e], 0.0);
   }
-  // A row whose weights all vanished tells nothing about its vertex: it becomes a row of the umbrella.
+  // A row whose weights all vanish becomes a row of the umbrella operator.
   constexpr double kNoWeight = 1e-9;
   for (int j = 0; j < region.size(); ++j) {
     double largest = 0;
@@ -177,7 +177,7 @@ double mean_edge(const Region& region, const TriangleMesh& mesh) {
   return sum > 0 ? sum / static_cast<double>(region.neighbours.values.size()) : 1;
 }
 
-/// Half the tangents of half the angles beside an edge, over its length.
+/// Returns half the tangents of half the angles next to an edge, over its length.
 EdgeWeights mean_value_weights(const Region& region, const TriangleMesh& mesh) {
   constexpr double kRange = 1e3;
   EdgeSums sums(region);
@@ -191,7 +191,8 @@ EdgeWeights mean_value_weights(const Region& region, const TriangleMesh& mesh) {
                0.5 * (half[one] + half[other]) * unit / angles.lengths[k]);
     }
   }
-  // Two triangles at an edge: tan 30 degrees twice, over the length; a quarter of it from each corner and side.
+  // Of two equilateral triangles at an edge: tan 30 degrees twice, over the length; each corner and side contributes a
+  // quarter.
   constexpr double kUniform = 2 * kEquilateralWeight;
   EdgeWeights result = sums.take();
   for (std::size_t e = 0; e < result.values.size(); ++e) {
@@ -201,9 +202,9 @@ EdgeWeights mean_value_weights(const Region& region, const TriangleMesh& mesh) {
   return result;
 }
 
-/// Links have no triangles. They hold pieces together without pressing their shapes into each other: an eye in a socket
-/// that is bent by 0.3 is off a rigid motion by 5 to 17 % of its way with the weight of an edge, by 2 to 5 % with this
-/// share of it, and not more off its socket.
+/// Links have no triangles. They should move a piece without deforming it: an eye in a socket that is bent by 0.3
+/// differs from a rigid motion by 5 to 17 % of its displacement with the weight of an edge, and by 2 to 5 % with this
+/// share of it, at the same distance from its socket.
 void weaken_links(const Region& region, EdgeWeights& weights) {
   constexpr double kLink = 0.03;
   for (const auto& [i, j] : region.links) {

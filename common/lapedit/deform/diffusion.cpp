@@ -29,7 +29,7 @@ DiffusionSmoother::DiffusionSmoother(const Region& region, const Points& rest, d
       area[i] += 0.25 * squared[k];
     }
   }
-  // Vertices without length around them count as small ones, so that the matrix is definite and its entries are alike.
+  // Vertices with edges of zero length get a small area, so that the matrix is definite and well scaled.
   constexpr double kSmall = 1e-3, kLeast = 1e-9;
   const double mean = n > 0 ? std::accumulate(area.begin(), area.end(), 0.0) / n : 0;
   const Eigen::VectorXd density =
@@ -98,7 +98,7 @@ class DiffusionSmoother::System : public RefinedSystem {
   const DiffusionSmoother& s_;
 };
 
-/// The same, each step solved to the last bit.
+/// Does the same, with each step solved to the last bit.
 void DiffusionSmoother::apply(const Points& in, Points& out) const {
   constexpr int kGrain = 4096;
   Points &right = scratch_.right, &left = scratch_.left;

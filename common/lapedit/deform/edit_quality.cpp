@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kDegrees = 180 / 3.14159265358979323846;
 
-/// The surface as it is.
+/// Smooths nothing: rotations are fitted to the surface itself.
 class Unsmoothed : public Smoother {
  public:
   void apply(const Points& in, Points& out) const override { out = in; }
@@ -23,7 +23,7 @@ class Unsmoothed : public Smoother {
   }
 };
 
-/// Of length twice the area.
+/// Returns the normal, with twice the area as its length.
 Vector3 face_normal(const Points& points, const Faces& faces, Eigen::Index face) {
   const Vector3 a = points.row(faces(face, 0)).transpose();
   const Vector3 b = points.row(faces(face, 1)).transpose();
@@ -42,9 +42,10 @@ double degrees_of(const Matrix3& rotation) {
   return Eigen::AngleAxisd(rotation).angle() * kDegrees;
 }
 
-/// What each vertex's component is measured from: the mean of the vertices on its border, or else any of its own.
+/// Returns the apex of the cones of each vertex's component: the mean of the vertices on its border, or any of its
+/// vertices if it is closed.
 Points centres(const Region& region, const Points& positions) {
-  // Around an inner vertex each neighbour follows in one face and precedes in another.
+  // At an inner vertex each neighbour is the successor in one face and the predecessor in another.
   std::vector<long> balance(region.size(), 0);
   for (const auto& face : region.faces.rowwise()) {
     for (int k = 0; k < 3; ++k) {
@@ -76,7 +77,7 @@ Eigen::VectorXd heights(const Region& region, const Points& places, const Points
   return (places - smooth).cwiseProduct(normals).rowwise().sum();
 }
 
-/// Only where something flipped: what agrees with rotations that vary slowly is not folded.
+/// Only if triangles flipped: triangles that agree with slowly varying rotations are not folded.
 void find_folds(const LaplacianSystem& system, const Points& positions, EditQuality& result) {
   const Region& region = system.region;
   AdviceCauses& causes = result.causes;
@@ -181,7 +182,7 @@ std::optional<double> detail_height(const LaplacianSystem& system, const Points&
       reach += region.max_distance * region.max_distance;
     }
   }
-  constexpr double kFlat = 1e-6;  // of the region: what single precision makes of a plane
+  constexpr double kFlat = 1e-6;  // of the region's size: the error of a plane in single precision
   return all > kFlat * kFlat * reach ? std::optional<double>(found / all) : std::nullopt;
 }
 

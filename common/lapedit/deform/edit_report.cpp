@@ -49,7 +49,7 @@ std::string landmark_line(const std::vector<LandmarkResidual>& landmarks) {
          worst->name + "\" (vertex " + std::to_string(worst->vertex) + ")";
 }
 
-/// On folds, intersections and stretch.
+/// Returns advice on folds, intersections and stretch.
 std::string advice_on_shape(const EditReport& report) {
   constexpr double kStretched = 5;
   const int meeting = report.new_intersections.value_or(0);

@@ -8,14 +8,14 @@
 namespace lapedit {
 namespace {
 
-/// d_k^-3/2 over their sum; the first of those at no distance takes all.
+/// Returns d_k^-3/2 over their sum; the first one with distance zero gets the whole weight.
 Eigen::RowVectorXd shares(const Eigen::RowVectorXd& distances) {
   Eigen::Index first = 0;
   const double nearest = distances.minCoeff(&first);
   if (!(nearest > 0)) {
     return Eigen::RowVectorXd::Unit(distances.size(), first);
   }
-  Eigen::RowVectorXd parts = nearest / distances.array();  // 0 for what does not reach here
+  Eigen::RowVectorXd parts = nearest / distances.array();  // 0 for groups that do not reach this vertex
   parts.array() *= parts.array().sqrt();
   return parts / parts.sum();
 }

@@ -67,7 +67,7 @@ void GroupPaths::check(const std::vector<HandleMotion>& motions) const {
   }
 }
 
-/// The rigid motion that fits the targets best is the group's; what they are off it is turned back.
+/// The group's motion is the rigid one that fits the targets best; the remaining offsets are rotated back.
 void GroupPaths::set_targets(Group& group, const HandleMotion& motion) {
   const auto count = static_cast<Eigen::Index>(group.vertices.size());
   Vector3 mean = Vector3::Zero();
@@ -110,7 +110,7 @@ void GroupPaths::set(const std::vector<HandleMotion>& motions, const Affine& anc
       set_targets(group, motions[g]);
       length = std::max(length, unit > 0 ? group.offsets.rowwise().norm().maxCoeff() / unit : 0);
     } else {
-      // Paths begin where the anchors are taken.
+      // Paths begin after the motion of the anchors.
       HandleMotion to = motions[g];
       if (!anchors_.none()) {
         to.map = anchors.inverse() * to.map;
@@ -122,13 +122,13 @@ void GroupPaths::set(const std::vector<HandleMotion>& motions, const Affine& anc
       lead(static_cast<int>(g), leader_[c]);
     }
   }
-  constexpr double kRounding = 1e-9;  // a quarter of a turn is three steps, however it is given
+  constexpr double kRounding = 1e-9;  // so that 90 degrees are three steps, whatever the rounding
   steps_ = std::clamp(static_cast<int>(std::ceil(std::min<double>(length, kMostSteps) - kRounding)), kLeastSteps,
                       kMostSteps);
   go(steps_);
 }
 
-/// One motion for all groups of a component is followed exactly; a group of one vertex does not say how it turns.
+/// A component follows a motion that all its groups share exactly; groups of one vertex have no rotation to compare.
 void GroupPaths::lead(int g, int& leader) const {
   const Group& group = groups_[g];
   if (leader == kNoGroup && group.offsets.rows() == 0) {
@@ -189,7 +189,7 @@ bool GroupPaths::carries() const {
   return !std::all_of(carried_.begin(), carried_.end(), [](const LocalMotion& motion) { return motion.none(); });
 }
 
-/// Each vertex counts by its squared weight, as in the equations.
+/// Vertices have their squared weights, as in the equations.
 LocalMotion GroupPaths::best_fit(int component) const {
   const auto for_vertices = [&](const auto& body) {
     for (const Group& group : groups_) {

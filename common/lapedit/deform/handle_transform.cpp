@@ -56,7 +56,7 @@ HandleMotion resolve(const HandleTransform& transform, const Vector3& centroid) 
     linear = rotation_about(motion.turn->axis, transform.degrees) * transform.scale;
   }
   motion.map.translation() = transform.translation;
-  if (linear != Matrix3::Identity()) {  // else a translation stays free of the centre's rounding
+  if (linear != Matrix3::Identity()) {  // keeps translations free of the centre's rounding
     motion.map = about(linear, transform.center.value_or(centroid), transform.translation);
   }
   return motion;

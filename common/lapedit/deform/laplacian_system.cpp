@@ -17,11 +17,11 @@
 namespace lapedit {
 namespace {
 
-/// If it takes more steps to get to kAccurate, a factor in single precision is not worth its memory.
+/// If more steps are needed to reach kAccurate, a factor in single precision does not pay for its memory.
 constexpr int kMostForSingle = 3;
-/// Handles of at most so many vertices are kept out of the factor.
+/// Handles of at most this many vertices are kept out of the factor.
 constexpr int kSmallHandle = 8;
-/// Factors of higher orders that take longer are looked at first: vertices times the order squared.
+/// Factors of higher orders that take longer are checked before they are made: vertices times the order squared.
 constexpr double kLongFactor = 180000;
 
 bool same_graph(const Region& a, const Region& b) {
@@ -29,7 +29,7 @@ bool same_graph(const Region& a, const Region& b) {
          a.neighbours.offsets == b.neighbours.offsets;
 }
 
-/// Makes the parts of one system, or takes over those of the system before.
+/// Makes the parts of a system, or reuses those of the previous one.
 class Preparation {
  public:
   Preparation(LaplacianSystem& system, const LaplacianSystem* previous) : s_(system), previous_(previous) {}
@@ -54,7 +54,7 @@ class Preparation {
   LaplacianSystem& s_;
   const LaplacianSystem* previous_;
   bool took_operator_ = false;
-  Eigen::VectorXd factor_weights_;  // w_i^2 of those that the factor is to know
+  Eigen::VectorXd factor_weights_;  // w_i^2 of the constraints in the factor
   WoodburyCorrection kept_out_;     // rows and weights of the others
   bool took_order_ = false;
 };
@@ -92,9 +92,9 @@ void Preparation::make_operator(const TriangleMesh& mesh) {
   s_.powers.first->apply(s_.rest.local, s_.delta, *s_.pool);
 }
 
-/// Squared weights w_i^2 (paper, sections 3 and 5): w for a handle, or a share of it, w d_i / d_max for an anchor. The
-/// anchors alone make the matrix definite; a small handle is left to a correction of the solution then, so that the
-/// next one finds the factor ready.
+/// Computes squared weights w_i^2 (paper, sections 3 and 5): w, or a share of it, for a handle, and w d_i / d_max for
+/// an anchor. If the anchors alone make the matrix definite, a small handle is left to a correction of the solution, so
+/// that the next handle can reuse the factor.
 void Preparation::weigh() {
   const Region& region = s_.region;
   s_.squared_weights.resize(region.size());
@@ -116,7 +116,7 @@ void Preparation::weigh() {
 }
 
 bool Preparation::factor_fits() const {
-  // A factor that had to be in double for another handle need not be for this one.
+  // A factor that had to be in double precision for another handle may be in single precision for this one.
   return took_operator_ && previous_->settings.backend == s_.settings.backend &&
          previous_->matrix->squared_weights == factor_weights_ &&
          (s_.settings.order > 1 || s_.settings.backend == CholeskyBackend::Eigen ||
@@ -144,10 +144,10 @@ void Preparation::make_factor_and_smoother(EditReport& report) {
   } else {
     s_.order = previous_->order;
   }
-  // The smoothing asks nothing of the factor: with a second thread it comes for free.
+  // The smoothing does not need the factor, so a second thread makes it meanwhile.
   constexpr int kWorthAThread = 2000;
   const bool apart = smooths && s_.pool->threads() > 1 && s_.region.size() >= kWorthAThread;
-  // Threads of its own: the factor's makers share the pool among themselves.
+  // It has its own threads, since the factorisation uses those of the pool.
   ThreadPool(apart ? 2 : 1).each(smooths ? 2 : 1, [&](int part) {
     const Stopwatch own;
     if (part == 0) {
@@ -169,8 +169,8 @@ std::string Preparation::taken_over(bool factor) const {
   return took_operator_ ? second.empty() ? "operator" : "operator and " + second : second.empty() ? "nothing" : second;
 }
 
-/// Makes the factor, or takes over the old one, and makes sure that solutions converge.
-/// @return whether the old one is taken
+/// Makes the factor, or reuses the old one, and checks that solutions converge.
+/// @return whether the old one is reused
 bool Preparation::factorise(bool take_over) {
   if (take_over) {
     s_.matrix = previous_->matrix;
@@ -184,14 +184,15 @@ bool Preparation::factorise(bool take_over) {
     }
   }
   refuse_the_hopeless();
-  // In single precision a solution has five digits; the steps that give it the others cost less than the memory.
+  // In single precision a solution has five digits; refining it costs less than the memory of a factor in double
+  // precision.
   bool has_double = false;
   if (s_.settings.order == 1) {
     make_factor(true);
     if (make_sure()) {
       return false;
     }
-    has_double = !s_.matrix->cholesky.single_precision();  // the backend knows nothing else
+    has_double = !s_.matrix->cholesky.single_precision();  // some backends have double precision only
   }
   if (!has_double) {
     make_factor(false);
@@ -232,7 +233,7 @@ CholeskyOptions Preparation::cholesky_options(bool single_precision) const {
 }
 
 void Preparation::make_factor(bool single_precision) {
-  s_.matrix.reset();  // not two of them in memory
+  s_.matrix.reset();  // frees it first, so that there are never two
   CholeskyOptions options = cholesky_options(single_precision);
   if (took_order_ && previous_->settings.order == s_.settings.order &&
       previous_->settings.backend == s_.settings.backend) {
@@ -241,12 +242,12 @@ void Preparation::make_factor(bool single_precision) {
   s_.matrix = std::make_shared<const FactoredNormalMatrix>(s_.powers.m, factor_weights_, options);
 }
 
-/// Whether the handles are those that the system before was made sure of.
+/// Returns whether the handles are those for which the previous system was checked.
 bool Preparation::same_pull() const {
   return previous_->region.classes == s_.region.classes && previous_->squared_weights == s_.squared_weights;
 }
 
-/// Whether solutions are good, or get good, in as few steps as the factor's precision is worth: those of the handles'
+/// Returns whether solutions converge in the number of steps that the factor's precision allows: those of the handles'
 /// correction, or else of a pull at the handles.
 bool Preparation::make_sure() {
   RefinedSolver solver(s_.matrix, nullptr, s_.pool);
@@ -267,8 +268,8 @@ bool Preparation::make_sure() {
   return s_.refinements >= 0 && s_.refinements <= most_steps;
 }
 
-/// S of the paper's section 6, or what stands in for it. A given radius means the paper's kernel. Where it is left to
-/// us and only a smooth surface is wanted, diffusion is as good and does not cost more than the factor.
+/// Makes S of the paper's section 6, or its replacement. A given radius means the paper's kernel. With an automatic
+/// radius and smooth surfaces diffusion is as good and costs no more than the factor.
 void Preparation::smooth(bool take_over, const std::shared_ptr<ThreadPool>& pool) {
   const EditSettings& settings = s_.settings;
   if (take_over) {

@@ -41,7 +41,7 @@ LAPEDIT_AVX2 void mean_around_avx2(const IndexLists& neighbours, int first, int 
 
 void MatrixAverages::average(const IndexLists& neighbours, int rounds, ThreadPool& pool) {
   constexpr int kGrain = 1024;
-  // The same bits: sums are not contracted.
+  // The bits are the same, since sums are not contracted.
   const auto mean = for_processor(mean_around_plain, mean_around_avx2, mean_around_avx2);
   const auto count = static_cast<int>(current_.size() / kStride);
   for (int round = 0; round < rounds; ++round) {

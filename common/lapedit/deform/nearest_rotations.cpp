@@ -7,8 +7,8 @@
 #include "lapedit/deform/polar_decomposition.h"
 
 // Newton's iteration of nearest_rotation() for eight matrices at a time. Each lane does the operations that Eigen does
-// for one matrix, in the same order, so that its bits are the same; without contraction, and where the iteration does
-// not settle it is left to nearest_rotation() itself.
+// for one matrix, in the same order and without contraction, so that its bits are the same. Where the iteration does
+// not converge, nearest_rotation() is called.
 
 namespace lapedit {
 namespace {
@@ -64,7 +64,7 @@ LAPEDIT_INLINE Lanes determinant(const Matrices& a) {
   return term(0, 1, 2) - term(1, 0, 2) + term(2, 0, 1);
 }
 
-/// @return of each lane, whether it has settled
+/// @return per lane, whether it has converged
 LAPEDIT_INLINE Mask iterate(Matrices& x) {
   constexpr double kUndetermined = 1e-10, kSafeDeterminant = 1e-4;
   const Lanes size = square_root(squared_norm(x));

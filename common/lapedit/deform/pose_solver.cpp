@@ -23,21 +23,21 @@ double largest_row(const Points& points) {
 }  // namespace
 
 struct PoseSolver::Impl {
-  EditReport report;  // of preparation and last solve, without what is worked out on demand
+  EditReport report;  // of preparation and last solve, without figures that are computed on demand
   std::shared_ptr<const LaplacianSystem> system;
   RefinedSolver solver;
   EditConstraints constraints;
-  std::unique_ptr<RotationPass> rotation;  // nothing without detail rotation
+  std::unique_ptr<RotationPass> rotation;  // null without detail rotation
 
   // Of the last solve, size() x 3 each.
   Points displacement;  // d, from the carried pose
-  Points right;         // what it solves the normal equations for
+  Points right;         // right-hand side of the normal equations
   Points previous;      // d of the pass before
   Points positions;     // no rows before the first solve
   std::vector<Matrix3> rotations;
-  std::vector<Matrix3> rotations_before;  // of the pass before, where there are several
+  std::vector<Matrix3> rotations_before;  // of the previous pass, if there are several
 
-  // Of the pass before, where the next one may be dropped; and scratch.
+  // Of the previous pass, if the next one may be dropped; and scratch.
   std::vector<Matrix3> kept_rotations;
   Points kept_right, pose, ahead;
 
@@ -77,8 +77,8 @@ void PoseSolver::Impl::solve_exactly(const Points& right_hand_side, const Progre
   take(solver.refine_to_the_bit(right_hand_side, displacement, go_on));
 }
 
-/// One solution with the rotations to start from, then more with those of the vertices' one-rings, fitted to a place
-/// somewhat ahead of the last solution: that replaces several passes.
+/// Solves once with the given rotations, then with those of the vertices' one-rings, fitted to an extrapolation of the
+/// last two solutions, which saves passes.
 void PoseSolver::Impl::turn_locally(const std::vector<Matrix3>* start, const Progress& go_on) {
   if (start != nullptr) {
     rotations = *start;
@@ -104,7 +104,7 @@ void PoseSolver::Impl::turn_locally(const std::vector<Matrix3>* start, const Pro
   }
 }
 
-/// RMS edge stretch of the pose so far.
+/// Returns the RMS edge stretch of the current pose.
 double PoseSolver::Impl::stretch() {
   pose = displacement + (constraints.carry() ? constraints.carried_pose() : system->rest.local);
   return edge_stretch(system->region, system->rest.local, pose).rms;
@@ -116,9 +116,9 @@ void PoseSolver::Impl::swap_with_kept() {
   right.swap(kept_right);
 }
 
-/// Back to the pass before. A fall-off that rotations were estimated from is no result: the unrotated solution is, if
-/// it is not worse than the pass.
-/// @param stretched  what the pass came to. @return whether it is dropped
+/// Returns to the previous pass. A fall-off that rotations were estimated from is not a result; the unrotated solution
+/// is one, if it is not worse than the pass.
+/// @param stretched  RMS stretch of the pass. @return whether it is dropped
 bool PoseSolver::Impl::drop_pass(double stretched, const Progress& go_on) {
   swap_with_kept();
   if (report.iterations == 0 && !system->falloff.empty()) {
@@ -132,10 +132,10 @@ bool PoseSolver::Impl::drop_pass(double stretched, const Progress& go_on) {
   return true;
 }
 
-/// Steps 2 to 4 of the paper's section 4, again and again until the result has settled. A pass that makes it much worse
-/// is dropped: with orders 2 and 3 errors of the rotations can grow from pass to pass. Good passes have been seen to
-/// stretch edges up to 1.3 times as much as a pose before, bad ones 1.5 to 20 times. The first pass of order 1 is
-/// always kept.
+/// Repeats steps 2 to 4 of the paper's section 4 until the result has converged. A pass that makes it much worse is
+/// dropped: with orders 2 and 3 errors of the rotations can grow from pass to pass. In tests good passes stretched
+/// edges up to 1.3 times as much as the previous pose, bad ones 1.5 to 20 times. The first pass of order 1 is always
+/// kept.
 void PoseSolver::Impl::turn_details(const Progress& go_on) {
   constexpr double kSettled = 1e-4, kWorse = 1.5, kSlack = 0.05;
   const EditSettings& settings = system->settings;
@@ -172,7 +172,7 @@ void PoseSolver::Impl::turn_details(const Progress& go_on) {
   }
 }
 
-/// x = p + what its component is carried + d
+/// Computes x = p + the rigid displacement of its component + d.
 void PoseSolver::Impl::collect_positions() {
   const RestPose& rest = system->rest;
   positions.resize(rest.world.rows(), 3);
@@ -246,7 +246,7 @@ EditReport PoseSolver::report(const Points& stored, bool whole) const {
   const Impl& s = *impl_;
   EditReport report = s.report;
   if (s.positions.rows() == 0) {
-    return report;  // nothing has been solved for
+    return report;  // there is no solution yet
   }
   EditQuality& quality = report;
   quality = edit_quality(*s.system, s.constraints, stored, s.rotations);

@@ -9,7 +9,8 @@ RingRotations::RingRotations(const Region& region, const OperatorRows& m, Thread
     : region_(region), m_(m), pool_(pool), covariances_(region.size()) {}
 
 void RingRotations::fit(const Points& before, const Points& displacement, std::vector<Matrix3>& rotations) {
-  // Fewer tilt details: 2 rounds by 14.6 and 25.8 degrees where these do by 11.5 and 19.7 (detail_orientation_test).
+  // With fewer rounds details tilt more: by 14.6 and 25.8 degrees with 2 rounds, by 11.5 and 19.7 with 8
+  // (detail_orientation_test).
   constexpr int kAveraging = 8;
   constexpr int kGrain = 512;
   in_pieces(pool_, region_.size(), kGrain, [&](int first, int last) {
@@ -19,7 +20,7 @@ void RingRotations::fit(const Points& before, const Points& displacement, std::v
         const auto j = static_cast<int>(entry.col());
         const Vector3 edge = (before.row(i) - before.row(j)).transpose();
         const Vector3 after = edge + (displacement.row(i) - displacement.row(j)).transpose();
-        // In this order a vertex that has not moved has a symmetric covariance.
+        // This order of factors makes the covariance of a vertex that has not moved symmetric.
         const Matrix3 product = after * edge.transpose();
         covariance -= entry.value() * product;
       }

@@ -36,7 +36,7 @@ void RotationPass::start_at_rest() {
 
 namespace {
 
-/// (R_i - I) delta_i, delta_i carried along with its component (paper, section 4).
+/// Returns (R_i - I) delta_i, where delta_i moves rigidly with its component (paper, section 4).
 void turn_vertices(const LaplacianSystem& system, const EditConstraints& constraints,
                    const std::vector<Matrix3>& rotations, Points& turned) {
   for (int i = 0; i < system.region.size(); ++i) {
@@ -48,8 +48,9 @@ void turn_vertices(const LaplacianSystem& system, const EditConstraints& constra
   }
 }
 
-/// sum_j alpha_ij ((R_i + R_j) / 2 - I) (p_i - p_j), alpha_ij = -M_ij: what of delta_i = sum_j alpha_ij (p_i - p_j)
-/// each edge's own rotation adds, the edges carried along. With one rotation for all it is the paper's (R - I) delta_i.
+/// sum_j alpha_ij ((R_i + R_j) / 2 - I) (p_i - p_j), alpha_ij = -M_ij: the change of delta_i = sum_j alpha_ij (p_i -
+/// p_j) by the rotation of each edge, where edges move rigidly with their component. With a constant rotation it is the
+/// paper's (R - I) delta_i.
 void turn_edges(const LaplacianSystem& system, const EditConstraints& constraints,
                 const std::vector<Matrix3>& rotations, Points& turned) {
   constexpr int kGrain = 2048;
@@ -93,8 +94,8 @@ void RotationPass::turn_with_rings(const Points& displacement, const EditConstra
   rotate_ms_ += fit_ms;
 }
 
-/// For k > 1 that is not M^T (R - I) M^k p, the coordinates of order k turned: those carry low-frequency errors of R
-/// that the inverse of M^k blows up. On the octopus (16,554 vertices, order 2) the stretch is 49 % instead of 485 %.
+/// For k > 1 this is not M^T (R - I) M^k p, the rotated coordinates of order k, whose low-frequency errors the inverse
+/// of M^k amplifies. On the octopus (16,554 vertices, order 2) the stretch is 49 % instead of 485 %.
 void RotationPass::turn_by(const std::vector<Matrix3>& rotations, const EditConstraints& constraints, Points& right) {
   const Stopwatch watch;
   turned_.resize(system_.region.size(), 3);

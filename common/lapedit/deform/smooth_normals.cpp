@@ -22,7 +22,7 @@ double kernel(double t, double radius) {
   return s < 1 ? (2 * s - 3) * s * s + 1 : 0;
 }
 
-/// Mean number of vertices within a radius, from evenly spread probes.
+/// Returns the mean number of vertices within a radius, from evenly spread probes.
 double mean_ball_size(const Region& region, const Points& rest, double radius) {
   constexpr int kProbes = 32;
   const int step = std::max(1, region.size() / kProbes);
@@ -36,9 +36,9 @@ double mean_ball_size(const Region& region, const Points& rest, double radius) {
   return sum / probes;
 }
 
-/// Vertices such that each is within spacing of a chosen one, taken outwards from the handle. Distances are compared
-/// coarsely, so that rounding does not change the choice when a mesh is moved or turned; among equals it goes by
-/// number.
+/// Chooses vertices, outwards from the handle, such that each vertex is within `spacing` of a chosen one. Distances are
+/// compared coarsely, so that rounding does not change the choice when a mesh is moved or rotated; equal ones are
+/// ordered by number.
 std::vector<int> sample_centres(const Region& region, const Points& rest, double spacing) {
   constexpr double kSame = 1e-6;
   std::vector<double> distance(region.size());
@@ -64,9 +64,9 @@ std::vector<int> sample_centres(const Region& region, const Points& rest, double
 
 }  // namespace
 
-/// n_i = sum over faces i j k of (p_j - p_i) x (p_k - p_i), made unit.
+/// Computes n_i = sum over faces i j k of (p_j - p_i) x (p_k - p_i), normalised.
 void vertex_normals(const Points& points, const Faces& faces, Points& normals, Eigen::VectorXd& areas) {
-  constexpr double kCancelled = 1e-12;  // what is left of opposite faces is rounding, not a direction
+  constexpr double kCancelled = 1e-12;  // the sum of opposite faces is rounding, not a direction
   normals.setZero(points.rows(), 3);
   areas.setZero(points.rows());
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
@@ -100,7 +100,7 @@ namespace {
 /// Columns and weights of each row.
 using Lists = std::vector<std::vector<std::pair<int, double>>>;
 
-/// Each weight over the sum of its list's.
+/// Divides each weight by the sum of its list.
 template <typename Rows>
 Rows normalised_rows(Lists lists) {
   Rows rows;
@@ -213,7 +213,7 @@ double automatic_normal_radius(const Region& region, const Points& rest) {
   constexpr double kEdges = 4;
   const double floor = edges > 0 ? kEdges * sum / edges : 0;
   const double radius = std::max(kShareOfRegion * region.max_distance, floor);
-  return radius > 0 ? radius : 1;  // a region without any length has nothing to smooth
+  return radius > 0 ? radius : 1;  // a region without any length is not smoothed
 }
 
 }  // namespace lapedit

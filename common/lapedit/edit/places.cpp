@@ -104,7 +104,7 @@ class Transfer {
   std::optional<VertexGrid> grid_;
 };
 
-/// Numbers of this mesh for those of the mesh that the edit was made for.
+/// Replaces vertex numbers of the mesh that the edit was made for by numbers of this mesh.
 /// @param group  sorted
 void transfer(const Transfer& to_here, HandleGroup& group, std::vector<int>& taken) {
   std::vector<int> vertices;

@@ -41,8 +41,8 @@ class Watch {
  private:
   struct Open {
     bool is_array;
-    std::size_t entries;  ///< that are complete
-    std::string key;      ///< read last
+    std::size_t entries;  ///< number of complete entries
+    std::string key;      ///< the last key
     std::set<std::string> keys;
   };
 

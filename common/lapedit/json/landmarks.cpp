@@ -49,7 +49,7 @@ std::optional<double> number(const std::string& text) {
   return error == std::errc() && stop == end && !clean.empty() ? std::optional<double>(value) : std::nullopt;
 }
 
-/// Checks that all formats have in common.
+/// Collects landmarks, with the checks that all formats have in common.
 class Collector {
  public:
   void add(const std::string& where, std::string name, const std::array<std::string, 3>& coordinates) {

@@ -13,8 +13,8 @@ namespace {
 
 using Turn = CellModel::Turn;
 
-/// y_i = sum_j -M_ij (((T_i + T_j) / 2 - I)(p_i - p_j) - (d_i - d_j)), or with T_i alone: what the turned edges ask for
-/// beyond what they have.
+/// y_i = sum_j -M_ij (((T_i + T_j) / 2 - I)(p_i - p_j) - (d_i - d_j)), or with T_i alone: the rotated edges minus their
+/// current state.
 struct EdgeResidual {
   const OperatorRows::Rows& m;
   const Turn* turns;
@@ -58,7 +58,7 @@ struct EdgeResidual {
   }
 };
 
-/// What a correction is made with.
+/// Data of the correction.
 struct Correction {
   const LaplacianSystem& system;
   RefinedSolver solver;
@@ -88,7 +88,7 @@ struct DragFrames::Impl {
   std::unique_ptr<Correction> correction;
   double unit;  // of lengths in single precision, and of displacements
   std::vector<Turn> turns;
-  Points displacement;  // with a row to spare
+  Points displacement;  // with one more row
   Points positions;
   int passes = 0;         // of the last pose
   bool is_quick = false;  // its cells
@@ -175,7 +175,7 @@ void DragFrames::correct_with(const LaplacianEditor* editor) {
   }
 }
 
-/// The cells' pose and, if there is a factor, its correction.
+/// Computes the cells' pose and, if there is a factor, its correction.
 void DragFrames::Impl::start(bool quick) {
   ThreadPool& used = correction ? *correction->system.pool : pool;
   cells->place(unit, turns, displacement, used);
@@ -187,8 +187,8 @@ void DragFrames::Impl::start(bool quick) {
   collect();
 }
 
-/// Rotations of the one-rings, ahead of the last pass, relative to where the components are carried, as the editor has
-/// them.
+/// Fits rotations of the one-rings to an extrapolated pose, relative to the components' rigid motions, as the editor
+/// does.
 void DragFrames::Impl::turn_rings() {
   Correction& c = *correction;
   const Region& region = *rest().region;

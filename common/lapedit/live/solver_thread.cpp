@@ -21,38 +21,38 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// After this long without a question, and twice as long as the last two were apart, the last one is answered in full,
-/// and reported on.
+/// After this time without a request, and twice the time between the last two, the last one is answered in full, with a
+/// report.
 constexpr std::chrono::milliseconds kPause{50}, kLongestPause{1000};
 
-/// Smaller regions are prepared before anybody notices.
+/// Smaller regions are prepared fast enough without previews.
 constexpr int kHandFrom = 12000;
 
 constexpr const char* kNoMemory = "There is not enough memory for this region: choose a smaller one.";
 
-/// What the window wants.
+/// Requests of the window.
 struct Asked {
   bool quit = false;
   std::unique_ptr<PrepareTask> prepare;
   std::unique_ptr<ApplyTask> apply;
-  bool has_region = false;  ///< prepared, or still to be
+  bool has_region = false;  ///< prepared or requested
   bool solve = false;
   bool shown = false;              ///< the newest solve has been answered by the cells alone
-  std::vector<HandleMotion> maps;  ///< of the newest solve, with what follows
+  std::vector<HandleMotion> maps;  ///< of the newest solve, as the next members are
   bool last = false;
   int serial = 0;
   Clock::time_point at;
-  Clock::duration apart{};  ///< from the one before
+  Clock::duration apart{};  ///< time since the previous one
 };
 
-/// What the window has not taken yet.
+/// Results that the window has not taken yet.
 struct Answered {
   bool has_news = false;
   SolverNews news;
   SolverPose pose;
 };
 
-/// What the background is to do next, or is at.
+/// The next or current job of the background thread.
 struct Job {
   PrepareTask task;
   FoundRegion found;
@@ -61,7 +61,7 @@ struct Job {
   int generation = -1;
 };
 
-/// The thread's own.
+/// Data of the solver thread only.
 struct AtWork {
   std::unique_ptr<StepRunner> runner;
   int generation = -1;  ///< of the runner
@@ -72,14 +72,14 @@ struct AtWork {
   std::vector<HandleMotion> maps;
   int serial = 0;
   SolverPose pose;
-  bool preview = false;     ///< the last pose was one, and is still to be solved for in full
-  bool refines = false;     ///< the mouse rests, and its passes are gone through
+  bool preview = false;     ///< the last pose was a preview; the full one is still to be computed
+  bool refines = false;     ///< the mouse rests, and further passes are made
   bool report_due = false;  ///< the last pose has no report yet
 };
 
 enum class Answer {
-  Preview,  ///< a picture of a drag: may be off by what nobody sees
-  Full,     ///< as a release would leave it
+  Preview,  ///< a frame of a drag, with an invisible error
+  Full,     ///< as at a release
   Last      ///< the same with its report
 };
 
@@ -96,11 +96,11 @@ struct SolverThread::Impl {
   Asked asked;
   Answered answered;
   bool working = false;
-  bool preparing = false;  // the background is at what was asked last
+  bool preparing = false;  // the background works on the newest request
 
-  std::atomic<int> newest{0};          // serial, for a solve at work to look at
+  std::atomic<int> newest{0};          // serial number, read by a running solve
   std::atomic<bool> unsettled{false};  // the last pose was a preview, and is still to be solved for in full
-  std::atomic<int> generation{0};      // counts what drops all that was asked before
+  std::atomic<int> generation{0};      // counts requests that discard all earlier ones
   std::atomic<double> progress{0};
   std::atomic<const char*> stage{""};
 
@@ -141,7 +141,7 @@ struct SolverThread::Impl {
   void publish(int mine, const Change& change);
 };
 
-/// Drops what was asked before, and asks what `change` makes of `asked`.
+/// Discards earlier requests; `change` sets the new one in `asked`.
 template <class Change>
 void SolverThread::Impl::ask(const Change& change) {
   {
@@ -152,7 +152,7 @@ void SolverThread::Impl::ask(const Change& change) {
   question.notify_all();
 }
 
-/// Under the mutex: nothing asked before counts any more.
+/// Discards all earlier requests. Call it under the mutex.
 void SolverThread::Impl::drop() {
   ++generation;
   asked.prepare.reset();
@@ -214,7 +214,7 @@ void SolverThread::Impl::publish_ready(int mine, double prepare_ms, bool in_hand
   });
 }
 
-/// Where there can be none the editor will say what is wrong, or has no trouble with it.
+/// If there are no cells, the editor works without them or reports the error.
 void SolverThread::Impl::make_frames(const PrepareTask& task, const FoundRegion& found, int mine) {
   try {
     const std::shared_ptr<CellModel> made = usable() ? own.runner->editor().cells() : nullptr;
@@ -228,7 +228,7 @@ void SolverThread::Impl::make_frames(const PrepareTask& task, const FoundRegion&
   }
 }
 
-/// A region and its cells; what more a large one takes is the background's.
+/// Makes a region and its cells; the background does the rest for a large one.
 void SolverThread::Impl::prepare(const PrepareTask& task, int mine) {
   const auto job = std::make_shared<Job>();
   job->task = task;
@@ -265,10 +265,10 @@ void SolverThread::Impl::prepare(const PrepareTask& task, int mine) {
   prepare_in_background();
 }
 
-/// Gives the background what it is to do next, once it has nothing else to do.
+/// Gives the background its next job as soon as it is idle.
 void SolverThread::Impl::prepare_in_background() {
   if (own.next_job && own.next_job->generation != generation) {
-    own.next_job.reset();  // dropped meanwhile
+    own.next_job.reset();  // discarded meanwhile
   }
   if (background.valid() || !own.next_job) {
     return;
@@ -293,13 +293,13 @@ void SolverThread::Impl::prepare_in_background() {
       } const announce{*this};
       return make();
     });
-  } catch (const std::system_error&) {  // no thread can be had: take_prepared() does it on this one
+  } catch (const std::system_error&) {  // no thread is available: take_prepared() does the work on this one
     background = std::async(std::launch::deferred, make);
     prepared = true;
   }
 }
 
-/// Takes what the background has made: from now on frames are corrected with it.
+/// Takes the background's result; later frames are corrected with it.
 void SolverThread::Impl::take_prepared(std::unique_lock<std::mutex>& lock) {
   const std::shared_ptr<Job> job = std::move(own.job);
   const int mine = job->generation;
@@ -356,7 +356,8 @@ void SolverThread::Impl::publish_pose(int mine, int serial, const std::shared_pt
   });
 }
 
-/// Before the region is prepared. A pose that is to stay counts as one before it, so that nobody takes it for that.
+/// Before the region is prepared: a pose has the serial number before that of a final one, so that it is not taken for
+/// it.
 void SolverThread::Impl::pose_cells(int mine, bool last) {
   const Stopwatch watch;
   try {
@@ -364,7 +365,7 @@ void SolverThread::Impl::pose_cells(int mine, bool last) {
     round_to(own.scalar, own.pose.positions);
   } catch (const std::exception&) {
     if (last) {
-      return;  // the editor will say it
+      return;  // the editor will report it
     }
     throw;
   }
@@ -385,13 +386,13 @@ bool SolverThread::Impl::pose_frame() {
     if (error.cause() != ErrorCause::NotFinite) {
       throw;
     }
-    return false;  // beyond single precision, or beyond all: the editor will say so
+    return false;  // coordinates are too large: the editor will report it
   }
   own.runner->finish(own.pose.positions);
   return true;
 }
 
-/// While the mouse rests. The first pose after the cells' own has none of its passes yet.
+/// Makes further passes while the mouse rests. The first pose after the cells' has no passes yet.
 bool SolverThread::Impl::refine_frame() {
   if (!has_frames()) {
     return false;
@@ -423,7 +424,7 @@ void SolverThread::Impl::solve(int mine, Answer kind) {
   publish_pose(mine, own.serial, report);
 }
 
-/// Until there is something to do. @return false: the mouse rests, so that the last pose can be settled
+/// Waits until there is work. @return false: the mouse rests, so the last pose can be completed
 bool SolverThread::Impl::wait_for_work(std::unique_lock<std::mutex>& lock) {
   const auto ready = [this] { return has_work(); };
   if (own.report_due && usable()) {
@@ -435,8 +436,7 @@ bool SolverThread::Impl::wait_for_work(std::unique_lock<std::mutex>& lock) {
   return true;
 }
 
-/// First the pose's other passes, each a frame, then the pose in full, then, after another pause, what there is to
-/// report on it.
+/// First the pose's further passes, each a frame, then the full pose, then, after another pause, its report.
 void SolverThread::Impl::settle(std::unique_lock<std::mutex>& lock) {
   const int mine = generation;
   bool failed = false;
@@ -457,13 +457,12 @@ void SolverThread::Impl::settle(std::unique_lock<std::mutex>& lock) {
       publish(mine, [&] { answered.news.report = report; });
     }
   } catch (const std::exception&) {
-    own.report_due = own.preview = own.refines =
-        false;  // the frame has said what there is to say, or the mouse goes on
+    own.report_due = own.preview = own.refines = false;  // the frame has reported the error, or the mouse moves again
     failed = true;
   }
   unsettled = false;
   lock.lock();
-  working = failed;  // nothing was published, but callers of busy() have to learn that it is over
+  working = failed;  // nothing was published, but callers of busy() must be woken
 }
 
 void SolverThread::Impl::answer_next(std::unique_lock<std::mutex>& lock) {
@@ -476,7 +475,7 @@ void SolverThread::Impl::answer_next(std::unique_lock<std::mutex>& lock) {
     own.maps = asked.maps;
     own.serial = asked.serial;
     asked.shown = true;
-    asked.solve = last && !exactly;  // the cells' is not the last word
+    asked.solve = last && !exactly;  // the pose of the cells is not final
   }
   lock.unlock();
   std::string error;
@@ -509,7 +508,7 @@ void SolverThread::Impl::run() {
   while (true) {
     if (std::exchange(working, false) && wake) {
       lock.unlock();
-      wake();  // callers of busy() now learn that it is over
+      wake();  // wakes callers of busy()
       lock.lock();
     }
     answer.notify_all();
@@ -523,7 +522,7 @@ void SolverThread::Impl::run() {
       working = true;
       take_prepared(lock);
     } else if (own.runner && !usable() && !asked.prepare) {
-      // Freeing a large factor takes its time, too. What is prepared next goes on from it.
+      // Freeing a large factor takes time as well. The next preparation reuses it.
       working = true;
       std::unique_ptr<StepRunner> dropped = std::move(own.runner);
       own.report_due = unsettled = false;
@@ -598,7 +597,7 @@ bool SolverThread::wait() {
   std::unique_lock<std::mutex> lock(impl_->mutex);
   Impl& s = *impl_;
   s.answer.wait(lock, [&s] {
-    // The runner may be looked at while the worker is not at work only.
+    // The runner may only be read while the worker is idle.
     return s.answered.has_news || (!s.working && !s.unsettled && !s.preparing && !s.asked.prepare && !s.asked.apply &&
                                    !(s.asked.solve && s.usable()));
   });
