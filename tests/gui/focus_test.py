@@ -8,6 +8,8 @@ from tool import PANEL, TOOL, ToolTest, part
 from ply import write_ply
 from shapes import moved
 
+F1 = 67  # the keycode: newer keymaps have F1 at a level with Alt as well, which xdotool may take
+
 
 class Keyboard(ToolTest):
     def at(self, w, vertex):
@@ -105,11 +107,11 @@ class Keyboard(ToolTest):
         with self.start(self.mesh) as w:
             w.x_focus()
             self.hover(w)
-            for how in ("question", "F1"):
+            for how in ("question", F1):
                 self.key(w, how)
-                self.assertEqual(self.message(w), "keys")
+                w.wait(lambda: self.message(w) == "keys", "the keys are not shown", 20)
                 self.key(w, "Escape")
-                self.assertNotEqual(self.message(w), "keys")
+                w.wait(lambda: self.message(w) != "keys", "the keys stay", 20)
                 self.assertEqual(w.tool(), (TOOL, False))
             w.press_button(part("help"))
             self.assertEqual(self.message(w), "keys")
