@@ -22,7 +22,7 @@ namespace {
 [[maybe_unused]] const int hooked = __sanitizer_install_malloc_and_free_hooks(
     [](const volatile void*, std::size_t size) { note(size); }, [](const volatile void*) {});
 }
-#else
+#elif defined(__GLIBC__)  // other C libraries have no such names: nothing is counted there
 extern "C" {
 void* libc_malloc(std::size_t) __asm__("__libc_malloc");
 void* libc_calloc(std::size_t, std::size_t) __asm__("__libc_calloc");

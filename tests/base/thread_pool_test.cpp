@@ -346,6 +346,7 @@ TEST(ThreadPool, GoesOnAloneForAWhileWhereHelpersAreOfNoUse) {
   EXPECT_TRUE(is_shared(pool));
 }
 
+#ifdef __GLIBC__
 /// Fails if it ends, or waits for threads that there are not.
 TEST(ThreadPool, MakesDoWithTheThreadsThatItCanHave) {
   pthread_attr_t usual, huge;
@@ -360,6 +361,7 @@ TEST(ThreadPool, MakesDoWithTheThreadsThatItCanHave) {
   pool.each(10, [&](int) { ++done; });
   EXPECT_EQ(done, 10);
 }
+#endif
 
 TEST(ThreadPool, LackOfMemoryReachesTheCallerAsSuch) {
   for (const int threads : {1, 3}) {

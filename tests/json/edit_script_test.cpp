@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <stdlib.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -15,6 +13,7 @@
 
 #include "lapedit/base/error.h"
 #include "script_support.h"
+#include "temporary_folder.h"
 
 namespace lapedit {
 namespace {
@@ -334,10 +333,7 @@ TEST(EditScript, WritingRefusesWhatCouldNotBeRead) {
 
 class EditFile : public testing::Test {
  protected:
-  EditFile() {
-    std::string pattern = testing::TempDir() + "/lapedit-XXXXXX";
-    folder_ = ::mkdtemp(pattern.data());
-  }
+  EditFile() { folder_ = make_temporary_folder(); }
   ~EditFile() override { std::filesystem::remove_all(folder_); }
 
   std::string write(const std::string& name, const std::string& content) {

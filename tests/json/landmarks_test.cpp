@@ -2,7 +2,6 @@
 #include "lapedit/json/landmarks.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <filesystem>
 #include <fstream>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "lapedit/base/error.h"
+#include "temporary_folder.h"
 
 namespace lapedit {
 namespace {
@@ -113,10 +113,7 @@ TEST(Landmarks, WhatIsWrongIsSaidWithPlaceAndName) {
 
 class LandmarkFiles : public testing::Test {
  protected:
-  LandmarkFiles() {
-    std::string pattern = testing::TempDir() + "/lapedit-XXXXXX";
-    folder_ = ::mkdtemp(pattern.data());
-  }
+  LandmarkFiles() { folder_ = make_temporary_folder(); }
   ~LandmarkFiles() override { std::filesystem::remove_all(folder_); }
 
   std::string write(const std::string& name, const std::string& content) const {
