@@ -250,7 +250,7 @@ void subtract_symmetric_product(const SparseMatrix& a, const Points& step, Point
 
 Refinement refine_to_the_bit(RefinedSystem& system, bool single_precision, DoubledPoints& x, Points& left, Points& step,
                              ThreadPool& pool) {
-  constexpr double kAccurate = 1e-24, kStalled = 0.5, kSpoiled = 0.1;
+  constexpr double kAccurate = 1e-28, kStalled = 0.5, kSpoiled = 0.1;
   constexpr int kMostSteps = 90;
   // The error after a solve comes from the factor's rounding and grows with the condition number; so does the error of
   // a residual in working precision, which is about 2^-29 of it.
