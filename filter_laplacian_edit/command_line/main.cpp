@@ -78,7 +78,7 @@ int guarded(const Work& work) {
     }
     return fail(Unexpected, error.what());
   } catch (...) {
-    return fail(Unexpected, "The program failed for an unknown reason.");
+    return fail(Unexpected, "The program failed for an unknown reason: report the command and its files.");
   }
 }
 
@@ -110,12 +110,12 @@ int work(int argc, char** argv, bool hasOutput, Notes& notes) {
       return runList(*options, job, output);
     }
     if (options->info || !options->nearest.empty()) {
-      printAll(answer(*options, notes), output, "there is nobody to be answered");
+      printAll(answer(*options, notes), output, "open it, or redirect it to a file");
       return Done;
     }
     runJob(*options, notes, output);
   }
-  printAll(text, output, "look where it leads");
+  printAll(text, output, "check where it is redirected");
   return Done;
 }
 

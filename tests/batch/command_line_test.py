@@ -630,7 +630,7 @@ class Strict(CommandTest):
         for sentence, mesh, steps in (
                 (r"100 % of its displacement, .*: move the mesh to the origin", far, shift),
                 (r"became \S+ times as long: ", self.mesh, side),
-                (r"rotations have not settled after \d+ passes, ", self.mesh, ring)):
+                (r"rotations have not converged after \d+ passes, ", self.mesh, ring)):
             if SCALAR == "double" and mesh == far:
                 continue
             edit = self.write_edit(*steps)
@@ -675,7 +675,7 @@ class Files(CommandTest):
             self.skipTest("nobody may mount here")
         self.addCleanup(subprocess.run, ["umount", disk], check=True)
         for suffix in ("ply", "off", "obj", "stl", "xyz", "dae", "dxf"):
-            self.refused(UNWRITABLE, r"output .*out\.\w+.* cannot be written: the disk is full: make room, or write to another",
+            self.refused(UNWRITABLE, r"output .*out\.\w+.* cannot be written: the disk is full: free some space, or write to another",
                          self.mesh, "disk/out." + suffix, self.edit)
 
     def test_places_that_cannot_be_written(self):

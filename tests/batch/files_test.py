@@ -52,7 +52,7 @@ class RealFiles(CommandTest):
         self.assertTrue((self.place / "first.ply").is_symlink() and (self.place / "second.ply").is_symlink())
         self.assertEqual(self.bits(self.place / "elsewhere" / "real.ply"), self.edited_bits(self.edit))
         (self.place / "circle.ply").symlink_to("circle.ply")
-        self.refused(WRONG_USAGE, r"circle\.ply.* leads in a circle", self.mesh, "circle.ply", "edit.json")
+        self.refused(WRONG_USAGE, r"circle\.ply.* is a link to itself", self.mesh, "circle.ply", "edit.json")
         (self.place / "lost.ply").symlink_to("none/real.ply")
         self.refused(UNWRITABLE, r"lost\.ply.* folder does not exist", self.mesh, "lost.ply", "edit.json")
 

@@ -274,9 +274,9 @@ class Lists(ListTest):
         refused(r'line 2: the key "out" is given twice: keep one',
                 json.dumps({"in": str(mesh), "out": "a.ply", "edit": str(edit)})[:-1] + ', "out": "b.ply"}')
         refused(r"cannot be read after line 1: the line is too long", "x" * 2000000, code=UNREADABLE)
-        refused(r"line 2: out is to be the name of a file", '{"out": 3}')
+        refused(r"line 2: out must be the name of a file", '{"out": 3}')
         refused(r"line 2: a job needs the keys in, out and edit", '{"in": "a", "out": "b"}')
-        refused(r"line 2: the fraction is to be a number from 0 to 1",
+        refused(r"line 2: the fraction must be a number from 0 to 1",
                 json.dumps({"in": "a", "out": "b", "edit": "c", "fraction": 2}))
         refused(r'line 3: ".*good\.ply" is also written by line 1', "#", (mesh, "./family/../good.ply", edit))
         refused(r'line 3: ".*x\.ply" is also written by line 2', (mesh, "other/x.ply", edit), (mesh, "family/x.ply", edit))
@@ -288,7 +288,7 @@ class Lists(ListTest):
         refused(r'line 2: ".*log" is the job log: give the log another name', ("log", "out.ply", edit),
                 options=("--job-log", "log"))
         refused(r"line 2: fractions are for JSON edits", (mesh, "out.ply", "s.mlx"), options=("--fraction", "0.5"))
-        refused(r"job log .*s\.mlx.*: there is something else in it", options=("--job-log", "s.mlx"))
+        refused(r"job log .*s\.mlx.*: it is not a job log", options=("--job-log", "s.mlx"))
         refused(r"job log .*cannot be written", options=("--job-log", "none/log"), code=UNWRITABLE)
         for sentence, arguments in (
                 (r"File names and --list are given together", ("--list", "jobs.tsv", mesh, output, edit)),
@@ -462,7 +462,7 @@ class Poses(ListTest):
         sanitizer = [self.environment["LD_PRELOAD"]] if os.environ.get("LAPEDIT_PRELOAD") else []
         library = {"LD_PRELOAD": ":".join([*sanitizer, os.environ["LAPEDIT_SHORT_LIBRARY"]])}
         for options in ((), ("--jobs", 2)):
-            self.unwritable(r"output .*all-\d+\.ply.* cannot be written: what arrived is not complete",
+            self.unwritable(r"output .*all-\d+\.ply.* cannot be written: the written file is not complete",
                             self.start(COMMAND, *self.arguments, *options, environment=library))
 
 

@@ -120,7 +120,7 @@ class Hangs(Trouble):
 
     def test_time_limit(self):
         os.mkfifo(self.place / "pipe")
-        self.refused(UNEXPECTED, r"time given with --timeout was over while reading .*pipe.: nothing was written; ",
+        self.refused(UNEXPECTED, r"time limit of --timeout was exceeded while reading .*pipe.: nothing was written; ",
                      self.mesh, "out.ply", "pipe", "--timeout", "0.5")
         self.done(self.mesh, "out.ply", self.edit, "--timeout", "100")
 
@@ -167,7 +167,7 @@ class Ends(Trouble):
                 (signal.SIGSEGV, UNWRITABLE, r"\AMeshLab .*signal 11" + NOTHING),
                 (signal.SIGKILL, UNEXPECTED, r"was killed while writing .*memory" + NOTHING),
                 (signal.SIGTERM, UNEXPECTED, r"was ended while writing .*signal 15" + NOTHING),
-                (signal.SIGXCPU, UNEXPECTED, r"processor time allowed was over while writing" + NOTHING)):
+                (signal.SIGXCPU, UNEXPECTED, r"limit of processor time was exceeded while writing" + NOTHING)):
             with self.writing() as process:
                 os.kill(worker_of(process), number)
                 self.ended(code, sentence, process)
@@ -179,7 +179,7 @@ class Ends(Trouble):
 
         process = self.start(self.mesh, "all.ply", self.edit, "--fractions", ",".join(["0.5"] * 4000), "--quiet",
                              preexec_fn=limited)
-        self.ended(UNEXPECTED, r"processor time allowed was over while \w+" + NOTHING + r"; allow more \(ulimit -t\)", process)
+        self.ended(UNEXPECTED, r"limit of processor time was exceeded while \w+" + NOTHING + r"; allow more \(ulimit -t\)", process)
 
     def test_library_that_ends_the_program(self):
         """What is in its place by then is what is said."""
@@ -187,8 +187,8 @@ class Ends(Trouble):
         outputs = ["all-0001.ply", "all-0002.ply"]
         for call, code, said, found in (
                 ("fsync 1", UNWRITABLE, r"writing .*all-0001\.ply.* \(exit code 1: its last words\): nothing was written; ", []),
-                ("rename 1", UNWRITABLE, r"writing .*: some of the files may be in their places, each of them complete\.", []),
-                ("rename 2", UNWRITABLE, r"writing .*: some of the files may be in their places, each of them complete\.",
+                ("rename 1", UNWRITABLE, r"writing .*: some of the files may have been replaced, each of them completely\.", []),
+                ("rename 2", UNWRITABLE, r"writing .*: some of the files may have been replaced, each of them completely\.",
                  outputs[:1]),
                 ("rename 3", UNWRITABLE, r"writing .*: the outputs are complete, but there is no report\.", outputs),
                 ("unlinkat 1", 0, r"\A\Z", [*outputs, "report.json"])):
@@ -212,7 +212,7 @@ class Ends(Trouble):
             + b"".join(b"property float %c\n" % letter for letter in b"xyz")
             + b"element face 0\nproperty list uchar int vertex_indices\nend_header\n" + struct.pack("<300f", *[0] * 300))
         for name in ("in.off", "in.ply"):
-            self.refused(UNEXPECTED, r"not enough memory while reading .*/in\.\w+." + NOTHING + r"; give it more memory",
+            self.refused(UNEXPECTED, r"not enough memory while reading .*/in\.\w+." + NOTHING + r"; allow more memory",
                          name, "out.ply", self.edit,
                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30)))
 

@@ -213,11 +213,11 @@ TEST(AdviceOnAnEdit, SaysWhereALimbPulledThroughItselfIsFolded) {
   ASSERT_GE(r.causes.near, 0);
   EXPECT_GT(limb.mesh.vertices(r.causes.near, 0), 4) << "in the region";
   const std::string said = std::to_string(r.folded) + " triangles folded over near vertex " +
-                           std::to_string(r.causes.near) + ": take a group of vertices as the handle";
+                           std::to_string(r.causes.near) + ": use a group of vertices as the handle";
   EXPECT_EQ(r.advice().substr(0, said.size()), said);
   EXPECT_EQ(r.text().substr(r.text().size() - r.advice().size() - 1), "\n" + r.advice());
   limb.step.handles[0].transform.translation = Vector3(-6.5, 0, 0);
-  EXPECT_NE(limb.report().advice().find(": take a larger region, take a group"), std::string::npos);
+  EXPECT_NE(limb.report().advice().find(": use a larger region, use a group"), std::string::npos);
 }
 
 TEST(AdviceOnAnEdit, IsTwoStepsForALargeTurn) {
@@ -255,12 +255,12 @@ TEST(AdviceOnAnEdit, NamesTheWaysInOrder) {
   r.causes.reach = 1;
   r.causes.turn = 100;
   EXPECT_EQ(r.advice(),
-            "12 triangles folded over near vertex 4711: take a group of vertices as the handle, or make the edit in "
+            "12 triangles folded over near vertex 4711: use a group of vertices as the handle, or make the edit in "
             "two steps.");
   r.handle_displacement = 1.5;
   r.folded = 1;
   EXPECT_EQ(r.advice(),
-            "1 triangle folded over near vertex 4711: take a larger region, take a group of vertices as the handle, or "
+            "1 triangle folded over near vertex 4711: use a larger region, use a group of vertices as the handle, or "
             "make the edit in two steps.");
 }
 
@@ -282,12 +282,12 @@ TEST(AdviceOnAnEdit, IsAtMostTwoSentencesTheFirstOnTheShape) {
   EXPECT_EQ(r.advice(), on_order);
   r.rotation_left = 10.5;
   const std::string on_rotations =
-      "The rotations have not settled after 6 passes, the last of which turned a detail by 10.5 degrees: raise "
+      "The rotations have not converged after 6 passes, the last of which rotated a detail by 10.5 degrees: raise "
       "iterations.";
   EXPECT_EQ(r.advice(), on_rotations + " " + on_order);
   r.iterations = 100;  // there are no more
   EXPECT_NE(
-      r.advice().find("after 100 passes, the last of which turned a detail by 10.5 degrees: make the edit in two "),
+      r.advice().find("after 100 passes, the last of which rotated a detail by 10.5 degrees: make the edit in two "),
       std::string::npos)
       << r.advice();
   r.iterations = 1;
@@ -295,7 +295,7 @@ TEST(AdviceOnAnEdit, IsAtMostTwoSentencesTheFirstOnTheShape) {
   r.iterations = 6;
   r.causes.distance = 0.25;
   const std::string on_handle =
-      "The handle is 0.25, or 12.5 % of its displacement, from its target at vertex 4: raise handle_weight, or take a "
+      "The handle is 0.25, or 12.5 % of its displacement, from its target at vertex 4: raise handle_weight, or use a "
       "larger region.";
   EXPECT_EQ(r.advice(), on_handle + " " + on_rotations);
   r.stretch_max = 5.25;
@@ -305,11 +305,10 @@ TEST(AdviceOnAnEdit, IsAtMostTwoSentencesTheFirstOnTheShape) {
   r.folded = 2;
   r.causes.near = 5;
   r.causes.lone_handle = true;
-  EXPECT_EQ(
-      r.advice(),
-      "2 triangles folded over near vertex 5, and an edge at vertex 17 became 6.25 times as long: take a group of "
-      "vertices as the handle. " +
-          on_handle);
+  EXPECT_EQ(r.advice(),
+            "2 triangles folded over near vertex 5, and an edge at vertex 17 became 6.25 times as long: use a group of "
+            "vertices as the handle. " +
+                on_handle);
   r.handle_displacement = 10;
   r.folded = 0;
   r.stretch_max = 1;
@@ -498,12 +497,12 @@ TEST_F(ReportOfAnEdit, RotationLeftIsWhatTheLastPassTurned) {
   EditSettings settings = support::smooth_surface_settings();
   const EditReport once = report(settings);
   EXPECT_NEAR(once.rotation_left, once.rotation_max, 1e-9);
-  EXPECT_EQ(once.text().find("still turned"), std::string::npos);
+  EXPECT_EQ(once.text().find("still rotated"), std::string::npos);
   settings.iterations = 2;
   const EditReport twice = report(settings);
   EXPECT_LT(twice.rotation_left, 0.5 * once.rotation_left);
   EXPECT_GT(twice.rotation_left, 0.1);
-  EXPECT_NE(twice.text().find("the last pass still turned by"), std::string::npos);
+  EXPECT_NE(twice.text().find("the last pass still rotated by"), std::string::npos);
   settings.iterations = 100;
   EXPECT_LT(report(settings).rotation_left, 0.05) << "settled";
   settings.rotation = DetailRotation::None;

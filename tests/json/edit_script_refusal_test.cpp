@@ -176,7 +176,7 @@ TEST(EditScriptRefusal, WrongTypesAreRefusedWithWhatWasExpected) {
   }
   for (const std::string other : {"scale", "rotation", "translation", "matrix"}) {
     EXPECT_EQ(refusal(with_handle("{'vertices': '1', 'targets': [[0, 0, 1]], '" + other + "': 1}")),
-              "steps[0].handles[0]: has both targets and " + other + "; drop one of the two.");
+              "steps[0].handles[0]: has both targets and " + other + "; remove one of the two.");
   }
 
   const std::pair<const char*, const char*> settings[] = {

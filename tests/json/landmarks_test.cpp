@@ -93,12 +93,12 @@ TEST(Landmarks, WhatIsWrongIsSaidWithPlaceAndName) {
   expect_contains(refusal("a,0\n", "a.csv"), "line 1: has 2 columns");
   expect_contains(refusal("a,0,0,0\n\na,1,0,0\n", "a.csv"), "line 3: there are two landmarks \"a\"");
   expect_contains(refusal(",0,0,0\n", "a.csv"), "line 1: the landmark has no name");
-  expect_contains(refusal("a,0,0,0\n", "a.txt"), "no landmark file by its suffix");
+  expect_contains(refusal("a,0,0,0\n", "a.txt"), "has no suffix of a landmark file");
   expect_contains(refusal("", "a.pp"), "has no element PickedPoints");
   expect_contains(refusal("<PickedPoints></PickedPoints>", "a.pp"), "has no landmarks");
   expect_contains(refusal("<PickedPoints>\n<point x=\"1\" y=\"2\" name=\"a\"/>", "a.pp"),
                   "line 2: the z of landmark \"a\"");
-  expect_contains(refusal("<PickedPoints><point x=\"1", "a.pp"), "is cut off within an element");
+  expect_contains(refusal("<PickedPoints><point x=\"1", "a.pp"), "is truncated within an element");
   expect_contains(refusal("1,0,0,zero,0,0,0,1,1,1,0,a\n", "a.fcsv"), "line 1: the z of landmark \"a\" is \"zero\"");
   expect_contains(refusal("# columns = a,b\n1,2\n", "a.fcsv"), "columns are not named x, y, z and label");
   expect_contains(refusal("{}", "a.json"), "no list markups");

@@ -24,7 +24,7 @@ std::string quality_line(const EditReport& report) {
     line += format_text("; height of detail: %.3g %%", 100 * *report.detail_height);
   }
   if (report.iterations > 1) {
-    line += format_text("; the last pass still turned by %.3g degrees", report.rotation_left);
+    line += format_text("; the last pass still rotated by %.3g degrees", report.rotation_left);
   }
   line += format_text("; triangles folded over: %d", report.folded);
   if (report.new_intersections) {
@@ -70,13 +70,13 @@ std::string advice_on_shape(const EditReport& report) {
   }
   std::vector<const char*> ways;
   if (report.handle_displacement > report.causes.reach) {
-    ways.push_back("take a larger region");
+    ways.push_back("use a larger region");
   }
   if (report.has_targets) {
     ways.push_back("check the targets near it");
     ways.push_back("lower the weights of landmarks that contradict each other");
   } else if (report.causes.lone_handle) {
-    ways.push_back("take a group of vertices as the handle");
+    ways.push_back("use a group of vertices as the handle");
   }
   if (report.order > 1) {
     ways.push_back("use order 1");
@@ -108,7 +108,7 @@ std::string EditReport::advice() const {
              ? format_text(", where the mesh keeps coordinates in steps of %.3g: move the mesh to the origin.",
                            causes.step)
          : has_targets ? ": raise handle_weight, or check that target."
-                       : ": raise handle_weight, or take a larger region."));
+                       : ": raise handle_weight, or use a larger region."));
   }
   const bool local_global = rotation == name(DetailRotation::LocalGlobal);
   // The automatic number of passes stops before rotations settle, since more passes flatten limbs.
@@ -117,7 +117,7 @@ std::string EditReport::advice() const {
     std::string ways = iterations < kMostPasses ? "raise iterations" : "";
     ways += local_global ? "" : (ways.empty() ? "" : ", or ") + std::string("use local-global rotations");
     sentences.push_back(
-        format_text("The rotations have not settled after %d passes, the last of which turned a detail by %.3g "
+        format_text("The rotations have not converged after %d passes, the last of which rotated a detail by %.3g "
                     "degrees: %s.",
                     iterations, rotation_left, ways.empty() ? "make the edit in two steps" : ways.c_str()));
   }
@@ -177,7 +177,7 @@ std::string EditReport::text() const {
   if (passes_dropped > 0) {
     lines += format_text("\nDropped: %d of %d rotation passes, since they made it worse.", passes_dropped,
                          passes_dropped + iterations);
-    lines += order > 1 ? " Order 1 turns details better." : "";
+    lines += order > 1 ? " Order 1 rotates details better." : "";
   }
   lines += quality_line(*this);
   lines += format_text(

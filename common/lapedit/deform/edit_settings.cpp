@@ -54,9 +54,8 @@ const std::vector<Setting>& settings_table() {
        "none, smooth normals, smooth surface or local-global",
        0,
        3,
-       "How details turn with the surface: not at all, by the paper's frames of smooth normals, by rotations fitted to "
-       "the smoothed surface, or by those of some hundred patches, fitted and solved for in turns until nothing "
-       "changes (local-global).",
+       "How details rotate with the surface: not at all, by the paper's frames of smooth normals, by rotations fitted "
+       "to the smoothed surface, or by rotations that are fitted and solved for in turns (local-global).",
        get<&S::rotation>,
        set<&S::rotation>,
        {"none", "smooth_normals", "smooth_surface", "local_global"}},
@@ -92,14 +91,14 @@ const std::vector<Setting>& settings_table() {
        "unrotated or falloff",
        0,
        1,
-       "What the rotations are first estimated from: the solution with details not yet turned (unrotated, the paper's "
+       "What the rotations are first estimated from: the solution with unrotated details (unrotated, the paper's "
        "way), or the handle's motion, falling off with the distance along the surface (falloff), which needs no "
        "solution.",
        get<&S::rough>,
        set<&S::rough>,
        {"unrotated", "falloff"}},
       {Kind::Number, "membrane", "membrane weight", "a number from 0 to 1000000", 0, 1e6,
-       "What stretching costs beside bending, 0 to 1000000: with 0 the surface only keeps from bending (the paper's "
+       "Cost of stretching against bending, 0 to 1000000: with 0 the surface only keeps from bending (the paper's "
        "way); the more, the more evenly lengths are kept over the whole region.",
        get<&S::membrane>, set<&S::membrane>},
   };

@@ -185,8 +185,9 @@ void PoseSolver::Impl::collect_positions() {
     positions.row(i) = rest.world.row(i) + way.transpose();
   }
   if (!positions.allFinite()) {
-    throw EditError(ErrorCause::NotFinite,
-                    "The result is not finite: the handle's displacement is too large for the mesh.");
+    throw EditError(
+        ErrorCause::NotFinite,
+        "The result is not finite, since the handle's displacement is too large for the mesh: move it less.");
   }
 }
 

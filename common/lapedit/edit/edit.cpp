@@ -141,7 +141,7 @@ class Poses {
 std::string by_place_advice(const Edit& edit) {
   return edit.places.points.empty() ? ""
                                     : "; or, to apply it by place, remove vertices, faces and connectivity from the "
-                                      "edit's key mesh, and leave places";
+                                      "edit's key mesh, and keep places";
 }
 
 }  // namespace

@@ -171,15 +171,16 @@ void refuse_doubles(const HandleGroup& group, std::size_t number) {
       throw EditError(ErrorCause::BadParameter, name_of(group, number, found->second) + " and " +
                                                     name_of(group, number, k) + " are both nearest to vertex " +
                                                     std::to_string(group.vertices[k]) +
-                                                    ": keep one of them, or take a finer mesh.");
+                                                    ": keep one of them, or use a finer mesh.");
     }
   }
 }
 
 std::vector<int> selected(const std::vector<int>& first, const std::vector<int>& second, const char* what) {
   if (first.empty() && second.empty()) {
-    throw EditError(ErrorCause::NoHandle, "No vertex and no face is selected, but " + std::string(what) +
-                                              " is what is selected: select it, or save the mesh with its selection.");
+    throw EditError(ErrorCause::NoHandle,
+                    "No vertex and no face is selected, but " + std::string(what) +
+                        " is the selection: select vertices or faces, or save the mesh with its selection.");
   }
   return first.empty() ? second : first;
 }

@@ -19,9 +19,9 @@ void round_to(StoredScalar scalar, Points& positions) {
     positions.data()[i] = static_cast<double>(static_cast<float>(positions.data()[i]));
   }
   if (!positions.allFinite()) {
-    throw EditError(
-        ErrorCause::NotFinite,
-        "The result does not fit into the mesh's single precision: the handle's displacement is too large.");
+    throw EditError(ErrorCause::NotFinite,
+                    "The result does not fit into the mesh's single precision, since the handle's displacement is too "
+                    "large: move it less.");
   }
 }
 

@@ -173,7 +173,7 @@ RegionSpec read_region(const JsonObject& object, VertexLists& lists, Places& pla
 void require_alone(const JsonObject& object, const char* key, const std::vector<const char*>& others) {
   for (const char* other : others) {
     if (object.has(other)) {
-      refuse_json(object.where() + ": has both " + key + " and " + other + "; drop one of the two.");
+      refuse_json(object.where() + ": has both " + key + " and " + other + "; remove one of the two.");
     }
   }
 }

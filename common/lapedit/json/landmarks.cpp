@@ -55,7 +55,7 @@ class Collector {
   void add(const std::string& where, std::string name, const std::array<std::string, 3>& coordinates) {
     name = trimmed(name);
     if (name.empty()) {
-      refuse_json(where + ": the landmark has no name; give it one, by which it is paired.");
+      refuse_json(where + ": the landmark has no name; give it one, since landmarks are paired by name.");
     }
     Landmark landmark{std::move(name), {}};
     for (int k = 0; k < 3; ++k) {
@@ -134,7 +134,7 @@ void read_picked_points(const std::string& text, const std::string& name, Collec
     }
     const std::size_t end = end_of_element(text, at);
     if (end == std::string::npos) {
-      refuse_json(name + ": is cut off within an element; save it again.");
+      refuse_json(name + ": is truncated within an element; save it again.");
     }
     if (text.compare(at, 6, "<point") == 0 && std::isspace(static_cast<unsigned char>(text[at + 6])) != 0) {
       const auto found = attributes(text.substr(at + 6, end - at - 6));
@@ -302,7 +302,7 @@ void read_markups(const std::string& text, const std::string& name, Collector& a
       const Json& point = list["controlPoints"][k];
       const std::string place = where + ".controlPoints[" + std::to_string(k) + "]";
       if (!point.is_object() || !point.contains("label") || !point["label"].is_string()) {
-        refuse_json(place + ": has no label; give it one, by which it is paired.");
+        refuse_json(place + ": has no label; give it one, since landmarks are paired by name.");
       }
       if (point.contains("positionStatus") && point["positionStatus"] != "defined") {
         continue;
@@ -365,7 +365,7 @@ LandmarkFile read_landmarks(const std::string& text, const std::string& name) {
   } else if (ends_with(suffix, ".json")) {
     read_markups(content, shown, all);
   } else {
-    refuse_json(shown + " is no landmark file by its suffix; give one of .pp, .csv, .fcsv and .mrk.json.");
+    refuse_json(shown + " has no suffix of a landmark file; give one of .pp, .csv, .fcsv and .mrk.json.");
   }
   if (all.file.landmarks.empty()) {
     refuse_json(shown + " has no landmarks; give at least one.");
@@ -393,7 +393,7 @@ HandleGroup pair_landmarks(const NamedLandmarks& from_file, const NamedLandmarks
       sentence += (not_in_second.empty() ? "" : ", and ") + listed(not_in_first) +
                   (not_in_first.size() == 1 ? " is" : " are") + " only in " + quoted_text(to);
     }
-    refuse_json(sentence + "; rename or remove what has no partner.");
+    refuse_json(sentence + "; rename or remove names without a partner.");
   }
   HandleGroup group;
   for (const Landmark& landmark : first.landmarks) {

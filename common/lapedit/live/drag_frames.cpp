@@ -144,8 +144,9 @@ void DragFrames::Impl::correct() {
 void DragFrames::Impl::collect() {
   positions = rest().world + unit * displacement.topRows(positions.rows());
   if (!positions.allFinite()) {
-    throw EditError(ErrorCause::NotFinite,
-                    "The result is not finite: the handle's displacement is too large for the mesh.");
+    throw EditError(
+        ErrorCause::NotFinite,
+        "The result is not finite, since the handle's displacement is too large for the mesh: move it less.");
   }
 }
 

@@ -221,7 +221,7 @@ class HostTool final : public QObject, public HostToolBase {
     } catch (const std::exception& error) {
       failure = error.what();
     } catch (...) {
-      failure = "The tool failed for a reason that it does not tell.";
+      failure = "The tool failed for an unknown reason.";
     }
     if (view_.attached()) {
       view_.log(failure);

@@ -19,15 +19,15 @@ void require(bool done) {
 std::string whyNotWritten(int error) {
   switch (error) {
     case ENOSPC:
-      return "the disk is full: make room, or write to another disk";
+      return "the disk is full: free some space, or write to another disk";
     case EDQUOT:
-      return "your share of the disk (quota) is used up: make room, or write to another disk";
+      return "your share of the disk (quota) is used up: free some space, or write to another disk";
     case EFBIG:
       return "it is larger than a file may be here: raise the limit (ulimit -f), or write to another disk";
     case EROFS:
       return "the disk is read-only: write to another one";
     case ENOENT:
-      return "its folder was moved or removed: start it again";
+      return "its folder was moved or removed: run it again";
     default:
       return std::strerror(error);
   }

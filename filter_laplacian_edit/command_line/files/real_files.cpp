@@ -36,7 +36,8 @@ Named named(const std::string& role, const QString& path) {
   try {
     return {role, path, RealFile(bytesOf(path))};
   } catch (const std::system_error&) {
-    throw Failure(WrongUsage, "The " + role + " " + quotedPath(path) + " is a link that leads in a circle.");
+    throw Failure(WrongUsage, "The " + role + " " + quotedPath(path) +
+                                  " is a link to itself, directly or by other links: give another name.");
   }
 }
 

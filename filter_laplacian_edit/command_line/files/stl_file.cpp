@@ -24,5 +24,5 @@ std::string whyNoStl(const QString& path) {
     return {};
   }
   return "it has " + std::to_string(size) + " bytes, but an STL file of the " + std::to_string(count) +
-         " triangles that it tells has " + std::to_string(needed) + ", and it is not text that begins with solid";
+         " triangles in its header has " + std::to_string(needed) + ", and it is not text that begins with solid";
 }

@@ -300,7 +300,7 @@ struct BatchHost::Impl {
       throw BatchError("The mesh " + quotedPath(called) + " cannot be read: " + reason(error));
     }
     if (layers.empty()) {
-      throw BatchError("The mesh " + quotedPath(called) + " cannot be read: there is none in the file.");
+      throw BatchError("The mesh " + quotedPath(called) + " cannot be read: the file has none.");
     }
     return layers;
   }
@@ -312,7 +312,8 @@ struct BatchHost::Impl {
   void refuseDialogs() {
     const QString said = dialogs.take();
     if (!said.isEmpty()) {
-      throw std::runtime_error("MeshLab opens a dialog, which nobody can answer here: " + said.toStdString());
+      throw std::runtime_error("MeshLab opens a dialog, which cannot be answered without a window: " +
+                               said.toStdString());
     }
   }
 
@@ -444,7 +445,7 @@ void BatchHost::run(const std::vector<ScriptFilter>& script, const std::function
     after(log.mid(logged).join("\n"));
   }
   if (s.document.mm() == nullptr) {
-    throw EditError(ErrorCause::EmptyMesh, "The script leaves no layer: there is nothing to be written.");
+    throw EditError(ErrorCause::EmptyMesh, "The script leaves no layer to be written: correct the script.");
   }
 }
 
@@ -529,7 +530,7 @@ std::optional<double> BatchHost::Impl::lostBy(const QString& path, MeshModel& la
   }
   if (!complete || found.first != layer.cm.vn || found.second != layer.cm.fn) {
     refuseShort(file);  // which may have become so since
-    throw BatchError("what arrived is not complete: look whether the disk is sound, and start it again.");
+    throw BatchError("the written file is not complete: check the disk, and run it again.");
   }
   return lost;
 }

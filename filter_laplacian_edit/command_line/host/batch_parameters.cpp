@@ -121,7 +121,7 @@ void set(const ScriptParameter& given, MeshDocument& document, RichParameter& pa
     }
     parameter.setValue(*value);
   } else {
-    refuse(given, "is a " + type.toStdString() + ", which cannot be given in a script: leave it out.");
+    refuse(given, "is a " + type.toStdString() + ", which cannot be given in a script: remove it.");
   }
 }
 

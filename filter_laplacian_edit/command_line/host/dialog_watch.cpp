@@ -21,7 +21,7 @@ QString textOf(const QDialog& dialog) {
     }
   }
   texts.removeAll(QString());
-  return texts.isEmpty() ? QString("a dialog without words") : texts.join(": ").simplified();
+  return texts.isEmpty() ? QString("a dialog without text") : texts.join(": ").simplified();
 }
 
 }  // namespace

@@ -66,12 +66,12 @@ ListedJob jobOfJson(const QByteArray& text, const Options& common, int line) {
     if (path != nullptr) {
       *path = absolute(member->toString());
       if (path->isEmpty()) {
-        refuse(common, line, key.toStdString() + " is to be the name of a file");
+        refuse(common, line, key.toStdString() + " must be the name of a file");
       }
     } else if (key == "fraction") {
       job.fraction = member->toDouble(-1);
       if (!(*job.fraction >= 0 && *job.fraction <= 1)) {
-        refuse(common, line, "the fraction is to be a number from 0 to 1");
+        refuse(common, line, "the fraction must be a number from 0 to 1");
       }
     } else {
       refuse(common, line, "unknown key " + quoted(key) + "; known keys are in, out, edit, fraction, report");

@@ -165,7 +165,7 @@ void JobLog::read() {
     throw Failure(Unreadable, "The job log " + quotedPath(path_) + " cannot be read: " + error.code().message() + ".");
   }
   if (line > 0 && !isLog) {
-    refuse(path_, WrongUsage, "there is something else in it: give a new file, or one of such a log");
+    refuse(path_, WrongUsage, "it is not a job log: give a new file, or a job log");
   }
   if (!bad.isEmpty()) {
     constexpr int kNamed = 10;

@@ -65,7 +65,9 @@ class ListRun {
     }
     line_.clear();
     if (!failure && pool_.stopped() == 0 && next < jobs_.size()) {
-      failure = Failure(Unexpected, "No process can be started for a job: there are too many, or too little memory.");
+      failure = Failure(Unexpected,
+                        "No process can be started for a job: use fewer --jobs, or allow more processes or memory "
+                        "(ulimit -u, ulimit -v).");
     }
     if (!options_.quiet) {
       printAll(summary() + "\n", output, "what is done is in the job log, if there is one");

@@ -90,7 +90,8 @@ void inProcesses(int count, const std::function<void(int)>& work) {
   }
   int ends[2];
   if (pipe2(ends, O_CLOEXEC | O_NONBLOCK) != 0) {
-    throw Failure(Unexpected, std::string("No pipe can be made: ") + std::strerror(errno) + ".");
+    throw Failure(Unexpected, std::string("A pipe cannot be created (") + std::strerror(errno) +
+                                  "): allow more open files (ulimit -n).");
   }
   std::fflush(nullptr);
   std::vector<pid_t> running;
@@ -100,7 +101,7 @@ void inProcesses(int count, const std::function<void(int)>& work) {
     if (child < 0) {
       const std::string why = std::strerror(errno);
       stop(running);
-      throw Failure(Unexpected, "A process to write files cannot be started (" + why + "): take fewer --jobs.");
+      throw Failure(Unexpected, "A process to write files cannot be started (" + why + "): use fewer --jobs.");
     }
     running.push_back(child);
   }

@@ -245,13 +245,13 @@ class Supervisor {
       return say(Unexpected, reason() + nothing + "allow more (ulimit -t).");
     }
     if (notes_.lack_ == Lack::Memory || signal == SIGKILL) {
-      return say(Unexpected, reason() + nothing + "give it more memory (ulimit -v), or a smaller mesh.");
+      return say(Unexpected, reason() + nothing + "allow more memory (ulimit -v), or use a smaller mesh.");
     }
     if (notes_.lack_ == Lack::Threads) {
       return say(Unexpected, reason() + nothing + "allow more of them, or more memory (ulimit -u, ulimit -v).");
     }
     if (signal != 0 && !comesFromAFault(signal)) {
-      return say(Unexpected, reason() + nothing + "start it again.");
+      return say(Unexpected, reason() + nothing + "run it again.");
     }
     const int code = notes_.code_;
     return say(code, reason() + ": " + state() +
@@ -263,7 +263,7 @@ class Supervisor {
     const std::string activity = std::string(" while ") + notes_.activity_;
     const int signal = WIFSIGNALED(status_) ? WTERMSIG(status_) : 0;
     if (verdict_ == Watchdog::Verdict::OutOfTime) {
-      return "The time given with --timeout was over" + activity;
+      return "The time limit of --timeout was exceeded" + activity;
     }
     if (verdict_ == Watchdog::Verdict::Stalled) {
       return host() + " made no progress for a long time" + activity;
@@ -275,7 +275,7 @@ class Supervisor {
       return "The system allowed no more threads" + activity;
     }
     if (isOutOfProcessorTime(signal)) {
-      return "The processor time allowed was over" + activity;
+      return "The limit of processor time was exceeded" + activity;
     }
     if (signal == SIGKILL) {
       return "The program was killed" + activity + ", as the system does where memory runs out";
@@ -296,7 +296,7 @@ class Supervisor {
       case Placed::Nothing:
         return "nothing was written";
       case Placed::Some:
-        return "some of the files may be in their places, each of them complete";
+        return "some of the files may have been replaced, each of them completely";
       default:
         return "the outputs are complete, but there is no report";
     }
@@ -319,7 +319,7 @@ class Supervisor {
 int supervise(const std::function<int(Notes&)>& work) {
   void* const shared = mmap(nullptr, sizeof(Notes), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   if (shared == MAP_FAILED) {
-    std::fprintf(stderr, "There is not enough memory to begin (%s): nothing was written; give it more (ulimit -v).\n",
+    std::fprintf(stderr, "There is not enough memory to start (%s): nothing was written; allow more (ulimit -v).\n",
                  std::strerror(errno));
     return Unexpected;
   }

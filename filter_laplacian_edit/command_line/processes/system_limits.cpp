@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kRoomToBegin = std::size_t{192} << 20;
 constexpr char kNoRoom[] =
-    "There is not enough memory to begin: nothing was written; give it more memory (ulimit -v, ulimit -d).\n";
+    "There is not enough memory to start: nothing was written; allow more (ulimit -v, ulimit -d).\n";
 
 bool isBelow(int resource, rlim_t enough) {
   struct rlimit limit = {};
