@@ -12,8 +12,8 @@
 namespace lapedit::host {
 namespace {
 
-/// The shortest decimal that is the same number: what the user typed. Hosts keep numbers in single precision, whatever
-/// their meshes have.
+/// Returns the shortest decimal of the same number, as the user typed it, since MeshLab stores numbers in single
+/// precision.
 double as_typed(float number) {
   if (!std::isfinite(number)) {
     return number;
@@ -30,8 +30,8 @@ double as_typed(float number) {
   return typed;
 }
 
-/// A coordinate of a host with meshes in double precision comes from its caller as it is, but from a script it was read
-/// in single precision.
+/// With meshes in double precision, coordinates from a caller are exact, but those from a script were read in single
+/// precision.
 [[maybe_unused]] double as_typed(double number) {
   const auto single = static_cast<float>(number);
   return std::isgreater(number, single) || std::isless(number, single) ? number : as_typed(single);
@@ -52,7 +52,7 @@ int checked_choice(const Parameter& parameter, int number) {
   return number;
 }
 
-/// @throws EditError where the host itself would stop the application at an assertion
+/// @throws EditError where MeshLab itself would stop at an assertion
 ParameterValue read_value(const Parameter& parameter, const Value& value) {
   switch (parameter.kind) {
     case Parameter::Kind::Choice:

@@ -15,7 +15,7 @@
 namespace lapedit::host {
 namespace {
 
-/// Throws if that is no vertex of the mesh. The corners may point anywhere: addresses are compared, none is followed.
+/// Throws if a corner is not a vertex of the mesh. Corners may be any pointers, so only addresses are compared.
 void require_vertex(const CMeshO& host, const CVertexO* corner, const char* kind, std::size_t number) {
   const auto size = static_cast<std::intptr_t>(sizeof(CVertexO));
   const auto count = static_cast<std::intptr_t>(host.vert.size());
@@ -32,8 +32,8 @@ void require_vertex(const CMeshO& host, const CVertexO* corner, const char* kind
                       " vertices, counted from 0: correct the file that the mesh was read from.");
 }
 
-/// Calls make_room(count) with the number of those that are not deleted, then use(place, element, number) for all, with
-/// the number of the next that is not.
+/// Calls make_room(count) with the number of elements that are not deleted, then use(place, element, number) for all,
+/// with the number of the next one that is not deleted.
 template <class Container, class MakeRoom, class Use>
 void each_existing(ThreadPool& pool, const Container& all, const MakeRoom& make_room, const Use& use) {
   const auto parts = static_cast<std::size_t>(pool.threads());

@@ -13,7 +13,7 @@
 namespace lapedit::host {
 namespace {
 
-/// Less is not worth a thread.
+/// Fewer elements do not pay for a thread.
 constexpr int kGrain = 4096;
 
 bool same_bits(const Point3m& a, const Point3m& b) {
@@ -104,7 +104,7 @@ void PoseWriter::find_affected(const std::vector<int>& vertices) {
       is_touched_[static_cast<std::size_t>(w)] = 1;
     }
   }
-  // Ascending: the way through memory that costs least, frame by frame.
+  // Ascending order is the fastest way through memory.
   list_flagged(is_touched_, a.touched);
   a.faces.offsets.assign(1, 0);
   for (const int v : a.touched) {

@@ -26,7 +26,7 @@ using Box = vcg::Box3d;
 using Grid = vcg::GridStaticPtr<GridFace, double>;
 using vcg::Point3i;
 
-/// Its answer depends on the order where faces share a corner.
+/// The result of vcglib's test depends on the order of faces that share a corner.
 bool meet(GridFace& f, GridFace& g) {
   using Clean = vcg::tri::Clean<GridMesh>;
   return Clean::TestFaceFaceIntersection(&f, &g) || Clean::TestFaceFaceIntersection(&g, &f);
@@ -41,12 +41,12 @@ Box box_of(const Points& points, const Faces& faces, Eigen::Index f) {
   return box;
 }
 
-/// The faces that moved, and after them those that they could meet.
+/// The faces that moved, followed by those that they could intersect.
 struct NearFaces {
   std::vector<Eigen::Index> numbers;
   int moved = 0;
   double edge = 0;  // a typical length
-  int origin = 0;   // a vertex of them
+  int origin = 0;   // one of their vertices
 };
 
 NearFaces near_faces(const TriangleMesh& before, const Points& after) {
@@ -80,7 +80,7 @@ NearFaces near_faces(const TriangleMesh& before, const Points& after) {
   return found;
 }
 
-/// In units of their edges about one of them: vcglib's tolerances are lengths.
+/// Scales by edge length and moves to the origin, since vcglib's tolerances are absolute.
 void make(GridMesh& mesh, const Points& points, const Faces& faces, const NearFaces& near) {
   std::vector<int> place(static_cast<std::size_t>(points.rows()), -1);
   int vertices = 0;
@@ -104,7 +104,7 @@ void make(GridMesh& mesh, const Points& points, const Faces& faces, const NearFa
   }
 }
 
-/// Whether a face's corners, but for those of the other one, are all on one side of the other's plane.
+/// Returns whether a face's corners, except shared ones, are all on one side of the other face's plane.
 class Planes {
  public:
   explicit Planes(const GridMesh& mesh) : normals_(mesh.face.size()) {
@@ -146,7 +146,7 @@ void each_near(Grid& grid, const GridMesh& mesh, const std::vector<Box>& boxes, 
           if (j <= i || !boxes[i].Collide(boxes[j])) {
             continue;
           }
-          vcg::Point3d corner;  // of what both boxes have, which is in one cell
+          vcg::Point3d corner;  // of the boxes' intersection, which is in one cell
           for (int k = 0; k < 3; ++k) {
             corner[k] = std::max(boxes[i].min[k], boxes[j].min[k]);
           }
@@ -206,7 +206,7 @@ void count_self_intersections(const TriangleMesh& before, EditResult& result, in
   try {
     result.reports.back().new_intersections = new_self_intersections(before, result);
   } catch (const std::exception&) {
-    // No memory for a figure is no reason to lose an edit.
+    // An edit must not fail because memory for a figure is missing.
   }
 }
 

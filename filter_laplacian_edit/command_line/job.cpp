@@ -39,7 +39,7 @@ using namespace lapedit::host;
 
 namespace {
 
-/// Of a region whose new self-intersections are counted.
+/// Number of vertices of a region up to which new self-intersections are counted.
 int mostVertices(const Options& options) {
   return options.quality ? std::numeric_limits<int>::max() : 0;
 }
@@ -48,7 +48,7 @@ int mostVertices(const Options& options) {
   throw Failure(Unreadable, "The " + std::string(what) + " " + quotedPath(path) + " cannot be read: " + why + ".");
 }
 
-/// Reads all of it, since some of MeshLab's readers take an error of reading for the end of the file.
+/// Reads the whole file, since some of MeshLab's readers take a read error for the end of the file.
 void requireReadable(const QString& path) {
   const QFileInfo info(path);
   if (!info.exists()) {
@@ -66,7 +66,7 @@ void requireReadable(const QString& path) {
   }
 }
 
-/// All of it, once: it may come from a pipe.
+/// Reads the whole text once, since it may come from a pipe.
 QByteArray textOf(const char* what, const QString& path) {
   // Edits may be in scripts.
   constexpr auto kLargest = 2 * static_cast<qint64>(kLargestJson);
@@ -94,7 +94,7 @@ NamedLandmarks landmarksOf(const QString& path) {
   return {name, read_landmarks(textOf("landmark file", path).toStdString(), name)};
 }
 
-/// All vertices that any of the poses has moved.
+/// Returns all vertices that any of the poses has moved.
 std::vector<int> unionOf(const std::vector<EditResult>& poses) {
   std::vector<int> all;
   for (const EditResult& pose : poses) {
@@ -103,14 +103,14 @@ std::vector<int> unionOf(const std::vector<EditResult>& poses) {
   return all;
 }
 
-/// Where some vertices are in a pose.
+/// Returns the positions of some vertices in a pose.
 Points positionsOf(const std::vector<int>& vertices, const EditResult& pose, const BridgedMesh& bridged) {
   Points places = bridged.mesh.vertices;
   scatter(pose.vertices, pose.positions, places);
   return gather(places, vertices);
 }
 
-/// Numbers that processes started later can set, of which each may be missing.
+/// Numbers in shared memory, set by processes that start later; each may be missing.
 class SharedNumbers {
  public:
   explicit SharedNumbers(std::size_t count)
@@ -196,7 +196,7 @@ class Job {
       return;
     }
     const QByteArray text = textOf("edit", options_.edit);
-    if (!QFileInfo(options_.edit).isFile()) {  // as a pipe: options could not look into it
+    if (!QFileInfo(options_.edit).isFile()) {  // such as a pipe, whose text the options cannot inspect
       options_.isScript = text.trimmed().startsWith('<');
     }
     if (options_.isScript) {
@@ -204,7 +204,7 @@ class Job {
       return;
     }
     try {
-      // Names of landmark files in it are relative to its folder.
+      // Names of landmark files are relative to the folder of the edit.
       const QFileInfo file(options_.edit);
       const QString folder = file.isFile() && !options_.edit.startsWith("/dev/") ? file.absolutePath() : QString();
       edit_ = read_edit(text.toStdString(), QFile::encodeName(folder).toStdString());
@@ -213,7 +213,7 @@ class Job {
     }
   }
 
-  /// Readers of the host know no names that are not UTF-8: such a file gets another one for as long as it is read.
+  /// MeshLab's readers accept UTF-8 names only, so the file has another name while it is read.
   void read() {
     const QFileInfo input(options_.input);
     notes_.doing("reading " + quotedPath(options_.input), Unreadable, input.size());
@@ -243,7 +243,7 @@ class Job {
     report_.faces = host_.mesh()->fn;
   }
 
-  /// Keeps what comes through a pipe, since readers of the host want a file.
+  /// Stores the text of a pipe in a file, since MeshLab's readers need one.
   static void spool(const QString& name) {
     constexpr int kPart = 1 << 20;
     QFile copy(name);
@@ -369,7 +369,7 @@ class Job {
     return lost;
   }
 
-  /// Of the steps of a pose, the largest that a handle makes.
+  /// Returns the largest displacement of a handle in the steps of a pose.
   static double displacement(const Pose& pose) {
     double most = 0;
     for (const EditReport& step : pose.steps) {
@@ -378,7 +378,7 @@ class Job {
     return most;
   }
 
-  /// Where advice is an error. @throws Failure (Advised)
+  /// Refuses the result if advice is an error. @throws Failure (Advised)
   void refuseAdvice() const {
     for (const Pose& pose : report_.poses) {
       for (std::size_t k = 0; options_.strict && k < pose.steps.size(); ++k) {
@@ -395,7 +395,7 @@ class Job {
     }
   }
 
-  /// What a format does not keep of the coordinates, in a sentence. @throws Failure (Advised) where that is an error
+  /// Returns a message on coordinates that the format does not keep. @throws Failure (Advised) if that is an error
   void tellLost() {
     for (std::size_t k = 0; k < report_.poses.size(); ++k) {
       const std::optional<double> lost = report_.poses[k].lost;
@@ -414,7 +414,7 @@ class Job {
     }
   }
 
-  /// Until all is on the disk, nothing is in its place.
+  /// No output is replaced before all are on the disk.
   void commit() {
     const Stopwatch stopwatch;
     files_.synchronise();
@@ -454,7 +454,7 @@ class Job {
     }
   }
 
-  /// Before any file is replaced: the reader of the reports has to get them first.
+  /// Reports are printed before any file is replaced, so that a missing reader is detected first.
   void print(const std::string& text) {
     if (!options_.quiet && !options_.toStream && !text.empty()) {
       line_.clear();

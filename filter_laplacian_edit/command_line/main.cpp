@@ -23,14 +23,14 @@
 
 namespace {
 
-/// Hosts tell their whole life there.
+/// MeshLab prints much there.
 void keepQuiet(QtMsgType type, const QMessageLogContext&, const QString& message) {
   if (type == QtFatalMsg || type == QtCriticalMsg) {
     std::fprintf(stderr, "%s\n", message.toLocal8Bit().constData());
   }
 }
 
-/// Otherwise the next file that is opened would be the standard output of any code that writes to it.
+/// Opens closed standard streams, since the next opened file would otherwise become the standard output.
 /// @return whether the standard output was open
 bool openStandardStreams() {
   const bool hasOutput = ::fcntl(STDOUT_FILENO, F_GETFD) != -1;
@@ -42,7 +42,7 @@ bool openStandardStreams() {
   return hasOutput;
 }
 
-/// Some of the hosts' code prints to the standard output, which is for the reports.
+/// Separates the reports from the standard output, to which some of MeshLab's code prints.
 /// @return null if it is closed
 std::FILE* takeStandardOutput(bool isOpen) {
   if (!isOpen) {
@@ -63,7 +63,7 @@ int fail(ExitCode code, const char* sentence) {
   return code;
 }
 
-/// Tells what went wrong.
+/// Prints the message of an error.
 template <class Work>
 int guarded(const Work& work) {
   try {
@@ -85,18 +85,18 @@ int guarded(const Work& work) {
 int work(int argc, char** argv, bool hasOutput, Notes& notes) {
   std::FILE* const output = takeStandardOutput(hasOutput);
   qInstallMessageHandler(keepQuiet);
-  // A full disk is to be told, not to end the program.
+  // A full disk must be reported, not end the program.
   std::signal(SIGXFSZ, SIG_IGN);
   qputenv("QT_QPA_PLATFORM", "offscreen");
   QApplication application(argc, argv);
-  // Numbers in files have points, and file names are bytes, whatever the language.
+  // Numbers in files have decimal points, and file names are bytes, in every locale.
   std::setlocale(LC_NUMERIC, "C");
   takeFileNamesAsBytes();
   QStringList arguments;
   for (int k = 0; k < argc; ++k) {
     arguments << QFile::decodeName(argv[k]);
   }
-  // What the system gives, as under a cluster's scheduler, not what the machine has.
+  // The processors that the system grants, for example under a cluster's scheduler, not those of the machine.
   lapedit::limit_threads(processors());
   std::string text;
   if (const std::optional<Options> options = readOptions(arguments, text)) {

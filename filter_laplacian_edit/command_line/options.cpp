@@ -17,7 +17,7 @@ using lapedit::host::quoted;
 
 namespace {
 
-constexpr int kMostJobs = 500;  // each takes some open files
+constexpr int kMostJobs = 500;  // each needs some open files
 
 constexpr char kDescription[] =
     "\nEdits a mesh without MeshLab's window and without an X server: applies an edit\n"
@@ -74,7 +74,7 @@ lapedit::host::KeptAttributes keptAttributes(const QString& list) {
   return kept;
 }
 
-/// Three numbers with commas.
+/// Reads three numbers separated by commas.
 lapedit::Vector3 point(const QString& text) {
   const QStringList parts = text.split(',');
   lapedit::Vector3 point;
@@ -88,7 +88,7 @@ lapedit::Vector3 point(const QString& text) {
   return point;
 }
 
-/// A list of fractions, or first:last:count, evenly spaced.
+/// Reads a list of fractions, or first:last:count, evenly spaced.
 std::vector<double> fractionList(const QString& text) {
   std::vector<double> fractions;
   const QStringList range = text.split(':');
@@ -112,7 +112,8 @@ std::vector<double> fractionList(const QString& text) {
   return fractions;
 }
 
-/// The two files of --landmarks, which Qt's parser takes for one file and a name; they are taken out.
+/// Removes the two files of --landmarks from the arguments, since Qt's parser would take the second one for a file
+/// name.
 QStringList takeLandmarks(QStringList& arguments) {
   const int at = arguments.indexOf("--landmarks");
   if (at < 0) {
@@ -145,7 +146,7 @@ void readFractions(const QCommandLineParser& parser, Options& options) {
   }
 }
 
-/// The part of the options that is about many jobs.
+/// Reads the options for many jobs.
 ListOptions listOptions(const QCommandLineParser& parser) {
   ListOptions list;
   const auto path = [&](const char* name) { return parser.isSet(name) ? fullPath(parser.value(name)) : QString(); };
@@ -193,7 +194,7 @@ void readFiles(const QStringList& files, Options& options) {
   options.isScript = files[2] != pipe && isScript(options.edit);
 }
 
-/// @param asks  the options ask about one mesh
+/// @param asks  whether the options ask about one mesh
 void checkFileNames(const QStringList& files, bool listed, bool asks, bool hasLandmarks) {
   if (listed && !files.isEmpty()) {
     refuse("File names and --list are given together: give only one of them.");
@@ -227,10 +228,10 @@ bool isScript(const QString& path) {
     return suffix == "mlx";
   }
   try {
-    // What is read from a pipe is gone.
+    // Text from a pipe can be read only once.
     return QFileInfo(path).isFile() && InputFile(path).read(1024).trimmed().startsWith('<');
   } catch (const std::system_error&) {
-    return false;  // the job says why it cannot be read
+    return false;  // the job reports why it cannot be read
   }
 }
 

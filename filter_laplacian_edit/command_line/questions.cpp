@@ -14,7 +14,7 @@ using namespace lapedit::host;
 
 namespace {
 
-/// As --nearest and the keys of an edit take it; all digits of a float.
+/// Formats a point as --nearest and JSON keys read it, with all digits of a float.
 std::string coordinates(const Vector3& point) {
   return format_text("%.9g,%.9g,%.9g", point[0], point[1], point[2]);
 }

@@ -12,7 +12,7 @@
 namespace lapedit::host {
 namespace {
 
-/// The view in MeshLab. Of GLArea only what is inline may be used: the application exports none of its functions.
+/// The view in MeshLab. Only inline functions of GLArea may be used, since the application exports none.
 class HostView final : public HostWindow {
  public:
   explicit HostView(QString title) : title_(std::move(title)) {}
@@ -92,7 +92,7 @@ class HostView final : public HostWindow {
   }
 
   void navigate(const QWheelEvent& event) override {
-    // Qt turns the wheel sideways while Alt is held.
+    // Qt makes the wheel horizontal while Alt is held.
     QPoint angle = event.angleDelta();
     if (angle.y() == 0) {
       angle = QPoint(0, angle.x());
@@ -144,7 +144,7 @@ class HostView final : public HostWindow {
     return layer;
   }
 
-  /// To the view itself, as if the tool were suspended.
+  /// Passes the event to the view, as if the tool were suspended.
   void pass(QEvent& event) {
     const bool before = std::exchange(area_->suspendedEditor, true);
     QApplication::sendEvent(area_, &event);
@@ -156,7 +156,7 @@ class HostView final : public HostWindow {
   MLSceneGLSharedDataContext* shared_ = nullptr;
 };
 
-/// MeshLab never deletes a tool: it is made a child of its view.
+/// MeshLab never deletes a tool, so it becomes a child of its view.
 class HostTool final : public QObject, public HostToolBase {
  public:
   explicit HostTool(const EditToolAction& description) : view_(description.title), tool_(description.make(view_)) {}
@@ -203,7 +203,7 @@ class HostTool final : public QObject, public HostToolBase {
     guarded([this] { tool_->end(); });
     view_.attach(area, shared);
     if (area->mm() == nullptr) {
-      view_.endTool();  // MeshLab would stumble at the next change
+      view_.endTool();  // otherwise MeshLab fails at the next change
       return;
     }
     guarded([this] { return tool_->start(); });

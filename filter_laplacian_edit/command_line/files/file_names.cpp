@@ -47,10 +47,10 @@ QByteArray encoded(const QString& name) {
 class NameCodec : public QTextCodec {
  public:
   QByteArray name() const override { return "laplacian-edit-names"; }
-  int mibEnum() const override { return -4711; }  // of no registry
+  int mibEnum() const override { return -4711; }  // not a registered number
 
  protected:
-  // Text that comes in parts is no name.
+  // Names are never decoded in parts.
   QString convertToUnicode(const char* bytes, int length, ConverterState* state) const override {
     return state != nullptr ? utf8_->toUnicode(bytes, length, state) : decoded(QByteArray(bytes, length));
   }
@@ -65,7 +65,7 @@ class NameCodec : public QTextCodec {
 }  // namespace
 
 void takeFileNamesAsBytes() {
-  static auto* const codec = new NameCodec;  // Qt's from now on
+  static auto* const codec = new NameCodec;  // owned by Qt from here on
   QTextCodec::setCodecForLocale(codec);
 }
 

@@ -23,23 +23,23 @@ using lapedit::host::quotedPath;
 
 namespace {
 
-/// Waits until a file or folder is on the disk. Some errors of writing show here only.
+/// Waits until a file or folder is on the disk. Some write errors show only here.
 bool synchronised(const QString& path) {
   const int file = ::open(QFile::encodeName(path).constData(), O_RDONLY | O_CLOEXEC);
   if (file < 0) {
     return false;
   }
-  // Some file systems cannot do it for folders.
+  // Some file systems do not support this for folders.
   const bool done = ::fsync(file) == 0 || errno == EINVAL;
   ::close(file);
   return done;
 }
 
-/// Owner, group and permissions of the one for the other.
+/// Copies owner, group and permissions.
 void handDown(const struct stat& from, const char* to) {
   mode_t mode = from.st_mode & 0777;
   if (::chown(to, from.st_uid, from.st_gid) != 0 && ::chown(to, -1, from.st_gid) != 0) {
-    // What one group could do is nothing for another: only what everybody could.
+    // Permissions of one group are not given to another group; it gets those of all users.
     mode &= ~070 | ((mode & 07) << 3);
   }
   ::chmod(to, mode);
@@ -87,7 +87,7 @@ void OutputFiles::begin(const std::function<void(const std::string&)>& made) {
   if (!scratch_.path().empty()) {
     return;
   }
-  // Who cleans up after a request to stop has to know of the folder.
+  // The process that cleans up after a request to stop must know the folder.
   const NoInterruption uninterrupted;
   try {
     scratch_.make(QFile::encodeName(folder_).toStdString());
@@ -125,7 +125,7 @@ void OutputFiles::place() {
   for (int k = 0; k < names_.size(); ++k) {
     files << std::make_pair(path(k), folder_ + "/" + names_[k]);
   }
-  // Much may have happened since the places were looked at.
+  // The paths may have changed since they were checked.
   for (const auto& [from, to] : files) {
     if (QFileInfo(to).isDir()) {
       refuse(to, "it has become a folder");

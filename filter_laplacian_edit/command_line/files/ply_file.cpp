@@ -32,7 +32,7 @@ int sizeOf(const QByteArray& type) {
   return 0;
 }
 
-/// @return false if it is not understood
+/// @return false if the header is not understood
 bool readHeader(QFile& file, std::vector<Element>& elements) {
   if (file.readLine(80).trimmed() != "ply" || file.readLine(80).trimmed() != "format binary_little_endian 1.0") {
     return false;
@@ -56,7 +56,7 @@ bool readHeader(QFile& file, std::vector<Element>& elements) {
   return false;
 }
 
-/// A row's end, beyond the file's if it is not all there.
+/// Returns the end of a row, beyond that of the file if the row is incomplete.
 std::int64_t skipRow(const uchar* bytes, std::int64_t at, std::int64_t size, const std::vector<Property>& properties) {
   for (const Property& property : properties) {
     if (property.counter == 0) {

@@ -20,7 +20,7 @@ std::string bytesOf(const QString& path) {
   return QFile::encodeName(path).toStdString();
 }
 
-/// Whether both exist and are the same file or folder.
+/// Returns whether both exist and are the same file or folder.
 bool same(const std::filesystem::path& a, const std::filesystem::path& b) {
   std::error_code error;
   return std::filesystem::equivalent(a, b, error);
@@ -57,7 +57,7 @@ RealFile::RealFile(const std::string& name) {
     if (links == kMostLinks) {
       throw std::system_error(ELOOP, std::generic_category());
     }
-    // The system's own links, as /dev/stdin has them, name no path.
+    // Special links of the system, such as /dev/stdin, do not name a path.
     if (error || path.string().compare(0, 6, "/proc/") == 0) {
       break;
     }

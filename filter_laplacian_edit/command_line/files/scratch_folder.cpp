@@ -16,7 +16,7 @@
 
 namespace {
 
-/// How the names begin: locks may be known to one machine only.
+/// Prefix of the names, with the machine, since locks may be local to one machine.
 std::string beginning() {
   char machine[HOST_NAME_MAX + 1] = {};
   gethostname(machine, HOST_NAME_MAX);
@@ -32,7 +32,7 @@ int lock(const std::string& path) {
   const int folder = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
   struct stat opened = {}, named = {};
   const bool held = folder >= 0 && (::flock(folder, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK);
-  // Between its making and its locking, a sweeper may have taken it.
+  // Another process may have removed the folder before it was locked.
   if (held && ::fstat(folder, &opened) == 0 && ::lstat(path.c_str(), &named) == 0 && opened.st_ino == named.st_ino &&
       opened.st_dev == named.st_dev && opened.st_uid == ::geteuid()) {
     return folder;
@@ -70,7 +70,7 @@ void sweep(const std::string& folder, const std::string& nameBegins) {
 ScratchFolder::~ScratchFolder() {
   if (!path_.empty()) {
     std::error_code ignored, unknown;
-    // Where it is now: the folder around it may have been moved.
+    // Returns the current path, since the parent folder may have been moved.
     const std::filesystem::path now = std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(lock_), unknown);
     std::filesystem::remove_all(unknown ? std::filesystem::path(path_) : now, ignored);
     ::close(lock_);

@@ -26,13 +26,13 @@ bool isSpace(char letter) {
   return letter == ' ' || letter == '\t' || letter == '\r' || letter == '\n';
 }
 
-/// Whether a number with few digits can stand for a value.
+/// Returns whether a number with few digits can represent a value.
 bool isNear(double written, double value) {
   constexpr double kLost = 1e-5;  // relative where the writer keeps digits, absolute where it keeps decimals
   return std::abs(written - value) <= kLost * (1 + std::abs(value));
 }
 
-/// A line with the coordinates of a vertex from a place on. @return empty if they are others
+/// Replaces the coordinates in a line from a position on. @return empty if they are those of another vertex
 QByteArray withAllDigits(const QByteArray& line, int at, const Point3m& point) {
   QByteArray text = line.left(at);
   for (int k = 0; k < 3; ++k) {
@@ -67,7 +67,7 @@ QByteArray withAllDigits(const QByteArray& line, int at, const Point3m& point) {
   return text + line.mid(at);
 }
 
-/// Goes through the lines of a file.
+/// Reads the lines of a file.
 class Lines {
  public:
   Lines(const QString& suffix, const CMeshO& mesh) : suffix_(suffix), mesh_(mesh), next_(mesh.vert.begin()) {}

@@ -38,7 +38,7 @@ namespace {
 
 using vcg::tri::io::Mask;
 
-/// The host's callbacks are bare functions.
+/// MeshLab's callbacks are plain functions.
 Progress& asked() {
   static Progress progress;
   return progress;
@@ -48,7 +48,7 @@ bool ask(const int percent, const char* stage) {
   return !asked() || asked()(percent / 100.0, stage == nullptr ? "" : stage);
 }
 
-/// Formats look for textures and materials in the current folder.
+/// Readers search textures and materials in the current folder.
 class CurrentFolder {
  public:
   explicit CurrentFolder(const QString& folder) : before_(QDir::currentPath()) { QDir::setCurrent(folder); }
@@ -60,7 +60,7 @@ class CurrentFolder {
   QString before_;
 };
 
-/// The host's message on one line, less its preface, with a full stop.
+/// Returns MeshLab's message on one line, without its prefix, with a full stop.
 std::string oneLine(QString message) {
   for (const QString& endOfPreface : {QString("Error details:"), QString(":\n")}) {
     const int at = message.indexOf(endOfPreface);
@@ -76,7 +76,7 @@ std::string oneLine(QString message) {
   return (message.isEmpty() ? QString("the plugin does not say why") : message).toStdString() + ".";
 }
 
-/// The innermost part of a message of Qt's about a library: what is missing, as the loader said it.
+/// Returns the innermost part of Qt's message about a library: the loader's text on what is missing.
 QString reasonOfLoader(const QString& message) {
   const int open = message.lastIndexOf(": (");
   QString reason = (open < 0 ? message : message.mid(open + 3)).simplified();
@@ -86,7 +86,7 @@ QString reasonOfLoader(const QString& message) {
   return reason;
 }
 
-/// Beside the library itself, wherever that is installed.
+/// The folder next to the library, wherever it is installed.
 QString standardPlugins() {
   Dl_info library = {};
   if (dladdr(reinterpret_cast<const void*>(&MeshLabApplication::appVer), &library) == 0) {
@@ -97,7 +97,7 @@ QString standardPlugins() {
   return QFileInfo(beside).isDir() ? beside : QFileInfo(file.canonicalFilePath()).absolutePath() + "/plugins";
 }
 
-/// What a layer has of what a format can keep.
+/// Returns the attributes of a layer that a format can keep.
 int maskOf(const MeshModel& layer) {
   static constexpr std::pair<int, int> kBits[] = {
       {Mask::IOM_VERTFLAGS, MeshModel::MM_VERTFLAG},        {Mask::IOM_VERTCOLOR, MeshModel::MM_VERTCOLOR},
@@ -126,7 +126,7 @@ int maskOf(const MeshModel& layer) {
   return mask;
 }
 
-/// Normals and box, as the host makes them of a new layer.
+/// Computes normals and box as MeshLab does for a new layer.
 void completeLayer(MeshModel& layer, int mask) {
   using Normals = vcg::tri::UpdateNormal<CMeshO>;
   if ((mask & Mask::IOM_BITPOLYGONAL) != 0) {
@@ -153,7 +153,7 @@ int whyShort(const QFileInfo& written) {
       static_cast<rlim_t>(written.size()) >= limit.rlim_cur) {
     return EFBIG;
   }
-  // Writers fill the disk to its last block.
+  // Writers may fill the disk to its last block.
   const QByteArray name = QFile::encodeName(written.absolutePath() + "/more");
   const int more = ::open(name.constData(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
   const QByteArray block(4096, 'x');
@@ -171,7 +171,7 @@ int whyShort(const QFileInfo& written) {
   return error;
 }
 
-/// By how much coordinates change in single precision, at most.
+/// Returns the largest change of coordinates in single precision.
 double lostInFloats(const CMeshO& mesh) {
   double most = 0;
   for (const auto& vertex : mesh.vert) {
@@ -199,12 +199,12 @@ struct BatchHost::Impl {
   struct Filter {
     HostFilterPlugin* plugin;
     QAction* action;
-    QString file;  // of the plugin; empty: ours
+    QString file;  // of the plugin; empty for this project's filters
   };
 
   QString folder;
   QStringList formatsLeft, filtersLeft;               // plugin files that are not loaded yet
-  QStringList notLoaded;                              // those that could not be, and why
+  QStringList notLoaded;                              // plugins that could not be loaded, and why
   std::map<QString, FormatPlugin*> readers, writers;  // by suffix in lower case
   std::map<QString, Filter> filters;
   MeshDocument document;
@@ -216,7 +216,7 @@ struct BatchHost::Impl {
     try {
       plugin = load_plugin(folder + "/" + file);
     } catch (const std::exception& error) {
-      // Not an error until a script needs it, and then it is missing under its name.
+      // This is an error only if a script needs the plugin, which is then reported by name.
       notLoaded << file + ": " + reasonOfLoader(QString::fromUtf8(error.what()));
       return;
     }
@@ -308,7 +308,7 @@ struct BatchHost::Impl {
   static void refuseShort(const QFileInfo& written);
   std::optional<double> lostBy(const QString& path, MeshModel& layer);
 
-  /// What a dialog asks cannot be answered here. @throws std::runtime_error
+  /// Dialogs cannot be answered here. @throws std::runtime_error
   void refuseDialogs() {
     const QString said = dialogs.take();
     if (!said.isEmpty()) {
@@ -319,7 +319,7 @@ struct BatchHost::Impl {
 
   /// In a handler: why the host could not do it. @throws what cannot be had from the system
   std::string reason(const std::exception& error) {
-    // That is nothing that the plugin could tell.
+    // The plugin cannot report this.
     if (lackIn(std::current_exception()) != Lack::Nothing) {
       throw;
     }
@@ -333,7 +333,7 @@ BatchHost::BatchHost(const QString& plugins, Progress askedNow) : impl_(std::mak
   impl_->folder = plugins.isEmpty() ? standardPlugins() : plugins;
   const QDir folder(impl_->folder);
   impl_->formatsLeft = folder.entryList({"libio_*.so"}, QDir::Files);
-  // Has the common formats: mostly the only one that is needed.
+  // This plugin has the common formats and is usually the only one needed.
   const QString base = "libio_base.so";
   if (impl_->formatsLeft.removeOne(base)) {
     impl_->formatsLeft.prepend(base);
@@ -415,7 +415,7 @@ void BatchHost::run(const std::vector<ScriptFilter>& script, const std::function
       if (layer == nullptr) {
         throw EditError(ErrorCause::EmptyMesh, "There are 0 layers: open a triangle mesh first.");
       }
-      if (!filter.file.isEmpty()) {  // ours say better what is missing
+      if (!filter.file.isEmpty()) {  // this project's filters have better messages
         QStringList missing;
         if (!filter.plugin->isFilterApplicable(filter.action, *layer, missing)) {
           throw EditError(ErrorCause::BadScript, "The filter " + quoted(script[k].name) + " needs a mesh with " +
@@ -437,7 +437,7 @@ void BatchHost::run(const std::vector<ScriptFilter>& script, const std::function
       throw EditError(ErrorCause::BadScript, place + (ours ? error.what() : why));
     }
     if (MeshModel* const layer = s.document.mm()) {
-      // The host's window counts them after each filter, and filters ask.
+      // MeshLab's window counts them after each filter, and filters read the counts.
       layer->cm.svn = static_cast<int>(vcg::tri::UpdateSelection<CMeshO>::VertexCount(layer->cm));
       layer->cm.sfn = static_cast<int>(vcg::tri::UpdateSelection<CMeshO>::FaceCount(layer->cm));
     }
@@ -490,15 +490,15 @@ std::optional<double> BatchHost::save(const QString& path, const KeptAttributes&
   }
 }
 
-/// Many writers do not look whether their output arrives.
+/// Many writers do not check for write errors.
 void BatchHost::Impl::refuseShort(const QFileInfo& written) {
   if (const int error = whyShort(written)) {
     throw BatchError(whyNotWritten(error) + ".");
   }
 }
 
-/// By how much coordinates in a file that was written differ from the layer's, at most. @throws BatchError if it is not
-/// complete
+/// Returns the largest difference between coordinates in a written file and the layer's. @throws BatchError if the file
+/// is not complete
 std::optional<double> BatchHost::Impl::lostBy(const QString& path, MeshModel& layer) {
   const QFileInfo file(path);
   const QString suffix = file.suffix().toLower();
@@ -507,7 +507,7 @@ std::optional<double> BatchHost::Impl::lostBy(const QString& path, MeshModel& la
   std::optional<double> lost = 0.0;
   if (!complete) {
   } else if (suffix == "stl") {
-    // Binary; read back, it has other vertices.
+    // STL is binary, and has other vertices when it is read back.
     complete = file.size() == 84 + 50 * static_cast<qint64>(layer.cm.fn);
     lost = lostInFloats(layer.cm);
   } else if (const auto ply = suffix == "ply" ? walkPly(path) : std::nullopt) {
@@ -522,14 +522,14 @@ std::optional<double> BatchHost::Impl::lostBy(const QString& path, MeshModel& la
         layer.cm, [&]() -> const CMeshO& { return read(path, copy, path).front().first->cm; },
         Watchdog::patience(file.size()));
     lost = back ? std::optional<double>(back->off) : std::nullopt;
-    // What of these is not as MeshLab writes it may have lost a part.
+    // A file of these formats that differs from MeshLab's way of writing may be incomplete.
     if (suffix == "ply" || suffix == "off" || suffix == "obj" || suffix == "xyz") {
       complete = back.has_value();
       found = back ? std::make_pair(back->vertices, suffix == "xyz" ? layer.cm.fn : back->faces) : found;
     }
   }
   if (!complete || found.first != layer.cm.vn || found.second != layer.cm.fn) {
-    refuseShort(file);  // which may have become so since
+    refuseShort(file);  // the file may have become incomplete
     throw BatchError("the written file is not complete: check the disk, and run it again.");
   }
   return lost;

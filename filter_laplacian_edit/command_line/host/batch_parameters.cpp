@@ -34,8 +34,8 @@ int wholeNumber(const ScriptParameter& given, const QString& name) {
   return number;
 }
 
-/// Hosts keep numbers in single precision, coordinates in that of their meshes. Their own readers of scripts take
-/// single precision everywhere.
+/// MeshLab stores numbers in single precision and coordinates in that of its meshes. Its own script readers use single
+/// precision everywhere.
 template <class Real>
 Real number(const ScriptParameter& given, const QString& name) {
   constexpr bool kDouble = std::is_same_v<Real, double>;

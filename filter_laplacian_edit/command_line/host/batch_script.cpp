@@ -70,7 +70,7 @@ ScriptFilter readFilter(QXmlStreamReader& xml) {
   return filter;
 }
 
-/// How many letters have to be put in, left out or exchanged (Levenshtein).
+/// Returns the number of letters to insert, delete or replace (Levenshtein).
 int distance(const QString& a, const QString& b) {
   std::vector<int> row(b.size() + 1);
   std::iota(row.begin(), row.end(), 0);
@@ -121,7 +121,7 @@ QString nearNames(const QString& name, const QStringList& known) {
   for (const QString& other : known) {
     const int most = std::max(2, name.size() / 3);
     const bool within = other.contains(name, Qt::CaseInsensitive);
-    // Names of megabytes are not compared letter by letter: it takes at least their difference in length.
+    // The difference in length is a lower bound, so that very long names are not compared.
     if (!within && std::abs(name.size() - other.size()) > most) {
       continue;
     }

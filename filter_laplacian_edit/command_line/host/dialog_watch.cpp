@@ -40,7 +40,7 @@ bool DialogWatch::eventFilter(QObject* object, QEvent* event) {
     if (said_.isEmpty()) {
       said_ = textOf(*dialog);
     }
-    // Not before it waits: a dialog that is closed by then waits for ever.
+    // Only after the dialog waits: a dialog that is closed before waits for ever.
     QTimer::singleShot(0, dialog, &QDialog::reject);
   }
   return false;

@@ -45,7 +45,7 @@ ReadBack compared(const CMeshO& mesh, const CMeshO& file) {
   return result;
 }
 
-/// The other process.
+/// Runs in the other process.
 [[noreturn]] void readAndTell(const CMeshO& mesh, const std::function<const CMeshO&()>& read, double seconds,
                               int answers) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -53,7 +53,7 @@ ReadBack compared(const CMeshO& mesh, const CMeshO& file) {
   setrlimit(RLIMIT_CPU, &time);
   setrlimit(RLIMIT_CORE, &none);
   const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
-  ::dup2(nowhere, STDERR_FILENO);  // what a reader says when it stops is of no use
+  ::dup2(nowhere, STDERR_FILENO);  // messages of a reader that fails are not used
   try {
     const ReadBack result = compared(mesh, read());
     _exit(::write(answers, &result, sizeof result) == static_cast<ssize_t>(sizeof result) ? 0 : 1);

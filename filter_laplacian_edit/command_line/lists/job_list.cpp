@@ -30,7 +30,7 @@ QByteArray absolute(const QString& path) {
   return path.isEmpty() ? QByteArray() : QFile::encodeName(fullPath(path));
 }
 
-/// Qt's parser keeps the last of several equal keys. @return the first that is given twice, empty if none is
+/// Finds duplicate keys, of which Qt's parser keeps the last. @return the first duplicate key, or an empty string
 std::string repeatedKey(const QByteArray& text) {
   using lapedit::Json;
   std::set<std::string> keys;
@@ -120,7 +120,7 @@ class RealNames {
   static QString target(const QString& link) {
     try {
       return QFile::decodeName(RealFile(QFile::encodeName(link).toStdString()).path().c_str());
-    } catch (const std::system_error&) {  // in a circle, which its job will tell
+    } catch (const std::system_error&) {  // a circular link, which the job will report
       return link;
     }
   }
@@ -128,10 +128,10 @@ class RealNames {
   QHash<QString, QString> folders_;
 };
 
-/// Nothing is written twice, and nothing is read that is written.
+/// Checks that no file is written twice, and that no written file is read.
 void requireApart(const std::vector<ListedJob>& jobs, const Options& common) {
   RealNames real;
-  QHash<QString, int> written;  // to the line
+  QHash<QString, int> written;  // path -> line
   constexpr int noLine = 0;
   const QString log = real.of(common.list.log);
   for (const QString& path : {common.list.file, common.list.log}) {
@@ -174,7 +174,7 @@ void requireApart(const std::vector<ListedJob>& jobs, const Options& common) {
   }
 }
 
-/// Adds the job of a line, if it has one.
+/// Adds the job of a line, if there is one.
 void addJob(QByteArray text, const Options& common, int line, std::vector<ListedJob>& jobs) {
   while (text.endsWith('\n') || text.endsWith('\r')) {
     text.chop(1);

@@ -33,7 +33,7 @@ constexpr QLatin1String kStateKeys[] = {QLatin1String("in_bytes"), QLatin1String
   throw Failure(code, "The job log " + quotedPath(path) + " cannot be written: " + why + ".");
 }
 
-/// Size and time of a file, empty if there is none.
+/// Returns size and time of a file, empty if it does not exist.
 std::pair<QByteArray, QByteArray> stateOf(const QString& path) {
   struct stat state = {};
   if (::stat(QFile::encodeName(path).constData(), &state) != 0) {
@@ -44,7 +44,7 @@ std::pair<QByteArray, QByteArray> stateOf(const QString& path) {
               QByteArray::number(static_cast<qint64>(state.st_mtim.tv_nsec)).rightJustified(9, '0')};
 }
 
-/// The options of a job, as they would be given to do it alone.
+/// Returns the options of a job as for a call of its own.
 QJsonArray optionsAsGiven(const Options& job) {
   QJsonArray options;
   const auto add = [&](const char* name, const QString& value) {
@@ -80,13 +80,13 @@ QJsonArray optionsAsGiven(const Options& job) {
   return options;
 }
 
-/// What makes two jobs the same.
+/// Returns the key by which jobs are equal.
 QByteArray keyOf(const QJsonObject& entry) {
   return QJsonDocument(QJsonArray{entry["in"], entry["out"], entry["edit"], entry["options"]})
       .toJson(QJsonDocument::Compact);
 }
 
-/// Bytes of the outputs in their order, and of the report if there is one; null for what is not there.
+/// Returns the sizes of the outputs in their order, and of the report if there is one; null for missing files.
 QJsonArray outputSizes(const Options& job) {
   QJsonArray sizes;
   for (const QString& path : job.outputs() + QStringList(job.report)) {
@@ -98,7 +98,7 @@ QJsonArray outputSizes(const Options& job) {
   return sizes;
 }
 
-/// Whether a line is the beginning of an entry, or what a power failure leaves of one.
+/// Returns whether a line is a part of an entry, as after a power failure.
 bool isCutShort(const QByteArray& text) {
   static const QByteArray kBegin = R"({"began":)";
   return kBegin.startsWith(text) || text.startsWith(kBegin) || text.count('\0') == text.size();
@@ -126,7 +126,7 @@ JobLog::JobLog(const QString& path) : path_(path) {
   if (file_ < 0) {
     refuse(path, Unwritable, whyNotWritten(errno));
   }
-  // Of a run that was killed the last jobs may be at their end still.
+  // The last jobs of a killed run may still be ending.
   constexpr int tries = 100, microseconds = 100000;
   for (int k = 0; ::flock(file_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK; ++k) {
     if (k == tries) {
@@ -137,8 +137,8 @@ JobLog::JobLog(const QString& path) : path_(path) {
   read();
 }
 
-/// What is done, by a log of earlier runs. Lines that cannot be read, as the last one before a power failure, are
-/// skipped; a file without any line of a log is something else.
+/// Reads the finished jobs of earlier runs. Unreadable lines, such as the last one before a power failure, are skipped;
+/// a file without any valid line is not a job log.
 void JobLog::read() {
   QByteArray last;
   QStringList bad;
@@ -177,7 +177,7 @@ void JobLog::read() {
                  (several ? " are no entries and are skipped; their jobs count as not done."
                           : " is no entry and is skipped; its job counts as not done.");
   }
-  // A line that was cut off stays by itself.
+  // A truncated line is ended first.
   if (!last.isEmpty() && !last.endsWith('\n')) {
     append("\n");
   }
@@ -185,7 +185,7 @@ void JobLog::read() {
 
 void JobLog::append(const QByteArray& text) {
   errno = 0;
-  // At once, so that readers see whole lines.
+  // Writes at once, so that readers see whole lines.
   if (::write(file_, text.constData(), static_cast<std::size_t>(text.size())) != text.size()) {
     refuse(path_, Unwritable, errno != 0 ? whyNotWritten(errno) : "what arrived is not complete");
   }

@@ -32,7 +32,7 @@ double now() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/// The last line that is not empty.
+/// Returns the last line that is not empty.
 std::string lastSentence(std::string text) {
   text.erase(text.find_last_not_of(" \r\n") + 1);
   return text.substr(text.find_last_of('\n') + 1);
@@ -50,7 +50,7 @@ JobEnd endOf(int status, const std::string& text) {
   }
   const int signal = WTERMSIG(status);
   const bool asked = std::find(std::begin(kRequests), std::end(kRequests), signal) != std::end(kRequests);
-  end.code = asked ? 128 + signal : static_cast<int>(Unexpected);  // as a shell tells it
+  end.code = asked ? 128 + signal : static_cast<int>(Unexpected);  // as in a shell
   end.sentence = "It was stopped from outside (signal " + std::to_string(signal) + ", " + strsignal(signal) + ").";
   return end;
 }
@@ -73,7 +73,7 @@ JobPool::JobPool() {
   }
   sigaddset(&awaited, SIGCHLD);
   sigprocmask(SIG_BLOCK, &awaited, &before_);
-  // Requests that are ignored, as under nohup, do not arrive.
+  // Signals that are ignored, as under nohup, do not arrive.
   signals_ = signalfd(-1, &awaited, SFD_CLOEXEC | SFD_NONBLOCK);
   if (signals_ < 0) {
     throw Failure(Unexpected, std::string("Jobs cannot be watched: ") + std::strerror(errno) + ".");
@@ -94,7 +94,7 @@ bool JobPool::start(int number, int threads, const std::function<int(Notes&)>& w
   const pid_t parent = getpid();
   const pid_t child = fork();
   if (child == 0) {
-    // Whatever ends this program, its jobs end, and clean up.
+    // If this program ends for any reason, its jobs end and clean up.
     prctl(PR_SET_PDEATHSIG, SIGTERM);
     sigprocmask(SIG_SETMASK, &before_, nullptr);
     if (getppid() != parent) {
@@ -123,7 +123,7 @@ bool JobPool::start(int number, int threads, const std::function<int(Notes&)>& w
 }
 
 void JobPool::readErrors(Running& job) {
-  constexpr std::size_t kept = 4096;  // the end tells the most
+  constexpr std::size_t kept = 4096;  // the end is the most useful part
   char part[4096];
   ssize_t count = -1;
   while (job.errors >= 0 && (count = read(job.errors, part, sizeof part)) > 0) {
@@ -145,7 +145,7 @@ std::optional<std::pair<int, JobEnd>> JobPool::reap() {
       continue;
     }
     readErrors(job->second);
-    if (job->second.errors >= 0) {  // something that the job started has it still
+    if (job->second.errors >= 0) {  // a child of the job still has it open
       close(job->second.errors);
     }
     JobEnd end = endOf(status, job->second.text);
@@ -166,7 +166,7 @@ std::pair<int, JobEnd> JobPool::wait() {
     }
     std::vector<struct pollfd> sources = {{signals_, POLLIN, 0}};
     for (const auto& [ignored, job] : jobs_) {
-      sources.push_back({job.errors, POLLIN, 0});  // -1, at the end of it, is left out
+      sources.push_back({job.errors, POLLIN, 0});  // poll() ignores -1, after its end
     }
     poll(sources.data(), sources.size(), -1);
     for (auto& [ignored, job] : jobs_) {

@@ -18,14 +18,14 @@
 
 namespace {
 
-/// What each job would load for itself, into the process that all of them are copies of.
+/// Loads what each job needs into the process from which all jobs are forked.
 void loadBefore(const Options& options, int atOnce) {
-  // Some of MeshLab's plugins bring a BLAS, which reads how many threads it may have when it is loaded.
+  // Some of MeshLab's plugins load a BLAS, which reads its number of threads then.
   setenv("OPENBLAS_NUM_THREADS", std::to_string(std::max(1, processors() / atOnce)).c_str(), 0);
   try {
     lapedit::host::BatchHost(options.plugins, {}).requireWriter("common.ply");
   } catch (const std::exception&) {
-    // The jobs will tell.
+    // The jobs will report it.
   }
 }
 
@@ -60,7 +60,7 @@ class ListRun {
       try {
         end();
       } catch (const Failure& error) {
-        failure = error;  // the other jobs that run are brought to their end
+        failure = error;  // the other running jobs are finished
       }
     }
     line_.clear();

@@ -21,9 +21,9 @@
 
 namespace {
 
-constexpr int kNoMemory = 100;  // beside the program's own codes
+constexpr int kNoMemory = 100;  // not one of the program's codes
 
-/// The work of one process. @return its exit code
+/// Does the work of one process. @return its exit code
 int codeOf(const std::function<void(int)>& work, int number, int sentences) {
   std::string sentence;
   int code = Done;
@@ -38,7 +38,7 @@ int codeOf(const std::function<void(int)>& work, int number, int sentences) {
     sentence = error.what();
     code = Unexpected;
   }
-  // Short enough to arrive as a whole.
+  // Short enough to be written atomically.
   sentence.resize(std::min<std::size_t>(sentence.size(), 2000));
   return ::write(sentences, sentence.data(), sentence.size()) >= 0 ? code : static_cast<int>(Unexpected);
 }

@@ -46,13 +46,14 @@ bool isLeftToTheSystem(int signal) {
   return comesFromAFault(signal);
 }
 
-/// All that can ask the program to end, and the end of the worker. While it lives, they wait to be taken.
+/// Signals that request the end of the program, and that of the worker's end. They are blocked during the object's
+/// lifetime and fetched by it.
 class Requests {
  public:
   Requests() {
-    // Otherwise the worker's exit code is lost where the parent process ignores the end of its children.
+    // Otherwise the worker's exit code is lost if the parent process ignores the end of its children.
     std::signal(SIGCHLD, SIG_DFL);
-    // Who reads the reports may be gone: that is an error of writing, not a reason to die in the middle.
+    // A missing reader of the reports is a write error and must not kill the program.
     std::signal(SIGPIPE, SIG_IGN);
     sigemptyset(&taken_);
     for (int signal = 1; signal <= SIGRTMAX; ++signal) {
@@ -70,7 +71,7 @@ class Requests {
 
   void restore() const { sigprocmask(SIG_SETMASK, &before_, nullptr); }
 
-  /// The next one, or 0 after a while without any.
+  /// Returns the next signal, or 0 after a while without one.
   int next() const {
     const struct timespec while_ = {0, kLookEvery};
     const int signal = sigtimedwait(&taken_, nullptr, &while_);
@@ -94,7 +95,7 @@ std::string host() {
   return lapedit::host::BatchHost::version().toStdString();
 }
 
-/// Where std::terminate() finds what it knows of.
+/// The notes for the handler of std::terminate().
 Notes* ownNotes = nullptr;
 
 }  // namespace
@@ -105,7 +106,7 @@ class Supervisor {
 
   int run(const std::function<int(Notes&)>& work) {
     const Requests requests;
-    int ends[2] = {-1, -1};  // of what the worker says apart from our own sentences
+    int ends[2] = {-1, -1};  // for the worker's output other than this program's messages
     if (pipe2(ends, O_CLOEXEC | O_NONBLOCK) != 0) {
       return say(Unexpected, std::string("The program cannot start its worker (") + std::strerror(errno) +
                                  "): nothing was written; allow more open files (ulimit -n).");
@@ -146,7 +147,7 @@ class Supervisor {
       notes_.lacks(lackIn(std::current_exception()));
     }
     std::fflush(nullptr);
-    // Not through the host's own clean-up, which nobody needs.
+    // Skips MeshLab's clean-up, which is not needed.
     _exit(notes_.code_);
   }
 
@@ -167,7 +168,7 @@ class Supervisor {
         kill(worker, signal);
       }
       const Watchdog::Verdict verdict = watchdog.look();
-      // Files that are on their way to their places get there.
+      // Outputs that are being replaced are finished first.
       const Placed placed = notes_.placed_;
       if (verdict != Watchdog::Verdict::GoOn && (placed == Placed::Nothing || placed == Placed::All)) {
         verdict_ = verdict;
@@ -176,7 +177,7 @@ class Supervisor {
     }
   }
 
-  /// Keeps the end of what the worker says.
+  /// Keeps the end of the worker's output.
   void hear() {
     constexpr std::size_t kKept = 4096;
     char part[4096];
@@ -186,7 +187,7 @@ class Supervisor {
     }
   }
 
-  /// The end of its last line, for a message; empty if it said nothing.
+  /// Returns the end of its last line, for a message; empty without output.
   std::string lastWords() const {
     constexpr std::size_t kLongest = 200;
     std::string text = said_;
@@ -200,7 +201,7 @@ class Supervisor {
     return text;
   }
 
-  /// Whether a worker that was killed had used up its processor time.
+  /// Returns whether a killed worker had used up its processor time.
   bool isOutOfProcessorTime(int signal) const {
     struct rlimit limit = {};
     constexpr double kSpare = 0.5;
@@ -258,7 +259,7 @@ class Supervisor {
                          (code == Unexpected ? "." : "; try another file format, such as PLY, OFF or STL."));
   }
 
-  /// The sentence's beginning: what stopped the work.
+  /// Returns the beginning of the message: the cause of the end.
   std::string reason() const {
     const std::string activity = std::string(" while ") + notes_.activity_;
     const int signal = WIFSIGNALED(status_) ? WTERMSIG(status_) : 0;

@@ -10,9 +10,9 @@
 
 #include "failure.h"
 
-/// Some of MeshLab's plugins bring OpenBLAS, which starts a thread per processor while it is loaded, each with memory
-/// of its own. Where the system does not allow that, it spins for ever, or ends the program by SIGINT. So where limits
-/// are low it gets one thread, and where there is not even room for that, the program says so.
+/// Some of MeshLab's plugins load OpenBLAS, which starts a thread per processor, each with its own memory. If the
+/// system does not allow that, it spins for ever or ends the program by SIGINT. With low limits it therefore gets one
+/// thread, and if memory does not suffice for that, the program reports it.
 namespace {
 
 constexpr std::size_t kRoomToBegin = std::size_t{192} << 20;

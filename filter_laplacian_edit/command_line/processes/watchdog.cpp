@@ -50,7 +50,7 @@ Watchdog::Verdict Watchdog::look() {
   if (limit > 0 && seconds(now - start_) > limit) {
     return Verdict::OutOfTime;
   }
-  // A process that was stopped for a while did not look either.
+  // A process that was stopped for a while made no checks either.
   waited_ += std::min(seconds(now - last_), 1.0);
   last_ = now;
   const std::int64_t bytes = notes_.bytes_;
