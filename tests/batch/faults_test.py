@@ -70,6 +70,9 @@ class Faults(CommandTest):
         count, errors = CALLS[call]
         when = f"{self.random.randint(1, count)}{self.random.choice(('', '+'))}"
         fault = f"{call}:error={self.random.choice(errors)}:when={when}"
+        self.run_faulty(call, fault, suffix)
+
+    def run_faulty(self, call, fault, suffix):
         # What is kept then is what cannot be removed, opened or locked.
         self.run_with(fault, suffix, "strace", "--follow-forks", "--quiet=all", "--output=/dev/null", "--seccomp-bpf",
                       f"--trace={call}", f"--inject={fault}")
@@ -105,6 +108,12 @@ class Faults(CommandTest):
         while subprocess.run(["pgrep", "-f", str(self.mesh)], stdout=subprocess.DEVNULL, check=False).returncode == 0:
             self.assertLess(time.monotonic(), end)
             time.sleep(0.01)
+
+    @unittest.skipUnless(shutil.which("strace"), "needs strace")
+    def test_file_that_cannot_be_removed_is_no_output(self):
+        for path in list(self.place.iterdir()):
+            path.unlink()
+        self.run_faulty("unlink,unlinkat", "unlink,unlinkat:error=EIO:when=1", "ply")
 
     @unittest.skipUnless(shutil.which("strace") and shutil.which("pgrep"), "needs strace and pgrep")
     def test_each_output_is_old_or_complete(self):

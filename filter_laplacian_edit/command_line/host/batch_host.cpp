@@ -157,17 +157,16 @@ int whyShort(const QFileInfo& written) {
   const QByteArray name = QFile::encodeName(written.absolutePath() + "/more");
   const int more = ::open(name.constData(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
   const QByteArray block(4096, 'x');
-  if (more >= 0) {
+  bool fits = more >= 0 && ::unlink(name.constData()) == 0;  // at once: what is left in the folder becomes an output
+  if (fits) {
     errno = ENOSPC;  // of a part that is written
+    fits = ::write(more, block.constData(), static_cast<std::size_t>(block.size())) == block.size() &&
+           ::fsync(more) == 0;
   }
-  const bool fits = more >= 0 &&
-                    ::write(more, block.constData(), static_cast<std::size_t>(block.size())) == block.size() &&
-                    ::fsync(more) == 0;
   const int error = fits ? 0 : errno;
   if (more >= 0) {
     ::close(more);
   }
-  ::unlink(name.constData());
   return error;
 }
 
