@@ -115,16 +115,16 @@ std::vector<double> fractionList(const QString& text) {
 /// Removes the two files of --landmarks from the arguments, since Qt's parser would take the second one for a file
 /// name.
 QStringList takeLandmarks(QStringList& arguments) {
-  const int at = arguments.indexOf("--landmarks");
+  const int at = arguments.indexOf(QRegularExpression("--landmarks(=.*)?"));
   if (at < 0) {
     return {};
   }
   const QStringList files = arguments.mid(at + 1, 2);
-  if (files.size() < 2 || files.join("\n").contains(QRegularExpression("(^|\n)(-|$)"))) {
+  if (arguments[at].contains('=') || files.size() < 2 || files.indexOf(QRegularExpression("|-.*")) >= 0) {
     refuse("The option --landmarks takes two files: the points, and their targets.");
   }
   arguments.erase(arguments.begin() + at, arguments.begin() + at + 3);
-  if (arguments.contains("--landmarks")) {
+  if (arguments.indexOf(QRegularExpression("--landmarks(=.*)?")) >= 0) {
     refuse("The option --landmarks is given more than once.");
   }
   return files;

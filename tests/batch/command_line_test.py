@@ -158,6 +158,45 @@ class Usage(CommandTest):
             self.refused(WRONG_USAGE, sentence + r".* See --help\.", *arguments)
         self.refused(WRONG_USAGE, r"output .* and the report .* are the same file", *good, "--report", "out.ply")
 
+    def test_wrong_usage_of_places(self):
+        table = self.folder / "from.csv"
+        table.write_text("nose,0,0,0\n")
+        two, landmarks = (self.mesh, "out.ply"), ("--landmarks", table, table)
+        for sentence, arguments in (
+                (r"--landmarks takes two files: the points, and their targets", (*two, "--landmarks")),
+                (r"--landmarks takes two files", (*two, "--landmarks", table)),
+                (r"--landmarks takes two files", (*two, "--landmarks", table, "--quiet")),
+                (r"--landmarks takes two files", (*two, "--landmarks", "", table)),
+                (r"--landmarks", (*two, f"--landmarks={table}", table)),
+                (r"--landmarks is given more than once", (*two, *landmarks, *landmarks)),
+                (r"There are 3 file names: with --landmarks give the mesh and the output", (*two, self.edit, *landmarks)),
+                (r"There are 1 file names: with --landmarks give", (self.mesh, *landmarks)),
+                (r"are for one mesh, not for --list", ("--list", "jobs.tsv", *landmarks)),
+                (r"are for one mesh, not for --list", ("--list", "jobs.tsv", "--info")),
+                (r"There are 3 file names: give the mesh alone with --nearest or --info", (*two, self.edit, "--info")),
+                (r"There are 0 file names: give the mesh alone", ("--nearest", "0,0,0")),
+                (r'"0,0": give', (self.mesh, "--nearest", "0,0")),
+                (r'"0,0,nan": give', (self.mesh, "--nearest", "0,0,nan")),
+                (r'"0,0,0,0": give', (self.mesh, "--nearest", "0,0,0,0")),
+                (r'fractions are "0:1": give first:last:count', (*two, self.edit, "--fractions", "0:1")),
+                (r"a count from 2 to 9999", (*two, self.edit, "--fractions", "0:1:1")),
+                (r"a count from 2 to 9999", (*two, self.edit, "--fractions", "0:1:10000")),
+                (r"a count from 2 to 9999", (*two, self.edit, "--fractions", "0:1:2.5")),
+                (r'fraction is "2": give a number from 0', (*two, self.edit, "--fractions", "0:2:3")),
+                (r'fraction is ""', (*two, self.edit, "--fractions", ":1:3")),
+                (r"standard input is named twice", ("-", "out.ply", "-"))):
+            with self.subTest(sentence):
+                self.refused(WRONG_USAGE, sentence + r".* See --help\.", *arguments)
+        missing = ("--landmarks", table, "none.csv")
+        self.refused(UNREADABLE, r"none\.csv.* does not exist", *two, *missing)
+        for content, sentence in (("", "has no landmarks"), ("nose,nan,0,0\n", 'the x of landmark "nose" is "nan"'),
+                                  ("nose,0,0,9\nchin,0,0,9\n", '"chin" is only in')):
+            targets = self.folder / "to.csv"
+            targets.write_text(content)
+            self.refused(REFUSED, sentence, *two, "--landmarks", table, targets)
+        table.write_text("nose,50,0,0\n")
+        self.refused(REFUSED, r'"nose".*diagonal', *two, *landmarks)
+
 
 class Edits(CommandTest):
     def test_json_has_the_bits_of_the_filter(self):
