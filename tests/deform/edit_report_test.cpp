@@ -257,6 +257,11 @@ TEST(AdviceOnAnEdit, NamesTheWaysInOrder) {
   EXPECT_EQ(r.advice(),
             "12 triangles folded over near vertex 4711: use a group of vertices as the handle, or make the edit in "
             "two steps.");
+  r.has_targets = true;
+  EXPECT_EQ(r.advice(),
+            "12 triangles folded over near vertex 4711: check the targets near it, lower the weights of landmarks that "
+            "contradict each other, or make the edit in two steps.");
+  r.has_targets = false;
   r.handle_displacement = 1.5;
   r.folded = 1;
   EXPECT_EQ(r.advice(),

@@ -7,8 +7,14 @@ import unittest
 from gui import LINES_OF_REFUSAL
 from tool import ToolTest, part
 from host import replay
-from ply import Ply, write_ply
+from ply import Ply, bits_of, write_ply
 from shapes import moved
+
+
+def numbers_of(text):
+    """The vertices of a list as the JSON has it."""
+    ranges = [[int(end) for end in part.split("-")] for part in text.split(",") if part]
+    return [number for ends in ranges for number in range(ends[0], ends[-1] + 1)]
 
 
 class Regret(ToolTest):
@@ -92,6 +98,23 @@ class Keep(ToolTest):
             w.answer(path=path)
             self.assert_same(result, w.dump())
             self.assert_replay_is_the_same(w, self.mesh)
+
+    def test_saved_edit_has_places_by_which_it_is_applied(self):
+        with self.start(self.mesh) as w:
+            self.two_steps(w)
+            edit = json.loads(self.saved_edit(w).read_text())
+            places = edit["mesh"]["places"]
+            numbers = numbers_of(places["vertices"])
+            self.assertEqual([[*map(bits_of, point)] for point in places["points"]],
+                             [[*map(bits_of, self.points[number])] for number in numbers])
+            for step in edit["steps"]:
+                for named in (*step["handles"], step["region"]):
+                    self.assertLessEqual(set(numbers_of(named.get("vertices", ""))), set(numbers))
+            edit["mesh"] = {"places": places}
+            path, _ = self.edited([replay(json.dumps(edit))], self.mesh)
+            self.assertEqual(Ply(path).point_bits(), w.dump().point_bits())
+            path, _ = self.edited([replay(json.dumps({**edit, "mesh": {}}))], self.mesh)
+            self.assertEqual(Ply(path).point_bits(), w.dump().point_bits())
 
     def test_what_cannot_be_loaded_is_reported_in_a_line(self):
         broken = self.folder / "broken.json"
