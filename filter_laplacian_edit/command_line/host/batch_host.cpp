@@ -160,8 +160,8 @@ int whyShort(const QFileInfo& written) {
   bool fits = more >= 0 && ::unlink(name.constData()) == 0;  // at once: what is left in the folder becomes an output
   if (fits) {
     errno = ENOSPC;  // of a part that is written
-    fits = ::write(more, block.constData(), static_cast<std::size_t>(block.size())) == block.size() &&
-           ::fsync(more) == 0;
+    fits =
+        ::write(more, block.constData(), static_cast<std::size_t>(block.size())) == block.size() && ::fsync(more) == 0;
   }
   const int error = fits ? 0 : errno;
   if (more >= 0) {
