@@ -1,0 +1,51 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Prints the table of hosts.md that says where plugins, program and core run, from the logs of test runs.
+
+usage: where_it_runs.py LOG...     LOG: what ctest printed, such as build/tests_run.log; the last result of a test counts
+
+A cell is "yes" when all of its tests passed, "no" when one failed, "not run" when one is in no log, and "-" when there is
+no such thing.
+"""
+import pathlib
+import re
+import sys
+
+COLUMNS = "compiled", "loaded", "tested", "same bits"
+ROWS = [
+    ("MeshLab 2020.09, Debian 12, g++ 12", ["command.filter"], ["gui.driver"], ["command.filter", "gui.driver"], ["host.edits_keep_their_bits"]),
+    ("the same on a processor without AVX", ["hosts.here_other_cpu"], ["hosts.here_other_cpu"], ["kernels.linear.plain"], ["hosts.same_coordinates"]),
+    ("MeshLab 2022.02, Debian 13, g++ 14", ["hosts.trixie"], ["hosts.trixie"], ["hosts.trixie"], ["hosts.same_coordinates"]),
+    ("MeshLab 2025.07, Debian sid, g++ 16", ["hosts.sid"], ["hosts.sid"], ["hosts.sid"], ["hosts.same_coordinates"]),
+    ("MeshLab 2025.07, double precision", ["hosts.double"], ["hosts.double"], ["hosts.double"], []),
+    ("Debian package, 2020.09", *3 * [["hosts.package_bookworm"]], []),
+    ("Debian package, 2022.02", *3 * [["hosts.package_trixie"]], []),
+    ("Debian package, 2025.07", *3 * [["hosts.package_sid"]], []),
+    ("PyMeshLab 2022.2, double precision", ["wheel.make"], ["wheel.2022.2"], ["wheel.2022.2"], []),
+    ("PyMeshLab 2025.7, double precision", ["wheel.make"], ["wheel.2025.7"], ["wheel.2025.7"], []),
+    ("core, kernels in plain C++17", ["processors.plain"], [], ["processors.plain"], ["processors.plain"]),
+    ("core, clang with libc++", ["processors.libc++"], [], ["processors.libc++"], ["processors.libc++"]),
+    ("core, arm64 under qemu", ["processors.arm64"], [], ["processors.arm64"], ["processors.arm64"]),
+    ("core, Windows (mingw-w64) under wine", ["processors.windows"], [], ["processors.windows"], ["processors.windows"]),
+]
+
+
+def main():
+    if len(sys.argv) < 2:
+        sys.exit(re.search(r"usage: .*", __doc__)[0])
+    passed = {}
+    for log in sys.argv[1:]:
+        for name, result in re.findall(r"^ *\d+/\d+ Test +#\d+: (\S+) \.*(?: +|\*\*\*)(\w+)", pathlib.Path(log).read_text(encoding="utf-8"), re.M):
+            passed[name] = result == "Passed"
+    lines = [["", *COLUMNS], ["---"] * 5]
+    for name, *cells in ROWS:
+        words = [name]
+        for tests in cells:
+            results = [passed.get(test) for test in tests]
+            words.append("-" if not tests else "no" if False in results else "not run" if None in results else "yes")
+        lines.append(words)
+    print("\n".join(f"| {' | '.join(line)} |" for line in lines))
+
+
+if __name__ == "__main__":
+    main()
