@@ -5,16 +5,17 @@
 #include <array>
 #include <cctype>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <locale>
 #include <map>
 #include <memory>
 #include <optional>
 #include <set>
+#include <sstream>
 #include <system_error>
 #include <utility>
 
@@ -40,13 +41,12 @@ bool ends_with(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
-/// Reads a number, including "nan"; `std::nullopt` if the text is no number.
+/// Reads a number; `std::nullopt` if the text is no finite one. libstdc++ 10 has no std::from_chars for it.
 std::optional<double> number(const std::string& text) {
-  const std::string clean = trimmed(text);
-  const char* const end = clean.data() + clean.size();
+  std::istringstream in(text);
+  in.imbue(std::locale::classic());
   double value = 0;
-  const auto [stop, error] = std::from_chars(clean.data() + (clean.compare(0, 1, "+") == 0), end, value);
-  return error == std::errc() && stop == end && !clean.empty() ? std::optional<double>(value) : std::nullopt;
+  return in >> value && (in >> std::ws).eof() ? std::optional<double>(value) : std::nullopt;
 }
 
 /// Collects landmarks, with the checks that all formats have in common.
