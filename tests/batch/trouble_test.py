@@ -74,7 +74,7 @@ class Output(Trouble):
             _, errors = process.communicate(timeout=100)
             with self.subTest(how):
                 self.assertEqual(process.returncode, UNWRITABLE)
-                self.assertRegex(errors.decode(), r"\A[^\n]*cannot be written: its folder was moved or removed: start it "
+                self.assertRegex(errors.decode(), r"\A[^\n]*cannot be written: its folder was moved or removed: run it "
                                                   r"again\.\n\Z")
                 self.assertEqual({path.name for path in self.place.rglob("*")},
                                  {"out.ply", "elsewhere"} if how == "moved" else {"out.ply"})
