@@ -6,7 +6,7 @@
 EditLaplacianDrag::EditLaplacianDrag()
     : EditToolPlugin(
           {LaplacianDragTool::kTitle,
-           "bends the surface by dragging a handle; details keep their shape and turn with it (Laplacian editing for "
+           "bends the surface by dragging a handle; details keep their shape and rotate with it (Laplacian editing for "
            "MeshLab " LAPEDIT_VERSION ")",
            ":/laplacian_drag/icon.png", QKeySequence("Ctrl+Alt+L"),
            [](lapedit::host::HostWindow& window) { return std::make_unique<LaplacianDragTool>(window); }}) {}

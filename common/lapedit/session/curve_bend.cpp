@@ -12,8 +12,8 @@ Vector3 place_of(const TriangleMesh& mesh, int vertex) {
   return mesh.vertices.row(vertex).transpose();
 }
 
-/// What a point's neighbour leaves to it, at a share of the way from the neighbour.
-/// @param free_point, free_neighbour  whether it is an end of the curve
+/// Returns the movement that a point keeps at a share of the path from its neighbour.
+/// @param free_point, free_neighbour whether the point is an end of the curve
 double rise(double share, bool free_point, bool free_neighbour) {
   if (free_point && free_neighbour) {
     return share;
@@ -57,7 +57,7 @@ std::vector<double> bend_weights(const TriangleMesh& mesh, const std::vector<int
 }
 
 int mirrored_point(const TriangleMesh& mesh, const HandleCurve& curve, int point, const Affine& mirror) {
-  constexpr double kOfWay = 0.25;  // from the point to its image
+  constexpr double kOfWay = 0.25;  // of the distance from the point to its image
   const Vector3 place = place_of(mesh, curve.path[curve.points[point]]), image = mirror * place;
   double nearest = kOfWay * (image - place).norm();
   int found = -1;

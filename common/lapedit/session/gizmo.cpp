@@ -9,7 +9,7 @@ namespace lapedit {
 namespace {
 
 constexpr double kLengthPixels = 90, kPickPixels = 7, kKnobPixels = 9;
-/// Of a ring's far half, which others cover.
+/// Applies to a ring's far half, which other parts cover.
 constexpr double kBehindPixels = 3;
 constexpr double kLeastSine = 0.2;  // of sight and arrow, or of sight and a ring's plane
 constexpr int kCorners = 64;        // of a ring
@@ -21,7 +21,7 @@ double distance_to_segment(const Vector2& point, const Vector2& from, const Vect
   return (point - from - share * way).norm();
 }
 
-/// Pixels from the cursor to a ring.
+/// Returns the distance from the cursor to a ring in pixels.
 double distance_to_ring(const Gizmo& gizmo, int axis, const Cursor& cursor) {
   const Vector3 sight = cursor.view.toward_viewer(gizmo.center);
   double nearest = HUGE_VAL;
@@ -66,7 +66,7 @@ Gizmo place_gizmo(const Vector3& center, GizmoAxes axes, const Vector3& normal, 
     gizmo.axes.col(0) = gizmo.axes.col(1).cross(gizmo.axes.col(2));
   } else if (axes == GizmoAxes::Normal && length > 0 && std::isfinite(length)) {
     gizmo.axes.col(2) = normal / length;
-    // The layer's axis that is most nearly tangent: the frame does not turn with the view.
+    // Takes the layer's axis that is most nearly tangent, so that the frame does not rotate with the view.
     Eigen::Index most_tangent = 0;
     gizmo.axes.col(2).cwiseAbs().minCoeff(&most_tangent);
     gizmo.axes.col(1) = gizmo.axes.col(2).cross(Vector3(Vector3::Unit(most_tangent))).normalized();

@@ -28,7 +28,7 @@ std::optional<SurfaceHit> HoverSearch::hit(const Ray& ray) const {
   return faces_.first_hit(ray);
 }
 
-/// Where the distance passes the radius, straight through each face.
+/// Adds the line where the distance equals the radius, straight through each face.
 void HoverSearch::trace(const std::vector<int>& reached, double radius, Points& segments) {
   ends_.clear();
   for (const int v : reached) {
@@ -47,7 +47,7 @@ void HoverSearch::trace(const std::vector<int>& reached, double radius, Points& 
       }
       const int inside = static_cast<int>(std::count_if(distance, distance + 3, [&](double d) { return d <= radius; }));
       if (lowest != v || inside == 3) {
-        continue;  // each face once, at its lowest corner within
+        continue;  // each face once, at its lowest corner inside
       }
       for (int k = 0; k < 3; ++k) {
         int from = k, to = (k + 1) % 3;
@@ -58,7 +58,7 @@ void HoverSearch::trace(const std::vector<int>& reached, double radius, Points& 
           std::swap(from, to);
         }
         const Vector3 start = mesh_.vertices.row(mesh_.faces(f, from)), end = mesh_.vertices.row(mesh_.faces(f, to));
-        // What the search did not come to is as far as the way along the edge.
+        // Vertices that the search did not reach are as far as along the edge.
         const double beyond = std::min(distance[to], distance[from] + (end - start).norm());
         const double share = beyond > distance[from] ? (radius - distance[from]) / (beyond - distance[from]) : 0;
         const Vector3 place = start + std::clamp(share, 0.0, 1.0) * (end - start);
@@ -139,7 +139,7 @@ HoverSearch* HoverBackground::of(const std::shared_ptr<const TriangleMesh>& mesh
         }
         wake_();
       });
-    } catch (const std::system_error&) {  // no thread can be had now: the next movement of the mouse asks again
+    } catch (const std::system_error&) {  // no thread is available: the next movement of the mouse tries again
       mesh_.reset();
       is_coming_ = false;
       return nullptr;

@@ -10,7 +10,7 @@ namespace {
 
 using Edge = std::pair<unsigned, unsigned>;
 
-/// Ascending, those that come once.
+/// Returns the edges that occur once, ascending.
 std::vector<Edge> single_edges(const std::vector<unsigned>& corners) {
   std::vector<Edge> edges;
   edges.reserve(corners.size());
@@ -37,7 +37,7 @@ std::vector<Edge> single_edges(const std::vector<unsigned>& corners) {
 
 Chains border_of(const std::vector<unsigned>& corners) {
   const std::vector<Edge> edges = single_edges(corners);
-  // Each edge from both ends, to find what goes on from a vertex.
+  // Lists each edge from both ends, to find the next edge at a vertex.
   std::vector<std::pair<unsigned, std::size_t>> from;
   from.reserve(2 * edges.size());
   for (std::size_t e = 0; e < edges.size(); ++e) {

@@ -6,9 +6,9 @@
 namespace lapedit {
 namespace {
 
-/// A press this near to a handle vertex takes hold of its group.
+/// A press this near to a handle vertex grabs its group.
 constexpr double kGrabPixels = 6;
-/// A press beside the surface, but this near to it, means its edge: tips of limbs are thinner than a pixel.
+/// A press this near to the surface picks its edge, since tips of limbs are thinner than a pixel.
 constexpr double kEdgePixels = 4;
 
 double pixels_away(const Cursor& cursor, const Vector3& place) {

@@ -24,13 +24,13 @@ EditSettings with_membrane(double membrane) {
 
 const std::vector<Preset>& presets() {
   static const std::vector<Preset> list = {
-      {"General", "What suits most surfaces.",
+      {"General", "Suits most surfaces.",
        [](DragSettings& s) { set(s, EditSettings(), DragSettings().handle_share, DragSettings().softness); }},
       {"Limb", "Arms, legs, tails and horns: a larger handle, less stretch, the limb bends and keeps its thickness.",
        [](DragSettings& s) { set(s, with_membrane(1000), 0.25, 0); }},
-      {"Face", "Noses, lips, ears and cheeks: a soft dab that runs out smoothly.",
+      {"Face", "Noses, lips, ears and cheeks: a soft disc that fades out smoothly.",
        [](DragSettings& s) { set(s, with_membrane(200), 0.25, 1); }},
-      {"Terrain", "Hills and height fields: details stay upright, since nothing is turned.",
+      {"Terrain", "Hills and height fields: details stay upright, since they are not rotated.",
        [](DragSettings& s) {
          EditSettings edit = with_membrane(0);
          edit.rotation = DetailRotation::None;

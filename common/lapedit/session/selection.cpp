@@ -14,7 +14,7 @@ namespace {
 
 using Next = Selection::Next;
 
-/// All handle vertices. @param but  a group to leave out
+/// Returns all handle vertices. @param but a group to omit
 std::vector<int> handles_of(const Selection& selection, int but = -1) {
   std::vector<int> handles;
   for (std::size_t g = 0; g < selection.groups.size(); ++g) {
@@ -72,8 +72,8 @@ double disc_radius(const DragSettings& settings) {
   return settings.handle_share * settings.radius;
 }
 
-/// What a click takes. A disc has the vertex' neighbours at least, where they leave a region around: on a coarse mesh a
-/// single vertex would make a needle.
+/// Returns the handle of a click. A disc has at least the vertex's neighbours if a region remains around them, since on
+/// a coarse mesh a single vertex makes a needle.
 std::vector<int> disc(const Surface& surface, int vertex) {
   const double radius = disc_radius(surface.settings);
   std::vector<int> within = vertices_within(surface.mesh, surface.adjacency, vertex, radius);
@@ -85,8 +85,8 @@ std::vector<int> disc(const Surface& surface, int vertex) {
   return within;
 }
 
-/// What follows from discs once their groups are known: how far they go (on a coarse mesh less far than they were to),
-/// from where the region's radius counts, and weights.
+/// Computes the data of discs once their groups are known: their actual radius (smaller on a coarse mesh), the start of
+/// the region's radius, and weights.
 void follow_discs(const Surface& surface, Selection& selection) {
   const double radius = disc_radius(surface.settings), softness = surface.settings.softness;
   const bool counts = selection.discs.all();
@@ -176,7 +176,7 @@ Choice extend_curve(const Surface& surface, const Selection& selection, int vert
   return after;
 }
 
-/// The region made by hand of the one that is shown. @param change  old set of vertices in, new one out
+/// Makes an edited region of the shown one. @param change maps the old vertex set to the new one
 template <class Change>
 Choice changed_by_hand(const Surface& surface, const Selection& selection, const Change& change) {
   if (!selection.has_region || !surface.region) {
@@ -307,7 +307,7 @@ Selection with_group_chosen(const Selection& selection, int group) {
 // --- Regions --------------------------------------------------------------------------------------------------------
 
 Selection brushed(const Surface& surface, const Selection& selection, const std::vector<int>& patch, bool add) {
-  // Of a region made by hand what was chosen counts, whether a handle reaches it or not.
+  // A region made by hand has the chosen vertices, whether a handle reaches them or not.
   const std::vector<int> before = !selection.has_region                                 ? std::vector<int>()
                                   : selection.region.kind == RegionSpec::Kind::Vertices ? selection.region.vertices
                                   : surface.region                                      ? surface.region->mesh_vertex
@@ -369,7 +369,7 @@ Choice anchors_brushed(const Surface& surface, const Selection& selection, const
   if (after.held == selection.held) {
     return Refusal{add ? messages::kNothingToHold : messages::kNoAnchors};
   }
-  if (!add && !selection.region.anchors.empty()) {  // they came to be the region's own with the last step
+  if (!add && !selection.region.anchors.empty()) {  // the last step made them the region's own
     return with_anchors(surface, after, without(sorted_set(selection.region.anchors.vertices), patch));
   }
   return after;

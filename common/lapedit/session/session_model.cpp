@@ -14,7 +14,7 @@ TriangleMesh checked(TriangleMesh mesh) {
   return mesh;
 }
 
-/// Newer places take precedence over those that nobody has taken yet.
+/// Newer positions replace those that have not been fetched yet.
 PoseChange joined(const PoseChange& older, const std::vector<int>& vertices, const Points& places) {
   PoseChange all{united(older.vertices, vertices), {}};
   all.places.resize(static_cast<Eigen::Index>(all.vertices.size()), 3);
@@ -77,11 +77,11 @@ bool SessionModel::take(Choice choice) {
   Selection& chosen = std::get<Selection>(choice);
   const bool another_region = chosen.taken != selection.taken;
   if (chosen.groups != selection.groups) {
-    tools.mirrored.reset();  // a stroke of the brush is seen at once, its image when it is prepared for
+    tools.mirrored.reset();  // a stroke is shown at once, its mirror image after preparation
   }
   selection = std::move(chosen);
   if (another_region) {
-    show_region(nullptr);  // the old one would be taken for the new one's
+    show_region(nullptr);  // otherwise the old region would be taken for the new one
   }
   return true;
 }

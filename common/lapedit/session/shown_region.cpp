@@ -26,7 +26,7 @@ Region region_by_hand(const TriangleMesh& mesh, const Adjacency& adjacency, cons
       const int a = local(mesh.faces(f, 0));
       const int b = local(mesh.faces(f, 1));
       const int c = local(mesh.faces(f, 2));
-      // Each face once: at its lowest corner.
+      // Each face is listed once, by its lowest corner.
       if (a >= 0 && b >= 0 && c >= 0 && std::min({a, b, c}) == static_cast<int>(i)) {
         corners.insert(corners.end(), {a, b, c});
       }
