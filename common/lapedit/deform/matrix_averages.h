@@ -13,7 +13,12 @@ namespace lapedit {
 /// details from tilting the rotations that are fitted to the matrices.
 class MatrixAverages {
  public:
-  explicit MatrixAverages(int count) : current_(kStride * static_cast<std::size_t>(count), 0), other_(current_) {}
+  MatrixAverages() = default;
+  explicit MatrixAverages(int count) { resize(count); }
+  void resize(int count) {
+    current_.resize(kStride * static_cast<std::size_t>(count));
+    other_.resize(current_.size());
+  }
 
   Eigen::Map<Matrix3> operator[](int i) { return Eigen::Map<Matrix3>(current_.data() + std::ptrdiff_t{kStride} * i); }
 

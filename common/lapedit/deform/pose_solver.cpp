@@ -33,7 +33,8 @@ struct PoseSolver::Impl {
   Points displacement;  // d, from the carried pose
   Points right;         // right-hand side of the normal equations
   Points previous;      // d of the pass before
-  Points positions;     // no rows before the first solve
+  // Nothing before the first solve.
+  Points positions;
   std::vector<Matrix3> rotations;
   std::vector<Matrix3> rotations_before;  // of the previous pass, if there are several
 
@@ -45,8 +46,7 @@ struct PoseSolver::Impl {
        const Progress& progress, const LaplacianSystem* before)
       : system(prepare_system(mesh, std::move(rest), settings, before, progress, report)),
         solver(system->matrix, system->correction, system->pool),
-        constraints(*system),
-        rotations(system->region.size(), Matrix3::Identity()) {
+        constraints(*system) {
     const Stopwatch watch;
     if (settings.rotation != DetailRotation::None) {
       rotation = std::make_unique<RotationPass>(*system);
@@ -227,7 +227,7 @@ const Points& PoseSolver::solve(const std::vector<HandleMotion>& handles, const 
   s.report.normals_ms = s.report.rotate_ms = s.report.solve_ms = 0;
   s.report.iterations = s.report.passes_dropped = 0;
   s.report.rotation_left = 0;
-  std::fill(s.rotations.begin(), s.rotations.end(), Matrix3::Identity());
+  s.rotations.assign(s.system->region.size(), Matrix3::Identity());
   if (s.rotation && s.constraints.pull()) {
     locally ? s.turn_locally(start, go_on) : s.turn_details(go_on);
   }

@@ -6,13 +6,14 @@
 namespace lapedit {
 
 RingRotations::RingRotations(const Region& region, const OperatorRows& m, ThreadPool& pool)
-    : region_(region), m_(m), pool_(pool), covariances_(region.size()) {}
+    : region_(region), m_(m), pool_(pool) {}
 
 void RingRotations::fit(const Points& before, const Points& displacement, std::vector<Matrix3>& rotations) {
   // With fewer rounds details tilt more: by 14.6 and 25.8 degrees with 2 rounds, by 11.5 and 19.7 with 8
   // (detail_orientation_test).
   constexpr int kAveraging = 8;
   constexpr int kGrain = 512;
+  covariances_.resize(region_.size());
   in_pieces(pool_, region_.size(), kGrain, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
       Matrix3 covariance = Matrix3::Zero();

@@ -32,7 +32,7 @@ class RingRotations {
   const Region& region_;
   const OperatorRows& m_;
   ThreadPool& pool_;
-  MatrixAverages covariances_;
+  MatrixAverages covariances_;  // only takes memory once it is used
 };
 
 }  // namespace lapedit
