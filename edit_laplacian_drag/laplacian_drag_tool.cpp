@@ -7,6 +7,7 @@
 #include <QGuiApplication>
 #include <QMainWindow>
 #include <QTimer>
+#include <QToolTip>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -146,6 +147,9 @@ bool LaplacianDragTool::start() {
     nothing_ = tr("There is no mesh: open one first.");
     if (!on_) {
       say(nothing_.toStdString());
+      // The tool does not start, so that the picture is not its own.
+      QWidget& canvas = window_.canvas();
+      QToolTip::showText(canvas.mapToGlobal(canvas.rect().center()), nothing_, &canvas);
     }
     return on_;
   }
@@ -166,10 +170,7 @@ bool LaplacianDragTool::start() {
   } catch (const EditError& error) {
     nothing_ = error.what();
     say(error.what());
-    if (!on_) {
-      shared_->end(*this);
-      return false;
-    }
+    on_ = true;
     openPanel();
     refreshPanel();
     return true;

@@ -12,6 +12,7 @@
 #include <QInputDialog>
 #include <QKeyEvent>
 #include <QLabel>
+#include <QListWidget>
 #include <QLocale>
 #include <QMap>
 #include <QProgressBar>
@@ -26,6 +27,7 @@
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
+#include <utility>
 
 #include "lapedit/session/presets.h"
 #include "panel_icons.h"
@@ -38,6 +40,7 @@ namespace {
 constexpr double kLongest = 1e12;
 constexpr int kFieldWidth = 160, kButtonWidth = 50, kBoxBesideSlider = 72;
 constexpr int kSliderSteps = 1000;
+constexpr int kHistoryRows = 6;
 // Of the mesh's size: ends of the slider for the radius.
 constexpr double kSmallestRadius = 0.002, kLargestRadius = 1;
 constexpr int kPlanes = 6;  // to mirror at
@@ -155,7 +158,7 @@ void Panel::addBasic() {
       session.show_gizmo(false, GizmoAxes::Layer);
     });
   });
-  buttons({save, defaults});
+  buttons({save, defaults, button("help", tr("Keys"), tr("Shows all keys over the picture (?)"))});
   row(tr("Turn about"),
       state(
           "pivot", {tr("Handle's middle"), tr("Shoulder (edge)"), tr("Point (next click)")},
@@ -166,13 +169,13 @@ void Panel::addBasic() {
   buttons({button("move", tr("Move"), tr("The handle follows the mouse, no button held (T)")),
            button("rotate", tr("Rotate"), tr("The handle turns about its pivot with the mouse (R)")),
            button("scale", tr("Scale"), tr("The handle grows about its pivot with the mouse (S)"))});
-  buttons({button("apply", tr("Apply"), tr("Applies what is being moved (Return)")),
-           button("cancel", tr("Cancel"), tr("Takes back what is being moved (Esc, Backspace, right button)"))});
-  auto* const fixed = button("keep_fixed", tr("Keep fixed"),
-                             tr("Paint what is to stay, no key held; Shift takes away. It stays for all regions"));
+  auto* const fixed =
+      button("keep_fixed", tr("Keep fixed"),
+             tr("Paint the vertices to keep fixed, no key held; Shift removes them. They hold for all regions"));
   fixed->setCheckable(true);
   shown_.push_back([fixed](const DragSession& session) { fixed->setChecked(session.keeps_fixed()); });
-  buttons({fixed, button("help", tr("Keys"), tr("Shows all keys over the picture (?)"))});
+  buttons({button("apply", tr("Apply"), tr("Applies what is being moved (Return)")),
+           button("cancel", tr("Cancel"), tr("Cancels what is being moved (Esc, Backspace, right button)")), fixed});
   buttons({button("undo", tr("Undo"), tr("Takes the last step back (Ctrl+Z)")),
            button("redo", tr("Redo"), tr("Does it again (Ctrl+Shift+Z)")),
            button("reset", tr("Reset"), tr("Back to the mesh as it was when the tool began"))});
@@ -192,7 +195,8 @@ void Panel::addBasic() {
 }
 
 void Panel::addLastStep() {
-  begin("last_step", tr("Last step"), tr("What was done last; it can be changed until something else is picked"));
+  begin("last_step", tr("Last step and history"),
+        tr("The last step, which can be changed until something else is picked, and all that was done"));
   using Get = std::function<double&(LastStep&)>;
   const auto send = [this](const LastStep& last, bool passing) {
     change([last, passing](DragSession& session) { session.set_last_step(last.motion, last.share, passing); });
@@ -259,6 +263,23 @@ void Panel::addLastStep() {
     }
   });
   row(tr("Of the way"), share);
+  addHistory();
+}
+
+void Panel::addHistory() {
+  history_ = new QListWidget;
+  history_->setObjectName(nameOf("timeline"));
+  history_->setToolTip(tr("All steps and strokes in order: a click goes to the state after one; grey ones are undone"));
+  history_->setFocusPolicy(Qt::NoFocus);
+  history_->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+  history_->setSizePolicy(QSizePolicy::Preferred, QSizePolicy::Fixed);
+  history_->setFixedHeight(kHistoryRows * history_->fontMetrics().lineSpacing());
+  connect(history_, &QListWidget::itemClicked, this, [this](const QListWidgetItem* item) {
+    const auto row = static_cast<std::size_t>(history_->row(item));
+    historyShown_ = -1;  // the click has chosen a row, which may be refused
+    change([row](DragSession& session) { session.go_to(row); });
+  });
+  form_->addRow(history_);
 }
 
 void Panel::addRegion() {
@@ -298,8 +319,7 @@ void Panel::addHandles() {
                               access<&DragSettings::softness, 100>()));
   buttons({button("anchors_from_selection", tr("Fix the selection"),
                   tr("What the selected faces cover stays, in place of the region's fixed edge"))});
-  buttons({button("next_group", tr("Add a handle"),
-                  tr("The next click makes another handle; those there hold their place (G)"))});
+  buttons({button("next_group", tr("Add a handle"), tr("The next click adds a handle; the other handles hold (G)"))});
 }
 
 void Panel::addGizmo() {
@@ -637,6 +657,22 @@ QLabel* Panel::figure(const char* part, const QString& help) {
   return label;
 }
 
+void Panel::showHistory(const Timeline& timeline) {
+  if (std::exchange(historyShown_, timeline.serial()) == timeline.serial()) {
+    return;
+  }
+  history_->clear();
+  history_->addItem(tr("Start"));
+  for (const Action& action : timeline.done()) {
+    history_->addItem(QString::fromStdString(action.name));
+  }
+  history_->setCurrentRow(history_->count() - 1);
+  for (auto action = timeline.undone().rbegin(); action != timeline.undone().rend(); ++action) {
+    auto* const item = new QListWidgetItem(QString::fromStdString(action->name), history_);
+    item->setForeground(palette().brush(QPalette::Disabled, QPalette::Text));
+  }
+}
+
 // --- Showing --------------------------------------------------------------------------------------------------------
 
 void Panel::setMesh(const TriangleMesh& mesh) {
@@ -644,6 +680,7 @@ void Panel::setMesh(const TriangleMesh& mesh) {
   const double diagonal = box.isEmpty() ? 0 : box.diagonal().norm();
   size_ = diagonal > 0 ? diagonal : 1;
   defaults_ = settings_for(mesh);
+  historyShown_ = -1;  // of another session
   middle_ = box.isEmpty() ? Vector3(Vector3::Zero()) : Vector3(box.center());
   const int digits = std::clamp(5 - static_cast<int>(std::floor(std::log10(size_))), 2, 12);
   for (QDoubleSpinBox* length : lengths_) {
@@ -666,6 +703,7 @@ void Panel::show(const DragSession* session, const FrameTimes& median) {
     bring(*session);
   }
   showCommands(*session);
+  showHistory(session->timeline());
   showFigures(*session, median);
 }
 

@@ -19,6 +19,7 @@ class QComboBox;
 class QDoubleSpinBox;
 class QFormLayout;
 class QLabel;
+class QListWidget;
 class QProgressBar;
 class QPushButton;
 class QSlider;
@@ -76,6 +77,7 @@ class Panel : public QDockWidget {
   void addSymmetry();
   void addAdvanced();
   void addLastStep();
+  void addHistory();
   void addStatistics();
 
   /// Adds the widgets that follow to this group.
@@ -112,6 +114,7 @@ class Panel : public QDockWidget {
   /// Returns the planes X, Y, Z through the origin of the layer, then through the middle of its box.
   lapedit::MirrorPlane plane(int index) const;
   void showCommands(const lapedit::DragSession& session);
+  void showHistory(const lapedit::Timeline& timeline);
   void showFigures(const lapedit::DragSession& session, const FrameTimes& median);
 
   QPointer<QWidget> canvas_;
@@ -126,6 +129,8 @@ class Panel : public QDockWidget {
   std::vector<QLabel*> titles_;                                          ///< of rows
   std::vector<QDoubleSpinBox*> lengths_;                                 ///< with digits that depend on the mesh's size
   std::optional<lapedit::LastStep> lastStep_;
+  QListWidget* history_;
+  int historyShown_ = -1;  ///< serial of the timeline that the list shows
   QCheckBox* heat_;
   QProgressBar* progress_;
   QLabel *region_, *times_, *frame_, *quality_;

@@ -30,29 +30,28 @@ WindowSessions::~WindowSessions() {
 }
 
 void WindowSessions::showPanel() {
-  const auto* const window = qobject_cast<QMainWindow*>(parent());
-  if (window != nullptr && !panel_->isVisible() &&
+  auto* const window = qobject_cast<QMainWindow*>(parent());
+  QDockWidget* layers = nullptr;
+  if (window != nullptr && !panel_->isVisible() && !panel_->isFloating() &&
       window->centralWidget()->width() - panel_->sizeHint().width() < kPictureWidth) {
     for (QDockWidget* dock : window->findChildren<QDockWidget*>(QString(), Qt::FindDirectChildrenOnly)) {
       const bool beside = window->dockWidgetArea(dock) == Qt::LeftDockWidgetArea ||
                           window->dockWidgetArea(dock) == Qt::RightDockWidgetArea;
       if (dock != panel_ && beside && dock->isVisible() && !dock->isFloating()) {
-        dock->hide();
-        aside_ += dock;
+        layers = dock;
       }
     }
   }
   panel_->QDockWidget::show();
+  if (layers != nullptr) {
+    window->tabifyDockWidget(layers, panel_);
+    panel_->raise();
+  }
 }
 
 void WindowSessions::hidePanel() {
   if (panel_) {
     panel_->hide();
-  }
-  for (const QPointer<QDockWidget>& dock : std::exchange(aside_, {})) {
-    if (dock) {
-      dock->show();
-    }
   }
 }
 

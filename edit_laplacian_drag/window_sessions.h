@@ -37,7 +37,7 @@ class WindowSessions : public QObject {
   ~WindowSessions() override;
 
   Panel& panel() { return *panel_; }
-  /// Hides MeshLab's docks while the panel is shown, if the view would become too narrow.
+  /// Shows the panel at the side or, if the view would become too narrow, as a tab beside MeshLab's layers.
   void showPanel();
   void hidePanel();
 
@@ -62,7 +62,6 @@ class WindowSessions : public QObject {
   void forgetDocument(const QObject* document);
 
   QPointer<Panel> panel_;
-  QList<QPointer<QDockWidget>> aside_;  // hidden docks
   SessionUser* user_ = nullptr;
   QObject* document_ = nullptr;  // the user's
   int layer_ = -1;

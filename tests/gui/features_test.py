@@ -32,7 +32,9 @@ class Start(ToolTest):
         basic = ["radius", "radius_slider", "handle_share", "handle_share_slider", "mode", "preset", "save_preset",
                  "defaults", "move", "rotate", "scale", "apply", "cancel", "undo", "redo", "reset", "save", "load", "copy",
                  "pivot", "keep_fixed", "help"]
-        with self.start(self.mesh) as w:
+        with self.open(self.mesh) as w:
+            w.close_widget("layerDialog")  # which is higher, and as wide, as it likes
+            w.trigger(TOOL)
             w.resize(1280, 720)
             self.assertGreaterEqual(w.ask("project")["width"], 900)
             w.resize(1280, 620)
@@ -51,11 +53,25 @@ class Start(ToolTest):
             w.set(part("group_advanced"), False)
             self.assertFalse(w.widget(part("order"))["visible"])
 
-    def test_docks_that_went_for_the_picture_come_back(self):
-        with self.start(self.mesh) as w:
-            self.assertFalse(w.widget("layerDialog")["visible"])
+    def test_layers_are_a_tab_beside_the_panel(self):
+        def is_seen(name):
+            return w.widget(name)["rectangle"][0] >= 0  # Qt moves what a tab hides out of the window
+
+        with self.open(self.mesh) as w:
+            w.resize(1280, 900)
+            free = w.ask("project")["width"]
             w.trigger(TOOL)
-            self.assertTrue(w.widget("layerDialog")["visible"])
+            self.assertEqual(w.ask("project")["width"], free)
+            w.x_focus()
+            title = w.widget("layerDialog")["windowTitle"]
+            for shown, hidden, tab in (("layerDialog", PANEL, title), (PANEL, "layerDialog", TOOL)):
+                self.assertFalse(is_seen(shown))
+                w.x("mousemove", *w.ask("tab", text=tab)["at"], "sleep", 0.05, "click", 1)
+                w.wait(lambda: is_seen(shown), "the tab shows nothing", 20)
+                self.assertFalse(is_seen(hidden))
+                self.assertEqual(w.tool(), (TOOL, False))
+            w.trigger(TOOL)
+            self.assertTrue(is_seen("layerDialog"))
 
     def test_settings_buttons_and_figures_have_names_and_explain_themselves(self):
         with self.start(self.mesh) as w:

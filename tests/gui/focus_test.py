@@ -150,6 +150,31 @@ class Keyboard(ToolTest):
             self.assert_same(before, w.dump())
 
 
+    def test_history_goes_back_and_forward_by_clicks(self):
+        with self.start(self.mesh) as w:
+            w.x_focus()
+            states = [w.dump()]
+            w.click(*w.pixel(self.CENTRE))
+            self.pull(w, self.CENTRE, (30, 20))
+            states.append(w.dump())
+            w.drag(w.pixel(self.CENTRE + 6), w.pixel(self.CENTRE + 12), modifiers=["ctrl"])
+            states.append(w.dump())
+            self.pull(w, self.CENTRE, (10, 20))
+            states.append(w.dump())
+            w.press_button(part("group_last_step"))
+            rows = w.widget(part("timeline"))["rows"]
+            self.assertEqual([row.split()[0] for row in rows], ["Start", "Moving", "Brush:", "Moving"])
+            for row in (1, 3, 0, 2):
+                x, y, width, height = w.widget(part("timeline"))["row_rectangles"][row]
+                w.x("mousemove", x + width // 2, y + height // 2, "sleep", 0.05, "click", 1)
+                w.wait(lambda: not w.dump().moved(states[row]), "the click did not go there", 20)
+                self.assertEqual(w.widget(part("timeline"))["currentRow"], row)
+                self.assertEqual(w.widget(part("timeline"))["rows"], rows)
+            self.hover(w)
+            self.key(w, "ctrl+z")  # the keys are the picture's, and the stroke the last
+            self.assertEqual(w.widget(part("timeline"))["currentRow"], 1)
+
+
 class Line(ToolTest):
     def press_line(self, w):
         """The line is in the middle of the upper edge."""
@@ -235,7 +260,7 @@ class KeepFixed(ToolTest):
         with self.start(self.mesh, disc=20) as w:
             w.set(part("radius"), 0.4)
             w.press_button(part("keep_fixed"))
-            self.assertRegex(self.message(w), "Paint what is to stay")
+            self.assertRegex(self.message(w), "Paint the vertices to keep fixed")
             held = [(20 + k) * self.ROWS + 24 for k in range(-4, 5)]
             w.drag(w.pixel(held[0]), w.pixel(held[-1]), steps=16)
             before = w.dump()

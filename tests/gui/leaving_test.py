@@ -367,15 +367,19 @@ class NothingToEdit(ToolTest):
             lines = self.poke(w)
             self.assertEqual(len([l for l in lines if l.startswith(TOOL + ":")]), 1, lines)
             self.assertRegex("".join(lines), "faces")
+            self.assertEqual(w.tool(), (TOOL, False))
+            self.assertRegex(self.message(w), "faces")
+            self.assertFalse(w.widget(part("mode"))["enabled"])
             self.assertEqual(w.dialog(), {})
             self.assert_same(before, w.dump())
 
     def test_no_mesh(self):
         with self.open() as w:
-            action = w.actions(TOOL)[0]
-            if action["enabled"]:
-                lines = self.poke(w)
-                self.assertLessEqual(len([l for l in lines if l.startswith(TOOL + ":")]), 1, lines)
+            w.trigger(TOOL)
+            tips = [t for t in w.ask("widgets", prefix="qtooltip_label")["widgets"] if t["visible"]]
+            self.assertEqual([t["text"] for t in tips], ["There is no mesh: open one first."])
+            lines = self.poke(w)
+            self.assertLessEqual(len([l for l in lines if l.startswith(TOOL + ":")]), 1, lines)
             self.assertEqual(w.dialog(), {})
 
     def test_empty_layer(self):

@@ -24,7 +24,7 @@ SETTINGS = {"radius": lambda r: r.choice([0, 0.05, 0.1, 0.3]), "padding": lambda
             "turning": lambda r: r.randrange(2), "rough": lambda r: r.randrange(2),
             "membrane": lambda r: r.choice([0, 1200]), "last_share": lambda r: r.randrange(101),
             "last_x": lambda r: r.choice([-0.1, 0, 0.2]), "last_turn": lambda r: r.choice([0, 25]),
-            "last_scale": lambda r: r.choice([0.8, 1, 1.5])}
+            "last_scale": lambda r: r.choice([0.8, 1, 1.5]), "timeline": lambda r: r.randrange(20)}
 LEFT_ALONE = {"save", "load", "save_preset", "group_basic"}  # dialogs wait for an answer, and the check needs what is in this group
 
 

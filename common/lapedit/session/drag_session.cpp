@@ -339,6 +339,19 @@ void DragSession::redo() {
   }
 }
 
+void DragSession::go_to(std::size_t actions) {
+  if (!settle_down()) {
+    return;
+  }
+  Timeline& timeline = model_.timeline;
+  while (timeline.done().size() > actions) {
+    turn_round(timeline.undo(), false);
+  }
+  while (timeline.done().size() < actions && !timeline.undone().empty()) {
+    turn_round(timeline.redo(), true);
+  }
+}
+
 void DragSession::reset() {
   cancel();
   mouse_.end_stroke();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <optional>
 #include <string>
@@ -172,6 +173,8 @@ class DragSession {
   void undo();  ///< cancels a drag in progress; otherwise undoes the last of timeline().done()
   void redo();
   void reset();  ///< undoes all steps, and the actions after the first
+  /// Undoes or redoes until so many actions of timeline() are done; cancels a drag in progress.
+  void go_to(std::size_t actions);
   const Timeline& timeline() const { return model_.timeline; }
   Edit recorded() const {
     return model_.history.recorded();

@@ -9,15 +9,15 @@ namespace lapedit::messages {
 
 std::string drag_handles(std::size_t moving, std::size_t all) {
   return format_text(
-      "Drag a handle: %zu of %zu move together, the others hold; Shift+click on a handle chooses it, or lets it hold.",
-      moving, all);
+      "Drag a handle: %zu of %zu move together, the others hold; Shift+click on a handle adds or removes it.", moving,
+      all);
 }
 
 std::string dragging(const DragMotion& motion, bool by_button, bool full_frames) {
   const char* const pattern =
-      by_button ? "%s: release to apply, Esc drops it; X Y Z N lock an axis, Ctrl goes in steps, digits give an amount."
-                : "%s: click or press Return to apply, Esc drops it; X Y Z N lock an axis, Ctrl goes in steps, digits "
-                  "give an amount.";
+      by_button ? "%s: release to apply, Esc cancels; X Y Z N lock an axis, Ctrl moves in steps, digits set the amount."
+                : "%s: click or press Return to apply, Esc cancels; X Y Z N lock an axis, Ctrl moves in steps, digits "
+                  "set the amount.";
   const std::string text = format_text(pattern, motion.text().c_str());
   return full_frames ? text + " With these rotations each frame is a full solution." : text;
 }
@@ -26,9 +26,9 @@ std::string dragging(const DragMotion& motion, bool by_button, bool full_frames)
 
 std::string asymmetric(double share) {
   return format_text(
-      "The mesh is not its own mirror image: its sides differ by %.1f %% of its size or more in the mean. Each side "
-      "moves "
-      "where a vertex is near the mirrored place.",
+      "The mesh is not its own mirror image: its sides differ by %.1f %% of its size or more on average. The other "
+      "side "
+      "moves only where it has a vertex near the mirrored handle.",
       100 * share);
 }
 
@@ -53,8 +53,7 @@ std::string no_path(int from, int to) {
 
 std::string curve_outside_region(const std::vector<int>& outside) {
   return format_text(
-      "%zu vertices of the curve would lie outside the region, the first is vertex %d: enlarge the region or click "
-      "inside it.",
+      "%zu vertices of the curve are outside the region, for example vertex %d: enlarge the region or click inside it.",
       outside.size(), outside.front());
 }
 
@@ -69,8 +68,8 @@ std::string nothing_painted(int vertex) {
 
 std::string unconnected(const std::vector<int>& vertices) {
   return format_text(
-      "%zu brushed vertices, the first is vertex %d, are not connected to a handle: they are kept but stay in place; "
-      "brush the way to them, or press G and click there.",
+      "%zu painted vertices, for example vertex %d, are not connected to a handle and will not move: paint the gap to "
+      "them, or press G and click there.",
       vertices.size(), vertices.front());
 }
 
@@ -107,7 +106,7 @@ std::string step_applied(std::size_t number, const DragMotion& motion, const std
   const char* const pattern =
       handle.size() == 1
           ? "step %zu: %s, handle of %zu vertex (%d), region of %d vertices, prepared in %.1f ms, solved in %.1f ms"
-          : "step %zu: %s, handle of %zu vertices (the first is %d), region of %d vertices, prepared in %.1f ms, "
+          : "step %zu: %s, handle of %zu vertices (the lowest is %d), region of %d vertices, prepared in %.1f ms, "
             "solved in %.1f ms";
   return format_text(pattern, number, motion.text().c_str(), handle.size(), handle.front(), region_size, prepare_ms,
                      solve_ms);

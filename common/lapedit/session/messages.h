@@ -15,19 +15,19 @@ namespace lapedit::messages {
 // The effect of the next click
 // -------------------------------------------------------------------------------------------
 
-constexpr const char* kLoading = "Applying the saved edit. Backspace drops it.";
-constexpr const char* kSolving = "Solving for the exact result. Backspace drops it.";
+constexpr const char* kLoading = "Applying the saved edit. Backspace cancels it.";
+constexpr const char* kSolving = "Computing the exact result. Backspace cancels it.";
 constexpr const char* kNextIsRegion = "Click on the surface for a new region and its handle.";
-constexpr const char* kNextIsGroup = "Click on the surface for another handle; those there hold their place.";
-constexpr const char* kNextIsPivot = "Click on the surface where the handle is to turn about.";
+constexpr const char* kNextIsGroup = "Click on the surface to add a handle; the other handles hold.";
+constexpr const char* kNextIsPivot = "Click on the surface to choose the point to turn about.";
 constexpr const char* kPickInRegion = "Click inside the region to pick its handle.";
 constexpr const char* kPickAnywhere = "Press on the surface and drag, or click to see the region first.";
 constexpr const char* kLeadCurve =
-    "Click to lead the curve on; drag one of its points to bend it, the curve between them to move it; C ends it.";
+    "Click to continue the curve; drag one of its points to bend it, the line between points to move it; C ends it.";
 constexpr const char* kDragHandle =
     "Drag the handle; a click on it shows arrows and rings (T moves, R turns, S scales). Click inside the region for "
     "another handle, outside for a new region.";
-constexpr const char* kKeepFixed = "Paint what is to stay; Shift takes away. Esc ends it.";
+constexpr const char* kKeepFixed = "Paint the vertices to keep fixed; Shift removes them. Esc ends painting.";
 // Behind these, where they are not the usual.
 constexpr const char* kPaintsHandle = " Brush: handle.";
 constexpr const char* kPaintsFixed = " Brush: keep fixed.";
@@ -35,33 +35,32 @@ constexpr const char* kTurnsAboutRim = " Turns about: shoulder (edge of the regi
 constexpr const char* kTurnsAboutPoint = " Turns about: the point picked.";
 std::string drag_handles(std::size_t moving, std::size_t all);
 constexpr const char* kBendCurve =
-    "Drag a point of the curve to bend it, the curve between points to move all of it; click inside the region for "
+    "Drag a point of the curve to bend it, the line between points to move all of it; click inside the region for "
     "another handle.";
 std::string dragging(const DragMotion& motion, bool by_button, bool full_frames);
 
 // Refusals -----------------------------------------------------------------------------------------------------------
 
 constexpr const char* kStillSettling =
-    "The last step is still being worked out: wait a moment, or press Backspace to drop it.";
+    "The last step is still being computed: wait a moment, or press Backspace to cancel it.";
 constexpr const char* kNoSurface = "There is no surface of this layer under the cursor: click on the mesh.";
 constexpr const char* kNoNormal = "The surface has no normal at the handle: lock X, Y or Z instead.";
 constexpr const char* kNoRegionVertices = "The region has no vertices: select some faces first.";
 constexpr const char* kNoComponent =
-    "There is no handle, so it is not known whose component is meant: click on the surface first.";
+    "There is no handle whose component could become the region: click on the surface first.";
 constexpr const char* kNoRegion = "There is no region yet: click on the surface first.";
-constexpr const char* kNothingLeft = "Nothing would be left of the region: it stays as it is.";
-constexpr const char* kRegionNotKnown = "The region is still being found: wait a moment.";
-constexpr const char* kNotSymmetric =
-    "The mesh is nowhere nearly its own mirror image: choose one of the planes of the layer's axes instead.";
+constexpr const char* kNothingLeft = "The region would have no vertices left: it was not changed.";
+constexpr const char* kRegionNotKnown = "The region is still being computed: wait a moment.";
+constexpr const char* kNotSymmetric = "No plane was found at which the mesh mirrors itself: choose X, Y or Z instead.";
 constexpr const char* kNoAnchors =
-    "None of these vertices is fixed, or could be: select or paint inside the region, beside the handles.";
-constexpr const char* kNothingToHold = "All of this is kept fixed already, or is a handle: paint beside it.";
+    "None of these vertices can be kept fixed: choose vertices inside the region that are in no handle.";
+constexpr const char* kNothingToHold = "These vertices are already kept fixed, or are in a handle: paint others.";
 constexpr const char* kNoMotion =
-    "Nothing is being moved: drag the handle, or press T, R or S first; then X, Y, Z, N and digits count.";
+    "Nothing is being moved: drag the handle, or press T, R or S first; then X, Y, Z, N and digits apply.";
 constexpr const char* kNoPivot = "There is no handle yet whose pivot could be placed: click on the surface first.";
-constexpr const char* kNoHandle = "There is no handle yet: the first click makes one.";
-constexpr const char* kNothingToUndo = "There is nothing to undo: nothing has been done yet.";
-constexpr const char* kNothingToRedo = "There is nothing to redo: nothing has been undone.";
+constexpr const char* kNoHandle = "There is no handle yet: click on the surface first.";
+constexpr const char* kNothingToUndo = "There is nothing to undo.";
+constexpr const char* kNothingToRedo = "There is nothing to redo.";
 constexpr const char* kNoLastStep =
     "There is no last step to change: drag a handle first, and change it before something else is picked.";
 std::string asymmetric(double share);
@@ -79,8 +78,10 @@ std::string single_vertex(MotionKind kind, int vertex);
 
 // Lines for a log ----------------------------------------------------------------------------------------------------
 
-constexpr const char* kStroke = "Stroke of the brush";
-constexpr const char* kOtherSettings = "Other settings";
+constexpr const char* kStrokeOfRegion = "Brush: region";
+constexpr const char* kStrokeOfHandle = "Brush: handle";
+constexpr const char* kStrokeOfFixed = "Brush: keep fixed";
+constexpr const char* kLastStepChanged = "Change of the last step";
 constexpr const char* kSavedStep = "Step of a saved edit";
 constexpr const char* kStrokeUndone = "stroke of the brush undone";
 constexpr const char* kStrokeRedone = "stroke of the brush redone";

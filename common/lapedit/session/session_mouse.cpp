@@ -326,7 +326,10 @@ void SessionMouse::brush(const Cursor& cursor) {
     return;
   }
   if (!std::exchange(pressed_->recorded, true)) {  // a stroke of which nothing was taken is none to undo
-    model_.timeline.add({Action::Kind::Stroke, messages::kStroke, std::move(before)}, model_.settings);
+    const char* const name = model_.tools.brush == BrushTarget::Region   ? messages::kStrokeOfRegion
+                             : model_.tools.brush == BrushTarget::Handle ? messages::kStrokeOfHandle
+                                                                         : messages::kStrokeOfFixed;
+    model_.timeline.add({Action::Kind::Stroke, name, std::move(before)}, model_.settings);
   }
   if (!model_.selection.has_region) {
     model_.show_region(nullptr);

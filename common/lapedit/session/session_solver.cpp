@@ -358,7 +358,7 @@ void SessionSolver::commit_amended() {
   const std::shared_ptr<const Region> region = amending.region;
   model_.shown.await(nullptr);
   model_.show(history.steps().back().vertices, history.steps().back().before, false);
-  Action action{Action::Kind::Settings, messages::kOtherSettings, {}, amending.before, history.steps().back()};
+  Action action{Action::Kind::Settings, messages::kLastStepChanged, {}, amending.before, history.steps().back()};
   model_.timeline.add(std::move(action), model_.settings);
   const AppliedStep& applied = history.amend(amending.step, region->mesh_vertex, solved_.positions);
   history.set_discs(model_.selection.discs);

@@ -30,16 +30,19 @@ void Timeline::add(Action action, const DragSettings& now) {
   const bool joins = undone_.empty() && last && last->settings && action.settings &&
                      differences(*last->settings, *action.settings) == differences(*action.settings, now);
   undone_.clear();
+  ++serial_;
   if (!joins) {
     done_.push_back(std::move(action));
   }
 }
 
 Action& Timeline::undo() {
+  ++serial_;
   return move_last(done_, undone_);
 }
 
 Action& Timeline::redo() {
+  ++serial_;
   return move_last(undone_, done_);
 }
 

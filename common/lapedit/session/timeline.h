@@ -33,9 +33,11 @@ class Timeline {
   /// Moves the last action of one list to the other. There has to be one. @return it, to be turned round by the caller
   Action& undo();
   Action& redo();
+  int serial() const { return serial_; }  ///< counts the changes of both lists
 
  private:
   std::vector<Action> done_, undone_;
+  int serial_ = 0;
 };
 
 }  // namespace lapedit

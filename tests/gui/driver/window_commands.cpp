@@ -12,12 +12,14 @@
 #include <QFileDialog>
 #include <QJsonArray>
 #include <QLineEdit>
+#include <QListWidget>
 #include <QMainWindow>
 #include <QMessageBox>
 #include <QPointer>
 #include <QScreen>
 #include <QSlider>
 #include <QSpinBox>
+#include <QTabBar>
 #include <QTimer>
 #include <QVariant>
 #include <stdexcept>
@@ -96,12 +98,23 @@ QJsonObject describe(const QWidget& found) {
                      {"tool_tip", found.toolTip()}};
   const QPoint corner = found.mapToGlobal(QPoint(0, 0));
   result["rectangle"] = QJsonArray{corner.x(), corner.y(), found.width(), found.height()};
-  for (const char* property : {"text", "value", "checked", "currentIndex", "currentText", "minimum", "maximum", "count",
-                               "suffix", "plainText", "title", "windowTitle"}) {
+  for (const char* property : {"text", "value", "checked", "currentIndex", "currentText", "currentRow", "minimum",
+                               "maximum", "count", "suffix", "plainText", "title", "windowTitle"}) {
     const QVariant value = found.property(property);
     if (value.isValid()) {
       result[property] = QJsonValue::fromVariant(value);
     }
+  }
+  if (const auto* rows = qobject_cast<const QListWidget*>(&found)) {
+    QJsonArray texts, rectangles;
+    for (int row = 0; row < rows->count(); ++row) {
+      const QRect place = rows->visualItemRect(rows->item(row));
+      const QPoint at = rows->viewport()->mapToGlobal(place.topLeft());
+      texts += rows->item(row)->text();
+      rectangles += QJsonArray{at.x(), at.y(), place.width(), place.height()};
+    }
+    result["rows"] = texts;
+    result["row_rectangles"] = rectangles;
   }
   for (const QByteArray& property : found.dynamicPropertyNames()) {
     if (!property.startsWith("_q_")) {
@@ -143,6 +156,8 @@ void enter(QWidget& target, const QJsonValue& value) {
     }
     list->setCurrentIndex(index);
     emit list->activated(index);
+  } else if (auto* rows = qobject_cast<QListWidget*>(&target)) {
+    emit rows->itemClicked(rows->item(value.toInt() % rows->count()));
   } else if (auto* line = qobject_cast<QLineEdit*>(&target)) {
     line->setText(value.toString());
     emit line->editingFinished();
@@ -155,6 +170,20 @@ void enter(QWidget& target, const QJsonValue& value) {
   } else {
     throw std::runtime_error("cannot be set");
   }
+}
+
+/// The middle of a tab on the screen, by its text.
+Answer find_tab(const QJsonObject& arguments) {
+  for (QWidget* candidate : QApplication::allWidgets()) {
+    auto* bar = qobject_cast<QTabBar*>(candidate);
+    for (int k = 0; bar && bar->isVisible() && k < bar->count(); ++k) {
+      if (bar->tabText(k) == arguments["text"].toString()) {
+        const QPoint at = bar->mapToGlobal(bar->tabRect(k).center());
+        return {{{"at", QJsonArray{at.x(), at.y()}}}};
+      }
+    }
+  }
+  throw std::runtime_error("no such tab");
 }
 
 Answer set_widget(const QJsonObject& arguments) {
@@ -364,6 +393,7 @@ void add_window_commands(Commands& commands) {
   commands["widget"] = get_widget;
   commands["widgets"] = list_widgets;
   commands["set"] = set_widget;
+  commands["tab"] = find_tab;
   commands["click"] = click;
   commands["buttons"] = buttons;
   commands["close"] = close_widget;
