@@ -141,6 +141,7 @@ bool LaplacianDragTool::start() {
   mouse_.pressed = mouse_.moved = mouse_.inside = false;
   mouse_.navigating = Qt::NoButton;
   clock_.reset();
+  targets_ = nullptr;
   overlay_ = Overlay();
   const auto layer = window_.currentLayer();
   if (!layer) {
@@ -579,6 +580,7 @@ void LaplacianDragTool::mousePress(QMouseEvent& event) {
   mouse_.pressed = true;
   mouse_.moved = false;
   mouse_.pressedAt = event.localPos();
+  findTargets();
   if (!active_->session().press(cursor(), pressModifiers()) && event.modifiers() == Qt::NoModifier) {
     mouse_.pressed = false;
     offerLayer();
@@ -586,6 +588,48 @@ void LaplacianDragTool::mousePress(QMouseEvent& event) {
     window_.navigate(event, Qt::LeftButton);
   }
   afterEvent();
+}
+
+/// Finds what the drag that may begin now snaps to. Other layers are read again where their number of vertices or
+/// their transform has changed; what changes their vertices ends the tool.
+void LaplacianDragTool::findTargets() {
+  DragSession& session = active_->session();
+  const auto own = window_.layer(layer_);
+  if (session.motion() || session.snap() == SnapTo::Off || !own) {
+    return;
+  }
+  const bool surfaces = session.snap() == SnapTo::Surfaces;
+  std::vector<std::pair<Layer, Affine>> others;
+  std::vector<double> found{static_cast<double>(session.snap())};
+  std::vector<Vector3> points;
+  for (const Layer& layer : window_.layers()) {
+    if (!layer.visible || (surfaces && layer.id == layer_)) {
+      continue;
+    }
+    const Affine toOwn(Eigen::Matrix4d(own->transform.inverse() * layer.transform));
+    others.emplace_back(layer, toOwn);
+    found.insert(found.end(), {double(layer.id), double(layer.mesh->vn), double(layer.mesh->fn)});
+    found.insert(found.end(), toOwn.data(), toOwn.data() + toOwn.matrix().size());
+    for (const Vector3& point : surfaces ? std::vector<Vector3>() : picked_points(*layer.mesh)) {
+      points.push_back(toOwn * point);
+      found.insert(found.end(), points.back().data(), points.back().data() + 3);
+    }
+  }
+  if (!targets_ || found != targetsOf_) {
+    std::vector<TriangleMesh> meshes;
+    for (std::size_t k = 0; surfaces && k < others.size(); ++k) {
+      TriangleMesh mesh = read_mesh(*others[k].first.mesh).mesh;
+      for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+        mesh.vertices.row(v) = (others[k].second * Vector3(mesh.vertices.row(v).transpose())).transpose();
+      }
+      if (mesh.faces.rows() > 0 && mesh.faces.minCoeff() >= 0) {
+        meshes.push_back(std::move(mesh));
+      }
+    }
+    targets_ = std::make_shared<const SnapTargets>(std::move(meshes), std::move(points));
+    targetsOf_ = std::move(found);
+  }
+  session.set_snap_targets(targets_);
 }
 
 /// Does what the line over the picture offers. @return whether it was pressed
@@ -785,6 +829,9 @@ void LaplacianDragTool::keyPress(QKeyEvent& event) {
   }
   notice_.clear();
   modifiersChanged(event.key());
+  if (key == DragKey::Translate) {
+    findTargets();
+  }
   if (key && active_->session().key(*key, cursor())) {
     event.accept();
     afterEvent();
@@ -884,7 +931,11 @@ void LaplacianDragTool::command(const QString& part) {
       {"new_region", [&] { session.new_region(); }},
       {"clear", [&] { session.clear(); }},
       {"next_group", [&] { session.next_group(); }},
-      {"move", [&] { session.key(DragKey::Translate, cursor()); }},
+      {"move",
+       [&] {
+         findTargets();
+         session.key(DragKey::Translate, cursor());
+       }},
       {"rotate", [&] { session.key(DragKey::Rotate, cursor()); }},
       {"scale", [&] { session.key(DragKey::Scale, cursor()); }},
       {"keep_fixed", [&] { session.set_keep_fixed(!session.keeps_fixed()); }},

@@ -4,8 +4,10 @@
 #include <QObject>
 #include <QPointF>
 #include <QPointer>
+#include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "frame_clock.h"
 #include "lapedit_host/tool/edit_tool.h"
@@ -63,6 +65,7 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   void framePainted();
   void command(const QString& part);
   void takeKeys();
+  void findTargets();
   LinePicture::Line line(bool usable);
   QVector<QPointF> notToCover() const;
   void drawLine(const LinePicture::Line& line);
@@ -93,6 +96,9 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
     bool pressed = false, moved = false;
     bool inside = false;  // over the canvas, no button held
   } mouse_;
+
+  std::shared_ptr<const lapedit::SnapTargets> targets_;  // of what has this fingerprint
+  std::vector<double> targetsOf_;
 
   FrameClock clock_;
   bool repaintQueued_ = false;

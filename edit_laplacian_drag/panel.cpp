@@ -267,19 +267,20 @@ void Panel::addLastStep() {
 }
 
 void Panel::addHistory() {
-  history_ = new QListWidget;
-  history_->setObjectName(nameOf("timeline"));
-  history_->setToolTip(tr("All steps and strokes in order: a click goes to the state after one; grey ones are undone"));
-  history_->setFocusPolicy(Qt::NoFocus);
-  history_->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-  history_->setSizePolicy(QSizePolicy::Preferred, QSizePolicy::Fixed);
-  history_->setFixedHeight(kHistoryRows * history_->fontMetrics().lineSpacing());
-  connect(history_, &QListWidget::itemClicked, this, [this](const QListWidgetItem* item) {
-    const auto row = static_cast<std::size_t>(history_->row(item));
-    historyShown_ = -1;  // the click has chosen a row, which may be refused
+  history_.list = new QListWidget;
+  history_.list->setObjectName(nameOf("timeline"));
+  history_.list->setToolTip(
+      tr("All steps and strokes in order: a click goes to the state after one; grey ones are undone"));
+  history_.list->setFocusPolicy(Qt::NoFocus);
+  history_.list->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+  history_.list->setSizePolicy(QSizePolicy::Preferred, QSizePolicy::Fixed);
+  history_.list->setFixedHeight(kHistoryRows * history_.list->fontMetrics().lineSpacing());
+  connect(history_.list, &QListWidget::itemClicked, this, [this](const QListWidgetItem* item) {
+    const auto row = static_cast<std::size_t>(history_.list->row(item));
+    history_.shown = -1;  // the click has chosen a row, which may be refused
     change([row](DragSession& session) { session.go_to(row); });
   });
-  form_->addRow(history_);
+  form_->addRow(history_.list);
 }
 
 void Panel::addRegion() {
@@ -317,6 +318,13 @@ void Panel::addHandles() {
                               tr("Over how much of its radius the disc's weight falls off towards its rim, in percent; "
                                  "0: all of it is held equally"),
                               access<&DragSettings::softness, 100>()));
+  row(tr("Snap to"),
+      state(
+          "snap", {tr("Off"), tr("Other layers"), tr("Picked points")},
+          tr("Where a handle that is moved goes: to the surface of another visible layer under the cursor, or to the "
+             "nearest point of MeshLab's tool PickPoints"),
+          [](const DragSession& session) { return static_cast<int>(session.snap()); },
+          [](DragSession& session, int index) { session.set_snap(static_cast<SnapTo>(index)); }));
   buttons({button("anchors_from_selection", tr("Fix the selection"),
                   tr("What the selected faces cover stays, in place of the region's fixed edge"))});
   buttons({button("next_group", tr("Add a handle"), tr("The next click adds a handle; the other handles hold (G)"))});
@@ -658,17 +666,17 @@ QLabel* Panel::figure(const char* part, const QString& help) {
 }
 
 void Panel::showHistory(const Timeline& timeline) {
-  if (std::exchange(historyShown_, timeline.serial()) == timeline.serial()) {
+  if (std::exchange(history_.shown, timeline.serial()) == timeline.serial()) {
     return;
   }
-  history_->clear();
-  history_->addItem(tr("Start"));
+  history_.list->clear();
+  history_.list->addItem(tr("Start"));
   for (const Action& action : timeline.done()) {
-    history_->addItem(QString::fromStdString(action.name));
+    history_.list->addItem(QString::fromStdString(action.name));
   }
-  history_->setCurrentRow(history_->count() - 1);
+  history_.list->setCurrentRow(history_.list->count() - 1);
   for (auto action = timeline.undone().rbegin(); action != timeline.undone().rend(); ++action) {
-    auto* const item = new QListWidgetItem(QString::fromStdString(action->name), history_);
+    auto* const item = new QListWidgetItem(QString::fromStdString(action->name), history_.list);
     item->setForeground(palette().brush(QPalette::Disabled, QPalette::Text));
   }
 }
@@ -680,7 +688,7 @@ void Panel::setMesh(const TriangleMesh& mesh) {
   const double diagonal = box.isEmpty() ? 0 : box.diagonal().norm();
   size_ = diagonal > 0 ? diagonal : 1;
   defaults_ = settings_for(mesh);
-  historyShown_ = -1;  // of another session
+  history_.shown = -1;  // of another session
   middle_ = box.isEmpty() ? Vector3(Vector3::Zero()) : Vector3(box.center());
   const int digits = std::clamp(5 - static_cast<int>(std::floor(std::log10(size_))), 2, 12);
   for (QDoubleSpinBox* length : lengths_) {

@@ -129,8 +129,10 @@ class Panel : public QDockWidget {
   std::vector<QLabel*> titles_;                                          ///< of rows
   std::vector<QDoubleSpinBox*> lengths_;                                 ///< with digits that depend on the mesh's size
   std::optional<lapedit::LastStep> lastStep_;
-  QListWidget* history_;
-  int historyShown_ = -1;  ///< serial of the timeline that the list shows
+  struct History {
+    QListWidget* list = nullptr;
+    int shown = -1;  ///< serial of the timeline that it shows
+  } history_;
   QCheckBox* heat_;
   QProgressBar* progress_;
   QLabel *region_, *times_, *frame_, *quality_;

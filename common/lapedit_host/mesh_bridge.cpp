@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit_host/mesh_bridge.h"
 
+#include <QString>
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -138,6 +139,28 @@ std::vector<int> vertices_of_selected_faces(const CMeshO& host, const BridgedMes
 double finite_diagonal(const CMeshO& host) {
   const Box3m box = finite_box(host);
   return box.IsNull() ? 0 : (to_core(box.max) - to_core(box.min)).norm();
+}
+
+std::vector<Vector3> picked_points(const CMeshO& host) {
+  // As MeshLab's plugin stores them, which installs no header.
+  struct Picked {
+    QString name;
+    bool present;
+    Point3m point;
+  };
+  std::vector<Vector3> points;
+  for (const auto& attribute : host.mesh_attr) {
+    if (attribute._name != "PickedPoints" || attribute._sizeof != static_cast<int>(sizeof(void*))) {
+      continue;
+    }
+    const auto* const list = *static_cast<const std::vector<const Picked*>* const*>(attribute._handle->DataBegin());
+    for (const Picked* const picked : list != nullptr ? *list : std::vector<const Picked*>()) {
+      if (picked->present && is_finite(picked->point)) {
+        points.emplace_back(picked->point[0], picked->point[1], picked->point[2]);
+      }
+    }
+  }
+  return points;
 }
 
 }  // namespace lapedit::host

@@ -255,6 +255,39 @@ class Line(ToolTest):
                 w.key("Backspace")
 
 
+class Snap(ToolTest):
+    def test_handle_goes_to_the_surface_of_another_layer(self):
+        points, faces = moved((self.points, self.faces), offset=(1.3, 0, 0.4))
+        aside = write_ply(self.folder / "aside.ply", points, faces)
+        with self.start(self.mesh, aside) as w:
+            w.layer(0, current=True)
+            w.set(part("snap"), 1)
+            to = w.pixel(self.CENTRE - 3 * self.ROWS, layer=1)
+            start = w.pixel(self.CENTRE, layer=0)
+            w.drag(start, to, release=False)
+            self.assertRegex(self.message(w), "snapped")
+            w.mouse("release", *to)
+            w.idle()
+            for there, wanted in zip(w.dump(0).triples()[self.CENTRE], points[self.CENTRE - 3 * self.ROWS]):
+                self.assertAlmostEqual(there, wanted, delta=0.01)
+            self.assert_replay_is_the_same(w, self.mesh)
+
+    def test_handle_goes_to_a_picked_point(self):
+        with self.start(self.mesh) as w:
+            w.trigger(TOOL)
+            w.trigger("PickPoints")
+            target = self.CENTRE + 8 * self.ROWS
+            w.click(*w.pixel(target), button="right")
+            w.trigger("PickPoints")
+            w.trigger(TOOL)
+            w.set(part("snap"), 2)
+            x, y = w.pixel(target)
+            w.drag(w.pixel(self.CENTRE), (x + 12, y + 9))
+            for there, wanted in zip(w.dump().triples()[self.CENTRE], self.points[target]):
+                self.assertAlmostEqual(there, wanted, delta=0.01)
+            self.assert_replay_is_the_same(w, self.mesh)
+
+
 class KeepFixed(ToolTest):
     def test_is_painted_without_a_key_and_stays(self):
         with self.start(self.mesh, disc=20) as w:

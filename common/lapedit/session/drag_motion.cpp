@@ -264,6 +264,10 @@ bool DragMotion::type(char character) {
 }
 
 Vector3 DragMotion::translation_by_mouse() const {
+  if (cursor_.target) {
+    const Vector3 way = *cursor_.target - grab_;
+    return axis() ? Vector3(way.dot(*axis()) * *axis()) : way;
+  }
   if (axis()) {
     return translation_before_ + (along_ - along_axis(start_, along_)) * *axis();
   }
@@ -292,7 +296,7 @@ HandleTransform DragMotion::transform_by_mouse() const {
 }
 
 double DragMotion::step() const {
-  if (!cursor_.snap || number(typed_)) {
+  if (!cursor_.snap || number(typed_) || (cursor_.target && kind_ == MotionKind::Translate)) {
     return 0;
   }
   return kind_ == MotionKind::Rotate  ? kAngleStep
@@ -362,6 +366,9 @@ std::string DragMotion::text() const {
   } else {
     line = "Moving by " +
            (held ? text(now.translation.dot(*held)) + " along " + name(lock_, *held) : text(now.translation.norm()));
+  }
+  if (cursor_.target && kind_ == MotionKind::Translate && typed_.empty()) {
+    line += " (snapped)";
   }
   if (step() > 0) {
     line += " (in steps of " + text(step()) + ")";

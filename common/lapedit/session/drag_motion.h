@@ -13,7 +13,8 @@ namespace lapedit {
 struct Cursor {
   Camera view;
   Vector2 pixel = Vector2::Zero();
-  bool snap = false;  ///< amounts go in steps, while a modifier is held
+  bool snap = false;                             ///< amounts go in steps, while a modifier is held
+  std::optional<Vector3> target = std::nullopt;  ///< where a translation takes the grabbed point
 };
 
 enum class MotionKind { Translate, Rotate, Scale };
@@ -26,7 +27,8 @@ enum class AxisLock { None, X, Y, Z, Normal, Gizmo };
 /// centre on the screen, or along a gizmo's ring. Scale is the ratio of the cursor's distances from the centre on the
 /// screen. With Cursor::snap angles go in steps of 15 degrees, factors in steps of 0.1, and lengths in steps of 1, 2 or
 /// 5 times a power of ten that show as 10 to 25 pixels. A typed number replaces the amount of the mouse; a typed angle
-/// counts in the direction of the mouse. The view may change during a motion.
+/// counts in the direction of the mouse. With Cursor::target a translation takes the grabbed point there, with a lock
+/// as near as the axis goes. The view may change during a motion.
 class DragMotion {
  public:
   /// @param grab      the point of the surface that is to stay under the cursor

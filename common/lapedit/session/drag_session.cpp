@@ -175,6 +175,12 @@ void DragSession::set_pivot(Pivot pivot) {
   model_.tools.pivot_vertex = -1;
 }
 
+void DragSession::set_snap(SnapTo snap) {
+  model_.refusal.clear();
+  model_.tools.snap = snap;
+  model_.tools.targets = nullptr;
+}
+
 void DragSession::set_mirror(const std::optional<MirrorPlane>& plane) {
   if (settle_down()) {
     model_.tools.mirror = plane;

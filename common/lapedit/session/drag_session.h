@@ -3,8 +3,10 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lapedit/session/drag_key.h"
@@ -123,6 +125,10 @@ class DragSession {
   Pivot pivot() const { return model_.tools.pivot; }
   void set_pivot(Pivot pivot);                                  ///< Point: the next click picks it
   Vector3 pivot_place() const { return model_.pivot_place(); }  ///< there has to be an active group
+  SnapTo snap() const { return model_.tools.snap; }
+  void set_snap(SnapTo snap);
+  /// Sets what drags snap to, in the coordinates of the mesh. Null: nothing.
+  void set_snap_targets(std::shared_ptr<const SnapTargets> targets) { model_.tools.targets = std::move(targets); }
   /// Mirrors every step at the plane; `std::nullopt`: off.
   const std::optional<MirrorPlane>& mirror() const { return model_.tools.mirror; }
   void set_mirror(const std::optional<MirrorPlane>& plane);

@@ -13,6 +13,7 @@
 #include "lapedit/session/history.h"
 #include "lapedit/session/selection.h"
 #include "lapedit/session/shown_region.h"
+#include "lapedit/session/snap.h"
 #include "lapedit/session/timeline.h"
 
 namespace lapedit {
@@ -42,6 +43,8 @@ struct Tools {
   GizmoAxes axes = GizmoAxes::Layer;
   Pivot pivot = Pivot::Centroid;
   int pivot_vertex = -1;  ///< Pivot::Point; -1: the next click picks it
+  SnapTo snap = SnapTo::Off;
+  std::shared_ptr<const SnapTargets> targets;  ///< null: none
   std::optional<MirrorPlane> mirror;
   std::unique_ptr<const MirroredHandles> mirrored;  ///< of the groups; null without a plane and while they are painted
 

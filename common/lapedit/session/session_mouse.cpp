@@ -110,9 +110,17 @@ void SessionMouse::move(const Cursor& cursor) {
   }
   Dragging* const drag = solver_.in<Dragging>();
   if (drag && (pressed_ || !drag->by_button)) {
-    drag->motion.move(cursor);
+    drag->motion.move(snapped(cursor));
     solver_.ask();
   }
+}
+
+Cursor SessionMouse::snapped(const Cursor& cursor) const {
+  Cursor at = cursor;
+  if (model_.tools.targets) {
+    at.target = model_.tools.targets->at(cursor.view, cursor.pixel);
+  }
+  return at;
 }
 
 bool SessionMouse::hover(const Cursor& cursor, PressModifiers modifiers) {
@@ -148,7 +156,7 @@ void SessionMouse::release(const Cursor& cursor) {
   }
   if (Dragging* const drag = solver_.in<Dragging>()) {
     if (cursor.view.valid()) {
-      drag->motion.move(cursor);
+      drag->motion.move(snapped(cursor));
     }
     release_motion();
     return;
