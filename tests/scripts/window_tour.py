@@ -179,6 +179,7 @@ def main():
             window.layer(matrix=turned(0, -25))
             window.trigger("Front")
             window.wheel(400, 300, -1)
+            window.close_widget("layerDialog")  # so that the panel is at the left
             window.trigger(TOOL)
 
             def at(place):
