@@ -4,9 +4,11 @@
 // the same bits with any number of threads, beside other fractions and read from JSON; fraction 0 is the mesh.
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "lapedit/base/error.h"
 #include "lapedit/edit/edit.h"
+#include "lapedit/edit/places.h"
 #include "lapedit/json/edit_script.h"
 #include "random_mesh.h"
 
@@ -120,6 +122,56 @@ Edit edit_of(Choices& choose, const TriangleMesh& mesh) {
   return edit;
 }
 
+/// Points near vertices, or far from all.
+Places places(Choices& choose, const TriangleMesh& mesh) {
+  const auto point = [&] {
+    const Vector3 vertex = mesh.vertices.row(choose.index(vertex_count(mesh)));
+    return choose.below(4) == 1 ? vector(choose) : vertex;
+  };
+  Places result;
+  switch (choose.below(3)) {
+    case 0:
+      result.selected = true;
+      break;
+    case 1:
+      result.within = Places::Disc{point(), choose.real()};
+      break;
+    default:
+      for (int k = choose.below(5); k >= 0; --k) {
+        result.points.push_back(point());
+      }
+  }
+  return result;
+}
+
+/// Says of some handles and regions where they are, in place of their vertices. @return the edit, located again
+/// @throws EditError
+Edit by_place(Choices& choose, const TriangleMesh& mesh, Edit edit) {
+  for (EditStep& step : edit.steps) {
+    for (HandleGroup& group : step.handles) {
+      if (choose.flag()) {
+        group.places = places(choose, mesh);
+        group.vertices.clear();
+        group.weights.clear();
+        for (std::size_t k = choose.flag() ? group.places.points.size() : 0; k > 0; --k) {
+          group.targets.push_back(vector(choose));
+          group.names.emplace_back("point");
+          group.weights.push_back((1 + choose.below(4)) / 4.0);
+        }
+      }
+    }
+    if (choose.flag()) {
+      step.region.kind = RegionSpec::Kind::Vertices;
+      step.region.vertices.clear();
+      step.region_places = places(choose, mesh);
+    }
+  }
+  validate(mesh);
+  const Adjacency adjacency = build_adjacency(vertex_count(mesh), mesh.faces);
+  edit = located(mesh, adjacency, edit, {random_vertices(choose, mesh), random_vertices(choose, mesh)});
+  return choose.flag() ? located(mesh, adjacency, with_places(mesh, adjacency, edit)) : edit;
+}
+
 /// The same edit after it was text; nothing if it cannot be one.
 std::optional<Edit> reread(const Edit& edit, int threads) {
   try {
@@ -150,8 +202,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const TriangleMesh mesh = random_mesh(choose);
   const int threads = 1 + choose.below(3);
   const double part = choose.below(9) / 8.0;
-  const Edit edit = edit_of(choose, mesh);
+  Edit edit = edit_of(choose, mesh);
   const TriangleMesh before = mesh;
+  if (choose.below(3) == 1) {
+    try {
+      edit = by_place(choose, mesh, std::move(edit));
+    } catch (const EditError& error) {
+      require(std::strlen(error.what()) > 10, "a refusal is a sentence");
+      return 0;
+    }
+  }
 
   EditResult alone;
   std::string refusal;

@@ -38,6 +38,14 @@ def edits():
          "rotation": {"axis": [1, 2, 3], "degrees": -30, "center": [0, 0.5, 1e-3]}}]))
     yield "matrix", edit(step(handles=[{"vertices": "1", "matrix": [1, 0, 0, 1, 0, 2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}]))
     yield "targets", edit(step(handles=[{"vertices": "3,1", "weights": [1, 0.5], "targets": [[0, 0.5, 1e-3], [1, 2, 3]]}]))
+    move = {"translation": [0, 0, 1]}
+    yield "point", edit(step(handles=[{"point": [0, 0.5, 1], "target": [0, 0.5, 2]}]))
+    yield "points", edit(step(region={"within": {"point": [0, 0, 1], "radius": 1.5}}, handles=[
+        {"points": [[0, 0, 1], [1, 0, 0]], "targets": [[0, 0, 2], [2, 0, 0]], "weights": [1, 0.1]}]))
+    yield "within", edit(step(handles=[{"within": {"point": [0, 0, 1], "radius": 0.5}, **move}]))
+    yield "selected", edit(step(region={"selected": True}, handles=[{"selected": True, **move}]))
+    yield "landmarks", edit(step(handles=[{"landmarks": {"from": "from.csv", "to": "to.csv"}}]))
+    yield "places", edit(step(), mesh={"places": {"vertices": "1", "points": [[0, 0, 1]]}})
     yield "mirror", edit(step(mirror={"point": [0, 0, 0], "normal": [1, 0, 0]}))
     yield "numbers", edit(step(handle_weight=1e-6, anchor_weight=1e6, membrane=0, normal_radius=1.7976931348623157e308,
                                iterations=100, order=3))
@@ -105,6 +113,19 @@ def scripts():
     yield "other_root", "<Script/>"
 
 
+def landmarks():
+    yield "picked", ('<!DOCTYPE PickedPoints>\n<PickedPoints>\n <!-- <point> -->\n'
+                     ' <point x="0.25" y=\'-1\' z="1e-3" active="1" name="nose &amp; tip"/>\n</PickedPoints>\n')
+    yield "table", 'nose,0.25,-1,0.001\n"chin, left",1,2,3\n'
+    yield "header", "# a\nx;y;z;label\n0.25;-1;0.001;nose\n"
+    yield "fiducials", ("# CoordinateSystem = LPS\n# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc\n"
+                        "1,0.25,-1,0.001,0,0,0,1,1,1,0,nose,\n")
+    yield "markups", json.dumps({"markups": [{"coordinateSystem": "LPS", "controlPoints": [
+        {"label": "nose", "position": [0.25, -1, 1e-3], "positionStatus": "defined"}]}]})
+    for name, text in (("nan", "nose,nan,1,2\n"), ("twice", "a,1,2,3\na,1,2,3\n"), ("cut", '<PickedPoints><point x="1')):
+        yield "bad_" + name, text
+
+
 LISTS = ["0", "1,2,3", "0-999", " 5 - 7 ,\t9", "", ",", "1,", "3-1", "1000", "-1", "+1", "1 2", "2147483648", "1--2",
          "0-999,0", "00007", "1e3", "\x00"]
 RANDOM = 24  # inputs of the targets that take choices
@@ -113,12 +134,16 @@ RANDOM = 24  # inputs of the targets that take choices
 def main():
     for name, text in scripts():
         write("script", name, text)
+    for name, text in landmarks():
+        write("landmarks", name, text)
     for number, text in enumerate(LISTS):
         write("vertex_list", f"list_{number:02}", text)
     dice = random.Random(15)
     for target in ("edit", "session", "mesh_file"):
         for number in range(RANDOM):
             write(target, f"random_{number:02}", dice.randbytes(dice.choice([40, 80, 160])))
+    for number in range(RANDOM):  # longer: what says where stands behind the edit
+        write("edit", f"long_{number:02}", dice.randbytes(400))
     for name, value in edits():
         write("json", name, json.dumps(value))
     for name, text in bad_texts():
