@@ -179,7 +179,7 @@ Part hollow(const Vector3& centre, double radius, double blend, const Vector3& f
 
 }  // namespace
 
-TriangleMesh head() {
+TriangleMesh head(double spacing) {
   std::vector<Part> parts = {ellipsoid({0, 0.25, 0}, 1.02, {0.78, 1, 0.92}, 0.1),
                              ellipsoid({0, -0.35, 0.22}, 0.72, {0.85, 1, 0.95}, 0.4),
                              {{0, -0.6, -0.15}, {0, -1.5, -0.25}, 0.42, 0.46, 0.25},
@@ -195,7 +195,7 @@ TriangleMesh head() {
   parts.push_back({{-0.2, -0.44, 0.86}, {0.2, -0.44, 0.86}, 0.055, 0.055, 0.08});
   parts.push_back({{-0.16, -0.56, 0.84}, {0.16, -0.56, 0.84}, 0.065, 0.065, 0.06});
   parts.push_back(ball({0, -0.84, 0.72}, 0.16, 0.2));
-  return Body(parts, 0.03).mesh();
+  return Body(parts, spacing).mesh();
 }
 
 TriangleMesh hand() {

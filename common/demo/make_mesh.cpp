@@ -25,6 +25,7 @@ const std::map<std::string, std::function<TriangleMesh()>> kMeshes = {
     {"million", [] { return shapes::letter_field(1420, 710); }},
     {"three_million", [] { return shapes::letter_field(2450, 1225); }},
     {"head", [] { return shapes::head(); }},
+    {"fine_head", [] { return shapes::head(0.0214); }},
     {"hand", [] { return shapes::hand(); }},
     {"creature", [] { return shapes::creature(); }},
     {"dragon", [] { return shapes::dragon(); }},
