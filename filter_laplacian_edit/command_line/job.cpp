@@ -21,6 +21,7 @@
 #include "files/file_writer.h"
 #include "files/input_file.h"
 #include "files/output_files.h"
+#include "files/ply_file.h"
 #include "files/real_files.h"
 #include "filter_laplacian_edit.h"
 #include "lapedit/base/error.h"
@@ -185,6 +186,7 @@ class Job {
     }
     notes_.doing("writing", Unwritable);
     tellLost();
+    tellNotKept();
     commit();
   }
 
@@ -236,6 +238,7 @@ class Job {
     } catch (const BatchError& error) {
       throw Failure(Unreadable, error.what());
     }
+    custom_ = customProperties(name);
     if (name != options_.input) {
       QFile::remove(name);
     }
@@ -414,6 +417,25 @@ class Job {
     }
   }
 
+  /// Names what neither MeshLab nor the format keeps.
+  void tellNotKept() {
+    const QStringList kept = customProperties(files_.path(0));
+    QStringList& lost = report_.notKept;
+    std::copy_if(custom_.begin(), custom_.end(), std::back_inserter(lost),
+                 [&kept](const QString& property) { return !kept.contains(property); });
+    if (QFileInfo(options_.output).suffix().toLower() == "xyz" && report_.faces > 0) {
+      lost << "faces";
+    }
+    constexpr int kMost = 8;
+    if (!lost.isEmpty()) {
+      const int more = static_cast<int>(lost.size()) - kMost;
+      print("The output does not keep " + quotedPath(lost.mid(0, kMost).join(", ")) +
+            (more > 0 ? " and " + std::to_string(more) + " more" : "") + " of the mesh" +
+            (lost.last() == "faces" ? ": write PLY, OFF or OBJ to keep faces."
+                                    : ", since MeshLab does not: copy them from the input."));
+    }
+  }
+
   /// No output is replaced before all are on the disk.
   void commit() {
     const Stopwatch stopwatch;
@@ -472,6 +494,7 @@ class Job {
   std::vector<ScriptFilter> script_;
   Edit edit_;
   JobReport report_;
+  QStringList custom_;  ///< customProperties() of the mesh that was read
 };
 
 }  // namespace

@@ -34,6 +34,7 @@ QByteArray reportText(const Options& options, const JobReport& report) {
       {"edit", options.edit},
       {"mesh", QJsonObject{{"vertices", report.vertices}, {"faces", report.faces}}},
       {"outputs", outputs},
+      {"not_kept", QJsonArray::fromStringList(report.notKept)},
       {"milliseconds", QJsonObject{{"read", report.readMs}, {"edit", report.editMs}, {"write", report.writeMs}}}};
   if (!options.targets.isEmpty()) {
     all["targets"] = options.targets;

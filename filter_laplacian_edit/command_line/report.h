@@ -22,6 +22,7 @@ struct JobReport {
   int vertices = 0, faces = 0;  ///< of the mesh that was read
   double readMs = 0, editMs = 0, writeMs = 0;
   std::vector<Pose> poses;
+  QStringList notKept;  ///< what outputs lack of the mesh that was read: customProperties(), or "faces"
 };
 
 /// All figures as JSON text.

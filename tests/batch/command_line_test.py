@@ -649,6 +649,24 @@ class Digits(CommandTest):
         self.assertIsNone(output["coordinate_error"])
         self.assertRegex(text, r"out\.dxf\" cannot be compared with the result, since MeshLab does not read the format: write")
 
+    def test_custom_properties_are_kept_or_named(self):
+        mesh = write_ply(self.place / "labels.ply", self.points, self.faces, "property int label\nproperty float quality\n",
+                         [f"{k} 0.5" for k in range(len(self.points))], "property float area\n", ["2"] * len(self.faces))
+        for name, named in (("out.ply", ["vertex label", "face area"]), ("out.off", ["vertex label", "face area"]),
+                            ("out.xyz", ["vertex label", "face area", "faces"])):
+            text = self.done(mesh, name, self.edit, "--report", "report.json", "--strict")
+            if name == "out.ply":  # later versions of MeshLab may keep some
+                header = (self.place / name).read_bytes().split(b"end_header")[0].decode().splitlines()
+                kept = [line.split()[-1] for line in header]
+                named = [one for one in named if one.split()[1] not in kept]
+            with self.subTest(name):
+                self.assertEqual(json.loads((self.place / "report.json").read_text())["not_kept"], named)
+                sentence = f'The output does not keep "{", ".join(named)}" of the mesh'
+                self.assertEqual(sentence in text, bool(named))
+        text = self.done(self.mesh, "out.ply", self.edit, "--report", "report.json")
+        self.assertNotIn("does not keep", text)
+        self.assertEqual(json.loads((self.place / "report.json").read_text())["not_kept"], [])
+
     def test_each_pose_is_compared(self):
         self.done(self.mesh, "all.dxf", self.edit, "--fractions", "0.5,1", "--jobs", "2", "--report", "report.json")
         self.done(self.mesh, "all.off", self.edit, "--fractions", "0.5,1", "--jobs", "2", "--report", "off.json")

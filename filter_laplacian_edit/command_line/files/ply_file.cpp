@@ -98,3 +98,30 @@ std::optional<PlyCounts> walkPly(const QString& path) {
   counts.complete = at == size;
   return counts;
 }
+
+QStringList customProperties(const QString& path) {
+  static const QStringList kKnown = QString(
+                                        "x y z nx ny nz red green blue alpha diffuse_red diffuse_green diffuse_blue "
+                                        "diffuse_alpha quality scalar confidence intensity radius flags s t u v "
+                                        "texture_u texture_v texnumber texcoord vertex_index vertex_indices")
+                                        .split(' ');
+  QFile file(path);
+  QStringList found;
+  if (!file.open(QIODevice::ReadOnly) || file.readLine(80).trimmed() != "ply") {
+    return found;
+  }
+  constexpr int kLongestLine = 4096;
+  QString element;
+  while (!file.atEnd()) {
+    const QStringList words = QString::fromUtf8(file.readLine(kLongestLine)).simplified().split(' ');
+    if (words[0] == "end_header") {
+      break;
+    }
+    if (words[0] == "element") {
+      element = words.value(1);
+    } else if (words[0] == "property" && (element == "vertex" || element == "face") && !kKnown.contains(words.last())) {
+      found << element + " " + words.last();
+    }
+  }
+  return found;
+}

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <QString>
+#include <QStringList>
 #include <cstdint>
 #include <optional>
 
@@ -14,3 +15,7 @@ struct PlyCounts {
 /// Scans a binary, little-endian PLY file without storing it, in a twentieth of the time of reading a mesh. @return
 /// `std::nullopt` if it is no such file
 std::optional<PlyCounts> walkPly(const QString& path);
+
+/// Returns the properties in the header of a PLY file of any format that have no meaning of their own in MeshLab, such
+/// as "vertex label", in their order; empty if it is no PLY file.
+QStringList customProperties(const QString& path);
