@@ -66,7 +66,7 @@ ELSEWHERE = [
 # read, and that they know the options.
 EXCEPTIONS = [
     (r"\./MeshLab\.AppImage .*|common/scripts/build_for\.sh squashfs-root", "official builds come from the network"),
-    (r"(\w+=.*\n)?(xvfb-run -a )?tests/(scripts/(speed|quality)\.sh|bench/quality_(pictures|page)\.py)(.|\n)*|"
+    (r"(\w+=.*\n)?(xvfb-run -a )?tests/(scripts/(landmarks|speed|quality)\.sh|bench/quality_(pictures|page)\.py)(.|\n)*|"
      r"(cmake --build )?build/speed.*", "measures for minutes up to hours, beside CGAL and Blender"),
     (r"tests/scripts/(whole_mesh|window_frames)\.sh.*", "measures: takes 10 GB, or a whole machine"),
     (r"tests/scripts/(paper|gallery|first_drag|window_(stills|tour|film))\.(sh|py)",
