@@ -375,6 +375,8 @@ class NothingToEdit(ToolTest):
 
     def test_no_mesh(self):
         with self.open() as w:
+            if not w.actions(TOOL)[0]["enabled"]:
+                return  # as newer versions of MeshLab have it
             w.trigger(TOOL)
             tips = [t for t in w.ask("widgets", prefix="qtooltip_label")["widgets"] if t["visible"]]
             self.assertEqual([t["text"] for t in tips], ["There is no mesh: open one first."])
