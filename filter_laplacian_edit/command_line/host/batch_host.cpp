@@ -154,8 +154,8 @@ int whyShort(const QFileInfo& written) {
     return EFBIG;
   }
   // Writers may fill the disk to its last block.
-  const QByteArray name = QFile::encodeName(written.absolutePath() + "/more");
-  const int more = ::open(name.constData(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+  QByteArray name = QFile::encodeName(written.absolutePath() + "/moreXXXXXX");  // other processes try here as well
+  const int more = ::mkostemp(name.data(), O_CLOEXEC);
   const QByteArray block(4096, 'x');
   bool fits = more >= 0 && ::unlink(name.constData()) == 0;  // at once: what is left in the folder becomes an output
   if (fits) {
