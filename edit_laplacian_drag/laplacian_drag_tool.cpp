@@ -334,7 +334,7 @@ LinePicture::Line LaplacianDragTool::line(bool usable) {
   const DragSession& session = active_->session();
   LinePicture::Line line;
   line.text = !notice_.isEmpty()    ? notice_
-              : window_.suspended() ? tr("Suspended: the mouse turns the view. Esc goes on with dragging.")
+              : window_.suspended() ? tr("Suspended: the mouse turns the view. Esc resumes the tool.")
                                     : QString::fromStdString(session.message());
   if (session.preparing()) {
     line.text += tr("  [preparing: %1, %2 %]").arg(session.stage()).arg(static_cast<int>(100 * session.progress()));
@@ -571,7 +571,8 @@ void LaplacianDragTool::mousePress(QMouseEvent& event) {
     if (!active_->matches(*layer->mesh)) {
       shared_->forget(layer_);
       start();
-      say(tr("The mesh was changed by something else: starting afresh from what it is now.").toStdString());
+      say(tr("The mesh was changed by another tool or filter: the session starts again from its current state.")
+              .toStdString());
       if (!active_) {
         return;
       }
@@ -881,7 +882,8 @@ void LaplacianDragTool::afterEvent() {
   if (update == LayerSession::Update::MeshChanged) {
     shared_->forget(layer_);
     start();
-    say(tr("The mesh was changed by something else while it was dragged: starting afresh from what it is now.")
+    say(tr("The mesh was changed by another tool or filter during a drag: the session starts again from its current "
+           "state.")
             .toStdString());
   } else if (update != LayerSession::Update::Nothing) {
     QElapsedTimer upload;

@@ -117,7 +117,7 @@ Panel::Panel(QWidget* parent) : QDockWidget("Laplacian Drag", parent), column_(n
 // --- Groups ---------------------------------------------------------------------------------------------------------
 
 void Panel::addBasic() {
-  begin("basic", tr("Basic"), tr("What most edits need"), true);
+  begin("basic", tr("Basic"), tr("Settings that most edits need"), true);
   const Access radius = access<&DragSettings::radius>();
   row(tr("Radius"),
       dragged(
@@ -140,7 +140,7 @@ void Panel::addBasic() {
                              [largest](double value) { return value / largest; }, share));
   auto* const mode = state(
       "mode", {tr("Disc or vertex"), tr("Curve")},
-      tr("What clicks make a handle of (C): a curve joins them by shortest paths"),
+      tr("How clicks make a handle (C): a curve joins them by shortest paths"),
       [](const DragSession& session) { return session.handle_mode() == HandleMode::Curve ? 1 : 0; },
       [](DragSession& session, int index) {
         session.set_handle_mode(index == 1 ? HandleMode::Curve : HandleMode::Vertex);
@@ -149,8 +149,8 @@ void Panel::addBasic() {
   mode->setItemIcon(1, panelIcon("curve", palette()));
   row(tr("Handle"), mode);
   row(tr("Preset"), presetChoice());
-  auto* const save = button("save_preset", tr("Save preset..."), tr("Keeps the values as a preset of your own"));
-  auto* const defaults = button("defaults", tr("Defaults"), tr("Gives all settings the values that they began with"));
+  auto* const save = button("save_preset", tr("Save preset..."), tr("Stores the values as a preset of your own"));
+  auto* const defaults = button("defaults", tr("Defaults"), tr("Resets all settings to their initial values"));
   connect(save, &QPushButton::clicked, this, &Panel::saveOrRemovePreset);
   connect(defaults, &QPushButton::clicked, this, [this] {
     change([settings = defaults_](DragSession& session) {
@@ -159,13 +159,12 @@ void Panel::addBasic() {
     });
   });
   buttons({save, defaults, button("help", tr("Keys"), tr("Shows all keys over the picture (?)"))});
-  row(tr("Turn about"),
-      state(
-          "pivot", {tr("Handle's middle"), tr("Shoulder (edge)"), tr("Point (next click)")},
-          tr("What turning and scaling go about (P): the middle of the handle, the middle of the region's edge, as the "
-             "shoulder of an arm, or a point that the next click picks"),
-          [](const DragSession& session) { return static_cast<int>(session.pivot()); },
-          [](DragSession& session, int index) { session.set_pivot(static_cast<Pivot>(index)); }));
+  row(tr("Turn about"), state(
+                            "pivot", {tr("Handle's middle"), tr("Shoulder (edge)"), tr("Point (next click)")},
+                            tr("The point that turning and scaling go about (P): the middle of the handle, the middle "
+                               "of the region's edge, as the shoulder of an arm, or a point that the next click picks"),
+                            [](const DragSession& session) { return static_cast<int>(session.pivot()); },
+                            [](DragSession& session, int index) { session.set_pivot(static_cast<Pivot>(index)); }));
   buttons({button("move", tr("Move"), tr("The handle follows the mouse, no button held (T)")),
            button("rotate", tr("Rotate"), tr("The handle turns about its pivot with the mouse (R)")),
            button("scale", tr("Scale"), tr("The handle grows about its pivot with the mouse (S)"))});
@@ -176,16 +175,16 @@ void Panel::addBasic() {
   shown_.push_back([fixed](const DragSession& session) { fixed->setChecked(session.keeps_fixed()); });
   buttons({button("apply", tr("Apply"), tr("Applies what is being moved (Return)")),
            button("cancel", tr("Cancel"), tr("Cancels what is being moved (Esc, Backspace, right button)")), fixed});
-  buttons({button("undo", tr("Undo"), tr("Takes the last step back (Ctrl+Z)")),
-           button("redo", tr("Redo"), tr("Does it again (Ctrl+Shift+Z)")),
-           button("reset", tr("Reset"), tr("Back to the mesh as it was when the tool began"))});
+  buttons({button("undo", tr("Undo"), tr("Undoes the last step (Ctrl+Z)")),
+           button("redo", tr("Redo"), tr("Redoes the last undone step (Ctrl+Shift+Z)")),
+           button("reset", tr("Reset"), tr("Restores the mesh as it was when the tool began"))});
   buttons({button("save", tr("Save..."), tr("Writes all steps as JSON, for Laplacian Edit Replay")),
            button("load", tr("Load..."), tr("Applies the steps of a saved edit")),
            button("copy", tr("Script"),
                   tr("Copies as filter script: puts a filter script (.mlx) with all steps on the clipboard"))});
   progress_ = new QProgressBar;
   progress_->setObjectName(nameOf("progress"));
-  progress_->setToolTip(tr("How far the region is prepared"));
+  progress_->setToolTip(tr("Progress of preparing the region"));
   progress_->setRange(0, 100);
   progress_->setMaximumHeight(14);
   QSizePolicy keepsPlace = progress_->sizePolicy();
@@ -227,7 +226,7 @@ void Panel::addLastStep() {
   auto* const fields = new QHBoxLayout(line);
   fields->setSpacing(2);
   fields->setContentsMargins(0, 0, 0, 0);
-  line->setToolTip(tr("How far it was moved along X, Y and Z of the layer, in model units"));
+  line->setToolTip(tr("Displacement along X, Y and Z of the layer, in model units"));
   for (int axis = 0; axis < 3; ++axis) {
     lengths_.push_back(field(qPrintable(QString("last_") + "xyz"[axis]), line->toolTip(), -kLongest, 4, false,
                              [axis](LastStep& last) -> double& { return last.motion.translation[axis]; }));
@@ -236,15 +235,15 @@ void Panel::addLastStep() {
     fields->addWidget(lengths_.back(), 1);
   }
   row(tr("Moved"), line);
-  auto* const turned = field("last_turn", tr("How far it was turned, about the axis that it was turned about; else Z"),
-                             -kLongest, 2, true, [](LastStep& last) -> double& { return last.motion.degrees; });
+  auto* const turned = field("last_turn", tr("Rotation about the last axis, or about Z"), -kLongest, 2, true,
+                             [](LastStep& last) -> double& { return last.motion.degrees; });
   turned->setSuffix(tr(" degrees"));
   row(tr("Turned"), turned);
-  auto* const scaled = field("last_scale", tr("The factor that it was scaled by"), 0.0001, 4, true,
+  auto* const scaled = field("last_scale", tr("Factor of the scale"), 0.0001, 4, true,
                              [](LastStep& last) -> double& { return last.motion.scale; });
   scaled->setSingleStep(0.1);
   row(tr("Scaled"), scaled);
-  auto* const share = prepared<QSlider>("last_share", tr("How much of the way is gone: 0 to 100 percent"));
+  auto* const share = prepared<QSlider>("last_share", tr("Share of the path: 0 to 100 percent"));
   share->setOrientation(Qt::Horizontal);
   share->setRange(0, 100);
   const auto go = [this, share, send] {
@@ -262,7 +261,7 @@ void Panel::addLastStep() {
       share->setValue(static_cast<int>(std::round(100 * (lastStep_ ? lastStep_->share : 1))));
     }
   });
-  row(tr("Of the way"), share);
+  row(tr("Share of path"), share);
   addHistory();
 }
 
@@ -284,10 +283,10 @@ void Panel::addHistory() {
 }
 
 void Panel::addRegion() {
-  begin("region", tr("Region"), tr("What of the surface follows the handle"));
-  buttons({button("from_selection", tr("Selection"), tr("The region is what the selected faces cover")),
+  begin("region", tr("Region"), tr("The part of the surface that follows the handle"));
+  buttons({button("from_selection", tr("Selection"), tr("The region consists of the selected faces")),
            button("component", tr("Component"), tr("The region is the whole connected piece of the handle")),
-           button("clear", tr("Clear"), tr("Forgets region and handles; what was applied stays"))});
+           button("clear", tr("Clear"), tr("Removes region and handles; applied steps stay"))});
   buttons({button("grow", tr("Grow"), tr("Makes the region larger by a ring ( ] )")),
            button("shrink", tr("Shrink"), tr("Makes the region smaller by a ring ( [ )")),
            button("new_region", tr("New"), tr("The next click takes a new region (W)"))});
@@ -304,7 +303,7 @@ void Panel::addRegion() {
 }
 
 void Panel::addHandles() {
-  begin("handle", tr("Brush and handle"), tr("What is moved, and what stays"));
+  begin("handle", tr("Brush and handle"), tr("What moves, and what holds"));
   row(tr("Brush"),
       state(
           "brush_target", {tr("Region"), tr("Handle"), tr("Keep fixed")},
@@ -326,7 +325,7 @@ void Panel::addHandles() {
           [](const DragSession& session) { return static_cast<int>(session.snap()); },
           [](DragSession& session, int index) { session.set_snap(static_cast<SnapTo>(index)); }));
   buttons({button("anchors_from_selection", tr("Fix the selection"),
-                  tr("What the selected faces cover stays, in place of the region's fixed edge"))});
+                  tr("The vertices of the selected faces hold, instead of the region's fixed edge"))});
   buttons({button("next_group", tr("Add a handle"), tr("The next click adds a handle; the other handles hold (G)"))});
 }
 
@@ -338,7 +337,7 @@ void Panel::addGizmo() {
   auto* const shown =
       prepared<QCheckBox>("gizmo", tr("Arrows move along an axis, rings turn about it, the knob scales (V)"));
   shown->setText(tr("Show gizmo"));
-  auto* const axes = prepared<QComboBox>("gizmo_axes", tr("Which way the gizmo's arrows go"));
+  auto* const axes = prepared<QComboBox>("gizmo_axes", tr("Directions of the gizmo's arrows"));
   axes->addItems({tr("Layer"), tr("View"), tr("Normal")});
   const auto edit = [set, shown, axes] { set(shown->isChecked(), static_cast<GizmoAxes>(axes->currentIndex())); };
   connect(shown, &QCheckBox::clicked, this, edit);
@@ -361,7 +360,7 @@ void Panel::addSymmetry() {
   }
   choices += tr("Found from the mesh");
   row(tr("Mirror"), state(
-                        "mirror", choices, tr("The plane of the layer that what is moved is mirrored at"),
+                        "mirror", choices, tr("The plane of the layer across which edits are mirrored"),
                         [this](const DragSession& session) {
                           int index = 0;
                           while (session.mirror() && index++ < kPlanes &&
@@ -384,7 +383,7 @@ MirrorPlane Panel::plane(int index) const {
 }
 
 void Panel::addAdvanced() {
-  begin("advanced", tr("Advanced"), tr("The solver's numbers"));
+  begin("advanced", tr("Advanced"), tr("Settings of the solver"));
   for (const Setting& setting : settings_table()) {
     row(titleOf(setting.key), widgetOf(setting));
   }
@@ -399,8 +398,7 @@ void Panel::addStatistics() {
   frame_ = figure("frame", tr("A frame of the drag, from the mouse's move to the picture: medians of the last frames"));
   quality_ = figure("quality", tr("Of the last pose: how far the handle is from its target, the most stretched edge, "
                                   "and where it folded"));
-  heat_ =
-      prepared<QCheckBox>("heat", tr("Colours the region by how far its edges are longer or shorter than they were"));
+  heat_ = prepared<QCheckBox>("heat", tr("Colours the region by the stretch of its edges"));
   heat_->setText(tr("Show stretch"));
   connect(heat_, &QCheckBox::clicked, this, [this] { change([](DragSession&) {}); });
   form_->addRow(heat_);
@@ -580,8 +578,7 @@ QComboBox* Panel::choice(const Setting& setting, const Access& access) {
 }
 
 QComboBox* Panel::presetChoice() {
-  auto* const box =
-      prepared<QComboBox>("preset", tr("Sets handle size and solver at once to what suits a kind of surface"));
+  auto* const box = prepared<QComboBox>("preset", tr("Sets handle size and solver for a kind of surface"));
   const auto fill = [this, box] {
     box->clear();
     for (const Preset& preset : presets()) {

@@ -65,7 +65,7 @@ inline constexpr KeyHelp kKeyHelp[] = {
     {DragKey::Apply, DragKey::Apply, "Return", "Applies what is being moved."},
     {DragKey::Cancel, DragKey::Cancel, "Backspace, Esc", "Cancels a motion or computation in progress; ends painting."},
     {DragKey::Curve, DragKey::Curve, "C", "Changes between handles that are vertices and handles that are curves."},
-    {DragKey::NextGroup, DragKey::NextGroup, "G", "Makes the next click another handle group, the others holding."},
+    {DragKey::NextGroup, DragKey::NextGroup, "G", "Makes the next click another handle group; the others hold."},
     {DragKey::NewRegion, DragKey::NewRegion, "W", "Makes the next click take a new region."},
     {DragKey::Pivot, DragKey::Pivot, "P",
      "Turns and scales about a point that the next click picks; again: about the shoulder, the middle of the region's "
@@ -75,9 +75,8 @@ inline constexpr KeyHelp kKeyHelp[] = {
     {DragKey::Gizmo, DragKey::Gizmo, "V", "Shows arrows, rings and a knob at the handle, and hides them again."},
     {DragKey::Grow, DragKey::Grow, "]", "Grows the region by a ring."},
     {DragKey::Shrink, DragKey::Shrink, "[", "Shrinks the region by a ring."},
-    {DragKey::Undo, DragKey::Undo, "Ctrl+Z",
-     "Takes back what was done last: a step, a stroke or a setting, exact to the bit."},
-    {DragKey::Redo, DragKey::Redo, "Ctrl+Shift+Z", "Does again what was taken back last."},
+    {DragKey::Undo, DragKey::Undo, "Ctrl+Z", "Undoes the last step, stroke or setting, exact to the bit."},
+    {DragKey::Redo, DragKey::Redo, "Ctrl+Shift+Z", "Redoes what was undone last."},
     {DragKey::Copy, DragKey::Copy, "Ctrl+C", "Copies number and coordinates of the vertex under the cursor."},
     {DragKey::Help, DragKey::Help, "?", "Shows all keys over the picture, and hides them again."},
 };

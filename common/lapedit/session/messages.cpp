@@ -27,8 +27,7 @@ std::string dragging(const DragMotion& motion, bool by_button, bool full_frames)
 std::string asymmetric(double share) {
   return format_text(
       "The mesh is not its own mirror image: its sides differ by %.1f %% of its size or more on average. The other "
-      "side "
-      "moves only where it has a vertex near the mirrored handle.",
+      "side moves only where it has a vertex near the mirrored handle.",
       100 * share);
 }
 
@@ -76,7 +75,7 @@ std::string unconnected(const std::vector<int>& vertices) {
 std::string nothing_holds(int vertices) {
   return format_text(
       "Nothing holds this piece of %d vertices, so all of it would move: choose a smaller radius, press G and click "
-      "where it is to stay, or give a gap to connect it to its neighbours.",
+      "where it should hold, or give a gap to connect it to its neighbours.",
       vertices);
 }
 
