@@ -86,6 +86,7 @@ class Events:
             if self.random.random() < 0.3:
                 self.replay()
             w.set(part("reset"), True)
+        w.set(part("mirror"), 0)  # a plane that suits no handle would refuse all that follows
         self.test.assert_same(self.originals[self.layer_id], w.dump())
 
     def replay(self):
