@@ -153,7 +153,9 @@ Edit by_place(Choices& choose, const TriangleMesh& mesh, Edit edit) {
         group.places = places(choose, mesh);
         group.vertices.clear();
         group.weights.clear();
-        for (std::size_t k = choose.flag() ? group.places.points.size() : 0; k > 0; --k) {
+        const bool has_targets = choose.flag() && !group.places.points.empty();
+        group.transform = has_targets ? HandleTransform() : group.transform;
+        for (std::size_t k = has_targets ? group.places.points.size() : 0; k > 0; --k) {
           group.targets.push_back(vector(choose));
           group.names.emplace_back("point");
           group.weights.push_back((1 + choose.below(4)) / 4.0);

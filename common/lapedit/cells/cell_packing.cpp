@@ -238,12 +238,13 @@ void Packing::sort() {
 /// Order of vertices with equal distances from the rims of handles: by the distance from the middle of the region,
 /// which does not depend on the orientation of the mesh; then by coordinates.
 std::array<std::int64_t, 4> Packing::place(int vertex) const {
-  constexpr double kPlaces = 1 << 20, kBetween = 0.3;
+  constexpr double kPlaces = 1 << 20, kBetween = 0.3, kMost = 9e18;  // the last is within 64 bits
   const Vector3 p = rest_.row(vertex).transpose();
   const double values[4] = {(p - middle_).norm(), p[0], p[1], p[2]};
   std::array<std::int64_t, 4> result = {};
   for (int k = 0; k < 4 && spacing_ > 0; ++k) {
-    result[k] = static_cast<std::int64_t>(std::floor(values[k] / spacing_ * kPlaces + kBetween));
+    const double place = std::floor(values[k] / spacing_ * kPlaces + kBetween);
+    result[k] = static_cast<std::int64_t>(std::clamp(place, -kMost, kMost));
   }
   return result;
 }

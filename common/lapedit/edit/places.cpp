@@ -251,10 +251,16 @@ Edit located(const TriangleMesh& mesh, const Adjacency& adjacency, Edit edit, co
 Edit with_places(const TriangleMesh& mesh, const Adjacency& adjacency, Edit edit) {
   constexpr std::size_t kMost = 200000;
   std::vector<int> named;
+  const auto sound = [&mesh](std::vector<int> vertices) {
+    for (const int v : vertices) {
+      require_vertex("Vertex", v, mesh.vertices.rows());
+    }
+    return sorted_set(std::move(vertices));
+  };
   for (const EditStep& step : edit.steps) {
-    named = united(named, grown(adjacency, sorted_set(step.region.vertices)));
+    named = united(named, grown(adjacency, sound(step.region.vertices)));
     for (const HandleGroup& group : step.handles) {
-      const std::vector<int> set = sorted_set(group.vertices);
+      const std::vector<int> set = sound(group.vertices);
       named = united(named, set.size() > 1 && group.targets.empty() ? grown(adjacency, set) : set);
     }
   }

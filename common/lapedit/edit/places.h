@@ -27,6 +27,7 @@ Edit located(const TriangleMesh& mesh, const Adjacency& adjacency, Edit edit, co
 
 /// Returns the edit with the places of the vertices that its steps name, and of those next to sets of them; without, if
 /// there are more than 200,000. The mesh is the one before the first step.
+/// @throws EditError (BadIndex)
 Edit with_places(const TriangleMesh& mesh, const Adjacency& adjacency, Edit edit);
 
 }  // namespace lapedit
