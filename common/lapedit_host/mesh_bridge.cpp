@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <numeric>
 #include <string>
@@ -150,7 +151,7 @@ std::vector<Vector3> picked_points(const CMeshO& host) {
   };
   std::vector<Vector3> points;
   for (const auto& attribute : host.mesh_attr) {
-    if (attribute._name != "PickedPoints" || attribute._sizeof != static_cast<int>(sizeof(void*))) {
+    if (attribute._name != "PickedPoints" || std::strcmp(attribute._type.name(), "P12PickedPoints") != 0) {
       continue;
     }
     const auto* const list = *static_cast<const std::vector<const Picked*>* const*>(attribute._handle->DataBegin());

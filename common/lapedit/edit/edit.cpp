@@ -118,7 +118,7 @@ class Poses {
     report_progress(progress, 1, "done");
   }
 
-  /// Adds step and fraction to a refusal, if there are several. Call it in the handler of the exception.
+  /// Rethrows a refusal with its step and fraction, if the edit has several. Call it in a handler of that refusal.
   [[noreturn]] void refuse(const EditError& error, std::size_t k, std::size_t steps, std::size_t p) const {
     const bool cancelled = error.cause() == ErrorCause::Cancelled;
     std::string sentence = error.what();

@@ -77,7 +77,7 @@ void check_shares(const std::vector<std::vector<int>>& groups, const std::vector
   }
 }
 
-/// Returns one flag per mesh vertex for a given set, which must contain the handle.
+/// Returns a flag for each vertex of the mesh: whether it is in the set. The set has to contain the handles.
 std::vector<char> flag_set(const TriangleMesh& mesh, const std::vector<int>& set, const std::vector<int>& handles) {
   const int n = static_cast<int>(mesh.vertices.rows());
   if (set.empty()) {

@@ -92,6 +92,20 @@ struct Crossing {
   bool found = false;
 };
 
+/// Runs a query on the part of a tree below a node, as Eigen::BVIntersect() does, which allocates. The tree is
+/// balanced.
+/// @return whether the query ended early
+template <class Query>
+bool run(const FaceTree& tree, int node, Query& query) {
+  FaceTree::VolumeIterator box = {}, last_box = {};
+  FaceTree::ObjectIterator face = {}, last_face = {};
+  tree.getChildren(node, box, last_box, face, last_face);
+  return std::any_of(
+             box, last_box,
+             [&](int child) { return query.intersectVolume(tree.getVolume(child)) && run(tree, child, query); }) ||
+         std::any_of(face, last_face, [&](int object) { return query.intersectObject(object); });
+}
+
 }  // namespace
 
 struct Visibility::Impl {
@@ -125,13 +139,13 @@ bool Visibility::sees(const Camera& view, const Adjacency& adjacency, int vertex
     return false;
   }
   Crossing crossing(mesh, vertex, {place, -through.direction}, impl_->same_place, reach);
-  Eigen::BVIntersect(impl_->faces, crossing);
+  run(impl_->faces, impl_->faces.getRootIndex(), crossing);
   return !crossing.found;
 }
 
 std::optional<SurfaceHit> Visibility::first_hit(const Ray& ray) const {
   Nearest nearest(impl_->mesh, ray);
-  Eigen::BVIntersect(impl_->faces, nearest);
+  run(impl_->faces, impl_->faces.getRootIndex(), nearest);
   return nearest.face >= 0 ? std::optional(hit_of(impl_->mesh, ray, nearest.face, nearest.distance)) : std::nullopt;
 }
 

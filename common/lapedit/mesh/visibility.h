@@ -23,7 +23,7 @@ class Visibility {
   /// O(log faces).
   bool sees(const Camera& view, const Adjacency& adjacency, int vertex, int side = 1) const;
 
-  /// Same as first_hit() of the mesh, O(log faces).
+  /// Same as first_hit() of the mesh, O(log faces). Allocates nothing.
   std::optional<SurfaceHit> first_hit(const Ray& ray) const;
 
  private:

@@ -110,14 +110,14 @@ void SessionMouse::move(const Cursor& cursor) {
   }
   Dragging* const drag = solver_.in<Dragging>();
   if (drag && (pressed_ || !drag->by_button)) {
-    drag->motion.move(snapped(cursor));
+    drag->motion.move(snapped(cursor, drag->motion.kind()));
     solver_.ask();
   }
 }
 
-Cursor SessionMouse::snapped(const Cursor& cursor) const {
+Cursor SessionMouse::snapped(const Cursor& cursor, MotionKind kind) const {
   Cursor at = cursor;
-  if (model_.tools.targets) {
+  if (model_.tools.targets && kind == MotionKind::Translate) {
     at.target = model_.tools.targets->at(cursor.view, cursor.pixel);
   }
   return at;
@@ -156,7 +156,7 @@ void SessionMouse::release(const Cursor& cursor) {
   }
   if (Dragging* const drag = solver_.in<Dragging>()) {
     if (cursor.view.valid()) {
-      drag->motion.move(snapped(cursor));
+      drag->motion.move(snapped(cursor, drag->motion.kind()));
     }
     release_motion();
     return;

@@ -65,7 +65,7 @@ class SessionMouse {
     MotionKind kind = MotionKind::Translate;
   };
 
-  Cursor snapped(const Cursor& cursor) const;
+  Cursor snapped(const Cursor& cursor, MotionKind kind) const;
   bool press_gizmo(const Cursor& cursor);
   bool press_beneath(const Cursor& cursor, PressModifiers modifiers);
   void press_surface(const SurfaceHit& hit, const Cursor& cursor, PressModifiers modifiers);

@@ -154,7 +154,8 @@ int whyShort(const QFileInfo& written) {
     return EFBIG;
   }
   // Writers may fill the disk to its last block.
-  QByteArray name = QFile::encodeName(written.absolutePath() + "/moreXXXXXX");  // other processes try here as well
+  QByteArray name = QFile::encodeName(written.absolutePath() +
+                                      "/moreXXXXXX");  // mkostemp() names it, since processes share the folder
   const int more = ::mkostemp(name.data(), O_CLOEXEC);
   const QByteArray block(4096, 'x');
   bool fits = more >= 0 && ::unlink(name.constData()) == 0;  // at once: what is left in the folder becomes an output

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/session/snap.h"
+
+#include <gtest/gtest.h>
+
+#include "allocation_watch.h"
+#include "drag_support.h"
+#include "shapes.h"
+
+namespace lapedit {
+namespace {
+
+/// Seen from above: the sheet lies at z = 0, and a copy of it one unit lower.
+class Snap : public ::testing::Test {
+ protected:
+  std::vector<TriangleMesh> sheets(std::initializer_list<double> heights) const {
+    std::vector<TriangleMesh> all;
+    for (const double height : heights) {
+      all.push_back(sheet_);
+      all.back().vertices.col(2).array() = height;
+    }
+    return all;
+  }
+
+  const TriangleMesh sheet_ = shapes::grid(9, 9);
+  const Vector3 middle_ = sheet_.vertices.row(40).transpose();
+  const Vector3 eye_ = middle_ + Vector3(0, 0, 40);
+  const Camera view_ = support::view_from(eye_, middle_, Vector3::UnitY());
+};
+
+TEST_F(Snap, TakesTheFirstSurfaceUnderTheCursor) {
+  const Vector2 pixel = view_.pixel(middle_);
+  for (const auto& heights : {std::initializer_list<double>{0, -1}, {-1, 0}}) {
+    const auto found = SnapTargets(sheets(heights), {}).at(view_, pixel);
+    ASSERT_TRUE(found);
+    EXPECT_NEAR(found->z(), 0, 1e-9);
+    EXPECT_LT((view_.pixel(*found) - pixel).norm(), 1e-6);
+  }
+  EXPECT_FALSE(SnapTargets(sheets({0}), {}).at(view_, Vector2(-1e5, 0)));
+  EXPECT_FALSE(SnapTargets({}, {}).at(view_, pixel));
+}
+
+TEST_F(Snap, TakesTheNearestPickedPointWithinItsReach) {
+  const Vector2 pixel = view_.pixel(middle_);
+  const Vector3 near = sheet_.vertices.row(41).transpose(), far = sheet_.vertices.row(0).transpose();
+  const SnapTargets targets({}, {far, near});
+  const Vector2 at = view_.pixel(near), way = (pixel - at).normalized();
+  EXPECT_EQ(targets.at(view_, at + (kSnapPixels - 1) * way), near);
+  EXPECT_EQ(targets.at(view_, view_.pixel(far)), far);
+  EXPECT_FALSE(SnapTargets({}, {near}).at(view_, at + (kSnapPixels + 1) * way));
+}
+
+TEST_F(Snap, AllocatesNothing) {
+  const SnapTargets targets(sheets({0, -1}), {middle_});
+  targets.at(view_, view_.pixel(middle_));
+  const long before = allocations;
+  for (int k = 0; k < 9; ++k) {
+    targets.at(view_, view_.pixel(sheet_.vertices.row(9 * k).transpose()));
+  }
+  EXPECT_EQ(allocations, before);
+}
+
+}  // namespace
+}  // namespace lapedit
