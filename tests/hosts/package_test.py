@@ -301,7 +301,7 @@ class Package(unittest.TestCase):
         """With the tool, from about the middle of the sheet."""
         window.keys("ctrl+alt+l")
         window.wait("Started Mode Laplacian Drag")
-        window.drag((700, 470), (760, 390))  # on the sheet, with layers beside the picture and without
+        window.drag((450, 480), (510, 400))  # on the sheet, however wide the panel is
         window.wait("Laplacian Drag: step 1: ")
         window.save()
 
