@@ -18,7 +18,6 @@
 #include "lists/list_run.h"
 #include "processes/error_stream.h"
 #include "processes/supervisor.h"
-#include "processes/system_limits.h"
 #include "questions.h"
 
 namespace {
@@ -123,6 +122,5 @@ int work(int argc, char** argv, bool hasOutput, Notes& notes) {
 
 int main(int argc, char** argv) {
   const bool hasOutput = openStandardStreams();
-  fitToLimits();
   return supervise([&](Notes& notes) { return guarded([&] { return work(argc, argv, hasOutput, notes); }); });
 }

@@ -2,8 +2,10 @@
 """The program laplacian-edit where a machine, a shell or a cluster's queue grants little: it ends, with the same bits."""
 import json
 import os
+import pathlib
 import re
 import resource
+import shutil
 import subprocess
 import unittest
 
@@ -66,9 +68,9 @@ class LimitsTest(HostTest):
         self.assertEqual(self.edited(stack, "alone.ply"), self.expected)
 
     def test_less_and_less_address_space(self):
-        """Down to where not even the libraries can be loaded: an end, and nothing or all of the output."""
+        """Down to where not even the libraries can be loaded: one message, and nothing or all of the output."""
         for kind in (resource.RLIMIT_AS, resource.RLIMIT_DATA):
-            for megabytes in range(360, 20, -40):
+            for megabytes in (*range(360, 60, -20), 60, 30, 10, 5):
                 with self.subTest(kind=kind, megabytes=megabytes):
                     output = self.folder / f"less_{kind}_{megabytes}.ply"
                     code, text = self.run_limited({kind: megabytes * KILOBYTE**2}, self.mesh, output, self.edit)
@@ -76,11 +78,20 @@ class LimitsTest(HostTest):
                     if code == 0:
                         self.assertEqual(Ply(output).point_bits(), self.expected)
                     else:
-                        self.assertNotEqual(text, "")
+                        self.assertEqual(code, 5, text)
+                        self.assertRegex(text, r"\A[^\n]*: nothing was written; allow more [^\n]*\.\n\Z")
+
+    def test_command_without_its_program(self):
+        copied = shutil.copy(COMMAND, self.folder / "copied")
+        ended = subprocess.run([copied, "--version"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+        self.assertEqual(ended.returncode, 5)
+        self.assertRegex(ended.stdout.decode(), r"\AThe program /.*/libexec/laplacian-edit cannot be started \(No such file "
+                                                r"or directory\): nothing was written; install laplacian-edit again\.\n\Z")
 
     def test_nobody_brings_threads_along(self):
         """No BLAS: its threads compute while they wait, and cost address space."""
-        loaded = subprocess.run(["ldd", COMMAND], stdout=subprocess.PIPE, check=True, env={**os.environ, "LC_ALL": "C"})
+        program = pathlib.Path(COMMAND).parent / "../libexec/laplacian-edit"
+        loaded = subprocess.run(["ldd", program], stdout=subprocess.PIPE, check=True, env={**os.environ, "LC_ALL": "C"})
         self.assertIsNone(re.search(r"lib(openblas|blas|cholmod)\b.*", loaded.stdout.decode()))
 
 

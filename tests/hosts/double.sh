@@ -55,7 +55,7 @@ echo "== double: build"
   targets="filter_laplacian_edit edit_laplacian_drag laplacian_edit_command bridge_tests short_library ending_library"
   ninja $targets >build.log 2>&1 || { grep -A 12 FAILED build.log || tail -n 40 build.log; exit 1; }
   tail -n 1 build.log
-  ldd filter_laplacian_edit/laplacian-edit tests/bridge_tests | grep meshlab-common | grep -vF "$library" && { echo "The library in single precision is used."; exit 1; }
+  ldd libexec/laplacian-edit tests/bridge_tests | grep meshlab-common | grep -vF "$library" && { echo "The library in single precision is used."; exit 1; }
   filter_laplacian_edit/laplacian-edit --version'
 
 echo "== double: tests"

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 #[[
-Puts the plugins where MeshLab looks for a user's own, and the programs into ~/.local/bin; takes them away again.
+Puts the plugins where MeshLab looks for a user's own, and the programs into ~/.local/bin and libexec; takes them away again.
 
 cmake -D MODE=<install|uninstall> -D BUILD_DIR=<build folder>
       -D PLUGINS=<their files' names> -D PLUGIN_DIR=<the system's plugin folder>
@@ -74,7 +74,6 @@ set(stage "${BUILD_DIR}/install_user_stage")
 file(REMOVE_RECURSE "${stage}")
 execute_process(COMMAND "${CMAKE_COMMAND}" -E env "DESTDIR=${stage}" "${CMAKE_COMMAND}" --install "${BUILD_DIR}" --strip
                         --prefix /usr --component Unspecified OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
-file(GLOB programs "${stage}/usr/bin/*")
 
 # As Qt does.
 if(IS_ABSOLUTE "$ENV{XDG_DATA_HOME}")
@@ -88,7 +87,10 @@ endif()
 foreach(plugin IN LISTS PLUGINS)
   put("${stage}${PLUGIN_DIR}/${plugin}" "${data}/${USER_FOLDER}")
 endforeach()
-foreach(program IN LISTS programs)
-  put("${program}" "$ENV{HOME}/.local/bin")
+foreach(folder IN ITEMS bin libexec)
+  file(GLOB programs "${stage}/usr/${folder}/*")
+  foreach(program IN LISTS programs)
+    put("${program}" "$ENV{HOME}/.local/${folder}")
+  endforeach()
 endforeach()
 file(REMOVE_RECURSE "${stage}")
