@@ -69,7 +69,7 @@ EXCEPTIONS = [
     (r"(\w+=.*\n)?(xvfb-run -a )?tests/(scripts/(landmarks|speed|quality)\.sh|bench/quality_(pictures|page)\.py)(.|\n)*|"
      r"(cmake --build )?build/speed.*", "measures for minutes up to hours, beside CGAL and Blender"),
     (r"tests/scripts/(whole_mesh|window_frames)\.sh.*", "measures: takes 10 GB, or a whole machine"),
-    (r"tests/scripts/(paper|gallery|first_drag|window_(stills|tour|film))\.(sh|py)",
+    (r"tests/scripts/(paper|gallery|first_drag|window_(stills|tour|film))\.(sh|py)( --rough)?",
      "makes the documents' pictures, to be looked at: minutes each"),
     (r"tests/scripts/upstream_patch\.sh --build", "builds MeshLab's library: minutes, in a root of sid"),
     (r"tests/hosts/compare\.py --store", "replaces what the test compares with"),

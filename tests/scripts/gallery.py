@@ -21,6 +21,10 @@ HERE = pathlib.Path(__file__).resolve().parent
 PAPER = {"laplacian": 0, "turning": 0, "membrane": 0, "handle_weight": 10, "anchor_weight": 10}
 WAYS = {"none": {**PAPER, "detail_rotation": 0}, "smooth normals": {**PAPER, "detail_rotation": 1},
         "smooth surface": {**PAPER, "detail_rotation": 2}, "default": {}}
+# With --rough: what rotations of smooth surfaces start from.
+ROUGH = {f"{name}, {passes} {'pass' if passes == 1 else 'passes'}": {**WAYS["smooth surface"], "rough": choice,
+                                                                     "iterations": passes}
+         for passes in (1, 3) for choice, name in enumerate(("unrotated", "falloff"))}
 
 
 @dataclasses.dataclass
@@ -143,7 +147,8 @@ def vertex_classes(mesh, edit):
     return classes
 
 
-def show(edit, source, given):
+def show(edit, source, given, ways):
+    """@return for each way: RMS stretch in % / largest / triangles folded over"""
     from host import laplacian_edit, select_vertices  # tests/batch, which main() has made known
     folder = given.output / edit.name
     folder.mkdir(parents=True, exist_ok=True)
@@ -154,7 +159,8 @@ def show(edit, source, given):
     panels = [(before, "before", classes)]
     x, y, z = edit.handle
     group = select_vertices(f"(x-({x}))*(x-({x}))+(y-({y}))*(y-({y}))+(z-({z}))*(z-({z})) < {edit.group ** 2}")
-    for caption, way in WAYS.items():
+    cells = []
+    for caption, way in ways.items():
         parameters = {**edit.settings, **way, "handle_point": edit.handle, "radius": edit.radius,
                       "translation": edit.translation, "rotation_axis": edit.turn[0], "rotation_angle": edit.turn[1],
                       "handle_source": 1 if edit.group else 0}
@@ -164,6 +170,7 @@ def show(edit, source, given):
         text = meshlabserver(given.stage, before, script.with_suffix(".ply"), script)
         report = re.search(r"Region:.*\n.*\n.*\n(.*)\n(.*)\nMilliseconds:.*", text)
         print(f"{edit.name}, {caption}: " + ("; ".join(report.groups()) if report else "no report"), flush=True)
+        cells.append("/".join(re.search(r"stretch: RMS (\S+) %, largest (\S+) %(?s:.*)folded over: (\d+)", text).groups()))
         panels.append((script.with_suffix(".ply"), caption))
     picture = given.output / f"{edit.name}.png"
     command = [HERE.parents[1] / "common/demo/render.py", picture, "--toward", *edit.toward, "--up", *edit.up,
@@ -172,6 +179,7 @@ def show(edit, source, given):
     command += [word for panel in panels for word in ("--panel", *panel)]
     subprocess.run(list(map(str, command)), check=True)
     print(picture, flush=True)
+    return cells
 
 
 def main():
@@ -182,6 +190,7 @@ def main():
                         help="folder of the real meshes; without it their edits are left out")
     parser.add_argument("--output", type=pathlib.Path, required=True)
     parser.add_argument("--height", type=int, default=460)
+    parser.add_argument("--rough", action="store_true", help="compare rough deformations instead of detail rotations")
     parser.add_argument("--columns", type=int, default=2)
     parser.add_argument("names", nargs="*", help="edits to show, all by default: " + " ".join(e.name for e in EDITS))
     given = parser.parse_args()
@@ -191,6 +200,8 @@ def main():
     if unknown:
         parser.error("no such edit: " + " ".join(sorted(unknown)))
     given.output.mkdir(parents=True, exist_ok=True)
+    ways = ROUGH if given.rough else WAYS
+    rows = [["edit", *ways], ["---"] * (1 + len(ways))]
     for edit in EDITS:
         if given.names and edit.name not in given.names:
             continue
@@ -202,7 +213,8 @@ def main():
         else:
             print(f"{edit.name}: left out, needs {edit.mesh}")
             continue
-        show(edit, source, given)
+        rows.append([edit.name, *show(edit, source, given, ways)])
+    print("\n" + "\n".join("|" + "|".join(row) + "|" for row in rows))
 
 
 if __name__ == "__main__":

@@ -1,9 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Renders edits with each kind of detail rotation, as the paper has it, and with the defaults beside each other, into
-# build/gallery.
+# build/gallery, and prints their stretch as a table.
 #
-# usage: gallery.sh [--columns N] [--height PIXELS] [NAME...]   names of edits as in gallery.py, all by default
+# usage: gallery.sh [--rough] [--columns N] [--height PIXELS] [NAME...]   names of edits as in gallery.py, all by default
 #
 # The picture of the limb in common/docs/method.md: gallery.sh --columns 5 --height 300 limb-170
 #

@@ -114,7 +114,7 @@ class Paper:
     def locality(self, name, mesh, handle, counts, translation, **view):
         """Figures 1 and 7: the same handle moved as far in a small and in a large region."""
         panels = []
-        for row, (settings, caption) in enumerate(((TURNED, "the paper's way"), (DEFAULT, "our defaults"))):
+        for row, (settings, caption) in enumerate(((TURNED, "paper"), (DEFAULT, "default"))):
             for count in counts:
                 radius = mesh.radius_of([handle], count)
                 step = {"region": {"radius": radius}, "handles": [{"vertices": str(handle), "translation": translation}]}
@@ -143,7 +143,7 @@ class Paper:
                           toward=(0.5, 0.45, -0.9), up=(0, 1, 0))
 
     def figure_6(self):
-        ways = ((UNTURNED, "details as they were"), (TURNED, "details turned (paper)"), (DEFAULT, "our defaults"))
+        ways = ((UNTURNED, "no rotation"), (TURNED, "paper"), (DEFAULT, "default"))
         letters = self.made("letters")
         handle = letters.nearest((2.05, 0.9, 0.12))
         step = {"region": {"radius": 1.8}, "handles": [{"vertices": str(handle), "translation": [0.8, 0, 1]}]}
@@ -226,8 +226,8 @@ class Paper:
         """Differential coordinates are not rotation-invariant."""
         bumps = self.strip("bumps", lambda x: 0.4 * max(0.0, numpy.sin(2 * numpy.pi * x / 1.8)))
         end = {"translation": [-3.6, 0, 6.2], "rotation": {"axis": [0, -1, 0], "degrees": 80}}
-        self.curves("figure2", bumps, ((UNTURNED, "differential coordinates not turned"),
-                                       (TURNED, "turned by smooth normals"), (DEFAULT, "our defaults")),
+        self.curves("figure2", bumps, ((UNTURNED, "differential coordinates not rotated"),
+                                       (TURNED, "rotated by smooth normals"), (DEFAULT, "default")),
                     (112, 120), [(0, 8)], end, (-0.5, 13.5, -0.6, 7.4))
 
     def figure_4(self):
@@ -240,7 +240,7 @@ class Paper:
         """Rotations from normals as they are, and from smooth ones."""
         rough = self.strip("rough", lambda x: 0.15 * numpy.sin(2 * numpy.pi * x / 0.9) + 0.04 * numpy.sin(23 * x))
         ways = (({**TURNED, "normal_radius": 0.11}, "normals of the nearest neighbours"),
-                (TURNED, "smooth normals, over a region"), (DEFAULT, "our defaults"))
+                (TURNED, "smooth normals, over a region"), (DEFAULT, "default"))
         end = {"translation": [-3.6, 0, 6.2], "rotation": {"axis": [0, -1, 0], "degrees": 80}}
         self.curves("figure5", rough, ways, (112, 120), [(0, 8)], end, (-0.5, 13.5, -0.6, 7.4))
 
