@@ -12,7 +12,7 @@
 set -eu
 
 packages="
-  g++ cmake make pkg-config dpkg-dev file
+  build-essential cmake pkg-config debhelper file
   qtbase5-dev libqt5opengl5-dev libeigen3-dev nlohmann-json3-dev libglew-dev libglu1-mesa-dev
   meshlab"
 # A MeshLab that runs without a screen.

@@ -15,7 +15,8 @@ from ply import SCALAR, Ply, bits_of, write_ply
 from shapes import dome, moved, together
 
 CENTRE = 21 * 10 + 10  # vertex in the middle of the dome
-PAGE = pathlib.Path(__file__).parents[2] / "filter_laplacian_edit" / "command_line" / "laplacian-edit.1"
+DOCUMENTS = pathlib.Path(__file__).parents[2] / "filter_laplacian_edit" / "command_line"
+PAGE, COMPLETION = DOCUMENTS / "laplacian-edit.1", DOCUMENTS / "completion.bash"
 REFUSED, WRONG_USAGE, UNREADABLE, UNWRITABLE, UNEXPECTED, ADVISED = 1, 2, 3, 4, 5, 6
 
 
@@ -125,6 +126,18 @@ class Usage(CommandTest):
         codes = re.findall(r"(?m)^  (\d)  (.+)$", text)
         self.assertEqual(re.findall(r"(?m)^\.B (\d)\n(.+)$", page), codes)
         self.assertEqual(len(codes), 7)
+
+    def test_completion_has_the_options_of_the_help(self):
+        def completed(*words):
+            script = 'source "$0"; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _laplacian_edit "$1"; printf "%s\\n" "${COMPREPLY[@]}"'
+            return set(subprocess.check_output(["bash", "-c", script, COMPLETION, COMMAND, *words], encoding="utf-8").split())
+
+        options = set(re.findall(r"(?m)^ +(?:-\w, )?(--[a-z-]+)", self.done("--help")))
+        self.assertEqual(completed("--"), options)
+        self.assertGreater(len(options), 15)
+        self.assertEqual(completed("--fr"), {"--fraction", "--fractions"})
+        self.assertEqual(completed("--also", "n"), {"normals", "normals,selection"})
+        self.assertEqual(completed("in"), set())
 
     def test_version_names_the_host(self):
         self.assertTrue(version())

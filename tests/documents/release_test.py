@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The version stands in one place, CMakeLists.txt, and all else agrees with it."""
+import email.utils
 import os
 import pathlib
 import re
@@ -34,6 +35,11 @@ class Release(unittest.TestCase):
     def test_manual(self):
         manual = text_of("filter_laplacian_edit/command_line/laplacian-edit.1")
         self.assertIn(f'\n.TH LAPLACIAN-EDIT 1 {self.date} "laplacian-edit {self.version}" ', manual)
+
+    def test_debian(self):
+        changes = text_of("common/packaging/debian/changelog")
+        self.assertRegex(changes, rf"\Ameshlab-laplacian-edit \({re.escape(self.version)}\+meshlab\d+\.\d+-\d+\)")
+        self.assertEqual(email.utils.parsedate_to_datetime(re.search(r"^ -- .*>  (.*)$", changes, re.M)[1]).date().isoformat(), self.date)
 
     def test_program(self):
         told = subprocess.check_output([PROGRAM, "--version"], encoding="utf-8")

@@ -115,7 +115,7 @@ class First(unittest.TestCase):
         run(readme("common/scripts/install_dependencies.sh"))
         run(readme("cmake -S . -B build"))
         run(readme("cmake --build build --parallel "))
-        run(readme("(cd build && cpack)"))
+        run(readme("common/scripts/debian_package.sh"))
         run(readme("sudo apt install ./build/"), typed="y\n")
         self.check_first_script()
         run(readme("sudo apt purge --autoremove meshlab-laplacian-edit"), typed="y\n")

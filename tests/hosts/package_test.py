@@ -5,9 +5,10 @@ Environment:
   LAPEDIT_PACKAGE     the .deb
   LAPEDIT_CLEAN_ROOT  a root with nothing but the packaged MeshLab; may be changed
   LAPEDIT_USER_ROOT   a root in which the project can be built; may be changed
-  LAPEDIT_BUILD       the build folder
+  LAPEDIT_DEBIAN      the folder in which it was built, in source/
   LAPEDIT_OUTPUT      where to leave what MeshLab printed
 """
+import gzip
 import hashlib
 import json
 import math
@@ -26,7 +27,7 @@ import unittest
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "batch"))
 
-from library_folders import complaints  # noqa: E402
+from library_folders import binaries, complaints  # noqa: E402
 from ply import Ply, bits_of, float_of, write_ply  # noqa: E402
 from shapes import neighbours, within  # noqa: E402
 from x_server import start_x_server  # noqa: E402
@@ -34,7 +35,7 @@ from x_server import start_x_server  # noqa: E402
 PACKAGE = pathlib.Path(os.environ["LAPEDIT_PACKAGE"])
 CLEAN_ROOT = pathlib.Path(os.environ["LAPEDIT_CLEAN_ROOT"])
 USER_ROOT = pathlib.Path(os.environ["LAPEDIT_USER_ROOT"])
-BUILD = pathlib.Path(os.environ["LAPEDIT_BUILD"])
+DEBIAN = pathlib.Path(os.environ["LAPEDIT_DEBIAN"])
 OUTPUT = pathlib.Path(os.environ["LAPEDIT_OUTPUT"])
 NAME = "meshlab-laplacian-edit"
 PATIENCE = 60  # seconds
@@ -265,9 +266,37 @@ class Archive(unittest.TestCase):
         subprocess.run(["dpkg-deb", "-x", PACKAGE, folder], check=True, timeout=PATIENCE)
         paths = [path for path in folder.rglob("*") if not path.is_symlink()]
         self.assertEqual(len({path.stat().st_mtime for path in paths}), 1)
-        # Where package_test.sh has source and build.
-        told = [path for path in paths if path.is_file() and re.search(rb"/(build|src)/\w", path.read_bytes())]
+        # Where package_test.sh has the source.
+        told = [path for path in paths if path.is_file() and b"/debian/source" in path.read_bytes()]
         self.assertEqual(told, [])
+
+    def test_survives_a_rebuild_of_meshlab(self):
+        """Which adds +b1 to the version; a later version is another one."""
+        depends = subprocess.check_output(["dpkg-deb", "-f", PACKAGE, "Depends"], encoding="utf-8")
+        bounds = re.findall(r"meshlab \((>=|<<) (\S+)\)", depends)
+        self.assertEqual([bound[0] for bound in bounds], [">=", "<<"], depends)
+        version = bounds[0][1]
+        number = int(re.search(r"\d+$", version)[0])
+        for suffix, fits in (("", True), ("+b1", True), ("+deb12u1", True), (".1", False)):
+            with self.subTest(suffix=suffix):
+                self.assertEqual(fits, all(subprocess.run(
+                    ["dpkg", "--compare-versions", version + suffix, *bound], check=False).returncode == 0 for bound in bounds))
+        later = re.sub(r"\d+$", str(number + 1), version)
+        self.assertNotEqual(subprocess.run(["dpkg", "--compare-versions", later, *bounds[1]], check=False).returncode, 0)
+
+    def test_is_hardened(self):
+        """Each binary: symbols bound when it is loaded, checked C functions, relocations read-only, a stack protector."""
+        folder = pathlib.Path(tempfile.mkdtemp(prefix="lapedit-"))
+        self.addCleanup(shutil.rmtree, folder)
+        subprocess.run(["dpkg-deb", "-x", PACKAGE, folder], check=True, timeout=PATIENCE)
+        found = list(binaries(folder))
+        self.assertEqual(len(found), 3)
+        for binary in found:
+            with self.subTest(binary=binary.name):
+                told = subprocess.check_output(["readelf", "-dlW", "--dyn-syms", binary], encoding="utf-8")
+                missing = [sign for sign in (r"\bBIND_NOW\b", "GNU_RELRO", "__stack_chk_fail", r"__\w+_chk@")
+                           if not re.search(sign, told)]
+                self.assertEqual(missing, [])
 
 
 class Package(unittest.TestCase):
@@ -322,11 +351,13 @@ class Package(unittest.TestCase):
         installed = [CLEAN_ROOT / path[1:] for path in added if path.endswith((".so", "/laplacian-edit"))]
         self.assertEqual(len(installed), 4)
         self.assertEqual([complaint for binary in installed for complaint in complaints(binary)], [])
+        self.check_documents(added)
 
-        self.check_command_line(root)
+        # The package's own test, with meshlabserver where there is one.
+        shutil.copy(HERE.parent.parent / "common/packaging/debian/tests/edit", self.data)
+        told = root.run("env", "AUTOPKGTEST_TMP=/data", "./edit", screen=True)
+        self.assertEqual("meshlabserver: the same coordinates" in told, (CLEAN_ROOT / "usr/bin/meshlabserver").exists(), told)
         self.check_window(root)
-        if (CLEAN_ROOT / "usr/bin/meshlabserver").exists():
-            self.check_server(root)
 
         root.run("apt-get", "purge", "-qy", "--autoremove", NAME, user=0)
         self.assertEqual(root.packages(), packages)
@@ -334,10 +365,11 @@ class Package(unittest.TestCase):
 
     def test_install_user(self):
         """Without root's rights."""
-        root = Root(USER_ROOT, self.data, self.display, [f"{HERE.parent.parent}=/src", f"{BUILD}=/build"])
+        root = Root(USER_ROOT, self.data, self.display, [f"{DEBIAN}=/debian"])
         root.complete()
-        self.give(BUILD)
-        build = ["cmake", "--build", "/build", "--target"]
+        self.give(DEBIAN / "source")
+        folder = next((DEBIAN / "source").glob("obj-*")).name
+        build = ["cmake", "--build", f"/debian/source/{folder}", "--target"]
         install, uninstall = [*build, "install-user"], [*build, "uninstall-user"]
         home = self.data / "home"
         (home / ".local").mkdir()
@@ -365,7 +397,7 @@ class Package(unittest.TestCase):
         self.assertEqual([path for path in home.rglob("*") if "laplacian" in path.name], [])
 
         # Both at once would be loaded twice.
-        root.run("cmake", "--install", "/build", user=0)
+        root.run("cmake", "--install", build[2], user=0)
         refusal = " ".join(root.run(*install, code=None).split())
         self.assertIn("is installed for all users, and MeshLab would load both: remove it first", refusal)
         self.assertEqual([path for path in home.rglob("*") if "laplacian" in path.name], [])
@@ -404,20 +436,20 @@ class Package(unittest.TestCase):
         self.assertAlmostEqual(float_of(bits[MIDDLE][2]), 0.5, 2)
         return bits
 
-    def check_command_line(self, root):
-        """Without a screen."""
-        region = self.write_edit()
-        root.run("laplacian-edit", "flat.ply", "edited.ply", "edit.json")
-        return self.assert_lifted(self.data / "edited.ply", region)
-
-    def check_server(self, root):
-        region = self.write_edit()
-        (self.data / "edit.mlx").write_text(
-            '<!DOCTYPE FilterScript>\n<FilterScript><filter name="Laplacian Edit Replay">'
-            '<Param type="RichString" name="edit" value="/data/edit.json"/>'
-            '<Param type="RichFloat" name="fraction" value="1"/></filter></FilterScript>\n')
-        root.run("meshlabserver", "-i", "flat.ply", "-o", "served.ply", "-s", "edit.mlx", screen=True)
-        return self.assert_lifted(self.data / "served.ply", region)
+    def check_documents(self, added):
+        """What the manual page and the README send a reader to is there."""
+        folder = f"/usr/share/doc/{NAME}"
+        manual = gzip.decompress((CLEAN_ROOT / "usr/share/man/man1/laplacian-edit.1.gz").read_bytes()).decode()
+        named = re.findall(r"/usr/share/doc/[a-z/.-]*[a-z]", manual.replace("\\-", "-"))
+        self.assertGreater(len(named), 1)
+        for path in named:
+            self.assertTrue((CLEAN_ROOT / path[1:]).exists(), path)
+        readme = (CLEAN_ROOT / folder[1:] / "README.md").read_text()
+        linked = {f"{folder}/{path}" for path in re.findall(r"\]\(((?:common|edit\w+|filter\w+)/[\w./-]+\.(?:md|png))", readme)}
+        self.assertGreater(len(linked), 5)
+        self.assertEqual(linked - added, set())
+        self.assertLessEqual({"/usr/share/bash-completion/completions/laplacian-edit", f"{folder}/examples/dragon.json",
+                              f"{folder}/changelog.gz"}, added)
 
 
 if __name__ == "__main__":

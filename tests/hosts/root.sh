@@ -29,7 +29,7 @@ set -euo pipefail
 recipe=1 # Another number makes all roots anew.
 clean_packages="meshlab libgl1-mesa-dri"
 build_packages="
-  g++ cmake make ninja-build ccache pkg-config dpkg-dev file
+  build-essential cmake ninja-build ccache pkg-config debhelper file
   qtbase5-dev libqt5opengl5-dev libeigen3-dev nlohmann-json3-dev libglew-dev libglu1-mesa-dev
   libsuitesparse-dev libopenblas-dev libgtest-dev libmuparser-dev
   xvfb xauth xdotool

@@ -21,10 +21,7 @@ build() {
   tar -xf "$tarball" -C "$source" --strip-components=1 --touch
   # shellcheck disable=SC2016
   env -u CMAKE_CXX_COMPILER_LAUNCHER -u CMAKE_C_COMPILER_LAUNCHER CCACHE_DISABLE=1 sh -euc '
-    cmake -S "$1" -B "$1/build"
-    cmake --build "$1/build" --parallel "$2"
-    cd "$1/build"
-    cpack' sh "$source" "$2" >"$source.log" 2>&1 || { tail -n 40 "$source.log" >&2; return 1; }
+    DEB_BUILD_OPTIONS="noautodbgsym parallel=$2" "$1/common/scripts/debian_package.sh"' sh "$source" "$2" >"$source.log" 2>&1 || { tail -n 40 "$source.log" >&2; return 1; }
 }
 
 (umask 022 && TZ=UTC build one "$(nproc)")
