@@ -28,7 +28,7 @@ ELSEWHERE = [
     (r"common/demo/run", "hosts.first_trixie", FIRST, '"common/demo/run"'),
     (r"common/scripts/install_dependencies\.sh", "hosts.first_trixie", FIRST, '"common/scripts/install_dependencies.sh"'),
     (r"cmake --build build --parallel .*", "hosts.first_trixie", FIRST, '"cmake --build build --parallel'),
-    (r"common/scripts/debian_package\.sh", "hosts.first_trixie", FIRST, "common/scripts/debian_package.sh"),
+    (r"common/scripts/debian_package\.sh( FOLDER 2025\.07)?", "hosts.first_trixie", FIRST, "common/scripts/debian_package.sh"),
     (r"sudo apt install \./build/\S*\.deb", "hosts.first_trixie", FIRST, '"sudo apt install'),
     (r"sudo apt purge --autoremove \S+", "hosts.first_trixie", FIRST, '"sudo apt purge'),
     (r"sudo cmake --install build", "hosts.first_trixie", FIRST, '"sudo cmake --install build"'),
