@@ -11,7 +11,7 @@ import time
 import unittest
 
 from host import COMMAND, HostTest, laplacian_edit, replay, select_faces, select_vertices, without_display
-from ply import SCALAR, Ply, bits_of, write_ply
+from ply import SCALAR, Ply, bits_of, float_of, write_ply
 from shapes import dome, moved, together
 
 CENTRE = 21 * 10 + 10  # vertex in the middle of the dome
@@ -532,18 +532,46 @@ class Formats(CommandTest):
         back = Ply(self.place / "back.ply")
         self.assertEqual((len(back.points()), len(back.faces())), (441, 800))
 
-    def test_obj_is_read_unless_the_host_cannot(self):
+    def write_obj(self, corners, begin="", colour=lambda k: ""):
+        """corners: of each face, in OBJ's words."""
         obj = self.place / "dome.obj"
-        obj.write_text("".join("v %r %r %r\n" % p for p in self.points)
-                       + "".join("f %d %d %d\n" % tuple(v + 1 for v in f) for f in self.faces))
-        if version()[2] == "2020":
-            code, _, errors = self.run_command(obj, "out.ply", self.edit)
-            self.assertEqual(code, UNREADABLE)
-            self.assertRegex(errors.splitlines()[-1], r"MeshLab 2020\.09 stopped .*while reading .*dome\.obj.*PLY, OFF")
-            self.assertEqual([path.name for path in self.place.iterdir()], ["dome.obj"])
-            return
+        obj.write_text(begin + "".join("v %r %r %r" % p + colour(k) + "\n" for k, p in enumerate(self.points))
+                       + "".join("vt %r %r\n" % p[:2] for p in self.points) + "vn 0 0 1\nusemtl red\n"
+                       + "".join("f " + " ".join(face) + "\n" for face in corners))
+        return obj
+
+    def test_obj_is_read_by_every_version(self):
+        """MeshLab 2020.09 itself refuses faces with the first vertex, or aborts."""
+        (self.place / "dome.mtl").write_text("newmtl red\nKd 1 0 0\nmap_Kd skin.png\n")
+        obj = self.write_obj(([f"{v + 1}/{v + 1}/1" for v in face] for face in self.faces), "mtllib dome.mtl\n# made\n",
+                             lambda k: f" {k / 500} 0.5 1")
         self.done(obj, "out.ply", self.edit)
-        self.assertEqual(self.bits(self.place / "out.ply"), self.edited_bits(self.edit))
+        edited = Ply(self.place / "out.ply")
+        self.assertEqual(edited.point_bits(), self.edited_bits(self.edit))
+        self.assertEqual([tuple(face) for face in edited.faces()], self.faces)
+        self.assertEqual(edited.elements["vertex"]["red"], [int(k / 500 * 255) for k in range(len(self.points))])
+        self.assertEqual([[round(float_of(number), 4) for number in corners] for corners in edited.elements["face"]["texcoord"]],
+                         [[round(c, 4) for v in face for c in self.points[v][:2]] for face in self.faces])
+
+    def test_obj_has_polygons_and_counts_from_the_end(self):
+        quads = [(a, a + 21, a + 22, a + 1) for row in range(20) for a in range(21 * row, 21 * row + 20)]
+        obj = self.write_obj([[f"{v - 441}" for v in quad] for quad in quads])
+        self.done(obj, "out.ply", self.edit, "--fraction", "0")
+        read = Ply(self.place / "out.ply")
+        self.assertEqual(sum(len(face) - 2 for face in read.faces()), 800)
+        self.assertEqual({frozenset(face) for face in read.faces() if 0 in face} - {frozenset((0, 21, 22, 1))},
+                         set() if len(read.faces()) == 400 else {frozenset((0, 21, 22)), frozenset((0, 22, 1))})
+
+    @unittest.skipUnless(version()[2] == "2020", "MeshLab's reader skips such faces")
+    def test_numbers_in_obj_that_are_not_there(self):
+        faces = [[str(v + 1) for v in face] for face in self.faces]
+        for corner, number in (("442/1", 442), ("0/1", 0), ("-442/1", -442), ("1/442", 442)):
+            obj = self.write_obj([*faces[:400], [corner, "2/2/1", "3/3/1"], *faces[400:]])
+            self.refused(UNREADABLE, rf"dome\.obj\" cannot be read: a face names vertex, .* normal {number}, where \d+ of them "
+                                     "come before it: correct that face", obj, "out.ply", self.edit)
+        for text, reason in (("", "the file is empty"), ("f 1 2 3\n", "No vertex found"), ("v 0 0\n", "fewer than 3")):
+            obj.write_text(text)
+            self.refused(UNREADABLE, reason, obj, "out.ply", self.edit)
 
     def test_materials_come_along(self):
         mesh = write_ply(self.place / "coloured.ply", self.points, self.faces,

@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "obj_file.h"
+
 /// Calls MeshLab 2020.09's plugins without its window. Failures throw std::exception. Only the program uses it; it is
 /// here because only these folders depend on the version.
 namespace lapedit::host {
@@ -53,6 +55,9 @@ inline std::vector<std::pair<MeshModel*, int>> read_layers(FormatPlugin& plugin,
   plugin.initGlobalParameterSet(nullptr, globals);
   options.join(globals);
   MeshModel* const layer = document.addNewMesh(file.absoluteFilePath(), file.fileName());
+  if (file.suffix().toLower() == "obj") {
+    return {{layer, read_obj(file.fileName(), *layer, callback)}};
+  }
   int mask = 0;
   if (!plugin.open(file.suffix(), file.fileName(), *layer, mask, options, callback)) {
     throw std::runtime_error(plugin.errorMsg().toStdString());
