@@ -10,7 +10,7 @@ set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 mkdir -p "${1:-$here/../../build}"
 folder=$(cd "${1:-$here/../../build}" && pwd)
-meshlab=${2:-$(dpkg-query --showformat='${source:Upstream-Version}' --show meshlab | sed 's/[+].*//')}
+meshlab=${2:-$(dpkg-query --showformat='${source:Upstream-Version}' --show meshlab | sed 's/[+~].*//')}
 
 "$here/meshlab_source.sh" "$meshlab" "$folder/meshlab-$meshlab"
 tarball=$("$here/source_tarball.sh" "$folder")

@@ -44,7 +44,7 @@ debian=$folder/debian
 rm -rf "$debian"
 mkdir -p "$debian" "$LAPEDIT_HOSTS_DIR/$suite-ccache"
 meshlab=$("$here/root.sh" run "$build_root" -- dpkg-query --showformat='${source:Upstream-Version}' --show meshlab)
-"$project/common/scripts/debian_package.sh" "$debian" "${meshlab%%+*}" >/dev/null
+"$project/common/scripts/debian_package.sh" "$debian" "${meshlab%%[+~]*}" >/dev/null
 # Without symbols for debuggers, which take half of the time.
 "$here/root.sh" run "$build_root" --bind "$debian=/debian" --bind "$LAPEDIT_HOSTS_DIR/$suite-ccache=/ccache" \
   --env CCACHE_DIR=/ccache --env CMAKE_CXX_COMPILER_LAUNCHER=ccache --env DEB_BUILD_OPTIONS=noautodbgsym \
