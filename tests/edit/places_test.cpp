@@ -148,6 +148,16 @@ TEST(Places, LandmarksAreReportedByName) {
   EXPECT_TRUE(apply_edit(mesh, edit, 0.5).reports[0].landmarks.empty());
 }
 
+TEST(Places, FoldsNearLandmarksThatContradictEachOtherHaveAdvice) {
+  const TriangleMesh mesh = ball(3);
+  const Vector3 nose = place(mesh, mesh.faces(0, 0)), chin = place(mesh, mesh.faces(0, 1));
+  const EditReport report = apply_edit(mesh, edit_of(points_of({nose, chin}, {chin, nose}))).reports[0];
+  EXPECT_GT(report.folded, 0);
+  expect_contains(report.advice(), "check the targets near it, or lower the weights of landmarks that contradict");
+  const EditReport kept = apply_edit(mesh, edit_of(points_of({nose, chin}, {nose, chin}))).reports[0];
+  EXPECT_EQ(kept.advice(), "");
+}
+
 /// Each face in four, without smoothing: the same surface.
 TriangleMesh subdivided(const TriangleMesh& mesh) {
   TriangleMesh fine;

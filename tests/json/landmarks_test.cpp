@@ -99,6 +99,8 @@ TEST(Landmarks, WhatIsWrongIsSaidWithPlaceAndName) {
   expect_contains(refusal("<PickedPoints>\n<point x=\"1\" y=\"2\" name=\"a\"/>", "a.pp"),
                   "line 2: the z of landmark \"a\"");
   expect_contains(refusal("<PickedPoints><point x=\"1", "a.pp"), "is truncated within an element");
+  expect_contains(refusal("<PickedPoints>\n<point x=\"1\" y=\"2\" z=\"3\" name=\"a\"/>\n", "a.pp"),
+                  "\"a.pp\": is truncated after landmark \"a\"; save it again");
   expect_contains(refusal("1,0,0,zero,0,0,0,1,1,1,0,a\n", "a.fcsv"), "line 1: the z of landmark \"a\" is \"zero\"");
   expect_contains(refusal("# columns = a,b\n1,2\n", "a.fcsv"), "columns are not named x, y, z and label");
   expect_contains(refusal("{}", "a.json"), "no list markups");

@@ -149,6 +149,10 @@ void read_picked_points(const std::string& text, const std::string& name, Collec
     }
     at = end;
   }
+  if (!all.file.landmarks.empty() && text.find("</PickedPoints") == std::string::npos) {
+    refuse_json(name + ": is truncated after landmark " + quoted_text(all.file.landmarks.back().name) +
+                "; save it again.");
+  }
 }
 
 // --- Tables ---------------------------------------------------------------------------------------------------------
