@@ -29,10 +29,11 @@ class LibraryFolders(HostTest):
         self.assertEqual(check(folder)[1], [])
 
     def test_built(self):
-        for part in ("filter_laplacian_edit", "edit_laplacian_drag", "common", "tests"):
+        for part in ("filter_laplacian_edit", "edit_laplacian_drag", "libexec", "common", "tests"):
             self.check(BUILD / part)
-        self.assertLessEqual(NAMES, {b.name for part in ("filter_laplacian_edit", "edit_laplacian_drag")
+        self.assertLessEqual(NAMES, {b.name for part in ("libexec", "filter_laplacian_edit", "edit_laplacian_drag")
                                      for b in binaries(BUILD / part)})
+        self.assertEqual([b.name for b in binaries(BUILD / "libexec")], ["laplacian-edit"])
 
     def test_installed(self):
         place = self.folder / "installed"

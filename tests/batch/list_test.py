@@ -147,7 +147,7 @@ class Lists(ListTest):
     def test_request_to_stop(self):
         pairs = self.family(120)
         command = ("--list", "family/jobs.tsv", "--jobs", 3, "--job-log", self.log, "--resume")
-        for request in (signal.SIGTERM, signal.SIGINT):
+        for request in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
             process = self.start(COMMAND, *command)
             before = len(self.entries()) if self.log.exists() else 0
             self.wait_until(lambda: self.log.exists() and self.log.read_bytes().count(b"\n") > before + 20, process)
@@ -157,7 +157,8 @@ class Lists(ListTest):
             self.assertRegex(output, r"\A\d+ of 120 jobs done[^\n]*\n\Z")
             self.assertRegex(errors, r"\A(Line \d+: It was stopped from outside[^\n]*\n){0,3}\Z")
             self.require_clean()
-            self.assertLessEqual({entry["exit"] for entry in self.entries()}, {0, 128 + signal.SIGTERM, 128 + signal.SIGINT})
+            self.assertLessEqual({entry["exit"] for entry in self.entries()},
+                                 {0, *(128 + number for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP))})
         self.done(*command)
         self.require_edited(pairs)
 

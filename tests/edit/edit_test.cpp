@@ -172,6 +172,20 @@ TEST(Edit, ResultTooLargeForFloatIsRefused) {
   EXPECT_NO_THROW(apply_edit(mesh, edit, 1, StoredScalar::Double));
 }
 
+TEST(Edit, CoordinatesNearTheLargestFloatAreEdited) {
+  const TriangleMesh mesh = test_mesh();
+  const Points expected =
+      applied(mesh, apply_edit(mesh, edit_of({pull({kMiddle}, {0, 0, 3})}), 1, StoredScalar::Float));
+  for (const int power : {-60, 60, 120}) {
+    const double scale = std::ldexp(1.0, power);
+    TriangleMesh scaled = mesh;
+    scaled.vertices *= scale;
+    const Edit edit = edit_of({pull({kMiddle}, {0, 0, 3 * scale}, 8 * scale)});
+    const Points result = applied(scaled, apply_edit(scaled, edit, 1, StoredScalar::Float)) / scale;
+    EXPECT_LT((result - expected).cwiseAbs().maxCoeff(), power == 120 ? 0.01 : 1e-15) << power;
+  }
+}
+
 TEST(Edit, FractionZeroKeepsEveryBit) {
   const TriangleMesh mesh = test_mesh();
   EditStep turned = pull({kMiddle, kMiddle + 1}, {0, 0, 3});
