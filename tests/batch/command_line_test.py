@@ -6,12 +6,13 @@ import pathlib
 import pty
 import re
 import resource
+import struct
 import subprocess
 import time
 import unittest
 
 from host import COMMAND, HostTest, laplacian_edit, replay, select_faces, select_vertices, without_display
-from ply import SCALAR, Ply, bits_of, float_of, write_ply
+from ply import SCALAR, Ply, bits_of, write_ply
 from shapes import dome, moved, together
 
 CENTRE = 21 * 10 + 10  # vertex in the middle of the dome
@@ -550,8 +551,8 @@ class Formats(CommandTest):
         self.assertEqual(edited.point_bits(), self.edited_bits(self.edit))
         self.assertEqual([tuple(face) for face in edited.faces()], self.faces)
         self.assertEqual(edited.elements["vertex"]["red"], [int(k / 500 * 255) for k in range(len(self.points))])
-        self.assertEqual([[round(float_of(number), 4) for number in corners] for corners in edited.elements["face"]["texcoord"]],
-                         [[round(c, 4) for v in face for c in self.points[v][:2]] for face in self.faces])
+        self.assertEqual([struct.pack("<6I", *corners) for corners in edited.elements["face"]["texcoord"]],
+                         [struct.pack("<6f", *(c for v in face for c in self.points[v][:2])) for face in self.faces])
 
     def test_obj_has_polygons_and_counts_from_the_end(self):
         quads = [(a, a + 21, a + 22, a + 1) for row in range(20) for a in range(21 * row, 21 * row + 20)]
