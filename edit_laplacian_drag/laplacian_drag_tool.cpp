@@ -581,7 +581,6 @@ void LaplacianDragTool::mousePress(QMouseEvent& event) {
   mouse_.pressed = true;
   mouse_.moved = false;
   mouse_.pressedAt = event.localPos();
-  findTargets();
   if (!active_->session().press(cursor(), pressModifiers()) && event.modifiers() == Qt::NoModifier) {
     mouse_.pressed = false;
     offerLayer();
@@ -591,17 +590,16 @@ void LaplacianDragTool::mousePress(QMouseEvent& event) {
   afterEvent();
 }
 
-/// Finds what the drag that may begin now snaps to. Other layers are read again where their number of vertices or
-/// their transform has changed; what changes their vertices ends the tool.
-void LaplacianDragTool::findTargets() {
-  DragSession& session = active_->session();
+/// Reads other layers again where their number of vertices or their transform has changed; what changes their vertices
+/// ends the tool.
+std::shared_ptr<const SnapTargets> LaplacianDragTool::findTargets(SnapTo snap) {
   const auto own = window_.layer(layer_);
-  if (session.motion() || session.snap() == SnapTo::Off || !own) {
-    return;
+  if (!own) {
+    return nullptr;
   }
-  const bool surfaces = session.snap() == SnapTo::Surfaces;
+  const bool surfaces = snap == SnapTo::Surfaces;
   std::vector<std::pair<Layer, Affine>> others;
-  std::vector<double> found{static_cast<double>(session.snap())};
+  std::vector<double> found{static_cast<double>(snap)};
   std::vector<Vector3> points;
   for (const Layer& layer : window_.layers()) {
     if (!layer.visible || (surfaces && layer.id == layer_)) {
@@ -630,7 +628,7 @@ void LaplacianDragTool::findTargets() {
     targets_ = std::make_shared<const SnapTargets>(std::move(meshes), std::move(points));
     targetsOf_ = std::move(found);
   }
-  session.set_snap_targets(targets_);
+  return targets_;
 }
 
 /// Does what the line over the picture offers. @return whether it was pressed
@@ -830,9 +828,6 @@ void LaplacianDragTool::keyPress(QKeyEvent& event) {
   }
   notice_.clear();
   modifiersChanged(event.key());
-  if (key == DragKey::Translate) {
-    findTargets();
-  }
   if (key && active_->session().key(*key, cursor())) {
     event.accept();
     afterEvent();
@@ -933,11 +928,7 @@ void LaplacianDragTool::command(const QString& part) {
       {"new_region", [&] { session.new_region(); }},
       {"clear", [&] { session.clear(); }},
       {"next_group", [&] { session.next_group(); }},
-      {"move",
-       [&] {
-         findTargets();
-         session.key(DragKey::Translate, cursor());
-       }},
+      {"move", [&] { session.key(DragKey::Translate, cursor()); }},
       {"rotate", [&] { session.key(DragKey::Rotate, cursor()); }},
       {"scale", [&] { session.key(DragKey::Scale, cursor()); }},
       {"keep_fixed", [&] { session.set_keep_fixed(!session.keeps_fixed()); }},

@@ -40,6 +40,7 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   CMeshO* meshOf(int layer) override;
   void log(const std::string& line) override { window_.log(line); }
   void poll() override;
+  std::shared_ptr<const lapedit::SnapTargets> findTargets(lapedit::SnapTo snap) override;
 
   bool eventFilter(QObject* object, QEvent* event) override;
 
@@ -65,7 +66,6 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   void framePainted();
   void command(const QString& part);
   void takeKeys();
-  void findTargets();
   LinePicture::Line line(bool usable);
   QVector<QPointF> notToCover() const;
   void drawLine(const LinePicture::Line& line);

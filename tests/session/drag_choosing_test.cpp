@@ -227,6 +227,35 @@ TEST(DragBrush, PaintedAnchorsStayAcrossRegionsHandlesAndSteps) {
   EXPECT_FALSE(is_fixed());
 }
 
+TEST(DragBrush, AnchorsPaintedOutsideTheRegionHoldInTheNextOne) {
+  Window window(shapes::grid(60, 60));
+  change(window, [](DragSettings& s) {
+    s.radius = 12;
+    s.brush_pixels = 12;
+  });
+  window.click(at(15, 30));
+  const std::vector<int> region = window.session.region()->mesh_vertex;
+  ASSERT_FALSE(has(region, at(44, 30)));
+  window.session.set_brush_target(BrushTarget::Anchors);
+  stroke(window, at(44, 26), at(44, 34), kAdd);
+  EXPECT_TRUE(has(window.session.held(), at(44, 30)));
+  EXPECT_EQ(window.session.region()->mesh_vertex, region);
+  window.drag(at(15, 30), Vector2(0, 40));
+  ASSERT_EQ(window.session.figures().steps, 1);
+  EXPECT_TRUE(has(window.session.held(), at(44, 30)));
+  const Points before = window.host();
+  window.drag(at(40, 30), Vector2(0, 40));
+  ASSERT_EQ(window.session.figures().steps, 2);
+  const double held = (window.host().row(at(44, 30)) - before.row(at(44, 30))).norm();
+  const double free = (window.host().row(at(36, 30)) - before.row(at(36, 30))).norm();
+  EXPECT_LT(held, 0.1 * free);
+  window.expect_consistent();
+  for (int k = 0; k < 3; ++k) {
+    window.session.undo();
+    EXPECT_EQ(has(window.session.held(), at(44, 30)), k < 2) << "the stroke is the first action";
+  }
+}
+
 TEST(DragBrush, StrokesStepsAndSettingsAreUndoneInTheOrderThatTheyWereDone) {
   Window window(shapes::grid(60, 60));
   change(window, [](DragSettings& s) { s.radius = 8; });
@@ -584,6 +613,41 @@ TEST(DragMirror, PaintedHandleIsSeenAtOnceAndItsImageAtTheEnd) {
     ASSERT_TRUE(window.session.groups().empty() || static_cast<int>(window.session.groups().front().size()) < before);
   }
   EXPECT_TRUE(window.session.mirrored_groups().empty());
+}
+
+TEST(DragMirror, PaintedAnchorsHoldOnBothSides) {
+  Window window(shapes::grid(61, 60));
+  change(window, [](DragSettings& s) {
+    s.radius = 12;
+    s.brush_pixels = 12;
+  });
+  MirrorPlane plane;
+  plane.normal = window.host().row(at(31, 30)).transpose() - window.host().row(at(30, 30)).transpose();
+  plane.point = window.host().row(kMiddle).transpose();
+  const auto twin = [](int i, int j) { return at(60 - i, j); };
+  window.session.set_mirror(plane);
+  window.session.set_keep_fixed(true);
+  stroke(window, at(19, 26), at(19, 34), {});
+  window.session.set_keep_fixed(false);
+  const std::vector<int> painted = window.session.held();
+  ASSERT_TRUE(has(painted, at(19, 30)));
+  const Points before = window.host();
+  const auto moved = [&](int vertex) { return (window.host().row(vertex) - before.row(vertex)).norm(); };
+  window.drag(at(15, 30), Vector2(0, 40));
+  ASSERT_EQ(window.session.figures().steps, 1) << window.session.message();
+  EXPECT_EQ(window.session.held(), painted);
+  for (const int vertex : {at(19, 30), twin(19, 30)}) {
+    EXPECT_EQ(class_of(window.session, vertex), VertexClass::Anchor);
+    EXPECT_LT(moved(vertex), 0.1 * moved(at(11, 30)));
+  }
+  EXPECT_NEAR(moved(twin(11, 30)), moved(at(11, 30)), 0.1 * moved(at(11, 30)));  // diagonals are not symmetric
+  window.expect_consistent();
+  window.session.set_mirror(std::nullopt);
+  window.session.wait();
+  EXPECT_EQ(window.session.held(), painted) << "without the images";
+  window.session.new_region();
+  window.click(twin(15, 30));
+  EXPECT_EQ(class_of(window.session, twin(19, 30)), VertexClass::Free);
 }
 
 TEST(DragMirror, PlaneIsFoundFromTheMesh) {

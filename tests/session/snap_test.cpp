@@ -50,6 +50,37 @@ TEST_F(Snap, TakesTheNearestPickedPointWithinItsReach) {
   EXPECT_FALSE(SnapTargets({}, {near}).at(view_, at + (kSnapPixels + 1) * way));
 }
 
+TEST_F(Snap, TargetsAreFoundWhenATranslationBegins) {
+  std::vector<SnapTo> asked;
+  const auto targets = std::make_shared<const SnapTargets>(std::vector<TriangleMesh>(),
+                                                           std::vector<Vector3>{middle_ + Vector3(0, 0, 1)});
+  DragSession session(sheet_, StoredScalar::Float, {{}, {}, [&](SnapTo snap) {
+                                                      asked.push_back(snap);
+                                                      return targets;
+                                                    }});
+  const Cursor start{view_, view_.pixel(middle_)}, end{view_, start.pixel + Vector2(9, 7)};
+  const auto drag = [&] {
+    session.press(start);
+    session.move(end);
+    session.release(end);
+    session.wait();
+  };
+  drag();
+  EXPECT_TRUE(asked.empty());
+  session.undo();
+  session.set_snap(SnapTo::PickedPoints);
+  session.press(start);
+  session.release(start);
+  session.wait();
+  EXPECT_TRUE(asked.empty()) << "a click moves nothing";
+  drag();
+  EXPECT_EQ(asked, std::vector<SnapTo>{SnapTo::PickedPoints});
+  EXPECT_LT((session.mesh().vertices.row(40).transpose() - middle_ - Vector3(0, 0, 1)).norm(), 0.1);
+  session.undo();
+  session.key(DragKey::Translate, start);
+  EXPECT_EQ(asked.size(), 2U);
+}
+
 TEST_F(Snap, AllocatesNothing) {
   const SnapTargets targets(sheets({0, -1}), {middle_});
   targets.at(view_, view_.pixel(middle_));

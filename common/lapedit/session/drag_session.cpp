@@ -14,7 +14,7 @@ namespace lapedit {
 using namespace phase;
 
 DragSession::DragSession(TriangleMesh mesh, StoredScalar scalar, const Callbacks& callbacks)
-    : model_(std::move(mesh), scalar, callbacks.log),
+    : model_(std::move(mesh), scalar, callbacks.log, callbacks.find_targets),
       solver_(model_, callbacks.wake),
       mouse_(model_, solver_, callbacks.wake) {}
 

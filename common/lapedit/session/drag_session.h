@@ -45,6 +45,8 @@ class DragSession {
     std::function<void(const std::string&)> log;
     /// Called on the worker's thread: the caller should then call poll() on its own thread.
     std::function<void()> wake;
+    /// Called when a translation begins, unless snapping is off.
+    FindTargets find_targets = {};
   };
 
   /// @param mesh    the mesh at the beginning
@@ -127,8 +129,6 @@ class DragSession {
   Vector3 pivot_place() const { return model_.pivot_place(); }  ///< there has to be an active group
   SnapTo snap() const { return model_.tools.snap; }
   void set_snap(SnapTo snap);
-  /// Sets what drags snap to, in the coordinates of the mesh. Null: nothing.
-  void set_snap_targets(std::shared_ptr<const SnapTargets> targets) { model_.tools.targets = std::move(targets); }
   /// Mirrors every step at the plane; `std::nullopt`: off.
   const std::optional<MirrorPlane>& mirror() const { return model_.tools.mirror; }
   void set_mirror(const std::optional<MirrorPlane>& plane);

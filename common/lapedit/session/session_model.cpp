@@ -27,12 +27,14 @@ PoseChange joined(const PoseChange& older, const std::vector<int>& vertices, con
 
 }  // namespace
 
-SessionModel::SessionModel(TriangleMesh mesh, StoredScalar stored, std::function<void(const std::string&)> log_line)
+SessionModel::SessionModel(TriangleMesh mesh, StoredScalar stored, std::function<void(const std::string&)> log_line,
+                           FindTargets targets)
     : scalar(stored),
       history(checked(std::move(mesh))),
       adjacency(std::make_shared<const Adjacency>(
           build_adjacency(static_cast<int>(history.original().vertices.rows()), history.original().faces))),
       log(log_line ? std::move(log_line) : [](const std::string&) {}),
+      find_targets(std::move(targets)),
       settings(settings_for(history.original())) {}
 
 Vector3 SessionModel::center() const {

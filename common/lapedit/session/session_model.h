@@ -57,6 +57,7 @@ struct SessionModel {
   History history;
   std::shared_ptr<const Adjacency> adjacency;
   std::function<void(const std::string&)> log;
+  FindTargets find_targets;  ///< may be empty
   DragSettings settings;
   Selection selection;
   Tools tools;
@@ -67,7 +68,8 @@ struct SessionModel {
   std::vector<int> unconnected;            ///< of the selection's vertices, ascending
 
   /// @throws EditError as validate()
-  SessionModel(TriangleMesh mesh, StoredScalar stored, std::function<void(const std::string&)> log_line);
+  SessionModel(TriangleMesh mesh, StoredScalar stored, std::function<void(const std::string&)> log_line,
+               FindTargets targets);
 
   const TriangleMesh& mesh() const { return *history.mesh(); }
   const std::vector<std::vector<int>>& groups() const { return selection.groups; }

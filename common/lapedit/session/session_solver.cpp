@@ -108,6 +108,10 @@ bool SessionSolver::begin(MotionKind kind, const Vector3& grab, const Cursor& cu
       return false;
     }
   }
+  if (kind == MotionKind::Translate) {
+    Tools& tools = model_.tools;
+    tools.targets = tools.snap != SnapTo::Off && model_.find_targets ? model_.find_targets(tools.snap) : nullptr;
+  }
   const bool about_pivot = kind != MotionKind::Translate && (model_.tools.pivot != Pivot::Centroid || !alone);
   DragMotion motion(kind, grab, model_.center(), mean_normal(model_.mesh(), *model_.adjacency, group), cursor,
                     about_pivot ? std::optional(model_.pivot_place()) : std::nullopt);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <list>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -39,5 +41,8 @@ class SnapTargets {
   std::list<Surface> surfaces_;  // which stay where they are, as their trees refer to them
   std::vector<Vector3> points_;
 };
+
+/// Returns what a translation snaps to; null: nothing.
+using FindTargets = std::function<std::shared_ptr<const SnapTargets>(SnapTo)>;
 
 }  // namespace lapedit
