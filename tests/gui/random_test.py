@@ -33,7 +33,8 @@ class Events:
 
     WEIGHTS = {"press": 10, "move": 24, "hover": 10, "release": 12, "click": 8, "drag": 8, "fresh_drag": 6,
                "gizmo_drag": 8, "brush": 4, "wheel": 6, "key": 14, "undo": 4, "redo": 3, "setting": 4, "choice": 2,
-               "button": 4, "drop": 3, "navigate": 3, "suspend": 1, "select": 1, "visible": 1}
+               "button": 4, "drop": 3, "navigate": 3, "suspend": 1, "select": 1, "visible": 1, "touch": 5, "list": 3,
+               "cross": 3, "tabs": 1}
     # Of a batch, since they take long.
     RARE = ["layer", "filter", "restart"]
 
@@ -50,6 +51,8 @@ class Events:
         self.choices = {name: w for name, w in names.items() if "currentIndex" in w and name not in SETTINGS}
         self.buttons = sorted({name for name, w in names.items() if w["name"].startswith(part("")) and "checked" in w}
                               - LEFT_ALONE)
+        self.touched = sorted({name for name, w in names.items() if w["name"].startswith(part(""))} - LEFT_ALONE)
+        self.tab = window.widget("layerDialog")["windowTitle"]
         self.remember()
 
     def ask(self, command, **arguments):
@@ -59,8 +62,8 @@ class Events:
         requests, self.requests = self.requests, []
         self.sent += sum(request["command"] not in ("idle", "step") for request in requests)
         for _, error in self.w.batch(requests):
-            # What is disabled cannot be used by hand either.
-            self.test.assertRegex(error, "is disabled")
+            # What is disabled cannot be used by hand either; a wide window has no tabs.
+            self.test.assertRegex(error, "is disabled|no such tab")
 
     def remember(self):
         """The tool starts with the current layer as it is now, or goes on with the steps it has of it."""
@@ -79,6 +82,8 @@ class Events:
         self.test.assertEqual(w.tool(), (TOOL, False))
         w.key("Backspace")
         w.mouse("release", 3, 3)
+        w.mouse("move", 3, 3)
+        self.test.assertTrue(w.ask("tool")["focus"], "the picture has no keys")
         w.key("Backspace")
         for layer in w.layers():
             self.test.assert_finite(w.dump(layer["id"]))
@@ -236,6 +241,47 @@ class Events:
         """One pressed, or a box ticked or not; also what is folded away."""
         self.ask("set", name=part(self.random.choice(self.buttons)), value=self.random.random() < 0.7)
 
+    def touch(self):
+        """A click on whatever the panel has, typing there, and back into the picture."""
+        self.ask("touch", name=part(self.random.choice(self.touched)))
+        for _ in range(self.random.randrange(4)):
+            self.ask("key_anywhere", key=self.random.choice([*"0123456789.-TCV", "Up", "Down", "Return"]), modifiers=[])
+        self.close_list()
+        if self.random.random() < 0.7:
+            self.mouse("move", self.place())
+
+    def list(self):
+        """A list is opened; the mouse or keys go elsewhere, or a row is chosen."""
+        self.ask("touch", name=part(self.random.choice([*self.choices])))
+        self.ask("step")
+        how = self.random.randrange(4)
+        if how == 0:
+            self.ask("key_anywhere", key=self.random.choice(KEYS[:20]), modifiers=[])
+        elif how == 1:
+            self.mouse("move", self.place())
+        elif how == 2:
+            self.ask("key_anywhere", key="Down", modifiers=[])
+            self.ask("key_anywhere", key="Return", modifiers=[])
+        self.close_list()
+
+    def close_list(self):
+        self.ask("key_anywhere", key="Esc", modifiers=[], list=True)
+
+    def cross(self):
+        """The mouse leaves the picture, perhaps with a button held, and comes back."""
+        if self.random.random() < 0.3:
+            self.mouse("press", self.place())
+        for enters in (False, True):
+            self.ask("cross", enters=enters, **self.place())
+            if self.random.random() < 0.3:
+                self.ask("key_anywhere", key=self.random.choice(KEYS), modifiers=[])
+
+    def tabs(self):
+        """The layer list comes to the front, and the panel again."""
+        self.ask("tab", text=self.tab, choose=True)
+        self.drag()
+        self.ask("tab", text=TOOL, choose=True)
+
     def drop(self):
         """A motion is dropped by the right button, Esc or undo."""
         place = self.place()
@@ -311,6 +357,7 @@ class Random(ToolTest):
     def test_random_events(self):
         second = write_ply(self.folder / "second.ply", *moved((self.points, self.faces), offset=(0.3, 0.2, 0.1)))
         with self.start(self.mesh, second) as w:
+            w.x_focus()
             events = Events(self, w)
             events.run()
             events.check()

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <QCoreApplication>
+#include <QApplication>
+#include <QEnterEvent>
 #include <QJsonArray>
 #include <QKeyEvent>
 #include <QKeySequence>
 #include <QMouseEvent>
+#include <QPointer>
 #include <QWheelEvent>
+#include <initializer_list>
 #include <stdexcept>
 
 #include "commands.h"
@@ -80,17 +83,47 @@ Answer wheel(const QJsonObject& arguments) {
   return {};
 }
 
-Answer key(const QJsonObject& arguments) {
+void send_key(QWidget& target, const QJsonObject& arguments, std::initializer_list<QEvent::Type> types) {
   const QString name = arguments["key"].toString();
   const int code = QKeySequence(name)[0] & ~static_cast<int>(Qt::KeyboardModifierMask);
   const QString text = name.size() == 1 ? name : name == "Return" ? "\r" : name == "Backspace" ? "\b" : "";
+  for (const auto type : types) {
+    QKeyEvent event(type, code, modifiers(arguments), text);
+    QCoreApplication::sendEvent(&target, &event);
+  }
+}
+
+Answer key(const QJsonObject& arguments) {
   const bool released = arguments["released"].toBool(true);
-  for (const auto type : {QEvent::KeyPress, QEvent::KeyRelease}) {
-    if (type == QEvent::KeyPress || released) {
-      QKeyEvent event(type, code, modifiers(arguments), text);
-      QCoreApplication::sendEvent(&gl_area(), &event);
+  send_key(gl_area(), arguments,
+           released ? std::initializer_list<QEvent::Type>{QEvent::KeyPress, QEvent::KeyRelease}
+                    : std::initializer_list<QEvent::Type>{QEvent::KeyPress});
+  return {};
+}
+
+/// To the list that is open, or else to the widget that has the keyboard; without both to none. list: only to a list.
+Answer key_anywhere(const QJsonObject& arguments) {
+  const QPointer<QWidget> list = QApplication::activePopupWidget();
+  if (!list && arguments["list"].toBool()) {
+    return {};
+  }
+  const QPointer<QWidget> target = list && list->focusWidget() ? list->focusWidget()
+                                   : list                      ? list.data()
+                                                               : QApplication::focusWidget();
+  for (const auto type : {QEvent::ShortcutOverride, QEvent::KeyPress, QEvent::KeyRelease}) {
+    if (target) {  // a key may close the list
+      send_key(*target, arguments, {type});
     }
   }
+  return {};
+}
+
+/// The mouse enters the view or leaves it.
+Answer cross(const QJsonObject& arguments) {
+  const QPointF place = place_of(arguments);
+  QEnterEvent enter(place, place, place + gl_area().mapToGlobal(QPoint(0, 0)));
+  QEvent leave(QEvent::Leave);
+  QCoreApplication::sendEvent(&gl_area(), arguments["enters"].toBool() ? static_cast<QEvent*>(&enter) : &leave);
   return {};
 }
 
@@ -100,6 +133,8 @@ void add_input_commands(Commands& commands) {
   commands["mouse"] = mouse;
   commands["wheel"] = wheel;
   commands["key"] = key;
+  commands["key_anywhere"] = key_anywhere;
+  commands["cross"] = cross;
 }
 
 }  // namespace gui_driver

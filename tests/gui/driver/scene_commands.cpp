@@ -302,6 +302,7 @@ Answer tool(const QJsonObject&) {
   const QAction* active = area.getCurrentEditAction();
   return {{{"tool", active ? active->text() : QString()},
            {"suspended", area.suspendedEditor},
+           {"focus", area.window()->focusWidget() == &area},
            {"cursor", static_cast<int>(area.cursor().shape())}}};
 }
 

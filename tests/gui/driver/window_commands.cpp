@@ -15,6 +15,7 @@
 #include <QListWidget>
 #include <QMainWindow>
 #include <QMessageBox>
+#include <QMouseEvent>
 #include <QPointer>
 #include <QScreen>
 #include <QSlider>
@@ -172,13 +173,39 @@ void enter(QWidget& target, const QJsonValue& value) {
   }
 }
 
-/// The middle of a tab on the screen, by its text.
+/// A click in the middle of a widget, with the focus that Qt gives to a click of the mouse; none if it is out of sight.
+Answer touch(const QJsonObject& arguments) {
+  QWidget& target = widget(arguments);
+  if (!target.isVisible() || !target.isEnabled()) {
+    return {};
+  }
+  const QPointF place = target.rect().center();
+  QWidget* const inner = target.childAt(place.toPoint());
+  const QPointer<QWidget> pressed = inner ? inner : &target;
+  if (target.focusPolicy() & Qt::ClickFocus) {
+    target.setFocus(Qt::MouseFocusReason);
+  }
+  for (const auto type : {QEvent::MouseButtonPress, QEvent::MouseButtonRelease}) {
+    if (pressed) {
+      const QPointF at = pressed->mapFrom(&target, place.toPoint());
+      QMouseEvent event(type, at, at, pressed->mapToGlobal(at.toPoint()), Qt::LeftButton,
+                        type == QEvent::MouseButtonPress ? Qt::LeftButton : Qt::NoButton, Qt::NoModifier);
+      QCoreApplication::sendEvent(pressed, &event);
+    }
+  }
+  return {};
+}
+
+/// The middle of a tab on the screen, by its text; chosen if "choose" is true.
 Answer find_tab(const QJsonObject& arguments) {
   for (QWidget* candidate : QApplication::allWidgets()) {
     auto* bar = qobject_cast<QTabBar*>(candidate);
     for (int k = 0; bar && bar->isVisible() && k < bar->count(); ++k) {
       if (bar->tabText(k) == arguments["text"].toString()) {
         const QPoint at = bar->mapToGlobal(bar->tabRect(k).center());
+        if (arguments["choose"].toBool()) {
+          bar->setCurrentIndex(k);
+        }
         return {{{"at", QJsonArray{at.x(), at.y()}}}};
       }
     }
@@ -394,6 +421,7 @@ void add_window_commands(Commands& commands) {
   commands["widgets"] = list_widgets;
   commands["set"] = set_widget;
   commands["tab"] = find_tab;
+  commands["touch"] = touch;
   commands["click"] = click;
   commands["buttons"] = buttons;
   commands["close"] = close_widget;
