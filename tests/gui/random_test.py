@@ -82,6 +82,7 @@ class Events:
         self.test.assertEqual(w.tool(), (TOOL, False))
         w.key("Backspace")
         w.mouse("release", 3, 3)
+        w.ask("touch", name=part("radius"))
         w.mouse("move", 3, 3)
         self.test.assertTrue(w.ask("tool")["focus"], "the picture has no keys")
         w.key("Backspace")
