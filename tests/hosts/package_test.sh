@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Makes the package for a Debian release's MeshLab, and tests it there: installed in a clean root it works in the stock
-# MeshLab, and removed again it leaves nothing. Then the same for an installation into the user's own folders.
+# MeshLab, and removed again it leaves nothing. Then the same for an installation into the user's own folders, and, with
+# trixie's MeshLab, for plugins that build_for.sh builds on this system.
 #
 # usage: package_test.sh SUITE     SUITE: bookworm, trixie, sid
 #
@@ -55,6 +56,13 @@ meshlab=$("$here/root.sh" run "$build_root" -- dpkg-query --showformat='${source
     dpkg-buildpackage --build=binary --no-sign -jauto' >"$folder/build.log" 2>&1 9>&- ||
   { tail -n 40 "$folder/build.log" >&2; fail "no package was made, see $folder/build.log"; }
 
+official=
+if [ "$suite" = trixie ]; then
+  "$project/common/scripts/build_for.sh" "$clean_root/usr/lib" -DLAPEDIT_WARNINGS_AS_ERRORS=ON >"$folder/official.log" 2>&1 ||
+    { tail -n 40 "$folder/official.log" >&2; fail "build_for.sh has built no plugins, see $folder/official.log"; }
+  official=$(sed -n 's/^    cmake --build \([^ ]*\) --target install-user$/\1/p' "$folder/official.log")
+fi
+
 # layer NAME ROOT: prints a folder that looks like ROOT and can be written to.
 layer() {
   local top=$folder/$1
@@ -80,7 +88,8 @@ clean=$(layer clean "$clean_root")
 user=$(layer user "$build_root")
 status=0
 env -u LAPEDIT_OWN_NAMESPACE PYTHONDONTWRITEBYTECODE=1 LAPEDIT_SUITE="$suite" LAPEDIT_PACKAGE="$(echo "$folder"/debian/*.deb)" \
-  LAPEDIT_DEBIAN="$debian" LAPEDIT_CLEAN_ROOT="$clean" LAPEDIT_USER_ROOT="$user" LAPEDIT_OUTPUT="$folder" \
+  LAPEDIT_DEBIAN="$debian" LAPEDIT_OFFICIAL="${official:+$project/$official}" \
+  LAPEDIT_CLEAN_ROOT="$clean" LAPEDIT_USER_ROOT="$user" LAPEDIT_OUTPUT="$folder" \
   python3 "$here/package_test.py" -v 7>&- 8>&- 9>&- || status=1
 drop "$clean"
 drop "$user"

@@ -55,7 +55,7 @@ endif()
 
 if(NOT USER_FOLDER)
   message(FATAL_ERROR "MeshLab ${MESHLAB_VERSION} has no plugin folder for users: install with cmake --install, or make "
-                      "a package with cpack.")
+                      "a package with common/scripts/debian_package.sh.")
 endif()
 if(NOT DEFINED ENV{HOME} OR "$ENV{HOME}" STREQUAL "")
   message(FATAL_ERROR "HOME is not set: it is not known where the user's folders are.")
