@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Bytes as the description of an OFF, STL or PLY file, which the program's own reader opens: what it gives is edited,
-// written and read back, or refused. MeshLab's readers themselves fall over bytes that are no such files; so the file
-// always has the form of one, with any numbers and corners.
+// Bytes as the description of an OFF, OBJ, STL or PLY file, which the program's own reader opens: what it gives is
+// edited, written and read back, or refused. MeshLab's readers themselves fall over bytes that are no such files; so
+// the file always has the form of one, with any numbers and corners.
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -17,8 +17,8 @@ using namespace lapedit::fuzz;
 
 namespace {
 
-enum class Format { Off, PlyText, PlyBinary, StlText, StlBinary };
-constexpr int kFormats = 5;
+enum class Format { Off, PlyText, PlyBinary, StlText, StlBinary, Obj };
+constexpr int kFormats = 6;
 
 struct File {
   TriangleMesh mesh;
@@ -79,6 +79,30 @@ std::string off(const File& file, Choices& choose) {
     text += std::to_string(polygon.size());
     for (const int corner : polygon) {
       text += " " + std::to_string(corner);
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+/// Counts corners from 1, or from the end.
+std::string obj(const File& file, Choices& choose) {
+  std::string text;
+  for (const auto& place : file.mesh.vertices.rowwise()) {
+    text += "v";
+    for (int k = 0; k < 3; ++k) {
+      text += " " + text_of(place[k], choose);
+    }
+    text += "\n";
+  }
+  const bool from_end = choose.below(2) == 0, textured = choose.below(4) == 0;
+  text += textured ? "vt 0 0\nvt 0.5 1\n" : "";
+  for (const std::vector<int>& polygon : file.polygons) {
+    text += "f";
+    for (const int corner : polygon) {
+      const long number = std::min(corner, std::numeric_limits<int>::max() - 1) + 1L;
+      text += " " + std::to_string(from_end ? number - 1 - file.mesh.vertices.rows() : number) +
+              (textured ? "/" + std::to_string(choose.below(3)) : "");
     }
     text += "\n";
   }
@@ -202,6 +226,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   } else if (format == Format::PlyText || format == Format::PlyBinary) {
     bytes = ply(file, format == Format::PlyBinary, choose);
     suffix = "ply";
+  } else if (format == Format::Obj) {
+    bytes = obj(file, choose);
+    suffix = "obj";
   } else {
     bytes = stl(file, format == Format::StlBinary, choose);
     suffix = "stl";
