@@ -385,6 +385,25 @@ class KeepFixed(ToolTest):
             self.assertLess(way[1], 0.03 * way[0])
             self.assert_replay_is_the_same(w, self.mesh)
 
+    def test_painted_outside_the_region_is_shown_and_kept(self):
+        with self.start(self.mesh, disc=20) as w:
+            w.set(part("radius"), 0.2)
+            held = [row * self.ROWS + 33 for row in range(18, 24)]
+            w.click(*w.pixel(self.CENTRE))
+            w.move(3, 300)
+            plain = self.picture(w, *w.pixel(held[3]), half=20)
+            w.press_button(part("keep_fixed"))
+            w.drag(w.pixel(held[0]), w.pixel(held[-1]), steps=12)
+            w.press_button(part("keep_fixed"))
+            w.move(3, 300)
+            self.assertGreater(sum(a != b for a, b in zip(plain, self.picture(w, *w.pixel(held[3]), half=20))), 100)
+            self.pull(w, self.CENTRE, (10, -20))
+            self.pull(w, held[3] - 4, (0, -30))
+            kept = self.steps_of(w)[1]["region"]["held"]
+            self.assertIn(held[3], [v for ends in (r.split("-") for r in kept.split(","))
+                                    for v in range(int(ends[0]), int(ends[-1]) + 1)])
+            self.assert_replay_is_the_same(w, self.mesh)
+
     def test_click_on_the_handle_shows_the_gizmo_and_a_drag_moves_it(self):
         with self.start(self.mesh, disc=20) as w:
             x, y = w.pixel(self.CENTRE)

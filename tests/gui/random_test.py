@@ -77,9 +77,7 @@ class Events:
         self.flush()
         w = self.w
         w.idle()
-        if w.tool() == (TOOL, True):
-            w.trigger("Not editing")
-        self.test.assertEqual(w.tool(), (TOOL, False))
+        self.resume()
         w.key("Backspace")
         w.mouse("release", 3, 3)
         w.ask("touch", name=part("radius"))
@@ -94,6 +92,12 @@ class Events:
             w.set(part("reset"), True)
         w.set(part("mirror"), 0)  # a plane that suits no handle would refuse all that follows
         self.test.assert_same(self.originals[self.layer_id], w.dump())
+
+    def resume(self):
+        """After an Esc that suspended the tool."""
+        if self.w.tool() == (TOOL, True):
+            self.w.trigger("Not editing")
+        self.test.assertEqual(self.w.tool(), (TOOL, False))
 
     def replay(self):
         """What the window has, from the recorded edit and the coordinates at the beginning."""
@@ -348,6 +352,7 @@ class Events:
         self.drag()
         self.press()
         self.flush()
+        self.resume()
         self.w.trigger(TOOL)
         self.test.assertEqual(self.w.tool()[0], "")
         self.w.trigger(TOOL)
