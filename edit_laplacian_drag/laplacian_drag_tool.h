@@ -4,6 +4,7 @@
 #include <QObject>
 #include <QPointF>
 #include <QPointer>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -74,8 +75,7 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   void copyPlace();
   void say(const std::string& line);
   void saySettings(const lapedit::DragSettings& before);
-  template <class Call>
-  void guarded(const Call& call);
+  void guarded(const std::function<void()>& call);
 
   lapedit::host::HostWindow& window_;
   QPointer<WindowSessions> shared_;
@@ -84,7 +84,7 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   bool keysShown_ = false;
   int offered_ = -1;  // layer that a press on the notice switches to
   bool on_ = false;
-  QString nothing_;  // message why there is no session
+  QString nothing_;  // reason why there is no session
   QString notice_;   // shown until the next event or mouse move
 
   lapedit::Camera view_;
@@ -97,8 +97,8 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
     bool inside = false;  // over the canvas, no button held
   } mouse_;
 
-  std::shared_ptr<const lapedit::SnapTargets> targets_;  // of what has this fingerprint
-  std::vector<double> targetsOf_;
+  std::shared_ptr<const lapedit::SnapTargets> targets_;
+  std::vector<double> targetsOf_;  // fingerprint of the layers that they were read from
 
   FrameClock clock_;
   bool repaintQueued_ = false;

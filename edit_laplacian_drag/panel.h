@@ -85,8 +85,14 @@ class Panel : public QDockWidget {
   void row(const QString& label, QWidget* field);
   void buttons(const std::vector<QPushButton*>& row);
 
+  /// Names a field, explains it, and sets when it takes the keyboard.
+  void prepare(QWidget& box, const char* part, const QString& help);
   template <class Widget>
-  Widget* prepared(const char* part, const QString& help);
+  Widget* prepared(const char* part, const QString& help) {
+    auto* const box = new Widget;
+    prepare(*box, part, help);
+    return box;
+  }
   QWidget* widgetOf(const lapedit::Setting& setting);
   QDoubleSpinBox* number(const char* part, double low, double high, int digits, const QString& help,
                          const Access& access);

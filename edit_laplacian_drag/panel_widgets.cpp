@@ -6,6 +6,10 @@
 #include <QVBoxLayout>
 #include <cmath>
 
+QString nameOf(const QString& part) {
+  return "laplacian_drag_" + part;
+}
+
 double threeDigits(double value) {
   const double step = std::pow(10.0, std::floor(std::log10(value)) - 2);
   return step * std::round(value / step);

@@ -7,6 +7,13 @@
 class QFormLayout;
 class QToolButton;
 
+constexpr double kLongest = 1e12;                          // limit of lengths
+constexpr int kButtonWidth = 50;                           // pixels, at least
+constexpr const char* kListOf = "laplacian_drag_list_of";  // property of a list: the box that it belongs to
+
+/// Returns the object name of a part of the panel.
+QString nameOf(const QString& part);
+
 /// Rounds values of sliders and wheels to few digits. @param value greater than 0
 double threeDigits(double value);
 

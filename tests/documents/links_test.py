@@ -107,7 +107,8 @@ class Links(unittest.TestCase):
                 self.assertIn(path, shown)
 
     def test_widgets_are_those_of_the_panel(self):
-        panel = (ROOT / "edit_laplacian_drag/panel.cpp").read_text(encoding="utf-8")
+        panel = "".join(path.read_text(encoding="utf-8")
+                        for path in (ROOT / "edit_laplacian_drag").glob("panel*.cpp"))
         made = set(re.findall(r'\b(?:number|length|count|choice|percent|state|button|figure|prepared<\w+>|nameOf)\('
                               r'\s*"(\w+)"', panel))
         made |= {name + "_slider" for name in re.findall(r'\bdragged\(\s*\w+\(\s*"(\w+)"', panel)}

@@ -40,7 +40,7 @@ class Events:
 
     def __init__(self, test, window):
         self.test, self.w, self.random = test, window, random.Random(SEED)
-        self.originals = {}
+        self.originals = {layer["id"]: window.dump(layer["id"]) for layer in window.layers()}
         self.counts = dict.fromkeys([*self.WEIGHTS, *self.RARE], 0)
         self.replayed = 0
         self.requests = []
@@ -68,9 +68,13 @@ class Events:
     def remember(self):
         """The tool starts with the current layer as it is now, or goes on with the steps it has of it."""
         self.w.idle()
-        self.layer_id = next(layer["id"] for layer in self.w.layers() if layer["current"])
+        self.find_layer()
         if not self.w.widget(part("reset"))["enabled"]:
             self.originals[self.layer_id] = self.w.dump()
+
+    def find_layer(self):
+        """A click on the line over the picture may have changed to another layer."""
+        self.layer_id = next(layer["id"] for layer in self.w.layers() if layer["current"])
 
     def check(self):
         """Undoes all, and compares."""
@@ -78,6 +82,7 @@ class Events:
         w = self.w
         w.idle()
         self.resume()
+        self.find_layer()
         w.key("Backspace")
         w.mouse("release", 3, 3)
         w.ask("touch", name=part("radius"))
@@ -322,6 +327,7 @@ class Events:
     def select(self):
         self.ask("layer", selected_faces=self.random.sample(range(len(self.test.faces)), 40))
         self.flush()
+        self.find_layer()
         # The selection is not the tool's: what it is now is to stay.
         self.originals[self.layer_id].arrays["face_flags"] = self.w.dump()["face_flags"]
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Makes the pictures of hover, gizmo and handle groups in edit_laplacian_drag/in-the-window.md: called by window_stills.sh.
+"""Makes the pictures of edit_laplacian_drag/in-the-window.md but the film: called by window_stills.sh.
 
 usage: window_stills.py FOLDER   where the generated meshes are; the pictures are written there
 """
@@ -8,9 +8,11 @@ import contextlib
 import pathlib
 import sys
 
-from pictures import TOOL, Pictures, convert, cut, nearest, part, turned
+from pictures import TOOL, Pictures, convert, cut, nearest, part, sheet, turned
 
 NOSE, FOOT = (0, -0.13, 1.21), (0.8, -1.29, 0.41)
+HAND, OTHER_HAND = (1.0, -0.2, 0.15), (-1.0, -0.2, 0.15)  # of the person
+MOUTH = [(-0.16, 1.2, 0.5), (0, 1.17, 0.5), (0.16, 1.2, 0.5)]
 TIPS = [(-0.5, 1.2, 0.1), (-0.17, 1.44, 0.1), (0.15, 1.5, 0.1), (0.46, 1.33, 0.1)]
 
 
@@ -27,6 +29,48 @@ def opened(pictures, mesh, matrix=None, **settings):
             window.set(part(name), value)
         points = window.dump().triples()
         yield window, lambda place: window.pixel(nearest(points, place))
+
+
+def trials(pictures, folder):
+    """Three tasks of a new user, each before and after: a raised arm, a smile, one hand fixed and the other pulled."""
+    mesh, rows = folder / "person.ply", ([], [])
+
+    def keep(window, centre, row, size=300):
+        path = folder / f"trial{row}{len(rows[row])}.png"
+        window.move(3, 300)
+        cut(window, window.grab(path), centre, size, size)
+        convert(path, "-resize", "300x300", path)
+        rows[row].append(path)
+
+    with opened(pictures, mesh, radius=1.15) as (window, at):
+        hand, middle = at(HAND), at((0.45, 0.6, 0))
+        window.click(*hand)
+        window.set(part("pivot"), 1)
+        window.click(*hand)  # shows the gizmo
+        keep(window, middle, 0)
+        window.move(*hand)
+        window.key("R", "7", "0", "Return")
+        keep(window, middle, 1)
+    with opened(pictures, mesh, radius=0.4, mode=1) as (window, at):
+        window.layer(matrix=[3 * c for c in (1, 0, 0, 0, 0, 1, 0, -1.25, 0, 0, 1, 0)] + [0, 0, 0, 1])
+        window.set(part("mirror"), 1)
+        for place in MOUTH:
+            window.click(*at(place))
+        keep(window, at(MOUTH[1]), 0)
+        x, y = at(MOUTH[2])
+        window.drag((x, y), (x + 10, y - 25))
+        keep(window, at(MOUTH[1]), 1)
+    with opened(pictures, mesh, radius=3) as (window, at):
+        (x, y), (left, top), middle = at(HAND), at(OTHER_HAND), at((0, 0.6, 0))
+        window.press_button(part("keep_fixed"))
+        window.drag((left - 10, top - 10), (left + 10, top + 10))
+        window.press_button(part("keep_fixed"))
+        window.click(x, y)
+        keep(window, middle, 0, 430)
+        window.drag((x, y), (x + 30, y - 80))
+        keep(window, middle, 1, 430)
+    sheet([*rows[0], *rows[1]], 3, folder / "trials.png")
+    convert(folder / "trials.png", "+dither", "-colors", 128, f"PNG8:{folder / 'trials.png'}")
 
 
 def make(pictures):
@@ -56,6 +100,7 @@ def make(pictures):
         window.drag((x, y), (x + 40, y - 30), steps=8, release=False)
         keep(window, "groups", (x - 60, y + 75))
         window.mouse("release", x + 40, y - 30)
+    trials(pictures, folder)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Makes the pictures of hover, gizmo and handle groups in the real MeshLab window, in build/window/stills.
+# Makes the pictures of hover, gizmo, handle groups and three tasks in the real MeshLab window, in build/window/stills.
 #
 # LAPEDIT_STAGE: another version's, already made, in place of this one's.
 set -eu
@@ -13,7 +13,7 @@ if [ -z "${LAPEDIT_STAGE:-}" ]; then
   export LAPEDIT_STAGE="$window/stage"
 fi
 mkdir -p "$window/stills"
-for mesh in head creature hand; do
+for mesh in head creature hand person; do
   [ -e "$window/stills/$mesh.ply" ] || build/common/demo/make_mesh $mesh "$window/stills/$mesh.ply"
 done
 tests/scripts/window_stills.py "$window/stills"

@@ -11,13 +11,14 @@ namespace lapedit {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-/// Nearer to the centre than this many pixels the mouse would be too lively for a scale.
+/// Smallest distance of the mouse from the centre, in pixels: nearer, one pixel would change the scale too much.
 constexpr double kShortest = 20;
 constexpr double kSmallestScale = 0.01;
 constexpr std::size_t kMostDigits = 18;
-/// A ring seen flatter than this sine is followed along the screen: a pixel would be too large an angle.
+/// Sine of the angle between view and ring below which the mouse is followed along the screen: a pixel on the ring
+/// would be too large an angle.
 constexpr double kFlattestRing = 0.35;
-/// Of a ring seen from its side: the radius of a gizmo's.
+/// Radius in pixels of a ring that is seen edge-on.
 constexpr double kPixelsPerRadian = 72;
 constexpr double kAngleStep = 15, kScaleStep = 0.1, kFewestPixelsPerStep = 10;
 
@@ -32,7 +33,7 @@ std::string name(AxisLock lock, const Vector3& axis) {
   return kNames[static_cast<int>(lock)];
 }
 
-/// The number typed, if it is one yet.
+/// Returns the typed number, none if the text is not a number yet.
 std::optional<double> number(const std::string& typed) {
   if (typed.empty()) {
     return std::nullopt;
@@ -46,19 +47,19 @@ std::optional<double> number(const std::string& typed) {
   return value;
 }
 
-/// Without negative zeros: JSON does not keep them.
+/// Replaces negative zeros, which JSON does not keep.
 Vector3 plain(const Vector3& vector) {
   return vector + Vector3::Zero();
 }
 
-/// The least of 1, 2 and 5 times a power of ten that is not below a length; 0 if there is none.
+/// Returns the smallest of 1, 2 and 5 times a power of ten that is at least a length; 0 if there is none.
 double round_step(double length) {
   if (!(length > 0) || !std::isfinite(length)) {
     return 0;
   }
   const double exponent = std::floor(std::log10(length));
   for (const double digit : {1.0, 2.0, 5.0, 10.0}) {
-    // Dividing by a power of ten gives the double nearest to the decimal, multiplying by one below 1 need not.
+    // Division by a power of ten gives the double nearest to the decimal; multiplication by 0.1 may not.
     const double step = exponent < 0 ? digit / std::pow(10, -exponent) : digit * std::pow(10, exponent);
     if (step >= length) {
       return step;
@@ -67,13 +68,13 @@ double round_step(double length) {
   return 0;
 }
 
-/// The nearest multiple, as its decimals are written.
+/// Returns the multiple of a step that is nearest to an amount, rounded to its decimals.
 double snapped(double amount, double step) {
   const double count = std::round(amount / step);
   return step < 1 ? count / std::round(1 / step) : count * step;
 }
 
-/// No motion where far places and odd views give one that is no number.
+/// Returns 0 for amounts that are not finite, which distant positions and degenerate views give.
 HandleTransform usable(const HandleTransform& transform) {
   const bool finite = transform.translation.allFinite() && transform.axis.allFinite() &&
                       std::isfinite(transform.degrees) && std::isfinite(transform.scale) &&
@@ -134,7 +135,7 @@ std::optional<Vector3> DragMotion::axis() const {
   return std::nullopt;
 }
 
-/// Where the cursor's ray passes the locked axis through the grabbed point, as a distance from it.
+/// Returns the point of the locked axis nearest to the cursor's ray, as a distance from the grabbed point.
 double DragMotion::along_axis(const Cursor& cursor, double otherwise) const {
   constexpr double kAlongTheSight = 1e-4;
   const Vector3 direction = *axis();
@@ -151,7 +152,7 @@ double DragMotion::along_axis(const Cursor& cursor, double otherwise) const {
   return (cosine * sight.dot(offset) - direction.dot(offset)) / denominator;
 }
 
-/// Angles are differences from here on.
+/// Makes the cursor's current position the zero of angles.
 void DragMotion::begin_angle() {
   ring_is_open_ = std::abs(gizmo_axis_.dot(cursor_.view.toward_viewer(center_))) > kFlattestRing;
   last_angle_ = angle_at(cursor_);
@@ -169,11 +170,11 @@ double DragMotion::angle_at(const Cursor& cursor) const {
   return lock_ == AxisLock::Gizmo ? ring_angle(cursor) : screen_angle(cursor);
 }
 
-/// Of the cursor along the ring of a gizmo.
+/// Returns the angle of the cursor along the ring of a gizmo.
 double DragMotion::ring_angle(const Cursor& cursor) const {
   const Camera& view = cursor.view;
   if (!ring_is_open_) {
-    // As the ring's nearest point is seen to go.
+    // Along the direction in which the ring's nearest point moves on the screen.
     const Vector3 tangent = gizmo_axis_.cross(view.toward_viewer(center_));
     const Vector2 way = view.pixel(center_ + view.pixel_size(center_) * tangent) - view.pixel(center_);
     return way.stableNormalized().dot(cursor.pixel - view.pixel(center_)) / kPixelsPerRadian;
@@ -183,7 +184,8 @@ double DragMotion::ring_angle(const Cursor& cursor) const {
   return from_center ? std::atan2(gizmo_axis_.cross(u).dot(*from_center), u.dot(*from_center)) : last_angle_;
 }
 
-/// From the centre to where the cursor's ray passes the plane of the gizmo's ring; nothing beyond its horizon.
+/// Returns the vector from the centre to the intersection of the cursor's ray with the plane of the gizmo's ring; none
+/// beyond the horizon of the plane.
 std::optional<Vector3> DragMotion::on_ring(const Cursor& cursor) const {
   const Ray ray = cursor.view.ray(cursor.pixel);
   const double far = gizmo_axis_.dot(center_ - ray.origin) / gizmo_axis_.dot(ray.direction);
@@ -191,14 +193,14 @@ std::optional<Vector3> DragMotion::on_ring(const Cursor& cursor) const {
   return far > 0 && from_center.allFinite() && !from_center.isZero(0) ? std::optional(from_center) : std::nullopt;
 }
 
-/// Of the cursor about the centre, in the sense of a rotation about the axis.
+/// Returns the angle of the cursor about the centre, counted as a rotation about the axis.
 double DragMotion::screen_angle(const Cursor& cursor) const {
   const Vector2 from_center = cursor.pixel - cursor.view.pixel(center_);
   if (!(from_center.norm() > 0)) {
     return last_angle_;
   }
-  // How the turn shows depends on the side that the axis is seen from, and on mirrored layers: u, v and the axis are a
-  // right-handed frame, and the sign of det(u, v) as seen on the screen tells which way it is seen to turn.
+  // The direction on the screen depends on the side from which the axis is seen, and on mirrored layers: u, v and the
+  // axis are a right-handed frame, and the sign of det(u, v) on the screen gives the direction.
   const Vector3 turned_about = axis().value_or(sight_);
   const Vector3 u = turned_about.unitOrthogonal();
   const Vector3 v = turned_about.cross(u);
@@ -214,7 +216,7 @@ double DragMotion::screen_distance(const Cursor& cursor) const {
   return (cursor.pixel - cursor.view.pixel(center_)).norm();
 }
 
-/// Goes on from here under a new view.
+/// Continues the motion from its current state under a new view.
 void DragMotion::restart(const Cursor& cursor) {
   const HandleTransform so_far = usable(transform_by_mouse());
   translation_before_ = so_far.translation;
@@ -239,7 +241,7 @@ void DragMotion::move(const Cursor& cursor) {
   }
   if (kind_ == MotionKind::Rotate) {
     const double angle = angle_at(cursor_);
-    // The short way round from the place before, so that turns add up.
+    // The shorter way from the previous angle, so that full turns add up.
     const bool winds = lock_ != AxisLock::Gizmo || ring_is_open_;
     angle_ += winds ? std::remainder(angle - last_angle_, 2 * kPi) : angle - last_angle_;
     last_angle_ = angle;
@@ -324,7 +326,7 @@ HandleTransform DragMotion::wanted() const {
     }
     case MotionKind::Rotate:
       transform.axis = plain(transform.axis);
-      // A typed angle goes on the way that the mouse has gone.
+      // A typed angle has the direction of the mouse.
       transform.degrees = (amount     ? std::copysign(1.0, angle_) * *amount
                            : step > 0 ? snapped(transform.degrees, step)
                                       : transform.degrees) +

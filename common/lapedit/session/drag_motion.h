@@ -13,7 +13,7 @@ namespace lapedit {
 struct Cursor {
   Camera view;
   Vector2 pixel = Vector2::Zero();
-  bool snap = false;                             ///< amounts go in steps, while a modifier is held
+  bool snap = false;                             ///< amounts change in steps
   std::optional<Vector3> target = std::nullopt;  ///< where a translation takes the grabbed point
 };
 
@@ -81,17 +81,17 @@ class DragMotion {
   MotionKind kind_;
   AxisLock lock_ = AxisLock::None;
   Vector3 grab_, center_, normal_;
-  bool names_center_;  // it is not what a transform without a centre goes about
+  bool names_center_;  // the centre is not the default one of a transform
   Vector3 gizmo_axis_ = Vector3::Zero();
   Vector3 arm_ = Vector3::Zero();
   Vector3 sight_;          // from the centre towards the viewer, when the motion began
   Cursor start_, cursor_;  // start_ has the view of cursor_
-  // What the mouse did before the view changed last.
+  // Motion before the last change of the view.
   Vector3 translation_before_ = Vector3::Zero();
   double factor_before_ = 1;
-  double along_ = 0;                   // last usable place on the locked axis
+  double along_ = 0;                   // last defined position on the locked axis
   double angle_ = 0, last_angle_ = 0;  // radians
-  bool ring_is_open_ = true;           // a gizmo's ring is seen well from above or below, else from its side
+  bool ring_is_open_ = true;           // a gizmo's ring is not seen edge-on
   std::string typed_;
 };
 

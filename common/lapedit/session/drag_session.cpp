@@ -61,7 +61,7 @@ std::string DragSession::message() const {
   return text;
 }
 
-/// What the next click does.
+/// Describes the effect of the next click.
 std::string DragSession::next_click() const {
   const Selection& selection = model_.selection;
   if (model_.tools.keeps_fixed) {
@@ -112,14 +112,14 @@ void DragSession::set_settings(const DragSettings& settings) {
   const bool new_discs = settings.handle_share != before.handle_share || settings.softness != before.softness;
   const bool new_rest =
       settings.padding != before.padding || settings.connect_gap != before.connect_gap || settings.edit != before.edit;
-  // While a step is solved for again the worker has that to do, whatever has changed.
+  // A step that is being solved again takes all changes.
   if (solver_.amendable() && model_.history.can_undo() &&
       (new_rest || (new_radius && (solver_.in<Amending>() ||
                                    model_.history.steps().back().step.region.kind == RegionSpec::Kind::Radius)))) {
     solver_.amend(before);
     return;
   }
-  // The radius counts for regions that were grown by it, and for what is left of them after a step.
+  // The radius applies to regions that were grown by it, also after a step.
   Selection& selection = model_.selection;
   const bool regrow =
       new_radius && selection.has_region && !selection.by_hand && selection.region.kind != RegionSpec::Kind::Component;
@@ -227,7 +227,7 @@ std::string DragSession::warning() const {
   return of_what_is_seen && model_.refusal.empty() ? solver_.figures().advice : std::string();
 }
 
-/// Whether region and handles may change now; ends a drag in progress for it.
+/// Cancels a drag in progress. @return whether region and handles may change now
 bool DragSession::settle_down() {
   model_.refusal.clear();
   if (solver_.waits()) {
@@ -239,7 +239,7 @@ bool DragSession::settle_down() {
   return true;
 }
 
-/// What a button does to the region.
+/// Applies a change of the region, or reports why it is refused.
 template <class Choose>
 void DragSession::change_region(const Choose& choose) {
   if (settle_down() && model_.take(choose(solver_.surface(), model_.selection))) {
@@ -301,7 +301,7 @@ bool DragSession::can_redo() const {
   return !model_.timeline.undone().empty() && !solver_.in_progress();
 }
 
-/// Undoes an action or, again, does it.
+/// Undoes an action that the timeline has just moved. @param again  redoes it
 void DragSession::turn_round(Action& action, bool again) {
   const std::size_t steps = model_.history.steps().size();
   if (const AppliedStep* const step = model_.turn_round(action, again)) {
@@ -392,7 +392,7 @@ bool DragSession::poll() {
   const bool was_in_progress = solver_.in_progress();
   const SessionSolver::News news = solver_.poll();
   if (was_in_progress && !solver_.in_progress()) {
-    // Without a step it was not possible.
+    // Without a step the request was refused.
     news == SessionSolver::News::Step ? mouse_.replay() : mouse_.forget();
   }
   return news != SessionSolver::News::None;
@@ -417,7 +417,7 @@ void DragSession::wait() {
 
 bool DragSession::key(DragKey key, const Cursor& cursor) {
   model_.refusal.clear();
-  switch (key) {  // those that mean something while a step is worked out as well
+  switch (key) {  // keys that also work while a step is being solved
     case DragKey::Cancel: {
       const bool something = solver_.in_progress() || model_.tools.keeps_fixed;
       if (solver_.in_progress()) {
@@ -476,11 +476,11 @@ bool DragSession::key(DragKey key, const Cursor& cursor) {
   }
 }
 
-/// Keys that begin a motion, or say more of it.
+/// Handles keys that begin a motion or change it.
 bool DragSession::motion_key(DragKey key, const Cursor& cursor) {
   const bool begins = key == DragKey::Translate || key == DragKey::Rotate || key == DragKey::Scale;
   if (!begins && !solver_.in<Dragging>()) {
-    model_.refusal = messages::kNoMotion;  // an amount from nowhere could be anything
+    model_.refusal = messages::kNoMotion;  // a number without a motion has no meaning
     return true;
   }
   if (begins && !begin_by_key(key == DragKey::Rotate  ? MotionKind::Rotate

@@ -75,7 +75,7 @@ class DragSession {
   }  ///< handle groups, mesh vertex numbers
   /// Returns the groups, each merged with its mirror image where they touch, followed by the other images.
   const std::vector<std::vector<int>>& mirrored_groups() const { return model_.all_groups(); }
-  int group_of_image(int group) const;  ///< mirrored_groups() -> groups(): the same number but for images
+  int group_of_image(int group) const;  ///< index in groups() of the group or image with an index in mirrored_groups()
   int active_group() const { return model_.selection.active; }           ///< the one that moves, -1 if there is none
   bool moves(int group) const { return model_.selection.moves(group); }  ///< with the next drag
   /// Returns the curve of a group; its path is empty if the group is no curve.
@@ -118,7 +118,7 @@ class DragSession {
   void set_handle_mode(HandleMode mode);
   BrushTarget brush_target() const { return model_.tools.brush; }
   void set_brush_target(BrushTarget target);
-  /// While it is on, the brush paints what is kept fixed, and needs no modifier.
+  /// While this is on, the brush paints fixed vertices without a modifier.
   bool keeps_fixed() const { return model_.tools.keeps_fixed; }
   void set_keep_fixed(bool on);
   bool gizmo_shown() const { return model_.tools.gizmo; }
@@ -126,7 +126,7 @@ class DragSession {
   void show_gizmo(bool on, GizmoAxes axes);
   Pivot pivot() const { return model_.tools.pivot; }
   void set_pivot(Pivot pivot);                                  ///< Point: the next click picks it
-  Vector3 pivot_place() const { return model_.pivot_place(); }  ///< there has to be an active group
+  Vector3 pivot_place() const { return model_.pivot_place(); }  ///< requires an active group
   SnapTo snap() const { return model_.tools.snap; }
   void set_snap(SnapTo snap);
   /// Mirrors every step at the plane; `std::nullopt`: off.
@@ -136,9 +136,9 @@ class DragSession {
 
   /// The step applied last, until something else is picked.
   std::optional<LastStep> last_step() const { return solver_.last_step(); }
-  /// Solves the step again with this motion of what was moved, or with a share of it, 0 to 1; of a curve that was bent
-  /// the share counts alone. What is out of range is refused by message().
-  /// @param passing  it is going to be changed again: only shown
+  /// Solves the step again with this motion, or with a share of it, 0 to 1; for a bent curve only the share applies.
+  /// message() refuses values out of range.
+  /// @param passing  only shows the result: another change follows
   void set_last_step(const HandleTransform& motion, double share, bool passing = false);
 
   // Mouse ------------------------------------------------------------------------------------------------------------
@@ -179,7 +179,7 @@ class DragSession {
   void undo();  ///< cancels a drag in progress; otherwise undoes the last of timeline().done()
   void redo();
   void reset();  ///< undoes all steps, and the actions after the first
-  /// Undoes or redoes until so many actions of timeline() are done; cancels a drag in progress.
+  /// Undoes or redoes until this number of actions of timeline() is done; cancels a drag in progress.
   void go_to(std::size_t actions);
   const Timeline& timeline() const { return model_.timeline; }
   Edit recorded() const {

@@ -31,18 +31,18 @@ bool SessionMouse::press(const Cursor& cursor, PressModifiers modifiers) {
     }
     return true;
   }
-  end_stroke();  // whose release never came
+  end_stroke();  // in case its release was lost
   modifiers.add |= model_.tools.keeps_fixed && modifiers.none();
   return (modifiers.none() && press_gizmo(cursor)) || press_beneath(cursor, modifiers);
 }
 
-/// Whether a press on a group's mark means the group: Shift chooses among several.
+/// Returns whether a press on a group grabs it: without modifiers, or with Shift to choose among several groups.
 bool SessionMouse::grabs(PressModifiers modifiers) const {
   return model_.selection.next != Selection::Next::Region &&
          (modifiers.none() || (modifiers.take && !modifiers.add && model_.groups().size() > 1));
 }
 
-/// A press on what is behind the gizmo.
+/// Handles a press that is not on the gizmo. @return as press()
 bool SessionMouse::press_beneath(const Cursor& cursor, PressModifiers modifiers) {
   const std::optional<SurfaceHit> hit = surface_at(model_.mesh(), *model_.adjacency, cursor);
   if (model_.tools.awaits_pivot() && modifiers.none()) {
@@ -79,7 +79,7 @@ void SessionMouse::move(const Cursor& cursor) {
     return;
   }
   if (solver_.waits()) {
-    // Only what follows a press counts, and of moves the last.
+    // Moves matter only after a press, and of several moves the last.
     if (!waiting_.empty()) {
       if (waiting_.back().kind == Event::Kind::Move) {
         waiting_.pop_back();
@@ -96,9 +96,9 @@ void SessionMouse::move(const Cursor& cursor) {
     return;
   }
   if (pressed_ && !solver_.in<Dragging>()) {
-    // The motion begins where the button went down, however far the first move already is.
+    // The motion begins where the button was pressed, however long the first move is.
     if (!pressed_->draggable || !solver_.begin(pressed_->kind, pressed_->point, pressed_->cursor, true)) {
-      pressed_->draggable = false;  // why not has been said
+      pressed_->draggable = false;  // the refusal is reported already
       return;
     }
     if (pressed_->axis) {
@@ -162,7 +162,7 @@ void SessionMouse::release(const Cursor& cursor) {
     return;
   }
   const Press press = *pressed_;
-  if (model_.tools.keeps_fixed && !press.modifiers.none() && !press.brushed) {  // a dab
+  if (model_.tools.keeps_fixed && !press.modifiers.none() && !press.brushed) {  // a click paints a single patch
     pressed_->brushed = true;
     brush(cursor);
     end_stroke();
@@ -171,7 +171,7 @@ void SessionMouse::release(const Cursor& cursor) {
   end_stroke();
   if (press.on_handle && press.draggable) {
     model_.tools.gizmo = true;
-  } else if (press.on_gizmo) {  // a click means what is behind it
+  } else if (press.on_gizmo) {  // a click picks what is behind the gizmo
     press_beneath(press.cursor, {});
     pressed_.reset();
   } else if (!press.modifiers.none() && !press.brushed) {
@@ -187,7 +187,7 @@ void SessionMouse::end_stroke() {
   }
 }
 
-/// A press on an arrow, a ring or the knob. @return whether it was one
+/// Handles a press on an arrow, a ring or the knob. @return whether there was one under the cursor
 bool SessionMouse::press_gizmo(const Cursor& cursor) {
   const std::optional<Gizmo> gizmo = model_.gizmo(cursor.view);
   part_ = gizmo ? gizmo_part_at(*gizmo, cursor) : GizmoPart::None;
@@ -203,7 +203,7 @@ bool SessionMouse::press_gizmo(const Cursor& cursor) {
 
 namespace {
 
-/// What of the surface is under the cursor or, since a press takes an edge that is right beside it, within 4 pixels.
+/// Returns the surface under the cursor or within 4 pixels of it, since a press picks at such a distance as well.
 std::optional<SurfaceHit> hit_near(const HoverSearch& search, const Cursor& cursor) {
   std::optional<SurfaceHit> hit = search.hit(cursor.view.ray(cursor.pixel));
   for (const double pixels : {2.0, 4.0}) {
@@ -217,7 +217,7 @@ std::optional<SurfaceHit> hit_near(const HoverSearch& search, const Cursor& curs
 
 }  // namespace
 
-/// What of the surface is under the cursor, and what a press would take there.
+/// Finds the surface under the cursor, and what a press would pick there.
 void SessionMouse::look(const Cursor& cursor, PressModifiers modifiers) {
   HoverSearch* const search = background_.of(model_.history.mesh(), model_.adjacency);
   const std::optional<SurfaceHit> hit = search ? hit_near(*search, cursor) : std::nullopt;
@@ -252,7 +252,7 @@ void SessionMouse::look(const Cursor& cursor, PressModifiers modifiers) {
   }
 }
 
-/// The curve's next piece, or which of its points is under the cursor.
+/// Previews the next piece of a curve, or marks the point of a curve under the cursor.
 void SessionMouse::preview_curve(HoverSearch& search, const SurfaceHit& hit, const Cursor& cursor,
                                  HoverPreview& preview) {
   const Selection& selection = model_.selection;
@@ -270,7 +270,7 @@ void SessionMouse::preview_curve(HoverSearch& search, const SurfaceHit& hit, con
   }
 }
 
-/// A press beside all handles.
+/// Handles a press on the surface outside all handles.
 void SessionMouse::press_surface(const SurfaceHit& hit, const Cursor& cursor, PressModifiers modifiers) {
   pressed_ = Press{hit.point, hit.vertex, cursor, modifiers};
   if (!pressed_->modifiers.none()) {
@@ -288,7 +288,7 @@ void SessionMouse::press_surface(const SurfaceHit& hit, const Cursor& cursor, Pr
   }
 }
 
-/// A click with Ctrl or Shift.
+/// Handles a click with Ctrl or Shift.
 void SessionMouse::click(const Press& press) {
   if (press.group >= 0) {
     model_.selection = with_group_chosen(model_.selection, press.group);
@@ -333,7 +333,7 @@ void SessionMouse::brush(const Cursor& cursor) {
   if (!model_.take(std::move(choice))) {
     return;
   }
-  if (!std::exchange(pressed_->recorded, true)) {  // a stroke of which nothing was taken is none to undo
+  if (!std::exchange(pressed_->recorded, true)) {  // a stroke without effect is not an action
     const char* const name = model_.tools.brush == BrushTarget::Region   ? messages::kStrokeOfRegion
                              : model_.tools.brush == BrushTarget::Handle ? messages::kStrokeOfHandle
                                                                          : messages::kStrokeOfFixed;

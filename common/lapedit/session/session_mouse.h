@@ -11,17 +11,17 @@
 namespace lapedit {
 
 struct PressModifiers {
-  bool add = false;   ///< Ctrl: a click adds to the handle, a drag brushes more of what is painted
-  bool take = false;  ///< Shift: a click takes from the handle, a drag brushes less of it
+  bool add = false;   ///< Ctrl: a click adds to the handle, a stroke to the brush's target
+  bool take = false;  ///< Shift: a click removes from the handle, a stroke from the brush's target
 
   bool none() const { return !add && !take; }
 };
 
-/// Interprets the mouse: which handle or region a press picks, where drags and strokes of the brush begin and end, and
-/// the preview of a press.
+/// Interprets the mouse: decides which handle or region a press picks, where drags and strokes of the brush begin and
+/// end, and previews a press.
 class SessionMouse {
  public:
-  /// @param wake  called from another thread when preview() may know more
+  /// @param wake  called from another thread when preview() may have changed
   SessionMouse(SessionModel& model, SessionSolver& solver, std::function<void()> wake);
 
   // As DragSession's functions.
@@ -38,9 +38,9 @@ class SessionMouse {
   void end_stroke();
   /// Ends the motion at its current position.
   void release_motion();
-  /// Handles presses and releases that came while a step was solved, on the mesh after the step.
+  /// Handles the events that arrived while a step was solved, on the mesh after the step.
   void replay();
-  /// Discards pressed buttons, and events that came while a step was solved.
+  /// Discards pressed buttons, and events that arrived while a step was solved.
   void forget();
 
  private:
@@ -52,15 +52,15 @@ class SessionMouse {
 
   /// A button that is down.
   struct Press {
-    Vector3 point;    // what was grabbed
+    Vector3 point;    // of the surface, which was grabbed
     int vertex = -1;  // nearest to it
     Cursor cursor;
     PressModifiers modifiers;
     bool draggable = true;
     bool brushed = false, recorded = false;
     bool on_gizmo = false, on_handle = false;
-    int group = -1;                              // that was grabbed
-    int curve_point = -1;                        // of it, a curve
+    int group = -1;                              // the group that was grabbed
+    int curve_point = -1;                        // of that group
     std::optional<Vector3> axis = std::nullopt;  // of a gizmo's arrow or ring
     MotionKind kind = MotionKind::Translate;
   };
@@ -78,11 +78,11 @@ class SessionMouse {
   SessionModel& model_;
   SessionSolver& solver_;
   std::optional<Press> pressed_;
-  std::vector<Event> waiting_;  // came while a step was solved
+  std::vector<Event> waiting_;  // arrived while a step was solved
   // No button is down.
   HoverBackground background_;
   std::optional<HoverPreview> preview_;
-  GizmoPart part_ = GizmoPart::None;  // under the cursor; also of the motion that it was dragged by
+  GizmoPart part_ = GizmoPart::None;  // under the cursor, or dragged
 };
 
 }  // namespace lapedit

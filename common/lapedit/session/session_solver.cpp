@@ -103,7 +103,7 @@ bool SessionSolver::begin(MotionKind kind, const Vector3& grab, const Cursor& cu
     return false;
   }
   if (preparation_ == Preparation::None) {
-    prepare();  // it was refused before: say why again
+    prepare();  // refused before: reports the reason again
     if (preparation_ == Preparation::None) {
       return false;
     }
@@ -138,7 +138,7 @@ void SessionSolver::bend(int point) {
   }
 }
 
-/// Of the curve that is bent, if one is.
+/// Computes the targets of a bent curve; the lists are empty for other drags.
 void SessionSolver::set_targets(Dragging& drag) const {
   drag.targets.resize(model_.groups().size());
   for (std::size_t g = 0; g < drag.targets.size(); ++g) {
@@ -184,7 +184,7 @@ void SessionSolver::ask() {
                  drag.maps[g].targets);
     }
   } catch (const EditError& error) {
-    model_.refusal = error.what();  // the solve that follows takes the groups as not moved
+    model_.refusal = error.what();  // the next solve leaves the groups where they are
     drag.maps.assign(model_.all_groups().size(), HandleMotion());
   }
   drag.last_serial = worker_.solve(drag.maps, drag.released);
@@ -205,7 +205,7 @@ void SessionSolver::drop() {
   heard_.solve_ms = heard_.handle_error = heard_.largest_stretch = std::nullopt;
   heard_.advice.clear();
   const Loading* const loading = in<Loading>();
-  const bool elsewhere = loading || in<Amending>();  // what the worker has prepared is not the selection
+  const bool elsewhere = loading || in<Amending>();  // the worker has prepared another region than the selection's
   if (const Amending* const amending = in<Amending>(); amending && amending->region) {
     const std::vector<int>& vertices = amending->region->mesh_vertex;
     model_.show(vertices, gather(model_.mesh().vertices, vertices), true);
@@ -303,7 +303,7 @@ void SessionSolver::ask_amended(bool prepares) {
   amending.first_serial = std::min(amending.first_serial, amending.serial);
 }
 
-/// A passing pose of the step, while it goes on being changed.
+/// Shows a pose of the step while changes continue.
 void SessionSolver::show_amended(const Amending& amending) {
   const std::vector<int>& vertices = amending.region->mesh_vertex;
   ShownRegion& shown = model_.shown;
@@ -390,7 +390,7 @@ void SessionSolver::commit_loaded(const std::vector<EditResult>& results) {
   take_over(last, true);
 }
 
-/// The next drag goes on from the mesh as it is now, in the same region.
+/// Prepares the next drag from the current mesh in the same region.
 void SessionSolver::go_on() {
   model_.shown.settle();
   model_.selection = with_region_kept(surface(), model_.selection);
@@ -454,7 +454,7 @@ bool SessionSolver::take_pose() {
   return false;
 }
 
-/// What of a region made by hand no handle reaches.
+/// Finds the vertices of a painted region that no handle reaches.
 void SessionSolver::find_unconnected(const Region& region) {
   model_.unconnected.clear();
   if (region.left_out > 0 && !in<Amending>() && !in<Loading>()) {

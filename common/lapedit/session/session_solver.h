@@ -32,12 +32,12 @@ struct Dragging {
   bool by_button;     ///< started by a button rather than by a key
   bool released = false;
   std::vector<HandleTransform> given = {};         ///< of the user's groups
-  std::vector<Vector3> all_targets = {};           ///< of a group or an image
-  std::vector<std::vector<Vector3>> targets = {};  ///< of the user's groups, where one is bent
-  std::vector<HandleMotion> maps = {};             ///< of all groups; the vectors keep their memory
-  /// Of each vertex of the active group, a curve of which a point moves: shares of the motion, and of its mirror image.
+  std::vector<Vector3> all_targets = {};           ///< of one group or mirror image
+  std::vector<std::vector<Vector3>> targets = {};  ///< of the user's groups; of a bent curve only
+  std::vector<HandleMotion> maps = {};             ///< of all groups and images; the vectors keep their memory
+  /// A point of the active group, a curve, moves: the share of the motion, and of its mirror image, for each vertex.
   std::vector<double> bend = {}, mirrored_bend = {};
-  int first_serial = std::numeric_limits<int>::max(), last_serial = 0;  ///< of the solves asked for
+  int first_serial = std::numeric_limits<int>::max(), last_serial = 0;  ///< of the requested solves
 };
 
 /// The last step is being solved again with other settings.
@@ -46,7 +46,7 @@ struct Amending {
   std::shared_ptr<const TriangleMesh> base;  ///< the mesh before the step
   StepWay way;
   DragSettings before;                                             ///< of the step as it is now
-  bool open = false;                                               ///< goes on being changed: only looked at meanwhile
+  bool open = false;                                               ///< changes continue: poses are shown, not applied
   std::shared_ptr<const Region> region = nullptr;                  ///< of the step, once it is known
   int first_serial = std::numeric_limits<int>::max(), serial = 0;  ///< of the solves
 };
@@ -54,7 +54,7 @@ struct Amending {
 /// The steps of a saved edit are being applied.
 struct Loading {
   Edit edit;
-  bool amendable;  ///< as it was, should this be dropped
+  bool amendable;  ///< before loading, in case it is cancelled
 };
 
 using Phase = std::variant<Idle, Picked, Dragging, Amending, Loading>;
@@ -78,14 +78,14 @@ struct DragFigures {
 
 /// The step applied last, while it may still be changed.
 struct LastStep {
-  HandleTransform motion;  ///< of what was moved, all of the way
+  HandleTransform motion;  ///< of the whole displacement
   double share = 1;
-  bool bent = false;    ///< a curve was: motion does not say how
-  bool single = false;  ///< one vertex was moved, which has no rotation and scale
+  bool bent = false;    ///< a curve was bent: motion does not describe it
+  bool single = false;  ///< one vertex was moved, which cannot be rotated or scaled
 };
 
-/// Requests to the solver and their results: prepares regions, poses drags and makes them steps, solves the last step
-/// again, applies saved edits. One of these at a time is the phase.
+/// Sends requests to the solver thread and takes its results: prepares regions, poses drags and applies them as steps,
+/// solves the last step again, applies saved edits. The phase says which of these is in progress.
 class SessionSolver {
  public:
   /// @param wake  as SolverThread's
@@ -137,11 +137,11 @@ class SessionSolver {
 
   /// Solves the last step again with the current settings. @param before  the settings of the step as it is
   void amend(const DragSettings& before);
-  /// Solves it again with another motion of what was moved, or a share of it; amendable() has to hold.
-  /// @param open  it is only shown, until it is asked again
+  /// Solves the last step again with another motion, or a share of it; amendable() has to hold.
+  /// @param open  only shows the result: another change follows
   void amend_way(const HandleTransform& motion, double share, bool open);
   void load(Edit edit);
-  /// Returns to handle and region of a step. @param applied  whether its region becomes a set
+  /// Selects handle and region of a step. @param applied  whether the step is applied, so that settings apply to it
   void take_over(const AppliedStep& step, bool applied);
 
   // Answers ----------------------------------------------------------------------------------------------------------
@@ -169,8 +169,8 @@ class SessionSolver {
   SessionModel& model_;
   phase::Phase phase_;
   Preparation preparation_ = Preparation::None;
-  bool in_hand_ = false;  // drags are followed, if only by the cells
-  DragFigures heard_;     // times and errors
+  bool in_hand_ = false;  // frames are available, at least from the cells
+  DragFigures heard_;     // times and errors that the solver reported
   SolverPose solved_;
   SolverThread worker_;  // last: its thread ends first
 };

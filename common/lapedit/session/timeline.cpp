@@ -6,7 +6,7 @@
 namespace lapedit {
 namespace {
 
-/// Which values differ.
+/// Returns for each setting whether its values differ.
 std::vector<bool> differences(const DragSettings& a, const DragSettings& b) {
   std::vector<bool> list = {a.radius != b.radius,     a.padding != b.padding,         a.handle_share != b.handle_share,
                             a.softness != b.softness, a.connect_gap != b.connect_gap, a.brush_pixels != b.brush_pixels};
@@ -25,7 +25,7 @@ Action& move_last(std::vector<Action>& from, std::vector<Action>& to) {
 }  // namespace
 
 void Timeline::add(Action action, const DragSettings& now) {
-  // A slider that is dragged sends many.
+  // A dragged slider sends many changes: they become one action.
   const Action* const last = done_.empty() ? nullptr : &done_.back();
   const bool joins = undone_.empty() && last && last->settings && action.settings &&
                      differences(*last->settings, *action.settings) == differences(*action.settings, now);

@@ -9,28 +9,30 @@
 
 namespace lapedit {
 
-/// What undo takes back at a time.
+/// One action that undo() reverses.
 struct Action {
   enum class Kind {
     Stroke,   ///< of the brush
     Step,     ///< of the history
-    Settings  ///< other settings, with which the last step was solved again
+    Settings  ///< changed settings, with which the last step was solved again
   };
   Kind kind;
-  std::string name;                           ///< for a list
-  std::optional<Selection> selection = {};    ///< on the other side of it; empty for steps of a saved edit
-  std::optional<DragSettings> settings = {};  ///< Kind::Settings: those on the other side
-  std::optional<AppliedStep> replaced = {};   ///< Kind::Settings: the step on the other side
+  std::string name;  ///< for a list
+  std::optional<Selection> selection =
+      {};  ///< before the action or, once undone, after it; empty for steps of a saved edit
+  std::optional<DragSettings> settings = {};  ///< Kind::Settings: as selection
+  std::optional<AppliedStep> replaced = {};   ///< Kind::Settings: the step, as selection
 };
 
-/// All that was done, in order.
+/// All actions in their order.
 class Timeline {
  public:
   const std::vector<Action>& done() const { return done_; }      ///< the oldest first
   const std::vector<Action>& undone() const { return undone_; }  ///< the one that redo() takes last
-  /// Adds an action; what was undone is gone. Settings that change again what the last action changed join it.
+  /// Adds an action and deletes the undone ones. A change of the same settings as the last action's is merged with it.
   void add(Action action, const DragSettings& now);
-  /// Moves the last action of one list to the other. There has to be one. @return it, to be turned round by the caller
+  /// Moves the last action of one list, which must not be empty, to the other. @return it; the caller exchanges its
+  /// contents with the current state
   Action& undo();
   Action& redo();
   int serial() const { return serial_; }  ///< counts the changes of both lists

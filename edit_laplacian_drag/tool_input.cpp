@@ -1,0 +1,424 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <QApplication>
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <utility>
+
+#include "laplacian_drag_tool.h"
+#include "panel_widgets.h"
+
+using namespace lapedit;
+using namespace lapedit::host;
+
+// LaplacianDragTool: mouse and keys.
+
+namespace {
+
+constexpr int kDragPixels = 3;     // a shorter move is a click
+constexpr int kNoticePixels = 12;  // a move of the mouse that ends a notice
+constexpr double kRadiusPerNotch = 1.1, kHandleSharePerNotch = 1.25, kPaddingPerNotch = 0.02;
+constexpr double kSmallestHandleShare = 0.01;  // a smaller one becomes a single vertex
+
+/// Returns the session's key for an event.
+std::optional<DragKey> sessionKey(const QKeyEvent& event) {
+  const int key = event.key();
+  const Qt::KeyboardModifiers modifiers = event.modifiers();
+  if ((modifiers & Qt::ControlModifier) && key == Qt::Key_Z) {
+    return modifiers & Qt::ShiftModifier ? DragKey::Redo : DragKey::Undo;
+  }
+  if (modifiers == Qt::ControlModifier && (key == Qt::Key_Y || key == Qt::Key_C)) {
+    return key == Qt::Key_Y ? DragKey::Redo : DragKey::Copy;
+  }
+  // On many keyboards brackets take a modifier.
+  if (key == Qt::Key_BracketRight || key == Qt::Key_BracketLeft) {
+    return key == Qt::Key_BracketRight ? DragKey::Grow : DragKey::Shrink;
+  }
+  if (modifiers & (Qt::ControlModifier | Qt::AltModifier | Qt::MetaModifier)) {
+    return std::nullopt;
+  }
+  if (key >= Qt::Key_0 && key <= Qt::Key_9) {
+    return digit_key(key - Qt::Key_0);
+  }
+  static const std::map<int, DragKey> keys = {{Qt::Key_Return, DragKey::Apply},     {Qt::Key_Enter, DragKey::Apply},
+                                              {Qt::Key_Backspace, DragKey::Cancel}, {Qt::Key_Period, DragKey::Point},
+                                              {Qt::Key_Comma, DragKey::Point},      {Qt::Key_Minus, DragKey::Minus},
+                                              {Qt::Key_F1, DragKey::Help}};
+  const auto found = keys.find(key);
+  if (found != keys.end()) {
+    return found->second;
+  }
+  // Qt's codes of letters are those of ASCII, and kKeyHelp names letters as the keyboard does.
+  const auto letter = std::find_if(std::begin(kKeyHelp), std::end(kKeyHelp),
+                                   [key](const KeyHelp& help) { return help.name[0] == key && help.name[1] == '\0'; });
+  return letter != std::end(kKeyHelp) ? std::optional<DragKey>(letter->first) : std::nullopt;
+}
+
+/// Returns whether the window handles a key; MeshLab may have a shortcut with the same key.
+bool isOfWindow(std::optional<DragKey> key) {
+  return key == DragKey::Copy || key == DragKey::Help;
+}
+
+}  // namespace
+
+/// Gives the keyboard to the view, over which the mouse is.
+void LaplacianDragTool::takeKeys() {
+  if (on_ && !window_.canvas().hasFocus() && QApplication::activePopupWidget() == nullptr &&
+      QApplication::activeModalWidget() == nullptr) {
+    window_.canvas().setFocus(Qt::MouseFocusReason);
+  }
+}
+
+/// Handles events that MeshLab does not pass to tools, and measures drawing: the picture is on the screen once the
+/// paint event is over.
+bool LaplacianDragTool::eventFilter(QObject* object, QEvent* event) {
+  switch (event->type()) {
+    case QEvent::Paint:
+      if (poseIsComing()) {
+        return true;
+      }
+      clock_.paintBegins();
+      QMetaObject::invokeMethod(
+          this, [this] { framePainted(); }, Qt::QueuedConnection);
+      break;
+    case QEvent::ShortcutOverride:
+      if (isOfWindow(sessionKey(static_cast<QKeyEvent&>(*event)))) {
+        event->accept();
+        return true;
+      }
+      return escape(*event);
+    case QEvent::KeyPress:
+      return escape(*event);
+    case QEvent::Enter:
+      takeKeys();
+      break;
+    case QEvent::Leave:
+      mouse_.inside = false;
+      if (active_) {
+        active_->session().leave();
+        window_.repaint();
+      }
+      break;
+    case QEvent::DeferredDelete:  // the view is being closed
+      guarded([this] { end(); });
+      break;
+    default:
+      break;
+  }
+  return QObject::eventFilter(object, event);
+}
+
+/// Handles Esc before MeshLab does: it hides the table of keys, cancels a motion or computation, or ends painting.
+/// @return whether it did one of these; otherwise Esc suspends the tool
+bool LaplacianDragTool::escape(QEvent& event) {
+  if (static_cast<QKeyEvent&>(event).key() != Qt::Key_Escape || !active_ || window_.suspended()) {
+    return false;
+  }
+  DragSession& session = active_->session();
+  const DragSession::State state = session.state();
+  const bool moves = state == DragSession::State::Dragging || state == DragSession::State::Settling;
+  if (!moves && !session.keeps_fixed() && !keysShown_) {
+    return false;
+  }
+  event.accept();
+  if (event.type() != QEvent::KeyPress) {
+    return true;
+  }
+  if (keysShown_) {
+    keysShown_ = false;
+    window_.repaint();
+  } else if (moves) {
+    dropMotion();
+  } else {
+    session.set_keep_fixed(false);
+    afterEvent();
+  }
+  return true;
+}
+
+void LaplacianDragTool::dropMotion() {
+  guarded([this] {
+    if (active_) {
+      mouse_.pressed = false;
+      notice_.clear();
+      active_->session().cancel();
+      afterEvent();
+    }
+  });
+}
+
+Cursor LaplacianDragTool::cursor() const {
+  Cursor cursor;
+  cursor.view = view_;
+  cursor.pixel = Vector2(mouse_.position.x(), mouse_.position.y());
+  cursor.snap = mouse_.modifiers & Qt::ControlModifier;
+  return cursor;
+}
+
+PressModifiers LaplacianDragTool::pressModifiers() const {
+  return {bool(mouse_.modifiers & Qt::ControlModifier), bool(mouse_.modifiers & Qt::ShiftModifier)};
+}
+
+/// Shows what a press would pick.
+void LaplacianDragTool::hover() {
+  if (mouse_.inside && !window_.suspended() && usableLayer() && view_.valid() &&
+      active_->session().hover(cursor(), pressModifiers())) {
+    window_.repaint();
+  }
+}
+
+Qt::CursorShape LaplacianDragTool::shape() const {
+  const DragSession& session = active_->session();
+  if (session.motion()) {
+    return Qt::ClosedHandCursor;
+  }
+  if (session.preparing() && !session.in_hand()) {
+    return Qt::BusyCursor;
+  }
+  if (mouse_.modifiers & (Qt::ControlModifier | Qt::ShiftModifier)) {
+    return Qt::CrossCursor;
+  }
+  if (session.gizmo_part() != GizmoPart::None) {
+    return Qt::SizeAllCursor;
+  }
+  const HoverPreview* const hover = session.hover();
+  return !hover                                     ? Qt::ArrowCursor
+         : hover->kind == HoverPreview::Kind::Group ? Qt::OpenHandCursor
+                                                    : Qt::PointingHandCursor;
+}
+
+void LaplacianDragTool::showShape() {
+  QWidget& canvas = window_.canvas();
+  if (!active_ || window_.suspended() || mouse_.navigating != Qt::NoButton) {
+    return;
+  }
+  if (canvas.cursor().shape() != shape()) {
+    canvas.setCursor(shape());
+  }
+}
+
+void LaplacianDragTool::mousePress(QMouseEvent& event) {
+  mouse_.position = event.localPos();
+  mouse_.modifiers = event.modifiers();
+  takeKeys();
+  if (event.button() == Qt::LeftButton && pressLine()) {
+    return;
+  }
+  notice_.clear();
+  offered_ = -1;
+  keysShown_ = false;
+  if (event.button() == Qt::RightButton && active_ && active_->session().motion()) {
+    dropMotion();
+    return;
+  }
+  const bool around = event.button() != Qt::LeftButton || (event.modifiers() & Qt::AltModifier);
+  if (around) {
+    if (mouse_.navigating == Qt::NoButton && !mouse_.pressed) {
+      mouse_.navigating = event.button();
+      window_.navigate(event, event.button() == Qt::MiddleButton ? Qt::MiddleButton : Qt::LeftButton);
+    }
+    return;
+  }
+  const auto layer = usableLayer();
+  if (!layer || !view_.valid() || mouse_.navigating != Qt::NoButton) {
+    return;
+  }
+  if (active_->session().state() == DragSession::State::Picked ||
+      active_->session().state() == DragSession::State::Idle) {
+    if (!active_->matches(*layer->mesh)) {
+      shared_->forget(layer_);
+      start();
+      say(tr("The mesh was changed by another tool or filter: the session starts again from its current state.")
+              .toStdString());
+      if (!active_) {
+        return;
+      }
+    }
+  }
+  mouse_.pressed = true;
+  mouse_.moved = false;
+  mouse_.pressedAt = event.localPos();
+  if (!active_->session().press(cursor(), pressModifiers()) && event.modifiers() == Qt::NoModifier) {
+    mouse_.pressed = false;
+    offerLayer();
+    mouse_.navigating = Qt::LeftButton;
+    window_.navigate(event, Qt::LeftButton);
+  }
+  afterEvent();
+}
+
+void LaplacianDragTool::mouseMove(QMouseEvent& event) {
+  mouse_.position = event.localPos();
+  mouse_.modifiers = event.modifiers();
+  mouse_.inside = event.buttons() == Qt::NoButton;
+  takeKeys();
+  // While a layer is offered the notice stays: the mouse has to reach it.
+  if (offered_ < 0 && (mouse_.position - mouse_.noticedAt).manhattanLength() > kNoticePixels) {
+    notice_.clear();
+    if (active_ && event.buttons() == Qt::NoButton) {
+      active_->session().forget_refusal();
+    }
+  }
+  if (mouse_.navigating != Qt::NoButton) {
+    window_.navigate(event, mouse_.navigating == Qt::MiddleButton ? Qt::MiddleButton : Qt::LeftButton);
+    return;
+  }
+  if (!usableLayer() || !view_.valid()) {
+    return;
+  }
+  if (mouse_.pressed && !(event.buttons() & Qt::LeftButton)) {
+    // The release went to another receiver: to the view while the tool was suspended, or to a dialog.
+    mouse_.pressed = false;
+    active_->session().cancel();
+    afterEvent();
+    return;
+  }
+  if (mouse_.pressed && !mouse_.moved) {
+    mouse_.moved = (event.localPos() - mouse_.pressedAt).manhattanLength() >= kDragPixels;
+    if (!mouse_.moved) {
+      return;
+    }
+  }
+  DragSession& session = active_->session();
+  session.move(cursor());
+  if (session.motion()) {
+    clock_.mouseMoved();
+    afterEvent();
+  } else if (mouse_.pressed) {
+    afterEvent();
+  } else {
+    hover();
+    showShape();
+  }
+}
+
+void LaplacianDragTool::mouseRelease(QMouseEvent& event) {
+  mouse_.position = event.localPos();
+  mouse_.modifiers = event.modifiers();
+  mouse_.inside = event.buttons() == Qt::NoButton;
+  if (mouse_.navigating != Qt::NoButton) {
+    if (event.button() == mouse_.navigating) {
+      window_.navigate(event, mouse_.navigating == Qt::MiddleButton ? Qt::MiddleButton : Qt::LeftButton);
+      mouse_.navigating = Qt::NoButton;
+      showShape();
+    }
+    return;
+  }
+  if (event.button() != Qt::LeftButton || !std::exchange(mouse_.pressed, false)) {
+    return;
+  }
+  if (!usableLayer() || !view_.valid()) {
+    if (active_) {
+      active_->session().cancel();  // hidden meanwhile
+      afterEvent();
+    }
+    return;
+  }
+  Cursor at = cursor();
+  if (!mouse_.moved) {
+    at.pixel = Vector2(mouse_.pressedAt.x(), mouse_.pressedAt.y());
+  }
+  active_->session().release(at);
+  hover();
+  afterEvent();
+}
+
+void LaplacianDragTool::wheel(QWheelEvent& event) {
+  event.accept();
+  notice_.clear();
+  offered_ = -1;
+  if (active_) {
+    active_->session().forget_refusal();
+  }
+  const bool control = event.modifiers() & Qt::ControlModifier, shift = event.modifiers() & Qt::ShiftModifier;
+  if ((event.modifiers() & Qt::AltModifier) || (control && !shift)) {
+    window_.navigate(event);
+    return;
+  }
+  if (!usableLayer()) {
+    return;
+  }
+  const int angle = event.angleDelta().y() != 0 ? event.angleDelta().y() : event.angleDelta().x();
+  const double notches = angle / 120.0;
+  const DragSettings before = active_->session().settings();
+  DragSettings settings = before;
+  if (control) {
+    settings.padding = std::clamp(settings.padding + kPaddingPerNotch * notches, 0.0, 1.0);
+  } else if (shift) {
+    const double grown =
+        std::max(settings.handle_share, kSmallestHandleShare) * std::pow(kHandleSharePerNotch, notches);
+    settings.handle_share = grown < kSmallestHandleShare ? 0 : std::min(grown, kLargestHandleShare);
+  } else {
+    settings.radius = threeDigits(settings.radius * std::pow(kRadiusPerNotch, notches));
+  }
+  active_->session().set_settings(settings);
+  saySettings(before);
+  hover();
+  afterEvent();
+}
+
+/// Shows the value that the wheel has changed, unless it was refused.
+void LaplacianDragTool::saySettings(const DragSettings& before) {
+  const DragSettings& now = active_->session().settings();
+  const auto number = [](double value) { return QString::number(value, 'g', 3); };
+  if (now.radius != before.radius) {
+    notice_ = (active_->session().region() ? tr("Radius: %1 (Shift: handle size, Ctrl: zoom)")
+                                           : tr("Radius of the next region: %1 (Shift: handle size, Ctrl: zoom)"))
+                  .arg(number(now.radius));
+  } else if (now.handle_share != before.handle_share) {
+    notice_ = now.handle_share == 0 ? tr("Handle size: one vertex")
+                                    : tr("Handle size: %1 % of the radius, %2")
+                                          .arg(number(100 * now.handle_share), number(now.handle_share * now.radius));
+  } else if (now.padding != before.padding) {
+    notice_ = tr("Padding: %1 % of the radius").arg(number(100 * now.padding));
+  }
+  mouse_.noticedAt = mouse_.position;
+}
+
+void LaplacianDragTool::keyPress(QKeyEvent& event) {
+  mouse_.modifiers = event.modifiers();
+  if (event.key() == Qt::Key_Control) {
+    mouse_.modifiers |= Qt::ControlModifier;
+  } else if (event.key() == Qt::Key_Shift) {
+    mouse_.modifiers |= Qt::ShiftModifier;
+  }
+  window_.repaint();
+  const std::optional<DragKey> key = sessionKey(event);
+  if (key == DragKey::Help) {
+    keysShown_ = !keysShown_;
+  } else if (key == DragKey::Copy) {
+    copyPlace();
+  }
+  if (isOfWindow(key) || !usableLayer()) {
+    return;
+  }
+  notice_.clear();
+  modifiersChanged(event.key());
+  if (key && active_->session().key(*key, cursor())) {
+    event.accept();
+    afterEvent();
+  }
+}
+
+void LaplacianDragTool::keyRelease(QKeyEvent& event) {
+  mouse_.modifiers = event.modifiers();
+  if (event.key() == Qt::Key_Control) {
+    mouse_.modifiers &= ~Qt::KeyboardModifiers(Qt::ControlModifier);
+  } else if (event.key() == Qt::Key_Shift) {
+    mouse_.modifiers &= ~Qt::KeyboardModifiers(Qt::ShiftModifier);
+  }
+  window_.repaint();
+  modifiersChanged(event.key());
+}
+
+/// Ctrl makes a motion go in steps; without a motion Ctrl and Shift change what a press does.
+void LaplacianDragTool::modifiersChanged(int key) {
+  if (key == Qt::Key_Control && usableLayer() && view_.valid() && active_->session().motion()) {
+    active_->session().move(cursor());
+    afterEvent();
+    return;
+  }
+  hover();
+  showShape();
+}

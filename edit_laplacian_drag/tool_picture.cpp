@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <QtGui/qopengl.h>
+#include <QClipboard>
+#include <QGuiApplication>
+#include <QTimer>
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "lapedit/mesh/ray_cast.h"
+#include "lapedit_host/mesh_bridge.h"
+#include "laplacian_drag_tool.h"
+#include "pen.h"
+
+using namespace lapedit;
+using namespace lapedit::host;
+
+// LaplacianDragTool: the picture, and the line over it.
+
+namespace {
+
+constexpr int kLongestWait = 200;  // milliseconds without a picture
+constexpr int kDashWait = 100;     // milliseconds between pictures that only show progress, at least
+constexpr int kDashShare = 5;      // and at least as many times the duration of a picture
+constexpr const char* kLineProperty = "laplacian_drag_line";  // of the canvas, for tests
+
+Eigen::Matrix4d matrixOf(GLenum which) {
+  Eigen::Matrix4d matrix;  // column-major, as OpenGL's matrices
+  glGetDoublev(which, matrix.data());
+  return matrix;
+}
+
+/// "1, 2, 3"
+QString placeOf(const TriangleMesh& mesh, int vertex, int digits) {
+  QStringList numbers;
+  for (int k = 0; k < 3; ++k) {
+    numbers += QString::number(mesh.vertices(vertex, k), 'g', digits);
+  }
+  return numbers.join(", ");
+}
+
+}  // namespace
+
+void LaplacianDragTool::draw() {
+  const auto layer = usableLayer();
+  const QWidget& canvas = window_.canvas();
+  worldToClip_ = matrixOf(GL_PROJECTION_MATRIX) * matrixOf(GL_MODELVIEW_MATRIX);
+  if (layer) {
+    glMatrixMode(GL_MODELVIEW);
+    glPushMatrix();
+    glMultMatrixd(layer->transform.data());
+    view_ = Camera(worldToClip_ * layer->transform, canvas.width(), canvas.height());
+    DragSession& session = active_->session();
+    Overlay::Options options;
+    options.width = canvas.width();
+    options.height = canvas.height();
+    options.pixelRatio = canvas.devicePixelRatioF();
+    options.heat = shared_->panel().heat();
+    const bool takes = mouse_.modifiers & Qt::ShiftModifier;
+    if ((takes || mouse_.modifiers & Qt::ControlModifier || session.keeps_fixed()) && !session.motion()) {
+      options.brush = Overlay::Brush{cursor().pixel, session.settings().brush_pixels, takes};
+    }
+    overlay_.draw(session, view_, options);
+    glPopMatrix();
+    if (window_.suspended() && session.motion()) {
+      // MeshLab's button or menu has suspended the tool. Not from here: nothing can be uploaded while drawing.
+      QMetaObject::invokeMethod(
+          this, [this] { dropMotion(); }, Qt::QueuedConnection);
+    }
+  }
+  drawLine(line(layer.has_value()));
+}
+
+/// Returns the text of the line over the picture. @param usable  whether there is a layer to edit
+LinePicture::Line LaplacianDragTool::line(bool usable) {
+  if (!usable) {
+    return {active_ ? tr("The layer is hidden: make it visible to edit it.") : nothing_, {}, {}};
+  }
+  const DragSession& session = active_->session();
+  LinePicture::Line line;
+  line.text = !notice_.isEmpty()    ? notice_
+              : window_.suspended() ? tr("Suspended: the mouse turns the view. Esc resumes the tool.")
+                                    : QString::fromStdString(session.message());
+  if (session.preparing()) {
+    line.text += tr("  [preparing: %1, %2 %]").arg(session.stage()).arg(static_cast<int>(100 * session.progress()));
+  }
+  if (const std::string warning = session.warning(); !warning.empty() && notice_.isEmpty()) {
+    line.warning = QString::fromStdString(warning);
+    if (!session.motion() && !shared_->panel().heat()) {
+      line.warning += tr(" Click here to see where.");
+    }
+  }
+  if (const HoverPreview* const hover = session.hover(); hover && !window_.suspended() && !session.motion()) {
+    line.place =
+        tr("Vertex %1 at %2 (Ctrl+C copies)").arg(hover->vertex).arg(placeOf(session.mesh(), hover->vertex, 6));
+  }
+  return line;
+}
+
+/// Returns the pixels that the line avoids: the handle and, unless the line can be pressed, the cursor.
+QVector<QPointF> LaplacianDragTool::notToCover() const {
+  QVector<QPointF> pixels;
+  if (active_ && view_.valid()) {
+    const DragSession& session = active_->session();
+    if (offered_ < 0 && session.warning().empty()) {
+      pixels += mouse_.position;
+    }
+    if (session.active_group() >= 0) {
+      const Vector3 place = session.active_map() *
+                            centroid(session.mesh().vertices, session.groups()[std::size_t(session.active_group())]);
+      const Vector2 pixel = view_.pixel(place);
+      pixels += QPointF(pixel.x(), pixel.y());
+    }
+  }
+  return pixels;
+}
+
+void LaplacianDragTool::drawLine(const LinePicture::Line& line) {
+  QWidget& canvas = window_.canvas();
+  QStringList texts{line.text, line.warning, line.place};
+  texts.removeAll(QString());
+  canvas.setProperty(kLineProperty, keysShown_ ? "keys" : texts.join('\n'));
+  if (texts.isEmpty()) {
+    return;
+  }
+  const pen::FlatState state;
+  const pen::InPixels pixels(canvas.width(), canvas.height());
+  if (keysShown_) {
+    linePicture_.drawKeys(canvas.size(), canvas.devicePixelRatioF());
+  } else {
+    linePicture_.draw(line, canvas.size(), canvas.devicePixelRatioF(), notToCover());
+  }
+}
+
+/// Returns whether a picture should wait for the pose that is being solved. MeshLab draws after each move of the mouse,
+/// and drawing twice would take twice as long.
+bool LaplacianDragTool::poseIsComing() const {
+  return active_ && active_->session().motion() && active_->session().in_hand() && active_->session().busy() &&
+         clock_.waitsForPose(kLongestWait);
+}
+
+void LaplacianDragTool::framePainted() {
+  if (clock_.painted() && shared_ && shared_->isUsedBy(*this)) {
+    shared_->panel().setFrames(clock_.frames());
+    refreshPanel();
+  }
+  // The moving outline of a region shows that it is being prepared; most of the processor is left to the preparation.
+  if (active_ && active_->session().preparing() && !std::exchange(repaintQueued_, true)) {
+    QTimer::singleShot(std::max(kDashWait, kDashShare * clock_.sincePaint()), this, [this] {
+      repaintQueued_ = false;
+      if (on_) {
+        window_.repaint();
+      }
+    });
+  }
+}
+
+/// Handles a press on the line over the picture. @return whether there was one
+bool LaplacianDragTool::pressLine() {
+  if (!linePicture_.rectangle().contains(mouse_.position) || keysShown_) {
+    return false;
+  }
+  if (offered_ >= 0) {
+    window_.setCurrentLayer(std::exchange(offered_, -1));
+    notice_.clear();
+    return true;
+  }
+  if (active_ && !active_->session().warning().empty() && !active_->session().motion()) {
+    shared_->panel().setHeat(true);
+    afterEvent();
+    return true;
+  }
+  return false;
+}
+
+/// Offers to switch to another layer whose surface is under the cursor. @return whether there is one
+bool LaplacianDragTool::offerLayer() {
+  const QWidget& canvas = window_.canvas();
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Layer& layer : window_.layers()) {
+    const Camera view(worldToClip_ * layer.transform, canvas.width(), canvas.height());
+    if (layer.id == layer_ || !layer.visible || !view.valid()) {
+      continue;
+    }
+    const Ray ray = view.ray(cursor().pixel);
+    if (const auto hit = first_hit(read_mesh(*layer.mesh).mesh, ray)) {
+      const Eigen::Vector4d clip = worldToClip_ * layer.transform * hit->point.homogeneous();
+      if (clip.z() / clip.w() < nearest) {
+        nearest = clip.z() / clip.w();
+        offered_ = layer.id;
+        notice_ = tr("This is the layer %1, which is not the current one: click here to edit it.").arg(layer.name);
+      }
+    }
+  }
+  return offered_ >= 0;
+}
+
+/// Copies number and coordinates of the vertex under the cursor.
+void LaplacianDragTool::copyPlace() {
+  if (const HoverPreview* const hover = usableLayer() ? active_->session().hover() : nullptr) {
+    const QString place = placeOf(active_->session().mesh(), hover->vertex, 9);
+    QGuiApplication::clipboard()->setText(QString("%1 [%2]").arg(hover->vertex).arg(place));
+    say(tr("On the clipboard: vertex %1 at %2").arg(hover->vertex).arg(place).toStdString());
+    window_.repaint();
+  }
+}
