@@ -40,7 +40,7 @@ class Events:
 
     def __init__(self, test, window):
         self.test, self.w, self.random = test, window, random.Random(SEED)
-        self.originals = {layer["id"]: window.dump(layer["id"]) for layer in window.layers()}
+        self.originals = {}
         self.counts = dict.fromkeys([*self.WEIGHTS, *self.RARE], 0)
         self.replayed = 0
         self.requests = []
@@ -68,13 +68,17 @@ class Events:
     def remember(self):
         """The tool starts with the current layer as it is now, or goes on with the steps it has of it."""
         self.w.idle()
-        self.find_layer()
+        self.layer_id, self.chosen = self.current(), self.choices_of_layers()
         if not self.w.widget(part("reset"))["enabled"]:
             self.originals[self.layer_id] = self.w.dump()
 
-    def find_layer(self):
-        """A click on the line over the picture may have changed to another layer."""
-        self.layer_id = next(layer["id"] for layer in self.w.layers() if layer["current"])
+    def current(self):
+        return next(layer["id"] for layer in self.w.layers() if layer["current"])
+
+    def choices_of_layers(self):
+        """How often a layer has become the current one, as far as MeshLab logs it."""
+        self.w.log()
+        return sum("Selected new Mesh" in line for line in self.w.output)
 
     def check(self):
         """Undoes all, and compares."""
@@ -82,7 +86,6 @@ class Events:
         w = self.w
         w.idle()
         self.resume()
-        self.find_layer()
         w.key("Backspace")
         w.mouse("release", 3, 3)
         w.ask("touch", name=part("radius"))
@@ -91,6 +94,14 @@ class Events:
         w.key("Backspace")
         for layer in w.layers():
             self.test.assert_finite(w.dump(layer["id"]))
+        if (self.current(), self.choices_of_layers()) != (self.layer_id, self.chosen):
+            # By a click on the line over the picture; undo may be gone, as after the event "layer".
+            if w.widget(part("reset"))["enabled"]:
+                w.set(part("reset"), True)
+            w.set(part("mirror"), 0)
+            self.remember()
+            self.originals[self.layer_id] = w.dump()
+            return
         if w.widget(part("reset"))["enabled"]:
             if self.random.random() < 0.3:
                 self.replay()
@@ -327,9 +338,9 @@ class Events:
     def select(self):
         self.ask("layer", selected_faces=self.random.sample(range(len(self.test.faces)), 40))
         self.flush()
-        self.find_layer()
         # The selection is not the tool's: what it is now is to stay.
-        self.originals[self.layer_id].arrays["face_flags"] = self.w.dump()["face_flags"]
+        if self.current() == self.layer_id:
+            self.originals[self.layer_id].arrays["face_flags"] = self.w.dump()["face_flags"]
 
     def visible(self):
         self.ask("layer", visible=False)
