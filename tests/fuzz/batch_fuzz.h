@@ -16,7 +16,7 @@
 
 /// Leaks that are not ours.
 extern "C" inline __attribute__((used, visibility("default"))) const char* __lsan_default_suppressions() {
-  return "leak:libfontconfig\nleak:libmeshlab-common\nleak:libio_base\nleak:libQt5\n";
+  return "leak:libfontconfig\nleak:libmeshlab-common\nleak:libio_base\nleak:ImporterOBJ\nleak:libQt5\n";
 }
 
 /// What the targets on MeshLab's library share: the program's own host, with MeshLab's common formats and none of its
