@@ -215,4 +215,23 @@ Function for_processor(Function plain, Function avx2, Function avx512) {
   return cpu_level() == CpuLevel::Avx512 ? avx512 : cpu_level() == CpuLevel::Avx2 ? avx2 : plain;
 }
 
+template <class Kernel>
+void run_plain(const Kernel& kernel, int first, int last) {
+  for (int i = first; i < last; ++i) {
+    kernel(i);
+  }
+}
+template <class Kernel>
+LAPEDIT_AVX2 void run_avx2(const Kernel& kernel, int first, int last) {
+  for (int i = first; i < last; ++i) {
+    kernel(i);
+  }
+}
+/// Calls kernel(i) for the indices from first to last, with this processor's instructions. The call operator has to be
+/// LAPEDIT_INLINE.
+template <class Kernel>
+void run_kernel(const Kernel& kernel, int first, int last) {
+  for_processor(run_plain<Kernel>, run_avx2<Kernel>, run_avx2<Kernel>)(kernel, first, last);
+}
+
 }  // namespace lapedit

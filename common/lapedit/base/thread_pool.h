@@ -93,4 +93,21 @@ void in_pieces(ThreadPool& pool, int count, int grain, const Body& body) {
   });
 }
 
+/// Calls body(index) for each index of [0, count), in such pieces.
+template <class Body>
+void for_indices(ThreadPool& pool, int count, int grain, const Body& body) {
+  in_pieces(pool, count, grain, [&](int first, int last) {
+    for (int i = first; i < last; ++i) {
+      body(i);
+    }
+  });
+}
+
+/// Calls body(part, first, last) for `parts` parts of [0, count), whose number does not depend on that of threads, so
+/// that sums have a fixed order.
+template <class Body>
+void in_parts(ThreadPool& pool, int parts, std::int64_t count, const Body& body) {
+  pool.each(parts, [&](int part) { body(part, count * part / parts, count * (part + 1) / parts); });
+}
+
 }  // namespace lapedit

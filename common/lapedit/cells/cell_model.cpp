@@ -32,12 +32,6 @@ CellBlend blend_of(const RegionCells& cells, const RestPose& rest, const EditSet
   return {cells, rest.local, pool};
 }
 
-template <class Vector>
-Four four(const Vector& v) {
-  return Four{static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]),
-              v.size() > 3 ? static_cast<float>(v[v.size() - 1]) : 0};
-}
-
 LAPEDIT_INLINE float sum_of(Four v) {
   return (v[0] + v[1]) + (v[2] + v[3]);
 }
@@ -57,18 +51,12 @@ CellModel::CellModel(const TriangleMesh& mesh, std::shared_ptr<const RestPose> r
       placed_(cells_.count()),
       carried_(3 * rest_->region->anchored.size()) {
   const std::vector<double>& depths = rest_->region->anchor_depth;
-  for (std::size_t i = 0; i < depths.size(); ++i) {
-    hold_[i] = depths[i] * depths[i] * (3 - 2 * depths[i]);
-  }
+  std::transform(depths.begin(), depths.end(), hold_.begin(), smooth_step);
 }
 
 void CellModel::solve(const std::vector<HandleMotion>& handles, const Affine& anchors, bool quick) {
   paths_.set(handles, anchors);
   solve(quick);
-}
-
-void CellModel::solve_in_full() {
-  solve(false);
 }
 
 void CellModel::solve(bool quick) {
@@ -84,23 +72,21 @@ void CellModel::spread(std::vector<Matrix3>& rotations, ThreadPool& pool) {
   constexpr int kGrain = 1024;
   const auto n = static_cast<int>(hold_.size());
   rotations.resize(n);
-  in_pieces(pool, n, kGrain, [&](int first, int last) {
-    for (int i = first; i < last; ++i) {
-      const Eigen::Vector4d towards = quaternions_[blend_.cells(0, i)];
-      Eigen::Vector4d sum = Eigen::Vector4d::Zero();
-      for (int k = 0; k < CellBlend::kReach; ++k) {
-        const Eigen::Vector4d& one = quaternions_[blend_.cells(k, i)];
-        const auto weight = static_cast<double>(blend_.weights(k, i));
-        sum += weight * one.dot(towards) * one;
-      }
-      sum += std::max(0.0, kCancelled - sum.norm()) * towards;
-      sum.normalize();
-      const double along = hold_[i] * sum[3];
-      sum *= 1 - hold_[i];
-      sum[3] += along;
-      rotations[i] = sum.isZero(0) ? Matrix3(Matrix3::Identity())
-                                   : Eigen::Quaterniond(Eigen::Vector4d(sum.normalized())).toRotationMatrix();
+  for_indices(pool, n, kGrain, [&](int i) {
+    const Eigen::Vector4d towards = quaternions_[blend_.cells(0, i)];
+    Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+    for (int k = 0; k < CellBlend::kReach; ++k) {
+      const Eigen::Vector4d& one = quaternions_[blend_.cells(k, i)];
+      const auto weight = static_cast<double>(blend_.weights(k, i));
+      sum += weight * one.dot(towards) * one;
     }
+    sum += std::max(0.0, kCancelled - sum.norm()) * towards;
+    sum.normalize();
+    const double along = hold_[i] * sum[3];
+    sum *= 1 - hold_[i];
+    sum[3] += along;
+    rotations[i] = sum.isZero(0) ? Matrix3(Matrix3::Identity())
+                                 : Eigen::Quaterniond(Eigen::Vector4d(sum.normalized())).toRotationMatrix();
   });
 }
 
@@ -114,7 +100,7 @@ struct CellModel::Placing {
   double* displacement;
 
   /// p_i + f (sum_k w_k u_k + (R - I)(p_i - sum_k w_k C_k)), f fading to 0 at the region's rim; R as in spread().
-  LAPEDIT_INLINE void place(int i) const {
+  LAPEDIT_INLINE void operator()(int i) const {
     const int* const which = &blend.cells(0, i);
     const float* const weights = &blend.weights(0, i);
     const Four towards = cells[which[0]].quaternion;
@@ -148,16 +134,6 @@ struct CellModel::Placing {
       displacement[3 * static_cast<std::ptrdiff_t>(i) + e] = static_cast<double>((1 - held) * way[e]);
     }
   }
-  static void plain(const Placing& all, int first, int last) {
-    for (int i = first; i < last; ++i) {
-      all.place(i);
-    }
-  }
-  LAPEDIT_AVX2 static void avx2(const Placing& all, int first, int last) {
-    for (int i = first; i < last; ++i) {
-      all.place(i);
-    }
-  }
 };
 
 /// Moves a handle vertex towards its target, according to its weight.
@@ -171,11 +147,12 @@ void CellModel::place(double unit, std::vector<Turn>& turns, Points& displacemen
   constexpr int kGrain = 2048;
   const Region& region = *rest_->region;
   for (int c = 0; c < cells_.count(); ++c) {
-    placed_[c] = {four(quaternions_[c]), four(pose_.displacement().row(c) / unit), four(cells_.centres.row(c) / unit)};
+    placed_[c] = {floats4(quaternions_[c]), floats4(pose_.displacement().row(c) / unit),
+                  floats4(cells_.centres.row(c) / unit)};
   }
   const bool carries = paths_.carries();
   for (std::size_t k = 0; k < carried_.size(); ++k) {
-    carried_[k] = four(paths_.carried()[k / 3].linear.col(static_cast<Eigen::Index>(k % 3)));
+    carried_[k] = floats4(paths_.carried()[k / 3].linear.col(static_cast<Eigen::Index>(k % 3)));
   }
   const Placing placing = {blend_,
                            hold_,
@@ -184,9 +161,8 @@ void CellModel::place(double unit, std::vector<Turn>& turns, Points& displacemen
                            carries ? carried_.data() : nullptr,
                            turns.data(),
                            displacement.data()};
-  const auto kernel = for_processor(Placing::plain, Placing::avx2, Placing::avx2);
   in_pieces(pool, region.size(), kGrain, [&](int first, int last) {
-    kernel(placing, first, last);
+    run_kernel(placing, first, last);
     for (int i = first; i < last; ++i) {
       if (carries) {
         const LocalMotion& along = paths_.carried()[region.component[i]];

@@ -33,7 +33,7 @@ class CellModel {
   /// only.
   /// @throws EditError as GroupPaths::set()
   void solve(const std::vector<HandleMotion>& handles, const Affine& anchors, bool quick);
-  void solve_in_full();  ///< repeats the last solve() without `quick`
+  void solve(bool quick);  ///< repeats the last solve()
 
   /// Computes the rotations of the vertices, relative to the rigid motion of their component: those of the cells,
   /// blended as quaternions and faded to the identity across the anchor band.
@@ -57,7 +57,6 @@ class CellModel {
   void place(double unit, std::vector<Turn>& turns, Points& displacement, ThreadPool& pool);
 
  private:
-  void solve(bool quick);
   /// The pose of a cell in single precision.
   struct Placed {
     Floats4 quaternion, way, centre;

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
+#include <numeric>
 
 #include "lapedit/mesh/geodesic.h"
 
@@ -16,7 +16,7 @@ namespace {
 // Lengths are whole numbers of a step, so that ties are ties however the mesh is rotated, scaled or numbered.
 using Steps = std::uint16_t;
 constexpr Steps kSpacing = 60000, kFar = 65535;
-constexpr int kPieces = 8;  // parts of sums, for any number of threads
+constexpr int kParts = 8;  // of sums
 
 class Packing {
  public:
@@ -26,7 +26,6 @@ class Packing {
   int pack(std::vector<int>& of);
 
  private:
-  void find_groups();
   void find_rigid();
   double sum_of_cells(bool all) const;
   double rounded(double length) const;
@@ -48,7 +47,7 @@ class Packing {
   const Points& rest_;
   ThreadPool& pool_;
   const int target_;
-  std::vector<int> lone_;  // the vertices of groups that have one
+  std::vector<int> lone_;  // the vertices of groups that have one, which always have a cell
   bool all_lone_ = false;
   std::vector<char> rigid_;
   std::vector<double> depth_;   // inside rigid parts, from their border, model units
@@ -63,23 +62,6 @@ class Packing {
   std::vector<Steps> distance_;  // from the nearest seed
   std::vector<int> queue_, tied_;
 };
-
-/// Groups of one vertex, which always has a cell.
-void Packing::find_groups() {
-  std::vector<int> size(1 + *std::max_element(region_.group.begin(), region_.group.end()), 0), any(size.size(), -1);
-  for (int i = 0; i < region_.size(); ++i) {
-    if (const int g = region_.group[i]; g >= 0) {
-      ++size[g];
-      any[g] = i;
-    }
-  }
-  for (std::size_t g = 0; g < size.size(); ++g) {
-    if (size[g] == 1) {
-      lone_.push_back(any[g]);
-    }
-  }
-  all_lone_ = lone_.size() == size.size();
-}
 
 /// Rigid parts: handle vertices, and anchors at the end of their band or painted ones.
 void Packing::find_rigid() {
@@ -117,10 +99,9 @@ void Packing::find_rigid() {
 
 /// Sum of area times density^2 over the faces, of all vertices or of those that are not rigid.
 double Packing::sum_of_cells(bool all) const {
-  double sums[kPieces] = {};
-  const Eigen::Index count = region_.faces.rows();
-  pool_.each(kPieces, [&](int piece) {
-    for (Eigen::Index f = count * piece / kPieces; f < count * (piece + 1) / kPieces; ++f) {
+  double sums[kParts] = {};
+  in_parts(pool_, kParts, region_.faces.rows(), [&](int part, Eigen::Index first, Eigen::Index last) {
+    for (Eigen::Index f = first; f < last; ++f) {
       double density = 0;
       Vector3 corner[3];
       for (int k = 0; k < 3; ++k) {
@@ -129,14 +110,10 @@ double Packing::sum_of_cells(bool all) const {
         const auto own = static_cast<double>(density_[i]);
         density += all || !rigid_[i] ? own * own : 0;
       }
-      sums[piece] += density / 6 * (corner[1] - corner[0]).cross(corner[2] - corner[0]).norm();
+      sums[part] += density / 6 * (corner[1] - corner[0]).cross(corner[2] - corner[0]).norm();
     }
   });
-  double sum = 0;
-  for (const double one : sums) {
-    sum += one;
-  }
-  return sum;
+  return std::accumulate(sums, sums + kParts, 0.0);
 }
 
 /// Drops the last bits, which depend on the order of summation.
@@ -194,14 +171,12 @@ void Packing::measure_edges() {
   const IndexLists& neighbours = region_.neighbours;
   lengths_.resize(neighbours.values.size());
   const double steps = spacing_ > 0 ? 0.5 * kSpacing / spacing_ : 0;
-  in_pieces(pool_, region_.size(), kGrain, [&](int first, int last) {
-    for (int i = first; i < last; ++i) {
-      for (int k = neighbours.offsets[i]; k < neighbours.offsets[i + 1]; ++k) {
-        const int j = neighbours.values[k];
-        const double density = static_cast<double>(density_[i]) + static_cast<double>(density_[j]);
-        const double length = steps * density * (rest_.row(i) - rest_.row(j)).norm();
-        lengths_[k] = static_cast<Steps>(std::min<double>(length + 0.5, kFar));
-      }
+  for_indices(pool_, region_.size(), kGrain, [&](int i) {
+    for (int k = neighbours.offsets[i]; k < neighbours.offsets[i + 1]; ++k) {
+      const int j = neighbours.values[k];
+      const double density = static_cast<double>(density_[i]) + static_cast<double>(density_[j]);
+      const double length = steps * density * (rest_.row(i) - rest_.row(j)).norm();
+      lengths_[k] = static_cast<Steps>(std::min<double>(length + 0.5, kFar));
     }
   });
 }
@@ -301,7 +276,10 @@ int Packing::seed(int most, std::vector<int>& of) {
 }
 
 int Packing::pack(std::vector<int>& of) {
-  find_groups();
+  lone_ = lone_vertices(region_);
+  const auto larger = std::remove(lone_.begin(), lone_.end(), -1);
+  all_lone_ = larger == lone_.end();
+  lone_.erase(larger, lone_.end());
   find_rigid();
   choose_spacing();
   sort();

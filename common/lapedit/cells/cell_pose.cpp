@@ -31,7 +31,13 @@ CellPose::CellPose(const Region& region, const Points& rest, const RegionCells& 
       local_global_(cells, surface_, hold_, settings, system_),
       linear_(cells.count()),
       rotations_(cells.count(), Matrix3::Identity()) {
-  gather(region);
+  for (int i = 0; i < region.size(); ++i) {
+    component_[cells_.of[i]] = region.component[i];
+    hold_[cells_.of[i]] += region.anchor_depth.empty() ? 0 : region.anchor_depth[i];
+  }
+  for (int c = 0; c < cells_.count(); ++c) {
+    hold_[c] = smooth_step(hold_[c] / cells_.vertices[c]);
+  }
   // Allocates all scratch memory here, so that frames allocate nothing.
   constraints_.setZero(cells.count(), 3);
   displacement_.setZero(cells.count(), 3);
@@ -39,17 +45,6 @@ CellPose::CellPose(const Region& region, const Points& rest, const RegionCells& 
   local_global_.settle(constraints_, 0, 2, displacement_, rotations_);
   displacement_.setZero();
   std::fill(rotations_.begin(), rotations_.end(), Matrix3::Identity());
-}
-
-void CellPose::gather(const Region& region) {
-  for (int i = 0; i < region.size(); ++i) {
-    component_[cells_.of[i]] = region.component[i];
-    hold_[cells_.of[i]] += region.anchor_depth.empty() ? 0 : region.anchor_depth[i];
-  }
-  for (int c = 0; c < cells_.count(); ++c) {
-    const double depth = hold_[c] / cells_.vertices[c];
-    hold_[c] = depth * depth * (3 - 2 * depth);
-  }
 }
 
 /// Moves the rest pose rigidly with the components of this step.

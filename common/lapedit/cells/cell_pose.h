@@ -34,7 +34,6 @@ class CellPose {
   double left() const { return left_; }  ///< change of its last pass over the handles' largest displacement
 
  private:
-  void gather(const Region& region);
   void carry(const GroupPaths& paths);
   double ask(const GroupPaths& paths);
 

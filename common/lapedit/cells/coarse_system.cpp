@@ -107,16 +107,10 @@ void CoarseSystem::hold_handles(const Region& region, const Points& rest, const 
       held_.push_back(std::move(held));
       continue;
     }
-    std::stable_sort(row.begin(), row.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    std::size_t written = 0;
-    for (std::size_t k = 0; k < row.size(); ++k) {
-      if (written > 0 && row[written - 1].first == row[k].first) {
-        row[written - 1].second += row[k].second / count;
-      } else {
-        row[written++] = {row[k].first, row[k].second / count};
-      }
+    for (auto& entry : row) {
+      entry.second /= count;
     }
-    row.resize(written);
+    merge_weights(row);
     held_.push_back(std::move(held));
   }
 }

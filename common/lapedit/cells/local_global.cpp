@@ -18,20 +18,25 @@ constexpr double kMomentum = 0.5;
 // one.
 constexpr double kSureNormal = 0.5, kInertia = 0.5;
 
+LAPEDIT_INLINE Doubles4 three(const double* from) {
+  return Doubles4{from[0], from[1], from[2], 0};
+}
+
 }  // namespace
 
-/// Sums over the edges between cells. Points and matrix columns are read four numbers at a time and added in a fixed
-/// order, so that the bits are the same on every processor.
-struct LocalGlobal::Edges {
+// Sums over the edges between cells read points and matrix columns four numbers at a time and add them in a fixed
+// order, so that the bits are the same on every processor.
+
+/// C_a = sum_b g_ab (P1_b - P1_a)(P0_b - P0_a)^T with the term of the normal, see the class.
+struct LocalGlobal::Covariances {
   const RegionCells& cells;
   const CellSurface& surface;
-  const OperatorRows::Rows& m;
+  const Points& after;
+  const Vector3* before;
+  const Points& normals_before;
+  MatrixAverages& to;
 
-  static LAPEDIT_INLINE Doubles4 three(const double* from) { return Doubles4{from[0], from[1], from[2], 0}; }
-
-  /// C_a = sum_b g_ab (P1_b - P1_a)(P0_b - P0_a)^T with the term of the normal, see the class.
-  LAPEDIT_INLINE void covariance(int a, const Points& after, const Vector3* before, const double* normal_before,
-                                 double* to) const {
+  LAPEDIT_INLINE void operator()(int a) const {
     Doubles4 column[3] = {}, first = {}, second = {};  // tangents, as in CellSurface::normal()
     const Doubles4 here = three(&after(a, 0));
     for (int k = cells.neighbours.offsets[a]; k < cells.neighbours.offsets[a + 1]; ++k) {
@@ -49,55 +54,36 @@ struct LocalGlobal::Edges {
     const double size = std::sqrt(squares[0] + squares[1] + squares[2]);
     const double length = std::sqrt(normals[0] + normals[1] + normals[2] + kSureNormal * kSureNormal);
     for (int c = 0; c < 3; ++c) {
-      column[c] += (kNormals * size / length * normal_before[c]) * normal;
+      column[c] += (kNormals * size / length * normals_before(a, c)) * normal;
       for (std::ptrdiff_t e = 0; e < 3; ++e) {
-        to[3 * static_cast<std::ptrdiff_t>(c) + e] = column[c][e];
+        to[a](e, c) = column[c][e];
       }
     }
   }
+};
 
-  static LAPEDIT_INLINE Doubles4 turned(const double* columns, const double* edge) {
+/// sum_b ((R_a + R_b) / 2 - I) e_ab, e_ab = -M_ab (C_a - C_b), or with R_a alone.
+struct LocalGlobal::Turned {
+  const Turning& from;
+  bool by_edges;
+  double* to;
+
+  LAPEDIT_INLINE Doubles4 turned(int cell, const double* edge) const {
+    const double* const columns = from.turns.data() + 12 * std::ptrdiff_t{cell};
     return edge[0] * load<Doubles4>(columns) + edge[1] * load<Doubles4>(columns + 4) +
            edge[2] * load<Doubles4>(columns + 8);
   }
-  /// sum_b ((R_a + R_b) / 2 - I) e_ab, e_ab = -M_ab (C_a - C_b), or with R_a alone.
-  /// @param turns  of each cell R - I in three columns of four numbers
-  LAPEDIT_INLINE void turn(const double* turns, const Points& edges, const Points& sums, bool by_edges,
-                           double* to) const {
-    for (int a = 0; a < cells.count(); ++a, to += 3) {
-      Doubles4 sum = turned(turns + 12 * std::ptrdiff_t{a}, &sums(a, 0));
-      if (by_edges) {
-        for (int k = m.outerIndexPtr()[a]; k < m.outerIndexPtr()[a + 1]; ++k) {
-          sum += turned(turns + 12 * std::ptrdiff_t{m.innerIndexPtr()[k]}, &edges(k, 0));
-        }
-        sum *= 0.5;
+  LAPEDIT_INLINE void operator()(int a) const {
+    Doubles4 sum = turned(a, &from.sums(a, 0));
+    if (by_edges) {
+      for (int k = from.m.outerIndexPtr()[a]; k < from.m.outerIndexPtr()[a + 1]; ++k) {
+        sum += turned(from.m.innerIndexPtr()[k], &from.edges(k, 0));
       }
-      for (std::ptrdiff_t e = 0; e < 3; ++e) {
-        to[e] = sum[e];
-      }
+      sum *= 0.5;
     }
-  }
-  LAPEDIT_INLINE void all_covariances(const Points& after, const Vector3* before, const Points& normals,
-                                      MatrixAverages& to) const {
-    for (int a = 0; a < cells.count(); ++a) {
-      covariance(a, after, before, &normals(a, 0), to[a].data());
+    for (std::ptrdiff_t e = 0; e < 3; ++e) {
+      to[3 * std::ptrdiff_t{a} + e] = sum[e];
     }
-  }
-  static void covariances_plain(const Edges& all, const Points& after, const Vector3* before, const Points& normals,
-                                MatrixAverages& to) {
-    all.all_covariances(after, before, normals, to);
-  }
-  LAPEDIT_AVX2 static void covariances_avx2(const Edges& all, const Points& after, const Vector3* before,
-                                            const Points& normals, MatrixAverages& to) {
-    all.all_covariances(after, before, normals, to);
-  }
-  static void turn_plain(const Edges& all, const double* turns, const Points& edges, const Points& sums, bool by_edges,
-                         double* to) {
-    all.turn(turns, edges, sums, by_edges, to);
-  }
-  LAPEDIT_AVX2 static void turn_avx2(const Edges& all, const double* turns, const Points& edges, const Points& sums,
-                                     bool by_edges, double* to) {
-    all.turn(turns, edges, sums, by_edges, to);
   }
 };
 
@@ -147,9 +133,8 @@ void LocalGlobal::start(const Points& carried, const std::vector<Matrix3>& linea
 void LocalGlobal::fit(const Points& displacement, std::vector<Matrix3>& rotations) {
   smooth_after_ = carried_ + displacement;
   surface_.smooth(kSmoothing, smooth_after_, scratch_);
-  const Edges edges = {cells_, surface_, turning_.m};
-  for_processor(Edges::covariances_plain, Edges::covariances_avx2, Edges::covariances_avx2)(
-      edges, smooth_after_, before_.data(), normals_before_, averages_);
+  run_kernel(Covariances{cells_, surface_, smooth_after_, before_.data(), normals_before_, averages_}, 0,
+             cells_.count());
   averages_.average(cells_.neighbours, kAveraging, alone_);
   for (int a = 0; a < cells_.count(); ++a) {
     const Matrix3 averaged = averages_[a];
@@ -167,14 +152,11 @@ void LocalGlobal::turn(const std::vector<Matrix3>& rotations, Points& turned) {
   for (int a = 0; a < cells_.count(); ++a) {
     for (int c = 0; c < 3; ++c) {
       double* const column = &turning_.turns[12 * static_cast<std::size_t>(a) + 4 * static_cast<std::size_t>(c)];
-      store(column, Edges::three(&rotations[a](0, c)));
+      store(column, three(&rotations[a](0, c)));
       column[c] -= 1;
     }
   }
-  const Edges edges = {cells_, surface_, turning_.m};
-  for_processor(Edges::turn_plain, Edges::turn_avx2, Edges::turn_avx2)(
-      edges, turning_.turns.data(), turning_.edges, turning_.sums, settings_.turning == DetailTurning::Edge,
-      turned.data());
+  run_kernel(Turned{turning_, settings_.turning == DetailTurning::Edge, turned.data()}, 0, cells_.count());
 }
 
 LocalGlobal::Outcome LocalGlobal::settle(const Points& constraints, double accurate, int most_passes,

@@ -40,7 +40,8 @@ class LocalGlobal {
                  std::vector<Matrix3>& rotations);
 
  private:
-  struct Edges;
+  struct Covariances;
+  struct Turned;
   /// Data that turn() reads.
   struct Turning {
     OperatorRows::Rows m;       // the system's M

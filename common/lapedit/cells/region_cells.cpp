@@ -16,17 +16,7 @@ namespace {
 
 using Four = Floats4;
 
-Four four(const Vector3& v) {
-  return Four{static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]), 0};
-}
-
-constexpr int kPieces = 8;  // parts of sums, for any number of threads
-
-/// Calls body(piece, first, last) for kPieces parts of [0, count).
-template <class Body>
-void in_parts(ThreadPool& pool, Eigen::Index count, const Body& body) {
-  pool.each(kPieces, [&](int piece) { body(piece, count * piece / kPieces, count * (piece + 1) / kPieces); });
-}
+constexpr int kParts = 8;  // of sums
 
 Points centroids(const std::vector<int>& of, const Points& rest, int count, std::vector<double>& sizes) {
   Points centres = Points::Zero(count, 3);
@@ -64,19 +54,13 @@ void reach_borders(const Region& region, const Points& rest, RegionCells& cells)
 
 // --- Sums over cells -------------------------------------------------------------------------------------------------
 
-/// Edges from one cell into another.
-struct Crossing {
-  int to;
-  double weight;
-};
-
 /// Contributions of one part of the region's faces and edges to the cells.
 struct PartialSums {
   std::vector<double> area, weight;
   Points normals;
   std::vector<Symmetric> stiffness;  // sums of w_ij e e^T
   std::vector<std::array<int, 3>> triangles;
-  std::vector<std::vector<Crossing>> crossing;  // per cell
+  std::vector<std::vector<std::pair<int, double>>> crossing;  // per cell: the edges to others, and their weights
 
   void clear(int count) {
     area.assign(count, 0);
@@ -86,12 +70,12 @@ struct PartialSums {
     crossing.assign(count, {});
   }
   void cross(int from, int to, double of_edge) {
-    std::vector<Crossing>& list = crossing[from];
-    auto known = std::find_if(list.begin(), list.end(), [to](const Crossing& entry) { return entry.to == to; });
+    auto& list = crossing[from];
+    auto known = std::find_if(list.begin(), list.end(), [to](const auto& entry) { return entry.first == to; });
     if (known == list.end()) {
       known = list.insert(known, {to, 0});
     }
-    known->weight += of_edge;
+    known->second += of_edge;
   }
 };
 
@@ -185,36 +169,29 @@ void CellSums::merge(std::vector<PartialSums>& parts) {
 void CellSums::merge_neighbours(std::vector<PartialSums>& parts) {
   constexpr double kLeast = 1e-3;  // where cotangents cancel
   cells_.neighbours.offsets.assign(1, 0);
-  std::vector<Crossing> all;
+  std::vector<std::pair<int, double>> all;
   for (int c = 0; c < cells_.count(); ++c) {
     all.clear();
     for (PartialSums& part : parts) {
       all.insert(all.end(), part.crossing[c].begin(), part.crossing[c].end());
     }
-    std::stable_sort(all.begin(), all.end(), [](const Crossing& a, const Crossing& b) { return a.to < b.to; });
-    for (std::size_t k = 0; k < all.size(); ++k) {
-      if (k > 0 && all[k].to == all[k - 1].to) {
-        cells_.crossing.back() += all[k].weight;
-      } else {
-        cells_.neighbours.values.push_back(all[k].to);
-        cells_.crossing.push_back(all[k].weight);
-      }
+    merge_weights(all);
+    for (const auto& [to, weight] : all) {
+      cells_.neighbours.values.push_back(to);
+      cells_.crossing.push_back(std::max(weight, kLeast));
     }
     cells_.neighbours.offsets.push_back(static_cast<int>(cells_.neighbours.values.size()));
-  }
-  for (double& weight : cells_.crossing) {
-    weight = std::max(weight, kLeast);
   }
 }
 
 void CellSums::take() {
-  std::vector<PartialSums> parts(kPieces);
-  in_parts(pool_, region_.size(), [&](int piece, Eigen::Index first, Eigen::Index last) {
-    parts[piece].clear(cells_.count());
-    add_edges(parts[piece], first, last);
+  std::vector<PartialSums> parts(kParts);
+  in_parts(pool_, kParts, region_.size(), [&](int part, Eigen::Index first, Eigen::Index last) {
+    parts[part].clear(cells_.count());
+    add_edges(parts[part], first, last);
   });
-  in_parts(pool_, region_.faces.rows(),
-           [&](int piece, Eigen::Index first, Eigen::Index last) { add_faces(parts[piece], first, last); });
+  in_parts(pool_, kParts, region_.faces.rows(),
+           [&](int part, Eigen::Index first, Eigen::Index last) { add_faces(parts[part], first, last); });
   merge(parts);
   merge_neighbours(parts);
 }
@@ -299,7 +276,7 @@ Weigher::Weigher(const RegionCells& cells, const Points& rest) : cells_(cells) {
     for (int k = rings.offsets[c]; k < rings.offsets[c + 1]; ++k) {
       const int other = rings.values[k];
       const Vector3 place = (cells.centres.row(other) - cells.centres.row(c)).transpose();
-      candidates_[k] = {four(place), 1 / reaches[other], other};
+      candidates_[k] = {floats4(place), 1 / reaches[other], other};
     }
   }
 }
@@ -330,7 +307,7 @@ void Weigher::operator()(const Vector3& place, int cell, int* to, float* weights
   constexpr double kFlat = 0.03;  // of the spread: smaller directions are not along the surface
   constexpr float kTrace = 1e-12F;
   Reaching near[kRoom];
-  int count = reaching(four(place - cells_.centres.row(cell).transpose()), cell, near);
+  int count = reaching(floats4(place - cells_.centres.row(cell).transpose()), cell, near);
   if (count == 0) {
     near[0] = {Four{}, 1, cell};
     count = 1;
@@ -363,7 +340,7 @@ void Weigher::operator()(const Vector3& place, int cell, int* to, float* weights
   Four correction = {};
   if (size > 0) {
     matrix.diagonal().array() += kFlat * size;
-    correction = four(-(matrix.inverse() * middle));
+    correction = floats4(Vector3(-(matrix.inverse() * middle)));
   }
   constexpr float kLeast = -0.5F, kMost = 2.5F;  // beyond, the cells surround the position badly
   float total = 0;
@@ -380,6 +357,19 @@ void Weigher::operator()(const Vector3& place, int cell, int* to, float* weights
 }
 
 }  // namespace
+
+void merge_weights(std::vector<std::pair<int, double>>& list) {
+  std::stable_sort(list.begin(), list.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::size_t written = 0;
+  for (const auto& [number, weight] : list) {
+    if (written > 0 && list[written - 1].first == number) {
+      list[written - 1].second += weight;
+    } else {
+      list[written++] = {number, weight};
+    }
+  }
+  list.resize(written);
+}
 
 Matrix3 full_matrix(const Symmetric& s) {
   Matrix3 result;
@@ -400,7 +390,7 @@ RegionCells make_cells(const Region& region, const Points& rest, const std::vect
 CellBlend::CellBlend(const RegionCells& from, const Points& rest, ThreadPool& pool)
     : cells(kReach, rest.rows()), weights(kReach, rest.rows()) {
   const Weigher weigher(from, rest);
-  in_parts(pool, rest.rows(), [&](int, Eigen::Index first, Eigen::Index last) {
+  in_parts(pool, kParts, rest.rows(), [&](int, Eigen::Index first, Eigen::Index last) {
     for (Eigen::Index i = first; i < last; ++i) {
       weigher(rest.row(i).transpose(), from.of[i], cells.col(i).data(), weights.col(i).data());
     }

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <array>
+#include <utility>
 #include <vector>
 
+#include "lapedit/base/simd.h"
 #include "lapedit/base/thread_pool.h"
 #include "lapedit/deform/differential_operator.h"
 #include "lapedit/mesh/region.h"
@@ -19,6 +21,16 @@ inline Symmetric squared(const Vector3& v) {
   return result;
 }
 Matrix3 full_matrix(const Symmetric& s);
+
+/// A vector of three or four numbers in single precision; the fourth of three is 0.
+template <class Vector>
+Floats4 floats4(const Vector& v) {
+  return Floats4{static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]),
+                 v.size() > 3 ? static_cast<float>(v[v.size() - 1]) : 0};
+}
+
+/// Adds up the weights of each number in a list, and sorts it by numbers.
+void merge_weights(std::vector<std::pair<int, double>>& list);
 
 /// A region divided into patches of neighbouring vertices, and the data of each patch that a coarse model needs.
 ///

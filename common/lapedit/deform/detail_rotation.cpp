@@ -43,16 +43,8 @@ Matrix3 frame(const Vector3& n, const Vector3& u) {
 }  // namespace
 
 const char* name(DetailRotation rotation) {
-  switch (rotation) {
-    case DetailRotation::None:
-      return "none";
-    case DetailRotation::SmoothNormals:
-      return "smooth normals";
-    case DetailRotation::SmoothSurface:
-      return "smooth surface";
-    default:
-      return "local-global";
-  }
+  constexpr const char* kNames[] = {"none", "smooth normals", "smooth surface", "local-global"};
+  return kNames[static_cast<int>(rotation)];
 }
 
 RotationEstimator::RotationEstimator(DetailRotation kind, const Region& region, const Smoother& smoother,
@@ -136,23 +128,13 @@ void RotationEstimator::paper_frames(std::vector<Matrix3>& rotations) {
   }
 }
 
-/// Calls body(i) for all vertices, on all threads.
-template <class Body>
-void RotationEstimator::for_vertices(const Body& body) {
-  in_pieces(pool_, region_.size(), kGrain, [&](int first, int last) {
-    for (int i = first; i < last; ++i) {
-      body(i);
-    }
-  });
-}
-
 /// C_i = sum_j (P1_j - P1_i)(P0_j - P0_i)^T + |.| n1 n0^T over the edges of the smoothed surfaces P0 and P1, averaged;
 /// R_i the rotation nearest to (1 - h_i) C_i + h_i |C_i| I, with h_i = 3 t^2 - 2 t^3 of the depth t in the anchor band.
 void RotationEstimator::smooth_surface(std::vector<Matrix3>& rotations) {
   const int n = region_.size();
   covariances_.resize(n);
   spread_.resize(n);
-  for_vertices([&](int i) {
+  for_indices(pool_, n, kGrain, [&](int i) {
     Matrix3 covariance = Matrix3::Zero();
     for (const int j : region_.neighbours[i]) {
       covariance.noalias() +=
@@ -163,11 +145,11 @@ void RotationEstimator::smooth_surface(std::vector<Matrix3>& rotations) {
     covariances_[i] = covariance + covariance.norm() * normals;
   });
   // Where the smoothed surface has collapsed (a limb thinner than the radius) one ring of edges does not determine a
-  // rotation, but sums over a few rings do, without a table. More passes gain nothing on the grid of
-  // detail_orientation_test.
-  for (int pass = 0; pass < kAveragingPasses; ++pass) {
+  // rotation, but sums over a few rings do. More passes gain nothing on the grid of detail_orientation_test.
+  constexpr int kPasses = 4;
+  for (int pass = 0; pass < kPasses; ++pass) {
     spread_.swap(covariances_);
-    for_vertices([&](int i) {
+    for_indices(pool_, n, kGrain, [&](int i) {
       Matrix3 sum = spread_[i];
       for (const int j : region_.neighbours[i]) {
         sum += spread_[j];
@@ -178,8 +160,7 @@ void RotationEstimator::smooth_surface(std::vector<Matrix3>& rotations) {
   // The surface beyond the rim does not rotate, so rotations fade out across the anchors.
   in_pieces(pool_, n, kGrain, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
-      const double depth = region_.anchor_depth.empty() ? 0 : region_.anchor_depth[i];
-      const double hold = depth * depth * (3 - 2 * depth);
+      const double hold = region_.anchor_depth.empty() ? 0 : smooth_step(region_.anchor_depth[i]);
       spread_[i] = (1 - hold) * covariances_[i] + hold * covariances_[i].norm() * Matrix3::Identity();
     }
     nearest_rotations(spread_.data() + first, last - first, rotations.data() + first);

@@ -16,16 +16,9 @@ enum class DetailRotation {
 
 const char* name(DetailRotation rotation);
 
-/// Number of averages of the fitted covariances over the one-ring.
-constexpr int kAveragingPasses = 4;
-
-/// SmoothSurface: let P0 and P1 be the smoothed positions before and after, n0 and n1 the vertex normals of those
-/// surfaces, and C = sum over a vertex's edges of (P1_j - P1_i)(P0_j - P0_i)^T + |.|_F n1 n0^T. C is averaged over the
-/// one-ring four times; the result is the nearest rotation, faded to the identity across the anchor band. Source: this
-/// project. The averages also determine rotations about the axis of thin limbs.
-///
-/// Estimates one rotation per region vertex between two poses. Construct it once per region; nothing is allocated after
-/// the first estimate().
+/// Estimates one rotation per region vertex between two poses. Those of SmoothSurface are nearest to the averaged
+/// covariances of the smoothed surface's edges and normals, faded to the identity across the anchor band (source: this
+/// project). Construct it once per region; nothing is allocated after the first estimate().
 class RotationEstimator {
  public:
   /// @param smoother  smoothing for both kinds; smoother, region and pool must outlive the object
@@ -46,8 +39,6 @@ class RotationEstimator {
   double rotate_ms() const { return rotate_ms_; }    ///< time of fitting in the last estimate()
 
  private:
-  template <class Body>
-  void for_vertices(const Body& body);
   void paper_frames(std::vector<Matrix3>& rotations);
   void smooth_surface(std::vector<Matrix3>& rotations);
 

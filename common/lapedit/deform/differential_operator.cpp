@@ -220,14 +220,8 @@ void weaken_links(const Region& region, EdgeWeights& weights) {
 }  // namespace
 
 const char* name(LaplacianKind kind) {
-  switch (kind) {
-    case LaplacianKind::Umbrella:
-      return "umbrella";
-    case LaplacianKind::Cotangent:
-      return "cotangent";
-    default:
-      return "mean value";
-  }
+  constexpr const char* kNames[] = {"umbrella", "cotangent", "mean value"};
+  return kNames[static_cast<int>(kind)];
 }
 
 EdgeWeights edge_weights(LaplacianKind kind, const Region& region, const TriangleMesh& mesh, bool symmetric) {

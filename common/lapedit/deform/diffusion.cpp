@@ -106,11 +106,8 @@ void DiffusionSmoother::apply(const Points& in, Points& out) const {
   right.resize(in.rows(), 3);
   for (int step = 0; step < kSteps; ++step) {
     const Points& from = step == 0 ? in : out;
-    in_pieces(*pool_, static_cast<int>(in.rows()), kGrain, [&](int first, int last) {
-      for (int i = first; i < last; ++i) {
-        right.row(i) = matrix_->mass[i] * from.row(i);
-      }
-    });
+    for_indices(*pool_, static_cast<int>(in.rows()), kGrain,
+                [&](int i) { right.row(i) = matrix_->mass[i] * from.row(i); });
     left = right;
     refine_to_the_bit(system, factor_->single_precision(), scratch_.x, left, scratch_.step, *pool_);
     out = scratch_.x.high;

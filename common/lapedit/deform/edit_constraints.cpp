@@ -13,7 +13,7 @@ Matrix3 rotation_of(const LocalMotion& motion) {
   if (motion.linear.isZero(0)) {
     return Matrix3::Identity();
   }
-  const Matrix3 rotation = PolarDecomposition(motion.linear + Matrix3::Identity()).orthogonal();
+  const Matrix3 rotation = polar_factor(motion.linear + Matrix3::Identity());
   return rotation.determinant() > 0 ? rotation : Matrix3::Identity();
 }
 
@@ -21,11 +21,6 @@ Matrix3 rotation_of(const LocalMotion& motion) {
 
 void EditConstraints::set(const std::vector<HandleMotion>& handles, const Affine& anchors) {
   paths_.set(handles, anchors);
-  carry_along();
-  set_right_hand_side();
-}
-
-void EditConstraints::carry_along() {
   const Region& region = system_.region;
   const Points& rest = system_.rest.local;
   const std::vector<LocalMotion>& carried_motions = paths_.carried();
@@ -40,14 +35,10 @@ void EditConstraints::carry_along() {
       carried_pose_.row(i) += carried(i).displacement(rest.row(i).transpose()).transpose();
     }
   }
-}
-
-void EditConstraints::set_right_hand_side() {
-  const Region& region = system_.region;
   right_.setZero(region.size(), 3);
   for (int i = 0; i < region.size(); ++i) {
     if (region.classes[i] == VertexClass::Handle) {
-      const Vector3 way = wanted_way(i) - carried(i).displacement(system_.rest.local.row(i).transpose());
+      const Vector3 way = wanted_way(i) - carried(i).displacement(rest.row(i).transpose());
       right_.row(i) = system_.squared_weights[i] * way.transpose();
     }
   }

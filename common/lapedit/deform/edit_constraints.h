@@ -43,9 +43,6 @@ class EditConstraints {
   Vector3 wanted_way(int i) const { return paths_.displacement(i); }
 
  private:
-  void carry_along();
-  void set_right_hand_side();
-
   const LaplacianSystem& system_;
   GroupPaths paths_;
   std::vector<Matrix3> carried_rotation_;  // per component

@@ -199,13 +199,7 @@ EditQuality edit_quality(const LaplacianSystem& system, const EditConstraints& c
                          const std::vector<Matrix3>& rotations) {
   EditQuality result;
   const Region& region = system.region;
-  std::vector<int> group_sizes;
-  for (int i = 0; i < region.size(); ++i) {
-    if (region.classes[i] == VertexClass::Handle) {
-      group_sizes.resize(std::max<std::size_t>(group_sizes.size(), region.group[i] + 1), 0);
-      ++group_sizes[region.group[i]];
-    }
-  }
+  const std::vector<int> lone = lone_vertices(region);
   const std::vector<double> largest = largest_shares(region);
   for (int i = 0; i < region.size(); ++i) {
     const Vector3 moved = (positions.row(i) - system.rest.world.row(i)).transpose();
@@ -213,7 +207,7 @@ EditQuality edit_quality(const LaplacianSystem& system, const EditConstraints& c
       const Vector3 way = constraints.wanted_way(i);
       if (way.norm() > result.handle_displacement) {
         result.handle_displacement = way.norm();
-        result.causes.lone_handle = group_sizes[region.group[i]] == 1;
+        result.causes.lone_handle = lone[region.group[i]] >= 0;
       }
       if (region.share(i) == largest[region.group[i]]) {
         result.handle_residual = std::max(result.handle_residual, (moved - way).norm());

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <limits>
+#include <utility>
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
@@ -11,15 +12,22 @@
 namespace lapedit {
 namespace {
 
+/// The row of a setting that `member` holds.
 template <auto member>
-double get(const EditSettings& settings) {
-  return static_cast<double>(settings.*member);
+Setting row(Setting::Kind kind, const char* key, const char* subject, const char* range, double low, double high,
+            const char* help, std::vector<const char*> choices = {}) {
+  const auto get = [](const EditSettings& settings) { return static_cast<double>(settings.*member); };
+  const auto set = [](EditSettings& settings, double value) {
+    settings.*member = static_cast<std::decay_t<decltype(settings.*member)>>(value);
+  };
+  return {kind, key, subject, range, low, high, help, get, set, std::move(choices)};
 }
 
 template <auto member>
-void set(EditSettings& settings, double value) {
-  auto& place = settings.*member;
-  place = static_cast<std::decay_t<decltype(place)>>(value);
+Setting choice(const char* key, const char* subject, const char* range, const char* help,
+               std::vector<const char*> choices) {
+  const auto last = static_cast<double>(choices.size() - 1);
+  return row<member>(Setting::Kind::Choice, key, subject, range, 0, last, help, std::move(choices));
 }
 
 constexpr double kLightest = 1e-6, kHeaviest = 1e6;
@@ -31,76 +39,46 @@ const std::vector<Setting>& settings_table() {
   using Kind = Setting::Kind;
   using S = EditSettings;
   static const std::vector<Setting> table = {
-      {Kind::Choice,
-       "laplacian",
-       "Laplacian",
-       "umbrella, cotangent or mean value",
-       0,
-       2,
-       "How the detail at a vertex is measured: against the plain mean of its neighbours (umbrella, the paper's "
-       "choice), with cotangent weights, which depend less on the triangulation, or with mean-value weights, which "
-       "uneven and obtuse triangles suit as well.",
-       get<&S::laplacian>,
-       set<&S::laplacian>,
-       {"umbrella", "cotangent", "mean_value"}},
-      {Kind::Whole, "order", "order of the Laplacian", "1, 2 or 3", 1, 3,
-       "How often the Laplacian is applied, 1 to 3. Higher orders blend more smoothly into the fixed part and take "
-       "longer; use them for pulls without detail rotation, since errors of rotations and turned groups make them "
-       "overshoot.",
-       get<&S::order>, set<&S::order>},
-      {Kind::Choice,
-       "detail_rotation",
-       "detail rotation",
-       "none, smooth normals, smooth surface or local-global",
-       0,
-       3,
-       "How details rotate with the surface: not at all, by the paper's frames of smooth normals, by rotations fitted "
-       "to the smoothed surface, or by rotations that are fitted and solved for in turns (local-global).",
-       get<&S::rotation>,
-       set<&S::rotation>,
-       {"none", "smooth_normals", "smooth_surface", "local_global"}},
-      {Kind::Whole, "iterations", "number of iterations", "a whole number from 0 to 100", 0, 100,
-       "Number of passes, each of which estimates the rotations from the last result, 0 to 100. 0: automatic, which is "
-       "3 for local-global rotations and 1 for the others. More than one helps large edits with the smooth surface.",
-       get<&S::iterations>, set<&S::iterations>},
-      {Kind::Length, "normal_radius", "normal radius", "a finite length, or 0 for an automatic one", 0,
-       std::numeric_limits<double>::max(),
-       "Radius of the smoothing that separates details from the surface below; has to exceed the size of the details. "
-       "0: chosen from the mesh. Local-global rotations do without.",
-       get<&S::normal_radius>, set<&S::normal_radius>},
-      {Kind::Number, "handle_weight", "handle weight", kWeights, kLightest, kHeaviest,
-       "How strongly the handle is drawn to its target, 0.000001 to 1000000.", get<&S::handle_weight>,
-       set<&S::handle_weight>},
-      {Kind::Number, "anchor_weight", "anchor weight", kWeights, kLightest, kHeaviest,
-       "How strongly the band inside the rim is held in place, 0.000001 to 1000000.", get<&S::anchor_weight>,
-       set<&S::anchor_weight>},
-      {Kind::Choice,
-       "turning",
-       "turning of details",
-       "vertex or edge",
-       0,
-       1,
-       "What the rotations turn: the detail at each vertex as a whole (vertex, the paper's way), or each edge by the "
-       "mean of its ends' rotations (edge), which lets flat parts bend, so that limbs keep their thickness.",
-       get<&S::turning>,
-       set<&S::turning>,
-       {"vertex", "edge"}},
-      {Kind::Choice,
-       "rough",
-       "rough deformation",
-       "unrotated or falloff",
-       0,
-       1,
-       "What the rotations are first estimated from: the solution with unrotated details (unrotated, the paper's "
-       "way), or the handle's motion, falling off with the distance along the surface (falloff), which needs no "
-       "solution.",
-       get<&S::rough>,
-       set<&S::rough>,
-       {"unrotated", "falloff"}},
-      {Kind::Number, "membrane", "membrane weight", "a number from 0 to 1000000", 0, 1e6,
-       "Cost of stretching against bending, 0 to 1000000: with 0 the surface only keeps from bending (the paper's "
-       "way); the more, the more evenly lengths are kept over the whole region.",
-       get<&S::membrane>, set<&S::membrane>},
+      choice<&S::laplacian>(
+          "laplacian", "Laplacian", "umbrella, cotangent or mean value",
+          "How the detail at a vertex is measured: against the plain mean of its neighbours (umbrella, the paper's "
+          "choice), with cotangent weights, which depend less on the triangulation, or with mean-value weights, which "
+          "uneven and obtuse triangles suit as well.",
+          {"umbrella", "cotangent", "mean_value"}),
+      row<&S::order>(Kind::Whole, "order", "order of the Laplacian", "1, 2 or 3", 1, 3,
+                     "How often the Laplacian is applied, 1 to 3. Higher orders blend more smoothly into the fixed "
+                     "part and take longer; use them for pulls without detail rotation, since errors of rotations and "
+                     "turned groups make them overshoot."),
+      choice<&S::rotation>(
+          "detail_rotation", "detail rotation", "none, smooth normals, smooth surface or local-global",
+          "How details rotate with the surface: not at all, by the paper's frames of smooth normals, by rotations "
+          "fitted to the smoothed surface, or by rotations that are fitted and solved for in turns (local-global).",
+          {"none", "smooth_normals", "smooth_surface", "local_global"}),
+      row<&S::iterations>(Kind::Whole, "iterations", "number of iterations", "a whole number from 0 to 100", 0, 100,
+                          "Number of passes, each of which estimates the rotations from the last result, 0 to 100. 0: "
+                          "automatic, which is 3 for local-global rotations and 1 for the others. More than one helps "
+                          "large edits with the smooth surface."),
+      row<&S::normal_radius>(Kind::Length, "normal_radius", "normal radius",
+                             "a finite length, or 0 for an automatic one", 0, std::numeric_limits<double>::max(),
+                             "Radius of the smoothing that separates details from the surface below; has to exceed the "
+                             "size of the details. 0: chosen from the mesh. Local-global rotations do without."),
+      row<&S::handle_weight>(Kind::Number, "handle_weight", "handle weight", kWeights, kLightest, kHeaviest,
+                             "How strongly the handle is drawn to its target, 0.000001 to 1000000."),
+      row<&S::anchor_weight>(Kind::Number, "anchor_weight", "anchor weight", kWeights, kLightest, kHeaviest,
+                             "How strongly the band inside the rim is held in place, 0.000001 to 1000000."),
+      choice<&S::turning>(
+          "turning", "turning of details", "vertex or edge",
+          "What the rotations turn: the detail at each vertex as a whole (vertex, the paper's way), or each edge by "
+          "the mean of its ends' rotations (edge), which lets flat parts bend, so that limbs keep their thickness.",
+          {"vertex", "edge"}),
+      choice<&S::rough>("rough", "rough deformation", "unrotated or falloff",
+                        "What the rotations are first estimated from: the solution with unrotated details (unrotated, "
+                        "the paper's way), or the handle's motion, falling off with the distance along the surface "
+                        "(falloff), which needs no solution.",
+                        {"unrotated", "falloff"}),
+      row<&S::membrane>(Kind::Number, "membrane", "membrane weight", "a number from 0 to 1000000", 0, 1e6,
+                        "Cost of stretching against bending, 0 to 1000000: with 0 the surface only keeps from bending "
+                        "(the paper's way); the more, the more evenly lengths are kept over the whole region."),
   };
   return table;
 }

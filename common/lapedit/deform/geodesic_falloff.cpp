@@ -37,16 +37,13 @@ GeodesicFalloff geodesic_falloff(const Region& region, const Points& points) {
     }
   }
   GeodesicFalloff result;
+  result.lone = lone_vertices(region);
   Eigen::MatrixXd distances(region.size(), groups + 1);
   GeodesicSearch search(region.neighbours, points);
   for (int k = 0; k <= groups; ++k) {
     search.run(seeds[k], kUnreached);
     for (int i = 0; i < region.size(); ++i) {
       distances(i, k) = search.distance(i);
-    }
-    if (k < groups) {
-      const bool lone = std::count(region.group.begin(), region.group.end(), k) == 1;
-      result.lone.push_back(lone ? seeds[k][0] : -1);
     }
   }
   result.weights.setZero(region.size(), groups);

@@ -89,7 +89,9 @@ void Preparation::make_operator(const TriangleMesh& mesh) {
   if (took_operator_) {
     s_.powers = previous_->powers;
   }
-  s_.powers.first->apply(s_.rest.local, s_.delta, *s_.pool);
+  if (settings.turning == DetailTurning::Vertex) {
+    s_.powers.first->apply(s_.rest.local, s_.delta, *s_.pool);
+  }
 }
 
 /// Computes squared weights w_i^2 (paper, sections 3 and 5): w, or a share of it, for a handle, and w d_i / d_max for

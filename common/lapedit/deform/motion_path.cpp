@@ -28,7 +28,7 @@ MotionPath::MotionPath(const HandleMotion& to, const Vector3& origin, const Vect
     degrees_ = to.turn->degrees;
     rotation = rotation_about(axis_, degrees_);
   } else {
-    rotation = PolarDecomposition(linear).rotation();
+    rotation = polar_rotation(linear);
     const AxisAngle turn(rotation);
     axis_ = turn.axis;
     degrees_ = turn.degrees;

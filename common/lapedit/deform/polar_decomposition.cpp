@@ -3,17 +3,32 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <Eigen/SVD>
 #include <cmath>
 
 namespace lapedit {
 
-Matrix3 PolarDecomposition::rotation() const {
-  if (orthogonal().determinant() > 0) {
-    return orthogonal();
+namespace {
+
+Matrix3 factor_of(const Matrix3& matrix, bool reflects) {
+  const Eigen::JacobiSVD<Matrix3> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Matrix3 factor = svd.matrixU() * svd.matrixV().transpose();
+  if (reflects || factor.determinant() > 0) {
+    return factor;
   }
-  Matrix3 u = svd_.matrixU();
+  Matrix3 u = svd.matrixU();
   u.col(2) = -u.col(2);
-  return u * svd_.matrixV().transpose();
+  return u * svd.matrixV().transpose();
+}
+
+}  // namespace
+
+Matrix3 polar_factor(const Matrix3& matrix) {
+  return factor_of(matrix, true);
+}
+
+Matrix3 polar_rotation(const Matrix3& matrix) {
+  return factor_of(matrix, false);
 }
 
 Matrix3 nearest_rotation(const Matrix3& matrix) {
@@ -42,7 +57,7 @@ Matrix3 nearest_rotation(const Matrix3& matrix) {
       }
     }
   }
-  return PolarDecomposition(start).rotation();
+  return polar_rotation(start);
 }
 
 }  // namespace lapedit

@@ -22,6 +22,14 @@ double largest_row(const Points& points) {
 
 }  // namespace
 
+void require_finite_result(const Points& positions) {
+  if (!positions.allFinite()) {
+    throw EditError(
+        ErrorCause::NotFinite,
+        "The result is not finite, since the handle's displacement is too large for the mesh: move it less.");
+  }
+}
+
 struct PoseSolver::Impl {
   EditReport report;  // of preparation and last solve, without figures that are computed on demand
   std::shared_ptr<const LaplacianSystem> system;
@@ -56,7 +64,6 @@ struct PoseSolver::Impl {
   }
 
   void solve_exactly(const Points& right_hand_side, const Progress& go_on);
-  void take(const Refinement& refined);
   void turn_locally(const std::vector<Matrix3>* start, const Progress& go_on);
   void turn_details(const Progress& go_on);
   double stretch();
@@ -65,16 +72,13 @@ struct PoseSolver::Impl {
   void collect_positions();
 };
 
-void PoseSolver::Impl::take(const Refinement& refined) {
+/// d = (M^T M + W^2)^-1 b, to the last bit of a double.
+void PoseSolver::Impl::solve_exactly(const Points& right_hand_side, const Progress& go_on) {
+  const Refinement refined = solver.refine_to_the_bit(right_hand_side, displacement, go_on);
   if (std::isfinite(refined.last_change) && !refined.converged()) {
     refuse_conditioning(*system);
   }
   report.refinements = std::max(report.refinements, refined.steps);
-}
-
-/// d = (M^T M + W^2)^-1 b, to the last bit of a double.
-void PoseSolver::Impl::solve_exactly(const Points& right_hand_side, const Progress& go_on) {
-  take(solver.refine_to_the_bit(right_hand_side, displacement, go_on));
 }
 
 /// Solves once with the given rotations, then with those of the vertices' one-rings, fitted to an extrapolation of the
@@ -184,11 +188,7 @@ void PoseSolver::Impl::collect_positions() {
     }
     positions.row(i) = rest.world.row(i) + way.transpose();
   }
-  if (!positions.allFinite()) {
-    throw EditError(
-        ErrorCause::NotFinite,
-        "The result is not finite, since the handle's displacement is too large for the mesh: move it less.");
-  }
+  require_finite_result(positions);
 }
 
 PoseSolver::PoseSolver(const TriangleMesh& mesh, std::shared_ptr<const RestPose> rest, const EditSettings& settings,
@@ -202,6 +202,10 @@ PoseSolver::~PoseSolver() = default;
 
 const LaplacianSystem& PoseSolver::system() const {
   return *impl_->system;
+}
+
+RefinedSolver& PoseSolver::solver() {
+  return impl_->solver;
 }
 
 const std::string& PoseSolver::taken_over() const {

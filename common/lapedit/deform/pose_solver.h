@@ -13,6 +13,9 @@
 
 namespace lapedit {
 
+/// @throws EditError (NotFinite) with a message for the user unless all positions of a result are finite
+void require_finite_result(const Points& positions);
+
 /// Solves for poses of one region with its handles (paper, sections 3 to 5).
 ///
 /// Minimises |M^k x - M^(k-1) R delta|^2 + sum_i w_i^2 |x_i - c_i|^2 over the region's vertices, where k is the order,
@@ -34,6 +37,8 @@ class PoseSolver {
   ~PoseSolver();
 
   const LaplacianSystem& system() const;
+  /// Returns the solver of the system, for others that never compute at the same time as this object.
+  RefinedSolver& solver();
   const std::string& taken_over() const;  ///< see EditReport::taken_over
 
   /// Returns the positions of the region's vertices after its handle groups have moved.

@@ -14,19 +14,17 @@ void RingRotations::fit(const Points& before, const Points& displacement, std::v
   constexpr int kAveraging = 8;
   constexpr int kGrain = 512;
   covariances_.resize(region_.size());
-  in_pieces(pool_, region_.size(), kGrain, [&](int first, int last) {
-    for (int i = first; i < last; ++i) {
-      Matrix3 covariance = Matrix3::Zero();
-      for (OperatorRows::Rows::InnerIterator entry(m_.rows(), i); entry; ++entry) {
-        const auto j = static_cast<int>(entry.col());
-        const Vector3 edge = (before.row(i) - before.row(j)).transpose();
-        const Vector3 after = edge + (displacement.row(i) - displacement.row(j)).transpose();
-        // This order of factors makes the covariance of a vertex that has not moved symmetric.
-        const Matrix3 product = after * edge.transpose();
-        covariance -= entry.value() * product;
-      }
-      covariances_[i] = covariance;
+  for_indices(pool_, region_.size(), kGrain, [&](int i) {
+    Matrix3 covariance = Matrix3::Zero();
+    for (OperatorRows::Rows::InnerIterator entry(m_.rows(), i); entry; ++entry) {
+      const auto j = static_cast<int>(entry.col());
+      const Vector3 edge = (before.row(i) - before.row(j)).transpose();
+      const Vector3 after = edge + (displacement.row(i) - displacement.row(j)).transpose();
+      // This order of factors makes the covariance of a vertex that has not moved symmetric.
+      const Matrix3 product = after * edge.transpose();
+      covariance -= entry.value() * product;
     }
+    covariances_[i] = covariance;
   });
   covariances_.average(region_.neighbours, kAveraging, pool_);
   rotations.resize(region_.size());

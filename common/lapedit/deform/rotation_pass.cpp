@@ -54,22 +54,20 @@ void turn_vertices(const LaplacianSystem& system, const EditConstraints& constra
 void turn_edges(const LaplacianSystem& system, const EditConstraints& constraints,
                 const std::vector<Matrix3>& rotations, Points& turned) {
   constexpr int kGrain = 2048;
-  in_pieces(*system.pool, system.region.size(), kGrain, [&](int first, int last) {
-    for (int i = first; i < last; ++i) {
-      Vector3 sum = Vector3::Zero();
-      for (OperatorRows::Rows::InnerIterator entry(system.powers.first->rows(), i); entry; ++entry) {
-        const auto j = static_cast<int>(entry.col());
-        if (j == i) {
-          continue;
-        }
-        Vector3 edge = (system.rest.local.row(i) - system.rest.local.row(j)).transpose();
-        if (constraints.carry()) {
-          edge += constraints.carried(i).linear * edge;
-        }
-        sum -= entry.value() * (0.5 * ((rotations[i] + rotations[j]) * edge) - edge);
+  for_indices(*system.pool, system.region.size(), kGrain, [&](int i) {
+    Vector3 sum = Vector3::Zero();
+    for (OperatorRows::Rows::InnerIterator entry(system.powers.first->rows(), i); entry; ++entry) {
+      const auto j = static_cast<int>(entry.col());
+      if (j == i) {
+        continue;
       }
-      turned.row(i) = sum.transpose();
+      Vector3 edge = (system.rest.local.row(i) - system.rest.local.row(j)).transpose();
+      if (constraints.carry()) {
+        edge += constraints.carried(i).linear * edge;
+      }
+      sum -= entry.value() * (0.5 * ((rotations[i] + rotations[j]) * edge) - edge);
     }
+    turned.row(i) = sum.transpose();
   });
 }
 

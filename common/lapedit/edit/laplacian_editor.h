@@ -42,6 +42,7 @@ class LaplacianEditor {
 
   const Region& region() const { return solver_->system().region; }
   const LaplacianSystem& system() const { return solver_->system(); }
+  RefinedSolver& solver() const { return solver_->solver(); }  ///< see PoseSolver::solver()
   const std::string& taken_over() const { return solver_->taken_over(); }
   const std::shared_ptr<CellModel>& cells() const { return cells_; }  ///< null if they are not needed
 

@@ -214,7 +214,7 @@ HandleTransform MirroredHandles::symmetric(const HandleTransform& given, const V
   if (given.matrix) {
     Affine map;
     map.matrix() = *given.matrix;
-    const Matrix3 linear = map.linear(), rotation = PolarDecomposition(linear).rotation();
+    const Matrix3 linear = map.linear(), rotation = polar_rotation(linear);
     const Matrix3 stretch = rotation.transpose() * linear;
     const Vector3 from = onto_plane(centre);
     Affine mean;

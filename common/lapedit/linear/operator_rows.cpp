@@ -31,14 +31,28 @@ void multiply(const Compressed& lists, const Points& x, Points& out, ThreadPool&
 
 }  // namespace
 
-OperatorRows::OperatorRows(const SparseMatrix& matrix) : columns_(matrix), rows_(matrix) {}
-
-OperatorRows::OperatorRows(const SparseMatrix& matrix, const Eigen::VectorXd& stretch) : OperatorRows(matrix) {
+OperatorRows::OperatorRows(const SparseMatrix& matrix, const Eigen::VectorXd& stretch)
+    : rows_(matrix), columns_(matrix) {
   for (Eigen::Index i = 0; i < stretch.size(); ++i) {
     if (stretch[i] != 0) {  // otherwise there may be no such entry
       columns_.coeffRef(i, i) += stretch[i];
     }
   }
+  const Eigen::Index entries = columns_.nonZeros();
+  if (columns_.rows() == columns_.cols() &&
+      std::equal(rows_.outerIndexPtr(), rows_.outerIndexPtr() + rows_.rows() + 1, columns_.outerIndexPtr()) &&
+      std::equal(rows_.innerIndexPtr(), rows_.innerIndexPtr() + entries, columns_.innerIndexPtr())) {
+    in_rows_.assign(columns_.valuePtr(), columns_.valuePtr() + entries);
+    SparseMatrix().swap(columns_);  // an assignment would keep the memory
+  }
+}
+
+Eigen::Map<const SparseMatrix> OperatorRows::matrix() const {
+  if (in_rows_.empty()) {
+    return {columns_.rows(),          columns_.cols(),          columns_.nonZeros(),
+            columns_.outerIndexPtr(), columns_.innerIndexPtr(), columns_.valuePtr()};
+  }
+  return {rows_.rows(), rows_.cols(), rows_.nonZeros(), rows_.outerIndexPtr(), rows_.innerIndexPtr(), in_rows_.data()};
 }
 
 void OperatorRows::apply(const Points& x, Points& out, ThreadPool& pool) const {
@@ -46,12 +60,13 @@ void OperatorRows::apply(const Points& x, Points& out, ThreadPool& pool) const {
 }
 
 void OperatorRows::apply_transposed(const Points& x, Points& out, ThreadPool& pool) const {
-  multiply(columns_, x, out, pool);
+  multiply(matrix(), x, out, pool);
 }
 
 /// Computes (M^T M)_ij = sum over rows r of m_ri m_rj, for i >= j: column j is the scaled sum of its entries' rows.
 SparseMatrix OperatorRows::normal_matrix(const Eigen::VectorXd& diagonal, ThreadPool& pool) const {
-  const int n = static_cast<int>(columns_.cols());
+  const Eigen::Map<const SparseMatrix> columns = matrix();
+  const int n = static_cast<int>(columns.cols());
   struct Piece {
     std::vector<int> inner;
     std::vector<double> values;
@@ -74,9 +89,9 @@ SparseMatrix OperatorRows::normal_matrix(const Eigen::VectorXd& diagonal, Thread
       touched.assign(1, j);
       seen[j] = j;
       sums[j] = diagonal[j];
-      for (int c = columns_.outerIndexPtr()[j]; c < columns_.outerIndexPtr()[j + 1]; ++c) {
-        const int row = columns_.innerIndexPtr()[c];
-        const double factor = columns_.valuePtr()[c];
+      for (int c = columns.outerIndexPtr()[j]; c < columns.outerIndexPtr()[j + 1]; ++c) {
+        const int row = columns.innerIndexPtr()[c];
+        const double factor = columns.valuePtr()[c];
         for (int r = rows_.outerIndexPtr()[row + 1] - 1; r >= rows_.outerIndexPtr()[row]; --r) {
           const int i = rows_.innerIndexPtr()[r];
           if (i < j) {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "lapedit/base/error.h"
 #include "lapedit/base/simd.h"
 #include "lapedit/deform/ring_rotations.h"
 
@@ -27,7 +26,7 @@ struct EdgeResidual {
   }
   LAPEDIT_INLINE Doubles4 at(int vertex) const { return load<Doubles4>(displacement + 3 * std::ptrdiff_t{vertex}); }
 
-  LAPEDIT_INLINE void sum(int i) const {
+  LAPEDIT_INLINE void operator()(int i) const {
     const Turn& own = turns[i];
     Floats4 coordinate = {}, others = {};
     Doubles4 way = {};
@@ -46,36 +45,28 @@ struct EdgeResidual {
       out[3 * std::ptrdiff_t{i} + e] = static_cast<double>(wanted[e]) - way[e];
     }
   }
-  static void plain(const EdgeResidual& all, int first, int last) {
-    for (int i = first; i < last; ++i) {
-      all.sum(i);
-    }
-  }
-  LAPEDIT_AVX2 static void avx2(const EdgeResidual& all, int first, int last) {
-    for (int i = first; i < last; ++i) {
-      all.sum(i);
-    }
-  }
 };
 
 /// Data of the correction.
 struct Correction {
   const LaplacianSystem& system;
-  RefinedSolver solver;
+  RefinedSolver& solver;
   RingRotations rings;
   std::vector<int> held;  // vertices with a weight
   std::vector<Matrix3> rotations;
-  Points edges, between, residual, step, before, previous, ahead;
+  Points edges, between, residual, before, previous, ahead;
 
-  explicit Correction(const LaplacianSystem& of)
-      : system(of), solver(of.matrix, of.correction, of.pool), rings(of.region, *of.powers.first, *of.pool) {
-    for (int i = 0; i < of.region.size(); ++i) {
-      if (of.squared_weights[i] > 0) {
+  explicit Correction(const LaplacianEditor& editor)
+      : system(editor.system()),
+        solver(editor.solver()),
+        rings(system.region, *system.powers.first, *system.pool),
+        edges(system.region.size(), 3),
+        residual(system.region.size(), 3) {
+    for (int i = 0; i < system.region.size(); ++i) {
+      if (system.squared_weights[i] > 0) {
         held.push_back(i);
       }
     }
-    edges.resize(of.region.size(), 3);
-    residual.resize(of.region.size(), 3);
   }
 };
 
@@ -122,8 +113,8 @@ void DragFrames::Impl::correct() {
   constexpr int kGrain = 1024;
   const EdgeResidual residual = {system.powers.first->rows(), turns.data(), displacement.data(),
                                  settings.turning == DetailTurning::Edge, c.edges.data()};
-  const auto kernel = for_processor(EdgeResidual::plain, EdgeResidual::avx2, EdgeResidual::avx2);
-  in_pieces(*system.pool, system.region.size(), kGrain, [&](int first, int last) { kernel(residual, first, last); });
+  in_pieces(*system.pool, system.region.size(), kGrain,
+            [&](int first, int last) { run_kernel(residual, first, last); });
   for (int k = 1; k < settings.order; ++k) {
     system.powers.first->apply(c.edges, c.between, *system.pool);
     c.edges.swap(c.between);
@@ -136,18 +127,15 @@ void DragFrames::Impl::correct() {
             : cells->paths().carried()[system.region.component[i]].displacement(system.rest.local.row(i).transpose());
     c.residual.row(i) += system.squared_weights[i] * (wanted.transpose() / unit - displacement.row(i));
   }
-  c.solver.solve(c.residual, c.step);
-  displacement.topRows(c.step.rows()) += c.step;
+  Points& step = c.edges;  // no longer needed
+  c.solver.solve(c.residual, step);
+  displacement.topRows(step.rows()) += step;
   ++passes;
 }
 
 void DragFrames::Impl::collect() {
   positions = rest().world + unit * displacement.topRows(positions.rows());
-  if (!positions.allFinite()) {
-    throw EditError(
-        ErrorCause::NotFinite,
-        "The result is not finite, since the handle's displacement is too large for the mesh: move it less.");
-  }
+  require_finite_result(positions);
 }
 
 DragFrames::DragFrames(const TriangleMesh& mesh, std::shared_ptr<const Region> region, const EditSettings& settings,
@@ -172,7 +160,7 @@ bool DragFrames::has_frames(const EditSettings& settings) {
 void DragFrames::correct_with(const LaplacianEditor* editor) {
   impl_->correction.reset();
   if (editor != nullptr && has_frames(impl_->settings)) {
-    impl_->correction = std::make_unique<Correction>(editor->system());
+    impl_->correction = std::make_unique<Correction>(*editor);
   }
 }
 
@@ -236,7 +224,7 @@ bool DragFrames::refine() {
     return false;
   }
   if (s.is_quick) {
-    s.cells->solve_in_full();
+    s.cells->solve(false);
     s.start(false);
     return true;
   }

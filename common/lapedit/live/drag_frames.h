@@ -36,7 +36,7 @@ class DragFrames {
   const std::shared_ptr<CellModel>& cells() const;
 
   /// Adds the correction to later frames.
-  /// @param editor  made with cells(); must outlive its use, and its thread pool is used. Null: frames are x0
+  /// @param editor  made with cells(); must outlive its use, and its solver is used. Null: frames are x0
   /// Cost: O(vertices).
   void correct_with(const LaplacianEditor* editor);
 

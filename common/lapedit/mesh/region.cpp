@@ -569,10 +569,21 @@ std::vector<double> falloff_weights(const std::vector<double>& distances, double
   weights.reserve(distances.size());
   for (const double distance : distances) {
     const double t = std::clamp((distance / disc_radius - 1 + softness) / softness, 0.0, 1.0);
-    const double smooth = t * t * (3 - 2 * t);
+    const double smooth = smooth_step(t);
     weights.push_back(softness > 0 ? std::pow(rim, smooth) : 1);
   }
   return weights;
+}
+
+std::vector<int> lone_vertices(const Region& region) {
+  constexpr int kNone = -2;
+  std::vector<int> lone(1 + *std::max_element(region.group.begin(), region.group.end()), kNone);
+  for (int i = 0; i < region.size(); ++i) {
+    if (region.group[i] >= 0) {
+      lone[region.group[i]] = lone[region.group[i]] == kNone ? i : -1;
+    }
+  }
+  return lone;
 }
 
 std::vector<double> largest_shares(const Region& region) {

@@ -27,6 +27,11 @@ struct KeptAnchors {
   bool empty() const { return vertices.empty(); }
 };
 
+/// Rises from 0 to 1 with t, with zero slope at both ends.
+inline double smooth_step(double t) {
+  return t * t * (3 - 2 * t);
+}
+
 /// Smallest share of its group's weight that a handle vertex may have.
 constexpr double kLeastShare = 1e-6;
 
@@ -100,6 +105,9 @@ Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const 
 /// @param distances  of the disc's vertices from its centre, model units, from 0 to the radius
 /// @param softness   0 (all 1) to 1
 std::vector<double> falloff_weights(const std::vector<double>& distances, double disc_radius, double softness);
+
+/// Returns the only vertex of each handle group of one, -1 for larger groups.
+std::vector<int> lone_vertices(const Region& region);
 
 /// Returns the largest share of the vertices of each handle group.
 std::vector<double> largest_shares(const Region& region);
