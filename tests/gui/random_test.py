@@ -387,7 +387,7 @@ class Random(ToolTest):
             if EVENTS >= 20000:
                 self.assertGreater(min(events.counts.values()), 0, events.counts)
                 self.assertGreater(events.replayed, 0)
-            self.assertGreater(len(self.steps_in_log(w)), EVENTS // 200)
+            self.assertGreater(len(self.steps_in_log(w)), EVENTS // 400)
 
 
 if __name__ == "__main__":

@@ -28,7 +28,11 @@
 #endif
 #define LAPEDIT_INLINE inline LAPEDIT_ALWAYS_INLINE
 #ifdef __GNUC__
+#ifdef __MINGW32__  // whose printf() is that of GNU in C++, while GCC checks against Microsoft's
+#define LAPEDIT_PRINTF(text, first) __attribute__((format(gnu_printf, text, first)))
+#else
 #define LAPEDIT_PRINTF(text, first) __attribute__((format(printf, text, first)))
+#endif
 #else
 #define LAPEDIT_PRINTF(text, first)
 #endif
