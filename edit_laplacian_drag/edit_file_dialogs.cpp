@@ -45,7 +45,7 @@ std::string saveEdit(QWidget* parent, const lapedit::Edit& edit, const QString& 
 }
 
 std::optional<lapedit::Edit> loadEdit(QWidget* parent, const QString& suggested) {
-  // A file to begin with that is not there would be a name that cannot be opened.
+  // The dialog proposes an existing file only.
   const QString begin = QFileInfo::exists(suggested) ? suggested : QFileInfo(suggested).path();
   const QString path = QFileDialog::getOpenFileName(parent, "Load edit", begin, kFiles);
   if (path.isEmpty()) {

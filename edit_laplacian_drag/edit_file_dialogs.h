@@ -20,7 +20,7 @@ QString editFileFor(const lapedit::host::Layer& layer);
 /// @return a line for the user, empty if no file was chosen
 std::string saveEdit(QWidget* parent, const lapedit::Edit& edit, const QString& suggested);
 
-/// Asks for a file and reads it. @return nothing if no file was chosen
+/// Asks for a file and reads it. @return `std::nullopt` if no file was chosen
 /// @throws EditError (BadScript)
 std::optional<lapedit::Edit> loadEdit(QWidget* parent, const QString& suggested);
 

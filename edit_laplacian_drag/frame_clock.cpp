@@ -22,7 +22,7 @@ void FrameClock::reset() {
 void FrameClock::mouseMoved() {
   if (!moved_) {
     moved_ = true;
-    posed_ = false;  // a pose from before is no answer
+    posed_ = false;  // an earlier pose does not show this move
     sinceMove_.start();
   }
 }

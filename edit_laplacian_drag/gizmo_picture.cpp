@@ -25,7 +25,7 @@ void arrow(const Picture& p, int axis, bool bright) {
   const Vector2 from = p.view.pixel(p.gizmo.along(axis, Gizmo::kFree));
   const Vector2 tip = p.view.pixel(p.gizmo.along(axis, Gizmo::kTip));
   const Vector2 way = (tip - center).stableNormalized(), side(-way.y(), way.x());
-  // The head shortens as the arrow does.
+  // The head is shortened in proportion to the arrow.
   const double seen = std::min((tip - center).norm() / (Gizmo::kTip * 90), 1.0);
   const Vector2 neck = tip - kHeadLength * std::max(seen, 0.4) * way;
   const double half = bright ? kHeadWidth + 1.5 : kHeadWidth;
@@ -42,7 +42,7 @@ void arrow(const Picture& p, int axis, bool bright) {
   });
 }
 
-/// One half of a ring: the one towards the viewer, or the other.
+/// Draws the half of a ring that is nearer to the viewer, or the other half.
 void ring(const Picture& p, int axis, bool front, bool bright) {
   const Vector3 sight = p.view.toward_viewer(p.gizmo.center);
   const auto draw = [&](GLenum mode) {
@@ -50,7 +50,7 @@ void ring(const Picture& p, int axis, bool front, bool bright) {
     for (int i = 0; i <= kCorners; ++i) {
       const double angle = 2 * 3.14159265358979 * i / kCorners;
       const Vector3 place = p.gizmo.on_ring(axis, angle);
-      // What is in the plane of the picture is in front.
+      // Points in the plane of the picture belong to the nearer half.
       const bool mine = ((place - p.gizmo.center).dot(sight) > -0.02 * p.gizmo.length) == front;
       if (mine && !open) {
         glBegin(mode);
@@ -97,7 +97,7 @@ void knob(const Picture& p, bool bright) {
   });
 }
 
-/// X, Y or Z beside an arrow's tip, so that colours are not all that tells them apart.
+/// Draws X, Y or Z at an arrow's tip, for users who cannot distinguish the colours.
 void letter(const Picture& p, int axis) {
   if (p.gizmo.axes != Matrix3::Identity()) {
     return;  // not the layer's axes
@@ -117,7 +117,7 @@ void letter(const Picture& p, int axis) {
   });
 }
 
-/// The pivot.
+/// Draws the pivot.
 void cross(const Picture& p) {
   const Vector2 at = p.view.pixel(p.gizmo.center);
   pen::rimmed(pen::kLight, 1.3, p.ratio, [&] {

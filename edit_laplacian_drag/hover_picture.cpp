@@ -10,7 +10,7 @@ using namespace lapedit;
 
 namespace {
 
-constexpr double kAbove = 0.9993;  // the surface that the lines lie in
+constexpr double kAbove = 0.9993;  // end of the depth range of lines, so that they are in front of the surface
 
 void segments(const Points& ends) {
   glEnableClientState(GL_VERTEX_ARRAY);
@@ -19,11 +19,11 @@ void segments(const Points& ends) {
   glDisableClientState(GL_VERTEX_ARRAY);
 }
 
-/// Round the point in the surface's tangent plane, where the way along the surface is too far to follow.
+/// Draws a circle in the tangent plane, for a radius that is too large to follow along the surface.
 void tangentCircle(const HoverPreview& preview, double radius) {
   constexpr int kCorners = 64;
   const Vector3 u = preview.normal.unitOrthogonal(), v = preview.normal.cross(u);
-  glBegin(GL_LINES);  // every second corner's: dashes
+  glBegin(GL_LINES);  // every second side: dashes
   for (int i = 0; i < kCorners; ++i) {
     const double angle = 2 * 3.14159265358979 * i / kCorners;
     pen::vertex(Vector3(preview.point + radius * (std::cos(angle) * u + std::sin(angle) * v)));
@@ -41,7 +41,7 @@ void dot(const Vector3& place, double size, double pixelRatio, double alpha = 0.
   }
 }
 
-/// Paler, what the other side of the plane takes.
+/// Draws the mirror image, paler.
 void drawImage(const HoverPreview& preview, double pixelRatio) {
   constexpr double kPale = 0.45;
   pen::rimmed(
@@ -53,7 +53,7 @@ void drawImage(const HoverPreview& preview, double pixelRatio) {
   }
 }
 
-/// What a click leads the curve on by.
+/// Draws the piece of the curve that a click would add.
 void drawPath(const Points& path, double pixelRatio) {
   glDepthRange(0, kAbove);
   glEnableClientState(GL_VERTEX_ARRAY);

@@ -14,8 +14,8 @@ using namespace lapedit;
 namespace {
 
 constexpr int kWidest = 760, kMargin = 10, kPadding = 7, kFontPixels = 12;
-constexpr int kClearance = 30;       // pixels around what is not to be covered
-constexpr int kLinesOfMeshLab = 90;  // high, at the bottom
+constexpr int kClearance = 30;       // pixels around places that the line avoids
+constexpr int kLinesOfMeshLab = 90;  // pixels at the bottom
 
 QColor colorOf(const pen::Color& color, int alpha = 255) {
   return QColor(color[0], color[1], color[2], alpha);
@@ -27,7 +27,7 @@ QFont fontOf(int pixels) {
   return font;
 }
 
-/// A clear image, which is painted on in the pixels of the view.
+/// Returns a transparent image with the coordinates of the view.
 QImage blank(const QSize& size, double pixelRatio) {
   QImage image(size * pixelRatio, QImage::Format_ARGB32);
   image.setDevicePixelRatio(pixelRatio);
@@ -115,7 +115,7 @@ QImage pictureOfKeys(double pixelRatio) {
 
 /// @param corner  upper left, pixels of the view; the coordinates are these
 void put(const QImage& image, const QPointF& corner) {
-  // A raster position beside the view would draw nothing.
+  // OpenGL draws nothing if the raster position is outside the view.
   glRasterPos2d(std::max(corner.x(), 0.0), std::max(corner.y(), 0.0));
   glPixelZoom(1, -1);
   glDrawPixels(image.width(), image.height(), GL_BGRA, GL_UNSIGNED_BYTE, image.constBits());

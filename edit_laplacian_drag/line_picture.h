@@ -20,12 +20,12 @@ class LinePicture {
     }
   };
 
-  /// At the top of the view, or at its bottom where the top is needed for other things.
-  /// @param avoid  pixels that are not to be covered
+  /// Draws at the top of the view, or at its bottom if the line would cover a pixel to avoid.
+  /// @param avoid  pixels that the line should not cover
   void draw(const Line& line, const QSize& view, double pixelRatio, const QVector<QPointF>& avoid);
-  /// In the middle of the view.
+  /// Draws the table in the middle of the view.
   void drawKeys(const QSize& view, double pixelRatio);
-  /// Where the line was drawn last, pixels of the view.
+  /// Returns where the line was drawn last, in pixels of the view.
   const QRectF& rectangle() const { return rectangle_; }
 
  private:

@@ -12,7 +12,7 @@ using namespace lapedit;
 
 namespace {
 
-/// From where the surface was grabbed to where it is wanted, and the axis that it is held to.
+/// Draws the displacement of the grabbed point, and the locked axis.
 void drawMotion(const DragSession& session, double pixelRatio) {
   const DragMotion& motion = *session.motion();
   if (const auto axis = motion.axis()) {
@@ -27,7 +27,7 @@ void drawMotion(const DragSession& session, double pixelRatio) {
   }
 }
 
-/// What turning goes about, where no gizmo shows it.
+/// Draws the pivot if no gizmo shows it.
 void drawPivot(const DragSession& session, const Camera& view, double pixelRatio) {
   if (session.pivot() == Pivot::Centroid || session.active_group() < 0 || session.gizmo_shown() || session.motion()) {
     return;
@@ -51,7 +51,7 @@ void drawBrush(const Overlay::Brush& brush, const pen::Color& color, double pixe
   });
 }
 
-/// Of what the brush paints.
+/// Returns the colour of the brush's target.
 pen::Color brushColor(const DragSession& session) {
   switch (session.brush_target()) {
     case BrushTarget::Handle:
@@ -64,7 +64,7 @@ pen::Color brushColor(const DragSession& session) {
   return pen::kFree;
 }
 
-/// The colours of stretch, with words.
+/// Returns the legend of the colours of stretch.
 QImage legendPicture(double pixelRatio) {
   QImage image(QSize(220, 48) * pixelRatio, QImage::Format_ARGB32);
   image.fill(Qt::transparent);
@@ -93,7 +93,7 @@ QImage legendPicture(double pixelRatio) {
 
 }  // namespace
 
-/// A pane through the mesh, as large as its box.
+/// Draws the mirror plane, as large as the mesh's box.
 void Overlay::drawPlane(const DragSession& session, double pixelRatio) {
   if (!box_) {
     box_ = bounding_box(session.original().vertices);
@@ -107,7 +107,7 @@ void Overlay::drawPlane(const DragSession& session, double pixelRatio) {
   Vector3 sides[2];
   int most = 0;
   normal.cwiseAbs().maxCoeff(&most);
-  for (int k = 0; k < 2; ++k) {  // along the layer's axes, as far as the plane is
+  for (int k = 0; k < 2; ++k) {  // along the layer's axes, as far as the plane is parallel to them
     const Vector3 axis = Vector3::Unit((most + 1 + k) % 3);
     sides[k] = (axis - normal.dot(axis) * normal).normalized() * 0.6 * box_->sizes()[(most + 1 + k) % 3];
   }
@@ -126,7 +126,7 @@ void Overlay::drawPlane(const DragSession& session, double pixelRatio) {
       pen::kPurple, 1, pixelRatio, [&] { pane(GL_LINE_LOOP); }, 0.6);
 }
 
-/// At the left, above the host's own lines.
+/// Draws the legend at the left, above MeshLab's own lines.
 void Overlay::drawLegend(const Options& options) {
   if (legend_.isNull()) {
     legend_ = legendPicture(options.pixelRatio);
@@ -141,7 +141,7 @@ void Overlay::drawGizmoOf(const DragSession& session, const Camera& view, double
   if (!motion) {
     gizmo_ = session.gizmo(view);
   } else if (gizmo_) {
-    // Where it was taken hold of: asked for now, the session would look for the pivot again.
+    // Where it was before the motion: the session would compute the pivot again.
     Gizmo held = place_gizmo(gizmo_->center, GizmoAxes::Layer, Vector3::Zero(), view);
     held.axes = gizmo_->axes;
     gizmo_ = held;

@@ -61,7 +61,7 @@ class Panel : public QDockWidget {
   bool eventFilter(QObject* object, QEvent* event) override;
 
  private:
-  /// How a widget reads and writes its value.
+  /// Functions that read and write a widget's value.
   struct Access {
     std::function<double(const lapedit::DragSettings&)> get;
     std::function<void(lapedit::DragSettings&, double)> set;
@@ -99,13 +99,13 @@ class Panel : public QDockWidget {
   QDoubleSpinBox* percent(const char* part, int high, const QString& help, const Access& access);
   QDoubleSpinBox* length(const char* part, const QString& help, const Access& access);
   QSpinBox* count(const char* part, int low, int high, const QString& help, const Access& access);
-  /// A number with a slider of kSliderSteps positions.
+  /// Adds a slider of kSliderSteps positions to a number.
   QWidget* dragged(QDoubleSpinBox* box, const std::function<double(double)>& valueAt,
                    const std::function<double(double)>& placeOf, const Access& access);
   QComboBox* choice(const lapedit::Setting& setting, const Access& access);
   QComboBox* presetChoice();
   void saveOrRemovePreset();
-  /// A value of the session that is no setting.
+  /// Creates a list for a value of the session that is not one of its settings.
   QComboBox* state(const char* part, const QStringList& choices, const QString& help,
                    const std::function<int(const lapedit::DragSession&)>& get,
                    const std::function<void(lapedit::DragSession&, int)>& set);

@@ -105,7 +105,7 @@ void Panel::addHistory() {
   history_.list->setFixedHeight(kHistoryRows * history_.list->fontMetrics().lineSpacing());
   connect(history_.list, &QListWidget::itemClicked, this, [this](const QListWidgetItem* item) {
     const auto row = static_cast<std::size_t>(history_.list->row(item));
-    history_.shown = -1;  // the click has chosen a row, which may be refused
+    history_.shown = -1;  // the list is filled again, since the session may refuse
     change([row](DragSession& session) { session.go_to(row); });
   });
   form_->addRow(history_.list);

@@ -8,22 +8,21 @@
 
 #include "lapedit/session/drag_session.h"
 
-/// What the user has set, from one run of MeshLab to the next, and the user's own presets. Lengths are not kept: they
-/// belong to a mesh.
+/// Stores the user's settings and presets between runs of MeshLab. Lengths are not stored: they belong to a mesh.
 class RememberedSettings {
  public:
   RememberedSettings();
 
-  /// Sets a new session to what was kept; what is not there, or out of range, stays.
+  /// Applies the stored settings to a new session; missing values and values out of range are ignored.
   void bringTo(lapedit::DragSession& session) const;
-  void keep(const lapedit::DragSession& session);  ///< writes if anything is another one
+  void keep(const lapedit::DragSession& session);  ///< stores the session's settings if they have changed
 
   QStringList presets() const;
   void savePreset(const QString& name, const lapedit::DragSettings& settings);
   void removePreset(const QString& name);
-  /// What the preset sets is set, the rest stays.
+  /// Applies a preset; settings that it does not have stay.
   void usePreset(const QString& name, lapedit::DragSettings& settings) const;
-  /// The own preset whose values the settings have; empty: none.
+  /// Returns the user's preset whose values the settings have; empty: none.
   QString presetOf(const lapedit::DragSettings& settings) const;
 
  private:

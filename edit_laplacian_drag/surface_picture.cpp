@@ -13,7 +13,7 @@ using namespace lapedit;
 namespace {
 
 constexpr unsigned kNone = ~0U;
-/// Lines and points lie in the surface: without this much of the depth half of each would be hidden by it.
+/// End of the depth range of lines and points, so that the surface does not hide half of them.
 constexpr double kShift = 0.9993;
 constexpr std::size_t kMostMovingFaces = 12000;
 
@@ -31,7 +31,7 @@ const GLubyte* hatch() {
   return pattern.data();
 }
 
-/// Dashes that wander with the time.
+/// Makes the lines that follow dashed. @param wandering  the dashes move with time
 void beginDashes(double pixelRatio, bool wandering) {
   const auto now = std::chrono::steady_clock::now().time_since_epoch();
   const auto step = std::chrono::duration_cast<std::chrono::milliseconds>(now).count() / 50 % 16;
@@ -49,7 +49,7 @@ void tint(const std::vector<unsigned>& corners, const pen::Color& color, double 
   triangles(corners);
 }
 
-/// Points with a dark rim, so that they show on any mesh.
+/// Draws points with a dark rim, which are visible on any mesh.
 void points(const std::vector<unsigned>& indices, const pen::Color& color, double size, double alpha,
             bool rimmed = true) {
   for (const bool rim : {true, false}) {
@@ -68,7 +68,7 @@ pen::Color stretchColor(float stretch) {
   constexpr pen::Color kLonger[] = {pen::kLight, pen::kYellow, pen::kVermillion, {94, 0, 36}};
   constexpr pen::Color kShorter[] = {pen::kLight, pen::kSkyBlue, pen::kBlue, {0, 18, 74}};
   const pen::Color* const stops = stretch > 0 ? kLonger : kShorter;
-  // By the half, by the whole and by twice a doubling or halving.
+  // Colours at a half, one and two doublings or halvings.
   const float doublings = std::min(std::log2(1 + std::abs(stretch)), 2.0F);
   const float place = doublings < 1 ? 2 * doublings : 1 + doublings;
   const int stop = std::min(static_cast<int>(place), 2);
@@ -106,7 +106,7 @@ void SurfacePicture::list(const DragSession& session) {
   }
   outside_ = without(sorted_set(std::move(outside_)), region ? region->mesh_vertex : std::vector<int>());
 
-  // What nothing reaches and what is kept fixed are labelled like two more groups; handles come first.
+  // Unconnected and fixed vertices are labelled as two more groups; a vertex of a handle has the handle's label.
   std::vector<int> labels((region ? region->size() : 0) + outside_.size(), -1);
   for (std::size_t k = kinds; k-- > 0;) {
     for (const int v : labelled(k)) {
@@ -132,7 +132,7 @@ const std::vector<int>& SurfacePicture::labelled(std::size_t label) const {
   return label < groups_.size() ? groups_[label] : label == groups_.size() ? unconnected_ : held_;
 }
 
-/// Each face to its group, to the anchors' band or to what is free; and their outlines.
+/// Assigns each face to its group, to the anchors' band or to the free part, and finds their outlines.
 void SurfacePicture::sortFaces(const DragSession& session, const std::vector<int>& labels) {
   const Region* const region = session.region();
   free_ = band_ = Patch();
@@ -152,7 +152,7 @@ void SurfacePicture::sortFaces(const DragSession& session, const std::vector<int
   }
   rim_ = border_of(inside);
   free_.border = band_.faces.empty() ? Chains() : border_of(within);
-  // Faces with a corner outside the region.
+  // Faces with a corner outside the region, each once: at its lowest corner outside.
   for (const int v : outside_) {
     const unsigned i = number(region, v);
     for (const int f : session.adjacency().faces[v]) {
@@ -160,7 +160,6 @@ void SurfacePicture::sortFaces(const DragSession& session, const std::vector<int
       bool mine = labels[i] >= 0;
       for (int k = 0; k < 3; ++k) {
         corners[k] = number(region, session.mesh().faces(f, k));
-        // Once, at its lowest corner outside.
         mine = mine && corners[k] != kNone && labels[corners[k]] == labels[i] &&
                (corners[k] >= i || (region && corners[k] < static_cast<unsigned>(region->size())));
       }
@@ -174,7 +173,7 @@ void SurfacePicture::sortFaces(const DragSession& session, const std::vector<int
   }
 }
 
-/// Single vertices and curves: they have no faces.
+/// Finds single vertices and curves, which have no faces.
 void SurfacePicture::findLoose(const DragSession& session, const std::vector<int>& labels) {
   std::vector<char> inFace(labels.size(), 0);
   for (const Patch& patch : handles_) {
@@ -228,7 +227,7 @@ void SurfacePicture::draw(const DragSession& session, const Options& options) {
   glDisableClientState(GL_COLOR_ARRAY);
   glEnableClientState(GL_VERTEX_ARRAY);
   glVertexPointer(3, GL_FLOAT, 0, places_.data());
-  glPolygonOffset(0, -4);  // no slope: at silhouettes the far side would come through
+  glPolygonOffset(0, -4);  // without a slope, which would show the far side at silhouettes
   glPolygonStipple(hatch());
   if (session.region()) {
     drawRegion(session, options);
@@ -249,7 +248,7 @@ void SurfacePicture::drawRegion(const DragSession& session, const Options& optio
   if (options.heat) {
     drawHeat(session);
   } else {
-    // While it moves the surface itself is what to look at, and frames are what counts.
+    // During a motion the surface has no tint: it is easier to see, and frames are faster.
     if (!moving || free_.faces.size() <= 3 * kMostMovingFaces) {
       tint(free_.faces, pen::kFree, moving ? 0.15 : 0.42);
     }
@@ -281,7 +280,7 @@ void SurfacePicture::drawHeat(const DragSession& session) {
   for (std::size_t i = 0; i < stretch.size(); ++i) {
     const pen::Color color = stretchColor(stretch[i]);
     std::copy(color.begin(), color.end(), &heat_[4 * i]);
-    // What keeps its length is nearly clear.
+    // Unstretched parts are nearly transparent.
     heat_[4 * i + 3] = static_cast<unsigned char>(70 + 120 * std::min(std::abs(stretch[i]), 1.0F));
   }
   glEnableClientState(GL_COLOR_ARRAY);
@@ -290,7 +289,7 @@ void SurfacePicture::drawHeat(const DragSession& session) {
   glDisableClientState(GL_COLOR_ARRAY);
 }
 
-/// What moves has a bright outline, what holds is hatched.
+/// Draws a handle group: with a bright outline if it moves, hatched if it holds.
 void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, const Options& options) {
   const Patch& patch = handles_[group];
   const int given = session.group_of_image(static_cast<int>(group));
@@ -298,7 +297,7 @@ void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, co
   const bool active = session.moves(given);
   const bool moving = session.motion() != nullptr;
   const bool hovered = given == options.hovered;
-  // No pose says yet where it is.
+  // There is no pose yet.
   const bool ahead = session.moves(static_cast<int>(group)) && moving && (!session.region() || !session.in_hand());
   if (ahead) {
     Eigen::Matrix4d map = Eigen::Matrix4d::Identity();
@@ -317,7 +316,7 @@ void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, co
   }
   glDisable(GL_POLYGON_OFFSET_FILL);
 
-  // What hangs on to faces is not a second thing to grab.
+  // Loose vertices next to faces of the group get no mark of their own.
   const bool alone = patch.faces.empty();
   const double ratio = options.pixelRatio;
   const double size = (!alone ? 4 : patch.loose.size() == 1 ? 9 : 6) * ratio;
@@ -338,7 +337,7 @@ void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, co
     }
   };
   const double width = active || hovered ? 4 : 1.5;
-  if (active) {  // through the surface
+  if (active) {  // visible through the surface
     glDisable(GL_DEPTH_TEST);
     outline(width, 0.25);
     points(patch.loose, color, size, 0.25, alone);
@@ -356,7 +355,7 @@ void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, co
   }
 }
 
-/// What is brushed and not connected to a handle.
+/// Draws painted vertices that are not connected to a handle.
 void SurfacePicture::drawUnconnected(double pixelRatio) {
   glDepthRange(0, 1);
   glEnable(GL_POLYGON_OFFSET_FILL);

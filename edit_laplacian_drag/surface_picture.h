@@ -44,7 +44,7 @@ class SurfacePicture {
   void drawGroup(const lapedit::DragSession& session, std::size_t group, const Options& options);
   void drawUnconnected(double pixelRatio);
   void drawHeld(bool moving, double pixelRatio);
-  /// Groups, then what nothing reaches, then what is kept fixed.
+  /// Returns the vertices of a label: groups, then unconnected vertices, then fixed ones.
   const std::vector<int>& labelled(std::size_t label) const;
 
   // Vertices are numbered as in the region, followed by those outside.

@@ -57,7 +57,8 @@ void WindowSessions::hidePanel() {
 
 void WindowSessions::begin(SessionUser& user, QObject* document, int layer) {
   if (user_ && user_ != &user) {
-    user_->handOver(document == document_ && layer == layer_);  // while it is still the user: poses go its way
+    // Before the change: the previous user still receives poses.
+    user_->handOver(document == document_ && layer == layer_);
   }
   user_ = &user;
   document_ = document;

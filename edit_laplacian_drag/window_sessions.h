@@ -21,7 +21,7 @@ class SessionUser {
   virtual void sessionGone() = 0;
   virtual CMeshO* meshOf(int layer) = 0;  ///< null if it was deleted
   virtual void log(const std::string& line) = 0;
-  virtual void poll() = 0;  ///< the session has news
+  virtual void poll() = 0;  ///< called when the session has results
   virtual std::shared_ptr<const lapedit::SnapTargets> findTargets(lapedit::SnapTo snap) = 0;
 
  protected:

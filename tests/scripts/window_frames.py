@@ -3,9 +3,11 @@
 """Drags the nose of igea (134,345 vertices) with regions of several sizes: called by window_frames.sh.
 
 usage: window_frames.py MESH [NAME=STAGE...]
+       window_frames.py handles   drags handles of several kinds on a generated sheet
 Each stage is a version with a name; they take turns, a MeshLab each, and the table has the medians.
 """
 import json
+import math
 import os
 import pathlib
 import re
@@ -92,20 +94,91 @@ def measure(window, radius):
     return result
 
 
-def one_version(mesh):
-    """Of the stage in the environment, one JSON object per radius."""
+def at(row, column):
+    return SHEET * row + column
+
+
+def curve(vertices):
+    """A curve through these, of which the last is dragged."""
+    def choose(window, part):
+        window.set(part("mode"), 1)
+        for vertex in vertices:
+            window.click(*window.pixel(vertex))
+    return choose, vertices[-1]
+
+
+def groups(vertices, component=False):
+    """Handles, of which the last is dragged."""
+    def choose(window, part):
+        for number, vertex in enumerate(vertices):
+            if number:
+                window.key("G")
+            window.click(*window.pixel(vertex))
+        if component:
+            window.set(part("component"), True)
+    return choose, vertices[-1]
+
+
+SHEET = 141  # vertices along a side
+HANDLES = {
+    "a curve of 40 points, one dragged": curve([at(70, 31 + 2 * k) for k in range(40)]),
+    "five groups, one dragged": groups([at(70 + i, 70 + j) for i, j in ((-30, 0), (0, -30), (30, 0), (0, 30), (0, 0))]),
+    "two groups, a component without anchors": groups([at(70, 20), at(70, 110)], component=True),
+    "a curve of 320 vertices, each with its target": curve(
+        [at(i, j) for i, j in ((50, 20), (50, 120), (70, 120), (70, 20), (90, 20), (90, 100))])}
+
+
+def measure_handles(window):
+    from tool import PANEL, TOOL, part
+    print("| handle | its vertices | region vertices | frame | " + " | ".join(PARTS) + " | pictures per second |")
+    print("|---|---:|---:|---:|" + "---:|" * (len(PARTS) + 1))
+    for name, (choose, vertex) in HANDLES.items():
+        window.trigger(TOOL)
+        window.set(part("radius"), 0.25)
+        choose(window, part)
+        window.set(part("group_statistics"), True)
+        handle, *others = map(int, re.findall(r"\d+", window.widget(part("region"))["text"])[:3])
+        rates, frames = [], []
+        for _ in range(int(os.environ.get("WINDOW_ROUNDS", "3"))):
+            mouse, _, found, seconds = follow(window, PANEL, window.pixel(vertex))
+            window.mouse("release", *mouse.place)
+            window.idle()
+            window.key("Z", modifiers=["ctrl"])
+            rates.append(len(found) / seconds)
+            frames += found
+        cells = [statistics.median(f[c] for f in frames) for c in ("total",) + PARTS]
+        print(f"| {name} | {handle} | {handle + sum(others):,} | " + " | ".join(f"{c:.1f}" for c in cells)
+              + f" | {statistics.median(rates):.0f} |", flush=True)
+        window.trigger(TOOL)
+        window.trigger(TOOL)
+        window.press_button(part("defaults"))
+        window.set(part("clear"), True)
+        window.set(part("mode"), 0)
+        window.trigger(TOOL)
+
+
+def one_version(mesh=None):
+    """Of the stage in the environment: one JSON object per radius, or the table of handles."""
     sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "gui"))
     from gui import GuiTest
+    from ply import write_ply
+    from shapes import dome
 
     class Frames(GuiTest):
         screen = "1280x900"
 
     Frames.setUpClass()
     try:
-        with Frames().open(mesh) as window:
+        if mesh is None:
+            points, faces = dome(SHEET, SHEET)
+            smooth = [(x, y, 0.3 * math.sin(math.pi * x) * math.sin(math.pi * y)) for x, y, _ in points]
+            sheet = write_ply(Frames.folder / "sheet.ply", smooth, faces)
+        with Frames().open(mesh or sheet) as window:
             window.resize(1280, 800)
             window.trigger("Front")
-            for radius in RADII:
+            if mesh is None:
+                measure_handles(window)
+            for radius in RADII if mesh else ():
                 print(json.dumps(measure(window, radius)), flush=True)
     finally:
         Frames.doClassCleanups()
@@ -113,6 +186,8 @@ def one_version(mesh):
 
 def main():
     mesh, *versions = sys.argv[1:]
+    if mesh == "handles":
+        return one_version()
     if not versions:
         return one_version(mesh)
     rounds = int(os.environ.get("WINDOW_ROUNDS", "3"))
