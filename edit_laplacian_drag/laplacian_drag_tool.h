@@ -75,7 +75,7 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   void copyPlace();
   void say(const std::string& line);
   void saySettings(const lapedit::DragSettings& before);
-  void guarded(const std::function<void()>& call);
+  void guarded(const std::function<void()>& call);  ///< reports exceptions, which must not reach Qt
 
   lapedit::host::HostWindow& window_;
   QPointer<WindowSessions> shared_;

@@ -8,7 +8,7 @@ std::atomic<long> allocations{0};
 std::atomic<std::size_t> largest_allocation{0};
 
 namespace {
-void note(std::size_t size) {
+[[maybe_unused]] void note(std::size_t size) {
   ++allocations;
   if (size > largest_allocation) {
     largest_allocation = size;

@@ -146,7 +146,7 @@ class SupernodalSolve : public ::testing::Test {
   }
 };
 using Scalars = ::testing::Types<double, float>;
-TYPED_TEST_SUITE(SupernodalSolve, Scalars);
+TYPED_TEST_SUITE(SupernodalSolve, Scalars, );  // clang wants the empty argument
 
 /// Fails on any tile, panel, row list or branch that is read wrongly.
 TYPED_TEST(SupernodalSolve, AgreesWithADenseSolve) {

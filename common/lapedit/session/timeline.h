@@ -18,10 +18,10 @@ struct Action {
   };
   Kind kind;
   std::string name;  ///< for a list
-  std::optional<Selection> selection =
-      {};  ///< before the action or, once undone, after it; empty for steps of a saved edit
-  std::optional<DragSettings> settings = {};  ///< Kind::Settings: as selection
-  std::optional<AppliedStep> replaced = {};   ///< Kind::Settings: the step, as selection
+  // The state before the action or, once it is undone, after it.
+  std::optional<Selection> selection = {};    ///< empty for steps of a saved edit
+  std::optional<DragSettings> settings = {};  ///< Kind::Settings only, like the next
+  std::optional<AppliedStep> replaced = {};   ///< the step
 };
 
 /// All actions in their order.
