@@ -248,7 +248,8 @@ void SurfacePicture::drawRegion(const DragSession& session, const Options& optio
   if (options.heat) {
     drawHeat(session);
   } else {
-    // During a motion the surface has no tint: it is easier to see, and frames are faster.
+    // During a motion the tint is paler, so that the surface is easier to see. Large regions have none: frames are
+    // faster.
     if (!moving || free_.faces.size() <= 3 * kMostMovingFaces) {
       tint(free_.faces, pen::kFree, moving ? 0.15 : 0.42);
     }
