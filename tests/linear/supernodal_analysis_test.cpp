@@ -11,6 +11,8 @@
 #include <cholmod.h>
 #endif
 
+#include "support.h"
+
 namespace lapedit {
 namespace {
 
@@ -37,10 +39,10 @@ std::vector<AnalysisCase> cases() {
     made.matrix.setFromTriplets(entries.begin(), entries.end());
     std::iota(made.order.begin(), made.order.end(), 0);
     all.push_back(made);
-    std::shuffle(made.order.begin(), made.order.end(), random);
+    made.order = support::shuffled(n, static_cast<unsigned>(random()));
     all.push_back(made);
   };
-  const auto any = [&](int n) { return std::uniform_int_distribution<int>(0, n - 1)(random); };
+  const auto any = [&](int n) { return static_cast<int>(random() % n); };
   add(1, {});
   add(9, {});
   for (int round = 0; round < 40; ++round) {
