@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "lapedit/base/error.h"
+#include "lapedit/base/joined_thread.h"
 #include "lapedit/base/stopwatch.h"
 #include "lapedit/live/drag_frames.h"
 
@@ -106,7 +107,8 @@ struct SolverThread::Impl {
 
   AtWork own;
   std::atomic<bool> prepared{false};                    // the background has made a runner, or failed
-  std::future<std::unique_ptr<StepRunner>> background;  // valid until its result is taken; the destructor waits
+  std::future<std::unique_ptr<StepRunner>> background;  // valid until its result is taken
+  JoinedThread background_thread;
 
   void drop();
   template <class Change>
@@ -280,7 +282,7 @@ void SolverThread::Impl::prepare_in_background() {
                                         std::move(*previous), job->cells);
   };
   try {
-    background = std::async(std::launch::async, [this, make] {
+    std::packaged_task<std::unique_ptr<StepRunner>()> task([this, make] {
       struct Announce {
         ~Announce() {
           {
@@ -293,6 +295,9 @@ void SolverThread::Impl::prepare_in_background() {
       } const announce{*this};
       return make();
     });
+    std::future<std::unique_ptr<StepRunner>> result = task.get_future();
+    background_thread = JoinedThread(std::move(task));
+    background = std::move(result);
   } catch (const std::system_error&) {  // no thread is available: take_prepared() does the work on this one
     background = std::async(std::launch::deferred, make);
     prepared = true;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <future>
 #include <system_error>
 
 #include "lapedit/mesh/vertex_set.h"
@@ -131,14 +132,14 @@ HoverSearch* HoverBackground::of(const std::shared_ptr<const TriangleMesh>& mesh
     adjacency_ = adjacency;
     is_coming_ = true;
     try {
-      work_ = std::async(std::launch::async, [this, mesh, adjacency] {
+      work_ = JoinedThread(std::packaged_task<void()>([this, mesh, adjacency] {
         auto search = std::make_unique<HoverSearch>(*mesh, *adjacency);
         {
           const std::lock_guard<std::mutex> lock(mutex_);
           found_ = std::move(search);
         }
         wake_();
-      });
+      }));
     } catch (const std::system_error&) {  // no thread is available: the next movement of the mouse tries again
       mesh_.reset();
       is_coming_ = false;

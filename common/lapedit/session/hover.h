@@ -2,13 +2,13 @@
 #pragma once
 
 #include <functional>
-#include <future>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "lapedit/base/joined_thread.h"
 #include "lapedit/mesh/geodesic.h"
 #include "lapedit/mesh/ray_cast.h"
 #include "lapedit/mesh/symmetry.h"
@@ -90,7 +90,7 @@ class HoverBackground {
   bool is_coming_ = false;
   std::mutex mutex_;
   std::unique_ptr<HoverSearch> found_;  // under the mutex
-  std::future<void> work_;              // last: its thread ends first
+  JoinedThread work_;                   // last: its thread ends first
 };
 
 }  // namespace lapedit
