@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <utility>
 
@@ -292,13 +293,21 @@ int Weigher::reaching(Four place, int cell, Reaching* found) const {
     count += rest > 0 && count < kRoom - 1 ? 1 : 0;  // without an unpredictable branch
   }
   if (count > CellBlend::kReach) {
-    std::nth_element(found, found + CellBlend::kReach, found + count,
-                     [](const Reaching& a, const Reaching& b) { return a.weight > b.weight; });
-    const float least = found[CellBlend::kReach].weight;
-    count = CellBlend::kReach;
+    float weights[kRoom];
+    std::transform(found, found + count, weights, [](const Reaching& one) { return one.weight; });
+    std::nth_element(weights, weights + CellBlend::kReach, weights + count, std::greater<>());
+    const float least = weights[CellBlend::kReach];
+    // The kept cells stay in their order, as libraries partition differently.
+    auto ties = CellBlend::kReach -
+                std::count_if(weights, weights + CellBlend::kReach, [least](float weight) { return weight > least; });
+    int kept = 0;
     for (int k = 0; k < count; ++k) {
-      found[k].weight -= least;  // so that dropped cells fade out without a step
+      if (found[k].weight > least || (found[k].weight == least && ties-- > 0)) {
+        found[kept] = found[k];
+        found[kept++].weight -= least;  // so that dropped cells fade out without a step
+      }
     }
+    count = kept;
   }
   return count;
 }
