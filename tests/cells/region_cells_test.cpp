@@ -186,6 +186,19 @@ TEST(RegionCells, BlendReproducesLinearFunctionsAlongTheSurface) {
   EXPECT_LT(std::sqrt(sum / region.size()), 0.15 * spacing);
 }
 
+/// Near the rim some vertices are on one side of all cells in reach; they must not be extrapolated far from them.
+TEST(RegionCells, BlendDoesNotExtrapolateFar) {
+  const TriangleMesh mesh = shaken(shaken(shaken(shapes::grid(120, 120))));
+  const int centre = support::vertex_at(mesh, {60, 60, 0});
+  ThreadPool pool(2);
+  for (int radius = 20; radius < 59; ++radius) {
+    const Divided divided(mesh, support::within(radius), {{centre}});
+    const CellBlend blend(divided.cells, divided.rest, pool);
+    EXPECT_LT(blend.weights.abs().maxCoeff(), 1.5) << radius;
+    EXPECT_LT((blend.weights.colwise().sum() - 1).abs().maxCoeff(), 1e-5F) << radius;
+  }
+}
+
 TEST(RegionCells, EveryVertexIsInOneConnectedCell) {
   const TriangleMesh mesh = shapes::two_pieces(4);
   RegionSpec all;

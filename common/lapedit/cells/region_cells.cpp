@@ -357,11 +357,12 @@ void Weigher::operator()(const Vector3& place, int cell, int* to, float* weights
     const Reaching& from = near[k < count ? k : 0];
     const Four along = correction * from.way;
     to[k] = from.cell;
-    weights[k] = k < count ? from.weight * std::clamp(1 + along[0] + along[1] + along[2], kLeast, kMost) : 0.0F;
-    total += weights[k];
+    weights[k] = std::clamp(1 + along[0] + along[1] + along[2], kLeast, kMost);
+    total += k < count ? weights[k] * from.weight : 0.0F;
   }
+  // What the limits took away is added to all, since a division could be one by nearly zero.
   for (int k = 0; k < CellBlend::kReach; ++k) {
-    weights[k] /= total;
+    weights[k] = k < count ? (weights[k] + (1 - total)) * near[k].weight : 0.0F;
   }
 }
 
