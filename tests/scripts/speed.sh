@@ -5,7 +5,7 @@
 # usage: speed.sh [--quick] [OUTPUT]   OUTPUT: build/speed/speed.md by default
 # --quick: regions up to 12,774 vertices and few rounds. Ends with 1 when a result is outside its bound.
 # SPEED_SIZES, SPEED_SIZES_2: regions' vertices, for order 1 and for order 2. SPEED_SIZES_HAND: those of order 2 for which
-# there is no factor, where only first frames are timed.
+# there is no factor, where only first frames are timed. SPEED_BLENDER: the largest region that Blender gets.
 set -eu
 
 quick=
@@ -37,7 +37,7 @@ fi
 sizes="1201 3395 4685 12774"
 sizes_2=$sizes
 sizes_hand=
-blender_largest=100000
+blender_largest=${SPEED_BLENDER-100000}
 if [ -z "$quick" ]; then
   sizes="$sizes 16792 32280 100000 300000 1000000"
   # From here on a factor of order 2 takes gigabytes, and the system is beyond double precision.
@@ -56,6 +56,15 @@ results=$build/results
 rm -rf "$results"
 mkdir -p "$results"
 failed=0
+
+# OpenBLAS takes its oldest kernels for a processor that is newer than itself; CHOLMOD gets the best that run here.
+if [ -z "${OPENBLAS_CORETYPE:-}" ]; then
+  flags=$(grep -m1 '^flags' /proc/cpuinfo || true)
+  case $flags in
+    *avx512bw*avx512vl*) export OPENBLAS_CORETYPE=SkylakeX ;;
+    *" avx2 "*) export OPENBLAS_CORETYPE=Haswell ;;
+  esac
+fi
 
 # blender_round VERTICES ROUND
 blender_round() {
