@@ -42,19 +42,7 @@ flock 9
 
 echo "Building the package for $suite"
 debian=$folder/debian
-rm -rf "$debian"
-mkdir -p "$debian" "$LAPEDIT_HOSTS_DIR/$suite-ccache"
-meshlab=$("$here/root.sh" run "$build_root" -- dpkg-query --showformat='${source:Upstream-Version}' --show meshlab)
-"$project/common/scripts/debian_package.sh" "$debian" "${meshlab%%[+~]*}" >/dev/null
-# Without symbols for debuggers, which take half of the time.
-"$here/root.sh" run "$build_root" --bind "$debian=/debian" --bind "$LAPEDIT_HOSTS_DIR/$suite-ccache=/ccache" \
-  --env CCACHE_DIR=/ccache --env CMAKE_CXX_COMPILER_LAUNCHER=ccache --env DEB_BUILD_OPTIONS=noautodbgsym \
-  --env DEB_CXXFLAGS_STRIP=-g -- sh -euc '
-    cd /debian
-    dpkg-source --extract debian-source/*.dsc source
-    cd source
-    dpkg-buildpackage --build=binary --no-sign -jauto' >"$folder/build.log" 2>&1 9>&- ||
-  { tail -n 40 "$folder/build.log" >&2; fail "no package was made, see $folder/build.log"; }
+DEB_CXXFLAGS_STRIP=-g "$here/build_package.sh" "$suite" "$debian" 9>&-
 
 official=
 if [ "$suite" = trixie ]; then
