@@ -314,6 +314,7 @@ TEST(DragBrush, AnchorsComeFromASelection) {
   EXPECT_EQ(class_of(window.session, at(33, 30)), VertexClass::Anchor);
   EXPECT_EQ(class_of(window.session, at(33, 31)), VertexClass::Anchor);
   EXPECT_EQ(class_of(window.session, kMiddle), VertexClass::Handle);
+  EXPECT_TRUE(has(window.session.held(), at(2, 2)));  // outside the region: for a later one
   window.session.set_anchors({at(2, 2)});
   EXPECT_NE(window.session.message().find("None of these vertices"), std::string::npos);
   EXPECT_EQ(class_of(window.session, at(33, 30)), VertexClass::Anchor);

@@ -255,14 +255,7 @@ void DragSession::set_region(std::vector<int> vertices) {
 }
 
 void DragSession::set_anchors(std::vector<int> vertices) {
-  change_region([&](const Surface& s, const Selection& now) {
-    Choice choice = with_anchors(s, now, std::move(vertices));
-    if (Selection* const chosen = std::get_if<Selection>(&choice)) {
-      chosen->held = united(chosen->held, chosen->region.anchors.vertices);
-      chosen->region.held = chosen->held;
-    }
-    return choice;
-  });
+  change_region([&](const Surface& s, const Selection& now) { return with_anchors(s, now, std::move(vertices)); });
 }
 
 void DragSession::whole_component() {

@@ -191,6 +191,28 @@ Choice changed_by_hand(const Surface& surface, const Selection& selection, const
   return after;
 }
 
+/// Replaces the region's anchor band by those of these vertices, ascending, that are in the region and in no handle.
+Choice with_band(const Surface& surface, const Selection& selection, std::vector<int> vertices) {
+  const bool is_known = surface.region != nullptr && !surface.region->distance.empty();
+  if (!selection.has_region || (!is_known && selection.region.anchors.empty())) {
+    return Refusal{selection.has_region ? messages::kRegionNotKnown : messages::kNoRegion};
+  }
+  const double reach = is_known ? surface.region->max_distance : selection.region.anchors.reach;
+  const std::vector<int> region =
+      selection.region.kind == RegionSpec::Kind::Vertices ? selection.region.vertices : surface.region->mesh_vertex;
+  vertices = without(common(vertices, region), handles_of(selection));
+  if (vertices.empty()) {
+    return Refusal{messages::kNoAnchors};
+  }
+  Selection after = with_vertices(selection, region, surface.settings);
+  after.by_hand = true;
+  after.region.anchors.weights.assign(vertices.size(), 1);
+  after.region.anchors.depths.assign(vertices.size(), 1);
+  after.region.anchors.vertices = std::move(vertices);
+  after.region.anchors.reach = reach;
+  return after;
+}
+
 }  // namespace
 
 Vector3 middle_of_rim(const TriangleMesh& mesh, const Region& region, const std::vector<int>& group) {
@@ -363,37 +385,26 @@ Choice anchors_brushed(const Surface& surface, const Selection& selection, const
     const KeptAnchors now = selection.region.anchors.empty() ? anchors_of(*surface.region) : selection.region.anchors;
     const std::vector<int> own = without(sorted_set(now.vertices), selection.held);
     if (!common(own, patch).empty()) {
-      return with_anchors(surface, after, without(own, patch));
+      return with_band(surface, after, without(own, patch));
     }
   }
   if (after.held == selection.held) {
     return Refusal{add ? messages::kNothingToHold : messages::kNoAnchors};
   }
   if (!add && !selection.region.anchors.empty()) {  // the last step made them the region's own
-    return with_anchors(surface, after, without(sorted_set(selection.region.anchors.vertices), patch));
+    return with_band(surface, after, without(sorted_set(selection.region.anchors.vertices), patch));
   }
   return after;
 }
 
 Choice with_anchors(const Surface& surface, const Selection& selection, std::vector<int> vertices) {
-  const bool is_known = surface.region != nullptr && !surface.region->distance.empty();
-  if (!selection.has_region || (!is_known && selection.region.anchors.empty())) {
-    return Refusal{selection.has_region ? messages::kRegionNotKnown : messages::kNoRegion};
+  vertices = without(sorted_set(std::move(vertices)), handles_of(selection));
+  Choice choice = with_band(surface, selection, vertices);
+  if (Selection* const after = std::get_if<Selection>(&choice)) {
+    after->held = united(after->held, vertices);
+    after->region.held = after->held;
   }
-  const double reach = is_known ? surface.region->max_distance : selection.region.anchors.reach;
-  const std::vector<int> region =
-      selection.region.kind == RegionSpec::Kind::Vertices ? selection.region.vertices : surface.region->mesh_vertex;
-  vertices = without(common(sorted_set(std::move(vertices)), region), handles_of(selection));
-  if (vertices.empty()) {
-    return Refusal{messages::kNoAnchors};
-  }
-  Selection after = with_vertices(selection, region, surface.settings);
-  after.by_hand = true;
-  after.region.anchors.weights.assign(vertices.size(), 1);
-  after.region.anchors.depths.assign(vertices.size(), 1);
-  after.region.anchors.vertices = std::move(vertices);
-  after.region.anchors.reach = reach;
-  return after;
+  return choice;
 }
 
 Choice with_region(const Surface& surface, const Selection& selection, std::vector<int> vertices) {
