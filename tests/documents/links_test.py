@@ -7,7 +7,7 @@ import re
 import subprocess
 import unittest
 
-from documents import ROOT, Document, code, files
+from documents import ROOT, Document, files
 
 LONGEST_README = 120  # lines
 
@@ -105,22 +105,6 @@ class Links(unittest.TestCase):
         for path in self.files:
             if path.startswith("common/docs/pictures/"):
                 self.assertIn(path, shown)
-
-    def test_widgets_are_those_of_the_panel(self):
-        panel = "".join(path.read_text(encoding="utf-8")
-                        for path in (ROOT / "edit_laplacian_drag").glob("panel*.cpp"))
-        made = set(re.findall(r'\b(?:number|length|count|choice|percent|state|button|figure|prepared<\w+>|nameOf)\('
-                              r'\s*"(\w+)"', panel))
-        made |= {name + "_slider" for name in re.findall(r'\bdragged\(\s*\w+\(\s*"(\w+)"', panel)}
-        made |= {"group_" + name for name in re.findall(r'\bbegin\("(\w+)"', panel)}
-        # Those of settings are named as the settings are.
-        settings = re.findall(r"`steps\[\]\.(\w+)` \|", self.documents["common/docs/json-format.md"].text)
-        made |= set(settings) - {"region", "handles", "mirror"}
-        told = set()
-        for kind, names in self.documents["tests/README.md"].rows("The window's tests"):
-            told |= set(code(names.split(";")[0] if kind == "panel" else names))
-        self.assertGreater(len(made), 30)
-        self.assertEqual(told, made)
 
     def test_the_architecture_names_all_layers_and_targets(self):
         architecture = self.documents["common/docs/architecture.md"]
