@@ -40,6 +40,7 @@ dpkg-source --build "$name" >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 1; 
 [ $# -lt 2 ] || { echo "$work/meshlab-laplacian-edit_$version-1.dsc"; exit; }
 
 cd "$source"
+echo "Building the package; $work/log has what is printed." >&2
 DEB_BUILD_OPTIONS="${DEB_BUILD_OPTIONS-noautodbgsym}" dpkg-buildpackage --build=binary --no-sign -jauto >"$work/log" 2>&1 ||
   { tail -n 60 "$work/log" >&2; exit 1; }
 mv "$work"/meshlab-laplacian-edit_*.deb "$folder"

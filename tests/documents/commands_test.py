@@ -30,7 +30,7 @@ ELSEWHERE = [
     (r"cmake --build build --parallel .*", "hosts.first_trixie", FIRST, '"cmake --build build --parallel'),
     (r"common/scripts/debian_package\.sh", "hosts.first_trixie", FIRST, "common/scripts/debian_package.sh"),
     (r"sudo apt install \./build/\S*\.deb", "hosts.first_trixie", FIRST, '"sudo apt install'),
-    (r"sudo apt purge --autoremove \S+", "hosts.first_trixie", FIRST, '"sudo apt purge'),
+    (r"sudo apt purge \S+", "hosts.first_trixie", FIRST, '"sudo apt purge'),
     (r"sudo cmake --install build", "hosts.first_trixie", FIRST, '"sudo cmake --install build"'),
     (r"cmake --build build --target install-user", "hosts.first_trixie", FIRST, "--target install-user"),
     (r"tests/run", None, ".ci/run", "\ntests/run\n"),

@@ -113,13 +113,13 @@ class First(unittest.TestCase):
         """As a package, then with CMake; the first script by the program that is installed. All is taken away again."""
         run("apt-get install -qy --no-install-recommends sudo")  # which a newcomer has
         run(readme("common/scripts/install_dependencies.sh"))
-        run(readme("cmake -S . -B build"))
-        run(readme("cmake --build build --parallel "))
         run(readme("common/scripts/debian_package.sh"))
         run(readme("sudo apt install ./build/"), typed="y\n")
         self.check_first_script()
-        run(readme("sudo apt purge --autoremove meshlab-laplacian-edit"), typed="y\n")
+        run(readme("sudo apt purge meshlab-laplacian-edit"), typed="y\n")
         self.assertEqual(self.installed(), [])
+        run(readme("cmake -S . -B build"))
+        run(readme("cmake --build build --parallel "))
         run(readme("sudo cmake --install build"))
         self.assertIn("/usr/local/bin/laplacian-edit", self.installed())
         self.check_first_script()
