@@ -225,9 +225,17 @@ const char* name(LaplacianKind kind) {
 }
 
 EdgeWeights edge_weights(LaplacianKind kind, const Region& region, const TriangleMesh& mesh, bool symmetric) {
-  EdgeWeights weights{std::vector<double>(region.neighbours.values.size(), 1), {}};
-  if (kind != LaplacianKind::Umbrella) {
-    weights = kind == LaplacianKind::Cotangent ? cotangent_weights(region, mesh) : mean_value_weights(region, mesh);
+  EdgeWeights weights;
+  switch (kind) {
+    case LaplacianKind::Umbrella:
+      weights.values.assign(region.neighbours.values.size(), 1);
+      break;
+    case LaplacianKind::Cotangent:
+      weights = cotangent_weights(region, mesh);
+      break;
+    case LaplacianKind::MeanValue:
+      weights = mean_value_weights(region, mesh);
+      break;
   }
   weaken_links(region, weights);
   if (symmetric && kind != LaplacianKind::Umbrella) {
