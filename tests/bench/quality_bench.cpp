@@ -45,6 +45,7 @@ constexpr const char* kUsage = R"(usage: quality_bench [OPTION]...
   --jumps               instead of the table: the largest movement in 50, 500 and 5,000 steps of each edit
   --renumbered          instead of the table: the change of each edit when the mesh is numbered at random
   --symmetric           instead of the table: the asymmetry of edits that are symmetric
+  --frames              instead of the table: the distance of frames from the released pose
   --threads N           ours; 0, the default: as many as the machine has
   --repeat N            best times of so many runs (2)
   --json FILE           all figures
@@ -183,7 +184,8 @@ Options parse(int argc, char** argv) {
       {"--list", [&] { options.list = true; }},
       {"--jumps", [&] { options.steadiness = "--jumps"; }},
       {"--renumbered", [&] { options.steadiness = "--renumbered"; }},
-      {"--symmetric", [&] { options.steadiness = "--symmetric"; }}};
+      {"--symmetric", [&] { options.steadiness = "--symmetric"; }},
+      {"--frames", [&] { options.steadiness = "--frames"; }}};
   for (int k = 1; k < argc; ++k) {
     const std::string option = argv[k];
     if (option == "--help") {

@@ -3,13 +3,18 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
+#include <iterator>
+#include <limits>
 #include <map>
+#include <memory>
 #include <numeric>
 #include <random>
 #include <stdexcept>
 #include <utility>
 
+#include "lapedit/live/drag_frames.h"
 #include "our_methods.h"
 
 namespace quality {
@@ -118,23 +123,54 @@ std::vector<double> asymmetry(const Scene& scene, const EditSettings& settings) 
   return {longest(posed - mirrored) / size_of(scene)};
 }
 
+std::vector<double> frame_errors(const Scene& scene, const EditSettings& settings) {
+  const std::vector<lapedit::HandleMotion> motions(scene.edit.maps.begin(), scene.edit.maps.end());
+  lapedit::LaplacianEditor editor(scene.edit.mesh, scene.region, settings);
+  const Points released = editor.solve(motions);
+  const double displacement = longest(released - scene.edit.mesh.vertices(scene.region.mesh_vertex, Eigen::all));
+  lapedit::DragFrames frames(scene.edit.mesh, std::make_shared<const lapedit::Region>(scene.region), settings);
+  std::vector<double> result;
+  for (const bool corrected : {false, true}) {
+    frames.correct_with(corrected ? &editor : nullptr);
+    const Points error = (frames.pose(motions) - released) / displacement;
+    result.push_back(std::sqrt(error.squaredNorm() / static_cast<double>(error.rows())));
+    result.push_back(longest(error));
+  }
+  return result;
+}
+
+struct Measure {
+  const char* option;
+  const char* head;
+  double target;  // of the first number; of others half of the number before
+  std::vector<double> (*measured)(const Scene&, const EditSettings&);
+};
+const Measure kMeasures[] = {
+    {"--jumps", "% of the region's size | 50 steps | 500 | 5,000 |\n|---|--:|--:|--:|", 1, jumps},
+    {"--renumbered", "% of the region's size | largest |\n|---|--:|", 0.005, change_by_numbering},
+    {"--symmetric", "% of the region's size | largest |\n|---|--:|", 0.01, asymmetry},
+    {"--frames",
+     "% of the largest displacement | cells, RMS | largest | with the correction, RMS | largest "
+     "|\n|---|--:|--:|--:|--:|",
+     std::numeric_limits<double>::infinity(), frame_errors}};
+
 }  // namespace
 
 void print_steadiness(const std::string& option, const std::vector<const NamedEdit*>& edits,
                       const EditSettings& settings) {
-  const auto measured = option == "--jumps" ? jumps : option == "--renumbered" ? change_by_numbering : asymmetry;
-  std::printf("| %s, %% of the region's size | %s\n", option.c_str() + 2,
-              option == "--jumps" ? "50 steps | 500 | 5,000 |\n|---|--:|--:|--:|" : "largest |\n|---|--:|");
+  const Measure& measure = *std::find_if(std::begin(kMeasures), std::end(kMeasures),
+                                         [&option](const Measure& one) { return one.option == option; });
+  std::printf("| %s, %s\n", option.c_str() + 2, measure.head);
   for (const NamedEdit* named : edits) {
     Edit edit = named->make();
     if (option == "--symmetric" && !edit.symmetric) {
       continue;
     }
     std::printf("| %s |", named->name);
-    double target = option == "--jumps" ? 1 : option == "--renumbered" ? 0.005 : 0.01;
-    for (const double share : measured(Scene(std::move(edit)), settings)) {
+    double target = measure.target;
+    for (const double share : measure.measured(Scene(std::move(edit)), settings)) {
       std::printf(share <= target ? " %.3g |" : " **%.3g** |", 100 * share);
-      target = share / 2;
+      target = std::isfinite(target) ? share / 2 : target;
     }
     std::printf("\n");
     std::fflush(stdout);

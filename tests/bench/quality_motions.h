@@ -18,6 +18,8 @@ namespace quality {
 ///                 a jump, the movement falls to a tenth each time; more than half misses the target.
 ///   --renumbered  For each edit, the largest distance of a vertex from itself where the mesh is numbered at random.
 ///   --symmetric   For each symmetric edit, the largest distance of a vertex from the mirror image of its partner.
+///   --frames      For each edit, the distance of its last frame from the released pose, before the mouse rests, in per
+///                 cent of the largest displacement: by the cells alone and with the correction.
 /// @throws std::runtime_error if the mesh of a symmetric edit is not symmetric
 void print_steadiness(const std::string& option, const std::vector<const NamedEdit*>& edits,
                       const lapedit::EditSettings& settings);

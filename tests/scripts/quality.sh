@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Measures the shape of edits and compares it with CGAL's ARAP and SR-ARAP, Blender, libigl and MeshLab's own filters, in
 # one run: a Markdown table with the project's targets, all figures as JSON, and one picture for each edit with the methods
-# side by side. With --jumps, --renumbered or --symmetric it measures how steady the poses are, without pictures.
+# side by side. With --jumps, --renumbered, --symmetric or --frames it measures how steady poses are, without pictures.
 #
 # usage: quality.sh [OPTION of quality_bench]...   for example --quick, --edits limb_90,bunny_group, or
 #                                                  --ours NAME=laplacian=cotangent,iterations=3
