@@ -15,7 +15,7 @@ class JoinedThread {
   template <class Task>
   explicit JoinedThread(Task task) : thread_(std::move(task)) {}
   JoinedThread(JoinedThread&&) = default;
-  JoinedThread& operator=(JoinedThread&& other) {
+  JoinedThread& operator=(JoinedThread&& other) noexcept {
     join();
     thread_ = std::move(other.thread_);
     return *this;
