@@ -5,8 +5,7 @@
 #
 # usage: release.sh [FOLDER]     FOLDER: where they go, replaced; by default build/release
 #
-# It needs Debian 12 and roots of the Debian releases (tests/hosts/root.sh; LAPEDIT_HOSTS_DIR as there): ten minutes with the
-# roots, half an hour without.
+# It needs Debian 12 and roots of the Debian releases (tests/hosts/root.sh; LAPEDIT_HOSTS_DIR as there).
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 folder=$(realpath -m "${1:-build/release}")
@@ -23,4 +22,6 @@ done
 wheel=$(filter_laplacian_edit/python/make_wheel.sh "$work/wheel")
 mv "$wheel" "$folder"
 cd "$folder"
-sha256sum -- * | tee SHA256SUMS
+# By kinds, as the file of checksums may be there before the names are expanded.
+sha256sum -- *.tar.xz *.deb *.whl >SHA256SUMS
+cat SHA256SUMS
