@@ -143,7 +143,7 @@ void CellModel::place_handle(int i, double unit, Points& displacement) const {
   displacement.row(i) += held * (paths_.displacement(i).transpose() / unit - displacement.row(i));
 }
 
-void CellModel::place(double unit, std::vector<Turn>& turns, Points& displacement, ThreadPool& pool) {
+void CellModel::place(double unit, Turn* turns, Points& displacement, ThreadPool& pool) {
   constexpr int kGrain = 2048;
   const Region& region = *rest_->region;
   for (int c = 0; c < cells_.count(); ++c) {
@@ -154,13 +154,8 @@ void CellModel::place(double unit, std::vector<Turn>& turns, Points& displacemen
   for (std::size_t k = 0; k < carried_.size(); ++k) {
     carried_[k] = floats4(paths_.carried()[k / 3].linear.col(static_cast<Eigen::Index>(k % 3)));
   }
-  const Placing placing = {blend_,
-                           hold_,
-                           region.component,
-                           placed_.data(),
-                           carries ? carried_.data() : nullptr,
-                           turns.data(),
-                           displacement.data()};
+  const Placing placing = {
+      blend_, hold_, region.component, placed_.data(), carries ? carried_.data() : nullptr, turns, displacement.data()};
   in_pieces(pool, region.size(), kGrain, [&](int first, int last) {
     run_kernel(placing, first, last);
     for (int i = first; i < last; ++i) {

@@ -51,10 +51,10 @@ class CellModel {
   /// units over `unit`: vertices follow the cells, and details rotate with them (an embedded deformation). A handle
   /// vertex lies between the cells' pose and its target, according to its weight against the surface's weight of 1.
   /// @param unit          a power of two, the unit of lengths in single precision
-  /// @param turns         `rest` is read, `columns` are written
+  /// @param turns         one per vertex: `rest` is read, `columns` are written
   /// @param displacement  out, one more row than vertices: displacements from the rest pose, exactly zero where nothing
   ///                      moves
-  void place(double unit, std::vector<Turn>& turns, Points& displacement, ThreadPool& pool);
+  void place(double unit, Turn* turns, Points& displacement, ThreadPool& pool);
 
  private:
   /// The pose of a cell in single precision.

@@ -17,6 +17,7 @@ namespace {
 using Steps = std::uint16_t;
 constexpr Steps kSpacing = 60000, kFar = 65535;
 constexpr int kParts = 8;  // of sums
+constexpr int kGrain = 4096;
 
 class Packing {
  public:
@@ -145,29 +146,28 @@ void Packing::choose_spacing() {
   const int n = region_.size(), free = free_ > 0 ? free_ : n;
   density_.resize(n);
   const double scale = region_.max_distance > 0 ? 1 / region_.max_distance : 0;
-  for (int i = 0; i < n; ++i) {
+  for_indices(pool_, n, kGrain, [&](int i) {
     density_[i] = static_cast<float>(1 / std::sqrt(std::min(region_.distance[i] * scale, 1.0) + kSoft));
-  }
+  });
   const double cells = std::min<double>(target_, std::max(1.0, free / kVerticesPerCell));
   spacing_ = spacing_for(sum_of_cells(free_ == 0), cells, free);
   if (!(spacing_ > 0)) {
     return;
   }
-  for (int i = 0; i < n && all_lone_; ++i) {
+  for_indices(pool_, all_lone_ ? n : 0, kGrain, [&](int i) {
     const double tip = kTip + kAroundTip * region_.distance[i] / spacing_;
     density_[i] = std::max(density_[i], static_cast<float>(1 / tip));
-  }
+  });
   if (has_inside_) {
-    for (int i = 0; i < n; ++i) {
+    for_indices(pool_, n, kGrain, [&](int i) {
       const auto own = static_cast<double>(density_[i]);
       density_[i] = static_cast<float>(own / (1 + kInside * depth_[i] * own / spacing_));
-    }
+    });
     spacing_ = std::max(spacing_, spacing_for(sum_of_cells(true), target_, n));
   }
 }
 
 void Packing::measure_edges() {
-  constexpr int kGrain = 4096;
   const IndexLists& neighbours = region_.neighbours;
   lengths_.resize(neighbours.values.size());
   const double steps = spacing_ > 0 ? 0.5 * kSpacing / spacing_ : 0;

@@ -12,6 +12,8 @@ namespace {
 
 using Turn = CellModel::Turn;
 
+constexpr int kGrain = 1024;
+
 /// y_i = sum_j -M_ij (((T_i + T_j) / 2 - I)(p_i - p_j) - (d_i - d_j)), or with T_i alone: the rotated edges minus their
 /// current state.
 struct EdgeResidual {
@@ -78,7 +80,7 @@ struct DragFrames::Impl {
   std::shared_ptr<CellModel> cells;
   std::unique_ptr<Correction> correction;
   double unit;  // of lengths in single precision, and of displacements
-  std::vector<Turn> turns;
+  std::unique_ptr<Turn[]> turns;
   Points displacement;  // with one more row
   Points positions;
   int passes = 0;         // of the last pose
@@ -89,29 +91,27 @@ struct DragFrames::Impl {
         pool(given.threads),
         cells(std::move(made)),
         unit(rest().region->max_distance > 0 ? std::ldexp(1.0, std::ilogb(rest().region->max_distance)) : 1),
-        turns(rest().region->size(), Turn{}),
+        turns(new Turn[rest().region->size()]),
+        displacement(rest().region->size() + 1, 3),
         positions(rest().region->size(), 3) {
-    displacement.setZero(rest().region->size() + 1, 3);
-    for (int i = 0; i < rest().region->size(); ++i) {
-      for (int e = 0; e < 3; ++e) {
-        turns[i].rest[e] = static_cast<float>(rest().local(i, e) / unit);
-      }
-    }
+    for_indices(pool, rest().region->size(), kGrain, [this](int i) {
+      turns[i] = {{}, floats4(rest().local.row(i) / unit)};
+    });
+    displacement.row(positions.rows()).setZero();
   }
   const RestPose& rest() const { return *cells->rest(); }
 
   void start(bool quick);
   void turn_rings();
   void correct();
-  void collect();
+  void collect(ThreadPool& on, const Points* step);
 };
 
-/// displacement += A^-1 (b(R) - A x0)
+/// displacement += A^-1 (b(R) - A x0), and positions with it
 void DragFrames::Impl::correct() {
   Correction& c = *correction;
   const LaplacianSystem& system = c.system;
-  constexpr int kGrain = 1024;
-  const EdgeResidual residual = {system.powers.first->rows(), turns.data(), displacement.data(),
+  const EdgeResidual residual = {system.powers.first->rows(), turns.get(), displacement.data(),
                                  settings.turning == DetailTurning::Edge, c.edges.data()};
   in_pieces(*system.pool, system.region.size(), kGrain,
             [&](int first, int last) { run_kernel(residual, first, last); });
@@ -120,21 +120,30 @@ void DragFrames::Impl::correct() {
     c.edges.swap(c.between);
   }
   system.powers.m->apply_transposed(c.edges, c.residual, *system.pool);
-  for (const int i : c.held) {
+  for_indices(*system.pool, static_cast<int>(c.held.size()), kGrain, [&](int k) {
+    const int i = c.held[k];
     const Vector3 wanted =
         system.region.classes[i] == VertexClass::Handle
             ? cells->paths().displacement(i)
             : cells->paths().carried()[system.region.component[i]].displacement(system.rest.local.row(i).transpose());
     c.residual.row(i) += system.squared_weights[i] * (wanted.transpose() / unit - displacement.row(i));
-  }
+  });
   Points& step = c.edges;  // no longer needed
   c.solver.solve(c.residual, step);
-  displacement.topRows(step.rows()) += step;
   ++passes;
+  collect(*system.pool, &step);
 }
 
-void DragFrames::Impl::collect() {
-  positions = rest().world + unit * displacement.topRows(positions.rows());
+/// Adds a step and takes the pose over, in one sweep, since that reads and writes much memory.
+void DragFrames::Impl::collect(ThreadPool& on, const Points* step) {
+  in_pieces(on, static_cast<int>(positions.rows()), kGrain, [&](int first, int last) {
+    const int rows = last - first;
+    auto moved = displacement.middleRows(first, rows);
+    if (step != nullptr) {
+      moved += step->middleRows(first, rows);
+    }
+    positions.middleRows(first, rows) = rest().world.middleRows(first, rows) + unit * moved;
+  });
   require_finite_result(positions);
 }
 
@@ -167,13 +176,14 @@ void DragFrames::correct_with(const LaplacianEditor* editor) {
 /// Computes the cells' pose and, if there is a factor, its correction.
 void DragFrames::Impl::start(bool quick) {
   ThreadPool& used = correction ? *correction->system.pool : pool;
-  cells->place(unit, turns, displacement, used);
+  cells->place(unit, turns.get(), displacement, used);
   passes = 0;
   is_quick = quick;
   if (correction) {
     correct();
+  } else {
+    collect(used, nullptr);
   }
-  collect();
 }
 
 /// Fits rotations of the one-rings to an extrapolated pose, relative to the components' rigid motions, as the editor
@@ -233,7 +243,6 @@ bool DragFrames::refine() {
   }
   s.turn_rings();
   s.correct();
-  s.collect();
   return true;
 }
 
