@@ -31,7 +31,7 @@ echo "== double: MeshLab"
   downloads=$(grep -oh "MESHLAB_ALLOW_DOWNLOAD_SOURCE_[A-Z0-9_]*" source/src/external/*.cmake | sort -u |
     sed "s/.*/-D&=OFF/")
   # Those that the tests use.
-  plugins="io_base io_expe filter_ao filter_func filter_layer filter_select"
+  plugins="io_base io_collada io_expe filter_ao filter_func filter_layer filter_select"
   # Newer Eigen and CMake do not tell these in the way that it asks for.
   found="-DEIGEN3_INCLUDE_DIR=/usr/include/eigen3 -DGLEW_VERSION=$(dpkg-query -W -f "\${Version}" libglew-dev)"
   cmake -G Ninja -S source -B build -DCMAKE_BUILD_TYPE=Release $found -DMESHLAB_BUILD_WITH_DOUBLE_SCALAR=ON \
