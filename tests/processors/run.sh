@@ -7,7 +7,7 @@
 #   WHAT      arm64: under qemu; windows: mingw-w64, under wine; libc++: clang with libc++; plain: LAPEDIT_PLAIN_KERNELS
 #   BUILD     this machine's build folder, with tests
 #   RESULTS   what hosts/write_results.sh made with it
-#   LAYER     whose tests run: base, mesh, linear, deform, cells, edit, live, session, json; none: the edits only
+#   LAYER     whose tests run: base, mesh, linear, deform, cells, edit, live, session, json; without any: the edits only
 set -eu
 
 [ $# -ge 3 ] || { sed -n '/^# usage/,/^set/s/^# \{0,1\}//p' "$0" >&2; exit 2; }
