@@ -670,8 +670,9 @@ class Digits(CommandTest):
             (output,) = json.loads((self.place / "report.json").read_text())["outputs"]
             lost = output["coordinate_error"]
             with self.subTest(suffix):
-                if lost is None:  # hosts that were built without a reader
+                if lost is None:  # only where MeshLab was built without a reader
                     self.assertIn("cannot be compared with the result, since MeshLab does not read the format: write", text)
+                    self.refused(UNREADABLE, rf"can read .*out\.{suffix}", "out." + suffix, "again.ply", self.edit)
                     continue
                 self.assertLess(lost, 1e-4)
                 said = re.search(r"(?m)^The coordinates in \".*/out\.\w+\" are up to (\S+) from the result: write PLY, OFF or "
