@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "job.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -8,8 +9,7 @@
 #include <utility>
 
 #include "failure.h"
-#include "files/input_file.h"
-#include "files/output_files.h"
+#include "files/files.h"
 #include "files/system.h"
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
@@ -19,7 +19,6 @@
 #include "lapedit/json/report_json.h"
 #include "lapedit/mesh/mesh_summary.h"
 #include "lapedit/mesh/vertex_finder.h"
-#include "progress_line.h"
 #ifdef LAPEDIT_WITH_VCGLIB
 #include "lapedit_vcg/self_intersections.h"
 #endif
@@ -46,9 +45,10 @@ Edit readEdit(const Options& options) {
   const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
   const std::string name = quotedPath(options.edit) + ": ";
   if (first != std::string::npos && text[first] == '<') {
-    throw EditError(ErrorCause::BadScript, name +
-                                               "this is a filter script: run it in MeshLab's window, with meshlabserver "
-                                               "of MeshLab 2020.09, or with PyMeshLab's load_filter_script().");
+    throw EditError(ErrorCause::BadScript,
+                    name +
+                        "this is a filter script: run it in MeshLab's window, with meshlabserver "
+                        "of MeshLab 2020.09, or with PyMeshLab's load_filter_script().");
   }
   try {
     // Names of landmark files are relative to the folder of the edit.
@@ -64,6 +64,29 @@ std::string coordinates(const Vector3& point, StoredScalar scalar) {
   const auto text = [&](int k) { return shortestText(point[k], scalar == StoredScalar::Float); };
   return text(0) + "," + text(1) + "," + text(2);
 }
+
+/// A line on the terminal that is updated during the work and removed at the end; none if the standard error is no
+/// terminal.
+class ProgressLine {
+ public:
+  explicit ProgressLine(bool isWanted) : is_wanted_(isWanted && system::isTerminal(stderr)) {}
+  ~ProgressLine() { clear(); }
+
+  void show(double fraction, const char* stage) {
+    if (is_wanted_) {
+      std::fprintf(stderr, "\r\033[K%3d %% %.60s", static_cast<int>(100 * std::clamp(fraction, 0.0, 1.0)), stage);
+      is_shown_ = true;
+    }
+  }
+
+  void clear() {
+    std::fputs(is_shown_ ? "\r\033[K" : "", stderr);
+    is_shown_ = false;
+  }
+
+ private:
+  bool is_wanted_, is_shown_ = false;
+};
 
 class Job {
  public:
@@ -137,13 +160,13 @@ class Job {
       for (std::size_t k = 0; k < steps.size(); ++k) {
         const std::string advice = steps[k].advice();
         if (!advice.empty()) {
-          throw Failure(Advised,
-                        "With --strict nothing was written: " +
-                            (options_.numbered ? "at fraction " + number_text(options_.fractions[p]) + ", " : "") +
-                            (steps.size() > 1 ? "step " + std::to_string(k + 1) + " of " +
-                                                    std::to_string(steps.size()) + ", "
-                                              : "") +
-                            advice);
+          throw Failure(
+              Advised,
+              "With --strict nothing was written: " +
+                  (options_.numbered ? "at fraction " + number_text(options_.fractions[p]) + ", " : "") +
+                  (steps.size() > 1 ? "step " + std::to_string(k + 1) + " of " + std::to_string(steps.size()) + ", "
+                                    : "") +
+                  advice);
         }
       }
     }
@@ -167,8 +190,9 @@ class Job {
     if (!options_.quiet) {
       const std::string fraction = options_.numbered ? "Fraction " + number_text(options_.fractions[k]) + "\n" : "";
       const std::string normals =
-          shared == 0 ? "" : "Normals that vertices outside the region use too stay as they are: " +
-                                 std::to_string(shared) + "\n";
+          shared == 0
+              ? ""
+              : "Normals that vertices outside the region use too stay as they are: " + std::to_string(shared) + "\n";
       printAll(fraction + text_of(poses_[k].reports) + "\n" + normals, output_,
                "nothing was written; with --quiet there are no reports");
     }
@@ -244,7 +268,8 @@ std::string answer(const Options& options, Activity& activity) {
     text += format_text("vertices: %d (%d without a face, %d not finite)\nfaces: %d\n", summary.vertices, summary.loose,
                         summary.not_finite, summary.faces);
     if (!summary.box.isEmpty()) {
-      text += "box: " + coordinates(summary.box.min(), file.scalar) + " to " + coordinates(summary.box.max(), file.scalar) +
+      text += "box: " + coordinates(summary.box.min(), file.scalar) + " to " +
+              coordinates(summary.box.max(), file.scalar) +
               format_text(", diagonal %.9g\n", summary.box.diagonal().norm());
     }
     text += format_text("pieces: %d, the largest of %d vertices\nborders: %d of %d edges in all\n", summary.pieces,

@@ -4,8 +4,14 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
+#include <cstring>
 #include <limits>
 #include <system_error>
+#include <type_traits>
+
+#include "lapedit/json/json_text.h"
+
+using lapedit::quoted_text;
 
 namespace {
 
@@ -13,27 +19,49 @@ bool endsLine(char letter) {
   return letter == '\n' || letter == '\r';
 }
 
-/// A word for a message.
-std::string quoted(std::string_view word) {
-  constexpr std::size_t kMost = 40;
-  std::string text(word.substr(0, kMost));
-  std::replace_if(
-      text.begin(), text.end(), [](unsigned char letter) { return letter < ' ' || letter == 127; }, '?');
-  return "\"" + text + (word.size() > kMost ? "..." : "") + "\"";
-}
-
 template <class Number>
 bool convert(std::string_view word, Number& value) {
   const char* const end = word.data() + word.size();
   const auto [stop, error] = std::from_chars(word.data(), end, value);
-  if (error == std::errc::result_out_of_range && stop == end) {  // zero or infinity
-    value = static_cast<Number>(std::strtod(std::string(word).c_str(), nullptr));
-    return true;
+  if constexpr (std::is_floating_point_v<Number>) {
+    if (error == std::errc::result_out_of_range && stop == end) {  // zero or infinity
+      value = static_cast<Number>(std::strtod(std::string(word).c_str(), nullptr));
+      return true;
+    }
   }
   return error == std::errc() && stop == end;
 }
 
 }  // namespace
+
+std::uint64_t bitsAt(const std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian) {
+  std::uint64_t bits = 0;
+  for (std::size_t k = 0; k < size; ++k) {
+    bits = bits << 8 | static_cast<unsigned char>(bytes[at + (isBigEndian ? k : size - 1 - k)]);
+  }
+  return bits;
+}
+
+double realAt(const std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian) {
+  const std::uint64_t bits = bitsAt(bytes, at, size, isBigEndian);
+  const auto low = static_cast<std::uint32_t>(bits);
+  double number = 0;
+  float single = 0;
+  std::memcpy(&number, &bits, sizeof number);
+  std::memcpy(&single, &low, sizeof single);
+  return size == 8 ? number : single;
+}
+
+void putReal(std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian, double number) {
+  const auto single = static_cast<float>(number);
+  std::uint64_t bits = 0;
+  std::uint32_t low = 0;
+  std::memcpy(&bits, &number, sizeof number);
+  std::memcpy(&low, &single, sizeof single);
+  for (std::size_t k = 0; k < size; ++k) {
+    bytes[at + (isBigEndian ? size - 1 - k : k)] = static_cast<char>((size == 8 ? bits : low) >> 8 * k);
+  }
+}
 
 bool endsWord(char letter) {
   return letter == ' ' || letter == '\t' || letter == '\v' || letter == '\f' || endsLine(letter);
@@ -80,22 +108,19 @@ void TextReader::skipLine() {
 
 double TextReader::number(std::string_view word, bool isFloat) const {
   const std::string_view plain = word.substr(word.size() > 1 && word[0] == '+' ? 1 : 0);
-  // As some compilers write it.
-  if (plain.substr(0, 3) == "1.#" || plain.substr(0, 4) == "-1.#") {
-    return std::numeric_limits<double>::quiet_NaN();
-  }
   double value = 0;
   float single = 0;
   if (isFloat ? !convert(plain, single) : !convert(plain, value)) {
-    refuse(word.empty() ? "a number is missing" : quoted(word) + " is no number");
+    refuse(word.empty() ? "a number is missing" : quoted_text(std::string(word)) + " is no number");
   }
   return isFloat ? single : value;
 }
 
 long long TextReader::integer(std::string_view word) const {
+  constexpr long long kMost = 1LL << 53;  // a double has all up to here
   long long value = 0;
-  if (!convert(word.substr(word.size() > 1 && word[0] == '+' ? 1 : 0), value)) {
-    refuse(word.empty() ? "a whole number is missing" : quoted(word) + " is no whole number");
+  if (!convert(word.substr(word.size() > 1 && word[0] == '+' ? 1 : 0), value) || value < -kMost || value > kMost) {
+    refuse(word.empty() ? "a whole number is missing" : quoted_text(std::string(word)) + " is no whole number here");
   }
   return value;
 }
