@@ -263,7 +263,7 @@ class PlyReader {
     if (has_face_normals_) {
       face_normals_.at.insert(face_normals_.at.end(), places_ + 3, places_ + 6);
       for (std::size_t k = 0; k < added; ++k) {
-        face_of_corner_.insert(face_of_corner_.end(), {static_cast<int>(row_), -1, -1});
+        face_normals_.ofCorner.insert(face_normals_.ofCorner.end(), {static_cast<int>(row_), -1, -1});
       }
     }
     if ((flags_ & kSelected) != 0) {
@@ -291,7 +291,7 @@ class PlyReader {
       mesh_.addVertexNormals(std::move(vertex_normals_));
     }
     if (has_face_normals_) {
-      mesh_.addNormals(std::move(face_normals_), face_of_corner_);
+      file().normals.push_back(std::move(face_normals_));
     }
     return mesh_.finished();
   }
@@ -311,7 +311,6 @@ class PlyReader {
   std::vector<long long> corners_;
 
   FileNormals vertex_normals_, face_normals_;
-  std::vector<int> face_of_corner_;  // of the triangles
 };
 
 }  // namespace
