@@ -30,11 +30,8 @@ inline void require_consistent(const MeshFile& file) {
     require(vertex >= 0 && vertex < vertices, "all positions are of a vertex");
   }
   for (const FileNormals& normals : file.normals) {
-    require(normals.at.size() == 3 * (normals.begin.size() - 1) && normals.begin.back() == normals.corners.size(),
-            "each normal has its corners");
-    for (const int corner : normals.corners) {
-      require(corner >= 0 && corner < file.mesh.faces.size(), "all corners of normals are in range");
-    }
+    require(normals.at.size() % 3 == 0 && static_cast<Eigen::Index>(normals.ofCorner.size()) == file.mesh.faces.size(),
+            "each corner has an entry for its normal");
   }
   for (const std::vector<int>* const selected : {&file.selected.vertices, &file.selected.of_faces}) {
     require(selected->empty() || (selected->front() >= 0 && selected->back() < vertices), "the selection is in range");
