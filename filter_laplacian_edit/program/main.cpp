@@ -107,7 +107,7 @@ class Job {
   void run() {
     Stopwatch stopwatch;
     Edit edit = readEdit(options_);
-    file_ = readMeshFile(options_.input, options_.format);
+    file_ = readMeshFile(options_.input, options_.reader);
     times_.read = stopwatch.lap();
 
     if (file_.hasPolygons && (edit.mesh_faces || !edit.connectivity.empty())) {
@@ -238,7 +238,7 @@ void runJob(const Options& options, std::FILE* output) {
 
 /// Reads the mesh and answers --info and --nearest, a line for each answer.
 std::string answer(const Options& options) {
-  const MeshFile file = readMeshFile(options.input, options.format);
+  const MeshFile file = readMeshFile(options.input, options.reader);
   std::string text;
   if (options.info) {
     const MeshSummary summary = summary_of(file.mesh);

@@ -57,9 +57,9 @@ std::string readFile(const std::string& what, const std::string& path, std::size
   return text;
 }
 
-MeshFile readMeshFile(const std::string& path, Format format) {
+MeshFile readMeshFile(const std::string& path, MeshReader reader) {
   try {
-    return readMesh(format, readFile("mesh", path, std::numeric_limits<std::size_t>::max()));
+    return reader(readFile("mesh", path, std::numeric_limits<std::size_t>::max()));
   } catch (const UnreadableMesh& error) {
     refuseReading("mesh", path, error.what());
   }

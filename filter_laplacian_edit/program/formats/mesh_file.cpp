@@ -16,8 +16,8 @@ using namespace lapedit;
 
 namespace {
 
-constexpr std::pair<const char*, Format> kSuffixes[] = {
-    {"ply", Format::Ply}, {"obj", Format::Obj}, {"off", Format::Off}, {"stl", Format::Stl}};
+constexpr std::pair<const char*, MeshReader> kReaders[] = {
+    {"ply", readPly}, {"obj", readObj}, {"off", readOff}, {"stl", readStl}};
 
 /// Returns a number as its file can hold it.
 double stored(NumberKind kind, double number) {
@@ -107,18 +107,13 @@ int replaceNormals(const FileNormals& normals, const Points& points, const Faces
 
 }  // namespace
 
-std::optional<Format> formatOf(const std::string& path) {
-  const std::size_t dot = path.find_last_of('.');
-  std::string suffix = dot == std::string::npos ? "" : path.substr(dot + 1);
-  for (char& letter : suffix) {
-    letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
-  }
-  for (const auto& [name, format] : kSuffixes) {
-    if (suffix == name) {
-      return format;
-    }
-  }
-  return {};
+MeshReader readerOf(const std::string& path) {
+  std::string suffix = path.substr(path.find_last_of('.') + 1);
+  std::transform(suffix.begin(), suffix.end(), suffix.begin(),
+                 [](unsigned char letter) { return std::tolower(letter); });
+  const auto* const found = std::find_if(std::begin(kReaders), std::end(kReaders),
+                                         [&suffix](const auto& each) { return suffix == each.first; });
+  return found == std::end(kReaders) ? nullptr : found->second;
 }
 
 std::string shortestText(double number, bool isFloat) {
@@ -149,20 +144,6 @@ std::string MeshFile::edited(const EditResult& result, int& sharedNormals) const
     sharedNormals += replaceNormals(each, after, mesh.faces, isMoved, rewriter);
   }
   return rewriter.finished();
-}
-
-MeshFile readMesh(Format format, std::string bytes) {
-  switch (format) {
-    case Format::Ply:
-      return readPly(std::move(bytes));
-    case Format::Obj:
-      return readObj(std::move(bytes));
-    case Format::Off:
-      return readOff(std::move(bytes));
-    case Format::Stl:
-      break;
-  }
-  return readStl(std::move(bytes));
 }
 
 void MeshBuilder::addPolygon(const std::vector<long long>& corners) {

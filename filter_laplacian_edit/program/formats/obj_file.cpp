@@ -19,10 +19,10 @@ class ObjReader {
       const std::string_view keyword = reader.wordOfLine();
       double values[3];
       if (keyword == "v") {
-        reader.vector(file.positions, values);
+        reader.vector(file.positions, values, true);
         mesh_.addVertex(values);
       } else if (keyword == "vn") {
-        reader.vector(normals_, values);
+        reader.vector(normals_, values, true);
       } else if (keyword == "f") {
         readFace(reader);
       }
