@@ -184,6 +184,31 @@ void takeFiles(const Words& words, Options& options) {
   options.reader = commonReader(options);
 }
 
+/// Refuses names of one file, of which one would be written, but for an output that is the input.
+void refuseSameFiles(const Options& options) {
+  std::map<fs::path, std::pair<std::string, bool>> names;  // what it is, and whether it is written
+  const auto add = [&](const std::string& role, const std::string& path, bool isWritten) {
+    if (path.empty() || path == "-") {
+      return;
+    }
+    const fs::path real = realPath(path);
+    const std::string name = role + " " + quotedPath(path);
+    const auto [found, isNew] = names.try_emplace(real, name, isWritten);
+    const auto& [other, isOtherWritten] = found->second;
+    const bool isInPlace = role == "output" && !options.numbered && !isOtherWritten && other.compare(0, 4, "mesh") == 0;
+    if (!isNew && (isWritten || isOtherWritten) && !isInPlace) {
+      refuse("The " + other + " and the " + name + " are the same file: give another name.");
+    }
+  };
+  add("mesh", options.input, false);
+  for (const std::string& output : options.outputs()) {
+    add("output", output, true);
+  }
+  add("edit", options.edit, false);
+  add("file of targets", options.targets, false);
+  add("report", options.report, true);
+}
+
 }  // namespace
 
 std::vector<std::string> Options::outputs() const {
@@ -227,29 +252,6 @@ std::optional<Options> readOptions(const std::vector<std::string>& arguments, st
     refuse("There are several fractions: give them with --fractions.");
   }
   takeFiles(words, options);
+  refuseSameFiles(options);
   return options;
-}
-
-void refuseSameFiles(const Options& options) {
-  std::map<fs::path, std::pair<std::string, bool>> names;  // what it is, and whether it is written
-  const auto add = [&](const std::string& role, const std::string& path, bool isWritten) {
-    if (path.empty() || path == "-") {
-      return;
-    }
-    const fs::path real = realPath(path);
-    const std::string name = role + " " + quotedPath(path);
-    const auto [found, isNew] = names.try_emplace(real, name, isWritten);
-    const auto& [other, isOtherWritten] = found->second;
-    const bool isInPlace = role == "output" && !options.numbered && !isOtherWritten && other.compare(0, 4, "mesh") == 0;
-    if (!isNew && (isWritten || isOtherWritten) && !isInPlace) {
-      refuse("The " + other + " and the " + name + " are the same file: give another name.");
-    }
-  };
-  add("mesh", options.input, false);
-  for (const std::string& output : options.outputs()) {
-    add("output", output, true);
-  }
-  add("edit", options.edit, false);
-  add("file of targets", options.targets, false);
-  add("report", options.report, true);
 }

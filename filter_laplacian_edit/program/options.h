@@ -30,7 +30,3 @@ struct Options {
 /// @return nothing if there is such a text
 /// @throws Failure (WrongUsage)
 std::optional<Options> readOptions(const std::vector<std::string>& arguments, std::string& text);
-
-/// Refuses names of one file, of which one would be written, but for an output that is the input.
-/// @throws Failure (WrongUsage)
-void refuseSameFiles(const Options& options);
