@@ -78,17 +78,18 @@ int replaceNormals(const FileNormals& normals, const Points& points, const Faces
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
     const int a = faces(f, 0), b = faces(f, 1), c = faces(f, 2);
     const bool isFaceMoved = isMoved[a] || isMoved[b] || isMoved[c];
+    const Vector3 p = points.row(a), q = points.row(b), r = points.row(c);
     FaceShape shape;
-    const Vector3 corner = points.row(a), ab = points.row(b), ac = points.row(c);
-    const bool hasArea = isFaceMoved && measure({corner, ab, ac}, shape);
+    const bool hasAngles = isFaceMoved && !normals.ofFaces && measure({p, q, r}, shape);
     for (int k = 0; k < 3; ++k) {
       const auto n = static_cast<std::size_t>(normals.ofCorner[3 * f + k]);
       if (n < all.size()) {  // else it has none
         ++all[n].corners;
         all[n].moved += normals.ofFaces ? isFaceMoved : isMoved[faces(f, k)];
-        if (hasArea) {
-          const double weight = normals.ofFaces ? (ab - corner).cross(ac - corner).norm() : shape.angles[k];
-          all[n].sum += weight * shape.normal;
+        if (normals.ofFaces) {
+          all[n].sum += (q - p).cross(r - p);
+        } else if (hasAngles) {
+          all[n].sum += shape.angles[k] * shape.normal;
         }
       }
     }

@@ -262,18 +262,21 @@ class PlyReader {
     }
   }
 
+  void addFace(const std::vector<long long>& corners, int normal) {
+    mesh_.addPolygon(corners);
+    while (face_normals_.ofCorner.size() < 3 * mesh_.faceCount()) {
+      face_normals_.ofCorner.insert(face_normals_.ofCorner.end(), {normal, -1, -1});
+    }
+  }
+
   void endFace() {
     const std::size_t before = mesh_.faceCount();
-    mesh_.addPolygon(corners_);
-    const std::size_t added = mesh_.faceCount() - before;
+    addFace(corners_, static_cast<int>(row_));
     if (has_face_normals_) {
       face_normals_.at.insert(face_normals_.at.end(), places_ + 3, places_ + 6);
-      for (std::size_t k = 0; k < added; ++k) {
-        face_normals_.ofCorner.insert(face_normals_.ofCorner.end(), {static_cast<int>(row_), -1, -1});
-      }
     }
     if ((flags_ & kSelected) != 0) {
-      file().selectedFaces += static_cast<int>(added);
+      file().selectedFaces += static_cast<int>(mesh_.faceCount() - before);
       file().selected.of_faces.insert(file().selected.of_faces.end(), corners_.begin(), corners_.end());
     }
   }
@@ -286,7 +289,7 @@ class PlyReader {
         begin = k + 1;
       } else if (k >= begin + 2) {
         const bool isReversed = (k - begin) % 2 == 1;
-        mesh_.addPolygon({corners_[k - (isReversed ? 1 : 2)], corners_[k - (isReversed ? 2 : 1)], corners_[k]});
+        addFace({corners_[k - (isReversed ? 1 : 2)], corners_[k - (isReversed ? 2 : 1)], corners_[k]}, -1);
       }
     }
   }
