@@ -108,7 +108,7 @@ class Job {
     Stopwatch stopwatch;
     Edit edit = readEdit(options_);
     file_ = readMeshFile(options_.input, options_.reader);
-    times_.read = stopwatch.lap();
+    read_ms_ = stopwatch.lap();
 
     if (file_.hasPolygons && (edit.mesh_faces || !edit.connectivity.empty())) {
       // MeshLab cuts polygons into other triangles for each format: only the vertices are the same.
@@ -128,14 +128,14 @@ class Job {
       throw Failure(WrongUsage, "This build has no --quality: build the program with MeshLab's headers at hand.");
 #endif
     }
-    times_.edit = stopwatch.lap();
+    edit_ms_ = stopwatch.lap();
     line_.clear();
     refuseAdvice();
 
     for (std::size_t k = 0; k < poses_.size(); ++k) {
       write(k);
     }
-    times_.write = stopwatch.lap();
+    write_ms_ = stopwatch.lap();
     if (!options_.report.empty()) {
       report_file_.write(report());
     }
@@ -205,7 +205,7 @@ class Job {
                 {"edit", full(options_.edit)},
                 {"mesh", {{"vertices", file_.mesh.vertices.rows()}, {"faces", file_.mesh.faces.rows()}}},
                 {"outputs", outputs},
-                {"milliseconds", {{"read", times_.read}, {"edit", times_.edit}, {"write", times_.write}}}};
+                {"milliseconds", {{"read", read_ms_}, {"edit", edit_ms_}, {"write", write_ms_}}}};
     if (!options_.targets.empty()) {
       all["targets"] = full(options_.targets);
     }
@@ -220,9 +220,7 @@ class Job {
   MeshFile file_;
   std::vector<EditResult> poses_;    // one per fraction
   std::vector<int> shared_normals_;  // likewise
-  struct {
-    double read = 0, edit = 0, write = 0;
-  } times_;  // milliseconds
+  double read_ms_ = 0, edit_ms_ = 0, write_ms_ = 0;
 };
 
 /// Reads the mesh and answers --info and --nearest, a line for each answer.

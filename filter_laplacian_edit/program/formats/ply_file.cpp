@@ -114,11 +114,8 @@ class PlyReader {
     Element element;
     element.name = text_.wordOfLine();
     const long long count = text_.integer(text_.wordOfLine());
-    if (!has_format_) {
-      text_.refuse("the format has to come before");
-    }
-    if (count < 0 || count > std::numeric_limits<int>::max()) {
-      text_.refuse("there cannot be so many elements");
+    if (!has_format_ || count < 0 || count > std::numeric_limits<int>::max()) {
+      text_.refuse("the element comes before the format, or there cannot be so many");
     }
     element.count = static_cast<std::size_t>(count);
     if (std::any_of(elements_.begin(), elements_.end(), [&](const Element& e) { return e.name == element.name; })) {
