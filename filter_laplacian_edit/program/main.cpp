@@ -107,8 +107,8 @@ class Job {
   void run() {
     Stopwatch stopwatch;
     Edit edit = readEdit(options_);
-    file_ = readMeshFile(options_.input, options_.format);
-    times_.read = stopwatch.lap();
+    file_ = readMeshFile(options_.input, options_.reader);
+    read_ms_ = stopwatch.lap();
 
     if (file_.hasPolygons && (edit.mesh_faces || !edit.connectivity.empty())) {
       // MeshLab cuts polygons into other triangles for each format: only the vertices are the same.
@@ -121,21 +121,21 @@ class Job {
       return true;
     };
     poses_ = apply_edit(file_.mesh, edit, file_.selected, options_.fractions, file_.scalar, show);
+    for (std::size_t k = 0; k < poses_.size() && options_.quality; ++k) {
 #ifdef LAPEDIT_WITH_VCGLIB
-    for (EditResult& pose : poses_) {
-      if (options_.quality) {
-        count_self_intersections(file_.mesh, pose);
-      }
-    }
+      count_self_intersections(file_.mesh, poses_[k]);
+#else
+      throw Failure(WrongUsage, "This build has no --quality: build the program with MeshLab's headers at hand.");
 #endif
-    times_.edit = stopwatch.lap();
+    }
+    edit_ms_ = stopwatch.lap();
     line_.clear();
     refuseAdvice();
 
     for (std::size_t k = 0; k < poses_.size(); ++k) {
       write(k);
     }
-    times_.write = stopwatch.lap();
+    write_ms_ = stopwatch.lap();
     if (!options_.report.empty()) {
       report_file_.write(report());
     }
@@ -205,7 +205,7 @@ class Job {
                 {"edit", full(options_.edit)},
                 {"mesh", {{"vertices", file_.mesh.vertices.rows()}, {"faces", file_.mesh.faces.rows()}}},
                 {"outputs", outputs},
-                {"milliseconds", {{"read", times_.read}, {"edit", times_.edit}, {"write", times_.write}}}};
+                {"milliseconds", {{"read", read_ms_}, {"edit", edit_ms_}, {"write", write_ms_}}}};
     if (!options_.targets.empty()) {
       all["targets"] = full(options_.targets);
     }
@@ -220,25 +220,12 @@ class Job {
   MeshFile file_;
   std::vector<EditResult> poses_;    // one per fraction
   std::vector<int> shared_normals_;  // likewise
-  struct {
-    double read = 0, edit = 0, write = 0;
-  } times_;  // milliseconds
+  double read_ms_ = 0, edit_ms_ = 0, write_ms_ = 0;
 };
-
-/// Reads, edits, writes. Writes nothing unless all of it is done.
-void runJob(const Options& options, std::FILE* output) {
-  refuseSameFiles(options);
-#ifndef LAPEDIT_WITH_VCGLIB
-  if (options.quality) {
-    throw Failure(WrongUsage, "This build has no --quality: build the program with MeshLab's headers at hand.");
-  }
-#endif
-  Job(options, output).run();
-}
 
 /// Reads the mesh and answers --info and --nearest, a line for each answer.
 std::string answer(const Options& options) {
-  const MeshFile file = readMeshFile(options.input, options.format);
+  const MeshFile file = readMeshFile(options.input, options.reader);
   std::string text;
   if (options.info) {
     const MeshSummary summary = summary_of(file.mesh);
@@ -275,7 +262,7 @@ void work(const std::vector<std::string>& arguments, std::FILE* output) {
   std::string text;
   const std::optional<Options> options = readOptions(arguments, text);
   if (options && !options->asks()) {
-    return runJob(*options, output);
+    return Job(*options, output).run();
   }
   printAll(options ? answer(*options) : text, output, "check where it is redirected");
 }
