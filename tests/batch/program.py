@@ -92,7 +92,7 @@ class ProgramTest(unittest.TestCase):
 
     def writing(self, *arguments, **options):
         """@return a run that writes for a while, when it has begun to"""
-        process = self.start(self.mesh, "all.ply", self.edit, "--fractions", "0:1:900", "--quiet", *arguments, **options)
+        process = self.start(self.mesh, self.place / "all.ply", self.edit, "--fractions", "0:1:900", "--quiet", *arguments, **options)
         end = time.monotonic() + 60
         while len(list(self.place.glob(".laplacian-edit-*"))) < 3:
             self.assertIsNone(process.poll())
