@@ -9,12 +9,11 @@ import random
 import resource
 import shutil
 import signal
-import struct
 import subprocess
 import time
 import unittest
 
-from program import COMMAND, FACES, POINTS, SANITIZED, ProgramTest, ply_text
+from program import COMMAND, SANITIZED, ProgramTest, meshes
 
 RUNS = int(os.environ.get("LAPEDIT_FAULTS", "40"))
 SEED = int(os.environ.get("LAPEDIT_FAULTS_SEED", "28"))
@@ -25,22 +24,6 @@ CALLS = {"openat": (15, ("EIO", "ENOMEM", "EMFILE", "EACCES")), "read": (15, ("E
          "rename": (2, ("EIO", "ENOSPC", "EACCES")), "close": (15, ("EIO",)), "mmap,brk": (40, ("ENOMEM",)),
          "unlink,unlinkat": (2, ("EIO",)), "flock": (2, ("EIO", "ENOLCK")), "newfstatat,fstat": (20, ("EIO",)),
          "getdents64": (2, ("EIO",)), "chmod,fchmod,fchmodat,chown,fchownat": (2, ("EPERM",)), "getrandom": (2, ("EIO",))}
-
-
-def meshes():
-    points = [struct.unpack("3f", struct.pack("3f", *p)) for p in POINTS]
-    yield "text.ply", ply_text(points, FACES)
-    header = ply_text(points, FACES).split(b"end_header")[0].replace(b"ascii", b"binary_little_endian") + b"end_header\n"
-    yield "binary.ply", header + b"".join(struct.pack("<3f", *p) for p in points) + b"".join(
-        struct.pack("<B3i", 3, *f) for f in FACES)
-    yield "text.off", (f"OFF\n{len(points)} {len(FACES)} 0\n" + "".join("%r %r %r\n" % p for p in points)
-                       + "".join("3 %d %d %d\n" % f for f in FACES)).encode()
-    yield "text.obj", ("".join("v %r %r %r\n" % p for p in points) + "".join(
-        "f %d %d %d\n" % tuple(v + 1 for v in f) for f in FACES)).encode()
-    yield "binary.stl", bytes(80) + struct.pack("<I", len(FACES)) + b"".join(
-        struct.pack("<12fH", 0, 0, 1, *sum((points[v] for v in f), ()), 0) for f in FACES)
-    yield "text.stl", ("solid\n" + "".join("facet normal 0 0 1\nouter loop\n" + "".join(
-        "vertex %r %r %r\n" % points[v] for v in f) + "endloop\nendfacet\n" for f in FACES) + "endsolid\n").encode()
 
 
 @unittest.skipIf(SANITIZED, "a sanitizer makes calls of its own")

@@ -9,6 +9,7 @@ import json
 import os
 import pathlib
 import shutil
+import struct
 import subprocess
 import tempfile
 import time
@@ -31,6 +32,23 @@ def ply_text(points, faces, scalar="float"):
             + f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
             + "".join("%r %r %r\n" % tuple(p) for p in points)
             + "".join(" ".join(map(str, (len(f), *f))) + "\n" for f in faces)).encode()
+
+
+def meshes():
+    """The dome in each format; name and bytes."""
+    points = [struct.unpack("3f", struct.pack("3f", *p)) for p in POINTS]
+    yield "text.ply", ply_text(points, FACES)
+    header = ply_text(points, FACES).split(b"end_header")[0].replace(b"ascii", b"binary_little_endian") + b"end_header\n"
+    yield "binary.ply", header + b"".join(struct.pack("<3f", *p) for p in points) + b"".join(
+        struct.pack("<B3i", 3, *f) for f in FACES)
+    yield "text.off", (f"OFF\n{len(points)} {len(FACES)} 0\n" + "".join("%r %r %r\n" % p for p in points)
+                       + "".join("3 %d %d %d\n" % f for f in FACES)).encode()
+    yield "text.obj", ("".join("v %r %r %r\n" % p for p in points) + "".join(
+        "f %d %d %d\n" % tuple(v + 1 for v in f) for f in FACES)).encode()
+    yield "binary.stl", bytes(80) + struct.pack("<I", len(FACES)) + b"".join(
+        struct.pack("<12fH", 0, 0, 1, *sum((points[v] for v in f), ()), 0) for f in FACES)
+    yield "text.stl", ("solid\n" + "".join("facet normal 0 0 1\nouter loop\n" + "".join(
+        "vertex %r %r %r\n" % points[v] for v in f) + "endloop\nendfacet\n" for f in FACES) + "endsolid\n").encode()
 
 
 class ProgramTest(unittest.TestCase):
