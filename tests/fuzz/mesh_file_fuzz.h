@@ -56,11 +56,11 @@ inline EditResult moved(const MeshFile& file, int first) {
 }
 
 /// Reads bytes as a file of a format: it is refused, or an edit changes what it should, and nothing else.
-inline int run(Format format, const std::uint8_t* data, std::size_t size) {
+inline int run(MeshReader read, const std::uint8_t* data, std::size_t size) {
   const std::string bytes(reinterpret_cast<const char*>(data), size);
   MeshFile file;
   try {
-    file = readMesh(format, bytes);
+    file = read(bytes);
   } catch (const UnreadableMesh& error) {
     require(std::strlen(error.what()) > 10 && std::strlen(error.what()) < 600 + 3 * size, "a refusal is a sentence");
     return 0;
@@ -72,7 +72,7 @@ inline int run(Format format, const std::uint8_t* data, std::size_t size) {
   const EditResult edit = moved(file, static_cast<int>(size % 3));
   Points expected = file.mesh.vertices;
   scatter(edit.vertices, edit.positions, expected);
-  const MeshFile after = readMesh(format, file.edited(edit, shared));
+  const MeshFile after = read(file.edited(edit, shared));
   require_consistent(after);
   require(after.mesh.faces.rows() == file.mesh.faces.rows() && after.mesh.faces == file.mesh.faces, "all faces stay");
   require(after.mesh.vertices.rows() == expected.rows(), "no vertex is lost or added");

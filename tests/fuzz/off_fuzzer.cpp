@@ -4,5 +4,5 @@
 #include "mesh_file_fuzz.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  return lapedit::fuzz::run(Format::Off, data, size);
+  return lapedit::fuzz::run(readOff, data, size);
 }

@@ -4,5 +4,5 @@
 #include "mesh_file_fuzz.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  return lapedit::fuzz::run(Format::Ply, data, size);
+  return lapedit::fuzz::run(readPly, data, size);
 }
