@@ -107,7 +107,7 @@ class JsonKeys(WithProgram):
 
     def test_numbers_beyond_a_range_are_refused(self):
         """On the middle of the sheet; in most regions anchors as weak as they may be are too ill-conditioned."""
-        step = {"region": {"radius": 0.43, "padding": 0.3}, "handles": [{"vertices": "53,64-66,77", "translation": [0, 0, 0.1]}]}
+        step = {"region": {"radius": 0.43, "padding": 0.3}, "handles": [{"vertices": "52-54,64-66,76-78", "translation": [0, 0, 0.1]}]}
         edit = {"laplacian_edit": 1, "steps": [step]}
         rows = {("steps", 0, name): row for name, row in self.settings().items()} | {
             ("steps", 0, "region", "padding"): self.rows["steps[].region.padding"],
