@@ -53,10 +53,8 @@ def generated(path):
 
 def edited(path):
     """A mesh of laplacian-edit or meshlabserver. @return bits of the points, triangles"""
-    if b"format ascii" in path.read_bytes()[:40]:
-        points, faces = generated(path)
-        return [tuple(map(bits_of, point)) for point in points], faces
-    return Ply(path).point_bits(), Ply(path).faces()
+    mesh = Ply(path)
+    return mesh.point_bits(), mesh.faces()
 
 
 def run(command, *options, rights=True, code=0, typed=""):
