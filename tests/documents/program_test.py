@@ -30,7 +30,7 @@ class Program(WithProgram):
 
     def test_options(self):
         known = set()
-        for short, name, argument in re.findall(r"^  (?:(-\w), )?(--[\w-]+)(?: <([^>]+)>)?", self.help(), re.M):
+        for short, name, argument in re.findall(r"^  (?:(-\w), )?(--[\w-]+)(?: (\S+(?: \S+)*))?  ", self.help(), re.M):
             known |= {f"{name} {argument}".strip()} | ({short} - {""})
         self.assertGreater(len(known), 8)
         self.assertEqual({name for row in self.document.rows("Options") for name in code(row[0])}, known)
