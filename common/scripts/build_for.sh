@@ -1,12 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Builds both plugins for a MeshLab that no distribution installed, such as an official build, with the headers of its
+# Builds plugins and program for a MeshLab that no distribution installed, such as an official build, with the headers of its
 # version.
 #
 # usage: build_for.sh FOLDER [CMAKE_OPTION]...     FOLDER: the unpacked MeshLab; of an AppImage what
 #                                                  `MeshLab.AppImage --appimage-extract` makes, squashfs-root
 #
-# It builds in build-for-VERSION, and prints the command that installs the plugins for this user.
+# It builds in build-for-VERSION, and prints the command that installs them for this user.
 set -eu
 
 [ $# -ge 1 ] || { sed -n '/^# usage/,/^#$/s/^# \{0,1\}//p' "$0" >&2; exit 2; }
