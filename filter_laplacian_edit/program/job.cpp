@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "job.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -8,8 +9,7 @@
 #include <utility>
 
 #include "failure.h"
-#include "files/input_file.h"
-#include "files/output_files.h"
+#include "files/files.h"
 #include "files/system.h"
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
@@ -19,7 +19,6 @@
 #include "lapedit/json/report_json.h"
 #include "lapedit/mesh/mesh_summary.h"
 #include "lapedit/mesh/vertex_finder.h"
-#include "progress_line.h"
 #ifdef LAPEDIT_WITH_VCGLIB
 #include "lapedit_vcg/self_intersections.h"
 #endif
@@ -65,6 +64,29 @@ std::string coordinates(const Vector3& point, StoredScalar scalar) {
   const auto text = [&](int k) { return shortestText(point[k], scalar == StoredScalar::Float); };
   return text(0) + "," + text(1) + "," + text(2);
 }
+
+/// A line on the terminal that is updated during the work and removed at the end; none if the standard error is no
+/// terminal.
+class ProgressLine {
+ public:
+  explicit ProgressLine(bool isWanted) : is_wanted_(isWanted && system::isTerminal(stderr)) {}
+  ~ProgressLine() { clear(); }
+
+  void show(double fraction, const char* stage) {
+    if (is_wanted_) {
+      std::fprintf(stderr, "\r\033[K%3d %% %.60s", static_cast<int>(100 * std::clamp(fraction, 0.0, 1.0)), stage);
+      is_shown_ = true;
+    }
+  }
+
+  void clear() {
+    std::fputs(is_shown_ ? "\r\033[K" : "", stderr);
+    is_shown_ = false;
+  }
+
+ private:
+  bool is_wanted_, is_shown_ = false;
+};
 
 class Job {
  public:

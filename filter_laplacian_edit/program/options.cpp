@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "failure.h"
-#include "files/output_files.h"
+#include "files/files.h"
 
 namespace fs = std::filesystem;
 
@@ -273,28 +273,23 @@ std::optional<Options> readOptions(const std::vector<std::string>& arguments, st
 }
 
 void refuseSameFiles(const Options& options) {
-  struct Name {
-    std::string role, path;
-    bool isWritten;
-  };
-  std::map<fs::path, Name> names;
-  const auto add = [&](const char* role, const std::string& path, bool isWritten) {
-    if (path.empty() || (isWritten && path == "-")) {
+  std::map<fs::path, std::pair<std::string, bool>> names;  // what it is, and whether it is written
+  const auto add = [&](const std::string& role, const std::string& path, bool isWritten) {
+    if (path.empty() || path == "-") {
       return;
     }
-    const Name name = {role, path == "-" ? "/dev/stdin" : path, isWritten};
     fs::path real;
     try {
-      real = realPath(name.path);
+      real = realPath(path);
     } catch (const std::system_error&) {
       return;  // the job says why
     }
-    const auto [found, isNew] = names.emplace(real, name);
-    const Name& other = found->second;
-    const bool isInPlace = name.role == "output" && other.role == "mesh" && !options.numbered;
-    if (!isNew && (isWritten || other.isWritten) && !isInPlace) {
-      refuse("The " + other.role + " " + quotedPath(other.path) + " and the " + name.role + " " +
-             quotedPath(name.path) + " are the same file: give another name.");
+    const std::string name = role + " " + quotedPath(path);
+    const auto [found, isNew] = names.try_emplace(real, name, isWritten);
+    const auto& [other, isOtherWritten] = found->second;
+    const bool isInPlace = role == "output" && !options.numbered && !isOtherWritten && other.compare(0, 4, "mesh") == 0;
+    if (!isNew && (isWritten || isOtherWritten) && !isInPlace) {
+      refuse("The " + other + " and the " + name + " are the same file: give another name.");
     }
   };
   add("mesh", options.input, false);

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/system.h"
 
+#include <algorithm>
 #include <cctype>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <random>
 #include <system_error>
@@ -24,8 +26,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kLetters = 6;  // of a first file's name, after its beginning
-
 [[noreturn]] void fail(int error = errno) {
   throw std::system_error(error, std::generic_category());
 }
@@ -41,16 +41,6 @@ std::string beginning() {
     name += std::isalnum(static_cast<unsigned char>(*letter)) != 0 ? *letter : '_';
   }
   return name + "-";
-}
-
-std::string randomLetters() {
-  static constexpr char kAll[] = "abcdefghijklmnopqrstuvwxyz0123456789";
-  std::random_device device;
-  std::string text;
-  for (std::size_t k = 0; k < kLetters; ++k) {
-    text += kAll[device() % (sizeof kAll - 1)];
-  }
-  return text;
 }
 
 #ifdef _WIN32
@@ -127,10 +117,8 @@ void sweep(const fs::path& folder, const std::string& begin) {
   std::error_code error, ignored;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const std::string name = entry->path().filename().string();
-    const std::size_t size = begin.size() + kLetters;
-    if (name.compare(0, begin.size(), begin) == 0 &&
-        (name.size() == size || (name.size() > size && name[size] == '-')) &&
-        removeAbandoned(folder / name.substr(0, size)) && name.size() > size) {
+    const std::string first = name.substr(0, name.find('-', std::min(begin.size(), name.size())));
+    if (name.compare(0, begin.size(), begin) == 0 && removeAbandoned(folder / first) && name != first) {
       fs::remove(entry->path(), ignored);
     }
   }
@@ -158,11 +146,13 @@ bool prepareStreams() {
 }
 
 bool isTerminal(std::FILE* stream) {
+  const char* const kind = std::getenv("TERM");
 #ifdef _WIN32
-  return _isatty(_fileno(stream)) != 0;
+  const bool is = _isatty(_fileno(stream)) != 0;
 #else
-  return ::isatty(::fileno(stream)) != 0;
+  const bool is = ::isatty(::fileno(stream)) != 0;
 #endif
+  return is && kind != nullptr && kind != std::string("dumb");
 }
 
 void ignoreRequestsToEnd() {
@@ -180,7 +170,7 @@ NewFile::NewFile(const fs::path& folder, const NewFile* first) : is_first_(first
     sweep(folder, begin);
   }
   for (int tries = 0; file_ == nullptr; ++tries) {
-    path_ = folder / (begin + randomLetters());
+    path_ = folder / (begin + std::to_string(std::random_device()()));
     file_ = create(path_);
     if (file_ == nullptr && (errno != EEXIST || tries > 99)) {
       path_.clear();

@@ -5,8 +5,6 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <cstdint>
-#include <cstring>
 #include <numeric>
 #include <string_view>
 #include <utility>
@@ -27,30 +25,18 @@ double stored(NumberKind kind, double number) {
   return isSingle(kind) ? static_cast<double>(static_cast<float>(number)) : number;
 }
 
-bool isLittleEndian() {
-  constexpr std::uint16_t kOne = 1;
-  unsigned char first = 0;
-  std::memcpy(&first, &kOne, 1);
-  return first == 1;
-}
-
 /// The new bytes of a file.
 class Rewriter {
  public:
   explicit Rewriter(const MeshFile& file) : file_(file), bytes_(file.bytes) {}
 
   void replace(NumberKind kind, std::size_t at, double number) {
-    switch (kind) {
-      case NumberKind::Float:
-        return putBytes(at, static_cast<float>(number));
-      case NumberKind::Double:
-        return putBytes(at, number);
-      case NumberKind::FloatText:
-      case NumberKind::DoubleText:
-        const std::string text = shortestText(number, isSingle(kind));
-        pieces_.push_back({at, texts_.size(), text.size()});
-        texts_ += text;
+    if (kind == NumberKind::Float || kind == NumberKind::Double) {
+      return putReal(bytes_, at, isSingle(kind) ? 4 : 8, file_.bigEndian, number);
     }
+    const std::string text = shortestText(number, isSingle(kind));
+    pieces_.push_back({at, texts_.size(), text.size()});
+    texts_ += text;
   }
 
   std::string finished() {
@@ -76,15 +62,6 @@ class Rewriter {
   struct Piece {
     std::size_t at, text, size;
   };
-
-  template <class Number>
-  void putBytes(std::size_t at, Number number) {
-    char* const place = bytes_.data() + at;
-    std::memcpy(place, &number, sizeof number);
-    if (file_.bigEndian == isLittleEndian()) {
-      std::reverse(place, place + sizeof number);
-    }
-  }
 
   const MeshFile& file_;
   std::string bytes_, texts_;
@@ -166,7 +143,7 @@ std::string MeshFile::edited(const EditResult& result, int& sharedNormals) const
     const auto v = static_cast<Eigen::Index>(vertices.empty() ? i : static_cast<std::size_t>(vertices[i]));
     for (int k = 0; k < 3; ++k) {
       const double number = stored(positions.kinds[k], after(v, k));
-      if (number != mesh.vertices(v, k)) {
+      if (number != mesh.vertices(v, k) && std::isfinite(number)) {
         isMoved[static_cast<std::size_t>(v)] = 1;
         rewriter.replace(positions.kinds[k], positions.at[3 * i + k], number);
       }
@@ -193,33 +170,53 @@ MeshFile readMesh(Format format, std::string bytes) {
   return readStl(std::move(bytes));
 }
 
-void MeshBuilder::addPolygon(const std::vector<int>& corners) {
+void MeshBuilder::addPolygon(const std::vector<long long>& corners) {
+  for (const long long corner : corners) {
+    if (corner < 0) {
+      refuse(polygons_, corner);
+    }
+    if (corner > largest_) {
+      largest_ = corner;
+      largest_in_ = polygons_;
+    }
+  }
+  ++polygons_;
   file.hasPolygons |= corners.size() > 3;
   for (std::size_t k = 2; k < corners.size(); ++k) {
-    corners_.insert(corners_.end(), {corners[0], corners[k - 1], corners[k]});
+    for (const long long corner : {corners[0], corners[k - 1], corners[k]}) {
+      corners_.push_back(static_cast<int>(corner));
+    }
   }
 }
 
 void MeshBuilder::addNormals(FileNormals normals, const std::vector<int>& normalOf) {
   const std::size_t count = normals.at.size() / 3;
+  const auto has = [count](int normal) { return normal >= 0 && static_cast<std::size_t>(normal) < count; };
   normals.begin.assign(count + 1, 0);
   for (const int normal : normalOf) {
-    if (normal >= 0) {
-      ++normals.begin[static_cast<std::size_t>(normal) + 1];
-    }
+    normals.begin[has(normal) ? static_cast<std::size_t>(normal) + 1 : 0] += has(normal) ? 1 : 0;
   }
   std::partial_sum(normals.begin.begin(), normals.begin.end(), normals.begin.begin());
   normals.corners.resize(normals.begin.back());
   std::vector<std::size_t> next = normals.begin;
   for (std::size_t corner = 0; corner < normalOf.size(); ++corner) {
-    if (normalOf[corner] >= 0) {
+    if (has(normalOf[corner])) {
       normals.corners[next[static_cast<std::size_t>(normalOf[corner])]++] = static_cast<int>(corner);
     }
   }
   file.normals.push_back(std::move(normals));
 }
 
+void MeshBuilder::refuse(long long face, long long vertex) const {
+  throw UnreadableMesh("face " + std::to_string(face + first_) + " names vertex " + std::to_string(vertex + first_) +
+                       ", but there are " + std::to_string(vertexCount()) + " vertices, counted from " +
+                       std::to_string(first_));
+}
+
 MeshFile MeshBuilder::finished() {
+  if (largest_ >= static_cast<long long>(vertexCount())) {
+    refuse(largest_in_, largest_);
+  }
   file.mesh = {Eigen::Map<const Points>(coordinates_.data(), static_cast<Eigen::Index>(vertexCount()), 3),
                Eigen::Map<const Faces>(corners_.data(), static_cast<Eigen::Index>(faceCount()), 3)};
   return std::move(file);
