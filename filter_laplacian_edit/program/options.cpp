@@ -9,7 +9,6 @@
 #include <locale>
 #include <map>
 #include <sstream>
-#include <system_error>
 #include <utility>
 
 #include "failure.h"
@@ -54,8 +53,6 @@ Exit codes, with an error message on the standard error:
 Unless it is 0, no output was written or replaced; the message says if only the
 report is missing.
 )";
-
-constexpr char kTwoFiles[] = " takes two files: the points, and their targets.";
 
 [[noreturn]] void refuse(const std::string& sentence) {
   throw Failure(WrongUsage, sentence + " See --help.");
@@ -161,7 +158,10 @@ Words sorted(const std::vector<std::string>& arguments) {
     if (equals != std::string::npos && count == 1) {
       values.push_back(word->substr(equals + 1));
     } else if (equals != std::string::npos || static_cast<std::size_t>(arguments.end() - word) <= count) {
-      refuse("The option " + name + (count == 0 ? " takes no value." : count == 1 ? " takes a value." : kTwoFiles));
+      refuse("The option " + name + " takes " +
+             (count == 0   ? "no value."
+              : count == 1 ? "a value."
+                           : "two files: the points, and their targets."));
     } else {
       values.insert(values.end(), word + 1, word + 1 + static_cast<std::ptrdiff_t>(count));
       word += static_cast<std::ptrdiff_t>(count);
@@ -214,9 +214,6 @@ void takeFiles(const Words& words, Options& options) {
     options.output = files[1];
     options.edit = hasLandmarks ? words.value("--landmarks") : files[2];
     options.targets = hasLandmarks ? words.value("--landmarks", 1) : "";
-    if (hasLandmarks && (options.edit[0] == '-' || options.targets[0] == '-')) {
-      refuse("The option --landmarks" + std::string(kTwoFiles));
-    }
   }
   if (options.input == "-" && options.edit == "-") {
     refuse("The standard input is named twice: give the mesh or the edit as a file.");
@@ -278,12 +275,7 @@ void refuseSameFiles(const Options& options) {
     if (path.empty() || path == "-") {
       return;
     }
-    fs::path real;
-    try {
-      real = realPath(path);
-    } catch (const std::system_error&) {
-      return;  // the job says why
-    }
+    const fs::path real = realPath(path);
     const std::string name = role + " " + quotedPath(path);
     const auto [found, isNew] = names.try_emplace(real, name, isWritten);
     const auto& [other, isOtherWritten] = found->second;

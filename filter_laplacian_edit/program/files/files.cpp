@@ -38,26 +38,23 @@ std::string readFile(const std::string& what, const std::string& path, std::size
   if (!file) {
     refuseReading(what, path, errno == ENOENT ? "it does not exist" : std::strerror(errno));
   }
-  constexpr std::size_t kAtLeast = 1 << 16;
-  const std::uintmax_t size = path == "-" ? 0 : fs::file_size(path, unknown);
   std::string text;
-  for (;;) {
-    // One byte more than there should be, to see the end of the file.
-    const std::size_t done = text.size(),
-                      room = unknown || done >= size ? std::max(done / 2, kAtLeast) : size - done + 1;
-    text.resize(done + room);
-    const std::size_t count = std::fread(text.data() + done, 1, room, file.get());
-    text.resize(done + count);
-    if (std::ferror(file.get()) != 0) {
-      refuseReading(what, path, std::strerror(errno));
-    }
-    if (text.size() > most) {
-      refuseReading(what, path, "it is larger than " + std::to_string(most) + " bytes");
-    }
-    if (count < room) {
-      return text;
-    }
+  if (path != "-") {
+    const std::uintmax_t size = fs::file_size(path, unknown);
+    text.reserve(unknown ? 0 : static_cast<std::size_t>(size));
   }
+  std::vector<char> part(1 << 18);
+  for (std::size_t count = part.size(); count == part.size() && text.size() <= most;) {
+    count = std::fread(part.data(), 1, part.size(), file.get());
+    text.append(part.data(), count);
+  }
+  if (std::ferror(file.get()) != 0) {
+    refuseReading(what, path, std::strerror(errno));
+  }
+  if (text.size() > most) {
+    refuseReading(what, path, "it is larger than " + std::to_string(most) + " bytes");
+  }
+  return text;
 }
 
 MeshFile readMeshFile(const std::string& path, Format format) {
@@ -77,15 +74,16 @@ std::string quotedPath(const std::string& path) {
 
 fs::path realPath(const std::string& path) {
   constexpr int kMost = 40;  // links, as in the kernel
+  std::error_code error;
   fs::path real = fs::absolute(path);
-  int links = 0;
-  for (std::error_code none; fs::is_symlink(real, none); real = real.parent_path() / fs::read_symlink(real)) {
-    if (++links > kMost) {
-      throw std::system_error(std::make_error_code(std::errc::too_many_symbolic_link_levels));
+  for (int links = 0; fs::is_symlink(real, error); ++links) {
+    if (links > kMost) {
+      throw Failure(Unwritable, "The name " + quotedPath(path) + " leads through too many links: give another name.");
     }
+    real = real.parent_path() / fs::read_symlink(real, error);
   }
-  const fs::path folder = fs::weakly_canonical(real.parent_path());
-  return real.filename() == "." || real.filename() == ".." ? fs::weakly_canonical(real) : folder / real.filename();
+  const fs::path folder = fs::weakly_canonical(real.parent_path(), error);
+  return error ? real : folder / real.filename();
 }
 
 OutputFiles::OutputFiles(std::string what, const std::vector<std::string>& paths)
@@ -133,13 +131,6 @@ void OutputFiles::write(const std::string& bytes) {
 }
 
 void OutputFiles::replaceAll() {
-  // They may have changed since they were checked.
-  for (std::size_t k = 0; k < targets_.size(); ++k) {
-    std::error_code ignored;
-    if (fs::is_directory(targets_[k], ignored)) {
-      refuse(k, "it has become a folder");
-    }
-  }
   for (std::size_t k = files_.size(); k-- > 0;) {
     try {
       files_[k]->replace(targets_[k]);

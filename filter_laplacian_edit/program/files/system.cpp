@@ -10,14 +10,12 @@
 #include <random>
 #include <system_error>
 
-#ifdef _WIN32
 #include <fcntl.h>
-#include <io.h>
-#include <windows.h>
-#else
-#include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
+#ifdef _WIN32
+#include <io.h>
+#else
+#include <sys/file.h>
 #include <unistd.h>
 #endif
 
@@ -45,11 +43,18 @@ std::string beginning() {
 
 #ifdef _WIN32
 
-std::FILE* create(const fs::path& path) {
-  return _wfopen(path.c_str(), L"wbx");
+constexpr int kCreate = O_WRONLY | O_CREAT | O_EXCL | O_BINARY;
+
+int fsync(int file) {
+  return _commit(file);
 }
 
-/// Removes a first file, which is impossible while it is open. @return whether it is gone
+/// An open file cannot be removed.
+bool lock(int, const fs::path&) {
+  return true;
+}
+
+/// Removes a first file unless it is open. @return whether it is gone
 bool removeAbandoned(const fs::path& path) {
   std::error_code error;
   fs::remove(path, error);
@@ -60,26 +65,14 @@ void takeOver(const fs::path&, const fs::path&) {}
 
 #else
 
+constexpr int kCreate = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC;
+
 /// @return false if another process has the file, or removed it before it was locked, or if it is another user's
 bool lock(int file, const fs::path& path) {
   struct stat opened = {}, named = {};
   return (::flock(file, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) && ::fstat(file, &opened) == 0 &&
          ::lstat(path.c_str(), &named) == 0 && opened.st_ino == named.st_ino && opened.st_dev == named.st_dev &&
          opened.st_uid == ::geteuid();
-}
-
-/// @return null if a file of this name exists, or another process swept it at once
-std::FILE* create(const fs::path& path) {
-  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-  if (file < 0) {
-    return nullptr;
-  }
-  if (!lock(file, path)) {
-    ::close(file);
-    errno = EEXIST;
-    return nullptr;
-  }
-  return ::fdopen(file, "wb");
 }
 
 /// Removes a first file unless another process has locked it. @return whether it is gone
@@ -112,6 +105,17 @@ void takeOver(const fs::path& from, const fs::path& to) {
 }
 
 #endif
+
+/// @return null if a file of this name exists, or another process swept it at once
+std::FILE* create(const fs::path& path) {
+  const int file = ::open(path.string().c_str(), kCreate, 0600);
+  if (file >= 0 && !lock(file, path)) {
+    ::close(file);
+    errno = EEXIST;
+    return nullptr;
+  }
+  return file < 0 ? nullptr : ::fdopen(file, "wb");
+}
 
 void sweep(const fs::path& folder, const std::string& begin) {
   std::error_code error, ignored;
@@ -147,12 +151,7 @@ bool prepareStreams() {
 
 bool isTerminal(std::FILE* stream) {
   const char* const kind = std::getenv("TERM");
-#ifdef _WIN32
-  const bool is = _isatty(_fileno(stream)) != 0;
-#else
-  const bool is = ::isatty(::fileno(stream)) != 0;
-#endif
-  return is && kind != nullptr && kind != std::string("dumb");
+  return ::isatty(::fileno(stream)) != 0 && kind != nullptr && kind != std::string("dumb");
 }
 
 void ignoreRequestsToEnd() {
@@ -201,12 +200,7 @@ void NewFile::write(const std::string& bytes) {
   if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size() || std::fflush(file_) != 0) {
     fail();
   }
-#ifdef _WIN32
-  const bool done = _commit(_fileno(file_)) == 0;
-#else
-  const bool done = ::fsync(::fileno(file_)) == 0 || errno == EINVAL;  // not on all file systems
-#endif
-  if (!done) {
+  if (fsync(::fileno(file_)) != 0 && errno != EINVAL) {  // not on all file systems
     fail();
   }
   if (!is_first_) {

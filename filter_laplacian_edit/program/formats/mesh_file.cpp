@@ -5,7 +5,6 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <numeric>
 #include <string_view>
 #include <utility>
 
@@ -68,43 +67,39 @@ class Rewriter {
   std::vector<Piece> pieces_;
 };
 
-/// Returns the direction of a normal, not of unit length; zero where there is no area.
-Vector3 direction(const FileNormals& normals, std::size_t number, const Points& points, const Faces& faces) {
-  Vector3 sum = Vector3::Zero();
-  for (std::size_t i = normals.begin[number]; i < normals.begin[number + 1]; ++i) {
-    const int face = normals.corners[i] / 3, corner = normals.corners[i] % 3;
-    FaceShape shape;
-    const Vector3 a = points.row(faces(face, 0)), b = points.row(faces(face, 1)), c = points.row(faces(face, 2));
-    if (measure({a, b, c}, shape)) {
-      sum += (normals.ofFaces ? (b - a).cross(c - a).norm() : shape.angles[corner]) * shape.normal;
-    }
-  }
-  return sum;
-}
-
 /// Replaces the normals that an edit changes. @return the number of those that it should change and cannot
 int replaceNormals(const FileNormals& normals, const Points& points, const Faces& faces,
                    const std::vector<char>& isMoved, Rewriter& rewriter) {
+  struct Normal {
+    Vector3 sum = Vector3::Zero();
+    int corners = 0, moved = 0;
+  };
+  std::vector<Normal> all(normals.at.size() / 3);
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    const int a = faces(f, 0), b = faces(f, 1), c = faces(f, 2);
+    const bool isFaceMoved = isMoved[a] || isMoved[b] || isMoved[c];
+    FaceShape shape;
+    const Vector3 corner = points.row(a), ab = points.row(b), ac = points.row(c);
+    const bool hasArea = isFaceMoved && measure({corner, ab, ac}, shape);
+    for (int k = 0; k < 3; ++k) {
+      const auto n = static_cast<std::size_t>(normals.ofCorner[3 * f + k]);
+      if (n < all.size()) {  // else it has none
+        ++all[n].corners;
+        all[n].moved += normals.ofFaces ? isFaceMoved : isMoved[faces(f, k)];
+        if (hasArea) {
+          const double weight = normals.ofFaces ? (ab - corner).cross(ac - corner).norm() : shape.angles[k];
+          all[n].sum += weight * shape.normal;
+        }
+      }
+    }
+  }
   int shared = 0;
-  for (std::size_t n = 0; n + 1 < normals.begin.size(); ++n) {
-    std::size_t moved = 0;
-    const std::size_t begin = normals.begin[n], end = normals.begin[n + 1];
-    for (std::size_t i = begin; i < end; ++i) {
-      const int face = normals.corners[i] / 3, corner = normals.corners[i] % 3;
-      const bool isFaceMoved = isMoved[faces(face, 0)] || isMoved[faces(face, 1)] || isMoved[faces(face, 2)];
-      moved += normals.ofFaces ? isFaceMoved : isMoved[faces(face, corner)];
-    }
-    if (moved == 0) {
-      continue;
-    }
-    if (moved < end - begin && !normals.ofFaces) {
-      ++shared;
-      continue;
-    }
-    const Vector3 normal = direction(normals, n, points, faces);
-    const double length = normal.stableNorm();
-    for (int k = 0; k < 3 && length > 0 && std::isfinite(length); ++k) {
-      rewriter.replace(normals.kinds[k], normals.at[3 * n + k], normal[k] / length);
+  for (std::size_t n = 0; n < all.size(); ++n) {
+    const double length = all[n].sum.stableNorm();
+    const bool isShared = all[n].moved > 0 && all[n].moved < all[n].corners && !normals.ofFaces;
+    shared += isShared;
+    for (int k = 0; k < 3 && all[n].moved > 0 && !isShared && length > 0 && std::isfinite(length); ++k) {
+      rewriter.replace(normals.kinds[k], normals.at[3 * n + k], all[n].sum[k] / length);
     }
   }
   return shared;
@@ -189,21 +184,8 @@ void MeshBuilder::addPolygon(const std::vector<long long>& corners) {
   }
 }
 
-void MeshBuilder::addNormals(FileNormals normals, const std::vector<int>& normalOf) {
-  const std::size_t count = normals.at.size() / 3;
-  const auto has = [count](int normal) { return normal >= 0 && static_cast<std::size_t>(normal) < count; };
-  normals.begin.assign(count + 1, 0);
-  for (const int normal : normalOf) {
-    normals.begin[has(normal) ? static_cast<std::size_t>(normal) + 1 : 0] += has(normal) ? 1 : 0;
-  }
-  std::partial_sum(normals.begin.begin(), normals.begin.end(), normals.begin.begin());
-  normals.corners.resize(normals.begin.back());
-  std::vector<std::size_t> next = normals.begin;
-  for (std::size_t corner = 0; corner < normalOf.size(); ++corner) {
-    if (has(normalOf[corner])) {
-      normals.corners[next[static_cast<std::size_t>(normalOf[corner])]++] = static_cast<int>(corner);
-    }
-  }
+void MeshBuilder::addVertexNormals(FileNormals normals) {
+  normals.ofCorner = corners_;
   file.normals.push_back(std::move(normals));
 }
 

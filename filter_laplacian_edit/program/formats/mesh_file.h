@@ -35,15 +35,14 @@ inline bool isSingle(NumberKind kind) {
 
 /// Positions or normals in a file.
 struct FileVectors {
-  std::array<NumberKind, 3> kinds = {};
+  std::array<NumberKind, 3> kinds = {NumberKind::DoubleText, NumberKind::DoubleText, NumberKind::DoubleText};
   std::vector<std::size_t> at;  ///< three per vector: where its numbers begin, in bytes from the beginning of the file
 };
 
 /// Normals in a file. Each is the mean of those of some triangles.
 struct FileNormals : FileVectors {
-  bool ofFaces = false;            ///< weighted by area; otherwise by the angles at corners
-  std::vector<std::size_t> begin;  ///< normal -> its first entry of `corners`; one more at the end
-  std::vector<int> corners;        ///< 3 * triangle + corner
+  bool ofFaces = false;       ///< weighted by area; otherwise by the angles at corners
+  std::vector<int> ofCorner;  ///< triangle corner -> normal; it has none if there is no such normal
 };
 
 /// A mesh file in memory, and where in it the coordinates are. An edit changes these numbers and no other byte.
@@ -91,10 +90,8 @@ class MeshBuilder {
   std::size_t vertexCount() const { return coordinates_.size() / 3; }
   std::size_t faceCount() const { return corners_.size() / 3; }
 
-  /// Adds normals. @param normalOf  triangle corner -> normal; it has none if there is no such normal
-  void addNormals(FileNormals normals, const std::vector<int>& normalOf);
   /// Adds one normal per vertex.
-  void addVertexNormals(FileNormals normals) { addNormals(std::move(normals), corners_); }
+  void addVertexNormals(FileNormals normals);
 
   /// @throws UnreadableMesh if a face names a vertex that is not there
   MeshFile finished();

@@ -14,8 +14,6 @@ class ObjReader {
   MeshFile read(std::string bytes) {
     MeshFile& file = mesh_.file;
     file.bytes = std::move(bytes);
-    file.positions.kinds.fill(NumberKind::DoubleText);
-    normals_.kinds.fill(NumberKind::DoubleText);
     TextReader reader(file.bytes, file.bytes.compare(0, 3, "\xEF\xBB\xBF") == 0 ? 3 : 0);
     for (; !reader.isAtEnd(); reader.skipLine()) {
       const std::string_view keyword = reader.wordOfLine();
@@ -29,7 +27,7 @@ class ObjReader {
         readFace(reader);
       }
     }
-    mesh_.addNormals(std::move(normals_), normal_of_corner_);
+    file.normals.push_back(std::move(normals_));
     return mesh_.finished();
   }
 
@@ -53,14 +51,14 @@ class ObjReader {
     }
     mesh_.addPolygon(corners_);
     for (std::size_t k = 2; k < corners_.size(); ++k) {
-      normal_of_corner_.insert(normal_of_corner_.end(), {face_normals_[0], face_normals_[k - 1], face_normals_[k]});
+      normals_.ofCorner.insert(normals_.ofCorner.end(), {face_normals_[0], face_normals_[k - 1], face_normals_[k]});
     }
   }
 
   MeshBuilder mesh_{1};
   FileNormals normals_;
   std::vector<long long> corners_;
-  std::vector<int> face_normals_, normal_of_corner_;
+  std::vector<int> face_normals_;
 };
 
 }  // namespace

@@ -79,8 +79,6 @@ MeshFile readOff(std::string bytes) {
   }
 
   FileNormals normals;
-  normals.kinds.fill(NumberKind::DoubleText);
-  mesh.file.positions.kinds.fill(NumberKind::DoubleText);
   double values[3];
   bool isByLine = columns.colour;  // a vertex may have other numbers, such as colours of any number of components
   for (std::size_t v = 0; v < vertices; ++v) {

@@ -30,6 +30,7 @@ enum Role { X, Y, Z, NormalX, NormalY, NormalZ, Flags, Corners, None };
 constexpr const char* kRoles[] = {"x", "y", "z", "nx", "ny", "nz", "flags"};
 
 struct Property {
+  std::string name;
   const Type* type = nullptr;
   const Type* countType = nullptr;  ///< of a list; null: a single number
   Role role = None;
@@ -40,6 +41,9 @@ struct Element {
   std::size_t count = 0;
   std::vector<Property> properties;
 
+  bool has(const std::string& property) const {
+    return std::any_of(properties.begin(), properties.end(), [&](const Property& p) { return p.name == property; });
+  }
   const Property* find(Role role) const {
     const auto found = std::find_if(properties.begin(), properties.end(), [role](auto& p) { return p.role == role; });
     return found == properties.end() ? nullptr : &*found;
@@ -140,9 +144,10 @@ class PlyReader {
       property.countType = readType();
     }
     property.type = readType();
-    const std::string_view name = text_.wordOfLine();
-    if (elements_.empty() || name.empty() || (property.countType != nullptr && property.countType->isReal)) {
-      text_.refuse("the property has no element, no name, or a list whose length is no whole number");
+    const std::string name = property.name = text_.wordOfLine();
+    if (elements_.empty() || name.empty() || elements_.back().has(name) ||
+        (property.countType != nullptr && property.countType->isReal)) {
+      text_.refuse("the property has no element, no name of its own, or a list whose length is no whole number");
     }
     for (int role = X; role <= Flags && property.countType == nullptr; ++role) {
       if (name == kRoles[role]) {
@@ -153,7 +158,7 @@ class PlyReader {
         (name == "vertex_indices" || name == "vertex_index")) {
       property.role = Corners;
     }
-    elements_.back().properties.push_back(property);
+    elements_.back().properties.push_back(std::move(property));
   }
 
   /// Finds out how three numbers of an element are written. @return whether they are there, as real numbers
@@ -191,17 +196,22 @@ class PlyReader {
 
   // The rows.
 
+  /// Skips bytes of a binary file.
+  void skip(std::size_t count) {
+    if (count > file().bytes.size() - at_) {
+      refuse("the file ends before the numbers that its header names");
+    }
+    at_ += count;
+  }
+
   double readNumber(const Type& type) {
     if (is_text_) {
       const std::string_view word = text_.word();
       number_at_ = text_.at();
       return type.isReal ? text_.number(word, type.size == 4) : static_cast<double>(text_.integer(word));
     }
-    if (at_ > file().bytes.size() || file().bytes.size() - at_ < type.size) {
-      refuse("the file ends before the numbers that its header names");
-    }
     number_at_ = at_;
-    at_ += type.size;
+    skip(type.size);
     if (type.isReal) {
       return realAt(file().bytes, number_at_, type.size, file().bigEndian);
     }
@@ -234,8 +244,7 @@ class PlyReader {
       refuse("a list has a negative length");
     }
     if (!is_text_ && property.role == None) {
-      at_ += static_cast<std::size_t>(length) * property.type->size;
-      return;
+      return skip(static_cast<std::size_t>(length) * property.type->size);
     }
     for (double k = 0; k < length; ++k) {
       const double number = readNumber(*property.type);
@@ -263,7 +272,7 @@ class PlyReader {
     if (has_face_normals_) {
       face_normals_.at.insert(face_normals_.at.end(), places_ + 3, places_ + 6);
       for (std::size_t k = 0; k < added; ++k) {
-        face_of_corner_.insert(face_of_corner_.end(), {static_cast<int>(row_), -1, -1});
+        face_normals_.ofCorner.insert(face_normals_.ofCorner.end(), {static_cast<int>(row_), -1, -1});
       }
     }
     if ((flags_ & kSelected) != 0) {
@@ -291,7 +300,7 @@ class PlyReader {
       mesh_.addVertexNormals(std::move(vertex_normals_));
     }
     if (has_face_normals_) {
-      mesh_.addNormals(std::move(face_normals_), face_of_corner_);
+      file().normals.push_back(std::move(face_normals_));
     }
     return mesh_.finished();
   }
@@ -311,7 +320,6 @@ class PlyReader {
   std::vector<long long> corners_;
 
   FileNormals vertex_normals_, face_normals_;
-  std::vector<int> face_of_corner_;  // of the triangles
 };
 
 }  // namespace
