@@ -107,7 +107,7 @@ class Job {
   void run() {
     Stopwatch stopwatch;
     Edit edit = readEdit(options_);
-    file_ = readMeshFile(options_.input, options_.format);
+    file_ = readMeshFile(options_.input, options_.reader);
     times_.read = stopwatch.lap();
 
     if (file_.hasPolygons && (edit.mesh_faces || !edit.connectivity.empty())) {
@@ -121,13 +121,13 @@ class Job {
       return true;
     };
     poses_ = apply_edit(file_.mesh, edit, file_.selected, options_.fractions, file_.scalar, show);
+    for (std::size_t k = 0; k < poses_.size() && options_.quality; ++k) {
 #ifdef LAPEDIT_WITH_VCGLIB
-    for (EditResult& pose : poses_) {
-      if (options_.quality) {
-        count_self_intersections(file_.mesh, pose);
-      }
-    }
+      count_self_intersections(file_.mesh, poses_[k]);
+#else
+      throw Failure(WrongUsage, "This build has no --quality: build the program with MeshLab's headers at hand.");
 #endif
+    }
     times_.edit = stopwatch.lap();
     line_.clear();
     refuseAdvice();
@@ -225,20 +225,9 @@ class Job {
   } times_;  // milliseconds
 };
 
-/// Reads, edits, writes. Writes nothing unless all of it is done.
-void runJob(const Options& options, std::FILE* output) {
-  refuseSameFiles(options);
-#ifndef LAPEDIT_WITH_VCGLIB
-  if (options.quality) {
-    throw Failure(WrongUsage, "This build has no --quality: build the program with MeshLab's headers at hand.");
-  }
-#endif
-  Job(options, output).run();
-}
-
 /// Reads the mesh and answers --info and --nearest, a line for each answer.
 std::string answer(const Options& options) {
-  const MeshFile file = readMeshFile(options.input, options.format);
+  const MeshFile file = readMeshFile(options.input, options.reader);
   std::string text;
   if (options.info) {
     const MeshSummary summary = summary_of(file.mesh);
@@ -275,7 +264,7 @@ void work(const std::vector<std::string>& arguments, std::FILE* output) {
   std::string text;
   const std::optional<Options> options = readOptions(arguments, text);
   if (options && !options->asks()) {
-    return runJob(*options, output);
+    return Job(*options, output).run();
   }
   printAll(options ? answer(*options) : text, output, "check where it is redirected");
 }

@@ -127,9 +127,9 @@ long long TextReader::integer(std::string_view word) const {
   return value;
 }
 
-void TextReader::vector(FileVectors& vectors, double* values) {
+void TextReader::vector(FileVectors& vectors, double* values, bool ofLine) {
   for (int k = 0; k < 3; ++k) {
-    values[k] = number(wordOfLine(), false);
+    values[k] = number(ofLine ? wordOfLine() : word(), false);
     vectors.at.push_back(at_);
   }
 }
