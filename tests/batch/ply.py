@@ -29,7 +29,7 @@ class Ply:
             data = file.read()
         end = data.index(b"end_header\n") + len(b"end_header\n")
         header = data[:end].decode().splitlines()
-        assert header[1] == "format binary_little_endian 1.0", header[1]
+        assert header[1] in ("format binary_little_endian 1.0", "format ascii 1.0"), header[1]
         layout = []
         for line in header:
             words = line.split()
@@ -37,6 +37,8 @@ class Ply:
                 layout.append((words[1], int(words[2]), []))
             elif words[0] == "property":
                 layout[-1][2].append(words[1:])
+        if header[1] == "format ascii 1.0":
+            data = data[:end] + _packed(data[end:].split(), layout)
         self.elements = {}
         offset = end
         for element, count, properties in layout:
@@ -54,6 +56,23 @@ class Ply:
     def faces(self):
         f = self.elements["face"]
         return f["vertex_indices"] if "vertex_indices" in f else f["vertex_index"]
+
+
+def _packed(words, layout):
+    """The rows of a text file as they are in a binary one."""
+    words, packed = iter(words), []
+
+    def pack(kind):
+        real = kind in ("float", "double", "float32", "float64")
+        value = float(next(words)) if real else int(next(words))
+        packed.append(struct.pack("<" + (BITS[kind].translate({73: "f", 81: "d"}) if real else BITS[kind]), value))
+        return value
+    for _element, count, properties in layout:
+        for _ in range(count):
+            for kind in properties:
+                for _ in range(pack(kind[1]) if kind[0] == "list" else 1):
+                    pack(kind[-2])
+    return b"".join(packed)
 
 
 def _read_rows(data, offset, count, properties):
