@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The two filters' parameters and what they leave alone, on generated meshes through meshlabserver or laplacian-edit."""
+"""The two filters' parameters and what they leave unchanged, on generated meshes."""
 import json
 import math
 import re
 import subprocess
 import unittest
 
-from host import BY_COMMAND, STAGE, HostTest, laplacian_edit, project, replay, select_faces, select_vertices
+from host import STAGE, TOOL, FilterHost, laplacian_edit, project, replay, select_faces, select_vertices
 from ply import Ply, bits_of, float_of, write_ply
 from shapes import dome, moved, neighbours, together, within
 
@@ -14,7 +14,7 @@ CENTRE = 21 * 10 + 10  # vertex in the middle of the dome
 UP = (0, 0, 0.2)
 
 
-class FilterTest(HostTest):
+class FilterTest(FilterHost):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
@@ -34,8 +34,8 @@ class FilterTest(HostTest):
         return {v for v in range(len(before)) if before[v] != bits[v]}
 
 
-@unittest.skipIf(BY_COMMAND, "meshlabserver lists the filters")
-class Documentation(HostTest):
+@unittest.skipIf(TOOL, "meshlabserver lists the filters")
+class Documentation(FilterHost):
     def test_each_parameter_is_explained_and_the_paper_named(self):
         file = self.folder / "filters.txt"
         subprocess.run([STAGE / "bin" / "meshlabserver", "-d", file], env=self.environment, check=True,
@@ -138,12 +138,10 @@ class Settings(FilterTest):
 
 
 class Replay(FilterTest):
-
     def test_all_settings_mean_the_same_in_both_filters(self):
         edited, _ = self.bits([laplacian_edit(
             **self.lift, padding=0.3, laplacian=1, order=2, detail_rotation=1, iterations=2, normal_radius=0.21,
-            handle_weight=7, anchor_weight=0.7, turning=0, rough=1,
-            membrane=7.5)])
+            handle_weight=7, anchor_weight=0.7, turning=0, rough=1, membrane=7.5)])
         replayed, _ = self.bits([replay({
             **self.lift_json, "region": {"radius": 0.35, "padding": 0.3}, "laplacian": "cotangent", "order": 2,
             "detail_rotation": "smooth_normals", "iterations": 2, "normal_radius": 0.21, "handle_weight": 7,
@@ -172,7 +170,7 @@ class Replay(FilterTest):
             self.assertEqual(bits, same)
 
 
-@unittest.skipIf(BY_COMMAND, "meshlabserver opens projects")
+@unittest.skipIf(TOOL, "meshlabserver opens projects")
 class Layer(FilterTest):
     MATRIX = (0, -2, 0, 5, 2, 0, 0, -3, 0, 0, 2, 7, 0, 0, 0, 1)
 

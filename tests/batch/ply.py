@@ -3,7 +3,7 @@
 import os
 import struct
 
-# What the host stores coordinates in, and what the meshes for it are written in.
+# The type of MeshLab's coordinates, and of those in the meshes that are written here.
 SCALAR = os.environ.get("LAPEDIT_SCALAR", "float")
 _NUMBER, _WORD = {"float": ("<f", "<I"), "double": ("<d", "<Q")}[SCALAR]
 

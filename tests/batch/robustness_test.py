@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes with the faults of real scans, through meshlabserver or laplacian-edit: wherever the mathematics allows, the edit works."""
+"""Meshes with the faults of real scans: the edit works wherever the mathematics allows."""
 import math
 import unittest
 
-from host import HostTest, laplacian_edit
+from host import FilterHost, laplacian_edit
 from ply import Ply, bits_of, float_of, write_ply
 from shapes import dome, moved, neighbours, together, within
 
@@ -11,7 +11,7 @@ CENTRE = 21 * 10 + 10  # vertex in the middle of the dome
 RADIUS = 0.35
 
 
-class RobustnessTest(HostTest):
+class RobustnessTest(FilterHost):
     def check(self, points, faces, log_says=None, **change):
         """Lifts the middle of the dome that the mesh begins with, with both operators. @return the last result"""
         mesh = write_ply(self.folder / "faulty.ply", points, faces)

@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes the meshes of the recorded edits as binary PLY files in single precision, as MeshLab reads them.
+"""Writes the meshes of the recorded edits as binary PLY files of triangles, with coordinates as MeshLab stores them.
 
-usage: float_meshes.py GENERATED MESHES FOLDER
-  GENERATED, MESHES  folders of the generated and of the real meshes; MESHES may be empty
-  FOLDER             where to write <mesh>.ply; strips and equal corners of STL files become indexed triangles
+usage: ply_meshes.py SCALAR GENERATED MESHES FOLDER
+  SCALAR     float or double
+  GENERATED  folder of the generated meshes
+  MESHES     folder of the real meshes, may be empty
+  FOLDER     where to write <mesh>.ply
 """
 import pathlib
 import struct
@@ -47,22 +49,29 @@ def read_ply(path):
     return mesh.points(), faces
 
 
-READERS = {".off": read_off, ".stl": read_stl, ".ply": read_ply}
+def read(path):
+    """@return points, triangles"""
+    return {".off": read_off, ".stl": read_stl, ".ply": read_ply}[path.suffix.lower()](path)
+
+
+def write(path, points, faces, scalar="float"):
+    point = struct.Struct(f"<3{scalar[0]}")
+    header = (f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\nproperty {scalar} x\nproperty {scalar} y\n"
+              f"property {scalar} z\nelement face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n")
+    path.write_bytes(header.encode() + b"".join(point.pack(*p) for p in points)
+                     + b"".join(struct.pack("<B3i", 3, *f) for f in faces))
 
 
 def main():
-    generated, meshes, folder = sys.argv[1:]
+    scalar, generated, meshes, folder = sys.argv[1:]
     folder = pathlib.Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     for name in sorted({path.parent.name for path in HERE.glob("edits/*/*.json")}):
-        path = next((path for path in (pathlib.Path(generated, name), pathlib.Path(meshes, name)) if path.exists()), None)
-        if path is None:
-            continue
-        points, faces = READERS[path.suffix.lower()](path)
-        header = (f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\nproperty float x\nproperty float y\n"
-                  f"property float z\nelement face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n")
-        (folder / f"{name}.ply").write_bytes(header.encode() + b"".join(struct.pack("<3f", *p) for p in points)
-                                             + b"".join(struct.pack("<B3i", 3, *f) for f in faces))
+        path = pathlib.Path(generated, name)
+        if not path.exists() and meshes:
+            path = pathlib.Path(meshes, name)
+        if path.exists():
+            write(folder / f"{name}.ply", *read(path), scalar)
 
 
 if __name__ == "__main__":
