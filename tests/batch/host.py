@@ -20,11 +20,15 @@ import tempfile
 import unittest
 from xml.sax.saxutils import escape, quoteattr
 
+from ply import write_ply
+from shapes import dome
 from x_server import host_environment, start_x_server
 
 STAGE = pathlib.Path(os.environ.get("LAPEDIT_STAGE", "."))
 COMMAND = os.environ.get("LAPEDIT_COMMAND")
 TOOL = os.environ.get("LAPEDIT_RUN_FILTERS")
+CENTRE = 21 * 10 + 10  # vertex in the middle of the dome
+UP = (0, 0, 0.2)
 
 
 def point(name, xyz):
@@ -113,7 +117,7 @@ class HostTest(unittest.TestCase):
 
 
 class FilterHost(HostTest):
-    """A test case that runs filters."""
+    """Runs filters."""
     screen = None if TOOL else "640x480"
 
     def run_host(self, filters, mesh=None, save=(), project_text=None, project_out=None):
@@ -131,7 +135,7 @@ class FilterHost(HostTest):
             if project_text is not None:
                 base.with_suffix(".mlp").write_text(project_text)
                 command += ["-p", base.with_suffix(".mlp")]
-            command += ["-w", project_out] if project_out else ["-o", output, *(["-m", *save] if save else [])]
+            command += ["-o", output, *(["-m", *save] if save else []), *(["-w", project_out] if project_out else [])]
             command += ["-s", script] if filters else []
         done = subprocess.run(list(map(str, command)), env=self.environment, cwd=self.folder, stdin=subprocess.DEVNULL,
                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=120)
@@ -156,3 +160,15 @@ class FilterHost(HostTest):
             message = entries[0].splitlines()[0]
         self.assertRegex(message, sentence)
         self.assertRegex(message, r"\A[^\n]+\.\Z")
+
+
+class DomeHost(FilterHost):
+    """Lifts the middle of a dome."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.points, cls.faces = dome()
+        cls.mesh = write_ply(cls.folder / "dome.ply", cls.points, cls.faces)
+        cls.lift = {"handle_point": cls.points[CENTRE], "radius": 0.35, "translation": UP}
+        cls.lift_json = {"region": {"radius": 0.35}, "handles": [{"vertices": str(CENTRE), "translation": UP}]}

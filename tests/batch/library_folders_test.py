@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""No binary that is built, installed, or staged for the demonstration loads a library from the current folder.
+"""No binary that is built or installed loads a library from the current folder.
 
 Environment:
   LAPEDIT_BUILD  the build folder
@@ -7,7 +7,6 @@ Environment:
 import os
 import pathlib
 import re
-import shutil
 import subprocess
 import sys
 import unittest
@@ -37,16 +36,6 @@ class LibraryFolders(HostTest):
         subprocess.run(["cmake", "--install", BUILD], env={**os.environ, "DESTDIR": str(place)}, check=True,
                        stdout=subprocess.PIPE)
         self.assertEqual({b.name for b in binaries(place)}, NAMES)
-        self.check(place)
-
-    def test_staged_for_the_demonstration(self):
-        place = self.folder / "stage"
-        servers = [path for path in map(shutil.which, ("meshlabserver", "meshlab")) if path]
-        if not servers:
-            self.skipTest("there is no MeshLab to be staged")
-        subprocess.run([HERE.parents[1] / "common/demo/stage.sh", place,
-                        BUILD / "filter_laplacian_edit/libfilter_laplacian_edit.so", *servers], check=True)
-        self.assertEqual(len(list(binaries(place))), len(servers))
         self.check(place)
 
     def test_the_program_loads_no_library_of_meshlab_or_qt(self):

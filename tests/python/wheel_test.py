@@ -16,6 +16,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+from xml.sax.saxutils import quoteattr
 
 import numpy
 import pymeshlab
@@ -207,6 +208,21 @@ class Wheel(unittest.TestCase):
         figures = one.apply_filter("apply_coord_laplacian_editing", handle_source=2, handle_vertex=220,
                                    translation=numpy.array([0.0, 0.0, 4.0]))
         self.assertEqual(figures["handle"], 1)
+
+    def test_filter_script(self):
+        """A script of MeshLab's window or meshlabserver."""
+        text = json.dumps({"laplacian_edit": 1, "steps": [PULL]})
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder, "edit.mlx")
+            path.write_text('<!DOCTYPE FilterScript><FilterScript><filter name="Laplacian Edit Replay">'
+                            f'<Param type="RichString" name="edit" value={quoteattr(text)}/>'
+                            '<Param type="RichFloat" name="fraction" value="1"/></filter></FilterScript>', encoding="utf-8")
+            one, other = mesh_set(), mesh_set()
+            one.load_filter_script(str(path))
+        one.apply_filter_script()
+        package.edit(other, {"steps": [PULL]})
+        numpy.testing.assert_array_equal(vertices(one), vertices(other))
+        self.assertGreater(numpy.abs(vertices(one) - grid()[0]).max(), 3)
 
     def test_what_is_in_it(self):
         files = [str(file) for file in importlib.metadata.files("meshlab-laplacian-edit")]
