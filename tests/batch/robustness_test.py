@@ -5,7 +5,7 @@ import unittest
 
 from host import CENTRE, UP, FilterHost, laplacian_edit
 from ply import Ply, bits_of, float_of, write_ply
-from shapes import dome, moved, neighbours, together, within
+from shapes import dome, neighbours, within
 
 RADIUS = 0.35
 
@@ -70,12 +70,6 @@ class RobustnessTest(FilterHost):
                 ("repeated faces", [], faces + faces[300:340])):
             with self.subTest(fault):
                 self.check(points + more_points, faulty)
-
-    def test_many_components(self):
-        mesh = dome()
-        for k in range(40):
-            mesh = together(mesh, moved(dome(3, 3), 0.2, (0.3 + 0.01 * k, 0.4, 0.3)))
-        self.check(*mesh)
 
 
 if __name__ == "__main__":
