@@ -414,7 +414,7 @@ class Package(unittest.TestCase):
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8", check=False)
         self.assertEqual(done.returncode, 0, done.stdout)
         installed = {path.name for path in home.rglob("*") if path.is_file()}
-        self.assertEqual(installed, {"libedit_laplacian_drag.so", "libfilter_laplacian_edit.so"})
+        self.assertEqual(installed, {"libedit_laplacian_drag.so", "libfilter_laplacian_edit.so", "laplacian-edit"})
         self.give(home)
         self.check_window(root)
 

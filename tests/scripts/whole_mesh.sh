@@ -32,12 +32,12 @@ import json
 import resource
 import subprocess
 import sys
-program, path = sys.argv[1:]
-subprocess.run([program, f"{path}.ply", f"{path}.edited.ply", f"{path}.json", "--quiet", "--report", f"{path}.report.json"],
+program, mesh = sys.argv[1:]
+subprocess.run([program, "--quiet", "--report", f"{mesh}.report.json", f"{mesh}.ply", f"{mesh}.edited.ply", f"{mesh}.json"],
                check=True)
-report = json.load(open(f"{path}.report.json"))
-times = report["milliseconds"]
+report = json.load(open(f"{mesh}.report.json"))
 memory = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024
+times = report["milliseconds"]
 print(f"| {report['mesh']['vertices']:,} | {times['read'] / 1e3:.1f} | {times['edit'] / 1e3:.1f} | {times['write'] / 1e3:.1f} "
       f"| {sum(times.values()) / 1e3:.1f} | {memory / 1e9:.1f} |")
 EOF
