@@ -3,7 +3,8 @@
 //
 // usage: run_filters FILTERS IN OUT SCRIPT
 //   FILTERS  the plugin to test, libfilter_laplacian_edit.so
-//   IN, OUT  PLY; OUT has all attributes that MeshLab can write
+//   IN       a format of MeshLab's plugin io_base
+//   OUT      PLY, with all attributes that MeshLab can write
 //   SCRIPT   .mlx, whose parameters reach the filters unchanged, as from MeshLab's window
 //
 // Prints the log. Exit code: 0 done; 1 a filter refused its work, its message is on the standard error; 2 another error.
@@ -31,20 +32,21 @@ struct Refused : std::runtime_error {
 
 IOPlugin& found(IOPlugin* plugin) {
   if (plugin == nullptr) {
-    throw std::runtime_error("MeshLab has no plugin for PLY in " MESHLAB_PLUGINS ".");
+    throw std::runtime_error("MeshLab's plugin io_base does not know the format of a mesh.");
   }
   return *plugin;
 }
 
 /// MeshLab's own function would remove vertices with coordinates that are not finite.
 void read(const QString& path, MeshDocument& document) {
-  IOPlugin& plugin = found(meshlab::pluginManagerInstance().inputMeshPlugin("ply"));
+  const QString suffix = QFileInfo(path).suffix();
+  IOPlugin& plugin = found(meshlab::pluginManagerInstance().inputMeshPlugin(suffix));
   plugin.setLog(&document.Log);
-  RichParameterList options = plugin.initPreOpenParameter("ply");
+  RichParameterList options = plugin.initPreOpenParameter(suffix);
   options.join(meshlab::defaultGlobalParameterList());
   MeshModel& layer = *document.addNewMesh(path, QFileInfo(path).fileName());
   std::list<int> masks;
-  plugin.open("ply", path, {&layer}, masks, options, nullptr);
+  plugin.open(suffix, path, {&layer}, masks, options, nullptr);
   vcg::tri::UpdateNormal<CMeshO>::PerFaceNormalized(layer.cm);
   vcg::tri::UpdateNormal<CMeshO>::PerVertexAngleWeighted(layer.cm);
   vcg::tri::UpdateBounding<CMeshO>::Box(layer.cm);
