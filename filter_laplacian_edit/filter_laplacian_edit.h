@@ -10,5 +10,5 @@ class FilterLaplacianEdit : public lapedit::host::VertexFilterPlugin {
   Q_INTERFACES(LAPEDIT_FILTER_INTERFACE)
 
  public:
-  explicit FilterLaplacianEdit(const lapedit::host::ReportSink& sink = {}, int mostVertices = kFewVertices);
+  FilterLaplacianEdit();
 };

@@ -140,8 +140,7 @@ EditStep editStep(const ParameterValues& values, const CMeshO& host, const Bridg
   return step;
 }
 
-FilterOutcome run(const ParameterValues& values, CMeshO& host, const Progress& progress, const ReportSink& sink,
-                  int mostVertices) {
+FilterOutcome run(const ParameterValues& values, CMeshO& host, const Progress& progress) {
   std::optional<double> distance;
   const auto make = [&](const BridgedMesh& bridged) {
     const EditStep step = editStep(values, host, bridged);
@@ -153,20 +152,16 @@ FilterOutcome run(const ParameterValues& values, CMeshO& host, const Progress& p
     edit.steps = {step};
     return edit;
   };
-  EditedMesh edited = edit_mesh(host, make, {1}, mostVertices, progress);
-  edited.poses.front().reports.front().handle_point_distance = distance;
-  return write_edited(host, edited, sink);
+  EditedMesh edited = edit_mesh(host, make, 1, progress);
+  edited.pose.reports.front().handle_point_distance = distance;
+  return write_edited(host, edited);
 }
 
 }  // namespace
 
-FilterAction laplacianEdit(ReportSink sink, int mostVertices) {
-  return {
-      "Laplacian Edit", "apply_coord_laplacian_editing",
-      "Moves a handle (a vertex, or the selected vertices) and bends a region of the surface with it. " +
-          aboutTheMethod(),
-      parameters(),
-      [sink = std::move(sink), mostVertices](const ParameterValues& values, CMeshO& host, const Progress& progress) {
-        return run(values, host, progress, sink, mostVertices);
-      }};
+FilterAction laplacianEdit() {
+  return {"Laplacian Edit", "apply_coord_laplacian_editing",
+          "Moves a handle (a vertex, or the selected vertices) and bends a region of the surface with it. " +
+              aboutTheMethod(),
+          parameters(), run};
 }

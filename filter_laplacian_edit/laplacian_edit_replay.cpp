@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <utility>
-
 #include "filters.h"
 #include "lapedit/json/edit_script.h"
 
 using namespace lapedit;
 using namespace lapedit::host;
 
-FilterAction laplacianEditReplay(ReportSink sink, int mostVertices) {
+FilterAction laplacianEditReplay() {
   return {
       "Laplacian Edit Replay",
       "apply_coord_laplacian_editing_replay",
@@ -16,9 +14,9 @@ FilterAction laplacianEditReplay(ReportSink sink, int mostVertices) {
         "The edit as JSON text, beginning with a brace, or the path of a .json file."},
        {Parameter::Kind::Real, "fraction", 1.0, "Fraction",
         "How far each handle goes: from 0 (no change) to 1 (the whole edit). Rotations go by angle."}},
-      [sink = std::move(sink), mostVertices](const ParameterValues& values, CMeshO& host, const Progress& progress) {
+      [](const ParameterValues& values, CMeshO& host, const Progress& progress) {
         const Edit edit = load_edit(values.text("edit").toStdString());
         const auto make = [&edit](const BridgedMesh&) { return edit; };
-        return write_edited(host, edit_mesh(host, make, {values.real("fraction")}, mostVertices, progress), sink);
+        return write_edited(host, edit_mesh(host, make, values.real("fraction"), progress));
       }};
 }

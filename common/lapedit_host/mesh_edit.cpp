@@ -7,10 +7,12 @@
 
 #include "lapedit/edit/places.h"
 #include "lapedit_host/pose_writer.h"
-#include "lapedit_host/self_intersections.h"
+#include "lapedit_vcg/self_intersections.h"
 
 namespace lapedit::host {
 namespace {
+
+constexpr int kFewVertices = 20000;
 
 void add(const std::string& prefix, const std::vector<Figure>& figures, std::map<std::string, QVariant>& all) {
   for (const Figure& figure : figures) {
@@ -25,8 +27,7 @@ void add(const std::string& prefix, const std::vector<Figure>& figures, std::map
 
 }  // namespace
 
-EditedMesh edit_mesh(const CMeshO& host, const MakeEdit& make, const std::vector<double>& fractions, int most_vertices,
-                     const Progress& progress) {
+EditedMesh edit_mesh(const CMeshO& host, const MakeEdit& make, double fraction, const Progress& progress) {
   EditedMesh edited;
   edited.bridged = read_mesh(host);
   const TriangleMesh& mesh = edited.bridged.mesh;
@@ -36,33 +37,16 @@ EditedMesh edit_mesh(const CMeshO& host, const MakeEdit& make, const std::vector
   edited.adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
   const SelectedVertices selection = {selected_vertices(host, edited.bridged),
                                       vertices_of_selected_faces(host, edited.bridged)};
-  edited.poses = apply_edit(mesh, edited.adjacency, located(mesh, edited.adjacency, edit, selection), fractions,
-                            kStoredScalar, progress);
-  for (EditResult& pose : edited.poses) {
-    count_self_intersections(mesh, pose, most_vertices);
-  }
+  const Edit found = located(mesh, edited.adjacency, edit, selection);
+  edited.pose = std::move(apply_edit(mesh, edited.adjacency, found, {fraction}, kStoredScalar, progress).front());
+  count_self_intersections(mesh, edited.pose, kFewVertices);
   return edited;
 }
 
-FilterOutcome write_edited(CMeshO& host, const EditedMesh& edited, const ReportSink& sink) {
-  const EditResult& pose = edited.poses.front();
-  FilterOutcome outcome = {text_of(pose.reports), figures_of(pose.reports)};
-  write_positions(host, edited.bridged, edited.adjacency, pose);
-  if (sink) {
-    sink(pose.reports);
-  }
+FilterOutcome write_edited(CMeshO& host, const EditedMesh& edited) {
+  FilterOutcome outcome = {text_of(edited.pose.reports), figures_of(edited.pose.reports)};
+  write_positions(host, edited.bridged, edited.adjacency, edited.pose);
   return outcome;
-}
-
-std::string text_of(const std::vector<EditReport>& reports) {
-  std::string text;
-  for (std::size_t k = 0; k < reports.size(); ++k) {
-    if (reports.size() > 1) {
-      text += (k > 0 ? "\nStep " : "Step ") + std::to_string(k + 1) + " of " + std::to_string(reports.size()) + "\n";
-    }
-    text += reports[k].text();
-  }
-  return text;
 }
 
 std::map<std::string, QVariant> figures_of(const std::vector<EditReport>& reports) {

@@ -21,29 +21,6 @@ bool same_bits(const Point3m& a, const Point3m& b) {
   return std::memcmp(a.V(), b.V(), sizeof(Scalarm) * 3) == 0;
 }
 
-/// @return false if the face has no area or a non-finite corner
-bool measure(const Point3m& a, const Point3m& b, const Point3m& c, FaceShape& shape) {
-  if (!is_finite(a) || !is_finite(b) || !is_finite(c)) {
-    return false;
-  }
-  const std::array<Vector3, 3> corners = {to_core(a), to_core(b), to_core(c)};
-  std::array<Vector3, 3> edges;  // edge k leads from corner k to the next
-  for (int k = 0; k < 3; ++k) {
-    edges[k] = corners[(k + 1) % 3] - corners[k];
-  }
-  const Vector3 normal = edges[0].cross(edges[1]);
-  const double length = normal.stableNorm();
-  if (!(length > 0) || !std::isfinite(length)) {
-    return false;
-  }
-  shape.normal = normal / length;
-  for (int k = 0; k < 3; ++k) {
-    const Vector3& in = edges[(k + 2) % 3];
-    shape.angles[k] = std::atan2(edges[k].cross(-in).norm(), edges[k].dot(-in));
-  }
-  return true;
-}
-
 void list_flagged(const std::vector<char>& flags, std::vector<int>& list) {
   list.clear();
   list.reserve(static_cast<std::size_t>(std::count(flags.begin(), flags.end(), 1)));
@@ -212,7 +189,7 @@ void PoseWriter::write_settled_normals(CMeshO& host) {
       MeasuredFace& face = a.measured[static_cast<std::size_t>(i)];
       const auto corner = [&](int k) -> const Corner& { return now_[static_cast<std::size_t>(faces_(f, k))]; };
       face.is_away = corner(0).is_away || corner(1).is_away || corner(2).is_away;
-      face.has_shape = measure(corner(0).place, corner(1).place, corner(2).place, face.shape);
+      face.has_shape = measure({to_core(corner(0).place), to_core(corner(1).place), to_core(corner(2).place)}, face.shape);
       normal_of_face(host, f) = face.is_away && face.has_shape ? to_host(face.shape.normal)
                                                                : first_face_normals_[static_cast<std::size_t>(f)];
     }

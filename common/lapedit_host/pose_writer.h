@@ -1,20 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "lapedit/base/thread_pool.h"
 #include "lapedit/mesh/adjacency.h"
+#include "lapedit/mesh/face_shape.h"
 #include "lapedit_host/mesh_bridge.h"
 
 namespace lapedit::host {
-
-/// Unit normal of a face, and the angles at its corners.
-struct FaceShape {
-  Vector3 normal;
-  std::array<double, 3> angles;
-};
 
 /// Writes any number of poses into a host mesh, at a cost that depends on the moved vertices and not on the mesh, and
 /// can restore the mesh's first state bit by bit.

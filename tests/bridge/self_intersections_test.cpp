@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit_host/self_intersections.h"
+#include "lapedit_vcg/self_intersections.h"
 
 #include <gtest/gtest.h>
 #include <vcg/complex/algorithms/clean.h>
@@ -11,7 +11,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit::host {
+namespace lapedit {
 namespace {
 
 /// The pairs that vcglib finds among all.
@@ -130,4 +130,4 @@ TEST(SelfIntersections, AreLeftOutOfAReportWhereThereAreTooManyVertices) {
 }
 
 }  // namespace
-}  // namespace lapedit::host
+}  // namespace lapedit

@@ -10,7 +10,6 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
-#include "lapedit/edit/places.h"
 #include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
@@ -209,6 +208,26 @@ std::vector<EditResult> apply_edit(const TriangleMesh& mesh, const Adjacency& ad
     results[p].positions = gather(poses.vertices(p), results[p].vertices);
   }
   return results;
+}
+
+std::vector<EditResult> apply_edit(const TriangleMesh& mesh, const Edit& edit, const SelectedVertices& selection,
+                                   const std::vector<double>& fractions, StoredScalar scalar,
+                                   const Progress& progress) {
+  validate(mesh);
+  require_same_mesh(mesh, edit);
+  const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
+  return apply_edit(mesh, adjacency, located(mesh, adjacency, edit, selection), fractions, scalar, progress);
+}
+
+std::string text_of(const std::vector<EditReport>& reports) {
+  std::string text;
+  for (std::size_t k = 0; k < reports.size(); ++k) {
+    if (reports.size() > 1) {
+      text += (k > 0 ? "\nStep " : "Step ") + std::to_string(k + 1) + " of " + std::to_string(reports.size()) + "\n";
+    }
+    text += reports[k].text();
+  }
+  return text;
 }
 
 }  // namespace lapedit

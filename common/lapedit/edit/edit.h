@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lapedit/edit/mirror.h"
+#include "lapedit/edit/places.h"
 #include "lapedit/edit/step_runner.h"
 
 namespace lapedit {
@@ -50,5 +51,14 @@ EditResult apply_edit(const TriangleMesh& mesh, const Edit& edit, double fractio
 std::vector<EditResult> apply_edit(const TriangleMesh& mesh, const Adjacency& adjacency, const Edit& edit,
                                    const std::vector<double>& fractions, StoredScalar scalar = StoredScalar::Double,
                                    const Progress& progress = {});
+
+/// The same for a mesh that has not been checked, with what is selected in it. @throws EditError also as validate() and
+/// located()
+std::vector<EditResult> apply_edit(const TriangleMesh& mesh, const Edit& edit, const SelectedVertices& selection,
+                                   const std::vector<double>& fractions, StoredScalar scalar,
+                                   const Progress& progress = {});
+
+/// Returns the reports of an edit's steps as text for a log, without a trailing newline.
+std::string text_of(const std::vector<EditReport>& reports);
 
 }  // namespace lapedit

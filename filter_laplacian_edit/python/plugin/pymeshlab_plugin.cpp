@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pymeshlab_plugin.h"
 
-#include <QByteArray>
-#include <QJsonDocument>
-#include <QJsonObject>
 #include <optional>
 #include <utility>
 
 #include "lapedit/json/edit_script.h"
-#include "report_steps.h"
+#include "lapedit/json/report_json.h"
 
 using namespace lapedit;
 using namespace lapedit::host;
@@ -25,7 +22,7 @@ struct Kept {
 /// PyMeshLab may damage a MeshSet when a filter refuses, so an edit is first made of a copy, and then again of the
 /// user's mesh: that finds the result here.
 thread_local std::optional<Kept> kept;
-thread_local QByteArray report;
+thread_local std::string report;
 
 bool same(const TriangleMesh& a, const TriangleMesh& b) {
   return a.vertices.rows() == b.vertices.rows() && a.faces.rows() == b.faces.rows() && a.vertices == b.vertices &&
@@ -42,15 +39,14 @@ FilterOutcome replay(const ParameterValues& values, CMeshO& host, const Progress
     kept.reset();
     const Edit edit = load_edit(text.toStdString());
     const auto make = [&edit](const BridgedMesh&) { return edit; };
-    kept = Kept{text, fraction, edit_mesh(host, make, {fraction}, kFewVertices, progress)};
+    kept = Kept{text, fraction, edit_mesh(host, make, fraction, progress)};
   }
   const TriangleMesh& mesh = kept->edited.bridged.mesh;
-  const QJsonObject counts = {{"vertices", static_cast<int>(mesh.vertices.rows())},
-                              {"faces", static_cast<int>(mesh.faces.rows())}};
-  const QJsonObject all = {
-      {"mesh", counts}, {"fraction", fraction}, {"steps", jsonOfSteps(kept->edited.poses.front().reports)}};
-  report = QJsonDocument(all).toJson(QJsonDocument::Compact);
-  return write_edited(host, kept->edited, {});
+  const Json all = {{"mesh", {{"vertices", mesh.vertices.rows()}, {"faces", mesh.faces.rows()}}},
+                    {"fraction", fraction},
+                    {"steps", report_json(kept->edited.pose.reports)}};
+  report = all.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return write_edited(host, kept->edited);
 }
 
 FilterAction keepingReplay() {
@@ -64,7 +60,7 @@ FilterAction keepingReplay() {
 PyMeshLabPlugin::PyMeshLabPlugin() : VertexFilterPlugin("PyMeshLabLaplacianEdit", {laplacianEdit(), keepingReplay()}) {}
 
 const char* laplacian_edit_report() {
-  return report.constData();
+  return report.c_str();
 }
 
 void laplacian_edit_forget() {

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "lapedit/deform/edit_report.h"
+#include "lapedit/json/json_text.h"
+
+namespace lapedit {
+
+/// Returns a list with an object for each step: all figures by their names, `milliseconds` and `landmarks`.
+Json report_json(const std::vector<EditReport>& steps);
+
+}  // namespace lapedit

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <limits>
+
+#include "lapedit/edit/edit.h"
+
+namespace lapedit {
+
+/// Returns the number of pairs of faces that intersect after an edit and did not before, by vcglib's test, which
+/// MeshLab's filter *Select Self Intersecting Faces* uses: faces that share an edge never intersect, those that share a
+/// corner do if the opposite edge of one pierces the other. Checks faces with a moved corner against all others. Faces
+/// without area, or not finite, intersect nothing.
+/// @param before  the mesh before the edit
+/// @param threads 0: as many as the machine has; the number does not depend on it
+/// Cost: about that of one solution of a region of these faces.
+int new_self_intersections(const TriangleMesh& before, const EditResult& result, int threads = 0);
+
+/// Sets that number in the last report if at most `most_vertices` vertices moved. Errors leave it unset.
+void count_self_intersections(const TriangleMesh& before, EditResult& result,
+                              int most_vertices = std::numeric_limits<int>::max());
+
+}  // namespace lapedit

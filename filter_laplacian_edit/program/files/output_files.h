@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "files/system.h"
+
+/// Returns the name of a file for a message.
+std::string quotedPath(const std::string& path);
+
+/// Returns the file that a name leads to through links, whether it exists or not. @throws std::system_error
+std::filesystem::path realPath(const std::string& path);
+
+/// Files of one folder that replace their targets together, when all of them are complete and on the disk.
+class OutputFiles {
+ public:
+  /// Checks that the targets can be written, as far as possible; creates nothing.
+  /// @param what  names them in messages: "output" or "report"
+  /// @throws Failure (Unwritable)
+  OutputFiles(std::string what, const std::vector<std::string>& paths);
+  ~OutputFiles();
+  OutputFiles(const OutputFiles&) = delete;
+  OutputFiles& operator=(const OutputFiles&) = delete;
+
+  /// Writes the next file. @throws Failure (Unwritable)
+  void write(const std::string& bytes);
+
+  /// Gives all files the names of their targets. @throws Failure (Unwritable)
+  void replaceAll();
+
+ private:
+  [[noreturn]] void refuse(std::size_t k, const std::string& why) const;
+
+  std::string what_;
+  std::vector<std::string> paths_;
+  std::vector<std::filesystem::path> targets_;
+  std::vector<std::unique_ptr<lapedit::system::NewFile>> files_;
+};

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "files/system.h"
+
+#include <cctype>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <random>
+#include <system_error>
+
+#ifdef _WIN32
+#include <fcntl.h>
+#include <io.h>
+#include <windows.h>
+#else
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#endif
+
+namespace lapedit::system {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kLetters = 6;  // of a first file's name, after its beginning
+
+[[noreturn]] void fail(int error = errno) {
+  throw std::system_error(error, std::generic_category());
+}
+
+/// Returns the beginning of the names of new files, with the machine, since locks may be local to one machine.
+std::string beginning() {
+  char machine[256] = {};
+#ifndef _WIN32
+  gethostname(machine, sizeof machine - 1);
+#endif
+  std::string name = ".laplacian-edit-";
+  for (const char* letter = machine; *letter != '\0'; ++letter) {
+    name += std::isalnum(static_cast<unsigned char>(*letter)) != 0 ? *letter : '_';
+  }
+  return name + "-";
+}
+
+std::string randomLetters() {
+  static constexpr char kAll[] = "abcdefghijklmnopqrstuvwxyz0123456789";
+  std::random_device device;
+  std::string text;
+  for (std::size_t k = 0; k < kLetters; ++k) {
+    text += kAll[device() % (sizeof kAll - 1)];
+  }
+  return text;
+}
+
+#ifdef _WIN32
+
+std::FILE* create(const fs::path& path) {
+  return _wfopen(path.c_str(), L"wbx");
+}
+
+/// Removes a first file, which is impossible while it is open. @return whether it is gone
+bool removeAbandoned(const fs::path& path) {
+  std::error_code error;
+  fs::remove(path, error);
+  return !error;
+}
+
+void takeOver(const fs::path&, const fs::path&) {}
+
+#else
+
+/// @return false if another process has the file, or removed it before it was locked, or if it is another user's
+bool lock(int file, const fs::path& path) {
+  struct stat opened = {}, named = {};
+  return (::flock(file, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) && ::fstat(file, &opened) == 0 &&
+         ::lstat(path.c_str(), &named) == 0 && opened.st_ino == named.st_ino && opened.st_dev == named.st_dev &&
+         opened.st_uid == ::geteuid();
+}
+
+/// @return null if a file of this name exists, or another process swept it at once
+std::FILE* create(const fs::path& path) {
+  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  if (file < 0) {
+    return nullptr;
+  }
+  if (!lock(file, path)) {
+    ::close(file);
+    errno = EEXIST;
+    return nullptr;
+  }
+  return ::fdopen(file, "wb");
+}
+
+/// Removes a first file unless another process has locked it. @return whether it is gone
+bool removeAbandoned(const fs::path& path) {
+  const int file = ::open(path.c_str(), O_WRONLY | O_NOFOLLOW | O_CLOEXEC);
+  if (file < 0) {
+    return errno == ENOENT;
+  }
+  // Without locks it is unknown whether the file is abandoned.
+  const bool isGone = lock(file, path) && ::flock(file, LOCK_EX | LOCK_NB) == 0 && ::unlink(path.c_str()) == 0;
+  ::close(file);
+  return isGone;
+}
+
+/// Copies owner, group and permissions of a file; a new one gets those of a file that the user creates.
+void takeOver(const fs::path& from, const fs::path& to) {
+  struct stat before = {};
+  if (::stat(from.c_str(), &before) != 0) {
+    const mode_t withheld = ::umask(0);
+    ::umask(withheld);
+    ::chmod(to.c_str(), 0666 & ~withheld);
+    return;
+  }
+  mode_t mode = before.st_mode & 0777;
+  if (::chown(to.c_str(), before.st_uid, before.st_gid) != 0 && ::chown(to.c_str(), -1, before.st_gid) != 0) {
+    // Permissions of one group are not given to another group; it gets those of all users.
+    mode &= ~070 | ((mode & 07) << 3);
+  }
+  ::chmod(to.c_str(), mode);
+}
+
+#endif
+
+void sweep(const fs::path& folder, const std::string& begin) {
+  std::error_code error, ignored;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    const std::size_t size = begin.size() + kLetters;
+    if (name.compare(0, begin.size(), begin) == 0 && (name.size() == size || (name.size() > size && name[size] == '-')) &&
+        removeAbandoned(folder / name.substr(0, size)) && name.size() > size) {
+      fs::remove(entry->path(), ignored);
+    }
+  }
+}
+
+}  // namespace
+
+bool prepareStreams() {
+#ifdef _WIN32
+  for (std::FILE* const stream : {stdin, stdout}) {
+    _setmode(_fileno(stream), _O_BINARY);
+  }
+  return true;
+#else
+  const bool hasOutput = ::fcntl(STDOUT_FILENO, F_GETFD) != -1;
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(stream, F_GETFD) == -1) {
+      ::open("/dev/null", O_RDWR);
+    }
+  }
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+  return hasOutput;
+#endif
+}
+
+bool isTerminal(std::FILE* stream) {
+#ifdef _WIN32
+  return _isatty(_fileno(stream)) != 0;
+#else
+  return ::isatty(::fileno(stream)) != 0;
+#endif
+}
+
+void ignoreRequestsToEnd() {
+  for (const int request : {SIGINT, SIGTERM}) {
+    std::signal(request, SIG_IGN);
+  }
+#ifdef SIGHUP
+  std::signal(SIGHUP, SIG_IGN);
+#endif
+}
+
+NewFile::NewFile(const fs::path& folder, const NewFile* first) : is_first_(first == nullptr) {
+  const std::string begin = is_first_ ? beginning() : first->path_.filename().string() + "-";
+  if (is_first_) {
+    sweep(folder, begin);
+  }
+  for (int tries = 0; file_ == nullptr; ++tries) {
+    path_ = folder / (begin + randomLetters());
+    file_ = create(path_);
+    if (file_ == nullptr && (errno != EEXIST || tries > 99)) {
+      path_.clear();
+      fail();
+    }
+  }
+}
+
+NewFile::~NewFile() {
+  std::error_code ignored;
+#ifdef _WIN32
+  close();  // before it can be removed
+#endif
+  if (!path_.empty()) {
+    fs::remove(path_, ignored);
+  }
+  close();
+}
+
+void NewFile::close() {
+  if (file_ != nullptr) {
+    std::fclose(file_);
+    file_ = nullptr;
+  }
+}
+
+void NewFile::write(const std::string& bytes) {
+  if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size() || std::fflush(file_) != 0) {
+    fail();
+  }
+#ifdef _WIN32
+  const bool done = _commit(_fileno(file_)) == 0;
+#else
+  const bool done = ::fsync(::fileno(file_)) == 0 || errno == EINVAL;  // not on all file systems
+#endif
+  if (!done) {
+    fail();
+  }
+  if (!is_first_) {
+    close();  // of several thousand files
+  }
+}
+
+void NewFile::replace(const fs::path& target) {
+#ifdef _WIN32
+  close();
+#endif
+  takeOver(target, path_);
+  fs::rename(path_, target);
+  path_.clear();
+}
+
+std::string whyNotWritten(int error) {
+  switch (error) {
+    case ENOSPC:
+      return "the disk is full: free some space, or write to another disk";
+#ifdef EDQUOT
+    case EDQUOT:
+      return "your share of the disk (quota) is used up: free some space, or write to another disk";
+#endif
+    case EFBIG:
+      return "it is larger than a file may be here: raise the limit (ulimit -f), or write to another disk";
+    case EROFS:
+      return "the disk is read-only: write to another one";
+    case ENOENT:
+      return "its folder was moved or removed: run it again";
+    default:
+      return std::strerror(error);
+  }
+}
+
+}  // namespace lapedit::system

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdio>
+#include <filesystem>
+#include <string>
+
+/// What the program needs of POSIX or Windows beyond the standard library. Errors are std::system_error.
+namespace lapedit::system {
+
+/// Opens closed standard streams, since the next opened file would otherwise become the standard output; makes them
+/// binary; and lets a write error be reported where a signal would end the program.
+/// @return whether the standard output was open
+bool prepareStreams();
+
+bool isTerminal(std::FILE* stream);
+
+/// Lets requests to end the program pass, from here on.
+void ignoreRequestsToEnd();
+
+/// A file that is being written beside its target. The first one of a folder is open and locked until it replaces its
+/// target, so that what a killed program has left can be told from what another one is writing.
+class NewFile {
+ public:
+  /// Creates a file that nobody else can read. @param first  the first file of the same folder; null: this is the first
+  /// one, and abandoned files of the same user and machine are removed
+  explicit NewFile(const std::filesystem::path& folder, const NewFile* first = nullptr);
+  /// Removes the file unless it has replaced its target.
+  ~NewFile();
+  NewFile(const NewFile&) = delete;
+  NewFile& operator=(const NewFile&) = delete;
+
+  /// Writes all of it and waits until it is on the disk.
+  void write(const std::string& bytes);
+  /// Gives the file the name of its target, whose owner, group and permissions it takes as far as permitted, without
+  /// setuid and setgid bits. The first file goes last.
+  void replace(const std::filesystem::path& target);
+
+ private:
+  void close();
+
+  std::filesystem::path path_;
+  bool is_first_;
+  std::FILE* file_ = nullptr;
+};
+
+/// Says why a file cannot be written, and what to do.
+std::string whyNotWritten(int error);
+
+}  // namespace lapedit::system

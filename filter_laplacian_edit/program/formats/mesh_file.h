@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "lapedit/edit/edit.h"
+#include "lapedit/edit/places.h"
+
+enum class Format { Ply, Obj, Off, Stl };
+
+/// Returns the format that the suffix of a file's name stands for, in upper or lower case.
+std::optional<Format> formatOf(const std::string& path);
+
+/// A file is not of its format, or is damaged. what() says why, without a full stop, and where.
+class UnreadableMesh : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Returns a number with the fewest digits that tell it among those of its precision.
+std::string shortestText(double number, bool isFloat);
+
+/// How a number is written in a file.
+enum class NumberKind : unsigned char { FloatText, DoubleText, Float, Double };
+
+/// Positions or normals in a file.
+struct FileVectors {
+  std::array<NumberKind, 3> kinds = {};
+  std::vector<std::size_t> at;  ///< three per vector: where its numbers begin, in bytes from the beginning of the file
+};
+
+/// Normals in a file. Each is the mean of those of some triangles.
+struct FileNormals : FileVectors {
+  bool ofFaces = false;            ///< weighted by area; otherwise by the angles at corners
+  std::vector<std::size_t> begin;  ///< normal -> its first entry of `corners`; one more at the end
+  std::vector<int> corners;        ///< 3 * triangle + corner
+};
+
+/// A mesh file in memory, and where in it the coordinates are. An edit changes these numbers and no other byte.
+struct MeshFile {
+  std::string bytes;
+  bool bigEndian = false;
+  lapedit::TriangleMesh mesh;  ///< polygons are fanned from their first corner
+  lapedit::StoredScalar scalar = lapedit::StoredScalar::Double;
+  bool hasPolygons = false;
+  lapedit::SelectedVertices selected;  ///< by MeshLab's flags, which PLY alone can have
+  int selectedFaces = 0;               ///< triangles
+  FileVectors positions;               ///< as often as a vertex occurs in the file
+  std::vector<int> vertices;           ///< occurrence -> vertex; empty: each vertex occurs once, in order
+  std::vector<FileNormals> normals;
+
+  /// Returns the bytes of the file with the positions of an edit: numbers that did not change keep their bytes. Normals
+  /// of moved vertices, and of faces with a moved vertex, are computed with unit length; they keep their bytes where
+  /// there is no area.
+  /// @param sharedNormals  gets the number of normals that keep their bytes since vertices that did not move use them
+  ///                       too, as in OBJ
+  std::string edited(const lapedit::EditResult& result, int& sharedNormals) const;
+};
+
+/// Reads a file of any size; its counts are compared with its size before memory is taken for them.
+/// @throws UnreadableMesh
+MeshFile readMesh(Format format, std::string bytes);
+
+// The readers of single formats, as readMesh().
+MeshFile readPly(std::string bytes);
+MeshFile readObj(std::string bytes);
+MeshFile readOff(std::string bytes);
+MeshFile readStl(std::string bytes);
+
+/// Collects the triangles of polygons.
+class FaceList {
+ public:
+  /// Adds the fan of a polygon. Fewer than three corners give no triangle.
+  void addPolygon(const std::vector<int>& corners);
+  void addTriangle(int a, int b, int c) { corners_.insert(corners_.end(), {a, b, c}); }
+  bool hasPolygons() const { return has_polygons_; }
+  std::size_t count() const { return corners_.size() / 3; }
+  lapedit::Faces faces() const;
+
+ private:
+  std::vector<int> corners_;
+  bool has_polygons_ = false;
+};
+
+/// Returns the positions that a list of coordinates holds.
+lapedit::Points pointsOf(const std::vector<double>& coordinates);
+
+/// Lists the corners of each normal. @param normalOf  triangle corner -> normal, -1 for none
+void listCorners(const std::vector<int>& normalOf, std::size_t count, FileNormals& normals);
+/// The same for one normal per vertex.
+void listCornersOfVertices(const lapedit::TriangleMesh& mesh, FileNormals& normals);

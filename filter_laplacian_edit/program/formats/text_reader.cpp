@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "formats/text_reader.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <limits>
+#include <system_error>
+
+namespace {
+
+bool endsLine(char letter) {
+  return letter == '\n' || letter == '\r';
+}
+
+/// A word for a message.
+std::string quoted(std::string_view word) {
+  constexpr std::size_t kMost = 40;
+  std::string text(word.substr(0, kMost));
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char letter) { return letter < ' ' || letter == 127; }, '?');
+  return "\"" + text + (word.size() > kMost ? "..." : "") + "\"";
+}
+
+template <class Number>
+bool convert(std::string_view word, Number& value) {
+  const char* const end = word.data() + word.size();
+  const auto [stop, error] = std::from_chars(word.data(), end, value);
+  if (error == std::errc::result_out_of_range && stop == end) {  // zero or infinity
+    value = static_cast<Number>(std::strtod(std::string(word).c_str(), nullptr));
+    return true;
+  }
+  return error == std::errc() && stop == end;
+}
+
+}  // namespace
+
+bool endsWord(char letter) {
+  return letter == ' ' || letter == '\t' || letter == '\v' || letter == '\f' || endsLine(letter);
+}
+
+bool TextReader::isContinued(std::size_t at) const {
+  return bytes_[at] == '\\' && at + 1 < bytes_.size() && endsLine(bytes_[at + 1]);
+}
+
+std::string_view TextReader::wordOfLine() {
+  while (next_ < bytes_.size()) {
+    if (isContinued(next_)) {
+      next_ += bytes_.compare(next_ + 1, 2, "\r\n") == 0 ? 3 : 2;
+    } else if (endsWord(bytes_[next_]) && !endsLine(bytes_[next_])) {
+      ++next_;
+    } else {
+      break;
+    }
+  }
+  at_ = next_;
+  if (next_ == bytes_.size() || bytes_[next_] == '#') {
+    return {};
+  }
+  while (next_ < bytes_.size() && !endsWord(bytes_[next_]) && !isContinued(next_)) {
+    ++next_;
+  }
+  return std::string_view(bytes_).substr(at_, next_ - at_);
+}
+
+std::string_view TextReader::word() {
+  for (;;) {
+    const std::string_view found = wordOfLine();
+    if (!found.empty() || isAtEnd()) {
+      return found;
+    }
+    skipLine();
+  }
+}
+
+void TextReader::skipLine() {
+  next_ = std::min(bytes_.find_first_of("\r\n", next_), bytes_.size());
+  next_ += isAtEnd() ? 0 : 1;
+}
+
+double TextReader::number(std::string_view word, bool isFloat) const {
+  const std::string_view plain = word.substr(word.size() > 1 && word[0] == '+' ? 1 : 0);
+  // As some compilers write it.
+  if (plain.substr(0, 3) == "1.#" || plain.substr(0, 4) == "-1.#") {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  double value = 0;
+  float single = 0;
+  if (isFloat ? !convert(plain, single) : !convert(plain, value)) {
+    refuse(word.empty() ? "a number is missing" : quoted(word) + " is no number");
+  }
+  return isFloat ? single : value;
+}
+
+long long TextReader::integer(std::string_view word) const {
+  long long value = 0;
+  if (!convert(word.substr(word.size() > 1 && word[0] == '+' ? 1 : 0), value)) {
+    refuse(word.empty() ? "a whole number is missing" : quoted(word) + " is no whole number");
+  }
+  return value;
+}
+
+void TextReader::vector(FileVectors& vectors, double* values) {
+  for (int k = 0; k < 3; ++k) {
+    values[k] = number(wordOfLine(), false);
+    vectors.at.push_back(at_);
+  }
+}
+
+void TextReader::refuse(const std::string& why) const {
+  const auto begin = bytes_.begin(), end = begin + static_cast<std::ptrdiff_t>(std::min(at_, bytes_.size()));
+  const auto lines = std::max(std::count(begin, end, '\n'), std::count(begin, end, '\r'));
+  throw UnreadableMesh("line " + std::to_string(lines + 1) + ": " + why);
+}

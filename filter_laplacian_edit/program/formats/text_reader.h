@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+#include "formats/mesh_file.h"
+
+/// Reads words and numbers of a text. A word that begins with # begins a comment, which ends with the line.
+class TextReader {
+ public:
+  explicit TextReader(const std::string& bytes, std::size_t at = 0) : bytes_(bytes), next_(at) {}
+
+  /// Returns the next word, empty at the end of the text.
+  std::string_view word();
+  /// Returns the next word of this line, empty at its end. A backslash at the end of a line continues it.
+  std::string_view wordOfLine();
+  void skipLine();
+  /// Goes on at a byte.
+  void seek(std::size_t at) { next_ = at; }
+  bool isAtEnd() const { return next_ >= bytes_.size(); }
+
+  /// Returns where the last word began.
+  std::size_t at() const { return at_; }
+  /// Returns the bytes that are left.
+  std::size_t left() const { return bytes_.size() - next_; }
+
+  /// Converts a word. Text in single precision is rounded once. @throws UnreadableMesh
+  double number(std::string_view word, bool isFloat) const;
+  long long integer(std::string_view word) const;
+
+  /// Reads three numbers of a line and adds where they begin. @throws UnreadableMesh
+  void vector(FileVectors& vectors, double* values);
+
+  /// @throws UnreadableMesh with the number of the line of the last word
+  [[noreturn]] void refuse(const std::string& why) const;
+
+ private:
+  bool isContinued(std::size_t at) const;
+
+  const std::string& bytes_;
+  std::size_t at_ = 0, next_ = 0;
+};
+
+/// Returns whether a word ends at a byte.
+bool endsWord(char letter);

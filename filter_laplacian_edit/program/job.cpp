@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "job.h"
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include "failure.h"
+#include "files/input_file.h"
+#include "files/output_files.h"
+#include "files/system.h"
+#include "lapedit/base/error.h"
+#include "lapedit/base/format_text.h"
+#include "lapedit/base/stopwatch.h"
+#include "lapedit/json/edit_script.h"
+#include "lapedit/json/landmarks.h"
+#include "lapedit/json/report_json.h"
+#include "lapedit/mesh/mesh_summary.h"
+#include "lapedit/mesh/vertex_finder.h"
+#include "progress_line.h"
+#ifdef LAPEDIT_WITH_VCGLIB
+#include "lapedit_vcg/self_intersections.h"
+#endif
+
+using namespace lapedit;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Reads the text once, since it may come from a pipe.
+std::string textOf(const char* what, const std::string& path) {
+  return readFile(what, path, kLargestJson);
+}
+
+NamedLandmarks landmarksOf(const std::string& path) {
+  return {path, read_landmarks(textOf("landmark file", path), path)};
+}
+
+Edit readEdit(const Options& options) {
+  if (!options.targets.empty()) {
+    return fit_landmarks(pair_landmarks(landmarksOf(options.edit), landmarksOf(options.targets)));
+  }
+  const std::string text = textOf("edit", options.edit);
+  const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+  const std::string name = quotedPath(options.edit) + ": ";
+  if (first != std::string::npos && text[first] == '<') {
+    throw EditError(ErrorCause::BadScript, name +
+                                               "this is a filter script: run it in MeshLab's window, with meshlabserver "
+                                               "of MeshLab 2020.09, or with PyMeshLab's load_filter_script().");
+  }
+  try {
+    // Names of landmark files are relative to the folder of the edit.
+    const bool isFile = options.edit != "-" && fs::is_regular_file(options.edit);
+    return read_edit(text, isFile ? fs::absolute(options.edit).parent_path().string() : std::string());
+  } catch (const EditError& refusal) {
+    throw EditError(refusal.cause(), name + refusal.what());
+  }
+}
+
+/// Formats a point as --nearest and JSON read it, with all digits of its type.
+std::string coordinates(const Vector3& point, StoredScalar scalar) {
+  const auto text = [&](int k) { return shortestText(point[k], scalar == StoredScalar::Float); };
+  return text(0) + "," + text(1) + "," + text(2);
+}
+
+class Job {
+ public:
+  Job(const Options& options, Activity& activity, std::FILE* output)
+      : options_(options),
+        activity_(activity),
+        output_(output),
+        line_(!options.quiet),
+        files_("output", options.output == "-" ? std::vector<std::string>() : options.outputs()),
+        report_file_("report", options.report.empty() ? std::vector<std::string>() : std::vector{options.report}) {}
+
+  void run() {
+    Stopwatch stopwatch;
+    activity_.now = "reading " + quotedPath(options_.edit);
+    Edit edit = readEdit(options_);
+    activity_.now = "reading " + quotedPath(options_.input);
+    file_ = readMeshFile(options_.input, options_.format);
+    times_.read = stopwatch.lap();
+
+    activity_.now = "editing";
+    if (file_.hasPolygons) {
+      fitToPolygons(edit);
+    }
+    const auto show = [this](double done, const char* stage) {
+      line_.show(done, stage);
+      return true;
+    };
+    poses_ = apply_edit(file_.mesh, edit, file_.selected, options_.fractions, file_.scalar, show);
+#ifdef LAPEDIT_WITH_VCGLIB
+    for (EditResult& pose : poses_) {
+      if (options_.quality) {
+        count_self_intersections(file_.mesh, pose);
+      }
+    }
+#endif
+    times_.edit = stopwatch.lap();
+    line_.clear();
+    refuseAdvice();
+
+    activity_.now = "writing " + quotedPath(options_.output);
+    for (std::size_t k = 0; k < poses_.size(); ++k) {
+      write(k);
+    }
+    times_.write = stopwatch.lap();
+    if (!options_.report.empty()) {
+      report_file_.write(report());
+    }
+    system::ignoreRequestsToEnd();
+    files_.replaceAll();
+    try {
+      report_file_.replaceAll();
+    } catch (const Failure& failure) {
+      throw Failure(failure.code(), std::string(failure.what()) + " The outputs are complete.");
+    }
+  }
+
+ private:
+  /// MeshLab cuts polygons into other triangles for each format: only the vertices are the same.
+  void fitToPolygons(Edit& edit) const {
+    if (edit.mesh_faces || !edit.connectivity.empty()) {
+      edit.mesh_vertices = edit.mesh_vertices.value_or(static_cast<int>(file_.mesh.vertices.rows()));
+      edit.mesh_faces.reset();
+      edit.connectivity.clear();
+    }
+  }
+
+  /// Refuses the result if advice is an error. @throws Failure (Advised)
+  void refuseAdvice() const {
+    for (std::size_t p = 0; options_.strict && p < poses_.size(); ++p) {
+      const std::vector<EditReport>& steps = poses_[p].reports;
+      for (std::size_t k = 0; k < steps.size(); ++k) {
+        const std::string advice = steps[k].advice();
+        if (!advice.empty()) {
+          throw Failure(Advised,
+                        "With --strict nothing was written: " +
+                            (options_.numbered ? "at fraction " + number_text(options_.fractions[p]) + ", " : "") +
+                            (steps.size() > 1 ? "step " + std::to_string(k + 1) + " of " +
+                                                    std::to_string(steps.size()) + ", "
+                                              : "") +
+                            advice);
+        }
+      }
+    }
+  }
+
+  /// Reports are printed before any file is replaced, so that a missing reader is detected first.
+  void write(std::size_t k) {
+    int shared = 0;
+    const std::string bytes = file_.edited(poses_[k], shared);
+    shared_normals_.push_back(shared);
+    if (options_.output == "-") {
+      errno = 0;
+      if (output_ == nullptr || std::fwrite(bytes.data(), 1, bytes.size(), output_) != bytes.size() ||
+          std::fflush(output_) != 0) {
+        throw Failure(Unwritable, "The mesh cannot be written to the standard output (" +
+                                      std::string(output_ == nullptr ? "it is closed" : std::strerror(errno)) +
+                                      "): what arrived is not complete.");
+      }
+      return;
+    }
+    if (!options_.quiet) {
+      const std::string fraction = options_.numbered ? "Fraction " + number_text(options_.fractions[k]) + "\n" : "";
+      const std::string normals =
+          shared == 0 ? "" : "Normals that vertices outside the region use too stay as they are: " +
+                                 std::to_string(shared) + "\n";
+      printAll(fraction + text_of(poses_[k].reports) + "\n" + normals, output_,
+               "nothing was written; with --quiet there are no reports");
+    }
+    files_.write(bytes);
+  }
+
+  std::string report() const {
+    const auto full = [](const std::string& path) { return path == "-" ? path : fs::absolute(path).string(); };
+    Json outputs = Json::array();
+    const std::vector<std::string> names = options_.outputs();
+    for (std::size_t k = 0; k < poses_.size(); ++k) {
+      outputs.push_back({{"file", full(names[k])},
+                         {"fraction", options_.fractions[k]},
+                         {"shared_normals", shared_normals_[k]},
+                         {"steps", report_json(poses_[k].reports)}});
+    }
+    Json all = {{"laplacian_edit_report", 1},
+                {"program", "laplacian-edit " LAPEDIT_VERSION},
+                {"scalar", file_.scalar == StoredScalar::Float ? "float" : "double"},
+                {"input", full(options_.input)},
+                {"edit", full(options_.edit)},
+                {"mesh", {{"vertices", file_.mesh.vertices.rows()}, {"faces", file_.mesh.faces.rows()}}},
+                {"outputs", outputs},
+                {"milliseconds", {{"read", times_.read}, {"edit", times_.edit}, {"write", times_.write}}}};
+    if (!options_.targets.empty()) {
+      all["targets"] = full(options_.targets);
+    }
+    // Names of files need not be UTF-8, but JSON is.
+    return all.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  }
+
+  const Options& options_;
+  Activity& activity_;
+  std::FILE* output_;
+  ProgressLine line_;
+  OutputFiles files_, report_file_;
+  MeshFile file_;
+  std::vector<EditResult> poses_;    // one per fraction
+  std::vector<int> shared_normals_;  // likewise
+  struct {
+    double read = 0, edit = 0, write = 0;
+  } times_;  // milliseconds
+};
+
+}  // namespace
+
+void printAll(const std::string& text, std::FILE* output, const std::string& advice) {
+  errno = 0;
+  if (output == nullptr || std::fputs(text.c_str(), output) < 0 || std::fflush(output) != 0) {
+    throw Failure(Unwritable, "The standard output cannot be written to (" +
+                                  std::string(output == nullptr ? "it is closed" : std::strerror(errno)) +
+                                  "): " + advice + ".");
+  }
+}
+
+void runJob(const Options& options, Activity& activity, std::FILE* output) {
+  refuseSameFiles(options);
+#ifndef LAPEDIT_WITH_VCGLIB
+  if (options.quality) {
+    throw Failure(WrongUsage, "This build has no --quality: build the program with MeshLab's headers at hand.");
+  }
+#endif
+  Job(options, activity, output).run();
+}
+
+std::string answer(const Options& options, Activity& activity) {
+  activity.now = "reading " + quotedPath(options.input);
+  const MeshFile file = readMeshFile(options.input, options.format);
+  activity.now = "looking at the mesh";
+  std::string text;
+  if (options.info) {
+    const MeshSummary summary = summary_of(file.mesh);
+    text += format_text("vertices: %d (%d without a face, %d not finite)\nfaces: %d\n", summary.vertices, summary.loose,
+                        summary.not_finite, summary.faces);
+    if (!summary.box.isEmpty()) {
+      text += "box: " + coordinates(summary.box.min(), file.scalar) + " to " + coordinates(summary.box.max(), file.scalar) +
+              format_text(", diagonal %.9g\n", summary.box.diagonal().norm());
+    }
+    text += format_text("pieces: %d, the largest of %d vertices\nborders: %d of %d edges in all\n", summary.pieces,
+                        summary.largest_piece, summary.borders, summary.border_edges);
+    text += format_text("selected: %d vertices, %d faces\n", static_cast<int>(file.selected.vertices.size()),
+                        file.selectedFaces);
+  }
+  if (!options.nearest.empty()) {
+    const VertexFinder finder(file.mesh);
+    for (const Vector3& point : options.nearest) {
+      const VertexFinder::Found found = finder.anywhere(point, "The point");
+      text += format_text("vertex: %d, place: ", found.vertex) +
+              coordinates(file.mesh.vertices.row(found.vertex).transpose(), file.scalar) +
+              format_text(", distance: %.6g\n", found.distance);
+    }
+  }
+  return text;
+}

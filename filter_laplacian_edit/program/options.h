@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "formats/mesh_file.h"
+#include "lapedit/base/types.h"
+
+/// What the command line asks for. Names of files are as given; "-" is a standard stream.
+struct Options {
+  std::string input, output, edit;
+  std::string targets;                    ///< landmarks: `edit` is the file of the points, this that of their targets
+  Format format = Format::Ply;            ///< of input and output
+  std::vector<lapedit::Vector3> nearest;  ///< only the vertices nearest to these are asked for
+  bool info = false;                      ///< only what the mesh is is asked for
+  std::vector<double> fractions = {1};
+  bool numbered = false;  ///< one output per fraction, its number in the name
+  std::string report;     ///< empty: none
+  bool quiet = false;
+  bool strict = false;   ///< advice on a result is an error
+  bool quality = false;  ///< counts new self-intersections
+
+  bool asks() const { return info || !nearest.empty(); }
+  std::vector<std::string> outputs() const;  ///< one name per fraction
+};
+
+/// @param text  gets what is to be printed in place of any work
+/// @return nothing if there is such a text
+/// @throws Failure (WrongUsage)
+std::optional<Options> readOptions(const std::vector<std::string>& arguments, std::string& text);
+
+/// Refuses names of one file, of which one would be written, but for an output that is the input.
+/// @throws Failure (WrongUsage)
+void refuseSameFiles(const Options& options);
