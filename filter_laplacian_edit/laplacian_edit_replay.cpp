@@ -6,17 +6,16 @@ using namespace lapedit;
 using namespace lapedit::host;
 
 FilterAction laplacianEditReplay() {
-  return {
-      "Laplacian Edit Replay",
-      "apply_coord_laplacian_editing_replay",
-      "Repeats an edit that was recorded or written as JSON, exactly or a part of the way. " + aboutTheMethod(),
-      {{Parameter::Kind::Text, "edit", QString(), "Edit",
-        "The edit as JSON text, beginning with a brace, or the path of a .json file."},
-       {Parameter::Kind::Real, "fraction", 1.0, "Fraction",
-        "How far each handle goes: from 0 (no change) to 1 (the whole edit). Rotations go by angle."}},
-      [](const ParameterValues& values, CMeshO& host, const Progress& progress) {
-        const Edit edit = load_edit(values.text("edit").toStdString());
-        const auto make = [&edit](const BridgedMesh&) { return edit; };
-        return write_edited(host, edit_mesh(host, make, values.real("fraction"), progress));
-      }};
+  return {"Laplacian Edit Replay",
+          "apply_coord_laplacian_editing_replay",
+          "Repeats an edit that was recorded or written as JSON, exactly or a part of the way. " + aboutTheMethod(),
+          {{Parameter::Kind::Text, "edit", QString(), "Edit",
+            "The edit as JSON text, beginning with a brace, or the path of a .json file."},
+           {Parameter::Kind::Real, "fraction", 1.0, "Fraction",
+            "How far each handle goes: from 0 (no change) to 1 (the whole edit). Rotations go by angle."}},
+          [](const ParameterValues& values, CMeshO& host, const Progress& progress) {
+            const Edit edit = load_edit(values.text("edit").toStdString());
+            const auto make = [&edit](const BridgedMesh&) { return edit; };
+            return write_edited(host, edit_mesh(host, make, values.real("fraction"), progress));
+          }};
 }

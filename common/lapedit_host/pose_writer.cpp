@@ -189,7 +189,8 @@ void PoseWriter::write_settled_normals(CMeshO& host) {
       MeasuredFace& face = a.measured[static_cast<std::size_t>(i)];
       const auto corner = [&](int k) -> const Corner& { return now_[static_cast<std::size_t>(faces_(f, k))]; };
       face.is_away = corner(0).is_away || corner(1).is_away || corner(2).is_away;
-      face.has_shape = measure({to_core(corner(0).place), to_core(corner(1).place), to_core(corner(2).place)}, face.shape);
+      face.has_shape =
+          measure({to_core(corner(0).place), to_core(corner(1).place), to_core(corner(2).place)}, face.shape);
       normal_of_face(host, f) = face.is_away && face.has_shape ? to_host(face.shape.normal)
                                                                : first_face_normals_[static_cast<std::size_t>(f)];
     }

@@ -46,9 +46,10 @@ Edit readEdit(const Options& options) {
   const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
   const std::string name = quotedPath(options.edit) + ": ";
   if (first != std::string::npos && text[first] == '<') {
-    throw EditError(ErrorCause::BadScript, name +
-                                               "this is a filter script: run it in MeshLab's window, with meshlabserver "
-                                               "of MeshLab 2020.09, or with PyMeshLab's load_filter_script().");
+    throw EditError(ErrorCause::BadScript,
+                    name +
+                        "this is a filter script: run it in MeshLab's window, with meshlabserver "
+                        "of MeshLab 2020.09, or with PyMeshLab's load_filter_script().");
   }
   try {
     // Names of landmark files are relative to the folder of the edit.
@@ -137,13 +138,13 @@ class Job {
       for (std::size_t k = 0; k < steps.size(); ++k) {
         const std::string advice = steps[k].advice();
         if (!advice.empty()) {
-          throw Failure(Advised,
-                        "With --strict nothing was written: " +
-                            (options_.numbered ? "at fraction " + number_text(options_.fractions[p]) + ", " : "") +
-                            (steps.size() > 1 ? "step " + std::to_string(k + 1) + " of " +
-                                                    std::to_string(steps.size()) + ", "
-                                              : "") +
-                            advice);
+          throw Failure(
+              Advised,
+              "With --strict nothing was written: " +
+                  (options_.numbered ? "at fraction " + number_text(options_.fractions[p]) + ", " : "") +
+                  (steps.size() > 1 ? "step " + std::to_string(k + 1) + " of " + std::to_string(steps.size()) + ", "
+                                    : "") +
+                  advice);
         }
       }
     }
@@ -167,8 +168,9 @@ class Job {
     if (!options_.quiet) {
       const std::string fraction = options_.numbered ? "Fraction " + number_text(options_.fractions[k]) + "\n" : "";
       const std::string normals =
-          shared == 0 ? "" : "Normals that vertices outside the region use too stay as they are: " +
-                                 std::to_string(shared) + "\n";
+          shared == 0
+              ? ""
+              : "Normals that vertices outside the region use too stay as they are: " + std::to_string(shared) + "\n";
       printAll(fraction + text_of(poses_[k].reports) + "\n" + normals, output_,
                "nothing was written; with --quiet there are no reports");
     }
@@ -244,7 +246,8 @@ std::string answer(const Options& options, Activity& activity) {
     text += format_text("vertices: %d (%d without a face, %d not finite)\nfaces: %d\n", summary.vertices, summary.loose,
                         summary.not_finite, summary.faces);
     if (!summary.box.isEmpty()) {
-      text += "box: " + coordinates(summary.box.min(), file.scalar) + " to " + coordinates(summary.box.max(), file.scalar) +
+      text += "box: " + coordinates(summary.box.min(), file.scalar) + " to " +
+              coordinates(summary.box.max(), file.scalar) +
               format_text(", diagonal %.9g\n", summary.box.diagonal().norm());
     }
     text += format_text("pieces: %d, the largest of %d vertices\nborders: %d of %d edges in all\n", summary.pieces,

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <functional>
+#include <iterator>
 #include <locale>
 #include <map>
 #include <sstream>
@@ -54,6 +54,8 @@ Exit codes, with an error message on the standard error:
 Unless it is 0, no output was written or replaced; the message says if only the
 report is missing.
 )";
+
+constexpr char kTwoFiles[] = " takes two files: the points, and their targets.";
 
 [[noreturn]] void refuse(const std::string& sentence) {
   throw Failure(WrongUsage, sentence + " See --help.");
@@ -115,154 +117,115 @@ lapedit::Vector3 point(const std::string& text) {
   return point;
 }
 
-/// The command line, word by word.
-class Reader {
- public:
-  Reader(const std::vector<std::string>& words, Options& options) : words_(words), options_(options) {}
+/// The words of a command line, sorted.
+struct Words {
+  std::map<std::string, std::vector<std::string>> options;  ///< values by name
+  std::vector<std::string> files;
 
-  /// @return the text that was requested in place of work
-  std::string read() {
-    while (next_ < words_.size()) {
-      const std::string word = words_[next_++];
-      if (word == "--") {
-        files_.insert(files_.end(), words_.begin() + static_cast<std::ptrdiff_t>(next_), words_.end());
-        break;
-      }
-      if (word.size() < 2 || word[0] != '-') {
-        files_.push_back(word);
-      } else if (word == "-h" || word == "--help") {
-        return kHelp;
-      } else if (word == "-v" || word == "--version") {
-        return "laplacian-edit " LAPEDIT_VERSION "\n";
-      } else {
-        readOption(word);
-      }
+  bool has(const char* option) const { return options.count(option) > 0; }
+  const std::string& value(const char* option, std::size_t k = 0) const { return options.at(option)[k]; }
+};
+
+/// Names of the options, and how many values follow each.
+constexpr std::pair<const char*, std::size_t> kOptions[] = {
+    {"--fraction", 1}, {"--fractions", 1}, {"--landmarks", 2}, {"--nearest", 1}, {"--report", 1},  {"--info", 0},
+    {"--quality", 0},  {"--strict", 0},    {"--quiet", 0},     {"--help", 0},    {"--version", 0},
+};
+
+Words sorted(const std::vector<std::string>& arguments) {
+  static const std::map<std::string, std::string> kShort = {{"-q", "--quiet"}, {"-h", "--help"}, {"-v", "--version"}};
+  Words words;
+  for (auto word = arguments.begin(); word != arguments.end(); ++word) {
+    if (*word == "--") {
+      words.files.insert(words.files.end(), word + 1, arguments.end());
+      break;
     }
-    takeFiles();
-    return {};
-  }
-
- private:
-  struct Option {
-    const char *name, *takes;  ///< what its value is; null: it has none
-    std::function<void(const std::string&)> read;
-  };
-
-  void readOption(const std::string& word) {
-    const std::size_t equals = word.find('=');
-    const std::string name = word == "-q" ? "--quiet" : word.substr(0, equals);
-    Options& o = options_;
-    const Option all[] = {
-        {"--quiet", nullptr, [&](const std::string&) { o.quiet = true; }},
-        {"--strict", nullptr, [&](const std::string&) { o.strict = true; }},
-        {"--quality", nullptr, [&](const std::string&) { o.quality = true; }},
-        {"--info", nullptr, [&](const std::string&) { o.info = true; }},
-        {"--nearest", "X,Y,Z", [&](const std::string& value) { o.nearest.push_back(point(value)); }},
-        {"--report", "FILE", [&](const std::string& value) { o.report = value; }},
-        {"--fraction", "F", [&](const std::string& value) { o.fractions = {fraction(value)}; }},
-        {"--fractions", "F,F,...",
-         [&](const std::string& value) {
-           o.numbered = true;
-           o.fractions = fractionList(value);
-         }},
-        {"--landmarks", "FROM TO",
-         [&](const std::string& value) {
-           o.edit = value;
-           o.targets = next_ < words_.size() ? words_[next_++] : "";
-           if (equals != std::string::npos || value.empty() || value[0] == '-' || o.targets.empty() ||
-               o.targets[0] == '-') {
-             refuse("The option --landmarks takes two files: the points, and their targets.");
-           }
-         }},
-    };
-    const auto* const option =
-        std::find_if(std::begin(all), std::end(all), [&name](const Option& each) { return name == each.name; });
-    if (option == std::end(all)) {
+    if (word->size() < 2 || word->front() != '-') {
+      words.files.push_back(*word);
+      continue;
+    }
+    const std::size_t equals = word->find('=');
+    const auto isShort = kShort.find(*word);
+    const std::string name = isShort != kShort.end() ? isShort->second : word->substr(0, equals);
+    const auto* const option = std::find_if(std::begin(kOptions), std::end(kOptions),
+                                            [&name](const auto& each) { return name == each.first; });
+    if (option == std::end(kOptions)) {
       refuse("There is no option " + quotedPath(name) + "." +
-             (word[1] != '-' ? " Give a file name that begins with - as ./-name, or after --." : ""));
+             ((*word)[1] != '-' ? " Give a file name that begins with - as ./-name, or after --." : ""));
     }
-    if (name != "--nearest" && std::find(given_.begin(), given_.end(), name) != given_.end() &&
-        option->takes != nullptr) {
+    const std::size_t count = option->second;
+    std::vector<std::string>& values = words.options[name];
+    if (!values.empty() && name != "--nearest") {
       refuse("The option " + name + " is given more than once.");
     }
-    given_.push_back(name);
-    if (option->takes == nullptr) {
-      if (equals != std::string::npos) {
-        refuse("The option " + name + " takes no value.");
-      }
-      return option->read({});
+    if (equals != std::string::npos && count == 1) {
+      values.push_back(word->substr(equals + 1));
+    } else if (equals != std::string::npos || static_cast<std::size_t>(arguments.end() - word) <= count) {
+      refuse("The option " + name + (count == 0 ? " takes no value." : count == 1 ? " takes a value." : kTwoFiles));
+    } else {
+      values.insert(values.end(), word + 1, word + 1 + static_cast<std::ptrdiff_t>(count));
+      word += static_cast<std::ptrdiff_t>(count);
     }
-    const bool isNext = equals == std::string::npos;
-    if (isNext && next_ == words_.size()) {
-      refuse("The option " + name + " takes a value: " + option->takes + ".");
-    }
-    const std::string value = isNext ? words_[next_++] : word.substr(equals + 1);
-    if (value.empty()) {
+    if (std::find(values.begin(), values.end(), "") != values.end()) {
       refuse("The option " + name + " is empty.");
     }
-    option->read(value);
   }
+  return words;
+}
 
-  bool has(const char* name) const { return std::find(given_.begin(), given_.end(), name) != given_.end(); }
-
-  void takeFiles() {
-    const std::string count = "There are " + std::to_string(files_.size()) + " file names: ";
-    const bool hasLandmarks = !options_.targets.empty();
-    if (options_.asks() && files_.size() != 1) {
-      refuse(count + "give the mesh alone with --nearest or --info.");
+/// Returns the format that the names of input and output have.
+Format commonFormat(const Options& options) {
+  std::optional<Format> format;
+  for (const std::string& name : {options.input, options.output}) {
+    if (name.empty() || name == "-") {
+      continue;
     }
-    if (!options_.asks() && hasLandmarks && files_.size() != 2) {
-      refuse(count + "with --landmarks give the mesh and the output, and no edit.");
+    const std::optional<Format> found = formatOf(name);
+    if (!found) {
+      refuse("The file " + quotedPath(name) +
+             " is in no format that this program can read and write; the suffixes are "
+             ".ply, .obj, .off and .stl: convert it with MeshLab or PyMeshLab.");
     }
-    if (!options_.asks() && !hasLandmarks && files_.size() != 3) {
-      refuse(count + "give the mesh, the output and the edit.");
+    if (format && *found != *format) {
+      refuse("The output " + quotedPath(name) +
+             " is of another format than the mesh: give both the same suffix, and "
+             "convert with MeshLab or PyMeshLab.");
     }
-    static constexpr const char* kRoles[] = {"mesh", "output", "edit"};
-    for (std::size_t k = 0; k < files_.size(); ++k) {
-      if (files_[k].empty()) {
-        refuse("The name of the " + std::string(kRoles[k]) + " is empty: give a file.");
-      }
-    }
-    if (has("--fraction") && has("--fractions")) {
-      refuse("Give either --fraction or --fractions.");
-    }
-    options_.input = files_[0];
-    if (!options_.asks()) {
-      options_.output = files_[1];
-      options_.edit = hasLandmarks ? options_.edit : files_[2];
-    }
-    if (options_.input == "-" && options_.edit == "-") {
-      refuse("The standard input is named twice: give the mesh or the edit as a file.");
-    }
-    if (options_.numbered && options_.output == "-") {
-      refuse("Several poses cannot be written to the standard output: give a file name with --fractions.");
-    }
-    takeFormat();
+    format = found;
   }
+  return format.value_or(Format::Ply);
+}
 
-  void takeFormat() {
-    std::optional<Format> format;
-    for (const std::string& name : {options_.input, options_.output}) {
-      if (name.empty() || name == "-") {
-        continue;
-      }
-      const std::optional<Format> its = formatOf(name);
-      if (!its || (format && *its != *format)) {
-        refuse(its ? "The output " + quotedPath(name) + " is of another format than the mesh: "
-                     "give both the same suffix, and convert with MeshLab or PyMeshLab."
-                   : "The file " + quotedPath(name) + " is in no format that this program can read and write; the suffixes are "
-                     ".ply, .obj, .off and .stl: convert it with MeshLab or PyMeshLab.");
-      }
-      format = its;
-    }
-    options_.format = format.value_or(Format::Ply);
+void takeFiles(const Words& words, Options& options) {
+  const std::vector<std::string>& files = words.files;
+  const bool hasLandmarks = words.has("--landmarks");
+  const std::size_t wanted = options.asks() ? 1 : hasLandmarks ? 2 : 3;
+  if (files.size() != wanted) {
+    refuse("There are " + std::to_string(files.size()) + " file names: give " +
+           (options.asks() ? "the mesh alone with --nearest or --info."
+            : hasLandmarks ? "the mesh and the output, and no edit, with --landmarks."
+                           : "the mesh, the output and the edit."));
   }
-
-  const std::vector<std::string>& words_;
-  Options& options_;
-  std::size_t next_ = 0;
-  std::vector<std::string> files_, given_;
-};
+  if (std::find(files.begin(), files.end(), "") != files.end()) {
+    refuse("The name of a file is empty.");
+  }
+  options.input = files[0];
+  if (!options.asks()) {
+    options.output = files[1];
+    options.edit = hasLandmarks ? words.value("--landmarks") : files[2];
+    options.targets = hasLandmarks ? words.value("--landmarks", 1) : "";
+    if (hasLandmarks && (options.edit[0] == '-' || options.targets[0] == '-')) {
+      refuse("The option --landmarks" + std::string(kTwoFiles));
+    }
+  }
+  if (options.input == "-" && options.edit == "-") {
+    refuse("The standard input is named twice: give the mesh or the edit as a file.");
+  }
+  if (options.numbered && options.output == "-") {
+    refuse("Several poses cannot be written to the standard output: give a file name with --fractions.");
+  }
+  options.format = commonFormat(options);
+}
 
 }  // namespace
 
@@ -281,9 +244,32 @@ std::vector<std::string> Options::outputs() const {
 }
 
 std::optional<Options> readOptions(const std::vector<std::string>& arguments, std::string& text) {
+  const Words words = sorted(arguments);
+  if (words.has("--help") || words.has("--version")) {
+    text = words.has("--help") ? kHelp : "laplacian-edit " LAPEDIT_VERSION "\n";
+    return {};
+  }
   Options options;
-  text = Reader(arguments, options).read();
-  return text.empty() ? std::optional<Options>(std::move(options)) : std::nullopt;
+  options.info = words.has("--info");
+  options.quiet = words.has("--quiet");
+  options.strict = words.has("--strict");
+  options.quality = words.has("--quality");
+  options.numbered = words.has("--fractions");
+  options.report = words.has("--report") ? words.value("--report") : "";
+  if (words.has("--nearest")) {
+    const std::vector<std::string>& points = words.options.at("--nearest");
+    std::transform(points.begin(), points.end(), std::back_inserter(options.nearest), point);
+  }
+  if (options.numbered && words.has("--fraction")) {
+    refuse("Give either --fraction or --fractions.");
+  }
+  if (options.numbered) {
+    options.fractions = fractionList(words.value("--fractions"));
+  } else if (words.has("--fraction")) {
+    options.fractions = {fraction(words.value("--fraction"))};
+  }
+  takeFiles(words, options);
+  return options;
 }
 
 void refuseSameFiles(const Options& options) {
@@ -307,8 +293,8 @@ void refuseSameFiles(const Options& options) {
     const Name& other = found->second;
     const bool isInPlace = name.role == "output" && other.role == "mesh" && !options.numbered;
     if (!isNew && (isWritten || other.isWritten) && !isInPlace) {
-      refuse("The " + other.role + " " + quotedPath(other.path) + " and the " + name.role + " " + quotedPath(name.path) +
-             " are the same file: give another name.");
+      refuse("The " + other.role + " " + quotedPath(other.path) + " and the " + name.role + " " +
+             quotedPath(name.path) + " are the same file: give another name.");
     }
   };
   add("mesh", options.input, false);

@@ -42,7 +42,8 @@ std::string readFile(const std::string& what, const std::string& path, std::size
   std::string text;
   for (;;) {
     // One byte more than there should be, to see the end of the file.
-    const std::size_t done = text.size(), room = unknown || done >= size ? std::max(done / 2, kAtLeast) : size - done + 1;
+    const std::size_t done = text.size(),
+                      room = unknown || done >= size ? std::max(done / 2, kAtLeast) : size - done + 1;
     text.resize(done + room);
     const std::size_t count = std::fread(text.data() + done, 1, room, file.get());
     text.resize(done + count);

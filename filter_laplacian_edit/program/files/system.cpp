@@ -128,7 +128,8 @@ void sweep(const fs::path& folder, const std::string& begin) {
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const std::string name = entry->path().filename().string();
     const std::size_t size = begin.size() + kLetters;
-    if (name.compare(0, begin.size(), begin) == 0 && (name.size() == size || (name.size() > size && name[size] == '-')) &&
+    if (name.compare(0, begin.size(), begin) == 0 &&
+        (name.size() == size || (name.size() > size && name[size] == '-')) &&
         removeAbandoned(folder / name.substr(0, size)) && name.size() > size) {
       fs::remove(entry->path(), ignored);
     }

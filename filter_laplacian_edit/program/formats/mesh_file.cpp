@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <numeric>
 #include <string_view>
 #include <utility>
 
@@ -21,13 +22,9 @@ namespace {
 constexpr std::pair<const char*, Format> kSuffixes[] = {
     {"ply", Format::Ply}, {"obj", Format::Obj}, {"off", Format::Off}, {"stl", Format::Stl}};
 
-bool isFloat(NumberKind kind) {
-  return kind == NumberKind::Float || kind == NumberKind::FloatText;
-}
-
 /// Returns a number as its file can hold it.
 double stored(NumberKind kind, double number) {
-  return isFloat(kind) ? static_cast<double>(static_cast<float>(number)) : number;
+  return isSingle(kind) ? static_cast<double>(static_cast<float>(number)) : number;
 }
 
 bool isLittleEndian() {
@@ -50,7 +47,7 @@ class Rewriter {
         return putBytes(at, number);
       case NumberKind::FloatText:
       case NumberKind::DoubleText:
-        const std::string text = shortestText(number, isFloat(kind));
+        const std::string text = shortestText(number, isSingle(kind));
         pieces_.push_back({at, texts_.size(), text.size()});
         texts_ += text;
     }
@@ -155,7 +152,8 @@ std::optional<Format> formatOf(const std::string& path) {
 std::string shortestText(double number, bool isFloat) {
   char text[32];
   char* const end = text + sizeof text;
-  return {text, isFloat ? std::to_chars(text, end, static_cast<float>(number)).ptr : std::to_chars(text, end, number).ptr};
+  return {text,
+          isFloat ? std::to_chars(text, end, static_cast<float>(number)).ptr : std::to_chars(text, end, number).ptr};
 }
 
 std::string MeshFile::edited(const EditResult& result, int& sharedNormals) const {
@@ -195,31 +193,22 @@ MeshFile readMesh(Format format, std::string bytes) {
   return readStl(std::move(bytes));
 }
 
-void FaceList::addPolygon(const std::vector<int>& corners) {
-  has_polygons_ |= corners.size() > 3;
+void MeshBuilder::addPolygon(const std::vector<int>& corners) {
+  file.hasPolygons |= corners.size() > 3;
   for (std::size_t k = 2; k < corners.size(); ++k) {
-    addTriangle(corners[0], corners[k - 1], corners[k]);
+    corners_.insert(corners_.end(), {corners[0], corners[k - 1], corners[k]});
   }
 }
 
-Faces FaceList::faces() const {
-  return Eigen::Map<const Faces>(corners_.data(), static_cast<Eigen::Index>(count()), 3);
-}
-
-Points pointsOf(const std::vector<double>& coordinates) {
-  return Eigen::Map<const Points>(coordinates.data(), static_cast<Eigen::Index>(coordinates.size() / 3), 3);
-}
-
-void listCorners(const std::vector<int>& normalOf, std::size_t count, FileNormals& normals) {
+void MeshBuilder::addNormals(FileNormals normals, const std::vector<int>& normalOf) {
+  const std::size_t count = normals.at.size() / 3;
   normals.begin.assign(count + 1, 0);
   for (const int normal : normalOf) {
     if (normal >= 0) {
       ++normals.begin[static_cast<std::size_t>(normal) + 1];
     }
   }
-  for (std::size_t n = 0; n < count; ++n) {
-    normals.begin[n + 1] += normals.begin[n];
-  }
+  std::partial_sum(normals.begin.begin(), normals.begin.end(), normals.begin.begin());
   normals.corners.resize(normals.begin.back());
   std::vector<std::size_t> next = normals.begin;
   for (std::size_t corner = 0; corner < normalOf.size(); ++corner) {
@@ -227,9 +216,11 @@ void listCorners(const std::vector<int>& normalOf, std::size_t count, FileNormal
       normals.corners[next[static_cast<std::size_t>(normalOf[corner])]++] = static_cast<int>(corner);
     }
   }
+  file.normals.push_back(std::move(normals));
 }
 
-void listCornersOfVertices(const TriangleMesh& mesh, FileNormals& normals) {
-  const int* const corners = mesh.faces.data();
-  listCorners({corners, corners + mesh.faces.size()}, static_cast<std::size_t>(mesh.vertices.rows()), normals);
+MeshFile MeshBuilder::finished() {
+  file.mesh = {Eigen::Map<const Points>(coordinates_.data(), static_cast<Eigen::Index>(vertexCount()), 3),
+               Eigen::Map<const Faces>(corners_.data(), static_cast<Eigen::Index>(faceCount()), 3)};
+  return std::move(file);
 }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lapedit/edit/edit.h"
@@ -27,6 +28,10 @@ std::string shortestText(double number, bool isFloat);
 
 /// How a number is written in a file.
 enum class NumberKind : unsigned char { FloatText, DoubleText, Float, Double };
+
+inline bool isSingle(NumberKind kind) {
+  return kind == NumberKind::Float || kind == NumberKind::FloatText;
+}
 
 /// Positions or normals in a file.
 struct FileVectors {
@@ -72,25 +77,25 @@ MeshFile readObj(std::string bytes);
 MeshFile readOff(std::string bytes);
 MeshFile readStl(std::string bytes);
 
-/// Collects the triangles of polygons.
-class FaceList {
+/// Collects the vertices and faces of a file.
+class MeshBuilder {
  public:
+  MeshFile file;
+
+  void addVertex(const double* coordinates) { coordinates_.insert(coordinates_.end(), coordinates, coordinates + 3); }
   /// Adds the fan of a polygon. Fewer than three corners give no triangle.
   void addPolygon(const std::vector<int>& corners);
-  void addTriangle(int a, int b, int c) { corners_.insert(corners_.end(), {a, b, c}); }
-  bool hasPolygons() const { return has_polygons_; }
-  std::size_t count() const { return corners_.size() / 3; }
-  lapedit::Faces faces() const;
+  std::size_t vertexCount() const { return coordinates_.size() / 3; }
+  std::size_t faceCount() const { return corners_.size() / 3; }
+
+  /// Adds normals, if there are any. @param normalOf  triangle corner -> normal, -1 for none
+  void addNormals(FileNormals normals, const std::vector<int>& normalOf);
+  /// Adds one normal per vertex.
+  void addVertexNormals(FileNormals normals) { addNormals(std::move(normals), corners_); }
+
+  MeshFile finished();
 
  private:
+  std::vector<double> coordinates_;
   std::vector<int> corners_;
-  bool has_polygons_ = false;
 };
-
-/// Returns the positions that a list of coordinates holds.
-lapedit::Points pointsOf(const std::vector<double>& coordinates);
-
-/// Lists the corners of each normal. @param normalOf  triangle corner -> normal, -1 for none
-void listCorners(const std::vector<int>& normalOf, std::size_t count, FileNormals& normals);
-/// The same for one normal per vertex.
-void listCornersOfVertices(const lapedit::TriangleMesh& mesh, FileNormals& normals);

@@ -32,13 +32,20 @@ Columns columnsOf(std::string_view header, const TextReader& reader) {
   return columns;
 }
 
-/// Each element takes two bytes or more.
-std::size_t count(TextReader& reader, std::string_view word, const char* what) {
+std::size_t count(const TextReader& reader, std::string_view word) {
   const long long number = reader.integer(word);
-  if (number < 0 || number > std::numeric_limits<int>::max() || static_cast<std::size_t>(number) > reader.left() / 2) {
-    reader.refuse("the header names " + std::string(word) + " " + what + ", more than the file can hold");
+  if (number < 0 || number > std::numeric_limits<int>::max()) {
+    reader.refuse("there cannot be " + std::string(word) + " of them");
   }
   return static_cast<std::size_t>(number);
+}
+
+/// Reads three numbers, which may be on several lines.
+void readVector(TextReader& reader, FileVectors& vectors, double* values) {
+  for (int k = 0; k < 3; ++k) {
+    values[k] = reader.number(reader.word(), false);
+    vectors.at.push_back(reader.at());
+  }
 }
 
 /// Compares the numbers on the line of the first vertex with the header. Several vertices may share a line.
@@ -57,15 +64,15 @@ void refuseMoreNumbers(TextReader reader, const Columns& columns) {
 }  // namespace
 
 MeshFile readOff(std::string bytes) {
-  MeshFile file;
-  file.bytes = std::move(bytes);
-  TextReader reader(file.bytes);
+  MeshBuilder mesh;
+  mesh.file.bytes = std::move(bytes);
+  TextReader reader(mesh.file.bytes);
   const Columns columns = columnsOf(reader.word(), reader);
   std::string_view word = reader.word();
   if (word == "BINARY") {
     reader.refuse("the file is binary: convert it to text or to PLY with MeshLab");
   }
-  const std::size_t vertices = count(reader, word, "vertices"), faces = count(reader, reader.word(), "faces");
+  const std::size_t vertices = count(reader, word), faces = count(reader, reader.word());
   if (reader.wordOfLine().empty()) {  // the number of edges may be missing, or on a line of its own
     TextReader ahead = reader;
     ahead.word();
@@ -74,25 +81,17 @@ MeshFile readOff(std::string bytes) {
     }
   }
 
-  file.positions.kinds.fill(NumberKind::DoubleText);
   FileNormals normals;
   normals.kinds.fill(NumberKind::DoubleText);
-  std::vector<double> coordinates;
-  const auto read = [&reader](FileVectors& vectors, double* values) {
-    for (int k = 0; k < 3; ++k) {
-      values[k] = reader.number(reader.word(), false);
-      vectors.at.push_back(reader.at());
-    }
-  };
+  mesh.file.positions.kinds.fill(NumberKind::DoubleText);
+  double values[3];
   for (std::size_t v = 0; v < vertices; ++v) {
-    double values[3];
-    read(file.positions, values);
-    coordinates.insert(coordinates.end(), values, values + 3);
+    readVector(reader, mesh.file.positions, values);
+    mesh.addVertex(values);
     if (columns.normal) {
-      read(normals, values);
+      readVector(reader, normals, values);
     }
-    if (columns.texture && !columns.colour) {
-      reader.number(reader.word(), false);
+    for (int k = 0; k < 2 && columns.texture && !columns.colour; ++k) {
       reader.number(reader.word(), false);
     }
     if (columns.colour) {  // of any number of components
@@ -102,26 +101,22 @@ MeshFile readOff(std::string bytes) {
     }
   }
 
-  FaceList list;
   std::vector<int> corners;
   for (std::size_t f = 0; f < faces; ++f) {
-    corners.resize(count(reader, reader.word(), "corners of a face"));
-    for (int& corner : corners) {
+    corners.clear();
+    for (std::size_t left = count(reader, reader.word()); left > 0; --left) {
       const long long number = reader.integer(reader.word());
       if (number < 0 || number >= static_cast<long long>(vertices)) {
         reader.refuse("face " + std::to_string(f) + " names vertex " + std::to_string(number) + ", but there are " +
                       std::to_string(vertices) + " vertices, counted from 0");
       }
-      corner = static_cast<int>(number);
+      corners.push_back(static_cast<int>(number));
     }
-    reader.skipLine();
-    list.addPolygon(corners);
+    reader.skipLine();  // may have colours
+    mesh.addPolygon(corners);
   }
-  file.mesh = {pointsOf(coordinates), list.faces()};
-  file.hasPolygons = list.hasPolygons();
   if (columns.normal) {
-    listCornersOfVertices(file.mesh, normals);
-    file.normals.push_back(std::move(normals));
+    mesh.addVertexNormals(std::move(normals));
   }
-  return file;
+  return mesh.finished();
 }

@@ -2,10 +2,8 @@
 // STL: triangles by their corners, in text or in binary with little-endian floats. Equal corners are one vertex.
 #include <algorithm>
 #include <cctype>
-#include <cstdint>
-#include <cstring>
-#include <numeric>
-#include <tuple>
+#include <functional>
+#include <unordered_map>
 #include <utility>
 
 #include "formats/text_reader.h"
@@ -20,83 +18,56 @@ constexpr std::size_t kHeader = 84, kTriangle = 50;  // bytes
 struct Triangles {
   FileVectors positions;
   FileNormals normals;
-  std::vector<double> corners;
+  std::vector<std::array<double, 3>> corners;
 };
 
-/// Bits of a coordinate; those of zero for both zeros.
-std::uint64_t bitsOf(double number) {
-  const double plain = number == 0 ? 0 : number;
-  std::uint64_t bits = 0;
-  std::memcpy(&bits, &plain, sizeof bits);
-  return bits;
-}
+struct Hash {
+  std::size_t operator()(const std::array<double, 3>& place) const {
+    const std::hash<double> hash;  // the same for both zeros
+    return (hash(place[0]) * 31 + hash(place[1])) * 31 + hash(place[2]);
+  }
+};
 
 /// Numbers the corners by their positions, each vertex where it appears first, as MeshLab does.
-/// @param coordinates  of the vertices
-std::vector<int> mergedCorners(const std::vector<double>& corners, std::vector<double>& coordinates) {
-  using Place = std::tuple<std::uint64_t, std::uint64_t, std::uint64_t>;
-  std::vector<std::pair<Place, int>> places;
-  const int count = static_cast<int>(corners.size() / 3);
-  places.reserve(static_cast<std::size_t>(count));
-  for (int i = 0; i < count; ++i) {
-    const double* const corner = corners.data() + 3 * std::ptrdiff_t{i};
-    places.emplace_back(Place(bitsOf(corner[0]), bitsOf(corner[1]), bitsOf(corner[2])), i);
-  }
-  std::sort(places.begin(), places.end());
-  std::vector<int> first(places.size()), vertices(places.size());
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    const bool isNew = k == 0 || places[k].first != places[k - 1].first;
-    first[places[k].second] = isNew ? places[k].second : first[places[k - 1].second];
-  }
-  int next = 0;
-  for (std::size_t i = 0; i < first.size(); ++i) {
-    const auto before = static_cast<std::size_t>(first[i]);
-    vertices[i] = before == i ? next++ : vertices[before];
-    if (before == i) {
-      coordinates.insert(coordinates.end(), {corners[3 * i], corners[3 * i + 1], corners[3 * i + 2]});
-    }
-  }
-  return vertices;
-}
-
 MeshFile meshOf(std::string bytes, Triangles triangles) {
-  MeshFile file;
-  file.bytes = std::move(bytes);
-  file.positions = std::move(triangles.positions);
-  std::vector<double> coordinates;
-  file.vertices = mergedCorners(triangles.corners, coordinates);
-  FaceList faces;
-  FileNormals& normals = triangles.normals;
-  normals.ofFaces = true;
-  normals.begin.push_back(0);
-  for (std::size_t i = 0; i < file.vertices.size(); i += 3) {
-    const int a = file.vertices[i], b = file.vertices[i + 1], c = file.vertices[i + 2];
-    if (a != b && b != c && c != a) {  // MeshLab drops the others
-      normals.corners.push_back(3 * static_cast<int>(faces.count()));
-      faces.addTriangle(a, b, c);
+  MeshBuilder mesh;
+  mesh.file.bytes = std::move(bytes);
+  mesh.file.positions = std::move(triangles.positions);
+  std::unordered_map<std::array<double, 3>, int, Hash> numbers;
+  for (const std::array<double, 3>& corner : triangles.corners) {
+    const auto [found, isNew] = numbers.try_emplace(corner, static_cast<int>(numbers.size()));
+    if (isNew) {
+      mesh.addVertex(corner.data());
     }
-    normals.begin.push_back(normals.corners.size());
+    mesh.file.vertices.push_back(found->second);
   }
-  file.mesh = {pointsOf(coordinates), faces.faces()};
-  file.normals.push_back(std::move(normals));
-  return file;
+  std::vector<int> facets;  // normal of each corner of the triangles
+  for (std::size_t i = 0; i < mesh.file.vertices.size(); i += 3) {
+    const int a = mesh.file.vertices[i], b = mesh.file.vertices[i + 1], c = mesh.file.vertices[i + 2];
+    if (a != b && b != c && c != a) {  // MeshLab drops the others
+      mesh.addPolygon({a, b, c});
+      facets.insert(facets.end(), {static_cast<int>(i / 3), -1, -1});
+    }
+  }
+  triangles.normals.ofFaces = true;
+  mesh.addNormals(std::move(triangles.normals), facets);
+  return mesh.finished();
 }
 
 Triangles readBinary(const std::string& bytes, std::size_t count) {
   Triangles triangles;
   triangles.positions.kinds.fill(NumberKind::Float);
   triangles.normals.kinds.fill(NumberKind::Float);
+  std::array<double, 3> corner = {};
   for (std::size_t begin = kHeader; begin < kHeader + kTriangle * count; begin += kTriangle) {
     for (std::size_t k = 0; k < 12; ++k) {
       const std::size_t at = begin + 4 * k;
       (k < 3 ? triangles.normals : triangles.positions).at.push_back(at);
       if (k >= 3) {
-        unsigned char part[4];
-        std::memcpy(part, bytes.data() + at, sizeof part);
-        const std::uint32_t bits = part[0] | part[1] << 8U | part[2] << 16U | static_cast<std::uint32_t>(part[3]) << 24U;
-        float number = 0;
-        std::memcpy(&number, &bits, sizeof number);
-        triangles.corners.push_back(number);
+        corner[k % 3] = realAt(bytes, at, 4, false);
+      }
+      if (k >= 3 && k % 3 == 2) {
+        triangles.corners.push_back(corner);
       }
     }
   }
@@ -109,9 +80,8 @@ std::size_t textBegin(const std::string& bytes) {
 }
 
 bool is(std::string_view word, std::string_view keyword) {
-  return std::equal(word.begin(), word.end(), keyword.begin(), keyword.end(), [](char a, char b) {
-    return std::tolower(static_cast<unsigned char>(a)) == b;
-  });
+  return std::equal(word.begin(), word.end(), keyword.begin(), keyword.end(),
+                    [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; });
 }
 
 Triangles readText(const std::string& bytes) {
@@ -125,16 +95,16 @@ Triangles readText(const std::string& bytes) {
     }
   };
   for (std::string_view word = reader.word(); !word.empty(); word = reader.word()) {
-    double values[3];
+    std::array<double, 3> values = {};
     if (is(word, "vertex")) {
-      reader.vector(triangles.positions, values);
-      triangles.corners.insert(triangles.corners.end(), values, values + 3);
+      reader.vector(triangles.positions, values.data());
+      triangles.corners.push_back(values);
     } else if (is(word, "facet")) {
       requireWhole(0);
       if (!is(reader.word(), "normal")) {
         reader.refuse("a facet has no normal");
       }
-      reader.vector(triangles.normals, values);
+      reader.vector(triangles.normals, values.data());
     } else if (is(word, "solid") || is(word, "endsolid")) {
       reader.skipLine();  // may have a name
     } else if (!is(word, "outer") && !is(word, "loop") && !is(word, "endloop") && !is(word, "endfacet")) {
@@ -148,10 +118,7 @@ Triangles readText(const std::string& bytes) {
 }  // namespace
 
 MeshFile readStl(std::string bytes) {
-  std::size_t count = 0;
-  for (std::size_t k = 0; k < 4 && bytes.size() >= kHeader; ++k) {
-    count += std::size_t{static_cast<unsigned char>(bytes[kHeader - 4 + k])} << 8 * k;
-  }
+  const std::size_t count = bytes.size() < kHeader ? 0 : bitsAt(bytes, kHeader - 4, 4, false);
   const std::size_t size = kHeader + kTriangle * count;
   const bool isText = is(std::string_view(bytes).substr(textBegin(bytes), 5), "solid");
   // A binary file may begin as a text does; one that does not may have more bytes at its end.
@@ -163,8 +130,7 @@ MeshFile readStl(std::string bytes) {
   }
   if (!isText) {
     throw UnreadableMesh("it has " + std::to_string(bytes.size()) + " bytes, but an STL file of " +
-                         std::to_string(count) + " triangles, as its header names, has " +
-                         std::to_string(size));
+                         std::to_string(count) + " triangles, as its header names, has " + std::to_string(size));
   }
   Triangles triangles = readText(bytes);
   return meshOf(std::move(bytes), std::move(triangles));

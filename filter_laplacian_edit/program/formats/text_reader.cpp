@@ -4,22 +4,18 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
+#include <cstring>
 #include <limits>
 #include <system_error>
+
+#include "lapedit/json/json_text.h"
+
+using lapedit::quoted_text;
 
 namespace {
 
 bool endsLine(char letter) {
   return letter == '\n' || letter == '\r';
-}
-
-/// A word for a message.
-std::string quoted(std::string_view word) {
-  constexpr std::size_t kMost = 40;
-  std::string text(word.substr(0, kMost));
-  std::replace_if(
-      text.begin(), text.end(), [](unsigned char letter) { return letter < ' ' || letter == 127; }, '?');
-  return "\"" + text + (word.size() > kMost ? "..." : "") + "\"";
 }
 
 template <class Number>
@@ -34,6 +30,24 @@ bool convert(std::string_view word, Number& value) {
 }
 
 }  // namespace
+
+std::uint64_t bitsAt(const std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian) {
+  std::uint64_t bits = 0;
+  for (std::size_t k = 0; k < size; ++k) {
+    bits = bits << 8 | static_cast<unsigned char>(bytes[at + (isBigEndian ? k : size - 1 - k)]);
+  }
+  return bits;
+}
+
+double realAt(const std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian) {
+  const std::uint64_t bits = bitsAt(bytes, at, size, isBigEndian);
+  const auto low = static_cast<std::uint32_t>(bits);
+  double number = 0;
+  float single = 0;
+  std::memcpy(&number, &bits, sizeof number);
+  std::memcpy(&single, &low, sizeof single);
+  return size == 8 ? number : single;
+}
 
 bool endsWord(char letter) {
   return letter == ' ' || letter == '\t' || letter == '\v' || letter == '\f' || endsLine(letter);
@@ -87,7 +101,7 @@ double TextReader::number(std::string_view word, bool isFloat) const {
   double value = 0;
   float single = 0;
   if (isFloat ? !convert(plain, single) : !convert(plain, value)) {
-    refuse(word.empty() ? "a number is missing" : quoted(word) + " is no number");
+    refuse(word.empty() ? "a number is missing" : quoted_text(std::string(word)) + " is no number");
   }
   return isFloat ? single : value;
 }
@@ -95,7 +109,7 @@ double TextReader::number(std::string_view word, bool isFloat) const {
 long long TextReader::integer(std::string_view word) const {
   long long value = 0;
   if (!convert(word.substr(word.size() > 1 && word[0] == '+' ? 1 : 0), value)) {
-    refuse(word.empty() ? "a whole number is missing" : quoted(word) + " is no whole number");
+    refuse(word.empty() ? "a whole number is missing" : quoted_text(std::string(word)) + " is no whole number");
   }
   return value;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -42,6 +43,11 @@ class TextReader {
   const std::string& bytes_;
   std::size_t at_ = 0, next_ = 0;
 };
+
+/// Returns the bits of a number of 1, 2, 4 or 8 bytes in binary.
+std::uint64_t bitsAt(const std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian);
+/// Returns a real number of 4 or 8 bytes in binary.
+double realAt(const std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian);
 
 /// Returns whether a word ends at a byte.
 bool endsWord(char letter);
