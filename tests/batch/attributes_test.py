@@ -51,12 +51,10 @@ class AttributesTest(FilterHost):
             mesh, laplacian_edit(handle_point=points[220], radius=0.35, translation=(0.1, 0.1, 0.2)),
             {"vertex": colours | {"quality", "flags"}, "face": colours | {"quality", "flags", "texcoord"}})
         # The mesh that was compared has all of it, and not only zeros.
-        for element, name in (("vertex", "red"), ("vertex", "quality"), ("face", "green"), ("face", "quality"),
-                              ("face", "texcoord")):
-            self.assertGreater(len(set(before[element][name])), 100)
+        for name in ("vertex red", "vertex quality", "face green", "face quality", "face texcoord"):
+            self.assertGreater(len(set(before[name.split()[0]][name.split()[1]])), 100)
         for element in ("vertex", "face"):
-            chosen = {flags & selected for flags in before[element]["flags"]}
-            self.assertEqual(chosen, {0, selected})
+            self.assertEqual({flags & selected for flags in before[element]["flags"]}, {0, selected})
 
     @unittest.skipUnless("LAPEDIT_MESHES" in os.environ, "needs the real meshes")
     def test_real_meshes(self):

@@ -115,21 +115,15 @@ class Replay(FilterTest):
         same, _ = self.bits([laplacian_edit(**{**self.lift, "translation": (0, 0, 0.1)})])
         self.assertEqual(half, same)
 
-    def test_text_with_quotes_newlines_and_entities_reaches_the_filter(self):
-        pretty = json.dumps({"laplacian_edit": 1, "steps": [self.lift_json]}, indent=2)
-        self.assertIn("\n", pretty)
-        bits, _ = self.bits([replay(" \n\t" + pretty + "\n")])
+    def test_text_and_paths(self):
+        """A text with quotes and newlines, a file by its absolute and relative path."""
+        text = json.dumps({"laplacian_edit": 1, "steps": [self.lift_json]}, indent=2)
+        file = self.folder / "ed it & <co>" / "lift.json"
+        file.parent.mkdir()
+        file.write_text(text)
         same, _ = self.bits([replay(self.lift_json)])
-        self.assertEqual(bits, same)
-
-    def test_file_by_absolute_and_relative_path(self):
-        folder = self.folder / "ed it & <co>"
-        folder.mkdir()
-        (folder / "lift.json").write_text(json.dumps({"laplacian_edit": 1, "steps": [self.lift_json]}))
-        same, _ = self.bits([replay(self.lift_json)])
-        for path in (folder / "lift.json", "ed it & <co>/lift.json"):
-            bits, _ = self.bits([replay(str(path))])
-            self.assertEqual(bits, same)
+        for edit in (f" \n\t{text}\n", file, file.relative_to(self.folder)):
+            self.assertEqual(self.bits([replay(edit)])[0], same)
 
 
 @unittest.skipIf(TOOL, "meshlabserver opens projects")

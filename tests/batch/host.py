@@ -117,7 +117,6 @@ class HostTest(unittest.TestCase):
 
 
 class FilterHost(HostTest):
-    """Runs filters."""
     screen = None if TOOL else "640x480"
 
     def run_host(self, filters, mesh=None, save=(), project_text=None, project_out=None):
