@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "job.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -8,8 +9,7 @@
 #include <utility>
 
 #include "failure.h"
-#include "files/input_file.h"
-#include "files/output_files.h"
+#include "files/files.h"
 #include "files/system.h"
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
@@ -19,7 +19,6 @@
 #include "lapedit/json/report_json.h"
 #include "lapedit/mesh/mesh_summary.h"
 #include "lapedit/mesh/vertex_finder.h"
-#include "progress_line.h"
 #ifdef LAPEDIT_WITH_VCGLIB
 #include "lapedit_vcg/self_intersections.h"
 #endif
@@ -29,27 +28,21 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Reads the text once, since it may come from a pipe.
-std::string textOf(const char* what, const std::string& path) {
-  return readFile(what, path, kLargestJson);
-}
-
-NamedLandmarks landmarksOf(const std::string& path) {
-  return {path, read_landmarks(textOf("landmark file", path), path)};
-}
-
 Edit readEdit(const Options& options) {
   if (!options.targets.empty()) {
-    return fit_landmarks(pair_landmarks(landmarksOf(options.edit), landmarksOf(options.targets)));
+    const auto landmarks = [](const std::string& path) {
+      return NamedLandmarks{path, read_landmarks(readFile("landmark file", path, kLargestJson), path)};
+    };
+    return fit_landmarks(pair_landmarks(landmarks(options.edit), landmarks(options.targets)));
   }
-  const std::string text = textOf("edit", options.edit);
+  const std::string text = readFile("edit", options.edit, kLargestJson);
   const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
   const std::string name = quotedPath(options.edit) + ": ";
   if (first != std::string::npos && text[first] == '<') {
     throw EditError(ErrorCause::BadScript,
                     name +
-                        "this is a filter script: run it in MeshLab's window, with meshlabserver "
-                        "of MeshLab 2020.09, or with PyMeshLab's load_filter_script().");
+                        "this is a filter script: run it in MeshLab's window, with meshlabserver of MeshLab 2020.09, "
+                        "or with PyMeshLab's load_filter_script().");
   }
   try {
     // Names of landmark files are relative to the folder of the edit.
@@ -66,11 +59,33 @@ std::string coordinates(const Vector3& point, StoredScalar scalar) {
   return text(0) + "," + text(1) + "," + text(2);
 }
 
+/// A line on the terminal that is updated during the work and removed at the end; none if the standard error is no
+/// terminal.
+class ProgressLine {
+ public:
+  explicit ProgressLine(bool isWanted) : is_wanted_(isWanted && system::isTerminal(stderr)) {}
+  ~ProgressLine() { clear(); }
+
+  void show(double fraction, const char* stage) {
+    if (is_wanted_) {
+      std::fprintf(stderr, "\r\033[K%3d %% %.60s", static_cast<int>(100 * std::clamp(fraction, 0.0, 1.0)), stage);
+      is_shown_ = true;
+    }
+  }
+
+  void clear() {
+    std::fputs(is_shown_ ? "\r\033[K" : "", stderr);
+    is_shown_ = false;
+  }
+
+ private:
+  bool is_wanted_, is_shown_ = false;
+};
+
 class Job {
  public:
-  Job(const Options& options, Activity& activity, std::FILE* output)
+  Job(const Options& options, std::FILE* output)
       : options_(options),
-        activity_(activity),
         output_(output),
         line_(!options.quiet),
         files_("output", options.output == "-" ? std::vector<std::string>() : options.outputs()),
@@ -78,15 +93,15 @@ class Job {
 
   void run() {
     Stopwatch stopwatch;
-    activity_.now = "reading " + quotedPath(options_.edit);
     Edit edit = readEdit(options_);
-    activity_.now = "reading " + quotedPath(options_.input);
     file_ = readMeshFile(options_.input, options_.format);
     times_.read = stopwatch.lap();
 
-    activity_.now = "editing";
-    if (file_.hasPolygons) {
-      fitToPolygons(edit);
+    if (file_.hasPolygons && (edit.mesh_faces || !edit.connectivity.empty())) {
+      // MeshLab cuts polygons into other triangles for each format: only the vertices are the same.
+      edit.mesh_vertices = edit.mesh_vertices.value_or(static_cast<int>(file_.mesh.vertices.rows()));
+      edit.mesh_faces.reset();
+      edit.connectivity.clear();
     }
     const auto show = [this](double done, const char* stage) {
       line_.show(done, stage);
@@ -104,7 +119,6 @@ class Job {
     line_.clear();
     refuseAdvice();
 
-    activity_.now = "writing " + quotedPath(options_.output);
     for (std::size_t k = 0; k < poses_.size(); ++k) {
       write(k);
     }
@@ -122,15 +136,6 @@ class Job {
   }
 
  private:
-  /// MeshLab cuts polygons into other triangles for each format: only the vertices are the same.
-  void fitToPolygons(Edit& edit) const {
-    if (edit.mesh_faces || !edit.connectivity.empty()) {
-      edit.mesh_vertices = edit.mesh_vertices.value_or(static_cast<int>(file_.mesh.vertices.rows()));
-      edit.mesh_faces.reset();
-      edit.connectivity.clear();
-    }
-  }
-
   /// Refuses the result if advice is an error. @throws Failure (Advised)
   void refuseAdvice() const {
     for (std::size_t p = 0; options_.strict && p < poses_.size(); ++p) {
@@ -203,7 +208,6 @@ class Job {
   }
 
   const Options& options_;
-  Activity& activity_;
   std::FILE* output_;
   ProgressLine line_;
   OutputFiles files_, report_file_;
@@ -226,20 +230,18 @@ void printAll(const std::string& text, std::FILE* output, const std::string& adv
   }
 }
 
-void runJob(const Options& options, Activity& activity, std::FILE* output) {
+void runJob(const Options& options, std::FILE* output) {
   refuseSameFiles(options);
 #ifndef LAPEDIT_WITH_VCGLIB
   if (options.quality) {
     throw Failure(WrongUsage, "This build has no --quality: build the program with MeshLab's headers at hand.");
   }
 #endif
-  Job(options, activity, output).run();
+  Job(options, output).run();
 }
 
-std::string answer(const Options& options, Activity& activity) {
-  activity.now = "reading " + quotedPath(options.input);
+std::string answer(const Options& options) {
   const MeshFile file = readMeshFile(options.input, options.format);
-  activity.now = "looking at the mesh";
   std::string text;
   if (options.info) {
     const MeshSummary summary = summary_of(file.mesh);

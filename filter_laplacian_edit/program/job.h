@@ -6,18 +6,13 @@
 
 #include "options.h"
 
-/// What the program is doing, for the message where memory runs out.
-struct Activity {
-  std::string now = "starting";
-};
-
 /// Reads, edits, writes. Writes nothing unless all of it is done.
 /// @param output  the standard output; null if it is closed
 /// @throws Failure, EditError, and unexpected exceptions
-void runJob(const Options& options, Activity& activity, std::FILE* output);
+void runJob(const Options& options, std::FILE* output);
 
 /// Reads the mesh and answers --info and --nearest, a line for each answer. @throws Failure, EditError
-std::string answer(const Options& options, Activity& activity);
+std::string answer(const Options& options);
 
 /// Prints a text. @param advice  end of the message on failure: the consequence, and what to do
 /// @throws Failure (Unwritable)

@@ -17,32 +17,31 @@ int fail(ExitCode code, const std::string& sentence) {
   return code;
 }
 
-void work(const std::vector<std::string>& arguments, Activity& activity, std::FILE* output) {
+void work(const std::vector<std::string>& arguments, std::FILE* output) {
   std::string text;
   const std::optional<Options> options = readOptions(arguments, text);
   if (options && !options->asks()) {
-    return runJob(*options, activity, output);
+    return runJob(*options, output);
   }
-  printAll(options ? answer(*options, activity) : text, output, "check where it is redirected");
+  printAll(options ? answer(*options) : text, output, "check where it is redirected");
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   std::FILE* const output = lapedit::system::prepareStreams() ? stdout : nullptr;
-  Activity activity;
   try {
-    work({argv + 1, argv + argc}, activity, output);
+    work({argv + 1, argv + argc}, output);
     return Done;
   } catch (const Failure& failure) {
     return fail(failure.code(), failure.what());
   } catch (const lapedit::EditError& error) {
     return fail(Refused, error.what());
   } catch (const std::bad_alloc&) {
-    return fail(Unexpected, "There was not enough memory while " + activity.now +
-                                ": nothing was written; allow more memory (ulimit -v), or use a smaller mesh.");
+    return fail(Unexpected,
+                "There was not enough memory: nothing was written; allow more (ulimit -v), or use a smaller mesh.");
   } catch (const std::exception& error) {
-    return fail(Unexpected, "An unexpected error while " + activity.now + ": " + error.what() +
+    return fail(Unexpected, std::string("An unexpected error: ") + error.what() +
                                 "; nothing was written. Please report the command and its files.");
   }
 }

@@ -9,11 +9,10 @@
 #include <locale>
 #include <map>
 #include <sstream>
-#include <system_error>
 #include <utility>
 
 #include "failure.h"
-#include "files/output_files.h"
+#include "files/files.h"
 
 namespace fs = std::filesystem;
 
@@ -54,8 +53,6 @@ Exit codes, with an error message on the standard error:
 Unless it is 0, no output was written or replaced; the message says if only the
 report is missing.
 )";
-
-constexpr char kTwoFiles[] = " takes two files: the points, and their targets.";
 
 [[noreturn]] void refuse(const std::string& sentence) {
   throw Failure(WrongUsage, sentence + " See --help.");
@@ -161,7 +158,10 @@ Words sorted(const std::vector<std::string>& arguments) {
     if (equals != std::string::npos && count == 1) {
       values.push_back(word->substr(equals + 1));
     } else if (equals != std::string::npos || static_cast<std::size_t>(arguments.end() - word) <= count) {
-      refuse("The option " + name + (count == 0 ? " takes no value." : count == 1 ? " takes a value." : kTwoFiles));
+      refuse("The option " + name + " takes " +
+             (count == 0   ? "no value."
+              : count == 1 ? "a value."
+                           : "two files: the points, and their targets."));
     } else {
       values.insert(values.end(), word + 1, word + 1 + static_cast<std::ptrdiff_t>(count));
       word += static_cast<std::ptrdiff_t>(count);
@@ -214,9 +214,6 @@ void takeFiles(const Words& words, Options& options) {
     options.output = files[1];
     options.edit = hasLandmarks ? words.value("--landmarks") : files[2];
     options.targets = hasLandmarks ? words.value("--landmarks", 1) : "";
-    if (hasLandmarks && (options.edit[0] == '-' || options.targets[0] == '-')) {
-      refuse("The option --landmarks" + std::string(kTwoFiles));
-    }
   }
   if (options.input == "-" && options.edit == "-") {
     refuse("The standard input is named twice: give the mesh or the edit as a file.");
@@ -273,28 +270,18 @@ std::optional<Options> readOptions(const std::vector<std::string>& arguments, st
 }
 
 void refuseSameFiles(const Options& options) {
-  struct Name {
-    std::string role, path;
-    bool isWritten;
-  };
-  std::map<fs::path, Name> names;
-  const auto add = [&](const char* role, const std::string& path, bool isWritten) {
-    if (path.empty() || (isWritten && path == "-")) {
+  std::map<fs::path, std::pair<std::string, bool>> names;  // what it is, and whether it is written
+  const auto add = [&](const std::string& role, const std::string& path, bool isWritten) {
+    if (path.empty() || path == "-") {
       return;
     }
-    const Name name = {role, path == "-" ? "/dev/stdin" : path, isWritten};
-    fs::path real;
-    try {
-      real = realPath(name.path);
-    } catch (const std::system_error&) {
-      return;  // the job says why
-    }
-    const auto [found, isNew] = names.emplace(real, name);
-    const Name& other = found->second;
-    const bool isInPlace = name.role == "output" && other.role == "mesh" && !options.numbered;
-    if (!isNew && (isWritten || other.isWritten) && !isInPlace) {
-      refuse("The " + other.role + " " + quotedPath(other.path) + " and the " + name.role + " " +
-             quotedPath(name.path) + " are the same file: give another name.");
+    const fs::path real = realPath(path);
+    const std::string name = role + " " + quotedPath(path);
+    const auto [found, isNew] = names.try_emplace(real, name, isWritten);
+    const auto& [other, isOtherWritten] = found->second;
+    const bool isInPlace = role == "output" && !options.numbered && !isOtherWritten && other.compare(0, 4, "mesh") == 0;
+    if (!isNew && (isWritten || isOtherWritten) && !isInPlace) {
+      refuse("The " + other + " and the " + name + " are the same file: give another name.");
     }
   };
   add("mesh", options.input, false);

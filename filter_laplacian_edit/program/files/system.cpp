@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/system.h"
 
+#include <algorithm>
 #include <cctype>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <random>
 #include <system_error>
 
-#ifdef _WIN32
 #include <fcntl.h>
-#include <io.h>
-#include <windows.h>
-#else
-#include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
+#ifdef _WIN32
+#include <io.h>
+#else
+#include <sys/file.h>
 #include <unistd.h>
 #endif
 
@@ -23,8 +23,6 @@ namespace lapedit::system {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::size_t kLetters = 6;  // of a first file's name, after its beginning
 
 [[noreturn]] void fail(int error = errno) {
   throw std::system_error(error, std::generic_category());
@@ -43,23 +41,20 @@ std::string beginning() {
   return name + "-";
 }
 
-std::string randomLetters() {
-  static constexpr char kAll[] = "abcdefghijklmnopqrstuvwxyz0123456789";
-  std::random_device device;
-  std::string text;
-  for (std::size_t k = 0; k < kLetters; ++k) {
-    text += kAll[device() % (sizeof kAll - 1)];
-  }
-  return text;
-}
-
 #ifdef _WIN32
 
-std::FILE* create(const fs::path& path) {
-  return _wfopen(path.c_str(), L"wbx");
+constexpr int kCreate = O_WRONLY | O_CREAT | O_EXCL | O_BINARY;
+
+int fsync(int file) {
+  return _commit(file);
 }
 
-/// Removes a first file, which is impossible while it is open. @return whether it is gone
+/// An open file cannot be removed.
+bool lock(int, const fs::path&) {
+  return true;
+}
+
+/// Removes a first file unless it is open. @return whether it is gone
 bool removeAbandoned(const fs::path& path) {
   std::error_code error;
   fs::remove(path, error);
@@ -70,26 +65,14 @@ void takeOver(const fs::path&, const fs::path&) {}
 
 #else
 
+constexpr int kCreate = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC;
+
 /// @return false if another process has the file, or removed it before it was locked, or if it is another user's
 bool lock(int file, const fs::path& path) {
   struct stat opened = {}, named = {};
   return (::flock(file, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) && ::fstat(file, &opened) == 0 &&
          ::lstat(path.c_str(), &named) == 0 && opened.st_ino == named.st_ino && opened.st_dev == named.st_dev &&
          opened.st_uid == ::geteuid();
-}
-
-/// @return null if a file of this name exists, or another process swept it at once
-std::FILE* create(const fs::path& path) {
-  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-  if (file < 0) {
-    return nullptr;
-  }
-  if (!lock(file, path)) {
-    ::close(file);
-    errno = EEXIST;
-    return nullptr;
-  }
-  return ::fdopen(file, "wb");
 }
 
 /// Removes a first file unless another process has locked it. @return whether it is gone
@@ -123,14 +106,23 @@ void takeOver(const fs::path& from, const fs::path& to) {
 
 #endif
 
+/// @return null if a file of this name exists, or another process swept it at once
+std::FILE* create(const fs::path& path) {
+  const int file = ::open(path.string().c_str(), kCreate, 0600);
+  if (file >= 0 && !lock(file, path)) {
+    ::close(file);
+    errno = EEXIST;
+    return nullptr;
+  }
+  return file < 0 ? nullptr : ::fdopen(file, "wb");
+}
+
 void sweep(const fs::path& folder, const std::string& begin) {
   std::error_code error, ignored;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const std::string name = entry->path().filename().string();
-    const std::size_t size = begin.size() + kLetters;
-    if (name.compare(0, begin.size(), begin) == 0 &&
-        (name.size() == size || (name.size() > size && name[size] == '-')) &&
-        removeAbandoned(folder / name.substr(0, size)) && name.size() > size) {
+    const std::string first = name.substr(0, name.find('-', std::min(begin.size(), name.size())));
+    if (name.compare(0, begin.size(), begin) == 0 && removeAbandoned(folder / first) && name != first) {
       fs::remove(entry->path(), ignored);
     }
   }
@@ -158,11 +150,8 @@ bool prepareStreams() {
 }
 
 bool isTerminal(std::FILE* stream) {
-#ifdef _WIN32
-  return _isatty(_fileno(stream)) != 0;
-#else
-  return ::isatty(::fileno(stream)) != 0;
-#endif
+  const char* const kind = std::getenv("TERM");
+  return ::isatty(::fileno(stream)) != 0 && kind != nullptr && kind != std::string("dumb");
 }
 
 void ignoreRequestsToEnd() {
@@ -180,7 +169,7 @@ NewFile::NewFile(const fs::path& folder, const NewFile* first) : is_first_(first
     sweep(folder, begin);
   }
   for (int tries = 0; file_ == nullptr; ++tries) {
-    path_ = folder / (begin + randomLetters());
+    path_ = folder / (begin + std::to_string(std::random_device()()));
     file_ = create(path_);
     if (file_ == nullptr && (errno != EEXIST || tries > 99)) {
       path_.clear();
@@ -211,12 +200,7 @@ void NewFile::write(const std::string& bytes) {
   if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size() || std::fflush(file_) != 0) {
     fail();
   }
-#ifdef _WIN32
-  const bool done = _commit(_fileno(file_)) == 0;
-#else
-  const bool done = ::fsync(::fileno(file_)) == 0 || errno == EINVAL;  // not on all file systems
-#endif
-  if (!done) {
+  if (fsync(::fileno(file_)) != 0 && errno != EINVAL) {  // not on all file systems
     fail();
   }
   if (!is_first_) {

@@ -13,6 +13,7 @@ namespace lapedit::system {
 /// @return whether the standard output was open
 bool prepareStreams();
 
+/// Returns whether a stream is a terminal on which the cursor moves.
 bool isTerminal(std::FILE* stream);
 
 /// Lets requests to end the program pass, from here on.

@@ -5,9 +5,6 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <cstdint>
-#include <cstring>
-#include <numeric>
 #include <string_view>
 #include <utility>
 
@@ -27,30 +24,18 @@ double stored(NumberKind kind, double number) {
   return isSingle(kind) ? static_cast<double>(static_cast<float>(number)) : number;
 }
 
-bool isLittleEndian() {
-  constexpr std::uint16_t kOne = 1;
-  unsigned char first = 0;
-  std::memcpy(&first, &kOne, 1);
-  return first == 1;
-}
-
 /// The new bytes of a file.
 class Rewriter {
  public:
   explicit Rewriter(const MeshFile& file) : file_(file), bytes_(file.bytes) {}
 
   void replace(NumberKind kind, std::size_t at, double number) {
-    switch (kind) {
-      case NumberKind::Float:
-        return putBytes(at, static_cast<float>(number));
-      case NumberKind::Double:
-        return putBytes(at, number);
-      case NumberKind::FloatText:
-      case NumberKind::DoubleText:
-        const std::string text = shortestText(number, isSingle(kind));
-        pieces_.push_back({at, texts_.size(), text.size()});
-        texts_ += text;
+    if (kind == NumberKind::Float || kind == NumberKind::Double) {
+      return putReal(bytes_, at, isSingle(kind) ? 4 : 8, file_.bigEndian, number);
     }
+    const std::string text = shortestText(number, isSingle(kind));
+    pieces_.push_back({at, texts_.size(), text.size()});
+    texts_ += text;
   }
 
   std::string finished() {
@@ -77,57 +62,44 @@ class Rewriter {
     std::size_t at, text, size;
   };
 
-  template <class Number>
-  void putBytes(std::size_t at, Number number) {
-    char* const place = bytes_.data() + at;
-    std::memcpy(place, &number, sizeof number);
-    if (file_.bigEndian == isLittleEndian()) {
-      std::reverse(place, place + sizeof number);
-    }
-  }
-
   const MeshFile& file_;
   std::string bytes_, texts_;
   std::vector<Piece> pieces_;
 };
 
-/// Returns the direction of a normal, not of unit length; zero where there is no area.
-Vector3 direction(const FileNormals& normals, std::size_t number, const Points& points, const Faces& faces) {
-  Vector3 sum = Vector3::Zero();
-  for (std::size_t i = normals.begin[number]; i < normals.begin[number + 1]; ++i) {
-    const int face = normals.corners[i] / 3, corner = normals.corners[i] % 3;
-    FaceShape shape;
-    const Vector3 a = points.row(faces(face, 0)), b = points.row(faces(face, 1)), c = points.row(faces(face, 2));
-    if (measure({a, b, c}, shape)) {
-      sum += (normals.ofFaces ? (b - a).cross(c - a).norm() : shape.angles[corner]) * shape.normal;
-    }
-  }
-  return sum;
-}
-
 /// Replaces the normals that an edit changes. @return the number of those that it should change and cannot
 int replaceNormals(const FileNormals& normals, const Points& points, const Faces& faces,
                    const std::vector<char>& isMoved, Rewriter& rewriter) {
+  struct Normal {
+    Vector3 sum = Vector3::Zero();
+    int corners = 0, moved = 0;
+  };
+  std::vector<Normal> all(normals.at.size() / 3);
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    const int a = faces(f, 0), b = faces(f, 1), c = faces(f, 2);
+    const bool isFaceMoved = isMoved[a] || isMoved[b] || isMoved[c];
+    FaceShape shape;
+    const Vector3 corner = points.row(a), ab = points.row(b), ac = points.row(c);
+    const bool hasArea = isFaceMoved && measure({corner, ab, ac}, shape);
+    for (int k = 0; k < 3; ++k) {
+      const auto n = static_cast<std::size_t>(normals.ofCorner[3 * f + k]);
+      if (n < all.size()) {  // else it has none
+        ++all[n].corners;
+        all[n].moved += normals.ofFaces ? isFaceMoved : isMoved[faces(f, k)];
+        if (hasArea) {
+          const double weight = normals.ofFaces ? (ab - corner).cross(ac - corner).norm() : shape.angles[k];
+          all[n].sum += weight * shape.normal;
+        }
+      }
+    }
+  }
   int shared = 0;
-  for (std::size_t n = 0; n + 1 < normals.begin.size(); ++n) {
-    std::size_t moved = 0;
-    const std::size_t begin = normals.begin[n], end = normals.begin[n + 1];
-    for (std::size_t i = begin; i < end; ++i) {
-      const int face = normals.corners[i] / 3, corner = normals.corners[i] % 3;
-      const bool isFaceMoved = isMoved[faces(face, 0)] || isMoved[faces(face, 1)] || isMoved[faces(face, 2)];
-      moved += normals.ofFaces ? isFaceMoved : isMoved[faces(face, corner)];
-    }
-    if (moved == 0) {
-      continue;
-    }
-    if (moved < end - begin && !normals.ofFaces) {
-      ++shared;
-      continue;
-    }
-    const Vector3 normal = direction(normals, n, points, faces);
-    const double length = normal.stableNorm();
-    for (int k = 0; k < 3 && length > 0 && std::isfinite(length); ++k) {
-      rewriter.replace(normals.kinds[k], normals.at[3 * n + k], normal[k] / length);
+  for (std::size_t n = 0; n < all.size(); ++n) {
+    const double length = all[n].sum.stableNorm();
+    const bool isShared = all[n].moved > 0 && all[n].moved < all[n].corners && !normals.ofFaces;
+    shared += isShared;
+    for (int k = 0; k < 3 && all[n].moved > 0 && !isShared && length > 0 && std::isfinite(length); ++k) {
+      rewriter.replace(normals.kinds[k], normals.at[3 * n + k], all[n].sum[k] / length);
     }
   }
   return shared;
@@ -166,7 +138,7 @@ std::string MeshFile::edited(const EditResult& result, int& sharedNormals) const
     const auto v = static_cast<Eigen::Index>(vertices.empty() ? i : static_cast<std::size_t>(vertices[i]));
     for (int k = 0; k < 3; ++k) {
       const double number = stored(positions.kinds[k], after(v, k));
-      if (number != mesh.vertices(v, k)) {
+      if (number != mesh.vertices(v, k) && std::isfinite(number)) {
         isMoved[static_cast<std::size_t>(v)] = 1;
         rewriter.replace(positions.kinds[k], positions.at[3 * i + k], number);
       }
@@ -193,33 +165,40 @@ MeshFile readMesh(Format format, std::string bytes) {
   return readStl(std::move(bytes));
 }
 
-void MeshBuilder::addPolygon(const std::vector<int>& corners) {
+void MeshBuilder::addPolygon(const std::vector<long long>& corners) {
+  for (const long long corner : corners) {
+    if (corner < 0) {
+      refuse(polygons_, corner);
+    }
+    if (corner > largest_) {
+      largest_ = corner;
+      largest_in_ = polygons_;
+    }
+  }
+  ++polygons_;
   file.hasPolygons |= corners.size() > 3;
   for (std::size_t k = 2; k < corners.size(); ++k) {
-    corners_.insert(corners_.end(), {corners[0], corners[k - 1], corners[k]});
+    for (const long long corner : {corners[0], corners[k - 1], corners[k]}) {
+      corners_.push_back(static_cast<int>(corner));
+    }
   }
 }
 
-void MeshBuilder::addNormals(FileNormals normals, const std::vector<int>& normalOf) {
-  const std::size_t count = normals.at.size() / 3;
-  normals.begin.assign(count + 1, 0);
-  for (const int normal : normalOf) {
-    if (normal >= 0) {
-      ++normals.begin[static_cast<std::size_t>(normal) + 1];
-    }
-  }
-  std::partial_sum(normals.begin.begin(), normals.begin.end(), normals.begin.begin());
-  normals.corners.resize(normals.begin.back());
-  std::vector<std::size_t> next = normals.begin;
-  for (std::size_t corner = 0; corner < normalOf.size(); ++corner) {
-    if (normalOf[corner] >= 0) {
-      normals.corners[next[static_cast<std::size_t>(normalOf[corner])]++] = static_cast<int>(corner);
-    }
-  }
+void MeshBuilder::addVertexNormals(FileNormals normals) {
+  normals.ofCorner = corners_;
   file.normals.push_back(std::move(normals));
 }
 
+void MeshBuilder::refuse(long long face, long long vertex) const {
+  throw UnreadableMesh("face " + std::to_string(face + first_) + " names vertex " + std::to_string(vertex + first_) +
+                       ", but there are " + std::to_string(vertexCount()) + " vertices, counted from " +
+                       std::to_string(first_));
+}
+
 MeshFile MeshBuilder::finished() {
+  if (largest_ >= static_cast<long long>(vertexCount())) {
+    refuse(largest_in_, largest_);
+  }
   file.mesh = {Eigen::Map<const Points>(coordinates_.data(), static_cast<Eigen::Index>(vertexCount()), 3),
                Eigen::Map<const Faces>(corners_.data(), static_cast<Eigen::Index>(faceCount()), 3)};
   return std::move(file);

@@ -35,15 +35,14 @@ inline bool isSingle(NumberKind kind) {
 
 /// Positions or normals in a file.
 struct FileVectors {
-  std::array<NumberKind, 3> kinds = {};
+  std::array<NumberKind, 3> kinds = {NumberKind::DoubleText, NumberKind::DoubleText, NumberKind::DoubleText};
   std::vector<std::size_t> at;  ///< three per vector: where its numbers begin, in bytes from the beginning of the file
 };
 
 /// Normals in a file. Each is the mean of those of some triangles.
 struct FileNormals : FileVectors {
-  bool ofFaces = false;            ///< weighted by area; otherwise by the angles at corners
-  std::vector<std::size_t> begin;  ///< normal -> its first entry of `corners`; one more at the end
-  std::vector<int> corners;        ///< 3 * triangle + corner
+  bool ofFaces = false;       ///< weighted by area; otherwise by the angles at corners
+  std::vector<int> ofCorner;  ///< triangle corner -> normal; it has none if there is no such normal
 };
 
 /// A mesh file in memory, and where in it the coordinates are. An edit changes these numbers and no other byte.
@@ -80,22 +79,28 @@ MeshFile readStl(std::string bytes);
 /// Collects the vertices and faces of a file.
 class MeshBuilder {
  public:
+  /// @param first  the number of the first vertex in the file, for messages
+  explicit MeshBuilder(int first = 0) : first_(first) {}
+
   MeshFile file;
 
   void addVertex(const double* coordinates) { coordinates_.insert(coordinates_.end(), coordinates, coordinates + 3); }
-  /// Adds the fan of a polygon. Fewer than three corners give no triangle.
-  void addPolygon(const std::vector<int>& corners);
+  /// Adds the fan of a polygon. Fewer than three corners give no triangle. Corners may come before their vertices.
+  void addPolygon(const std::vector<long long>& corners);
   std::size_t vertexCount() const { return coordinates_.size() / 3; }
   std::size_t faceCount() const { return corners_.size() / 3; }
 
-  /// Adds normals, if there are any. @param normalOf  triangle corner -> normal, -1 for none
-  void addNormals(FileNormals normals, const std::vector<int>& normalOf);
   /// Adds one normal per vertex.
-  void addVertexNormals(FileNormals normals) { addNormals(std::move(normals), corners_); }
+  void addVertexNormals(FileNormals normals);
 
+  /// @throws UnreadableMesh if a face names a vertex that is not there
   MeshFile finished();
 
  private:
+  [[noreturn]] void refuse(long long face, long long vertex) const;
+
+  int first_;
+  long long polygons_ = 0, largest_ = -1, largest_in_ = 0;  ///< the largest corner, and its polygon
   std::vector<double> coordinates_;
   std::vector<int> corners_;
 };

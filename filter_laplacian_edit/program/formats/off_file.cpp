@@ -48,17 +48,14 @@ void readVector(TextReader& reader, FileVectors& vectors, double* values) {
   }
 }
 
-/// Compares the numbers on the line of the first vertex with the header. Several vertices may share a line.
-void refuseMoreNumbers(TextReader reader, const Columns& columns) {
+/// Returns whether the line of the first vertex has numbers besides those of whole vertices.
+bool hasMoreNumbers(TextReader reader, const Columns& columns) {
   const int each = 3 + (columns.normal ? 3 : 0) + (columns.texture ? 2 : 0);
   int more = 0;
   while (!reader.wordOfLine().empty()) {
     ++more;
   }
-  if (more % each != 0) {
-    reader.refuse("the vertex has " + std::to_string(each + more) + " numbers, but " + std::to_string(each) +
-                  " by the header: colours need the header COFF");
-  }
+  return more % each != 0;
 }
 
 }  // namespace
@@ -82,9 +79,8 @@ MeshFile readOff(std::string bytes) {
   }
 
   FileNormals normals;
-  normals.kinds.fill(NumberKind::DoubleText);
-  mesh.file.positions.kinds.fill(NumberKind::DoubleText);
   double values[3];
+  bool isByLine = columns.colour;  // a vertex may have other numbers, such as colours of any number of components
   for (std::size_t v = 0; v < vertices; ++v) {
     readVector(reader, mesh.file.positions, values);
     mesh.addVertex(values);
@@ -94,23 +90,17 @@ MeshFile readOff(std::string bytes) {
     for (int k = 0; k < 2 && columns.texture && !columns.colour; ++k) {
       reader.number(reader.word(), false);
     }
-    if (columns.colour) {  // of any number of components
+    isByLine |= v == 0 && hasMoreNumbers(reader, columns);
+    if (isByLine) {
       reader.skipLine();
-    } else if (v == 0) {
-      refuseMoreNumbers(reader, columns);
     }
   }
 
-  std::vector<int> corners;
+  std::vector<long long> corners;
   for (std::size_t f = 0; f < faces; ++f) {
     corners.clear();
     for (std::size_t left = count(reader, reader.word()); left > 0; --left) {
-      const long long number = reader.integer(reader.word());
-      if (number < 0 || number >= static_cast<long long>(vertices)) {
-        reader.refuse("face " + std::to_string(f) + " names vertex " + std::to_string(number) + ", but there are " +
-                      std::to_string(vertices) + " vertices, counted from 0");
-      }
-      corners.push_back(static_cast<int>(number));
+      corners.push_back(reader.integer(reader.word()));
     }
     reader.skipLine();  // may have colours
     mesh.addPolygon(corners);

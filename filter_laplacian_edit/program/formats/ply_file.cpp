@@ -119,7 +119,6 @@ class PlyReader {
     if (std::any_of(elements_.begin(), elements_.end(), [&](const Element& e) { return e.name == element.name; })) {
       text_.refuse("there is an element of this name before");
     }
-    vertices_ = element.name == "vertex" ? count : vertices_;
     elements_.push_back(std::move(element));
   }
 
@@ -257,30 +256,19 @@ class PlyReader {
     }
   }
 
-  int corner(long long number) const {
-    if (number < 0 || number >= vertices_) {
-      refuse("face " + std::to_string(row_) + " names vertex " + std::to_string(number) + ", but there are " +
-             std::to_string(vertices_) + " vertices, counted from 0");
-    }
-    return static_cast<int>(number);
-  }
-
   void endFace() {
-    polygon_.clear();
-    std::transform(corners_.begin(), corners_.end(), std::back_inserter(polygon_),
-                   [this](long long c) { return corner(c); });
     const std::size_t before = mesh_.faceCount();
-    mesh_.addPolygon(polygon_);
+    mesh_.addPolygon(corners_);
     const std::size_t added = mesh_.faceCount() - before;
     if (has_face_normals_) {
       face_normals_.at.insert(face_normals_.at.end(), places_ + 3, places_ + 6);
       for (std::size_t k = 0; k < added; ++k) {
-        face_of_corner_.insert(face_of_corner_.end(), {static_cast<int>(row_), -1, -1});
+        face_normals_.ofCorner.insert(face_normals_.ofCorner.end(), {static_cast<int>(row_), -1, -1});
       }
     }
     if ((flags_ & kSelected) != 0) {
       file().selectedFaces += static_cast<int>(added);
-      file().selected.of_faces.insert(file().selected.of_faces.end(), polygon_.begin(), polygon_.end());
+      file().selected.of_faces.insert(file().selected.of_faces.end(), corners_.begin(), corners_.end());
     }
   }
 
@@ -292,8 +280,7 @@ class PlyReader {
         begin = k + 1;
       } else if (k >= begin + 2) {
         const bool isReversed = (k - begin) % 2 == 1;
-        const int a = corner(corners_[k - 2]), b = corner(corners_[k - 1]), c = corner(corners_[k]);
-        mesh_.addPolygon({isReversed ? b : a, isReversed ? a : b, c});
+        mesh_.addPolygon({corners_[k - (isReversed ? 1 : 2)], corners_[k - (isReversed ? 2 : 1)], corners_[k]});
       }
     }
   }
@@ -304,7 +291,7 @@ class PlyReader {
       mesh_.addVertexNormals(std::move(vertex_normals_));
     }
     if (has_face_normals_) {
-      mesh_.addNormals(std::move(face_normals_), face_of_corner_);
+      file().normals.push_back(std::move(face_normals_));
     }
     return mesh_.finished();
   }
@@ -314,19 +301,16 @@ class PlyReader {
   MeshBuilder mesh_;
   std::vector<Element> elements_;
   bool is_text_ = true, has_vertex_normals_ = false, has_face_normals_ = false;
-  long long vertices_ = 0;  // as the header says
-  std::size_t at_ = 0;      // of binary rows
-  TextReader text_;         // of the header, and of rows in text
+  std::size_t at_ = 0;  // of binary rows
+  TextReader text_;     // of the header, and of rows in text
 
   // Of the row that was read last.
   std::size_t row_ = 0, number_at_ = 0, places_[6] = {};
   double numbers_[6] = {};  // position and normal
   long long flags_ = 0;
   std::vector<long long> corners_;
-  std::vector<int> polygon_;
 
   FileNormals vertex_normals_, face_normals_;
-  std::vector<int> face_of_corner_;  // of the triangles
 };
 
 }  // namespace

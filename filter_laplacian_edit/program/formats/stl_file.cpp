@@ -41,16 +41,15 @@ MeshFile meshOf(std::string bytes, Triangles triangles) {
     }
     mesh.file.vertices.push_back(found->second);
   }
-  std::vector<int> facets;  // normal of each corner of the triangles
   for (std::size_t i = 0; i < mesh.file.vertices.size(); i += 3) {
     const int a = mesh.file.vertices[i], b = mesh.file.vertices[i + 1], c = mesh.file.vertices[i + 2];
     if (a != b && b != c && c != a) {  // MeshLab drops the others
       mesh.addPolygon({a, b, c});
-      facets.insert(facets.end(), {static_cast<int>(i / 3), -1, -1});
+      triangles.normals.ofCorner.insert(triangles.normals.ofCorner.end(), {static_cast<int>(i / 3), -1, -1});
     }
   }
   triangles.normals.ofFaces = true;
-  mesh.addNormals(std::move(triangles.normals), facets);
+  mesh.file.normals.push_back(std::move(triangles.normals));
   return mesh.finished();
 }
 
@@ -86,8 +85,6 @@ bool is(std::string_view word, std::string_view keyword) {
 
 Triangles readText(const std::string& bytes) {
   Triangles triangles;
-  triangles.positions.kinds.fill(NumberKind::DoubleText);
-  triangles.normals.kinds.fill(NumberKind::DoubleText);
   TextReader reader(bytes, textBegin(bytes));
   const auto requireWhole = [&](std::size_t missing) {
     if (triangles.positions.at.size() + missing != 3 * triangles.normals.at.size()) {

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <limits>
 #include <system_error>
+#include <type_traits>
 
 #include "lapedit/json/json_text.h"
 
@@ -22,9 +23,11 @@ template <class Number>
 bool convert(std::string_view word, Number& value) {
   const char* const end = word.data() + word.size();
   const auto [stop, error] = std::from_chars(word.data(), end, value);
-  if (error == std::errc::result_out_of_range && stop == end) {  // zero or infinity
-    value = static_cast<Number>(std::strtod(std::string(word).c_str(), nullptr));
-    return true;
+  if constexpr (std::is_floating_point_v<Number>) {
+    if (error == std::errc::result_out_of_range && stop == end) {  // zero or infinity
+      value = static_cast<Number>(std::strtod(std::string(word).c_str(), nullptr));
+      return true;
+    }
   }
   return error == std::errc() && stop == end;
 }
@@ -47,6 +50,17 @@ double realAt(const std::string& bytes, std::size_t at, std::size_t size, bool i
   std::memcpy(&number, &bits, sizeof number);
   std::memcpy(&single, &low, sizeof single);
   return size == 8 ? number : single;
+}
+
+void putReal(std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian, double number) {
+  const auto single = static_cast<float>(number);
+  std::uint64_t bits = 0;
+  std::uint32_t low = 0;
+  std::memcpy(&bits, &number, sizeof number);
+  std::memcpy(&low, &single, sizeof single);
+  for (std::size_t k = 0; k < size; ++k) {
+    bytes[at + (isBigEndian ? size - 1 - k : k)] = static_cast<char>((size == 8 ? bits : low) >> 8 * k);
+  }
 }
 
 bool endsWord(char letter) {
@@ -94,10 +108,6 @@ void TextReader::skipLine() {
 
 double TextReader::number(std::string_view word, bool isFloat) const {
   const std::string_view plain = word.substr(word.size() > 1 && word[0] == '+' ? 1 : 0);
-  // As some compilers write it.
-  if (plain.substr(0, 3) == "1.#" || plain.substr(0, 4) == "-1.#") {
-    return std::numeric_limits<double>::quiet_NaN();
-  }
   double value = 0;
   float single = 0;
   if (isFloat ? !convert(plain, single) : !convert(plain, value)) {
@@ -107,9 +117,10 @@ double TextReader::number(std::string_view word, bool isFloat) const {
 }
 
 long long TextReader::integer(std::string_view word) const {
+  constexpr long long kMost = 1LL << 53;  // a double has all up to here
   long long value = 0;
-  if (!convert(word.substr(word.size() > 1 && word[0] == '+' ? 1 : 0), value)) {
-    refuse(word.empty() ? "a whole number is missing" : quoted_text(std::string(word)) + " is no whole number");
+  if (!convert(word.substr(word.size() > 1 && word[0] == '+' ? 1 : 0), value) || value < -kMost || value > kMost) {
+    refuse(word.empty() ? "a whole number is missing" : quoted_text(std::string(word)) + " is no whole number here");
   }
   return value;
 }

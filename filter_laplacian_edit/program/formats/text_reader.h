@@ -46,8 +46,9 @@ class TextReader {
 
 /// Returns the bits of a number of 1, 2, 4 or 8 bytes in binary.
 std::uint64_t bitsAt(const std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian);
-/// Returns a real number of 4 or 8 bytes in binary.
+/// Returns a real number of 4 or 8 bytes in binary, and writes one.
 double realAt(const std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian);
+void putReal(std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian, double number);
 
 /// Returns whether a word ends at a byte.
 bool endsWord(char letter);

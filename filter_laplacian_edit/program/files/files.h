@@ -8,12 +8,21 @@
 #include <vector>
 
 #include "files/system.h"
+#include "formats/mesh_file.h"
 
 /// Returns the name of a file for a message.
 std::string quotedPath(const std::string& path);
 
-/// Returns the file that a name leads to through links, whether it exists or not. @throws std::system_error
+/// Returns the file that a name leads to through links, whether it exists or not. @throws Failure (Unwritable) in a
+/// circle of links
 std::filesystem::path realPath(const std::string& path);
+
+/// Reads a whole file, "-" the standard input. @param what  names it in messages. @param most  bytes
+/// @throws Failure (Unreadable)
+std::string readFile(const std::string& what, const std::string& path, std::size_t most);
+
+/// Reads a mesh. @throws Failure (Unreadable)
+MeshFile readMeshFile(const std::string& path, Format format);
 
 /// Files of one folder that replace their targets together, when all of them are complete and on the disk.
 class OutputFiles {

@@ -1,15 +1,69 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "files/output_files.h"
+#include "files/files.h"
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <limits>
 #include <system_error>
+#include <utility>
 
 #include "failure.h"
 
 namespace fs = std::filesystem;
 using lapedit::system::NewFile;
 using lapedit::system::whyNotWritten;
+
+namespace {
+
+[[noreturn]] void refuseReading(const std::string& what, const std::string& path, const std::string& why) {
+  throw Failure(Unreadable, "The " + what + " " + (path == "-" ? "from the standard input" : quotedPath(path)) +
+                                " cannot be read: " + why + ".");
+}
+
+int closeIt(std::FILE* file) {
+  return file == stdin ? 0 : std::fclose(file);
+}
+
+}  // namespace
+
+std::string readFile(const std::string& what, const std::string& path, std::size_t most) {
+  std::error_code unknown;
+  if (path != "-" && fs::is_directory(path, unknown)) {
+    refuseReading(what, path, "it is a folder");
+  }
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(path == "-" ? stdin : std::fopen(path.c_str(), "rb"),
+                                                             closeIt);
+  if (!file) {
+    refuseReading(what, path, errno == ENOENT ? "it does not exist" : std::strerror(errno));
+  }
+  std::string text;
+  if (path != "-") {
+    const std::uintmax_t size = fs::file_size(path, unknown);
+    text.reserve(unknown ? 0 : static_cast<std::size_t>(size));
+  }
+  std::vector<char> part(1 << 18);
+  for (std::size_t count = part.size(); count == part.size() && text.size() <= most;) {
+    count = std::fread(part.data(), 1, part.size(), file.get());
+    text.append(part.data(), count);
+  }
+  if (std::ferror(file.get()) != 0) {
+    refuseReading(what, path, std::strerror(errno));
+  }
+  if (text.size() > most) {
+    refuseReading(what, path, "it is larger than " + std::to_string(most) + " bytes");
+  }
+  return text;
+}
+
+MeshFile readMeshFile(const std::string& path, Format format) {
+  try {
+    return readMesh(format, readFile("mesh", path, std::numeric_limits<std::size_t>::max()));
+  } catch (const UnreadableMesh& error) {
+    refuseReading("mesh", path, error.what());
+  }
+}
 
 std::string quotedPath(const std::string& path) {
   std::string text = path;
@@ -20,15 +74,16 @@ std::string quotedPath(const std::string& path) {
 
 fs::path realPath(const std::string& path) {
   constexpr int kMost = 40;  // links, as in the kernel
+  std::error_code error;
   fs::path real = fs::absolute(path);
-  int links = 0;
-  for (std::error_code none; fs::is_symlink(real, none); real = real.parent_path() / fs::read_symlink(real)) {
-    if (++links > kMost) {
-      throw std::system_error(std::make_error_code(std::errc::too_many_symbolic_link_levels));
+  for (int links = 0; fs::is_symlink(real, error); ++links) {
+    if (links > kMost) {
+      throw Failure(Unwritable, "The name " + quotedPath(path) + " leads through too many links: give another name.");
     }
+    real = real.parent_path() / fs::read_symlink(real, error);
   }
-  const fs::path folder = fs::weakly_canonical(real.parent_path());
-  return real.filename() == "." || real.filename() == ".." ? fs::weakly_canonical(real) : folder / real.filename();
+  const fs::path folder = fs::weakly_canonical(real.parent_path(), error);
+  return error ? real : folder / real.filename();
 }
 
 OutputFiles::OutputFiles(std::string what, const std::vector<std::string>& paths)
@@ -76,13 +131,6 @@ void OutputFiles::write(const std::string& bytes) {
 }
 
 void OutputFiles::replaceAll() {
-  // They may have changed since they were checked.
-  for (std::size_t k = 0; k < targets_.size(); ++k) {
-    std::error_code ignored;
-    if (fs::is_directory(targets_[k], ignored)) {
-      refuse(k, "it has become a folder");
-    }
-  }
   for (std::size_t k = files_.size(); k-- > 0;) {
     try {
       files_[k]->replace(targets_[k]);
