@@ -1,16 +1,257 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <cstdio>
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <exception>
+#include <filesystem>
 #include <new>
-#include <string>
-#include <vector>
+#include <optional>
+#include <utility>
 
 #include "failure.h"
+#include "files/files.h"
 #include "files/system.h"
-#include "job.h"
 #include "lapedit/base/error.h"
+#include "lapedit/base/format_text.h"
+#include "lapedit/base/stopwatch.h"
+#include "lapedit/json/edit_script.h"
+#include "lapedit/json/landmarks.h"
+#include "lapedit/json/report_json.h"
+#include "lapedit/mesh/mesh_summary.h"
+#include "lapedit/mesh/vertex_finder.h"
+#include "options.h"
+#ifdef LAPEDIT_WITH_VCGLIB
+#include "lapedit_vcg/self_intersections.h"
+#endif
+
+using namespace lapedit;
+namespace fs = std::filesystem;
 
 namespace {
+
+Edit readEdit(const Options& options) {
+  if (!options.targets.empty()) {
+    const auto landmarks = [](const std::string& path) {
+      return NamedLandmarks{path, read_landmarks(readFile("landmark file", path, kLargestJson), path)};
+    };
+    return fit_landmarks(pair_landmarks(landmarks(options.edit), landmarks(options.targets)));
+  }
+  const std::string text = readFile("edit", options.edit, kLargestJson);
+  const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+  const std::string name = quotedPath(options.edit) + ": ";
+  if (first != std::string::npos && text[first] == '<') {
+    throw EditError(ErrorCause::BadScript,
+                    name +
+                        "this is a filter script: run it in MeshLab's window, with meshlabserver of MeshLab 2020.09, "
+                        "or with PyMeshLab's load_filter_script().");
+  }
+  try {
+    // Names of landmark files are relative to the folder of the edit.
+    const bool isFile = options.edit != "-" && fs::is_regular_file(options.edit);
+    return read_edit(text, isFile ? fs::absolute(options.edit).parent_path().string() : std::string());
+  } catch (const EditError& refusal) {
+    throw EditError(refusal.cause(), name + refusal.what());
+  }
+}
+
+/// Formats a point as --nearest and JSON read it, with all digits of its type.
+std::string coordinates(const Vector3& point, StoredScalar scalar) {
+  const auto text = [&](int k) { return shortestText(point[k], scalar == StoredScalar::Float); };
+  return text(0) + "," + text(1) + "," + text(2);
+}
+
+/// Prints a text. @param output  null if it is closed. @param advice  end of the message on failure: the consequence,
+/// and what to do. @throws Failure (Unwritable)
+void printAll(const std::string& text, std::FILE* output, const std::string& advice) {
+  errno = 0;
+  if (output == nullptr || std::fwrite(text.data(), 1, text.size(), output) != text.size() ||
+      std::fflush(output) != 0) {
+    throw Failure(Unwritable, "The standard output cannot be written to (" +
+                                  std::string(output == nullptr ? "it is closed" : std::strerror(errno)) +
+                                  "): " + advice + ".");
+  }
+}
+
+/// A line on the terminal that is updated during the work and removed at the end; none if the standard error is no
+/// terminal.
+class ProgressLine {
+ public:
+  explicit ProgressLine(bool isWanted) : is_wanted_(isWanted && system::isTerminal(stderr)) {}
+  ~ProgressLine() { clear(); }
+
+  void show(double fraction, const char* stage) {
+    if (is_wanted_) {
+      std::fprintf(stderr, "\r\033[K%3d %% %.60s", static_cast<int>(100 * std::clamp(fraction, 0.0, 1.0)), stage);
+      is_shown_ = true;
+    }
+  }
+
+  void clear() {
+    std::fputs(is_shown_ ? "\r\033[K" : "", stderr);
+    is_shown_ = false;
+  }
+
+ private:
+  bool is_wanted_, is_shown_ = false;
+};
+
+class Job {
+ public:
+  Job(const Options& options, std::FILE* output)
+      : options_(options),
+        output_(output),
+        line_(!options.quiet),
+        files_("output", options.output == "-" ? std::vector<std::string>() : options.outputs()),
+        report_file_("report", options.report.empty() ? std::vector<std::string>() : std::vector{options.report}) {}
+
+  void run() {
+    Stopwatch stopwatch;
+    Edit edit = readEdit(options_);
+    file_ = readMeshFile(options_.input, options_.reader);
+    read_ms_ = stopwatch.lap();
+
+    if (file_.hasPolygons && (edit.mesh_faces || !edit.connectivity.empty())) {
+      // MeshLab cuts polygons into other triangles for each format: only the vertices are the same.
+      edit.mesh_vertices = edit.mesh_vertices.value_or(static_cast<int>(file_.mesh.vertices.rows()));
+      edit.mesh_faces.reset();
+      edit.connectivity.clear();
+    }
+    const auto show = [this](double done, const char* stage) {
+      line_.show(done, stage);
+      return true;
+    };
+    poses_ = apply_edit(file_.mesh, edit, file_.selected, options_.fractions, file_.scalar, show);
+    for (std::size_t k = 0; k < poses_.size() && options_.quality; ++k) {
+#ifdef LAPEDIT_WITH_VCGLIB
+      count_self_intersections(file_.mesh, poses_[k]);
+#else
+      throw Failure(WrongUsage, "This build has no --quality: build the program with MeshLab's headers at hand.");
+#endif
+    }
+    edit_ms_ = stopwatch.lap();
+    line_.clear();
+    refuseAdvice();
+
+    for (std::size_t k = 0; k < poses_.size(); ++k) {
+      write(k);
+    }
+    write_ms_ = stopwatch.lap();
+    if (!options_.report.empty()) {
+      report_file_.write(report());
+    }
+    system::ignoreRequestsToEnd();
+    files_.replaceAll();
+    try {
+      report_file_.replaceAll();
+    } catch (const Failure& failure) {
+      throw Failure(failure.code(), std::string(failure.what()) + " The outputs are complete.");
+    }
+  }
+
+ private:
+  /// Refuses the result if advice is an error. @throws Failure (Advised)
+  void refuseAdvice() const {
+    for (std::size_t p = 0; options_.strict && p < poses_.size(); ++p) {
+      const std::vector<EditReport>& steps = poses_[p].reports;
+      for (std::size_t k = 0; k < steps.size(); ++k) {
+        const std::string advice = steps[k].advice();
+        if (!advice.empty()) {
+          throw Failure(
+              Advised,
+              "With --strict nothing was written: " +
+                  (options_.numbered ? "at fraction " + number_text(options_.fractions[p]) + ", " : "") +
+                  (steps.size() > 1 ? "step " + std::to_string(k + 1) + " of " + std::to_string(steps.size()) + ", "
+                                    : "") +
+                  advice);
+        }
+      }
+    }
+  }
+
+  /// Reports are printed before any file is replaced, so that a missing reader is detected first.
+  void write(std::size_t k) {
+    int shared = 0;
+    const std::string bytes = file_.edited(poses_[k], shared);
+    shared_normals_.push_back(shared);
+    if (options_.output == "-") {
+      return printAll(bytes, output_, "what arrived is not complete");
+    }
+    if (!options_.quiet) {
+      const std::string fraction = options_.numbered ? "Fraction " + number_text(options_.fractions[k]) + "\n" : "";
+      const std::string normals =
+          shared == 0
+              ? ""
+              : "Normals that vertices outside the region use too stay as they are: " + std::to_string(shared) + "\n";
+      printAll(fraction + text_of(poses_[k].reports) + "\n" + normals, output_,
+               "nothing was written; with --quiet there are no reports");
+    }
+    files_.write(bytes);
+  }
+
+  std::string report() const {
+    const auto full = [](const std::string& path) { return path == "-" ? path : fs::absolute(path).string(); };
+    Json outputs = Json::array();
+    const std::vector<std::string> names = options_.outputs();
+    for (std::size_t k = 0; k < poses_.size(); ++k) {
+      outputs.push_back({{"file", full(names[k])},
+                         {"fraction", options_.fractions[k]},
+                         {"shared_normals", shared_normals_[k]},
+                         {"steps", report_json(poses_[k].reports)}});
+    }
+    Json all = {{"laplacian_edit_report", 1},
+                {"program", "laplacian-edit " LAPEDIT_VERSION},
+                {"scalar", file_.scalar == StoredScalar::Float ? "float" : "double"},
+                {"input", full(options_.input)},
+                {"edit", full(options_.edit)},
+                {"mesh", {{"vertices", file_.mesh.vertices.rows()}, {"faces", file_.mesh.faces.rows()}}},
+                {"outputs", outputs},
+                {"milliseconds", {{"read", read_ms_}, {"edit", edit_ms_}, {"write", write_ms_}}}};
+    if (!options_.targets.empty()) {
+      all["targets"] = full(options_.targets);
+    }
+    // Names of files need not be UTF-8, but JSON is.
+    return all.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  }
+
+  const Options& options_;
+  std::FILE* output_;
+  ProgressLine line_;
+  OutputFiles files_, report_file_;
+  MeshFile file_;
+  std::vector<EditResult> poses_;    // one per fraction
+  std::vector<int> shared_normals_;  // likewise
+  double read_ms_ = 0, edit_ms_ = 0, write_ms_ = 0;
+};
+
+/// Reads the mesh and answers --info and --nearest, a line for each answer.
+std::string answer(const Options& options) {
+  const MeshFile file = readMeshFile(options.input, options.reader);
+  std::string text;
+  if (options.info) {
+    const MeshSummary summary = summary_of(file.mesh);
+    text += format_text("vertices: %d (%d without a face, %d not finite)\nfaces: %d\n", summary.vertices, summary.loose,
+                        summary.not_finite, summary.faces);
+    if (!summary.box.isEmpty()) {
+      text += "box: " + coordinates(summary.box.min(), file.scalar) + " to " +
+              coordinates(summary.box.max(), file.scalar) +
+              format_text(", diagonal %.9g\n", summary.box.diagonal().norm());
+    }
+    text += format_text("pieces: %d, the largest of %d vertices\nborders: %d of %d edges in all\n", summary.pieces,
+                        summary.largest_piece, summary.borders, summary.border_edges);
+    text += format_text("selected: %d vertices, %d faces\n", static_cast<int>(file.selected.vertices.size()),
+                        file.selectedFaces);
+  }
+  if (!options.nearest.empty()) {
+    const VertexFinder finder(file.mesh);
+    for (const Vector3& point : options.nearest) {
+      const VertexFinder::Found found = finder.anywhere(point, "The point");
+      text += format_text("vertex: %d, place: ", found.vertex) +
+              coordinates(file.mesh.vertices.row(found.vertex).transpose(), file.scalar) +
+              format_text(", distance: %.6g\n", found.distance);
+    }
+  }
+  return text;
+}
 
 int fail(ExitCode code, const std::string& sentence) {
   std::fprintf(stderr, "%s\n", sentence.c_str());
@@ -21,7 +262,7 @@ void work(const std::vector<std::string>& arguments, std::FILE* output) {
   std::string text;
   const std::optional<Options> options = readOptions(arguments, text);
   if (options && !options->asks()) {
-    return runJob(*options, output);
+    return Job(*options, output).run();
   }
   printAll(options ? answer(*options) : text, output, "check where it is redirected");
 }

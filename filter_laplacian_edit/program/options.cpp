@@ -18,100 +18,60 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr char kHelp[] = R"(Usage: laplacian-edit [options] IN OUT EDIT
-       laplacian-edit [options] --landmarks FROM TO IN OUT
-       laplacian-edit --info | --nearest X,Y,Z IN
-
-Edits a mesh: new numbers replace the coordinates of vertices that move; every
-other byte of the file stays. IN and OUT are PLY, OBJ, OFF or STL, both of the
-same format; OUT may be IN. EDIT is JSON text. - stands for a standard stream.
-
-Options:
-  --fraction F         How far the handles go, 0 to 1, by default 1.
-  --fractions F,F,...  Several poses with one factorisation, numbered as in
-                       OUT-0001.ply; 0:1:60 are 60 from 0 to 1.
-  --landmarks FROM TO  In place of EDIT: moves the points of one file to those
-                       of another, by their names (.pp, .csv, .fcsv, .mrk.json).
-  --nearest X,Y,Z      Prints number, place and distance of the nearest vertex.
-  --info               Prints counts, box, pieces and borders of the mesh.
-  --report FILE        Writes the figures of all steps, as JSON.
-  --quality            Also counts pairs of triangles that came to intersect.
-  --strict             Ends with code 6, and writes nothing, where the report
-                       has advice on the result.
-  -q, --quiet          Prints no reports and no progress.
-  -h, --help           Prints this text.
-  -v, --version        Prints the version.
-
-Exit codes, with an error message on the standard error:
-  0  done
-  1  the edit was refused
-  2  wrong usage
-  3  the mesh, the edit or a landmark file could not be read
-  4  the output, the report or the standard output could not be written
-  5  not enough memory, or an unexpected error
-  6  with --strict: there is advice on the result
-Unless it is 0, no output was written or replaced; the message says if only the
-report is missing.
-)";
+constexpr char kHelp[] =
+#include "help.txt"
+    ;
 
 [[noreturn]] void refuse(const std::string& sentence) {
   throw Failure(WrongUsage, sentence + " See --help.");
 }
 
-bool readNumber(const std::string& text, double& number) {
+/// Reads numbers with decimal points, in any locale. @return none if the text is something else
+std::vector<double> numbers(const std::string& text, char separator) {
   std::istringstream stream(text);
   stream.imbue(std::locale::classic());
-  return stream >> number && (stream >> std::ws).eof() && std::isfinite(number);
-}
-
-std::vector<std::string> split(const std::string& text, char separator) {
-  std::vector<std::string> parts(1);
-  for (const char letter : text) {
-    letter == separator ? parts.emplace_back() : (parts.back() += letter, parts.back());
+  std::vector<double> all;
+  for (double number = 0; stream >> number;) {
+    all.push_back(number);
+    if ((stream >> std::ws).eof()) {
+      return all;
+    }
+    if (stream.get() != separator) {
+      break;
+    }
   }
-  return parts;
-}
-
-double fraction(const std::string& text) {
-  double number = 0;
-  if (!readNumber(text, number) || number < 0 || number > 1) {
-    refuse("The fraction is " + quotedPath(text) + ": give a number from 0 (no change) to 1 (the whole edit).");
-  }
-  return number;
+  return {};
 }
 
 /// Reads a list of fractions, or first:last:count, evenly spaced.
 std::vector<double> fractionList(const std::string& text) {
-  std::vector<double> fractions;
-  const std::vector<std::string> range = split(text, ':');
-  if (range.size() == 1) {
-    for (const std::string& part : split(text, ',')) {
-      fractions.push_back(fraction(part));
+  constexpr double kMost = 9999;  // four digits in names
+  const auto areFractions = [](const std::vector<double>& all) {
+    return !all.empty() &&
+           std::all_of(all.begin(), all.end(), [](double number) { return number >= 0 && number <= 1; });
+  };
+  std::vector<double> list = numbers(text, ',');
+  const std::vector<double> range = numbers(text, ':');
+  if (range.size() == 3 && areFractions({range[0], range[1]}) && range[2] == std::floor(range[2]) && range[2] >= 2 &&
+      range[2] <= kMost) {
+    list.clear();
+    for (double k = 0; k < range[2]; ++k) {
+      list.push_back(k + 1 == range[2] ? range[1] : range[0] + (range[1] - range[0]) * k / (range[2] - 1));
     }
-    return fractions;
   }
-  constexpr int kMost = 9999;  // four digits in names
-  double count = 0;
-  if (range.size() != 3 || !readNumber(range[2], count) || count != std::floor(count) || count < 2 || count > kMost) {
-    refuse("The fractions are " + quotedPath(text) + ": give first:last:count with a count from 2 to " +
-           std::to_string(kMost) + ", as in 0:1:60, or a list with commas.");
+  if (!areFractions(list)) {
+    refuse("The fraction is " + quotedPath(text) + ": give a number from 0 (no change) to 1 (the whole edit); with " +
+           "--fractions a list with commas, or first:last:count as in 0:1:60.");
   }
-  const double first = fraction(range[0]), last = fraction(range[1]);
-  for (int k = 0; k < static_cast<int>(count); ++k) {
-    fractions.push_back(k + 1 == static_cast<int>(count) ? last : first + (last - first) * k / (count - 1));
-  }
-  return fractions;
+  return list;
 }
 
 lapedit::Vector3 point(const std::string& text) {
-  const std::vector<std::string> parts = split(text, ',');
-  lapedit::Vector3 point;
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (parts.size() != 3 || !readNumber(parts[k], point[static_cast<Eigen::Index>(k)])) {
-      refuse("The point is " + quotedPath(text) + ": give three numbers with commas, as in 0.5,-1.2,3.");
-    }
+  const std::vector<double> all = numbers(text, ',');
+  if (all.size() != 3) {
+    refuse("The point is " + quotedPath(text) + ": give three numbers with commas, as in 0.5,-1.2,3.");
   }
-  return point;
+  return {all[0], all[1], all[2]};
 }
 
 /// The words of a command line, sorted.
@@ -173,27 +133,27 @@ Words sorted(const std::vector<std::string>& arguments) {
   return words;
 }
 
-/// Returns the format that the names of input and output have.
-Format commonFormat(const Options& options) {
-  std::optional<Format> format;
+/// Returns the reader for the format that the names of input and output have.
+MeshReader commonReader(const Options& options) {
+  MeshReader reader = nullptr;
   for (const std::string& name : {options.input, options.output}) {
     if (name.empty() || name == "-") {
       continue;
     }
-    const std::optional<Format> found = formatOf(name);
-    if (!found) {
+    const MeshReader found = readerOf(name);
+    if (found == nullptr) {
       refuse("The file " + quotedPath(name) +
              " is in no format that this program can read and write; the suffixes are "
              ".ply, .obj, .off and .stl: convert it with MeshLab or PyMeshLab.");
     }
-    if (format && *found != *format) {
+    if (reader != nullptr && found != reader) {
       refuse("The output " + quotedPath(name) +
              " is of another format than the mesh: give both the same suffix, and "
              "convert with MeshLab or PyMeshLab.");
     }
-    format = found;
+    reader = found;
   }
-  return format.value_or(Format::Ply);
+  return reader != nullptr ? reader : readPly;
 }
 
 void takeFiles(const Words& words, Options& options) {
@@ -221,7 +181,32 @@ void takeFiles(const Words& words, Options& options) {
   if (options.numbered && options.output == "-") {
     refuse("Several poses cannot be written to the standard output: give a file name with --fractions.");
   }
-  options.format = commonFormat(options);
+  options.reader = commonReader(options);
+}
+
+/// Refuses names of one file, of which one would be written, but for an output that is the input.
+void refuseSameFiles(const Options& options) {
+  std::map<fs::path, std::pair<std::string, bool>> names;  // what it is, and whether it is written
+  const auto add = [&](const std::string& role, const std::string& path, bool isWritten) {
+    if (path.empty() || path == "-") {
+      return;
+    }
+    const fs::path real = realPath(path);
+    const std::string name = role + " " + quotedPath(path);
+    const auto [found, isNew] = names.try_emplace(real, name, isWritten);
+    const auto& [other, isOtherWritten] = found->second;
+    const bool isInPlace = role == "output" && !options.numbered && !isOtherWritten && other.compare(0, 4, "mesh") == 0;
+    if (!isNew && (isWritten || isOtherWritten) && !isInPlace) {
+      refuse("The " + other + " and the " + name + " are the same file: give another name.");
+    }
+  };
+  add("mesh", options.input, false);
+  for (const std::string& output : options.outputs()) {
+    add("output", output, true);
+  }
+  add("edit", options.edit, false);
+  add("file of targets", options.targets, false);
+  add("report", options.report, true);
 }
 
 }  // namespace
@@ -260,35 +245,13 @@ std::optional<Options> readOptions(const std::vector<std::string>& arguments, st
   if (options.numbered && words.has("--fraction")) {
     refuse("Give either --fraction or --fractions.");
   }
-  if (options.numbered) {
-    options.fractions = fractionList(words.value("--fractions"));
-  } else if (words.has("--fraction")) {
-    options.fractions = {fraction(words.value("--fraction"))};
+  if (options.numbered || words.has("--fraction")) {
+    options.fractions = fractionList(words.value(options.numbered ? "--fractions" : "--fraction"));
+  }
+  if (!options.numbered && options.fractions.size() > 1) {
+    refuse("There are several fractions: give them with --fractions.");
   }
   takeFiles(words, options);
+  refuseSameFiles(options);
   return options;
-}
-
-void refuseSameFiles(const Options& options) {
-  std::map<fs::path, std::pair<std::string, bool>> names;  // what it is, and whether it is written
-  const auto add = [&](const std::string& role, const std::string& path, bool isWritten) {
-    if (path.empty() || path == "-") {
-      return;
-    }
-    const fs::path real = realPath(path);
-    const std::string name = role + " " + quotedPath(path);
-    const auto [found, isNew] = names.try_emplace(real, name, isWritten);
-    const auto& [other, isOtherWritten] = found->second;
-    const bool isInPlace = role == "output" && !options.numbered && !isOtherWritten && other.compare(0, 4, "mesh") == 0;
-    if (!isNew && (isWritten || isOtherWritten) && !isInPlace) {
-      refuse("The " + other + " and the " + name + " are the same file: give another name.");
-    }
-  };
-  add("mesh", options.input, false);
-  for (const std::string& output : options.outputs()) {
-    add("output", output, true);
-  }
-  add("edit", options.edit, false);
-  add("file of targets", options.targets, false);
-  add("report", options.report, true);
 }

@@ -12,7 +12,7 @@
 struct Options {
   std::string input, output, edit;
   std::string targets;                    ///< landmarks: `edit` is the file of the points, this that of their targets
-  Format format = Format::Ply;            ///< of input and output
+  MeshReader reader = readPly;            ///< for the format of input and output
   std::vector<lapedit::Vector3> nearest;  ///< only the vertices nearest to these are asked for
   bool info = false;                      ///< only what the mesh is is asked for
   std::vector<double> fractions = {1};
@@ -30,7 +30,3 @@ struct Options {
 /// @return nothing if there is such a text
 /// @throws Failure (WrongUsage)
 std::optional<Options> readOptions(const std::vector<std::string>& arguments, std::string& text);
-
-/// Refuses names of one file, of which one would be written, but for an output that is the input.
-/// @throws Failure (WrongUsage)
-void refuseSameFiles(const Options& options);

@@ -22,10 +22,6 @@ namespace {
                                 " cannot be read: " + why + ".");
 }
 
-int closeIt(std::FILE* file) {
-  return file == stdin ? 0 : std::fclose(file);
-}
-
 }  // namespace
 
 std::string readFile(const std::string& what, const std::string& path, std::size_t most) {
@@ -34,7 +30,7 @@ std::string readFile(const std::string& what, const std::string& path, std::size
     refuseReading(what, path, "it is a folder");
   }
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(path == "-" ? stdin : std::fopen(path.c_str(), "rb"),
-                                                             closeIt);
+                                                             std::fclose);
   if (!file) {
     refuseReading(what, path, errno == ENOENT ? "it does not exist" : std::strerror(errno));
   }
@@ -57,9 +53,9 @@ std::string readFile(const std::string& what, const std::string& path, std::size
   return text;
 }
 
-MeshFile readMeshFile(const std::string& path, Format format) {
+MeshFile readMeshFile(const std::string& path, MeshReader reader) {
   try {
-    return readMesh(format, readFile("mesh", path, std::numeric_limits<std::size_t>::max()));
+    return reader(readFile("mesh", path, std::numeric_limits<std::size_t>::max()));
   } catch (const UnreadableMesh& error) {
     refuseReading("mesh", path, error.what());
   }

@@ -22,7 +22,7 @@ std::filesystem::path realPath(const std::string& path);
 std::string readFile(const std::string& what, const std::string& path, std::size_t most);
 
 /// Reads a mesh. @throws Failure (Unreadable)
-MeshFile readMeshFile(const std::string& path, Format format);
+MeshFile readMeshFile(const std::string& path, MeshReader reader);
 
 /// Files of one folder that replace their targets together, when all of them are complete and on the disk.
 class OutputFiles {

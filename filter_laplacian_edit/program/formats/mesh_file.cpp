@@ -16,8 +16,8 @@ using namespace lapedit;
 
 namespace {
 
-constexpr std::pair<const char*, Format> kSuffixes[] = {
-    {"ply", Format::Ply}, {"obj", Format::Obj}, {"off", Format::Off}, {"stl", Format::Stl}};
+constexpr std::pair<const char*, MeshReader> kReaders[] = {
+    {"ply", readPly}, {"obj", readObj}, {"off", readOff}, {"stl", readStl}};
 
 /// Returns a number as its file can hold it.
 double stored(NumberKind kind, double number) {
@@ -78,17 +78,18 @@ int replaceNormals(const FileNormals& normals, const Points& points, const Faces
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
     const int a = faces(f, 0), b = faces(f, 1), c = faces(f, 2);
     const bool isFaceMoved = isMoved[a] || isMoved[b] || isMoved[c];
+    const Vector3 p = points.row(a), q = points.row(b), r = points.row(c);
     FaceShape shape;
-    const Vector3 corner = points.row(a), ab = points.row(b), ac = points.row(c);
-    const bool hasArea = isFaceMoved && measure({corner, ab, ac}, shape);
+    const bool hasAngles = isFaceMoved && !normals.ofFaces && measure({p, q, r}, shape);
     for (int k = 0; k < 3; ++k) {
       const auto n = static_cast<std::size_t>(normals.ofCorner[3 * f + k]);
       if (n < all.size()) {  // else it has none
         ++all[n].corners;
         all[n].moved += normals.ofFaces ? isFaceMoved : isMoved[faces(f, k)];
-        if (hasArea) {
-          const double weight = normals.ofFaces ? (ab - corner).cross(ac - corner).norm() : shape.angles[k];
-          all[n].sum += weight * shape.normal;
+        if (normals.ofFaces) {
+          all[n].sum += (q - p).cross(r - p);
+        } else if (hasAngles) {
+          all[n].sum += shape.angles[k] * shape.normal;
         }
       }
     }
@@ -107,18 +108,13 @@ int replaceNormals(const FileNormals& normals, const Points& points, const Faces
 
 }  // namespace
 
-std::optional<Format> formatOf(const std::string& path) {
-  const std::size_t dot = path.find_last_of('.');
-  std::string suffix = dot == std::string::npos ? "" : path.substr(dot + 1);
-  for (char& letter : suffix) {
-    letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
-  }
-  for (const auto& [name, format] : kSuffixes) {
-    if (suffix == name) {
-      return format;
-    }
-  }
-  return {};
+MeshReader readerOf(const std::string& path) {
+  std::string suffix = path.substr(path.find_last_of('.') + 1);
+  std::transform(suffix.begin(), suffix.end(), suffix.begin(),
+                 [](unsigned char letter) { return std::tolower(letter); });
+  const auto* const found = std::find_if(std::begin(kReaders), std::end(kReaders),
+                                         [&suffix](const auto& each) { return suffix == each.first; });
+  return found == std::end(kReaders) ? nullptr : found->second;
 }
 
 std::string shortestText(double number, bool isFloat) {
@@ -149,20 +145,6 @@ std::string MeshFile::edited(const EditResult& result, int& sharedNormals) const
     sharedNormals += replaceNormals(each, after, mesh.faces, isMoved, rewriter);
   }
   return rewriter.finished();
-}
-
-MeshFile readMesh(Format format, std::string bytes) {
-  switch (format) {
-    case Format::Ply:
-      return readPly(std::move(bytes));
-    case Format::Obj:
-      return readObj(std::move(bytes));
-    case Format::Off:
-      return readOff(std::move(bytes));
-    case Format::Stl:
-      break;
-  }
-  return readStl(std::move(bytes));
 }
 
 void MeshBuilder::addPolygon(const std::vector<long long>& corners) {

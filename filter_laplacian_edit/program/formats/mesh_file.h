@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstddef>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -11,11 +10,6 @@
 
 #include "lapedit/edit/edit.h"
 #include "lapedit/edit/places.h"
-
-enum class Format { Ply, Obj, Off, Stl };
-
-/// Returns the format that the suffix of a file's name stands for, in upper or lower case.
-std::optional<Format> formatOf(const std::string& path);
 
 /// A file is not of its format, or is damaged. what() says why, without a full stop, and where.
 class UnreadableMesh : public std::runtime_error {
@@ -66,15 +60,16 @@ struct MeshFile {
   std::string edited(const lapedit::EditResult& result, int& sharedNormals) const;
 };
 
-/// Reads a file of any size; its counts are compared with its size before memory is taken for them.
-/// @throws UnreadableMesh
-MeshFile readMesh(Format format, std::string bytes);
-
-// The readers of single formats, as readMesh().
+// The readers take the bytes of a whole file. Counts in it take no memory before what they count is there.
+// @throws UnreadableMesh
 MeshFile readPly(std::string bytes);
 MeshFile readObj(std::string bytes);
 MeshFile readOff(std::string bytes);
 MeshFile readStl(std::string bytes);
+
+using MeshReader = MeshFile (*)(std::string);
+/// Returns the reader for the suffix of a file's name, in upper or lower case; null for other suffixes.
+MeshReader readerOf(const std::string& path);
 
 /// Collects the vertices and faces of a file.
 class MeshBuilder {

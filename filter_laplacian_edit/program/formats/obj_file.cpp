@@ -19,10 +19,10 @@ class ObjReader {
       const std::string_view keyword = reader.wordOfLine();
       double values[3];
       if (keyword == "v") {
-        reader.vector(file.positions, values);
+        reader.vector(file.positions, values, true);
         mesh_.addVertex(values);
       } else if (keyword == "vn") {
-        reader.vector(normals_, values);
+        reader.vector(normals_, values, true);
       } else if (keyword == "f") {
         readFace(reader);
       }
@@ -43,9 +43,10 @@ class ObjReader {
     corners_.clear();
     face_normals_.clear();
     for (std::string_view word = reader.wordOfLine(); !word.empty(); word = reader.wordOfLine()) {
-      const std::size_t slash = word.find('/'), second = slash == word.npos ? word.npos : word.find('/', slash + 1);
+      const std::size_t slash = word.find('/'),
+                        second = slash == std::string_view::npos ? std::string_view::npos : word.find('/', slash + 1);
       corners_.push_back(number(reader, word.substr(0, slash), vertices));
-      const bool hasNormal = second != word.npos && second + 1 < word.size();
+      const bool hasNormal = second != std::string_view::npos && second + 1 < word.size();
       const long long normal = hasNormal ? number(reader, word.substr(second + 1), normals) : -1;
       face_normals_.push_back(normal > std::numeric_limits<int>::max() ? -1 : static_cast<int>(normal));
     }

@@ -40,14 +40,6 @@ std::size_t count(const TextReader& reader, std::string_view word) {
   return static_cast<std::size_t>(number);
 }
 
-/// Reads three numbers, which may be on several lines.
-void readVector(TextReader& reader, FileVectors& vectors, double* values) {
-  for (int k = 0; k < 3; ++k) {
-    values[k] = reader.number(reader.word(), false);
-    vectors.at.push_back(reader.at());
-  }
-}
-
 /// Returns whether the line of the first vertex has numbers besides those of whole vertices.
 bool hasMoreNumbers(TextReader reader, const Columns& columns) {
   const int each = 3 + (columns.normal ? 3 : 0) + (columns.texture ? 2 : 0);
@@ -82,10 +74,10 @@ MeshFile readOff(std::string bytes) {
   double values[3];
   bool isByLine = columns.colour;  // a vertex may have other numbers, such as colours of any number of components
   for (std::size_t v = 0; v < vertices; ++v) {
-    readVector(reader, mesh.file.positions, values);
+    reader.vector(mesh.file.positions, values);
     mesh.addVertex(values);
     if (columns.normal) {
-      readVector(reader, normals, values);
+      reader.vector(normals, values);
     }
     for (int k = 0; k < 2 && columns.texture && !columns.colour; ++k) {
       reader.number(reader.word(), false);

@@ -30,6 +30,7 @@ enum Role { X, Y, Z, NormalX, NormalY, NormalZ, Flags, Corners, None };
 constexpr const char* kRoles[] = {"x", "y", "z", "nx", "ny", "nz", "flags"};
 
 struct Property {
+  std::string name;
   const Type* type = nullptr;
   const Type* countType = nullptr;  ///< of a list; null: a single number
   Role role = None;
@@ -39,10 +40,11 @@ struct Element {
   std::string name;
   std::size_t count = 0;
   std::vector<Property> properties;
+  FileVectors vectors[2];       ///< how positions and normals are written
+  int realNumbers[2] = {0, 0};  ///< of these
 
-  const Property* find(Role role) const {
-    const auto found = std::find_if(properties.begin(), properties.end(), [role](auto& p) { return p.role == role; });
-    return found == properties.end() ? nullptr : &*found;
+  bool has(const std::string& property) const {
+    return std::any_of(properties.begin(), properties.end(), [&](const Property& p) { return p.name == property; });
   }
 };
 
@@ -83,10 +85,15 @@ class PlyReader {
     }
     // How lines end, since the data may begin with any byte.
     const std::size_t lineEnd = file().bytes.compare(text_.at() + 3, 2, "\r\n") == 0 ? 2 : 1;
-    std::string format;
     for (std::string_view word = text_.word(); word != "end_header"; word = text_.word()) {
       if (word == "format") {
-        format = text_.wordOfLine();
+        const std::string_view format = text_.wordOfLine();
+        has_format_ = true;
+        is_text_ = format == "ascii";
+        file().bigEndian = format == "binary_big_endian";
+        if (!is_text_ && !file().bigEndian && format != "binary_little_endian") {
+          text_.refuse("there is no such format of PLY");
+        }
       } else if (word == "element") {
         readElement();
       } else if (word == "property") {
@@ -98,11 +105,6 @@ class PlyReader {
       }
       text_.skipLine();
     }
-    is_text_ = format == "ascii";
-    file().bigEndian = format == "binary_big_endian";
-    if (!is_text_ && !file().bigEndian && format != "binary_little_endian") {
-      throw UnreadableMesh("its header names no format of PLY");
-    }
     at_ = std::min(text_.at() + 10 + lineEnd, file().bytes.size());
     text_.seek(at_);
     takeKinds();
@@ -112,8 +114,8 @@ class PlyReader {
     Element element;
     element.name = text_.wordOfLine();
     const long long count = text_.integer(text_.wordOfLine());
-    if (count < 0 || count > std::numeric_limits<int>::max()) {
-      text_.refuse("there cannot be so many elements");
+    if (!has_format_ || count < 0 || count > std::numeric_limits<int>::max()) {
+      text_.refuse("the element comes before the format, or there cannot be so many");
     }
     element.count = static_cast<std::size_t>(count);
     if (std::any_of(elements_.begin(), elements_.end(), [&](const Element& e) { return e.name == element.name; })) {
@@ -140,44 +142,41 @@ class PlyReader {
       property.countType = readType();
     }
     property.type = readType();
-    const std::string_view name = text_.wordOfLine();
-    if (elements_.empty() || name.empty() || (property.countType != nullptr && property.countType->isReal)) {
-      text_.refuse("the property has no element, no name, or a list whose length is no whole number");
+    const std::string name = property.name = text_.wordOfLine();
+    if (elements_.empty() || name.empty() || elements_.back().has(name) ||
+        (property.countType != nullptr && property.countType->isReal)) {
+      text_.refuse("the property has no element, no name of its own, or a list whose length is no whole number");
     }
     for (int role = X; role <= Flags && property.countType == nullptr; ++role) {
       if (name == kRoles[role]) {
         property.role = static_cast<Role>(role);
       }
     }
+    if (property.role <= NormalZ && property.type->isReal) {
+      const bool isFloat = property.type->size == 4;
+      ++elements_.back().realNumbers[property.role / 3];
+      elements_.back().vectors[property.role / 3].kinds[property.role % 3] =
+          is_text_ ? (isFloat ? NumberKind::FloatText : NumberKind::DoubleText)
+                   : (isFloat ? NumberKind::Float : NumberKind::Double);
+    }
     if (property.countType != nullptr && !property.type->isReal &&
         (name == "vertex_indices" || name == "vertex_index")) {
       property.role = Corners;
     }
-    elements_.back().properties.push_back(property);
-  }
-
-  /// Finds out how three numbers of an element are written. @return whether they are there, as real numbers
-  bool takeKinds(const Element& element, Role first, FileVectors& vectors) const {
-    for (int k = 0; k < 3; ++k) {
-      const Property* const property = element.find(static_cast<Role>(first + k));
-      if (property == nullptr || !property->type->isReal) {
-        return false;
-      }
-      const bool isFloat = property->type->size == 4;
-      vectors.kinds[k] = is_text_ ? (isFloat ? NumberKind::FloatText : NumberKind::DoubleText)
-                                  : (isFloat ? NumberKind::Float : NumberKind::Double);
-    }
-    return true;
+    elements_.back().properties.push_back(std::move(property));
   }
 
   void takeKinds() {
     bool hasPositions = false;
     for (const Element& element : elements_) {
       if (element.name == "vertex") {
-        hasPositions = takeKinds(element, X, file().positions);
-        has_vertex_normals_ = takeKinds(element, NormalX, vertex_normals_);
+        hasPositions = element.realNumbers[0] == 3;
+        has_vertex_normals_ = element.realNumbers[1] == 3;
+        file().positions = element.vectors[0];
+        vertex_normals_.kinds = element.vectors[1].kinds;
       } else if (element.name == "face") {
-        has_face_normals_ = takeKinds(element, NormalX, face_normals_);
+        has_face_normals_ = element.realNumbers[1] == 3;
+        face_normals_.kinds = element.vectors[1].kinds;
       }
     }
     if (!hasPositions) {
@@ -191,17 +190,22 @@ class PlyReader {
 
   // The rows.
 
+  /// Skips bytes of a binary file.
+  void skip(std::size_t count) {
+    if (count > file().bytes.size() - at_) {
+      refuse("the file ends before the numbers that its header names");
+    }
+    at_ += count;
+  }
+
   double readNumber(const Type& type) {
     if (is_text_) {
       const std::string_view word = text_.word();
       number_at_ = text_.at();
       return type.isReal ? text_.number(word, type.size == 4) : static_cast<double>(text_.integer(word));
     }
-    if (at_ > file().bytes.size() || file().bytes.size() - at_ < type.size) {
-      refuse("the file ends before the numbers that its header names");
-    }
     number_at_ = at_;
-    at_ += type.size;
+    skip(type.size);
     if (type.isReal) {
       return realAt(file().bytes, number_at_, type.size, file().bigEndian);
     }
@@ -234,8 +238,7 @@ class PlyReader {
       refuse("a list has a negative length");
     }
     if (!is_text_ && property.role == None) {
-      at_ += static_cast<std::size_t>(length) * property.type->size;
-      return;
+      return skip(static_cast<std::size_t>(length) * property.type->size);
     }
     for (double k = 0; k < length; ++k) {
       const double number = readNumber(*property.type);
@@ -256,18 +259,21 @@ class PlyReader {
     }
   }
 
+  void addFace(const std::vector<long long>& corners, int normal) {
+    mesh_.addPolygon(corners);
+    while (face_normals_.ofCorner.size() < 3 * mesh_.faceCount()) {
+      face_normals_.ofCorner.insert(face_normals_.ofCorner.end(), {normal, -1, -1});
+    }
+  }
+
   void endFace() {
     const std::size_t before = mesh_.faceCount();
-    mesh_.addPolygon(corners_);
-    const std::size_t added = mesh_.faceCount() - before;
+    addFace(corners_, static_cast<int>(row_));
     if (has_face_normals_) {
       face_normals_.at.insert(face_normals_.at.end(), places_ + 3, places_ + 6);
-      for (std::size_t k = 0; k < added; ++k) {
-        face_normals_.ofCorner.insert(face_normals_.ofCorner.end(), {static_cast<int>(row_), -1, -1});
-      }
     }
     if ((flags_ & kSelected) != 0) {
-      file().selectedFaces += static_cast<int>(added);
+      file().selectedFaces += static_cast<int>(mesh_.faceCount() - before);
       file().selected.of_faces.insert(file().selected.of_faces.end(), corners_.begin(), corners_.end());
     }
   }
@@ -280,7 +286,7 @@ class PlyReader {
         begin = k + 1;
       } else if (k >= begin + 2) {
         const bool isReversed = (k - begin) % 2 == 1;
-        mesh_.addPolygon({corners_[k - (isReversed ? 1 : 2)], corners_[k - (isReversed ? 2 : 1)], corners_[k]});
+        addFace({corners_[k - (isReversed ? 1 : 2)], corners_[k - (isReversed ? 2 : 1)], corners_[k]}, -1);
       }
     }
   }
@@ -300,7 +306,7 @@ class PlyReader {
 
   MeshBuilder mesh_;
   std::vector<Element> elements_;
-  bool is_text_ = true, has_vertex_normals_ = false, has_face_normals_ = false;
+  bool has_format_ = false, is_text_ = true, has_vertex_normals_ = false, has_face_normals_ = false;
   std::size_t at_ = 0;  // of binary rows
   TextReader text_;     // of the header, and of rows in text
 

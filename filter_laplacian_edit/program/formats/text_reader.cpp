@@ -11,9 +11,11 @@
 
 #include "lapedit/json/json_text.h"
 
-using lapedit::quoted_text;
-
 namespace {
+
+std::string quoted(std::string_view word) {
+  return lapedit::quoted_text(std::string(word.substr(0, 60)));
+}
 
 bool endsLine(char letter) {
   return letter == '\n' || letter == '\r';
@@ -111,7 +113,7 @@ double TextReader::number(std::string_view word, bool isFloat) const {
   double value = 0;
   float single = 0;
   if (isFloat ? !convert(plain, single) : !convert(plain, value)) {
-    refuse(word.empty() ? "a number is missing" : quoted_text(std::string(word)) + " is no number");
+    refuse(word.empty() ? "a number is missing" : quoted(word) + " is no number");
   }
   return isFloat ? single : value;
 }
@@ -120,14 +122,14 @@ long long TextReader::integer(std::string_view word) const {
   constexpr long long kMost = 1LL << 53;  // a double has all up to here
   long long value = 0;
   if (!convert(word.substr(word.size() > 1 && word[0] == '+' ? 1 : 0), value) || value < -kMost || value > kMost) {
-    refuse(word.empty() ? "a whole number is missing" : quoted_text(std::string(word)) + " is no whole number here");
+    refuse(word.empty() ? "a whole number is missing" : quoted(word) + " is no whole number here");
   }
   return value;
 }
 
-void TextReader::vector(FileVectors& vectors, double* values) {
+void TextReader::vector(FileVectors& vectors, double* values, bool ofLine) {
   for (int k = 0; k < 3; ++k) {
-    values[k] = number(wordOfLine(), false);
+    values[k] = number(ofLine ? wordOfLine() : word(), false);
     vectors.at.push_back(at_);
   }
 }

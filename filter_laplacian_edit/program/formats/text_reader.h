@@ -31,8 +31,8 @@ class TextReader {
   double number(std::string_view word, bool isFloat) const;
   long long integer(std::string_view word) const;
 
-  /// Reads three numbers of a line and adds where they begin. @throws UnreadableMesh
-  void vector(FileVectors& vectors, double* values);
+  /// Reads three numbers and adds where they begin. @param ofLine  they have to be on this line. @throws UnreadableMesh
+  void vector(FileVectors& vectors, double* values, bool ofLine = false);
 
   /// @throws UnreadableMesh with the number of the line of the last word
   [[noreturn]] void refuse(const std::string& why) const;
