@@ -7,7 +7,8 @@
 //   OUT      PLY, with all attributes that MeshLab can write
 //   SCRIPT   .mlx, whose parameters reach the filters unchanged, as from MeshLab's window
 //
-// Prints the log. Exit code: 0 done; 1 a filter refused its work, its message is on the standard error; 2 another error.
+// Prints the log. Exit code: 0 done; 1 a filter refused its work, its message is on the standard error; 2 another
+// error.
 #include <common/filterscript.h>
 #include <common/globals.h>
 #include <common/mlexception.h>
