@@ -1,167 +1,196 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The program laplacian-edit: which files its names lead to, and what becomes of them."""
+"""The program laplacian-edit: which files its names lead to, and what happens to them."""
 import json
 import os
+import pathlib
+import re
+import resource
+import shutil
+import signal
+import socket
 import stat
+import subprocess
 import unittest
 
-from command_line_test import REFUSED, UNREADABLE, UNWRITABLE, WRONG_USAGE, CommandTest
-from host import replay
-from ply import write_ply
+from program import LIFT, NOBODY, REFUSED, UNREADABLE, UNWRITABLE, WRONG_USAGE, ProgramTest
 
-NOBODY = 54321  # an ordinary user's number
+BEGIN = ".laplacian-edit-" + re.sub(r"[^A-Za-z0-9]", "_", socket.gethostname()) + "-"
 
 
-class RealFiles(CommandTest):
+class Files(ProgramTest):
     def setUp(self):
         super().setUp()
-        self.mesh = write_ply(self.place / "in.ply", self.points, self.faces)
-        self.edit = self.write_edit(self.lift, name=self.place.name + "/edit.json")
-        (self.place / "out.ply").write_text("old")
+        self.expected = self.edited()
+        self.mesh = pathlib.Path(shutil.copy(self.mesh, self.place / "in.ply"))
+        self.edit = self.write_edit(LIFT, name="place/edit.json")
+        self.out = self.place / "out.ply"
+        self.out.write_text("old")
         (self.place / "out-0002.ply").write_text("old")
 
     def test_names_of_one_file_are_refused(self):
-        for name, link in (("edit", os.symlink), ("in", os.symlink), ("out", os.symlink), ("edit", os.link),
-                           ("in", os.link), ("out", os.link)):
-            target = {"edit": self.edit, "in": self.mesh, "out": self.place / "out.ply"}[name]
-            link(target, self.place / f"{name}_{link.__name__}")
+        for name in ("edit.json", "in.ply", "out.ply"):
+            (self.place / f"link_{name}").symlink_to(name)
         (self.place / "below").mkdir()
         (self.place / "folder").symlink_to(".")
-        os.symlink("nowhere.ply", self.place / "dangling.ply")
-        os.link(self.mesh, self.place / "all-0002.ply")
-        os.symlink("two-0002.ply", self.place / "two-0001.ply")
+        for link, target in (("dangling.ply", "nowhere.ply"), ("all-0002.ply", "in.ply"), ("two-0001.ply", "two-0002.ply")):
+            (self.place / link).symlink_to(target)
+        shutil.copy(self.edit, self.place / "edit.ply")
+        (self.place / "link_edit.ply").symlink_to("edit.ply")
         for arguments in (
-                ("edit.json", "edit.json"), ("edit_symlink", "edit.json"), ("edit_link", "edit.json"),
-                ("edit.json", "edit_symlink"), ("below/../folder/edit.json", "edit.json"),
+                *((out, "edit.ply") for out in ("edit.ply", "link_edit.ply", "below/../folder/edit.ply")), ("edit.ply", "link_edit.ply"),
                 *(("out.ply", "edit.json", "--report", report) for report in (
-                    "in.ply", "in_symlink", "in_link", "edit.json", "edit_symlink", "edit_link", "out.ply", "out_symlink",
-                    "out_link", "folder/out.ply")),
-                ("dangling.ply", "edit.json", "--report", "nowhere.ply"),
-                ("new.ply", "edit.json", "--report", "folder/new.ply"),
+                    "in.ply", "link_in.ply", "edit.json", "link_edit.json", "out.ply", "link_out.ply", "folder/out.ply")),
+                ("dangling.ply", "edit.json", "--report", "nowhere.ply"), ("new.ply", "edit.json", "--report", "folder/new.ply"),
                 ("out.ply", "edit.json", "--fractions", "0,1", "--report", "out-0002.ply"),
                 ("all.ply", "edit.json", "--fractions", "0,1"), ("two.ply", "edit.json", "--fractions", "0,1")):
             with self.subTest(arguments):
-                self.refused(WRONG_USAGE, r'\AThe \w+ ".*" and the (output|report) ".*" are the same file: give another name',
+                self.refused(WRONG_USAGE, r'\AThe \w+ ".*" and the (output|report|edit) ".*" are the same file: give another name',
                              self.mesh, *arguments)
+        with open(self.place / "edit.ply", "rb") as file:
+            self.refused(WRONG_USAGE, r"are the same file", self.mesh, "edit.ply", "/dev/stdin", stdin=file)
+
+    def test_output_may_be_the_input(self):
+        os.link(self.mesh, self.place / "other.ply")
+        (self.place / "link.ply").symlink_to("in.ply")
+        before = self.mesh.read_bytes()
+        self.done("link.ply", self.mesh, self.edit)
+        self.assertEqual((self.mesh.read_bytes(), (self.place / "other.ply").read_bytes()), (self.expected, before))
 
     def test_links_that_lead_nowhere_are_followed(self):
         (self.place / "elsewhere").mkdir()
         (self.place / "first.ply").symlink_to("second.ply")
         (self.place / "second.ply").symlink_to("elsewhere/real.ply")
-        self.done(self.mesh, "first.ply", "edit.json")
+        self.done(self.mesh, "first.ply", self.edit)
         self.assertTrue((self.place / "first.ply").is_symlink() and (self.place / "second.ply").is_symlink())
-        self.assertEqual(self.bits(self.place / "elsewhere" / "real.ply"), self.edited_bits(self.edit))
+        self.assertEqual((self.place / "elsewhere" / "real.ply").read_bytes(), self.expected)
         (self.place / "circle.ply").symlink_to("circle.ply")
-        self.refused(WRONG_USAGE, r"circle\.ply.* is a link to itself", self.mesh, "circle.ply", "edit.json")
+        self.refused(UNWRITABLE, r"circle\.ply.*links", self.mesh, "circle.ply", self.edit)
         (self.place / "lost.ply").symlink_to("none/real.ply")
-        self.refused(UNWRITABLE, r"lost\.ply.* folder does not exist", self.mesh, "lost.ply", "edit.json")
+        self.refused(UNWRITABLE, r"lost\.ply.* folder does not exist", self.mesh, "lost.ply", self.edit)
 
     def test_paths_go_by_the_links_that_they_name(self):
-        """What follows a link and ".." is beside the folder that the link leads to."""
+        """A link and ".." lead to the folder above the link's target."""
         (self.place / "there" / "sub").mkdir(parents=True)
         (self.place / "link").symlink_to("there/sub")
         for path in (self.mesh, self.edit):
             path.rename(self.place / "there" / path.name)
         self.done("link/../in.ply", "link/../out.ply", "link/../edit.json", "--report", "link/../report.json")
-        self.assertEqual((self.place / "out.ply").read_text(), "old")
+        self.assertEqual(self.out.read_text(), "old")
         self.assertEqual({path.name for path in (self.place / "there").iterdir()},
                          {"sub", "in.ply", "edit.json", "out.ply", "report.json"})
 
-    def test_permissions_are_handed_down_but_not_the_right_to_be_another_user(self):
-        out = self.place / "out.ply"
+    def test_owner_group_and_permissions_are_kept_without_setuid(self):
         for mode, after in ((0o640, 0o640), (0o6775, 0o775), (0o1604, 0o604)):
-            out.chmod(mode)
-            self.done(self.mesh, out, "edit.json")
-            self.assertEqual(stat.S_IMODE(out.stat().st_mode), after)
+            self.out.chmod(mode)
+            self.done(self.mesh, self.out, self.edit)
+            self.assertEqual(stat.S_IMODE(self.out.stat().st_mode), after)
+        if os.geteuid() == 0:
+            os.chown(self.out, NOBODY, NOBODY + 1)
+            self.done(self.mesh, self.out, self.edit)
+            self.assertEqual((self.out.stat().st_uid, self.out.stat().st_gid), (NOBODY, NOBODY + 1))
 
-    @unittest.skipUnless(os.geteuid() == 0, "takes root's rights to give files away")
-    def test_owner_and_group_are_kept(self):
-        out = self.place / "out.ply"
-        os.chown(out, NOBODY, NOBODY + 1)
-        out.chmod(0o4664)
-        self.done(self.mesh, out, "edit.json", "--report", "report.json")
-        found = out.stat()
-        self.assertEqual((found.st_uid, found.st_gid, stat.S_IMODE(found.st_mode)), (NOBODY, NOBODY + 1, 0o664))
-
-    def test_group_that_cannot_be_kept_hands_nothing_to_another(self):
-        if os.geteuid() != 0:
-            self.skipTest("takes root's rights to give files away")
-        self.folder.chmod(0o755)
-        self.place.chmod(0o777)
-        self.mesh.chmod(0o644)
-        out = self.place / "out.ply"
-        out.chmod(0o664)
-
-        def become_nobody():
-            os.setgroups([])
-            os.setgid(NOBODY)
-            os.setuid(NOBODY)
+    @unittest.skipUnless(os.geteuid() == 0, "only root can give files away")
+    def test_another_group_gets_no_more_than_all_users(self):
+        for path, mode in ((self.folder, 0o755), (self.place, 0o777), (self.mesh, 0o644), (self.out, 0o664)):
+            path.chmod(mode)
         try:
-            self.done(self.mesh, out, "edit.json", preexec_fn=become_nobody)
+            self.done(self.mesh, self.out, self.edit, user=NOBODY, group=NOBODY, extra_groups=[])
         except PermissionError:
-            self.skipTest("the program is where other users cannot start it")
-        found = out.stat()
+            self.skipTest("other users cannot start the program")
+        found = self.out.stat()
         self.assertEqual((found.st_uid, found.st_gid, stat.S_IMODE(found.st_mode)), (NOBODY, NOBODY, 0o644))
 
-    def test_place_that_becomes_a_folder_meanwhile(self):
-        for name, sentence, written in (("all-0003.ply", r"output .*all-0003\.ply.* has become a folder\.\n\Z", 0),
-                                        ("report.json", r"report .*report\.json.* has become a folder\. "
-                                                        r"The outputs are complete\.\n\Z", 400)):
+    def test_names_are_bytes(self):
+        folder = os.fsencode(self.place) + b"/d\xff \xe5\xb1"
+        os.mkdir(folder)
+        mesh, edit, report = (folder + name for name in (b"/in\xfe.ply", b"/edit\x80\xed\xb2\x80.json", b"/report\xa0.json"))
+        for source, copy in ((self.mesh, mesh), (self.edit, edit)):
+            shutil.copy(source, copy)
+        for out in (b"/out\xff.ply", b"/plain.ply", "/Höcker\udcff.ply".encode(errors="surrogateescape")):
+            self.done(mesh, folder + out, edit, "--report", report, "--quiet")
+            self.assertEqual(pathlib.Path(os.fsdecode(folder + out)).read_bytes(), self.expected)
+        self.assertIn("in\ufffd.ply", json.loads(pathlib.Path(os.fsdecode(report)).read_bytes())["input"])
+        self.refused(UNREADABLE, r"mesh .*none.* does not exist", folder + b"/none\xff.ply", "out.ply", self.edit)
+
+    def test_outputs_that_cannot_be_written(self):
+        (self.place / "folder.ply").mkdir()
+        for sentence, name in ((r"none/out\.ply.* folder does not exist", "none/out.ply"), (r"folder\.ply.* a folder", "folder.ply"),
+                               (r"full\.ply.* not an ordinary file", "full.ply"), (r"/proc/out\.ply.* cannot be written", "/proc/out.ply")):
+            if name == "full.ply":
+                (self.place / name).symlink_to("/dev/full")
+            self.refused(UNWRITABLE, sentence, self.mesh, name, self.edit)
+            self.refused(UNWRITABLE, sentence.replace("output", "report"), self.mesh, "out.ply", self.edit, "--report", name)
+        (self.place / "all-0002.ply").mkdir()
+        self.refused(UNWRITABLE, r"all-0002\.ply.* is a folder", self.mesh, "all.ply", self.edit, "--fractions", "0,1")
+        far = self.write_edit({**LIFT, "handles": [{"vertices": "220", "translation": [0, 0, 6e38]}]})
+        self.refused(REFUSED, r"At fraction 1: .*single precision", self.mesh, "new.ply", far, "--fractions", "0.25,1")
+
+    def test_full_disk_leaves_all_files_alone(self):
+        for size, sentence, more in ((8192, r"output .*out\.ply", ()), (60000, r"report .*report\.json", (
+                "--fractions", ",".join(["0.5"] * 60), "--report", "report.json"))):
+            self.refused(UNWRITABLE, sentence + r".* cannot be written: it is larger than a file may be here: raise the limit "
+                         r"\(ulimit -f\)[^.]*\.\n", self.mesh, "out.ply", self.edit, "--quiet", *more,
+                         preexec_fn=lambda size=size: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)))
+        (self.place / "disk").mkdir()
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=16k", "tmpfs", self.place / "disk"], check=False,
+                          stderr=subprocess.DEVNULL).returncode == 0:
+            self.addCleanup(subprocess.run, ["umount", self.place / "disk"], check=True)
+            self.refused(UNWRITABLE, r"output .* cannot be written: the disk is full: free some space, or", self.mesh,
+                         "disk/out.ply", self.edit)
+
+
+class Interruptions(ProgramTest):
+    def test_target_that_becomes_a_folder_meanwhile(self):
+        for name, sentence, written in (("all-0003.ply", r"output .*all-0003\.ply.* folder\.\n\Z", 0),
+                                        ("report.json", r"report .*report\.json.* folder\. The outputs are complete\.\n\Z", 900)):
             with self.writing("--report", "report.json") as process:
                 (self.place / name).mkdir()
                 _, errors = process.communicate(timeout=60)
             self.assertEqual(process.returncode, UNWRITABLE)
             self.assertRegex(errors.decode(), sentence)
             (self.place / name).rmdir()
-            self.assertEqual(len(list(self.place.glob("all-*"))), written)
-            self.assertEqual(list(self.place.glob(".lap*")), [])
+            self.assertEqual((len(list(self.place.glob("all-*"))), len(list(self.place.glob(".lap*")))), (written, 0))
 
+    def test_folder_that_is_moved_or_removed_meanwhile(self):
+        for change in (lambda: self.place.rename(self.folder / "moved"), lambda: shutil.rmtree(self.place)):
+            self.place.mkdir(exist_ok=True)
+            with self.writing() as process:
+                change()
+                _, errors = process.communicate(timeout=60)
+            self.assertEqual(process.returncode, UNWRITABLE, errors)
+            self.assertRegex(errors.decode(), r"output .* cannot be written: its folder was moved or removed: run it again\.\n\Z")
 
-class Names(CommandTest):
-    def test_names_are_bytes(self):
-        bits = self.edited_bits(self.edit)
-        folder = os.fsencode(self.place) + b"/d\xff \xe5\xb1"
-        os.mkdir(folder)
-        data = {b"in\xfe.ply": self.mesh.read_bytes(), b"edit\x80\xed\xb2\x80.json": self.edit.read_bytes(),
-                b"script\xc3.mlx": self.write_script(replay(self.lift)).read_bytes()}
-        for name, content in data.items():
-            with open(folder + b"/" + name, "wb") as file:
-                file.write(content)
-        mesh, edit, script = (folder + b"/" + name for name in data)
-        for out, given in ((b"out\xff.ply", edit), (b"plain.ply", edit), ("Höcker\udcff.ply".encode(errors="surrogateescape"),
-                                                                        script)):
-            self.done(mesh, folder + b"/" + out, given, "--report", folder + b"/report\xa0.json", "--quiet")
-            self.assertEqual(self.bits(folder + b"/" + out), bits)
-            with open(folder + b"/report\xa0.json", "rb") as file:
-                report = json.load(file)
-            self.assertEqual(os.fsencode(report["input"]), mesh)
-            self.assertEqual(os.fsencode(report["outputs"][0]["file"]), folder + b"/" + out)
-        self.done(mesh, folder + b"/all\xff.off", edit, "--fractions", "0.5,1")
-        self.assertEqual(sorted(os.listdir(folder)), sorted([
-            *data, b"out\xff.ply", b"plain.ply", b"H\xc3\xb6cker\xff.ply", b"report\xa0.json", b"all\xff-0001.off",
-            b"all\xff-0002.off"]))
-        self.refused(WRONG_USAGE, r"are the same file", mesh, edit, edit)
-        self.refused(UNREADABLE, r"mesh .*none.* does not exist", folder + b"/none\xff.ply", "out.ply", edit)
+    def test_requests_to_end_and_what_is_left(self):
+        for name, is_clean in (("TERM", True), ("INT", True), ("HUP", True), ("KILL", False)):
+            with self.writing() as process:
+                process.send_signal(getattr(signal, "SIG" + name))
+                process.communicate(timeout=60)
+            with self.subTest(name):
+                self.assertEqual(process.returncode, -getattr(signal, "SIG" + name))
+                self.assertEqual(list(self.place.glob("all-*")), [])
+            self.done(self.mesh, "next.ply", self.edit)
+            self.assertEqual([path.name for path in self.place.iterdir()], ["next.ply"])
 
-    def piped(self, text):
-        end, other_end = os.pipe()
-        os.write(other_end, text)
-        os.close(other_end)
-        return end
-
-    def test_edit_may_come_from_a_pipe(self):
-        bits = self.edited_bits(self.edit)
-        for source in (self.edit, self.write_script(replay(self.lift))):
-            for name in ("/dev/stdin", "/dev/fd/0", "/proc/self/fd/0"):
-                end = self.piped(source.read_bytes())
-                self.done(self.mesh, "out.ply", name, stdin=end)
-                os.close(end)
-                self.assertEqual(self.bits(self.place / "out.ply"), bits)
-        with open(self.edit, "rb") as file:
-            self.refused(WRONG_USAGE, r"are the same file", self.mesh, self.edit, "/dev/stdin", stdin=file)
-        end = self.piped(b'{"laplacian_edit": 1,')
-        self.refused(REFUSED, r"line 1", self.mesh, "out.ply", "/dev/stdin", stdin=end)
-        os.close(end)
+    def test_files_of_others_and_of_running_calls_stay(self):
+        names = [".laplacian-edit-elsewhere-12345", BEGIN[:-1] + "_x-12345", BEGIN[:-1]]
+        kept = [self.place / name for name in names]
+        for path in kept:
+            path.write_text("x")
+        (self.place / (BEGIN + "linked")).symlink_to(names[0])
+        (self.place / (BEGIN + "abandx")).write_text("x")
+        (self.place / (BEGIN + "abandx-abcdef")).write_text("x")
+        if os.geteuid() == 0:
+            kept.append(self.place / (BEGIN + "theirs"))
+            kept[-1].write_text("x")
+            os.chown(kept[-1], NOBODY, NOBODY)
+        with self.writing() as process:
+            for _ in range(3):
+                self.done(self.mesh, "next.ply", self.edit)
+            _, errors = process.communicate(timeout=100)
+        self.assertEqual((process.returncode, errors), (0, b""))
+        self.assertEqual(len(list(self.place.glob("all-*"))), 900)
+        self.assertEqual([path.name for path in kept if not path.exists() or path.read_text() != "x"], [])
+        self.assertEqual([path.name for path in self.place.glob("*aband*")], [])
 
 
 if __name__ == "__main__":

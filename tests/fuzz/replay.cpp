@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // usage: <target>_replay FOLDER_OR_FILE...
-//        <target>_replay --apart FOLDER_OR_FILE...
 //        <target>_replay --blind COUNT SEED FOLDER_OR_FILE...
 // Runs a fuzz target once on each file, with any compiler; or on COUNT mixtures of them, made at random. Without
 // sanitizers that is many times faster than the fuzzer, and finds what does not hold, but no way to it. A finding ends
-// it, as it ends the fuzzer; a mixture that ends it is written to blind_input. With --apart each file has a process of
-// its own, which may end at an assertion of MeshLab's, as the program's worker may.
-#include <sys/wait.h>
-#include <unistd.h>
-
+// it, as it ends the fuzzer; a mixture that ends it is written to blind_input.
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
@@ -49,31 +44,6 @@ std::string mixture(const std::vector<std::string>& inputs, std::mt19937& dice) 
   return bytes;
 }
 
-/// Runs an input in a process of its own. @return whether it ended well, or at an assertion of MeshLab's own: some
-/// distributions build it with them
-bool runs_apart(const std::string& bytes) {
-  std::FILE* const errors = std::tmpfile();
-  const pid_t child = errors != nullptr ? fork() : -1;
-  if (child == 0) {
-    dup2(fileno(errors), STDERR_FILENO);
-    run(bytes);
-    _exit(0);
-  }
-  int status = -1;
-  if (child < 0 || waitpid(child, &status, 0) != child) {
-    return false;
-  }
-  std::string text;
-  std::rewind(errors);
-  for (int letter = std::fgetc(errors); letter != EOF; letter = std::fgetc(errors)) {
-    text += static_cast<char>(letter);
-  }
-  std::fclose(errors);
-  std::fputs(text.c_str(), stderr);
-  const bool of_the_host = text.find("vcglib/") != std::string::npos && text.find("Assertion") != std::string::npos;
-  return status == 0 || (WIFSIGNALED(status) && WTERMSIG(status) == SIGABRT && of_the_host);
-}
-
 std::string mixed;
 
 void keep_mixed(int signal) {
@@ -86,9 +56,8 @@ void keep_mixed(int signal) {
 
 int main(int argc, char** argv) {
   const bool blind = argc > 4 && std::string(argv[1]) == "--blind";
-  const bool apart = argc > 2 && std::string(argv[1]) == "--apart";
   std::vector<std::filesystem::path> files;
-  for (int k = blind ? 4 : apart ? 2 : 1; k < argc; ++k) {
+  for (int k = blind ? 4 : 1; k < argc; ++k) {
     if (std::filesystem::is_directory(argv[k])) {
       for (const auto& entry : std::filesystem::directory_iterator(argv[k])) {
         files.push_back(entry.path());
@@ -104,11 +73,7 @@ int main(int argc, char** argv) {
     inputs.push_back(contents(file));
     if (!blind) {
       std::fprintf(stderr, "%s\n", file.c_str());  // the last one is what ended it
-      if (!apart) {
-        run(inputs.back());
-      } else if (!runs_apart(inputs.back())) {
-        return 1;
-      }
+      run(inputs.back());
     }
   }
   if (blind && !inputs.empty()) {
