@@ -131,7 +131,7 @@ void sweep(const fs::path& folder, const std::string& begin) {
 
 bool prepareStreams() {
 #ifdef _WIN32
-  for (std::FILE* const stream : {stdin, stdout}) {
+  for (std::FILE* const stream : {stdin, stdout, stderr}) {
     _setmode(_fileno(stream), _O_BINARY);
   }
   return true;
