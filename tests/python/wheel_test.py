@@ -100,7 +100,7 @@ class Wheel(unittest.TestCase):
         count = 0
         for edit in sorted((PROJECT / "tests/hosts/edits").glob("*/*.json")):
             mesh = pathlib.Path(MESHES, edit.parent.name)
-            if mesh.exists():
+            if mesh.exists() and mesh.suffix in (".off", ".ply"):
                 with self.subTest(edit=str(edit)):
                     self.compare(ply_meshes.read(mesh), json.loads(edit.read_text(encoding="utf-8")), 0.37 if count % 2 else 1.0)
                     count += 1
