@@ -46,8 +46,8 @@ class Usage(ProgramTest):
                 (r"begins with - as \./-name, or after --", (self.mesh, "-dash.ply", self.edit)),
                 *((r"name of a file is empty", words) for words in (("", *good[1:]), (self.mesh, "", self.edit), (*two, ""))),
                 (r'fraction is "2": give a number from 0', (*good, "--fraction=2")),
-                (r'fraction is "nan"', (*good, "--fraction", "nan")), (r'fraction is "half"', (*good, "--fractions", "0.25,half")),
-                (r'fraction is ""', (*good, "--fractions", "0.25,,1")), (r'fraction is "2"', (*good, "--fractions", "0:2:3")),
+                (r'fraction is "nan"', (*good, "--fraction", "nan")), (r'fraction is "0\.25,half"', (*good, "--fractions", "0.25,half")),
+                (r'fraction is "0\.25,,1"', (*good, "--fractions", "0.25,,1")), (r'fraction is "0:2:3"', (*good, "--fractions", "0:2:3")),
                 (r"either --fraction or --fractions", (*good, "--fraction", "1", "--fractions", "0,1")),
                 (r"--fraction is given more than once", (*good, "--fraction", "1", "--fraction", "0")),
                 *((rf'fraction is "{text}": .* first:last:count', (*good, "--fractions", text))

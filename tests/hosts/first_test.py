@@ -136,7 +136,7 @@ class First(unittest.TestCase):
             folder = "/home/newcomer/.local/bin"
         self.check_first_script("--env", f"PATH={folder}:/usr/bin:/bin", rights=False)
         run("cmake -S . -B build -DLAPEDIT_BUILD_TESTS=ON && ctest --test-dir build --output-on-failure --no-tests=error "
-            r"--parallel $(nproc) -R '^(command\.command_line|host\.(stage|filter|refusal))$'", rights=False)
+            r"--parallel $(nproc) -R '^(command\.program|host\.(stage|filter|refusal))$'", rights=False)
 
     def test_4_nothing_was_left_out(self):
         self.assertEqual(unseen, set())
