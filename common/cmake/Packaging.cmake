@@ -16,11 +16,9 @@ set(_files "${PROJECT_BINARY_DIR}/package")
 set(_metainfo "${_files}/net.meshlab.meshlab.laplacian_edit.metainfo.xml")
 configure_file("${CMAKE_CURRENT_LIST_DIR}/package/metainfo.xml.in" "${_metainfo}" @ONLY)
 install(FILES "${_metainfo}" DESTINATION share/metainfo)
-if(LAPEDIT_PROGRAM)
-  set(_program "${PROJECT_SOURCE_DIR}/filter_laplacian_edit/command_line")
-  install(FILES "${_program}/laplacian-edit.1" DESTINATION share/man/man1)
-  install(FILES "${_program}/completion.bash" DESTINATION share/bash-completion/completions RENAME laplacian-edit)
-endif()
+set(_program "${PROJECT_SOURCE_DIR}/filter_laplacian_edit/program")
+install(FILES "${_program}/laplacian-edit.1" DESTINATION share/man/man1)
+install(FILES "${_program}/completion.bash" DESTINATION share/bash-completion/completions RENAME laplacian-edit)
 
 # Into the user's own folders ------------------------------------------------------------------------------------------
 
@@ -44,7 +42,4 @@ foreach(_mode IN ITEMS install uninstall)
       "${CMAKE_CURRENT_LIST_DIR}/package/install_user.cmake"
     VERBATIM)
 endforeach()
-add_dependencies(install-user edit_laplacian_drag filter_laplacian_edit)
-if(LAPEDIT_PROGRAM)
-  add_dependencies(install-user laplacian_edit_command)
-endif()
+add_dependencies(install-user edit_laplacian_drag filter_laplacian_edit laplacian_edit_program)

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes many small meshes with the same connectivity, mesh-0001.off and so on, and a list of jobs that edits each.
+"""Writes many small meshes with the same connectivity, mesh-0001.off and so on, an edit, and a list jobs.tsv with the names of
+mesh, output and edit in each line.
 
 usage: make_family.py COUNT FOLDER
 """
@@ -13,29 +14,28 @@ SIDE = 15  # vertices along each border
 
 
 def height(x, y, k):
-    """Of mesh number k over a place of the unit square: a hill, with waves of its own."""
+    """Of mesh number k over a position in the unit square: a hill, with waves of its own."""
     hill = (0.2 + 0.01 * (k % 17)) * math.sin(math.pi * x) * math.sin(math.pi * y)
     return hill + 0.01 * math.sin(7 * x + k) * math.cos(9 * y - 2 * k)
 
 
 def write(path, k):
-    places = [(i / (SIDE - 1), j / (SIDE - 1)) for i in range(SIDE) for j in range(SIDE)]
-    lines = [f"{x:.9g} {y:.9g} {height(x, y, k):.9g}" for x, y in places]
+    grid = [(i / (SIDE - 1), j / (SIDE - 1)) for i in range(SIDE) for j in range(SIDE)]
+    lines = [f"{x:.9g} {y:.9g} {height(x, y, k):.9g}" for x, y in grid]
     for corner in (SIDE * i + j for i in range(SIDE - 1) for j in range(SIDE - 1)):
         lines += [f"3 {corner} {corner + SIDE} {corner + 1}", f"3 {corner + 1} {corner + SIDE} {corner + SIDE + 1}"]
-    path.write_text(f"OFF\n{len(places)} {len(lines) - len(places)} 0\n" + "\n".join(lines) + "\n")
+    path.write_text(f"OFF\n{len(grid)} {len(lines) - len(grid)} 0\n" + "\n".join(lines) + "\n", encoding="ascii")
 
 
 def main(count, folder):
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "edit.json").write_text(json.dumps({"laplacian_edit": 1, "steps": [
-        {"region": {"radius": 0.35}, "handles": [{"vertices": str(SIDE * SIDE // 2), "translation": [0, 0, 0.2]}]}]}))
-    jobs = []
+        {"region": {"radius": 0.35}, "handles": [{"vertices": str(SIDE * SIDE // 2), "translation": [0, 0, 0.2]}]}]}),
+        encoding="ascii")
     for k in range(1, count + 1):
-        mesh = folder / f"mesh-{k:04}.off"
-        write(mesh, k)
-        jobs.append(f"{mesh}\t{folder}/edited-{k:04}.ply\t{folder}/edit.json\n")
-    (folder / "jobs.tsv").write_text("".join(jobs))
+        write(folder / f"mesh-{k:04}.off", k)
+    (folder / "jobs.tsv").write_text("".join(f"{folder}/mesh-{k:04}.off\t{folder}/edited-{k:04}.off\t{folder}/edit.json\n"
+                                             for k in range(1, count + 1)), encoding="utf-8")
 
 
 if __name__ == "__main__":

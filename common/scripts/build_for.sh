@@ -1,12 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Builds both plugins for a MeshLab that no distribution installed, such as an official build, with the headers of its
+# Builds plugins and program for a MeshLab that no distribution installed, such as an official build, with the headers of its
 # version.
 #
 # usage: build_for.sh FOLDER [CMAKE_OPTION]...     FOLDER: the unpacked MeshLab; of an AppImage what
 #                                                  `MeshLab.AppImage --appimage-extract` makes, squashfs-root
 #
-# It builds in build-for-VERSION, and prints the command that installs the plugins for this user.
+# It builds in build-for-VERSION, and prints the command that installs them for this user.
 set -eu
 
 [ $# -ge 1 ] || { sed -n '/^# usage/,/^#$/s/^# \{0,1\}//p' "$0" >&2; exit 2; }
@@ -22,9 +22,8 @@ esac
 cd "$(dirname "$0")/../.."
 build=build-for-$version
 common/scripts/meshlab_source.sh "$version" "$build/meshlab-source"
-cmake -S . -B "$build" -DMeshLab_LIBRARY="$library" -DMESHLAB_SOURCE_DIR="$PWD/$build/meshlab-source" \
-  -DLAPEDIT_PROGRAM=OFF "$@"
-cmake --build "$build" --parallel "$(nproc)" --target filter_laplacian_edit edit_laplacian_drag
+cmake -S . -B "$build" -DMeshLab_LIBRARY="$library" -DMESHLAB_SOURCE_DIR="$PWD/$build/meshlab-source" "$@"
+cmake --build "$build" --parallel "$(nproc)" --target filter_laplacian_edit edit_laplacian_drag laplacian_edit_program
 echo
-echo "Built for MeshLab $version. To install the plugins for yourself:"
+echo "Built for MeshLab $version. To install plugins and program for yourself:"
 echo "    cmake --build $build --target install-user"

@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs filters without a window, for tests: by the staged meshlabserver on a private X server, or by laplacian-edit.
+"""Runs filters without a window, for tests: by MeshLab 2020.09's meshlabserver on a private X server, or in later versions
+by tests/hosts/run_filters.
 
 Environment:
-  LAPEDIT_STAGE    folder made by stage.sh
-  LAPEDIT_COMMAND  the program laplacian-edit
-  LAPEDIT_RUNNER   "command": laplacian-edit, also where there is a meshlabserver
-  LAPEDIT_SCALAR   what the host stores coordinates in: float or double
-  LAPEDIT_MESHES   folder with the real test meshes (tests that use them)
-  LAPEDIT_PRELOAD  libraries to load into the host: a sanitizer's run time
+  LAPEDIT_STAGE        folder made by stage.sh, with meshlabserver if there is one
+  LAPEDIT_RUN_FILTERS  the tool run_filters, where there is no meshlabserver
+  LAPEDIT_FILTERS      the plugin with the filters, for that tool
+  LAPEDIT_COMMAND      the program laplacian-edit
+  LAPEDIT_SCALAR       the type of MeshLab's coordinates: float or double
+  LAPEDIT_MESHES       folder with the real test meshes (tests that use them)
+  LAPEDIT_PRELOAD      libraries to load into MeshLab: a sanitizer's run time
 """
 import json
 import os
@@ -18,12 +20,15 @@ import tempfile
 import unittest
 from xml.sax.saxutils import escape, quoteattr
 
+from ply import write_ply
+from shapes import dome
 from x_server import host_environment, start_x_server
 
-STAGE = pathlib.Path(os.environ["LAPEDIT_STAGE"])
+STAGE = pathlib.Path(os.environ.get("LAPEDIT_STAGE", "."))
 COMMAND = os.environ.get("LAPEDIT_COMMAND")
-BY_COMMAND = os.environ.get("LAPEDIT_RUNNER") == "command" or not (STAGE / "bin" / "meshlabserver").exists()
-REFUSED = 1 if BY_COMMAND else 255  # exit code for a filter that refuses its work
+TOOL = os.environ.get("LAPEDIT_RUN_FILTERS")
+CENTRE = 21 * 10 + 10  # vertex in the middle of the dome
+UP = (0, 0, 0.2)
 
 
 def point(name, xyz):
@@ -44,7 +49,7 @@ def length(name, value):
 
 real, integer = number("RichFloat"), number("RichInt")
 
-# Order and names are part of the interface: meshlabserver wants every parameter in a script.
+# Order and names are part of the interface: meshlabserver requires every parameter in a script.
 EDIT_PARAMETERS = {
     "handle_source": (choice, 0), "handle_point": (point, (0, 0, 0)), "handle_vertex": (integer, 0),
     "region_source": (choice, 0),
@@ -71,14 +76,12 @@ def replay(edit, fraction=1):
             + real("fraction", fraction) + "</filter>")
 
 
-def select_vertices(condition):
-    return ('<filter name="Conditional Vertex Selection"><Param type="RichString" name="condSelect" value='
-            + quoteattr(condition) + "/></filter>")
+def select(what):
+    return lambda condition: (f'<filter name="Conditional {what} Selection"><Param type="RichString" name="condSelect" value='
+                              + quoteattr(condition) + "/></filter>")
 
 
-def select_faces(condition):
-    return ('<filter name="Conditional Face Selection"><Param type="RichString" name="condSelect" value='
-            + quoteattr(condition) + "/></filter>")
+select_vertices, select_faces = select("Vertex"), select("Face")
 
 
 def project(mesh, matrix):
@@ -90,10 +93,11 @@ def project(mesh, matrix):
 
 
 class Result:
-    def __init__(self, code, text, output):
-        self.code = code
-        self.text = text  # what was printed, both streams
-        self.output = output  # path of the mesh that was written, None if there is none
+    def __init__(self, done, output):
+        self.code = done.returncode
+        self.errors = done.stderr.decode(errors="replace")
+        self.text = done.stdout.decode(errors="replace") + self.errors
+        self.output = output if output.exists() else None  # path of the mesh that was written
 
 
 def without_display(environment):
@@ -101,59 +105,40 @@ def without_display(environment):
 
 
 class HostTest(unittest.TestCase):
-    """A test case with its own folder and home, and with its own X server if it needs one."""
-    screen = None if BY_COMMAND else "640x480"
+    """A test case with its own folder and home, and with its own X server if `screen` has a size."""
+    screen = None
 
     @classmethod
     def setUpClass(cls):
         cls.folder = pathlib.Path(tempfile.mkdtemp(prefix="lapedit-"))
         cls.addClassCleanup(shutil.rmtree, cls.folder)
         cls.runs = 0
-        display = start_x_server(cls.addClassCleanup, cls.screen) if cls.screen else ""
-        cls.environment = host_environment(display, cls.folder)
+        cls.environment = host_environment(start_x_server(cls.addClassCleanup, cls.screen) if cls.screen else "", cls.folder)
+
+
+class FilterHost(HostTest):
+    screen = None if TOOL else "640x480"
 
     def run_host(self, filters, mesh=None, save=(), project_text=None, project_out=None):
         """Opens mesh or project, runs the filters, writes a binary PLY.
-        @param save  what else than coordinates and faces is written, in meshlabserver's words; laplacian-edit writes
-                     all that there is, normals and selection only if they are among these"""
+        @param save  attributes to write besides coordinates and faces, in meshlabserver's words; run_filters writes all"""
         cls = type(self)
         cls.runs += 1
         base = cls.folder / f"run{cls.runs}"
-        base.with_suffix(".mlx").write_text(
-            "<!DOCTYPE FilterScript>\n<FilterScript>\n" + "\n".join(filters) + "\n</FilterScript>\n")
-        if BY_COMMAND:
-            self.assertIsNone(project_text or project_out, "laplacian-edit opens no projects")
-            return self._run_command(base, mesh, save)
-        return self._run_meshlabserver(base, filters, mesh, save, project_text, project_out)
-
-    def _run_command(self, base, mesh, save):
-        also = [word for word, flags in (("normals", {"vn", "fn"}), ("selection", {"vf", "ff"})) if flags & set(save)]
-        output = base.with_suffix(".ply")
-        command = [COMMAND, str(mesh), str(output), f"{base}.mlx"] + (["--also", ",".join(also)] if also else [])
-        done = subprocess.run(command, env=without_display(self.environment), cwd=self.folder, stdin=subprocess.DEVNULL,
-                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=120)
-        result = Result(done.returncode, (done.stdout + done.stderr).decode(errors="replace"),
-                        output if output.exists() else None)
-        result.errors = done.stderr.decode(errors="replace")
-        return result
-
-    def _run_meshlabserver(self, base, filters, mesh, save, project_text, project_out):
-        command = [str(STAGE / "bin" / "meshlabserver")]
-        if project_text is not None:
-            base.with_suffix(".mlp").write_text(project_text)
-            command += ["-p", f"{base}.mlp"]
-        if mesh is not None:
-            command += ["-i", str(mesh)]
-        output = base.with_suffix(".ply")
-        if project_out is None:
-            command += ["-o", str(output)] + (["-m", *save] if save else [])
+        script, output = base.with_suffix(".mlx"), base.with_suffix(".ply")
+        script.write_text("<!DOCTYPE FilterScript>\n<FilterScript>\n" + "\n".join(filters) + "\n</FilterScript>\n")
+        if TOOL:
+            command = [TOOL, os.environ["LAPEDIT_FILTERS"], mesh or "", output, script]
         else:
-            command += ["-w", str(project_out)]
-        if filters:
-            command += ["-s", f"{base}.mlx"]
-        done = subprocess.run(command, env=self.environment, cwd=self.folder, stdout=subprocess.PIPE,
-                              stderr=subprocess.STDOUT, timeout=120)
-        return Result(done.returncode, done.stdout.decode(errors="replace"), output if output.exists() else None)
+            command = [STAGE / "bin" / "meshlabserver"] + (["-i", mesh] if mesh else [])
+            if project_text is not None:
+                base.with_suffix(".mlp").write_text(project_text)
+                command += ["-p", base.with_suffix(".mlp")]
+            command += ["-o", output, *(["-m", *save] if save else []), *(["-w", project_out] if project_out else [])]
+            command += ["-s", script] if filters else []
+        done = subprocess.run(list(map(str, command)), env=self.environment, cwd=self.folder, stdin=subprocess.DEVNULL,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=120)
+        return Result(done, output)
 
     def edited(self, filters, mesh, **options):
         """Runs filters that must work. @return the path of the mesh written, the text printed"""
@@ -164,15 +149,25 @@ class HostTest(unittest.TestCase):
 
     def assert_refused(self, result, sentence):
         """The exit code, no output, and one sentence, in the log or on the standard error, that matches the pattern."""
-        self.assertEqual(result.code, REFUSED, result.text)
+        self.assertEqual(result.code, 1 if TOOL else 255, result.text)
         self.assertIsNone(result.output, result.text)
-        if BY_COMMAND:
-            self.assertRegex(result.errors, r"\A[^\n]+\.\n\Z")
-            self.assertRegex(result.errors, sentence)
-            return
-        self.assertIn("Problem with filter: Laplacian Edit", result.text)
-        entries = result.text.split("LOG: 1 ")[1:]
-        self.assertEqual(len(entries), 1, result.text)
-        line = entries[0].splitlines()[0]
-        self.assertRegex(line, sentence)
-        self.assertRegex(line, r"\.$")
+        message = result.errors.removesuffix("\n")
+        if not TOOL:
+            self.assertIn("Problem with filter: Laplacian Edit", result.text)
+            entries = result.text.split("LOG: 1 ")[1:]
+            self.assertEqual(len(entries), 1, result.text)
+            message = entries[0].splitlines()[0]
+        self.assertRegex(message, sentence)
+        self.assertRegex(message, r"\A[^\n]+\.\Z")
+
+
+class DomeHost(FilterHost):
+    """Lifts the middle of a dome."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.points, cls.faces = dome()
+        cls.mesh = write_ply(cls.folder / "dome.ply", cls.points, cls.faces)
+        cls.lift = {"handle_point": cls.points[CENTRE], "radius": 0.35, "translation": UP}
+        cls.lift_json = {"region": {"radius": 0.35}, "handles": [{"vertices": str(CENTRE), "translation": UP}]}

@@ -3,14 +3,14 @@
 import os
 import struct
 
-# What the host stores coordinates in, and what the meshes for it are written in.
+# The type of MeshLab's coordinates, and of those in the meshes that are written here.
 SCALAR = os.environ.get("LAPEDIT_SCALAR", "float")
 _NUMBER, _WORD = {"float": ("<f", "<I"), "double": ("<d", "<Q")}[SCALAR]
 
-# Floats are read as the integers of the same bits: what is compared are bits, and NaN equals itself.
-BITS = {"char": "b", "uchar": "B", "short": "h", "ushort": "H", "int": "i", "uint": "I", "float": "I", "double": "Q",
-        "int8": "b", "uint8": "B", "int16": "h", "uint16": "H", "int32": "i", "uint32": "I", "float32": "I",
-        "float64": "Q"}
+KINDS = {"char": "b", "uchar": "B", "short": "h", "ushort": "H", "int": "i", "uint": "I", "float": "f", "double": "d",
+         "int8": "b", "uint8": "B", "int16": "h", "uint16": "H", "int32": "i", "uint32": "I", "float32": "f", "float64": "d"}
+# Floats are read as integers of the same bits, so that bits are compared, and NaN equals itself.
+AS_BITS = str.maketrans("fd", "IQ")
 
 
 def float_of(bits):
@@ -22,30 +22,29 @@ def bits_of(number):
 
 
 class Ply:
-    """elements[element][property] is a list with one entry per row; a list property's entries are tuples."""
+    """elements[element][property] is a list with one entry per row; a list property's entries are tuples. All lists of a
+    property have the length of the first one."""
 
     def __init__(self, path):
         with open(path, "rb") as file:
-            data = file.read()
-        end = data.index(b"end_header\n") + len(b"end_header\n")
-        header = data[:end].decode().splitlines()
-        assert header[1] == "format binary_little_endian 1.0", header[1]
+            header, _, self._rest = file.read().partition(b"end_header\n")
+        _, form, *lines = header.decode().splitlines()
+        assert form in ("format ascii 1.0", "format binary_little_endian 1.0"), form
+        self._ascii = "ascii" in form
+        if self._ascii:
+            self._rest = self._rest.split()
         layout = []
-        for line in header:
-            words = line.split()
+        for words in map(str.split, lines):
             if words[0] == "element":
                 layout.append((words[1], int(words[2]), []))
             elif words[0] == "property":
                 layout[-1][2].append(words[1:])
-        self.elements = {}
-        offset = end
-        for element, count, properties in layout:
-            self.elements[element], offset = _read_rows(data, offset, count, properties)
+        self.elements = {element: self._read_rows(count, properties) if count else {words[-1]: [] for words in properties}
+                         for element, count, properties in layout}
 
     def points(self):
         """Vertices as triples of floats."""
-        v = self.elements["vertex"]
-        return [tuple(float_of(c) for c in row) for row in zip(v["x"], v["y"], v["z"])]
+        return [tuple(map(float_of, row)) for row in self.point_bits()]
 
     def point_bits(self):
         v = self.elements["vertex"]
@@ -55,36 +54,33 @@ class Ply:
         f = self.elements["face"]
         return f["vertex_indices"] if "vertex_indices" in f else f["vertex_index"]
 
+    def _read_rows(self, count, properties):
+        form, places = "", []
+        for words in properties:
+            first, size = len(form), None
+            form += KINDS[words[words[0] == "list"]]
+            if words[0] == "list":
+                # The last number of a row that begins so.
+                size = int(self._rest[first]) if self._ascii else struct.unpack_from("<" + form, self._rest)[-1]
+                form += KINDS[words[2]] * size
+            places.append((words[-1], first, size))
+        columns, rows = self._columns(form, count), {}
+        for name, first, size in places:
+            assert size is None or set(columns[first]) == {size}, f"lists of different lengths in {name}"
+            rows[name] = columns[first] if size is None else list(zip(*columns[first + 1:first + 1 + size])) or [()] * count
+        return rows
 
-def _read_rows(data, offset, count, properties):
-    columns = {words[-1]: [] for words in properties}
-    if count == 0:
-        return columns, offset
-    # All lists of a property are as long as its first one (triangles): then a row has a fixed layout.
-    form, at = "<", offset
-    lengths = []
-    for words in properties:
-        if words[0] == "list":
-            size = struct.unpack_from("<" + BITS[words[1]], data, at)[0]
-            lengths.append(size)
-            part = BITS[words[1]] + (BITS[words[2]] * size)
-        else:
-            lengths.append(None)
-            part = BITS[words[0]]
-        form += part
-        at += struct.calcsize("<" + part)
-    row_size = struct.calcsize(form)
-    rows = list(zip(*struct.iter_unpack(form, data[offset:offset + count * row_size])))
-    column = 0
-    for words, size in zip(properties, lengths):
-        if size is None:
-            columns[words[-1]] = list(rows[column])
-            column += 1
-        else:
-            assert set(rows[column]) == {size}, f"lists of different lengths in {words[-1]}"
-            columns[words[-1]] = list(zip(*rows[column + 1:column + 1 + size])) if size else [()] * count
-            column += 1 + size
-    return columns, offset + count * row_size
+    def _columns(self, form, count):
+        size = count * (len(form) if self._ascii else struct.calcsize("<" + form))
+        data, self._rest = self._rest[:size], self._rest[size:]
+        bits = form.translate(AS_BITS)
+        if not self._ascii:
+            return list(map(list, zip(*struct.iter_unpack("<" + bits, data))))
+        columns = []
+        for k, (kind, word) in enumerate(zip(form, bits)):
+            numbers = map(float if kind in "fd" else int, data[k::len(form)])
+            columns.append(list(struct.unpack(f"<{count}{word}", struct.pack(f"<{count}{kind}", *numbers))))
+        return columns
 
 
 def write_ply(path, points, faces, vertex_extra="", vertex_values=None, face_extra="", face_values=None):

@@ -1,31 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What cannot be done is refused with an exit code, no output and one clear sentence."""
+"""The filters refuse what they cannot do with one sentence, and the mesh is not written."""
 import json
 import math
 import unittest
 
-from host import BY_COMMAND, HostTest, laplacian_edit, replay, select_faces, select_vertices
+from host import CENTRE, TOOL, DomeHost, laplacian_edit, replay, select_faces, select_vertices
 from ply import SCALAR, write_ply
-from shapes import dome
-
-CENTRE = 21 * 10 + 10  # vertex in the middle of the dome
 
 
-class RefusalTest(HostTest):
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.points, cls.faces = dome()
-        cls.mesh = write_ply(cls.folder / "dome.ply", cls.points, cls.faces)
-        cls.good = {"handle_point": cls.points[CENTRE], "radius": 0.35, "translation": (0, 0, 0.2)}
-        cls.good_json = {"region": {"radius": 0.35}, "handles": [{"vertices": str(CENTRE), "translation": [0, 0, 0.2]}]}
-
+class RefusalTest(DomeHost):
     def refused(self, filters, sentence, mesh=None):
         with self.subTest(sentence):
             self.assert_refused(self.run_host(filters, mesh or self.mesh), sentence)
 
     def refused_edit(self, sentence, before=(), mesh=None, **change):
-        self.refused([*before, laplacian_edit(**{**self.good, **change})], sentence, mesh)
+        self.refused([*before, laplacian_edit(**{**self.lift, **change})], sentence, mesh)
 
 
 class Parameters(RefusalTest):
@@ -35,9 +24,12 @@ class Parameters(RefusalTest):
         self.refused_edit(r"radius is (-?nan|not finite)", radius="nan")
         self.refused_edit(r"radius is inf", radius="inf")
 
-    def test_handle_point(self):
+    def test_handle(self):
         self.refused_edit(r"\(0\.5, 0\.5, 9\) is .* nearest vertex, number \d+.*diagonal", handle_point=(0.5, 0.5, 9))
         self.refused_edit(r"handle point is not finite", handle_point=(0.5, "nan", 0))
+        for vertex in (-1, 441, 2000000000):
+            self.refused_edit(rf"The handle vertex is {vertex}, but there are 441 vertices: give a number from 0 to 440\.",
+                              handle_source=2, handle_vertex=vertex)
 
     def test_settings(self):
         self.refused_edit(r"order .*is 0: give 1, 2 or 3", order=0)
@@ -55,24 +47,22 @@ class Parameters(RefusalTest):
         self.refused_edit(r"scale is not a finite number", scale="nan")
         self.refused_edit(rf"group 0 is vertex {CENTRE} alone, which cannot be scaled by 2 .*: name several", scale=2)
         self.refused_edit(rf"vertex {CENTRE} alone, which cannot be rotated by 10 degrees", rotation_angle=10)
-        turned = {**self.good_json, "handles": [{"vertices": str(CENTRE), "rotation": {"degrees": 270}}]}
+        turned = {**self.lift_json, "handles": [{"vertices": str(CENTRE), "rotation": {"degrees": 270}}]}
         self.refused([replay(turned)], rf"vertex {CENTRE} alone, which cannot be rotated by 270 degrees")
         self.refused_edit(r"rotation axis is \(0, 0, 0\)", rotation_axis=(0, 0, 0), rotation_angle=10)
         self.refused_edit(r"not a finite number", rotation_angle="inf")
         self.refused_edit(r"translation is not a finite number", translation=("inf", 0, 0))
         if SCALAR == "float":
             far = {"vertices": str(CENTRE), "translation": [1e39, 0, 0]}
-            self.refused([replay({**self.good_json, "handles": [far]})], r"single precision.* too large")
+            self.refused([replay({**self.lift_json, "handles": [far]})], r"single precision.* too large")
 
     def test_numbers_of_no_choice(self):
         self.refused_edit(r"laplacian is 3: give 0 \(Umbrella\) or 1 \(Cotangent\) or 2 \(Mean value\)", laplacian=3)
         self.refused_edit(r"region_source is -1: give 0 \(", region_source=-1)
 
     def test_wrong_type_in_the_script(self):
-        script = laplacian_edit(**self.good)
-        wrong = script.replace('type="RichInt" name="order" value="1"', 'type="RichFloat" name="order" value="1"')
-        self.assertNotEqual(script, wrong)
-        self.refused([wrong], r"parameter order is a (Rich)?Float( in the script)?, which is of the wrong type")
+        wrong = laplacian_edit(**self.lift).replace('type="RichInt" name="order"', 'type="RichFloat" name="order"')
+        self.refused([wrong], r"parameter order is a Float, which is of the wrong type")
 
 
 class Regions(RefusalTest):
@@ -93,21 +83,18 @@ class Meshes(RefusalTest):
     def test_point_cloud(self):
         cloud = write_ply(self.folder / "cloud.ply", self.points, [])
         self.refused_edit(r"441 vertices but no faces", mesh=cloud)
-        self.refused([replay(self.good_json)], r"441 vertices but no faces", cloud)
+        self.refused([replay(self.lift_json)], r"441 vertices but no faces", cloud)
 
     def test_empty_mesh(self):
         everything = '<filter name="Delete Selected Vertices"/>'
         before = [select_vertices("x>-1"), everything]
         self.refused_edit(r"no vertices", before)
-        self.refused([*before, replay(self.good_json)], r"no vertices")
+        self.refused([*before, replay(self.lift_json)], r"no vertices")
 
     def test_no_mesh_at_all(self):
-        for step in (laplacian_edit(**self.good), replay(self.good_json)):
-            if BY_COMMAND:
-                result = self.run_host(['<filter name="Delete Current Mesh"/>', step], self.mesh)
-            else:
-                result = self.run_host([step])
-            self.assert_refused(result, r"There are 0 layers")
+        for step in (laplacian_edit(**self.lift), replay(self.lift_json)):
+            before = ['<filter name="Delete Current Mesh"/>'] if TOOL else []
+            self.assert_refused(self.run_host([*before, step], self.mesh if TOOL else None), r"There are 0 layers")
 
     def test_non_finite_coordinates_inside_the_region(self):
         for bad in (math.nan, math.inf):
@@ -119,7 +106,7 @@ class Meshes(RefusalTest):
 
 class Scripts(RefusalTest):
     def text(self, **members):
-        return json.dumps({"laplacian_edit": 1, "steps": [self.good_json], **members})
+        return json.dumps({"laplacian_edit": 1, "steps": [self.lift_json], **members})
 
     def test_files(self):
         self.refused([replay("")], r"No edit is given")
@@ -133,11 +120,11 @@ class Scripts(RefusalTest):
 
     def test_later_step_is_named_and_nothing_is_changed(self):
         bad = {"region": {"radius": -1}, "handles": [{"vertices": "1"}]}
-        self.refused([replay(json.dumps({"laplacian_edit": 1, "steps": [self.good_json, bad]}))], r"Step 2 of 2: ")
+        self.refused([replay(json.dumps({"laplacian_edit": 1, "steps": [self.lift_json, bad]}))], r"Step 2 of 2: ")
 
     def test_fraction(self):
-        self.refused([replay(self.good_json, fraction=2)], r"fraction is 2.* 0 .* 1 ")
-        self.refused([replay(self.good_json, fraction="nan")], r"fraction is -?nan")
+        self.refused([replay(self.lift_json, fraction=2)], r"fraction is 2.* 0 .* 1 ")
+        self.refused([replay(self.lift_json, fraction="nan")], r"fraction is -?nan")
 
 
 if __name__ == "__main__":

@@ -54,7 +54,3 @@ def within(points, around, seed, radius):
                 best[w] = through
                 heapq.heappush(heap, (through, w))
     return done
-
-
-def diagonal(points):
-    return math.dist([min(c) for c in zip(*points)], [max(c) for c in zip(*points)])

@@ -31,8 +31,7 @@ def start_x_server(add_cleanup, size):
 def host_environment(display, home):
     """For a staged MeshLab with a home of its own."""
     environment = dict(os.environ, DISPLAY=display, HOME=str(home), XDG_RUNTIME_DIR=str(home),
-                       XDG_CONFIG_HOME=str(home),
-                       LIBGL_ALWAYS_SOFTWARE="1")
+                       XDG_CONFIG_HOME=str(home), LIBGL_ALWAYS_SOFTWARE="1")
     if os.environ.get("LAPEDIT_PRELOAD"):
         environment["LD_PRELOAD"] = os.environ["LAPEDIT_PRELOAD"]
     return environment

@@ -4,8 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "filters.h"
 #include "host_support.h"
+#include "lapedit/json/edit_script.h"
+#include "lapedit_host/mesh_edit.h"
 #include "shapes.h"
 
 namespace lapedit::host {
@@ -15,21 +16,16 @@ constexpr char kTwoSteps[] = R"({"laplacian_edit": 1, "steps": [
     {"region": {"radius": 4}, "handles": [{"vertices": "60", "translation": [0, 0, 1]}]},
     {"region": {"radius": 2}, "handles": [{"vertices": "20", "translation": [0, 0, 0.5]}]}]})";
 
-/// What a host gets of an edit, and the reports that it was made of.
-FilterOutcome replayed(std::vector<EditReport>& reports) {
-  CMeshO host;
-  fill(host, shapes::grid(11, 11));
-  const FilterAction filter = laplacianEditReplay([&](const std::vector<EditReport>& made) { reports = made; });
-  ParameterValues values;
-  values.set("edit", QString(kTwoSteps));
-  values.set("fraction", 1.0);
-  return filter.run(values, host, {});
+EditedMesh edited(const CMeshO& host) {
+  return edit_mesh(host, [](const BridgedMesh&) { return load_edit(kTwoSteps); }, 1, {});
 }
 
 TEST(FilterFigures, HaveTheNamesAndNumbersOfTheReports) {
-  std::vector<EditReport> reports;
-  const auto figures = replayed(reports).figures;
+  CMeshO host;
+  fill(host, shapes::grid(11, 11));
+  const std::vector<EditReport> reports = edited(host).pose.reports;
   ASSERT_EQ(reports.size(), 2u);
+  const auto figures = figures_of(reports);
   EXPECT_EQ(figures.at("steps").toInt(), 2);
   EXPECT_EQ(figures.at("step_1_free").toInt(), reports[0].free);
   EXPECT_EQ(figures.at("free").toInt(), reports[1].free);
@@ -42,8 +38,9 @@ TEST(FilterFigures, HaveTheNamesAndNumbersOfTheReports) {
 
 /// PyMeshLab prints a warning for all else.
 TEST(FilterFigures, AreNumbersAndTruthValuesOnly) {
-  std::vector<EditReport> reports;
-  for (const auto& [name, value] : replayed(reports).figures) {
+  CMeshO host;
+  fill(host, shapes::grid(11, 11));
+  for (const auto& [name, value] : write_edited(host, edited(host)).figures) {
     const std::string type = value.typeName();
     EXPECT_TRUE(type == "bool" || type == "int" || type == "double") << name << " is a " << type;
   }

@@ -16,14 +16,14 @@ namespace {
 
 /// The pairs that vcglib finds among all.
 std::vector<char> meeting(const TriangleMesh& mesh) {
-  CMeshO host;
-  fill(host, mesh);
+  CMeshO model;
+  host::fill(model, mesh);
   using Clean = vcg::tri::Clean<CMeshO>;
   std::vector<char> found;
-  for (std::size_t i = 0; i < host.face.size(); ++i) {
+  for (std::size_t i = 0; i < model.face.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      found.push_back(Clean::TestFaceFaceIntersection(&host.face[j], &host.face[i]) ||
-                      Clean::TestFaceFaceIntersection(&host.face[i], &host.face[j]));
+      found.push_back(Clean::TestFaceFaceIntersection(&model.face[j], &model.face[i]) ||
+                      Clean::TestFaceFaceIntersection(&model.face[i], &model.face[j]));
     }
   }
   return found;

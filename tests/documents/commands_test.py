@@ -50,16 +50,15 @@ ELSEWHERE = [
     (r"tests/scripts/release\.sh", "hosts.release", "tests/hosts/CMakeLists.txt", "release.sh"),
     (r"tests/hosts/compare\.py", "hosts.same_coordinates", "tests/hosts/CMakeLists.txt", "compare.py"),
     (r"tests/hosts/root\.sh", "hosts.root", "tests/hosts/root_test.sh", "root.sh"),
-    (r"(laplacian-edit|cat nose\.json) (.|\n)*head(.|\n)*|build/common/demo/make_mesh head head\.ply|"
+    (r"(laplacian-edit|cat nose\.json|awk) (.|\n)*head(.|\n)*|build/common/demo/make_mesh head head\.ply|"
      r"echo '(.|\n)*' > (?!edit)\w+\.\w+", "documents.scripts_by_place", "tests/documents/scripts_by_place_test.py",
      "for line, text in commands(PAGE)"),
     (r"filter_laplacian_edit/python/make_wheel\.sh build/wheel", "wheel.make", "tests/python/CMakeLists.txt", "make_wheel.sh"),
     (r"python3 -m venv v|v/bin/pip install .*|pip install", "wheel.2025.7", "tests/python/wheel_test.sh", "python3 -m venv"),
     (r"tests/processors/run\.sh", "processors.plain", "tests/processors/CMakeLists.txt", "run.sh"),
-    (r"tests/scripts/faults\.sh", None, RUN, "if tests/scripts/faults.sh;"),
-    (r"(export .*\n)?parallel (.|\n)*", "command.list", "tests/batch/list_test.py",
-     r'ONE_CALL, PARALLEL, HOSTS = re.findall(r"```sh\n(.*?)```", DOCUMENT, re.S)'),
-    (r"sbatch .* slurm_array\.sh .*", "command.list", "tests/batch/list_test.py", "slurm_array.sh"),
+    (r"(parallel|make) (.|\n)*", "command.many", "tests/batch/many_test.py",
+     r'PARALLEL, HOSTS, MAKE = re.findall(r"```sh\n(.*?)```", DOCUMENT, re.S)'),
+    (r"sbatch .* slurm_array\.sh .*", "command.many", "tests/batch/many_test.py", "slurm_array.sh"),
 ]
 
 # What no test runs, and why. Of this project's programs among it is checked that they are there, that scripts can be
@@ -123,10 +122,9 @@ class Commands(unittest.TestCase):
     SOME_TESTS = r"build/tests/\w+ --gtest_filter=\S+"
     MAKE_FAMILY = r"common/demo/make_family\.py .*"
     EDIT_FILE = r"echo '(.|\n)*' > edit\.json"
-    SINGLE = r"laplacian-edit (?!--list)(?!(.|\n)*head)(.|\n)*"
-    LIST = r"laplacian-edit --list .*"
+    EDIT = r"laplacian-edit (?!(.|\n)*head)(.|\n)*"
     SERVER = r"xvfb-run -a meshlabserver .*"
-    HERE = [CONFIGURE, SELECT, SOME_TESTS, MAKE_FAMILY, EDIT_FILE, SINGLE, LIST, SERVER]
+    HERE = [CONFIGURE, SELECT, SOME_TESTS, MAKE_FAMILY, EDIT_FILE, EDIT, SERVER]
 
     def test_every_command_is_run_somewhere(self):
         self.assertGreater(len(self.commands), 60)
@@ -142,8 +140,8 @@ class Commands(unittest.TestCase):
             if path.suffix == ".md":
                 languages = {language for language, _ in Document(path).blocks}
                 drawings = {""} if path.name == "architecture.md" else set()
-                # C++ is compiled by documents.example.
-                self.assertLessEqual(languages, {"sh", "json", "python", "cpp"} | drawings, path)
+                # C++ is compiled by documents.example, a makefile run by command.many.
+                self.assertLessEqual(languages, {"sh", "json", "python", "cpp", "make"} | drawings, path)
 
     def test_selections_and_tests_that_are_named(self):
         """They configure, select some tests each, and the tests that the table names are there."""
@@ -182,9 +180,7 @@ class Commands(unittest.TestCase):
         build.mkdir()
         subprocess.run([os.environ["LAPEDIT_MAKE_MESH"], "letters", build / "before.ply"], check=True, capture_output=True)
         shutil.copy(build / "before.ply", self.clone / "in.ply")
-        for name in ("edit", "script"):
-            shutil.copy(ROOT / "common/demo/laplacian_edit.mlx", self.clone / f"{name}.mlx")
-        (self.clone / "jobs.tsv").write_text("in.ply\tout.ply\tedit.json\n", encoding="utf-8")
+        shutil.copy(ROOT / "common/demo/laplacian_edit.mlx", self.clone / "edit.mlx")
         server = shutil.which("meshlabserver") and shutil.which("xvfb-run")
         if server:
             self.run_in_clone(f"common/demo/stage.sh stage {os.environ['LAPEDIT_PLUGIN']}")
@@ -194,18 +190,15 @@ class Commands(unittest.TestCase):
         for place, line, text in order:
             if re.fullmatch("|".join([self.EDIT_FILE, self.MAKE_FAMILY]), text):
                 self.run_in_clone(text)
-            elif re.fullmatch("|".join([self.SINGLE, self.LIST] + [self.SERVER] * bool(server)), text):
+            elif re.fullmatch("|".join([self.EDIT] + [self.SERVER] * bool(server)), text):
                 with self.subTest(place=f"{place}:{line}", command=text):
                     for out in [*self.clone.glob("out*.ply"), *self.clone.glob("after.ply")]:
                         out.unlink()
                     path = f"{self.clone}/stage/bin:{self.environment['PATH']}"
                     self.run_in_clone(text, PATH=path, HOME=str(self.clone))
                     made = [*self.clone.glob("out*.ply"), *self.clone.glob("after.ply")]
-                    if "family" in text:
-                        self.assertEqual(len(list(self.clone.glob("family/edited-*.ply"))), 200)
-                    else:
-                        self.assertEqual(len(made), 3 if "--fractions" in text else 1)
-                        results |= {path.read_bytes() for path in made if "out-0002" in path.name or "-" not in path.name}
+                    self.assertEqual(len(made), 3 if "--fractions" in text else 1)
+                    results |= {path.read_bytes() for path in made if "out-0002" in path.name or "-" not in path.name}
         self.assertNotIn((self.clone / "in.ply").read_bytes(), results)
 
     def test_exceptions(self):

@@ -6,6 +6,7 @@ Environment:
   LAPEDIT_COMMAND           the program laplacian-edit
   LAPEDIT_DESCRIBE_FILTERS  the program that prints the filters' own descriptions
 """
+import json
 import os
 import pathlib
 import re
@@ -195,7 +196,7 @@ class WithProgram(unittest.TestCase):
         return subprocess.run([program, *arguments], cwd=self.folder, stdin=subprocess.DEVNULL, capture_output=True,
                               timeout=120, encoding="utf-8", errors="replace", check=False)
 
-    def edit(self, program, text, suffix, *options):
-        """Runs an edit or a script on the sheet."""
-        (self.folder / f"edit.{suffix}").write_text(text, encoding="utf-8")
-        return self.run_program(program, *options, "sheet.off", "out.off", f"edit.{suffix}")
+    def edit(self, program, edit, *options):
+        """Applies an edit, a dictionary, to the sheet."""
+        (self.folder / "edit.json").write_text(json.dumps(edit), encoding="utf-8")
+        return self.run_program(program, *options, "sheet.off", "out.off", "edit.json")

@@ -65,14 +65,14 @@ class OfTests(unittest.TestCase):
 @unittest.skipUnless("LAPEDIT_COMMAND" in os.environ and "LAPEDIT_MAKE_MESH" in os.environ, "the program is not built")
 class OfTheProgram(unittest.TestCase):
     def test_report(self):
-        """The report in the filters' document, but for times and what only rounding makes."""
+        """The report in the filters' document, except times and rounding errors; the program makes the same edit."""
         section = Document(pathlib.Path("filter_laplacian_edit/README.md")).section("The report")
         told = [line.strip() for line in section if line.startswith("    ")][:-1]
         self.assertGreater(len(told), 4)
         with tempfile.TemporaryDirectory(prefix="lapedit-") as folder:
             subprocess.run([os.environ["LAPEDIT_MAKE_MESH"], "letters", f"{folder}/in.ply"], check=True, capture_output=True)
             done = subprocess.run([os.environ["LAPEDIT_COMMAND"], f"{folder}/in.ply", f"{folder}/out.ply",
-                                   ROOT / "common/demo/laplacian_edit.mlx"], check=True, capture_output=True, encoding="utf-8")
+                                   ROOT / "common/demo/letters.json"], check=True, capture_output=True, encoding="utf-8")
         printed = [line.strip() for line in done.stdout.splitlines()]
         words = [re.sub(r"[-+\d.e]+", "", line) for line in printed]
         for line in told:

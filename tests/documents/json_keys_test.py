@@ -50,7 +50,7 @@ class JsonKeys(WithProgram):
                 cls.objects.setdefault(path, (example, way))
 
     def refusal(self, edit):
-        done = self.edit(PROGRAM, json.dumps(edit), "json")
+        done = self.edit(PROGRAM, edit)
         self.assertEqual(done.returncode, 1, done.stderr)
         return " ".join(done.stderr.split())
 
@@ -84,7 +84,7 @@ class JsonKeys(WithProgram):
 
     def test_examples_are_read(self):
         for example in self.examples:
-            done = self.edit(PROGRAM, json.dumps(example), "json")
+            done = self.edit(PROGRAM, example)
             # They are for other meshes. What cannot be read is refused with the place in the text.
             self.assertNotRegex(done.stderr, r"unknown key|expected|steps\[", example)
 
@@ -104,6 +104,28 @@ class JsonKeys(WithProgram):
         for name, row in self.settings().items():
             with self.subTest(setting=name):
                 self.assertEqual(set(code(row[1]) + code(row[2])), set(known[name]))
+
+    def test_numbers_beyond_a_range_are_refused(self):
+        """On the middle of the sheet; in most regions anchors as weak as they may be are too ill-conditioned."""
+        step = {"region": {"radius": 0.43, "padding": 0.3}, "handles": [{"vertices": "52-54,64-66,76-78", "translation": [0, 0, 0.1]}]}
+        edit = {"laplacian_edit": 1, "steps": [step]}
+        rows = {("steps", 0, name): row for name, row in self.settings().items()} | {
+            ("steps", 0, "region", "padding"): self.rows["steps[].region.padding"],
+            ("steps", 0, "handles", 0, "scale"): self.rows["steps[].handles[].scale"]}
+        tested = 0
+        for (*way, name), row in rows.items():
+            spans, above_zero = ranges(row[2])
+            values = [(0, 1)] * above_zero
+            for low, high in (map(float, span) for span in spans):
+                whole = name in ("order", "iterations")
+                values += [(low, 0), (high, 0), (low - 1 if whole else 0.9 * low - 1e-9, 1), (high + 1, 1)]
+                values = [(int(value), code) for value, code in values] if whole else values
+            for value, wanted in values:
+                tested += 1
+                with self.subTest(key=name, value=value):
+                    done = self.edit(PROGRAM, with_value(edit, way, name, value))
+                    self.assertEqual(done.returncode, wanted, done.stderr)
+        self.assertGreaterEqual(tested, 25)
 
     def test_defaults_and_ranges_are_the_filters(self):
         filters = {code(row[0])[0]: row for row in

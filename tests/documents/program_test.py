@@ -22,15 +22,15 @@ class Program(WithProgram):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.document = Document(pathlib.Path("filter_laplacian_edit/command_line/README.md"))
-        cls.manual = (ROOT / "filter_laplacian_edit/command_line/laplacian-edit.1").read_text(encoding="utf-8")
+        cls.document = Document(pathlib.Path("filter_laplacian_edit/program/README.md"))
+        cls.manual = (ROOT / "filter_laplacian_edit/program/laplacian-edit.1").read_text(encoding="utf-8")
 
     def help(self):
         return self.run_program(PROGRAM, "--help").stdout
 
     def test_options(self):
         known = set()
-        for short, name, argument in re.findall(r"^  (?:(-\w), )?(--[\w-]+)(?: <([^>]+)>)?", self.help(), re.M):
+        for short, name, argument in re.findall(r"^  (?:(-\w), )?(--[\w-]+)(?: (\S+(?: \S+)*))?  ", self.help(), re.M):
             known |= {f"{name} {argument}".strip()} | ({short} - {""})
         self.assertGreater(len(known), 8)
         self.assertEqual({name for row in self.document.rows("Options") for name in code(row[0])}, known)
@@ -45,9 +45,8 @@ class Program(WithProgram):
         self.assertEqual(re.findall(r"\.TP\n\.B (\d)", self.manual), known)
 
     def test_keys_of_the_report(self):
-        done = self.edit(PROGRAM, json.dumps({"laplacian_edit": 1, "steps": [
-            {"region": {"radius": 0.4}, "handles": [{"vertices": "66", "translation": [0, 0, 0.1]}]}]}),
-                         "json", "--report", "report.json")
+        done = self.edit(PROGRAM, {"laplacian_edit": 1, "steps": [
+            {"region": {"radius": 0.4}, "handles": [{"vertices": "66", "translation": [0, 0, 0.1]}]}]}, "--report", "report.json")
         self.assertEqual(done.returncode, 0, done.stderr)
         written = keys(json.loads((self.folder / "report.json").read_text(encoding="utf-8")))
         rows = self.document.rows("The report")

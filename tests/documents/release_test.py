@@ -33,7 +33,7 @@ class Release(unittest.TestCase):
         self.assertIn(newest, ("Unreleased", f"{self.version} ({self.date})"))
 
     def test_manual(self):
-        manual = text_of("filter_laplacian_edit/command_line/laplacian-edit.1")
+        manual = text_of("filter_laplacian_edit/program/laplacian-edit.1")
         self.assertIn(f'\n.TH LAPLACIAN-EDIT 1 {self.date} "laplacian-edit {self.version}" ', manual)
 
     def test_debian(self):
@@ -43,7 +43,7 @@ class Release(unittest.TestCase):
 
     def test_program(self):
         told = subprocess.check_output([PROGRAM, "--version"], encoding="utf-8")
-        self.assertRegex(told, rf"^laplacian-edit {re.escape(self.version)} on MeshLab \d")
+        self.assertEqual(told, f"laplacian-edit {self.version}\n")
 
     def test_plugins(self):
         """What they say of themselves in MeshLab."""

@@ -18,7 +18,7 @@ import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "batch"))
 
-from host import STAGE, HostTest  # noqa: E402
+from host import STAGE, FilterHost  # noqa: E402
 from x_server import end_with_parent  # noqa: E402
 
 # Where hosts differ. Only MeshLab 2020.09 has a meshlabserver, which shows nothing of why a filter failed: the plugin logs
@@ -422,8 +422,8 @@ class Window:
         return tuple(self.ask("project")["corner"])
 
 
-class GuiTest(HostTest):
-    """A test case that can open MeshLab's window, and run meshlabserver."""
+class GuiTest(FilterHost):
+    """A test case that can open MeshLab's window, and run filters without it."""
     screen = "1280x900"
 
     def open(self, *files, keeps=False):

@@ -57,7 +57,7 @@ def rank(bits):
 
 
 class Edit:
-    """The poses of one edit on one host."""
+    """The poses of one edit by one build."""
 
     def __init__(self, folder):
         files = sorted(folder.glob("pose-*.ply"))
@@ -88,7 +88,7 @@ class Comparison:
         if not moved:
             raise Failed(f"{name}: the edit moves nothing.")
         if first.before.differing(second.before):
-            raise Failed(f"{name}: the hosts read other coordinates.")
+            raise Failed(f"{name}: the meshes read have other coordinates.")
         self.moved, self.compared, self.differing, self.ulp, largest = len(moved), 0, 0, 0, 0.0
         for a, b in zip(first.after, second.after):
             self.compared += 3 * len(a)
@@ -114,27 +114,27 @@ def compare(folders):
     if failures:
         return failures
 
-    hosts = [f"{folder.name} ({json.loads((folder / names[0] / 'report.json').read_text())['host']})" for folder in folders]
-    print(f"{len(names)} edits; {', '.join(hosts[1:])} compared with {hosts[0]}. Where coordinates differ: how many, the "
-          "largest difference in units in the last place (ULP), and over the diagonal of what is moved.\n")
-    print("| edit | vertices in the region | moved | coordinates |", " | ".join(hosts[1:]), "|")
-    print("|---|---:|---:|---:|" + "---:|" * len(hosts[1:]))
+    others = [folder.name for folder in folders[1:]]
+    print(f"{len(names)} edits; {', '.join(others)} compared with {folders[0].name}. Where coordinates differ: how many, the "
+          "largest difference in units in the last place (ULP), and over the diagonal of the moved vertices.\n")
+    print("| edit | vertices in the region | moved | coordinates |", " | ".join(others), "|")
+    print("|---|---:|---:|---:|" + "---:|" * len(others))
     totals = [0, 0]
     for name in names:
         try:
             first = Edit(folders[0] / name)
-            results = [Comparison(first, Edit(folder / name), f"{name} on {host}")
-                       for folder, host in zip(folders[1:], hosts[1:])]
+            results = [Comparison(first, Edit(folder / name), f"{name} on {other}")
+                       for folder, other in zip(folders[1:], others)]
         except Failed as failure:
             failures.append(str(failure))
             continue
         print(f"| {name} | {first.region:,} | {results[0].moved:,} | {results[0].compared:,} |",
               " | ".join(map(str, results)), "|", flush=True)
-        for result, host in zip(results, hosts[1:]):
+        for result, other in zip(results, others):
             totals[0] += result.compared
             totals[1] += result.differing
             if result.differing:
-                failures.append(f"{name} on {host}: {result}.")
+                failures.append(f"{name} on {other}: {result}.")
     print(f"\n{totals[0]:,} coordinates compared, {totals[1]:,} differ.")
     return failures
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""That the comparison of hosts sees what is not the same."""
+"""The comparison of builds reports each difference."""
 import contextlib
 import io
 import json
@@ -32,14 +32,14 @@ class CompareTest(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
 
-    def host(self, name, edit="mesh.ply/lift", before=None, after=None, **options):
-        """Results of a host whose only edit moves the first five vertices, or what is given in their place."""
+    def build(self, name, edit="mesh.ply/lift", before=None, after=None, **options):
+        """Results of a build whose only edit moves the first five vertices, unless other meshes are given."""
         folder = self.folder / name / edit
         folder.mkdir(parents=True)
         write_mesh(folder / "pose-0001.ply", before or POINTS, **options)
         write_mesh(folder / "pose-0002.ply", after or self.lifted(), **options)
         (folder / "report.json").write_text(json.dumps(
-            {"host": "MeshLab", "outputs": [{"steps": [{"handle": 1, "free": 3, "anchors": 1}]}]}))
+            {"outputs": [{"steps": [{"handle": 1, "free": 3, "anchors": 1}]}]}))
         return self.folder / name
 
     @staticmethod
@@ -54,7 +54,7 @@ class CompareTest(unittest.TestCase):
         return out.getvalue(), "\n".join(failures)
 
     def test_the_same_is_the_same(self):
-        table, failures = self.compare(self.host("a"), self.host("b"), self.host("c"))
+        table, failures = self.compare(self.build("a"), self.build("b"), self.build("c"))
         self.assertEqual(failures, "")
         self.assertIn("| mesh.ply/lift | 5 | 5 | 60 | 0 | 0 |", table)
         self.assertIn("120 coordinates compared, 0 differ.", table)
@@ -62,46 +62,46 @@ class CompareTest(unittest.TestCase):
     def test_one_bit_of_one_coordinate_is_seen(self):
         other = self.lifted()
         other[3] = (next_float(other[3][0]), *other[3][1:])
-        table, failures = self.compare(self.host("a"), self.host("b"), self.host("c", after=other))
-        self.assertIn("mesh.ply/lift on c (MeshLab): 1 (1 ULP", failures)
+        table, failures = self.compare(self.build("a"), self.build("b"), self.build("c", after=other))
+        self.assertIn("mesh.ply/lift on c: 1 (1 ULP", failures)
         self.assertNotIn("on b", failures)
         self.assertIn("| 60 | 0 | 1 (1 ULP", table)
 
     def test_so_is_one_outside_the_region(self):
         other = self.lifted()
         other[19] = (next_float(other[19][0]), *other[19][1:])
-        self.assertIn("1 (1 ULP", self.compare(self.host("a"), self.host("b", after=other))[1])
+        self.assertIn("1 (1 ULP", self.compare(self.build("a"), self.build("b", after=other))[1])
 
     def test_the_sign_of_a_zero_counts_but_is_no_distance(self):
         other = self.lifted()
         other[0] = (-0.0, *other[0][1:])
-        self.assertIn("1 (0 ULP", self.compare(self.host("a"), self.host("b", after=other))[1])
+        self.assertIn("1 (0 ULP", self.compare(self.build("a"), self.build("b", after=other))[1])
 
     def test_an_edit_that_moves_nothing_compares_nothing(self):
-        self.assertIn("moves nothing", self.compare(self.host("a", after=POINTS), self.host("b", after=POINTS))[1])
+        self.assertIn("moves nothing", self.compare(self.build("a", after=POINTS), self.build("b", after=POINTS))[1])
 
     def test_stored_digests_are_compared(self):
-        results = self.host("a")
+        results = self.build("a")
         with unittest.mock.patch.object(compare, "DIGESTS", self.folder / "digests.txt"):
             with unittest.mock.patch.object(compare.sys, "argv", ["compare.py", "--store", str(results)]):
                 compare.main()
             self.assertEqual(compare.compare_with_stored(results), [])
             other = self.lifted()
             other[3] = (next_float(other[3][0]), *other[3][1:])
-            self.assertIn("the edit gives other coordinates", compare.compare_with_stored(self.host("b", after=other))[0])
-            self.assertIn("the mesh has other", compare.compare_with_stored(self.host("c", before=other))[0])
-            self.assertIn("no stored digests", compare.compare_with_stored(self.host("d", edit="mesh.ply/other"))[0])
+            self.assertIn("the edit gives other coordinates", compare.compare_with_stored(self.build("b", after=other))[0])
+            self.assertIn("the mesh has other", compare.compare_with_stored(self.build("c", before=other))[0])
+            self.assertIn("no stored digests", compare.compare_with_stored(self.build("d", edit="mesh.ply/other"))[0])
             self.assertIn("has no edits", compare.compare_with_stored(self.folder / "nowhere")[0])
 
     def test_meshes_have_to_be_read_alike(self):
         other = [(9, 9, 9), *POINTS[1:]]
-        self.assertIn("read other coordinates", self.compare(self.host("a"), self.host("b", before=other))[1])
-        self.assertIn("other vertices or faces", self.compare(self.host("c"), self.host("d", faces=((0, 2, 1),)))[1])
+        self.assertIn("read have other coordinates", self.compare(self.build("a"), self.build("b", before=other))[1])
+        self.assertIn("other vertices or faces", self.compare(self.build("c"), self.build("d", faces=((0, 2, 1),)))[1])
 
     def test_missing_results_are_a_failure(self):
-        self.assertIn("has not the edits", self.compare(self.host("a"), self.host("b", edit="mesh.ply/other"))[1])
-        self.assertIn("has not the edits", self.compare(self.host("c"), self.folder / "nowhere")[1])
-        self.assertIn("has not the edits", self.compare(self.folder / "nowhere", self.host("d"))[1])
+        self.assertIn("has not the edits", self.compare(self.build("a"), self.build("b", edit="mesh.ply/other"))[1])
+        self.assertIn("has not the edits", self.compare(self.build("c"), self.folder / "nowhere")[1])
+        self.assertIn("has not the edits", self.compare(self.folder / "nowhere", self.build("d"))[1])
 
 
 if __name__ == "__main__":

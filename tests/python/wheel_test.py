@@ -16,6 +16,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+from xml.sax.saxutils import quoteattr
 
 import numpy
 import pymeshlab
@@ -25,6 +26,10 @@ from pymeshlab_laplacian_edit import _plugin
 
 HERE = pathlib.Path(__file__).resolve().parent
 PROJECT = HERE.parent.parent
+sys.path.insert(0, str(PROJECT / "tests/hosts"))
+
+import ply_meshes  # noqa: E402
+
 MESHES = os.environ["LAPEDIT_MESHES"]
 PULL = {"region": {"radius": 9}, "handles": [{"vertices": "220", "translation": [0.5, 0, 4]}]}
 
@@ -70,7 +75,7 @@ class Wheel(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             # The mesh in single precision, which both read alike.
             common, out = os.path.join(folder, "in.ply"), os.path.join(folder, "out.ply")
-            program(mesh, common, edit, 0.0)
+            ply_meshes.write(pathlib.Path(common), *mesh)
             other = program(common, out, edit, fraction)
             here, expected = loaded(common), vertices(loaded(out))
         before = vertices(here)
@@ -88,10 +93,7 @@ class Wheel(unittest.TestCase):
         self.assertEqual(report["mesh"], other["mesh"])
 
     def test_generated_mesh_as_the_program(self):
-        with tempfile.TemporaryDirectory() as folder:
-            mesh = os.path.join(folder, "in.ply")
-            mesh_set().save_current_mesh(mesh)
-            self.compare(mesh, {"laplacian_edit": 1, "steps": [PULL]}, 1.0)
+        self.compare(grid(), {"laplacian_edit": 1, "steps": [PULL]}, 1.0)
 
     @unittest.skipUnless(MESHES, "needs the real meshes")
     def test_recorded_edits_as_the_program(self):
@@ -100,7 +102,7 @@ class Wheel(unittest.TestCase):
             mesh = pathlib.Path(MESHES, edit.parent.name)
             if mesh.exists() and mesh.suffix in (".off", ".ply"):
                 with self.subTest(edit=str(edit)):
-                    self.compare(str(mesh), json.loads(edit.read_text(encoding="utf-8")), 0.37 if count % 2 else 1.0)
+                    self.compare(ply_meshes.read(mesh), json.loads(edit.read_text(encoding="utf-8")), 0.37 if count % 2 else 1.0)
                     count += 1
         self.assertGreater(count, 20)
 
@@ -207,6 +209,21 @@ class Wheel(unittest.TestCase):
         figures = one.apply_filter("apply_coord_laplacian_editing", handle_source=2, handle_vertex=220,
                                    translation=numpy.array([0.0, 0.0, 4.0]))
         self.assertEqual(figures["handle"], 1)
+
+    def test_filter_script(self):
+        """A script of MeshLab's window or meshlabserver."""
+        text = json.dumps({"laplacian_edit": 1, "steps": [PULL]})
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder, "edit.mlx")
+            path.write_text('<!DOCTYPE FilterScript><FilterScript><filter name="Laplacian Edit Replay">'
+                            f'<Param type="RichString" name="edit" value={quoteattr(text)}/>'
+                            '<Param type="RichFloat" name="fraction" value="1"/></filter></FilterScript>', encoding="utf-8")
+            one, other = mesh_set(), mesh_set()
+            one.load_filter_script(str(path))
+        one.apply_filter_script()
+        package.edit(other, {"steps": [PULL]})
+        numpy.testing.assert_array_equal(vertices(one), vertices(other))
+        self.assertGreater(numpy.abs(vertices(one) - grid()[0]).max(), 3)
 
     def test_what_is_in_it(self):
         files = [str(file) for file in importlib.metadata.files("meshlab-laplacian-edit")]

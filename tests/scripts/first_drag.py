@@ -48,8 +48,8 @@ REAL = {
 def figures(mesh, edit, work):
     """Of the first step, replayed by the program."""
     report = work / "report.json"
-    subprocess.run([os.environ["LAPEDIT_COMMAND"], mesh, work / "out.ply", edit, "--report", report, "--quality", "-q"],
-                   check=True)
+    subprocess.run([os.environ["LAPEDIT_COMMAND"], mesh, work / f"out{mesh.suffix}", edit, "--report", report, "--quality",
+                    "-q"], check=True)
     return json.loads(report.read_text())["outputs"][0]["steps"][0]
 
 

@@ -16,7 +16,7 @@ meshes=${LAPEDIT_MESHES:-$PWD/../shared/meshes}
 
 if [ -z "${LAPEDIT_STAGE:-}" ]; then
   tests/scripts/stage_window.sh "$window/stage"
-  cmake --build build --target laplacian_edit_command >/dev/null
+  cmake --build build --target laplacian_edit_program >/dev/null
   export LAPEDIT_STAGE="$window/stage" LAPEDIT_COMMAND="$PWD/build/filter_laplacian_edit/laplacian-edit"
 fi
 mkdir -p "$window/first_drag"

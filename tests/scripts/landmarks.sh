@@ -19,5 +19,5 @@ if [ ! -f /usr/include/CGAL/version.h ]; then
   exit 1
 fi
 cmake -S . -B "$build" -DCMAKE_BUILD_TYPE=Release -DLAPEDIT_BUILD_TESTS=ON -DLAPEDIT_BUILD_BENCHMARKS=ON >/dev/null
-cmake --build "$build" --parallel "$(nproc)" --target landmark_peer laplacian_edit_command make_mesh >/dev/null
+cmake --build "$build" --parallel "$(nproc)" --target landmark_peer laplacian_edit_program make_mesh >/dev/null
 exec "$python" tests/bench/landmark_bench.py "$build" "${1:-300}"

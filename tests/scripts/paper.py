@@ -16,6 +16,10 @@ import numpy
 from gallery import distances, read_mesh
 
 HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "hosts"))
+
+import ply_meshes  # noqa: E402
+
 # The paper's settings, and ours.
 PAPER = {"laplacian": "umbrella", "turning": "vertex", "membrane": 0, "handle_weight": 10, "anchor_weight": 10}
 UNTURNED = {**PAPER, "detail_rotation": "none"}
@@ -79,9 +83,7 @@ class Paper:
     def real(self, name):
         """As PLY, which the renderer reads."""
         path = self.output / pathlib.Path(name).with_suffix(".ply").name
-        empty = self.output / "nothing.mlx"
-        empty.write_text("<!DOCTYPE FilterScript><FilterScript></FilterScript>")
-        subprocess.run([self.given.command, "--quiet", self.given.meshes / name, path, empty], check=True)
+        ply_meshes.write(path, *ply_meshes.read(self.given.meshes / name))
         return Mesh(path)
 
     def edited(self, mesh, name, steps):

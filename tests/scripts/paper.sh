@@ -13,7 +13,7 @@ meshes=${LAPEDIT_MESHES:-$PWD/../shared/meshes}
 
 common/scripts/install_dependencies.sh pictures
 cmake -S . -B "$build" >/dev/null
-cmake --build "$build" --parallel "$(nproc)" --target laplacian_edit_command make_mesh >/dev/null
+cmake --build "$build" --parallel "$(nproc)" --target laplacian_edit_program make_mesh >/dev/null
 if [ -d "$meshes" ]; then
   set -- --meshes "$meshes" "$@"
 fi

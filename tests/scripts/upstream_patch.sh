@@ -20,11 +20,11 @@ rm -rf "$folder"
 mkdir -p "$filter/lapedit" "$filter/lapedit_host/tool" "$tool/lapedit"
 cd "$project"
 
-# Of the layer for hosts the newest interface alone, and nothing that serves the program alone.
+# Of the host layer the newest interface alone.
 cp -r common/lapedit/{base,mesh,linear,deform,cells,edit,json} "$filter/lapedit"
 cp common/lapedit_host/*.{h,cpp} common/lapedit_host/api_2022/*.h common/lapedit_host/api_2022/parameters_2025/*.h "$filter/lapedit_host"
 cp common/lapedit_host/tool/*.{h,cpp} "$filter/lapedit_host/tool"
-rm "$filter"/lapedit_host/batch_*.h
+cp -r common/lapedit_vcg "$filter"
 cp filter_laplacian_edit/*.{h,cpp} "$filter"
 cp -r common/lapedit/{live,session} "$tool/lapedit"
 cp edit_laplacian_drag/*.{h,cpp,qrc,png} "$tool"
@@ -98,14 +98,14 @@ of() {
   # shellcheck disable=SC2016,SC2046 # Markdown; and no name has a space
   {
     row 'core, without the tool'"'"'s session' $(of "$filter/lapedit")
-    row 'host layer' $(of "$filter/lapedit_host")
+    row 'host layer' $(of "$filter/lapedit_host" "$filter/lapedit_vcg")
     row 'filters' $(of "$filter" -maxdepth 1)
     row 'session of the tool' $(of "$tool/lapedit")
     row 'tool' $(of "$tool" -maxdepth 1)
     row 'two `CMakeLists.txt`, resource list' "$filter/CMakeLists.txt" "$tool/CMakeLists.txt" "$tool"/*.qrc
     row 'all, with two lines more in `src/CMakeLists.txt`, and an icon' $(find "$folder" -type f ! -name '*.png')
-    row 'left out of what is shipped: the program' $(of filter_laplacian_edit/command_line) common/lapedit_host/api_*/batch_*.h
-    row 'left out: other MeshLabs' $(of common/lapedit_host/api_2020 common/lapedit_host/api_2022/parameters_2022 ! -name 'batch_*')
+    row 'left out of what is shipped: the program' $(of filter_laplacian_edit/program)
+    row 'left out: other MeshLabs' $(of common/lapedit_host/api_2020 common/lapedit_host/api_2022/parameters_2022)
     row 'left out: finding MeshLab, packages' $(find common/cmake common/scripts -type f)
   }
 } | tee "$folder/size.md"

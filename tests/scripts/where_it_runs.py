@@ -13,11 +13,12 @@ import sys
 
 COLUMNS = "compiled", "loaded", "tested", "same bits"
 ROWS = [
-    ("MeshLab 2020.09, Debian 12, g++ 12", ["command.filter"], ["gui.driver"], ["command.filter", "gui.driver"], ["host.edits_keep_their_bits"]),
+    ("MeshLab 2020.09, Debian 12, g++ 12", ["host.filter"], ["gui.driver"], ["host.filter", "gui.driver"],
+     ["host.edits_keep_their_bits", "host.same_bits"]),
     ("the same on a processor without AVX", ["hosts.here_other_cpu"], ["hosts.here_other_cpu"], ["kernels.linear.plain"], ["hosts.same_coordinates"]),
-    ("MeshLab 2022.02, Debian 13, g++ 14", ["hosts.trixie"], ["hosts.trixie"], ["hosts.trixie"], ["hosts.same_coordinates"]),
-    ("MeshLab 2025.07, Debian sid, g++ 16", ["hosts.sid"], ["hosts.sid"], ["hosts.sid"], ["hosts.same_coordinates"]),
-    ("MeshLab 2025.07, double precision", ["hosts.double"], ["hosts.double"], ["hosts.double"], []),
+    ("MeshLab 2022.02, Debian 13, g++ 14", ["hosts.trixie"], ["hosts.trixie"], ["hosts.trixie"], ["hosts.trixie", "hosts.same_coordinates"]),
+    ("MeshLab 2025.07, Debian sid, g++ 16", ["hosts.sid"], ["hosts.sid"], ["hosts.sid"], ["hosts.sid", "hosts.same_coordinates"]),
+    ("MeshLab 2025.07, double precision", *4 * [["hosts.double"]]),
     ("Debian package, 2020.09", *3 * [["hosts.package_bookworm"]], []),
     ("Debian package, 2022.02", *3 * [["hosts.package_trixie"]], []),
     ("Debian package, 2025.07", *3 * [["hosts.package_sid"]], []),

@@ -12,7 +12,7 @@ place=$build/whole
 [ $# -gt 0 ] || set -- million three_million
 
 cmake -S . -B "$build" >/dev/null
-cmake --build "$build" --parallel "$(nproc)" --target laplacian_edit_command make_mesh >/dev/null
+cmake --build "$build" --parallel "$(nproc)" --target laplacian_edit_program make_mesh >/dev/null
 mkdir -p "$place"
 for name in "$@"; do
   case $name in
@@ -27,18 +27,18 @@ for name in "$@"; do
   {"vertices": "$((end - 10 * across + 1))-$end", "translation": [0, 0, 1],
    "rotation": {"axis": [0, 1, 0], "degrees": -30}}]}]}
 EOF
-  printf '%s\t%s\t%s\n' "$place/$name.ply" "$place/$name.edited.ply" "$place/$name.json" >"$place/$name.tsv"
-  rm -f "$place/$name.log"
-  "$build/filter_laplacian_edit/laplacian-edit" "$place/$name.ply" "$place/$name.edited.ply" "$place/$name.json" \
-    --quiet --report "$place/$name.report.json"
-  "$build/filter_laplacian_edit/laplacian-edit" --quiet --list "$place/$name.tsv" --jobs 1 --job-log "$place/$name.log"
-  python3 - "$place/$name.report.json" "$place/$name.log" <<'EOF'
+  python3 - "$build/filter_laplacian_edit/laplacian-edit" "$place/$name" <<'EOF'
 import json
+import resource
+import subprocess
 import sys
-report = json.load(open(sys.argv[1]))
-job = json.loads(open(sys.argv[2]).readlines()[-1])
+program, mesh = sys.argv[1:]
+subprocess.run([program, "--quiet", "--report", f"{mesh}.report.json", f"{mesh}.ply", f"{mesh}.edited.ply", f"{mesh}.json"],
+               check=True)
+report = json.load(open(f"{mesh}.report.json"))
+memory = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024
 times = report["milliseconds"]
 print(f"| {report['mesh']['vertices']:,} | {times['read'] / 1e3:.1f} | {times['edit'] / 1e3:.1f} | {times['write'] / 1e3:.1f} "
-      f"| {sum(times.values()) / 1e3:.1f} | {job['most_memory'] / 1e9:.1f} |")
+      f"| {sum(times.values()) / 1e3:.1f} | {memory / 1e9:.1f} |")
 EOF
 done

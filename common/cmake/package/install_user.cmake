@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 #[[
-Puts the plugins where MeshLab looks for a user's own, and the programs into ~/.local/bin and libexec; takes them away again.
+Puts the plugins where MeshLab looks for a user's own, and the program into ~/.local/bin; removes them again.
 
 cmake -D MODE=<install|uninstall> -D BUILD_DIR=<build folder>
       -D PLUGINS=<their files' names> -D PLUGIN_DIR=<the system's plugin folder>
@@ -87,10 +87,8 @@ endif()
 foreach(plugin IN LISTS PLUGINS)
   put("${stage}${PLUGIN_DIR}/${plugin}" "${data}/${USER_FOLDER}")
 endforeach()
-foreach(folder IN ITEMS bin libexec)
-  file(GLOB programs "${stage}/usr/${folder}/*")
-  foreach(program IN LISTS programs)
-    put("${program}" "$ENV{HOME}/.local/${folder}")
-  endforeach()
+file(GLOB programs "${stage}/usr/bin/*")
+foreach(program IN LISTS programs)
+  put("${program}" "$ENV{HOME}/.local/bin")
 endforeach()
 file(REMOVE_RECURSE "${stage}")

@@ -127,6 +127,12 @@ void OutputFiles::write(const std::string& bytes) {
 }
 
 void OutputFiles::replaceAll() {
+  std::error_code ignored;
+  for (std::size_t k = 0; k < targets_.size(); ++k) {
+    if (fs::is_directory(targets_[k], ignored)) {
+      refuse(k, "it has become a folder");
+    }
+  }
   for (std::size_t k = files_.size(); k-- > 0;) {
     try {
       files_[k]->replace(targets_[k]);

@@ -34,11 +34,10 @@ std::string beginning() {
 #ifndef _WIN32
   gethostname(machine, sizeof machine - 1);
 #endif
-  std::string name = ".laplacian-edit-";
-  for (const char* letter = machine; *letter != '\0'; ++letter) {
-    name += std::isalnum(static_cast<unsigned char>(*letter)) != 0 ? *letter : '_';
-  }
-  return name + "-";
+  std::string name = machine;
+  std::replace_if(
+      name.begin(), name.end(), [](unsigned char letter) { return std::isalnum(letter) == 0; }, '_');
+  return ".laplacian-edit-" + name + "-";
 }
 
 #ifdef _WIN32
@@ -132,7 +131,7 @@ void sweep(const fs::path& folder, const std::string& begin) {
 
 bool prepareStreams() {
 #ifdef _WIN32
-  for (std::FILE* const stream : {stdin, stdout}) {
+  for (std::FILE* const stream : {stdin, stdout, stderr}) {
     _setmode(_fileno(stream), _O_BINARY);
   }
   return true;

@@ -17,7 +17,7 @@ using namespace lapedit;
 namespace {
 
 constexpr std::pair<const char*, MeshReader> kReaders[] = {
-    {"ply", readPly}, {"obj", readObj}, {"off", readOff}, {"stl", readStl}};
+    {".ply", readPly}, {".obj", readObj}, {".off", readOff}, {".stl", readStl}};
 
 /// Returns a number as its file can hold it.
 double stored(NumberKind kind, double number) {
@@ -109,7 +109,7 @@ int replaceNormals(const FileNormals& normals, const Points& points, const Faces
 }  // namespace
 
 MeshReader readerOf(const std::string& path) {
-  std::string suffix = path.substr(path.find_last_of('.') + 1);
+  std::string suffix = path.substr(std::min(path.find_last_of('.'), path.size()));
   std::transform(suffix.begin(), suffix.end(), suffix.begin(),
                  [](unsigned char letter) { return std::tolower(letter); });
   const auto* const found = std::find_if(std::begin(kReaders), std::end(kReaders),

@@ -14,7 +14,7 @@ class ObjReader {
   MeshFile read(std::string bytes) {
     MeshFile& file = mesh_.file;
     file.bytes = std::move(bytes);
-    TextReader reader(file.bytes, file.bytes.compare(0, 3, "\xEF\xBB\xBF") == 0 ? 3 : 0);
+    TextReader reader(file.bytes);
     for (; !reader.isAtEnd(); reader.skipLine()) {
       const std::string_view keyword = reader.wordOfLine();
       double values[3];

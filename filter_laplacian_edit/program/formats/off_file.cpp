@@ -22,7 +22,6 @@ Columns columnsOf(std::string_view header, const TextReader& reader) {
     header.remove_prefix(has ? prefix.size() : 0);
     return has;
   };
-  take("\xEF\xBB\xBF");
   columns.texture = take("ST");
   columns.colour = take("C");
   columns.normal = take("N");

@@ -73,11 +73,6 @@ Triangles readBinary(const std::string& bytes, std::size_t count) {
   return triangles;
 }
 
-/// A byte order mark may precede the text.
-std::size_t textBegin(const std::string& bytes) {
-  return bytes.compare(0, 3, "\xEF\xBB\xBF") == 0 ? 3 : 0;
-}
-
 bool is(std::string_view word, std::string_view keyword) {
   return std::equal(word.begin(), word.end(), keyword.begin(), keyword.end(),
                     [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; });
@@ -85,7 +80,7 @@ bool is(std::string_view word, std::string_view keyword) {
 
 Triangles readText(const std::string& bytes) {
   Triangles triangles;
-  TextReader reader(bytes, textBegin(bytes));
+  TextReader reader(bytes);
   const auto requireWhole = [&](std::size_t missing) {
     if (triangles.positions.at.size() + missing != 3 * triangles.normals.at.size()) {
       reader.refuse("the facet before it has not three vertices");
@@ -117,7 +112,7 @@ Triangles readText(const std::string& bytes) {
 MeshFile readStl(std::string bytes) {
   const std::size_t count = bytes.size() < kHeader ? 0 : bitsAt(bytes, kHeader - 4, 4, false);
   const std::size_t size = kHeader + kTriangle * count;
-  const bool isText = is(std::string_view(bytes).substr(textBegin(bytes), 5), "solid");
+  const bool isText = is(TextReader(bytes).word().substr(0, 5), "solid");
   // A binary file may begin as a text does; one that does not may have more bytes at its end.
   if (bytes.size() >= kHeader && (isText ? bytes.size() == size : bytes.size() >= size)) {
     Triangles triangles = readBinary(bytes, count);

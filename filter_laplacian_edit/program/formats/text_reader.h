@@ -8,10 +8,12 @@
 
 #include "formats/mesh_file.h"
 
-/// Reads words and numbers of a text. A word that begins with # begins a comment, which ends with the line.
+/// Reads words and numbers of a text, without a byte order mark. A word that begins with # begins a comment, which ends
+/// with the line.
 class TextReader {
  public:
-  explicit TextReader(const std::string& bytes, std::size_t at = 0) : bytes_(bytes), next_(at) {}
+  explicit TextReader(const std::string& bytes)
+      : bytes_(bytes), next_(bytes.compare(0, 3, "\xEF\xBB\xBF") == 0 ? 3 : 0) {}
 
   /// Returns the next word, empty at the end of the text.
   std::string_view word();

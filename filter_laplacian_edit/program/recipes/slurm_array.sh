@@ -1,26 +1,17 @@
 #!/bin/bash
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Makes the edits of a list on a cluster: task k of the array takes every n-th line, which has IN, OUT and EDIT, separated
+# by tabs. Outputs that are newer than mesh and edit are skipped.
 #
-# Does the jobs of a list on a cluster: each task of the array takes every n-th of them. The same command again does
-# what is left.
-#
-#   sbatch --array=0-9 slurm_array.sh LIST [FOLDER_FOR_LOGS]
+#   sbatch --array=0-9 slurm_array.sh LIST
 #
 #SBATCH --job-name=laplacian-edit
 #SBATCH --cpus-per-task=4
 #SBATCH --mem=8G
 #SBATCH --time=01:00:00
-#SBATCH --signal=B:TERM@60
-set -eu
-
-list=$1
-logs=${2:-laplacian-edit-logs}
-tasks=${SLURM_ARRAY_TASK_COUNT:?start this with sbatch --array=0-9}
-task=$(((SLURM_ARRAY_TASK_ID - SLURM_ARRAY_TASK_MIN) / ${SLURM_ARRAY_TASK_STEP:-1}))
-mkdir -p "$logs"
-part=$logs/$((task + 1))-of-$tasks
-
-awk -v tasks="$tasks" -v task="$task" '!/^#/ && NF { if (n++ % tasks == task) print }' "$list" >"$part.tsv"
-# In place of the shell, so that the scheduler's signals reach it.
-exec "${LAPLACIAN_EDIT:-laplacian-edit}" --list "$part.tsv" --jobs "${SLURM_CPUS_PER_TASK:-1}" \
-  --job-log "$part.jsonl" --resume
+set -u
+tasks=${SLURM_ARRAY_TASK_COUNT:?start this with sbatch --array=0-9} code=0
+while IFS=$'\t' read -r in out edit; do
+  [[ $out -nt $in && $out -nt $edit ]] || laplacian-edit --quiet "$in" "$out" "$edit" </dev/null || code=$?
+done < <(awk -v n="$tasks" -v k="$SLURM_ARRAY_TASK_ID" 'NR % n == k % n' "$1")
+exit "$code"
