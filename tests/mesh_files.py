@@ -37,10 +37,9 @@ def rows_of_ply(form, elements, line="\n"):
     header = ["ply", f"format {form} 1.0", "comment made by a test: element vertex 3", "obj_info x 1"]
     for name, properties, rows in elements:
         header += [f"element {name} {len(rows)}", *(f"property {p}" for p in properties)]
-    data = (line.join([*header, "end_header"]) + line).encode()
-    for letters, values in (row for _, _, rows in elements for row in rows):
-        data += struct.pack(FORMS[form] + letters, *values) if FORMS[form] else (" ".join(map(repr, values)) + line).encode()
-    return data
+    return (line.join([*header, "end_header"]) + line).encode() + b"".join(
+        struct.pack(FORMS[form] + letters, *values) if FORMS[form] else (" ".join(map(repr, values)) + line).encode()
+        for _, _, rows in elements for letters, values in rows)
 
 
 def ply_plain(mesh, scalar="float", form="ascii"):

@@ -28,24 +28,18 @@ class Files(ProgramTest):
         (self.place / "out-0002.ply").write_text("old")
 
     def test_names_of_one_file_are_refused(self):
-        for name in ("edit.json", "in.ply", "out.ply"):
-            (self.place / f"link_{name}").symlink_to(name)
-        (self.place / "below").mkdir()
-        (self.place / "folder").symlink_to(".")
-        for link, target in (("dangling.ply", "nowhere.ply"), ("all-0002.ply", "in.ply"), ("two-0001.ply", "two-0002.ply")):
-            (self.place / link).symlink_to(target)
         shutil.copy(self.edit, self.place / "edit.ply")
-        (self.place / "link_edit.ply").symlink_to("edit.ply")
+        for link, target in (("folder", "."), ("link.ply", "edit.ply"), ("link.json", "edit.json"), ("in-link.ply", "in.ply"),
+                             ("dangling.ply", "none.ply"), ("all-0002.ply", "in.ply"), ("two-0001.ply", "two-0002.ply")):
+            (self.place / link).symlink_to(target)
         for arguments in (
-                *((out, "edit.ply") for out in ("edit.ply", "link_edit.ply", "below/../folder/edit.ply")), ("edit.ply", "link_edit.ply"),
-                *(("out.ply", "edit.json", "--report", report) for report in (
-                    "in.ply", "link_in.ply", "edit.json", "link_edit.json", "out.ply", "link_out.ply", "folder/out.ply")),
-                ("dangling.ply", "edit.json", "--report", "nowhere.ply"), ("new.ply", "edit.json", "--report", "folder/new.ply"),
+                *((out, "edit.ply") for out in ("edit.ply", "link.ply", "folder/edit.ply")),
+                *(("out.ply", "edit.json", "--report", name) for name in ("in.ply", "in-link.ply", "edit.json", "link.json", "out.ply")),
+                ("dangling.ply", "edit.json", "--report", "none.ply"), ("new.ply", "edit.json", "--report", "folder/new.ply"),
                 ("out.ply", "edit.json", "--fractions", "0,1", "--report", "out-0002.ply"),
                 ("all.ply", "edit.json", "--fractions", "0,1"), ("two.ply", "edit.json", "--fractions", "0,1")):
-            with self.subTest(arguments):
-                self.refused(WRONG_USAGE, r'\AThe \w+ ".*" and the (output|report|edit) ".*" are the same file: give another name',
-                             self.mesh, *arguments)
+            self.refused(WRONG_USAGE, r'\AThe \w+ ".*" and the (output|report|edit) ".*" are the same file: give another name',
+                         self.mesh, *arguments)
         with open(self.place / "edit.ply", "rb") as file:
             self.refused(WRONG_USAGE, r"are the same file", self.mesh, "edit.ply", "/dev/stdin", stdin=file)
 
@@ -67,17 +61,6 @@ class Files(ProgramTest):
         self.refused(UNWRITABLE, r"circle\.ply.*links", self.mesh, "circle.ply", self.edit)
         (self.place / "lost.ply").symlink_to("none/real.ply")
         self.refused(UNWRITABLE, r"lost\.ply.* folder does not exist", self.mesh, "lost.ply", self.edit)
-
-    def test_paths_go_by_the_links_that_they_name(self):
-        """A link and ".." lead to the folder above the link's target."""
-        (self.place / "there" / "sub").mkdir(parents=True)
-        (self.place / "link").symlink_to("there/sub")
-        for path in (self.mesh, self.edit):
-            path.rename(self.place / "there" / path.name)
-        self.done("link/../in.ply", "link/../out.ply", "link/../edit.json", "--report", "link/../report.json")
-        self.assertEqual(self.out.read_text(), "old")
-        self.assertEqual({path.name for path in (self.place / "there").iterdir()},
-                         {"sub", "in.ply", "edit.json", "out.ply", "report.json"})
 
     def test_owner_group_and_permissions_are_kept_without_setuid(self):
         for mode, after in ((0o640, 0o640), (0o6775, 0o775), (0o1604, 0o604)):
@@ -103,23 +86,20 @@ class Files(ProgramTest):
     def test_names_are_bytes(self):
         folder = os.fsencode(self.place) + b"/d\xff \xe5\xb1"
         os.mkdir(folder)
-        mesh, edit, report = (folder + name for name in (b"/in\xfe.ply", b"/edit\x80\xed\xb2\x80.json", b"/report\xa0.json"))
+        mesh, edit, out, report = (folder + name for name in (b"/in\xfe.ply", b"/edit\x80\xed.json", b"/out\xff.ply", b"/re\xa0.json"))
         for source, copy in ((self.mesh, mesh), (self.edit, edit)):
             shutil.copy(source, copy)
-        for out in (b"/out\xff.ply", b"/plain.ply", "/Höcker\udcff.ply".encode(errors="surrogateescape")):
-            self.done(mesh, folder + out, edit, "--report", report, "--quiet")
-            self.assertEqual(pathlib.Path(os.fsdecode(folder + out)).read_bytes(), self.expected)
+        self.done(mesh, out, edit, "--report", report, "--quiet")
+        self.assertEqual(pathlib.Path(os.fsdecode(out)).read_bytes(), self.expected)
         self.assertIn("in\ufffd.ply", json.loads(pathlib.Path(os.fsdecode(report)).read_bytes())["input"])
-        self.refused(UNREADABLE, r"mesh .*none.* does not exist", folder + b"/none\xff.ply", "out.ply", self.edit)
 
     def test_outputs_that_cannot_be_written(self):
         (self.place / "folder.ply").mkdir()
-        for sentence, name in ((r"none/out\.ply.* folder does not exist", "none/out.ply"), (r"folder\.ply.* a folder", "folder.ply"),
-                               (r"full\.ply.* not an ordinary file", "full.ply"), (r"/proc/out\.ply.* cannot be written", "/proc/out.ply")):
-            if name == "full.ply":
-                (self.place / name).symlink_to("/dev/full")
-            self.refused(UNWRITABLE, sentence, self.mesh, name, self.edit)
-            self.refused(UNWRITABLE, sentence.replace("output", "report"), self.mesh, "out.ply", self.edit, "--report", name)
+        (self.place / "full.ply").symlink_to("/dev/full")
+        for sentence, name in ((r"folder does not exist", "none/out.ply"), (r"is a folder", "folder.ply"),
+                               (r"not an ordinary file", "full.ply"), (r"cannot be written", "/proc/out.ply")):
+            self.refused(UNWRITABLE, rf'output "{name}".* {sentence}', self.mesh, name, self.edit)
+            self.refused(UNWRITABLE, rf'report "{name}".* {sentence}', self.mesh, "out.ply", self.edit, "--report", name)
         (self.place / "all-0002.ply").mkdir()
         self.refused(UNWRITABLE, r"all-0002\.ply.* is a folder", self.mesh, "all.ply", self.edit, "--fractions", "0,1")
         far = self.write_edit({**LIFT, "handles": [{"vertices": "220", "translation": [0, 0, 6e38]}]})
