@@ -48,7 +48,7 @@ class Usage(ProgramTest):
                 (r'fraction is "2": give a number from 0', (*good, "--fraction=2")),
                 (r'fraction is "nan"', (*good, "--fraction", "nan")), (r'fraction is "0\.25,half"', (*good, "--fractions", "0.25,half")),
                 (r'fraction is "0\.25,,1"', (*good, "--fractions", "0.25,,1")), (r'fraction is "0:2:3"', (*good, "--fractions", "0:2:3")),
-                (r"either --fraction or --fractions", (*good, "--fraction", "1", "--fractions", "0,1")),
+                (r"either --fraction, with one number, or --fractions", (*good, "--fraction", "1", "--fractions", "0,1")),
                 (r"--fraction is given more than once", (*good, "--fraction", "1", "--fraction", "0")),
                 *((rf'fraction is "{text}": .* first:last:count', (*good, "--fractions", text))
                   for text in ("0:1", "0:1:1", "0:1:10000", "0:1:2.5")),
