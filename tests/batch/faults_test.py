@@ -13,17 +13,17 @@ import subprocess
 import time
 import unittest
 
-from program import COMMAND, SANITIZED, ProgramTest, meshes
+from program import COMMAND, DOME, SANITIZED, ProgramTest, files
 
 RUNS = int(os.environ.get("LAPEDIT_FAULTS", "40"))
 SEED = int(os.environ.get("LAPEDIT_FAULTS_SEED", "28"))
 OLD = b"the old output\n"
-# The calls that fail, how many of them a run makes, and the errors.
-CALLS = {"openat": (15, ("EIO", "ENOMEM", "EMFILE", "EACCES")), "read": (15, ("EIO", "ENOMEM")),
-         "write": (8, ("EIO", "ENOSPC", "EDQUOT", "EFBIG")), "fsync": (2, ("EIO", "ENOSPC")),
-         "rename": (2, ("EIO", "ENOSPC", "EACCES")), "close": (15, ("EIO",)), "mmap,brk": (40, ("ENOMEM",)),
-         "unlink,unlinkat": (2, ("EIO",)), "flock": (2, ("EIO", "ENOLCK")), "newfstatat,fstat": (20, ("EIO",)),
-         "getdents64": (2, ("EIO",)), "chmod,fchmod,fchmodat,chown,fchownat": (2, ("EPERM",)), "getrandom": (2, ("EIO",))}
+# The calls that fail, the first and the last of them that does, and the errors. The loader cannot do without its first memory.
+CALLS = {"openat": (1, 15, ("EIO", "ENOMEM", "EMFILE", "EACCES")), "read": (1, 15, ("EIO", "ENOMEM")),
+         "write": (1, 8, ("EIO", "ENOSPC", "EDQUOT", "EFBIG")), "fsync": (1, 2, ("EIO", "ENOSPC")),
+         "rename": (1, 2, ("EIO", "ENOSPC", "EACCES")), "close": (1, 15, ("EIO",)), "mmap,brk": (2, 40, ("ENOMEM",)),
+         "unlink,unlinkat": (1, 2, ("EIO",)), "flock": (1, 2, ("EIO", "ENOLCK")), "newfstatat,fstat": (1, 20, ("EIO",)),
+         "getdents64": (1, 2, ("EIO",)), "chmod,fchmod,fchmodat,chown,fchownat": (1, 2, ("EPERM",)), "getrandom": (1, 2, ("EIO",))}
 
 
 @unittest.skipIf(SANITIZED, "a sanitizer makes calls of its own")
@@ -31,7 +31,7 @@ class Faults(ProgramTest):
     def setUp(self):
         super().setUp()
         self.random, self.outputs = random.Random(SEED), {}
-        for name, data in meshes():
+        for name, data in files.plain_files(DOME):
             (self.folder / name).write_bytes(data)
             self.done(self.folder / name, name, self.edit, "--quiet")
             self.outputs[name] = (self.place / name).read_bytes()
@@ -62,8 +62,8 @@ class Faults(ProgramTest):
 
     def inject(self, name):
         call = self.random.choice(list(CALLS))
-        count, errors = CALLS[call]
-        when = f"{self.random.randint(1, count)}{self.random.choice(('', '+'))}"
+        first, last, errors = CALLS[call]
+        when = f"{self.random.randint(first, last)}{self.random.choice(('', '+'))}"
         fault = f"{call}:error={self.random.choice(errors)}:when={when}"
         # A file may be left that could not be removed, opened or locked.
         self.run_one(fault, name, "strace", "--quiet=all", "--output=/dev/null", "--seccomp-bpf", "--follow-forks",

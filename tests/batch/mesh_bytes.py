@@ -139,6 +139,9 @@ class MeshBytes:
             self.polygons.append(corners if len(set(corners)) == 3 else [])
         self.points = [list(point) for point in numbers]
 
+    def texts(self, group):
+        return [self.data[slice(*place)] for place in group[2]]
+
     def between(self):
         """The bytes between the numbers."""
         places = sorted(place for _, _, group, _ in self.groups for place in group)

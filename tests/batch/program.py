@@ -11,44 +11,25 @@ import pathlib
 import shutil
 import struct
 import subprocess
+import sys
 import tempfile
 import time
 import unittest
 
 from shapes import dome
 
+sys.path.insert(0, str(pathlib.Path(__file__).parents[1]))
+import mesh_files as files  # noqa: E402
+
 COMMAND = os.environ["LAPEDIT_COMMAND"]
 SANITIZED = bool(os.environ.get("LAPEDIT_PRELOAD"))
 CENTRE = 21 * 10 + 10  # vertex in the middle of the dome
 NOBODY = 54321  # an ordinary user's number
 REFUSED, WRONG_USAGE, UNREADABLE, UNWRITABLE, UNEXPECTED, ADVISED = 1, 2, 3, 4, 5, 6
-POINTS, FACES = dome()
+DOME = [struct.unpack("3f", struct.pack("3f", *p)) for p in dome()[0]], dome()[1]
+POINTS, FACES = DOME
 LIFT = {"region": {"radius": 0.35}, "handles": [{"vertices": str(CENTRE), "translation": [0, 0, 0.2]}]}
 LEAN = {"region": {"radius": 0.3}, "handles": [{"vertices": "155", "translation": [0.05, 0, 0.1]}]}
-
-
-def ply_text(points, faces, scalar="float"):
-    return ("ply\nformat ascii 1.0\n" + f"element vertex {len(points)}\n" + "".join(f"property {scalar} {c}\n" for c in "xyz")
-            + f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
-            + "".join("%r %r %r\n" % tuple(p) for p in points)
-            + "".join(" ".join(map(str, (len(f), *f))) + "\n" for f in faces)).encode()
-
-
-def meshes():
-    """The dome in each format; name and bytes."""
-    points = [struct.unpack("3f", struct.pack("3f", *p)) for p in POINTS]
-    yield "text.ply", ply_text(points, FACES)
-    header = ply_text(points, FACES).split(b"end_header")[0].replace(b"ascii", b"binary_little_endian") + b"end_header\n"
-    yield "binary.ply", header + b"".join(struct.pack("<3f", *p) for p in points) + b"".join(
-        struct.pack("<B3i", 3, *f) for f in FACES)
-    yield "text.off", (f"OFF\n{len(points)} {len(FACES)} 0\n" + "".join("%r %r %r\n" % p for p in points)
-                       + "".join("3 %d %d %d\n" % f for f in FACES)).encode()
-    yield "text.obj", ("".join("v %r %r %r\n" % p for p in points) + "".join(
-        "f %d %d %d\n" % tuple(v + 1 for v in f) for f in FACES)).encode()
-    yield "binary.stl", bytes(80) + struct.pack("<I", len(FACES)) + b"".join(
-        struct.pack("<12fH", 0, 0, 1, *sum((points[v] for v in f), ()), 0) for f in FACES)
-    yield "text.stl", ("solid\n" + "".join("facet normal 0 0 1\nouter loop\n" + "".join(
-        "vertex %r %r %r\n" % points[v] for v in f) + "endloop\nendfacet\n" for f in FACES) + "endsolid\n").encode()
 
 
 class ProgramTest(unittest.TestCase):
@@ -60,7 +41,7 @@ class ProgramTest(unittest.TestCase):
         self.place = self.folder / "place"
         self.place.mkdir()
         self.mesh = self.folder / "dome.ply"
-        self.mesh.write_bytes(ply_text(POINTS, FACES))
+        self.mesh.write_bytes(files.ply_plain(DOME))
         self.edit = self.write_edit(LIFT)
 
     def write_edit(self, *steps, name="edit.json"):

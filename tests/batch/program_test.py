@@ -10,8 +10,8 @@ import subprocess
 import unittest
 
 from mesh_bytes import MeshBytes
-from program import (ADVISED, CENTRE, COMMAND, FACES, LEAN, LIFT, POINTS, REFUSED, SANITIZED, UNEXPECTED, UNREADABLE, UNWRITABLE,
-                     WRONG_USAGE, ProgramTest, ply_text)
+from program import (ADVISED, CENTRE, COMMAND, DOME, LEAN, LIFT, POINTS, REFUSED, SANITIZED, UNEXPECTED, UNREADABLE, UNWRITABLE,
+                     WRONG_USAGE, ProgramTest, files)
 from shapes import dome
 
 SOURCES = pathlib.Path(__file__).parents[2] / "filter_laplacian_edit" / "program"
@@ -117,7 +117,7 @@ class Edits(ProgramTest):
             self.assertAlmostEqual(step["handle_displacement"], displacement, delta=1e-12)
             self.assertIsNone(step["new_intersections"])
         self.assertRegex(self.done(self.mesh, "out.ply", edit), r"\AStep 1 of 2\nRegion: 1 handle, [^$]*\nStep 2 of 2\nRegion: ")
-        self.mesh.write_bytes(ply_text(POINTS, FACES, "double"))
+        self.mesh.write_bytes(files.ply_plain(DOME, "double"))
         self.assertEqual(self.report(edit)["scalar"], "double")
 
     def test_quality_counts_new_intersections(self):
@@ -168,8 +168,7 @@ class Streams(ProgramTest):
         self.assertEqual(self.done(self.mesh, "-", "-", given=edit), expected)
         self.done("-", "out.ply", self.edit, given=data)
         self.assertEqual((self.place / "out.ply").read_bytes(), expected)
-        obj = ("".join("v %r %r %r\n" % p for p in POINTS) + "".join(
-            "f %d %d %d\n" % tuple(v + 1 for v in f) for f in FACES)).encode()
+        obj = files.obj(DOME)
         self.done("-", "out.obj", self.edit, "--fraction", "0", given=obj)
         self.assertEqual((self.place / "out.obj").read_bytes(), obj)
         self.assertIn(b"vertices: 441 ", self.done("--info", "-", given=data))
@@ -214,7 +213,7 @@ class Streams(ProgramTest):
 class Limits(ProgramTest):
     def test_less_and_less_memory(self):
         """Down to where not even the libraries can be loaded: one message, and no output or all of it."""
-        self.mesh.write_bytes(ply_text(*dome(151, 151)))
+        self.mesh.write_bytes(files.ply_plain(dome(151, 151)))
         expected, codes = self.edited(), []
         for megabytes in (*range(2, 12), *range(12, 60, 4), 400):
             output, size = self.place / f"{megabytes}.ply", megabytes << 20

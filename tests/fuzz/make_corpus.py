@@ -4,9 +4,12 @@
 import json
 import pathlib
 import random
-import struct
+import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent))
+import mesh_files as files  # noqa: E402
+
 WORDS = {"laplacian": ["umbrella", "cotangent", "mean_value"],
          "detail_rotation": ["none", "smooth_normals", "smooth_surface", "local_global"],
          "turning": ["vertex", "edge"], "rough": ["unrotated", "falloff"]}
@@ -70,68 +73,47 @@ def bad_texts():
     yield "range", good.replace('"1"', '"2147483647,3-1"')
 
 
-SQUARE = [(0, 0, 0), (1, 0, 0), (1, 1, 0.25), (0, 1, 0), (0.5, 0.5, -1e-3)]
-FACES = [(0, 1, 2, 3), (0, 1, 4)]
-
-
-def ply(form, scalar="float", count="uchar", index="int", more=""):
-    order = {"ascii": None, "binary_little_endian": "<", "binary_big_endian": ">"}[form]
-    letters = {"uchar": "B", "ushort": "H", "int": "i", "float": "f", "double": "d"}
-    header = (f"ply\nformat {form} 1.0\ncomment a\nelement vertex 5\n"
-              + "".join(f"property {scalar} {name}\n" for name in ("x", "y", "z", "nx", "ny", "nz"))
-              + f"property int flags\nelement face 2\nproperty list {count} {index} vertex_indices\n"
-              + "property float nx\nproperty float ny\nproperty float nz\n" + more + "end_header\n").encode()
-    rows = [("".join([letters[scalar] * 6, "i"]), (*point, 0, 0, 1, 32)) for point in SQUARE]
-    rows += [(letters[count] + letters[index] * len(face) + "fff", (len(face), *face, 0, 0, 1)) for face in FACES]
-    if order is None:
-        return header + b"".join(" ".join(map(str, values)).encode() + b"\n" for _, values in rows)
-    return header + b"".join(struct.pack(order + letters, *values) for letters, values in rows)
+SMALL = [(0, 0, 0), (1, 0, 0), (1, 1, 0.25), (0, 1, 0), (0.5, 0.5, -1e-3)], [(0, 1, 2, 3), (0, 1, 4)]
 
 
 def plys():
-    for form in ("ascii", "binary_little_endian", "binary_big_endian"):
-        yield form, ply(form)
-        yield form + "_double", ply(form, "double", "int", "ushort")
-    text = ply("ascii", more="element tristrips 1\nproperty list int int vertex_indices\n"
-                             "element camera 1\nproperty float view\n").decode()
-    yield "strips", text + "6 0 1 2 -1 3 4\n7.5\n"
-    yield "returns", ply("ascii").replace(b"\n", b"\r\n")
-    yield "no_end", ply("ascii")[:-1]
-    yield "cut", ply("binary_little_endian")[:-5]
-    yield "large_count", ply("binary_little_endian").replace(b"vertex 5", b"vertex 2147483647")
+    for form in files.FORMS:
+        yield form, files.ply(form, SMALL)
+        yield form + "_double", files.ply(form, SMALL, "double", "int", "ushort")
+    text = files.ply("ascii", SMALL)
+    yield "strips", text.replace(b"end_header", b"element tristrips 1\nproperty list int int vertex_indices\nend_header"
+                                 ) + b"6 0 1 2 -1 3 4\n"
+    yield "returns", text.replace(b"\n", b"\r\n")
+    yield "no_end", text[:-1]
+    binary = files.ply("binary_little_endian", SMALL)
+    yield "cut", binary[:-5]
+    yield "large_count", binary.replace(b"vertex 5", b"vertex 2147483647")
 
 
 def objs():
-    yield "plain", "".join("v {} {} {}\n".format(*p) for p in SQUARE) + "f 1 2 3 4\nf -5 -4 -1\n"
-    yield "all", ("# a\nmtllib a.mtl\no one\nv 0 0 0 1\nv 1 0 0 0.5 0.5 0.5\nv 1 1 0\nv 0 1 0.25\nvt 0 0\nvn 0 0 1\n"
-                  "vn 0 1 0\nusemtl red\ng a b\ns 1\nf 1/1/1 2/1/1 3/1/1\nf 1//1 3//1 \\\n4//2\nl 1 2\np 1\n")
-    yield "returns", "v 0 0 0\r\nv\t1 0 0\r\nv 0 +1e0 .5\r\nf 1 2 3"
+    yield "plain", files.obj(SMALL)
+    yield "all", files.obj(SMALL, lambda v: f"{v}/1/{v}", " 1", lambda v: f"\nvn 0 {v % 2} 1").replace(b" 2/", b" \\\n2/")
+    yield "returns", files.obj(SMALL, lambda v: f"{v - 6}//1", normals=lambda v: "\nvn 0 0 1").replace(b"\n", b"\r\n")[:-2]
     yield "bad", "v 0 0 0\nf 1 2 0\n"
     yield "not_finite", "v nan 0 inf\nv 1 0 0\nv 1 1 -nan\nv 0 -0 1e999\nf 1 2 3\nf 2 3 4\n"
 
 
 def offs():
-    rows = "".join("{} {} {}%s\n".format(*p) for p in SQUARE)
-    faces = "4 0 1 2 3\n3 0 1 4 255 0 0\n"
-    for header, more in (("OFF", ""), ("NOFF", " 0 0 1"), ("COFF", " 255 0 0 255"), ("STOFF", " 0.5 0.5"),
-                         ("STCNOFF", " 0 0 1 1 0 0 0.5 0.5")):
-        yield header.lower(), f"{header}\n5 2 0\n" + rows.replace("%s", more) + faces
-    yield "comments", "# a\nOFF # b\n\n5 2\n# c\n" + rows.replace("%s", " # d") + faces[:-1]
+    for keyword, more in (("OFF", ""), ("NOFF", " 0 0 1"), ("COFF", " 255 0 0 255"), ("STOFF", " 0.5 0.5"),
+                          ("STCNOFF", " 0 0 1 1 0 0 0.5 0.5")):
+        yield keyword.lower(), files.off(SMALL, keyword, more)
+    yield "comments", b"# a\n" + files.off(SMALL, "OFF # b", end=" # c\n\n")[:-1]
     yield "one_line", "OFF 3 1 3 0 0 0 1 0 0 0 1 0 3 0 1 2"
     yield "binary", "OFF BINARY\n\0\0\0\1"
     yield "large_count", "OFF\n2147483648 1 0\n0 0 0\n"
 
 
 def stls():
-    corners = [[SQUARE[k] for k in (0, 1, 2)], [SQUARE[k] for k in (0, 2, 3)], [SQUARE[k] for k in (0, 0, 3)]]
-    for name, header in (("binary", b"any"), ("binary_solid", b"solid")):
-        yield name, header.ljust(80, b"\0") + struct.pack("<I", 3) + b"".join(
-            struct.pack("<12fH", 0, 0, 1, *sum(triangle, ()), 7) for triangle in corners)
-    text = "solid a name\n" + "".join(
-        "facet normal 0 0 1\n outer loop\n" + "".join("  vertex {} {} {}\n".format(*p) for p in triangle)
-        + " endloop\nendfacet\n" for triangle in corners) + "endsolid a name\n"
+    yield "binary", files.stl_binary(SMALL)
+    yield "binary_solid", files.stl_binary(SMALL, b"solid")
+    text = files.stl_text(SMALL)
     yield "text", text
-    yield "text_returns", text.upper().replace("\n", "\r\n")
+    yield "text_returns", text.upper().replace(b"\n", b"\r\n")
     yield "cut", text[:120]
 
 
@@ -154,8 +136,8 @@ RANDOM = 24  # inputs of the targets that take choices
 
 
 def main():
-    for target, files in (("ply", plys()), ("obj", objs()), ("off", offs()), ("stl", stls())):
-        for name, content in files:
+    for target, seeds in (("ply", plys()), ("obj", objs()), ("off", offs()), ("stl", stls())):
+        for name, content in seeds:
             write(target, name, content)
     for name, text in landmarks():
         write("landmarks", name, text)
