@@ -14,6 +14,7 @@
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
 #include "lapedit/base/stopwatch.h"
+#include "lapedit/base/thread_pool.h"
 #include "lapedit/json/edit_script.h"
 #include "lapedit/json/landmarks.h"
 #include "lapedit/json/report_json.h"
@@ -40,10 +41,9 @@ Edit readEdit(const Options& options) {
   const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
   const std::string name = quotedPath(options.edit) + ": ";
   if (first != std::string::npos && text[first] == '<') {
-    throw EditError(ErrorCause::BadScript,
-                    name +
-                        "this is a filter script: run it in MeshLab's window, with meshlabserver of MeshLab 2020.09, "
-                        "or with PyMeshLab's load_filter_script().");
+    throw EditError(ErrorCause::BadScript, name +
+                                               "this is a filter script: run it in MeshLab's window, with "
+                                               "meshlabserver 2020.09 or with PyMeshLab's load_filter_script().");
   }
   try {
     // Names of landmark files are relative to the folder of the edit.
@@ -109,6 +109,9 @@ class Job {
     Edit edit = readEdit(options_);
     file_ = readMeshFile(options_.input, options_.reader);
     read_ms_ = stopwatch.lap();
+    if (file_.mesh.vertices.rows() < 2000) {
+      limit_threads(1);  // to start others takes longer than their work
+    }
 
     if (file_.hasPolygons && (edit.mesh_faces || !edit.connectivity.empty())) {
       // MeshLab cuts polygons into other triangles for each format: only the vertices are the same.
@@ -178,12 +181,10 @@ class Job {
     }
     if (!options_.quiet) {
       const std::string fraction = options_.numbered ? "Fraction " + number_text(options_.fractions[k]) + "\n" : "";
-      const std::string normals =
-          shared == 0
-              ? ""
-              : "Normals that vertices outside the region use too stay as they are: " + std::to_string(shared) + "\n";
-      printAll(fraction + text_of(poses_[k].reports) + "\n" + normals, output_,
-               "nothing was written; with --quiet there are no reports");
+      const std::string normals = "Normals that vertices outside the region use too stay as they are: ";
+      printAll(
+          fraction + text_of(poses_[k].reports) + (shared > 0 ? "\n" + normals + std::to_string(shared) : "") + "\n",
+          output_, "nothing was written; with --quiet there are no reports");
     }
     files_.write(bytes);
   }

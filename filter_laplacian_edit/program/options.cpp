@@ -242,14 +242,11 @@ std::optional<Options> readOptions(const std::vector<std::string>& arguments, st
     const std::vector<std::string>& points = words.options.at("--nearest");
     std::transform(points.begin(), points.end(), std::back_inserter(options.nearest), point);
   }
-  if (options.numbered && words.has("--fraction")) {
-    refuse("Give either --fraction or --fractions.");
-  }
   if (options.numbered || words.has("--fraction")) {
     options.fractions = fractionList(words.value(options.numbered ? "--fractions" : "--fraction"));
-  }
-  if (!options.numbered && options.fractions.size() > 1) {
-    refuse("There are several fractions: give them with --fractions.");
+    if (options.numbered ? words.has("--fraction") : options.fractions.size() > 1) {
+      refuse("Give either --fraction, with one number, or --fractions.");
+    }
   }
   takeFiles(words, options);
   refuseSameFiles(options);

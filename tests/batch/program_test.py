@@ -48,7 +48,7 @@ class Usage(ProgramTest):
                 *((rf'fraction is "{text}"', (*good, "--fraction=" + text)) for text in ("2", "nan", "half")),
                 *((rf'fraction is "{re.escape(text)}": .* first:last:count', (*good, "--fractions", text))
                   for text in ("0.25,half", "0.25,,1", "0:2:3", "0:1", "0:1:1", "0:1:10000", "0:1:2.5")),
-                (r"either --fraction or --fractions", (*good, "--fraction", "1", "--fractions", "0,1")),
+                (r"either --fraction, with one number, or --fractions", (*good, "--fraction", "1", "--fractions", "0,1")),
                 (r"--fraction is given more than once", (*good, "--fraction", "1", "--fraction", "0")),
                 (r"output .* and the report .* are the same file", (*good, "--report", "out.ply")),
                 (r"--landmarks takes two files", (*two, "--landmarks", points)),

@@ -84,7 +84,7 @@ class PlyReader {
       throw UnreadableMesh("it does not begin with the line ply");
     }
     // How lines end, since the data may begin with any byte.
-    const std::size_t lineEnd = file().bytes.compare(text_.at() + 3, 2, "\r\n") == 0 ? 2 : 1;
+    const std::size_t more = file().bytes.compare(text_.at() + 3, 2, "\r\n") == 0 ? 1 : 0;
     for (std::string_view word = text_.word(); word != "end_header"; word = text_.word()) {
       if (word == "format") {
         const std::string_view format = text_.wordOfLine();
@@ -105,7 +105,8 @@ class PlyReader {
       }
       text_.skipLine();
     }
-    at_ = std::min(text_.at() + 10 + lineEnd, file().bytes.size());
+    text_.skipLine();
+    at_ = std::min(file().bytes.size() - text_.left() + more, file().bytes.size());
     text_.seek(at_);
     takeKinds();
   }
