@@ -41,8 +41,8 @@ class Faults(ProgramTest):
     def run_one(self, what, name, *prefix, seconds=None, request=None, **options):
         """@return whether a file is left beside the output"""
         (self.place / name).write_bytes(OLD)
-        with subprocess.Popen([*prefix, COMMAND, self.folder / name, name, self.edit], cwd=self.place, stdin=subprocess.DEVNULL,
-                              stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, env={**os.environ, "LC_ALL": "C"}, **options) as process:
+        with subprocess.Popen([*prefix, COMMAND, self.folder / name, name, self.edit], cwd=self.place, stdout=subprocess.DEVNULL,
+                              stderr=subprocess.PIPE, **options) as process:
             if seconds is not None:
                 time.sleep(seconds)
                 process.send_signal(request)

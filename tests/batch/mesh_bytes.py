@@ -5,14 +5,12 @@ import math
 import re
 import struct
 
-TYPES = {"char": "b", "uchar": "B", "short": "h", "ushort": "H", "int": "i", "uint": "I", "float": "f", "double": "d",
-         "float32": "f", "float64": "d", "uint8": "B", "int32": "i"}
-MARK = b"\xef\xbb\xbf"
+from program import files
+
+LETTERS, MARK, fanned = files.LETTERS, files.MARK, files.fanned
+
+TYPES = {**LETTERS, "float32": "f", "uint8": "B", "int32": "i"}
 TOKEN = re.compile(rb"\\(?:\r\n|\n)|#[^\r\n]*|\r\n|\n|\r|(?:[^\s\\]|\\(?!\r?\n))+")
-
-
-def single(number):
-    return struct.unpack("f", struct.pack("f", number))[0]
 
 
 def lines_of(data):
@@ -35,14 +33,11 @@ class MeshBytes:
         self.data, self.points, self.polygons, self.groups, self.is_single = data, [], [], [], False
         self.normals_of_corners = None  # OBJ: like polygons
         {"ply": self.read_ply, "obj": self.read_obj, "off": self.read_off, "stl": self.read_stl}[name.lower()[-3:]]()
-        corners = self.normals_of_corners or self.polygons
-        self.triangles = [fan for p in self.polygons for fan in fanned(p)]
-        users = {}
-        for polygon, normals in zip(self.polygons, corners):
-            for points, those in zip(fanned(polygon), fanned(normals)):
-                for k in range(3):
-                    users.setdefault(those[k], []).append((points[k], points[k - 2], points[k - 1]))
-        self.users = users  # vertex normal -> corners, with the two others of the triangle
+        self.triangles, self.users = [fan for p in self.polygons for fan in fanned(p)], {}
+        normals = [fan for p in self.normals_of_corners or self.polygons for fan in fanned(p)]
+        for points, those in zip(self.triangles, normals):  # vertex normal -> corners, with the two others of the triangle
+            for k in range(3):
+                self.users.setdefault(those[k], []).append((points[k], points[k - 2], points[k - 1]))
 
     def add(self, kind, number, words):
         values = [value for value, _ in words]
@@ -68,11 +63,11 @@ class MeshBytes:
             nonlocal at
             if not order:
                 match = next(tokens)
-                value = float(match.group()) if letter in "fd" else int(match.group())
-                return single(value) if letter == "f" else value, tuple(end.end() + k for k in match.span())
+                value = (float if letter in "fd" else int)(match.group())
+                return struct.unpack(letter, struct.pack(letter, value))[0], tuple(end.end() + k for k in match.span())
             at += struct.calcsize(letter)
-            begin = at - struct.calcsize(letter)
-            return struct.unpack_from(order + letter, self.data, begin)[0], (begin, at)
+            place = at - struct.calcsize(letter), at
+            return struct.unpack_from(order + letter, self.data, place[0])[0], place
 
         for element, count, properties in elements:
             for row in range(count):
@@ -84,14 +79,14 @@ class MeshBytes:
                     self.points.append(self.add("position", row, [found[c] for c in "xyz"]))
                     self.is_single = dict(properties)["x"] == ["f"]
                 corners = found.get("vertex_indices", found.get("vertex_index"))
+                if "nx" in found:
+                    self.add(*(("vertex normal", row) if element == "vertex" else ("facet normal", len(self.polygons))),
+                             [found["n" + c] for c in "xyz"])
                 if element == "face":
                     self.polygons.append(corners)
                 if element == "tristrips":
                     for strip in (list(g) for ends, g in itertools.groupby(corners, lambda c: c == -1) if not ends):
                         self.polygons += [[strip[k + k % 2], strip[k + 1 - k % 2], strip[k + 2]] for k in range(len(strip) - 2)]
-                if "nx" in found:
-                    self.add({"vertex": "vertex normal", "face": "facet normal"}[element], row,
-                             [found["n" + c] for c in "xyz"])
 
     def read_obj(self):
         self.normals_of_corners, normals = [], 0
@@ -102,10 +97,9 @@ class MeshBytes:
                 self.add_text("vertex normal", normals, words)
                 normals += 1
             elif keyword == b"f":
-                parts = [(word.split(b"/") + [b"", b""])[:3] for word, _ in words]
-
                 def index(text, count):
                     return -1 if not text else int(text) - 1 if int(text) > 0 else count + int(text)
+                parts = [(word.split(b"/") + [b"", b""])[:3] for word, _ in words]
                 self.polygons.append([index(part[0], len(self.points)) for part in parts])
                 self.normals_of_corners.append([index(part[2], normals) for part in parts])
 
@@ -113,12 +107,11 @@ class MeshBytes:
         lines = lines_of(self.data)
         keyword, *counts = lines.pop(0)
         vertices, faces = (int(word) for word, _ in (counts or lines.pop(0))[:2])
-        for row in range(vertices):
-            words = lines.pop(0)
+        for row, words in enumerate(lines[:vertices]):
             self.points.append(self.add_text("position", row, words))
             if b"N" in keyword[0]:
                 self.add_text("vertex normal", row, words[3:])
-        self.polygons = [[int(word) for word, _ in line[1:1 + int(line[0][0])]] for line in lines[:faces]]
+        self.polygons = [[int(word) for word, _ in line[1:1 + int(line[0][0])]] for line in lines[vertices:vertices + faces]]
 
     def read_stl(self):
         if len(self.data) == 84 + 50 * int.from_bytes(self.data[80:84], "little"):
@@ -155,10 +148,6 @@ class MeshBytes:
         else:
             vectors = [(unit(cross(self.points, *corner)), angle(self.points, *corner)) for corner in self.users.get(number, ())]
         return unit([sum(weight * vector[k] for vector, weight in vectors) for k in range(3)])
-
-
-def fanned(polygon):
-    return [[polygon[0], polygon[k], polygon[k + 1]] for k in range(1, len(polygon) - 1)]
 
 
 def cross(points, a, b, c):

@@ -58,11 +58,7 @@ class ProgramTest(unittest.TestCase):
         if given is not None:
             options["stdin"] = subprocess.PIPE
         with self.start(*arguments, **options) as process:
-            try:
-                output, errors = process.communicate(given, timeout=120)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                raise
+            output, errors = process.communicate(given, timeout=120)
         return process.returncode, output or b"", (errors or b"").decode(errors="replace")
 
     def done(self, *arguments, **options):
