@@ -88,12 +88,12 @@ class PlyReader {
     for (std::string_view word = text_.word(); word != "end_header"; word = text_.word()) {
       if (word == "format") {
         const std::string_view format = text_.wordOfLine();
-        has_format_ = true;
         is_text_ = format == "ascii";
         file().bigEndian = format == "binary_big_endian";
-        if (!is_text_ && !file().bigEndian && format != "binary_little_endian") {
-          text_.refuse("there is no such format of PLY");
+        if (has_format_ || (!is_text_ && !file().bigEndian && format != "binary_little_endian")) {
+          text_.refuse("there is no such format of PLY, or there is one before");
         }
+        has_format_ = true;
       } else if (word == "element") {
         readElement();
       } else if (word == "property") {
