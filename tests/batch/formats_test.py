@@ -14,8 +14,7 @@ import sys
 import time
 import unittest
 
-from mesh_bytes import MeshBytes, unit
-from program import COMMAND, DOME, REFUSED, SANITIZED, UNREADABLE, ProgramTest, files
+from program import COMMAND, DOME, REFUSED, SANITIZED, UNREADABLE, MeshBytes, ProgramTest, files
 from x_server import host_environment, start_x_server
 
 PACKAGES = ("trimesh==4.6.8", "tinyobjloader==2.0.0rc13", "numpy", "pillow")
@@ -90,7 +89,7 @@ class Bytes(ProgramTest):
             normal = after.normal(kind, number)
             if may_change and any(normal):
                 self.assertAlmostEqual(math.hypot(*new[3]), 1, delta=1e-6)
-                self.assertLess(math.dist(unit(new[3]), normal), 1e-5, old)
+                self.assertLess(math.dist(new[3], normal), 1e-5, old)
             else:
                 self.assertEqual(old_texts, new_texts, old)
         return shared

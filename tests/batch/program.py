@@ -20,6 +20,7 @@ from shapes import dome
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1]))
 import mesh_files as files  # noqa: E402
+from mesh_bytes import MeshBytes  # noqa: E402
 
 COMMAND = os.environ["LAPEDIT_COMMAND"]
 SANITIZED = bool(os.environ.get("LAPEDIT_PRELOAD"))

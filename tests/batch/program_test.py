@@ -9,9 +9,8 @@ import resource
 import subprocess
 import unittest
 
-from mesh_bytes import MeshBytes
 from program import (ADVISED, CENTRE, COMMAND, DOME, LEAN, LIFT, POINTS, REFUSED, SANITIZED, UNEXPECTED, UNREADABLE, UNWRITABLE,
-                     WRONG_USAGE, ProgramTest, files)
+                     WRONG_USAGE, MeshBytes, ProgramTest, files)
 from shapes import dome
 
 SOURCES = pathlib.Path(__file__).parents[2] / "filter_laplacian_edit" / "program"

@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Finds the numbers of vertices and normals in the bytes of a mesh file, independently of the program."""
+"""Finds the numbers of vertices and normals in the bytes of a mesh file (see mesh_files.py), independently of the program."""
 import itertools
 import math
 import re
 import struct
 
-from program import files
-
-LETTERS, MARK, fanned = files.LETTERS, files.MARK, files.fanned
+from mesh_files import LETTERS, MARK, fanned
 
 TYPES = {**LETTERS, "float32": "f", "uint8": "B", "int32": "i"}
 TOKEN = re.compile(rb"\\(?:\r\n|\n)|#[^\r\n]*|\r\n|\n|\r|(?:[^\s\\]|\\(?!\r?\n))+")
