@@ -76,7 +76,7 @@ class Faults(ProgramTest):
 
     def kill(self, name):
         request = self.random.choice((signal.SIGKILL, signal.SIGKILL, signal.SIGTERM, signal.SIGINT))
-        self.run_one(f"{request!r}", name, seconds=self.random.uniform(0, 0.02), request=request)
+        self.run_one(f"{request!r}", name, seconds=self.random.uniform(0, 0.008), request=request)
 
     @unittest.skipUnless(shutil.which("strace"), "needs strace")
     def test_each_output_is_old_or_complete(self):
