@@ -12,7 +12,7 @@ import sys
 import unittest
 
 HERE = pathlib.Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parent / "hosts"))
+sys.path.insert(0, str(HERE.parent / "batch"))
 
 from host import COMMAND, HostTest, without_display  # noqa: E402
 from library_folders import binaries, check, complaints  # noqa: E402
