@@ -39,7 +39,7 @@ std::string readFile(const std::string& what, const std::string& path, std::size
     const std::uintmax_t size = fs::file_size(path, unknown);
     text.reserve(unknown ? 0 : static_cast<std::size_t>(size));
   }
-  std::vector<char> part(1 << 18);
+  std::vector<char> part(1 << 16);
   for (std::size_t count = part.size(); count == part.size() && text.size() <= most;) {
     count = std::fread(part.data(), 1, part.size(), file.get());
     text.append(part.data(), count);

@@ -66,7 +66,7 @@ void putReal(std::string& bytes, std::size_t at, std::size_t size, bool isBigEnd
 }
 
 bool endsWord(char letter) {
-  return letter == ' ' || letter == '\t' || letter == '\v' || letter == '\f' || endsLine(letter);
+  return static_cast<unsigned char>(letter) <= ' ';  // all control characters too
 }
 
 bool TextReader::isContinued(std::size_t at) const {
