@@ -39,7 +39,7 @@ def setUpModule():
 class Bytes(ProgramTest):
     def check(self, name, data):
         """@return the edited file, and its numbers"""
-        path, out = self.place / name, self.place / ("out" + name[-4:])
+        path, out = self.place / name, self.place / ("out_" + name)
         path.write_bytes(data)
         before = MeshBytes(name, data)
         used = sorted({v for polygon in before.polygons for v in polygon})
