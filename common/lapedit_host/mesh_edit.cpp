@@ -33,12 +33,11 @@ EditedMesh edit_mesh(const CMeshO& host, const MakeEdit& make, double fraction, 
   const TriangleMesh& mesh = edited.bridged.mesh;
   validate(mesh);
   const Edit edit = make(edited.bridged);
-  require_same_mesh(mesh, edit);
   edited.adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
   const SelectedVertices selection = {selected_vertices(host, edited.bridged),
                                       vertices_of_selected_faces(host, edited.bridged)};
-  const Edit found = located(mesh, edited.adjacency, edit, selection);
-  edited.pose = std::move(apply_edit(mesh, edited.adjacency, found, {fraction}, kStoredScalar, progress).front());
+  edited.pose =
+      std::move(apply_edit(mesh, edited.adjacency, edit, selection, {fraction}, kStoredScalar, progress).front());
   count_self_intersections(mesh, edited.pose, kFewVertices);
   return edited;
 }

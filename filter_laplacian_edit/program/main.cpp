@@ -123,7 +123,9 @@ class Job {
       line_.show(done, stage);
       return true;
     };
-    poses_ = apply_edit(file_.mesh, edit, file_.selected, options_.fractions, file_.scalar, show);
+    validate(file_.mesh);
+    const Adjacency adjacency = build_adjacency(static_cast<int>(file_.mesh.vertices.rows()), file_.mesh.faces);
+    poses_ = apply_edit(file_.mesh, adjacency, edit, file_.selected, options_.fractions, file_.scalar, show);
     for (std::size_t k = 0; k < poses_.size() && options_.quality; ++k) {
 #ifdef LAPEDIT_WITH_VCGLIB
       count_self_intersections(file_.mesh, poses_[k]);

@@ -21,15 +21,9 @@ std::vector<double> weights_of(const TriangleMesh& mesh, const Region& region, c
              : edge_weights(settings.laplacian, region, mesh, settings.membrane > 0).values;
 }
 
-RegionCells cells_of(const TriangleMesh& mesh, const RestPose& rest, const EditSettings& settings) {
-  ThreadPool pool(settings.threads);
+RegionCells cells_of(const TriangleMesh& mesh, const RestPose& rest, const EditSettings& settings, ThreadPool& pool) {
   return make_cells(*rest.region, rest.local, weights_of(mesh, *rest.region, settings),
                     CellPose::wanted_cells(rest.region->size()), pool);
-}
-
-CellBlend blend_of(const RegionCells& cells, const RestPose& rest, const EditSettings& settings) {
-  ThreadPool pool(settings.threads);
-  return {cells, rest.local, pool};
 }
 
 LAPEDIT_INLINE float sum_of(Four v) {
@@ -39,17 +33,17 @@ LAPEDIT_INLINE float sum_of(Four v) {
 }  // namespace
 
 CellModel::CellModel(const TriangleMesh& mesh, std::shared_ptr<const RestPose> rest, const EditSettings& settings,
-                     const Progress& progress)
+                     ThreadPool&& pool, const Progress& progress)
     : rest_(std::move(rest)),
       settings_(settings),
-      cells_(cells_of(mesh, *rest_, settings)),
-      blend_((report_progress(progress, 0.05, "cells"), blend_of(cells_, *rest_, settings))),
+      cells_(cells_of(mesh, *rest_, settings, pool)),
+      blend_((report_progress(progress, 0.05, "cells"), CellBlend(cells_, rest_->local, pool))),
       pose_(*rest_->region, rest_->local, cells_, blend_, settings_),
       paths_(*rest_->region, rest_->local, rest_->origin),
       hold_(rest_->region->size(), 0),
       quaternions_(cells_.count()),
       placed_(cells_.count()),
-      carried_(3 * rest_->region->anchored.size()) {
+      rigid_columns_(3 * rest_->region->anchored.size()) {
   const std::vector<double>& depths = rest_->region->anchor_depth;
   std::transform(depths.begin(), depths.end(), hold_.begin(), smooth_step);
 }
@@ -95,8 +89,8 @@ struct CellModel::Placing {
   const std::vector<double>& hold;
   const std::vector<int>& component;
   const Placed* cells;
-  const Floats4* carried;  // null: no component moves rigidly
-  Turn* turns;
+  const Floats4* rigid;  // null: no component moves rigidly
+  Transform* transforms;
   double* displacement;
 
   /// p_i + f (sum_k w_k u_k + (R - I)(p_i - sum_k w_k C_k)), f fading to 0 at the region's rim; R as in spread().
@@ -120,13 +114,13 @@ struct CellModel::Placing {
     const float squared = sum_of(q * q);
     q = squared > 0 ? q / std::sqrt(squared) : Four{0, 0, 0, 1};
     const float x = q[0], y = q[1], z = q[2], w = q[3];
-    Four* const columns = turns[i].columns;
+    Four* const columns = transforms[i].columns;
     columns[0] = Four{-2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0};
     columns[1] = Four{2 * (x * y - w * z), -2 * (x * x + z * z), 2 * (y * z + w * x), 0};
     columns[2] = Four{2 * (x * z + w * y), 2 * (y * z - w * x), -2 * (x * x + y * y), 0};
-    Four detail = turns[i].rest - centre;
-    if (carried != nullptr) {
-      const Four* const by = carried + 3 * static_cast<std::ptrdiff_t>(component[i]);
+    Four detail = transforms[i].rest - centre;
+    if (rigid != nullptr) {
+      const Four* const by = rigid + 3 * static_cast<std::ptrdiff_t>(component[i]);
       detail += detail[0] * by[0] + detail[1] * by[1] + detail[2] * by[2];
     }
     way += detail[0] * columns[0] + detail[1] * columns[1] + detail[2] * columns[2];
@@ -143,29 +137,34 @@ void CellModel::place_handle(int i, double unit, Points& displacement) const {
   displacement.row(i) += held * (paths_.displacement(i).transpose() / unit - displacement.row(i));
 }
 
-void CellModel::place(double unit, Turn* turns, Points& displacement, ThreadPool& pool) {
+void CellModel::place(double unit, Transform* transforms, Points& displacement, ThreadPool& pool) {
   constexpr int kGrain = 2048;
   const Region& region = *rest_->region;
   for (int c = 0; c < cells_.count(); ++c) {
     placed_[c] = {floats4(quaternions_[c]), floats4(pose_.displacement().row(c) / unit),
                   floats4(cells_.centres.row(c) / unit)};
   }
-  const bool carries = paths_.carries();
-  for (std::size_t k = 0; k < carried_.size(); ++k) {
-    carried_[k] = floats4(paths_.carried()[k / 3].linear.col(static_cast<Eigen::Index>(k % 3)));
+  const bool rigid = paths_.moves_rigidly();
+  for (std::size_t k = 0; k < rigid_columns_.size(); ++k) {
+    rigid_columns_[k] = floats4(paths_.rigid_motions()[k / 3].linear.col(static_cast<Eigen::Index>(k % 3)));
   }
-  const Placing placing = {
-      blend_, hold_, region.component, placed_.data(), carries ? carried_.data() : nullptr, turns, displacement.data()};
+  const Placing placing = {blend_,
+                           hold_,
+                           region.component,
+                           placed_.data(),
+                           rigid ? rigid_columns_.data() : nullptr,
+                           transforms,
+                           displacement.data()};
   in_pieces(pool, region.size(), kGrain, [&](int first, int last) {
     run_kernel(placing, first, last);
     for (int i = first; i < last; ++i) {
-      if (carries) {
-        const LocalMotion& along = paths_.carried()[region.component[i]];
+      if (rigid) {
+        const LocalMotion& along = paths_.rigid_motions()[region.component[i]];
         displacement.row(i) += along.displacement(rest_->local.row(i).transpose()).transpose() / unit;
-        Four* const columns = turns[i].columns;
+        Four* const columns = transforms[i].columns;
         const Four before[3] = {columns[0], columns[1], columns[2]};
         for (int c = 0; c < 3; ++c) {  // (I + M)(I + L) - I
-          const Four by = carried_[3 * region.component[i] + c];
+          const Four by = rigid_columns_[3 * region.component[i] + c];
           columns[c] += by + by[0] * before[0] + by[1] * before[1] + by[2] * before[2];
         }
       }

@@ -13,14 +13,14 @@ namespace lapedit {
 
 /// A coarse model of a region and its handles, with some hundred cells. The cells are posed in milliseconds, whatever
 /// the region's size, and the vertices follow them. Scripts and releases start from its rotations; frames of a drag
-/// show its pose. It accepts every setting, region and kind of handle; rotations other than DetailRotation::None are
-/// those of LocalGlobal.
+/// show its pose. It accepts every setting, region and kind of handle, with order 1; rotations, but with
+/// EditMethod::Linear, are those of LocalGlobal.
 class CellModel {
  public:
-  /// @param mesh  rest pose; not kept after construction
+  /// @param mesh,pool  rest pose and threads; not kept after construction
   /// Cost: O(edges), some milliseconds per 10000 vertices. @throws EditError (IllConditioned, Cancelled)
   CellModel(const TriangleMesh& mesh, std::shared_ptr<const RestPose> rest, const EditSettings& settings,
-            const Progress& progress = {});
+            ThreadPool&& pool, const Progress& progress = {});
 
   const std::shared_ptr<const RestPose>& rest() const { return rest_; }
   const RegionCells& cells() const { return cells_; }
@@ -42,7 +42,7 @@ class CellModel {
 
   /// The local linear map of a vertex in single precision: the columns of T - I, where T includes the rigid motion of
   /// the component, and the position at rest.
-  struct Turn {
+  struct Transform {
     Floats4 columns[3];
     Floats4 rest;
   };
@@ -51,10 +51,10 @@ class CellModel {
   /// units over `unit`: vertices follow the cells, and details rotate with them (an embedded deformation). A handle
   /// vertex lies between the cells' pose and its target, according to its weight against the surface's weight of 1.
   /// @param unit          a power of two, the unit of lengths in single precision
-  /// @param turns         one per vertex: `rest` is read, `columns` are written
+  /// @param transforms       one per vertex: `rest` is read, `columns` are written
   /// @param displacement  out, one more row than vertices: displacements from the rest pose, exactly zero where nothing
   ///                      moves
-  void place(double unit, Turn* turns, Points& displacement, ThreadPool& pool);
+  void place(double unit, Transform* transforms, Points& displacement, ThreadPool& pool);
 
  private:
   /// The pose of a cell in single precision.
@@ -74,7 +74,7 @@ class CellModel {
 
   std::vector<Eigen::Vector4d> quaternions_;  // of the cells' last pose, x y z w, with either sign
   std::vector<Placed> placed_;
-  std::vector<Floats4> carried_;  // three columns per component
+  std::vector<Floats4> rigid_columns_;  // three columns per component
 };
 
 }  // namespace lapedit

@@ -25,10 +25,10 @@ CellPose::CellPose(const Region& region, const Points& rest, const RegionCells& 
     : cells_(cells),
       surface_(cells),
       system_(region, rest, cells, blend, settings),
-      rotates_(settings.rotation != DetailRotation::None),
+      rotates_(settings.method != EditMethod::Linear),
       component_(cells.count(), 0),
       hold_(cells.count(), 0),
-      local_global_(cells, surface_, hold_, settings, system_),
+      local_global_(cells, surface_, hold_, system_),
       linear_(cells.count()),
       rotations_(cells.count(), Matrix3::Identity()) {
   for (int i = 0; i < region.size(); ++i) {
@@ -48,22 +48,22 @@ CellPose::CellPose(const Region& region, const Points& rest, const RegionCells& 
 }
 
 /// Moves the rest pose rigidly with the components of this step.
-void CellPose::carry(const GroupPaths& paths) {
-  carried_ = cells_.centres;
+void CellPose::move_rigidly(const GroupPaths& paths) {
+  rigid_ = cells_.centres;
   for (int c = 0; c < cells_.count(); ++c) {
-    const LocalMotion& along = paths.carried()[component_[c]];
+    const LocalMotion& along = paths.rigid_motions()[component_[c]];
     linear_[c] = along.linear;
-    carried_.row(c) += along.displacement(cells_.centres.row(c).transpose()).transpose();
+    rigid_.row(c) += along.displacement(cells_.centres.row(c).transpose()).transpose();
   }
-  local_global_.start(carried_, linear_);
+  local_global_.start(rigid_, linear_);
 }
 
 /// Sets the handles' constraints of this step. @return their largest displacement from the rigidly moved pose
-double CellPose::ask(const GroupPaths& paths) {
+double CellPose::constrain(const GroupPaths& paths) {
   double largest = 0;
   constraints_.setZero(cells_.count(), 3);
   for (const CoarseSystem::Held& held : system_.held()) {
-    const Vector3 way = held.displacement(paths) - paths.carried()[component_[held.cell]].displacement(held.mean);
+    const Vector3 way = held.displacement(paths) - paths.rigid_motions()[component_[held.cell]].displacement(held.mean);
     largest = std::max(largest, way.norm());
     for (const auto& [cell, weight] : held.row) {
       constraints_.row(cell) += held.weight * weight * way.transpose();
@@ -79,15 +79,15 @@ void CellPose::solve(GroupPaths& paths, bool quick) {
   left_ = 0;
   const int steps = paths.steps();
   if (!rotates_) {
-    carry(paths);
-    ask(paths);
+    move_rigidly(paths);
+    constrain(paths);
     system_.solve(constraints_, displacement_);
     return;
   }
   for (int step = 1; step <= steps; ++step) {
-    paths.go(step);
-    carry(paths);
-    const double way = ask(paths);
+    paths.go_to(step);
+    move_rigidly(paths);
+    const double way = constrain(paths);
     if (way == 0) {
       displacement_.setZero();
       std::fill(rotations_.begin(), rotations_.end(), Matrix3::Identity());

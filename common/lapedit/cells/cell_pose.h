@@ -8,7 +8,7 @@
 namespace lapedit {
 
 /// The pose of the cells of a region: displacements and rotations at the end of the handles' paths. The paths are
-/// followed in steps, so that a limb bends to the side from which the handle came. With DetailRotation::None nothing
+/// followed in steps, so that a limb bends to the side from which the handle came. With EditMethod::Linear nothing
 /// rotates. Results have the same bits everywhere.
 class CellPose {
  public:
@@ -34,8 +34,8 @@ class CellPose {
   double left() const { return left_; }  ///< change of its last pass over the handles' largest displacement
 
  private:
-  void carry(const GroupPaths& paths);
-  double ask(const GroupPaths& paths);
+  void move_rigidly(const GroupPaths& paths);
+  double constrain(const GroupPaths& paths);
 
   const RegionCells& cells_;
   CellSurface surface_;
@@ -45,7 +45,7 @@ class CellPose {
   std::vector<double> hold_;    // by how much its rotation is reduced, 0 to 1
   LocalGlobal local_global_;
   std::vector<Matrix3> linear_;
-  Points carried_, constraints_, displacement_;
+  Points rigid_, constraints_, displacement_;
   std::vector<Matrix3> rotations_;
   int passes_ = 0;
   double left_ = 0;

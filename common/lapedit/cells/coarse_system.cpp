@@ -116,24 +116,22 @@ void CoarseSystem::hold_handles(const Region& region, const Points& rest, const 
 }
 
 CoarseSystem::CoarseSystem(const Region& region, const Points& rest, const RegionCells& cells, const CellBlend& blend,
-                           const EditSettings& settings)
-    : order_(settings.order) {
+                           const EditSettings& settings) {
   hold_handles(region, rest, cells, blend, settings.handle_weight);
   make_normal(region, rest, cells, settings);
 }
 
-/// M^kT N M^k + c D M^k + W^2.
+/// M^T N M + c D M + W^2.
 void CoarseSystem::make_normal(const Region& region, const Points& rest, const RegionCells& cells,
                                const EditSettings& settings) {
   const int m = cells.count();
   rows_ = Eigen::Map<const Eigen::VectorXd>(cells.vertices.data(), m);
   const Eigen::VectorXd weight = Eigen::Map<const Eigen::VectorXd>(cells.weight.data(), m);
-  first_ = weight.cwiseInverse().asDiagonal() * stiffness_matrix(cells);
-  power_ = power(first_, order_);
-  SparseMatrix normal = SparseMatrix(power_.transpose()) * (rows_.asDiagonal() * power_);
+  operator_ = weight.cwiseInverse().asDiagonal() * stiffness_matrix(cells);
+  SparseMatrix normal = SparseMatrix(operator_.transpose()) * (rows_.asDiagonal() * operator_);
   stretch_ = membrane_factor(settings, region, rest, weight.sum() / region.size()) * weight;
   if (settings.membrane > 0) {
-    normal += stretch_.asDiagonal() * power_;
+    normal += stretch_.asDiagonal() * operator_;
   }
   // Anchors, and a tiny weight that keeps the matrix definite for cells without constraints.
   constexpr double kTrace = 1e-13;
@@ -161,17 +159,12 @@ void CoarseSystem::make_normal(const Region& region, const Points& rest, const R
   normal_ = std::make_unique<SparseCholesky>(normal, CholeskyBackend::Eigen);
 }
 
-void CoarseSystem::add_turned(Points& turned, Points& right) const {
-  for (int k = 1; k < order_; ++k) {
-    between_.resize(turned.rows(), 3);
-    between_.noalias() = first_ * turned;
-    turned.swap(between_);
+void CoarseSystem::add_rotated(Points& rotated, Points& right) const {
+  for (Eigen::Index c = 0; c < rotated.rows(); ++c) {
+    right.row(c) += stretch_[c] * rotated.row(c);
+    rotated.row(c) *= rows_[c];
   }
-  for (Eigen::Index c = 0; c < turned.rows(); ++c) {
-    right.row(c) += stretch_[c] * turned.row(c);
-    turned.row(c) *= rows_[c];
-  }
-  right.noalias() += power_.transpose() * turned;
+  right.noalias() += operator_.transpose() * rotated;
 }
 
 }  // namespace lapedit

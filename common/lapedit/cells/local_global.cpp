@@ -4,16 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lapedit/deform/local_step.h"
 #include "lapedit/deform/polar_decomposition.h"
 
 namespace lapedit {
 namespace {
 
-// Found by measuring stretch, folds and the tilt of details over some twenty edits (tests/scripts/quality.sh).
 constexpr int kSmoothing = 1;
-constexpr int kAveraging = 1;
 constexpr double kNormals = 0.5;
-constexpr double kMomentum = 0.5;
 // Prevents jumps of the pose where the surface collapses: the normal fades out, and the rotation stays near the last
 // one.
 constexpr double kSureNormal = 0.5, kInertia = 0.5;
@@ -62,25 +60,22 @@ struct LocalGlobal::Covariances {
   }
 };
 
-/// sum_b ((R_a + R_b) / 2 - I) e_ab, e_ab = -M_ab (C_a - C_b), or with R_a alone.
-struct LocalGlobal::Turned {
-  const Turning& from;
-  bool by_edges;
+/// sum_b ((R_a + R_b) / 2 - I) e_ab, e_ab = -M_ab (C_a - C_b).
+struct LocalGlobal::Rotated {
+  const Rotating& from;
   double* to;
 
-  LAPEDIT_INLINE Doubles4 turned(int cell, const double* edge) const {
-    const double* const columns = from.turns.data() + 12 * std::ptrdiff_t{cell};
+  LAPEDIT_INLINE Doubles4 rotated(int cell, const double* edge) const {
+    const double* const columns = from.columns.data() + 12 * std::ptrdiff_t{cell};
     return edge[0] * load<Doubles4>(columns) + edge[1] * load<Doubles4>(columns + 4) +
            edge[2] * load<Doubles4>(columns + 8);
   }
   LAPEDIT_INLINE void operator()(int a) const {
-    Doubles4 sum = turned(a, &from.sums(a, 0));
-    if (by_edges) {
-      for (int k = from.m.outerIndexPtr()[a]; k < from.m.outerIndexPtr()[a + 1]; ++k) {
-        sum += turned(from.m.innerIndexPtr()[k], &from.edges(k, 0));
-      }
-      sum *= 0.5;
+    Doubles4 sum = rotated(a, &from.sums(a, 0));
+    for (int k = from.m.outerIndexPtr()[a]; k < from.m.outerIndexPtr()[a + 1]; ++k) {
+      sum += rotated(from.m.innerIndexPtr()[k], &from.edges(k, 0));
     }
+    sum *= 0.5;
     for (std::ptrdiff_t e = 0; e < 3; ++e) {
       to[3 * std::ptrdiff_t{a} + e] = sum[e];
     }
@@ -88,36 +83,35 @@ struct LocalGlobal::Turned {
 };
 
 LocalGlobal::LocalGlobal(const RegionCells& cells, const CellSurface& surface, const std::vector<double>& hold,
-                         const EditSettings& settings, CoarseSystem& system)
+                         CoarseSystem& system)
     : cells_(cells),
       surface_(surface),
       hold_(hold),
-      settings_(settings),
       system_(system),
       averages_(cells.count()),
       covariances_(cells.count()),
       before_(cells.neighbours.values.size()),
-      turning_{OperatorRows::Rows(system.differential_operator()), {}, {}, {}} {
-  turning_.edges.resize(turning_.m.nonZeros(), 3);
-  turning_.sums.resize(cells.count(), 3);
-  turning_.turns.resize(12 * static_cast<std::size_t>(cells.count()));
+      rotating_{OperatorRows::Rows(system.differential_operator()), {}, {}, {}} {
+  rotating_.edges.resize(rotating_.m.nonZeros(), 3);
+  rotating_.sums.resize(cells.count(), 3);
+  rotating_.columns.resize(12 * static_cast<std::size_t>(cells.count()));
 }
 
-void LocalGlobal::start(const Points& carried, const std::vector<Matrix3>& linear) {
-  if (carried_.rows() == carried.rows() && carried_ == carried && linear_ == linear) {
+void LocalGlobal::start(const Points& rigid, const std::vector<Matrix3>& linear) {
+  if (rigid_.rows() == rigid.rows() && rigid_ == rigid && linear_ == linear) {
     return;  // in a drag this is the rest pose in every frame
   }
-  carried_ = carried;
+  rigid_ = rigid;
   linear_ = linear;
-  smooth_before_ = carried;
+  smooth_before_ = rigid;
   surface_.smooth(kSmoothing, smooth_before_, scratch_);
-  normals_before_.resize(carried.rows(), 3);
-  turning_.sums.setZero();
+  normals_before_.resize(rigid.rows(), 3);
+  rotating_.sums.setZero();
   for (int a = 0; a < cells_.count(); ++a) {
-    for (int k = turning_.m.outerIndexPtr()[a]; k < turning_.m.outerIndexPtr()[a + 1]; ++k) {
-      const Vector3 edge = (cells_.centres.row(a) - cells_.centres.row(turning_.m.innerIndexPtr()[k])).transpose();
-      turning_.edges.row(k) = -turning_.m.valuePtr()[k] * (edge + linear[a] * edge).transpose();
-      turning_.sums.row(a) += turning_.edges.row(k);
+    for (int k = rotating_.m.outerIndexPtr()[a]; k < rotating_.m.outerIndexPtr()[a + 1]; ++k) {
+      const Vector3 edge = (cells_.centres.row(a) - cells_.centres.row(rotating_.m.innerIndexPtr()[k])).transpose();
+      rotating_.edges.row(k) = -rotating_.m.valuePtr()[k] * (edge + linear[a] * edge).transpose();
+      rotating_.sums.row(a) += rotating_.edges.row(k);
     }
   }
   for (int a = 0; a < cells_.count(); ++a) {
@@ -131,11 +125,11 @@ void LocalGlobal::start(const Points& carried, const std::vector<Matrix3>& linea
 
 /// Computes the rotations nearest to the averaged covariances.
 void LocalGlobal::fit(const Points& displacement, std::vector<Matrix3>& rotations) {
-  smooth_after_ = carried_ + displacement;
+  smooth_after_ = rigid_ + displacement;
   surface_.smooth(kSmoothing, smooth_after_, scratch_);
   run_kernel(Covariances{cells_, surface_, smooth_after_, before_.data(), normals_before_, averages_}, 0,
              cells_.count());
-  averages_.average(cells_.neighbours, kAveraging, alone_);
+  averages_.average(cells_.neighbours, kCellFit.averagings, alone_);
   for (int a = 0; a < cells_.count(); ++a) {
     const Matrix3 averaged = averages_[a];
     covariances_[a] = averaged.allFinite() ? averaged : Matrix3(Matrix3::Identity());
@@ -147,16 +141,16 @@ void LocalGlobal::fit(const Points& displacement, std::vector<Matrix3>& rotation
   nearest_rotations(covariances_.data(), cells_.count(), rotations.data());
 }
 
-void LocalGlobal::turn(const std::vector<Matrix3>& rotations, Points& turned) {
-  turned.resize(cells_.count(), 3);
+void LocalGlobal::rotate(const std::vector<Matrix3>& rotations, Points& rotated) {
+  rotated.resize(cells_.count(), 3);
   for (int a = 0; a < cells_.count(); ++a) {
     for (int c = 0; c < 3; ++c) {
-      double* const column = &turning_.turns[12 * static_cast<std::size_t>(a) + 4 * static_cast<std::size_t>(c)];
+      double* const column = &rotating_.columns[12 * static_cast<std::size_t>(a) + 4 * static_cast<std::size_t>(c)];
       store(column, three(&rotations[a](0, c)));
       column[c] -= 1;
     }
   }
-  run_kernel(Turned{turning_, settings_.turning == DetailTurning::Edge, turned.data()}, 0, cells_.count());
+  run_kernel(Rotated{rotating_, rotated.data()}, 0, cells_.count());
 }
 
 LocalGlobal::Outcome LocalGlobal::settle(const Points& constraints, double accurate, int most_passes,
@@ -166,9 +160,9 @@ LocalGlobal::Outcome LocalGlobal::settle(const Points& constraints, double accur
     if (outcome.passes > 0) {
       fit(displacement, rotations);
     }
-    turn(rotations, turned_);
+    rotate(rotations, rotated_);
     next_ = constraints;
-    system_.add_turned(turned_, next_);
+    system_.add_rotated(rotated_, next_);
     system_.solve(next_, next_);
     if (++outcome.passes == 1) {
       displacement = result_ = next_;
@@ -176,7 +170,7 @@ LocalGlobal::Outcome LocalGlobal::settle(const Points& constraints, double accur
     }
     outcome.left = (next_ - displacement).rowwise().norm().maxCoeff();
     // Rotations are fitted to an extrapolated pose, which saves several passes.
-    displacement = next_ + kMomentum * (next_ - result_);
+    displacement = next_ + kCellFit.momentum * (next_ - result_);
     result_.swap(next_);
     if (!(outcome.left >= accurate)) {
       break;

@@ -22,7 +22,7 @@ class LocalGlobal {
   /// All arguments must outlive the object.
   /// @param hold  per cell, by how much its rotation is reduced, 0 to 1
   LocalGlobal(const RegionCells& cells, const CellSurface& surface, const std::vector<double>& hold,
-              const EditSettings& settings, CoarseSystem& system);
+              CoarseSystem& system);
 
   struct Outcome {
     int passes = 0;
@@ -30,7 +30,7 @@ class LocalGlobal {
   };
 
   /// Sets the rigidly moved positions of the cells and the linear part (minus identity) of each motion.
-  void start(const Points& carried, const std::vector<Matrix3>& linear);
+  void start(const Points& rigid, const std::vector<Matrix3>& linear);
 
   /// @param constraints   the right-hand side of CoarseSystem::solve() without rotations
   /// @param displacement  out: the solution
@@ -41,27 +41,26 @@ class LocalGlobal {
 
  private:
   struct Covariances;
-  struct Turned;
-  /// Data that turn() reads.
-  struct Turning {
-    OperatorRows::Rows m;       // the system's M
-    Points edges, sums;         // -M_ab (C_a - C_b) per entry of m, moved rigidly; its sums over rows
-    std::vector<double> turns;  // columns of R - I per cell, four numbers each
+  struct Rotated;
+  /// Data that rotate() reads.
+  struct Rotating {
+    OperatorRows::Rows m;         // the system's M
+    Points edges, sums;           // -M_ab (C_a - C_b) per entry of m, moved rigidly; its sums over rows
+    std::vector<double> columns;  // of R - I per cell, four numbers each
   };
   void fit(const Points& displacement, std::vector<Matrix3>& rotations);
-  void turn(const std::vector<Matrix3>& rotations, Points& turned);
+  void rotate(const std::vector<Matrix3>& rotations, Points& rotated);
 
   const RegionCells& cells_;
   const CellSurface& surface_;
   const std::vector<double>& hold_;
-  const EditSettings& settings_;
   CoarseSystem& system_;
   ThreadPool alone_{1};  // a second thread does not pay for some hundred cells
-  Points result_, carried_, smooth_before_, smooth_after_, normals_before_, scratch_, next_, turned_;
+  Points result_, rigid_, smooth_before_, smooth_after_, normals_before_, scratch_, next_, rotated_;
   MatrixAverages averages_;
   std::vector<Matrix3> linear_, covariances_;
   std::vector<Vector3> before_;  // per entry of neighbours: g_ab (P0_b - P0_a)
-  Turning turning_;
+  Rotating rotating_;
 };
 
 }  // namespace lapedit

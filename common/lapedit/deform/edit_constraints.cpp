@@ -23,26 +23,26 @@ void EditConstraints::set(const std::vector<HandleMotion>& handles, const Affine
   paths_.set(handles, anchors);
   const Region& region = system_.region;
   const Points& rest = system_.rest.local;
-  const std::vector<LocalMotion>& carried_motions = paths_.carried();
-  carried_rotation_.assign(carried_motions.size(), Matrix3::Identity());
-  carries_ = paths_.carries();
-  for (std::size_t c = 0; carries_ && c < carried_motions.size(); ++c) {
-    carried_rotation_[c] = rotation_of(carried_motions[c]);
+  const std::vector<LocalMotion>& motions = paths_.rigid_motions();
+  rigid_rotations_.assign(motions.size(), Matrix3::Identity());
+  moves_rigidly_ = paths_.moves_rigidly();
+  for (std::size_t c = 0; moves_rigidly_ && c < motions.size(); ++c) {
+    rigid_rotations_[c] = rotation_of(motions[c]);
   }
-  if (carries_) {
-    carried_pose_ = rest;
+  if (moves_rigidly_) {
+    rigid_pose_ = rest;
     for (int i = 0; i < region.size(); ++i) {
-      carried_pose_.row(i) += carried(i).displacement(rest.row(i).transpose()).transpose();
+      rigid_pose_.row(i) += rigid_motion(i).displacement(rest.row(i).transpose()).transpose();
     }
   }
   right_.setZero(region.size(), 3);
   for (int i = 0; i < region.size(); ++i) {
     if (region.classes[i] == VertexClass::Handle) {
-      const Vector3 way = wanted_way(i) - carried(i).displacement(rest.row(i).transpose());
-      right_.row(i) = system_.squared_weights[i] * way.transpose();
+      const Vector3 displacement = wanted_displacement(i) - rigid_motion(i).displacement(rest.row(i).transpose());
+      right_.row(i) = system_.squared_weights[i] * displacement.transpose();
     }
   }
-  pulls_ = !right_.isZero(0);
+  any_ = !right_.isZero(0);
 }
 
 void EditConstraints::fall_off(Points& displacement) const {
@@ -55,9 +55,10 @@ void EditConstraints::fall_off(Points& displacement) const {
       for (int i = first; i < last; ++i) {
         const double weight = falloff.weights(i, static_cast<Eigen::Index>(g));
         if (weight > 0) {
-          const Vector3 place = rest.row(falloff.lone[g] >= 0 ? falloff.lone[g] : i).transpose();
+          const Vector3 position = rest.row(falloff.lone[g] >= 0 ? falloff.lone[g] : i).transpose();
           displacement.row(i) +=
-              weight * (paths_.motions()[g].displacement(place) - carried(i).displacement(place)).transpose();
+              weight *
+              (paths_.motions()[g].displacement(position) - rigid_motion(i).displacement(position)).transpose();
         }
       }
     }

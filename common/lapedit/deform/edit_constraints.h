@@ -9,7 +9,7 @@
 namespace lapedit {
 
 /// Targets of handles and anchors, and the rigid motion of each component of the region before the solve: that of its
-/// anchors, or the mean of its groups' maps if it has none. The solve computes displacements from the moved ("carried")
+/// anchors, or the mean of its groups' maps if it has none. The solve computes displacements from the rigidly moved
 /// pose. Nothing is allocated after the first set() that moves a component.
 class EditConstraints {
  public:
@@ -21,33 +21,33 @@ class EditConstraints {
   /// @throws EditError as GroupPaths::set()
   void set(const std::vector<HandleMotion>& handles, const Affine& anchors);
 
-  /// Returns w_i^2 (c_i - carried x_i) for handle vertices, size() x 3; 0 elsewhere, since anchors are at their
-  /// targets.
+  /// Returns w_i^2 (c_i - q_i) for handle vertices, size() x 3; 0 elsewhere, since anchors are at their
+  /// targets; q is the rigidly moved pose.
   const Points& right_hand_side() const { return right_; }
-  /// Returns whether any target differs from the carried pose.
-  bool pull() const { return pulls_; }
+  /// Returns whether any target differs from the rigidly moved pose.
+  bool any() const { return any_; }
 
-  GroupPaths& paths() { return paths_; }  ///< callers must leave them at their ends
-  bool carry() const { return carries_; }
-  /// Returns the carried pose, relative to the rest pose's origin. Defined only if carry().
-  const Points& carried_pose() const { return carried_pose_; }
+  bool moves_rigidly() const { return moves_rigidly_; }
+  /// Returns the pose that the solve starts from, relative to the rest pose's origin: rigidly moved if a component
+  /// moves.
+  const Points& start() const { return moves_rigidly_ ? rigid_pose_ : system_.rest.local; }
   /// Returns the rigid motion of the component of vertex i.
-  const LocalMotion& carried(int i) const { return paths_.carried()[system_.region.component[i]]; }
-  const Matrix3& carried_rotation(int i) const { return carried_rotation_[system_.region.component[i]]; }
+  const LocalMotion& rigid_motion(int i) const { return paths_.rigid_motions()[system_.region.component[i]]; }
+  const Matrix3& rigid_rotation(int i) const { return rigid_rotations_[system_.region.component[i]]; }
 
-  /// Computes displacements from the carried pose by the system's fall-off: sum_g phi_g (group g's map - carried).
+  /// Computes displacements from start() by the system's fall-off: sum_g phi_g (group g's map - rigid motion).
   /// @param displacement  out: size() x 3
   void fall_off(Points& displacement) const;
 
   /// Returns c_i - p_i, the displacement of a handle vertex from rest to target.
-  Vector3 wanted_way(int i) const { return paths_.displacement(i); }
+  Vector3 wanted_displacement(int i) const { return paths_.displacement(i); }
 
  private:
   const LaplacianSystem& system_;
   GroupPaths paths_;
-  std::vector<Matrix3> carried_rotation_;  // per component
-  bool carries_ = false, pulls_ = false;
-  Points carried_pose_, right_;
+  std::vector<Matrix3> rigid_rotations_;  // per component
+  bool moves_rigidly_ = false, any_ = false;
+  Points rigid_pose_, right_;
 };
 
 }  // namespace lapedit

@@ -6,22 +6,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lapedit/deform/detail_rotation.h"
+#include "lapedit/deform/matrix_averages.h"
+#include "lapedit/deform/polar_decomposition.h"
 #include "lapedit/deform/smooth_normals.h"
 
 namespace lapedit {
 namespace {
 
 constexpr double kDegrees = 180 / 3.14159265358979323846;
-
-/// Smooths nothing: rotations are fitted to the surface itself.
-class Unsmoothed : public Smoother {
- public:
-  void apply(const Points& in, Points& out) const override { out = in; }
-  std::unique_ptr<Smoother> share(std::shared_ptr<ThreadPool> /*pool*/) const override {
-    return std::make_unique<Unsmoothed>();
-  }
-};
 
 /// Returns the normal, with twice the area as its length.
 Vector3 face_normal(const Points& points, const Faces& faces, Eigen::Index face) {
@@ -34,8 +26,8 @@ Vector3 face_normal(const Points& points, const Faces& faces, Eigen::Index face)
 /// n' . (R_a + R_b + R_c) n < 0
 bool is_flipped(const Region& region, Eigen::Index f, const Points& before, const Points& after,
                 const std::vector<Matrix3>& rotations) {
-  const Matrix3 turn = rotations[region.faces(f, 0)] + rotations[region.faces(f, 1)] + rotations[region.faces(f, 2)];
-  return face_normal(after, region.faces, f).dot(turn * face_normal(before, region.faces, f)) < 0;
+  const Matrix3 rotation = rotations[region.faces(f, 0)] + rotations[region.faces(f, 1)] + rotations[region.faces(f, 2)];
+  return face_normal(after, region.faces, f).dot(rotation * face_normal(before, region.faces, f)) < 0;
 }
 
 double degrees_of(const Matrix3& rotation) {
@@ -82,7 +74,7 @@ void find_folds(const LaplacianSystem& system, const Points& positions, EditQual
   const Region& region = system.region;
   AdviceCauses& causes = result.causes;
   causes.reach = region.radius;
-  causes.turn = result.rotation_max;
+  causes.rotation = result.rotation_max;
   if (result.flipped == 0) {
     return;
   }
@@ -101,7 +93,7 @@ void find_folds(const LaplacianSystem& system, const Points& positions, EditQual
   }
   for (int i = 0; i < region.size(); ++i) {
     if (region.classes[i] == VertexClass::Handle) {
-      causes.turn = std::max(causes.turn, degrees_of(surface[i]));
+      causes.rotation = std::max(causes.rotation, degrees_of(surface[i]));
     }
   }
 }
@@ -140,13 +132,36 @@ int flipped_triangles(const Region& region, const Points& before, const Points& 
   return count;
 }
 
+/// C_i = sum_j (x_j - x_i)(p_j - p_i)^T + |.| n' n^T over the edges, averaged; R_i the rotation nearest to (1 - h_i)
+/// C_i + h_i |C_i| I, with h_i = 3 t^2 - 2 t^3 of the depth t in the anchor band.
 std::vector<Matrix3> surface_rotations(const Region& region, const Points& before, const Points& after,
                                        ThreadPool& pool) {
-  const Unsmoothed as_it_is;
-  RotationEstimator estimator(DetailRotation::SmoothSurface, region, as_it_is, pool);
-  std::vector<Matrix3> rotations;
-  estimator.set_before(before);
-  estimator.estimate(after - before, rotations);
+  constexpr int kGrain = 512, kAveragings = 4;
+  const int n = region.size();
+  Points normals_before, normals_after;
+  vertex_normals(before, region.faces, normals_before);
+  vertex_normals(after, region.faces, normals_after);
+  MatrixAverages covariances(n);
+  for_indices(pool, n, kGrain, [&](int i) {
+    Matrix3 covariance = Matrix3::Zero();
+    for (const int j : region.neighbours[i]) {
+      covariance.noalias() += (after.row(j) - after.row(i)).transpose() * (before.row(j) - before.row(i));
+    }
+    // Two statements, since Eigen would scale one factor first and lose the symmetry for vertices that have not moved.
+    const Matrix3 normals = normals_after.row(i).transpose() * normals_before.row(i);
+    covariances[i] = covariance + covariance.norm() * normals;
+  });
+  covariances.average(region.neighbours, kAveragings, pool);
+  std::vector<Matrix3> rotations(n);
+  // The surface beyond the rim does not rotate, so rotations fade out across the anchors.
+  in_pieces(pool, n, kGrain, [&](int first, int last) {
+    for (int i = first; i < last; ++i) {
+      const double hold = region.anchor_depth.empty() ? 0 : smooth_step(region.anchor_depth[i]);
+      const Matrix3 covariance = covariances[i];
+      rotations[i] = (1 - hold) * covariance + hold * covariance.norm() * Matrix3::Identity();
+    }
+    nearest_rotations(rotations.data() + first, last - first, rotations.data() + first);
+  });
   return rotations;
 }
 
@@ -163,16 +178,15 @@ double enclosed_volume(const Region& region, const Points& positions) {
 }
 
 std::optional<double> detail_height(const LaplacianSystem& system, const Points& after) {
-  if (!system.smoother) {
+  if (!system.kernel) {
     return {};
   }
   const Region& region = system.region;
-  const auto smoother = system.smoother->share(system.pool);
-  Points places = system.rest.world.rowwise() - system.rest.world.row(0), smooth;
-  smoother->apply_roughly(places, smooth);
+  Points places = system.rest.world.rowwise() - system.rest.world.row(0), smooth, scratch;
+  system.kernel->apply(places, smooth, scratch);
   const Eigen::VectorXd old_heights = heights(region, places, smooth);
   places = after.rowwise() - after.row(0);
-  smoother->apply_roughly(places, smooth);
+  system.kernel->apply(places, smooth, scratch);
   const Eigen::VectorXd new_heights = heights(region, places, smooth);
   double found = 0, all = 0, reach = 0;
   for (int i = 0; i < region.size(); ++i) {
@@ -187,7 +201,7 @@ std::optional<double> detail_height(const LaplacianSystem& system, const Points&
 }
 
 /// |R - S| = 2 sqrt(2) sin(angle / 2)
-double largest_turn(const std::vector<Matrix3>& r, const std::vector<Matrix3>& s) {
+double largest_rotation(const std::vector<Matrix3>& r, const std::vector<Matrix3>& s) {
   double largest = 0;
   for (std::size_t i = 0; i < r.size(); ++i) {
     largest = std::max(largest, (r[i] - (s.empty() ? Matrix3::Identity() : s[i])).squaredNorm());
@@ -204,21 +218,21 @@ EditQuality edit_quality(const LaplacianSystem& system, const EditConstraints& c
   for (int i = 0; i < region.size(); ++i) {
     const Vector3 moved = (positions.row(i) - system.rest.world.row(i)).transpose();
     if (region.classes[i] == VertexClass::Handle) {
-      const Vector3 way = constraints.wanted_way(i);
-      if (way.norm() > result.handle_displacement) {
-        result.handle_displacement = way.norm();
+      const Vector3 wanted = constraints.wanted_displacement(i);
+      if (wanted.norm() > result.handle_displacement) {
+        result.handle_displacement = wanted.norm();
         result.causes.lone_handle = lone[region.group[i]] >= 0;
       }
       if (region.share(i) == largest[region.group[i]]) {
-        result.handle_residual = std::max(result.handle_residual, (moved - way).norm());
+        result.handle_residual = std::max(result.handle_residual, (moved - wanted).norm());
       }
-      if (region.share(i) == 1 && (moved - way).norm() > result.causes.distance) {
-        result.causes.distance = (moved - way).norm();
+      if (region.share(i) == 1 && (moved - wanted).norm() > result.causes.distance) {
+        result.causes.distance = (moved - wanted).norm();
         result.causes.behind = region.mesh_vertex[i];
       }
     } else if (region.classes[i] == VertexClass::Anchor) {
-      const Vector3 way = constraints.carried(i).displacement(system.rest.local.row(i).transpose());
-      result.anchor_residual = std::max(result.anchor_residual, (moved - way).norm());
+      const Vector3 wanted = constraints.rigid_motion(i).displacement(system.rest.local.row(i).transpose());
+      result.anchor_residual = std::max(result.anchor_residual, (moved - wanted).norm());
     }
     const double degrees = degrees_of(rotations[i]);
     result.rotation_mean += degrees / region.size();

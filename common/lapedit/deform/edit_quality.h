@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lapedit/deform/edit_constraints.h"
+#include "lapedit/deform/edit_report.h"
 
 namespace lapedit {
 
@@ -22,8 +23,8 @@ EdgeStretch edge_stretch(const Region& region, const Points& before, const Point
 int flipped_triangles(const Region& region, const Points& before, const Points& after,
                       const std::vector<Matrix3>& rotations);
 
-/// Fits rotations to the surface itself, as SmoothSurface fits them to the smoothed surface: the rotation on the scale
-/// of some rings, independent of the detail rotations. Cost: O(edges).
+/// Fits rotations to edges and normals of the surface, averaged over some rings and faded out across the anchor band.
+/// They are independent of the rotations of differential coordinates. Cost: O(edges).
 std::vector<Matrix3> surface_rotations(const Region& region, const Points& before, const Points& after,
                                        ThreadPool& pool);
 
@@ -35,11 +36,11 @@ double enclosed_volume(const Region& region, const Points& positions);
 /// Returns the remaining share of the detail's height h = n . (p - S p): sum h' h / sum h^2 over the free vertices,
 /// where n are the normals of the smooth surface S p. A ratio of the two heights would also count curvature that the
 /// edit adds (lifted grid of detail_orientation_test: 1.14 where 0.98 of the bumps' height is kept; this function
-/// returns 0.985). `std::nullopt` without detail or without a smoother. Cost: two smoothings.
+/// returns 0.985). `std::nullopt` without detail, and with other methods than EditMethod::Paper. Cost: two smoothings.
 std::optional<double> detail_height(const LaplacianSystem& system, const Points& after);
 
 /// Returns the largest angle between R_i and S_i in degrees; if `s` is empty, between R_i and the identity.
-double largest_turn(const std::vector<Matrix3>& r, const std::vector<Matrix3>& s);
+double largest_rotation(const std::vector<Matrix3>& r, const std::vector<Matrix3>& s);
 
 /// Computes all figures except the normal equations' residual, the height of detail, the rotation left by passes, and
 /// new intersections.

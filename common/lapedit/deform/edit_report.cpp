@@ -78,10 +78,10 @@ std::string advice_on_shape(const EditReport& report) {
   } else if (report.causes.lone_handle) {
     ways.push_back("use a group of vertices as the handle");
   }
-  if (report.order > 1) {
+  if (report.settings.order > 1) {
     ways.push_back("use order 1");
   }
-  if (report.causes.turn > 90 || ways.empty()) {
+  if (report.causes.rotation > 90 || ways.empty()) {
     ways.push_back("make the edit in two steps");
   }
   for (std::size_t k = 0; k < ways.size(); ++k) {
@@ -110,20 +110,12 @@ std::string EditReport::advice() const {
          : has_targets ? ": raise handle_weight, or check that target."
                        : ": raise handle_weight, or use a larger region."));
   }
-  const bool local_global = rotation == name(DetailRotation::LocalGlobal);
   // The automatic number of passes stops before rotations settle, since more passes flatten limbs.
-  const bool automatic = local_global && iterations == EditSettings().passes();
-  if (iterations > 1 && !automatic && passes_dropped == 0 && rotation_left > kUnsettled) {
-    std::string ways = iterations < kMostPasses ? "raise iterations" : "";
-    ways += local_global ? "" : (ways.empty() ? "" : ", or ") + std::string("use local-global rotations");
-    sentences.push_back(
-        format_text("The rotations have not converged after %d passes, the last of which rotated a detail by %.3g "
-                    "degrees: %s.",
-                    iterations, rotation_left, ways.empty() ? "make the edit in two steps" : ways.c_str()));
-  }
-  if (order > 1 && local_global && handle_displacement > 0) {
+  if (settings.iterations > 1 && iterations > 1 && rotation_left > kUnsettled) {
     sentences.push_back(format_text(
-        "Local-global rotations stretch more with order %d: use order 1, or another detail rotation.", order));
+        "The rotations have not converged after %d passes, the last of which rotated a detail by %.3g "
+        "degrees: %s.",
+        iterations, rotation_left, iterations < kMostPasses ? "raise iterations" : "make the edit in two steps"));
   }
   std::string text;
   for (std::size_t k = 0; k < std::min(sentences.size(), kMostSentences); ++k) {
@@ -138,27 +130,24 @@ std::string EditReport::text() const {
   if (left_out > 0) {
     lines += format_text("; %d in parts of the region without a handle stay", left_out);
   }
-  lines += format_text("\nOperator: %s of order %d", laplacian.c_str(), order);
+  lines += format_text("\nMethod: %s; operator: %s of order %d", name(settings.method), name(settings.laplacian),
+                       settings.order);
   if (uniform_edges > 0) {
     lines += format_text(", %d edges at degenerate triangles took the uniform weight", uniform_edges);
   }
-  if (membrane != EditSettings().membrane) {
-    lines += format_text(", membrane %.6g", membrane);
+  if (settings.membrane != EditSettings::of(settings.method).membrane) {
+    lines += format_text(", membrane %.6g", settings.membrane);
   }
-  lines += format_text("; detail rotation: %s", rotation.c_str());
   if (iterations > 0) {
-    if (turning != name(DetailTurning())) {
-      lines += ", turned by " + turning;
-    }
-    if (rough != name(RoughDeformation())) {
-      lines += ", first from the " + rough;
-    }
-    lines += format_text(", %d %s", iterations, iterations == 1 ? "pass" : "passes");
-    if (normal_radius > 0) {
-      lines += format_text(", normal radius %.6g", normal_radius);
-    }
+    lines += format_text("; %d %s", iterations, iterations == 1 ? "pass" : "passes");
   }
-  lines += format_text("; solver: %s", backend.c_str());
+  if (normal_radius > 0) {
+    lines += format_text(", normal radius %.6g", normal_radius);
+  }
+  if (settings.rough != EditSettings().rough) {
+    lines += format_text(", rotations from the %s", name(settings.rough));
+  }
+  lines += format_text("; solver: %s", solver.c_str());
   if (refinements > 0) {
     lines += format_text(", %d refinement steps", refinements);
   }
@@ -174,11 +163,6 @@ std::string EditReport::text() const {
       "flipped: %d",
       rotation_mean, rotation_max, 100 * stretch_rms, 100 * stretch_max, flipped);
   lines += format_text("; normal-equation residual %.2g", normal_equation_residual);
-  if (passes_dropped > 0) {
-    lines += format_text("\nDropped: %d of %d rotation passes, since they made it worse.", passes_dropped,
-                         passes_dropped + iterations);
-    lines += order > 1 ? " Order 1 rotates details better." : "";
-  }
   lines += quality_line(*this);
   lines += format_text(
       "\nMilliseconds: region %.1f, operator %.1f, factor %.1f, smoothing table %.1f, rough solve %.2f, normals %.2f, "
@@ -196,19 +180,16 @@ std::vector<Figure> EditReport::figures() const {
           {"anchors", anchors},
           {"fixed", fixed},
           {"left_out", left_out},
-          {"laplacian", laplacian},
-          {"order", order},
-          {"detail_rotation", rotation},
-          {"turning", turning},
-          {"rough", rough},
-          {"membrane", membrane},
+          {"method", name(settings.method)},
+          {"laplacian", name(settings.laplacian)},
+          {"order", settings.order},
+          {"membrane", settings.membrane},
           {"iterations", iterations},
-          {"passes_dropped", passes_dropped},
           {"normal_radius", normal_radius},
           {"uniform_edges", uniform_edges},
-          {"solver", backend},
+          {"solver", solver},
           {"refinements", refinements},
-          {"factor_taken_over", factor_taken_over},
+          {"factor_reused", factor_reused},
           {"normal_equation_residual", normal_equation_residual},
           {"handle_point_distance", handle_point_distance ? Value(*handle_point_distance) : Value()},
           {"handle_displacement", handle_displacement},

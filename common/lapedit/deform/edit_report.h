@@ -6,6 +6,8 @@
 #include <variant>
 #include <vector>
 
+#include "lapedit/deform/edit_settings.h"
+
 namespace lapedit {
 
 /// Numbers of vertices in the mesh and in its region, by class.
@@ -24,7 +26,7 @@ struct AdviceCauses {
   int near = -1;             ///< vertex with the most folded triangles
   bool lone_handle = false;  ///< the handle with the largest displacement is a single vertex
   double reach = 0;          ///< the region's radius
-  double turn = 0;           ///< largest detail rotation, or rotation of the surface at a handle
+  double rotation = 0;       ///< largest detail rotation, or rotation of the surface at a handle
   int stretched = -1;        ///< the lower end of the edge with the largest stretch
   int behind = -1;           ///< the handle vertex of full weight that is farthest from its target
   double distance = 0;       ///< of that vertex to its target
@@ -47,7 +49,7 @@ struct EditQuality {
   double volume = 0;       ///< before the edit, see enclosed_volume()
   double volume_change = 0;
   bool is_body = false;  ///< whether a percentage of the volume is meaningful, as it is not in a nearly flat region
-  std::optional<double> detail_height;   ///< see detail_height(); empty without detail rotation
+  std::optional<double> detail_height;   ///< see detail_height(); empty but with EditMethod::Paper
   double rotation_left = 0;              ///< largest change of a detail rotation in the last pass; 0 without passes
   std::optional<int> new_intersections;  ///< pairs of triangles that intersect only after the edit; counted by callers
   AdviceCauses causes;
@@ -68,19 +70,18 @@ struct LandmarkResidual {
 
 /// The figures of an edit. Lengths are in model units, angles in degrees, times in milliseconds.
 struct EditReport : RegionCounts, EditTimes, EditQuality {
-  std::string laplacian, rotation, turning, rough, backend;
-  int order = 1, iterations = 0;  ///< iterations made
-  double membrane = 0;
-  int passes_dropped = 0;          ///< iterations that were dropped, since a pass made the result worse
-  double normal_radius = 0;        ///< the radius used; 0 without rotation
-  int uniform_edges = 0;           ///< see DifferentialOperator
-  int refinements = 0;             ///< iterative refinement steps per solve
-  bool factor_taken_over = false;  ///< whether the previous editor's factor was reused
+  EditSettings settings;
+  std::string solver;          ///< name of the factorisation
+  int iterations = 0;          ///< passes that were made
+  double normal_radius = 0;    ///< the radius used; 0 without smooth normals
+  int uniform_edges = 0;       ///< see DifferentialOperator
+  int refinements = 0;         ///< iterative refinement steps per solve
+  bool factor_reused = false;  ///< whether the previous system's factor was reused
   /// Distance from a handle's given point to the nearest vertex; empty if no point was given.
   std::optional<double> handle_point_distance;
-  /// Everything that was reused of the previous editor: "nothing", or "operator", "factor" and, if the factor is new,
+  /// Everything that was reused of the previous system: "nothing", or "operator", "factor" and, if the factor is new,
   /// the matrix's "ordering" or its "analysis" (which includes the ordering), as in "operator and factor".
-  std::string taken_over = "nothing";
+  std::string reused = "nothing";
   bool has_targets = false;                 ///< whether single vertices had targets
   std::vector<LandmarkResidual> landmarks;  ///< of a whole edit with landmarks; empty for a step
 
@@ -93,8 +94,8 @@ struct EditReport : RegionCounts, EditTimes, EditQuality {
   std::vector<Figure> times() const;
 
   /// Returns at most two sentences of advice on, in this order, folded or intersecting triangles, edges that became
-  /// more than six times as long, handles far from their targets, rotations that have not converged, and local-global
-  /// rotations of higher order; otherwise an empty string.
+  /// more than six times as long, handles far from their targets, and rotations that have not converged; otherwise an
+  /// empty string.
   std::string advice() const;
 };
 

@@ -38,53 +38,60 @@ constexpr const char* kWeights = "a number from 0.000001 to 1000000";
 const std::vector<Setting>& settings_table() {
   using Kind = Setting::Kind;
   using S = EditSettings;
-  static const std::vector<Setting> table = {
-      choice<&S::laplacian>(
-          "laplacian", "Laplacian", "umbrella, cotangent or mean value",
-          "How the detail at a vertex is measured: against the plain mean of its neighbours (umbrella, the paper's "
-          "choice), with cotangent weights, which depend less on the triangulation, or with mean-value weights, which "
-          "uneven and obtuse triangles suit as well.",
-          {"umbrella", "cotangent", "mean_value"}),
-      row<&S::order>(Kind::Whole, "order", "order of the Laplacian", "1, 2 or 3", 1, 3,
-                     "How often the Laplacian is applied, 1 to 3. Higher orders blend more smoothly into the fixed "
-                     "part and take longer; use them for pulls without detail rotation, since errors of rotations and "
-                     "turned groups make them overshoot."),
-      choice<&S::rotation>(
-          "detail_rotation", "detail rotation", "none, smooth normals, smooth surface or local-global",
-          "How details rotate with the surface: not at all, by the paper's frames of smooth normals, by rotations "
-          "fitted to the smoothed surface, or by rotations that are fitted and solved for in turns (local-global).",
-          {"none", "smooth_normals", "smooth_surface", "local_global"}),
-      row<&S::iterations>(Kind::Whole, "iterations", "number of iterations", "a whole number from 0 to 100", 0, 100,
-                          "Number of passes, each of which estimates the rotations from the last result, 0 to 100. 0: "
-                          "automatic, which is 3 for local-global rotations and 1 for the others. More than one helps "
-                          "large edits with the smooth surface."),
-      row<&S::normal_radius>(Kind::Length, "normal_radius", "normal radius",
-                             "a finite length, or 0 for an automatic one", 0, std::numeric_limits<double>::max(),
-                             "Radius of the smoothing that separates details from the surface below; has to exceed the "
-                             "size of the details. 0: chosen from the mesh. Local-global rotations do without."),
-      row<&S::handle_weight>(Kind::Number, "handle_weight", "handle weight", kWeights, kLightest, kHeaviest,
-                             "How strongly the handle is drawn to its target, 0.000001 to 1000000."),
-      row<&S::anchor_weight>(Kind::Number, "anchor_weight", "anchor weight", kWeights, kLightest, kHeaviest,
-                             "How strongly the band inside the rim is held in place, 0.000001 to 1000000."),
-      choice<&S::turning>(
-          "turning", "turning of details", "vertex or edge",
-          "What the rotations turn: the detail at each vertex as a whole (vertex, the paper's way), or each edge by "
-          "the mean of its ends' rotations (edge), which lets flat parts bend, so that limbs keep their thickness.",
-          {"vertex", "edge"}),
-      choice<&S::rough>("rough", "rough deformation", "unrotated or falloff",
-                        "What the rotations are first estimated from: the solution with unrotated details (unrotated, "
-                        "the paper's way), or the handle's motion, falling off with the distance along the surface "
-                        "(falloff), which needs no solution.",
-                        {"unrotated", "falloff"}),
-      row<&S::membrane>(Kind::Number, "membrane", "membrane weight", "a number from 0 to 1000000", 0, 1e6,
-                        "Cost of stretching against bending, 0 to 1000000: with 0 the surface only keeps from bending "
-                        "(the paper's way); the more, the more evenly lengths are kept over the whole region."),
-  };
+  static const std::vector<Setting> table = [] {
+    Setting method = choice<&S::method>(
+        "method", "method", "default, paper or linear",
+        "How details rotate with the surface: by rotations that are fitted and solved for alternately (default), by "
+        "one "
+        "pass of the paper's frames of smooth normals (paper), or not at all (linear). The method gives the other "
+        "settings their defaults.",
+        {"default", "paper", "linear"});
+    method.set = [](S& settings, double value) { settings = S::of(static_cast<EditMethod>(static_cast<int>(value))); };
+    Setting iterations = row<&S::iterations>(
+        Kind::Whole, "iterations", "number of iterations", "a whole number from 0 to 100", 0, 100,
+        "Number of passes, each of which fits the rotations to the last result, 0 to 100. 0: automatic (3).");
+    iterations.only = EditMethod::Default;
+    Setting radius =
+        row<&S::normal_radius>(Kind::Length, "normal_radius", "normal radius",
+                               "a finite length, or 0 for an automatic one", 0, std::numeric_limits<double>::max(),
+                               "Radius of the smoothing of normals; has to exceed the size of the details. 0: chosen "
+                               "from the mesh.");
+    radius.only = EditMethod::Paper;
+    Setting rough = choice<&S::rough>(
+        "rough", "rough deformation", "unrotated or falloff",
+        "What the rotations are estimated from: the solution with unrotated details (unrotated, the paper's way), or "
+        "the handle's motion, falling off with the distance along the surface (falloff), which needs no solution.",
+        {"unrotated", "falloff"});
+    rough.only = EditMethod::Paper;
+    return std::vector<Setting>{
+        method,
+        choice<&S::laplacian>("laplacian", "Laplacian", "umbrella, cotangent or mean value",
+                              "How the detail at a vertex is measured: against the plain mean of its neighbours "
+                              "(umbrella, the paper's choice), with cotangent weights, which depend less on the "
+                              "triangulation, or with mean-value weights, which uneven and obtuse triangles suit as "
+                              "well.",
+                              {"umbrella", "cotangent", "mean_value"}),
+        row<&S::order>(
+            Kind::Whole, "order", "order of the Laplacian", "1, 2 or 3", 1, 3,
+            "How often the Laplacian is applied, 1 to 3, with the method default 1 only. Higher orders blend "
+            "more smoothly into the fixed vertices and take longer; use them for pulls with the method linear."),
+        row<&S::membrane>(
+            Kind::Number, "membrane", "membrane weight", "a number from 0 to 1000000", 0, 1e6,
+            "Cost of stretching against bending, 0 to 1000000: with 0 the surface only keeps from bending "
+            "(the paper's way); the more, the more evenly lengths are kept over the whole region."),
+        row<&S::handle_weight>(Kind::Number, "handle_weight", "handle weight", kWeights, kLightest, kHeaviest,
+                               "How strongly the handle is drawn to its target, 0.000001 to 1000000."),
+        row<&S::anchor_weight>(Kind::Number, "anchor_weight", "anchor weight", kWeights, kLightest, kHeaviest,
+                               "How strongly the band inside the rim is held in place, 0.000001 to 1000000."),
+        iterations,
+        radius,
+        rough};
+  }();
   return table;
 }
 
-const char* name(DetailTurning turning) {
-  return turning == DetailTurning::Vertex ? "vertex" : "edge";
+const char* name(EditMethod method) {
+  return settings_table().front().choices[static_cast<std::size_t>(method)];
 }
 
 const char* name(RoughDeformation rough) {
@@ -98,14 +105,27 @@ std::string title_of(const char* key) {
   return title;
 }
 
+EditSettings EditSettings::of(EditMethod method) {
+  EditSettings settings;
+  settings.method = method;
+  if (method != EditMethod::Default) {
+    settings.laplacian = LaplacianKind::Umbrella;
+    settings.membrane = 0;
+    settings.handle_weight = settings.anchor_weight = 10;
+  }
+  return settings;
+}
+
 int EditSettings::passes() const {
   constexpr int kLocalGlobal = 3;  // more passes stretch less, but flatten bent tubes and limbs
-  return iterations > 0 ? iterations : rotation == DetailRotation::LocalGlobal ? kLocalGlobal : 1;
+  return method == EditMethod::Linear  ? 0
+         : method == EditMethod::Paper ? 1
+         : iterations > 0              ? iterations
+                                       : kLocalGlobal;
 }
 
 bool operator==(const EditSettings& a, const EditSettings& b) {
-  return a.backend == b.backend && a.threads == b.threads &&
-         std::all_of(settings_table().begin(), settings_table().end(),
+  return std::all_of(settings_table().begin(), settings_table().end(),
                      [&](const Setting& setting) { return setting.get(a) == setting.get(b); });
 }
 
@@ -116,6 +136,16 @@ void validate(const EditSettings& settings) {
       throw EditError(ErrorCause::BadParameter, std::string("The ") + setting.subject + " is " + number_text(value) +
                                                     ": give " + setting.range + ".");
     }
+    if (!setting.applies(settings.method) && value != setting.get(EditSettings())) {
+      throw EditError(ErrorCause::BadParameter, std::string("The ") + setting.subject +
+                                                    " has no meaning with the method " + name(settings.method) +
+                                                    ": leave it out, or use the method " + name(*setting.only) + ".");
+    }
+  }
+  if (settings.method == EditMethod::Default && settings.order != 1) {
+    throw EditError(ErrorCause::BadParameter,
+                    "The order of the Laplacian is " + std::to_string(settings.order) +
+                        ", but the method default has order 1 only: use order 1, or the method paper or linear.");
   }
 }
 

@@ -1,24 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "lapedit/deform/detail_rotation.h"
 #include "lapedit/deform/differential_operator.h"
 #include "lapedit/linear/sparse_cholesky.h"
 
 namespace lapedit {
 
-/// What the local rotations R are applied to.
-enum class DetailTurning {
-  Vertex,  ///< whole differential coordinates, R_i delta_i: the paper's section 4
-  Edge     ///< each edge by the mean of its ends' rotations: flat parts bend too, so that limbs keep their thickness
+/// How an edit is solved.
+enum class EditMethod {
+  Default,  ///< rotations are fitted and solved for alternately (local-global), on cells and then on vertices
+  Paper,    ///< the paper's section 4: one pass of rotations that smooth normals give
+  Linear    ///< the paper's section 3: differential coordinates are not rotated
 };
 
-const char* name(DetailTurning turning);
+const char* name(EditMethod method);
 
-/// What the rotations of the first pass are estimated from: the paper's reference surface (section 4).
+/// What EditMethod::Paper estimates rotations from: the paper's reference surface (section 4).
 enum class RoughDeformation {
   Unrotated,  ///< the solution with unrotated differential coordinates: the paper's choice
   Falloff     ///< the handles' motions, falling off with geodesic distance: see GeodesicFalloff
@@ -26,29 +27,32 @@ enum class RoughDeformation {
 
 const char* name(RoughDeformation rough);
 
-/// The settings of an edit, independent of its region and handles. Those that users can set have a row in
-/// settings_table().
+/// The settings of an edit, independent of its region and handles. Each has a row in settings_table().
 struct EditSettings {
+  EditMethod method = EditMethod::Default;
   LaplacianKind laplacian = LaplacianKind::MeanValue;
-  int order = 1;
-  DetailRotation rotation = DetailRotation::LocalGlobal;
-  /// Number of rotation passes; 0: see passes(). Smooth normals and smooth surface stop when a pass moves no vertex by
-  /// more than 1e-4 of the region's radius.
-  int iterations = 0;
-  double normal_radius = 0;  ///< r of the smoothing, model units; 0: automatic
-  /// Weight of handle constraints; equations of differential coordinates weigh 1. The membrane pulls harder at handles
-  /// and rim than bending alone, for which 10 suffices: a single vertex lags by 0.02 to 0.1 % of its displacement.
-  double handle_weight = 30;
-  double anchor_weight = 30;  ///< an anchor's own weight is this times d / d_max
-  DetailTurning turning = DetailTurning::Edge;
-  RoughDeformation rough = RoughDeformation::Unrotated;
+  int order = 1;  ///< EditMethod::Default has order 1 only
   /// Cost of stretching against bending, see membrane_factor(). 0: none, the paper's choice. Values beyond 1000 show at
   /// the region's rim.
   double membrane = 500;
-  CholeskyBackend backend = CholeskyBackend::Supernodal;
-  /// Returns the number of passes: `iterations`, or the automatic number if it is 0.
+  /// Weight of handle constraints; equations of differential coordinates weigh 1. The membrane pulls harder at handles
+  /// and rim than bending alone, for which 10 suffices: a single vertex lags by 0.02 to 0.1 % of its displacement.
+  double handle_weight = 30;
+  double anchor_weight = 30;  ///< an anchor's weight is this times d / d_max
+  int iterations = 0;         ///< passes of EditMethod::Default; 0: see passes()
+  double normal_radius = 0;   ///< of EditMethod::Paper: r of the smoothing, model units; 0: automatic
+  RoughDeformation rough = RoughDeformation::Unrotated;  ///< of EditMethod::Paper
+
+  /// Returns the method with its default values.
+  static EditSettings of(EditMethod method);
+  /// Returns the number of passes that rotate differential coordinates.
   int passes() const;
-  int threads = 0;  ///< 0: number of processors. The result does not depend on it
+};
+
+/// How the equations are solved. The result does not depend on it.
+struct SolverOptions {
+  int threads = 0;  ///< 0: number of processors
+  CholeskyBackend backend = CholeskyBackend::Supernodal;
 };
 
 bool operator==(const EditSettings& a, const EditSettings& b);
@@ -56,7 +60,7 @@ inline bool operator!=(const EditSettings& a, const EditSettings& b) {
   return !(a == b);
 }
 
-/// @throws EditError (BadParameter) naming the setting, its value and its range
+/// @throws EditError (BadParameter) naming the setting, its value and its range, or the setting that the method lacks
 void validate(const EditSettings& settings);
 
 /// Description of a setting that users can give. The filter's parameters, JSON keys, the panel's widgets and validate()
@@ -78,9 +82,13 @@ struct Setting {
   double (*get)(const EditSettings&);
   void (*set)(EditSettings&, double);
   std::vector<const char*> choices = {};  ///< names in JSON
+  std::optional<EditMethod> only = {};    ///< the method that has this setting; none: all methods have it
+
+  bool applies(EditMethod method) const { return !only || *only == method; }
 };
 
-/// Returns all settings in the order in which they are shown and written.
+/// Returns all settings in the order in which they are shown and written. The first is the method: setting it gives all
+/// others the values of that method.
 const std::vector<Setting>& settings_table();
 
 /// Returns the label of a key or a choice: "Smooth normals" for smooth_normals.

@@ -26,14 +26,14 @@ GroupPaths::GroupPaths(const Region& region, const Points& rest, const Vector3& 
       rest_(rest),
       origin_(origin),
       groups_(1 + *std::max_element(region.group.begin(), region.group.end())),
-      place_(region.size(), -1),
+      index_(region.size(), -1),
       motions_(groups_.size()),
-      carried_(region.anchored.size()),
+      rigid_motions_(region.anchored.size()),
       leader_(region.anchored.size(), kNoGroup) {
   for (int i = 0; i < region.size(); ++i) {
     if (region.group[i] >= 0) {
       Group& group = groups_[region.group[i]];
-      place_[i] = static_cast<int>(group.vertices.size());
+      index_[i] = static_cast<int>(group.vertices.size());
       group.vertices.push_back(i);
       group.components.push_back(region.component[i]);
       group.centre += rest.row(i).transpose();
@@ -53,7 +53,7 @@ void GroupPaths::check(const std::vector<HandleMotion>& motions) const {
   }
   for (std::size_t g = 0; g < motions.size(); ++g) {
     const HandleMotion& motion = motions[g];
-    if (!motion.map.matrix().allFinite() || !motion.targets.allFinite() || !std::isfinite(motion.part)) {
+    if (!motion.map.matrix().allFinite() || !motion.targets.allFinite() || !std::isfinite(motion.fraction)) {
       throw EditError(ErrorCause::NotFinite,
                       "The target of handle group " + std::to_string(g) + " is not finite: give finite coordinates.");
     }
@@ -103,7 +103,7 @@ void GroupPaths::set(const std::vector<HandleMotion>& motions, const Affine& anc
   std::fill(leader_.begin(), leader_.end(), kNoGroup);
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     Group& group = groups_[g];
-    group.part = motions[g].part;
+    group.fraction = motions[g].fraction;
     group.offsets.resize(motions[g].targets.rows(), 3);
     if (group.offsets.rows() > 0) {
       has_targets_ = true;
@@ -125,10 +125,10 @@ void GroupPaths::set(const std::vector<HandleMotion>& motions, const Affine& anc
   constexpr double kRounding = 1e-9;  // so that 90 degrees are three steps, whatever the rounding
   steps_ = std::clamp(static_cast<int>(std::ceil(std::min<double>(length, kMostSteps) - kRounding)), kLeastSteps,
                       kMostSteps);
-  go(steps_);
+  go_to(steps_);
 }
 
-/// A component follows a motion that all its groups share exactly; groups of one vertex have no rotation to compare.
+/// A component follows a motion that all its groups have in common; groups of one vertex have no rotation to compare.
 void GroupPaths::lead(int g, int& leader) const {
   const Group& group = groups_[g];
   if (leader == kNoGroup && group.offsets.rows() == 0) {
@@ -137,28 +137,28 @@ void GroupPaths::lead(int g, int& leader) const {
     leader = kSeveral;
   } else {
     const Group& other = groups_[leader];
-    const bool turns = group.vertices.size() > 1 || other.vertices.size() > 1;
-    const bool alike = turns ? same(group.path.at(1), other.path.at(1)) : same(after(group, 1), after(other, 1));
+    const bool rotates = group.vertices.size() > 1 || other.vertices.size() > 1;
+    const bool alike = rotates ? same(group.path.at(1), other.path.at(1)) : same(after(group, 1), after(other, 1));
     leader = !alike ? kSeveral : group.vertices.size() > other.vertices.size() ? g : leader;
   }
 }
 
-void GroupPaths::go(int step) {
-  const double share = step == steps_ ? 1 : static_cast<double>(step) / steps_;
+void GroupPaths::go_to(int step) {
+  const double at = step == steps_ ? 1 : static_cast<double>(step) / steps_;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
-    motions_[g] = after(groups_[g], share * groups_[g].part);
-    groups_[g].now = share * groups_[g].part;
+    motions_[g] = after(groups_[g], at * groups_[g].fraction);
+    groups_[g].now = at * groups_[g].fraction;
   }
-  for (std::size_t c = 0; c < carried_.size(); ++c) {
-    carried_[c] = region_.anchored[c]      ? anchors_
-                  : leader_[c] == kNoGroup ? LocalMotion()
-                  : leader_[c] != kSeveral ? motions_[leader_[c]]
-                                           : best_fit(static_cast<int>(c));
+  for (std::size_t c = 0; c < rigid_motions_.size(); ++c) {
+    rigid_motions_[c] = region_.anchored[c]      ? anchors_
+                        : leader_[c] == kNoGroup ? LocalMotion()
+                        : leader_[c] != kSeveral ? motions_[leader_[c]]
+                                                 : best_fit(static_cast<int>(c));
   }
 }
 
-LocalMotion GroupPaths::after(const Group& group, double part) const {
-  LocalMotion motion = group.path.at(part);
+LocalMotion GroupPaths::after(const Group& group, double fraction) const {
+  LocalMotion motion = group.path.at(fraction);
   if (group.vertices.size() == 1) {
     motion.translation = motion.displacement(group.centre);
     motion.linear.setZero();
@@ -171,9 +171,9 @@ LocalMotion GroupPaths::after(const Group& group, double part) const {
   return motion;
 }
 
-Vector3 GroupPaths::displacement(int group, const Vector3& place, const Vector3& offset) const {
-  const Vector3 off = groups_[group].now * offset;
-  return motions_[group].displacement(place + off) + off;
+Vector3 GroupPaths::displacement(int group, const Vector3& position, const Vector3& offset) const {
+  const Vector3 moved = groups_[group].now * offset;
+  return motions_[group].displacement(position + moved) + moved;
 }
 
 Vector3 GroupPaths::displacement(int i) const {
@@ -182,11 +182,12 @@ Vector3 GroupPaths::displacement(int i) const {
 
 Vector3 GroupPaths::target_offset(int i) const {
   const Group& group = groups_[region_.group[i]];
-  return group.offsets.rows() > 0 ? group.offsets.row(place_[i]).transpose().eval() : Vector3::Zero().eval();
+  return group.offsets.rows() > 0 ? group.offsets.row(index_[i]).transpose().eval() : Vector3::Zero().eval();
 }
 
-bool GroupPaths::carries() const {
-  return !std::all_of(carried_.begin(), carried_.end(), [](const LocalMotion& motion) { return motion.none(); });
+bool GroupPaths::moves_rigidly() const {
+  return !std::all_of(rigid_motions_.begin(), rigid_motions_.end(),
+                      [](const LocalMotion& motion) { return motion.none(); });
 }
 
 /// Vertices have their squared weights, as in the equations.
@@ -195,30 +196,30 @@ LocalMotion GroupPaths::best_fit(int component) const {
     for (const Group& group : groups_) {
       for (const int i : group.vertices) {
         if (region_.component[i] == component) {
-          const double share = region_.share(i);
-          body(share * share, rest_.row(i).transpose(), displacement(i));
+          const double weight = region_.share(i);
+          body(weight * weight, rest_.row(i).transpose(), displacement(i));
         }
       }
     }
   };
   double count = 0;
-  Vector3 place = Vector3::Zero(), way = Vector3::Zero();
+  Vector3 mean = Vector3::Zero(), mean_displacement = Vector3::Zero();
   for_vertices([&](double weight, const Vector3& from, const Vector3& moved) {
     count += weight;
-    place += weight * from;
-    way += weight * moved;
+    mean += weight * from;
+    mean_displacement += weight * moved;
   });
-  place /= count;
-  way /= count;
+  mean /= count;
+  mean_displacement /= count;
   Matrix3 covariance = Matrix3::Zero();
   for_vertices([&](double weight, const Vector3& from, const Vector3& moved) {
-    const Vector3 before = from - place;
-    const Matrix3 product = (before + (moved - way)) * before.transpose();
+    const Vector3 before = from - mean;
+    const Matrix3 product = (before + (moved - mean_displacement)) * before.transpose();
     covariance += weight * product;
   });
   LocalMotion fit;
   fit.linear = nearest_rotation(covariance) - Matrix3::Identity();
-  fit.translation = way - fit.linear * place;
+  fit.translation = mean_displacement - fit.linear * mean;
   return fit;
 }
 

@@ -27,21 +27,21 @@ class GroupPaths {
   /// size or a stretch of a quarter, unless the path is very long.
   int steps() const { return steps_; }
   /// Moves all groups to the end of a step, 1 to steps().
-  void go(int step);
+  void go_to(int step);
 
   /// Returns the displacement of handle vertex i of the region at the end of the step.
   Vector3 displacement(int i) const;
   /// Returns the same for a position in a group.
   /// @param offset  mean of target_offset() over the vertices that the position represents
-  Vector3 displacement(int group, const Vector3& place, const Vector3& offset) const;
+  Vector3 displacement(int group, const Vector3& position, const Vector3& offset) const;
   /// Returns the vector from the position of handle vertex i after its group's motion to its target, in coordinates
   /// that rotate with the group.
   Vector3 target_offset(int i) const;
   bool has_targets() const { return has_targets_; }                     ///< of single vertices, in any group
   const std::vector<LocalMotion>& motions() const { return motions_; }  ///< of the groups; without target_offset()
 
-  const std::vector<LocalMotion>& carried() const { return carried_; }  ///< of the components
-  bool carries() const;                                                 ///< whether any component is moved
+  const std::vector<LocalMotion>& rigid_motions() const { return rigid_motions_; }  ///< of the components
+  bool moves_rigidly() const;                                                       ///< whether any component is moved
 
  private:
   struct Group {
@@ -49,22 +49,22 @@ class GroupPaths {
     Vector3 centre = Vector3::Zero();
     std::vector<int> components;  // of the region, that it has vertices in
     MotionPath path;
-    double part = 1, now = 1;  // of the path: at the end, and where the groups are
-    Points offsets;            // of the vertices' targets; or no rows
+    double fraction = 1, now = 1;  // of the path: at the end, and where the groups are
+    Points offsets;                // of the vertices' targets; or no rows
   };
   void check(const std::vector<HandleMotion>& motions) const;
   void set_targets(Group& group, const HandleMotion& motion);
   void lead(int g, int& leader) const;
-  LocalMotion after(const Group& group, double part) const;
+  LocalMotion after(const Group& group, double fraction) const;
   LocalMotion best_fit(int component) const;
 
   const Region& region_;
   const Points& rest_;
   Vector3 origin_;
   std::vector<Group> groups_;
-  std::vector<int> place_;  // index of a handle vertex in its group
+  std::vector<int> index_;  // index of a handle vertex in its group
   LocalMotion anchors_;
-  std::vector<LocalMotion> motions_, carried_;
+  std::vector<LocalMotion> motions_, rigid_motions_;
   std::vector<int> leader_;  // per component: a group that all its groups move like, kSeveral or kNoGroup
   int steps_ = 1;
   bool has_targets_ = false;

@@ -52,8 +52,8 @@ HandleMotion resolve(const HandleTransform& transform, const Vector3& centroid) 
   }
   Matrix3 linear = transform.scale * Matrix3::Identity();
   if (transform.degrees != 0) {
-    motion.turn = HandleMotion::Turn{transform.axis / axis_length, transform.degrees, transform.center};
-    linear = rotation_about(motion.turn->axis, transform.degrees) * transform.scale;
+    motion.rotation = HandleMotion::Rotation{transform.axis / axis_length, transform.degrees, transform.center};
+    linear = rotation_about(motion.rotation->axis, transform.degrees) * transform.scale;
   }
   motion.map.translation() = transform.translation;
   if (linear != Matrix3::Identity()) {  // keeps translations free of the centre's rounding

@@ -21,24 +21,24 @@ struct HandleTransform {
 
 /// The motion of a handle group to its target, along the path of MotionPath. Coordinates are absolute.
 struct HandleMotion {
-  /// A rotation that counts its turns.
-  struct Turn {
+  /// A rotation that counts revolutions.
+  struct Rotation {
     Vector3 axis = Vector3::UnitZ();  ///< unit
     double degrees = 0;
     std::optional<Vector3> center;  ///< centre of the circular path; absent: the group rotates about its own centroid
   };
 
   Affine map = Affine::Identity();
-  std::optional<Turn> turn;  ///< the rotation in `map`; absent: at most 180 degrees
+  std::optional<Rotation> rotation;  ///< the rotation in `map`; absent: at most 180 degrees
   /// Targets of the group's vertices, ascending by vertex number; they replace `map`. No rows: `map` is used.
   Points targets = Points(0, 3);
-  double part = 1;  ///< fraction of the path, 0 to 1
+  double fraction = 1;  ///< of the path, 0 to 1
 
   HandleMotion() = default;
   HandleMotion(const Affine& to) : map(to) {}  // NOLINT(google-explicit-constructor): an affine map is a motion
 };
 
-/// Returns the motion that the transform describes, with `part` 1.
+/// Returns the motion that the transform describes, with `fraction` 1.
 /// @param centroid  of the group at rest
 /// @throws EditError (BadParameter, NotFinite)
 HandleMotion resolve(const HandleTransform& transform, const Vector3& centroid);

@@ -9,7 +9,6 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/stopwatch.h"
-#include "lapedit/deform/diffusion.h"
 #include "lapedit/deform/membrane.h"
 #include "lapedit/deform/smooth_normals.h"
 #include "lapedit/linear/nested_dissection.h"
@@ -36,27 +35,26 @@ class Preparation {
 
   void make_operator(const TriangleMesh& mesh);
   void weigh();
-  /// Makes factor and smoother, on two threads where that helps.
-  void make_factor_and_smoother(EditReport& report);
+  /// Makes the factor, and on a second thread where that helps what the paper's rotations need.
+  void make_factor_and_kernel();
 
  private:
-  std::string taken_over(bool factor) const;
+  std::string reused(bool factor) const;
   bool factor_fits() const;
-  bool smoother_fits() const;
-  bool factorise(bool take_over);
+  bool factorise(bool reuse);
   void refuse_the_hopeless() const;
   CholeskyOptions cholesky_options(bool single_precision) const;
   void make_factor(bool single_precision);
-  bool same_pull() const;
+  bool same_handles() const;
   bool make_sure();
-  void smooth(bool take_over, const std::shared_ptr<ThreadPool>& pool);
+  void make_kernel();
 
   LaplacianSystem& s_;
   const LaplacianSystem* previous_;
-  bool took_operator_ = false;
+  bool operator_reused_ = false;
   Eigen::VectorXd factor_weights_;  // w_i^2 of the constraints in the factor
   WoodburyCorrection kept_out_;     // rows and weights of the others
-  bool took_order_ = false;
+  bool order_reused_ = false;
 };
 
 /// M of the paper's section 3, M^k with its membrane, and delta = M p.
@@ -67,7 +65,7 @@ void Preparation::make_operator(const TriangleMesh& mesh) {
                     previous_->settings.order == settings.order && previous_->settings.membrane == settings.membrane &&
                     same_graph(previous_->region, s_.region);
   if (same && settings.laplacian == LaplacianKind::Umbrella && !membrane) {
-    took_operator_ = true;
+    operator_reused_ = true;
   } else {
     const DifferentialOperator whole = differential_operator(settings.laplacian, s_.region, mesh, membrane);
     Eigen::VectorXd stretch;
@@ -76,9 +74,9 @@ void Preparation::make_operator(const TriangleMesh& mesh) {
     }
     const OperatorRows::Rows rows(whole.matrix);
     const OperatorRows::Rows* const old = same ? &previous_->powers.first->rows() : nullptr;
-    took_operator_ = old && old->nonZeros() == rows.nonZeros() && old->coeffs().matrix() == rows.coeffs().matrix() &&
-                     previous_->powers.stretch == stretch;
-    if (!took_operator_) {
+    operator_reused_ = old && old->nonZeros() == rows.nonZeros() && old->coeffs().matrix() == rows.coeffs().matrix() &&
+                       previous_->powers.stretch == stretch;
+    if (!operator_reused_) {
       LaplacianPowers& powers = s_.powers;
       powers.m = std::make_shared<const OperatorRows>(power(whole.matrix, settings.order), stretch);
       powers.first = settings.order == 1 ? powers.m : std::make_shared<const OperatorRows>(whole.matrix);
@@ -86,10 +84,10 @@ void Preparation::make_operator(const TriangleMesh& mesh) {
       powers.stretch = std::move(stretch);
     }
   }
-  if (took_operator_) {
+  if (operator_reused_) {
     s_.powers = previous_->powers;
   }
-  if (settings.turning == DetailTurning::Vertex) {
+  if (settings.method == EditMethod::Paper) {
     s_.powers.first->apply(s_.rest.local, s_.delta, *s_.pool);
   }
 }
@@ -119,66 +117,57 @@ void Preparation::weigh() {
 
 bool Preparation::factor_fits() const {
   // A factor that had to be in double precision for another handle may be in single precision for this one.
-  return took_operator_ && previous_->settings.backend == s_.settings.backend &&
+  return operator_reused_ && previous_->options.backend == s_.options.backend &&
          previous_->matrix->squared_weights == factor_weights_ &&
-         (s_.settings.order > 1 || s_.settings.backend == CholeskyBackend::Eigen ||
+         (s_.settings.order > 1 || s_.options.backend == CholeskyBackend::Eigen ||
           previous_->matrix->cholesky.single_precision());
 }
 
-bool Preparation::smoother_fits() const {
-  const auto automatic = [](const EditSettings& settings) {
-    return settings.rotation == DetailRotation::SmoothSurface && settings.normal_radius == 0;
-  };
-  return previous_ && previous_->settings.backend == s_.settings.backend && automatic(previous_->settings) &&
-         automatic(s_.settings) && previous_->normal_radius == s_.normal_radius &&
-         same_graph(previous_->region, s_.region) && previous_->rest.world == s_.rest.world;
-}
-
-void Preparation::make_factor_and_smoother(EditReport& report) {
-  const bool take_factor = factor_fits(), take_smoother = smoother_fits();
-  const bool smooths =
-      s_.settings.rotation == DetailRotation::SmoothNormals || s_.settings.rotation == DetailRotation::SmoothSurface;
-  if (!take_factor || (s_.settings.rotation == DetailRotation::SmoothSurface && !take_smoother)) {
-    took_order_ = previous_ && previous_->order && same_graph(previous_->region, s_.region);
-    s_.order = took_order_ ? previous_->order
-                           : std::make_shared<const std::vector<int>>(
-                                 fill_reducing_ordering(s_.region.neighbours, s_.settings.threads));
-  } else {
+void Preparation::make_factor_and_kernel() {
+  const bool reuse = factor_fits();
+  if (reuse) {
     s_.order = previous_->order;
+  } else {
+    order_reused_ = previous_ && previous_->order && same_graph(previous_->region, s_.region);
+    s_.order = order_reused_ ? previous_->order
+                             : std::make_shared<const std::vector<int>>(
+                                   fill_reducing_ordering(s_.region.neighbours, s_.options.threads));
   }
-  // The smoothing does not need the factor, so a second thread makes it meanwhile.
   constexpr int kWorthAThread = 2000;
-  const bool apart = smooths && s_.pool->threads() > 1 && s_.region.size() >= kWorthAThread;
+  const bool has_kernel = s_.settings.method == EditMethod::Paper;
+  const bool apart = has_kernel && s_.pool->threads() > 1 && s_.region.size() >= kWorthAThread;
   // It has its own threads, since the factorisation uses those of the pool.
-  ThreadPool(apart ? 2 : 1).each(smooths ? 2 : 1, [&](int part) {
-    const Stopwatch own;
-    if (part == 0) {
-      report.factor_taken_over = factorise(take_factor);
-      report.taken_over = taken_over(report.factor_taken_over);
-      report.factor_ms = own.elapsed();
+  ThreadPool(apart ? 2 : 1).each(has_kernel ? 2 : 1, [&](int k) {
+    const Stopwatch watch;
+    if (k == 0) {
+      s_.figures.factor_reused = factorise(reuse);
+      s_.figures.reused = reused(s_.figures.factor_reused);
+      s_.figures.factor_ms = watch.elapsed();
     } else {
-      smooth(take_smoother, apart ? nullptr : s_.pool);
-      report.kernel_ms = own.elapsed();
+      make_kernel();
+      s_.figures.kernel_ms = watch.elapsed();
     }
   });
 }
 
-std::string Preparation::taken_over(bool factor) const {
+std::string Preparation::reused(bool factor) const {
   const std::string second = factor                                ? "factor"
                              : s_.matrix->cholesky.took_analysis() ? "analysis"
-                             : took_order_                         ? "ordering"
+                             : order_reused_                       ? "ordering"
                                                                    : "";
-  return took_operator_ ? second.empty() ? "operator" : "operator and " + second : second.empty() ? "nothing" : second;
+  return operator_reused_ ? second.empty() ? "operator" : "operator and " + second
+         : second.empty() ? "nothing"
+                          : second;
 }
 
 /// Makes the factor, or reuses the old one, and checks that solutions converge.
 /// @return whether the old one is reused
-bool Preparation::factorise(bool take_over) {
-  if (take_over) {
+bool Preparation::factorise(bool reuse) {
+  if (reuse) {
     s_.matrix = previous_->matrix;
-    if (same_pull()) {
+    if (same_handles()) {
       s_.correction = previous_->correction;
-      s_.refinements = previous_->refinements;
+      s_.figures.refinements = previous_->figures.refinements;
       return true;
     }
     if (make_sure()) {
@@ -227,7 +216,7 @@ void Preparation::refuse_the_hopeless() const {
 
 CholeskyOptions Preparation::cholesky_options(bool single_precision) const {
   CholeskyOptions options;
-  options.backend = s_.settings.backend;
+  options.backend = s_.options.backend;
   options.single_precision = single_precision;
   options.pool = s_.pool;
   options.order = *s_.order;
@@ -237,15 +226,15 @@ CholeskyOptions Preparation::cholesky_options(bool single_precision) const {
 void Preparation::make_factor(bool single_precision) {
   s_.matrix.reset();  // frees it first, so that there are never two
   CholeskyOptions options = cholesky_options(single_precision);
-  if (took_order_ && previous_->settings.order == s_.settings.order &&
-      previous_->settings.backend == s_.settings.backend) {
+  if (order_reused_ && previous_->settings.order == s_.settings.order &&
+      previous_->options.backend == s_.options.backend) {
     options.same_pattern = &previous_->matrix->cholesky;
   }
   s_.matrix = std::make_shared<const FactoredNormalMatrix>(s_.powers.m, factor_weights_, options);
 }
 
 /// Returns whether the handles are those for which the previous system was checked.
-bool Preparation::same_pull() const {
+bool Preparation::same_handles() const {
   return previous_->region.classes == s_.region.classes && previous_->squared_weights == s_.squared_weights;
 }
 
@@ -266,26 +255,16 @@ bool Preparation::make_sure() {
       pull.row(i).setConstant(s_.squared_weights[i]);
     }
   }
-  s_.refinements = solver.refine_to(pull, x, kAccurate);
-  return s_.refinements >= 0 && s_.refinements <= most_steps;
+  s_.figures.refinements = solver.refine_to(pull, x, kAccurate);
+  return s_.figures.refinements >= 0 && s_.figures.refinements <= most_steps;
 }
 
-/// Makes S of the paper's section 6, or its replacement. A given radius means the paper's kernel. With an automatic
-/// radius and smooth surfaces diffusion is as good and costs no more than the factor.
-void Preparation::smooth(bool take_over, const std::shared_ptr<ThreadPool>& pool) {
+/// Makes the smoothing of the paper's section 6.
+void Preparation::make_kernel() {
   const EditSettings& settings = s_.settings;
-  if (take_over) {
-    s_.smoother = previous_->smoother;
-  } else if (settings.normal_radius > 0 || settings.rotation == DetailRotation::SmoothNormals) {
-    s_.smoother = std::make_shared<const SmoothingKernel>(s_.region, s_.rest.local, s_.normal_radius, settings.threads);
-  } else {
-    CholeskyOptions options;
-    options.backend = settings.backend;
-    options.order = *s_.order;
-    options.pool = pool;
-    options.single_precision = true;
-    s_.smoother = std::make_shared<const DiffusionSmoother>(s_.region, s_.rest.world, s_.normal_radius, options);
-  }
+  s_.normal_radius =
+      settings.normal_radius > 0 ? settings.normal_radius : automatic_normal_radius(s_.region, s_.rest.world);
+  s_.kernel = std::make_unique<const SmoothingKernel>(s_.region, s_.rest.local, s_.normal_radius, s_.options.threads);
   if (settings.rough == RoughDeformation::Falloff) {
     s_.falloff = geodesic_falloff(s_.region, s_.rest.local);
   }
@@ -298,43 +277,28 @@ bool LaplacianSystem::all_anchored() const {
 }
 
 std::shared_ptr<const LaplacianSystem> prepare_system(const TriangleMesh& mesh, std::shared_ptr<const RestPose> rest,
-                                                      const EditSettings& settings, const LaplacianSystem* previous,
-                                                      const Progress& progress, EditReport& report) {
-  const auto made = std::make_shared<LaplacianSystem>(std::move(rest), settings);
-  made->pool = previous && previous->settings.threads == settings.threads
-                   ? previous->pool
-                   : std::make_shared<ThreadPool>(settings.threads);
+                                                      const EditSettings& settings, const SolverOptions& options,
+                                                      const LaplacianSystem* previous, const Progress& progress) {
+  const auto made = std::make_shared<LaplacianSystem>(std::move(rest), settings, options);
+  made->pool = previous && previous->options.threads == options.threads ? previous->pool
+                                                                        : std::make_shared<ThreadPool>(options.threads);
   Preparation preparation(*made, previous);
-  Stopwatch watch;
+  const Stopwatch watch;
   report_progress(progress, 0.1, "operator");
   preparation.make_operator(mesh);
   preparation.weigh();
-  report.operator_ms = watch.lap();
+  made->figures.operator_ms = watch.elapsed();
   report_progress(progress, 0.2, "factorisation");
-  if (settings.rotation != DetailRotation::None && settings.rotation != DetailRotation::LocalGlobal) {
-    made->normal_radius =
-        settings.normal_radius > 0 ? settings.normal_radius : automatic_normal_radius(made->region, made->rest.world);
-  }
-  preparation.make_factor_and_smoother(report);
-  report_progress(progress, 0.6, "smoothing");
-
-  report.mesh_vertices = made->region.mesh_vertices;
-  report.handle = made->region.count(VertexClass::Handle);
-  report.free = made->region.count(VertexClass::Free);
-  report.anchors = made->region.count(VertexClass::Anchor);
-  report.fixed = made->region.mesh_vertices - made->region.size();
-  report.left_out = made->region.left_out;
-  report.laplacian = name(settings.laplacian);
-  report.order = settings.order;
-  report.rotation = name(settings.rotation);
-  report.turning = name(settings.turning);
-  report.rough = name(settings.rough);
-  report.membrane = settings.membrane;
-  report.normal_radius = made->normal_radius;
-  report.uniform_edges = made->powers.uniform_edges;
-  report.backend = made->matrix->cholesky.backend_name();
-  report.refinements = made->refinements;
+  preparation.make_factor_and_kernel();
   return made;
+}
+
+void require_finite_result(const Points& positions) {
+  if (!positions.allFinite()) {
+    throw EditError(
+        ErrorCause::NotFinite,
+        "The result is not finite, since the handle's displacement is too large for the mesh: move it less.");
+  }
 }
 
 void refuse_conditioning(const LaplacianSystem& system) {

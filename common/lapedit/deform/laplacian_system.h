@@ -4,11 +4,11 @@
 #include <memory>
 #include <vector>
 
-#include "lapedit/deform/edit_report.h"
+#include "lapedit/base/progress.h"
 #include "lapedit/deform/edit_settings.h"
 #include "lapedit/deform/geodesic_falloff.h"
 #include "lapedit/deform/rest_pose.h"
-#include "lapedit/deform/smoother.h"
+#include "lapedit/deform/smooth_normals.h"
 #include "lapedit/linear/refined_solver.h"
 
 namespace lapedit {
@@ -23,41 +23,51 @@ struct LaplacianPowers {
   Eigen::VectorXd stretch;  ///< c D of membrane_factor(), which m adds to M^T; empty without a membrane
 };
 
+/// What making a system took, and what it shares.
+struct SystemFigures {
+  double operator_ms = 0, factor_ms = 0, kernel_ms = 0;
+  std::string reused;  ///< see EditReport::reused
+  bool factor_reused = false;
+  int refinements = 0;  ///< steps to kAccurate without the correction
+};
+
 /// The linear system of an edit, independent of the handles' motions. prepare_system() makes it; afterwards it is only
 /// read.
 ///
-/// Operator, factor and smoother depend on the region, its anchors and the settings. Each is shared by pointer with the
-/// system of the next handle if it fits. Users work on copies with their own scratch memory: a RefinedSolver, and the
-/// result of Smoother::share(). The thread pool is shared as well, so only one of the sharing objects may compute at a
-/// time.
+/// Operator and factor depend on the region, its anchors and the settings. Each is shared by pointer with the
+/// system of the next handle if it fits. The thread pool is shared as well, so only one of the sharing objects may
+/// compute at a time.
 struct LaplacianSystem {
   std::shared_ptr<const RestPose> shared_rest;
   const RestPose& rest;
   const Region& region;
   EditSettings settings;
+  SolverOptions options;
   std::shared_ptr<ThreadPool> pool;
   LaplacianPowers powers;
   std::shared_ptr<const std::vector<int>> order;  ///< elimination order; null if it was not computed
-  Points delta;                                   ///< M_1 p of the rest pose, for DetailTurning::Vertex only
+  Points delta;                                   ///< M_1 p of the rest pose, for EditMethod::Paper only
   Eigen::VectorXd squared_weights;                ///< w_i^2 of handles and anchors, 0 for free vertices
   std::shared_ptr<const FactoredNormalMatrix> matrix;
   std::shared_ptr<const WoodburyCorrection> correction;  ///< for small handles, which are not in the factor; else null
-  int refinements = 0;                                   ///< steps to kAccurate without the correction
-  double normal_radius = 0;                              ///< 0 without rotation
-  std::shared_ptr<const Smoother> smoother;              ///< for smooth normals and surfaces, else null
-  GeodesicFalloff falloff;                               ///< empty unless rotations are estimated from it
+  SystemFigures figures;
+  double normal_radius = 0;                       ///< of the kernel; 0 without
+  std::unique_ptr<const SmoothingKernel> kernel;  ///< for EditMethod::Paper, else null
+  GeodesicFalloff falloff;                        ///< empty unless rotations are estimated from it
 
-  LaplacianSystem(std::shared_ptr<const RestPose> pose, const EditSettings& given)
-      : shared_rest(std::move(pose)), rest(*shared_rest), region(*rest.region), settings(given) {}
+  LaplacianSystem(std::shared_ptr<const RestPose> pose, const EditSettings& given, const SolverOptions& with)
+      : shared_rest(std::move(pose)), rest(*shared_rest), region(*rest.region), settings(given), options(with) {}
   bool all_anchored() const;
 };
 
-/// @param previous  system whose operator, factor and smoother are shared if they fit; null: the same bits in more time
-/// @param report    out: times, counts and the shared parts
+/// @param previous  system whose operator and factor are shared if they fit; null: the same bits in more time
 /// @throws EditError (IllConditioned, Cancelled)
 std::shared_ptr<const LaplacianSystem> prepare_system(const TriangleMesh& mesh, std::shared_ptr<const RestPose> rest,
-                                                      const EditSettings& settings, const LaplacianSystem* previous,
-                                                      const Progress& progress, EditReport& report);
+                                                      const EditSettings& settings, const SolverOptions& options,
+                                                      const LaplacianSystem* previous, const Progress& progress);
+
+/// @throws EditError (NotFinite) with a message for the user unless all positions of a result are finite
+void require_finite_result(const Points& positions);
 
 /// Always throws EditError (IllConditioned) with a message for the user.
 [[noreturn]] void refuse_conditioning(const LaplacianSystem& system);

@@ -17,60 +17,62 @@ LocalMotion LocalMotion::of(const Affine& map, const Vector3& origin) {
 }
 
 MotionPath::MotionPath(const HandleMotion& to, const Vector3& origin, const Vector3& centre)
-    : whole_(LocalMotion::of(to.map, origin)), centre_(centre), way_(whole_.displacement(centre)) {
-  if (whole_.linear.isZero(0) && !to.turn) {
+    : whole_(LocalMotion::of(to.map, origin)), centre_(centre), displacement_(whole_.displacement(centre)) {
+  if (whole_.linear.isZero(0) && !to.rotation) {
     return;
   }
   const Matrix3 linear = to.map.linear();
   Matrix3 rotation;
-  if (to.turn) {
-    axis_ = to.turn->axis;
-    degrees_ = to.turn->degrees;
+  if (to.rotation) {
+    axis_ = to.rotation->axis;
+    degrees_ = to.rotation->degrees;
     rotation = rotation_about(axis_, degrees_);
   } else {
     rotation = polar_rotation(linear);
-    const AxisAngle turn(rotation);
-    axis_ = turn.axis;
-    degrees_ = turn.degrees;
+    const AxisAngle found(rotation);
+    axis_ = found.axis;
+    degrees_ = found.degrees;
   }
   stretch_ = rotation.transpose() * linear;
-  if (to.turn && to.turn->center) {
-    lever_ = centre + origin - *to.turn->center;
+  if (to.rotation && to.rotation->center) {
+    lever_ = centre + origin - *to.rotation->center;
     scale_ = stretch_.trace() / 3;
-  } else if (!to.turn || std::abs(degrees_) <= 180) {
+  } else if (!to.rotation || std::abs(degrees_) <= 180) {
     arc_ = degrees_;
   }
 }
 
-LocalMotion MotionPath::at(double part) const {
-  if (part == 0) {
+LocalMotion MotionPath::at(double fraction) const {
+  if (fraction == 0) {
     return {};
   }
-  if (part == 1) {
+  if (fraction == 1) {
     return whole_;
   }
   LocalMotion motion;
-  Vector3 way = part * way_;
+  Vector3 displacement = fraction * displacement_;
   if (!stretch_.isIdentity(0) || degrees_ != 0) {
-    const Matrix3 rotation = rotation_about(axis_, part * degrees_);
-    motion.linear = rotation * (stretch_ + (1 - part) * (Matrix3::Identity() - stretch_)) - Matrix3::Identity();
+    const Matrix3 rotation = rotation_about(axis_, fraction * degrees_);
+    motion.linear = rotation * (stretch_ + (1 - fraction) * (Matrix3::Identity() - stretch_)) - Matrix3::Identity();
     if (!lever_.isZero(0)) {
       const auto circle = [this](double p) -> Vector3 {
         return (1 + p * (scale_ - 1)) * (rotation_about(axis_, p * degrees_) * lever_) - lever_;
       };
-      way += circle(part) - part * circle(1);
+      displacement += circle(fraction) - fraction * circle(1);
     } else if (arc_ != 0) {
-      const Vector3 along = axis_ * axis_.dot(way_);
-      way = part * along + sine_ratio(arc_ / 2, part) * (rotation_about(axis_, (part - 1) * arc_ / 2) * (way_ - along));
+      const Vector3 along = axis_ * axis_.dot(displacement_);
+      displacement =
+          fraction * along +
+          sine_ratio(arc_ / 2, fraction) * (rotation_about(axis_, (fraction - 1) * arc_ / 2) * (displacement_ - along));
     }
   }
-  motion.translation = way - motion.linear * centre_;
+  motion.translation = displacement - motion.linear * centre_;
   return motion;
 }
 
 double MotionPath::length(double unit) const {
   constexpr double kDegrees = 30, kStretch = 0.25;
-  return std::max({std::abs(degrees_) / kDegrees, unit > 0 ? way_.norm() / unit : 0,
+  return std::max({std::abs(degrees_) / kDegrees, unit > 0 ? displacement_.norm() / unit : 0,
                    (stretch_ - Matrix3::Identity()).norm() / kStretch});
 }
 

@@ -23,13 +23,13 @@ struct LocalMotion {
 class MotionPath {
  public:
   MotionPath() = default;
-  /// @param to      the whole motion; HandleMotion::part and targets are ignored
+  /// @param to      the whole motion; HandleMotion::fraction and targets are ignored
   /// @param origin  of local coordinates
   /// @param centre  centroid of the group at rest, local
   MotionPath(const HandleMotion& to, const Vector3& origin, const Vector3& centre);
 
   /// Returns the motion at a fraction of the path; exactly the identity at 0 and the whole motion at 1.
-  LocalMotion at(double part) const;
+  LocalMotion at(double fraction) const;
 
   /// Returns the length of the path, in which 30 degrees of rotation, a displacement of `unit`, or a stretch of a
   /// quarter count as 1.
@@ -37,7 +37,7 @@ class MotionPath {
 
  private:
   LocalMotion whole_;
-  Vector3 centre_ = Vector3::Zero(), way_ = Vector3::Zero(), axis_ = Vector3::UnitZ();
+  Vector3 centre_ = Vector3::Zero(), displacement_ = Vector3::Zero(), axis_ = Vector3::UnitZ();
   Vector3 lever_ = Vector3::Zero();  // from the centre of the rotation to the centroid
   Matrix3 stretch_ = Matrix3::Identity();
   double degrees_ = 0, arc_ = 0;

@@ -166,13 +166,9 @@ SmoothingKernel::SmoothingKernel(const Region& region, const Points& rest, doubl
   std::iota(centres.begin(), centres.end(), 0);
   if (mean_ball_size(region, rest, radius) * region.size() > static_cast<double>(max_entries)) {
     centres = sample_centres(region, rest, radius / 4);
-    blend_ = std::make_shared<const Rows>(normalised_rows<Rows>(blend_lists(region, rest, centres, radius / 2)));
+    blend_ = normalised_rows<Rows>(blend_lists(region, rest, centres, radius / 2));
   }
-  direct_ = std::make_shared<const Rows>(normalised_rows<Rows>(kernel_lists(region, rest, centres, radius, threads)));
-}
-
-std::unique_ptr<Smoother> SmoothingKernel::share(std::shared_ptr<ThreadPool> /*pool*/) const {
-  return std::unique_ptr<Smoother>(new SmoothingKernel(*this));
+  direct_ = normalised_rows<Rows>(kernel_lists(region, rest, centres, radius, threads));
 }
 
 void SmoothingKernel::multiply(const Rows& rows, const Points& in, Points& out) {
@@ -187,17 +183,17 @@ void SmoothingKernel::multiply(const Rows& rows, const Points& in, Points& out) 
   }
 }
 
-void SmoothingKernel::apply(const Points& in, Points& out) const {
-  if (blend_) {
-    multiply(*direct_, in, centres_);
-    multiply(*blend_, centres_, out);
+void SmoothingKernel::apply(const Points& in, Points& out, Points& scratch) const {
+  if (sampled()) {
+    multiply(direct_, in, scratch);
+    multiply(blend_, scratch, out);
   } else {
-    multiply(*direct_, in, out);
+    multiply(direct_, in, out);
   }
 }
 
 std::size_t SmoothingKernel::entries() const {
-  return direct_->columns.size() + (blend_ ? blend_->columns.size() : 0);
+  return direct_.columns.size() + blend_.columns.size();
 }
 
 double automatic_normal_radius(const Region& region, const Points& rest) {
@@ -209,10 +205,10 @@ double automatic_normal_radius(const Region& region, const Points& rest) {
       ++edges;
     }
   }
-  constexpr double kShareOfRegion = 0.3;
+  constexpr double kFractionOfRegion = 0.3;
   constexpr double kEdges = 4;
   const double floor = edges > 0 ? kEdges * sum / edges : 0;
-  const double radius = std::max(kShareOfRegion * region.max_distance, floor);
+  const double radius = std::max(kFractionOfRegion * region.max_distance, floor);
   return radius > 0 ? radius : 1;  // a region without any length is not smoothed
 }
 

@@ -4,7 +4,6 @@
 #include <memory>
 #include <vector>
 
-#include "lapedit/deform/smoother.h"
 #include "lapedit/mesh/region.h"
 
 namespace lapedit {
@@ -21,18 +20,17 @@ void vertex_normals(const Points& points, const Faces& faces, Points& normals, E
 /// If the neighbourhoods together would hold more than max_entries vertices, means are computed at sample centres r/4
 /// to r/2 apart and blended by the kernel of radius r/2. Cost and memory then do not grow with r, and the smoothing is
 /// slightly wider. On symmetric meshes the centres depend on the vertex numbers.
-class SmoothingKernel : public Smoother {
+class SmoothingKernel {
  public:
   /// @param rest     size() x 3 rest positions of the region
   /// @param radius   r > 0, model units
   SmoothingKernel(const Region& region, const Points& rest, double radius, int threads = 0,
                   std::size_t max_entries = 8000000);
 
-  void apply(const Points& in, Points& out) const override;
+  /// Computes the weighted means, size() x 3. @param scratch  keeps its storage between calls
+  void apply(const Points& in, Points& out, Points& scratch) const;
 
-  std::unique_ptr<Smoother> share(std::shared_ptr<ThreadPool> pool) const override;
-
-  bool sampled() const { return blend_ != nullptr; }
+  bool sampled() const { return !blend_.columns.empty(); }
   std::size_t entries() const;
 
  private:
@@ -42,11 +40,9 @@ class SmoothingKernel : public Smoother {
     std::vector<double> weights;
   };
   static void multiply(const Rows& rows, const Points& in, Points& out);
-  SmoothingKernel(const SmoothingKernel& other) = default;
 
-  std::shared_ptr<const Rows> direct_;  // vertices x vertices, or centres x vertices when sampled
-  std::shared_ptr<const Rows> blend_;   // vertices x centres when sampled, else null
-  mutable Points centres_;              // scratch
+  Rows direct_;  // vertices x vertices, or centres x vertices when sampled
+  Rows blend_;   // vertices x centres when sampled, else empty
 };
 
 /// Returns the radius for normal_radius = 0: 0.3 of the largest distance from a handle in the region, at least four

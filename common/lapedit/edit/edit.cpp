@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <utility>
@@ -32,13 +33,6 @@ Progress part_of(const Progress& progress, std::size_t k, std::size_t count) {
   };
 }
 
-EditStep with_sorted_groups(EditStep step) {
-  for (std::size_t g = 0; g < step.handles.size(); ++g) {
-    sort_group(step.handles[g], g);
-  }
-  return step;
-}
-
 /// Returns the residuals of the landmarks of a step.
 std::vector<LandmarkResidual> residuals(const EditStep& step, const Points& vertices) {
   std::vector<LandmarkResidual> all;
@@ -56,33 +50,25 @@ class Poses {
  public:
   using Each = std::function<void(std::size_t pose, EditResult&&)>;
 
-  Poses(const TriangleMesh& mesh, const Adjacency& adjacency, const std::vector<double>& fractions, StoredScalar scalar)
-      : mesh_(mesh),
-        adjacency_(adjacency),
-        fractions_(fractions),
-        scalar_(scalar),
-        now_(fractions.size(), mesh.vertices) {
+  Poses(const TriangleMesh& mesh, const Adjacency& adjacency, const std::vector<double>& fractions, StoredScalar scalar,
+        const SolverOptions& options)
+      : mesh_(mesh), adjacency_(adjacency), fractions_(fractions), vertices_(fractions.size(), mesh.vertices) {
+    options_.scalar = scalar;
+    options_.solver = options;
     std::for_each(fractions.begin(), fractions.end(), check_fraction);
   }
 
   /// @param each  called for every step and pose, in this order
-  void run(const Edit& given, const Progress& progress, const Each& each) {
-    const Edit edit = located(mesh_, adjacency_, given);
+  void run(const Edit& edit, const Progress& progress, const Each& each) {
     const std::size_t steps = edit.steps.size(), poses = fractions_.size();
     if (steps == 0) {
       throw EditError(ErrorCause::BadScript, "The edit has no steps: give at least one.");
     }
     for (std::size_t k = 0; k < steps; ++k) {
-      std::unique_ptr<StepRunner> runner;
-      EditStep step;  // with resolved vertices
       for (std::size_t p = 0; p < poses; ++p) {
         try {
-          if (k > 0 || !runner) {
-            mesh_.vertices = now_[p];
-            step = with_sorted_groups(mirrored(mesh_, edit.steps[k]));
-            step.mirror = edit.steps[k].mirror;
-          }
-          run_step(step, p, k == 0, part_of(progress, k * poses + p, steps * poses), runner, each);
+          const bool same_shape = k == 0 && p > 0;
+          run_step(edit.steps[k], p, same_shape, part_of(progress, k * poses + p, steps * poses), each);
         } catch (const EditError& error) {
           refuse(error, k, steps, p);
         }
@@ -91,27 +77,42 @@ class Poses {
   }
 
   /// Returns all vertices of a pose.
-  const Points& vertices(std::size_t p) const { return now_[p]; }
+  const Points& vertices(std::size_t p) const { return vertices_[p]; }
 
  private:
-  void run_step(const EditStep& step, std::size_t p, bool same_shape, const Progress& progress,
-                std::unique_ptr<StepRunner>& runner, const Each& each) {
-    if (!same_shape || !runner) {
-      // Checks transforms before the factorisation, so that errors are reported at once.
-      const auto check_targets = [&](const Region&) { motions_of(mesh_, step, fractions_[p]); };
-      runner = std::make_unique<StepRunner>(StepProblem{mesh_, adjacency_, step.region, groups_of(step), step.settings,
-                                                        scalar_, weights_of(step), step.mirror},
-                                            progress, check_targets, std::move(runner));
+  void run_step(const EditStep& given, std::size_t p, bool same_shape, const Progress& progress, const Each& each) {
+    if (!same_shape) {
+      mesh_.vertices = vertices_[p];
+      step_ = mirrored(mesh_, given);
+      for (std::size_t g = 0; g < step_.handles.size(); ++g) {
+        sort_group(step_.handles[g], g);
+      }
+      options_.mirror = given.mirror;
+    }
+    FoundRegion found;
+    if (!same_shape) {
+      validate(step_.settings);
+      report_progress(progress, 0, "region");
+      found =
+          find_region(mesh_, adjacency_, step_.region, groups_of(step_), weights_of(step_), options_.solver.threads);
+    }
+    // Checks transforms before the factorisation, so that errors are reported at once.
+    const std::vector<HandleMotion> motions = motions_of(mesh_, step_, fractions_[p]);
+    if (!same_shape) {
+      auto solver = std::make_unique<StepSolver>(mesh_, std::move(found), step_.settings, options_);
+      solver->prepare(mesh_, progress, solver_ ? solver_->system().get() : nullptr);
+      solver_ = std::move(solver);
     }
     EditResult result;
-    runner->solve(motions_of(mesh_, step, fractions_[p]), result.positions);
-    result.vertices = runner->region().mesh_vertex;
-    result.reports.push_back(runner->report());
-    scatter(result.vertices, result.positions, now_[p]);
-    result.reports.back().has_targets = std::any_of(step.handles.begin(), step.handles.end(),
-                                                    [](const HandleGroup& group) { return !group.targets.empty(); });
+    result.positions = solver_->pose(motions);
+    result.vertices = solver_->region().mesh_vertex;
+    result.reports.push_back(solver_->report());
+    scatter(result.vertices, result.positions, vertices_[p]);
+    EditReport& report = result.reports.back();
+    report.has_targets = std::any_of(step_.handles.begin(), step_.handles.end(),
+                                     [](const HandleGroup& group) { return !group.targets.empty(); });
     if (fractions_[p] == 1) {
-      result.reports.back().landmarks = residuals(step, now_[p]);
+      report.landmarks = residuals(step_, vertices_[p]);
     }
     each(p, std::move(result));
     report_progress(progress, 1, "done");
@@ -130,11 +131,13 @@ class Poses {
     throw EditError(error.cause(), sentence);
   }
 
-  TriangleMesh mesh_;  // the current pose
+  TriangleMesh mesh_;  // the shape before the current step
   const Adjacency& adjacency_;
   const std::vector<double>& fractions_;
-  StoredScalar scalar_;
-  std::vector<Points> now_;  // vertices, per pose
+  StepOptions options_;
+  std::vector<Points> vertices_;  // per pose
+  EditStep step_;                 // the current one, with all groups
+  std::unique_ptr<StepSolver> solver_;
 };
 
 std::string by_place_advice(const Edit& edit) {
@@ -143,8 +146,7 @@ std::string by_place_advice(const Edit& edit) {
                                       "edit's key mesh, and keep places";
 }
 
-}  // namespace
-
+/// @throws EditError (MeshMismatch) if the mesh differs from the edit's description of its mesh
 void require_same_mesh(const TriangleMesh& mesh, const Edit& edit) {
   const auto vertices = mesh.vertices.rows();
   const auto faces = mesh.faces.rows();
@@ -168,39 +170,15 @@ void require_same_mesh(const TriangleMesh& mesh, const Edit& edit) {
   }
 }
 
-void apply_steps(const TriangleMesh& mesh, const Adjacency& adjacency, const Edit& edit, double fraction,
-                 StoredScalar scalar, const Progress& progress, const std::function<void(EditResult&&)>& each) {
-  const std::vector<double> fractions{fraction};
-  Poses(mesh, adjacency, fractions, scalar).run(edit, progress, [&each](std::size_t, EditResult&& result) {
-    each(std::move(result));
-  });
-}
-
-EditResult apply_step(const TriangleMesh& mesh, const Adjacency& adjacency, const EditStep& step, double fraction,
-                      StoredScalar scalar, const Progress& progress) {
-  Edit edit;
-  edit.steps.push_back(step);
-  EditResult only;
-  apply_steps(mesh, adjacency, edit, fraction, scalar, progress,
-              [&only](EditResult&& result) { only = std::move(result); });
-  return only;
-}
-
-EditResult apply_edit(const TriangleMesh& mesh, const Edit& edit, double fraction, StoredScalar scalar,
-                      const Progress& progress) {
-  validate(mesh);
-  const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
-  return std::move(apply_edit(mesh, adjacency, edit, std::vector<double>{fraction}, scalar, progress).front());
-}
+}  // namespace
 
 std::vector<EditResult> apply_edit(const TriangleMesh& mesh, const Adjacency& adjacency, const Edit& edit,
-                                   const std::vector<double>& fractions, StoredScalar scalar,
-                                   const Progress& progress) {
-  std::for_each(fractions.begin(), fractions.end(), check_fraction);
+                                   const SelectedVertices& selection, const std::vector<double>& fractions,
+                                   StoredScalar scalar, const Progress& progress, const SolverOptions& options) {
+  Poses poses(mesh, adjacency, fractions, scalar, options);
   require_same_mesh(mesh, edit);
   std::vector<EditResult> results(fractions.size());
-  Poses poses(mesh, adjacency, fractions, scalar);
-  poses.run(edit, progress, [&](std::size_t p, EditResult&& step) {
+  poses.run(located(mesh, adjacency, edit, selection), progress, [&](std::size_t p, EditResult&& step) {
     results[p].vertices = united(results[p].vertices, step.vertices);
     results[p].reports.push_back(std::move(step.reports.front()));
   });
@@ -210,13 +188,22 @@ std::vector<EditResult> apply_edit(const TriangleMesh& mesh, const Adjacency& ad
   return results;
 }
 
-std::vector<EditResult> apply_edit(const TriangleMesh& mesh, const Edit& edit, const SelectedVertices& selection,
-                                   const std::vector<double>& fractions, StoredScalar scalar,
-                                   const Progress& progress) {
+EditResult apply_edit(const TriangleMesh& mesh, const Edit& edit, double fraction, StoredScalar scalar,
+                      const Progress& progress, const SolverOptions& options) {
   validate(mesh);
+  const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces, options.threads);
+  return std::move(apply_edit(mesh, adjacency, edit, {}, {fraction}, scalar, progress, options).front());
+}
+
+std::vector<EditResult> apply_steps(const TriangleMesh& mesh, const Adjacency& adjacency, const Edit& edit,
+                                    StoredScalar scalar, const Progress& progress) {
   require_same_mesh(mesh, edit);
-  const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
-  return apply_edit(mesh, adjacency, located(mesh, adjacency, edit, selection), fractions, scalar, progress);
+  const std::vector<double> whole = {1};
+  std::vector<EditResult> results;
+  Poses(mesh, adjacency, whole, scalar, {})
+      .run(located(mesh, adjacency, edit), progress,
+           [&results](std::size_t, EditResult&& result) { results.push_back(std::move(result)); });
+  return results;
 }
 
 std::string text_of(const std::vector<EditReport>& reports) {

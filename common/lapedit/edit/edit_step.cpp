@@ -90,11 +90,10 @@ std::vector<std::vector<double>> weights_of(const EditStep& step) {
 std::vector<HandleMotion> motions_of(const TriangleMesh& mesh, const EditStep& step, double fraction) {
   std::vector<HandleMotion> motions;
   for (std::size_t g = 0; g < step.handles.size(); ++g) {
-    HandleGroup handle = step.handles[g];
-    sort_group(handle, g);
+    const HandleGroup& handle = step.handles[g];
     HandleMotion motion = resolve(handle.transform, centroid(mesh.vertices, handle.vertices));
     check_handle(handle, g);
-    motion.part = fraction;
+    motion.fraction = fraction;
     require_finite_targets(handle, g);
     targets_to(handle.vertices, handle.targets, mesh, motion.targets);
     motions.push_back(std::move(motion));

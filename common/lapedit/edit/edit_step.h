@@ -68,8 +68,8 @@ Vector3 centroid(const Points& vertices, const std::vector<int>& group);
 // Of the handles of a step, one entry per group.
 std::vector<std::vector<int>> groups_of(const EditStep& step);
 std::vector<std::vector<double>> weights_of(const EditStep& step);
-/// Returns the motions of the groups; targets in ascending order of the vertices. @param fraction  of the path, 0 to 1.
-/// @throws EditError as centroid(), resolve() and sort_group(); (BadParameter) as check_handles(); (NotFinite)
+/// Returns the motions of the groups, which are sorted. @param fraction  of the path, 0 to 1.
+/// @throws EditError as centroid() and resolve(); (BadParameter) as check_handles(); (NotFinite)
 std::vector<HandleMotion> motions_of(const TriangleMesh& mesh, const EditStep& step, double fraction = 1);
 
 /// Targets as HandleMotion has them: one row for each vertex, but none if they are the vertices' own places, which is

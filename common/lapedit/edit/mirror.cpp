@@ -107,12 +107,12 @@ class Images {
                       ", " + number_text(place[2]) + "): move the mirror plane, or edit without it.");
 }
 
-Vector3 turn_of(const Matrix3& rotation) {
-  const Eigen::AngleAxisd turn(rotation);
-  return turn.angle() * turn.axis();
+Vector3 rotation_vector(const Matrix3& rotation) {
+  const Eigen::AngleAxisd found(rotation);
+  return found.angle() * found.axis();
 }
 
-bool turns_or_scales(const HandleTransform& transform) {
+bool rotates_or_scales(const HandleTransform& transform) {
   return transform.degrees != 0 || transform.scale != 1;
 }
 
@@ -201,7 +201,7 @@ HandleTransform MirroredHandles::reflected(const HandleTransform& given, const V
   }
   result.translation = mirror_.linear() * given.translation;
   result.axis = -(mirror_.linear() * given.axis);
-  if (given.center || turns_or_scales(given)) {
+  if (given.center || rotates_or_scales(given)) {
     result.center = mirror_ * given.center.value_or(centre);
   }
   return result;
@@ -218,7 +218,7 @@ HandleTransform MirroredHandles::symmetric(const HandleTransform& given, const V
     const Matrix3 stretch = rotation.transpose() * linear;
     const Vector3 from = onto_plane(centre);
     Affine mean;
-    mean.linear() = Eigen::AngleAxisd(turn_of(rotation).dot(normal_), normal_).toRotationMatrix() *
+    mean.linear() = Eigen::AngleAxisd(rotation_vector(rotation).dot(normal_), normal_).toRotationMatrix() *
                     ((stretch + mirror_.linear() * stretch * mirror_.linear()) / 2);
     mean.translation() = from + in_plane(map * from - from) - mean.linear() * from;
     result.matrix = mean.matrix();
@@ -227,16 +227,16 @@ HandleTransform MirroredHandles::symmetric(const HandleTransform& given, const V
   result.translation = in_plane(given.translation);
   const double length = given.axis.stableNorm();
   if (given.degrees != 0 && length > 0) {
-    // Returns the part of the rotation vector along the normal.
-    const double turn = std::remainder(given.degrees, 360) * given.axis.dot(normal_) / length;
+    // The component of the rotation vector along the normal.
+    const double degrees = std::remainder(given.degrees, 360) * given.axis.dot(normal_) / length;
     constexpr double kNone = 1e-12;  // an axis within the plane
     result.axis = normal_;
-    result.degrees = std::abs(turn) > kNone * std::abs(given.degrees) ? turn : 0;
+    result.degrees = std::abs(degrees) > kNone * std::abs(given.degrees) ? degrees : 0;
     if (std::abs(given.axis.dot(normal_)) > (1 - kNone) * length) {
-      result.degrees = given.axis.dot(normal_) > 0 ? given.degrees : -given.degrees;  // also for several full turns
+      result.degrees = given.axis.dot(normal_) > 0 ? given.degrees : -given.degrees;  // also for several revolutions
     }
   }
-  if (given.center || turns_or_scales(given)) {
+  if (given.center || rotates_or_scales(given)) {
     result.center = onto_plane(given.center.value_or(centre));
   }
   return result;
@@ -268,7 +268,7 @@ void MirroredHandles::maps(const std::vector<HandleTransform>& given, std::vecto
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const HandleMotion motion = resolve(transform(g, given), centroids_[g]);
     maps[g].map = motion.map;
-    maps[g].turn = motion.turn;
+    maps[g].rotation = motion.rotation;
   }
 }
 

@@ -417,9 +417,9 @@ Edit fit_landmarks(HandleGroup group) {
   EditStep step;
   step.region.kind = RegionSpec::Kind::Component;
   step.handles = {std::move(group)};
+  step.settings = EditSettings::of(EditMethod::Linear);
   step.settings.laplacian = LaplacianKind::Cotangent;
-  step.settings.rotation = DetailRotation::None;
-  step.settings.membrane = 0;
+  step.settings.handle_weight = step.settings.anchor_weight = 30;
   Edit edit;
   edit.steps = {std::move(step)};
   return edit;

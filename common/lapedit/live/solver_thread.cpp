@@ -15,7 +15,6 @@
 #include "lapedit/base/error.h"
 #include "lapedit/base/joined_thread.h"
 #include "lapedit/base/stopwatch.h"
-#include "lapedit/live/drag_frames.h"
 
 namespace lapedit {
 namespace {
@@ -27,18 +26,18 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kPause{50}, kLongestPause{1000};
 
 /// Smaller regions are prepared fast enough without previews.
-constexpr int kHandFrom = 12000;
+constexpr int kPreviewFrom = 12000;
 
 constexpr const char* kNoMemory = "There is not enough memory for this region: choose a smaller one.";
 
 /// Requests of the window.
-struct Asked {
+struct Request {
   bool quit = false;
   std::unique_ptr<PrepareTask> prepare;
   std::unique_ptr<ApplyTask> apply;
   bool has_region = false;  ///< prepared or requested
   bool solve = false;
-  bool shown = false;              ///< the newest solve has been answered by the cells alone
+  bool shown = false;              ///< the cells alone have responded to the newest solve
   std::vector<HandleMotion> maps;  ///< of the newest solve, as the next members are
   bool last = false;
   int serial = 0;
@@ -47,35 +46,38 @@ struct Asked {
 };
 
 /// Results that the window has not taken yet.
-struct Answered {
-  bool has_news = false;
-  SolverNews news;
+struct Response {
+  bool is_new = false;
+  SolverUpdate update;
   SolverPose pose;
 };
 
-/// The next or current job of the background thread.
+/// The next or current job of the background thread: a system.
 struct Job {
-  PrepareTask task;
-  FoundRegion found;
-  std::shared_ptr<CellModel> cells;
+  std::shared_ptr<StepSolver> solver;
+  std::shared_ptr<const TriangleMesh> mesh;
+  std::shared_ptr<const LaplacianSystem> previous;  ///< to be reused
   Stopwatch watch;
   int generation = -1;
 };
 
+/// What remains to be done for the last pose while no request comes, in this order.
+enum class Remaining {
+  Nothing,
+  Report,  ///< the pose is full
+  Pose,    ///< it is a preview, and passes and the full pose follow after a pause
+  Passes   ///< the mouse rests: the next pass follows at once
+};
+
 /// Data of the solver thread only.
-struct AtWork {
-  std::unique_ptr<StepRunner> runner;
-  int generation = -1;  ///< of the runner
-  std::unique_ptr<DragFrames> frames;
-  int frames_generation = -1;
-  std::shared_ptr<Job> job, next_job;         ///< the background's
-  StoredScalar scalar = StoredScalar::Float;  ///< of what was prepared last
+struct Work {
+  std::shared_ptr<StepSolver> solver;
+  int generation = -1;                            ///< of the solver
+  std::shared_ptr<const LaplacianSystem> system;  ///< the newest, to be reused
+  std::shared_ptr<Job> job, next_job;             ///< of the background
   std::vector<HandleMotion> maps;
   int serial = 0;
   SolverPose pose;
-  bool preview = false;     ///< the last pose was a preview; the full one is still to be computed
-  bool refines = false;     ///< the mouse rests, and further passes are made
-  bool report_due = false;  ///< the last pose has no report yet
 };
 
 enum class Answer {
@@ -89,36 +91,39 @@ enum class Answer {
 struct SolverThread::Impl {
   std::function<void()> wake;
   mutable std::mutex mutex;
-  std::condition_variable question;  // for the thread
-  std::condition_variable answer;    // for wait()
+  std::condition_variable requested;  // for the thread
+  std::condition_variable responded;  // for wait()
   std::thread thread;
 
   // Guarded by mutex.
-  Asked asked;
-  Answered answered;
+  Request request;
+  Response response;
   bool working = false;
   bool preparing = false;  // the background works on the newest request
+  Remaining remaining = Remaining::Nothing;
 
-  std::atomic<int> newest{0};          // serial number, read by a running solve
-  std::atomic<bool> unsettled{false};  // the last pose was a preview, and is still to be solved for in full
-  std::atomic<int> generation{0};      // counts requests that discard all earlier ones
+  std::atomic<int> newest{0};      // serial number, read by a running solve
+  std::atomic<int> generation{0};  // counts requests that discard all earlier ones
   std::atomic<double> progress{0};
   std::atomic<const char*> stage{""};
 
-  AtWork own;
-  std::atomic<bool> prepared{false};                    // the background has made a runner, or failed
-  std::future<std::unique_ptr<StepRunner>> background;  // valid until its result is taken
+  Work work;
+  std::atomic<bool> prepared{false};                               // the background has made a system, or failed
+  std::future<std::shared_ptr<const LaplacianSystem>> background;  // valid until its result is taken
   JoinedThread background_thread;
 
-  void drop();
+  void discard();
   template <class Change>
-  void ask(const Change& change);
+  void replace_request(const Change& change);
   void run();
-  bool usable() const { return own.runner && own.generation == generation; }
-  bool has_frames() const { return own.frames && own.frames_generation == generation; }
-  bool answerable() const { return asked.solve && (usable() || (has_frames() && !(asked.last && asked.shown))); }
+  bool current() const { return work.solver && work.generation == generation; }
+  bool usable() const { return current() && work.solver->system(); }
+  bool has_frames() const { return current() && work.solver->has_frames(); }
+  bool is_preview() const { return remaining == Remaining::Pose || remaining == Remaining::Passes; }
+  bool answerable() const { return request.solve && (usable() || (has_frames() && !(request.last && request.shown))); }
+  bool is_stale() const { return (work.solver || work.system) && !current() && !request.prepare; }
   bool has_work() const {
-    return asked.quit || asked.prepare || asked.apply || prepared || (own.runner && !usable()) || answerable();
+    return request.quit || request.prepare || request.apply || prepared || is_stale() || answerable();
   }
   bool wait_for_work(std::unique_lock<std::mutex>& lock);
   void settle(std::unique_lock<std::mutex>& lock);
@@ -129,40 +134,40 @@ struct SolverThread::Impl {
   void prepare(const PrepareTask& task, int mine);
   void prepare_in_background();
   void take_prepared(std::unique_lock<std::mutex>& lock);
-  void make_frames(const PrepareTask& task, const FoundRegion& found, int mine);
-  void publish_ready(int mine, double prepare_ms, bool in_hand);
-  void apply(const ApplyTask& task, int mine);
+  void make_cells(StepSolver& solver, const TriangleMesh& mesh, const Progress& progress_here);
+  void publish_ready(int mine, double prepare_ms, bool has_preview);
 
   // Posing.
   void pose_cells(int mine, bool last);
   bool pose_frame();
   bool refine_frame();
   void solve(int mine, Answer kind);
-  void publish_pose(int mine, int serial, const std::shared_ptr<const EditReport>& report);
+  void publish_pose(int mine, int serial, Remaining then, const std::shared_ptr<const EditReport>& report = nullptr);
   template <class Change>
   void publish(int mine, const Change& change);
 };
 
-/// Discards earlier requests; `change` sets the new one in `asked`.
+/// Discards earlier requests; `change` sets the new one.
 template <class Change>
-void SolverThread::Impl::ask(const Change& change) {
+void SolverThread::Impl::replace_request(const Change& change) {
   {
     const std::lock_guard<std::mutex> lock(mutex);
-    drop();
-    change(asked);
+    discard();
+    change(request);
   }
-  question.notify_all();
+  requested.notify_all();
 }
 
 /// Discards all earlier requests. Call it under the mutex.
-void SolverThread::Impl::drop() {
+void SolverThread::Impl::discard() {
   ++generation;
-  asked.prepare.reset();
-  asked.apply.reset();
-  asked.solve = asked.has_region = false;
-  unsettled = preparing = false;
-  answered.news = SolverNews();
-  answered.has_news = false;
+  request.prepare.reset();
+  request.apply.reset();
+  request.solve = request.has_region = false;
+  remaining = Remaining::Nothing;
+  preparing = false;
+  response.update = SolverUpdate();
+  response.is_new = false;
   progress = 0;
   stage = "";
 }
@@ -175,9 +180,9 @@ void SolverThread::Impl::publish(int mine, const Change& change) {
       return;
     }
     change();
-    answered.has_news = true;
+    response.is_new = true;
   }
-  answer.notify_all();
+  responded.notify_all();
   if (wake) {
     wake();
   }
@@ -197,34 +202,27 @@ Progress SolverThread::Impl::progress_of(int mine) {
   };
 }
 
-void SolverThread::Impl::publish_ready(int mine, double prepare_ms, bool in_hand) {
-  own.report_due = own.refines = false;
-  unsettled = false;
-  if (has_frames()) {
-    own.frames->correct_with(&own.runner->editor());
-  }
+void SolverThread::Impl::publish_ready(int mine, double prepare_ms, bool has_preview) {
+  work.system = work.solver->system();
   publish(mine, [&] {
-    SolverNews& news = answered.news;
-    news.ready = true;
-    news.prepare_ms = prepare_ms;
-    news.taken_over = own.runner->taken_over();
-    news.full_frames = !has_frames() || !DragFrames::has_frames(own.runner->editor().system().settings);
-    if (!in_hand) {
-      news.in_hand = true;
-      news.in_hand_ms = prepare_ms;
+    SolverUpdate& update = response.update;
+    update.ready = true;
+    update.prepare_ms = prepare_ms;
+    update.reused = work.system->figures.reused;
+    update.full_frames = !has_frames();
+    if (!has_preview) {
+      update.preview = true;
+      update.preview_ms = prepare_ms;
     }
   });
 }
 
-/// If there are no cells, the editor works without them or reports the error.
-void SolverThread::Impl::make_frames(const PrepareTask& task, const FoundRegion& found, int mine) {
+/// Where only frames need cells, an edit is possible without them.
+void SolverThread::Impl::make_cells(StepSolver& solver, const TriangleMesh& mesh, const Progress& progress_here) {
   try {
-    const std::shared_ptr<CellModel> made = usable() ? own.runner->editor().cells() : nullptr;
-    own.frames = made ? std::make_unique<DragFrames>(made, task.settings)
-                      : std::make_unique<DragFrames>(*task.mesh, found.region, task.settings, progress_of(mine));
-    own.frames_generation = mine;
+    solver.make_cells(mesh, progress_here);
   } catch (const EditError& error) {
-    if (error.cause() == ErrorCause::Cancelled) {
+    if (error.cause() == ErrorCause::Cancelled || solver.settings().method == EditMethod::Default) {
       throw;
     }
   }
@@ -232,34 +230,35 @@ void SolverThread::Impl::make_frames(const PrepareTask& task, const FoundRegion&
 
 /// Makes a region and its cells; the background does the rest for a large one.
 void SolverThread::Impl::prepare(const PrepareTask& task, int mine) {
-  const auto job = std::make_shared<Job>();
-  job->task = task;
-  job->generation = mine;
-  own.scalar = task.scalar;
+  const Stopwatch watch;
   const Progress progress_here = progress_of(mine);
-  const StepProblem problem = task.problem();
-  own.frames.reset();
-  own.next_job.reset();
-  job->found = find_region(problem, progress_here);
-  publish(mine, [&] { answered.news.region = job->found.region; });
-  if (job->found.region->size() < kHandFrom) {
-    own.runner = std::make_unique<StepRunner>(job->found, problem, progress_here, std::move(own.runner));
-    own.generation = mine;
-    if (DragFrames::has_frames(task.settings)) {
-      make_frames(task, job->found, mine);
-    }
-    publish_ready(mine, job->watch.elapsed(), false);
+  work.next_job.reset();
+  validate(task.settings);
+  report_progress(progress_here, 0, "region");
+  const FoundRegion found = find_region(*task.mesh, *task.adjacency, task.region, task.groups, task.weights);
+  publish(mine, [&] { response.update.region = found.region; });
+  const auto solver =
+      std::make_shared<StepSolver>(*task.mesh, found, task.settings, StepOptions{task.scalar, task.mirror});
+  const bool is_large = found.region->size() >= kPreviewFrom;
+  if (is_large || task.settings.method == EditMethod::Linear) {
+    make_cells(*solver, *task.mesh, progress_here);
+  }
+  if (!is_large) {
+    solver->prepare(*task.mesh, progress_here, work.system.get());
+    work.solver = solver;
+    work.generation = mine;
+    publish_ready(mine, watch.elapsed(), false);
     return;
   }
-  make_frames(task, job->found, mine);
-  if (own.frames) {
-    job->cells = own.frames->cells();
+  work.solver = solver;
+  work.generation = mine;
+  if (solver->has_frames()) {
     publish(mine, [&] {
-      answered.news.in_hand = true;
-      answered.news.in_hand_ms = job->watch.elapsed();
+      response.update.preview = true;
+      response.update.preview_ms = watch.elapsed();
     });
   }
-  own.next_job = job;
+  work.next_job = std::make_shared<Job>(Job{solver, task.mesh, nullptr, watch, mine});
   {
     const std::lock_guard<std::mutex> lock(mutex);
     preparing = generation == mine;
@@ -269,33 +268,32 @@ void SolverThread::Impl::prepare(const PrepareTask& task, int mine) {
 
 /// Gives the background its next job as soon as it is idle.
 void SolverThread::Impl::prepare_in_background() {
-  if (own.next_job && own.next_job->generation != generation) {
-    own.next_job.reset();  // discarded meanwhile
+  if (work.next_job && work.next_job->generation != generation) {
+    work.next_job.reset();  // discarded meanwhile
   }
-  if (background.valid() || !own.next_job) {
+  if (background.valid() || !work.next_job) {
     return;
   }
-  own.job = std::exchange(own.next_job, nullptr);
-  const auto previous = std::make_shared<std::unique_ptr<StepRunner>>(std::move(own.runner));
-  const auto make = [this, job = own.job, previous] {
-    return std::make_unique<StepRunner>(job->found, job->task.problem(), progress_of(job->generation),
-                                        std::move(*previous), job->cells);
+  work.job = std::exchange(work.next_job, nullptr);
+  work.job->previous = std::move(work.system);
+  const auto make = [this, job = work.job] {
+    return job->solver->make_system(*job->mesh, progress_of(job->generation), job->previous.get());
   };
   try {
-    std::packaged_task<std::unique_ptr<StepRunner>()> task([this, make] {
+    std::packaged_task<std::shared_ptr<const LaplacianSystem>()> task([this, make] {
       struct Announce {
         ~Announce() {
           {
             const std::lock_guard<std::mutex> lock(thread.mutex);  // Prevents a lost wake-up.
             thread.prepared = true;
           }
-          thread.question.notify_all();
+          thread.requested.notify_all();
         }
         Impl& thread;
       } const announce{*this};
       return make();
     });
-    std::future<std::unique_ptr<StepRunner>> result = task.get_future();
+    std::future<std::shared_ptr<const LaplacianSystem>> result = task.get_future();
     background_thread = JoinedThread(std::move(task));
     background = std::move(result);
   } catch (const std::system_error&) {  // no thread is available: take_prepared() does the work on this one
@@ -304,33 +302,29 @@ void SolverThread::Impl::prepare_in_background() {
   }
 }
 
-/// Takes the background's result; later frames are corrected with it.
+/// Takes the background's result; later frames use it.
 void SolverThread::Impl::take_prepared(std::unique_lock<std::mutex>& lock) {
-  const std::shared_ptr<Job> job = std::move(own.job);
+  const std::shared_ptr<Job> job = std::move(work.job);
   const int mine = job->generation;
   prepared = false;
   lock.unlock();
   std::string error;
   try {
-    std::unique_ptr<StepRunner> made = background.get();
-    if (generation == mine || !own.runner) {
-      own.runner = std::move(made);
-      own.generation = mine;
-    }
+    work.system = background.get();
   } catch (const std::bad_alloc&) {
     error = kNoMemory;
   } catch (const std::exception& exception) {
     error = exception.what();
   }
+  job->previous.reset();
   if (generation == mine) {
     if (error.empty()) {
-      const bool shown = own.preview;
-      publish_ready(mine, job->watch.elapsed(), has_frames());
-      own.report_due = own.preview = own.refines = shown;
-      unsettled = shown;
+      const bool has_preview = job->solver->cells() != nullptr;
+      job->solver->take(work.system);
+      publish_ready(mine, job->watch.elapsed(), has_preview);
     } else {
-      publish(mine, [&] { answered.news.error = error; });
-      own.frames.reset();
+      publish(mine, [&] { response.update.error = error; });
+      work.solver.reset();
     }
   }
   prepare_in_background();
@@ -338,26 +332,20 @@ void SolverThread::Impl::take_prepared(std::unique_lock<std::mutex>& lock) {
   if (generation == mine) {
     preparing = false;
     if (!error.empty()) {
-      asked.solve = asked.has_region = false;
-      unsettled = false;
+      request.solve = request.has_region = false;
+      remaining = Remaining::Nothing;
     }
   }
 }
 
-void SolverThread::Impl::apply(const ApplyTask& task, int mine) {
-  require_same_mesh(*task.mesh, task.edit);
-  auto results = std::make_shared<std::vector<EditResult>>();
-  apply_steps(*task.mesh, *task.adjacency, task.edit, 1, task.scalar, progress_of(mine),
-              [&results](EditResult&& result) { results->push_back(std::move(result)); });
-  publish(mine, [&] { answered.news.applied = results; });
-}
-
-void SolverThread::Impl::publish_pose(int mine, int serial, const std::shared_ptr<const EditReport>& report) {
-  own.pose.serial = serial;
+void SolverThread::Impl::publish_pose(int mine, int serial, Remaining then,
+                                      const std::shared_ptr<const EditReport>& report) {
+  work.pose.serial = serial;
   publish(mine, [&] {
-    std::swap(answered.pose, own.pose);
-    answered.news.pose = true;
-    answered.news.report = report ? report : answered.news.report;
+    remaining = then;
+    std::swap(response.pose, work.pose);
+    response.update.pose = true;
+    response.update.report = report ? report : response.update.report;
   });
 }
 
@@ -366,121 +354,108 @@ void SolverThread::Impl::publish_pose(int mine, int serial, const std::shared_pt
 void SolverThread::Impl::pose_cells(int mine, bool last) {
   const Stopwatch watch;
   try {
-    own.pose.positions = own.frames->pose(own.maps);
-    round_to(own.scalar, own.pose.positions);
+    work.solver->frame(work.maps, work.pose.positions);
   } catch (const std::exception&) {
     if (last) {
-      return;  // the editor will report it
+      return;  // the full pose will report it
     }
     throw;
   }
-  own.pose.solve_ms = watch.elapsed();
-  own.preview = own.report_due = true;
-  unsettled = true;
-  publish_pose(mine, last ? own.serial - 1 : own.serial, nullptr);
+  work.pose.solve_ms = watch.elapsed();
+  publish_pose(mine, last ? work.serial - 1 : work.serial, Remaining::Pose);
 }
 
 /// @return whether there is a frame for these motions that is not a full solution
 bool SolverThread::Impl::pose_frame() {
-  if (!has_frames() || !DragFrames::has_frames(own.runner->editor().system().settings)) {
+  if (!has_frames()) {
     return false;
   }
   try {
-    own.pose.positions = own.frames->pose(own.maps);
+    work.solver->frame(work.maps, work.pose.positions);
   } catch (const EditError& error) {
     if (error.cause() != ErrorCause::NotFinite) {
       throw;
     }
-    return false;  // coordinates are too large: the editor will report it
+    return false;  // coordinates are too large: the full pose will report it
   }
-  own.runner->finish(own.pose.positions);
   return true;
 }
 
-/// Makes further passes while the mouse rests. The first pose after the cells' has no passes yet.
+/// Makes a further pass while the mouse rests.
 bool SolverThread::Impl::refine_frame() {
-  if (!has_frames()) {
-    return false;
-  }
   const Stopwatch watch;
-  if (!own.frames->corrected()) {
-    own.frames->pose(own.maps);
-  } else if (!own.frames->refine()) {
+  if (!has_frames() || !work.solver->refine(work.pose.positions)) {
     return false;
   }
-  own.pose.positions = own.frames->positions();
-  own.runner->finish(own.pose.positions);
-  own.pose.solve_ms = watch.elapsed();
+  work.pose.solve_ms = watch.elapsed();
   return true;
 }
 
 void SolverThread::Impl::solve(int mine, Answer kind) {
   const Stopwatch watch;
-  const auto go_on = [this, mine](double, const char*) { return generation == mine && newest == own.serial; };
+  const auto keep_going = [this, mine](double, const char*) { return generation == mine && newest == work.serial; };
   const bool is_frame = kind == Answer::Preview && pose_frame();
   if (!is_frame) {
-    own.runner->solve(own.maps, own.pose.positions, kind == Answer::Full ? Progress(go_on) : Progress());
+    work.pose.positions =
+        work.solver->pose(work.maps, Affine::Identity(), kind == Answer::Full ? Progress(keep_going) : Progress());
   }
-  own.pose.solve_ms = watch.elapsed();
-  const auto report = kind == Answer::Last ? std::make_shared<const EditReport>(own.runner->report(false)) : nullptr;
-  own.report_due = kind != Answer::Last;
-  own.refines = false;
-  unsettled = own.preview = is_frame;
-  publish_pose(mine, own.serial, report);
+  work.pose.solve_ms = watch.elapsed();
+  const auto report = kind == Answer::Last ? std::make_shared<const EditReport>(work.solver->report(false)) : nullptr;
+  publish_pose(mine, work.serial, is_frame ? Remaining::Pose : report ? Remaining::Nothing : Remaining::Report, report);
 }
 
 /// Waits until there is work. @return false: the mouse rests, so the last pose can be completed
 bool SolverThread::Impl::wait_for_work(std::unique_lock<std::mutex>& lock) {
   const auto ready = [this] { return has_work(); };
-  if (own.report_due && usable()) {
-    const Clock::duration pause =
-        own.refines ? Clock::duration() : std::clamp<Clock::duration>(2 * asked.apart, kPause, kLongestPause);
-    return question.wait_for(lock, pause, ready);
+  if (remaining != Remaining::Nothing && usable()) {
+    const Clock::duration pause = remaining == Remaining::Passes
+                                      ? Clock::duration()
+                                      : std::clamp<Clock::duration>(2 * request.apart, kPause, kLongestPause);
+    return requested.wait_for(lock, pause, ready);
   }
-  question.wait(lock, ready);
+  requested.wait(lock, ready);
   return true;
 }
 
 /// First the pose's further passes, each a frame, then the full pose, then, after another pause, its report.
 void SolverThread::Impl::settle(std::unique_lock<std::mutex>& lock) {
   const int mine = generation;
+  const bool is_frame = is_preview();
   bool failed = false;
   lock.unlock();
   try {
-    if (own.preview && refine_frame()) {
-      own.refines = true;
-      publish_pose(mine, own.serial, nullptr);
-      lock.lock();
-      return;
-    }
-    own.refines = false;
-    if (std::exchange(own.preview, false)) {
+    if (is_frame && refine_frame()) {
+      publish_pose(mine, work.serial, Remaining::Passes);
+    } else if (is_frame) {
       solve(mine, Answer::Full);
     } else {
-      own.report_due = false;
-      const auto report = std::make_shared<const EditReport>(own.runner->report(false));
-      publish(mine, [&] { answered.news.report = report; });
+      const auto report = std::make_shared<const EditReport>(work.solver->report(false));
+      publish(mine, [&] {
+        remaining = Remaining::Nothing;
+        response.update.report = report;
+      });
     }
   } catch (const std::exception&) {
-    own.report_due = own.preview = own.refines = false;  // the frame has reported the error, or the mouse moves again
     failed = true;
   }
-  unsettled = false;
   lock.lock();
+  if (failed && generation == mine) {
+    remaining = Remaining::Nothing;  // the frame has reported the error, or the mouse moves again
+  }
   working = failed;  // nothing was published, but callers of busy() must be woken
 }
 
 void SolverThread::Impl::answer_next(std::unique_lock<std::mutex>& lock) {
   const int mine = generation;
-  const std::unique_ptr<PrepareTask> prepare_task = std::move(asked.prepare);
-  const std::unique_ptr<ApplyTask> apply_task = std::move(asked.apply);
+  const std::unique_ptr<PrepareTask> prepare_task = std::move(request.prepare);
+  const std::unique_ptr<ApplyTask> apply_task = std::move(request.apply);
   const bool solving = !prepare_task && !apply_task;
-  const bool last = asked.last, exactly = usable();
+  const bool last = request.last, exactly = usable();
   if (solving) {
-    own.maps = asked.maps;
-    own.serial = asked.serial;
-    asked.shown = true;
-    asked.solve = last && !exactly;  // the pose of the cells is not final
+    work.maps = request.maps;
+    work.serial = request.serial;
+    request.shown = true;
+    request.solve = last && !exactly;  // the pose of the cells is not final
   }
   lock.unlock();
   std::string error;
@@ -488,7 +463,9 @@ void SolverThread::Impl::answer_next(std::unique_lock<std::mutex>& lock) {
     if (prepare_task) {
       prepare(*prepare_task, mine);
     } else if (apply_task) {
-      apply(*apply_task, mine);
+      auto results = std::make_shared<const std::vector<EditResult>>(apply_steps(
+          *apply_task->mesh, *apply_task->adjacency, apply_task->edit, apply_task->scalar, progress_of(mine)));
+      publish(mine, [&] { response.update.applied = results; });
     } else if (exactly) {
       solve(mine, last ? Answer::Last : Answer::Preview);
     } else {
@@ -500,11 +477,11 @@ void SolverThread::Impl::answer_next(std::unique_lock<std::mutex>& lock) {
     error = exception.what();
   }
   if (!error.empty()) {
-    publish(mine, [&] { (solving ? answered.news.pose_error : answered.news.error) = error; });
+    publish(mine, [&] { (solving ? response.update.pose_error : response.update.error) = error; });
   }
   lock.lock();
   if (!error.empty() && !solving && generation == mine) {
-    asked.solve = asked.has_region = false;
+    request.solve = request.has_region = false;
   }
 }
 
@@ -516,9 +493,9 @@ void SolverThread::Impl::run() {
       wake();  // wakes callers of busy()
       lock.lock();
     }
-    answer.notify_all();
+    responded.notify_all();
     const bool has_any = wait_for_work(lock);
-    if (asked.quit) {
+    if (request.quit) {
       return;
     }
     if (!has_any) {
@@ -526,13 +503,12 @@ void SolverThread::Impl::run() {
     } else if (prepared) {
       working = true;
       take_prepared(lock);
-    } else if (own.runner && !usable() && !asked.prepare) {
+    } else if (is_stale()) {
       // Freeing a large factor takes time as well. The next preparation reuses it.
       working = true;
-      std::unique_ptr<StepRunner> dropped = std::move(own.runner);
-      own.report_due = unsettled = false;
       lock.unlock();
-      dropped.reset();
+      work.solver.reset();
+      work.system.reset();
       lock.lock();
     } else {
       working = true;
@@ -551,68 +527,68 @@ SolverThread::SolverThread(std::function<void()> wake) : impl_(std::make_unique<
 }
 
 SolverThread::~SolverThread() {
-  impl_->ask([](Asked& asked) { asked.quit = true; });
+  impl_->replace_request([](Request& request) { request.quit = true; });
   impl_->thread.join();
 }
 
 void SolverThread::prepare(PrepareTask task) {
-  impl_->ask([&task](Asked& asked) {
-    asked.prepare = std::make_unique<PrepareTask>(std::move(task));
-    asked.has_region = true;
+  impl_->replace_request([&task](Request& request) {
+    request.prepare = std::make_unique<PrepareTask>(std::move(task));
+    request.has_region = true;
   });
 }
 
 void SolverThread::apply(ApplyTask task) {
-  impl_->ask([&task](Asked& asked) { asked.apply = std::make_unique<ApplyTask>(std::move(task)); });
+  impl_->replace_request([&task](Request& request) { request.apply = std::make_unique<ApplyTask>(std::move(task)); });
 }
 
 void SolverThread::cancel() {
-  impl_->ask([](Asked&) {});
+  impl_->replace_request([](Request&) {});
 }
 
 int SolverThread::solve(const std::vector<HandleMotion>& maps, bool last) {
   int serial = 0;
   {
     const std::lock_guard<std::mutex> lock(impl_->mutex);
-    impl_->asked.maps = maps;
-    impl_->asked.last = last;
-    impl_->asked.shown = false;
-    impl_->asked.solve = impl_->asked.has_region;
-    serial = ++impl_->asked.serial;
+    impl_->request.maps = maps;
+    impl_->request.last = last;
+    impl_->request.shown = false;
+    impl_->request.solve = impl_->request.has_region;
+    serial = ++impl_->request.serial;
     impl_->newest = serial;
     const Clock::time_point now = Clock::now();
-    impl_->asked.apart = now - impl_->asked.at;
-    impl_->asked.at = now;
+    impl_->request.apart = now - impl_->request.at;
+    impl_->request.at = now;
   }
-  impl_->question.notify_all();
+  impl_->requested.notify_all();
   return serial;
 }
 
-SolverNews SolverThread::poll(SolverPose& pose) {
+SolverUpdate SolverThread::poll(SolverPose& pose) {
   const std::lock_guard<std::mutex> lock(impl_->mutex);
-  SolverNews news = std::exchange(impl_->answered.news, SolverNews());
-  impl_->answered.has_news = false;
-  if (news.pose) {
-    std::swap(pose, impl_->answered.pose);
+  SolverUpdate update = std::exchange(impl_->response.update, SolverUpdate());
+  impl_->response.is_new = false;
+  if (update.pose) {
+    std::swap(pose, impl_->response.pose);
   }
-  return news;
+  return update;
 }
 
 bool SolverThread::wait() {
   std::unique_lock<std::mutex> lock(impl_->mutex);
   Impl& s = *impl_;
-  s.answer.wait(lock, [&s] {
-    // The runner may only be read while the worker is idle.
-    return s.answered.has_news || (!s.working && !s.unsettled && !s.preparing && !s.asked.prepare && !s.asked.apply &&
-                                   !(s.asked.solve && s.usable()));
+  s.responded.wait(lock, [&s] {
+    // The solver may only be read while the worker is idle.
+    return s.response.is_new || (!s.working && !s.is_preview() && !s.preparing && !s.request.prepare &&
+                                 !s.request.apply && !(s.request.solve && s.usable()));
   });
-  return s.answered.has_news;
+  return s.response.is_new;
 }
 
 bool SolverThread::busy() const {
   const std::lock_guard<std::mutex> lock(impl_->mutex);
-  return impl_->working || impl_->unsettled || impl_->preparing || impl_->asked.prepare || impl_->asked.apply ||
-         impl_->asked.solve || impl_->answered.has_news;
+  return impl_->working || impl_->is_preview() || impl_->preparing || impl_->request.prepare || impl_->request.apply ||
+         impl_->request.solve || impl_->response.is_new;
 }
 
 double SolverThread::progress() const {

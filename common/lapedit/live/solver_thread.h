@@ -19,9 +19,7 @@ struct PrepareTask {
   EditSettings settings;
   StoredScalar scalar = StoredScalar::Float;      ///< precision that poses are rounded to
   std::vector<std::vector<double>> weights = {};  ///< per group, as HandleGroup::weights; empty: 1
-  std::optional<MirrorPlane> mirror = {};         ///< as StepProblem::mirror; groups and region are mirrored already
-
-  StepProblem problem() const { return {*mesh, *adjacency, region, groups, settings, scalar, weights, mirror}; }
+  std::optional<MirrorPlane> mirror = {};         ///< as StepOptions::mirror; groups and region are mirrored already
 };
 
 /// A mesh and the steps to apply to it.
@@ -40,14 +38,14 @@ struct SolverPose {
 };
 
 /// Results since the last SolverThread::poll().
-struct SolverNews {
+struct SolverUpdate {
   std::shared_ptr<const Region> region;  ///< with classified vertices: can be shown, not yet dragged
-  bool in_hand = false;                  ///< solve() is answered, possibly by the cells alone
-  double in_hand_ms = 0;                 ///< time from the request to that state
-  bool ready = false;                    ///< prepared: solve() is answered by the editor
+  bool preview = false;                  ///< solve() has responses, possibly from the cells alone
+  double preview_ms = 0;                 ///< time from the request to that state
+  bool ready = false;                    ///< prepared: solve() has responses from the system
   double prepare_ms = 0;                 ///< time of all stages, once ready
-  std::string taken_over;                ///< once ready: see EditReport::taken_over
-  bool full_frames = false;              ///< once ready: frames are full solutions, see DragFrames::has_frames()
+  std::string reused;                    ///< once ready: see EditReport::reused
+  bool full_frames = false;              ///< once ready: frames are full solutions, see StepSolver::has_frames()
   bool pose = false;                     ///< poll() filled its argument with a pose
   std::shared_ptr<const EditReport> report;
   std::shared_ptr<const std::vector<EditResult>> applied;  ///< one entry per step of an ApplyTask
@@ -58,7 +56,7 @@ struct SolverNews {
 /// Prepares regions and solves for poses on its own threads, so that a window never waits.
 ///
 /// A region of more than a few thousand vertices has previews at once: until it is prepared, frames are poses of its
-/// cells, then those of DragFrames with the correction. Final poses are always the editor's, with the same bits.
+/// cells, see StepSolver. Final poses are always full ones, with the same bits.
 ///
 /// The newest request wins: prepare(), apply() and cancel() discard all earlier requests, solve() discards earlier
 /// solves that have not begun. All functions must be called from one thread, that of the window. They return at once,
@@ -77,7 +75,7 @@ class SolverThread {
 
   /// Requests a pose of the region prepared last or being prepared; without a region it does nothing. @return the
   /// serial number of the request, ascending
-  /// @param last  true: the final pose, solved in full, with its report. false: a frame (DragFrames); when no request
+  /// @param last  true: the final pose, solved in full, with its report. false: a frame; when no request
   ///              follows, further passes and the full pose follow, all with the same serial number, and then the
   ///              report
   /// Nothing is allocated if an earlier call had as many maps.
@@ -85,7 +83,7 @@ class SolverThread {
 
   /// Returns new results. @param pose swapped with the newest pose, if there is one; pass the same object again to
   /// avoid allocations
-  SolverNews poll(SolverPose& pose);
+  SolverUpdate poll(SolverPose& pose);
 
   /// Waits until poll() has new results or the solver thread is idle; for tests and for leaving. @return whether there
   /// are results

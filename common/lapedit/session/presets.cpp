@@ -5,11 +5,7 @@ namespace lapedit {
 namespace {
 
 void set(DragSettings& settings, const EditSettings& edit, double handle_share, double softness) {
-  const CholeskyBackend backend = settings.edit.backend;
-  const int threads = settings.edit.threads;
   settings.edit = edit;
-  settings.edit.backend = backend;
-  settings.edit.threads = threads;
   settings.handle_share = handle_share;
   settings.softness = softness;
 }
@@ -32,8 +28,9 @@ const std::vector<Preset>& presets() {
        [](DragSettings& s) { set(s, with_membrane(200), 0.25, 1); }},
       {"Terrain", "Hills and height fields: details stay upright, since they are not rotated.",
        [](DragSettings& s) {
-         EditSettings edit = with_membrane(0);
-         edit.rotation = DetailRotation::None;
+         EditSettings edit = EditSettings::of(EditMethod::Linear);
+         edit.laplacian = LaplacianKind::MeanValue;
+         edit.handle_weight = edit.anchor_weight = 30;
          set(s, edit, 0.25, 1);
        }},
       {"Sharp", "Machined parts and letters: a small handle, edges and corners keep their shape.",

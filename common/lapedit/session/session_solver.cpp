@@ -178,7 +178,7 @@ void SessionSolver::ask() {
       } else {
         const HandleMotion motion = resolve(drag.given[g], centroid(model_.mesh().vertices, all[g]));
         drag.maps[g].map = motion.map;
-        drag.maps[g].turn = motion.turn;
+        drag.maps[g].rotation = motion.rotation;
       }
       targets_to(all[g], model_.tools.mirrored ? drag.all_targets : drag.targets[g], model_.mesh(),
                  drag.maps[g].targets);
@@ -291,7 +291,10 @@ void SessionSolver::amend_way(const HandleTransform& motion, double share, bool 
 
 void SessionSolver::ask_amended(bool prepares) {
   Amending& amending = *in<Amending>();
-  const EditStep written = mirrored(*amending.base, amending.step);
+  EditStep written = mirrored(*amending.base, amending.step);
+  for (std::size_t g = 0; g < written.handles.size(); ++g) {
+    sort_group(written.handles[g], g);
+  }
   if (prepares) {
     heard_ = DragFigures();
     amending.region = nullptr;
@@ -463,7 +466,7 @@ void SessionSolver::find_unconnected(const Region& region) {
 }
 
 SessionSolver::News SessionSolver::poll() {
-  const SolverNews news = worker_.poll(solved_);
+  const SolverUpdate news = worker_.poll(solved_);
   bool step_done = false;
   if (news.region) {
     find_unconnected(*news.region);
@@ -476,13 +479,13 @@ SessionSolver::News SessionSolver::poll() {
       model_.show_region(news.region);
     }
   }
-  if (news.in_hand) {
+  if (news.preview) {
     in_hand_ = true;
-    heard_.in_hand_ms = news.in_hand_ms;
+    heard_.in_hand_ms = news.preview_ms;
   }
   if (news.ready) {
     preparation_ = Preparation::Done;
-    heard_.taken_over = news.taken_over;
+    heard_.taken_over = news.reused;
     heard_.full_frames = news.full_frames;
     heard_.prepare_ms = news.prepare_ms;
   }
@@ -508,7 +511,7 @@ SessionSolver::News SessionSolver::poll() {
     }
     model_.refusal = news.pose_error;
   }
-  const bool some = news.region || news.in_hand || news.ready || news.report || news.pose || news.applied ||
+  const bool some = news.region || news.preview || news.ready || news.report || news.pose || news.applied ||
                     !news.error.empty() || !news.pose_error.empty();
   return step_done ? News::Step : some ? News::Some : News::None;
 }

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/deform/rotated_coordinates.h"
+
+namespace lapedit {
+namespace {
+
+/// Returns (R_i - I) delta_i, where delta_i moves rigidly with its component (paper, section 4).
+void rotate_vertices(const LaplacianSystem& system, const EditConstraints& constraints,
+                     const std::vector<Matrix3>& rotations, Points& rotated) {
+  for (int i = 0; i < system.region.size(); ++i) {
+    Vector3 coordinate = system.delta.row(i).transpose();
+    if (constraints.moves_rigidly()) {
+      coordinate += constraints.rigid_motion(i).linear * coordinate;
+    }
+    rotated.row(i) = ((rotations[i] - Matrix3::Identity()) * coordinate).transpose();
+  }
+}
+
+/// sum_j alpha_ij ((R_i + R_j) / 2 - I) (p_i - p_j), alpha_ij = -M_ij: the change of delta_i = sum_j alpha_ij (p_i -
+/// p_j) by the rotation of each edge, where edges move rigidly with their component. With a constant rotation it is the
+/// paper's (R - I) delta_i.
+void rotate_edges(const LaplacianSystem& system, const EditConstraints& constraints,
+                  const std::vector<Matrix3>& rotations, Points& rotated) {
+  constexpr int kGrain = 2048;
+  for_indices(*system.pool, system.region.size(), kGrain, [&](int i) {
+    Vector3 sum = Vector3::Zero();
+    for (OperatorRows::Rows::InnerIterator entry(system.powers.first->rows(), i); entry; ++entry) {
+      const auto j = static_cast<int>(entry.col());
+      if (j == i) {
+        continue;
+      }
+      Vector3 edge = (system.rest.local.row(i) - system.rest.local.row(j)).transpose();
+      if (constraints.moves_rigidly()) {
+        edge += constraints.rigid_motion(i).linear * edge;
+      }
+      sum -= entry.value() * (0.5 * ((rotations[i] + rotations[j]) * edge) - edge);
+    }
+    rotated.row(i) = sum.transpose();
+  });
+}
+
+}  // namespace
+
+/// For k > 1 this is not M^T (R - I) M^k p, the rotated coordinates of order k, whose low-frequency errors the inverse
+/// of M^k amplifies. On the octopus (16,554 vertices, order 2) the stretch is 49 % instead of 485 %.
+void rotate_coordinates(const LaplacianSystem& system, const EditConstraints& constraints,
+                        const std::vector<Matrix3>& rotations, RotatedCoordinates& scratch, Points& right) {
+  scratch.rotated.resize(system.region.size(), 3);
+  (system.settings.method == EditMethod::Paper ? rotate_vertices : rotate_edges)(system, constraints, rotations,
+                                                                                 scratch.rotated);
+  for (int k = 1; k < system.settings.order; ++k) {
+    system.powers.first->apply(scratch.rotated, scratch.product, *system.pool);
+    scratch.rotated.swap(scratch.product);
+  }
+  system.powers.m->apply_transposed(scratch.rotated, right, *system.pool);
+  right += constraints.right_hand_side();
+}
+
+}  // namespace lapedit

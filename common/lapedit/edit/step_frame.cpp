@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/edit/step_frame.h"
+
+#include <cmath>
+
+#include "lapedit/base/simd.h"
+
+namespace lapedit {
+namespace {
+
+using Transform = CellModel::Transform;
+
+constexpr int kGrain = 1024;
+
+/// y_i = sum_j -M_ij (((T_i + T_j) / 2 - I)(p_i - p_j) - (d_i - d_j)): the rotated edges minus their current state.
+struct EdgeResidual {
+  const OperatorRows::Rows& m;
+  const Transform* transforms;
+  const double* displacement;  // readable for one number more
+  double* out;
+
+  static LAPEDIT_INLINE Floats4 rotated(const Transform& by, Floats4 edge) {
+    return edge[0] * by.columns[0] + edge[1] * by.columns[1] + edge[2] * by.columns[2];
+  }
+  LAPEDIT_INLINE Doubles4 at(int vertex) const { return load<Doubles4>(displacement + 3 * std::ptrdiff_t{vertex}); }
+
+  LAPEDIT_INLINE void operator()(int i) const {
+    const Transform& here = transforms[i];
+    Floats4 coordinate = {}, others = {};
+    Doubles4 current = {};
+    const Doubles4 moved = at(i);
+    for (int k = m.outerIndexPtr()[i]; k < m.outerIndexPtr()[i + 1]; ++k) {
+      const int j = m.innerIndexPtr()[k];
+      const double entry = m.valuePtr()[k];
+      const Floats4 edge = static_cast<float>(entry) * (transforms[j].rest - here.rest);
+      coordinate += edge;
+      others += rotated(transforms[j], edge);
+      current += entry * (at(j) - moved);
+    }
+    const Floats4 wanted = 0.5F * (rotated(here, coordinate) + others);
+    for (std::ptrdiff_t e = 0; e < 3; ++e) {
+      out[3 * std::ptrdiff_t{i} + e] = static_cast<double>(wanted[e]) - current[e];
+    }
+  }
+};
+
+}  // namespace
+
+StepSolver::Frame::Frame(const RestPose& rest, int threads)
+    : pool(threads),
+      unit(rest.region->max_distance > 0 ? std::ldexp(1.0, std::ilogb(rest.region->max_distance)) : 1),
+      transforms(new Transform[rest.region->size()]),
+      displacement(rest.region->size() + 1, 3) {
+  for_indices(pool, rest.region->size(), kGrain, [&](int i) {
+    transforms[i] = {{}, floats4(rest.local.row(i) / unit)};
+  });
+  displacement.row(rest.region->size()).setZero();
+}
+
+StepSolver::Frame& StepSolver::started_frame() {
+  if (!frame_) {
+    frame_ = std::make_unique<Frame>(*rest_, options_.solver.threads);
+  }
+  Frame& f = *frame_;
+  if (system_ && f.edges.rows() == 0) {
+    f.edges.resize(region().size(), 3);
+    f.residual.resize(region().size(), 3);
+    for (int i = 0; i < region().size(); ++i) {
+      if (system_->squared_weights[i] > 0) {
+        f.constrained.push_back(i);
+      }
+    }
+  }
+  return f;
+}
+
+/// Shows the cells' pose, with a solve if there is a system.
+void StepSolver::show_cells(bool quick, Points& positions) {
+  Frame& f = started_frame();
+  cells_->place(f.unit, f.transforms.get(), f.displacement, system_ ? *system_->pool : f.pool);
+  f.passes = 0;
+  f.is_quick = quick;
+  if (system_) {
+    correct_frame(positions);
+  } else {
+    collect_frame(nullptr, positions);
+  }
+}
+
+/// displacement += A^-1 (b(R) - A x0), and positions with it
+void StepSolver::correct_frame(Points& positions) {
+  Frame& f = *frame_;
+  const LaplacianSystem& system = *system_;
+  const EdgeResidual residual = {system.powers.first->rows(), f.transforms.get(), f.displacement.data(),
+                                 f.edges.data()};
+  in_pieces(*system.pool, region().size(), kGrain, [&](int first, int last) { run_kernel(residual, first, last); });
+  for (int k = 1; k < settings_.order; ++k) {
+    system.powers.first->apply(f.edges, f.product, *system.pool);
+    f.edges.swap(f.product);
+  }
+  system.powers.m->apply_transposed(f.edges, f.residual, *system.pool);
+  for_indices(*system.pool, static_cast<int>(f.constrained.size()), kGrain, [&](int k) {
+    const int i = f.constrained[k];
+    const GroupPaths& paths = cells_->paths();
+    const Vector3 wanted =
+        region().classes[i] == VertexClass::Handle
+            ? paths.displacement(i)
+            : paths.rigid_motions()[region().component[i]].displacement(rest_->local.row(i).transpose());
+    f.residual.row(i) += system.squared_weights[i] * (wanted.transpose() / f.unit - f.displacement.row(i));
+  });
+  solver_->solve(f.residual, f.edges);
+  ++f.passes;
+  collect_frame(&f.edges, positions);
+}
+
+/// Adds a step and writes the positions, in one sweep, since that reads and writes much memory.
+void StepSolver::collect_frame(const Points* step, Points& positions) {
+  Frame& f = *frame_;
+  positions.resize(region().size(), 3);
+  in_pieces(system_ ? *system_->pool : f.pool, region().size(), kGrain, [&](int first, int last) {
+    const int rows = last - first;
+    auto moved = f.displacement.middleRows(first, rows);
+    if (step != nullptr) {
+      moved += step->middleRows(first, rows);
+    }
+    positions.middleRows(first, rows) = rest_->world.middleRows(first, rows) + f.unit * moved;
+  });
+  finish(positions);
+}
+
+/// Fits rotations of the one-rings relative to the components' rigid motions, as pose() does.
+void StepSolver::fit_frame() {
+  Frame& f = *frame_;
+  const GroupPaths& paths = cells_->paths();
+  const int n = region().size();
+  const bool rigid = paths.moves_rigidly();
+  f.relative = f.unit * f.displacement.topRows(n);
+  if (rigid) {
+    f.before = rest_->local;
+  }
+  for (int i = 0; rigid && i < n; ++i) {
+    const Vector3 moved = paths.rigid_motions()[region().component[i]].displacement(rest_->local.row(i).transpose());
+    f.before.row(i) += moved.transpose();
+    f.relative.row(i) -= moved.transpose();
+  }
+  local_step(*system_, rigid ? f.before : rest_->local, f.relative, f.passes - 1, f.local_step, f.rotations);
+  for (int i = 0; i < n; ++i) {
+    const Matrix3& linear = paths.rigid_motions()[region().component[i]].linear;
+    const Matrix3 rotation = f.rotations[i] - Matrix3::Identity();
+    const Matrix3 whole = rotation + rotation * linear + linear;
+    for (int k = 0; k < 3; ++k) {
+      for (int e = 0; e < 3; ++e) {
+        f.transforms[i].columns[k][e] = static_cast<float>(whole(e, k));
+      }
+    }
+  }
+}
+
+void StepSolver::frame(const std::vector<HandleMotion>& handles, Points& positions) {
+  cells_->solve(handles, Affine::Identity(), true);
+  show_cells(true, positions);
+}
+
+bool StepSolver::refine(Points& positions) {
+  if (!system_ || !has_frames() || !frame_) {
+    return false;
+  }
+  if (frame_->passes == 0) {
+    cells_->solve(true);
+    show_cells(true, positions);
+  } else if (settings_.method != EditMethod::Default) {
+    return false;
+  } else if (frame_->is_quick) {
+    cells_->solve(false);
+    show_cells(false, positions);
+  } else if (frame_->passes < settings_.passes()) {
+    fit_frame();
+    correct_frame(positions);
+  } else {
+    return false;
+  }
+  return true;
+}
+
+}  // namespace lapedit

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "lapedit/edit/step_solver.h"
+
+namespace lapedit {
+
+/// Scratch memory of frames.
+struct StepSolver::Frame {
+  ThreadPool pool;  ///< before there is a system, whose pool another thread uses
+  double unit;      ///< of lengths in single precision, and of displacements
+  std::unique_ptr<CellModel::Transform[]> transforms;
+  Points displacement;    ///< from the rest pose, in units, with one more row
+  int passes = 0;         ///< of the last frame over the vertices
+  bool is_quick = false;  ///< its cells
+
+  // For the solve.
+  std::vector<int> constrained;  ///< vertices with a weight
+  Points edges, product, residual;
+  // For further passes.
+  Points before, relative;  ///< rigidly moved pose, and displacement from it
+  std::vector<Matrix3> rotations;
+  LocalStepScratch local_step;
+
+  Frame(const RestPose& rest, int threads);
+};
+
+}  // namespace lapedit

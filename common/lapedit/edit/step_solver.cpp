@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/edit/step_solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "lapedit/base/error.h"
+#include "lapedit/base/stopwatch.h"
+#include "lapedit/deform/edit_quality.h"
+#include "lapedit/edit/edit_step.h"
+#include "lapedit/edit/step_frame.h"
+
+namespace lapedit {
+
+void round_to(StoredScalar scalar, Points& positions) {
+  if (scalar == StoredScalar::Double) {
+    return;
+  }
+  for (Eigen::Index i = 0; i < positions.size(); ++i) {
+    positions.data()[i] = static_cast<double>(static_cast<float>(positions.data()[i]));
+  }
+  if (!positions.allFinite()) {
+    throw EditError(ErrorCause::NotFinite,
+                    "The result does not fit into the mesh's single precision, since the handle's displacement is too "
+                    "large: move it less.");
+  }
+}
+
+FoundRegion find_region(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
+                        std::vector<std::vector<int>> groups, std::vector<std::vector<double>> weights, int threads) {
+  weights.resize(groups.size());
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    sort_group(groups[g], weights[g]);
+  }
+  const Stopwatch watch;
+  FoundRegion found;
+  found.region = std::make_shared<const Region>(build_region(mesh, adjacency, spec, groups, threads, weights));
+  found.milliseconds = watch.elapsed();
+  return found;
+}
+
+StepSolver::StepSolver(const TriangleMesh& mesh, FoundRegion found, const EditSettings& settings,
+                       const StepOptions& options)
+    : settings_(settings), options_(options), region_ms_(found.milliseconds) {
+  validate(settings);
+  rest_ = std::make_shared<const RestPose>(mesh, std::move(found.region));
+  if (options.mirror) {
+    symmetry_.emplace(mesh, region(), *options.mirror);
+  }
+}
+
+StepSolver::~StepSolver() = default;
+
+void StepSolver::make_cells(const TriangleMesh& mesh, const Progress& progress) {
+  if (!cells_) {
+    make_cells(mesh, options_.solver.threads, progress);
+  }
+}
+
+void StepSolver::make_cells(const TriangleMesh& mesh, int threads, const Progress& progress) {
+  const Stopwatch watch;
+  cells_ = std::make_unique<CellModel>(mesh, rest_, settings_, ThreadPool(threads), progress);
+  cells_ms_ = watch.elapsed();
+}
+
+std::shared_ptr<const LaplacianSystem> StepSolver::make_system(const TriangleMesh& mesh, const Progress& progress,
+                                                               const LaplacianSystem* previous) const {
+  auto system = prepare_system(mesh, rest_, settings_, options_.solver, previous, progress);
+  report_progress(progress, 0.9, "solve");
+  return system;
+}
+
+void StepSolver::take(std::shared_ptr<const LaplacianSystem> system) {
+  system_ = std::move(system);
+  solver_ = std::make_unique<RefinedSolver>(system_->matrix, system_->correction, system_->pool);
+  constraints_ = std::make_unique<EditConstraints>(*system_);
+  if (system_->kernel) {
+    frame_rotations_ = std::make_unique<FrameRotations>(region(), *system_->kernel);
+  }
+}
+
+void StepSolver::prepare(const TriangleMesh& mesh, const Progress& progress, const LaplacianSystem* previous) {
+  constexpr int kWorthAThread = 2000;
+  const bool has_cells = settings_.method == EditMethod::Default && !cells_;
+  const bool apart = has_cells && region().size() >= kWorthAThread && thread_count(options_.solver.threads) > 1;
+  std::shared_ptr<const LaplacianSystem> system;
+  ThreadPool(apart ? 2 : 1).each(has_cells ? 2 : 1, [&](int k) {
+    if (k == 0) {
+      system = make_system(mesh, progress, previous);
+    } else {
+      make_cells(mesh, apart ? 1 : options_.solver.threads, {});
+    }
+  });
+  take(std::move(system));
+}
+
+void StepSolver::finish(Points& positions) const {
+  require_finite_result(positions);
+  if (symmetry_) {
+    symmetry_->apply(positions);
+  }
+  round_to(options_.scalar, positions);
+}
+
+/// d = (M^T M + W^2)^-1 right, to the last bit of a double.
+void StepSolver::solve(const Points& right, const Progress& progress) {
+  const Refinement refined = solver_->refine_to_the_bit(right, displacement_, progress);
+  if (std::isfinite(refined.last_change) && !refined.converged()) {
+    refuse_conditioning(*system_);
+  }
+  figures_.refinements = std::max(figures_.refinements, refined.steps);
+}
+
+void StepSolver::rotate_and_solve(const Progress& progress) {
+  Stopwatch watch;
+  rotate_coordinates(*system_, *constraints_, rotations_, rotated_, right_);
+  figures_.rotate_ms += watch.lap();
+  solve(right_, progress);
+  figures_.solve_ms += watch.lap();
+  ++figures_.iterations;
+}
+
+/// Solves once with the rotations of the cells, then with those of the vertices' one-rings, fitted to an extrapolation
+/// of the last two solutions.
+void StepSolver::local_global(const Progress& progress) {
+  while (figures_.iterations < settings_.passes()) {
+    report_progress(progress, 0, "rotations");
+    const Stopwatch watch;
+    if (figures_.iterations == 0) {
+      cells_->spread(rotations_, *system_->pool);
+    } else {
+      rotations_before_ = rotations_;
+      local_step(*system_, constraints_->start(), displacement_, figures_.iterations - 1, local_step_, rotations_);
+    }
+    figures_.rotate_ms += watch.elapsed();
+    rotate_and_solve(progress);
+    figures_.rotation_left = figures_.iterations > 1 ? largest_rotation(rotations_, rotations_before_) : 0;
+  }
+}
+
+/// Steps 2 to 4 of the paper's section 4.
+void StepSolver::paper_pass(const Progress& progress) {
+  report_progress(progress, 0, "rotations");
+  const Stopwatch watch;
+  figures_.normals_ms = frame_rotations_->estimate(constraints_->start(), displacement_, rotations_);
+  figures_.rotate_ms = watch.elapsed() - figures_.normals_ms;
+  rotate_and_solve(progress);
+  figures_.rotation_left = largest_rotation(rotations_, {});
+}
+
+const Points& StepSolver::pose(const std::vector<HandleMotion>& handles, const Affine& anchors,
+                               const Progress& progress) {
+  const bool has_cells = settings_.method == EditMethod::Default;
+  Stopwatch watch;
+  figures_ = PoseFigures();
+  figures_.refinements = system_->figures.refinements;
+  constraints_->set(handles, anchors);
+  right_ = constraints_->right_hand_side();
+  const bool moves = constraints_->any();
+  if (!moves || has_cells) {
+    displacement_.setZero(region().size(), 3);
+  } else if (!system_->falloff.empty()) {
+    constraints_->fall_off(displacement_);
+  } else {
+    solve(constraints_->right_hand_side(), progress);
+  }
+  figures_.unrotated_ms = watch.lap();
+  rotations_.assign(region().size(), Matrix3::Identity());
+  if (moves && has_cells) {
+    report_progress(progress, 0, "rotations");
+    cells_->solve(handles, anchors, false);
+    figures_.rotate_ms = watch.lap();
+    local_global(progress);
+  } else if (moves && settings_.method == EditMethod::Paper) {
+    paper_pass(progress);
+  }
+  // x = p + the rigid displacement of its component + d
+  positions_.resize(region().size(), 3);
+  for (int i = 0; i < region().size(); ++i) {
+    Vector3 displacement = displacement_.row(i).transpose();
+    if (constraints_->moves_rigidly()) {
+      displacement += constraints_->rigid_motion(i).displacement(rest_->local.row(i).transpose());
+      rotations_[i] *= constraints_->rigid_rotation(i);
+    }
+    positions_.row(i) = rest_->world.row(i) + displacement.transpose();
+  }
+  finish(positions_);
+  ++poses_;
+  return positions_;
+}
+
+EditReport StepSolver::report(bool whole) const {
+  EditReport report;
+  report.mesh_vertices = region().mesh_vertices;
+  report.handle = region().count(VertexClass::Handle);
+  report.free = region().count(VertexClass::Free);
+  report.anchors = region().count(VertexClass::Anchor);
+  report.fixed = region().mesh_vertices - region().size();
+  report.left_out = region().left_out;
+  report.settings = settings_;
+  if (!system_) {
+    return report;
+  }
+  report.solver = system_->matrix->cholesky.backend_name();
+  report.normal_radius = system_->normal_radius;
+  report.uniform_edges = system_->powers.uniform_edges;
+  report.refinements = std::max(figures_.refinements, system_->figures.refinements);
+  report.factor_reused = system_->figures.factor_reused;
+  report.reused = system_->figures.reused;
+  if (poses_ <= 1) {
+    report.region_ms = region_ms_;
+    report.operator_ms = system_->figures.operator_ms;
+    report.factor_ms = system_->figures.factor_ms;
+    report.kernel_ms = system_->figures.kernel_ms + cells_ms_;
+  } else {  // everything existed before this pose
+    report.factor_reused = true;
+    report.reused = "operator and factor";
+  }
+  if (positions_.rows() == 0) {
+    return report;
+  }
+  report.unrotated_ms = figures_.unrotated_ms;
+  report.normals_ms = figures_.normals_ms;
+  report.rotate_ms = figures_.rotate_ms;
+  report.solve_ms = figures_.solve_ms;
+  EditQuality& quality = report;
+  quality = edit_quality(*system_, *constraints_, positions_, rotations_);
+  quality.detail_height = whole ? detail_height(*system_, positions_) : std::nullopt;
+  quality.normal_equation_residual = solver_->relative_residual(right_, displacement_);
+  quality.rotation_left = figures_.rotation_left;
+  report.iterations = figures_.iterations;
+  if (quality.causes.behind >= 0) {
+    const std::vector<int>& vertices = region().mesh_vertex;
+    const auto behind = std::find(vertices.begin(), vertices.end(), quality.causes.behind) - vertices.begin();
+    quality.causes.step = positions_.row(behind).cwiseAbs().maxCoeff() * (options_.scalar == StoredScalar::Float
+                                                                              ? std::numeric_limits<float>::epsilon()
+                                                                              : std::numeric_limits<double>::epsilon());
+  }
+  return report;
+}
+
+}  // namespace lapedit

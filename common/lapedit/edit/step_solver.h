@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "lapedit/base/progress.h"
+#include "lapedit/cells/cell_model.h"
+#include "lapedit/deform/edit_constraints.h"
+#include "lapedit/deform/edit_report.h"
+#include "lapedit/deform/frame_rotations.h"
+#include "lapedit/deform/local_step.h"
+#include "lapedit/deform/rotated_coordinates.h"
+#include "lapedit/edit/mirror.h"
+
+// For example, vertex 42 pulled up with all that is within 0.3 of it:
+//
+//     RegionSpec spec;
+//     spec.radius = 0.3;
+//     const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
+//     StepSolver solver(mesh, find_region(mesh, adjacency, spec, {{42}}), EditSettings());
+//     solver.prepare(mesh);
+//     Affine up = Affine::Identity();
+//     up.translation().z() = 0.1;
+//     const Points& result = solver.pose({up});
+//     for (int i = 0; i < solver.region().size(); ++i) {
+//       mesh.vertices.row(solver.region().mesh_vertex[i]) = result.row(i);
+//     }
+
+namespace lapedit {
+
+/// Precision of the mesh that takes the result: positions are rounded to it after each step, so that a replay sees
+/// what an interactive session saw.
+enum class StoredScalar { Float, Double };
+
+/// Rounds to the mesh's precision. @throws EditError (NotFinite) if a coordinate becomes infinite
+void round_to(StoredScalar scalar, Points& positions);
+
+/// A step's region, and the time that finding it took.
+struct FoundRegion {
+  std::shared_ptr<const Region> region;
+  double milliseconds = 0;
+};
+
+/// @param groups   handle groups, vertices in any order; @param weights per group, as HandleGroup::weights; none: 1
+/// @param threads  as for SolverOptions
+/// @throws EditError as sort_group() and build_region()
+FoundRegion find_region(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
+                        std::vector<std::vector<int>> groups, std::vector<std::vector<double>> weights = {},
+                        int threads = 0);
+
+struct StepOptions {
+  StoredScalar scalar = StoredScalar::Double;
+  /// The mirror plane of groups and region: poses become symmetric to the last bits, see PoseSymmetry.
+  std::optional<MirrorPlane> mirror = {};
+  SolverOptions solver = {};
+};
+
+/// Solves for poses of one region with its handles (paper, sections 3 to 5). Filters, program and window solve all
+/// steps with this class, so that a step has the same bits everywhere.
+///
+/// A pose minimises |M^k x - M^(k-1) R delta|^2 + sum_i w_i^2 |x_i - c_i|^2 over the region's vertices, where k is the
+/// order, delta = M p the differential coordinates of the rest pose p, and R the rotations that the method estimates.
+/// With k = 1 this is the paper's system. For k > 1 coordinates are rotated before M^(k-1) is applied; where R is
+/// constant this is the paper's formula. The unknowns are displacements from the rest pose, so vertices that do not
+/// move keep their bits. The same motions give the same bits, independent of earlier poses.
+///
+/// A frame approximates a pose in a fraction of its time. It is the pose x0 of the cells until there is a system, then
+///
+///     x = x0 + A^-1 (b(R) - A x0),
+///
+/// where the residual is computed in double precision and one solve with the existing factor follows. The error of x0
+/// is a few hundredths of the handle's displacement, so a solve with five digits is enough for a picture. Frames do not
+/// depend on earlier ones.
+///
+/// Other handles, anchors or settings need a new object, which can reuse the system of an old one.
+class StepSolver {
+ public:
+  /// Neither poses nor frames are available yet.
+  /// @param mesh  rest pose; not kept. @throws EditError (BadParameter, NoHandle) as validate() and RestPose
+  StepSolver(const TriangleMesh& mesh, FoundRegion found, const EditSettings& settings,
+             const StepOptions& options = {});
+  ~StepSolver();
+
+  /// Makes cells if there are none, so that frames are available. Cost: some milliseconds per 10000 vertices.
+  /// @throws EditError (IllConditioned, Cancelled)
+  void make_cells(const TriangleMesh& mesh, const Progress& progress = {});
+  /// Makes the system: the operator, one sparse Cholesky factorisation, tables. The object does not change, so another
+  /// thread may compute frames meanwhile.
+  /// @param previous  a system that is no longer needed, or null: parts that still fit, above all the factor, are
+  /// reused,
+  ///                  so that another small handle in the same region with the same anchors is ready in a fraction of
+  ///                  the time. The result has the same bits in both cases
+  /// @throws EditError (IllConditioned, Cancelled)
+  std::shared_ptr<const LaplacianSystem> make_system(const TriangleMesh& mesh, const Progress& progress = {},
+                                                     const LaplacianSystem* previous = nullptr) const;
+  /// Makes poses available. @param system  from make_system()
+  void take(std::shared_ptr<const LaplacianSystem> system);
+  /// Makes cells, where the method needs them for poses, and the system, on two threads, and takes it.
+  void prepare(const TriangleMesh& mesh, const Progress& progress = {}, const LaplacianSystem* previous = nullptr);
+
+  const Region& region() const { return *rest_->region; }
+  const EditSettings& settings() const { return settings_; }
+  const std::shared_ptr<const LaplacianSystem>& system() const { return system_; }  ///< null before take()
+  const CellModel* cells() const { return cells_.get(); }                           ///< null if they were not made
+
+  /// Computes a pose. Requires a system.
+  ///
+  /// A component without anchors is first moved by the mean of its groups' maps, so that it follows a single group
+  /// exactly; one with anchors by the map given for them.
+  /// @param handles   one motion per handle group; an affine map converts to a motion
+  /// @param anchors   motion of the anchors; in an edit the identity
+  /// @param progress  called from time to time with the fraction 0; returning false cancels
+  /// @return          size() x 3, model units, rounded to the mesh's precision; row i belongs to
+  /// region().mesh_vertex[i];
+  ///                  valid until the next call
+  /// @throws EditError (NotFinite) if a map or the result is not finite; (Cancelled); the object stays usable
+  /// Cost: some passes, each with a solve in full precision. Nothing is allocated after the first call.
+  const Points& pose(const std::vector<HandleMotion>& handles, const Affine& anchors = Affine::Identity(),
+                     const Progress& progress = {});
+  /// Returns the rotations of the last pose, one per region vertex.
+  const std::vector<Matrix3>& rotations() const { return rotations_; }
+
+  /// Returns the report of preparation and last pose(). It computes residuals and stretch on each call. Preparation
+  /// times are 0 after the first pose.
+  /// @param whole  includes the height of detail, which takes time and which no window shows
+  EditReport report(bool whole = true) const;
+
+  /// Returns whether frames are available and cheaper than poses: with cells, but not with EditMethod::Paper once there
+  /// is a system.
+  bool has_frames() const { return cells_ && (!system_ || settings_.method != EditMethod::Paper); }
+  /// Computes a frame with few passes over the cells. Requires has_frames().
+  /// @param positions  out: as pose() returns them
+  /// After the first call memory is allocated for targets only. @throws EditError (NoHandle, NotFinite)
+  void frame(const std::vector<HandleMotion>& handles, Points& positions);
+  /// Improves the last frame: first by a solve, if it has none, then with all passes over the cells, then with one more
+  /// pass over the vertices per call, up to the number that pose() makes. @return whether there was such a pass
+  /// Nothing is allocated after the first passes. @throws EditError (NotFinite)
+  bool refine(Points& positions);
+
+ private:
+  /// What the last pose took.
+  struct PoseFigures {
+    int iterations = 0, refinements = 0;
+    double unrotated_ms = 0, normals_ms = 0, rotate_ms = 0, solve_ms = 0;
+    double rotation_left = 0;  ///< largest change of a rotation in the last pass, degrees
+  };
+  struct Frame;
+
+  void make_cells(const TriangleMesh& mesh, int threads, const Progress& progress);
+  void solve(const Points& right, const Progress& progress);
+  void rotate_and_solve(const Progress& progress);
+  void local_global(const Progress& progress);
+  void paper_pass(const Progress& progress);
+  void finish(Points& positions) const;
+
+  Frame& started_frame();
+  void show_cells(bool quick, Points& positions);
+  void fit_frame();
+  void correct_frame(Points& positions);
+  void collect_frame(const Points* step, Points& positions);
+
+  std::shared_ptr<const RestPose> rest_;
+  EditSettings settings_;
+  StepOptions options_;
+  double region_ms_, cells_ms_ = 0;
+  std::optional<PoseSymmetry> symmetry_;
+  std::unique_ptr<CellModel> cells_;
+
+  // Of the system.
+  std::shared_ptr<const LaplacianSystem> system_;
+  std::unique_ptr<RefinedSolver> solver_;
+  std::unique_ptr<EditConstraints> constraints_;
+  std::unique_ptr<FrameRotations> frame_rotations_;  // with EditMethod::Paper
+
+  // Of the last pose, size() x 3 each; no rows before the first.
+  int poses_ = 0;
+  PoseFigures figures_;
+  Points displacement_;  // d, from the rigidly moved pose
+  Points right_;         // right-hand side of the normal equations
+  Points positions_;
+  std::vector<Matrix3> rotations_, rotations_before_;  // of the last two passes
+  LocalStepScratch local_step_;
+  RotatedCoordinates rotated_;
+
+  std::unique_ptr<Frame> frame_;  // null before the first frame
+};
+
+}  // namespace lapedit
