@@ -72,15 +72,15 @@ Points solve(const TriangleMesh& mesh, const Region& region, const EditSettings&
   const int n = region.size();
   const Points rest = support::rows(mesh.vertices, region.mesh_vertex);
   const Matrix weights = weights_of(mesh, region, settings.laplacian), m = operator_of(weights);
-  const auto turned = [&](int i, int j) -> Vector3 {
-    const bool by_edges = settings.turning == DetailTurning::Edge;
+  const auto rotated = [&](int i, int j) -> Vector3 {
+    const bool by_edges = settings.method == EditMethod::Default;
     return (by_edges ? Matrix3((rotations[i] + rotations[j]) / 2) : rotations[i]) * Vector3(rest.row(i) - rest.row(j));
   };
   Matrix deltas = Matrix::Zero(n, 3);
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j < n; ++j) {
       if (j != i) {
-        deltas.row(i) -= m(i, j) * turned(i, j).transpose();
+        deltas.row(i) -= m(i, j) * rotated(i, j).transpose();
       }
     }
   }
@@ -107,7 +107,7 @@ Points solve(const TriangleMesh& mesh, const Region& region, const EditSettings&
     const double weight = std::sqrt(stretch * weights(i, j));
     a(row, i) = weight;
     a(row, j) = -weight;
-    b.row(row) = weight * turned(i, j).transpose();
+    b.row(row) = weight * rotated(i, j).transpose();
   }
   return Eigen::ColPivHouseholderQR<Matrix>(a).solve(b);
 }
@@ -171,35 +171,6 @@ std::vector<Matrix3> paper_rotations(const Region& region, const Points& rest, c
     frame[0] << n0, u0, n0.cross(u0);
     frame[1] << n1, u1, n1.cross(u1);
     result[i] = frame[1] * frame[0].transpose();
-  }
-  return result;
-}
-
-std::vector<Matrix3> surface_rotations(const Region& region, const Points& rest, const Points& unrotated, double r) {
-  const Matrix s = smoothing(region, rest, r);
-  const Points p0 = s * rest, p1 = s * unrotated;
-  const Points n0 = normals(p0, region.faces), n1 = normals(p1, region.faces);
-  const int n = region.size();
-  Matrix fits(n, 9), mean = Matrix::Zero(n, n);  // one 3 x 3 matrix per row; mean over the one-ring
-  for (int i = 0; i < n; ++i) {
-    Matrix3 c = Matrix3::Zero();
-    mean(i, i) = 1.0 / (1 + region.neighbours[i].size());
-    for (const int j : region.neighbours[i]) {
-      c += (p1.row(j) - p1.row(i)).transpose() * (p0.row(j) - p0.row(i));
-      mean(i, j) = mean(i, i);
-    }
-    c += c.norm() * Matrix3(n1.row(i).transpose() * n0.row(i));
-    fits.row(i) = Eigen::Map<Eigen::RowVectorXd>(c.data(), 9);
-  }
-  fits = (mean * mean * mean * mean * fits).eval();
-  std::vector<Matrix3> result(n);
-  for (int i = 0; i < n; ++i) {
-    Eigen::Matrix<double, 1, 9> row = fits.row(i);
-    const Eigen::JacobiSVD<Matrix3> svd(Eigen::Map<Matrix3>(row.data()), Eigen::ComputeFullU | Eigen::ComputeFullV);
-    result[i] = svd.matrixU() * svd.matrixV().transpose();
-    if (result[i].determinant() < 0) {
-      result[i] = svd.matrixU() * Vector3(1, 1, -1).asDiagonal() * svd.matrixV().transpose();
-    }
   }
   return result;
 }

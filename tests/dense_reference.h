@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "lapedit/edit/laplacian_editor.h"
+#include "lapedit/edit/step_solver.h"
 #include "support.h"
 
 /// The method a second time, slow and plain: dense matrices, absolute positions, a QR factorisation of the stacked
@@ -42,8 +42,5 @@ Points normals(const Points& points, const Faces& faces);
 
 /// The paper's frames.
 std::vector<Matrix3> paper_rotations(const Region& region, const Points& rest, const Points& unrotated, double r);
-
-/// The rotations of the smoothed surface, for a region whose anchors do not hold them back (no anchor_depth).
-std::vector<Matrix3> surface_rotations(const Region& region, const Points& rest, const Points& unrotated, double r);
 
 }  // namespace lapedit::reference

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "lapedit/edit/edit.h"
-#include "lapedit/edit/laplacian_editor.h"
 #include "support.h"
 
 /// What every edit has to hold exactly (to rounding), as a test suite over edits: each program that includes this file
@@ -51,41 +50,37 @@ inline std::ostream& operator<<(std::ostream& out, const NamedCase& edit) {
 
 class EditProperties : public ::testing::TestWithParam<NamedCase> {
  protected:
-  static EditSettings settings_of(LaplacianKind laplacian, DetailRotation rotation, int order = 1) {
-    EditSettings settings = support::smooth_surface_settings();
+  static EditSettings settings_of(LaplacianKind laplacian, EditMethod method, int order = 1) {
+    EditSettings settings = EditSettings::of(method);
     settings.laplacian = laplacian;
-    settings.rotation = rotation;
     settings.order = order;
-    settings.threads = 1;
     return settings;
   }
 
-  /// Calls a test with the defaults, and with the paper's operator or the cotangents and all rotations of the fine
-  /// mesh.
+  /// Calls a test with the defaults, and with the paper's operator or the cotangents and the other methods.
   template <typename Function>
   static void for_all_settings(Function function) {
     for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
-      for (const DetailRotation rotation :
-           {DetailRotation::None, DetailRotation::SmoothNormals, DetailRotation::SmoothSurface}) {
-        SCOPED_TRACE(std::string(name(laplacian)) + ", " + name(rotation));
-        function(settings_of(laplacian, rotation));
+      for (const EditMethod method : {EditMethod::Linear, EditMethod::Paper}) {
+        SCOPED_TRACE(std::string(name(laplacian)) + ", " + name(method));
+        function(settings_of(laplacian, method));
       }
     }
     SCOPED_TRACE("the defaults");
-    EditSettings settings;
-    settings.threads = 1;
-    function(settings);
+    function(EditSettings());
   }
 
   static Region region_of(const EditCase& edit) {
     return build_region(edit.mesh, support::adjacency_of(edit.mesh), edit.region, edit.handles);
   }
-  static LaplacianEditor editor_of(const EditCase& edit, EditSettings settings) {
-    settings.normal_radius = edit.normal_radius;
-    return LaplacianEditor(edit.mesh, region_of(edit), settings);
+  static support::Prepared solver_of(const EditCase& edit, EditSettings settings, const SolverOptions& options = {1}) {
+    if (settings.method == EditMethod::Paper) {
+      settings.normal_radius = edit.normal_radius;
+    }
+    return {edit.mesh, region_of(edit), settings, {StoredScalar::Double, {}, options}};
   }
-  static Points rest_of(const EditCase& edit, const LaplacianEditor& editor) {
-    return support::rows(edit.mesh.vertices, editor.region().mesh_vertex);
+  static Points rest_of(const EditCase& edit, const StepSolver& solver) {
+    return support::rows(edit.mesh.vertices, solver.region().mesh_vertex);
   }
   static std::vector<HandleMotion> unmoved(const EditCase& edit) {
     return std::vector<HandleMotion>(edit.maps.size(), Affine::Identity());
@@ -112,27 +107,27 @@ class EditProperties : public ::testing::TestWithParam<NamedCase> {
   /// How far the edit of a transformed mesh is from the transformed edit, at most.
   static double equivariance_error(const EditCase& edit, const EditSettings& settings,
                                    const std::vector<Camera>& views) {
-    LaplacianEditor editor = editor_of(edit, settings);
-    const Points& result = editor.solve(edit.maps);
+    support::Prepared solver = solver_of(edit, settings);
+    const Points& result = solver.pose(edit.maps);
     double worst = 0;
     for (const Camera& view : views) {
       const EditCase other = seen_through(edit, view.map, view.scale);
-      LaplacianEditor there = editor_of(other, settings);
-      if (editor.region().mesh_vertex != there.region().mesh_vertex) {
+      support::Prepared there = solver_of(other, settings);
+      if (solver.region().mesh_vertex != there.region().mesh_vertex) {
         return std::numeric_limits<double>::infinity();
       }
-      worst = std::max(worst, support::error(there.solve(other.maps), support::moved(view.map, result)));
+      worst = std::max(worst, support::error(there.pose(other.maps), support::moved(view.map, result)));
     }
     return worst;
   }
 
   static double rounding(const EditSettings& settings) {
-    return settings.rotation == DetailRotation::LocalGlobal ? kSettled : kRounding;
+    return settings.method == EditMethod::Default ? kSettled : kRounding;
   }
 
   /// Whether rounding alone may change the result by more than rounding.
   static bool undecided(const EditCase& edit, const EditSettings& settings) {
-    return edit.has_ties && settings.rotation == DetailRotation::SmoothNormals;
+    return edit.has_ties && settings.method == EditMethod::Paper;
   }
 };
 
@@ -140,18 +135,16 @@ GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(EditProperties);
 
 TEST_P(EditProperties, MovingNothingChangesNoBit) {
   const EditCase edit = GetParam().make();
-  for_all_settings([&](EditSettings settings) {
-    settings.iterations = 2;
-    LaplacianEditor editor = editor_of(edit, settings);
-    EXPECT_TRUE(support::same_bits(editor.solve(unmoved(edit)), rest_of(edit, editor)));
-    EXPECT_FALSE(support::same_bits(editor.solve(edit.maps), rest_of(edit, editor)));
-    EXPECT_TRUE(support::same_bits(editor.solve(unmoved(edit)), rest_of(edit, editor))) << "after another solve";
+  for_all_settings([&](const EditSettings& settings) {
+    support::Prepared solver = solver_of(edit, settings);
+    EXPECT_TRUE(support::same_bits(solver.pose(unmoved(edit)), rest_of(edit, solver)));
+    EXPECT_FALSE(support::same_bits(solver.pose(edit.maps), rest_of(edit, solver)));
+    EXPECT_TRUE(support::same_bits(solver.pose(unmoved(edit)), rest_of(edit, solver))) << "after another solve";
   });
 }
 
 TEST_P(EditProperties, OutsideTheRegionNothingIsTouched) {
   const EditCase edit = GetParam().make();
-  const Adjacency adjacency = support::adjacency_of(edit.mesh);
   EditStep step;
   step.region = edit.region;
   for (std::size_t g = 0; g < edit.handles.size(); ++g) {
@@ -160,7 +153,7 @@ TEST_P(EditProperties, OutsideTheRegionNothingIsTouched) {
     step.handles.push_back({edit.handles[g], transform});
   }
   const TriangleMesh before = edit.mesh;
-  const EditResult result = apply_step(edit.mesh, adjacency, step, 1, StoredScalar::Float);
+  const EditResult result = support::apply_step(edit.mesh, step, 1, StoredScalar::Float);
   EXPECT_TRUE(support::same_bits(before.vertices, edit.mesh.vertices));
   EXPECT_EQ(result.vertices, region_of(edit).mesh_vertex);
   EXPECT_TRUE(result.positions.allFinite());
@@ -192,7 +185,7 @@ TEST_P(EditProperties, TurningAndScalingAllTurnsAndScalesTheResult) {
   }
   for_all_settings([&](const EditSettings& settings) {
     if (!undecided(edit, settings)) {
-      const bool other_cells = edit.has_ties && settings.rotation == DetailRotation::LocalGlobal;
+      const bool other_cells = edit.has_ties && settings.method == EditMethod::Default;
       EXPECT_LT(equivariance_error(edit, settings, views), other_cells ? kOtherCells : rounding(settings));
     }
   });
@@ -213,10 +206,10 @@ TEST_P(EditProperties, FarFromTheOriginTheDigitsThatAreLeftAreRight) {
   }
   for_all_settings([&](const EditSettings& settings) {
     if (!undecided(edit, settings)) {
-      LaplacianEditor there = editor_of(far, settings), here = editor_of(near, settings);
-      Points result = there.solve(far.maps);
+      support::Prepared there = solver_of(far, settings), here = solver_of(near, settings);
+      Points result = there.pose(far.maps);
       result.rowwise() -= way.transpose();
-      EXPECT_LT(support::error(result, here.solve(near.maps)), 1e-8);
+      EXPECT_LT(support::error(result, here.pose(near.maps)), 1e-8);
     }
   });
 }
@@ -226,11 +219,11 @@ TEST_P(EditProperties, RigidMotionOfAllConstraintsIsThatOfTheRegion) {
   const double size = support::diameter(edit.mesh.vertices);
   const Affine map = support::rigid(130, Vector3(1, 2, -1), size * Vector3(0.3, -0.2, 1));
   for_all_settings([&](const EditSettings& settings) {
-    if (settings.rotation != DetailRotation::None) {
-      LaplacianEditor editor = editor_of(edit, settings);
-      const Points& result = editor.solve(std::vector<HandleMotion>(edit.maps.size(), map), map);
-      EXPECT_LT(support::error(result, support::moved(map, rest_of(edit, editor))), 1e-12);
-      for (const Matrix3& rotation : editor.rotations()) {
+    if (settings.method != EditMethod::Linear) {
+      support::Prepared solver = solver_of(edit, settings);
+      const Points& result = solver.pose(std::vector<HandleMotion>(edit.maps.size(), map), map);
+      EXPECT_LT(support::error(result, support::moved(map, rest_of(edit, solver))), 1e-12);
+      for (const Matrix3& rotation : solver.rotations()) {
         ASSERT_LT((rotation - map.linear()).norm(), 1e-12);
       }
     }
@@ -247,10 +240,10 @@ TEST_P(EditProperties, MovingTheAnchorsCarriesTheEditAlong) {
     maps.push_back(Affine(map * handle_map.map));
   }
   for_all_settings([&](const EditSettings& settings) {
-    if (settings.rotation != DetailRotation::None && !undecided(edit, settings)) {
-      LaplacianEditor here = editor_of(edit, settings), there = editor_of(edit, settings);
-      const Points expected = support::moved(map, here.solve(edit.maps));
-      EXPECT_LT(support::error(there.solve(maps, map), expected), rounding(settings));
+    if (settings.method != EditMethod::Linear && !undecided(edit, settings)) {
+      support::Prepared here = solver_of(edit, settings), there = solver_of(edit, settings);
+      const Points expected = support::moved(map, here.pose(edit.maps));
+      EXPECT_LT(support::error(there.pose(maps, map), expected), rounding(settings));
       double worst = 0;
       for (std::size_t i = 0; i < here.rotations().size(); ++i) {
         worst = std::max(worst, (there.rotations()[i] - map.linear() * here.rotations()[i]).norm());
@@ -273,9 +266,9 @@ TEST_P(EditProperties, RenumberingPermutesTheResult) {
     if (undecided(edit, settings)) {
       return;
     }
-    LaplacianEditor one = editor_of(edit, settings), two = editor_of(other, settings);
-    const Points& result = one.solve(edit.maps);
-    const Points& renumbered = two.solve(other.maps);
+    support::Prepared one = solver_of(edit, settings), two = solver_of(other, settings);
+    const Points& result = one.pose(edit.maps);
+    const Points& renumbered = two.pose(other.maps);
     Points all = Points::Constant(edit.mesh.vertices.rows(), 3, std::numeric_limits<double>::quiet_NaN());
     for (int i = 0; i < two.region().size(); ++i) {
       all.row(two.region().mesh_vertex[i]) = renumbered.row(i);
@@ -287,13 +280,12 @@ TEST_P(EditProperties, RenumberingPermutesTheResult) {
 
 TEST_P(EditProperties, ThreadsDoNotChangeABit) {
   const EditCase edit = GetParam().make();
-  for_all_settings([&](EditSettings settings) {
-    LaplacianEditor one = editor_of(edit, settings);
-    const Points& result = one.solve(edit.maps);
+  for_all_settings([&](const EditSettings& settings) {
+    support::Prepared one = solver_of(edit, settings);
+    const Points& result = one.pose(edit.maps);
     for (const int threads : {2, 4}) {
-      settings.threads = threads;
-      LaplacianEditor several = editor_of(edit, settings);
-      EXPECT_TRUE(support::same_bits(several.solve(edit.maps), result)) << threads << " threads";
+      support::Prepared several = solver_of(edit, settings, {threads});
+      EXPECT_TRUE(support::same_bits(several.pose(edit.maps), result)) << threads << " threads";
     }
   });
 }
@@ -303,10 +295,10 @@ TEST_P(EditProperties, SolvesDoNotDependOnWhatWasSolvedBefore) {
   const double size = support::diameter(edit.mesh.vertices);
   const Affine elsewhere = support::rigid(-60, Vector3(1, 0, 1), size * Vector3(1, 1, 1));
   for_all_settings([&](const EditSettings& settings) {
-    LaplacianEditor fresh = editor_of(edit, settings), used = editor_of(edit, settings);
-    used.solve(std::vector<HandleMotion>(edit.maps.size(), elsewhere), elsewhere);
-    used.solve(std::vector<HandleMotion>(edit.maps.size(), elsewhere));
-    EXPECT_TRUE(support::same_bits(used.solve(edit.maps), fresh.solve(edit.maps)));
+    support::Prepared fresh = solver_of(edit, settings), used = solver_of(edit, settings);
+    used.pose(std::vector<HandleMotion>(edit.maps.size(), elsewhere), elsewhere);
+    used.pose(std::vector<HandleMotion>(edit.maps.size(), elsewhere));
+    EXPECT_TRUE(support::same_bits(used.pose(edit.maps), fresh.pose(edit.maps)));
     EXPECT_EQ(used.rotations(), fresh.rotations());
   });
 }
@@ -316,21 +308,21 @@ TEST_P(EditProperties, UnrotatedResultIsAffineInTheHandles) {
   for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
     for (const int order : {1, 2}) {
       SCOPED_TRACE(std::string(name(laplacian)) + ", order " + std::to_string(order));
-      LaplacianEditor editor = editor_of(edit, settings_of(laplacian, DetailRotation::None, order));
-      const Points rest = rest_of(edit, editor);
-      const Points whole = editor.solve(edit.maps);
+      support::Prepared solver = solver_of(edit, settings_of(laplacian, EditMethod::Linear, order));
+      const Points rest = rest_of(edit, solver);
+      const Points whole = solver.pose(edit.maps);
       for (const double t : {0.3, -2.0, 100.0}) {
         std::vector<HandleMotion> maps;
         for (const HandleMotion& map : edit.maps) {
           maps.push_back(support::part(map.map, t));
         }
-        EXPECT_LT(support::error(editor.solve(maps), (1 - t) * rest + t * whole), 1e-10) << "t = " << t;
+        EXPECT_LT(support::error(solver.pose(maps), (1 - t) * rest + t * whole), 1e-10) << "t = " << t;
       }
       Points sum = rest;  // of the responses to each group alone
       for (std::size_t g = 0; g < edit.maps.size(); ++g) {
         std::vector<HandleMotion> maps = unmoved(edit);
         maps[g] = edit.maps[g];
-        sum += editor.solve(maps) - rest;
+        sum += solver.pose(maps) - rest;
       }
       EXPECT_LT(support::error(sum, whole), 1e-10);
     }
@@ -340,25 +332,22 @@ TEST_P(EditProperties, UnrotatedResultIsAffineInTheHandles) {
 TEST_P(EditProperties, NormalEquationsHoldToRounding) {
   const EditCase edit = GetParam().make();
   for (const CholeskyBackend backend : {CholeskyBackend::Supernodal, CholeskyBackend::Eigen}) {
-    EditSettings defaults;
-    defaults.backend = backend;
-    LaplacianEditor by_default = editor_of(edit, defaults);
-    by_default.solve(edit.maps);
-    EXPECT_LT(by_default.report().normal_equation_residual, 1e-14) << by_default.report().backend;
+    support::Prepared by_default = solver_of(edit, {}, {1, backend});
+    by_default.pose(edit.maps);
+    EXPECT_LT(by_default.report().normal_equation_residual, 1e-14) << by_default.report().solver;
     for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
       for (const int order : {1, 2, 3}) {
         // One with a rotation, whose right-hand side is another; for the others its tables are not worth their time.
-        const DetailRotation rotation = order == 1 ? DetailRotation::SmoothSurface : DetailRotation::None;
-        EditSettings settings = settings_of(laplacian, rotation, order);
-        settings.backend = backend;
+        const EditSettings settings =
+            settings_of(laplacian, order == 1 ? EditMethod::Paper : EditMethod::Linear, order);
         if (laplacian == LaplacianKind::Cotangent && order > edit.highest_cotangent_order) {
-          support::expect_refusal(ErrorCause::IllConditioned, [&] { editor_of(edit, settings); });
+          support::expect_refusal(ErrorCause::IllConditioned, [&] { solver_of(edit, settings, {1, backend}); });
           continue;
         }
-        LaplacianEditor editor = editor_of(edit, settings);
-        editor.solve(edit.maps);
-        EXPECT_LT(editor.report().normal_equation_residual, 1e-14)
-            << name(laplacian) << ", order " << order << ", " << editor.report().backend;
+        support::Prepared solver = solver_of(edit, settings, {1, backend});
+        solver.pose(edit.maps);
+        EXPECT_LT(solver.report().normal_equation_residual, 1e-14)
+            << name(laplacian) << ", order " << order << ", " << solver.report().solver;
       }
     }
   }
@@ -366,12 +355,9 @@ TEST_P(EditProperties, NormalEquationsHoldToRounding) {
 
 TEST_P(EditProperties, BackendsAgree) {
   const EditCase edit = GetParam().make();
-  for_all_settings([&](EditSettings settings) {
-    settings.backend = CholeskyBackend::Supernodal;
-    LaplacianEditor one = editor_of(edit, settings);
-    settings.backend = CholeskyBackend::Eigen;
-    LaplacianEditor two = editor_of(edit, settings);
-    EXPECT_LT(support::error(two.solve(edit.maps), one.solve(edit.maps)), rounding(settings));
+  for_all_settings([&](const EditSettings& settings) {
+    support::Prepared one = solver_of(edit, settings), two = solver_of(edit, settings, {1, CholeskyBackend::Eigen});
+    EXPECT_LT(support::error(two.pose(edit.maps), one.pose(edit.maps)), rounding(settings));
   });
 }
 

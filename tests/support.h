@@ -16,24 +16,28 @@
 #include <vector>
 
 #include "lapedit/base/error.h"
-#include "lapedit/deform/edit_settings.h"
-#include "lapedit/deform/handle_transform.h"
-#include "lapedit/deform/rest_pose.h"
+#include "lapedit/edit/edit.h"
 #include "lapedit/mesh/geodesic.h"
 #include "lapedit/mesh/region.h"
 
 /// What several tests share: error measures, renumbering, regions built by hand.
 namespace lapedit::support {
 
-/// The paper's system, with rotations of the smoothed surface and without a membrane.
-inline EditSettings smooth_surface_settings() {
-  EditSettings settings;
-  settings.laplacian = LaplacianKind::Umbrella;
-  settings.rotation = DetailRotation::SmoothSurface;
-  settings.handle_weight = settings.anchor_weight = 10;
-  settings.turning = DetailTurning::Vertex;
-  settings.membrane = 0;
-  return settings;
+/// A solver of a region that is ready for poses.
+struct Prepared : StepSolver {
+  Prepared(const TriangleMesh& mesh, const Region& region, const EditSettings& settings = {},
+           const StepOptions& options = {}, const Progress& progress = {}, const LaplacianSystem* previous = nullptr)
+      : StepSolver(mesh, {std::make_shared<const Region>(region)}, settings, options) {
+    prepare(mesh, progress, previous);
+  }
+};
+
+/// Applies a single step.
+inline EditResult apply_step(const TriangleMesh& mesh, const EditStep& step, double fraction = 1,
+                             StoredScalar scalar = StoredScalar::Double) {
+  Edit edit;
+  edit.steps = {step};
+  return apply_edit(mesh, edit, fraction, scalar);
 }
 
 /// Diagonal of the bounding box.

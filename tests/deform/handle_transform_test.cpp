@@ -45,7 +45,7 @@ Matrix3 random_matrix(unsigned seed) {
 
 TEST(HandleTransform, NothingGivenIsExactlyTheIdentity) {
   EXPECT_EQ(resolve(HandleTransform(), kCentroid).map.matrix(), Affine::Identity().matrix());
-  EXPECT_FALSE(resolve(HandleTransform(), kCentroid).turn);
+  EXPECT_FALSE(resolve(HandleTransform(), kCentroid).rotation);
 }
 
 TEST(HandleTransform, TargetOfAMatrixIsThatMatrixBitForBit) {
@@ -96,10 +96,10 @@ TEST(HandleTransform, KeepsAxisAndTurns) {
   HandleTransform transform = rotation(-400, {0, 3, 4});
   transform.center = Vector3(1, 1, 1);
   const HandleMotion motion = resolve(transform, kCentroid);
-  ASSERT_TRUE(motion.turn);
-  EXPECT_EQ(motion.turn->degrees, -400);
-  EXPECT_LT((motion.turn->axis - Vector3(0, 0.6, 0.8)).norm(), kRounding);
-  EXPECT_EQ(motion.turn->center, transform.center);
+  ASSERT_TRUE(motion.rotation);
+  EXPECT_EQ(motion.rotation->degrees, -400);
+  EXPECT_LT((motion.rotation->axis - Vector3(0, 0.6, 0.8)).norm(), kRounding);
+  EXPECT_EQ(motion.rotation->center, transform.center);
   EXPECT_LT((motion.map.linear() - turn(-40, {0, 3, 4})).norm(), kRounding);
 }
 

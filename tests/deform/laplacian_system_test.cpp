@@ -33,8 +33,8 @@ struct Scene {
 };
 
 System prepared(const TriangleMesh& mesh, const Region& region, const EditSettings& settings,
-                const LaplacianSystem* previous, EditReport& report) {
-  return prepare_system(mesh, support::rest_pose(mesh, region), settings, previous, {}, report);
+                const LaplacianSystem* previous = nullptr) {
+  return prepare_system(mesh, support::rest_pose(mesh, region), settings, {}, previous, {});
 }
 
 Points solved(const System& system) {
@@ -46,19 +46,19 @@ Points solved(const System& system) {
   return x;
 }
 
-TEST(LaplacianSystem, NextHandleSharesOperatorFactorAndSmootherByPointer) {
+const EditSettings kSettings[] = {EditSettings(), EditSettings::of(EditMethod::Paper)};
+
+TEST(LaplacianSystem, NextHandleSharesOperatorAndFactorByPointer) {
   const Scene scene;
-  for (const EditSettings& settings : {EditSettings(), support::smooth_surface_settings()}) {
-    EditReport report;
-    const System first = prepared(scene.mesh, scene.first, settings, nullptr, report);
-    EXPECT_FALSE(report.factor_taken_over);
-    const System second = prepared(scene.mesh, scene.second, settings, first.get(), report);
-    EXPECT_TRUE(report.factor_taken_over);
+  for (const EditSettings& settings : kSettings) {
+    const System first = prepared(scene.mesh, scene.first, settings);
+    EXPECT_FALSE(first->figures.factor_reused);
+    const System second = prepared(scene.mesh, scene.second, settings, first.get());
+    EXPECT_TRUE(second->figures.factor_reused);
     EXPECT_EQ(second->powers.m, first->powers.m);
     EXPECT_EQ(second->powers.first, second->powers.m) << "of order 1";
     EXPECT_EQ(second->matrix, first->matrix);
-    EXPECT_EQ(second->smoother, first->smoother);
-    EXPECT_EQ(first->smoother == nullptr, settings.rotation == DetailRotation::LocalGlobal);
+    EXPECT_EQ(first->kernel != nullptr, settings.method == EditMethod::Paper);
     EXPECT_NE(second->correction, first->correction) << "that of another handle";
   }
 }
@@ -66,55 +66,43 @@ TEST(LaplacianSystem, NextHandleSharesOperatorFactorAndSmootherByPointer) {
 /// Fails if the next system takes something out of the one before, or what it shares is not what it would make.
 TEST(LaplacianSystem, BothStayUsableWithTheSameBits) {
   const Scene scene;
-  for (const EditSettings& settings : {EditSettings(), support::smooth_surface_settings()}) {
-    EditReport report;
-    const System first = prepared(scene.mesh, scene.first, settings, nullptr, report);
+  for (const EditSettings& settings : kSettings) {
+    const System first = prepared(scene.mesh, scene.first, settings);
     const Points before = solved(first);
-    const System second = prepared(scene.mesh, scene.second, settings, first.get(), report);
-    const System alone = prepared(scene.mesh, scene.second, settings, nullptr, report);
+    const System second = prepared(scene.mesh, scene.second, settings, first.get());
+    const System alone = prepared(scene.mesh, scene.second, settings);
     EXPECT_TRUE(support::same_bits(solved(first), before));
     EXPECT_TRUE(support::same_bits(solved(second), solved(alone)));
     EXPECT_FALSE(support::same_bits(solved(second), before)) << "another handle, another result";
-    if (settings.rotation == DetailRotation::LocalGlobal) {
-      continue;
-    }
-    Points smooth, smooth_before;
-    first->smoother->share(nullptr)->apply(first->rest.local, smooth_before);
-    second->smoother->share(nullptr)->apply(first->rest.local, smooth);
-    EXPECT_TRUE(support::same_bits(smooth, smooth_before));
   }
 }
 
 /// Each part goes by what it is made from.
 TEST(LaplacianSystem, OnlyWhatFitsIsShared) {
   const Scene scene;
-  EditReport report;
-  const System first = prepared(scene.mesh, scene.first, support::smooth_surface_settings(), nullptr, report);
+  const System first = prepared(scene.mesh, scene.first, EditSettings::of(EditMethod::Paper));
   const auto next = [&](auto change) {
-    EditSettings settings = support::smooth_surface_settings();
+    EditSettings settings = EditSettings::of(EditMethod::Paper);
     change(settings);
-    return prepared(scene.mesh, scene.second, settings, first.get(), report);
+    return prepared(scene.mesh, scene.second, settings, first.get());
   };
   const System heavier = next([](EditSettings& s) { s.anchor_weight = 20; });
   EXPECT_EQ(heavier->powers.m, first->powers.m);
   EXPECT_NE(heavier->matrix, first->matrix);
-  EXPECT_EQ(heavier->smoother, first->smoother);
   const System wider = next([](EditSettings& s) { s.normal_radius = 0.7; });
   EXPECT_EQ(wider->matrix, first->matrix);
-  EXPECT_NE(wider->smoother, first->smoother);
+  EXPECT_EQ(wider->normal_radius, 0.7);
   const System cotangent = next([](EditSettings& s) { s.laplacian = LaplacianKind::Cotangent; });
   EXPECT_NE(cotangent->powers.m, first->powers.m);
   EXPECT_NE(cotangent->matrix, first->matrix);
-  EXPECT_EQ(cotangent->smoother, first->smoother);
   const System higher = next([](EditSettings& s) { s.order = 2; });
   EXPECT_NE(higher->powers.m, higher->powers.first);
   EXPECT_NE(higher->matrix, first->matrix);
   const System stretched = next([](EditSettings& s) { s.membrane = 100; });
   EXPECT_NE(stretched->powers.m, first->powers.m);
   EXPECT_NE(stretched->matrix, first->matrix);
-  EXPECT_EQ(stretched->smoother, first->smoother);
-  const System plain = next([](EditSettings& s) { s.rotation = DetailRotation::None; });
-  EXPECT_EQ(plain->smoother, nullptr);
+  const System plain = next([](EditSettings& s) { s.method = EditMethod::Linear; });
+  EXPECT_EQ(plain->kernel, nullptr);
   EXPECT_EQ(plain->matrix, first->matrix);
 }
 

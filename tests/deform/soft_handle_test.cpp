@@ -5,8 +5,6 @@
 #include <memory>
 
 #include "dense_reference.h"
-#include "lapedit/edit/laplacian_editor.h"
-#include "lapedit/live/drag_frames.h"
 #include "shapes.h"
 #include "support.h"
 
@@ -89,15 +87,15 @@ TEST(SoftHandle, PulledDiscMakesADome) {
   double edges[2];
   for (const bool soft : {false, true}) {
     const Disc disc = plane();
-    LaplacianEditor editor(disc.mesh, disc.soft(0.8, soft ? 1 : 0), EditSettings());
-    const Points& result = editor.solve({support::shift({0, 0, 0.3})});
+    support::Prepared solver(disc.mesh, disc.soft(0.8, soft ? 1 : 0), EditSettings());
+    const Points& result = solver.pose({support::shift({0, 0, 0.3})});
     Points places = disc.mesh.vertices;
-    for (int i = 0; i < editor.region().size(); ++i) {
-      places.row(editor.region().mesh_vertex[i]) = result.row(i);
+    for (int i = 0; i < solver.region().size(); ++i) {
+      places.row(solver.region().mesh_vertex[i]) = result.row(i);
     }
     edges[soft] = largest_edge(disc, places, 0, 1.5 * disc.radius);
     EXPECT_NEAR(places(disc.centre, 2), 0.3, 1e-3);
-    EXPECT_LT(editor.report().handle_residual, 1e-3) << "of what is not soft";
+    EXPECT_LT(solver.report().handle_residual, 1e-3) << "of what is not soft";
   }
   EXPECT_GT(edges[0], 25) << "this says nothing";
   EXPECT_LT(edges[1], 0.55 * edges[0]);
@@ -107,12 +105,12 @@ TEST(SoftHandle, PulledDiscMakesADome) {
 TEST(SoftHandle, DomeIsTheSameOnCoarseAndFineMeshes) {
   for (const int columns : {60, 120, 254}) {
     const Disc disc = plane(0.25, columns);
-    LaplacianEditor editor(disc.mesh, disc.soft(0.8, 1), EditSettings());
-    const Points& result = editor.solve({support::shift({0, 0, 0.3})});
+    support::Prepared solver(disc.mesh, disc.soft(0.8, 1), EditSettings());
+    const Points& result = solver.pose({support::shift({0, 0, 0.3})});
     double rim = 0;
     int count = 0;
-    for (int i = 0; i < editor.region().size(); ++i) {
-      if (std::abs(disc.from_centre[editor.region().mesh_vertex[i]] - disc.radius) < 0.15 * disc.radius) {
+    for (int i = 0; i < solver.region().size(); ++i) {
+      if (std::abs(disc.from_centre[solver.region().mesh_vertex[i]] - disc.radius) < 0.15 * disc.radius) {
         rim += result(i, 2);
         ++count;
       }
@@ -124,8 +122,7 @@ TEST(SoftHandle, DomeIsTheSameOnCoarseAndFineMeshes) {
 /// w_i = share_i w, by hand.
 TEST(SoftHandle, AgreesWithTheDenseSystem) {
   const Disc disc(shapes::letter_field(24, 12), {2, 1, 0}, 0.3);
-  EditSettings settings = support::smooth_surface_settings();
-  settings.rotation = DetailRotation::None;
+  const EditSettings settings = EditSettings::of(EditMethod::Linear);
   const Region region = disc.soft(0.9, 0.8);
   ASSERT_FALSE(region.handle_share.empty());
   const Affine up = support::shift({0.1, 0, 0.4});
@@ -134,10 +131,10 @@ TEST(SoftHandle, AgreesWithTheDenseSystem) {
     const Vector3 rest = disc.mesh.vertices.row(region.mesh_vertex[i]).transpose();
     targets.row(i) = (region.classes[i] == VertexClass::Handle ? up * rest : rest).transpose();
   }
-  LaplacianEditor editor(disc.mesh, region, settings);
+  support::Prepared solver(disc.mesh, region, settings);
   EXPECT_LT(
-      support::error(editor.solve({up}), reference::solve(disc.mesh, region, settings, targets,
-                                                          std::vector<Matrix3>(region.size(), Matrix3::Identity()))),
+      support::error(solver.pose({up}), reference::solve(disc.mesh, region, settings, targets,
+                                                         std::vector<Matrix3>(region.size(), Matrix3::Identity()))),
       1e-9);
 }
 
@@ -147,21 +144,22 @@ TEST(SoftHandle, FramesFollowTheirWeights) {
     const Disc disc = plane(radius);
     EXPECT_EQ(disc.vertices.size() <= 8, radius < 0.1);
     for (const double weight : {30.0, 1.0, 0.1, 0.003, 1e-6}) {
-      for (const DetailRotation rotation : {DetailRotation::None, DetailRotation::LocalGlobal}) {
+      for (const EditMethod method : {EditMethod::Linear, EditMethod::Default}) {
         EditSettings settings;
+        settings.method = method;
         settings.handle_weight = weight;
-        settings.rotation = rotation;
-        const auto region = std::make_shared<const Region>(disc.soft(0.8, 1));
-        DragFrames frames(disc.mesh, region, settings);
-        LaplacianEditor editor(disc.mesh, frames.cells(), settings, {}, nullptr);
+        StepSolver solver(disc.mesh, {std::make_shared<const Region>(disc.soft(0.8, 1))}, settings);
         const std::vector<HandleMotion> maps{support::rigid(30, {0, 1, 1}, {0, 0.1, 0.2}, {2, 1, 0})};
-        const Points exact = editor.solve(maps), cells = frames.pose(maps);
-        EXPECT_LT((cells - exact).rowwise().norm().maxCoeff(), 0.05) << weight << ", " << name(rotation);
-        frames.correct_with(&editor);
-        frames.pose(maps);
-        while (frames.refine()) {
+        Points cells, frame;
+        solver.make_cells(disc.mesh);
+        solver.frame(maps, cells);
+        solver.prepare(disc.mesh);
+        const Points exact = solver.pose(maps);
+        EXPECT_LT((cells - exact).rowwise().norm().maxCoeff(), 0.05) << weight << ", " << name(method);
+        solver.frame(maps, frame);
+        while (solver.refine(frame)) {
         }
-        EXPECT_LT((frames.positions() - exact).rowwise().norm().maxCoeff(), 0.004) << weight << ", " << name(rotation);
+        EXPECT_LT((frame - exact).rowwise().norm().maxCoeff(), 0.004) << weight << ", " << name(method);
       }
     }
   }
@@ -171,10 +169,12 @@ TEST(SoftHandle, CellsFollowTheSoftRim) {
   const Disc disc = plane(0.25, 254);
   const auto region = std::make_shared<const Region>(disc.soft(0.9, 1));
   const std::vector<HandleMotion> maps{support::shift({0, 0, 0.4})};
-  LaplacianEditor editor(disc.mesh, *region, EditSettings());
-  const Points exact = editor.solve(maps);
-  DragFrames frames(disc.mesh, region, EditSettings());
-  const Points near = frames.pose(maps);
+  StepSolver solver(disc.mesh, {region}, EditSettings());
+  Points near;
+  solver.make_cells(disc.mesh);
+  solver.frame(maps, near);
+  solver.prepare(disc.mesh);
+  const Points exact = solver.pose(maps);
   double off = 0, plateau = 0;
   for (int i = 0; i < region->size(); ++i) {
     if (region->classes[i] == VertexClass::Handle) {

@@ -40,7 +40,7 @@ struct HeadWithEye {
     return made;
   }
   Points after(const EditStep& step) const {
-    const EditResult result = apply_step(mesh, support::adjacency_of(mesh), step);
+    const EditResult result = support::apply_step(mesh, step);
     Points places = mesh.vertices;
     for (std::size_t i = 0; i < result.vertices.size(); ++i) {
       places.row(result.vertices[i]) = result.positions.row(static_cast<Eigen::Index>(i));
@@ -96,13 +96,11 @@ TEST(ConnectedPieces, AllSettingsKeepThemFiniteAndTogether) {
   HandleTransform transform;
   transform.translation = Vector3(0, 0, 0.2);
   EditStep step = head.step(transform);
-  for (const DetailRotation rotation :
-       {DetailRotation::None, DetailRotation::SmoothNormals, DetailRotation::SmoothSurface}) {
-    step.settings = support::smooth_surface_settings();
-    step.settings.rotation = rotation;
+  for (const EditMethod method : {EditMethod::Default, EditMethod::Paper, EditMethod::Linear}) {
+    step.settings = EditSettings::of(method);
     const Points places = head.after(step);
     ASSERT_TRUE(places.allFinite());
-    EXPECT_GT((head.eye(places) - head.eye(head.mesh.vertices)).col(2).mean(), 0.02) << name(rotation);
+    EXPECT_GT((head.eye(places) - head.eye(head.mesh.vertices)).col(2).mean(), 0.02) << name(method);
   }
   step = head.step(transform);
   step.region.kind = RegionSpec::Kind::Component;
@@ -115,8 +113,7 @@ TEST(ConnectedPieces, ReportCountsNoTrianglesThatAreNotThere) {
   const HeadWithEye head;
   HandleTransform transform;
   transform.translation = Vector3(0.1, 0.05, 0.3);
-  const EditReport report =
-      apply_step(head.mesh, support::adjacency_of(head.mesh), head.step(transform)).reports.front();
+  const EditReport report = support::apply_step(head.mesh, head.step(transform)).reports.front();
   EXPECT_EQ(report.uniform_edges, 0);
   EXPECT_EQ(report.flipped, 0);
   EXPECT_EQ(report.folded, 0);

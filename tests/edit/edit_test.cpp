@@ -140,7 +140,7 @@ TEST(Edit, StepsApplyInOrderEachToTheResultOfTheOneBefore) {
   TriangleMesh current = mesh;
   const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
   for (const EditStep& step : {first, second}) {
-    current.vertices = applied(current, apply_step(current, adjacency, step));
+    current.vertices = applied(current, support::apply_step(current, step));
   }
   const EditResult result = apply_edit(mesh, edit_of({first, second}));
   EXPECT_EQ(differing(applied(mesh, result), current.vertices), 0);
@@ -223,16 +223,14 @@ std::vector<EditStep> several_steps(LaplacianKind laplacian) {
 TEST(Edit, SeveralFractionsHaveTheBitsThatEachHasAlone) {
   const TriangleMesh mesh = test_mesh();
   for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
-    for (const DetailRotation rotation :
-         {DetailRotation::None, DetailRotation::SmoothNormals, DetailRotation::SmoothSurface}) {
+    for (const EditMethod method : {EditMethod::Linear, EditMethod::Paper, EditMethod::Default}) {
       Edit edit = edit_of(several_steps(laplacian));
       for (EditStep& step : edit.steps) {
-        step.settings.rotation = rotation;
-        step.settings.iterations = 2;
+        step.settings.method = method;
       }
       for (const StoredScalar scalar : {StoredScalar::Float, StoredScalar::Double}) {
         const std::vector<EditResult> together =
-            apply_edit(mesh, support::adjacency_of(mesh), edit, kFractions, scalar);
+            apply_edit(mesh, support::adjacency_of(mesh), edit, {}, kFractions, scalar);
         ASSERT_EQ(together.size(), kFractions.size());
         for (std::size_t p = 0; p < kFractions.size(); ++p) {
           const EditResult alone = apply_edit(mesh, edit, kFractions[p], scalar);
@@ -249,10 +247,10 @@ TEST(Edit, SeveralFractionsHaveTheBitsThatEachHasAlone) {
 TEST(Edit, SeveralFractionsOfOneStepShareOneFactorisation) {
   const TriangleMesh mesh = test_mesh();
   const std::vector<EditResult> poses =
-      apply_edit(mesh, support::adjacency_of(mesh), edit_of({pull({kMiddle}, {0, 0, 3})}), kFractions);
+      apply_edit(mesh, support::adjacency_of(mesh), edit_of({pull({kMiddle}, {0, 0, 3})}), {}, kFractions);
   for (std::size_t p = 0; p < poses.size(); ++p) {
     const EditReport& report = poses[p].reports.at(0);
-    EXPECT_EQ(report.factor_taken_over, p > 0);
+    EXPECT_EQ(report.factor_reused, p > 0);
     EXPECT_EQ(report.factor_ms > 0, p == 0);
     EXPECT_EQ(report.operator_ms > 0, p == 0);
     EXPECT_EQ(report.solve_ms > 0, kFractions[p] > 0);
@@ -261,7 +259,7 @@ TEST(Edit, SeveralFractionsOfOneStepShareOneFactorisation) {
 
 /// The second step has the same vertices and, as the window records them, the same anchors, in other shapes: the
 /// umbrella does not see shapes.
-TEST(Edit, LaterStepsOfSeveralFractionsTakeOverWhatFits) {
+TEST(Edit, LaterStepsOfSeveralFractionsReuseWhatFits) {
   const TriangleMesh mesh = test_mesh();
   for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
     EditStep second = pull({kMiddle + 3}, {1, 0, 1}, 5);
@@ -279,9 +277,9 @@ TEST(Edit, LaterStepsOfSeveralFractionsTakeOverWhatFits) {
     second.region.anchors.reach = 5;
     second.settings.laplacian = laplacian;
     const std::vector<EditResult> poses =
-        apply_edit(mesh, support::adjacency_of(mesh), edit_of({pull({kMiddle}, {0, 0, 3}), second}), kFractions);
+        apply_edit(mesh, support::adjacency_of(mesh), edit_of({pull({kMiddle}, {0, 0, 3}), second}), {}, kFractions);
     for (std::size_t p = 0; p < poses.size(); ++p) {
-      EXPECT_EQ(poses[p].reports.at(1).factor_taken_over, p > 0 && laplacian == LaplacianKind::Umbrella) << p;
+      EXPECT_EQ(poses[p].reports.at(1).factor_reused, p > 0 && laplacian == LaplacianKind::Umbrella) << p;
     }
   }
 }
@@ -291,22 +289,23 @@ TEST(Edit, RefusalsOfSeveralFractionsNameTheFraction) {
   const EditStep good = pull({kMiddle}, {0, 0, 3});
   EditStep bad = pull({kMiddle}, {0, 0, 1e39});
   try {
-    apply_edit(mesh, support::adjacency_of(mesh), edit_of({good, bad}), std::vector<double>{0, 0.5},
+    apply_edit(mesh, support::adjacency_of(mesh), edit_of({good, bad}), {}, std::vector<double>{0, 0.5},
                StoredScalar::Float);
     ADD_FAILURE() << "was taken";
   } catch (const EditError& error) {
     EXPECT_EQ(error.cause(), ErrorCause::NotFinite);
     expect_contains(error.what(), "Step 2 of 2: At fraction 0.5: The result");
   }
-  EXPECT_THROW(apply_edit(mesh, support::adjacency_of(mesh), edit_of({good}), std::vector<double>{0.5, 2}), EditError);
-  EXPECT_TRUE(apply_edit(mesh, support::adjacency_of(mesh), edit_of({good}), std::vector<double>{}).empty());
+  EXPECT_THROW(apply_edit(mesh, support::adjacency_of(mesh), edit_of({good}), {}, std::vector<double>{0.5, 2}),
+               EditError);
+  EXPECT_TRUE(apply_edit(mesh, support::adjacency_of(mesh), edit_of({good}), {}, std::vector<double>{}).empty());
 }
 
 TEST(Edit, ProgressRisesOverSeveralFractions) {
   const Edit edit = edit_of({pull({kMiddle}, {0, 0, 3}), pull({kMiddle + 3}, {1, 0, 0})});
   std::vector<double> seen;
   const TriangleMesh mesh = test_mesh();
-  apply_edit(mesh, support::adjacency_of(mesh), edit, kFractions, StoredScalar::Double,
+  apply_edit(mesh, support::adjacency_of(mesh), edit, {}, kFractions, StoredScalar::Double,
              [&](double fraction, const char*) {
                seen.push_back(fraction);
                return true;
@@ -624,12 +623,12 @@ TEST(Edit, ProgressRisesOverAllStepsAndCanCancel) {
 TEST(Edit, ThreadsDoNotChangeABit) {
   const TriangleMesh mesh = shapes::bumpy_grid();
   EditStep step = pull({50 * 60 + 30}, {5, 0, 10}, 25);
-  step.settings.iterations = 2;
-  step.settings.threads = 1;
-  const Points one = applied(mesh, apply_edit(mesh, edit_of({step})));
+  const auto with = [&](int threads) {
+    return applied(mesh, apply_edit(mesh, edit_of({step}), 1, StoredScalar::Double, {}, {threads}));
+  };
+  const Points one = with(1);
   for (const int threads : {0, 2, 3, 8}) {
-    step.settings.threads = threads;
-    EXPECT_EQ(differing(applied(mesh, apply_edit(mesh, edit_of({step}))), one), 0) << threads << " threads";
+    EXPECT_EQ(differing(with(threads), one), 0) << threads << " threads";
   }
 }
 

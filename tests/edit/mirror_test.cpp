@@ -74,17 +74,16 @@ TEST(Mirror, SymmetricMeshStaysSymmetric) {
       step.mirror = MirrorPlane{turn * Vector3(0, 1, 0), 3 * (turn.linear() * Vector3::UnitX())};
       step.handles[0].transform.translation = turn.linear() * step.handles[0].transform.translation;
     }
-    for (const EditSettings& settings : {EditSettings(), support::smooth_surface_settings()}) {
+    for (const EditSettings& settings : {EditSettings(), EditSettings::of(EditMethod::Paper)}) {
       step.settings = settings;
-      const EditResult result = apply_step(mesh, support::adjacency_of(mesh), step);
+      const EditResult result = support::apply_step(mesh, step);
       const Points places = after(mesh, result);
       EXPECT_LT(asymmetry(places, *step.mirror), 1e-9);
       EXPECT_GT((places - mesh.vertices).rowwise().norm().maxCoeff(), 0.2);
       EXPECT_LT(result.reports[0].handle_residual, 0.02);
       EditStep plain = step;
       plain.mirror.reset();
-      EXPECT_GT(asymmetry(after(mesh, apply_step(mesh, support::adjacency_of(mesh), plain)), *step.mirror), 0.02)
-          << "this says nothing";
+      EXPECT_GT(asymmetry(after(mesh, support::apply_step(mesh, plain)), *step.mirror), 0.02) << "this says nothing";
     }
   }
 }
@@ -102,7 +101,7 @@ TEST(Mirror, GivesTheBitsOfTheStepWrittenOut) {
     EXPECT_EQ(written.handles.size(), 2U);
     EXPECT_EQ(written.region.vertices.size() > step.region.vertices.size(), given_set);
     const Adjacency adjacency = support::adjacency_of(mesh);
-    const EditResult a = apply_step(mesh, adjacency, step), b = apply_step(mesh, adjacency, written);
+    const EditResult a = support::apply_step(mesh, step), b = support::apply_step(mesh, written);
     EXPECT_EQ(a.vertices, b.vertices);
     EXPECT_TRUE(support::same_bits(a.positions, b.positions));
   }
@@ -131,8 +130,7 @@ TEST(Mirror, WindowAndReplayHaveTheSameBits) {
   while (thread.wait()) {
     thread.poll(pose);
   }
-  EXPECT_TRUE(
-      support::same_bits(pose.positions, apply_step(mesh, *task.adjacency, step, 1, StoredScalar::Float).positions));
+  EXPECT_TRUE(support::same_bits(pose.positions, support::apply_step(mesh, step, 1, StoredScalar::Float).positions));
   const long before = allocations;
   handles.maps(transforms, maps);
   EXPECT_EQ(allocations, before) << "in a frame";
@@ -200,7 +198,7 @@ TEST(Mirror, TargetsAreMirroredAsDisplacements) {
     const Vector3 twin = reflection(*step.mirror) * place;
     EXPECT_LT((image.targets[k] - place - mirror * way(twin)).norm(), 1e-12) << k;
   }
-  const EditResult result = apply_step(mesh, support::adjacency_of(mesh), step);
+  const EditResult result = support::apply_step(mesh, step);
   EXPECT_LT(asymmetry(after(mesh, result), *step.mirror), 1e-12);
 }
 
@@ -293,14 +291,14 @@ TEST(Mirror, WhatHasNoImageIsRefused) {
   EditStep step = one_sided(mesh);
   step.mirror->point = Vector3(2, 0, 0);
   const std::string sentence =
-      support::expect_refusal(ErrorCause::BadParameter, [&] { apply_step(mesh, support::adjacency_of(mesh), step); });
+      support::expect_refusal(ErrorCause::BadParameter, [&] { support::apply_step(mesh, step); });
   const std::size_t count = step.handles[0].vertices.size();
   EXPECT_EQ(sentence.find(std::to_string(count) + " of " + std::to_string(count) + " handle vertices"), 0U) << sentence;
   EXPECT_NE(sentence.find("vertex " + std::to_string(step.handles[0].vertices[0])), std::string::npos) << sentence;
   step.mirror = MirrorPlane{{0, 0, 0}, {0, 0, 0}};
-  support::expect_refusal(ErrorCause::BadParameter, [&] { apply_step(mesh, support::adjacency_of(mesh), step); });
+  support::expect_refusal(ErrorCause::BadParameter, [&] { support::apply_step(mesh, step); });
   step.mirror = MirrorPlane{{0, 0, std::nan("")}, {0, 0, 1}};
-  support::expect_refusal(ErrorCause::NotFinite, [&] { apply_step(mesh, support::adjacency_of(mesh), step); });
+  support::expect_refusal(ErrorCause::NotFinite, [&] { support::apply_step(mesh, step); });
 }
 
 }  // namespace

@@ -76,10 +76,7 @@ RegionSpec region(Choices& choose, const TriangleMesh& mesh) {
 EditSettings settings(Choices& choose) {
   EditSettings result;
   if (choose.below(4) == 0) {
-    result.laplacian = LaplacianKind::Umbrella;
-    result.rotation = DetailRotation::SmoothSurface;
-    result.turning = DetailTurning::Vertex;
-    result.membrane = 0;
+    result = EditSettings::of(EditMethod::Paper);
   }
   for (int k = choose.below(4); k > 0; --k) {
     const Setting& setting =
@@ -95,7 +92,6 @@ EditSettings settings(Choices& choose) {
         setting.set(result, choose.flag() ? choose.byte() : choose.real());
     }
   }
-  result.threads = 1;
   return result;
 }
 

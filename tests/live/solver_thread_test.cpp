@@ -34,36 +34,35 @@ PrepareTask task_for(int handle, double radius = 8) {
 
 constexpr int kHandle = 3030;
 
-/// All news until the worker rests, as one.
-SolverNews all_news(SolverThread& worker, SolverPose& pose) {
-  SolverNews all;
+/// All updates until the worker rests, as one.
+SolverUpdate all_updates(SolverThread& worker, SolverPose& pose) {
+  SolverUpdate all;
   while (worker.wait()) {
-    SolverNews news = worker.poll(pose);
-    all.region = news.region ? news.region : all.region;
-    all.report = news.report ? news.report : all.report;
-    all.applied = news.applied ? news.applied : all.applied;
-    all.ready |= news.ready;
-    all.pose |= news.pose;
-    all.error += news.error;
-    all.pose_error += news.pose_error;
+    SolverUpdate update = worker.poll(pose);
+    all.region = update.region ? update.region : all.region;
+    all.report = update.report ? update.report : all.report;
+    all.applied = update.applied ? update.applied : all.applied;
+    all.ready |= update.ready;
+    all.pose |= update.pose;
+    all.error += update.error;
+    all.pose_error += update.pose_error;
   }
   return all;
 }
 
-TEST(SolverThread, PosesAreThoseOfTheEditor) {
+TEST(SolverThread, PosesAreThoseOfTheStep) {
   SolverThread worker(nullptr);
   SolverPose pose;
   PrepareTask task = task_for(kHandle);
-  LaplacianEditor editor(*task.mesh, build_region(*task.mesh, *task.adjacency, task.region, task.groups),
-                         task.settings);
+  support::Prepared solver(*task.mesh, build_region(*task.mesh, *task.adjacency, task.region, task.groups));
   worker.prepare(task);
   const int serial = worker.solve({support::shift(Vector3(1, 2, 3))}, true);
-  const SolverNews news = all_news(worker, pose);
-  ASSERT_TRUE(news.region && news.ready && news.pose && news.report);
-  EXPECT_EQ(news.region->mesh_vertex, editor.region().mesh_vertex);
+  const SolverUpdate update = all_updates(worker, pose);
+  ASSERT_TRUE(update.region && update.ready && update.pose && update.report);
+  EXPECT_EQ(update.region->mesh_vertex, solver.region().mesh_vertex);
   EXPECT_EQ(pose.serial, serial);
-  EXPECT_TRUE(support::same_bits(pose.positions, editor.solve({support::shift(Vector3(1, 2, 3))})));
-  EXPECT_NEAR(news.report->handle_displacement, Vector3(1, 2, 3).norm(), 1e-9);
+  EXPECT_TRUE(support::same_bits(pose.positions, solver.pose({support::shift(Vector3(1, 2, 3))})));
+  EXPECT_NEAR(update.report->handle_displacement, Vector3(1, 2, 3).norm(), 1e-9);
 }
 
 TEST(SolverThread, SolvesTheNewestQuestionAndNotAll) {
@@ -89,11 +88,11 @@ TEST(SolverThread, NewTaskDropsTheOldOne) {
   worker.prepare(task_for(kHandle, 40));
   worker.solve({support::shift(Vector3(0, 0, 1))}, false);
   worker.prepare(task_for(1000, 5));
-  const SolverNews news = all_news(worker, pose);
-  ASSERT_TRUE(news.region);
-  EXPECT_TRUE(news.ready);
-  EXPECT_FALSE(news.pose);
-  const std::vector<int>& vertices = news.region->mesh_vertex;
+  const SolverUpdate update = all_updates(worker, pose);
+  ASSERT_TRUE(update.region);
+  EXPECT_TRUE(update.ready);
+  EXPECT_FALSE(update.pose);
+  const std::vector<int>& vertices = update.region->mesh_vertex;
   EXPECT_TRUE(std::binary_search(vertices.begin(), vertices.end(), 1000));
 }
 
@@ -103,9 +102,9 @@ TEST(SolverThread, CancelDropsAllAndNothingComesAfterIt) {
   worker.prepare(task_for(kHandle, 40));
   worker.solve({support::shift(Vector3(0, 0, 1))}, false);
   worker.cancel();
-  const SolverNews news = all_news(worker, pose);
-  EXPECT_FALSE(news.region || news.ready || news.pose);
-  EXPECT_TRUE(news.error.empty());
+  const SolverUpdate update = all_updates(worker, pose);
+  EXPECT_FALSE(update.region || update.ready || update.pose);
+  EXPECT_TRUE(update.error.empty());
 }
 
 /// While this lives, no thread can be started: none has room for its stack.
@@ -137,18 +136,18 @@ TEST(SolverThread, WithoutAThreadForALargeRegionItPreparesItItself) {
     SolverThread worker(nullptr);
     worker.prepare(task);
     worker.solve(maps, true);
-    const SolverNews news = all_news(worker, expected);
-    ASSERT_TRUE(news.ready && news.region);
-    ASSERT_GT(news.region->size(), 12000) << "smaller ones have no thread of their own";
+    const SolverUpdate update = all_updates(worker, expected);
+    ASSERT_TRUE(update.ready && update.region);
+    ASSERT_GT(update.region->size(), 12000) << "smaller ones have no thread of their own";
   }
   SolverThread worker(nullptr);
   const NoThreads none;
   for (int k = 0; k < 2; ++k) {
     worker.prepare(task);
     worker.solve(maps, true);
-    const SolverNews news = all_news(worker, pose);
-    EXPECT_TRUE(news.ready && news.report);
-    EXPECT_EQ(news.error + news.pose_error, "");
+    const SolverUpdate update = all_updates(worker, pose);
+    EXPECT_TRUE(update.ready && update.report);
+    EXPECT_EQ(update.error + update.pose_error, "");
     EXPECT_TRUE(support::same_bits(pose.positions, expected.positions));
   }
 }
@@ -167,16 +166,16 @@ TEST(SolverThread, ErrorsAreSentences) {
   SolverThread worker(nullptr);
   SolverPose pose;
   worker.prepare(task_for(kHandle, 0.01));
-  EXPECT_NE(all_news(worker, pose).error.find("handle alone"), std::string::npos);
+  EXPECT_NE(all_updates(worker, pose).error.find("handle alone"), std::string::npos);
   worker.solve({support::shift(Vector3(0, 0, 1))}, true);
-  EXPECT_FALSE(all_news(worker, pose).pose);
+  EXPECT_FALSE(all_updates(worker, pose).pose);
   EXPECT_FALSE(worker.busy());  // not waiting for ever for a region that cannot be had
   worker.prepare(task_for(kHandle));
   worker.solve({support::shift(Vector3(std::nan(""), 0, 0))}, true);
-  const SolverNews news = all_news(worker, pose);
-  EXPECT_NE(news.pose_error.find("finite"), std::string::npos);
+  const SolverUpdate update = all_updates(worker, pose);
+  EXPECT_NE(update.pose_error.find("finite"), std::string::npos);
   worker.solve({support::shift(Vector3(0, 0, 1))}, true);
-  EXPECT_TRUE(all_news(worker, pose).pose);
+  EXPECT_TRUE(all_updates(worker, pose).pose);
 }
 
 TEST(SolverThread, AppliesStepsOneAfterTheOther) {
@@ -190,12 +189,12 @@ TEST(SolverThread, AppliesStepsOneAfterTheOther) {
   Edit edit;
   edit.steps = {step, step};
   worker.apply({task.mesh, task.adjacency, edit, StoredScalar::Double});
-  const SolverNews news = all_news(worker, pose);
-  ASSERT_TRUE(news.applied);
-  ASSERT_EQ(news.applied->size(), 2U);
+  const SolverUpdate update = all_updates(worker, pose);
+  ASSERT_TRUE(update.applied);
+  ASSERT_EQ(update.applied->size(), 2U);
   const EditResult both = apply_edit(*task.mesh, edit);
   Points places = task.mesh->vertices;
-  for (const EditResult& result : *news.applied) {
+  for (const EditResult& result : *update.applied) {
     for (std::size_t i = 0; i < result.vertices.size(); ++i) {
       places.row(result.vertices[i]) = result.positions.row(static_cast<Eigen::Index>(i));
     }
@@ -208,11 +207,11 @@ TEST(SolverThread, WakesItsOwnerForEachPieceOfNews) {
   SolverThread worker([&woken] { ++woken; });
   SolverPose pose;
   worker.prepare(task_for(kHandle));
-  all_news(worker, pose);
+  all_updates(worker, pose);
   EXPECT_GE(woken, 2);
   const int before = woken;
   worker.solve({support::shift(Vector3(0, 0, 1))}, false);
-  all_news(worker, pose);
+  all_updates(worker, pose);
   EXPECT_GT(woken, before);
 }
 
@@ -231,31 +230,32 @@ PrepareTask large_task() {
 }
 
 Points exact_pose(const PrepareTask& task, const std::vector<HandleMotion>& maps) {
-  Points exact;
-  StepRunner({*task.mesh, *task.adjacency, task.region, task.groups, task.settings, task.scalar}).solve(maps, exact);
-  return exact;
+  StepSolver solver(*task.mesh, find_region(*task.mesh, *task.adjacency, task.region, task.groups), task.settings,
+                    {task.scalar});
+  solver.prepare(*task.mesh);
+  return solver.pose(maps);
 }
 
 /// All poses until the worker rests, and which of them came before the region was prepared.
 struct Followed {
   std::vector<SolverPose> poses;
   int before_ready = 0;
-  bool in_hand = false, ready = false;
+  bool preview = false, ready = false;
   std::string error, pose_error;
 
   void listen(SolverThread& worker, bool to_the_first_pose = false) {
     while (worker.wait()) {
       SolverPose pose;
-      const SolverNews news = worker.poll(pose);
-      in_hand |= news.in_hand;
-      if (news.pose) {
-        before_ready += !ready && !news.ready;
+      const SolverUpdate update = worker.poll(pose);
+      preview |= update.preview;
+      if (update.pose) {
+        before_ready += !ready && !update.ready;
         poses.push_back(pose);
       }
-      ready |= news.ready;
-      error += news.error;
-      pose_error += news.pose_error;
-      if (to_the_first_pose && news.pose) {
+      ready |= update.ready;
+      error += update.error;
+      pose_error += update.pose_error;
+      if (to_the_first_pose && update.pose) {
         return;
       }
     }
@@ -285,7 +285,7 @@ bool seen_in_some_try(const Look& look) {
 }
 
 /// Cells alone, then with their correction, then the pose in full, all on their own where the mouse rests.
-TEST(FirstFrames, FollowsFirstAndBecomesTheEditors) {
+TEST(FirstFrames, FollowsFirstAndBecomesThePose) {
   PrepareTask task = large_task();
   for (const int passes : {1, 4}) {
     task.settings.iterations = passes;
@@ -296,7 +296,7 @@ TEST(FirstFrames, FollowsFirstAndBecomesTheEditors) {
       const int serial = worker.solve(kLifted, false);
       Followed seen;
       seen.listen(worker);
-      EXPECT_TRUE(seen.in_hand && seen.ready);
+      EXPECT_TRUE(seen.preview && seen.ready);
       EXPECT_TRUE(support::same_bits(seen.poses.back().positions, exact));
       for (const SolverPose& pose : seen.poses) {
         EXPECT_EQ(pose.serial, serial);
@@ -308,7 +308,7 @@ TEST(FirstFrames, FollowsFirstAndBecomesTheEditors) {
   }
 }
 
-TEST(FirstFrames, BecomesTheEditorsWhileTheMouseMoves) {
+TEST(FirstFrames, BecomesThePoseWhileTheMouseMoves) {
   const PrepareTask task = large_task();
   EXPECT_TRUE(seen_in_some_try([&] {
     SolverThread worker(nullptr);
@@ -330,7 +330,7 @@ TEST(FirstFrames, BecomesTheEditorsWhileTheMouseMoves) {
   }));
 }
 
-TEST(FirstFrames, WhatIsReleasedBeforeTheRegionIsPreparedIsTheEditors) {
+TEST(FirstFrames, WhatIsReleasedBeforeTheRegionIsPreparedIsExact) {
   const PrepareTask task = large_task();
   const Points exact = exact_pose(task, kLifted);
   EXPECT_TRUE(seen_in_some_try([&] {
@@ -410,7 +410,7 @@ TEST(FirstFrames, SmallRegionIsNotDisturbedByLargeOnesThatWereDropped) {
   }
 }
 
-TEST(FirstFrames, WhatTheEditorRefusesIsSaid) {
+TEST(FirstFrames, RefusalsAreReported) {
   PrepareTask task = large_task();
   SolverThread worker(nullptr);
   worker.prepare(task);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Frames before a region is prepared, against the full pose: the recorded edits on real meshes.
-#include "lapedit/live/drag_frames.h"
+#include "lapedit/edit/step_solver.h"
 
 #include <gtest/gtest.h>
 
@@ -54,12 +54,13 @@ TEST(RealDragHand, AreNearTheFullPose) {
     const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
     for (const EditSettings& settings : {step.settings, EditSettings()}) {
       const bool by_default = settings == EditSettings();
-      const FoundRegion found = find_region({mesh, adjacency, step.region, groups, settings});
-      const Region& region = *found.region;
-      LaplacianEditor editor(mesh, region, settings);
-      const Points full = editor.solve(maps);
-      DragFrames frames(mesh, found.region, settings);
-      const Points pose = frames.pose(maps);
+      StepSolver solver(mesh, find_region(mesh, adjacency, step.region, groups), settings);
+      const Region& region = solver.region();
+      Points pose;
+      solver.make_cells(mesh);
+      solver.frame(maps, pose);
+      solver.prepare(mesh);
+      const Points full = solver.pose(maps);
       double way = 0, handle_off = 0;
       for (int i = 0; i < region.size(); ++i) {
         const Vector3 rest = mesh.vertices.row(region.mesh_vertex[i]).transpose();
@@ -74,7 +75,7 @@ TEST(RealDragHand, AreNearTheFullPose) {
       const Points difference = pose - full;
       const double rms = std::sqrt(difference.squaredNorm() / static_cast<double>(difference.rows())) / way;
       std::cout << recorded.mesh << ", " << recorded.edit << (by_default ? " by default: " : ": ") << region.size()
-                << " vertices, " << frames.cells()->cells().count() << " cells, RMS " << 100 * rms << " %, largest "
+                << " vertices, " << solver.cells()->cells().count() << " cells, RMS " << 100 * rms << " %, largest "
                 << 100 * difference.rowwise().norm().maxCoeff() / way << " % of the handle's way\n";
       EXPECT_LT(rms, by_default ? recorded.by_default : recorded.rms) << recorded.mesh << ", " << recorded.edit;
     }

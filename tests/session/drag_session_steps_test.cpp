@@ -72,7 +72,7 @@ TEST(DragRegion, SettingsOutOfRangeAreRefusedAndChangeNothing) {
   change(window, [](DragSettings& s) { s.radius = -1; });
   EXPECT_NE(window.session.message().find("radius"), std::string::npos);
   EXPECT_EQ(window.session.settings().radius, radius);
-  change(window, [](DragSettings& s) { s.edit.order = 4; });
+  change(window, [](DragSettings& s) { s.edit.order = 2; });
   EXPECT_EQ(window.session.settings().edit.order, 1);
   EXPECT_TRUE(window.session.ready());
 }
@@ -538,11 +538,11 @@ TEST(DragSteps, UndoGoesBackToHandleAndRegionOfTheStep) {
 TEST(DragSteps, OtherSettingsSolveTheLastStepAgain) {
   Window window(plate());
   window.drag(kMiddle, Vector2(40, 25));
-  const Points order1 = window.host();
-  change(window, [](DragSettings& s) { s.edit.order = 2; });
-  EXPECT_FALSE(same_bits(window.host(), order1));
+  const Points stiff = window.host();
+  change(window, [](DragSettings& s) { s.edit.membrane = 50; });
+  EXPECT_FALSE(same_bits(window.host(), stiff));
   EXPECT_EQ(window.session.figures().steps, 1);
-  EXPECT_EQ(window.session.recorded().steps.at(0).settings.order, 2);
+  EXPECT_EQ(window.session.recorded().steps.at(0).settings.membrane, 50);
   window.expect_consistent();
   change(window, [](DragSettings& s) { s.padding = 0.3; });
   EXPECT_EQ(window.session.recorded().steps.at(0).region.padding, 0.3);
@@ -551,9 +551,9 @@ TEST(DragSteps, OtherSettingsSolveTheLastStepAgain) {
   change(window, [](DragSettings& s) {
     s.radius /= 1.5;
     s.padding = 0.1;
-    s.edit.order = 1;
+    s.edit.membrane = 500;
   });
-  EXPECT_TRUE(same_bits(window.host(), order1));
+  EXPECT_TRUE(same_bits(window.host(), stiff));
   for (int k = 0; k < 5; ++k) {
     window.session.undo();  // four settings and the step
   }
@@ -565,9 +565,9 @@ TEST(DragSteps, OtherSettingsLeaveTheLastStepAloneOnceSomethingElseIsPicked) {
   window.drag(kMiddle, Vector2(40, 25));
   const Points before = window.host();
   window.click(at(32, 30));
-  change(window, [](DragSettings& s) { s.edit.order = 2; });
+  change(window, [](DragSettings& s) { s.edit.membrane = 50; });
   EXPECT_TRUE(same_bits(window.host(), before));
-  EXPECT_EQ(window.session.recorded().steps.at(0).settings.order, 1);
+  EXPECT_EQ(window.session.recorded().steps.at(0).settings.membrane, 500);
 }
 
 TEST(DragSteps, OtherSettingsSolveTheDragInProgressAgain) {
@@ -577,13 +577,13 @@ TEST(DragSteps, OtherSettingsSolveTheDragInProgressAgain) {
   window.session.move(window.at(kMiddle, Vector2(40, 0)));
   window.session.wait();
   const Points before = window.host();
-  change(window, [](DragSettings& s) { s.edit.order = 2; });
+  change(window, [](DragSettings& s) { s.edit.membrane = 50; });
   EXPECT_EQ(window.session.state(), State::Dragging);
   EXPECT_FALSE(same_bits(window.host(), before));
   change(window, [](DragSettings& s) { s.radius *= 0.5; });
   window.session.release(window.at(kMiddle, Vector2(40, 0)));
   window.session.wait();
-  EXPECT_EQ(window.session.recorded().steps.at(0).settings.order, 2);
+  EXPECT_EQ(window.session.recorded().steps.at(0).settings.membrane, 50);
   window.expect_consistent();
 }
 
@@ -592,7 +592,7 @@ TEST(DragSteps, SettingsMayChangeWhileAStepIsSolvedForAgain) {
   window.drag(kMiddle, Vector2(40, 25));
   window.drag(at(32, 30), Vector2(20, 10));  // its region is a set of vertices, for which the radius means nothing
   DragSettings settings = window.session.settings();
-  settings.edit.order = 2;
+  settings.edit.membrane = 50;
   window.session.set_settings(settings);
   ASSERT_EQ(window.session.state(), State::Settling);
   settings.radius *= 1.5;
@@ -601,7 +601,7 @@ TEST(DragSteps, SettingsMayChangeWhileAStepIsSolvedForAgain) {
   window.drag(at(28, 30), Vector2(0, 20));
   EXPECT_EQ(window.session.state(), State::Picked);
   EXPECT_EQ(window.session.figures().steps, 3);
-  EXPECT_EQ(window.session.recorded().steps.at(1).settings.order, 2);
+  EXPECT_EQ(window.session.recorded().steps.at(1).settings.membrane, 50);
   window.expect_consistent();
 }
 
@@ -610,7 +610,7 @@ TEST(DragSteps, ButtonReleasedWhileAStepIsSolvedForAgainHoldsNothing) {
   window.drag(kMiddle, Vector2(40, 25));
   window.press(kMiddle);
   DragSettings settings = window.session.settings();
-  settings.edit.order = 2;
+  settings.edit.membrane = 50;
   window.session.set_settings(settings);
   ASSERT_EQ(window.session.state(), State::Settling);
   window.session.release(window.at(kMiddle));
@@ -625,7 +625,7 @@ TEST(DragSteps, AmendmentAndLoadCanBeDropped) {
   window.drag(kMiddle, Vector2(40, 25));
   const Points before = window.host();
   DragSettings settings = window.session.settings();
-  settings.edit.order = 2;
+  settings.edit.membrane = 50;
   window.session.set_settings(settings);
   ASSERT_EQ(window.session.state(), State::Settling);
   window.session.cancel();
@@ -633,7 +633,7 @@ TEST(DragSteps, AmendmentAndLoadCanBeDropped) {
   EXPECT_EQ(window.session.state(), State::Picked);
   EXPECT_TRUE(window.session.ready());
   EXPECT_TRUE(same_bits(window.host(), before));
-  EXPECT_EQ(window.session.recorded().steps.at(0).settings.order, 1);
+  EXPECT_EQ(window.session.recorded().steps.at(0).settings.membrane, 500);
 
   window.session.load(window.session.recorded());
   ASSERT_EQ(window.session.state(), State::Settling);
@@ -643,9 +643,9 @@ TEST(DragSteps, AmendmentAndLoadCanBeDropped) {
   EXPECT_TRUE(window.session.ready());
   EXPECT_TRUE(same_bits(window.host(), before));
 
-  change(window, [](DragSettings& s) { s.edit.order = 3; });
+  change(window, [](DragSettings& s) { s.edit.membrane = 20; });
   EXPECT_EQ(window.session.figures().steps, 1);
-  EXPECT_EQ(window.session.recorded().steps.at(0).settings.order, 3);
+  EXPECT_EQ(window.session.recorded().steps.at(0).settings.membrane, 20);
   window.expect_consistent();
 }
 
@@ -717,8 +717,8 @@ TEST(DragSteps, FiguresTellOfTheLastStep) {
 TEST(DragSteps, AdviceIsGivenWhereAStepFolded) {
   Window window(plate());
   DragSettings settings = window.session.settings();
-  settings.edit = support::smooth_surface_settings();
-  settings.edit.rotation = DetailRotation::None;
+  settings.edit = EditSettings::of(EditMethod::Paper);
+  settings.edit.method = EditMethod::Linear;
   window.session.set_settings(settings);
   window.drag(kMiddle, Vector2(20, 10));
   ASSERT_EQ(window.log.size(), 1U);

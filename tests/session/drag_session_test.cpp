@@ -304,16 +304,16 @@ TEST(DragSession, TurnAndScaleGoAboutTheGroupsCenter) {
 
 /// Fails if the line over the picture does not say why frames are slow, or says it where they are not.
 TEST(DragSession, SaysWhereFramesAreFullSolutions) {
-  for (const DetailRotation rotation : {DetailRotation::LocalGlobal, DetailRotation::SmoothSurface}) {
+  for (const EditMethod method : {EditMethod::Default, EditMethod::Paper}) {
     Window window(hills());
     DragSettings settings = window.session.settings();
-    settings.edit.rotation = rotation;
+    settings.edit = EditSettings::of(method);
     window.session.set_settings(settings);
     window.click(kMiddle);
     window.press(kMiddle);
     window.session.move(window.at(window.at(kMiddle).pixel + Vector2(20, 10)));
     EXPECT_EQ(window.session.message().find("each frame is a full solution") != std::string::npos,
-              rotation == DetailRotation::SmoothSurface);
+              method == EditMethod::Paper);
   }
 }
 
@@ -385,7 +385,7 @@ TEST(DragSession, AnyEventsLeaveAConsistentSession) {
         settings.radius = 0.05 * (1 + pick(12));
         settings.padding = 0.1 * pick(12);  // 1.1 is refused
         settings.handle_share = 0.3 * pick(4);
-        settings.edit.order = 1 + pick(4);  // 4 is refused
+        settings.edit.order = 1 + pick(2);  // 2 is refused
         settings.edit.iterations = 1 + pick(2);
         settings.softness = 0.5 * pick(3);
         if (pick(4) == 0) {

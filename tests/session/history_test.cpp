@@ -105,13 +105,12 @@ TEST(History, MeshIsReplacedAndNeverChanged) {
 TEST(History, RecordIsOfTheAppliedStepsAndReplaysToTheMesh) {
   const TriangleMesh mesh = shapes::grid(20, 20);
   History history(mesh);
-  const Adjacency adjacency = support::adjacency_of(mesh);
   for (const int handle : {105, 210, 305}) {
     EditStep real;
     real.region.radius = 5;
     real.handles.push_back({{handle}, {}});
     real.handles[0].transform.translation = Vector3(0.3, -0.2, 1);
-    const EditResult result = apply_step(*history.mesh(), adjacency, real, 1, StoredScalar::Float);
+    const EditResult result = support::apply_step(*history.mesh(), real, 1, StoredScalar::Float);
     history.apply(real, result.vertices, result.positions);
   }
   history.undo();

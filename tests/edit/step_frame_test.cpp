@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/live/drag_frames.h"
+#include "lapedit/edit/step_solver.h"
 
 #include <gtest/gtest.h>
 
@@ -107,35 +107,36 @@ std::vector<Scene> scenes() {
           landmarks()};
 }
 
-/// An editor with frames of its cells.
-struct Dragged {
-  DragFrames frames;
-  LaplacianEditor editor;
+/// A solver with frames.
+struct Dragged : StepSolver {
+  Points shown;
 
-  Dragged(const Scene& s, const EditSettings& settings)
-      : frames(s.mesh, std::make_shared<const Region>(s.region), settings),
-        editor(s.mesh, frames.cells(), settings, {}, nullptr) {
-    frames.correct_with(&editor);
+  Dragged(const Scene& s, const EditSettings& settings, const SolverOptions& options = {})
+      : StepSolver(s.mesh, {std::make_shared<const Region>(s.region)}, settings, {StoredScalar::Double, {}, options}) {
+    make_cells(s.mesh);
+    prepare(s.mesh);
+  }
+  const Points& first(const Maps& maps) {
+    frame(maps, shown);
+    return shown;
   }
   /// The frame that a mouse at rest ends with.
   const Points& rested(const Maps& maps) {
-    frames.pose(maps);
-    while (frames.refine()) {
+    frame(maps, shown);
+    while (refine(shown)) {
     }
-    return frames.positions();
+    return shown;
   }
 };
 
-EditSettings with(DetailRotation rotation, LaplacianKind laplacian = LaplacianKind::MeanValue,
-                  DetailTurning turning = DetailTurning::Edge) {
+EditSettings with(EditMethod method, LaplacianKind laplacian = LaplacianKind::MeanValue) {
   EditSettings settings;
-  settings.rotation = rotation;
+  settings.method = method;
   settings.laplacian = laplacian;
-  settings.turning = turning;
   return settings;
 }
 
-constexpr DetailRotation kBoth[] = {DetailRotation::None, DetailRotation::LocalGlobal};
+constexpr EditMethod kBoth[] = {EditMethod::Linear, EditMethod::Default};
 
 /// The handles' longest way, and no less than the region's reach where frames are compared by their largest error.
 double way_of(const Scene& s, const Maps& maps) {
@@ -156,26 +157,25 @@ double rms(const Points& a, const Points& b) {
 Maps part_of(const Maps& maps, double t) {
   Maps result = maps;
   for (HandleMotion& motion : result) {
-    motion.part = t;
+    motion.fraction = t;
   }
   return result;
 }
 
 /// Fails if any term of a frame is wrong: without rotations it is the solution but for the factor's digits.
-TEST(DragFrames, UnrotatedAreTheSolutionToFourDigits) {
+TEST(StepFrame, UnrotatedAreTheSolutionToFourDigits) {
   for (const Scene& s : scenes()) {
     for (const CholeskyBackend backend : {CholeskyBackend::Supernodal, CholeskyBackend::Eigen}) {
       for (const LaplacianKind laplacian :
            {LaplacianKind::Umbrella, LaplacianKind::Cotangent, LaplacianKind::MeanValue}) {
         for (const int order : {1, 2}) {
-          EditSettings settings = with(DetailRotation::None, laplacian);
-          settings.backend = backend;
+          EditSettings settings = with(EditMethod::Linear, laplacian);
           settings.order = order;
-          Dragged drag(s, settings);
+          Dragged drag(s, settings, {0, backend});
           for (const double t : {0.01, 1.0}) {
             const Maps maps = part_of(s.maps, t);
-            const Points exact = drag.editor.solve(maps);
-            const Points& frame = drag.frames.pose(maps);
+            const Points exact = drag.pose(maps);
+            const Points& frame = drag.first(maps);
             EXPECT_LT((frame - exact).rowwise().norm().maxCoeff(), 2e-4 * way_of(s, maps))
                 << s.name << ", " << name(laplacian) << ", order " << order << ", " << t;
             EXPECT_FALSE(same_bits(frame, exact)) << "this says nothing";
@@ -187,70 +187,55 @@ TEST(DragFrames, UnrotatedAreTheSolutionToFourDigits) {
 }
 
 /// The released pose is that of the last frame, to 1 % of the handle's way.
-TEST(DragFrames, RestedFrameIsNearTheReleasedPose) {
+TEST(StepFrame, RestedFrameIsNearTheReleasedPose) {
   for (const Scene& s : scenes()) {
     for (const LaplacianKind laplacian :
          {LaplacianKind::Umbrella, LaplacianKind::Cotangent, LaplacianKind::MeanValue}) {
-      for (const DetailTurning turning : {DetailTurning::Edge, DetailTurning::Vertex}) {
-        const EditSettings settings = with(DetailRotation::LocalGlobal, laplacian, turning);
-        Dragged drag(s, settings);
-        for (const double t : {0.05, 1.0}) {
-          const Maps maps = part_of(s.maps, t);
-          const Points exact = drag.editor.solve(maps);
-          EXPECT_LT(rms(drag.rested(maps), exact), 0.01 * way_of(s, maps))
-              << s.name << ", " << name(laplacian) << ", " << name(turning) << ", " << t;
-        }
+      Dragged drag(s, with(EditMethod::Default, laplacian));
+      for (const double t : {0.05, 1.0}) {
+        const Maps maps = part_of(s.maps, t);
+        const Points exact = drag.pose(maps);
+        EXPECT_LT(rms(drag.rested(maps), exact), 0.01 * way_of(s, maps))
+            << s.name << ", " << name(laplacian) << ", " << t;
       }
     }
   }
 }
 
-/// Fails if a frame has other rotations than the cells say, or more passes than the editor.
-TEST(DragFrames, GoThroughTheEditorsPasses) {
+/// Fails if a frame has other rotations than the cells say, or more passes than a pose.
+TEST(StepFrame, GoThroughThePassesOfAPose) {
   for (const Scene& s : scenes()) {
-    EditSettings settings = with(DetailRotation::LocalGlobal);
+    EditSettings settings = with(EditMethod::Default);
     for (const int passes : {1, 2, 5}) {
       settings.iterations = passes;
       Dragged drag(s, settings);
-      drag.frames.pose(s.maps);
+      drag.first(s.maps);
       int made = 0;
-      while (drag.frames.refine()) {
+      while (drag.refine(drag.shown)) {
         ++made;
       }
       EXPECT_EQ(made, passes) << s.name << ": the first of them again, with the cells in full";
-      EXPECT_LT(rms(drag.frames.positions(), drag.editor.solve(s.maps)), 0.002 * way_of(s, s.maps))
-          << s.name << " after " << passes;
+      EXPECT_LT(rms(drag.shown, drag.pose(s.maps)), 0.002 * way_of(s, s.maps)) << s.name << " after " << passes;
     }
-  }
-}
-
-TEST(DragFrames, HigherOrdersUseTheFactorThatIsThere) {
-  for (const Scene& s : {letters(), patches()}) {
-    EditSettings settings = with(DetailRotation::LocalGlobal);
-    settings.order = 2;
-    settings.iterations = 1;
-    Dragged drag(s, settings);
-    EXPECT_LT(rms(drag.frames.pose(s.maps), drag.editor.solve(s.maps)), 0.02 * way_of(s, s.maps)) << s.name;
   }
 }
 
 /// Fails if the bounds hold for near handles only. Here they go up to twice as far as the region reaches.
-TEST(DragFrames, FarHandlesKeepTheBounds) {
+TEST(StepFrame, FarHandlesKeepTheBounds) {
   for (const Scene& s : scenes()) {
     if (s.maps[0].targets.rows() > 0) {
       continue;
     }
     const Maps far = part(s.maps, 3);
-    Dragged unrotated(s, with(DetailRotation::None)), turned(s, with(DetailRotation::LocalGlobal));
+    Dragged unrotated(s, with(EditMethod::Linear)), rotated(s, with(EditMethod::Default));
     const double way = way_of(s, far);
-    EXPECT_LT((unrotated.frames.pose(far) - unrotated.editor.solve(far)).rowwise().norm().maxCoeff(), 3e-4 * way)
-        << s.name;
-    EXPECT_LT(rms(turned.rested(far), turned.editor.solve(far)), 0.01 * way) << s.name;
+    EXPECT_LT((unrotated.first(far) - unrotated.pose(far)).rowwise().norm().maxCoeff(), 3e-4 * way) << s.name;
+    EXPECT_LT(rms(rotated.rested(far), rotated.pose(far)), 0.01 * way) << s.name;
   }
 }
 
 /// Fails if lengths leave the range of single precision, or coordinates lose their digits far from the origin.
-TEST(DragFrames, ScaleAndPlaceDoNotMatter) {
+TEST(StepFrame, ScaleAndPlaceDoNotMatter) {
   for (const Scene& s : {letters(), patches()}) {
     for (const auto& [scale, place] : {std::pair(1e-9, 0.0), {1e7, 0.0}, {1.0, 1e5}, {1e-30, 1e-27}, {1e20, 0.0}}) {
       const Affine view = shift(place * Vector3(1, -2, 3)) * Eigen::Scaling(scale);
@@ -266,58 +251,57 @@ TEST(DragFrames, ScaleAndPlaceDoNotMatter) {
         map.map = view * map.map * view.inverse();
       }
       const double way = way_of(there, there.maps);
-      Dragged unrotated(there, with(DetailRotation::None)), turned(there, with(DetailRotation::LocalGlobal));
-      EXPECT_LT(rms(unrotated.frames.pose(there.maps), unrotated.editor.solve(there.maps)), 1e-4 * way)
+      Dragged unrotated(there, with(EditMethod::Linear)), rotated(there, with(EditMethod::Default));
+      EXPECT_LT(rms(unrotated.first(there.maps), unrotated.pose(there.maps)), 1e-4 * way)
           << s.name << " at scale " << scale << ", place " << place;
-      EXPECT_LT(rms(turned.rested(there.maps), turned.editor.solve(there.maps)), 0.01 * way)
+      EXPECT_LT(rms(rotated.rested(there.maps), rotated.pose(there.maps)), 0.01 * way)
           << s.name << " at scale " << scale << ", place " << place;
     }
   }
 }
 
 /// Fails if a frame leaves something behind, or rounding moves what nobody moved.
-TEST(DragFrames, NotMovedIsNotMovedToTheBit) {
+TEST(StepFrame, NotMovedIsNotMovedToTheBit) {
   for (const Scene& s : scenes()) {
-    for (const DetailRotation rotation : kBoth) {
-      Dragged drag(s, with(rotation));
+    for (const EditMethod method : kBoth) {
+      Dragged drag(s, with(method));
       const Points rest = support::rows(s.mesh.vertices, s.region.mesh_vertex);
       const Maps none(s.maps.size(), Affine::Identity());
-      EXPECT_TRUE(same_bits(drag.frames.pose(none), rest)) << s.name;
-      EXPECT_FALSE(same_bits(drag.frames.pose(s.maps), rest)) << s.name;
-      EXPECT_TRUE(same_bits(drag.frames.pose(none), rest)) << s.name << ", after another frame";
+      EXPECT_TRUE(same_bits(drag.first(none), rest)) << s.name;
+      EXPECT_FALSE(same_bits(drag.first(s.maps), rest)) << s.name;
+      EXPECT_TRUE(same_bits(drag.first(none), rest)) << s.name << ", after another frame";
       EXPECT_TRUE(same_bits(drag.rested(none), rest)) << s.name << ", after its passes";
     }
   }
 }
 
 /// Slow, fast and detouring drags end in the same frame and in the same pose, to the bit.
-TEST(DragFrames, NothingThatCameBeforeMatters) {
+TEST(StepFrame, NothingThatCameBeforeMatters) {
   for (const Scene& s : scenes()) {
-    Dragged fresh(s, with(DetailRotation::LocalGlobal)), used(s, with(DetailRotation::LocalGlobal));
-    const Points first = fresh.frames.pose(s.maps), rested = fresh.rested(s.maps);
-    const Points released = fresh.editor.solve(s.maps);
+    Dragged fresh(s, with(EditMethod::Default)), used(s, with(EditMethod::Default));
+    const Points first = fresh.first(s.maps), rested = fresh.rested(s.maps);
+    const Points released = fresh.pose(s.maps);
     for (int step = 1; step <= 20; ++step) {  // slowly
-      used.frames.pose(part_of(s.maps, step / 20.0));
+      used.first(part_of(s.maps, step / 20.0));
     }
-    EXPECT_TRUE(same_bits(used.frames.pose(s.maps), first)) << s.name;
+    EXPECT_TRUE(same_bits(used.first(s.maps), first)) << s.name;
     for (const double t : {0.3, 1.6, 0.1}) {  // by a detour with rests
       used.rested(part_of(s.maps, t));
-      used.editor.solve(part_of(s.maps, t));
+      used.pose(part_of(s.maps, t));
     }
-    EXPECT_TRUE(same_bits(used.frames.pose(s.maps), first)) << s.name;
+    EXPECT_TRUE(same_bits(used.first(s.maps), first)) << s.name;
     EXPECT_TRUE(same_bits(used.rested(s.maps), rested)) << s.name;
-    EXPECT_TRUE(same_bits(used.editor.solve(s.maps), released)) << s.name;
+    EXPECT_TRUE(same_bits(used.pose(s.maps), released)) << s.name;
   }
 }
 
-TEST(DragFrames, ThreadsDoNotChangeABit) {
+TEST(StepFrame, ThreadsDoNotChangeABit) {
   for (const Scene& s : {letters(), patches()}) {
-    for (const DetailRotation rotation : kBoth) {
+    for (const EditMethod method : kBoth) {
       Points pose;
       for (const int threads : {1, 2, 3}) {
-        EditSettings settings = with(rotation);
-        settings.threads = threads;
-        Dragged drag(s, settings);
+        EditSettings settings = with(method);
+        Dragged drag(s, settings, {threads});
         const Points other = drag.rested(s.maps);
         pose = threads == 1 ? other : pose;
         EXPECT_TRUE(same_bits(other, pose)) << s.name << ", " << threads << " threads";
@@ -326,11 +310,11 @@ TEST(DragFrames, ThreadsDoNotChangeABit) {
   }
 }
 
-TEST(DragFrames, AllocateNothingAfterTheFirst) {
+TEST(StepFrame, AllocateNothingAfterTheFirst) {
   for (const Scene& s : {letters(), patches(), loose()}) {
-    for (const DetailRotation rotation : kBoth) {
+    for (const EditMethod method : kBoth) {
       const long before_all = allocations;
-      Dragged drag(s, with(rotation));
+      Dragged drag(s, with(method));
       Maps maps = s.maps;
       drag.rested(maps);
       ASSERT_GT(allocations.load(), before_all);  // or the count does not count
@@ -346,42 +330,43 @@ TEST(DragFrames, AllocateNothingAfterTheFirst) {
   }
 }
 
-/// Fails if a frame is said to be corrected where it is not what the editor computes.
-TEST(DragFrames, OtherRotationsHaveNone) {
+/// With the paper's method a frame shows the cells alone until there is a system, then each frame is a pose.
+TEST(StepFrame, PaperHasNoneBesideASystem) {
   const Scene s = letters();
-  for (const DetailRotation rotation : {DetailRotation::SmoothNormals, DetailRotation::SmoothSurface}) {
-    const EditSettings settings = with(rotation);
-    EXPECT_FALSE(DragFrames::has_frames(settings));
-    Dragged drag(s, settings);
-    DragFrames alone(s.mesh, std::make_shared<const Region>(s.region), settings);
-    EXPECT_TRUE(same_bits(drag.frames.pose(s.maps), alone.pose(s.maps)));
-    EXPECT_FALSE(drag.frames.corrected());
-    EXPECT_FALSE(drag.frames.refine());
-  }
+  StepSolver solver(s.mesh, {std::make_shared<const Region>(s.region)}, EditSettings::of(EditMethod::Paper));
+  EXPECT_FALSE(solver.has_frames());
+  solver.make_cells(s.mesh);
+  EXPECT_TRUE(solver.has_frames());
+  Points frame;
+  solver.frame(s.maps, frame);
+  EXPECT_FALSE(solver.refine(frame));
+  solver.prepare(s.mesh);
+  EXPECT_FALSE(solver.has_frames());
+  EXPECT_FALSE(solver.refine(frame));
 }
 
 /// Fails if a map that is not finite gets through, or spoils the frames that come after it.
-TEST(DragFrames, StrangeMapsAreRefusedOrFollowed) {
+TEST(StepFrame, StrangeMapsAreRefusedOrFollowed) {
   for (const Scene& s : {letters(), patches()}) {
-    for (const DetailRotation rotation : kBoth) {
-      Dragged drag(s, with(rotation));
-      const Points expected = drag.frames.pose(s.maps);
+    for (const EditMethod method : kBoth) {
+      Dragged drag(s, with(method));
+      const Points expected = drag.first(s.maps);
       for (const double strange : {std::nan(""), std::numeric_limits<double>::infinity()}) {
         Maps maps = s.maps;
         maps.back().map.translation().y() = strange;
-        support::expect_refusal(ErrorCause::NotFinite, [&] { drag.frames.pose(maps); });
-        EXPECT_TRUE(same_bits(drag.frames.pose(s.maps), expected)) << s.name;
+        support::expect_refusal(ErrorCause::NotFinite, [&] { drag.first(maps); });
+        EXPECT_TRUE(same_bits(drag.first(s.maps), expected)) << s.name;
       }
-      support::expect_refusal(ErrorCause::NoHandle, [&] { drag.frames.pose({}); });
+      support::expect_refusal(ErrorCause::NoHandle, [&] { drag.first({}); });
       for (const double way : {1e6, 1e12, 1e60}) {
         Maps maps = s.maps;
         maps[0] = shift(way * Vector3(1, 2, 3)) * maps[0].map;
         try {
-          EXPECT_TRUE(drag.frames.pose(maps).allFinite()) << s.name << ", a way of " << way;
+          EXPECT_TRUE(drag.first(maps).allFinite()) << s.name << ", a way of " << way;
         } catch (const EditError& error) {
           EXPECT_EQ(error.cause(), ErrorCause::NotFinite);
         }
-        EXPECT_TRUE(same_bits(drag.frames.pose(s.maps), expected)) << s.name << ", after a way of " << way;
+        EXPECT_TRUE(same_bits(drag.first(s.maps), expected)) << s.name << ", after a way of " << way;
       }
     }
   }

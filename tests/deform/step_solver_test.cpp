@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/edit/laplacian_editor.h"
+#include "lapedit/edit/step_solver.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,6 @@
 #include "edit_properties.h"
 #include "lapedit/base/stopwatch.h"
 #include "lapedit/deform/laplacian_system.h"
-#include "lapedit/live/drag_frames.h"
 #include "shapes.h"
 #include "support.h"
 
@@ -19,6 +18,7 @@ namespace lapedit {
 namespace {
 
 using support::given;
+using support::Prepared;
 using support::vertices_where;
 using support::within;
 
@@ -127,7 +127,7 @@ const std::vector<EditSettings> kDenseSettings = [] {
   for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
     for (const int order : {1, 2, 3}) {
       for (const double weight : {1.0, 10.0}) {
-        EditSettings settings = support::smooth_surface_settings();
+        EditSettings settings = EditSettings::of(EditMethod::Paper);
         settings.laplacian = laplacian;
         settings.order = order;
         settings.handle_weight = weight;
@@ -140,21 +140,24 @@ const std::vector<EditSettings> kDenseSettings = [] {
   return all;
 }();
 
-/// The same for those that go by rotations given, and the defaults whole: settled rotations turn edges, beside a
-/// membrane.
+/// The same, and the defaults with several operators and membranes.
 const std::vector<EditSettings> kGivenRotations = [] {
   std::vector<EditSettings> all = kDenseSettings;
-  all.emplace_back();
-  for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
-    all.emplace_back().laplacian = laplacian;
-    all.back().membrane = 30;
+  for (const int iterations : {1, 3}) {
+    for (const LaplacianKind laplacian :
+         {LaplacianKind::Umbrella, LaplacianKind::Cotangent, LaplacianKind::MeanValue}) {
+      EditSettings& settings = all.emplace_back();
+      settings.laplacian = laplacian;
+      settings.iterations = iterations;
+      settings.membrane = laplacian == LaplacianKind::MeanValue ? settings.membrane : 30;
+    }
   }
   return all;
 }();
 
 std::string describe(const EditSettings& settings) {
-  return std::string(name(settings.laplacian)) + ", order " + std::to_string(settings.order) + ", weight " +
-         std::to_string(settings.handle_weight);
+  return std::string(name(settings.method)) + ", " + name(settings.laplacian) + ", order " +
+         std::to_string(settings.order) + ", weight " + std::to_string(settings.handle_weight);
 }
 
 TEST(DenseLeastSquares, AgreesWithTheUnrotatedEdit) {
@@ -163,56 +166,40 @@ TEST(DenseLeastSquares, AgreesWithTheUnrotatedEdit) {
   ASSERT_LT(problem.region.size(), 165) << "some of the mesh has to lie outside";
   const std::vector<Matrix3> unrotated(problem.region.size(), Matrix3::Identity());
   for (EditSettings settings : kDenseSettings) {
-    settings.rotation = DetailRotation::None;
-    LaplacianEditor editor(problem.mesh, problem.region, settings);
+    settings.method = EditMethod::Linear;
+    settings.normal_radius = 0;
+    Prepared solver(problem.mesh, problem.region, settings);
     const Points expected = reference::solve(problem.mesh, problem.region, settings, problem.targets, unrotated);
-    EXPECT_LT(support::error(editor.solve(problem.maps), expected), 1e-9) << describe(settings);
-    EXPECT_EQ(editor.rotations(), unrotated);
+    EXPECT_LT(support::error(solver.pose(problem.maps), expected), 1e-9) << describe(settings);
+    EXPECT_EQ(solver.rotations(), unrotated);
   }
 }
 
 TEST(DenseLeastSquares, AgreesWithTheRotatedEditGivenItsRotations) {
   const SmallProblem problem;
-  for (EditSettings settings : kGivenRotations) {
-    const std::vector<DetailRotation> ways =
-        settings.membrane > 0 ? std::vector{DetailRotation::LocalGlobal, DetailRotation::SmoothSurface}
-                              : std::vector{DetailRotation::SmoothNormals, DetailRotation::SmoothSurface};
-    for (const DetailRotation rotation : ways) {
-      for (const int iterations : {1, 3}) {
-        settings.rotation = rotation;
-        settings.iterations = iterations;
-        LaplacianEditor editor(problem.mesh, problem.region, settings);
-        const Points& found = editor.solve(problem.maps);
-        const Points expected =
-            reference::solve(problem.mesh, problem.region, settings, problem.targets, editor.rotations());
-        EXPECT_LT(support::error(found, expected), 1e-9) << describe(settings) << ", " << name(rotation);
-      }
-    }
+  for (const EditSettings& settings : kGivenRotations) {
+    Prepared solver(problem.mesh, problem.region, settings);
+    const Points& found = solver.pose(problem.maps);
+    const Points expected =
+        reference::solve(problem.mesh, problem.region, settings, problem.targets, solver.rotations());
+    EXPECT_LT(support::error(found, expected), 1e-9) << describe(settings);
   }
 }
 
-/// All four steps of the paper, and both passes of ours, without a line of the core but the region.
-TEST(DenseLeastSquares, AgreesWithTheWholeMethod) {
+/// All four steps of the paper, without a line of the core but the region.
+TEST(DenseLeastSquares, AgreesWithThePapersMethod) {
   SmallProblem problem;
   problem.region.anchor_depth.clear();
   const std::vector<Matrix3> unrotated(problem.region.size(), Matrix3::Identity());
-  for (EditSettings settings : kDenseSettings) {
-    for (const DetailRotation rotation : {DetailRotation::SmoothNormals, DetailRotation::SmoothSurface}) {
-      Points expected = reference::solve(problem.mesh, problem.region, settings, problem.targets, unrotated);
-      std::vector<Matrix3> rotations;
-      for (settings.iterations = 1; settings.iterations <= 2; ++settings.iterations) {
-        rotations = rotation == DetailRotation::SmoothNormals
-                        ? reference::paper_rotations(problem.region, problem.rest, expected, settings.normal_radius)
-                        : reference::surface_rotations(problem.region, problem.rest, expected, settings.normal_radius);
-        expected = reference::solve(problem.mesh, problem.region, settings, problem.targets, rotations);
-        settings.rotation = rotation;
-        LaplacianEditor editor(problem.mesh, problem.region, settings);
-        EXPECT_LT(support::error(editor.solve(problem.maps), expected), 1e-9)
-            << describe(settings) << ", " << name(rotation) << ", passes: " << settings.iterations;
-        EXPECT_LT(support::largest_angle(editor.rotations(), rotations), 1e-8) << describe(settings);
-        EXPECT_GT(support::largest_angle(rotations, unrotated), 0.2) << "the edit has to turn something";
-      }
-    }
+  for (const EditSettings& settings : kDenseSettings) {
+    const Points rough = reference::solve(problem.mesh, problem.region, settings, problem.targets, unrotated);
+    const std::vector<Matrix3> rotations =
+        reference::paper_rotations(problem.region, problem.rest, rough, settings.normal_radius);
+    const Points expected = reference::solve(problem.mesh, problem.region, settings, problem.targets, rotations);
+    Prepared solver(problem.mesh, problem.region, settings);
+    EXPECT_LT(support::error(solver.pose(problem.maps), expected), 1e-9) << describe(settings);
+    EXPECT_LT(support::largest_angle(solver.rotations(), rotations), 1e-8) << describe(settings);
+    EXPECT_GT(support::largest_angle(rotations, unrotated), 0.2) << "the edit has to rotate something";
   }
 }
 
@@ -229,9 +216,9 @@ TEST(DenseLeastSquares, AgreesOnAClosedSurfaceAndOnABar) {
       }
     }
     for (const EditSettings& settings : kGivenRotations) {
-      LaplacianEditor editor(mesh, region, settings);
-      const Points& found = editor.solve(maps);
-      const Points expected = reference::solve(mesh, region, settings, targets, editor.rotations());
+      Prepared solver(mesh, region, settings);
+      const Points& found = solver.pose(maps);
+      const Points expected = reference::solve(mesh, region, settings, targets, solver.rotations());
       EXPECT_LT(support::error(found, expected), 1e-9) << describe(settings);
     }
   }
@@ -250,21 +237,19 @@ TEST(DenseLeastSquares, AgreesWhereTheNormalEquationsAreIllConditioned) {
     targets(v, 2) += 5;
   }
   for (const auto& [order, bound] : {std::pair{2, 1e-11}, std::pair{3, 1e-8}}) {
-    EditSettings settings = support::smooth_surface_settings();
+    EditSettings settings = EditSettings::of(EditMethod::Linear);
     settings.order = order;
-    settings.rotation = DetailRotation::None;
-    LaplacianEditor editor(mesh, region, settings);
+    Prepared solver(mesh, region, settings);
     const std::vector<Matrix3> unrotated(region.size(), Matrix3::Identity());
     const Points expected = reference::solve(mesh, region, settings, targets, unrotated);
-    EXPECT_LT(support::error(editor.solve({map}), expected), bound) << "order " << order;
-    EXPECT_GT(editor.report().refinements, 0);
+    EXPECT_LT(support::error(solver.pose({map}), expected), bound) << "order " << order;
+    EXPECT_GT(solver.report().refinements, 0);
   }
 }
 
 // --- components ---
 
-constexpr DetailRotation kRotations[] = {DetailRotation::None, DetailRotation::SmoothNormals,
-                                         DetailRotation::SmoothSurface, DetailRotation::LocalGlobal};
+constexpr EditMethod kMethods[] = {EditMethod::Linear, EditMethod::Paper, EditMethod::Default};
 
 TEST(Components, OneWithoutHandleStays) {
   const TriangleMesh mesh = shapes::two_pieces(2);
@@ -272,7 +257,7 @@ TEST(Components, OneWithoutHandleStays) {
   step.region = given(vertices_where(mesh, [](const Vector3&) { return true; }));
   step.handles.push_back({{10}, {}});
   step.handles[0].transform.translation = Vector3(0.2, 0.1, 0.5);
-  const EditResult result = apply_step(mesh, support::adjacency_of(mesh), step);
+  const EditResult result = support::apply_step(mesh, step);
   EXPECT_EQ(result.reports[0].left_out, 162);
   EXPECT_EQ(result.vertices.size(), 162U);
   EXPECT_LT(result.vertices.back(), 162) << "the other sphere is not mentioned";
@@ -288,13 +273,13 @@ TEST(Components, OneWithoutAnchorFollowsItsHandle) {
   const Affine pull = support::shift(Vector3(0, 0, 0.4));
   Affine stretch = support::rigid(110, Vector3(1, 3, 2), Vector3(4, 5, 6), Vector3(3, 0, 0));
   stretch.linear() *= Vector3(2, 1, 0.5).asDiagonal();
-  for (const DetailRotation rotation : kRotations) {
+  for (const EditMethod method : kMethods) {
     for (const Affine& map :
          {support::shift(Vector3(7, -1, 2)), support::rigid(170, Vector3(1, 3, 2), Vector3(4, 5, 6)), stretch}) {
       EditSettings settings;
-      settings.rotation = rotation;
-      LaplacianEditor editor(mesh, region, settings);
-      const Points& result = editor.solve({pull, map});
+      settings.method = method;
+      Prepared solver(mesh, region, settings);
+      const Points& result = solver.pose({pull, map});
       const Points rest = support::rows(mesh.vertices, region.mesh_vertex);
       double off = 0, moved = 0;
       for (int i = 0; i < region.size(); ++i) {
@@ -305,8 +290,8 @@ TEST(Components, OneWithoutAnchorFollowsItsHandle) {
           moved = std::max(moved, (q - p).norm());
         }
       }
-      const bool settles = rotation == DetailRotation::LocalGlobal;
-      EXPECT_LT(off, settles ? 1e-12 : 1e-13) << name(rotation);
+      const bool settles = method == EditMethod::Default;
+      EXPECT_LT(off, settles ? 1e-12 : 1e-13) << name(method);
       EXPECT_NEAR(moved, 0.4, settles ? 0.02 : 0.01) << "the other one is edited as ever";
     }
   }
@@ -319,14 +304,14 @@ TEST(Components, OneWithTwoHandlesAndNoAnchorMeetsBoth) {
   RegionSpec spec;
   spec.kind = RegionSpec::Kind::Component;
   const Region region = build_region(mesh, support::adjacency_of(mesh), spec, ends);
-  for (const DetailRotation rotation : kRotations) {
+  for (const EditMethod method : kMethods) {
     EditSettings settings;
-    settings.rotation = rotation;
-    LaplacianEditor editor(mesh, region, settings);
-    editor.solve({support::rigid(-40, Vector3::UnitY(), Vector3(0, 0, 2)),
-                  support::rigid(40, Vector3::UnitY(), Vector3(0, 0, 2), Vector3(16, 0, 0))});
-    EXPECT_LT(editor.report().handle_residual, 0.05) << name(rotation);
-    EXPECT_EQ(editor.report().flipped, 0) << name(rotation);
+    settings.method = method;
+    Prepared solver(mesh, region, settings);
+    solver.pose({support::rigid(-40, Vector3::UnitY(), Vector3(0, 0, 2)),
+                 support::rigid(40, Vector3::UnitY(), Vector3(0, 0, 2), Vector3(16, 0, 0))});
+    EXPECT_LT(solver.report().handle_residual, 0.05) << name(method);
+    EXPECT_EQ(solver.report().flipped, 0) << name(method);
   }
 }
 
@@ -334,7 +319,7 @@ TEST(Components, OneWithTwoHandlesAndNoAnchorMeetsBoth) {
 
 /// A pull at one vertex is known from the first settled pose on, a group's is not. Fails if what is kept from pose to
 /// pose is not as good as a solve, or if a pose beyond all numbers leaves something behind.
-TEST(SettledPose, HasTheSameBitsWhateverCameBefore) {
+TEST(Pose, HasTheSameBitsWhateverCameBefore) {
   const TriangleMesh mesh = shapes::bumpy_grid();
   const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
   for (const int size : {1, 2, 12}) {
@@ -346,16 +331,16 @@ TEST(SettledPose, HasTheSameBitsWhateverCameBefore) {
     EditSettings settings;
     settings.iterations = 2;
     const Affine one = support::shift(Vector3(4, 0, 20)), other = support::shift(Vector3(0, -7.3, 1e-3));
-    const Points expected = LaplacianEditor(mesh, region, settings).solve({other});
-    LaplacianEditor editor(mesh, region, settings);
-    EXPECT_THROW(editor.solve({support::shift(Vector3(1e307, 1e307, 1e307))}), EditError);
-    const Points first = editor.solve({one});
-    EXPECT_TRUE(support::same_bits(editor.solve({other}), expected)) << size;
-    EXPECT_TRUE(support::same_bits(editor.solve({one}), first)) << size;
+    const Points expected = Prepared(mesh, region, settings).pose({other});
+    Prepared solver(mesh, region, settings);
+    EXPECT_THROW(solver.pose({support::shift(Vector3(1e307, 1e307, 1e307))}), EditError);
+    const Points first = solver.pose({one});
+    EXPECT_TRUE(support::same_bits(solver.pose({other}), expected)) << size;
+    EXPECT_TRUE(support::same_bits(solver.pose({one}), first)) << size;
   }
 }
 
-TEST(SettledPose, AllocatesNothingAfterTheFirst) {
+TEST(Pose, AllocatesNothingAfterTheFirst) {
   const TriangleMesh mesh = shapes::bumpy_grid();
   const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
   for (const int size : {1, 12}) {
@@ -363,33 +348,31 @@ TEST(SettledPose, AllocatesNothingAfterTheFirst) {
     for (int j = 25; j < 25 + size; ++j) {
       handle[0].push_back(60 * 50 + j);
     }
-    LaplacianEditor editor(mesh, build_region(mesh, adjacency, within(20.5), handle), {});
+    Prepared solver(mesh, build_region(mesh, adjacency, within(20.5), handle), {});
     std::vector<HandleMotion> maps = {support::shift(Vector3(4, 0, 20))};
     const long before_all = allocations;
-    editor.solve(maps);
+    solver.pose(maps);
     ASSERT_GT(allocations.load(), before_all);  // or the count does not count
     const long before = allocations;
     for (int pose = 0; pose < 3; ++pose) {
       maps[0].map.translation().x() += 0.3;
-      editor.solve(maps);
+      solver.pose(maps);
     }
     EXPECT_EQ(allocations - before, 0) << size;
   }
 }
 
 /// Fails if a report leaves something behind: in a report or in the next solution.
-TEST(EditorReport, ChangesNothing) {
+TEST(SolverReport, ChangesNothing) {
   const TriangleMesh mesh = wavy_letters(40, 24);
   const Region region = build_region(mesh, support::adjacency_of(mesh), within(0.9), {{490}, {420, 421, 444}});
   const std::vector<HandleMotion> first = {support::shift(Vector3(0, 0.1, 0.3)), support::shift(Vector3(0, 0, 0.1))};
   const std::vector<HandleMotion> second = {support::shift(Vector3(0.1, 0, -0.2)),
                                             support::rigid(20, Vector3::UnitX(), Vector3(0, 0, 0.1))};
-  for (const int order : {1, 2}) {
-    EditSettings settings;
-    settings.order = order;
-    settings.iterations = order;
-    LaplacianEditor quiet(mesh, region, settings), asked(mesh, region, settings);
-    const LaplacianEditor& read = asked;
+  for (const EditMethod method : {EditMethod::Default, EditMethod::Paper}) {
+    const EditSettings settings = EditSettings::of(method);
+    Prepared quiet(mesh, region, settings), asked(mesh, region, settings);
+    const Prepared& read = asked;
     const auto same = [&] {
       const EditReport a = read.report(), b = read.report();
       EXPECT_EQ(a.text(), b.text());
@@ -400,13 +383,13 @@ TEST(EditorReport, ChangesNothing) {
     };
     EXPECT_EQ(same().handle_displacement, 0) << "nothing has been solved for";
     for (const std::vector<HandleMotion>& maps : {first, second}) {
-      const Points& solution = asked.solve(maps);
+      const Points& solution = asked.pose(maps);
       const Points kept = solution;
       const EditReport report = same();
       EXPECT_GT(report.handle_displacement, 0.2);
       EXPECT_GT(report.rotation_mean, 0);
       EXPECT_TRUE(support::same_bits(solution, kept)) << "what solve() gave is valid until the next call";
-      EXPECT_TRUE(support::same_bits(kept, quiet.solve(maps)));
+      EXPECT_TRUE(support::same_bits(kept, quiet.pose(maps)));
       EXPECT_EQ(asked.rotations(), quiet.rotations());
       EXPECT_EQ(same().text(), report.text());
     }
@@ -415,43 +398,43 @@ TEST(EditorReport, ChangesNothing) {
 
 // --- what bad input gets ---
 
-class EditorErrors : public ::testing::Test {
+class SolverErrors : public ::testing::Test {
  protected:
   TriangleMesh mesh_ = wavy_letters(20, 12);
   Region region_ = build_region(mesh_, support::adjacency_of(mesh_), within(0.8), {{120}, {124}});
 };
 
-TEST_F(EditorErrors, RegionWithoutHandleIsRefused) {
+TEST_F(SolverErrors, RegionWithoutHandleIsRefused) {
   const Region region = support::whole_region(mesh_, {}, {0, 1, 2});
-  support::expect_refusal(ErrorCause::NoHandle, [&] { LaplacianEditor(mesh_, region, {}); });
+  support::expect_refusal(ErrorCause::NoHandle, [&] { Prepared(mesh_, region, {}); });
 }
 
-TEST_F(EditorErrors, SettingsAreChecked) {
+TEST_F(SolverErrors, SettingsAreChecked) {
   EditSettings settings;
   settings.order = 7;
-  support::expect_refusal(ErrorCause::BadParameter, [&] { LaplacianEditor(mesh_, region_, settings); });
+  support::expect_refusal(ErrorCause::BadParameter, [&] { Prepared(mesh_, region_, settings); });
 }
 
-TEST_F(EditorErrors, EditorStaysUsableAfterARefusedSolve) {
-  LaplacianEditor editor(mesh_, region_, {});
+TEST_F(SolverErrors, StaysUsableAfterARefusedSolve) {
+  Prepared solver(mesh_, region_, {});
   const std::vector<HandleMotion> good = {support::shift(Vector3(0, 0, 0.3)), support::shift(Vector3(0, 0, 0.2))};
-  const Points before = editor.solve(good);
+  const Points before = solver.pose(good);
   Affine bad = Affine::Identity();
   bad(1, 3) = kNaN;
-  support::expect_refusal(ErrorCause::NoHandle, [&] { editor.solve({good[0]}); });
-  support::expect_refusal(ErrorCause::NotFinite, [&] { editor.solve({good[0], bad}); });
-  support::expect_refusal(ErrorCause::NotFinite, [&] { editor.solve(good, bad); });
+  support::expect_refusal(ErrorCause::NoHandle, [&] { solver.pose({good[0]}); });
+  support::expect_refusal(ErrorCause::NotFinite, [&] { solver.pose({good[0], bad}); });
+  support::expect_refusal(ErrorCause::NotFinite, [&] { solver.pose(good, bad); });
   bad(1, 3) = kInfinity;
-  support::expect_refusal(ErrorCause::NotFinite, [&] { editor.solve({bad, good[1]}); });
+  support::expect_refusal(ErrorCause::NotFinite, [&] { solver.pose({bad, good[1]}); });
   support::expect_refusal(ErrorCause::NotFinite, [&] {
-    editor.solve({support::shift(Vector3(1e308, 1e308, 1e308)), good[1]});
+    solver.pose({support::shift(Vector3(1e308, 1e308, 1e308)), good[1]});
   });
-  EXPECT_TRUE(support::same_bits(editor.solve(good), before));
+  EXPECT_TRUE(support::same_bits(solver.pose(good), before));
 }
 
-TEST_F(EditorErrors, EveryStageCanBeCancelled) {
+TEST_F(SolverErrors, EveryStageCanBeCancelled) {
   std::vector<double> fractions;
-  const LaplacianEditor uncancelled(mesh_, region_, {}, [&](double fraction, const char* stage) {
+  const Prepared uncancelled(mesh_, region_, {}, {}, [&](double fraction, const char* stage) {
     EXPECT_NE(std::string(stage), "");
     fractions.push_back(fraction);
     return true;
@@ -462,58 +445,56 @@ TEST_F(EditorErrors, EveryStageCanBeCancelled) {
   for (std::size_t stop = 0; stop < fractions.size(); ++stop) {
     std::size_t call = 0;
     support::expect_refusal(ErrorCause::Cancelled, [&] {
-      LaplacianEditor(mesh_, region_, {}, [&](double, const char*) { return call++ < stop; });
+      Prepared(mesh_, region_, {}, {}, [&](double, const char*) { return call++ < stop; });
     });
   }
 }
 
-TEST(EditorConditioning, SystemBeyondDoublePrecisionIsRefusedNotSolvedWrongly) {
+TEST(Conditioning, SystemBeyondDoublePrecisionIsRefusedNotSolvedWrongly) {
   // Of order 3 and held in one vertex: the smallest eigenvalue is about 1e-19 of the largest.
   const TriangleMesh mesh = shapes::grid(60, 60);
   RegionSpec spec;
   spec.kind = RegionSpec::Kind::Component;
   const Region region = build_region(mesh, support::adjacency_of(mesh), spec, {{30 * 60 + 30}});
-  EditSettings settings = support::smooth_surface_settings();
+  EditSettings settings = EditSettings::of(EditMethod::Paper);
   settings.order = 3;
   for (const CholeskyBackend backend : {CholeskyBackend::Supernodal, CholeskyBackend::Eigen}) {
-    settings.backend = backend;
-    support::expect_refusal(ErrorCause::IllConditioned, [&] { LaplacianEditor(mesh, region, settings); });
+    support::expect_refusal(ErrorCause::IllConditioned, [&] {
+      Prepared(mesh, region, settings, {StoredScalar::Double, {}, {0, backend}});
+    });
   }
 }
 
 /// A long tube held at one end, of order 3: a step of refinement leaves some 0.2 of an error. Solutions are right to
 /// the last bit all the same, so another factor gives the same ones.
-TEST(EditorConditioning, SlowRefinementIsRightToo) {
+TEST(Conditioning, SlowRefinementIsRightToo) {
   TriangleMesh tube = shapes::cylinder(12, 100);
   tube.vertices.col(0) *= 13;
   const int tip = static_cast<int>(tube.vertices.rows()) - 1;
   const Region region = build_region(tube, support::adjacency_of(tube), within(42), {{tip}});
-  EditSettings settings = support::smooth_surface_settings();
+  EditSettings settings = EditSettings::of(EditMethod::Linear);
   settings.order = 3;
-  settings.rotation = DetailRotation::None;
   Points results[2];
   for (const CholeskyBackend backend : {CholeskyBackend::Supernodal, CholeskyBackend::Eigen}) {
-    settings.backend = backend;
-    LaplacianEditor editor(tube, region, settings);
-    results[backend == CholeskyBackend::Eigen] = editor.solve({support::shift(Vector3(1, 2, 0))});
-    EXPECT_GT(editor.report().refinements, 24) << "steps of 0.1 each";
-    EXPECT_LT(editor.report().normal_equation_residual, 1e-15);
-    EXPECT_LT(editor.report().handle_residual, 1e-6);
+    Prepared solver(tube, region, settings, {StoredScalar::Double, {}, {0, backend}});
+    results[backend == CholeskyBackend::Eigen] = solver.pose({support::shift(Vector3(1, 2, 0))});
+    EXPECT_GT(solver.report().refinements, 24) << "steps of 0.1 each";
+    EXPECT_LT(solver.report().normal_equation_residual, 1e-15);
+    EXPECT_LT(solver.report().handle_residual, 1e-6);
   }
   EXPECT_TRUE(support::same_bits(results[0], results[1]));
 }
 
 /// Less than half the time of the factor that would be of no use; about a tenth is usual.
-TEST(EditorConditioning, HopelessRegionsAreRefusedBeforeTheyAreFactored) {
+TEST(Conditioning, HopelessRegionsAreRefusedBeforeTheyAreFactored) {
   const TriangleMesh mesh = shapes::grid(150, 150);
   const Region region = build_region(mesh, support::adjacency_of(mesh), within(150), {{75 * 150 + 75}});
-  EditSettings settings = support::smooth_surface_settings();
+  EditSettings settings = EditSettings::of(EditMethod::Linear);
   settings.order = 3;
-  settings.rotation = DetailRotation::None;
   double refused_ms = kInfinity, factored_ms = kInfinity;
   for (int run = 0; run < 2; ++run) {
     Stopwatch watch;
-    support::expect_refusal(ErrorCause::IllConditioned, [&] { LaplacianEditor(mesh, region, settings); });
+    support::expect_refusal(ErrorCause::IllConditioned, [&] { Prepared(mesh, region, settings); });
     refused_ms = std::min(refused_ms, watch.lap());
     const auto m = std::make_shared<const OperatorRows>(
         power(differential_operator(LaplacianKind::Umbrella, region, {}).matrix, 3));
@@ -526,35 +507,34 @@ TEST(EditorConditioning, HopelessRegionsAreRefusedBeforeTheyAreFactored) {
 }
 
 /// The same region, which a membrane holds: fails if the estimate knows of bending alone.
-TEST(EditorConditioning, WhatAMembraneHoldsIsNotRefused) {
+TEST(Conditioning, WhatAMembraneHoldsIsNotRefused) {
   const TriangleMesh mesh = shapes::grid(150, 150);
   const Region region = build_region(mesh, support::adjacency_of(mesh), within(150), {{75 * 150 + 75}});
-  EditSettings settings = support::smooth_surface_settings();
+  EditSettings settings = EditSettings::of(EditMethod::Linear);
   settings.order = 3;
-  settings.rotation = DetailRotation::None;
   settings.membrane = 50000;  // far from where it is chance
-  LaplacianEditor editor(mesh, region, settings);
-  editor.solve({support::shift(Vector3(1, 2, 3))});
-  EXPECT_LT(editor.report().normal_equation_residual, 1e-14);
-  EXPECT_LT(editor.report().handle_residual, 1e-6);
+  Prepared solver(mesh, region, settings);
+  solver.pose({support::shift(Vector3(1, 2, 3))});
+  EXPECT_LT(solver.report().normal_equation_residual, 1e-14);
+  EXPECT_LT(solver.report().handle_residual, 1e-6);
 }
 
-TEST(EditorConditioning, RefusalOfOrderOneAdvisesNoLowerOne) {
+TEST(Conditioning, RefusalOfOrderOneAdvisesNoLowerOne) {
   const TriangleMesh mesh = shapes::grid(60, 60);
   RegionSpec spec;
   spec.kind = RegionSpec::Kind::Component;
   const Region region = build_region(mesh, support::adjacency_of(mesh), spec, {{30 * 60 + 30}});
-  EditSettings settings = support::smooth_surface_settings();
+  EditSettings settings = EditSettings::of(EditMethod::Paper);
   settings.handle_weight = 2e-6;
   try {
-    LaplacianEditor(mesh, region, settings);
+    Prepared(mesh, region, settings);
     FAIL();
   } catch (const EditError& refusal) {
     EXPECT_NE(std::string(refusal.what()).find("use a smaller region or larger weights."), std::string::npos)
         << refusal.what();
   }
   settings.handle_weight = 1e-5;
-  LaplacianEditor(mesh, region, settings);
+  Prepared(mesh, region, settings);
 }
 
 /// The mean distance of a ring's vertices from their centroid, the least of those between both handles.
@@ -582,25 +562,24 @@ TEST(TwistedLimb, KeepsItsThickness) {
   }
   const auto region = std::make_shared<const Region>(build_region(mesh, support::adjacency_of(mesh), spec, ends));
   for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent, LaplacianKind::MeanValue}) {
-    for (const DetailTurning turning : {DetailTurning::Vertex, DetailTurning::Edge}) {
-      EditSettings settings;
-      settings.laplacian = laplacian;
-      settings.turning = turning;
-      LaplacianEditor editor(mesh, *region, settings);
-      DragFrames coarse(mesh, region, settings);
-      const bool by_default = settings == EditSettings();
-      for (const double degrees : {60.0, 90.0, 120.0, 150.0, 179.0}) {
-        const std::vector<HandleMotion> maps = {Affine::Identity(),
-                                                support::rigid(degrees, Vector3::UnitX(), Vector3::Zero())};
-        const auto thickness = [&](const Points& pose) {
-          return least_thickness(pose, kAround, kHeld, kRings - 1 - kHeld);
-        };
-        const std::string where =
-            std::string(name(laplacian)) + ", " + name(turning) + ", " + std::to_string(degrees) + " degrees";
-        EXPECT_GT(thickness(editor.solve(maps)), by_default ? 0.9 : 0.75) << where;
-        EXPECT_TRUE(!by_default || editor.report().flipped == 0) << where;
-        EXPECT_GT(thickness(coarse.pose(maps)), 0.75) << where;
-      }
+    EditSettings settings;
+    settings.laplacian = laplacian;
+    Prepared solver(mesh, *region, settings);
+    StepSolver coarse(mesh, {region}, settings);
+    coarse.make_cells(mesh);
+    const bool by_default = settings == EditSettings();
+    for (const double degrees : {60.0, 90.0, 120.0, 150.0, 179.0}) {
+      const std::vector<HandleMotion> maps = {Affine::Identity(),
+                                              support::rigid(degrees, Vector3::UnitX(), Vector3::Zero())};
+      const auto thickness = [&](const Points& pose) {
+        return least_thickness(pose, kAround, kHeld, kRings - 1 - kHeld);
+      };
+      const std::string where = std::string(name(laplacian)) + ", " + std::to_string(degrees) + " degrees";
+      EXPECT_GT(thickness(solver.pose(maps)), by_default ? 0.9 : 0.75) << where;
+      EXPECT_TRUE(!by_default || solver.report().flipped == 0) << where;
+      Points frame;
+      coarse.frame(maps, frame);
+      EXPECT_GT(thickness(frame), 0.75) << where;
     }
   }
 }

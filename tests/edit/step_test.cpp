@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/edit/step_runner.h"
+#include "lapedit/edit/step_solver.h"
 
 #include <gtest/gtest.h>
 
@@ -28,8 +28,13 @@ struct Scene {
     step.handles[0].transform.translation = Vector3(1, 2.0 / 3, 3);
     step.handles[0].transform.degrees = 40;
   }
-  StepProblem problem(StoredScalar scalar) const {
-    return {mesh, adjacency, step.region, {step.handles[0].vertices}, step.settings, scalar};
+  std::unique_ptr<StepSolver> solver(StoredScalar scalar = StoredScalar::Double,
+                                     const LaplacianSystem* previous = nullptr,
+                                     const SolverOptions& options = {}) const {
+    auto made = std::make_unique<StepSolver>(mesh, find_region(mesh, adjacency, step.region, groups_of(step)),
+                                             step.settings, StepOptions{scalar, {}, options});
+    made->prepare(mesh, {}, previous);
+    return made;
   }
   std::vector<HandleMotion> maps() const {
     const HandleGroup& handle = step.handles[0];
@@ -38,7 +43,7 @@ struct Scene {
 };
 
 /// Far from the origin single precision keeps no small displacement: that is said, and no weight helps.
-TEST(StepRunner, AdviceNamesTheStepsOfCoordinatesFarFromTheOrigin) {
+TEST(Step, AdviceNamesTheStepsOfCoordinatesFarFromTheOrigin) {
   Scene scene;
   scene.mesh.vertices.rowwise() += Eigen::RowVector3d(1e8, 0, 0);
   scene.step.handles[0].transform = {};
@@ -47,29 +52,27 @@ TEST(StepRunner, AdviceNamesTheStepsOfCoordinatesFarFromTheOrigin) {
     Points rounded = scene.mesh.vertices;
     round_to(scalar, rounded);
     scene.mesh.vertices = rounded;
-    StepRunner runner(scene.problem(scalar));
-    Points places;
-    runner.solve(scene.maps(), places);
-    const std::string advice = runner.report().advice();
+    const auto solver = scene.solver(scalar);
+    const Points places = solver->pose(scene.maps());
+    const std::string advice = solver->report().advice();
     EXPECT_EQ(advice.find("mesh keeps coordinates in steps of 11.9: move the mesh to the origin") != std::string::npos,
               scalar == StoredScalar::Float)
         << advice;
   }
 }
 
-/// By the runner itself, as filters and programs run it, and as the window does.
-TEST(StepRunner, EveryWayToRunAStepHasTheSameBits) {
+/// By the solver itself, as filters and programs run it, and as the window does.
+TEST(Step, EveryWayToRunAStepHasTheSameBits) {
   const Scene scene;
   for (const StoredScalar scalar : {StoredScalar::Float, StoredScalar::Double}) {
-    StepRunner runner(scene.problem(scalar));
-    Points places;
-    runner.solve(scene.maps(), places);
+    const auto solver = scene.solver(scalar);
+    const Points places = solver->pose(scene.maps());
 
     Edit edit;
     edit.steps = {scene.step};
     for (const EditResult& result :
-         {apply_step(scene.mesh, scene.adjacency, scene.step, 1, scalar), apply_edit(scene.mesh, edit, 1, scalar)}) {
-      EXPECT_EQ(result.vertices, runner.region().mesh_vertex);
+         {support::apply_step(scene.mesh, scene.step, 1, scalar), apply_edit(scene.mesh, edit, 1, scalar)}) {
+      EXPECT_EQ(result.vertices, solver->region().mesh_vertex);
       EXPECT_TRUE(support::same_bits(result.positions, places));
     }
 
@@ -89,24 +92,22 @@ TEST(StepRunner, EveryWayToRunAStepHasTheSameBits) {
   }
 }
 
-TEST(StepRunner, RoundsToWhatTheMeshCanStore) {
+TEST(Step, RoundsToWhatTheMeshCanStore) {
   const Scene scene;
-  Points in_double, in_float;
-  StepRunner(scene.problem(StoredScalar::Double)).solve(scene.maps(), in_double);
-  StepRunner(scene.problem(StoredScalar::Float)).solve(scene.maps(), in_float);
+  const Points in_double = scene.solver()->pose(scene.maps());
+  const Points in_float = scene.solver(StoredScalar::Float)->pose(scene.maps());
   EXPECT_FALSE(support::same_bits(in_double, in_float));
   EXPECT_TRUE(support::same_bits(in_double.cast<float>().cast<double>(), in_float));
 }
 
 /// Far from the origin the mesh's single precision is what a handle is off by.
-TEST(StepRunner, ReportsHowFarOffIsWhatTheMeshStores) {
+TEST(Step, ReportsHowFarOffIsWhatTheMeshStores) {
   Scene scene;
   scene.mesh.vertices.rowwise() += Vector3(1e6, -1e6, 1e6).transpose();
   for (const StoredScalar scalar : {StoredScalar::Float, StoredScalar::Double}) {
-    StepRunner runner(scene.problem(scalar));
-    Points places;
-    runner.solve(scene.maps(), places);
-    const Region& region = runner.region();
+    const auto solver = scene.solver(scalar);
+    const Points places = solver->pose(scene.maps());
+    const Region& region = solver->region();
     double handle = 0, anchor = 0;
     for (int i = 0; i < region.size(); ++i) {
       const Vector3 place = places.row(i).transpose(),
@@ -118,58 +119,34 @@ TEST(StepRunner, ReportsHowFarOffIsWhatTheMeshStores) {
       }
     }
     EXPECT_EQ(handle > 0.02, scalar == StoredScalar::Float) << "numbers there are 1/16 apart";
-    EXPECT_NEAR(runner.report().handle_residual, handle, 1e-8);
-    EXPECT_NEAR(runner.report().anchor_residual, anchor, 1e-8);
+    EXPECT_NEAR(solver->report().handle_residual, handle, 1e-8);
+    EXPECT_NEAR(solver->report().anchor_residual, anchor, 1e-8);
   }
 }
 
-TEST(StepRunner, TellsTheRegionBeforeItIsPrepared) {
+TEST(Step, SystemOfAnEarlierOneIsReused) {
   const Scene scene;
-  std::vector<double> progress;
-  std::size_t reports_before = 0;
-  int told = 0;
-  const StepRunner runner(
-      scene.problem(StoredScalar::Float),
-      [&](double done, const char*) {
-        progress.push_back(done);
-        return true;
-      },
-      [&](const Region& region) {
-        told = region.size();
-        reports_before = progress.size();
-      });
-  EXPECT_EQ(told, runner.region().size());
-  EXPECT_EQ(reports_before, 1U);
-  EXPECT_GT(progress.size(), reports_before);
-  EXPECT_THROW(StepRunner(scene.problem(StoredScalar::Float), {},
-                          [](const Region&) { throw EditError(ErrorCause::BadParameter, "no"); }),
-               EditError);
-}
-
-TEST(StepRunner, GoesOnFromAnotherOne) {
-  const Scene scene;
-  auto first = std::make_unique<StepRunner>(scene.problem(StoredScalar::Double));
-  Points before, after;
-  first->solve(scene.maps(), before);
-  EXPECT_FALSE(first->report().factor_taken_over);
-  StepRunner second(scene.problem(StoredScalar::Double), {}, {}, std::move(first));
-  second.solve(scene.maps(), after);
-  EXPECT_TRUE(second.report().factor_taken_over);
-  EXPECT_TRUE(support::same_bits(before, after));
+  const auto first = scene.solver();
+  const Points before = first->pose(scene.maps());
+  EXPECT_FALSE(first->report().factor_reused);
+  const auto second = scene.solver(StoredScalar::Double, first->system().get());
+  EXPECT_TRUE(support::same_bits(second->pose(scene.maps()), before));
+  EXPECT_TRUE(second->report().factor_reused);
 }
 
 /// The next drag in a region starts from the pose that the last one left. The umbrella does not see it; of the other
 /// operators the matrix has other values in the same pattern.
-TEST(StepRunner, NextDragInARegionTakesOverWhatIsTheSame) {
+TEST(Step, NextDragInARegionReusesWhatIsTheSame) {
   struct Case {
     EditSettings settings;
-    const char* taken;
+    SolverOptions options;
+    const char* reused;
   };
-  EditSettings umbrella = support::smooth_surface_settings(), cotangent = umbrella, eigen;
+  EditSettings cotangent = EditSettings::of(EditMethod::Paper);
   cotangent.laplacian = LaplacianKind::Cotangent;
-  eigen.backend = CholeskyBackend::Eigen;
-  for (const Case& c : {Case{umbrella, "operator and factor"}, Case{cotangent, "analysis"},
-                        Case{EditSettings(), "analysis"}, Case{eigen, "ordering"}}) {
+  for (const Case& c :
+       {Case{EditSettings::of(EditMethod::Paper), {}, "operator and factor"}, Case{cotangent, {}, "analysis"},
+        Case{{}, {}, "analysis"}, Case{{}, {0, CholeskyBackend::Eigen}, "ordering"}}) {
     Scene scene;
     scene.step.settings = c.settings;
     scene.step.region.kind = RegionSpec::Kind::Vertices;
@@ -178,26 +155,22 @@ TEST(StepRunner, NextDragInARegionTakesOverWhatIsTheSame) {
         scene.step.region.vertices.push_back(v);
       }
     }
-    auto first = std::make_unique<StepRunner>(scene.problem(StoredScalar::Double));
-    Points places, expected;
-    first->solve(scene.maps(), places);
-    EXPECT_EQ(first->taken_over(), "nothing");
+    const auto first = scene.solver(StoredScalar::Double, nullptr, c.options);
+    const Points pose = first->pose(scene.maps());
+    EXPECT_EQ(first->report().reused, "nothing");
     for (int i = 0; i < first->region().size(); ++i) {
-      scene.mesh.vertices.row(first->region().mesh_vertex[i]) = places.row(i);
+      scene.mesh.vertices.row(first->region().mesh_vertex[i]) = pose.row(i);
     }
     scene.step.region.anchors = anchors_of(first->region());
-    StepRunner next(scene.problem(StoredScalar::Double), {}, {}, std::move(first));
-    EXPECT_EQ(next.taken_over(), c.taken) << name(c.settings.laplacian);
-    next.solve(scene.maps(), places);
-    EXPECT_EQ(next.report().taken_over, c.taken);
-    EXPECT_EQ(next.report().factor_taken_over, std::string(c.taken) == "operator and factor");
-    StepRunner fresh(scene.problem(StoredScalar::Double));
-    fresh.solve(scene.maps(), expected);
-    EXPECT_TRUE(support::same_bits(places, expected)) << name(c.settings.laplacian);
+    const auto next = scene.solver(StoredScalar::Double, first->system().get(), c.options);
+    const auto fresh = scene.solver(StoredScalar::Double, nullptr, c.options);
+    EXPECT_TRUE(support::same_bits(next->pose(scene.maps()), fresh->pose(scene.maps())));
+    EXPECT_EQ(next->report().reused, c.reused);
+    EXPECT_EQ(next->report().factor_reused, std::string(c.reused) == "operator and factor");
   }
 }
 
-TEST(StepRunner, AnotherRegionTakesNothingOverAndTheThreadSaysSo) {
+TEST(Step, ThreadReportsWhatARegionReuses) {
   const Scene scene;
   SolverThread thread(nullptr);
   PrepareTask task;
@@ -207,13 +180,13 @@ TEST(StepRunner, AnotherRegionTakesNothingOverAndTheThreadSaysSo) {
   task.groups = {scene.step.handles[0].vertices};
   task.settings = scene.step.settings;
   SolverPose pose;
-  std::vector<std::string> taken;
+  std::vector<std::string> reused;
   const auto prepare = [&] {
     thread.prepare(task);
     while (thread.wait()) {
-      const SolverNews news = thread.poll(pose);
-      if (news.ready) {
-        taken.push_back(news.taken_over);
+      const SolverUpdate update = thread.poll(pose);
+      if (update.ready) {
+        reused.push_back(update.reused);
       }
     }
   };
@@ -221,7 +194,7 @@ TEST(StepRunner, AnotherRegionTakesNothingOverAndTheThreadSaysSo) {
   prepare();
   task.region.radius = 12;
   prepare();
-  EXPECT_EQ(taken, (std::vector<std::string>{"nothing", "operator and factor", "nothing"}));
+  EXPECT_EQ(reused, (std::vector<std::string>{"nothing", "operator and factor", "nothing"}));
 }
 
 }  // namespace
