@@ -216,40 +216,33 @@ std::optional<Layer> LaplacianDragTool::usableLayer() {
 
 /// Reads the other layers again if their number of vertices or their transform has changed. Nothing else can have: a
 /// filter that changes vertices ends the tool.
-std::shared_ptr<const SnapTargets> LaplacianDragTool::findTargets(SnapTo snap) {
-  const auto own = window_.layer(layer_);
-  if (!own) {
+std::shared_ptr<const SnapTargets> LaplacianDragTool::findTargets() {
+  const auto edited = window_.layer(layer_);
+  if (!edited) {
     return nullptr;
   }
-  const bool surfaces = snap == SnapTo::Surfaces;
   std::vector<std::pair<Layer, Affine>> others;
-  std::vector<double> found{static_cast<double>(snap)};
-  std::vector<Vector3> points;
+  std::vector<double> found;
   for (const Layer& layer : window_.layers()) {
-    if (!layer.visible || (surfaces && layer.id == layer_)) {
-      continue;
-    }
-    const Affine toOwn(Eigen::Matrix4d(own->transform.inverse() * layer.transform));
-    others.emplace_back(layer, toOwn);
-    found.insert(found.end(), {double(layer.id), double(layer.mesh->vn), double(layer.mesh->fn)});
-    found.insert(found.end(), toOwn.data(), toOwn.data() + toOwn.matrix().size());
-    for (const Vector3& point : surfaces ? std::vector<Vector3>() : picked_points(*layer.mesh)) {
-      points.push_back(toOwn * point);
-      found.insert(found.end(), points.back().data(), points.back().data() + 3);
+    if (layer.visible && layer.id != layer_) {
+      const Affine toEdited(Eigen::Matrix4d(edited->transform.inverse() * layer.transform));
+      others.emplace_back(layer, toEdited);
+      found.insert(found.end(), {double(layer.id), double(layer.mesh->vn), double(layer.mesh->fn)});
+      found.insert(found.end(), toEdited.data(), toEdited.data() + toEdited.matrix().size());
     }
   }
   if (!targets_ || found != targetsOf_) {
     std::vector<TriangleMesh> meshes;
-    for (std::size_t k = 0; surfaces && k < others.size(); ++k) {
-      TriangleMesh mesh = read_mesh(*others[k].first.mesh).mesh;
-      for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
-        mesh.vertices.row(v) = (others[k].second * Vector3(mesh.vertices.row(v).transpose())).transpose();
+    for (const auto& [layer, toEdited] : others) {
+      TriangleMesh mesh = read_mesh(*layer.mesh).mesh;
+      for (auto vertex : mesh.vertices.rowwise()) {
+        vertex = (toEdited * Vector3(vertex.transpose())).transpose();
       }
       if (mesh.faces.rows() > 0 && mesh.faces.minCoeff() >= 0) {
         meshes.push_back(std::move(mesh));
       }
     }
-    targets_ = std::make_shared<const SnapTargets>(std::move(meshes), std::move(points));
+    targets_ = std::make_shared<const SnapTargets>(std::move(meshes));
     targetsOf_ = std::move(found);
   }
   return targets_;

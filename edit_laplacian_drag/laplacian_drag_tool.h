@@ -41,7 +41,7 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   CMeshO* meshOf(int layer) override;
   void log(const std::string& line) override { window_.log(line); }
   void poll() override;
-  std::shared_ptr<const lapedit::SnapTargets> findTargets(lapedit::SnapTo snap) override;
+  std::shared_ptr<const lapedit::SnapTargets> findTargets() override;
 
   bool eventFilter(QObject* object, QEvent* event) override;
 

@@ -104,7 +104,6 @@ class Panel : public QDockWidget {
                    const std::function<double(double)>& placeOf, const Access& access);
   QComboBox* choice(const lapedit::Setting& setting, const Access& access);
   QComboBox* presetChoice();
-  void saveOrRemovePreset();
   /// Creates a list for a value of the session that is not one of its settings.
   QComboBox* state(const char* part, const QStringList& choices, const QString& help,
                    const std::function<int(const lapedit::DragSession&)>& get,

@@ -3,9 +3,7 @@
 #include <QApplication>
 #include <QComboBox>
 #include <QHBoxLayout>
-#include <QInputDialog>
 #include <QLabel>
-#include <QLineEdit>
 #include <QLocale>
 #include <QMap>
 #include <QPushButton>
@@ -35,10 +33,9 @@ QString tip(const QString& help) {
 
 /// Returns the label of a setting or of a choice.
 QString titleOf(const char* key) {
-  static const QMap<QString, const char*> titles = {
-      {"order", "Smoothness"},          {"iterations", "Passes"}, {"turning", "Rotate details"},
-      {"vertex", "By vertex"},          {"edge", "By edge"},      {"rough", "First estimate"},
-      {"unrotated", "Details at rest"}, {"falloff", "Falloff"},   {"membrane", "Stiffness"}};
+  static const QMap<QString, const char*> titles = {{"order", "Smoothness"},     {"iterations", "Passes"},
+                                                    {"rough", "First estimate"}, {"unrotated", "Details at rest"},
+                                                    {"falloff", "Falloff"},      {"membrane", "Stiffness"}};
   return titles.contains(key) ? QString(titles[key]) : QString::fromStdString(title_of(key));
 }
 
@@ -47,7 +44,13 @@ QString titleOf(const char* key) {
 void Panel::addAdvanced() {
   begin("advanced", tr("Advanced"), tr("Settings of the solver"));
   for (const Setting& setting : settings_table()) {
-    row(titleOf(setting.key), widgetOf(setting));
+    QWidget* const field = widgetOf(setting);
+    row(titleOf(setting.key), field);
+    shown_.push_back([&setting, field, title = titles_.back()](const DragSession& session) {
+      const bool applies = setting.applies(session.settings().edit.method);
+      field->setVisible(applies);
+      title->setVisible(applies);
+    });
   }
 }
 
@@ -188,56 +191,24 @@ QComboBox* Panel::choice(const Setting& setting, const Access& access) {
 
 QComboBox* Panel::presetChoice() {
   auto* const box = prepared<QComboBox>("preset", tr("Sets handle size and solver for a kind of surface"));
-  const auto fill = [this, box] {
-    box->clear();
-    for (const Preset& preset : presets()) {
-      box->addItem(preset.name);
-      box->setItemData(box->count() - 1, tip(preset.help), Qt::ToolTipRole);
-    }
-    for (const QString& name : remembered_.presets()) {
-      box->addItem(name);
-      box->setItemData(box->count() - 1, tip(tr("A preset of your own.")), Qt::ToolTipRole);
-    }
-    box->addItem(tr("Custom"));
-    box->setItemData(box->count() - 1, tip(tr("Values that no preset has.")), Qt::ToolTipRole);
-  };
-  fill();
-  connect(box, QOverload<int>::of(&QComboBox::activated), this, [this, box](int index) {
+  for (const Preset& preset : presets()) {
+    box->addItem(preset.name);
+    box->setItemData(box->count() - 1, tip(preset.help), Qt::ToolTipRole);
+  }
+  box->addItem(tr("Custom"));
+  box->setItemData(box->count() - 1, tip(tr("Values that no preset has.")), Qt::ToolTipRole);
+  connect(box, QOverload<int>::of(&QComboBox::activated), this, [this](int index) {
     DragSettings settings = settings_;
     if (index < static_cast<int>(presets().size())) {
       presets()[static_cast<std::size_t>(index)].set(settings);
-    } else if (index < box->count() - 1) {
-      remembered_.usePreset(box->itemText(index), settings);
     }
     change([settings](DragSession& session) { session.set_settings(settings); });
   });
-  shown_.push_back([this, box, fill](const DragSession& session) {
-    const int builtIn = static_cast<int>(presets().size()), own = remembered_.presets().size();
-    if (box->count() != builtIn + own + 1) {
-      fill();
-    }
+  shown_.push_back([box](const DragSession& session) {
     const int preset = preset_of(session.settings());
-    const int ofOwn = remembered_.presets().indexOf(remembered_.presetOf(session.settings()));
-    box->setCurrentIndex(ofOwn >= 0 ? builtIn + ofOwn : preset >= 0 ? preset : box->count() - 1);
-    buttons_["save_preset"]->setText(ofOwn >= 0 ? tr("Delete preset") : tr("Save preset..."));
+    box->setCurrentIndex(preset >= 0 ? preset : box->count() - 1);
   });
   return box;
-}
-
-/// Deletes the user's preset if one is chosen; otherwise stores the values as one.
-void Panel::saveOrRemovePreset() {
-  const QString own = remembered_.presetOf(settings_);
-  if (!own.isEmpty()) {
-    remembered_.removePreset(own);
-  } else {
-    bool accepted = false;
-    const QString name =
-        QInputDialog::getText(this, tr("Save preset"), tr("Name of the preset:"), QLineEdit::Normal, {}, &accepted);
-    if (accepted) {
-      remembered_.savePreset(name, settings_);
-    }
-  }
-  change([](DragSession&) {});
 }
 
 QComboBox* Panel::state(const char* part, const QStringList& choices, const QString& help,

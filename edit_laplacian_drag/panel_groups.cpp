@@ -65,16 +65,14 @@ void Panel::addBasic() {
   mode->setItemIcon(1, panelIcon("curve", palette()));
   row(tr("Handle"), mode);
   row(tr("Preset"), presetChoice());
-  auto* const save = button("save_preset", tr("Save preset..."), tr("Stores the values as a preset of your own"));
   auto* const defaults = button("defaults", tr("Defaults"), tr("Resets all settings to their initial values"));
-  connect(save, &QPushButton::clicked, this, &Panel::saveOrRemovePreset);
   connect(defaults, &QPushButton::clicked, this, [this] {
     change([settings = defaults_](DragSession& session) {
       session.set_settings(settings);
       session.show_gizmo(false, GizmoAxes::Layer);
     });
   });
-  buttons({save, defaults, button("help", tr("Keys"), tr("Shows all keys over the picture (?)"))});
+  buttons({defaults, button("help", tr("Keys"), tr("Shows all keys over the picture (?)"))});
   row(tr("Turn about"), state(
                             "pivot", {tr("Handle's middle"), tr("Shoulder (edge)"), tr("Point (next click)")},
                             tr("The point that turning and scaling go about (P): the middle of the handle, the middle "
@@ -146,11 +144,10 @@ void Panel::addHandles() {
                               access<&DragSettings::softness, 100>()));
   row(tr("Snap to"),
       state(
-          "snap", {tr("Off"), tr("Other layers"), tr("Picked points")},
-          tr("Where a handle that is moved goes: to the surface of another visible layer under the cursor, or to the "
-             "nearest point of MeshLab's tool PickPoints"),
-          [](const DragSession& session) { return static_cast<int>(session.snap()); },
-          [](DragSession& session, int index) { session.set_snap(static_cast<SnapTo>(index)); }));
+          "snap", {tr("Off"), tr("Other layers")},
+          tr("Where a handle that is moved goes: to the surface of another visible layer under the cursor"),
+          [](const DragSession& session) { return session.snaps() ? 1 : 0; },
+          [](DragSession& session, int index) { session.set_snaps(index == 1); }));
   buttons({button("anchors_from_selection", tr("Fix the selection"),
                   tr("The vertices of the selected faces hold, instead of the region's fixed edge"))});
   buttons({button("next_group", tr("Add a handle"), tr("The next click adds a handle; the other handles hold (G)"))});

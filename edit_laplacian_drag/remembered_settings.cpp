@@ -12,19 +12,22 @@ namespace {
 constexpr double DragSettings::*kMembers[] = {&DragSettings::handle_share, &DragSettings::padding,
                                               &DragSettings::softness, &DragSettings::brush_pixels};
 const char* const kNames[] = {"handle_share", "padding", "softness", "brush"};
+const char* const kGroup = "settings";
 const char* const kGizmo = "gizmo";
 const char* const kGizmoAxes = "gizmo_axes";
 
 }  // namespace
 
 RememberedSettings::RememberedSettings() : file_("laplacian-edit", "laplacian-drag") {
-  kept_ = read("settings");
-  file_.beginGroup("presets");
-  const QStringList names = file_.childGroups();
-  file_.endGroup();
-  for (const QString& name : names) {
-    presets_[name] = read("presets/" + name);
+  file_.beginGroup(kGroup);
+  for (const QString& key : file_.childKeys()) {
+    bool isNumber = false;
+    const double value = file_.value(key).toDouble(&isNumber);
+    if (isNumber) {
+      kept_[key] = value;
+    }
   }
+  file_.endGroup();
 }
 
 RememberedSettings::Values RememberedSettings::valuesOf(const DragSettings& settings) {
@@ -60,26 +63,6 @@ void RememberedSettings::setValues(const Values& values, DragSettings& settings)
   }
 }
 
-RememberedSettings::Values RememberedSettings::read(const QString& group) const {
-  Values values;
-  file_.beginGroup(group);
-  for (const QString& key : file_.childKeys()) {
-    bool isNumber = false;
-    const double value = file_.value(key).toDouble(&isNumber);
-    if (isNumber) {
-      values[key] = value;
-    }
-  }
-  file_.endGroup();
-  return values;
-}
-
-void RememberedSettings::write(const QString& group, const Values& values) {
-  for (auto value = values.begin(); value != values.end(); ++value) {
-    file_.setValue(group + "/" + value.key(), value.value());
-  }
-}
-
 void RememberedSettings::bringTo(DragSession& session) const {
   DragSettings settings = session.settings();
   setValues(kept_, settings);
@@ -96,32 +79,8 @@ void RememberedSettings::keep(const DragSession& session) {
   values[kGizmoAxes] = static_cast<int>(session.gizmo_axes());
   if (values != kept_) {
     kept_ = values;
-    write("settings", kept_);
+    for (auto value = kept_.begin(); value != kept_.end(); ++value) {
+      file_.setValue(QString(kGroup) + "/" + value.key(), value.value());
+    }
   }
-}
-
-QStringList RememberedSettings::presets() const {
-  return presets_.keys();
-}
-
-void RememberedSettings::savePreset(const QString& name, const DragSettings& settings) {
-  QString plain = name.trimmed();
-  plain.replace('/', '-').replace('\\', '-');  // which separate groups in the file
-  if (!plain.isEmpty()) {
-    presets_[plain] = valuesOf(settings);
-    write("presets/" + plain, presets_[plain]);
-  }
-}
-
-void RememberedSettings::removePreset(const QString& name) {
-  presets_.remove(name);
-  file_.remove("presets/" + name);
-}
-
-void RememberedSettings::usePreset(const QString& name, DragSettings& settings) const {
-  setValues(presets_.value(name), settings);
-}
-
-QString RememberedSettings::presetOf(const DragSettings& settings) const {
-  return presets_.key(valuesOf(settings));
 }

@@ -99,7 +99,7 @@ LayerSession& WindowSessions::make(int layer, const CMeshO& mesh) {
           Qt::QueuedConnection);
     }
   };
-  callbacks.find_targets = [this](lapedit::SnapTo snap) { return user_ ? user_->findTargets(snap) : nullptr; };
+  callbacks.find_targets = [this] { return user_ ? user_->findTargets() : nullptr; };
   auto made = std::make_unique<LayerSession>(mesh, callbacks);
   connect(document_, &QObject::destroyed, this, &WindowSessions::forgetDocument, Qt::UniqueConnection);
   return *(sessions_[{document_, layer}] = std::move(made));

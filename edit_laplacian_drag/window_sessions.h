@@ -22,7 +22,7 @@ class SessionUser {
   virtual CMeshO* meshOf(int layer) = 0;  ///< null if it was deleted
   virtual void log(const std::string& line) = 0;
   virtual void poll() = 0;  ///< called when the session has results
-  virtual std::shared_ptr<const lapedit::SnapTargets> findTargets(lapedit::SnapTo snap) = 0;
+  virtual std::shared_ptr<const lapedit::SnapTargets> findTargets() = 0;
 
  protected:
   ~SessionUser() = default;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "filters.h"
@@ -14,26 +16,25 @@ namespace {
 enum HandleSource { NearestVertex, SelectedVertices, VertexNumber };
 enum RegionSource { GeodesicRadius, SelectedFaces, WholeComponent };
 
-Parameter parameterOf(const Setting& setting) {
-  using Kind = Parameter::Kind;
-  const double standard = setting.get(EditSettings());
-  const Kind kind = setting.kind == Setting::Kind::Choice   ? Kind::Choice
-                    : setting.kind == Setting::Kind::Whole  ? Kind::Integer
-                    : setting.kind == Setting::Kind::Length ? Kind::Length
-                                                            : Kind::Real;
-  Parameter parameter = {kind, setting.key, standard, QString::fromStdString(title_of(setting.key)), setting.help};
-  if (kind == Kind::Choice || kind == Kind::Integer) {
-    parameter.standard = static_cast<int>(standard);
-  }
-  for (const char* choice : setting.choices) {
+/// Settings that are parameters, since scripts of MeshLab 2020.09 have to give all parameters; JSON has all settings.
+/// Laplacian and membrane have one more value, with which the method chooses.
+constexpr const char *kMethod = "method", *kLaplacian = "laplacian", *kOrder = "order", *kMembrane = "membrane";
+constexpr int kLaplacianOfMethod = 0;
+constexpr double kMembraneOfMethod = -1;
+
+const Setting& setting(const char* key) {
+  const std::vector<Setting>& all = settings_table();
+  return *std::find_if(all.begin(), all.end(), [key](const Setting& one) { return std::string(one.key) == key; });
+}
+
+Parameter parameterOf(const char* key, Parameter::Kind kind, decltype(Parameter::standard) standard,
+                      const QString& also = {}) {
+  const Setting& described = setting(key);
+  Parameter parameter = {kind, key, std::move(standard), QString::fromStdString(title_of(key)), described.help + also};
+  for (const char* choice : described.choices) {
     parameter.choices << QString::fromStdString(title_of(choice));
   }
   return parameter;
-}
-
-double valueOf(const ParameterValues& values, const Setting& setting) {
-  const bool whole = setting.kind == Setting::Kind::Choice || setting.kind == Setting::Kind::Whole;
-  return whole ? values.integer(setting.key) : values.real(setting.key);
 }
 
 std::vector<Parameter> parameters() {
@@ -75,9 +76,11 @@ std::vector<Parameter> parameters() {
       {Kind::Real, "scale", transform.scale, "Scale",
        "Factor by which the handle grows about its centroid; greater than 0."},
   };
-  for (const Setting& setting : settings_table()) {
-    list.push_back(parameterOf(setting));
-  }
+  list.push_back(parameterOf(kMethod, Kind::Choice, 0));
+  list.push_back(parameterOf(kLaplacian, Kind::Choice, kLaplacianOfMethod));
+  list.back().choices.prepend("Of the method");
+  list.push_back(parameterOf(kOrder, Kind::Integer, EditSettings().order));
+  list.push_back(parameterOf(kMembrane, Kind::Real, kMembraneOfMethod, " -1: that of the method."));
   return list;
 }
 
@@ -134,8 +137,13 @@ EditStep editStep(const ParameterValues& values, const CMeshO& host, const Bridg
   transform.degrees = values.real("rotation_angle");
   transform.scale = values.real("scale");
   step.handles.push_back({handleVertices(values, host, bridged), transform});
-  for (const Setting& setting : settings_table()) {
-    setting.set(step.settings, valueOf(values, setting));
+  setting(kMethod).set(step.settings, values.integer(kMethod));
+  setting(kOrder).set(step.settings, values.integer(kOrder));
+  if (values.integer(kLaplacian) != kLaplacianOfMethod) {
+    setting(kLaplacian).set(step.settings, values.integer(kLaplacian) - 1);
+  }
+  if (values.real(kMembrane) != kMembraneOfMethod) {
+    setting(kMembrane).set(step.settings, values.real(kMembrane));
   }
   return step;
 }

@@ -18,10 +18,10 @@ inline const char* const kExample = R"({"laplacian_edit": 1,
    "handles": [{"vertices": "8624", "translation": [0, -0.9, 0]},
                {"vertices": "12-40,77", "rotation": {"axis": [0,0,1], "degrees": 30, "center": [0,0,0]}, "scale": 1.1},
                {"vertices": "9", "matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}],
-   "laplacian": "cotangent", "order": 2, "detail_rotation": "smooth_normals", "iterations": 3, "normal_radius": 0.5,
-   "handle_weight": 2, "anchor_weight": 4, "turning": "vertex", "rough": "falloff", "membrane": 7.5},
-  {"region": {"vertices": "5,3, 7 - 9", "padding": 0.2}, "handles": [{"vertices": "3"}], "detail_rotation": "none"},
-  {"region": {"component": true}, "handles": [{"vertices": "3"}]}]}
+   "method": "paper", "laplacian": "cotangent", "order": 2, "membrane": 7.5, "handle_weight": 2, "anchor_weight": 4,
+   "normal_radius": 0.5, "rough": "falloff"},
+  {"region": {"vertices": "5,3, 7 - 9", "padding": 0.2}, "handles": [{"vertices": "3"}], "method": "linear"},
+  {"region": {"component": true}, "handles": [{"vertices": "3"}], "iterations": 3}]}
 )";
 
 inline void expect_contains(const std::string& sentence, const std::string& part) {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <numeric>
 #include <string>
@@ -140,28 +139,6 @@ std::vector<int> vertices_of_selected_faces(const CMeshO& host, const BridgedMes
 double finite_diagonal(const CMeshO& host) {
   const Box3m box = finite_box(host);
   return box.IsNull() ? 0 : (to_core(box.max) - to_core(box.min)).norm();
-}
-
-std::vector<Vector3> picked_points(const CMeshO& host) {
-  // As MeshLab's plugin stores them, which installs no header.
-  struct Picked {
-    QString name;
-    bool present;
-    Point3m point;
-  };
-  std::vector<Vector3> points;
-  for (const auto& attribute : host.mesh_attr) {
-    if (attribute._name != "PickedPoints" || std::strcmp(attribute._type.name(), "P12PickedPoints") != 0) {
-      continue;
-    }
-    const auto* const list = *static_cast<const std::vector<const Picked*>* const*>(attribute._handle->DataBegin());
-    for (const Picked* const picked : list != nullptr ? *list : std::vector<const Picked*>()) {
-      if (picked->present && is_finite(picked->point)) {
-        points.emplace_back(picked->point[0], picked->point[1], picked->point[2]);
-      }
-    }
-  }
-  return points;
 }
 
 }  // namespace lapedit::host

@@ -33,9 +33,6 @@ BridgedMesh read_mesh(const CMeshO& host);
 std::vector<int> selected_vertices(const CMeshO& host, const BridgedMesh& bridged);
 std::vector<int> vertices_of_selected_faces(const CMeshO& host, const BridgedMesh& bridged);
 
-/// Returns the active points that MeshLab's tool PickPoints has left in a mesh.
-std::vector<Vector3> picked_points(const CMeshO& host);
-
 inline bool is_finite(const Point3m& point) {
   return std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);
 }

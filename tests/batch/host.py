@@ -40,7 +40,7 @@ def number(kind):
 
 
 def choice(name, value):
-    return f'<Param type="RichEnum" name="{name}" value="{value}" enum_cardinality="3"/>'
+    return f'<Param type="RichEnum" name="{name}" value="{value}" enum_cardinality="4"/>'
 
 
 def length(name, value):
@@ -54,10 +54,8 @@ EDIT_PARAMETERS = {
     "handle_source": (choice, 0), "handle_point": (point, (0, 0, 0)), "handle_vertex": (integer, 0),
     "region_source": (choice, 0),
     "radius": (length, 1), "padding": (real, 0.1), "translation": (point, (0, 0, 0)),
-    "rotation_axis": (point, (0, 0, 1)), "rotation_angle": (real, 0), "scale": (real, 1), "laplacian": (choice, 2),
-    "order": (integer, 1), "detail_rotation": (choice, 3), "iterations": (integer, 0), "normal_radius": (length, 0),
-    "handle_weight": (real, 30), "anchor_weight": (real, 30),
-    "turning": (choice, 1), "rough": (choice, 0), "membrane": (real, 500)}
+    "rotation_axis": (point, (0, 0, 1)), "rotation_angle": (real, 0), "scale": (real, 1), "method": (choice, 0),
+    "laplacian": (choice, 0), "order": (integer, 1), "membrane": (real, -1)}
 
 
 def laplacian_edit(**given):

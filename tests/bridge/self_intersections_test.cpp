@@ -45,11 +45,11 @@ int counted_by_vcglib(const TriangleMesh& mesh, const EditResult& result) {
 /// A limb whose tip is pulled by some way.
 EditResult pulled(const TriangleMesh& mesh, const Vector3& way, double radius = 7) {
   EditStep step;
-  step.settings = support::smooth_surface_settings();  // which let it fold
+  step.settings = EditSettings::of(EditMethod::Linear);  // which lets it fold
   step.region.radius = radius;
   step.handles = {{{static_cast<int>(mesh.vertices.rows()) - 1}, {}}};
   step.handles[0].transform.translation = way;
-  return apply_step(mesh, support::adjacency_of(mesh), step, 1, StoredScalar::Float);
+  return support::apply_step(mesh, step, 1, StoredScalar::Float);
 }
 
 TEST(SelfIntersections, OfALimbPulledThroughItselfAreThoseOfVcglib) {

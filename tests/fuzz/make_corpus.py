@@ -11,8 +11,7 @@ sys.path.insert(0, str(HERE.parent))
 import mesh_files as files  # noqa: E402
 
 WORDS = {"laplacian": ["umbrella", "cotangent", "mean_value"],
-         "detail_rotation": ["none", "smooth_normals", "smooth_surface", "local_global"],
-         "turning": ["vertex", "edge"], "rough": ["unrotated", "falloff"]}
+         "method": ["default", "paper", "linear"]}
 
 
 def write(target, name, content):
@@ -43,13 +42,13 @@ def edits():
     yield "matrix", edit(step(handles=[{"vertices": "1", "matrix": [1, 0, 0, 1, 0, 2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}]))
     yield "targets", edit(step(handles=[{"vertices": "3,1", "weights": [1, 0.5], "targets": [[0, 0.5, 1e-3], [1, 2, 3]]}]))
     move = {"translation": [0, 0, 1]}
-    yield "point", edit(step(handles=[{"point": [0, 0.5, 1], "target": [0, 0.5, 2]}]))
     yield "points", edit(step(region={"within": {"point": [0, 0, 1], "radius": 1.5}}, handles=[
         {"points": [[0, 0, 1], [1, 0, 0]], "targets": [[0, 0, 2], [2, 0, 0]], "weights": [1, 0.1]}]))
     yield "within", edit(step(handles=[{"within": {"point": [0, 0, 1], "radius": 0.5}, **move}]))
     yield "selected", edit(step(region={"selected": True}, handles=[{"selected": True, **move}]))
     yield "landmarks", edit(step(handles=[{"landmarks": {"from": "from.csv", "to": "to.csv"}}]))
     yield "places", edit(step(), mesh={"places": {"vertices": "1", "points": [[0, 0, 1]]}})
+    yield "rough", edit(step(method="paper", rough="falloff", normal_radius=0.5))
     yield "mirror", edit(step(mirror={"point": [0, 0, 0], "normal": [1, 0, 0]}))
     yield "numbers", edit(step(handle_weight=1e-6, anchor_weight=1e6, membrane=0, normal_radius=1.7976931348623157e308,
                                iterations=100, order=3))

@@ -78,8 +78,8 @@ TEST(EditScriptRefusal, OtherVersionsAreRefusedWithTheNumber) {
 TEST(EditScriptRefusal, UnknownKeysAreRefusedByNameAndPlace) {
   EXPECT_EQ(refusal(with_steps("{'region': {'radius': 1}, 'handles': [{'vertices': '1'}]},"
                                "{'region': {'radius': 1}, 'handles': [{'vertices': '1', 'translaton': [0,0,1]}]}")),
-            "steps[1].handles[0]: unknown key \"translaton\"; known keys are vertices, point, points, within, "
-            "selected, landmarks, weights, target, targets, translation, rotation, scale, matrix.");
+            "steps[1].handles[0]: unknown key \"translaton\"; known keys are vertices, points, within, "
+            "selected, landmarks, weights, targets, translation, rotation, scale, matrix.");
   expect_contains(refusal(js("{'laplacian_edit': 1, 'step': []}")), "edit: unknown key \"step\"");
   expect_contains(refusal(with_mesh("{'edges': 1}")),
                   "mesh: unknown key \"edges\"; known keys are vertices, faces, connectivity, places.");
@@ -125,17 +125,16 @@ TEST(EditScriptRefusal, WrongTypesAreRefusedWithWhatWasExpected) {
   expect_contains(refusal(with_region("{'radius': 1, 'padding': []}")), "region.padding: expected a number, found a");
 
   const std::pair<const char*, const char*> handles[] = {
-      {"{'point': [0, 0]}", "point: expected a list of 3 numbers, found a list of"},
+      {"{'points': [0, 0, 1]}", "points[0]: expected a list of 3 numbers, found the number 0."},
       {"{'points': []}", "points: expected a list of one or more points, found a list of length 0."},
       {"{'points': [[0, 0, 'x']]}", "points[0][2]: expected a number, found the text \"x\"."},
       {"{'within': {'point': [0, 0, 0]}}", "within.radius: expected a number, but the key is missing."},
       {"{'within': {'radius': 1}}", "within.point: expected a list of 3 numbers, but the key is missing"},
       {"{'selected': 1}", "selected: expected true, found the number 1."},
-      {"{'selected': true, 'weights': [1]}", "weights: goes with vertices, point, points or landmarks only."},
+      {"{'selected': true, 'weights': [1]}", "weights: goes with vertices, points or landmarks only."},
       {"{'points': [[0, 0, 0]], 'weights': [1, 1]}", "weights: holds 2 numbers for 1 points; give one for each"},
       {"{'points': [[0, 0, 0], [1, 0, 0]], 'targets': [[0, 0, 1]]}", "targets: 1 targets are given for 2 points;"},
-      {"{'points': [[0, 0, 0], [1, 0, 0]], 'target': [0, 0, 1]}", "target: 1 targets are given for 2 points;"},
-      {"{'selected': true, 'target': [0, 0, 1]}", "target: goes with point, points or vertices only"},
+      {"{'selected': true, 'targets': [[0, 0, 1]]}", "targets: goes with points or vertices only"},
       {"{'landmarks': {'from': 'no.pp', 'to': 'no.pp'}}", "landmarks: \"no.pp\" is not the path of a file."},
       {"{'landmarks': {'from': 'no.pp'}}", "landmarks.to: expected a text, but the key is missing."},
       {"{'vertices': 1}", "vertices: expected a text, found the number 1."},
@@ -162,10 +161,8 @@ TEST(EditScriptRefusal, WrongTypesAreRefusedWithWhatWasExpected) {
     expect_contains(refusal(with_handle(handle)), std::string("steps[0].handles[0].") + part);
   }
   const std::pair<const char*, const char*> whole[] = {
-      {"{}", "needs exactly one of the keys vertices, point, points, within, selected and landmarks."},
-      {"{'vertices': '1', 'point': [0, 0, 0]}", "needs exactly one of the keys vertices, point, points,"},
-      {"{'point': [0, 0, 0], 'target': [0, 0, 1], 'targets': [[0, 0, 1]]}", "has both target and targets"},
-      {"{'point': [0, 0, 0], 'target': [0, 0, 1], 'translation': [0, 0, 1]}", "has both target and translation"},
+      {"{}", "needs exactly one of the keys vertices, points, within, selected and landmarks."},
+      {"{'vertices': '1', 'points': [[0, 0, 0]]}", "needs exactly one of the keys vertices, points,"},
   };
   for (const auto& [handle, part] : whole) {
     expect_contains(refusal(with_handle(handle)), std::string("steps[0].handles[0]: ") + part);
@@ -183,15 +180,19 @@ TEST(EditScriptRefusal, WrongTypesAreRefusedWithWhatWasExpected) {
       {"'laplacian': 'uniform'",
        "laplacian: expected one of \"umbrella\", \"cotangent\", \"mean_value\", found the text \"uniform\"."},
       {"'laplacian': 0", "laplacian: expected one of \"umbrella\", \"cotangent\", \"mean_value\", found the number 0."},
-      {"'detail_rotation': 'smooth'",
-       "detail_rotation: expected one of \"none\", \"smooth_normals\", \"smooth_surface\", \"local_global\", found the "
-       "text \"smooth\"."},
+      {"'method': 'smooth'", "method: expected one of \"default\", \"paper\", \"linear\", found the text \"smooth\"."},
+      {"'normal_radius': 1",
+       "normal_radius: has no meaning with the method default; remove it, or use the method paper."},
+      {"'method': 'paper', 'iterations': 2",
+       "iterations: has no meaning with the method paper; remove it, or use the method default."},
+      {"'method': 'linear', 'rough': 'falloff'",
+       "rough: has no meaning with the method linear; remove it, or use the method paper."},
       {"'order': 1.5", "order: expected a whole number from 0 to 2147483647, found the number 1.5."},
       {"'order': -1", "order: expected a whole number from 0 to 2147483647, found the number -1."},
       {"'iterations': 2147483648", "iterations: expected a whole number from 0 to 2147483647, found"},
       {"'iterations': 1e300", "iterations: expected a whole number from 0 to 2147483647, found"},
       {"'iterations': '1'", "iterations: expected a number, found the text \"1\"."},
-      {"'normal_radius': null", "normal_radius: expected a number, found null."},
+      {"'method': 'paper', 'normal_radius': null", "normal_radius: expected a number, found null."},
       {"'handle_weight': {}", "handle_weight: expected a number, found an object."},
       {"'anchor_weight': [1]", "anchor_weight: expected a number, found a list of length 1."},
   };

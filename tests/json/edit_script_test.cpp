@@ -71,12 +71,10 @@ TEST(EditScript, ReadsAllKeys) {
   EXPECT_EQ(step.region.padding, 0.1);
   EXPECT_EQ(step.settings.laplacian, LaplacianKind::Cotangent);
   EXPECT_EQ(step.settings.order, 2);
-  EXPECT_EQ(step.settings.rotation, DetailRotation::SmoothNormals);
-  EXPECT_EQ(step.settings.iterations, 3);
+  EXPECT_EQ(step.settings.method, EditMethod::Paper);
   EXPECT_EQ(step.settings.normal_radius, 0.5);
   EXPECT_EQ(step.settings.handle_weight, 2);
   EXPECT_EQ(step.settings.anchor_weight, 4);
-  EXPECT_EQ(step.settings.turning, DetailTurning::Vertex);
   EXPECT_EQ(step.settings.rough, RoughDeformation::Falloff);
   EXPECT_EQ(step.settings.membrane, 7.5);
 
@@ -99,8 +97,9 @@ TEST(EditScript, ReadsAllKeys) {
   EXPECT_EQ(edit.steps[1].region.kind, RegionSpec::Kind::Vertices);
   EXPECT_EQ(edit.steps[1].region.vertices, (std::vector<int>{5, 3, 7, 8, 9}));
   EXPECT_EQ(edit.steps[1].region.padding, 0.2);
-  EXPECT_EQ(edit.steps[1].settings.rotation, DetailRotation::None);
+  EXPECT_EQ(edit.steps[1].settings, EditSettings::of(EditMethod::Linear));
   EXPECT_EQ(edit.steps[2].region.kind, RegionSpec::Kind::Component);
+  EXPECT_EQ(edit.steps[2].settings.iterations, 3);
 }
 
 TEST(EditScript, ReadsMatrixByRows) {
@@ -133,19 +132,22 @@ TEST(EditScript, WritesKeysInTheDocumentedOrder) {
   step.region.radius = 1.2155;
   step.handles = {{{12, 13, 14, 77, 9, 10, 9}, {}}};
   step.handles[0].transform.translation = {0, -0.9, 1.0 / 3};
+  step.settings = EditSettings::of(EditMethod::Paper);
   step.settings.laplacian = LaplacianKind::Cotangent;
-  step.settings.rotation = DetailRotation::SmoothNormals;
-  step.settings.turning = DetailTurning::Vertex;
   step.settings.rough = RoughDeformation::Falloff;
   step.settings.membrane = 7.5;
   std::string text = write_edit(edit);
   EXPECT_GT(std::count(text.begin(), text.end(), '\n'), 20);
   text.erase(std::remove_if(text.begin(), text.end(), [](char c) { return c == ' ' || c == '\n'; }), text.end());
-  EXPECT_EQ(text, R"({"laplacian_edit":1,"mesh":{"vertices":11703},"steps":[{"region":{"radius":1.2155,"padding":0.1},)"
-                  R"("handles":[{"vertices":"12-14,77,9-10,9","translation":[0,-0.9,0.3333333333333333],)"
-                  R"("rotation":{"axis":[0,0,1],"degrees":0},"scale":1}],"laplacian":"cotangent","order":1,)"
-                  R"("detail_rotation":"smooth_normals","iterations":0,"normal_radius":0,"handle_weight":30,)"
-                  R"("anchor_weight":30,"turning":"vertex","rough":"falloff","membrane":7.5}]})");
+  EXPECT_EQ(text,
+            R"({"laplacian_edit":1,"mesh":{"vertices":11703},"steps":[{"region":{"radius":1.2155,"padding":0.1},)"
+            R"("handles":[{"vertices":"12-14,77,9-10,9","translation":[0,-0.9,0.3333333333333333],)"
+            R"("rotation":{"axis":[0,0,1],"degrees":0},"scale":1}],"method":"paper","laplacian":"cotangent","order":1,)"
+            R"("membrane":7.5,"handle_weight":10,"anchor_weight":10,"normal_radius":0,"rough":"falloff"}]})");
+  step.settings = EditSettings();
+  text = write_edit(edit);
+  EXPECT_NE(text.find("\"iterations\": 0"), std::string::npos);
+  EXPECT_EQ(text.find("normal_radius"), std::string::npos) << "it has no meaning with the method default";
 }
 
 TEST(EditScript, WritesOtherRegionsAndNoUnknownMesh) {
@@ -200,6 +202,7 @@ TEST(EditScript, RoundTripKeepsEveryBit) {
       for (const Setting& setting : settings_table()) {
         const bool choice = setting.kind == Setting::Kind::Choice;
         const bool whole = choice || setting.kind == Setting::Kind::Whole;
+        if (!setting.applies(step.settings.method)) continue;
         setting.set(step.settings,
                     whole ? some(choice ? static_cast<int>(setting.high) + 1 : 100) : any_double(random));
       }
@@ -275,7 +278,7 @@ TEST(EditScript, PlacesAreReadAndWrittenInPlaceOfVertices) {
   const Edit edit = read_edit(R"({"laplacian_edit": 1,
       "mesh": {"places": {"vertices": "3,7-8", "points": [[0, 0, 1], [0.5, 0, 1e-7], [1, 2, 3]]}},
       "steps": [{"region": {"within": {"point": [1, 2, 3], "radius": 0.5}}, "handles": [
-        {"point": [1, 2, 3], "target": [4, 5, 6]},
+        {"points": [[1, 2, 3]], "targets": [[4, 5, 6]]},
         {"points": [[1, 2, 3], [0.1, 0, 0]], "weights": [1, 0.5], "translation": [0, 0, 1]},
         {"within": {"point": [0, 0, 1], "radius": 2}}]},
       {"region": {"selected": true}, "handles": [{"selected": true, "scale": 2}]}]})");
@@ -327,8 +330,7 @@ TEST(EditScript, WritingRefusesWhatCouldNotBeRead) {
   EXPECT_EQ(cause([](Edit& e) { e.steps[1].handles[0].vertices = {3, -1}; }), ErrorCause::BadScript);
   EXPECT_EQ(cause([](Edit& e) { e.steps[1].handles[0].vertices = {11703}; }), ErrorCause::BadScript);
   EXPECT_EQ(cause([](Edit& e) { e.steps[1].settings.order = -1; }), ErrorCause::BadScript);
-  EXPECT_EQ(cause([](Edit& e) { e.steps[1].settings.rotation = static_cast<DetailRotation>(7); }),
-            ErrorCause::BadScript);
+  EXPECT_EQ(cause([](Edit& e) { e.steps[1].settings.method = static_cast<EditMethod>(7); }), ErrorCause::BadScript);
 }
 
 class EditFile : public testing::Test {

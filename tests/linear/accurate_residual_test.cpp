@@ -8,7 +8,7 @@
 #include <random>
 #include <string>
 
-#include "lapedit/edit/edit.h"
+#include "lapedit/deform/differential_operator.h"
 #include "shapes.h"
 #include "support.h"
 
@@ -119,42 +119,6 @@ TEST(AccurateResidual, FollowsFromASmallStepInWorkingPrecision) {
   subtract_symmetric_product(a, step, left, pool);
   EXPECT_LT((left - (start - a * step)).cwiseAbs().maxCoeff(), 1e-13);
 }
-
-/// Two factorisations that share no code have to lead to the same bits: then no BLAS, no number of threads and no
-/// processor can matter.
-class SameBits : public ::testing::TestWithParam<int> {};
-
-TEST_P(SameBits, WhateverTheFactorisation) {
-  const TriangleMesh mesh = shapes::tapered_arm(40, 60, 0.05);
-  const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
-  for (const DetailRotation rotation :
-       {DetailRotation::None, DetailRotation::SmoothNormals, DetailRotation::SmoothSurface}) {
-    for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
-      EditStep step;
-      step.region.radius = 0.6 * (mesh.vertices.colwise().maxCoeff() - mesh.vertices.colwise().minCoeff()).norm();
-      HandleGroup handle;
-      for (int v = GetParam() == 1 ? 0 : 39; v < 40; ++v) {
-        handle.vertices.push_back(v);
-      }
-      handle.transform.translation = Vector3(0.11, -0.23, 0.31);
-      step.handles.push_back(handle);
-      step.settings.order = GetParam();
-      step.settings.rotation = rotation;
-      step.settings.laplacian = laplacian;
-      step.settings.iterations = 2;
-      step.settings.backend = CholeskyBackend::Supernodal;
-      const EditResult supernodal = apply_step(mesh, adjacency, step);
-      step.settings.backend = CholeskyBackend::Eigen;
-      const EditResult with_eigen = apply_step(mesh, adjacency, step);
-      ASSERT_GT(with_eigen.vertices.size(), 500U);
-      EXPECT_NE(supernodal.reports[0].backend, with_eigen.reports[0].backend);
-      const auto differing = (supernodal.positions.array() != with_eigen.positions.array()).count();
-      EXPECT_EQ(differing, 0) << name(rotation) << ", " << name(laplacian) << ", order " << GetParam();
-    }
-  }
-}
-INSTANTIATE_TEST_SUITE_P(Orders, SameBits, ::testing::Values(1, 2, 3),
-                         [](const auto& order) { return "Order" + std::to_string(order.param); });
 
 }  // namespace
 }  // namespace lapedit

@@ -86,7 +86,7 @@ class Wheel(unittest.TestCase):
         step = numpy.spacing(numpy.abs(expected).max(axis=1, keepdims=True).astype(numpy.float32)).astype(float)
         self.assertLessEqual((numpy.abs(after - expected) / step).max(), 0.51 if len(edit["steps"]) == 1 else 4.0)
         self.assertGreater(numpy.abs(after - before).max(), 1e-3)
-        same = ("mesh_vertices", "handle", "free", "anchors", "fixed", "laplacian", "order", "detail_rotation", "solver")
+        same = ("mesh_vertices", "handle", "free", "anchors", "fixed", "method", "laplacian", "order", "solver")
         self.assertEqual([[one[key] for key in same] for one in report["steps"]],
                          [[one[key] for key in same] for one in other["outputs"][0]["steps"]])
         self.assertEqual(set(report["steps"][0]), set(other["outputs"][0]["steps"][0]))

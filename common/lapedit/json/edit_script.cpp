@@ -229,38 +229,29 @@ HandleGroup read_landmark_keys(const JsonObject& object, const Source& source) {
 
 /// Reads targets of points or of vertices.
 void read_targets(const JsonObject& object, HandleGroup& handle) {
-  const char* const key = object.has("target") ? "target" : "targets";
-  require_alone(object, key, {"translation", "rotation", "scale", "matrix"});
-  if (object.has("target")) {
-    require_alone(object, "target", {"targets"});
-    handle.targets = {object.numbers<3>("target")};
-  } else {
-    handle.targets = object.point_list("targets", "points");
-  }
+  require_alone(object, "targets", {"translation", "rotation", "scale", "matrix"});
+  handle.targets = object.point_list("targets", "points");
   if (handle.places.within || handle.places.selected) {
-    refuse_json(object.where(key) + ": goes with point, points or vertices only, since each target needs its vertex.");
+    refuse_json(object.where("targets") + ": goes with points or vertices only, since each target needs its vertex.");
   }
   const std::size_t points = handle.places.points.size();
   if (points > 0 && points != handle.targets.size()) {
-    refuse_json(object.where(key) + ": " + std::to_string(handle.targets.size()) + " targets are given for " +
+    refuse_json(object.where("targets") + ": " + std::to_string(handle.targets.size()) + " targets are given for " +
                 std::to_string(points) + " points; give one for each, in the same order.");
   }
-  for (std::size_t k = 0; k < handle.places.points.size(); ++k) {
-    handle.names.push_back(object.where(object.has("point") ? "point" : "points") +
-                           (object.has("point") ? "" : "[" + std::to_string(k) + "]"));
+  for (std::size_t k = 0; k < points; ++k) {
+    handle.names.push_back(object.where("points") + "[" + std::to_string(k) + "]");
   }
 }
 
 HandleGroup read_handle(const JsonObject& object, const Source& source) {
-  require_one_of(object, {"vertices", "point", "points", "within", "selected", "landmarks"});
+  require_one_of(object, {"vertices", "points", "within", "selected", "landmarks"});
   HandleGroup handle;
   if (object.has("landmarks")) {
-    require_alone(object, "landmarks", {"target", "targets", "translation", "rotation", "scale", "matrix"});
+    require_alone(object, "landmarks", {"targets", "translation", "rotation", "scale", "matrix"});
     handle = read_landmark_keys(object, source);
   } else if (object.has("vertices")) {
     handle.vertices = source.lists.read(object, "vertices");
-  } else if (object.has("point")) {
-    handle.places.points = {object.numbers<3>("point")};
   } else if (object.has("points")) {
     handle.places.points = object.point_list("points", "points");
   } else if (object.has("within")) {
@@ -272,14 +263,14 @@ HandleGroup read_handle(const JsonObject& object, const Source& source) {
   if (object.has("weights")) {
     handle.weights = object.number_list("weights");
     if (handle.places.within || handle.places.selected) {
-      refuse_json(object.where("weights") + ": goes with vertices, point, points or landmarks only.");
+      refuse_json(object.where("weights") + ": goes with vertices, points or landmarks only.");
     }
     if (!handle.places.points.empty() && handle.weights.size() != handle.places.points.size()) {
       refuse_json(object.where("weights") + ": holds " + std::to_string(handle.weights.size()) + " numbers for " +
                   std::to_string(handle.places.points.size()) + " points; give one for each, in the same order.");
     }
   }
-  if (object.has("target") || object.has("targets")) {
+  if (object.has("targets")) {
     read_targets(object, handle);
   } else if (!object.has("landmarks")) {
     handle.transform = read_transform(object);
@@ -303,6 +294,10 @@ VertexPlaces read_places(const JsonObject& object, VertexLists& lists) {
 }
 
 void read_setting(const JsonObject& object, const Setting& setting, EditSettings& settings) {
+  if (object.has(setting.key) && !setting.applies(settings.method)) {
+    refuse_json(object.where(setting.key) + ": has no meaning with the method " + name(settings.method) +
+                "; remove it, or use the method " + name(*setting.only) + ".");
+  }
   const double absent = setting.get(settings);
   switch (setting.kind) {
     case Setting::Kind::Choice:
@@ -331,8 +326,8 @@ EditStep read_step(const Json& value, const std::string& where, const Source& so
   const Json& handles = object.filled_list("handles", "handle groups");
   for (std::size_t i = 0; i < handles.size(); ++i) {
     const JsonObject handle(handles[i], object.where("handles") + "[" + std::to_string(i) + "]",
-                            {"vertices", "point", "points", "within", "selected", "landmarks", "weights", "target",
-                             "targets", "translation", "rotation", "scale", "matrix"});
+                            {"vertices", "points", "within", "selected", "landmarks", "weights", "targets",
+                             "translation", "rotation", "scale", "matrix"});
     step.handles.push_back(read_handle(handle, source));
   }
   if (object.has("mirror")) {
@@ -491,7 +486,9 @@ Json json_of(const EditStep& step) {
     json["mirror"] = {{"point", json_of(step.mirror->point)}, {"normal", json_of(step.mirror->normal)}};
   }
   for (const Setting& setting : settings_table()) {
-    json[setting.key] = json_of(setting, setting.get(step.settings));
+    if (setting.applies(step.settings.method)) {
+      json[setting.key] = json_of(setting, setting.get(step.settings));
+    }
   }
   return json;
 }

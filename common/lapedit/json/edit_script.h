@@ -27,14 +27,15 @@
 ///           reach            largest handle distance then, model units
 ///         padding        o width of the anchor band over the radius, or over the largest handle distance; does nothing
 ///                          to whole components
+///         held           o vertices that never move, as above
 ///         connect        o pieces nearer to each other than this are one, model units; 0: off
 ///       handles          list of one or more groups
-///         vertices         as above; or one of the following five:
-///         point, points    [x, y, z], or a list of such: the vertex nearest to each
+///         vertices         as above; or one of the following four:
+///         points           list of [x, y, z]: the vertex nearest to each
 ///         within, selected   as above
 ///         landmarks        from and to: files of points and of their targets, see load_landmarks()
 ///         weights        o list, one number from 0.000001 to 1 per vertex or point
-///         target, targets  o in place of the four below: [x, y, z], or a list, one per vertex or point in their order
+///         targets        o in place of the four below: list of [x, y, z], one per vertex or point, in the same order
 ///         translation    o [x, y, z], model units
 ///         rotation       o
 ///           axis         o [x, y, z], any length but zero
@@ -45,22 +46,18 @@
 ///       mirror           o the plane that region and handles are mirrored across
 ///         point            [x, y, z], model units
 ///         normal           [x, y, z], any length but zero
-///       laplacian        o "umbrella", "cotangent", "mean_value"
-///       order            o
-///       detail_rotation  o "none", "smooth_normals", "smooth_surface", "local_global"
-///       iterations       o
-///       normal_radius    o model units; 0: automatic
-///       handle_weight    o
-///       anchor_weight    o
-///       turning          o "vertex", "edge"
-///       rough            o "unrotated", "falloff"
+///       method         o "default", "paper", "linear"; it gives the following keys their defaults
+///       laplacian      o "umbrella", "cotangent", "mean_value"
+///       order, membrane, handle_weight, anchor_weight   o
+///       iterations     o with the method default only
+///       normal_radius  o with the method paper only; model units; 0: automatic
+///       rough          o with the method paper only: "unrotated", "falloff"
 ///
 /// Example: the steps of a file on a mesh, half of the way.
 ///
 ///     const Edit edit = load_edit("bend.json");
 ///     const EditResult half = apply_edit(mesh, edit, 0.5);
 ///
-/// EditSettings::backend and threads belong to the machine, not to the edit, and are not part of the text.
 namespace lapedit {
 
 /// Reads UTF-8 text, with or without a byte order mark. Checks keys, types, finite numbers and vertex lists (which may
@@ -73,7 +70,7 @@ Edit read_edit(const std::string& json, const std::string& folder = {});
 /// @throws EditError (BadScript)
 Edit load_edit(const std::string& text_or_path);
 
-/// Writes keys in the order above, all settings explicitly (a later change of defaults does not change an old file) and
+/// Writes keys in the order above, all settings of the method explicitly (a later change of defaults does not change an old file) and
 /// numbers such that read_edit() gives the same doubles (only a zero's sign is lost). Vertices keep their order. With
 /// targets the transform, and with a matrix its other members are not written.
 /// @throws EditError (NotFinite, BadScript) if read_edit() could not read the result

@@ -175,9 +175,9 @@ void DragSession::set_pivot(Pivot pivot) {
   model_.tools.pivot_vertex = -1;
 }
 
-void DragSession::set_snap(SnapTo snap) {
+void DragSession::set_snaps(bool snaps) {
   model_.refusal.clear();
-  model_.tools.snap = snap;
+  model_.tools.snaps = snaps;
   model_.tools.targets = nullptr;
 }
 

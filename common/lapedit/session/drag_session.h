@@ -127,8 +127,8 @@ class DragSession {
   Pivot pivot() const { return model_.tools.pivot; }
   void set_pivot(Pivot pivot);                                  ///< Point: the next click picks it
   Vector3 pivot_place() const { return model_.pivot_place(); }  ///< requires an active group
-  SnapTo snap() const { return model_.tools.snap; }
-  void set_snap(SnapTo snap);
+  bool snaps() const { return model_.tools.snaps; }             ///< a moved handle goes to the surfaces of find_targets
+  void set_snaps(bool snaps);
   /// Mirrors every step at the plane; `std::nullopt`: off.
   const std::optional<MirrorPlane>& mirror() const { return model_.tools.mirror; }
   void set_mirror(const std::optional<MirrorPlane>& plane);

@@ -43,7 +43,7 @@ struct Tools {
   GizmoAxes axes = GizmoAxes::Layer;
   Pivot pivot = Pivot::Centroid;
   int pivot_vertex = -1;  ///< Pivot::Point; -1: the next click picks it
-  SnapTo snap = SnapTo::Off;
+  bool snaps = false;
   std::shared_ptr<const SnapTargets> targets;  ///< null: none
   std::optional<MirrorPlane> mirror;
   std::unique_ptr<const MirroredHandles> mirrored;  ///< of the groups; null without a plane and while they are painted

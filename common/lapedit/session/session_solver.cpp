@@ -110,7 +110,7 @@ bool SessionSolver::begin(MotionKind kind, const Vector3& grab, const Cursor& cu
   }
   if (kind == MotionKind::Translate) {
     Tools& tools = model_.tools;
-    tools.targets = tools.snap != SnapTo::Off && model_.find_targets ? model_.find_targets(tools.snap) : nullptr;
+    tools.targets = tools.snaps && model_.find_targets ? model_.find_targets() : nullptr;
   }
   const bool about_pivot = kind != MotionKind::Translate && (model_.tools.pivot != Pivot::Centroid || !alone);
   DragMotion motion(kind, grab, model_.center(), mean_normal(model_.mesh(), *model_.adjacency, group), cursor,

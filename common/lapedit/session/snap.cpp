@@ -6,7 +6,7 @@
 
 namespace lapedit {
 
-SnapTargets::SnapTargets(std::vector<TriangleMesh> surfaces, std::vector<Vector3> points) : points_(std::move(points)) {
+SnapTargets::SnapTargets(std::vector<TriangleMesh> surfaces) {
   for (TriangleMesh& mesh : surfaces) {
     surfaces_.emplace_back(std::move(mesh));
   }
@@ -21,13 +21,6 @@ std::optional<Vector3> SnapTargets::at(const Camera& view, const Vector2& pixel)
     if (const double far = hit ? (hit->point - ray.origin).squaredNorm() : least; far < least) {
       least = far;
       found = hit->point;
-    }
-  }
-  double nearest = kSnapPixels;
-  for (const Vector3& point : points_) {
-    if (const double off = (view.pixel(point) - pixel).norm(); off <= nearest) {
-      nearest = off;
-      found = point;
     }
   }
   return found;

@@ -12,22 +12,13 @@
 
 namespace lapedit {
 
-/// What a dragged handle snaps to.
-enum class SnapTo {
-  Off,
-  Surfaces,     ///< of other visible layers: the point under the cursor
-  PickedPoints  ///< picked points: the nearest to the cursor, within kSnapPixels
-};
-
-constexpr double kSnapPixels = 25;
-
-/// The targets of a drag, in the coordinates of the mesh.
+/// The surfaces that a dragged handle snaps to, in the coordinates of the mesh.
 class SnapTargets {
  public:
   /// O(faces log faces)
-  SnapTargets(std::vector<TriangleMesh> surfaces, std::vector<Vector3> points);
+  explicit SnapTargets(std::vector<TriangleMesh> surfaces);
 
-  /// Returns the target at a pixel, none if there is none. Allocates nothing.
+  /// Returns the first point of a surface under a pixel, none if there is none. Allocates nothing.
   std::optional<Vector3> at(const Camera& view, const Vector2& pixel) const;
 
  private:
@@ -39,10 +30,9 @@ class SnapTargets {
   };
 
   std::list<Surface> surfaces_;  // which stay where they are, as their trees refer to them
-  std::vector<Vector3> points_;
 };
 
 /// Returns what a translation snaps to; null: nothing.
-using FindTargets = std::function<std::shared_ptr<const SnapTargets>(SnapTo)>;
+using FindTargets = std::function<std::shared_ptr<const SnapTargets>()>;
 
 }  // namespace lapedit

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a StepSolver reuses of the system of an earlier one.
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "shapes.h"
+#include "support.h"
+
+namespace lapedit {
+namespace {
+
+using support::Prepared;
+
+struct Job {
+  TriangleMesh mesh = shapes::letter_field(60, 30);
+  Region region;
+  EditSettings settings;
+  SolverOptions options;
+
+  explicit Job(double radius = 0.9) {
+    RegionSpec spec;
+    spec.radius = radius;
+    region = build_region(mesh, support::adjacency_of(mesh), spec, {{support::vertex_at(mesh, {2, 1, 0})}});
+  }
+  /// Other handles in the same region with the same anchors, given by their numbers among the free vertices.
+  void set_handles(const std::vector<int>& numbers) {
+    std::vector<int> free;
+    for (int i = 0; i < region.size(); ++i) {
+      if (region.classes[i] != VertexClass::Anchor) {
+        region.classes[i] = VertexClass::Free;
+        region.group[i] = -1;
+        free.push_back(i);
+      }
+    }
+    for (const int number : numbers) {
+      region.classes[free[number]] = VertexClass::Handle;
+      region.group[free[number]] = 0;
+    }
+  }
+  Prepared solver(const LaplacianSystem* previous = nullptr) const {
+    return {mesh, region, settings, {StoredScalar::Double, {}, options}, {}, previous};
+  }
+  std::shared_ptr<const LaplacianSystem> system(const LaplacianSystem* previous = nullptr) const {
+    return solver(previous).system();
+  }
+};
+
+/// Expects that a job comes out the same, whatever has been done before.
+void expect_same(const std::string& what, const Job& before, const Job& job) {
+  const std::vector<HandleMotion> maps{support::rigid(20, {0, 1, 1}, {0.1, 0.2, 0.4}, {2, 1, 0})};
+  Prepared fresh = job.solver(), previous = before.solver();
+  previous.pose(maps);
+  Prepared reusing = job.solver(previous.system().get());
+  for (int time = 0; time < 2; ++time) {
+    EXPECT_TRUE(support::same_bits(reusing.pose(maps), fresh.pose(maps))) << what;
+    EXPECT_TRUE(reusing.rotations() == fresh.rotations()) << what;
+  }
+}
+
+/// Fails if nothing is reused: all else would come out the same, only later.
+TEST(ReusedSystem, SmallHandlesFindTheFactorReady) {
+  const Job before;
+  Job job, patch;
+  std::vector<int> many(20);
+  std::iota(many.begin(), many.end(), 90);
+  patch.set_handles(many);
+  for (const std::vector<int>& handles : {std::vector<int>{77}, {100, 3, 55}}) {
+    job.set_handles(handles);
+    EXPECT_FALSE(job.system()->figures.factor_reused);
+    EXPECT_TRUE(job.system(before.system().get())->figures.factor_reused);
+    EXPECT_FALSE(job.system(patch.system().get())->figures.factor_reused) << "it has its handle in the factor";
+  }
+  EXPECT_FALSE(patch.system(before.system().get())->figures.factor_reused);
+}
+
+/// Fails if something is reused that does not fit, or is left from before.
+TEST(ReusedSystem, OtherHandlesComeOutTheSame) {
+  for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
+    for (const CholeskyBackend backend : {CholeskyBackend::Supernodal, CholeskyBackend::Eigen}) {
+      for (const EditMethod method : {EditMethod::Linear, EditMethod::Paper, EditMethod::Default}) {
+        Job before, job;
+        before.settings = EditSettings::of(method);
+        before.settings.laplacian = laplacian;
+        before.options.backend = job.options.backend = backend;
+        job.settings = before.settings;
+        std::vector<int> patch(20);
+        std::iota(patch.begin(), patch.end(), 90);
+        for (const std::vector<int>& handles : {std::vector<int>{77}, {100, 3, 55}, patch}) {
+          job.set_handles(handles);
+          const std::string what = std::string(name(laplacian)) + ", " + name(method) + ", " +
+                                   std::to_string(handles.size()) + " handles after ";
+          expect_same(what + "one", before, job);
+          Job twice = before;
+          twice.set_handles(patch);
+          expect_same(what + "a patch", twice, job);
+        }
+      }
+    }
+  }
+}
+
+/// Fails if the shape that something was made for is not compared. Only edges decide on the umbrella's factor.
+TEST(ReusedSystem, OtherShapesComeOutTheSame) {
+  for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
+    Job before;
+    before.settings.laplacian = laplacian;
+    Job bent = before, flipped = before, wider(1.0);
+    wider.settings = before.settings;
+    for (auto vertex : bent.mesh.vertices.rowwise()) {
+      vertex[2] += 0.1 * vertex[0] * vertex[0];
+    }
+    bent.set_handles({60});
+    // The other diagonal of every cell: the same vertices, other edges.
+    for (Eigen::Index f = 0; f + 1 < flipped.mesh.faces.rows(); f += 2) {
+      const int q = flipped.mesh.faces.row(f).minCoeff(), far = flipped.mesh.faces.row(f + 1).maxCoeff();
+      flipped.mesh.faces.row(f) << q, far - 1, far;
+      flipped.mesh.faces.row(f + 1) << q, far, q + 1;
+    }
+    const std::string what = name(laplacian);
+    expect_same(what + ", bent", before, bent);
+    expect_same(what + ", back", bent, before);
+    expect_same(what + ", wider", before, wider);
+    expect_same(what + ", narrower", wider, before);
+    const std::vector<int> inside = before.region.mesh_vertex;
+    RegionSpec spec;
+    spec.kind = RegionSpec::Kind::Vertices;
+    spec.vertices = inside;
+    const std::vector<std::vector<int>> handle{{support::vertex_at(before.mesh, {2, 1, 0})}};
+    before.region = build_region(before.mesh, support::adjacency_of(before.mesh), spec, handle);
+    flipped.region = build_region(flipped.mesh, support::adjacency_of(flipped.mesh), spec, handle);
+    ASSERT_EQ(before.region.mesh_vertex, flipped.region.mesh_vertex);
+    ASSERT_NE(before.region.neighbours.values, flipped.region.neighbours.values);
+    expect_same(what + ", other edges", before, flipped);
+  }
+}
+
+/// Fails if a setting that something was made for is not compared.
+TEST(ReusedSystem, OtherSettingsComeOutTheSame) {
+  std::vector<EditSettings> all(4, EditSettings());
+  all[1].laplacian = LaplacianKind::Cotangent;
+  all[2].handle_weight = 3;
+  all[3].anchor_weight = 3;
+  for (const EditMethod method : {EditMethod::Paper, EditMethod::Linear}) {
+    for (int k = 0; k < 4; ++k) {
+      EditSettings& settings = all.emplace_back(EditSettings::of(method));
+      settings.order = 1 + k / 2;
+      settings.laplacian = k % 2 == 0 ? LaplacianKind::Umbrella : LaplacianKind::Cotangent;
+    }
+  }
+  all[5].normal_radius = 0.2;
+  for (std::size_t a = 0; a < all.size(); ++a) {
+    for (std::size_t b = 0; b < all.size(); ++b) {
+      Job before(0.6), job(0.6);
+      before.settings = all[a];
+      job.settings = all[b];
+      job.set_handles({20});
+      expect_same("settings " + std::to_string(b) + " after " + std::to_string(a), before, job);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lapedit
