@@ -47,9 +47,9 @@ void Panel::addAdvanced() {
     QWidget* const field = widgetOf(setting);
     row(titleOf(setting.key), field);
     shown_.push_back([&setting, field, title = titles_.back()](const DragSession& session) {
-      const bool applies = setting.applies(session.settings().edit.method);
-      field->setVisible(applies);
-      title->setVisible(applies);
+      const bool varies = setting.varies(session.settings().edit.method);
+      field->setVisible(varies);
+      title->setVisible(varies);
     });
   }
 }

@@ -34,13 +34,10 @@ class Parameters(RefusalTest):
     def test_settings(self):
         self.refused_edit(r"order .*is 0: give 1, 2 or 3", order=0)
         self.refused_edit(r"order .*is 4: give 1, 2 or 3", order=4)
-        self.refused_edit(r"iterations is -1: give a whole number from 0 to 100", iterations=-1)
-        self.refused_edit(r"iterations is 101: give a whole number from 0 to 100", iterations=101)
-        self.refused_edit(r"normal[_ ]radius is -1", normal_radius=-1)
-        self.refused_edit(r"normal[_ ]radius is -?nan", normal_radius="nan")
-        self.refused_edit(r"handle[_ ]weight is 0", handle_weight=0)
-        self.refused_edit(r"anchor[_ ]weight is -2", anchor_weight=-2)
-        self.refused_edit(r"anchor[_ ]weight is inf", anchor_weight="inf")
+        self.refused_edit(r"order .*is 2, but the method default has 1 only: .* use another method", order=2)
+        self.refused_edit(r"membrane[_ ]weight is -2: give a number from 0 to 1000000", membrane=-2)
+        self.refused_edit(r"membrane.* is -?nan", membrane="nan")
+        self.refused_edit(r"membrane.* is inf", membrane="inf")
 
     def test_transform(self):
         self.refused_edit(r"scale is 0", scale=0)
@@ -57,7 +54,7 @@ class Parameters(RefusalTest):
             self.refused([replay({**self.lift_json, "handles": [far]})], r"single precision.* too large")
 
     def test_numbers_of_no_choice(self):
-        self.refused_edit(r"laplacian is 3: give 0 \(Umbrella\) or 1 \(Cotangent\) or 2 \(Mean value\)", laplacian=3)
+        self.refused_edit(r"laplacian is 4: give 0 \(Of the method\) or 1 \(Umbrella\) or 2 \(Cotangent\) or 3 \(Mean value\)", laplacian=4)
         self.refused_edit(r"region_source is -1: give 0 \(", region_source=-1)
 
     def test_wrong_type_in_the_script(self):

@@ -9,7 +9,7 @@
 #include <memory>
 
 #include "lapedit/base/stopwatch.h"
-#include "lapedit/live/drag_frames.h"
+#include "lapedit/edit/step_solver.h"
 #include "scene.h"
 
 namespace {
@@ -40,21 +40,22 @@ int main(int argc, char** argv) {
       lapedit::build_region(scene.mesh, scene.adjacency, scene.spec, scene.handle));
   const double found = watch.lap();
   const double before = held_megabytes();
-  lapedit::DragFrames frames(scene.mesh, region, settings);
-  frames.pose({speed::handle_move(0)});
+  lapedit::StepSolver solver(scene.mesh, lapedit::FoundRegion{region}, settings);
+  lapedit::Points positions;
+  solver.make_cells(scene.mesh);
+  solver.frame({speed::handle_move(0)}, positions);
   const double in_hand = found + watch.lap();
-  frames.pose({speed::handle_move(1)});
+  solver.frame({speed::handle_move(1)}, positions);
   const double hand_frame = watch.lap();
-  lapedit::LaplacianEditor editor(scene.mesh, frames.cells(), settings, {}, nullptr);
-  frames.correct_with(&editor);
+  solver.prepare(scene.mesh);
   const double ready = watch.lap(), held = held_megabytes() - before;
-  frames.pose({speed::handle_move(0)});
+  solver.frame({speed::handle_move(0)}, positions);
   watch.lap();
-  frames.pose({speed::handle_move(1)});
+  solver.frame({speed::handle_move(1)}, positions);
   const double frame = watch.lap();
-  editor.solve({speed::handle_move(1)});
+  solver.pose({speed::handle_move(1)});
   const double settled_first = watch.lap();
-  editor.solve({speed::handle_move(2)});
+  solver.pose({speed::handle_move(2)});
   const double settled = watch.lap();
   std::printf("| %d | %.0f | %.0f | %.0f | %.0f | %.0f | %.0f | %.0f | %.0f | %.0f |\n", vertices, found, in_hand,
               hand_frame, ready, frame, settled_first, settled, held, peak_megabytes());

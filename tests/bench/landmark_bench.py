@@ -104,7 +104,7 @@ class Bench:
         edit = ["--landmarks", "from.csv", "to.csv"]
         if weight is not None:
             step = {"region": {"component": True}, "handles": [{"landmarks": {"from": "from.csv", "to": "to.csv"}}],
-                    "laplacian": "cotangent", "detail_rotation": "none", "membrane": 0, "handle_weight": weight}
+                    "method": "linear", "laplacian": "cotangent", "handle_weight": weight}
             (self.folder / "edit.json").write_text(json.dumps({"laplacian_edit": 1, "steps": [step]}))
             edit = ["edit.json"]
         begin = time.perf_counter()

@@ -20,9 +20,8 @@
 #include <vector>
 
 #include "lapedit/base/stopwatch.h"
-#include "lapedit/edit/laplacian_editor.h"
+#include "lapedit/edit/step_solver.h"
 #include "lapedit/linear/nested_dissection.h"
-#include "lapedit/live/drag_frames.h"
 #include "scene.h"
 
 namespace {
@@ -104,20 +103,20 @@ void timed(benchmark::State& state, const std::string& what, const Body& body) {
   }
 }
 
-lapedit::EditSettings with_threads(const benchmark::State& state) {
-  lapedit::EditSettings settings;
-  settings.threads = static_cast<int>(state.range(0));
-  return settings;
+lapedit::StepSolver solver_of(const benchmark::State& state, const speed::Scene& scene) {
+  lapedit::StepOptions options;
+  options.solver.threads = static_cast<int>(state.range(0));
+  return {scene.mesh, lapedit::FoundRegion{std::make_shared<const lapedit::Region>(scene.region)}, {}, options};
 }
 
 using Case = std::function<void(benchmark::State&, const speed::Scene&)>;
 
 void first_frame(benchmark::State& state, const speed::Scene& scene) {
-  const auto settings = with_threads(state);
-  const auto region = std::make_shared<const lapedit::Region>(scene.region);
   timed(state, "first frame", [&] {
-    lapedit::DragFrames frames(scene.mesh, region, settings);
-    frames.pose({speed::handle_move(0)});
+    lapedit::StepSolver solver = solver_of(state, scene);
+    lapedit::Points positions;
+    solver.make_cells(scene.mesh);
+    solver.frame({speed::handle_move(0)}, positions);
   });
 }
 
@@ -129,11 +128,11 @@ void ordering(benchmark::State& state, const speed::Scene& scene) {
 }
 
 void region_ready(benchmark::State& state, const speed::Scene& scene) {
-  const auto settings = with_threads(state);
   lapedit::EditTimes times;
   timed(state, "region ready", [&] {
-    lapedit::LaplacianEditor editor(scene.mesh, scene.region, settings);
-    times = editor.report();
+    lapedit::StepSolver solver = solver_of(state, scene);
+    solver.prepare(scene.mesh);
+    times = solver.report();
   });
   state.counters["operator"] = times.operator_ms;
   state.counters["factor"] = times.factor_ms;
@@ -141,20 +140,20 @@ void region_ready(benchmark::State& state, const speed::Scene& scene) {
 }
 
 void drag_frame(benchmark::State& state, const speed::Scene& scene) {
-  const auto settings = with_threads(state);
-  lapedit::DragFrames frames(scene.mesh, std::make_shared<const lapedit::Region>(scene.region), settings);
-  const lapedit::LaplacianEditor editor(scene.mesh, frames.cells(), settings, {}, nullptr);
-  frames.correct_with(&editor);
+  lapedit::StepSolver solver = solver_of(state, scene);
+  solver.prepare(scene.mesh);
   int frame = 0;
-  frames.pose({speed::handle_move(frame)});
-  timed(state, "drag frame", [&] { frames.pose({speed::handle_move(++frame)}); });
+  lapedit::Points positions;
+  solver.frame({speed::handle_move(frame)}, positions);
+  timed(state, "drag frame", [&] { solver.frame({speed::handle_move(++frame)}, positions); });
 }
 
 void settled_pose(benchmark::State& state, const speed::Scene& scene) {
-  lapedit::LaplacianEditor editor(scene.mesh, scene.region, with_threads(state));
+  lapedit::StepSolver solver = solver_of(state, scene);
+  solver.prepare(scene.mesh);
   int frame = 0;
-  editor.solve({speed::handle_move(frame)});
-  timed(state, "settled pose", [&] { editor.solve({speed::handle_move(++frame)}); });
+  solver.pose({speed::handle_move(frame)});
+  timed(state, "settled pose", [&] { solver.pose({speed::handle_move(++frame)}); });
 }
 
 void print_table() {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "lapedit/base/stopwatch.h"
-#include "lapedit/live/drag_frames.h"
+#include "lapedit/edit/step_solver.h"
 #include "quality_text.h"
 
 namespace quality {
@@ -56,21 +56,24 @@ EditSettings settings_of(const std::string& text) {
   return settings;
 }
 
-MethodResult ours(const Scene& scene, const EditSettings& settings) {
+MethodResult ours(const Scene& scene, const EditSettings& settings, int threads) {
   constexpr int kFrames = 11;
   const Edit& edit = scene.edit;
   MethodResult result;
   lapedit::Stopwatch watch;
-  lapedit::LaplacianEditor editor(
-      edit.mesh, lapedit::build_region(edit.mesh, scene.adjacency, edit.region, edit.handles, settings.threads),
-      settings);
+  lapedit::StepOptions options;
+  options.solver.threads = threads;
+  lapedit::StepSolver solver(edit.mesh,
+                             lapedit::find_region(edit.mesh, scene.adjacency, edit.region, edit.handles, {}, threads),
+                             settings, options);
+  solver.prepare(edit.mesh);
   result.prepare_ms = watch.lap();
-  const lapedit::Points& solved = editor.solve({edit.maps.begin(), edit.maps.end()});
+  const lapedit::Points& solved = solver.pose({edit.maps.begin(), edit.maps.end()});
   result.solve_ms = watch.lap();
-  result.positions = whole_mesh(edit, editor.region(), solved);
-  result.fast_frame = lapedit::DragFrames::has_frames(settings);
-  lapedit::DragFrames frames_of(edit.mesh, std::make_shared<const lapedit::Region>(editor.region()), settings);
-  frames_of.correct_with(&editor);
+  result.positions = whole_mesh(edit, solver.region(), solved);
+  solver.make_cells(edit.mesh);
+  result.fast_frame = solver.has_frames();
+  lapedit::Points frame;
   // A mouse that comes near the pose, small step by small step.
   std::vector<double> frames;
   for (int k = 0; k < kFrames; ++k) {
@@ -79,7 +82,11 @@ MethodResult ours(const Scene& scene, const EditSettings& settings) {
       motion.map.translation() *= 1 - 0.002 * (kFrames - k);
     }
     watch.lap();
-    result.fast_frame ? frames_of.pose(motions) : editor.solve(motions);
+    if (result.fast_frame) {
+      solver.frame(motions, frame);
+    } else {
+      solver.pose(motions);
+    }
     frames.push_back(watch.lap());
   }
   std::nth_element(frames.begin(), frames.begin() + kFrames / 2, frames.end());
@@ -88,13 +95,15 @@ MethodResult ours(const Scene& scene, const EditSettings& settings) {
 }
 
 std::function<lapedit::Points(double)> poser(const Scene& scene, const EditSettings& settings) {
-  const auto editor = std::make_shared<lapedit::LaplacianEditor>(scene.edit.mesh, scene.region, settings);
-  return [&scene, editor](double fraction) {
+  const auto solver = std::make_shared<lapedit::StepSolver>(
+      scene.edit.mesh, lapedit::FoundRegion{std::make_shared<const lapedit::Region>(scene.region)}, settings);
+  solver->prepare(scene.edit.mesh);
+  return [&scene, solver](double fraction) {
     std::vector<lapedit::HandleMotion> motions(scene.edit.maps.begin(), scene.edit.maps.end());
     for (lapedit::HandleMotion& motion : motions) {
-      motion.part = fraction;
+      motion.fraction = fraction;
     }
-    return whole_mesh(scene.edit, editor->region(), editor->solve(motions));
+    return whole_mesh(scene.edit, solver->region(), solver->pose(motions));
   };
 }
 

@@ -16,7 +16,7 @@ lapedit::EditSettings settings_of(const std::string& text);
 
 /// This library's. A frame is a preview near the end of a drag.
 /// @throws EditError
-MethodResult ours(const Scene& scene, const lapedit::EditSettings& settings);
+MethodResult ours(const Scene& scene, const lapedit::EditSettings& settings, int threads);
 
 /// Returns a function that solves for a fraction of the edit's motions, 0 to 1, and returns the positions of the whole
 /// mesh. It uses the scene, which has to live as long.

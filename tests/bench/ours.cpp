@@ -3,84 +3,84 @@
 
 #include <algorithm>
 
+#include "lapedit/edit/step_solver.h"
 #include "lapedit/linear/nested_dissection.h"
 #include "lapedit/linear/sparse_cholesky.h"
-#include "lapedit/live/drag_frames.h"
 
 namespace speed {
 
-using lapedit::DragFrames;
-using lapedit::LaplacianEditor;
 using lapedit::Points;
 using lapedit::Region;
+using lapedit::StepSolver;
 
 namespace {
 
-/// Those that the peers can follow: the umbrella operator without a membrane, whole coordinates, one pass.
-lapedit::EditSettings settings(int order, int threads) {
-  lapedit::EditSettings result;
+/// Those that the peers can follow: the umbrella operator without a membrane, one pass; higher orders do not rotate.
+lapedit::EditSettings settings(int order) {
+  auto result = lapedit::EditSettings::of(order == 1 ? lapedit::EditMethod::Default : lapedit::EditMethod::Linear);
   result.laplacian = lapedit::LaplacianKind::Umbrella;
-  result.iterations = 1;
-  result.turning = lapedit::DetailTurning::Vertex;
+  result.iterations = order == 1 ? 1 : 0;
   result.membrane = 0;
   result.order = order;
-  result.threads = threads;
   result.handle_weight = Ours::kHandleWeight;
   result.anchor_weight = Ours::kAnchorWeight;
   return result;
 }
 
+std::unique_ptr<StepSolver> solver_of(const Scene& scene, std::shared_ptr<const Region> region, int order,
+                                      int threads) {
+  lapedit::StepOptions options;
+  options.solver.threads = threads;
+  return std::make_unique<StepSolver>(scene.mesh, lapedit::FoundRegion{std::move(region)}, settings(order), options);
+}
+
+std::shared_ptr<const Region> region_of(const Scene& scene, int threads) {
+  return std::make_shared<const Region>(
+      lapedit::build_region(scene.mesh, scene.adjacency, scene.spec, scene.handle, threads));
+}
+
 }  // namespace
 
 struct Ours::State {
-  lapedit::EditSettings settings;
-  std::unique_ptr<DragFrames> frames;
-  std::unique_ptr<LaplacianEditor> editor;
-  std::vector<lapedit::HandleMotion> handles{1};
-  const Points* positions = nullptr;
+  int order, threads;
+  std::unique_ptr<StepSolver> solver = {};
+  std::vector<lapedit::HandleMotion> handles = std::vector<lapedit::HandleMotion>(1);
+  Points positions = {};
 
   /// As SolverThread does it.
-  void prepare(const Scene& scene, Region region) {
-    constexpr int kHandFrom = 12000;
-    if (region.size() < kHandFrom) {
-      editor = std::make_unique<LaplacianEditor>(scene.mesh, std::move(region), settings, lapedit::Progress(),
-                                                 std::move(editor));
-      frames = std::make_unique<DragFrames>(editor->cells(), settings);
-    } else {
-      frames = std::make_unique<DragFrames>(scene.mesh, std::make_shared<const Region>(std::move(region)), settings);
-      editor = std::make_unique<LaplacianEditor>(scene.mesh, frames->cells(), settings, lapedit::Progress(),
-                                                 std::move(editor));
+  void prepare(const Scene& scene, std::shared_ptr<const Region> region) {
+    constexpr int kPreviewFrom = 12000;
+    auto next = solver_of(scene, std::move(region), order, threads);
+    if (next->region().size() >= kPreviewFrom || order > 1) {
+      next->make_cells(scene.mesh);
     }
-    frames->correct_with(editor.get());
+    next->prepare(scene.mesh, {}, solver ? solver->system().get() : nullptr);
+    solver = std::move(next);
   }
 };
 
-Ours::Ours(const Scene& scene, int order, int threads) : state_(std::make_unique<State>()) {
-  State& s = *state_;
-  s.settings = settings(order, threads);
-  s.prepare(scene, lapedit::build_region(scene.mesh, scene.adjacency, scene.spec, scene.handle, threads));
+Ours::Ours(const Scene& scene, int order, int threads) : state_(std::make_unique<State>(State{order, threads})) {
+  state_->prepare(scene, region_of(scene, threads));
 }
 Ours::~Ours() = default;
 
 void Ours::frame(const lapedit::Affine& handle) {
-  State& s = *state_;
-  s.handles[0] = handle;
-  s.positions = &s.frames->pose(s.handles);
+  state_->handles[0] = handle;
+  state_->solver->frame(state_->handles, state_->positions);
 }
 const Points& Ours::positions() const {
-  return *state_->positions;
+  return state_->positions;
 }
 const Points& Ours::exact(const lapedit::Affine& handle) {
   state_->handles[0] = handle;
-  return state_->editor->solve(state_->handles);
+  return state_->solver->pose(state_->handles);
 }
 const std::vector<lapedit::Matrix3>& Ours::exact_rotations() const {
-  return state_->editor->rotations();
+  return state_->solver->rotations();
 }
 
 void Ours::second_handle(const Scene& scene, const std::vector<int>& vertices) {
-  State& s = *state_;
-  Region region = s.editor->region();
+  Region region = state_->solver->region();
   for (int i = 0; i < region.size(); ++i) {
     if (region.classes[i] == lapedit::VertexClass::Handle) {
       region.classes[i] = lapedit::VertexClass::Free;
@@ -91,38 +91,33 @@ void Ours::second_handle(const Scene& scene, const std::vector<int>& vertices) {
       region.group[i] = 0;
     }
   }
-  s.prepare(scene, std::move(region));
+  state_->prepare(scene, std::make_shared<const Region>(std::move(region)));
 }
 const Region& Ours::region() const {
-  return state_->editor->region();
+  return state_->solver->region();
 }
 
 struct OurHand::State {
-  std::shared_ptr<const Region> region;
-  DragFrames frames;
-  std::vector<lapedit::HandleMotion> handles{1};
-  const Points* positions = nullptr;
-
-  State(const Scene& scene, const lapedit::EditSettings& given)
-      : region(std::make_shared<const Region>(
-            lapedit::build_region(scene.mesh, scene.adjacency, scene.spec, scene.handle, given.threads))),
-        frames(scene.mesh, region, given) {}
+  std::unique_ptr<StepSolver> solver;
+  std::vector<lapedit::HandleMotion> handles = std::vector<lapedit::HandleMotion>(1);
+  Points positions = {};
 };
 
 OurHand::OurHand(const Scene& scene, int order, int threads)
-    : state_(std::make_unique<State>(scene, settings(order, threads))) {}
+    : state_(std::make_unique<State>(State{solver_of(scene, region_of(scene, threads), order, threads)})) {
+  state_->solver->make_cells(scene.mesh);
+}
 OurHand::~OurHand() = default;
 
 void OurHand::frame(const lapedit::Affine& handle) {
-  State& s = *state_;
-  s.handles[0] = handle;
-  s.positions = &s.frames.pose(s.handles);
+  state_->handles[0] = handle;
+  state_->solver->frame(state_->handles, state_->positions);
 }
 const Points& OurHand::positions() const {
-  return *state_->positions;
+  return state_->positions;
 }
 int OurHand::cells() const {
-  return state_->frames.cells()->cells().count();
+  return state_->solver->cells()->cells().count();
 }
 
 struct OurSolver::State {

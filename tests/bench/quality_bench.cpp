@@ -66,17 +66,12 @@ bool among(const std::vector<std::string>& names, const std::string& name) {
 }
 
 std::vector<std::pair<std::string, lapedit::EditSettings>> make_settings(const Options& options) {
-  const std::string common = "order=1,rough=unrotated,membrane=0,handle_weight=10,anchor_weight=10,";
   std::vector<std::pair<std::string, std::string>> named = {
-      {"paper", common + "laplacian=umbrella,detail_rotation=smooth_normals,iterations=1,turning=vertex"},
-      {"before", common + "laplacian=umbrella,detail_rotation=smooth_surface,iterations=1,turning=vertex"},
-      {"cotangent3", common + "laplacian=cotangent,detail_rotation=smooth_surface,iterations=3,turning=edge"},
-      {"default", ""}};
+      {"linear", "method=linear"}, {"paper", "method=paper"}, {"default", ""}};
   named.insert(named.end(), options.ours.begin(), options.ours.end());
   std::vector<std::pair<std::string, lapedit::EditSettings>> result;
   for (const auto& [name, text] : named) {
     result.emplace_back(name, settings_of(text));
-    result.back().second.threads = options.threads;
   }
   return result;
 }
@@ -84,7 +79,9 @@ std::vector<std::pair<std::string, lapedit::EditSettings>> make_settings(const O
 std::vector<Method> make_methods(const Options& options) {
   std::vector<Method> methods;
   for (const auto& [name, settings] : make_settings(options)) {
-    methods.push_back({name, [settings = settings](const Scene& scene) { return ours(scene, settings); }});
+    methods.push_back({name, [settings = settings, threads = options.threads](const Scene& scene) {
+                         return ours(scene, settings, threads);
+                       }});
   }
   methods.push_back({"ARAP", [](const Scene& scene) { return arap(scene); }});
   methods.push_back({"ARAP100", [](const Scene& scene) { return arap(scene, kManyArapIterations); }, true});

@@ -14,7 +14,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "lapedit/live/drag_frames.h"
+#include "lapedit/edit/step_solver.h"
 #include "our_methods.h"
 
 namespace quality {
@@ -125,14 +125,18 @@ std::vector<double> asymmetry(const Scene& scene, const EditSettings& settings) 
 
 std::vector<double> frame_errors(const Scene& scene, const EditSettings& settings) {
   const std::vector<lapedit::HandleMotion> motions(scene.edit.maps.begin(), scene.edit.maps.end());
-  lapedit::LaplacianEditor editor(scene.edit.mesh, scene.region, settings);
-  const Points released = editor.solve(motions);
+  lapedit::StepSolver solver(scene.edit.mesh,
+                             lapedit::FoundRegion{std::make_shared<const lapedit::Region>(scene.region)}, settings);
+  Points frames[2];
+  solver.make_cells(scene.edit.mesh);
+  solver.frame(motions, frames[0]);
+  solver.prepare(scene.edit.mesh);
+  solver.frame(motions, frames[1]);
+  const Points released = solver.pose(motions);
   const double displacement = longest(released - scene.edit.mesh.vertices(scene.region.mesh_vertex, Eigen::all));
-  lapedit::DragFrames frames(scene.edit.mesh, std::make_shared<const lapedit::Region>(scene.region), settings);
   std::vector<double> result;
-  for (const bool corrected : {false, true}) {
-    frames.correct_with(corrected ? &editor : nullptr);
-    const Points error = (frames.pose(motions) - released) / displacement;
+  for (const Points& frame : frames) {
+    const Points error = (frame - released) / displacement;
     result.push_back(std::sqrt(error.squaredNorm() / static_cast<double>(error.rows())));
     result.push_back(longest(error));
   }

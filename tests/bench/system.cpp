@@ -80,9 +80,13 @@ System make_system(const lapedit::Region& region, int order, double handle_weigh
 
 Columns frame_rhs(const System& system, const lapedit::Region& region, const lapedit::Points& rest,
                   const lapedit::Affine& handle, const std::vector<lapedit::Matrix3>& rotations) {
-  Columns rows = system.first * rest;
-  for (int i = 0; i < region.size(); ++i) {
-    rows.row(i) = ((rotations[i] - lapedit::Matrix3::Identity()) * rows.row(i).transpose()).transpose().eval();
+  Columns rows = Columns::Zero(region.size(), 3);
+  for (int column = 0; column < system.first.outerSize(); ++column) {
+    for (Sparse::InnerIterator entry(system.first, column); entry; ++entry) {
+      const auto i = entry.row(), j = entry.col();
+      const lapedit::Matrix3 rotation = (rotations[i] + rotations[j]) / 2 - lapedit::Matrix3::Identity();
+      rows.row(i) -= entry.value() * (rotation * (rest.row(i) - rest.row(j)).transpose()).transpose();
+    }
   }
   for (int k = 1; k < system.order; ++k) {
     rows = (system.first * rows).eval();

@@ -111,10 +111,8 @@ TEST(EditSettings, WhatTheMethodLacksIsRefused) {
   EXPECT_NE(refusal(settings).find("use the method paper."), std::string::npos);
   settings = EditSettings();
   settings.order = 2;
-  EXPECT_EQ(
-      refusal(settings),
-      "The order of the Laplacian is 2, but the method default has order 1 only: use order 1, or the method paper or "
-      "linear.");
+  EXPECT_EQ(refusal(settings),
+            "The order of the Laplacian is 2, but the method default has 1 only: leave it out, or use another method.");
 }
 
 /// Fails if a number of the table stands for another choice in the code.

@@ -50,11 +50,11 @@ class Regret(ToolTest):
 
 
 class Settings(ToolTest):
-    CHANGES = [("laplacian", 1, "laplacian", "cotangent"), ("order", 2, "order", 2),
-               ("detail_rotation", 1, "detail_rotation", "smooth_normals"), ("iterations", 2, "iterations", 2),
+    CHANGES = [("iterations", 2, "iterations", 2), ("method", 1, "method", "paper"),
+               ("laplacian", 1, "laplacian", "cotangent"), ("order", 2, "order", 2),
                ("normal_radius", 0.1, "normal_radius", 0.1), ("handle_weight", 1, "handle_weight", 1),
-               ("anchor_weight", 0.5, "anchor_weight", 0.5), ("turning", 0, "turning", "vertex"),
-               ("rough", 1, "rough", "falloff"), ("membrane", 0, "membrane", 0)]
+               ("anchor_weight", 0.5, "anchor_weight", 0.5), ("rough", 1, "rough", "falloff"),
+               ("membrane", 20, "membrane", 20), ("method", 2, "method", "linear")]
 
     def test_each_setting_solves_the_last_step_again(self):
         with self.start(self.mesh) as w:
@@ -69,6 +69,11 @@ class Settings(ToolTest):
                     self.assertEqual(len(steps), 1)
                     self.assertEqual(steps[0][key], expected)
                     self.assert_replay_is_the_same(w, self.mesh)
+            names = ("order", "iterations", "normal_radius", "rough")
+            w.set(part("group_advanced"), True)
+            for method, shown in enumerate((["iterations"], ["order", "normal_radius", "rough"], ["order"])):
+                w.set(part("method"), method)
+                self.assertEqual([n for n in names if w.widget(part(n))["visible"]], shown)
             w.set(part("padding"), 40)
             self.assertEqual(self.steps_of(w)[0]["region"]["padding"], 0.4)
             self.assert_replay_is_the_same(w, self.mesh)

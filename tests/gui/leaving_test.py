@@ -147,6 +147,7 @@ class Leave(ToolTest):
         mesh = write_ply(self.folder / "large.ply", *dome(rows, rows))
         with self.start(mesh) as w:
             w.set(part("radius"), 2)
+            w.set(part("method"), 2)
             w.set(part("order"), 2)
             x, y = w.pixel(rows * rows // 2)
             w.mouse("press", x, y)

@@ -33,9 +33,9 @@ class Values(ToolTest):
     def test_presets_set_values_and_values_tell_the_preset(self):
         with self.start(self.mesh, disc=20) as w:
             self.assertEqual(w.widget(part("preset"))["currentText"], "General")
-            before = {n: w.widget(part(n)) for n in ("handle_share", "softness", "membrane", "detail_rotation")}
+            before = {n: w.widget(part(n)) for n in ("handle_share", "softness", "membrane", "method")}
             w.set(part("preset"), "Terrain")
-            self.assertEqual(w.widget(part("detail_rotation"))["currentText"], "None")
+            self.assertEqual(w.widget(part("method"))["currentText"], "Linear")
             self.assertEqual(w.widget(part("preset"))["currentText"], "Terrain")
             w.set(part("handle_weight"), 7)
             self.assertEqual(w.widget(part("preset"))["currentText"], "Custom")
@@ -43,25 +43,17 @@ class Values(ToolTest):
             self.assertEqual(w.widget(part("handle_weight"))["value"], 7)
             self.pull(w, self.CENTRE, (10, 10))
             step = self.steps_of(w)[0]
-            self.assertEqual((step["detail_rotation"], step["handle_weight"]), ("none", 7))
+            self.assertEqual((step["method"], step["handle_weight"]), ("linear", 7))
             self.assertNotIn("Terrain", json.dumps(step))
             w.set(part("preset"), "General")
             self.assertEqual(before, {n: w.widget(part(n)) for n in before})
 
-    def test_settings_and_own_presets_are_remembered(self):
+    def test_settings_are_remembered(self):
         with self.start(self.mesh, disc=33, gizmo=True) as w:
+            w.set(part("method"), 2)
             w.set(part("membrane"), 123)
-            w.set(part("detail_rotation"), 0)
             w.set(part("radius"), 0.2)
-            w.x_focus()
-            w.press_button(part("save_preset"), wait=False)
-            w.wait_dialog()
-            w.x("sleep", 0.3, "type", "My noses")
-            w.answer()
-            self.assertEqual(w.widget(part("preset"))["currentText"], "My noses")
-            w.set(part("handle_share"), 12)
-            self.assertEqual(w.widget(part("preset"))["currentText"], "Custom")
-            values = {n: w.widget(part(n)) for n in ("handle_share", "membrane", "detail_rotation", "gizmo", "padding")}
+            values = {n: w.widget(part(n)) for n in ("handle_share", "membrane", "method", "gizmo", "padding")}
         with self.open(self.mesh, keeps=True) as w:
             w.trigger(TOOL)
             for name, before in values.items():
@@ -69,18 +61,9 @@ class Values(ToolTest):
                 for key in ("value", "currentIndex", "checked"):
                     self.assertEqual(now.get(key), before.get(key), name)
             self.assertNotEqual(w.widget(part("radius"))["value"], 0.2)  # a length belongs to its mesh
-            w.set(part("preset"), "My noses")
-            self.assertEqual(w.widget(part("handle_share"))["value"], 33)
-            self.assertEqual(w.widget(part("save_preset"))["text"], "Delete preset")
-            w.press_button(part("save_preset"))
-            self.assertEqual(w.widget(part("preset"))["currentText"], "Custom")
             w.press_button(part("defaults"))
             self.assertEqual(w.widget(part("preset"))["currentText"], "General")
             self.assertFalse(w.widget(part("gizmo"))["checked"])
-        with self.open(self.mesh, keeps=True) as w:
-            w.trigger(TOOL)
-            self.assertEqual(w.widget(part("preset"))["currentText"], "General")
-            self.assertNotIn("My noses", str(w.widget(part("preset"))))
 
     def test_what_belongs_to_the_session_is_kept_by_it(self):
         with self.start(self.mesh) as w:

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs edits in the paper's ways and with the defaults in the staged meshlabserver, and renders them side by side.
+"""Runs edits with each method in the staged meshlabserver, and renders them side by side.
 
 Needs an X server (xvfb-run). gallery.sh prepares what this needs and calls it.
 """
@@ -17,14 +17,7 @@ import sys
 import numpy
 
 HERE = pathlib.Path(__file__).resolve().parent
-# The paper's way, but for what the rotations are estimated from; and the defaults.
-PAPER = {"laplacian": 0, "turning": 0, "membrane": 0, "handle_weight": 10, "anchor_weight": 10}
-WAYS = {"none": {**PAPER, "detail_rotation": 0}, "smooth normals": {**PAPER, "detail_rotation": 1},
-        "smooth surface": {**PAPER, "detail_rotation": 2}, "default": {}}
-# With --rough: what rotations of smooth surfaces start from.
-ROUGH = {f"{name}, {passes} {'pass' if passes == 1 else 'passes'}": {**WAYS["smooth surface"], "rough": choice,
-                                                                     "iterations": passes}
-         for passes in (1, 3) for choice, name in enumerate(("unrotated", "falloff"))}
+METHODS = {"linear": {"method": 2}, "paper": {"method": 1}, "default": {}}
 
 
 @dataclasses.dataclass
@@ -147,7 +140,7 @@ def vertex_classes(mesh, edit):
     return classes
 
 
-def show(edit, source, given, ways):
+def show(edit, source, given):
     """@return for each way: RMS stretch in % / largest / triangles folded over"""
     from host import laplacian_edit, select_vertices  # tests/batch, which main() has made known
     folder = given.output / edit.name
@@ -160,8 +153,8 @@ def show(edit, source, given, ways):
     x, y, z = edit.handle
     group = select_vertices(f"(x-({x}))*(x-({x}))+(y-({y}))*(y-({y}))+(z-({z}))*(z-({z})) < {edit.group ** 2}")
     cells = []
-    for caption, way in ways.items():
-        parameters = {**edit.settings, **way, "handle_point": edit.handle, "radius": edit.radius,
+    for caption, method in METHODS.items():
+        parameters = {**edit.settings, **method, "handle_point": edit.handle, "radius": edit.radius,
                       "translation": edit.translation, "rotation_axis": edit.turn[0], "rotation_angle": edit.turn[1],
                       "handle_source": 1 if edit.group else 0}
         script = folder / f"{caption.replace(' ', '_')}.mlx"
@@ -190,7 +183,6 @@ def main():
                         help="folder of the real meshes; without it their edits are left out")
     parser.add_argument("--output", type=pathlib.Path, required=True)
     parser.add_argument("--height", type=int, default=460)
-    parser.add_argument("--rough", action="store_true", help="compare rough deformations instead of detail rotations")
     parser.add_argument("--columns", type=int, default=2)
     parser.add_argument("names", nargs="*", help="edits to show, all by default: " + " ".join(e.name for e in EDITS))
     given = parser.parse_args()
@@ -200,8 +192,7 @@ def main():
     if unknown:
         parser.error("no such edit: " + " ".join(sorted(unknown)))
     given.output.mkdir(parents=True, exist_ok=True)
-    ways = ROUGH if given.rough else WAYS
-    rows = [["edit", *ways], ["---"] * (1 + len(ways))]
+    rows = [["edit", *METHODS], ["---"] * (1 + len(METHODS))]
     for edit in EDITS:
         if given.names and edit.name not in given.names:
             continue
@@ -213,7 +204,7 @@ def main():
         else:
             print(f"{edit.name}: left out, needs {edit.mesh}")
             continue
-        rows.append([edit.name, *show(edit, source, given, ways)])
+        rows.append([edit.name, *show(edit, source, given)])
     print("\n" + "\n".join("|" + "|".join(row) + "|" for row in rows))
 
 

@@ -1,11 +1,10 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Renders edits with each kind of detail rotation, as the paper has it, and with the defaults beside each other, into
-# build/gallery, and prints their stretch as a table.
+# Renders edits with each method beside each other into build/gallery, and prints their stretch as a table.
 #
-# usage: gallery.sh [--rough] [--columns N] [--height PIXELS] [NAME...]   names of edits as in gallery.py, all by default
+# usage: gallery.sh [--columns N] [--height PIXELS] [NAME...]   names of edits as in gallery.py, all by default
 #
-# The picture of the limb in common/docs/method.md: gallery.sh --columns 5 --height 300 limb-170
+# The picture of the limb in common/docs/method.md: gallery.sh --columns 4 --height 300 limb-170
 #
 # LAPEDIT_MESHES: folder of the real meshes; by default ../shared/meshes beside this project, if it is there.
 set -eu

@@ -21,9 +21,8 @@ sys.path.insert(0, str(HERE.parent / "hosts"))
 import ply_meshes  # noqa: E402
 
 # The paper's settings, and ours.
-PAPER = {"laplacian": "umbrella", "turning": "vertex", "membrane": 0, "handle_weight": 10, "anchor_weight": 10}
-UNTURNED = {**PAPER, "detail_rotation": "none"}
-TURNED = {**PAPER, "detail_rotation": "smooth_normals"}
+UNROTATED = {"method": "linear"}
+ROTATED = {"method": "paper"}
 DEFAULT = {}
 # Table 1: vertices of the region, and seconds to factor and to solve for one coordinate on a Pentium 4 of 2.4 GHz.
 TABLE_1 = ((1201, 0.031, 0.002), (3395, 0.051, 0.003), (4685, 0.092, 0.005), (12774, 0.568, 0.020),
@@ -116,7 +115,7 @@ class Paper:
     def locality(self, name, mesh, handle, counts, translation, **view):
         """Figures 1 and 7: the same handle moved as far in a small and in a large region."""
         panels = []
-        for row, (settings, caption) in enumerate(((TURNED, "paper"), (DEFAULT, "default"))):
+        for row, (settings, caption) in enumerate(((ROTATED, "paper"), (DEFAULT, "default"))):
             for count in counts:
                 radius = mesh.radius_of([handle], count)
                 step = {"region": {"radius": radius}, "handles": [{"vertices": str(handle), "translation": translation}]}
@@ -145,7 +144,7 @@ class Paper:
                           toward=(0.5, 0.45, -0.9), up=(0, 1, 0))
 
     def figure_6(self):
-        ways = ((UNTURNED, "no rotation"), (TURNED, "paper"), (DEFAULT, "default"))
+        ways = ((UNROTATED, "no rotation"), (ROTATED, "paper"), (DEFAULT, "default"))
         letters = self.made("letters")
         handle = letters.nearest((2.05, 0.9, 0.12))
         step = {"region": {"radius": 1.8}, "handles": [{"vertices": str(handle), "translation": [0.8, 0, 1]}]}
@@ -228,21 +227,21 @@ class Paper:
         """Differential coordinates are not rotation-invariant."""
         bumps = self.strip("bumps", lambda x: 0.4 * max(0.0, numpy.sin(2 * numpy.pi * x / 1.8)))
         end = {"translation": [-3.6, 0, 6.2], "rotation": {"axis": [0, -1, 0], "degrees": 80}}
-        self.curves("figure2", bumps, ((UNTURNED, "differential coordinates not rotated"),
-                                       (TURNED, "rotated by smooth normals"), (DEFAULT, "default")),
+        self.curves("figure2", bumps, ((UNROTATED, "differential coordinates not rotated"),
+                                       (ROTATED, "rotated by smooth normals"), (DEFAULT, "default")),
                     (112, 120), [(0, 8)], end, (-0.5, 13.5, -0.6, 7.4))
 
     def figure_4(self):
         """Orders of the Laplacian."""
         flat = self.strip("flat", lambda x: 0.0)
-        ways = tuple(({**UNTURNED, "order": k, "handle_weight": 1000, "anchor_weight": 1000}, f"order {k}") for k in (1, 2, 3))
+        ways = tuple(({**UNROTATED, "order": k, "handle_weight": 1000, "anchor_weight": 1000}, f"order {k}") for k in (1, 2, 3))
         self.curves("figure4", flat, ways, (60, 60), [(0, 8), (112, 120)], {"translation": [0, 0, 3]}, (-0.5, 12.5, -0.6, 3.4))
 
     def figure_5(self):
         """Rotations from normals as they are, and from smooth ones."""
         rough = self.strip("rough", lambda x: 0.15 * numpy.sin(2 * numpy.pi * x / 0.9) + 0.04 * numpy.sin(23 * x))
-        ways = (({**TURNED, "normal_radius": 0.11}, "normals of the nearest neighbours"),
-                (TURNED, "smooth normals, over a region"), (DEFAULT, "default"))
+        ways = (({**ROTATED, "normal_radius": 0.11}, "normals of the nearest neighbours"),
+                (ROTATED, "smooth normals, over a region"), (DEFAULT, "default"))
         end = {"translation": [-3.6, 0, 6.2], "rotation": {"axis": [0, -1, 0], "degrees": 80}}
         self.curves("figure5", rough, ways, (112, 120), [(0, 8)], end, (-0.5, 13.5, -0.6, 7.4))
 
@@ -261,7 +260,7 @@ class Paper:
             for name, handle in places:
                 mesh = self.made(name) if handle is None else self.real(name)
                 handle = mesh.nearest(tips[name]) if handle is None else handle
-                step = {"region": {"radius": mesh.radius_of([handle], count)}, **UNTURNED,
+                step = {"region": {"radius": mesh.radius_of([handle], count)}, **UNROTATED,
                         "handles": [{"vertices": str(handle), "translation": [0.01, 0.02, 0.03]}]}
                 times = []
                 for _ in range(7):

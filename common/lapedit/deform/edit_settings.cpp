@@ -47,6 +47,11 @@ const std::vector<Setting>& settings_table() {
         "settings their defaults.",
         {"default", "paper", "linear"});
     method.set = [](S& settings, double value) { settings = S::of(static_cast<EditMethod>(static_cast<int>(value))); };
+    Setting order = row<&S::order>(
+        Kind::Whole, "order", "order of the Laplacian", "1, 2 or 3", 1, 3,
+        "How often the Laplacian is applied, 1 to 3, with the method default 1 only. Higher orders blend "
+        "more smoothly into the fixed vertices and take longer; use them for pulls with the method linear.");
+    order.fixed = EditMethod::Default;
     Setting iterations = row<&S::iterations>(
         Kind::Whole, "iterations", "number of iterations", "a whole number from 0 to 100", 0, 100,
         "Number of passes, each of which fits the rotations to the last result, 0 to 100. 0: automatic (3).");
@@ -71,10 +76,7 @@ const std::vector<Setting>& settings_table() {
                               "triangulation, or with mean-value weights, which uneven and obtuse triangles suit as "
                               "well.",
                               {"umbrella", "cotangent", "mean_value"}),
-        row<&S::order>(
-            Kind::Whole, "order", "order of the Laplacian", "1, 2 or 3", 1, 3,
-            "How often the Laplacian is applied, 1 to 3, with the method default 1 only. Higher orders blend "
-            "more smoothly into the fixed vertices and take longer; use them for pulls with the method linear."),
+        order,
         row<&S::membrane>(
             Kind::Number, "membrane", "membrane weight", "a number from 0 to 1000000", 0, 1e6,
             "Cost of stretching against bending, 0 to 1000000: with 0 the surface only keeps from bending "
@@ -141,11 +143,6 @@ void validate(const EditSettings& settings) {
                                                     " has no meaning with the method " + name(settings.method) +
                                                     ": leave it out, or use the method " + name(*setting.only) + ".");
     }
-  }
-  if (settings.method == EditMethod::Default && settings.order != 1) {
-    throw EditError(ErrorCause::BadParameter,
-                    "The order of the Laplacian is " + std::to_string(settings.order) +
-                        ", but the method default has order 1 only: use order 1, or the method paper or linear.");
   }
 }
 

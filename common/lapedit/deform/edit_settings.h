@@ -83,8 +83,10 @@ struct Setting {
   void (*set)(EditSettings&, double);
   std::vector<const char*> choices = {};  ///< names in JSON
   std::optional<EditMethod> only = {};    ///< the method that has this setting; none: all methods have it
+  std::optional<EditMethod> fixed = {};   ///< a method with which it has its default value only
 
   bool applies(EditMethod method) const { return !only || *only == method; }
+  bool varies(EditMethod method) const { return applies(method) && fixed != method; }
 };
 
 /// Returns all settings in the order in which they are shown and written. The first is the method: setting it gives all
