@@ -129,33 +129,33 @@ void cross(const Picture& p) {
 
 }  // namespace
 
-void drawGizmo(const Gizmo& gizmo, const Camera& view, GizmoPart part, bool alone, double pixelRatio) {
+void drawGizmo(const Gizmo& gizmo, const Camera& view, GizmoElement part, bool alone, double pixelRatio) {
   if (!gizmo.center.allFinite() || !view.in_front(gizmo.center)) {
     return;
   }
   const Picture p{gizmo, view, pixelRatio};
-  const auto is = [part](GizmoPart first, int axis) {
-    return part == static_cast<GizmoPart>(static_cast<int>(first) + axis);
+  const auto is = [part](GizmoElement first, int axis) {
+    return part == static_cast<GizmoElement>(static_cast<int>(first) + axis);
   };
-  const auto shown = [&](GizmoPart first, int axis) { return !alone || is(first, axis); };
+  const auto shown = [&](GizmoElement first, int axis) { return !alone || is(first, axis); };
   for (const bool front : {false, true}) {
     for (int axis = 0; axis < 3; ++axis) {
-      const bool held = is(GizmoPart::TurnX, axis);
-      if (shown(GizmoPart::TurnX, axis) && (alone || gizmo.ring_is_seen(axis, view))) {
+      const bool held = is(GizmoElement::TurnX, axis);
+      if (shown(GizmoElement::TurnX, axis) && (alone || gizmo.ring_is_seen(axis, view))) {
         ring(p, axis, front, held);
       }
     }
     // Arrows that point away are behind the rings' near halves.
     for (int axis = 0; axis < 3; ++axis) {
       const bool towards = gizmo.axes.col(axis).dot(view.toward_viewer(gizmo.center)) > 0;
-      if (shown(GizmoPart::MoveX, axis) && towards == front && gizmo.arrow_is_seen(axis, view)) {
-        arrow(p, axis, is(GizmoPart::MoveX, axis));
+      if (shown(GizmoElement::MoveX, axis) && towards == front && gizmo.arrow_is_seen(axis, view)) {
+        arrow(p, axis, is(GizmoElement::MoveX, axis));
         letter(p, axis);
       }
     }
   }
-  if (alone ? part == GizmoPart::Scale : !gizmo.only_arrows) {
-    knob(p, part == GizmoPart::Scale);
+  if (alone ? part == GizmoElement::Scale : !gizmo.only_arrows) {
+    knob(p, part == GizmoElement::Scale);
   }
   cross(p);
 }

@@ -5,7 +5,7 @@
 
 /// Draws a gizmo, in pixels. @param part under the cursor or held, highlighted
 ///             @param alone  draws only that part, which is being dragged
-void drawGizmo(const lapedit::Gizmo& gizmo, const lapedit::Camera& view, lapedit::GizmoPart part, bool alone,
+void drawGizmo(const lapedit::Gizmo& gizmo, const lapedit::Camera& view, lapedit::GizmoElement part, bool alone,
                double pixelRatio);
 
 /// Draws the angle of a rotation, from where the mouse started; in pixels.

@@ -18,7 +18,7 @@ void drawMotion(const DragSession& session, double pixelRatio) {
   if (const auto axis = motion.axis()) {
     const double reach = 10 * session.settings().radius;
     const Vector3& place = motion.kind() == MotionKind::Translate ? motion.grab() : motion.center();
-    pen::rimmed(pen::axisColor(motion.lock(), session.gizmo_part()), 1, pixelRatio,
+    pen::rimmed(pen::axisColor(motion.lock(), session.gizmo_element()), 1, pixelRatio,
                 [&] { pen::line<Vector3>(place - reach * *axis, place + reach * *axis); });
   }
   if (motion.kind() == MotionKind::Translate && motion.moves()) {
@@ -146,14 +146,14 @@ void Overlay::drawGizmoOf(const DragSession& session, const Camera& view, double
     held.axes = gizmo_->axes;
     gizmo_ = held;
   }
-  if (!gizmo_ || (motion && session.gizmo_part() == GizmoPart::None)) {
+  if (!gizmo_ || (motion && session.gizmo_element() == GizmoElement::None)) {
     return;
   }
   Gizmo shown = *gizmo_;
   if (motion && motion->kind() == MotionKind::Translate) {
     shown.center += motion->transform().translation;
   }
-  drawGizmo(shown, view, session.gizmo_part(), motion != nullptr, pixelRatio);
+  drawGizmo(shown, view, session.gizmo_element(), motion != nullptr, pixelRatio);
 }
 
 void Overlay::draw(const DragSession& session, const Camera& view, const Options& options) {

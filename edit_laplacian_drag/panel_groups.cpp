@@ -45,10 +45,10 @@ void Panel::addBasic() {
             return std::log(value / (size_ * kSmallestRadius)) / std::log(kLargestRadius / kSmallestRadius);
           },
           radius));
-  const double largest = 100 * kLargestHandleShare;
-  const Access share = access<&DragSettings::handle_share, 100>();
+  const double largest = 100 * kLargestHandleFraction;
+  const Access share = access<&DragSettings::handle_fraction, 100>();
   row(tr("Handle size"), dragged(
-                             percent("handle_share", static_cast<int>(largest),
+                             percent("handle_fraction", static_cast<int>(largest),
                                      tr("Radius of the disc that a press takes, in percent of the region's radius "
                                         "(Shift+wheel); 0: the vertex under the cursor alone"),
                                      share),

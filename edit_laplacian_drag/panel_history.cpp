@@ -72,7 +72,7 @@ void Panel::addLastStep() {
                              [](LastStep& last) -> double& { return last.motion.scale; });
   scaled->setSingleStep(0.1);
   row(tr("Scaled"), scaled);
-  auto* const share = prepared<QSlider>("last_share", tr("Share of the path: 0 to 100 percent"));
+  auto* const share = prepared<QSlider>("last_fraction", tr("Share of the path: 0 to 100 percent"));
   share->setOrientation(Qt::Horizontal);
   share->setRange(0, 100);
   const auto go = [this, share, send] {

@@ -32,7 +32,7 @@ inline Color axisColor(int axis) {
 }
 
 /// The colour of a locked axis.
-inline Color axisColor(lapedit::AxisLock lock, lapedit::GizmoPart part) {
+inline Color axisColor(lapedit::AxisLock lock, lapedit::GizmoElement part) {
   return lock == lapedit::AxisLock::Gizmo && lapedit::axis_number(part) >= 0 ? axisColor(lapedit::axis_number(part))
          : lock >= lapedit::AxisLock::X && lock <= lapedit::AxisLock::Z
              ? axisColor(static_cast<int>(lock) - static_cast<int>(lapedit::AxisLock::X))

@@ -9,9 +9,9 @@ using namespace lapedit;
 
 namespace {
 
-constexpr double DragSettings::*kMembers[] = {&DragSettings::handle_share, &DragSettings::padding,
+constexpr double DragSettings::*kMembers[] = {&DragSettings::handle_fraction, &DragSettings::padding,
                                               &DragSettings::softness, &DragSettings::brush_pixels};
-const char* const kNames[] = {"handle_share", "padding", "softness", "brush"};
+const char* const kNames[] = {"handle_fraction", "padding", "softness", "brush"};
 const char* const kGroup = "settings";
 const char* const kGizmo = "gizmo";
 const char* const kGizmoAxes = "gizmo_axes";

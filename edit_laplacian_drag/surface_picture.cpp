@@ -299,7 +299,7 @@ void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, co
   const bool moving = session.motion() != nullptr;
   const bool hovered = given == options.hovered;
   // There is no pose yet.
-  const bool ahead = session.moves(static_cast<int>(group)) && moving && (!session.region() || !session.in_hand());
+  const bool ahead = session.moves(static_cast<int>(group)) && moving && (!session.region() || !session.has_preview());
   if (ahead) {
     Eigen::Matrix4d map = Eigen::Matrix4d::Identity();
     map.topRows<3>() = session.active_map().matrix();

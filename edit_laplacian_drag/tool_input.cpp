@@ -173,13 +173,13 @@ Qt::CursorShape LaplacianDragTool::shape() const {
   if (session.motion()) {
     return Qt::ClosedHandCursor;
   }
-  if (session.preparing() && !session.in_hand()) {
+  if (session.preparing() && !session.has_preview()) {
     return Qt::BusyCursor;
   }
   if (mouse_.modifiers & (Qt::ControlModifier | Qt::ShiftModifier)) {
     return Qt::CrossCursor;
   }
-  if (session.gizmo_part() != GizmoPart::None) {
+  if (session.gizmo_element() != GizmoElement::None) {
     return Qt::SizeAllCursor;
   }
   const HoverPreview* const hover = session.hover();
@@ -347,8 +347,8 @@ void LaplacianDragTool::wheel(QWheelEvent& event) {
     settings.padding = std::clamp(settings.padding + kPaddingPerNotch * notches, 0.0, 1.0);
   } else if (shift) {
     const double grown =
-        std::max(settings.handle_share, kSmallestHandleShare) * std::pow(kHandleSharePerNotch, notches);
-    settings.handle_share = grown < kSmallestHandleShare ? 0 : std::min(grown, kLargestHandleShare);
+        std::max(settings.handle_fraction, kSmallestHandleShare) * std::pow(kHandleSharePerNotch, notches);
+    settings.handle_fraction = grown < kSmallestHandleShare ? 0 : std::min(grown, kLargestHandleFraction);
   } else {
     settings.radius = threeDigits(settings.radius * std::pow(kRadiusPerNotch, notches));
   }
@@ -366,10 +366,11 @@ void LaplacianDragTool::saySettings(const DragSettings& before) {
     notice_ = (active_->session().region() ? tr("Radius: %1 (Shift: handle size, Ctrl: zoom)")
                                            : tr("Radius of the next region: %1 (Shift: handle size, Ctrl: zoom)"))
                   .arg(number(now.radius));
-  } else if (now.handle_share != before.handle_share) {
-    notice_ = now.handle_share == 0 ? tr("Handle size: one vertex")
-                                    : tr("Handle size: %1 % of the radius, %2")
-                                          .arg(number(100 * now.handle_share), number(now.handle_share * now.radius));
+  } else if (now.handle_fraction != before.handle_fraction) {
+    notice_ = now.handle_fraction == 0
+                  ? tr("Handle size: one vertex")
+                  : tr("Handle size: %1 % of the radius, %2")
+                        .arg(number(100 * now.handle_fraction), number(now.handle_fraction * now.radius));
   } else if (now.padding != before.padding) {
     notice_ = tr("Padding: %1 % of the radius").arg(number(100 * now.padding));
   }

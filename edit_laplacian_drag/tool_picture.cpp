@@ -135,7 +135,7 @@ void LaplacianDragTool::drawLine(const LinePicture::Line& line) {
 /// Returns whether a picture should wait for the pose that is being solved. MeshLab draws after each move of the mouse,
 /// and drawing twice would take twice as long.
 bool LaplacianDragTool::poseIsComing() const {
-  return active_ && active_->session().motion() && active_->session().in_hand() && active_->session().busy() &&
+  return active_ && active_->session().motion() && active_->session().has_preview() && active_->session().busy() &&
          clock_.waitsForPose(kLongestWait);
 }
 

@@ -95,7 +95,7 @@ Points solve(const TriangleMesh& mesh, const Region& region, const EditSettings&
     b.topRows(n) = (m * b.topRows(n)).eval();
   }
   for (int i = 0; i < n; ++i) {
-    const double weight = region.classes[i] == VertexClass::Handle   ? settings.handle_weight * region.share(i)
+    const double weight = region.classes[i] == VertexClass::Handle   ? settings.handle_weight * region.weight(i)
                           : region.classes[i] == VertexClass::Anchor ? settings.anchor_weight * region.anchor_weight[i]
                                                                      : 0;
     a(n + i, i) = weight;

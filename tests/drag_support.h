@@ -75,7 +75,7 @@ class Window {
         host_(stored(mesh).vertices) {
     // Handles of one vertex, unless a test says otherwise.
     DragSettings settings = session.settings();
-    settings.handle_share = 0;
+    settings.handle_fraction = 0;
     session.set_settings(settings);
   }
   explicit Window(const TriangleMesh& mesh) : Window(mesh, view_from_above(mesh.vertices)) {}

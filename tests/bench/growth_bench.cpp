@@ -44,7 +44,7 @@ int main(int argc, char** argv) {
   lapedit::Points positions;
   solver.make_cells(scene.mesh);
   solver.frame({speed::handle_move(0)}, positions);
-  const double in_hand = found + watch.lap();
+  const double has_preview = found + watch.lap();
   solver.frame({speed::handle_move(1)}, positions);
   const double hand_frame = watch.lap();
   solver.prepare(scene.mesh);
@@ -57,7 +57,7 @@ int main(int argc, char** argv) {
   const double settled_first = watch.lap();
   solver.pose({speed::handle_move(2)});
   const double settled = watch.lap();
-  std::printf("| %d | %.0f | %.0f | %.0f | %.0f | %.0f | %.0f | %.0f | %.0f | %.0f |\n", vertices, found, in_hand,
+  std::printf("| %d | %.0f | %.0f | %.0f | %.0f | %.0f | %.0f | %.0f | %.0f | %.0f |\n", vertices, found, has_preview,
               hand_frame, ready, frame, settled_first, settled, held, peak_megabytes());
   return 0;
 }

@@ -124,7 +124,7 @@ TEST(SoftHandle, AgreesWithTheDenseSystem) {
   const Disc disc(shapes::letter_field(24, 12), {2, 1, 0}, 0.3);
   const EditSettings settings = EditSettings::of(EditMethod::Linear);
   const Region region = disc.soft(0.9, 0.8);
-  ASSERT_FALSE(region.handle_share.empty());
+  ASSERT_FALSE(region.handle_weight.empty());
   const Affine up = support::shift({0.1, 0, 0.4});
   Points targets(region.size(), 3);
   for (int i = 0; i < region.size(); ++i) {
@@ -190,8 +190,8 @@ TEST(SoftHandle, WeightsOfOneChangeNoBit) {
   const Disc disc = plane();
   const Region plain = disc.region(0.8, {});
   const Region ones = disc.region(0.8, std::vector<double>(disc.vertices.size(), 1));
-  EXPECT_TRUE(ones.handle_share.empty());
-  EXPECT_TRUE(plain.handle_share.empty());
+  EXPECT_TRUE(ones.handle_weight.empty());
+  EXPECT_TRUE(plain.handle_weight.empty());
 }
 
 TEST(SoftHandle, BadWeightsAreRefused) {

@@ -29,7 +29,7 @@ Vector3 direction(Choices& choose) {
 DragSettings settings(Choices& choose, DragSettings result) {
   result.radius *= 0.25 * choose.below(12);
   result.padding = 0.1 * choose.below(12);
-  result.handle_share = 0.3 * choose.below(4);
+  result.handle_weight = 0.3 * choose.below(4);
   result.softness = 0.5 * choose.below(3);
   result.connect_gap = choose.below(4) == 0 ? 0.25 * choose.below(8) : 0;
   result.brush_pixels = 10 * choose.below(10);

@@ -29,7 +29,7 @@ class Start(ToolTest):
 
     def test_panel_leaves_the_picture_its_width(self):
         groups = ["last_step", "region", "handle", "gizmo", "symmetry", "advanced", "statistics"]
-        basic = ["radius", "radius_slider", "handle_share", "handle_share_slider", "mode", "preset",
+        basic = ["radius", "radius_slider", "handle_fraction", "handle_fraction_slider", "mode", "preset",
                  "defaults", "move", "rotate", "scale", "apply", "cancel", "undo", "redo", "reset", "save", "load", "copy",
                  "pivot", "keep_fixed", "help"]
         with self.open(self.mesh) as w:
@@ -195,7 +195,7 @@ class Region(ToolTest):
 class Handle(ToolTest):
     def set_disc(self, w, radius):
         """In model units."""
-        w.set(part("handle_share"), 100 * radius / w.widget(part("radius"))["value"])
+        w.set(part("handle_fraction"), 100 * radius / w.widget(part("radius"))["value"])
 
     def test_group_by_radius_and_by_clicks(self):
         with self.start(self.mesh) as w:
@@ -243,7 +243,7 @@ class Move(ToolTest):
 
     def test_rotate_and_scale_a_group(self):
         with self.start(self.mesh) as w:
-            handle = self.transform(w, ["R", "Z", *"30", "Return"], handle_share=40)
+            handle = self.transform(w, ["R", "Z", *"30", "Return"], handle_fraction=40)
             self.assertEqual(handle["rotation"]["degrees"], 30)
             self.assertEqual(handle["rotation"]["axis"], [0, 0, 1])
             w.key("S", *"1.5", "Return")
@@ -412,12 +412,12 @@ class Hover(ToolTest):
 
     def test_wheel_with_ctrl_or_alt_zooms(self):
         with self.start(self.mesh) as w:
-            values = [w.widget(part(n))["value"] for n in ("radius", "handle_share", "padding")]
+            values = [w.widget(part(n))["value"] for n in ("radius", "handle_fraction", "padding")]
             for modifier in ("ctrl", "alt"):
                 camera = w.camera()
                 w.wheel(300, 300, 3, modifiers=[modifier])
                 self.assertNotEqual(w.camera(), camera)
-            self.assertEqual(values, [w.widget(part(n))["value"] for n in ("radius", "handle_share", "padding")])
+            self.assertEqual(values, [w.widget(part(n))["value"] for n in ("radius", "handle_fraction", "padding")])
 
 
 if __name__ == "__main__":

@@ -53,7 +53,7 @@ class Keyboard(ToolTest):
             self.key(w, "c")
             self.wait_mode(w, 0)
             before = w.dump()
-            w.set(part("handle_share"), 0)
+            w.set(part("handle_fraction"), 0)
             self.pull(w, self.CENTRE, (30, 20))
             self.assertNotEqual(w.dump().moved(before), set())
             for _ in range(2):
@@ -136,7 +136,7 @@ class Keyboard(ToolTest):
                     left.remove(name)
                     with self.subTest(name):
                         self.from_widget(w, name, kind)
-            self.assertEqual(left, set())
+            self.assertEqual(left, {part(name) for name in ("order", "normal_radius", "rough")}, "of other methods")
 
     def from_widget(self, w, name, kind):
         """Presses the keys after the widget had the focus."""

@@ -66,10 +66,10 @@ class Gestures(ToolTest):
             w.x("click", WHEEL_UP)
             self.seen(w)
             self.assertGreater(w.widget(part("radius"))["value"], radius)
-            share = w.widget(part("handle_share"))["value"]
+            share = w.widget(part("handle_fraction"))["value"]
             w.x("keydown", "shift", "click", WHEEL_UP, "keyup", "shift")
             self.seen(w)
-            self.assertGreater(w.widget(part("handle_share"))["value"], share)
+            self.assertGreater(w.widget(part("handle_fraction"))["value"], share)
             w.x("click", WHEEL_DOWN, "keydown", "shift", "click", WHEEL_DOWN, "keyup", "shift")
             camera = w.camera()
             w.x("keydown", "ctrl", "click", WHEEL_UP, "keyup", "ctrl")
@@ -252,14 +252,14 @@ class Gestures(ToolTest):
     def test_last_step_takes_numbers_and_a_share(self):
         with self.window() as w:
             w.set(part("group_last_step"), True)
-            slider = w.widget(part("last_share"))
+            slider = w.widget(part("last_fraction"))
             self.assertFalse(slider["enabled"])
             before = w.dump().triples()
             self.x_pull(w, self.place(w, self.CENTRE), (0, -40))
             whole = self.last_step(w)["handles"][0]["translation"]
             full = w.dump().triples()[self.CENTRE]
             # The slider's knob, pulled from the right end to the left with the mouse: shown on the way, then applied.
-            left, top, width, height = w.widget(part("last_share"))["rectangle"]
+            left, top, width, height = w.widget(part("last_fraction"))["rectangle"]
             knob = left + width - 6, top + height // 2
             w.x("mousemove", *knob, "mousedown", 1)
             for share in (0.9, 0.7, 0.5):
@@ -267,7 +267,7 @@ class Gestures(ToolTest):
             w.wait(lambda: math.dist(w.dump().triples()[self.CENTRE], full) > 0.01, "nothing is shown", 20)
             w.x("mouseup", 1)
             w.wait(lambda: self.steps_of(w)[-1]["handles"][0]["translation"] != whole, "nothing was applied", 20)
-            share = w.widget(part("last_share"))["value"]
+            share = w.widget(part("last_fraction"))["value"]
             self.assertTrue(30 < share < 70, share)
             now = self.last_step(w)["handles"][0]["translation"]
             for a, b in zip(now, whole):
@@ -275,7 +275,7 @@ class Gestures(ToolTest):
             self.assertEqual(len(self.steps_of(w)), 1)
             self.assert_replay_is_the_same(w, self.mesh)
             w.set(part("last_y"), 0.1)
-            w.set(part("last_share"), 100)
+            w.set(part("last_fraction"), 100)
             self.assertAlmostEqual(self.last_step(w)["handles"][0]["translation"][1], 0.1, places=6)
             self.assert_replay_is_the_same(w, self.mesh)
             w.x_focus()

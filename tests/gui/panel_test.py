@@ -24,16 +24,16 @@ class Values(ToolTest):
             self.assertAlmostEqual(w.widget(radius)["value"] / higher, higher / low, delta=0.02)
             w.set(radius, low)
             self.assertEqual(w.widget(slider)["value"], place)
-            w.set(part("handle_share_slider"), 500)
-            self.assertEqual(w.widget(part("handle_share"))["value"], 45)
-            w.set(part("handle_share"), 0)
+            w.set(part("handle_fraction_slider"), 500)
+            self.assertEqual(w.widget(part("handle_fraction"))["value"], 45)
+            w.set(part("handle_fraction"), 0)
             self.pull(w, self.CENTRE, (10, 10))
             self.assertAlmostEqual(self.steps_of(w)[0]["region"]["radius"], low, delta=1e-4 * low)
 
     def test_presets_set_values_and_values_tell_the_preset(self):
         with self.start(self.mesh, disc=20) as w:
             self.assertEqual(w.widget(part("preset"))["currentText"], "General")
-            before = {n: w.widget(part(n)) for n in ("handle_share", "softness", "membrane", "method")}
+            before = {n: w.widget(part(n)) for n in ("handle_fraction", "softness", "membrane", "method")}
             w.set(part("preset"), "Terrain")
             self.assertEqual(w.widget(part("method"))["currentText"], "Linear")
             self.assertEqual(w.widget(part("preset"))["currentText"], "Terrain")
@@ -53,7 +53,7 @@ class Values(ToolTest):
             w.set(part("method"), 2)
             w.set(part("membrane"), 123)
             w.set(part("radius"), 0.2)
-            values = {n: w.widget(part(n)) for n in ("handle_share", "membrane", "method", "gizmo", "padding")}
+            values = {n: w.widget(part(n)) for n in ("handle_fraction", "membrane", "method", "gizmo", "padding")}
         with self.open(self.mesh, keeps=True) as w:
             w.trigger(TOOL)
             for name, before in values.items():

@@ -16,13 +16,13 @@ CHECKED = 6  # batches after which all is undone and compared
 KEYS = [*"XYZNTRSGCWPBV0123456789.-[]?", "Return", "Backspace", "Esc"]
 # What is not in the panel is left out.
 SETTINGS = {"radius": lambda r: r.choice([0, 0.05, 0.1, 0.3]), "padding": lambda r: r.choice([0, 10, 50, 100]),
-            "handle_share": lambda r: r.choice([0, 20, 50]), "softness": lambda r: r.choice([0, 50, 100]),
+            "handle_fraction": lambda r: r.choice([0, 20, 50]), "softness": lambda r: r.choice([0, 50, 100]),
             "connect_gap": lambda r: r.choice([0, 0.05]), "laplacian": lambda r: r.randrange(3),
             "order": lambda r: r.randrange(1, 4), "method": lambda r: r.randrange(3),
             "iterations": lambda r: r.randrange(1, 3), "normal_radius": lambda r: r.choice([0, 0.05]),
             "handle_weight": lambda r: r.choice([1, 10]), "anchor_weight": lambda r: r.choice([0.5, 10]),
             "rough": lambda r: r.randrange(2),
-            "membrane": lambda r: r.choice([0, 1200]), "last_share": lambda r: r.randrange(101),
+            "membrane": lambda r: r.choice([0, 1200]), "last_fraction": lambda r: r.randrange(101),
             "last_x": lambda r: r.choice([-0.1, 0, 0.2]), "last_turn": lambda r: r.choice([0, 25]),
             "last_scale": lambda r: r.choice([0.8, 1, 1.5]), "timeline": lambda r: r.randrange(20)}
 LEFT_ALONE = {"save", "load", "group_basic"}  # dialogs wait for an answer, and the check needs what is in this group

@@ -43,7 +43,7 @@ class ToolTest(GuiTest):
             self.shade_smoothly(window)
             window.trigger(TOOL)
             self.assertEqual(window.tool(), (TOOL, False))
-            window.set(part("handle_share"), disc)
+            window.set(part("handle_fraction"), disc)
             window.set(part("gizmo"), gizmo)
         except BaseException:
             window.kill()

@@ -292,15 +292,15 @@ TEST(SparseCholesky, TakesOverAnAnalysis) {
     CholeskyOptions options;
     options.backend = backend;
     const SparseCholesky before(first, options);
-    EXPECT_FALSE(before.took_analysis());
+    EXPECT_FALSE(before.analysis_reused());
     Points alone, shared;
     SparseCholesky(second, options).solve(right, alone);
     options.same_pattern = &before;
     SparseCholesky after(second, options);
-    EXPECT_EQ(after.took_analysis(), backend != CholeskyBackend::Eigen);
+    EXPECT_EQ(after.analysis_reused(), backend != CholeskyBackend::Eigen);
     after.solve(right, shared);
     EXPECT_TRUE((alone.array() == shared.array()).all());
-    EXPECT_FALSE(SparseCholesky(grid_laplacian(31, 20, 0.1), options).took_analysis()) << "another matrix";
+    EXPECT_FALSE(SparseCholesky(grid_laplacian(31, 20, 0.1), options).analysis_reused()) << "another matrix";
   }
 }
 

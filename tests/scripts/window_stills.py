@@ -85,13 +85,13 @@ def make(pictures):
         x, y = at(NOSE)
         window.move(x - 8, y)
         keep(window, "hover", (x - 60, y))
-    with opened(pictures, folder / "creature.ply", turned(5, -15), radius=1.0, handle_share=25) as (window, at):
+    with opened(pictures, folder / "creature.ply", turned(5, -15), radius=1.0, handle_fraction=25) as (window, at):
         x, y = at(FOOT)
         window.click(x, y)
         window.set(part("gizmo"), True)
         window.move(3, 300)
         keep(window, "gizmo", (x - 20, y - 70))
-    with opened(pictures, folder / "hand.ply", radius=1.2, handle_share=14, gizmo=False) as (window, at):
+    with opened(pictures, folder / "hand.ply", radius=1.2, handle_fraction=14, gizmo=False) as (window, at):
         window.click(*at(TIPS[0]))
         for tip in TIPS[1:]:
             window.key("G")

@@ -137,7 +137,7 @@ def pull_nose(tour, window, at):
     window.set(part("clear"), True)
     tour.go(at(NOSE), 0.9)
     window.set(part("radius"), window.widget(part("radius"))["value"] / 4)
-    window.set(part("handle_share"), 25)
+    window.set(part("handle_fraction"), 25)
     window.move(*tour.place)
     tour.frame(0.8)
     tour.press()

@@ -39,7 +39,7 @@ TEST(Drag, AllocatesNothingAfterTheFirstSolve) {
 TEST(Drag, SessionAllocatesNothingOnceItMoves) {
   support::Window window(shapes::letter_field(60, 30));
   DragSettings settings = window.session.settings();
-  settings.handle_share = 0.1 / settings.radius;
+  settings.handle_fraction = 0.1 / settings.radius;
   window.session.set_settings(settings);
   const int handle = support::vertex_at(window.session.mesh(), Vector3(2, 1, 0));
   window.click(handle);

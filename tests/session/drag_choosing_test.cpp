@@ -51,7 +51,7 @@ void change(Window& window, const Change& changed) {
 
 /// The settings that users find.
 void as_found(Window& window) {
-  change(window, [](DragSettings& s) { s.handle_share = DragSettings().handle_share; });
+  change(window, [](DragSettings& s) { s.handle_fraction = DragSettings().handle_fraction; });
 }
 
 void stroke(Window& window, int from, int to, PressModifiers modifiers) {
@@ -70,14 +70,14 @@ TEST(DragDisc, HandleIsADiscUnlessASingleVertexIsAskedFor) {
   as_found(window);
   change(window, [](DragSettings& s) { s.radius = 10; });
   window.click(kMiddle);
-  const double share = DragSettings().handle_share;
+  const double share = DragSettings().handle_fraction;
   EXPECT_GE(share, 0.15);
   EXPECT_LE(share, 0.25);
   const Adjacency adjacency = support::adjacency_of(window.session.mesh());
   EXPECT_EQ(window.session.groups().at(0), vertices_within(window.session.mesh(), adjacency, kMiddle, share * 10));
-  change(window, [](DragSettings& s) { s.handle_share = 0; });
+  change(window, [](DragSettings& s) { s.handle_fraction = 0; });
   EXPECT_EQ(window.session.groups().at(0), std::vector<int>{kMiddle});
-  change(window, [](DragSettings& s) { s.handle_share = 0.3; });
+  change(window, [](DragSettings& s) { s.handle_fraction = 0.3; });
   EXPECT_EQ(window.session.groups().at(0), vertices_within(window.session.mesh(), adjacency, kMiddle, 3));
 }
 
@@ -96,7 +96,7 @@ TEST(DragDisc, RegionCountsFromItsCentre) {
   Window window(shapes::grid(60, 60));
   change(window, [](DragSettings& s) {
     s.radius = 10;
-    s.handle_share = 0.3;
+    s.handle_fraction = 0.3;
   });
   window.click(kMiddle);
   expect_counts_from(window, kMiddle, 10);
@@ -126,7 +126,7 @@ TEST(DragDisc, NothingIsRefusedForASmallRegion) {
     for (const double radius : {1.1, 2.0, 5.0}) {
       change(window, [&](DragSettings& s) {
         s.radius = radius;
-        s.handle_share = share;
+        s.handle_fraction = share;
       });
       window.session.new_region();
       window.click(kMiddle);
@@ -419,12 +419,12 @@ TEST(DragGizmo, ArrowMovesAlongItsAxisAndAClickGoesThrough) {
   window.session.set_handle_mode(HandleMode::Vertex);
   const Vector2 on_arrow = window.view.pixel(gizmo->along(1, 0.7));
   window.session.hover(window.at(on_arrow), {});
-  EXPECT_EQ(window.session.gizmo_part(), GizmoPart::MoveY);
+  EXPECT_EQ(window.session.gizmo_element(), GizmoElement::MoveY);
   EXPECT_EQ(window.session.hover(), nullptr);
   window.session.press(window.at(on_arrow));
   window.session.move(window.at(on_arrow + Vector2(33, -50)));
   ASSERT_NE(window.session.motion(), nullptr);
-  EXPECT_EQ(window.session.gizmo_part(), GizmoPart::MoveY);
+  EXPECT_EQ(window.session.gizmo_element(), GizmoElement::MoveY);
   window.session.release(window.at(on_arrow + Vector2(33, -50)));
   window.session.wait();
   ASSERT_EQ(window.session.figures().steps, 1);
@@ -458,7 +458,7 @@ TEST(DragGizmo, RingTurnsAboutThePivot) {
   const std::optional<Gizmo> gizmo = window.session.gizmo(window.view);
   ASSERT_TRUE(gizmo && gizmo->center == pivot);
   const Vector2 on_ring = window.view.pixel(gizmo->on_ring(2, 0.4));
-  ASSERT_EQ(gizmo_part_at(*gizmo, window.at(on_ring)), GizmoPart::TurnZ);
+  ASSERT_EQ(gizmo_part_at(*gizmo, window.at(on_ring)), GizmoElement::TurnZ);
   window.session.press(window.at(on_ring));
   window.session.move(window.at(window.view.pixel(gizmo->on_ring(2, 0.7))));
   window.session.release(window.at(window.view.pixel(gizmo->on_ring(2, 0.4 + 0.5))));
@@ -477,13 +477,13 @@ TEST(DragGizmo, OfASingleVertexHasArrowsOnly) {
   Window window(shapes::grid(60, 60), support::view_from(Vector3(-40, -50, 60), Vector3(30, 30, 0)));
   for (const bool lone : {false, true}) {
     window.session.clear();
-    change(window, [lone](DragSettings& s) { s.handle_share = lone ? 0 : 0.3; });
+    change(window, [lone](DragSettings& s) { s.handle_fraction = lone ? 0 : 0.3; });
     window.click(kMiddle);
     EXPECT_EQ(window.session.groups().at(0).size() == 1, lone);
     window.session.show_gizmo(true, GizmoAxes::Layer);
     const std::optional<Gizmo> gizmo = window.session.gizmo(window.view);
     ASSERT_TRUE(gizmo);
-    std::set<GizmoPart> parts;
+    std::set<GizmoElement> parts;
     const Vector2 center = window.view.pixel(gizmo->center);
     for (double x = -120; x <= 120; x += 3) {
       for (double y = -120; y <= 120; y += 3) {
@@ -491,7 +491,8 @@ TEST(DragGizmo, OfASingleVertexHasArrowsOnly) {
       }
     }
     EXPECT_EQ(parts.size(), lone ? 4U : 8U);
-    EXPECT_EQ(parts.count(GizmoPart::MoveX) + parts.count(GizmoPart::MoveY) + parts.count(GizmoPart::MoveZ), 3U);
+    EXPECT_EQ(parts.count(GizmoElement::MoveX) + parts.count(GizmoElement::MoveY) + parts.count(GizmoElement::MoveZ),
+              3U);
     for (int axis = 0; axis < 3; ++axis) {
       EXPECT_EQ(gizmo->ring_is_seen(axis, window.view), !lone);  // which the picture follows
     }
@@ -729,7 +730,7 @@ TEST(DragSoft, WeightsFallOffAndAreRecorded) {
   Window window(shapes::grid(60, 60));
   change(window, [](DragSettings& s) {
     s.radius = 12;
-    s.handle_share = 0.4;
+    s.handle_fraction = 0.4;
     s.softness = 1;
   });
   window.drag(kMiddle, Vector2(0, 40));

@@ -272,7 +272,7 @@ TEST(DragHandle, ClicksAddAndTakeVertices) {
 
 TEST(DragHandle, RadiusPicksTheVerticesAround) {
   Window window(plate());
-  change(window, [](DragSettings& s) { s.handle_share = 2.5 / s.radius; });
+  change(window, [](DragSettings& s) { s.handle_fraction = 2.5 / s.radius; });
   window.click(kMiddle);
   EXPECT_TRUE(has(window.session.groups().at(0), at(32, 30)));
   EXPECT_FALSE(has(window.session.groups().at(0), at(33, 30)));

@@ -283,7 +283,7 @@ TEST(DragSession, LockedAxisKeepsTheOtherCoordinates) {
 TEST(DragSession, TurnAndScaleGoAboutTheGroupsCenter) {
   Window window(hills());
   DragSettings settings = window.session.settings();
-  settings.handle_share = 3 / settings.radius;
+  settings.handle_fraction = 3 / settings.radius;
   window.session.set_settings(settings);
   window.click(kMiddle);
   EXPECT_GT(window.session.groups().at(0).size(), 5U);
@@ -384,7 +384,7 @@ TEST(DragSession, AnyEventsLeaveAConsistentSession) {
         DragSettings settings = session.settings();
         settings.radius = 0.05 * (1 + pick(12));
         settings.padding = 0.1 * pick(12);  // 1.1 is refused
-        settings.handle_share = 0.3 * pick(4);
+        settings.handle_fraction = 0.3 * pick(4);
         settings.edit.order = 1 + pick(2);  // 2 is refused
         settings.edit.iterations = 1 + pick(2);
         settings.softness = 0.5 * pick(3);

@@ -22,12 +22,12 @@ Cursor over(const Camera& view, const Vector3& point, const Vector2& off = Vecto
   return {view, view.pixel(point) + off};
 }
 
-GizmoPart arrow(int axis) {
-  return static_cast<GizmoPart>(static_cast<int>(GizmoPart::MoveX) + axis);
+GizmoElement arrow(int axis) {
+  return static_cast<GizmoElement>(static_cast<int>(GizmoElement::MoveX) + axis);
 }
 
-GizmoPart ring(int axis) {
-  return static_cast<GizmoPart>(static_cast<int>(GizmoPart::TurnX) + axis);
+GizmoElement ring(int axis) {
+  return static_cast<GizmoElement>(static_cast<int>(GizmoElement::TurnX) + axis);
 }
 
 /// Turned and mirrored as a layer may be.
@@ -89,8 +89,8 @@ TEST(Gizmo, ArrowsAreTakenAlongTheirLengthAndRingsOnTheirNearHalf) {
           Gizmo without = gizmo;
           without.axes.setZero();
           without.axes.col(other) = gizmo.axes.col(other);
-          const GizmoPart its = gizmo_part_at(without, over(view, place));
-          alone = alone && (its == GizmoPart::None || its == ring(axis));
+          const GizmoElement its = gizmo_part_at(without, over(view, place));
+          alone = alone && (its == GizmoElement::None || its == ring(axis));
         }
         if (alone) {
           EXPECT_EQ(gizmo_part_at(gizmo, over(view, place, Vector2(1, -1))), ring(axis)) << axis << " " << k;
@@ -98,7 +98,7 @@ TEST(Gizmo, ArrowsAreTakenAlongTheirLengthAndRingsOnTheirNearHalf) {
         }
       }
     }
-    EXPECT_EQ(gizmo_part_at(gizmo, over(view, gizmo.knob(view), Vector2(3, 3))), GizmoPart::Scale);
+    EXPECT_EQ(gizmo_part_at(gizmo, over(view, gizmo.knob(view), Vector2(3, 3))), GizmoElement::Scale);
   }
   EXPECT_GE(arrows, 10);
   EXPECT_GE(rings, 10);
@@ -110,9 +110,9 @@ TEST(Gizmo, LeavesThePressOnTheHandleAlone) {
     const Gizmo gizmo = place_gizmo(kCenter, GizmoAxes::Layer, kNoNormal, view);
     for (double angle = 0; angle < 6.3; angle += 0.1) {
       const Vector2 off = 17 * Vector2(std::cos(angle), std::sin(angle));
-      EXPECT_EQ(gizmo_part_at(gizmo, over(view, kCenter, off)), GizmoPart::None);
+      EXPECT_EQ(gizmo_part_at(gizmo, over(view, kCenter, off)), GizmoElement::None);
     }
-    EXPECT_EQ(gizmo_part_at(gizmo, over(view, kCenter, Vector2(-150, 60))), GizmoPart::None);
+    EXPECT_EQ(gizmo_part_at(gizmo, over(view, kCenter, Vector2(-150, 60))), GizmoElement::None);
   }
 }
 
@@ -123,9 +123,9 @@ TEST(Gizmo, WhatIsSeenFromItsEndOrSideIsNotTaken) {
   EXPECT_FALSE(gizmo.ring_is_seen(0, view));
   EXPECT_TRUE(gizmo.ring_is_seen(2, view));
   // The ring about X covers the arrow along Y: that is the arrow's place, below it is no one's.
-  EXPECT_EQ(gizmo_part_at(gizmo, over(view, kCenter + 0.5 * gizmo.length * Vector3::UnitY())), GizmoPart::MoveY);
-  EXPECT_EQ(gizmo_part_at(gizmo, over(view, kCenter - 0.5 * gizmo.length * Vector3::UnitY())), GizmoPart::None);
-  EXPECT_EQ(gizmo_part_at(gizmo, over(view, kCenter - 0.8 * gizmo.length * Vector3::UnitY())), GizmoPart::TurnZ);
+  EXPECT_EQ(gizmo_part_at(gizmo, over(view, kCenter + 0.5 * gizmo.length * Vector3::UnitY())), GizmoElement::MoveY);
+  EXPECT_EQ(gizmo_part_at(gizmo, over(view, kCenter - 0.5 * gizmo.length * Vector3::UnitY())), GizmoElement::None);
+  EXPECT_EQ(gizmo_part_at(gizmo, over(view, kCenter - 0.8 * gizmo.length * Vector3::UnitY())), GizmoElement::TurnZ);
 }
 
 TEST(Gizmo, TheNearHalfOfARingIsPreferredToTheFarHalfOfAnother) {
@@ -160,9 +160,9 @@ TEST(Gizmo, AxesAndKindsOfItsParts) {
     EXPECT_EQ(*axis_of(gizmo, arrow(axis)), gizmo.axes.col(axis));
     EXPECT_EQ(*axis_of(gizmo, ring(axis)), gizmo.axes.col(axis));
   }
-  EXPECT_EQ(kind_of(GizmoPart::Scale), MotionKind::Scale);
-  EXPECT_FALSE(axis_of(gizmo, GizmoPart::Scale));
-  EXPECT_FALSE(axis_of(gizmo, GizmoPart::None));
+  EXPECT_EQ(kind_of(GizmoElement::Scale), MotionKind::Scale);
+  EXPECT_FALSE(axis_of(gizmo, GizmoElement::Scale));
+  EXPECT_FALSE(axis_of(gizmo, GizmoElement::None));
 }
 
 TEST(Gizmo, ItsRingsTurnWhatIsUnderTheCursorAlongWithIt) {

@@ -36,7 +36,7 @@ struct Chooser {
 
   Chooser() {
     settings.radius = 6;
-    settings.handle_share = 0;
+    settings.handle_fraction = 0;
   }
 
   Surface surface() const { return {mesh, adjacency, settings, region.get(), region && !region->distance.empty()}; }
@@ -128,7 +128,7 @@ TEST(Selection, AnotherGroupLeavesTheOthersAndTheRegionAsTheyAre) {
   EXPECT_TRUE(c.refused_with("no handle"));
   c.pick(kMiddle);
   ASSERT_TRUE(c.take(with_next_group(c.selection)));
-  c.settings.handle_share = 2.5 / c.settings.radius;
+  c.settings.handle_fraction = 2.5 / c.settings.radius;
   ASSERT_TRUE(c.pick(at(22, 20)));
   ASSERT_EQ(c.selection.groups.size(), 2U);
   EXPECT_EQ(c.selection.groups[0], std::vector<int>{kMiddle});
@@ -231,7 +231,7 @@ TEST(Selection, GivenRegionKeepsTheHandlesInsideIt) {
   Chooser c;
   c.pick(kMiddle);
   c.take(with_next_group(c.selection));
-  c.settings.handle_share = 1 / c.settings.radius;
+  c.settings.handle_fraction = 1 / c.settings.radius;
   c.pick(at(24, 20));
   std::vector<int> given = block(22, 26);
   given.erase(std::find(given.begin(), given.end(), at(25, 20) + 4));
@@ -324,7 +324,7 @@ TEST(Selection, AnyChoicesLeaveGroupsApartAndInTheRegion) {
   int taken = 0;
   for (int event = 0; event < 600; ++event) {
     const int vertex = at(10 + any(20), 10 + any(20));
-    c.settings.handle_share = any(3) / c.settings.radius;
+    c.settings.handle_fraction = any(3) / c.settings.radius;
     switch (any(10)) {
       case 0:
       case 1: {

@@ -132,7 +132,7 @@ struct CellModel::Placing {
 
 /// Moves a handle vertex towards its target, according to its weight.
 void CellModel::place_handle(int i, double unit, Points& displacement) const {
-  const double weight = settings_.handle_weight * rest_->region->share(i),
+  const double weight = settings_.handle_weight * rest_->region->weight(i),
                held = weight * weight / (1 + weight * weight);
   displacement.row(i) += held * (paths_.displacement(i).transpose() / unit - displacement.row(i));
 }

@@ -39,7 +39,7 @@ class Packing {
   std::array<std::int64_t, 4> place(int vertex) const;
   bool is_rigid(int i) const {
     return region_.classes[i] == VertexClass::Handle
-               ? region_.share(i) == 1
+               ? region_.weight(i) == 1
                : region_.classes[i] == VertexClass::Anchor && !region_.anchor_depth.empty() &&
                      region_.anchor_depth[i] == 1;
   }

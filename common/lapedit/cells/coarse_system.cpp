@@ -88,7 +88,7 @@ void CoarseSystem::hold_handles(const Region& region, const Points& rest, const 
     double count = 0;
     for (last = first; last < vertices.size() && key(vertices[last]) == key(vertices[first]); ++last) {
       const int i = vertices[last];
-      const double counts = region.share(i) * region.share(i);
+      const double counts = region.weight(i) * region.weight(i);
       count += counts;
       held.vertices.emplace_back(i, counts);
       held.mean += counts * rest.row(i).transpose();

@@ -26,7 +26,8 @@ Vector3 face_normal(const Points& points, const Faces& faces, Eigen::Index face)
 /// n' . (R_a + R_b + R_c) n < 0
 bool is_flipped(const Region& region, Eigen::Index f, const Points& before, const Points& after,
                 const std::vector<Matrix3>& rotations) {
-  const Matrix3 rotation = rotations[region.faces(f, 0)] + rotations[region.faces(f, 1)] + rotations[region.faces(f, 2)];
+  const Matrix3 rotation =
+      rotations[region.faces(f, 0)] + rotations[region.faces(f, 1)] + rotations[region.faces(f, 2)];
   return face_normal(after, region.faces, f).dot(rotation * face_normal(before, region.faces, f)) < 0;
 }
 
@@ -214,7 +215,7 @@ EditQuality edit_quality(const LaplacianSystem& system, const EditConstraints& c
   EditQuality result;
   const Region& region = system.region;
   const std::vector<int> lone = lone_vertices(region);
-  const std::vector<double> largest = largest_shares(region);
+  const std::vector<double> largest = largest_weights(region);
   for (int i = 0; i < region.size(); ++i) {
     const Vector3 moved = (positions.row(i) - system.rest.world.row(i)).transpose();
     if (region.classes[i] == VertexClass::Handle) {
@@ -223,10 +224,10 @@ EditQuality edit_quality(const LaplacianSystem& system, const EditConstraints& c
         result.handle_displacement = wanted.norm();
         result.causes.lone_handle = lone[region.group[i]] >= 0;
       }
-      if (region.share(i) == largest[region.group[i]]) {
+      if (region.weight(i) == largest[region.group[i]]) {
         result.handle_residual = std::max(result.handle_residual, (moved - wanted).norm());
       }
-      if (region.share(i) == 1 && (moved - wanted).norm() > result.causes.distance) {
+      if (region.weight(i) == 1 && (moved - wanted).norm() > result.causes.distance) {
         result.causes.distance = (moved - wanted).norm();
         result.causes.behind = region.mesh_vertex[i];
       }

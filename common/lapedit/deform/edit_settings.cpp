@@ -143,6 +143,12 @@ void validate(const EditSettings& settings) {
                                                     " has no meaning with the method " + name(settings.method) +
                                                     ": leave it out, or use the method " + name(*setting.only) + ".");
     }
+    const double usual = setting.get(EditSettings::of(settings.method));
+    if (setting.fixed == settings.method && value != usual) {
+      throw EditError(ErrorCause::BadParameter, std::string("The ") + setting.subject + " is " + number_text(value) +
+                                                    ", but the method " + name(settings.method) + " has " +
+                                                    number_text(usual) + " only: leave it out, or use another method.");
+    }
   }
 }
 

@@ -25,9 +25,9 @@ Eigen::RowVectorXd shares(const Eigen::RowVectorXd& distances) {
 GeodesicFalloff geodesic_falloff(const Region& region, const Points& points) {
   const int groups = 1 + *std::max_element(region.group.begin(), region.group.end());
   std::vector<std::vector<int>> seeds(groups + 1);  // the anchors come last
-  const std::vector<double> largest = largest_shares(region);
+  const std::vector<double> largest = largest_weights(region);
   const auto is_handle = [&](int i) {
-    return region.classes[i] == VertexClass::Handle && region.share(i) == largest[region.group[i]];
+    return region.classes[i] == VertexClass::Handle && region.weight(i) == largest[region.group[i]];
   };
   for (int i = 0; i < region.size(); ++i) {
     if (is_handle(i)) {

@@ -196,7 +196,7 @@ LocalMotion GroupPaths::best_fit(int component) const {
     for (const Group& group : groups_) {
       for (const int i : group.vertices) {
         if (region_.component[i] == component) {
-          const double weight = region_.share(i);
+          const double weight = region_.weight(i);
           body(weight * weight, rest_.row(i).transpose(), displacement(i));
         }
       }

@@ -103,7 +103,7 @@ void Preparation::weigh() {
       s_.all_anchored() && s_.settings.order == 1 && region.count(VertexClass::Handle) <= kSmallHandle;
   for (int i = 0; i < region.size(); ++i) {
     const VertexClass c = region.classes[i];
-    const double weight = c == VertexClass::Handle   ? s_.settings.handle_weight * region.share(i)
+    const double weight = c == VertexClass::Handle   ? s_.settings.handle_weight * region.weight(i)
                           : c == VertexClass::Anchor ? s_.settings.anchor_weight * region.anchor_weight[i]
                                                      : 0;
     s_.squared_weights[i] = factor_weights_[i] = weight * weight;
@@ -151,10 +151,10 @@ void Preparation::make_factor_and_kernel() {
 }
 
 std::string Preparation::reused(bool factor) const {
-  const std::string second = factor                                ? "factor"
-                             : s_.matrix->cholesky.took_analysis() ? "analysis"
-                             : order_reused_                       ? "ordering"
-                                                                   : "";
+  const std::string second = factor                                  ? "factor"
+                             : s_.matrix->cholesky.analysis_reused() ? "analysis"
+                             : order_reused_                         ? "ordering"
+                                                                     : "";
   return operator_reused_ ? second.empty() ? "operator" : "operator and " + second
          : second.empty() ? "nothing"
                           : second;

@@ -31,7 +31,7 @@ struct Places {
 struct HandleGroup {
   std::vector<int> vertices;  ///< mesh vertex numbers
   HandleTransform transform;
-  std::vector<double> weights = {};     ///< per vertex, kLeastShare to 1: factor of handle_weight; empty: 1
+  std::vector<double> weights = {};     ///< per vertex, kLeastWeight to 1: factor of handle_weight; empty: 1
   std::vector<Vector3> targets = {};    ///< per vertex, replaces the transform; empty: the transform applies
   std::vector<std::string> names = {};  ///< of the landmarks that vertices and targets come from, or none
   Places places = {};                   ///< replaces vertices until located() finds them

@@ -43,7 +43,8 @@ FoundRegion find_region(const TriangleMesh& mesh, const Adjacency& adjacency, co
 
 StepSolver::StepSolver(const TriangleMesh& mesh, FoundRegion found, const EditSettings& settings,
                        const StepOptions& options)
-    : settings_(settings), options_(options), region_ms_(found.milliseconds) {
+    : settings_(settings), options_(options) {
+  preparation_.region_ms = found.milliseconds;
   validate(settings);
   rest_ = std::make_shared<const RestPose>(mesh, std::move(found.region));
   if (options.mirror) {
@@ -62,7 +63,7 @@ void StepSolver::make_cells(const TriangleMesh& mesh, const Progress& progress) 
 void StepSolver::make_cells(const TriangleMesh& mesh, int threads, const Progress& progress) {
   const Stopwatch watch;
   cells_ = std::make_unique<CellModel>(mesh, rest_, settings_, ThreadPool(threads), progress);
-  cells_ms_ = watch.elapsed();
+  preparation_.cells_ms = watch.elapsed();
 }
 
 std::shared_ptr<const LaplacianSystem> StepSolver::make_system(const TriangleMesh& mesh, const Progress& progress,
@@ -187,7 +188,7 @@ const Points& StepSolver::pose(const std::vector<HandleMotion>& handles, const A
     positions_.row(i) = rest_->world.row(i) + displacement.transpose();
   }
   finish(positions_);
-  ++poses_;
+  ++preparation_.poses;
   return positions_;
 }
 
@@ -209,11 +210,11 @@ EditReport StepSolver::report(bool whole) const {
   report.refinements = std::max(figures_.refinements, system_->figures.refinements);
   report.factor_reused = system_->figures.factor_reused;
   report.reused = system_->figures.reused;
-  if (poses_ <= 1) {
-    report.region_ms = region_ms_;
+  if (preparation_.poses <= 1) {
+    report.region_ms = preparation_.region_ms;
     report.operator_ms = system_->figures.operator_ms;
     report.factor_ms = system_->figures.factor_ms;
-    report.kernel_ms = system_->figures.kernel_ms + cells_ms_;
+    report.kernel_ms = system_->figures.kernel_ms + preparation_.cells_ms;
   } else {  // everything existed before this pose
     report.factor_reused = true;
     report.reused = "operator and factor";

@@ -146,6 +146,10 @@ class StepSolver {
     double unrotated_ms = 0, normals_ms = 0, rotate_ms = 0, solve_ms = 0;
     double rotation_left = 0;  ///< largest change of a rotation in the last pass, degrees
   };
+  struct Preparation {
+    double region_ms = 0, cells_ms = 0;
+    int poses = 0;  ///< since then
+  };
   struct Frame;
 
   void make_cells(const TriangleMesh& mesh, int threads, const Progress& progress);
@@ -164,7 +168,7 @@ class StepSolver {
   std::shared_ptr<const RestPose> rest_;
   EditSettings settings_;
   StepOptions options_;
-  double region_ms_, cells_ms_ = 0;
+  Preparation preparation_;
   std::optional<PoseSymmetry> symmetry_;
   std::unique_ptr<CellModel> cells_;
 
@@ -175,7 +179,6 @@ class StepSolver {
   std::unique_ptr<FrameRotations> frame_rotations_;  // with EditMethod::Paper
 
   // Of the last pose, size() x 3 each; no rows before the first.
-  int poses_ = 0;
   PoseFigures figures_;
   Points displacement_;  // d, from the rigidly moved pose
   Points right_;         // right-hand side of the normal equations

@@ -133,8 +133,8 @@ void RefinedSolver::solve(Points& right, Points& x) {
 
 class RefinedSolver::System : public RefinedSystem {
  public:
-  System(RefinedSolver& solver, const Points& right, const Progress& go_on)
-      : s_(solver), right_(right), go_on_(go_on) {}
+  System(RefinedSolver& solver, const Points& right, const Progress& progress)
+      : s_(solver), right_(right), go_on_(progress) {}
   void residual(const DoubledPoints& x, Points& left) override {
     normal_residual(*s_.matrix_->m, s_.squared_weights_, right_, x, s_.between_, left, *s_.pool_);
   }
@@ -152,9 +152,9 @@ class RefinedSolver::System : public RefinedSystem {
   const Progress& go_on_;
 };
 
-Refinement RefinedSolver::refine_to_the_bit(const Points& right, Points& x, const Progress& go_on) {
+Refinement RefinedSolver::refine_to_the_bit(const Points& right, Points& x, const Progress& progress) {
   residual_ = right;
-  System system(*this, right, go_on);
+  System system(*this, right, progress);
   const Refinement done =
       lapedit::refine_to_the_bit(system, cholesky_.single_precision(), doubled_, residual_, step_, *pool_);
   x = doubled_.high;

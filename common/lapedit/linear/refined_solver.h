@@ -60,8 +60,8 @@ class RefinedSolver {
 
   /// Solves A x = b to the last bit of a double, whatever the quality of the factor. Allocates nothing after the first
   /// call.
-  /// @param go_on  called at each step. @throws EditError (Cancelled)
-  Refinement refine_to_the_bit(const Points& right, Points& x, const Progress& go_on = {});
+  /// @param progress  called at each step. @throws EditError (Cancelled)
+  Refinement refine_to_the_bit(const Points& right, Points& x, const Progress& progress = {});
 
   /// Returns |A x - b| over (|A0| + largest w^2) |x| + |b|, maximum norms; 0 if all are 0.
   double relative_residual(const Points& right, const Points& x) const;
@@ -83,8 +83,10 @@ class RefinedSolver {
   DoubledPoints doubled_, between_;
 };
 
-/// Computes the correction for rows that have no weight in A0. @param a0 a solver without one @return null if a column
-/// of Z does not reach `accurate` in `most_steps` steps Cost: a refined solution per three rows.
+/// Computes the correction for rows that have no weight in A0.
+/// @param a0  a solver without a correction
+/// @return    null if a column of Z does not reach `accurate` in `most_steps` steps
+/// Cost: a refined solution per three rows.
 std::optional<WoodburyCorrection> woodbury_correction(RefinedSolver& a0, Eigen::Index size, std::vector<int> rows,
                                                       std::vector<double> squared_weights, double accurate,
                                                       int most_steps);

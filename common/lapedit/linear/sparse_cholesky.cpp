@@ -58,7 +58,7 @@ struct SparseCholesky::Impl {
   const char* name;
   std::vector<int> order;
   std::size_t nonzeros = 0;
-  bool single_precision = false, took_analysis = false;
+  bool single_precision = false, analysis_reused = false;
 
  protected:
   Impl(const Impl&) = default;
@@ -177,9 +177,9 @@ struct Analysed : Impl {
   /// @param like  of a matrix with the same pattern, or null
   void analyse(const SparseMatrix& matrix, const std::vector<int>& given, const Impl* like) {
     const auto* const other = dynamic_cast<const Analysed*>(like);
-    took_analysis = other && other->analysis->entries == matrix.nonZeros() &&
-                    static_cast<Eigen::Index>(other->order.size()) == matrix.rows();
-    analysis = took_analysis
+    analysis_reused = other && other->analysis->entries == matrix.nonZeros() &&
+                      static_cast<Eigen::Index>(other->order.size()) == matrix.rows();
+    analysis = analysis_reused
                    ? other->analysis
                    : std::make_shared<const Analysis>(Analysis{supernodal_analysis(matrix, given), matrix.nonZeros()});
     order = analysis->pattern.order;
@@ -262,8 +262,8 @@ bool SparseCholesky::single_precision() const {
 const char* SparseCholesky::backend_name() const {
   return impl_->name;
 }
-bool SparseCholesky::took_analysis() const {
-  return impl_->took_analysis;
+bool SparseCholesky::analysis_reused() const {
+  return impl_->analysis_reused;
 }
 std::size_t SparseCholesky::factor_nonzeros() const {
   return impl_->nonzeros;

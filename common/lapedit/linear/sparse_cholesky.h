@@ -25,9 +25,10 @@ struct CholeskyOptions {
   /// Keeps the factor in single precision: half the memory and twice the speed, and solutions with a relative error of
   /// about 1e-5, to be refined. The Eigen backend uses double.
   bool single_precision = false;
-  std::shared_ptr<ThreadPool> pool;  ///< empty: the caller's thread alone Factor of a matrix with the same pattern, in
-                                     ///< the same order, whose analysis is taken over where there is one; not
-  /// kept. The same bits.
+  /// Empty: the caller's thread alone.
+  std::shared_ptr<ThreadPool> pool;
+  /// Factor of a matrix with the same pattern, in the same order, whose analysis is reused if it has one; not kept. The
+  /// bits are the same.
   const SparseCholesky* same_pattern = nullptr;
 };
 
@@ -58,7 +59,7 @@ class SparseCholesky {
   bool single_precision() const;
   const char* backend_name() const;
   /// Returns whether the analysis of CholeskyOptions::same_pattern was reused.
-  bool took_analysis() const;
+  bool analysis_reused() const;
   std::size_t factor_nonzeros() const;
 
  private:

@@ -58,19 +58,19 @@ std::vector<int> collect_handles(const TriangleMesh& mesh, const std::vector<std
   return handles;
 }
 
-void check_shares(const std::vector<std::vector<int>>& groups, const std::vector<std::vector<double>>& shares) {
-  for (std::size_t g = 0; g < shares.size(); ++g) {
+void check_weights(const std::vector<std::vector<int>>& groups, const std::vector<std::vector<double>>& weights) {
+  for (std::size_t g = 0; g < weights.size(); ++g) {
     const std::size_t vertices = g < groups.size() ? groups[g].size() : 0;
-    if (!shares[g].empty() && shares[g].size() != vertices) {
+    if (!weights[g].empty() && weights[g].size() != vertices) {
       throw EditError(ErrorCause::BadParameter, "Handle group " + std::to_string(g) + " has " +
                                                     std::to_string(vertices) + " vertices and " +
-                                                    std::to_string(shares[g].size()) +
+                                                    std::to_string(weights[g].size()) +
                                                     " weights: give one weight for each vertex, or none at all.");
     }
-    for (std::size_t k = 0; k < shares[g].size(); ++k) {
-      if (!(shares[g][k] >= kLeastShare && shares[g][k] <= 1)) {
+    for (std::size_t k = 0; k < weights[g].size(); ++k) {
+      if (!(weights[g][k] >= kLeastWeight && weights[g][k] <= 1)) {
         throw EditError(ErrorCause::BadParameter, "Handle vertex " + std::to_string(groups[g][k]) + " has the weight " +
-                                                      number_text(shares[g][k]) +
+                                                      number_text(weights[g][k]) +
                                                       ": weights of handle vertices go from 0.000001 to 1.");
       }
     }
@@ -130,7 +130,7 @@ void require_finite(const TriangleMesh& mesh, const Adjacency& adjacency, const 
 void check_spec(const RegionSpec& spec) {
   if (!(spec.padding >= 0 && spec.padding <= 1)) {
     throw EditError(ErrorCause::BadParameter, "The padding is " + number_text(spec.padding) +
-                                                  ": give a share of the region's radius from 0 to 1.");
+                                                  ": give a fraction of the region's radius from 0 to 1.");
   }
   if (spec.kind == RegionSpec::Kind::Radius && !(spec.radius > 0 && std::isfinite(spec.radius))) {
     throw EditError(ErrorCause::BadParameter,
@@ -394,23 +394,23 @@ void classify(ThreadPool& pool, const TriangleMesh& mesh, const RegionSpec& spec
 }
 
 /// Sets weights unless all are 1; a vertex that is listed twice has the larger one.
-void take_shares(const std::vector<std::vector<int>>& groups, const std::vector<std::vector<double>>& shares,
+void take_weights(const std::vector<std::vector<int>>& groups, const std::vector<std::vector<double>>& weights,
                  const std::vector<int>& local, Region& region) {
-  for (std::size_t g = 0; g < shares.size(); ++g) {
-    for (std::size_t k = 0; k < shares[g].size(); ++k) {
-      if (shares[g][k] < 1 && region.handle_share.empty()) {
-        region.handle_share.assign(region.mesh_vertex.size(), 0);
+  for (std::size_t g = 0; g < weights.size(); ++g) {
+    for (std::size_t k = 0; k < weights[g].size(); ++k) {
+      if (weights[g][k] < 1 && region.handle_weight.empty()) {
+        region.handle_weight.assign(region.mesh_vertex.size(), 0);
       }
     }
   }
-  for (std::size_t g = 0; !region.handle_share.empty() && g < shares.size(); ++g) {
-    for (std::size_t k = 0; k < shares[g].size(); ++k) {
-      double& share = region.handle_share[local[groups[g][k]]];
-      share = std::max(share, shares[g][k]);
+  for (std::size_t g = 0; !region.handle_weight.empty() && g < weights.size(); ++g) {
+    for (std::size_t k = 0; k < weights[g].size(); ++k) {
+      double& weight = region.handle_weight[local[groups[g][k]]];
+      weight = std::max(weight, weights[g][k]);
     }
   }
-  for (double& share : region.handle_share) {
-    share = share > 0 ? share : 1;
+  for (double& weight : region.handle_weight) {
+    weight = weight > 0 ? weight : 1;
   }
 }
 
@@ -471,7 +471,7 @@ void find_components(const std::vector<std::pair<int, int>>& handles, Region& re
 /// Links that leave a given set make no rim, since vertices outside the set do not hold it.
 Region build_connected(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
                        const std::vector<std::vector<int>>& groups, int threads,
-                       const std::vector<std::vector<double>>& shares) {
+                       const std::vector<std::vector<double>>& weights) {
   const bool given_set = spec.kind == RegionSpec::Kind::Vertices;
   std::vector<char> flags(given_set ? mesh.vertices.rows() : 0, 0);
   for (const int v : spec.vertices) {
@@ -483,7 +483,7 @@ Region build_connected(const TriangleMesh& mesh, const Adjacency& adjacency, con
                          adjacency.faces};
   RegionSpec plain = spec;
   plain.connect_gap = 0;
-  Region region = build_region(mesh, linked, plain, groups, threads, shares);
+  Region region = build_region(mesh, linked, plain, groups, threads, weights);
   for (int i = 0; i < region.size(); ++i) {
     const IndexLists::Row ring = adjacency.neighbours[region.mesh_vertex[i]];
     for (const int j : region.neighbours[i]) {
@@ -503,17 +503,17 @@ int Region::count(VertexClass c) const {
 
 Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
                     const std::vector<std::vector<int>>& groups, int threads,
-                    const std::vector<std::vector<double>>& shares) {
+                    const std::vector<std::vector<double>>& weights) {
   check_spec(spec);
   for (const int v : spec.held) {
     require_vertex("Held vertex", v, static_cast<int>(mesh.vertices.rows()));
   }
   if (spec.connect_gap != 0) {
-    return build_connected(mesh, adjacency, spec, groups, threads, shares);
+    return build_connected(mesh, adjacency, spec, groups, threads, weights);
   }
   std::vector<int> local;  // first used for the handles' groups
   const std::vector<int> handles = collect_handles(mesh, groups, local);
-  check_shares(groups, shares);
+  check_weights(groups, weights);
   std::vector<std::pair<int, int>> local_handles;
   local_handles.reserve(handles.size());
   for (const int v : handles) {
@@ -558,13 +558,13 @@ Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const 
   extract_faces(pool, mesh, adjacency, local, region);
   classify(pool, mesh, spec, local, local_handles, rim, region);
   find_components(local_handles, region);
-  take_shares(groups, shares, local, region);
+  take_weights(groups, weights, local, region);
   return region;
 }
 
 std::vector<double> falloff_weights(const std::vector<double>& distances, double disc_radius, double softness) {
   constexpr double kRim = 0.3;
-  const double rim = std::max(kLeastShare, kRim / std::max(1.0, static_cast<double>(distances.size())));
+  const double rim = std::max(kLeastWeight, kRim / std::max(1.0, static_cast<double>(distances.size())));
   std::vector<double> weights;
   weights.reserve(distances.size());
   for (const double distance : distances) {
@@ -586,11 +586,11 @@ std::vector<int> lone_vertices(const Region& region) {
   return lone;
 }
 
-std::vector<double> largest_shares(const Region& region) {
+std::vector<double> largest_weights(const Region& region) {
   std::vector<double> largest(1 + *std::max_element(region.group.begin(), region.group.end()), 0);
   for (int i = 0; i < region.size(); ++i) {
     if (region.group[i] >= 0) {
-      largest[region.group[i]] = std::max(largest[region.group[i]], region.share(i));
+      largest[region.group[i]] = std::max(largest[region.group[i]], region.weight(i));
     }
   }
   return largest;

@@ -32,8 +32,8 @@ inline double smooth_step(double t) {
   return t * t * (3 - 2 * t);
 }
 
-/// Smallest share of its group's weight that a handle vertex may have.
-constexpr double kLeastShare = 1e-6;
+/// Smallest factor of its group's weight that a handle vertex may have.
+constexpr double kLeastWeight = 1e-6;
 
 /// The part of the surface that may change.
 struct RegionSpec {
@@ -63,7 +63,7 @@ struct Region {
   std::vector<int> component;        ///< connected component of the region's graph
   std::vector<char> anchored;        ///< per component: whether it has an anchor
   /// Factor of the weight of each Handle vertex, 1 for others; empty: 1 for all.
-  std::vector<double> handle_share;
+  std::vector<double> handle_weight;
   std::vector<double> distance;       ///< geodesic distance from the nearest handle vertex
   std::vector<double> anchor_weight;  ///< d / d_max for anchors, 0 for others (paper, section 5)
   /// For anchors: 0 at the inner edge of their band to 1 at the region's end; may be empty.
@@ -80,7 +80,7 @@ struct Region {
 
   int size() const { return static_cast<int>(mesh_vertex.size()); }
   int count(VertexClass c) const;
-  double share(int i) const { return handle_share.empty() ? 1 : handle_share[i]; }
+  double weight(int i) const { return handle_weight.empty() ? 1 : handle_weight[i]; }
 };
 
 /// Finds and classifies the region.
@@ -92,14 +92,14 @@ struct Region {
 /// without a handle vertex are excluded.
 /// @param groups  handle groups, mesh vertex numbers; a vertex may be in one group only
 /// @param threads  0: as many as the machine has; the region does not depend on it
-/// @param shares   of the groups' vertices, see Region::handle_share, kLeastShare to 1; empty lists, or none: 1
+/// @param weights   of the groups' vertices, see Region::handle_weight, kLeastWeight to 1; empty lists, or none: 1
 /// @throws EditError (NoHandle, BadIndex, BadParameter, EmptyRegion, HandleOutsideRegion, NotFinite, NothingToFollow)
 /// Cost: O(k) in the region's size k, plus some passes over one number per mesh vertex.
 Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
                     const std::vector<std::vector<int>>& groups, int threads = 0,
-                    const std::vector<std::vector<double>>& shares = {});
+                    const std::vector<std::vector<double>>& weights = {});
 
-/// Returns the shares for a disc that is soft towards its rim: 1 within (1 - softness) of its radius, and from there
+/// Returns the weights for a disc that is soft towards its rim: 1 within (1 - softness) of its radius, and from there
 /// smoothly and geometrically down to 0.3 / N at the rim, N the number of its vertices. A vertex with so small a weight
 /// is almost free, so a pull makes a dome. N is a factor because each vertex of a finer surface has less influence.
 /// @param distances  of the disc's vertices from its centre, model units, from 0 to the radius
@@ -109,8 +109,8 @@ std::vector<double> falloff_weights(const std::vector<double>& distances, double
 /// Returns the only vertex of each handle group of one, -1 for larger groups.
 std::vector<int> lone_vertices(const Region& region);
 
-/// Returns the largest share of the vertices of each handle group.
-std::vector<double> largest_shares(const Region& region);
+/// Returns the largest weight of the vertices of each handle group.
+std::vector<double> largest_weights(const Region& region);
 
 /// Returns the region's anchors, to be kept for the next edit in it.
 KeptAnchors anchors_of(const Region& region);

@@ -109,7 +109,7 @@ void DragSession::set_settings(const DragSettings& settings) {
     return;
   }
   const bool new_radius = settings.radius != before.radius;
-  const bool new_discs = settings.handle_share != before.handle_share || settings.softness != before.softness;
+  const bool new_discs = settings.handle_fraction != before.handle_fraction || settings.softness != before.softness;
   const bool new_rest =
       settings.padding != before.padding || settings.connect_gap != before.connect_gap || settings.edit != before.edit;
   // A step that is being solved again takes all changes.

@@ -85,8 +85,8 @@ class DragSession {
   bool preparing() const { return solver_.preparing(); }           ///< a region is being prepared
   double progress() const { return solver_.worker().progress(); }  ///< of that, 0 to 1
   const char* stage() const { return solver_.worker().stage(); }   ///< of that
-  bool in_hand() const {
-    return solver_.in_hand();
+  bool has_preview() const {
+    return solver_.has_preview();
   }                                               ///< frames of a drag are available, at least from the region's cells
   bool ready() const { return solver_.ready(); }  ///< the region is prepared
   bool busy() const { return solver_.worker().busy(); }  ///< poll() has, or will have, something new
@@ -95,7 +95,7 @@ class DragSession {
   const std::vector<int>& unconnected() const { return model_.unconnected; }
   /// Returns position and size of the gizmo, if there is an active group and the gizmo is switched on.
   std::optional<Gizmo> gizmo(const Camera& view) const { return model_.gizmo(view); }
-  GizmoPart gizmo_part() const { return mouse_.gizmo_part(); }  ///< under the cursor, or held
+  GizmoElement gizmo_element() const { return mouse_.gizmo_element(); }  ///< under the cursor, or held
   const HoverPreview* hover() const {
     return mouse_.preview();
   }                             ///< preview of what a press would pick, null if nothing
@@ -149,7 +149,7 @@ class DragSession {
   bool press(const Cursor& cursor, PressModifiers modifiers = {}) { return mouse_.press(cursor, modifiers); }
   void move(const Cursor& cursor) { mouse_.move(cursor); }  ///< also without a press: keys R, S, T follow the mouse
   /// Handles the cursor without a button. The work is bounded, independent of the mesh. @return whether hover() or
-  /// gizmo_part() changed
+  /// gizmo_element() changed
   bool hover(const Cursor& cursor, PressModifiers modifiers) { return mouse_.hover(cursor, modifiers); }
   void leave() { mouse_.leave(); }  ///< the cursor has left the view
   void release(const Cursor& cursor) { mouse_.release(cursor); }

@@ -32,7 +32,7 @@ void validate(const DragSettings& settings) {
   } ranges[] = {
       {"region's radius", settings.radius, kShortest, kLongest, "a finite length greater than 0"},
       {"padding", settings.padding, 0, 1, "a share of the region's radius from 0 to 1"},
-      {"handle's share of the radius", settings.handle_share, 0, kLargestHandleShare,
+      {"handle's share of the radius", settings.handle_fraction, 0, kLargestHandleFraction,
        "a number from 0, a single vertex, to 0.9"},
       {"handle's softness", settings.softness, 0, 1, "a share of its disc from 0 to 1"},
       {"gap to connect pieces over", settings.connect_gap, 0, kLongest, "a finite length, or 0 to leave pieces apart"},

@@ -75,50 +75,51 @@ Gizmo place_gizmo(const Vector3& center, GizmoAxes axes, const Vector3& normal, 
   return gizmo;
 }
 
-GizmoPart gizmo_part_at(const Gizmo& gizmo, const Cursor& cursor) {
+GizmoElement gizmo_part_at(const Gizmo& gizmo, const Cursor& cursor) {
   const Camera& view = cursor.view;
   if (!view.valid() || !cursor.pixel.allFinite() || !view.in_front(gizmo.center)) {
-    return GizmoPart::None;
+    return GizmoElement::None;
   }
   const double from_center = (cursor.pixel - view.pixel(gizmo.center)).norm();
   if (!(from_center > Gizmo::kFree * kLengthPixels)) {
-    return GizmoPart::None;
+    return GizmoElement::None;
   }
-  GizmoPart part = GizmoPart::None;
+  GizmoElement part = GizmoElement::None;
   double nearest = kPickPixels;
-  const auto offer = [&](GizmoPart offered, double pixels) {
+  const auto offer = [&](GizmoElement offered, double pixels) {
     if (pixels < nearest) {
       nearest = pixels;
       part = offered;
     }
   };
   if (!gizmo.only_arrows && (cursor.pixel - view.pixel(gizmo.knob(view))).norm() < kKnobPixels) {
-    return GizmoPart::Scale;
+    return GizmoElement::Scale;
   }
   for (int axis = 0; axis < 3; ++axis) {
     if (gizmo.arrow_is_seen(axis, view)) {
-      offer(static_cast<GizmoPart>(static_cast<int>(GizmoPart::MoveX) + axis),
+      offer(static_cast<GizmoElement>(static_cast<int>(GizmoElement::MoveX) + axis),
             distance_to_segment(cursor.pixel, view.pixel(gizmo.along(axis, Gizmo::kFree)),
                                 view.pixel(gizmo.along(axis, Gizmo::kTip))));
     }
     if (gizmo.ring_is_seen(axis, view)) {
-      offer(static_cast<GizmoPart>(static_cast<int>(GizmoPart::TurnX) + axis), distance_to_ring(gizmo, axis, cursor));
+      offer(static_cast<GizmoElement>(static_cast<int>(GizmoElement::TurnX) + axis),
+            distance_to_ring(gizmo, axis, cursor));
     }
   }
   return part;
 }
 
-MotionKind kind_of(GizmoPart part) {
-  return part == GizmoPart::Scale   ? MotionKind::Scale
-         : part >= GizmoPart::TurnX ? MotionKind::Rotate
-                                    : MotionKind::Translate;
+MotionKind kind_of(GizmoElement part) {
+  return part == GizmoElement::Scale   ? MotionKind::Scale
+         : part >= GizmoElement::TurnX ? MotionKind::Rotate
+                                       : MotionKind::Translate;
 }
 
-int axis_number(GizmoPart part) {
-  return part == GizmoPart::None || part == GizmoPart::Scale ? -1 : (static_cast<int>(part) - 1) % 3;
+int axis_number(GizmoElement part) {
+  return part == GizmoElement::None || part == GizmoElement::Scale ? -1 : (static_cast<int>(part) - 1) % 3;
 }
 
-std::optional<Vector3> axis_of(const Gizmo& gizmo, GizmoPart part) {
+std::optional<Vector3> axis_of(const Gizmo& gizmo, GizmoElement part) {
   const int axis = axis_number(part);
   return axis < 0 ? std::nullopt : std::optional<Vector3>(gizmo.axes.col(axis));
 }

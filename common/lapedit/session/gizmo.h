@@ -15,7 +15,7 @@ enum class GizmoAxes {
 };
 
 /// Parts of a gizmo: an arrow moves along an axis, a ring rotates about it, the knob scales.
-enum class GizmoPart { None, MoveX, MoveY, MoveZ, TurnX, TurnY, TurnZ, Scale };
+enum class GizmoElement { None, MoveX, MoveY, MoveZ, TurnX, TurnY, TurnZ, Scale };
 
 /// Arrows, rings and a knob at a handle group, of constant size on the screen.
 ///
@@ -46,12 +46,12 @@ Gizmo place_gizmo(const Vector3& center, GizmoAxes axes, const Vector3& normal, 
 
 /// Returns the part under the cursor: the nearest on the screen within a few pixels, the front one of crossing rings.
 /// O(1).
-GizmoPart gizmo_part_at(const Gizmo& gizmo, const Cursor& cursor);
+GizmoElement gizmo_part_at(const Gizmo& gizmo, const Cursor& cursor);
 
-MotionKind kind_of(GizmoPart part);
+MotionKind kind_of(GizmoElement part);
 /// Returns the axis of an arrow or a ring, 0 to 2; -1 for other parts.
-int axis_number(GizmoPart part);
+int axis_number(GizmoElement part);
 /// Returns the unit direction of the part's axis; `std::nullopt` for the knob.
-std::optional<Vector3> axis_of(const Gizmo& gizmo, GizmoPart part);
+std::optional<Vector3> axis_of(const Gizmo& gizmo, GizmoElement part);
 
 }  // namespace lapedit

@@ -7,7 +7,7 @@
 
 namespace lapedit {
 
-std::vector<HandleGroup> part_of_way(const StepWay& way, const TriangleMesh& rest) {
+std::vector<HandleGroup> part_of_path(const StepWay& way, const TriangleMesh& rest) {
   std::vector<HandleGroup> handles = way.whole;
   const double share = way.share;
   for (HandleGroup& handle : handles) {

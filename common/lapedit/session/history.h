@@ -47,7 +47,7 @@ struct AppliedStep {
 };
 
 /// The handles at a share from 0 to 1 of their way. @param rest  the mesh before the step
-std::vector<HandleGroup> part_of_way(const StepWay& way, const TriangleMesh& rest);
+std::vector<HandleGroup> part_of_path(const StepWay& way, const TriangleMesh& rest);
 /// The way of a step that is applied as it is.
 StepWay way_of(const EditStep& step);
 

@@ -4,9 +4,9 @@
 namespace lapedit {
 namespace {
 
-void set(DragSettings& settings, const EditSettings& edit, double handle_share, double softness) {
+void set(DragSettings& settings, const EditSettings& edit, double handle_fraction, double softness) {
   settings.edit = edit;
-  settings.handle_share = handle_share;
+  settings.handle_fraction = handle_fraction;
   settings.softness = softness;
 }
 
@@ -21,7 +21,7 @@ EditSettings with_membrane(double membrane) {
 const std::vector<Preset>& presets() {
   static const std::vector<Preset> list = {
       {"General", "Suits most surfaces.",
-       [](DragSettings& s) { set(s, EditSettings(), DragSettings().handle_share, DragSettings().softness); }},
+       [](DragSettings& s) { set(s, EditSettings(), DragSettings().handle_fraction, DragSettings().softness); }},
       {"Limb", "Arms, legs, tails and horns: a larger handle, less stretch, the limb bends and keeps its thickness.",
        [](DragSettings& s) { set(s, with_membrane(1000), 0.25, 0); }},
       {"Face", "Noses, lips, ears and cheeks: a soft disc that fades out smoothly.",
@@ -43,7 +43,8 @@ int preset_of(const DragSettings& settings) {
   for (std::size_t i = 0; i < presets().size(); ++i) {
     DragSettings set = settings;
     presets()[i].set(set);
-    if (set.edit == settings.edit && set.handle_share == settings.handle_share && set.softness == settings.softness) {
+    if (set.edit == settings.edit && set.handle_fraction == settings.handle_fraction &&
+        set.softness == settings.softness) {
       return static_cast<int>(i);
     }
   }

@@ -69,7 +69,7 @@ void clear_groups(Selection& selection) {
 }
 
 double disc_radius(const DragSettings& settings) {
-  return settings.handle_share * settings.radius;
+  return settings.handle_fraction * settings.radius;
 }
 
 /// Returns the handle of a click. A disc has at least the vertex's neighbours if a region remains around them, since on
@@ -108,7 +108,7 @@ void follow_discs(const Surface& surface, Selection& selection) {
     }
     const double reach = *std::max_element(distances.begin(), distances.end());
     selection.discs.reach =
-        std::max(selection.discs.reach, std::min(reach, kLargestHandleShare * surface.settings.radius));
+        std::max(selection.discs.reach, std::min(reach, kLargestHandleFraction * surface.settings.radius));
     if (softness > 0 && reach > 0) {
       selection.weights[g] = falloff_weights(distances, std::max(reach, radius), softness);
     }

@@ -125,14 +125,14 @@ Cursor SessionMouse::snapped(const Cursor& cursor, MotionKind kind) const {
 
 bool SessionMouse::hover(const Cursor& cursor, PressModifiers modifiers) {
   const bool was = preview_.has_value();
-  const GizmoPart before = part_;
+  const GizmoElement before = part_;
   if (!cursor.view.valid() || solver_.in_progress() || pressed_) {
     preview_.reset();
     return was;
   }
   const std::optional<Gizmo> gizmo = model_.gizmo(cursor.view);
-  part_ = gizmo ? gizmo_part_at(*gizmo, cursor) : GizmoPart::None;
-  if (part_ != GizmoPart::None) {
+  part_ = gizmo ? gizmo_part_at(*gizmo, cursor) : GizmoElement::None;
+  if (part_ != GizmoElement::None) {
     preview_.reset();
   } else {
     look(cursor, modifiers);
@@ -142,7 +142,7 @@ bool SessionMouse::hover(const Cursor& cursor, PressModifiers modifiers) {
 
 void SessionMouse::leave() {
   preview_.reset();
-  part_ = GizmoPart::None;
+  part_ = GizmoElement::None;
 }
 
 void SessionMouse::release(const Cursor& cursor) {
@@ -190,8 +190,8 @@ void SessionMouse::end_stroke() {
 /// Handles a press on an arrow, a ring or the knob. @return whether there was one under the cursor
 bool SessionMouse::press_gizmo(const Cursor& cursor) {
   const std::optional<Gizmo> gizmo = model_.gizmo(cursor.view);
-  part_ = gizmo ? gizmo_part_at(*gizmo, cursor) : GizmoPart::None;
-  if (part_ == GizmoPart::None) {
+  part_ = gizmo ? gizmo_part_at(*gizmo, cursor) : GizmoElement::None;
+  if (part_ == GizmoElement::None) {
     return false;
   }
   pressed_ = Press{gizmo->center, -1, cursor, {}};
@@ -241,7 +241,7 @@ void SessionMouse::look(const Cursor& cursor, PressModifiers modifiers) {
   preview.normal = length > 0 && std::isfinite(length) ? Vector3(normal / length) : Vector3(Vector3::Zero());
   preview.radius = model_.settings.radius;
   preview.disc_radius =
-      model_.selection.mode == HandleMode::Vertex ? model_.settings.handle_share * model_.settings.radius : 0;
+      model_.selection.mode == HandleMode::Vertex ? model_.settings.handle_fraction * model_.settings.radius : 0;
   if (preview.kind == Kind::Region || preview.kind == Kind::Handle) {
     search->outline(hit->vertex, preview);
     search->mirrored_outline(model_.tools.mirror, hit->vertex, preview);
@@ -351,13 +351,13 @@ void SessionMouse::brush(const Cursor& cursor) {
 
 void SessionMouse::release_motion() {
   pressed_.reset();
-  part_ = GizmoPart::None;
+  part_ = GizmoElement::None;
   solver_.release();
 }
 
 void SessionMouse::forget() {
   pressed_.reset();
-  part_ = GizmoPart::None;
+  part_ = GizmoElement::None;
   waiting_.clear();
 }
 

@@ -27,7 +27,7 @@ Surface SessionSolver::surface() const {
 }
 
 DragFigures SessionSolver::figures() const {
-  DragFigures figures = heard_;
+  DragFigures figures = figures_;
   if (const Region* const region = model_.shown.region().get()) {
     figures.handle = model_.shown.count(VertexClass::Handle);
     figures.free = model_.shown.count(VertexClass::Free);
@@ -49,26 +49,26 @@ void SessionSolver::rest(bool amendable) {
 }
 
 void SessionSolver::handles_changed() {
-  heard_ = DragFigures();  // of another handle or region
+  figures_ = DragFigures();  // of another handle or region
   rest(false);
   prepare();
 }
 
-void SessionSolver::ask_to_prepare(PrepareTask task) {
+void SessionSolver::request_preparation(PrepareTask task) {
   preparation_ = Preparation::Running;
-  in_hand_ = false;
+  has_preview_ = false;
   worker_.prepare(std::move(task));
 }
 
 void SessionSolver::prepare() {
-  heard_.in_hand_ms = heard_.prepare_ms = std::nullopt;
-  heard_.taken_over.clear();
+  figures_.preview_ms = figures_.prepare_ms = std::nullopt;
+  figures_.reused.clear();
   Tools& tools = model_.tools;
   tools.mirrored.reset();
   const Selection& selection = model_.selection;
   if (selection.groups.empty()) {
     preparation_ = Preparation::None;
-    in_hand_ = false;
+    has_preview_ = false;
     worker_.cancel();
     return;
   }
@@ -87,7 +87,7 @@ void SessionSolver::prepare() {
       return;
     }
   }
-  ask_to_prepare(std::move(task));
+  request_preparation(std::move(task));
 }
 
 // --- Drags -----------------------------------------------------------------------------------------------------------
@@ -202,8 +202,8 @@ void SessionSolver::release() {
 }
 
 void SessionSolver::drop() {
-  heard_.solve_ms = heard_.handle_error = heard_.largest_stretch = std::nullopt;
-  heard_.advice.clear();
+  figures_.solve_ms = figures_.handle_error = figures_.largest_stretch = std::nullopt;
+  figures_.advice.clear();
   const Loading* const loading = in<Loading>();
   const bool elsewhere = loading || in<Amending>();  // the worker has prepared another region than the selection's
   if (const Amending* const amending = in<Amending>(); amending && amending->region) {
@@ -259,9 +259,9 @@ void SessionSolver::amend(const DragSettings& before) {
   step.region.connect_gap = settings.connect_gap;
   if (step.region.kind == RegionSpec::Kind::Radius) {
     step.region.radius =
-        std::max(settings.radius - model_.selection.discs.reach, (1 - kLargestHandleShare) * settings.radius);
+        std::max(settings.radius - model_.selection.discs.reach, (1 - kLargestHandleFraction) * settings.radius);
   }
-  ask_amended(true);
+  request_amended(true);
 }
 
 void SessionSolver::amend_way(const HandleTransform& motion, double share, bool open) {
@@ -285,22 +285,22 @@ void SessionSolver::amend_way(const HandleTransform& motion, double share, bool 
       handle.transform = whole;
     }
   }
-  amending.step.handles = part_of_way(amending.way, *amending.base);
-  ask_amended(prepares);
+  amending.step.handles = part_of_path(amending.way, *amending.base);
+  request_amended(prepares);
 }
 
-void SessionSolver::ask_amended(bool prepares) {
+void SessionSolver::request_amended(bool prepares) {
   Amending& amending = *in<Amending>();
   EditStep written = mirrored(*amending.base, amending.step);
   for (std::size_t g = 0; g < written.handles.size(); ++g) {
     sort_group(written.handles[g], g);
   }
   if (prepares) {
-    heard_ = DragFigures();
+    figures_ = DragFigures();
     amending.region = nullptr;
     amending.first_serial = std::numeric_limits<int>::max();
-    ask_to_prepare({amending.base, model_.adjacency, written.region, groups_of(written), amending.step.settings,
-                    model_.scalar, weights_of(written), amending.step.mirror});
+    request_preparation({amending.base, model_.adjacency, written.region, groups_of(written), amending.step.settings,
+                         model_.scalar, weights_of(written), amending.step.mirror});
   }
   amending.serial = worker_.solve(motions_of(*amending.base, written), !amending.open);
   amending.first_serial = std::min(amending.first_serial, amending.serial);
@@ -326,7 +326,7 @@ void SessionSolver::load(Edit edit) {
 
 void SessionSolver::take_over(const AppliedStep& step, bool applied) {
   model_.tools.mirror = step.step.mirror;
-  heard_ = DragFigures();
+  figures_ = DragFigures();
   model_.shown.await(nullptr);
   if (model_.shown.region()) {
     model_.show_region(model_.shown.region());
@@ -353,10 +353,10 @@ void SessionSolver::commit_drag() {
   history.set_way(std::move(way));
   model_.show_mesh(applied.vertices, applied.after);
   model_.log(messages::step_applied(history.steps().size(), drag.motion, model_.active_group(),
-                                    model_.shown.region()->size(), heard_.prepare_ms.value_or(0),
-                                    heard_.solve_ms.value_or(0)) +
-             (heard_.advice.empty() ? "" : "; " + heard_.advice));
-  go_on();
+                                    model_.shown.region()->size(), figures_.prepare_ms.value_or(0),
+                                    figures_.solve_ms.value_or(0)) +
+             (figures_.advice.empty() ? "" : "; " + figures_.advice));
+  progress();
 }
 
 void SessionSolver::commit_amended() {
@@ -371,12 +371,12 @@ void SessionSolver::commit_amended() {
   history.set_discs(model_.selection.discs);
   history.set_way(std::move(amending.way));
   model_.show_mesh(applied.vertices, applied.after);
-  model_.log(messages::step_amended(history.steps().size(), region->size(), heard_.prepare_ms.value_or(0),
-                                    heard_.solve_ms.value_or(0)));
+  model_.log(messages::step_amended(history.steps().size(), region->size(), figures_.prepare_ms.value_or(0),
+                                    figures_.solve_ms.value_or(0)));
   model_.show_region(region);
   model_.selection.region = std::move(amending.step.region);
   model_.selection.has_region = true;
-  go_on();
+  progress();
 }
 
 void SessionSolver::commit_loaded(const std::vector<EditResult>& results) {
@@ -394,7 +394,7 @@ void SessionSolver::commit_loaded(const std::vector<EditResult>& results) {
 }
 
 /// Prepares the next drag from the current mesh in the same region.
-void SessionSolver::go_on() {
+void SessionSolver::progress() {
   model_.shown.settle();
   model_.selection = with_region_kept(surface(), model_.selection);
   model_.history.set_next_region(model_.selection.region);
@@ -406,7 +406,7 @@ void SessionSolver::go_on() {
 
 void SessionSolver::on_error(const std::string& sentence) {
   preparation_ = Preparation::None;
-  in_hand_ = false;
+  has_preview_ = false;
   model_.log(messages::not_possible(sentence));
   if (in_progress()) {
     drop();
@@ -424,7 +424,7 @@ bool SessionSolver::take_pose() {
         solved_.positions.rows() != amending->region->size()) {
       return false;
     }
-    heard_.solve_ms = solved_.solve_ms;
+    figures_.solve_ms = solved_.solve_ms;
     if (amending->open || solved_.serial != amending->serial) {
       show_amended(*amending);
       return false;
@@ -436,7 +436,7 @@ bool SessionSolver::take_pose() {
   if (!drag || solved_.serial < drag->first_serial) {
     return false;
   }
-  heard_.solve_ms = solved_.solve_ms;
+  figures_.solve_ms = solved_.solve_ms;
   ShownRegion& shown = model_.shown;
   if (std::shared_ptr<const Region> awaited = shown.take_awaited()) {
     model_.back_to_mesh(false);
@@ -466,53 +466,53 @@ void SessionSolver::find_unconnected(const Region& region) {
 }
 
 SessionSolver::News SessionSolver::poll() {
-  const SolverUpdate news = worker_.poll(solved_);
+  const SolverUpdate update = worker_.poll(solved_);
   bool step_done = false;
-  if (news.region) {
-    find_unconnected(*news.region);
+  if (update.region) {
+    find_unconnected(*update.region);
     if (Amending* const amending = in<Amending>()) {
-      amending->region = news.region;
+      amending->region = update.region;
     }
     if (model_.shown.away() || in<Amending>() || in<Loading>()) {
-      model_.shown.await(news.region);
+      model_.shown.await(update.region);
     } else {
-      model_.show_region(news.region);
+      model_.show_region(update.region);
     }
   }
-  if (news.preview) {
-    in_hand_ = true;
-    heard_.in_hand_ms = news.preview_ms;
+  if (update.preview) {
+    has_preview_ = true;
+    figures_.preview_ms = update.preview_ms;
   }
-  if (news.ready) {
+  if (update.ready) {
     preparation_ = Preparation::Done;
-    heard_.taken_over = news.reused;
-    heard_.full_frames = news.full_frames;
-    heard_.prepare_ms = news.prepare_ms;
+    figures_.reused = update.reused;
+    figures_.full_frames = update.full_frames;
+    figures_.prepare_ms = update.prepare_ms;
   }
-  if (news.report) {
-    heard_.handle_error = news.report->handle_residual;
-    heard_.largest_stretch = news.report->stretch_max;
-    heard_.advice = news.report->advice();
+  if (update.report) {
+    figures_.handle_error = update.report->handle_residual;
+    figures_.largest_stretch = update.report->stretch_max;
+    figures_.advice = update.report->advice();
   }
-  if (news.pose) {
+  if (update.pose) {
     step_done = take_pose();
   }
-  if (news.applied) {
-    commit_loaded(*news.applied);
+  if (update.applied) {
+    commit_loaded(*update.applied);
     step_done = true;
   }
-  if (!news.error.empty()) {
-    on_error(news.error);
+  if (!update.error.empty()) {
+    on_error(update.error);
   }
-  if (!news.pose_error.empty()) {
+  if (!update.pose_error.empty()) {
     if (waits()) {
-      model_.log(messages::not_possible(news.pose_error));
+      model_.log(messages::not_possible(update.pose_error));
       drop();
     }
-    model_.refusal = news.pose_error;
+    model_.refusal = update.pose_error;
   }
-  const bool some = news.region || news.preview || news.ready || news.report || news.pose || news.applied ||
-                    !news.error.empty() || !news.pose_error.empty();
+  const bool some = update.region || update.preview || update.ready || update.report || update.pose || update.applied ||
+                    !update.error.empty() || !update.pose_error.empty();
   return step_done ? News::Step : some ? News::Some : News::None;
 }
 

@@ -65,14 +65,14 @@ using Phase = std::variant<Idle, Picked, Dragging, Amending, Loading>;
 struct DragFigures {
   int handle = 0, free = 0, anchors = 0, fixed = 0;
   // Empty while the region is being prepared, or before it has a pose.
-  std::optional<double> in_hand_ms;  ///< until frames were available
+  std::optional<double> preview_ms;  ///< until frames were available
   std::optional<double> prepare_ms;
   std::optional<double> solve_ms;         ///< of the last pose
   std::optional<double> handle_error;     ///< largest distance of a handle vertex from its target, of the last report
   std::optional<double> largest_stretch;  ///< of an edge, new over old length minus 1, of the last report
   std::string advice;                     ///< of the last report; empty: none
   bool full_frames = false;               ///< each frame of a drag is a full solution
-  std::string taken_over;                 ///< what was reused from the previous region
+  std::string reused;                     ///< what was reused from the previous region
   int steps = 0;                          ///< applied
 };
 
@@ -109,7 +109,7 @@ class SessionSolver {
   std::optional<LastStep> last_step() const;
   bool preparing() const { return preparation_ == Preparation::Running; }
   bool ready() const { return preparation_ == Preparation::Done; }
-  bool in_hand() const { return in_hand_; }
+  bool has_preview() const { return has_preview_; }
   const SolverThread& worker() const { return worker_; }
 
   // Regions ----------------------------------------------------------------------------------------------------------
@@ -153,24 +153,24 @@ class SessionSolver {
  private:
   enum class Preparation { None, Running, Done };
 
-  void ask_to_prepare(PrepareTask task);
+  void request_preparation(PrepareTask task);
   void set_targets(phase::Dragging& drag) const;
   bool take_pose();
   void begin_amending(const DragSettings& before);
-  void ask_amended(bool prepares);
+  void request_amended(bool prepares);
   void show_amended(const phase::Amending& amending);
   void commit_drag();
   void commit_amended();
   void commit_loaded(const std::vector<EditResult>& results);
-  void go_on();
+  void progress();
   void find_unconnected(const Region& region);
   void on_error(const std::string& sentence);
 
   SessionModel& model_;
   phase::Phase phase_;
   Preparation preparation_ = Preparation::None;
-  bool in_hand_ = false;  // frames are available, at least from the cells
-  DragFigures heard_;     // times and errors that the solver reported
+  bool has_preview_ = false;  // frames are available, at least from the cells
+  DragFigures figures_;       // times and errors that the solver reported
   SolverPose solved_;
   SolverThread worker_;  // last: its thread ends first
 };

@@ -8,8 +8,9 @@ namespace {
 
 /// Returns for each setting whether its values differ.
 std::vector<bool> differences(const DragSettings& a, const DragSettings& b) {
-  std::vector<bool> list = {a.radius != b.radius,     a.padding != b.padding,         a.handle_share != b.handle_share,
-                            a.softness != b.softness, a.connect_gap != b.connect_gap, a.brush_pixels != b.brush_pixels};
+  std::vector<bool> list = {
+      a.radius != b.radius,     a.padding != b.padding,         a.handle_fraction != b.handle_fraction,
+      a.softness != b.softness, a.connect_gap != b.connect_gap, a.brush_pixels != b.brush_pixels};
   for (const Setting& setting : settings_table()) {
     list.push_back(setting.get(a.edit) != setting.get(b.edit));
   }
