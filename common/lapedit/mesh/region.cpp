@@ -395,7 +395,7 @@ void classify(ThreadPool& pool, const TriangleMesh& mesh, const RegionSpec& spec
 
 /// Sets weights unless all are 1; a vertex that is listed twice has the larger one.
 void take_weights(const std::vector<std::vector<int>>& groups, const std::vector<std::vector<double>>& weights,
-                 const std::vector<int>& local, Region& region) {
+                  const std::vector<int>& local, Region& region) {
   for (std::size_t g = 0; g < weights.size(); ++g) {
     for (std::size_t k = 0; k < weights[g].size(); ++k) {
       if (weights[g][k] < 1 && region.handle_weight.empty()) {

@@ -31,7 +31,7 @@ void validate(const DragSettings& settings) {
     const char* wanted;
   } ranges[] = {
       {"region's radius", settings.radius, kShortest, kLongest, "a finite length greater than 0"},
-      {"padding", settings.padding, 0, 1, "a share of the region's radius from 0 to 1"},
+      {"padding", settings.padding, 0, 1, "a fraction of the region's radius from 0 to 1"},
       {"handle's share of the radius", settings.handle_fraction, 0, kLargestHandleFraction,
        "a number from 0, a single vertex, to 0.9"},
       {"handle's softness", settings.softness, 0, 1, "a share of its disc from 0 to 1"},

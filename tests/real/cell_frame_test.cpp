@@ -25,21 +25,18 @@ struct Recorded {
   double rms, by_default;
 };
 
-/// Recorded with the smooth surface's rotations, which frames of cells do not have: they are drawn by those of the
-/// cells.
 const Recorded kRecorded[] = {
-    {"bumpy_plane.off", "crest", 0.067, 0.047},
-    {"bumpy_plane.off", "hill_cotangent", 0.012, 0.018},
-    {"bumpy_plane.off", "hill_to_the_border", 0.04, 0.05},
-    {"igea.ply", "all_held_at_the_back", 0.23, 0.18},
-    {"igea.ply", "nose_and_face", 0.02, 0.053},
-    {"igea.ply", "nose_order_3", 0.18, 0.026},
-    {"octopus.off", "body_held_by_another_tentacle", 0.67, 0.19},
-    {"octopus.off", "most_of_the_body", 0.064, 0.046},
-    {"octopus.off", "tentacle_and_root_order_2", 0.08, 0.09},
+    {"bumpy_plane.off", "crest", 0.07, 0.057},
+    {"bumpy_plane.off", "hill_cotangent", 0.069, 0.018},
+    {"bumpy_plane.off", "hill_to_the_border", 0.092, 0.05},
+    {"igea.ply", "all_held_at_the_back", 0.17, 0.044},
+    {"igea.ply", "nose_and_face", 0.016, 0.024},
+    {"igea.ply", "nose_order_3", 0.18, 0.024},
+    {"octopus.off", "body_held_by_another_tentacle", 0.23, 0.143},
+    {"octopus.off", "most_of_the_body", 0.032, 0.042},
 };
 
-TEST(RealDragHand, AreNearTheFullPose) {
+TEST(RealCellFrame, AreNearTheFullPose) {
   for (const Recorded& recorded : kRecorded) {
     const TriangleMesh mesh = real::load(recorded.mesh);
     const Edit edit = load_edit(std::string(LAPEDIT_SOURCE_DIR) + "/tests/hosts/edits/" + recorded.mesh + "/" +
