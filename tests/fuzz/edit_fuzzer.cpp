@@ -171,13 +171,9 @@ Edit by_place(Choices& choose, const TriangleMesh& mesh, Edit edit) {
 }
 
 /// The same edit after it was text; nothing if it cannot be one.
-std::optional<Edit> reread(const Edit& edit, int threads) {
+std::optional<Edit> reread(const Edit& edit) {
   try {
-    Edit result = read_edit(write_edit(edit));
-    for (EditStep& step : result.steps) {
-      step.settings.threads = threads;
-    }
-    return result;
+    return read_edit(write_edit(edit));
   } catch (const EditError&) {
     return {};
   }
@@ -220,14 +216,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     refusal = error.what();
     require(refusal.size() > 10, "a refusal is a sentence");
   }
-  const std::optional<Edit> again = reread(edit, threads);
+  const std::optional<Edit> again = reread(edit);
   if (!again) {
     return 0;
   }
   try {
     validate(mesh);
     const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
-    const std::vector<EditResult> poses = apply_edit(mesh, adjacency, *again, {0, 1, part}, StoredScalar::Float);
+    const std::vector<EditResult> poses =
+        apply_edit(mesh, adjacency, *again, {}, {0, 1, part}, StoredScalar::Float, {}, {threads});
     require(refusal.empty(), "what is refused alone is refused beside other fractions");
     for (const EditResult& pose : poses) {
       check_result(mesh, pose);

@@ -29,7 +29,7 @@ Vector3 direction(Choices& choose) {
 DragSettings settings(Choices& choose, DragSettings result) {
   result.radius *= 0.25 * choose.below(12);
   result.padding = 0.1 * choose.below(12);
-  result.handle_weight = 0.3 * choose.below(4);
+  result.handle_fraction = 0.3 * choose.below(4);
   result.softness = 0.5 * choose.below(3);
   result.connect_gap = choose.below(4) == 0 ? 0.25 * choose.below(8) : 0;
   result.brush_pixels = 10 * choose.below(10);
@@ -186,11 +186,8 @@ struct Player {
     const Edit edit = s.recorded();
     Points replayed = s.original().vertices;
     if (!edit.steps.empty()) {
-      Edit read = read_edit(write_edit(edit));
-      for (EditStep& step : read.steps) {
-        step.settings.threads = 1 + choose.below(3);
-      }
-      const EditResult result = apply_edit(s.original(), read, 1, StoredScalar::Float);
+      const EditResult result =
+          apply_edit(s.original(), read_edit(write_edit(edit)), 1, StoredScalar::Float, {}, {1 + choose.below(3)});
       for (std::size_t k = 0; k < result.vertices.size(); ++k) {
         replayed.row(result.vertices[k]) = result.positions.row(static_cast<Eigen::Index>(k));
       }
