@@ -165,20 +165,18 @@ bool StepSolver::refine(Points& positions) {
   if (!system_ || !has_frames() || !frame_) {
     return false;
   }
-  if (frame_->passes == 0) {
-    cells_->solve(true);
-    show_cells(true, positions);
-  } else if (settings_.method != EditMethod::Default) {
-    return false;
-  } else if (frame_->is_quick) {
-    cells_->solve(false);
-    show_cells(false, positions);
-  } else if (frame_->passes < settings_.passes()) {
-    fit_frame();
-    correct_frame(positions);
-  } else {
+  const bool has_solve = frame_->passes > 0;
+  const bool is_default = settings_.method == EditMethod::Default;
+  if (!has_solve || (is_default && frame_->is_quick)) {
+    cells_->solve(!has_solve);
+    show_cells(!has_solve, positions);
+    return true;
+  }
+  if (!is_default || frame_->passes >= settings_.passes()) {
     return false;
   }
+  fit_frame();
+  correct_frame(positions);
   return true;
 }
 

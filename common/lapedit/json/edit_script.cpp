@@ -219,7 +219,7 @@ struct Source {
 
 HandleGroup read_landmark_keys(const JsonObject& object, const Source& source) {
   const JsonObject files(object["landmarks"], object.where("landmarks"), {"from", "to"});
-  const std::string from = files.text("from"), to = files.text("to");
+  const std::string &from = files.text("from"), &to = files.text("to");
   try {
     return load_landmarks(source.path(from), source.path(to));
   } catch (const EditError& refusal) {

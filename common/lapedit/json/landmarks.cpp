@@ -82,14 +82,14 @@ class Collector {
 // --- MeshLab's picked points ----------------------------------------------------------------------------------------
 
 std::string without_entities(const std::string& text) {
-  static const std::map<std::string, std::string> kEntities = {
+  static const std::map<std::string, std::string> entities = {
       {"&lt;", "<"}, {"&gt;", ">"}, {"&amp;", "&"}, {"&quot;", "\""}, {"&apos;", "'"}};
   std::string plain;
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = text[at] == '&' ? text.find(';', at) : std::string::npos;
-    const auto found = end == std::string::npos ? kEntities.end() : kEntities.find(text.substr(at, end + 1 - at));
-    plain += found == kEntities.end() ? text.substr(at, 1) : found->second;
-    at = found == kEntities.end() ? at + 1 : end + 1;
+    const auto found = end == std::string::npos ? entities.end() : entities.find(text.substr(at, end + 1 - at));
+    plain += found == entities.end() ? text.substr(at, 1) : found->second;
+    at = found == entities.end() ? at + 1 : end + 1;
   }
   return plain;
 }
