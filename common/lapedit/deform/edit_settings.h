@@ -63,8 +63,8 @@ inline bool operator!=(const EditSettings& a, const EditSettings& b) {
 /// @throws EditError (BadParameter) naming the setting, its value and its range, or the setting that the method lacks
 void validate(const EditSettings& settings);
 
-/// Description of a setting that users can give. The filter's parameters, JSON keys, the panel's widgets and validate()
-/// are made from these; the default is that of EditSettings.
+/// Description of a setting that users can give. JSON keys, the panel's widgets and validate() are made from these; the
+/// default is that of EditSettings.
 struct Setting {
   enum class Kind {
     Choice,  ///< one of choices, by number

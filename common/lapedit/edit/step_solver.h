@@ -88,9 +88,8 @@ class StepSolver {
   void make_cells(const TriangleMesh& mesh, const Progress& progress = {});
   /// Makes the system: the operator, one sparse Cholesky factorisation, tables. The object does not change, so another
   /// thread may compute frames meanwhile.
-  /// @param previous  a system that is no longer needed, or null: parts that still fit, above all the factor, are
-  /// reused,
-  ///                  so that another small handle in the same region with the same anchors is ready in a fraction of
+  /// @param previous  a system that is no longer needed, or null. Parts that still fit, above all the factor, are
+  ///                  reused: another small handle in the same region with the same anchors is ready in a fraction of
   ///                  the time. The result has the same bits in both cases
   /// @throws EditError (IllConditioned, Cancelled)
   std::shared_ptr<const LaplacianSystem> make_system(const TriangleMesh& mesh, const Progress& progress = {},
@@ -112,9 +111,8 @@ class StepSolver {
   /// @param handles   one motion per handle group; an affine map converts to a motion
   /// @param anchors   motion of the anchors; in an edit the identity
   /// @param progress  called from time to time with the fraction 0; returning false cancels
-  /// @return          size() x 3, model units, rounded to the mesh's precision; row i belongs to
-  /// region().mesh_vertex[i];
-  ///                  valid until the next call
+  /// @return          size() x 3, model units, rounded to the mesh's precision; valid until the next call. Row i
+  ///                  belongs to region().mesh_vertex[i]
   /// @throws EditError (NotFinite) if a map or the result is not finite; (Cancelled); the object stays usable
   /// Cost: some passes, each with a solve in full precision. Nothing is allocated after the first call.
   const Points& pose(const std::vector<HandleMotion>& handles, const Affine& anchors = Affine::Identity(),
