@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "arap_peer.h"
+#include "peers.h"
 
 #include <CGAL/Simple_cartesian.h>
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/Surface_mesh_deformation.h>
 
-#include <algorithm>
 #include <stdexcept>
 
 #include "lapedit/base/stopwatch.h"
+#include "table.h"
 
 namespace quality {
 namespace {
@@ -36,7 +36,7 @@ Mesh cgal_mesh(const lapedit::TriangleMesh& mesh) {
 }
 
 template <CGAL::Deformation_algorithm_tag tag>
-MethodResult deformed(const Scene& scene, int iterations) {
+MethodResult deformed(const Problem& scene, int iterations) {
   const lapedit::TriangleMesh& mesh = scene.edit.mesh;
   const lapedit::Region& region = scene.region;
   using Deformation = CGAL::Surface_mesh_deformation<Mesh, CGAL::Default, CGAL::Default, tag>;
@@ -77,8 +77,7 @@ MethodResult deformed(const Scene& scene, int iterations) {
     frames.push_back(frame.elapsed());
   }
   result.solve_ms = watch.elapsed();
-  std::nth_element(frames.begin(), frames.begin() + iterations / 2, frames.end());
-  result.frame_ms = frames[static_cast<std::size_t>(iterations / 2)];
+  result.frame_ms = table::median(frames);
   result.positions.resize(mesh.vertices.rows(), 3);
   for (const auto v : surface.vertices()) {
     const Kernel::Point_3& p = surface.point(v);
@@ -89,11 +88,11 @@ MethodResult deformed(const Scene& scene, int iterations) {
 
 }  // namespace
 
-MethodResult arap(const Scene& scene, int iterations) {
+MethodResult arap(const Problem& scene, int iterations) {
   return deformed<CGAL::ORIGINAL_ARAP>(scene, iterations);
 }
 
-MethodResult smooth_arap(const Scene& scene) {
+MethodResult smooth_arap(const Problem& scene) {
   return deformed<CGAL::SRE_ARAP>(scene, kArapIterations);
 }
 

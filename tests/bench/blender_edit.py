@@ -13,18 +13,41 @@ import time
 import bpy
 from mathutils import Matrix
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from blender_laplacian import GROUP, evaluated, make_object  # noqa: E402
-
 MOVES = 5  # updates timed, with the modifier and without
+GROUP = "constrained"
 
 
-def update_ms(hooks, maps, part):
+def make_object(vertices, faces):
+    mesh = bpy.data.meshes.new("scene")
+    count = len(faces) // 3
+    mesh.vertices.add(len(vertices) // 3)
+    mesh.vertices.foreach_set("co", vertices)
+    mesh.loops.add(len(faces))
+    mesh.loops.foreach_set("vertex_index", faces)
+    mesh.polygons.add(count)
+    mesh.polygons.foreach_set("loop_start", range(0, 3 * count, 3))
+    mesh.polygons.foreach_set("loop_total", [3] * count)
+    mesh.update(calc_edges=True)
+    thing = bpy.data.objects.new("scene", mesh)
+    bpy.context.collection.objects.link(thing)
+    bpy.context.view_layer.objects.active = thing
+    return thing
+
+
+def evaluated(thing):
+    """Positions after all modifiers, flat."""
+    mesh = thing.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    positions = array.array("f", bytes(12 * len(mesh.vertices)))
+    mesh.vertices.foreach_get("co", positions)
+    return positions
+
+
+def update_ms(hooks, maps, fraction):
     """Milliseconds from hooks moved nearly where they have to go, to the evaluated mesh."""
     start = time.perf_counter()
     for hook, rows in zip(hooks, maps):
         near = Matrix(rows + [[0, 0, 0, 1]])
-        near.translation *= part
+        near.translation *= fraction
         hook.matrix_world = near
     bpy.context.view_layer.update()
     return 1e3 * (time.perf_counter() - start)

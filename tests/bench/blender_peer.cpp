@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "blender_peer.h"
+#include "peers.h"
 
 #include <cstdlib>
 #include <fstream>
@@ -14,7 +14,7 @@ namespace {
 using nlohmann::json;
 
 /// Blender has absolute bounds: what is tiny in its units it leaves out.
-double blender_scale(const Scene& scene) {
+double blender_scale(const Problem& scene) {
   const lapedit::Region& region = scene.region;
   double length = 0;
   for (int i = 0; i < region.size(); ++i) {
@@ -27,7 +27,7 @@ double blender_scale(const Scene& scene) {
   return 0.1 * static_cast<double>(region.neighbours.values.size()) / length;
 }
 
-json scene_json(const Scene& scene, double scale) {
+json scene_json(const Problem& scene, double scale) {
   const lapedit::Region& region = scene.region;
   json vertices = json::array(), faces = json::array(), anchors = json::array(), groups = json::array();
   for (const lapedit::Affine& map : scene.edit.maps) {
@@ -57,7 +57,7 @@ json scene_json(const Scene& scene, double scale) {
 
 }  // namespace
 
-MethodResult blender(const Scene& scene) {
+MethodResult blender(const Problem& scene) {
   const ScratchFolder folder("blender");
   const std::filesystem::path input = folder.path / "scene.json", output = folder.path / "result.json";
   const double scale = blender_scale(scene);

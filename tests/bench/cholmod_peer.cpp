@@ -3,9 +3,12 @@
 
 #include <dlfcn.h>
 
+#include <stdexcept>
+
 namespace speed {
 
-CholmodPeer::CholmodPeer(const Sparse& matrix) : common_(), lower_(matrix.triangularView<Eigen::Lower>()) {
+CholmodPeer::CholmodPeer(const Eigen::SparseMatrix<double>& matrix)
+    : common_(), lower_(matrix.triangularView<Eigen::Lower>()) {
   cholmod_start(&common_);
   common_.print = 0;
   common_.nmethods = 1;
@@ -14,14 +17,11 @@ CholmodPeer::CholmodPeer(const Sparse& matrix) : common_(), lower_(matrix.triang
 }
 
 CholmodPeer::~CholmodPeer() {
-  cholmod_free_dense(&solution_, &common_);
-  cholmod_free_dense(&workspace_y_, &common_);
-  cholmod_free_dense(&workspace_e_, &common_);
   cholmod_free_factor(&factor_, &common_);
   cholmod_finish(&common_);
 }
 
-bool CholmodPeer::factorise() {
+void CholmodPeer::factorise() {
   cholmod_free_factor(&factor_, &common_);
   cholmod_sparse matrix{};
   matrix.nrow = matrix.ncol = static_cast<std::size_t>(lower_.rows());
@@ -33,49 +33,47 @@ bool CholmodPeer::factorise() {
   matrix.itype = CHOLMOD_INT;
   matrix.xtype = CHOLMOD_REAL;
   matrix.dtype = CHOLMOD_DOUBLE;
-  matrix.sorted = 1;
-  matrix.packed = 1;
+  matrix.sorted = matrix.packed = 1;
   factor_ = cholmod_analyze(&matrix, &common_);
-  return factor_ && cholmod_factorize(&matrix, factor_, &common_) && common_.status == CHOLMOD_OK;
+  if (factor_ == nullptr || cholmod_factorize(&matrix, factor_, &common_) == 0 || common_.status != CHOLMOD_OK) {
+    throw std::runtime_error("CHOLMOD finds the matrix not positive definite");
+  }
 }
 
-void CholmodPeer::solve(const Columns& rhs, Columns& x) {
+lapedit::Points CholmodPeer::solve(const lapedit::Points& right) {
+  Eigen::MatrixXd columns = right;
   cholmod_dense b{};
-  b.nrow = b.d = static_cast<std::size_t>(rhs.rows());
+  b.nrow = b.d = static_cast<std::size_t>(columns.rows());
   b.ncol = 3;
   b.nzmax = b.nrow * 3;
-  b.x = const_cast<double*>(rhs.data());
+  b.x = columns.data();
   b.xtype = CHOLMOD_REAL;
   b.dtype = CHOLMOD_DOUBLE;
-  cholmod_solve2(CHOLMOD_A, factor_, &b, nullptr, &solution_, nullptr, &workspace_y_, &workspace_e_, &common_);
-  x = Eigen::Map<const Columns>(static_cast<const double*>(solution_->x), rhs.rows(), 3);
-}
-
-std::string cholmod_version() {
-  int version[3];
-  ::cholmod_version(version);
-  return std::to_string(version[0]) + "." + std::to_string(version[1]) + "." + std::to_string(version[2]);
+  cholmod_dense* x = cholmod_solve(CHOLMOD_A, factor_, &b, &common_);
+  const lapedit::Points result = Eigen::Map<const Eigen::MatrixXd>(static_cast<const double*>(x->x), columns.rows(), 3);
+  cholmod_free_dense(&x, &common_);
+  return result;
 }
 
 void set_blas_threads(int threads) {
-  // Looked up at run time: which BLAS is behind libblas.so.3 is the system's
-  // choice.
-  static const auto set = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
-  if (set) {
+  // Looked up at run time, since the system chooses the library behind libblas.so.3.
+  if (const auto set = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"))) {
     set(threads);
   }
-}
-
-void set_openmp(bool allowed) {
-  static const auto set = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels"));
-  if (set) {
-    set(allowed ? 1 : 0);
+  if (const auto set = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels"))) {
+    set(0);
   }
 }
 
-std::string blas_name() {
-  const auto config = reinterpret_cast<char* (*)()>(dlsym(RTLD_DEFAULT, "openblas_get_config"));
-  return config ? config() : "not OpenBLAS";
+std::string cholmod_version() {
+  const auto blas = reinterpret_cast<char* (*)()>(dlsym(RTLD_DEFAULT, "openblas_get_config"));
+  if (blas == nullptr) {
+    throw std::runtime_error("CHOLMOD's BLAS is not OpenBLAS: point libblas.so.3 and liblapack.so.3 to it");
+  }
+  int version[3];
+  ::cholmod_version(version);
+  return "CHOLMOD " + std::to_string(version[0]) + "." + std::to_string(version[1]) + "." + std::to_string(version[2]) +
+         ", " + blas();
 }
 
 }  // namespace speed

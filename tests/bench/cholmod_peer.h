@@ -3,43 +3,37 @@
 
 #include <cholmod.h>
 
+#include <Eigen/SparseCore>
 #include <cstddef>
 #include <string>
 
-#include "system.h"
+#include "lapedit/base/types.h"
 
 namespace speed {
 
-/// CHOLMOD as it comes: supernodal, ordered by AMD, its own solve.
+/// CHOLMOD with its defaults: supernodal, ordered by AMD.
 class CholmodPeer {
  public:
-  explicit CholmodPeer(const Sparse& matrix);
+  explicit CholmodPeer(const Eigen::SparseMatrix<double>& matrix);
   ~CholmodPeer();
   CholmodPeer(const CholmodPeer&) = delete;
   CholmodPeer& operator=(const CholmodPeer&) = delete;
 
-  /// Symbolic analysis and factorisation, anew. @return whether the matrix is
-  /// positive definite
-  bool factorise();
-  /// Three right-hand sides; the workspace is kept between calls.
-  void solve(const Columns& rhs, Columns& x);
-  std::size_t factor_nonzeros() const { return factor_ ? factor_->xsize : 0; }
+  /// Analyses and factorises. @throws std::runtime_error if the matrix is not positive definite
+  void factorise();
+  lapedit::Points solve(const lapedit::Points& right);
+  std::size_t factor_nonzeros() const { return factor_->xsize; }
 
  private:
   cholmod_common common_;
-  Sparse lower_;
+  Eigen::SparseMatrix<double> lower_;
   cholmod_factor* factor_ = nullptr;
-  cholmod_dense *solution_ = nullptr, *workspace_y_ = nullptr, *workspace_e_ = nullptr;
 };
 
-std::string cholmod_version();
-
-/// Threads of the BLAS below CHOLMOD, if it is OpenBLAS; in this program only.
+/// Sets the threads of OpenBLAS below CHOLMOD, and turns off CHOLMOD's OpenMP loops, which start four threads on any
+/// machine; for this program.
 void set_blas_threads(int threads);
-/// Whether CHOLMOD's loops may use OpenMP, which serves them ill: they start four threads whatever the machine has. In
-/// this program only.
-void set_openmp(bool allowed);
-/// What OpenBLAS says of itself, or that it is another BLAS.
-std::string blas_name();
+/// Returns the versions of CHOLMOD and BLAS. @throws std::runtime_error if BLAS is not OpenBLAS
+std::string cholmod_version();
 
 }  // namespace speed

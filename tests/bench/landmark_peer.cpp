@@ -1,67 +1,44 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // CGAL's ARAP for landmark_bench.py: moves vertices of a mesh to targets, and all others with them.
-// Reads counts of vertices, faces and landmarks, then these as numbers; writes seconds and the new places.
-#include <CGAL/Simple_cartesian.h>
-#include <CGAL/Surface_mesh.h>
-#include <CGAL/Surface_mesh_deformation.h>
-
+// Reads counts of vertices, faces and landmarks, then these as numbers; writes seconds and the new positions.
+#include <Eigen/Geometry>
 #include <cstdio>
+#include <exception>
 #include <iostream>
 
-#include "lapedit/base/stopwatch.h"
+#include "peers.h"
 
-using Kernel = CGAL::Simple_cartesian<double>;
-using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
-using Deformation = CGAL::Surface_mesh_deformation<Mesh, CGAL::Default, CGAL::Default, CGAL::ORIGINAL_ARAP>;
-
-int main(int argc, char** argv) {
-  const unsigned iterations = argc > 1 ? static_cast<unsigned>(std::stoul(argv[1])) : 10;
+int main() {
   std::ios::sync_with_stdio(false);
-  std::size_t vertices = 0, faces = 0, landmarks = 0;
+  Eigen::Index vertices = 0, faces = 0, landmarks = 0;
   std::cin >> vertices >> faces >> landmarks;
-  const auto number = [] {
-    double value = 0;
-    std::cin >> value;
-    return value;
-  };
-  const auto index = [] {
-    Mesh::size_type value = 0;
-    std::cin >> value;
-    return Mesh::Vertex_index(value);
-  };
-  const auto point = [&] {
-    const double x = number(), y = number();
-    return Kernel::Point_3(x, y, number());
-  };
-  Mesh mesh;
-  for (std::size_t k = 0; k < vertices; ++k) {
-    mesh.add_vertex(point());
+  quality::Edit edit;
+  edit.region.kind = lapedit::RegionSpec::Kind::Component;
+  edit.mesh.vertices.resize(vertices, 3);
+  edit.mesh.faces.resize(faces, 3);
+  for (double& number : edit.mesh.vertices.reshaped<Eigen::RowMajor>()) {
+    std::cin >> number;
   }
-  for (std::size_t k = 0; k < faces; ++k) {
-    const auto a = index(), b = index();
-    mesh.add_face(a, b, index());
+  for (int& number : edit.mesh.faces.reshaped<Eigen::RowMajor>()) {
+    std::cin >> number;
   }
-  const lapedit::Stopwatch watch;
-  Deformation deformation(mesh);
-  deformation.insert_roi_vertices(mesh.vertices_begin(), mesh.vertices_end());
-  std::vector<std::pair<Mesh::Vertex_index, Kernel::Point_3>> targets;
-  for (std::size_t k = 0; k < landmarks; ++k) {
-    const auto vertex = index();
-    deformation.insert_control_vertex(vertex);
-    targets.emplace_back(vertex, point());
+  for (Eigen::Index k = 0; k < landmarks; ++k) {
+    int vertex = 0;
+    lapedit::Vector3 target;
+    std::cin >> vertex >> target[0] >> target[1] >> target[2];
+    edit.handles.push_back({vertex});
+    edit.maps.emplace_back(Eigen::Translation3d(target - edit.mesh.vertices.row(vertex).transpose()));
   }
-  if (!std::cin || !deformation.preprocess()) {
-    std::fprintf(stderr, "landmark_peer: the input is cut off, or CGAL could not factorise its matrix\n");
+  try {
+    const quality::MethodResult result = quality::arap(quality::Problem(std::move(edit)));
+    std::printf("%.6f\n", (result.prepare_ms + result.solve_ms) / 1000);
+    for (const auto& p : result.positions.rowwise()) {
+      std::printf("%.9g %.9g %.9g\n", p[0], p[1], p[2]);
+    }
+  } catch (const std::exception& problem) {
+    std::fprintf(stderr, "landmark_peer: %s\n", problem.what());
     return 1;
-  }
-  for (const auto& [vertex, target] : targets) {
-    deformation.set_target_position(vertex, target);
-  }
-  deformation.deform(iterations, 0.0);
-  std::printf("%.6f\n", watch.elapsed() / 1000);
-  for (const auto v : mesh.vertices()) {
-    std::printf("%.9g %.9g %.9g\n", mesh.point(v).x(), mesh.point(v).y(), mesh.point(v).z());
   }
   return 0;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "meshlab_peer.h"
+#include "peers.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -15,7 +15,7 @@ namespace {
 
 using lapedit::Vector3;
 
-std::string script_of(const Scene& scene, const Vector3& handle, const Vector3& way) {
+std::string script_of(const Problem& scene, const Vector3& handle, const Vector3& way) {
   const auto number = [](double value) {
     char text[32];
     std::snprintf(text, sizeof text, "%.9g", value);
@@ -49,7 +49,7 @@ std::string script_of(const Scene& scene, const Vector3& handle, const Vector3& 
 
 }  // namespace
 
-MethodResult meshlab_falloff(const Scene& scene) {
+MethodResult meshlab_falloff(const Problem& scene) {
   const Edit& edit = scene.edit;
   if (edit.handles.size() != 1 || edit.handles[0].size() != 1) {
     throw std::runtime_error("only for one vertex");

@@ -11,7 +11,7 @@
 
 #include "lapedit/base/stopwatch.h"
 #include "lapedit/edit/step_solver.h"
-#include "quality_text.h"
+#include "table.h"
 
 namespace quality {
 
@@ -56,7 +56,7 @@ EditSettings settings_of(const std::string& text) {
   return settings;
 }
 
-MethodResult ours(const Scene& scene, const EditSettings& settings, int threads) {
+MethodResult ours(const Problem& scene, const EditSettings& settings, int threads) {
   constexpr int kFrames = 11;
   const Edit& edit = scene.edit;
   MethodResult result;
@@ -89,12 +89,11 @@ MethodResult ours(const Scene& scene, const EditSettings& settings, int threads)
     }
     frames.push_back(watch.lap());
   }
-  std::nth_element(frames.begin(), frames.begin() + kFrames / 2, frames.end());
-  result.frame_ms = frames[kFrames / 2];
+  result.frame_ms = table::median(frames);
   return result;
 }
 
-std::function<lapedit::Points(double)> poser(const Scene& scene, const EditSettings& settings) {
+std::function<lapedit::Points(double)> poser(const Problem& scene, const EditSettings& settings) {
   const auto solver = std::make_shared<lapedit::StepSolver>(
       scene.edit.mesh, lapedit::FoundRegion{std::make_shared<const lapedit::Region>(scene.region)}, settings);
   solver->prepare(scene.edit.mesh);

@@ -15,19 +15,12 @@
 #include <string>
 #include <vector>
 
-#include "arap_peer.h"
-#include "blender_peer.h"
-#include "meshlab_peer.h"
 #include "our_methods.h"
+#include "peers.h"
 #include "quality_edits.h"
 #include "quality_files.h"
-#include "quality_motions.h"
 #include "quality_report.h"
 #include "quality_scene.h"
-#include "quality_text.h"
-#ifdef QUALITY_LIBIGL
-#include "igl_peer.h"
-#endif
 
 namespace quality {
 namespace {
@@ -44,7 +37,6 @@ constexpr const char* kUsage = R"(usage: quality_bench [OPTION]...
   --targets NAME        the settings that are compared with the targets (default)
   --jumps               instead of the table: the largest movement in 50, 500 and 5,000 steps of each edit
   --renumbered          instead of the table: the change of each edit when the mesh is numbered at random
-  --symmetric           instead of the table: the asymmetry of edits that are symmetric
   --frames              instead of the table: the distance of frames from the released pose
   --threads N           ours; 0, the default: as many as the machine has
   --repeat N            best times of so many runs (2)
@@ -53,13 +45,45 @@ constexpr const char* kUsage = R"(usage: quality_bench [OPTION]...
   --list                the edits, and no more
 )";
 
+/// The command line: options with their values, and those without.
 struct Options {
-  std::vector<std::string> edits, only;
-  bool quick = false, blender = false, meshlab = false, generated = true, real = true, list = false;
-  std::vector<std::pair<std::string, std::string>> ours;
-  std::string targets = "default", steadiness, json, out;
+  std::map<std::string, std::string> values = {{"--edits", ""},          {"--only", ""},     {"--ours", ""},
+                                               {"--targets", "default"}, {"--threads", "0"}, {"--repeat", "2"},
+                                               {"--json", ""},           {"--out", ""}};
+  std::map<std::string, bool> flags = {{"--quick", false},     {"--blender", false},    {"--meshlab", false},
+                                       {"--generated", false}, {"--real", false},       {"--list", false},
+                                       {"--jumps", false},     {"--renumbered", false}, {"--frames", false}};
+  std::vector<std::pair<std::string, std::string>> ours;  ///< settings with their names
   int threads = 0, repeat = 2;
+
+  Options(int argc, char** argv);
+  const std::string& value(const char* option) const { return values.at(option); }
+  bool has(const char* flag) const { return flags.at(flag); }
+  std::vector<std::string> list(const char* option) const {
+    return value(option).empty() ? std::vector<std::string>() : split(value(option), ',');
+  }
 };
+
+Options::Options(int argc, char** argv) {
+  for (int k = 1; k < argc; ++k) {
+    const std::string option = argv[k];
+    if (option == "--help") {
+      std::fputs(kUsage, stdout);
+      std::exit(0);
+    } else if (flags.count(option) > 0) {
+      flags[option] = true;
+    } else if (values.count(option) > 0 && k + 1 < argc) {
+      values[option] = argv[++k];
+      if (option == "--ours") {
+        ours.push_back(key_and_value(argv[k]));
+      }
+    } else {
+      throw std::runtime_error("unknown, or without its value: " + option + "\n" + kUsage);
+    }
+  }
+  threads = std::stoi(value("--threads"));
+  repeat = std::max(1, std::stoi(value("--repeat")));
+}
 
 bool among(const std::vector<std::string>& names, const std::string& name) {
   return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
@@ -79,31 +103,31 @@ std::vector<std::pair<std::string, lapedit::EditSettings>> make_settings(const O
 std::vector<Method> make_methods(const Options& options) {
   std::vector<Method> methods;
   for (const auto& [name, settings] : make_settings(options)) {
-    methods.push_back({name, [settings = settings, threads = options.threads](const Scene& scene) {
+    methods.push_back({name, [settings = settings, threads = options.threads](const Problem& scene) {
                          return ours(scene, settings, threads);
                        }});
   }
-  methods.push_back({"ARAP", [](const Scene& scene) { return arap(scene); }});
-  methods.push_back({"ARAP100", [](const Scene& scene) { return arap(scene, kManyArapIterations); }, true});
+  methods.push_back({"ARAP", [](const Problem& scene) { return arap(scene); }});
+  methods.push_back({"ARAP100", [](const Problem& scene) { return arap(scene, kManyArapIterations); }, true});
   methods.push_back({"SR-ARAP", smooth_arap});
-  if (options.blender) {
+  if (options.has("--blender")) {
     methods.push_back({"Blender", blender, true});
   }
 #ifdef QUALITY_LIBIGL
   methods.push_back({"libigl", igl_arap});
   methods.push_back({"biharmonic", igl_biharmonic});
 #endif
-  if (options.meshlab) {
+  if (options.has("--meshlab")) {
     methods.push_back({"MeshLab", meshlab_falloff, true, true});
   }
-  for (const std::string& name : options.only) {
+  const std::vector<std::string> only = options.list("--only");
+  for (const std::string& name : only) {
     if (std::none_of(methods.begin(), methods.end(), [&](const Method& m) { return m.name == name; })) {
       throw std::runtime_error("there is no method " + name);
     }
   }
-  methods.erase(
-      std::remove_if(methods.begin(), methods.end(), [&](const Method& m) { return !among(options.only, m.name); }),
-      methods.end());
+  methods.erase(std::remove_if(methods.begin(), methods.end(), [&](const Method& m) { return !among(only, m.name); }),
+                methods.end());
   return methods;
 }
 
@@ -161,54 +185,17 @@ void write_rest(const std::filesystem::path& folder, const Scene& scene) {
       {"toward", list(edit.toward)}, {"up", list(edit.up)}, {"low", list(low)}, {"high", list(high)}};
 }
 
-Options parse(int argc, char** argv) {
-  Options options;
-  const std::map<std::string, std::function<void(const std::string&)>> with_value = {
-      {"--edits", [&](const std::string& value) { options.edits = split(value, ','); }},
-      {"--only", [&](const std::string& value) { options.only = split(value, ','); }},
-      {"--ours", [&](const std::string& value) { options.ours.push_back(key_and_value(value)); }},
-      {"--targets", [&](const std::string& value) { options.targets = value; }},
-      {"--threads", [&](const std::string& value) { options.threads = std::stoi(value); }},
-      {"--repeat", [&](const std::string& value) { options.repeat = std::max(1, std::stoi(value)); }},
-      {"--json", [&](const std::string& value) { options.json = value; }},
-      {"--out", [&](const std::string& value) { options.out = value; }}};
-  const std::map<std::string, std::function<void()>> alone = {
-      {"--quick", [&] { options.quick = true; }},
-      {"--blender", [&] { options.blender = true; }},
-      {"--meshlab", [&] { options.meshlab = true; }},
-      {"--generated", [&] { options.real = false; }},
-      {"--real", [&] { options.generated = false; }},
-      {"--list", [&] { options.list = true; }},
-      {"--jumps", [&] { options.steadiness = "--jumps"; }},
-      {"--renumbered", [&] { options.steadiness = "--renumbered"; }},
-      {"--symmetric", [&] { options.steadiness = "--symmetric"; }},
-      {"--frames", [&] { options.steadiness = "--frames"; }}};
-  for (int k = 1; k < argc; ++k) {
-    const std::string option = argv[k];
-    if (option == "--help") {
-      std::fputs(kUsage, stdout);
-      std::exit(0);
-    } else if (alone.count(option) > 0) {
-      alone.at(option)();
-    } else if (with_value.count(option) > 0 && k + 1 < argc) {
-      with_value.at(option)(argv[++k]);
-    } else {
-      throw std::runtime_error("unknown, or without its value: " + option + "\n" + kUsage);
-    }
-  }
-  return options;
-}
-
 std::vector<const NamedEdit*> chosen_edits(const Options& options) {
   std::vector<const NamedEdit*> result;
-  for (const std::string& name : options.edits) {
+  const std::vector<std::string> names = options.list("--edits");
+  for (const std::string& name : names) {
     if (std::none_of(edits().begin(), edits().end(), [&](const NamedEdit& edit) { return edit.name == name; })) {
       throw std::runtime_error("there is no edit " + name + ": see --list");
     }
   }
   for (const NamedEdit& edit : edits()) {
-    if (among(options.edits, edit.name) && (!options.quick || edit.quick) &&
-        (edit.real ? options.real : options.generated)) {
+    if (among(names, edit.name) && (!options.has("--quick") || edit.quick) &&
+        !options.has(edit.real ? "--generated" : "--real")) {
       result.push_back(&edit);
     }
   }
@@ -216,31 +203,31 @@ std::vector<const NamedEdit*> chosen_edits(const Options& options) {
 }
 
 int run(int argc, char** argv) {
-  const Options options = parse(argc, argv);
+  const Options options(argc, argv);
   const std::vector<Method> methods = make_methods(options);
   const std::vector<const NamedEdit*> chosen = chosen_edits(options);
-  if (options.list) {
+  if (options.has("--list")) {
     for (const NamedEdit* edit : chosen) {
       std::printf("%s\n", edit->name);
     }
     return 0;
   }
-  if (!options.steadiness.empty()) {
+  const std::string &targets = options.value("--targets"), &out = options.value("--out");
+  for (const char* option : {"--jumps", "--renumbered", "--frames"}) {
     for (const auto& [name, settings] : make_settings(options)) {
-      if (name == options.targets) {
-        print_steadiness(options.steadiness, chosen, settings);
+      if (options.has(option) && name == targets) {
+        print_steadiness(option, chosen, settings);
         return 0;
       }
     }
-    throw std::runtime_error("there are no settings " + options.targets);
   }
   print_head();
   std::vector<Row> rows;
   nlohmann::ordered_json json;
   for (const NamedEdit* named : chosen) {
     const Scene scene(named->make());
-    const std::filesystem::path folder = std::filesystem::path(options.out) / named->name;
-    if (!options.out.empty()) {
+    const std::filesystem::path folder = std::filesystem::path(out) / named->name;
+    if (!out.empty()) {
       write_rest(folder, scene);
     }
     // In turns, so that what else the machine does meets all of them.
@@ -257,7 +244,7 @@ int run(int argc, char** argv) {
         continue;
       }
       row.of[m] = measure(scene, *outcomes[m].best);
-      if (!options.out.empty()) {
+      if (!out.empty()) {
         write_ply(folder / (methods[m].name + ".ply"), outcomes[m].best->positions, scene.edit.mesh.faces);
       }
     }
@@ -266,9 +253,9 @@ int run(int argc, char** argv) {
     rows.push_back(std::move(row));
   }
   print_summary(rows, methods);
-  print_targets(rows, methods, options.targets);
-  if (!options.json.empty()) {
-    std::ofstream(options.json) << json.dump(1) << '\n';
+  print_targets(rows, methods, targets);
+  if (const std::string& file = options.value("--json"); !file.empty()) {
+    std::ofstream(file) << json.dump(1) << '\n';
   }
   return 0;
 }

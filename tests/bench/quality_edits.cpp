@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "quality_edits.h"
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
-#include "quality_handles.h"
+#include "bodies.h"
+#include "lapedit/mesh/geodesic.h"
+#include "lapedit/mesh/vertex_finder.h"
 #include "quality_shapes.h"
 #include "shapes.h"
 #ifdef QUALITY_REAL_MESHES
@@ -13,98 +19,178 @@
 namespace quality {
 namespace {
 
-Edit ear(bool group) {
-  Edit edit;
-  edit.mesh = head_with_ear(0.024);
-  const int tip = vertex_at(edit.mesh, {0.08, 0, 2.4});
-  edit.region = within(group ? 1.5 : 1.7);
-  edit.toward = {0.9, -0.6, 0.3};
-  if (group) {
-    edit.handles = {patch(edit.mesh, tip, 0.25)};
-    edit.maps = {turn(100, {0, 1, 0}, middle(edit.mesh, edit.handles[0]), {0.85, 0, -0.6})};
-  } else {
-    edit.handles = {{tip}};
-    edit.maps = {shift(1.0, 0.2, -0.6)};
+using lapedit::Affine;
+using lapedit::RegionSpec;
+using lapedit::TriangleMesh;
+using lapedit::Vector3;
+namespace shapes = lapedit::shapes;
+
+// --- Regions, handles, motions ---------------------------------------------------------------------------------------
+
+RegionSpec within(double radius) {
+  RegionSpec spec;
+  spec.radius = radius;
+  return spec;
+}
+
+/// A free length around the handle, and behind it a narrow band of anchors.
+RegionSpec joint(double length, double band) {
+  RegionSpec spec = within(length + band);
+  spec.padding = band / (length + band);
+  return spec;
+}
+
+RegionSpec component() {
+  RegionSpec spec;
+  spec.kind = RegionSpec::Kind::Component;
+  return spec;
+}
+
+using Condition = std::function<bool(const Vector3&)>;
+
+std::vector<int> vertices_where(const TriangleMesh& mesh, const Condition& condition) {
+  std::vector<int> result;
+  for (int v = 0; v < mesh.vertices.rows(); ++v) {
+    if (condition(mesh.vertices.row(v))) {
+      result.push_back(v);
+    }
   }
+  return result;
+}
+
+/// All within a distance along the surface; 0: the vertex alone.
+std::vector<int> patch(const TriangleMesh& mesh, int vertex, double radius) {
+  const auto adjacency = lapedit::build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
+  lapedit::GeodesicSearch search(adjacency.neighbours, mesh.vertices);
+  return search.run({vertex}, radius);
+}
+
+std::vector<int> patch(const TriangleMesh& mesh, const Vector3& point, double radius) {
+  return patch(mesh, lapedit::nearest_vertex(mesh, point), radius);
+}
+
+Affine shift(const Vector3& along) {
+  return Affine(Eigen::Translation3d(along));
+}
+
+/// Rotated about an axis through a point, then moved.
+Affine turn(double degrees, const Vector3& axis, const Vector3& centre, const Vector3& along = Vector3::Zero()) {
+  const Eigen::AngleAxisd rotation(degrees * EIGEN_PI / 180, axis.normalized());
+  return Affine(Eigen::Translation3d(centre + along) * rotation * Eigen::Translation3d(-centre));
+}
+
+/// A limb's end rotated as if the limb, from its root on, became an arc of the same length.
+/// @param along  from the root to the end
+Affine arc(double degrees, const Vector3& axis, const Vector3& root, const Vector3& along) {
+  const double angle = degrees * EIGEN_PI / 180;
+  const Vector3 side = axis.normalized().cross(along);
+  const Vector3 end = along * (std::sin(angle) / angle) + side * ((1 - std::cos(angle)) / angle);
+  return turn(degrees, axis, root + along, end - along);
+}
+
+/// The edit of one group, or the first of several.
+Edit edit_of(TriangleMesh mesh, const Vector3& toward, const RegionSpec& region, std::vector<int> handle,
+             const Affine& map) {
+  Edit edit;
+  edit.mesh = std::move(mesh);
+  edit.toward = toward;
+  edit.region = region;
+  edit.handles = {std::move(handle)};
+  edit.maps = {map};
   return edit;
+}
+
+Edit edit_where(const TriangleMesh& mesh, const Vector3& toward, const RegionSpec& region, const Condition& condition,
+                const Affine& map) {
+  return edit_of(mesh, toward, region, vertices_where(mesh, condition), map);
+}
+
+void add_group(Edit& edit, const Condition& condition, const Affine& map) {
+  edit.handles.push_back(vertices_where(edit.mesh, condition));
+  edit.maps.push_back(map);
+}
+
+/// A patch rotated about its own middle, then moved.
+Edit turned_patch(const TriangleMesh& mesh, const Vector3& toward, const RegionSpec& region,
+                  const std::vector<int>& handle, double degrees, const Vector3& axis, const Vector3& along) {
+  const Vector3 middle = mesh.vertices(handle, Eigen::all).colwise().mean().transpose();
+  return edit_of(mesh, toward, region, handle, turn(degrees, axis, middle, along));
+}
+
+// --- Edits on generated meshes ---------------------------------------------------------------------------------------
+
+constexpr double kElbow = 2, kWidth = 0.6;  ///< position on the x axis, and the arm's width there
+const Vector3 kAtArm(0.2, -1, 0.25), kEar(0.08, 0, 2.4);
+
+Edit limb(const Affine& map) {
+  return edit_where(
+      shapes::tapered_arm(72, 130), {0, -1, 0.2}, within(7.5), [](const Vector3& p) { return p.x() > 9; }, map);
 }
 
 Edit bent_limb(double degrees) {
-  Edit edit;
-  edit.mesh = lapedit::shapes::tapered_arm(72, 130);
-  edit.handles = {vertices_where(edit.mesh, [](const Vector3& p) { return p.x() > 9; })};
-  edit.region = within(7.5);
-  edit.maps = {arc(degrees, {0, -1, 0}, {1.7, 0, 0}, {7.3, 0, 0})};
-  edit.toward = {0, -1, 0.2};
-  return edit;
+  return limb(arc(degrees, {0, -1, 0}, {1.7, 0, 0}, {7.3, 0, 0}));
 }
 
-Edit twisted_limb() {
-  Edit edit = bent_limb(120);
-  edit.maps = {turn(120, {1, 0, 0}, {9, 0, 0})};
-  return edit;
+/// All of an arm from one x to another is the handle.
+Edit arm(double cell, double from, double to, const RegionSpec& region, const Affine& map) {
+  return edit_where(
+      body_with_arm(cell), kAtArm, region, [=](const Vector3& p) { return p.x() > from && p.x() < to; }, map);
 }
 
-/// At the elbow, as a user who turns the fist about it.
-Edit bent_arm() {
-  Edit edit;
-  edit.mesh = body_with_arm(0.04);
-  edit.handles = {vertices_where(edit.mesh, [](const Vector3& p) { return p.x() > 3.3; })};
-  edit.region = within(2.6);
-  edit.maps = {arc(120, {0, -1, 0}, {0.9, 0, 0}, {2.4, 0, 0})};
-  edit.toward = {0.2, -1, 0.25};
-  return edit;
+/// All beyond a free joint around the elbow moves, all before it is stationary.
+Edit joint_of_arm(double widths, const Affine& map) {
+  return arm(0.03, kElbow + widths * kWidth / 2, 9, joint(widths * kWidth, 0.15), map);
 }
 
-Edit pulled_arm() {
-  Edit edit;
-  edit.mesh = body_with_arm(0.04);
-  edit.handles = {{vertex_at(edit.mesh, {4.1, 0, 0})}};
-  edit.region = within(3.6);
-  edit.maps = {shift(-1.2, 0, 2.2)};
-  edit.toward = {0.2, -1, 0.25};
-  return edit;
+Edit elbow(double widths, double degrees) {
+  return joint_of_arm(widths, turn(degrees, {0, -1, 0}, {kElbow, 0, 0}));
+}
+
+/// Pushed back by a fraction of the free length.
+Edit compressed(double fraction) {
+  return joint_of_arm(2, shift({-fraction * 2 * kWidth, 0, 0}));
+}
+
+Edit scaled(double factor) {
+  const Eigen::Translation3d centre(kElbow, 0, 0);
+  return arm(0.03, 1.85, 2.15, within(1), Affine(centre * Eigen::Scaling(factor) * centre.inverse()));
+}
+
+/// A short neck, rotated about its middle.
+Edit neck(const Vector3& axis) {
+  return edit_where(
+      bust(0.045), {0.8, -0.7, 0.35}, joint(0.55, 0.15), [](const Vector3& p) { return p.z() > 1; },
+      turn(60, axis, {0, 0, 0.75}));
 }
 
 Edit bent_tail(bool group) {
-  Edit edit;
   Vector3 sting;
-  edit.mesh = body_with_tail(0.04, sting);
-  const int tip = vertex_at(edit.mesh, sting);
-  edit.handles = {group ? patch(edit.mesh, tip, 0.8) : std::vector<int>{tip}};
-  edit.region = within(group ? 3.2 : 4.2);
-  edit.maps = {group ? turn(-90, {0, 1, 0}, middle(edit.mesh, edit.handles[0]), {-1.8, 0, 0.1})
-                     : shift(-1.2, 1.5, -0.8)};
-  edit.toward = {0.1, -1, 0.25};
-  return edit;
+  const TriangleMesh mesh = body_with_tail(0.04, sting);
+  const Vector3 toward(0.1, -1, 0.25);
+  return group ? turned_patch(mesh, toward, within(3.2), patch(mesh, sting, 0.8), -90, {0, 1, 0}, {-1.8, 0, 0.1})
+               : edit_of(mesh, toward, within(4.2), patch(mesh, sting, 0), shift({-1.2, 1.5, -0.8}));
 }
 
-Edit pulled_nose(double way, double radius) {
-  Edit edit;
-  edit.mesh = uneven_face(201, 101);
-  edit.handles = {{vertex_at(edit.mesh, {0, 0, std::sqrt(5.0) - 0.55})}};
-  edit.region = within(radius);
-  edit.maps = {shift(0.1 * way, 0, way)};
-  edit.toward = {0.9, -0.5, 0.4};
+Edit pulled_nose(double length) {
+  const TriangleMesh mesh = uneven_face(201, 101);
+  Edit edit = edit_of(mesh, {0.9, -0.5, 0.4}, within(0.9), patch(mesh, Vector3(0, 0, std::sqrt(5.0) - 0.55), 0),
+                      shift({0.1 * length, 0, length}));
   edit.up = {0, 1, 0};
   return edit;
 }
 
 Edit letters() {
-  Edit edit;
-  edit.mesh = lapedit::shapes::letter_field(180, 90);
+  const TriangleMesh mesh = shapes::letter_field(180, 90);
+  Edit edit =
+      edit_of(mesh, {0.3, -0.9, 0.75}, within(1.8), patch(mesh, Vector3(2.05, 0.9, 0.12), 0), shift({0.8, 0, 1}));
   edit.height_field = true;
-  edit.handles = {{vertex_at(edit.mesh, {2.05, 0.9, 0.12})}};
-  edit.region = within(1.8);
-  edit.maps = {shift(0.8, 0, 1)};
-  edit.toward = {0.3, -0.9, 0.75};
   return edit;
 }
 
 /// The grid of figures that a known angle and height belong to: see detail_orientation_test.
 Edit bumpy_grid() {
-  Edit edit;
-  edit.mesh = lapedit::shapes::bumpy_grid();
+  Edit edit = edit_where(
+      shapes::bumpy_grid(), {0.35, -0.8, 0.6}, {}, [](const Vector3& p) { return p.x() == 50; }, shift({30, 0, 60}));
   edit.height_field = true;
   RegionSpec& spec = edit.region;
   spec.kind = RegionSpec::Kind::Vertices;
@@ -113,125 +199,258 @@ Edit bumpy_grid() {
   spec.anchors.weights.assign(spec.anchors.vertices.size(), 1);
   spec.anchors.depths.assign(spec.anchors.vertices.size(), 1);
   spec.anchors.reach = 50;
-  edit.handles = {vertices_where(edit.mesh, [](const Vector3& p) { return p.x() == 50; })};
-  edit.maps = {shift(30, 0, 60)};
   return edit;
 }
 
 /// A bar without anchors, held by its ends.
 Edit bar(const Affine& left, const Affine& right) {
-  Edit edit;
-  edit.mesh = lapedit::shapes::bar(60, 14, 14);
-  edit.region.kind = RegionSpec::Kind::Component;
-  edit.handles = {vertices_where(edit.mesh, [](const Vector3& p) { return p.x() < 4.5; }),
-                  vertices_where(edit.mesh, [](const Vector3& p) { return p.x() > 55.5; })};
-  edit.maps = {left, right};
-  edit.toward = {0.2, -1, 0.3};
+  Edit edit = edit_where(
+      shapes::bar(60, 14, 14), {0.2, -1, 0.3}, component(), [](const Vector3& p) { return p.x() < 4.5; }, left);
+  add_group(
+      edit, [](const Vector3& p) { return p.x() > 55.5; }, right);
   return edit;
 }
+
+/// Of lapedit::shapes::hand(): roots, and from there to the tips.
+const std::pair<Vector3, Vector3> kFingers[] = {{{-0.4, 0.35, 0}, {-0.09, 0.79, 0.08}},
+                                                {{-0.14, 0.35, 0}, {-0.04, 1, 0.1}},
+                                                {{0.12, 0.35, 0}, {0.035, 1.04, 0.1}},
+                                                {{0.36, 0.35, 0}, {0.095, 0.94, 0.095}}};
+
+Edit fist() {
+  Edit edit;
+  edit.mesh = shapes::hand();
+  edit.region = joint(0.55, 0.1);
+  for (const auto& [root, along] : kFingers) {
+    edit.handles.push_back(patch(edit.mesh, root + 1.1 * along, 0.35 * along.norm()));
+    edit.maps.push_back(arc(90, {-1, 0, 0}, root + 0.15 * along, 0.65 * along));
+  }
+  edit.toward = {0.9, 0.2, -0.5};
+  edit.up = {0, 1, 0};
+  return edit;
+}
+
+Edit pushed_finger() {
+  const auto& [root, along] = kFingers[2];
+  const TriangleMesh mesh = shapes::hand();
+  Edit edit = edit_of(mesh, {0.3, 0.2, 1}, joint(0.5, 0.15), patch(mesh, root + 1.1 * along, 0.3),
+                      shift(-0.7 * 0.5 * along.normalized()));
+  edit.up = {0, 1, 0};
+  return edit;
+}
+
+Edit posed_figure() {
+  Edit edit = edit_where(
+      symmetric_figure(0.035), {0.5, -1, 0.2}, component(), [](const Vector3& p) { return p.z() < -1.4 && p.x() < 0; },
+      Affine::Identity());
+  add_group(
+      edit, [](const Vector3& p) { return p.z() < -1.4 && p.x() > 0; }, Affine::Identity());
+  add_group(
+      edit, [](const Vector3& p) { return p.x() < -0.9 && p.z() < 0; }, turn(-80, {1, 0, 0}, {-0.33, 0, 0.85}));
+  add_group(
+      edit, [](const Vector3& p) { return p.x() > 0.9 && p.z() < 0; }, turn(-100, {0, 1, 0}, {0.33, 0, 0.85}));
+  add_group(
+      edit, [](const Vector3& p) { return p.z() > 1.35; }, turn(45, {0, 0, 1}, {0, 0, 1.3}));
+  return edit;
+}
+
+Edit bowing_figure() {
+  Edit edit = edit_where(
+      symmetric_figure(0.04), {0.9, -0.6, 0.3}, component(), [](const Vector3& p) { return p.z() < -1.4; },
+      Affine::Identity());
+  add_group(
+      edit, [](const Vector3& p) { return p.z() > 1.35; }, turn(60, {1, 0, 0}, {0, 0, 0.1}));
+  return edit;
+}
+
+/// Of triangles that are this many times as long as wide.
+Edit tube(int around, double times) {
+  constexpr double kLength = 16;
+  const double spacing = times * 2 * std::sin(EIGEN_PI / around);
+  TriangleMesh mesh = shapes::cylinder(around, static_cast<int>(std::lround(kLength / spacing)) + 1);
+  mesh.vertices.col(0) *= kLength / 4;
+  return edit_where(
+      mesh, {0.1, -1, 0.15}, within(13), [](const Vector3& p) { return p.x() > 13.5; },
+      arc(90, {0, -1, 0}, {2, 0, 0}, {11.5, 0, 0}));
+}
+
+/// The bust with its head rotated above the neck, and with an open jaw.
+Vector3 turned_with_open_jaw(const Vector3& p) {
+  const auto rise = [](double from, double to, double at) {
+    const double t = std::clamp((at - from) / (to - from), 0.0, 1.0);
+    return t * t * (3 - 2 * t);
+  };
+  const double jaw = rise(1.6, 1.4, p.z()) * rise(0.9, 1.1, p.z()) * rise(-0.35, -0.7, p.y());
+  const Vector3 opened = turn(20 * jaw, {1, 0, 0}, {0, -0.2, 1.5}) * p;
+  return turn(30 * rise(0.2, 1.2, p.z()), {0, 0, 1}, Vector3::Zero()) * opened;
+}
+
+/// At vertices far from each other; the first is the highest.
+Edit landmarks() {
+  constexpr int kCount = 60;
+  Edit edit;
+  edit.mesh = bust(0.055);
+  edit.region = component();
+  edit.toward = {0.8, -0.7, 0.2};
+  const lapedit::Points& points = edit.mesh.vertices;
+  Eigen::Index next = 0;
+  points.col(2).maxCoeff(&next);
+  Eigen::VectorXd distance = Eigen::VectorXd::Constant(points.rows(), std::numeric_limits<double>::max());
+  for (int k = 0; k < kCount; ++k) {
+    const Vector3 p = points.row(next);
+    edit.handles.push_back({static_cast<int>(next)});
+    edit.maps.push_back(shift(turned_with_open_jaw(p) - p));
+    distance = distance.cwiseMin((points.rowwise() - p.transpose()).rowwise().squaredNorm());
+    distance.maxCoeff(&next);
+  }
+  return edit;
+}
+
+std::vector<NamedEdit> generated_edits() {
+  using C = EditClass;
+  const Vector3 y(0, 1, 0), centre(30, 7, 7);
+  return {
+      {"ear_vertex", C::Vertex, true, false,
+       [] {
+         const TriangleMesh mesh = head_with_ear(0.024);
+         return edit_of(mesh, {0.9, -0.6, 0.3}, within(1.7), patch(mesh, kEar, 0), shift({1.0, 0.2, -0.6}));
+       }},
+      {"ear_group", C::FarTurned, false, false,
+       [] {
+         const TriangleMesh mesh = head_with_ear(0.024);
+         return turned_patch(mesh, {0.9, -0.6, 0.3}, within(1.5), patch(mesh, kEar, 0.25), 100, {0, 1, 0},
+                             {0.85, 0, -0.6});
+       }},
+      {"limb_90", C::Turned, true, false, [] { return bent_limb(90); }},
+      {"limb_120", C::FarTurned, false, false, [] { return bent_limb(120); }},
+      {"limb_179", C::FarTurned, false, false, [] { return bent_limb(179); }},
+      {"limb_twisted", C::FarTurned, false, false,
+       [] {
+         return limb(turn(120, {1, 0, 0}, {9, 0, 0}));
+       }},
+      {"arm_120", C::FarTurned, false, false,
+       [=] {
+         return arm(0.04, 3.3, 9, within(2.6), arc(120, -y, {0.9, 0, 0}, {2.4, 0, 0}));
+       }},
+      {"arm_vertex", C::Vertex, true, false,
+       [] {
+         const TriangleMesh mesh = body_with_arm(0.04);
+         return edit_of(mesh, kAtArm, within(3.6), patch(mesh, Vector3(4.1, 0, 0), 0), shift({-1.2, 0, 2.2}));
+       }},
+      {"nose_gently", C::Vertex, false, false, [] { return pulled_nose(0.5); }},
+      {"nose_far", C::Vertex, true, false, [] { return pulled_nose(1.5); }},
+      {"tail_vertex", C::Vertex, false, false, [] { return bent_tail(false); }},
+      {"tail_group", C::Turned, true, false, [] { return bent_tail(true); }},
+      {"letters_sideways", C::Vertex, false, false, letters},
+      {"grid_sideways", C::Other, true, false, bumpy_grid},
+      {"bar_twisted", C::Several, true, false,
+       [] {
+         return bar(Affine::Identity(), turn(90, {1, 0, 0}, {0, 7, 7}));
+       }},
+      {"bar_both_ends", C::Several, false, false,
+       [=] {
+         return bar(arc(60, y, centre, {-25.5, 0, 0}), arc(60, -y, centre, {25.5, 0, 0}));
+       }},
+      {"elbow_half_60", C::Elbow, false, false, [] { return elbow(0.5, 60); }},
+      {"elbow_half_120", C::Elbow, false, false, [] { return elbow(0.5, 120); }},
+      {"elbow_one_90", C::Elbow, false, false, [] { return elbow(1, 90); }},
+      {"elbow_one_120", C::Elbow, true, false, [] { return elbow(1, 120); }},
+      {"elbow_one_150", C::Elbow, false, false, [] { return elbow(1, 150); }},
+      {"elbow_two_120", C::Elbow, false, false, [] { return elbow(2, 120); }},
+      {"elbow_two_150", C::Elbow, false, false, [] { return elbow(2, 150); }},
+      {"neck_nods", C::Turned, false, false,
+       [] {
+         return neck({1, 0, 0});
+       }},
+      {"neck_turns", C::Turned, true, false,
+       [] {
+         return neck({0, 0, 1});
+       }},
+      {"fist", C::Several, false, false, fist},
+      {"figure_posed", C::Several, true, false, posed_figure},
+      {"figure_bows", C::Several, false, false, bowing_figure},
+      {"landmarks_60", C::Several, false, false, landmarks},
+      {"tube_4", C::Turned, false, false, [] { return tube(96, 4); }},
+      {"tube_12", C::Turned, false, false, [] { return tube(160, 12); }},
+      {"compressed_40", C::Other, false, false, [] { return compressed(0.4); }},
+      {"compressed_80", C::Other, false, false, [] { return compressed(0.8); }},
+      {"finger_pushed", C::Other, false, false, pushed_finger},
+      {"scaled_up", C::Other, false, false, [] { return scaled(2); }},
+      {"scaled_down", C::Other, false, false, [] { return scaled(0.5); }},
+  };
+}
+
+// --- Edits on real meshes --------------------------------------------------------------------------------------------
 
 #ifdef QUALITY_REAL_MESHES
-Edit real(const char* file, int handle, double radius, const Vector3& way, const Vector3& toward,
-          const Vector3& up = {0, 0, 1}) {
-  Edit edit;
-  edit.mesh = lapedit::real::load(file);
-  edit.handles = {{handle}};
-  edit.region = within(radius);
-  edit.maps = {shift(way.x(), way.y(), way.z())};
-  edit.toward = toward;
-  edit.up = up;
+struct RealEdit {
+  const char* name;
+  EditClass kind;
+  bool quick;
+  const char* file;
+  int handle;
+  double radius;
+  Vector3 along, toward, up;
+  double patch = 0, degrees = 0;  ///< the patch around the handle is rotated about its own middle
+  Vector3 axis = Vector3::Zero();
+};
+
+Edit make_real(const RealEdit& row) {
+  const TriangleMesh mesh = lapedit::real::load(row.file);
+  const std::vector<int> handle = patch(mesh, row.handle, row.patch);
+  Edit edit = row.degrees != 0
+                  ? turned_patch(mesh, row.toward, within(row.radius), handle, row.degrees, row.axis, row.along)
+                  : edit_of(mesh, row.toward, within(row.radius), handle, shift(row.along));
+  edit.up = row.up;
+  edit.height_field = row.file == std::string("bumpy_plane.off");
   return edit;
 }
 
-/// A patch around the handle turned about its own middle, then moved.
-Edit real_turned(Edit edit, double patch_radius, double degrees, const Vector3& axis) {
-  const int handle = edit.handles[0][0];
-  const Vector3 way = edit.maps[0].translation();
-  edit.handles = {patch(edit.mesh, handle, patch_radius)};
-  edit.maps = {turn(degrees, axis, middle(edit.mesh, edit.handles[0]), way)};
-  return edit;
-}
-#endif
-
-std::vector<NamedEdit> make_edits() {
+std::vector<NamedEdit> real_edits() {
+  using C = EditClass;
+  constexpr double kPull = -12 / 9.4;
+  const Vector3 profile(0.9, -0.55, 0.15), below(0.5, 0.45, -0.9), face(0.9, 0.1, 0.6), side(0.5, 0.15, 1),
+      hill(0.3, -0.9, 0.6), y(0, 1, 0), z(0, 0, 1);
+  const char *mannequin = "mannequin.off", *octopus = "octopus.off", *bunny = "bunny.ply", *igea = "igea.ply";
+  const RealEdit rows[] = {
+      {"mannequin_nose", C::Vertex, false, mannequin, 8624, 0.6117, {0, kPull * 0.6117, 0}, profile, z},
+      {"mannequin_face", C::Vertex, false, mannequin, 8624, 1.2155, {0, -1.29, 0}, profile, z},
+      {"mannequin_far", C::Vertex, true, mannequin, 8624, 1.2155, {0, kPull * 1.2155, 0}, profile, z},
+      {"octopus_vertex", C::Vertex, true, octopus, 3175, 0.8, {0, 0.437, 0}, below, y},
+      {"octopus_group", C::Turned, false, octopus, 3175, 0.8, {0, 0.3, 0}, below, y, 0.1, 90, {-0.65, 0, 0.76}},
+      {"bunny_vertex", C::Vertex, true, bunny, 23637, 0.06, {0.03, -0.05, 0.03}, side, y},
+      {"bunny_group", C::Turned, false, bunny, 23637, 0.06, {0.015, -0.015, 0.03}, side, y, 0.015, 75, {1, 0, 0}},
+      {"igea_nose", C::Vertex, false, igea, 31536, 0.02, {0, 0, 0.02}, face, y},
+      {"igea_face", C::Vertex, false, igea, 31536, 0.0374, {0, 0.01, 0.03}, face, y},
+      {"laurana_nose", C::Vertex, false, "Laurana50k.ply", 25805, 80, {0, 0, 60}, face, y},
+      {"bumps_up", C::Vertex, false, "bumpy_plane.off", 20200, 40, {0, 0, 42.5}, hill, z},
+      {"bumps_sideways", C::Vertex, false, "bumpy_plane.off", 20200, 30, {20, 0, 30}, hill, z}};
   std::vector<NamedEdit> list;
-  const auto add = [&list](const char* name, EditClass kind, bool quick, std::function<Edit()> make) {
-    list.push_back({name, kind, quick, false, std::move(make)});
-  };
-  add("ear_vertex", EditClass::Vertex, true, [] { return ear(false); });
-  add("ear_group", EditClass::FarTurned, false, [] { return ear(true); });
-  add("limb_90", EditClass::Turned, true, [] { return bent_limb(90); });
-  add("limb_120", EditClass::FarTurned, false, [] { return bent_limb(120); });
-  add("limb_179", EditClass::FarTurned, false, [] { return bent_limb(179); });
-  add("limb_twisted", EditClass::FarTurned, false, twisted_limb);
-  add("arm_120", EditClass::FarTurned, false, bent_arm);
-  add("arm_vertex", EditClass::Vertex, true, pulled_arm);
-  add("nose_gently", EditClass::Vertex, false, [] { return pulled_nose(0.5, 0.9); });
-  add("nose_far", EditClass::Vertex, true, [] { return pulled_nose(1.5, 0.9); });
-  add("tail_vertex", EditClass::Vertex, false, [] { return bent_tail(false); });
-  add("tail_group", EditClass::Turned, true, [] { return bent_tail(true); });
-  add("letters_sideways", EditClass::Vertex, false, letters);
-  add("grid_sideways", EditClass::Other, true, bumpy_grid);
-  add("bar_twisted", EditClass::Several, true, [] { return bar(Affine::Identity(), turn(90, {1, 0, 0}, {0, 7, 7})); });
-  add("bar_both_ends", EditClass::Several, false, [] {
-    const Vector3 centre(30, 7, 7);
-    return bar(arc(60, {0, 1, 0}, centre, {-25.5, 0, 0}), arc(60, {0, -1, 0}, centre, {25.5, 0, 0}));
-  });
-  add_joint_edits(list);
-#ifdef QUALITY_REAL_MESHES
-  const auto add_real = [&list](const char* name, EditClass kind, bool quick, std::function<Edit()> make) {
-    list.push_back({name, kind, quick, true, std::move(make)});
-  };
-  const Vector3 profile(0.9, -0.55, 0.15), below(0.5, 0.45, -0.9), face(0.9, 0.1, 0.6), y(0, 1, 0);
-  add_real("mannequin_nose", EditClass::Vertex, false, [=] {
-    return real("mannequin.off", 8624, 0.6117, {0, -12 / 9.4 * 0.6117, 0}, profile);
-  });
-  add_real("mannequin_face", EditClass::Vertex, false, [=] {
-    return real("mannequin.off", 8624, 1.2155, {0, -1.29, 0}, profile);
-  });
-  add_real("mannequin_far", EditClass::Vertex, true, [=] {
-    return real("mannequin.off", 8624, 1.2155, {0, -12 / 9.4 * 1.2155, 0}, profile);
-  });
-  add_real("mannequin_head", EditClass::Turned, false, [=] {
-    Edit edit = real("mannequin.off", 8624, 0.9, {0, 0, 0}, {-0.5, -0.8, 0.2});
-    edit.handles = {vertices_where(edit.mesh, [](const Vector3& p) { return p.z() > -0.62 + 0.35 * p.y(); })};
-    edit.maps = {turn(60, {0, 0, 1}, {0, 0.2, 0})};
-    return edit;
-  });
-  add_real("octopus_vertex", EditClass::Vertex, true, [=] {
-    return real("octopus.off", 3175, 0.8, {0, 0.437, 0}, below, y);
-  });
-  add_real("octopus_group", EditClass::Turned, false, [=] {
-    return real_turned(real("octopus.off", 3175, 0.8, {0, 0.3, 0}, below, y), 0.1, 90, {-0.65, 0, 0.76});
-  });
-  add_real("bunny_vertex", EditClass::Vertex, true, [=] {
-    return real("bunny.ply", 23637, 0.06, {0.03, -0.05, 0.03}, {0.5, 0.15, 1}, y);
-  });
-  add_real("bunny_group", EditClass::Turned, false, [=] {
-    return real_turned(real("bunny.ply", 23637, 0.06, {0.015, -0.015, 0.03}, {0.5, 0.15, 1}, y), 0.015, 75, {1, 0, 0});
-  });
-  add_real("igea_nose", EditClass::Vertex, false, [=] { return real("igea.ply", 31536, 0.02, {0, 0, 0.02}, face, y); });
-  add_real("igea_face", EditClass::Vertex, false, [=] {
-    return real("igea.ply", 31536, 0.0374, {0, 0.01, 0.03}, face, y);
-  });
-  add_real("laurana_nose", EditClass::Vertex, false, [=] {
-    return real("Laurana50k.ply", 25805, 80, {0, 0, 60}, face, y);
-  });
-  const auto bumps = [](double radius, const Vector3& way) {
-    Edit edit = real("bumpy_plane.off", 20200, radius, way, {0.3, -0.9, 0.6});
-    edit.height_field = true;
-    return edit;
-  };
-  add_real("bumps_up", EditClass::Vertex, false, [=] { return bumps(40, {0, 0, 42.5}); });
-  add_real("bumps_sideways", EditClass::Vertex, false, [=] { return bumps(30, {20, 0, 30}); });
-#endif
+  for (const RealEdit& row : rows) {
+    list.push_back({row.name, row.kind, row.quick, true, [row] { return make_real(row); }});
+  }
+  list.push_back({"mannequin_head", C::Turned, false, true, [] {
+                    return edit_where(
+                        lapedit::real::load("mannequin.off"), {-0.5, -0.8, 0.2}, within(0.9),
+                        [](const Vector3& p) { return p.z() > -0.62 + 0.35 * p.y(); },
+                        turn(60, {0, 0, 1}, {0, 0.2, 0}));
+                  }});
   return list;
 }
+#endif
 
 }  // namespace
 
 const std::vector<NamedEdit>& edits() {
-  static const std::vector<NamedEdit> list = make_edits();
+  static const std::vector<NamedEdit> list = [] {
+    std::vector<NamedEdit> all = generated_edits();
+#ifdef QUALITY_REAL_MESHES
+    for (NamedEdit& edit : real_edits()) {
+      all.push_back(std::move(edit));
+    }
+#endif
+    return all;
+  }();
   return list;
 }
 

@@ -17,21 +17,20 @@ struct Edit {
   std::vector<std::vector<int>> handles;
   std::vector<lapedit::Affine> maps;                            ///< one per handle group
   bool height_field = false;                                    ///< encloses nothing
-  bool symmetric = false;                                       ///< all of it is its own mirror image in x
   lapedit::Vector3 toward = {0.35, -0.8, 0.6}, up = {0, 0, 1};  ///< for a picture: from the mesh to the eye, upwards
 };
 
 /// Kinds of edits, which the summary compares one by one.
 enum class EditClass {
   Vertex,     ///< one vertex pulled
-  Turned,     ///< one group turned by at most 90 degrees
-  FarTurned,  ///< one group turned by more
+  Turned,     ///< one group rotated by at most 90 degrees
+  FarTurned,  ///< one group rotated by more
   Several,    ///< several groups, or whole components
   Elbow,      ///< a short free joint between two rigid parts
   Other
 };
 
-/// Made when it is asked for.
+/// An edit that is made on request.
 struct NamedEdit {
   const char* name;
   EditClass kind;
@@ -41,8 +40,5 @@ struct NamedEdit {
 };
 
 const std::vector<NamedEdit>& edits();
-
-/// The part of the list that quality_joints.cpp defines.
-void add_joint_edits(std::vector<NamedEdit>& list);
 
 }  // namespace quality

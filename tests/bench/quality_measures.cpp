@@ -2,11 +2,12 @@
 #include "quality_measures.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
+
+#include "lapedit/base/polar_decomposition.h"
 
 namespace quality {
 namespace {
@@ -23,15 +24,6 @@ constexpr double kPi = 3.14159265358979323846;
 Vector3 cross(const Points& p, const Faces& faces, int f) {
   const Vector3 a = p.row(faces(f, 0));
   return (p.row(faces(f, 1)).transpose() - a).cross(p.row(faces(f, 2)).transpose() - a);
-}
-
-Matrix3 nearest_rotation(const Matrix3& moment) {
-  const Eigen::JacobiSVD<Matrix3> svd(moment, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Matrix3 u = svd.matrixU();
-  if ((u * svd.matrixV().transpose()).determinant() < 0) {
-    u.col(2) *= -1;
-  }
-  return u * svd.matrixV().transpose();
 }
 
 /// The rotation that fits best around a vertex. Normals make it well defined where the surroundings are flat.
@@ -60,7 +52,7 @@ Matrix3 fitted_rotation(const Adjacency& adjacency, const Faces& faces, const Po
   }
   middle_before /= area;
   middle_after /= area;
-  Matrix3 places = Matrix3::Zero(), normals = Matrix3::Zero();
+  Matrix3 positions = Matrix3::Zero(), normals = Matrix3::Zero();
   double size_before = 0, size_after = 0;
   for (const int f : ring) {
     const Vector3 normal = cross(before, faces, f);
@@ -69,36 +61,16 @@ Matrix3 fitted_rotation(const Adjacency& adjacency, const Faces& faces, const Po
     for (int k = 0; k < 3; ++k) {
       const Vector3 p = before.row(faces(f, k)).transpose() - middle_before;
       const Vector3 q = after.row(faces(f, k)).transpose() - middle_after;
-      places += weight / 3 * q * p.transpose();
+      positions += weight / 3 * q * p.transpose();
       size_before += weight / 3 * p.squaredNorm();
       size_after += weight / 3 * q.squaredNorm();
     }
   }
   const double size = std::sqrt(size_before * size_after);
-  return nearest_rotation(size > 0 ? Matrix3(normals + area / size * places) : normals);
+  return lapedit::polar_rotation(size > 0 ? Matrix3(normals + area / size * positions) : normals);
 }
 
 }  // namespace
-
-Stretch edge_stretch(const lapedit::Region& region, const Points& before, const Points& after) {
-  Stretch result;
-  double sum = 0;
-  std::size_t edges = 0;
-  for (int i = 0; i < region.size(); ++i) {
-    for (const int j : region.neighbours[i]) {
-      const int v = region.mesh_vertex[i], w = region.mesh_vertex[j];
-      const double rest = (before.row(v) - before.row(w)).norm();
-      if (j > i && rest > 0) {
-        const double stretch = (after.row(v) - after.row(w)).norm() / rest - 1;
-        sum += stretch * stretch;
-        result.largest = std::max(result.largest, stretch);
-        ++edges;
-      }
-    }
-  }
-  result.rms = edges > 0 ? std::sqrt(sum / static_cast<double>(edges)) : 0;
-  return result;
-}
 
 std::vector<int> region_faces(const Adjacency& adjacency, const lapedit::Region& region) {
   std::vector<int> result;
@@ -129,7 +101,7 @@ int flipped_triangles(const Adjacency& adjacency, const Faces& faces, const std:
   };
   return static_cast<int>(std::count_if(looked_at.begin(), looked_at.end(), [&](int f) {
     const Matrix3 sum = rotation(faces(f, 0)) + rotation(faces(f, 1)) + rotation(faces(f, 2));
-    return (nearest_rotation(sum) * cross(before, faces, f)).dot(cross(after, faces, f)) < 0;
+    return (lapedit::polar_rotation(sum) * cross(before, faces, f)).dot(cross(after, faces, f)) < 0;
   }));
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "lapedit/mesh/region.h"
@@ -8,13 +9,6 @@
 /// How good an edit's shape is, measured on positions alone, so that every method is measured alike. `before` and
 /// `after` are whole meshes of the same faces, n x 3.
 namespace quality {
-
-/// Of |after| / |before| - 1 over the edges with both ends in the region; edges without length are left out.
-struct Stretch {
-  double rms = 0;      ///< 1 for 100 %
-  double largest = 0;  ///< longest above the rest length
-};
-Stretch edge_stretch(const lapedit::Region& region, const lapedit::Points& before, const lapedit::Points& after);
 
 /// Faces with a corner in the region, ascending.
 std::vector<int> region_faces(const lapedit::Adjacency& adjacency, const lapedit::Region& region);
@@ -35,5 +29,13 @@ double dihedral_change(const lapedit::Faces& faces, const std::vector<int>& look
 /// not a number where they are as good as flat.
 double volume_change(const lapedit::Faces& faces, const std::vector<int>& looked_at, const lapedit::Points& before,
                      const lapedit::Points& after);
+
+/// Pairs of faces that cut or touch each other elsewhere than in what they share, at least one of each pair among those
+/// looked at: decided exactly, by CGAL's predicates. Lower number first, ascending. Faces without area are left out.
+std::vector<std::pair<int, int>> intersecting_pairs(const lapedit::Faces& faces, const std::vector<int>& looked_at,
+                                                    const lapedit::Points& positions);
+
+/// How many pairs there are after that were not there before.
+int new_pairs(const std::vector<std::pair<int, int>>& before, const std::vector<std::pair<int, int>>& after);
 
 }  // namespace quality

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "quality_motions.h"
+#include "quality_report.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <iterator>
 #include <limits>
-#include <map>
 #include <memory>
 #include <numeric>
 #include <random>
@@ -104,25 +102,6 @@ std::vector<double> change_by_numbering(const Scene& scene, const EditSettings& 
   return {longest(found - expected) / size_of(scene)};
 }
 
-std::vector<double> asymmetry(const Scene& scene, const EditSettings& settings) {
-  const Points& rest = scene.edit.mesh.vertices;
-  std::map<std::array<double, 3>, Eigen::Index> places;
-  for (Eigen::Index v = 0; v < rest.rows(); ++v) {
-    places[{rest(v, 0), rest(v, 1), rest(v, 2)}] = v;
-  }
-  const Points posed = poser(scene, settings)(1);
-  Points mirrored(rest.rows(), 3);
-  for (Eigen::Index v = 0; v < rest.rows(); ++v) {
-    // -0 equals 0 here.
-    const auto partner = places.find({-rest(v, 0), rest(v, 1), rest(v, 2)});
-    if (partner == places.end()) {
-      throw std::runtime_error("vertex " + std::to_string(v) + " has no mirror image");
-    }
-    mirrored.row(partner->second) << -posed(v, 0), posed(v, 1), posed(v, 2);
-  }
-  return {longest(posed - mirrored) / size_of(scene)};
-}
-
 std::vector<double> frame_errors(const Scene& scene, const EditSettings& settings) {
   const std::vector<lapedit::HandleMotion> motions(scene.edit.maps.begin(), scene.edit.maps.end());
   lapedit::StepSolver solver(scene.edit.mesh,
@@ -152,7 +131,6 @@ struct Measure {
 const Measure kMeasures[] = {
     {"--jumps", "% of the region's size | 50 steps | 500 | 5,000 |\n|---|--:|--:|--:|", 1, jumps},
     {"--renumbered", "% of the region's size | largest |\n|---|--:|", 0.005, change_by_numbering},
-    {"--symmetric", "% of the region's size | largest |\n|---|--:|", 0.01, asymmetry},
     {"--frames",
      "% of the largest displacement | cells, RMS | largest | with the correction, RMS | largest "
      "|\n|---|--:|--:|--:|--:|",
@@ -166,13 +144,9 @@ void print_steadiness(const std::string& option, const std::vector<const NamedEd
                                          [&option](const Measure& one) { return one.option == option; });
   std::printf("| %s, %s\n", option.c_str() + 2, measure.head);
   for (const NamedEdit* named : edits) {
-    Edit edit = named->make();
-    if (option == "--symmetric" && !edit.symmetric) {
-      continue;
-    }
     std::printf("| %s |", named->name);
     double target = measure.target;
-    for (const double share : measure.measured(Scene(std::move(edit)), settings)) {
+    for (const double share : measure.measured(Scene(named->make()), settings)) {
       std::printf(share <= target ? " %.3g |" : " **%.3g** |", 100 * share);
       target = std::isfinite(target) ? share / 2 : target;
     }

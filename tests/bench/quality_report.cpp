@@ -3,17 +3,125 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <iterator>
+#include <limits>
 #include <numeric>
+#include <optional>
+
+#include "table.h"
 
 namespace quality {
 namespace {
 
-using Value = std::function<double(const Figures&)>;
+using table::number;
+using Value = double (*)(const Figures&);
+using Aggregate = double (*)(const std::vector<double>&);
 
-/// Those for which every method has a result, but for methods that make some of the edits only.
+double sum(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0);
+}
+double mean(const std::vector<double>& values) {
+  return sum(values) / static_cast<double>(values.size());
+}
+double median(const std::vector<double>& values) {
+  return table::median(values);
+}
+/// In how many edits the figure is above zero.
+double edits_with(const std::vector<double>& values) {
+  return static_cast<double>(std::count_if(values.begin(), values.end(), [](double value) { return value > 0; }));
+}
+
+constexpr Value kRms = [](const Figures& f) { return 100 * f.rms; };
+constexpr Value kLargest = [](const Figures& f) { return 100 * f.largest; };
+constexpr Value kDihedral = [](const Figures& f) { return f.dihedral; };
+constexpr Value kFlipped = [](const Figures& f) -> double { return f.flipped; };
+constexpr Value kPairs = [](const Figures& f) -> double { return f.pairs; };
+constexpr Value kVolume = [](const Figures& f) { return 100 * std::abs(f.volume); };
+constexpr Value kSettled = [](const Figures& f) { return f.prepare_ms + f.solve_ms; };
+constexpr Value kSolve = [](const Figures& f) { return f.solve_ms; };
+constexpr Value kFrame = [](const Figures& f) { return f.frame_ms; };
+
+struct Column {
+  const char *head, *format;
+  Value value;
+};
+constexpr Column kColumns[] = {{"RMS stretch %", "%.1f", kRms},
+                               {"largest %", "%.0f", kLargest},
+                               {"dihedral, degrees", "%.1f", kDihedral},
+                               {"flipped", "%.0f", kFlipped},
+                               {"new pairs", "%.0f", kPairs},
+                               {"volume %", "%+.1f", [](const Figures& f) { return 100 * f.volume; }},
+                               {"handle off %", "%.2g", [](const Figures& f) { return 100 * f.behind; }},
+                               {"settled ms", "%.1f", kSettled},
+                               {"preparing", "%.1f", [](const Figures& f) { return f.prepare_ms; }},
+                               {"solving", "%.1f", kSolve},
+                               {"frame", "%.2f", kFrame}};
+
+struct Summary {
+  const char *head, *format;
+  Value value;
+  Aggregate of;
+};
+constexpr Summary kSummary[] = {{"RMS %, mean", "%.2f", kRms, mean},
+                                {"median", "%.2f", kRms, median},
+                                {"largest %, mean", "%.0f", kLargest, mean},
+                                {"median", "%.0f", kLargest, median},
+                                {"dihedral, degrees, mean", "%.1f", kDihedral, mean},
+                                {"volume %, mean absolute", "%.1f", kVolume, mean},
+                                {"flipped, sum", "%.0f", kFlipped, sum},
+                                {"median", "%.0f", kFlipped, median},
+                                {"pairs, sum", "%.0f", kPairs, sum},
+                                {"median", "%.0f", kPairs, median},
+                                {"edits with flips", "%.0f", kFlipped, edits_with},
+                                {"with pairs", "%.0f", kPairs, edits_with},
+                                {"settled ms, sum", "%.0f", kSettled, sum},
+                                {"solving", "%.0f", kSolve, sum},
+                                {"frame", "%.2f", kFrame, sum}};
+
+/// A set of edits, by their kinds.
+struct Group {
+  const char* name;
+  std::vector<EditClass> kinds;
+};
+const Group kGroups[] = {
+    {"one vertex pulled", {EditClass::Vertex}},
+    {"group turned by at most 90", {EditClass::Turned}},
+    {"group turned by more", {EditClass::FarTurned}},
+    {"several groups, components", {EditClass::Several}},
+    {"elbows", {EditClass::Elbow}},
+    {"other", {EditClass::Other}},
+    {"turned groups", {EditClass::Turned, EditClass::FarTurned, EditClass::Several, EditClass::Elbow}},
+    {"all",
+     {EditClass::Vertex, EditClass::Turned, EditClass::FarTurned, EditClass::Several, EditClass::Elbow,
+      EditClass::Other}}};
+
+/// By the mean or the median of the edits' own ratios, or by the ratio of the sums.
+enum class By { Mean, Median, Sums };
+
+struct Target {
+  const char *what, *group, *peer;
+  Value value;
+  By by;
+  double bound;
+};
+constexpr Target kTargets[] = {{"RMS stretch", "all", "ARAP", kRms, By::Mean, 0.97},
+                               {"RMS stretch", "all", "ARAP100", kRms, By::Mean, 1.25},
+                               {"RMS stretch", "turned groups", "ARAP", kRms, By::Mean, 1.05},
+                               {"RMS stretch", "turned groups", "ARAP100", kRms, By::Mean, 1.4},
+                               {"RMS stretch", "elbows", "ARAP", kRms, By::Mean, 1.3},
+                               {"RMS stretch", "elbows", "ARAP100", kRms, By::Mean, 1.7},
+                               {"flipped triangles, none", "elbows", "ARAP", kFlipped, By::Sums, 0},
+                               {"mean of the largest stretch", "all", "ARAP", kLargest, By::Sums, 0.8},
+                               {"flipped triangles, fewer", "all", "ARAP100", kFlipped, By::Sums, 0.999},
+                               {"new pairs", "all", "ARAP", kPairs, By::Sums, 1.0 / 3},
+                               {"mean absolute change of volume", "all", "ARAP", kVolume, By::Sums, 1},
+                               {"solving, ratio of sums", "all", "ARAP", kSolve, By::Sums, 0.5},
+                               {"solving, median of ratios", "all", "ARAP", kSolve, By::Median, 0.5},
+                               {"frame, ratio of sums", "all", "ARAP", kFrame, By::Sums, 1.0 / 8},
+                               {"frame, median of ratios", "all", "ARAP", kFrame, By::Median, 1.0 / 8}};
+
+/// Rows in which every method has a result, except methods that make some of the edits only.
 std::vector<Row> whole(const std::vector<Row>& rows, const std::vector<Method>& methods) {
   std::vector<Row> result;
   std::copy_if(rows.begin(), rows.end(), std::back_inserter(result), [&methods](const Row& row) {
@@ -23,253 +131,154 @@ std::vector<Row> whole(const std::vector<Row>& rows, const std::vector<Method>& 
   return result;
 }
 
-/// One value of all edits.
-std::vector<double> column(const std::vector<Row>& rows, std::size_t method, const Value& value) {
-  std::vector<double> result;
-  std::transform(rows.begin(), rows.end(), std::back_inserter(result),
-                 [&](const Row& row) { return value(row.of[method]); });
-  return result;
-}
-double sum(const std::vector<double>& values) {
-  return std::accumulate(values.begin(), values.end(), 0.0);
-}
-double mean(const std::vector<double>& values) {
-  return sum(values) / std::max<double>(1, static_cast<double>(values.size()));
-}
-double median(std::vector<double> values) {
-  if (values.empty()) {
-    return 0;
-  }
-  std::sort(values.begin(), values.end());
-  return (values[(values.size() - 1) / 2] + values[values.size() / 2]) / 2;
-}
-
-void print_line(const std::string& edit, const std::string& vertices, const std::string& method, const Figures& f) {
-  if (!f.failed.empty()) {
-    std::printf("| %s | %s | %s | %s | | | | | | | | | | |\n", edit.c_str(), vertices.c_str(), method.c_str(),
-                f.failed.c_str());
-    return;
-  }
-  const auto known = [](const char* format, double value) {
-    char text[32] = "-";
-    if (std::isfinite(value)) {
-      std::snprintf(text, sizeof text, format, value);
-    }
-    return std::string(text);
-  };
-  std::printf("| %s | %s | %s | %.1f | %.0f | %.1f | %d | %d | %s | %.2g | %s | %s | %s | %s%s |\n", edit.c_str(),
-              vertices.c_str(), method.c_str(), 100 * f.rms, 100 * f.largest, f.dihedral, f.flipped, f.pairs,
-              known("%+.1f", 100 * f.volume).c_str(), 100 * f.behind, known("%.1f", f.prepare_ms + f.solve_ms).c_str(),
-              known("%.1f", f.prepare_ms).c_str(), known("%.1f", f.solve_ms).c_str(), known("%.2f", f.frame_ms).c_str(),
-              f.fast_frame ? "" : " (whole)");
-}
-
-/// In the order of EditClass.
-constexpr const char* kClasses[] = {"one vertex pulled",
-                                    "group turned by at most 90",
-                                    "group turned by more",
-                                    "several groups, components",
-                                    "elbow",
-                                    "other"};
-
-const Value kRms = [](const Figures& f) { return f.rms; };
-const Value kLargest = [](const Figures& f) { return f.largest; };
-const Value kFlipped = [](const Figures& f) { return f.flipped; };
-const Value kPairs = [](const Figures& f) { return f.pairs; };
-const Value kWhole = [](const Figures& f) { return f.prepare_ms + f.solve_ms; };
-const Value kSolve = [](const Figures& f) { return f.solve_ms; };
-const Value kFrame = [](const Figures& f) { return f.frame_ms; };
-
-const Value kDihedral = [](const Figures& f) { return f.dihedral; };
-const Value kEncloses = [](const Figures& f) { return std::isfinite(f.volume); };
-const Value kVolume = [](const Figures& f) { return std::isfinite(f.volume) ? std::abs(f.volume) : 0; };
-
-std::size_t find(const std::vector<Method>& methods, const std::string& name) {
-  const auto at = std::find_if(methods.begin(), methods.end(), [&](const Method& m) { return m.name == name; });
-  return static_cast<std::size_t>(at - methods.begin());
-}
-
-template <typename Condition>
-std::vector<Row> rows_where(const std::vector<Row>& rows, Condition condition) {
+std::vector<Row> rows_of(const std::vector<Row>& rows, const std::string& group) {
+  const auto found =
+      std::find_if(std::begin(kGroups), std::end(kGroups), [&](const Group& one) { return one.name == group; });
   std::vector<Row> result;
-  std::copy_if(rows.begin(), rows.end(), std::back_inserter(result), condition);
+  std::copy_if(rows.begin(), rows.end(), std::back_inserter(result),
+               [&](const Row& row) { return std::count(found->kinds.begin(), found->kinds.end(), row.kind) > 0; });
   return result;
 }
 
-std::vector<double> ratios_of(const std::vector<Row>& rows, std::size_t us, std::size_t peer, const Value& value) {
-  std::vector<double> result = column(rows, us, value);
+/// One finite value of all edits.
+std::vector<double> column(const std::vector<Row>& rows, std::size_t method, Value value) {
+  std::vector<double> result;
+  for (const Row& row : rows) {
+    if (const double one = value(row.of[method]); std::isfinite(one)) {
+      result.push_back(one);
+    }
+  }
+  return result;
+}
+
+double ratio(const std::vector<Row>& rows, std::size_t us, std::size_t peer, Value value, By by) {
+  std::vector<double> ours = column(rows, us, value);
   const std::vector<double> theirs = column(rows, peer, value);
-  std::transform(result.begin(), result.end(), theirs.begin(), result.begin(), std::divides<>());
-  return result;
+  if (by == By::Sums) {
+    return sum(ours) == 0 ? 0 : sum(ours) / sum(theirs);
+  }
+  std::transform(ours.begin(), ours.end(), theirs.begin(), ours.begin(), std::divides<>());
+  return by == By::Mean ? mean(ours) : median(ours);
 }
 
-/// By the mean or the median of the edits' own ratios, or by the ratio of the sums.
-enum class By { Mean, Median, Sums };
-
-struct Target {
-  const char *what, *peer;
-  const std::vector<Row>& rows;
-  const Value& value;
-  By by;
-  double bound;
-};
-
-bool is_turned(const Row& row) {
-  return row.kind != EditClass::Vertex && row.kind != EditClass::Other;
+std::optional<std::size_t> find(const std::vector<Method>& methods, const std::string& name) {
+  const auto at = std::find_if(methods.begin(), methods.end(), [&](const Method& m) { return m.name == name; });
+  return at == methods.end() ? std::nullopt : std::optional<std::size_t>(at - methods.begin());
 }
-void print_target(const Target& target, std::size_t us, std::size_t peer) {
+
+/// The edits with the largest excess: our and the peer's value.
+std::string worst(const std::vector<Row>& rows, std::size_t us, std::size_t peer, const Target& target) {
   constexpr std::size_t kShown = 3;
-  const auto& [what, name, rows, value, by, bound] = target;
-  const std::vector<double> ratios = ratios_of(rows, us, peer, value);
-  const double total = sum(column(rows, us, value));
-  const double measured = by == By::Mean     ? mean(ratios)
-                          : by == By::Median ? median(ratios)
-                          : total > 0        ? total / sum(column(rows, peer, value))
-                                             : 0;
-  std::printf(measured <= bound ? "| %s over %s's | %.3g | %.3g |" : "| %s over %s's | **%.3g** | %.3g |", what, name,
-              measured, bound);
-  // The edits with the largest excess, ours and the peer's value.
   std::vector<std::pair<double, std::string>> found;
   for (const Row& row : rows) {
-    const double mine = value(row.of[us]), theirs = value(row.of[peer]);
-    const double excess = by == By::Sums ? mine - bound * theirs : mine / theirs - bound;
-    char text[64];
-    std::snprintf(text, sizeof text, " %.3g : %.3g", mine, theirs);
+    const double ours = target.value(row.of[us]), theirs = target.value(row.of[peer]);
+    const double excess = target.by == By::Sums ? ours - target.bound * theirs : ours / theirs - target.bound;
     if (excess > 0) {
-      found.emplace_back(-excess, row.edit + text);
+      found.emplace_back(-excess, row.edit + " " + number(ours) + " : " + number(theirs));
     }
   }
   std::sort(found.begin(), found.end());
-  for (std::size_t i = 0; i < std::min(found.size(), kShown); ++i) {
-    std::printf("%s%s", i > 0 ? ", " : " ", found[i].second.c_str());
+  std::string text;
+  for (std::size_t k = 0; k < std::min(found.size(), kShown); ++k) {
+    text += (k > 0 ? ", " : "") + found[k].second;
   }
-  std::printf(" |\n");
-}
-
-void print_classes(const std::vector<Row>& rows, const std::vector<Method>& methods, const std::string& whose) {
-  const std::size_t us = find(methods, whose), ten = find(methods, "ARAP"), hundred = find(methods, "ARAP100");
-  if (std::max({us, ten, hundred}) >= methods.size()) {
-    return;
-  }
-  std::printf(
-      "\n| %s over ARAP, ARAP100 | edits | RMS, mean of ratios | | largest, ratio of means | | flipped: %s | ARAP | "
-      "ARAP100 | pairs: %s | ARAP | ARAP100 |\n|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
-      whose.c_str(), whose.c_str(), whose.c_str());
-  const auto print = [&](const char* name, const std::vector<Row>& part) {
-    if (part.empty()) {
-      return;
-    }
-    const auto total = [&](std::size_t m, const Value& value) { return sum(column(part, m, value)); };
-    std::printf("| %s | %zu | %.2f | %.2f | %.2f | %.2f |", name, part.size(), mean(ratios_of(part, us, ten, kRms)),
-                mean(ratios_of(part, us, hundred, kRms)), total(us, kLargest) / total(ten, kLargest),
-                total(us, kLargest) / total(hundred, kLargest));
-    for (const Value& value : {kFlipped, kPairs}) {
-      std::printf(" %.0f | %.0f | %.0f |", total(us, value), total(ten, value), total(hundred, value));
-    }
-    std::printf("\n");
-  };
-  for (std::size_t k = 0; k < std::size(kClasses); ++k) {
-    print(kClasses[k], rows_where(rows, [k](const Row& row) { return row.kind == static_cast<EditClass>(k); }));
-  }
-  print("all turned groups", rows_where(rows, is_turned));
-  print("all", rows);
-}
-
-nlohmann::ordered_json as_json(const Figures& f) {
-  if (!f.failed.empty()) {
-    return {{"failed", f.failed}};
-  }
-  nlohmann::ordered_json result = {{"rms", f.rms},           {"largest", f.largest},       {"flipped", f.flipped},
-                                   {"pairs", f.pairs},       {"dihedral", f.dihedral},     {"volume", nullptr},
-                                   {"behind", f.behind},     {"prepare_ms", f.prepare_ms}, {"solve_ms", f.solve_ms},
-                                   {"frame_ms", f.frame_ms}, {"fast_frame", f.fast_frame}};
-  if (std::isfinite(f.volume)) {
-    result["volume"] = f.volume;
-  }
-  return result;
+  return text;
 }
 
 }  // namespace
 
 void print_head() {
-  std::printf(
-      "| edit | vertices | method | RMS stretch %% | largest %% | dihedral, degrees | flipped | new pairs | volume %% "
-      "| handle off %% | "
-      "settled ms | preparing | solving | frame |\n|---|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
+  table::Cells head = {"edit", "vertices", "method"};
+  for (const Column& column : kColumns) {
+    head.emplace_back(column.head);
+  }
+  table::print_head(head);
 }
 
 void print_row(const Row& row, const std::vector<Method>& methods) {
   for (std::size_t m = 0; m < methods.size(); ++m) {
-    print_line(m == 0 ? row.edit : "", m == 0 ? std::to_string(row.vertices) : "", methods[m].name, row.of[m]);
+    table::Cells cells = {m == 0 ? row.edit : "", m == 0 ? std::to_string(row.vertices) : "", methods[m].name};
+    for (const Column& column : kColumns) {
+      cells.push_back(row.of[m].failed.empty() ? number(column.value(row.of[m]), column.format) : "");
+    }
+    if (!row.of[m].failed.empty()) {
+      cells[3] = row.of[m].failed;
+    } else if (!row.of[m].fast_frame) {
+      cells.back() += " (whole)";
+    }
+    table::print_row(cells);
   }
-  std::fflush(stdout);
 }
 
 void print_summary(const std::vector<Row>& all, const std::vector<Method>& methods) {
   const std::vector<Row> rows = whole(all, methods);
-  std::printf(
-      "\n%zu of %zu edits have a result of every method.\n\n| over all edits | RMS %%, mean | median | largest %%, "
-      "mean | median | dihedral, degrees, mean | volume %%, mean absolute | flipped, sum | median | "
-      "pairs, sum | median | edits "
-      "with flips | with pairs | settled ms, sum | solving | frame "
-      "|\n|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
-      rows.size(), all.size());
+  table::Cells head = {std::to_string(rows.size()) + " of " + std::to_string(all.size()) +
+                       " edits have a result of every method"};
+  for (const Summary& summary : kSummary) {
+    head.emplace_back(summary.head);
+  }
+  table::print_head(head);
   for (std::size_t m = 0; m < methods.size(); ++m) {
-    if (methods[m].some) {
-      continue;
+    table::Cells cells = {methods[m].name};
+    for (const Summary& summary : kSummary) {
+      cells.push_back(number(summary.of(column(rows, m, summary.value)), summary.format));
     }
-    const auto of = [&](const Value& value) { return column(rows, m, value); };
-    const auto some = [](const std::vector<double>& values) {
-      return std::count_if(values.begin(), values.end(), [](double value) { return value > 0; });
-    };
-    std::printf(
-        "| %s | %.2f | %.2f | %.0f | %.0f | %.1f | %.1f | %.0f | %.0f | %.0f | %.0f | %td | %td | %.0f | %.0f | %.2f "
-        "|\n",
-        methods[m].name.c_str(), 100 * mean(of(kRms)), 100 * median(of(kRms)), 100 * mean(of(kLargest)),
-        100 * median(of(kLargest)), mean(of(kDihedral)), 100 * sum(of(kVolume)) / std::max(1.0, sum(of(kEncloses))),
-        sum(of(kFlipped)), median(of(kFlipped)), sum(of(kPairs)), median(of(kPairs)), some(of(kFlipped)),
-        some(of(kPairs)), sum(of(kWhole)), sum(of(kSolve)), sum(of(kFrame)));
+    if (!methods[m].some) {
+      table::print_row(cells);
+    }
   }
 }
 
 void print_targets(const std::vector<Row>& all, const std::vector<Method>& methods, const std::string& whose) {
   const std::vector<Row> rows = whole(all, methods);
-  const std::size_t us = find(methods, whose);
-  if (us == methods.size() || rows.empty()) {
+  const auto us = find(methods, whose), ten = find(methods, "ARAP"), hundred = find(methods, "ARAP100");
+  if (!us || !ten || !hundred || rows.empty()) {
     return;
   }
-  print_classes(rows, methods, whose);
-  std::printf("\n| %s compared with ARAP | measured | target | edits that weigh most |\n|---|--:|--:|---|\n",
-              whose.c_str());
-  const std::vector<Row> turned = rows_where(rows, is_turned);
-  const std::vector<Row> elbows = rows_where(rows, [](const Row& row) { return row.kind == EditClass::Elbow; });
-  const Target targets[] = {{"RMS stretch", "ARAP", rows, kRms, By::Mean, 0.97},
-                            {"RMS stretch", "ARAP100", rows, kRms, By::Mean, 1.25},
-                            {"RMS stretch of turned groups", "ARAP", turned, kRms, By::Mean, 1.05},
-                            {"RMS stretch of turned groups", "ARAP100", turned, kRms, By::Mean, 1.4},
-                            {"RMS stretch of elbows", "ARAP", elbows, kRms, By::Mean, 1.3},
-                            {"RMS stretch of elbows", "ARAP100", elbows, kRms, By::Mean, 1.7},
-                            {"flipped triangles of elbows, none,", "ARAP", elbows, kFlipped, By::Sums, 0},
-                            {"mean of the largest stretch", "ARAP", rows, kLargest, By::Sums, 0.8},
-                            {"flipped triangles, fewer,", "ARAP100", rows, kFlipped, By::Sums, 0.999},
-                            {"new pairs", "ARAP", rows, kPairs, By::Sums, 1.0 / 3},
-                            {"mean absolute change of volume", "ARAP", rows, kVolume, By::Sums, 1},
-                            {"solving, ratio of sums,", "ARAP", rows, kSolve, By::Sums, 0.5},
-                            {"solving, median of ratios,", "ARAP", rows, kSolve, By::Median, 0.5},
-                            {"frame, ratio of sums,", "ARAP", rows, kFrame, By::Sums, 1.0 / 8},
-                            {"frame, median of ratios,", "ARAP", rows, kFrame, By::Median, 1.0 / 8}};
-  for (const Target& target : targets) {
-    const std::size_t peer = find(methods, target.peer);
-    if (peer < methods.size() && !target.rows.empty()) {
-      print_target(target, us, peer);
+  table::print_head({whose + " over ARAP, ARAP100", "edits", "RMS, mean of ratios", "", "largest, ratio of means", "",
+                     "flipped: " + whose, "ARAP", "ARAP100", "pairs: " + whose, "ARAP", "ARAP100"});
+  for (const Group& group : kGroups) {
+    const std::vector<Row> part = rows_of(rows, group.name);
+    if (part.empty()) {
+      continue;
+    }
+    table::Cells cells = {group.name, std::to_string(part.size())};
+    for (const auto& [value, by] : {std::pair(kRms, By::Mean), std::pair(kLargest, By::Sums)}) {
+      cells.push_back(number(ratio(part, *us, *ten, value, by), "%.2f"));
+      cells.push_back(number(ratio(part, *us, *hundred, value, by), "%.2f"));
+    }
+    for (const Value value : {kFlipped, kPairs}) {
+      for (const std::size_t m : {*us, *ten, *hundred}) {
+        cells.push_back(number(sum(column(part, m, value)), "%.0f"));
+      }
+    }
+    table::print_row(cells);
+  }
+  table::print_head({whose + " compared with ARAP", "measured", "target", "edits that weigh most"});
+  for (const Target& target : kTargets) {
+    const std::vector<Row> part = rows_of(rows, target.group);
+    const std::size_t peer = *find(methods, target.peer);
+    if (!part.empty()) {
+      table::print_row({std::string(target.what) + ", " + target.group + ", over " + target.peer,
+                        number(ratio(part, *us, peer, target.value, target.by), "%.3g", target.bound),
+                        number(target.bound), worst(part, *us, peer, target)});
     }
   }
 }
 
 nlohmann::ordered_json as_json(const Row& row, const std::vector<Method>& methods) {
-  nlohmann::ordered_json result = {{"vertices", row.vertices}, {"class", kClasses[static_cast<std::size_t>(row.kind)]}};
+  nlohmann::ordered_json result = {{"vertices", row.vertices},
+                                   {"class", kGroups[static_cast<std::size_t>(row.kind)].name}};
   for (std::size_t m = 0; m < methods.size(); ++m) {
-    result[methods[m].name] = as_json(row.of[m]);
+    const Figures& f = row.of[m];
+    // A number that is not finite is written as null.
+    result[methods[m].name] =
+        f.failed.empty()
+            ? nlohmann::ordered_json{{"rms", f.rms},           {"largest", f.largest},       {"flipped", f.flipped},
+                                     {"pairs", f.pairs},       {"dihedral", f.dihedral},     {"volume", f.volume},
+                                     {"behind", f.behind},     {"prepare_ms", f.prepare_ms}, {"solve_ms", f.solve_ms},
+                                     {"frame_ms", f.frame_ms}, {"fast_frame", f.fast_frame}}
+            : nlohmann::ordered_json{{"failed", f.failed}};
   }
   return result;
 }

@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "intersecting_pairs.h"
+#include "lapedit/deform/edit_quality.h"
+#include "lapedit/mesh/vertex_set.h"
 #include "quality_measures.h"
 
 namespace quality {
@@ -25,10 +26,13 @@ double handle_behind(const Edit& edit, const lapedit::Points& after) {
 
 }  // namespace
 
-Scene::Scene(Edit given)
+Problem::Problem(Edit given)
     : edit(std::move(given)),
       adjacency(lapedit::build_adjacency(static_cast<int>(edit.mesh.vertices.rows()), edit.mesh.faces)),
-      region(lapedit::build_region(edit.mesh, adjacency, edit.region, edit.handles)),
+      region(lapedit::build_region(edit.mesh, adjacency, edit.region, edit.handles)) {}
+
+Scene::Scene(Edit given)
+    : Problem(std::move(given)),
       faces(region_faces(adjacency, region)),
       pairs(intersecting_pairs(edit.mesh.faces, faces, edit.mesh.vertices)),
       has_free_corner(static_cast<std::size_t>(edit.mesh.faces.rows()), 0) {
@@ -44,7 +48,9 @@ Scene::Scene(Edit given)
 Figures measure(const Scene& scene, const MethodResult& result) {
   const auto& [before, mesh_faces] = scene.edit.mesh;
   const lapedit::Points& after = result.positions;
-  const Stretch stretch = edge_stretch(scene.region, before, after);
+  const std::vector<int>& vertices = scene.region.mesh_vertex;
+  const lapedit::EdgeStretch stretch =
+      lapedit::edge_stretch(scene.region, lapedit::gather(before, vertices), lapedit::gather(after, vertices));
   Figures figures;
   figures.rms = stretch.rms;
   figures.largest = stretch.largest;

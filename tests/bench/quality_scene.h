@@ -10,11 +10,17 @@
 
 namespace quality {
 
-/// An edit with all that is the same for every method.
-struct Scene {
+/// An edit with its region: the input of every method.
+struct Problem {
   Edit edit;
   lapedit::Adjacency adjacency;
   lapedit::Region region;
+
+  explicit Problem(Edit given);
+};
+
+/// With the data for measuring results.
+struct Scene : Problem {
   std::vector<int> faces;                  ///< with a corner in the region
   std::vector<std::pair<int, int>> pairs;  ///< that intersect before
   std::vector<char> has_free_corner;       ///< per face of the mesh
@@ -32,7 +38,7 @@ struct MethodResult {
 
 struct Method {
   std::string name;
-  std::function<MethodResult(const Scene&)> run;  ///< throws std::exception if there is no result
+  std::function<MethodResult(const Problem&)> run;  ///< throws std::exception if there is no result
   bool once = false;  ///< it is run once: its times are of several runs already, or there are none
   bool some = false;  ///< it makes some of the edits only, and has no part in sums over all of them
 };

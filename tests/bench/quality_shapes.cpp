@@ -68,11 +68,11 @@ TriangleMesh surface_nets(const Field& distance, const Vector3& low, const Vecto
   }
   const std::array<int, 3> step{1, size[0], size[0] * size[1]};
   std::vector<double> value(static_cast<std::size_t>(step[2]) * size[2]);
-  const auto place = [&](int i, int j, int k) -> Vector3 { return low + cell * Vector3(i, j, k); };
+  const auto position = [&](int i, int j, int k) -> Vector3 { return low + cell * Vector3(i, j, k); };
   for (int k = 0; k < size[2]; ++k) {
     for (int j = 0; j < size[1]; ++j) {
       for (int i = 0; i < size[0]; ++i) {
-        value[i + step[1] * j + step[2] * k] = distance(place(i, j, k));
+        value[i + step[1] * j + step[2] * k] = distance(position(i, j, k));
       }
     }
   }
@@ -91,7 +91,7 @@ TriangleMesh surface_nets(const Field& distance, const Vector3& low, const Vecto
             const auto corner = [&](int c) { return at + (c & 1) + step[1] * ((c >> 1) & 1) + step[2] * (c >> 2); };
             const double va = value[corner(a)], vb = value[corner(b)];
             if (b != a && (va < 0) != (vb < 0)) {
-              const auto p = place(i + (a & 1), j + ((a >> 1) & 1), k + (a >> 2));
+              const auto p = position(i + (a & 1), j + ((a >> 1) & 1), k + (a >> 2));
               sum += p + va / (va - vb) * cell * Vector3::Unit(axis);
               ++cuts;
             }

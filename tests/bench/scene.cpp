@@ -6,24 +6,21 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <fstream>
 #include <numeric>
 #include <stdexcept>
 #include <unordered_map>
+#include <utility>
 
 #include "lapedit/mesh/geodesic.h"
 
 namespace speed {
 namespace {
 
-using lapedit::Faces;
-using lapedit::Points;
 using Flat = Eigen::Vector2d;
 
 constexpr double kPi = 3.14159265358979323846;
 
-/// SplitMix64: the same numbers everywhere, unlike the standard library's
-/// distributions.
+/// SplitMix64: the same numbers everywhere, unlike the standard library's distributions.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
@@ -45,8 +42,7 @@ struct Disc {
   std::vector<std::array<int, 3>> faces;
 };
 
-/// The points of a triangular lattice nearest to the origin, row by row, and
-/// the lattice's triangles between them.
+/// The points of a triangular lattice nearest to the origin, row by row, and the lattice's triangles between them.
 Disc lattice_disc(int count) {
   const double height = std::sqrt(0.75);
   const int reach = static_cast<int>(std::sqrt(count * height / kPi) * 1.3) + 3;
@@ -55,14 +51,14 @@ Disc lattice_disc(int count) {
     int row, column;
   };
   std::vector<Candidate> candidates;
-  const auto place = [height](int row, int column) {
+  const auto position = [height](int row, int column) {
     // Off the symmetric place, so that no two distances are the same.
     return Flat(column + 0.5 * row + 0.137, height * row + 0.071);
   };
   for (int row = -reach; row <= reach; ++row) {
     const int shift = static_cast<int>(std::floor(-0.5 * row));
     for (int column = shift - reach; column <= shift + reach; ++column) {
-      candidates.push_back({place(row, column).norm(), row, column});
+      candidates.push_back({position(row, column).norm(), row, column});
     }
   }
   std::nth_element(candidates.begin(), candidates.begin() + count, candidates.end(),
@@ -77,7 +73,7 @@ Disc lattice_disc(int count) {
   const auto key = [](int row, int column) { return static_cast<std::int64_t>(row) * 1000000 + column; };
   for (const Candidate& c : candidates) {
     number[key(c.row, c.column)] = static_cast<int>(disc.points.size());
-    disc.points.push_back(place(c.row, c.column));
+    disc.points.push_back(position(c.row, c.column));
   }
   const auto find = [&](int row, int column) {
     const auto at = number.find(key(row, column));
@@ -100,8 +96,7 @@ double cross(const Flat& a, const Flat& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
-/// No angle of a triangle is sharper than about 20 degrees, nor is it turned
-/// over.
+/// No angle of a triangle is below about 20 degrees, and it is not flipped.
 bool well_shaped(const Flat& a, const Flat& b, const Flat& c) {
   constexpr double kSine = 0.34;
   const double area = cross(b - a, c - a);
@@ -109,9 +104,8 @@ bool well_shaped(const Flat& a, const Flat& b, const Flat& c) {
   return area > kSine * std::max({ab * bc, bc * ca, ca * ab}) && area > 0;
 }
 
-/// Flips a share of the edges, where that leaves well-shaped triangles:
-/// valences from 3 to 9 or so.
-void flip_edges(Disc& disc, double share, Random& random) {
+/// Flips a fraction of the edges, where that leaves well-shaped triangles: valences from 3 to about 9.
+void flip_edges(Disc& disc, double fraction, Random& random) {
   std::unordered_map<std::int64_t, int> half_edges;  // directed edge -> 3 * face + corner at its start
   half_edges.reserve(3 * disc.faces.size());
   const auto key = [](int a, int b) { return (static_cast<std::int64_t>(a) << 32) | static_cast<std::uint32_t>(b); };
@@ -124,7 +118,7 @@ void flip_edges(Disc& disc, double share, Random& random) {
   for (int f = 0; f < faces; ++f) {
     enter(f);
   }
-  const int tries = static_cast<int>(share * 1.5 * faces);
+  const int tries = static_cast<int>(fraction * 1.5 * faces);
   for (int t = 0; t < tries; ++t) {
     const int f = random.below(faces), k = random.below(3);
     const int a = disc.faces[f][k], b = disc.faces[f][(k + 1) % 3], c = disc.faces[f][(k + 2) % 3];
@@ -167,32 +161,22 @@ std::vector<int> shuffled_strips(int count, int strip, Random& random) {
 }
 
 /// Smooth bumps of the disc's own scale, and ripples a few edges long.
-double height_at(const Flat& place, double edge) {
+double height_at(const Flat& position, double edge) {
   constexpr double kBumps[][4] = {// x, y, width, height
                                   {0.1, 0.2, 0.35, 0.12},   {-0.5, 0.3, 0.2, 0.1},  {0.4, -0.5, 0.25, -0.08},
                                   {-0.3, -0.5, 0.15, 0.07}, {0.6, 0.4, 0.2, -0.06}, {-0.05, -0.1, 0.12, 0.05}};
   double height = 0;
   for (const auto& bump : kBumps) {
-    height += bump[3] * std::exp(-(place - Flat(bump[0], bump[1])).squaredNorm() / (bump[2] * bump[2]));
+    height += bump[3] * std::exp(-(position - Flat(bump[0], bump[1])).squaredNorm() / (bump[2] * bump[2]));
   }
-  const Flat wave = place * (2 * kPi / (6 * edge));
+  const Flat wave = position * (2 * kPi / (6 * edge));
   return height +
          0.25 * edge * (std::sin(wave.x()) * std::cos(0.8 * wave.y()) + std::sin(0.45 * (wave.x() + wave.y())));
 }
 
 }  // namespace
 
-std::vector<int> Scene::anchors() const {
-  std::vector<int> result;
-  for (int i = 0; i < region.size(); ++i) {
-    if (region.classes[i] == lapedit::VertexClass::Anchor) {
-      result.push_back(region.mesh_vertex[i]);
-    }
-  }
-  return result;
-}
-
-Scene make_scene(int vertices) {
+quality::Problem make_scene(int vertices) {
   Random random(20040607);
   Disc disc = lattice_disc(vertices);
   for (Flat& point : disc.points) {
@@ -201,17 +185,18 @@ Scene make_scene(int vertices) {
   }
   flip_edges(disc, 0.25, random);
 
-  Scene scene;
+  quality::Edit edit;
+  lapedit::TriangleMesh& mesh = edit.mesh;
   double size = 0;
   for (const Flat& point : disc.points) {
     size = std::max(size, point.norm());
   }
   const std::vector<int> number = shuffled_strips(vertices, 256, random);
-  scene.mesh.vertices.resize(vertices, 3);
+  mesh.vertices.resize(vertices, 3);
   int centre = 0;
   for (int i = 0; i < vertices; ++i) {
-    const Flat place = disc.points[i] / size;
-    scene.mesh.vertices.row(number[i]) << place.x(), place.y(), height_at(place, 1 / size);
+    const Flat position = disc.points[i] / size;
+    mesh.vertices.row(number[i]) << position.x(), position.y(), height_at(position, 1 / size);
     if (disc.points[i].norm() < disc.points[centre].norm()) {
       centre = i;
     }
@@ -221,18 +206,19 @@ Scene make_scene(int vertices) {
     std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
   }
   std::sort(disc.faces.begin(), disc.faces.end());
-  scene.mesh.faces.resize(static_cast<Eigen::Index>(disc.faces.size()), 3);
+  mesh.faces.resize(static_cast<Eigen::Index>(disc.faces.size()), 3);
   for (std::size_t f = 0; f < disc.faces.size(); ++f) {
-    scene.mesh.faces.row(static_cast<Eigen::Index>(f)) << disc.faces[f][0], disc.faces[f][1], disc.faces[f][2];
+    mesh.faces.row(static_cast<Eigen::Index>(f)) << disc.faces[f][0], disc.faces[f][1], disc.faces[f][2];
   }
 
-  scene.handle = {{number[centre]}};
-  scene.adjacency = lapedit::build_adjacency(vertices, scene.mesh.faces);
-  lapedit::GeodesicSearch search(scene.adjacency.neighbours, scene.mesh.vertices);
-  const int farthest = search.run(scene.handle[0], lapedit::kUnreached).back();
-  scene.spec.radius = search.distance(farthest) * (1 + 1e-12);
-  scene.spec.padding = 0.1;
-  scene.region = lapedit::build_region(scene.mesh, scene.adjacency, scene.spec, scene.handle);
+  edit.handles = {{number[centre]}};
+  edit.maps = {handle_move(0)};
+  const lapedit::Adjacency adjacency = lapedit::build_adjacency(vertices, mesh.faces);
+  lapedit::GeodesicSearch search(adjacency.neighbours, mesh.vertices);
+  const int farthest = search.run(edit.handles[0], lapedit::kUnreached).back();
+  edit.region.radius = search.distance(farthest) * (1 + 1e-12);
+  edit.region.padding = 0.1;
+  quality::Problem scene(std::move(edit));
   if (scene.region.size() != vertices) {
     throw std::runtime_error("the scene has " + std::to_string(scene.region.size()) + " region vertices, not " +
                              std::to_string(vertices));
@@ -244,25 +230,6 @@ lapedit::Affine handle_move(int frame) {
   const Eigen::Vector3d way(0.1 * std::sin(0.7 * frame + 0.3), 0.1 * std::cos(0.9 * frame),
                             0.25 + 0.1 * std::sin(0.31 * frame));
   return lapedit::Affine(Eigen::Translation3d(way));
-}
-
-void write_scene(const Scene& scene, const std::string& path) {
-  std::ofstream out(path, std::ios::binary);
-  const auto write = [&out](const auto* data, std::size_t count) {
-    out.write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(count * sizeof(*data)));
-  };
-  const std::vector<int> anchors = scene.anchors();
-  const std::int32_t counts[] = {static_cast<std::int32_t>(scene.mesh.vertices.rows()),
-                                 static_cast<std::int32_t>(scene.mesh.faces.rows()),
-                                 static_cast<std::int32_t>(anchors.size()), scene.handle_vertex()};
-  write(counts, 4);
-  write(scene.mesh.vertices.data(), static_cast<std::size_t>(scene.mesh.vertices.size()));
-  write(scene.mesh.faces.data(), static_cast<std::size_t>(scene.mesh.faces.size()));
-  write(anchors.data(), anchors.size());
-  out.flush();
-  if (!out) {
-    throw std::runtime_error("cannot write " + path);
-  }
 }
 
 }  // namespace speed

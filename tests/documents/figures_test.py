@@ -122,7 +122,7 @@ class Agreement(unittest.TestCase):
     def test_measurements_name_what_prints_them(self):
         """A section with measurements names a command, a test or a benchmark."""
         measured = re.compile(r"\d (%|ms|MB|GB|degrees|times|milliseconds|seconds)\b|\d %|^\|.*\d\.\d", re.M)
-        source = re.compile(r"tests/[\w/]+\.(sh|py|cpp|h)|build/tests/\w+|quality_bench|growth_bench|load_bench|"
+        source = re.compile(r"tests/[\w/]+\.(sh|py|cpp|h)|build/tests/\w+|quality_bench|speed_bench|"
                             r"laplacian-edit --report|\]\((performance|peers|decisions|\.\./\.\./tests/\w*/?README)\.md")
         for document in (METHOD, PERFORMANCE, PEERS, Document(pathlib.Path("common/docs/paper.md"))):
             sections = re.split(r"^#+ (.*)$", document.text, flags=re.M)

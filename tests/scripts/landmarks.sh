@@ -15,7 +15,7 @@ if ! "$python" -c 'import numpy, scipy' 2>/dev/null; then
   exit 1
 fi
 if [ ! -f /usr/include/CGAL/version.h ]; then
-  echo "landmarks.sh: please install libcgal-dev and libbenchmark-dev" >&2
+  echo "landmarks.sh: please install libcgal-dev, libsuitesparse-dev and libopenblas-dev" >&2
   exit 1
 fi
 cmake -S . -B "$build" -DCMAKE_BUILD_TYPE=Release -DLAPEDIT_BUILD_TESTS=ON -DLAPEDIT_BUILD_BENCHMARKS=ON >/dev/null

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Measures the shape of edits and compares it with CGAL's ARAP and SR-ARAP, Blender, libigl and MeshLab's own filters, in
 # one run: a Markdown table with the project's targets, all figures as JSON, and one picture for each edit with the methods
-# side by side. With --jumps, --renumbered, --symmetric or --frames it measures how steady poses are, without pictures.
+# side by side. With --jumps, --renumbered or --frames it measures how steady poses are, without pictures.
 #
 # usage: quality.sh [OPTION of quality_bench]...   for example --quick, --edits limb_90,bunny_group, or
 #                                                  --ours NAME=laplacian=cotangent,iterations=3
@@ -19,7 +19,7 @@ meshes=${LAPEDIT_MESHES:-$PWD/../shared/meshes}
 libigl=${LIBIGL_INCLUDE_DIR:-$build/libigl}
 
 missing=
-for package in g++ cmake libeigen3-dev nlohmann-json3-dev libsuitesparse-dev libopenblas-dev libbenchmark-dev libcgal-dev; do
+for package in g++ cmake libeigen3-dev nlohmann-json3-dev libsuitesparse-dev libopenblas-dev libcgal-dev; do
   # shellcheck disable=SC2016
   status=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)
   [ "$status" = installed ] || missing="$missing $package"
