@@ -24,10 +24,10 @@ void arrow(const Picture& p, int axis, bool bright) {
   const Vector2 center = p.view.pixel(p.gizmo.center);
   const Vector2 from = p.view.pixel(p.gizmo.along(axis, Gizmo::kFree));
   const Vector2 tip = p.view.pixel(p.gizmo.along(axis, Gizmo::kTip));
-  const Vector2 way = (tip - center).stableNormalized(), side(-way.y(), way.x());
+  const Vector2 direction = (tip - center).stableNormalized(), side(-direction.y(), direction.x());
   // The head is shortened in proportion to the arrow.
   const double seen = std::min((tip - center).norm() / (Gizmo::kTip * 90), 1.0);
-  const Vector2 neck = tip - kHeadLength * std::max(seen, 0.4) * way;
+  const Vector2 neck = tip - kHeadLength * std::max(seen, 0.4) * direction;
   const double half = bright ? kHeadWidth + 1.5 : kHeadWidth;
   const pen::Color color = bright ? pen::kYellow : pen::axisColor(axis);
   pen::rimmed(color, bright ? 4 : 2.5, p.ratio, [&] { pen::line(from, neck); });
@@ -49,14 +49,14 @@ void ring(const Picture& p, int axis, bool front, bool bright) {
     bool open = false;
     for (int i = 0; i <= kCorners; ++i) {
       const double angle = 2 * 3.14159265358979 * i / kCorners;
-      const Vector3 place = p.gizmo.on_ring(axis, angle);
+      const Vector3 position = p.gizmo.on_ring(axis, angle);
       // Points in the plane of the picture belong to the nearer half.
-      const bool mine = ((place - p.gizmo.center).dot(sight) > -0.02 * p.gizmo.length) == front;
+      const bool mine = ((position - p.gizmo.center).dot(sight) > -0.02 * p.gizmo.length) == front;
       if (mine && !open) {
         glBegin(mode);
       }
       if (mine) {
-        pen::vertex(p.view.pixel(place));
+        pen::vertex(p.view.pixel(position));
       } else if (open) {
         glEnd();
       }
@@ -121,21 +121,21 @@ void letter(const Picture& p, int axis) {
 void cross(const Picture& p) {
   const Vector2 at = p.view.pixel(p.gizmo.center);
   pen::rimmed(pen::kLight, 1.3, p.ratio, [&] {
-    for (const Vector2& way : {Vector2(kCross, 0), Vector2(0, kCross)}) {
-      pen::line(Vector2(at - way), Vector2(at + way));
+    for (const Vector2& direction : {Vector2(kCross, 0), Vector2(0, kCross)}) {
+      pen::line(Vector2(at - direction), Vector2(at + direction));
     }
   });
 }
 
 }  // namespace
 
-void drawGizmo(const Gizmo& gizmo, const Camera& view, GizmoElement part, bool alone, double pixelRatio) {
+void drawGizmo(const Gizmo& gizmo, const Camera& view, GizmoElement element, bool alone, double pixelRatio) {
   if (!gizmo.center.allFinite() || !view.in_front(gizmo.center)) {
     return;
   }
   const Picture p{gizmo, view, pixelRatio};
-  const auto is = [part](GizmoElement first, int axis) {
-    return part == static_cast<GizmoElement>(static_cast<int>(first) + axis);
+  const auto is = [element](GizmoElement first, int axis) {
+    return element == static_cast<GizmoElement>(static_cast<int>(first) + axis);
   };
   const auto shown = [&](GizmoElement first, int axis) { return !alone || is(first, axis); };
   for (const bool front : {false, true}) {
@@ -154,8 +154,8 @@ void drawGizmo(const Gizmo& gizmo, const Camera& view, GizmoElement part, bool a
       }
     }
   }
-  if (alone ? part == GizmoElement::Scale : !gizmo.only_arrows) {
-    knob(p, part == GizmoElement::Scale);
+  if (alone ? element == GizmoElement::Scale : !gizmo.only_arrows) {
+    knob(p, element == GizmoElement::Scale);
   }
   cross(p);
 }
@@ -168,10 +168,10 @@ void drawTurn(const DragMotion& motion, const Camera& view, double pixelRatio) {
     return;
   }
   constexpr double kRadians = 3.14159265358979 / 180;
-  const auto at = [&](double degrees, double share) {
+  const auto at = [&](double degrees, double fraction) {
     const double angle = kRadians * degrees;
-    const Vector3 way = std::cos(angle) * motion.arm() + std::sin(angle) * side;
-    return view.pixel(motion.center() + share * radius * way);
+    const Vector3 direction = std::cos(angle) * motion.arm() + std::sin(angle) * side;
+    return view.pixel(motion.center() + fraction * radius * direction);
   };
   const double degrees = std::clamp(turn.degrees, -360.0, 360.0);
   const int corners = 1 + static_cast<int>(std::abs(degrees) / 4);

@@ -31,12 +31,12 @@ void tangentCircle(const HoverPreview& preview, double radius) {
   glEnd();
 }
 
-void dot(const Vector3& place, double size, double pixelRatio, double alpha = 0.8) {
+void dot(const Vector3& position, double size, double pixelRatio, double alpha = 0.8) {
   for (const bool rim : {true, false}) {
     glPointSize(static_cast<GLfloat>((rim ? size + 3 : size) * pixelRatio));
     pen::set(rim ? pen::kDark : pen::kYellow, alpha);
     glBegin(GL_POINTS);
-    pen::vertex(place);
+    pen::vertex(position);
     glEnd();
   }
 }

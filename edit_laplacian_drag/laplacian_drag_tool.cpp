@@ -323,7 +323,7 @@ void LaplacianDragTool::command(const QString& part) {
       {"move", [&] { session.key(DragKey::Translate, cursor()); }},
       {"rotate", [&] { session.key(DragKey::Rotate, cursor()); }},
       {"scale", [&] { session.key(DragKey::Scale, cursor()); }},
-      {"keep_fixed", [&] { session.set_keep_fixed(!session.keeps_fixed()); }},
+      {"keep_fixed", [&] { session.set(&Tools::keeps_fixed, !session.tools().keeps_fixed); }},
       {"apply", [&] { session.apply(); }},
       {"cancel", [&] { session.cancel(); }},
       {"undo", [&] { session.undo(); }},

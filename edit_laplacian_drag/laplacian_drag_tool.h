@@ -57,7 +57,7 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   lapedit::PressModifiers pressModifiers() const;
   void hover();
   void modifiersChanged(int key);
-  void dropMotion();
+  void cancelMotion();
   bool escape(QEvent& event);
   Qt::CursorShape shape() const;
   void showShape();

@@ -31,7 +31,7 @@ LayerSession::Update LayerSession::update(CMeshO& mesh) {
   }
   QElapsedTimer timer;
   timer.start();
-  if (!writer_.write(mesh, change->vertices, change->places, change->settled)) {
+  if (!writer_.write(mesh, change->vertices, change->positions, change->settled)) {
     return Update::MeshChanged;
   }
   writeMilliseconds_ = static_cast<double>(timer.nsecsElapsed()) * 1e-6;

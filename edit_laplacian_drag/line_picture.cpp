@@ -45,20 +45,20 @@ void background(QPainter& painter, const QSize& size, const QColor& color) {
 struct Paragraph {
   QString text;
   QColor color;
-  QRect place = {};
+  QRect position = {};
 };
 
 QImage pictureOf(const LinePicture::Line& line, int widest, double pixelRatio) {
   Paragraph paragraphs[] = {
-      {line.text, Qt::white}, {line.warning, colorOf(pen::kYellow)}, {line.place, QColor(190, 200, 210)}};
+      {line.text, Qt::white}, {line.warning, colorOf(pen::kYellow)}, {line.position, QColor(190, 200, 210)}};
   const QFontMetrics metrics(fontOf(kFontPixels));
   QSize size(0, 2 * kPadding);
   for (Paragraph& paragraph : paragraphs) {
     if (!paragraph.text.isEmpty()) {
       const QRect room(kPadding, size.height() - kPadding, widest - 2 * kPadding, 10000);
-      paragraph.place = metrics.boundingRect(room, Qt::TextWordWrap, paragraph.text);
-      size = QSize(std::max(size.width(), paragraph.place.width() + 2 * kPadding + 2),
-                   size.height() + paragraph.place.height());
+      paragraph.position = metrics.boundingRect(room, Qt::TextWordWrap, paragraph.text);
+      size = QSize(std::max(size.width(), paragraph.position.width() + 2 * kPadding + 2),
+                   size.height() + paragraph.position.height());
     }
   }
   QImage image = blank(size, pixelRatio);
@@ -67,7 +67,7 @@ QImage pictureOf(const LinePicture::Line& line, int widest, double pixelRatio) {
   painter.setFont(fontOf(kFontPixels));
   for (const Paragraph& paragraph : paragraphs) {
     painter.setPen(paragraph.color);
-    painter.drawText(paragraph.place, Qt::TextWordWrap, paragraph.text);
+    painter.drawText(paragraph.position, Qt::TextWordWrap, paragraph.text);
   }
   return image;
 }

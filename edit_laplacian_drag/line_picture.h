@@ -12,11 +12,11 @@
 class LinePicture {
  public:
   struct Line {
-    QString text;     ///< what happens, or what the next click does
-    QString warning;  ///< shown in another colour; empty: none
-    QString place;    ///< what is under the cursor; empty: nothing
+    QString text;      ///< what happens, or what the next click does
+    QString warning;   ///< shown in another colour; empty: none
+    QString position;  ///< what is under the cursor; empty: nothing
     bool operator==(const Line& other) const {
-      return text == other.text && warning == other.warning && place == other.place;
+      return text == other.text && warning == other.warning && position == other.position;
     }
   };
 

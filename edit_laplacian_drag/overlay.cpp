@@ -17,9 +17,9 @@ void drawMotion(const DragSession& session, double pixelRatio) {
   const DragMotion& motion = *session.motion();
   if (const auto axis = motion.axis()) {
     const double reach = 10 * session.settings().radius;
-    const Vector3& place = motion.kind() == MotionKind::Translate ? motion.grab() : motion.center();
+    const Vector3& position = motion.kind() == MotionKind::Translate ? motion.grab() : motion.center();
     pen::rimmed(pen::axisColor(motion.lock(), session.gizmo_element()), 1, pixelRatio,
-                [&] { pen::line<Vector3>(place - reach * *axis, place + reach * *axis); });
+                [&] { pen::line<Vector3>(position - reach * *axis, position + reach * *axis); });
   }
   if (motion.kind() == MotionKind::Translate && motion.moves()) {
     const Vector3 moved = session.active_map() * motion.grab();
@@ -29,10 +29,11 @@ void drawMotion(const DragSession& session, double pixelRatio) {
 
 /// Draws the pivot if no gizmo shows it.
 void drawPivot(const DragSession& session, const Camera& view, double pixelRatio) {
-  if (session.pivot() == Pivot::Centroid || session.active_group() < 0 || session.gizmo_shown() || session.motion()) {
+  if (session.tools().pivot == Pivot::Centroid || session.active_group() < 0 || session.tools().gizmo ||
+      session.motion()) {
     return;
   }
-  const Vector2 center = view.pixel(session.pivot_place()), across(9, 0), up(0, 9);
+  const Vector2 center = view.pixel(session.pivot_position()), across(9, 0), up(0, 9);
   pen::rimmed(pen::kOrange, 2, pixelRatio, [&] {
     pen::circle(center, 5);
     pen::line<Vector2>(center - across, center + across);
@@ -53,7 +54,7 @@ void drawBrush(const Overlay::Brush& brush, const pen::Color& color, double pixe
 
 /// Returns the colour of the brush's target.
 pen::Color brushColor(const DragSession& session) {
-  switch (session.brush_target()) {
+  switch (session.tools().brush) {
     case BrushTarget::Handle:
       return pen::groupColor(std::max(session.active_group(), 0));
     case BrushTarget::Anchors:
@@ -101,7 +102,7 @@ void Overlay::drawPlane(const DragSession& session, double pixelRatio) {
   if (box_->isEmpty()) {
     return;
   }
-  const MirrorPlane& plane = *session.mirror();
+  const MirrorPlane plane = *session.tools().mirror;
   const Vector3 normal = plane.normal.stableNormalized(), middle = box_->center();
   const Vector3 center = middle - normal.dot(middle - plane.point) * normal;
   Vector3 sides[2];
@@ -164,7 +165,7 @@ void Overlay::draw(const DragSession& session, const Camera& view, const Options
   if (!session.next_is_region()) {
     surface_.draw(session, {onGroup ? hover->group : -1, options.heat, ratio});
   }
-  if (session.mirror()) {
+  if (session.tools().mirror) {
     drawPlane(session, ratio);
   }
   if (hover) {
@@ -185,7 +186,7 @@ void Overlay::draw(const DragSession& session, const Camera& view, const Options
     if (session.motion() && session.motion()->kind() == MotionKind::Rotate) {
       drawTurn(*session.motion(), view, ratio);
     }
-    if (options.heat && session.region()) {
+    if (options.heat && session.shown().region()) {
       drawLegend(options);
     }
   }

@@ -125,7 +125,7 @@ void Panel::showCommands(const DragSession& session) {
     buttons_[part]->setEnabled(picked);
   }
   for (const char* part : {"grow", "shrink", "anchors_from_selection"}) {
-    buttons_[part]->setEnabled(session.region() != nullptr);
+    buttons_[part]->setEnabled(session.shown().region() != nullptr);
   }
 }
 
@@ -134,7 +134,7 @@ void Panel::showFigures(const DragSession& session, const FrameTimes& median) {
   progress_->setVisible(session.preparing());
   progress_->setValue(static_cast<int>(100 * session.progress()));
   progress_->setFormat(QString("%1 %p %").arg(session.stage()));
-  const bool known = session.region() != nullptr;
+  const bool known = session.shown().region() != nullptr;
   const auto count = [known](int vertices) { return known ? QString::number(vertices) : QString(kUnknown); };
   region_->setText(tr("Handle %1, free %2, anchors %3, fixed %4; steps: %5")
                        .arg(count(figures.handle), count(figures.free), count(figures.anchors), count(figures.fixed))

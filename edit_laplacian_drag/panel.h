@@ -101,7 +101,7 @@ class Panel : public QDockWidget {
   QSpinBox* count(const char* part, int low, int high, const QString& help, const Access& access);
   /// Adds a slider of kSliderSteps positions to a number.
   QWidget* dragged(QDoubleSpinBox* box, const std::function<double(double)>& valueAt,
-                   const std::function<double(double)>& placeOf, const Access& access);
+                   const std::function<double(double)>& positionOf, const Access& access);
   QComboBox* choice(const lapedit::Setting& setting, const Access& access);
   QComboBox* presetChoice();
   /// Creates a list for a value of the session that is not one of its settings.

@@ -156,17 +156,17 @@ QSpinBox* Panel::count(const char* part, int low, int high, const QString& help,
 }
 
 QWidget* Panel::dragged(QDoubleSpinBox* box, const std::function<double(double)>& valueAt,
-                        const std::function<double(double)>& placeOf, const Access& access) {
+                        const std::function<double(double)>& positionOf, const Access& access) {
   const QString part = box->objectName().mid(nameOf("").size()) + "_slider";
   auto* const slider = prepared<QSlider>(qPrintable(part), box->toolTip());
   slider->setOrientation(Qt::Horizontal);
   slider->setRange(0, kSliderSteps);
   follow(static_cast<QAbstractSlider*>(slider),
-         Access{[access, placeOf](const DragSettings& settings) {
-                  return std::round(kSliderSteps * std::clamp(placeOf(access.get(settings)), 0.0, 1.0));
+         Access{[access, positionOf](const DragSettings& settings) {
+                  return std::round(kSliderSteps * std::clamp(positionOf(access.get(settings)), 0.0, 1.0));
                 },
-                [access, valueAt](DragSettings& settings, double place) {
-                  access.set(settings, valueAt(place / kSliderSteps));
+                [access, valueAt](DragSettings& settings, double position) {
+                  access.set(settings, valueAt(position / kSliderSteps));
                 }},
          &QAbstractSlider::valueChanged, &QAbstractSlider::setValue);
   box->setFixedWidth(kBoxBesideSlider);

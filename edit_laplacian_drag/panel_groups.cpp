@@ -38,28 +38,28 @@ void Panel::addBasic() {
   row(tr("Radius"),
       dragged(
           length("radius", tr("Size of a new region, along the surface (wheel)"), radius),
-          [this](double place) {
-            return threeDigits(size_ * kSmallestRadius * std::pow(kLargestRadius / kSmallestRadius, place));
+          [this](double position) {
+            return threeDigits(size_ * kSmallestRadius * std::pow(kLargestRadius / kSmallestRadius, position));
           },
           [this](double value) {
             return std::log(value / (size_ * kSmallestRadius)) / std::log(kLargestRadius / kSmallestRadius);
           },
           radius));
   const double largest = 100 * kLargestHandleFraction;
-  const Access share = access<&DragSettings::handle_fraction, 100>();
+  const Access fraction = access<&DragSettings::handle_fraction, 100>();
   row(tr("Handle size"), dragged(
                              percent("handle_fraction", static_cast<int>(largest),
                                      tr("Radius of the disc that a press takes, in percent of the region's radius "
                                         "(Shift+wheel); 0: the vertex under the cursor alone"),
-                                     share),
-                             [largest](double place) { return std::round(largest * place); },
-                             [largest](double value) { return value / largest; }, share));
+                                     fraction),
+                             [largest](double position) { return std::round(largest * position); },
+                             [largest](double value) { return value / largest; }, fraction));
   auto* const mode = state(
       "mode", {tr("Disc or vertex"), tr("Curve")},
       tr("How clicks make a handle (C): a curve joins them by shortest paths"),
-      [](const DragSession& session) { return session.handle_mode() == HandleMode::Curve ? 1 : 0; },
+      [](const DragSession& session) { return session.tools().mode == HandleMode::Curve ? 1 : 0; },
       [](DragSession& session, int index) {
-        session.set_handle_mode(index == 1 ? HandleMode::Curve : HandleMode::Vertex);
+        session.set(&Tools::mode, index == 1 ? HandleMode::Curve : HandleMode::Vertex);
       });
   mode->setItemIcon(0, panelIcon("disc", palette()));
   mode->setItemIcon(1, panelIcon("curve", palette()));
@@ -69,16 +69,18 @@ void Panel::addBasic() {
   connect(defaults, &QPushButton::clicked, this, [this] {
     change([settings = defaults_](DragSession& session) {
       session.set_settings(settings);
-      session.show_gizmo(false, GizmoAxes::Layer);
+      session.set(&Tools::gizmo, false);
+      session.set(&Tools::axes, GizmoAxes::Layer);
     });
   });
   buttons({defaults, button("help", tr("Keys"), tr("Shows all keys over the picture (?)"))});
-  row(tr("Turn about"), state(
-                            "pivot", {tr("Handle's middle"), tr("Shoulder (edge)"), tr("Point (next click)")},
-                            tr("The point that turning and scaling go about (P): the middle of the handle, the middle "
-                               "of the region's edge, as the shoulder of an arm, or a point that the next click picks"),
-                            [](const DragSession& session) { return static_cast<int>(session.pivot()); },
-                            [](DragSession& session, int index) { session.set_pivot(static_cast<Pivot>(index)); }));
+  row(tr("Turn about"),
+      state(
+          "pivot", {tr("Handle's middle"), tr("Shoulder (edge)"), tr("Point (next click)")},
+          tr("The point that turning and scaling go about (P): the middle of the handle, the middle "
+             "of the region's edge, as the shoulder of an arm, or a point that the next click picks"),
+          [](const DragSession& session) { return static_cast<int>(session.tools().pivot); },
+          [](DragSession& session, int index) { session.set(&Tools::pivot, static_cast<Pivot>(index)); }));
   buttons({button("move", tr("Move"), tr("The handle follows the mouse, no button held (T)")),
            button("rotate", tr("Rotate"), tr("The handle turns about its pivot with the mouse (R)")),
            button("scale", tr("Scale"), tr("The handle grows about its pivot with the mouse (S)"))});
@@ -86,7 +88,7 @@ void Panel::addBasic() {
       button("keep_fixed", tr("Keep fixed"),
              tr("Paint the vertices to keep fixed, no key held; Shift removes them. They hold for all regions"));
   fixed->setCheckable(true);
-  shown_.push_back([fixed](const DragSession& session) { fixed->setChecked(session.keeps_fixed()); });
+  shown_.push_back([fixed](const DragSession& session) { fixed->setChecked(session.tools().keeps_fixed); });
   buttons({button("apply", tr("Apply"), tr("Applies what is being moved (Return)")),
            button("cancel", tr("Cancel"), tr("Cancels what is being moved (Esc, Backspace, right button)")), fixed});
   buttons({button("undo", tr("Undo"), tr("Undoes the last step (Ctrl+Z)")),
@@ -133,8 +135,8 @@ void Panel::addHandles() {
       state(
           "brush_target", {tr("Region"), tr("Handle"), tr("Keep fixed")},
           tr("What Ctrl+drag paints more of, and Shift+drag less (B)"),
-          [](const DragSession& session) { return static_cast<int>(session.brush_target()); },
-          [](DragSession& session, int index) { session.set_brush_target(static_cast<BrushTarget>(index)); }));
+          [](const DragSession& session) { return static_cast<int>(session.tools().brush); },
+          [](DragSession& session, int index) { session.set(&Tools::brush, static_cast<BrushTarget>(index)); }));
   auto* brush = count("brush", 1, 1000, tr("Radius of the brush on the screen"), access<&DragSettings::brush_pixels>());
   brush->setSuffix(tr(" pixels"));
   row(tr("Brush size"), brush);
@@ -146,8 +148,8 @@ void Panel::addHandles() {
       state(
           "snap", {tr("Off"), tr("Other layers")},
           tr("Where a handle that is moved goes: to the surface of another visible layer under the cursor"),
-          [](const DragSession& session) { return session.snaps() ? 1 : 0; },
-          [](DragSession& session, int index) { session.set_snaps(index == 1); }));
+          [](const DragSession& session) { return session.tools().snaps ? 1 : 0; },
+          [](DragSession& session, int index) { session.set(&Tools::snaps, index == 1); }));
   buttons({button("anchors_from_selection", tr("Fix the selection"),
                   tr("The vertices of the selected faces hold, instead of the region's fixed edge"))});
   buttons({button("next_group", tr("Add a handle"), tr("The next click adds a handle; the other handles hold (G)"))});
@@ -156,7 +158,10 @@ void Panel::addHandles() {
 void Panel::addGizmo() {
   begin("gizmo", tr("Gizmo"), tr("Arrows, rings and a knob at the handle"));
   const auto set = [this](bool on, GizmoAxes axes) {
-    change([on, axes](DragSession& session) { session.show_gizmo(on, axes); });
+    change([on, axes](DragSession& session) {
+      session.set(&Tools::gizmo, on);
+      session.set(&Tools::axes, axes);
+    });
   };
   auto* const shown =
       prepared<QCheckBox>("gizmo", tr("Arrows move along an axis, rings turn about it, the knob scales (V)"));
@@ -167,8 +172,8 @@ void Panel::addGizmo() {
   connect(shown, &QCheckBox::clicked, this, edit);
   connect(axes, QOverload<int>::of(&QComboBox::activated), this, edit);
   shown_.push_back([shown, axes](const DragSession& session) {
-    shown->setChecked(session.gizmo_shown());
-    axes->setCurrentIndex(static_cast<int>(session.gizmo_axes()));
+    shown->setChecked(session.tools().gizmo);
+    axes->setCurrentIndex(static_cast<int>(session.tools().axes));
   });
   form_->addRow(shown);
   row(tr("Axes"), axes);
@@ -187,9 +192,9 @@ void Panel::addSymmetry() {
                         "mirror", choices, tr("The plane of the layer across which edits are mirrored"),
                         [this](const DragSession& session) {
                           int index = 0;
-                          while (session.mirror() && index++ < kPlanes &&
-                                 (session.mirror()->point != plane(index - 1).point ||
-                                  session.mirror()->normal != plane(index - 1).normal)) {
+                          while (session.tools().mirror && index++ < kPlanes &&
+                                 (session.tools().mirror->point != plane(index - 1).point ||
+                                  session.tools().mirror->normal != plane(index - 1).normal)) {
                           }
                           return index;
                         },
@@ -197,7 +202,7 @@ void Panel::addSymmetry() {
                           if (index > kPlanes) {
                             session.find_mirror();
                           } else {
-                            session.set_mirror(index == 0 ? std::nullopt : std::optional(plane(index - 1)));
+                            session.set(&Tools::mirror, index == 0 ? std::nullopt : std::optional(plane(index - 1)));
                           }
                         }));
 }

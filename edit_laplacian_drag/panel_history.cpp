@@ -27,7 +27,7 @@ void Panel::addLastStep() {
         tr("The last step, which can be changed until something else is picked, and all that was done"));
   using Get = std::function<double&(LastStep&)>;
   const auto send = [this](const LastStep& last, bool passing) {
-    change([last, passing](DragSession& session) { session.set_last_step(last.motion, last.share, passing); });
+    change([last, passing](DragSession& session) { session.set_last_step(last.motion, last.fraction, passing); });
   };
   const auto field = [&](const char* part, const QString& help, double low, int digits, bool turns, const Get& get) {
     QDoubleSpinBox* const box = prepared<NumberBox>(part, help);
@@ -72,25 +72,25 @@ void Panel::addLastStep() {
                              [](LastStep& last) -> double& { return last.motion.scale; });
   scaled->setSingleStep(0.1);
   row(tr("Scaled"), scaled);
-  auto* const share = prepared<QSlider>("last_fraction", tr("Share of the path: 0 to 100 percent"));
-  share->setOrientation(Qt::Horizontal);
-  share->setRange(0, 100);
-  const auto go = [this, share, send] {
+  auto* const fraction = prepared<QSlider>("last_fraction", tr("Share of the path: 0 to 100 percent"));
+  fraction->setOrientation(Qt::Horizontal);
+  fraction->setRange(0, 100);
+  const auto go = [this, fraction, send] {
     if (LastStep last = lastStep_.value_or(LastStep()); lastStep_) {
-      last.share = share->value() / 100.0;
-      send(last, share->isSliderDown());
+      last.fraction = fraction->value() / 100.0;
+      send(last, fraction->isSliderDown());
     }
   };
-  connect(share, &QSlider::valueChanged, this, go);
-  connect(share, &QSlider::sliderReleased, this, go);
-  shown_.push_back([this, share](const DragSession&) {
-    share->setEnabled(lastStep_.has_value());
-    if (!share->isSliderDown()) {
-      const QSignalBlocker blocker(share);
-      share->setValue(static_cast<int>(std::round(100 * (lastStep_ ? lastStep_->share : 1))));
+  connect(fraction, &QSlider::valueChanged, this, go);
+  connect(fraction, &QSlider::sliderReleased, this, go);
+  shown_.push_back([this, fraction](const DragSession&) {
+    fraction->setEnabled(lastStep_.has_value());
+    if (!fraction->isSliderDown()) {
+      const QSignalBlocker blocker(fraction);
+      fraction->setValue(static_cast<int>(std::round(100 * (lastStep_ ? lastStep_->fraction : 1))));
     }
   });
-  row(tr("Share of path"), share);
+  row(tr("Share of path"), fraction);
   addHistory();
 }
 

@@ -67,16 +67,16 @@ void RememberedSettings::bringTo(DragSession& session) const {
   DragSettings settings = session.settings();
   setValues(kept_, settings);
   session.set_settings(settings);
-  const int axes = static_cast<int>(kept_.value(kGizmoAxes, static_cast<int>(session.gizmo_axes())));
-  session.show_gizmo(
-      kept_.value(kGizmo, session.gizmo_shown() ? 1 : 0) != 0,
-      axes >= 0 && axes <= static_cast<int>(GizmoAxes::Normal) ? static_cast<GizmoAxes>(axes) : GizmoAxes::Layer);
+  const int axes = static_cast<int>(kept_.value(kGizmoAxes, static_cast<int>(session.tools().axes)));
+  session.set(&Tools::gizmo, kept_.value(kGizmo, session.tools().gizmo ? 1 : 0) != 0);
+  session.set(&Tools::axes, axes >= 0 && axes <= static_cast<int>(GizmoAxes::Normal) ? static_cast<GizmoAxes>(axes)
+                                                                                     : GizmoAxes::Layer);
 }
 
 void RememberedSettings::keep(const DragSession& session) {
   Values values = valuesOf(session.settings());
-  values[kGizmo] = session.gizmo_shown() ? 1 : 0;
-  values[kGizmoAxes] = static_cast<int>(session.gizmo_axes());
+  values[kGizmo] = session.tools().gizmo ? 1 : 0;
+  values[kGizmoAxes] = static_cast<int>(session.tools().axes);
   if (values != kept_) {
     kept_ = values;
     for (auto value = kept_.begin(); value != kept_.end(); ++value) {

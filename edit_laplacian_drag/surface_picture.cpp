@@ -70,12 +70,12 @@ pen::Color stretchColor(float stretch) {
   const pen::Color* const stops = stretch > 0 ? kLonger : kShorter;
   // Colours at a half, one and two doublings or halvings.
   const float doublings = std::min(std::log2(1 + std::abs(stretch)), 2.0F);
-  const float place = doublings < 1 ? 2 * doublings : 1 + doublings;
-  const int stop = std::min(static_cast<int>(place), 2);
+  const float position = doublings < 1 ? 2 * doublings : 1 + doublings;
+  const int stop = std::min(static_cast<int>(position), 2);
   pen::Color color;
   for (int k = 0; k < 3; ++k) {
     const float from = stops[stop][k], to = stops[stop + 1][k];
-    color[k] = static_cast<unsigned char>(from + (place - static_cast<float>(stop)) * (to - from));
+    color[k] = static_cast<unsigned char>(from + (position - static_cast<float>(stop)) * (to - from));
   }
   return color;
 }
@@ -84,18 +84,18 @@ pen::Color stretchColor(float stretch) {
 
 unsigned SurfacePicture::number(const Region* region, int vertex) const {
   if (region) {
-    if (const int place = place_in(region->mesh_vertex, vertex); place >= 0) {
-      return static_cast<unsigned>(place);
+    if (const int position = index_in(region->mesh_vertex, vertex); position >= 0) {
+      return static_cast<unsigned>(position);
     }
   }
-  const int place = place_in(outside_, vertex);
-  return place >= 0 ? static_cast<unsigned>(place + (region ? region->size() : 0)) : kNone;
+  const int position = index_in(outside_, vertex);
+  return position >= 0 ? static_cast<unsigned>(position + (region ? region->size() : 0)) : kNone;
 }
 
 /// O(region + handles).
 void SurfacePicture::list(const DragSession& session) {
-  const Region* const region = session.region();
-  regionSerial_ = session.region_serial();
+  const Region* const region = session.shown().region().get();
+  regionSerial_ = session.shown().region_serial();
   groups_ = session.mirrored_groups();
   unconnected_ = session.unconnected();
   held_ = session.held();
@@ -134,7 +134,7 @@ const std::vector<int>& SurfacePicture::labelled(std::size_t label) const {
 
 /// Assigns each face to its group, to the anchors' band or to the free part, and finds their outlines.
 void SurfacePicture::sortFaces(const DragSession& session, const std::vector<int>& labels) {
-  const Region* const region = session.region();
+  const Region* const region = session.shown().region().get();
   free_ = band_ = Patch();
   std::vector<unsigned> inside, within;  // corners of all faces; of those that are not in the band
   for (Eigen::Index f = 0; region && f < region->faces.rows(); ++f) {
@@ -184,13 +184,13 @@ void SurfacePicture::findLoose(const DragSession& session, const std::vector<int
   for (std::size_t g = 0; g < handles_.size(); ++g) {
     Patch& patch = handles_[g];
     for (const int v : labelled(g)) {
-      const unsigned i = number(session.region(), v);
+      const unsigned i = number(session.shown().region().get(), v);
       if (inFace[i] || labels[i] != static_cast<int>(g)) {
         continue;
       }
       patch.loose.push_back(i);
       for (const int w : session.adjacency().neighbours[v]) {
-        const unsigned j = number(session.region(), w);
+        const unsigned j = number(session.shown().region().get(), w);
         if (j != kNone && labels[j] == static_cast<int>(g) && (inFace[j] || i < j)) {
           patch.border.vertices.insert(patch.border.vertices.end(), {i, j});
           patch.border.lengths.push_back(2);
@@ -200,36 +200,36 @@ void SurfacePicture::findLoose(const DragSession& session, const std::vector<int
   }
 }
 
-void SurfacePicture::place(const DragSession& session) {
-  const std::size_t inside = session.region() ? static_cast<std::size_t>(session.region()->size()) : 0;
-  places_.resize(3 * (inside + outside_.size()));
-  if (session.pose_serial() != poseSerial_ && inside > 0) {
-    std::copy(session.pose().data(), session.pose().data() + 3 * inside, places_.begin());
+void SurfacePicture::takePositions(const DragSession& session) {
+  const std::size_t inside = session.shown().region() ? static_cast<std::size_t>(session.shown().region()->size()) : 0;
+  positions_.resize(3 * (inside + outside_.size()));
+  if (session.shown().serial() != poseSerial_ && inside > 0) {
+    std::copy(session.shown().pose().data(), session.shown().pose().data() + 3 * inside, positions_.begin());
   }
-  poseSerial_ = session.pose_serial();
+  poseSerial_ = session.shown().serial();
   for (std::size_t i = 0; i < outside_.size(); ++i) {
-    const double* const place = session.mesh().vertices.row(outside_[i]).data();
-    std::copy(place, place + 3, places_.begin() + static_cast<std::ptrdiff_t>(3 * (inside + i)));
+    const double* const position = session.mesh().vertices.row(outside_[i]).data();
+    std::copy(position, position + 3, positions_.begin() + static_cast<std::ptrdiff_t>(3 * (inside + i)));
   }
 }
 
 // --- Drawing --------------------------------------------------------------------------------------------------------
 
 void SurfacePicture::draw(const DragSession& session, const Options& options) {
-  if (session.region_serial() != regionSerial_ || session.mirrored_groups() != groups_ ||
+  if (session.shown().region_serial() != regionSerial_ || session.mirrored_groups() != groups_ ||
       session.unconnected() != unconnected_ || session.held() != held_) {
     list(session);
     poseSerial_ = -1;
   }
-  place(session);
+  takePositions(session);
   glDisableClientState(GL_NORMAL_ARRAY);
   glDisableClientState(GL_TEXTURE_COORD_ARRAY);
   glDisableClientState(GL_COLOR_ARRAY);
   glEnableClientState(GL_VERTEX_ARRAY);
-  glVertexPointer(3, GL_FLOAT, 0, places_.data());
+  glVertexPointer(3, GL_FLOAT, 0, positions_.data());
   glPolygonOffset(0, -4);  // without a slope, which would show the far side at silhouettes
   glPolygonStipple(hatch());
-  if (session.region()) {
+  if (session.shown().region()) {
     drawRegion(session, options);
   }
   for (std::size_t g = 0; g < handles_.size(); ++g) {
@@ -271,13 +271,13 @@ void SurfacePicture::drawRegion(const DragSession& session, const Options& optio
 }
 
 void SurfacePicture::drawHeat(const DragSession& session) {
-  const Region& region = *session.region();
+  const Region& region = *session.shown().region();
   if (stretchedRegion_ != regionSerial_) {
     stretch_ = std::make_unique<VertexStretch>(region, session.original().vertices);
     heat_.resize(4 * static_cast<std::size_t>(region.size()));
     stretchedRegion_ = regionSerial_;
   }
-  const std::vector<float>& stretch = stretch_->of(session.pose());
+  const std::vector<float>& stretch = stretch_->of(session.shown().pose());
   for (std::size_t i = 0; i < stretch.size(); ++i) {
     const pen::Color color = stretchColor(stretch[i]);
     std::copy(color.begin(), color.end(), &heat_[4 * i]);
@@ -299,7 +299,8 @@ void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, co
   const bool moving = session.motion() != nullptr;
   const bool hovered = given == options.hovered;
   // There is no pose yet.
-  const bool ahead = session.moves(static_cast<int>(group)) && moving && (!session.region() || !session.has_preview());
+  const bool ahead =
+      session.moves(static_cast<int>(group)) && moving && (!session.shown().region() || !session.has_preview());
   if (ahead) {
     Eigen::Matrix4d map = Eigen::Matrix4d::Identity();
     map.topRows<3>() = session.active_map().matrix();
@@ -328,7 +329,7 @@ void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, co
     };
     line(width + 2, pen::kDark, 0.85);
     const bool bright = active || hovered;
-    if (!bright || (session.preparing() && !session.region())) {
+    if (!bright || (session.preparing() && !session.shown().region())) {
       beginDashes(ratio, active);
     }
     line(width, bright ? pen::kLight : color, 1);

@@ -37,7 +37,7 @@ class SurfacePicture {
   void list(const lapedit::DragSession& session);
   void sortFaces(const lapedit::DragSession& session, const std::vector<int>& labels);
   void findLoose(const lapedit::DragSession& session, const std::vector<int>& labels);
-  void place(const lapedit::DragSession& session);
+  void takePositions(const lapedit::DragSession& session);
   unsigned number(const lapedit::Region* region, int vertex) const;
   void drawRegion(const lapedit::DragSession& session, const Options& options);
   void drawHeat(const lapedit::DragSession& session);
@@ -51,7 +51,7 @@ class SurfacePicture {
   int regionSerial_ = -1, poseSerial_ = -1;
   std::vector<std::vector<int>> groups_;
   std::vector<int> unconnected_, held_, outside_;  // mesh vertex numbers
-  std::vector<float> places_;
+  std::vector<float> positions_;
   Patch free_, band_, lost_, fixed_;
   std::vector<Patch> handles_;
   lapedit::Chains rim_;

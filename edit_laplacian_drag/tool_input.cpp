@@ -118,7 +118,7 @@ bool LaplacianDragTool::escape(QEvent& event) {
   DragSession& session = active_->session();
   const DragSession::State state = session.state();
   const bool moves = state == DragSession::State::Dragging || state == DragSession::State::Settling;
-  if (!moves && !session.keeps_fixed() && !keysShown_) {
+  if (!moves && !session.tools().keeps_fixed && !keysShown_) {
     return false;
   }
   event.accept();
@@ -129,15 +129,15 @@ bool LaplacianDragTool::escape(QEvent& event) {
     keysShown_ = false;
     window_.repaint();
   } else if (moves) {
-    dropMotion();
+    cancelMotion();
   } else {
-    session.set_keep_fixed(false);
+    session.set(&Tools::keeps_fixed, false);
     afterEvent();
   }
   return true;
 }
 
-void LaplacianDragTool::dropMotion() {
+void LaplacianDragTool::cancelMotion() {
   guarded([this] {
     if (active_) {
       mouse_.pressed = false;
@@ -209,7 +209,7 @@ void LaplacianDragTool::mousePress(QMouseEvent& event) {
   offered_ = -1;
   keysShown_ = false;
   if (event.button() == Qt::RightButton && active_ && active_->session().motion()) {
-    dropMotion();
+    cancelMotion();
     return;
   }
   const bool around = event.button() != Qt::LeftButton || (event.modifiers() & Qt::AltModifier);
@@ -363,9 +363,10 @@ void LaplacianDragTool::saySettings(const DragSettings& before) {
   const DragSettings& now = active_->session().settings();
   const auto number = [](double value) { return QString::number(value, 'g', 3); };
   if (now.radius != before.radius) {
-    notice_ = (active_->session().region() ? tr("Radius: %1 (Shift: handle size, Ctrl: zoom)")
-                                           : tr("Radius of the next region: %1 (Shift: handle size, Ctrl: zoom)"))
-                  .arg(number(now.radius));
+    notice_ =
+        (active_->session().shown().region() ? tr("Radius: %1 (Shift: handle size, Ctrl: zoom)")
+                                             : tr("Radius of the next region: %1 (Shift: handle size, Ctrl: zoom)"))
+            .arg(number(now.radius));
   } else if (now.handle_fraction != before.handle_fraction) {
     notice_ = now.handle_fraction == 0
                   ? tr("Handle size: one vertex")

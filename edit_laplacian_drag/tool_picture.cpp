@@ -31,7 +31,7 @@ Eigen::Matrix4d matrixOf(GLenum which) {
 }
 
 /// "1, 2, 3"
-QString placeOf(const TriangleMesh& mesh, int vertex, int digits) {
+QString positionOf(const TriangleMesh& mesh, int vertex, int digits) {
   QStringList numbers;
   for (int k = 0; k < 3; ++k) {
     numbers += QString::number(mesh.vertices(vertex, k), 'g', digits);
@@ -57,7 +57,7 @@ void LaplacianDragTool::draw() {
     options.pixelRatio = canvas.devicePixelRatioF();
     options.heat = shared_->panel().heat();
     const bool takes = mouse_.modifiers & Qt::ShiftModifier;
-    if ((takes || mouse_.modifiers & Qt::ControlModifier || session.keeps_fixed()) && !session.motion()) {
+    if ((takes || mouse_.modifiers & Qt::ControlModifier || session.tools().keeps_fixed) && !session.motion()) {
       options.brush = Overlay::Brush{cursor().pixel, session.settings().brush_pixels, takes};
     }
     overlay_.draw(session, view_, options);
@@ -65,7 +65,7 @@ void LaplacianDragTool::draw() {
     if (window_.suspended() && session.motion()) {
       // MeshLab's button or menu has suspended the tool. Not from here: nothing can be uploaded while drawing.
       QMetaObject::invokeMethod(
-          this, [this] { dropMotion(); }, Qt::QueuedConnection);
+          this, [this] { cancelMotion(); }, Qt::QueuedConnection);
     }
   }
   drawLine(line(layer.has_value()));
@@ -91,8 +91,8 @@ LinePicture::Line LaplacianDragTool::line(bool usable) {
     }
   }
   if (const HoverPreview* const hover = session.hover(); hover && !window_.suspended() && !session.motion()) {
-    line.place =
-        tr("Vertex %1 at %2 (Ctrl+C copies)").arg(hover->vertex).arg(placeOf(session.mesh(), hover->vertex, 6));
+    line.position =
+        tr("Vertex %1 at %2 (Ctrl+C copies)").arg(hover->vertex).arg(positionOf(session.mesh(), hover->vertex, 6));
   }
   return line;
 }
@@ -106,9 +106,9 @@ QVector<QPointF> LaplacianDragTool::notToCover() const {
       pixels += mouse_.position;
     }
     if (session.active_group() >= 0) {
-      const Vector3 place = session.active_map() *
-                            centroid(session.mesh().vertices, session.groups()[std::size_t(session.active_group())]);
-      const Vector2 pixel = view_.pixel(place);
+      const Vector3 position = session.active_map() *
+                               centroid(session.mesh().vertices, session.groups()[std::size_t(session.active_group())]);
+      const Vector2 pixel = view_.pixel(position);
       pixels += QPointF(pixel.x(), pixel.y());
     }
   }
@@ -117,7 +117,7 @@ QVector<QPointF> LaplacianDragTool::notToCover() const {
 
 void LaplacianDragTool::drawLine(const LinePicture::Line& line) {
   QWidget& canvas = window_.canvas();
-  QStringList texts{line.text, line.warning, line.place};
+  QStringList texts{line.text, line.warning, line.position};
   texts.removeAll(QString());
   canvas.setProperty(kLineProperty, keysShown_ ? "keys" : texts.join('\n'));
   if (texts.isEmpty()) {
@@ -198,9 +198,9 @@ bool LaplacianDragTool::offerLayer() {
 /// Copies number and coordinates of the vertex under the cursor.
 void LaplacianDragTool::copyPlace() {
   if (const HoverPreview* const hover = usableLayer() ? active_->session().hover() : nullptr) {
-    const QString place = placeOf(active_->session().mesh(), hover->vertex, 9);
-    QGuiApplication::clipboard()->setText(QString("%1 [%2]").arg(hover->vertex).arg(place));
-    say(tr("On the clipboard: vertex %1 at %2").arg(hover->vertex).arg(place).toStdString());
+    const QString position = positionOf(active_->session().mesh(), hover->vertex, 9);
+    QGuiApplication::clipboard()->setText(QString("%1 [%2]").arg(hover->vertex).arg(position));
+    say(tr("On the clipboard: vertex %1 at %2").arg(hover->vertex).arg(position).toStdString());
     window_.repaint();
   }
 }

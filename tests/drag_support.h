@@ -122,7 +122,7 @@ class Window {
   /// What the host has by now.
   const Points& host() {
     if (const PoseChange* const change = session.take_change()) {
-      scatter(change->vertices, change->places, host_);
+      scatter(change->vertices, change->positions, host_);
       ++poses_;
       settled_ = change->settled;
     }

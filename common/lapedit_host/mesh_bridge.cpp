@@ -37,25 +37,25 @@ void require_vertex(const CMeshO& host, const CVertexO* corner, const char* kind
 /// with the number of the next one that is not deleted.
 template <class Container, class MakeRoom, class Use>
 void each_existing(ThreadPool& pool, const Container& all, const MakeRoom& make_room, const Use& use) {
-  const auto parts = static_cast<std::size_t>(pool.threads());
-  const auto border = [&](std::size_t part) { return all.size() * part / parts; };
-  std::vector<int> starts(parts + 1, 0);
+  const auto chunks = static_cast<std::size_t>(pool.threads());
+  const auto border = [&](std::size_t chunk) { return all.size() * chunk / chunks; };
+  std::vector<int> starts(chunks + 1, 0);
   pool.each(pool.threads(), [&](int thread) {
-    const auto part = static_cast<std::size_t>(thread);
+    const auto chunk = static_cast<std::size_t>(thread);
     int count = 0;
-    for (std::size_t place = border(part); place < border(part + 1); ++place) {
-      count += all[place].IsD() ? 0 : 1;
+    for (std::size_t index = border(chunk); index < border(chunk + 1); ++index) {
+      count += all[index].IsD() ? 0 : 1;
     }
-    starts[part + 1] = count;
+    starts[chunk + 1] = count;
   });
   std::partial_sum(starts.begin(), starts.end(), starts.begin());
   make_room(starts.back());
   pool.each(pool.threads(), [&](int thread) {
-    const auto part = static_cast<std::size_t>(thread);
-    int number = starts[part];
-    for (std::size_t place = border(part); place < border(part + 1); ++place) {
-      use(place, all[place], number);
-      number += all[place].IsD() ? 0 : 1;
+    const auto chunk = static_cast<std::size_t>(thread);
+    int number = starts[chunk];
+    for (std::size_t index = border(chunk); index < border(chunk + 1); ++index) {
+      use(index, all[index], number);
+      number += all[index].IsD() ? 0 : 1;
     }
   });
 }
@@ -96,10 +96,10 @@ BridgedMesh read_mesh(const CMeshO& host) {
     bridged.host_vertex.resize(static_cast<std::size_t>(count));
     vertices.resize(count, 3);
   };
-  each_existing(pool, host.vert, make_room, [&](std::size_t place, const CVertexO& vertex, int v) {
-    bridged.core_vertex[place] = vertex.IsD() ? -1 : v;
+  each_existing(pool, host.vert, make_room, [&](std::size_t index, const CVertexO& vertex, int v) {
+    bridged.core_vertex[index] = vertex.IsD() ? -1 : v;
     if (!vertex.IsD()) {
-      bridged.host_vertex[static_cast<std::size_t>(v)] = static_cast<int>(place);
+      bridged.host_vertex[static_cast<std::size_t>(v)] = static_cast<int>(index);
       vertices.row(v) = to_core(vertex.cP()).transpose();
     }
   });

@@ -5,7 +5,7 @@
 #include <utility>
 #include <variant>
 
-#include "lapedit/edit/places.h"
+#include "lapedit/edit/positions.h"
 #include "lapedit_host/pose_writer.h"
 #include "lapedit_vcg/self_intersections.h"
 

@@ -61,7 +61,7 @@ PoseWriter::PoseWriter(const CMeshO& host, const BridgedMesh& bridged, const Adj
       }
     }
     is_around_.assign(host_face_.size(), 0);
-    place_.resize(host_face_.size());
+    position_.resize(host_face_.size());
   };
   pool_.each(2, [&](int part) { part == 0 ? copy_vertices() : copy_faces(); });
 }
@@ -102,14 +102,14 @@ void PoseWriter::find_affected(const std::vector<int>& vertices) {
   pool_.each(2, make_room);
   in_pieces(pool_, static_cast<int>(a.around.size()), kGrain, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
-      place_[static_cast<std::size_t>(a.around[static_cast<std::size_t>(i)])] = i;
+      position_[static_cast<std::size_t>(a.around[static_cast<std::size_t>(i)])] = i;
     }
   });
   in_pieces(pool_, static_cast<int>(a.touched.size()), kGrain, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
       int* value = a.faces.values.data() + a.faces.offsets[static_cast<std::size_t>(i)];
       for (const int f : adjacency_.faces[a.touched[static_cast<std::size_t>(i)]]) {
-        *value++ = place_[static_cast<std::size_t>(f)];
+        *value++ = position_[static_cast<std::size_t>(f)];
       }
     }
   });
@@ -130,12 +130,12 @@ void PoseWriter::write_places(CMeshO& host, const Points& positions) {
     for (int i = begin; i < end; ++i) {
       const auto v = static_cast<std::size_t>(affected_.vertices[static_cast<std::size_t>(i)]);
       Corner& now = now_[v];
-      const Point3m place = to_host(positions.row(i).transpose());
-      now.place = place == first_[v] ? first_[v] : place;  // zeros keep their sign
+      const Point3m position = to_host(positions.row(i).transpose());
+      now.position = position == first_[v] ? first_[v] : position;  // zeros keep their sign
       count -= now.is_away ? 1 : 0;
-      now.is_away = !same_bits(now.place, first_[v]);
+      now.is_away = !same_bits(now.position, first_[v]);
       count += now.is_away ? 1 : 0;
-      host.vert[static_cast<std::size_t>(host_vertex_[v])].P() = now.place;
+      host.vert[static_cast<std::size_t>(host_vertex_[v])].P() = now.position;
     }
     came_away += count;
   });
@@ -152,8 +152,8 @@ void PoseWriter::write_passing_normals(CMeshO& host) {
       for (int k = 0; k < 3; ++k) {
         corners[k] = &now_[static_cast<std::size_t>(faces_(f, k))];
       }
-      const Vector3 origin = to_core(corners[0]->place);
-      const Vector3 area = (to_core(corners[1]->place) - origin).cross(to_core(corners[2]->place) - origin);
+      const Vector3 origin = to_core(corners[0]->position);
+      const Vector3 area = (to_core(corners[1]->position) - origin).cross(to_core(corners[2]->position) - origin);
       const double square = area.squaredNorm();
       const bool has_area = square > 0 && square < kInfinity;
       const bool is_away = corners[0]->is_away || corners[1]->is_away || corners[2]->is_away;
@@ -190,7 +190,7 @@ void PoseWriter::write_settled_normals(CMeshO& host) {
       const auto corner = [&](int k) -> const Corner& { return now_[static_cast<std::size_t>(faces_(f, k))]; };
       face.is_away = corner(0).is_away || corner(1).is_away || corner(2).is_away;
       face.has_shape =
-          measure({to_core(corner(0).place), to_core(corner(1).place), to_core(corner(2).place)}, face.shape);
+          measure({to_core(corner(0).position), to_core(corner(1).position), to_core(corner(2).position)}, face.shape);
       normal_of_face(host, f) = face.is_away && face.has_shape ? to_host(face.shape.normal)
                                                                : first_face_normals_[static_cast<std::size_t>(f)];
     }
@@ -200,9 +200,9 @@ void PoseWriter::write_settled_normals(CMeshO& host) {
       const int v = a.touched[static_cast<std::size_t>(i)];
       Vector3 sum = Vector3::Zero();
       bool shows = false;
-      for (const int place : a.faces[i]) {
-        const MeasuredFace& face = a.measured[static_cast<std::size_t>(place)];
-        const int f = a.around[static_cast<std::size_t>(place)];
+      for (const int position : a.faces[i]) {
+        const MeasuredFace& face = a.measured[static_cast<std::size_t>(position)];
+        const int f = a.around[static_cast<std::size_t>(position)];
         shows |= face.is_away;
         for (int k = 0; face.has_shape && k < 3; ++k) {
           if (faces_(f, k) == v) {
@@ -224,8 +224,8 @@ bool PoseWriter::is_ours(const CMeshO& host, const std::vector<int>& vertices) {
   std::atomic<bool> is_ours{true};
   in_pieces(pool_, static_cast<int>(vertices.size()), kGrain, [&](int begin, int end) {
     if (!std::all_of(vertices.begin() + begin, vertices.begin() + end, [&](int v) {
-          const auto place = static_cast<std::size_t>(v);
-          return same_bits(host.vert[static_cast<std::size_t>(host_vertex_[place])].cP(), now_[place].place);
+          const auto position = static_cast<std::size_t>(v);
+          return same_bits(host.vert[static_cast<std::size_t>(host_vertex_[position])].cP(), now_[position].position);
         })) {
       is_ours = false;
     }
@@ -260,7 +260,7 @@ bool PoseWriter::matches(const CMeshO& host) const {
   }
   for (std::size_t v = 0; v < host_vertex_.size(); ++v) {
     const CVertexO& vertex = host.vert[static_cast<std::size_t>(host_vertex_[v])];
-    if (vertex.IsD() || !same_bits(vertex.cP(), now_[v].place)) {
+    if (vertex.IsD() || !same_bits(vertex.cP(), now_[v].position)) {
       return false;
     }
   }

@@ -46,7 +46,7 @@ class PoseWriter {
  private:
   /// Current position, and whether its bits differ from the first ones.
   struct Corner {
-    Point3m place;
+    Point3m position;
     bool is_away;
   };
 
@@ -91,7 +91,7 @@ class PoseWriter {
   int away_count_ = 0;
   Affected affected_;
   std::vector<char> is_touched_, is_around_;  // per vertex and face: is it in affected_
-  std::vector<int> place_;                    // mesh face -> entry of affected_.around, if it is there
+  std::vector<int> position_;                 // mesh face -> entry of affected_.around, if it is there
   ThreadPool pool_{0};
 };
 

@@ -82,24 +82,24 @@ NearFaces near_faces(const TriangleMesh& before, const Points& after) {
 
 /// Scales by edge length and moves to the origin, since vcglib's tolerances are absolute.
 void make(GridMesh& mesh, const Points& points, const Faces& faces, const NearFaces& near) {
-  std::vector<int> place(static_cast<std::size_t>(points.rows()), -1);
+  std::vector<int> index(static_cast<std::size_t>(points.rows()), -1);
   int vertices = 0;
   for (const Eigen::Index f : near.numbers) {
     for (const int v : faces.row(f)) {
-      place[v] = place[v] < 0 ? vertices++ : place[v];
+      index[v] = index[v] < 0 ? vertices++ : index[v];
     }
   }
   mesh.vert.resize(vertices);
   for (Eigen::Index v = 0; v < points.rows(); ++v) {
-    if (place[v] >= 0) {
+    if (index[v] >= 0) {
       const Vector3 p = (points.row(v) - points.row(near.origin)).transpose() / near.edge;
-      mesh.vert[place[v]].P() = vcg::Point3d(p[0], p[1], p[2]);
+      mesh.vert[index[v]].P() = vcg::Point3d(p[0], p[1], p[2]);
     }
   }
   mesh.face.resize(near.numbers.size());
   for (std::size_t i = 0; i < near.numbers.size(); ++i) {
     for (int k = 0; k < 3; ++k) {
-      mesh.face[i].V(k) = &mesh.vert[place[faces(near.numbers[i], k)]];
+      mesh.face[i].V(k) = &mesh.vert[index[faces(near.numbers[i], k)]];
     }
   }
 }

@@ -248,7 +248,7 @@ std::string answer(const Options& options) {
     const VertexFinder finder(file.mesh);
     for (const Vector3& point : options.nearest) {
       const VertexFinder::Found found = finder.anywhere(point, "The point");
-      text += format_text("vertex: %d, place: ", found.vertex) +
+      text += format_text("vertex: %d, position: ", found.vertex) +
               coordinates(file.mesh.vertices.row(found.vertex).transpose(), file.scalar) +
               format_text(", distance: %.6g\n", found.distance);
     }

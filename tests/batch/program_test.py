@@ -145,7 +145,7 @@ class Edits(ProgramTest):
         self.assertRegex(self.done("--info", self.mesh), r"\Avertices: 441 \(0 without a face, 0 not finite\)\nfaces: 800\n"
                          r"box: 0,0,0 to 1,1,0\.\d+, diagonal \S+\npieces: 1, .*\nborders: 1 of 80 edges in all\nselected: 0 ")
         text = self.done("--nearest", "0.5,0.5,0.3", "--nearest=0,0,0", self.mesh, "--info")
-        self.assertRegex(text, rf"(?s)\Avertices: .*\nvertex: {CENTRE}, place: 0\.5,0\.5,\S+, distance: \S+\nvertex: 0, .*: 0\n\Z")
+        self.assertRegex(text, rf"(?s)\Avertices: .*\nvertex: {CENTRE}, position: 0\.5,0\.5,\S+, distance: \S+\nvertex: 0, .*: 0\n\Z")
 
 
 class Streams(ProgramTest):

@@ -22,14 +22,14 @@ constexpr Scalarm kNaN = std::numeric_limits<Scalarm>::quiet_NaN();
 struct State {
   explicit State(const CMeshO& host) : box(host.bbox) {
     for (const CVertexO& vertex : host.vert) {
-      places.push_back(vertex.cP());
+      positions.push_back(vertex.cP());
       vertex_normals.push_back(vertex.cN());
     }
     for (const CFaceO& face : host.face) {
       face_normals.push_back(face.cN());
     }
   }
-  std::vector<Point3m> places, vertex_normals, face_normals;
+  std::vector<Point3m> positions, vertex_normals, face_normals;
   Box3m box;
 };
 
@@ -41,7 +41,7 @@ void expect_same(const std::vector<Point3m>& a, const std::vector<Point3m>& b, c
 }
 
 void expect_same_but_box(const State& a, const State& b) {
-  expect_same(a.places, b.places, "place");
+  expect_same(a.positions, b.positions, "place");
   expect_same(a.vertex_normals, b.vertex_normals, "vertex normal");
   expect_same(a.face_normals, b.face_normals, "face normal");
 }
@@ -130,9 +130,9 @@ void write_plainly(CMeshO& host, const BridgedMesh& bridged, const EditResult& r
   std::vector<char> moved(host.vert.size(), 0);
   for (std::size_t i = 0; i < result.vertices.size(); ++i) {
     const auto v = static_cast<std::size_t>(bridged.host_vertex[result.vertices[i]]);
-    const Point3m place = to_host(result.positions.row(static_cast<Eigen::Index>(i)).transpose());
-    if (place != host.vert[v].cP()) {
-      host.vert[v].P() = place;
+    const Point3m position = to_host(result.positions.row(static_cast<Eigen::Index>(i)).transpose());
+    if (position != host.vert[v].cP()) {
+      host.vert[v].P() = position;
       moved[v] = 1;
     }
   }
@@ -153,7 +153,7 @@ class Scene {
 
   PoseWriter writer() const { return {host, bridged, adjacency}; }
 
-  /// What the bridge makes of the first mesh and the places of some vertices.
+  /// What the bridge makes of the first mesh and the positions of some vertices.
   State expected(const std::vector<int>& vertices, const Points& positions) {
     EditResult result;
     result.vertices = vertices;
@@ -257,15 +257,15 @@ TEST(PoseWriter, WeighsNormalsOfAPassingPoseByArea) {
       Vector3 corners[3];
       for (int k = 0; k < 3; ++k) {
         const auto v = static_cast<std::size_t>(mesh.faces(f, k));
-        corners[k] = to_core(now.places[v]);
-        is_away |= !same_bits(now.places[v], first.places[v]);
+        corners[k] = to_core(now.positions[v]);
+        is_away |= !same_bits(now.positions[v], first.positions[v]);
       }
       const Vector3 area = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-      const auto place = static_cast<std::size_t>(f);
+      const auto position = static_cast<std::size_t>(f);
       if (is_away && area.norm() > 0) {
-        EXPECT_LT((to_core(now.face_normals[place]) - area.normalized()).norm(), 1e-6) << "face " << f;
+        EXPECT_LT((to_core(now.face_normals[position]) - area.normalized()).norm(), 1e-6) << "face " << f;
       } else {
-        EXPECT_TRUE(same_bits(now.face_normals[place], first.face_normals[place])) << "face " << f;
+        EXPECT_TRUE(same_bits(now.face_normals[position], first.face_normals[position])) << "face " << f;
       }
       for (int k = 0; k < 3; ++k) {
         sums.row(mesh.faces(f, k)) += area.transpose();
@@ -273,12 +273,12 @@ TEST(PoseWriter, WeighsNormalsOfAPassingPoseByArea) {
       }
     }
     for (int v = 0; v < n; ++v) {
-      const auto place = static_cast<std::size_t>(v);
-      if (shows[place] && sums.row(v).norm() > 0) {
-        const Vector3 normal = to_core(now.vertex_normals[place]);
+      const auto position = static_cast<std::size_t>(v);
+      if (shows[position] && sums.row(v).norm() > 0) {
+        const Vector3 normal = to_core(now.vertex_normals[position]);
         EXPECT_LT((normal - sums.row(v).normalized().transpose()).norm(), 1e-6) << "vertex " << v;
       } else {
-        EXPECT_TRUE(same_bits(now.vertex_normals[place], first.vertex_normals[place])) << "vertex " << v;
+        EXPECT_TRUE(same_bits(now.vertex_normals[position], first.vertex_normals[position])) << "vertex " << v;
       }
     }
     // Settled, it is as if nothing had passed; and gone again, as if nothing had been.
@@ -332,9 +332,9 @@ TEST(PoseWriter, BringsBackEveryBit) {
     const State first(scene.host);
     PoseWriter writer = scene.writer();
     const std::vector<int> vertices = stretch(10, 60);
-    const Points places = support::rows(scene.bridged.mesh.vertices, vertices);
+    const Points positions = support::rows(scene.bridged.mesh.vertices, vertices);
     ASSERT_TRUE(writer.write(scene.host, vertices, pushed(scene.bridged.mesh.vertices, vertices, generator), true));
-    ASSERT_TRUE(writer.write(scene.host, vertices, places, true));
+    ASSERT_TRUE(writer.write(scene.host, vertices, positions, true));
     expect_same(State(scene.host), first);
   }
 }
@@ -351,9 +351,9 @@ TEST(PoseWriter, ForgetsTheWayThere) {
     for (int i = 0; i < 40; ++i) {
       const int count = 1 + static_cast<int>(generator() % 70);
       const std::vector<int> vertices = stretch(static_cast<int>(generator() % 60), count);
-      const Points places = generator() % 3 == 0 ? support::rows(rest, vertices) : pushed(rest, vertices, generator);
-      ASSERT_TRUE(writer.write(scene.host, vertices, places, false));
-      now.middleRows(vertices[0], count) = places;
+      const Points positions = generator() % 3 == 0 ? support::rows(rest, vertices) : pushed(rest, vertices, generator);
+      ASSERT_TRUE(writer.write(scene.host, vertices, positions, false));
+      now.middleRows(vertices[0], count) = positions;
     }
     std::vector<int> away;
     for (int v = 0; v < rest.rows(); ++v) {
@@ -385,7 +385,7 @@ TEST(PoseWriter, SkipsWhatIsDeleted) {
   ASSERT_TRUE(writer.write(scene.host, vertices, positions, true));
   EXPECT_TRUE(writer.matches(scene.host));
   const State now(scene.host);
-  EXPECT_TRUE(same_bits(now.places[0], first.places[0]));
+  EXPECT_TRUE(same_bits(now.positions[0], first.positions[0]));
   EXPECT_TRUE(same_bits(now.face_normals[60], first.face_normals[60]));
   expect_same(now, scene.expected(vertices, positions));
   ASSERT_TRUE(writer.write(scene.host, vertices, support::rows(scene.bridged.mesh.vertices, vertices), true));
@@ -424,9 +424,9 @@ TEST(PoseWriter, TakesBitsForBits) {
   PoseWriter writer = scene.writer();
   EXPECT_TRUE(writer.matches(scene.host));
   // A zero of the other sign is the same place, and so is the same NaN.
-  Points places = support::rows(scene.bridged.mesh.vertices, {9, 30});
-  places(0, 2) = 0.0;
-  ASSERT_TRUE(writer.write(scene.host, {9, 30}, places, true));
+  Points positions = support::rows(scene.bridged.mesh.vertices, {9, 30});
+  positions(0, 2) = 0.0;
+  ASSERT_TRUE(writer.write(scene.host, {9, 30}, positions, true));
   expect_same(State(scene.host), first);
   // Next to a NaN: normals as the bridge makes them, and a finite box.
   Points one = support::rows(scene.bridged.mesh.vertices, {29});
@@ -493,15 +493,15 @@ TEST(PoseWriter, SeesWhenOtherCodeChangesTheMesh) {
     PoseWriter writer = scene.writer();
     ASSERT_TRUE(writer.matches(scene.host));
     const int mine = scene.bridged.core_vertex[10];
-    Points place = support::rows(scene.bridged.mesh.vertices, {mine});
-    place(0, 2) = 1;
-    ASSERT_TRUE(writer.write(scene.host, {mine}, place, true));
+    Points position = support::rows(scene.bridged.mesh.vertices, {mine});
+    position(0, 2) = 1;
+    ASSERT_TRUE(writer.write(scene.host, {mine}, position, true));
     ASSERT_TRUE(writer.matches(scene.host));
     change(scene.host);
     EXPECT_FALSE(writer.matches(scene.host));
     const State before(scene.host);
-    place(0, 2) = 2;
-    EXPECT_EQ(writer.write(scene.host, {mine}, place, true), is_written);
+    position(0, 2) = 2;
+    EXPECT_EQ(writer.write(scene.host, {mine}, position, true), is_written);
     if (!is_written) {
       expect_same(State(scene.host), before);
     }
@@ -537,25 +537,25 @@ TEST(PoseWriter, AllocatesNothingOnceItKnowsTheVertices) {
   Scene scene(shapes::icosphere(4));
   PoseWriter writer = scene.writer();
   const std::vector<int> vertices = stretch(100, 600);
-  Points places = support::rows(scene.bridged.mesh.vertices, vertices);
+  Points positions = support::rows(scene.bridged.mesh.vertices, vertices);
   const long before_all = allocations;
-  ASSERT_TRUE(writer.write(scene.host, vertices, places, false));
+  ASSERT_TRUE(writer.write(scene.host, vertices, positions, false));
   ASSERT_GT(allocations.load(), before_all);  // or the count does not count
   // Under a sanitizer the pool's threads allocate when they begin, which may be as late as this: one of several writes
   // allocates nothing, or all of them do.
   long by_passing = 1;
   for (int i = 0; i < 20 && by_passing != 0; ++i) {
     const long before_passing = allocations;
-    ASSERT_TRUE(writer.write(scene.host, vertices, places, false));
+    ASSERT_TRUE(writer.write(scene.host, vertices, positions, false));
     by_passing = allocations - before_passing;
   }
   EXPECT_EQ(by_passing, 0);
-  ASSERT_TRUE(writer.write(scene.host, vertices, places, true));
+  ASSERT_TRUE(writer.write(scene.host, vertices, positions, true));
   const long before = allocations;
   bool is_written = true;
   for (int i = 0; i < 5; ++i) {
-    places.col(2).array() += 0.01;
-    is_written = is_written && writer.write(scene.host, vertices, places, i % 2 == 0);
+    positions.col(2).array() += 0.01;
+    is_written = is_written && writer.write(scene.host, vertices, positions, i % 2 == 0);
   }
   EXPECT_EQ(allocations - before, 0);
   EXPECT_TRUE(is_written);

@@ -82,17 +82,17 @@ TEST(SelfIntersections, OfPiecesAreThoseThatAreNew) {
   const int n = static_cast<int>(ball.vertices.rows());
   std::set<int> everywhere;
   for (const double size : {1e-8, 1.0, 1e8}) {
-    for (const double place : {0.0, 1e3}) {
+    for (const double position : {0.0, 1e3}) {
       const auto moved_by = [&](double from, double to) {
         TriangleMesh both = shapes::together(ball, ball, Vector3(from, 0.011, 0.007));
         EditResult result;
         for (int v = n; v < 2 * n; ++v) {
           result.vertices.push_back(v);
         }
-        both.vertices = (size * both.vertices).rowwise() + size * place * Vector3::Ones().transpose();
+        both.vertices = (size * both.vertices).rowwise() + size * position * Vector3::Ones().transpose();
         result.positions = both.vertices.bottomRows(n).rowwise() + size * Vector3(to - from, 0, 0).transpose();
         const int found = new_self_intersections(both, result);
-        if (size == 1.0 && place == 0) {
+        if (size == 1.0 && position == 0) {
           EXPECT_EQ(found, counted_by_vcglib(both, result));
         }
         return found;

@@ -375,7 +375,7 @@ TEST(CellModel, PicturesAreWhatScriptsStartFrom) {
     }
   }
   Points displacement = Points::Zero(t->region.size() + 1, 3);
-  t->model.place(unit, transforms.data(), displacement, t->pool);
+  t->model.displace(unit, transforms.data(), displacement, t->pool);
   for (int i = 0; i < t->region.size(); ++i) {
     for (int c = 0; c < 3; ++c) {
       for (int e = 0; e < 3; ++e) {

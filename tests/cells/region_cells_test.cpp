@@ -161,7 +161,7 @@ TEST(RegionCells, AreAsLongAsWideWhateverTheTrianglesAre) {
   }
 }
 
-/// Nothing but the blend: what is linear in the places of the cells' centres comes out as it is.
+/// Nothing but the blend: what is linear in the positions of the cells' centres comes out as it is.
 TEST(RegionCells, BlendReproducesLinearFunctionsAlongTheSurface) {
   const TriangleMesh mesh = shapes::letter_field(160, 80);
   RegionSpec all;
@@ -174,13 +174,13 @@ TEST(RegionCells, BlendReproducesLinearFunctionsAlongTheSurface) {
   double sum = 0;
   for (int i = 0; i < region.size(); ++i) {
     double one = 0;
-    Vector2 place = Vector2::Zero();
+    Vector2 position = Vector2::Zero();
     for (int k = 0; k < CellBlend::kReach; ++k) {
       one += blend.weights(k, i);
-      place += blend.weights(k, i) * cells.centres.row(blend.cells(k, i)).head<2>().transpose();
+      position += blend.weights(k, i) * cells.centres.row(blend.cells(k, i)).head<2>().transpose();
     }
     EXPECT_NEAR(one, 1, 1e-5);
-    sum += (place - mesh.vertices.row(i).head<2>().transpose()).squaredNorm();
+    sum += (position - mesh.vertices.row(i).head<2>().transpose()).squaredNorm();
   }
   const double spacing = std::sqrt(8.0 / cells.count());  // of 4 x 2 units
   EXPECT_LT(std::sqrt(sum / region.size()), 0.15 * spacing);

@@ -115,18 +115,18 @@ TEST(EditQuality, IsMeasuredFromThePlacesWanted) {
   std::vector<Matrix3> rotations(n, Matrix3::Identity());
   rotations[7] = support::rigid(30, Vector3(1, 0, 1), Vector3::Zero()).linear();
   rotations[8] = support::rigid(-60, Vector3::UnitZ(), Vector3::Zero()).linear();
-  Points places = s.mesh.vertices + d;
+  Points positions = s.mesh.vertices + d;
   for (int i = 0; i < n; ++i) {
-    places.row(i) += s.constraints.rigid_motion(i).displacement(s.system->rest.local.row(i).transpose()).transpose();
+    positions.row(i) += s.constraints.rigid_motion(i).displacement(s.system->rest.local.row(i).transpose()).transpose();
   }
-  const EditQuality found = edit_quality(*s.system, s.constraints, places, rotations);
+  const EditQuality found = edit_quality(*s.system, s.constraints, positions, rotations);
   EXPECT_NEAR(found.handle_displacement, 2, 1e-14);
   EXPECT_NEAR(found.handle_residual, 0.1, 1e-14) << "the rigid motion has arrived";
   EXPECT_NEAR(found.anchor_residual, 0.05, 1e-14);
   EXPECT_NEAR(found.rotation_mean, 90.0 / n, 1e-12);
   EXPECT_NEAR(found.rotation_max, 60, 1e-12);
   EXPECT_GT(found.stretch_rms, 0);
-  EXPECT_EQ(found.stretch_rms, edge_stretch(s.system->region, s.mesh.vertices, places).rms);
+  EXPECT_EQ(found.stretch_rms, edge_stretch(s.system->region, s.mesh.vertices, positions).rms);
   EXPECT_EQ(found.flipped, 0);
 }
 

@@ -129,8 +129,8 @@ TEST(EditReport, OpenSurfacesChangeTheirVolumeByWhatIsAdded) {
   const Region region = whole(mesh);
   Points after = mesh.vertices;
   after(4, 2) += 0.7;
-  for (const Vector3& place : {Vector3(0, 0, 0), Vector3(1e3, -1e3, 1e3)}) {
-    const Points there = mesh.vertices.rowwise() + place.transpose(), tip = after.rowwise() + place.transpose();
+  for (const Vector3& position : {Vector3(0, 0, 0), Vector3(1e3, -1e3, 1e3)}) {
+    const Points there = mesh.vertices.rowwise() + position.transpose(), tip = after.rowwise() + position.transpose();
     EXPECT_NEAR(enclosed_volume(region, tip) - enclosed_volume(region, there), 0.7, 1e-9);
   }
   // A dome that moves as a whole, border and all, encloses what it did.
@@ -343,11 +343,11 @@ TEST(AdviceOnAnEdit, NamesTheEdgeThatIsStretchedMost) {
   ASSERT_GT(r.stretch_max, 5);
   double longest = 0;
   const Points after = [&] {
-    Points places = limb.mesh.vertices;
+    Points positions = limb.mesh.vertices;
     for (std::size_t i = 0; i < result.vertices.size(); ++i) {
-      places.row(result.vertices[i]) = result.positions.row(static_cast<Eigen::Index>(i));
+      positions.row(result.vertices[i]) = result.positions.row(static_cast<Eigen::Index>(i));
     }
-    return places;
+    return positions;
   }();
   for (const auto& face : limb.mesh.faces.rowwise()) {
     for (int k = 0; k < 3; ++k) {

@@ -8,14 +8,14 @@
 #include <random>
 #include <vector>
 
-#include "lapedit/deform/polar_decomposition.h"
+#include "lapedit/base/polar_decomposition.h"
 #include "shapes.h"
 #include "support.h"
 
 namespace lapedit {
 namespace {
 
-/// Rotations of a whole mesh from its own places to others.
+/// Rotations of a whole mesh from its own positions to others.
 std::vector<Matrix3> rotations(const TriangleMesh& mesh, const Points& after, double radius) {
   const Region region = support::whole_region(mesh, {{0}}, {});
   const SmoothingKernel kernel(region, mesh.vertices, radius, 1);

@@ -33,7 +33,7 @@ MotionPath path_of(const HandleMotion& target) {
   return {target, Vector3::Zero(), kCentre};
 }
 
-Vector3 place_after(const MotionPath& path, const Vector3& rest, double part) {
+Vector3 position_after(const MotionPath& path, const Vector3& rest, double part) {
   return rest + path.at(part).displacement(rest);
 }
 
@@ -68,9 +68,9 @@ TEST(MotionPath, LeadsFromRestToTheTargetToTheBit) {
     EXPECT_EQ(path.at(1).translation, whole.translation);
     for (const Vector3& rest : kPlaces) {
       for (const double part : {0.0, 0.3, 0.5, 1 - 1e-9}) {
-        const Vector3 here = place_after(path, rest, part);
+        const Vector3 here = position_after(path, rest, part);
         EXPECT_TRUE(here.allFinite());
-        EXPECT_LT((place_after(path, rest, part + 1e-9) - here).norm(), 2e-7) << "a jump at " << part;
+        EXPECT_LT((position_after(path, rest, part + 1e-9) - here).norm(), 2e-7) << "a jump at " << part;
       }
     }
   }
@@ -84,7 +84,7 @@ TEST(MotionPath, TurnAboutAFarPivotKeepsTheDistanceFromIt) {
                                    path_of(turned(degrees + 360, axis, Vector3::Zero(), pivot))}) {
       for (const Vector3& rest : kPlaces) {
         for (const double part : kParts) {
-          EXPECT_NEAR((place_after(path, rest, part) - pivot).norm(), (rest - pivot).norm(), 1e-11) << degrees;
+          EXPECT_NEAR((position_after(path, rest, part) - pivot).norm(), (rest - pivot).norm(), 1e-11) << degrees;
         }
       }
     }
@@ -98,7 +98,7 @@ TEST(MotionPath, StaysRigidWhereTheTargetIs) {
       for (const double part : kParts) {
         for (const Vector3& a : kPlaces) {
           for (const Vector3& b : kPlaces) {
-            EXPECT_NEAR((place_after(path, a, part) - place_after(path, b, part)).norm(), (a - b).norm(), 1e-12);
+            EXPECT_NEAR((position_after(path, a, part) - position_after(path, b, part)).norm(), (a - b).norm(), 1e-12);
           }
         }
       }
@@ -138,7 +138,7 @@ TEST(MotionPath, PathOfAMapIsPartOfTheLongerOne) {
   to.linear() += half.linear;
   to.translation() = half.translation;
   for (const Vector3& rest : kPlaces) {
-    EXPECT_LT((place_after(path_of(to), rest, 0.5) - place_after(path_of(whole), rest, 0.25)).norm(), 1e-12);
+    EXPECT_LT((position_after(path_of(to), rest, 0.5) - position_after(path_of(whole), rest, 0.25)).norm(), 1e-12);
   }
 }
 
@@ -172,9 +172,9 @@ TEST(MotionPath, ScaleAndShearFadeIn) {
   const MotionPath path = path_of(both);
   for (const double part : {0.25, 0.5, 0.75}) {
     const Matrix3 expected = Matrix3::Identity() + part * (stretch - Matrix3::Identity());
-    const Vector3 middle = place_after(path, kCentre, part);
+    const Vector3 middle = position_after(path, kCentre, part);
     for (const Vector3& rest : kPlaces) {
-      EXPECT_NEAR((place_after(path, rest, part) - middle).norm(), (expected * (rest - kCentre)).norm(), 1e-12);
+      EXPECT_NEAR((position_after(path, rest, part) - middle).norm(), (expected * (rest - kCentre)).norm(), 1e-12);
     }
   }
 }

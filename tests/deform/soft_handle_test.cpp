@@ -47,10 +47,10 @@ Disc plane(double radius = 0.16, int columns = 160) {
 }
 
 /// Degrees between faces at edges that begin at a distance.
-double largest_edge(const Disc& disc, const Points& places, double from, double to) {
+double largest_edge(const Disc& disc, const Points& positions, double from, double to) {
   const auto normal = [&](Eigen::Index f) -> Vector3 {
-    const Vector3 a = places.row(disc.mesh.faces(f, 0)), b = places.row(disc.mesh.faces(f, 1)),
-                  c = places.row(disc.mesh.faces(f, 2));
+    const Vector3 a = positions.row(disc.mesh.faces(f, 0)), b = positions.row(disc.mesh.faces(f, 1)),
+                  c = positions.row(disc.mesh.faces(f, 2));
     return (b - a).cross(c - a).normalized();
   };
   std::map<std::pair<int, int>, Eigen::Index> first;
@@ -89,12 +89,12 @@ TEST(SoftHandle, PulledDiscMakesADome) {
     const Disc disc = plane();
     support::Prepared solver(disc.mesh, disc.soft(0.8, soft ? 1 : 0), EditSettings());
     const Points& result = solver.pose({support::shift({0, 0, 0.3})});
-    Points places = disc.mesh.vertices;
+    Points positions = disc.mesh.vertices;
     for (int i = 0; i < solver.region().size(); ++i) {
-      places.row(solver.region().mesh_vertex[i]) = result.row(i);
+      positions.row(solver.region().mesh_vertex[i]) = result.row(i);
     }
-    edges[soft] = largest_edge(disc, places, 0, 1.5 * disc.radius);
-    EXPECT_NEAR(places(disc.centre, 2), 0.3, 1e-3);
+    edges[soft] = largest_edge(disc, positions, 0, 1.5 * disc.radius);
+    EXPECT_NEAR(positions(disc.centre, 2), 0.3, 1e-3);
     EXPECT_LT(solver.report().handle_residual, 1e-3) << "of what is not soft";
   }
   EXPECT_GT(edges[0], 25) << "this says nothing";

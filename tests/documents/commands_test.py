@@ -51,7 +51,7 @@ ELSEWHERE = [
     (r"tests/hosts/compare\.py", "hosts.same_coordinates", "tests/hosts/CMakeLists.txt", "compare.py"),
     (r"tests/hosts/root\.sh", "hosts.root", "tests/hosts/root_test.sh", "root.sh"),
     (r"(laplacian-edit|cat nose\.json|awk) (.|\n)*head(.|\n)*|build/common/demo/make_mesh head head\.ply|"
-     r"echo '(.|\n)*' > (?!edit)\w+\.\w+", "documents.scripts_by_place", "tests/documents/scripts_by_place_test.py",
+     r"echo '(.|\n)*' > (?!edit)\w+\.\w+", "documents.scripts_by_position", "tests/documents/scripts_by_position_test.py",
      "for line, text in commands(PAGE)"),
     (r"filter_laplacian_edit/python/make_wheel\.sh build/wheel", "wheel.make", "tests/python/CMakeLists.txt", "make_wheel.sh"),
     (r"python3 -m venv v|v/bin/pip install .*|pip install", "wheel.2025.7", "tests/python/wheel_test.sh", "python3 -m venv"),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
-#include "lapedit/deform/polar_decomposition.h"
+#include "lapedit/base/polar_decomposition.h"
 #include "lapedit/edit/edit.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "shapes.h"
@@ -41,20 +41,20 @@ struct HeadWithEye {
   }
   Points after(const EditStep& step) const {
     const EditResult result = support::apply_step(mesh, step);
-    Points places = mesh.vertices;
+    Points positions = mesh.vertices;
     for (std::size_t i = 0; i < result.vertices.size(); ++i) {
-      places.row(result.vertices[i]) = result.positions.row(static_cast<Eigen::Index>(i));
+      positions.row(result.vertices[i]) = result.positions.row(static_cast<Eigen::Index>(i));
     }
-    return places;
+    return positions;
   }
-  Points eye(const Points& places) const { return places.bottomRows(places.rows() - head_vertices); }
+  Points eye(const Points& positions) const { return positions.bottomRows(positions.rows() - head_vertices); }
   /// Mean way of the socket.
-  Vector3 socket_way(const Points& places) const {
+  Vector3 socket_way(const Points& positions) const {
     Vector3 sum = Vector3::Zero();
     int count = 0;
     for (int v = 0; v < head_vertices; ++v) {
       if ((mesh.vertices.row(v).transpose() - socket).norm() < kEye + kClearance + 1e-6) {
-        sum += (places.row(v) - mesh.vertices.row(v)).transpose();
+        sum += (positions.row(v) - mesh.vertices.row(v)).transpose();
         ++count;
       }
     }
@@ -78,12 +78,12 @@ TEST(ConnectedPieces, EyeGoesWithItsSocketNearlyRigidly) {
     EditStep step = head.step(transform);
     for (const LaplacianKind kind : {LaplacianKind::MeanValue, LaplacianKind::Cotangent, LaplacianKind::Umbrella}) {
       step.settings.laplacian = kind;
-      const Points places = head.after(step), eye = head.eye(places);
-      ASSERT_TRUE(places.allFinite());
+      const Points positions = head.after(step), eye = head.eye(positions);
+      ASSERT_TRUE(positions.allFinite());
       const Vector3 way = (eye - rest).colwise().mean().transpose();
       EXPECT_GT(way.norm(), 0.15) << name(kind);
       EXPECT_LT(off_rigid(rest, eye), 0.08 * way.norm()) << name(kind);
-      EXPECT_LT((way - head.socket_way(places)).norm(), 0.32 * way.norm()) << name(kind);
+      EXPECT_LT((way - head.socket_way(positions)).norm(), 0.32 * way.norm()) << name(kind);
     }
     step.region.connect_gap = 0;
     EXPECT_TRUE(support::same_bits(head.eye(head.after(step)), rest)) << "it stays where it is not connected";
@@ -98,15 +98,15 @@ TEST(ConnectedPieces, AllSettingsKeepThemFiniteAndTogether) {
   EditStep step = head.step(transform);
   for (const EditMethod method : {EditMethod::Default, EditMethod::Paper, EditMethod::Linear}) {
     step.settings = EditSettings::of(method);
-    const Points places = head.after(step);
-    ASSERT_TRUE(places.allFinite());
-    EXPECT_GT((head.eye(places) - head.eye(head.mesh.vertices)).col(2).mean(), 0.02) << name(method);
+    const Points positions = head.after(step);
+    ASSERT_TRUE(positions.allFinite());
+    EXPECT_GT((head.eye(positions) - head.eye(head.mesh.vertices)).col(2).mean(), 0.02) << name(method);
   }
   step = head.step(transform);
   step.region.kind = RegionSpec::Kind::Component;
-  const Points places = head.after(step);
-  EXPECT_LT((places - head.mesh.vertices).rowwise().norm().maxCoeff(), 0.2 + 1e-9) << "it follows as a whole";
-  EXPECT_GT((places - head.mesh.vertices).rowwise().norm().minCoeff(), 0.2 - 1e-9);
+  const Points positions = head.after(step);
+  EXPECT_LT((positions - head.mesh.vertices).rowwise().norm().maxCoeff(), 0.2 + 1e-9) << "it follows as a whole";
+  EXPECT_GT((positions - head.mesh.vertices).rowwise().norm().minCoeff(), 0.2 - 1e-9);
 }
 
 TEST(ConnectedPieces, ReportCountsNoTrianglesThatAreNotThere) {

@@ -435,9 +435,9 @@ EditStep landmarks(const TriangleMesh& mesh) {
   EditStep step = pull({}, Vector3::Zero());
   int k = 0;
   for (const int v : {kMiddle + 2, kMiddle - 2, kMiddle + 2 * kColumns, kMiddle, kMiddle - 2 * kColumns}) {
-    const Vector3 place = mesh.vertices.row(v).transpose(), arm = place - mesh.vertices.row(kMiddle).transpose();
+    const Vector3 position = mesh.vertices.row(v).transpose(), arm = position - mesh.vertices.row(kMiddle).transpose();
     step.handles[0].vertices.push_back(v);
-    step.handles[0].targets.emplace_back(place + Vector3(-0.2 * arm.y(), 0.2 * arm.x(), 2 + 0.25 * ++k));
+    step.handles[0].targets.emplace_back(position + Vector3(-0.2 * arm.y(), 0.2 * arm.x(), 2 + 0.25 * ++k));
   }
   return step;
 }
@@ -491,8 +491,8 @@ TEST(EditTargets, FractionGoesPartOfTheWay) {
   }
   EditStep half = step;
   for (std::size_t k = 0; k < step.handles[0].vertices.size(); ++k) {
-    const Vector3 place = mesh.vertices.row(step.handles[0].vertices[k]).transpose();
-    half.handles[0].targets[k] = (place + step.handles[0].targets[k]) / 2;
+    const Vector3 position = mesh.vertices.row(step.handles[0].vertices[k]).transpose();
+    half.handles[0].targets[k] = (position + step.handles[0].targets[k]) / 2;
   }
   const Points part = applied(mesh, apply_edit(mesh, edit_of({step}), 0.5));
   for (std::size_t k = 0; k < step.handles[0].vertices.size(); ++k) {
@@ -586,15 +586,15 @@ TEST(EditOfALoneVertex, IsMovedByWhatMovesItsPlace) {
   step.region.kind = RegionSpec::Kind::Component;
   const Points expected = applied(mesh, apply_edit(mesh, edit_of({step})));
   HandleTransform& transform = step.handles[0].transform;
-  const Vector3 place = mesh.vertices.row(kMiddle).transpose();
+  const Vector3 position = mesh.vertices.row(kMiddle).transpose();
   transform.translation.setZero();
-  transform.center = place - Vector3(1.5, 0, 0);
+  transform.center = position - Vector3(1.5, 0, 0);
   transform.scale = 3;
   EXPECT_LT((applied(mesh, apply_edit(mesh, edit_of({step}))) - expected).cwiseAbs().maxCoeff(), 1e-9);
   transform = HandleTransform();
   transform.matrix.emplace();
   transform.matrix->leftCols<3>() = 100 * Matrix3::Identity();
-  transform.matrix->col(3) = place + Vector3(3, 0, 0) - 100 * place;
+  transform.matrix->col(3) = position + Vector3(3, 0, 0) - 100 * position;
   EXPECT_LT((applied(mesh, apply_edit(mesh, edit_of({step}))) - expected).cwiseAbs().maxCoeff(), 1e-9);
 }
 

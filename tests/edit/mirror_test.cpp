@@ -46,22 +46,22 @@ TriangleMesh crooked(const TriangleMesh& mesh) {
 }
 
 Points after(const TriangleMesh& mesh, const EditResult& result) {
-  Points places = mesh.vertices;
+  Points positions = mesh.vertices;
   for (std::size_t i = 0; i < result.vertices.size(); ++i) {
-    places.row(result.vertices[i]) = result.positions.row(static_cast<Eigen::Index>(i));
+    positions.row(result.vertices[i]) = result.positions.row(static_cast<Eigen::Index>(i));
   }
-  return places;
+  return positions;
 }
 
-/// Largest distance of a mirrored place from the nearest, over the diagonal: of an edit of a symmetric mesh.
-double asymmetry(const Points& places, const MirrorPlane& plane) {
+/// Largest distance of a mirrored position from the nearest, over the diagonal: of an edit of a symmetric mesh.
+double asymmetry(const Points& positions, const MirrorPlane& plane) {
   const Affine mirror = reflection(plane);
   double largest = 0;
-  for (Eigen::Index v = 0; v < places.rows(); ++v) {
-    const Vector3 image = mirror * Vector3(places.row(v).transpose());
-    largest = std::max(largest, (places.rowwise() - image.transpose()).rowwise().norm().minCoeff());
+  for (Eigen::Index v = 0; v < positions.rows(); ++v) {
+    const Vector3 image = mirror * Vector3(positions.row(v).transpose());
+    largest = std::max(largest, (positions.rowwise() - image.transpose()).rowwise().norm().minCoeff());
   }
-  return largest / support::diameter(places);
+  return largest / support::diameter(positions);
 }
 
 TEST(Mirror, SymmetricMeshStaysSymmetric) {
@@ -77,9 +77,9 @@ TEST(Mirror, SymmetricMeshStaysSymmetric) {
     for (const EditSettings& settings : {EditSettings(), EditSettings::of(EditMethod::Paper)}) {
       step.settings = settings;
       const EditResult result = support::apply_step(mesh, step);
-      const Points places = after(mesh, result);
-      EXPECT_LT(asymmetry(places, *step.mirror), 1e-9);
-      EXPECT_GT((places - mesh.vertices).rowwise().norm().maxCoeff(), 0.2);
+      const Points positions = after(mesh, result);
+      EXPECT_LT(asymmetry(positions, *step.mirror), 1e-9);
+      EXPECT_GT((positions - mesh.vertices).rowwise().norm().maxCoeff(), 0.2);
       EXPECT_LT(result.reports[0].handle_residual, 0.02);
       EditStep plain = step;
       plain.mirror.reset();
@@ -183,7 +183,7 @@ TEST(Mirror, TargetsAreMirroredAsDisplacements) {
   const TriangleMesh mesh = shapes::icosphere(3);
   EditStep step = one_sided(mesh);
   HandleGroup& group = step.handles[0];
-  const auto way = [](const Vector3& place) { return Vector3(0.1 + 0.2 * place.z(), 0.1 * place.y(), 0.05); };
+  const auto way = [](const Vector3& position) { return Vector3(0.1 + 0.2 * position.z(), 0.1 * position.y(), 0.05); };
   for (const int v : group.vertices) {
     group.targets.push_back(mesh.vertices.row(v).transpose() + way(mesh.vertices.row(v).transpose()));
   }
@@ -194,9 +194,9 @@ TEST(Mirror, TargetsAreMirroredAsDisplacements) {
   ASSERT_EQ(image.targets.size(), image.vertices.size());
   const Matrix3 mirror = reflection(*step.mirror).linear();
   for (std::size_t k = 0; k < image.vertices.size(); ++k) {
-    const Vector3 place = mesh.vertices.row(image.vertices[k]).transpose();
-    const Vector3 twin = reflection(*step.mirror) * place;
-    EXPECT_LT((image.targets[k] - place - mirror * way(twin)).norm(), 1e-12) << k;
+    const Vector3 position = mesh.vertices.row(image.vertices[k]).transpose();
+    const Vector3 twin = reflection(*step.mirror) * position;
+    EXPECT_LT((image.targets[k] - position - mirror * way(twin)).norm(), 1e-12) << k;
   }
   const EditResult result = support::apply_step(mesh, step);
   EXPECT_LT(asymmetry(after(mesh, result), *step.mirror), 1e-12);

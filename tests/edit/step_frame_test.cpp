@@ -139,7 +139,7 @@ EditSettings with(EditMethod method, LaplacianKind laplacian = LaplacianKind::Me
 constexpr EditMethod kBoth[] = {EditMethod::Linear, EditMethod::Default};
 
 /// The handles' longest way, and no less than the region's reach where frames are compared by their largest error.
-double way_of(const Scene& s, const Maps& maps) {
+double path_of(const Scene& s, const Maps& maps) {
   const auto rest = support::rest_pose(s.mesh, s.region);
   GroupPaths paths(s.region, rest->local, rest->origin);
   paths.set(maps);
@@ -176,7 +176,7 @@ TEST(StepFrame, UnrotatedAreTheSolutionToFourDigits) {
             const Maps maps = part_of(s.maps, t);
             const Points exact = drag.pose(maps);
             const Points& frame = drag.first(maps);
-            EXPECT_LT((frame - exact).rowwise().norm().maxCoeff(), 2e-4 * way_of(s, maps))
+            EXPECT_LT((frame - exact).rowwise().norm().maxCoeff(), 2e-4 * path_of(s, maps))
                 << s.name << ", " << name(laplacian) << ", order " << order << ", " << t;
             EXPECT_FALSE(same_bits(frame, exact)) << "this says nothing";
           }
@@ -195,7 +195,7 @@ TEST(StepFrame, RestedFrameIsNearTheReleasedPose) {
       for (const double t : {0.05, 1.0}) {
         const Maps maps = part_of(s.maps, t);
         const Points exact = drag.pose(maps);
-        EXPECT_LT(rms(drag.rested(maps), exact), 0.01 * way_of(s, maps))
+        EXPECT_LT(rms(drag.rested(maps), exact), 0.01 * path_of(s, maps))
             << s.name << ", " << name(laplacian) << ", " << t;
       }
     }
@@ -215,7 +215,7 @@ TEST(StepFrame, GoThroughThePassesOfAPose) {
         ++made;
       }
       EXPECT_EQ(made, passes) << s.name << ": the first of them again, with the cells in full";
-      EXPECT_LT(rms(drag.shown, drag.pose(s.maps)), 0.002 * way_of(s, s.maps)) << s.name << " after " << passes;
+      EXPECT_LT(rms(drag.shown, drag.pose(s.maps)), 0.002 * path_of(s, s.maps)) << s.name << " after " << passes;
     }
   }
 }
@@ -228,7 +228,7 @@ TEST(StepFrame, FarHandlesKeepTheBounds) {
     }
     const Maps far = part(s.maps, 3);
     Dragged unrotated(s, with(EditMethod::Linear)), rotated(s, with(EditMethod::Default));
-    const double way = way_of(s, far);
+    const double way = path_of(s, far);
     EXPECT_LT((unrotated.first(far) - unrotated.pose(far)).rowwise().norm().maxCoeff(), 3e-4 * way) << s.name;
     EXPECT_LT(rms(rotated.rested(far), rotated.pose(far)), 0.01 * way) << s.name;
   }
@@ -237,8 +237,8 @@ TEST(StepFrame, FarHandlesKeepTheBounds) {
 /// Fails if lengths leave the range of single precision, or coordinates lose their digits far from the origin.
 TEST(StepFrame, ScaleAndPlaceDoNotMatter) {
   for (const Scene& s : {letters(), patches()}) {
-    for (const auto& [scale, place] : {std::pair(1e-9, 0.0), {1e7, 0.0}, {1.0, 1e5}, {1e-30, 1e-27}, {1e20, 0.0}}) {
-      const Affine view = shift(place * Vector3(1, -2, 3)) * Eigen::Scaling(scale);
+    for (const auto& [scale, position] : {std::pair(1e-9, 0.0), {1e7, 0.0}, {1.0, 1e5}, {1e-30, 1e-27}, {1e20, 0.0}}) {
+      const Affine view = shift(position * Vector3(1, -2, 3)) * Eigen::Scaling(scale);
       Scene there = s;
       there.mesh = support::moved(view, s.mesh);
       for (double* length : {&there.region.max_distance, &there.region.radius}) {
@@ -250,12 +250,12 @@ TEST(StepFrame, ScaleAndPlaceDoNotMatter) {
       for (HandleMotion& map : there.maps) {
         map.map = view * map.map * view.inverse();
       }
-      const double way = way_of(there, there.maps);
+      const double way = path_of(there, there.maps);
       Dragged unrotated(there, with(EditMethod::Linear)), rotated(there, with(EditMethod::Default));
       EXPECT_LT(rms(unrotated.first(there.maps), unrotated.pose(there.maps)), 1e-4 * way)
-          << s.name << " at scale " << scale << ", place " << place;
+          << s.name << " at scale " << scale << ", place " << position;
       EXPECT_LT(rms(rotated.rested(there.maps), rotated.pose(there.maps)), 0.01 * way)
-          << s.name << " at scale " << scale << ", place " << place;
+          << s.name << " at scale " << scale << ", place " << position;
     }
   }
 }

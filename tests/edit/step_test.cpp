@@ -53,7 +53,7 @@ TEST(Step, AdviceNamesTheStepsOfCoordinatesFarFromTheOrigin) {
     round_to(scalar, rounded);
     scene.mesh.vertices = rounded;
     const auto solver = scene.solver(scalar);
-    const Points places = solver->pose(scene.maps());
+    const Points positions = solver->pose(scene.maps());
     const std::string advice = solver->report().advice();
     EXPECT_EQ(advice.find("mesh keeps coordinates in steps of 11.9: move the mesh to the origin") != std::string::npos,
               scalar == StoredScalar::Float)
@@ -66,14 +66,14 @@ TEST(Step, EveryWayToRunAStepHasTheSameBits) {
   const Scene scene;
   for (const StoredScalar scalar : {StoredScalar::Float, StoredScalar::Double}) {
     const auto solver = scene.solver(scalar);
-    const Points places = solver->pose(scene.maps());
+    const Points positions = solver->pose(scene.maps());
 
     Edit edit;
     edit.steps = {scene.step};
     for (const EditResult& result :
          {support::apply_step(scene.mesh, scene.step, 1, scalar), apply_edit(scene.mesh, edit, 1, scalar)}) {
       EXPECT_EQ(result.vertices, solver->region().mesh_vertex);
-      EXPECT_TRUE(support::same_bits(result.positions, places));
+      EXPECT_TRUE(support::same_bits(result.positions, positions));
     }
 
     SolverThread thread(nullptr);
@@ -88,7 +88,7 @@ TEST(Step, EveryWayToRunAStepHasTheSameBits) {
     while (thread.wait()) {
       thread.poll(pose);
     }
-    EXPECT_TRUE(support::same_bits(pose.positions, places));
+    EXPECT_TRUE(support::same_bits(pose.positions, positions));
   }
 }
 
@@ -106,16 +106,16 @@ TEST(Step, ReportsHowFarOffIsWhatTheMeshStores) {
   scene.mesh.vertices.rowwise() += Vector3(1e6, -1e6, 1e6).transpose();
   for (const StoredScalar scalar : {StoredScalar::Float, StoredScalar::Double}) {
     const auto solver = scene.solver(scalar);
-    const Points places = solver->pose(scene.maps());
+    const Points positions = solver->pose(scene.maps());
     const Region& region = solver->region();
     double handle = 0, anchor = 0;
     for (int i = 0; i < region.size(); ++i) {
-      const Vector3 place = places.row(i).transpose(),
+      const Vector3 position = positions.row(i).transpose(),
                     rest = scene.mesh.vertices.row(region.mesh_vertex[i]).transpose();
       if (region.classes[i] == VertexClass::Handle) {
-        handle = std::max(handle, (place - scene.maps()[0].map * rest).norm());
+        handle = std::max(handle, (position - scene.maps()[0].map * rest).norm());
       } else if (region.classes[i] == VertexClass::Anchor) {
-        anchor = std::max(anchor, (place - rest).norm());
+        anchor = std::max(anchor, (position - rest).norm());
       }
     }
     EXPECT_EQ(handle > 0.02, scalar == StoredScalar::Float) << "numbers there are 1/16 apart";

@@ -8,7 +8,7 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/edit/edit.h"
-#include "lapedit/edit/places.h"
+#include "lapedit/edit/positions.h"
 #include "lapedit/json/edit_script.h"
 #include "random_mesh.h"
 
@@ -119,18 +119,18 @@ Edit edit_of(Choices& choose, const TriangleMesh& mesh) {
 }
 
 /// Points near vertices, or far from all.
-Places places(Choices& choose, const TriangleMesh& mesh) {
+VertexQuery positions(Choices& choose, const TriangleMesh& mesh) {
   const auto point = [&] {
     const Vector3 vertex = mesh.vertices.row(choose.index(vertex_count(mesh)));
     return choose.below(4) == 1 ? vector(choose) : vertex;
   };
-  Places result;
+  VertexQuery result;
   switch (choose.below(3)) {
     case 0:
       result.selected = true;
       break;
     case 1:
-      result.within = Places::Disc{point(), choose.real()};
+      result.within = VertexQuery::Disc{point(), choose.real()};
       break;
     default:
       for (int k = choose.below(5); k >= 0; --k) {
@@ -142,16 +142,16 @@ Places places(Choices& choose, const TriangleMesh& mesh) {
 
 /// Says of some handles and regions where they are, in place of their vertices. @return the edit, located again
 /// @throws EditError
-Edit by_place(Choices& choose, const TriangleMesh& mesh, Edit edit) {
+Edit by_position(Choices& choose, const TriangleMesh& mesh, Edit edit) {
   for (EditStep& step : edit.steps) {
     for (HandleGroup& group : step.handles) {
       if (choose.flag()) {
-        group.places = places(choose, mesh);
+        group.query = positions(choose, mesh);
         group.vertices.clear();
         group.weights.clear();
-        const bool has_targets = choose.flag() && !group.places.points.empty();
+        const bool has_targets = choose.flag() && !group.query.points.empty();
         group.transform = has_targets ? HandleTransform() : group.transform;
-        for (std::size_t k = has_targets ? group.places.points.size() : 0; k > 0; --k) {
+        for (std::size_t k = has_targets ? group.query.points.size() : 0; k > 0; --k) {
           group.targets.push_back(vector(choose));
           group.names.emplace_back("point");
           group.weights.push_back((1 + choose.below(4)) / 4.0);
@@ -161,13 +161,13 @@ Edit by_place(Choices& choose, const TriangleMesh& mesh, Edit edit) {
     if (choose.flag()) {
       step.region.kind = RegionSpec::Kind::Vertices;
       step.region.vertices.clear();
-      step.region_places = places(choose, mesh);
+      step.region_query = positions(choose, mesh);
     }
   }
   validate(mesh);
   const Adjacency adjacency = build_adjacency(vertex_count(mesh), mesh.faces);
   edit = located(mesh, adjacency, edit, {random_vertices(choose, mesh), random_vertices(choose, mesh)});
-  return choose.flag() ? located(mesh, adjacency, with_places(mesh, adjacency, edit)) : edit;
+  return choose.flag() ? located(mesh, adjacency, with_positions(mesh, adjacency, edit)) : edit;
 }
 
 /// The same edit after it was text; nothing if it cannot be one.
@@ -200,7 +200,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const TriangleMesh before = mesh;
   if (choose.below(3) == 1) {
     try {
-      edit = by_place(choose, mesh, std::move(edit));
+      edit = by_position(choose, mesh, std::move(edit));
     } catch (const EditError& error) {
       require(std::strlen(error.what()) > 10, "a refusal is a sentence");
       return 0;

@@ -47,7 +47,7 @@ def edits():
     yield "within", edit(step(handles=[{"within": {"point": [0, 0, 1], "radius": 0.5}, **move}]))
     yield "selected", edit(step(region={"selected": True}, handles=[{"selected": True, **move}]))
     yield "landmarks", edit(step(handles=[{"landmarks": {"from": "from.csv", "to": "to.csv"}}]))
-    yield "places", edit(step(), mesh={"places": {"vertices": "1", "points": [[0, 0, 1]]}})
+    yield "positions", edit(step(), mesh={"positions": {"vertices": "1", "points": [[0, 0, 1]]}})
     yield "rough", edit(step(method="paper", rough="falloff", normal_radius=0.5))
     yield "mirror", edit(step(mirror={"point": [0, 0, 0], "normal": [1, 0, 0]}))
     yield "numbers", edit(step(handle_weight=1e-6, anchor_weight=1e6, membrane=0, normal_radius=1.7976931348623157e308,

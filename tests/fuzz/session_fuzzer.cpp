@@ -94,12 +94,13 @@ struct Player {
         session().set_settings(settings(choose, session().settings()));
         break;
       case 1:
-        session().set_brush_target(static_cast<BrushTarget>(choose.below(3)));
-        session().set_handle_mode(static_cast<HandleMode>(choose.below(2)));
+        session().set(&Tools::brush, static_cast<BrushTarget>(choose.below(3)));
+        session().set(&Tools::mode, static_cast<HandleMode>(choose.below(2)));
         break;
       case 2:
-        session().show_gizmo(choose.flag(), static_cast<GizmoAxes>(choose.below(3)));
-        session().set_pivot(static_cast<Pivot>(choose.below(3)));
+        session().set(&Tools::gizmo, choose.flag());
+        session().set(&Tools::axes, static_cast<GizmoAxes>(choose.below(3)));
+        session().set(&Tools::pivot, static_cast<Pivot>(choose.below(3)));
         break;
       case 3:
         session().set_anchors(random_vertices(choose, mesh));
@@ -109,8 +110,8 @@ struct Player {
         break;
       case 5: {
         const int axis = choose.below(4);
-        session().set_mirror(axis == 3 ? std::nullopt
-                                       : std::optional(MirrorPlane{direction(choose), Vector3::Unit(axis)}));
+        session().set(&Tools::mirror,
+                      axis == 3 ? std::nullopt : std::optional(MirrorPlane{direction(choose), Vector3::Unit(axis)}));
         break;
       }
       case 6:
@@ -165,11 +166,12 @@ struct Player {
     require(figures.handle >= 0 && figures.free >= 0, "counts are counts");
     if (const std::optional<Gizmo> gizmo = s.gizmo(window.view)) {
       require(s.active_group() >= 0, "a gizmo is at a group");
-      s.pivot_place();
+      s.pivot_position();
     }
     s.active_map();
-    if (s.region() != nullptr) {
-      require(s.pose().rows() == s.region()->size(), "a pose has a place for each vertex of the region");
+    if (s.shown().region() != nullptr) {
+      require(s.shown().pose().rows() == s.shown().region()->size(),
+              "a pose has a place for each vertex of the region");
     }
     require(s.groups().size() <= s.mirrored_groups().size() || s.mirrored_groups().empty(),
             "images come behind groups");

@@ -108,14 +108,14 @@ class Keep(ToolTest):
         with self.start(self.mesh) as w:
             self.two_steps(w)
             edit = json.loads(self.saved_edit(w).read_text())
-            places = edit["mesh"]["places"]
+            places = edit["mesh"]["positions"]
             numbers = numbers_of(places["vertices"])
             self.assertEqual([[*map(bits_of, point)] for point in places["points"]],
                              [[*map(bits_of, self.points[number])] for number in numbers])
             for step in edit["steps"]:
                 for named in (*step["handles"], step["region"]):
                     self.assertLessEqual(set(numbers_of(named.get("vertices", ""))), set(numbers))
-            edit["mesh"] = {"places": places}
+            edit["mesh"] = {"positions": places}
             path, _ = self.edited([replay(json.dumps(edit))], self.mesh)
             self.assertEqual(Ply(path).point_bits(), w.dump().point_bits())
             path, _ = self.edited([replay(json.dumps({**edit, "mesh": {}}))], self.mesh)

@@ -82,7 +82,7 @@ TEST(EditScriptRefusal, UnknownKeysAreRefusedByNameAndPlace) {
             "selected, landmarks, weights, targets, translation, rotation, scale, matrix.");
   expect_contains(refusal(js("{'laplacian_edit': 1, 'step': []}")), "edit: unknown key \"step\"");
   expect_contains(refusal(with_mesh("{'edges': 1}")),
-                  "mesh: unknown key \"edges\"; known keys are vertices, faces, connectivity, places.");
+                  "mesh: unknown key \"edges\"; known keys are vertices, faces, connectivity, positions.");
   expect_contains(refusal(with_region("{'radius': 1, 'pad': 1}")), "steps[0].region: unknown key \"pad\"");
   expect_contains(refusal(with_setting("'Order': 1")), "steps[0]: unknown key \"Order\"");
   expect_contains(refusal(with_handle("{'vertices': '1', 'rotation': {'angle': 1}}")),
@@ -115,10 +115,10 @@ TEST(EditScriptRefusal, WrongTypesAreRefusedWithWhatWasExpected) {
   }
   expect_contains(refusal(with_region("{'within': {'point': [0, 0, 0], 'radius': 1}, 'anchors': {}}")),
                   "anchors: kept anchors go with the key vertices only.");
-  expect_contains(refusal(with_mesh("{'places': {'vertices': '3,1', 'points': [[0, 0, 0], [1, 0, 0]]}}")),
-                  "mesh.places.vertices: vertex 1 comes after 3; put them in ascending order, each once.");
-  expect_contains(refusal(with_mesh("{'places': {'vertices': '1,3', 'points': [[0, 0, 0]]}}")),
-                  "mesh.places.points: holds 1 places of 2 vertices; give one for each");
+  expect_contains(refusal(with_mesh("{'positions': {'vertices': '3,1', 'points': [[0, 0, 0], [1, 0, 0]]}}")),
+                  "mesh.positions.vertices: vertex 1 comes after 3; put them in ascending order, each once.");
+  expect_contains(refusal(with_mesh("{'positions': {'vertices': '1,3', 'points': [[0, 0, 0]]}}")),
+                  "mesh.positions.points: holds 1 positions of 2 vertices; give one for each");
   expect_contains(refusal(with_region("{'component': false}")), "region.component: expected true, found false.");
   expect_contains(refusal(with_region("{'component': 1}")), "region.component: expected true, found the number 1.");
   expect_contains(refusal(with_region("{'radius': '20 %'}")), "radius: expected a number, found the text \"20 %\".");

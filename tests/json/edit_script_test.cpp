@@ -274,34 +274,34 @@ TEST(EditScript, TargetsAreReadAndWrittenInPlaceOfATransform) {
   EXPECT_EQ(text.substr(second).find("\"targets\""), std::string::npos) << text;
 }
 
-TEST(EditScript, PlacesAreReadAndWrittenInPlaceOfVertices) {
+TEST(EditScript, QueriesAreReadAndWrittenInPlaceOfVertices) {
   const Edit edit = read_edit(R"({"laplacian_edit": 1,
-      "mesh": {"places": {"vertices": "3,7-8", "points": [[0, 0, 1], [0.5, 0, 1e-7], [1, 2, 3]]}},
+      "mesh": {"positions": {"vertices": "3,7-8", "points": [[0, 0, 1], [0.5, 0, 1e-7], [1, 2, 3]]}},
       "steps": [{"region": {"within": {"point": [1, 2, 3], "radius": 0.5}}, "handles": [
         {"points": [[1, 2, 3]], "targets": [[4, 5, 6]]},
         {"points": [[1, 2, 3], [0.1, 0, 0]], "weights": [1, 0.5], "translation": [0, 0, 1]},
         {"within": {"point": [0, 0, 1], "radius": 2}}]},
       {"region": {"selected": true}, "handles": [{"selected": true, "scale": 2}]}]})");
-  EXPECT_TRUE(edit.by_place());
-  EXPECT_EQ(edit.places.vertices, (std::vector<int>{3, 7, 8}));
-  EXPECT_EQ(edit.places.points[1], Vector3(0.5, 0, 1e-7));
+  EXPECT_TRUE(edit.by_position());
+  EXPECT_EQ(edit.positions.vertices, (std::vector<int>{3, 7, 8}));
+  EXPECT_EQ(edit.positions.points[1], Vector3(0.5, 0, 1e-7));
   const EditStep& step = edit.steps[0];
   EXPECT_EQ(step.region.kind, RegionSpec::Kind::Vertices);
-  EXPECT_EQ(step.region_places.within->point, Vector3(1, 2, 3));
-  EXPECT_EQ(step.region_places.within->radius, 0.5);
-  EXPECT_EQ(step.handles[0].places.points, (std::vector<Vector3>{{1, 2, 3}}));
+  EXPECT_EQ(step.region_query.within->point, Vector3(1, 2, 3));
+  EXPECT_EQ(step.region_query.within->radius, 0.5);
+  EXPECT_EQ(step.handles[0].query.points, (std::vector<Vector3>{{1, 2, 3}}));
   EXPECT_EQ(step.handles[0].targets, (std::vector<Vector3>{{4, 5, 6}}));
-  EXPECT_EQ(step.handles[1].places.points[1], Vector3(0.1, 0, 0));
+  EXPECT_EQ(step.handles[1].query.points[1], Vector3(0.1, 0, 0));
   EXPECT_EQ(step.handles[1].weights, (std::vector<double>{1, 0.5}));
-  EXPECT_EQ(step.handles[2].places.within->radius, 2);
-  EXPECT_TRUE(edit.steps[1].region_places.selected);
-  EXPECT_TRUE(edit.steps[1].handles[0].places.selected);
+  EXPECT_EQ(step.handles[2].query.within->radius, 2);
+  EXPECT_TRUE(edit.steps[1].region_query.selected);
+  EXPECT_TRUE(edit.steps[1].handles[0].query.selected);
   const std::string text = write_edit(edit);
   EXPECT_EQ(write_edit(read_edit(text)), text);
-  for (const char* key : {"\"places\"", "\"within\"", "\"selected\": true", "\"targets\"", "\"points\""}) {
+  for (const char* key : {"\"positions\"", "\"within\"", "\"selected\": true", "\"targets\"", "\"points\""}) {
     EXPECT_NE(text.find(key), std::string::npos) << key;
   }
-  EXPECT_TRUE(read_edit(text).by_place());
+  EXPECT_TRUE(read_edit(text).by_position());
 }
 
 TEST(EditScript, WritingRefusesWhatCouldNotBeRead) {
@@ -375,7 +375,7 @@ TEST_F(EditFile, LandmarkFilesAreBesideTheEdit) {
       "handles": [{"landmarks": {"from": "from.csv", "to": "to.csv"}, "weights": [1, 0.5]}]}]})");
   const HandleGroup group = load_edit(path).steps[0].handles[0];
   EXPECT_EQ(group.names, (std::vector<std::string>{"nose", "chin"}));
-  EXPECT_EQ(group.places.points, (std::vector<Vector3>{{0, 0, 1}, {0, -1, 0.5}}));
+  EXPECT_EQ(group.query.points, (std::vector<Vector3>{{0, 0, 1}, {0, -1, 0.5}}));
   EXPECT_EQ(group.targets, (std::vector<Vector3>{{0, 0, 2}, {0, -2, 0.5}}));
   EXPECT_EQ(group.weights, (std::vector<double>{1, 0.5}));
 }

@@ -141,7 +141,7 @@ class LandmarkFiles : public testing::Test {
 TEST_F(LandmarkFiles, ArePairedByName) {
   const HandleGroup group = load_landmarks(write("a.pp", kPicked), write("b.csv", "chin,7,8,9\nnose & tip,4,5,6\n"));
   EXPECT_EQ(group.names, (std::vector<std::string>{"nose & tip", "chin"}));
-  EXPECT_EQ(group.places.points, (std::vector<Vector3>{kBoth[0].second, kBoth[1].second}));
+  EXPECT_EQ(group.query.points, (std::vector<Vector3>{kBoth[0].second, kBoth[1].second}));
   EXPECT_EQ(group.targets, (std::vector<Vector3>{{4, 5, 6}, {7, 8, 9}}));
 }
 

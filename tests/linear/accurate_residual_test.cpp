@@ -8,9 +8,7 @@
 #include <random>
 #include <string>
 
-#include "lapedit/deform/differential_operator.h"
-#include "shapes.h"
-#include "support.h"
+#include "linear/operators.h"
 
 namespace lapedit {
 namespace {
@@ -57,8 +55,7 @@ TEST(AccurateResidual, AddsWithoutLosingWhatIsSmall) {
 TEST(AccurateResidual, IsThatOfQuadruplePrecision) {
   std::mt19937 random(2);
   const TriangleMesh mesh = shapes::tapered_arm(30, 110);
-  const Region region = support::whole_region(mesh, {{0}}, {});
-  const SparseMatrix m = power(differential_operator(LaplacianKind::Cotangent, region, mesh).matrix, 2);
+  const SparseMatrix first = support::laplacian(mesh, true).matrix, m = first * first;
   const Eigen::Index n = m.cols();
   DoubledPoints x, between;
   x.set(random_points(n, random));
@@ -105,8 +102,7 @@ TEST(AccurateResidual, IsThatOfQuadruplePrecision) {
 TEST(AccurateResidual, FollowsFromASmallStepInWorkingPrecision) {
   std::mt19937 random(6);
   const TriangleMesh mesh = shapes::tapered_arm(30, 40);
-  const SparseMatrix m =
-      differential_operator(LaplacianKind::Umbrella, support::whole_region(mesh, {{0}}, {}), {}).matrix;
+  const SparseMatrix m = support::laplacian(mesh).matrix;
   const SparseMatrix a = SparseMatrix(m.transpose()) + m;
   const Eigen::VectorXd diagonal = random_points(m.cols(), random).col(0);
   const Points step = random_points(m.cols(), random), start = random_points(m.cols(), random);

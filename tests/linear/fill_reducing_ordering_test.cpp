@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/linear/nested_dissection.h"
+#include "lapedit/linear/linear.h"
 
 #include <gtest/gtest.h>
 
@@ -11,9 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "lapedit/linear/sparse_cholesky.h"
-#include "shapes.h"
-#include "support.h"
+#include "linear/operators.h"
 
 namespace lapedit {
 namespace {
@@ -88,8 +86,7 @@ TEST(EliminationOrder, DependsOnTheGraphAlone) {
 
 /// The lower half of M^T M + 1/100, M the umbrella operator.
 SparseMatrix system_of(const TriangleMesh& mesh) {
-  const Region region = support::whole_region(mesh, {{0}}, {});
-  const SparseMatrix m = differential_operator(LaplacianKind::Umbrella, region, {}).matrix;
+  const SparseMatrix m = support::laplacian(mesh).matrix;
   SparseMatrix identity(m.rows(), m.cols());
   identity.setIdentity();
   const SparseMatrix whole = SparseMatrix(m.transpose()) * m + 0.01 * identity;

@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "mesh_support.h"
 #include "shapes.h"
-#include "support.h"
 
 namespace lapedit {
 namespace {
@@ -138,8 +138,8 @@ TriangleMesh all_in_one_point() {
 
 TriangleMesh points_in_no_order() {
   TriangleMesh mesh = shapes::grid(80, 80);
-  const std::vector<int> places = support::shuffled(6400, 1);
-  mesh.vertices = support::rows(mesh.vertices, places) * 1e200;
+  const std::vector<int> positions = support::shuffled(6400, 1);
+  mesh.vertices = support::rows(mesh.vertices, positions) * 1e200;
   return mesh;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/linear/operator_rows.h"
+#include "lapedit/linear/linear.h"
 
 #include <gtest/gtest.h>
 
@@ -11,9 +11,7 @@
 #include <vector>
 
 #include "allocation_watch.h"
-#include "lapedit/deform/differential_operator.h"
-#include "shapes.h"
-#include "support.h"
+#include "linear/operators.h"
 
 namespace lapedit {
 namespace {
@@ -34,12 +32,10 @@ class OperatorRowsOn : public ::testing::TestWithParam<TriangleMesh (*)()> {
  protected:
   /// Both operators and their squares.
   static std::vector<SparseMatrix> operators() {
-    const TriangleMesh mesh = GetParam()();
-    const Region region = support::whole_region(mesh, {{0}}, {});
     std::vector<SparseMatrix> all;
-    for (const LaplacianKind kind : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
-      all.push_back(differential_operator(kind, region, mesh).matrix);
-      all.push_back(power(all.back(), 2));
+    for (const bool uneven : {false, true}) {
+      all.push_back(support::laplacian(GetParam()(), uneven).matrix);
+      all.push_back(all.back() * all.back());
     }
     return all;
   }
@@ -115,9 +111,7 @@ TEST_P(OperatorRowsOn, ThreadsDoNotChangeABit) {
 
 /// Fails if the stretch is added to the rows as well, to the wrong side, or left out of the product.
 TEST_P(OperatorRowsOn, StretchIsAddedToTheTransposedAlone) {
-  const TriangleMesh mesh = GetParam()();
-  const DifferentialOperator op =
-      differential_operator(LaplacianKind::MeanValue, support::whole_region(mesh, {{0}}, {}), mesh, true);
+  const support::TestOperator op = support::laplacian(GetParam()(), true);
   const Eigen::VectorXd stretch = 0.37 * op.sums;
   const OperatorRows rows(op.matrix, stretch);
   ThreadPool one(1), two(2);
@@ -146,8 +140,7 @@ TEST_P(OperatorRowsOn, StretchIsAddedToTheTransposedAlone) {
 
 TEST(OperatorRows, AllocatesNothingForAProduct) {
   const TriangleMesh mesh = shapes::letter_field(80, 40);
-  const OperatorRows rows(
-      differential_operator(LaplacianKind::Umbrella, support::whole_region(mesh, {{0}}, {}), {}).matrix);
+  const OperatorRows rows(support::laplacian(mesh).matrix);
   ThreadPool pool(2);
   // A sanitizer allocates for a thread that starts: all have to be there.
   std::atomic<int> started{0};
@@ -167,10 +160,7 @@ TEST(OperatorRows, AllocatesNothingForAProduct) {
 /// Fails if one half stays behind.
 TEST(OperatorRows, SwapBothHalves) {
   const TriangleMesh mesh = shapes::icosphere(2), grid = shapes::grid(7, 9);
-  const auto make = [](const TriangleMesh& of) {
-    return OperatorRows(
-        differential_operator(LaplacianKind::Umbrella, support::whole_region(of, {{0}}, {}), of).matrix);
-  };
+  const auto make = [](const TriangleMesh& of) { return OperatorRows(support::laplacian(of).matrix); };
   OperatorRows a = make(mesh), b = make(grid), empty;
   ThreadPool pool(1);
   Points expected, expected_transposed, out;

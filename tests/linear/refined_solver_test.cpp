@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/linear/refined_solver.h"
+#include "lapedit/linear/linear.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,7 @@
 
 #include "allocation_watch.h"
 #include "lapedit/base/error.h"
-#include "lapedit/deform/differential_operator.h"
-#include "shapes.h"
-#include "support.h"
+#include "linear/operators.h"
 
 namespace lapedit {
 namespace {
@@ -22,8 +20,7 @@ const std::vector<double> kWeights = {100, 1, 25, 4};
 struct Problem {
   TriangleMesh mesh = shapes::tapered_arm(12, 20);
   std::shared_ptr<ThreadPool> pool = std::make_shared<ThreadPool>(2);
-  std::shared_ptr<const OperatorRows> m = std::make_shared<const OperatorRows>(
-      differential_operator(LaplacianKind::Umbrella, support::whole_region(mesh, {{0}}, {}), {}).matrix);
+  std::shared_ptr<const OperatorRows> m = std::make_shared<const OperatorRows>(support::laplacian(mesh).matrix);
   Eigen::VectorXd known = Eigen::VectorXd::Zero(mesh.vertices.rows()), all;
   Points right;
   Eigen::MatrixXd dense, dense_known;
@@ -100,8 +97,7 @@ TEST(RefinedSolver, CorrectedFactorGivesTheBitsOfAFactorThatKnowsAllRows) {
 TEST(RefinedSolver, SolvesWithAStretchToTheBit) {
   using Long = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
   Problem p;
-  const DifferentialOperator op =
-      differential_operator(LaplacianKind::MeanValue, support::whole_region(p.mesh, {{0}}, {}), p.mesh, true);
+  const support::TestOperator op = support::laplacian(p.mesh, true);
   const Eigen::VectorXd stretch = 0.02 * op.sums;
   p.m = std::make_shared<const OperatorRows>(op.matrix, stretch);
   const Long m = Eigen::MatrixXd(op.matrix).cast<long double>();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/linear/sparse_cholesky.h"
+#include "lapedit/linear/linear.h"
 
 #include <gtest/gtest.h>
 
@@ -38,15 +38,15 @@ SparseMatrix grid_laplacian(int width, int height, double diagonal) {
 /// A random sparse matrix times its transpose, plus the identity.
 SparseMatrix random_positive_definite(int n, unsigned seed) {
   std::mt19937 random(seed);
-  std::uniform_int_distribution<int> place(0, n - 1);
+  std::uniform_int_distribution<int> position(0, n - 1);
   std::uniform_real_distribution<double> number(-1, 1);
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(4 * static_cast<std::size_t>(n));
   for (int i = 0; i < 3 * n; ++i) {
     // One statement each: compilers evaluate arguments in different orders.
     const double value = number(random);
-    const int column = place(random);
-    const int row = place(random);
+    const int column = position(random);
+    const int row = position(random);
     entries.emplace_back(row, column, value);
   }
   for (int i = 0; i < n; ++i) entries.emplace_back(i, i, 1);
@@ -281,7 +281,7 @@ TEST(SparseCholesky, SaysWhichBackendItUses) {
   }
 }
 
-/// Of a matrix with other values in the same places.
+/// Of a matrix with other values in the same positions.
 TEST(SparseCholesky, TakesOverAnAnalysis) {
   const SparseMatrix first = grid_laplacian(30, 20, 0.1);
   SparseMatrix second = first;

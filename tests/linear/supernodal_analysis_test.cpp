@@ -11,7 +11,7 @@
 #include <cholmod.h>
 #endif
 
-#include "support.h"
+#include "mesh_support.h"
 
 namespace lapedit {
 namespace {

@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "allocation_watch.h"
-#include "lapedit/linear/sparse_cholesky.h"
-#include "support.h"
+#include "lapedit/linear/linear.h"
+#include "mesh_support.h"
 
 namespace lapedit {
 namespace {

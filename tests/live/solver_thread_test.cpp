@@ -193,13 +193,13 @@ TEST(SolverThread, AppliesStepsOneAfterTheOther) {
   ASSERT_TRUE(update.applied);
   ASSERT_EQ(update.applied->size(), 2U);
   const EditResult both = apply_edit(*task.mesh, edit);
-  Points places = task.mesh->vertices;
+  Points positions = task.mesh->vertices;
   for (const EditResult& result : *update.applied) {
     for (std::size_t i = 0; i < result.vertices.size(); ++i) {
-      places.row(result.vertices[i]) = result.positions.row(static_cast<Eigen::Index>(i));
+      positions.row(result.vertices[i]) = result.positions.row(static_cast<Eigen::Index>(i));
     }
   }
-  EXPECT_TRUE(support::same_bits(support::rows(places, both.vertices), both.positions));
+  EXPECT_TRUE(support::same_bits(support::rows(positions, both.vertices), both.positions));
 }
 
 TEST(SolverThread, WakesItsOwnerForEachPieceOfNews) {

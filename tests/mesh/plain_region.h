@@ -154,7 +154,8 @@ inline Adjacency plain_adjacency(const TriangleMesh& mesh) {
 
 /// A mesh's adjacency, and a region of each kind around handles, with band, kept anchors and none, as large as a share
 /// of what is reached.
-inline void expect_plain_regions(const TriangleMesh& mesh, const std::vector<std::vector<int>>& groups, double share) {
+inline void expect_plain_regions(const TriangleMesh& mesh, const std::vector<std::vector<int>>& groups,
+                                 double fraction) {
   const Adjacency adjacency = plain_adjacency(mesh);
   for (const int threads : {1, 2, 3}) {
     const Adjacency built = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces, threads);
@@ -170,7 +171,8 @@ inline void expect_plain_regions(const TriangleMesh& mesh, const std::vector<std
   GeodesicSearch search(adjacency.neighbours, mesh.vertices);
   const std::vector<int> reached = search.run(handles, kUnreached);
   RegionSpec radius;
-  radius.radius = search.distance(reached[static_cast<std::size_t>(share * static_cast<double>(reached.size() - 1))]);
+  radius.radius =
+      search.distance(reached[static_cast<std::size_t>(fraction * static_cast<double>(reached.size() - 1))]);
   RegionSpec component;
   component.kind = RegionSpec::Kind::Component;
   RegionSpec set;

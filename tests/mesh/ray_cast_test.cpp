@@ -35,8 +35,8 @@ TEST(RayCast, HitsFromInsideToo) {
 TEST(RayCast, RayThroughAVertexOrAnEdgeDoesNotSlipThrough) {
   const TriangleMesh sphere = shapes::icosphere(3);
   for (int v = 0; v < sphere.vertices.rows(); ++v) {
-    const Vector3 place = sphere.vertices.row(v).transpose();
-    const auto hit = first_hit(sphere, {3 * place, -place});
+    const Vector3 position = sphere.vertices.row(v).transpose();
+    const auto hit = first_hit(sphere, {3 * position, -position});
     ASSERT_TRUE(hit) << v;
     EXPECT_EQ(hit->vertex, v);
   }

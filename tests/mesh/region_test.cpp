@@ -181,21 +181,21 @@ INSTANTIATE_TEST_SUITE_P(
                       Place{[] { return shapes::two_pieces(2); }, {{5}, {200}}, 1.0}));
 
 TEST_P(RegionOn, RadiusTakesExactlyWhatIsWithinIt) {
-  const Place& place = GetParam();
-  const TriangleMesh mesh = place.mesh();
+  const Place& position = GetParam();
+  const TriangleMesh mesh = position.mesh();
   std::vector<int> seeds;
-  for (const auto& group : place.groups) {
+  for (const auto& group : position.groups) {
     seeds.insert(seeds.end(), group.begin(), group.end());
   }
   const std::vector<double> distance = support::bellman_ford(mesh, seeds);
   for (const double padding : {0.0, 0.1, 0.5, 1.0}) {
-    const Region region = build(mesh, within(place.radius, padding), place.groups);
-    expect_consistent(mesh, region, place.groups);
-    EXPECT_EQ(region.radius, place.radius);
+    const Region region = build(mesh, within(position.radius, padding), position.groups);
+    expect_consistent(mesh, region, position.groups);
+    EXPECT_EQ(region.radius, position.radius);
     EXPECT_EQ(region.left_out, 0);
     std::vector<int> expected;
     for (int v = 0; v < mesh.vertices.rows(); ++v) {
-      if (distance[v] <= place.radius) {
+      if (distance[v] <= position.radius) {
         expected.push_back(v);
       }
     }
@@ -203,9 +203,9 @@ TEST_P(RegionOn, RadiusTakesExactlyWhatIsWithinIt) {
     const std::set<int> rim = rim_of(mesh, region);
     for (int i = 0; i < region.size(); ++i) {
       const int v = region.mesh_vertex[i];
-      EXPECT_NEAR(region.distance[i], distance[v], 1e-14 * place.radius);
+      EXPECT_NEAR(region.distance[i], distance[v], 1e-14 * position.radius);
       if (region.group[i] < 0) {
-        const bool band = distance[v] > (1 - padding) * place.radius * (1 + 1e-14);
+        const bool band = distance[v] > (1 - padding) * position.radius * (1 + 1e-14);
         EXPECT_EQ(region.classes[i], band || rim.count(v) ? VertexClass::Anchor : VertexClass::Free)
             << "vertex " << v << ", padding " << padding;
       }
@@ -214,15 +214,15 @@ TEST_P(RegionOn, RadiusTakesExactlyWhatIsWithinIt) {
 }
 
 TEST_P(RegionOn, GivenSetHasAnchorsAlongItsRim) {
-  const Place& place = GetParam();
-  const TriangleMesh mesh = place.mesh();
+  const Place& position = GetParam();
+  const TriangleMesh mesh = position.mesh();
   // The set of the radius, in another order and with repetitions, so what is right is known.
-  const std::vector<int> disc = build(mesh, within(place.radius), place.groups).mesh_vertex;
+  const std::vector<int> disc = build(mesh, within(position.radius), position.groups).mesh_vertex;
   std::vector<int> set(disc.rbegin(), disc.rend());
   set.insert(set.end(), disc.begin(), disc.begin() + 3);
   for (const double padding : {0.0, 0.23, 1.0}) {
-    const Region region = build(mesh, given(set, padding), place.groups);
-    expect_consistent(mesh, region, place.groups);
+    const Region region = build(mesh, given(set, padding), position.groups);
+    expect_consistent(mesh, region, position.groups);
     EXPECT_EQ(region.mesh_vertex, disc);
     EXPECT_EQ(region.radius, region.max_distance);
     const std::set<int> rim = rim_of(mesh, region);
@@ -251,15 +251,15 @@ TEST_P(RegionOn, GivenSetHasAnchorsAlongItsRim) {
 }
 
 TEST_P(RegionOn, WholeComponentHasNoAnchors) {
-  const Place& place = GetParam();
-  const TriangleMesh mesh = place.mesh();
-  const Region region = build(mesh, component(), place.groups);
-  expect_consistent(mesh, region, place.groups);
+  const Place& position = GetParam();
+  const TriangleMesh mesh = position.mesh();
+  const Region region = build(mesh, component(), position.groups);
+  expect_consistent(mesh, region, position.groups);
   EXPECT_EQ(region.count(VertexClass::Anchor), 0);
   std::vector<int> labels;
   connected_components(support::adjacency_of(mesh).neighbours, labels);
   std::set<int> wanted;
-  for (const auto& group : place.groups) {
+  for (const auto& group : position.groups) {
     for (const int v : group) {
       wanted.insert(labels[v]);
     }
@@ -271,15 +271,15 @@ TEST_P(RegionOn, WholeComponentHasNoAnchors) {
 }
 
 TEST_P(RegionOn, DoesNotDependOnNumbering) {
-  const Place& place = GetParam();
-  const TriangleMesh mesh = place.mesh();
+  const Place& position = GetParam();
+  const TriangleMesh mesh = position.mesh();
   const std::vector<int> numbers = support::shuffled(static_cast<int>(mesh.vertices.rows()), 5);
-  Groups groups = place.groups;
+  Groups groups = position.groups;
   for (auto& group : groups) {
     group = support::renumbered(group, numbers);
   }
-  const Region region = build(mesh, within(place.radius), place.groups);
-  const Region other = build(support::renumbered(mesh, numbers, 6), within(place.radius), groups);
+  const Region region = build(mesh, within(position.radius), position.groups);
+  const Region other = build(support::renumbered(mesh, numbers, 6), within(position.radius), groups);
   ASSERT_EQ(region.size(), other.size());
   for (int i = 0; i < region.size(); ++i) {
     const auto found =
@@ -502,9 +502,9 @@ TEST(Region, HasTheBitsOfAPlainImplementation) {
       {"ties", shapes::grid(150, 150), {{11000, 11001}, {11003}}},
   };
   for (const auto& edit : edits) {
-    for (const double share : {0.01, 0.6, 1.0}) {
-      SCOPED_TRACE(edit.what + std::string(", share ") + std::to_string(share));
-      support::expect_plain_regions(edit.mesh, edit.groups, share);
+    for (const double fraction : {0.01, 0.6, 1.0}) {
+      SCOPED_TRACE(edit.what + std::string(", share ") + std::to_string(fraction));
+      support::expect_plain_regions(edit.mesh, edit.groups, fraction);
     }
   }
 }

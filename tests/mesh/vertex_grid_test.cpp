@@ -11,12 +11,12 @@
 namespace lapedit {
 namespace {
 
-int nearest_of_all(const Points& points, const std::vector<int>& vertices, const Vector3& place, double limit,
+int nearest_of_all(const Points& points, const std::vector<int>& vertices, const Vector3& position, double limit,
                    int odd) {
   int found = -1;
   double best = limit * limit;
   for (const int v : vertices) {
-    const double squared = (points.row(v).transpose() - place).squaredNorm();
+    const double squared = (points.row(v).transpose() - position).squaredNorm();
     if (v % 2 >= odd && (squared < best || (squared == best && (found < 0 || v < found)))) {
       best = squared;
       found = v;
@@ -44,11 +44,11 @@ TEST(VertexGrid, FindsWhatLookingAtAllFinds) {
       const VertexGrid grid(points, vertices);
       for (int k = 0; k < 300; ++k) {
         const double far = k % 3 == 0 ? 4 : 1;
-        Vector3 place(far * coordinate(random), far * coordinate(random), far * coordinate(random));
-        place = lattice ? Vector3((2 * place).array().round() / 6) : place;
-        EXPECT_EQ(grid.nearest(place), nearest_of_all(points, vertices, place, 1e100, 0));
-        EXPECT_EQ(grid.nearest(place, 0.3, [](int v) { return v % 2 == 1; }),
-                  nearest_of_all(points, vertices, place, 0.3, 1));
+        Vector3 position(far * coordinate(random), far * coordinate(random), far * coordinate(random));
+        position = lattice ? Vector3((2 * position).array().round() / 6) : position;
+        EXPECT_EQ(grid.nearest(position), nearest_of_all(points, vertices, position, 1e100, 0));
+        EXPECT_EQ(grid.nearest(position, 0.3, [](int v) { return v % 2 == 1; }),
+                  nearest_of_all(points, vertices, position, 0.3, 1));
       }
     }
   }

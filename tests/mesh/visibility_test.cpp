@@ -22,8 +22,8 @@ TEST(Visibility, IsTheBruteForceAnswer) {
   int seen = 0;
   for (int v = 0; v < mesh.vertices.rows(); ++v) {
     // The first thing along the ray to the vertex is a face of it.
-    const Vector3 place = mesh.vertices.row(v).transpose();
-    const auto hit = first_hit(mesh, {place + 20 * view.toward_viewer(place), -view.toward_viewer(place)});
+    const Vector3 position = mesh.vertices.row(v).transpose();
+    const auto hit = first_hit(mesh, {position + 20 * view.toward_viewer(position), -view.toward_viewer(position)});
     ASSERT_TRUE(hit);
     const bool expected = (mesh.faces.row(hit->face).array() == v).any();
     EXPECT_EQ(visibility.sees(view, adjacency, v), expected) << v;
@@ -53,10 +53,10 @@ TEST(Visibility, IsTheBruteForceAnswerAlongAnAxis) {
     const Visibility visibility(mesh);
     int hidden = 0;
     for (int v = 0; v < mesh.vertices.rows(); ++v) {
-      const Vector3 place = mesh.vertices.row(v).transpose();
-      const auto hit = first_hit(mesh, {place + Vector3(0, 0, 9), kDown});
+      const Vector3 position = mesh.vertices.row(v).transpose();
+      const auto hit = first_hit(mesh, {position + Vector3(0, 0, 9), kDown});
       ASSERT_TRUE(hit);
-      EXPECT_EQ(visibility.sees(view, adjacency, v), (hit->point - place).norm() < 1) << v;
+      EXPECT_EQ(visibility.sees(view, adjacency, v), (hit->point - position).norm() < 1) << v;
       hidden += visibility.sees(view, adjacency, v) ? 0 : 1;
     }
     EXPECT_EQ(hidden, 5 * 9);
@@ -96,8 +96,8 @@ TEST(Visibility, VerticesThatAreNotFiniteAreNotSeenAndHideNothing) {
   const Visibility visibility(mesh);
   int hidden = 0;
   for (int v = 0; v < 450; ++v) {
-    const Vector3 place = mesh.vertices.row(v).transpose();
-    const auto hit = first_hit(mesh, {place + Vector3(0, 0, 9), kDown});
+    const Vector3 position = mesh.vertices.row(v).transpose();
+    const auto hit = first_hit(mesh, {position + Vector3(0, 0, 9), kDown});
     const bool expected = hit && (mesh.faces.row(hit->face).array() == v).any();
     EXPECT_EQ(visibility.sees(view, adjacency, v), expected) << v;
     hidden += v < 225 && !expected ? 1 : 0;
@@ -163,8 +163,8 @@ TEST(Brush, StopsAtWhatABumpHides) {
   }
   const Camera view = support::view_from(Vector3(-40, 20, 60), Vector3(30, 20, 0));
   const auto at = [](int row) { return 40 * row + 20; };
-  const Vector3 place = mesh.vertices.row(at(20)).transpose();
-  const std::vector<int> set = brushed(mesh, view, view.pixel(place), 100);
+  const Vector3 position = mesh.vertices.row(at(20)).transpose();
+  const std::vector<int> set = brushed(mesh, view, view.pixel(position), 100);
   const auto is_in = [&set](int v) { return std::binary_search(set.begin(), set.end(), v); };
   EXPECT_TRUE(is_in(at(2)));
   EXPECT_TRUE(is_in(at(29)));

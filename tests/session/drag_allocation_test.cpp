@@ -71,9 +71,9 @@ TEST(Drag, BendingACurveAllocatesNothingOnceItMoves) {
   support::Window window(shapes::letter_field(60, 30));
   DragSettings settings = window.session.settings();
   window.session.set_settings(settings);
-  window.session.set_handle_mode(HandleMode::Curve);
-  for (const Vector3& place : {Vector3(1.8, 1, 0), Vector3(2.0, 1, 0), Vector3(2.2, 1, 0)}) {
-    window.click(support::vertex_at(window.session.mesh(), place));
+  window.session.set(&Tools::mode, HandleMode::Curve);
+  for (const Vector3& position : {Vector3(1.8, 1, 0), Vector3(2.0, 1, 0), Vector3(2.2, 1, 0)}) {
+    window.click(support::vertex_at(window.session.mesh(), position));
   }
   const int end = support::vertex_at(window.session.mesh(), Vector3(2.2, 1, 0));
   window.press(end);

@@ -34,10 +34,10 @@ bool has(const std::vector<int>& set, int vertex) {
 }
 
 VertexClass class_of(const DragSession& session, int vertex) {
-  const std::vector<int>& vertices = session.region()->mesh_vertex;
+  const std::vector<int>& vertices = session.shown().region()->mesh_vertex;
   const auto found = std::lower_bound(vertices.begin(), vertices.end(), vertex);
   return found != vertices.end() && *found == vertex
-             ? session.region()->classes[static_cast<std::size_t>(found - vertices.begin())]
+             ? session.shown().region()->classes[static_cast<std::size_t>(found - vertices.begin())]
              : VertexClass::Fixed;
 }
 
@@ -70,11 +70,11 @@ TEST(DragDisc, HandleIsADiscUnlessASingleVertexIsAskedFor) {
   as_found(window);
   change(window, [](DragSettings& s) { s.radius = 10; });
   window.click(kMiddle);
-  const double share = DragSettings().handle_fraction;
-  EXPECT_GE(share, 0.15);
-  EXPECT_LE(share, 0.25);
+  const double fraction = DragSettings().handle_fraction;
+  EXPECT_GE(fraction, 0.15);
+  EXPECT_LE(fraction, 0.25);
   const Adjacency adjacency = support::adjacency_of(window.session.mesh());
-  EXPECT_EQ(window.session.groups().at(0), vertices_within(window.session.mesh(), adjacency, kMiddle, share * 10));
+  EXPECT_EQ(window.session.groups().at(0), vertices_within(window.session.mesh(), adjacency, kMiddle, fraction * 10));
   change(window, [](DragSettings& s) { s.handle_fraction = 0; });
   EXPECT_EQ(window.session.groups().at(0), std::vector<int>{kMiddle});
   change(window, [](DragSettings& s) { s.handle_fraction = 0.3; });
@@ -84,11 +84,11 @@ TEST(DragDisc, HandleIsADiscUnlessASingleVertexIsAskedFor) {
 /// All within the radius of a vertex, to an edge: a disc's last vertices do not lie on its circle.
 void expect_counts_from(const Window& window, int vertex, double radius) {
   const DragSession& session = window.session;
-  for (const int v : session.region()->mesh_vertex) {
+  for (const int v : session.shown().region()->mesh_vertex) {
     EXPECT_TRUE(has(vertices_within(session.mesh(), session.adjacency(), vertex, radius + 1e-9), v)) << v;
   }
   for (const int v : vertices_within(session.mesh(), session.adjacency(), vertex, radius - 1)) {
-    EXPECT_TRUE(has(session.region()->mesh_vertex, v)) << v;
+    EXPECT_TRUE(has(session.shown().region()->mesh_vertex, v)) << v;
   }
 }
 
@@ -122,18 +122,18 @@ TEST(DragDisc, RegionCountsFromItsCentre) {
 TEST(DragDisc, NothingIsRefusedForASmallRegion) {
   Window window(shapes::grid(60, 60));
   as_found(window);
-  for (const double share : {0.0, 0.2, 0.9}) {
+  for (const double fraction : {0.0, 0.2, 0.9}) {
     for (const double radius : {1.1, 2.0, 5.0}) {
       change(window, [&](DragSettings& s) {
         s.radius = radius;
-        s.handle_fraction = share;
+        s.handle_fraction = fraction;
       });
       window.session.new_region();
       window.click(kMiddle);
       const bool possible = window.session.ready();
       EXPECT_TRUE(possible || window.session.message().find("nothing would follow") != std::string::npos)
-          << share << ", " << radius << ": " << window.session.message();
-      EXPECT_TRUE(possible || share > 0.5);
+          << fraction << ", " << radius << ": " << window.session.message();
+      EXPECT_TRUE(possible || fraction > 0.5);
     }
   }
 }
@@ -142,7 +142,7 @@ TEST(DragDisc, NothingIsRefusedForASmallRegion) {
 
 TEST(DragBrush, PaintsAHandleAndTakesOfIt) {
   Window window(shapes::grid(60, 60));
-  window.session.set_brush_target(BrushTarget::Handle);
+  window.session.set(&Tools::brush, BrushTarget::Handle);
   stroke(window, at(30, 25), at(30, 35), kAdd);
   ASSERT_EQ(window.session.groups().size(), 1U);
   const std::vector<int> painted = window.session.groups()[0];
@@ -155,7 +155,7 @@ TEST(DragBrush, PaintsAHandleAndTakesOfIt) {
   EXPECT_EQ(window.session.recorded().steps.size(), 1U);
   window.expect_consistent();
   // Nothing of it left: no handle, and no harm.
-  window.session.set_brush_target(BrushTarget::Handle);
+  window.session.set(&Tools::brush, BrushTarget::Handle);
   change(window, [](DragSettings& s) { s.brush_pixels = 400; });
   stroke(window, at(30, 28), at(30, 30), kTake);
   EXPECT_TRUE(window.session.groups().empty());
@@ -168,12 +168,12 @@ TEST(DragBrush, PaintedAnchorsHold) {
     s.radius = 12;
     s.brush_pixels = 12;
   });
-  window.session.set_brush_target(BrushTarget::Anchors);
+  window.session.set(&Tools::brush, BrushTarget::Anchors);
   window.click(kMiddle);
   EXPECT_EQ(class_of(window.session, at(34, 30)), VertexClass::Free);
-  const std::vector<int> region = window.session.region()->mesh_vertex;
+  const std::vector<int> region = window.session.shown().region()->mesh_vertex;
   stroke(window, at(34, 26), at(34, 34), kAdd);
-  EXPECT_EQ(window.session.region()->mesh_vertex, region);
+  EXPECT_EQ(window.session.shown().region()->mesh_vertex, region);
   EXPECT_EQ(class_of(window.session, at(34, 30)), VertexClass::Anchor);
   EXPECT_EQ(class_of(window.session, kMiddle), VertexClass::Handle);
   const Points before = window.host();
@@ -196,10 +196,10 @@ TEST(DragBrush, PaintedAnchorsStayAcrossRegionsHandlesAndSteps) {
     s.brush_pixels = 12;
   });
   const auto is_fixed = [&window] { return class_of(window.session, at(34, 30)) == VertexClass::Anchor; };
-  window.session.set_keep_fixed(true);
+  window.session.set(&Tools::keeps_fixed, true);
   stroke(window, at(34, 26), at(34, 34), {});  // before there is a region, no modifier held
   EXPECT_TRUE(has(window.session.held(), at(34, 30)));
-  window.session.set_keep_fixed(false);
+  window.session.set(&Tools::keeps_fixed, false);
   window.click(kMiddle);
   EXPECT_TRUE(is_fixed());
   stroke(window, at(30, 40), at(30, 48), kAdd);  // a larger region
@@ -221,7 +221,7 @@ TEST(DragBrush, PaintedAnchorsStayAcrossRegionsHandlesAndSteps) {
   window.session.whole_component();
   window.session.wait();
   EXPECT_TRUE(is_fixed());
-  window.session.set_keep_fixed(true);
+  window.session.set(&Tools::keeps_fixed, true);
   stroke(window, at(34, 24), at(34, 36), kTake);
   EXPECT_FALSE(has(window.session.held(), at(34, 30)));
   EXPECT_FALSE(is_fixed());
@@ -234,12 +234,12 @@ TEST(DragBrush, AnchorsPaintedOutsideTheRegionHoldInTheNextOne) {
     s.brush_pixels = 12;
   });
   window.click(at(15, 30));
-  const std::vector<int> region = window.session.region()->mesh_vertex;
+  const std::vector<int> region = window.session.shown().region()->mesh_vertex;
   ASSERT_FALSE(has(region, at(44, 30)));
-  window.session.set_brush_target(BrushTarget::Anchors);
+  window.session.set(&Tools::brush, BrushTarget::Anchors);
   stroke(window, at(44, 26), at(44, 34), kAdd);
   EXPECT_TRUE(has(window.session.held(), at(44, 30)));
-  EXPECT_EQ(window.session.region()->mesh_vertex, region);
+  EXPECT_EQ(window.session.shown().region()->mesh_vertex, region);
   window.drag(at(15, 30), Vector2(0, 40));
   ASSERT_EQ(window.session.figures().steps, 1);
   EXPECT_TRUE(has(window.session.held(), at(44, 30)));
@@ -260,9 +260,9 @@ TEST(DragBrush, StrokesStepsAndSettingsAreUndoneInTheOrderThatTheyWereDone) {
   Window window(shapes::grid(60, 60));
   change(window, [](DragSettings& s) { s.radius = 8; });
   window.click(kMiddle);
-  const std::vector<int> region = window.session.region()->mesh_vertex;
+  const std::vector<int> region = window.session.shown().region()->mesh_vertex;
   stroke(window, at(30, 36), at(30, 48), kAdd);
-  const std::vector<int> larger = window.session.region()->mesh_vertex;
+  const std::vector<int> larger = window.session.shown().region()->mesh_vertex;
   window.drag(kMiddle, Vector2(20, 0));
   const Points first = window.host();
   change(window, [](DragSettings& s) { s.edit.membrane = 100; });
@@ -281,15 +281,15 @@ TEST(DragBrush, StrokesStepsAndSettingsAreUndoneInTheOrderThatTheyWereDone) {
   };
   undo();
   EXPECT_TRUE(same_bits(window.host(), again));
-  EXPECT_EQ(window.session.region()->mesh_vertex, larger);
+  EXPECT_EQ(window.session.shown().region()->mesh_vertex, larger);
   undo();
   EXPECT_TRUE(same_bits(window.host(), first));
   EXPECT_EQ(window.session.settings().edit.membrane, EditSettings().membrane);
   undo();
   EXPECT_TRUE(same_bits(window.host(), window.session.original().vertices));
-  EXPECT_EQ(window.session.region()->mesh_vertex, larger) << "the stroke is not undone yet";
+  EXPECT_EQ(window.session.shown().region()->mesh_vertex, larger) << "the stroke is not undone yet";
   undo();
-  EXPECT_EQ(window.session.region()->mesh_vertex, region);
+  EXPECT_EQ(window.session.shown().region()->mesh_vertex, region);
   EXPECT_FALSE(window.session.can_undo());
   redo();
   redo();
@@ -298,7 +298,7 @@ TEST(DragBrush, StrokesStepsAndSettingsAreUndoneInTheOrderThatTheyWereDone) {
   EXPECT_TRUE(same_bits(window.host(), again));
   EXPECT_EQ(window.session.settings().edit.membrane, 50);
   redo();
-  EXPECT_GT(window.session.region()->mesh_vertex.size(), larger.size());
+  EXPECT_GT(window.session.shown().region()->mesh_vertex.size(), larger.size());
   EXPECT_FALSE(window.session.can_redo());
   window.expect_consistent();
 }
@@ -325,25 +325,25 @@ TEST(DragBrush, StrokesAreUndoneOneByOne) {
   change(window, [](DragSettings& s) { s.radius = 8; });
   window.click(kMiddle);
   const auto groups = window.session.groups();
-  const std::vector<int> region = window.session.region()->mesh_vertex;
+  const std::vector<int> region = window.session.shown().region()->mesh_vertex;
   stroke(window, at(30, 36), at(30, 48), kAdd);
-  const std::vector<int> larger = window.session.region()->mesh_vertex;
+  const std::vector<int> larger = window.session.shown().region()->mesh_vertex;
   EXPECT_GT(larger.size(), region.size());
-  window.session.set_brush_target(BrushTarget::Handle);
+  window.session.set(&Tools::brush, BrushTarget::Handle);
   stroke(window, at(30, 36), at(30, 40), kAdd);
   EXPECT_NE(window.session.groups(), groups);
   ASSERT_TRUE(window.session.can_undo());
   window.session.undo();
   window.session.wait();
   EXPECT_EQ(window.session.groups(), groups);
-  EXPECT_EQ(window.session.region()->mesh_vertex, larger);
+  EXPECT_EQ(window.session.shown().region()->mesh_vertex, larger);
   window.session.undo();
   window.session.wait();
-  EXPECT_EQ(window.session.region()->mesh_vertex, region);
+  EXPECT_EQ(window.session.shown().region()->mesh_vertex, region);
   EXPECT_FALSE(window.session.can_undo());
   window.session.redo();
   window.session.wait();
-  EXPECT_EQ(window.session.region()->mesh_vertex, larger);
+  EXPECT_EQ(window.session.shown().region()->mesh_vertex, larger);
   window.drag(kMiddle, Vector2(20, 0));
   window.session.undo();
   EXPECT_TRUE(same_bits(window.host(), window.session.original().vertices));
@@ -357,11 +357,11 @@ TEST(DragBrush, WhatIsNotConnectedIsKeptAndSaid) {
   stroke(window, at(30, 50), at(30, 53), kAdd);
   ASSERT_FALSE(window.session.unconnected().empty());
   EXPECT_TRUE(has(window.session.unconnected(), at(30, 51)));
-  EXPECT_FALSE(has(window.session.region()->mesh_vertex, at(30, 51)));
+  EXPECT_FALSE(has(window.session.shown().region()->mesh_vertex, at(30, 51)));
   EXPECT_NE(window.session.message().find("not connected"), std::string::npos);
   stroke(window, at(30, 34), at(30, 52), kAdd);
   EXPECT_TRUE(window.session.unconnected().empty());
-  EXPECT_TRUE(has(window.session.region()->mesh_vertex, at(30, 51)));
+  EXPECT_TRUE(has(window.session.shown().region()->mesh_vertex, at(30, 51)));
 }
 
 // --- Nothing holds --------------------------------------------------------------------------------------------------
@@ -408,15 +408,16 @@ TEST(DragGizmo, ArrowMovesAlongItsAxisAndAClickGoesThrough) {
   as_found(window);
   window.click(kMiddle);
   EXPECT_FALSE(window.session.gizmo(window.view));
-  window.session.show_gizmo(true, GizmoAxes::Layer);
+  window.session.set(&Tools::gizmo, true);
+  window.session.set(&Tools::axes, GizmoAxes::Layer);
   const std::optional<Gizmo> gizmo = window.session.gizmo(window.view);
   ASSERT_TRUE(gizmo);
   EXPECT_NEAR(
       (gizmo->center - support::rows(window.host(), window.session.groups()[0]).colwise().mean().transpose()).norm(), 0,
       1e-5);
-  window.session.set_handle_mode(HandleMode::Curve);  // what is clicked next is not to be hidden by it
+  window.session.set(&Tools::mode, HandleMode::Curve);  // what is clicked next is not to be hidden by it
   EXPECT_FALSE(window.session.gizmo(window.view));
-  window.session.set_handle_mode(HandleMode::Vertex);
+  window.session.set(&Tools::mode, HandleMode::Vertex);
   const Vector2 on_arrow = window.view.pixel(gizmo->along(1, 0.7));
   window.session.hover(window.at(on_arrow), {});
   EXPECT_EQ(window.session.gizmo_element(), GizmoElement::MoveY);
@@ -448,17 +449,18 @@ TEST(DragGizmo, RingTurnsAboutThePivot) {
   as_found(window);
   change(window, [](DragSettings& s) { s.radius = 12; });
   window.click(kMiddle);
-  window.session.show_gizmo(true, GizmoAxes::Layer);
-  window.session.set_pivot(Pivot::Point);
+  window.session.set(&Tools::gizmo, true);
+  window.session.set(&Tools::axes, GizmoAxes::Layer);
+  window.session.set(&Tools::pivot, Pivot::Point);
   EXPECT_NE(window.session.message().find("turn about"), std::string::npos);
   window.click(at(30, 40));
   EXPECT_EQ(window.session.groups().at(0).size() > 1, true);
   const Vector3 pivot = window.session.mesh().vertices.row(at(30, 40)).transpose();
-  EXPECT_EQ(window.session.pivot_place(), pivot);
+  EXPECT_EQ(window.session.pivot_position(), pivot);
   const std::optional<Gizmo> gizmo = window.session.gizmo(window.view);
   ASSERT_TRUE(gizmo && gizmo->center == pivot);
   const Vector2 on_ring = window.view.pixel(gizmo->on_ring(2, 0.4));
-  ASSERT_EQ(gizmo_part_at(*gizmo, window.at(on_ring)), GizmoElement::TurnZ);
+  ASSERT_EQ(gizmo_element_at(*gizmo, window.at(on_ring)), GizmoElement::TurnZ);
   window.session.press(window.at(on_ring));
   window.session.move(window.at(window.view.pixel(gizmo->on_ring(2, 0.7))));
   window.session.release(window.at(window.view.pixel(gizmo->on_ring(2, 0.4 + 0.5))));
@@ -480,14 +482,15 @@ TEST(DragGizmo, OfASingleVertexHasArrowsOnly) {
     change(window, [lone](DragSettings& s) { s.handle_fraction = lone ? 0 : 0.3; });
     window.click(kMiddle);
     EXPECT_EQ(window.session.groups().at(0).size() == 1, lone);
-    window.session.show_gizmo(true, GizmoAxes::Layer);
+    window.session.set(&Tools::gizmo, true);
+    window.session.set(&Tools::axes, GizmoAxes::Layer);
     const std::optional<Gizmo> gizmo = window.session.gizmo(window.view);
     ASSERT_TRUE(gizmo);
     std::set<GizmoElement> parts;
     const Vector2 center = window.view.pixel(gizmo->center);
     for (double x = -120; x <= 120; x += 3) {
       for (double y = -120; y <= 120; y += 3) {
-        parts.insert(gizmo_part_at(*gizmo, window.at(Vector2(center + Vector2(x, y)))));
+        parts.insert(gizmo_element_at(*gizmo, window.at(Vector2(center + Vector2(x, y)))));
       }
     }
     EXPECT_EQ(parts.size(), lone ? 4U : 8U);
@@ -501,17 +504,17 @@ TEST(DragGizmo, OfASingleVertexHasArrowsOnly) {
 
 TEST(DragGizmo, RimIsTheMiddleOfWhatHoldsAnArm) {
   Window window(shapes::tapered_arm(24, 60), support::view_from(Vector3(0, -12, 0), Vector3::Zero()));
-  const Points& places = window.session.mesh().vertices;
+  const Points& positions = window.session.mesh().vertices;
   int tip = 0;
-  places.col(0).maxCoeff(&tip);
+  positions.col(0).maxCoeff(&tip);
   change(window, [](DragSettings& s) { s.radius = 2; });
   window.click(tip);
-  window.session.set_pivot(Pivot::Rim);
-  const Vector3 rim = window.session.pivot_place();
-  EXPECT_LT(rim.x(), places(tip, 0) - 1);
+  window.session.set(&Tools::pivot, Pivot::Rim);
+  const Vector3 rim = window.session.pivot_position();
+  EXPECT_LT(rim.x(), positions(tip, 0) - 1);
   EXPECT_LT(std::hypot(rim.y(), rim.z()), 0.5);
-  window.session.set_pivot(Pivot::Centroid);
-  EXPECT_EQ(window.session.pivot_place(), centroid(places, window.session.groups().at(0)));
+  window.session.set(&Tools::pivot, Pivot::Centroid);
+  EXPECT_EQ(window.session.pivot_position(), centroid(positions, window.session.groups().at(0)));
 }
 
 TEST(DragKeys, ControlGoesInSteps) {
@@ -541,11 +544,11 @@ TEST(DragMirror, BothSidesMoveInOneStepAndAreReplayed) {
   (before.col(0) - before.col(2).cwiseAbs()).maxCoeff(&ear);  // at the right, in front of the viewer's middle height
   MirrorPlane plane;
   plane.normal = Vector3::UnitX();
-  window.session.set_mirror(plane);
-  ASSERT_TRUE(window.session.mirror());
-  const Vector3 place = before.row(ear).transpose();
+  window.session.set(&Tools::mirror, plane);
+  ASSERT_TRUE(window.session.tools().mirror);
+  const Vector3 position = before.row(ear).transpose();
   int seen = 0;
-  (before.rowwise() - (place + Vector3(-0.15, 0, 0.3)).transpose()).rowwise().norm().minCoeff(&seen);
+  (before.rowwise() - (position + Vector3(-0.15, 0, 0.3)).transpose()).rowwise().norm().minCoeff(&seen);
   window.click(seen);
   ASSERT_EQ(window.session.groups().size(), 1U);
   ASSERT_EQ(window.session.mirrored_groups().size(), 2U);
@@ -577,9 +580,9 @@ TEST(DragMirror, BothSidesMoveInOneStepAndAreReplayed) {
   window.session.redo();
   window.session.redo();
   window.session.wait();
-  EXPECT_TRUE(window.session.mirror());
+  EXPECT_TRUE(window.session.tools().mirror);
   window.expect_consistent();
-  window.session.set_mirror(std::nullopt);
+  window.session.set(&Tools::mirror, std::nullopt);
   window.session.wait();
   EXPECT_EQ(window.session.mirrored_groups().size(), 1U);
 }
@@ -589,12 +592,12 @@ TEST(DragMirror, PaintedHandleIsSeenAtOnceAndItsImageAtTheEnd) {
   MirrorPlane plane;
   plane.normal = Vector3::UnitX();
   plane.point = window.host().row(kMiddle).transpose();
-  window.session.set_mirror(plane);
+  window.session.set(&Tools::mirror, plane);
   window.click(at(15, 30));
   ASSERT_EQ(window.session.groups().size(), 1U);
   ASSERT_EQ(window.session.mirrored_groups().size(), 2U);
   window.session.next_group();
-  window.session.set_brush_target(BrushTarget::Handle);
+  window.session.set(&Tools::brush, BrushTarget::Handle);
   window.press(at(15, 45), kAdd);
   window.session.move(window.at(at(18, 45)));
   ASSERT_EQ(window.session.groups().size(), 2U);
@@ -627,10 +630,10 @@ TEST(DragMirror, PaintedAnchorsHoldOnBothSides) {
   plane.normal = window.host().row(at(31, 30)).transpose() - window.host().row(at(30, 30)).transpose();
   plane.point = window.host().row(kMiddle).transpose();
   const auto twin = [](int i, int j) { return at(60 - i, j); };
-  window.session.set_mirror(plane);
-  window.session.set_keep_fixed(true);
+  window.session.set(&Tools::mirror, plane);
+  window.session.set(&Tools::keeps_fixed, true);
   stroke(window, at(19, 26), at(19, 34), {});
-  window.session.set_keep_fixed(false);
+  window.session.set(&Tools::keeps_fixed, false);
   const std::vector<int> painted = window.session.held();
   ASSERT_TRUE(has(painted, at(19, 30)));
   const Points before = window.host();
@@ -644,7 +647,7 @@ TEST(DragMirror, PaintedAnchorsHoldOnBothSides) {
   }
   EXPECT_NEAR(moved(twin(11, 30)), moved(at(11, 30)), 0.1 * moved(at(11, 30)));  // diagonals are not symmetric
   window.expect_consistent();
-  window.session.set_mirror(std::nullopt);
+  window.session.set(&Tools::mirror, std::nullopt);
   window.session.wait();
   EXPECT_EQ(window.session.held(), painted) << "without the images";
   window.session.new_region();
@@ -655,8 +658,8 @@ TEST(DragMirror, PaintedAnchorsHoldOnBothSides) {
 TEST(DragMirror, PlaneIsFoundFromTheMesh) {
   Window window(shapes::tapered_arm(24, 60, 0));
   window.session.find_mirror();
-  ASSERT_TRUE(window.session.mirror());
-  EXPECT_NEAR(window.session.mirror()->normal.normalized().x(), 0, 1e-3);
+  ASSERT_TRUE(window.session.tools().mirror);
+  EXPECT_NEAR(window.session.tools().mirror->normal.normalized().x(), 0, 1e-3);
   TriangleMesh lopsided = shapes::icosphere(4);
   const Vector3 longer(3, 2, 1.5);
   for (int k = 0; k < 3; ++k) {
@@ -664,7 +667,7 @@ TEST(DragMirror, PlaneIsFoundFromTheMesh) {
   }
   Window other(lopsided);
   other.session.find_mirror();
-  EXPECT_FALSE(other.session.mirror());
+  EXPECT_FALSE(other.session.tools().mirror);
   EXPECT_NE(other.session.message().find("No plane was found"), std::string::npos);
 }
 
@@ -682,7 +685,7 @@ TEST(DragMirror, OtherSideIsShownUnderTheCursor) {
   look();
   ASSERT_TRUE(window.session.hover());
   EXPECT_FALSE(window.session.hover()->mirrored_point);
-  window.session.set_mirror(MirrorPlane{Vector3(30, 0, 0), Vector3::UnitX()});
+  window.session.set(&Tools::mirror, MirrorPlane{Vector3(30, 0, 0), Vector3::UnitX()});
   EXPECT_EQ(window.session.message().find("mirror image"), std::string::npos) << window.session.message();
   window.session.hover(window.at(right), {});
   const HoverPreview& seen = *window.session.hover();
@@ -699,10 +702,10 @@ TEST(DragMirror, AsymmetricMeshIsSaid) {
   TriangleMesh lopsided = shapes::icosphere(4);
   lopsided.vertices.col(0) = lopsided.vertices.col(0).cwiseMax(2 * lopsided.vertices.col(0)).eval();
   Window window(lopsided);
-  window.session.set_mirror(MirrorPlane());
-  EXPECT_TRUE(window.session.mirror());
+  window.session.set(&Tools::mirror, MirrorPlane());
+  EXPECT_TRUE(window.session.tools().mirror);
   EXPECT_NE(window.session.message().find("not its own mirror image"), std::string::npos) << window.session.message();
-  window.session.set_mirror(MirrorPlane{Vector3::Zero(), Vector3::UnitY()});
+  window.session.set(&Tools::mirror, MirrorPlane{Vector3::Zero(), Vector3::UnitY()});
   EXPECT_EQ(window.session.message().find("mirror image"), std::string::npos) << window.session.message();
 }
 
@@ -710,7 +713,7 @@ TEST(DragMirror, MeshWithoutAnotherSideIsRefusedInASentence) {
   Window window(shapes::grid(60, 60));
   MirrorPlane plane;
   plane.point = Vector3(1000, 0, 0);
-  window.session.set_mirror(plane);
+  window.session.set(&Tools::mirror, plane);
   window.click(kMiddle);
   EXPECT_FALSE(window.session.ready());
   EXPECT_NE(window.session.message().find("mirror"), std::string::npos) << window.session.message();
@@ -721,7 +724,7 @@ TEST(DragMirror, MeshWithoutAnotherSideIsRefusedInASentence) {
   EXPECT_NE(window.session.message().find("mirror"), std::string::npos) << window.session.message();
   window.keys("tx5\r");
   EXPECT_EQ(window.session.figures().steps, 0);
-  window.session.set_mirror(std::nullopt);
+  window.session.set(&Tools::mirror, std::nullopt);
   window.session.wait();
   EXPECT_TRUE(window.session.ready());
 }
@@ -758,10 +761,10 @@ TEST(DragGap, NearPiecesAreOneRegion) {
   ASSERT_GE(front, eye_front);
   window.click(front);
   change(window, [](DragSettings& s) { s.radius = 100; });
-  EXPECT_EQ(window.session.region()->size(), eye.vertices.rows());
+  EXPECT_EQ(window.session.shown().region()->size(), eye.vertices.rows());
   EXPECT_NE(window.session.message().find("Nothing holds"), std::string::npos);
   change(window, [](DragSettings& s) { s.connect_gap = 0.1; });
-  EXPECT_GT(window.session.region()->size(), eye.vertices.rows());
+  EXPECT_GT(window.session.shown().region()->size(), eye.vertices.rows());
   window.drag(front, Vector2(30, 0));
   EXPECT_EQ(window.session.recorded().steps.at(0).region.connect_gap, 0.1);
   window.expect_consistent();
@@ -789,17 +792,17 @@ TEST(DragHover, ShowsWhatAPressWouldTake) {
   ASSERT_GT(hover->region.rows(), 20);
   ASSERT_GT(hover->disc.rows(), 4);
   // Each end of the outline lies on an edge between what is within the radius and what is not.
-  const Points& places = window.session.mesh().vertices;
-  GeodesicSearch search(window.session.adjacency().neighbours, places);
+  const Points& positions = window.session.mesh().vertices;
+  GeodesicSearch search(window.session.adjacency().neighbours, positions);
   search.run({kMiddle}, 10);
   for (Eigen::Index i = 0; i < hover->region.rows(); ++i) {
     bool is_between = false;
-    for (int v = 0; v < places.rows(); ++v) {
+    for (int v = 0; v < positions.rows(); ++v) {
       for (const int w : window.session.adjacency().neighbours[v]) {
         const double way =
-            (places.row(v) - hover->region.row(i)).norm() + (hover->region.row(i) - places.row(w)).norm();
-        is_between |=
-            search.distance(v) <= 10 && search.distance(w) > 10 && way < (places.row(v) - places.row(w)).norm() + 1e-9;
+            (positions.row(v) - hover->region.row(i)).norm() + (hover->region.row(i) - positions.row(w)).norm();
+        is_between |= search.distance(v) <= 10 && search.distance(w) > 10 &&
+                      way < (positions.row(v) - positions.row(w)).norm() + 1e-9;
       }
     }
     EXPECT_TRUE(is_between) << hover->region.row(i);

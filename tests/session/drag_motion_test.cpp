@@ -236,22 +236,23 @@ TEST(DragMotion, NoViewOfFarPlacesMakesATransformThatIsNoNumber) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> exponent(-30, 38.5), unit(-1, 1);
   const auto far = [&] { return std::pow(10.0, exponent(random)) * unit(random); };
-  const auto place = [&] { return Vector3(far(), far(), far()); };
+  const auto position = [&] { return Vector3(far(), far(), far()); };
   int moved = 0;
   for (int k = 0; k < 20000; ++k) {
-    Vector3 grab = place(), eye = place();
+    Vector3 grab = position(), eye = position();
     if (k % 7 == 0) {
       grab[k % 3] = std::numeric_limits<double>::infinity();
     }
-    const Cursor start{support::view_from(eye, grab + place()), Vector2(400 * unit(random), 300 * unit(random))};
+    const Cursor start{support::view_from(eye, grab + position()), Vector2(400 * unit(random), 300 * unit(random))};
     const MotionKind kind = std::array{MotionKind::Translate, MotionKind::Rotate, MotionKind::Scale}[k % 3];
-    DragMotion m(kind, grab, k % 2 ? grab : place(), place(), start, k % 5 ? std::nullopt : std::optional(place()));
+    DragMotion m(kind, grab, k % 2 ? grab : position(), position(), start,
+                 k % 5 ? std::nullopt : std::optional(position()));
     if (k % 4 == 0) {
-      m.hold(place());
+      m.hold(position());
     } else if (k % 4 == 1) {
       m.toggle_lock(AxisLock::Z);
     }
-    Cursor next = k % 2 ? start : Cursor{support::view_from(eye, place()), start.pixel};
+    Cursor next = k % 2 ? start : Cursor{support::view_from(eye, position()), start.pixel};
     next.pixel = Vector2(far(), far());
     next.snap = k % 11 == 0;
     m.move(next);

@@ -42,7 +42,7 @@ void change(Window& window, const Change& changed) {
 }
 
 const std::vector<int>& region_of(const Window& window) {
-  return window.session.region()->mesh_vertex;
+  return window.session.shown().region()->mesh_vertex;
 }
 
 bool has(const std::vector<int>& set, int vertex) {
@@ -56,10 +56,10 @@ TEST(DragRegion, RadiusAndPaddingChangeItLive) {
   window.click(kMiddle);
   change(window, [](DragSettings& s) { s.radius = 5; });
   const std::size_t small = region_of(window).size();
-  const int anchors = window.session.region()->count(VertexClass::Anchor);
+  const int anchors = window.session.shown().region()->count(VertexClass::Anchor);
   change(window, [](DragSettings& s) { s.padding = 0.4; });
   EXPECT_EQ(region_of(window).size(), small);
-  EXPECT_GT(window.session.region()->count(VertexClass::Anchor), anchors);
+  EXPECT_GT(window.session.shown().region()->count(VertexClass::Anchor), anchors);
   change(window, [](DragSettings& s) { s.radius = 10; });
   EXPECT_GT(region_of(window).size(), 3 * small);
   EXPECT_EQ(window.session.figures().steps, 0);
@@ -99,10 +99,10 @@ TEST(DragRegion, AnotherHandleFindsTheAnchorsAsTheyWere) {
   Window window(plate());
   change(window, [](DragSettings& s) { s.radius = 8; });
   window.click(kMiddle);
-  const KeptAnchors first = anchors_of(*window.session.region());
+  const KeptAnchors first = anchors_of(*window.session.shown().region());
   ASSERT_FALSE(first.empty());
   const auto expect_the_same = [&] {
-    const KeptAnchors now = anchors_of(*window.session.region());
+    const KeptAnchors now = anchors_of(*window.session.shown().region());
     EXPECT_EQ(now.vertices, first.vertices);
     EXPECT_EQ(now.weights, first.weights);
     EXPECT_EQ(now.depths, first.depths);
@@ -122,7 +122,7 @@ TEST(DragRegion, AnotherHandleFindsTheAnchorsAsTheyWere) {
   window.expect_consistent();
   // Another padding is another band.
   change(window, [](DragSettings& s) { s.padding = 0.3; });
-  EXPECT_GT(anchors_of(*window.session.region()).vertices.size(), first.vertices.size());
+  EXPECT_GT(anchors_of(*window.session.shown().region()).vertices.size(), first.vertices.size());
   window.expect_consistent();
 }
 
@@ -145,7 +145,7 @@ TEST(DragRegion, MadeByHandItIsNotLostByAClickOutside) {
     }
   }
   window.session.set_region(set);
-  ASSERT_NE(window.session.region(), nullptr);
+  ASSERT_NE(window.session.shown().region(), nullptr);
   EXPECT_EQ(region_of(window), set);
   EXPECT_EQ(window.session.state(), State::Idle);
   window.click(at(50, 50));
@@ -206,7 +206,7 @@ TEST(DragRegion, BrushDoesNotTouchTheFarSide) {
   change(window, [](DragSettings& s) { s.brush_pixels = 500; });
   const int front = support::vertex_at(sphere, Vector3::UnitX());
   window.drag(front, Vector2(5, 0), kAdd);
-  ASSERT_NE(window.session.region(), nullptr);
+  ASSERT_NE(window.session.shown().region(), nullptr);
   EXPECT_GT(region_of(window).size(), 100U);
   for (const int v : region_of(window)) {
     EXPECT_GT(window.host()(v, 0), 0.1);
@@ -236,8 +236,8 @@ TEST(DragRegion, WholeComponentHasNoAnchors) {
   window.click(top);
   window.session.whole_component();
   window.session.wait();
-  EXPECT_EQ(window.session.region()->size(), mesh.vertices.rows() / 2);
-  EXPECT_EQ(window.session.region()->count(VertexClass::Anchor), 0);
+  EXPECT_EQ(window.session.shown().region()->size(), mesh.vertices.rows() / 2);
+  EXPECT_EQ(window.session.shown().region()->count(VertexClass::Anchor), 0);
 }
 
 TEST(DragRegion, HandleAloneIsRefusedWithALine) {
@@ -299,7 +299,7 @@ TEST(DragHandle, SeveralGroupsMoveOnTheirOwn) {
 TEST(DragHandle, CurveIsJoinedByShortestPathsAndMovesAsOne) {
   Window window(plate());
   change(window, [](DragSettings& s) { s.radius = 15; });
-  window.session.set_handle_mode(HandleMode::Curve);
+  window.session.set(&Tools::mode, HandleMode::Curve);
   window.click(at(25, 30));
   window.click(at(35, 30));
   ASSERT_EQ(window.session.groups().size(), 1U);
@@ -382,7 +382,7 @@ TEST(DragHandles, ChosenGroupsTurnAboutTheirCommonCentre) {
 /// A curve through three points, 5 vertices apart.
 void draw_mouth(Window& window) {
   change(window, [](DragSettings& s) { s.radius = 15; });
-  window.session.set_handle_mode(HandleMode::Curve);
+  window.session.set(&Tools::mode, HandleMode::Curve);
   for (const int v : {at(25, 30), at(30, 30), at(35, 30)}) {
     window.click(v);
   }
@@ -432,21 +432,21 @@ TEST(DragCurve, BendsByAPointWhileTheOthersHold) {
 TEST(DragCurve, SmilesOnBothSidesOfAPlane) {
   Window window(shapes::grid(61, 61));
   change(window, [](DragSettings& s) { s.radius = 15; });
-  window.session.set_mirror(MirrorPlane{Vector3(30, 0, 0), Vector3::UnitX()});
-  window.session.set_handle_mode(HandleMode::Curve);
-  const auto place = [&](int x, int y) { return support::vertex_at(window.session.original(), Vector3(x, y, 0)); };
+  window.session.set(&Tools::mirror, MirrorPlane{Vector3(30, 0, 0), Vector3::UnitX()});
+  window.session.set(&Tools::mode, HandleMode::Curve);
+  const auto position = [&](int x, int y) { return support::vertex_at(window.session.original(), Vector3(x, y, 0)); };
   for (const int x : {24, 30, 36}) {
-    window.click(place(x, 30));
+    window.click(position(x, 30));
   }
-  window.drag(place(36, 30), Vector2(10, -30));
+  window.drag(position(36, 30), Vector2(10, -30));
   ASSERT_EQ(window.session.figures().steps, 1) << window.session.message();
   EXPECT_TRUE(window.session.recorded().steps[0].mirror);
   const Points way = window.host() - window.session.original().vertices;
-  EXPECT_GT(way(place(36, 30), 1), 0.5);
-  EXPECT_GT(way(place(36, 30), 0), 0.1);
-  EXPECT_NEAR(way(place(24, 30), 1), way(place(36, 30), 1), 1e-3);  // diagonals of the grid are not symmetric
-  EXPECT_NEAR(way(place(24, 30), 0), -way(place(36, 30), 0), 1e-3);
-  EXPECT_LT(way.row(place(30, 30)).norm(), 0.05);
+  EXPECT_GT(way(position(36, 30), 1), 0.5);
+  EXPECT_GT(way(position(36, 30), 0), 0.1);
+  EXPECT_NEAR(way(position(24, 30), 1), way(position(36, 30), 1), 1e-3);  // diagonals of the grid are not symmetric
+  EXPECT_NEAR(way(position(24, 30), 0), -way(position(36, 30), 0), 1e-3);
+  EXPECT_LT(way.row(position(30, 30)).norm(), 0.05);
   window.expect_consistent();
 }
 
@@ -467,7 +467,7 @@ TEST(DragCurve, PressBetweenItsPointsMovesAllOfIt) {
 TEST(DragCurve, NextPieceIsShownAsTheClickTakesIt) {
   Window window(plate());
   change(window, [](DragSettings& s) { s.radius = 15; });
-  window.session.set_handle_mode(HandleMode::Curve);
+  window.session.set(&Tools::mode, HandleMode::Curve);
   window.click(at(25, 30));
   const auto look = [&](int vertex) {
     for (int tries = 0; tries < 1000; ++tries) {
@@ -760,7 +760,7 @@ TEST(DragLastStep, TakesNumbersAndAShareOfTheWay) {
   window.session.set_last_step(motion, 0.5);
   window.session.wait();
   change(window, [](DragSettings& s) { s.edit.membrane = 100; });
-  EXPECT_EQ(window.session.last_step()->share, 0.5);
+  EXPECT_EQ(window.session.last_step()->fraction, 0.5);
   window.expect_consistent();
   while (window.session.can_undo()) {
     window.session.undo();
@@ -770,7 +770,7 @@ TEST(DragLastStep, TakesNumbersAndAShareOfTheWay) {
     window.session.redo();
   }
   window.session.wait();
-  EXPECT_EQ(window.session.last_step()->share, 0.5);
+  EXPECT_EQ(window.session.last_step()->fraction, 0.5);
   // None of the way is none, to the bit; and it can be gone again.
   window.session.set_last_step(motion, 0);
   window.session.wait();
@@ -790,10 +790,10 @@ TEST(DragLastStep, IsShownWhileItChangesAndAppliedAtTheEnd) {
   const double rest = window.session.original().vertices(kMiddle, 2);
   const Points before = window.host();
   const HandleTransform motion = window.session.last_step()->motion;
-  for (const double share : {0.9, 0.7, 0.5}) {
-    window.session.set_last_step(motion, share, true);
+  for (const double fraction : {0.9, 0.7, 0.5}) {
+    window.session.set_last_step(motion, fraction, true);
     window.session.wait();
-    EXPECT_NEAR(window.host()(kMiddle, 2) - rest, 4 * share, 0.05);
+    EXPECT_NEAR(window.host()(kMiddle, 2) - rest, 4 * fraction, 0.05);
     EXPECT_FALSE(window.settled());
     EXPECT_EQ(window.session.recorded().steps[0].handles[0].transform.translation, Vector3(0, 0, 4));
   }
@@ -832,7 +832,7 @@ TEST(DragLastStep, OfABentCurveAndOfSeveralHandlesAndOnBothSides) {
   several.expect_consistent();
 
   Window both(shapes::grid(61, 61));
-  both.session.set_mirror(MirrorPlane{Vector3(30, 0, 0), Vector3::UnitX()});
+  both.session.set(&Tools::mirror, MirrorPlane{Vector3(30, 0, 0), Vector3::UnitX()});
   const int right = support::vertex_at(both.session.original(), Vector3(38, 30, 0)),
             left = support::vertex_at(both.session.original(), Vector3(22, 30, 0));
   both.click(right);

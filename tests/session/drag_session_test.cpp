@@ -42,7 +42,7 @@ TEST(DragSession, PressDragReleaseBringsTheVertexUnderTheCursor) {
   EXPECT_LT((window.at(kMiddle).pixel - target).norm(), 0.1);
   EXPECT_TRUE(window.settled());
   window.expect_consistent();
-  const std::vector<int>& region = window.session.region()->mesh_vertex;
+  const std::vector<int>& region = window.session.shown().region()->mesh_vertex;
   int fixed = 0;
   for (int v = 0; v < window.host().rows(); ++v) {
     if (!has(region, v)) {
@@ -133,9 +133,9 @@ TEST(DragSession, ClickShowsTheRegionAndMovesNothing) {
   Window window(hills());
   window.click(kMiddle);
   EXPECT_EQ(window.session.state(), State::Picked);
-  ASSERT_NE(window.session.region(), nullptr);
-  EXPECT_EQ(window.session.region()->count(VertexClass::Handle), 1);
-  EXPECT_GT(window.session.region()->count(VertexClass::Anchor), 0);
+  ASSERT_NE(window.session.shown().region(), nullptr);
+  EXPECT_EQ(window.session.shown().region()->count(VertexClass::Handle), 1);
+  EXPECT_GT(window.session.shown().region()->count(VertexClass::Anchor), 0);
   EXPECT_EQ(window.poses(), 0);
   EXPECT_TRUE(window.log.empty());
   EXPECT_FALSE(window.session.can_undo());
@@ -149,7 +149,7 @@ TEST(DragSession, ClickBesideTheMeshSaysSoAndDoesNothing) {
   window.session.release(window.at(Vector2(100, 100)));
   window.session.wait();
   EXPECT_EQ(window.session.state(), State::Idle);
-  EXPECT_EQ(window.session.region(), nullptr);
+  EXPECT_EQ(window.session.shown().region(), nullptr);
 }
 
 TEST(DragSession, RefusesAMeshWithoutFaces) {
@@ -232,10 +232,10 @@ TEST(DragSession, NextClickAbandonsWhatIsPrepared) {
   window.click(other);
   EXPECT_EQ(window.session.groups(), std::vector<std::vector<int>>{{other}});
   EXPECT_TRUE(window.session.ready());
-  EXPECT_EQ(window.session.region()
-                ->classes[static_cast<std::size_t>(std::lower_bound(window.session.region()->mesh_vertex.begin(),
-                                                                    window.session.region()->mesh_vertex.end(), other) -
-                                                   window.session.region()->mesh_vertex.begin())],
+  EXPECT_EQ(window.session.shown().region()->classes[static_cast<std::size_t>(
+                std::lower_bound(window.session.shown().region()->mesh_vertex.begin(),
+                                 window.session.shown().region()->mesh_vertex.end(), other) -
+                window.session.shown().region()->mesh_vertex.begin())],
             VertexClass::Handle);
 }
 
@@ -395,15 +395,16 @@ TEST(DragSession, AnyEventsLeaveAConsistentSession) {
         break;
       }
       case 20:
-        session.set_brush_target(static_cast<BrushTarget>(pick(3)));
+        session.set(&Tools::brush, static_cast<BrushTarget>(pick(3)));
         break;
       case 21:
-        session.show_gizmo(pick(4) != 0, static_cast<GizmoAxes>(pick(3)));
-        session.set_pivot(static_cast<Pivot>(pick(3)));
+        session.set(&Tools::gizmo, pick(4) != 0);
+        session.set(&Tools::axes, static_cast<GizmoAxes>(pick(3)));
+        session.set(&Tools::pivot, static_cast<Pivot>(pick(3)));
         break;
       case 24:
-        session.set_mirror(pick(2) ? std::optional(MirrorPlane{Vector3(2, 1, 0), Vector3::Unit(pick(3))})
-                                   : std::nullopt);
+        session.set(&Tools::mirror,
+                    pick(2) ? std::optional(MirrorPlane{Vector3(2, 1, 0), Vector3::Unit(pick(3))}) : std::nullopt);
         break;
       case 22:
         session.set_anchors({pick(n), pick(n), pick(n)});

@@ -78,27 +78,27 @@ TEST(Gizmo, ArrowsAreTakenAlongTheirLengthAndRingsOnTheirNearHalf) {
     const Gizmo gizmo = place_gizmo(kCenter, GizmoAxes::Layer, kNoNormal, view);
     for (int axis = 0; axis < 3; ++axis) {
       if (gizmo.arrow_is_seen(axis, view)) {
-        EXPECT_EQ(gizmo_part_at(gizmo, over(view, gizmo.along(axis, 1.1))), arrow(axis)) << axis;
+        EXPECT_EQ(gizmo_element_at(gizmo, over(view, gizmo.along(axis, 1.1))), arrow(axis)) << axis;
         ++arrows;
       }
       // Where no other part crosses: between the arrows.
       for (int k = 0; k < 8 && gizmo.ring_is_seen(axis, view); ++k) {
-        const Vector3 place = gizmo.on_ring(axis, 0.8 * std::acos(-1.0) * k + 0.8);
-        bool alone = (place - kCenter).dot(view.toward_viewer(kCenter)) > 0;
+        const Vector3 position = gizmo.on_ring(axis, 0.8 * std::acos(-1.0) * k + 0.8);
+        bool alone = (position - kCenter).dot(view.toward_viewer(kCenter)) > 0;
         for (int other = 0; other < 3; ++other) {
           Gizmo without = gizmo;
           without.axes.setZero();
           without.axes.col(other) = gizmo.axes.col(other);
-          const GizmoElement its = gizmo_part_at(without, over(view, place));
+          const GizmoElement its = gizmo_element_at(without, over(view, position));
           alone = alone && (its == GizmoElement::None || its == ring(axis));
         }
         if (alone) {
-          EXPECT_EQ(gizmo_part_at(gizmo, over(view, place, Vector2(1, -1))), ring(axis)) << axis << " " << k;
+          EXPECT_EQ(gizmo_element_at(gizmo, over(view, position, Vector2(1, -1))), ring(axis)) << axis << " " << k;
           ++rings;
         }
       }
     }
-    EXPECT_EQ(gizmo_part_at(gizmo, over(view, gizmo.knob(view), Vector2(3, 3))), GizmoElement::Scale);
+    EXPECT_EQ(gizmo_element_at(gizmo, over(view, gizmo.knob(view), Vector2(3, 3))), GizmoElement::Scale);
   }
   EXPECT_GE(arrows, 10);
   EXPECT_GE(rings, 10);
@@ -110,9 +110,9 @@ TEST(Gizmo, LeavesThePressOnTheHandleAlone) {
     const Gizmo gizmo = place_gizmo(kCenter, GizmoAxes::Layer, kNoNormal, view);
     for (double angle = 0; angle < 6.3; angle += 0.1) {
       const Vector2 off = 17 * Vector2(std::cos(angle), std::sin(angle));
-      EXPECT_EQ(gizmo_part_at(gizmo, over(view, kCenter, off)), GizmoElement::None);
+      EXPECT_EQ(gizmo_element_at(gizmo, over(view, kCenter, off)), GizmoElement::None);
     }
-    EXPECT_EQ(gizmo_part_at(gizmo, over(view, kCenter, Vector2(-150, 60))), GizmoElement::None);
+    EXPECT_EQ(gizmo_element_at(gizmo, over(view, kCenter, Vector2(-150, 60))), GizmoElement::None);
   }
 }
 
@@ -123,9 +123,9 @@ TEST(Gizmo, WhatIsSeenFromItsEndOrSideIsNotTaken) {
   EXPECT_FALSE(gizmo.ring_is_seen(0, view));
   EXPECT_TRUE(gizmo.ring_is_seen(2, view));
   // The ring about X covers the arrow along Y: that is the arrow's place, below it is no one's.
-  EXPECT_EQ(gizmo_part_at(gizmo, over(view, kCenter + 0.5 * gizmo.length * Vector3::UnitY())), GizmoElement::MoveY);
-  EXPECT_EQ(gizmo_part_at(gizmo, over(view, kCenter - 0.5 * gizmo.length * Vector3::UnitY())), GizmoElement::None);
-  EXPECT_EQ(gizmo_part_at(gizmo, over(view, kCenter - 0.8 * gizmo.length * Vector3::UnitY())), GizmoElement::TurnZ);
+  EXPECT_EQ(gizmo_element_at(gizmo, over(view, kCenter + 0.5 * gizmo.length * Vector3::UnitY())), GizmoElement::MoveY);
+  EXPECT_EQ(gizmo_element_at(gizmo, over(view, kCenter - 0.5 * gizmo.length * Vector3::UnitY())), GizmoElement::None);
+  EXPECT_EQ(gizmo_element_at(gizmo, over(view, kCenter - 0.8 * gizmo.length * Vector3::UnitY())), GizmoElement::TurnZ);
 }
 
 TEST(Gizmo, TheNearHalfOfARingIsPreferredToTheFarHalfOfAnother) {
@@ -142,7 +142,7 @@ TEST(Gizmo, TheNearHalfOfARingIsPreferredToTheFarHalfOfAnother) {
           const Vector3 near = gizmo.on_ring(other, along);
           if ((far - kCenter).dot(sight) < -0.05 * gizmo.length && (near - kCenter).dot(sight) > 0.05 * gizmo.length &&
               (view.pixel(far) - view.pixel(near)).norm() < 2) {
-            EXPECT_NE(gizmo_part_at(gizmo, over(view, far)), ring(axis));
+            EXPECT_NE(gizmo_element_at(gizmo, over(view, far)), ring(axis));
             ++crossings;
           }
         }

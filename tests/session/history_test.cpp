@@ -22,7 +22,7 @@ EditStep step(int number) {
 }
 
 /// Places that no arithmetic would give back: negative zeros, denormals, numbers without a short decimal.
-Points places(int rows, int seed) {
+Points positions(int rows, int seed) {
   Points result(rows, 3);
   for (int i = 0; i < rows; ++i) {
     result.row(i) << -0.0, std::numeric_limits<double>::denorm_min() * (i + seed), 1.0 / (3 + i + 7 * seed);
@@ -35,7 +35,7 @@ TEST(History, UndoAndRedoGiveBackEveryBit) {
   std::vector<Points> states{history.mesh()->vertices};
   const std::vector<int> sets[] = {{3, 5, 20}, {0, 5, 6, 35}, {20}};
   for (int k = 0; k < 3; ++k) {
-    history.apply(step(k + 1), sets[k], places(static_cast<int>(sets[k].size()), k));
+    history.apply(step(k + 1), sets[k], positions(static_cast<int>(sets[k].size()), k));
     states.push_back(history.mesh()->vertices);
     ASSERT_FALSE(same_bits(states[k], states[k + 1]));
   }
@@ -54,11 +54,11 @@ TEST(History, UndoAndRedoGiveBackEveryBit) {
 
 TEST(History, ApplyForgetsWhatWasUndone) {
   History history(shapes::grid(4, 4));
-  history.apply(step(1), {1}, places(1, 1));
-  history.apply(step(2), {2}, places(1, 2));
+  history.apply(step(1), {1}, positions(1, 1));
+  history.apply(step(2), {2}, positions(1, 2));
   history.undo();
   ASSERT_TRUE(history.can_redo());
-  history.apply(step(3), {3}, places(1, 3));
+  history.apply(step(3), {3}, positions(1, 3));
   EXPECT_FALSE(history.can_redo());
   ASSERT_EQ(history.steps().size(), 2U);
   EXPECT_EQ(history.steps()[1].step.settings.iterations, 3);
@@ -67,14 +67,14 @@ TEST(History, ApplyForgetsWhatWasUndone) {
 
 TEST(History, AmendedStepLeavesNothingOfTheOneBefore) {
   History amended(shapes::grid(6, 6));
-  amended.apply(step(1), {1, 2, 3}, places(3, 1));
-  amended.apply(step(2), {2, 3, 4}, places(3, 2));
+  amended.apply(step(1), {1, 2, 3}, positions(3, 1));
+  amended.apply(step(2), {2, 3, 4}, positions(3, 2));
   const Points before = amended.before_last()->vertices;
-  amended.amend(step(3), {4, 5}, places(2, 3));
+  amended.amend(step(3), {4, 5}, positions(2, 3));
   History at_once(shapes::grid(6, 6));
-  at_once.apply(step(1), {1, 2, 3}, places(3, 1));
+  at_once.apply(step(1), {1, 2, 3}, positions(3, 1));
   EXPECT_TRUE(same_bits(before, at_once.mesh()->vertices));
-  at_once.apply(step(3), {4, 5}, places(2, 3));
+  at_once.apply(step(3), {4, 5}, positions(2, 3));
   EXPECT_TRUE(same_bits(amended.mesh()->vertices, at_once.mesh()->vertices));
   ASSERT_EQ(amended.steps().size(), 2U);
   EXPECT_EQ(amended.steps()[1].step.settings.iterations, 3);
@@ -90,9 +90,9 @@ TEST(History, MeshIsReplacedAndNeverChanged) {
     seen.push_back(history.mesh());
     copies.push_back(history.mesh()->vertices);
   };
-  history.apply(step(1), {1, 2}, places(2, 1));
+  history.apply(step(1), {1, 2}, positions(2, 1));
   look();
-  history.amend(step(2), {2, 3}, places(2, 2));
+  history.amend(step(2), {2, 3}, positions(2, 2));
   look();
   history.undo();
   look();

@@ -57,7 +57,7 @@ TEST_F(Snap, TargetsAreFoundWhenATranslationBegins) {
   drag();
   EXPECT_EQ(requests, 0);
   session.undo();
-  session.set_snaps(true);
+  session.set(&Tools::snaps, true);
   session.press(start);
   session.release(start);
   session.wait();

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "lapedit/base/simd.h"
+#include "lapedit/base/compiler.h"
 
 namespace lapedit {
 

@@ -6,7 +6,7 @@
 #include <condition_variable>
 #include <mutex>
 
-#include "lapedit/base/simd.h"
+#include "lapedit/base/compiler.h"
 
 namespace lapedit {
 

@@ -1,54 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <bitset>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <type_traits>
 
-// All that only GCC and clang understand, and with LAPEDIT_PLAIN_KERNELS a form of it for any C++17 compiler.
-//
+#include "lapedit/base/compiler.h"
+
 // Kernels for several generations of processors in one build, for the few files that need them: a kernel is an
 // always-inlined template, and one function per generation, with that generation's attribute, calls it. Vectors are
 // GCC's and clang's vector types, which every generation can compile; plain ones are structs of numbers.
-
-#if defined(__GNUC__) && !defined(LAPEDIT_PLAIN_KERNELS)
-#define LAPEDIT_ALWAYS_INLINE __attribute__((always_inline))
-#define LAPEDIT_PRAGMA(text) _Pragma(#text)
-/// Before a loop that has to be unrolled for its sums to stay in registers.
-#define LAPEDIT_UNROLL(count) LAPEDIT_PRAGMA(GCC unroll count)
-#else
-#define LAPEDIT_ALWAYS_INLINE
-#define LAPEDIT_UNROLL(count)
-#ifndef LAPEDIT_PLAIN_KERNELS
-#define LAPEDIT_PLAIN_KERNELS
-#endif
-#endif
-#define LAPEDIT_INLINE inline LAPEDIT_ALWAYS_INLINE
-#ifdef __GNUC__
-#ifdef __MINGW32__  // whose printf() is that of GNU in C++, while GCC checks against Microsoft's
-#define LAPEDIT_PRINTF(text, first) __attribute__((format(gnu_printf, text, first)))
-#else
-#define LAPEDIT_PRINTF(text, first) __attribute__((format(printf, text, first)))
-#endif
-#else
-#define LAPEDIT_PRINTF(text, first)
-#endif
-
-#if defined(__x86_64__) && !defined(LAPEDIT_PLAIN_KERNELS)
-#define LAPEDIT_HAVE_AVX 1
-#define LAPEDIT_AVX2 __attribute__((target("avx2,fma")))
-#ifdef __clang__
-#define LAPEDIT_AVX512 __attribute__((target("avx512f,avx512vl,avx512dq,avx2,fma")))
-#else
-#define LAPEDIT_AVX512 __attribute__((target("avx512f,avx512vl,avx512dq,avx2,fma,prefer-vector-width=512")))
-#endif
-#else
-#define LAPEDIT_AVX2
-#define LAPEDIT_AVX512
-#endif
 
 namespace lapedit {
 
@@ -155,12 +118,12 @@ PlainVector<Scalar, lanes> select(const Mask& mask, PlainVector<Scalar, lanes> a
 #else
 template <class Scalar, int lanes>
 struct Simd {
-  typedef Scalar Vector __attribute__((vector_size(lanes * sizeof(Scalar))));
+  typedef Scalar Vector LAPEDIT_VECTOR_SIZE(lanes * sizeof(Scalar));
 };
 /// Lanes of two vectors, numbered through.
 template <int... numbers, class Vector>
 LAPEDIT_INLINE Vector shuffle(Vector a, Vector b) {
-  return __builtin_shufflevector(a, b, numbers...);
+  return LAPEDIT_SHUFFLE(a, b, numbers...);
 }
 /// Of each lane a where the mask is set, else b.
 template <class Mask, class Vector>
@@ -181,38 +144,10 @@ template <class Vector, class Scalar>
 LAPEDIT_INLINE void store(Scalar* to, Vector vector) {
   std::memcpy(to, &vector, sizeof vector);
 }
-#ifdef __GNUC__
-LAPEDIT_INLINE void prefetch(const void* place) {
-  __builtin_prefetch(place);
-}
-LAPEDIT_INLINE int count_bits(std::uint64_t word) {
-  return __builtin_popcountll(word);
-}
-LAPEDIT_INLINE int lowest_bit(std::uint64_t word) {
-  return __builtin_ctzll(word);
-}
-#else
-inline void prefetch(const void*) {}
-inline int count_bits(std::uint64_t word) {
-  return static_cast<int>(std::bitset<64>(word).count());
-}
-inline int lowest_bit(std::uint64_t word) {
-  return count_bits((word & (~word + 1)) - 1);
-}
-#endif
 /// a b + c, rounded once.
 LAPEDIT_INLINE double fused(double a, double b, double c) {
   return std::fma(a, b, c);
 }
-/// Tells the processor that this is a loop that waits.
-inline void pause_processor() {
-#if defined(__GNUC__) && (defined(__x86_64__) || defined(__i386__))
-  __builtin_ia32_pause();
-#elif defined(__GNUC__) && defined(__aarch64__)
-  __asm__ __volatile__("yield");
-#endif
-}
-
 /// Returns, of functions that do the same, the one for cpu_level().
 template <class Function>
 Function for_processor(Function plain, Function avx2, Function avx512) {

@@ -103,11 +103,11 @@ void for_indices(ThreadPool& pool, int count, int grain, const Body& body) {
   });
 }
 
-/// Calls body(part, first, last) for `parts` parts of [0, count), whose number does not depend on that of threads, so
-/// that sums have a fixed order.
+/// Calls body(chunk, first, last) for `chunks` chunks of [0, count), whose number does not depend on that of threads,
+/// so that sums have a fixed order.
 template <class Body>
-void in_parts(ThreadPool& pool, int parts, std::int64_t count, const Body& body) {
-  pool.each(parts, [&](int part) { body(part, count * part / parts, count * (part + 1) / parts); });
+void in_chunks(ThreadPool& pool, int chunks, std::int64_t count, const Body& body) {
+  pool.each(chunks, [&](int chunk) { body(chunk, count * chunk / chunks, count * (chunk + 1) / chunks); });
 }
 
 }  // namespace lapedit

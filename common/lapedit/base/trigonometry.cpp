@@ -59,9 +59,9 @@ Matrix3 rotation_about(const Vector3& axis, double degrees) {
   return cosine * Matrix3::Identity() + sine * cross + (1 - cosine) * (axis * axis.transpose());
 }
 
-double sine_ratio(double degrees, double part) {
+double sine_ratio(double degrees, double fraction) {
   const double whole = sine_cosine(degrees).sine;
-  return whole != 0 ? sine_cosine(part * degrees).sine / whole : part;
+  return whole != 0 ? sine_cosine(fraction * degrees).sine / whole : fraction;
 }
 
 AxisAngle::AxisAngle(const Matrix3& rotation) {

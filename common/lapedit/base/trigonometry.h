@@ -11,8 +11,8 @@ namespace lapedit {
 /// Returns the rotation by an angle of any size about a unit axis, to 1e-15; multiples of 90 degrees are exact.
 Matrix3 rotation_about(const Vector3& axis, double degrees);
 
-/// Returns sin(part * angle) / sin(angle) for an angle of at most 90 degrees; `part` for an angle of 0.
-double sine_ratio(double degrees, double part);
+/// Returns sin(fraction * angle) / sin(angle) for an angle of at most 90 degrees; `fraction` for an angle of 0.
+double sine_ratio(double degrees, double fraction);
 
 /// A rotation's angle, 0 to 180 degrees, and unit axis; the z axis for the identity.
 struct AxisAngle {

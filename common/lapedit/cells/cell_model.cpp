@@ -42,7 +42,7 @@ CellModel::CellModel(const TriangleMesh& mesh, std::shared_ptr<const RestPose> r
       paths_(*rest_->region, rest_->local, rest_->origin),
       hold_(rest_->region->size(), 0),
       quaternions_(cells_.count()),
-      placed_(cells_.count()),
+      posed_(cells_.count()),
       rigid_columns_(3 * rest_->region->anchored.size()) {
   const std::vector<double>& depths = rest_->region->anchor_depth;
   std::transform(depths.begin(), depths.end(), hold_.begin(), smooth_step);
@@ -84,11 +84,11 @@ void CellModel::spread(std::vector<Matrix3>& rotations, ThreadPool& pool) {
   });
 }
 
-struct CellModel::Placing {
+struct CellModel::Displacing {
   const CellBlend& blend;
   const std::vector<double>& hold;
   const std::vector<int>& component;
-  const Placed* cells;
+  const PosedCell* cells;
   const Floats4* rigid;  // null: no component moves rigidly
   Transform* transforms;
   double* displacement;
@@ -98,11 +98,11 @@ struct CellModel::Placing {
     const int* const which = &blend.cells(0, i);
     const float* const weights = &blend.weights(0, i);
     const Four towards = cells[which[0]].quaternion;
-    Four q = {}, way = {}, centre = {};
+    Four q = {}, moved = {}, centre = {};
     for (int k = 0; k < CellBlend::kReach; ++k) {
-      const Placed& one = cells[which[k]];
+      const PosedCell& one = cells[which[k]];
       q += weights[k] * sum_of(one.quaternion * towards) * one.quaternion;
-      way += weights[k] * one.way;
+      moved += weights[k] * one.moved;
       centre += weights[k] * one.centre;
     }
     q += std::max(0.0F, static_cast<float>(kCancelled) - std::sqrt(sum_of(q * q))) * towards;
@@ -123,40 +123,40 @@ struct CellModel::Placing {
       const Four* const by = rigid + 3 * static_cast<std::ptrdiff_t>(component[i]);
       detail += detail[0] * by[0] + detail[1] * by[1] + detail[2] * by[2];
     }
-    way += detail[0] * columns[0] + detail[1] * columns[1] + detail[2] * columns[2];
+    moved += detail[0] * columns[0] + detail[1] * columns[1] + detail[2] * columns[2];
     for (std::ptrdiff_t e = 0; e < 3; ++e) {
-      displacement[3 * static_cast<std::ptrdiff_t>(i) + e] = static_cast<double>((1 - held) * way[e]);
+      displacement[3 * static_cast<std::ptrdiff_t>(i) + e] = static_cast<double>((1 - held) * moved[e]);
     }
   }
 };
 
 /// Moves a handle vertex towards its target, according to its weight.
-void CellModel::place_handle(int i, double unit, Points& displacement) const {
+void CellModel::displace_handle(int i, double unit, Points& displacement) const {
   const double weight = settings_.handle_weight * rest_->region->weight(i),
                held = weight * weight / (1 + weight * weight);
   displacement.row(i) += held * (paths_.displacement(i).transpose() / unit - displacement.row(i));
 }
 
-void CellModel::place(double unit, Transform* transforms, Points& displacement, ThreadPool& pool) {
+void CellModel::displace(double unit, Transform* transforms, Points& displacement, ThreadPool& pool) {
   constexpr int kGrain = 2048;
   const Region& region = *rest_->region;
   for (int c = 0; c < cells_.count(); ++c) {
-    placed_[c] = {floats4(quaternions_[c]), floats4(pose_.displacement().row(c) / unit),
-                  floats4(cells_.centres.row(c) / unit)};
+    posed_[c] = {floats4(quaternions_[c]), floats4(pose_.displacement().row(c) / unit),
+                 floats4(cells_.centres.row(c) / unit)};
   }
   const bool rigid = paths_.moves_rigidly();
   for (std::size_t k = 0; k < rigid_columns_.size(); ++k) {
     rigid_columns_[k] = floats4(paths_.rigid_motions()[k / 3].linear.col(static_cast<Eigen::Index>(k % 3)));
   }
-  const Placing placing = {blend_,
-                           hold_,
-                           region.component,
-                           placed_.data(),
-                           rigid ? rigid_columns_.data() : nullptr,
-                           transforms,
-                           displacement.data()};
+  const Displacing displacing = {blend_,
+                                 hold_,
+                                 region.component,
+                                 posed_.data(),
+                                 rigid ? rigid_columns_.data() : nullptr,
+                                 transforms,
+                                 displacement.data()};
   in_pieces(pool, region.size(), kGrain, [&](int first, int last) {
-    run_kernel(placing, first, last);
+    run_kernel(displacing, first, last);
     for (int i = first; i < last; ++i) {
       if (rigid) {
         const LocalMotion& along = paths_.rigid_motions()[region.component[i]];
@@ -169,7 +169,7 @@ void CellModel::place(double unit, Transform* transforms, Points& displacement, 
         }
       }
       if (region.classes[i] == VertexClass::Handle) {
-        place_handle(i, unit, displacement);
+        displace_handle(i, unit, displacement);
       }
     }
   });

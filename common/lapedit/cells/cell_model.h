@@ -54,15 +54,15 @@ class CellModel {
   /// @param transforms       one per vertex: `rest` is read, `columns` are written
   /// @param displacement  out, one more row than vertices: displacements from the rest pose, exactly zero where nothing
   ///                      moves
-  void place(double unit, Transform* transforms, Points& displacement, ThreadPool& pool);
+  void displace(double unit, Transform* transforms, Points& displacement, ThreadPool& pool);
 
  private:
   /// The pose of a cell in single precision.
-  struct Placed {
-    Floats4 quaternion, way, centre;
+  struct PosedCell {
+    Floats4 quaternion, moved, centre;
   };
-  struct Placing;
-  void place_handle(int i, double unit, Points& displacement) const;
+  struct Displacing;
+  void displace_handle(int i, double unit, Points& displacement) const;
 
   std::shared_ptr<const RestPose> rest_;
   EditSettings settings_;
@@ -73,7 +73,7 @@ class CellModel {
   std::vector<double> hold_;  // by how much a vertex's rotation is reduced, 0 to 1
 
   std::vector<Eigen::Vector4d> quaternions_;  // of the cells' last pose, x y z w, with either sign
-  std::vector<Placed> placed_;
+  std::vector<PosedCell> posed_;
   std::vector<Floats4> rigid_columns_;  // three columns per component
 };
 

@@ -16,7 +16,7 @@ namespace {
 // Lengths are whole numbers of a step, so that ties are ties however the mesh is rotated, scaled or numbered.
 using Steps = std::uint16_t;
 constexpr Steps kSpacing = 60000, kFar = 65535;
-constexpr int kParts = 8;  // of sums
+constexpr int kChunks = 8;  // of sums
 constexpr int kGrain = 4096;
 
 class Packing {
@@ -36,7 +36,7 @@ class Packing {
   void sort();
   int seed(int most, std::vector<int>& of);
   void claim(int seed, int cell, std::vector<int>& of);
-  std::array<std::int64_t, 4> place(int vertex) const;
+  std::array<std::int64_t, 4> position(int vertex) const;
   bool is_rigid(int i) const {
     return region_.classes[i] == VertexClass::Handle
                ? region_.weight(i) == 1
@@ -100,29 +100,29 @@ void Packing::find_rigid() {
 
 /// Sum of area times density^2 over the faces, of all vertices or of those that are not rigid.
 double Packing::sum_of_cells(bool all) const {
-  double sums[kParts] = {};
-  in_parts(pool_, kParts, region_.faces.rows(), [&](int part, Eigen::Index first, Eigen::Index last) {
+  double sums[kChunks] = {};
+  in_chunks(pool_, kChunks, region_.faces.rows(), [&](int chunk, Eigen::Index first, Eigen::Index last) {
     for (Eigen::Index f = first; f < last; ++f) {
       double density = 0;
       Vector3 corner[3];
       for (int k = 0; k < 3; ++k) {
         const int i = region_.faces(f, k);
         corner[k] = rest_.row(i).transpose();
-        const auto own = static_cast<double>(density_[i]);
-        density += all || !rigid_[i] ? own * own : 0;
+        const auto here = static_cast<double>(density_[i]);
+        density += all || !rigid_[i] ? here * here : 0;
       }
-      sums[part] += density / 6 * (corner[1] - corner[0]).cross(corner[2] - corner[0]).norm();
+      sums[chunk] += density / 6 * (corner[1] - corner[0]).cross(corner[2] - corner[0]).norm();
     }
   });
-  return std::accumulate(sums, sums + kParts, 0.0);
+  return std::accumulate(sums, sums + kChunks, 0.0);
 }
 
 /// Drops the last bits, which depend on the order of summation.
 double rounded_ratio(double x) {
   constexpr double kBits = 4096;
   int exponent = 0;
-  const double part = std::frexp(x, &exponent);
-  return std::ldexp(std::round(part * kBits) / kBits, exponent);
+  const double chunk = std::frexp(x, &exponent);
+  return std::ldexp(std::round(chunk * kBits) / kBits, exponent);
 }
 
 /// In units of a length that scales with the mesh.
@@ -160,8 +160,8 @@ void Packing::choose_spacing() {
   });
   if (has_inside_) {
     for_indices(pool_, n, kGrain, [&](int i) {
-      const auto own = static_cast<double>(density_[i]);
-      density_[i] = static_cast<float>(own / (1 + kInside * depth_[i] * own / spacing_));
+      const auto here = static_cast<double>(density_[i]);
+      density_[i] = static_cast<float>(here / (1 + kInside * depth_[i] * here / spacing_));
     });
     spacing_ = std::max(spacing_, spacing_for(sum_of_cells(true), target_, n));
   }
@@ -212,14 +212,14 @@ void Packing::sort() {
 
 /// Order of vertices with equal distances from the rims of handles: by the distance from the middle of the region,
 /// which does not depend on the orientation of the mesh; then by coordinates.
-std::array<std::int64_t, 4> Packing::place(int vertex) const {
-  constexpr double kPlaces = 1 << 20, kBetween = 0.3, kMost = 9e18;  // the last is within 64 bits
+std::array<std::int64_t, 4> Packing::position(int vertex) const {
+  constexpr double kSteps = 1 << 20, kBetween = 0.3, kMost = 9e18;  // the last is within 64 bits
   const Vector3 p = rest_.row(vertex).transpose();
   const double values[4] = {(p - middle_).norm(), p[0], p[1], p[2]};
   std::array<std::int64_t, 4> result = {};
   for (int k = 0; k < 4 && spacing_ > 0; ++k) {
-    const double place = std::floor(values[k] / spacing_ * kPlaces + kBetween);
-    result[k] = static_cast<std::int64_t>(std::clamp(place, -kMost, kMost));
+    const double position = std::floor(values[k] / spacing_ * kSteps + kBetween);
+    result[k] = static_cast<std::int64_t>(std::clamp(position, -kMost, kMost));
   }
   return result;
 }
@@ -232,10 +232,10 @@ void Packing::claim(int seed, int cell, std::vector<int>& of) {
   of[seed] = cell;
   for (std::size_t head = 0; head < queue_.size(); ++head) {
     const int v = queue_[head];
-    const unsigned own = distance_[v];
+    const unsigned here = distance_[v];
     for (int k = neighbours.offsets[v]; k < neighbours.offsets[v + 1]; ++k) {
       const int w = neighbours.values[k];
-      const unsigned through = own + lengths_[k];
+      const unsigned through = here + lengths_[k];
       if (through <= kSpacing && through < distance_[w]) {
         distance_[w] = static_cast<Steps>(through);
         of[w] = cell;
@@ -261,7 +261,7 @@ int Packing::seed(int most, std::vector<int>& of) {
       }
     }
     if (tied_.size() > 1) {
-      std::stable_sort(tied_.begin(), tied_.end(), [this](int a, int b) { return place(a) < place(b); });
+      std::stable_sort(tied_.begin(), tied_.end(), [this](int a, int b) { return position(a) < position(b); });
     }
     for (const int v : tied_) {
       if (of[v] < 0) {

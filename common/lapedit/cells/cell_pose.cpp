@@ -8,7 +8,7 @@ namespace {
 
 /// The number per step is fixed, so that poses change evenly with the handle; converged poses jump.
 struct Passes {
-  int on_the_way, at_the_end;
+  int per_step, at_the_end;
 };
 constexpr Passes kFull = {5, 20}, kQuick = {1, 8};
 constexpr double kSettled = 1e-9;  // of the handles' largest displacement: rotations have converged
@@ -63,10 +63,11 @@ double CellPose::constrain(const GroupPaths& paths) {
   double largest = 0;
   constraints_.setZero(cells_.count(), 3);
   for (const CoarseSystem::Held& held : system_.held()) {
-    const Vector3 way = held.displacement(paths) - paths.rigid_motions()[component_[held.cell]].displacement(held.mean);
-    largest = std::max(largest, way.norm());
+    const Vector3 moved =
+        held.displacement(paths) - paths.rigid_motions()[component_[held.cell]].displacement(held.mean);
+    largest = std::max(largest, moved.norm());
     for (const auto& [cell, weight] : held.row) {
-      constraints_.row(cell) += held.weight * weight * way.transpose();
+      constraints_.row(cell) += held.weight * weight * moved.transpose();
     }
   }
   return largest;
@@ -87,17 +88,17 @@ void CellPose::solve(GroupPaths& paths, bool quick) {
   for (int step = 1; step <= steps; ++step) {
     paths.go_to(step);
     move_rigidly(paths);
-    const double way = constrain(paths);
-    if (way == 0) {
+    const double moved = constrain(paths);
+    if (moved == 0) {
       displacement_.setZero();
       std::fill(rotations_.begin(), rotations_.end(), Matrix3::Identity());
       continue;
     }
     const Passes& passes = quick ? kQuick : kFull;
     const LocalGlobal::Outcome outcome = local_global_.settle(
-        constraints_, kSettled * way, step == steps ? passes.at_the_end : passes.on_the_way, displacement_, rotations_);
+        constraints_, kSettled * moved, step == steps ? passes.at_the_end : passes.per_step, displacement_, rotations_);
     passes_ += outcome.passes;
-    left_ = outcome.left / way;
+    left_ = outcome.left / moved;
   }
 }
 

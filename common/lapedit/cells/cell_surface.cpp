@@ -48,15 +48,15 @@ Vector3 CellSurface::normal(int cell, const Points& at) const {
   return length > 0 && std::isfinite(length) ? Vector3(normal / length) : Vector3(Vector3::Zero());
 }
 
-void CellSurface::smooth(int rounds, Points& places, Points& other) const {
+void CellSurface::smooth(int rounds, Points& positions, Points& other) const {
   for (int round = 0; round < rounds; ++round) {
-    other = places;
+    other = positions;
     for (int a = 0; a < cells_.count(); ++a) {
       Eigen::RowVector3d sum = other.row(a);
       for (const int b : cells_.neighbours[a]) {
         sum += other.row(b);
       }
-      places.row(a) = sum / (1 + static_cast<double>(cells_.neighbours[a].size()));
+      positions.row(a) = sum / (1 + static_cast<double>(cells_.neighbours[a].size()));
     }
   }
 }

@@ -22,7 +22,7 @@ class CellSurface {
   Vector3 normal(int cell, const Points& at) const;
   /// Replaces each position by the mean of its own and its neighbours' positions, `rounds` times.
   /// @param other  scratch
-  void smooth(int rounds, Points& places, Points& other) const;
+  void smooth(int rounds, Points& positions, Points& other) const;
 
  private:
   const RegionCells& cells_;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lapedit/deform/laplacian_system.h"
 #include "lapedit/deform/membrane.h"
 
 namespace lapedit {
@@ -97,8 +98,8 @@ void CoarseSystem::hold_handles(const Region& region, const Points& rest, const 
       }
     }
     held.mean /= count;
-    for (auto& [i, share] : held.vertices) {
-      share /= count;
+    for (auto& [i, weight] : held.vertices) {
+      weight /= count;
     }
     held.weight = count * handle_weight * handle_weight;
     if (static_cast<double>(last - first) == cells.vertices[held.cell]) {
@@ -156,7 +157,7 @@ void CoarseSystem::make_normal(const Region& region, const Points& rest, const R
   SparseMatrix constraints(m, m);
   constraints.setFromTriplets(entries.begin(), entries.end());
   normal += constraints;
-  normal_ = std::make_unique<SparseCholesky>(normal, CholeskyBackend::Eigen);
+  factorise_for(region, [&] { normal_ = std::make_unique<SparseCholesky>(normal, CholeskyBackend::Eigen); });
 }
 
 void CoarseSystem::add_rotated(Points& rotated, Points& right) const {

@@ -26,7 +26,7 @@ class CoarseSystem {
     Vector3 mean;   ///< of the group's vertices in the cell, by their w^2
     double weight;  ///< sum of their w^2
     std::vector<std::pair<int, double>> row;
-    std::vector<std::pair<int, double>> vertices;  ///< of the region, with their shares of the mean
+    std::vector<std::pair<int, double>> vertices;  ///< of the region, with their weights in the mean
 
     Vector3 displacement(const GroupPaths& paths) const;  ///< of the mean
   };

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lapedit/base/polar_decomposition.h"
 #include "lapedit/deform/local_step.h"
-#include "lapedit/deform/polar_decomposition.h"
 
 namespace lapedit {
 namespace {

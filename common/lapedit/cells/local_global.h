@@ -6,7 +6,7 @@
 #include "lapedit/cells/cell_surface.h"
 #include "lapedit/cells/coarse_system.h"
 #include "lapedit/deform/matrix_averages.h"
-#include "lapedit/linear/operator_rows.h"
+#include "lapedit/linear/linear.h"
 
 namespace lapedit {
 

@@ -17,7 +17,7 @@ namespace {
 
 using Four = Floats4;
 
-constexpr int kParts = 8;  // of sums
+constexpr int kChunks = 8;  // of sums
 
 Points centroids(const std::vector<int>& of, const Points& rest, int count, std::vector<double>& sizes) {
   Points centres = Points::Zero(count, 3);
@@ -91,8 +91,8 @@ class CellSums {
  private:
   void add_faces(PartialSums& to, Eigen::Index first, Eigen::Index last) const;
   void add_edges(PartialSums& to, Eigen::Index first, Eigen::Index last) const;
-  void merge(std::vector<PartialSums>& parts);
-  void merge_neighbours(std::vector<PartialSums>& parts);
+  void merge(std::vector<PartialSums>& chunks);
+  void merge_neighbours(std::vector<PartialSums>& chunks);
 
   const Region& region_;
   const Points& rest_;
@@ -110,10 +110,10 @@ void CellSums::add_faces(PartialSums& to, Eigen::Index first, Eigen::Index last)
       corner[k] = rest_.row(region_.faces(f, k)).transpose();
     }
     const Vector3 normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
-    const double share = normal.norm() / 6;
+    const double fraction = normal.norm() / 6;
     for (int k = 0; k < 3; ++k) {
       to.normals.row(cell[k]) += normal.transpose();
-      to.area[cell[k]] += share;
+      to.area[cell[k]] += fraction;
     }
     if (cell[0] != cell[1] && cell[1] != cell[2] && cell[2] != cell[0]) {
       std::sort(cell, cell + 3);
@@ -126,7 +126,7 @@ void CellSums::add_edges(PartialSums& to, Eigen::Index first, Eigen::Index last)
   const IndexLists& neighbours = region_.neighbours;
   const bool weighted = !weights_.empty();
   for (Eigen::Index i = first; i < last; ++i) {
-    const int own = cells_.of[i];
+    const int here = cells_.of[i];
     Symmetric stiffness = Symmetric::Zero();
     double weight = 0;
     for (int k = neighbours.offsets[i]; k < neighbours.offsets[i + 1]; ++k) {
@@ -134,29 +134,29 @@ void CellSums::add_edges(PartialSums& to, Eigen::Index first, Eigen::Index last)
       const double of_edge = weighted ? weights_[k] : 1;
       stiffness += of_edge * squared((rest_.row(i) - rest_.row(j)).transpose());
       weight += of_edge;
-      if (cells_.of[j] != own) {
-        to.cross(own, cells_.of[j], of_edge);
+      if (cells_.of[j] != here) {
+        to.cross(here, cells_.of[j], of_edge);
       }
     }
-    to.stiffness[own] += stiffness;
-    to.weight[own] += weight;
+    to.stiffness[here] += stiffness;
+    to.weight[here] += weight;
   }
 }
 
-void CellSums::merge(std::vector<PartialSums>& parts) {
+void CellSums::merge(std::vector<PartialSums>& chunks) {
   const int m = cells_.count();
   cells_.area.assign(m, 0);
   cells_.weight.assign(m, 0);
   cells_.normals.setZero(m, 3);
   cells_.stiffness.assign(m, Symmetric::Zero());
-  for (const PartialSums& part : parts) {
+  for (const PartialSums& chunk : chunks) {
     for (int c = 0; c < m; ++c) {
-      cells_.area[c] += part.area[c];
-      cells_.weight[c] += part.weight[c];
-      cells_.stiffness[c] += 0.5 * part.stiffness[c];
+      cells_.area[c] += chunk.area[c];
+      cells_.weight[c] += chunk.weight[c];
+      cells_.stiffness[c] += 0.5 * chunk.stiffness[c];
     }
-    cells_.normals += part.normals;
-    cells_.triangles.insert(cells_.triangles.end(), part.triangles.begin(), part.triangles.end());
+    cells_.normals += chunk.normals;
+    cells_.triangles.insert(cells_.triangles.end(), chunk.triangles.begin(), chunk.triangles.end());
   }
   std::sort(cells_.triangles.begin(), cells_.triangles.end());
   cells_.triangles.erase(std::unique(cells_.triangles.begin(), cells_.triangles.end()), cells_.triangles.end());
@@ -167,14 +167,14 @@ void CellSums::merge(std::vector<PartialSums>& parts) {
   }
 }
 
-void CellSums::merge_neighbours(std::vector<PartialSums>& parts) {
+void CellSums::merge_neighbours(std::vector<PartialSums>& chunks) {
   constexpr double kLeast = 1e-3;  // where cotangents cancel
   cells_.neighbours.offsets.assign(1, 0);
   std::vector<std::pair<int, double>> all;
   for (int c = 0; c < cells_.count(); ++c) {
     all.clear();
-    for (PartialSums& part : parts) {
-      all.insert(all.end(), part.crossing[c].begin(), part.crossing[c].end());
+    for (PartialSums& chunk : chunks) {
+      all.insert(all.end(), chunk.crossing[c].begin(), chunk.crossing[c].end());
     }
     merge_weights(all);
     for (const auto& [to, weight] : all) {
@@ -186,15 +186,15 @@ void CellSums::merge_neighbours(std::vector<PartialSums>& parts) {
 }
 
 void CellSums::take() {
-  std::vector<PartialSums> parts(kParts);
-  in_parts(pool_, kParts, region_.size(), [&](int part, Eigen::Index first, Eigen::Index last) {
-    parts[part].clear(cells_.count());
-    add_edges(parts[part], first, last);
+  std::vector<PartialSums> chunks(kChunks);
+  in_chunks(pool_, kChunks, region_.size(), [&](int chunk, Eigen::Index first, Eigen::Index last) {
+    chunks[chunk].clear(cells_.count());
+    add_edges(chunks[chunk], first, last);
   });
-  in_parts(pool_, kParts, region_.faces.rows(),
-           [&](int part, Eigen::Index first, Eigen::Index last) { add_faces(parts[part], first, last); });
-  merge(parts);
-  merge_neighbours(parts);
+  in_chunks(pool_, kChunks, region_.faces.rows(),
+            [&](int chunk, Eigen::Index first, Eigen::Index last) { add_faces(chunks[chunk], first, last); });
+  merge(chunks);
+  merge_neighbours(chunks);
 }
 
 // --- Blending --------------------------------------------------------------------------------------------------------
@@ -247,21 +247,21 @@ class Weigher {
   Weigher(const RegionCells& cells, const Points& rest);
 
   /// @param to,weights  kReach of each
-  void operator()(const Vector3& place, int cell, int* to, float* weights) const;
+  void operator()(const Vector3& position, int cell, int* to, float* weights) const;
 
  private:
   struct Candidate {
-    Four place;    // from the centre of the row's cell
-    float faster;  // 1 / T^2
+    Four position;  // from the centre of the row's cell
+    float faster;   // 1 / T^2
     int cell;
   };
   struct Reaching {
-    Four way;  // to the cell's centre
+    Four offset;  // to the cell's centre
     float weight;
     int cell;
   };
   static constexpr int kRoom = 64;
-  int reaching(Four place, int cell, Reaching* found) const;
+  int reaching(Four position, int cell, Reaching* found) const;
 
   const RegionCells& cells_;
   std::vector<int> offsets_;
@@ -276,18 +276,18 @@ Weigher::Weigher(const RegionCells& cells, const Points& rest) : cells_(cells) {
   for (int c = 0; c < cells.count(); ++c) {
     for (int k = rings.offsets[c]; k < rings.offsets[c + 1]; ++k) {
       const int other = rings.values[k];
-      const Vector3 place = (cells.centres.row(other) - cells.centres.row(c)).transpose();
-      candidates_[k] = {floats4(place), 1 / reaches[other], other};
+      const Vector3 position = (cells.centres.row(other) - cells.centres.row(c)).transpose();
+      candidates_[k] = {floats4(position), 1 / reaches[other], other};
     }
   }
 }
 
 /// At most kReach cells; those with the smallest weights are dropped.
-int Weigher::reaching(Four place, int cell, Reaching* found) const {
+int Weigher::reaching(Four position, int cell, Reaching* found) const {
   int count = 0;
   for (int k = offsets_[cell]; k < offsets_[cell + 1]; ++k) {
     const Candidate& candidate = candidates_[k];
-    const Four e = candidate.place - place;
+    const Four e = candidate.position - position;
     const float rest = 1 - (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) * candidate.faster;
     found[count] = {e, rest * rest, candidate.cell};
     count += rest > 0 && count < kRoom - 1 ? 1 : 0;  // without an unpredictable branch
@@ -312,11 +312,11 @@ int Weigher::reaching(Four place, int cell, Reaching* found) const {
   return count;
 }
 
-void Weigher::operator()(const Vector3& place, int cell, int* to, float* weights) const {
+void Weigher::operator()(const Vector3& position, int cell, int* to, float* weights) const {
   constexpr double kFlat = 0.03;  // of the spread: smaller directions are not along the surface
   constexpr float kTrace = 1e-12F;
   Reaching near[kRoom];
-  int count = reaching(floats4(place - cells_.centres.row(cell).transpose()), cell, near);
+  int count = reaching(floats4(position - cells_.centres.row(cell).transpose()), cell, near);
   if (count == 0) {
     near[0] = {Four{}, 1, cell};
     count = 1;
@@ -326,15 +326,15 @@ void Weigher::operator()(const Vector3& place, int cell, int* to, float* weights
   for (int k = 0; k < count; ++k) {
     near[k].weight += kTrace;
     sum += near[k].weight;
-    mean += near[k].weight * near[k].way;
+    mean += near[k].weight * near[k].offset;
   }
   mean /= sum;
   Four spread[3] = {};
   for (int k = 0; k < count; ++k) {
     near[k].weight /= sum;
-    near[k].way -= mean;
+    near[k].offset -= mean;
     for (int row = 0; row < 3; ++row) {
-      spread[row] += (near[k].weight * near[k].way[row]) * near[k].way;
+      spread[row] += (near[k].weight * near[k].offset[row]) * near[k].offset;
     }
   }
   Matrix3 matrix;
@@ -355,7 +355,7 @@ void Weigher::operator()(const Vector3& place, int cell, int* to, float* weights
   float total = 0;
   for (int k = 0; k < CellBlend::kReach; ++k) {
     const Reaching& from = near[k < count ? k : 0];
-    const Four along = correction * from.way;
+    const Four along = correction * from.offset;
     to[k] = from.cell;
     weights[k] = std::clamp(1 + along[0] + along[1] + along[2], kLeast, kMost);
     total += k < count ? weights[k] * from.weight : 0.0F;
@@ -400,7 +400,7 @@ RegionCells make_cells(const Region& region, const Points& rest, const std::vect
 CellBlend::CellBlend(const RegionCells& from, const Points& rest, ThreadPool& pool)
     : cells(kReach, rest.rows()), weights(kReach, rest.rows()) {
   const Weigher weigher(from, rest);
-  in_parts(pool, kParts, rest.rows(), [&](int, Eigen::Index first, Eigen::Index last) {
+  in_chunks(pool, kChunks, rest.rows(), [&](int, Eigen::Index first, Eigen::Index last) {
     for (Eigen::Index i = first; i < last; ++i) {
       weigher(rest.row(i).transpose(), from.of[i], cells.col(i).data(), weights.col(i).data());
     }

@@ -33,16 +33,16 @@ SparseMatrix from_weights(const Region& region, const std::vector<double>& weigh
   rows.reserve(static_cast<Eigen::Index>(neighbours.values.size()) + region.size());
   for (int j = 0; j < region.size(); ++j) {
     rows.startVec(j);
-    bool own = neighbours[j].size() == 0;
+    bool has_diagonal = neighbours[j].size() == 0;
     for (int k = neighbours.offsets[j]; k < neighbours.offsets[j + 1]; ++k) {
       const int i = neighbours.values[k];
-      if (!own && i > j) {
+      if (!has_diagonal && i > j) {
         rows.insertBack(j, j) = 1;
-        own = true;
+        has_diagonal = true;
       }
       rows.insertBack(j, i) = -weights[k] / sums[j];
     }
-    if (!own) {
+    if (!has_diagonal) {
       rows.insertBack(j, j) = 1;
     }
   }

@@ -4,17 +4,14 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "lapedit/deform/polar_decomposition.h"
+#include "lapedit/base/polar_decomposition.h"
 
 namespace lapedit {
 namespace {
 
 Matrix3 rotation_of(const LocalMotion& motion) {
-  if (motion.linear.isZero(0)) {
-    return Matrix3::Identity();
-  }
-  const Matrix3 rotation = polar_factor(motion.linear + Matrix3::Identity());
-  return rotation.determinant() > 0 ? rotation : Matrix3::Identity();
+  const Matrix3 linear = motion.linear + Matrix3::Identity();
+  return motion.linear.isZero(0) || linear.determinant() < 0 ? Matrix3(Matrix3::Identity()) : polar_rotation(linear);
 }
 
 }  // namespace

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lapedit/base/polar_decomposition.h"
 #include "lapedit/deform/matrix_averages.h"
-#include "lapedit/deform/polar_decomposition.h"
 #include "lapedit/deform/smooth_normals.h"
 
 namespace lapedit {
@@ -64,10 +64,10 @@ Points centres(const Region& region, const Points& positions) {
 }
 
 /// n . (p - S p)
-Eigen::VectorXd heights(const Region& region, const Points& places, const Points& smooth) {
+Eigen::VectorXd heights(const Region& region, const Points& positions, const Points& smooth) {
   Points normals;
   vertex_normals(smooth, region.faces, normals);
-  return (places - smooth).cwiseProduct(normals).rowwise().sum();
+  return (positions - smooth).cwiseProduct(normals).rowwise().sum();
 }
 
 /// Only if triangles flipped: triangles that agree with slowly varying rotations are not folded.
@@ -183,12 +183,12 @@ std::optional<double> detail_height(const LaplacianSystem& system, const Points&
     return {};
   }
   const Region& region = system.region;
-  Points places = system.rest.world.rowwise() - system.rest.world.row(0), smooth, scratch;
-  system.kernel->apply(places, smooth, scratch);
-  const Eigen::VectorXd old_heights = heights(region, places, smooth);
-  places = after.rowwise() - after.row(0);
-  system.kernel->apply(places, smooth, scratch);
-  const Eigen::VectorXd new_heights = heights(region, places, smooth);
+  Points positions = system.rest.world.rowwise() - system.rest.world.row(0), smooth, scratch;
+  system.kernel->apply(positions, smooth, scratch);
+  const Eigen::VectorXd old_heights = heights(region, positions, smooth);
+  positions = after.rowwise() - after.row(0);
+  system.kernel->apply(positions, smooth, scratch);
+  const Eigen::VectorXd new_heights = heights(region, positions, smooth);
   double found = 0, all = 0, reach = 0;
   for (int i = 0; i < region.size(); ++i) {
     if (region.classes[i] == VertexClass::Free) {

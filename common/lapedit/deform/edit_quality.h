@@ -33,7 +33,7 @@ std::vector<Matrix3> surface_rotations(const Region& region, const Points& befor
 /// the border stays, its change is that of the body. Cost: O(faces).
 double enclosed_volume(const Region& region, const Points& positions);
 
-/// Returns the remaining share of the detail's height h = n . (p - S p): sum h' h / sum h^2 over the free vertices,
+/// Returns the remaining fraction of the detail's height h = n . (p - S p): sum h' h / sum h^2 over the free vertices,
 /// where n are the normals of the smooth surface S p. A ratio of the two heights would also count curvature that the
 /// edit adds (lifted grid of detail_orientation_test: 1.14 where 0.98 of the bumps' height is kept; this function
 /// returns 0.985). `std::nullopt` without detail, and with other methods than EditMethod::Paper. Cost: two smoothings.

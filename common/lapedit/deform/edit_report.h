@@ -21,7 +21,7 @@ struct EditTimes {
          solve_ms = 0;
 };
 
-/// Causes and places of folds and stretched edges. Places are mesh vertices, -1 for none.
+/// Causes of folds and stretched edges, and where they are: mesh vertices, -1 for none.
 struct AdviceCauses {
   int near = -1;             ///< vertex with the most folded triangles
   bool lone_handle = false;  ///< the handle with the largest displacement is a single vertex
@@ -40,7 +40,7 @@ struct EditQuality {
   /// Largest distance of a handle vertex, as stored, from its target, over the vertices with the largest weight of each
   /// group.
   double handle_residual = 0;
-  double anchor_residual = 0;  ///< largest distance of an anchor from its place
+  double anchor_residual = 0;  ///< largest distance of an anchor from its position
   double rotation_mean = 0, rotation_max = 0;
   double stretch_rms = 0;  ///< RMS over the region's edges of new length / old length - 1
   double stretch_max = 0;  ///< the largest of these, of edges that became longer

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lapedit/deform/differential_operator.h"
-#include "lapedit/linear/sparse_cholesky.h"
+#include "lapedit/linear/linear.h"
 
 namespace lapedit {
 

@@ -9,7 +9,7 @@ namespace lapedit {
 namespace {
 
 /// Returns d_k^-3/2 over their sum; the first one with distance zero gets the whole weight.
-Eigen::RowVectorXd shares(const Eigen::RowVectorXd& distances) {
+Eigen::RowVectorXd fractions(const Eigen::RowVectorXd& distances) {
   Eigen::Index first = 0;
   const double nearest = distances.minCoeff(&first);
   if (!(nearest > 0)) {
@@ -51,7 +51,7 @@ GeodesicFalloff geodesic_falloff(const Region& region, const Points& points) {
     if (is_handle(i)) {
       result.weights(i, region.group[i]) = 1;
     } else if (region.classes[i] != VertexClass::Anchor) {
-      result.weights.row(i) = shares(distances.row(i)).head(groups);
+      result.weights.row(i) = fractions(distances.row(i)).head(groups);
     }
   }
   return result;

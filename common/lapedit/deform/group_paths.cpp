@@ -6,7 +6,7 @@
 #include <string>
 
 #include "lapedit/base/error.h"
-#include "lapedit/deform/polar_decomposition.h"
+#include "lapedit/base/polar_decomposition.h"
 
 namespace lapedit {
 namespace {

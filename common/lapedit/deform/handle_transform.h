@@ -12,7 +12,7 @@ namespace lapedit {
 struct HandleTransform {
   Vector3 translation = Vector3::Zero();
   Vector3 axis = Vector3::UnitZ();  ///< any length but zero
-  double degrees = 0;               ///< 270 and -90 lead to the same place along different paths
+  double degrees = 0;               ///< 270 and -90 lead to the same position along different paths
   std::optional<Vector3> center;    ///< of rotation and scale; the group's centroid if absent
   double scale = 1;                 ///< > 0
   /// Replaces all of the above: the upper three rows of a 4 x 4 matrix, applied to absolute coordinates.

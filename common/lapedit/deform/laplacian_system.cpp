@@ -11,7 +11,7 @@
 #include "lapedit/base/stopwatch.h"
 #include "lapedit/deform/membrane.h"
 #include "lapedit/deform/smooth_normals.h"
-#include "lapedit/linear/nested_dissection.h"
+#include "lapedit/linear/linear.h"
 
 namespace lapedit {
 namespace {
@@ -204,8 +204,10 @@ void Preparation::refuse_the_hopeless() const {
   if (order == 1 || s_.region.size() * static_cast<double>(order * order) < kLongFactor) {
     return;
   }
-  const auto first =
-      std::make_shared<const FactoredNormalMatrix>(s_.powers.first, factor_weights_, cholesky_options(false));
+  std::shared_ptr<const FactoredNormalMatrix> first;
+  factorise_for(s_.region, [&] {
+    first = std::make_shared<const FactoredNormalMatrix>(s_.powers.first, factor_weights_, cholesky_options(false));
+  });
   const double smallest = RefinedSolver(first, nullptr, s_.pool).smallest_eigenvalue();
   const double bending = std::pow(smallest, 0.5 * order);
   const double membrane = s_.powers.stretch.size() > 0 ? s_.powers.stretch.mean() : 0;
@@ -230,7 +232,9 @@ void Preparation::make_factor(bool single_precision) {
       previous_->options.backend == s_.options.backend) {
     options.same_pattern = &previous_->matrix->cholesky;
   }
-  s_.matrix = std::make_shared<const FactoredNormalMatrix>(s_.powers.m, factor_weights_, options);
+  factorise_for(s_.region, [&] {
+    s_.matrix = std::make_shared<const FactoredNormalMatrix>(s_.powers.m, factor_weights_, options);
+  });
 }
 
 /// Returns whether the handles are those for which the previous system was checked.
@@ -249,13 +253,13 @@ bool Preparation::make_sure() {
     s_.correction = found ? std::make_shared<const WoodburyCorrection>(std::move(*found)) : nullptr;
     return found.has_value();
   }
-  Points pull = Points::Zero(s_.region.size(), 3), x;
+  Points right = Points::Zero(s_.region.size(), 3), x;
   for (int i = 0; i < s_.region.size(); ++i) {
     if (s_.region.classes[i] == VertexClass::Handle) {
-      pull.row(i).setConstant(s_.squared_weights[i]);
+      right.row(i).setConstant(s_.squared_weights[i]);
     }
   }
-  s_.figures.refinements = solver.refine_to(pull, x, kAccurate);
+  s_.figures.refinements = solver.refine_to(right, x, kAccurate);
   return s_.figures.refinements >= 0 && s_.figures.refinements <= most_steps;
 }
 
@@ -307,6 +311,20 @@ void refuse_conditioning(const LaplacianSystem& system) {
   throw EditError(ErrorCause::IllConditioned,
                   "A Laplacian of order " + std::to_string(order) + " over " + std::to_string(system.region.size()) +
                       " region vertices is too ill-conditioned to be solved in double precision: use " + advice);
+}
+
+void factorise_for(const Region& region, const std::function<void()>& factorise) {
+  try {
+    factorise();
+  } catch (const EditError& error) {
+    if (error.cause() != ErrorCause::IllConditioned) {
+      throw;
+    }
+    throw EditError(ErrorCause::IllConditioned,
+                    "The system of " + std::to_string(region.size()) +
+                        " region vertices is singular to working precision: use a lower order, a smaller region, more "
+                        "padding or weights nearer to 1.");
+  }
 }
 
 }  // namespace lapedit

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -9,7 +10,7 @@
 #include "lapedit/deform/geodesic_falloff.h"
 #include "lapedit/deform/rest_pose.h"
 #include "lapedit/deform/smooth_normals.h"
-#include "lapedit/linear/refined_solver.h"
+#include "lapedit/linear/linear.h"
 
 namespace lapedit {
 
@@ -23,7 +24,7 @@ struct LaplacianPowers {
   Eigen::VectorXd stretch;  ///< c D of membrane_factor(), which m adds to M^T; empty without a membrane
 };
 
-/// What making a system took, and what it shares.
+/// What making a system took, and what it reused.
 struct SystemFigures {
   double operator_ms = 0, factor_ms = 0, kernel_ms = 0;
   std::string reused;  ///< see EditReport::reused
@@ -71,5 +72,9 @@ void require_finite_result(const Points& positions);
 
 /// Always throws EditError (IllConditioned) with a message for the user.
 [[noreturn]] void refuse_conditioning(const LaplacianSystem& system);
+
+/// Calls a function that factorises a matrix of an edit. @throws EditError (IllConditioned) with a message for the user
+/// if the matrix is singular
+void factorise_for(const Region& region, const std::function<void()>& factorise);
 
 }  // namespace lapedit

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/deform/local_step.h"
 
-#include "lapedit/deform/polar_decomposition.h"
+#include "lapedit/base/polar_decomposition.h"
 
 namespace lapedit {
 

@@ -26,9 +26,9 @@ struct MeanAround {
         sum[e] += load<Lanes>(from + 4 * static_cast<std::ptrdiff_t>(e));
       }
     }
-    const double share = 1 / (1 + static_cast<double>(neighbours[a].size()));
+    const double factor = 1 / (1 + static_cast<double>(neighbours[a].size()));
     for (int e = 0; e < 3; ++e) {
-      sum[e] *= share;
+      sum[e] *= factor;
     }
     std::memcpy(out + std::ptrdiff_t{kStride} * a, sum, sizeof sum);
   }

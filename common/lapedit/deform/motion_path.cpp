@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lapedit/base/polar_decomposition.h"
 #include "lapedit/base/trigonometry.h"
-#include "lapedit/deform/polar_decomposition.h"
 
 namespace lapedit {
 

@@ -24,7 +24,7 @@ void check_fraction(double fraction) {
 }
 
 /// Returns the progress of part k of `count`, as a part of the whole.
-Progress part_of(const Progress& progress, std::size_t k, std::size_t count) {
+Progress progress_of(const Progress& progress, std::size_t k, std::size_t count) {
   if (!progress) {
     return {};
   }
@@ -68,7 +68,7 @@ class Poses {
       for (std::size_t p = 0; p < poses; ++p) {
         try {
           const bool same_shape = k == 0 && p > 0;
-          run_step(edit.steps[k], p, same_shape, part_of(progress, k * poses + p, steps * poses), each);
+          run_step(edit.steps[k], p, same_shape, progress_of(progress, k * poses + p, steps * poses), each);
         } catch (const EditError& error) {
           refuse(error, k, steps, p);
         }
@@ -140,10 +140,11 @@ class Poses {
   std::unique_ptr<StepSolver> solver_;
 };
 
-std::string by_place_advice(const Edit& edit) {
-  return edit.places.points.empty() ? ""
-                                    : "; or, to apply it by place, remove vertices, faces and connectivity from the "
-                                      "edit's key mesh, and keep places";
+std::string by_position_advice(const Edit& edit) {
+  return edit.positions.points.empty()
+             ? ""
+             : "; or, to apply it by position, remove vertices, faces and connectivity from the "
+               "edit's key mesh, and keep positions";
 }
 
 /// @throws EditError (MeshMismatch) if the mesh differs from the edit's description of its mesh
@@ -157,7 +158,7 @@ void require_same_mesh(const TriangleMesh& mesh, const Edit& edit) {
             (edit.mesh_vertices ? std::to_string(*edit.mesh_vertices) : std::string("any number of")) +
             " vertices and " + (edit.mesh_faces ? std::to_string(*edit.mesh_faces) : std::string("any number of")) +
             " faces, but this one has " + std::to_string(vertices) + " vertices and " + std::to_string(faces) +
-            " faces: open the mesh that the edit was made for" + by_place_advice(edit) + ".");
+            " faces: open the mesh that the edit was made for" + by_position_advice(edit) + ".");
   }
   if (!edit.connectivity.empty()) {
     const std::string checksum = connectivity_checksum(static_cast<std::size_t>(vertices), mesh.faces);
@@ -165,7 +166,7 @@ void require_same_mesh(const TriangleMesh& mesh, const Edit& edit) {
       throw EditError(ErrorCause::MeshMismatch, "The edit was made for a mesh of connectivity " + edit.connectivity +
                                                     ", but this one, of the same size, has " + checksum +
                                                     ": its vertices or faces are in another order" +
-                                                    by_place_advice(edit) + ".");
+                                                    by_position_advice(edit) + ".");
     }
   }
 }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lapedit/edit/mirror.h"
-#include "lapedit/edit/places.h"
+#include "lapedit/edit/positions.h"
 #include "lapedit/edit/step_solver.h"
 
 namespace lapedit {
@@ -17,10 +17,10 @@ struct EditResult {
   std::vector<EditReport> reports;  ///< one per step
 };
 
-/// Runs an edit for several fractions of the handles' way, each with the same bits as alone. The mesh, which has passed
-/// validate(), is not changed. The first step is prepared once for all fractions; later steps start from different
-/// shapes and reuse what still fits.
-/// @param adjacency  of the mesh; @param selection for Places::selected
+/// Runs an edit for several fractions of the handles' paths, each with the same bits as alone. The mesh, which has
+/// passed validate(), is not changed. The first step is prepared once for all fractions; later steps start from
+/// different shapes and reuse what still fits.
+/// @param adjacency  of the mesh; @param selection for VertexQuery::selected
 /// @param fractions  0 (no change) to 1
 /// @return           one result per fraction, in their order. Preparation times of 0 in a report mean that the
 /// preparation

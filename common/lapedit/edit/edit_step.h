@@ -14,7 +14,7 @@
 namespace lapedit {
 
 /// Vertices given by their positions on the mesh before the first step; see located(). At most one kind is given.
-struct Places {
+struct VertexQuery {
   struct Disc {
     Vector3 point = Vector3::Zero();
     double radius = 0;  ///< along the surface, model units
@@ -34,7 +34,7 @@ struct HandleGroup {
   std::vector<double> weights = {};     ///< per vertex, kLeastWeight to 1: factor of handle_weight; empty: 1
   std::vector<Vector3> targets = {};    ///< per vertex, replaces the transform; empty: the transform applies
   std::vector<std::string> names = {};  ///< of the landmarks that vertices and targets come from, or none
-  Places places = {};                   ///< replaces vertices until located() finds them
+  VertexQuery query = {};               ///< replaces vertices until located() finds them
 };
 
 /// One step of an edit: region, handles with their motions, settings.
@@ -43,11 +43,11 @@ struct EditStep {
   std::vector<HandleGroup> handles;
   EditSettings settings;
   std::optional<MirrorPlane> mirror = {};  ///< handles and region are mirrored across it, see mirrored()
-  Places region_places = {};               ///< in place of region.vertices, until they are located
+  VertexQuery region_query = {};           ///< in place of region.vertices, until they are located
 };
 
 /// Where some vertices of a mesh are, so that an edit of it can be applied to another mesh of the same object.
-struct VertexPlaces {
+struct VertexPositions {
   std::vector<int> vertices;  ///< mesh vertex numbers, ascending
   std::vector<Vector3> points;
 };
@@ -57,9 +57,11 @@ struct Edit {
   std::optional<int> mesh_vertices, mesh_faces;
   std::string connectivity;  ///< checksum, empty: not given
   std::vector<EditStep> steps;
-  VertexPlaces places = {};  ///< of the vertices that the steps name; they count where the mesh is not given
+  VertexPositions positions = {};  ///< of the vertices that the steps name; they count where the mesh is not given
 
-  bool by_place() const { return !places.points.empty() && !mesh_vertices && !mesh_faces && connectivity.empty(); }
+  bool by_position() const {
+    return !positions.points.empty() && !mesh_vertices && !mesh_faces && connectivity.empty();
+  }
 };
 
 /// Returns the centroid of some vertices. @throws EditError (BadIndex, NoHandle)
@@ -72,8 +74,8 @@ std::vector<std::vector<double>> weights_of(const EditStep& step);
 /// @throws EditError as centroid() and resolve(); (BadParameter) as check_handles(); (NotFinite)
 std::vector<HandleMotion> motions_of(const TriangleMesh& mesh, const EditStep& step, double fraction = 1);
 
-/// Targets as HandleMotion has them: one row for each vertex, but none if they are the vertices' own places, which is
-/// no motion, to the bit. Allocates nothing for as many rows as before.
+/// Targets as HandleMotion has them: one row for each vertex, but none if they are the vertices' own positions, which
+/// is no motion, to the bit. Allocates nothing for as many rows as before.
 void targets_to(const std::vector<int>& vertices, const std::vector<Vector3>& targets, const TriangleMesh& mesh,
                 Points& rows);
 

@@ -8,14 +8,14 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
-#include "lapedit/deform/polar_decomposition.h"
+#include "lapedit/base/polar_decomposition.h"
 #include "lapedit/mesh/vertex_grid.h"
 #include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
 namespace {
 
-Vector3 place_of(const Points& points, int v) {
+Vector3 position_of(const Points& points, int v) {
   return points.row(v).transpose();
 }
 
@@ -46,8 +46,8 @@ class Images {
 
   /// -1: no vertex within the limit.
   int of(int v) const {
-    const Vector3 place = mirror_ * place_of(mesh_.vertices, v);
-    return place.allFinite() ? grid_.nearest(place, limit_) : -1;
+    const Vector3 position = mirror_ * position_of(mesh_.vertices, v);
+    return position.allFinite() ? grid_.nearest(position, limit_) : -1;
   }
 
   /// Returns pairs of a vertex of the image and the (lowest) vertex of the set whose image it is, ascending.
@@ -76,13 +76,13 @@ class Images {
   void add_between(const std::vector<int>& set, std::vector<std::pair<int, int>>& pairs) const {
     Eigen::AlignedBox3d box;
     for (const int v : set) {
-      box.extend(mirror_ * place_of(mesh_.vertices, v));
+      box.extend(mirror_ * position_of(mesh_.vertices, v));
     }
     const Vector3 margin = Vector3::Constant(edge_);
     box = Eigen::AlignedBox3d(box.min() - margin, box.max() + margin);
     for (const int v : usable_) {
-      const Vector3 place = place_of(mesh_.vertices, v);
-      if (box.contains(place)) {
+      const Vector3 position = position_of(mesh_.vertices, v);
+      if (box.contains(position)) {
         const int image = of(v);
         if (image >= 0 && contains(set, image)) {
           pairs.emplace_back(v, image);
@@ -99,12 +99,13 @@ class Images {
 };
 
 [[noreturn]] void refuse_missing(const TriangleMesh& mesh, const std::vector<int>& missing, std::size_t of) {
-  const Vector3 place = place_of(mesh.vertices, missing[0]);
+  const Vector3 position = position_of(mesh.vertices, missing[0]);
   throw EditError(ErrorCause::BadParameter,
                   std::to_string(missing.size()) + " of " + std::to_string(of) +
-                      " handle vertices have no vertex near their mirrored places, the first is vertex " +
-                      std::to_string(missing[0]) + " at (" + number_text(place[0]) + ", " + number_text(place[1]) +
-                      ", " + number_text(place[2]) + "): move the mirror plane, or edit without it.");
+                      " handle vertices have no vertex near their mirrored positions, the first is vertex " +
+                      std::to_string(missing[0]) + " at (" + number_text(position[0]) + ", " +
+                      number_text(position[1]) + ", " + number_text(position[2]) +
+                      "): move the mirror plane, or edit without it.");
 }
 
 Vector3 rotation_vector(const Matrix3& rotation) {
@@ -142,7 +143,7 @@ MirroredHandles::MirroredHandles(const TriangleMesh& mesh, const std::vector<std
     std::vector<double> image_weights;
     pairs.push_back(images.of(group, missing));
     for (const auto& [v, original] : pairs.back()) {
-      const auto at = static_cast<std::size_t>(place_in(group, original));
+      const auto at = static_cast<std::size_t>(index_in(group, original));
       symmetric_[g] |= contains(group, v);
       if (!taken[v]) {
         taken[v] = 1;
@@ -175,7 +176,7 @@ MirroredHandles::MirroredHandles(const TriangleMesh& mesh, const std::vector<std
     for (const int v : groups_[g]) {
       const auto found = std::lower_bound(image.begin(), image.end(), std::pair(v, -1));
       const bool is_image = found != image.end() && found->first == v && (g >= groups.size() || symmetric_[g] != 0);
-      twins.push_back({g < groups.size() ? place_in(given, v) : -1, is_image ? place_in(given, found->second) : -1});
+      twins.push_back({g < groups.size() ? index_in(given, v) : -1, is_image ? index_in(given, found->second) : -1});
     }
   }
   for (const std::vector<int>& group : groups) {
@@ -250,16 +251,18 @@ void MirroredHandles::targets(std::size_t g, const std::vector<std::vector<Vecto
     return;
   }
   const std::vector<Vector3>& to = given[source];
-  const auto way = [&](int place) -> Vector3 { return to[place] - given_rest_[source].row(place).transpose(); };
+  const auto moved = [&](int position) -> Vector3 {
+    return to[position] - given_rest_[source].row(position).transpose();
+  };
   for (std::size_t k = 0; k < twins_[g].size(); ++k) {
-    const auto& [own, original] = twins_[g][k];
+    const auto& [self, original] = twins_[g][k];
     if (original < 0) {
-      targets.push_back(to[own]);
+      targets.push_back(to[self]);
       continue;
     }
-    const Vector3 image = mirror_.linear() * way(original);
+    const Vector3 image = mirror_.linear() * moved(original);
     targets.push_back(rest_[g].row(static_cast<Eigen::Index>(k)).transpose() +
-                      (own < 0 ? image : Vector3((way(own) + image) / 2)));
+                      (self < 0 ? image : Vector3((moved(self) + image) / 2)));
   }
 }
 
@@ -308,15 +311,15 @@ RegionSpec mirrored(const TriangleMesh& mesh, const RegionSpec& region, const Mi
     return result;
   }
   // A vertex that was an anchor keeps its weight and depth.
-  std::vector<int> place(mesh.vertices.rows(), -1);
+  std::vector<int> position(mesh.vertices.rows(), -1);
   for (std::size_t k = 0; k < region.anchors.vertices.size(); ++k) {
-    place[region.anchors.vertices[k]] = static_cast<int>(k);
+    position[region.anchors.vertices[k]] = static_cast<int>(k);
   }
   for (const auto& [v, original] : images.of(anchors, missing)) {
-    if (place[v] < 0) {
+    if (position[v] < 0) {
       result.anchors.vertices.push_back(v);
-      result.anchors.weights.push_back(region.anchors.weights.at(place[original]));
-      result.anchors.depths.push_back(region.anchors.depths.at(place[original]));
+      result.anchors.weights.push_back(region.anchors.weights.at(position[original]));
+      result.anchors.depths.push_back(region.anchors.depths.at(position[original]));
     }
   }
   return result;
@@ -360,7 +363,7 @@ PoseSymmetry::PoseSymmetry(const TriangleMesh& mesh, const Region& region, const
   const VertexGrid grid(rest_, all);
   twin_.resize(region.size());
   for (int i = 0; i < region.size(); ++i) {
-    twin_[i] = grid.nearest(mirror * place_of(rest_, i), limit);
+    twin_[i] = grid.nearest(mirror * position_of(rest_, i), limit);
   }
   const auto alone = [this](int i) { return twin_[i] < 0 || twin_[twin_[i]] != i; };
   if (std::any_of(all.begin(), all.end(), alone)) {
@@ -370,17 +373,18 @@ PoseSymmetry::PoseSymmetry(const TriangleMesh& mesh, const Region& region, const
 }
 
 /// Displacements are averaged, not positions, so that asymmetries of the rest pose stay.
-void PoseSymmetry::apply(Points& places) const {
+void PoseSymmetry::apply(Points& positions) const {
   for (int i = 0; i < static_cast<int>(twin_.size()); ++i) {
     if (const int j = twin_[i]; i <= j) {
-      const Vector3 a = (places.row(i) - rest_.row(i)).transpose(), b = (places.row(j) - rest_.row(j)).transpose();
+      const Vector3 a = (positions.row(i) - rest_.row(i)).transpose(),
+                    b = (positions.row(j) - rest_.row(j)).transpose();
       if (a == mirror_ * b) {
         continue;  // vertices that do not move keep their bits
       }
       const Vector3 mean = (a + mirror_ * b) / 2;
-      places.row(i) = rest_.row(i) + mean.transpose();
+      positions.row(i) = rest_.row(i) + mean.transpose();
       if (i != j) {
-        places.row(j) = rest_.row(j) + (mirror_ * mean).transpose();
+        positions.row(j) = rest_.row(j) + (mirror_ * mean).transpose();
       }
     }
   }

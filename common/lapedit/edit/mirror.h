@@ -13,7 +13,7 @@ namespace lapedit {
 /// positions are nearest to a vertex of the set, so that an image is as dense as the surface there; the image of a
 /// single vertex is one vertex. Vertices of given groups are in no image. A group that meets its own image is merged
 /// with it, and keeps the symmetric part of its transform: of a translation the part along the plane, of a rotation the
-/// turn about the plane's normal, of a scale all of it, about a centre in the plane; of a matrix with the polar
+/// rotation about the plane's normal, of a scale all of it, about a centre in the plane; of a matrix with the polar
 /// decomposition L = Q P the same parts of translation and rotation, and (P + S P S) / 2. Any other group has an image
 /// that moves by S T S: translation and centre are mirrored, the axis is mirrored and reversed, the scale is equal. Of
 /// targets the displacements are mirrored; where a vertex and its image are both in a group, they go by the mean of
@@ -21,7 +21,7 @@ namespace lapedit {
 class MirroredHandles {
  public:
   /// @param groups  mesh vertex numbers, ascending without duplicates; @param weights  of each group, or none
-  /// @throws EditError (NoHandle, BadIndex; BadParameter if a vertex has no vertex near its mirrored place)
+  /// @throws EditError (NoHandle, BadIndex; BadParameter if a vertex has no vertex near its mirrored position)
   /// Cost: O(vertices), once.
   MirroredHandles(const TriangleMesh& mesh, const std::vector<std::vector<int>>& groups, const MirrorPlane& plane,
                   const std::vector<std::vector<double>>& weights = {});
@@ -47,7 +47,7 @@ class MirroredHandles {
 
   /// Of a vertex of groups_: where it stands in the given group, and where what it is the image of; -1: nowhere.
   struct Twin {
-    int own, original;
+    int self, original;
   };
 
   Vector3 normal_;
@@ -76,7 +76,7 @@ class PoseSymmetry {
   /// Has no effect if a vertex of the region has no twin within 1e-6 of the mesh's diagonal of its mirrored position.
   PoseSymmetry(const TriangleMesh& mesh, const Region& region, const MirrorPlane& plane);
   bool applies() const { return !twin_.empty(); }
-  void apply(Points& places) const;  ///< size() x 3; allocates nothing
+  void apply(Points& positions) const;  ///< size() x 3; allocates nothing
 
  private:
   Points rest_;

@@ -77,7 +77,7 @@ StepSolver::Frame& StepSolver::started_frame() {
 /// Shows the cells' pose, with a solve if there is a system.
 void StepSolver::show_cells(bool quick, Points& positions) {
   Frame& f = started_frame();
-  cells_->place(f.unit, f.transforms.get(), f.displacement, system_ ? *system_->pool : f.pool);
+  cells_->displace(f.unit, f.transforms.get(), f.displacement, system_ ? *system_->pool : f.pool);
   f.passes = 0;
   f.is_quick = quick;
   if (system_) {

@@ -110,14 +110,6 @@ void require_true(const JsonObject& object, const char* key) {
   }
 }
 
-Places::Disc read_disc(const JsonObject& object) {
-  const JsonObject disc(object["within"], object.where("within"), {"point", "radius"});
-  if (!disc.has("radius")) {
-    disc.refuse_key("radius", "a number");
-  }
-  return {disc.numbers<3>("point"), disc.number("radius", 0)};
-}
-
 /// Refuses an object unless it has exactly one of some keys.
 void require_one_of(const JsonObject& object, const std::vector<const char*>& keys) {
   std::string list;
@@ -131,25 +123,35 @@ void require_one_of(const JsonObject& object, const std::vector<const char*>& ke
   }
 }
 
-RegionSpec read_region(const JsonObject& object, VertexLists& lists, Places& places) {
+/// Reads the vertices of a region or a group, or the query that finds them.
+void read_vertices(const JsonObject& object, VertexLists& lists, std::vector<int>& vertices, VertexQuery& query) {
+  if (object.has("vertices")) {
+    vertices = lists.read(object, "vertices");
+  } else if (object.has("points")) {
+    query.points = object.point_list("points", "points");
+  } else if (object.has("within")) {
+    const JsonObject disc(object["within"], object.where("within"), {"point", "radius"});
+    if (!disc.has("radius")) {
+      disc.refuse_key("radius", "a number");
+    }
+    query.within = VertexQuery::Disc{disc.numbers<3>("point"), disc.number("radius", 0)};
+  } else {
+    require_true(object, "selected");
+    query.selected = true;
+  }
+}
+
+RegionSpec read_region(const JsonObject& object, VertexLists& lists, VertexQuery& query) {
   require_one_of(object, {"radius", "vertices", "component", "within", "selected"});
   RegionSpec region;
   if (object.has("radius")) {
     region.radius = object.number("radius", region.radius);
-  } else if (object.has("vertices")) {
-    region.kind = RegionSpec::Kind::Vertices;
-    region.vertices = lists.read(object, "vertices");
   } else if (object.has("component")) {
     region.kind = RegionSpec::Kind::Component;
     require_true(object, "component");
   } else {
     region.kind = RegionSpec::Kind::Vertices;
-    if (object.has("within")) {
-      places.within = read_disc(object);
-    } else {
-      require_true(object, "selected");
-      places.selected = true;
-    }
+    read_vertices(object, lists, region.vertices, query);
   }
   region.padding = object.number("padding", region.padding);
   region.connect_gap = object.number("connect", region.connect_gap);
@@ -231,10 +233,10 @@ HandleGroup read_landmark_keys(const JsonObject& object, const Source& source) {
 void read_targets(const JsonObject& object, HandleGroup& handle) {
   require_alone(object, "targets", {"translation", "rotation", "scale", "matrix"});
   handle.targets = object.point_list("targets", "points");
-  if (handle.places.within || handle.places.selected) {
+  if (handle.query.within || handle.query.selected) {
     refuse_json(object.where("targets") + ": goes with points or vertices only, since each target needs its vertex.");
   }
-  const std::size_t points = handle.places.points.size();
+  const std::size_t points = handle.query.points.size();
   if (points > 0 && points != handle.targets.size()) {
     refuse_json(object.where("targets") + ": " + std::to_string(handle.targets.size()) + " targets are given for " +
                 std::to_string(points) + " points; give one for each, in the same order.");
@@ -250,24 +252,17 @@ HandleGroup read_handle(const JsonObject& object, const Source& source) {
   if (object.has("landmarks")) {
     require_alone(object, "landmarks", {"targets", "translation", "rotation", "scale", "matrix"});
     handle = read_landmark_keys(object, source);
-  } else if (object.has("vertices")) {
-    handle.vertices = source.lists.read(object, "vertices");
-  } else if (object.has("points")) {
-    handle.places.points = object.point_list("points", "points");
-  } else if (object.has("within")) {
-    handle.places.within = read_disc(object);
   } else {
-    require_true(object, "selected");
-    handle.places.selected = true;
+    read_vertices(object, source.lists, handle.vertices, handle.query);
   }
   if (object.has("weights")) {
     handle.weights = object.number_list("weights");
-    if (handle.places.within || handle.places.selected) {
+    if (handle.query.within || handle.query.selected) {
       refuse_json(object.where("weights") + ": goes with vertices, points or landmarks only.");
     }
-    if (!handle.places.points.empty() && handle.weights.size() != handle.places.points.size()) {
+    if (!handle.query.points.empty() && handle.weights.size() != handle.query.points.size()) {
       refuse_json(object.where("weights") + ": holds " + std::to_string(handle.weights.size()) + " numbers for " +
-                  std::to_string(handle.places.points.size()) + " points; give one for each, in the same order.");
+                  std::to_string(handle.query.points.size()) + " points; give one for each, in the same order.");
     }
   }
   if (object.has("targets")) {
@@ -278,19 +273,19 @@ HandleGroup read_handle(const JsonObject& object, const Source& source) {
   return handle;
 }
 
-VertexPlaces read_places(const JsonObject& object, VertexLists& lists) {
-  VertexPlaces places = {lists.read(object, "vertices"), object.point_list("points", "points")};
-  if (places.points.size() != places.vertices.size()) {
-    refuse_json(object.where("points") + ": holds " + std::to_string(places.points.size()) + " places of " +
-                std::to_string(places.vertices.size()) + " vertices; give one for each, in the same order.");
+VertexPositions read_positions(const JsonObject& object, VertexLists& lists) {
+  VertexPositions positions = {lists.read(object, "vertices"), object.point_list("points", "points")};
+  if (positions.points.size() != positions.vertices.size()) {
+    refuse_json(object.where("points") + ": holds " + std::to_string(positions.points.size()) + " positions of " +
+                std::to_string(positions.vertices.size()) + " vertices; give one for each, in the same order.");
   }
-  for (std::size_t k = 1; k < places.vertices.size(); ++k) {
-    if (places.vertices[k] <= places.vertices[k - 1]) {
-      refuse_json(object.where("vertices") + ": vertex " + std::to_string(places.vertices[k]) + " comes after " +
-                  std::to_string(places.vertices[k - 1]) + "; put them in ascending order, each once.");
+  for (std::size_t k = 1; k < positions.vertices.size(); ++k) {
+    if (positions.vertices[k] <= positions.vertices[k - 1]) {
+      refuse_json(object.where("vertices") + ": vertex " + std::to_string(positions.vertices[k]) + " comes after " +
+                  std::to_string(positions.vertices[k - 1]) + "; put them in ascending order, each once.");
     }
   }
-  return places;
+  return positions;
 }
 
 void read_setting(const JsonObject& object, const Setting& setting, EditSettings& settings) {
@@ -322,7 +317,7 @@ EditStep read_step(const Json& value, const std::string& where, const Source& so
   const JsonObject region(
       object["region"], object.where("region"),
       {"radius", "vertices", "component", "within", "selected", "padding", "anchors", "held", "connect"});
-  step.region = read_region(region, source.lists, step.region_places);
+  step.region = read_region(region, source.lists, step.region_query);
   const Json& handles = object.filled_list("handles", "handle groups");
   for (std::size_t i = 0; i < handles.size(); ++i) {
     const JsonObject handle(handles[i], object.where("handles") + "[" + std::to_string(i) + "]",
@@ -340,31 +335,32 @@ EditStep read_step(const Json& value, const std::string& where, const Source& so
   return step;
 }
 
-Json json_of(double value) {
-  if (!std::isfinite(value)) {
-    throw EditError(ErrorCause::NotFinite, "The edit cannot be written: one of its numbers is NaN or infinite.");
-  }
+/// Refuses numbers that are not finite; whole ones become integers, so that they are written as "0" and not "0.0".
+void tidy(Json& json) {
   constexpr double kLargestWhole = 9007199254740992;  // 2^53
-  if (value == std::floor(value) && std::abs(value) <= kLargestWhole) {
-    return static_cast<std::int64_t>(value);  // "0" and not "0.0"
+  if (json.is_structured()) {
+    std::for_each(json.begin(), json.end(), tidy);
+  } else if (json.is_number_float()) {
+    const auto value = json.get<double>();
+    if (!std::isfinite(value)) {
+      throw EditError(ErrorCause::NotFinite, "The edit cannot be written: one of its numbers is NaN or infinite.");
+    }
+    if (value == std::floor(value) && std::abs(value) <= kLargestWhole) {
+      json = static_cast<std::int64_t>(value);
+    }
   }
-  return value;
-}
-
-Json json_of(const double* values, std::size_t count) {
-  Json list = Json::array();
-  for (std::size_t i = 0; i < count; ++i) {
-    list.push_back(json_of(values[i]));
-  }
-  return list;
-}
-
-Json json_of(const std::vector<double>& values) {
-  return json_of(values.data(), values.size());
 }
 
 Json json_of(const Vector3& vector) {
-  return json_of(vector.data(), 3);
+  return {vector[0], vector[1], vector[2]};
+}
+
+Json json_of(const std::vector<Vector3>& points) {
+  Json list = Json::array();
+  for (const Vector3& point : points) {
+    list.push_back(json_of(point));
+  }
+  return list;
 }
 
 /// Writes consecutive numbers as ranges.
@@ -383,54 +379,42 @@ Json json_of(const std::vector<int>& vertices) {
   return text;
 }
 
-Json json_of(const KeptAnchors& anchors) {
-  return {{"vertices", json_of(anchors.vertices)},
-          {"weights", json_of(anchors.weights)},
-          {"depths", json_of(anchors.depths)},
-          {"reach", json_of(anchors.reach)}};
-}
-
-Json json_of(const Places::Disc& disc) {
-  return {{"point", json_of(disc.point)}, {"radius", json_of(disc.radius)}};
-}
-
-Json json_of(const std::vector<Vector3>& points) {
-  Json list = Json::array();
-  for (const Vector3& point : points) {
-    list.push_back(json_of(point));
+/// Writes what read_vertices() reads.
+void write_vertices(const std::vector<int>& vertices, const VertexQuery& query, Json& json) {
+  if (!query.points.empty()) {
+    json["points"] = json_of(query.points);
+  } else if (query.within) {
+    json["within"] = {{"point", json_of(query.within->point)}, {"radius", query.within->radius}};
+  } else if (query.selected) {
+    json["selected"] = true;
+  } else {
+    json["vertices"] = json_of(vertices);
   }
-  return list;
 }
 
-Json json_of(const RegionSpec& region, const Places& places) {
-  Json json = Json::object();
-  switch (region.kind) {
-    case RegionSpec::Kind::Component:
-      json["component"] = true;
-      break;
-    case RegionSpec::Kind::Vertices:
-      if (places.within) {
-        json["within"] = json_of(*places.within);
-      } else if (places.selected) {
-        json["selected"] = true;
-      } else {
-        json["vertices"] = json_of(region.vertices);
-      }
-      break;
-    case RegionSpec::Kind::Radius:
-      json["radius"] = json_of(region.radius);
+Json json_of(const RegionSpec& region, const VertexQuery& query) {
+  Json json;
+  if (region.kind == RegionSpec::Kind::Component) {
+    json["component"] = true;
+  } else if (region.kind == RegionSpec::Kind::Radius) {
+    json["radius"] = region.radius;
+  } else {
+    write_vertices(region.vertices, query, json);
   }
   if (region.kind != RegionSpec::Kind::Component) {
-    json["padding"] = json_of(region.padding);
+    json["padding"] = region.padding;
   }
   if (region.connect_gap != 0) {
-    json["connect"] = json_of(region.connect_gap);
+    json["connect"] = region.connect_gap;
   }
   if (!region.held.empty()) {
     json["held"] = json_of(region.held);
   }
   if (region.kind == RegionSpec::Kind::Vertices && !region.anchors.empty()) {
-    json["anchors"] = json_of(region.anchors);
+    json["anchors"] = {{"vertices", json_of(region.anchors.vertices)},
+                       {"weights", region.anchors.weights},
+                       {"depths", region.anchors.depths},
+                       {"reach", region.anchors.reach}};
   }
   return json;
 }
@@ -438,17 +422,9 @@ Json json_of(const RegionSpec& region, const Places& places) {
 Json json_of(const HandleGroup& handle) {
   const HandleTransform& t = handle.transform;
   Json json;
-  if (!handle.places.points.empty()) {
-    json["points"] = json_of(handle.places.points);
-  } else if (handle.places.within) {
-    json["within"] = json_of(*handle.places.within);
-  } else if (handle.places.selected) {
-    json["selected"] = true;
-  } else {
-    json["vertices"] = json_of(handle.vertices);
-  }
+  write_vertices(handle.vertices, handle.query, json);
   if (!handle.weights.empty()) {
-    json["weights"] = json_of(handle.weights);
+    json["weights"] = handle.weights;
   }
   if (!handle.targets.empty()) {
     json["targets"] = json_of(handle.targets);
@@ -457,28 +433,28 @@ Json json_of(const HandleGroup& handle) {
   if (t.matrix) {
     Eigen::Matrix<double, 4, 4, Eigen::RowMajor> matrix = Eigen::Matrix4d::Identity();
     matrix.topRows<3>() = *t.matrix;
-    json["matrix"] = json_of(matrix.data(), 16);
+    json["matrix"] = std::vector<double>(matrix.data(), matrix.data() + 16);
     return json;
   }
   json["translation"] = json_of(t.translation);
-  json["rotation"] = {{"axis", json_of(t.axis)}, {"degrees", json_of(t.degrees)}};
+  json["rotation"] = {{"axis", json_of(t.axis)}, {"degrees", t.degrees}};
   if (t.center) {
     json["rotation"]["center"] = json_of(*t.center);
   }
-  json["scale"] = json_of(t.scale);
+  json["scale"] = t.scale;
   return json;
 }
 
 Json json_of(const Setting& setting, double value) {
   if (setting.kind != Setting::Kind::Choice) {
-    return json_of(value);
+    return value;
   }
   const bool known = value >= setting.low && value <= setting.high;
   return known ? Json(setting.choices[static_cast<std::size_t>(value)]) : Json();
 }
 
 Json json_of(const EditStep& step) {
-  Json json = {{"region", json_of(step.region, step.region_places)}, {"handles", Json::array()}};
+  Json json = {{"region", json_of(step.region, step.region_query)}, {"handles", Json::array()}};
   for (const HandleGroup& handle : step.handles) {
     json["handles"].push_back(json_of(handle));
   }
@@ -504,8 +480,8 @@ Json json_of(const Edit& edit) {
   if (!edit.connectivity.empty()) {
     mesh["connectivity"] = edit.connectivity;
   }
-  if (!edit.places.vertices.empty()) {
-    mesh["places"] = {{"vertices", json_of(edit.places.vertices)}, {"points", json_of(edit.places.points)}};
+  if (!edit.positions.vertices.empty()) {
+    mesh["positions"] = {{"vertices", json_of(edit.positions.vertices)}, {"points", json_of(edit.positions.points)}};
   }
   if (!mesh.is_null()) {
     json["mesh"] = std::move(mesh);
@@ -515,12 +491,6 @@ Json json_of(const Edit& edit) {
     json["steps"].push_back(json_of(step));
   }
   return json;
-}
-
-std::string trimmed(const std::string& text) {
-  constexpr const char* kSpace = " \t\n\v\f\r";
-  const std::size_t first = text.find_first_not_of(kSpace);
-  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(kSpace) - first + 1);
 }
 
 }  // namespace
@@ -536,7 +506,7 @@ Edit read_edit(const std::string& json, const std::string& folder) {
   const JsonObject object(root, "edit", {"laplacian_edit", "mesh", "steps"});
   Edit edit;
   if (object.has("mesh")) {
-    const JsonObject mesh(object["mesh"], "mesh", {"vertices", "faces", "connectivity", "places"});
+    const JsonObject mesh(object["mesh"], "mesh", {"vertices", "faces", "connectivity", "positions"});
     if (mesh.has("vertices")) {
       edit.mesh_vertices = mesh.integer("vertices", 0);
     }
@@ -553,8 +523,9 @@ Edit read_edit(const std::string& json, const std::string& folder) {
   }
   VertexLists lists(edit.mesh_vertices);
   const Source source = {lists, folder};
-  if (object.has("mesh") && object["mesh"].contains("places")) {
-    edit.places = read_places(JsonObject(object["mesh"]["places"], "mesh.places", {"vertices", "points"}), lists);
+  if (object.has("mesh") && object["mesh"].contains("positions")) {
+    edit.positions =
+        read_positions(JsonObject(object["mesh"]["positions"], "mesh.positions", {"vertices", "points"}), lists);
   }
   const Json& steps = object.filled_list("steps", "steps");
   for (std::size_t i = 0; i < steps.size(); ++i) {
@@ -585,9 +556,11 @@ Edit load_edit(const std::string& text_or_path) {
 }
 
 std::string write_edit(const Edit& edit) {
-  std::string json = json_of(edit).dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
-  read_edit(json);  // refuses text that could not be read again, with the same message
-  return json;
+  Json json = json_of(edit);
+  tidy(json);
+  const std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  read_edit(text);  // refuses text that could not be read again, with the same message
+  return text;
 }
 
 }  // namespace lapedit

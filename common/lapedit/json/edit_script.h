@@ -7,53 +7,9 @@
 
 /// Edits as JSON text, so that interactive and scripted edits can be replayed exactly.
 ///
-/// Keys (o: optional, with the default of EditSettings, RegionSpec or HandleTransform; any other key is refused):
+/// The page docs/json-format.md lists the keys. Settings are read and written by settings_table().
 ///
-///     laplacian_edit     the version of this format: 1
-///     mesh             o the mesh it was made for; each key is optional, what is given is compared by apply_edit()
-///       vertices, faces    counts
-///       connectivity       checksum of 16 digits, see connectivity_checksum()
-///       places             vertices, ascending, and points, where these are: see Edit::by_place()
-///     steps              list of one or more, each applied to the result of the one before
-///       region           one of the following five:
-///         radius           geodesic radius about the handles, model units
-///         vertices         "12-40,77": single numbers and ranges, both ends included, counted from 0
-///         component        true: the whole connected components of the handles
-///         within           point and radius: the vertices within the radius along the surface of the one nearest
-///         selected         true: what is selected
-///         anchors        o with vertices only: anchors kept from an earlier step in the same region
-///           vertices         as above
-///           weights, depths  lists, one number from 0 to 1 per vertex
-///           reach            largest handle distance then, model units
-///         padding        o width of the anchor band over the radius, or over the largest handle distance; does nothing
-///                          to whole components
-///         held           o vertices that never move, as above
-///         connect        o pieces nearer to each other than this are one, model units; 0: off
-///       handles          list of one or more groups
-///         vertices         as above; or one of the following four:
-///         points           list of [x, y, z]: the vertex nearest to each
-///         within, selected   as above
-///         landmarks        from and to: files of points and of their targets, see load_landmarks()
-///         weights        o list, one number from 0.000001 to 1 per vertex or point
-///         targets        o in place of the four below: list of [x, y, z], one per vertex or point, in the same order
-///         translation    o [x, y, z], model units
-///         rotation       o
-///           axis         o [x, y, z], any length but zero
-///           degrees      o
-///           center       o [x, y, z], of rotation and scale; absent: the group's centroid
-///         scale          o
-///         matrix         o in place of the three above: 16 numbers by rows, the last row 0, 0, 0, 1
-///       mirror           o the plane that region and handles are mirrored across
-///         point            [x, y, z], model units
-///         normal           [x, y, z], any length but zero
-///       method         o "default", "paper", "linear"; it gives the following keys their defaults
-///       laplacian      o "umbrella", "cotangent", "mean_value"
-///       order, membrane, handle_weight, anchor_weight   o
-///       iterations     o with the method default only
-///       normal_radius  o with the method paper only; model units; 0: automatic
-///       rough          o with the method paper only: "unrotated", "falloff"
-///
-/// Example: the steps of a file on a mesh, half of the way.
+/// Example: the steps of a file on a mesh, half of the path.
 ///
 ///     const Edit edit = load_edit("bend.json");
 ///     const EditResult half = apply_edit(mesh, edit, 0.5);

@@ -9,8 +9,8 @@
 
 namespace lapedit {
 
-/// An object together with its place in the text, such as "steps[1].handles[0]". Nothing is guessed, and each EditError
-/// (BadScript) names the place. The value has to outlive the object.
+/// An object together with its location in the text, such as "steps[1].handles[0]". Nothing is guessed, and each
+/// EditError (BadScript) names the location. The value has to outlive the object.
 class JsonObject {
  public:
   /// Refuses values that are no objects, and unknown keys.

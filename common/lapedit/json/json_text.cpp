@@ -105,6 +105,12 @@ Json parse_json(std::string json) {
   return root;
 }
 
+std::string trimmed(const std::string& text) {
+  constexpr const char* kSpace = " \t\n\v\f\r";
+  const std::size_t first = text.find_first_not_of(kSpace);
+  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(kSpace) - first + 1);
+}
+
 std::string quoted_text(const std::string& text) {
   constexpr int kLongest = 60;  // characters, not bytes
   std::size_t end = 0;

@@ -21,6 +21,9 @@ constexpr std::size_t kLargestJson = 64 << 20;  ///< bytes; seven million vertex
 /// Cost: O(n log k) for n bytes with at most k keys in an object
 Json parse_json(std::string json);
 
+/// Returns the text without white space at its ends.
+std::string trimmed(const std::string& text);
+
 /// Text from outside, made fit for a message: quoted, control characters escaped, not too long.
 std::string quoted_text(const std::string& text);
 

@@ -25,12 +25,6 @@
 namespace lapedit {
 namespace {
 
-std::string trimmed(const std::string& text) {
-  constexpr const char* kSpace = " \t\n\v\f\r";
-  const std::size_t first = text.find_first_not_of(kSpace);
-  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(kSpace) - first + 1);
-}
-
 std::string lower(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
                  [](char letter) { return static_cast<char>(std::tolower(static_cast<unsigned char>(letter))); });
@@ -209,12 +203,32 @@ std::optional<Columns> columns_of(const std::vector<std::string>& header) {
   return std::count(columns.begin() + 1, columns.end(), -1) == 0 ? std::optional<Columns>(columns) : std::nullopt;
 }
 
-void read_table(const std::string& text, const std::string& name, Collector& all) {
-  char separator = 0;
+/// Old files have numbers in place of names.
+std::string coordinate_system(const std::string& text) {
+  return text == "0" ? "RAS" : text == "1" ? "LPS" : text;
+}
+
+/// @param fiducials  3D Slicer's .fcsv: comments name the columns and the coordinate system
+void read_table(const std::string& text, const std::string& name, bool fiducials, Collector& all) {
+  char separator = fiducials ? ',' : '\0';
   std::optional<Columns> columns;
+  if (fiducials) {
+    columns = Columns{11, 1, 2, 3};
+  }
   int row = 0;
   for_lines(text, [&](std::size_t line, const std::string& content) {
+    const std::string where = name + ", line " + std::to_string(line);
     if (content[0] == '#') {
+      const std::size_t equals = fiducials ? content.find('=') : std::string::npos;
+      const std::string key = equals == std::string::npos ? "" : lower(trimmed(content.substr(1, equals - 1)));
+      if (key == "coordinatesystem") {
+        all.file.system = coordinate_system(trimmed(content.substr(equals + 1)));
+      } else if (key == "columns") {
+        columns = columns_of(cells_of(content.substr(equals + 1), ','));
+        if (!columns || (*columns)[0] < 0) {
+          refuse_json(where + ": the columns are not named x, y, z and label; save it with 3D Slicer.");
+        }
+      }
       return;
     }
     if (separator == 0) {
@@ -222,7 +236,6 @@ void read_table(const std::string& text, const std::string& name, Collector& all
       separator = at == std::string::npos ? ',' : content[at];
     }
     const std::vector<std::string> cells = cells_of(content, separator);
-    const std::string where = name + ", line " + std::to_string(line);
     if (!columns) {
       columns = columns_of(cells);
       if (columns) {
@@ -246,41 +259,7 @@ void read_table(const std::string& text, const std::string& name, Collector& all
   });
 }
 
-// --- 3D Slicer ------------------------------------------------------------------------------------------------------
-
-/// Old files have numbers in place of names.
-std::string coordinate_system(const std::string& text) {
-  return text == "0" ? "RAS" : text == "1" ? "LPS" : text;
-}
-
-void read_fiducials(const std::string& text, const std::string& name, Collector& all) {
-  std::vector<std::string> header = {"id", "x", "y", "z", "ow", "ox", "oy", "oz", "vis", "sel", "lock", "label"};
-  for_lines(text, [&](std::size_t line, const std::string& content) {
-    const std::string where = name + ", line " + std::to_string(line);
-    if (content[0] == '#') {
-      const std::size_t equals = content.find('=');
-      const std::string key = equals == std::string::npos ? "" : lower(trimmed(content.substr(1, equals - 1)));
-      if (key == "columns") {
-        header = cells_of(content.substr(equals + 1), ',');
-      } else if (key == "coordinatesystem") {
-        all.file.system = coordinate_system(trimmed(content.substr(equals + 1)));
-      }
-      return;
-    }
-    auto columns = columns_of(header);
-    const auto label = std::find(header.begin(), header.end(), "label");
-    if (!columns || label == header.end()) {
-      refuse_json(where + ": the columns are not named x, y, z and label; save it with 3D Slicer.");
-    }
-    (*columns)[0] = static_cast<int>(label - header.begin());
-    const std::vector<std::string> cells = cells_of(content, ',');
-    const auto cell = [&](int k) {
-      const auto at = static_cast<std::size_t>((*columns)[static_cast<std::size_t>(k)]);
-      return at < cells.size() ? cells[at] : std::string();
-    };
-    all.add(where, cell(0), {cell(1), cell(2), cell(3)});
-  });
-}
+// --- 3D Slicer's markups --------------------------------------------------------------------------------------------
 
 void read_markups(const std::string& text, const std::string& name, Collector& all) {
   Json root;
@@ -304,23 +283,23 @@ void read_markups(const std::string& text, const std::string& name, Collector& a
     }
     for (std::size_t k = 0; k < list["controlPoints"].size(); ++k) {
       const Json& point = list["controlPoints"][k];
-      const std::string place = where + ".controlPoints[" + std::to_string(k) + "]";
+      const std::string location = where + ".controlPoints[" + std::to_string(k) + "]";
       if (!point.is_object() || !point.contains("label") || !point["label"].is_string()) {
-        refuse_json(place + ": has no label; give it one, since landmarks are paired by name.");
+        refuse_json(location + ": has no label; give it one, since landmarks are paired by name.");
       }
       if (point.contains("positionStatus") && point["positionStatus"] != "defined") {
         continue;
       }
       const auto position = point.find("position");
       if (position == point.end() || !position->is_array() || position->size() != 3) {
-        refuse_json(place + ": the position of landmark " + quoted_text(point["label"].get<std::string>()) +
+        refuse_json(location + ": the position of landmark " + quoted_text(point["label"].get<std::string>()) +
                     " is not three numbers.");
       }
       std::array<std::string, 3> coordinates;
       for (std::size_t axis = 0; axis < 3; ++axis) {
         coordinates[axis] = (*position)[axis].dump();
       }
-      all.add(place, point["label"].get<std::string>(), coordinates);
+      all.add(location, point["label"].get<std::string>(), coordinates);
     }
   }
 }
@@ -363,9 +342,9 @@ LandmarkFile read_landmarks(const std::string& text, const std::string& name) {
   if (ends_with(suffix, ".pp")) {
     read_picked_points(content, shown, all);
   } else if (ends_with(suffix, ".fcsv")) {
-    read_fiducials(content, shown, all);
+    read_table(content, shown, true, all);
   } else if (ends_with(suffix, ".csv")) {
-    read_table(content, shown, all);
+    read_table(content, shown, false, all);
   } else if (ends_with(suffix, ".json")) {
     read_markups(content, shown, all);
   } else {
@@ -402,7 +381,7 @@ HandleGroup pair_landmarks(const NamedLandmarks& from_file, const NamedLandmarks
   HandleGroup group;
   for (const Landmark& landmark : first.landmarks) {
     group.names.push_back(landmark.name);
-    group.places.points.push_back(landmark.point);
+    group.query.points.push_back(landmark.point);
     group.targets.push_back(targets.at(landmark.name));
   }
   return group;

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "lapedit/base/thread_pool.h"
-#include "lapedit/linear/operator_rows.h"
+#include "lapedit/linear/linear.h"
 
 namespace lapedit {
 
@@ -46,14 +45,6 @@ class RefinedSystem {
   virtual void subtract_product(const Points& step, Points& left) = 0;
   /// step = A^-1 left approximately. May use left as scratch.
   virtual void solve(Points& left, Points& step) = 0;
-};
-
-/// The outcome of a refinement.
-struct Refinement {
-  int steps = 0;           ///< number of residuals computed
-  double last_change = 0;  ///< size of the last step, over that of the solution
-
-  bool converged() const { return last_change < 1e-6; }  ///< otherwise the solution is not reliable
 };
 
 /// Refines a solution until it is correct to the last bit, or until steps stop improving it. Residuals are computed in

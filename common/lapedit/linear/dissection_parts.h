@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "lapedit/mesh/adjacency.h"
+#include "lapedit/base/index_lists.h"
 
 // Shared by nested_dissection.cpp and minimum_vertex_separator.cpp.
 
@@ -35,13 +35,13 @@ using Counts = std::array<int, 4>;  // vertices per side
 
 /// Scratch memory of one thread. The first arrays have an entry per vertex of a piece.
 struct Scratch {
-  std::vector<std::uint8_t> side;   // Side
-  std::vector<std::uint8_t> place;  // bin along the axis; then whether beyond the cut
-  std::vector<float> along;         // coordinate on the axis
-  std::vector<int> queue, level;    // of the breadth-first search
-  std::vector<int> local;           // number in a part
-  std::vector<int> from, values;    // of a part
-  std::vector<std::uint64_t> nets;  // of a leaf
+  std::vector<std::uint8_t> side;      // Side
+  std::vector<std::uint8_t> position;  // bin along the axis; then whether beyond the cut
+  std::vector<float> along;            // coordinate on the axis
+  std::vector<int> queue, level;       // of the breadth-first search
+  std::vector<int> local;              // number in a part
+  std::vector<int> from, values;       // of a part
+  std::vector<std::uint64_t> nets;     // of a leaf
 
   // Of a band, see minimum_vertex_separator.cpp.
   std::vector<int> band, offsets, members, in, out, depth, arc, path;
@@ -50,7 +50,7 @@ struct Scratch {
   void fit(int size) {
     if (static_cast<int>(side.size()) < size) {
       side.resize(size);
-      place.resize(size);
+      position.resize(size);
       along.resize(size);
       queue.resize(size);
       level.resize(size);

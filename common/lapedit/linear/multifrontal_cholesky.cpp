@@ -62,7 +62,7 @@ class Factorisation {
         pool_(pool),
         children_(tree.nodes.size() + 1, 0),
         fronts_(tree.nodes.size()),
-        places_(pool.threads(), std::vector<int>(tree.size)) {
+        positions_(pool.threads(), std::vector<int>(tree.size)) {
     list_children();
   }
 
@@ -70,7 +70,7 @@ class Factorisation {
     TreeWalk walk(tree_, pool_.threads());
     walk.upwards(pool_, [this](const TaskTree::Task& task, int worker) {
       for (int s = task.first_node; s <= task.last_node && definite_; ++s) {
-        eliminate(s, places_[worker].data());
+        eliminate(s, positions_[worker].data());
       }
     });
     return definite_;
@@ -88,9 +88,9 @@ class Factorisation {
   const int* rows(int s) const { return pattern_.rows.data() + pattern_.row_offsets[s]; }
 
   void list_children();
-  void eliminate(int s, int* place);
-  void add_matrix(int s, const int* place, double* front) const;
-  void add_child(int child, const int* place, double* front, int front_stride);
+  void eliminate(int s, int* position);
+  void add_matrix(int s, const int* position, double* front) const;
+  void add_child(int child, const int* position, double* front, int front_stride);
 
   const SparseMatrix& lower_;
   const SupernodalPattern& pattern_;
@@ -100,7 +100,7 @@ class Factorisation {
   FrontalKernel kernel_ = best_frontal_kernel();
   std::vector<int> children_, child_;  // of s: child_[children_[s] .. children_[s + 1])
   std::vector<Front> fronts_;
-  std::vector<std::vector<int>> places_;  // per thread: row -> place in the front
+  std::vector<std::vector<int>> positions_;  // per thread: row -> place in the front
   Recycler recycler_;
   std::atomic<bool> definite_{true};
 };
@@ -119,34 +119,34 @@ void Factorisation::list_children() {
   }
 }
 
-void Factorisation::add_matrix(int s, const int* place, double* front) const {
+void Factorisation::add_matrix(int s, const int* position, double* front) const {
   const int first = tree_.nodes[s].first_column;
   for (int j = first; j < first + columns(s); ++j) {
     double* const column = front + static_cast<std::size_t>(j - first) * stride(s);
     for (SparseMatrix::InnerIterator entry(lower_, j); entry; ++entry) {
-      column[place[entry.row()]] = entry.value();
+      column[position[entry.row()]] = entry.value();
     }
   }
 }
 
 /// A child's update of the rows below its columns.
-void Factorisation::add_child(int child, const int* place, double* front, int front_stride) {
+void Factorisation::add_child(int child, const int* position, double* front, int front_stride) {
   const int first = columns(child), last = size(child), child_stride = stride(child);
   const int* const row = rows(child);
   const double* from = fronts_[child].memory.get() + static_cast<std::size_t>(first) * child_stride;
   for (int j = first; j < last; ++j, from += child_stride) {
-    double* const to = front + static_cast<std::size_t>(place[row[j]]) * front_stride;
+    double* const to = front + static_cast<std::size_t>(position[row[j]]) * front_stride;
     for (int i = j; i < last; ++i) {
-      to[place[row[i]]] += from[i];
+      to[position[row[i]]] += from[i];
     }
   }
   recycler_.give(std::move(fronts_[child].memory), fronts_[child].kind);
 }
 
-void Factorisation::eliminate(int s, int* place) {
+void Factorisation::eliminate(int s, int* position) {
   const int front_size = size(s), front_stride = stride(s);
   for (int i = 0; i < front_size; ++i) {
-    place[rows(s)[i]] = i;
+    position[rows(s)[i]] = i;
   }
   Front& front = fronts_[s];
   front.memory = recycler_.take(static_cast<std::size_t>(front_stride) * front_size, front.kind);
@@ -156,9 +156,9 @@ void Factorisation::eliminate(int s, int* place) {
     std::memset(values + static_cast<std::size_t>(j) * front_stride + start, 0,
                 static_cast<std::size_t>(front_stride - start) * sizeof(double));
   }
-  add_matrix(s, place, values);
+  add_matrix(s, position, values);
   for (int c = children_[s]; c < children_[s + 1]; ++c) {
-    add_child(child_[c], place, values, front_stride);
+    add_child(child_[c], position, values, front_stride);
   }
   if (!kernel_(values, front_stride, front_size, columns(s))) {
     definite_ = false;

@@ -13,6 +13,7 @@
 #include "lapedit/base/simd.h"
 #include "lapedit/base/thread_pool.h"
 #include "lapedit/linear/dissection_parts.h"
+#include "lapedit/linear/linear.h"
 
 namespace lapedit {
 
@@ -177,19 +178,19 @@ double cut_by_plane(const Piece& piece, Scratch& scratch) {
   while (below + coarse[bin] < (1 - kTail) * n) below += coarse[bin++];
   const float to = start + (bin + 1) / per_length;
   const float scale = (kBins - 2) / std::max(to - from, 1e-30F);
-  std::vector<std::uint8_t>& place = scratch.place;
+  std::vector<std::uint8_t>& position = scratch.position;
   for (int v = 0; v < piece.size(); ++v) {
-    place[v] = static_cast<std::uint8_t>(std::clamp((scratch.along[v] - from) * scale + 1, 0.0F, kBins - 1.0F));
+    position[v] = static_cast<std::uint8_t>(std::clamp((scratch.along[v] - from) * scale + 1, 0.0F, kBins - 1.0F));
   }
   // A vertex is in the separators of all planes that separate it from a neighbour.
   std::array<int, kBins> vertices{}, change{};
   for (int v = 0; v < n; ++v) {
-    std::uint8_t low = place[v], high = place[v];
+    std::uint8_t low = position[v], high = position[v];
     for (const int w : piece.next[v]) {
-      low = std::min(low, place[w]);
-      high = std::max(high, place[w]);
+      low = std::min(low, position[w]);
+      high = std::max(high, position[w]);
     }
-    ++vertices[place[v]];
+    ++vertices[position[v]];
     ++change[low];
     --change[high];
   }
@@ -204,7 +205,7 @@ double cut_by_plane(const Piece& piece, Scratch& scratch) {
       last = b;
     }
   }
-  for (int v = 0; v < piece.size(); ++v) place[v] = place[v] > last;
+  for (int v = 0; v < piece.size(); ++v) position[v] = position[v] > last;
   return best;
 }
 
@@ -274,7 +275,7 @@ void cut_by_level(const Piece& piece, Scratch& scratch, double best) {
     before = here;
   }
   if (last >= 0) {
-    for (int v = 0; v < piece.size(); ++v) scratch.place[v] = scratch.level[v] > last;
+    for (int v = 0; v < piece.size(); ++v) scratch.position[v] = scratch.level[v] > last;
   }
 }
 
@@ -327,8 +328,8 @@ bool divide(const Piece& piece, Scratch& scratch, Counts& counts) {
   counts = {};
   for (int v = 0; v < n; ++v) {
     bool cut = false;
-    for (const int w : piece.next[v]) cut |= scratch.place[w] != scratch.place[v];
-    scratch.side[v] = cut ? std::uint8_t{kSeparator} : scratch.place[v];
+    for (const int w : piece.next[v]) cut |= scratch.position[w] != scratch.position[v];
+    scratch.side[v] = cut ? std::uint8_t{kSeparator} : scratch.position[v];
     ++counts[scratch.side[v]];
   }
   improve_separator(piece, scratch, counts, band_layers(n));

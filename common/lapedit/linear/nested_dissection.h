@@ -3,7 +3,8 @@
 
 #include <vector>
 
-#include "lapedit/mesh/adjacency.h"
+#include "lapedit/base/index_lists.h"
+#include "lapedit/base/types.h"
 
 namespace lapedit {
 
@@ -20,14 +21,5 @@ namespace lapedit {
 /// @return            order[k] = vertex eliminated k-th
 /// Cost: O(n log n), about 2 microseconds per vertex at 100,000; some 200 bytes per vertex.
 std::vector<int> nested_dissection(const IndexLists& neighbours, const Points& points, int threads = 1);
-
-/// Returns the elimination order for an editor's system over a graph; empty if approximate minimum degree is as good,
-/// below some ten thousand vertices.
-///
-/// Nested dissection with edge counts to three distant vertices as coordinates: on a surface they give 2 to 3 % more
-/// fill than its own coordinates, and an edited shape keeps its order and its factor.
-/// @param threads  at most this many (0: all of the machine's); the order does not depend on it
-/// Cost: as nested_dissection().
-std::vector<int> fill_reducing_ordering(const IndexLists& neighbours, int threads);
 
 }  // namespace lapedit

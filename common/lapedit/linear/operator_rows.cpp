@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/linear/operator_rows.h"
+#include "lapedit/linear/linear.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/linear/refined_solver.h"
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <utility>
+
+#include "lapedit/linear/accurate_residual.h"
 
 namespace lapedit {
 namespace {
@@ -49,6 +49,11 @@ FactoredNormalMatrix::FactoredNormalMatrix(std::shared_ptr<const OperatorRows> o
       squared_weights(std::move(weights)),
       cholesky(measured(m->normal_matrix(squared_weights, *options.pool), norm), options) {}
 
+struct RefinedSolver::Scratch {
+  Points residual, step, at_rows, corrected;
+  DoubledPoints doubled, between;
+};
+
 RefinedSolver::RefinedSolver(std::shared_ptr<const FactoredNormalMatrix> matrix,
                              std::shared_ptr<const WoodburyCorrection> correction, std::shared_ptr<ThreadPool> pool)
     : matrix_(std::move(matrix)),
@@ -56,11 +61,14 @@ RefinedSolver::RefinedSolver(std::shared_ptr<const FactoredNormalMatrix> matrix,
       pool_(std::move(pool)),
       cholesky_(matrix_->cholesky, pool_),
       squared_weights_(matrix_->squared_weights),
-      at_rows_(correction_->rows.size(), 3) {
+      scratch_(std::make_unique<Scratch>()) {
+  scratch_->at_rows.resize(static_cast<Eigen::Index>(correction_->rows.size()), 3);
   for (std::size_t c = 0; c < correction_->rows.size(); ++c) {
     squared_weights_[correction_->rows[c]] = correction_->weights[c];
   }
 }
+
+RefinedSolver::~RefinedSolver() = default;
 
 double RefinedSolver::smallest_eigenvalue() {
   constexpr int kIterations = 6;
@@ -106,26 +114,27 @@ int RefinedSolver::refine_to(const Points& right, Points& x, double accurate) {
 /// Computes x = A^-1 b to the precision of the factor: y + Z K (W^-2 b_h - y_h).
 void RefinedSolver::solve(Points& right, Points& x) {
   const WoodburyCorrection& add = *correction_;
+  Points &at_rows = scratch_->at_rows, &corrected = scratch_->corrected;
   if (add.rows.empty()) {
     cholesky_.solve(right, x);
     return;
   }
   for (std::size_t c = 0; c < add.rows.size(); ++c) {
-    at_rows_.row(static_cast<Eigen::Index>(c)) = right.row(add.rows[c]);
+    at_rows.row(static_cast<Eigen::Index>(c)) = right.row(add.rows[c]);
     right.row(add.rows[c]).setZero();
   }
   cholesky_.solve(right, x);
   for (std::size_t c = 0; c < add.rows.size(); ++c) {
     const auto row = static_cast<Eigen::Index>(c);
-    right.row(add.rows[c]) = at_rows_.row(row);
-    at_rows_.row(row) = at_rows_.row(row) / add.weights[c] - x.row(add.rows[c]);
+    right.row(add.rows[c]) = at_rows.row(row);
+    at_rows.row(row) = at_rows.row(row) / add.weights[c] - x.row(add.rows[c]);
   }
-  corrected_ = add.k.lazyProduct(at_rows_);
+  corrected = add.k.lazyProduct(at_rows);
   constexpr int kGrain = 4096;
   in_pieces(*pool_, static_cast<int>(x.rows()), kGrain, [&](int first, int last) {
-    for (Eigen::Index c = 0; c < corrected_.rows(); ++c) {
+    for (Eigen::Index c = 0; c < corrected.rows(); ++c) {
       for (int i = first; i < last; ++i) {
-        x.row(i) += add.z(i, c) * corrected_.row(c);
+        x.row(i) += add.z(i, c) * corrected.row(c);
       }
     }
   });
@@ -134,30 +143,31 @@ void RefinedSolver::solve(Points& right, Points& x) {
 class RefinedSolver::System : public RefinedSystem {
  public:
   System(RefinedSolver& solver, const Points& right, const Progress& progress)
-      : s_(solver), right_(right), go_on_(progress) {}
+      : s_(solver), right_(right), progress_(progress) {}
   void residual(const DoubledPoints& x, Points& left) override {
-    normal_residual(*s_.matrix_->m, s_.squared_weights_, right_, x, s_.between_, left, *s_.pool_);
+    normal_residual(*s_.matrix_->m, s_.squared_weights_, right_, x, s_.scratch_->between, left, *s_.pool_);
   }
   void subtract_product(const Points& step, Points& left) override {
-    subtract_normal_product(*s_.matrix_->m, s_.squared_weights_, step, s_.between_.high, left, *s_.pool_);
+    subtract_normal_product(*s_.matrix_->m, s_.squared_weights_, step, s_.scratch_->between.high, left, *s_.pool_);
   }
   void solve(Points& left, Points& step) override {
-    report_progress(go_on_, 0, "solve");
+    report_progress(progress_, 0, "solve");
     s_.solve(left, step);
   }
 
  private:
   RefinedSolver& s_;
   const Points& right_;
-  const Progress& go_on_;
+  const Progress& progress_;
 };
 
 Refinement RefinedSolver::refine_to_the_bit(const Points& right, Points& x, const Progress& progress) {
-  residual_ = right;
+  Scratch& of = *scratch_;
+  of.residual = right;
   System system(*this, right, progress);
   const Refinement done =
-      lapedit::refine_to_the_bit(system, cholesky_.single_precision(), doubled_, residual_, step_, *pool_);
-  x = doubled_.high;
+      lapedit::refine_to_the_bit(system, cholesky_.single_precision(), of.doubled, of.residual, of.step, *pool_);
+  x = of.doubled.high;
   return done;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/linear/sparse_cholesky.h"
+#include "lapedit/linear/linear.h"
 
 #include <Eigen/SparseCholesky>
 #include <cmath>
@@ -17,9 +17,7 @@ namespace {
 
 [[noreturn]] void refuse_matrix(Eigen::Index size) {
   throw EditError(ErrorCause::IllConditioned,
-                  "The system of " + std::to_string(size) +
-                      " region vertices is singular to working precision: use a lower order, a smaller region, more "
-                      "padding or weights nearer to 1.");
+                  "A matrix of " + std::to_string(size) + " rows is not positive definite to working precision.");
 }
 
 }  // namespace

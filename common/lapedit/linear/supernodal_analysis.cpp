@@ -39,15 +39,15 @@ struct Neighbours {
 
   Neighbours(const SparseMatrix& matrix, const std::vector<int>& order)
       : left(static_cast<int>(matrix.cols())), below(static_cast<int>(matrix.cols())) {
-    std::vector<int> place(order.size());
+    std::vector<int> position(order.size());
     for (std::size_t k = 0; k < order.size(); ++k) {
-      place[order[k]] = static_cast<int>(k);
+      position[order[k]] = static_cast<int>(k);
     }
     const auto for_each = [&](const auto& body) {
       for (int j = 0; j < matrix.outerSize(); ++j) {
         for (SparseMatrix::InnerIterator entry(matrix, j); entry; ++entry) {
           if (entry.row() > j) {
-            const auto [low, high] = std::minmax(place[j], place[entry.row()]);
+            const auto [low, high] = std::minmax(position[j], position[entry.row()]);
             body(low, high);
           }
         }
@@ -112,7 +112,7 @@ std::vector<int> postorder(const std::vector<int>& parent, const std::vector<int
 }
 
 /// Counts the entries of each column of the factor, including the diagonal: the leaves of each row's subtree of the
-/// elimination tree, minus the places where their paths meet.
+/// elimination tree, minus the positions where their paths meet.
 std::vector<int> column_counts(const Lists& below, const std::vector<int>& parent, const std::vector<int>& post) {
   const int n = static_cast<int>(parent.size());
   std::vector<int> count(n), first(n, kNone), most_first(n, kNone), last_leaf(n, kNone), ancestor(n);
@@ -266,7 +266,7 @@ void join_supernodes(const std::vector<int>& fundamental, const std::vector<int>
 }
 
 /// Row k is in all supernodes on the paths from its entries up the tree to its own.
-void fill_rows(const Lists& left, const std::vector<int>& post, const std::vector<int>& place,
+void fill_rows(const Lists& left, const std::vector<int>& post, const std::vector<int>& position,
                const std::vector<int>& parent, SupernodalPattern& pattern) {
   const std::vector<int> of = supernode_of_columns(pattern.columns);
   const std::vector<int> above = parents_of_supernodes(pattern.columns, of, parent);
@@ -277,7 +277,7 @@ void fill_rows(const Lists& left, const std::vector<int>& post, const std::vecto
     seen[of[k]] = k;
     pattern.rows[next[of[k]]++] = k;
     for (const int* entry = left.begin(post[k]); entry != left.end(post[k]); ++entry) {
-      for (int s = of[place[*entry]]; seen[s] != k; s = above[s]) {
+      for (int s = of[position[*entry]]; seen[s] != k; s = above[s]) {
         seen[s] = k;
         pattern.rows[next[s]++] = k;
       }
@@ -304,17 +304,17 @@ SupernodalPattern supernodal_analysis(const SparseMatrix& matrix, const std::vec
   // The same, numbered by the postorder.
   SupernodalPattern pattern;
   pattern.order.resize(n);
-  std::vector<int> place(n), placed_parent(n), placed_count(n);
+  std::vector<int> position(n), placed_parent(n), placed_count(n);
   for (int k = 0; k < n; ++k) {
-    place[post[k]] = k;
+    position[post[k]] = k;
     pattern.order[k] = given[post[k]];
   }
   for (int k = 0; k < n; ++k) {
-    placed_parent[k] = parent[post[k]] == kNone ? kNone : place[parent[post[k]]];
+    placed_parent[k] = parent[post[k]] == kNone ? kNone : position[parent[post[k]]];
     placed_count[k] = count[post[k]];
   }
   join_supernodes(fundamental_supernodes(placed_parent, placed_count), placed_parent, placed_count, pattern);
-  fill_rows(neighbours.left, post, place, placed_parent, pattern);
+  fill_rows(neighbours.left, post, position, placed_parent, pattern);
   return pattern;
 }
 

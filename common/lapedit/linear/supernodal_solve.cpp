@@ -101,7 +101,7 @@ struct SupernodalSolver<Scalar>::Passes {
   void forward_task(const Task& task, Scalar* x, Scalar* v);
   void backward_task(const Task& task, Scalar* x, Scalar* v);
   /// Returns the address of a row of tree.rows: in x, or in the list of a branch.
-  Scalar* place_of(int row, Scalar* x) {
+  Scalar* position_of(int row, Scalar* x) {
     return row < tree.size ? x + 3 * static_cast<std::size_t>(row)
                            : lists.data() + 3 * static_cast<std::size_t>(row - tree.size);
   }
@@ -172,7 +172,7 @@ void SupernodalSolver<Scalar>::Passes::forward_task(const Task& task, Scalar* x,
     if (branch) {
       const int* row = tree.rows.data() + node.row_offset;
       for (int i = node.columns; i < node.rows; ++i, ++row) {
-        local.add_to(i, place_of(*row, x));
+        local.add_to(i, position_of(*row, x));
       }
     } else {
       Scalar* to = own;
@@ -199,7 +199,7 @@ void SupernodalSolver<Scalar>::Passes::backward_task(const Task& task, Scalar* x
     }
     const int* row = tree.rows.data() + node.row_offset;
     for (int i = node.columns; i < node.rows; ++i, ++row) {
-      local.set(i, place_of(*row, x));
+      local.set(i, position_of(*row, x));
     }
     local.clear(node.rows, pad);
     kernels.backward(factor.values.data() + node.tiles + tiles_of(node.columns, node.rows), node.columns, node.rows, v,

@@ -15,8 +15,8 @@ template <typename Scalar>
 using Lanes = Simd<Scalar, kTall>;
 
 template <typename Scalar>
-LAPEDIT_INLINE void fetch(const Scalar* place) {
-  prefetch(reinterpret_cast<const char*>(place) + kAhead);
+LAPEDIT_INLINE void fetch(const Scalar* position) {
+  prefetch(reinterpret_cast<const char*>(position) + kAhead);
 }
 
 /// Returns the sums over the lanes of eight vectors, one per lane.

@@ -100,16 +100,16 @@ void TaskTree::join() {
     task.parent = task_of[parent];
     children[task.parent].push_back(static_cast<int>(t));
     const Node& above = nodes[parent];
-    int place = 0;
+    int position = 0;
     for (int i = task.list; i < task.list + task.list_size; ++i) {
       if (list_rows[i] < above.first_column + above.columns) {
         list_places[i] = list_rows[i] - above.first_column;
         continue;
       }
-      while (rows[above.row_offset + place] != list_rows[i]) {
-        ++place;
+      while (rows[above.row_offset + position] != list_rows[i]) {
+        ++position;
       }
-      list_places[i] = above.columns + place;
+      list_places[i] = above.columns + position;
     }
   }
   for (std::size_t t = 0; t < tasks.size(); ++t) {
@@ -129,13 +129,13 @@ void TaskTree::rename_rows() {
     const int end = nodes[task.last_node].first_column + nodes[task.last_node].columns;
     const int* const list_begin = list_rows.data() + task.list;
     for (int s = task.first_node; task.first_node < task.last_node && s <= task.last_node; ++s) {
-      int place = 0;
+      int position = 0;
       for (int i = nodes[s].row_offset; i < nodes[s].row_offset + nodes[s].rows - nodes[s].columns; ++i) {
         if (rows[i] >= end) {
-          while (list_begin[place] != rows[i]) {
-            ++place;
+          while (list_begin[position] != rows[i]) {
+            ++position;
           }
-          rows[i] = size + task.list + place;
+          rows[i] = size + task.list + position;
         }
       }
     }

@@ -5,7 +5,6 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
-#include <future>
 #include <mutex>
 #include <stdexcept>
 #include <system_error>
@@ -28,7 +27,18 @@ constexpr std::chrono::milliseconds kPause{50}, kLongestPause{1000};
 /// Smaller regions are prepared fast enough without previews.
 constexpr int kPreviewFrom = 12000;
 
-constexpr const char* kNoMemory = "There is not enough memory for this region: choose a smaller one.";
+/// Returns the error message of the work for the user; empty if there is none.
+template <class Function>
+std::string message_of(const Function& work) {
+  try {
+    work();
+  } catch (const std::bad_alloc&) {
+    return "There is not enough memory for this region: choose a smaller one.";
+  } catch (const std::exception& exception) {
+    return exception.what();
+  }
+  return {};
+}
 
 /// Requests of the window.
 struct Request {
@@ -56,9 +66,11 @@ struct Response {
 struct Job {
   std::shared_ptr<StepSolver> solver;
   std::shared_ptr<const TriangleMesh> mesh;
-  std::shared_ptr<const LaplacianSystem> previous;  ///< to be reused
   Stopwatch watch;
   int generation = -1;
+  std::shared_ptr<const LaplacianSystem> previous = nullptr;  ///< to be reused
+  std::shared_ptr<const LaplacianSystem> system = nullptr;    ///< the result, or else:
+  std::string error = {};
 };
 
 /// What remains to be done for the last pose while no request comes, in this order.
@@ -108,9 +120,8 @@ struct SolverThread::Impl {
   std::atomic<const char*> stage{""};
 
   Work work;
-  std::atomic<bool> prepared{false};                               // the background has made a system, or failed
-  std::future<std::shared_ptr<const LaplacianSystem>> background;  // valid until its result is taken
-  JoinedThread background_thread;
+  std::atomic<bool> prepared{false};  // the background's job has a system or an error
+  JoinedThread background;
 
   void discard();
   template <class Change>
@@ -258,7 +269,7 @@ void SolverThread::Impl::prepare(const PrepareTask& task, int mine) {
       response.update.preview_ms = watch.elapsed();
     });
   }
-  work.next_job = std::make_shared<Job>(Job{solver, task.mesh, nullptr, watch, mine});
+  work.next_job = std::make_shared<Job>(Job{solver, task.mesh, watch, mine});
   {
     const std::lock_guard<std::mutex> lock(mutex);
     preparing = generation == mine;
@@ -271,34 +282,24 @@ void SolverThread::Impl::prepare_in_background() {
   if (work.next_job && work.next_job->generation != generation) {
     work.next_job.reset();  // discarded meanwhile
   }
-  if (background.valid() || !work.next_job) {
+  if (work.job || !work.next_job) {
     return;
   }
   work.job = std::exchange(work.next_job, nullptr);
   work.job->previous = std::move(work.system);
   const auto make = [this, job = work.job] {
-    return job->solver->make_system(*job->mesh, progress_of(job->generation), job->previous.get());
+    job->error = message_of(
+        [&] { job->system = job->solver->make_system(*job->mesh, progress_of(job->generation), job->previous.get()); });
+    {
+      const std::lock_guard<std::mutex> lock(mutex);  // Prevents a lost wake-up.
+      prepared = true;
+    }
+    requested.notify_all();
   };
   try {
-    std::packaged_task<std::shared_ptr<const LaplacianSystem>()> task([this, make] {
-      struct Announce {
-        ~Announce() {
-          {
-            const std::lock_guard<std::mutex> lock(thread.mutex);  // Prevents a lost wake-up.
-            thread.prepared = true;
-          }
-          thread.requested.notify_all();
-        }
-        Impl& thread;
-      } const announce{*this};
-      return make();
-    });
-    std::future<std::shared_ptr<const LaplacianSystem>> result = task.get_future();
-    background_thread = JoinedThread(std::move(task));
-    background = std::move(result);
-  } catch (const std::system_error&) {  // no thread is available: take_prepared() does the work on this one
-    background = std::async(std::launch::deferred, make);
-    prepared = true;
+    background = JoinedThread(make);
+  } catch (const std::system_error&) {  // no thread is available
+    make();
   }
 }
 
@@ -308,30 +309,21 @@ void SolverThread::Impl::take_prepared(std::unique_lock<std::mutex>& lock) {
   const int mine = job->generation;
   prepared = false;
   lock.unlock();
-  std::string error;
-  try {
-    work.system = background.get();
-  } catch (const std::bad_alloc&) {
-    error = kNoMemory;
-  } catch (const std::exception& exception) {
-    error = exception.what();
-  }
+  work.system = job->system;
   job->previous.reset();
-  if (generation == mine) {
-    if (error.empty()) {
-      const bool has_preview = job->solver->cells() != nullptr;
-      job->solver->take(work.system);
-      publish_ready(mine, job->watch.elapsed(), has_preview);
-    } else {
-      publish(mine, [&] { response.update.error = error; });
-      work.solver.reset();
-    }
+  if (generation == mine && job->error.empty()) {
+    const bool has_preview = job->solver->cells() != nullptr;
+    job->solver->take(work.system);
+    publish_ready(mine, job->watch.elapsed(), has_preview);
+  } else if (generation == mine) {
+    publish(mine, [&] { response.update.error = job->error; });
+    work.solver.reset();
   }
   prepare_in_background();
   lock.lock();
   if (generation == mine) {
     preparing = false;
-    if (!error.empty()) {
+    if (!job->error.empty()) {
       request.solve = request.has_region = false;
       remaining = Remaining::Nothing;
     }
@@ -421,9 +413,8 @@ bool SolverThread::Impl::wait_for_work(std::unique_lock<std::mutex>& lock) {
 void SolverThread::Impl::settle(std::unique_lock<std::mutex>& lock) {
   const int mine = generation;
   const bool is_frame = is_preview();
-  bool failed = false;
   lock.unlock();
-  try {
+  const std::string error = message_of([&] {
     if (is_frame && refine_frame()) {
       publish_pose(mine, work.serial, Remaining::Passes);
     } else if (is_frame) {
@@ -435,14 +426,12 @@ void SolverThread::Impl::settle(std::unique_lock<std::mutex>& lock) {
         response.update.report = report;
       });
     }
-  } catch (const std::exception&) {
-    failed = true;
-  }
+  });
   lock.lock();
-  if (failed && generation == mine) {
+  if (!error.empty() && generation == mine) {
     remaining = Remaining::Nothing;  // the frame has reported the error, or the mouse moves again
   }
-  working = failed;  // nothing was published, but callers of busy() must be woken
+  working = !error.empty();  // nothing was published, but callers of busy() must be woken
 }
 
 void SolverThread::Impl::answer_next(std::unique_lock<std::mutex>& lock) {
@@ -458,12 +447,11 @@ void SolverThread::Impl::answer_next(std::unique_lock<std::mutex>& lock) {
     request.solve = last && !exactly;  // the pose of the cells is not final
   }
   lock.unlock();
-  std::string error;
-  try {
+  const std::string error = message_of([&] {
     if (prepare_task) {
       prepare(*prepare_task, mine);
     } else if (apply_task) {
-      auto results = std::make_shared<const std::vector<EditResult>>(apply_steps(
+      const auto results = std::make_shared<const std::vector<EditResult>>(apply_steps(
           *apply_task->mesh, *apply_task->adjacency, apply_task->edit, apply_task->scalar, progress_of(mine)));
       publish(mine, [&] { response.update.applied = results; });
     } else if (exactly) {
@@ -471,11 +459,7 @@ void SolverThread::Impl::answer_next(std::unique_lock<std::mutex>& lock) {
     } else {
       pose_cells(mine, last);
     }
-  } catch (const std::bad_alloc&) {
-    error = kNoMemory;
-  } catch (const std::exception& exception) {
-    error = exception.what();
-  }
+  });
   if (!error.empty()) {
     publish(mine, [&] { (solving ? response.update.pose_error : response.update.error) = error; });
   }

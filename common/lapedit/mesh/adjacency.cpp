@@ -11,10 +11,10 @@ namespace {
 
 /// Calls work(k, first, last) for the k-th part of [0, count), one part per thread.
 template <class Work>
-void in_parts(ThreadPool& pool, Eigen::Index count, const Work& work) {
-  const int parts = pool.threads();
-  pool.each(parts, [&](int part) {
-    work(part, static_cast<int>(count * part / parts), static_cast<int>(count * (part + 1) / parts));
+void in_chunks(ThreadPool& pool, Eigen::Index count, const Work& work) {
+  const int chunks = pool.threads();
+  pool.each(chunks, [&](int chunk) {
+    work(chunk, static_cast<int>(count * chunk / chunks), static_cast<int>(count * (chunk + 1) / chunks));
   });
 }
 
@@ -23,17 +23,17 @@ struct Place {
   int count = 0;
   int last = -1;
 };
-using Places = std::vector<std::vector<Place>>;
+using VertexQuery = std::vector<std::vector<Place>>;
 
 /// Allocates rows in which the entries of the parts follow each other, and computes where each part writes.
-IndexLists make_rows(Places& parts, int rows) {
+IndexLists make_rows(VertexQuery& chunks, int rows) {
   IndexLists lists;
   lists.offsets.resize(rows + 1);
   int end = 0;
   for (int row = 0; row < rows; ++row) {
-    for (std::vector<Place>& part : parts) {
-      const int count = part[row].count;
-      part[row] = {end, -1};
+    for (std::vector<Place>& chunk : chunks) {
+      const int count = chunk[row].count;
+      chunk[row] = {end, -1};
       end += count;
     }
     lists.offsets[row + 1] = end;
@@ -43,7 +43,7 @@ IndexLists make_rows(Places& parts, int rows) {
 }
 
 /// Returns the faces around each vertex.
-IndexLists faces_around(ThreadPool& pool, Places& parts, int vertex_count, const Faces& faces) {
+IndexLists faces_around(ThreadPool& pool, VertexQuery& chunks, int vertex_count, const Faces& faces) {
   // A face that names a vertex twice is listed once.
   const auto each_corner = [&faces](int f, const auto& use) {
     const int a = faces(f, 0), b = faces(f, 1), c = faces(f, 2);
@@ -55,16 +55,16 @@ IndexLists faces_around(ThreadPool& pool, Places& parts, int vertex_count, const
       use(c);
     }
   };
-  in_parts(pool, faces.rows(), [&](int part, int first, int last) {
-    parts[part].assign(vertex_count, Place());
+  in_chunks(pool, faces.rows(), [&](int chunk, int first, int last) {
+    chunks[chunk].assign(vertex_count, Place());
     for (int f = first; f < last; ++f) {
-      each_corner(f, [&](int v) { ++parts[part][v].count; });
+      each_corner(f, [&](int v) { ++chunks[chunk][v].count; });
     }
   });
-  IndexLists around = make_rows(parts, vertex_count);
-  in_parts(pool, faces.rows(), [&](int part, int first, int last) {
+  IndexLists around = make_rows(chunks, vertex_count);
+  in_chunks(pool, faces.rows(), [&](int chunk, int first, int last) {
     for (int f = first; f < last; ++f) {
-      each_corner(f, [&](int v) { around.values[parts[part][v].count++] = f; });
+      each_corner(f, [&](int v) { around.values[chunks[chunk][v].count++] = f; });
     }
   });
   return around;
@@ -72,7 +72,7 @@ IndexLists faces_around(ThreadPool& pool, Places& parts, int vertex_count, const
 
 /// Returns the other ends of each vertex's edges. Vertices enter themselves in ascending order into the rows of their
 /// neighbours, so rows are sorted and duplicates are adjacent.
-IndexLists rings(ThreadPool& pool, Places& parts, const IndexLists& around, const Faces& faces) {
+IndexLists rings(ThreadPool& pool, VertexQuery& chunks, const IndexLists& around, const Faces& faces) {
   const auto each_neighbour = [&](int v, const auto& use) {
     for (const int f : around[v]) {
       const int a = faces(f, 0), b = faces(f, 1), c = faces(f, 2);
@@ -84,20 +84,20 @@ IndexLists rings(ThreadPool& pool, Places& parts, const IndexLists& around, cons
       }
     }
   };
-  in_parts(pool, around.rows(), [&](int part, int first, int last) {
-    std::vector<Place>& places = parts[part];
-    places.assign(around.rows(), Place());
+  in_chunks(pool, around.rows(), [&](int chunk, int first, int last) {
+    std::vector<Place>& positions = chunks[chunk];
+    positions.assign(around.rows(), Place());
     for (int v = first; v < last; ++v) {
-      each_neighbour(v, [&](int w) { places[w] = {places[w].count + (places[w].last != v), v}; });
+      each_neighbour(v, [&](int w) { positions[w] = {positions[w].count + (positions[w].last != v), v}; });
     }
   });
-  IndexLists next = make_rows(parts, around.rows());
-  in_parts(pool, around.rows(), [&](int part, int first, int last) {
-    std::vector<Place>& places = parts[part];
+  IndexLists next = make_rows(chunks, around.rows());
+  in_chunks(pool, around.rows(), [&](int chunk, int first, int last) {
+    std::vector<Place>& positions = chunks[chunk];
     for (int v = first; v < last; ++v) {
       each_neighbour(v, [&](int w) {
-        places[w] = {places[w].count + (places[w].last != v), v};
-        next.values[places[w].count - 1] = v;
+        positions[w] = {positions[w].count + (positions[w].last != v), v};
+        next.values[positions[w].count - 1] = v;
       });
     }
   });
@@ -110,9 +110,9 @@ Adjacency build_adjacency(int vertex_count, const Faces& faces, int threads) {
   constexpr int kWorthThreads = 16384;
   constexpr int kMostThreads = 4;  // each thread needs its own memory
   ThreadPool pool(vertex_count >= kWorthThreads ? std::min(thread_count(threads), kMostThreads) : 1);
-  Places parts(pool.threads());
-  IndexLists around = faces_around(pool, parts, vertex_count, faces);
-  IndexLists next = rings(pool, parts, around, faces);
+  VertexQuery chunks(pool.threads());
+  IndexLists around = faces_around(pool, chunks, vertex_count, faces);
+  IndexLists next = rings(pool, chunks, around, faces);
   return {std::move(next), std::move(around)};
 }
 

@@ -56,13 +56,13 @@ std::vector<Link> nearest_links(const Points& points, const IndexLists& neighbou
   const Vector3 margin = Vector3::Constant(gap);
   box = Eigen::AlignedBox3d(box.min() - margin, box.max() + margin);
   for (const int v : usable) {
-    const Vector3 place = points.row(v).transpose();
-    if (labels[v] == largest && !box.contains(place)) {
+    const Vector3 position = points.row(v).transpose();
+    if (labels[v] == largest && !box.contains(position)) {
       continue;
     }
-    const int to = grid.nearest(place, gap, [&](int w) { return labels[w] != labels[v]; });
+    const int to = grid.nearest(position, gap, [&](int w) { return labels[w] != labels[v]; });
     if (to >= 0) {
-      links.push_back({to, (points.row(to).transpose() - place).norm(), v});
+      links.push_back({to, (points.row(to).transpose() - position).norm(), v});
     }
   }
   return links;

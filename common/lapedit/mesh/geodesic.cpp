@@ -128,11 +128,11 @@ struct DistanceField::Front {
     for (const Front& front : fronts) {
       all += front.far.size();
     }
-    const std::size_t parts = std::max<std::size_t>(1, std::min(all / kGrain, fronts.size()));
-    const std::size_t share = parts == 1 ? all : all / parts + all / (4 * parts);
+    const std::size_t chunks = std::max<std::size_t>(1, std::min(all / kGrain, fronts.size()));
+    const std::size_t fraction = chunks == 1 ? all : all / chunks + all / (4 * chunks);
     std::size_t shared = 0;
-    for (std::size_t part = 0; part < parts; ++part) {
-      shared += std::min(share, fronts[part].far.size());
+    for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
+      shared += std::min(fraction, fronts[chunk].far.size());
     }
     if (shared < all) {
       std::vector<Item> items;
@@ -141,11 +141,11 @@ struct DistanceField::Front {
         items.insert(items.end(), front.far.begin(), front.far.end());
         front.far.clear();
       }
-      for (std::size_t part = 0; part < parts; ++part) {
-        fronts[part].far.assign(items.data() + all * part / parts, items.data() + all * (part + 1) / parts);
+      for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
+        fronts[chunk].far.assign(items.data() + all * chunk / chunks, items.data() + all * (chunk + 1) / chunks);
       }
     }
-    return static_cast<int>(parts);
+    return static_cast<int>(chunks);
   }
 };
 
@@ -170,21 +170,21 @@ DistanceField::DistanceField(const IndexLists& neighbours, const Points& points,
     fronts[0].far.push_back({0, seed});
   }
   for (double nearest = 0; nearest < kUnreached;) {
-    const int parts = Front::balance(fronts);
-    pool.each(parts, [&](int part) { advance(fronts[part], nearest + step); });
+    const int chunks = Front::balance(fronts);
+    pool.each(chunks, [&](int chunk) { advance(fronts[chunk], nearest + step); });
     nearest = kUnreached;
-    for (int part = 0; part < parts; ++part) {
-      nearest = std::min(nearest, fronts[part].nearest);
+    for (int chunk = 0; chunk < chunks; ++chunk) {
+      nearest = std::min(nearest, fronts[chunk].nearest);
     }
   }
 }
 
 /// Sets the distance of a vertex if it is smaller than the current one. @return false if it is not
 bool DistanceField::shorten(int vertex, double distance) {
-  std::atomic<double>& place = distance_[vertex];
-  double found = place.load(std::memory_order_relaxed);
+  std::atomic<double>& position = distance_[vertex];
+  double found = position.load(std::memory_order_relaxed);
   while (distance < found) {
-    if (place.compare_exchange_weak(found, distance, std::memory_order_relaxed)) {
+    if (position.compare_exchange_weak(found, distance, std::memory_order_relaxed)) {
       return true;
     }
   }

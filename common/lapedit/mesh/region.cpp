@@ -170,15 +170,15 @@ void gather(ThreadPool& pool, int count, const Select& select, const Reserve& re
   constexpr int kPiecesPerThread = 4;  // since threads are seldom equally fast
   const int pieces = std::max(1, std::min(count / kGrain, kPiecesPerThread * pool.threads()));
   const auto border = [=](int piece) { return static_cast<int>(static_cast<std::int64_t>(count) * piece / pieces); };
-  std::vector<Counts> places(pieces + 1, Counts{0, 0});
-  pool.each(pieces, [&](int piece) { places[piece + 1] = select(border(piece), border(piece + 1)); });
+  std::vector<Counts> positions(pieces + 1, Counts{0, 0});
+  pool.each(pieces, [&](int piece) { positions[piece + 1] = select(border(piece), border(piece + 1)); });
   for (int piece = 0; piece < pieces; ++piece) {
     for (int kind = 0; kind < 2; ++kind) {
-      places[piece + 1][kind] += places[piece][kind];
+      positions[piece + 1][kind] += positions[piece][kind];
     }
   }
-  reserve(places[pieces]);
-  pool.each(pieces, [&](int piece) { take(border(piece), border(piece + 1), places[piece]); });
+  reserve(positions[pieces]);
+  pool.each(pieces, [&](int piece) { take(border(piece), border(piece + 1), positions[piece]); });
 }
 
 /// Calls each of the functions once, on several threads, since most of their time is spent on fresh memory.
@@ -203,8 +203,8 @@ void number_vertices(ThreadPool& pool, const DistanceField& field, std::vector<i
         at_once(
             pool, [&] { region.mesh_vertex.resize(total[0]); }, [&] { region.distance.resize(total[0]); });
       },
-      [&](int first, int last, const Counts& place) {
-        int i = place[0];
+      [&](int first, int last, const Counts& index) {
+        int i = index[0];
         for (int v = first; v < last; ++v) {
           const double distance = field[v];
           local[v] = -1;
@@ -246,8 +246,8 @@ bool extract_graph(ThreadPool& pool, const TriangleMesh& mesh, const Adjacency& 
         return Counts{count, 0};
       },
       [&](const Counts& total) { values.resize(total[0]); },
-      [&](int first, int last, const Counts& place) {
-        int end = place[0];
+      [&](int first, int last, const Counts& index) {
+        int end = index[0];
         for (int i = first; i < last; ++i) {
           for (const int w : adjacency.neighbours[region.mesh_vertex[i]]) {
             if (local[w] >= 0) {
@@ -281,7 +281,7 @@ void extract_faces(ThreadPool& pool, const TriangleMesh& mesh, const Adjacency& 
     }
   }
   std::sort(around.begin(), around.end());
-  const auto face = [&](int place) { return is_small ? around[place] : place; };
+  const auto face = [&](int index) { return is_small ? around[index] : index; };
   const bool is_whole = region.size() == region.mesh_vertices;
   const auto corners_inside = [&](int f) { return is_whole ? 3 : is_inside(f, 0) + is_inside(f, 1) + is_inside(f, 2); };
   gather(
@@ -299,14 +299,14 @@ void extract_faces(ThreadPool& pool, const TriangleMesh& mesh, const Adjacency& 
         region.edge_faces.resize(total[0]);
         region.faces.resize(total[1], 3);
       },
-      [&](int first, int last, Counts place) {
+      [&](int first, int last, Counts index) {
         for (int i = first; i < last; ++i) {
           const int f = face(i), corners = corners_inside(f);
           if (corners >= 2) {
-            region.edge_faces[place[0]++] = f;
+            region.edge_faces[index[0]++] = f;
           }
           if (corners == 3) {
-            region.faces.row(place[1]++) << local[mesh.faces(f, 0)], local[mesh.faces(f, 1)], local[mesh.faces(f, 2)];
+            region.faces.row(index[1]++) << local[mesh.faces(f, 0)], local[mesh.faces(f, 1)], local[mesh.faces(f, 2)];
           }
         }
       });

@@ -12,7 +12,7 @@
 namespace lapedit {
 namespace {
 
-Vector3 place_of(const Points& points, int v) {
+Vector3 position_of(const Points& points, int v) {
   return points.row(v).transpose();
 }
 
@@ -32,7 +32,7 @@ class SymmetrySearch {
   }
 
   std::optional<MirrorPlane> find() const;
-  double share(const MirrorPlane& plane) const {
+  double fraction(const MirrorPlane& plane) const {
     return sample_.empty() || !(diagonal() > 0) ? 0 : error(plane) / diagonal();
   }
 
@@ -59,10 +59,10 @@ double SymmetrySearch::error(const MirrorPlane& plane) const {
   const double limit = kGivenUp * diagonal();
   double sum = 0, off = 0;
   for (const int v : sample_) {
-    const Vector3 place = place_of(mesh_.vertices, v), image = mirror * place;
+    const Vector3 position = position_of(mesh_.vertices, v), image = mirror * position;
     const int near = grid_.nearest(image, limit);
-    sum += near >= 0 ? (place_of(mesh_.vertices, near) - image).norm() : limit;
-    off += (image - place).norm() / 2;
+    sum += near >= 0 ? (position_of(mesh_.vertices, near) - image).norm() : limit;
+    off += (image - position).norm() / 2;
   }
   // A flat mesh is not mirrored across its own plane, since it has no vertices on the other side.
   constexpr double kThin = 0.02;
@@ -77,8 +77,8 @@ std::vector<MirrorPlane> SymmetrySearch::planes() const {
   Matrix3 spread = Matrix3::Zero();
   const Vector3 middle = box_.center();
   for (const auto& face : mesh_.faces.rowwise()) {
-    const Vector3 a = place_of(mesh_.vertices, face[0]) - middle, b = place_of(mesh_.vertices, face[1]) - middle,
-                  c = place_of(mesh_.vertices, face[2]) - middle, centre = (a + b + c) / 3;
+    const Vector3 a = position_of(mesh_.vertices, face[0]) - middle, b = position_of(mesh_.vertices, face[1]) - middle,
+                  c = position_of(mesh_.vertices, face[2]) - middle, centre = (a + b + c) / 3;
     const double own = (b - a).cross(c - a).norm() / 2;
     if (std::isfinite(own)) {
       area += own;
@@ -109,12 +109,12 @@ MirrorPlane SymmetrySearch::refined(const MirrorPlane& plane) const {
   Vector3 between = Vector3::Zero();
   int count = 0;
   for (const int v : sample_) {
-    const Vector3 place = place_of(mesh_.vertices, v);
-    const int near = grid_.nearest(mirror * place, limit);
+    const Vector3 position = position_of(mesh_.vertices, v);
+    const int near = grid_.nearest(mirror * position, limit);
     if (near >= 0) {
-      const Vector3 other = place_of(mesh_.vertices, near);
-      apart += (other - place) * (other - place).transpose();
-      between += (other + place) / 2;
+      const Vector3 other = position_of(mesh_.vertices, near);
+      apart += (other - position) * (other - position).transpose();
+      between += (other + position) / 2;
       ++count;
     }
   }
@@ -175,7 +175,7 @@ Affine reflection(const MirrorPlane& plane) {
 }
 
 double asymmetry(const TriangleMesh& mesh, const MirrorPlane& plane) {
-  return SymmetrySearch(mesh).share(plane);
+  return SymmetrySearch(mesh).fraction(plane);
 }
 
 std::optional<MirrorPlane> find_symmetry(const TriangleMesh& mesh) {

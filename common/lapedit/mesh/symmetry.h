@@ -22,8 +22,9 @@ Affine reflection(const MirrorPlane& plane);
 /// through the centroid; the best are refined. Deterministic. Cost: O(vertices), some 0.1 s for 100,000.
 std::optional<MirrorPlane> find_symmetry(const TriangleMesh& mesh);
 
-/// How far the mirrored places of the vertices are from the nearest vertices, in the mean, as a share of the bounding
-/// box's diagonal: 0 for a symmetric mesh; what is 5 % away or farther counts as 5 %. From a sample of 2000 vertices.
+/// How far the mirrored positions of the vertices are from the nearest vertices, in the mean, as a fraction of the
+/// bounding box's diagonal: 0 for a symmetric mesh; what is 5 % away or farther counts as 5 %. From a sample of 2000
+/// vertices.
 double asymmetry(const TriangleMesh& mesh, const MirrorPlane& plane);
 /// What is taken to be symmetric.
 constexpr double kSymmetric = 0.01;

@@ -41,19 +41,19 @@ VertexGrid::VertexGrid(const Points& points, std::vector<int> vertices) : points
 }
 
 /// For a point outside, the nearest cube at the border.
-std::array<int, 3> VertexGrid::cube_at(const Vector3& place) const {
+std::array<int, 3> VertexGrid::cube_at(const Vector3& position) const {
   std::array<int, 3> cube{};
   for (int k = 0; k < 3; ++k) {
-    cube[k] = static_cast<int>(std::clamp((place[k] - low_[k]) / size_, 0.0, static_cast<double>(counts_[k] - 1)));
+    cube[k] = static_cast<int>(std::clamp((position[k] - low_[k]) / size_, 0.0, static_cast<double>(counts_[k] - 1)));
   }
   return cube;
 }
 
 /// Returns a lower bound of the squared distance to the cubes of a ring and beyond.
-double VertexGrid::nearest_of_ring(const Vector3& place, const std::array<int, 3>& middle, int ring) const {
+double VertexGrid::nearest_of_ring(const Vector3& position, const std::array<int, 3>& middle, int ring) const {
   double gap = std::numeric_limits<double>::max();
   for (int k = 0; k < 3; ++k) {
-    const double at = (place[k] - low_[k]) / size_;
+    const double at = (position[k] - low_[k]) / size_;
     // Distance to those sides of the block of cubes inside the ring that have cubes beyond.
     if (middle[k] - ring >= 0) {
       gap = std::min(gap, at - (middle[k] - ring + 1));

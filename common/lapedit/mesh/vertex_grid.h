@@ -20,17 +20,17 @@ class VertexGrid {
   /// Returns the vertex nearest to a point, the lowest number of several; -1 if none is within the limit.
   /// @param accept  bool(int vertex): whether a vertex is considered
   template <class Accept>
-  int nearest(const Vector3& place, double limit, const Accept& accept) const {
+  int nearest(const Vector3& position, double limit, const Accept& accept) const {
     int found = -1;
     double best = limit * limit;
-    const std::array<int, 3> middle = cube_at(place);
+    const std::array<int, 3> middle = cube_at(position);
     const int rings = *std::max_element(counts_.begin(), counts_.end());
     // Rings of cubes farther than the nearest vertex found, or than the limit, are skipped.
-    for (int ring = 0; ring <= rings && (ring == 0 || nearest_of_ring(place, middle, ring) <= best); ++ring) {
+    for (int ring = 0; ring <= rings && (ring == 0 || nearest_of_ring(position, middle, ring) <= best); ++ring) {
       for_ring(middle, ring, [&](int cube) {
         for (int k = offsets_[cube]; k < offsets_[cube + 1]; ++k) {
           const int v = vertices_[k];
-          const double squared = (points_.row(v).transpose() - place).squaredNorm();
+          const double squared = (points_.row(v).transpose() - position).squaredNorm();
           if ((squared < best || (squared == best && (found < 0 || v < found))) && accept(v)) {
             best = squared;
             found = v;
@@ -40,14 +40,14 @@ class VertexGrid {
     }
     return found;
   }
-  int nearest(const Vector3& place, double limit = std::numeric_limits<double>::max()) const {
-    return nearest(place, limit < kFar ? limit : kFar, [](int) { return true; });
+  int nearest(const Vector3& position, double limit = std::numeric_limits<double>::max()) const {
+    return nearest(position, limit < kFar ? limit : kFar, [](int) { return true; });
   }
 
  private:
   static constexpr double kFar = 1e150;  // its square is finite
-  std::array<int, 3> cube_at(const Vector3& place) const;
-  double nearest_of_ring(const Vector3& place, const std::array<int, 3>& middle, int ring) const;
+  std::array<int, 3> cube_at(const Vector3& position) const;
+  double nearest_of_ring(const Vector3& position, const std::array<int, 3>& middle, int ring) const;
 
   /// Visits the cubes of the grid at a Chebyshev distance.
   template <class Body>

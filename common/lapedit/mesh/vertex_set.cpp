@@ -27,7 +27,7 @@ std::vector<int> sorted_set(std::vector<int> vertices) {
   return vertices;
 }
 
-int place_in(const std::vector<int>& set, int vertex) {
+int index_in(const std::vector<int>& set, int vertex) {
   const auto found = std::lower_bound(set.begin(), set.end(), vertex);
   return found != set.end() && *found == vertex ? static_cast<int>(found - set.begin()) : -1;
 }

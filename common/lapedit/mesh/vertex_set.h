@@ -18,9 +18,9 @@ void require_vertex(const char* what, int vertex, Eigen::Index count);
 std::vector<int> sorted_set(std::vector<int> vertices);
 
 /// Returns the index of a vertex in a set, -1 if it is not in it.
-int place_in(const std::vector<int>& set, int vertex);
+int index_in(const std::vector<int>& set, int vertex);
 inline bool contains(const std::vector<int>& set, int vertex) {
-  return place_in(set, vertex) >= 0;
+  return index_in(set, vertex) >= 0;
 }
 
 /// Returns the set and all its neighbours. O(size of the result), plus sorting.

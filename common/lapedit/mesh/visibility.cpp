@@ -111,14 +111,14 @@ bool run(const FaceTree& tree, int node, Query& query) {
 struct Visibility::Impl {
   explicit Impl(const TriangleMesh& the_mesh) : mesh(the_mesh), faces(finite_faces(the_mesh)) {
     if (faces.getRootIndex() >= 0) {  // there is a box around at least two faces
-      constexpr double kSamePlace = 1e-7;
-      same_place = kSamePlace * faces.getVolume(faces.getRootIndex()).diagonal().norm();
+      constexpr double kSamePosition = 1e-7;
+      same_position = kSamePosition * faces.getVolume(faces.getRootIndex()).diagonal().norm();
     }
   }
 
   const TriangleMesh& mesh;
   FaceTree faces;
-  double same_place = 0;  // vertices nearer than this are at the same position: a seam of duplicate vertices
+  double same_position = 0;  // vertices nearer than this are at the same position: a seam of duplicate vertices
 };
 
 Visibility::Visibility(const TriangleMesh& mesh) : impl_(std::make_unique<Impl>(mesh)) {}
@@ -126,10 +126,10 @@ Visibility::~Visibility() = default;
 
 bool Visibility::sees(const Camera& view, const Adjacency& adjacency, int vertex, int side) const {
   const TriangleMesh& mesh = impl_->mesh;
-  const Vector3 place = mesh.vertices.row(vertex).transpose();
+  const Vector3 position = mesh.vertices.row(vertex).transpose();
   // Ends at the near plane, which clips everything before it: the viewer may be inside the mesh.
-  const Ray through = view.ray(view.pixel(place));
-  const double reach = (place - through.origin).dot(through.direction);
+  const Ray through = view.ray(view.pixel(position));
+  const double reach = (position - through.origin).dot(through.direction);
   const IndexLists::Row around = adjacency.faces[vertex];
   // The comparisons make points behind the viewer and NaN invisible.
   const bool shown = reach >= 0 && std::any_of(around.begin(), around.end(), [&](int f) {
@@ -138,7 +138,7 @@ bool Visibility::sees(const Camera& view, const Adjacency& adjacency, int vertex
   if (!shown) {
     return false;
   }
-  Crossing crossing(mesh, vertex, {place, -through.direction}, impl_->same_place, reach);
+  Crossing crossing(mesh, vertex, {position, -through.direction}, impl_->same_position, reach);
   run(impl_->faces, impl_->faces.getRootIndex(), crossing);
   return !crossing.found;
 }

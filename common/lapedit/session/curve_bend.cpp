@@ -8,17 +8,19 @@
 namespace lapedit {
 namespace {
 
-Vector3 place_of(const TriangleMesh& mesh, int vertex) {
+Vector3 position_of(const TriangleMesh& mesh, int vertex) {
   return mesh.vertices.row(vertex).transpose();
 }
 
 /// Returns the movement that a point keeps at a share of the path from its neighbour.
 /// @param free_point, free_neighbour whether the point is an end of the curve
-double rise(double share, bool free_point, bool free_neighbour) {
+double rise(double fraction, bool free_point, bool free_neighbour) {
   if (free_point && free_neighbour) {
-    return share;
+    return fraction;
   }
-  return free_point ? share * share : free_neighbour ? 1 - (1 - share) * (1 - share) : share * share * (3 - 2 * share);
+  return free_point       ? fraction * fraction
+         : free_neighbour ? 1 - (1 - fraction) * (1 - fraction)
+                          : fraction * fraction * (3 - 2 * fraction);
 }
 
 }  // namespace
@@ -28,7 +30,7 @@ std::vector<double> bend_weights(const TriangleMesh& mesh, const std::vector<int
   const std::vector<int>& path = curve.path;
   std::vector<double> length(path.size(), 0);
   for (std::size_t i = 1; i < path.size(); ++i) {
-    length[i] = length[i - 1] + (place_of(mesh, path[i]) - place_of(mesh, path[i - 1])).norm();
+    length[i] = length[i - 1] + (position_of(mesh, path[i]) - position_of(mesh, path[i - 1])).norm();
   }
   const bool closed = path.front() == path.back();
   const int last = static_cast<int>(curve.points.size()) - 1;
@@ -42,9 +44,9 @@ std::vector<double> bend_weights(const TriangleMesh& mesh, const std::vector<int
       const double to = length[curve.points[k]], from = length[curve.points[neighbour]];
       for (int i = std::min(curve.points[k], curve.points[neighbour]);
            i <= std::max(curve.points[k], curve.points[neighbour]); ++i) {
-        const double share = to != from ? (length[i] - from) / (to - from) : i == curve.points[k] ? 1 : 0;
-        if (const int at = place_in(group, path[i]); at >= 0) {
-          weights[at] = std::max(weights[at], rise(share, is_free(k), is_free(neighbour)));
+        const double fraction = to != from ? (length[i] - from) / (to - from) : i == curve.points[k] ? 1 : 0;
+        if (const int at = index_in(group, path[i]); at >= 0) {
+          weights[at] = std::max(weights[at], rise(fraction, is_free(k), is_free(neighbour)));
         }
       }
     }
@@ -58,11 +60,11 @@ std::vector<double> bend_weights(const TriangleMesh& mesh, const std::vector<int
 
 int mirrored_point(const TriangleMesh& mesh, const HandleCurve& curve, int point, const Affine& mirror) {
   constexpr double kOfWay = 0.25;  // of the distance from the point to its image
-  const Vector3 place = place_of(mesh, curve.path[curve.points[point]]), image = mirror * place;
-  double nearest = kOfWay * (image - place).norm();
+  const Vector3 position = position_of(mesh, curve.path[curve.points[point]]), image = mirror * position;
+  double nearest = kOfWay * (image - position).norm();
   int found = -1;
   for (int k = 0; k < static_cast<int>(curve.points.size()); ++k) {
-    const double distance = (place_of(mesh, curve.path[curve.points[k]]) - image).norm();
+    const double distance = (position_of(mesh, curve.path[curve.points[k]]) - image).norm();
     if (k != point && distance < nearest) {
       nearest = distance;
       found = k;

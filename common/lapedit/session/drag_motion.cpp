@@ -157,12 +157,12 @@ void DragMotion::begin_angle() {
   ring_is_open_ = std::abs(gizmo_axis_.dot(cursor_.view.toward_viewer(center_))) > kFlattestRing;
   last_angle_ = angle_at(cursor_);
   if (angle_ == 0) {
-    const Vector3 turned_about = axis().value_or(sight_);
+    const Vector3 rotated_about = axis().value_or(sight_);
     const bool from_side = lock_ == AxisLock::Gizmo && !ring_is_open_;
     const Vector3 seen = from_side ? cursor_.view.toward_viewer(center_)
                                    : Vector3(cursor_.view.beside(center_, cursor_.pixel) - center_);
-    const Vector3 way = lock_ == AxisLock::Gizmo && ring_is_open_ ? on_ring(cursor_).value_or(seen) : seen;
-    arm_ = (way - way.dot(turned_about) * turned_about).stableNormalized();
+    const Vector3 along = lock_ == AxisLock::Gizmo && ring_is_open_ ? on_ring(cursor_).value_or(seen) : seen;
+    arm_ = (along - along.dot(rotated_about) * rotated_about).stableNormalized();
   }
 }
 
@@ -176,8 +176,8 @@ double DragMotion::ring_angle(const Cursor& cursor) const {
   if (!ring_is_open_) {
     // Along the direction in which the ring's nearest point moves on the screen.
     const Vector3 tangent = gizmo_axis_.cross(view.toward_viewer(center_));
-    const Vector2 way = view.pixel(center_ + view.pixel_size(center_) * tangent) - view.pixel(center_);
-    return way.stableNormalized().dot(cursor.pixel - view.pixel(center_)) / kPixelsPerRadian;
+    const Vector2 along = view.pixel(center_ + view.pixel_size(center_) * tangent) - view.pixel(center_);
+    return along.stableNormalized().dot(cursor.pixel - view.pixel(center_)) / kPixelsPerRadian;
   }
   const std::optional<Vector3> from_center = on_ring(cursor);
   const Vector3 u = gizmo_axis_.unitOrthogonal();
@@ -201,9 +201,9 @@ double DragMotion::screen_angle(const Cursor& cursor) const {
   }
   // The direction on the screen depends on the side from which the axis is seen, and on mirrored layers: u, v and the
   // axis are a right-handed frame, and the sign of det(u, v) on the screen gives the direction.
-  const Vector3 turned_about = axis().value_or(sight_);
-  const Vector3 u = turned_about.unitOrthogonal();
-  const Vector3 v = turned_about.cross(u);
+  const Vector3 rotated_about = axis().value_or(sight_);
+  const Vector3 u = rotated_about.unitOrthogonal();
+  const Vector3 v = rotated_about.cross(u);
   const double length = cursor.view.pixel_size(center_);
   const Vector2 center = cursor.view.pixel(center_);
   const Vector2 seen_u = cursor.view.pixel(center_ + length * u) - center;
@@ -267,8 +267,8 @@ bool DragMotion::type(char character) {
 
 Vector3 DragMotion::translation_by_mouse() const {
   if (cursor_.target) {
-    const Vector3 way = *cursor_.target - grab_;
-    return axis() ? Vector3(way.dot(*axis()) * *axis()) : way;
+    const Vector3 along = *cursor_.target - grab_;
+    return axis() ? Vector3(along.dot(*axis()) * *axis()) : along;
   }
   if (axis()) {
     return translation_before_ + (along_ - along_axis(start_, along_)) * *axis();
@@ -316,12 +316,12 @@ HandleTransform DragMotion::wanted() const {
   const double step = this->step();
   switch (kind_) {
     case MotionKind::Translate: {
-      Vector3& way = transform.translation;
+      Vector3& along = transform.translation;
       if (amount || step > 0) {
-        const Vector3 direction = axis() ? *axis() : way.norm() > 0 ? Vector3(way.normalized()) : normal_;
-        way = (amount ? *amount : snapped(way.dot(direction), step)) * direction;
+        const Vector3 direction = axis() ? *axis() : along.norm() > 0 ? Vector3(along.normalized()) : normal_;
+        along = (amount ? *amount : snapped(along.dot(direction), step)) * direction;
       }
-      way = plain(way);
+      along = plain(along);
       return transform;
     }
     case MotionKind::Rotate:

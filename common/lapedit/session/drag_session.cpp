@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "lapedit/base/error.h"
-#include "lapedit/edit/places.h"
+#include "lapedit/edit/positions.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "lapedit/session/messages.h"
 
@@ -110,12 +110,12 @@ void DragSession::set_settings(const DragSettings& settings) {
   }
   const bool new_radius = settings.radius != before.radius;
   const bool new_discs = settings.handle_fraction != before.handle_fraction || settings.softness != before.softness;
-  const bool new_rest =
+  const bool new_settings =
       settings.padding != before.padding || settings.connect_gap != before.connect_gap || settings.edit != before.edit;
   // A step that is being solved again takes all changes.
   if (solver_.amendable() && model_.history.can_undo() &&
-      (new_rest || (new_radius && (solver_.in<Amending>() ||
-                                   model_.history.steps().back().step.region.kind == RegionSpec::Kind::Radius)))) {
+      (new_settings || (new_radius && (solver_.in<Amending>() ||
+                                       model_.history.steps().back().step.region.kind == RegionSpec::Kind::Radius)))) {
     solver_.amend(before);
     return;
   }
@@ -127,7 +127,7 @@ void DragSession::set_settings(const DragSettings& settings) {
     selection = with_radius(solver_.surface(), selection);
   } else if (new_discs && !solver_.amendable()) {
     selection = with_discs(solver_.surface(), selection);
-  } else if (!new_rest) {
+  } else if (!new_settings) {
     return;
   }
   if (regrow && solver_.in<Picked>()) {
@@ -140,45 +140,49 @@ void DragSession::set_settings(const DragSettings& settings) {
   const bool was_in_progress = solver_.in_progress();
   solver_.prepare();
   if (solver_.in<Dragging>()) {
-    solver_.ask();
+    solver_.request();
   } else if (was_in_progress) {
     mouse_.forget();
   }
 }
 
-void DragSession::set_handle_mode(HandleMode mode) {
-  model_.refusal.clear();
-  model_.selection = with_mode(model_.selection, mode);
+Tools DragSession::tools() const {
+  Tools tools = model_.tools;
+  tools.mode = model_.selection.mode;
+  return tools;
 }
 
-void DragSession::set_brush_target(BrushTarget target) {
+void DragSession::set_tools(const Tools& tools) {
   model_.refusal.clear();
-  model_.tools.brush = target;
-  model_.tools.keeps_fixed &= target == BrushTarget::Anchors;
-}
-
-void DragSession::set_keep_fixed(bool on) {
-  if (settle_down()) {
-    model_.tools.brush = on ? BrushTarget::Anchors : BrushTarget::Region;
-    model_.tools.keeps_fixed = on;
+  ToolState& now = model_.tools;
+  if (tools.mode != model_.selection.mode) {
+    model_.selection = with_mode(model_.selection, tools.mode);
   }
-}
-
-void DragSession::show_gizmo(bool on, GizmoAxes axes) {
-  model_.tools.gizmo = on;
-  model_.tools.axes = axes;
-}
-
-void DragSession::set_pivot(Pivot pivot) {
-  model_.refusal.clear();
-  model_.tools.pivot = pivot;
-  model_.tools.pivot_vertex = -1;
-}
-
-void DragSession::set_snaps(bool snaps) {
-  model_.refusal.clear();
-  model_.tools.snaps = snaps;
-  model_.tools.targets = nullptr;
+  if (tools.keeps_fixed != now.keeps_fixed) {
+    if (settle_down()) {
+      now.keeps_fixed = tools.keeps_fixed;
+      now.brush = tools.keeps_fixed ? BrushTarget::Anchors : BrushTarget::Region;
+    }
+  } else if (tools.brush != now.brush) {
+    now.brush = tools.brush;
+    now.keeps_fixed &= tools.brush == BrushTarget::Anchors;
+  }
+  now.gizmo = tools.gizmo;
+  now.axes = tools.axes;
+  if (tools.pivot != now.pivot) {
+    now.pivot = tools.pivot;
+    now.pivot_vertex = -1;
+  }
+  if (tools.snaps != now.snaps) {
+    now.snaps = tools.snaps;
+    now.targets = nullptr;
+  }
+  const bool same_plane =
+      tools.mirror.has_value() == now.mirror.has_value() &&
+      (!tools.mirror || (tools.mirror->point == now.mirror->point && tools.mirror->normal == now.mirror->normal));
+  if (!same_plane) {
+    set_mirror(tools.mirror);
+  }
 }
 
 void DragSession::set_mirror(const std::optional<MirrorPlane>& plane) {
@@ -200,15 +204,15 @@ void DragSession::find_mirror() {
   }
 }
 
-void DragSession::set_last_step(const HandleTransform& motion, double share, bool passing) {
+void DragSession::set_last_step(const HandleTransform& motion, double fraction, bool passing) {
   model_.refusal.clear();
   const std::optional<LastStep> last = last_step();
   if (!last) {
     model_.refusal = messages::kNoLastStep;
   } else if (!(motion.scale > 0) || !std::isfinite(motion.scale)) {
     model_.refusal = messages::out_of_range("factor of the last step", motion.scale, "a finite number greater than 0");
-  } else if (!(share >= 0 && share <= 1)) {
-    model_.refusal = messages::out_of_range("share of the last step", share, "a number from 0 to 1");
+  } else if (!(fraction >= 0 && fraction <= 1)) {
+    model_.refusal = messages::out_of_range("share of the last step", fraction, "a number from 0 to 1");
   } else if (!motion.translation.allFinite() || !std::isfinite(motion.degrees)) {
     model_.refusal = messages::out_of_range("displacement of the last step", motion.translation.norm() + motion.degrees,
                                             "finite numbers");
@@ -216,7 +220,7 @@ void DragSession::set_last_step(const HandleTransform& motion, double share, boo
     model_.refusal = messages::single_vertex(motion.degrees != 0 ? MotionKind::Rotate : MotionKind::Scale,
                                              model_.active_group().front());
   } else {
-    solver_.amend_way(motion, share, passing);
+    solver_.amend_path(motion, fraction, passing);
   }
 }
 
@@ -295,9 +299,9 @@ bool DragSession::can_redo() const {
 }
 
 /// Undoes an action that the timeline has just moved. @param again  redoes it
-void DragSession::turn_round(Action& action, bool again) {
+void DragSession::undo_or_redo(Action& action, bool again) {
   const std::size_t steps = model_.history.steps().size();
-  if (const AppliedStep* const step = model_.turn_round(action, again)) {
+  if (const AppliedStep* const step = model_.undo_or_redo(action, again)) {
     const bool settings = action.kind == Action::Kind::Settings;
     model_.log(settings ? (again ? messages::kSettingsRedone : messages::kSettingsUndone)
                         : messages::step_changed(again ? steps + 1 : steps, again ? "redone" : "undone"));
@@ -323,7 +327,7 @@ void DragSession::undo() {
   if (model_.timeline.done().empty()) {
     model_.refusal = messages::kNothingToUndo;
   } else {
-    turn_round(model_.timeline.undo(), false);
+    undo_or_redo(model_.timeline.undo(), false);
   }
 }
 
@@ -334,7 +338,7 @@ void DragSession::redo() {
   if (model_.timeline.undone().empty()) {
     model_.refusal = messages::kNothingToRedo;
   } else {
-    turn_round(model_.timeline.redo(), true);
+    undo_or_redo(model_.timeline.redo(), true);
   }
 }
 
@@ -344,10 +348,10 @@ void DragSession::go_to(std::size_t actions) {
   }
   Timeline& timeline = model_.timeline;
   while (timeline.done().size() > actions) {
-    turn_round(timeline.undo(), false);
+    undo_or_redo(timeline.undo(), false);
   }
   while (timeline.done().size() < actions && !timeline.undone().empty()) {
-    turn_round(timeline.redo(), true);
+    undo_or_redo(timeline.redo(), true);
   }
 }
 
@@ -357,7 +361,7 @@ void DragSession::reset() {
   const std::size_t count = model_.history.steps().size();
   const AppliedStep* first = nullptr;
   while (model_.history.can_undo()) {
-    first = model_.turn_round(model_.timeline.undo(), false);
+    first = model_.undo_or_redo(model_.timeline.undo(), false);
   }
   if (first) {
     model_.log(messages::all_undone(count));
@@ -366,7 +370,7 @@ void DragSession::reset() {
 }
 
 Edit DragSession::saved() const {
-  return with_places(original(), *model_.adjacency, recorded());
+  return with_positions(original(), *model_.adjacency, recorded());
 }
 
 void DragSession::load(Edit edit) {
@@ -383,12 +387,12 @@ void DragSession::load(Edit edit) {
 
 bool DragSession::poll() {
   const bool was_in_progress = solver_.in_progress();
-  const SessionSolver::News news = solver_.poll();
+  const SessionSolver::Response response = solver_.poll();
   if (was_in_progress && !solver_.in_progress()) {
     // Without a step the request was refused.
-    news == SessionSolver::News::Step ? mouse_.replay() : mouse_.forget();
+    response == SessionSolver::Response::Step ? mouse_.replay() : mouse_.forget();
   }
-  return news != SessionSolver::News::None;
+  return response != SessionSolver::Response::None;
 }
 
 void DragSession::finish() {
@@ -416,7 +420,7 @@ bool DragSession::key(DragKey key, const Cursor& cursor) {
       if (solver_.in_progress()) {
         cancel();
       } else if (something) {
-        set_keep_fixed(false);
+        set(&Tools::keeps_fixed, false);
       }
       return something;
     }
@@ -443,17 +447,17 @@ bool DragSession::key(DragKey key, const Cursor& cursor) {
       solver_.moving() ? apply() : void(model_.refusal = messages::kNoMotion);
       return true;
     case DragKey::Pivot:
-      set_pivot(model_.tools.pivot == Pivot::Centroid ? Pivot::Point
-                : model_.tools.pivot == Pivot::Point  ? Pivot::Rim
-                                                      : Pivot::Centroid);
+      set(&Tools::pivot, model_.tools.pivot == Pivot::Centroid ? Pivot::Point
+                         : model_.tools.pivot == Pivot::Point  ? Pivot::Rim
+                                                               : Pivot::Centroid);
       return true;
     case DragKey::Brush:
-      set_brush_target(model_.tools.brush == BrushTarget::Region   ? BrushTarget::Handle
-                       : model_.tools.brush == BrushTarget::Handle ? BrushTarget::Anchors
-                                                                   : BrushTarget::Region);
+      set(&Tools::brush, model_.tools.brush == BrushTarget::Region   ? BrushTarget::Handle
+                         : model_.tools.brush == BrushTarget::Handle ? BrushTarget::Anchors
+                                                                     : BrushTarget::Region);
       return true;
     case DragKey::Gizmo:
-      show_gizmo(!model_.tools.gizmo, model_.tools.axes);
+      set(&Tools::gizmo, !model_.tools.gizmo);
       return true;
     case DragKey::NextGroup:
       next_group();
@@ -462,7 +466,7 @@ bool DragSession::key(DragKey key, const Cursor& cursor) {
       new_region();
       return true;
     case DragKey::Curve:
-      set_handle_mode(model_.selection.mode == HandleMode::Curve ? HandleMode::Vertex : HandleMode::Curve);
+      set(&Tools::mode, model_.selection.mode == HandleMode::Curve ? HandleMode::Vertex : HandleMode::Curve);
       return true;
     default:
       return motion_key(key, cursor);
@@ -490,7 +494,7 @@ bool DragSession::motion_key(DragKey key, const Cursor& cursor) {
   } else if (key == DragKey::LockNormal && !motion.toggle_lock(AxisLock::Normal)) {
     model_.refusal = messages::kNoNormal;
   }
-  solver_.ask();
+  solver_.request();
   return true;
 }
 
@@ -516,7 +520,7 @@ void DragSession::cancel() {
   model_.refusal.clear();
   if (solver_.in_progress()) {
     mouse_.forget();
-    solver_.drop();
+    solver_.discard();
   }
 }
 

@@ -62,14 +62,7 @@ class DragSession {
   const TriangleMesh& original() const { return model_.history.original(); }
   const TriangleMesh& mesh() const { return model_.mesh(); }  ///< with all applied steps, without a drag in progress
   const Adjacency& adjacency() const { return *model_.adjacency; }
-  const Region* region() const {
-    return model_.shown.region().get();
-  }  ///< classified region to show, null if there is none or it is not known yet
-  int region_serial() const { return model_.shown.region_serial(); }  ///< counts the changes of region()
-  const Points& pose() const {
-    return model_.shown.pose();
-  }  ///< where region()'s vertices are now, one row per vertex; changes with pose_serial()
-  int pose_serial() const { return model_.shown.serial(); }  ///< counts the changes of region() and pose()
+  const ShownRegion& shown() const { return model_.shown; }  ///< the classified region to show, and its pose
   const std::vector<std::vector<int>>& groups() const {
     return model_.groups();
   }  ///< handle groups, mesh vertex numbers
@@ -114,32 +107,26 @@ class DragSession {
   /// Re-solves the drag in progress or, until something else is picked, the step applied last. Values out of range are
   /// refused by message() and leave the settings as they were.
   void set_settings(const DragSettings& settings);
-  HandleMode handle_mode() const { return model_.selection.mode; }
-  void set_handle_mode(HandleMode mode);
-  BrushTarget brush_target() const { return model_.tools.brush; }
-  void set_brush_target(BrushTarget target);
-  /// While this is on, the brush paints fixed vertices without a modifier.
-  bool keeps_fixed() const { return model_.tools.keeps_fixed; }
-  void set_keep_fixed(bool on);
-  bool gizmo_shown() const { return model_.tools.gizmo; }
-  GizmoAxes gizmo_axes() const { return model_.tools.axes; }
-  void show_gizmo(bool on, GizmoAxes axes);
-  Pivot pivot() const { return model_.tools.pivot; }
-  void set_pivot(Pivot pivot);                                  ///< Point: the next click picks it
-  Vector3 pivot_place() const { return model_.pivot_place(); }  ///< requires an active group
-  bool snaps() const { return model_.tools.snaps; }             ///< a moved handle goes to the surfaces of find_targets
-  void set_snaps(bool snaps);
-  /// Mirrors every step at the plane; `std::nullopt`: off.
-  const std::optional<MirrorPlane>& mirror() const { return model_.tools.mirror; }
-  void set_mirror(const std::optional<MirrorPlane>& plane);
-  void find_mirror();  ///< uses the plane of find_symmetry()
+  Tools tools() const;
+  /// A change of the mirror plane, or of what the brush keeps fixed, is refused by message() while a step is solved
+  /// for.
+  void set_tools(const Tools& tools);
+  /// Changes one of them, for example set(&Tools::snaps, true).
+  template <class Value, class Given>
+  void set(Value Tools::*tool, const Given& value) {
+    Tools changed = tools();
+    changed.*tool = value;
+    set_tools(changed);
+  }
+  Vector3 pivot_position() const { return model_.pivot_position(); }  ///< requires an active group
+  void find_mirror();                                                 ///< mirrors at the plane of find_symmetry()
 
   /// The step applied last, until something else is picked.
   std::optional<LastStep> last_step() const { return solver_.last_step(); }
-  /// Solves the step again with this motion, or with a share of it, 0 to 1; for a bent curve only the share applies.
-  /// message() refuses values out of range.
+  /// Solves the step again with this motion, or with a fraction of it, 0 to 1; for a bent curve only the fraction
+  /// applies. message() refuses values out of range.
   /// @param passing  only shows the result: another change follows
-  void set_last_step(const HandleTransform& motion, double share, bool passing = false);
+  void set_last_step(const HandleTransform& motion, double fraction, bool passing = false);
 
   // Mouse ------------------------------------------------------------------------------------------------------------
   // A press and a release without a move between them are a click: the caller decides how far a move has to be.
@@ -185,7 +172,7 @@ class DragSession {
   Edit recorded() const {
     return model_.history.recorded();
   }                    ///< applied steps, with counts and connectivity of the mesh
-  Edit saved() const;  ///< the same with places, see with_places()
+  Edit saved() const;  ///< the same with positions, see with_positions()
   /// Applies the steps of an edit to the current mesh as steps of this session, in the background.
   void load(Edit edit);
 
@@ -204,10 +191,11 @@ class DragSession {
 
  private:
   bool settle_down();
+  void set_mirror(const std::optional<MirrorPlane>& plane);
   std::string next_click() const;
   template <class Choose>
   void change_region(const Choose& choose);
-  void turn_round(Action& action, bool again);
+  void undo_or_redo(Action& action, bool again);
   bool motion_key(DragKey key, const Cursor& cursor);
   bool begin_by_key(MotionKind kind, const Cursor& cursor);
 

@@ -10,7 +10,7 @@ struct DragSettings {
   double radius = 0;             ///< of a new region about the vertex clicked, along the surface, model units
   double padding = 0.1;          ///< see RegionSpec
   double handle_fraction = 0.2;  ///< radius of the handle's disc over the radius; 0: the clicked vertex alone
-  double softness = 0;           ///< share of the disc's radius over which the handle's weight falls off, 0 to 1
+  double softness = 0;           ///< fraction of the disc's radius over which the handle's weight falls off, 0 to 1
   double connect_gap = 0;        ///< pieces nearer than this form one region, model units; 0: pieces stay separate
   double brush_pixels = 20;      ///< radius of the brush on the screen
   EditSettings edit;
@@ -22,7 +22,7 @@ enum class HandleMode {
   Curve    ///< the vertices of shortest paths from click to click
 };
 
-/// Largest share of a region's radius: the rest has to follow the handle.
+/// Largest fraction of a region's radius: the remainder has to follow the handle.
 constexpr double kLargestHandleFraction = 0.9;
 
 /// Returns the initial settings of a session with a mesh.

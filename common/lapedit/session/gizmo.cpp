@@ -15,10 +15,10 @@ constexpr double kLeastSine = 0.2;  // of sight and arrow, or of sight and a rin
 constexpr int kCorners = 64;        // of a ring
 
 double distance_to_segment(const Vector2& point, const Vector2& from, const Vector2& to) {
-  const Vector2 way = to - from;
-  const double length = way.squaredNorm();
-  const double share = length > 0 ? std::clamp(way.dot(point - from) / length, 0.0, 1.0) : 0;
-  return (point - from - share * way).norm();
+  const Vector2 direction = to - from;
+  const double length = direction.squaredNorm();
+  const double fraction = length > 0 ? std::clamp(direction.dot(point - from) / length, 0.0, 1.0) : 0;
+  return (point - from - fraction * direction).norm();
 }
 
 /// Returns the distance from the cursor to a ring in pixels.
@@ -75,7 +75,7 @@ Gizmo place_gizmo(const Vector3& center, GizmoAxes axes, const Vector3& normal, 
   return gizmo;
 }
 
-GizmoElement gizmo_part_at(const Gizmo& gizmo, const Cursor& cursor) {
+GizmoElement gizmo_element_at(const Gizmo& gizmo, const Cursor& cursor) {
   const Camera& view = cursor.view;
   if (!view.valid() || !cursor.pixel.allFinite() || !view.in_front(gizmo.center)) {
     return GizmoElement::None;
@@ -84,12 +84,12 @@ GizmoElement gizmo_part_at(const Gizmo& gizmo, const Cursor& cursor) {
   if (!(from_center > Gizmo::kFree * kLengthPixels)) {
     return GizmoElement::None;
   }
-  GizmoElement part = GizmoElement::None;
+  GizmoElement element = GizmoElement::None;
   double nearest = kPickPixels;
   const auto offer = [&](GizmoElement offered, double pixels) {
     if (pixels < nearest) {
       nearest = pixels;
-      part = offered;
+      element = offered;
     }
   };
   if (!gizmo.only_arrows && (cursor.pixel - view.pixel(gizmo.knob(view))).norm() < kKnobPixels) {
@@ -106,21 +106,21 @@ GizmoElement gizmo_part_at(const Gizmo& gizmo, const Cursor& cursor) {
             distance_to_ring(gizmo, axis, cursor));
     }
   }
-  return part;
+  return element;
 }
 
-MotionKind kind_of(GizmoElement part) {
-  return part == GizmoElement::Scale   ? MotionKind::Scale
-         : part >= GizmoElement::TurnX ? MotionKind::Rotate
-                                       : MotionKind::Translate;
+MotionKind kind_of(GizmoElement element) {
+  return element == GizmoElement::Scale   ? MotionKind::Scale
+         : element >= GizmoElement::TurnX ? MotionKind::Rotate
+                                          : MotionKind::Translate;
 }
 
-int axis_number(GizmoElement part) {
-  return part == GizmoElement::None || part == GizmoElement::Scale ? -1 : (static_cast<int>(part) - 1) % 3;
+int axis_number(GizmoElement element) {
+  return element == GizmoElement::None || element == GizmoElement::Scale ? -1 : (static_cast<int>(element) - 1) % 3;
 }
 
-std::optional<Vector3> axis_of(const Gizmo& gizmo, GizmoElement part) {
-  const int axis = axis_number(part);
+std::optional<Vector3> axis_of(const Gizmo& gizmo, GizmoElement element) {
+  const int axis = axis_number(element);
   return axis < 0 ? std::nullopt : std::optional<Vector3>(gizmo.axes.col(axis));
 }
 

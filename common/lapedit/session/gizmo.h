@@ -44,14 +44,14 @@ struct Gizmo {
 /// @param normal  of the surface at the handle, any length; zero: the layer's axes replace GizmoAxes::Normal
 Gizmo place_gizmo(const Vector3& center, GizmoAxes axes, const Vector3& normal, const Camera& view);
 
-/// Returns the part under the cursor: the nearest on the screen within a few pixels, the front one of crossing rings.
-/// O(1).
-GizmoElement gizmo_part_at(const Gizmo& gizmo, const Cursor& cursor);
+/// Returns the element under the cursor: the nearest on the screen within a few pixels, the front one of crossing
+/// rings. O(1).
+GizmoElement gizmo_element_at(const Gizmo& gizmo, const Cursor& cursor);
 
-MotionKind kind_of(GizmoElement part);
-/// Returns the axis of an arrow or a ring, 0 to 2; -1 for other parts.
-int axis_number(GizmoElement part);
-/// Returns the unit direction of the part's axis; `std::nullopt` for the knob.
-std::optional<Vector3> axis_of(const Gizmo& gizmo, GizmoElement part);
+MotionKind kind_of(GizmoElement element);
+/// Returns the axis of an arrow or a ring, 0 to 2; -1 for other elements.
+int axis_number(GizmoElement element);
+/// Returns the unit direction of the element's axis; `std::nullopt` for the knob.
+std::optional<Vector3> axis_of(const Gizmo& gizmo, GizmoElement element);
 
 }  // namespace lapedit

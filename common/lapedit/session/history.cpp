@@ -7,42 +7,42 @@
 
 namespace lapedit {
 
-std::vector<HandleGroup> part_of_path(const StepWay& way, const TriangleMesh& rest) {
-  std::vector<HandleGroup> handles = way.whole;
-  const double share = way.share;
+std::vector<HandleGroup> path_fraction(const StepPath& path, const TriangleMesh& rest) {
+  std::vector<HandleGroup> handles = path.whole;
+  const double fraction = path.fraction;
   for (HandleGroup& handle : handles) {
-    if (share == 1) {
+    if (fraction == 1) {
       break;
     }
     HandleTransform& transform = handle.transform;
-    transform.translation = share * transform.translation + Vector3::Zero();  // without negative zeros
-    transform.degrees = share * transform.degrees + 0.0;
-    transform.scale = 1 + share * (transform.scale - 1);
+    transform.translation = fraction * transform.translation + Vector3::Zero();  // without negative zeros
+    transform.degrees = fraction * transform.degrees + 0.0;
+    transform.scale = 1 + fraction * (transform.scale - 1);
     for (std::size_t k = 0; k < handle.targets.size(); ++k) {
-      const Vector3 place = rest.vertices.row(handle.vertices[k]).transpose();
-      handle.targets[k] = share == 0 ? place : Vector3(place + share * (handle.targets[k] - place));
+      const Vector3 position = rest.vertices.row(handle.vertices[k]).transpose();
+      handle.targets[k] = fraction == 0 ? position : Vector3(position + fraction * (handle.targets[k] - position));
     }
   }
   return handles;
 }
 
-StepWay way_of(const EditStep& step) {
-  StepWay way{step.handles, {}, 1};
+StepPath path_of(const EditStep& step) {
+  StepPath path{step.handles, {}, 1};
   for (std::size_t g = 0; g < step.handles.size(); ++g) {
     const HandleGroup& handle = step.handles[g];
     if (!handle.targets.empty() || !resolve(handle.transform, Vector3::Zero()).map.matrix().isIdentity(0)) {
-      way.moved.push_back(static_cast<int>(g));
+      path.moved.push_back(static_cast<int>(g));
     }
   }
-  return way;
+  return path;
 }
 
 History::History(TriangleMesh original)
     : original_(std::make_shared<const TriangleMesh>(std::move(original))), mesh_(original_) {}
 
-void History::put(const std::vector<int>& vertices, const Points& places) {
+void History::put(const std::vector<int>& vertices, const Points& positions) {
   auto changed = std::make_shared<TriangleMesh>(*mesh_);
-  scatter(vertices, places, changed->vertices);
+  scatter(vertices, positions, changed->vertices);
   mesh_ = std::move(changed);
 }
 
@@ -70,8 +70,9 @@ const AppliedStep& History::apply(EditStep step, std::vector<int> vertices, Poin
   undone_.clear();
   Points before = gather(mesh_->vertices, vertices);
   put(vertices, after);
-  StepWay way = way_of(step);
-  steps_.push_back({std::move(step), std::move(vertices), std::move(before), std::move(after), {}, {}, std::move(way)});
+  StepPath path = path_of(step);
+  steps_.push_back(
+      {std::move(step), std::move(vertices), std::move(before), std::move(after), {}, {}, std::move(path)});
   return steps_.back();
 }
 

@@ -29,11 +29,11 @@ struct PickedDiscs {
   }
 };
 
-/// How the handles of a step go all of the way, where the step takes a share of it.
-struct StepWay {
+/// The whole path of the handles of a step, where the step takes a fraction of it.
+struct StepPath {
   std::vector<HandleGroup> whole;
   std::vector<int> moved;  ///< those that the user moved, ascending
-  double share = 1;
+  double fraction = 1;
 };
 
 /// A step with its changes.
@@ -43,13 +43,13 @@ struct AppliedStep {
   Points before, after;       ///< one row per entry of vertices
   RegionSpec next;            ///< the region for what follows in it
   PickedDiscs discs;          ///< of its handles
-  StepWay way;
+  StepPath path;
 };
 
-/// The handles at a share from 0 to 1 of their way. @param rest  the mesh before the step
-std::vector<HandleGroup> part_of_path(const StepWay& way, const TriangleMesh& rest);
-/// The way of a step that is applied as it is.
-StepWay way_of(const EditStep& step);
+/// The handles at a fraction from 0 to 1 of their path. @param rest  the mesh before the step
+std::vector<HandleGroup> path_fraction(const StepPath& path, const TriangleMesh& rest);
+/// The path of a step that is applied as it is.
+StepPath path_of(const EditStep& step);
 
 /// A mesh and the steps that made it what it is. Undo puts back what was there, so it is exact to the bit.
 ///
@@ -69,7 +69,7 @@ class History {
   /// The steps with counts and connectivity of the mesh: applied to original() by apply_edit() they give mesh().
   Edit recorded() const;
 
-  /// Puts vertices to their places after a step; what was undone is gone. @param after  one row per vertex
+  /// Puts vertices to their positions after a step; what was undone is gone. @param after  one row per vertex
   const AppliedStep& apply(EditStep step, std::vector<int> vertices, Points after);
   /// As if this step had been applied in place of the last one.
   const AppliedStep& amend(EditStep step, std::vector<int> vertices, Points after);
@@ -79,15 +79,15 @@ class History {
   void set_next_region(RegionSpec next) { steps_.back().next = std::move(next); }
   /// Sets AppliedStep::discs of the last step.
   void set_discs(PickedDiscs discs) { steps_.back().discs = std::move(discs); }
-  /// Sets AppliedStep::way of the last step.
-  void set_way(StepWay way) { steps_.back().way = std::move(way); }
+  /// Sets AppliedStep::path of the last step.
+  void set_path(StepPath path) { steps_.back().path = std::move(path); }
   /// Takes the last step back. There has to be one. @return the step
   const AppliedStep& undo();
   /// Applies the step again that was taken back last. There has to be one. @return the step
   const AppliedStep& redo();
 
  private:
-  void put(const std::vector<int>& vertices, const Points& places);
+  void put(const std::vector<int>& vertices, const Points& positions);
 
   std::shared_ptr<const TriangleMesh> original_, mesh_;
   std::vector<AppliedStep> steps_, undone_;

@@ -61,9 +61,9 @@ void HoverSearch::trace(const std::vector<int>& reached, double radius, Points& 
         const Vector3 start = mesh_.vertices.row(mesh_.faces(f, from)), end = mesh_.vertices.row(mesh_.faces(f, to));
         // Vertices that the search did not reach are as far as along the edge.
         const double beyond = std::min(distance[to], distance[from] + (end - start).norm());
-        const double share = beyond > distance[from] ? (radius - distance[from]) / (beyond - distance[from]) : 0;
-        const Vector3 place = start + std::clamp(share, 0.0, 1.0) * (end - start);
-        ends_.insert(ends_.end(), place.data(), place.data() + 3);
+        const double fraction = beyond > distance[from] ? (radius - distance[from]) / (beyond - distance[from]) : 0;
+        const Vector3 position = start + std::clamp(fraction, 0.0, 1.0) * (end - start);
+        ends_.insert(ends_.end(), position.data(), position.data() + 3);
       }
     }
   }
@@ -90,8 +90,9 @@ void HoverSearch::mirrored_outline(const std::optional<MirrorPlane>& plane, int 
   preview.mirrored_region.resize(0, 3);
   preview.mirrored_disc.resize(0, 3);
   preview.mirrored_point.reset();
-  const Vector3 place = plane ? Vector3(reflection(*plane) * mesh_.vertices.row(vertex).transpose()) : Vector3::Zero();
-  const int image = plane && place.allFinite() ? grid_.nearest(place, near_) : -1;
+  const Vector3 position =
+      plane ? Vector3(reflection(*plane) * mesh_.vertices.row(vertex).transpose()) : Vector3::Zero();
+  const int image = plane && position.allFinite() ? grid_.nearest(position, near_) : -1;
   if (image < 0) {
     return;
   }
@@ -105,16 +106,16 @@ void HoverSearch::mirrored_outline(const std::optional<MirrorPlane>& plane, int 
   preview.mirrored_point = mesh_.vertices.row(image).transpose();
 }
 
-void HoverSearch::path(int from, int to, Points& places) {
+void HoverSearch::path(int from, int to, Points& positions) {
   if (from < 0) {
-    places.resize(0, 3);
+    positions.resize(0, 3);
     return;
   }
   if (from != paths_from_) {
     paths_.begin(from, kMostVertices);
     paths_from_ = from;
   }
-  places = gather(mesh_.vertices, paths_.to(to));
+  positions = gather(mesh_.vertices, paths_.to(to));
 }
 
 HoverSearch* HoverBackground::of(const std::shared_ptr<const TriangleMesh>& mesh,

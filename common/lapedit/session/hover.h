@@ -55,7 +55,7 @@ class HoverSearch {
 
   /// Places of the shortest path, as a click would take it; none if it leads farther than kMostVertices. @param from
   /// -1: none
-  void path(int from, int to, Points& places);
+  void path(int from, int to, Points& positions);
 
   static constexpr std::size_t kMostVertices = 20000;
 
@@ -73,7 +73,7 @@ class HoverSearch {
   std::vector<double> ends_;  // scratch: coordinates of segments
 };
 
-/// Makes HoverSearches on a thread of its own, so that nobody waits for one.
+/// Makes HoverSearches on a thread of its own, so that the window does not wait for one.
 class HoverBackground {
  public:
   /// @param wake  called from that thread when a search is there

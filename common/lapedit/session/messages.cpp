@@ -24,11 +24,11 @@ std::string dragging(const DragMotion& motion, bool by_button, bool full_frames)
 
 // Refusals -----------------------------------------------------------------------------------------------------------
 
-std::string asymmetric(double share) {
+std::string asymmetric(double fraction) {
   return format_text(
       "The mesh is not its own mirror image: its sides differ by %.1f %% of its size or more on average. The other "
       "side moves only where it has a vertex near the mirrored handle.",
-      100 * share);
+      100 * fraction);
 }
 
 std::string out_of_range(const char* what, double value, const char* wanted) {

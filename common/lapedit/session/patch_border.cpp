@@ -59,9 +59,9 @@ Chains border_of(const std::vector<unsigned>& corners) {
       at = edges[next].first == at ? edges[next].second : edges[next].first;
       chains.vertices.push_back(at);
       next = edges.size();
-      for (auto way = std::lower_bound(from.begin(), from.end(), std::make_pair(at, std::size_t{0}));
-           way != from.end() && way->first == at && next == edges.size(); ++way) {
-        next = used[way->second] ? next : way->second;
+      for (auto edge = std::lower_bound(from.begin(), from.end(), std::make_pair(at, std::size_t{0}));
+           edge != from.end() && edge->first == at && next == edges.size(); ++edge) {
+        next = used[edge->second] ? next : edge->second;
       }
     }
     chains.lengths.push_back(static_cast<int>(chains.vertices.size() - first));

@@ -11,8 +11,8 @@ constexpr double kGrabPixels = 6;
 /// A press this near to the surface picks its edge, since tips of limbs are thinner than a pixel.
 constexpr double kEdgePixels = 4;
 
-double pixels_away(const Cursor& cursor, const Vector3& place) {
-  return (cursor.view.pixel(place) - cursor.pixel).norm();
+double pixels_away(const Cursor& cursor, const Vector3& position) {
+  return (cursor.view.pixel(position) - cursor.pixel).norm();
 }
 
 }  // namespace
@@ -24,14 +24,14 @@ std::optional<SurfaceHit> surface_at(const TriangleMesh& mesh, const Adjacency& 
   }
   double nearest = kEdgePixels;
   for (int v = 0; v < static_cast<int>(mesh.vertices.rows()); ++v) {
-    const Vector3 place = mesh.vertices.row(v).transpose();
-    if (adjacency.faces[v].size() == 0 || !place.allFinite() || !cursor.view.in_front(place)) {
+    const Vector3 position = mesh.vertices.row(v).transpose();
+    if (adjacency.faces[v].size() == 0 || !position.allFinite() || !cursor.view.in_front(position)) {
       continue;
     }
-    const double pixels = pixels_away(cursor, place);
+    const double pixels = pixels_away(cursor, position);
     if (pixels < nearest) {
       nearest = pixels;
-      hit = SurfaceHit{place, *adjacency.faces[v].begin(), v};
+      hit = SurfaceHit{position, *adjacency.faces[v].begin(), v};
     }
   }
   return hit;
@@ -43,13 +43,13 @@ int group_at(const TriangleMesh& mesh, const std::vector<std::vector<int>>& grou
   double nearest = kGrabPixels;
   for (std::size_t g = 0; g < groups.size(); ++g) {
     for (const int v : groups[g]) {
-      const Vector3 place = mesh.vertices.row(v).transpose();
-      if (!cursor.view.in_front(place)) {
+      const Vector3 position = mesh.vertices.row(v).transpose();
+      if (!cursor.view.in_front(position)) {
         continue;
       }
-      const double pixels = pixels_away(cursor, place);
-      const double behind = hit ? (place - hit->point).norm() : 0;
-      const double reach = std::max(depth, kGrabPixels * cursor.view.pixel_size(place));
+      const double pixels = pixels_away(cursor, position);
+      const double behind = hit ? (position - hit->point).norm() : 0;
+      const double reach = std::max(depth, kGrabPixels * cursor.view.pixel_size(position));
       if ((pixels <= nearest && behind <= reach) || (hit && v == hit->vertex)) {
         nearest = pixels;
         found = static_cast<int>(g);
@@ -63,8 +63,8 @@ int curve_point_at(const TriangleMesh& mesh, const HandleCurve& curve, const Cur
   int found = -1;
   double nearest = kGrabPixels;
   for (std::size_t k = 0; curve.bends() && k < curve.points.size(); ++k) {
-    const Vector3 place = mesh.vertices.row(curve.path[curve.points[k]]).transpose();
-    const double pixels = cursor.view.in_front(place) ? pixels_away(cursor, place) : kGrabPixels;
+    const Vector3 position = mesh.vertices.row(curve.path[curve.points[k]]).transpose();
+    const double pixels = cursor.view.in_front(position) ? pixels_away(cursor, position) : kGrabPixels;
     if (pixels < nearest) {
       nearest = pixels;
       found = static_cast<int>(k);

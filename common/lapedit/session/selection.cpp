@@ -216,7 +216,7 @@ Choice with_band(const Surface& surface, const Selection& selection, std::vector
 }  // namespace
 
 Vector3 middle_of_rim(const TriangleMesh& mesh, const Region& region, const std::vector<int>& group) {
-  const int first = place_in(region.mesh_vertex, group.front());
+  const int first = index_in(region.mesh_vertex, group.front());
   std::vector<int> rim;
   for (int i = 0; i < region.size(); ++i) {
     const bool deepest = region.anchor_depth.empty() || region.anchor_depth[i] >= 1;
@@ -558,7 +558,7 @@ Selection selection_of(const AppliedStep& step, bool applied, const Selection& b
     after.groups.push_back(handle.vertices);
     after.weights.push_back(handle.weights);
   }
-  const std::vector<int> moved = step.way.moved.empty() ? way_of(step.step).moved : step.way.moved;
+  const std::vector<int> moved = step.path.moved.empty() ? path_of(step.step).moved : step.path.moved;
   after.active = moved.empty() ? 0 : moved.back();
   after.along = without(moved, {after.active});
   after.discs = step.discs;

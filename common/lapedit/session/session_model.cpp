@@ -15,12 +15,12 @@ TriangleMesh checked(TriangleMesh mesh) {
 }
 
 /// Newer positions replace those that have not been fetched yet.
-PoseChange joined(const PoseChange& older, const std::vector<int>& vertices, const Points& places) {
+PoseChange joined(const PoseChange& older, const std::vector<int>& vertices, const Points& positions) {
   PoseChange all{united(older.vertices, vertices), {}};
-  all.places.resize(static_cast<Eigen::Index>(all.vertices.size()), 3);
-  for (Eigen::Index row = 0; row < all.places.rows(); ++row) {
-    const int v = all.vertices[static_cast<std::size_t>(row)], place = place_in(vertices, v);
-    all.places.row(row) = place >= 0 ? places.row(place) : older.places.row(place_in(older.vertices, v));
+  all.positions.resize(static_cast<Eigen::Index>(all.vertices.size()), 3);
+  for (Eigen::Index row = 0; row < all.positions.rows(); ++row) {
+    const int v = all.vertices[static_cast<std::size_t>(row)], position = index_in(vertices, v);
+    all.positions.row(row) = position >= 0 ? positions.row(position) : older.positions.row(index_in(older.vertices, v));
   }
   return all;
 }
@@ -52,7 +52,7 @@ Vector3 SessionModel::center() const {
   return sum / static_cast<double>(count);
 }
 
-Vector3 SessionModel::pivot_place() const {
+Vector3 SessionModel::pivot_position() const {
   const Region* const region = shown.region().get();
   if (tools.pivot == Pivot::Point && tools.pivot_vertex >= 0) {
     return mesh().vertices.row(tools.pivot_vertex).transpose();
@@ -66,7 +66,7 @@ std::optional<Gizmo> SessionModel::gizmo(const Camera& view) const {
   if (!tools.gizmo || awaits_click || selection.active < 0 || !view.valid()) {
     return std::nullopt;
   }
-  Gizmo gizmo = place_gizmo(pivot_place(), tools.axes, mean_normal(mesh(), *adjacency, active_group()), view);
+  Gizmo gizmo = place_gizmo(pivot_position(), tools.axes, mean_normal(mesh(), *adjacency, active_group()), view);
   gizmo.only_arrows = active_group().size() == 1 && selection.along.empty();
   return gizmo;
 }
@@ -88,21 +88,21 @@ bool SessionModel::take(Choice choice) {
   return true;
 }
 
-void SessionModel::show(const std::vector<int>& vertices, const Points& places, bool settled) {
+void SessionModel::show(const std::vector<int>& vertices, const Points& positions, bool settled) {
   settled |= changed_ && change_.settled;
   if (changed_ && vertices != change_.vertices) {
-    change_ = joined(change_, vertices, places);
+    change_ = joined(change_, vertices, positions);
   } else {
     change_.vertices = vertices;
-    change_.places = places;
+    change_.positions = positions;
   }
   change_.settled = settled;
   changed_ = true;
 }
 
-void SessionModel::show_mesh(const std::vector<int>& vertices, const Points& places) {
+void SessionModel::show_mesh(const std::vector<int>& vertices, const Points& positions) {
   visibility.reset();
-  show(vertices, places, true);
+  show(vertices, positions, true);
 }
 
 void SessionModel::show_by_hand() {
@@ -115,7 +115,7 @@ void SessionModel::back_to_mesh(bool settled) {
   }
 }
 
-const AppliedStep* SessionModel::turn_round(Action& action, bool again) {
+const AppliedStep* SessionModel::undo_or_redo(Action& action, bool again) {
   if (action.kind == Action::Kind::Stroke) {
     std::swap(selection, *action.selection);
     return nullptr;

@@ -31,21 +31,26 @@ enum class Pivot {
 /// New positions of some vertices of the mesh.
 struct PoseChange {
   std::vector<int> vertices;  ///< mesh vertex numbers, ascending
-  Points places;              ///< one row per vertex
+  Points positions;           ///< one row per vertex
   bool settled = false;       ///< applied or undone steps are among them; otherwise it is a passing pose
 };
 
-/// The user's switches, apart from settings and selection.
+/// The user's switches, read and set as a whole.
 struct Tools {
+  HandleMode mode = HandleMode::Vertex;
   BrushTarget brush = BrushTarget::Region;
   bool keeps_fixed = false;  ///< the brush paints anchors without a modifier
   bool gizmo = false;
   GizmoAxes axes = GizmoAxes::Layer;
-  Pivot pivot = Pivot::Centroid;
-  int pivot_vertex = -1;  ///< Pivot::Point; -1: the next click picks it
-  bool snaps = false;
-  std::shared_ptr<const SnapTargets> targets;  ///< null: none
-  std::optional<MirrorPlane> mirror;
+  Pivot pivot = Pivot::Centroid;           ///< Point: the next click picks it
+  bool snaps = false;                      ///< a moved handle goes to the surfaces of FindTargets
+  std::optional<MirrorPlane> mirror = {};  ///< mirrors every step; none: off
+};
+
+/// The switches with their state; `mode` is that of the selection.
+struct ToolState : Tools {
+  int pivot_vertex = -1;                            ///< Pivot::Point; -1: the next click picks it
+  std::shared_ptr<const SnapTargets> targets;       ///< null: none
   std::unique_ptr<const MirroredHandles> mirrored;  ///< of the groups; null without a plane and while they are painted
 
   bool awaits_pivot() const { return pivot == Pivot::Point && pivot_vertex < 0; }
@@ -60,7 +65,7 @@ struct SessionModel {
   FindTargets find_targets;  ///< may be empty
   DragSettings settings;
   Selection selection;
-  Tools tools;
+  ToolState tools;
   Timeline timeline;
   std::string refusal;
   ShownRegion shown;
@@ -79,24 +84,24 @@ struct SessionModel {
   }
   bool has_active_group() const { return !groups().empty() && selection.active >= 0; }
   const std::vector<int>& active_group() const { return groups()[static_cast<std::size_t>(selection.active)]; }
-  Vector3 center() const;       ///< of all groups that move. Allocates nothing
-  Vector3 pivot_place() const;  ///< the centre of rotation and scale
+  Vector3 center() const;          ///< of all groups that move. Allocates nothing
+  Vector3 pivot_position() const;  ///< the centre of rotation and scale
   std::optional<Gizmo> gizmo(const Camera& view) const;
 
   /// Makes a choice the selection, or reports why not. @return whether it was accepted
   bool take(Choice choice);
 
   /// Notes new positions for take_change(). Allocates nothing for the vertices of the last change.
-  void show(const std::vector<int>& vertices, const Points& places, bool settled);
+  void show(const std::vector<int>& vertices, const Points& positions, bool settled);
   /// To be called after a change of the mesh.
-  void show_mesh(const std::vector<int>& vertices, const Points& places);
+  void show_mesh(const std::vector<int>& vertices, const Points& positions);
   void show_region(std::shared_ptr<const Region> region) { shown.show(std::move(region), mesh()); }
   /// Shows a painted region before its distances are known.
   void show_by_hand();
   void back_to_mesh(bool settled);
   /// Turns an action round that has just changed its list. @param again  it is done again
   /// @return the step that the selection belongs to then, null for a stroke
-  const AppliedStep* turn_round(Action& action, bool again);
+  const AppliedStep* undo_or_redo(Action& action, bool again);
   const PoseChange* take_change();
 
  private:

@@ -111,7 +111,7 @@ void SessionMouse::move(const Cursor& cursor) {
   Dragging* const drag = solver_.in<Dragging>();
   if (drag && (pressed_ || !drag->by_button)) {
     drag->motion.move(snapped(cursor, drag->motion.kind()));
-    solver_.ask();
+    solver_.request();
   }
 }
 
@@ -125,24 +125,24 @@ Cursor SessionMouse::snapped(const Cursor& cursor, MotionKind kind) const {
 
 bool SessionMouse::hover(const Cursor& cursor, PressModifiers modifiers) {
   const bool was = preview_.has_value();
-  const GizmoElement before = part_;
+  const GizmoElement before = element_;
   if (!cursor.view.valid() || solver_.in_progress() || pressed_) {
     preview_.reset();
     return was;
   }
   const std::optional<Gizmo> gizmo = model_.gizmo(cursor.view);
-  part_ = gizmo ? gizmo_part_at(*gizmo, cursor) : GizmoElement::None;
-  if (part_ != GizmoElement::None) {
+  element_ = gizmo ? gizmo_element_at(*gizmo, cursor) : GizmoElement::None;
+  if (element_ != GizmoElement::None) {
     preview_.reset();
   } else {
     look(cursor, modifiers);
   }
-  return was || preview_ || before != part_;
+  return was || preview_ || before != element_;
 }
 
 void SessionMouse::leave() {
   preview_.reset();
-  part_ = GizmoElement::None;
+  element_ = GizmoElement::None;
 }
 
 void SessionMouse::release(const Cursor& cursor) {
@@ -190,14 +190,14 @@ void SessionMouse::end_stroke() {
 /// Handles a press on an arrow, a ring or the knob. @return whether there was one under the cursor
 bool SessionMouse::press_gizmo(const Cursor& cursor) {
   const std::optional<Gizmo> gizmo = model_.gizmo(cursor.view);
-  part_ = gizmo ? gizmo_part_at(*gizmo, cursor) : GizmoElement::None;
-  if (part_ == GizmoElement::None) {
+  element_ = gizmo ? gizmo_element_at(*gizmo, cursor) : GizmoElement::None;
+  if (element_ == GizmoElement::None) {
     return false;
   }
   pressed_ = Press{gizmo->center, -1, cursor, {}};
   pressed_->on_gizmo = true;
-  pressed_->kind = kind_of(part_);
-  pressed_->axis = axis_of(*gizmo, part_);
+  pressed_->kind = kind_of(element_);
+  pressed_->axis = axis_of(*gizmo, element_);
   return true;
 }
 
@@ -351,13 +351,13 @@ void SessionMouse::brush(const Cursor& cursor) {
 
 void SessionMouse::release_motion() {
   pressed_.reset();
-  part_ = GizmoElement::None;
+  element_ = GizmoElement::None;
   solver_.release();
 }
 
 void SessionMouse::forget() {
   pressed_.reset();
-  part_ = GizmoElement::None;
+  element_ = GizmoElement::None;
   waiting_.clear();
 }
 

@@ -31,7 +31,7 @@ class SessionMouse {
   bool hover(const Cursor& cursor, PressModifiers modifiers);
   void leave();
   const HoverPreview* preview() const { return preview_ ? &*preview_ : nullptr; }
-  GizmoElement gizmo_element() const { return part_; }
+  GizmoElement gizmo_element() const { return element_; }
 
   bool brushing() const { return pressed_ && !pressed_->modifiers.none(); }
   /// Ends a stroke of the brush that another action interrupts.
@@ -82,7 +82,7 @@ class SessionMouse {
   // No button is down.
   HoverBackground background_;
   std::optional<HoverPreview> preview_;
-  GizmoElement part_ = GizmoElement::None;  // under the cursor, or dragged
+  GizmoElement element_ = GizmoElement::None;  // under the cursor, or dragged
 };
 
 }  // namespace lapedit

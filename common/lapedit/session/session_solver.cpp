@@ -63,7 +63,7 @@ void SessionSolver::request_preparation(PrepareTask task) {
 void SessionSolver::prepare() {
   figures_.preview_ms = figures_.prepare_ms = std::nullopt;
   figures_.reused.clear();
-  Tools& tools = model_.tools;
+  ToolState& tools = model_.tools;
   tools.mirrored.reset();
   const Selection& selection = model_.selection;
   if (selection.groups.empty()) {
@@ -109,12 +109,12 @@ bool SessionSolver::begin(MotionKind kind, const Vector3& grab, const Cursor& cu
     }
   }
   if (kind == MotionKind::Translate) {
-    Tools& tools = model_.tools;
+    ToolState& tools = model_.tools;
     tools.targets = tools.snaps && model_.find_targets ? model_.find_targets() : nullptr;
   }
   const bool about_pivot = kind != MotionKind::Translate && (model_.tools.pivot != Pivot::Centroid || !alone);
   DragMotion motion(kind, grab, model_.center(), mean_normal(model_.mesh(), *model_.adjacency, group), cursor,
-                    about_pivot ? std::optional(model_.pivot_place()) : std::nullopt);
+                    about_pivot ? std::optional(model_.pivot_position()) : std::nullopt);
   if (Dragging* const drag = in<Dragging>()) {
     drag->motion = motion;
     if (kind != MotionKind::Translate) {
@@ -147,17 +147,17 @@ void SessionSolver::set_targets(Dragging& drag) const {
     if (drag.bend.empty() || static_cast<int>(g) != model_.selection.active) {
       continue;
     }
-    const Vector3 way = drag.motion.transform().translation;
+    const Vector3 moved = drag.motion.transform().translation;
     const std::optional<MirrorPlane>& plane = model_.tools.mirror;
-    const Vector3 image = plane ? Vector3(reflection(*plane).linear() * way) : way;
+    const Vector3 image = plane ? Vector3(reflection(*plane).linear() * moved) : moved;
     for (std::size_t k = 0; k < drag.bend.size(); ++k) {
-      targets.push_back(model_.mesh().vertices.row(model_.groups()[g][k]).transpose() + drag.bend[k] * way +
+      targets.push_back(model_.mesh().vertices.row(model_.groups()[g][k]).transpose() + drag.bend[k] * moved +
                         drag.mirrored_bend[k] * image);
     }
   }
 }
 
-void SessionSolver::ask() {
+void SessionSolver::request() {
   Dragging& drag = std::get<Dragging>(phase_);
   const std::vector<std::vector<int>>& groups = model_.groups();
   drag.given.resize(groups.size());
@@ -194,14 +194,14 @@ void SessionSolver::ask() {
 void SessionSolver::release() {
   Dragging& drag = std::get<Dragging>(phase_);
   if (!drag.motion.moves()) {
-    drop();
+    discard();
     return;
   }
   drag.released = true;
-  ask();
+  request();
 }
 
-void SessionSolver::drop() {
+void SessionSolver::discard() {
   figures_.solve_ms = figures_.handle_error = figures_.largest_stretch = std::nullopt;
   figures_.advice.clear();
   const Loading* const loading = in<Loading>();
@@ -228,22 +228,22 @@ std::optional<LastStep> SessionSolver::last_step() const {
   if (!amendable() || !model_.history.can_undo()) {
     return std::nullopt;
   }
-  const StepWay& way = amending ? amending->way : model_.history.steps().back().way;
-  if (way.moved.empty()) {
+  const StepPath& path = amending ? amending->path : model_.history.steps().back().path;
+  if (path.moved.empty()) {
     return std::nullopt;
   }
-  const HandleGroup& handle = way.whole[static_cast<std::size_t>(way.moved.back())];
+  const HandleGroup& handle = path.whole[static_cast<std::size_t>(path.moved.back())];
   if (handle.transform.matrix) {
     return std::nullopt;
   }
-  const bool single = way.moved.size() == 1 && handle.vertices.size() == 1 && !handle.transform.center;
-  return LastStep{handle.transform, way.share, !handle.targets.empty(), single};
+  const bool single = path.moved.size() == 1 && handle.vertices.size() == 1 && !handle.transform.center;
+  return LastStep{handle.transform, path.fraction, !handle.targets.empty(), single};
 }
 
 void SessionSolver::begin_amending(const DragSettings& before) {
   if (!in<Amending>()) {
     const AppliedStep& last = model_.history.steps().back();
-    phase_ = Amending{last.step, model_.history.before_last(), last.way, before};
+    phase_ = Amending{last.step, model_.history.before_last(), last.path, before};
   }
 }
 
@@ -264,28 +264,28 @@ void SessionSolver::amend(const DragSettings& before) {
   request_amended(true);
 }
 
-void SessionSolver::amend_way(const HandleTransform& motion, double share, bool open) {
+void SessionSolver::amend_path(const HandleTransform& motion, double fraction, bool open) {
   const bool prepares = !in<Amending>();
   begin_amending(model_.settings);
   Amending& amending = *in<Amending>();
   amending.open = open;
-  amending.way.share = share;
+  amending.path.fraction = fraction;
   HandleTransform whole = motion;
-  const std::vector<int>& moved = amending.way.moved;
+  const std::vector<int>& moved = amending.path.moved;
   if (moved.size() > 1 && !whole.center && (whole.degrees != 0 || whole.scale != 1)) {
     std::vector<int> vertices;
     for (const int g : moved) {
-      vertices = united(vertices, amending.way.whole[static_cast<std::size_t>(g)].vertices);
+      vertices = united(vertices, amending.path.whole[static_cast<std::size_t>(g)].vertices);
     }
     whole.center = centroid(amending.base->vertices, vertices);
   }
   for (const int g : moved) {
-    HandleGroup& handle = amending.way.whole[static_cast<std::size_t>(g)];
+    HandleGroup& handle = amending.path.whole[static_cast<std::size_t>(g)];
     if (handle.targets.empty()) {
       handle.transform = whole;
     }
   }
-  amending.step.handles = part_of_path(amending.way, *amending.base);
+  amending.step.handles = path_fraction(amending.path, *amending.base);
   request_amended(prepares);
 }
 
@@ -346,11 +346,11 @@ void SessionSolver::commit_drag() {
   for (std::size_t g = 0; g < selection.groups.size(); ++g) {
     step.handles.push_back({selection.groups[g], drag.given[g], selection.weights[g], drag.targets[g]});
   }
-  StepWay way{step.handles, united(selection.along, {selection.active}), 1};
+  StepPath path{step.handles, united(selection.along, {selection.active}), 1};
   const AppliedStep& applied = history.apply(std::move(step), model_.shown.region()->mesh_vertex, model_.shown.pose());
   history.set_discs(selection.discs);
   model_.timeline.add({Action::Kind::Step, drag.motion.text(), selection}, model_.settings);
-  history.set_way(std::move(way));
+  history.set_path(std::move(path));
   model_.show_mesh(applied.vertices, applied.after);
   model_.log(messages::step_applied(history.steps().size(), drag.motion, model_.active_group(),
                                     model_.shown.region()->size(), figures_.prepare_ms.value_or(0),
@@ -369,7 +369,7 @@ void SessionSolver::commit_amended() {
   model_.timeline.add(std::move(action), model_.settings);
   const AppliedStep& applied = history.amend(amending.step, region->mesh_vertex, solved_.positions);
   history.set_discs(model_.selection.discs);
-  history.set_way(std::move(amending.way));
+  history.set_path(std::move(amending.path));
   model_.show_mesh(applied.vertices, applied.after);
   model_.log(messages::step_amended(history.steps().size(), region->size(), figures_.prepare_ms.value_or(0),
                                     figures_.solve_ms.value_or(0)));
@@ -409,7 +409,7 @@ void SessionSolver::on_error(const std::string& sentence) {
   has_preview_ = false;
   model_.log(messages::not_possible(sentence));
   if (in_progress()) {
-    drop();
+    discard();
   }
   if (!model_.shown.region() || !model_.selection.has_region) {
     model_.show_region(nullptr);
@@ -444,7 +444,7 @@ bool SessionSolver::take_pose() {
   }
   if (!shown.region() || solved_.positions.rows() != shown.region()->size()) {
     if (drag->released) {
-      drop();
+      discard();
     }
     return false;
   }
@@ -465,7 +465,7 @@ void SessionSolver::find_unconnected(const Region& region) {
   }
 }
 
-SessionSolver::News SessionSolver::poll() {
+SessionSolver::Response SessionSolver::poll() {
   const SolverUpdate update = worker_.poll(solved_);
   bool step_done = false;
   if (update.region) {
@@ -507,13 +507,13 @@ SessionSolver::News SessionSolver::poll() {
   if (!update.pose_error.empty()) {
     if (waits()) {
       model_.log(messages::not_possible(update.pose_error));
-      drop();
+      discard();
     }
     model_.refusal = update.pose_error;
   }
   const bool some = update.region || update.preview || update.ready || update.report || update.pose || update.applied ||
                     !update.error.empty() || !update.pose_error.empty();
-  return step_done ? News::Step : some ? News::Some : News::None;
+  return step_done ? Response::Step : some ? Response::Some : Response::None;
 }
 
 }  // namespace lapedit

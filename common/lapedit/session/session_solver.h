@@ -35,7 +35,7 @@ struct Dragging {
   std::vector<Vector3> all_targets = {};           ///< of one group or mirror image
   std::vector<std::vector<Vector3>> targets = {};  ///< of the user's groups; of a bent curve only
   std::vector<HandleMotion> maps = {};             ///< of all groups and images; the vectors keep their memory
-  /// A point of the active group, a curve, moves: the share of the motion, and of its mirror image, for each vertex.
+  /// A point of the active group, a curve, moves: the weight of the motion, and of its mirror image, for each vertex.
   std::vector<double> bend = {}, mirrored_bend = {};
   int first_serial = std::numeric_limits<int>::max(), last_serial = 0;  ///< of the requested solves
 };
@@ -44,7 +44,7 @@ struct Dragging {
 struct Amending {
   EditStep step;
   std::shared_ptr<const TriangleMesh> base;  ///< the mesh before the step
-  StepWay way;
+  StepPath path;
   DragSettings before;                                             ///< of the step as it is now
   bool open = false;                                               ///< changes continue: poses are shown, not applied
   std::shared_ptr<const Region> region = nullptr;                  ///< of the step, once it is known
@@ -79,7 +79,7 @@ struct DragFigures {
 /// The step applied last, while it may still be changed.
 struct LastStep {
   HandleTransform motion;  ///< of the whole displacement
-  double share = 1;
+  double fraction = 1;
   bool bent = false;    ///< a curve was bent: motion does not describe it
   bool single = false;  ///< one vertex was moved, which cannot be rotated or scaled
 };
@@ -128,26 +128,26 @@ class SessionSolver {
   /// Makes the current drag move a single point of the active group, a curve.
   void bend(int point);
   /// Requests the pose of the current drag: a passing one, or the final one after the release.
-  void ask();
+  void request();
   void release();
   /// Cancels work in progress without a trace.
-  void drop();
+  void discard();
 
   // Steps ------------------------------------------------------------------------------------------------------------
 
   /// Solves the last step again with the current settings. @param before  the settings of the step as it is
   void amend(const DragSettings& before);
-  /// Solves the last step again with another motion, or a share of it; amendable() has to hold.
+  /// Solves the last step again with another motion, or a fraction of it; amendable() has to hold.
   /// @param open  only shows the result: another change follows
-  void amend_way(const HandleTransform& motion, double share, bool open);
+  void amend_path(const HandleTransform& motion, double fraction, bool open);
   void load(Edit edit);
   /// Selects handle and region of a step. @param applied  whether the step is applied, so that settings apply to it
   void take_over(const AppliedStep& step, bool applied);
 
   // Answers ----------------------------------------------------------------------------------------------------------
 
-  enum class News { None, Some, Step };  ///< Step: the awaited step has been applied
-  News poll();
+  enum class Response { None, Some, Step };  ///< Step: the awaited step has been applied
+  Response poll();
   bool wait() { return worker_.wait(); }
 
  private:

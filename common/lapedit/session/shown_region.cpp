@@ -14,7 +14,7 @@ Region region_by_hand(const TriangleMesh& mesh, const Adjacency& adjacency, cons
   region.mesh_vertex = vertices;
   region.mesh_vertices = static_cast<int>(mesh.vertices.rows());
   region.classes.assign(vertices.size(), VertexClass::Free);
-  const auto local = [&vertices](int v) { return place_in(vertices, v); };
+  const auto local = [&vertices](int v) { return index_in(vertices, v); };
   std::vector<int> corners;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     for (const int w : adjacency.neighbours[vertices[i]]) {
@@ -78,8 +78,8 @@ void ShownRegion::show(std::shared_ptr<const Region> region, const TriangleMesh&
   ++region_serial_;
 }
 
-void ShownRegion::pose(Points& places) {
-  pose_.swap(places);
+void ShownRegion::pose(Points& positions) {
+  pose_.swap(positions);
   away_ = true;
   ++serial_;
 }

@@ -21,7 +21,7 @@ class ShownRegion {
   void await(std::shared_ptr<const Region> region) { awaited_ = std::move(region); }
   std::shared_ptr<const Region> take_awaited() { return std::move(awaited_); }
   /// Shows another pose than the mesh's, by a swap. Allocates nothing.
-  void pose(Points& places);
+  void pose(Points& positions);
   /// The shown pose has become the mesh.
   void settle();
   /// Shows the mesh again. @return whether the pose was another one

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "lapedit/edit/edit.h"
-#include "lapedit/edit/places.h"
+#include "lapedit/edit/positions.h"
 
 /// A file is not of its format, or is damaged. what() says why, without a full stop, and where.
 class UnreadableMesh : public std::runtime_error {

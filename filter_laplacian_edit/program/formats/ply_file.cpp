@@ -228,7 +228,7 @@ class PlyReader {
         flags_ = property.type->isReal ? 0 : static_cast<long long>(number);
       } else if (property.role < Flags) {
         numbers_[property.role] = number;
-        places_[property.role] = number_at_;
+        positions_[property.role] = number_at_;
       }
     }
   }
@@ -251,9 +251,9 @@ class PlyReader {
 
   void endVertex() {
     mesh_.addVertex(numbers_);
-    file().positions.at.insert(file().positions.at.end(), places_, places_ + 3);
+    file().positions.at.insert(file().positions.at.end(), positions_, positions_ + 3);
     if (has_vertex_normals_) {
-      vertex_normals_.at.insert(vertex_normals_.at.end(), places_ + 3, places_ + 6);
+      vertex_normals_.at.insert(vertex_normals_.at.end(), positions_ + 3, positions_ + 6);
     }
     if ((flags_ & kSelected) != 0) {
       file().selected.vertices.push_back(static_cast<int>(row_));
@@ -271,7 +271,7 @@ class PlyReader {
     const std::size_t before = mesh_.faceCount();
     addFace(corners_, static_cast<int>(row_));
     if (has_face_normals_) {
-      face_normals_.at.insert(face_normals_.at.end(), places_ + 3, places_ + 6);
+      face_normals_.at.insert(face_normals_.at.end(), positions_ + 3, positions_ + 6);
     }
     if ((flags_ & kSelected) != 0) {
       file().selectedFaces += static_cast<int>(mesh_.faceCount() - before);
@@ -312,7 +312,7 @@ class PlyReader {
   TextReader text_;     // of the header, and of rows in text
 
   // Of the row that was read last.
-  std::size_t row_ = 0, number_at_ = 0, places_[6] = {};
+  std::size_t row_ = 0, number_at_ = 0, positions_[6] = {};
   double numbers_[6] = {};  // position and normal
   long long flags_ = 0;
   std::vector<long long> corners_;

@@ -22,9 +22,9 @@ struct Triangles {
 };
 
 struct Hash {
-  std::size_t operator()(const std::array<double, 3>& place) const {
+  std::size_t operator()(const std::array<double, 3>& position) const {
     const std::hash<double> hash;  // the same for both zeros
-    return (hash(place[0]) * 31 + hash(place[1])) * 31 + hash(place[2]);
+    return (hash(position[0]) * 31 + hash(position[1])) * 31 + hash(position[2]);
   }
 };
 

@@ -48,7 +48,7 @@ Qt::MouseButton button(const QString& name) {
 }
 
 /// "x" and "y", pixels of the view; from the vertex of the current layer if there is a "vertex".
-QPointF place_of(const QJsonObject& arguments) {
+QPointF position_of(const QJsonObject& arguments) {
   const QPointF by(arguments["x"].toDouble(), arguments["y"].toDouble());
   return arguments.contains("vertex") ? by + vertex_pixel(arguments["vertex"].toInt()) : by;
 }
@@ -65,9 +65,9 @@ Answer mouse(const QJsonObject& arguments) {
     held_buttons.setFlag(changed, type != "release");
   }
   GLArea& area = gl_area();
-  const QPointF place = place_of(arguments);
-  const QPointF global = place + area.mapToGlobal(QPoint(0, 0));
-  QMouseEvent event(event_type, place, place, global, changed, held_buttons, modifiers(arguments));
+  const QPointF position = position_of(arguments);
+  const QPointF global = position + area.mapToGlobal(QPoint(0, 0));
+  QMouseEvent event(event_type, position, position, global, changed, held_buttons, modifiers(arguments));
   expect_frame();
   QCoreApplication::sendEvent(&area, &event);
   return {};
@@ -75,10 +75,10 @@ Answer mouse(const QJsonObject& arguments) {
 
 Answer wheel(const QJsonObject& arguments) {
   GLArea& area = gl_area();
-  const QPointF place = place_of(arguments);
+  const QPointF position = position_of(arguments);
   const QPoint turn(0, arguments["delta"].toInt());
-  QWheelEvent event(place, place + area.mapToGlobal(QPoint(0, 0)), QPoint(), turn, held_buttons, modifiers(arguments),
-                    Qt::NoScrollPhase, false);
+  QWheelEvent event(position, position + area.mapToGlobal(QPoint(0, 0)), QPoint(), turn, held_buttons,
+                    modifiers(arguments), Qt::NoScrollPhase, false);
   QCoreApplication::sendEvent(&area, &event);
   return {};
 }
@@ -120,8 +120,8 @@ Answer key_anywhere(const QJsonObject& arguments) {
 
 /// The mouse enters the view or leaves it.
 Answer cross(const QJsonObject& arguments) {
-  const QPointF place = place_of(arguments);
-  QEnterEvent enter(place, place, place + gl_area().mapToGlobal(QPoint(0, 0)));
+  const QPointF position = position_of(arguments);
+  QEnterEvent enter(position, position, position + gl_area().mapToGlobal(QPoint(0, 0)));
   QEvent leave(QEvent::Leave);
   QCoreApplication::sendEvent(&gl_area(), arguments["enters"].toBool() ? static_cast<QEvent*>(&enter) : &leave);
   return {};

@@ -251,8 +251,8 @@ Answer project(const QJsonObject& arguments) {
   const vcg::Matrix44d to_eye = eye_matrix(area) * vcg::Matrix44d::Construct(mesh.Tr);
   QJsonArray pixels;
   for (const vcg::Point3d& point : points) {
-    const vcg::Point2d place = pixel(area, to_eye * point);
-    pixels += QJsonArray{place[0], place[1]};
+    const vcg::Point2d position = pixel(area, to_eye * point);
+    pixels += QJsonArray{position[0], position[1]};
   }
   const QPoint corner = area.mapToGlobal(QPoint(0, 0));
   return {{{"pixels", pixels},
@@ -336,9 +336,9 @@ MeshModel& layer(const QJsonObject& arguments) {
 QPointF vertex_pixel(int vertex) {
   const GLArea& area = gl_area();
   const CMeshO& mesh = layer({}).cm;
-  const vcg::Point2d place = pixel(
+  const vcg::Point2d position = pixel(
       area, eye_matrix(area) * vcg::Matrix44d::Construct(mesh.Tr) * vcg::Point3d::Construct(mesh.vert.at(vertex).cP()));
-  return {place[0], place[1]};
+  return {position[0], position[1]};
 }
 
 void add_scene_commands(Commands& commands) {

@@ -109,10 +109,10 @@ QJsonObject describe(const QWidget& found) {
   if (const auto* rows = qobject_cast<const QListWidget*>(&found)) {
     QJsonArray texts, rectangles;
     for (int row = 0; row < rows->count(); ++row) {
-      const QRect place = rows->visualItemRect(rows->item(row));
-      const QPoint at = rows->viewport()->mapToGlobal(place.topLeft());
+      const QRect position = rows->visualItemRect(rows->item(row));
+      const QPoint at = rows->viewport()->mapToGlobal(position.topLeft());
       texts += rows->item(row)->text();
-      rectangles += QJsonArray{at.x(), at.y(), place.width(), place.height()};
+      rectangles += QJsonArray{at.x(), at.y(), position.width(), position.height()};
     }
     result["rows"] = texts;
     result["row_rectangles"] = rectangles;
@@ -179,15 +179,15 @@ Answer touch(const QJsonObject& arguments) {
   if (!target.isVisible() || !target.isEnabled()) {
     return {};
   }
-  const QPointF place = target.rect().center();
-  QWidget* const inner = target.childAt(place.toPoint());
+  const QPointF position = target.rect().center();
+  QWidget* const inner = target.childAt(position.toPoint());
   const QPointer<QWidget> pressed = inner ? inner : &target;
   if (target.focusPolicy() & Qt::ClickFocus) {
     target.setFocus(Qt::MouseFocusReason);
   }
   for (const auto type : {QEvent::MouseButtonPress, QEvent::MouseButtonRelease}) {
     if (pressed) {
-      const QPointF at = pressed->mapFrom(&target, place.toPoint());
+      const QPointF at = pressed->mapFrom(&target, position.toPoint());
       QMouseEvent event(type, at, at, pressed->mapToGlobal(at.toPoint()), Qt::LeftButton,
                         type == QEvent::MouseButtonPress ? Qt::LeftButton : Qt::NoButton, Qt::NoModifier);
       QCoreApplication::sendEvent(pressed, &event);

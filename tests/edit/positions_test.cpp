@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/edit/places.h"
+#include "lapedit/edit/positions.h"
 
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ TriangleMesh ball(int levels) {
   return shapes::icosphere(levels);
 }
 
-Vector3 place(const TriangleMesh& mesh, int vertex) {
+Vector3 position(const TriangleMesh& mesh, int vertex) {
   return mesh.vertices.row(vertex).transpose();
 }
 
@@ -45,7 +45,7 @@ Edit edit_of(HandleGroup group, double radius = 1) {
 
 HandleGroup points_of(std::vector<Vector3> points, std::vector<Vector3> targets = {}) {
   HandleGroup group;
-  group.places.points = std::move(points);
+  group.query.points = std::move(points);
   group.targets = std::move(targets);
   return group;
 }
@@ -59,24 +59,24 @@ void expect_contains(const std::string& text, const std::string& part) {
   EXPECT_NE(text.find(part), std::string::npos) << text;
 }
 
-TEST(Places, ArePointsDiscsAndSelections) {
+TEST(VertexQuery, ArePointsDiscsAndSelections) {
   const TriangleMesh mesh = ball(3);
-  const Edit points = located_on(mesh, edit_of(points_of({1.01 * place(mesh, 40), place(mesh, 7)})));
+  const Edit points = located_on(mesh, edit_of(points_of({1.01 * position(mesh, 40), position(mesh, 7)})));
   EXPECT_EQ(points.steps[0].handles[0].vertices, (std::vector<int>{40, 7}));
-  EXPECT_TRUE(points.steps[0].handles[0].places.empty());
+  EXPECT_TRUE(points.steps[0].handles[0].query.empty());
 
   Edit disc = edit_of({});
-  disc.steps[0].handles[0].places.within = Places::Disc{0.99 * place(mesh, 12), 0.3};
+  disc.steps[0].handles[0].query.within = VertexQuery::Disc{0.99 * position(mesh, 12), 0.3};
   disc.steps[0].region.kind = RegionSpec::Kind::Vertices;
-  disc.steps[0].region_places.within = Places::Disc{place(mesh, 12), 0.6};
+  disc.steps[0].region_query.within = VertexQuery::Disc{position(mesh, 12), 0.6};
   const Edit found = located_on(mesh, disc);
   const Adjacency around = support::adjacency_of(mesh);
   EXPECT_EQ(found.steps[0].handles[0].vertices, vertices_within(mesh, around, 12, 0.3));
   EXPECT_EQ(found.steps[0].region.vertices, vertices_within(mesh, around, 12, 0.6));
 
   Edit selected = edit_of({});
-  selected.steps[0].handles[0].places.selected = true;
-  selected.steps[0].region_places.selected = true;
+  selected.steps[0].handles[0].query.selected = true;
+  selected.steps[0].region_query.selected = true;
   const SelectedVertices both = {{3}, {1, 2, 3}};
   EXPECT_EQ(located_on(mesh, selected, both).steps[0].handles[0].vertices, both.vertices);
   EXPECT_EQ(located_on(mesh, selected, both).steps[0].region.vertices, both.of_faces);
@@ -86,50 +86,51 @@ TEST(Places, ArePointsDiscsAndSelections) {
 }
 
 /// A landmark is seldom at a vertex: the vertex moves as it does. At a vertex the target is met to the bit.
-TEST(Places, VerticesMoveAsTheirPoints) {
+TEST(VertexQuery, VerticesMoveAsTheirPoints) {
   const TriangleMesh mesh = ball(3);
   const Vector3 off(0.004, -0.003, 0.002), way(0.1, 1.0 / 3, -0.2);
-  const Edit edit =
-      located_on(mesh, edit_of(points_of({place(mesh, 40) + off, place(mesh, 7)}, {place(mesh, 40) + off + way, way})));
-  EXPECT_LT((edit.steps[0].handles[0].targets[0] - place(mesh, 40) - way).norm(), 1e-15);
+  const Edit edit = located_on(
+      mesh, edit_of(points_of({position(mesh, 40) + off, position(mesh, 7)}, {position(mesh, 40) + off + way, way})));
+  EXPECT_LT((edit.steps[0].handles[0].targets[0] - position(mesh, 40) - way).norm(), 1e-15);
   EXPECT_EQ(edit.steps[0].handles[0].targets[1], way);
 }
 
-TEST(Places, AreRefusedByName) {
+TEST(VertexQuery, AreRefusedByName) {
   const TriangleMesh mesh = ball(3);
-  HandleGroup group = points_of({place(mesh, 40), Vector3(0, 0, 5)}, {Vector3::Zero(), Vector3::Zero()});
+  HandleGroup group = points_of({position(mesh, 40), Vector3(0, 0, 5)}, {Vector3::Zero(), Vector3::Zero()});
   group.names = {"nose", "chin"};
   expect_contains(refusal(ErrorCause::BadParameter, mesh, edit_of(group)), "Landmark \"chin\" (0, 0, 5) is 4 away");
-  group.places.points[1] = 1.001 * place(mesh, 40);
+  group.query.points[1] = 1.001 * position(mesh, 40);
   expect_contains(refusal(ErrorCause::BadParameter, mesh, edit_of(group)),
                   "Landmark \"nose\" and Landmark \"chin\" are both nearest to vertex 40");
-  group.places.points[1][0] = std::numeric_limits<double>::quiet_NaN();
+  group.query.points[1][0] = std::numeric_limits<double>::quiet_NaN();
   expect_contains(refusal(ErrorCause::NotFinite, mesh, edit_of(group)), "Landmark \"chin\" is not finite");
-  expect_contains(refusal(ErrorCause::BadParameter, mesh, edit_of(points_of({place(mesh, 1), Vector3(9, 9, 9)}))),
+  expect_contains(refusal(ErrorCause::BadParameter, mesh, edit_of(points_of({position(mesh, 1), Vector3(9, 9, 9)}))),
                   "Point 1 of handle group 0 (9, 9, 9) is");
   Edit disc = edit_of({});
-  disc.steps[0].handles[0].places.within = Places::Disc{place(mesh, 12), -1};
+  disc.steps[0].handles[0].query.within = VertexQuery::Disc{position(mesh, 12), -1};
   expect_contains(refusal(ErrorCause::BadParameter, mesh, disc), "The radius is -1");
-  disc.steps[0].handles[0].places.within->point *= 3;
+  disc.steps[0].handles[0].query.within->point *= 3;
   expect_contains(refusal(ErrorCause::BadParameter, mesh, disc), "The point of handle group 0 (");
 }
 
-TEST(Places, PointsAreOnTheMeshBeforeTheFirstStep) {
+TEST(VertexQuery, PointsAreOnTheMeshBeforeTheFirstStep) {
   const TriangleMesh mesh = ball(3);
-  Edit edit = edit_of(points_of({place(mesh, 40)}));
-  edit.steps[0].handles[0].transform.translation = 0.8 * place(mesh, 40);
+  Edit edit = edit_of(points_of({position(mesh, 40)}));
+  edit.steps[0].handles[0].transform.translation = 0.8 * position(mesh, 40);
   edit.steps.push_back(edit.steps[0]);  // at its place the surface is no longer
   Edit by_number = edit;
   for (EditStep& step : by_number.steps) {
     step.handles[0].vertices = {40};
-    step.handles[0].places = {};
+    step.handles[0].query = {};
   }
   EXPECT_EQ(apply_edit(mesh, edit).positions, apply_edit(mesh, by_number).positions);
 }
 
-TEST(Places, LandmarksAreReportedByName) {
+TEST(VertexQuery, LandmarksAreReportedByName) {
   const TriangleMesh mesh = ball(3);
-  HandleGroup group = points_of({place(mesh, 40), place(mesh, 7)}, {1.3 * place(mesh, 40), 1.2 * place(mesh, 7)});
+  HandleGroup group =
+      points_of({position(mesh, 40), position(mesh, 7)}, {1.3 * position(mesh, 40), 1.2 * position(mesh, 7)});
   group.names = {"nose", "chin"};
   group.weights = {1, 0.001};
   const Edit edit = edit_of(group, 2);
@@ -139,7 +140,7 @@ TEST(Places, LandmarksAreReportedByName) {
   for (const LandmarkResidual& landmark : landmarks) {
     const int given = landmark.name == "nose" ? 0 : 1;
     EXPECT_EQ(landmark.vertex, given == 0 ? 40 : 7);
-    const Vector3 now = result.positions.row(place_in(result.vertices, landmark.vertex)).transpose();
+    const Vector3 now = result.positions.row(index_in(result.vertices, landmark.vertex)).transpose();
     EXPECT_DOUBLE_EQ(landmark.residual, (now - group.targets[static_cast<std::size_t>(given)]).norm());
     EXPECT_EQ(landmark.residual > 0.05, given == 1) << "the low weight approximates";
   }
@@ -148,9 +149,9 @@ TEST(Places, LandmarksAreReportedByName) {
   EXPECT_TRUE(apply_edit(mesh, edit, 0.5).reports[0].landmarks.empty());
 }
 
-TEST(Places, FoldsNearLandmarksThatContradictEachOtherHaveAdvice) {
+TEST(VertexQuery, FoldsNearLandmarksThatContradictEachOtherHaveAdvice) {
   const TriangleMesh mesh = ball(3);
-  const Vector3 nose = place(mesh, mesh.faces(0, 0)), chin = place(mesh, mesh.faces(0, 1));
+  const Vector3 nose = position(mesh, mesh.faces(0, 0)), chin = position(mesh, mesh.faces(0, 1));
   const EditReport report = apply_edit(mesh, edit_of(points_of({nose, chin}, {chin, nose}))).reports[0];
   EXPECT_GT(report.folded, 0);
   expect_contains(report.advice(), "check the targets near it, or lower the weights of landmarks that contradict");
@@ -255,48 +256,48 @@ Edit saved_edit(const TriangleMesh& mesh) {
   third.handles[0].vertices = {nearest({1, 0, 0}), nearest({0.9, 0.4, 0})};
   third.handles[0].targets = {{1.3, 0, 0}, {1.1, 0.5, 0}};
   edit.steps = {first, second, third};
-  return with_places(mesh, adjacency, edit);
+  return with_positions(mesh, adjacency, edit);
 }
 
-TEST(Places, ASavedEditIsAppliedToTheSameBitsByVertices) {
+TEST(VertexQuery, ASavedEditIsAppliedToTheSameBitsByVertices) {
   const TriangleMesh mesh = ball(4);
   Edit edit = saved_edit(mesh);
-  ASSERT_GT(edit.places.vertices.size(), 500U);
+  ASSERT_GT(edit.positions.vertices.size(), 500U);
   const EditResult by_vertices = apply_edit(mesh, edit);
-  edit.places = {};
+  edit.positions = {};
   const EditResult without_places = apply_edit(mesh, edit);
   EXPECT_EQ(by_vertices.vertices, without_places.vertices);
   EXPECT_EQ(by_vertices.positions, without_places.positions);
 }
 
-TEST(Places, AnotherMeshIsRefusedUntilTheEditIsByPlace) {
+TEST(VertexQuery, AnotherMeshIsRefusedUntilTheEditIsByPosition) {
   const TriangleMesh mesh = ball(4), other = subdivided(mesh);
   const Edit edit = saved_edit(mesh);
   expect_contains(support::expect_refusal(ErrorCause::MeshMismatch, [&] { apply_edit(other, edit); }),
-                  "to apply it by place, remove vertices, faces and connectivity");
+                  "to apply it by position, remove vertices, faces and connectivity");
   Edit moved = edit;
   moved.mesh_vertices.reset();
   moved.mesh_faces.reset();
   moved.connectivity.clear();
-  for (Vector3& point : moved.places.points) {
+  for (Vector3& point : moved.positions.points) {
     point += Vector3(0.5, 0, 0);
   }
   expect_contains(support::expect_refusal(ErrorCause::BadParameter, [&] { apply_edit(other, moved); }),
                   "take a mesh of the same object");
-  moved.places.vertices.pop_back();
-  moved.places.points.pop_back();
-  for (std::size_t k = 0; k < moved.places.points.size(); ++k) {
-    moved.places.points[k] -= Vector3(0.5, 0, 0);
+  moved.positions.vertices.pop_back();
+  moved.positions.points.pop_back();
+  for (std::size_t k = 0; k < moved.positions.points.size(); ++k) {
+    moved.positions.points[k] -= Vector3(0.5, 0, 0);
   }
   moved.steps[0].handles[0].vertices.push_back(static_cast<int>(mesh.vertices.rows()) - 1);
   expect_contains(support::expect_refusal(ErrorCause::MeshMismatch, [&] { apply_edit(other, moved); }),
-                  "is not among mesh.places");
+                  "is not among mesh.positions");
 }
 
-/// On the same mesh by place, on a four times finer and on a coarser one: nearly the same surface.
-class ByPlace : public testing::TestWithParam<int> {};
+/// On the same mesh by position, on a four times finer and on a coarser one: nearly the same surface.
+class ByPosition : public testing::TestWithParam<int> {};
 
-TEST_P(ByPlace, TheEditedSurfaceIsTheSame) {
+TEST_P(ByPosition, TheEditedSurfaceIsTheSame) {
   const TriangleMesh mesh = ball(4);
   const TriangleMesh other = GetParam() == 0 ? mesh : GetParam() == 1 ? subdivided(mesh) : decimated(mesh, 0.13);
   if (GetParam() == 2) {
@@ -309,9 +310,9 @@ TEST_P(ByPlace, TheEditedSurfaceIsTheSame) {
   edit.mesh_vertices.reset();
   edit.mesh_faces.reset();
   edit.connectivity.clear();
-  const EditResult by_place = apply_edit(other, edit);
+  const EditResult by_position = apply_edit(other, edit);
   Points found = other.vertices;
-  scatter(by_place.vertices, by_place.positions, found);
+  scatter(by_position.vertices, by_position.positions, found);
   if (GetParam() == 0) {
     EXPECT_EQ(found, expected) << "the same vertices";
     return;
@@ -329,21 +330,21 @@ TEST_P(ByPlace, TheEditedSurfaceIsTheSame) {
   ASSERT_GT(largest, 0.4);
   EXPECT_LT(std::sqrt(squares / static_cast<double>(other.vertices.rows())), (GetParam() == 2 ? 0.05 : 0.03) * largest);
 }
-INSTANTIATE_TEST_SUITE_P(SameSubdividedDecimated, ByPlace, testing::Values(0, 1, 2));
+INSTANTIATE_TEST_SUITE_P(SameSubdividedDecimated, ByPosition, testing::Values(0, 1, 2));
 
-/// A set by place has no holes where the mesh is finer, and does not reach through the body.
-TEST(Places, SetsAreAsDenseAsTheMeshAndStayOnTheirSide) {
+/// A set by position has no holes where the mesh is finer, and does not reach through the body.
+TEST(VertexQuery, SetsAreAsDenseAsTheMeshAndStayOnTheirSide) {
   const TriangleMesh mesh = ball(3), fine = subdivided(mesh);
   const Adjacency adjacency = support::adjacency_of(mesh);
   const int pole = VertexFinder(mesh).anywhere({0, 0, 1}, "Pole").vertex;
   HandleGroup group;
   group.vertices = vertices_within(mesh, adjacency, pole, 0.4);
   const std::vector<int> set =
-      located_on(fine, with_places(mesh, adjacency, edit_of(group))).steps[0].handles[0].vertices;
+      located_on(fine, with_positions(mesh, adjacency, edit_of(group))).steps[0].handles[0].vertices;
   EXPECT_GT(set.size(), 3 * group.vertices.size());
   EXPECT_LT(set.size(), 6 * group.vertices.size());
   for (const int v : set) {
-    EXPECT_LT((place(fine, v) - place(mesh, pole)).norm(), 0.55);
+    EXPECT_LT((position(fine, v) - position(mesh, pole)).norm(), 0.55);
   }
 }
 

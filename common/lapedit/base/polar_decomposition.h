@@ -5,11 +5,8 @@
 
 namespace lapedit {
 
-/// Returns Q = U V^T of the polar decomposition A = Q S, by the singular value decomposition A = U Sigma V^T; its
-/// determinant is -1 if A is a reflection.
-Matrix3 polar_factor(const Matrix3& matrix);
-/// Returns the rotation nearest to A: Q, with the direction of the smallest singular value reversed if A is a
-/// reflection.
+/// Returns the rotation nearest to A by the singular value decomposition A = U Sigma V^T: U V^T, with the direction of
+/// the smallest singular value reversed if A is a reflection.
 Matrix3 polar_rotation(const Matrix3& matrix);
 
 /// Returns the rotation nearest to a matrix: its polar factor with determinant +1. It is the identity for zero, and

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/deform/polar_decomposition.h"
+#include "lapedit/base/polar_decomposition.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -8,27 +8,15 @@
 
 namespace lapedit {
 
-namespace {
-
-Matrix3 factor_of(const Matrix3& matrix, bool reflects) {
+Matrix3 polar_rotation(const Matrix3& matrix) {
   const Eigen::JacobiSVD<Matrix3> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Matrix3 factor = svd.matrixU() * svd.matrixV().transpose();
-  if (reflects || factor.determinant() > 0) {
+  if (factor.determinant() > 0) {
     return factor;
   }
   Matrix3 u = svd.matrixU();
   u.col(2) = -u.col(2);
   return u * svd.matrixV().transpose();
-}
-
-}  // namespace
-
-Matrix3 polar_factor(const Matrix3& matrix) {
-  return factor_of(matrix, true);
-}
-
-Matrix3 polar_rotation(const Matrix3& matrix) {
-  return factor_of(matrix, false);
 }
 
 Matrix3 nearest_rotation(const Matrix3& matrix) {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every command of the page on scripts by place does what the page says, on the demonstration's head.
+"""Every command of the page on scripts by position does what the page says, on the demonstration's head.
 
 Environment as for documents.py, and LAPEDIT_MAKE_MESH, the program that generates the head.
 """
@@ -13,10 +13,10 @@ import unittest
 from documents import commands
 
 PROGRAM = pathlib.Path(os.environ["LAPEDIT_COMMAND"])
-PAGE = pathlib.Path("common/docs/scripts-by-place.md")
+PAGE = pathlib.Path("common/docs/scripts-by-position.md")
 
 
-class ScriptsByPlace(unittest.TestCase):
+class ScriptsByPosition(unittest.TestCase):
     def test_every_command(self):
         with tempfile.TemporaryDirectory(prefix="lapedit-") as name:
             folder = pathlib.Path(name)
@@ -35,7 +35,7 @@ class ScriptsByPlace(unittest.TestCase):
                         results.append((text, out.read_bytes()))
                         out.unlink()
             self.assertIn("vertices: 25414", said)
-            self.assertIn("vertex: 13452, place: ", said)
+            self.assertIn("vertex: 13452, position: ", said)
             # The nose by target and through two pipes.
             nose = [mesh for text, mesh in results if text.endswith(("nose.json", "out.ply -", "> out.ply"))]
             self.assertEqual(len(nose), 7)

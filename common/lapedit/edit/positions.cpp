@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/edit/places.h"
+#include "lapedit/edit/positions.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -17,9 +17,9 @@
 namespace lapedit {
 namespace {
 
-bool has_places(const EditStep& step) {
-  return !step.region_places.empty() || std::any_of(step.handles.begin(), step.handles.end(),
-                                                    [](const HandleGroup& group) { return !group.places.empty(); });
+bool has_query(const EditStep& step) {
+  return !step.region_query.empty() || std::any_of(step.handles.begin(), step.handles.end(),
+                                                   [](const HandleGroup& group) { return !group.query.empty(); });
 }
 
 std::string name_of(const HandleGroup& group, std::size_t number, std::size_t k) {
@@ -30,14 +30,15 @@ std::string name_of(const HandleGroup& group, std::size_t number, std::size_t k)
 /// Positions of a mesh's vertices, applied to another mesh.
 class Transfer {
  public:
-  Transfer(const TriangleMesh& mesh, const Adjacency& adjacency, const VertexFinder& finder, const VertexPlaces& from)
+  Transfer(const TriangleMesh& mesh, const Adjacency& adjacency, const VertexFinder& finder,
+           const VertexPositions& from)
       : mesh_(mesh), adjacency_(adjacency), from_(from), points_(static_cast<Eigen::Index>(from.points.size()), 3) {
     std::vector<int> rows(from.points.size());
     for (std::size_t k = 0; k < rows.size(); ++k) {
       rows[k] = static_cast<int>(k);
       points_.row(rows[k]) = from.points[k].transpose();
       const std::string what =
-          "The edit is applied by place, but the place of its vertex " + std::to_string(from.vertices[k]);
+          "The edit is applied by position, but the position of its vertex " + std::to_string(from.vertices[k]);
       image_.push_back(finder.on_surface(from.points[k], what, "take a mesh of the same object").vertex);
     }
     grid_.emplace(points_, std::move(rows));
@@ -76,12 +77,12 @@ class Transfer {
 
  private:
   std::size_t row(int vertex) const {
-    const int place = place_in(from_.vertices, vertex);
-    if (place < 0) {
-      throw EditError(ErrorCause::MeshMismatch, "The edit is applied by place, but the place of its vertex " +
-                                                    std::to_string(vertex) + " is not among mesh.places: add it.");
+    const int position = index_in(from_.vertices, vertex);
+    if (position < 0) {
+      throw EditError(ErrorCause::MeshMismatch, "The edit is applied by position, but the position of its vertex " +
+                                                    std::to_string(vertex) + " is not among mesh.positions: add it.");
     }
-    return static_cast<std::size_t>(place);
+    return static_cast<std::size_t>(position);
   }
 
   /// Returns the listed vertex nearest to a vertex of this mesh, if it is in the set.
@@ -89,16 +90,16 @@ class Transfer {
     if (!mesh_.vertices.row(vertex).allFinite()) {
       return std::nullopt;
     }
-    const int place = grid_->nearest(mesh_.vertices.row(vertex).transpose());
-    if (place < 0 || !contains(members, from_.vertices[static_cast<std::size_t>(place)])) {
+    const int position = grid_->nearest(mesh_.vertices.row(vertex).transpose());
+    if (position < 0 || !contains(members, from_.vertices[static_cast<std::size_t>(position)])) {
       return std::nullopt;
     }
-    return from_.vertices[static_cast<std::size_t>(place)];
+    return from_.vertices[static_cast<std::size_t>(position)];
   }
 
   const TriangleMesh& mesh_;
   const Adjacency& adjacency_;
-  const VertexPlaces& from_;
+  const VertexPositions& from_;
   Points points_;
   std::vector<int> image_;
   std::optional<VertexGrid> grid_;
@@ -121,7 +122,7 @@ void transfer(const Transfer& to_here, HandleGroup& group, std::vector<int>& tak
       }
       vertices.push_back(vertex);
       if (!group.weights.empty()) {
-        weights.push_back(group.weights[static_cast<std::size_t>(place_in(group.vertices, member))]);
+        weights.push_back(group.weights[static_cast<std::size_t>(index_in(group.vertices, member))]);
       }
     }
   }
@@ -186,49 +187,49 @@ std::vector<int> selected(const std::vector<int>& first, const std::vector<int>&
 }
 
 std::vector<int> within(const TriangleMesh& mesh, const Adjacency& adjacency, const VertexFinder& finder,
-                        const Places::Disc& disc, const std::string& what) {
+                        const VertexQuery::Disc& disc, const std::string& what) {
   return vertices_within(mesh, adjacency, finder.on_surface(disc.point, what).vertex, disc.radius);
 }
 
 void locate(const TriangleMesh& mesh, const Adjacency& adjacency, const VertexFinder& finder,
             const SelectedVertices& selection, HandleGroup& group, std::size_t number) {
   const std::string name = "handle group " + std::to_string(number);
-  if (group.places.within) {
-    group.vertices = within(mesh, adjacency, finder, *group.places.within, "The point of " + name);
-  } else if (group.places.selected) {
+  if (group.query.within) {
+    group.vertices = within(mesh, adjacency, finder, *group.query.within, "The point of " + name);
+  } else if (group.query.selected) {
     group.vertices = selected(selection.vertices, selection.of_faces, name.c_str());
   }
-  for (std::size_t k = 0; k < group.places.points.size(); ++k) {
-    const Vector3& point = group.places.points[k];
+  for (std::size_t k = 0; k < group.query.points.size(); ++k) {
+    const Vector3& point = group.query.points[k];
     const int vertex = finder.on_surface(point, name_of(group, number, k)).vertex;
     group.vertices.push_back(vertex);
-    if (const Vector3 place = mesh.vertices.row(vertex).transpose(); k < group.targets.size() && place != point) {
-      group.targets[k] += place - point;
+    if (const Vector3 position = mesh.vertices.row(vertex).transpose(); k < group.targets.size() && position != point) {
+      group.targets[k] += position - point;
     }
   }
-  if (!group.places.points.empty() && !group.targets.empty()) {
+  if (!group.query.points.empty() && !group.targets.empty()) {
     refuse_doubles(group, number);
   }
-  group.places = Places();
+  group.query = VertexQuery();
 }
 
 }  // namespace
 
 Edit located(const TriangleMesh& mesh, const Adjacency& adjacency, Edit edit, const SelectedVertices& selection) {
-  if (!edit.by_place() && std::none_of(edit.steps.begin(), edit.steps.end(), has_places)) {
+  if (!edit.by_position() && std::none_of(edit.steps.begin(), edit.steps.end(), has_query)) {
     return edit;
   }
   const VertexFinder finder(mesh);
   std::optional<Transfer> to_here;
-  if (edit.by_place()) {
-    to_here.emplace(mesh, adjacency, finder, edit.places);
+  if (edit.by_position()) {
+    to_here.emplace(mesh, adjacency, finder, edit.positions);
   }
   for (EditStep& step : edit.steps) {
-    if (!step.region_places.empty()) {
-      step.region.vertices = step.region_places.within
-                                 ? within(mesh, adjacency, finder, *step.region_places.within, "The region's point")
+    if (!step.region_query.empty()) {
+      step.region.vertices = step.region_query.within
+                                 ? within(mesh, adjacency, finder, *step.region_query.within, "The region's point")
                                  : selected(selection.of_faces, selection.vertices, "the region");
-      step.region_places = Places();
+      step.region_query = VertexQuery();
     } else if (to_here) {
       check_anchors(step.region.anchors);
       transfer(*to_here, step.region);
@@ -236,7 +237,7 @@ Edit located(const TriangleMesh& mesh, const Adjacency& adjacency, Edit edit, co
     std::vector<int> taken;
     for (std::size_t g = 0; g < step.handles.size(); ++g) {
       HandleGroup& group = step.handles[g];
-      if (!group.places.empty()) {
+      if (!group.query.empty()) {
         locate(mesh, adjacency, finder, selection, group, g);
       } else if (to_here) {
         sort_group(group, g);
@@ -244,11 +245,11 @@ Edit located(const TriangleMesh& mesh, const Adjacency& adjacency, Edit edit, co
       }
     }
   }
-  edit.places = VertexPlaces();
+  edit.positions = VertexPositions();
   return edit;
 }
 
-Edit with_places(const TriangleMesh& mesh, const Adjacency& adjacency, Edit edit) {
+Edit with_positions(const TriangleMesh& mesh, const Adjacency& adjacency, Edit edit) {
   constexpr std::size_t kMost = 200000;
   std::vector<int> named;
   const auto sound = [&mesh](std::vector<int> vertices) {
@@ -264,20 +265,20 @@ Edit with_places(const TriangleMesh& mesh, const Adjacency& adjacency, Edit edit
       named = united(named, set.size() > 1 && group.targets.empty() ? grown(adjacency, set) : set);
     }
   }
-  edit.places = VertexPlaces();
+  edit.positions = VertexPositions();
   if (named.size() > kMost) {
     return edit;
   }
   for (const int v : named) {
-    Vector3 place = mesh.vertices.row(v).transpose();
-    for (double& number : place) {  // single precision is enough, and the text is half as long
+    Vector3 position = mesh.vertices.row(v).transpose();
+    for (double& number : position) {  // single precision is enough, and the text is half as long
       char text[32];
       std::snprintf(text, sizeof text, "%.9g", number);
       number = std::strtod(text, nullptr);
     }
-    if (place.allFinite()) {
-      edit.places.vertices.push_back(v);
-      edit.places.points.push_back(place);
+    if (position.allFinite()) {
+      edit.positions.vertices.push_back(v);
+      edit.positions.points.push_back(position);
     }
   }
   return edit;

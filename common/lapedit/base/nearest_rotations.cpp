@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "lapedit/base/polar_decomposition.h"
 #include "lapedit/base/simd.h"
-#include "lapedit/deform/polar_decomposition.h"
 
 // Newton's iteration of nearest_rotation() for eight matrices at a time. Each lane does the operations that Eigen does
 // for one matrix, in the same order and without contraction, so that its bits are the same. Where the iteration does
@@ -72,8 +72,8 @@ LAPEDIT_INLINE Mask iterate(Matrices& x) {
   for (int k = 0; k < 9; ++k) {
     x.m[k] = x.m[k] / size + (k % 4 == 0 ? kUndetermined : 0);
   }
-  const Mask turned = (x(0, 1) != x(1, 0)) | (x(0, 2) != x(2, 0)) | (x(1, 2) != x(2, 1));
-  const Mask open = turned & (determinant(x) > kSafeDeterminant) & (size > 0);
+  const Mask asymmetric = (x(0, 1) != x(1, 0)) | (x(0, 2) != x(2, 0)) | (x(1, 2) != x(2, 1));
+  const Mask open = asymmetric & (determinant(x) > kSafeDeterminant) & (size > 0);
   Mask settled = {};
   for (int step = 0; step < 12; ++step) {
     const Matrices back = inverse_transposed(x);
@@ -98,7 +98,7 @@ LAPEDIT_INLINE Mask iterate(Matrices& x) {
   return settled;
 }
 
-LAPEDIT_INLINE void turn_all(const Matrix3* matrices, int count, Matrix3* rotations) {
+LAPEDIT_INLINE void rotate_all(const Matrix3* matrices, int count, Matrix3* rotations) {
   for (int first = 0; first < count; first += kLanes) {
     const int lanes = std::min(kLanes, count - first);
     Matrices x;
@@ -121,21 +121,21 @@ LAPEDIT_INLINE void turn_all(const Matrix3* matrices, int count, Matrix3* rotati
   }
 }
 
-LAPEDIT_AVX2 void turn_avx2(const Matrix3* matrices, int count, Matrix3* rotations) {
-  turn_all(matrices, count, rotations);
+LAPEDIT_AVX2 void rotate_avx2(const Matrix3* matrices, int count, Matrix3* rotations) {
+  rotate_all(matrices, count, rotations);
 }
-LAPEDIT_AVX512 void turn_avx512(const Matrix3* matrices, int count, Matrix3* rotations) {
-  turn_all(matrices, count, rotations);
+LAPEDIT_AVX512 void rotate_avx512(const Matrix3* matrices, int count, Matrix3* rotations) {
+  rotate_all(matrices, count, rotations);
 }
 
-void turn_plain(const Matrix3* matrices, int count, Matrix3* rotations) {
+void rotate_plain(const Matrix3* matrices, int count, Matrix3* rotations) {
   std::transform(matrices, matrices + count, rotations, nearest_rotation);
 }
 
 }  // namespace
 
 void nearest_rotations(const Matrix3* matrices, int count, Matrix3* rotations) {
-  for_processor(turn_plain, turn_avx2, turn_avx512)(matrices, count, rotations);
+  for_processor(rotate_plain, rotate_avx2, rotate_avx512)(matrices, count, rotations);
 }
 
 }  // namespace lapedit

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "lapedit/base/index_lists.h"
+#include "lapedit/base/progress.h"
+#include "lapedit/base/thread_pool.h"
+#include "lapedit/base/types.h"
+
+// All that other layers use of this library: sparse operators, a sparse Cholesky factorisation of their normal
+// matrices, and solutions refined to the last bit. docs/linear.md describes how it works.
+
+namespace lapedit {
+
+/// An operator M over a region, stored by rows and by columns, so that products with M and M^T are sums over
+/// neighbours, on several threads and with the same bits for any number of them.
+class OperatorRows {
+ public:
+  using Rows = Eigen::SparseMatrix<double, Eigen::RowMajor, int>;
+
+  OperatorRows() = default;
+  explicit OperatorRows(const SparseMatrix& matrix) : OperatorRows(matrix, {}) {}
+  /// Uses M^T + diag(stretch) in place of M^T. If D M is symmetric for a diagonal D and stretch is a multiple of D, the
+  /// normal matrix is M^T M + stretch M, the energy |M x|^2 + x^T stretch M x. @param stretch  n; empty: none. The
+  /// diagonal of M has to be complete
+  OperatorRows(const SparseMatrix& matrix, const Eigen::VectorXd& stretch);
+
+  /// out = M x. x and out must be different objects; out keeps its storage if it has the right size. O(entries).
+  void apply(const Points& x, Points& out, ThreadPool& pool) const;
+  /// out = M^T x, likewise.
+  void apply_transposed(const Points& x, Points& out, ThreadPool& pool) const;
+
+  /// The lower half of M^T M + diag(diagonal), compressed and sorted. O(sum of squared row lengths).
+  SparseMatrix normal_matrix(const Eigen::VectorXd& diagonal, ThreadPool& pool) const;
+
+  /// Returns the columns, the rows of M^T + diag(stretch); valid as long as this object.
+  Eigen::Map<const SparseMatrix> matrix() const;
+  const Rows& rows() const { return rows_; }
+
+ private:
+  Rows rows_;
+  SparseMatrix columns_;         // without entries if their pattern is that of the rows, as over a region
+  std::vector<double> in_rows_;  // the columns' entries in that case
+};
+
+/// Returns the elimination order for the normal matrix of an operator over a graph; empty if approximate minimum degree
+/// is as good, below some ten thousand vertices.
+///
+/// Nested dissection with edge counts to three distant vertices as coordinates: on a surface they give 2 to 3 % more
+/// fill than its own coordinates, and an edited shape keeps its order and its factor.
+/// @param threads  at most this many (0: all of the machine's); the order does not depend on it
+/// Cost: as nested_dissection().
+std::vector<int> fill_reducing_ordering(const IndexLists& neighbours, int threads);
+
+class SparseCholesky;
+
+enum class CholeskyBackend {
+  Supernodal,  ///< fronts, dense kernels and threads; SupernodalSolver solves with it
+  Eigen        ///< Eigen's simplicial LDL^T: slower and simple, the reference
+};
+
+struct CholeskyOptions {
+  CholeskyBackend backend = CholeskyBackend::Supernodal;
+  /// Elimination order: order[k] is the row eliminated k-th. Empty: approximate minimum degree.
+  std::vector<int> order;
+  /// Keeps the factor in single precision: half the memory and twice the speed, and solutions with a relative error of
+  /// about 1e-5, to be refined. The Eigen backend uses double.
+  bool single_precision = false;
+  /// Empty: the caller's thread alone.
+  std::shared_ptr<ThreadPool> pool;
+  /// Factor of a matrix with the same pattern, in the same order, whose analysis is reused if it has one; not kept. The
+  /// bits are the same.
+  const SparseCholesky* same_pattern = nullptr;
+};
+
+/// Factor of a symmetric positive definite matrix, computed once and solved with often. No other file names a
+/// factorisation.
+class SparseCholesky {
+ public:
+  struct Impl;
+
+  /// @param matrix  compressed; both halves or the lower one: only the lower one is read
+  /// @throws EditError (IllConditioned) if the matrix is not positive definite to working precision
+  explicit SparseCholesky(const SparseMatrix& matrix, CholeskyBackend backend = CholeskyBackend::Supernodal);
+  SparseCholesky(const SparseMatrix& matrix, const CholeskyOptions& options);
+  /// Shares the immutable factor and has scratch of its own: both can solve concurrently, each with its own pool
+  /// (empty: the caller's thread alone), with the same bits. O(n).
+  SparseCholesky(const SparseCholesky& other, std::shared_ptr<ThreadPool> pool);
+  ~SparseCholesky();
+  SparseCholesky(SparseCholesky&&) noexcept;
+  SparseCholesky& operator=(SparseCholesky&&) noexcept;
+
+  /// x = matrix^-1 rhs, for three right-hand sides; rhs and x may be the same object. Allocates nothing after the first
+  /// call with the same x. Cost: reading the factor twice.
+  void solve(const Points& rhs, Points& x);
+
+  /// Elimination order: row order()[k] is the k-th.
+  const std::vector<int>& order() const;
+
+  bool single_precision() const;
+  const char* backend_name() const;
+  /// Returns whether the analysis of CholeskyOptions::same_pattern was reused.
+  bool analysis_reused() const;
+  std::size_t factor_nonzeros() const;
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The outcome of a refinement.
+struct Refinement {
+  int steps = 0;           ///< number of residuals computed
+  double last_change = 0;  ///< size of the last step, over that of the solution
+
+  bool converged() const { return last_change < 1e-6; }  ///< otherwise the solution is not reliable
+};
+
+/// A0 = M^T M + W0^2, the matrix of the paper's normal equations (section 7), with its Cholesky factor. Immutable, so
+/// any number of solvers can share it.
+struct FactoredNormalMatrix {
+  std::shared_ptr<const OperatorRows> m;
+  Eigen::VectorXd squared_weights;  ///< the diagonal of W0^2, n
+  double norm = 0;                  ///< largest sum of absolute values in a row of A0
+  SparseCholesky cholesky;          ///< each solver solves with a copy of its own
+
+  /// Cost: one sparse Cholesky factorisation. @throws EditError (IllConditioned, BadParameter)
+  FactoredNormalMatrix(std::shared_ptr<const OperatorRows> op, Eigen::VectorXd weights, const CholeskyOptions& options);
+};
+
+/// Constraint rows h that are not part of the factor of A0, with Z = A0^-1 E and K = (W^-2 + E^T Z)^-1, E their columns
+/// of the identity. For a right-hand side that is b_h at these rows, and y = A0^-1 of what it is elsewhere, y + Z K
+/// (W^-2 b_h - y_h) solves (A0 + E W^2 E^T) x = b (Woodbury). Targets at the rows enter the correction directly, since
+/// solving for them without the rows would give large numbers that cancel. Empty without rows.
+struct WoodburyCorrection {
+  std::vector<int> rows;
+  std::vector<double> weights;  ///< w^2 of each
+  Eigen::MatrixXd z;            ///< n x rows
+  Eigen::MatrixXd k;            ///< rows x rows
+};
+
+/// Solves A x = b, A = A0 + E W^2 E^T, by iterative refinement with the factor of A0 and the correction. The residual
+/// is computed through M, as b - M^T (M x) - W^2 x, and not through M^T M, so that a step also corrects the squaring of
+/// the condition number.
+///
+/// Matrix and correction are only read and each solver has scratch of its own, so solvers that share them can work
+/// concurrently, each with its own pool. One call at a time per solver. Source: N. Higham, Accuracy and Stability of
+/// Numerical Algorithms, chapter 12.
+class RefinedSolver {
+ public:
+  /// @param correction  null: A is A0
+  RefinedSolver(std::shared_ptr<const FactoredNormalMatrix> matrix,
+                std::shared_ptr<const WoodburyCorrection> correction, std::shared_ptr<ThreadPool> pool);
+  ~RefinedSolver();
+
+  /// Solves A0 x = b until a step changes less than `accurate` of the solution, or to double precision. @return the
+  /// number of steps; -1 if it does not converge
+  int refine_to(const Points& right, Points& x, double accurate);
+
+  /// x = A^-1 right in one solve, to the precision of the factor. @param right used as scratch. Allocates nothing after
+  /// the first call.
+  void solve(Points& right, Points& x);
+
+  /// Returns an upper bound of the smallest eigenvalue of A0, by a few inverse iterations. Cost: six solves.
+  double smallest_eigenvalue();
+
+  /// Solves A x = b to the last bit of a double, whatever the quality of the factor. Allocates nothing after the first
+  /// call.
+  /// @param progress  called at each step. @throws EditError (Cancelled)
+  Refinement refine_to_the_bit(const Points& right, Points& x, const Progress& progress = {});
+
+  /// Returns |A x - b| over (|A0| + largest w^2) |x| + |b|, maximum norms; 0 if all are 0.
+  double relative_residual(const Points& right, const Points& x) const;
+
+  SparseCholesky& cholesky() { return cholesky_; }  ///< of A0
+
+ private:
+  class System;
+
+  std::shared_ptr<const FactoredNormalMatrix> matrix_;
+  std::shared_ptr<const WoodburyCorrection> correction_;
+  std::shared_ptr<ThreadPool> pool_;
+  SparseCholesky cholesky_;
+  Eigen::VectorXd squared_weights_;  // of A
+
+  struct Scratch;
+  std::unique_ptr<Scratch> scratch_;
+};
+
+/// Computes the correction for rows that have no weight in A0.
+/// @param a0  a solver without a correction
+/// @return    null if a column of Z does not reach `accurate` in `most_steps` steps
+/// Cost: a refined solution per three rows.
+std::optional<WoodburyCorrection> woodbury_correction(RefinedSolver& a0, Eigen::Index size, std::vector<int> rows,
+                                                      std::vector<double> squared_weights, double accurate,
+                                                      int most_steps);
+
+}  // namespace lapedit
