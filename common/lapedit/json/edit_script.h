@@ -26,9 +26,9 @@ Edit read_edit(const std::string& json, const std::string& folder = {});
 /// @throws EditError (BadScript)
 Edit load_edit(const std::string& text_or_path);
 
-/// Writes keys in the order above, all settings of the method explicitly (a later change of defaults does not change an
-/// old file) and numbers such that read_edit() gives the same doubles (only a zero's sign is lost). Vertices keep their
-/// order. With targets the transform, and with a matrix its other members are not written.
+/// Writes keys in the order of that page, all settings of the method explicitly (a later change of defaults does not
+/// change an old file) and numbers such that read_edit() gives the same doubles (only a zero's sign is lost). Vertices
+/// keep their order. With targets the transform, and with a matrix its other members are not written.
 /// @throws EditError (NotFinite, BadScript) if read_edit() could not read the result
 std::string write_edit(const Edit& edit);
 

@@ -63,9 +63,8 @@ class DragSession {
   const TriangleMesh& mesh() const { return model_.mesh(); }  ///< with all applied steps, without a drag in progress
   const Adjacency& adjacency() const { return *model_.adjacency; }
   const ShownRegion& shown() const { return model_.shown; }  ///< the classified region to show, and its pose
-  const std::vector<std::vector<int>>& groups() const {
-    return model_.groups();
-  }  ///< handle groups, mesh vertex numbers
+  /// Returns the handle groups, mesh vertex numbers.
+  const std::vector<std::vector<int>>& groups() const { return model_.groups(); }
   /// Returns the groups, each merged with its mirror image where they touch, followed by the other images.
   const std::vector<std::vector<int>>& mirrored_groups() const { return model_.all_groups(); }
   int group_of_image(int group) const;  ///< index in groups() of the group or image with an index in mirrored_groups()
@@ -78,10 +77,9 @@ class DragSession {
   bool preparing() const { return solver_.preparing(); }           ///< a region is being prepared
   double progress() const { return solver_.worker().progress(); }  ///< of that, 0 to 1
   const char* stage() const { return solver_.worker().stage(); }   ///< of that
-  bool has_preview() const {
-    return solver_.has_preview();
-  }                                               ///< frames of a drag are available, at least from the region's cells
-  bool ready() const { return solver_.ready(); }  ///< the region is prepared
+  /// Returns whether frames of a drag are available, at least from the region's cells.
+  bool has_preview() const { return solver_.has_preview(); }
+  bool ready() const { return solver_.ready(); }         ///< the region is prepared
   bool busy() const { return solver_.worker().busy(); }  ///< poll() has, or will have, something new
   /// Returns brushed vertices that no handle reaches: they are kept, and join the region when they become connected.
   /// Ascending.
@@ -89,9 +87,8 @@ class DragSession {
   /// Returns position and size of the gizmo, if there is an active group and the gizmo is switched on.
   std::optional<Gizmo> gizmo(const Camera& view) const { return model_.gizmo(view); }
   GizmoElement gizmo_element() const { return mouse_.gizmo_element(); }  ///< under the cursor, or held
-  const HoverPreview* hover() const {
-    return mouse_.preview();
-  }                             ///< preview of what a press would pick, null if nothing
+  /// Returns a preview of what a press would pick, null if nothing.
+  const HoverPreview* hover() const { return mouse_.preview(); }
   std::string message() const;  ///< one line: the last refusal, otherwise the effect of the next click
   void forget_refusal() { model_.refusal.clear(); }
   /// Returns the problem with the pose of the drag in progress or of the last step, and the remedy; empty if none is
@@ -169,9 +166,8 @@ class DragSession {
   /// Undoes or redoes until this number of actions of timeline() is done; cancels a drag in progress.
   void go_to(std::size_t actions);
   const Timeline& timeline() const { return model_.timeline; }
-  Edit recorded() const {
-    return model_.history.recorded();
-  }                    ///< applied steps, with counts and connectivity of the mesh
+  /// Returns the applied steps, with counts and connectivity of the mesh.
+  Edit recorded() const { return model_.history.recorded(); }
   Edit saved() const;  ///< the same with positions, see with_positions()
   /// Applies the steps of an edit to the current mesh as steps of this session, in the background.
   void load(Edit edit);

@@ -14,11 +14,8 @@ namespace lapedit {
 
 /// The user's choice: the region of interest and its handle groups. A value; the functions below return new ones.
 struct Selection {
-  enum class Next {
-    Handle,
-    Group,
-    Region
-  };  ///< effect of the next click: a handle that replaces all, another group, or a new region
+  /// Effect of the next click: a handle that replaces all, another group, or a new region.
+  enum class Next { Handle, Group, Region };
 
   RegionSpec region;  ///< valid if has_region
   bool has_region = false;
