@@ -459,10 +459,26 @@ TEST(Conditioning, SystemBeyondDoublePrecisionIsRefusedNotSolvedWrongly) {
   EditSettings settings = EditSettings::of(EditMethod::Paper);
   settings.order = 3;
   for (const CholeskyBackend backend : {CholeskyBackend::Supernodal, CholeskyBackend::Eigen}) {
-    support::expect_refusal(ErrorCause::IllConditioned, [&] {
+    const std::string sentence = support::expect_refusal(ErrorCause::IllConditioned, [&] {
       Prepared(mesh, region, settings, {StoredScalar::Double, {}, {0, backend}});
     });
+    EXPECT_NE(sentence.find("3600 region vertices"), std::string::npos) << sentence;
+    EXPECT_NE(sentence.find(": use a lower order"), std::string::npos) << sentence;
   }
+}
+
+TEST(Conditioning, RefusedMatrixBecomesAdvice) {
+  const Region region = support::whole_region(shapes::grid(4, 5), {{0}}, {});
+  SparseMatrix matrix(2, 2);
+  matrix.insert(0, 0) = 1;
+  matrix.insert(1, 1) = -1;
+  const std::string sentence = support::expect_refusal(ErrorCause::IllConditioned,
+                                                       [&] { factorise_for(region, [&] { SparseCholesky{matrix}; }); });
+  EXPECT_NE(sentence.find("The system of 20 region vertices is singular to working precision: use "), std::string::npos)
+      << sentence;
+  support::expect_refusal(ErrorCause::Cancelled, [&] {
+    factorise_for(region, [] { throw EditError(ErrorCause::Cancelled, "The edit was cancelled."); });
+  });
 }
 
 /// A long tube held at one end, of order 3: a step of refinement leaves some 0.2 of an error. Solutions are right to

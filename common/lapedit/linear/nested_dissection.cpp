@@ -161,7 +161,7 @@ int project(const Piece& piece, Scratch& scratch) {
   return lowest;
 }
 
-/// Finds the best of all planes across the axis. scratch.place becomes whether a vertex is beyond it.
+/// Finds the best of all planes across the axis. scratch.position becomes whether a vertex is beyond it.
 /// @return its score
 double cut_by_plane(const Piece& piece, Scratch& scratch) {
   const int n = piece.own;
