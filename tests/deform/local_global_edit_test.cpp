@@ -11,7 +11,6 @@
 #include <limits>
 #include <utility>
 
-#include "dense_reference.h"
 #include "shapes.h"
 #include "support.h"
 
@@ -102,70 +101,6 @@ double farthest(const Points& a, const Points& b) {
   return (a - b).allFinite() ? (a - b).rowwise().norm().maxCoeff() : std::numeric_limits<double>::infinity();
 }
 
-// --- against a dense solution ---
-
-/// Where |M x - t|^2 + c (x^T L x - 2 x^T D t) + sum w_i^2 |x_i - c_i|^2 is least, t the rotated differential
-/// coordinates.
-/// @param weights  by reference::weights_of()
-Points dense_edit(const Scene& s, const EditSettings& settings, const reference::Matrix& weights,
-                  const std::vector<Matrix3>& rotations) {
-  const int n = s.region.size();
-  const Points rest = s.rest();
-  const reference::Matrix m = reference::operator_of(weights);
-  const Eigen::VectorXd sums = weights.rowwise().sum();
-  const double c = reference::membrane_of(settings, reference::edges_of(s.mesh, s.region), rest, weights);
-  reference::Matrix t = reference::Matrix::Zero(n, 3);
-  for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n; ++j) {
-      const Matrix3 rotation = 0.5 * (rotations[i] + rotations[j]);
-      t.row(i) -= m(i, j) * (rotation * (rest.row(i) - rest.row(j)).transpose()).transpose();
-    }
-  }
-  reference::Matrix left = m.transpose();
-  left.diagonal() += c * sums;
-  reference::Matrix a = left * m, b = left * t;
-  for (int i = 0; i < n; ++i) {
-    const double weight = s.region.classes[i] == VertexClass::Handle ? settings.handle_weight
-                          : s.region.classes[i] == VertexClass::Anchor
-                              ? settings.anchor_weight * s.region.anchor_weight[i]
-                              : 0;
-    const Vector3 p = rest.row(i);
-    const Vector3 target = s.region.group[i] >= 0 ? Vector3(s.maps[s.region.group[i]].map * p) : p;
-    a(i, i) += weight * weight;
-    b.row(i) += weight * weight * target.transpose();
-  }
-  return reference::solve(a, b);
-}
-
-TEST(LocalGlobalEdit, EditSolvesItsEquationsGivenItsRotations) {
-  TriangleMesh mesh = shapes::letter_field(17, 10);
-  for (auto p : mesh.vertices.rowwise()) {
-    p[2] += 0.1 * std::sin(3 * p[0] + 0.4) * std::cos(2.3 * p[1]);
-  }
-  const Scene s =
-      scene("small", mesh, within(1.3), {{74, 75, 84}, {112}},
-            {rigid(35, Vector3(1, 0, 1), Vector3(0.1, 0, 0.4), Vector3(1.8, 1, 0)), shift(Vector3(-0.1, 0.2, 0.3))});
-  ASSERT_GT(s.region.size(), 80);
-  ASSERT_LT(s.region.size(), 165) << "some of the mesh has to lie outside";
-  std::vector<reference::Matrix> weights;
-  for (const LaplacianKind laplacian : kLaplacians) {
-    weights.push_back(reference::weights_of(s.mesh, s.region, laplacian));
-  }
-  for (EditSettings settings : all_settings()) {
-    const auto kind = std::find(kLaplacians.begin(), kLaplacians.end(), settings.laplacian) - kLaplacians.begin();
-    for (const double weight : {1.0, 10.0}) {
-      settings.handle_weight = weight;
-      support::Prepared solver = s.solver(settings);
-      const Points& found = solver.pose(s.maps);
-      EXPECT_LT(support::error(found, dense_edit(s, settings, weights[kind], solver.rotations())), 1e-9)
-          << describe(settings);
-      const std::vector<Matrix3> unrotated(s.region.size(), Matrix3::Identity());
-      EXPECT_GT(support::largest_angle(solver.rotations(), unrotated), 0.02) << "the edit has to turn something";
-      EXPECT_LT(solver.report().normal_equation_residual, 1e-14) << describe(settings);
-    }
-  }
-}
-
 // --- what holds exactly ---
 
 /// What it prints is for BitsAreThoseOfOlderProcessors, which runs it in processes of its own.
@@ -222,22 +157,6 @@ TEST(LocalGlobalEdit, CanBeCancelledAndGoOnAfterwards) {
     });
     EXPECT_TRUE(same_bits(solver.pose(s.maps), expected)) << "cancelled at " << stop;
   }
-}
-
-/// Fails if what is shared with the solver before belongs to another handle.
-TEST(LocalGlobalEdit, NextHandleGetsTheSameBitsWithAndWithoutTheEditorBefore) {
-  const Scene s = letters();
-  RegionSpec spec;
-  spec.kind = RegionSpec::Kind::Vertices;
-  spec.vertices = s.region.mesh_vertex;
-  spec.anchors = anchors_of(s.region);
-  const Region next =
-      build_region(s.mesh, support::adjacency_of(s.mesh), spec, {{s.region.mesh_vertex[s.region.size() / 2 + 3]}});
-  const Points expected = support::Prepared(s.mesh, next, kOnePass).pose(s.maps);
-  const support::Prepared before(s.mesh, s.region, kOnePass);
-  support::Prepared after(s.mesh, next, kOnePass, {}, {}, before.system().get());
-  EXPECT_TRUE(same_bits(after.pose(s.maps), expected));
-  EXPECT_TRUE(after.report().factor_reused) << "the membrane must not stand in its way";
 }
 
 // --- strange regions ---
