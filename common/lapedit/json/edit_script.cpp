@@ -558,7 +558,7 @@ Edit load_edit(const std::string& text_or_path) {
 std::string write_edit(const Edit& edit) {
   Json json = json_of(edit);
   tidy(json);
-  const std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
   read_edit(text);  // refuses text that could not be read again, with the same message
   return text;
 }
