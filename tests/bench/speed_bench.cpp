@@ -39,7 +39,6 @@ constexpr int kLargestForCgal = 300000, kLargestForBlender = 100000;
 using Runs = std::map<std::string, std::vector<double>>;
 
 double heap_bytes() {
-  malloc_trim(0);
   const auto info = mallinfo2();
   return static_cast<double>(info.uordblks + info.hblkhd);
 }
