@@ -25,7 +25,7 @@ if [ -n "$missing" ]; then
   exit 1
 fi
 if [ $# -eq 0 ]; then
-  set -- 1201 3395 4685 12774
+  set -- 3395 4685 12774
   [ -n "$quick" ] || set -- "$@" 16792 32280 100000 300000
 fi
 
