@@ -70,7 +70,7 @@ TEST(History, AmendedStepLeavesNothingOfTheOneBefore) {
   amended.apply(step(1), {1, 2, 3}, positions(3, 1));
   amended.apply(step(2), {2, 3, 4}, positions(3, 2));
   const Points before = amended.before_last()->vertices;
-  amended.amend(step(3), {4, 5}, positions(2, 3));
+  amended.amend(step(3), {4, 5}, positions(2, 3), {});
   History at_once(shapes::grid(6, 6));
   at_once.apply(step(1), {1, 2, 3}, positions(3, 1));
   EXPECT_TRUE(same_bits(before, at_once.mesh()->vertices));
@@ -92,7 +92,7 @@ TEST(History, MeshIsReplacedAndNeverChanged) {
   };
   history.apply(step(1), {1, 2}, positions(2, 1));
   look();
-  history.amend(step(2), {2, 3}, positions(2, 2));
+  history.amend(step(2), {2, 3}, positions(2, 2), {});
   look();
   history.undo();
   look();

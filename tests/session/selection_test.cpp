@@ -294,27 +294,19 @@ TEST(Selection, AnotherPaddingLetsGoOfKeptAnchors) {
 }
 
 TEST(Selection, StepGivesBackItsHandlesAndRegion) {
-  AppliedStep step;
-  step.vertices = block(18, 22);
-  step.step.region.radius = 3;
-  step.step.handles = {{{kMiddle}, {}}, {{at(21, 21)}, {}}, {{at(19, 19)}, {}}};
-  step.step.handles[1].transform.translation = Vector3(0, 0, 1);
+  EditStep step;
+  step.region.radius = 3;
+  step.handles = {{{kMiddle}, {}}, {{at(21, 21)}, {}}, {{at(19, 19)}, {}}};
   Selection before;
   before.mode = HandleMode::Curve;
   before.by_hand = true;
-  const Selection undone = selection_of(step, false, before, DragSettings());
-  EXPECT_EQ(undone.groups.size(), 3U);
-  EXPECT_EQ(undone.active, 1) << "the one that moved";
-  EXPECT_EQ(undone.region.kind, Kind::Radius);
-  EXPECT_EQ(undone.mode, HandleMode::Curve);
-  EXPECT_FALSE(undone.by_hand);
-  const Selection redone = selection_of(step, true, before, DragSettings());
-  EXPECT_EQ(redone.region.kind, Kind::Vertices);
-  EXPECT_EQ(redone.region.vertices, step.vertices);
-  step.next.kind = Kind::Vertices;
-  step.next.vertices = block(17, 23);
-  EXPECT_EQ(selection_of(step, true, before, DragSettings()).region.vertices, step.next.vertices);
-  EXPECT_EQ(selection_of(step, false, before, DragSettings()).region.kind, Kind::Radius);
+  const Selection after = selection_of(step, {0, 1}, before, DragSettings());
+  EXPECT_EQ(after.groups.size(), 3U);
+  EXPECT_EQ(after.active, 1) << "the last one that moved";
+  EXPECT_EQ(after.along, std::vector<int>{0});
+  EXPECT_EQ(after.region.kind, Kind::Radius);
+  EXPECT_EQ(after.mode, HandleMode::Curve);
+  EXPECT_FALSE(after.by_hand);
 }
 
 TEST(Selection, AnyChoicesLeaveGroupsApartAndInTheRegion) {

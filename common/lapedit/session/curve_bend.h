@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "lapedit/session/history.h"
+#include "lapedit/session/selection.h"
 
 namespace lapedit {
 

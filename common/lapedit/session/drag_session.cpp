@@ -116,7 +116,7 @@ void DragSession::set_settings(const DragSettings& settings) {
   if (solver_.amendable() && model_.history.can_undo() &&
       (new_settings || (new_radius && (solver_.in<Amending>() ||
                                        model_.history.steps().back().step.region.kind == RegionSpec::Kind::Radius)))) {
-    solver_.amend(before);
+    solver_.amend();
     return;
   }
   // The radius applies to regions that were grown by it, also after a step.
@@ -298,14 +298,12 @@ bool DragSession::can_redo() const {
   return !model_.timeline.undone().empty() && !solver_.in_progress();
 }
 
-/// Undoes an action that the timeline has just moved. @param again  redoes it
-void DragSession::undo_or_redo(Action& action, bool again) {
+/// Undoes the last action, or redoes the one undone last.
+void DragSession::undo_or_redo(bool again) {
   const std::size_t steps = model_.history.steps().size();
-  if (const AppliedStep* const step = model_.undo_or_redo(action, again)) {
-    const bool settings = action.kind == Action::Kind::Settings;
-    model_.log(settings ? (again ? messages::kSettingsRedone : messages::kSettingsUndone)
-                        : messages::step_changed(again ? steps + 1 : steps, again ? "redone" : "undone"));
-    solver_.take_over(*step, again || settings);
+  if (const AppliedStep* const step = again ? model_.redo() : model_.undo()) {
+    model_.log(messages::step_changed(again ? steps + 1 : steps, again ? "redone" : "undone"));
+    solver_.take_over(*step, again);
     return;
   }
   if (model_.selection.region.kind == RegionSpec::Kind::Vertices && model_.selection.has_region) {
@@ -327,7 +325,7 @@ void DragSession::undo() {
   if (model_.timeline.done().empty()) {
     model_.refusal = messages::kNothingToUndo;
   } else {
-    undo_or_redo(model_.timeline.undo(), false);
+    undo_or_redo(false);
   }
 }
 
@@ -338,7 +336,7 @@ void DragSession::redo() {
   if (model_.timeline.undone().empty()) {
     model_.refusal = messages::kNothingToRedo;
   } else {
-    undo_or_redo(model_.timeline.redo(), true);
+    undo_or_redo(true);
   }
 }
 
@@ -346,12 +344,11 @@ void DragSession::go_to(std::size_t actions) {
   if (!settle_down()) {
     return;
   }
-  Timeline& timeline = model_.timeline;
-  while (timeline.done().size() > actions) {
-    undo_or_redo(timeline.undo(), false);
+  while (timeline().done().size() > actions) {
+    undo_or_redo(false);
   }
-  while (timeline.done().size() < actions && !timeline.undone().empty()) {
-    undo_or_redo(timeline.redo(), true);
+  while (timeline().done().size() < actions && !timeline().undone().empty()) {
+    undo_or_redo(true);
   }
 }
 
@@ -361,7 +358,8 @@ void DragSession::reset() {
   const std::size_t count = model_.history.steps().size();
   const AppliedStep* first = nullptr;
   while (model_.history.can_undo()) {
-    first = model_.undo_or_redo(model_.timeline.undo(), false);
+    const AppliedStep* const step = model_.undo();
+    first = step ? step : first;
   }
   if (first) {
     model_.log(messages::all_undone(count));

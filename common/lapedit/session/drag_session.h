@@ -191,7 +191,7 @@ class DragSession {
   std::string next_click() const;
   template <class Choose>
   void change_region(const Choose& choose);
-  void undo_or_redo(Action& action, bool again);
+  void undo_or_redo(bool again);
   bool motion_key(DragKey key, const Cursor& cursor);
   bool begin_by_key(MotionKind kind, const Cursor& cursor);
 

@@ -67,25 +67,22 @@ Edit History::recorded() const {
 }
 
 const AppliedStep& History::apply(EditStep step, std::vector<int> vertices, Points after) {
+  StepPath path = path_of(step);
+  return apply(std::move(step), std::move(vertices), std::move(after), std::move(path));
+}
+
+const AppliedStep& History::apply(EditStep step, std::vector<int> vertices, Points after, StepPath path) {
   undone_.clear();
   Points before = gather(mesh_->vertices, vertices);
   put(vertices, after);
-  StepPath path = path_of(step);
-  steps_.push_back(
-      {std::move(step), std::move(vertices), std::move(before), std::move(after), {}, {}, std::move(path)});
+  steps_.push_back({std::move(step), std::move(vertices), std::move(before), std::move(after), std::move(path)});
   return steps_.back();
 }
 
-const AppliedStep& History::amend(EditStep step, std::vector<int> vertices, Points after) {
+const AppliedStep& History::amend(EditStep step, std::vector<int> vertices, Points after, StepPath path) {
   mesh_ = before_last();
   steps_.pop_back();
-  return apply(std::move(step), std::move(vertices), std::move(after));
-}
-
-void History::exchange_last(AppliedStep& step) {
-  put(steps_.back().vertices, steps_.back().before);
-  std::swap(steps_.back(), step);
-  put(steps_.back().vertices, steps_.back().after);
+  return apply(std::move(step), std::move(vertices), std::move(after), std::move(path));
 }
 
 const AppliedStep& History::undo() {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -9,25 +8,6 @@
 #include "lapedit/edit/edit.h"
 
 namespace lapedit {
-
-/// A handle that is a curve: clicked vertices joined by shortest paths.
-struct HandleCurve {
-  std::vector<int> path;    ///< vertices in order, all of them in the handle; empty: the handle is no curve
-  std::vector<int> points;  ///< indices in path of the clicked vertices, ascending
-
-  bool bends() const { return points.size() > 1; }
-};
-
-/// Handles as they were clicked: discs, which grow with the radius, and curves.
-struct PickedDiscs {
-  std::vector<std::vector<int>> centers;  ///< per handle group the clicked vertices; none: a group of another origin
-  std::vector<HandleCurve> curves;        ///< per handle group
-  double reach = 0;                       ///< largest radius of the discs, model units; 0: no discs
-
-  bool all() const {
-    return !centers.empty() && std::none_of(centers.begin(), centers.end(), [](const auto& c) { return c.empty(); });
-  }
-};
 
 /// The whole path of the handles of a step, where the step takes a fraction of it.
 struct StepPath {
@@ -41,8 +21,6 @@ struct AppliedStep {
   EditStep step;
   std::vector<int> vertices;  ///< mesh vertex numbers
   Points before, after;       ///< one row per entry of vertices
-  RegionSpec next;            ///< the region for what follows in it
-  PickedDiscs discs;          ///< of its handles
   StepPath path;
 };
 
@@ -71,16 +49,9 @@ class History {
 
   /// Puts vertices to their positions after a step; what was undone is gone. @param after  one row per vertex
   const AppliedStep& apply(EditStep step, std::vector<int> vertices, Points after);
+  const AppliedStep& apply(EditStep step, std::vector<int> vertices, Points after, StepPath path);
   /// As if this step had been applied in place of the last one.
-  const AppliedStep& amend(EditStep step, std::vector<int> vertices, Points after);
-  /// Swaps the last step for another result of it. There has to be one.
-  void exchange_last(AppliedStep& step);
-  /// Sets AppliedStep::next of the last step.
-  void set_next_region(RegionSpec next) { steps_.back().next = std::move(next); }
-  /// Sets AppliedStep::discs of the last step.
-  void set_discs(PickedDiscs discs) { steps_.back().discs = std::move(discs); }
-  /// Sets AppliedStep::path of the last step.
-  void set_path(StepPath path) { steps_.back().path = std::move(path); }
+  const AppliedStep& amend(EditStep step, std::vector<int> vertices, Points after, StepPath path);
   /// Takes the last step back. There has to be one. @return the step
   const AppliedStep& undo();
   /// Applies the step again that was taken back last. There has to be one. @return the step

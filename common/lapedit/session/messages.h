@@ -81,12 +81,9 @@ std::string single_vertex(MotionKind kind, int vertex);
 constexpr const char* kStrokeOfRegion = "Brush: region";
 constexpr const char* kStrokeOfHandle = "Brush: handle";
 constexpr const char* kStrokeOfFixed = "Brush: keep fixed";
-constexpr const char* kLastStepChanged = "Change of the last step";
 constexpr const char* kSavedStep = "Step of a saved edit";
 constexpr const char* kStrokeUndone = "stroke of the brush undone";
 constexpr const char* kStrokeRedone = "stroke of the brush redone";
-constexpr const char* kSettingsUndone = "change of settings undone";
-constexpr const char* kSettingsRedone = "change of settings redone";
 std::string not_possible(const std::string& why);
 std::string step_applied(std::size_t number, const DragMotion& motion, const std::vector<int>& handle, int region_size,
                          double prepare_ms, double solve_ms);

@@ -6,7 +6,7 @@
 
 #include "lapedit/mesh/visibility.h"
 #include "lapedit/session/drag_motion.h"
-#include "lapedit/session/history.h"
+#include "lapedit/session/selection.h"
 
 // From a cursor on the screen to the mesh.
 namespace lapedit {

@@ -25,14 +25,6 @@ std::vector<int> handles_of(const Selection& selection, int but = -1) {
   return handles;
 }
 
-Selection with_vertices(Selection selection, std::vector<int> vertices, const DragSettings& settings) {
-  selection.region = RegionSpec();
-  selection.region.kind = RegionSpec::Kind::Vertices;
-  selection.region.vertices = std::move(vertices);
-  selection.has_region = true;
-  return with_padding(std::move(selection), settings);
-}
-
 std::vector<int>& centers_of_active(Selection& selection) {
   return selection.discs.centers[static_cast<std::size_t>(selection.active)];
 }
@@ -407,6 +399,14 @@ Choice with_anchors(const Surface& surface, const Selection& selection, std::vec
   return choice;
 }
 
+Selection with_vertices(Selection selection, std::vector<int> vertices, const DragSettings& settings) {
+  selection.region = RegionSpec();
+  selection.region.kind = RegionSpec::Kind::Vertices;
+  selection.region.vertices = std::move(vertices);
+  selection.has_region = true;
+  return with_padding(std::move(selection), settings);
+}
+
 Choice with_region(const Surface& surface, const Selection& selection, std::vector<int> vertices) {
   vertices = sorted_set(std::move(vertices));
   if (vertices.empty()) {
@@ -549,25 +549,21 @@ Choice with_next_group(const Selection& selection) {
   return after;
 }
 
-Selection selection_of(const AppliedStep& step, bool applied, const Selection& before, const DragSettings& settings) {
+Selection selection_of(const EditStep& step, const std::vector<int>& moved, const Selection& before,
+                       const DragSettings& settings) {
   Selection after;
   after.mode = before.mode;
   after.taken = before.taken;
   after.held = before.held;
-  for (const HandleGroup& handle : step.step.handles) {
+  for (const HandleGroup& handle : step.handles) {
     after.groups.push_back(handle.vertices);
     after.weights.push_back(handle.weights);
   }
-  const std::vector<int> moved = step.path.moved.empty() ? path_of(step.step).moved : step.path.moved;
   after.active = moved.empty() ? 0 : moved.back();
   after.along = without(moved, {after.active});
-  after.discs = step.discs;
   after.discs.centers.resize(after.groups.size());
   after.discs.curves.resize(after.groups.size());
-  after.region = applied && step.next.kind == RegionSpec::Kind::Vertices ? step.next : step.step.region;
-  if (applied && after.region.kind == RegionSpec::Kind::Radius) {
-    return with_vertices(std::move(after), step.vertices, settings);
-  }
+  after.region = step.region;
   after.has_region = true;
   return with_padding(std::move(after), settings);
 }

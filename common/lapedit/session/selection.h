@@ -6,11 +6,29 @@
 #include <variant>
 #include <vector>
 
-#include "lapedit/mesh/region.h"
+#include "lapedit/edit/edit.h"
 #include "lapedit/session/drag_settings.h"
-#include "lapedit/session/history.h"
 
 namespace lapedit {
+
+/// A handle that is a curve: clicked vertices joined by shortest paths.
+struct HandleCurve {
+  std::vector<int> path;    ///< vertices in order, all of them in the handle; empty: the handle is no curve
+  std::vector<int> points;  ///< indices in path of the clicked vertices, ascending
+
+  bool bends() const { return points.size() > 1; }
+};
+
+/// Handles as they were clicked: discs, which grow with the radius, and curves.
+struct PickedDiscs {
+  std::vector<std::vector<int>> centers;  ///< per handle group the clicked vertices; none: a group of another origin
+  std::vector<HandleCurve> curves;        ///< per handle group
+  double reach = 0;                       ///< largest radius of the discs, model units; 0: no discs
+
+  bool all() const {
+    return !centers.empty() && std::none_of(centers.begin(), centers.end(), [](const auto& c) { return c.empty(); });
+  }
+};
 
 /// The user's choice: the region of interest and its handle groups. A value; the functions below return new ones.
 struct Selection {
@@ -76,6 +94,8 @@ Choice anchors_brushed(const Surface& surface, const Selection& selection, const
 /// Makes these vertices of the region anchors, with its rim; in any order. Those outside the region are kept for later
 /// regions.
 Choice with_anchors(const Surface& surface, const Selection& selection, std::vector<int> vertices);
+/// Makes these vertices the region, ascending.
+Selection with_vertices(Selection selection, std::vector<int> vertices, const DragSettings& settings);
 /// Makes these vertices the region, in any order; handle vertices outside are dropped.
 Choice with_region(const Surface& surface, const Selection& selection, std::vector<int> vertices);
 Choice whole_component(const Surface& surface, const Selection& selection);
@@ -103,7 +123,8 @@ Choice with_next_group(const Selection& selection);
 /// centroid without anchors. O(region).
 Vector3 middle_of_rim(const TriangleMesh& mesh, const Region& region, const std::vector<int>& group);
 
-/// Returns handles and region of a step. @param applied whether its region becomes a set
-Selection selection_of(const AppliedStep& step, bool applied, const Selection& before, const DragSettings& settings);
+/// Returns handles and region of a step of a saved edit. @param moved  the groups that it moves
+Selection selection_of(const EditStep& step, const std::vector<int>& moved, const Selection& before,
+                       const DragSettings& settings);
 
 }  // namespace lapedit

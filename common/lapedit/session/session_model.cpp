@@ -115,27 +115,26 @@ void SessionModel::back_to_mesh(bool settled) {
   }
 }
 
-const AppliedStep* SessionModel::undo_or_redo(Action& action, bool again) {
-  if (action.kind == Action::Kind::Stroke) {
-    std::swap(selection, *action.selection);
+const AppliedStep* SessionModel::undo() {
+  Action& action = timeline.undo();
+  Selection now = std::exchange(selection, with_padding(action.before, settings));
+  if (!action.is_step) {
+    action.after = std::move(now);
     return nullptr;
   }
-  if (action.kind == Action::Kind::Settings) {
-    std::swap(settings, *action.settings);
-    show_mesh(history.steps().back().vertices, history.steps().back().before);
-    history.exchange_last(*action.replaced);
-    again = true;
-  } else if (again) {
-    history.redo();
-  } else {
-    const AppliedStep& step = history.undo();
-    show_mesh(step.vertices, step.before);
-    selection = action.selection ? *action.selection : selection_of(step, false, selection, settings);
-    return &step;
+  const AppliedStep& step = history.undo();
+  show_mesh(step.vertices, step.before);
+  return &step;
+}
+
+const AppliedStep* SessionModel::redo() {
+  const Action& action = timeline.redo();
+  selection = with_padding(action.after, settings);
+  if (!action.is_step) {
+    return nullptr;
   }
-  const AppliedStep& step = history.steps().back();
+  const AppliedStep& step = history.redo();
   show_mesh(step.vertices, step.after);
-  selection = selection_of(step, true, selection, settings);
   return &step;
 }
 

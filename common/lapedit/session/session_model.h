@@ -99,9 +99,9 @@ struct SessionModel {
   /// Shows a painted region before its distances are known.
   void show_by_hand();
   void back_to_mesh(bool settled);
-  /// Turns an action round that has just changed its list. @param again  it is done again
-  /// @return the step that the selection belongs to then, null for a stroke
-  const AppliedStep* undo_or_redo(Action& action, bool again);
+  /// Undoes the last action of the timeline, or redoes the one undone last. @return its step, null for a stroke
+  const AppliedStep* undo();
+  const AppliedStep* redo();
   const PoseChange* take_change();
 
  private:

@@ -337,14 +337,12 @@ void SessionMouse::brush(const Cursor& cursor) {
     const char* const name = model_.tools.brush == BrushTarget::Region   ? messages::kStrokeOfRegion
                              : model_.tools.brush == BrushTarget::Handle ? messages::kStrokeOfHandle
                                                                          : messages::kStrokeOfFixed;
-    model_.timeline.add({Action::Kind::Stroke, name, std::move(before)}, model_.settings);
-  }
-  if (!model_.selection.has_region) {
-    model_.show_region(nullptr);
-    return;
+    model_.timeline.add({name, false, std::move(before)});
   }
   solver_.rest(false);
-  if (model_.selection.region.kind == RegionSpec::Kind::Vertices) {
+  if (!model_.selection.has_region) {
+    model_.show_region(nullptr);
+  } else if (model_.selection.region.kind == RegionSpec::Kind::Vertices) {
     model_.show_by_hand();
   }
 }

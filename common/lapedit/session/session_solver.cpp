@@ -240,15 +240,15 @@ std::optional<LastStep> SessionSolver::last_step() const {
   return LastStep{handle.transform, path.fraction, !handle.targets.empty(), single};
 }
 
-void SessionSolver::begin_amending(const DragSettings& before) {
+void SessionSolver::begin_amending() {
   if (!in<Amending>()) {
     const AppliedStep& last = model_.history.steps().back();
-    phase_ = Amending{last.step, model_.history.before_last(), last.path, before};
+    phase_ = Amending{last.step, model_.history.before_last(), last.path};
   }
 }
 
-void SessionSolver::amend(const DragSettings& before) {
-  begin_amending(before);
+void SessionSolver::amend() {
+  begin_amending();
   const DragSettings& settings = model_.settings;
   EditStep& step = in<Amending>()->step;
   step.settings = settings.edit;
@@ -266,7 +266,7 @@ void SessionSolver::amend(const DragSettings& before) {
 
 void SessionSolver::amend_path(const HandleTransform& motion, double fraction, bool open) {
   const bool prepares = !in<Amending>();
-  begin_amending(model_.settings);
+  begin_amending();
   Amending& amending = *in<Amending>();
   amending.open = open;
   amending.path.fraction = fraction;
@@ -347,10 +347,9 @@ void SessionSolver::commit_drag() {
     step.handles.push_back({selection.groups[g], drag.given[g], selection.weights[g], drag.targets[g]});
   }
   StepPath path{step.handles, united(selection.along, {selection.active}), 1};
-  const AppliedStep& applied = history.apply(std::move(step), model_.shown.region()->mesh_vertex, model_.shown.pose());
-  history.set_discs(selection.discs);
-  model_.timeline.add({Action::Kind::Step, drag.motion.text(), selection}, model_.settings);
-  history.set_path(std::move(path));
+  const AppliedStep& applied =
+      history.apply(std::move(step), model_.shown.region()->mesh_vertex, model_.shown.pose(), std::move(path));
+  model_.timeline.add({drag.motion.text(), true, selection});
   model_.show_mesh(applied.vertices, applied.after);
   model_.log(messages::step_applied(history.steps().size(), drag.motion, model_.active_group(),
                                     model_.shown.region()->size(), figures_.prepare_ms.value_or(0),
@@ -365,11 +364,8 @@ void SessionSolver::commit_amended() {
   const std::shared_ptr<const Region> region = amending.region;
   model_.shown.await(nullptr);
   model_.show(history.steps().back().vertices, history.steps().back().before, false);
-  Action action{Action::Kind::Settings, messages::kLastStepChanged, {}, amending.before, history.steps().back()};
-  model_.timeline.add(std::move(action), model_.settings);
-  const AppliedStep& applied = history.amend(amending.step, region->mesh_vertex, solved_.positions);
-  history.set_discs(model_.selection.discs);
-  history.set_path(std::move(amending.path));
+  const AppliedStep& applied =
+      history.amend(amending.step, region->mesh_vertex, solved_.positions, std::move(amending.path));
   model_.show_mesh(applied.vertices, applied.after);
   model_.log(messages::step_amended(history.steps().size(), region->size(), figures_.prepare_ms.value_or(0),
                                     figures_.solve_ms.value_or(0)));
@@ -384,20 +380,25 @@ void SessionSolver::commit_loaded(const std::vector<EditResult>& results) {
   for (std::size_t k = 0; k < results.size(); ++k) {
     const AppliedStep& applied =
         model_.history.apply(std::move(edit.steps[k]), results[k].vertices, results[k].positions);
-    model_.timeline.add({Action::Kind::Step, messages::kSavedStep}, model_.settings);
+    Selection& selection = model_.selection;
+    selection = selection_of(applied.step, applied.path.moved, selection, model_.settings);
+    Action action{messages::kSavedStep, true, selection};
+    if (selection.region.kind == RegionSpec::Kind::Radius) {
+      selection = with_vertices(std::move(selection), applied.vertices, model_.settings);
+    }
+    action.after = selection;
+    model_.timeline.add(std::move(action));
     model_.show_mesh(applied.vertices, applied.after);
   }
   model_.log(messages::edit_applied(results.size()));
-  const AppliedStep& last = model_.history.steps().back();
-  model_.selection = selection_of(last, true, model_.selection, model_.settings);
-  take_over(last, true);
+  take_over(model_.history.steps().back(), true);
 }
 
 /// Prepares the next drag from the current mesh in the same region.
 void SessionSolver::progress() {
   model_.shown.settle();
   model_.selection = with_region_kept(surface(), model_.selection);
-  model_.history.set_next_region(model_.selection.region);
+  model_.timeline.last().after = model_.selection;
   phase_ = Picked{true};
   prepare();
 }

@@ -45,7 +45,6 @@ struct Amending {
   EditStep step;
   std::shared_ptr<const TriangleMesh> base;  ///< the mesh before the step
   StepPath path;
-  DragSettings before;                                             ///< of the step as it is now
   bool open = false;                                               ///< changes continue: poses are shown, not applied
   std::shared_ptr<const Region> region = nullptr;                  ///< of the step, once it is known
   int first_serial = std::numeric_limits<int>::max(), serial = 0;  ///< of the solves
@@ -135,8 +134,8 @@ class SessionSolver {
 
   // Steps ------------------------------------------------------------------------------------------------------------
 
-  /// Solves the last step again with the current settings. @param before  the settings of the step as it is
-  void amend(const DragSettings& before);
+  /// Solves the last step again with the current settings.
+  void amend();
   /// Solves the last step again with another motion, or a fraction of it; amendable() has to hold.
   /// @param open  only shows the result: another change follows
   void amend_path(const HandleTransform& motion, double fraction, bool open);
@@ -156,7 +155,7 @@ class SessionSolver {
   void request_preparation(PrepareTask task);
   void set_targets(phase::Dragging& drag) const;
   bool take_pose();
-  void begin_amending(const DragSettings& before);
+  void begin_amending();
   void request_amended(bool prepares);
   void show_amended(const phase::Amending& amending);
   void commit_drag();

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "lapedit/mesh/vertex_set.h"
-#include "lapedit/session/history.h"
 
 namespace lapedit {
 

@@ -1,27 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lapedit/session/selection.h"
 
 namespace lapedit {
 
-/// One action that undo() reverses.
+/// One action that undo() reverses: a step of the history, or a stroke of the brush.
 struct Action {
-  enum class Kind {
-    Stroke,   ///< of the brush
-    Step,     ///< of the history
-    Settings  ///< changed settings, with which the last step was solved again
-  };
-  Kind kind;
   std::string name;  ///< for a list
-  // The state before the action or, once it is undone, after it.
-  std::optional<Selection> selection = {};    ///< empty for steps of a saved edit
-  std::optional<DragSettings> settings = {};  ///< Kind::Settings only, like the next
-  std::optional<AppliedStep> replaced = {};   ///< the step
+  bool is_step;
+  Selection before;
+  Selection after = {};  ///< of a stroke: once it is undone
 };
 
 /// All actions in their order.
@@ -29,15 +22,27 @@ class Timeline {
  public:
   const std::vector<Action>& done() const { return done_; }      ///< the oldest first
   const std::vector<Action>& undone() const { return undone_; }  ///< the one that redo() takes last
-  /// Adds an action and deletes the undone ones. A change of the same settings as the last action's is merged with it.
-  void add(Action action, const DragSettings& now);
-  /// Moves the last action of one list, which must not be empty, to the other. @return it; the caller exchanges its
-  /// contents with the current state
-  Action& undo();
-  Action& redo();
+  /// Adds an action and deletes the undone ones.
+  void add(Action action) {
+    undone_.clear();
+    done_.push_back(std::move(action));
+    ++serial_;
+  }
+  /// The last action, of which there has to be one.
+  Action& last() { return done_.back(); }
+  /// Moves the last action of one list, which must not be empty, to the other. @return it
+  Action& undo() { return move_last(done_, undone_); }
+  Action& redo() { return move_last(undone_, done_); }
   int serial() const { return serial_; }  ///< counts the changes of both lists
 
  private:
+  Action& move_last(std::vector<Action>& from, std::vector<Action>& to) {
+    to.push_back(std::move(from.back()));
+    from.pop_back();
+    ++serial_;
+    return to.back();
+  }
+
   std::vector<Action> done_, undone_;
   int serial_ = 0;
 };
