@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "lapedit/base/polar_decomposition.h"
+#include "lapedit/mesh/surface_measures.h"
 #include "shapes.h"
 #include "support.h"
 

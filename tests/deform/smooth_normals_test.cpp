@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "lapedit/mesh/surface_measures.h"
 #include "shapes.h"
 #include "support.h"
 

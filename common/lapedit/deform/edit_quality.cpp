@@ -15,52 +15,8 @@ namespace {
 
 constexpr double kDegrees = 180 / 3.14159265358979323846;
 
-/// Returns the normal, with twice the area as its length.
-Vector3 face_normal(const Points& points, const Faces& faces, Eigen::Index face) {
-  const Vector3 a = points.row(faces(face, 0)).transpose();
-  const Vector3 b = points.row(faces(face, 1)).transpose();
-  const Vector3 c = points.row(faces(face, 2)).transpose();
-  return (b - a).cross(c - a);
-}
-
-/// n' . (R_a + R_b + R_c) n < 0
-bool is_flipped(const Region& region, Eigen::Index f, const Points& before, const Points& after,
-                const std::vector<Matrix3>& rotations) {
-  const Matrix3 rotation =
-      rotations[region.faces(f, 0)] + rotations[region.faces(f, 1)] + rotations[region.faces(f, 2)];
-  return face_normal(after, region.faces, f).dot(rotation * face_normal(before, region.faces, f)) < 0;
-}
-
 double degrees_of(const Matrix3& rotation) {
   return Eigen::AngleAxisd(rotation).angle() * kDegrees;
-}
-
-/// Returns the apex of the cones of each vertex's component: the mean of the vertices on its border, or any of its
-/// vertices if it is closed.
-Points centres(const Region& region, const Points& positions) {
-  // At an inner vertex each neighbour is the successor in one face and the predecessor in another.
-  std::vector<long> balance(region.size(), 0);
-  for (const auto& face : region.faces.rowwise()) {
-    for (int k = 0; k < 3; ++k) {
-      balance[face[k]] += static_cast<long>(face[(k + 1) % 3]) - face[(k + 2) % 3];
-    }
-  }
-  const auto components = static_cast<Eigen::Index>(region.anchored.size());
-  Points result = Points::Zero(components, 3);
-  Eigen::VectorXi counts = Eigen::VectorXi::Zero(components);
-  for (int i = 0; i < region.size(); ++i) {
-    const int c = region.component[i];
-    if (balance[i] != 0) {
-      result.row(c) += (positions.row(i) - positions.row(0) - result.row(c)) / ++counts[c];
-    }
-  }
-  result.rowwise() += positions.row(0);
-  for (int i = region.size() - 1; i >= 0; --i) {
-    if (counts[region.component[i]] == 0) {
-      result.row(region.component[i]) = positions.row(i);
-    }
-  }
-  return result;
 }
 
 /// n . (p - S p)
@@ -101,38 +57,6 @@ void find_folds(const LaplacianSystem& system, const Points& positions, EditQual
 
 }  // namespace
 
-/// |after_i - after_j| / |before_i - before_j| - 1
-EdgeStretch edge_stretch(const Region& region, const Points& before, const Points& after) {
-  EdgeStretch result;
-  double sum = 0;
-  int edges = 0;
-  for (int i = 0; i < region.size(); ++i) {
-    for (const int j : region.neighbours[i]) {
-      const double old_length = (before.row(i) - before.row(j)).norm();
-      if (i < j && old_length > 0) {
-        const double stretch = (after.row(i) - after.row(j)).norm() / old_length - 1;
-        sum += stretch * stretch;
-        if (stretch > result.largest) {
-          result.largest = stretch;
-          result.at = i;
-        }
-        ++edges;
-      }
-    }
-  }
-  result.rms = edges > 0 ? std::sqrt(sum / edges) : 0;
-  return result;
-}
-
-int flipped_triangles(const Region& region, const Points& before, const Points& after,
-                      const std::vector<Matrix3>& rotations) {
-  int count = 0;
-  for (Eigen::Index f = 0; f < region.faces.rows(); ++f) {
-    count += is_flipped(region, f, before, after, rotations);
-  }
-  return count;
-}
-
 /// C_i = sum_j (x_j - x_i)(p_j - p_i)^T + |.| n' n^T over the edges, averaged; R_i the rotation nearest to (1 - h_i)
 /// C_i + h_i |C_i| I, with h_i = 3 t^2 - 2 t^3 of the depth t in the anchor band.
 std::vector<Matrix3> surface_rotations(const Region& region, const Points& before, const Points& after,
@@ -164,18 +88,6 @@ std::vector<Matrix3> surface_rotations(const Region& region, const Points& befor
     nearest_rotations(rotations.data() + first, last - first, rotations.data() + first);
   });
   return rotations;
-}
-
-double enclosed_volume(const Region& region, const Points& positions) {
-  const Points from = centres(region, positions);
-  double sum = 0;
-  for (const auto& face : region.faces.rowwise()) {
-    const auto centre = from.row(region.component[face[0]]);
-    const Vector3 a = positions.row(face[0]) - centre, b = positions.row(face[1]) - centre,
-                  c = positions.row(face[2]) - centre;
-    sum += a.dot(b.cross(c)) / 6;
-  }
-  return sum;
 }
 
 std::optional<double> detail_height(const LaplacianSystem& system, const Points& after) {
@@ -247,12 +159,7 @@ EditQuality edit_quality(const LaplacianSystem& system, const EditConstraints& c
   find_folds(system, positions, result);
   result.volume = enclosed_volume(region, system.rest.world);
   result.volume_change = enclosed_volume(region, positions) - result.volume;
-  double twice_area = 0;
-  for (Eigen::Index f = 0; f < region.faces.rows(); ++f) {
-    twice_area += face_normal(system.rest.world, region.faces, f).norm();
-  }
-  constexpr double kBody = 0.01;  // of area^(3/2); a ball has 0.094, a slender limb 0.04
-  result.is_body = std::abs(result.volume) > kBody * std::pow(twice_area / 2, 1.5);
+  result.is_body = encloses_a_body(region, system.rest.world, result.volume);
   return result;
 }
 

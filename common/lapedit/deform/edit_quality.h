@@ -6,32 +6,16 @@
 
 #include "lapedit/deform/edit_constraints.h"
 #include "lapedit/deform/edit_report.h"
+#include "lapedit/mesh/surface_measures.h"
 
 namespace lapedit {
 
 // Measures of the quality of an edit. These functions only read.
 
-/// RMS and largest positive value of |after| / |before| - 1 over the region's edges. Edges without length are skipped.
-struct EdgeStretch {
-  double rms = 0, largest = 0;
-  int at = -1;  ///< lower vertex (of the region) of the edge with the largest stretch; -1: none became longer
-};
-EdgeStretch edge_stretch(const Region& region, const Points& before, const Points& after);
-
-/// Counts faces whose normal rotated by more than 90 degrees against the mean of its corners' rotations. Degenerate
-/// faces are skipped.
-int flipped_triangles(const Region& region, const Points& before, const Points& after,
-                      const std::vector<Matrix3>& rotations);
-
 /// Fits rotations to edges and normals of the surface, averaged over some rings and faded out across the anchor band.
 /// They are independent of the rotations of differential coordinates. Cost: O(edges).
 std::vector<Matrix3> surface_rotations(const Region& region, const Points& before, const Points& after,
                                        ThreadPool& pool);
-
-/// Returns the volume of the cones from the border's centroid to the faces, per component, in cubic model units: the
-/// enclosed volume of closed components, positive if normals point outwards. A rigid motion does not change it. Where
-/// the border stays, its change is that of the body. Cost: O(faces).
-double enclosed_volume(const Region& region, const Points& positions);
 
 /// Returns the remaining fraction of the detail's height h = n . (p - S p): sum h' h / sum h^2 over the free vertices,
 /// where n are the normals of the smooth surface S p. A ratio of the two heights would also count curvature that the

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lapedit/base/stopwatch.h"
+#include "lapedit/mesh/surface_measures.h"
 
 namespace lapedit {
 namespace {

@@ -62,41 +62,6 @@ std::vector<int> sample_centres(const Region& region, const Points& rest, double
   return centres;
 }
 
-}  // namespace
-
-/// Computes n_i = sum over faces i j k of (p_j - p_i) x (p_k - p_i), normalised.
-void vertex_normals(const Points& points, const Faces& faces, Points& normals, Eigen::VectorXd& areas) {
-  constexpr double kCancelled = 1e-12;  // the sum of opposite faces is rounding, not a direction
-  normals.setZero(points.rows(), 3);
-  areas.setZero(points.rows());
-  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-    const Vector3 a = points.row(faces(f, 0)).transpose();
-    const Vector3 ab = points.row(faces(f, 1)).transpose() - a;
-    const Vector3 ac = points.row(faces(f, 2)).transpose() - a;
-    const Vector3 cross = ab.cross(ac);
-    const double area = cross.norm();
-    for (int k = 0; k < 3; ++k) {
-      normals.row(faces(f, k)) += cross.transpose();
-      areas[faces(f, k)] += area;
-    }
-  }
-  for (Eigen::Index i = 0; i < normals.rows(); ++i) {
-    const double length = normals.row(i).norm();
-    if (length > kCancelled * areas[i]) {
-      normals.row(i) /= length;
-    } else {
-      normals.row(i).setZero();
-    }
-  }
-}
-
-void vertex_normals(const Points& points, const Faces& faces, Points& normals) {
-  Eigen::VectorXd areas;
-  vertex_normals(points, faces, normals, areas);
-}
-
-namespace {
-
 /// Columns and weights of each row.
 using Lists = std::vector<std::vector<std::pair<int, double>>>;
 

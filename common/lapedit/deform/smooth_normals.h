@@ -8,11 +8,6 @@
 
 namespace lapedit {
 
-/// Computes unit vertex normals, area-weighted over the given faces; zero where a vertex has no face with area, or
-/// where its faces cancel. Cost: O(faces). The second form keeps its workspace between calls.
-void vertex_normals(const Points& points, const Faces& faces, Points& normals);
-void vertex_normals(const Points& points, const Faces& faces, Points& normals, Eigen::VectorXd& areas);
-
 /// The smoothing of the paper's section 6 as a linear map over a region. Row i is the weighted mean over the vertices
 /// within geodesic distance r of vertex i, with the weight p(t) = 2 t^3/r^3 - 3 t^2/r^2 + 1; rows sum to 1. Distances
 /// and weights are those of the rest shape, so one object serves all poses of a region.

@@ -41,6 +41,27 @@ void require_finite_targets(const HandleGroup& handle, std::size_t number) {
   }
 }
 
+void require_one_for_each(std::size_t count, const char* what, const HandleGroup& handle, std::size_t number) {
+  if (count > 0 && count != handle.vertices.size()) {
+    throw EditError(ErrorCause::BadParameter, group_name(number) + " has " + std::to_string(handle.vertices.size()) +
+                                                  " vertices and " + std::to_string(count) + " " + what +
+                                                  "s: give one " + what +
+                                                  " for each vertex, in the same order, or none.");
+  }
+}
+
+/// Keeps these entries of a list, as far as it has them.
+template <class T>
+void keep(std::vector<T>& list, const std::vector<std::size_t>& entries) {
+  std::vector<T> kept;
+  for (const std::size_t k : entries) {
+    if (k < list.size()) {
+      kept.push_back(std::move(list[k]));
+    }
+  }
+  list = std::move(kept);
+}
+
 }  // namespace
 
 void targets_to(const std::vector<int>& vertices, const std::vector<Vector3>& targets, const TriangleMesh& mesh,
@@ -107,62 +128,36 @@ void check_handles(const EditStep& step) {
   }
 }
 
-void sort_group(std::vector<int>& vertices, std::vector<double>& weights) {
-  if (!weights.empty() && weights.size() != vertices.size()) {
-    throw EditError(ErrorCause::BadParameter, "A handle group has " + std::to_string(vertices.size()) +
-                                                  " vertices and " + std::to_string(weights.size()) +
-                                                  " weights: give one weight for each vertex, or none at all.");
-  }
-  if (weights.empty()) {
-    vertices = sorted_set(std::move(vertices));
-    return;
-  }
-  std::vector<std::pair<int, double>> pairs;
-  for (std::size_t k = 0; k < vertices.size(); ++k) {
-    pairs.emplace_back(vertices[k], -weights[k]);
-  }
-  std::sort(pairs.begin(), pairs.end());
-  vertices.clear();
-  weights.clear();
-  for (const auto& [vertex, weight] : pairs) {
-    if (vertices.empty() || vertices.back() != vertex) {
-      vertices.push_back(vertex);
-      weights.push_back(-weight);
-    }
-  }
+void sort_group(std::vector<int>& vertices, std::vector<double>& weights, std::size_t number) {
+  HandleGroup group{std::move(vertices), {}, std::move(weights)};
+  sort_group(group, number);
+  vertices = std::move(group.vertices);
+  weights = std::move(group.weights);
 }
 
 void sort_group(HandleGroup& group, std::size_t number) {
-  if (group.targets.empty()) {
-    sort_group(group.vertices, group.weights);
-    return;
-  }
-  if (group.targets.size() != group.vertices.size()) {
-    throw EditError(ErrorCause::BadParameter, group_name(number) + " has " + std::to_string(group.vertices.size()) +
-                                                  " vertices and " + std::to_string(group.targets.size()) +
-                                                  " targets: give one target for each vertex, in the same order.");
-  }
+  require_one_for_each(group.weights.size(), "weight", group, number);
+  require_one_for_each(group.targets.size(), "target", group, number);
   std::vector<std::size_t> order(group.vertices.size());
   std::iota(order.begin(), order.end(), std::size_t(0));
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return group.vertices[a] < group.vertices[b]; });
-  std::vector<Vector3> targets;
-  std::vector<std::string> names;
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    if (k == 0 || group.vertices[order[k]] != group.vertices[order[k - 1]]) {
-      targets.push_back(group.targets[order[k]]);
-      if (order[k] < group.names.size()) {
-        names.push_back(group.names[order[k]]);
-      }
-    } else if (group.targets[order[k]] != targets.back()) {
+  const auto weight = [&group](std::size_t k) { return group.weights.empty() ? 1 : group.weights[k]; };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return std::pair(group.vertices[a], -weight(a)) < std::pair(group.vertices[b], -weight(b));
+  });
+  std::vector<std::size_t> kept;
+  for (const std::size_t k : order) {
+    if (kept.empty() || group.vertices[k] != group.vertices[kept.back()]) {
+      kept.push_back(k);
+    } else if (!group.targets.empty() && group.targets[k] != group.targets[kept.back()]) {
       throw EditError(ErrorCause::BadParameter, group_name(number) + " has vertex " +
-                                                    std::to_string(group.vertices[order[k]]) +
+                                                    std::to_string(group.vertices[k]) +
                                                     " twice, with different targets: give one target for it.");
     }
   }
-  sort_group(group.vertices, group.weights);
-  group.targets = std::move(targets);
-  group.names = std::move(names);
+  keep(group.vertices, kept);
+  keep(group.weights, kept);
+  keep(group.targets, kept);
+  keep(group.names, kept);
 }
 
 }  // namespace lapedit

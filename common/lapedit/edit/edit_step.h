@@ -10,6 +10,7 @@
 #include "lapedit/deform/handle_transform.h"
 #include "lapedit/mesh/region.h"
 #include "lapedit/mesh/symmetry.h"
+#include "lapedit/mesh/vertex_transfer.h"
 
 namespace lapedit {
 
@@ -46,12 +47,6 @@ struct EditStep {
   VertexQuery region_query = {};           ///< in place of region.vertices, until they are located
 };
 
-/// Where some vertices of a mesh are, so that an edit of it can be applied to another mesh of the same object.
-struct VertexPositions {
-  std::vector<int> vertices;  ///< mesh vertex numbers, ascending
-  std::vector<Vector3> points;
-};
-
 /// A sequence of steps, with a description of its mesh.
 struct Edit {
   std::optional<int> mesh_vertices, mesh_faces;
@@ -83,10 +78,10 @@ void targets_to(const std::vector<int>& vertices, const std::vector<Vector3>& ta
 void check_handles(const EditStep& step);
 
 /// Sorts the group and removes duplicates, so that sums over it do not depend on how it was written. A vertex that is
-/// listed twice keeps the larger weight. @throws EditError (BadParameter) if there are weights, but not one for each
-void sort_group(std::vector<int>& vertices, std::vector<double>& weights);
-/// Sorts the group with its targets. @param number of the group in its step, for the message. @throws EditError
-/// (BadParameter) also if there are targets, but not one for each vertex, or different ones for one vertex
+/// listed twice keeps the larger weight. @param number of the group in its step, for the message.
+/// @throws EditError (BadParameter) if there are weights or targets, but not one for each vertex, or different targets
+///         for one vertex
 void sort_group(HandleGroup& group, std::size_t number);
+void sort_group(std::vector<int>& vertices, std::vector<double>& weights, std::size_t number);
 
 }  // namespace lapedit

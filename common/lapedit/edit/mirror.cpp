@@ -9,7 +9,6 @@
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
 #include "lapedit/base/polar_decomposition.h"
-#include "lapedit/mesh/vertex_grid.h"
 #include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
@@ -18,85 +17,6 @@ namespace {
 Vector3 position_of(const Points& points, int v) {
   return points.row(v).transpose();
 }
-
-double mean_edge(const TriangleMesh& mesh) {
-  double sum = 0;
-  Eigen::Index count = 0;
-  for (const auto& face : mesh.faces.rowwise()) {
-    for (int k = 0; k < 3; ++k) {
-      const double length = (mesh.vertices.row(face[k]) - mesh.vertices.row(face[(k + 1) % 3])).norm();
-      sum += std::isfinite(length) ? length : 0;
-      count += std::isfinite(length);
-    }
-  }
-  return count > 0 ? sum / static_cast<double>(count) : 0;
-}
-
-/// Images of vertices across a plane.
-class Images {
- public:
-  Images(const TriangleMesh& mesh, const MirrorPlane& plane)
-      : mesh_(mesh), usable_(usable_vertices(mesh)), mirror_(reflection(plane)), grid_(mesh.vertices, usable_) {
-    constexpr double kEdges = 4, kOfDiagonal = 0.02;
-    edge_ = mean_edge(mesh);
-    limit_ = std::max(kEdges * edge_, kOfDiagonal * bounding_box(mesh.vertices, usable_).diagonal().norm());
-  }
-
-  double limit() const { return limit_; }
-
-  /// -1: no vertex within the limit.
-  int of(int v) const {
-    const Vector3 position = mirror_ * position_of(mesh_.vertices, v);
-    return position.allFinite() ? grid_.nearest(position, limit_) : -1;
-  }
-
-  /// Returns pairs of a vertex of the image and the (lowest) vertex of the set whose image it is, ascending.
-  /// @param set  ascending. @param missing out: the vertices without an image
-  std::vector<std::pair<int, int>> of(const std::vector<int>& set, std::vector<int>& missing) const {
-    std::vector<std::pair<int, int>> pairs;
-    for (const int v : set) {
-      const int image = of(v);
-      if (image >= 0) {
-        pairs.emplace_back(image, v);
-      } else {
-        missing.push_back(v);
-      }
-    }
-    if (set.size() > 1) {
-      add_between(set, pairs);
-    }
-    std::sort(pairs.begin(), pairs.end());
-    const auto same = [](const auto& a, const auto& b) { return a.first == b.first; };
-    pairs.erase(std::unique(pairs.begin(), pairs.end(), same), pairs.end());
-    return pairs;
-  }
-
- private:
-  /// Returns the vertices whose own images are in the set.
-  void add_between(const std::vector<int>& set, std::vector<std::pair<int, int>>& pairs) const {
-    Eigen::AlignedBox3d box;
-    for (const int v : set) {
-      box.extend(mirror_ * position_of(mesh_.vertices, v));
-    }
-    const Vector3 margin = Vector3::Constant(edge_);
-    box = Eigen::AlignedBox3d(box.min() - margin, box.max() + margin);
-    for (const int v : usable_) {
-      const Vector3 position = position_of(mesh_.vertices, v);
-      if (box.contains(position)) {
-        const int image = of(v);
-        if (image >= 0 && contains(set, image)) {
-          pairs.emplace_back(v, image);
-        }
-      }
-    }
-  }
-
-  const TriangleMesh& mesh_;
-  std::vector<int> usable_;
-  Affine mirror_;
-  VertexGrid grid_;
-  double edge_ = 0, limit_ = 0;
-};
 
 [[noreturn]] void refuse_missing(const TriangleMesh& mesh, const std::vector<int>& missing, std::size_t of) {
   const Vector3 position = position_of(mesh.vertices, missing[0]);
@@ -123,7 +43,7 @@ MirroredHandles::MirroredHandles(const TriangleMesh& mesh, const std::vector<std
                                  const MirrorPlane& plane, const std::vector<std::vector<double>>& weights)
     : mirror_(reflection(plane)), groups_(groups), weights_(weights), symmetric_(groups.size(), 0) {
   normal_ = plane.normal.stableNormalized();
-  const Images images(mesh, plane);
+  const MirrorImages images(mesh, plane);
   weights_.resize(groups.size());
   std::vector<char> taken(mesh.vertices.rows(), 0);
   std::vector<int> missing;
@@ -157,7 +77,7 @@ MirroredHandles::MirroredHandles(const TriangleMesh& mesh, const std::vector<std
     if (symmetric_[g]) {
       groups_[g].insert(groups_[g].end(), image.begin(), image.end());
       weights_[g].insert(weights_[g].end(), image_weights.begin(), image_weights.end());
-      sort_group(groups_[g], weights_[g]);
+      sort_group(groups_[g], weights_[g], g);
     } else if (!image.empty()) {
       groups_.push_back(std::move(image));
       weights_.push_back(std::move(image_weights));
@@ -275,56 +195,6 @@ void MirroredHandles::maps(const std::vector<HandleTransform>& given, std::vecto
   }
 }
 
-RegionSpec mirrored(const TriangleMesh& mesh, const RegionSpec& region, const MirrorPlane& plane) {
-  RegionSpec result = region;
-  if (region.kind != RegionSpec::Kind::Vertices && region.held.empty()) {
-    return result;
-  }
-  const Images images(mesh, plane);
-  std::vector<int> missing;
-  std::vector<double> none;
-  sort_group(result.held, none);
-  for (const int v : result.held) {
-    require_vertex("Held vertex", v, mesh.vertices.rows());
-  }
-  for (const auto& [v, original] : images.of(result.held, missing)) {
-    result.held.push_back(v);
-  }
-  sort_group(result.held, none);
-  if (region.kind != RegionSpec::Kind::Vertices) {
-    return result;
-  }
-  sort_group(result.vertices, none);
-  std::vector<int> anchors = region.anchors.vertices;
-  sort_group(anchors, none);
-  for (const std::vector<int>* set : {&result.vertices, &anchors}) {
-    for (const int v : *set) {
-      require_vertex("Region vertex", v, mesh.vertices.rows());
-    }
-  }
-  const std::vector<std::pair<int, int>> pairs = images.of(result.vertices, missing);
-  for (const auto& [v, original] : pairs) {
-    result.vertices.push_back(v);
-  }
-  sort_group(result.vertices, none);
-  if (region.anchors.empty()) {
-    return result;
-  }
-  // A vertex that was an anchor keeps its weight and depth.
-  std::vector<int> position(mesh.vertices.rows(), -1);
-  for (std::size_t k = 0; k < region.anchors.vertices.size(); ++k) {
-    position[region.anchors.vertices[k]] = static_cast<int>(k);
-  }
-  for (const auto& [v, original] : images.of(anchors, missing)) {
-    if (position[v] < 0) {
-      result.anchors.vertices.push_back(v);
-      result.anchors.weights.push_back(region.anchors.weights.at(position[original]));
-      result.anchors.depths.push_back(region.anchors.depths.at(position[original]));
-    }
-  }
-  return result;
-}
-
 EditStep mirrored(const TriangleMesh& mesh, const EditStep& step) {
   EditStep result = step;
   if (!step.mirror) {
@@ -347,47 +217,6 @@ EditStep mirrored(const TriangleMesh& mesh, const EditStep& step) {
   result.region = mirrored(mesh, step.region, *step.mirror);
   result.mirror.reset();
   return result;
-}
-
-PoseSymmetry::PoseSymmetry(const TriangleMesh& mesh, const Region& region, const MirrorPlane& plane)
-    : rest_(region.size(), 3) {
-  constexpr double kSame = 1e-6;
-  const Affine mirror = reflection(plane);
-  mirror_ = mirror.linear();
-  std::vector<int> all(region.size());
-  for (int i = 0; i < region.size(); ++i) {
-    rest_.row(i) = mesh.vertices.row(region.mesh_vertex[i]);
-    all[i] = i;
-  }
-  const double limit = kSame * bounding_box(mesh.vertices, usable_vertices(mesh)).diagonal().norm();
-  const VertexGrid grid(rest_, all);
-  twin_.resize(region.size());
-  for (int i = 0; i < region.size(); ++i) {
-    twin_[i] = grid.nearest(mirror * position_of(rest_, i), limit);
-  }
-  const auto alone = [this](int i) { return twin_[i] < 0 || twin_[twin_[i]] != i; };
-  if (std::any_of(all.begin(), all.end(), alone)) {
-    twin_.clear();
-    rest_.resize(0, 3);
-  }
-}
-
-/// Displacements are averaged, not positions, so that asymmetries of the rest pose stay.
-void PoseSymmetry::apply(Points& positions) const {
-  for (int i = 0; i < static_cast<int>(twin_.size()); ++i) {
-    if (const int j = twin_[i]; i <= j) {
-      const Vector3 a = (positions.row(i) - rest_.row(i)).transpose(),
-                    b = (positions.row(j) - rest_.row(j)).transpose();
-      if (a == mirror_ * b) {
-        continue;  // vertices that do not move keep their bits
-      }
-      const Vector3 mean = (a + mirror_ * b) / 2;
-      positions.row(i) = rest_.row(i) + mean.transpose();
-      if (i != j) {
-        positions.row(j) = rest_.row(j) + (mirror_ * mean).transpose();
-      }
-    }
-  }
 }
 
 }  // namespace lapedit

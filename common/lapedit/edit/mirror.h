@@ -61,27 +61,8 @@ class MirroredHandles {
   std::vector<Points> rest_, given_rest_;  // of groups_ and of the given ones
 };
 
-/// Returns the region with its mirror image: vertex sets and kept anchors include their images, where these exist; a
-/// radius and components follow from the handles. @throws EditError (BadIndex)
-RegionSpec mirrored(const TriangleMesh& mesh, const RegionSpec& region, const MirrorPlane& plane);
-
 /// Returns an equivalent step without `mirror` for a mesh, except for StepProblem::mirror. @throws EditError as
 /// mirrored region and handles do
 EditStep mirrored(const TriangleMesh& mesh, const EditStep& step);
-
-/// Averages poses of a symmetric region with their mirror images, so that they are symmetric to the last bits; cells
-/// and factorisations are not symmetric.
-class PoseSymmetry {
- public:
-  /// Has no effect if a vertex of the region has no twin within 1e-6 of the mesh's diagonal of its mirrored position.
-  PoseSymmetry(const TriangleMesh& mesh, const Region& region, const MirrorPlane& plane);
-  bool applies() const { return !twin_.empty(); }
-  void apply(Points& positions) const;  ///< size() x 3; allocates nothing
-
- private:
-  Points rest_;
-  Matrix3 mirror_;
-  std::vector<int> twin_;  // local; empty: not symmetric
-};
 
 }  // namespace lapedit

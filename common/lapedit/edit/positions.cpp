@@ -13,6 +13,7 @@
 #include "lapedit/base/error.h"
 #include "lapedit/mesh/vertex_finder.h"
 #include "lapedit/mesh/vertex_set.h"
+#include "lapedit/mesh/vertex_transfer.h"
 
 namespace lapedit {
 namespace {
@@ -27,87 +28,9 @@ std::string name_of(const HandleGroup& group, std::size_t number, std::size_t k)
                                 : "Point " + std::to_string(k) + " of handle group " + std::to_string(number);
 }
 
-/// Positions of a mesh's vertices, applied to another mesh.
-class Transfer {
- public:
-  Transfer(const TriangleMesh& mesh, const Adjacency& adjacency, const VertexFinder& finder,
-           const VertexPositions& from)
-      : mesh_(mesh), adjacency_(adjacency), from_(from), points_(static_cast<Eigen::Index>(from.points.size()), 3) {
-    std::vector<int> rows(from.points.size());
-    for (std::size_t k = 0; k < rows.size(); ++k) {
-      rows[k] = static_cast<int>(k);
-      points_.row(rows[k]) = from.points[k].transpose();
-      const std::string what =
-          "The edit is applied by position, but the position of its vertex " + std::to_string(from.vertices[k]);
-      image_.push_back(finder.on_surface(from.points[k], what, "take a mesh of the same object").vertex);
-    }
-    grid_.emplace(points_, std::move(rows));
-  }
-
-  /// Returns the nearest vertex. @throws EditError (MeshMismatch) if the position is not listed
-  int image(int vertex) const { return image_[row(vertex)]; }
-
-  /// Returns the vertices that replace a set, ascending, each with the member of the set that it is nearest to.
-  std::map<int, int> images(const std::vector<int>& set) const {
-    std::map<int, int> found;
-    std::vector<int> front;
-    for (const int v : set) {
-      if (found.emplace(image(v), v).second) {
-        front.push_back(image(v));
-      }
-    }
-    const std::vector<int> members = sorted_set(set);
-    for (auto& [v, member] : found) {  // several members may have the same nearest vertex
-      member = nearest_member(members, v).value_or(member);
-    }
-    if (set.size() > 1) {
-      // Grows along the surface only, since vertices behind the set are near it as well.
-      for (std::size_t k = 0; k < front.size(); ++k) {
-        for (const int w : adjacency_.neighbours[front[k]]) {
-          const auto member = found.count(w) == 0 ? nearest_member(members, w) : std::nullopt;
-          if (member) {
-            found.emplace(w, *member);
-            front.push_back(w);
-          }
-        }
-      }
-    }
-    return found;
-  }
-
- private:
-  std::size_t row(int vertex) const {
-    const int position = index_in(from_.vertices, vertex);
-    if (position < 0) {
-      throw EditError(ErrorCause::MeshMismatch, "The edit is applied by position, but the position of its vertex " +
-                                                    std::to_string(vertex) + " is not among mesh.positions: add it.");
-    }
-    return static_cast<std::size_t>(position);
-  }
-
-  /// Returns the listed vertex nearest to a vertex of this mesh, if it is in the set.
-  std::optional<int> nearest_member(const std::vector<int>& members, int vertex) const {
-    if (!mesh_.vertices.row(vertex).allFinite()) {
-      return std::nullopt;
-    }
-    const int position = grid_->nearest(mesh_.vertices.row(vertex).transpose());
-    if (position < 0 || !contains(members, from_.vertices[static_cast<std::size_t>(position)])) {
-      return std::nullopt;
-    }
-    return from_.vertices[static_cast<std::size_t>(position)];
-  }
-
-  const TriangleMesh& mesh_;
-  const Adjacency& adjacency_;
-  const VertexPositions& from_;
-  Points points_;
-  std::vector<int> image_;
-  std::optional<VertexGrid> grid_;
-};
-
 /// Replaces vertex numbers of the mesh that the edit was made for by numbers of this mesh.
 /// @param group  sorted
-void transfer(const Transfer& to_here, HandleGroup& group, std::vector<int>& taken) {
+void transfer(const VertexTransfer& to_here, HandleGroup& group, std::vector<int>& taken) {
   std::vector<int> vertices;
   std::vector<double> weights;
   if (!group.targets.empty()) {
@@ -129,38 +52,6 @@ void transfer(const Transfer& to_here, HandleGroup& group, std::vector<int>& tak
   taken = united(taken, sorted_set(vertices));
   group.vertices = std::move(vertices);
   group.weights = std::move(weights);
-}
-
-void transfer(const Transfer& to_here, RegionSpec& region) {
-  if (region.kind != RegionSpec::Kind::Vertices) {
-    return;
-  }
-  const std::map<int, int> images = to_here.images(region.vertices);
-  KeptAnchors anchors;
-  std::map<int, std::size_t> entry;  // indices of the kept anchors
-  for (std::size_t k = 0; k < region.anchors.vertices.size(); ++k) {
-    entry.emplace(region.anchors.vertices[k], k);
-  }
-  region.vertices.clear();
-  for (const auto& [vertex, member] : images) {
-    region.vertices.push_back(vertex);
-    if (const auto at = entry.find(member); at != entry.end()) {
-      anchors.vertices.push_back(vertex);
-      anchors.weights.push_back(region.anchors.weights[at->second]);
-      anchors.depths.push_back(region.anchors.depths[at->second]);
-    }
-  }
-  anchors.reach = region.anchors.reach;
-  region.anchors = std::move(anchors);
-}
-
-void check_anchors(const KeptAnchors& anchors) {
-  if (anchors.weights.size() != anchors.vertices.size() || anchors.depths.size() != anchors.vertices.size()) {
-    throw EditError(ErrorCause::BadParameter, "The region keeps " + std::to_string(anchors.vertices.size()) +
-                                                  " anchors with " + std::to_string(anchors.weights.size()) +
-                                                  " weights and " + std::to_string(anchors.depths.size()) +
-                                                  " depths: give one of each for each anchor.");
-  }
 }
 
 /// Refuses two landmarks on one vertex, which cannot both be met.
@@ -220,7 +111,7 @@ Edit located(const TriangleMesh& mesh, const Adjacency& adjacency, Edit edit, co
     return edit;
   }
   const VertexFinder finder(mesh);
-  std::optional<Transfer> to_here;
+  std::optional<VertexTransfer> to_here;
   if (edit.by_position()) {
     to_here.emplace(mesh, adjacency, finder, edit.positions);
   }
@@ -231,8 +122,7 @@ Edit located(const TriangleMesh& mesh, const Adjacency& adjacency, Edit edit, co
                                  : selected(selection.of_faces, selection.vertices, "the region");
       step.region_query = VertexQuery();
     } else if (to_here) {
-      check_anchors(step.region.anchors);
-      transfer(*to_here, step.region);
+      step.region = to_here->images(step.region);
     }
     std::vector<int> taken;
     for (std::size_t g = 0; g < step.handles.size(); ++g) {

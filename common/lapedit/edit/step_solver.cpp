@@ -32,7 +32,7 @@ FoundRegion find_region(const TriangleMesh& mesh, const Adjacency& adjacency, co
                         std::vector<std::vector<int>> groups, std::vector<std::vector<double>> weights, int threads) {
   weights.resize(groups.size());
   for (std::size_t g = 0; g < groups.size(); ++g) {
-    sort_group(groups[g], weights[g]);
+    sort_group(groups[g], weights[g], g);
   }
   const Stopwatch watch;
   FoundRegion found;

@@ -138,29 +138,6 @@ void check_spec(const RegionSpec& spec) {
   }
 }
 
-void check_anchors(const KeptAnchors& anchors, int mesh_vertices) {
-  const std::size_t count = anchors.vertices.size();
-  if (anchors.weights.size() != count || anchors.depths.size() != count) {
-    throw EditError(ErrorCause::BadParameter, std::to_string(count) + " kept anchors have " +
-                                                  std::to_string(anchors.weights.size()) + " weights and " +
-                                                  std::to_string(anchors.depths.size()) +
-                                                  " depths: give one of each for each anchor.");
-  }
-  if (count > 0 && !(anchors.reach > 0 && std::isfinite(anchors.reach))) {
-    throw EditError(ErrorCause::BadParameter, "The reach of the kept anchors is " + number_text(anchors.reach) +
-                                                  ": give the largest handle distance that they were made with.");
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    require_vertex("Kept anchor", anchors.vertices[i], mesh_vertices);
-    if (!(anchors.weights[i] >= 0 && anchors.weights[i] <= 1 && anchors.depths[i] >= 0 && anchors.depths[i] <= 1)) {
-      throw EditError(ErrorCause::BadParameter, "Kept anchor " + std::to_string(anchors.vertices[i]) +
-                                                    " has the weight " + number_text(anchors.weights[i]) +
-                                                    " and the depth " + number_text(anchors.depths[i]) +
-                                                    ": both go from 0 to 1.");
-    }
-  }
-}
-
 /// Collects selected elements of [0, count), in order and on several threads: select(first, last) counts two kinds of
 /// elements, reserve(total) allocates, take(first, last, place) writes them.
 using Counts = std::array<int, 2>;
@@ -594,6 +571,29 @@ std::vector<double> largest_weights(const Region& region) {
     }
   }
   return largest;
+}
+
+void check_anchors(const KeptAnchors& anchors, int mesh_vertices) {
+  const std::size_t count = anchors.vertices.size();
+  if (anchors.weights.size() != count || anchors.depths.size() != count) {
+    throw EditError(ErrorCause::BadParameter, std::to_string(count) + " kept anchors have " +
+                                                  std::to_string(anchors.weights.size()) + " weights and " +
+                                                  std::to_string(anchors.depths.size()) +
+                                                  " depths: give one of each for each anchor.");
+  }
+  if (count > 0 && !(anchors.reach > 0 && std::isfinite(anchors.reach))) {
+    throw EditError(ErrorCause::BadParameter, "The reach of the kept anchors is " + number_text(anchors.reach) +
+                                                  ": give the largest handle distance that they were made with.");
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    require_vertex("Kept anchor", anchors.vertices[i], mesh_vertices);
+    if (!(anchors.weights[i] >= 0 && anchors.weights[i] <= 1 && anchors.depths[i] >= 0 && anchors.depths[i] <= 1)) {
+      throw EditError(ErrorCause::BadParameter, "Kept anchor " + std::to_string(anchors.vertices[i]) +
+                                                    " has the weight " + number_text(anchors.weights[i]) +
+                                                    " and the depth " + number_text(anchors.depths[i]) +
+                                                    ": both go from 0 to 1.");
+    }
+  }
 }
 
 KeptAnchors anchors_of(const Region& region) {

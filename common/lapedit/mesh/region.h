@@ -27,6 +27,9 @@ struct KeptAnchors {
   bool empty() const { return vertices.empty(); }
 };
 
+/// @throws EditError (BadParameter, BadIndex) unless each anchor has a weight and a depth within their ranges
+void check_anchors(const KeptAnchors& anchors, int mesh_vertices);
+
 /// Rises from 0 to 1 with t, with zero slope at both ends.
 inline double smooth_step(double t) {
   return t * t * (3 - 2 * t);

@@ -4,16 +4,29 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <vector>
+#include <map>
 
 #include "lapedit/base/error.h"
-#include "lapedit/mesh/vertex_grid.h"
+#include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
 namespace {
 
 Vector3 position_of(const Points& points, int v) {
   return points.row(v).transpose();
+}
+
+double mean_edge(const TriangleMesh& mesh) {
+  double sum = 0;
+  Eigen::Index count = 0;
+  for (const auto& face : mesh.faces.rowwise()) {
+    for (int k = 0; k < 3; ++k) {
+      const double length = (mesh.vertices.row(face[k]) - mesh.vertices.row(face[(k + 1) % 3])).norm();
+      sum += std::isfinite(length) ? length : 0;
+      count += std::isfinite(length);
+    }
+  }
+  return count > 0 ? sum / static_cast<double>(count) : 0;
 }
 
 /// Measures how nearly a mesh is its own mirror image, by a sample of its vertices.
@@ -180,6 +193,129 @@ double asymmetry(const TriangleMesh& mesh, const MirrorPlane& plane) {
 
 std::optional<MirrorPlane> find_symmetry(const TriangleMesh& mesh) {
   return SymmetrySearch(mesh).find();
+}
+
+MirrorImages::MirrorImages(const TriangleMesh& mesh, const MirrorPlane& plane)
+    : mesh_(mesh),
+      usable_(usable_vertices(mesh)),
+      mirror_(reflection(plane)),
+      grid_(mesh.vertices, usable_),
+      edge_(mean_edge(mesh)) {
+  constexpr double kEdges = 4, kOfDiagonal = 0.02;
+  limit_ = std::max(kEdges * edge_, kOfDiagonal * bounding_box(mesh.vertices, usable_).diagonal().norm());
+}
+
+int MirrorImages::of(int v) const {
+  const Vector3 position = mirror_ * position_of(mesh_.vertices, v);
+  return position.allFinite() ? grid_.nearest(position, limit_) : -1;
+}
+
+std::vector<std::pair<int, int>> MirrorImages::of(const std::vector<int>& set, std::vector<int>& missing) const {
+  std::vector<std::pair<int, int>> pairs;
+  Eigen::AlignedBox3d box;
+  for (const int v : set) {
+    box.extend(mirror_ * position_of(mesh_.vertices, v));
+    const int image = of(v);
+    if (image >= 0) {
+      pairs.emplace_back(image, v);
+    } else {
+      missing.push_back(v);
+    }
+  }
+  const Vector3 margin = Vector3::Constant(edge_);
+  box = Eigen::AlignedBox3d(box.min() - margin, box.max() + margin);
+  for (std::size_t k = 0; set.size() > 1 && k < usable_.size(); ++k) {
+    const int v = usable_[k], image = box.contains(position_of(mesh_.vertices, v)) ? of(v) : -1;
+    if (image >= 0 && contains(set, image)) {
+      pairs.emplace_back(v, image);
+    }
+  }
+  std::sort(pairs.begin(), pairs.end());
+  const auto same = [](const auto& a, const auto& b) { return a.first == b.first; };
+  pairs.erase(std::unique(pairs.begin(), pairs.end(), same), pairs.end());
+  return pairs;
+}
+
+std::vector<int> MirrorImages::joined(std::vector<int> set, const char* what) const {
+  set = sorted_set(std::move(set));
+  for (const int v : set) {
+    require_vertex(what, v, mesh_.vertices.rows());
+  }
+  std::vector<int> missing;
+  for (const auto& pair : of(set, missing)) {
+    set.push_back(pair.first);
+  }
+  return sorted_set(std::move(set));
+}
+
+RegionSpec mirrored(const TriangleMesh& mesh, const RegionSpec& region, const MirrorPlane& plane) {
+  const bool is_set = region.kind == RegionSpec::Kind::Vertices;
+  RegionSpec result = region;
+  if (!is_set && region.held.empty()) {
+    return result;
+  }
+  const MirrorImages images(mesh, plane);
+  result.held = images.joined(region.held, "Held vertex");
+  if (!is_set) {
+    return result;
+  }
+  result.vertices = images.joined(region.vertices, "Region vertex");
+  const KeptAnchors& kept = region.anchors;
+  check_anchors(kept, static_cast<int>(mesh.vertices.rows()));
+  std::map<int, std::size_t> entry;  // indices of the kept anchors
+  for (std::size_t k = 0; k < kept.vertices.size(); ++k) {
+    entry.emplace(kept.vertices[k], k);
+  }
+  std::vector<int> missing;
+  for (const auto& [v, original] : images.of(sorted_set(kept.vertices), missing)) {
+    if (entry.count(v) == 0) {  // a vertex that was an anchor keeps its weight and depth
+      result.anchors.vertices.push_back(v);
+      result.anchors.weights.push_back(kept.weights[entry[original]]);
+      result.anchors.depths.push_back(kept.depths[entry[original]]);
+    }
+  }
+  return result;
+}
+
+PoseSymmetry::PoseSymmetry(const TriangleMesh& mesh, const Region& region, const MirrorPlane& plane)
+    : rest_(region.size(), 3) {
+  constexpr double kSame = 1e-6;
+  const Affine mirror = reflection(plane);
+  mirror_ = mirror.linear();
+  std::vector<int> all(region.size());
+  for (int i = 0; i < region.size(); ++i) {
+    rest_.row(i) = mesh.vertices.row(region.mesh_vertex[i]);
+    all[i] = i;
+  }
+  const double limit = kSame * bounding_box(mesh.vertices, usable_vertices(mesh)).diagonal().norm();
+  const VertexGrid grid(rest_, all);
+  twin_.resize(region.size());
+  for (int i = 0; i < region.size(); ++i) {
+    twin_[i] = grid.nearest(mirror * position_of(rest_, i), limit);
+  }
+  const auto alone = [this](int i) { return twin_[i] < 0 || twin_[twin_[i]] != i; };
+  if (std::any_of(all.begin(), all.end(), alone)) {
+    twin_.clear();
+    rest_.resize(0, 3);
+  }
+}
+
+/// Displacements are averaged, not positions, so that asymmetries of the rest pose stay.
+void PoseSymmetry::apply(Points& positions) const {
+  for (int i = 0; i < static_cast<int>(twin_.size()); ++i) {
+    if (const int j = twin_[i]; i <= j) {
+      const Vector3 a = (positions.row(i) - rest_.row(i)).transpose(),
+                    b = (positions.row(j) - rest_.row(j)).transpose();
+      if (a == mirror_ * b) {
+        continue;  // vertices that do not move keep their bits
+      }
+      const Vector3 mean = (a + mirror_ * b) / 2;
+      positions.row(i) = rest_.row(i) + mean.transpose();
+      if (i != j) {
+        positions.row(j) = rest_.row(j) + (mirror_ * mean).transpose();
+      }
+    }
+  }
 }
 
 }  // namespace lapedit

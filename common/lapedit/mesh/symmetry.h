@@ -2,8 +2,11 @@
 #pragma once
 
 #include <optional>
+#include <utility>
+#include <vector>
 
-#include "lapedit/mesh/triangle_mesh.h"
+#include "lapedit/mesh/region.h"
+#include "lapedit/mesh/vertex_grid.h"
 
 namespace lapedit {
 
@@ -28,5 +31,48 @@ std::optional<MirrorPlane> find_symmetry(const TriangleMesh& mesh);
 double asymmetry(const TriangleMesh& mesh, const MirrorPlane& plane);
 /// What is taken to be symmetric.
 constexpr double kSymmetric = 0.01;
+
+/// Mirror images of vertices: of each the vertex nearest to its mirrored position.
+class MirrorImages {
+ public:
+  /// @param mesh  must outlive the object. Cost: O(vertices + faces). @throws EditError as reflection()
+  MirrorImages(const TriangleMesh& mesh, const MirrorPlane& plane);
+
+  /// Returns the image of a vertex; -1: no vertex is nearer to its mirrored position than four mean edges or 2 % of the
+  /// bounding box's diagonal.
+  int of(int v) const;
+  /// Returns pairs of a vertex of the image and the (lowest) vertex of the set whose image it is, ascending. The image
+  /// of more than one vertex also has the vertices whose own images are in the set.
+  /// @param set  ascending. @param missing out: the vertices without an image. Cost: O(vertices)
+  std::vector<std::pair<int, int>> of(const std::vector<int>& set, std::vector<int>& missing) const;
+  /// Returns a set with its image, ascending. @param what names a vertex of it. @throws EditError (BadIndex)
+  std::vector<int> joined(std::vector<int> set, const char* what) const;
+
+ private:
+  const TriangleMesh& mesh_;
+  std::vector<int> usable_;
+  Affine mirror_;
+  VertexGrid grid_;
+  double edge_, limit_;
+};
+
+/// Returns the region with its mirror image: vertex sets and kept anchors include their images, where these exist; a
+/// radius and components follow from the handles. @throws EditError (BadIndex, BadParameter)
+RegionSpec mirrored(const TriangleMesh& mesh, const RegionSpec& region, const MirrorPlane& plane);
+
+/// Averages poses of a symmetric region with their mirror images, so that they are symmetric to the last bits; cells
+/// and factorisations are not symmetric.
+class PoseSymmetry {
+ public:
+  /// Has no effect if a vertex of the region has no twin within 1e-6 of the mesh's diagonal of its mirrored position.
+  PoseSymmetry(const TriangleMesh& mesh, const Region& region, const MirrorPlane& plane);
+  bool applies() const { return !twin_.empty(); }
+  void apply(Points& positions) const;  ///< size() x 3; allocates nothing
+
+ private:
+  Points rest_;
+  Matrix3 mirror_;
+  std::vector<int> twin_;  // local; empty: not symmetric
+};
 
 }  // namespace lapedit

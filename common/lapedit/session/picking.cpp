@@ -73,20 +73,4 @@ int curve_point_at(const TriangleMesh& mesh, const HandleCurve& curve, const Cur
   return found;
 }
 
-Vector3 mean_normal(const TriangleMesh& mesh, const Adjacency& adjacency, const std::vector<int>& vertices) {
-  Vector3 sum = Vector3::Zero();
-  for (const int v : vertices) {
-    for (const int f : adjacency.faces[v]) {
-      const Vector3 a = mesh.vertices.row(mesh.faces(f, 0)).transpose();
-      const Vector3 b = mesh.vertices.row(mesh.faces(f, 1)).transpose();
-      const Vector3 c = mesh.vertices.row(mesh.faces(f, 2)).transpose();
-      const Vector3 normal = (b - a).cross(c - a);
-      if (normal.allFinite()) {
-        sum += normal;
-      }
-    }
-  }
-  return sum;
-}
-
 }  // namespace lapedit

@@ -24,7 +24,4 @@ int group_at(const TriangleMesh& mesh, const std::vector<std::vector<int>>& grou
 /// Returns the point of a bendable curve that a press at the cursor moves, -1 if there is none.
 int curve_point_at(const TriangleMesh& mesh, const HandleCurve& curve, const Cursor& cursor);
 
-/// Returns the area-weighted normal of the surface at some vertices, of any length; zero if undefined.
-Vector3 mean_normal(const TriangleMesh& mesh, const Adjacency& adjacency, const std::vector<int>& vertices);
-
 }  // namespace lapedit

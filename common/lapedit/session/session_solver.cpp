@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "lapedit/base/error.h"
+#include "lapedit/mesh/surface_measures.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "lapedit/session/curve_bend.h"
 #include "lapedit/session/messages.h"

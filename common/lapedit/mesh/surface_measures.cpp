@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/mesh/surface_measures.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+namespace lapedit {
+namespace {
+
+/// Returns the apex of the cones of each vertex's component: the mean of the vertices on its border, or any of its
+/// vertices if it is closed.
+Points centres(const Region& region, const Points& positions) {
+  // At an inner vertex each neighbour is the successor in one face and the predecessor in another.
+  std::vector<long> balance(region.size(), 0);
+  for (const auto& face : region.faces.rowwise()) {
+    for (int k = 0; k < 3; ++k) {
+      balance[face[k]] += static_cast<long>(face[(k + 1) % 3]) - face[(k + 2) % 3];
+    }
+  }
+  const auto components = static_cast<Eigen::Index>(region.anchored.size());
+  Points result = Points::Zero(components, 3);
+  Eigen::VectorXi counts = Eigen::VectorXi::Zero(components);
+  for (int i = 0; i < region.size(); ++i) {
+    const int c = region.component[i];
+    if (balance[i] != 0) {
+      result.row(c) += (positions.row(i) - positions.row(0) - result.row(c)) / ++counts[c];
+    }
+  }
+  result.rowwise() += positions.row(0);
+  for (int i = region.size() - 1; i >= 0; --i) {
+    if (counts[region.component[i]] == 0) {
+      result.row(region.component[i]) = positions.row(i);
+    }
+  }
+  return result;
+}
+
+/// Returns the normal, with twice the area as its length.
+Vector3 face_normal(const Points& points, const Faces& faces, Eigen::Index face) {
+  const Vector3 a = points.row(faces(face, 0)).transpose();
+  const Vector3 b = points.row(faces(face, 1)).transpose();
+  const Vector3 c = points.row(faces(face, 2)).transpose();
+  return (b - a).cross(c - a);
+}
+
+}  // namespace
+
+/// n' . (R_a + R_b + R_c) n < 0
+bool is_flipped(const Region& region, Eigen::Index f, const Points& before, const Points& after,
+                const std::vector<Matrix3>& rotations) {
+  const Matrix3 rotation =
+      rotations[region.faces(f, 0)] + rotations[region.faces(f, 1)] + rotations[region.faces(f, 2)];
+  return face_normal(after, region.faces, f).dot(rotation * face_normal(before, region.faces, f)) < 0;
+}
+
+/// Computes n_i = sum over faces i j k of (p_j - p_i) x (p_k - p_i), normalised.
+void vertex_normals(const Points& points, const Faces& faces, Points& normals, Eigen::VectorXd& areas) {
+  constexpr double kCancelled = 1e-12;  // the sum of opposite faces is rounding, not a direction
+  normals.setZero(points.rows(), 3);
+  areas.setZero(points.rows());
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    const Vector3 a = points.row(faces(f, 0)).transpose();
+    const Vector3 ab = points.row(faces(f, 1)).transpose() - a;
+    const Vector3 ac = points.row(faces(f, 2)).transpose() - a;
+    const Vector3 cross = ab.cross(ac);
+    const double area = cross.norm();
+    for (int k = 0; k < 3; ++k) {
+      normals.row(faces(f, k)) += cross.transpose();
+      areas[faces(f, k)] += area;
+    }
+  }
+  for (Eigen::Index i = 0; i < normals.rows(); ++i) {
+    const double length = normals.row(i).norm();
+    if (length > kCancelled * areas[i]) {
+      normals.row(i) /= length;
+    } else {
+      normals.row(i).setZero();
+    }
+  }
+}
+
+void vertex_normals(const Points& points, const Faces& faces, Points& normals) {
+  Eigen::VectorXd areas;
+  vertex_normals(points, faces, normals, areas);
+}
+
+Vector3 mean_normal(const TriangleMesh& mesh, const Adjacency& adjacency, const std::vector<int>& vertices) {
+  Vector3 sum = Vector3::Zero();
+  for (const int v : vertices) {
+    for (const int f : adjacency.faces[v]) {
+      const Vector3 normal = face_normal(mesh.vertices, mesh.faces, f);
+      if (normal.allFinite()) {
+        sum += normal;
+      }
+    }
+  }
+  return sum;
+}
+
+/// |after_i - after_j| / |before_i - before_j| - 1
+EdgeStretch edge_stretch(const Region& region, const Points& before, const Points& after) {
+  EdgeStretch result;
+  double sum = 0;
+  int edges = 0;
+  for (int i = 0; i < region.size(); ++i) {
+    for (const int j : region.neighbours[i]) {
+      const double old_length = (before.row(i) - before.row(j)).norm();
+      if (i < j && old_length > 0) {
+        const double stretch = (after.row(i) - after.row(j)).norm() / old_length - 1;
+        sum += stretch * stretch;
+        if (stretch > result.largest) {
+          result.largest = stretch;
+          result.at = i;
+        }
+        ++edges;
+      }
+    }
+  }
+  result.rms = edges > 0 ? std::sqrt(sum / edges) : 0;
+  return result;
+}
+
+int flipped_triangles(const Region& region, const Points& before, const Points& after,
+                      const std::vector<Matrix3>& rotations) {
+  int count = 0;
+  for (Eigen::Index f = 0; f < region.faces.rows(); ++f) {
+    count += is_flipped(region, f, before, after, rotations);
+  }
+  return count;
+}
+
+double enclosed_volume(const Region& region, const Points& positions) {
+  const Points from = centres(region, positions);
+  double sum = 0;
+  for (const auto& face : region.faces.rowwise()) {
+    const auto centre = from.row(region.component[face[0]]);
+    const Vector3 a = positions.row(face[0]) - centre, b = positions.row(face[1]) - centre,
+                  c = positions.row(face[2]) - centre;
+    sum += a.dot(b.cross(c)) / 6;
+  }
+  return sum;
+}
+
+bool encloses_a_body(const Region& region, const Points& positions, double volume) {
+  constexpr double kBody = 0.01;  // of area^(3/2); a ball has 0.094, a slender limb 0.04
+  double twice_area = 0;
+  for (Eigen::Index f = 0; f < region.faces.rows(); ++f) {
+    twice_area += face_normal(positions, region.faces, f).norm();
+  }
+  return std::abs(volume) > kBody * std::pow(twice_area / 2, 1.5);
+}
+
+}  // namespace lapedit

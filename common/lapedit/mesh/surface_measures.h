@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "lapedit/mesh/region.h"
+
+// Measures of the surface of a region, or of a mesh. These functions only read.
+namespace lapedit {
+
+/// Computes unit vertex normals, area-weighted over the given faces; zero where a vertex has no face with area, or
+/// where its faces cancel. Cost: O(faces). The second form keeps its workspace between calls.
+void vertex_normals(const Points& points, const Faces& faces, Points& normals);
+void vertex_normals(const Points& points, const Faces& faces, Points& normals, Eigen::VectorXd& areas);
+
+/// Returns the area-weighted normal of the surface at some vertices, of any length; zero if undefined.
+Vector3 mean_normal(const TriangleMesh& mesh, const Adjacency& adjacency, const std::vector<int>& vertices);
+
+/// RMS and largest positive value of |after| / |before| - 1 over the region's edges. Edges without length are skipped.
+struct EdgeStretch {
+  double rms = 0, largest = 0;
+  int at = -1;  ///< lower vertex (of the region) of the edge with the largest stretch; -1: none became longer
+};
+EdgeStretch edge_stretch(const Region& region, const Points& before, const Points& after);
+
+/// Returns whether the normal of a face rotated by more than 90 degrees against the mean of its corners' rotations.
+bool is_flipped(const Region& region, Eigen::Index face, const Points& before, const Points& after,
+                const std::vector<Matrix3>& rotations);
+/// Counts faces whose normal rotated by more than 90 degrees against the mean of its corners' rotations. Degenerate
+/// faces are skipped.
+int flipped_triangles(const Region& region, const Points& before, const Points& after,
+                      const std::vector<Matrix3>& rotations);
+
+/// Returns the volume of the cones from the border's centroid to the faces, per component, in cubic model units: the
+/// enclosed volume of closed components, positive if normals point outwards. A rigid motion does not change it. Where
+/// the border stays, its change is that of the body. Cost: O(faces).
+double enclosed_volume(const Region& region, const Points& positions);
+
+/// Returns whether a percentage of the enclosed volume is meaningful, as it is not in a nearly flat region. O(faces)
+bool encloses_a_body(const Region& region, const Points& positions, double volume);
+
+}  // namespace lapedit
