@@ -29,7 +29,7 @@ void drawMotion(const DragSession& session, double pixelRatio) {
 
 /// Draws the pivot if no gizmo shows it.
 void drawPivot(const DragSession& session, const Camera& view, double pixelRatio) {
-  if (session.tools().pivot == Pivot::Centroid || session.active_group() < 0 || session.tools().gizmo ||
+  if (session.tools().pivot == Pivot::Centroid || session.selection().active < 0 || session.tools().gizmo ||
       session.motion()) {
     return;
   }
@@ -56,7 +56,7 @@ void drawBrush(const Overlay::Brush& brush, const pen::Color& color, double pixe
 pen::Color brushColor(const DragSession& session) {
   switch (session.tools().brush) {
     case BrushTarget::Handle:
-      return pen::groupColor(std::max(session.active_group(), 0));
+      return pen::groupColor(std::max(session.selection().active, 0));
     case BrushTarget::Anchors:
       return pen::kAnchor;
     case BrushTarget::Region:
@@ -162,7 +162,7 @@ void Overlay::draw(const DragSession& session, const Camera& view, const Options
   const double ratio = options.pixelRatio;
   const HoverPreview* const hover = session.motion() ? nullptr : session.hover();
   const bool onGroup = hover && hover->kind == HoverPreview::Kind::Group;
-  if (!session.next_is_region()) {
+  if (session.selection().next != Selection::Next::Region) {
     surface_.draw(session, {onGroup ? hover->group : -1, options.heat, ratio});
   }
   if (session.tools().mirror) {

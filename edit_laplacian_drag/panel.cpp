@@ -113,7 +113,7 @@ void Panel::show(const DragSession* session, const FrameTimes& median) {
 void Panel::showCommands(const DragSession& session) {
   const bool steps = session.figures().steps > 0;
   const bool moving = session.motion() != nullptr;
-  const bool picked = !session.groups().empty();
+  const bool picked = !session.selection().groups.empty();
   buttons_["undo"]->setEnabled(session.can_undo());
   buttons_["redo"]->setEnabled(session.can_redo());
   for (const char* part : {"reset", "save", "copy"}) {
@@ -131,9 +131,9 @@ void Panel::showCommands(const DragSession& session) {
 
 void Panel::showFigures(const DragSession& session, const FrameTimes& median) {
   const DragFigures figures = session.figures();
-  progress_->setVisible(session.preparing());
-  progress_->setValue(static_cast<int>(100 * session.progress()));
-  progress_->setFormat(QString("%1 %p %").arg(session.stage()));
+  progress_->setVisible(session.preparation().running);
+  progress_->setValue(static_cast<int>(100 * session.preparation().progress));
+  progress_->setFormat(QString("%1 %p %").arg(session.preparation().stage));
   const bool known = session.shown().region() != nullptr;
   const auto count = [known](int vertices) { return known ? QString::number(vertices) : QString(kUnknown); };
   region_->setText(tr("Handle %1, free %2, anchors %3, fixed %4; steps: %5")

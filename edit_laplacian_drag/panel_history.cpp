@@ -72,7 +72,7 @@ void Panel::addLastStep() {
                              [](LastStep& last) -> double& { return last.motion.scale; });
   scaled->setSingleStep(0.1);
   row(tr("Scaled"), scaled);
-  auto* const fraction = prepared<QSlider>("last_fraction", tr("Share of the path: 0 to 100 percent"));
+  auto* const fraction = prepared<QSlider>("last_fraction", tr("Fraction of the path: 0 to 100 percent"));
   fraction->setOrientation(Qt::Horizontal);
   fraction->setRange(0, 100);
   const auto go = [this, fraction, send] {
@@ -90,7 +90,7 @@ void Panel::addLastStep() {
       fraction->setValue(static_cast<int>(std::round(100 * (lastStep_ ? lastStep_->fraction : 1))));
     }
   });
-  row(tr("Share of path"), fraction);
+  row(tr("Fraction"), fraction);
   addHistory();
 }
 

@@ -4,8 +4,8 @@
 #include <QtGui/qopengl.h>
 #include <array>
 
+#include "lapedit/mesh/patch_border.h"
 #include "lapedit/session/gizmo.h"
-#include "lapedit/session/patch_border.h"
 
 /// Draws over the surface: colours, and lines with a dark rim, which are visible on any mesh.
 namespace pen {

@@ -98,7 +98,7 @@ void SurfacePicture::list(const DragSession& session) {
   regionSerial_ = session.shown().region_serial();
   groups_ = session.mirrored_groups();
   unconnected_ = session.unconnected();
-  held_ = session.held();
+  held_ = session.selection().held;
   outside_.clear();
   const std::size_t kinds = groups_.size() + 2;
   for (std::size_t k = 0; k < kinds; ++k) {
@@ -118,8 +118,8 @@ void SurfacePicture::list(const DragSession& session) {
   findLoose(session, labels);
   fixed_ = std::move(handles_.back());
   handles_.pop_back();
-  for (std::size_t g = 0; g < session.groups().size(); ++g) {
-    const HandleCurve& curve = session.curve(static_cast<int>(g));
+  for (std::size_t g = 0; g < session.selection().groups.size(); ++g) {
+    const HandleCurve& curve = session.selection().discs.curves[g];
     for (std::size_t k = 0; curve.bends() && k < curve.points.size(); ++k) {
       handles_[g].points.push_back(number(region, curve.path[curve.points[k]]));
     }
@@ -217,7 +217,7 @@ void SurfacePicture::takePositions(const DragSession& session) {
 
 void SurfacePicture::draw(const DragSession& session, const Options& options) {
   if (session.shown().region_serial() != regionSerial_ || session.mirrored_groups() != groups_ ||
-      session.unconnected() != unconnected_ || session.held() != held_) {
+      session.unconnected() != unconnected_ || session.selection().held != held_) {
     list(session);
     poseSerial_ = -1;
   }
@@ -263,7 +263,7 @@ void SurfacePicture::drawRegion(const DragSession& session, const Options& optio
   };
   line(free_.border, pen::kAnchor, 0.8, 1.5);
   line(rim_, pen::kDark, 0.7, 3.5);
-  if (session.preparing()) {
+  if (session.preparation().running) {
     beginDashes(options.pixelRatio, true);
   }
   line(rim_, pen::kLight, 0.95, 1.5);
@@ -295,12 +295,12 @@ void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, co
   const Patch& patch = handles_[group];
   const int given = session.group_of_image(static_cast<int>(group));
   const pen::Color color = pen::groupColor(static_cast<std::size_t>(given));
-  const bool active = session.moves(given);
+  const bool active = session.selection().moves(given);
   const bool moving = session.motion() != nullptr;
   const bool hovered = given == options.hovered;
   // There is no pose yet.
-  const bool ahead =
-      session.moves(static_cast<int>(group)) && moving && (!session.shown().region() || !session.has_preview());
+  const bool ahead = session.selection().moves(static_cast<int>(group)) && moving &&
+                     (!session.shown().region() || !session.preparation().has_preview);
   if (ahead) {
     Eigen::Matrix4d map = Eigen::Matrix4d::Identity();
     map.topRows<3>() = session.active_map().matrix();
@@ -329,7 +329,7 @@ void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, co
     };
     line(width + 2, pen::kDark, 0.85);
     const bool bright = active || hovered;
-    if (!bright || (session.preparing() && !session.shown().region())) {
+    if (!bright || (session.preparation().running && !session.shown().region())) {
       beginDashes(ratio, active);
     }
     line(width, bright ? pen::kLight : color, 1);

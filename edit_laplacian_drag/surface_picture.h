@@ -4,9 +4,9 @@
 #include <memory>
 #include <vector>
 
+#include "lapedit/mesh/patch_border.h"
+#include "lapedit/mesh/vertex_stretch.h"
 #include "lapedit/session/drag_session.h"
-#include "lapedit/session/patch_border.h"
-#include "lapedit/session/vertex_stretch.h"
 #include "pen.h"
 
 /// Returns the colour of a stretch as in VertexStretch: longer through yellow to red, shorter to blue, up to a factor

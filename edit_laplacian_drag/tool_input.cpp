@@ -173,7 +173,7 @@ Qt::CursorShape LaplacianDragTool::shape() const {
   if (session.motion()) {
     return Qt::ClosedHandCursor;
   }
-  if (session.preparing() && !session.has_preview()) {
+  if (session.preparation().running && !session.preparation().has_preview) {
     return Qt::BusyCursor;
   }
   if (mouse_.modifiers & (Qt::ControlModifier | Qt::ShiftModifier)) {

@@ -81,8 +81,10 @@ LinePicture::Line LaplacianDragTool::line(bool usable) {
   line.text = !notice_.isEmpty()    ? notice_
               : window_.suspended() ? tr("Suspended: the mouse turns the view. Esc resumes the tool.")
                                     : QString::fromStdString(session.message());
-  if (session.preparing()) {
-    line.text += tr("  [preparing: %1, %2 %]").arg(session.stage()).arg(static_cast<int>(100 * session.progress()));
+  if (session.preparation().running) {
+    line.text += tr("  [preparing: %1, %2 %]")
+                     .arg(session.preparation().stage)
+                     .arg(static_cast<int>(100 * session.preparation().progress));
   }
   if (const std::string warning = session.warning(); !warning.empty() && notice_.isEmpty()) {
     line.warning = QString::fromStdString(warning);
@@ -105,9 +107,10 @@ QVector<QPointF> LaplacianDragTool::notToCover() const {
     if (offered_ < 0 && session.warning().empty()) {
       pixels += mouse_.position;
     }
-    if (session.active_group() >= 0) {
-      const Vector3 position = session.active_map() *
-                               centroid(session.mesh().vertices, session.groups()[std::size_t(session.active_group())]);
+    if (session.selection().active >= 0) {
+      const Vector3 position =
+          session.active_map() *
+          centroid(session.mesh().vertices, session.selection().groups[std::size_t(session.selection().active)]);
       const Vector2 pixel = view_.pixel(position);
       pixels += QPointF(pixel.x(), pixel.y());
     }
@@ -135,8 +138,8 @@ void LaplacianDragTool::drawLine(const LinePicture::Line& line) {
 /// Returns whether a picture should wait for the pose that is being solved. MeshLab draws after each move of the mouse,
 /// and drawing twice would take twice as long.
 bool LaplacianDragTool::poseIsComing() const {
-  return active_ && active_->session().motion() && active_->session().has_preview() && active_->session().busy() &&
-         clock_.waitsForPose(kLongestWait);
+  return active_ && active_->session().motion() && active_->session().preparation().has_preview &&
+         active_->session().busy() && clock_.waitsForPose(kLongestWait);
 }
 
 void LaplacianDragTool::framePainted() {
@@ -145,7 +148,7 @@ void LaplacianDragTool::framePainted() {
     refreshPanel();
   }
   // The moving outline of a region shows that it is being prepared; most of the processor is left to the preparation.
-  if (active_ && active_->session().preparing() && !std::exchange(repaintQueued_, true)) {
+  if (active_ && active_->session().preparation().running && !std::exchange(repaintQueued_, true)) {
     QTimer::singleShot(std::max(kDashWait, kDashShare * clock_.sincePaint()), this, [this] {
       repaintQueued_ = false;
       if (on_) {

@@ -21,7 +21,7 @@ SURFACE = (0.80, 0.81, 0.84)
 # By vertex class: fixed grey, and the colours of the paper's Figure 3.
 CLASS_COLOURS = numpy.array([(196, 196, 200), (214, 64, 56), (110, 190, 110), (250, 215, 30)], dtype=numpy.uint8)
 HANDLE = 3
-CAPTION = 0.09  # share of a panel's height
+CAPTION = 0.09  # fraction of a panel's height
 # Direction from the eye's point of view (right, up, towards the eye) and brightness. The main light grazes the surface
 # so that small detail throws shade.
 LIGHTS = [((-0.8, 0.9, 0.45), 0.78), ((0.9, 0.1, 0.6), 0.32), ((0, 0, 1), 0.2)]

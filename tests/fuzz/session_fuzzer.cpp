@@ -118,13 +118,13 @@ struct Player {
         choose.flag() ? session().find_mirror() : session().leave();
         break;
       case 7:
-        choose.flag() ? session().grow() : session().shrink();
+        choose.flag() ? session().key(DragKey::Grow) : session().key(DragKey::Shrink);
         break;
       case 8:
-        choose.flag() ? session().whole_component() : session().new_region();
+        choose.flag() ? session().whole_component() : void(session().key(DragKey::NewRegion));
         break;
       case 9:
-        choose.flag() ? session().next_group() : session().clear();
+        choose.flag() ? void(session().key(DragKey::NextGroup)) : session().clear();
         break;
       case 10:
         choose.flag() ? session().apply() : session().cancel();
@@ -151,7 +151,7 @@ struct Player {
   /// Until what was asked is answered. Not wait(): that is also for the pause of the mouse after which a drag is posed
   /// in full, up to a second.
   void settle() {
-    while (session().state() == DragSession::State::Settling || session().preparing()) {
+    while (session().state() == DragSession::State::Settling || session().preparation().running) {
       std::this_thread::yield();
       session().poll();
     }
@@ -165,7 +165,7 @@ struct Player {
     const DragFigures figures = s.figures();
     require(figures.handle >= 0 && figures.free >= 0, "counts are counts");
     if (const std::optional<Gizmo> gizmo = s.gizmo(window.view)) {
-      require(s.active_group() >= 0, "a gizmo is at a group");
+      require(s.selection().active >= 0, "a gizmo is at a group");
       s.pivot_position();
     }
     s.active_map();
@@ -173,7 +173,7 @@ struct Player {
       require(s.shown().pose().rows() == s.shown().region()->size(),
               "a pose has a place for each vertex of the region");
     }
-    require(s.groups().size() <= s.mirrored_groups().size() || s.mirrored_groups().empty(),
+    require(s.selection().groups.size() <= s.mirrored_groups().size() || s.mirrored_groups().empty(),
             "images come behind groups");
   }
 
@@ -195,7 +195,7 @@ struct Player {
       }
     }
     require(same_bits(replayed, edited), "the record replays from JSON to the same bits");
-    s.reset();
+    s.go_to(0);
     settle();
     require(same_bits(window.host(), s.original().vertices), "undoing all gives the mesh back");
     for (std::size_t k = 0; k < edit.steps.size() && s.can_redo(); ++k) {

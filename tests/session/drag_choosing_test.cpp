@@ -74,11 +74,12 @@ TEST(DragDisc, HandleIsADiscUnlessASingleVertexIsAskedFor) {
   EXPECT_GE(fraction, 0.15);
   EXPECT_LE(fraction, 0.25);
   const Adjacency adjacency = support::adjacency_of(window.session.mesh());
-  EXPECT_EQ(window.session.groups().at(0), vertices_within(window.session.mesh(), adjacency, kMiddle, fraction * 10));
+  EXPECT_EQ(window.session.selection().groups.at(0),
+            vertices_within(window.session.mesh(), adjacency, kMiddle, fraction * 10));
   change(window, [](DragSettings& s) { s.handle_fraction = 0; });
-  EXPECT_EQ(window.session.groups().at(0), std::vector<int>{kMiddle});
+  EXPECT_EQ(window.session.selection().groups.at(0), std::vector<int>{kMiddle});
   change(window, [](DragSettings& s) { s.handle_fraction = 0.3; });
-  EXPECT_EQ(window.session.groups().at(0), vertices_within(window.session.mesh(), adjacency, kMiddle, 3));
+  EXPECT_EQ(window.session.selection().groups.at(0), vertices_within(window.session.mesh(), adjacency, kMiddle, 3));
 }
 
 /// All within the radius of a vertex, to an edge: a disc's last vertices do not lie on its circle.
@@ -100,11 +101,11 @@ TEST(DragDisc, RegionCountsFromItsCentre) {
   });
   window.click(kMiddle);
   expect_counts_from(window, kMiddle, 10);
-  const auto disc = window.session.groups();
+  const auto disc = window.session.selection().groups;
   // Both grow with the wheel, as one gesture.
   change(window, [](DragSettings& s) { s.radius = 15; });
   expect_counts_from(window, kMiddle, 15);
-  EXPECT_GT(window.session.groups().at(0).size(), disc.at(0).size());
+  EXPECT_GT(window.session.selection().groups.at(0).size(), disc.at(0).size());
   window.drag(kMiddle, Vector2(30, 10));
   window.expect_consistent();
   // Solved again with another radius, and taken back: the disc and what counts from it come back.
@@ -115,7 +116,7 @@ TEST(DragDisc, RegionCountsFromItsCentre) {
   window.session.wait();
   change(window, [](DragSettings& s) { s.radius = 10; });
   expect_counts_from(window, kMiddle, 10);
-  EXPECT_EQ(window.session.groups(), disc);
+  EXPECT_EQ(window.session.selection().groups, disc);
 }
 
 TEST(DragDisc, NothingIsRefusedForASmallRegion) {
@@ -127,9 +128,9 @@ TEST(DragDisc, NothingIsRefusedForASmallRegion) {
         s.radius = radius;
         s.handle_fraction = fraction;
       });
-      window.session.new_region();
+      window.session.key(DragKey::NewRegion);
       window.click(kMiddle);
-      const bool possible = window.session.ready();
+      const bool possible = window.session.preparation().ready;
       EXPECT_TRUE(possible || window.session.message().find("nothing would follow") != std::string::npos)
           << fraction << ", " << radius << ": " << window.session.message();
       EXPECT_TRUE(possible || fraction > 0.5);
@@ -143,13 +144,13 @@ TEST(DragBrush, PaintsAHandleAndTakesOfIt) {
   Window window(shapes::grid(60, 60));
   window.session.set(&Tools::brush, BrushTarget::Handle);
   stroke(window, at(30, 25), at(30, 35), kAdd);
-  ASSERT_EQ(window.session.groups().size(), 1U);
-  const std::vector<int> painted = window.session.groups()[0];
+  ASSERT_EQ(window.session.selection().groups.size(), 1U);
+  const std::vector<int> painted = window.session.selection().groups[0];
   EXPECT_TRUE(has(painted, at(30, 25)) && has(painted, at(30, 30)) && has(painted, at(30, 35)));
-  EXPECT_TRUE(window.session.ready());
+  EXPECT_TRUE(window.session.preparation().ready);
   stroke(window, at(30, 34), at(30, 36), kTake);
-  EXPECT_TRUE(has(window.session.groups().at(0), at(30, 25)));
-  EXPECT_FALSE(has(window.session.groups().at(0), at(30, 35)));
+  EXPECT_TRUE(has(window.session.selection().groups.at(0), at(30, 25)));
+  EXPECT_FALSE(has(window.session.selection().groups.at(0), at(30, 35)));
   window.drag(at(30, 25), Vector2(30, 20));
   EXPECT_EQ(window.session.recorded().steps.size(), 1U);
   window.expect_consistent();
@@ -157,7 +158,7 @@ TEST(DragBrush, PaintsAHandleAndTakesOfIt) {
   window.session.set(&Tools::brush, BrushTarget::Handle);
   change(window, [](DragSettings& s) { s.brush_pixels = 400; });
   stroke(window, at(30, 28), at(30, 30), kTake);
-  EXPECT_TRUE(window.session.groups().empty());
+  EXPECT_TRUE(window.session.selection().groups.empty());
   EXPECT_EQ(window.session.state(), State::Idle);
 }
 
@@ -197,7 +198,7 @@ TEST(DragBrush, PaintedAnchorsStayAcrossRegionsHandlesAndSteps) {
   const auto is_fixed = [&window] { return class_of(window.session, at(34, 30)) == VertexClass::Anchor; };
   window.session.set(&Tools::keeps_fixed, true);
   stroke(window, at(34, 26), at(34, 34), {});  // before there is a region, no modifier held
-  EXPECT_TRUE(has(window.session.held(), at(34, 30)));
+  EXPECT_TRUE(has(window.session.selection().held, at(34, 30)));
   window.session.set(&Tools::keeps_fixed, false);
   window.click(kMiddle);
   EXPECT_TRUE(is_fixed());
@@ -208,7 +209,7 @@ TEST(DragBrush, PaintedAnchorsStayAcrossRegionsHandlesAndSteps) {
   stroke(window, at(24, 24), at(24, 20), kAdd);
   EXPECT_TRUE(is_fixed());
   EXPECT_EQ(class_of(window.session, at(26, 30)), VertexClass::Anchor) << "from a selection";
-  window.session.new_region();
+  window.session.key(DragKey::NewRegion);
   window.click(at(28, 30));
   EXPECT_TRUE(is_fixed());
   const Points before = window.host();
@@ -222,7 +223,7 @@ TEST(DragBrush, PaintedAnchorsStayAcrossRegionsHandlesAndSteps) {
   EXPECT_TRUE(is_fixed());
   window.session.set(&Tools::keeps_fixed, true);
   stroke(window, at(34, 24), at(34, 36), kTake);
-  EXPECT_FALSE(has(window.session.held(), at(34, 30)));
+  EXPECT_FALSE(has(window.session.selection().held, at(34, 30)));
   EXPECT_FALSE(is_fixed());
 }
 
@@ -237,11 +238,11 @@ TEST(DragBrush, AnchorsPaintedOutsideTheRegionHoldInTheNextOne) {
   ASSERT_FALSE(has(region, at(44, 30)));
   window.session.set(&Tools::brush, BrushTarget::Anchors);
   stroke(window, at(44, 26), at(44, 34), kAdd);
-  EXPECT_TRUE(has(window.session.held(), at(44, 30)));
+  EXPECT_TRUE(has(window.session.selection().held, at(44, 30)));
   EXPECT_EQ(window.session.shown().region()->mesh_vertex, region);
   window.drag(at(15, 30), Vector2(0, 40));
   ASSERT_EQ(window.session.figures().steps, 1);
-  EXPECT_TRUE(has(window.session.held(), at(44, 30)));
+  EXPECT_TRUE(has(window.session.selection().held, at(44, 30)));
   const Points before = window.host();
   window.drag(at(40, 30), Vector2(0, 40));
   ASSERT_EQ(window.session.figures().steps, 2);
@@ -251,7 +252,7 @@ TEST(DragBrush, AnchorsPaintedOutsideTheRegionHoldInTheNextOne) {
   window.expect_consistent();
   for (int k = 0; k < 3; ++k) {
     window.session.undo();
-    EXPECT_EQ(has(window.session.held(), at(44, 30)), k < 2) << "the stroke is the first action";
+    EXPECT_EQ(has(window.session.selection().held, at(44, 30)), k < 2) << "the stroke is the first action";
   }
 }
 
@@ -307,7 +308,7 @@ TEST(DragBrush, AnchorsComeFromASelection) {
   EXPECT_EQ(class_of(window.session, at(33, 30)), VertexClass::Anchor);
   EXPECT_EQ(class_of(window.session, at(33, 31)), VertexClass::Anchor);
   EXPECT_EQ(class_of(window.session, kMiddle), VertexClass::Handle);
-  EXPECT_TRUE(has(window.session.held(), at(2, 2)));  // outside the region: for a later one
+  EXPECT_TRUE(has(window.session.selection().held, at(2, 2)));  // outside the region: for a later one
   window.session.set_anchors({at(2, 2)});
   EXPECT_NE(window.session.message().find("None of these vertices"), std::string::npos);
   EXPECT_EQ(class_of(window.session, at(33, 30)), VertexClass::Anchor);
@@ -317,18 +318,18 @@ TEST(DragBrush, StrokesAreUndoneOneByOne) {
   Window window(shapes::grid(60, 60));
   change(window, [](DragSettings& s) { s.radius = 8; });
   window.click(kMiddle);
-  const auto groups = window.session.groups();
+  const auto groups = window.session.selection().groups;
   const std::vector<int> region = window.session.shown().region()->mesh_vertex;
   stroke(window, at(30, 36), at(30, 48), kAdd);
   const std::vector<int> larger = window.session.shown().region()->mesh_vertex;
   EXPECT_GT(larger.size(), region.size());
   window.session.set(&Tools::brush, BrushTarget::Handle);
   stroke(window, at(30, 36), at(30, 40), kAdd);
-  EXPECT_NE(window.session.groups(), groups);
+  EXPECT_NE(window.session.selection().groups, groups);
   ASSERT_TRUE(window.session.can_undo());
   window.session.undo();
   window.session.wait();
-  EXPECT_EQ(window.session.groups(), groups);
+  EXPECT_EQ(window.session.selection().groups, groups);
   EXPECT_EQ(window.session.shown().region()->mesh_vertex, larger);
   window.session.undo();
   window.session.wait();
@@ -371,9 +372,9 @@ TEST(DragHold, PieceThatNothingHoldsIsSaidBeforeTheDrag) {
   EXPECT_EQ(window.session.message().find("Nothing holds"), std::string::npos);
   // A second group holds it.
   change(window, [](DragSettings& s) { s.radius = 100; });
-  window.session.next_group();
+  window.session.key(DragKey::NextGroup);
   window.click(window.session.adjacency().neighbours[top].first[0]);
-  EXPECT_EQ(window.session.groups().size(), 2U);
+  EXPECT_EQ(window.session.selection().groups.size(), 2U);
   EXPECT_EQ(window.session.message().find("Nothing holds"), std::string::npos);
 }
 
@@ -406,8 +407,9 @@ TEST(DragGizmo, ArrowMovesAlongItsAxisAndAClickGoesThrough) {
   const std::optional<Gizmo> gizmo = window.session.gizmo(window.view);
   ASSERT_TRUE(gizmo);
   EXPECT_NEAR(
-      (gizmo->center - support::rows(window.host(), window.session.groups()[0]).colwise().mean().transpose()).norm(), 0,
-      1e-5);
+      (gizmo->center - support::rows(window.host(), window.session.selection().groups[0]).colwise().mean().transpose())
+          .norm(),
+      0, 1e-5);
   window.session.set(&Tools::mode, HandleMode::Curve);  // what is clicked next is not to be hidden by it
   EXPECT_FALSE(window.session.gizmo(window.view));
   window.session.set(&Tools::mode, HandleMode::Vertex);
@@ -428,12 +430,12 @@ TEST(DragGizmo, ArrowMovesAlongItsAxisAndAClickGoesThrough) {
   EXPECT_EQ(way.z(), 0);
   window.expect_consistent();
   // A click on an arrow means the surface behind it.
-  const auto before = window.session.groups();
+  const auto before = window.session.selection().groups;
   const Vector2 arrow = window.view.pixel(window.session.gizmo(window.view)->along(0, 0.9));
   window.session.press(window.at(arrow));
   window.session.release(window.at(arrow));
   window.session.wait();
-  EXPECT_NE(window.session.groups(), before);
+  EXPECT_NE(window.session.selection().groups, before);
   EXPECT_EQ(window.session.figures().steps, 1);
 }
 
@@ -447,7 +449,7 @@ TEST(DragGizmo, RingTurnsAboutThePivot) {
   window.session.set(&Tools::pivot, Pivot::Point);
   EXPECT_NE(window.session.message().find("turn about"), std::string::npos);
   window.click(at(30, 40));
-  EXPECT_EQ(window.session.groups().at(0).size() > 1, true);
+  EXPECT_EQ(window.session.selection().groups.at(0).size() > 1, true);
   const Vector3 pivot = window.session.mesh().vertices.row(at(30, 40)).transpose();
   EXPECT_EQ(window.session.pivot_position(), pivot);
   const std::optional<Gizmo> gizmo = window.session.gizmo(window.view);
@@ -474,7 +476,7 @@ TEST(DragGizmo, OfASingleVertexHasArrowsOnly) {
     window.session.clear();
     change(window, [lone](DragSettings& s) { s.handle_fraction = lone ? 0 : 0.3; });
     window.click(kMiddle);
-    EXPECT_EQ(window.session.groups().at(0).size() == 1, lone);
+    EXPECT_EQ(window.session.selection().groups.at(0).size() == 1, lone);
     window.session.set(&Tools::gizmo, true);
     window.session.set(&Tools::axes, GizmoAxes::Layer);
     const std::optional<Gizmo> gizmo = window.session.gizmo(window.view);
@@ -507,7 +509,7 @@ TEST(DragGizmo, RimIsTheMiddleOfWhatHoldsAnArm) {
   EXPECT_LT(rim.x(), positions(tip, 0) - 1);
   EXPECT_LT(std::hypot(rim.y(), rim.z()), 0.5);
   window.session.set(&Tools::pivot, Pivot::Centroid);
-  EXPECT_EQ(window.session.pivot_position(), centroid(positions, window.session.groups().at(0)));
+  EXPECT_EQ(window.session.pivot_position(), centroid(positions, window.session.selection().groups.at(0)));
 }
 
 TEST(DragKeys, ControlGoesInSteps) {
@@ -543,7 +545,7 @@ TEST(DragMirror, BothSidesMoveInOneStepAndAreReplayed) {
   int seen = 0;
   (before.rowwise() - (position + Vector3(-0.15, 0, 0.3)).transpose()).rowwise().norm().minCoeff(&seen);
   window.click(seen);
-  ASSERT_EQ(window.session.groups().size(), 1U);
+  ASSERT_EQ(window.session.selection().groups.size(), 1U);
   ASSERT_EQ(window.session.mirrored_groups().size(), 2U);
   window.drag(seen, Vector2(40, 30));
   ASSERT_EQ(window.session.figures().steps, 1) << window.session.message();
@@ -585,28 +587,30 @@ TEST(DragMirror, PaintedHandleIsSeenAtOnceAndItsImageAtTheEnd) {
   plane.point = window.host().row(kMiddle).transpose();
   window.session.set(&Tools::mirror, plane);
   window.click(at(15, 30));
-  ASSERT_EQ(window.session.groups().size(), 1U);
+  ASSERT_EQ(window.session.selection().groups.size(), 1U);
   ASSERT_EQ(window.session.mirrored_groups().size(), 2U);
-  window.session.next_group();
+  window.session.key(DragKey::NextGroup);
   window.session.set(&Tools::brush, BrushTarget::Handle);
   window.press(at(15, 45), kAdd);
   window.session.move(window.at(at(18, 45)));
-  ASSERT_EQ(window.session.groups().size(), 2U);
+  ASSERT_EQ(window.session.selection().groups.size(), 2U);
   ASSERT_GE(window.session.mirrored_groups().size(), 2U);
   EXPECT_TRUE(has(window.session.mirrored_groups()[1], at(18, 45)));
   window.session.release(window.at(at(18, 45)));
   window.session.wait();
-  ASSERT_EQ(window.session.groups().size(), 2U);
+  ASSERT_EQ(window.session.selection().groups.size(), 2U);
   ASSERT_EQ(window.session.mirrored_groups().size(), 4U);
   EXPECT_EQ(window.session.group_of_image(2), 0);
   EXPECT_EQ(window.session.group_of_image(3), 1);
   // Nothing of them left: no images either.
   change(window, [](DragSettings& s) { s.brush_pixels = 400; });
   stroke(window, at(15, 45), at(15, 30), kTake);
-  while (!window.session.groups().empty()) {
-    const int before = static_cast<int>(window.session.groups().front().size());
-    stroke(window, window.session.groups().front().front(), window.session.groups().front().back(), kTake);
-    ASSERT_TRUE(window.session.groups().empty() || static_cast<int>(window.session.groups().front().size()) < before);
+  while (!window.session.selection().groups.empty()) {
+    const int before = static_cast<int>(window.session.selection().groups.front().size());
+    stroke(window, window.session.selection().groups.front().front(), window.session.selection().groups.front().back(),
+           kTake);
+    ASSERT_TRUE(window.session.selection().groups.empty() ||
+                static_cast<int>(window.session.selection().groups.front().size()) < before);
   }
   EXPECT_TRUE(window.session.mirrored_groups().empty());
 }
@@ -625,13 +629,13 @@ TEST(DragMirror, PaintedAnchorsHoldOnBothSides) {
   window.session.set(&Tools::keeps_fixed, true);
   stroke(window, at(19, 26), at(19, 34), {});
   window.session.set(&Tools::keeps_fixed, false);
-  const std::vector<int> painted = window.session.held();
+  const std::vector<int> painted = window.session.selection().held;
   ASSERT_TRUE(has(painted, at(19, 30)));
   const Points before = window.host();
   const auto moved = [&](int vertex) { return (window.host().row(vertex) - before.row(vertex)).norm(); };
   window.drag(at(15, 30), Vector2(0, 40));
   ASSERT_EQ(window.session.figures().steps, 1) << window.session.message();
-  EXPECT_EQ(window.session.held(), painted);
+  EXPECT_EQ(window.session.selection().held, painted);
   for (const int vertex : {at(19, 30), twin(19, 30)}) {
     EXPECT_EQ(class_of(window.session, vertex), VertexClass::Anchor);
     EXPECT_LT(moved(vertex), 0.1 * moved(at(11, 30)));
@@ -640,8 +644,8 @@ TEST(DragMirror, PaintedAnchorsHoldOnBothSides) {
   window.expect_consistent();
   window.session.set(&Tools::mirror, std::nullopt);
   window.session.wait();
-  EXPECT_EQ(window.session.held(), painted) << "without the images";
-  window.session.new_region();
+  EXPECT_EQ(window.session.selection().held, painted) << "without the images";
+  window.session.key(DragKey::NewRegion);
   window.click(twin(15, 30));
   EXPECT_EQ(class_of(window.session, twin(19, 30)), VertexClass::Free);
 }
@@ -706,7 +710,7 @@ TEST(DragMirror, MeshWithoutAnotherSideIsRefusedInASentence) {
   plane.point = Vector3(1000, 0, 0);
   window.session.set(&Tools::mirror, plane);
   window.click(kMiddle);
-  EXPECT_FALSE(window.session.ready());
+  EXPECT_FALSE(window.session.preparation().ready);
   EXPECT_NE(window.session.message().find("mirror"), std::string::npos) << window.session.message();
   // A drag does not wait for what never comes.
   window.drag(kMiddle, Vector2(20, 10));
@@ -717,7 +721,7 @@ TEST(DragMirror, MeshWithoutAnotherSideIsRefusedInASentence) {
   EXPECT_EQ(window.session.figures().steps, 0);
   window.session.set(&Tools::mirror, std::nullopt);
   window.session.wait();
-  EXPECT_TRUE(window.session.ready());
+  EXPECT_TRUE(window.session.preparation().ready);
 }
 
 TEST(DragSoft, WeightsFallOffAndAreRecorded) {

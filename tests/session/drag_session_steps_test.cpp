@@ -74,7 +74,7 @@ TEST(DragRegion, SettingsOutOfRangeAreRefusedAndChangeNothing) {
   EXPECT_EQ(window.session.settings().radius, radius);
   change(window, [](DragSettings& s) { s.edit.order = 2; });
   EXPECT_EQ(window.session.settings().edit.order, 1);
-  EXPECT_TRUE(window.session.ready());
+  EXPECT_TRUE(window.session.preparation().ready);
 }
 
 TEST(DragRegion, AnotherHandleInsideKeepsItOneOutsideDoesNot) {
@@ -84,7 +84,7 @@ TEST(DragRegion, AnotherHandleInsideKeepsItOneOutsideDoesNot) {
   const std::vector<int> before = region_of(window);
   window.click(at(33, 31));
   EXPECT_EQ(region_of(window), before);
-  EXPECT_EQ(window.session.groups(), (std::vector<std::vector<int>>{{at(33, 31)}}));
+  EXPECT_EQ(window.session.selection().groups, (std::vector<std::vector<int>>{{at(33, 31)}}));
   window.drag(at(33, 31), Vector2(30, 10));
   window.drag(at(29, 30), Vector2(0, 20));
   EXPECT_EQ(region_of(window), before);
@@ -131,7 +131,7 @@ TEST(DragRegion, NewRegionCanBeAskedForInsideTheOldOne) {
   change(window, [](DragSettings& s) { s.radius = 8; });
   window.click(kMiddle);
   const std::vector<int> before = region_of(window);
-  window.session.new_region();
+  window.session.key(DragKey::NewRegion);
   window.click(at(33, 31));
   EXPECT_NE(region_of(window), before);
 }
@@ -170,7 +170,7 @@ TEST(DragRegion, BrushAddsAndTakesWhatIsUnderIt) {
   const std::vector<int> larger = region_of(window);
   EXPECT_TRUE(has(larger, at(45, 30)));
   EXPECT_TRUE(std::includes(larger.begin(), larger.end(), before.begin(), before.end()));
-  EXPECT_EQ(window.session.groups(), (std::vector<std::vector<int>>{{kMiddle}}));
+  EXPECT_EQ(window.session.selection().groups, (std::vector<std::vector<int>>{{kMiddle}}));
   window.drag(at(45, 30), Vector2(3, 3), kTake);
   EXPECT_FALSE(has(region_of(window), at(45, 30)));
   EXPECT_TRUE(has(region_of(window), kMiddle));
@@ -218,13 +218,13 @@ TEST(DragRegion, GrowsAndShrinksByARing) {
   change(window, [](DragSettings& s) { s.radius = 5; });
   window.click(kMiddle);
   const std::vector<int> before = region_of(window);
-  window.session.grow();
+  window.session.key(DragKey::Grow);
   window.session.wait();
   EXPECT_GT(region_of(window).size(), before.size());
-  window.session.shrink();
+  window.session.key(DragKey::Shrink);
   window.session.wait();
   EXPECT_EQ(region_of(window), before);
-  EXPECT_TRUE(window.session.ready());
+  EXPECT_TRUE(window.session.preparation().ready);
 }
 
 TEST(DragRegion, WholeComponentHasNoAnchors) {
@@ -261,9 +261,9 @@ TEST(DragHandle, ClicksAddAndTakeVertices) {
   window.click(kMiddle);
   window.click(at(31, 31), kAdd);
   window.click(at(30, 32), kAdd);
-  EXPECT_EQ(window.session.groups(), (std::vector<std::vector<int>>{{at(30, 30), at(30, 32), at(31, 31)}}));
+  EXPECT_EQ(window.session.selection().groups, (std::vector<std::vector<int>>{{at(30, 30), at(30, 32), at(31, 31)}}));
   window.click(at(30, 32), kTake);
-  EXPECT_EQ(window.session.groups(), (std::vector<std::vector<int>>{{at(30, 30), at(31, 31)}}));
+  EXPECT_EQ(window.session.selection().groups, (std::vector<std::vector<int>>{{at(30, 30), at(31, 31)}}));
   window.drag(at(31, 31), Vector2(20, 20));
   const Points way = window.host() - window.session.original().vertices;
   EXPECT_LT((way.row(at(30, 30)) - way.row(at(31, 31))).norm(), 0.01 * way.row(at(30, 30)).norm());
@@ -274,24 +274,24 @@ TEST(DragHandle, RadiusPicksTheVerticesAround) {
   Window window(plate());
   change(window, [](DragSettings& s) { s.handle_fraction = 2.5 / s.radius; });
   window.click(kMiddle);
-  EXPECT_TRUE(has(window.session.groups().at(0), at(32, 30)));
-  EXPECT_FALSE(has(window.session.groups().at(0), at(33, 30)));
+  EXPECT_TRUE(has(window.session.selection().groups.at(0), at(32, 30)));
+  EXPECT_FALSE(has(window.session.selection().groups.at(0), at(33, 30)));
 }
 
 TEST(DragHandle, SeveralGroupsMoveOnTheirOwn) {
   Window window(plate());
   change(window, [](DragSettings& s) { s.radius = 12; });
   window.click(kMiddle);
-  window.session.next_group();
+  window.session.key(DragKey::NextGroup);
   window.click(at(36, 30));
-  ASSERT_EQ(window.session.groups().size(), 2U);
-  EXPECT_EQ(window.session.active_group(), 1);
+  ASSERT_EQ(window.session.selection().groups.size(), 2U);
+  EXPECT_EQ(window.session.selection().active, 1);
   window.drag(at(36, 30), Vector2(0, 30));
   const Points way = window.host() - window.session.original().vertices;
   EXPECT_LT(way.row(kMiddle).norm(), 0.01 * way.row(at(36, 30)).norm());
   window.drag(kMiddle, Vector2(0, -30));
-  EXPECT_EQ(window.session.active_group(), 0);
-  EXPECT_EQ(window.session.groups().size(), 2U);
+  EXPECT_EQ(window.session.selection().active, 0);
+  EXPECT_EQ(window.session.selection().groups.size(), 2U);
   EXPECT_EQ(window.session.recorded().steps.at(1).handles.size(), 2U);
   window.expect_consistent();
 }
@@ -302,14 +302,14 @@ TEST(DragHandle, CurveIsJoinedByShortestPathsAndMovesAsOne) {
   window.session.set(&Tools::mode, HandleMode::Curve);
   window.click(at(25, 30));
   window.click(at(35, 30));
-  ASSERT_EQ(window.session.groups().size(), 1U);
-  const std::vector<int> curve = window.session.groups()[0];
+  ASSERT_EQ(window.session.selection().groups.size(), 1U);
+  const std::vector<int> curve = window.session.selection().groups[0];
   EXPECT_EQ(curve.size(), 11U);
   for (int i = 25; i <= 35; ++i) {
     EXPECT_TRUE(has(curve, at(i, 30)));
   }
   window.click(at(35, 34));
-  EXPECT_EQ(window.session.groups()[0].size(), 15U);
+  EXPECT_EQ(window.session.selection().groups[0].size(), 15U);
   window.drag(at(30, 30), Vector2(0, 25));
   EXPECT_EQ(window.session.figures().steps, 1);
   const Points way = window.host() - window.session.original().vertices;
@@ -322,20 +322,20 @@ void take_three(Window& window) {
   change(window, [](DragSettings& s) { s.radius = 14; });
   window.click(at(26, 30));
   for (const int next : {at(34, 30), at(30, 34)}) {
-    window.session.next_group();
+    window.session.key(DragKey::NextGroup);
     window.click(next);
   }
-  ASSERT_EQ(window.session.groups().size(), 3U);
+  ASSERT_EQ(window.session.selection().groups.size(), 3U);
 }
 
 TEST(DragHandles, ShiftClickChoosesGroupsThatMoveTogether) {
   Window window(plate());
   take_three(window);
   window.click(at(26, 30), kTake);
-  EXPECT_TRUE(window.session.moves(0));
-  EXPECT_FALSE(window.session.moves(1));
-  EXPECT_TRUE(window.session.moves(2));
-  EXPECT_EQ(window.session.groups().size(), 3U) << "a vertex was taken away";
+  EXPECT_TRUE(window.session.selection().moves(0));
+  EXPECT_FALSE(window.session.selection().moves(1));
+  EXPECT_TRUE(window.session.selection().moves(2));
+  EXPECT_EQ(window.session.selection().groups.size(), 3U) << "a vertex was taken away";
   EXPECT_NE(window.session.message().find("2 of 3 move together"), std::string::npos) << window.session.message();
   window.drag(at(30, 34), Vector2(20, 25));
   const EditStep step = window.session.recorded().steps.at(0);
@@ -349,9 +349,11 @@ TEST(DragHandles, ShiftClickChoosesGroupsThatMoveTogether) {
   // Undone, the same groups are chosen; a plain press on one that holds moves it alone.
   window.session.undo();
   window.session.wait();
-  EXPECT_TRUE(window.session.moves(0) && !window.session.moves(1) && window.session.moves(2));
+  EXPECT_TRUE(window.session.selection().moves(0) && !window.session.selection().moves(1) &&
+              window.session.selection().moves(2));
   window.drag(at(34, 30), Vector2(0, 20));
-  EXPECT_TRUE(!window.session.moves(0) && window.session.moves(1) && !window.session.moves(2));
+  EXPECT_TRUE(!window.session.selection().moves(0) && window.session.selection().moves(1) &&
+              !window.session.selection().moves(2));
   window.expect_consistent();
 }
 
@@ -361,7 +363,8 @@ TEST(DragHandles, ChosenGroupsTurnAboutTheirCommonCentre) {
   window.click(at(26, 30), kTake);
   window.click(at(34, 30), kTake);
   window.click(at(30, 34), kTake);  // lets it hold
-  EXPECT_TRUE(window.session.moves(0) && window.session.moves(1) && !window.session.moves(2));
+  EXPECT_TRUE(window.session.selection().moves(0) && window.session.selection().moves(1) &&
+              !window.session.selection().moves(2));
   window.keys("rz90\r");
   const EditStep step = window.session.recorded().steps.at(0);
   ASSERT_TRUE(step.handles[0].transform.center);
@@ -386,8 +389,8 @@ void draw_mouth(Window& window) {
   for (const int v : {at(25, 30), at(30, 30), at(35, 30)}) {
     window.click(v);
   }
-  ASSERT_EQ(window.session.groups().size(), 1U);
-  ASSERT_EQ(window.session.curve(0).points.size(), 3U);
+  ASSERT_EQ(window.session.selection().groups.size(), 1U);
+  ASSERT_EQ(window.session.selection().discs.curves[0].points.size(), 3U);
 }
 
 TEST(DragCurve, BendsByAPointWhileTheOthersHold) {
@@ -425,7 +428,7 @@ TEST(DragCurve, BendsByAPointWhileTheOthersHold) {
   window.session.undo();
   window.session.wait();
   EXPECT_TRUE(same_bits(window.host(), rest));
-  EXPECT_EQ(window.session.curve(0).points.size(), 3U);
+  EXPECT_EQ(window.session.selection().discs.curves[0].points.size(), 3U);
 }
 
 TEST(DragCurve, SmilesOnBothSidesOfAPlane) {
@@ -481,7 +484,7 @@ TEST(DragCurve, NextPieceIsShownAsTheClickTakesIt) {
   ASSERT_TRUE(window.session.hover());
   const Points shown = window.session.hover()->path;
   window.click(at(31, 33));
-  const std::vector<int>& path = window.session.curve(0).path;
+  const std::vector<int>& path = window.session.selection().discs.curves[0].path;
   ASSERT_EQ(shown.rows(), static_cast<Eigen::Index>(path.size()));
   for (std::size_t i = 0; i < path.size(); ++i) {
     EXPECT_EQ(shown.row(static_cast<Eigen::Index>(i)), window.session.mesh().vertices.row(path[i])) << i;
@@ -514,7 +517,7 @@ TEST(DragSteps, UndoAndRedoAreExact) {
     EXPECT_TRUE(same_bits(window.host(), states[k])) << k;
   }
   window.expect_consistent();
-  window.session.reset();
+  window.session.go_to(0);
   EXPECT_TRUE(same_bits(window.host(), states[0]));
   EXPECT_TRUE(window.session.can_redo());
 }
@@ -527,7 +530,7 @@ TEST(DragSteps, UndoGoesBackToHandleAndRegionOfTheStep) {
   window.session.undo();
   window.session.undo();
   window.session.wait();
-  EXPECT_EQ(window.session.groups(), (std::vector<std::vector<int>>{{kMiddle}}));
+  EXPECT_EQ(window.session.selection().groups, (std::vector<std::vector<int>>{{kMiddle}}));
   EXPECT_EQ(region_of(window), region);
   window.drag(kMiddle, Vector2(-10, 5));
   EXPECT_FALSE(window.session.can_redo());
@@ -628,7 +631,7 @@ TEST(DragSteps, AmendmentAndLoadCanBeDropped) {
   window.session.cancel();
   window.session.wait();
   EXPECT_EQ(window.session.state(), State::Picked);
-  EXPECT_TRUE(window.session.ready());
+  EXPECT_TRUE(window.session.preparation().ready);
   EXPECT_TRUE(same_bits(window.host(), before));
   EXPECT_EQ(window.session.recorded().steps.at(0).settings.membrane, 500);
 
@@ -637,7 +640,7 @@ TEST(DragSteps, AmendmentAndLoadCanBeDropped) {
   window.session.cancel();
   window.session.wait();
   EXPECT_EQ(window.session.state(), State::Picked);
-  EXPECT_TRUE(window.session.ready());
+  EXPECT_TRUE(window.session.preparation().ready);
   EXPECT_TRUE(same_bits(window.host(), before));
 
   change(window, [](DragSettings& s) { s.edit.membrane = 20; });

@@ -56,7 +56,7 @@ TEST(DragSession, PressDragReleaseBringsTheVertexUnderTheCursor) {
 TEST(DragSession, ReleaseBeforeTheRegionIsReadyGivesTheSameBits) {
   Window prepared(hills());
   prepared.click(kMiddle);
-  EXPECT_TRUE(prepared.session.ready());
+  EXPECT_TRUE(prepared.session.preparation().ready);
   prepared.drag(kMiddle, Vector2(60, -40));
   Window at_once(hills());
   at_once.press(kMiddle);
@@ -104,7 +104,7 @@ TEST(DragSession, HandleIsTakenHoldOfByItsMarkThoughAFoldHidesIt) {
   window.drag(kMiddle, Vector2(30, 10));  // sideways: the sheet folds over
   window.drag(kMiddle, Vector2(10, 30));
   EXPECT_EQ(window.session.recorded().steps.size(), 2U);
-  EXPECT_EQ(window.session.groups(), std::vector<std::vector<int>>{{kMiddle}});
+  EXPECT_EQ(window.session.selection().groups, std::vector<std::vector<int>>{{kMiddle}});
 }
 
 TEST(DragSession, PressJustBesideTheEdgeMeansTheEdge) {
@@ -113,10 +113,10 @@ TEST(DragSession, PressJustBesideTheEdgeMeansTheEdge) {
   window.session.press(window.at(corner, Vector2(2, -2)));
   window.session.release(window.at(corner, Vector2(2, -2)));
   window.session.wait();
-  EXPECT_EQ(window.session.groups(), std::vector<std::vector<int>>{{corner}});
+  EXPECT_EQ(window.session.selection().groups, std::vector<std::vector<int>>{{corner}});
   window.session.clear();
   window.session.press(window.at(corner, Vector2(5, -5)));
-  EXPECT_TRUE(window.session.groups().empty());
+  EXPECT_TRUE(window.session.selection().groups.empty());
 }
 
 TEST(DragSession, HandleOnTheFarSideIsNotInTheWay) {
@@ -126,7 +126,7 @@ TEST(DragSession, HandleOnTheFarSideIsNotInTheWay) {
   window.view = support::view_from(Vector3(-4, 0, 0), Vector3::Zero());
   const int back = support::vertex_at(window.session.mesh(), -Vector3::UnitX());
   window.click(back);
-  EXPECT_EQ(window.session.groups(), std::vector<std::vector<int>>{{back}});
+  EXPECT_EQ(window.session.selection().groups, std::vector<std::vector<int>>{{back}});
 }
 
 TEST(DragSession, ClickShowsTheRegionAndMovesNothing) {
@@ -227,11 +227,11 @@ TEST(DragSession, NextClickAbandonsWhatIsPrepared) {
   Window window(hills());
   window.press(kMiddle);
   window.session.release(window.at(kMiddle));
-  EXPECT_TRUE(window.session.preparing());
+  EXPECT_TRUE(window.session.preparation().running);
   const int other = 10 * 60 + 10;
   window.click(other);
-  EXPECT_EQ(window.session.groups(), std::vector<std::vector<int>>{{other}});
-  EXPECT_TRUE(window.session.ready());
+  EXPECT_EQ(window.session.selection().groups, std::vector<std::vector<int>>{{other}});
+  EXPECT_TRUE(window.session.preparation().ready);
   EXPECT_EQ(window.session.shown().region()->classes[static_cast<std::size_t>(
                 std::lower_bound(window.session.shown().region()->mesh_vertex.begin(),
                                  window.session.shown().region()->mesh_vertex.end(), other) -
@@ -286,7 +286,7 @@ TEST(DragSession, TurnAndScaleGoAboutTheGroupsCenter) {
   settings.handle_fraction = 3 / settings.radius;
   window.session.set_settings(settings);
   window.click(kMiddle);
-  EXPECT_GT(window.session.groups().at(0).size(), 5U);
+  EXPECT_GT(window.session.selection().groups.at(0).size(), 5U);
   window.keys("rz30\r");
   window.keys("s1.5\r");
   const Edit edit = window.session.recorded();
@@ -420,7 +420,7 @@ TEST(DragSession, AnyEventsLeaveAConsistentSession) {
         session.redo();
         break;
       case 15:
-        pick(2) ? session.grow() : session.shrink();
+        pick(2) ? session.key(DragKey::Grow) : session.key(DragKey::Shrink);
         break;
       case 16:
         pick(2) ? session.whole_component() : session.clear();
@@ -457,14 +457,14 @@ TEST(DragSession, AnyEventsLeaveAConsistentSession) {
     if (session.figures().steps > 12) {
       session.finish();
       window.expect_consistent();
-      session.reset();
+      session.go_to(0);
       ASSERT_TRUE(same_bits(window.host(), session.original().vertices)) << "event " << event;
     }
   }
   window.session.finish();
   window.session.wait();
   window.expect_consistent();
-  window.session.reset();
+  window.session.go_to(0);
   EXPECT_TRUE(same_bits(window.host(), window.session.original().vertices));
 }
 

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "lapedit/base/error.h"
-#include "lapedit/session/shown_region.h"
+#include "lapedit/mesh/painted_region.h"
 #include "shapes.h"
 #include "support.h"
 
@@ -52,7 +52,7 @@ struct Chooser {
       region = std::make_unique<Region>(build_region(mesh, adjacency, selection.region, selection.groups));
     } catch (const EditError&) {  // no handle, or nothing but it
       if (selection.has_region) {
-        region = std::make_unique<Region>(region_by_hand(mesh, adjacency, selection.region.vertices, selection.groups));
+        region = std::make_unique<Region>(painted_region(mesh, adjacency, selection.region.vertices, selection.groups));
       }
     }
     return true;

@@ -92,7 +92,7 @@ void Preparation::make_operator(const TriangleMesh& mesh) {
   }
 }
 
-/// Computes squared weights w_i^2 (paper, sections 3 and 5): w, or a share of it, for a handle, and w d_i / d_max for
+/// Computes squared weights w_i^2 (paper, sections 3 and 5): w times its factor for a handle, and w d_i / d_max for
 /// an anchor. If the anchors alone make the matrix definite, a small handle is left to a correction of the solution, so
 /// that the next handle can reuse the factor.
 void Preparation::weigh() {

@@ -63,8 +63,8 @@ struct Sum {
 
   LAPEDIT_INLINE void add(Lanes term, Lanes error) {
     const Lanes sum = high + term;
-    const Lanes part = sum - high;
-    low += ((high - (sum - part)) + (term - part)) + error;
+    const Lanes added = sum - high;
+    low += ((high - (sum - added)) + (term - added)) + error;
     high = sum;
   }
   template <class Product>
@@ -80,7 +80,7 @@ struct Pass {
   const int* inner;
   const double* values;
   int last_row;
-  const double *x_high, *x_low;  // factors of the entries; without a low part: all in working precision
+  const double *x_high, *x_low;  // factors of the entries; without a low number: all in working precision
 
   // Without a right-hand side: the sums.
   double *sum_high, *sum_low;
@@ -192,8 +192,8 @@ void DoubledPoints::add(const Points& step, ThreadPool& pool) {
       double& b = low.data()[i];
       const double term = step.data()[i];
       const double sum = a + term;
-      const double part = sum - a;
-      const double error = ((a - (sum - part)) + (term - part)) + b;
+      const double added = sum - a;
+      const double error = ((a - (sum - added)) + (term - added)) + b;
       a = sum + error;
       b = error - (a - sum);
     }
@@ -255,8 +255,9 @@ Refinement refine_to_the_bit(RefinedSystem& system, bool single_precision, Doubl
   // The error after a solve comes from the factor's rounding and grows with the condition number; so does the error of
   // a residual in working precision, which is about 2^-29 of it.
   const double coarse = single_precision ? 16 * 0x1p-29 : 1;
-  double rate = single_precision ? 1e-5 : 1e-12;  // share of an error that a step leaves: the worst so far, or a guess
-  double moved = 0;                               // sum of steps that were subtracted in working precision
+  double rate =
+      single_precision ? 1e-5 : 1e-12;  // fraction of an error that a step leaves: the worst so far, or a guess
+  double moved = 0;                     // sum of steps that were subtracted in working precision
   bool started = false, exact = true;
   Refinement done;
   done.last_change = 1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/linear/dissection_parts.h"
+#include "lapedit/linear/dissection_pieces.h"
 
 namespace lapedit::dissection {
 namespace {
@@ -61,7 +61,7 @@ class SeparatorFlow {
 
   /// Lists the band's columns and nets. @return whether there are vertices on both sides of it
   bool collect(int layers) {
-    const int n = piece_.own;
+    const int n = piece_.inner;
     std::vector<int>& local = s_.local;
     std::vector<int>& band = s_.band;
     std::fill_n(local.begin(), piece_.size(), -1);
@@ -112,7 +112,7 @@ class SeparatorFlow {
     return all_ends == (kSourceEnd | kSinkEnd);
   }
 
-  std::uint8_t end_at(int v) const { return v >= piece_.own ? 0 : s_.side[v] == source_ ? kSourceEnd : kSinkEnd; }
+  std::uint8_t end_at(int v) const { return v >= piece_.inner ? 0 : s_.side[v] == source_ ? kSourceEnd : kSinkEnd; }
 
   // Nodes: net u; nets_ + v, the entry of column v; nets_ + columns_ + v, its exit. Flow runs in[v] -> v -> out[v]. The
   // entry of a used column leads back to where its flow comes from; an exit is reached only backwards.

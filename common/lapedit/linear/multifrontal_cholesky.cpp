@@ -100,7 +100,7 @@ class Factorisation {
   FrontalKernel kernel_ = best_frontal_kernel();
   std::vector<int> children_, child_;  // of s: child_[children_[s] .. children_[s + 1])
   std::vector<Front> fronts_;
-  std::vector<std::vector<int>> positions_;  // per thread: row -> place in the front
+  std::vector<std::vector<int>> positions_;  // per thread: row -> position in the front
   Recycler recycler_;
   std::atomic<bool> definite_{true};
 };

@@ -12,7 +12,7 @@
 
 #include "lapedit/base/simd.h"
 #include "lapedit/base/thread_pool.h"
-#include "lapedit/linear/dissection_parts.h"
+#include "lapedit/linear/dissection_pieces.h"
 #include "lapedit/linear/linear.h"
 
 namespace lapedit {
@@ -23,7 +23,7 @@ namespace {
 
 constexpr int kLeafWords = 4;        // 64-bit words of a leaf's rows
 constexpr int kLargeLeafWords = 16;  // the same of a piece that cannot be divided
-constexpr double kTail = 0.2;        // a plane leaves at least this part of the vertices on each side
+constexpr double kTail = 0.2;        // a plane leaves at least this fraction of the vertices on each side
 constexpr double kHub = 4;  // times the root of a piece's size: vertices with more neighbours are not cut through
 constexpr int kAlwaysSearched = 2000;  // vertices; a smaller piece is searched if its plane is not good
 constexpr double kGoodScore = 3.5;     // of a plane; a straight cut through the middle of an even disc has 2.6
@@ -45,7 +45,7 @@ struct Leaf {
   using Row = std::array<std::uint64_t, kWords>;
 
   static void order(const Piece& piece, Scratch& scratch, int* order) {
-    const int n = piece.own;
+    const int n = piece.inner;
     // All neighbours of a vertex are neighbours of each other.
     scratch.nets.assign(static_cast<std::size_t>(piece.size()) * kWords, 0);
     for (int u = 0; u < piece.size(); ++u) {
@@ -118,27 +118,28 @@ struct Leaf {
 
 /// For a piece without a useful separator, which is nearly complete.
 void order_whole(const Piece& piece, Scratch& scratch, int* order) {
-  if (piece.own <= Leaf<kLargeLeafWords>::kMost) {
+  if (piece.inner <= Leaf<kLargeLeafWords>::kMost) {
     Leaf<kLargeLeafWords>::order(piece, scratch, order);
     return;
   }
-  std::vector<int> by_valence(piece.own);
+  std::vector<int> by_valence(piece.inner);
   std::iota(by_valence.begin(), by_valence.end(), 0);
   std::stable_sort(by_valence.begin(), by_valence.end(),
                    [&](int a, int b) { return piece.next[a].size() < piece.next[b].size(); });
-  for (int k = 0; k < piece.own; ++k) order[k] = piece.vertex[by_valence[k]];
+  for (int k = 0; k < piece.inner; ++k) order[k] = piece.vertex[by_valence[k]];
 }
 
 // ---- Divisions ------------------------------------------------------------------------------------------------------
 
-/// Computes coordinates along the longest axis of inertia of a piece's own vertices, in scratch.along: the eigenvector
-/// of sum_v (x_v - mean)(x_v - mean)^T with the largest eigenvalue. @return the own vertex at its lower end
+/// Computes coordinates along the longest axis of inertia of a piece's inner vertices, in scratch.along: the
+/// eigenvector of sum_v (x_v - mean)(x_v - mean)^T with the largest eigenvalue. @return the inner vertex at its lower
+/// end
 int project(const Piece& piece, Scratch& scratch) {
   const float* at = piece.at.data();
   const float origin[3] = {at[0], at[1], at[2]};
   double sum[3] = {};
   double products[6] = {};
-  for (int v = 0; v < piece.own; ++v, at += 3) {
+  for (int v = 0; v < piece.inner; ++v, at += 3) {
     const double x = at[0] - origin[0], y = at[1] - origin[1], z = at[2] - origin[2];
     sum[0] += x, sum[1] += y, sum[2] += z;
     products[0] += x * x, products[1] += x * y, products[2] += x * z;
@@ -148,7 +149,7 @@ int project(const Piece& piece, Scratch& scratch) {
   spread << products[0], products[1], products[2], products[1], products[3], products[4], products[2], products[4],
       products[5];
   const Eigen::Map<const Vector3> total(sum);
-  spread -= total * total.transpose() / piece.own;
+  spread -= total * total.transpose() / piece.inner;
   Eigen::SelfAdjointEigenSolver<Matrix3> solver;
   solver.computeDirect(spread);
   const Eigen::Vector3f axis = solver.eigenvectors().col(2).cast<float>();
@@ -156,7 +157,7 @@ int project(const Piece& piece, Scratch& scratch) {
   at = piece.at.data();
   for (int v = 0; v < piece.size(); ++v, at += 3) {
     scratch.along[v] = axis[0] * (at[0] - origin[0]) + axis[1] * (at[1] - origin[1]) + axis[2] * (at[2] - origin[2]);
-    if (v < piece.own && scratch.along[v] < scratch.along[lowest]) lowest = v;
+    if (v < piece.inner && scratch.along[v] < scratch.along[lowest]) lowest = v;
   }
   return lowest;
 }
@@ -164,7 +165,7 @@ int project(const Piece& piece, Scratch& scratch) {
 /// Finds the best of all planes across the axis. scratch.position becomes whether a vertex is beyond it.
 /// @return its score
 double cut_by_plane(const Piece& piece, Scratch& scratch) {
-  const int n = piece.own;
+  const int n = piece.inner;
   constexpr int kCoarseBins = 256;
   constexpr int kBins = 128;  // fine bins where the plane may be, between the tails of a coarse histogram
   const auto [lowest, highest] = std::minmax_element(scratch.along.begin(), scratch.along.begin() + n);
@@ -209,7 +210,7 @@ double cut_by_plane(const Piece& piece, Scratch& scratch) {
   return best;
 }
 
-/// Breadth-first search over a connected part. @return the queue's end
+/// Breadth-first search over a connected component. @return the queue's end
 int search(const Piece& piece, Scratch& scratch, int seed, int begin) {
   int end = begin;
   scratch.queue[end++] = seed;
@@ -226,17 +227,17 @@ int search(const Piece& piece, Scratch& scratch, int seed, int begin) {
   return end;
 }
 
-/// Distributes the connected parts of a piece, of which the queue has the first: the largest first, each to the smaller
-/// side. @return vertices per side
+/// Distributes the connected components of a piece, of which the queue has the first: the largest first, each to the
+/// smaller side. @return vertices per side
 Counts share_components(const Piece& piece, Scratch& scratch, int end) {
   struct Component {
-    int own, begin, end;
+    int inner, begin, end;
   };
   std::vector<Component> components;
   for (int begin = 0, seed = 0;;) {
-    const auto own =
-        std::count_if(scratch.queue.begin() + begin, scratch.queue.begin() + end, [&](int v) { return v < piece.own; });
-    components.push_back({static_cast<int>(own), begin, end});
+    const auto inner = std::count_if(scratch.queue.begin() + begin, scratch.queue.begin() + end,
+                                     [&](int v) { return v < piece.inner; });
+    components.push_back({static_cast<int>(inner), begin, end});
     if (end == piece.size()) {
       break;
     }
@@ -245,14 +246,14 @@ Counts share_components(const Piece& piece, Scratch& scratch, int end) {
     end = search(piece, scratch, seed, begin);
   }
   std::stable_sort(components.begin(), components.end(),
-                   [](const Component& a, const Component& b) { return a.own > b.own; });
+                   [](const Component& a, const Component& b) { return a.inner > b.inner; });
   Counts counts{};
   for (const Component& component : components) {
     const Side side = counts[kLow] <= counts[kHigh] ? kLow : kHigh;
-    counts[side] += component.own;
+    counts[side] += component.inner;
     for (int k = component.begin; k < component.end; ++k) {
       const int v = scratch.queue[k];
-      scratch.side[v] = v < piece.own ? side : kGhost;
+      scratch.side[v] = v < piece.inner ? side : kGhost;
     }
   }
   return counts;
@@ -264,10 +265,10 @@ void cut_by_level(const Piece& piece, Scratch& scratch, double best) {
   int last = -1;
   for (int k = 0, low = 0, before = 0, level = 0; k < piece.size(); ++level) {
     int here = 0;
-    for (; k < piece.size() && scratch.level[scratch.queue[k]] == level; ++k) here += scratch.queue[k] < piece.own;
-    const double score_here = score(low - before, piece.own - low - here, before + here);
-    const int least = std::min(low - before, piece.own - low - here);
-    if (level > 0 && least >= kLeastLevel * piece.own && score_here < best) {
+    for (; k < piece.size() && scratch.level[scratch.queue[k]] == level; ++k) here += scratch.queue[k] < piece.inner;
+    const double score_here = score(low - before, piece.inner - low - here, before + here);
+    const int least = std::min(low - before, piece.inner - low - here);
+    if (level > 0 && least >= kLeastLevel * piece.inner && score_here < best) {
       best = score_here;
       last = level - 1;
     }
@@ -283,14 +284,14 @@ void cut_by_level(const Piece& piece, Scratch& scratch, double best) {
 /// cliques larger than a separator cost less. @return vertices per side, none on the higher one
 Counts take_hubs(const Piece& piece, Scratch& scratch) {
   Counts counts{};
-  const double most = kHub * std::sqrt(piece.own);
+  const double most = kHub * std::sqrt(piece.inner);
   for (int u = 0; u < piece.size(); ++u) {
     if (piece.next[u].size() <= most) {
       continue;
     }
-    if (counts[kSeparator] == 0) std::fill_n(scratch.side.begin(), piece.own, kLow);
+    if (counts[kSeparator] == 0) std::fill_n(scratch.side.begin(), piece.inner, kLow);
     auto take = [&](int v) {
-      if (v < piece.own && scratch.side[v] == kLow) {
+      if (v < piece.inner && scratch.side[v] == kLow) {
         scratch.side[v] = kSeparator;
         ++counts[kSeparator];
       }
@@ -298,13 +299,13 @@ Counts take_hubs(const Piece& piece, Scratch& scratch) {
     take(u);
     for (const int v : piece.next[u]) take(v);
   }
-  counts[kLow] = piece.own - counts[kSeparator];
+  counts[kLow] = piece.inner - counts[kSeparator];
   return counts;
 }
 
 /// Puts each vertex on a side or into the separator, and counts them. @return whether that is a useful division
 bool divide(const Piece& piece, Scratch& scratch, Counts& counts) {
-  const int n = piece.own;
+  const int n = piece.inner;
   const int size = piece.size();
   std::iota(scratch.queue.begin(), scratch.queue.begin() + size, 0);
   std::fill(scratch.side.begin() + n, scratch.side.begin() + size, kGhost);
@@ -337,7 +338,7 @@ bool divide(const Piece& piece, Scratch& scratch, Counts& counts) {
 }
 
 /// Makes one side of a divided piece, in the order of the queue, so that neighbours are near each other in memory.
-Piece part(const Piece& whole, Side side, Scratch& scratch) {
+Piece side_of(const Piece& whole, Side side, Scratch& scratch) {
   std::vector<int>& local = scratch.local;
   std::vector<int>& from = scratch.from;
   std::fill_n(local.begin(), whole.size(), -1);
@@ -352,13 +353,13 @@ Piece part(const Piece& whole, Side side, Scratch& scratch) {
     }
   }
   Piece result;
-  const int own = result.own = static_cast<int>(from.size());
+  const int inner = result.inner = static_cast<int>(from.size());
   if (scratch.values.size() < 2 * most) scratch.values.resize(2 * most);  // ghosts' lists are reversed ones
   int* const values = scratch.values.data();
   int* end = values;
   std::vector<int>& offsets = result.next.offsets;
-  offsets.reserve(own + own / 4 + 16);
-  for (int i = 0; i < own; ++i) {
+  offsets.reserve(inner + inner / 4 + 16);
+  for (int i = 0; i < inner; ++i) {
     for (const int w : whole.next[from[i]]) {
       if (local[w] < 0) {
         local[w] = static_cast<int>(from.size());
@@ -369,9 +370,9 @@ Piece part(const Piece& whole, Side side, Scratch& scratch) {
     offsets.push_back(static_cast<int>(end - values));
   }
   const int size = static_cast<int>(from.size());
-  for (int i = own; i < size; ++i) {
+  for (int i = inner; i < size; ++i) {
     for (const int w : whole.next[from[i]]) {
-      if (local[w] >= 0 && local[w] < own) *end++ = local[w];
+      if (local[w] >= 0 && local[w] < inner) *end++ = local[w];
     }
     offsets.push_back(static_cast<int>(end - values));
   }
@@ -386,7 +387,7 @@ Piece part(const Piece& whole, Side side, Scratch& scratch) {
 }
 
 void dissect(Piece piece, int* order, int threads, Scratch& scratch) {
-  const int n = piece.own;
+  const int n = piece.inner;
   if (n <= Leaf<kLeafWords>::kMost) {
     Leaf<kLeafWords>::order(piece, scratch, order);
     return;
@@ -403,8 +404,8 @@ void dissect(Piece piece, int* order, int threads, Scratch& scratch) {
     const int v = scratch.queue[k];
     if (scratch.side[v] == kSeparator) *last++ = piece.vertex[v];
   }
-  Piece low = part(piece, kLow, scratch);
-  Piece high = part(piece, kHigh, scratch);
+  Piece low = side_of(piece, kLow, scratch);
+  Piece high = side_of(piece, kHigh, scratch);
   piece = Piece();
   if (threads > 1 && n >= kThreadGrain) {
     ThreadPool(2).each(2, [&](int half) {
@@ -456,7 +457,7 @@ std::vector<int> nested_dissection(const IndexLists& neighbours, const Points& p
     return order;
   }
   Piece all;
-  all.own = n;
+  all.inner = n;
   all.vertex.resize(n);
   std::iota(all.vertex.begin(), all.vertex.end(), 0);
   all.next = neighbours;

@@ -213,10 +213,10 @@ bool join(Joined& lower, const Joined& upper) {
     const double added = static_cast<double>(lower.columns) * (upper.rows + lower.columns - lower.rows);
     if (added > 0) {
       const double size = 0.5 * columns * (columns + 1.0) + static_cast<double>(columns) * (upper.rows - upper.columns);
-      const double share = (zeros + added) / size;
+      const double fraction = (zeros + added) / size;
       constexpr double kMostOften = 0.8, kMostSeldom = 0.1, kMostLarge = 0.05;
-      if (!((columns <= kOften && share < kMostOften) || (columns <= kSeldom && share < kMostSeldom) ||
-            share < kMostLarge) ||
+      if (!((columns <= kOften && fraction < kMostOften) || (columns <= kSeldom && fraction < kMostSeldom) ||
+            fraction < kMostLarge) ||
           size >= static_cast<double>(std::numeric_limits<int>::max() / sizeof(double))) {
         return false;
       }

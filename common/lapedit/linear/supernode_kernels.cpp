@@ -127,24 +127,24 @@ LAPEDIT_INLINE void backward_block(const Scalar* block, int panels, Scalar* v, i
   const Scalar* const tiles = block + Width * kWide;
   LAPEDIT_UNROLL(8)
   for (int first = 0; first < kWhole; first += Group) {
-    Vector part[3][kWide];
-    backward_sums<Scalar, Width, Group>(tiles + first * kTall, panels, v + Width, pad, part);
+    Vector partial[3][kWide];
+    backward_sums<Scalar, Width, Group>(tiles + first * kTall, panels, v + Width, pad, partial);
     LAPEDIT_UNROLL(3)
     for (int r = 0; r < 3; ++r) {
       LAPEDIT_UNROLL(8)
       for (int j = 0; j < Group; ++j) {
-        sums[r][first + j] = part[r][j];
+        sums[r][first + j] = partial[r][j];
       }
     }
   }
   if constexpr (kWhole < Width) {
-    Vector part[3][kWide];
-    backward_sums<Scalar, Width, Width - kWhole>(tiles + kWhole * kTall, panels, v + Width, pad, part);
+    Vector partial[3][kWide];
+    backward_sums<Scalar, Width, Width - kWhole>(tiles + kWhole * kTall, panels, v + Width, pad, partial);
     LAPEDIT_UNROLL(3)
     for (int r = 0; r < 3; ++r) {
       LAPEDIT_UNROLL(8)
       for (int j = kWhole; j < Width; ++j) {
-        sums[r][j] = part[r][j - kWhole];
+        sums[r][j] = partial[r][j - kWhole];
       }
     }
   }

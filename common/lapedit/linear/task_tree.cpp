@@ -62,7 +62,7 @@ TaskTree::TaskTree(const SupernodalPattern& pattern)
   rename_rows();
 }
 
-/// Divides the tree into branches of at most a share of all work, and supernodes above them.
+/// Divides the tree into branches of at most a fraction of all work, and supernodes above them.
 void TaskTree::cut(const Branches& branches) {
   for (int s = 0; s < static_cast<int>(nodes.size()); ++s) {
     const int parent = nodes[s].parent;

@@ -31,7 +31,7 @@ struct TaskTree {
   int size = 0, most_rows = 0;
   std::size_t tiles = 0;  ///< values of all supernodes
   std::vector<Node> nodes;
-  std::vector<int> rows;  ///< below a supernode: a row of x, or size + a place in the branch's list
+  std::vector<int> rows;  ///< below a supernode: a row of x, or size + a position in the branch's list
   std::vector<Task> tasks;
   std::vector<int> list_rows;      ///< rows of x
   std::vector<int> list_places;    ///< the same for the parent: its local row

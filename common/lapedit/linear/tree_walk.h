@@ -87,10 +87,10 @@ class TreeWalk {
 
   /// Of the tasks that waited for this one only, the calling thread takes the first, and idle threads the others.
   int release(const Task& done, bool up) {
-    int own = kNone, others = 0;
+    int first = kNone, others = 0;
     const auto give = [&](int task) {
-      if (own == kNone) {
-        own = task;
+      if (first == kNone) {
+        first = task;
         return;
       }
       const std::lock_guard<std::mutex> lock(mutex_);
@@ -107,7 +107,7 @@ class TreeWalk {
     if (--left_ == 0 || others > 0) {
       gate_.open();
     }
-    return failed_ ? kNone : own;
+    return failed_ ? kNone : first;
   }
 
   static constexpr int kNone = -1;

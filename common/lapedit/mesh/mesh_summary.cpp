@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <numeric>
-#include <utility>
 #include <vector>
+
+#include "lapedit/mesh/patch_border.h"
 
 namespace lapedit {
 namespace {
@@ -38,27 +39,17 @@ MeshSummary summary_of(const TriangleMesh& mesh) {
   const auto count = static_cast<std::size_t>(summary.vertices);
   Pieces pieces(count), borders(count);
   std::vector<char> used(count, 0);
-  std::vector<std::pair<int, int>> edges;
   for (const auto& face : mesh.faces.rowwise()) {
     for (int k = 0; k < 3; ++k) {
-      const int a = face[k], b = face[(k + 1) % 3];
-      used[a] = 1;
-      pieces.join(a, b);
-      if (a != b) {
-        edges.emplace_back(std::min(a, b), std::max(a, b));
-      }
+      used[face[k]] = 1;
+      pieces.join(face[k], face[(k + 1) % 3]);
     }
   }
-  std::sort(edges.begin(), edges.end());
   std::vector<char> at_border(count, 0);
-  for (std::size_t k = 0, next = 0; k < edges.size(); k = next) {
-    for (next = k; next < edges.size() && edges[next] == edges[k]; ++next) {
-    }
-    if (next == k + 1) {
-      ++summary.border_edges;
-      borders.join(edges[k].first, edges[k].second);
-      at_border[edges[k].first] = at_border[edges[k].second] = 1;
-    }
+  for (const auto& [a, b] : single_edges({mesh.faces.data(), mesh.faces.data() + mesh.faces.size()})) {
+    ++summary.border_edges;
+    borders.join(static_cast<int>(a), static_cast<int>(b));
+    at_border[a] = at_border[b] = 1;
   }
   std::vector<int> sizes(count, 0);
   for (int v = 0; v < summary.vertices; ++v) {

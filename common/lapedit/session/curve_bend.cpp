@@ -12,7 +12,7 @@ Vector3 position_of(const TriangleMesh& mesh, int vertex) {
   return mesh.vertices.row(vertex).transpose();
 }
 
-/// Returns the movement that a point keeps at a share of the path from its neighbour.
+/// Returns the movement that a point keeps at a fraction of the path from its neighbour.
 /// @param free_point, free_neighbour whether the point is an end of the curve
 double rise(double fraction, bool free_point, bool free_neighbour) {
   if (free_point && free_neighbour) {

@@ -8,15 +8,7 @@ namespace lapedit {
 /// Keys of a session, independent of their names in a window system.
 enum class DragKey : unsigned char {
   Digit0,
-  Digit1,
-  Digit2,
-  Digit3,
-  Digit4,
-  Digit5,
-  Digit6,
-  Digit7,
-  Digit8,
-  Digit9,
+  Digit9 = Digit0 + 9,
   Point,
   Minus,
   LockX,

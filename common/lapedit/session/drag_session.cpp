@@ -212,7 +212,7 @@ void DragSession::set_last_step(const HandleTransform& motion, double fraction, 
   } else if (!(motion.scale > 0) || !std::isfinite(motion.scale)) {
     model_.refusal = messages::out_of_range("factor of the last step", motion.scale, "a finite number greater than 0");
   } else if (!(fraction >= 0 && fraction <= 1)) {
-    model_.refusal = messages::out_of_range("share of the last step", fraction, "a number from 0 to 1");
+    model_.refusal = messages::out_of_range("fraction of the last step", fraction, "a number from 0 to 1");
   } else if (!motion.translation.allFinite() || !std::isfinite(motion.degrees)) {
     model_.refusal = messages::out_of_range("displacement of the last step", motion.translation.norm() + motion.degrees,
                                             "finite numbers");
@@ -266,26 +266,8 @@ void DragSession::whole_component() {
   change_region(lapedit::whole_component);
 }
 
-void DragSession::grow() {
-  change_region(grown_by_a_ring);
-}
-
-void DragSession::shrink() {
-  change_region(shrunk_by_a_ring);
-}
-
 void DragSession::clear() {
   change_region([](const Surface&, const Selection& now) { return Choice(cleared(now)); });
-}
-
-void DragSession::new_region() {
-  model_.refusal.clear();
-  model_.take(with_next_region(model_.selection));
-}
-
-void DragSession::next_group() {
-  model_.refusal.clear();
-  model_.take(with_next_group(model_.selection));
 }
 
 // --- Steps ----------------------------------------------------------------------------------------------------------
@@ -352,21 +334,6 @@ void DragSession::go_to(std::size_t actions) {
   }
 }
 
-void DragSession::reset() {
-  cancel();
-  mouse_.end_stroke();
-  const std::size_t count = model_.history.steps().size();
-  const AppliedStep* first = nullptr;
-  while (model_.history.can_undo()) {
-    const AppliedStep* const step = model_.undo();
-    first = step ? step : first;
-  }
-  if (first) {
-    model_.log(messages::all_undone(count));
-    solver_.take_over(*first, false);
-  }
-}
-
 Edit DragSession::saved() const {
   return with_positions(original(), *model_.adjacency, recorded());
 }
@@ -429,10 +396,10 @@ bool DragSession::key(DragKey key, const Cursor& cursor) {
       redo();
       return true;
     case DragKey::Grow:
-      grow();
+      change_region(grown_by_a_ring);
       return true;
     case DragKey::Shrink:
-      shrink();
+      change_region(shrunk_by_a_ring);
       return true;
     default:
       break;
@@ -458,10 +425,10 @@ bool DragSession::key(DragKey key, const Cursor& cursor) {
       set(&Tools::gizmo, !model_.tools.gizmo);
       return true;
     case DragKey::NextGroup:
-      next_group();
+      model_.take(with_next_group(model_.selection));
       return true;
     case DragKey::NewRegion:
-      new_region();
+      model_.take(with_next_region(model_.selection));
       return true;
     case DragKey::Curve:
       set(&Tools::mode, model_.selection.mode == HandleMode::Curve ? HandleMode::Vertex : HandleMode::Curve);

@@ -63,23 +63,14 @@ class DragSession {
   const TriangleMesh& mesh() const { return model_.mesh(); }  ///< with all applied steps, without a drag in progress
   const Adjacency& adjacency() const { return *model_.adjacency; }
   const ShownRegion& shown() const { return model_.shown; }  ///< the classified region to show, and its pose
-  /// Returns the handle groups, mesh vertex numbers.
-  const std::vector<std::vector<int>>& groups() const { return model_.groups(); }
+  const Selection& selection() const { return model_.selection; }
   /// Returns the groups, each merged with its mirror image where they touch, followed by the other images.
   const std::vector<std::vector<int>>& mirrored_groups() const { return model_.all_groups(); }
-  int group_of_image(int group) const;  ///< index in groups() of the group or image with an index in mirrored_groups()
-  int active_group() const { return model_.selection.active; }           ///< the one that moves, -1 if there is none
-  bool moves(int group) const { return model_.selection.moves(group); }  ///< with the next drag
-  /// Returns the curve of a group; its path is empty if the group is no curve.
-  const HandleCurve& curve(int group) const { return model_.selection.discs.curves[static_cast<std::size_t>(group)]; }
-  Affine active_map() const;         ///< the map of the active group in the drag, also before a pose is solved
+  int group_of_image(
+      int group) const;       ///< index in selection().groups of the group or image with an index in mirrored_groups()
+  Affine active_map() const;  ///< the map of the active group in the drag, also before a pose is solved
   const DragMotion* motion() const;  ///< the drag in progress, null if there is none
-  bool preparing() const { return solver_.preparing(); }           ///< a region is being prepared
-  double progress() const { return solver_.worker().progress(); }  ///< of that, 0 to 1
-  const char* stage() const { return solver_.worker().stage(); }   ///< of that
-  /// Returns whether frames of a drag are available, at least from the region's cells.
-  bool has_preview() const { return solver_.has_preview(); }
-  bool ready() const { return solver_.ready(); }         ///< the region is prepared
+  Preparation preparation() const { return solver_.preparation(); }
   bool busy() const { return solver_.worker().busy(); }  ///< poll() has, or will have, something new
   /// Returns brushed vertices that no handle reaches: they are kept, and join the region when they become connected.
   /// Ascending.
@@ -94,8 +85,6 @@ class DragSession {
   /// Returns the problem with the pose of the drag in progress or of the last step, and the remedy; empty if none is
   /// known.
   std::string warning() const;
-  bool next_is_region() const { return model_.selection.next == Selection::Next::Region; }  ///< of a click
-  const std::vector<int>& held() const { return model_.selection.held; }  ///< vertices painted as fixed, ascending
   DragFigures figures() const { return solver_.figures(); }
 
   // Settings ---------------------------------------------------------------------------------------------------------
@@ -141,7 +130,7 @@ class DragSession {
   // Keys -------------------------------------------------------------------------------------------------------------
 
   /// Handles a key; kKeyHelp describes them. @return whether the key has a meaning now
-  bool key(DragKey key, const Cursor& cursor);
+  bool key(DragKey key, const Cursor& cursor = {});
   void apply();   ///< applies the drag in progress
   void cancel();  ///< cancels the drag in progress; no bit of the mesh has changed
 
@@ -150,11 +139,7 @@ class DragSession {
   void set_region(std::vector<int> vertices);   ///< any order; keeps the handles inside it
   void set_anchors(std::vector<int> vertices);  ///< replaces the anchor band of the region
   void whole_component();                       ///< the connected components of the handles
-  void grow();                                  ///< by a ring
-  void shrink();
-  void new_region();  ///< makes the next click pick a new region
-  void next_group();  ///< makes the next click pick another handle group
-  void clear();       ///< no region, no handle
+  void clear();                                 ///< no region, no handle
 
   // Steps ------------------------------------------------------------------------------------------------------------
 
@@ -162,7 +147,6 @@ class DragSession {
   bool can_redo() const;
   void undo();  ///< cancels a drag in progress; otherwise undoes the last of timeline().done()
   void redo();
-  void reset();  ///< undoes all steps, and the actions after the first
   /// Undoes or redoes until this number of actions of timeline() is done; cancels a drag in progress.
   void go_to(std::size_t actions);
   const Timeline& timeline() const { return model_.timeline; }

@@ -8,13 +8,9 @@
 #include "lapedit/session/messages.h"
 
 namespace lapedit {
-namespace {
-
-constexpr double kRadiusOfDiagonal = 0.15;
-
-}  // namespace
 
 DragSettings settings_for(const TriangleMesh& mesh) {
+  constexpr double kRadiusOfDiagonal = 0.15;
   DragSettings settings;
   const Eigen::AlignedBox3d box = bounding_box(mesh.vertices);
   const double diagonal = box.isEmpty() ? 0 : box.diagonal().norm();
@@ -32,9 +28,9 @@ void validate(const DragSettings& settings) {
   } ranges[] = {
       {"region's radius", settings.radius, kShortest, kLongest, "a finite length greater than 0"},
       {"padding", settings.padding, 0, 1, "a fraction of the region's radius from 0 to 1"},
-      {"handle's share of the radius", settings.handle_fraction, 0, kLargestHandleFraction,
+      {"handle's size", settings.handle_fraction, 0, kLargestHandleFraction,
        "a number from 0, a single vertex, to 0.9"},
-      {"handle's softness", settings.softness, 0, 1, "a share of its disc from 0 to 1"},
+      {"handle's softness", settings.softness, 0, 1, "a fraction of its disc from 0 to 1"},
       {"gap to connect pieces over", settings.connect_gap, 0, kLongest, "a finite length, or 0 to leave pieces apart"},
       {"brush's radius", static_cast<double>(settings.brush_pixels), 1, 1000, "1 to 1000 pixels"}};
   for (const auto& range : ranges) {

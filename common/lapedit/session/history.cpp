@@ -66,16 +66,13 @@ Edit History::recorded() const {
   return edit;
 }
 
-const AppliedStep& History::apply(EditStep step, std::vector<int> vertices, Points after) {
-  StepPath path = path_of(step);
-  return apply(std::move(step), std::move(vertices), std::move(after), std::move(path));
-}
-
-const AppliedStep& History::apply(EditStep step, std::vector<int> vertices, Points after, StepPath path) {
+const AppliedStep& History::apply(EditStep step, std::vector<int> vertices, Points after,
+                                  std::optional<StepPath> path) {
   undone_.clear();
+  path = path ? std::move(path) : path_of(step);
   Points before = gather(mesh_->vertices, vertices);
   put(vertices, after);
-  steps_.push_back({std::move(step), std::move(vertices), std::move(before), std::move(after), std::move(path)});
+  steps_.push_back({std::move(step), std::move(vertices), std::move(before), std::move(after), std::move(*path)});
   return steps_.back();
 }
 

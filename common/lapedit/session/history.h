@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,8 +49,8 @@ class History {
   Edit recorded() const;
 
   /// Puts vertices to their positions after a step; what was undone is gone. @param after  one row per vertex
-  const AppliedStep& apply(EditStep step, std::vector<int> vertices, Points after);
-  const AppliedStep& apply(EditStep step, std::vector<int> vertices, Points after, StepPath path);
+  /// @param path  none: the step takes all of it
+  const AppliedStep& apply(EditStep step, std::vector<int> vertices, Points after, std::optional<StepPath> path = {});
   /// As if this step had been applied in place of the last one.
   const AppliedStep& amend(EditStep step, std::vector<int> vertices, Points after, StepPath path);
   /// Takes the last step back. There has to be one. @return the step

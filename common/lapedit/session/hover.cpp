@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/session/hover.h"
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <future>
 #include <system_error>
 
+#include "lapedit/mesh/distance_contour.h"
 #include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
@@ -29,47 +29,6 @@ std::optional<SurfaceHit> HoverSearch::hit(const Ray& ray) const {
   return faces_.first_hit(ray);
 }
 
-/// Adds the line where the distance equals the radius, straight through each face.
-void HoverSearch::trace(const std::vector<int>& reached, double radius, Points& segments) {
-  ends_.clear();
-  for (const int v : reached) {
-    if (search_.distance(v) > radius) {
-      break;  // nearest first
-    }
-    for (const int f : adjacency_.faces[v]) {
-      double distance[3];
-      int lowest = -1;
-      for (int k = 0; k < 3; ++k) {
-        const int corner = mesh_.faces(f, k);
-        distance[k] = search_.distance(corner);
-        if (distance[k] <= radius && (lowest < 0 || corner < lowest)) {
-          lowest = corner;
-        }
-      }
-      const int inside = static_cast<int>(std::count_if(distance, distance + 3, [&](double d) { return d <= radius; }));
-      if (lowest != v || inside == 3) {
-        continue;  // each face once, at its lowest corner inside
-      }
-      for (int k = 0; k < 3; ++k) {
-        int from = k, to = (k + 1) % 3;
-        if ((distance[from] <= radius) == (distance[to] <= radius)) {
-          continue;
-        }
-        if (distance[from] > radius) {
-          std::swap(from, to);
-        }
-        const Vector3 start = mesh_.vertices.row(mesh_.faces(f, from)), end = mesh_.vertices.row(mesh_.faces(f, to));
-        // Vertices that the search did not reach are as far as along the edge.
-        const double beyond = std::min(distance[to], distance[from] + (end - start).norm());
-        const double fraction = beyond > distance[from] ? (radius - distance[from]) / (beyond - distance[from]) : 0;
-        const Vector3 position = start + std::clamp(fraction, 0.0, 1.0) * (end - start);
-        ends_.insert(ends_.end(), position.data(), position.data() + 3);
-      }
-    }
-  }
-  segments = Eigen::Map<const Points>(ends_.data(), static_cast<Eigen::Index>(ends_.size() / 3), 3);
-}
-
 void HoverSearch::outline(int vertex, HoverPreview& preview) {
   preview.region.resize(0, 3);
   preview.disc.resize(0, 3);
@@ -79,10 +38,10 @@ void HoverSearch::outline(int vertex, HoverPreview& preview) {
   preview.is_whole = reached.size() < kMostVertices;
   const double seen = preview.is_whole || reached.empty() ? farthest : search_.distance(reached.back());
   if (with_region && preview.is_whole) {
-    trace(reached, preview.radius, preview.region);
+    distance_contour(mesh_, adjacency_, search_, preview.radius, reached, ends_, preview.region);
   }
   if (preview.disc_radius > 0 && preview.disc_radius <= seen) {
-    trace(reached, preview.disc_radius, preview.disc);
+    distance_contour(mesh_, adjacency_, search_, preview.disc_radius, reached, ends_, preview.disc);
   }
 }
 

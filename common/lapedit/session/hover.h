@@ -60,8 +60,6 @@ class HoverSearch {
   static constexpr std::size_t kMostVertices = 20000;
 
  private:
-  void trace(const std::vector<int>& reached, double radius, Points& segments);
-
   const TriangleMesh& mesh_;
   const Adjacency& adjacency_;
   Visibility faces_;

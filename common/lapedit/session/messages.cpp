@@ -125,9 +125,4 @@ std::string step_changed(std::size_t number, const char* how) {
   return format_text("step %zu %s", number, how);
 }
 
-std::string all_undone(std::size_t steps) {
-  return format_text(steps == 1 ? "back to the original: %zu step undone" : "back to the original: %zu steps undone",
-                     steps);
-}
-
 }  // namespace lapedit::messages

@@ -57,7 +57,6 @@ constexpr const char* kNoAnchors =
 constexpr const char* kNothingToHold = "These vertices are already kept fixed, or are in a handle: paint others.";
 constexpr const char* kNoMotion =
     "Nothing is being moved: drag the handle, or press T, R or S first; then X, Y, Z, N and digits apply.";
-constexpr const char* kNoPivot = "There is no handle yet whose pivot could be placed: click on the surface first.";
 constexpr const char* kNoHandle = "There is no handle yet: click on the surface first.";
 constexpr const char* kNothingToUndo = "There is nothing to undo.";
 constexpr const char* kNothingToRedo = "There is nothing to redo.";
@@ -78,9 +77,7 @@ std::string single_vertex(MotionKind kind, int vertex);
 
 // Lines for a log ----------------------------------------------------------------------------------------------------
 
-constexpr const char* kStrokeOfRegion = "Brush: region";
-constexpr const char* kStrokeOfHandle = "Brush: handle";
-constexpr const char* kStrokeOfFixed = "Brush: keep fixed";
+constexpr const char* kStrokeOf[] = {"Brush: region", "Brush: handle", "Brush: keep fixed"};  // by BrushTarget
 constexpr const char* kSavedStep = "Step of a saved edit";
 constexpr const char* kStrokeUndone = "stroke of the brush undone";
 constexpr const char* kStrokeRedone = "stroke of the brush redone";
@@ -90,6 +87,5 @@ std::string step_applied(std::size_t number, const DragMotion& motion, const std
 std::string step_amended(std::size_t number, int region_size, double prepare_ms, double solve_ms);
 std::string edit_applied(std::size_t steps);
 std::string step_changed(std::size_t number, const char* how);  ///< "undone", "redone"
-std::string all_undone(std::size_t steps);
 
 }  // namespace lapedit::messages

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "lapedit/mesh/painted_region.h"
 #include "lapedit/mesh/surface_measures.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "lapedit/session/picking.h"
@@ -107,7 +108,7 @@ void SessionModel::show_mesh(const std::vector<int>& vertices, const Points& pos
 }
 
 void SessionModel::show_by_hand() {
-  show_region(std::make_shared<const Region>(region_by_hand(mesh(), *adjacency, selection.region.vertices, groups())));
+  show_region(std::make_shared<const Region>(painted_region(mesh(), *adjacency, selection.region.vertices, groups())));
 }
 
 void SessionModel::back_to_mesh(bool settled) {

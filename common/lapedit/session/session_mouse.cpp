@@ -334,10 +334,7 @@ void SessionMouse::brush(const Cursor& cursor) {
     return;
   }
   if (!std::exchange(pressed_->recorded, true)) {  // a stroke without effect is not an action
-    const char* const name = model_.tools.brush == BrushTarget::Region   ? messages::kStrokeOfRegion
-                             : model_.tools.brush == BrushTarget::Handle ? messages::kStrokeOfHandle
-                                                                         : messages::kStrokeOfFixed;
-    model_.timeline.add({name, false, std::move(before)});
+    model_.timeline.add({messages::kStrokeOf[static_cast<int>(model_.tools.brush)], false, std::move(before)});
   }
   solver_.rest(false);
   if (!model_.selection.has_region) {

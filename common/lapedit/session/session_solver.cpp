@@ -24,7 +24,7 @@ bool SessionSolver::amendable() const {
 }
 
 Surface SessionSolver::surface() const {
-  return {model_.mesh(), *model_.adjacency, model_.settings, model_.shown.region().get(), ready()};
+  return {model_.mesh(), *model_.adjacency, model_.settings, model_.shown.region().get(), preparation_.ready};
 }
 
 DragFigures SessionSolver::figures() const {
@@ -56,8 +56,7 @@ void SessionSolver::handles_changed() {
 }
 
 void SessionSolver::request_preparation(PrepareTask task) {
-  preparation_ = Preparation::Running;
-  has_preview_ = false;
+  preparation_ = {true};
   worker_.prepare(std::move(task));
 }
 
@@ -68,8 +67,7 @@ void SessionSolver::prepare() {
   tools.mirrored.reset();
   const Selection& selection = model_.selection;
   if (selection.groups.empty()) {
-    preparation_ = Preparation::None;
-    has_preview_ = false;
+    preparation_ = {};
     worker_.cancel();
     return;
   }
@@ -103,9 +101,9 @@ bool SessionSolver::begin(MotionKind kind, const Vector3& grab, const Cursor& cu
     model_.refusal = messages::single_vertex(kind, group.front());
     return false;
   }
-  if (preparation_ == Preparation::None) {
+  if (!preparation_.running && !preparation_.ready) {
     prepare();  // refused before: reports the reason again
-    if (preparation_ == Preparation::None) {
+    if (!preparation_.running && !preparation_.ready) {
       return false;
     }
   }
@@ -320,7 +318,7 @@ void SessionSolver::show_amended(const Amending& amending) {
 }
 
 void SessionSolver::load(Edit edit) {
-  preparation_ = Preparation::Running;
+  preparation_.running = true;
   worker_.apply({model_.history.mesh(), model_.adjacency, edit, model_.scalar});
   phase_ = Loading{std::move(edit), amendable()};
 }
@@ -407,8 +405,7 @@ void SessionSolver::progress() {
 // --- Answers ---------------------------------------------------------------------------------------------------------
 
 void SessionSolver::on_error(const std::string& sentence) {
-  preparation_ = Preparation::None;
-  has_preview_ = false;
+  preparation_ = {};
   model_.log(messages::not_possible(sentence));
   if (in_progress()) {
     discard();
@@ -482,11 +479,11 @@ SessionSolver::Response SessionSolver::poll() {
     }
   }
   if (update.preview) {
-    has_preview_ = true;
+    preparation_.has_preview = true;
     figures_.preview_ms = update.preview_ms;
   }
   if (update.ready) {
-    preparation_ = Preparation::Done;
+    preparation_ = {false, true, true};
     figures_.reused = update.reused;
     figures_.full_frames = update.full_frames;
     figures_.prepare_ms = update.prepare_ms;

@@ -60,6 +60,15 @@ using Phase = std::variant<Idle, Picked, Dragging, Amending, Loading>;
 
 }  // namespace phase
 
+/// How far the preparation of the region is.
+struct Preparation {
+  bool running = false;
+  bool has_preview = false;  ///< frames of a drag are available, at least from the region's cells
+  bool ready = false;
+  double progress = 0;  ///< 0 to 1
+  const char* stage = "";
+};
+
 /// Figures of the panel. Counts of the region; milliseconds; lengths in model units.
 struct DragFigures {
   int handle = 0, free = 0, anchors = 0, fixed = 0;
@@ -106,9 +115,9 @@ class SessionSolver {
   Surface surface() const;
   DragFigures figures() const;
   std::optional<LastStep> last_step() const;
-  bool preparing() const { return preparation_ == Preparation::Running; }
-  bool ready() const { return preparation_ == Preparation::Done; }
-  bool has_preview() const { return has_preview_; }
+  Preparation preparation() const {
+    return {preparation_.running, preparation_.has_preview, preparation_.ready, worker_.progress(), worker_.stage()};
+  }
   const SolverThread& worker() const { return worker_; }
 
   // Regions ----------------------------------------------------------------------------------------------------------
@@ -150,8 +159,6 @@ class SessionSolver {
   bool wait() { return worker_.wait(); }
 
  private:
-  enum class Preparation { None, Running, Done };
-
   void request_preparation(PrepareTask task);
   void set_targets(phase::Dragging& drag) const;
   bool take_pose();
@@ -167,9 +174,8 @@ class SessionSolver {
 
   SessionModel& model_;
   phase::Phase phase_;
-  Preparation preparation_ = Preparation::None;
-  bool has_preview_ = false;  // frames are available, at least from the cells
-  DragFigures figures_;       // times and errors that the solver reported
+  Preparation preparation_;  // without progress and stage
+  DragFigures figures_;      // times and errors that the solver reported
   SolverPose solved_;
   SolverThread worker_;  // last: its thread ends first
 };

@@ -8,10 +8,6 @@
 
 namespace lapedit {
 
-/// Returns a painted region before its distances are known, with its rim as anchors. O(region).
-Region region_by_hand(const TriangleMesh& mesh, const Adjacency& adjacency, const std::vector<int>& vertices,
-                      const std::vector<std::vector<int>>& groups);
-
 /// The shown region and its pose.
 class ShownRegion {
  public:

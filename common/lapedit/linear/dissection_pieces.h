@@ -21,9 +21,9 @@ constexpr double kMostSeparated = 0.6;
 /// Vertices to be ordered, surrounded by ghosts: adjacent vertices of separators above. Two
 /// vertices with a common ghost are neighbours in the matrix's graph.
 struct Piece {
-  int own = 0;              ///< vertices 0 .. own - 1 are its own, the others ghosts
+  int inner = 0;            ///< vertices 0 .. inner - 1 are to be ordered, the others are ghosts
   std::vector<int> vertex;  ///< their numbers in the whole graph
-  IndexLists next;          ///< first neighbours; a ghost's are own vertices only
+  IndexLists next;          ///< first neighbours; a ghost's are inner vertices only
   std::vector<float> at;    ///< coordinates, three each
 
   int size() const { return static_cast<int>(vertex.size()); }
@@ -39,8 +39,8 @@ struct Scratch {
   std::vector<std::uint8_t> position;  // bin along the axis; then whether beyond the cut
   std::vector<float> along;            // coordinate on the axis
   std::vector<int> queue, level;       // of the breadth-first search
-  std::vector<int> local;              // number in a part
-  std::vector<int> from, values;       // of a part
+  std::vector<int> local;              // number in a piece
+  std::vector<int> from, values;       // of a piece
   std::vector<std::uint64_t> nets;     // of a leaf
 
   // Of a band, see minimum_vertex_separator.cpp.
@@ -65,13 +65,13 @@ inline bool is_division(const Counts& counts) {
   return std::min(counts[kLow], counts[kHigh]) >= kLeastPart * n && counts[kSeparator] <= kMostSeparated * n;
 }
 
-/// Returns the cost of a separator per vertex of the piece: the entries of its own triangle, and more for an uneven
-/// division, whose larger part needs more levels.
+/// Returns the cost of a separator per vertex of the piece: the entries of its triangle, and more for an uneven
+/// division, whose larger side needs more levels.
 inline double score(double low, double high, double separator) {
   low = std::max(low, 0.0);
   high = std::max(high, 0.0);
-  const double part = (low + 0.5) / (low + high + 1);
-  const double entropy = -(part * std::log2(part) + (1 - part) * std::log2(1 - part));
+  const double fraction = (low + 0.5) / (low + high + 1);
+  const double entropy = -(fraction * std::log2(fraction) + (1 - fraction) * std::log2(1 - fraction));
   return 0.5 * separator * separator / (low + high + separator) + kBalance * (1 - entropy);
 }
 

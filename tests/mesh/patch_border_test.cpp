@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/session/patch_border.h"
+#include "lapedit/mesh/patch_border.h"
 
 #include <gtest/gtest.h>
 

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/session/patch_border.h"
+#include "lapedit/mesh/patch_border.h"
 
 #include <algorithm>
 #include <cstddef>
 #include <utility>
 
 namespace lapedit {
-namespace {
 
 using Edge = std::pair<unsigned, unsigned>;
 
-/// Returns the edges that occur once, ascending.
 std::vector<Edge> single_edges(const std::vector<unsigned>& corners) {
   std::vector<Edge> edges;
   edges.reserve(corners.size());
@@ -32,8 +30,6 @@ std::vector<Edge> single_edges(const std::vector<unsigned>& corners) {
   edges.resize(kept);
   return edges;
 }
-
-}  // namespace
 
 Chains border_of(const std::vector<unsigned>& corners) {
   const std::vector<Edge> edges = single_edges(corners);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/session/vertex_stretch.h"
+#include "lapedit/mesh/vertex_stretch.h"
 
 #include <algorithm>
 #include <cmath>
