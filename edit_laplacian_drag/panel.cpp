@@ -141,8 +141,7 @@ void Panel::showFigures(const DragSession& session, const FrameTimes& median) {
                        .arg(figures.steps));
   times_->setText(
       tr("First frame after %1 ms, prepared in %2 ms, solved in %3 ms")
-          .arg(text(figures.preview_ms, 'f', 1), text(figures.prepare_ms, 'f', 1), text(figures.solve_ms, 'f', 1)) +
-      (figures.reused.empty() ? QString() : "\n" + tr("Reused: %1").arg(QString::fromStdString(figures.reused))));
+          .arg(text(figures.preview_ms, 'f', 1), text(figures.prepare_ms, 'f', 1), text(figures.solve_ms, 'f', 1)));
   const auto frame = [&](double milliseconds, int digits) {
     return text(median.total > 0 ? std::optional(milliseconds) : std::nullopt, 'f', digits);
   };

@@ -216,7 +216,7 @@ void Panel::addStatistics() {
   region_ = figure("region", tr("Vertices of the region by class, and of the mesh outside it"));
   times_ = figure("times",
                   tr("Milliseconds until the first frame of a drag was possible, to prepare the region and to solve "
-                     "for the last pose, and what was reused of the region before"));
+                     "for the last pose"));
   frame_ = figure("frame", tr("A frame of the drag, from the mouse's move to the picture: medians of the last frames"));
   quality_ = figure("quality", tr("Of the last pose: how far the handle is from its target, the most stretched edge, "
                                   "and where it folded"));

@@ -14,10 +14,6 @@
 namespace lapedit {
 namespace {
 
-Vector3 position_of(const Points& points, int v) {
-  return points.row(v).transpose();
-}
-
 [[noreturn]] void refuse_missing(const TriangleMesh& mesh, const std::vector<int>& missing, std::size_t of) {
   const Vector3 position = position_of(mesh.vertices, missing[0]);
   throw EditError(ErrorCause::BadParameter,

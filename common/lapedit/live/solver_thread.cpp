@@ -219,7 +219,6 @@ void SolverThread::Impl::publish_ready(int mine, double prepare_ms, bool has_pre
     SolverUpdate& update = response.update;
     update.ready = true;
     update.prepare_ms = prepare_ms;
-    update.reused = work.system->figures.reused;
     update.full_frames = !has_frames();
     if (!has_preview) {
       update.preview = true;

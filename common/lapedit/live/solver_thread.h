@@ -44,7 +44,6 @@ struct SolverUpdate {
   double preview_ms = 0;                 ///< time from the request to that state
   bool ready = false;                    ///< prepared: solve() has responses from the system
   double prepare_ms = 0;                 ///< time of all stages, once ready
-  std::string reused;                    ///< once ready: see EditReport::reused
   bool full_frames = false;              ///< once ready: frames are full solutions, see StepSolver::has_frames()
   bool pose = false;                     ///< poll() filled its argument with a pose
   std::shared_ptr<const EditReport> report;

@@ -12,10 +12,6 @@
 namespace lapedit {
 namespace {
 
-Vector3 position_of(const Points& points, int v) {
-  return points.row(v).transpose();
-}
-
 double mean_edge(const TriangleMesh& mesh) {
   double sum = 0;
   Eigen::Index count = 0;

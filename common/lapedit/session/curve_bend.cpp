@@ -8,10 +8,6 @@
 namespace lapedit {
 namespace {
 
-Vector3 position_of(const TriangleMesh& mesh, int vertex) {
-  return mesh.vertices.row(vertex).transpose();
-}
-
 /// Returns the movement that a point keeps at a fraction of the path from its neighbour.
 /// @param free_point, free_neighbour whether the point is an end of the curve
 double rise(double fraction, bool free_point, bool free_neighbour) {
@@ -30,7 +26,7 @@ std::vector<double> bend_weights(const TriangleMesh& mesh, const std::vector<int
   const std::vector<int>& path = curve.path;
   std::vector<double> length(path.size(), 0);
   for (std::size_t i = 1; i < path.size(); ++i) {
-    length[i] = length[i - 1] + (position_of(mesh, path[i]) - position_of(mesh, path[i - 1])).norm();
+    length[i] = length[i - 1] + (position_of(mesh.vertices, path[i]) - position_of(mesh.vertices, path[i - 1])).norm();
   }
   const bool closed = path.front() == path.back();
   const int last = static_cast<int>(curve.points.size()) - 1;
@@ -60,11 +56,11 @@ std::vector<double> bend_weights(const TriangleMesh& mesh, const std::vector<int
 
 int mirrored_point(const TriangleMesh& mesh, const HandleCurve& curve, int point, const Affine& mirror) {
   constexpr double kOfWay = 0.25;  // of the distance from the point to its image
-  const Vector3 position = position_of(mesh, curve.path[curve.points[point]]), image = mirror * position;
+  const Vector3 position = position_of(mesh.vertices, curve.path[curve.points[point]]), image = mirror * position;
   double nearest = kOfWay * (image - position).norm();
   int found = -1;
   for (int k = 0; k < static_cast<int>(curve.points.size()); ++k) {
-    const double distance = (position_of(mesh, curve.path[curve.points[k]]) - image).norm();
+    const double distance = (position_of(mesh.vertices, curve.path[curve.points[k]]) - image).norm();
     if (k != point && distance < nearest) {
       nearest = distance;
       found = k;

@@ -62,7 +62,6 @@ void SessionSolver::request_preparation(PrepareTask task) {
 
 void SessionSolver::prepare() {
   figures_.preview_ms = figures_.prepare_ms = std::nullopt;
-  figures_.reused.clear();
   ToolState& tools = model_.tools;
   tools.mirrored.reset();
   const Selection& selection = model_.selection;
@@ -484,7 +483,6 @@ SessionSolver::Response SessionSolver::poll() {
   }
   if (update.ready) {
     preparation_ = {false, true, true};
-    figures_.reused = update.reused;
     figures_.full_frames = update.full_frames;
     figures_.prepare_ms = update.prepare_ms;
   }

@@ -80,7 +80,6 @@ struct DragFigures {
   std::optional<double> largest_stretch;  ///< of an edge, new over old length minus 1, of the last report
   std::string advice;                     ///< of the last report; empty: none
   bool full_frames = false;               ///< each frame of a drag is a full solution
-  std::string reused;                     ///< what was reused from the previous region
   int steps = 0;                          ///< applied
 };
 
