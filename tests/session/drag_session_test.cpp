@@ -85,17 +85,6 @@ TEST(DragSession, EachMoveShowsAPassingPoseOfTheNewestCursor) {
   EXPECT_TRUE(same_bits(window.session.mesh().vertices, window.session.original().vertices));
 }
 
-TEST(DragSession, PerspectiveDragStaysInThePlaneOfThePicture) {
-  const TriangleMesh mesh = hills();
-  Window window(mesh, support::view_from(Vector3(30, -60, 60), Vector3(30, 30, 0)));
-  const Vector3 before = window.host().row(kMiddle).transpose();
-  const Vector2 target = window.at(kMiddle).pixel + Vector2(20, -90);
-  window.drag(kMiddle, Vector2(20, -90));
-  const Vector3 after = window.host().row(kMiddle).transpose();
-  EXPECT_LT((window.view.pixel(after) - target).norm(), 0.2);
-  EXPECT_NEAR((after - before).dot(Vector3(0, -90, 60).normalized()), 0, 1e-2 * (after - before).norm());
-}
-
 TEST(DragSession, HandleIsTakenHoldOfByItsMarkThoughAFoldHidesIt) {
   Window window(hills());
   DragSettings settings = window.session.settings();
@@ -264,20 +253,6 @@ TEST(DragSession, NormalLockFollowsTheSurface) {
   const Vector3 way = window.session.recorded().steps.at(0).handles[0].transform.translation;
   EXPECT_NEAR(way.norm(), 0.5, 1e-12);
   EXPECT_LT(std::acos(way.normalized().dot(window.session.original().vertices.row(vertex).normalized())), 0.02);
-}
-
-TEST(DragSession, LockedAxisKeepsTheOtherCoordinates) {
-  Window window(hills());
-  window.press(kMiddle);
-  window.session.move(window.at(kMiddle, Vector2(10, 10)));
-  window.session.key(DragKey::LockX, window.at(kMiddle, Vector2(10, 10)));
-  window.session.move(window.at(kMiddle, Vector2(80, 55)));
-  window.session.release(window.at(kMiddle, Vector2(80, 55)));
-  window.session.wait();
-  const Vector3 way = window.session.recorded().steps.at(0).handles[0].transform.translation;
-  EXPECT_NEAR(way.x(), 80 * window.view.pixel_size(Vector3(30, 30, 0)), 1e-9);
-  EXPECT_EQ(way.y(), 0);
-  EXPECT_EQ(way.z(), 0);
 }
 
 TEST(DragSession, TurnAndScaleGoAboutTheGroupsCenter) {
