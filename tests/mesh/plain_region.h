@@ -156,7 +156,7 @@ inline Adjacency plain_adjacency(const TriangleMesh& mesh) {
 /// A mesh's adjacency, and a region of each kind around handles, with bands, kept anchors and none, as large as a
 /// fraction of all that the handles reach.
 inline void expect_plain_regions(const TriangleMesh& mesh, const std::vector<std::vector<int>>& groups, double fraction,
-                                 const std::vector<double>& paddings) {
+                                 const std::vector<double>& paddings = {0, 0.1}) {
   const Adjacency adjacency = plain_adjacency(mesh);
   for (const int threads : {1, 2, 3}) {
     const Adjacency built = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces, threads);
