@@ -134,11 +134,12 @@ TEST_P(OperatorOn, MeanValueIsSymmetricAndPositive) {
 /// Fails if a weight is not that of its definition by angles, or faces across the rim of a region do not count.
 TEST(DifferentialOperator, IsThatOfTheDenseReference) {
   const TriangleMesh letters = shapes::letter_field(14, 9), sphere = shapes::icosphere(2),
-                     arm = shapes::tapered_arm(10, 20);
+                     arm = shapes::tapered_arm(10, 20), grid = shapes::grid(3, 3);
   const std::pair<const TriangleMesh&, Region> regions[] = {
       {letters, whole(letters)},
       {sphere, whole(sphere)},
       {arm, whole(arm)},
+      {grid, whole(grid)},  // right angles
       {letters, support::region_of(letters, support::within(0.8), {{60}})}};
   for (const auto& [mesh, region] : regions) {
     for (const LaplacianKind kind : kKinds) {

@@ -385,6 +385,8 @@ class ReportOfAnEdit : public testing::Test {
 TEST_F(ReportOfAnEdit, NumbersAreThoseOfTheEdit) {
   for (const EditSettings& settings : {EditSettings(), EditSettings::of(EditMethod::Paper)}) {
     const EditReport r = report(settings);
+    EXPECT_EQ(r.handle, 2);
+    EXPECT_GT(r.fixed, 100);
     EXPECT_NEAR(r.handle_displacement, 10, 1e-12);
     EXPECT_GT(r.handle_residual, 0);
     EXPECT_LT(r.handle_residual, 0.005 * 10);

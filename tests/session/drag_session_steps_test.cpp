@@ -164,6 +164,19 @@ TEST(DragRegion, KeysEndAStroke) {
   window.expect_consistent();
 }
 
+TEST(DragRegion, BrushMakesARegionWithoutTheFarSide) {
+  const TriangleMesh sphere = shapes::icosphere(4);
+  Window window(sphere, support::view_from(Vector3(5, 0, 0), Vector3::Zero()));
+  window.change([](DragSettings& s) { s.brush_pixels = 500; });
+  const int front = support::vertex_at(sphere, Vector3::UnitX());
+  window.drag(front, Vector2(5, 0), kAdd);
+  ASSERT_NE(window.session.shown().region(), nullptr);
+  EXPECT_GT(window.region().size(), 100U);
+  for (const int v : window.region()) {
+    EXPECT_GT(window.host()(v, 0), 0.1);
+  }
+}
+
 TEST(DragRegion, GrowsAndShrinksByARingAndGrowsToTheComponent) {
   Window window(plate());
   window.session.whole_component();
@@ -634,10 +647,10 @@ TEST(DragSteps, FiguresTellOfTheLastStep) {
 /// The middle dragged over the region's rim: the plate folds there.
 TEST(DragSteps, AdviceIsGivenWhereAStepFolded) {
   Window window(plate());
-  DragSettings settings = window.session.settings();
-  settings.edit = EditSettings::of(EditMethod::Paper);
-  settings.edit.method = EditMethod::Linear;
-  window.session.set_settings(settings);
+  window.change([](DragSettings& s) {
+    s.edit = EditSettings::of(EditMethod::Paper);
+    s.edit.method = EditMethod::Linear;
+  });
   window.drag(kMiddle, Vector2(20, 10));
   ASSERT_EQ(window.log.size(), 1U);
   EXPECT_EQ(window.log[0].find("folded"), std::string::npos);

@@ -87,9 +87,7 @@ TEST(DragSession, EachMoveShowsAPassingPoseOfTheNewestCursor) {
 
 TEST(DragSession, HandleIsTakenHoldOfByItsMarkThoughAFoldHidesIt) {
   Window window(hills());
-  DragSettings settings = window.session.settings();
-  settings.radius = 6;
-  window.session.set_settings(settings);
+  window.change([](DragSettings& s) { s.radius = 6; });
   window.drag(kMiddle, Vector2(30, 10));  // sideways: the sheet folds over
   window.drag(kMiddle, Vector2(10, 30));
   EXPECT_EQ(window.session.recorded().steps.size(), 2U);
@@ -133,7 +131,7 @@ TEST(DragSession, ClickShowsTheRegionAndMovesNothing) {
 TEST(DragSession, ClickBesideTheMeshSaysSoAndDoesNothing) {
   Window window(hills());
   window.session.press(window.at(Vector2(1, 1)));
-  EXPECT_NE(window.session.message().find("no surface"), std::string::npos);
+  EXPECT_TRUE(window.says("no surface"));
   window.session.move(window.at(Vector2(100, 100)));
   window.session.release(window.at(Vector2(100, 100)));
   window.session.wait();
@@ -255,11 +253,23 @@ TEST(DragSession, NormalLockFollowsTheSurface) {
   EXPECT_LT(std::acos(way.normalized().dot(window.session.original().vertices.row(vertex).normalized())), 0.02);
 }
 
+TEST(DragSession, LockedAxisKeepsTheOtherCoordinates) {
+  Window window(hills());
+  window.press(kMiddle);
+  window.session.move(window.at(kMiddle, Vector2(10, 10)));
+  window.session.key(DragKey::LockX, window.at(kMiddle, Vector2(10, 10)));
+  window.session.move(window.at(kMiddle, Vector2(80, 55)));
+  window.session.release(window.at(kMiddle, Vector2(80, 55)));
+  window.session.wait();
+  const Vector3 way = window.session.recorded().steps.at(0).handles[0].transform.translation;
+  EXPECT_NEAR(way.x(), 80 * window.view.pixel_size(Vector3(30, 30, 0)), 1e-9);
+  EXPECT_EQ(way.y(), 0);
+  EXPECT_EQ(way.z(), 0);
+}
+
 TEST(DragSession, TurnAndScaleGoAboutTheGroupsCenter) {
   Window window(hills());
-  DragSettings settings = window.session.settings();
-  settings.handle_fraction = 3 / settings.radius;
-  window.session.set_settings(settings);
+  window.change([](DragSettings& s) { s.handle_fraction = 3 / s.radius; });
   window.click(kMiddle);
   EXPECT_GT(window.session.groups().at(0).size(), 5U);
   window.keys("rz30\r");
@@ -281,14 +291,11 @@ TEST(DragSession, TurnAndScaleGoAboutTheGroupsCenter) {
 TEST(DragSession, SaysWhereFramesAreFullSolutions) {
   for (const EditMethod method : {EditMethod::Default, EditMethod::Paper}) {
     Window window(hills());
-    DragSettings settings = window.session.settings();
-    settings.edit = EditSettings::of(method);
-    window.session.set_settings(settings);
+    window.change([method](DragSettings& s) { s.edit = EditSettings::of(method); });
     window.click(kMiddle);
     window.press(kMiddle);
     window.session.move(window.at(window.at(kMiddle).pixel + Vector2(20, 10)));
-    EXPECT_EQ(window.session.message().find("each frame is a full solution") != std::string::npos,
-              method == EditMethod::Paper);
+    EXPECT_EQ(window.says("each frame is a full solution"), method == EditMethod::Paper);
   }
 }
 
