@@ -85,6 +85,19 @@ Points solve(const TriangleMesh& mesh, const Region& region, const EditSettings&
     }
   }
   const std::set<std::pair<int, int>> edges = edges_of(mesh, region);
+  Eigen::VectorXd constraint_weights = Eigen::VectorXd::Zero(n);
+  for (int i = 0; i < n; ++i) {
+    constraint_weights[i] = region.classes[i] == VertexClass::Handle ? settings.handle_weight * region.weight(i)
+                            : region.classes[i] == VertexClass::Anchor
+                                ? settings.anchor_weight * region.anchor_weight[i]
+                                : 0;
+  }
+  if (settings.method == EditMethod::Paper && settings.membrane > 0) {  // whole coordinates rotate: no sum of squares
+    const double factor = membrane_of(settings, edges, rest, weights);
+    const Matrix left = m.transpose() + Matrix((factor * weights.rowwise().sum()).asDiagonal());
+    const Matrix squared = constraint_weights.cwiseAbs2().asDiagonal();
+    return (left * m + squared).ldlt().solve(left * deltas + squared * Matrix(targets));
+  }
   const double stretch = settings.membrane > 0 ? membrane_of(settings, edges, rest, weights) / 2 : 0;  // each twice
   const Eigen::Index stacked = 2 * n + (stretch > 0 ? static_cast<Eigen::Index>(edges.size()) : 0);
   Matrix a = Matrix::Zero(stacked, n), b = Matrix::Zero(stacked, 3);
@@ -95,11 +108,8 @@ Points solve(const TriangleMesh& mesh, const Region& region, const EditSettings&
     b.topRows(n) = (m * b.topRows(n)).eval();
   }
   for (int i = 0; i < n; ++i) {
-    const double weight = region.classes[i] == VertexClass::Handle   ? settings.handle_weight * region.weight(i)
-                          : region.classes[i] == VertexClass::Anchor ? settings.anchor_weight * region.anchor_weight[i]
-                                                                     : 0;
-    a(n + i, i) = weight;
-    b.row(n + i) = weight * targets.row(i);
+    a(n + i, i) = constraint_weights[i];
+    b.row(n + i) = constraint_weights[i] * targets.row(i);
   }
   Eigen::Index row = 2 * n;
   for (auto edge = edges.begin(); row < stacked; ++edge, ++row) {
@@ -110,10 +120,6 @@ Points solve(const TriangleMesh& mesh, const Region& region, const EditSettings&
     b.row(row) = weight * rotated(i, j).transpose();
   }
   return Eigen::ColPivHouseholderQR<Matrix>(a).solve(b);
-}
-
-Matrix solve(const Matrix& a, const Matrix& b) {
-  return Eigen::PartialPivLU<Matrix>(a).solve(b);
 }
 
 Points normals(const Points& points, const Faces& faces) {

@@ -29,13 +29,10 @@ double membrane_of(const EditSettings& settings, const std::set<std::pair<int, i
                    const Matrix& weights);
 
 /// Positions that fit the rotated differential coordinates and the constraints best.
-/// @param settings  with a membrane: of order 1, turning edges
+/// @param settings  with a membrane: of order 1
 /// @param targets  one row per region vertex; those of free vertices do not matter
 Points solve(const TriangleMesh& mesh, const Region& region, const EditSettings& settings, const Points& targets,
              const std::vector<Matrix3>& rotations);
-
-/// Of a square system.
-Matrix solve(const Matrix& a, const Matrix& b);
 
 /// Area-weighted unit normals.
 Points normals(const Points& points, const Faces& faces);

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <chrono>
 #include <map>
-#include <memory>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -30,7 +31,7 @@ inline Camera view_from_above(const Points& points) {
   return Camera(to_clip, kWidth, kHeight);
 }
 
-/// Perspective, from a place towards another, 45 degrees high.
+/// Perspective, from one position towards another, 45 degrees high.
 inline Camera view_from(const Vector3& eye, const Vector3& target, const Vector3& up = Vector3::UnitZ()) {
   const Vector3 toward = (eye - target).normalized();
   const Vector3 right = up.cross(toward).normalized();
@@ -91,20 +92,52 @@ class Window {
     session.wait();
   }
   /// Press, three moves, release, result.
-  void drag(int vertex, const Vector2& way, PressModifiers modifiers = {}) {
+  void drag(int vertex, const Vector2& displacement, PressModifiers modifiers = {}) {
     const Vector2 from = at(vertex).pixel;
     press(vertex, modifiers);
-    for (const double part : {0.3, 0.7, 1.0}) {
-      session.move(at(from + part * way));
+    for (const double fraction : {0.3, 0.7, 1.0}) {
+      session.move(at(from + fraction * displacement));
     }
-    session.release(at(from + way));
+    session.release(at(from + displacement));
     session.wait();
+  }
+  /// Changes settings, as a panel does.
+  template <class Change>
+  void change(const Change& changed) {
+    DragSettings settings = session.settings();
+    changed(settings);
+    session.set_settings(settings);
+    session.wait();
+  }
+  void undo(int times = 1) {
+    for (int k = 0; k < times; ++k) {
+      session.undo();
+      session.wait();
+    }
+  }
+  void redo(int times = 1) {
+    for (int k = 0; k < times; ++k) {
+      session.redo();
+      session.wait();
+    }
   }
   void keys(const std::string& text, const Vector2& pixel = Vector2(kWidth / 2, kHeight / 2)) {
     for (const char key : text) {
       session.key(key_of(key), at(pixel));
     }
     session.wait();
+  }
+
+  const std::vector<int>& region() const { return session.shown().region()->mesh_vertex; }
+  bool says(const std::string& text) const { return session.message().find(text) != std::string::npos; }
+  /// The preview under the cursor, null if none appears: another thread builds the search tree first.
+  const HoverPreview* hovered(const Cursor& cursor) {
+    for (int i = 0; i < 1000 && !session.hover(); ++i) {
+      session.hover(cursor, {});
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    session.hover(cursor, {});
+    return session.hover();
   }
 
   /// The mesh of the host, the session and the record are the same to the bit.

@@ -158,7 +158,7 @@ TEST_P(EditProperties, OutsideTheRegionNothingIsTouched) {
   EXPECT_EQ(result.vertices, region_of(edit).mesh_vertex);
   EXPECT_TRUE(result.positions.allFinite());
   EXPECT_TRUE(result.positions == result.positions.cast<float>().cast<double>()) << "fits a float mesh";
-  // The handle's way is met to 0.5 %, and the rim, softly held, moves by less than 0.2 % of it.
+  // The handle's displacement is met to 0.5 %, and the rim, softly held, moves by less than 0.2 % of it.
   const EditReport& report = result.reports.front();
   EXPECT_GT(report.handle_displacement, 0);
   EXPECT_LT(report.handle_residual, 0.005 * report.handle_displacement);
@@ -176,12 +176,12 @@ TEST_P(EditProperties, TranslatingAllTranslatesTheResult) {
   });
 }
 
-TEST_P(EditProperties, TurningAndScalingAllTurnsAndScalesTheResult) {
+TEST_P(EditProperties, RotatingAndScalingAllRotatesAndScalesTheResult) {
   const EditCase edit = GetParam().make();
   std::vector<Camera> views;
   for (const double scale : {1.0, 1e-9, 1e7}) {
-    const Affine turn = support::rigid(77, Vector3(3, 1, -2), Vector3::Zero());
-    views.push_back({Affine(turn * Eigen::Scaling(scale)), scale});
+    const Affine rotation = support::rigid(77, Vector3(3, 1, -2), Vector3::Zero());
+    views.push_back({Affine(rotation * Eigen::Scaling(scale)), scale});
   }
   for_all_settings([&](const EditSettings& settings) {
     if (!undecided(edit, settings)) {
@@ -198,8 +198,8 @@ TEST_P(EditProperties, FarFromTheOriginTheDigitsThatAreLeftAreRight) {
   EditCase far = seen_through(edit, support::shift(1e7 * size * Vector3(1, 1, -1)), 1);
   // The rounded mesh moved back exactly is the one to compare with.
   EditCase near = far;
-  const Vector3 way = far.mesh.vertices.row(far.handles[0][0]).transpose();
-  near.mesh.vertices.rowwise() -= way.transpose();
+  const Vector3 offset = far.mesh.vertices.row(far.handles[0][0]).transpose();
+  near.mesh.vertices.rowwise() -= offset.transpose();
   for (std::size_t g = 0; g < edit.maps.size(); ++g) {
     far.maps[g] = support::shift(0.1 * size * Vector3(1, 2, static_cast<double>(g)));
     near.maps[g] = far.maps[g];
@@ -208,7 +208,7 @@ TEST_P(EditProperties, FarFromTheOriginTheDigitsThatAreLeftAreRight) {
     if (!undecided(edit, settings)) {
       support::Prepared there = solver_of(far, settings), here = solver_of(near, settings);
       Points result = there.pose(far.maps);
-      result.rowwise() -= way.transpose();
+      result.rowwise() -= offset.transpose();
       EXPECT_LT(support::error(result, here.pose(near.maps)), 1e-8);
     }
   });
@@ -231,7 +231,7 @@ TEST_P(EditProperties, RigidMotionOfAllConstraintsIsThatOfTheRegion) {
 }
 
 /// The same from the side of the anchors: what is edited on a surface that moves rigidly moves with it.
-TEST_P(EditProperties, MovingTheAnchorsCarriesTheEditAlong) {
+TEST_P(EditProperties, MovingTheAnchorsMovesTheEditRigidly) {
   const EditCase edit = GetParam().make();
   const double size = support::diameter(edit.mesh.vertices);
   const Affine map = support::rigid(130, Vector3(1, 2, -1), size * Vector3(0.3, -0.2, 1));
@@ -248,7 +248,7 @@ TEST_P(EditProperties, MovingTheAnchorsCarriesTheEditAlong) {
       for (std::size_t i = 0; i < here.rotations().size(); ++i) {
         worst = std::max(worst, (there.rotations()[i] - map.linear() * here.rotations()[i]).norm());
       }
-      EXPECT_LT(worst, 1e-5) << "rotations of thin parts are known less well than positions";
+      EXPECT_LT(worst, 1e-5) << "rotations of thin limbs are known less well than positions";
     }
   });
 }
@@ -314,7 +314,7 @@ TEST_P(EditProperties, UnrotatedResultIsAffineInTheHandles) {
       for (const double t : {0.3, -2.0, 100.0}) {
         std::vector<HandleMotion> maps;
         for (const HandleMotion& map : edit.maps) {
-          maps.push_back(support::part(map.map, t));
+          maps.push_back(support::interpolated(map.map, t));
         }
         EXPECT_LT(support::error(solver.pose(maps), (1 - t) * rest + t * whole), 1e-10) << "t = " << t;
       }

@@ -24,8 +24,8 @@ inline const char* const kExample = R"({"laplacian_edit": 1,
   {"region": {"component": true}, "handles": [{"vertices": "3"}], "iterations": 3}]}
 )";
 
-inline void expect_contains(const std::string& sentence, const std::string& part) {
-  EXPECT_NE(sentence.find(part), std::string::npos) << "sentence: " << sentence << "\npart: " << part;
+inline void expect_contains(const std::string& sentence, const std::string& expected) {
+  EXPECT_NE(sentence.find(expected), std::string::npos) << "sentence: " << sentence << "\nexpected: " << expected;
 }
 
 /// The sentence that a text is refused with when read, "" if it is not.

@@ -6,10 +6,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <numeric>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -17,6 +15,7 @@
 #include "lapedit/edit/edit.h"
 #include "lapedit/mesh/geodesic.h"
 #include "lapedit/mesh/region.h"
+#include "lapedit/mesh/vertex_set.h"
 #include "mesh_support.h"
 
 /// What tests of edits share: solvers, motions, regions built by hand.
@@ -39,6 +38,13 @@ inline EditResult apply_step(const TriangleMesh& mesh, const EditStep& step, dou
   return apply_edit(mesh, edit, fraction, scalar);
 }
 
+/// The whole mesh's positions after an edit.
+inline Points edited(const TriangleMesh& mesh, const EditResult& result) {
+  Points positions = mesh.vertices;
+  scatter(result.vertices, result.positions, positions);
+  return positions;
+}
+
 /// Largest angle between two rotations of equal number, radians.
 inline double largest_angle(const std::vector<Matrix3>& a, const std::vector<Matrix3>& b) {
   double largest = 0;
@@ -59,14 +65,15 @@ inline std::shared_ptr<const RestPose> rest_pose(const TriangleMesh& mesh, const
   return std::make_shared<const RestPose>(mesh, std::make_shared<const Region>(region));
 }
 
-inline Affine shift(const Vector3& way) {
-  return Affine(Eigen::Translation3d(way));
+inline Affine shift(const Vector3& translation) {
+  return Affine(Eigen::Translation3d(translation));
 }
 
 /// Rotation about an axis through a centre, then a shift.
-inline Affine rigid(double degrees, const Vector3& axis, const Vector3& way, const Vector3& center = Vector3::Zero()) {
-  const Eigen::AngleAxisd turn(degrees * std::acos(-1.0) / 180, axis.normalized());
-  return Affine(Eigen::Translation3d(center + way) * turn * Eigen::Translation3d(-center));
+inline Affine rigid(double degrees, const Vector3& axis, const Vector3& translation,
+                    const Vector3& center = Vector3::Zero()) {
+  const Eigen::AngleAxisd rotation(degrees * std::acos(-1.0) / 180, axis.normalized());
+  return Affine(Eigen::Translation3d(center + translation) * rotation * Eigen::Translation3d(-center));
 }
 
 inline Points moved(const Affine& map, const Points& points) {
@@ -77,19 +84,33 @@ inline TriangleMesh moved(const Affine& map, const TriangleMesh& mesh) {
   return {moved(map, mesh.vertices), mesh.faces};
 }
 
-/// What lies within a radius of the handles.
-inline RegionSpec within(double radius) {
+/// All within a radius of the handles.
+inline RegionSpec within(double radius, double padding = RegionSpec().padding) {
   RegionSpec spec;
   spec.radius = radius;
+  spec.padding = padding;
   return spec;
 }
 
 /// A region of these vertices.
-inline RegionSpec given(std::vector<int> vertices) {
+inline RegionSpec given(std::vector<int> vertices, double padding = RegionSpec().padding) {
   RegionSpec spec;
   spec.kind = RegionSpec::Kind::Vertices;
   spec.vertices = std::move(vertices);
+  spec.padding = padding;
   return spec;
+}
+
+/// The connected components of the handles.
+inline RegionSpec component() {
+  RegionSpec spec;
+  spec.kind = RegionSpec::Kind::Component;
+  return spec;
+}
+
+inline Region region_of(const TriangleMesh& mesh, const RegionSpec& spec,
+                        const std::vector<std::vector<int>>& handles) {
+  return build_region(mesh, adjacency_of(mesh), spec, handles);
 }
 
 /// The vertices at whose positions a condition holds.
@@ -109,17 +130,17 @@ inline std::vector<int> around(const TriangleMesh& mesh, const Vector3& point, d
   return vertices_where(mesh, [&](const Vector3& p) { return (p - point).norm() < radius; });
 }
 
-/// A part of the way, or beyond: (1 - t) identity + t map.
-inline Affine part(const Affine& map, double t) {
+/// Between the identity and a map, or beyond: (1 - t) identity + t map.
+inline Affine interpolated(const Affine& map, double t) {
   Affine result = map;
   result.linear() = (1 - t) * Matrix3::Identity() + t * map.linear();
   result.translation() = t * map.translation();
   return result;
 }
 
-inline std::vector<HandleMotion> part(std::vector<HandleMotion> maps, double t) {
+inline std::vector<HandleMotion> interpolated(std::vector<HandleMotion> maps, double t) {
   for (HandleMotion& map : maps) {
-    map.map = part(map.map, t);
+    map.map = interpolated(map.map, t);
   }
   return maps;
 }

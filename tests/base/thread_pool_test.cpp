@@ -195,7 +195,7 @@ TEST(ThreadPool, ComesAndGoesQuickly) {
 /// Fails if two crews in one program share anything.
 TEST(ThreadPool, CrewsWorkSideBySide) {
   std::vector<int> sums(2, 0);
-  const auto work = [&sums](int own) {
+  const auto work = [&sums](int crew) {
     ThreadPool pool(2);
     std::vector<int> seen(20, 0);
     for (int job = 0; job < 500; ++job) {
@@ -207,7 +207,7 @@ TEST(ThreadPool, CrewsWorkSideBySide) {
       });
     }
     for (const int count : seen) {
-      sums[own] += count;
+      sums[crew] += count;
     }
   };
   std::thread other(work, 1);
@@ -304,7 +304,8 @@ TEST(ThreadPool, HelperThatIsHeldUpHoldsUpNothingButItsPiece) {
   EXPECT_TRUE(others_done);
 }
 
-/// Fails if who waits computes, or yields, instead of sleeping: beside others that costs a turn of theirs each time.
+/// Fails if who waits computes, or yields, instead of sleeping: compared with sleeping that costs other threads
+/// processor time.
 TEST(ThreadPool, WaitingTakesNoProcessorTime) {
   ThreadPool pool(2);
   const auto caller = std::this_thread::get_id();

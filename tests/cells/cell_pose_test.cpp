@@ -25,7 +25,7 @@ EditSettings settled(double membrane = 1200) {
   return settings;
 }
 
-/// Of places from one x to another.
+/// The vertices from one x to another.
 std::vector<int> where(const TriangleMesh& mesh, double from, double to) {
   return support::vertices_where(mesh, [=](const Vector3& p) { return p[0] >= from && p[0] <= to; });
 }
@@ -42,7 +42,7 @@ struct Turned {
   Turned(TriangleMesh of, const RegionSpec& spec, const std::vector<std::vector<int>>& handles, EditSettings with,
          int threads = 1)
       : mesh(std::move(of)),
-        region(build_region(mesh, support::adjacency_of(mesh), spec, handles)),
+        region(support::region_of(mesh, spec, handles)),
         settings(with),
         pool(threads),
         rest(support::rows(mesh.vertices, region.mesh_vertex)),
@@ -64,11 +64,8 @@ struct Turned {
 std::unique_ptr<Turned> limb(const EditSettings& settings = settled(), int threads = 1) {
   TriangleMesh mesh = shapes::cylinder(24, 90);
   mesh.vertices.col(0) *= 3;
-  RegionSpec spec;
-  spec.kind = RegionSpec::Kind::Vertices;
-  spec.vertices = where(mesh, 1, 12);
   const std::vector<std::vector<int>> tip = {where(mesh, 10.5, 12)};
-  return std::make_unique<Turned>(mesh, spec, tip, settings, threads);
+  return std::make_unique<Turned>(mesh, support::given(where(mesh, 1, 12)), tip, settings, threads);
 }
 
 /// As a finger bends: the tip goes around on an arc of the limb's length.
@@ -100,9 +97,9 @@ TEST(CellPose, BentLimbTurnsFromNothingAtTheRimToTheGroupsTurnAtTheHandle) {
     for (int i = 0; i < t->region.size(); ++i) {
       ASSERT_LT(support::rotation_defect(rotations[i]), 1e-12);
       ASSERT_LT(angle_of(rotations[i]), degrees + 6) << degrees;
-      const auto part = std::min(11, static_cast<int>(t->rest(i, 0)));
-      sums[part] += angle_of(rotations[i]);
-      ++counts[part];
+      const auto slice = std::min(11, static_cast<int>(t->rest(i, 0)));
+      sums[slice] += angle_of(rotations[i]);
+      ++counts[slice];
       if (t->region.anchor_depth[i] == 1) {
         EXPECT_LT(angle_of(rotations[i]), 1e-6) << "held back at the end of the band";
       }
@@ -110,20 +107,18 @@ TEST(CellPose, BentLimbTurnsFromNothingAtTheRimToTheGroupsTurnAtTheHandle) {
         EXPECT_LT(support::largest_angle({rotations[i]}, {map.linear()}) / kDegree, 0.06 * degrees + 1) << degrees;
       }
     }
-    for (int part = 2; part < 11; ++part) {
-      EXPECT_GT(sums[part] / counts[part] - sums[part - 1] / counts[part - 1], -0.02 * degrees) << degrees << part;
+    for (int slice = 2; slice < 11; ++slice) {
+      EXPECT_GT(sums[slice] / counts[slice] - sums[slice - 1] / counts[slice - 1], -0.02 * degrees) << degrees << slice;
     }
     EXPECT_NEAR(sums[6] / counts[6] / degrees, 0.57, 0.15) << "about half of it halfway";
   }
 }
 
 /// Turned and twisted ends of what nothing holds. Relative to their mean, one end transforms back and the other one on.
-TEST(CellPose, TwistOfAComponentWithoutAnchorsIsSharedByBothEnds) {
+TEST(CellPose, TwistOfAComponentWithoutAnchorsIsSpreadOverBothEnds) {
   TriangleMesh mesh = shapes::cylinder(20, 60);
   mesh.vertices.col(0) *= 3;
-  RegionSpec spec;
-  spec.kind = RegionSpec::Kind::Component;
-  Turned t(mesh, spec, {where(mesh, 0, 0.8), where(mesh, 11.2, 12)}, settled());
+  Turned t(mesh, support::component(), {where(mesh, 0, 0.8), where(mesh, 11.2, 12)}, settled());
   for (const double degrees : {60.0, 120.0, 170.0}) {
     t.solve({Affine::Identity(), rigid(degrees, Vector3::UnitX(), Vector3::Zero())});
     ASSERT_EQ(t.model.paths().rigid_motions().size(), 1U);
@@ -145,35 +140,16 @@ TEST(CellPose, TwistOfAComponentWithoutAnchorsIsSharedByBothEnds) {
   }
 }
 
-/// What is carried needs no turning of its own. Fails if rounding makes a rotation of it.
-TEST(CellPose, ComponentThatIsCarriedAsAWholeTurnsToTheBit) {
+/// A component that moves rigidly needs no further rotation. Fails if rounding makes a rotation of it.
+TEST(CellPose, ComponentThatMovesRigidlyNeedsNoRotation) {
   TriangleMesh mesh = shapes::tapered_arm(14, 40);
-  RegionSpec spec;
-  spec.kind = RegionSpec::Kind::Component;
-  Turned t(mesh, spec, {where(mesh, 0, 1), where(mesh, 9, 10)}, settled());
+  Turned t(mesh, support::component(), {where(mesh, 0, 1), where(mesh, 9, 10)}, settled());
   for (const Affine& map :
        {Affine::Identity(), shift(Vector3(1, 2, 3)), rigid(150, Vector3(1, 2, 3), Vector3(4, 0, 1))}) {
     t.solve({map, map});
     EXPECT_LT(t.cells().displacement().cwiseAbs().maxCoeff(), 1e-12);
     for (const Matrix3& rotation : t.cells().rotations()) {
       ASSERT_LT((rotation - Matrix3::Identity()).norm(), 1e-11);
-    }
-  }
-}
-
-TEST(CellPose, NothingMovedTurnsNothingToTheBit) {
-  for (const double degrees : {0.0, 80.0}) {
-    const auto t = limb();
-    if (degrees > 0) {
-      t->solve({bent(degrees)});
-      EXPECT_GT(t->cells().passes(), 0);
-    }
-    for (const bool goes_on : {false, true}) {
-      t->solve({Affine::Identity()}, goes_on);
-      EXPECT_TRUE(t->cells().displacement().isZero(0));
-      EXPECT_EQ(t->cells().rotations(), std::vector<Matrix3>(t->cells().rotations().size(), Matrix3::Identity()));
-      EXPECT_EQ(t->spread(), std::vector<Matrix3>(t->region.size(), Matrix3::Identity()));
-      EXPECT_EQ(t->cells().left(), 0);
     }
   }
 }
@@ -195,10 +171,7 @@ TEST(CellPose, ComesNearToWhatSettles) {
 TEST(LocalGlobal, SettledStateSatisfiesItsEquations) {
   TriangleMesh mesh = shapes::cylinder(18, 50);
   mesh.vertices.col(0) *= 3;
-  RegionSpec spec;
-  spec.kind = RegionSpec::Kind::Vertices;
-  spec.vertices = where(mesh, 1, 12);
-  const Region region = build_region(mesh, support::adjacency_of(mesh), spec, {where(mesh, 11, 12)});
+  const Region region = support::region_of(mesh, support::given(where(mesh, 1, 12)), {where(mesh, 11, 12)});
   const Points rest = support::rows(mesh.vertices, region.mesh_vertex);
   ThreadPool pool(1);
   for (const double membrane : {0.0, 1200.0}) {
@@ -239,21 +212,6 @@ TEST(LocalGlobal, SettledStateSatisfiesItsEquations) {
   }
 }
 
-/// Nothing of what came before is in the result, to the bit: drags and scripts end alike.
-TEST(CellPose, DoesNotDependOnWhatCameBefore) {
-  const Maps maps = {bent(75)};
-  for (const bool quick : {false, true}) {
-    const auto used = limb(), fresh = limb();
-    fresh->solve(maps, quick);
-    for (const Affine& before : {bent(-160), bent(60), rigid(90, Vector3::UnitX(), Vector3(0, 30, 5))}) {
-      used->solve({before}, !quick);
-      used->solve(maps, quick);
-      EXPECT_TRUE(support::same_bits(used->cells().displacement(), fresh->cells().displacement())) << quick;
-      EXPECT_EQ(used->cells().rotations(), fresh->cells().rotations()) << quick;
-    }
-  }
-}
-
 /// Fails if a script's fractions jump: a step of the handle by 0.008 moves no cell by more than half as much again.
 TEST(CellPose, PosesChangeEvenlyWithTheFraction) {
   const auto t = limb();
@@ -287,9 +245,8 @@ TEST(CellPose, AllocatesNothingAfterASolutionForNothing) {
 /// rotations never settle. Of a ribbon as narrow as its cells the last ones are such.
 TEST(CellSurface, CellsWithNeighboursInALineHaveNoNormal) {
   const TriangleMesh ribbon = shapes::grid(200, 2);
-  RegionSpec spec;
-  spec.radius = 150;
-  Turned t(support::moved(rigid(33, Vector3(1, 2, 3), Vector3::Zero()), ribbon), spec, {{0, 1}}, settled());
+  Turned t(support::moved(rigid(33, Vector3(1, 2, 3), Vector3::Zero()), ribbon), support::within(150), {{0, 1}},
+           settled());
   ThreadPool pool(1);
   const std::vector<double> weights = edge_weights(LaplacianKind::MeanValue, t.region, t.mesh, true).values;
   const RegionCells cells = make_cells(t.region, t.rest, weights, CellPose::wanted_cells(t.region.size()), pool);
@@ -321,9 +278,7 @@ TEST(CellPose, SingularAndMirroringMapsGiveFiniteRotations) {
     }
   }
   TriangleMesh mesh = shapes::cylinder(10, 20);
-  RegionSpec spec;
-  spec.kind = RegionSpec::Kind::Component;
-  Turned loose(mesh, spec, {where(mesh, 0, 0.5), where(mesh, 3.5, 4)}, settled());
+  Turned loose(mesh, support::component(), {where(mesh, 0, 0.5), where(mesh, 3.5, 4)}, settled());
   Affine flat = Affine::Identity();
   flat.linear() = Vector3(1, 1, 0).asDiagonal();
   loose.solve({flat, flat});  // carried by a map that has no inverse
@@ -362,7 +317,7 @@ TEST(CellModel, RotationsFollowTheirCellsAndAreHeldBackAtTheRim) {
   EXPECT_GT(free, 100);
 }
 
-/// Fails if a picture's rotations are others than a script's, or a place other than the cells say.
+/// Fails if a picture's rotations are others than a script's, or a position other than the cells say.
 TEST(CellModel, PicturesAreWhatScriptsStartFrom) {
   const auto t = limb();
   t->solve({bent(90)});

@@ -20,8 +20,7 @@ struct Divided {
 
   Divided(const TriangleMesh& mesh, const RegionSpec& spec, const std::vector<std::vector<int>>& handles,
           int target = 0, int threads = 1)
-      : region(build_region(mesh, support::adjacency_of(mesh), spec, handles)),
-        rest(support::rows(mesh.vertices, region.mesh_vertex)) {
+      : region(support::region_of(mesh, spec, handles)), rest(support::rows(mesh.vertices, region.mesh_vertex)) {
     ThreadPool pool(threads);
     cells = make_cells(region, rest, {}, target > 0 ? target : CellPose::wanted_cells(region.size()), pool);
   }
@@ -164,9 +163,7 @@ TEST(RegionCells, AreAsLongAsWideWhateverTheTrianglesAre) {
 /// Nothing but the blend: what is linear in the positions of the cells' centres comes out as it is.
 TEST(RegionCells, BlendReproducesLinearFunctionsAlongTheSurface) {
   const TriangleMesh mesh = shapes::letter_field(160, 80);
-  RegionSpec all;
-  all.kind = RegionSpec::Kind::Component;
-  const Region region = build_region(mesh, support::adjacency_of(mesh), all, {{support::vertex_at(mesh, {2, 1, 0})}});
+  const Region region = support::region_of(mesh, support::component(), {{support::vertex_at(mesh, {2, 1, 0})}});
   ThreadPool pool(2);
   const RegionCells cells = make_cells(region, mesh.vertices, {}, 800, pool);
   EXPECT_NEAR(cells.count(), 800, 80);
@@ -201,10 +198,8 @@ TEST(RegionCells, BlendDoesNotExtrapolateFar) {
 
 TEST(RegionCells, EveryVertexIsInOneConnectedCell) {
   const TriangleMesh mesh = shapes::two_pieces(4);
-  RegionSpec all;
-  all.kind = RegionSpec::Kind::Component;
   const Region region =
-      build_region(mesh, support::adjacency_of(mesh), all, {{0, static_cast<int>(mesh.vertices.rows()) - 1}});
+      support::region_of(mesh, support::component(), {{0, static_cast<int>(mesh.vertices.rows()) - 1}});
   ThreadPool pool(1);
   const RegionCells cells = make_cells(region, mesh.vertices, {}, 40, pool);
   std::vector<double> sizes(cells.count(), 0);

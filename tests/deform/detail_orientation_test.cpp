@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kBumpHeight = 3;
 
-/// How well the bumps kept their place on the surface.
+/// How well the bumps kept their orientation to the surface.
 struct Orientation {
   double degrees;  ///< mean tilt against the base's normal
   double height;   ///< mean length, before the edit kBumpHeight

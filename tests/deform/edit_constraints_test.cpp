@@ -64,10 +64,11 @@ TEST(EditConstraints, LooseComponentGoesByTheRigidMotionThatFitsBest) {
       goal += (s.rest(i) + s.constraints.wanted_displacement(i)) / 3;
     }
     EXPECT_LT((centre + s.constraints.rigid_motion(200).displacement(centre) - goal).norm(), 1e-13);
-    const auto error = [&](const Matrix3& turn) {
+    const auto error = [&](const Matrix3& candidate) {
       double sum = 0;
       for (const int i : loose) {
-        sum += (turn * (s.rest(i) - centre) + goal - s.rest(i) - s.constraints.wanted_displacement(i)).squaredNorm();
+        sum +=
+            (candidate * (s.rest(i) - centre) + goal - s.rest(i) - s.constraints.wanted_displacement(i)).squaredNorm();
       }
       return sum;
     };
@@ -79,7 +80,7 @@ TEST(EditConstraints, LooseComponentGoesByTheRigidMotionThatFitsBest) {
   }
 }
 
-/// A map that all groups share is taken to the bit, even one that shears.
+/// A map that all groups have is taken to the bit, even one that shears.
 TEST(EditConstraints, ComponentFollowsGroupsThatAgreeExactly) {
   Scene s;
   Affine map = support::rigid(70, Vector3(1, 2, 3), Vector3(4, 5, 6));
@@ -91,20 +92,20 @@ TEST(EditConstraints, ComponentFollowsGroupsThatAgreeExactly) {
 
 TEST(EditConstraints, ComponentFollowsItsAnchorsWithTheirRotation) {
   Scene s;
-  const Affine turn = support::rigid(50, Vector3(1, 2, 3), Vector3(4, 5, 6));
-  Affine grown = turn;
+  const Affine rotation = support::rigid(50, Vector3(1, 2, 3), Vector3(4, 5, 6));
+  Affine grown = rotation;
   grown.linear() *= 3;
   s.constraints.set({grown, kStay, kStay}, grown);
   EXPECT_TRUE(s.constraints.moves_rigidly());
   EXPECT_FALSE((s.constraints.right_hand_side().array().abs() > 1e-9).any()) << "the handle is where it is to be";
-  EXPECT_LT((s.constraints.rigid_rotation(100) - turn.linear()).norm(), 1e-14);
+  EXPECT_LT((s.constraints.rigid_rotation(100) - rotation.linear()).norm(), 1e-14);
   EXPECT_TRUE(s.constraints.rigid_rotation(200).isIdentity(0)) << "the other component stays";
   s.constraints.set({kStay, kStay, kStay}, kStay);
   EXPECT_FALSE(s.constraints.moves_rigidly()) << "nothing is left of an earlier motion";
 }
 
-/// Fails if a distance is taken from another place, or an angle in radians.
-TEST(EditQuality, IsMeasuredFromThePlacesWanted) {
+/// Fails if a distance is measured from another position, or an angle in radians.
+TEST(EditQuality, IsMeasuredFromTheTargets) {
   Scene s;
   const Affine away = support::shift(Vector3(2, 0, 0));
   s.constraints.set({support::shift(Vector3(0, 0, 0.5)), away, away}, kStay);

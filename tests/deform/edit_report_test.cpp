@@ -18,30 +18,24 @@ namespace {
 
 /// A mesh taken whole, with vertex 0 as its handle.
 Region whole(const TriangleMesh& mesh) {
-  RegionSpec spec;
-  spec.kind = RegionSpec::Kind::Component;
-  return build_region(mesh, build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces), spec, {{0}});
+  return build_region(mesh, build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces), support::component(),
+                      {{0}});
 }
 
 std::vector<Matrix3> all_turned(const Region& region, const Matrix3& rotation = Matrix3::Identity()) {
   return std::vector<Matrix3>(static_cast<std::size_t>(region.size()), rotation);
 }
 
-Matrix3 turn(double radians) {
+Matrix3 rotation_by(double radians) {
   return Eigen::AngleAxisd(radians, Vector3(1, 2, 3).normalized()).toRotationMatrix();
 }
 
-TEST(EditReport, RigidMotionStretchesNoEdge) {
+TEST(EditReport, ScalingStretchesEachEdgeAlikeAndRigidMotionNone) {
   const TriangleMesh mesh = shapes::icosphere(2);
   const Region region = whole(mesh);
-  const Points moved = (mesh.vertices * turn(1).transpose()).rowwise() + Vector3(1, 2, 3).transpose();
+  const Points moved = (mesh.vertices * rotation_by(1).transpose()).rowwise() + Vector3(1, 2, 3).transpose();
   EXPECT_EQ(edge_stretch(region, mesh.vertices, mesh.vertices).rms, 0);
   EXPECT_LT(edge_stretch(region, mesh.vertices, moved).rms, 1e-14);
-}
-
-TEST(EditReport, ScalingStretchesEachEdgeAlike) {
-  const TriangleMesh mesh = shapes::icosphere(2);
-  const Region region = whole(mesh);
   EXPECT_NEAR(edge_stretch(region, mesh.vertices, 1.25 * mesh.vertices).rms, 0.25, 1e-14);
   EXPECT_NEAR(edge_stretch(region, mesh.vertices, 1.25 * mesh.vertices).largest, 0.25, 1e-14);
   EXPECT_NEAR(edge_stretch(region, mesh.vertices, 0.75 * mesh.vertices).rms, 0.25, 1e-14);
@@ -105,9 +99,9 @@ TEST(EditReport, SurfaceTurnedAsAWholeIsNotFolded) {
   const TriangleMesh mesh = shapes::bar(10, 3, 3);
   const Region region = whole(mesh);
   ThreadPool pool(1);
-  const Points turned = mesh.vertices * turn(2.5).transpose();
+  const Points turned = mesh.vertices * rotation_by(2.5).transpose();
   const std::vector<Matrix3> rotations = surface_rotations(region, mesh.vertices, turned, pool);
-  EXPECT_LT(largest_rotation(rotations, all_turned(region, turn(2.5))), 1e-6);
+  EXPECT_LT(largest_rotation(rotations, all_turned(region, rotation_by(2.5))), 1e-6);
   EXPECT_NEAR(largest_rotation(rotations, {}), 2.5 * 180 / std::acos(-1.0), 1e-6);
   EXPECT_GT(flipped_triangles(region, mesh.vertices, turned, all_turned(region)), 0);
   EXPECT_EQ(flipped_triangles(region, mesh.vertices, turned, rotations), 0);
@@ -134,14 +128,14 @@ TEST(EditReport, OpenSurfacesChangeTheirVolumeByWhatIsAdded) {
     EXPECT_NEAR(enclosed_volume(region, tip) - enclosed_volume(region, there), 0.7, 1e-9);
   }
   // A dome that moves as a whole, border and all, encloses what it did.
-  const Points moved = (after * turn(1).transpose()).rowwise() + Vector3(10, 20, 30).transpose();
+  const Points moved = (after * rotation_by(1).transpose()).rowwise() + Vector3(10, 20, 30).transpose();
   EXPECT_NEAR(enclosed_volume(region, moved), enclosed_volume(region, after), 1e-12);
-  // So do two of them that part.
+  // So do two of them that move apart.
   TriangleMesh both = shapes::together({after, mesh.faces}, {after, mesh.faces}, Vector3(9, 0, 0));
-  const Region parts = support::whole_region(both, {{0}, {9}}, {});
-  EXPECT_NEAR(enclosed_volume(parts, both.vertices), 2 * enclosed_volume(region, after), 1e-12);
+  const Region region_of_both = support::whole_region(both, {{0}, {9}}, {});
+  EXPECT_NEAR(enclosed_volume(region_of_both, both.vertices), 2 * enclosed_volume(region, after), 1e-12);
   both.vertices.bottomRows(9) = moved;
-  EXPECT_NEAR(enclosed_volume(parts, both.vertices), 2 * enclosed_volume(region, after), 1e-12);
+  EXPECT_NEAR(enclosed_volume(region_of_both, both.vertices), 2 * enclosed_volume(region, after), 1e-12);
 }
 
 TEST(EditReport, HeightOfDetailIsThatOfTheBumps) {
@@ -153,14 +147,14 @@ TEST(EditReport, HeightOfDetailIsThatOfTheBumps) {
   EXPECT_NEAR(detail_height(*system, mesh.vertices).value(), 1, 1e-5);
   EXPECT_NEAR(detail_height(*system, shapes::bumpy_grid(1.5).vertices).value(), 0.5, 0.1);
   EXPECT_NEAR(detail_height(*system, shapes::grid(100, 60).vertices).value(), 0, 1e-5);
-  const Points moved = (mesh.vertices * turn(1).transpose()).rowwise() + Vector3(100, 200, 300).transpose();
+  const Points moved = (mesh.vertices * rotation_by(1).transpose()).rowwise() + Vector3(100, 200, 300).transpose();
   EXPECT_NEAR(detail_height(*system, moved).value(), 1, 1e-5);
   const TriangleMesh flat = shapes::grid(40, 30);
   EXPECT_FALSE(detail_height(*system_of(flat, EditMethod::Paper), flat.vertices));
   EXPECT_FALSE(detail_height(*system_of(mesh, EditMethod::Linear), mesh.vertices));
 }
 
-/// What bends with the surface is no detail: the share found is that by which the bumps rise over an edited plane.
+/// What bends with the surface is no detail: the fraction found is that by which the bumps rise over an edited plane.
 TEST(EditReport, HeightOfDetailIsNotThatOfABend) {
   const TriangleMesh plane = shapes::grid(100, 60), bumpy = shapes::bumpy_grid();
   std::vector<int> anchors, handle;
@@ -216,7 +210,7 @@ TEST(AdviceOnAnEdit, SaysWhereALimbPulledThroughItselfIsFolded) {
   EXPECT_NE(limb.report().advice().find(": use a larger region, use a group"), std::string::npos);
 }
 
-TEST(AdviceOnAnEdit, IsTwoStepsForALargeTurn) {
+TEST(AdviceOnAnEdit, IsTwoStepsForALargeRotation) {
   Limb limb(9);
   limb.step.handles[0].transform.translation = Vector3(-3, 0, 0);
   limb.step.handles[0].transform.axis = Vector3(0, 1, 0);
@@ -238,7 +232,7 @@ TEST(AdviceOnAnEdit, IsNotGivenWhereNothingFolded) {
   EXPECT_EQ(limb.report().advice(), "");
 }
 
-TEST(AdviceOnAnEdit, NamesTheWaysInOrder) {
+TEST(AdviceOnAnEdit, NamesTheRemediesInOrder) {
   EditReport r;
   EXPECT_EQ(r.advice(), "");
   r.new_intersections = 0;
@@ -342,13 +336,7 @@ TEST(AdviceOnAnEdit, NamesTheEdgeThatIsStretchedMost) {
   const EditReport& r = result.reports.at(0);
   ASSERT_GT(r.stretch_max, 5);
   double longest = 0;
-  const Points after = [&] {
-    Points positions = limb.mesh.vertices;
-    for (std::size_t i = 0; i < result.vertices.size(); ++i) {
-      positions.row(result.vertices[i]) = result.positions.row(static_cast<Eigen::Index>(i));
-    }
-    return positions;
-  }();
+  const Points after = support::edited(limb.mesh, result);
   for (const auto& face : limb.mesh.faces.rowwise()) {
     for (int k = 0; k < 3; ++k) {
       const int a = face[k], b = face[(k + 1) % 3];
@@ -394,20 +382,11 @@ class ReportOfAnEdit : public testing::Test {
   const TriangleMesh mesh_ = shapes::bumpy_grid();
 };
 
-TEST_F(ReportOfAnEdit, CountsAddUp) {
-  const EditReport r = report(EditSettings());
-  EXPECT_EQ(r.mesh_vertices, 6000);
-  EXPECT_EQ(r.handle, 2);
-  EXPECT_GT(r.free, 100);
-  EXPECT_GT(r.anchors, 100);
-  EXPECT_GT(r.fixed, 100);
-  EXPECT_EQ(r.handle + r.free + r.anchors + r.fixed, r.mesh_vertices);
-  EXPECT_EQ(r.uniform_edges, 0);
-}
-
 TEST_F(ReportOfAnEdit, NumbersAreThoseOfTheEdit) {
   for (const EditSettings& settings : {EditSettings(), EditSettings::of(EditMethod::Paper)}) {
     const EditReport r = report(settings);
+    EXPECT_EQ(r.handle, 2);
+    EXPECT_GT(r.fixed, 100);
     EXPECT_NEAR(r.handle_displacement, 10, 1e-12);
     EXPECT_GT(r.handle_residual, 0);
     EXPECT_LT(r.handle_residual, 0.005 * 10);
@@ -420,7 +399,7 @@ TEST_F(ReportOfAnEdit, NumbersAreThoseOfTheEdit) {
     EXPECT_GT(r.stretch_rms, 0.01);
     EXPECT_GT(r.volume_change, 10);
     EXPECT_NE(r.text().find("Volume: +"), std::string::npos);
-    EXPECT_EQ(r.text().find(" %); height"), std::string::npos) << "a share of a flat region's volume says nothing";
+    EXPECT_EQ(r.text().find(" %); height"), std::string::npos) << "a fraction of a flat region's volume says nothing";
     if (settings.method == EditMethod::Default) {
       EXPECT_GT(r.iterations, 1);
       EXPECT_EQ(r.normal_radius, 0);
@@ -549,12 +528,12 @@ TEST(EditReport, TextHoldsEveryNumber) {
   r.new_intersections = 90010;
   r.causes.near = 90011;
   const std::string text = r.text();
-  for (const char* part :
+  for (const char* expected :
        {"falloff", "90001",  "90002",   "90003",  "90004",   "90005",   "90006", "umbrella", "paper", "some solver",
         "order 3", "7 ",     "0.00125", "90007",  "101.5",   "102.5",   "103.5", "104.5",    "105.5", "106.5",
         "107.5",   "108.5",  "2.5e-17", "0.625",  "0.00035", "4.5e-05", "11.5",  "77.5",     "8.75",  "90008",
         "90009",   "-0.312", "-7.81",   "93.8 %", "1.62",    "90010",   "90011"}) {
-    EXPECT_NE(text.find(part), std::string::npos) << part << " in:\n" << text;
+    EXPECT_NE(text.find(expected), std::string::npos) << expected << " in:\n" << text;
   }
   EXPECT_NE(text.back(), '\n');
   EXPECT_LT(text.size(), 4096U);  // MeshLab's log line

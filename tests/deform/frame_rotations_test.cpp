@@ -3,11 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <cmath>
 #include <random>
 #include <vector>
 
+#include "dense_reference.h"
 #include "lapedit/base/polar_decomposition.h"
 #include "lapedit/mesh/surface_measures.h"
 #include "shapes.h"
@@ -25,7 +25,7 @@ std::vector<Matrix3> rotations(const TriangleMesh& mesh, const Points& after, do
   return result;
 }
 
-/// An irregular plane with waves: no ties between edges, no flat part.
+/// An irregular plane with waves: no ties between edges, nowhere flat.
 TriangleMesh wavy_field(int nx, int ny) {
   TriangleMesh mesh = shapes::letter_field(nx, ny, 0);
   for (auto p : mesh.vertices.rowwise()) {
@@ -85,10 +85,10 @@ TEST_P(RotationOn, RigidMotionIsRecovered) {
 }
 
 TEST_P(RotationOn, UniformScaleDoesNotEnter) {
-  const Affine turn = support::rigid(50, Vector3(0, 1, 1), Vector3::Zero());
+  const Affine rotation = support::rigid(50, Vector3(0, 1, 1), Vector3::Zero());
   for (const double scale : {0.2, 30.0}) {
     SCOPED_TRACE(scale);
-    expect_everywhere(turn.linear(), Affine(turn * Eigen::Scaling(scale)), GetParam().mesh());
+    expect_everywhere(rotation.linear(), Affine(rotation * Eigen::Scaling(scale)), GetParam().mesh());
   }
 }
 
@@ -146,42 +146,21 @@ TEST(FrameRotations, FarFromWhatMovesIsExactlyTheIdentity) {
   EXPECT_GT(rotated, 100);
 }
 
-/// The paper's frames (section 4), written down a second time.
-TEST(FrameRotations, AreThoseOfTheSmoothNormalAndTheMostTangentialEdge) {
+TEST(FrameRotations, AreThoseOfTheDenseReference) {
   const TriangleMesh mesh = wavy_field(16, 9);
   Points after = mesh.vertices;
   for (auto p : after.rowwise()) {  // a twist with some shear
-    const Affine turn = support::rigid(40 * p[0], Vector3::UnitX(), Vector3(0, 0.1 * p[0] * p[0], 0));
-    p = (turn * Vector3(p)).transpose().eval();
+    const Affine twist = support::rigid(40 * p[0], Vector3::UnitX(), Vector3(0, 0.1 * p[0] * p[0], 0));
+    p = (twist * Vector3(p)).transpose().eval();
   }
-  const int n = static_cast<int>(mesh.vertices.rows());
+  const Region region = support::whole_region(mesh, {{0}}, {});
   for (const double radius : {1e-3, 0.7}) {  // only the vertex itself; a neighbourhood
-    const auto found = rotations(mesh, after, radius);
-    const Region region = support::whole_region(mesh, {{0}}, {});
-    Points normals[2], smooth[2], scratch;
-    const SmoothingKernel kernel(region, mesh.vertices, radius, 1);
-    vertex_normals(mesh.vertices, mesh.faces, normals[0]);
-    vertex_normals(after, mesh.faces, normals[1]);
-    kernel.apply(normals[0], smooth[0], scratch);
-    kernel.apply(normals[1], smooth[1], scratch);
-    for (int v = 0; v < n; ++v) {
-      const Vector3 n0 = smooth[0].row(v).normalized(), n1 = smooth[1].row(v).normalized();
-      int edge = -1;
-      double nearest_to_orthogonal = 1e300;
-      for (const int w : region.neighbours[v]) {
-        const Vector3 e = (mesh.vertices.row(w) - mesh.vertices.row(v)).transpose();
-        const double off = std::abs(std::acos(e.normalized().dot(n0)) - std::acos(0.0));
-        if (off < nearest_to_orthogonal) {
-          nearest_to_orthogonal = off;
-          edge = w;
-        }
+    const std::vector<Matrix3> found = rotations(mesh, after, radius),
+                               expected = reference::paper_rotations(region, mesh.vertices, after, radius);
+    for (int v = 0; v < region.size(); ++v) {
+      if (region.neighbours[v].size() > 2) {  // both edges of a single face are tangential to it
+        EXPECT_LT((found[v] - expected[v]).norm(), 1e-12) << "vertex " << v << ", r " << radius;
       }
-      const Vector3 e0 = (mesh.vertices.row(edge) - mesh.vertices.row(v)).transpose();
-      const Vector3 e1 = (after.row(edge) - after.row(v)).transpose();
-      const Vector3 u0 = n0.cross(e0).cross(n0).normalized(), u1 = n1.cross(e1).cross(n1).normalized();
-      const Vector3 delta(0.3, -1.2, 0.7);
-      const Vector3 expected = delta.dot(n0) * n1 + delta.dot(u0) * u1 + delta.dot(n0.cross(u0)) * n1.cross(u1);
-      EXPECT_LT((found[v] * delta - expected).norm(), 1e-12) << "vertex " << v << ", r " << radius;
     }
   }
 }

@@ -5,8 +5,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <memory>
-#include <numeric>
 #include <vector>
 
 #include "lapedit/deform/frame_rotations.h"
@@ -26,11 +24,7 @@ struct Scene {
   Maps maps{support::shift(Vector3(1, 2, 6)),
             support::rigid(50, Vector3(1, 3, 1), Vector3(0, 1, 4), Vector3(41, 35, 0))};
 
-  Scene() {
-    RegionSpec spec;
-    spec.radius = 12;
-    region = build_region(mesh, support::adjacency_of(mesh), spec, handles);
-  }
+  Scene() { region = support::region_of(mesh, support::within(12), handles); }
   Points rest() const { return support::rows(mesh.vertices, region.mesh_vertex); }
   std::vector<int> local(const std::vector<int>& vertices) const {
     std::vector<int> found;
@@ -52,17 +46,17 @@ EditSettings falloff_settings() {
 TEST(GeodesicFalloff, IsInverseDistancesToThePowerOfThreeHalves) {
   const Scene scene;
   const Region& region = scene.region;
-  const TriangleMesh part{scene.rest(), region.faces};
+  const TriangleMesh surface{scene.rest(), region.faces};
   std::vector<int> anchors;
   for (int i = 0; i < region.size(); ++i) {
     if (region.classes[i] == VertexClass::Anchor) {
       anchors.push_back(i);
     }
   }
-  const std::vector<double> first = support::bellman_ford(part, scene.local(scene.handles[0])),
-                            second = support::bellman_ford(part, scene.local(scene.handles[1])),
-                            rim = support::bellman_ford(part, anchors);
-  const GeodesicFalloff falloff = geodesic_falloff(region, part.vertices);
+  const std::vector<double> first = support::bellman_ford(surface, scene.local(scene.handles[0])),
+                            second = support::bellman_ford(surface, scene.local(scene.handles[1])),
+                            rim = support::bellman_ford(surface, anchors);
+  const GeodesicFalloff falloff = geodesic_falloff(region, surface.vertices);
   ASSERT_EQ(falloff.weights.cols(), 2);
   EXPECT_EQ(falloff.lone, (std::vector<int>{scene.local({3030})[0], -1}));
   for (int i = 0; i < region.size(); ++i) {
@@ -77,7 +71,7 @@ TEST(GeodesicFalloff, IsInverseDistancesToThePowerOfThreeHalves) {
   }
 }
 
-TEST(GeodesicFalloff, GroupsShareAllWhereThereAreNoAnchors) {
+TEST(GeodesicFalloff, WeightsOfGroupsAddUpToOneWithoutAnchors) {
   const TriangleMesh mesh = shapes::two_pieces();
   const int n = static_cast<int>(mesh.vertices.rows());
   const Region region = support::whole_region(mesh, {{0}, {11}, {n - 1}}, {});
@@ -91,9 +85,7 @@ TEST(GeodesicFalloff, GroupsShareAllWhereThereAreNoAnchors) {
 /// Duplicated vertices, needles, and what is at no distance from a handle or an anchor.
 TEST(GeodesicFalloff, IsFiniteOnDegenerateMeshes) {
   const TriangleMesh mesh = shapes::degenerate_grid(12, 12);
-  RegionSpec spec;
-  spec.radius = 5;
-  const Region region = build_region(mesh, support::adjacency_of(mesh), spec, {{70}, {75}});
+  const Region region = support::region_of(mesh, support::within(5), {{70}, {75}});
   const Eigen::MatrixXd weights = geodesic_falloff(region, support::rows(mesh.vertices, region.mesh_vertex)).weights;
   EXPECT_TRUE(weights.allFinite());
   EXPECT_GE(weights.minCoeff(), 0);
@@ -126,8 +118,8 @@ TEST(RoughDeformation, RotationsAreThoseOfTheFalloff) {
   EXPECT_GT(support::error(support::Prepared(scene.mesh, region, settings).pose(scene.maps), result), 1e-3);
 }
 
-/// A group of one vertex has a way and nothing to turn.
-TEST(RoughDeformation, TurningASingleVertexDoesNothing) {
+/// A group of one vertex has a displacement and nothing to rotate.
+TEST(RoughDeformation, RotatingASingleVertexDoesNothing) {
   const Scene scene;
   support::Prepared solver(scene.mesh, scene.region, falloff_settings());
   const Vector3 vertex = scene.mesh.vertices.row(3030).transpose();
@@ -137,55 +129,9 @@ TEST(RoughDeformation, TurningASingleVertexDoesNothing) {
   EXPECT_LT(support::error(turned, plain), 1e-12);
 }
 
-TEST(RoughDeformation, RigidMotionsOfAllConstraintsAreThatOfTheRegion) {
+TEST(RoughDeformation, HandleArrivesAnchorsHoldAndRigidMotionsOfAllAreThatOfTheRegion) {
   const Scene scene;
-  const Affine turn = support::rigid(60, Vector3(1, 2, 3), Vector3(3, -1, 2));
-  for (const int order : {1, 2}) {
-    EditSettings settings = falloff_settings();
-    settings.order = order;
-    support::Prepared solver(scene.mesh, scene.region, settings);
-    EXPECT_LT(support::error(solver.pose({turn, turn}, turn), support::moved(turn, scene.rest())), 1e-9);
-  }
-}
-
-/// What falls off is the way from the rigidly moved pose: anchors that move take the whole edit along.
-TEST(RoughDeformation, GoesAlongWithTheAnchors) {
-  const Scene scene;
-  const Affine move = support::shift(Vector3(3, -1, 2));  // a rotation decides ties between edges differently
-  support::Prepared solver(scene.mesh, scene.region, falloff_settings());
-  const Points still = solver.pose(scene.maps);
-  const Points along = solver.pose({move * scene.maps[0].map, move * scene.maps[1].map}, move);
-  EXPECT_LT(support::error(along, support::moved(move, still)), 1e-9);
-}
-
-TEST(RoughDeformation, ComponentWithoutAnchorsFollowsItsHandle) {
-  const TriangleMesh mesh = shapes::two_pieces();
-  const int other = static_cast<int>(mesh.vertices.rows()) - 1;
-  const Region region = support::whole_region(mesh, {support::around(mesh, mesh.vertices.row(0), 0.4), {other}}, {});
-  support::Prepared solver(mesh, region, falloff_settings());
-  const Affine turn = support::rigid(100, Vector3(1, 2, 3), Vector3(3, -1, 2));
-  const Points result = solver.pose({turn, Affine::Identity()});
-  const Points turned = support::moved(turn, mesh.vertices);
-  for (int i = 0; i < region.size(); ++i) {
-    const bool first = region.component[i] == region.component[0];
-    EXPECT_LT((result.row(i) - (first ? turned : mesh.vertices).row(i)).norm(), first ? 1e-12 : 1e-300);
-  }
-  // By the mean of two groups' ways, where both are in one component.
-  const TriangleMesh sphere = shapes::icosphere(3);
-  support::Prepared both(sphere, support::whole_region(sphere, {{0}, {3}}, {}), falloff_settings());
-  const Affine shift = support::shift(Vector3(1, 2, 3));
-  EXPECT_LT(support::error(both.pose({shift, shift}), support::moved(shift, sphere.vertices)), 1e-14);
-}
-
-TEST(RoughDeformation, NotMovedIsNotMovedToTheBit) {
-  const Scene scene;
-  support::Prepared solver(scene.mesh, scene.region, falloff_settings());
-  solver.pose(scene.maps);
-  EXPECT_TRUE(support::same_bits(solver.pose({Affine::Identity(), Affine::Identity()}), scene.rest()));
-}
-
-TEST(RoughDeformation, HandleArrivesAndAnchorsHold) {
-  const Scene scene;
+  const Affine map = support::rigid(60, Vector3(1, 2, 3), Vector3(3, -1, 2));
   for (const int order : {1, 2, 3}) {
     EditSettings settings = falloff_settings();
     settings.order = order;
@@ -195,7 +141,19 @@ TEST(RoughDeformation, HandleArrivesAndAnchorsHold) {
     EXPECT_LT(report.handle_residual, 0.005 * report.handle_displacement) << order;
     EXPECT_LT(report.anchor_residual, 0.01 * report.handle_displacement) << order;
     EXPECT_LT(report.normal_equation_residual, 1e-13) << order;
+    EXPECT_TRUE(support::same_bits(solver.pose({Affine::Identity(), Affine::Identity()}), scene.rest())) << order;
+    EXPECT_LT(support::error(solver.pose({map, map}, map), support::moved(map, scene.rest())), 1e-9) << order;
   }
+}
+
+/// What falls off is the displacement from the rigidly moved pose: anchors that move take the whole edit along.
+TEST(RoughDeformation, GoesAlongWithTheAnchors) {
+  const Scene scene;
+  const Affine move = support::shift(Vector3(3, -1, 2));  // a rotation decides ties between edges differently
+  support::Prepared solver(scene.mesh, scene.region, falloff_settings());
+  const Points still = solver.pose(scene.maps);
+  const Points along = solver.pose({move * scene.maps[0].map, move * scene.maps[1].map}, move);
+  EXPECT_LT(support::error(along, support::moved(move, still)), 1e-9);
 }
 
 /// A limb whose end is a handle.
@@ -210,9 +168,7 @@ struct Limb {
         cap.push_back(v);
       }
     }
-    RegionSpec spec;
-    spec.radius = 8;
-    region = build_region(mesh, support::adjacency_of(mesh), spec, {cap});
+    region = support::region_of(mesh, support::within(8), {cap});
   }
   /// The limb's axis, 8.2 long from x = 1.4, bent into an arc.
   static Maps bent(double degrees) {
@@ -222,8 +178,8 @@ struct Limb {
   }
 };
 
-/// What is linear in the turn itself has lost its way there.
-TEST(RoughDeformation, LargeTurnsOfALimbFlipNothing) {
+/// What is linear in the rotation itself fails there.
+TEST(RoughDeformation, LargeRotationsOfALimbFlipNothing) {
   const Limb limb;
   EditReport reports[2];
   for (const RoughDeformation rough : {RoughDeformation::Unrotated, RoughDeformation::Falloff}) {

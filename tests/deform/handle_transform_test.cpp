@@ -16,10 +16,10 @@ namespace {
 using Matrix34 = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kRounding = 1e-14;  // a few units in the last place of numbers around 10
+constexpr double kRounding = 1e-14;  // a few units in the last digit of numbers around 10
 const Vector3 kCentroid(1, -2, 0.5);
 
-Matrix3 turn(double degrees, const Vector3& axis) {
+Matrix3 rotation_matrix(double degrees, const Vector3& axis) {
   return Eigen::AngleAxisd(degrees * kPi / 180, axis.normalized()).toRotationMatrix();
 }
 
@@ -71,7 +71,7 @@ TEST(HandleTransform, RotatesAndScalesAboutTheCenterThenTranslates) {
   transform.translation = {3, 4, 5};
   const Vector3 point(-1, 2, 7);
   const auto expected = [&](const Vector3& center) {
-    return Vector3(center + 1.5 * turn(50, {1, 2, -1}) * (point - center) + transform.translation);
+    return Vector3(center + 1.5 * rotation_matrix(50, {1, 2, -1}) * (point - center) + transform.translation);
   };
   EXPECT_LT((resolve(transform, kCentroid).map * point - expected(kCentroid)).norm(), kRounding);
   transform.center = Vector3(10, 0, -3);
@@ -84,15 +84,15 @@ TEST(HandleTransform, RotationIsRightHanded) {
 }
 
 TEST(HandleTransform, LengthOfTheAxisDoesNotMatter) {
-  const Matrix3 expected = turn(40, {1, 2, 2});
+  const Matrix3 expected = rotation_matrix(40, {1, 2, 2});
   for (const double length : {1e-300, 1e-160, 1.0, 1e160, 1e300}) {
     EXPECT_LT((resolve(rotation(40, length * Vector3(1, 2, 2)), kCentroid).map.linear() - expected).norm(), kRounding)
         << length;
   }
 }
 
-/// The turns are what a map cannot tell.
-TEST(HandleTransform, KeepsAxisAndTurns) {
+/// A map does not know its number of revolutions.
+TEST(HandleTransform, KeepsAxisAndRevolutions) {
   HandleTransform transform = rotation(-400, {0, 3, 4});
   transform.center = Vector3(1, 1, 1);
   const HandleMotion motion = resolve(transform, kCentroid);
@@ -100,7 +100,7 @@ TEST(HandleTransform, KeepsAxisAndTurns) {
   EXPECT_EQ(motion.rotation->degrees, -400);
   EXPECT_LT((motion.rotation->axis - Vector3(0, 0.6, 0.8)).norm(), kRounding);
   EXPECT_EQ(motion.rotation->center, transform.center);
-  EXPECT_LT((motion.map.linear() - turn(-40, {0, 3, 4})).norm(), kRounding);
+  EXPECT_LT((motion.map.linear() - rotation_matrix(-40, {0, 3, 4})).norm(), kRounding);
 }
 
 TEST(HandleTransform, InvalidValuesAreRefused) {

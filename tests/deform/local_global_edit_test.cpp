@@ -19,7 +19,7 @@ namespace {
 
 using Maps = std::vector<HandleMotion>;
 using support::around;
-using support::part;
+using support::interpolated;
 using support::rigid;
 using support::same_bits;
 using support::shift;
@@ -66,7 +66,7 @@ struct Scene {
 
 Scene scene(const char* name, const TriangleMesh& mesh, const RegionSpec& spec,
             const std::vector<std::vector<int>>& handles, Maps maps) {
-  return {name, mesh, build_region(mesh, support::adjacency_of(mesh), spec, handles), std::move(maps)};
+  return {name, mesh, support::region_of(mesh, spec, handles), std::move(maps)};
 }
 
 /// A single vertex.
@@ -103,7 +103,7 @@ double farthest(const Points& a, const Points& b) {
 
 // --- what holds exactly ---
 
-/// What it prints is for BitsAreThoseOfOlderProcessors, which runs it in processes of its own.
+/// What it prints is for BitsAreThoseOfOlderProcessors, which runs it in other processes.
 TEST(LocalGlobalEdit, TwoEditorsGiveTheSameBits) {
   std::uint64_t sums[2] = {};
   for (std::uint64_t& sum : sums) {
@@ -147,13 +147,13 @@ TEST(LocalGlobalEdit, CanBeCancelledAndGoOnAfterwards) {
   support::Prepared solver = s.solver();
   const Points expected = solver.pose(s.maps);
   int stages = 0;
-  solver.pose(part(s.maps, 0.3), Affine::Identity(), [&](double, const char*) { return ++stages > 0; });
+  solver.pose(interpolated(s.maps, 0.3), Affine::Identity(), [&](double, const char*) { return ++stages > 0; });
   EXPECT_GT(stages, 1);
   EXPECT_TRUE(same_bits(solver.pose(s.maps), expected));
   for (int stop = 0; stop < stages; ++stop) {
     int call = 0;
     support::expect_refusal(ErrorCause::Cancelled, [&] {
-      solver.pose(part(s.maps, 0.3), Affine::Identity(), [&](double, const char*) { return call++ < stop; });
+      solver.pose(interpolated(s.maps, 0.3), Affine::Identity(), [&](double, const char*) { return call++ < stop; });
     });
     EXPECT_TRUE(same_bits(solver.pose(s.maps), expected)) << "cancelled at " << stop;
   }
@@ -212,7 +212,7 @@ TEST(LocalGlobalEdit, IsolatedVerticesGoWithTheirHandle) {
   spec.vertices.push_back(lone);
   std::sort(spec.vertices.begin(), spec.vertices.end());
   spec.vertices.erase(std::unique(spec.vertices.begin(), spec.vertices.end()), spec.vertices.end());
-  const Region region = build_region(mesh, support::adjacency_of(mesh), spec, {{lone}, {12 * 15 + 7}});
+  const Region region = support::region_of(mesh, spec, {{lone}, {12 * 15 + 7}});
   const Maps maps = {rigid(90, Vector3(1, 0, 0), Vector3(0, 0, 3)), shift(Vector3(0, 0, 2))};
   support::Prepared solver(mesh, region, kOnePass);
   const Points result = solver.pose(maps);

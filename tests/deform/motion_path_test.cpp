@@ -14,10 +14,10 @@ using support::rigid;
 using support::shift;
 
 const Vector3 kCentre(1, -2, 0.5);
-const std::vector<Vector3> kPlaces = {kCentre, Vector3(2, -2, 0.5), Vector3(0.3, -1, 1.5), Vector3(1, -4, -2)};
-const std::vector<double> kParts = {0, 0.1, 1.0 / 3, 0.5, 0.9, 0.999, 1};
+const std::vector<Vector3> kPositions = {kCentre, Vector3(2, -2, 0.5), Vector3(0.3, -1, 1.5), Vector3(1, -4, -2)};
+const std::vector<double> kFractions = {0, 0.1, 1.0 / 3, 0.5, 0.9, 0.999, 1};
 
-constexpr double kUnit = 0.1;  // a step of a way
+constexpr double kUnit = 0.1;  // a step of a path
 
 HandleMotion turned(double degrees, const Vector3& axis, const Vector3& way,
                     const std::optional<Vector3>& center = std::nullopt) {
@@ -33,8 +33,8 @@ MotionPath path_of(const HandleMotion& target) {
   return {target, Vector3::Zero(), kCentre};
 }
 
-Vector3 position_after(const MotionPath& path, const Vector3& rest, double part) {
-  return rest + path.at(part).displacement(rest);
+Vector3 position_after(const MotionPath& path, const Vector3& rest, double fraction) {
+  return rest + path.at(fraction).displacement(rest);
 }
 
 std::vector<HandleMotion> some_motions() {
@@ -66,25 +66,25 @@ TEST(MotionPath, LeadsFromRestToTheTargetToTheBit) {
     EXPECT_TRUE(path.at(0).none());
     EXPECT_EQ(path.at(1).linear, whole.linear);
     EXPECT_EQ(path.at(1).translation, whole.translation);
-    for (const Vector3& rest : kPlaces) {
-      for (const double part : {0.0, 0.3, 0.5, 1 - 1e-9}) {
-        const Vector3 here = position_after(path, rest, part);
+    for (const Vector3& rest : kPositions) {
+      for (const double fraction : {0.0, 0.3, 0.5, 1 - 1e-9}) {
+        const Vector3 here = position_after(path, rest, fraction);
         EXPECT_TRUE(here.allFinite());
-        EXPECT_LT((position_after(path, rest, part + 1e-9) - here).norm(), 2e-7) << "a jump at " << part;
+        EXPECT_LT((position_after(path, rest, fraction + 1e-9) - here).norm(), 2e-7) << "a jump at " << fraction;
       }
     }
   }
 }
 
 /// Fails if a group takes the chord, on which it would shrink or come too near.
-TEST(MotionPath, TurnAboutAFarPivotKeepsTheDistanceFromIt) {
+TEST(MotionPath, RotationAboutAFarPivotKeepsTheDistanceFromIt) {
   const Vector3 pivot(40, 3, -7), axis(0.2, 1, 0.4);
   for (const double degrees : {31.0, 90.0, 150.0, 179.0, 180.0}) {
     for (const MotionPath& path : {path_of(rigid(degrees, axis, Vector3::Zero(), pivot)),
                                    path_of(turned(degrees + 360, axis, Vector3::Zero(), pivot))}) {
-      for (const Vector3& rest : kPlaces) {
-        for (const double part : kParts) {
-          EXPECT_NEAR((position_after(path, rest, part) - pivot).norm(), (rest - pivot).norm(), 1e-11) << degrees;
+      for (const Vector3& rest : kPositions) {
+        for (const double fraction : kFractions) {
+          EXPECT_NEAR((position_after(path, rest, fraction) - pivot).norm(), (rest - pivot).norm(), 1e-11) << degrees;
         }
       }
     }
@@ -95,10 +95,11 @@ TEST(MotionPath, StaysRigidWhereTheTargetIs) {
   for (const double degrees : {5.0, 29.0, 31.0, 120.0, 179.9, 180.0, 270.0, 725.0}) {
     for (const MotionPath& path : {path_of(rigid(degrees, Vector3(1, 2, -1), Vector3(3, 0, 1), Vector3(0, 5, 0))),
                                    path_of(turned(degrees, Vector3(1, 2, -1), Vector3(3, 0, 1)))}) {
-      for (const double part : kParts) {
-        for (const Vector3& a : kPlaces) {
-          for (const Vector3& b : kPlaces) {
-            EXPECT_NEAR((position_after(path, a, part) - position_after(path, b, part)).norm(), (a - b).norm(), 1e-12);
+      for (const double fraction : kFractions) {
+        for (const Vector3& a : kPositions) {
+          for (const Vector3& b : kPositions) {
+            EXPECT_NEAR((position_after(path, a, fraction) - position_after(path, b, fraction)).norm(), (a - b).norm(),
+                        1e-12);
           }
         }
       }
@@ -106,20 +107,21 @@ TEST(MotionPath, StaysRigidWhereTheTargetIs) {
   }
 }
 
-/// Fails if 270 degrees go the short way, or a turn is lost.
-TEST(MotionPath, TurnsEvenlyAndCountsItsTurns) {
+/// Fails if 270 degrees become -90, or a revolution is lost.
+TEST(MotionPath, RotatesEvenlyAndCountsRevolutions) {
   for (const double degrees : {45.0, 90.0, 179.0, 180.0, 270.0, -300.0, 360.0, 1000.0}) {
     const MotionPath path = path_of(turned(degrees, Vector3::UnitZ(), Vector3(0, 0, 2)));
-    for (const double part : kParts) {
-      const Matrix3 expected = Eigen::AngleAxisd(part * degrees * std::acos(-1.0) / 180, Vector3::UnitZ()).matrix();
-      EXPECT_LT((path.at(part).linear + Matrix3::Identity() - expected).norm(), 1e-13) << degrees << ", " << part;
-      EXPECT_LT((path.at(part).displacement(kCentre) - Vector3(0, 0, 2 * part)).norm(), 1e-13);
+    for (const double fraction : kFractions) {
+      const Matrix3 expected = Eigen::AngleAxisd(fraction * degrees * std::acos(-1.0) / 180, Vector3::UnitZ()).matrix();
+      EXPECT_LT((path.at(fraction).linear + Matrix3::Identity() - expected).norm(), 1e-13)
+          << degrees << ", " << fraction;
+      EXPECT_LT((path.at(fraction).displacement(kCentre) - Vector3(0, 0, 2 * fraction)).norm(), 1e-13);
     }
   }
 }
 
-/// Fails if a map does not turn at the same rate: Affine maps do not know how often they turn.
-TEST(MotionPath, MapTurnsByLessThanAHalfTurn) {
+/// Fails if a map does not rotate at the same rate: affine maps do not know their number of revolutions.
+TEST(MotionPath, MapRotatesByLessThanHalfARevolution) {
   const Vector3 axis(1, 2, 3);
   for (const double degrees : {1.0, 100.0, 179.9, 200.0, 330.0, -45.0}) {
     const double least = std::remainder(degrees, 360);
@@ -130,19 +132,19 @@ TEST(MotionPath, MapTurnsByLessThanAHalfTurn) {
   }
 }
 
-/// Scripts' fractions go the way of the whole.
-TEST(MotionPath, PathOfAMapIsPartOfTheLongerOne) {
+/// Scripts' fractions lie on the path of the whole.
+TEST(MotionPath, PathOfAMapIsTheBeginningOfALongerOne) {
   const Affine whole = rigid(120, Vector3(1, 2, 3), Vector3(1, 0, 4), kCentre);
   const LocalMotion half = path_of(whole).at(0.5);
   Affine to = Affine::Identity();
   to.linear() += half.linear;
   to.translation() = half.translation;
-  for (const Vector3& rest : kPlaces) {
+  for (const Vector3& rest : kPositions) {
     EXPECT_LT((position_after(path_of(to), rest, 0.5) - position_after(path_of(whole), rest, 0.25)).norm(), 1e-12);
   }
 }
 
-TEST(MotionPath, LengthCountsTurnsWaysAndStretches) {
+TEST(MotionPath, LengthCountsRotationsTranslationsAndStretches) {
   const Vector3 axis(1, 2, 3);
   for (const double degrees : {0.0, 15.0, 60.0, 180.0}) {
     EXPECT_NEAR(path_of(rigid(degrees, axis, Vector3::Zero(), kCentre)).length(kUnit), degrees / 30, 1e-9);
@@ -157,24 +159,24 @@ TEST(MotionPath, ScaleAndShearFadeIn) {
   const Vector3 way(0.5, 1, -2);
   Affine scaled = shift(kCentre + way) * Eigen::Scaling(3.0) * shift(-kCentre);
   const MotionPath growing = path_of(scaled);
-  for (const Vector3& rest : kPlaces) {
-    for (const double part : kParts) {
-      const Vector3 expected = part * (2 * (rest - kCentre) + way);
-      EXPECT_LT((growing.at(part).displacement(rest) - expected).norm(), 1e-13);
+  for (const Vector3& rest : kPositions) {
+    for (const double fraction : kFractions) {
+      const Vector3 expected = fraction * (2 * (rest - kCentre) + way);
+      EXPECT_LT((growing.at(fraction).displacement(rest) - expected).norm(), 1e-13);
     }
   }
-  // Behind a turn the stretch is what it is without one.
+  // After a rotation the stretch is what it is without one.
   Matrix3 stretch;
   stretch << 1.4, 0.3, 0, 0.3, 0.9, 0.1, 0, 0.1, 1.1;
   Affine both = rigid(100, Vector3(1, 1, 0), Vector3(2, 0, 0), kCentre);
   both.linear() *= stretch;
   both.translation() = kCentre + Vector3(2, 0, 0) - both.linear() * kCentre;
   const MotionPath path = path_of(both);
-  for (const double part : {0.25, 0.5, 0.75}) {
-    const Matrix3 expected = Matrix3::Identity() + part * (stretch - Matrix3::Identity());
-    const Vector3 middle = position_after(path, kCentre, part);
-    for (const Vector3& rest : kPlaces) {
-      EXPECT_NEAR((position_after(path, rest, part) - middle).norm(), (expected * (rest - kCentre)).norm(), 1e-12);
+  for (const double fraction : {0.25, 0.5, 0.75}) {
+    const Matrix3 expected = Matrix3::Identity() + fraction * (stretch - Matrix3::Identity());
+    const Vector3 middle = position_after(path, kCentre, fraction);
+    for (const Vector3& rest : kPositions) {
+      EXPECT_NEAR((position_after(path, rest, fraction) - middle).norm(), (expected * (rest - kCentre)).norm(), 1e-12);
     }
   }
 }

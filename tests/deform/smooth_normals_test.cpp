@@ -56,30 +56,6 @@ Eigen::MatrixXd kernel_by_definition(const TriangleMesh& mesh, double r) {
   return result;
 }
 
-/// A plane with noise of a quarter of its edges across it.
-TriangleMesh noisy_plane(int size) {
-  TriangleMesh mesh = shapes::grid(size, size);
-  std::mt19937 generator(7);
-  for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
-    mesh.vertices(v, 2) = 0.5 * (static_cast<double>(generator()) / 4294967295.0 - 0.5);
-  }
-  return mesh;
-}
-
-/// Largest difference of direction between neighbours, degrees; inside the given margin of a square grid.
-double largest_turn(const Points& normals, int size, int margin) {
-  double largest = 0;
-  for (int i = margin; i + 1 < size - margin; ++i) {
-    for (int j = margin; j + 1 < size - margin; ++j) {
-      const Vector3 here = normals.row(size * i + j).normalized();
-      for (const int next : {size * (i + 1) + j, size * i + j + 1}) {
-        largest = std::max(largest, (Vector3(normals.row(next).normalized()) - here).norm());
-      }
-    }
-  }
-  return largest * 180 / std::acos(-1.0);
-}
-
 TEST(VertexNormals, AreWeightedByArea) {
   // Two right triangles on one edge: area 1/2 in the plane z = 0, area 1 in the plane y = 0.
   TriangleMesh mesh;
@@ -222,30 +198,6 @@ TEST(SmoothingKernel, RenumberingPermutes) {
   }
 }
 
-/// The paper's Figure 5: weighted normals change slowly where plain averages over the same neighbourhood jump.
-TEST(SmoothNormals, VaryLessThanPlainAveragesOnANoisyPlane) {
-  constexpr int kSize = 40, kMargin = 8;
-  const TriangleMesh mesh = noisy_plane(kSize);
-  const Region region = whole(mesh);
-  const Adjacency adjacency = support::adjacency_of(mesh);
-  Points normals, smooth;
-  vertex_normals(mesh.vertices, mesh.faces, normals);
-  for (const double r : {3.0, 5.0, 8.0}) {
-    SmoothingKernel(region, mesh.vertices, r, 1, kNeverSampled).apply(normals, smooth, scratch);
-    Points plain = Points::Zero(normals.rows(), 3);
-    GeodesicSearch search(adjacency.neighbours, mesh.vertices);
-    for (int v = 0; v < mesh.vertices.rows(); ++v) {
-      for (const int near : search.run({v}, r)) {
-        plain.row(v) += normals.row(near);
-      }
-    }
-    const double raw = largest_turn(normals, kSize, kMargin), averaged = largest_turn(plain, kSize, kMargin),
-                 weighted = largest_turn(smooth, kSize, kMargin);
-    EXPECT_LT(weighted, averaged) << "r = " << r;
-    EXPECT_LT(averaged, raw) << "r = " << r;
-  }
-}
-
 TEST(AutomaticNormalRadius, FollowsTheSizeOfTheModel) {
   const TriangleMesh mesh = shapes::letter_field(40, 20);
   const double radius = automatic_normal_radius(whole(mesh, 410), mesh.vertices);
@@ -268,9 +220,7 @@ TEST(AutomaticNormalRadius, CoversTheDetailButNotTheRegion) {
   EXPECT_LT(radius, 25);
   // A region of a few edges still has neighbours to smooth over.
   const TriangleMesh mesh = shapes::grid(20, 20);
-  RegionSpec spec;
-  spec.radius = 2;
-  const Region small = build_region(mesh, support::adjacency_of(mesh), spec, {{210}});
+  const Region small = support::region_of(mesh, support::within(2), {{210}});
   EXPECT_GT(automatic_normal_radius(small, support::rows(mesh.vertices, small.mesh_vertex)), 2);
 }
 

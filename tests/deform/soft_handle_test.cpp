@@ -33,9 +33,7 @@ struct Disc {
   }
 
   Region region(double reach, const std::vector<double>& weights) const {
-    RegionSpec spec;
-    spec.radius = reach;
-    return build_region(mesh, adjacency, spec, {vertices}, 0, {weights});
+    return build_region(mesh, adjacency, support::within(reach), {vertices}, 0, {weights});
   }
   Region soft(double reach, double softness) const {
     return region(reach, falloff_weights(distances, radius, softness));

@@ -39,17 +39,10 @@ struct HeadWithEye {
     made.handles.push_back({vertices_within(mesh, adjacency, support::vertex_at(mesh, {0, 0, 1}), 0.08), transform});
     return made;
   }
-  Points after(const EditStep& step) const {
-    const EditResult result = support::apply_step(mesh, step);
-    Points positions = mesh.vertices;
-    for (std::size_t i = 0; i < result.vertices.size(); ++i) {
-      positions.row(result.vertices[i]) = result.positions.row(static_cast<Eigen::Index>(i));
-    }
-    return positions;
-  }
+  Points after(const EditStep& step) const { return support::edited(mesh, support::apply_step(mesh, step)); }
   Points eye(const Points& positions) const { return positions.bottomRows(positions.rows() - head_vertices); }
-  /// Mean way of the socket.
-  Vector3 socket_way(const Points& positions) const {
+  /// Mean displacement of the socket.
+  Vector3 socket_displacement(const Points& positions) const {
     Vector3 sum = Vector3::Zero();
     int count = 0;
     for (int v = 0; v < head_vertices; ++v) {
@@ -65,8 +58,8 @@ struct HeadWithEye {
 /// The largest distance from the rigid motion that fits best.
 double off_rigid(const Points& before, const Points& after) {
   const Points a = before.rowwise() - before.colwise().mean(), b = after.rowwise() - after.colwise().mean();
-  const Matrix3 turn = nearest_rotation(b.transpose() * a);
-  return (a * turn.transpose() - b).rowwise().norm().maxCoeff();
+  const Matrix3 rotation = nearest_rotation(b.transpose() * a);
+  return (a * rotation.transpose() - b).rowwise().norm().maxCoeff();
 }
 
 TEST(ConnectedPieces, EyeGoesWithItsSocketNearlyRigidly) {
@@ -83,7 +76,7 @@ TEST(ConnectedPieces, EyeGoesWithItsSocketNearlyRigidly) {
       const Vector3 way = (eye - rest).colwise().mean().transpose();
       EXPECT_GT(way.norm(), 0.15) << name(kind);
       EXPECT_LT(off_rigid(rest, eye), 0.08 * way.norm()) << name(kind);
-      EXPECT_LT((way - head.socket_way(positions)).norm(), 0.32 * way.norm()) << name(kind);
+      EXPECT_LT((way - head.socket_displacement(positions)).norm(), 0.32 * way.norm()) << name(kind);
     }
     step.region.connect_gap = 0;
     EXPECT_TRUE(support::same_bits(head.eye(head.after(step)), rest)) << "it stays where it is not connected";

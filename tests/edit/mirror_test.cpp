@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <memory>
-#include <random>
 
 #include "allocation_watch.h"
 #include "lapedit/edit/edit.h"
@@ -45,14 +44,6 @@ TriangleMesh crooked(const TriangleMesh& mesh) {
   return result;
 }
 
-Points after(const TriangleMesh& mesh, const EditResult& result) {
-  Points positions = mesh.vertices;
-  for (std::size_t i = 0; i < result.vertices.size(); ++i) {
-    positions.row(result.vertices[i]) = result.positions.row(static_cast<Eigen::Index>(i));
-  }
-  return positions;
-}
-
 /// Largest distance of a mirrored position from the nearest, over the diagonal: of an edit of a symmetric mesh.
 double asymmetry(const Points& positions, const MirrorPlane& plane) {
   const Affine mirror = reflection(plane);
@@ -65,25 +56,26 @@ double asymmetry(const Points& positions, const MirrorPlane& plane) {
 }
 
 TEST(Mirror, SymmetricMeshStaysSymmetric) {
-  const Affine turn = support::rigid(35, {1, 2, 3}, {3, -1, 2});
+  const Affine motion = support::rigid(35, {1, 2, 3}, {3, -1, 2});
   for (const bool turned : {false, true}) {
     TriangleMesh mesh = shapes::icosphere(4);
     EditStep step = one_sided(mesh);
     if (turned) {
-      mesh = support::moved(turn, mesh);
-      step.mirror = MirrorPlane{turn * Vector3(0, 1, 0), 3 * (turn.linear() * Vector3::UnitX())};
-      step.handles[0].transform.translation = turn.linear() * step.handles[0].transform.translation;
+      mesh = support::moved(motion, mesh);
+      step.mirror = MirrorPlane{motion * Vector3(0, 1, 0), 3 * (motion.linear() * Vector3::UnitX())};
+      step.handles[0].transform.translation = motion.linear() * step.handles[0].transform.translation;
     }
     for (const EditSettings& settings : {EditSettings(), EditSettings::of(EditMethod::Paper)}) {
       step.settings = settings;
       const EditResult result = support::apply_step(mesh, step);
-      const Points positions = after(mesh, result);
+      const Points positions = support::edited(mesh, result);
       EXPECT_LT(asymmetry(positions, *step.mirror), 1e-9);
       EXPECT_GT((positions - mesh.vertices).rowwise().norm().maxCoeff(), 0.2);
       EXPECT_LT(result.reports[0].handle_residual, 0.02);
       EditStep plain = step;
       plain.mirror.reset();
-      EXPECT_GT(asymmetry(after(mesh, support::apply_step(mesh, plain)), *step.mirror), 0.02) << "this says nothing";
+      EXPECT_GT(asymmetry(support::edited(mesh, support::apply_step(mesh, plain)), *step.mirror), 0.02)
+          << "this says nothing";
     }
   }
 }
@@ -154,7 +146,7 @@ TEST(Mirror, ImageOfATransformIsItsConjugate) {
 }
 
 /// A group that its own image meets moves by what is the same on both sides.
-TEST(Mirror, GroupAcrossThePlaneKeepsTheSymmetricPart) {
+TEST(Mirror, GroupAcrossThePlaneKeepsTheSymmetricMotion) {
   const TriangleMesh mesh = shapes::icosphere(4);
   const MirrorPlane plane;
   const std::vector<int> across = disc(mesh, {0.05, 0, 1}, 0.2);
@@ -168,7 +160,7 @@ TEST(Mirror, GroupAcrossThePlaneKeepsTheSymmetricPart) {
   handles.maps({transform}, maps);
   EXPECT_LT((maps[0].map.matrix() - (mirror * maps[0].map * mirror).matrix()).norm(), 1e-12);
   EXPECT_NEAR(maps[0].map.linear().determinant(), std::pow(1.1, 3), 1e-12)
-      << "the turn is about the normal: all of it stays";
+      << "the rotation is about the normal: all of it stays";
   EXPECT_NEAR(handles.transform(0, {transform}).degrees, 25, 1e-12);
   EXPECT_EQ(handles.transform(0, {transform}).translation, Vector3(0, 0.05, 0.25));
   transform.axis = Vector3(0, 1, 0);
@@ -199,7 +191,7 @@ TEST(Mirror, TargetsAreMirroredAsDisplacements) {
     EXPECT_LT((image.targets[k] - position - mirror * way(twin)).norm(), 1e-12) << k;
   }
   const EditResult result = support::apply_step(mesh, step);
-  EXPECT_LT(asymmetry(after(mesh, result), *step.mirror), 1e-12);
+  EXPECT_LT(asymmetry(support::edited(mesh, result), *step.mirror), 1e-12);
 }
 
 TEST(Mirror, TargetsOfAGroupAcrossThePlaneAreTheMeanOfBothSides) {
@@ -266,9 +258,7 @@ TEST(Mirror, ImageIsAsDenseAsTheSurfaceThere) {
 
 TEST(Mirror, KeptAnchorsAreMirroredWithTheirWeights) {
   const TriangleMesh mesh = shapes::icosphere(3);
-  RegionSpec spec;
-  spec.kind = RegionSpec::Kind::Vertices;
-  spec.vertices = disc(mesh, kRight, 0.4);
+  RegionSpec spec = support::given(disc(mesh, kRight, 0.4));
   spec.anchors.vertices = {spec.vertices[0], spec.vertices[3]};
   spec.anchors.weights = {0.25, 0.75};
   spec.anchors.depths = {0.5, 1};

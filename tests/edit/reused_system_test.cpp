@@ -21,9 +21,7 @@ struct Job {
   SolverOptions options;
 
   explicit Job(double radius = 0.9) {
-    RegionSpec spec;
-    spec.radius = radius;
-    region = build_region(mesh, support::adjacency_of(mesh), spec, {{support::vertex_at(mesh, {2, 1, 0})}});
+    region = support::region_of(mesh, support::within(radius), {{support::vertex_at(mesh, {2, 1, 0})}});
   }
   /// Other handles in the same region with the same anchors, given by their numbers among the free vertices.
   void set_handles(const std::vector<int>& numbers) {
@@ -48,15 +46,16 @@ struct Job {
   }
 };
 
-/// Expects that a job comes out the same, whatever has been done before.
+/// Expects that a job comes out the same, whatever has been done before, and leaves the solver before it as it was.
 void expect_same(const std::string& what, const Job& before, const Job& job) {
   const std::vector<HandleMotion> maps{support::rigid(20, {0, 1, 1}, {0.1, 0.2, 0.4}, {2, 1, 0})};
   Prepared fresh = job.solver(), previous = before.solver();
-  previous.pose(maps);
+  const Points kept = previous.pose(maps);
   Prepared reusing = job.solver(previous.system().get());
   for (int time = 0; time < 2; ++time) {
     EXPECT_TRUE(support::same_bits(reusing.pose(maps), fresh.pose(maps))) << what;
     EXPECT_TRUE(reusing.rotations() == fresh.rotations()) << what;
+    EXPECT_TRUE(support::same_bits(previous.pose(maps), kept)) << what;
   }
 }
 
@@ -125,9 +124,7 @@ TEST(ReusedSystem, OtherShapesComeOutTheSame) {
     expect_same(what + ", wider", before, wider);
     expect_same(what + ", narrower", wider, before);
     const std::vector<int> inside = before.region.mesh_vertex;
-    RegionSpec spec;
-    spec.kind = RegionSpec::Kind::Vertices;
-    spec.vertices = inside;
+    const RegionSpec spec = support::given(inside);
     const std::vector<std::vector<int>> handle{{support::vertex_at(before.mesh, {2, 1, 0})}};
     before.region = build_region(before.mesh, support::adjacency_of(before.mesh), spec, handle);
     flipped.region = build_region(flipped.mesh, support::adjacency_of(flipped.mesh), spec, handle);

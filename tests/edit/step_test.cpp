@@ -68,13 +68,9 @@ TEST(Step, EveryWayToRunAStepHasTheSameBits) {
     const auto solver = scene.solver(scalar);
     const Points positions = solver->pose(scene.maps());
 
-    Edit edit;
-    edit.steps = {scene.step};
-    for (const EditResult& result :
-         {support::apply_step(scene.mesh, scene.step, 1, scalar), apply_edit(scene.mesh, edit, 1, scalar)}) {
-      EXPECT_EQ(result.vertices, solver->region().mesh_vertex);
-      EXPECT_TRUE(support::same_bits(result.positions, positions));
-    }
+    const EditResult result = support::apply_step(scene.mesh, scene.step, 1, scalar);
+    EXPECT_EQ(result.vertices, solver->region().mesh_vertex);
+    EXPECT_TRUE(support::same_bits(result.positions, positions));
 
     SolverThread thread(nullptr);
     SolverPose pose;
@@ -90,14 +86,6 @@ TEST(Step, EveryWayToRunAStepHasTheSameBits) {
     }
     EXPECT_TRUE(support::same_bits(pose.positions, positions));
   }
-}
-
-TEST(Step, RoundsToWhatTheMeshCanStore) {
-  const Scene scene;
-  const Points in_double = scene.solver()->pose(scene.maps());
-  const Points in_float = scene.solver(StoredScalar::Float)->pose(scene.maps());
-  EXPECT_FALSE(support::same_bits(in_double, in_float));
-  EXPECT_TRUE(support::same_bits(in_double.cast<float>().cast<double>(), in_float));
 }
 
 /// Far from the origin the mesh's single precision is what a handle is off by.
@@ -122,16 +110,6 @@ TEST(Step, ReportsHowFarOffIsWhatTheMeshStores) {
     EXPECT_NEAR(solver->report().handle_residual, handle, 1e-8);
     EXPECT_NEAR(solver->report().anchor_residual, anchor, 1e-8);
   }
-}
-
-TEST(Step, SystemOfAnEarlierOneIsReused) {
-  const Scene scene;
-  const auto first = scene.solver();
-  const Points before = first->pose(scene.maps());
-  EXPECT_FALSE(first->report().factor_reused);
-  const auto second = scene.solver(StoredScalar::Double, first->system().get());
-  EXPECT_TRUE(support::same_bits(second->pose(scene.maps()), before));
-  EXPECT_TRUE(second->report().factor_reused);
 }
 
 /// The next drag in a region starts from the pose that the last one left. The umbrella does not see it; of the other
@@ -168,33 +146,6 @@ TEST(Step, NextDragInARegionReusesWhatIsTheSame) {
     EXPECT_EQ(next->report().reused, c.reused);
     EXPECT_EQ(next->report().factor_reused, std::string(c.reused) == "operator and factor");
   }
-}
-
-TEST(Step, ThreadReportsWhatARegionReuses) {
-  const Scene scene;
-  SolverThread thread(nullptr);
-  PrepareTask task;
-  task.mesh = std::make_shared<const TriangleMesh>(scene.mesh);
-  task.adjacency = std::make_shared<const Adjacency>(scene.adjacency);
-  task.region = scene.step.region;
-  task.groups = {scene.step.handles[0].vertices};
-  task.settings = scene.step.settings;
-  SolverPose pose;
-  std::vector<std::string> reused;
-  const auto prepare = [&] {
-    thread.prepare(task);
-    while (thread.wait()) {
-      const SolverUpdate update = thread.poll(pose);
-      if (update.ready) {
-        reused.push_back(update.reused);
-      }
-    }
-  };
-  prepare();
-  prepare();
-  task.region.radius = 12;
-  prepare();
-  EXPECT_EQ(reused, (std::vector<std::string>{"nothing", "operator and factor", "nothing"}));
 }
 
 }  // namespace

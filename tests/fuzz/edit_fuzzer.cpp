@@ -140,7 +140,7 @@ VertexQuery positions(Choices& choose, const TriangleMesh& mesh) {
   return result;
 }
 
-/// Says of some handles and regions where they are, in place of their vertices. @return the edit, located again
+/// Says of some handles and regions where they are, instead of their vertices. @return the edit, located again
 /// @throws EditError
 Edit by_position(Choices& choose, const TriangleMesh& mesh, Edit edit) {
   for (EditStep& step : edit.steps) {
@@ -182,7 +182,7 @@ std::optional<Edit> reread(const Edit& edit) {
 void check_result(const TriangleMesh& mesh, const EditResult& result) {
   require(result.positions.allFinite(), "a result is finite");
   require(result.positions == result.positions.cast<float>().cast<double>(), "a result fits into single precision");
-  require(result.positions.rows() == static_cast<Eigen::Index>(result.vertices.size()), "a place for each vertex");
+  require(result.positions.rows() == static_cast<Eigen::Index>(result.vertices.size()), "a position for each vertex");
   require(
       std::is_sorted(result.vertices.begin(), result.vertices.end(), std::less_equal<>()) &&
           (result.vertices.empty() || (result.vertices.front() >= 0 && result.vertices.back() < vertex_count(mesh))),
@@ -195,7 +195,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   Choices choose(data, size);
   const TriangleMesh mesh = random_mesh(choose);
   const int threads = 1 + choose.below(3);
-  const double part = choose.below(9) / 8.0;
+  const double fraction = choose.below(9) / 8.0;
   Edit edit = edit_of(choose, mesh);
   const TriangleMesh before = mesh;
   if (choose.below(3) == 1) {
@@ -224,7 +224,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     validate(mesh);
     const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
     const std::vector<EditResult> poses =
-        apply_edit(mesh, adjacency, *again, {}, {0, 1, part}, StoredScalar::Float, {}, {threads});
+        apply_edit(mesh, adjacency, *again, {}, {0, 1, fraction}, StoredScalar::Float, {}, {threads});
     require(refusal.empty(), "what is refused alone is refused beside other fractions");
     for (const EditResult& pose : poses) {
       check_result(mesh, pose);

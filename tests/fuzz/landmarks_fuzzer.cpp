@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Any text as a landmark file of each format: it is refused with a sentence, or all landmarks have a name and a place.
+// Any text as a landmark file of each format: it is refused with a sentence, or all landmarks have a name and a
+// position.
 #include <array>
 #include <set>
 #include <string>
@@ -19,10 +20,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       const LandmarkFile file = read_landmarks(text, name);
       std::set<std::string> names;
       for (const Landmark& landmark : file.landmarks) {
-        fuzz::require(landmark.point.allFinite(), "a place is finite");
+        fuzz::require(landmark.point.allFinite(), "a position is finite");
         names.insert(landmark.name);
       }
-      fuzz::require(names.count("") == 0 && names.size() == file.landmarks.size(), "each has a name of its own");
+      fuzz::require(names.count("") == 0 && names.size() == file.landmarks.size(), "each has another name");
       fuzz::require(!names.empty() && pair_landmarks({name, file}, {"b", file}).targets.size() == names.size(),
                     "a file pairs with itself");
     } catch (const EditError& error) {

@@ -3,8 +3,8 @@
 // usage: <target>_replay FOLDER_OR_FILE...
 //        <target>_replay --blind COUNT SEED FOLDER_OR_FILE...
 // Runs a fuzz target once on each file, with any compiler; or on COUNT mixtures of them, made at random. Without
-// sanitizers that is many times faster than the fuzzer, and finds what does not hold, but no way to it. A finding ends
-// it, as it ends the fuzzer; a mixture that ends it is written to blind_input.
+// sanitizers that is many times faster than the fuzzer, and finds what does not hold, but not how to get there. A
+// finding ends it, as it ends the fuzzer; a mixture that ends it is written to blind_input.
 #include <algorithm>
 #include <csignal>
 #include <cstdio>

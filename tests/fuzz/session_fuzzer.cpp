@@ -171,7 +171,7 @@ struct Player {
     s.active_map();
     if (s.shown().region() != nullptr) {
       require(s.shown().pose().rows() == s.shown().region()->size(),
-              "a pose has a place for each vertex of the region");
+              "a pose has a position for each vertex of the region");
     }
     require(s.selection().groups.size() <= s.mirrored_groups().size() || s.mirrored_groups().empty(),
             "images come behind groups");

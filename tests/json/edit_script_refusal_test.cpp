@@ -157,15 +157,15 @@ TEST(EditScriptRefusal, WrongTypesAreRefusedWithWhatWasExpected) {
       {"{'vertices': '1', 'matrix': [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,1,0,1]}", "matrix: the last row"},
       {"{'vertices': '1', 'matrix': [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,null,1]}", "matrix[14]: expected a number"},
   };
-  for (const auto& [handle, part] : handles) {
-    expect_contains(refusal(with_handle(handle)), std::string("steps[0].handles[0].") + part);
+  for (const auto& [handle, expected] : handles) {
+    expect_contains(refusal(with_handle(handle)), std::string("steps[0].handles[0].") + expected);
   }
   const std::pair<const char*, const char*> whole[] = {
       {"{}", "needs exactly one of the keys vertices, points, within, selected and landmarks."},
       {"{'vertices': '1', 'points': [[0, 0, 0]]}", "needs exactly one of the keys vertices, points,"},
   };
-  for (const auto& [handle, part] : whole) {
-    expect_contains(refusal(with_handle(handle)), std::string("steps[0].handles[0]: ") + part);
+  for (const auto& [handle, expected] : whole) {
+    expect_contains(refusal(with_handle(handle)), std::string("steps[0].handles[0]: ") + expected);
   }
   for (const char* other : {"'scale': 1", "'rotation': {}", "'translation': [0, 0, 0]"}) {
     const std::string matrix = "{'vertices': '1', 'matrix': [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1], ";
@@ -196,8 +196,8 @@ TEST(EditScriptRefusal, WrongTypesAreRefusedWithWhatWasExpected) {
       {"'handle_weight': {}", "handle_weight: expected a number, found an object."},
       {"'anchor_weight': [1]", "anchor_weight: expected a number, found a list of length 1."},
   };
-  for (const auto& [setting, part] : settings) {
-    expect_contains(refusal(with_setting(setting)), std::string("steps[0].") + part);
+  for (const auto& [setting, expected] : settings) {
+    expect_contains(refusal(with_setting(setting)), std::string("steps[0].") + expected);
   }
 
   expect_contains(refusal(with_mesh("3")), "mesh: expected an object, found the number 3.");

@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <limits>
 #include <random>
 
@@ -333,28 +331,11 @@ TEST(EditScript, WritingRefusesWhatCouldNotBeRead) {
   EXPECT_EQ(cause([](Edit& e) { e.steps[1].settings.method = static_cast<EditMethod>(7); }), ErrorCause::BadScript);
 }
 
-class EditFile : public testing::Test {
+class EditFile : public TemporaryFolder {
  protected:
-  EditFile() { folder_ = make_temporary_folder(); }
-  ~EditFile() override { std::filesystem::remove_all(folder_); }
-
-  std::string write(const std::string& name, const std::string& content) {
-    std::ofstream file(folder_ + "/" + name, std::ios::binary);
-    EXPECT_TRUE(file << content);
-    return folder_ + "/" + name;
-  }
-
   static std::string refusal(const std::string& text_or_path) {
-    try {
-      load_edit(text_or_path);
-      return "";
-    } catch (const EditError& error) {
-      EXPECT_EQ(error.cause(), ErrorCause::BadScript);
-      return error.what();
-    }
+    return refusal_of([&] { load_edit(text_or_path); });
   }
-
-  std::string folder_;
 };
 
 TEST_F(EditFile, TextAndPathGiveTheSameEdit) {

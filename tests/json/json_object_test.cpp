@@ -77,8 +77,8 @@ TEST(JsonObject, SyntaxErrorsNameLineAndColumn) {
       {"{\"a\": \"\n\"}", "control character"},
       {"{\"a", "missing closing quote"},
   };
-  for (const auto& [text, part] : cases) {
-    expect_contains(refusal(text), part);
+  for (const auto& [text, expected] : cases) {
+    expect_contains(refusal(text), expected);
   }
   for (const char* empty : {"", " \n\t", "\xEF\xBB\xBF"}) {
     expect_contains(refusal(empty), "empty");
@@ -90,7 +90,7 @@ TEST(JsonObject, ByteOrderMarkIsSkipped) {
   EXPECT_EQ(refusal("\xEF\xBB\xBF{\"a\": 1}"), "");
 }
 
-TEST(JsonObject, RepeatedKeysAreRefusedWithTheirPlace) {
+TEST(JsonObject, RepeatedKeysAreRefusedWithTheirLocation) {
   EXPECT_EQ(refusal(R"({"b": [], "b": []})"), "edit: the key \"b\" is given twice in one object; keep one of the two.");
   expect_contains(refusal(R"({"\u0061b": 1, "ab": 2})"), "the key \"ab\"");
   expect_contains(refusal(R"({"x": [1, {"a": {"b":1, "b":2}}]})"), "x[1].a: the key \"b\"");

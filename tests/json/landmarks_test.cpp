@@ -3,13 +3,12 @@
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "lapedit/base/error.h"
+#include "script_support.h"
 #include "temporary_folder.h"
 
 namespace lapedit {
@@ -69,18 +68,7 @@ TEST(Landmarks, AllFormatsAreRead) {
 }
 
 std::string refusal(const std::string& text, const std::string& name) {
-  try {
-    read_landmarks(text, name);
-  } catch (const EditError& error) {
-    EXPECT_EQ(error.cause(), ErrorCause::BadScript);
-    return error.what();
-  }
-  ADD_FAILURE() << "nothing was refused: " << text;
-  return {};
-}
-
-void expect_contains(const std::string& text, const std::string& part) {
-  EXPECT_NE(text.find(part), std::string::npos) << text << "\nhas no " << part;
+  return refusal_of([&] { read_landmarks(text, name); });
 }
 
 TEST(Landmarks, WhatIsWrongIsSaidWithPlaceAndName) {
@@ -113,29 +101,11 @@ TEST(Landmarks, WhatIsWrongIsSaidWithPlaceAndName) {
                   "the z of landmark \"a\"");
 }
 
-class LandmarkFiles : public testing::Test {
+class LandmarkFiles : public TemporaryFolder {
  protected:
-  LandmarkFiles() { folder_ = make_temporary_folder(); }
-  ~LandmarkFiles() override { std::filesystem::remove_all(folder_); }
-
-  std::string write(const std::string& name, const std::string& content) const {
-    std::ofstream file(folder_ + "/" + name, std::ios::binary);
-    EXPECT_TRUE(file << content);
-    return folder_ + "/" + name;
-  }
-
   static std::string refusal(const std::string& from, const std::string& to) {
-    try {
-      load_landmarks(from, to);
-    } catch (const EditError& error) {
-      EXPECT_EQ(error.cause(), ErrorCause::BadScript);
-      return error.what();
-    }
-    ADD_FAILURE() << "nothing was refused";
-    return {};
+    return refusal_of([&] { load_landmarks(from, to); });
   }
-
-  std::string folder_;
 };
 
 TEST_F(LandmarkFiles, ArePairedByName) {

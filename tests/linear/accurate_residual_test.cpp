@@ -54,8 +54,8 @@ TEST(AccurateResidual, AddsWithoutLosingWhatIsSmall) {
 
 TEST(AccurateResidual, IsThatOfQuadruplePrecision) {
   std::mt19937 random(2);
-  const TriangleMesh mesh = shapes::tapered_arm(30, 110);
-  const SparseMatrix first = support::laplacian(mesh, true).matrix, m = first * first;
+  const SparseMatrix first = support::laplacian(support::surface(support::Surface::Tube, 30, 110), true).matrix,
+                     m = first * first;
   const Eigen::Index n = m.cols();
   DoubledPoints x, between;
   x.set(random_points(n, random));
@@ -101,8 +101,7 @@ TEST(AccurateResidual, IsThatOfQuadruplePrecision) {
 
 TEST(AccurateResidual, FollowsFromASmallStepInWorkingPrecision) {
   std::mt19937 random(6);
-  const TriangleMesh mesh = shapes::tapered_arm(30, 40);
-  const SparseMatrix m = support::laplacian(mesh).matrix;
+  const SparseMatrix m = support::laplacian(support::surface(support::Surface::Tube, 30, 40)).matrix;
   const SparseMatrix a = SparseMatrix(m.transpose()) + m;
   const Eigen::VectorXd diagonal = random_points(m.cols(), random).col(0);
   const Points step = random_points(m.cols(), random), start = random_points(m.cols(), random);

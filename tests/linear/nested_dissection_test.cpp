@@ -7,14 +7,10 @@
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
-#include <cmath>
-#include <map>
 #include <random>
-#include <utility>
 #include <vector>
 
-#include "mesh_support.h"
-#include "shapes.h"
+#include "linear/operators.h"
 
 namespace lapedit {
 namespace {
@@ -22,43 +18,13 @@ namespace {
 using Matrix = Eigen::SparseMatrix<double>;
 using Order = Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int>;
 
-/// A height field whose triangulation is far from a grid's: edges are turned at random where that can be done,
-/// with as many trials as vertices.
-TriangleMesh irregular_field(int nx, int ny) {
-  TriangleMesh mesh = shapes::letter_field(nx, ny);
-  std::map<std::pair<int, int>, int> face_left_of;
-  const auto m = static_cast<unsigned>(mesh.faces.rows());
-  for (int f = 0; f < static_cast<int>(m); ++f) {
-    for (int k = 0; k < 3; ++k) face_left_of[{mesh.faces(f, k), mesh.faces(f, (k + 1) % 3)}] = f;
-  }
-  std::mt19937 random(3);
-  for (int trial = 0; trial < nx * ny; ++trial) {
-    const int f = static_cast<int>(random() % m), k = static_cast<int>(random() % 3);
-    const int a = mesh.faces(f, k), b = mesh.faces(f, (k + 1) % 3), c = mesh.faces(f, (k + 2) % 3);
-    const auto other = face_left_of.find({b, a});
-    if (other == face_left_of.end()) continue;
-    const int g = other->second;
-    const int d = mesh.faces.row(g).sum() - a - b;
-    const auto area = [&](int p, int q, int r) {
-      const Vector3 along = mesh.vertices.row(q) - mesh.vertices.row(p);
-      const Vector3 across = mesh.vertices.row(r) - mesh.vertices.row(p);
-      return along.x() * across.y() - along.y() * across.x();
-    };
-    // Only where the two triangles make a convex quadrangle.
-    const double sign = area(a, b, c);
-    if (sign * area(c, a, d) <= 0 || sign * area(d, b, c) <= 0 || face_left_of.count({c, d}) != 0 ||
-        face_left_of.count({d, c}) != 0) {
-      continue;
-    }
-    face_left_of.erase({a, b});
-    face_left_of.erase(other);
-    mesh.faces.row(f) << c, a, d;
-    mesh.faces.row(g) << d, b, c;
-    for (const int face : {f, g}) {
-      for (int e = 0; e < 3; ++e) face_left_of[{mesh.faces(face, e), mesh.faces(face, (e + 1) % 3)}] = face;
-    }
-  }
-  return support::renumbered(mesh, support::shuffled(nx * ny, 4), 5);
+using support::Graph;
+using support::Surface;
+using support::surface;
+
+/// A surface with diagonals in random directions and numbers in any order.
+Graph irregular(Surface kind, int around, int along) {
+  return renumbered(surface(kind, around, along, true), support::shuffled(around * along, 4));
 }
 
 /// L^T L + 1, L the graph's Laplacian.
@@ -97,16 +63,16 @@ Eigen::Index factor_entries(const Matrix& matrix, const Order& order) {
   return entries;
 }
 
-Eigen::Index nested_entries(const TriangleMesh& mesh) {
-  const IndexLists neighbours = support::adjacency_of(mesh).neighbours;
-  const std::vector<int> order = nested_dissection(neighbours, mesh.vertices);
+Eigen::Index nested_entries(const Graph& graph) {
+  const IndexLists neighbours = graph.neighbours();
+  const std::vector<int> order = nested_dissection(neighbours, graph.points);
   Order permutation(static_cast<Eigen::Index>(order.size()));
   std::copy(order.begin(), order.end(), permutation.indices().data());
   return factor_entries(normal_matrix(neighbours), permutation);
 }
 
-Eigen::Index minimum_degree_entries(const TriangleMesh& mesh) {
-  const Matrix matrix = normal_matrix(support::adjacency_of(mesh).neighbours);
+Eigen::Index minimum_degree_entries(const Graph& graph) {
+  const Matrix matrix = normal_matrix(graph.neighbours());
   Order permutation;
   Eigen::AMDOrdering<int>()(matrix.selfadjointView<Eigen::Lower>(), permutation);
   return factor_entries(matrix, permutation);
@@ -118,89 +84,97 @@ void expect_permutation(std::vector<int> order, int n) {
   for (int k = 0; k < n; ++k) ASSERT_EQ(order[k], k);
 }
 
-TriangleMesh fan(int blades) {
-  TriangleMesh mesh;
-  mesh.vertices.resize(blades + 1, 3);
-  mesh.faces.resize(blades, 3);
+/// A ring of vertices around one in its middle.
+Graph fan(int blades) {
+  Graph graph = together(surface(Surface::Tube, blades, 1), support::lone_vertices(1));
   for (int k = 0; k < blades; ++k) {
-    mesh.vertices.row(k) << std::cos(0.01 * k), std::sin(0.01 * k), 0.001 * k;
-    mesh.faces.row(k) << blades, k, (k + 1) % blades;
+    graph.edges.emplace_back(blades, k);
   }
-  mesh.vertices.row(blades).setZero();
-  return mesh;
+  return graph;
 }
 
-TriangleMesh all_in_one_point() {
-  TriangleMesh mesh = shapes::icosphere(5);
-  mesh.vertices.setConstant(7);
-  return mesh;
+/// A tube whose ends are closed by a vertex each.
+Graph drum(int around, int along) {
+  Graph graph = together(surface(Surface::Tube, around, along), support::lone_vertices(2));
+  for (int i = 0; i < around; ++i) {
+    graph.edges.emplace_back(around * along, along * i);
+    graph.edges.emplace_back(around * along + 1, along * i + along - 1);
+  }
+  return graph;
 }
 
-TriangleMesh points_in_no_order() {
-  TriangleMesh mesh = shapes::grid(80, 80);
-  const std::vector<int> positions = support::shuffled(6400, 1);
-  mesh.vertices = support::rows(mesh.vertices, positions) * 1e200;
-  return mesh;
+Graph all_in_one_point() {
+  Graph graph = surface(Surface::Torus, 80, 128);
+  graph.points.setConstant(7);
+  return graph;
 }
 
-TriangleMesh vertices_only(int count) {
-  return {Points::Zero(count, 3), Faces(0, 3)};
+Graph points_in_no_order() {
+  Graph graph = surface(Surface::Plane, 80, 80);
+  graph.points = support::rows(graph.points, support::shuffled(6400, 1)) * 1e200;
+  return graph;
 }
 
-TriangleMesh many_pieces() {
-  TriangleMesh mesh = vertices_only(3000);
-  mesh.faces.resize(800, 3);
-  for (int f = 0; f < 800; ++f) mesh.faces.row(f) << 3 * f, 3 * f + 1, 3 * f + 2;
-  return shapes::together(mesh, shapes::icosphere(4), Vector3(5, 0, 0));
+Graph many_pieces() {
+  Graph graph = support::lone_vertices(3000);
+  for (int v = 0; v < 2400; ++v) {
+    graph.edges.emplace_back(v, v % 3 < 2 ? v + 1 : v - 2);
+  }
+  return together(graph, surface(Surface::Torus, 32, 80));
 }
 
-TriangleMesh random_triangles() {
-  TriangleMesh mesh{Points::Zero(1500, 3), Faces(3000, 3)};
+Graph random_graph() {
+  Graph graph = support::lone_vertices(1500);
   std::mt19937 random(1);
-  for (int k = 0; k < 9000; ++k) mesh.faces(k / 3, k % 3) = static_cast<int>(random() % 1500);
-  for (int k = 0; k < 4500; ++k) mesh.vertices(k / 3, k % 3) = random() % 1000;
-  return mesh;
+  for (double& x : graph.points.reshaped()) {
+    x = random() % 1000;
+  }
+  for (int k = 0; k < 9000; ++k) {
+    const int a = static_cast<int>(random() % 1500), b = static_cast<int>(random() % 1500);
+    graph.edges.emplace_back(a, b);
+  }
+  return graph;
 }
 
-class NestedDissectionOn : public ::testing::TestWithParam<TriangleMesh (*)()> {};
+class NestedDissectionOn : public ::testing::TestWithParam<Graph (*)()> {};
 INSTANTIATE_TEST_SUITE_P(
-    Shapes, NestedDissectionOn,
-    ::testing::Values([] { return shapes::letter_field(120, 60); }, [] { return shapes::icosphere(5); },
-                      [] { return shapes::bar(40, 20, 10); }, [] { return shapes::tapered_arm(40, 200); },
-                      [] { return shapes::cylinder(600, 10); }, [] { return shapes::grid(3, 3000); },
-                      [] { return shapes::degenerate_grid(60, 80); }, [] { return shapes::non_manifold_grid(70, 60); },
-                      [] { return shapes::two_pieces(4); }, [] { return fan(1500); }, [] { return fan(700); },
-                      all_in_one_point, points_in_no_order, many_pieces, random_triangles,
-                      [] { return vertices_only(3000); }, [] { return shapes::grid(2, 2); }));
+    Graphs, NestedDissectionOn,
+    ::testing::Values([] { return irregular(Surface::Plane, 120, 60); },
+                      [] { return surface(Surface::Torus, 80, 128); }, [] { return surface(Surface::Tube, 40, 200); },
+                      [] { return drum(600, 10); }, [] { return surface(Surface::Plane, 3, 3000); },
+                      [] { return together(surface(Surface::Plane, 60, 80), support::lone_vertices(5)); },
+                      [] { return together(surface(Surface::Torus, 32, 80), surface(Surface::Torus, 32, 80)); },
+                      [] { return fan(1500); }, [] { return fan(700); }, all_in_one_point, points_in_no_order,
+                      many_pieces, random_graph, [] { return support::lone_vertices(3000); },
+                      [] { return surface(Surface::Plane, 2, 2); }));
 
 TEST_P(NestedDissectionOn, NamesEachVertexOnceWhateverTheThreads) {
-  const TriangleMesh mesh = GetParam()();
-  const IndexLists neighbours = support::adjacency_of(mesh).neighbours;
-  const std::vector<int> order = nested_dissection(neighbours, mesh.vertices);
-  expect_permutation(order, static_cast<int>(mesh.vertices.rows()));
+  const Graph graph = GetParam()();
+  const IndexLists neighbours = graph.neighbours();
+  const std::vector<int> order = nested_dissection(neighbours, graph.points);
+  expect_permutation(order, graph.size());
   for (const int threads : {2, 3, 0}) {
-    EXPECT_EQ(nested_dissection(neighbours, mesh.vertices, threads), order) << threads << " threads";
+    EXPECT_EQ(nested_dissection(neighbours, graph.points, threads), order) << threads << " threads";
   }
 }
 
 TEST(NestedDissection, TakesNoneAndOne) {
   for (const int n : {0, 1, 2}) {
-    const TriangleMesh mesh = vertices_only(n);
-    expect_permutation(nested_dissection(support::adjacency_of(mesh).neighbours, mesh.vertices), n);
+    const Graph graph = support::lone_vertices(n);
+    expect_permutation(nested_dissection(graph.neighbours(), graph.points), n);
   }
 }
 
 TEST(NestedDissection, DoesNotDependOnTheUnit) {
-  const TriangleMesh mesh = shapes::letter_field(120, 60);
-  const IndexLists neighbours = support::adjacency_of(mesh).neighbours;
-  const std::vector<int> order = nested_dissection(neighbours, mesh.vertices);
-  EXPECT_EQ(nested_dissection(neighbours, mesh.vertices * 0x1p40), order);
-  EXPECT_EQ(nested_dissection(neighbours, mesh.vertices * 0x1p-900), order);
+  const Graph graph = irregular(Surface::Plane, 120, 60);
+  const IndexLists neighbours = graph.neighbours();
+  const std::vector<int> order = nested_dissection(neighbours, graph.points);
+  EXPECT_EQ(nested_dissection(neighbours, graph.points * 0x1p40), order);
+  EXPECT_EQ(nested_dissection(neighbours, graph.points * 0x1p-900), order);
 }
 
 TEST(NestedDissection, CountsEntriesAsAFactorHasThem) {
-  const TriangleMesh mesh = shapes::letter_field(30, 20);
-  const Matrix matrix = normal_matrix(support::adjacency_of(mesh).neighbours);
+  const Matrix matrix = normal_matrix(irregular(Surface::Plane, 30, 20).neighbours());
   Order none(matrix.rows());
   none.setIdentity();
   const Eigen::SimplicialLLT<Matrix, Eigen::Lower, Eigen::NaturalOrdering<int>> factor(matrix);
@@ -208,24 +182,24 @@ TEST(NestedDissection, CountsEntriesAsAFactorHasThem) {
 }
 
 /// Fill over that of minimum degree.
-double relative_fill(const TriangleMesh& mesh) {
-  return static_cast<double>(nested_entries(mesh)) / static_cast<double>(minimum_degree_entries(mesh));
+double relative_fill(const Graph& graph) {
+  return static_cast<double>(nested_entries(graph)) / static_cast<double>(minimum_degree_entries(graph));
 }
 
-TEST(NestedDissection, FillsAboutAsMuchAsMinimumDegreeOnMiddlingMeshes) {
-  EXPECT_LT(relative_fill(irregular_field(160, 80)), 1.1);
-  EXPECT_LT(relative_fill(shapes::tapered_arm(60, 200)), 1.1);
-  EXPECT_LT(relative_fill(shapes::icosphere(5)), 0.95);
+TEST(NestedDissection, FillsAboutAsMuchAsMinimumDegreeOnMiddlingGraphs) {
+  EXPECT_LT(relative_fill(irregular(Surface::Plane, 160, 80)), 1.1);
+  EXPECT_LT(relative_fill(surface(Surface::Tube, 80, 150)), 1.1);
+  EXPECT_LT(relative_fill(surface(Surface::Torus, 80, 128)), 0.95);
 }
 
-TEST(NestedDissection, FillsLessThanMinimumDegreeOnLargeMeshes) {
-  EXPECT_LT(relative_fill(irregular_field(284, 142)), 1);
-  EXPECT_LT(relative_fill(shapes::icosphere(6)), 0.9);
+TEST(NestedDissection, FillsLessThanMinimumDegreeOnLargeGraphs) {
+  EXPECT_LT(relative_fill(irregular(Surface::Plane, 284, 142)), 1);
+  EXPECT_LT(relative_fill(irregular(Surface::Torus, 160, 256)), 0.9);
 }
 
 TEST(NestedDissection, FillsLittleAroundVerticesOfManyNeighbours) {
   // Each cap is a clique of 600.
-  EXPECT_LT(relative_fill(shapes::cylinder(600, 20)), 1.2);
+  EXPECT_LT(relative_fill(drum(600, 20)), 1.2);
 }
 
 TEST(NestedDissection, FillsLittleOnManyPieces) {

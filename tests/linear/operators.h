@@ -2,13 +2,99 @@
 #pragma once
 
 #include <cmath>
+#include <random>
+#include <set>
+#include <utility>
+#include <vector>
 
+#include "base_support.h"
+#include "lapedit/base/index_lists.h"
 #include "lapedit/linear/linear.h"
-#include "mesh_support.h"
-#include "shapes.h"
 
-/// Operators over the edges of meshes, made without the layers that use them.
+/// Graphs and their Laplacians, made without the layers that use them.
 namespace lapedit::support {
+
+/// A graph with positions of its vertices.
+struct Graph {
+  Points points;
+  std::vector<std::pair<int, int>> edges = {};  ///< in either direction, also several times
+
+  int size() const { return static_cast<int>(points.rows()); }
+  IndexLists neighbours() const {
+    std::vector<std::set<int>> rows(static_cast<std::size_t>(size()));
+    for (const auto& [a, b] : edges) {
+      if (a != b) {
+        rows[a].insert(b);
+        rows[b].insert(a);
+      }
+    }
+    IndexLists lists;
+    for (const std::set<int>& row : rows) {
+      lists.values.insert(lists.values.end(), row.begin(), row.end());
+      lists.offsets.push_back(static_cast<int>(lists.values.size()));
+    }
+    return lists;
+  }
+};
+
+enum class Surface { Plane, Tube, Torus };
+
+/// A surface in triangles, vertex along * i + j. A tube closes around its first direction, a torus in both.
+/// @param irregular  diagonals in random directions
+inline Graph surface(Surface kind, int around, int along, bool irregular = false) {
+  Graph graph{Points(static_cast<Eigen::Index>(around) * along, 3)};
+  const double turn = 2 * std::acos(-1.0), radius = around / turn, ring = 2 * radius + along / turn;
+  std::mt19937 random(3);
+  for (int i = 0; i < around; ++i) {
+    for (int j = 0; j < along; ++j) {
+      const double u = turn * i / around, v = turn * j / along, across = radius * std::cos(u);
+      const int here = along * i + j, right = along * ((i + 1) % around) + j, up = along * i + (j + 1) % along,
+                beyond = along * ((i + 1) % around) + (j + 1) % along;
+      const bool has_right = i + 1 < around || kind != Surface::Plane, has_up = j + 1 < along || kind == Surface::Torus;
+      if (kind == Surface::Plane) {
+        graph.points.row(here) << i, j, 0;
+      } else if (kind == Surface::Tube) {
+        graph.points.row(here) << across, radius * std::sin(u), j;
+      } else {
+        graph.points.row(here) << (ring + across) * std::cos(v), (ring + across) * std::sin(v), radius * std::sin(u);
+      }
+      if (has_right) graph.edges.emplace_back(here, right);
+      if (has_up) graph.edges.emplace_back(here, up);
+      if (has_right && has_up) {
+        graph.edges.push_back(irregular && random() % 2 == 0 ? std::pair(here, beyond) : std::pair(right, up));
+      }
+    }
+  }
+  return graph;
+}
+
+/// Vertices without edges.
+inline Graph lone_vertices(int count) {
+  return {Points::Zero(count, 3)};
+}
+
+/// Two graphs, one after the other in numbering.
+inline Graph together(const Graph& a, const Graph& b) {
+  Graph graph{Points(a.points.rows() + b.points.rows(), 3), a.edges};
+  graph.points << a.points, b.points;
+  for (const auto& [from, to] : b.edges) {
+    graph.edges.emplace_back(a.size() + from, a.size() + to);
+  }
+  return graph;
+}
+
+/// The same graph: vertex v gets the number new_number[v].
+inline Graph renumbered(Graph graph, const std::vector<int>& new_number) {
+  const Points points = graph.points;
+  for (int v = 0; v < graph.size(); ++v) {
+    graph.points.row(new_number[v]) = points.row(v);
+  }
+  for (auto& [from, to] : graph.edges) {
+    from = new_number[from];
+    to = new_number[to];
+  }
+  return graph;
+}
 
 /// M = D^-1 L, L the Laplacian of symmetric weights.
 struct TestOperator {
@@ -16,9 +102,9 @@ struct TestOperator {
   Eigen::VectorXd sums;  ///< D
 };
 
-/// @param uneven  weights between 0.5 and 1.5 in place of 1
-inline TestOperator laplacian(const TriangleMesh& mesh, bool uneven = false) {
-  const IndexLists neighbours = adjacency_of(mesh).neighbours;
+/// @param uneven  weights between 0.5 and 1.5 instead of 1
+inline TestOperator laplacian(const Graph& graph, bool uneven = false) {
+  const IndexLists neighbours = graph.neighbours();
   const int n = neighbours.rows();
   const auto weight = [uneven](int i, int j) { return uneven ? 1 + 0.5 * std::sin(13.0 * (i + j) + 7.0 * i * j) : 1; };
   TestOperator result = {SparseMatrix(n, n), Eigen::VectorXd::Zero(n)};

@@ -11,7 +11,7 @@
 #include <cholmod.h>
 #endif
 
-#include "mesh_support.h"
+#include "base_support.h"
 
 namespace lapedit {
 namespace {
@@ -86,7 +86,7 @@ std::vector<std::vector<char>> eliminated(const SparseMatrix& matrix, const std:
   return entry;
 }
 
-/// Fails if an entry of the factor has no place, rows are not as SupernodalPattern wants them, or the new order fills
+/// Fails if an entry of the factor is missing, rows are not as SupernodalPattern wants them, or the new order fills
 /// more.
 TEST(SupernodalAnalysis, HoldsAllEntriesOfTheFactor) {
   for (const AnalysisCase& c : cases()) {
@@ -109,7 +109,7 @@ TEST(SupernodalAnalysis, HoldsAllEntriesOfTheFactor) {
       ASSERT_TRUE(std::is_sorted(rows.begin(), rows.end()));
       ASSERT_EQ(std::adjacent_find(rows.begin(), rows.end()), rows.end());
       for (int j = first; j < last; ++j) {
-        ASSERT_EQ(rows[j - first], j) << "its own columns come first";
+        ASSERT_EQ(rows[j - first], j) << "the supernode's columns come first";
         for (int i = j; i < n; ++i) {
           entries += expected[i][j];
           first_entries += before[i][j];

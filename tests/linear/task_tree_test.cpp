@@ -57,11 +57,11 @@ TEST(TaskTree, ListsNameTheParentsRows) {
   const TaskTree tree = star(40);
   ASSERT_EQ(tree.tasks.size(), 41U) << "a branch ends below the supernode that all hang on";
   EXPECT_EQ(tree.list_rows, std::vector<int>(40, 40));
-  EXPECT_EQ(tree.list_places, std::vector<int>(40, 0)) << "the parent's own column";
+  EXPECT_EQ(tree.list_places, std::vector<int>(40, 0)) << "the parent's column";
   EXPECT_EQ(tree.leaves.size(), 40U);
 }
 
-/// A thread that gets no processor: fails if other tasks wait for it than those above or below its own.
+/// A thread that gets no processor: fails if other tasks wait for it than those above or below its task.
 TEST(TreeWalk, ThreadThatIsHeldUpHoldsUpNothingButItsTask) {
   const TaskTree tree = star(40);
   const int tasks = static_cast<int>(tree.tasks.size());

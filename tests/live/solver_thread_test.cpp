@@ -42,6 +42,7 @@ SolverUpdate all_updates(SolverThread& worker, SolverPose& pose) {
     all.region = update.region ? update.region : all.region;
     all.report = update.report ? update.report : all.report;
     all.applied = update.applied ? update.applied : all.applied;
+    all.reused = update.ready ? update.reused : all.reused;
     all.ready |= update.ready;
     all.pose |= update.pose;
     all.error += update.error;
@@ -63,6 +64,17 @@ TEST(SolverThread, PosesAreThoseOfTheStep) {
   EXPECT_EQ(pose.serial, serial);
   EXPECT_TRUE(support::same_bits(pose.positions, solver.pose({support::shift(Vector3(1, 2, 3))})));
   EXPECT_NEAR(update.report->handle_displacement, Vector3(1, 2, 3).norm(), 1e-9);
+}
+
+TEST(SolverThread, ReportsWhatARegionReuses) {
+  SolverThread worker(nullptr);
+  SolverPose pose;
+  std::vector<std::string> reused;
+  for (const double radius : {9.0, 9.0, 12.0}) {
+    worker.prepare(task_for(kHandle, radius));
+    reused.emplace_back(all_updates(worker, pose).reused);
+  }
+  EXPECT_EQ(reused, (std::vector<std::string>{"nothing", "operator and factor", "nothing"}));
 }
 
 TEST(SolverThread, SolvesTheNewestQuestionAndNotAll) {
@@ -138,7 +150,7 @@ TEST(SolverThread, WithoutAThreadForALargeRegionItPreparesItItself) {
     worker.solve(maps, true);
     const SolverUpdate update = all_updates(worker, expected);
     ASSERT_TRUE(update.ready && update.region);
-    ASSERT_GT(update.region->size(), 12000) << "smaller ones have no thread of their own";
+    ASSERT_GT(update.region->size(), 12000) << "smaller ones have no further thread";
   }
   SolverThread worker(nullptr);
   const NoThreads none;
@@ -193,13 +205,11 @@ TEST(SolverThread, AppliesStepsOneAfterTheOther) {
   ASSERT_TRUE(update.applied);
   ASSERT_EQ(update.applied->size(), 2U);
   const EditResult both = apply_edit(*task.mesh, edit);
-  Points positions = task.mesh->vertices;
+  TriangleMesh mesh = *task.mesh;
   for (const EditResult& result : *update.applied) {
-    for (std::size_t i = 0; i < result.vertices.size(); ++i) {
-      positions.row(result.vertices[i]) = result.positions.row(static_cast<Eigen::Index>(i));
-    }
+    mesh.vertices = support::edited(mesh, result);
   }
-  EXPECT_TRUE(support::same_bits(support::rows(positions, both.vertices), both.positions));
+  EXPECT_TRUE(support::same_bits(support::rows(mesh.vertices, both.vertices), both.positions));
 }
 
 TEST(SolverThread, WakesItsOwnerForEachPieceOfNews) {
@@ -260,7 +270,7 @@ struct Followed {
       }
     }
   }
-  /// The longest way of a vertex from one pose to the next.
+  /// The longest displacement of a vertex from one pose to the next.
   double longest_jump() const {
     double longest = 0;
     for (std::size_t k = 1; k < poses.size(); ++k) {
@@ -284,7 +294,7 @@ bool seen_in_some_try(const Look& look) {
   return false;
 }
 
-/// Cells alone, then with their correction, then the pose in full, all on their own where the mouse rests.
+/// Cells alone, then with their correction, then the pose in full, all without further requests where the mouse rests.
 TEST(FirstFrames, FollowsFirstAndBecomesThePose) {
   PrepareTask task = large_task();
   for (const int passes : {1, 4}) {

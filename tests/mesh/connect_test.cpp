@@ -59,8 +59,7 @@ TEST(Connect, LinksNearestVerticesOfDifferentPiecesWithinTheGap) {
 TEST(Connect, RegionGoesOnIntoThePieceThatIsNear) {
   const TriangleMesh mesh = ball_in_ball();
   const Adjacency adjacency = support::adjacency_of(mesh);
-  RegionSpec spec;
-  spec.radius = 1.2;
+  RegionSpec spec = support::within(1.2);
   const int pole = support::vertex_at(mesh, {0, 0, 1});
   const Region apart = build_region(mesh, adjacency, spec, {{pole}});
   EXPECT_TRUE(apart.links.empty());
@@ -93,8 +92,7 @@ TEST(Connect, LinksOutOfAGivenSetMakeNoRim) {
 TEST(Connect, GapThatIsNoLengthIsRefused) {
   const TriangleMesh mesh = ball_in_ball();
   const Adjacency adjacency = support::adjacency_of(mesh);
-  RegionSpec spec;
-  spec.radius = 1;
+  RegionSpec spec = support::within(1);
   for (const double gap : {-0.1, kUnreached, std::nan("")}) {
     spec.connect_gap = gap;
     support::expect_refusal(ErrorCause::BadParameter, [&] { build_region(mesh, adjacency, spec, {{5}}); });

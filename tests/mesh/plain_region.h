@@ -11,6 +11,7 @@
 
 #include "lapedit/mesh/geodesic.h"
 #include "lapedit/mesh/region.h"
+#include "support.h"
 
 namespace lapedit::support {
 
@@ -152,10 +153,10 @@ inline Adjacency plain_adjacency(const TriangleMesh& mesh) {
   return {lists(rings), lists(around)};
 }
 
-/// A mesh's adjacency, and a region of each kind around handles, with band, kept anchors and none, as large as a share
-/// of what is reached.
-inline void expect_plain_regions(const TriangleMesh& mesh, const std::vector<std::vector<int>>& groups,
-                                 double fraction) {
+/// A mesh's adjacency, and a region of each kind around handles, with bands, kept anchors and none, as large as a
+/// fraction of all that the handles reach.
+inline void expect_plain_regions(const TriangleMesh& mesh, const std::vector<std::vector<int>>& groups, double fraction,
+                                 const std::vector<double>& paddings = {0, 0.1}) {
   const Adjacency adjacency = plain_adjacency(mesh);
   for (const int threads : {1, 2, 3}) {
     const Adjacency built = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces, threads);
@@ -170,24 +171,24 @@ inline void expect_plain_regions(const TriangleMesh& mesh, const std::vector<std
   }
   GeodesicSearch search(adjacency.neighbours, mesh.vertices);
   const std::vector<int> reached = search.run(handles, kUnreached);
-  RegionSpec radius;
-  radius.radius =
+  const double radius =
       search.distance(reached[static_cast<std::size_t>(fraction * static_cast<double>(reached.size() - 1))]);
-  RegionSpec component;
-  component.kind = RegionSpec::Kind::Component;
-  RegionSpec set;
-  set.kind = RegionSpec::Kind::Vertices;
+  RegionSpec set = given({});
   for (int v = static_cast<int>(mesh.vertices.rows()) - 1; v >= 0; --v) {  // with holes, and what no handle reaches
     if (mesh.vertices.row(v).allFinite() && (v % 37 != 5 || search.distance(v) == 0)) {
       set.vertices.push_back(v);
     }
   }
+  set.vertices.insert(set.vertices.end(), set.vertices.begin(), set.vertices.begin() + 3);  // named twice
   RegionSpec kept = set;
   kept.anchors = anchors_of(plain_region(mesh, adjacency, set, groups));
   kept.anchors.reach *= 1.25;
-  RegionSpec bare = radius;
-  bare.padding = 0;
-  for (const RegionSpec& spec : {radius, bare, component, set, kept}) {
+  std::vector<RegionSpec> specs = {component(), kept};
+  for (const double padding : paddings) {
+    specs.push_back(within(radius, padding));
+    specs.push_back(given(set.vertices, padding));
+  }
+  for (const RegionSpec& spec : specs) {
     const Region plain = plain_region(mesh, adjacency, spec, groups);
     for (const int threads : {1, 2, 3}) {
       SCOPED_TRACE(std::to_string(threads) + " threads, kind " + std::to_string(static_cast<int>(spec.kind)));

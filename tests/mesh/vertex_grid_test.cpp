@@ -25,7 +25,7 @@ int nearest_of_all(const Points& points, const std::vector<int>& vertices, const
   return found;
 }
 
-/// Clouds, planes, lines and lattices full of ties, from places inside and far outside, with and without a limit.
+/// Clouds, planes, lines and lattices full of ties, from positions inside and far outside, with and without a limit.
 TEST(VertexGrid, FindsWhatLookingAtAllFinds) {
   std::mt19937 random(14);
   std::uniform_real_distribution<double> coordinate(-1, 1);

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
-#include <vector>
-
 #include "allocation_watch.h"
 #include "drag_support.h"
 #include "shapes.h"
@@ -11,40 +9,11 @@
 namespace lapedit {
 namespace {
 
-/// What the interactive tool will do at each mouse move.
-TEST(Drag, AllocatesNothingAfterTheFirstSolve) {
-  const TriangleMesh mesh = shapes::letter_field(60, 30);
-  RegionSpec region;
-  region.radius = 0.9;
-  const int handle = support::vertex_at(mesh, Vector3(2, 1, 0));
-  for (const CholeskyBackend backend : {CholeskyBackend::Supernodal, CholeskyBackend::Eigen}) {
-    for (const EditMethod method : {EditMethod::Linear, EditMethod::Paper, EditMethod::Default}) {
-      const long before_all = allocations;
-      support::Prepared solver(mesh, build_region(mesh, support::adjacency_of(mesh), region, {{handle}}),
-                               EditSettings::of(method), {StoredScalar::Double, {}, {0, backend}});
-      std::vector<HandleMotion> maps{support::shift(Vector3(0, 0, 0.4))};
-      solver.pose(maps);
-      ASSERT_GT(allocations.load(), before_all);  // or the count does not count
-      const long before = allocations;
-      for (int i = 0; i < 5; ++i) {
-        maps[0].map.translation().x() += 0.01;
-        solver.pose(maps);
-      }
-      EXPECT_EQ(allocations - before, 0) << name(method);
-    }
-  }
-}
-
-/// From the mouse's move to the pose handed to the host, by way of the worker's thread.
-TEST(Drag, SessionAllocatesNothingOnceItMoves) {
-  support::Window window(shapes::letter_field(60, 30));
-  DragSettings settings = window.session.settings();
-  settings.handle_fraction = 0.1 / settings.radius;
-  window.session.set_settings(settings);
-  const int handle = support::vertex_at(window.session.mesh(), Vector3(2, 1, 0));
-  window.click(handle);
-  window.press(handle);
-  const Vector2 from = window.at(handle).pixel;
+/// Drags a vertex, and expects no allocation once it has moved: from the mouse's move to the pose handed to the host,
+/// by way of the worker's thread.
+void expect_no_allocations(support::Window& window, int vertex) {
+  window.press(vertex);
+  const Vector2 from = window.at(vertex).pixel;
   const auto move = [&](int i) {
     const int poses = window.poses();
     window.session.move(window.at(from + Vector2(i, 2 * i)));
@@ -67,34 +36,23 @@ TEST(Drag, SessionAllocatesNothingOnceItMoves) {
   EXPECT_GE(window.poses(), poses + 10);
 }
 
+TEST(Drag, AllocatesNothingOnceItMoves) {
+  support::Window window(shapes::letter_field(60, 30));
+  window.change([](DragSettings& s) { s.handle_fraction = 0.1 / s.radius; });
+  const int handle = support::vertex_at(window.session.mesh(), Vector3(2, 1, 0));
+  window.click(handle);
+  expect_no_allocations(window, handle);
+}
+
 TEST(Drag, BendingACurveAllocatesNothingOnceItMoves) {
   support::Window window(shapes::letter_field(60, 30));
-  DragSettings settings = window.session.settings();
-  window.session.set_settings(settings);
   window.session.set(&Tools::mode, HandleMode::Curve);
-  for (const Vector3& position : {Vector3(1.8, 1, 0), Vector3(2.0, 1, 0), Vector3(2.2, 1, 0)}) {
-    window.click(support::vertex_at(window.session.mesh(), position));
+  int end = 0;
+  for (const double x : {1.8, 2.0, 2.2}) {
+    end = support::vertex_at(window.session.mesh(), Vector3(x, 1, 0));
+    window.click(end);
   }
-  const int end = support::vertex_at(window.session.mesh(), Vector3(2.2, 1, 0));
-  window.press(end);
-  const Vector2 from = window.at(end).pixel;
-  const auto move = [&](int i) {
-    const int poses = window.poses();
-    window.session.move(window.at(from + Vector2(i, 2 * i)));
-    while (window.poses() == poses) {
-      window.session.poll();
-    }
-  };
-  for (int i = 1; i <= 6; ++i) {
-    move(i);
-  }
-  window.session.wait();
-  const long before = allocations;
-  for (int i = 7; i <= 20; ++i) {
-    move(i);
-  }
-  window.session.wait();
-  EXPECT_EQ(allocations - before, 0);
+  expect_no_allocations(window, end);
 }
 
 }  // namespace

@@ -37,6 +37,7 @@ TEST(DragMotion, TranslationKeepsTheGrabbedPointUnderTheCursor) {
     EXPECT_TRUE(m.moves());
     const Vector3 now = grab + m.transform().translation;
     EXPECT_LT((view.pixel(now) - over(view, grab, Vector2(50, 70)).pixel).norm(), 1e-6);
+    EXPECT_NEAR(m.transform().translation.dot(Vector3(7, -8, 6).normalized()), 0, 1e-9) << "along the line of sight";
     m.move(over(view, grab));
     EXPECT_LT(m.transform().translation.norm(), 1e-9);
   }
@@ -68,7 +69,7 @@ TEST(DragMotion, NormalLockNeedsANormal) {
   EXPECT_FALSE(motion(MotionKind::Translate, over(view, kCenter), Vector3::Zero()).toggle_lock(AxisLock::Normal));
 }
 
-TEST(DragMotion, TurnFollowsTheCursorAboutTheCenter) {
+TEST(DragMotion, RotationFollowsTheCursorAboutTheCenter) {
   const Camera view = support::view_from(kCenter + Vector3(0, 0, 9), kCenter, Vector3::UnitY());
   // Seen from +z, counter-clockwise on the screen is counter-clockwise about z.
   DragMotion m = motion(MotionKind::Rotate, over(view, kCenter, Vector2(100, 0)));
@@ -79,12 +80,12 @@ TEST(DragMotion, TurnFollowsTheCursorAboutTheCenter) {
   m.move(over(view, kCenter, Vector2(-100, 0)));
   m.move(over(view, kCenter, Vector2(0, 100)));
   m.move(over(view, kCenter, Vector2(100, 1)));
-  EXPECT_NEAR(m.transform().degrees, 360, 1);  // turns add up
+  EXPECT_NEAR(m.transform().degrees, 360, 1);  // revolutions add up
   EXPECT_LT((m.arm() - Vector3::UnitX()).norm(), 1e-9);
   EXPECT_EQ(m.transform().translation, Vector3::Zero());
 }
 
-TEST(DragMotion, TurnAboutALockedAxisGoesTheWayTheSurfaceIsSeenToTurn) {
+TEST(DragMotion, RotationAboutALockedAxisIsThatOfTheSurfaceOnTheScreen) {
   for (const double side : {1.0, -1.0}) {
     const Camera view = support::view_from(kCenter + Vector3(0, 0.1, side * 9), kCenter, Vector3::UnitY());
     DragMotion m = motion(MotionKind::Rotate, over(view, kCenter, Vector2(100, 0)));
@@ -188,13 +189,13 @@ TEST(DragMotion, SnapsAnglesAndFactors) {
   const Camera view = support::view_from(kCenter + Vector3(0, 0, 9), kCenter, Vector3::UnitY());
   Cursor cursor = over(view, kCenter, Vector2(50, -90));
   cursor.snap = true;
-  DragMotion turn = motion(MotionKind::Rotate, over(view, kCenter, Vector2(100, 0)));
-  turn.move(cursor);
-  EXPECT_EQ(turn.transform().degrees, 60);
-  EXPECT_EQ(turn.text(), "Turning by 60 degrees (in steps of 15)");
-  turn.type('7');
-  EXPECT_EQ(turn.transform().degrees, 7);
-  EXPECT_EQ(turn.text(), "Turning by 7 degrees (typed 7)");
+  DragMotion rotation = motion(MotionKind::Rotate, over(view, kCenter, Vector2(100, 0)));
+  rotation.move(cursor);
+  EXPECT_EQ(rotation.transform().degrees, 60);
+  EXPECT_EQ(rotation.text(), "Turning by 60 degrees (in steps of 15)");
+  rotation.type('7');
+  EXPECT_EQ(rotation.transform().degrees, 7);
+  EXPECT_EQ(rotation.text(), "Turning by 7 degrees (typed 7)");
   DragMotion scale = motion(MotionKind::Scale, over(view, kCenter, Vector2(100, 0)));
   cursor.pixel = over(view, kCenter, Vector2(0, 132)).pixel;
   scale.move(cursor);

@@ -81,7 +81,7 @@ TEST(Gizmo, ArrowsAreTakenAlongTheirLengthAndRingsOnTheirNearHalf) {
         EXPECT_EQ(gizmo_element_at(gizmo, over(view, gizmo.along(axis, 1.1))), arrow(axis)) << axis;
         ++arrows;
       }
-      // Where no other part crosses: between the arrows.
+      // Where no other element crosses: between the arrows.
       for (int k = 0; k < 8 && gizmo.ring_is_seen(axis, view); ++k) {
         const Vector3 position = gizmo.on_ring(axis, 0.8 * std::acos(-1.0) * k + 0.8);
         bool alone = (position - kCenter).dot(view.toward_viewer(kCenter)) > 0;
@@ -122,7 +122,7 @@ TEST(Gizmo, WhatIsSeenFromItsEndOrSideIsNotTaken) {
   EXPECT_FALSE(gizmo.arrow_is_seen(2, view));
   EXPECT_FALSE(gizmo.ring_is_seen(0, view));
   EXPECT_TRUE(gizmo.ring_is_seen(2, view));
-  // The ring about X covers the arrow along Y: that is the arrow's place, below it is no one's.
+  // The ring about X covers the arrow along Y: there the arrow is taken, and below it nothing.
   EXPECT_EQ(gizmo_element_at(gizmo, over(view, kCenter + 0.5 * gizmo.length * Vector3::UnitY())), GizmoElement::MoveY);
   EXPECT_EQ(gizmo_element_at(gizmo, over(view, kCenter - 0.5 * gizmo.length * Vector3::UnitY())), GizmoElement::None);
   EXPECT_EQ(gizmo_element_at(gizmo, over(view, kCenter - 0.8 * gizmo.length * Vector3::UnitY())), GizmoElement::TurnZ);
@@ -152,7 +152,7 @@ TEST(Gizmo, TheNearHalfOfARingIsPreferredToTheFarHalfOfAnother) {
   EXPECT_GT(crossings, 10);
 }
 
-TEST(Gizmo, AxesAndKindsOfItsParts) {
+TEST(Gizmo, AxesAndKindsOfItsElements) {
   const Gizmo gizmo = place_gizmo(kCenter, GizmoAxes::Normal, Vector3(1, 2, 3), seen_from(kEyes[0]));
   for (int axis = 0; axis < 3; ++axis) {
     EXPECT_EQ(kind_of(arrow(axis)), MotionKind::Translate);

@@ -58,7 +58,7 @@ struct Chooser {
     return true;
   }
   bool pick(int vertex) { return take(lapedit::pick(surface(), selection, vertex)); }
-  bool refused_with(const std::string& part) const { return refusal.find(part) != std::string::npos; }
+  bool refused_with(const std::string& text) const { return refusal.find(text) != std::string::npos; }
 };
 
 std::vector<int> block(int from, int to) {

@@ -34,10 +34,11 @@ std::vector<int> united(const std::vector<int>& a, const std::vector<int>& b);
 std::vector<int> common(const std::vector<int>& a, const std::vector<int>& b);
 std::vector<int> without(const std::vector<int>& a, const std::vector<int>& b);
 
-/// Copies the rows of some vertices, and back.
 inline Vector3 position_of(const Points& points, int vertex) {
   return points.row(vertex).transpose();
 }
+
+/// Copies the rows of some vertices, and back.
 Points gather(const Points& points, const std::vector<int>& vertices);
 void scatter(const std::vector<int>& vertices, const Points& rows, Points& points);
 
