@@ -21,7 +21,6 @@ namespace lapedit::host {
 namespace {
 
 constexpr Scalarm kNaN = std::numeric_limits<Scalarm>::quiet_NaN();
-constexpr Scalarm kInfinity = std::numeric_limits<Scalarm>::infinity();
 
 void host_normals(CMeshO& host) {
   vcg::tri::UpdateNormal<CMeshO>::PerFaceNormalized(host);
@@ -38,35 +37,6 @@ EditResult shift(const BridgedMesh& bridged, const std::vector<int>& vertices, c
     result.positions.row(static_cast<Eigen::Index>(i)) = bridged.mesh.vertices.row(vertices[i]) + offset.transpose();
   }
   return result;
-}
-
-TEST(MeshBridge, RoundTripsAMeshWithDeletedVerticesAndFaces) {
-  CMeshO host;
-  fill(host, shapes::grid(4, 5));
-  // Vertex 0 is a corner with one face, number 0.
-  vcg::tri::Allocator<CMeshO>::DeleteFace(host, host.face[0]);
-  vcg::tri::Allocator<CMeshO>::DeleteVertex(host, host.vert[0]);
-  const BridgedMesh bridged = read_mesh(host);
-  ASSERT_EQ(bridged.mesh.vertices.rows(), 19);
-  ASSERT_EQ(bridged.mesh.faces.rows(), 23);
-  EXPECT_EQ(bridged.core_vertex[0], -1);
-  validate(bridged.mesh);
-  for (int v = 0; v < 19; ++v) {
-    EXPECT_EQ(bridged.host_vertex[v], v + 1);
-    EXPECT_EQ(bridged.core_vertex[v + 1], v);
-    EXPECT_EQ(bridged.mesh.vertices(v, 0), host.vert[v + 1].cP()[0]);
-  }
-  for (int f = 0; f < 23; ++f) {
-    for (int k = 0; k < 3; ++k) {
-      EXPECT_EQ(bridged.host_vertex[bridged.mesh.faces(f, k)],
-                static_cast<int>(vcg::tri::Index(host, host.face[f + 1].cV(k))));
-    }
-  }
-  write_positions(host, bridged, support::adjacency_of(bridged.mesh), shift(bridged, {0, 18}, {0, 0, 7}));
-  for (int v = 0; v < 20; ++v) {
-    EXPECT_EQ(host.vert[v].cP()[2], v == 1 || v == 19 ? 7 : 0) << v;
-  }
-  EXPECT_EQ(host.bbox.max[2], 7);
 }
 
 TEST(MeshBridge, RefusesFacesThatNameNoVertex) {
@@ -116,6 +86,7 @@ TEST(MeshBridge, ReadsALargeMeshInItsOrder) {
   ASSERT_EQ(bridged.mesh.vertices.rows(), host.vn);
   ASSERT_EQ(bridged.mesh.faces.rows(), host.fn);
   ASSERT_EQ(bridged.core_vertex.size(), host.vert.size());
+  validate(bridged.mesh);
   for (std::size_t v = 0; v < host.vert.size(); ++v) {
     EXPECT_EQ(bridged.core_vertex[v], used[v] ? vertices : -1);
     if (used[v]) {
@@ -137,24 +108,6 @@ TEST(MeshBridge, FaceOnADeletedVertexIsRefusedByTheCore) {
   fill(host, shapes::grid(3, 3));
   host.vert[4].SetD();
   EXPECT_ANY_THROW(validate(read_mesh(host).mesh));
-}
-
-TEST(MeshBridge, KeepsTheBitsOfAllThatDoesNotMove) {
-  CMeshO host;
-  fill(host, shapes::grid(6, 6));
-  host.vert[0].P() = Point3m(kNaN, -0.0f, kInfinity);
-  host.vert[14].P()[2] = -0.0f;  // -0 and 0 are equal, so "moved" to 0 is not moved
-  std::vector<Point3m> before;
-  for (const CVertexO& vertex : host.vert) {
-    before.push_back(vertex.cP());
-  }
-  const BridgedMesh bridged = read_mesh(host);
-  EditResult result = shift(bridged, {13, 14}, Vector3::Zero());
-  result.positions.row(0) += Vector3(0, 0, 1).transpose();
-  write_positions(host, bridged, support::adjacency_of(bridged.mesh), result);
-  for (std::size_t v = 0; v < host.vert.size(); ++v) {
-    EXPECT_EQ(same_bits(host.vert[v].cP(), before[v]), v != 13) << v;
-  }
 }
 
 TEST(MeshBridge, NormalsAreTheHostsOwnAroundMovedVerticesAndUntouchedElsewhere) {
@@ -189,41 +142,6 @@ TEST(MeshBridge, NormalsAreTheHostsOwnAroundMovedVerticesAndUntouchedElsewhere) 
   }
   EXPECT_EQ(host.bbox.min, expected.bbox.min);
   EXPECT_EQ(host.bbox.max, expected.bbox.max);
-}
-
-TEST(MeshBridge, NeverWritesNormalsThatAreNotNumbers) {
-  CMeshO host;
-  TriangleMesh mesh = shapes::degenerate_grid(10, 10);
-  fill(host, mesh);
-  const Point3m mark(3, 4, 5);
-  for (CVertexO& vertex : host.vert) {
-    vertex.N() = mark;
-  }
-  for (CFaceO& face : host.face) {
-    face.N() = mark;
-  }
-  host.vert[33].P()[0] = kNaN;
-  host.vert[78].P()[1] = kInfinity;
-  const BridgedMesh bridged = read_mesh(host);
-  std::vector<int> finite;
-  for (int v = 0; v < static_cast<int>(host.vert.size()); ++v) {
-    if (v != 33 && v != 78) {
-      finite.push_back(v);
-    }
-  }
-  write_positions(host, bridged, support::adjacency_of(bridged.mesh), shift(bridged, finite, {0, 0, 2}));
-  for (const CVertexO& vertex : host.vert) {
-    EXPECT_TRUE(std::isfinite(vertex.cN().Norm()));
-  }
-  int kept = 0;
-  for (const CFaceO& face : host.face) {
-    EXPECT_TRUE(std::isfinite(face.cN().Norm()));
-    kept += face.cN() == mark;
-  }
-  EXPECT_GE(kept, 12) << "the faces at the two non-finite vertices and the degenerate ones";
-  EXPECT_TRUE(std::isfinite(host.bbox.Diag()));
-  EXPECT_GE(host.bbox.max[2], 2);
-  EXPECT_TRUE(std::isfinite(finite_diagonal(host)));
 }
 
 TEST(MeshBridge, DiagonalOfAMeshWithoutFiniteVerticesIsZero) {
