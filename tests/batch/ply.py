@@ -55,7 +55,7 @@ class Ply:
         return f["vertex_indices"] if "vertex_indices" in f else f["vertex_index"]
 
     def _read_rows(self, count, properties):
-        form, places = "", []
+        form, fields = "", []
         for words in properties:
             first, size = len(form), None
             form += KINDS[words[words[0] == "list"]]
@@ -63,9 +63,9 @@ class Ply:
                 # The last number of a row that begins so.
                 size = int(self._rest[first]) if self._ascii else struct.unpack_from("<" + form, self._rest)[-1]
                 form += KINDS[words[2]] * size
-            places.append((words[-1], first, size))
+            fields.append((words[-1], first, size))
         columns, rows = self._columns(form, count), {}
-        for name, first, size in places:
+        for name, first, size in fields:
             assert size is None or set(columns[first]) == {size}, f"lists of different lengths in {name}"
             rows[name] = columns[first] if size is None else list(zip(*columns[first + 1:first + 1 + size])) or [()] * count
         return rows

@@ -201,9 +201,9 @@ class Keyboard(ToolTest):
             self.hover(w)
             w.wait_message(rf"Vertex {self.CENTRE} at ")
             self.key(w, "ctrl+c")
-            number, place = re.match(r"(\d+) \[(.*)\]$", w.clipboard()).groups()
+            number, position = re.match(r"(\d+) \[(.*)\]$", w.clipboard()).groups()
             self.assertEqual(int(number), self.CENTRE)
-            for a, b in zip(map(float, place.split(",")), self.points[self.CENTRE]):
+            for a, b in zip(map(float, position.split(",")), self.points[self.CENTRE]):
                 self.assertAlmostEqual(a, b, places=5)
 
     def test_strokes_and_steps_are_undone_in_order(self):

@@ -18,7 +18,7 @@ class Gestures(ToolTest):
             self.left, self.top = w.view_corner()
             yield w
 
-    def place(self, w, vertex, by=(0, 0)):
+    def on_screen(self, w, vertex, by=(0, 0)):
         """On the screen."""
         x, y = w.pixel(vertex)
         return round(x + self.left + by[0]), round(y + self.top + by[1])
@@ -28,14 +28,14 @@ class Gestures(ToolTest):
 
     def x_click(self, w, vertex, *modifiers):
         held = [("keydown", m) for m in modifiers], [("keyup", m) for m in modifiers]
-        w.x("mousemove", *self.place(w, vertex), *sum(held[0], ()), "sleep", 0.05, "click", 1, "sleep", 0.05,
+        w.x("mousemove", *self.on_screen(w, vertex), *sum(held[0], ()), "sleep", 0.05, "click", 1, "sleep", 0.05,
             *sum(held[1], ()))
         self.seen(w)
 
     def x_stroke(self, w, vertices, modifier):
-        w.x("mousemove", *self.place(w, vertices[0]), "keydown", modifier, "sleep", 0.05, "mousedown", 1)
+        w.x("mousemove", *self.on_screen(w, vertices[0]), "keydown", modifier, "sleep", 0.05, "mousedown", 1)
         for vertex in vertices:
-            w.x("mousemove", *self.place(w, vertex), "sleep", 0.03)
+            w.x("mousemove", *self.on_screen(w, vertex), "sleep", 0.03)
         w.x("mouseup", 1, "sleep", 0.05, "keyup", modifier)
         self.seen(w)
 
@@ -60,7 +60,7 @@ class Gestures(ToolTest):
     def test_hover_wheel_press_drag_release_and_undo(self):
         with self.window() as w:
             before = w.dump()
-            w.x("mousemove", *self.place(w, self.CENTRE))
+            w.x("mousemove", *self.on_screen(w, self.CENTRE))
             self.seen(w)
             radius = w.widget(part("radius"))["value"]
             w.x("click", WHEEL_UP)
@@ -75,9 +75,9 @@ class Gestures(ToolTest):
             w.x("keydown", "ctrl", "click", WHEEL_UP, "keyup", "ctrl")
             self.seen(w)
             self.assertNotEqual(w.camera(), camera)
-            start = self.place(w, self.CENTRE)
+            start = self.on_screen(w, self.CENTRE)
             self.x_pull(w, start, (40, -55))
-            self.assertLess(math.dist(self.place(w, self.CENTRE), (start[0] + 40, start[1] - 55)), 2.5)
+            self.assertLess(math.dist(self.on_screen(w, self.CENTRE), (start[0] + 40, start[1] - 55)), 2.5)
             self.assertGreater(self.steps_in_log(w)[0]["handle"], 5)
             self.assert_replay_is_the_same(w, self.mesh)
             w.x_focus()
@@ -105,7 +105,7 @@ class Gestures(ToolTest):
             w.x("key", "v")
             self.seen(w)
             self.assertTrue(w.widget(part("gizmo"))["checked"])
-            middle = self.place(w, self.CENTRE)
+            middle = self.on_screen(w, self.CENTRE)
             # Seen from above: an arrow to the right along X and one up along Y, a ring about Z of 0.8 of their length
             # of 90 pixels, and the knob on the diagonal, as far.
             self.x_pull(w, (middle[0] + 60, middle[1]), (45, 30))
@@ -147,7 +147,7 @@ class Gestures(ToolTest):
             self.assertRegex(self.message(w), "turn about")
             pivot = self.at(20, 25)
             self.x_click(w, pivot)
-            start, middle = self.place(w, self.CENTRE), self.place(w, pivot)
+            start, middle = self.on_screen(w, self.CENTRE), self.on_screen(w, pivot)
             w.x("mousemove", *start, "key", "r", "sleep", 0.1)
             off = start[0] - middle[0], start[1] - middle[1]
             w.x("mousemove", middle[0] + off[1], middle[1] - off[0], "sleep", 0.2, "key", "Return")
@@ -184,7 +184,7 @@ class Gestures(ToolTest):
             w.x("key", "ctrl+shift+z")
             self.seen(w)
             self.assertEqual(self.counts(w), larger)
-            self.x_pull(w, self.place(w, self.CENTRE), (15, 20))
+            self.x_pull(w, self.on_screen(w, self.CENTRE), (15, 20))
             self.assert_replay_is_the_same(w, self.mesh)
 
     def test_chosen_groups_move_together(self):
@@ -197,7 +197,7 @@ class Gestures(ToolTest):
             self.x_click(w, groups[0], "shift")
             self.assertRegex(self.message(w), "2 of 3 move together")
             before = w.dump().triples()
-            self.x_pull(w, self.place(w, groups[2]), (15, 25))
+            self.x_pull(w, self.on_screen(w, groups[2]), (15, 25))
             handles = self.last_step(w)["handles"]
             self.assertEqual(handles[0]["translation"], handles[2]["translation"])
             self.assertEqual(handles[1]["translation"], [0, 0, 0])
@@ -218,13 +218,13 @@ class Gestures(ToolTest):
             w.x("mousemove", 5, 5)
             self.seen(w)
             plain = self.picture(w, *between, half=6)
-            w.x("mousemove", *self.place(w, self.at(20, 22)))
+            w.x("mousemove", *self.on_screen(w, self.at(20, 22)))
             w.wait(lambda: self.picture(w, *between, half=6) != plain, "the next piece is not shown", 20)
             self.x_click(w, middle)
             self.x_click(w, right)
             before = w.dump().triples()
             for point in (left, right):  # a smile
-                self.x_pull(w, self.place(w, point), (0, -25))
+                self.x_pull(w, self.on_screen(w, point), (0, -25))
                 self.assertIn("targets", self.last_step(w)["handles"][0])
             after = w.dump().triples()
             self.assertGreater(min(math.dist(before[v], after[v]) for v in (left, right)), 0.01)
@@ -244,7 +244,7 @@ class Gestures(ToolTest):
             self.seen(w)
             self.assertNotEqual(self.picture(w, *w.pixel(self.CENTRE), half=20), middle, "the plane is not drawn")
             plain = self.picture(w, *there)
-            w.x("mousemove", *self.place(w, self.at(20, 30)))
+            w.x("mousemove", *self.on_screen(w, self.at(20, 30)))
             w.wait(lambda: sum(a != b for a, b in zip(self.picture(w, *there), plain)) > 100,
                    "the other side is not shown", 20)
             self.assertNotEqual(here, there)
@@ -255,7 +255,7 @@ class Gestures(ToolTest):
             slider = w.widget(part("last_fraction"))
             self.assertFalse(slider["enabled"])
             before = w.dump().triples()
-            self.x_pull(w, self.place(w, self.CENTRE), (0, -40))
+            self.x_pull(w, self.on_screen(w, self.CENTRE), (0, -40))
             whole = self.last_step(w)["handles"][0]["translation"]
             full = w.dump().triples()[self.CENTRE]
             # The slider's knob, pulled from the right end to the left with the mouse: shown on the way, then applied.
@@ -291,7 +291,7 @@ class Gestures(ToolTest):
             self.x_click(w, self.at(20, 14))
             w.x("key", "g")
             self.x_click(w, self.at(20, 18))
-            self.x_pull(w, self.place(w, self.at(20, 18)), (20, 30))
+            self.x_pull(w, self.on_screen(w, self.at(20, 18)), (20, 30))
             step = self.last_step(w)
             self.assertEqual(len(step["handles"]), 2)
             off = [a - b for a, b in zip(self.points[self.at(20, 12)], self.points[self.CENTRE])]
@@ -302,7 +302,7 @@ class Gestures(ToolTest):
             w.x("key", "w")
             self.x_click(w, self.at(20, 12))
             before = w.dump()
-            self.x_pull(w, self.place(w, self.at(20, 12)), (10, 30))
+            self.x_pull(w, self.on_screen(w, self.at(20, 12)), (10, 30))
             self.assertIn("mirror", self.last_step(w))
             moved = w.dump().moved(before)
             sides = [self.points[v][axis] - self.points[self.CENTRE][axis] for v in moved]

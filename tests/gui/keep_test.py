@@ -104,18 +104,18 @@ class Keep(ToolTest):
             self.assert_same(result, w.dump())
             self.assert_replay_is_the_same(w, self.mesh)
 
-    def test_saved_edit_has_places_by_which_it_is_applied(self):
+    def test_saved_edit_has_positions_by_which_it_is_applied(self):
         with self.start(self.mesh) as w:
             self.two_steps(w)
             edit = json.loads(self.saved_edit(w).read_text())
-            places = edit["mesh"]["positions"]
-            numbers = numbers_of(places["vertices"])
-            self.assertEqual([[*map(bits_of, point)] for point in places["points"]],
+            positions = edit["mesh"]["positions"]
+            numbers = numbers_of(positions["vertices"])
+            self.assertEqual([[*map(bits_of, point)] for point in positions["points"]],
                              [[*map(bits_of, self.points[number])] for number in numbers])
             for step in edit["steps"]:
                 for named in (*step["handles"], step["region"]):
                     self.assertLessEqual(set(numbers_of(named.get("vertices", ""))), set(numbers))
-            edit["mesh"] = {"positions": places}
+            edit["mesh"] = {"positions": positions}
             path, _ = self.edited([replay(json.dumps(edit))], self.mesh)
             self.assertEqual(Ply(path).point_bits(), w.dump().point_bits())
             path, _ = self.edited([replay(json.dumps({**edit, "mesh": {}}))], self.mesh)

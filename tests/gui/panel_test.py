@@ -15,15 +15,15 @@ class Values(ToolTest):
         with self.start(self.mesh, disc=20) as w:
             radius, slider = part("radius"), part("radius_slider")
             low = w.widget(radius)["value"]
-            place = w.widget(slider)["value"]
-            w.set(slider, place + 100)
+            position = w.widget(slider)["value"]
+            w.set(slider, position + 100)
             higher = w.widget(radius)["value"]
             self.assertGreater(higher, low)
-            w.set(slider, place + 200)
+            w.set(slider, position + 200)
             # The same way on the slider is the same factor.
             self.assertAlmostEqual(w.widget(radius)["value"] / higher, higher / low, delta=0.02)
             w.set(radius, low)
-            self.assertEqual(w.widget(slider)["value"], place)
+            self.assertEqual(w.widget(slider)["value"], position)
             w.set(part("handle_fraction_slider"), 500)
             self.assertEqual(w.widget(part("handle_fraction"))["value"], 45)
             w.set(part("handle_fraction"), 0)

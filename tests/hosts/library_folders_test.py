@@ -28,11 +28,11 @@ class LibraryFolders(HostTest):
         self.assertLessEqual(NAMES, {b.name for part in parts for b in binaries(BUILD / part)})
 
     def test_installed(self):
-        place = self.folder / "installed"
-        subprocess.run(["cmake", "--install", BUILD], env={**os.environ, "DESTDIR": str(place)}, check=True,
+        installed = self.folder / "installed"
+        subprocess.run(["cmake", "--install", BUILD], env={**os.environ, "DESTDIR": str(installed)}, check=True,
                        stdout=subprocess.PIPE)
-        self.assertEqual({b.name for b in binaries(place)}, NAMES)
-        self.assertEqual(check(place)[1], [])
+        self.assertEqual({b.name for b in binaries(installed)}, NAMES)
+        self.assertEqual(check(installed)[1], [])
 
     def test_the_program_loads_no_library_of_meshlab_or_qt(self):
         done = subprocess.run([COMMAND, "--version"], env={**without_display(self.environment), "LD_DEBUG": "libs"}, check=True,

@@ -8,13 +8,13 @@ import pathlib
 import subprocess
 import time
 
-from pictures import TOOL, Pictures, cut, nearest, part, sheet, turned, with_caption
+from pictures import TOOL, Pictures, cut, nearest, part, rotated, sheet, with_caption
 
 SIDE = 330  # pixels of a picture
 
 
 class Scene:
-    """at: of the generated meshes a place, of real ones a vertex; way: pixels; away: notches of the wheel, so that
+    """at: of the generated meshes a position, of real ones a vertex; way: pixels; away: notches of the wheel, so that
     nothing is below the line of text."""
 
     def __init__(self, mesh, at, way, matrix=None, view="Front", away=0):
@@ -22,24 +22,24 @@ class Scene:
 
 
 GENERATED = {
-    "nose": Scene("head.ply", (0, -0.13, 1.21), (70, -10), turned(0, 60)),
-    "ear": Scene("head.ply", (1.0, 0.33, -0.1), (75, -55), turned(0, -25)),
-    "horn": Scene("creature.ply", (1.29, 1.93, 0.31), (17, -62), turned(10, -20), away=1),
+    "nose": Scene("head.ply", (0, -0.13, 1.21), (70, -10), rotated(0, 60)),
+    "ear": Scene("head.ply", (1.0, 0.33, -0.1), (75, -55), rotated(0, -25)),
+    "horn": Scene("creature.ply", (1.29, 1.93, 0.31), (17, -62), rotated(10, -20), away=1),
     "finger": Scene("hand.ply", (-0.17, 1.44, 0.1), (-48, -36), away=1),
-    "leg": Scene("creature.ply", (0.8, -1.29, 0.41), (80, 25), turned(5, -15)),
-    "tail": Scene("creature.ply", (-2.18, 0.58, 0.05), (-30, -100), turned(5, -15)),
-    "peak": Scene("terrain.ply", (1.9, 2.04, 1.1), (0, -90), turned(-62, 0)),
-    "plate": Scene("plate.ply", (79, 1, 2), (20, -110), turned(-60, 0)),
-    "letters": Scene("letters.ply", (2.0, 1.0, 0.12), (10, -80), turned(-50, 0)),
+    "leg": Scene("creature.ply", (0.8, -1.29, 0.41), (80, 25), rotated(5, -15)),
+    "tail": Scene("creature.ply", (-2.18, 0.58, 0.05), (-30, -100), rotated(5, -15)),
+    "peak": Scene("terrain.ply", (1.9, 2.04, 1.1), (0, -90), rotated(-62, 0)),
+    "plate": Scene("plate.ply", (79, 1, 2), (20, -110), rotated(-60, 0)),
+    "letters": Scene("letters.ply", (2.0, 1.0, 0.12), (10, -80), rotated(-50, 0)),
 }
 REAL = {
     "nose (mannequin)": Scene("mannequin.off", 8624, (100, 15), view="Left (Z is up)"),
     "tentacle (octopus)": Scene("octopus.off", 3175, (30, -110), view="Front (Z is up)"),
     "ear (bunny)": Scene("bunny.ply", 23637, (50, -58), away=1),
     "nose (igea)": Scene("igea.ply", 31536, (80, 10), view="Left"),
-    "nose (Laurana)": Scene("Laurana50k.ply", 25805, (60, 10), turned(0, 50)),
+    "nose (Laurana)": Scene("Laurana50k.ply", 25805, (60, 10), rotated(0, 50)),
     "crown (mannequin)": Scene("mannequin.off", 2482, (-25, -75), view="Left (Z is up)", away=1),
-    "bump (plane)": Scene("bumpy_plane.off", 20200, (0, -90), turned(-60, 0)),
+    "bump (plane)": Scene("bumpy_plane.off", 20200, (0, -90), rotated(-60, 0)),
     "knot": Scene("texturedknot.ply", 0, (50, -70)),
     "tooth (scan)": Scene("busted.STL", None, (25, -58), away=1),
 }

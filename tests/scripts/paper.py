@@ -177,8 +177,8 @@ class Paper(Maker):
         rows = ["| region vertices | factor, paper | solve, paper | mesh | factor | solve | factor, times as fast | solve |",
                 "|---:|---:|---:|---|---:|---:|---:|---:|"]
         for count, factor, solve in TABLE_1:
-            places = [(made[count], None)] + ([real[count]] if self.given.meshes and count in real else [])
-            for name, handle in places:
+            meshes = [(made[count], None)] + ([real[count]] if self.given.meshes and count in real else [])
+            for name, handle in meshes:
                 mesh = self.made(name) if handle is None else self.real(name)
                 handle = mesh.nearest(tips[name]) if handle is None else handle
                 one = step([handle], radius_of(mesh, [handle], count), translation=[0.01, 0.02, 0.03], **UNROTATED)
