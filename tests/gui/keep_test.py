@@ -5,16 +5,10 @@ import re
 import unittest
 
 from gui import LINES_OF_REFUSAL
-from tool import ToolTest, part
+from tool import ToolTest, numbers_of, part
 from host import replay
 from ply import Ply, bits_of, write_ply
 from shapes import moved
-
-
-def numbers_of(text):
-    """The vertices of a list as the JSON has it."""
-    ranges = [[int(end) for end in part.split("-")] for part in text.split(",") if part]
-    return [number for ends in ranges for number in range(ends[0], ends[-1] + 1)]
 
 
 class Regret(ToolTest):

@@ -3,6 +3,7 @@
 import json
 import math
 import re
+import time
 
 from gui import GuiTest
 from host import replay
@@ -16,6 +17,12 @@ PANEL = "laplacian_drag_panel"
 def part(name):
     """objectName of a widget of the panel."""
     return "laplacian_drag_" + name
+
+
+def numbers_of(text):
+    """The vertices of a list such as 3-5,8, as the JSON has it."""
+    ranges = [[int(end) for end in one.split("-")] for one in text.split(",") if one]
+    return [number for ends in ranges for number in range(ends[0], ends[-1] + 1)]
 
 
 class ToolTest(GuiTest):
@@ -62,6 +69,25 @@ class ToolTest(GuiTest):
         window.drag((x, y), (x + by[0], y + by[1]), **options)
         return x + by[0], y + by[1]
 
+    def on_screen(self, window, vertex):
+        """Its pixel on the screen, as xdotool takes it."""
+        (left, top), (x, y) = window.view_corner(), window.pixel(vertex)
+        return round(left + x), round(top + y)
+
+    def settle(self, window):
+        """Until the window has what xdotool sent: X events come by another way than the driver's questions."""
+        time.sleep(0.2)
+        window.idle()
+
+    def x_key(self, window, *keys):
+        for key in keys:
+            window.x("key", key)
+        self.settle(window)
+
+    def undo(self, window):
+        window.x_focus()
+        self.x_key(window, "ctrl+z")
+
     def log_of_tool(self, window):
         return [line.removeprefix(TOOL + ": ") for line in window.log() if line.startswith(TOOL + ": ")]
 
@@ -91,6 +117,10 @@ class ToolTest(GuiTest):
 
     def assert_at(self, window, vertex, pixel, within=1.0):
         self.assertLess(math.dist(window.pixel(vertex), pixel), within)
+
+    def assert_other_picture(self, before, after, pixels=100):
+        """More than some pixels differ."""
+        self.assertGreater(sum(a != b for a, b in zip(before, after)), pixels)
 
     def assert_same(self, before, after):
         """All of a layer, to the bit."""
