@@ -2,17 +2,20 @@
 """Every gesture with a real mouse and keyboard: X events by xdotool. The driver only tells pixels and looks."""
 import contextlib
 import math
+import pathlib
+import shutil
 import unittest
 
 from tool import ToolTest, part
+from ply import Ply
 
 WHEEL_UP, WHEEL_DOWN = 4, 5
 
 
 class Gestures(ToolTest):
     @contextlib.contextmanager
-    def window(self, disc=20):
-        with self.start(self.mesh, disc=disc) as w:
+    def window(self, disc=20, mesh=None):
+        with self.start(mesh or self.mesh, disc=disc) as w:
             w.x_focus()
             yield w
 
@@ -45,8 +48,9 @@ class Gestures(ToolTest):
     def last_step(self, w):
         return self.steps_of(w)[-1]
 
-    def test_hover_wheel_press_drag_release_and_undo(self):
-        with self.window() as w:
+    def test_hover_wheel_press_drag_release_undo_save_and_quit(self):
+        mesh = pathlib.Path(shutil.copy(self.mesh, self.folder / "copy.ply"))
+        with self.window(mesh=mesh) as w:
             before = w.dump()
             w.x("mousemove", *self.on_screen(w, self.CENTRE))
             self.settle(w)
@@ -70,6 +74,17 @@ class Gestures(ToolTest):
             self.assert_replay_is_the_same(w, self.mesh)
             self.undo(w)
             self.assert_same(before, w.dump())
+            self.x_key(w, "ctrl+shift+z")
+            w.x("key", "ctrl+e")
+            w.wait_dialog()
+            w.x("sleep", 0.3, "key", "Return")
+            w.wait_output("Saved Mesh")
+            shown = w.dump()
+            self.assertNotEqual(shown.moved(before), set())
+            self.assertEqual((Ply(mesh).point_bits(), Ply(mesh).faces()), (shown.point_bits(), shown.faces()))
+            w.x_focus()
+            w.x("key", "ctrl+q")
+            w.wait_end()
 
     def test_arrow_ring_and_knob(self):
         with self.window() as w:

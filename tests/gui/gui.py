@@ -294,7 +294,7 @@ class Window:
         return self.ask("layers")["layers"]
 
     def layer(self, layer=None, **changes):
-        """Changes of a layer: current, visible, smooth, matrix, selected_faces, selected_vertices, remove."""
+        """Changes of a layer: current, visible, smooth, matrix, selected_faces, remove."""
         self.ask("layer", layer=layer, **changes)
         self.idle()
 
