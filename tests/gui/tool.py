@@ -110,10 +110,13 @@ class ToolTest(GuiTest):
         """The steps applied so far, as the saved JSON has them."""
         return json.loads(self.saved_edit(window).read_text())["steps"]
 
+    def assert_gives(self, edit, mesh, expected):
+        """A filter on the mesh as it was, run without the window, gives the coordinates of a dump."""
+        path, _ = self.edited([edit], mesh)
+        self.assertEqual(Ply(path).point_bits(), expected.point_bits())
+
     def assert_replay_is_the_same(self, window, mesh):
-        """The saved edit, replayed in meshlabserver on the mesh as it was, gives the window's coordinates."""
-        path, _ = self.edited([replay(str(self.saved_edit(window)))], mesh)
-        self.assertEqual(Ply(path).point_bits(), window.dump().point_bits())
+        self.assert_gives(replay(str(self.saved_edit(window))), mesh, window.dump())
 
     def assert_at(self, window, vertex, pixel, within=1.0):
         self.assertLess(math.dist(window.pixel(vertex), pixel), within)
