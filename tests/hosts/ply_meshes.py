@@ -13,8 +13,9 @@ import struct
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parent / "batch"))
+sys.path[:0] = [str(HERE.parent), str(HERE.parent / "batch")]
 
+import mesh_files  # noqa: E402
 from ply import Ply  # noqa: E402
 
 
@@ -55,11 +56,7 @@ def read(path):
 
 
 def write(path, points, faces, scalar="float"):
-    point = struct.Struct(f"<3{scalar[0]}")
-    header = (f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\nproperty {scalar} x\nproperty {scalar} y\n"
-              f"property {scalar} z\nelement face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n")
-    path.write_bytes(header.encode() + b"".join(point.pack(*p) for p in points)
-                     + b"".join(struct.pack("<B3i", 3, *f) for f in faces))
+    path.write_bytes(mesh_files.ply_plain((points, faces), scalar, "binary_little_endian"))
 
 
 def main():
