@@ -119,24 +119,6 @@ class Gestures(ToolTest):
             self.assertGreater(self.last_step(w)["handles"][0]["scale"], 1.2)
             self.assert_replay_is_the_same(w, self.mesh)
 
-    def test_pivot_is_picked(self):
-        with self.window() as w:
-            self.x_click(w, self.CENTRE)
-            self.x_key(w, "p")
-            self.assertRegex(self.message(w), "turn about")
-            pivot = self.at(20, 25)
-            self.x_click(w, pivot)
-            start, middle = self.on_screen(w, self.CENTRE), self.on_screen(w, pivot)
-            w.x("mousemove", *start, "key", "r", "sleep", 0.1)
-            off = start[0] - middle[0], start[1] - middle[1]
-            w.x("mousemove", middle[0] + off[1], middle[1] - off[0], "sleep", 0.2, "key", "Return")
-            self.settle(w)
-            rotation = self.last_step(w)["handles"][0]["rotation"]
-            for a, b in zip(rotation["center"], self.points[pivot]):
-                self.assertAlmostEqual(a, b, places=5)
-            self.assertAlmostEqual(abs(rotation["degrees"]), 90, delta=8)
-            self.assert_replay_is_the_same(w, self.mesh)
-
     def test_painting_of_region_handle_and_anchors_with_undo(self):
         with self.window(disc=0) as w:
             self.x_click(w, self.CENTRE)

@@ -14,7 +14,6 @@ SEED = int(os.environ.get("LAPEDIT_RANDOM_SEED", "20241121"))
 BATCH = 30  # gestures that are sent together
 CHECKED = 6  # batches after which all is undone and compared
 KEYS = [*"XYZNTRSGCWPBV0123456789.-[]?", "Return", "Backspace", "Esc"]
-# What is not in the panel is left out.
 SETTINGS = {"radius": lambda r: r.choice([0, 0.05, 0.1, 0.3]), "padding": lambda r: r.choice([0, 10, 50, 100]),
             "handle_fraction": lambda r: r.choice([0, 20, 50]), "softness": lambda r: r.choice([0, 50, 100]),
             "connect_gap": lambda r: r.choice([0, 0.05]), "laplacian": lambda r: r.randrange(3),
@@ -46,12 +45,10 @@ class Events:
         self.requests = []
         self.sent = 0
         panel = window.ask("widgets", inside=part("panel"))["widgets"]
-        names = {w["name"].removeprefix(part("")): w for w in panel}
-        self.settings = [name for name in SETTINGS if name in names]
+        names = {w["name"].removeprefix(part("")): w for w in panel if w["name"].startswith(part(""))}
         self.choices = {name: w for name, w in names.items() if "currentIndex" in w and name not in SETTINGS}
-        self.buttons = sorted({name for name, w in names.items() if w["name"].startswith(part("")) and "checked" in w}
-                              - LEFT_ALONE)
-        self.touched = sorted({name for name, w in names.items() if w["name"].startswith(part(""))} - LEFT_ALONE)
+        self.buttons = sorted({name for name, w in names.items() if "checked" in w} - LEFT_ALONE)
+        self.touched = sorted(names.keys() - LEFT_ALONE)
         self.tab = window.widget("layerDialog")["windowTitle"]
         self.remember()
 
@@ -251,7 +248,7 @@ class Events:
         self.ask("key", key="Z", modifiers=["ctrl", "shift"])
 
     def setting(self):
-        name = self.random.choice(self.settings)
+        name = self.random.choice([*SETTINGS])
         self.ask("set", name=part(name), value=SETTINGS[name](self.random))
 
     def choice(self):
