@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """An edit changes coordinates and normals and nothing else that MeshLab saves."""
-import os
-import pathlib
 import random
 import unittest
 
@@ -55,16 +53,6 @@ class AttributesTest(FilterHost):
             self.assertGreater(len(set(before[name.split()[0]][name.split()[1]])), 100)
         for element in ("vertex", "face"):
             self.assertEqual({flags & selected for flags in before[element]["flags"]}, {0, selected})
-
-    @unittest.skipUnless("LAPEDIT_MESHES" in os.environ, "needs the real meshes")
-    def test_real_meshes(self):
-        meshes = pathlib.Path(os.environ.get("LAPEDIT_MESHES", ""))
-        self.check(meshes / "Laurana50k.ply",
-                   laplacian_edit(handle_point=(-12.5431, -56.0062, -1472.79), radius=60, translation=(0, 0, 30)),
-                   {"vertex": {"red", "green", "blue", "alpha"}})
-        knot = meshes / "texturedknot.ply"
-        vertex = Ply(self.edited([], knot)[0]).points()[0]
-        self.check(knot, laplacian_edit(handle_point=vertex, radius=40, translation=(5, 5, 20)), {"face": {"texcoord"}})
 
 
 if __name__ == "__main__":
