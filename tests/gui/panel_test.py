@@ -4,7 +4,7 @@ import json
 import re
 import unittest
 
-from tool import TOOL, ToolTest, part
+from tool import TOOL, ToolTest, numbers_of, part
 from ply import write_ply
 
 UNKNOWN = "\u2013"
@@ -79,22 +79,17 @@ class Values(ToolTest):
                 self.assertEqual(w.widget(part(name))["currentIndex"], index, name)
             self.assertTrue(w.widget(part("gizmo"))["checked"])
 
-    def test_anchors_from_selection_hold(self):
+    def test_anchors_are_those_of_the_selection(self):
         with self.start(self.mesh) as w:
             w.set(part("group_handle"), True)
             w.set(part("radius"), 0.4)
             self.assertFalse(w.widget(part("anchors_from_selection"))["enabled"])
             w.click(*w.pixel(self.CENTRE))
-            # A square of three columns and rows, not far from the handle.
             held = [row * self.ROWS + column for row in (23, 24, 25) for column in (23, 24, 25)]
             w.layer(selected_faces=[f for f, corners in enumerate(self.faces) if set(corners) <= set(held)])
             w.press_button(part("anchors_from_selection"))
-            before = w.dump().triples()
             self.pull(w, self.CENTRE, (30, -40))
-            after = w.dump().triples()
-            way = max(abs(a - b) for p, q in zip(before, after) for a, b in zip(p, q))
-            for vertex in held:
-                self.assertLess(max(abs(a - b) for a, b in zip(before[vertex], after[vertex])), 0.02 * way)
+            self.assertEqual(numbers_of(self.steps_of(w)[0]["region"]["held"]), held)
 
 
 class Statistics(ToolTest):

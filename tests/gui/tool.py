@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the tests of the tool Laplacian Drag share."""
+import contextlib
 import json
 import math
 import re
@@ -39,12 +40,12 @@ class ToolTest(GuiTest):
         cls.points, cls.faces = dome(cls.ROWS, cls.ROWS)
         cls.mesh = write_ply(cls.folder / "sheet.ply", cls.points, cls.faces)
 
+    @contextlib.contextmanager
     def start(self, *files, view="Front", disc=0, gizmo=False):
-        """@return a window with the tool active, large, looking at the first mesh
+        """A window with the tool active, large, looking at the first mesh.
         @param disc  handle size in percent of the radius; 0: a press takes the vertex under the cursor alone
         @param gizmo  whether there is one, where presses may land"""
-        window = self.open(*files)
-        try:
+        with self.open(*files) as window:
             window.resize(1280, 900)
             window.trigger(view)
             self.shade_smoothly(window)
@@ -52,10 +53,7 @@ class ToolTest(GuiTest):
             self.assertEqual(window.tool(), (TOOL, False))
             window.set(part("handle_fraction"), disc)
             window.set(part("gizmo"), gizmo)
-        except BaseException:
-            window.kill()
-            raise
-        return window
+            yield window
 
     def shade_smoothly(self, window):
         """Each time that MeshLab uploads a mesh for flat shading, it normalises the normals in the mesh itself, and

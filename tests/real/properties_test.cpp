@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "edit_properties.h"
-#include "lapedit/mesh/vertex_finder.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "mesh/plain_region.h"
 #include "mesh_loader.h"
@@ -88,12 +87,6 @@ TEST(RealRegions, HaveTheBitsOfAPlainImplementation) {
     SCOPED_TRACE(edit.file);
     support::expect_plain_regions(real::load(edit.file), edit.groups, 0.7);
   }
-}
-
-TEST(RealRegions, NearestVertexOfTheDescribedPoints) {
-  EXPECT_EQ(nearest_vertex(real::load("mannequin.off"), Vector3(0.0185447, -1.24318, -0.0873)), 8624);
-  EXPECT_EQ(nearest_vertex(real::load("octopus.off"), Vector3(0.326838, -0.31208, 0.174829)), 3175);
-  EXPECT_EQ(nearest_vertex(real::load("bunny.ply"), Vector3(-0.0175221, 0.187321, -0.0198494)), 23637);
 }
 
 }  // namespace
