@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The JSON format's document names the keys that laplacian-edit accepts, all of them and no others."""
 import copy
+import functools
 import json
 import os
 import pathlib
@@ -23,13 +24,14 @@ def objects_in(value, path="", way=()):
             yield from objects_in(inner, path + "[]", way + (i,))
 
 
+def value_at(value, way):
+    return functools.reduce(lambda inner, step: inner[step], way, value)
+
+
 def with_value(edit, way, key, value):
     """A copy of the edit in which the object at the end of the way has this key."""
     changed = copy.deepcopy(edit)
-    target = changed
-    for step in way:
-        target = target[step]
-    target[key] = value
+    value_at(changed, way)[key] = value
     return changed
 
 
@@ -75,10 +77,7 @@ class JsonKeys(WithProgram):
         shown = set()
         for example in self.examples:
             for path, way in objects_in(example):
-                target = example
-                for step in way:
-                    target = target[step]
-                for key, value in target.items():
+                for key, value in value_at(example, way).items():
                     full = f"{path}.{key}".lstrip(".")
                     if full not in shown and full not in self.objects and f"{full}[]" not in self.objects:
                         # The reader says if it wants an object here.

@@ -317,9 +317,6 @@ class Hover(ToolTest):
             self.assertRegex(self.message(w), "^Padding")
             w.move(330, 300)
             self.assertRegex(self.message(w), "^Press on the surface and drag")
-
-    def test_wheel_with_ctrl_or_alt_zooms(self):
-        with self.start(self.mesh) as w:
             values = [w.widget(part(n))["value"] for n in ("radius", "handle_fraction", "padding")]
             for modifier in ("ctrl", "alt"):
                 camera = w.camera()

@@ -18,37 +18,16 @@ using support::within;
 
 // Large regions are smoothed more narrowly than by default, which takes most of the time.
 
-EditCase mannequin() {
-  return {"mannequin", real::load("mannequin.off"),           within(1.2155),
-          {{8624}},    {support::shift(Vector3(0, -0.9, 0))}, false,
-          0.15};
+/// An edit that pulls one vertex of a mesh.
+NamedCase pulled(const char* name, const char* file, int vertex, double radius, const Vector3& way,
+                 double normal_radius, bool has_ties = false, int highest_cotangent_order = 3) {
+  return {name, [=] {
+            return EditCase{name,     real::load(file), within(radius),         {{vertex}}, {support::shift(way)},
+                            has_ties, normal_radius,    highest_cotangent_order};
+          }};
 }
 
-/// A long thin limb, held at one end and by one vertex: too much for cotangents of order 3.
-EditCase octopus() {
-  return {
-      "octopus", real::load("octopus.off"), within(0.8), {{3175}}, {support::shift(Vector3(0, 0.437, 0))}, false, 0.08,
-      2};
-}
-
-/// A regular height field: its flat parts are full of ties.
-EditCase bumpy_plane() {
-  return {"bumpy_plane",
-          real::load("bumpy_plane.off"),
-          within(30),
-          {{20200}},
-          {support::shift(Vector3(0, 0, 42.5))},
-          true,
-          3};
-}
-
-EditCase bunny() {
-  return {
-      "bunny", real::load("bunny.ply"), within(0.06), {{23637}}, {support::shift(Vector3(0.03, -0.05, 0.03))}, false,
-      0.008};
-}
-
-/// Two groups, turned and scaled.
+/// Two groups, rotated and scaled.
 EditCase mannequin_face() {
   EditCase edit{"mannequin_face", real::load("mannequin.off"), within(0.6117), {{}, {}}, {}};
   const Vector3 nose = edit.mesh.vertices.row(8624);
@@ -69,11 +48,16 @@ EditCase mannequin_face() {
 
 }  // namespace
 
-INSTANTIATE_TEST_SUITE_P(Real, EditProperties,
-                         ::testing::Values(NamedCase{"mannequin", mannequin}, NamedCase{"octopus", octopus},
-                                           NamedCase{"bumpy_plane", bumpy_plane}, NamedCase{"bunny", bunny},
-                                           NamedCase{"mannequin_face", mannequin_face}),
-                         [](const auto& edit) { return std::string(edit.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    Real, EditProperties,
+    ::testing::Values(pulled("mannequin", "mannequin.off", 8624, 1.2155, {0, -0.9, 0}, 0.15),
+                      // A long thin limb, held at one end and by one vertex: too much for cotangents of order 3.
+                      pulled("octopus", "octopus.off", 3175, 0.8, {0, 0.437, 0}, 0.08, false, 2),
+                      // A regular height field: its flat parts are full of ties.
+                      pulled("bumpy_plane", "bumpy_plane.off", 20200, 30, {0, 0, 42.5}, 3, true),
+                      pulled("bunny", "bunny.ply", 23637, 0.06, {0.03, -0.05, 0.03}, 0.008),
+                      NamedCase{"mannequin_face", mannequin_face}),
+    [](const auto& edit) { return std::string(edit.param.name); });
 
 namespace {
 
