@@ -7,7 +7,7 @@ import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "gui"))
 
-from tool import PANEL, TOOL, ToolTest, part  # noqa: E402
+from tool import PANEL, TOOL, ToolTest, part  # noqa: E402, F401  (for the scripts, too)
 
 
 class Pictures(ToolTest):
@@ -62,6 +62,3 @@ def with_caption(pictures, caption, output):
 
 def sheet(rows, columns, output):
     subprocess.run(["montage", *map(str, rows), "-tile", f"{columns}x", "-geometry", "+2+2", str(output)], check=True)
-
-
-__all__ = ["PANEL", "TOOL", "Pictures", "convert", "cut", "nearest", "part", "rotated", "sheet", "with_caption"]
