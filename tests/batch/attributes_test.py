@@ -4,7 +4,7 @@ import random
 import unittest
 
 from host import FilterHost, laplacian_edit
-from ply import Ply, write_ply
+from ply import SCALAR, Ply, mesh_files
 from shapes import dome
 
 # All that the PLY exporter can save: vertex colour, quality, flags (with the selection) and texture coordinates;
@@ -21,17 +21,17 @@ class AttributesTest(FilterHost):
         random.seed(1)
         points, faces = dome()
         selected = 32  # the selection's bit in MeshLab's flags
-        header = "".join(f"property uchar {name}\n" for name in ("red", "green", "blue", "alpha"))
-        header += "property float quality\nproperty int flags\n"
+        extra = [*(f"uchar {c}" for c in ("red", "green", "blue", "alpha")), "float quality", "int flags"]
 
-        def row():
-            colour = " ".join(str(random.randrange(256)) for _ in range(4))
-            return f"{colour} {random.random()} {random.choice((0, selected))}"
+        def row(*corners, texture=()):
+            more = [*(random.randrange(256) for _ in range(4)), random.random(), random.choice((0, selected))]
+            return "", (*corners, *more, *texture)
 
-        mesh = write_ply(
-            self.folder / "all.ply", points, faces, header, [row() for _ in points],
-            header + "property list uchar float texcoord\n",
-            [f"{row()} 6 " + " ".join(str(random.random()) for _ in range(6)) for _ in faces])
+        mesh = self.folder / "all.ply"
+        mesh.write_bytes(mesh_files.rows_of_ply("ascii", [
+            ("vertex", [*(f"{SCALAR} {c}" for c in "xyz"), *extra], [row(*point) for point in points]),
+            ("face", ["list uchar int vertex_indices", *extra, "list uchar float texcoord"],
+             [row(3, *face, texture=(6, *(random.random() for _ in range(6)))) for face in faces])]))
         before = self.saved([], mesh)
         after = self.saved([laplacian_edit(handle_point=points[220], radius=0.35, translation=(0.1, 0.1, 0.2))], mesh)
         self.assertEqual({e: columns.keys() for e, columns in before.items()}, {e: columns.keys() for e, columns in after.items()})

@@ -1,7 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reads and writes PLY files such that every bit can be compared."""
 import os
+import pathlib
 import struct
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+
+import mesh_files  # noqa: E402
 
 # The type of MeshLab's coordinates, and of those in the meshes that are written here.
 SCALAR = os.environ.get("LAPEDIT_SCALAR", "float")
@@ -83,16 +89,7 @@ class Ply:
         return columns
 
 
-def write_ply(path, points, faces, vertex_extra="", vertex_values=None, face_extra="", face_values=None):
-    """An ASCII PLY. The extras are header lines, the values one string per row; a face may have any corners."""
-    vertex_values = vertex_values or [""] * len(points)
-    face_values = face_values or [""] * len(faces)
-    with open(path, "w", encoding="ascii") as file:
-        file.write(f"ply\nformat ascii 1.0\nelement vertex {len(points)}\nproperty {SCALAR} x\nproperty {SCALAR} y\n"
-                   f"property {SCALAR} z\n{vertex_extra}element face {len(faces)}\n"
-                   f"property list uchar int vertex_indices\n{face_extra}end_header\n")
-        for (x, y, z), more in zip(points, vertex_values):
-            file.write(f"{x!r} {y!r} {z!r} {more}\n")
-        for face, more in zip(faces, face_values):
-            file.write(f"{len(face)} {' '.join(map(str, face))} {more}\n")
+def write_ply(path, points, faces):
+    """An ASCII PLY. A face may have any corners."""
+    path.write_bytes(mesh_files.ply_plain((points, faces), SCALAR))
     return path

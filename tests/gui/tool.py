@@ -114,6 +114,7 @@ class ToolTest(GuiTest):
         self.assertEqual(Ply(path).point_bits(), expected.point_bits())
 
     def assert_replay_is_the_same(self, window, mesh):
+        """The saved edit gives the coordinates of the window."""
         self.assert_gives(replay(str(self.saved_edit(window))), mesh, window.dump())
 
     def assert_at(self, window, vertex, pixel, within=1.0):

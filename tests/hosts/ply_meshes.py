@@ -13,10 +13,9 @@ import struct
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE.parent), str(HERE.parent / "batch")]
+sys.path.insert(0, str(HERE.parent / "batch"))
 
-import mesh_files  # noqa: E402
-from ply import Ply  # noqa: E402
+from ply import Ply, mesh_files  # noqa: E402
 
 
 def read_off(path):
