@@ -89,10 +89,10 @@ def off(mesh, keyword="OFF", more="", end="\n", colour=""):
 
 
 def facets(mesh):
-    """Zeros of both signs are one place; the last triangle has no area."""
-    places = [[mesh[0][v] for v in triangle] for triangle in triangulated(mesh)[1]]
-    places[1] = [[-0.0 if c == 0 else c for c in point] for point in places[1]]
-    return places + [[mesh[0][0], mesh[0][0], mesh[0][1]]]
+    """Zeros of both signs are one position; the last triangle has no area."""
+    corners = [[mesh[0][v] for v in triangle] for triangle in triangulated(mesh)[1]]
+    corners[1] = [[-0.0 if c == 0 else c for c in point] for point in corners[1]]
+    return corners + [[mesh[0][0], mesh[0][0], mesh[0][1]]]
 
 
 def stl_binary(mesh, header=b"any"):

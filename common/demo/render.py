@@ -120,12 +120,12 @@ def surface_actor(mesh, classes, flat):
     return actor
 
 
-def handle_actor(places, radius):
+def handle_actor(centres, radius):
     """A few single vertices would not be seen: balls on them."""
     together = vtkAppendPolyData()
-    for place in places:
+    for centre in centres:
         ball = vtkSphereSource()
-        ball.SetCenter(*place)
+        ball.SetCenter(*centre)
         ball.SetRadius(radius)
         ball.SetThetaResolution(24)
         ball.SetPhiResolution(16)

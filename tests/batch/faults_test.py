@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The program laplacian-edit where calls of the system fail, disks are full and processes are killed, at random places:
+"""The program laplacian-edit where calls of the system fail, disks are full and processes are killed, at random calls and times:
 each output is the old one or complete, and the exit code 0 means complete.
 
 LAPEDIT_FAULTS in the environment is the number of runs, by default 40; LAPEDIT_FAULTS_SEED chooses them.
@@ -34,20 +34,20 @@ class Faults(ProgramTest):
         for name, data in files.plain_files(DOME):
             (self.folder / name).write_bytes(data)
             self.done(self.folder / name, name, self.edit, "--quiet")
-            self.outputs[name] = (self.place / name).read_bytes()
+            self.outputs[name] = (self.work / name).read_bytes()
             self.assertNotEqual(self.outputs[name], data)
-            (self.place / name).unlink()
+            (self.work / name).unlink()
 
     def run_one(self, what, name, *prefix, seconds=None, request=None, **options):
         """@return whether a file is left beside the output"""
-        (self.place / name).write_bytes(OLD)
-        with subprocess.Popen([*prefix, COMMAND, self.folder / name, name, self.edit], cwd=self.place, stdout=subprocess.DEVNULL,
+        (self.work / name).write_bytes(OLD)
+        with subprocess.Popen([*prefix, COMMAND, self.folder / name, name, self.edit], cwd=self.work, stdout=subprocess.DEVNULL,
                               stderr=subprocess.PIPE, **options) as process:
             if seconds is not None:
                 time.sleep(seconds)
                 process.send_signal(request)
             errors = process.communicate(timeout=300)[1].decode(errors="replace")
-        code, output = process.returncode, (self.place / name).read_bytes()
+        code, output = process.returncode, (self.work / name).read_bytes()
         self.assertIn(output, (OLD, self.outputs[name]), f"{what}: the output is neither old nor complete")
         if code == 0:
             self.assertEqual(output, self.outputs[name], what)
@@ -56,7 +56,7 @@ class Faults(ProgramTest):
             self.assertIn(code, {1, 2, 3, 4, 5, 127}, (what, errors))
             self.assertTrue(errors or "write" in what, what)
             self.assertEqual(output, OLD, what)
-        left = [path.name for path in self.place.iterdir() if path.name != name]
+        left = [path.name for path in self.work.iterdir() if path.name != name]
         self.assertTrue(all(other.startswith(".laplacian-edit-") for other in left), (what, left))
         return bool(left)
 
@@ -86,8 +86,8 @@ class Faults(ProgramTest):
                 self.random.choice((self.inject, self.inject, self.fill, self.kill))(name)
             # The next run removes the file that a killed one has left.
             self.done(self.folder / name, name, self.edit, "--quiet")
-            self.assertEqual([path.name for path in self.place.iterdir()], [name], number)
-            (self.place / name).unlink()
+            self.assertEqual([path.name for path in self.work.iterdir()], [name], number)
+            (self.work / name).unlink()
 
 
 if __name__ == "__main__":

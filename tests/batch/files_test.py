@@ -21,17 +21,17 @@ class Files(ProgramTest):
     def setUp(self):
         super().setUp()
         self.expected = self.edited()
-        self.mesh = pathlib.Path(shutil.copy(self.mesh, self.place / "in.ply"))
-        self.edit = self.write_edit(LIFT, name="place/edit.json")
-        self.out = self.place / "out.ply"
+        self.mesh = pathlib.Path(shutil.copy(self.mesh, self.work / "in.ply"))
+        self.edit = self.write_edit(LIFT, name="work/edit.json")
+        self.out = self.work / "out.ply"
         self.out.write_text("old")
-        (self.place / "out-0002.ply").write_text("old")
+        (self.work / "out-0002.ply").write_text("old")
 
     def test_names_of_one_file_are_refused(self):
-        shutil.copy(self.edit, self.place / "edit.ply")
+        shutil.copy(self.edit, self.work / "edit.ply")
         for link, target in (("folder", "."), ("link.ply", "edit.ply"), ("link.json", "edit.json"), ("in-link.ply", "in.ply"),
                              ("dangling.ply", "none.ply"), ("all-0002.ply", "in.ply"), ("two-0001.ply", "two-0002.ply")):
-            (self.place / link).symlink_to(target)
+            (self.work / link).symlink_to(target)
         for arguments in (
                 *((out, "edit.ply") for out in ("edit.ply", "link.ply", "folder/edit.ply")),
                 *(("out.ply", "edit.json", "--report", name) for name in ("in.ply", "in-link.ply", "edit.json", "link.json", "out.ply")),
@@ -40,26 +40,26 @@ class Files(ProgramTest):
                 ("all.ply", "edit.json", "--fractions", "0,1"), ("two.ply", "edit.json", "--fractions", "0,1")):
             self.refused(WRONG_USAGE, r'\AThe \w+ ".*" and the (output|report|edit) ".*" are the same file: give another name',
                          self.mesh, *arguments)
-        with open(self.place / "edit.ply", "rb") as file:
+        with open(self.work / "edit.ply", "rb") as file:
             self.refused(WRONG_USAGE, r"are the same file", self.mesh, "edit.ply", "/dev/stdin", stdin=file)
 
     def test_output_may_be_the_input(self):
-        os.link(self.mesh, self.place / "other.ply")
-        (self.place / "link.ply").symlink_to("in.ply")
+        os.link(self.mesh, self.work / "other.ply")
+        (self.work / "link.ply").symlink_to("in.ply")
         before = self.mesh.read_bytes()
         self.done("link.ply", self.mesh, self.edit)
-        self.assertEqual((self.mesh.read_bytes(), (self.place / "other.ply").read_bytes()), (self.expected, before))
+        self.assertEqual((self.mesh.read_bytes(), (self.work / "other.ply").read_bytes()), (self.expected, before))
 
     def test_links_that_lead_nowhere_are_followed(self):
-        (self.place / "elsewhere").mkdir()
-        (self.place / "first.ply").symlink_to("second.ply")
-        (self.place / "second.ply").symlink_to("elsewhere/real.ply")
+        (self.work / "elsewhere").mkdir()
+        (self.work / "first.ply").symlink_to("second.ply")
+        (self.work / "second.ply").symlink_to("elsewhere/real.ply")
         self.done(self.mesh, "first.ply", self.edit)
-        self.assertTrue((self.place / "first.ply").is_symlink() and (self.place / "second.ply").is_symlink())
-        self.assertEqual((self.place / "elsewhere" / "real.ply").read_bytes(), self.expected)
-        (self.place / "circle.ply").symlink_to("circle.ply")
+        self.assertTrue((self.work / "first.ply").is_symlink() and (self.work / "second.ply").is_symlink())
+        self.assertEqual((self.work / "elsewhere" / "real.ply").read_bytes(), self.expected)
+        (self.work / "circle.ply").symlink_to("circle.ply")
         self.refused(UNWRITABLE, r"circle\.ply.*links", self.mesh, "circle.ply", self.edit)
-        (self.place / "lost.ply").symlink_to("none/real.ply")
+        (self.work / "lost.ply").symlink_to("none/real.ply")
         self.refused(UNWRITABLE, r"lost\.ply.* folder does not exist", self.mesh, "lost.ply", self.edit)
 
     def test_owner_group_and_permissions_are_kept_without_setuid(self):
@@ -74,7 +74,7 @@ class Files(ProgramTest):
 
     @unittest.skipUnless(os.geteuid() == 0, "only root can give files away")
     def test_another_group_gets_no_more_than_all_users(self):
-        for path, mode in ((self.folder, 0o755), (self.place, 0o777), (self.mesh, 0o644), (self.out, 0o664)):
+        for path, mode in ((self.folder, 0o755), (self.work, 0o777), (self.mesh, 0o644), (self.out, 0o664)):
             path.chmod(mode)
         try:
             self.done(self.mesh, self.out, self.edit, user=NOBODY, group=NOBODY, extra_groups=[])
@@ -84,7 +84,7 @@ class Files(ProgramTest):
         self.assertEqual((found.st_uid, found.st_gid, stat.S_IMODE(found.st_mode)), (NOBODY, NOBODY, 0o644))
 
     def test_names_are_bytes(self):
-        folder = os.fsencode(self.place) + b"/d\xff \xe5\xb1"
+        folder = os.fsencode(self.work) + b"/d\xff \xe5\xb1"
         os.mkdir(folder)
         mesh, edit, out, report = (folder + name for name in (b"/in\xfe.ply", b"/edit\x80\xed.json", b"/out\xff.ply", b"/re\xa0.json"))
         for source, copy in ((self.mesh, mesh), (self.edit, edit)):
@@ -94,13 +94,13 @@ class Files(ProgramTest):
         self.assertIn("in\ufffd.ply", json.loads(pathlib.Path(os.fsdecode(report)).read_bytes())["input"])
 
     def test_outputs_that_cannot_be_written(self):
-        (self.place / "folder.ply").mkdir()
-        (self.place / "full.ply").symlink_to("/dev/full")
+        (self.work / "folder.ply").mkdir()
+        (self.work / "full.ply").symlink_to("/dev/full")
         for sentence, name in ((r"folder does not exist", "none/out.ply"), (r"is a folder", "folder.ply"),
                                (r"not an ordinary file", "full.ply"), (r"cannot be written", "/proc/out.ply")):
             self.refused(UNWRITABLE, rf'output "{name}".* {sentence}', self.mesh, name, self.edit)
             self.refused(UNWRITABLE, rf'report "{name}".* {sentence}', self.mesh, "out.ply", self.edit, "--report", name)
-        (self.place / "all-0002.ply").mkdir()
+        (self.work / "all-0002.ply").mkdir()
         self.refused(UNWRITABLE, r"all-0002\.ply.* is a folder", self.mesh, "all.ply", self.edit, "--fractions", "0,1")
         far = self.write_edit({**LIFT, "handles": [{"vertices": "220", "translation": [0, 0, 6e38]}]})
         self.refused(REFUSED, r"At fraction 1: .*single precision", self.mesh, "new.ply", far, "--fractions", "0.25,1")
@@ -111,10 +111,10 @@ class Files(ProgramTest):
             self.refused(UNWRITABLE, sentence + r".* cannot be written: it is larger than a file may be here: raise the limit "
                          r"\(ulimit -f\)[^.]*\.\n", self.mesh, "out.ply", self.edit, "--quiet", *more,
                          preexec_fn=lambda size=size: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)))
-        (self.place / "disk").mkdir()
-        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=16k", "tmpfs", self.place / "disk"], check=False,
+        (self.work / "disk").mkdir()
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=16k", "tmpfs", self.work / "disk"], check=False,
                           stderr=subprocess.DEVNULL).returncode == 0:
-            self.addCleanup(subprocess.run, ["umount", self.place / "disk"], check=True)
+            self.addCleanup(subprocess.run, ["umount", self.work / "disk"], check=True)
             self.refused(UNWRITABLE, r"output .* cannot be written: the disk is full: free some space, or", self.mesh,
                          "disk/out.ply", self.edit)
 
@@ -124,20 +124,20 @@ class Interruptions(ProgramTest):
         for name, sentence, written in (("all-0003.ply", r"output .*all-0003\.ply.* folder\.\n\Z", 0),
                                         ("report.json", r"report .*report\.json.* folder\. The outputs are complete\.\n\Z", 900)):
             with self.writing("--report", "report.json") as process:
-                (self.place / name).mkdir()
+                (self.work / name).mkdir()
                 _, errors = process.communicate(timeout=60)
             self.assertEqual(process.returncode, UNWRITABLE)
             self.assertRegex(errors.decode(), sentence)
-            (self.place / name).rmdir()
-            self.assertEqual((len(list(self.place.glob("all-*"))), len(list(self.place.glob(".lap*")))), (written, 0))
+            (self.work / name).rmdir()
+            self.assertEqual((len(list(self.work.glob("all-*"))), len(list(self.work.glob(".lap*")))), (written, 0))
 
     def remove(self):
-        while self.place.exists():  # files appear meanwhile
-            shutil.rmtree(self.place, ignore_errors=True)
+        while self.work.exists():  # files appear meanwhile
+            shutil.rmtree(self.work, ignore_errors=True)
 
     def test_folder_that_is_moved_or_removed_meanwhile(self):
-        for change in (lambda: self.place.rename(self.folder / "moved"), self.remove):
-            self.place.mkdir(exist_ok=True)
+        for change in (lambda: self.work.rename(self.folder / "moved"), self.remove):
+            self.work.mkdir(exist_ok=True)
             with self.writing() as process:
                 change()
                 _, errors = process.communicate(timeout=60)
@@ -151,20 +151,20 @@ class Interruptions(ProgramTest):
                 process.communicate(timeout=60)
             with self.subTest(name):
                 self.assertEqual(process.returncode, -getattr(signal, "SIG" + name))
-                self.assertEqual(list(self.place.glob("all-*")), [])
+                self.assertEqual(list(self.work.glob("all-*")), [])
             self.done(self.mesh, "next.ply", self.edit)
-            self.assertEqual([path.name for path in self.place.iterdir()], ["next.ply"])
+            self.assertEqual([path.name for path in self.work.iterdir()], ["next.ply"])
 
     def test_files_of_others_and_of_running_calls_stay(self):
         names = [".laplacian-edit-elsewhere-12345", BEGIN[:-1] + "_x-12345", BEGIN[:-1]]
-        kept = [self.place / name for name in names]
+        kept = [self.work / name for name in names]
         for path in kept:
             path.write_text("x")
-        (self.place / (BEGIN + "linked")).symlink_to(names[0])
-        (self.place / (BEGIN + "abandx")).write_text("x")
-        (self.place / (BEGIN + "abandx-abcdef")).write_text("x")
+        (self.work / (BEGIN + "linked")).symlink_to(names[0])
+        (self.work / (BEGIN + "abandx")).write_text("x")
+        (self.work / (BEGIN + "abandx-abcdef")).write_text("x")
         if os.geteuid() == 0:
-            kept.append(self.place / (BEGIN + "theirs"))
+            kept.append(self.work / (BEGIN + "theirs"))
             kept[-1].write_text("x")
             os.chown(kept[-1], NOBODY, NOBODY)
         with self.writing() as process:
@@ -172,9 +172,9 @@ class Interruptions(ProgramTest):
                 self.done(self.mesh, "next.ply", self.edit)
             _, errors = process.communicate(timeout=100)
         self.assertEqual((process.returncode, errors), (0, b""))
-        self.assertEqual(len(list(self.place.glob("all-*"))), 900)
+        self.assertEqual(len(list(self.work.glob("all-*"))), 900)
         self.assertEqual([path.name for path in kept if not path.exists() or path.read_text() != "x"], [])
-        self.assertEqual([path.name for path in self.place.glob("*aband*")], [])
+        self.assertEqual([path.name for path in self.work.glob("*aband*")], [])
 
 
 if __name__ == "__main__":

@@ -39,7 +39,7 @@ def setUpModule():
 class Bytes(ProgramTest):
     def check(self, name, data):
         """@return the edited file, and its numbers"""
-        path, out = self.place / name, self.place / ("out_" + name)
+        path, out = self.work / name, self.work / ("out_" + name)
         path.write_bytes(data)
         before = MeshBytes(name, data)
         used = sorted({v for polygon in before.polygons for v in polygon})
@@ -55,7 +55,7 @@ class Bytes(ProgramTest):
         after = MeshBytes(name, out.read_bytes())
 
         # The same mesh without polygons, in the simplest format.
-        plain = self.place / "simple.ply"
+        plain = self.work / "simple.ply"
         plain.write_bytes(files.ply_plain((before.points, before.triangles), "float" if before.is_single else "double"))
         self.done(plain, plain, edits[0], "--quiet")
         expected = MeshBytes("simple.ply", plain.read_bytes()).points
@@ -66,7 +66,7 @@ class Bytes(ProgramTest):
 
         self.assertTrue(after.between() == before.between(), "bytes between the numbers changed")
         shared = self.check_numbers(before, after, moved)
-        (output,) = json.loads((self.place / "report.json").read_text())["outputs"]
+        (output,) = json.loads((self.work / "report.json").read_text())["outputs"]
         self.assertEqual(output["shared_normals"], shared)
         self.assertEqual(shared > 0, name == "shared_normals.obj")
         return out, after
@@ -134,7 +134,7 @@ class Bytes(ProgramTest):
             if not name.startswith(("text", "binary", "ascii")):
                 continue
             out, after = self.check(name, data)
-            read = self.place / "read.ply"
+            read = self.work / "read.ply"
             read.unlink(missing_ok=True)
             subprocess.run(["meshlabserver", "-i", out, "-o", read], env=environment, timeout=100, check=False, capture_output=True)
             if read.exists():  # else MeshLab 2020.09 reads no such file
@@ -150,7 +150,7 @@ class Damage(ProgramTest):
         mesh = files.sheet()[0], []
         for name, data in (("a.ply", files.ply_plain(mesh)), ("a.obj", files.obj(mesh)), ("a.off", files.off(mesh)),
                            ("a.stl", b"solid a\nendsolid\n")):
-            (self.place / name).write_bytes(data)
+            (self.work / name).write_bytes(data)
             self.refused(REFUSED, "no (vertices|faces)|0 (vertices|faces)", name, "out" + name[-4:], self.edit)
             self.assertIn("faces: 0\n", self.done("--info", name))
 
@@ -159,11 +159,11 @@ class Damage(ProgramTest):
             "indices\n", "indices\nproperty int flags\n").split("end_header\n")
         for vertices, handles in (([60, 61], 2), ([], 4)):  # the corners of the face where no vertex is selected
             lines = [line + (" 32" if row in (*vertices, 121) else " 6") for row, line in enumerate(rows.splitlines())]
-            (self.place / "in.ply").write_text("\n".join([begin + "end_header", *lines, ""]))
+            (self.work / "in.ply").write_text("\n".join([begin + "end_header", *lines, ""]))
             self.assertIn(f"selected: {len(vertices)} vertices, 2 faces\n", self.done("--info", "in.ply"))
             edit = self.write_edit({"region": {"radius": 0.4}, "handles": [{"selected": True, "translation": [0, 0, 0.1]}]})
             self.done("in.ply", "out.ply", edit, "--report", "report.json")
-            (step,) = json.loads((self.place / "report.json").read_text())["outputs"][0]["steps"]
+            (step,) = json.loads((self.work / "report.json").read_text())["outputs"][0]["steps"]
             self.assertEqual(step["handle"], handles)
 
     def test_truncated_files(self):
@@ -173,7 +173,7 @@ class Damage(ProgramTest):
                                     ("a.off", files.off(small, "CNOFF", " 0 0 1 1 0 0 1"), True), ("t.ply", files.ply("ascii", small), True),
                                     ("a.obj", files.obj(small, lambda v: f"{v}/1/{v}"), True), ("t.stl", files.stl_text(small), True)):
             for size in range(0, len(data), 4 if is_text else 1):
-                (self.place / name).write_bytes(data[:size])
+                (self.work / name).write_bytes(data[:size])
                 code, _, errors = self.run_program("--info", name)
                 with self.subTest(name=name, size=size):
                     self.assertIn(code, (0, UNREADABLE) if is_text else (UNREADABLE,))
@@ -201,12 +201,12 @@ class Damage(ProgramTest):
 
     def check_refusal(self, name, data):
         """In one sentence, within a tenth of a second and 50 MB."""
-        (self.place / name).write_bytes(data)
+        (self.work / name).write_bytes(data)
         options = {} if SANITIZED else {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_AS, (50 << 20, 50 << 20))}
         seconds = []
         while not seconds or (min(seconds) > 0.1 and len(seconds) < 5):  # the machine may be busy
             begin = time.monotonic()
-            done = subprocess.run([COMMAND, "--info", name], cwd=self.place, check=False, capture_output=True, **options)
+            done = subprocess.run([COMMAND, "--info", name], cwd=self.work, check=False, capture_output=True, **options)
             seconds.append(time.monotonic() - begin)
         self.assertEqual((done.returncode, done.stdout), (UNREADABLE, b""), done.stderr)
         self.assertRegex(done.stderr.decode(), r"\AThe mesh .* cannot be read: [^\n]+\.\n\Z")
@@ -219,7 +219,7 @@ class Damage(ProgramTest):
                 polygons[17] = corners
                 for name, write, first in (("a.ply", files.ply_plain, 0), ("a.off", files.off, 0), ("a.obj", files.obj, 1)):
                     if number >= 0 or name != "a.obj":  # which counts from the end
-                        (self.place / name).write_bytes(write((points, polygons)))
+                        (self.work / name).write_bytes(write((points, polygons)))
                         self.refused(UNREADABLE, rf"face {17 + first} names vertex {number + first}, but there are 121", name,
                                      "out" + name[-4:], self.edit)
 

@@ -12,7 +12,7 @@ TOKEN = re.compile(rb"\\(?:\r\n|\n)|#[^\r\n]*|\r\n|\n|\r|(?:[^\s\\]|\\(?!\r?\n))
 
 
 def lines_of(data):
-    """The words of each line that has any, with their places; a backslash continues a line."""
+    """The words of each line that has any, with their spans in the data; a backslash continues a line."""
     lines = [[]]
     for match in TOKEN.finditer(data.replace(MARK, b"   ", 1) if data.startswith(MARK) else data):
         word = match.group()
@@ -24,7 +24,7 @@ def lines_of(data):
 
 
 class MeshBytes:
-    """points; polygons; triangles, fanned; groups: (kind, number of the vertex, normal or polygon, places, values) of every
+    """points; polygons; triangles, fanned; groups: (kind, number of the vertex, normal or polygon, spans, values) of every
     three numbers that an edit may change."""
 
     def __init__(self, name, data):
@@ -39,11 +39,11 @@ class MeshBytes:
 
     def add(self, kind, number, words):
         values = [value for value, _ in words]
-        self.groups.append((kind, number, [place for _, place in words], values))
+        self.groups.append((kind, number, [span for _, span in words], values))
         return values
 
     def add_text(self, kind, number, words):
-        return self.add(kind, number, [(float(word), place) for word, place in words[:3]])
+        return self.add(kind, number, [(float(word), span) for word, span in words[:3]])
 
     def read_ply(self):
         end = re.search(rb"end_header(\r\n|\n|\r)", self.data)
@@ -64,8 +64,8 @@ class MeshBytes:
                 value = (float if letter in "fd" else int)(match.group())
                 return struct.unpack(letter, struct.pack(letter, value))[0], tuple(end.end() + k for k in match.span())
             at += struct.calcsize(letter)
-            place = at - struct.calcsize(letter), at
-            return struct.unpack_from(order + letter, self.data, place[0])[0], place
+            span = at - struct.calcsize(letter), at
+            return struct.unpack_from(order + letter, self.data, span[0])[0], span
 
         for element, count, properties in elements:
             for row in range(count):
@@ -117,8 +117,8 @@ class MeshBytes:
             words = [((struct.unpack_from("<f", self.data, at)[0]), (at, at + 4))
                      for begin in range(84, len(self.data), 50) for at in range(begin, begin + 48, 4)]
         else:
-            words = [(float(word), place) for line in lines_of(self.data) if line[0][0].lower() in (b"vertex", b"facet")
-                     for word, place in line[-3:]]
+            words = [(float(word), span) for line in lines_of(self.data) if line[0][0].lower() in (b"vertex", b"facet")
+                     for word, span in line[-3:]]
         numbers = {}
         for facet, begin in enumerate(range(0, len(words), 12)):
             self.add("facet normal", facet, words[begin:begin + 3])
@@ -131,13 +131,13 @@ class MeshBytes:
         self.points = [list(point) for point in numbers]
 
     def texts(self, group):
-        return [self.data[slice(*place)] for place in group[2]]
+        return [self.data[slice(*span)] for span in group[2]]
 
     def between(self):
         """The bytes between the numbers."""
-        places = sorted(place for _, _, group, _ in self.groups for place in group)
-        ends = [0, *(end for _, end in places)]
-        return [self.data[begin:end] for begin, end in zip(ends, [*(begin for begin, _ in places), len(self.data)])]
+        spans = sorted(span for _, _, group, _ in self.groups for span in group)
+        ends = [0, *(end for _, end in spans)]
+        return [self.data[begin:end] for begin, end in zip(ends, [*(begin for begin, _ in spans), len(self.data)])]
 
     def normal(self, kind, number):
         """Returns the unit normal by the angles at corners, or of a polygon by its area; None if there is no area."""

@@ -1,7 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reads and writes PLY files such that every bit can be compared."""
 import os
+import pathlib
 import struct
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+
+import mesh_files  # noqa: E402
 
 # The type of MeshLab's coordinates, and of those in the meshes that are written here.
 SCALAR = os.environ.get("LAPEDIT_SCALAR", "float")
@@ -55,7 +61,7 @@ class Ply:
         return f["vertex_indices"] if "vertex_indices" in f else f["vertex_index"]
 
     def _read_rows(self, count, properties):
-        form, places = "", []
+        form, fields = "", []
         for words in properties:
             first, size = len(form), None
             form += KINDS[words[words[0] == "list"]]
@@ -63,9 +69,9 @@ class Ply:
                 # The last number of a row that begins so.
                 size = int(self._rest[first]) if self._ascii else struct.unpack_from("<" + form, self._rest)[-1]
                 form += KINDS[words[2]] * size
-            places.append((words[-1], first, size))
+            fields.append((words[-1], first, size))
         columns, rows = self._columns(form, count), {}
-        for name, first, size in places:
+        for name, first, size in fields:
             assert size is None or set(columns[first]) == {size}, f"lists of different lengths in {name}"
             rows[name] = columns[first] if size is None else list(zip(*columns[first + 1:first + 1 + size])) or [()] * count
         return rows
@@ -83,16 +89,7 @@ class Ply:
         return columns
 
 
-def write_ply(path, points, faces, vertex_extra="", vertex_values=None, face_extra="", face_values=None):
-    """An ASCII PLY. The extras are header lines, the values one string per row; a face may have any corners."""
-    vertex_values = vertex_values or [""] * len(points)
-    face_values = face_values or [""] * len(faces)
-    with open(path, "w", encoding="ascii") as file:
-        file.write(f"ply\nformat ascii 1.0\nelement vertex {len(points)}\nproperty {SCALAR} x\nproperty {SCALAR} y\n"
-                   f"property {SCALAR} z\n{vertex_extra}element face {len(faces)}\n"
-                   f"property list uchar int vertex_indices\n{face_extra}end_header\n")
-        for (x, y, z), more in zip(points, vertex_values):
-            file.write(f"{x!r} {y!r} {z!r} {more}\n")
-        for face, more in zip(faces, face_values):
-            file.write(f"{len(face)} {' '.join(map(str, face))} {more}\n")
+def write_ply(path, points, faces):
+    """An ASCII PLY. A face may have any corners."""
+    path.write_bytes(mesh_files.ply_plain((points, faces), SCALAR))
     return path

@@ -34,13 +34,13 @@ LEAN = {"region": {"radius": 0.3}, "handles": [{"vertices": "155", "translation"
 
 
 class ProgramTest(unittest.TestCase):
-    """Each test has a folder of its own, `place`, in which the program runs; the dome and an edit are beside it."""
+    """Each test has a folder of its own, `work`, in which the program runs; the dome and an edit are beside it."""
 
     def setUp(self):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="lapedit-")).resolve()
         self.addCleanup(shutil.rmtree, self.folder)
-        self.place = self.folder / "place"
-        self.place.mkdir()
+        self.work = self.folder / "work"
+        self.work.mkdir()
         self.mesh = self.folder / "dome.ply"
         self.mesh.write_bytes(files.ply_plain(DOME))
         self.edit = self.write_edit(LIFT)
@@ -51,7 +51,7 @@ class ProgramTest(unittest.TestCase):
         return path
 
     def start(self, *arguments, **options):
-        streams = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "cwd": self.place}
+        streams = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "cwd": self.work}
         return subprocess.Popen([COMMAND, *(a if isinstance(a, bytes) else str(a) for a in arguments)], **{**streams, **options})
 
     def run_program(self, *arguments, given=None, **options):
@@ -79,7 +79,7 @@ class ProgramTest(unittest.TestCase):
             self.assertEqual(self.snapshot(), before)
 
     def snapshot(self):
-        return {str(path): path.read_bytes() if path.is_file() else None for path in self.place.rglob("*")}
+        return {str(path): path.read_bytes() if path.is_file() else None for path in self.work.rglob("*")}
 
     def edited(self, *arguments):
         """@return the bytes of the edited dome"""
@@ -88,9 +88,9 @@ class ProgramTest(unittest.TestCase):
 
     def writing(self, *arguments, **options):
         """@return a run that writes for a while, when it has begun to"""
-        process = self.start(self.mesh, self.place / "all.ply", self.edit, "--fractions", "0:1:900", "--quiet", *arguments, **options)
+        process = self.start(self.mesh, self.work / "all.ply", self.edit, "--fractions", "0:1:900", "--quiet", *arguments, **options)
         end = time.monotonic() + 60
-        while len(list(self.place.glob(".laplacian-edit-*"))) < 3:
+        while len(list(self.work.glob(".laplacian-edit-*"))) < 3:
             self.assertIsNone(process.poll())
             self.assertLess(time.monotonic(), end)
             time.sleep(0.001)

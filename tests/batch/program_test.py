@@ -26,7 +26,6 @@ class Usage(ProgramTest):
         codes = re.findall(r"(?m)^  (\d)  (.+)$", text)
         self.assertEqual([code for code, _ in codes], list("0123456"))
         page = (SOURCES / "laplacian-edit.1").read_text(encoding="utf-8").replace("\\-", "-")
-        self.assertEqual(set(re.findall(r"(?m)^\.B\w* .*?(--\w+)", page)), options)
         self.assertEqual(re.findall(r"(?m)^\.B (\d)\n(.+)$", page), codes)
         script = 'source "$0"; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _laplacian_edit "$1"; printf "%s\\n" "${COMPREPLY[@]}"'
         for word, expected in (("--", options), ("--fr", {"--fraction", "--fractions"}), ("in", set())):
@@ -82,19 +81,19 @@ class Usage(ProgramTest):
 class Edits(ProgramTest):
     def report(self, *arguments):
         self.done(self.mesh, "out.ply", *arguments, "--report", "report.json", "--quiet")
-        return json.loads((self.place / "report.json").read_text())
+        return json.loads((self.work / "report.json").read_text())
 
     def test_each_pose_has_the_bytes_that_it_has_alone(self):
         edit = self.write_edit({**LIFT, "region": {"radius": 0.2}}, LEAN)
         report = self.report(edit, "--fractions", "0.25,1,0,0.5")
-        self.assertEqual(len(list(self.place.iterdir())), 5)
+        self.assertEqual(len(list(self.work.iterdir())), 5)
         for k, fraction in enumerate((0.25, 1, 0, 0.5)):
-            together = self.place / f"out-000{k + 1}.ply"
+            together = self.work / f"out-000{k + 1}.ply"
             self.assertEqual(together.read_bytes(), self.edited(edit, "--fraction", fraction))
             output = report["outputs"][k]
             self.assertEqual((output["file"], output["fraction"]), (str(together), fraction))
             self.assertEqual([step["factor_reused"] for step in output["steps"]][0], k > 0)
-        self.assertEqual((self.place / "out-0003.ply").read_bytes(), self.mesh.read_bytes())
+        self.assertEqual((self.work / "out-0003.ply").read_bytes(), self.mesh.read_bytes())
         self.assertEqual([output["fraction"] for output in self.report(edit, "--fractions", "0:1:5")["outputs"]],
                          [0, 0.25, 0.5, 0.75, 1])
 
@@ -118,7 +117,7 @@ class Edits(ProgramTest):
         code, _, errors = self.run_program(self.mesh, "out.ply", side, "--quality", "--report", "report.json")
         if code == WRONG_USAGE:
             self.skipTest(errors)
-        (step,) = json.loads((self.place / "report.json").read_text())["outputs"][0]["steps"]
+        (step,) = json.loads((self.work / "report.json").read_text())["outputs"][0]["steps"]
         self.assertGreater(step["new_intersections"], 0)
         self.assertIsNone(self.report(side)["outputs"][0]["steps"][0]["new_intersections"])
 
@@ -131,12 +130,12 @@ class Edits(ProgramTest):
         self.done(self.mesh, "out.ply", self.write_edit(LIFT), "--strict")
 
     def test_landmarks(self):
-        start, end, (x, y, z) = self.place / "from.csv", self.place / "to.csv", POINTS[CENTRE]
+        start, end, (x, y, z) = self.work / "from.csv", self.work / "to.csv", POINTS[CENTRE]
         start.write_text(f"nose,{x},{y},{z}\nchin,0,0,0\n")
         end.write_text(f"nose,{x},{y},{z + 0.1}\nchin,0,0,0\n")
         report = self.report("--landmarks", start, end)
         self.assertEqual((report["edit"], report["targets"]), (str(start), str(end)))
-        moved = MeshBytes("out.ply", (self.place / "out.ply").read_bytes()).points
+        moved = MeshBytes("out.ply", (self.work / "out.ply").read_bytes()).points
         self.assertAlmostEqual(moved[CENTRE][2], z + 0.1, delta=0.01)
         end.unlink()
         self.refused(UNREADABLE, r"to\.csv.* does not exist", self.mesh, "out.ply", "--landmarks", start, end)
@@ -154,15 +153,15 @@ class Streams(ProgramTest):
         self.assertEqual(self.done("-", "-", self.edit, given=data), expected)
         self.assertEqual(self.done(self.mesh, "-", "-", given=edit), expected)
         self.done("-", "out.ply", self.edit, given=data)
-        self.assertEqual((self.place / "out.ply").read_bytes(), expected)
+        self.assertEqual((self.work / "out.ply").read_bytes(), expected)
         obj = files.obj(DOME)
         self.done("-", "out.obj", self.edit, "--fraction", "0", given=obj)
-        self.assertEqual((self.place / "out.obj").read_bytes(), obj)
+        self.assertEqual((self.work / "out.obj").read_bytes(), obj)
         self.assertIn(b"vertices: 441 ", self.done("--info", "-", given=data))
         self.refused(UNREADABLE, r"mesh from the standard input cannot be read: ", "-", "new.ply", self.edit, given=obj)
         for name in ("/dev/stdin", "/dev/fd/0"):
             self.done(self.mesh, "out.ply", name, "-q", given=edit)
-            self.assertEqual((self.place / "out.ply").read_bytes(), expected)
+            self.assertEqual((self.work / "out.ply").read_bytes(), expected)
 
     def test_progress_is_for_terminals(self):
         for quiet, kind in ((False, "xterm"), (True, "xterm"), (False, "dumb")):
@@ -202,7 +201,7 @@ class Limits(ProgramTest):
         self.mesh.write_bytes(files.ply_plain(dome(151, 151)))
         expected, codes = self.edited(), []
         for megabytes in (*range(2, 12), *range(12, 60, 4), 400):
-            output, size = self.place / f"{megabytes}.ply", megabytes << 20
+            output, size = self.work / f"{megabytes}.ply", megabytes << 20
             code, _, errors = self.run_program(self.mesh, output, self.edit, "-q",
                                                preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (size, size)))
             with self.subTest(megabytes=megabytes):
@@ -213,7 +212,7 @@ class Limits(ProgramTest):
         # Below 12 MB the loader or the kernel may end the program before it begins.
         self.assertLessEqual(set(codes[10:]), {0, UNEXPECTED})
         self.assertEqual((codes[10], codes[-1]), (UNEXPECTED, 0))
-        self.assertEqual([path for path in self.place.iterdir() if path.name[0] == "."], [])
+        self.assertEqual([path for path in self.work.iterdir() if path.name[0] == "."], [])
 
 
 if __name__ == "__main__":

@@ -40,17 +40,22 @@ def neighbours(count, faces):
     return around
 
 
-def within(points, around, seed, radius):
-    """The vertices whose shortest path along edges from the seed is no longer than the radius."""
-    best, done, heap = {seed: 0.0}, set(), [(0.0, seed)]
+def distances(points, around, seeds, radius=math.inf):
+    """Vertices and the lengths of their shortest paths along edges from the seeds, if no longer than the radius."""
+    best, done, heap = dict.fromkeys(seeds, 0.0), {}, [(0.0, seed) for seed in seeds]
     while heap:
         d, v = heapq.heappop(heap)
         if v in done:
             continue
-        done.add(v)
+        done[v] = d
         for w in around[v]:
             through = d + math.dist(points[v], points[w])
             if through <= radius and through < best.get(w, math.inf):
                 best[w] = through
                 heapq.heappush(heap, (through, w))
     return done
+
+
+def within(points, around, seed, radius):
+    """The vertices whose shortest path along edges from the seed is no longer than the radius."""
+    return set(distances(points, around, [seed], radius))

@@ -94,11 +94,11 @@ class Bench:
         self.marks = spread(self.points, COUNT)
         self.diagonal = np.linalg.norm(np.ptp(self.points, axis=0))
 
-    def write_marks(self, name, places):
-        (self.folder / name).write_text("".join(f"p{k},{x:.9g},{y:.9g},{z:.9g}\n" for k, (x, y, z) in enumerate(places)))
+    def write_marks(self, name, positions):
+        (self.folder / name).write_text("".join(f"p{k},{x:.9g},{y:.9g},{z:.9g}\n" for k, (x, y, z) in enumerate(positions)))
 
     def ours(self, targets, weight=None):
-        """The whole program, files included. @return places, seconds"""
+        """The whole program, files included. @return positions, seconds"""
         self.write_marks("from.csv", self.points[self.marks])
         self.write_marks("to.csv", targets)
         edit = ["--landmarks", "from.csv", "to.csv"]
@@ -125,8 +125,8 @@ class Bench:
 
     def spline(self, targets):
         begin = time.perf_counter()
-        places = RBFInterpolator(self.points[self.marks], targets, kernel="thin_plate_spline")(self.points)
-        return places, time.perf_counter() - begin
+        positions = RBFInterpolator(self.points[self.marks], targets, kernel="thin_plate_spline")(self.points)
+        return positions, time.perf_counter() - begin
 
     def row(self, warp, noise):
         truth = warp(self.points)
@@ -136,10 +136,10 @@ class Bench:
                    "ARAP": lambda: self.arap(targets), "spline": lambda: self.spline(targets)}
         cells = [warp.__name__.replace("_", " ") + (", noise" if noise else "")]
         for run in methods.values():
-            places, seconds = run()
+            positions, seconds = run()
             size = 100 / self.diagonal
-            error = size * np.sqrt(((places - truth)**2).sum(1).mean())
-            residual = size * np.sqrt(((places[self.marks] - targets)**2).sum(1).mean())
+            error = size * np.sqrt(((positions - truth)**2).sum(1).mean())
+            residual = size * np.sqrt(((positions[self.marks] - targets)**2).sum(1).mean())
             cells.append(f"{error:.3f}, {residual:.3f}, {seconds:.1f}")
         return cells
 

@@ -111,7 +111,7 @@ class Commands(unittest.TestCase):
         return done.stdout
 
     def of_kind(self, pattern):
-        found = [(place, line, text) for place, line, text in self.commands if re.fullmatch(pattern, text)]
+        found = [(document, line, text) for document, line, text in self.commands if re.fullmatch(pattern, text)]
         self.assertTrue(found, f"no command in the documents is as {pattern}")
         return found
 
@@ -129,8 +129,8 @@ class Commands(unittest.TestCase):
     def test_every_command_is_run_somewhere(self):
         self.assertGreater(len(self.commands), 60)
         known = self.HERE + [row[0] for row in ELSEWHERE + EXCEPTIONS]
-        for place, line, text in self.commands:
-            with self.subTest(place=f"{place}:{line}", command=text):
+        for document, line, text in self.commands:
+            with self.subTest(position=f"{document}:{line}", command=text):
                 self.assertTrue(any(re.fullmatch(pattern, text) for pattern in known),
                                 "nothing runs this command: see ELSEWHERE in commands_test.py")
 
@@ -150,12 +150,12 @@ class Commands(unittest.TestCase):
         given = f" -DMESHLAB_SOURCE_DIR={source[1]}" if source else ""
         meshes = os.environ.get("LAPEDIT_MESHES", "")
         settings = f"-DLAPEDIT_MESHES={meshes} -DLAPEDIT_BUILD_TESTS=ON -DLAPEDIT_TEST_HOSTS=ON"
-        for _place, _line, text in self.of_kind(self.CONFIGURE):
+        for _document, _line, text in self.of_kind(self.CONFIGURE):
             self.assertIn("Build files have been written to", self.run_in_clone(text + given))
         self.run_in_clone(f"cmake -S . -B build {settings}")
         known = self.run_in_clone("ctest --test-dir build --show-only=json-v1")
         names = {test["name"] for test in json.loads(known[known.index("{"):])["tests"]}
-        for _place, _line, text in self.of_kind(self.SELECT):
+        for _document, _line, text in self.of_kind(self.SELECT):
             with self.subTest(command=text):
                 self.assertRegex(self.run_in_clone(text + " -N"), r"Total Tests: [1-9]")
         for pattern, test, source, evidence in ELSEWHERE:
@@ -165,7 +165,7 @@ class Commands(unittest.TestCase):
                 self.assertTrue(test is None or test in names, test)
 
     def test_some_tests_of_one_program(self):
-        for _place, _line, text in self.of_kind(self.SOME_TESTS):
+        for _document, _line, text in self.of_kind(self.SOME_TESTS):
             program, arguments = text.split(" ", 1)
             program = BINARY_DIR / pathlib.Path(program).relative_to("build")
             with self.subTest(command=text):
@@ -187,11 +187,11 @@ class Commands(unittest.TestCase):
         # First the README, which makes edit.json.
         order = sorted(self.commands, key=lambda command: (command[0] != "README.md",))
         results = set()
-        for place, line, text in order:
+        for document, line, text in order:
             if re.fullmatch("|".join([self.EDIT_FILE, self.MAKE_FAMILY]), text):
                 self.run_in_clone(text)
             elif re.fullmatch("|".join([self.EDIT] + [self.SERVER] * bool(server)), text):
-                with self.subTest(place=f"{place}:{line}", command=text):
+                with self.subTest(position=f"{document}:{line}", command=text):
                     for out in [*self.clone.glob("out*.ply"), *self.clone.glob("after.ply")]:
                         out.unlink()
                     path = f"{self.clone}/stage/bin:{self.environment['PATH']}"
@@ -204,7 +204,7 @@ class Commands(unittest.TestCase):
     def test_exceptions(self):
         print()
         for pattern, reason in EXCEPTIONS:
-            texts = sorted({text for _place, _line, text in self.of_kind(pattern)})
+            texts = sorted({text for _document, _line, text in self.of_kind(pattern)})
             print(f"Not run, {len(texts)} commands: {reason}: {', '.join(' '.join(t.split())[:60] for t in texts)}")
             for text in texts:
                 for program in re.findall(r"\w+_(?:bench|fuzzer)\b", text):

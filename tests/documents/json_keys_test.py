@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The JSON format's document names the keys that laplacian-edit accepts, all of them and no others."""
 import copy
+import functools
 import json
 import os
 import pathlib
@@ -12,24 +13,25 @@ from documents import Document, WithProgram, code, ranges
 PROGRAM = os.environ["LAPEDIT_COMMAND"]
 
 
-def places(value, path="", way=()):
+def objects_in(value, path="", way=()):
     """The objects in a JSON value: pairs of a path, as in steps[].region, and the way there."""
     if isinstance(value, dict):
         yield path, way
         for key, inner in value.items():
-            yield from places(inner, f"{path}.{key}".lstrip("."), way + (key,))
+            yield from objects_in(inner, f"{path}.{key}".lstrip("."), way + (key,))
     elif isinstance(value, list):
         for i, inner in enumerate(value):
-            yield from places(inner, path + "[]", way + (i,))
+            yield from objects_in(inner, path + "[]", way + (i,))
+
+
+def value_at(value, way):
+    return functools.reduce(lambda inner, step: inner[step], way, value)
 
 
 def with_value(edit, way, key, value):
     """A copy of the edit in which the object at the end of the way has this key."""
     changed = copy.deepcopy(edit)
-    place = changed
-    for step in way:
-        place = place[step]
-    place[key] = value
+    value_at(changed, way)[key] = value
     return changed
 
 
@@ -50,7 +52,7 @@ class JsonKeys(WithProgram):
         cls.rows = {code(row[0])[0]: row for row in cls.document.rows("Keys")}
         cls.objects = {}  # path -> (an example that has such an object, the way there)
         for example in cls.examples:
-            for path, way in places(example):
+            for path, way in objects_in(example):
                 cls.objects.setdefault(path, (example, way))
 
     def refusal(self, edit):
@@ -74,11 +76,8 @@ class JsonKeys(WithProgram):
     def test_every_key_is_in_an_example_and_no_object_is_missing(self):
         shown = set()
         for example in self.examples:
-            for path, way in places(example):
-                place = example
-                for step in way:
-                    place = place[step]
-                for key, value in place.items():
+            for path, way in objects_in(example):
+                for key, value in value_at(example, way).items():
                     full = f"{path}.{key}".lstrip(".")
                     if full not in shown and full not in self.objects and f"{full}[]" not in self.objects:
                         # The reader says if it wants an object here.
@@ -89,7 +88,7 @@ class JsonKeys(WithProgram):
     def test_examples_are_read(self):
         for example in self.examples:
             done = self.edit(PROGRAM, example)
-            # They are for other meshes. What cannot be read is refused with the place in the text.
+            # They are for other meshes. What cannot be read is refused with the position in the text.
             self.assertNotRegex(done.stderr, r"unknown key|expected|steps\[", example)
 
     def settings(self):

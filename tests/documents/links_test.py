@@ -27,10 +27,6 @@ class Links(unittest.TestCase):
         names = self.folders if pattern.endswith("/") else self.files | self.folders
         return any(fnmatch.fnmatchcase(name, pattern.rstrip("/")) for name in names)
 
-    def test_there_are_documents(self):
-        self.assertIn("README.md", self.documents)
-        self.assertGreaterEqual(len(self.documents), 10)
-
     def test_links_lead_to_files_and_headings(self):
         for name, document in self.documents.items():
             for link in document.links():
@@ -92,11 +88,8 @@ class Links(unittest.TestCase):
         self.assertEqual(sorted(picture.suffix for picture in pictures), [".gif", ".png"])
         self.assertLess(sum((ROOT / picture).stat().st_size for picture in pictures), 3e6)
 
-    def test_the_citation_has_the_version_and_the_paper(self):
-        citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
-        version = re.search(r"project\(\w+ VERSION ([\d.]+)", (ROOT / "CMakeLists.txt").read_text(encoding="utf-8"))[1]
-        self.assertIn(f"\nversion: {version}\n", citation)
-        doi = re.search(r"\n    doi: (\S+)\n", citation)[1]
+    def test_the_citation_has_the_paper(self):
+        doi = re.search(r"\n    doi: (\S+)\n", (ROOT / "CITATION.cff").read_text(encoding="utf-8"))[1]
         self.assertIn(f"(https://doi.org/{doi})", self.documents["README.md"].text)
 
     def test_every_picture_is_shown(self):

@@ -42,7 +42,6 @@ class Program(WithProgram):
         known = re.findall(r"^  (\d)  ", self.help(), re.M)
         self.assertEqual(known, ["0", "1", "2", "3", "4", "5", "6"])
         self.assertEqual([row[0] for row in self.document.rows("Exit codes")], known)
-        self.assertEqual(re.findall(r"\.TP\n\.B (\d)", self.manual), known)
 
     def test_keys_of_the_report(self):
         done = self.edit(PROGRAM, {"laplacian_edit": 1, "steps": [

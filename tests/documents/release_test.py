@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The version stands in one place, CMakeLists.txt, and all else agrees with it."""
+"""CMakeLists.txt has the version, and all else agrees with it."""
 import email.utils
 import os
 import pathlib

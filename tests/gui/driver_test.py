@@ -32,14 +32,14 @@ class Driver(GuiTest):
             self.assertEqual(dump.differences(w.dump()), ["face_flags"])
 
     def test_pixels_are_where_meshlab_draws(self):
-        turned = [0, -2, 0, 5, 2, 0, 0, -3, 0, 0, 2, 7, 0, 0, 0, 1]
+        rotated = [0, -2, 0, 5, 2, 0, 0, -3, 0, 0, 2, 7, 0, 0, 0, 1]
         with self.open(self.mesh) as w:
             w.resize(1100, 800)
             for prepare in ("Front", "Toggle Orthographic Camera", "Horizontal +", "Axial +",
                             "Toggle Orthographic Camera"):
                 w.trigger(prepare)
                 if prepare == "Axial +":
-                    w.layer(matrix=turned)
+                    w.layer(matrix=rotated)
                     w.trigger("Reset Trackball")
                 with self.subTest(prepare):
                     # The host's own tool selects what is drawn in a rectangle.

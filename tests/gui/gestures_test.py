@@ -2,47 +2,38 @@
 """Every gesture with a real mouse and keyboard: X events by xdotool. The driver only tells pixels and looks."""
 import contextlib
 import math
-import time
+import pathlib
+import shutil
 import unittest
 
 from tool import ToolTest, part
+from ply import Ply
 
 WHEEL_UP, WHEEL_DOWN = 4, 5
 
 
 class Gestures(ToolTest):
     @contextlib.contextmanager
-    def window(self, disc=20):
-        with self.start(self.mesh, disc=disc) as w:
+    def window(self, disc=20, mesh=None):
+        with self.start(mesh or self.mesh, disc=disc) as w:
             w.x_focus()
-            self.left, self.top = w.view_corner()
             yield w
-
-    def place(self, w, vertex, by=(0, 0)):
-        """On the screen."""
-        x, y = w.pixel(vertex)
-        return round(x + self.left + by[0]), round(y + self.top + by[1])
 
     def at(self, row, column):
         return row * self.ROWS + column
 
     def x_click(self, w, vertex, *modifiers):
         held = [("keydown", m) for m in modifiers], [("keyup", m) for m in modifiers]
-        w.x("mousemove", *self.place(w, vertex), *sum(held[0], ()), "sleep", 0.05, "click", 1, "sleep", 0.05,
+        w.x("mousemove", *self.on_screen(w, vertex), *sum(held[0], ()), "sleep", 0.05, "click", 1, "sleep", 0.05,
             *sum(held[1], ()))
-        self.seen(w)
+        self.settle(w)
 
     def x_stroke(self, w, vertices, modifier):
-        w.x("mousemove", *self.place(w, vertices[0]), "keydown", modifier, "sleep", 0.05, "mousedown", 1)
+        w.x("mousemove", *self.on_screen(w, vertices[0]), "keydown", modifier, "sleep", 0.05, "mousedown", 1)
         for vertex in vertices:
-            w.x("mousemove", *self.place(w, vertex), "sleep", 0.03)
+            w.x("mousemove", *self.on_screen(w, vertex), "sleep", 0.03)
         w.x("mouseup", 1, "sleep", 0.05, "keyup", modifier)
-        self.seen(w)
-
-    def seen(self, w):
-        """Until the window has what was sent: the events come by another way than the driver's questions."""
-        time.sleep(0.2)
-        w.idle()
+        self.settle(w)
 
     def x_pull(self, w, start, way):
         steps = len(self.steps_in_log(w))
@@ -57,105 +48,67 @@ class Gestures(ToolTest):
     def last_step(self, w):
         return self.steps_of(w)[-1]
 
-    def test_hover_wheel_press_drag_release_and_undo(self):
-        with self.window() as w:
+    def test_hover_wheel_press_drag_release_undo_save_and_quit(self):
+        mesh = pathlib.Path(shutil.copy(self.mesh, self.folder / "copy.ply"))
+        with self.window(mesh=mesh) as w:
             before = w.dump()
-            w.x("mousemove", *self.place(w, self.CENTRE))
-            self.seen(w)
+            w.x("mousemove", *self.on_screen(w, self.CENTRE))
+            self.settle(w)
             radius = w.widget(part("radius"))["value"]
             w.x("click", WHEEL_UP)
-            self.seen(w)
+            self.settle(w)
             self.assertGreater(w.widget(part("radius"))["value"], radius)
-            share = w.widget(part("handle_fraction"))["value"]
-            w.x("keydown", "shift", "click", WHEEL_UP, "keyup", "shift")
-            self.seen(w)
-            self.assertGreater(w.widget(part("handle_fraction"))["value"], share)
-            w.x("click", WHEEL_DOWN, "keydown", "shift", "click", WHEEL_DOWN, "keyup", "shift")
-            camera = w.camera()
-            w.x("keydown", "ctrl", "click", WHEEL_UP, "keyup", "ctrl")
-            self.seen(w)
-            self.assertNotEqual(w.camera(), camera)
-            start = self.place(w, self.CENTRE)
+            w.x("click", WHEEL_DOWN)
+            start = self.on_screen(w, self.CENTRE)
             self.x_pull(w, start, (40, -55))
-            self.assertLess(math.dist(self.place(w, self.CENTRE), (start[0] + 40, start[1] - 55)), 2.5)
+            self.assertLess(math.dist(self.on_screen(w, self.CENTRE), (start[0] + 40, start[1] - 55)), 2.5)
             self.assertGreater(self.steps_in_log(w)[0]["handle"], 5)
             self.assert_replay_is_the_same(w, self.mesh)
+            self.undo(w)
+            self.assert_same(before, w.dump())
+            self.x_key(w, "ctrl+shift+z")
+            w.x("key", "ctrl+e")
+            w.wait_dialog()
+            w.x("sleep", 0.3, "key", "Return")
+            w.wait_output("Saved Mesh")
+            shown = w.dump()
+            self.assertNotEqual(shown.moved(before), set())
+            self.assertEqual((Ply(mesh).point_bits(), Ply(mesh).faces()), (shown.point_bits(), shown.faces()))
             w.x_focus()
-            w.x("key", "ctrl+z")
-            self.seen(w)
-            self.assert_same(before, w.dump())
-
-    def test_amounts_count_only_during_a_motion(self):
-        with self.window() as w:
-            before = w.dump()
-            self.x_click(w, self.CENTRE)
-            for keys in (("x",), ("6", "0"), ("Return",)):
-                for key in keys:
-                    w.x("key", key)
-                self.seen(w)
-                self.assertRegex(self.message(w), "Nothing is being moved")
-            self.assert_same(before, w.dump())
-            w.x("key", "t", "key", "x", "key", "period", "key", "2", "key", "Return")
-            self.seen(w)
-            self.assertEqual(self.last_step(w)["handles"][0]["translation"], [0.2, 0, 0])
+            w.x("key", "ctrl+q")
+            w.wait_end()
 
     def test_arrow_ring_and_knob(self):
         with self.window() as w:
             self.x_click(w, self.CENTRE)
-            w.x("key", "v")
-            self.seen(w)
+            self.x_key(w, "v")
             self.assertTrue(w.widget(part("gizmo"))["checked"])
-            middle = self.place(w, self.CENTRE)
+            middle = self.on_screen(w, self.CENTRE)
             # Seen from above: an arrow to the right along X and one up along Y, a ring about Z of 0.8 of their length
             # of 90 pixels, and the knob on the diagonal, as far.
             self.x_pull(w, (middle[0] + 60, middle[1]), (45, 30))
             way = self.last_step(w)["handles"][0]["translation"]
             self.assertGreater(way[0], 0)
             self.assertEqual(way[1:], [0, 0])
-            w.x_focus()
-            w.x("key", "ctrl+z")
-            self.seen(w)
+            self.undo(w)
             angle = math.radians(20)
             on_ring = [(round(middle[0] + 72 * math.cos(a)), round(middle[1] - 72 * math.sin(a)))
                        for a in (angle, angle + math.radians(50))]
             self.x_pull(w, on_ring[0], (on_ring[1][0] - on_ring[0][0], on_ring[1][1] - on_ring[0][1]))
-            turn = self.last_step(w)["handles"][0]["rotation"]
-            self.assertEqual(turn["axis"], [0, 0, 1])
-            self.assertAlmostEqual(turn["degrees"], 50, delta=3)
-            w.x_focus()
-            w.x("key", "ctrl+z")
-            self.seen(w)
+            rotation = self.last_step(w)["handles"][0]["rotation"]
+            self.assertEqual(rotation["axis"], [0, 0, 1])
+            self.assertAlmostEqual(rotation["degrees"], 50, delta=3)
+            self.undo(w)
             # With Ctrl from when the ring is held on, in steps of 15 degrees.
             w.x("mousemove", *on_ring[0], "mousedown", 1, "sleep", 0.05, "keydown", "ctrl", "mousemove",
                 on_ring[0][0] - 9, on_ring[0][1] - 20, "sleep", 0.1, "mousemove", *on_ring[1], "sleep", 0.1, "mouseup", 1,
                 "keyup", "ctrl")
-            self.seen(w)
+            self.settle(w)
             self.assertEqual(self.last_step(w)["handles"][0]["rotation"]["degrees"] % 15, 0)
-            w.x_focus()
-            w.x("key", "ctrl+z")
-            self.seen(w)
+            self.undo(w)
             knob = round(90 / math.sqrt(2))
             self.x_pull(w, (middle[0] + knob, middle[1] - knob), (50, -50))
             self.assertGreater(self.last_step(w)["handles"][0]["scale"], 1.2)
-            self.assert_replay_is_the_same(w, self.mesh)
-
-    def test_pivot_is_picked(self):
-        with self.window() as w:
-            self.x_click(w, self.CENTRE)
-            w.x("key", "p")
-            self.seen(w)
-            self.assertRegex(self.message(w), "turn about")
-            pivot = self.at(20, 25)
-            self.x_click(w, pivot)
-            start, middle = self.place(w, self.CENTRE), self.place(w, pivot)
-            w.x("mousemove", *start, "key", "r", "sleep", 0.1)
-            off = start[0] - middle[0], start[1] - middle[1]
-            w.x("mousemove", middle[0] + off[1], middle[1] - off[0], "sleep", 0.2, "key", "Return")
-            self.seen(w)
-            turn = self.last_step(w)["handles"][0]["rotation"]
-            for a, b in zip(turn["center"], self.points[pivot]):
-                self.assertAlmostEqual(a, b, places=5)
-            self.assertAlmostEqual(abs(turn["degrees"]), 90, delta=8)
             self.assert_replay_is_the_same(w, self.mesh)
 
     def test_painting_of_region_handle_and_anchors_with_undo(self):
@@ -166,25 +119,21 @@ class Gestures(ToolTest):
             self.x_stroke(w, outward, "ctrl")
             larger = self.counts(w)
             self.assertGreater(sum(larger[:3]), sum(first[:3]))
-            w.x("key", "b")  # the handle
-            self.seen(w)
+            self.x_key(w, "b")  # the handle
             self.x_stroke(w, [self.at(20, 21), self.at(20, 23)], "ctrl")
             self.assertGreater(self.counts(w)[0], 1)
-            w.x("key", "b")  # the anchors
-            self.seen(w)
+            self.x_key(w, "b")  # the anchors
             anchors = self.counts(w)[2]
             self.x_stroke(w, [self.at(17, 18), self.at(17, 22)], "ctrl")
             self.assertGreater(self.counts(w)[2], anchors)
             self.x_stroke(w, [self.at(17, 18), self.at(17, 22)], "shift")
             for expected in (None, None, larger, first):
-                w.x("key", "ctrl+z")
-                self.seen(w)
+                self.x_key(w, "ctrl+z")
                 if expected:
                     self.assertEqual(self.counts(w), expected)
-            w.x("key", "ctrl+shift+z")
-            self.seen(w)
+            self.x_key(w, "ctrl+shift+z")
             self.assertEqual(self.counts(w), larger)
-            self.x_pull(w, self.place(w, self.CENTRE), (15, 20))
+            self.x_pull(w, self.on_screen(w, self.CENTRE), (15, 20))
             self.assert_replay_is_the_same(w, self.mesh)
 
     def test_chosen_groups_move_together(self):
@@ -197,7 +146,7 @@ class Gestures(ToolTest):
             self.x_click(w, groups[0], "shift")
             self.assertRegex(self.message(w), "2 of 3 move together")
             before = w.dump().triples()
-            self.x_pull(w, self.place(w, groups[2]), (15, 25))
+            self.x_pull(w, self.on_screen(w, groups[2]), (15, 25))
             handles = self.last_step(w)["handles"]
             self.assertEqual(handles[0]["translation"], handles[2]["translation"])
             self.assertEqual(handles[1]["translation"], [0, 0, 0])
@@ -216,99 +165,75 @@ class Gestures(ToolTest):
             self.x_click(w, left)
             between = w.pixel(self.at(20, 18))
             w.x("mousemove", 5, 5)
-            self.seen(w)
+            self.settle(w)
             plain = self.picture(w, *between, half=6)
-            w.x("mousemove", *self.place(w, self.at(20, 22)))
+            w.x("mousemove", *self.on_screen(w, self.at(20, 22)))
             w.wait(lambda: self.picture(w, *between, half=6) != plain, "the next piece is not shown", 20)
             self.x_click(w, middle)
             self.x_click(w, right)
             before = w.dump().triples()
             for point in (left, right):  # a smile
-                self.x_pull(w, self.place(w, point), (0, -25))
+                self.x_pull(w, self.on_screen(w, point), (0, -25))
                 self.assertIn("targets", self.last_step(w)["handles"][0])
             after = w.dump().triples()
             self.assertGreater(min(math.dist(before[v], after[v]) for v in (left, right)), 0.01)
             self.assertLess(math.dist(before[middle], after[middle]), 0.02 * math.dist(before[left], after[left]))
             self.assert_replay_is_the_same(w, self.mesh)
 
-    def test_plane_and_other_side_are_shown(self):
+    def test_other_side_is_shown_and_moved(self):
         with self.window() as w:
-            off = [a - b for a, b in zip(self.points[self.at(20, 12)], self.points[self.CENTRE])]
+            near, far = self.at(20, 30), self.at(20, 10)
+            off = [a - b for a, b in zip(self.points[near], self.points[self.CENTRE])]
             axis = 0 if abs(off[0]) > abs(off[1]) else 1
-            w.x("mousemove", 5, 5)
-            self.seen(w)
-            here, there = w.pixel(self.at(20, 30)), w.pixel(self.at(20, 10))
-            middle, plain = self.picture(w, *w.pixel(self.CENTRE), half=20), self.picture(w, *there)
-            w.set(part("mirror"), 4 + axis)
-            w.x("mousemove", 5, 5)
-            self.seen(w)
-            self.assertNotEqual(self.picture(w, *w.pixel(self.CENTRE), half=20), middle, "the plane is not drawn")
-            plain = self.picture(w, *there)
-            w.x("mousemove", *self.place(w, self.at(20, 30)))
-            w.wait(lambda: sum(a != b for a, b in zip(self.picture(w, *there), plain)) > 100,
-                   "the other side is not shown", 20)
-            self.assertNotEqual(here, there)
 
-    def test_last_step_takes_numbers_and_a_share(self):
+            def pictures():
+                w.x("mousemove", 5, 5)
+                self.settle(w)
+                return self.picture(w, *w.pixel(self.CENTRE), half=20), self.picture(w, *w.pixel(far))
+
+            without_plane, _ = pictures()
+            w.set(part("mirror"), 4 + axis)  # through the box's centre
+            with_plane, plain = pictures()
+            self.assertNotEqual(with_plane, without_plane, "the plane is not drawn")
+            w.x("mousemove", *self.on_screen(w, near))
+            w.wait(lambda: sum(a != b for a, b in zip(self.picture(w, *w.pixel(far)), plain)) > 100,
+                   "the other side is not shown", 20)
+            before = w.dump()
+            self.x_pull(w, self.on_screen(w, near), (10, 30))
+            self.assertIn("mirror", self.last_step(w))
+            self.assertLessEqual({near, far}, w.dump().moved(before))
+            self.assert_replay_is_the_same(w, self.mesh)
+
+    def test_last_step_takes_numbers_and_a_fraction(self):
         with self.window() as w:
             w.set(part("group_last_step"), True)
-            slider = w.widget(part("last_fraction"))
-            self.assertFalse(slider["enabled"])
+            self.assertFalse(w.widget(part("last_fraction"))["enabled"])
             before = w.dump().triples()
-            self.x_pull(w, self.place(w, self.CENTRE), (0, -40))
+            self.x_pull(w, self.on_screen(w, self.CENTRE), (0, -40))
             whole = self.last_step(w)["handles"][0]["translation"]
             full = w.dump().triples()[self.CENTRE]
             # The slider's knob, pulled from the right end to the left with the mouse: shown on the way, then applied.
             left, top, width, height = w.widget(part("last_fraction"))["rectangle"]
-            knob = left + width - 6, top + height // 2
-            w.x("mousemove", *knob, "mousedown", 1)
-            for share in (0.9, 0.7, 0.5):
-                w.x("mousemove", round(left + width * share), knob[1], "sleep", 0.1)
+            w.x("mousemove", left + width - 6, top + height // 2, "mousedown", 1)
+            for fraction in (0.9, 0.7, 0.5):
+                w.x("mousemove", round(left + width * fraction), top + height // 2, "sleep", 0.1)
             w.wait(lambda: math.dist(w.dump().triples()[self.CENTRE], full) > 0.01, "nothing is shown", 20)
             w.x("mouseup", 1)
-            w.wait(lambda: self.steps_of(w)[-1]["handles"][0]["translation"] != whole, "nothing was applied", 20)
-            share = w.widget(part("last_fraction"))["value"]
-            self.assertTrue(30 < share < 70, share)
-            now = self.last_step(w)["handles"][0]["translation"]
-            for a, b in zip(now, whole):
-                self.assertAlmostEqual(a, b * share / 100, places=9)
-            self.assertEqual(len(self.steps_of(w)), 1)
-            self.assert_replay_is_the_same(w, self.mesh)
+            w.wait(lambda: self.last_step(w)["handles"][0]["translation"] != whole, "nothing was applied", 20)
+            percent = w.widget(part("last_fraction"))["value"]
+            self.assertTrue(30 < percent < 70, percent)
+            for a, b in zip(self.last_step(w)["handles"][0]["translation"], whole):
+                self.assertAlmostEqual(a, b * percent / 100, places=9)
             w.set(part("last_y"), 0.1)
             w.set(part("last_fraction"), 100)
+            self.assertEqual(len(self.steps_of(w)), 1)
             self.assertAlmostEqual(self.last_step(w)["handles"][0]["translation"][1], 0.1, places=6)
             self.assert_replay_is_the_same(w, self.mesh)
-            w.x_focus()
             # Each change is undone on its own, then the step.
             for _ in range(4):
                 if w.widget(part("undo"))["enabled"]:
-                    w.x("key", "ctrl+z")
-                    self.seen(w)
+                    self.undo(w)
             self.assertEqual(w.dump().triples(), before)
-
-    def test_groups_and_both_sides(self):
-        with self.window() as w:
-            self.x_click(w, self.at(20, 14))
-            w.x("key", "g")
-            self.x_click(w, self.at(20, 18))
-            self.x_pull(w, self.place(w, self.at(20, 18)), (20, 30))
-            step = self.last_step(w)
-            self.assertEqual(len(step["handles"]), 2)
-            off = [a - b for a, b in zip(self.points[self.at(20, 12)], self.points[self.CENTRE])]
-            axis = 0 if abs(off[0]) > abs(off[1]) else 1
-            w.set(part("mirror"), 4 + axis)  # through the box's centre
-            self.seen(w)
-            w.x_focus()
-            w.x("key", "w")
-            self.x_click(w, self.at(20, 12))
-            before = w.dump()
-            self.x_pull(w, self.place(w, self.at(20, 12)), (10, 30))
-            self.assertIn("mirror", self.last_step(w))
-            moved = w.dump().moved(before)
-            sides = [self.points[v][axis] - self.points[self.CENTRE][axis] for v in moved]
-            self.assertLess(min(sides), 0.9 * -abs(off[axis]))
-            self.assertGreater(max(sides), 0.9 * abs(off[axis]))
-            self.assert_replay_is_the_same(w, self.mesh)
 
 
 if __name__ == "__main__":

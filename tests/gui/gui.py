@@ -13,13 +13,11 @@ import socket
 import struct
 import subprocess
 import sys
-import threading
-import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "batch"))
 
 from host import STAGE, FilterHost  # noqa: E402
-from x_server import end_with_parent  # noqa: E402
+from x_server import XProgram, end_with_parent  # noqa: E402
 
 # Where hosts differ. Only MeshLab 2020.09 has a meshlabserver, which shows nothing of why a filter failed: the plugin logs
 # that itself then, besides the host.
@@ -57,23 +55,18 @@ class Dump:
         return {v for v, (a, b) in enumerate(zip(self.point_bits(), other.point_bits())) if a != b}
 
 
-class Window:
+class Window(XProgram):
     """A running MeshLab. As a context manager it is closed at the end, and must end well."""
+    patience = PATIENCE
 
     def __init__(self, environment, folder, files=()):
         self.folder = pathlib.Path(folder)
-        self.environment = environment
-        self.output = []
         self.marks = 0
         self.recent = collections.deque(maxlen=25)
         path = self.folder / "driver"
         path.unlink(missing_ok=True)
-        self.process = subprocess.Popen(
-            [str(STAGE / "bin" / "meshlab"), *map(str, files)], env=dict(environment, LAPEDIT_GUI_SOCKET=str(path)),
-            cwd=folder, preexec_fn=end_with_parent, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT)
-        self.reader = threading.Thread(target=self._read_output, daemon=True)
-        self.reader.start()
+        super().__init__([STAGE / "bin" / "meshlab", *files], dict(environment, LAPEDIT_GUI_SOCKET=str(path)), cwd=folder,
+                         preexec_fn=end_with_parent)
         try:
             self.socket = socket.socket(socket.AF_UNIX)
             self.socket.settimeout(PATIENCE + 30)
@@ -101,20 +94,6 @@ class Window:
 
     def _printed(self, text):
         return any(text in line for line in self.output)
-
-    def _read_output(self):
-        for line in self.process.stdout:
-            self.output.append(line.decode(errors="replace").rstrip("\n"))
-
-    def wait(self, condition, sentence, patience=PATIENCE):
-        end = time.monotonic() + patience
-        while not condition():
-            if self.process.poll() is not None or time.monotonic() > end:
-                self.fail(sentence)
-            time.sleep(0.02)
-
-    def text(self):
-        return "\n".join(self.output)
 
     def fail(self, sentence):
         try:
@@ -264,14 +243,7 @@ class Window:
 
     def wait_dialog(self):
         """Until a modal dialog is open. @return it"""
-        found = {}
-
-        def opened():
-            found.update(self.dialog())
-            return found
-
-        self.wait(opened, "no dialog opened", 20)
-        return found
+        return self.wait(self.dialog, "no dialog opened", 20)
 
     def answer(self, path=None, button=None, wait=True):
         """Answers the dialog that is about to open. @return what it was"""
@@ -294,7 +266,7 @@ class Window:
         return self.ask("layers")["layers"]
 
     def layer(self, layer=None, **changes):
-        """Changes of a layer: current, visible, smooth, matrix, selected_faces, selected_vertices, remove."""
+        """Changes of a layer: current, visible, smooth, matrix, selected_faces, remove."""
         self.ask("layer", layer=layer, **changes)
         self.idle()
 
@@ -373,17 +345,16 @@ class Window:
 
     def wait_end(self):
         """Until MeshLab has ended, saying yes to what it asks; it must end well."""
-        end = time.monotonic() + PATIENCE
-        while self.process.poll() is None:
-            if time.monotonic() > end:
-                self.fail("MeshLab does not end")
+        def has_ended():
             try:
                 if self.dialog():
                     self.ask("answer", button="Yes")
             except AssertionError:
                 if self.process.poll() is None:
                     raise
-            time.sleep(0.05)
+            return self.process.poll() is not None
+
+        self.wait(has_ended, "MeshLab does not end")
         self.reader.join(5)
         if self.process.returncode != 0:
             self.fail("MeshLab did not end well")
@@ -393,29 +364,12 @@ class Window:
 
     # From outside -----------------------------------------------------------------------------------------------------
 
-    def x(self, *arguments, attempts=1):
-        """xdotool with these arguments. @return what it prints"""
-        for _ in range(attempts):
-            done = subprocess.run(["xdotool", *map(str, arguments)], env=self.environment, stdout=subprocess.PIPE,
-                                  stderr=subprocess.STDOUT, timeout=PATIENCE, check=False)
-            if done.returncode == 0:
-                return done.stdout.decode()
-            time.sleep(0.3)
-        return self.fail(f"xdotool {arguments}: {done.stdout.decode()}")
-
     def x_focus(self):
         """Gives the keyboard to the main window: there is no window manager that would."""
         self.idle()
         # The search fails when a window, a dialog's perhaps, goes away meanwhile.
         window = self.x("search", "--onlyvisible", "--name", "Project_", attempts=5).split()[-1]
         self.x("windowfocus", "--sync", window, attempts=5)
-
-    def x_drag(self, start, end, steps=8):
-        """Screen pixels; from press to release."""
-        self.x("mousemove", *start, "sleep", 0.1, "mousedown", 1)
-        for i in range(1, steps + 1):
-            self.x("mousemove", *(round(a + (b - a) * i / steps) for a, b in zip(start, end)), "sleep", 0.05)
-        self.x("sleep", 0.1, "mouseup", 1)
 
     def view_corner(self):
         """Upper left corner of the view on the screen."""

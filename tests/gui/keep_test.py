@@ -5,48 +5,34 @@ import re
 import unittest
 
 from gui import LINES_OF_REFUSAL
-from tool import ToolTest, part
+from tool import ToolTest, numbers_of, part
 from host import replay
-from ply import Ply, bits_of, write_ply
+from ply import bits_of, write_ply
 from shapes import moved
-
-
-def numbers_of(text):
-    """The vertices of a list as the JSON has it."""
-    ranges = [[int(end) for end in part.split("-")] for part in text.split(",") if part]
-    return [number for ends in ranges for number in range(ends[0], ends[-1] + 1)]
 
 
 class Regret(ToolTest):
     def test_undo_and_redo_are_exact_to_the_bit(self):
         with self.start(self.mesh) as w:
+            def enabled():
+                return [w.widget(part(n))["enabled"] for n in ("undo", "redo", "reset")]
+
             states = [w.dump()]
+            self.assertEqual(enabled(), [False, False, False])
             for vertex, by in ((self.CENTRE, (40, -30)), (self.CENTRE + 2, (-10, 25)), (self.CENTRE - 82, (0, -20))):
                 self.pull(w, vertex, by)
                 states.append(w.dump())
+            self.assertEqual(enabled(), [True, False, True])
             for earlier in reversed(states[:-1]):
                 w.key("Z", modifiers=["ctrl"])
                 self.assert_same(earlier, w.dump())
+            self.assertEqual(enabled(), [False, True, False])
             for later in states[1:]:
                 w.key("Z", modifiers=["ctrl", "shift"])
                 self.assert_same(later, w.dump())
-            w.press_button(part("undo"))
-            self.assert_same(states[2], w.dump())
-            w.press_button(part("redo"))
-            self.assert_same(states[3], w.dump())
-            self.assert_replay_is_the_same(w, self.mesh)
-            w.press_button(part("reset"))
-            self.assert_same(states[0], w.dump())
-
-    def test_buttons_are_enabled_when_they_can_do_something(self):
-        with self.start(self.mesh) as w:
-            def enabled():
-                return [w.widget(part(n))["enabled"] for n in ("undo", "redo", "reset")]
-            self.assertEqual(enabled(), [False, False, False])
-            self.pull(w, self.CENTRE, (10, 10))
-            self.assertEqual(enabled(), [True, False, True])
-            w.press_button(part("undo"))
-            self.assertEqual(enabled(), [False, True, False])
+            for button, state in (("undo", 2), ("redo", 3), ("reset", 0)):
+                w.press_button(part(button))
+                self.assert_same(states[state], w.dump())
 
 
 class Settings(ToolTest):
@@ -84,42 +70,46 @@ class Keep(ToolTest):
         self.pull(w, self.CENTRE, (40, -30))
         self.pull(w, self.CENTRE + 3, (-10, -20))
 
+    def load(self, w, path):
+        w.press_button(part("load"), wait=False)
+        w.answer(path=path)
+
     def test_saved_edit_applied_again_gives_the_same_bits(self):
         with self.start(self.mesh) as w:
             first = w.dump()
             self.two_steps(w)
             result, path = w.dump(), self.saved_edit(w)
-            edit = json.loads(path.read_text())
-            self.assertEqual(edit["mesh"]["vertices"], len(self.points))
-            self.assertEqual(len(edit["steps"]), 2)
             w.press_button(part("reset"))
-            w.press_button(part("load"), wait=False)
-            w.answer(path=path)
+            self.load(w, path)
             self.assert_same(result, w.dump())
             w.key("Z", "Z", modifiers=["ctrl"])
             self.assert_same(first, w.dump())
         with self.start(self.mesh) as w:
-            w.press_button(part("load"), wait=False)
-            w.answer(path=path)
+            self.load(w, path)
             self.assert_same(result, w.dump())
             self.assert_replay_is_the_same(w, self.mesh)
 
-    def test_saved_edit_has_places_by_which_it_is_applied(self):
+    def test_file_script_and_history_give_the_same_bits(self):
         with self.start(self.mesh) as w:
             self.two_steps(w)
             edit = json.loads(self.saved_edit(w).read_text())
-            places = edit["mesh"]["positions"]
-            numbers = numbers_of(places["vertices"])
-            self.assertEqual([[*map(bits_of, point)] for point in places["points"]],
+            self.assertEqual((edit["mesh"]["vertices"], len(edit["steps"])), (len(self.points), 2))
+            positions = edit["mesh"]["positions"]
+            numbers = numbers_of(positions["vertices"])
+            self.assertEqual([[*map(bits_of, point)] for point in positions["points"]],
                              [[*map(bits_of, self.points[number])] for number in numbers])
             for step in edit["steps"]:
                 for named in (*step["handles"], step["region"]):
                     self.assertLessEqual(set(numbers_of(named.get("vertices", ""))), set(numbers))
-            edit["mesh"] = {"positions": places}
-            path, _ = self.edited([replay(json.dumps(edit))], self.mesh)
-            self.assertEqual(Ply(path).point_bits(), w.dump().point_bits())
-            path, _ = self.edited([replay(json.dumps({**edit, "mesh": {}}))], self.mesh)
-            self.assertEqual(Ply(path).point_bits(), w.dump().point_bits())
+            w.press_button(part("copy"))
+            script = re.search(r"<!DOCTYPE FilterScript>.*<FilterScript>(.*)</FilterScript>", w.clipboard(), re.DOTALL)[1]
+            self.assertIn('"Laplacian Edit Replay"', script)
+            w.trigger("Laplacian Drag")
+            (entry,) = w.history()
+            self.assertEqual(entry["name"], "Laplacian Edit Replay")
+            for kept in (script, replay(entry["texts"]["edit"]), replay(json.dumps({**edit, "mesh": {"positions": positions}})),
+                         replay(json.dumps({**edit, "mesh": {}}))):
+                self.assert_gives(kept, self.mesh, w.dump())
 
     def test_what_cannot_be_loaded_is_reported_in_a_line(self):
         broken = self.folder / "broken.json"
@@ -130,33 +120,10 @@ class Keep(ToolTest):
         with self.start(self.mesh) as w:
             before = w.dump()
             for path in (broken, other):
-                w.press_button(part("load"), wait=False)
-                w.answer(path=path)
+                self.load(w, path)
                 self.assertEqual(w.dialog(), {})
                 self.assertRegex(self.message(w), "steps" if path == broken else "vertices")
             self.assert_same(before, w.dump())
-
-    def test_copied_script_runs_in_meshlabserver(self):
-        with self.start(self.mesh) as w:
-            self.two_steps(w)
-            w.press_button(part("copy"))
-            script = w.clipboard()
-            self.assertIn("<!DOCTYPE FilterScript>", script)
-            self.assertIn('"Laplacian Edit Replay"', script)
-            filters = re.search(r"<FilterScript>(.*)</FilterScript>", script, re.DOTALL).group(1)
-            path, _ = self.edited([filters], self.mesh)
-            self.assertEqual(Ply(path).point_bits(), w.dump().point_bits())
-
-    def test_filter_history_replays(self):
-        with self.start(self.mesh) as w:
-            self.two_steps(w)
-            w.trigger("Laplacian Drag")
-            history = w.history()
-            self.assertEqual([h["name"] for h in history], ["Laplacian Edit Replay"])
-            edit = json.loads(history[0]["texts"]["edit"])
-            self.assertEqual(len(edit["steps"]), 2)
-            path, _ = self.edited([replay(history[0]["texts"]["edit"])], self.mesh)
-            self.assertEqual(Ply(path).point_bits(), w.dump().point_bits())
 
 
 class FilterInTheWindow(ToolTest):

@@ -4,7 +4,7 @@ import json
 import re
 import unittest
 
-from tool import TOOL, ToolTest, part
+from tool import TOOL, ToolTest, numbers_of, part
 from ply import write_ply
 
 UNKNOWN = "\u2013"
@@ -15,15 +15,15 @@ class Values(ToolTest):
         with self.start(self.mesh, disc=20) as w:
             radius, slider = part("radius"), part("radius_slider")
             low = w.widget(radius)["value"]
-            place = w.widget(slider)["value"]
-            w.set(slider, place + 100)
+            position = w.widget(slider)["value"]
+            w.set(slider, position + 100)
             higher = w.widget(radius)["value"]
             self.assertGreater(higher, low)
-            w.set(slider, place + 200)
+            w.set(slider, position + 200)
             # The same way on the slider is the same factor.
             self.assertAlmostEqual(w.widget(radius)["value"] / higher, higher / low, delta=0.02)
             w.set(radius, low)
-            self.assertEqual(w.widget(slider)["value"], place)
+            self.assertEqual(w.widget(slider)["value"], position)
             w.set(part("handle_fraction_slider"), 500)
             self.assertEqual(w.widget(part("handle_fraction"))["value"], 45)
             w.set(part("handle_fraction"), 0)
@@ -67,6 +67,7 @@ class Values(ToolTest):
 
     def test_what_belongs_to_the_session_is_kept_by_it(self):
         with self.start(self.mesh) as w:
+            self.assertEqual(w.widget(part("mirror"))["count"], 8)  # off, six planes, one found
             choices = {"mode": 1, "brush_target": 2, "gizmo_axes": 1, "pivot": 1, "mirror": 4}
             for name, index in choices.items():
                 self.assertEqual(w.widget(part(name))["currentIndex"], 0, name)
@@ -78,31 +79,17 @@ class Values(ToolTest):
                 self.assertEqual(w.widget(part(name))["currentIndex"], index, name)
             self.assertTrue(w.widget(part("gizmo"))["checked"])
 
-    def test_keys_change_what_the_panel_shows(self):
-        with self.start(self.mesh, gizmo=True) as w:
-            w.click(*w.pixel(self.CENTRE))
-            for key, name, index in (("C", "mode", 1), ("B", "brush_target", 1), ("P", "pivot", 2)):
-                w.key(key)
-                self.assertEqual(w.widget(part(name))["currentIndex"], index, key)
-            w.key("V")
-            self.assertFalse(w.widget(part("gizmo"))["checked"])
-
-    def test_anchors_from_selection_hold(self):
+    def test_anchors_are_those_of_the_selection(self):
         with self.start(self.mesh) as w:
             w.set(part("group_handle"), True)
             w.set(part("radius"), 0.4)
             self.assertFalse(w.widget(part("anchors_from_selection"))["enabled"])
             w.click(*w.pixel(self.CENTRE))
-            # A square of three columns and rows, not far from the handle.
             held = [row * self.ROWS + column for row in (23, 24, 25) for column in (23, 24, 25)]
             w.layer(selected_faces=[f for f, corners in enumerate(self.faces) if set(corners) <= set(held)])
             w.press_button(part("anchors_from_selection"))
-            before = w.dump().triples()
             self.pull(w, self.CENTRE, (30, -40))
-            after = w.dump().triples()
-            way = max(abs(a - b) for p, q in zip(before, after) for a, b in zip(p, q))
-            for vertex in held:
-                self.assertLess(max(abs(a - b) for a, b in zip(before[vertex], after[vertex])), 0.02 * way)
+            self.assertEqual(numbers_of(self.steps_of(w)[0]["region"]["held"]), held)
 
 
 class Statistics(ToolTest):
@@ -124,14 +111,13 @@ class Statistics(ToolTest):
             self.assertIn(UNKNOWN, figures()["quality"])
             self.assertRegex(figures()["times"], f"solved in {UNKNOWN} ms")
 
-
     def test_stretch_is_shown_where_it_is(self):
         with self.start(self.mesh, disc=20) as w:
             x, y = self.pull(w, self.CENTRE, (40, -30), release=False)
             plain = self.picture(w, x, y)
             w.set(part("heat"), True)
             hot = self.picture(w, x, y)
-            self.assertGreater(sum(a != b for a, b in zip(plain, hot)), 1000)
+            self.assert_other_picture(plain, hot, 1000)
             w.set(part("heat"), False)
             self.assertLess(sum(a != b for a, b in zip(plain, self.picture(w, x, y))), 20)
 

@@ -14,7 +14,6 @@ SEED = int(os.environ.get("LAPEDIT_RANDOM_SEED", "20241121"))
 BATCH = 30  # gestures that are sent together
 CHECKED = 6  # batches after which all is undone and compared
 KEYS = [*"XYZNTRSGCWPBV0123456789.-[]?", "Return", "Backspace", "Esc"]
-# What is not in the panel is left out.
 SETTINGS = {"radius": lambda r: r.choice([0, 0.05, 0.1, 0.3]), "padding": lambda r: r.choice([0, 10, 50, 100]),
             "handle_fraction": lambda r: r.choice([0, 20, 50]), "softness": lambda r: r.choice([0, 50, 100]),
             "connect_gap": lambda r: r.choice([0, 0.05]), "laplacian": lambda r: r.randrange(3),
@@ -46,12 +45,10 @@ class Events:
         self.requests = []
         self.sent = 0
         panel = window.ask("widgets", inside=part("panel"))["widgets"]
-        names = {w["name"].removeprefix(part("")): w for w in panel}
-        self.settings = [name for name in SETTINGS if name in names]
+        names = {w["name"].removeprefix(part("")): w for w in panel if w["name"].startswith(part(""))}
         self.choices = {name: w for name, w in names.items() if "currentIndex" in w and name not in SETTINGS}
-        self.buttons = sorted({name for name, w in names.items() if w["name"].startswith(part("")) and "checked" in w}
-                              - LEFT_ALONE)
-        self.touched = sorted({name for name, w in names.items() if w["name"].startswith(part(""))} - LEFT_ALONE)
+        self.buttons = sorted({name for name, w in names.items() if "checked" in w} - LEFT_ALONE)
+        self.touched = sorted(names.keys() - LEFT_ALONE)
         self.tab = window.widget("layerDialog")["windowTitle"]
         self.remember()
 
@@ -154,7 +151,7 @@ class Events:
         self.counts[kind] += 1
         getattr(self, kind)()
 
-    def place(self):
+    def position(self):
         """Arguments of a mouse command."""
         if self.random.random() < 0.1:
             return {"x": self.random.uniform(0, 800), "y": self.random.uniform(0, 750)}
@@ -167,47 +164,47 @@ class Events:
     def button_name(self):
         return self.random.choice(["left"] * 8 + ["middle", "right"])
 
-    def mouse(self, kind, place, button="left", modifiers=()):
-        self.ask("mouse", type=kind, button=button, modifiers=list(modifiers), **place)
+    def mouse(self, kind, position, button="left", modifiers=()):
+        self.ask("mouse", type=kind, button=button, modifiers=list(modifiers), **position)
 
-    def way(self, place, modifiers=(), moves=4, button="left"):
+    def way(self, position, modifiers=(), moves=4, button="left"):
         """A drag, from press to release."""
         step = self.random.uniform(-9, 9), self.random.uniform(-9, 9)
-        self.mouse("press", place, button, modifiers)
+        self.mouse("press", position, button, modifiers)
         if self.random.random() < 0.5:
             self.ask("idle", frame=True)  # the region is there
         for _ in range(moves):
-            place = dict(place, x=place["x"] + step[0], y=place["y"] + step[1])
-            self.mouse("move", place, modifiers=modifiers)
-        self.mouse("release", place, button, modifiers)
+            position = dict(position, x=position["x"] + step[0], y=position["y"] + step[1])
+            self.mouse("move", position, modifiers=modifiers)
+        self.mouse("release", position, button, modifiers)
 
     def press(self):
-        self.mouse("press", self.place(), self.button_name(), self.modifiers())
+        self.mouse("press", self.position(), self.button_name(), self.modifiers())
 
     def move(self):
-        self.mouse("move", self.place(), modifiers=self.modifiers())
+        self.mouse("move", self.position(), modifiers=self.modifiers())
 
     def hover(self):
         """No button held, in small steps, and the pictures of it."""
-        self.mouse("release", self.place())
-        place = self.place()
+        self.mouse("release", self.position())
+        position = self.position()
         for _ in range(4):
-            place = dict(place, x=place["x"] + self.random.uniform(-9, 9), y=place["y"] + self.random.uniform(-9, 9))
-            self.mouse("move", place)
+            position = dict(position, x=position["x"] + self.random.uniform(-9, 9), y=position["y"] + self.random.uniform(-9, 9))
+            self.mouse("move", position)
             self.ask("step")
 
     def release(self):
-        self.mouse("release", self.place(), self.button_name(), self.modifiers())
+        self.mouse("release", self.position(), self.button_name(), self.modifiers())
 
     def click(self):
-        place, modifiers = self.place(), self.modifiers()
-        self.mouse("press", place, modifiers=modifiers)
-        self.mouse("release", place, modifiers=modifiers)
+        position, modifiers = self.position(), self.modifiers()
+        self.mouse("press", position, modifiers=modifiers)
+        self.mouse("release", position, modifiers=modifiers)
         if self.random.random() < 0.1:
-            self.mouse("double", place, modifiers=modifiers)
+            self.mouse("double", position, modifiers=modifiers)
 
     def drag(self):
-        self.way(self.place(), self.modifiers())
+        self.way(self.position(), self.modifiers())
 
     def fresh_drag(self):
         """From whatever state to a step."""
@@ -230,16 +227,16 @@ class Events:
         self.mouse("release", at)
         self.ask("step")
         for _ in range(3):
-            place = dict(at, x=self.random.uniform(-90, 90), y=self.random.uniform(-90, 90))
-            self.mouse("move", place)
-            self.way(place, self.random.choice([[], [], ["ctrl"], ["shift"]]))
+            position = dict(at, x=self.random.uniform(-90, 90), y=self.random.uniform(-90, 90))
+            self.mouse("move", position)
+            self.way(position, self.random.choice([[], [], ["ctrl"], ["shift"]]))
 
     def brush(self):
-        self.way(self.place(), self.random.choice([["ctrl"], ["shift"]]), moves=8)
+        self.way(self.position(), self.random.choice([["ctrl"], ["shift"]]), moves=8)
 
     def wheel(self):
-        place = self.place() if self.random.random() < 0.7 else {"x": 300, "y": 300}
-        self.ask("wheel", delta=self.random.choice([-240, -120, 120, 240]), modifiers=self.modifiers(), **place)
+        position = self.position() if self.random.random() < 0.7 else {"x": 300, "y": 300}
+        self.ask("wheel", delta=self.random.choice([-240, -120, 120, 240]), modifiers=self.modifiers(), **position)
 
     def key(self):
         self.ask("key", key=self.random.choice(KEYS), modifiers=[])
@@ -251,7 +248,7 @@ class Events:
         self.ask("key", key="Z", modifiers=["ctrl", "shift"])
 
     def setting(self):
-        name = self.random.choice(self.settings)
+        name = self.random.choice([*SETTINGS])
         self.ask("set", name=part(name), value=SETTINGS[name](self.random))
 
     def choice(self):
@@ -270,7 +267,7 @@ class Events:
             self.ask("key_anywhere", key=self.random.choice([*"0123456789.-TCV", "Up", "Down", "Return"]), modifiers=[])
         self.close_list()
         if self.random.random() < 0.7:
-            self.mouse("move", self.place())
+            self.mouse("move", self.position())
 
     def list(self):
         """A list is opened; the mouse or keys go elsewhere, or a row is chosen."""
@@ -280,7 +277,7 @@ class Events:
         if how == 0:
             self.ask("key_anywhere", key=self.random.choice(KEYS[:20]), modifiers=[])
         elif how == 1:
-            self.mouse("move", self.place())
+            self.mouse("move", self.position())
         elif how == 2:
             self.ask("key_anywhere", key="Down", modifiers=[])
             self.ask("key_anywhere", key="Return", modifiers=[])
@@ -292,9 +289,9 @@ class Events:
     def cross(self):
         """The mouse leaves the picture, perhaps with a button held, and comes back."""
         if self.random.random() < 0.3:
-            self.mouse("press", self.place())
+            self.mouse("press", self.position())
         for enters in (False, True):
-            self.ask("cross", enters=enters, **self.place())
+            self.ask("cross", enters=enters, **self.position())
             if self.random.random() < 0.3:
                 self.ask("key_anywhere", key=self.random.choice(KEYS), modifiers=[])
 
@@ -306,21 +303,21 @@ class Events:
 
     def drop(self):
         """A motion is dropped by the right button, Esc or undo."""
-        place = self.place()
-        self.mouse("press", place)
+        position = self.position()
+        self.mouse("press", position)
         for k in range(1, 4):
-            self.mouse("move", dict(place, x=place["x"] + 7 * k))
+            self.mouse("move", dict(position, x=position["x"] + 7 * k))
         how = self.random.randrange(3)
         if how == 0:
-            self.mouse("press", place, "right")
-            self.mouse("release", place, "right")
+            self.mouse("press", position, "right")
+            self.mouse("release", position, "right")
         elif how == 1:
             self.ask("key", key="Esc", modifiers=[])
             self.ask("step")
             self.ask("key", key="Esc", modifiers=[])
         else:
             self.undo()
-        self.mouse("release", place)
+        self.mouse("release", position)
 
     def navigate(self):
         x, y = self.random.uniform(100, 600), self.random.uniform(100, 600)

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the tests of the tool Laplacian Drag share."""
+import contextlib
 import json
 import math
 import re
+import time
 
 from gui import GuiTest
 from host import replay
@@ -16,6 +18,12 @@ PANEL = "laplacian_drag_panel"
 def part(name):
     """objectName of a widget of the panel."""
     return "laplacian_drag_" + name
+
+
+def numbers_of(text):
+    """The vertices of a list such as 3-5,8, as the JSON has it."""
+    ranges = [[int(end) for end in one.split("-")] for one in text.split(",") if one]
+    return [number for ends in ranges for number in range(ends[0], ends[-1] + 1)]
 
 
 class ToolTest(GuiTest):
@@ -32,12 +40,12 @@ class ToolTest(GuiTest):
         cls.points, cls.faces = dome(cls.ROWS, cls.ROWS)
         cls.mesh = write_ply(cls.folder / "sheet.ply", cls.points, cls.faces)
 
+    @contextlib.contextmanager
     def start(self, *files, view="Front", disc=0, gizmo=False):
-        """@return a window with the tool active, large, looking at the first mesh
+        """A window with the tool active, large, looking at the first mesh.
         @param disc  handle size in percent of the radius; 0: a press takes the vertex under the cursor alone
         @param gizmo  whether there is one, where presses may land"""
-        window = self.open(*files)
-        try:
+        with self.open(*files) as window:
             window.resize(1280, 900)
             window.trigger(view)
             self.shade_smoothly(window)
@@ -45,10 +53,7 @@ class ToolTest(GuiTest):
             self.assertEqual(window.tool(), (TOOL, False))
             window.set(part("handle_fraction"), disc)
             window.set(part("gizmo"), gizmo)
-        except BaseException:
-            window.kill()
-            raise
-        return window
+            yield window
 
     def shade_smoothly(self, window):
         """Each time that MeshLab uploads a mesh for flat shading, it normalises the normals in the mesh itself, and
@@ -61,6 +66,25 @@ class ToolTest(GuiTest):
         x, y = window.pixel(vertex)
         window.drag((x, y), (x + by[0], y + by[1]), **options)
         return x + by[0], y + by[1]
+
+    def on_screen(self, window, vertex):
+        """Its pixel on the screen, as xdotool takes it."""
+        (left, top), (x, y) = window.view_corner(), window.pixel(vertex)
+        return round(left + x), round(top + y)
+
+    def settle(self, window):
+        """Until the window has what xdotool sent: X events come by another way than the driver's questions."""
+        time.sleep(0.2)
+        window.idle()
+
+    def x_key(self, window, *keys):
+        for key in keys:
+            window.x("key", key)
+        self.settle(window)
+
+    def undo(self, window):
+        window.x_focus()
+        self.x_key(window, "ctrl+z")
 
     def log_of_tool(self, window):
         return [line.removeprefix(TOOL + ": ") for line in window.log() if line.startswith(TOOL + ": ")]
@@ -84,13 +108,21 @@ class ToolTest(GuiTest):
         """The steps applied so far, as the saved JSON has them."""
         return json.loads(self.saved_edit(window).read_text())["steps"]
 
+    def assert_gives(self, edit, mesh, expected):
+        """A filter on the mesh as it was, run without the window, gives the coordinates of a dump."""
+        path, _ = self.edited([edit], mesh)
+        self.assertEqual(Ply(path).point_bits(), expected.point_bits())
+
     def assert_replay_is_the_same(self, window, mesh):
-        """The saved edit, replayed in meshlabserver on the mesh as it was, gives the window's coordinates."""
-        path, _ = self.edited([replay(str(self.saved_edit(window)))], mesh)
-        self.assertEqual(Ply(path).point_bits(), window.dump().point_bits())
+        """The saved edit gives the coordinates of the window."""
+        self.assert_gives(replay(str(self.saved_edit(window))), mesh, window.dump())
 
     def assert_at(self, window, vertex, pixel, within=1.0):
         self.assertLess(math.dist(window.pixel(vertex), pixel), within)
+
+    def assert_other_picture(self, before, after, pixels=100):
+        """More than some pixels differ."""
+        self.assertGreater(sum(a != b for a, b in zip(before, after)), pixels)
 
     def assert_same(self, before, after):
         """All of a layer, to the bit."""

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Compares the same edits made by several builds, or with the stored digests of their coordinates.
+"""Compares the coordinates of the same edits made by several builds, or with the stored digests of their coordinates.
 
-usage: compare.py FOLDER FOLDER...    compares each folder with the first one and prints a Markdown table
+usage: compare.py FOLDER FOLDER...    compares each folder with the first one
        compare.py --stored FOLDER     compares a folder with digests.txt
        compare.py --store FOLDER      writes digests.txt
 
@@ -12,10 +12,7 @@ read, and of those that were written.
 """
 import array
 import hashlib
-import json
-import math
 import pathlib
-import struct
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "batch"))
@@ -25,124 +22,15 @@ from ply import Ply  # noqa: E402
 DIGESTS = pathlib.Path(__file__).resolve().parent / "digests.txt"
 
 
-class Failed(Exception):
-    """What is wrong, in a sentence."""
-
-
-class Pose:
-    def __init__(self, path):
-        mesh = Ply(path)
-        rows = mesh.elements["vertex"]
-        self.bits = [array.array("I", rows[axis]) for axis in "xyz"]
-        self.faces = mesh.faces()
-
-    def __len__(self):
-        return len(self.bits[0])
-
-    def digest(self):
-        return hashlib.sha256(b"".join(axis.tobytes() for axis in self.bits)).hexdigest()[:16]
-
-    def coordinate(self, axis, vertex):
-        return struct.unpack("<f", struct.pack("<I", self.bits[axis][vertex]))[0]
-
-    def differing(self, other):
-        """Pairs (axis, vertex) whose bits differ."""
-        return [(axis, v) for axis in range(3) if self.bits[axis] != other.bits[axis]
-                for v, (a, b) in enumerate(zip(self.bits[axis], other.bits[axis])) if a != b]
-
-
-def rank(bits):
-    """Neighbouring floats have neighbouring ranks; both zeros have the same."""
-    return bits if bits < 0x80000000 else 0x80000000 - bits
-
-
-class Edit:
-    """The poses of one edit by one build."""
-
-    def __init__(self, folder):
-        files = sorted(folder.glob("pose-*.ply"))
-        if len(files) < 2:
-            raise Failed(f"{folder} has {len(files)} meshes.")
-        self.before, *self.after = [Pose(path) for path in files]
-        report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
-        self.steps = report["outputs"][-1]["steps"]
-        self.region = max(step["handle"] + step["free"] + step["anchors"] for step in self.steps)
-
-    def moved(self):
-        return {v for pose in self.after for _, v in pose.differing(self.before)}
-
-    def size(self, vertices):
-        """Diagonal of the box of some vertices, before and after."""
-        poses = [self.before, *self.after]
-        ends = [[pose.coordinate(axis, v) for pose in poses for v in vertices] for axis in range(3)]
-        return math.dist([min(e) for e in ends], [max(e) for e in ends])
-
-
-class Comparison:
-    def __init__(self, first, second, name):
-        for which, a, b in [("meshes read", first.before, second.before),
-                            *[("meshes written", a, b) for a, b in zip(first.after, second.after)]]:
-            if len(first.after) != len(second.after) or len(a) != len(b) or a.faces != b.faces:
-                raise Failed(f"{name}: the {which} have other vertices or faces.")
-        moved = first.moved()
-        if not moved:
-            raise Failed(f"{name}: the edit moves nothing.")
-        if first.before.differing(second.before):
-            raise Failed(f"{name}: the meshes read have other coordinates.")
-        self.moved, self.compared, self.differing, self.ulp, largest = len(moved), 0, 0, 0, 0.0
-        for a, b in zip(first.after, second.after):
-            self.compared += 3 * len(a)
-            for axis, v in a.differing(b):
-                self.differing += 1
-                self.ulp = max(self.ulp, abs(rank(a.bits[axis][v]) - rank(b.bits[axis][v])))
-                largest = max(largest, abs(a.coordinate(axis, v) - b.coordinate(axis, v)))
-        self.relative = largest / first.size(moved)
-
-    def __str__(self):
-        return f"{self.differing:,} ({self.ulp:,} ULP, {self.relative:.1e})" if self.differing else "0"
-
-
-def edits_in(folder):
-    return sorted(str(path.parent.relative_to(folder)) for path in folder.glob("*/*/report.json"))
-
-
-def compare(folders):
-    """Prints the table. @return sentences on what is not the same"""
-    names = edits_in(folders[0])
-    failures = [f"{folder} has not the edits of {folders[0]}." for folder in folders
-                if not names or edits_in(folder) != names]
-    if failures:
-        return failures
-
-    others = [folder.name for folder in folders[1:]]
-    print(f"{len(names)} edits; {', '.join(others)} compared with {folders[0].name}. Where coordinates differ: how many, the "
-          "largest difference in units in the last place (ULP), and over the diagonal of the moved vertices.\n")
-    print("| edit | vertices in the region | moved | coordinates |", " | ".join(others), "|")
-    print("|---|---:|---:|---:|" + "---:|" * len(others))
-    totals = [0, 0]
-    for name in names:
-        try:
-            first = Edit(folders[0] / name)
-            results = [Comparison(first, Edit(folder / name), f"{name} on {other}")
-                       for folder, other in zip(folders[1:], others)]
-        except Failed as failure:
-            failures.append(str(failure))
-            continue
-        print(f"| {name} | {first.region:,} | {results[0].moved:,} | {results[0].compared:,} |",
-              " | ".join(map(str, results)), "|", flush=True)
-        for result, other in zip(results, others):
-            totals[0] += result.compared
-            totals[1] += result.differing
-            if result.differing:
-                failures.append(f"{name} on {other}: {result}.")
-    print(f"\n{totals[0]:,} coordinates compared, {totals[1]:,} differ.")
-    return failures
+def digest(path):
+    rows = Ply(path).elements["vertex"]
+    return hashlib.sha256(b"".join(array.array("I", rows[axis]).tobytes() for axis in "xyz")).hexdigest()[:16]
 
 
 def digests_of(folder):
     """By edit: the digests of the poses, the first of which is the mesh as it was read."""
-    edits = {name: Edit(folder / name) for name in edits_in(folder)}
-    return {name: [pose.digest() for pose in (edit.before, *edit.after)] for name, edit in edits.items()}
+    return {str(report.parent.relative_to(folder)): [digest(pose) for pose in sorted(report.parent.glob("pose-*.ply"))]
+            for report in sorted(folder.glob("*/*/report.json"))}
 
 
 def stored_digests():
@@ -150,19 +38,40 @@ def stored_digests():
     return {name: digests for name, *digests in map(str.split, lines)}
 
 
-def compare_with_stored(folder):
-    """@return sentences on what is not the same. An edit whose mesh this machine lacks is not compared."""
-    stored, failures = stored_digests(), []
-    made = digests_of(folder)
+def differences(made, expected, source):
+    """@param source  what made the expected digests. @return sentences on what is not the same"""
+    failures = []
     for name, digests in made.items():
-        if name not in stored:
-            failures.append(f"{name} has no stored digests: write them with --store.")
-        elif digests[0] != stored[name][0]:
-            failures.append(f"{name}: the mesh has other coordinates than when the digests were stored.")
-        elif digests != stored[name]:
-            failures.append(f"{name}: the edit gives other coordinates than when the digests were stored.")
+        if name not in expected:
+            failures.append(f"{name} is not among the edits of {source}.")
+        elif len(digests) != len(expected[name]):
+            failures.append(f"{name} has {len(digests)} meshes, but {len(expected[name])} by {source}.")
+        elif digests[0] != expected[name][0]:
+            failures.append(f"{name}: the mesh that was read has other coordinates than by {source}.")
+        elif digests != expected[name]:
+            failures.append(f"{name}: the edit gives other coordinates than by {source}.")
+        elif len(set(digests)) == 1:
+            failures.append(f"{name}: the edit moves nothing.")
+    return failures
+
+
+def compare(folders):
+    """Edits that one folder lacks are a failure. @return sentences on what is not the same"""
+    first = digests_of(folders[0])
+    failures = [] if first else [f"{folders[0]} has no edits."]
+    for folder in folders[1:]:
+        made = digests_of(folder)
+        failures += [f"{folder} has not the edit {name}." for name in sorted(first.keys() - made.keys())]
+        failures += [f"{folder}: {sentence}" for sentence in differences(made, first, folders[0])]
+    print(f"{len(first)} edits of {len(folders)} folders compared.")
+    return failures
+
+
+def compare_with_stored(folder):
+    """Edits whose mesh this machine lacks are not compared. @return sentences on what is not the same"""
+    made, stored = digests_of(folder), stored_digests()
     print(f"{len(made)} of {len(stored)} stored edits compared.")
-    return failures if made else [f"{folder} has no edits."]
+    return differences(made, stored, f"{DIGESTS.name}, which --store writes") if made else [f"{folder} has no edits."]
 
 
 def main():

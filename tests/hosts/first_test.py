@@ -90,18 +90,18 @@ class First(unittest.TestCase):
                 self.assertLess(moved, len(plain.point_bits()) - 1000)
         if server:
             self.assertEqual(Ply(DEMO / "after_filter.ply").point_bits(), Ply(DEMO / "after.ply").point_bits())
-        self.check_turned(Ply(DEMO / "before.ply").points(), Ply(DEMO / "after.ply").points())
+        self.check_rotated(Ply(DEMO / "before.ply").points(), Ply(DEMO / "after.ply").points())
 
-    def check_turned(self, before, after):
-        """The strip at the end has turned by 110 degrees about the second axis, as a whole."""
+    def check_rotated(self, before, after):
+        """The strip at the end has rotated by 110 degrees about the second axis, as a whole."""
         strip = [v for v, p in enumerate(before) if p[0] > 3.6]
         self.assertGreater(len(strip), 3000)
         c, s = math.cos(math.radians(110)), math.sin(math.radians(110))
         first = strip[0]
         for v in strip[1:]:
             x, y, z = (a - b for a, b in zip(before[v], before[first]))
-            turned = (c * x + s * z, y, c * z - s * x)
-            for is_at, wanted in zip((a - b for a, b in zip(after[v], after[first])), turned):
+            rotated = (c * x + s * z, y, c * z - s * x)
+            for is_at, wanted in zip((a - b for a, b in zip(after[v], after[first])), rotated):
                 self.assertAlmostEqual(is_at, wanted, delta=1e-3)
 
     def test_2_install(self):

@@ -1,14 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where binaries look for libraries: nowhere but in folders with a whole path, or beside themselves. An empty folder or
-a relative one would be the current folder, from which anybody's library would be run.
-
-usage: library_folders.py FOLDER...   prints what is wrong in all binaries below, and ends with 1 if anything is
-"""
+a relative one would be the current folder, from which anybody's library would be run."""
 import os
 import pathlib
 import re
 import subprocess
-import sys
 
 
 def binaries(folder):
@@ -25,19 +21,3 @@ def complaints(binary):
         for folder in folders.split(":"):
             if not re.match(r"/|\$ORIGIN(/|$)|\$\{ORIGIN\}(/|$)", folder):
                 yield f"{binary}: {kind} is {folders!r}, of which {folder!r} is found from the current folder"
-
-
-def check(folder):
-    """@return how many binaries there are, and what is wrong with them"""
-    found = list(binaries(folder))
-    return len(found), [complaint for binary in found for complaint in complaints(binary)]
-
-
-def main():
-    wrong = [complaint for folder in sys.argv[1:] for complaint in check(folder)[1]]
-    print("\n".join(wrong))
-    return 1 if wrong else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

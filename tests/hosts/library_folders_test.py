@@ -15,24 +15,28 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "batch"))
 
 from host import COMMAND, HostTest, without_display  # noqa: E402
-from library_folders import binaries, check, complaints  # noqa: E402
+from library_folders import binaries, complaints  # noqa: E402
 
 BUILD = pathlib.Path(os.environ["LAPEDIT_BUILD"])
 NAMES = {"laplacian-edit", "libfilter_laplacian_edit.so", "libedit_laplacian_drag.so"}
 
 
 class LibraryFolders(HostTest):
+    def check(self, *folders):
+        """@return the names of the binaries, in which nothing is wrong"""
+        found = [binary for folder in folders for binary in binaries(folder)]
+        self.assertEqual([wrong for binary in found for wrong in complaints(binary)], [])
+        return {binary.name for binary in found}
+
     def test_built(self):
         parts = ("filter_laplacian_edit", "edit_laplacian_drag", "common", "tests")
-        self.assertEqual([wrong for part in parts for wrong in check(BUILD / part)[1]], [])
-        self.assertLessEqual(NAMES, {b.name for part in parts for b in binaries(BUILD / part)})
+        self.assertLessEqual(NAMES, self.check(*(BUILD / part for part in parts)))
 
     def test_installed(self):
-        place = self.folder / "installed"
-        subprocess.run(["cmake", "--install", BUILD], env={**os.environ, "DESTDIR": str(place)}, check=True,
+        installed = self.folder / "installed"
+        subprocess.run(["cmake", "--install", BUILD], env={**os.environ, "DESTDIR": str(installed)}, check=True,
                        stdout=subprocess.PIPE)
-        self.assertEqual({b.name for b in binaries(place)}, NAMES)
-        self.assertEqual(check(place)[1], [])
+        self.assertEqual(self.check(installed), NAMES)
 
     def test_the_program_loads_no_library_of_meshlab_or_qt(self):
         done = subprocess.run([COMMAND, "--version"], env={**without_display(self.environment), "LD_DEBUG": "libs"}, check=True,

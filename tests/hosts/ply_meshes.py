@@ -15,7 +15,7 @@ import sys
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "batch"))
 
-from ply import Ply  # noqa: E402
+from ply import Ply, mesh_files  # noqa: E402
 
 
 def read_off(path):
@@ -55,11 +55,7 @@ def read(path):
 
 
 def write(path, points, faces, scalar="float"):
-    point = struct.Struct(f"<3{scalar[0]}")
-    header = (f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\nproperty {scalar} x\nproperty {scalar} y\n"
-              f"property {scalar} z\nelement face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n")
-    path.write_bytes(header.encode() + b"".join(point.pack(*p) for p in points)
-                     + b"".join(struct.pack("<B3i", 3, *f) for f in faces))
+    path.write_bytes(mesh_files.ply_plain((points, faces), scalar, "binary_little_endian"))
 
 
 def main():

@@ -164,9 +164,9 @@ class Wheel(unittest.TestCase):
 
         heights = [0.25 * k for k in range(1, 17)]
         with concurrent.futures.ThreadPoolExecutor(4) as pool:
-            for height, (place, way) in zip(heights, pool.map(edited, heights)):
-                self.assertAlmostEqual(place, grid()[0][220, 2] + height, delta=0.01)
-                self.assertAlmostEqual(way, height, places=9)
+            for height, (z, displacement) in zip(heights, pool.map(edited, heights)):
+                self.assertAlmostEqual(z, grid()[0][220, 2] + height, delta=0.01)
+                self.assertAlmostEqual(displacement, height, places=9)
 
     def test_second_import(self):
         count = pymeshlab.filter_list().count("apply_coord_laplacian_editing_replay")

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The edits proposed with the real meshes, as a host would make them. Prints what it measures, in Markdown.
+// The edits proposed with the real meshes, as a host would make them.
 #include <gtest/gtest.h>
 
-#include <cstdio>
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -18,25 +19,29 @@ struct ProposedEdit {
   const char* file;
   int handle;
   double radius;
+  int vertices;  ///< of the region, checked with another implementation of Dijkstra's search (SciPy)
   Vector3 way;
+  double frame_rms;  ///< bound of a frame's RMS error, over the handle's way: what is seen, and a half on top
   bool held = true;  ///< some of the surface lies outside and holds the region
 };
 
+// The paper's sizes 1,201 and 12,774 take a radius of more digits than the meshes' description gives; its 32,280 would
+// split a tie of the regular grid.
 const ProposedEdit kEdits[] = {
-    {"mannequin_small", "mannequin.off", 8624, 0.6117, Vector3(0, -0.9, 0)},
-    {"mannequin_large", "mannequin.off", 8624, 1.2155, Vector3(0, -0.9, 0)},
-    {"mannequin_far", "mannequin.off", 8624, 1.2155, Vector3(0, -1.29, 0)},
-    {"octopus_most_of_a_tentacle", "octopus.off", 3175, 0.6, Vector3(0, 0.437, 0)},
-    {"octopus_tentacle", "octopus.off", 3175, 0.8, Vector3(0, 0.437, 0)},
-    {"octopus_4684", "octopus.off", 3175, 0.985, Vector3(0, 0.437, 0)},
-    {"octopus_12777", "octopus.off", 3175, 1.4352, Vector3(0, 0.437, 0)},
-    {"octopus_body", "octopus.off", 3175, 1.74, Vector3(0, 0.437, 0), false},
-    {"bumpy_plane_5949", "bumpy_plane.off", 20200, 30, Vector3(0, 0, 42.5)},
-    {"bumpy_plane_11217", "bumpy_plane.off", 20200, 40, Vector3(0, 0, 42.5)},
-    {"bumpy_plane_32283", "bumpy_plane.off", 20200, 65.24, Vector3(0, 0, 42.5)},
-    {"bunny_ear", "bunny.ply", 23637, 0.06, Vector3(0.03, -0.05, 0.03)},
-    {"igea_5482", "igea.ply", 31536, 0.02, Vector3(0, 0, 0.02)},
-    {"igea_19997", "igea.ply", 31536, 0.0374, Vector3(0, 0, 0.02)},
+    {"mannequin_small", "mannequin.off", 8624, 0.61167, 1201, Vector3(0, -0.9, 0), 0.019},
+    {"mannequin_large", "mannequin.off", 8624, 1.2155, 3395, Vector3(0, -0.9, 0), 0.023},
+    {"mannequin_far", "mannequin.off", 8624, 1.2155, 3395, Vector3(0, -1.29, 0), 0.021},
+    {"octopus_most_of_a_tentacle", "octopus.off", 3175, 0.6, 1385, Vector3(0, 0.437, 0), 0.076},
+    {"octopus_tentacle", "octopus.off", 3175, 0.8, 1818, Vector3(0, 0.437, 0), 0.14},
+    {"octopus_4684", "octopus.off", 3175, 0.985, 4684, Vector3(0, 0.437, 0), 0.064},
+    {"octopus_12774", "octopus.off", 3175, 1.435163, 12774, Vector3(0, 0.437, 0), 0.059},
+    {"octopus_body", "octopus.off", 3175, 1.74, 16554, Vector3(0, 0.437, 0), 0.058, false},
+    {"bumpy_plane_5949", "bumpy_plane.off", 20200, 30, 5949, Vector3(0, 0, 42.5), 0.017},
+    {"bumpy_plane_11217", "bumpy_plane.off", 20200, 40, 11217, Vector3(0, 0, 42.5), 0.023},
+    {"bumpy_plane_32283", "bumpy_plane.off", 20200, 65.24, 32283, Vector3(0, 0, 42.5), 0.03},
+    {"bunny_ear", "bunny.ply", 23637, 0.06, 1905, Vector3(0.03, -0.05, 0.03), 0.054},
+    {"igea_5482", "igea.ply", 31536, 0.02, 5482, Vector3(0, 0, 0.02), 0.024},
+    {"igea_19997", "igea.ply", 31536, 0.0374, 19997, Vector3(0, 0, 0.02), 0.024},
 };
 
 std::ostream& operator<<(std::ostream& out, const ProposedEdit& edit) {
@@ -57,22 +62,18 @@ TEST_P(RealEdit, LandsHoldsAndStaysWhole) {
   step.handles[0].transform.translation = edit.way;
   const EditResult result = support::apply_step(mesh, step, 1, StoredScalar::Float);
   ASSERT_TRUE(result.positions.allFinite());
-
+  ASSERT_EQ(result.vertices.size(), static_cast<std::size_t>(edit.vertices));
   Points after = mesh.vertices;
   std::vector<char> inside(mesh.vertices.rows(), 0);
   for (std::size_t i = 0; i < result.vertices.size(); ++i) {
     after.row(result.vertices[i]) = result.positions.row(static_cast<Eigen::Index>(i));
     inside[result.vertices[i]] = 1;
   }
-  // Who may move: what lies within the radius, and nothing else.
-  GeodesicSearch search(adjacency.neighbours, mesh.vertices);
-  search.run({edit.handle}, edit.radius);
   double jump = 0;  // largest way of a region vertex with a neighbour outside
   bool held = false;
-  for (int v = 0; v < mesh.vertices.rows(); ++v) {
-    ASSERT_EQ(inside[v] == 1, search.distance(v) <= edit.radius) << "vertex " << v;
+  for (const int v : result.vertices) {
     for (const int w : adjacency.neighbours[v]) {
-      if (inside[v] && !inside[w]) {
+      if (!inside[w]) {
         held = true;
         jump = std::max(jump, (after.row(v) - mesh.vertices.row(v)).norm());
       }
@@ -92,32 +93,32 @@ TEST_P(RealEdit, LandsHoldsAndStaysWhole) {
   const EditReport unrotated = support::apply_step(mesh, step, 1, StoredScalar::Float).reports.front();
   EXPECT_LE(report.flipped, unrotated.flipped / 2);
   EXPECT_LE(report.flipped, 0.025 * 2 * static_cast<double>(result.vertices.size())) << "of about two per vertex";
-  std::printf(
-      "| edit | vertices | handle off | rim off | flipped (unrotated) | stretch (unrotated) | largest rotation |\n"
-      "| %s | %zu | %.4f %% | %.4f %% | %d (%d) | %.1f %% (%.1f %%) | %.1f degrees |\n",
-      edit.name, result.vertices.size(), 100 * miss / way, 100 * jump / way, report.flipped, unrotated.flipped,
-      100 * report.stretch_rms, 100 * unrotated.stretch_rms, report.rotation_max);
 }
 
-/// Many small edits, each on the result of the one before, as in the paper's Figure 8.
-TEST(RealEdits, SmallStepsAddUp) {
-  const TriangleMesh mesh = real::load("mannequin.off");
-  Edit edit;
-  for (int k = 0; k < 4; ++k) {
-    EditStep step;
-    step.region.radius = 0.6117;
-    step.handles.push_back({{8624}, {}});
-    step.handles[0].transform.translation = Vector3(0, -0.1, 0);
-    edit.steps.push_back(step);
+/// A frame before the region is prepared, against the full pose.
+TEST_P(RealEdit, FrameIsNearTheFullPose) {
+  const ProposedEdit& edit = GetParam();
+  const TriangleMesh mesh = real::load(edit.file);
+  RegionSpec spec;
+  spec.radius = edit.radius;
+  StepSolver solver(mesh, find_region(mesh, support::adjacency_of(mesh), spec, {{edit.handle}}), EditSettings());
+  const std::vector<HandleMotion> maps = {support::shift(edit.way)};
+  solver.make_cells(mesh);
+  Points frame;
+  solver.frame(maps, frame);
+  solver.prepare(mesh);
+  const Points full = solver.pose(maps);
+  const Region& region = solver.region();
+  for (int i = 0; i < region.size(); ++i) {
+    const Points rest = mesh.vertices.row(region.mesh_vertex[i]);
+    if (region.classes[i] == VertexClass::Handle) {
+      EXPECT_LT((frame.row(i) - rest - edit.way.transpose()).norm(), 0.01 * edit.way.norm());
+    } else if (region.anchor_depth[i] == 1) {
+      EXPECT_EQ(frame.row(i), rest);
+    }
   }
-  const EditResult result = apply_edit(mesh, edit, 1, StoredScalar::Float);
-  ASSERT_TRUE(result.positions.allFinite());
-  const auto handle = std::lower_bound(result.vertices.begin(), result.vertices.end(), 8624) - result.vertices.begin();
-  EXPECT_NEAR(result.positions(handle, 1) - mesh.vertices(8624, 1), -0.4, 0.005 * 0.4);
-  ASSERT_EQ(result.reports.size(), 4U);
-  for (const EditReport& report : result.reports) {
-    EXPECT_EQ(report.flipped, 0);
-  }
+  const double rms = (frame - full).norm() / std::sqrt(static_cast<double>(full.rows())) / edit.way.norm();
+  EXPECT_LT(rms, edit.frame_rms);
 }
 
 }  // namespace

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The exact properties of edits on real meshes, and what their description says of their regions.
+// The exact properties of edits on real meshes, and their regions.
 #include <gtest/gtest.h>
 
 #include <string>
 #include <vector>
 
 #include "edit_properties.h"
-#include "lapedit/mesh/vertex_finder.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "mesh/plain_region.h"
 #include "mesh_loader.h"
@@ -19,37 +18,16 @@ using support::within;
 
 // Large regions are smoothed more narrowly than by default, which takes most of the time.
 
-EditCase mannequin() {
-  return {"mannequin", real::load("mannequin.off"),           within(1.2155),
-          {{8624}},    {support::shift(Vector3(0, -0.9, 0))}, false,
-          0.15};
+/// An edit that pulls one vertex of a mesh.
+NamedCase pulled(const char* name, const char* file, int vertex, double radius, const Vector3& way,
+                 double normal_radius, bool has_ties = false, int highest_cotangent_order = 3) {
+  return {name, [=] {
+            return EditCase{name,     real::load(file), within(radius),         {{vertex}}, {support::shift(way)},
+                            has_ties, normal_radius,    highest_cotangent_order};
+          }};
 }
 
-/// A long thin limb, held at one end and by one vertex: too much for cotangents of order 3.
-EditCase octopus() {
-  return {
-      "octopus", real::load("octopus.off"), within(0.8), {{3175}}, {support::shift(Vector3(0, 0.437, 0))}, false, 0.08,
-      2};
-}
-
-/// A regular height field: its flat parts are full of ties.
-EditCase bumpy_plane() {
-  return {"bumpy_plane",
-          real::load("bumpy_plane.off"),
-          within(30),
-          {{20200}},
-          {support::shift(Vector3(0, 0, 42.5))},
-          true,
-          3};
-}
-
-EditCase bunny() {
-  return {
-      "bunny", real::load("bunny.ply"), within(0.06), {{23637}}, {support::shift(Vector3(0.03, -0.05, 0.03))}, false,
-      0.008};
-}
-
-/// Two groups, turned and scaled.
+/// Two groups, rotated and scaled.
 EditCase mannequin_face() {
   EditCase edit{"mannequin_face", real::load("mannequin.off"), within(0.6117), {{}, {}}, {}};
   const Vector3 nose = edit.mesh.vertices.row(8624);
@@ -70,58 +48,18 @@ EditCase mannequin_face() {
 
 }  // namespace
 
-INSTANTIATE_TEST_SUITE_P(Real, EditProperties,
-                         ::testing::Values(NamedCase{"mannequin", mannequin}, NamedCase{"octopus", octopus},
-                                           NamedCase{"bumpy_plane", bumpy_plane}, NamedCase{"bunny", bunny},
-                                           NamedCase{"mannequin_face", mannequin_face}),
-                         [](const auto& edit) { return std::string(edit.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    Real, EditProperties,
+    ::testing::Values(pulled("mannequin", "mannequin.off", 8624, 1.2155, {0, -0.9, 0}, 0.15),
+                      // A long thin limb, held at one end and by one vertex: too much for cotangents of order 3.
+                      pulled("octopus", "octopus.off", 3175, 0.8, {0, 0.437, 0}, 0.08, false, 2),
+                      // A regular height field: its flat parts are full of ties.
+                      pulled("bumpy_plane", "bumpy_plane.off", 20200, 30, {0, 0, 42.5}, 3, true),
+                      pulled("bunny", "bunny.ply", 23637, 0.06, {0.03, -0.05, 0.03}, 0.008),
+                      NamedCase{"mannequin_face", mannequin_face}),
+    [](const auto& edit) { return std::string(edit.param.name); });
 
 namespace {
-
-struct Size {
-  const char* file;
-  int handle;
-  double radius;
-  int vertices;
-};
-
-class RealRegion : public ::testing::TestWithParam<Size> {};
-// Checked with another implementation of Dijkstra's search (SciPy). The paper's sizes 1,201 and 12,774 take a radius of
-// more digits than the meshes' description gives; its 32,280 would split a tie of the regular grid.
-INSTANTIATE_TEST_SUITE_P(
-    All, RealRegion,
-    ::testing::Values(Size{"mannequin.off", 8624, 0.61167, 1201}, Size{"mannequin.off", 8624, 0.6117, 1202},
-                      Size{"mannequin.off", 8624, 1.2155, 3395}, Size{"octopus.off", 3175, 0.6, 1385},
-                      Size{"octopus.off", 3175, 0.8, 1818}, Size{"octopus.off", 3175, 0.985, 4684},
-                      Size{"octopus.off", 3175, 1.435163, 12774}, Size{"octopus.off", 3175, 1.74, 16554},
-                      Size{"bumpy_plane.off", 20200, 30, 5949}, Size{"bumpy_plane.off", 20200, 40, 11217},
-                      Size{"bumpy_plane.off", 20200, 65.24, 32283}, Size{"bunny.ply", 23637, 0.06, 1905},
-                      Size{"igea.ply", 31536, 0.02, 5482}, Size{"igea.ply", 31536, 0.0374, 19997}),
-    [](const auto& size) { return "vertices" + std::to_string(size.param.vertices); });
-
-TEST_P(RealRegion, HasTheSizeDescribed) {
-  const Size& size = GetParam();
-  const TriangleMesh mesh = real::load(size.file);
-  const Adjacency adjacency = support::adjacency_of(mesh);
-  const Region region = build_region(mesh, adjacency, within(size.radius), {{size.handle}});
-  EXPECT_EQ(region.size(), size.vertices);
-  EXPECT_EQ(region.count(VertexClass::Handle), 1);
-  int rim = 0;
-  std::vector<char> inside(mesh.vertices.rows(), 0);
-  for (const int v : region.mesh_vertex) {
-    inside[v] = 1;
-  }
-  for (int i = 0; i < region.size(); ++i) {
-    for (const int w : adjacency.neighbours[region.mesh_vertex[i]]) {
-      if (!inside[w]) {
-        ++rim;
-        EXPECT_EQ(region.classes[i], VertexClass::Anchor);
-        break;
-      }
-    }
-  }
-  EXPECT_EQ(rim == 0, size.vertices == 16554) << "all of the octopus's body leaves no rim";
-}
 
 TEST(RealRegions, HaveTheBitsOfAPlainImplementation) {
   const struct {
@@ -133,12 +71,6 @@ TEST(RealRegions, HaveTheBitsOfAPlainImplementation) {
     SCOPED_TRACE(edit.file);
     support::expect_plain_regions(real::load(edit.file), edit.groups, 0.7);
   }
-}
-
-TEST(RealRegions, NearestVertexOfTheDescribedPoints) {
-  EXPECT_EQ(nearest_vertex(real::load("mannequin.off"), Vector3(0.0185447, -1.24318, -0.0873)), 8624);
-  EXPECT_EQ(nearest_vertex(real::load("octopus.off"), Vector3(0.326838, -0.31208, 0.174829)), 3175);
-  EXPECT_EQ(nearest_vertex(real::load("bunny.ply"), Vector3(-0.0175221, 0.187321, -0.0198494)), 23637);
 }
 
 }  // namespace

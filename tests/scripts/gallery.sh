@@ -11,17 +11,13 @@ set -eu
 
 cd "$(dirname "$0")/../.."
 build=$PWD/build
-gallery=$build/gallery
 meshes=${LAPEDIT_MESHES:-$PWD/../shared/meshes}
 
 common/scripts/install_dependencies.sh pictures
 cmake -S . -B "$build" >/dev/null
-cmake --build "$build" --parallel "$(nproc)" --target filter_laplacian_edit make_mesh >/dev/null
-mkdir -p "$gallery/home"
-common/demo/stage.sh "$gallery/stage" "$build/filter_laplacian_edit/libfilter_laplacian_edit.so" \
-  "$(command -v meshlabserver)"
+cmake --build "$build" --parallel "$(nproc)" --target laplacian_edit_program make_mesh >/dev/null
 if [ -d "$meshes" ]; then
   set -- --meshes "$meshes" "$@"
 fi
-HOME=$gallery/home XDG_RUNTIME_DIR=$gallery/home xvfb-run -a tests/scripts/gallery.py --stage "$gallery/stage" \
-  --make-mesh "$build/common/demo/make_mesh" --output "$gallery" "$@"
+exec xvfb-run -a tests/scripts/gallery.py --command "$build/filter_laplacian_edit/laplacian-edit" \
+  --make-mesh "$build/common/demo/make_mesh" --output "$build/gallery" "$@"

@@ -5,20 +5,11 @@
 Needs an X server (xvfb-run). paper.sh prepares what this needs and calls it.
 """
 import argparse
-import json
-import pathlib
 import statistics
-import subprocess
-import sys
 
 import numpy
 
-from gallery import distances, read_mesh
-
-HERE = pathlib.Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parent / "hosts"))
-
-import ply_meshes  # noqa: E402
+from method_pictures import Maker, Mesh, parsed, ply_meshes, step
 
 # The paper's settings, and ours.
 UNROTATED = {"method": "linear"}
@@ -30,96 +21,40 @@ TABLE_1 = ((1201, 0.031, 0.002), (3395, 0.051, 0.003), (4685, 0.092, 0.005), (12
 COLOURS = ("#d55e00", "#0072b2", "#009e73")  # of Okabe and Ito
 
 
-class Mesh:
-    def __init__(self, path):
-        self.path = path
-        self.points, self.faces = read_mesh(path)
-
-    def nearest(self, place):
-        return int(numpy.linalg.norm(self.points - numpy.array(place), axis=1).argmin())
-
-    def front(self, x, y, direction=2, width=0.04):
-        """The vertex that is farthest along a coordinate near a place of the two others."""
-        a, b = [k for k in range(3) if k != direction]
-        near = numpy.nonzero((abs(self.points[:, a] - x) < width) & (abs(self.points[:, b] - y) < width))[0]
-        return int(near[self.points[near, direction].argmax()])
-
-    def radius_of(self, seeds, count):
-        """Of the region that holds so many vertices."""
-        found = numpy.sort(distances(self.points, self.faces, seeds))
-        return float((found[count - 1] + found[count]) / 2)
-
-    def path_along(self, places):
-        """Vertices of the shortest paths from one to the next."""
-        around = {}
-        for a, b, c in self.faces.tolist():
-            for u, v in ((a, b), (b, c), (c, a)):
-                around.setdefault(u, set()).add(v)
-                around.setdefault(v, set()).add(u)
-        whole = [places[0]]
-        for start, end in zip(places, places[1:]):
-            away = distances(self.points, self.faces, [end])
-            while whole[-1] != end:
-                here = whole[-1]
-                whole.append(min(around[here], key=lambda v: away[v] + numpy.linalg.norm(self.points[v] - self.points[here])))
-        return sorted(set(whole))
+def front(mesh, x, y, direction=2, width=0.04):
+    """The vertex that is farthest along a coordinate near a position of the two others."""
+    a, b = [k for k in range(3) if k != direction]
+    near = numpy.nonzero((abs(mesh.points[:, a] - x) < width) & (abs(mesh.points[:, b] - y) < width))[0]
+    return int(near[mesh.points[near, direction].argmax()])
 
 
-class Paper:
-    def __init__(self, given):
-        self.given = given
-        self.output = given.output
-        self.output.mkdir(parents=True, exist_ok=True)
+def radius_of(mesh, seeds, count):
+    """Of the region that holds so many vertices."""
+    found = numpy.sort(mesh.distances(seeds))
+    return float((found[count - 1] + found[count]) / 2)
 
-    # Meshes, edits, pictures
 
-    def made(self, name):
-        path = self.output / f"{name}.ply"
-        if not path.exists():
-            subprocess.run([self.given.make_mesh, name, path], check=True)
-        return Mesh(path)
+def path_along(mesh, vertices):
+    """Vertices of the shortest paths from one to the next."""
+    whole = [vertices[0]]
+    for end in vertices[1:]:
+        away = mesh.distances([end])
+        while whole[-1] != end:
+            here = whole[-1]
+            whole.append(min(mesh.around[here],
+                             key=lambda v: away[v] + numpy.linalg.norm(mesh.points[v] - mesh.points[here])))
+    return sorted(set(whole))
 
-    def real(self, name):
-        """As PLY, which the renderer reads."""
-        path = self.output / pathlib.Path(name).with_suffix(".ply").name
-        ply_meshes.write(path, *ply_meshes.read(self.given.meshes / name))
-        return Mesh(path)
 
-    def edited(self, mesh, name, steps):
-        """@return the result's path and the report"""
-        edit, result, report = (self.output / f"{name}{suffix}" for suffix in (".json", ".ply", ".report.json"))
-        edit.write_text(json.dumps({"laplacian_edit": 1, "steps": steps}))
-        subprocess.run([self.given.command, "--quiet", "--report", report, mesh.path, result, edit], check=True)
-        return result, json.loads(report.read_text())["outputs"][0]["steps"]
-
-    def classes(self, mesh, seeds, radius, name):
-        """What the vertices are, for the renderer: 0 fixed, 1 anchor, 2 free, 3 handle."""
-        away = distances(mesh.points, mesh.faces, seeds)
-        kinds = numpy.where(away <= radius, 2, 0)
-        kinds[(away <= radius) & (away > 0.9 * radius)] = 1
-        kinds[seeds] = 3
-        path = self.output / f"{name}.txt"
-        numpy.savetxt(path, kinds, fmt="%d")
-        return path
-
-    def render(self, name, panels, toward, up, columns, height=300, around=None):
-        """panels: path, caption, and classes where there are any"""
-        command = [HERE.parents[1] / "common/demo/render.py", self.output / f"{name}.png", "--toward", *toward, "--up", *up,
-                   "--columns", columns, "--height", height, *(["--around", *around] if around else [])]
-        for panel in panels:
-            command += ["--panel", *panel]
-        subprocess.run(list(map(str, command)), check=True)
-
-    # The figures
-
+class Paper(Maker):
     def locality(self, name, mesh, handle, counts, translation, **view):
         """Figures 1 and 7: the same handle moved as far in a small and in a large region."""
         panels = []
         for row, (settings, caption) in enumerate(((ROTATED, "paper"), (DEFAULT, "default"))):
             for count in counts:
-                radius = mesh.radius_of([handle], count)
-                step = {"region": {"radius": radius}, "handles": [{"vertices": str(handle), "translation": translation}]}
-                result, _ = self.edited(mesh, f"{name}-{count}-{row}", [{**step, **settings}])
+                radius = radius_of(mesh, [handle], count)
+                one = step([handle], radius, translation=translation, **settings)
+                result, _ = self.edited(mesh, f"{name}-{count}-{row}", [one])
                 if row == 0:
                     panels.append((mesh.path, f"{count:,} vertices", self.classes(mesh, [handle], radius, f"{name}-{count}")))
                 else:
@@ -129,7 +64,7 @@ class Paper:
 
     def figure_1(self):
         head = self.made("head")
-        self.locality("figure1", head, head.front(0, -0.13, width=0.15), (1201, 3395), [0, 0, 0.7], toward=(0.75, 0.1, 0.7),
+        self.locality("figure1", head, front(head, 0, -0.13, width=0.15), (1201, 3395), [0, 0, 0.7], toward=(0.75, 0.1, 0.7),
                       up=(0, 1, 0))
         if self.given.meshes:
             self.locality("figure1-mannequin", self.real("mannequin.off"), 8624, (1201, 3395), [0, -0.9, 0],
@@ -144,42 +79,31 @@ class Paper:
                           toward=(0.5, 0.45, -0.9), up=(0, 1, 0))
 
     def figure_6(self):
-        ways = ((UNROTATED, "no rotation"), (ROTATED, "paper"), (DEFAULT, "default"))
-        letters = self.made("letters")
-        handle = letters.nearest((2.05, 0.9, 0.12))
-        step = {"region": {"radius": 1.8}, "handles": [{"vertices": str(handle), "translation": [0.8, 0, 1]}]}
-        panels = [(letters.path, "before")]
-        panels += [(self.edited(letters, f"figure6-letters-{k}", [{**step, **way}])[0], caption)
-                   for k, (way, caption) in enumerate(ways)]
-        self.render("figure6-letters", panels, toward=(0.3, -0.9, 0.75), up=(0, 0, 1), columns=2)
-        arm = self.made("arm")
-        tip = numpy.nonzero(numpy.linalg.norm(arm.points - [10, 0, 0], axis=1) < 1)[0]
-        step = {"region": {"radius": 7.5},
-                "handles": [{"vertices": ",".join(map(str, tip)), "translation": [-2.5, 0, 4.5],
-                             "rotation": {"axis": [0, -1, 0], "degrees": 90}}]}
-        panels = [(arm.path, "before")]
-        panels += [(self.edited(arm, f"figure6-arm-{k}", [{**step, **way}])[0], caption)
-                   for k, (way, caption) in enumerate(ways)]
-        self.render("figure6-arm", panels, toward=(0.2, -0.9, -0.5), up=(0, 0, 1), columns=2)
+        letters, arm = self.made("letters"), self.made("arm")
+        bend = {"translation": [-2.5, 0, 4.5], "rotation": {"axis": [0, -1, 0], "degrees": 90}}
+        for name, mesh, handle, radius, transform, view in (
+                ("letters", letters, [letters.nearest((2.05, 0.9, 0.12))], 1.8, {"translation": [0.8, 0, 1]}, (0.3, -0.9, 0.75)),
+                ("arm", arm, arm.near((10, 0, 0), 1), 7.5, bend, (0.2, -0.9, -0.5))):
+            panels = [(mesh.path, "before")]
+            for settings, caption in ((UNROTATED, "no rotation"), (ROTATED, "paper"), (DEFAULT, "default")):
+                one = step(handle, radius, **transform, **settings)
+                panels.append((self.edited(mesh, f"figure6-{name}-{caption}", [one])[0], caption))
+            self.render(f"figure6-{name}", panels, toward=view, up=(0, 0, 1), columns=2)
 
     def figure_8(self):
         """Five edits; a brow is moved as a curve, a mouth's corners by small handles."""
         head = self.made("head")
 
         def brow(side):
-            return head.path_along([head.front(side * x, y) for x, y in ((0.62, 0.42), (0.4, 0.47), (0.2, 0.42))])
-
-        def step(vertices, radius, translation):
-            return {"region": {"radius": radius},
-                    "handles": [{"vertices": ",".join(map(str, vertices)), "translation": translation}]}
+            return path_along(head, [front(head, side * x, y) for x, y in ((0.62, 0.42), (0.4, 0.47), (0.2, 0.42))])
 
         def disc(x, y, radius):
-            away = distances(head.points, head.faces, [head.front(x, y)])
-            return numpy.nonzero(away <= radius)[0].tolist()
+            return numpy.nonzero(head.distances([front(head, x, y)]) <= radius)[0].tolist()
 
-        steps = [step(brow(1), 0.4, [0, 0.16, 0.05]), step(brow(-1), 0.35, [0.04, -0.1, 0.06]),
-                 step(disc(0.24, -0.5, 0.05), 0.3, [0.1, 0.12, -0.02]), step(disc(-0.24, -0.5, 0.05), 0.3, [-0.06, -0.09, 0]),
-                 step([head.front(0, -0.13, width=0.15)], 0.5, [0.05, 0.05, 0.15])]
+        steps = [step(brow(1), 0.4, translation=[0, 0.16, 0.05]), step(brow(-1), 0.35, translation=[0.04, -0.1, 0.06]),
+                 step(disc(0.24, -0.5, 0.05), 0.3, translation=[0.1, 0.12, -0.02]),
+                 step(disc(-0.24, -0.5, 0.05), 0.3, translation=[-0.06, -0.09, 0]),
+                 step([front(head, 0, -0.13, width=0.15)], 0.5, translation=[0.05, 0.05, 0.15])]
         result, _ = self.edited(head, "expression", steps)
         self.render("figure8", [(head.path, "before"), (result, "five edits")], toward=(0.25, 0.05, 1),
                     up=(0, 1, 0), columns=2, height=420)
@@ -195,10 +119,7 @@ class Paper:
             for j in range(8):
                 a, b, c, d = 9 * i + j, 9 * i + 9 + j, 9 * i + 10 + j, 9 * i + 1 + j
                 faces += [(a, b, c), (a, c, d)] if (i + j) % 2 else [(a, b, d), (b, c, d)]
-        lines = ["ply", "format ascii 1.0", f"element vertex {len(points)}", "property float x", "property float y",
-                 "property float z", f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header"]
-        lines += [" ".join(f"{c:.9g}" for c in p) for p in points] + [" ".join(map(str, (3, *f))) for f in faces]
-        path.write_text("\n".join(lines) + "\n")
+        ply_meshes.write(path, points, faces)
         return Mesh(path)
 
     def curves(self, name, mesh, ways, handle, held, transform, window):
@@ -256,15 +177,14 @@ class Paper:
         rows = ["| region vertices | factor, paper | solve, paper | mesh | factor | solve | factor, times as fast | solve |",
                 "|---:|---:|---:|---|---:|---:|---:|---:|"]
         for count, factor, solve in TABLE_1:
-            places = [(made[count], None)] + ([real[count]] if self.given.meshes and count in real else [])
-            for name, handle in places:
+            meshes = [(made[count], None)] + ([real[count]] if self.given.meshes and count in real else [])
+            for name, handle in meshes:
                 mesh = self.made(name) if handle is None else self.real(name)
                 handle = mesh.nearest(tips[name]) if handle is None else handle
-                step = {"region": {"radius": mesh.radius_of([handle], count)}, **UNROTATED,
-                        "handles": [{"vertices": str(handle), "translation": [0.01, 0.02, 0.03]}]}
+                one = step([handle], radius_of(mesh, [handle], count), translation=[0.01, 0.02, 0.03], **UNROTATED)
                 times = []
                 for _ in range(7):
-                    report = self.edited(mesh, "table1", [step])[1][0]
+                    report = self.edited(mesh, "table1", [one])[1][0]
                     found = report["handle"] + report["free"] + report["anchors"]
                     assert abs(found - count) <= 5, (name, count, found)  # some are as far from the handle as others
                     spent = report["milliseconds"]
@@ -277,17 +197,9 @@ class Paper:
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    for name in ("command", "make-mesh", "output"):
-        parser.add_argument(f"--{name}", type=pathlib.Path, required=True)
-    parser.add_argument("--meshes", type=pathlib.Path)
     known = ["figure_1", "figure_2", "figure_4", "figure_5", "figure_6", "figure_7", "figure_8", "table_1"]
-    parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(known))
-    given = parser.parse_args()
-    if set(given.names) - set(known):
-        sys.exit(f"paper.py: give some of {', '.join(known)}")
-    paper = Paper(given)
-    for name in given.names or known:
+    paper = Paper(parsed(argparse.ArgumentParser(), known))
+    for name in paper.given.names:
         getattr(paper, name)()
         print(name, flush=True)
 

@@ -7,7 +7,7 @@ import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "gui"))
 
-from tool import TOOL, ToolTest, part  # noqa: E402
+from tool import PANEL, TOOL, ToolTest, part  # noqa: E402, F401  (for the scripts, too)
 
 
 class Pictures(ToolTest):
@@ -27,7 +27,7 @@ class Pictures(ToolTest):
             cls.doClassCleanups()
 
 
-def turned(about_x=0.0, about_y=0.0):
+def rotated(about_x=0.0, about_y=0.0):
     """A layer's matrix: about Y, then about X, in degrees."""
     a, b = math.radians(about_x), math.radians(about_y)
     rows = ((math.cos(b), 0, math.sin(b), 0),
@@ -36,8 +36,8 @@ def turned(about_x=0.0, about_y=0.0):
     return [c for row in rows for c in row]
 
 
-def nearest(points, place):
-    return min(range(len(points)), key=lambda v: math.dist(points[v], place))
+def nearest(points, position):
+    return min(range(len(points)), key=lambda v: math.dist(points[v], position))
 
 
 def convert(*arguments):
@@ -60,10 +60,5 @@ def with_caption(pictures, caption, output):
             output)
 
 
-def sheet(rows, columns, output, width=None):
+def sheet(rows, columns, output):
     subprocess.run(["montage", *map(str, rows), "-tile", f"{columns}x", "-geometry", "+2+2", str(output)], check=True)
-    if width:
-        convert(output, "-resize", f"{width}x", "+dither", "-colors", 200, f"PNG8:{output}")
-
-
-__all__ = ["TOOL", "Pictures", "convert", "cut", "nearest", "part", "sheet", "turned", "with_caption"]

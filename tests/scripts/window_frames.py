@@ -9,12 +9,16 @@ Each stage is a version with a name; they take turns, a MeshLab each, and the ta
 import json
 import math
 import os
-import pathlib
 import re
 import statistics
 import subprocess
 import sys
 import time
+
+from pictures import PANEL, TOOL, Pictures, part
+
+from ply import write_ply
+from shapes import dome
 
 NOSE = 31536
 RADII = (0.02, 0.0374, 0.1345)  # the last one is all of the mesh, held at the far end
@@ -37,8 +41,8 @@ class Mouse:
         time.sleep(max(0.0, self.begin + self.moves / RATE - time.monotonic()))
         self.begin = max(self.begin, time.monotonic() - (self.moves + 1) / RATE)  # none are made up for
         way = 10 + abs((self.moves + 40) % 80 - 40)
-        self.place = self.start[0] + 1.5 * way, self.start[1] - way
-        self.window.mouse("move", *self.place)
+        self.position = self.start[0] + 1.5 * way, self.start[1] - way
+        self.window.mouse("move", *self.position)
 
 
 def new_frames(before, after):
@@ -46,11 +50,11 @@ def new_frames(before, after):
     return after[after.index(before[-1]) + 1:] if before and before[-1] in after else after
 
 
-def follow(window, panel, start):
+def follow(window, start):
     """Presses and moves until the surface follows, then on for MOVES more.
     @return  the mouse; seconds from the press to the first moved picture; the frames after it and their seconds"""
     def frames():
-        return window.widget(panel).get("laplacian_drag_frames", [])
+        return window.widget(PANEL).get("laplacian_drag_frames", [])
 
     before = frames()
     pressed = time.monotonic()
@@ -71,19 +75,18 @@ def follow(window, panel, start):
 
 
 def measure(window, radius):
-    from tool import PANEL, TOOL, part
     window.trigger(TOOL)
     window.set(part("radius"), radius)
-    mouse, waited, frames, seconds = follow(window, PANEL, window.pixel(NOSE))
+    mouse, waited, frames, seconds = follow(window, window.pixel(NOSE))
     window.idle()
     prepared = float(re.search(r"[Pp]repared in ([\d.]+)", window.widget(part("times"))["text"])[1])
-    window.mouse("release", *mouse.place)
+    window.mouse("release", *mouse.position)
     released = time.monotonic()
     window.idle()
     line = [line for line in window.log() if line.startswith(TOOL)][-1]
     settled = time.monotonic() - released
-    mouse, again, _, _ = follow(window, PANEL, window.pixel(NOSE))
-    window.mouse("release", *mouse.place)
+    mouse, again, _, _ = follow(window, window.pixel(NOSE))
+    window.mouse("release", *mouse.position)
     window.idle()
     window.press_button(part("reset"))
     window.trigger(TOOL)
@@ -100,7 +103,7 @@ def at(row, column):
 
 def curve(vertices):
     """A curve through these, of which the last is dragged."""
-    def choose(window, part):
+    def choose(window):
         window.set(part("mode"), 1)
         for vertex in vertices:
             window.click(*window.pixel(vertex))
@@ -109,7 +112,7 @@ def curve(vertices):
 
 def groups(vertices, component=False):
     """Handles, of which the last is dragged."""
-    def choose(window, part):
+    def choose(window):
         for number, vertex in enumerate(vertices):
             if number:
                 window.key("G")
@@ -129,19 +132,18 @@ HANDLES = {
 
 
 def measure_handles(window):
-    from tool import PANEL, TOOL, part
     print("| handle | its vertices | region vertices | frame | " + " | ".join(PARTS) + " | pictures per second |")
     print("|---|---:|---:|---:|" + "---:|" * (len(PARTS) + 1))
     for name, (choose, vertex) in HANDLES.items():
         window.trigger(TOOL)
         window.set(part("radius"), 0.25)
-        choose(window, part)
+        choose(window)
         window.set(part("group_statistics"), True)
         handle, *others = map(int, re.findall(r"\d+", window.widget(part("region"))["text"])[:3])
         rates, frames = [], []
         for _ in range(int(os.environ.get("WINDOW_ROUNDS", "3"))):
-            mouse, _, found, seconds = follow(window, PANEL, window.pixel(vertex))
-            window.mouse("release", *mouse.place)
+            mouse, _, found, seconds = follow(window, window.pixel(vertex))
+            window.mouse("release", *mouse.position)
             window.idle()
             window.key("Z", modifiers=["ctrl"])
             rates.append(len(found) / seconds)
@@ -159,37 +161,25 @@ def measure_handles(window):
 
 def one_version(mesh=None):
     """Of the stage in the environment: one JSON object per radius, or the table of handles."""
-    sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "gui"))
-    from gui import GuiTest
-    from ply import write_ply
-    from shapes import dome
-
-    class Frames(GuiTest):
-        screen = "1280x900"
-
-    Frames.setUpClass()
-    try:
-        if mesh is None:
-            points, faces = dome(SHEET, SHEET)
-            smooth = [(x, y, 0.3 * math.sin(math.pi * x) * math.sin(math.pi * y)) for x, y, _ in points]
-            sheet = write_ply(Frames.folder / "sheet.ply", smooth, faces)
-        with Frames().open(mesh or sheet) as window:
+    def measure_all(pictures):
+        points, faces = dome(SHEET, SHEET)
+        smooth = [(x, y, 0.3 * math.sin(math.pi * x) * math.sin(math.pi * y)) for x, y, _ in points]
+        with pictures.open(mesh or write_ply(pictures.folder / "sheet.ply", smooth, faces)) as window:
             window.resize(1280, 800)
             window.trigger("Front")
             if mesh is None:
                 measure_handles(window)
             for radius in RADII if mesh else ():
                 print(json.dumps(measure(window, radius)), flush=True)
-    finally:
-        Frames.doClassCleanups()
+
+    Pictures.screen = "1280x900"
+    Pictures.made_by(measure_all)
 
 
 def main():
     mesh, *versions = sys.argv[1:]
-    if mesh == "handles":
-        return one_version()
     if not versions:
-        return one_version(mesh)
+        return one_version(None if mesh == "handles" else mesh)
     rounds = int(os.environ.get("WINDOW_ROUNDS", "3"))
     found = {}  # (radius's number, version) -> results
     for _ in range(rounds):

@@ -8,7 +8,7 @@ import contextlib
 import pathlib
 import sys
 
-from pictures import TOOL, Pictures, convert, cut, nearest, part, sheet, turned
+from pictures import TOOL, Pictures, convert, cut, nearest, part, rotated, sheet
 
 NOSE, FOOT = (0, -0.13, 1.21), (0.8, -1.29, 0.41)
 HAND, OTHER_HAND = (1.0, -0.2, 0.15), (-1.0, -0.2, 0.15)  # of the person
@@ -18,7 +18,7 @@ TIPS = [(-0.5, 1.2, 0.1), (-0.17, 1.44, 0.1), (0.15, 1.5, 0.1), (0.46, 1.33, 0.1
 
 @contextlib.contextmanager
 def opened(pictures, mesh, matrix=None, **settings):
-    """@return the window with the tool, and the pixel of a place of the mesh"""
+    """@return the window with the tool, and the pixel of a position of the mesh"""
     with pictures.open(mesh) as window:
         window.resize(1280, 800)
         if matrix:
@@ -28,7 +28,7 @@ def opened(pictures, mesh, matrix=None, **settings):
         for name, value in settings.items():
             window.set(part(name), value)
         points = window.dump().triples()
-        yield window, lambda place: window.pixel(nearest(points, place))
+        yield window, lambda position: window.pixel(nearest(points, position))
 
 
 def trials(pictures, folder):
@@ -54,8 +54,8 @@ def trials(pictures, folder):
     with opened(pictures, mesh, radius=0.4, mode=1) as (window, at):
         window.layer(matrix=[3 * c for c in (1, 0, 0, 0, 0, 1, 0, -1.25, 0, 0, 1, 0)] + [0, 0, 0, 1])
         window.set(part("mirror"), 1)
-        for place in MOUTH:
-            window.click(*at(place))
+        for position in MOUTH:
+            window.click(*at(position))
         keep(window, at(MOUTH[1]), 0)
         x, y = at(MOUTH[2])
         window.drag((x, y), (x + 10, y - 25))
@@ -81,11 +81,11 @@ def make(pictures):
         cut(window, window.grab(path), centre, 460, 330)
         convert(path, "+dither", "-colors", 200, f"PNG8:{path}")
 
-    with opened(pictures, folder / "head.ply", turned(0, 40)) as (window, at):
+    with opened(pictures, folder / "head.ply", rotated(0, 40)) as (window, at):
         x, y = at(NOSE)
         window.move(x - 8, y)
         keep(window, "hover", (x - 60, y))
-    with opened(pictures, folder / "creature.ply", turned(5, -15), radius=1.0, handle_fraction=25) as (window, at):
+    with opened(pictures, folder / "creature.ply", rotated(5, -15), radius=1.0, handle_fraction=25) as (window, at):
         x, y = at(FOOT)
         window.click(x, y)
         window.set(part("gizmo"), True)

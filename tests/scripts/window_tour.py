@@ -6,7 +6,7 @@ import pathlib
 import shutil
 import sys
 
-from pictures import TOOL, Pictures, convert, nearest, part, turned
+from pictures import TOOL, Pictures, convert, nearest, part, rotated
 
 from shapes import neighbours, within
 
@@ -23,7 +23,7 @@ class Tour:
     def __init__(self, window, folder):
         self.window, self.folder = window, folder
         self.frames = []  # path, hundredths of a second
-        self.place = (60, 420)
+        self.position = (60, 420)
         self.caption = ""
         view = window.ask("project")
         self.corner = view["corner"]
@@ -36,7 +36,7 @@ class Tour:
     def frame(self, seconds=1 / RATE, cursor=True):
         path = self.folder / f"tour{len(self.frames):03}.png"
         self.window.grab(path)
-        x, y = self.place[0] + self.origin, self.place[1]
+        x, y = self.position[0] + self.origin, self.position[1]
         corners = (0, 0), (0, 22), (5, 17), (9, 26), (13, 24), (9, 16), (16, 16)
         arrow = " ".join(f"{x + a:.0f},{y + b:.0f}" for a, b in corners)
         draw = ["-fill", "white", "-stroke", "black", "-draw", f"polygon {arrow}"] if cursor else []
@@ -45,27 +45,27 @@ class Tour:
                 "+0+6", self.caption, path)
         self.frames.append((path, round(100 * seconds)))
 
-    def go(self, place, seconds, kind="move", modifiers=()):
+    def go(self, position, seconds, kind="move", modifiers=()):
         """Moves there smoothly, a picture each time."""
-        start, count = self.place, max(1, round(RATE * seconds))
+        start, count = self.position, max(1, round(RATE * seconds))
         for k in range(1, count + 1):
             t = (1 - math.cos(math.pi * k / count)) / 2
-            self.place = tuple(a + t * (b - a) for a, b in zip(start, place))
-            self.window.move(*self.place, modifiers=modifiers)
+            self.position = tuple(a + t * (b - a) for a, b in zip(start, position))
+            self.window.move(*self.position, modifiers=modifiers)
             self.frame()
 
     def press(self):
-        self.window.mouse("press", *self.place)
+        self.window.mouse("press", *self.position)
         self.window.idle()
 
     def release(self):
-        self.window.mouse("release", *self.place)
+        self.window.mouse("release", *self.position)
         self.window.idle()
 
     def wheel(self, notches, modifiers=()):
         for _ in range(abs(notches)):
-            self.window.wheel(*self.place, math.copysign(1, notches), modifiers)
-            self.window.move(*self.place)
+            self.window.wheel(*self.position, math.copysign(1, notches), modifiers)
+            self.window.move(*self.position)
             self.frame()
 
     def write(self, picture):
@@ -77,7 +77,7 @@ class Tour:
               f"{picture.stat().st_size / 1e6:.2f} MB")
 
 
-def ring_place(window, centre, angle):
+def ring_position(window, centre, angle):
     """Where the gizmo's ring is, outwards from about its centre."""
     way = math.cos(angle), -math.sin(angle)
     found = []
@@ -116,15 +116,15 @@ def raise_arm(tour, window, at):
     tour.frame(1.6)
     tour.caption = "Drag the ring: the arm is raised in one motion."
     centre = middle_of_rim(window, nearest(window.dump().triples(), HAND))
-    start = ring_place(window, centre, math.radians(-45))
+    start = ring_position(window, centre, math.radians(-45))
     tour.go(start, 0.8)
     tour.press()
     count = round(2.2 * RATE)
     for k in range(1, count + 1):
         angle = math.radians(-45 + 95 * (1 - math.cos(math.pi * k / count)) / 2)
         radius = math.dist(start, centre)
-        tour.place = centre[0] + radius * math.cos(angle), centre[1] - radius * math.sin(angle)
-        window.mouse("move", *tour.place)
+        tour.position = centre[0] + radius * math.cos(angle), centre[1] - radius * math.sin(angle)
+        window.mouse("move", *tour.position)
         window.seen()
         tour.frame()
     tour.release()
@@ -138,10 +138,10 @@ def pull_nose(tour, window, at):
     tour.go(at(NOSE), 0.9)
     window.set(part("radius"), window.widget(part("radius"))["value"] / 4)
     window.set(part("handle_fraction"), 25)
-    window.move(*tour.place)
+    window.move(*tour.position)
     tour.frame(0.8)
     tour.press()
-    tour.go((tour.place[0] - 55, tour.place[1] + 8), 1.4)
+    tour.go((tour.position[0] - 55, tour.position[1] + 8), 1.4)
     tour.release()
     tour.frame(0.8)
 
@@ -176,15 +176,15 @@ def main():
         copy = pathlib.Path(shutil.copy(mesh, pictures.folder))  # its folder is shown
         with pictures.open(copy) as window:
             window.resize(1280, 800)
-            window.layer(matrix=turned(0, -25))
+            window.layer(matrix=rotated(0, -25))
             window.trigger("Front")
             window.wheel(400, 300, -1)
             window.close_widget("layerDialog")  # so that the panel is at the left
             window.trigger(TOOL)
 
-            def at(place):
+            def at(position):
                 points = window.dump().triples()
-                return window.pixel(nearest(points, place))
+                return window.pixel(nearest(points, position))
 
             tour = Tour(window, pictures.folder)
             raise_arm(tour, window, at)

@@ -76,8 +76,8 @@ Answer mouse(const QJsonObject& arguments) {
 Answer wheel(const QJsonObject& arguments) {
   GLArea& area = gl_area();
   const QPointF position = position_of(arguments);
-  const QPoint turn(0, arguments["delta"].toInt());
-  QWheelEvent event(position, position + area.mapToGlobal(QPoint(0, 0)), QPoint(), turn, held_buttons,
+  const QPoint angle(0, arguments["delta"].toInt());
+  QWheelEvent event(position, position + area.mapToGlobal(QPoint(0, 0)), QPoint(), angle, held_buttons,
                     modifiers(arguments), Qt::NoScrollPhase, false);
   QCoreApplication::sendEvent(&area, &event);
   return {};
@@ -94,10 +94,7 @@ void send_key(QWidget& target, const QJsonObject& arguments, std::initializer_li
 }
 
 Answer key(const QJsonObject& arguments) {
-  const bool released = arguments["released"].toBool(true);
-  send_key(gl_area(), arguments,
-           released ? std::initializer_list<QEvent::Type>{QEvent::KeyPress, QEvent::KeyRelease}
-                    : std::initializer_list<QEvent::Type>{QEvent::KeyPress});
+  send_key(gl_area(), arguments, {QEvent::KeyPress, QEvent::KeyRelease});
   return {};
 }
 

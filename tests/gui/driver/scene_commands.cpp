@@ -58,18 +58,11 @@ Answer view(const QJsonObject& arguments) {
   return {{{"views", static_cast<int>(all.size())}, {"current", static_cast<int>(current - all.begin())}}};
 }
 
-QJsonArray numbers(const Matrix44m& matrix) {
+template <class Matrix>
+QJsonArray numbers(const Matrix& matrix) {
   QJsonArray result;
   for (int i = 0; i < 16; ++i) {
     result += static_cast<double>(matrix.V()[i]);
-  }
-  return result;
-}
-
-QJsonArray numbers(const vcg::Matrix44d& matrix) {
-  QJsonArray result;
-  for (int i = 0; i < 16; ++i) {
-    result += matrix.V()[i];
   }
   return result;
 }
@@ -79,14 +72,9 @@ Answer layers(const QJsonObject&) {
   GLArea& area = gl_area();
   QJsonArray result;
   for (const MeshModel* mesh : all_layers(md)) {
-    result += QJsonObject{{"id", mesh->id()},
-                          {"label", mesh->label()},
-                          {"visible", area.meshVisibilityMap.value(mesh->id())},
-                          {"current", mesh == md.mm()},
-                          {"modified", mesh->meshModified()},
-                          {"vertices", mesh->cm.vn},
-                          {"faces", mesh->cm.fn},
-                          {"matrix", numbers(mesh->cm.Tr)}};
+    result += QJsonObject{{"id", mesh->id()},           {"visible", area.meshVisibilityMap.value(mesh->id())},
+                          {"current", mesh == md.mm()}, {"vertices", mesh->cm.vn},
+                          {"faces", mesh->cm.fn},       {"matrix", numbers(mesh->cm.Tr)}};
   }
   return {{{"layers", result}}};
 }
@@ -105,7 +93,7 @@ void shade_smoothly(GLArea& area, int id) {
   shared->manageBuffers(id);
 }
 
-/// Any of: current, visible, smooth, matrix (16 numbers by rows), selected_faces, selected_vertices (lists), remove.
+/// Any of: current, visible, smooth, matrix (16 numbers by rows), selected_faces (a list), remove.
 Answer change_layer(const QJsonObject& arguments) {
   MeshDocument& md = document();
   GLArea& area = gl_area();
@@ -133,13 +121,6 @@ Answer change_layer(const QJsonObject& arguments) {
       mesh.cm.face.at(face.toInt()).SetS();
     }
     area.updateSelection(id, false, true);
-  }
-  if (arguments.contains("selected_vertices")) {
-    vcg::tri::UpdateSelection<CMeshO>::VertexClear(mesh.cm);
-    for (const QJsonValue vertex : arguments["selected_vertices"].toArray()) {
-      mesh.cm.vert.at(vertex.toInt()).SetS();
-    }
-    area.updateSelection(id, true, false);
   }
   if (arguments["remove"].toBool()) {
     remove_layer(md, mesh);
@@ -213,9 +194,7 @@ Answer dump(const QJsonObject& arguments) {
       box += static_cast<double>(corner[k]);
     }
   }
-  return {{{"arrays", result.write(arguments["path"].toString())},
-           {"scalar", static_cast<int>(sizeof(Scalarm))},
-           {"box", box}}};
+  return {{{"arrays", result.write(arguments["path"].toString())}, {"box", box}}};
 }
 
 /// From the scene to eye coordinates, as GLArea::setView() and the trackball have it, without asking OpenGL.
