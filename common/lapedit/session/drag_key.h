@@ -67,7 +67,7 @@ inline constexpr KeyHelp kKeyHelp[] = {
     {DragKey::Gizmo, DragKey::Gizmo, "V", "Shows arrows, rings and a knob at the handle, and hides them again."},
     {DragKey::Grow, DragKey::Grow, "]", "Grows the region by a ring."},
     {DragKey::Shrink, DragKey::Shrink, "[", "Shrinks the region by a ring."},
-    {DragKey::Undo, DragKey::Undo, "Ctrl+Z", "Undoes the last step, stroke or setting, exact to the bit."},
+    {DragKey::Undo, DragKey::Undo, "Ctrl+Z", "Undoes the last step or stroke, exact to the bit."},
     {DragKey::Redo, DragKey::Redo, "Ctrl+Shift+Z", "Redoes what was undone last."},
     {DragKey::Copy, DragKey::Copy, "Ctrl+C", "Copies number and coordinates of the vertex under the cursor."},
     {DragKey::Help, DragKey::Help, "?", "Shows all keys over the picture, and hides them again."},
