@@ -42,7 +42,6 @@ SolverUpdate all_updates(SolverThread& worker, SolverPose& pose) {
     all.region = update.region ? update.region : all.region;
     all.report = update.report ? update.report : all.report;
     all.applied = update.applied ? update.applied : all.applied;
-    all.reused = update.ready ? update.reused : all.reused;
     all.ready |= update.ready;
     all.pose |= update.pose;
     all.error += update.error;
@@ -72,7 +71,8 @@ TEST(SolverThread, ReportsWhatARegionReuses) {
   std::vector<std::string> reused;
   for (const double radius : {9.0, 9.0, 12.0}) {
     worker.prepare(task_for(kHandle, radius));
-    reused.emplace_back(all_updates(worker, pose).reused);
+    worker.solve({support::shift(Vector3(1, 2, 3))}, true);
+    reused.emplace_back(all_updates(worker, pose).report->reused);
   }
   EXPECT_EQ(reused, (std::vector<std::string>{"nothing", "operator and factor", "nothing"}));
 }
