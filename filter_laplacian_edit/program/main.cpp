@@ -33,25 +33,21 @@ namespace {
 Edit readEdit(const Options& options) {
   if (!options.targets.empty()) {
     const auto landmarks = [](const std::string& path) {
-      return NamedLandmarks{path, read_landmarks(readFile("landmark file", path, kLargestJson), path)};
+      return read_landmarks(readFile("landmark file", path, kLargestJson), path);
     };
     return fit_landmarks(pair_landmarks(landmarks(options.edit), landmarks(options.targets)));
   }
   const std::string text = readFile("edit", options.edit, kLargestJson);
   const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
-  const std::string name = quotedPath(options.edit) + ": ";
   if (first != std::string::npos && text[first] == '<') {
-    throw EditError(ErrorCause::BadScript, name +
-                                               "this is a filter script: run it in MeshLab's window, with "
+    throw EditError(ErrorCause::BadScript, quotedPath(options.edit) +
+                                               ": this is a filter script: run it in MeshLab's window, with "
                                                "meshlabserver 2020.09 or with PyMeshLab's load_filter_script().");
   }
-  try {
-    // Names of landmark files are relative to the folder of the edit.
-    const bool isFile = options.edit != "-" && fs::is_regular_file(options.edit);
-    return read_edit(text, isFile ? fs::absolute(options.edit).parent_path().string() : std::string());
-  } catch (const EditError& refusal) {
-    throw EditError(refusal.cause(), name + refusal.what());
-  }
+  // Names of landmark files are relative to the folder of the edit.
+  const bool isFile = options.edit != "-" && fs::is_regular_file(options.edit);
+  const std::string folder = isFile ? fs::absolute(options.edit).parent_path().string() : std::string();
+  return refused_at(quotedPath(options.edit), [&] { return read_edit(text, folder); });
 }
 
 /// Formats a point as --nearest and JSON read it, with all digits of its type.

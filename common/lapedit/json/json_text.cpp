@@ -6,8 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "lapedit/base/error.h"
-
 namespace lapedit {
 namespace {
 
@@ -105,10 +103,9 @@ Json parse_json(std::string json) {
   return root;
 }
 
-std::string trimmed(const std::string& text) {
-  constexpr const char* kSpace = " \t\n\v\f\r";
-  const std::size_t first = text.find_first_not_of(kSpace);
-  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(kSpace) - first + 1);
+std::string trimmed(const std::string& text, const char* space) {
+  const std::size_t first = text.find_first_not_of(space);
+  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(space) - first + 1);
 }
 
 std::string quoted_text(const std::string& text) {
@@ -125,20 +122,13 @@ std::string quoted_text(const std::string& text) {
 }
 
 std::string describe(const Json& value) {
-  switch (value.type()) {
-    case Json::value_t::null:
-      return "null";
-    case Json::value_t::boolean:
-      return value.get<bool>() ? "true" : "false";
-    case Json::value_t::string:
-      return "the text " + quoted_text(value.get_ref<const std::string&>());
-    case Json::value_t::array:
-      return "a list of length " + std::to_string(value.size());
-    case Json::value_t::object:
-      return "an object";
-    default:
-      return "the number " + value.dump();
+  if (value.is_string()) {
+    return "the text " + quoted_text(value.get_ref<const std::string&>());
   }
+  if (value.is_array()) {
+    return "a list of length " + std::to_string(value.size());
+  }
+  return value.is_object() ? "an object" : (value.is_number() ? "the number " : "") + value.dump();
 }
 
 }  // namespace lapedit

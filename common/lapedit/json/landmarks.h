@@ -15,6 +15,7 @@ struct Landmark {
 
 /// The landmarks of a file.
 struct LandmarkFile {
+  std::string name;  ///< for messages
   std::vector<Landmark> landmarks;
   std::string system;  ///< "RAS" or "LPS", empty where the format does not say it
 };
@@ -26,15 +27,9 @@ struct LandmarkFile {
 ///         finite number, a name that is there twice
 LandmarkFile read_landmarks(const std::string& text, const std::string& name);
 
-/// Landmarks with the name of their file, for messages.
-struct NamedLandmarks {
-  std::string name;
-  LandmarkFile file;
-};
-
 /// Makes one handle group of the landmarks of two files: its points, names and targets. They are paired by name.
 /// @throws EditError (BadScript) for names that are in one file only, and for files in different coordinate systems
-HandleGroup pair_landmarks(const NamedLandmarks& from, const NamedLandmarks& to);
+HandleGroup pair_landmarks(const LandmarkFile& from, const LandmarkFile& to);
 
 /// The same for two files. @throws EditError (BadScript) also as read_text_file() and read_landmarks()
 HandleGroup load_landmarks(const std::string& from, const std::string& to);
@@ -43,7 +38,8 @@ HandleGroup load_landmarks(const std::string& from, const std::string& to);
 /// over a surface: the displacement of one landmark goes over smoothly into that of the next.
 Edit fit_landmarks(HandleGroup group);
 
-/// Reads a text file. @throws EditError (BadScript) if it is none, cannot be read, or is larger than kLargestJson
-std::string read_text_file(const std::string& path);
+/// Reads a text file. @param otherwise  what is wrong with a path of no file
+/// @throws EditError (BadScript) if it is none, cannot be read, or is larger than kLargestJson
+std::string read_text_file(const std::string& path, const char* otherwise = "is not the path of a file");
 
 }  // namespace lapedit
