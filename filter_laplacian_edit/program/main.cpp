@@ -15,6 +15,7 @@
 #include "lapedit/base/format_text.h"
 #include "lapedit/base/stopwatch.h"
 #include "lapedit/base/thread_pool.h"
+#include "lapedit/edit/landmark_space.h"
 #include "lapedit/json/edit_script.h"
 #include "lapedit/json/landmarks.h"
 #include "lapedit/json/report_json.h"
@@ -120,6 +121,7 @@ class Job {
       return true;
     };
     validate(file_.mesh);
+    edit = in_space(std::move(edit), file_.space);
     const Adjacency adjacency = build_adjacency(static_cast<int>(file_.mesh.vertices.rows()), file_.mesh.faces);
     poses_ = apply_edit(file_.mesh, adjacency, edit, file_.selected, options_.fractions, file_.scalar, show);
     for (std::size_t k = 0; k < poses_.size() && options_.quality; ++k) {
@@ -237,6 +239,9 @@ std::string answer(const Options& options) {
     }
     text += format_text("pieces: %d, the largest of %d vertices\nborders: %d of %d edges in all\n", summary.pieces,
                         summary.largest_piece, summary.borders, summary.border_edges);
+    if (!file.space.empty()) {
+      text += "coordinate system: " + file.space + "\n";
+    }
     text += format_text("selected: %d vertices, %d faces\n", static_cast<int>(file.selected.vertices.size()),
                         file.selectedFaces);
   }

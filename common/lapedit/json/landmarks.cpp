@@ -28,6 +28,11 @@ std::string lower(std::string text) {
   return text;
 }
 
+std::string upper(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char letter) { return std::toupper(letter); });
+  return text;
+}
+
 /// Collects landmarks, with the checks that all formats have in common.
 class Collector {
  public:
@@ -138,44 +143,55 @@ std::vector<std::string> cells_of(const std::string& line, char separator) {
   return cells;
 }
 
-/// The columns of x, y, z and name; -1 for a column that is missing.
-using Columns = std::array<int, 4>;
+/// The columns of x, y, z, name and whether the point is defined; -1 for a column that is missing.
+using Columns = std::array<int, 5>;
 
-Columns columns_of(std::vector<std::string> header) {
-  static const std::vector<std::string> names[] = {{"x"}, {"y"}, {"z"}, {"name", "label", "landmark", "id"}};
-  Columns columns = {-1, -1, -1, -1};
+/// @param system  gets the coordinate system that is named by its axes, as in r, a, s
+Columns columns_of(std::vector<std::string> header, std::string& system) {
+  static const std::vector<std::string> names[] = {
+      {"x", "r", "l"}, {"y", "a", "p"}, {"z", "s"}, {"name", "label", "landmark", "id"}, {"defined"}};
+  Columns columns = {-1, -1, -1, -1, -1};
+  std::string axes;
   std::transform(header.begin(), header.end(), header.begin(), lower);
   for (std::size_t k = 0; k < columns.size(); ++k) {
     for (const std::string& name : names[k]) {
       const auto cell = std::find(header.begin(), header.end(), name);
-      columns[k] = columns[k] < 0 && cell != header.end() ? static_cast<int>(cell - header.begin()) : columns[k];
+      if (columns[k] < 0 && cell != header.end()) {
+        columns[k] = static_cast<int>(cell - header.begin());
+        axes += k < 3 ? name : "";
+      }
     }
+  }
+  if (axes.find_first_of("xyz") == std::string::npos) {
+    system = upper(axes);
   }
   return columns;
 }
 
 /// Old files have numbers in place of names.
 std::string coordinate_system(const std::string& text) {
-  return text == "0" ? "RAS" : text == "1" ? "LPS" : text;
+  return text == "0" ? "RAS" : text == "1" ? "LPS" : upper(text);
 }
 
 /// Reads the comments of 3D Slicer's .fcsv, which name the columns and the coordinate system.
 void read_comment(const std::string& where, const std::string& comment, Collector& all, Columns& columns) {
-  const std::size_t equals = std::min(comment.find('='), comment.size() - 1);
-  const std::string key = lower(trimmed(comment.substr(1, equals - 1))), value = trimmed(comment.substr(equals + 1));
+  const std::size_t equals = std::min(comment.find('='), comment.size());
+  const std::string key = lower(trimmed(comment.substr(1, equals - 1)));
+  const std::string value = trimmed(comment.substr(std::min(equals + 1, comment.size())));
   if (key == "coordinatesystem") {
     all.file.system = coordinate_system(value);
   } else if (key == "columns") {
-    columns = columns_of(cells_of(value, ','));
-    if (std::count(columns.begin(), columns.end(), -1) > 0) {
+    columns = columns_of(cells_of(value, ','), all.file.system);
+    if (std::count(columns.begin(), columns.end() - 1, -1) > 0) {
       refuse_json(where + ": the columns are not named x, y, z and label; save it with 3D Slicer.");
     }
   }
 }
 
-void read_table(const std::string& text, const std::string& name, bool is_fcsv, Collector& all) {
-  Columns columns = is_fcsv ? Columns{1, 2, 3, 11} : Columns{-1, -1, -1, -1};
-  char separator = is_fcsv ? ',' : '\0';
+void read_table(const std::string& text, const std::string& name, const std::string& suffix, Collector& all) {
+  const bool is_fcsv = suffix == ".fcsv";
+  Columns columns = is_fcsv ? Columns{1, 2, 3, 11, -1} : Columns{-1, -1, -1, -1, -1};
+  char separator = is_fcsv ? ',' : suffix == ".tsv" ? '\t' : '\0';
   std::istringstream lines(text);
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
@@ -192,21 +208,26 @@ void read_table(const std::string& text, const std::string& name, bool is_fcsv, 
     }
     const std::vector<std::string> cells = cells_of(content, separator);
     if (columns[0] < 0) {
-      const Columns named = columns_of(cells);
+      std::string system;
+      const Columns named = columns_of(cells, system);
       if (std::count(named.begin(), named.begin() + 3, -1) == 0) {
         columns = named;
+        all.file.system = system;
         continue;  // this line is the header
       }
       if (cells.size() != 3 && cells.size() != 4) {
         refuse_json(where + ": has " + std::to_string(cells.size()) +
                     " columns; give name, x, y and z, or a header that names them.");
       }
-      columns = cells.size() == 3 ? Columns{0, 1, 2, -1} : Columns{1, 2, 3, 0};
+      columns = cells.size() == 3 ? Columns{0, 1, 2, -1, -1} : Columns{1, 2, 3, 0, -1};
     }
     const auto needed = static_cast<std::size_t>(*std::max_element(columns.begin(), columns.end())) + 1;
     if (cells.size() < needed) {
       refuse_json(where + ": has " + std::to_string(cells.size()) + " columns, but " + std::to_string(needed) +
                   " are needed; give name, x, y and z in each line.");
+    }
+    if (columns[4] >= 0 && (cells[columns[4]] == "0" || lower(cells[columns[4]]) == "false")) {
+      continue;
     }
     const std::string label = columns[3] < 0 ? std::to_string(all.file.landmarks.size() + 1) : cells[columns[3]];
     all.add(where, label, {cells[columns[0]], cells[columns[1]], cells[columns[2]]});
@@ -229,7 +250,11 @@ void read_markups(const std::string& text, Collector& all) {
   for (std::size_t m = 0; m < markups.json.size(); ++m) {
     const JsonValue points = list_of(markups[m], "controlPoints");
     if (const Json& system = markups[m]["coordinateSystem"].json; system.is_string()) {
-      all.file.system = coordinate_system(system.get<std::string>());
+      const std::string before = std::exchange(all.file.system, coordinate_system(system.get<std::string>()));
+      if (m > 0 && before != all.file.system) {
+        markups[m].refuse("is in " + all.file.system + " coordinates, the list before in " + before +
+                          "; save them in one system.");
+      }
     }
     for (std::size_t k = 0; k < points.json.size(); ++k) {
       const JsonValue point = points[k];
@@ -267,14 +292,17 @@ LandmarkFile read_landmarks(const std::string& text, const std::string& name) {
   const std::string shown = quoted_text(name), suffix = lower(std::filesystem::path(name).extension().string());
   all.file.name = name;
   const std::string content = text.substr(text.compare(0, 3, "\xEF\xBB\xBF") == 0 ? 3 : 0);
+  if (is_utf16(content)) {
+    refuse_json(shown + " is text in UTF-16: save it in UTF-8.");
+  }
   if (suffix == ".pp") {
     read_picked_points(content, shown, all);
-  } else if (suffix == ".csv" || suffix == ".fcsv") {
-    read_table(content, shown, suffix == ".fcsv", all);
+  } else if (suffix == ".csv" || suffix == ".tsv" || suffix == ".fcsv") {
+    read_table(content, shown, suffix, all);
   } else if (suffix == ".json") {
     refused_at(shown, [&] { read_markups(content, all); });
   } else {
-    refuse_json(shown + " has no suffix of a landmark file; give one of .pp, .csv, .fcsv and .mrk.json.");
+    refuse_json(shown + " has no suffix of a landmark file; give one of .pp, .csv, .tsv, .fcsv and .mrk.json.");
   }
   if (all.file.landmarks.empty()) {
     refuse_json(shown + " has no landmarks; give at least one.");
@@ -283,11 +311,8 @@ LandmarkFile read_landmarks(const std::string& text, const std::string& name) {
 }
 
 HandleGroup pair_landmarks(const LandmarkFile& from, const LandmarkFile& to) {
-  if (!from.system.empty() && !to.system.empty() && from.system != to.system) {
-    refuse_json("The landmarks of " + quoted_text(from.name) + " are in " + from.system + " coordinates, those of " +
-                quoted_text(to.name) + " in " + to.system + "; save both in those of the mesh.");
-  }
   HandleGroup group;
+  group.spaces = {from.system, to.system, {}};
   std::vector<std::string> only_from, only_to;
   std::map<std::string, Vector3> targets;
   for (const Landmark& landmark : to.landmarks) {
@@ -334,7 +359,9 @@ Edit fit_landmarks(HandleGroup group) {
 std::string read_text_file(const std::string& path, const char* otherwise) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
-    refuse_json(quoted_text(path) + " " + otherwise + ".");
+    const std::string folder = std::filesystem::absolute(path, error).parent_path().string();
+    refuse_json(quoted_text(path) + " " + otherwise + ". It was looked for in the folder " + quoted_text(folder, 1000) +
+                ".");
   }
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   if (!error && size > kLargestJson) {
