@@ -11,8 +11,9 @@
 
 #include "edit_file_dialogs.h"
 #include "lapedit/base/error.h"
+#include "lapedit/mesh/coordinate_space.h"
 #include "lapedit/json/edit_script.h"
-#include "lapedit_host/mesh_bridge.h"
+#include "lapedit_host/mesh_edit.h"
 
 using namespace lapedit;
 using namespace lapedit::host;
@@ -339,7 +340,7 @@ void LaplacianDragTool::command(const QString& part) {
       {"load",
        [&] {
          if (const auto edit = loadEdit(window_.mainWindow(), editFileFor(*layer))) {
-           session.load(*edit);
+           session.load(in_space(*edit, space_of_file(layer->file.toStdString())));
          }
        }},
       {"copy",

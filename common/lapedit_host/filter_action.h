@@ -44,6 +44,8 @@ struct Parameter {
 /// same float: 0.1 is 0.1 here, not 0.10000000149.
 class ParameterValues {
  public:
+  std::string layer_file;  ///< path of the file that the layer was read from, empty if there is none
+
   void set(const QString& name, ParameterValue value) { values_[name] = std::move(value); }
 
   int integer(const char* name) const { return std::get<int>(values_.at(name)); }

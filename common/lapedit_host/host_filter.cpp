@@ -129,11 +129,12 @@ RichParameterList parameter_list(const FilterAction& filter, const CMeshO* mesh)
 }
 
 FilterOutcome run_filter(const FilterAction& filter, const RichParameterList& parameters, CMeshO* mesh,
-                         bool (*callback)(int, const char*)) {
+                         const QString& file, bool (*callback)(int, const char*)) {
   if (mesh == nullptr) {
     throw EditError(ErrorCause::EmptyMesh, "There are 0 layers: open a triangle mesh first.");
   }
   ParameterValues values;
+  values.layer_file = file.toStdString();
   for (const Parameter& parameter : filter.parameters) {
     values.set(parameter.name, read_value(parameter, parameters.getParameterByName(parameter.name).value()));
   }

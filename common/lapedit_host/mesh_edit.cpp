@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit_host/mesh_edit.h"
 
+#include <fstream>
 #include <type_traits>
 #include <utility>
 #include <variant>
 
+#include "lapedit/mesh/coordinate_space.h"
 #include "lapedit/edit/positions.h"
 #include "lapedit_host/pose_writer.h"
 #include "lapedit_vcg/self_intersections.h"
@@ -26,6 +28,14 @@ void add(const std::string& prefix, const std::vector<Figure>& figures, std::map
 }
 
 }  // namespace
+
+std::string space_of_file(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string begin(1 << 16, '\0');
+  file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  begin.resize(static_cast<std::size_t>(file.gcount()));
+  return space_in_header(begin);
+}
 
 EditedMesh edit_mesh(const CMeshO& host, const MakeEdit& make, double fraction, const Progress& progress) {
   EditedMesh edited;

@@ -12,6 +12,10 @@
 /// Edits of a host mesh as filters make them, and their reports for users.
 namespace lapedit::host {
 
+/// Returns the coordinate system that a mesh file names, see space_in_header(); empty if the file cannot be read.
+/// MeshLab does not keep it.
+std::string space_of_file(const std::string& path);
+
 /// Makes the edit of a mesh that has passed validate().
 using MakeEdit = std::function<Edit(const BridgedMesh&)>;
 

@@ -15,6 +15,7 @@
 #include "lapedit/base/format_text.h"
 #include "lapedit/base/stopwatch.h"
 #include "lapedit/base/thread_pool.h"
+#include "lapedit/mesh/coordinate_space.h"
 #include "lapedit/json/edit_script.h"
 #include "lapedit/json/landmarks.h"
 #include "lapedit/json/report_json.h"
@@ -33,25 +34,21 @@ namespace {
 Edit readEdit(const Options& options) {
   if (!options.targets.empty()) {
     const auto landmarks = [](const std::string& path) {
-      return NamedLandmarks{path, read_landmarks(readFile("landmark file", path, kLargestJson), path)};
+      return read_landmarks(readFile("landmark file", path, kLargestJson), path);
     };
     return fit_landmarks(pair_landmarks(landmarks(options.edit), landmarks(options.targets)));
   }
   const std::string text = readFile("edit", options.edit, kLargestJson);
   const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
-  const std::string name = quotedPath(options.edit) + ": ";
   if (first != std::string::npos && text[first] == '<') {
-    throw EditError(ErrorCause::BadScript, name +
-                                               "this is a filter script: run it in MeshLab's window, with "
+    throw EditError(ErrorCause::BadScript, quotedPath(options.edit) +
+                                               ": this is a filter script: run it in MeshLab's window, with "
                                                "meshlabserver 2020.09 or with PyMeshLab's load_filter_script().");
   }
-  try {
-    // Names of landmark files are relative to the folder of the edit.
-    const bool isFile = options.edit != "-" && fs::is_regular_file(options.edit);
-    return read_edit(text, isFile ? fs::absolute(options.edit).parent_path().string() : std::string());
-  } catch (const EditError& refusal) {
-    throw EditError(refusal.cause(), name + refusal.what());
-  }
+  // Names of landmark files are relative to the folder of the edit.
+  const bool isFile = options.edit != "-" && fs::is_regular_file(options.edit);
+  const std::string folder = isFile ? fs::absolute(options.edit).parent_path().string() : std::string();
+  return refused_at(quotedPath(options.edit), [&] { return read_edit(text, folder); });
 }
 
 /// Formats a point as --nearest and JSON read it, with all digits of its type.
@@ -124,6 +121,7 @@ class Job {
       return true;
     };
     validate(file_.mesh);
+    edit = in_space(std::move(edit), file_.space);
     const Adjacency adjacency = build_adjacency(static_cast<int>(file_.mesh.vertices.rows()), file_.mesh.faces);
     poses_ = apply_edit(file_.mesh, adjacency, edit, file_.selected, options_.fractions, file_.scalar, show);
     for (std::size_t k = 0; k < poses_.size() && options_.quality; ++k) {
@@ -241,6 +239,9 @@ std::string answer(const Options& options) {
     }
     text += format_text("pieces: %d, the largest of %d vertices\nborders: %d of %d edges in all\n", summary.pieces,
                         summary.largest_piece, summary.borders, summary.border_edges);
+    if (!file.space.empty()) {
+      text += "coordinate system: " + file.space + "\n";
+    }
     text += format_text("selected: %d vertices, %d faces\n", static_cast<int>(file.selected.vertices.size()),
                         file.selectedFaces);
   }

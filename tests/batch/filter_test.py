@@ -128,6 +128,27 @@ class Replay(FilterTest):
         for edit in (f" \n\t{text}\n", file, file.relative_to(self.folder)):
             self.assertEqual(self.bits([replay(edit)])[0], same)
 
+    def test_landmarks_are_converted_to_the_space_of_the_file(self):
+        """Of the layer's own file, since MeshLab does not keep what its header says."""
+        mesh = self.folder / "space.ply"
+        mesh.write_bytes(self.mesh.read_bytes().replace(b"element vertex", b"comment SPACE=LPS\nelement vertex", 1))
+        results = []
+        for name, system, sign in (("lps", "l,p,s", 1), ("ras", "r,a,s", -1)):
+            for end, lift in (("from", 0), ("to", 0.1)):
+                rows = [(sign * x, sign * y, z + lift * (v == CENTRE)) for v in (CENTRE, 45, 70, 388) for x, y, z in [self.points[v]]]
+                (self.folder / f"{end}_{name}.csv").write_text(f"label,{system}\n" + "".join(
+                    f"{k},{x!r},{y!r},{z!r}\n" for k, (x, y, z) in enumerate(rows)))
+            landmarks = {end: str(self.folder / f"{end}_{name}.csv") for end in ("from", "to")}
+            results.append(self.bits([replay({"region": {"component": True}, "handles": [{"landmarks": landmarks}]})], mesh))
+        self.assertEqual(results[0][0], results[1][0])
+        self.assertNotIn("were converted", results[0][1])
+        self.assertIn("Landmarks were converted to the coordinate system of the mesh: from RAS to LPS", results[1][1])
+
+    def test_a_missing_file_is_said_with_the_folder(self):
+        for edit in ("no.json", {"region": {"radius": 1}, "handles": [{"landmarks": {"from": "no.pp", "to": "no.pp"}}]}):
+            self.assert_refused(self.run_host([replay(edit)], self.mesh),
+                                rf"the path of a file\. It was looked for in the folder \"{self.folder.resolve()}\"\.")
+
 
 @unittest.skipIf(TOOL, "meshlabserver opens projects")
 class Layer(FilterTest):

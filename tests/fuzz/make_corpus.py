@@ -101,6 +101,7 @@ def offs():
     for keyword, more in (("OFF", ""), ("NOFF", " 0 0 1"), ("COFF", " 255 0 0 255"), ("STOFF", " 0.5 0.5"),
                           ("STCNOFF", " 0 0 1 1 0 0 0.5 0.5")):
         yield keyword.lower(), files.off(SMALL, keyword, more)
+    yield "glued_comments", files.off(SMALL, "OFF#a b", end="#c d\n")
     yield "comments", b"# a\n" + files.off(SMALL, "OFF # b", end=" # c\n\n")[:-1]
     yield "one_line", "OFF 3 1 3 0 0 0 1 0 0 0 1 0 3 0 1 2"
     yield "binary", "OFF BINARY\n\0\0\0\1"
@@ -121,6 +122,9 @@ def landmarks():
                      ' <point x="0.25" y=\'-1\' z="1e-3" active="1" name="nose &amp; tip"/>\n</PickedPoints>\n')
     yield "table", 'nose,0.25,-1,0.001\n"chin, left",1,2,3\n'
     yield "header", "# a\nx;y;z;label\n0.25;-1;0.001;nose\n"
+    yield "slicer_table", "label,r,a,s,defined\nnose,0.25,-1,0.001,1\nnot placed,,,,0\n"
+    yield "tabs", "label\tl\tp\ts\nnose\t0.25\t-1\t0.001\n"
+    yield "utf_16", "nose,1,2,3\n".encode("utf-16")
     yield "fiducials", ("# CoordinateSystem = LPS\n# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc\n"
                         "1,0.25,-1,0.001,0,0,0,1,1,1,0,nose,\n")
     yield "markups", json.dumps({"markups": [{"coordinateSystem": "LPS", "controlPoints": [

@@ -94,11 +94,9 @@ TEST(EditScriptRefusal, UnknownKeysAreRefusedByNameAndPlace) {
 
 TEST(EditScriptRefusal, WrongTypesAreRefusedWithWhatWasExpected) {
   expect_contains(refusal("[]"), "it has to be a JSON object");
-  expect_contains(refusal(js("{'laplacian_edit': 1}")),
-                  "edit.steps: expected a list of one or more steps, but the key");
+  expect_contains(refusal(js("{'laplacian_edit': 1}")), "steps: expected a list of one or more steps, but the key");
   expect_contains(refusal(js("{'laplacian_edit': 1, 'steps': {}}")), "list of one or more steps, found an object.");
-  expect_contains(refusal(with_steps("")),
-                  "edit.steps: expected a list of one or more steps, found a list of length 0");
+  expect_contains(refusal(with_steps("")), "steps: expected a list of one or more steps, found a list of length 0");
   expect_contains(refusal(with_steps("null")), "steps[0]: expected an object, found null.");
   expect_contains(refusal(with_steps("{}")), "steps[0].region: expected an object, but the key is missing.");
   expect_contains(refusal(with_region("3")), "steps[0].region: expected an object, found the number 3.");
@@ -133,7 +131,8 @@ TEST(EditScriptRefusal, WrongTypesAreRefusedWithWhatWasExpected) {
       {"{'selected': 1}", "selected: expected true, found the number 1."},
       {"{'selected': true, 'weights': [1]}", "weights: goes with vertices, points or landmarks only."},
       {"{'points': [[0, 0, 0]], 'weights': [1, 1]}", "weights: holds 2 numbers for 1 points; give one for each"},
-      {"{'points': [[0, 0, 0], [1, 0, 0]], 'targets': [[0, 0, 1]]}", "targets: 1 targets are given for 2 points;"},
+      {"{'points': [[0, 0, 0], [1, 0, 0]], 'targets': [[0, 0, 1]]}",
+       "targets: holds 1 targets for 2 points; give one for each"},
       {"{'selected': true, 'targets': [[0, 0, 1]]}", "targets: goes with points or vertices only"},
       {"{'landmarks': {'from': 'no.pp', 'to': 'no.pp'}}", "landmarks: \"no.pp\" is not the path of a file."},
       {"{'landmarks': {'from': 'no.pp'}}", "landmarks.to: expected a text, but the key is missing."},

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -59,12 +61,35 @@ TEST(Landmarks, AllFormatsAreRead) {
   EXPECT_EQ(read(kPicked, "a.pp"), kBoth);
   EXPECT_EQ(read(kFiducials, "a.fcsv"), kBoth);
   EXPECT_EQ(read_landmarks(kFiducials, "a.fcsv").system, "LPS");
+  EXPECT_EQ(read_landmarks("#\n#=\n# columnss\n# coordinatesystem=ras\n1,1,2,3,0,0,0,1,1,1,0,a\n", "a.fcsv").system,
+            "RAS");
   EXPECT_EQ(read(kMarkups, "A.MRK.JSON"), kBoth);
   EXPECT_EQ(read_landmarks(kMarkups, "a.mrk.json").system, "LPS");
   EXPECT_EQ(read("nose & tip,0.25,-1,1e-3\nchin,1,2,3\n", "a.csv"), kBoth);
   EXPECT_EQ(read("\xEF\xBB\xBFX;Name;Y;Z\r\n0.25;\"nose & tip\";-1;1e-3\r\n\r\n# comment\r\n+1;chin;2;3", "a.csv"),
             kBoth);
   EXPECT_EQ(read("0.25,-1,1e-3\n1,2,3\n", "a.csv"), (Named{{"1", {0.25, -1, 0.001}}, {"2", {1, 2, 3}}}));
+}
+
+/// 3D Slicer's table of points.
+TEST(Landmarks, HeadersOfTablesNameTheCoordinateSystem) {
+  const std::string rows = "nose & tip,0.25,-1,1e-3,1,1\nnot placed,,,,0,1\nnor this,0,0,0,false,1\nchin,1,2,3,1,1\n";
+  std::string tabs = "label,l,p,s,defined,selected\n" + rows;
+  std::replace(tabs.begin(), tabs.end(), ',', '\t');
+  const std::pair<std::string, const char*> tables[] = {{"label,r,a,s,defined,selected\n" + rows, "RAS"},
+                                                        {"Label,L,P,S,Defined,Selected\r\n" + rows, "LPS"},
+                                                        {"label,l,a,s,defined,selected\n" + rows, "LAS"},
+                                                        {"label,x,y,z,defined,selected\n" + rows, ""},
+                                                        {"label,x,a,s,defined,selected\n" + rows, ""}};
+  for (const auto& [text, system] : tables) {
+    EXPECT_EQ(read(text, "a.csv"), kBoth);
+    EXPECT_EQ(read_landmarks(text, "a.csv").system, system) << text;
+  }
+  EXPECT_EQ(read(tabs, "a.TSV"), kBoth);
+  EXPECT_EQ(read_landmarks(tabs, "a.tsv").system, "LPS");
+  EXPECT_EQ(read("nose; tip\t1\t2\t3\n", "a.tsv"), (Named{{"nose; tip", {1, 2, 3}}}));
+  EXPECT_EQ(read("a,1,2,3\ns,4,5,6\n", "a.csv"), (Named{{"a", {1, 2, 3}}, {"s", {4, 5, 6}}})) << "no header";
+  EXPECT_EQ(read("\"say \"\"a\"\", b\",1,2,3\n", "a.csv"), (Named{{"say \"a\", b", {1, 2, 3}}}));
 }
 
 std::string refusal(const std::string& text, const std::string& name) {
@@ -82,6 +107,16 @@ TEST(Landmarks, WhatIsWrongIsSaidWithPlaceAndName) {
   expect_contains(refusal("a,0,0,0\n\na,1,0,0\n", "a.csv"), "line 3: there are two landmarks \"a\"");
   expect_contains(refusal(",0,0,0\n", "a.csv"), "line 1: the landmark has no name");
   expect_contains(refusal("a,0,0,0\n", "a.txt"), "has no suffix of a landmark file");
+  expect_contains(refusal("label,r,a,s,defined\na,0,0,0,0\n", "a.csv"), "\"a.csv\" has no landmarks");
+  expect_contains(refusal("label,r,a,s,defined\na,0,0,0\n", "a.csv"), "line 2: has 4 columns, but 5 are needed");
+  for (const char* name : {"a.csv", "a.tsv", "a.fcsv", "a.pp", "a.mrk.json"}) {
+    for (const std::string& text : {std::string("\xFF\xFE"
+                                                "a\0",
+                                                4),
+                                    std::string("\xFE\xFF\0a", 4), std::string("a\0", 2), std::string("\0a", 2)}) {
+      expect_contains(refusal(text, name), std::string("\"") + name + "\" is text in UTF-16: save it in UTF-8.");
+    }
+  }
   expect_contains(refusal("", "a.pp"), "has no element PickedPoints");
   expect_contains(refusal("<PickedPoints></PickedPoints>", "a.pp"), "has no landmarks");
   expect_contains(refusal("<PickedPoints>\n<point x=\"1\" y=\"2\" name=\"a\"/>", "a.pp"),
@@ -93,6 +128,10 @@ TEST(Landmarks, WhatIsWrongIsSaidWithPlaceAndName) {
   expect_contains(refusal("# columns = a,b\n1,2\n", "a.fcsv"), "columns are not named x, y, z and label");
   expect_contains(refusal("{}", "a.json"), "no list markups");
   expect_contains(refusal("{", "a.json"), "\"a.json\": ");
+  expect_contains(refusal(R"({"markups": [{"coordinateSystem": "RAS", "controlPoints": []},
+                              {"coordinateSystem": "LPS", "controlPoints": []}]})",
+                          "a.json"),
+                  "\"a.json\": markups[1]: is in LPS coordinates, the list before in RAS; save them in one system.");
   expect_contains(refusal(R"({"markups": [{}]})", "a.json"), "markups[0]: has no list controlPoints");
   expect_contains(refusal(R"({"markups": [{"controlPoints": [{}]}]})", "a.json"), "controlPoints[0]: has no label");
   expect_contains(refusal(R"({"markups": [{"controlPoints": [{"label": "a", "position": [1, 2]}]}]})", "a.json"),
@@ -125,10 +164,19 @@ TEST_F(LandmarkFiles, WhatHasNoPartnerIsNamed) {
     many += "p" + std::to_string(k) + ",0,0,0\n";
   }
   expect_contains(refusal(write("many.csv", many + "a,0,0,0\n"), write("a.csv", "a,0,0,0\n")), "\"p4\" and 4 more");
-  expect_contains(refusal(one, folder_ + "/none.csv"), "is not the path of a file");
-  expect_contains(
-      refusal(write("r.fcsv", "# CoordinateSystem = 0\n1,0,0,0,0,0,0,1,1,1,0,a\n"), write("l.mrk.json", kMarkups)),
-      "in RAS coordinates");
+  const std::string folder = folder_ + "/" + std::string(80, 'f');
+  expect_contains(refusal(one, folder + "/none.csv"),
+                  "is not the path of a file. It was looked for in the folder \"" + folder + "\".");
+  expect_contains(refusal(one, "none.csv"), "\"" + std::filesystem::current_path().generic_string() + "\".");
+}
+
+TEST_F(LandmarkFiles, KeepTheirCoordinateSystems) {
+  const std::string ras = write("r.fcsv", "# CoordinateSystem = 0\n1,1,2,3,0,0,0,1,1,1,0,a\n");
+  const std::string lps = write("l.csv", "label,l,p,s\na,4,5,6\n"), none = write("n.csv", "a,7,8,9\n");
+  const HandleGroup mixed = load_landmarks(ras, lps), one = load_landmarks(none, ras);
+  EXPECT_EQ(mixed.spaces.points + " to " + mixed.spaces.targets, "RAS to LPS");
+  EXPECT_EQ(mixed.targets[0], Vector3(4, 5, 6)) << "it is converted when the mesh is known";
+  EXPECT_EQ(one.spaces.points + " to " + one.spaces.targets, " to RAS");
 }
 
 }  // namespace

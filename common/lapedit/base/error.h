@@ -25,11 +25,15 @@ enum class ErrorCause {
 /// The one exception of the core. what() is a message for the user: what is wrong, where, and what to do.
 class EditError : public std::runtime_error {
  public:
-  EditError(ErrorCause cause, const std::string& sentence) : std::runtime_error(sentence), cause_(cause) {}
+  /// @param vertex  of the mesh, that the sentence is about; -1: none
+  EditError(ErrorCause cause, const std::string& sentence, int vertex = -1)
+      : std::runtime_error(sentence), cause_(cause), vertex_(vertex) {}
   ErrorCause cause() const { return cause_; }
+  int vertex() const { return vertex_; }
 
  private:
   ErrorCause cause_;
+  int vertex_;
 };
 
 }  // namespace lapedit

@@ -49,6 +49,13 @@ std::string landmark_line(const std::vector<LandmarkResidual>& landmarks) {
          worst->name + "\" (vertex " + std::to_string(worst->vertex) + ")";
 }
 
+/// Returns the name of a vertex in brackets, empty if it is no landmark.
+std::string name_at(int vertex, const std::vector<LandmarkResidual>& landmarks) {
+  const auto found = std::find_if(landmarks.begin(), landmarks.end(),
+                                  [vertex](const LandmarkResidual& landmark) { return landmark.vertex == vertex; });
+  return found == landmarks.end() ? "" : " (\"" + found->name + "\")";
+}
+
 /// Returns advice on folds, intersections and stretch.
 std::string advice_on_shape(const EditReport& report) {
   constexpr double kStretched = 5;
@@ -71,6 +78,9 @@ std::string advice_on_shape(const EditReport& report) {
   std::vector<const char*> ways;
   if (report.handle_displacement > report.causes.reach) {
     ways.push_back("use a larger region");
+  }
+  if (!report.targets_advice.empty()) {
+    return sentence + ": for the targets " + report.targets_advice + ".";
   }
   if (report.has_targets) {
     ways.push_back("check the targets near it");
@@ -97,6 +107,13 @@ std::string EditReport::advice() const {
   constexpr std::size_t kMostSentences = 2;
   constexpr int kMostPasses = 100;
   std::vector<std::string> sentences;
+  if (causes.unheld && handle_displacement > 0) {
+    sentences.push_back(
+        "Nothing holds the surface, since the region reaches no vertex that stays: all of it moves with the handle. " +
+        (causes.by_radius ? format_text("Give a radius below %.6g, ", causes.farthest)
+                          : std::string("Leave a part of the surface out of the region, ")) +
+        "or add a handle group that stays.");
+  }
   if (const std::string on_shape = advice_on_shape(*this); !on_shape.empty()) {
     sentences.push_back(on_shape);
   }
@@ -104,6 +121,7 @@ std::string EditReport::advice() const {
     sentences.push_back(
         format_text("The handle is %.3g, or %.3g %% of its displacement, from its target at vertex %d", causes.distance,
                     100 * causes.distance / handle_displacement, causes.behind) +
+        name_at(causes.behind, landmarks) +
         (causes.step > kBehind * handle_displacement
              ? format_text(", where the mesh keeps coordinates in steps of %.3g: move the mesh to the origin.",
                            causes.step)
@@ -158,6 +176,9 @@ std::string EditReport::text() const {
     lines += format_text("; its vertex is %.3g from the handle point", *handle_point_distance);
   }
   lines += landmark_line(landmarks);
+  if (!landmark_conversion.empty()) {
+    lines += "\nLandmarks were converted to the coordinate system of the mesh: " + landmark_conversion;
+  }
   lines += format_text(
       "\nDetail rotation: mean %.3g, largest %.3g degrees; edge stretch: RMS %.3g %%, largest %.3g %%; triangles "
       "flipped: %d",
@@ -205,6 +226,7 @@ std::vector<Figure> EditReport::figures() const {
           {"volume_change", volume_change},
           {"detail_height", detail_height ? Value(*detail_height) : Value()},
           {"rotation_left", rotation_left},
+          {"landmark_conversion", landmark_conversion.empty() ? Value() : Value(landmark_conversion)},
           {"new_intersections", new_intersections ? Value(*new_intersections) : Value()},
           {"advice", advice()}};
 }

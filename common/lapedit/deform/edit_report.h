@@ -28,6 +28,9 @@ struct AdviceCauses {
   double reach = 0;          ///< the region's radius
   double rotation = 0;       ///< largest detail rotation, or rotation of the surface at a handle
   int stretched = -1;        ///< the lower end of the edge with the largest stretch
+  bool unheld = false;       ///< neither anchors nor a group without motion hold a component of the region
+  bool by_radius = false;    ///< the region was found by its radius
+  double farthest = 0;       ///< largest distance from the handle in the region
   int behind = -1;           ///< the handle vertex of full weight that is farthest from its target
   double distance = 0;       ///< of that vertex to its target
   double step = 0;           ///< spacing of the coordinates that the mesh can store there
@@ -84,6 +87,8 @@ struct EditReport : RegionCounts, EditTimes, EditQuality {
   std::string reused = "nothing";
   bool has_targets = false;                 ///< whether single vertices had targets
   std::vector<LandmarkResidual> landmarks;  ///< of a whole edit with landmarks; empty for a step
+  std::string landmark_conversion;          ///< of coordinate systems, as in "from RAS to LPS"; empty: none
+  std::string targets_advice;               ///< why targets are far from the surface; empty: unknown, or they are not
 
   /// Returns several lines of plain text for a log, without a trailing newline.
   std::string text() const;
@@ -93,9 +98,9 @@ struct EditReport : RegionCounts, EditTimes, EditQuality {
   /// Returns times in milliseconds, by stage.
   std::vector<Figure> times() const;
 
-  /// Returns at most two sentences of advice on, in this order, folded or intersecting triangles, edges that became
-  /// more than six times as long, handles far from their targets, and rotations that have not converged; otherwise an
-  /// empty string.
+  /// Returns at most two sentences of advice on, in this order, a region that nothing holds, folded or intersecting
+  /// triangles, edges that became more than six times as long, handles far from their targets, and rotations that have
+  /// not converged; otherwise an empty string.
   std::string advice() const;
 };
 

@@ -45,6 +45,13 @@ std::vector<LandmarkResidual> residuals(const EditStep& step, const Points& vert
   return all;
 }
 
+/// Adds a phrase to others, unless it is one of them.
+void add_phrase(const std::string& phrase, std::string& all) {
+  if (all.find(phrase) == std::string::npos) {
+    all += (all.empty() ? "" : "; ") + phrase;
+  }
+}
+
 /// One pose per fraction; all go through the steps together.
 class Poses {
  public:
@@ -109,8 +116,11 @@ class Poses {
     result.reports.push_back(solver_->report());
     scatter(result.vertices, result.positions, vertices_[p]);
     EditReport& report = result.reports.back();
-    report.has_targets = std::any_of(step_.handles.begin(), step_.handles.end(),
-                                     [](const HandleGroup& group) { return !group.targets.empty(); });
+    for (const HandleGroup& group : step_.handles) {
+      report.has_targets |= !group.targets.empty();
+      add_phrase(group.spaces.conversion, report.landmark_conversion);
+      add_phrase(group.targets_advice, report.targets_advice);
+    }
     if (fractions_[p] == 1) {
       report.landmarks = residuals(step_, vertices_[p]);
     }
@@ -127,6 +137,13 @@ class Poses {
     }
     if (steps > 1) {
       sentence = "Step " + std::to_string(k + 1) + " of " + std::to_string(steps) + ": " + sentence;
+    }
+    for (const HandleGroup& group : step_.handles) {
+      const auto vertex = std::find(group.vertices.begin(), group.vertices.end(), error.vertex());
+      const auto number = static_cast<std::size_t>(vertex - group.vertices.begin());
+      if (number < group.names.size()) {
+        sentence += " Vertex " + std::to_string(*vertex) + " is the landmark \"" + group.names[number] + "\".";
+      }
     }
     throw EditError(error.cause(), sentence);
   }

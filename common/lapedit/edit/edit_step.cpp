@@ -34,9 +34,10 @@ void check_handle(const HandleGroup& handle, std::size_t number) {
 void require_finite_targets(const HandleGroup& handle, std::size_t number) {
   for (std::size_t k = 0; k < handle.targets.size(); ++k) {
     if (!handle.targets[k].allFinite()) {
-      throw EditError(ErrorCause::NotFinite, "The target of vertex " + std::to_string(handle.vertices[k]) +
-                                                 " in handle group " + std::to_string(number) +
-                                                 " is not finite: give finite coordinates.");
+      throw EditError(ErrorCause::NotFinite,
+                      "The target of vertex " + std::to_string(handle.vertices[k]) + " in handle group " +
+                          std::to_string(number) + " is not finite: give finite coordinates.",
+                      handle.vertices[k]);
     }
   }
 }

@@ -28,6 +28,12 @@ struct VertexQuery {
   bool empty() const { return points.empty() && !within && !selected; }
 };
 
+/// The coordinate systems of landmarks, see coordinate_space.h; empty: unknown.
+struct LandmarkSpaces {
+  std::string points, targets;
+  std::string conversion;  ///< made by in_space(), as in "from RAS to LPS"; empty: none
+};
+
 /// Vertices that move together, and their motion.
 struct HandleGroup {
   std::vector<int> vertices;  ///< mesh vertex numbers
@@ -36,6 +42,8 @@ struct HandleGroup {
   std::vector<Vector3> targets = {};    ///< per vertex, replaces the transform; empty: the transform applies
   std::vector<std::string> names = {};  ///< of the landmarks that vertices and targets come from, or none
   VertexQuery query = {};               ///< replaces vertices until located() finds them
+  LandmarkSpaces spaces = {};           ///< of query.points and targets
+  std::string targets_advice = {};      ///< from located(): why targets are far from the surface, as advice
 };
 
 /// One step of an edit: region, handles with their motions, settings.

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "lapedit/base/error.h"
+#include "lapedit/mesh/coordinate_space.h"
 #include "lapedit/mesh/vertex_finder.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "lapedit/mesh/vertex_transfer.h"
@@ -82,6 +83,8 @@ std::vector<int> within(const TriangleMesh& mesh, const Adjacency& adjacency, co
   return vertices_within(mesh, adjacency, finder.on_surface(disc.point, what).vertex, disc.radius);
 }
 
+constexpr double kTargetsFar = 5, kTargetsNear = 0.5;  // distances from the surface, over its diagonal
+
 void locate(const TriangleMesh& mesh, const Adjacency& adjacency, const VertexFinder& finder,
             const SelectedVertices& selection, HandleGroup& group, std::size_t number) {
   const std::string name = "handle group " + std::to_string(number);
@@ -90,9 +93,22 @@ void locate(const TriangleMesh& mesh, const Adjacency& adjacency, const VertexFi
   } else if (group.query.selected) {
     group.vertices = selected(selection.vertices, selection.of_faces, name.c_str());
   }
-  for (std::size_t k = 0; k < group.query.points.size(); ++k) {
-    const Vector3& point = group.query.points[k];
-    const int vertex = finder.on_surface(point, name_of(group, number, k)).vertex;
+  const std::vector<Vector3>& points = group.query.points;
+  const auto is_far = [&finder](double most) {
+    return [&finder, most](const Vector3& point) { return !finder.is_near(point, most); };
+  };
+  std::string advice = "give a point on the surface";
+  if (std::any_of(points.begin(), points.end(), is_far(VertexFinder::kFar))) {
+    const std::string mistake = likely_mistake(finder, points, group.spaces.points, VertexFinder::kFar);
+    advice = mistake.empty() ? advice : mistake;
+  }
+  if (!points.empty() && std::all_of(group.targets.begin(), group.targets.end(), is_far(kTargetsFar))) {
+    group.targets_advice =
+        likely_mistake(finder, group.targets, group.spaces.targets, kTargetsNear, extent_of(points) / 2);
+  }
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Vector3& point = points[k];
+    const int vertex = finder.on_surface(point, name_of(group, number, k), advice).vertex;
     group.vertices.push_back(vertex);
     if (const Vector3 position = mesh.vertices.row(vertex).transpose(); k < group.targets.size() && position != point) {
       group.targets[k] += position - point;
@@ -104,7 +120,31 @@ void locate(const TriangleMesh& mesh, const Adjacency& adjacency, const VertexFi
   group.query = VertexQuery();
 }
 
+void convert_group(HandleGroup& group, const std::string& mesh_space) {
+  LandmarkSpaces& spaces = group.spaces;
+  const std::string& space = mesh_space.empty() ? spaces.points : mesh_space;
+  const bool has_points = convert(group.query.points, spaces.points, space);
+  const bool has_targets = convert(group.targets, spaces.targets, space);
+  if (has_points || has_targets) {
+    spaces.conversion = (has_points && has_targets ? ""
+                         : has_points              ? "points "
+                                                   : "targets ") +
+                        std::string("from ") + (has_points ? spaces.points : spaces.targets) + " to " + space;
+  }
+  spaces.points = has_points ? space : spaces.points;
+  spaces.targets = has_targets ? space : spaces.targets;
+}
+
 }  // namespace
+
+Edit in_space(Edit edit, const std::string& mesh_space) {
+  for (EditStep& step : edit.steps) {
+    for (HandleGroup& group : step.handles) {
+      convert_group(group, mesh_space);
+    }
+  }
+  return edit;
+}
 
 Edit located(const TriangleMesh& mesh, const Adjacency& adjacency, Edit edit, const SelectedVertices& selection) {
   if (!edit.by_position() && std::none_of(edit.steps.begin(), edit.steps.end(), has_query)) {

@@ -14,6 +14,11 @@ struct SelectedVertices {
   std::vector<int> of_faces;  ///< corners of selected faces
 };
 
+/// Returns the edit with its landmarks in the coordinate system of the mesh. If the mesh's is unknown, targets are
+/// converted to the system of their points. Landmarks of an unknown system stay.
+/// @throws EditError (BadParameter) for a system that cannot be converted
+Edit in_space(Edit edit, const std::string& mesh_space);
+
 /// Returns the edit with a vertex number for each position, on the mesh before its first step. A group with targets and
 /// points moves each vertex as its point: the vertex ends as far from the target as it was from the point. If the edit
 /// is by position, its vertices become those of this mesh: of each the nearest; of a set, but of one with targets, also

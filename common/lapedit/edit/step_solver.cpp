@@ -41,6 +41,24 @@ FoundRegion find_region(const TriangleMesh& mesh, const Adjacency& adjacency, co
   return found;
 }
 
+namespace {
+
+/// Finds the components of a region that anchors or a group without motion hold. Allocates nothing for as many
+/// components as before.
+void find_held(const Region& region, const std::vector<HandleMotion>& handles, std::vector<char>& held) {
+  held = region.anchored;
+  for (int i = 0; i < region.size(); ++i) {
+    if (region.group[i] >= 0) {
+      const HandleMotion& motion = handles[static_cast<std::size_t>(region.group[i])];
+      const bool rotates = motion.rotation && std::abs(motion.rotation->degrees) > 0;
+      held[region.component[i]] |=
+          motion.targets.rows() == 0 && !rotates && motion.map.matrix() == Affine::Identity().matrix();
+    }
+  }
+}
+
+}  // namespace
+
 StepSolver::StepSolver(const TriangleMesh& mesh, FoundRegion found, const EditSettings& settings,
                        const StepOptions& options)
     : settings_(settings), options_(options) {
@@ -155,6 +173,7 @@ const Points& StepSolver::pose(const std::vector<HandleMotion>& handles, const A
                                const Progress& progress) {
   const bool has_cells = settings_.method == EditMethod::Default;
   Stopwatch watch;
+  find_held(region(), handles, held_);
   figures_ = PoseFigures();
   figures_.refinements = system_->figures.refinements;
   constraints_->set(handles, anchors);
@@ -231,6 +250,10 @@ EditReport StepSolver::report(bool whole) const {
   quality.detail_height = whole ? detail_height(*system_, positions_) : std::nullopt;
   quality.normal_equation_residual = solver_->relative_residual(right_, displacement_);
   quality.rotation_left = figures_.rotation_left;
+  // Whole components are meant to move; of a region, its user expects that the surface around it stays.
+  quality.causes.unheld = region().kind != RegionSpec::Kind::Component && std::count(held_.begin(), held_.end(), 0) > 0;
+  quality.causes.by_radius = region().kind == RegionSpec::Kind::Radius;
+  quality.causes.farthest = region().max_distance;
   report.iterations = figures_.iterations;
   if (quality.causes.behind >= 0) {
     const std::vector<int>& vertices = region().mesh_vertex;

@@ -30,6 +30,6 @@ Edit load_edit(const std::string& text_or_path);
 /// change an old file) and numbers such that read_edit() gives the same doubles (only a zero's sign is lost). Vertices
 /// keep their order. With targets the transform, and with a matrix its other members are not written.
 /// @throws EditError (NotFinite, BadScript) if read_edit() could not read the result
-std::string write_edit(const Edit& edit);
+std::string write_edit(Edit edit);
 
 }  // namespace lapedit

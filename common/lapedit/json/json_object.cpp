@@ -4,123 +4,107 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 namespace lapedit {
 namespace {
 
-void read_numbers(const Json& list, const std::string& where, double* values, int count) {
-  if (!list.is_array() || list.size() != static_cast<std::size_t>(count)) {
-    refuse_json(where + ": expected a list of " + std::to_string(count) + " numbers, found " + describe(list) + ".");
+void read_numbers(const JsonValue& value, double* numbers, std::size_t count) {
+  if (!value.json.is_array() || value.json.size() != count) {
+    value.refuse_kind("a list of " + std::to_string(count) + " numbers");
   }
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    if (!list[i].is_number()) {
-      refuse_json(where + "[" + std::to_string(i) + "]: expected a number, found " + describe(list[i]) + ".");
-    }
-    values[i] = list[i].get<double>();
+  for (std::size_t k = 0; k < count; ++k) {
+    read(value[k], numbers[k]);
   }
 }
 
 }  // namespace
 
-JsonObject::JsonObject(const Json& value, std::string where, const std::vector<const char*>& known_keys)
-    : object_(value), where_(std::move(where)) {
-  if (!value.is_object()) {
-    refuse_json(where_ + ": expected an object, found " + describe(value) + ".");
+JsonValue JsonValue::operator[](const char* key) const {
+  static const Json missing(Json::value_t::discarded);
+  const auto found = json.find(key);
+  return {found == json.end() ? missing : *found, where.empty() || where == "edit" ? key : where + "." + key, source};
+}
+
+void JsonValue::refuse_kind(const std::string& expected) const {
+  refuse("expected " + expected + ", " + (json.is_discarded() ? "but the key is missing" : "found " + describe(json)) +
+         ".");
+}
+
+void JsonValue::require_object(const std::vector<const char*>& known_keys) const {
+  if (!json.is_object()) {
+    refuse_kind("an object");
   }
-  for (const auto& [key, ignored] : object_.get_ref<const Json::object_t&>()) {
+  for (const auto& [key, ignored] : json.get_ref<const Json::object_t&>()) {
     if (std::find(known_keys.begin(), known_keys.end(), key) == known_keys.end()) {
       std::string list;
       for (const char* known : known_keys) {
         list += (list.empty() ? "" : ", ") + std::string(known);
       }
-      refuse_json(where_ + ": unknown key " + quoted_text(key) + "; known keys are " + list + ".");
+      refuse("unknown key " + quoted_text(key) + "; known keys are " + list + ".");
     }
   }
 }
 
-const Json& JsonObject::operator[](const char* key) const {
-  static const Json null;
-  const auto found = object_.find(key);
-  return found == object_.end() ? null : *found;
-}
-
-void JsonObject::refuse_key(const char* key, const std::string& expected) const {
-  refuse_json(where(key) + ": expected " + expected + ", " +
-              (has(key) ? "found " + describe((*this)[key]) : "but the key is missing") + ".");
-}
-
-double JsonObject::number(const char* key, double absent) const {
-  if (!has(key)) {
-    return absent;
+void read(const JsonValue& value, bool& flag) {
+  if (!(value.json == true)) {
+    value.refuse_kind("true");
   }
-  if (!(*this)[key].is_number()) {
-    refuse_key(key, "a number");
-  }
-  return (*this)[key].get<double>();
+  flag = true;
 }
 
-int JsonObject::integer(const char* key, int absent) const {
+void read(const JsonValue& value, int& number) {
   constexpr int kLargest = std::numeric_limits<int>::max();
-  const double value = number(key, absent);
-  if (value != std::floor(value) || value < 0 || value > kLargest) {
-    refuse_key(key, "a whole number from 0 to " + std::to_string(kLargest));
+  const auto real = value_of<double>(value);
+  if (real != std::floor(real) || real < 0 || real > kLargest) {
+    value.refuse_kind("a whole number from 0 to " + std::to_string(kLargest));
   }
-  return static_cast<int>(value);
+  number = static_cast<int>(real);
 }
 
-const std::string& JsonObject::text(const char* key) const {
-  if (!(*this)[key].is_string()) {
-    refuse_key(key, "a text");
+void read(const JsonValue& value, double& number) {
+  if (!value.json.is_number()) {
+    value.refuse_kind("a number");
   }
-  return (*this)[key].get_ref<const std::string&>();
+  number = value.json.get<double>();
 }
 
-const Json& JsonObject::filled_list(const char* key, const char* of_what) const {
-  const Json& list = (*this)[key];
-  if (!list.is_array() || list.empty()) {
-    refuse_key(key, std::string("a list of one or more ") + of_what);
+void read(const JsonValue& value, std::string& text) {
+  if (!value.json.is_string()) {
+    value.refuse_kind("a text");
   }
-  return list;
+  text = value.json.get_ref<const std::string&>();
 }
 
-std::vector<double> JsonObject::number_list(const char* key) const {
-  if (!(*this)[key].is_array()) {
-    refuse_key(key, "a list of numbers");
-  }
-  std::vector<double> values((*this)[key].size());
-  numbers(key, values.data(), static_cast<int>(values.size()));
-  return values;
+void read(const JsonValue& value, Eigen::Vector3d& vector) {
+  read_numbers(value, vector.data(), 3);
 }
 
-int JsonObject::choice(const char* key, const std::vector<const char*>& names, int absent) const {
-  if (!has(key)) {
-    return absent;
+void read(const JsonValue& value, Matrix34& matrix) {
+  Eigen::Matrix<double, 4, 4, Eigen::RowMajor> whole;
+  read_numbers(value, whole.data(), 16);
+  if (whole.row(3) != Eigen::RowVector4d(0, 0, 0, 1)) {
+    value.refuse("the last row (the last four numbers) has to be 0, 0, 0, 1.");
   }
+  matrix = whole.topRows<3>();
+}
+
+void read(const JsonValue& value, std::vector<double>& numbers) {
+  if (!value.json.is_array()) {
+    value.refuse_kind("a list of numbers");
+  }
+  numbers.resize(value.json.size());
+  read_numbers(value, numbers.data(), numbers.size());
+}
+
+int read_choice(const JsonValue& value, const std::vector<const char*>& names) {
   std::string list;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if ((*this)[key] == names[i]) {
-      return static_cast<int>(i);
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    if (value.json == names[k]) {
+      return static_cast<int>(k);
     }
-    list += (i == 0 ? "\"" : ", \"") + std::string(names[i]) + "\"";
+    list += (k == 0 ? "\"" : ", \"") + std::string(names[k]) + "\"";
   }
-  refuse_key(key, "one of " + list);
-}
-
-std::vector<Eigen::Vector3d> JsonObject::point_list(const char* key, const char* of_what) const {
-  const Json& list = filled_list(key, of_what);
-  std::vector<Eigen::Vector3d> points(list.size());
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    read_numbers(list[i], where(key) + "[" + std::to_string(i) + "]", points[i].data(), 3);
-  }
-  return points;
-}
-
-void JsonObject::numbers(const char* key, double* values, int count) const {
-  if (!has(key)) {
-    refuse_key(key, "a list of " + std::to_string(count) + " numbers");
-  }
-  read_numbers((*this)[key], where(key), values, count);
+  value.refuse_kind("one of " + list);
 }
 
 }  // namespace lapedit

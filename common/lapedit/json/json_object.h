@@ -9,43 +9,42 @@
 
 namespace lapedit {
 
-/// An object together with its location in the text, such as "steps[1].handles[0]". Nothing is guessed, and each
-/// EditError (BadScript) names the location. The value has to outlive the object.
-class JsonObject {
- public:
+struct Source;
+
+/// A value together with its location in the text, such as "steps[1].handles[0]". Nothing is guessed, and each
+/// EditError (BadScript) names the location. The JSON has to outlive the object.
+struct JsonValue {
+  const Json& json;  ///< discarded where a key is missing
+  std::string where;
+  Source* source = nullptr;  ///< of all values of a text
+
+  bool has(const char* key) const { return json.contains(key); }
+  JsonValue operator[](const char* key) const;
+  JsonValue operator[](std::size_t k) const { return {json[k], where + "[" + std::to_string(k) + "]", source}; }
+
+  [[noreturn]] void refuse(const std::string& sentence) const { refuse_json(where + ": " + sentence); }
+  /// Refuses a value that is missing or of another kind.
+  [[noreturn]] void refuse_kind(const std::string& expected) const;
   /// Refuses values that are no objects, and unknown keys.
-  JsonObject(const Json& value, std::string where, const std::vector<const char*>& known_keys);
-
-  const std::string& where() const { return where_; }
-  std::string where(const char* key) const { return where_ + "." + key; }
-  bool has(const char* key) const { return object_.contains(key); }
-  const Json& operator[](const char* key) const;  ///< null where the key is missing
-
-  [[noreturn]] void refuse_key(const char* key, const std::string& expected) const;
-
-  double number(const char* key, double absent) const;
-  int integer(const char* key, int absent) const;  ///< from 0 to the largest int
-  const std::string& text(const char* key) const;
-  const Json& filled_list(const char* key, const char* of_what) const;  ///< one entry or more
-
-  std::vector<double> number_list(const char* key) const;                               ///< of any length
-  std::vector<Eigen::Vector3d> point_list(const char* key, const char* of_what) const;  ///< one point or more
-
-  template <int N>
-  Eigen::Matrix<double, N, 1> numbers(const char* key) const {
-    Eigen::Matrix<double, N, 1> result;
-    numbers(key, result.data(), N);
-    return result;
-  }
-
-  /// The number of the name that is given.
-  int choice(const char* key, const std::vector<const char*>& names, int absent) const;
-
- private:
-  void numbers(const char* key, double* values, int count) const;
-
-  const Json& object_;
-  std::string where_;
+  void require_object(const std::vector<const char*>& known_keys) const;
 };
+
+using Matrix34 = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
+
+void read(const JsonValue& value, bool& flag);   ///< only true is accepted
+void read(const JsonValue& value, int& number);  ///< from 0 to the largest int
+void read(const JsonValue& value, double& number);
+void read(const JsonValue& value, std::string& text);
+void read(const JsonValue& value, Eigen::Vector3d& vector);
+void read(const JsonValue& value, Matrix34& matrix);              ///< four rows, the last of which is fixed
+void read(const JsonValue& value, std::vector<double>& numbers);  ///< of any length
+template <class Value>
+Value value_of(const JsonValue& value) {
+  Value result;
+  read(value, result);
+  return result;
+}
+/// Returns the number of the name that is given.
+int read_choice(const JsonValue& value, const std::vector<const char*>& names);
 
 }  // namespace lapedit

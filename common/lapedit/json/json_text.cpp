@@ -6,8 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "lapedit/base/error.h"
-
 namespace lapedit {
 namespace {
 
@@ -76,6 +74,15 @@ void refuse_json(const std::string& sentence) {
   throw EditError(ErrorCause::BadScript, sentence);
 }
 
+bool is_utf16(const std::string& text) {
+  const std::string first = text.substr(0, 8);
+  bool alternates = first.size() > 1;
+  for (std::size_t k = 1; k < first.size(); ++k) {
+    alternates = alternates && (first[k] == 0) != (first[k - 1] == 0);
+  }
+  return alternates || first.compare(0, 2, "\xFF\xFE") == 0 || first.compare(0, 2, "\xFE\xFF") == 0;
+}
+
 Json parse_json(std::string json) {
   if (json.size() > kLargestJson) {
     refuse_json("The edit is a text of " + std::to_string(json.size()) + " bytes; the limit is " +
@@ -86,6 +93,9 @@ Json parse_json(std::string json) {
   }
   if (json.find_first_not_of(" \t\r\n") == std::string::npos) {
     refuse_json("The edit is an empty text; give a JSON object.");
+  }
+  if (is_utf16(json)) {
+    refuse_json("The text is in UTF-16: save it in UTF-8.");
   }
   if (json.find('\0') != std::string::npos) {  // the parser would take it as the end
     refuse_json("The text is not valid JSON: it has a byte 0.");
@@ -105,18 +115,16 @@ Json parse_json(std::string json) {
   return root;
 }
 
-std::string trimmed(const std::string& text) {
-  constexpr const char* kSpace = " \t\n\v\f\r";
-  const std::size_t first = text.find_first_not_of(kSpace);
-  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(kSpace) - first + 1);
+std::string trimmed(const std::string& text, const char* space) {
+  const std::size_t first = text.find_first_not_of(space);
+  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(space) - first + 1);
 }
 
-std::string quoted_text(const std::string& text) {
-  constexpr int kLongest = 60;  // characters, not bytes
+std::string quoted_text(const std::string& text, int most_characters) {
   std::size_t end = 0;
   for (int characters = 0; end < text.size(); ++end) {
     characters += (text[end] & 0xC0) != 0x80;
-    if (characters > kLongest) {
+    if (characters > most_characters) {
       break;
     }
   }
@@ -125,20 +133,13 @@ std::string quoted_text(const std::string& text) {
 }
 
 std::string describe(const Json& value) {
-  switch (value.type()) {
-    case Json::value_t::null:
-      return "null";
-    case Json::value_t::boolean:
-      return value.get<bool>() ? "true" : "false";
-    case Json::value_t::string:
-      return "the text " + quoted_text(value.get_ref<const std::string&>());
-    case Json::value_t::array:
-      return "a list of length " + std::to_string(value.size());
-    case Json::value_t::object:
-      return "an object";
-    default:
-      return "the number " + value.dump();
+  if (value.is_string()) {
+    return "the text " + quoted_text(value.get_ref<const std::string&>());
   }
+  if (value.is_array()) {
+    return "a list of length " + std::to_string(value.size());
+  }
+  return value.is_object() ? "an object" : (value.is_number() ? "the number " : "") + value.dump();
 }
 
 }  // namespace lapedit

@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "lapedit/base/error.h"
+
 /// JSON as text, from outside and for it.
 namespace lapedit {
 
@@ -15,6 +17,19 @@ constexpr std::size_t kLargestJson = 64 << 20;  ///< bytes; seven million vertex
 /// @throws EditError (BadScript)
 [[noreturn]] void refuse_json(const std::string& sentence);
 
+/// Calls read(); puts a location before the sentence that it refuses a text with.
+template <class Read>
+auto refused_at(const std::string& where, const Read& read) {
+  try {
+    return read();
+  } catch (const EditError& refusal) {
+    throw EditError(refusal.cause(), where + ": " + refusal.what());
+  }
+}
+
+/// Returns whether a text seems to be in UTF-16: it has a byte order mark, or each second one of its first bytes is 0.
+bool is_utf16(const std::string& text);
+
 /// The object that a UTF-8 text (with or without a byte order mark) holds.
 /// @throws EditError (BadScript) with line and column for what is no JSON; for a key that is given twice in an object;
 ///         for texts of more than kLargestJson bytes, objects of more than 1,000 keys, and values more than 1,024 deep
@@ -22,10 +37,10 @@ constexpr std::size_t kLargestJson = 64 << 20;  ///< bytes; seven million vertex
 Json parse_json(std::string json);
 
 /// Returns the text without white space at its ends.
-std::string trimmed(const std::string& text);
+std::string trimmed(const std::string& text, const char* space = " \t\n\v\f\r");
 
 /// Text from outside, made fit for a message: quoted, control characters escaped, not too long.
-std::string quoted_text(const std::string& text);
+std::string quoted_text(const std::string& text, int most_characters = 60);
 
 /// What a value is, for a message: "the number 3", "a list of length 2".
 std::string describe(const Json& value);

@@ -15,26 +15,22 @@ struct Landmark {
 
 /// The landmarks of a file.
 struct LandmarkFile {
+  std::string name;  ///< for messages
   std::vector<Landmark> landmarks;
   std::string system;  ///< "RAS" or "LPS", empty where the format does not say it
 };
 
-/// Reads landmarks from text: MeshLab's picked points (.pp; those that are active), .csv (name, x, y, z, or x, y, z,
-/// which are named by their number from 1; with or without a header), 3D Slicer's .fcsv and .mrk.json.
+/// Reads landmarks from text: MeshLab's picked points (.pp; those that are active), .csv and .tsv (name, x, y, z, or
+/// x, y, z, which are named by their number from 1; with or without a header; 3D Slicer's tables, whose header names
+/// the coordinate system, as in label, r, a, s), 3D Slicer's .fcsv and .mrk.json. Undefined points are skipped.
 /// @param name  of the file: its suffix tells the format
 /// @throws EditError (BadScript) that names line or landmark: not of the format, no landmark, a coordinate that is no
 ///         finite number, a name that is there twice
 LandmarkFile read_landmarks(const std::string& text, const std::string& name);
 
-/// Landmarks with the name of their file, for messages.
-struct NamedLandmarks {
-  std::string name;
-  LandmarkFile file;
-};
-
-/// Makes one handle group of the landmarks of two files: its points, names and targets. They are paired by name.
-/// @throws EditError (BadScript) for names that are in one file only, and for files in different coordinate systems
-HandleGroup pair_landmarks(const NamedLandmarks& from, const NamedLandmarks& to);
+/// Makes one handle group of the landmarks of two files: its points, names and targets, and their coordinate systems.
+/// They are paired by name. @throws EditError (BadScript) for names that are in one file only
+HandleGroup pair_landmarks(const LandmarkFile& from, const LandmarkFile& to);
 
 /// The same for two files. @throws EditError (BadScript) also as read_text_file() and read_landmarks()
 HandleGroup load_landmarks(const std::string& from, const std::string& to);
@@ -43,7 +39,8 @@ HandleGroup load_landmarks(const std::string& from, const std::string& to);
 /// over a surface: the displacement of one landmark goes over smoothly into that of the next.
 Edit fit_landmarks(HandleGroup group);
 
-/// Reads a text file. @throws EditError (BadScript) if it is none, cannot be read, or is larger than kLargestJson
-std::string read_text_file(const std::string& path);
+/// Reads a text file. @param otherwise  what is wrong with a path of no file; its folder is added
+/// @throws EditError (BadScript) if it is none, cannot be read, or is larger than kLargestJson
+std::string read_text_file(const std::string& path, const char* otherwise = "is not the path of a file");
 
 }  // namespace lapedit

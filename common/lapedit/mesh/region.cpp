@@ -40,13 +40,15 @@ std::vector<int> collect_handles(const TriangleMesh& mesh, const std::vector<std
     for (const int v : groups[g]) {
       require_vertex("Handle vertex", v, n);
       if (group_of[v] >= 0 && group_of[v] != static_cast<int>(g)) {
-        throw EditError(ErrorCause::BadIndex, "Vertex " + std::to_string(v) + " is in handle groups " +
-                                                  std::to_string(group_of[v]) + " and " + std::to_string(g) +
-                                                  ": it can follow only one of them.");
+        throw EditError(ErrorCause::BadIndex,
+                        "Vertex " + std::to_string(v) + " is in handle groups " + std::to_string(group_of[v]) +
+                            " and " + std::to_string(g) + ": it can follow only one of them.",
+                        v);
       }
       if (!is_finite(mesh.vertices, v)) {
-        throw EditError(ErrorCause::NotFinite, "Handle vertex " + std::to_string(v) +
-                                                   " has a coordinate that is not a number: repair the mesh first.");
+        throw EditError(
+            ErrorCause::NotFinite,
+            "Handle vertex " + std::to_string(v) + " has a coordinate that is not a number: repair the mesh first.", v);
       }
       if (group_of[v] < 0) {
         group_of[v] = static_cast<int>(g);
@@ -69,9 +71,10 @@ void check_weights(const std::vector<std::vector<int>>& groups, const std::vecto
     }
     for (std::size_t k = 0; k < weights[g].size(); ++k) {
       if (!(weights[g][k] >= kLeastWeight && weights[g][k] <= 1)) {
-        throw EditError(ErrorCause::BadParameter, "Handle vertex " + std::to_string(groups[g][k]) + " has the weight " +
-                                                      number_text(weights[g][k]) +
-                                                      ": weights of handle vertices go from 0.000001 to 1.");
+        throw EditError(ErrorCause::BadParameter,
+                        "Handle vertex " + std::to_string(groups[g][k]) + " has the weight " +
+                            number_text(weights[g][k]) + ": weights of handle vertices go from 0.000001 to 1.",
+                        groups[g][k]);
       }
     }
   }
@@ -95,7 +98,8 @@ std::vector<char> flag_set(const TriangleMesh& mesh, const std::vector<int>& set
     throw EditError(ErrorCause::HandleOutsideRegion,
                     std::to_string(count) + " of " + std::to_string(handles.size()) +
                         " handle vertices lie outside the region, the first is vertex " + std::to_string(first) +
-                        ": enlarge the region or choose a handle inside it.");
+                        ": enlarge the region or choose a handle inside it.",
+                    first);
   }
   return flags;
 }
@@ -505,6 +509,7 @@ Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const 
   const double cutoff = spec.kind == RegionSpec::Kind::Radius ? spec.radius : kUnreached;
 
   Region region;
+  region.kind = spec.kind;
   region.mesh_vertices = static_cast<int>(mesh.vertices.rows());
   ThreadPool pool(region.mesh_vertices >= 4 * kGrain ? threads : 1);
   {

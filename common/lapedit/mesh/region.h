@@ -76,8 +76,9 @@ struct Region {
   std::vector<int> edge_faces;  ///< mesh faces with two or three corners in the region: all that touch a region edge
   double max_distance = 0;      ///< d_max, over the whole region
   double radius = 0;            ///< the given radius, or d_max where none was given
-  int left_out = 0;             ///< number of vertices of a given set that no handle reaches: they keep their bits
-  int mesh_vertices = 0;        ///< of the whole mesh
+  RegionSpec::Kind kind = RegionSpec::Kind::Radius;
+  int left_out = 0;       ///< number of vertices of a given set that no handle reaches: they keep their bits
+  int mesh_vertices = 0;  ///< of the whole mesh
   /// Edges that connect_gap adds to the graph, the lower vertex first, ascending; they have no faces.
   std::vector<std::pair<int, int>> links;
 

@@ -28,8 +28,12 @@ VertexFinder::Found VertexFinder::anywhere(const Vector3& point, const std::stri
   return {vertex, (mesh_.vertices.row(vertex).transpose() - point).stableNorm()};
 }
 
-VertexFinder::Found VertexFinder::on_surface(const Vector3& point, const std::string& what, const char* advice) const {
-  constexpr double kFar = 0.1;
+bool VertexFinder::is_near(const Vector3& point, double fraction) const {
+  return point.allFinite() && anywhere(point, "The point").distance <= fraction * diagonal_;
+}
+
+VertexFinder::Found VertexFinder::on_surface(const Vector3& point, const std::string& what,
+                                             const std::string& advice) const {
   const Found found = anywhere(point, what);
   if (found.distance > kFar * diagonal_) {
     throw EditError(ErrorCause::BadParameter, what + " " + place_text(point) + " is " + number_text(found.distance) +

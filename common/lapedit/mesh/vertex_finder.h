@@ -18,13 +18,18 @@ class VertexFinder {
   /// The mesh has to outlive the object. O(vertices + faces). @throws EditError (NotFinite) if no vertex counts
   explicit VertexFinder(const TriangleMesh& mesh);
 
+  /// Distance from a vertex, over the bounding box's diagonal, that is still on the surface.
+  static constexpr double kFar = 0.1;
+
   /// Returns the nearest vertex, the lowest number of several. @param what  names the point in a refusal
   /// @throws EditError (NotFinite, BadParameter) if the point is not finite, or farther from every vertex than a tenth
   ///         of the bounding box's diagonal
   Found on_surface(const Vector3& point, const std::string& what,
-                   const char* advice = "give a point on the surface") const;
+                   const std::string& advice = "give a point on the surface") const;
   /// The same at any distance. @throws EditError (NotFinite)
   Found anywhere(const Vector3& point, const std::string& what) const;
+  /// Returns whether a point is finite, and a vertex is not farther away than a fraction of the diagonal.
+  bool is_near(const Vector3& point, double fraction = kFar) const;
 
  private:
   const TriangleMesh& mesh_;

@@ -39,7 +39,8 @@ class VertexFilterPlugin : public QObject, public MeshFilterInterface {
                    vcg::CallBackPos* callback) override {
     try {
       // As std::string: the other overloads take a printf format.
-      Log(GLLogStream::FILTER, run_filter(filter(ID(action)), parameters, current(document), callback).log);
+      const QString file = document.mm() != nullptr ? document.mm()->fullName() : QString();
+      Log(GLLogStream::FILTER, run_filter(filter(ID(action)), parameters, current(document), file, callback).log);
       return true;
     } catch (...) {
       errorMessage = sentence_of_current_exception();

@@ -45,7 +45,8 @@ class VertexFilterPlugin : public QObject, public FilterPlugin {
                                               vcg::CallBackPos* callback) override {
     try {
       CMeshO* const mesh = document.mm() != nullptr ? &document.mm()->cm : nullptr;
-      FilterOutcome outcome = run_filter(filter(ID(action)), parameters, mesh, callback);
+      const QString file = document.mm() != nullptr ? document.mm()->fullName() : QString();
+      FilterOutcome outcome = run_filter(filter(ID(action)), parameters, mesh, file, callback);
       // As std::string: the other overloads take a printf format.
       log(GLLogStream::FILTER, outcome.log);
       changed = static_cast<unsigned int>(postCondition(action));

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "failure.h"
+#include "lapedit/mesh/coordinate_space.h"
 
 namespace fs = std::filesystem;
 using lapedit::system::NewFile;
@@ -54,11 +55,21 @@ std::string readFile(const std::string& what, const std::string& path, std::size
 }
 
 MeshFile readMeshFile(const std::string& path, MeshReader reader) {
+  std::string bytes = readFile("mesh", path, std::numeric_limits<std::size_t>::max());
+  // No mesh is read from such a text. A binary file may begin in the same way.
+  const bool isUtf16 = bytes.compare(0, 2, "\xFF\xFE") == 0 || bytes.compare(0, 2, "\xFE\xFF") == 0;
+  const std::string space = lapedit::space_in_header(bytes.substr(0, 1 << 16));
+  std::string why = "it has no vertices";
   try {
-    return reader(readFile("mesh", path, std::numeric_limits<std::size_t>::max()));
+    MeshFile file = reader(std::move(bytes));
+    file.space = space;
+    if (!isUtf16 || file.mesh.vertices.rows() > 0) {
+      return file;
+    }
   } catch (const UnreadableMesh& error) {
-    refuseReading("mesh", path, error.what());
+    why = error.what();
   }
+  refuseReading("mesh", path, isUtf16 ? "it is text in UTF-16: save it in UTF-8" : why);
 }
 
 std::string quotedPath(const std::string& path) {

@@ -49,7 +49,7 @@ class Rewriter {
     for (const Piece& piece : pieces_) {
       all.append(bytes_, done, piece.at - done).append(texts_, piece.text, piece.size);
       done = piece.at;
-      while (done < bytes_.size() && !endsWord(bytes_[done]) && bytes_[done] != '\\') {
+      while (done < bytes_.size() && !endsWord(bytes_[done]) && bytes_[done] != '\\' && bytes_[done] != '#') {
         ++done;
       }
     }

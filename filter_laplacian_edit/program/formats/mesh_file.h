@@ -42,6 +42,7 @@ struct FileNormals : FileVectors {
 /// A mesh file in memory, and where in it the coordinates are. An edit changes these numbers and no other byte.
 struct MeshFile {
   std::string bytes;
+  std::string space;  ///< coordinate system that the header names, "RAS" or "LPS"; empty: none
   bool bigEndian = false;
   lapedit::TriangleMesh mesh;  ///< polygons are fanned from their first corner
   lapedit::StoredScalar scalar = lapedit::StoredScalar::Double;

@@ -54,7 +54,7 @@ bool hasMoreNumbers(TextReader reader, const Columns& columns) {
 MeshFile readOff(std::string bytes) {
   MeshBuilder mesh;
   mesh.file.bytes = std::move(bytes);
-  TextReader reader(mesh.file.bytes);
+  TextReader reader(mesh.file.bytes, true);
   const Columns columns = columnsOf(reader.word(), reader);
   std::string_view word = reader.word();
   if (word == "BINARY") {

@@ -87,7 +87,8 @@ std::string_view TextReader::wordOfLine() {
   if (next_ == bytes_.size() || bytes_[next_] == '#') {
     return {};
   }
-  while (next_ < bytes_.size() && !endsWord(bytes_[next_]) && !isContinued(next_)) {
+  while (next_ < bytes_.size() && !endsWord(bytes_[next_]) && !isContinued(next_) &&
+         !(is_ended_by_hash_ && bytes_[next_] == '#')) {
     ++next_;
   }
   return std::string_view(bytes_).substr(at_, next_ - at_);

@@ -9,11 +9,11 @@
 #include "formats/mesh_file.h"
 
 /// Reads words and numbers of a text, without a byte order mark. A word that begins with # begins a comment, which ends
-/// with the line.
+/// with the line; in some formats # ends a word, too.
 class TextReader {
  public:
-  explicit TextReader(const std::string& bytes)
-      : bytes_(bytes), next_(bytes.compare(0, 3, "\xEF\xBB\xBF") == 0 ? 3 : 0) {}
+  explicit TextReader(const std::string& bytes, bool isEndedByHash = false)
+      : bytes_(bytes), is_ended_by_hash_(isEndedByHash), next_(bytes.compare(0, 3, "\xEF\xBB\xBF") == 0 ? 3 : 0) {}
 
   /// Returns the next word, empty at the end of the text.
   std::string_view word();
@@ -43,6 +43,7 @@ class TextReader {
   bool isContinued(std::size_t at) const;
 
   const std::string& bytes_;
+  bool is_ended_by_hash_;
   std::size_t at_ = 0, next_ = 0;
 };
 

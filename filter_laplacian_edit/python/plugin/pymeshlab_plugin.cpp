@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "lapedit/mesh/coordinate_space.h"
 #include "lapedit/json/edit_script.h"
 #include "lapedit/json/report_json.h"
 
@@ -37,7 +38,7 @@ FilterOutcome replay(const ParameterValues& values, CMeshO& host, const Progress
     kept->edited.bridged = std::move(bridged);
   } else {
     kept.reset();
-    const Edit edit = load_edit(text.toStdString());
+    const Edit edit = in_space(load_edit(text.toStdString()), space_of_file(values.layer_file));
     const auto make = [&edit](const BridgedMesh&) { return edit; };
     kept = Kept{text, fraction, edit_mesh(host, make, fraction, progress)};
   }
