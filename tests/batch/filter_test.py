@@ -131,7 +131,7 @@ class Replay(FilterTest):
     def test_landmarks_are_converted_to_the_space_of_the_file(self):
         """Of the layer's own file, since MeshLab does not keep what its header says."""
         mesh = self.folder / "space.ply"
-        mesh.write_bytes(self.mesh.read_bytes().replace(b"element vertex", b"comment SPACE=LPS\nelement vertex", 1))
+        mesh.write_bytes(self.mesh.read_bytes().replace(b"\nelement vertex", b"\ncomment SPACE=LPS\nelement vertex", 1))
         results = []
         for name, system, sign in (("lps", "l,p,s", 1), ("ras", "r,a,s", -1)):
             for end, lift in (("from", 0), ("to", 0.1)):

@@ -67,11 +67,11 @@ class LandmarkTest(ProgramTest):
 
     def step(self, *arguments):
         self.output = self.done(*arguments, "--report", "report.json")
-        return json.loads((self.place / "report.json").read_text())["outputs"][0]["steps"][-1]
+        return json.loads((self.work / "report.json").read_text())["outputs"][0]["steps"][-1]
 
     def result(self, mesh, start, end, **options):
         """@return the bytes of the output, and the report of its only step"""
-        out = self.place / ("out" + mesh.suffix)
+        out = self.work / ("out" + mesh.suffix)
         step = self.step(mesh, out, "--landmarks", start, end)
         return out.read_bytes(), step
 
@@ -132,8 +132,8 @@ class CoordinateSystems(LandmarkTest):
         steps = {}
         for name, files_of in (("plain", ("from.csv", "to.csv")), ("converted", ("a.fcsv", "b.tsv"))):
             edit = self.write_edit({"region": {"component": True}, "handles": [{"landmarks": dict(zip(("from", "to"), files_of))}]})
-            steps[name] = self.step(mesh, self.place / f"{name}.ply", edit)
-        self.assertEqual(*((self.place / f"{name}.ply").read_bytes() for name in steps))
+            steps[name] = self.step(mesh, self.work / f"{name}.ply", edit)
+        self.assertEqual(*((self.work / f"{name}.ply").read_bytes() for name in steps))
         self.assertEqual(steps["converted"]["landmark_conversion"], "from RAS to LPS")
 
     def test_text_that_only_looks_like_a_space_is_none(self):
@@ -275,7 +275,7 @@ class Messages(LandmarkTest):
         self.refused(REFUSED, looked.format(self.folder), self.mesh, "out.ply", edit)
         self.write("from.csv", table(NAMED))
         self.refused(REFUSED, looked.format(self.folder / "b"), self.mesh, "out.ply", edit)
-        self.refused(REFUSED, looked.format(self.place), self.mesh, "out.ply", "-", given=edit.read_bytes())
+        self.refused(REFUSED, looked.format(self.work), self.mesh, "out.ply", "-", given=edit.read_bytes())
 
     def test_utf_16_is_named(self):
         mesh = self.write("sheet.ply", files.ply_plain(SHEET))
@@ -300,7 +300,7 @@ class Messages(LandmarkTest):
 
     def test_comments_before_and_after_the_counts_of_off(self):
         plain = files.off(SHEET)
-        self.done(self.write("plain.off", plain), self.place / "out.off", self.edit)
+        self.done(self.write("plain.off", plain), self.work / "out.off", self.edit)
         points = len(SHEET[0])
         head = f"OFF\n{points} {len(SHEET[1])} 0\n"
         for name, begin in enumerate((f"OFF#made by hand\n# a line\n{points} {len(SHEET[1])} 0\n", head.replace("OFF", "OFF # by 4 2 0", 1),
@@ -309,9 +309,9 @@ class Messages(LandmarkTest):
                                       f"OFF\n{points} {len(SHEET[1])} # edges are missing\n")):
             with self.subTest(begin):
                 rest = plain[len(head):].replace(b"\n", b"#a comment\n", 300)
-                self.done(self.write("a.off", begin.encode() + rest), self.place / "commented.off", self.edit)
-                lines = (self.place / "commented.off").read_bytes()[len(begin):].replace(b"#a comment", b"")
-                self.assertEqual(lines, (self.place / "out.off").read_bytes()[len(head):])
+                self.done(self.write("a.off", begin.encode() + rest), self.work / "commented.off", self.edit)
+                lines = (self.work / "commented.off").read_bytes()[len(begin):].replace(b"#a comment", b"")
+                self.assertEqual(lines, (self.work / "out.off").read_bytes()[len(head):])
 
 
 if __name__ == "__main__":
