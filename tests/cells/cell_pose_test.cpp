@@ -209,7 +209,8 @@ TEST(LocalGlobal, SettledStateSatisfiesItsEquations) {
     const CellSurface surface(cells);
     CoarseSystem system(region, rest, cells, blend, settings);
     const std::vector<double> hold(cells.count(), 0);
-    LocalGlobal local_global(cells, surface, hold, system);
+    const std::vector<double> inertia(cells.count(), 0.5);
+    LocalGlobal local_global(cells, surface, hold, inertia, system);
     Points constraints = Points::Zero(cells.count(), 3), displacement;
     std::vector<Matrix3> rotations(cells.count(), Matrix3::Identity());
     const Affine map = bent(60);

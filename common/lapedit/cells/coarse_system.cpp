@@ -143,6 +143,11 @@ void CoarseSystem::make_normal(const Region& region, const Points& rest, const R
       anchored[cells.of[i]] += w * w;
     }
   }
+  Eigen::VectorXd squared_weights = anchored;
+  for (const Held& held : held_) {
+    squared_weights[held.cell] += held.weight;
+  }
+  make_follow(cells, 1 + *std::max_element(region.group.begin(), region.group.end()), squared_weights);
   Triplets entries;
   for (int c = 0; c < m; ++c) {
     entries.emplace_back(c, c, anchored[c]);
@@ -158,6 +163,31 @@ void CoarseSystem::make_normal(const Region& region, const Points& rest, const R
   constraints.setFromTriplets(entries.begin(), entries.end());
   normal += constraints;
   factorise_for(region, [&] { normal_ = std::make_unique<SparseCholesky>(normal, CholeskyBackend::Eigen); });
+}
+
+/// (L + D W^2) phi_g = D W_g^2. L has no positive weights beside its diagonal, so it is definite for all operators.
+void CoarseSystem::make_follow(const RegionCells& cells, int groups, const Eigen::VectorXd& squared_weights) {
+  follow_.setZero(cells.count(), groups);
+  for (const Held& one : held_) {
+    follow_(one.cell, one.group) += cells.weight[one.cell] * one.weight;
+  }
+  SparseMatrix matrix = Eigen::Map<const Eigen::VectorXd>(cells.weight.data(), cells.count()).asDiagonal() * operator_;
+  for (int c = 0; c < cells.count(); ++c) {
+    double sum = cells.weight[c] * squared_weights[c];
+    for (SparseMatrix::InnerIterator entry(matrix, c); entry; ++entry) {
+      entry.valueRef() = entry.row() == c ? 0 : std::min(entry.value(), 0.0);
+      sum -= entry.value();
+    }
+    matrix.coeffRef(c, c) = sum;
+  }
+  SparseCholesky factor(matrix, CholeskyBackend::Eigen);
+  Points three = Points::Zero(cells.count(), 3);
+  for (int g = 0; g < groups; g += 3) {
+    const int count = std::min(3, groups - g);
+    three.leftCols(count) = follow_.middleCols(g, count);
+    factor.solve(three, three);
+    follow_.middleCols(g, count) = three.leftCols(count);
+  }
 }
 
 void CoarseSystem::add_rotated(Points& rotated, Points& right) const {

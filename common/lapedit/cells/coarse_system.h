@@ -37,6 +37,10 @@ class CoarseSystem {
 
   const std::vector<Held>& held() const { return held_; }
 
+  /// Returns how much each cell follows each group, cells x groups: 1 on the group, 0 on others and anchors, and
+  /// harmonic along the surface between them.
+  const Eigen::MatrixXd& follow() const { return follow_; }
+
   /// Computes x = (M^T N M + c D M + W^2)^-1 right, cells x 3. Nothing is allocated after the first call.
   void solve(const Points& right, Points& x) { normal_->solve(right, x); }
   /// M = D^-1 L.
@@ -49,10 +53,12 @@ class CoarseSystem {
   void hold_handles(const Region& region, const Points& rest, const RegionCells& cells, const CellBlend& blend,
                     double handle_weight);
   void make_normal(const Region& region, const Points& rest, const RegionCells& cells, const EditSettings& settings);
+  void make_follow(const RegionCells& cells, int groups, const Eigen::VectorXd& squared_weights);
 
   SparseMatrix operator_;           // M
   Eigen::VectorXd rows_, stretch_;  // N, c D
   std::vector<Held> held_;
+  Eigen::MatrixXd follow_;
   std::unique_ptr<SparseCholesky> normal_;
 };
 

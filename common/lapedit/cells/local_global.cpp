@@ -14,7 +14,7 @@ constexpr int kSmoothing = 1;
 constexpr double kNormals = 0.5;
 // Prevents jumps of the pose where the surface collapses: the normal fades out, and the rotation stays near the last
 // one.
-constexpr double kSureNormal = 0.5, kInertia = 0.5;
+constexpr double kSureNormal = 0.5;
 
 LAPEDIT_INLINE Doubles4 three(const double* from) {
   return Doubles4{from[0], from[1], from[2], 0};
@@ -83,10 +83,11 @@ struct LocalGlobal::Rotated {
 };
 
 LocalGlobal::LocalGlobal(const RegionCells& cells, const CellSurface& surface, const std::vector<double>& hold,
-                         CoarseSystem& system)
+                         const std::vector<double>& inertia, CoarseSystem& system)
     : cells_(cells),
       surface_(surface),
       hold_(hold),
+      inertia_(inertia),
       system_(system),
       averages_(cells.count()),
       covariances_(cells.count()),
@@ -133,7 +134,7 @@ void LocalGlobal::fit(const Points& displacement, std::vector<Matrix3>& rotation
   for (int a = 0; a < cells_.count(); ++a) {
     const Matrix3 averaged = averages_[a];
     covariances_[a] = averaged.allFinite() ? averaged : Matrix3(Matrix3::Identity());
-    covariances_[a] += kInertia * covariances_[a].norm() * rotations[a];
+    covariances_[a] += inertia_[a] * covariances_[a].norm() * rotations[a];
     if (hold_[a] > 0) {
       covariances_[a] = (1 - hold_[a]) * covariances_[a] + hold_[a] * covariances_[a].norm() * Matrix3::Identity();
     }

@@ -20,9 +20,10 @@ namespace lapedit {
 class LocalGlobal {
  public:
   /// All arguments must outlive the object.
-  /// @param hold  per cell, by how much its rotation is reduced, 0 to 1
+  /// @param hold     per cell, by how much its rotation is reduced, 0 to 1
+  /// @param inertia  per cell, the weight of its last rotation against that of the covariance
   LocalGlobal(const RegionCells& cells, const CellSurface& surface, const std::vector<double>& hold,
-              CoarseSystem& system);
+              const std::vector<double>& inertia, CoarseSystem& system);
 
   struct Outcome {
     int passes = 0;
@@ -53,7 +54,7 @@ class LocalGlobal {
 
   const RegionCells& cells_;
   const CellSurface& surface_;
-  const std::vector<double>& hold_;
+  const std::vector<double>&hold_, &inertia_;
   CoarseSystem& system_;
   ThreadPool alone_{1};  // a second thread does not pay for some hundred cells
   Points result_, rigid_, smooth_before_, smooth_after_, normals_before_, scratch_, next_, rotated_;

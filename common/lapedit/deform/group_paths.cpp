@@ -29,6 +29,8 @@ GroupPaths::GroupPaths(const Region& region, const Points& rest, const Vector3& 
       index_(region.size(), -1),
       motions_(groups_.size()),
       rigid_motions_(region.anchored.size()),
+      rotations_(groups_.size()),
+      rigid_rotations_(region.anchored.size()),
       leader_(region.anchored.size(), kNoGroup) {
   for (int i = 0; i < region.size(); ++i) {
     if (region.group[i] >= 0) {
@@ -138,7 +140,8 @@ void GroupPaths::lead(int g, int& leader) const {
   } else {
     const Group& other = groups_[leader];
     const bool rotates = group.vertices.size() > 1 || other.vertices.size() > 1;
-    const bool alike = rotates ? same(group.path.at(1), other.path.at(1)) : same(after(group, 1), after(other, 1));
+    const bool alike = rotates ? group.path.turn() == other.path.turn() && same(group.path.at(1), other.path.at(1))
+                               : same(after(group, 1), after(other, 1));
     leader = !alike ? kSeveral : group.vertices.size() > other.vertices.size() ? g : leader;
   }
 }
@@ -147,6 +150,7 @@ void GroupPaths::go_to(int step) {
   const double at = step == steps_ ? 1 : static_cast<double>(step) / steps_;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     motions_[g] = after(groups_[g], at * groups_[g].fraction);
+    rotations_[g] = motions_[g].rotation();
     groups_[g].now = at * groups_[g].fraction;
   }
   for (std::size_t c = 0; c < rigid_motions_.size(); ++c) {
@@ -154,6 +158,7 @@ void GroupPaths::go_to(int step) {
                         : leader_[c] == kNoGroup ? LocalMotion()
                         : leader_[c] != kSeveral ? motions_[leader_[c]]
                                                  : best_fit(static_cast<int>(c));
+    rigid_rotations_[c] = rigid_motions_[c].rotation();
   }
 }
 
@@ -188,6 +193,13 @@ Vector3 GroupPaths::target_offset(int i) const {
 bool GroupPaths::moves_rigidly() const {
   return !std::all_of(rigid_motions_.begin(), rigid_motions_.end(),
                       [](const LocalMotion& motion) { return motion.none(); });
+}
+
+bool GroupPaths::revolves() const {
+  constexpr double kNearly = 359;
+  return std::any_of(groups_.begin(), groups_.end(), [](const Group& group) {
+    return group.vertices.size() > 1 && std::abs(group.fraction) * group.path.turn().norm() > kNearly;
+  });
 }
 
 /// Vertices have their squared weights, as in the equations.

@@ -26,7 +26,7 @@ class GroupPaths {
   /// Returns the number of equal steps of the paths. A step is at most 30 degrees of rotation, a tenth of the region's
   /// size or a stretch of a quarter, unless the path is very long.
   int steps() const { return steps_; }
-  /// Moves all groups to the end of a step, 1 to steps().
+  /// Moves all groups to the end of a step, 0 (rest) to steps().
   void go_to(int step);
 
   /// Returns the displacement of handle vertex i of the region at the end of the step.
@@ -41,7 +41,10 @@ class GroupPaths {
   const std::vector<LocalMotion>& motions() const { return motions_; }  ///< of the groups; without target_offset()
 
   const std::vector<LocalMotion>& rigid_motions() const { return rigid_motions_; }  ///< of the components
-  bool moves_rigidly() const;                                                       ///< whether any component is moved
+  const std::vector<Matrix3>& rotations() const { return rotations_; }              ///< of motions()
+  const std::vector<Matrix3>& rigid_rotations() const { return rigid_rotations_; }
+  bool moves_rigidly() const;  ///< whether any component is moved
+  bool revolves() const;       ///< whether any group makes a revolution, after which it may be where it was
 
  private:
   struct Group {
@@ -65,6 +68,7 @@ class GroupPaths {
   std::vector<int> index_;  // index of a handle vertex in its group
   LocalMotion anchors_;
   std::vector<LocalMotion> motions_, rigid_motions_;
+  std::vector<Matrix3> rotations_, rigid_rotations_;
   std::vector<int> leader_;  // per component: a group that all its groups move like, kSeveral or kNoGroup
   int steps_ = 1;
   bool has_targets_ = false;
