@@ -219,7 +219,7 @@ TEST(LocalGlobal, SettledStateSatisfiesItsEquations) {
         constraints.row(cell) += held.weight * weight * (map * held.mean - held.mean).transpose();
       }
     }
-    local_global.start(cells.centres, std::vector<Matrix3>(cells.count(), Matrix3::Zero()));
+    local_global.start(cells.centres, std::vector<Matrix3>(cells.count(), Matrix3::Zero()), false);
     const LocalGlobal::Outcome outcome = local_global.settle(constraints, 1e-8, 4000, displacement, rotations);
     EXPECT_LT(outcome.left, 1e-8) << membrane;
 

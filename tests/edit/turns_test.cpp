@@ -40,6 +40,10 @@ Matrix3 rotation_of(const Points& before, const Points& after, const std::vector
   return nearest_rotation((b.rowwise() - b.colwise().mean()).transpose() * (a.rowwise() - a.colwise().mean()));
 }
 
+double degrees_between(const Matrix3& a, const Matrix3& b) {
+  return support::largest_angle({a}, {b}) * 180 / kPi;
+}
+
 HandleMotion motion_of(const TriangleMesh& mesh, const std::vector<int>& group, const Vector3& axis, double degrees,
                        const Vector3& way = Vector3::Zero()) {
   HandleTransform transform;
@@ -62,6 +66,75 @@ struct Grip {
     return by_group ? std::vector<HandleMotion>{motion, Affine::Identity()} : std::vector<HandleMotion>{motion};
   }
 };
+
+constexpr double kHeld = 6;  // length before the grip
+
+Grip ring_grip(int around, double free_length, bool by_group) {
+  Grip result = {tube(around, kHeld + free_length), {}, {}, by_group};
+  result.held = between(result.mesh, -1, 3 * kPi / around);
+  result.held.push_back(0);
+  result.grip = ring_at(result.mesh, kHeld);
+  return result;
+}
+
+/// A part beyond a grip around the tube moves rigidly with it. Seen: 1.8 degrees at most; without a rigid start 58.
+TEST(Turns, PartBeyondAGripMovesRigidlyWithIt) {
+  for (const int around : {6, 8, 12, 24}) {
+    for (const double free_length : {2.0, 4.0, 8.0}) {
+      for (const bool by_group : {false, true}) {
+        const Grip edit = ring_grip(around, free_length, by_group);
+        const std::vector<int> tip = between(edit.mesh, kHeld + free_length - 7 / static_cast<double>(around), 99);
+        for (const LaplacianKind kind : {LaplacianKind::MeanValue, LaplacianKind::Cotangent, LaplacianKind::Umbrella}) {
+          if (around > 8 && kind != LaplacianKind::MeanValue) {
+            continue;
+          }
+          EditSettings settings;
+          settings.laplacian = kind;
+          support::Prepared solver(edit.mesh, edit.region(), settings);
+          const auto expect_rigid = [&](const Vector3& axis, double degrees, const Vector3& way) {
+            const auto motions = edit.motions(motion_of(edit.mesh, edit.grip, axis, degrees, way));
+            const Matrix3 expected = rotation_about(axis, degrees);
+            const std::string where = std::to_string(around) + " around, " + std::to_string(free_length) +
+                                      " free, held by a group: " + std::to_string(by_group) + ", " + name(kind) + ", " +
+                                      std::to_string(degrees) + " degrees";
+            EXPECT_LT(degrees_between(rotation_of(edit.mesh.vertices, solver.pose(motions), tip), expected), 3)
+                << where;
+            Points frame;
+            solver.frame(motions, frame);
+            EXPECT_LT(degrees_between(rotation_of(edit.mesh.vertices, frame, tip), expected), 5) << "frame, " << where;
+          };
+          expect_rigid(Vector3::UnitZ(), 90, {-2, 2, 0});
+          expect_rigid(Vector3::UnitX(), 90, {0, 0, 0});
+          expect_rigid(Vector3::UnitZ(), 0, {-1.5, 4, 0});
+        }
+      }
+    }
+  }
+}
+
+/// Where a patch or a vertex on one side is moved only, the free end rotates with the tube around it. Seen: 5.3 degrees
+/// at most; without loose parts 27.
+TEST(Turns, FreeEndRotatesWithItsRoot) {
+  for (const int around : {12, 24}) {
+    for (const double free_length : {2.0, 8.0}) {
+      for (const double radius : {0.01, 0.5}) {
+        Grip edit = ring_grip(around, free_length, false);
+        edit.grip = support::around(edit.mesh, edit.mesh.vertices.row(support::vertex_at(edit.mesh, {kHeld, 1, 0})),
+                                    std::max(radius, radius < 0.1 ? 0 : 7 / static_cast<double>(around)));
+        const double edge = 7 / static_cast<double>(around);
+        support::Prepared solver(edit.mesh, edit.region());
+        for (const Vector3& way : {Vector3(-1.5, 4, 0), Vector3(-1.5, -4, 0), Vector3(-1, 0, 3.5)}) {
+          const Points& pose = solver.pose({support::shift(way)});
+          const Matrix3 tip =
+              rotation_of(edit.mesh.vertices, pose, between(edit.mesh, kHeld + free_length - 2 * edge, 99));
+          const Matrix3 root = rotation_of(edit.mesh.vertices, pose, between(edit.mesh, kHeld - edge, kHeld + edge));
+          EXPECT_LT(degrees_between(tip, root), 8)
+              << around << " around, " << free_length << " free, radius " << radius << ", way " << way.transpose();
+        }
+      }
+    }
+  }
+}
 
 /// A tube between two rims, one of them turned.
 struct Twist {

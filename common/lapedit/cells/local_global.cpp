@@ -91,6 +91,7 @@ LocalGlobal::LocalGlobal(const RegionCells& cells, const CellSurface& surface, c
       system_(system),
       averages_(cells.count()),
       covariances_(cells.count()),
+      loose_(system.loose_parts()),
       before_(cells.neighbours.values.size()),
       rotating_{OperatorRows::Rows(system.differential_operator()), {}, {}, {}} {
   rotating_.edges.resize(rotating_.m.nonZeros(), 3);
@@ -98,7 +99,8 @@ LocalGlobal::LocalGlobal(const RegionCells& cells, const CellSurface& surface, c
   rotating_.columns.resize(12 * static_cast<std::size_t>(cells.count()));
 }
 
-void LocalGlobal::start(const Points& rigid, const std::vector<Matrix3>& linear) {
+void LocalGlobal::start(const Points& rigid, const std::vector<Matrix3>& linear, bool hangs) {
+  loose_.resize(hangs ? system_.loose_parts() : 0);
   if (rigid_.rows() == rigid.rows() && rigid_ == rigid && linear_ == linear) {
     return;  // in a drag this is the rest pose in every frame
   }
@@ -140,6 +142,28 @@ void LocalGlobal::fit(const Points& displacement, std::vector<Matrix3>& rotation
     }
   }
   nearest_rotations(covariances_.data(), cells_.count(), rotations.data());
+  if (!loose_.empty()) {
+    hang(rotations);
+  }
+}
+
+/// Gives each loose part the mean rotation of the cells around it.
+void LocalGlobal::hang(std::vector<Matrix3>& rotations) {
+  const std::vector<int>& part = system_.loose();
+  std::fill(loose_.begin(), loose_.end(), Matrix3::Zero());
+  for (int a = 0; a < cells_.count(); ++a) {
+    for (int k = cells_.neighbours.offsets[a]; k < cells_.neighbours.offsets[a + 1]; ++k) {
+      if (const int of = part[cells_.neighbours.values[k]]; of >= 0 && part[a] < 0) {
+        loose_[of] += cells_.crossing[k] * rotations[a];
+      }
+    }
+  }
+  nearest_rotations(loose_.data(), static_cast<int>(loose_.size()), loose_.data());
+  for (int a = 0; a < cells_.count(); ++a) {
+    if (part[a] >= 0) {
+      rotations[a] = loose_[part[a]];
+    }
+  }
 }
 
 void LocalGlobal::rotate(const std::vector<Matrix3>& rotations, Points& rotated) {

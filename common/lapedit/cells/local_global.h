@@ -31,7 +31,8 @@ class LocalGlobal {
   };
 
   /// Sets the rigidly moved positions of the cells and the linear part (minus identity) of each motion.
-  void start(const Points& rigid, const std::vector<Matrix3>& linear);
+  /// @param hangs  whether loose parts rotate as one
+  void start(const Points& rigid, const std::vector<Matrix3>& linear, bool hangs);
 
   /// @param constraints   the right-hand side of CoarseSystem::solve() without rotations
   /// @param displacement  out: the solution
@@ -50,6 +51,7 @@ class LocalGlobal {
     std::vector<double> columns;  // of R - I per cell, four numbers each
   };
   void fit(const Points& displacement, std::vector<Matrix3>& rotations);
+  void hang(std::vector<Matrix3>& rotations);
   void rotate(const std::vector<Matrix3>& rotations, Points& rotated);
 
   const RegionCells& cells_;
@@ -59,7 +61,7 @@ class LocalGlobal {
   ThreadPool alone_{1};  // a second thread does not pay for some hundred cells
   Points result_, rigid_, smooth_before_, smooth_after_, normals_before_, scratch_, next_, rotated_;
   MatrixAverages averages_;
-  std::vector<Matrix3> linear_, covariances_;
+  std::vector<Matrix3> linear_, covariances_, loose_;
   std::vector<Vector3> before_;  // per entry of neighbours: g_ab (P0_b - P0_a)
   Rotating rotating_;
 };

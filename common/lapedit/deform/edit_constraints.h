@@ -27,6 +27,7 @@ class EditConstraints {
   /// Returns whether any target differs from the rigidly moved pose.
   bool any() const { return any_; }
 
+  const GroupPaths& paths() const { return paths_; }
   bool moves_rigidly() const { return moves_rigidly_; }
   /// Returns the pose that the solve starts from, relative to the rest pose's origin: rigidly moved if a component
   /// moves.

@@ -46,6 +46,43 @@ GroupPaths::GroupPaths(const Region& region, const Points& rest, const Vector3& 
     group.components.erase(std::unique(group.components.begin(), group.components.end()), group.components.end());
     group.centre /= static_cast<double>(std::max<std::size_t>(group.vertices.size(), 1));
   }
+  find_hanging();
+}
+
+/// Returns whether the vertices spread in more than one direction.
+bool GroupPaths::is_wide(const Group& group) const {
+  constexpr double kLine = 0.0025;  // squared ratio of the two widths
+  Matrix3 spread = Matrix3::Zero();
+  for (const int i : group.vertices) {
+    const Vector3 off = rest_.row(i).transpose() - group.centre;
+    spread += off * off.transpose();
+  }
+  const double trace = spread.trace();
+  return trace * trace - spread.squaredNorm() > 2 * kLine * trace * trace;
+}
+
+void GroupPaths::find_hanging() {
+  std::vector<char> is_free(region_.size()), wide(groups_.size());
+  std::transform(region_.classes.begin(), region_.classes.end(), is_free.begin(),
+                 [](VertexClass c) { return c == VertexClass::Free ? 1 : 0; });
+  std::transform(groups_.begin(), groups_.end(), wide.begin(), [this](const Group& g) { return is_wide(g) ? 1 : 0; });
+  std::vector<int> part;
+  std::vector<int> holder(connected_components(region_.neighbours, part, is_free), kNoGroup);
+  for (int i = 0; i < region_.size(); ++i) {
+    for (const int j : region_.neighbours[i]) {
+      if (is_free[i] && !is_free[j]) {
+        const int by = region_.group[j] >= 0 && wide[region_.group[j]] ? region_.group[j] : kSeveral;
+        int& met = holder[part[i]];
+        met = met == kNoGroup || met == by ? by : kSeveral;
+      }
+    }
+  }
+  for (int i = 0; i < region_.size(); ++i) {
+    if (is_free[i] && holder[part[i]] >= 0) {
+      index_[i] = holder[part[i]];
+      hanging_.push_back(i);
+    }
+  }
 }
 
 void GroupPaths::check(const std::vector<HandleMotion>& motions) const {
@@ -200,6 +237,14 @@ bool GroupPaths::revolves() const {
   return std::any_of(groups_.begin(), groups_.end(), [](const Group& group) {
     return group.vertices.size() > 1 && std::abs(group.fraction) * group.path.turn().norm() > kNearly;
   });
+}
+
+void GroupPaths::rotate_hanging(std::vector<Matrix3>& rotations) const {
+  for (const int i : hanging_) {
+    if (const int g = followed(i); g >= 0) {
+      rotations[i] = rotations_[g] * rigid_rotations_[region_.component[i]].transpose();
+    }
+  }
 }
 
 /// Vertices have their squared weights, as in the equations.

@@ -46,6 +46,14 @@ class GroupPaths {
   bool moves_rigidly() const;  ///< whether any component is moved
   bool revolves() const;       ///< whether any group makes a revolution, after which it may be where it was
 
+  /// Returns the free vertices that one group alone connects to all that is held, so they move rigidly with it. A group
+  /// on a line does not count, since they could rotate about it.
+  const std::vector<int>& hanging() const { return hanging_; }
+  /// Returns the group that a hanging vertex moves with; -1 if the group's vertices have targets.
+  int followed(int hanging) const { return groups_[index_[hanging]].offsets.rows() == 0 ? index_[hanging] : -1; }
+  /// Gives hanging vertices the rotation of their group, relative to the rigid motion of their component.
+  void rotate_hanging(std::vector<Matrix3>& rotations) const;
+
  private:
   struct Group {
     std::vector<int> vertices;  // of the region, ascending
@@ -58,6 +66,8 @@ class GroupPaths {
   void check(const std::vector<HandleMotion>& motions) const;
   void set_targets(Group& group, const HandleMotion& motion);
   void lead(int g, int& leader) const;
+  bool is_wide(const Group& group) const;
+  void find_hanging();
   LocalMotion after(const Group& group, double fraction) const;
   LocalMotion best_fit(int component) const;
 
@@ -65,7 +75,8 @@ class GroupPaths {
   const Points& rest_;
   Vector3 origin_;
   std::vector<Group> groups_;
-  std::vector<int> index_;  // index of a handle vertex in its group
+  std::vector<int> index_;    // of a handle vertex in its group; of the group for a hanging vertex
+  std::vector<int> hanging_;  // ascending
   LocalMotion anchors_;
   std::vector<LocalMotion> motions_, rigid_motions_;
   std::vector<Matrix3> rotations_, rigid_rotations_;
