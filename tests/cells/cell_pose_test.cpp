@@ -182,7 +182,8 @@ TEST(LocalGlobal, SettledStateSatisfiesItsEquations) {
     const CellSurface surface(cells);
     CoarseSystem system(region, rest, cells, blend, settings);
     const std::vector<double> hold(cells.count(), 0);
-    LocalGlobal local_global(cells, surface, hold, system);
+    const std::vector<double> inertia(cells.count(), 0.5);
+    LocalGlobal local_global(cells, surface, hold, inertia, system);
     Points constraints = Points::Zero(cells.count(), 3), displacement;
     std::vector<Matrix3> rotations(cells.count(), Matrix3::Identity());
     const Affine map = bent(60);
@@ -191,7 +192,7 @@ TEST(LocalGlobal, SettledStateSatisfiesItsEquations) {
         constraints.row(cell) += held.weight * weight * (map * held.mean - held.mean).transpose();
       }
     }
-    local_global.start(cells.centres, std::vector<Matrix3>(cells.count(), Matrix3::Zero()));
+    local_global.start(cells.centres, std::vector<Matrix3>(cells.count(), Matrix3::Zero()), false);
     const LocalGlobal::Outcome outcome = local_global.settle(constraints, 1e-8, 4000, displacement, rotations);
     EXPECT_LT(outcome.left, 1e-8) << membrane;
 

@@ -82,6 +82,7 @@ void CellModel::spread(std::vector<Matrix3>& rotations, ThreadPool& pool) {
     rotations[i] = sum.isZero(0) ? Matrix3(Matrix3::Identity())
                                  : Eigen::Quaterniond(Eigen::Vector4d(sum.normalized())).toRotationMatrix();
   });
+  paths_.rotate_hanging(rotations);
 }
 
 struct CellModel::Displacing {
@@ -137,6 +138,17 @@ void CellModel::displace_handle(int i, double unit, Points& displacement) const 
   displacement.row(i) += held * (paths_.displacement(i).transpose() / unit - displacement.row(i));
 }
 
+void CellModel::displace_hanging(double unit, Transform* transforms, Points& displacement) const {
+  for (const int i : paths_.hanging()) {
+    if (const int g = paths_.followed(i); g >= 0) {
+      displacement.row(i) = paths_.motions()[g].displacement(rest_->local.row(i).transpose()).transpose() / unit;
+      for (int c = 0; c < 3; ++c) {
+        transforms[i].columns[c] = floats4(paths_.rotations()[g].col(c) - Vector3::Unit(c));
+      }
+    }
+  }
+}
+
 void CellModel::displace(double unit, Transform* transforms, Points& displacement, ThreadPool& pool) {
   constexpr int kGrain = 2048;
   const Region& region = *rest_->region;
@@ -173,6 +185,9 @@ void CellModel::displace(double unit, Transform* transforms, Points& displacemen
       }
     }
   });
+  if (settings_.method == EditMethod::Default) {
+    displace_hanging(unit, transforms, displacement);
+  }
 }
 
 }  // namespace lapedit

@@ -63,6 +63,7 @@ class CellModel {
   };
   struct Displacing;
   void displace_handle(int i, double unit, Points& displacement) const;
+  void displace_hanging(double unit, Transform* transforms, Points& displacement) const;
 
   std::shared_ptr<const RestPose> rest_;
   EditSettings settings_;

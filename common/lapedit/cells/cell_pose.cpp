@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/cells/cell_pose.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 
 namespace lapedit {
@@ -11,7 +12,20 @@ struct Passes {
   int per_step, at_the_end;
 };
 constexpr Passes kFull = {5, 20}, kQuick = {1, 8};
+constexpr double kInertia = 0.5;
 constexpr double kSettled = 1e-9;  // of the handles' largest displacement: rotations have converged
+
+/// Returns the tangent of an eighth of the angle, along the axis: nearly proportional to the angle.
+Vector3 eighth(const Matrix3& rotation) {
+  Eigen::Vector4d turn = Eigen::Quaterniond(rotation).coeffs();
+  if (turn[3] < 0) {
+    turn = -turn;
+  }
+  for (int halving = 0; halving < 2; ++halving) {
+    turn[3] += turn.norm();
+  }
+  return turn.head<3>() / turn[3];
+}
 
 }  // namespace
 
@@ -28,7 +42,8 @@ CellPose::CellPose(const Region& region, const Points& rest, const RegionCells& 
       rotates_(settings.method != EditMethod::Linear),
       component_(cells.count(), 0),
       hold_(cells.count(), 0),
-      local_global_(cells, surface_, hold_, system_),
+      inertia_(cells.count(), kInertia),
+      local_global_(cells, surface_, hold_, inertia_, system_),
       linear_(cells.count()),
       rotations_(cells.count(), Matrix3::Identity()) {
   for (int i = 0; i < region.size(); ++i) {
@@ -41,8 +56,9 @@ CellPose::CellPose(const Region& region, const Points& rest, const RegionCells& 
   // Allocates all scratch memory here, so that frames allocate nothing.
   constraints_.setZero(cells.count(), 3);
   displacement_.setZero(cells.count(), 3);
-  local_global_.start(cells.centres, std::vector<Matrix3>(cells.count(), Matrix3::Zero()));
+  local_global_.start(cells.centres, std::vector<Matrix3>(cells.count(), Matrix3::Zero()), true);
   local_global_.settle(constraints_, 0, 2, displacement_, rotations_);
+  turns_.setZero(cells.count(), 3);
   displacement_.setZero();
   std::fill(rotations_.begin(), rotations_.end(), Matrix3::Identity());
 }
@@ -55,7 +71,7 @@ void CellPose::move_rigidly(const GroupPaths& paths) {
     linear_[c] = along.linear;
     rigid_.row(c) += along.displacement(cells_.centres.row(c).transpose()).transpose();
   }
-  local_global_.start(rigid_, linear_);
+  local_global_.start(rigid_, linear_, !paths.has_targets());
 }
 
 /// Sets the handles' constraints of this step. @return their largest displacement from the rigidly moved pose
@@ -73,6 +89,50 @@ double CellPose::constrain(const GroupPaths& paths) {
   return largest;
 }
 
+/// Rotates each cell, in space, by the groups' rotations in this step, as far as it follows each. So revolutions are
+/// counted, and a part that follows one group alone begins with its rotation.
+void CellPose::follow(const GroupPaths& paths) {
+  if (paths.rotations() != group_rotations_) {
+    turns_.setZero();
+    for (std::size_t g = 0; g < group_rotations_.size(); ++g) {
+      const Matrix3 by = paths.rotations()[g] * group_rotations_[g].transpose();
+      turns_.noalias() += system_.follow().col(static_cast<Eigen::Index>(g)) * eighth(by).transpose();
+    }
+    for (int c = 0; c < cells_.count(); ++c) {  // by (1 + v)^4 / |1 + v|^4, a quaternion
+      const double v = turns_.row(c).squaredNorm(), unit = 1 / ((1 + v) * (1 + v)), along = 4 * (1 - v) * unit;
+      const Eigen::Quaterniond by((1 - 6 * v + v * v) * unit, along * turns_(c, 0), along * turns_(c, 1),
+                                  along * turns_(c, 2));
+      rotations_[c] = by.toRotationMatrix() * rotations_[c];
+    }
+    turned_ += turns_;
+    group_rotations_ = paths.rotations();
+  }
+  if (paths.rigid_rotations() != rigid_rotations_) {
+    for (int c = 0; c < cells_.count(); ++c) {
+      rotations_[c] *= rigid_rotations_[component_[c]] * paths.rigid_rotations()[component_[c]].transpose();
+    }
+    rigid_rotations_ = paths.rigid_rotations();
+  }
+}
+
+/// Cells that are twisted by more than kTwist against their neighbours stay near the rotations that they begin with:
+/// passes would give a limb that is twisted much a neck, where it goes through itself and untwists.
+void CellPose::resist_twist() {
+  constexpr double kTwist = 0.07;  // radians, 4 degrees
+  for (int a = 0; a < cells_.count(); ++a) {
+    double sum = 0, squares = 0;
+    for (const int b : cells_.neighbours[a]) {
+      const Eigen::RowVector3d edge = rigid_.row(b) - rigid_.row(a);
+      sum += 8 * edge.dot(turned_.row(b) - turned_.row(a));
+      squares += edge.squaredNorm();
+    }
+    if (squares > 0) {
+      const double twist = sum * sum / (squares * cells_.neighbours[a].size() * kTwist * kTwist);
+      inertia_[a] = kInertia + twist * twist;
+    }
+  }
+}
+
 void CellPose::solve(GroupPaths& paths, bool quick) {
   displacement_.setZero(cells_.count(), 3);
   std::fill(rotations_.begin(), rotations_.end(), Matrix3::Identity());
@@ -85,20 +145,29 @@ void CellPose::solve(GroupPaths& paths, bool quick) {
     system_.solve(constraints_, displacement_);
     return;
   }
+  paths.go_to(0);
+  group_rotations_ = paths.rotations();
+  rigid_rotations_ = paths.rigid_rotations();
+  turned_.setZero(cells_.count(), 3);
+  std::fill(inertia_.begin(), inertia_.end(), kInertia);
   for (int step = 1; step <= steps; ++step) {
     paths.go_to(step);
     move_rigidly(paths);
     const double moved = constrain(paths);
-    if (moved == 0) {
+    follow(paths);
+    if (moved == 0 && (passes_ == 0 || !paths.revolves())) {
       displacement_.setZero();
       std::fill(rotations_.begin(), rotations_.end(), Matrix3::Identity());
       continue;
+    }
+    if (!quick || step == steps) {
+      resist_twist();
     }
     const Passes& passes = quick ? kQuick : kFull;
     const LocalGlobal::Outcome outcome = local_global_.settle(
         constraints_, kSettled * moved, step == steps ? passes.at_the_end : passes.per_step, displacement_, rotations_);
     passes_ += outcome.passes;
-    left_ = outcome.left / moved;
+    left_ = moved > 0 ? outcome.left / moved : 0;
   }
 }
 

@@ -36,6 +36,8 @@ class CellPose {
  private:
   void move_rigidly(const GroupPaths& paths);
   double constrain(const GroupPaths& paths);
+  void follow(const GroupPaths& paths);
+  void resist_twist();
 
   const RegionCells& cells_;
   CellSurface surface_;
@@ -43,10 +45,12 @@ class CellPose {
   bool rotates_;
   std::vector<int> component_;  // of each cell
   std::vector<double> hold_;    // by how much its rotation is reduced, 0 to 1
+  std::vector<double> inertia_;
   LocalGlobal local_global_;
   std::vector<Matrix3> linear_;
   Points rigid_, constraints_, displacement_;
-  std::vector<Matrix3> rotations_;
+  std::vector<Matrix3> rotations_, group_rotations_, rigid_rotations_;  // the last two of the last step
+  Points turns_, turned_;  // see eighth(): what the groups rotate the cells by in this step and so far
   int passes_ = 0;
   double left_ = 0;
 };

@@ -61,6 +61,25 @@ SparseMatrix stiffness_matrix(const RegionCells& cells) {
   return matrix;
 }
 
+/// Returns 1 for each group that is wider than its cells, falling to 0 for points, which rotate little around them.
+Eigen::VectorXd widths(const Region& region, const Points& rest, const RegionCells& cells, int groups) {
+  constexpr double kWide = 0.5;  // mean squared distance from the centroid over the area of a cell
+  Points centres = Points::Zero(groups, 3);
+  Eigen::VectorXd count = Eigen::VectorXd::Constant(groups, 1e-300), spread = count, area = count;
+  for (const bool first : {true, false}) {
+    for (int i = 0; i < region.size(); ++i) {
+      if (const int g = region.group[i]; g >= 0 && first) {
+        centres.row(g) += rest.row(i);
+        area[g] += cells.area[cells.of[i]];
+        count[g] += 1;
+      } else if (g >= 0) {
+        spread[g] += (rest.row(i) - centres.row(g) / count[g]).squaredNorm();
+      }
+    }
+  }
+  return spread.cwiseQuotient(kWide * area).cwiseMin(1).unaryExpr([](double t) { return smooth_step(t); });
+}
+
 }  // namespace
 
 Vector3 CoarseSystem::Held::displacement(const GroupPaths& paths) const {
@@ -143,6 +162,13 @@ void CoarseSystem::make_normal(const Region& region, const Points& rest, const R
       anchored[cells.of[i]] += w * w;
     }
   }
+  Eigen::VectorXd squared_weights = anchored;
+  for (const Held& held : held_) {
+    squared_weights[held.cell] += held.weight;
+  }
+  make_follow(cells, 1 + *std::max_element(region.group.begin(), region.group.end()), squared_weights);
+  find_loose(cells, region.max_distance, squared_weights);
+  follow_ *= widths(region, rest, cells, static_cast<int>(follow_.cols())).asDiagonal();
   Triplets entries;
   for (int c = 0; c < m; ++c) {
     entries.emplace_back(c, c, anchored[c]);
@@ -158,6 +184,58 @@ void CoarseSystem::make_normal(const Region& region, const Points& rest, const R
   constraints.setFromTriplets(entries.begin(), entries.end());
   normal += constraints;
   factorise_for(region, [&] { normal_ = std::make_unique<SparseCholesky>(normal, CholeskyBackend::Eigen); });
+}
+
+/// (L + D W^2) phi_g = D W_g^2. L has no positive weights beside its diagonal, so it is definite for all operators.
+void CoarseSystem::make_follow(const RegionCells& cells, int groups, const Eigen::VectorXd& squared_weights) {
+  follow_.setZero(cells.count(), groups);
+  for (const Held& one : held_) {
+    follow_(one.cell, one.group) += cells.weight[one.cell] * one.weight;
+  }
+  SparseMatrix matrix = Eigen::Map<const Eigen::VectorXd>(cells.weight.data(), cells.count()).asDiagonal() * operator_;
+  for (int c = 0; c < cells.count(); ++c) {
+    double sum = cells.weight[c] * squared_weights[c];
+    for (SparseMatrix::InnerIterator entry(matrix, c); entry; ++entry) {
+      entry.valueRef() = entry.row() == c ? 0 : std::min(entry.value(), 0.0);
+      sum -= entry.value();
+    }
+    matrix.coeffRef(c, c) = sum;
+  }
+  SparseCholesky factor(matrix, CholeskyBackend::Eigen);
+  Points three = Points::Zero(cells.count(), 3);
+  for (int g = 0; g < groups; g += 3) {
+    const int count = std::min(3, groups - g);
+    three.leftCols(count) = follow_.middleCols(g, count);
+    factor.solve(three, three);
+    follow_.middleCols(g, count) = three.leftCols(count);
+  }
+}
+
+/// Forces pass where follow() has slopes.
+void CoarseSystem::find_loose(const RegionCells& cells, double size, const Eigen::VectorXd& squared_weights) {
+  constexpr double kSlope = 0.4;  // over the region's size
+  constexpr double kFree = 1e-6;
+  constexpr int kFew = 40;  // with which rotations converge anyway, and cells around a limb are collinear
+  const Eigen::RowVectorXd largest = follow_.colwise().maxCoeff().cwiseMax(1e-300);  // less than 1 for weak groups
+  const Eigen::MatrixXd follow = follow_ * largest.cwiseInverse().asDiagonal();
+  std::vector<char> is_loose(cells.count());
+  for (int a = 0; a < cells.count(); ++a) {
+    double slope = 0;
+    for (const int b : cells.neighbours[a]) {
+      slope +=
+          (follow.row(a) - follow.row(b)).squaredNorm() / (cells.centres.row(a) - cells.centres.row(b)).squaredNorm();
+    }
+    const bool slopes = !(slope * size * size < kSlope * kSlope);
+    is_loose[a] = cells.count() >= kFew && squared_weights[a] < kFree && !slopes ? 1 : 0;
+  }
+  connected_components(cells.neighbours, loose_, is_loose);
+  std::vector<int> number(cells.count(), -1);
+  int parts = 0;
+  for (int c = 0; c < cells.count(); ++c) {
+    int& one = number[loose_[c]];
+    one = is_loose[c] && one < 0 ? parts++ : one;
+    loose_[c] = one;
+  }
 }
 
 void CoarseSystem::add_rotated(Points& rotated, Points& right) const {

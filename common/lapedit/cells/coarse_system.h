@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -37,6 +38,14 @@ class CoarseSystem {
 
   const std::vector<Held>& held() const { return held_; }
 
+  /// Returns how much each cell follows each group, cells x groups: 1 on the group, 0 on others and anchors, and
+  /// harmonic along the surface between them.
+  const Eigen::MatrixXd& follow() const { return follow_; }
+  /// Returns for each cell the number of its loose part, or -1. No forces pass through such a part, so it rotates as
+  /// one with the cells around it.
+  const std::vector<int>& loose() const { return loose_; }
+  int loose_parts() const { return 1 + *std::max_element(loose_.begin(), loose_.end()); }
+
   /// Computes x = (M^T N M + c D M + W^2)^-1 right, cells x 3. Nothing is allocated after the first call.
   void solve(const Points& right, Points& x) { normal_->solve(right, x); }
   /// M = D^-1 L.
@@ -49,10 +58,14 @@ class CoarseSystem {
   void hold_handles(const Region& region, const Points& rest, const RegionCells& cells, const CellBlend& blend,
                     double handle_weight);
   void make_normal(const Region& region, const Points& rest, const RegionCells& cells, const EditSettings& settings);
+  void make_follow(const RegionCells& cells, int groups, const Eigen::VectorXd& squared_weights);
+  void find_loose(const RegionCells& cells, double size, const Eigen::VectorXd& squared_weights);
 
   SparseMatrix operator_;           // M
   Eigen::VectorXd rows_, stretch_;  // N, c D
   std::vector<Held> held_;
+  Eigen::MatrixXd follow_;
+  std::vector<int> loose_;
   std::unique_ptr<SparseCholesky> normal_;
 };
 

@@ -14,7 +14,7 @@ constexpr int kSmoothing = 1;
 constexpr double kNormals = 0.5;
 // Prevents jumps of the pose where the surface collapses: the normal fades out, and the rotation stays near the last
 // one.
-constexpr double kSureNormal = 0.5, kInertia = 0.5;
+constexpr double kSureNormal = 0.5;
 
 LAPEDIT_INLINE Doubles4 three(const double* from) {
   return Doubles4{from[0], from[1], from[2], 0};
@@ -83,13 +83,15 @@ struct LocalGlobal::Rotated {
 };
 
 LocalGlobal::LocalGlobal(const RegionCells& cells, const CellSurface& surface, const std::vector<double>& hold,
-                         CoarseSystem& system)
+                         const std::vector<double>& inertia, CoarseSystem& system)
     : cells_(cells),
       surface_(surface),
       hold_(hold),
+      inertia_(inertia),
       system_(system),
       averages_(cells.count()),
       covariances_(cells.count()),
+      loose_(system.loose_parts()),
       before_(cells.neighbours.values.size()),
       rotating_{OperatorRows::Rows(system.differential_operator()), {}, {}, {}} {
   rotating_.edges.resize(rotating_.m.nonZeros(), 3);
@@ -97,7 +99,8 @@ LocalGlobal::LocalGlobal(const RegionCells& cells, const CellSurface& surface, c
   rotating_.columns.resize(12 * static_cast<std::size_t>(cells.count()));
 }
 
-void LocalGlobal::start(const Points& rigid, const std::vector<Matrix3>& linear) {
+void LocalGlobal::start(const Points& rigid, const std::vector<Matrix3>& linear, bool hangs) {
+  loose_.resize(hangs ? system_.loose_parts() : 0);
   if (rigid_.rows() == rigid.rows() && rigid_ == rigid && linear_ == linear) {
     return;  // in a drag this is the rest pose in every frame
   }
@@ -133,12 +136,34 @@ void LocalGlobal::fit(const Points& displacement, std::vector<Matrix3>& rotation
   for (int a = 0; a < cells_.count(); ++a) {
     const Matrix3 averaged = averages_[a];
     covariances_[a] = averaged.allFinite() ? averaged : Matrix3(Matrix3::Identity());
-    covariances_[a] += kInertia * covariances_[a].norm() * rotations[a];
+    covariances_[a] += inertia_[a] * covariances_[a].norm() * rotations[a];
     if (hold_[a] > 0) {
       covariances_[a] = (1 - hold_[a]) * covariances_[a] + hold_[a] * covariances_[a].norm() * Matrix3::Identity();
     }
   }
   nearest_rotations(covariances_.data(), cells_.count(), rotations.data());
+  if (!loose_.empty()) {
+    hang(rotations);
+  }
+}
+
+/// Gives each loose part the mean rotation of the cells around it.
+void LocalGlobal::hang(std::vector<Matrix3>& rotations) {
+  const std::vector<int>& part = system_.loose();
+  std::fill(loose_.begin(), loose_.end(), Matrix3::Zero());
+  for (int a = 0; a < cells_.count(); ++a) {
+    for (int k = cells_.neighbours.offsets[a]; k < cells_.neighbours.offsets[a + 1]; ++k) {
+      if (const int of = part[cells_.neighbours.values[k]]; of >= 0 && part[a] < 0) {
+        loose_[of] += cells_.crossing[k] * rotations[a];
+      }
+    }
+  }
+  nearest_rotations(loose_.data(), static_cast<int>(loose_.size()), loose_.data());
+  for (int a = 0; a < cells_.count(); ++a) {
+    if (part[a] >= 0) {
+      rotations[a] = loose_[part[a]];
+    }
+  }
 }
 
 void LocalGlobal::rotate(const std::vector<Matrix3>& rotations, Points& rotated) {

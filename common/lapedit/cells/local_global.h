@@ -20,9 +20,10 @@ namespace lapedit {
 class LocalGlobal {
  public:
   /// All arguments must outlive the object.
-  /// @param hold  per cell, by how much its rotation is reduced, 0 to 1
+  /// @param hold     per cell, by how much its rotation is reduced, 0 to 1
+  /// @param inertia  per cell, the weight of its last rotation against that of the covariance
   LocalGlobal(const RegionCells& cells, const CellSurface& surface, const std::vector<double>& hold,
-              CoarseSystem& system);
+              const std::vector<double>& inertia, CoarseSystem& system);
 
   struct Outcome {
     int passes = 0;
@@ -30,7 +31,8 @@ class LocalGlobal {
   };
 
   /// Sets the rigidly moved positions of the cells and the linear part (minus identity) of each motion.
-  void start(const Points& rigid, const std::vector<Matrix3>& linear);
+  /// @param hangs  whether loose parts rotate as one
+  void start(const Points& rigid, const std::vector<Matrix3>& linear, bool hangs);
 
   /// @param constraints   the right-hand side of CoarseSystem::solve() without rotations
   /// @param displacement  out: the solution
@@ -49,16 +51,17 @@ class LocalGlobal {
     std::vector<double> columns;  // of R - I per cell, four numbers each
   };
   void fit(const Points& displacement, std::vector<Matrix3>& rotations);
+  void hang(std::vector<Matrix3>& rotations);
   void rotate(const std::vector<Matrix3>& rotations, Points& rotated);
 
   const RegionCells& cells_;
   const CellSurface& surface_;
-  const std::vector<double>& hold_;
+  const std::vector<double>&hold_, &inertia_;
   CoarseSystem& system_;
   ThreadPool alone_{1};  // a second thread does not pay for some hundred cells
   Points result_, rigid_, smooth_before_, smooth_after_, normals_before_, scratch_, next_, rotated_;
   MatrixAverages averages_;
-  std::vector<Matrix3> linear_, covariances_;
+  std::vector<Matrix3> linear_, covariances_, loose_;
   std::vector<Vector3> before_;  // per entry of neighbours: g_ab (P0_b - P0_a)
   Rotating rotating_;
 };

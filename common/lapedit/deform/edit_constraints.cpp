@@ -1,31 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/deform/edit_constraints.h"
 
-#include <Eigen/Geometry>
-#include <algorithm>
-
-#include "lapedit/base/polar_decomposition.h"
-
 namespace lapedit {
-namespace {
-
-Matrix3 rotation_of(const LocalMotion& motion) {
-  const Matrix3 linear = motion.linear + Matrix3::Identity();
-  return motion.linear.isZero(0) || linear.determinant() < 0 ? Matrix3(Matrix3::Identity()) : polar_rotation(linear);
-}
-
-}  // namespace
-
 void EditConstraints::set(const std::vector<HandleMotion>& handles, const Affine& anchors) {
   paths_.set(handles, anchors);
   const Region& region = system_.region;
   const Points& rest = system_.rest.local;
-  const std::vector<LocalMotion>& motions = paths_.rigid_motions();
-  rigid_rotations_.assign(motions.size(), Matrix3::Identity());
   moves_rigidly_ = paths_.moves_rigidly();
-  for (std::size_t c = 0; moves_rigidly_ && c < motions.size(); ++c) {
-    rigid_rotations_[c] = rotation_of(motions[c]);
-  }
   if (moves_rigidly_) {
     rigid_pose_ = rest;
     for (int i = 0; i < region.size(); ++i) {
@@ -39,7 +20,7 @@ void EditConstraints::set(const std::vector<HandleMotion>& handles, const Affine
       right_.row(i) = system_.squared_weights[i] * displacement.transpose();
     }
   }
-  any_ = !right_.isZero(0);
+  any_ = !right_.isZero(0) || paths_.revolves();
 }
 
 void EditConstraints::fall_off(Points& displacement) const {

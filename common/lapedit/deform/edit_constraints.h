@@ -27,13 +27,14 @@ class EditConstraints {
   /// Returns whether any target differs from the rigidly moved pose.
   bool any() const { return any_; }
 
+  const GroupPaths& paths() const { return paths_; }
   bool moves_rigidly() const { return moves_rigidly_; }
   /// Returns the pose that the solve starts from, relative to the rest pose's origin: rigidly moved if a component
   /// moves.
   const Points& start() const { return moves_rigidly_ ? rigid_pose_ : system_.rest.local; }
   /// Returns the rigid motion of the component of vertex i.
   const LocalMotion& rigid_motion(int i) const { return paths_.rigid_motions()[system_.region.component[i]]; }
-  const Matrix3& rigid_rotation(int i) const { return rigid_rotations_[system_.region.component[i]]; }
+  const Matrix3& rigid_rotation(int i) const { return paths_.rigid_rotations()[system_.region.component[i]]; }
 
   /// Computes displacements from start() by the system's fall-off: sum_g phi_g (group g's map - rigid motion).
   /// @param displacement  out: size() x 3
@@ -45,7 +46,6 @@ class EditConstraints {
  private:
   const LaplacianSystem& system_;
   GroupPaths paths_;
-  std::vector<Matrix3> rigid_rotations_;  // per component
   bool moves_rigidly_ = false, any_ = false;
   Points rigid_pose_, right_;
 };

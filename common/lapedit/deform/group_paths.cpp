@@ -29,6 +29,8 @@ GroupPaths::GroupPaths(const Region& region, const Points& rest, const Vector3& 
       index_(region.size(), -1),
       motions_(groups_.size()),
       rigid_motions_(region.anchored.size()),
+      rotations_(groups_.size()),
+      rigid_rotations_(region.anchored.size()),
       leader_(region.anchored.size(), kNoGroup) {
   for (int i = 0; i < region.size(); ++i) {
     if (region.group[i] >= 0) {
@@ -43,6 +45,43 @@ GroupPaths::GroupPaths(const Region& region, const Points& rest, const Vector3& 
     std::sort(group.components.begin(), group.components.end());
     group.components.erase(std::unique(group.components.begin(), group.components.end()), group.components.end());
     group.centre /= static_cast<double>(std::max<std::size_t>(group.vertices.size(), 1));
+  }
+  find_hanging();
+}
+
+/// Returns whether the vertices spread in more than one direction.
+bool GroupPaths::is_wide(const Group& group) const {
+  constexpr double kLine = 0.0025;  // squared ratio of the two widths
+  Matrix3 spread = Matrix3::Zero();
+  for (const int i : group.vertices) {
+    const Vector3 off = rest_.row(i).transpose() - group.centre;
+    spread += off * off.transpose();
+  }
+  const double trace = spread.trace();
+  return trace * trace - spread.squaredNorm() > 2 * kLine * trace * trace;
+}
+
+void GroupPaths::find_hanging() {
+  std::vector<char> is_free(region_.size()), wide(groups_.size());
+  std::transform(region_.classes.begin(), region_.classes.end(), is_free.begin(),
+                 [](VertexClass c) { return c == VertexClass::Free ? 1 : 0; });
+  std::transform(groups_.begin(), groups_.end(), wide.begin(), [this](const Group& g) { return is_wide(g) ? 1 : 0; });
+  std::vector<int> part;
+  std::vector<int> holder(connected_components(region_.neighbours, part, is_free), kNoGroup);
+  for (int i = 0; i < region_.size(); ++i) {
+    for (const int j : region_.neighbours[i]) {
+      if (is_free[i] && !is_free[j]) {
+        const int by = region_.group[j] >= 0 && wide[region_.group[j]] ? region_.group[j] : kSeveral;
+        int& met = holder[part[i]];
+        met = met == kNoGroup || met == by ? by : kSeveral;
+      }
+    }
+  }
+  for (int i = 0; i < region_.size(); ++i) {
+    if (is_free[i] && holder[part[i]] >= 0) {
+      index_[i] = holder[part[i]];
+      hanging_.push_back(i);
+    }
   }
 }
 
@@ -138,7 +177,8 @@ void GroupPaths::lead(int g, int& leader) const {
   } else {
     const Group& other = groups_[leader];
     const bool rotates = group.vertices.size() > 1 || other.vertices.size() > 1;
-    const bool alike = rotates ? same(group.path.at(1), other.path.at(1)) : same(after(group, 1), after(other, 1));
+    const bool alike = rotates ? group.path.turn() == other.path.turn() && same(group.path.at(1), other.path.at(1))
+                               : same(after(group, 1), after(other, 1));
     leader = !alike ? kSeveral : group.vertices.size() > other.vertices.size() ? g : leader;
   }
 }
@@ -147,6 +187,7 @@ void GroupPaths::go_to(int step) {
   const double at = step == steps_ ? 1 : static_cast<double>(step) / steps_;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     motions_[g] = after(groups_[g], at * groups_[g].fraction);
+    rotations_[g] = motions_[g].rotation();
     groups_[g].now = at * groups_[g].fraction;
   }
   for (std::size_t c = 0; c < rigid_motions_.size(); ++c) {
@@ -154,6 +195,7 @@ void GroupPaths::go_to(int step) {
                         : leader_[c] == kNoGroup ? LocalMotion()
                         : leader_[c] != kSeveral ? motions_[leader_[c]]
                                                  : best_fit(static_cast<int>(c));
+    rigid_rotations_[c] = rigid_motions_[c].rotation();
   }
 }
 
@@ -188,6 +230,21 @@ Vector3 GroupPaths::target_offset(int i) const {
 bool GroupPaths::moves_rigidly() const {
   return !std::all_of(rigid_motions_.begin(), rigid_motions_.end(),
                       [](const LocalMotion& motion) { return motion.none(); });
+}
+
+bool GroupPaths::revolves() const {
+  constexpr double kNearly = 359;
+  return std::any_of(groups_.begin(), groups_.end(), [](const Group& group) {
+    return group.vertices.size() > 1 && std::abs(group.fraction) * group.path.turn().norm() > kNearly;
+  });
+}
+
+void GroupPaths::rotate_hanging(std::vector<Matrix3>& rotations) const {
+  for (const int i : hanging_) {
+    if (const int g = followed(i); g >= 0) {
+      rotations[i] = rotations_[g] * rigid_rotations_[region_.component[i]].transpose();
+    }
+  }
 }
 
 /// Vertices have their squared weights, as in the equations.

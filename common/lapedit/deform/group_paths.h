@@ -26,7 +26,7 @@ class GroupPaths {
   /// Returns the number of equal steps of the paths. A step is at most 30 degrees of rotation, a tenth of the region's
   /// size or a stretch of a quarter, unless the path is very long.
   int steps() const { return steps_; }
-  /// Moves all groups to the end of a step, 1 to steps().
+  /// Moves all groups to the end of a step, 0 (rest) to steps().
   void go_to(int step);
 
   /// Returns the displacement of handle vertex i of the region at the end of the step.
@@ -41,7 +41,18 @@ class GroupPaths {
   const std::vector<LocalMotion>& motions() const { return motions_; }  ///< of the groups; without target_offset()
 
   const std::vector<LocalMotion>& rigid_motions() const { return rigid_motions_; }  ///< of the components
-  bool moves_rigidly() const;                                                       ///< whether any component is moved
+  const std::vector<Matrix3>& rotations() const { return rotations_; }              ///< of motions()
+  const std::vector<Matrix3>& rigid_rotations() const { return rigid_rotations_; }
+  bool moves_rigidly() const;  ///< whether any component is moved
+  bool revolves() const;       ///< whether any group makes a revolution, after which it may be where it was
+
+  /// Returns the free vertices that one group alone connects to all that is held, so they move rigidly with it. A group
+  /// on a line does not count, since they could rotate about it.
+  const std::vector<int>& hanging() const { return hanging_; }
+  /// Returns the group that a hanging vertex moves with; -1 if the group's vertices have targets.
+  int followed(int hanging) const { return groups_[index_[hanging]].offsets.rows() == 0 ? index_[hanging] : -1; }
+  /// Gives hanging vertices the rotation of their group, relative to the rigid motion of their component.
+  void rotate_hanging(std::vector<Matrix3>& rotations) const;
 
  private:
   struct Group {
@@ -55,6 +66,8 @@ class GroupPaths {
   void check(const std::vector<HandleMotion>& motions) const;
   void set_targets(Group& group, const HandleMotion& motion);
   void lead(int g, int& leader) const;
+  bool is_wide(const Group& group) const;
+  void find_hanging();
   LocalMotion after(const Group& group, double fraction) const;
   LocalMotion best_fit(int component) const;
 
@@ -62,9 +75,11 @@ class GroupPaths {
   const Points& rest_;
   Vector3 origin_;
   std::vector<Group> groups_;
-  std::vector<int> index_;  // index of a handle vertex in its group
+  std::vector<int> index_;    // of a handle vertex in its group; of the group for a hanging vertex
+  std::vector<int> hanging_;  // ascending
   LocalMotion anchors_;
   std::vector<LocalMotion> motions_, rigid_motions_;
+  std::vector<Matrix3> rotations_, rigid_rotations_;
   std::vector<int> leader_;  // per component: a group that all its groups move like, kSeveral or kNoGroup
   int steps_ = 1;
   bool has_targets_ = false;

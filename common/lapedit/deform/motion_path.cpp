@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/deform/motion_path.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -14,6 +15,11 @@ LocalMotion LocalMotion::of(const Affine& map, const Vector3& origin) {
   motion.linear = map.linear() - Matrix3::Identity();
   motion.translation = motion.linear * origin + map.translation();
   return motion;
+}
+
+Matrix3 LocalMotion::rotation() const {
+  const Matrix3 map = linear + Matrix3::Identity();
+  return linear.isZero(0) || map.determinant() < 0 ? Matrix3(Matrix3::Identity()) : polar_rotation(map);
 }
 
 MotionPath::MotionPath(const HandleMotion& to, const Vector3& origin, const Vector3& centre)

@@ -13,6 +13,7 @@ struct LocalMotion {
 
   static LocalMotion of(const Affine& map, const Vector3& origin);
   Vector3 displacement(const Vector3& local) const { return linear * local + translation; }
+  Matrix3 rotation() const;  ///< of the map; the identity for a reflection
   bool none() const { return linear.isZero(0) && translation.isZero(0); }
 };
 
@@ -34,6 +35,8 @@ class MotionPath {
   /// Returns the length of the path, in which 30 degrees of rotation, a displacement of `unit`, or a stretch of a
   /// quarter count as 1.
   double length(double unit) const;
+
+  Vector3 turn() const { return degrees_ * axis_; }  ///< the whole rotation in degrees, with its revolutions
 
  private:
   LocalMotion whole_;

@@ -152,6 +152,7 @@ void StepSolver::local_global(const Progress& progress) {
     } else {
       rotations_before_ = rotations_;
       local_step(*system_, constraints_->start(), displacement_, figures_.iterations - 1, local_step_, rotations_);
+      constraints_->paths().rotate_hanging(rotations_);
     }
     figures_.rotate_ms += watch.elapsed();
     rotate_and_solve(progress);

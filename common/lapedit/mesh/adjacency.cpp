@@ -116,7 +116,7 @@ Adjacency build_adjacency(int vertex_count, const Faces& faces, int threads) {
   return {std::move(next), std::move(around)};
 }
 
-int connected_components(const IndexLists& neighbours, std::vector<int>& labels) {
+int connected_components(const IndexLists& neighbours, std::vector<int>& labels, const std::vector<char>& kinds) {
   // Trees of vertices, each with its lowest vertex as the root; visited in the order of numbers, which is that of
   // memory.
   const int n = neighbours.rows();
@@ -133,6 +133,9 @@ int connected_components(const IndexLists& neighbours, std::vector<int>& labels)
     for (const int w : neighbours[v]) {
       if (w >= v) {
         break;  // is visited later
+      }
+      if (!kinds.empty() && kinds[v] != kinds[w]) {
+        continue;
       }
       const int other = root_of(w);
       parent[std::max(root, other)] = std::min(root, other);

@@ -19,7 +19,7 @@ struct Adjacency {
 Adjacency build_adjacency(int vertex_count, const Faces& faces, int threads = 0);
 
 /// Labels 0, 1, ... of the connected components of a graph with ascending rows and each edge in both, numbered by their
-/// lowest vertex. @return their number
-int connected_components(const IndexLists& neighbours, std::vector<int>& labels);
+/// lowest vertex. @param kinds  if given, per vertex: edges between different kinds do not count. @return their number
+int connected_components(const IndexLists& neighbours, std::vector<int>& labels, const std::vector<char>& kinds = {});
 
 }  // namespace lapedit
