@@ -11,8 +11,8 @@
 
 #include "edit_file_dialogs.h"
 #include "lapedit/base/error.h"
-#include "lapedit/mesh/coordinate_space.h"
 #include "lapedit/json/edit_script.h"
+#include "lapedit/mesh/coordinate_space.h"
 #include "lapedit_host/mesh_edit.h"
 
 using namespace lapedit;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "filters.h"
-#include "lapedit/mesh/coordinate_space.h"
 #include "lapedit/json/edit_script.h"
+#include "lapedit/mesh/coordinate_space.h"
 
 using namespace lapedit;
 using namespace lapedit::host;

@@ -6,8 +6,8 @@
 #include <utility>
 #include <variant>
 
-#include "lapedit/mesh/coordinate_space.h"
 #include "lapedit/edit/positions.h"
+#include "lapedit/mesh/coordinate_space.h"
 #include "lapedit_host/pose_writer.h"
 #include "lapedit_vcg/self_intersections.h"
 

@@ -474,6 +474,7 @@ TEST(Conditioning, RefusedMatrixBecomesAdvice) {
   SparseMatrix matrix(2, 2);
   matrix.insert(0, 0) = 1;
   matrix.insert(1, 1) = -1;
+  matrix.makeCompressed();
   const std::string sentence = support::expect_refusal(ErrorCause::IllConditioned,
                                                        [&] { factorise_for(region, [&] { SparseCholesky{matrix}; }); });
   EXPECT_NE(sentence.find("The system of 20 region vertices is singular to working precision: use "), std::string::npos)

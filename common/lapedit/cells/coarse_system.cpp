@@ -201,6 +201,7 @@ void CoarseSystem::make_follow(const RegionCells& cells, int groups, const Eigen
     }
     matrix.coeffRef(c, c) = sum;
   }
+  matrix.makeCompressed();  // a cell alone had no entry
   SparseCholesky factor(matrix, CholeskyBackend::Eigen);
   Points three = Points::Zero(cells.count(), 3);
   for (int g = 0; g < groups; g += 3) {

@@ -174,10 +174,10 @@ const Points& StepSolver::pose(const std::vector<HandleMotion>& handles, const A
                                const Progress& progress) {
   const bool has_cells = settings_.method == EditMethod::Default;
   Stopwatch watch;
-  find_held(region(), handles, held_);
   figures_ = PoseFigures();
   figures_.refinements = system_->figures.refinements;
-  constraints_->set(handles, anchors);
+  constraints_->set(handles, anchors);  // checks the handles
+  find_held(region(), handles, held_);
   right_ = constraints_->right_hand_side();
   const bool moves = constraints_->any();
   if (!moves || has_cells) {

@@ -4,9 +4,9 @@
 #include <optional>
 #include <utility>
 
-#include "lapedit/mesh/coordinate_space.h"
 #include "lapedit/json/edit_script.h"
 #include "lapedit/json/report_json.h"
+#include "lapedit/mesh/coordinate_space.h"
 
 using namespace lapedit;
 using namespace lapedit::host;
