@@ -12,6 +12,7 @@
 
 #include "lapedit/base/thread_pool.h"
 #include "lapedit/mesh/vertex_set.h"
+#include "lapedit/mesh/weld.h"
 
 namespace lapedit {
 namespace {
@@ -161,11 +162,23 @@ void each_near(Grid& grid, const GridMesh& mesh, const std::vector<Box>& boxes, 
   }
 }
 
+/// Returns the mesh with one vertex at each place, so that faces that touch there have it in common, unless these came
+/// apart.
+TriangleMesh joined(const TriangleMesh& mesh, const Points& after) {
+  const Weld weld(mesh.vertices);
+  bool together = true;
+  for (int v = 0; v < static_cast<int>(after.rows()) && !weld.empty(); ++v) {
+    together = together && (weld.first(v) == v || after.row(v) == after.row(weld.first(v)));
+  }
+  return {mesh.vertices, together ? weld.faces(mesh.faces) : mesh.faces};
+}
+
 }  // namespace
 
-int new_self_intersections(const TriangleMesh& before, const EditResult& result, int threads) {
-  Points after = before.vertices;
+int new_self_intersections(const TriangleMesh& given, const EditResult& result, int threads) {
+  Points after = given.vertices;
   scatter(result.vertices, result.positions, after);
+  const TriangleMesh before = joined(given, after);
   const NearFaces near = near_faces(before, after);
   if (near.moved == 0) {
     return 0;

@@ -148,6 +148,9 @@ std::string EditReport::text() const {
   if (left_out > 0) {
     lines += format_text("; %d in parts of the region without a handle stay", left_out);
   }
+  if (welded > 0) {
+    lines += format_text("; %d more at the places of these move along", welded);
+  }
   lines += format_text("\nMethod: %s; operator: %s of order %d", name(settings.method), name(settings.laplacian),
                        settings.order);
   if (uniform_edges > 0) {
@@ -201,6 +204,7 @@ std::vector<Figure> EditReport::figures() const {
           {"anchors", anchors},
           {"fixed", fixed},
           {"left_out", left_out},
+          {"welded", welded},
           {"method", name(settings.method)},
           {"laplacian", name(settings.laplacian)},
           {"order", settings.order},

@@ -13,6 +13,7 @@ namespace lapedit {
 /// Numbers of vertices in the mesh and in its region, by class.
 struct RegionCounts {
   int mesh_vertices = 0, handle = 0, free = 0, anchors = 0, fixed = 0, left_out = 0;
+  int welded = 0;  ///< other vertices at the places of the region's, which have their positions
 };
 
 /// Milliseconds.

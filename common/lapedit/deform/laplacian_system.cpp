@@ -9,6 +9,7 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/stopwatch.h"
+#include "lapedit/deform/link_rows.h"
 #include "lapedit/deform/membrane.h"
 #include "lapedit/deform/smooth_normals.h"
 #include "lapedit/linear/linear.h"
@@ -25,7 +26,7 @@ constexpr double kLongFactor = 180000;
 
 bool same_graph(const Region& a, const Region& b) {
   return a.mesh_vertex == b.mesh_vertex && a.neighbours.values == b.neighbours.values &&
-         a.neighbours.offsets == b.neighbours.offsets;
+         a.neighbours.offsets == b.neighbours.offsets && a.links == b.links;
 }
 
 /// Makes the parts of a system, or reuses those of the previous one.
@@ -64,7 +65,7 @@ void Preparation::make_operator(const TriangleMesh& mesh) {
   const bool same = previous_ && previous_->settings.laplacian == settings.laplacian &&
                     previous_->settings.order == settings.order && previous_->settings.membrane == settings.membrane &&
                     same_graph(previous_->region, s_.region);
-  if (same && settings.laplacian == LaplacianKind::Umbrella && !membrane) {
+  if (same && settings.laplacian == LaplacianKind::Umbrella && !membrane && s_.region.links.empty()) {
     operator_reused_ = true;
   } else {
     const DifferentialOperator whole = differential_operator(settings.laplacian, s_.region, mesh, membrane);
@@ -72,16 +73,20 @@ void Preparation::make_operator(const TriangleMesh& mesh) {
     if (membrane) {
       stretch = membrane_factor(settings, s_.region, s_.rest.world, whole.sums.mean()) * whole.sums;
     }
+    Eigen::VectorXd links = link_strengths(s_.region, s_.rest.world);
     const OperatorRows::Rows rows(whole.matrix);
     const OperatorRows::Rows* const old = same ? &previous_->powers.first->rows() : nullptr;
     operator_reused_ = old && old->nonZeros() == rows.nonZeros() && old->coeffs().matrix() == rows.coeffs().matrix() &&
-                       previous_->powers.stretch == stretch;
+                       previous_->powers.stretch == stretch && previous_->powers.links == links;
     if (!operator_reused_) {
       LaplacianPowers& powers = s_.powers;
-      powers.m = std::make_shared<const OperatorRows>(power(whole.matrix, settings.order), stretch);
-      powers.first = settings.order == 1 ? powers.m : std::make_shared<const OperatorRows>(whole.matrix);
+      powers.m = std::make_shared<const OperatorRows>(
+          with_link_rows(power(whole.matrix, settings.order), s_.region, links), stretch);
+      powers.first = settings.order == 1 && links.size() == 0 ? powers.m
+                                                              : std::make_shared<const OperatorRows>(whole.matrix);
       powers.uniform_edges = whole.uniform_edges;
       powers.stretch = std::move(stretch);
+      powers.links = std::move(links);
     }
   }
   if (operator_reused_) {

@@ -17,11 +17,13 @@ namespace lapedit {
 /// Relative accuracy of solutions that later passes refine further.
 constexpr double kAccurate = 1e-8;
 
-/// The operators M^k and M_1 = M of the paper's section 3, k the order; for order 1 both are the same object.
+/// The operators M^k and M_1 = M of the paper's section 3, k the order; for order 1 without links both are the same
+/// object.
 struct LaplacianPowers {
   std::shared_ptr<const OperatorRows> m, first;
   int uniform_edges = 0;    ///< see DifferentialOperator
   Eigen::VectorXd stretch;  ///< c D of membrane_factor(), which m adds to M^T; empty without a membrane
+  Eigen::VectorXd links;    ///< link_strengths(), whose rows m has below those of M^k; empty without links
 };
 
 /// What making a system took, and what it reused.

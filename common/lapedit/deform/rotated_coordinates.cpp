@@ -39,6 +39,25 @@ void rotate_edges(const LaplacianSystem& system, const EditConstraints& constrai
   });
 }
 
+/// Adds the rows s ((R_a + R_b) / 2 - I) (p_a - p_b) of the links.
+const Points& rotate_links(const LaplacianSystem& system, const EditConstraints& constraints,
+                           const std::vector<Matrix3>& rotations, RotatedCoordinates& scratch) {
+  const Eigen::VectorXd& strengths = system.powers.links;
+  if (strengths.size() == 0) {
+    return scratch.rotated;
+  }
+  const Eigen::Index n = system.region.size();
+  scratch.with_links.resize(n + strengths.size(), 3);
+  scratch.with_links.topRows(n) = scratch.rotated;
+  for (Eigen::Index k = 0; k < strengths.size(); ++k) {
+    const auto [a, b] = system.region.links[static_cast<std::size_t>(k)];
+    const Vector3 edge = (constraints.start().row(a) - constraints.start().row(b)).transpose();
+    scratch.with_links.row(n + k) =
+        strengths[k] * (0.5 * ((rotations[a] + rotations[b]) * edge) - edge).transpose();
+  }
+  return scratch.with_links;
+}
+
 }  // namespace
 
 /// For k > 1 this is not M^T (R - I) M^k p, the rotated coordinates of order k, whose low-frequency errors the inverse
@@ -52,7 +71,7 @@ void rotate_coordinates(const LaplacianSystem& system, const EditConstraints& co
     system.powers.first->apply(scratch.rotated, scratch.product, *system.pool);
     scratch.rotated.swap(scratch.product);
   }
-  system.powers.m->apply_transposed(scratch.rotated, right, *system.pool);
+  system.powers.m->apply_transposed(rotate_links(system, constraints, rotations, scratch), right, *system.pool);
   right += constraints.right_hand_side();
 }
 

@@ -9,7 +9,7 @@ namespace lapedit {
 
 /// Scratch memory of rotate_coordinates().
 struct RotatedCoordinates {
-  Points rotated, product;
+  Points rotated, product, with_links;
 };
 
 /// Rotates the differential coordinates (step 3 of the paper's section 4): right = constraints + M^T M_1^(k-1) (R - I)

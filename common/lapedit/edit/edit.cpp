@@ -59,10 +59,15 @@ class Poses {
 
   Poses(const TriangleMesh& mesh, const Adjacency& adjacency, const std::vector<double>& fractions, StoredScalar scalar,
         const SolverOptions& options)
-      : mesh_(mesh), adjacency_(adjacency), fractions_(fractions), vertices_(fractions.size(), mesh.vertices) {
+      : given_(mesh),
+        given_adjacency_(adjacency),
+        mesh_(mesh),
+        fractions_(fractions),
+        vertices_(fractions.size(), mesh.vertices) {
     options_.scalar = scalar;
     options_.solver = options;
     std::for_each(fractions.begin(), fractions.end(), check_fraction);
+    joined_.assign(fractions.size(), std::make_shared<const Joined>(mesh, mesh.vertices));
   }
 
   /// @param each  called for every step and pose, in this order
@@ -87,10 +92,23 @@ class Poses {
   const Points& vertices(std::size_t p) const { return vertices_[p]; }
 
  private:
+  /// Makes mesh_ the shape of a pose. Vertices at the same place are one until a step moves them apart.
+  void see(std::size_t p, bool weld) {
+    mesh_.vertices = vertices_[p];
+    if (weld && !joined_[p]) {
+      joined_[p] = std::make_shared<const Joined>(given_, mesh_.vertices);
+    }
+    const std::shared_ptr<const Joined> now = weld && !joined_[p]->weld.empty() ? joined_[p] : nullptr;
+    if (now != seen_) {
+      mesh_.faces = now ? now->faces : given_.faces;
+      seen_ = now;
+    }
+  }
+
   void run_step(const EditStep& given, std::size_t p, bool same_shape, const Progress& progress, const Each& each) {
     if (!same_shape) {
-      mesh_.vertices = vertices_[p];
-      step_ = mirrored(mesh_, given);
+      see(p, given.weld);
+      step_ = mirrored(mesh_, seen_ ? welded(given, seen_->weld) : given);
       for (std::size_t g = 0; g < step_.handles.size(); ++g) {
         sort_group(step_.handles[g], g);
       }
@@ -100,8 +118,8 @@ class Poses {
     if (!same_shape) {
       validate(step_.settings);
       report_progress(progress, 0, "region");
-      found =
-          find_region(mesh_, adjacency_, step_.region, groups_of(step_), weights_of(step_), options_.solver.threads);
+      found = find_region(mesh_, seen_ ? seen_->adjacency : given_adjacency_, step_.region, groups_of(step_),
+                          weights_of(step_), options_.solver.threads);
     }
     // Checks transforms before the factorisation, so that errors are reported at once.
     const std::vector<HandleMotion> motions = motions_of(mesh_, step_, fractions_[p]);
@@ -114,8 +132,16 @@ class Poses {
     result.positions = solver_->pose(motions);
     result.vertices = solver_->region().mesh_vertex;
     result.reports.push_back(solver_->report());
-    scatter(result.vertices, result.positions, vertices_[p]);
     EditReport& report = result.reports.back();
+    if (seen_) {
+      seen_->weld.add_others(result.vertices, result.positions);
+      report.welded = static_cast<int>(result.vertices.size()) - solver_->region().size();
+      report.fixed -= report.welded;
+    }
+    scatter(result.vertices, result.positions, vertices_[p]);
+    if (!given.weld) {
+      joined_[p] = nullptr;
+    }
     for (const HandleGroup& group : step_.handles) {
       report.has_targets |= !group.targets.empty();
       add_phrase(group.spaces.conversion, report.landmark_conversion);
@@ -148,8 +174,11 @@ class Poses {
     throw EditError(error.cause(), sentence);
   }
 
-  TriangleMesh mesh_;  // the shape before the current step
-  const Adjacency& adjacency_;
+  const TriangleMesh& given_;
+  const Adjacency& given_adjacency_;
+  std::vector<std::shared_ptr<const Joined>> joined_;  // per pose; null: not known
+  std::shared_ptr<const Joined> seen_;                 // of mesh_; null: all its vertices are on their own
+  TriangleMesh mesh_;                                  // the shape before the current step
   const std::vector<double>& fractions_;
   StepOptions options_;
   std::vector<Points> vertices_;  // per pose

@@ -2,6 +2,7 @@
 #include "lapedit/edit/edit_step.h"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -127,6 +128,45 @@ void check_handles(const EditStep& step) {
   for (std::size_t g = 0; g < step.handles.size(); ++g) {
     check_handle(step.handles[g], g);
   }
+}
+
+EditStep welded(EditStep step, const Weld& weld) {
+  if (weld.empty()) {
+    return step;
+  }
+  struct Named {
+    int vertex;
+    std::size_t group;
+    const Vector3* target;
+  };
+  std::map<int, Named> named;  // by first vertices
+  for (std::size_t g = 0; g < step.handles.size(); ++g) {
+    HandleGroup& group = step.handles[g];
+    std::vector<int> first = group.vertices;
+    weld.to_first(first);
+    for (std::size_t k = 0; k < first.size(); ++k) {
+      const Vector3* const target = k < group.targets.size() ? &group.targets[k] : nullptr;
+      const Named& other = named.emplace(first[k], Named{group.vertices[k], g, target}).first->second;
+      const bool same_target = !target || !other.target || *target == *other.target;
+      if (other.vertex != group.vertices[k] && (other.group != g || !same_target)) {
+        throw EditError(ErrorCause::BadParameter,
+                        "Vertices " + std::to_string(other.vertex) + " and " + std::to_string(group.vertices[k]) +
+                            " are at the same place, so they are one vertex, but they " +
+                            (other.group != g ? "are in handle groups " + std::to_string(other.group) + " and " +
+                                                    std::to_string(g) + ": name them in one of these"
+                                              : "have different targets: give them the same") +
+                            ", or keep them apart with \"weld\": false in the step.",
+                        group.vertices[k]);
+      }
+    }
+  }
+  for (HandleGroup& group : step.handles) {
+    weld.to_first(group.vertices);
+  }
+  weld.to_first(step.region.vertices);
+  weld.to_first(step.region.held);
+  weld.to_first(step.region.anchors.vertices);
+  return step;
 }
 
 void sort_group(std::vector<int>& vertices, std::vector<double>& weights, std::size_t number) {

@@ -11,6 +11,7 @@
 #include "lapedit/mesh/region.h"
 #include "lapedit/mesh/symmetry.h"
 #include "lapedit/mesh/vertex_transfer.h"
+#include "lapedit/mesh/weld.h"
 
 namespace lapedit {
 
@@ -53,6 +54,7 @@ struct EditStep {
   EditSettings settings;
   std::optional<MirrorPlane> mirror = {};  ///< handles and region are mirrored across it, see mirrored()
   VertexQuery region_query = {};           ///< in place of region.vertices, until they are located
+  bool weld = true;                        ///< whether vertices at the same place are one, see Weld
 };
 
 /// A sequence of steps, with a description of its mesh.
@@ -84,6 +86,10 @@ void targets_to(const std::vector<int>& vertices, const std::vector<Vector3>& ta
 
 /// @throws EditError (BadParameter) if a group of one vertex is to be rotated or scaled without a center
 void check_handles(const EditStep& step);
+
+/// Returns the step with the first vertices of the places that it names.
+/// @throws EditError (BadParameter) if vertices at one place are in different groups or have different targets
+EditStep welded(EditStep step, const Weld& weld);
 
 /// Sorts the group and removes duplicates, so that sums over it do not depend on how it was written. A vertex that is
 /// listed twice keeps the larger weight. @param number of the group in its step, for the message.

@@ -135,27 +135,19 @@ void convert_group(HandleGroup& group, const std::string& mesh_space) {
   spaces.targets = has_targets ? space : spaces.targets;
 }
 
-}  // namespace
-
-Edit in_space(Edit edit, const std::string& mesh_space) {
-  for (EditStep& step : edit.steps) {
-    for (HandleGroup& group : step.handles) {
-      convert_group(group, mesh_space);
-    }
-  }
-  return edit;
-}
-
-Edit located(const TriangleMesh& mesh, const Adjacency& adjacency, Edit edit, const SelectedVertices& selection) {
-  if (!edit.by_position() && std::none_of(edit.steps.begin(), edit.steps.end(), has_query)) {
-    return edit;
-  }
+/// Finds the vertices of those steps that `concerns` names.
+template <class Concerns>
+void locate_steps(const TriangleMesh& mesh, const Adjacency& adjacency, const SelectedVertices& selection, Edit& edit,
+                  const Concerns& concerns) {
   const VertexFinder finder(mesh);
   std::optional<VertexTransfer> to_here;
   if (edit.by_position()) {
     to_here.emplace(mesh, adjacency, finder, edit.positions);
   }
   for (EditStep& step : edit.steps) {
+    if (!concerns(step)) {
+      continue;
+    }
     if (!step.region_query.empty()) {
       step.region.vertices = step.region_query.within
                                  ? within(mesh, adjacency, finder, *step.region_query.within, "The region's point")
@@ -175,6 +167,29 @@ Edit located(const TriangleMesh& mesh, const Adjacency& adjacency, Edit edit, co
       }
     }
   }
+}
+
+}  // namespace
+
+Edit in_space(Edit edit, const std::string& mesh_space) {
+  for (EditStep& step : edit.steps) {
+    for (HandleGroup& group : step.handles) {
+      convert_group(group, mesh_space);
+    }
+  }
+  return edit;
+}
+
+Edit located(const TriangleMesh& mesh, const Adjacency& adjacency, Edit edit, const SelectedVertices& selection) {
+  if (!edit.by_position() && std::none_of(edit.steps.begin(), edit.steps.end(), has_query)) {
+    return edit;
+  }
+  const Joined joined(mesh, mesh.vertices);
+  const auto welds = [&joined](const EditStep& step) { return step.weld && !joined.weld.empty(); };
+  if (std::any_of(edit.steps.begin(), edit.steps.end(), welds)) {
+    locate_steps({mesh.vertices, joined.faces}, joined.adjacency, selection, edit, welds);
+  }
+  locate_steps(mesh, adjacency, selection, edit, [&welds](const EditStep& step) { return !welds(step); });
   edit.positions = VertexPositions();
   return edit;
 }

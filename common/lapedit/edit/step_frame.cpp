@@ -87,6 +87,29 @@ void StepSolver::show_cells(bool quick, Points& positions) {
   }
 }
 
+/// Adds the rows of links to those of edges.
+const Points& StepSolver::add_links() {
+  Frame& f = *frame_;
+  const Eigen::VectorXd& strengths = system_->powers.links;
+  if (strengths.size() == 0) {
+    return f.edges;
+  }
+  const Eigen::Index n = region().size();
+  f.with_links.resize(n + strengths.size(), 3);
+  f.with_links.topRows(n) = f.edges;
+  for (Eigen::Index k = 0; k < strengths.size(); ++k) {
+    const auto [a, b] = region().links[static_cast<std::size_t>(k)];
+    const Floats4 edge = f.transforms[a].rest - f.transforms[b].rest;
+    const Floats4 wanted =
+        0.5F * (EdgeResidual::rotated(f.transforms[a], edge) + EdgeResidual::rotated(f.transforms[b], edge));
+    for (int e = 0; e < 3; ++e) {
+      f.with_links(n + k, e) =
+          strengths[k] * (static_cast<double>(wanted[e]) - (f.displacement(a, e) - f.displacement(b, e)));
+    }
+  }
+  return f.with_links;
+}
+
 /// displacement += A^-1 (b(R) - A x0), and positions with it
 void StepSolver::correct_frame(Points& positions) {
   Frame& f = *frame_;
@@ -98,7 +121,7 @@ void StepSolver::correct_frame(Points& positions) {
     system.powers.first->apply(f.edges, f.product, *system.pool);
     f.edges.swap(f.product);
   }
-  system.powers.m->apply_transposed(f.edges, f.residual, *system.pool);
+  system.powers.m->apply_transposed(add_links(), f.residual, *system.pool);
   for_indices(*system.pool, static_cast<int>(f.constrained.size()), kGrain, [&](int k) {
     const int i = f.constrained[k];
     const GroupPaths& paths = cells_->paths();

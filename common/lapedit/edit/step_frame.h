@@ -19,7 +19,7 @@ struct StepSolver::Frame {
 
   // For the solve.
   std::vector<int> constrained;  ///< vertices with a weight
-  Points edges, product, residual;
+  Points edges, product, with_links, residual;
   // For further passes.
   Points before, relative;  ///< rigidly moved pose, and displacement from it
   std::vector<Matrix3> rotations;

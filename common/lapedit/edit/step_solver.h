@@ -160,6 +160,7 @@ class StepSolver {
   Frame& started_frame();
   void show_cells(bool quick, Points& positions);
   void fit_frame();
+  const Points& add_links();
   void correct_frame(Points& positions);
   void collect_frame(const Points* step, Points& positions);
 

@@ -379,6 +379,7 @@ void visit(Keys& keys, EditStep& step) {
   keys.need("region", region);
   keys.need("handles", step.handles);
   keys.may("mirror", step.mirror, step.mirror.has_value());
+  keys.may("weld", step.weld, !step.weld);
   for (const Setting& setting : settings_table()) {
     visit(keys, setting, step.settings);
   }

@@ -76,10 +76,11 @@ struct Sum {
 
 /// One pass over a range of rows: sums of entries times rows of x, subtracted from the right-hand side if there is one.
 struct Pass {
+  int rows;
   const int* offsets;
   const int* inner;
   const double* values;
-  int last_row;
+  int last_row;  // of the factors
   const double *x_high, *x_low;  // factors of the entries; without a low number: all in working precision
 
   // Without a right-hand side: the sums.
@@ -145,13 +146,14 @@ LAPEDIT_AVX2 void run_fused(const Pass& pass, int first, int last) {
 
 void run_all(const Pass& pass, ThreadPool& pool) {
   const auto run = for_processor(run_plain, run_fused, run_fused);
-  in_pieces(pool, pass.last_row + 1, kGrain, [&](int first, int last) { run(pass, first, last); });
+  in_pieces(pool, pass.rows, kGrain, [&](int first, int last) { run(pass, first, last); });
 }
 
 /// @param low  may be null
 template <class Compressed>
 Pass pass_over(const Compressed& lists, const Points& high, const Points* low) {
   Pass pass = {};
+  pass.rows = static_cast<int>(lists.outerSize());
   pass.offsets = lists.outerIndexPtr();
   pass.inner = lists.innerIndexPtr();
   pass.values = lists.valuePtr();
@@ -202,8 +204,8 @@ void DoubledPoints::add(const Points& step, ThreadPool& pool) {
 
 void normal_residual(const OperatorRows& m, const Eigen::VectorXd& diagonal, const Points& right,
                      const DoubledPoints& x, DoubledPoints& between, Points& out, ThreadPool& pool) {
-  between.high.resize(right.rows(), 3);
-  between.low.resize(right.rows(), 3);
+  between.high.resize(m.rows().rows(), 3);
+  between.low.resize(m.rows().rows(), 3);
   out.resize(right.rows(), 3);
   Pass forward = pass_over(m.rows(), x.high, &x.low);
   forward.sum_high = between.high.data();
@@ -229,7 +231,7 @@ void symmetric_residual(const SparseMatrix& a, const Points& right, const Double
 
 void subtract_normal_product(const OperatorRows& m, const Eigen::VectorXd& diagonal, const Points& step,
                              Points& between, Points& left, ThreadPool& pool) {
-  between.resize(step.rows(), 3);
+  between.resize(m.rows().rows(), 3);
   Pass forward = pass_over(m.rows(), step, nullptr);
   forward.sum_high = between.data();
   run_all(forward, pool);

@@ -9,6 +9,8 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
+#include "lapedit/mesh/geodesic.h"
+#include "lapedit/mesh/patch_border.h"
 #include "lapedit/mesh/vertex_grid.h"
 
 namespace lapedit {
@@ -32,37 +34,77 @@ int largest_label(const std::vector<int>& labels, int count) {
   return static_cast<int>(std::max_element(sizes.begin(), sizes.end()) - sizes.begin());
 }
 
-/// Links from each vertex that has another piece in reach; of the largest piece only vertices in the other pieces' box
-/// are examined.
-std::vector<Link> nearest_links(const Points& points, const IndexLists& neighbours, double gap,
-                                const std::vector<char>* allowed) {
-  std::vector<int> labels, usable;
-  const int count = connected_components(neighbours, labels);
-  std::vector<Link> links;
-  if (count < 2) {
-    return links;
+/// Finds the nearest vertices that a link may lead to: those of other pieces, and, from a border, those of a border of
+/// the same piece that are near in space but far along the surface.
+class LinkSearch {
+ public:
+  LinkSearch(const TriangleMesh& mesh, const IndexLists& neighbours, double gap, const std::vector<char>* allowed);
+  std::vector<Link> links();
+
+ private:
+  static constexpr double kFar = 3;  // times the distance in space
+
+  double along_surface(int from, int to);
+  bool leads(int from, int to);
+
+  const Points& points_;
+  const IndexLists& neighbours_;
+  double gap_;
+  std::vector<int> labels_, usable_;
+  std::vector<char> is_border_;
+  Eigen::AlignedBox3d box_;  // what lies outside has no other piece and no border in reach
+  GeodesicSearch search_;
+  int searched_ = -1;
+};
+
+LinkSearch::LinkSearch(const TriangleMesh& mesh, const IndexLists& neighbours, double gap,
+                       const std::vector<char>* allowed)
+    : points_(mesh.vertices),
+      neighbours_(neighbours),
+      gap_(gap),
+      is_border_(mesh.vertices.rows(), 0),
+      search_(neighbours, mesh.vertices) {
+  const int largest = largest_label(labels_, connected_components(neighbours, labels_));
+  for (const auto& [a, b] : single_edges({mesh.faces.data(), mesh.faces.data() + mesh.faces.size()})) {
+    is_border_[a] = is_border_[b] = 1;
   }
-  const int largest = largest_label(labels, count);
-  Eigen::AlignedBox3d box;
-  for (int v = 0; v < static_cast<int>(points.rows()); ++v) {
-    if (neighbours[v].size() > 0 && (!allowed || (*allowed)[v]) && points.row(v).allFinite()) {
-      usable.push_back(v);
-      if (labels[v] != largest) {
-        box.extend(points.row(v).transpose());
+  for (int v = 0; v < static_cast<int>(points_.rows()); ++v) {
+    if (neighbours[v].size() > 0 && (!allowed || (*allowed)[v]) && points_.row(v).allFinite()) {
+      usable_.push_back(v);
+      if (labels_[v] != largest || is_border_[v]) {
+        box_.extend(points_.row(v).transpose());
       }
     }
   }
-  const VertexGrid grid(points, usable);
   const Vector3 margin = Vector3::Constant(gap);
-  box = Eigen::AlignedBox3d(box.min() - margin, box.max() + margin);
-  for (const int v : usable) {
-    const Vector3 position = points.row(v).transpose();
-    if (labels[v] == largest && !box.contains(position)) {
-      continue;
-    }
-    const int to = grid.nearest(position, gap, [&](int w) { return labels[w] != labels[v]; });
+  box_ = Eigen::AlignedBox3d(box_.min() - margin, box_.max() + margin);
+}
+
+double LinkSearch::along_surface(int from, int to) {
+  if (searched_ != from) {
+    search_.run({from}, kFar * gap_);
+    searched_ = from;
+  }
+  return search_.distance(to);
+}
+
+bool LinkSearch::leads(int from, int to) {
+  if (labels_[from] != labels_[to]) {
+    return true;
+  }
+  const IndexLists::Row ring = neighbours_[from];
+  return is_border_[from] && is_border_[to] && from != to && !std::binary_search(ring.begin(), ring.end(), to) &&
+         along_surface(from, to) > kFar * (points_.row(from) - points_.row(to)).norm();
+}
+
+std::vector<Link> LinkSearch::links() {
+  const VertexGrid grid(points_, usable_);
+  std::vector<Link> links;
+  for (const int v : usable_) {
+    const Vector3 position = points_.row(v).transpose();
+    const int to = box_.contains(position) ? grid.nearest(position, gap_, [&](int w) { return leads(v, w); }) : -1;
     if (to >= 0) {
-      links.push_back({to, (points.row(to).transpose() - position).norm(), v});
+      links.push_back({to, (points_.row(to).transpose() - position).norm(), v});
     }
   }
   return links;
@@ -76,7 +118,7 @@ IndexLists linked_neighbours(const TriangleMesh& mesh, const IndexLists& neighbo
     throw EditError(ErrorCause::BadParameter, "Pieces are to be connected over a gap of " + number_text(gap) +
                                                   ": give a finite length greater than 0, or 0 to connect none.");
   }
-  std::vector<Link> links = nearest_links(mesh.vertices, neighbours, gap, allowed);
+  std::vector<Link> links = LinkSearch(mesh, neighbours, gap, allowed).links();
   std::sort(links.begin(), links.end());
   std::vector<std::pair<int, int>> entries;
   for (std::size_t k = 0; k < links.size(); ++k) {

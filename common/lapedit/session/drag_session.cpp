@@ -255,10 +255,12 @@ void DragSession::change_region(const Choose& choose) {
 }
 
 void DragSession::set_region(std::vector<int> vertices) {
+  model_.weld.to_first(vertices);
   change_region([&](const Surface& s, const Selection& now) { return with_region(s, now, std::move(vertices)); });
 }
 
 void DragSession::set_anchors(std::vector<int> vertices) {
+  model_.weld.to_first(vertices);
   change_region([&](const Surface& s, const Selection& now) { return with_anchors(s, now, std::move(vertices)); });
 }
 
@@ -342,7 +344,7 @@ void DragSession::load(Edit edit) {
   cancel();
   mouse_.forget();
   try {
-    solver_.load(located(*model_.history.mesh(), *model_.adjacency, std::move(edit)));
+    solver_.load(located(*model_.given_mesh(), *model_.given_adjacency, std::move(edit)));
   } catch (const EditError& error) {
     model_.refusal = error.what();
   }

@@ -60,8 +60,10 @@ class DragSession {
 
   State state() const;
   const TriangleMesh& original() const { return model_.history.original(); }
-  const TriangleMesh& mesh() const { return model_.mesh(); }  ///< with all applied steps, without a drag in progress
-  const Adjacency& adjacency() const { return *model_.adjacency; }
+  /// With all applied steps, without a drag in progress; of vertices at the same place only the first has faces.
+  const TriangleMesh& mesh() const { return model_.mesh(); }
+  const Adjacency& adjacency() const { return *model_.adjacency; }  ///< of mesh()
+  const Adjacency& given_adjacency() const { return *model_.given_adjacency; }  ///< of original()
   const ShownRegion& shown() const { return model_.shown; }  ///< the classified region to show, and its pose
   const Selection& selection() const { return model_.selection; }
   /// Returns the groups, each merged with its mirror image where they touch, followed by the other images.

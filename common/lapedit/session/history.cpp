@@ -82,6 +82,10 @@ const AppliedStep& History::amend(EditStep step, std::vector<int> vertices, Poin
   return apply(std::move(step), std::move(vertices), std::move(after), std::move(path));
 }
 
+void History::set_faces(Faces faces) {
+  mesh_ = std::make_shared<const TriangleMesh>(TriangleMesh{mesh_->vertices, std::move(faces)});
+}
+
 const AppliedStep& History::undo() {
   undone_.push_back(std::move(steps_.back()));
   steps_.pop_back();

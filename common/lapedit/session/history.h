@@ -57,6 +57,8 @@ class History {
   const AppliedStep& undo();
   /// Applies the step again that was taken back last. There has to be one. @return the step
   const AppliedStep& redo();
+  /// Changes the faces of mesh() and of the meshes that follow it.
+  void set_faces(Faces faces);
 
  private:
   void put(const std::vector<int>& vertices, const Points& positions);

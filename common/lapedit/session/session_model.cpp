@@ -33,11 +33,41 @@ SessionModel::SessionModel(TriangleMesh mesh, StoredScalar stored, std::function
                            FindTargets targets)
     : scalar(stored),
       history(checked(std::move(mesh))),
-      adjacency(std::make_shared<const Adjacency>(
+      given_adjacency(std::make_shared<const Adjacency>(
           build_adjacency(static_cast<int>(history.original().vertices.rows()), history.original().faces))),
       log(log_line ? std::move(log_line) : [](const std::string&) {}),
       find_targets(std::move(targets)),
-      settings(settings_for(history.original())) {}
+      settings(settings_for(history.original())) {
+  join();
+}
+
+std::shared_ptr<const TriangleMesh> SessionModel::given_mesh() const {
+  return weld.empty() ? history.mesh()
+                      : std::make_shared<const TriangleMesh>(TriangleMesh{mesh().vertices, history.original().faces});
+}
+
+void SessionModel::join() {
+  Joined joined(history.original(), mesh().vertices);
+  const bool was_joined = !weld.empty();
+  weld = std::move(joined.weld);
+  adjacency = weld.empty() ? given_adjacency : std::make_shared<const Adjacency>(std::move(joined.adjacency));
+  if (was_joined || !weld.empty()) {
+    history.set_faces(weld.empty() ? history.original().faces : std::move(joined.faces));
+  }
+  shown_.clear();
+}
+
+void SessionModel::join_after(const EditStep& step) {
+  if (!step.weld) {
+    join();
+  }
+}
+
+EditResult SessionModel::with_others(const std::vector<int>& vertices, const Points& positions) const {
+  EditResult all{vertices, positions, {}};
+  weld.add_others(all.vertices, all.positions);
+  return all;
+}
 
 Vector3 SessionModel::center() const {
   if (selection.along.empty()) {
@@ -92,11 +122,19 @@ bool SessionModel::take(Choice choice) {
 
 void SessionModel::show(const std::vector<int>& vertices, const Points& positions, bool settled) {
   settled |= changed_ && change_.settled;
-  if (changed_ && vertices != change_.vertices) {
-    change_ = joined(change_, vertices, positions);
+  if (changed_ && vertices != shown_) {
+    const EditResult all = with_others(vertices, positions);
+    change_ = joined(change_, all.vertices, all.positions);
+    shown_.clear();
   } else {
-    change_.vertices = vertices;
-    change_.positions = positions;
+    if (vertices != shown_) {
+      shown_ = change_.vertices = vertices;
+      weld.add_others(change_.vertices, rows_);
+    }
+    change_.positions.resize(static_cast<Eigen::Index>(rows_.size()), 3);
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+      change_.positions.row(static_cast<Eigen::Index>(k)) = positions.row(rows_[k]);
+    }
   }
   change_.settled = settled;
   changed_ = true;
@@ -105,6 +143,16 @@ void SessionModel::show(const std::vector<int>& vertices, const Points& position
 void SessionModel::show_mesh(const std::vector<int>& vertices, const Points& positions) {
   visibility.reset();
   show(vertices, positions, true);
+}
+
+void SessionModel::show_region(std::shared_ptr<const Region> region) {
+  shown.show(std::move(region), mesh());
+  others = 0;
+  if (shown.region() && !weld.empty()) {
+    std::vector<int> all = shown.region()->mesh_vertex, rows;
+    weld.add_others(all, rows);
+    others = static_cast<int>(all.size()) - shown.region()->size();
+  }
 }
 
 void SessionModel::show_by_hand() {
@@ -125,6 +173,7 @@ const AppliedStep* SessionModel::undo() {
     return nullptr;
   }
   const AppliedStep& step = history.undo();
+  join_after(step.step);
   show_mesh(step.vertices, step.before);
   return &step;
 }
@@ -136,6 +185,7 @@ const AppliedStep* SessionModel::redo() {
     return nullptr;
   }
   const AppliedStep& step = history.redo();
+  join_after(step.step);
   show_mesh(step.vertices, step.after);
   return &step;
 }

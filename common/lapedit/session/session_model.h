@@ -60,7 +60,8 @@ struct ToolState : Tools {
 struct SessionModel {
   StoredScalar scalar;
   History history;
-  std::shared_ptr<const Adjacency> adjacency;
+  std::shared_ptr<const Adjacency> adjacency, given_adjacency;  ///< of mesh(), and of history.original()
+  Weld weld;                                                    ///< of mesh(), whose faces are on first vertices
   std::function<void(const std::string&)> log;
   FindTargets find_targets;  ///< may be empty
   DragSettings settings;
@@ -69,6 +70,7 @@ struct SessionModel {
   Timeline timeline;
   std::string refusal;
   ShownRegion shown;
+  int others = 0;                          ///< vertices at the places of the shown region's
   std::unique_ptr<Visibility> visibility;  ///< of the current mesh, built when the brush needs it
   std::vector<int> unconnected;            ///< of the selection's vertices, ascending
 
@@ -77,6 +79,12 @@ struct SessionModel {
                FindTargets targets);
 
   const TriangleMesh& mesh() const { return *history.mesh(); }
+  /// The mesh with the faces of the original.
+  std::shared_ptr<const TriangleMesh> given_mesh() const;
+  /// Finds vertices at the same place again, if the step, which was applied or undone, can have moved them apart.
+  void join_after(const EditStep& step);
+  /// Adds the vertices at the places of those in a pose.
+  EditResult with_others(const std::vector<int>& vertices, const Points& positions) const;
   const std::vector<std::vector<int>>& groups() const { return selection.groups; }
   /// Returns the groups, followed by their mirror images.
   const std::vector<std::vector<int>>& all_groups() const {
@@ -95,7 +103,7 @@ struct SessionModel {
   void show(const std::vector<int>& vertices, const Points& positions, bool settled);
   /// To be called after a change of the mesh.
   void show_mesh(const std::vector<int>& vertices, const Points& positions);
-  void show_region(std::shared_ptr<const Region> region) { shown.show(std::move(region), mesh()); }
+  void show_region(std::shared_ptr<const Region> region);
   /// Shows a painted region before its distances are known.
   void show_by_hand();
   void back_to_mesh(bool settled);
@@ -105,7 +113,10 @@ struct SessionModel {
   const PoseChange* take_change();
 
  private:
+  void join();
+
   PoseChange change_;
+  std::vector<int> shown_, rows_;  // the vertices shown last, and the entry in them of each in change_
   bool changed_ = false;  // since the last take_change()
 };
 

@@ -33,7 +33,7 @@ DragFigures SessionSolver::figures() const {
     figures.handle = model_.shown.count(VertexClass::Handle);
     figures.free = model_.shown.count(VertexClass::Free);
     figures.anchors = model_.shown.count(VertexClass::Anchor);
-    figures.fixed = static_cast<int>(model_.mesh().vertices.rows()) - region->size();
+    figures.fixed = static_cast<int>(model_.mesh().vertices.rows()) - region->size() - model_.others;
   }
   figures.steps = static_cast<int>(model_.history.steps().size());
   return figures;
@@ -318,7 +318,7 @@ void SessionSolver::show_amended(const Amending& amending) {
 
 void SessionSolver::load(Edit edit) {
   preparation_.running = true;
-  worker_.apply({model_.history.mesh(), model_.adjacency, edit, model_.scalar});
+  worker_.apply({model_.given_mesh(), model_.given_adjacency, edit, model_.scalar});
   phase_ = Loading{std::move(edit), amendable()};
 }
 
@@ -345,8 +345,9 @@ void SessionSolver::commit_drag() {
     step.handles.push_back({selection.groups[g], drag.given[g], selection.weights[g], drag.targets[g]});
   }
   StepPath path{step.handles, united(selection.along, {selection.active}), 1};
+  EditResult pose = model_.with_others(model_.shown.region()->mesh_vertex, model_.shown.pose());
   const AppliedStep& applied =
-      history.apply(std::move(step), model_.shown.region()->mesh_vertex, model_.shown.pose(), std::move(path));
+      history.apply(std::move(step), std::move(pose.vertices), std::move(pose.positions), std::move(path));
   model_.timeline.add({drag.motion.text(), true, selection});
   model_.show_mesh(applied.vertices, applied.after);
   model_.log(messages::step_applied(history.steps().size(), drag.motion, model_.active_group(),
@@ -362,8 +363,9 @@ void SessionSolver::commit_amended() {
   const std::shared_ptr<const Region> region = amending.region;
   model_.shown.await(nullptr);
   model_.show(history.steps().back().vertices, history.steps().back().before, false);
+  EditResult pose = model_.with_others(region->mesh_vertex, solved_.positions);
   const AppliedStep& applied =
-      history.amend(amending.step, region->mesh_vertex, solved_.positions, std::move(amending.path));
+      history.amend(amending.step, std::move(pose.vertices), std::move(pose.positions), std::move(amending.path));
   model_.show_mesh(applied.vertices, applied.after);
   model_.log(messages::step_amended(history.steps().size(), region->size(), figures_.prepare_ms.value_or(0),
                                     figures_.solve_ms.value_or(0)));
@@ -376,13 +378,16 @@ void SessionSolver::commit_amended() {
 void SessionSolver::commit_loaded(const std::vector<EditResult>& results) {
   Edit& edit = std::get<Loading>(phase_).edit;
   for (std::size_t k = 0; k < results.size(); ++k) {
-    const AppliedStep& applied =
-        model_.history.apply(std::move(edit.steps[k]), results[k].vertices, results[k].positions);
+    EditStep& step = edit.steps[k];
+    const AppliedStep& applied = model_.history.apply(step.weld ? welded(std::move(step), model_.weld) : std::move(step),
+                                                      results[k].vertices, results[k].positions);
+    model_.join_after(applied.step);
     Selection& selection = model_.selection;
-    selection = selection_of(applied.step, applied.path.moved, selection, model_.settings);
+    selection = applied.step.weld ? selection_of(applied.step, applied.path.moved, selection, model_.settings)
+                                  : cleared(selection);
     Action action{messages::kSavedStep, true, selection};
-    if (selection.region.kind == RegionSpec::Kind::Radius) {
-      selection = with_vertices(std::move(selection), applied.vertices, model_.settings);
+    if (selection.has_region && selection.region.kind == RegionSpec::Kind::Radius) {
+      selection = with_vertices(std::move(selection), model_.weld.firsts(applied.vertices), model_.settings);
     }
     action.after = selection;
     model_.timeline.add(std::move(action));

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/mesh/weld.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <numeric>
+#include <utility>
+
+#include "lapedit/mesh/vertex_set.h"
+
+namespace lapedit {
+namespace {
+
+std::uint64_t hash_of(const Points& vertices, int vertex) {
+  std::uint64_t hash = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double number = vertices(vertex, k) + 0.0;  // without negative zeros
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &number, sizeof bits);
+    hash = (hash ^ bits) * 0x9e3779b97f4a7c15U;
+    hash ^= hash >> 32U;
+  }
+  return hash;
+}
+
+}  // namespace
+
+Weld::Weld(const Points& vertices) {
+  const int n = static_cast<int>(vertices.rows());
+  std::size_t size = 16;
+  while (size < 2 * static_cast<std::size_t>(n)) {
+    size *= 2;
+  }
+  std::vector<int> at(size, -1);  // an open hash table of vertices
+  for (int v = 0; v < n; ++v) {
+    if (!vertices.row(v).allFinite()) {
+      continue;
+    }
+    std::size_t entry = hash_of(vertices, v) & (size - 1);
+    while (at[entry] >= 0 && vertices.row(at[entry]) != vertices.row(v)) {
+      entry = (entry + 1) & (size - 1);
+    }
+    if (at[entry] < 0) {
+      at[entry] = v;
+    } else {
+      if (first_.empty()) {
+        first_.resize(static_cast<std::size_t>(n));
+        std::iota(first_.begin(), first_.end(), 0);
+      }
+      first_[static_cast<std::size_t>(v)] = at[entry];
+    }
+  }
+}
+
+void Weld::to_first(std::vector<int>& vertices) const {
+  for (int& v : vertices) {
+    if (v >= 0 && v < static_cast<int>(first_.size())) {
+      v = first(v);
+    }
+  }
+}
+
+std::vector<int> Weld::firsts(std::vector<int> vertices) const {
+  to_first(vertices);
+  return sorted_set(std::move(vertices));
+}
+
+Faces Weld::faces(const Faces& faces) const {
+  return empty() ? faces : Faces(faces.unaryExpr([this](int v) { return first(v); }));
+}
+
+void Weld::add_others(std::vector<int>& vertices, std::vector<int>& rows) const {
+  rows.resize(vertices.size());
+  std::iota(rows.begin(), rows.end(), 0);
+  if (empty()) {
+    return;
+  }
+  std::vector<int> row_of(first_.size(), -1);
+  for (std::size_t k = 0; k < vertices.size(); ++k) {
+    row_of[static_cast<std::size_t>(vertices[k])] = static_cast<int>(k);
+  }
+  vertices.clear();
+  rows.clear();
+  for (std::size_t v = 0; v < first_.size(); ++v) {
+    if (const int row = row_of[static_cast<std::size_t>(first_[v])]; row >= 0) {
+      vertices.push_back(static_cast<int>(v));
+      rows.push_back(row);
+    }
+  }
+}
+
+void Weld::add_others(std::vector<int>& vertices, Points& positions) const {
+  std::vector<int> rows;
+  add_others(vertices, rows);
+  if (rows.size() > static_cast<std::size_t>(positions.rows())) {
+    positions = gather(positions, rows);
+  }
+}
+
+}  // namespace lapedit

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/mesh/weld.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "lapedit/base/error.h"
+#include "lapedit/edit/edit.h"
+#include "lapedit/edit/positions.h"
+#include "lapedit/mesh/vertex_set.h"
+#include "shapes.h"
+#include "support.h"
+#include "torn_mesh.h"
+
+namespace lapedit {
+namespace {
+
+using support::same_bits;
+using support::soup;
+using support::Torn;
+using support::with_islands;
+
+struct Case {
+  std::string what;
+  Torn torn;
+};
+
+std::vector<Case> cases() {
+  return {{"a soup", soup(shapes::icosphere(3))},
+          {"a soup of a torus-like tube", soup(shapes::cylinder(16, 20))},
+          {"islands", with_islands(shapes::grid(21, 21), 10)},
+          {"islands of a ball", with_islands(shapes::icosphere(3), 0.1)}};
+}
+
+/// A pull at one place, with the region's radius, of all vertices that are there.
+EditStep pull(const TriangleMesh& mesh, const Vector3& at, double radius) {
+  EditStep step;
+  step.region.radius = radius;
+  step.handles = {{{support::vertex_at(mesh, at)}, {}}};
+  step.handles.front().transform.translation = Vector3(0.1, 0.05, 0.3) * radius;
+  return step;
+}
+
+TEST(Weld, NamesTheFirstOfEachPlace) {
+  const double nan = std::nan("");
+  Points points(8, 3);
+  points << 0, 0, 0, 1, 0, 0, -0.0, 0, -0.0, 1, 0, 0, 1, 1e-300, 0, nan, 0, 0, nan, 0, 0, 1, 0, 0;
+  const Weld weld(points);
+  ASSERT_FALSE(weld.empty());
+  const std::vector<int> first = {0, 1, 0, 1, 4, 5, 6, 1};
+  for (int v = 0; v < 8; ++v) {
+    EXPECT_EQ(weld.first(v), first[static_cast<std::size_t>(v)]) << v;
+  }
+  std::vector<int> vertices = {1, 4}, rows;
+  weld.add_others(vertices, rows);
+  EXPECT_EQ(vertices, (std::vector<int>{1, 3, 4, 7}));
+  EXPECT_EQ(rows, (std::vector<int>{0, 0, 1, 0}));
+  Points positions(4, 3);
+  positions << 1, 1, 1, 1, 1, 1, 4, 4, 4, 1, 1, 1;
+  const Points before = positions;
+  weld.add_others(vertices, positions);
+  EXPECT_EQ(positions, before) << "they are there already";
+  EXPECT_TRUE(Weld(shapes::icosphere(2).vertices).empty());
+}
+
+/// The method takes a torn mesh for the sound one, to the last bit.
+TEST(Weld, ResultIsThatOfTheSoundMesh) {
+  for (const Case& one : cases()) {
+    const TriangleMesh &mesh = one.torn.mesh, &sound = one.torn.sound;
+    const Vector3 place = sound.vertices.row(sound.vertices.rows() / 2).transpose();
+    const double radius = 0.45 * bounding_box(sound.vertices).diagonal().norm();
+    EditStep step = pull(mesh, place, radius), same = pull(sound, place, radius);
+    for (const bool given : {false, true}) {
+      if (given) {
+        same.region = support::given(support::around(sound, place, radius));
+        step.region = support::given(support::around(mesh, place, radius));
+      }
+      const EditResult result = support::apply_step(mesh, step);
+      const Points moved = support::edited(mesh, result), expected = support::edited(sound, support::apply_step(sound, same));
+      // Sums follow the order of numbers, which a soup changes.
+      EXPECT_LT((moved - gather(expected, one.torn.of)).cwiseAbs().maxCoeff(), 1e-9 * radius) << one.what << given;
+      const Weld weld(mesh.vertices);
+      for (int v = 0; v < static_cast<int>(moved.rows()); ++v) {
+        ASSERT_EQ(moved.row(v), moved.row(weld.first(v))) << one.what;
+      }
+      EXPECT_EQ(result.reports.front().welded,
+                static_cast<int>(result.vertices.size()) - support::apply_step(sound, same).vertices.size())
+          << one.what;
+    }
+  }
+}
+
+TEST(Weld, CanBeSwitchedOff) {
+  for (const Case& one : cases()) {
+    const TriangleMesh& mesh = one.torn.mesh;
+    EditStep step = pull(mesh, one.torn.sound.vertices.row(0).transpose(), 100);
+    step.weld = false;
+    const EditResult result = support::apply_step(mesh, step);
+    EXPECT_LT(result.vertices.size(), static_cast<std::size_t>(mesh.vertices.rows())) << one.what;
+    EXPECT_EQ(result.reports.front().welded, 0);
+  }
+}
+
+/// What a step has moved apart is not one vertex in the next; what it has left together is.
+TEST(Weld, FollowsAStepThatMovesPlacesApart) {
+  const Torn torn = with_islands(shapes::grid(21, 21), 10);
+  Edit edit;
+  EditStep apart = pull(torn.mesh, Vector3(4, 10, 0), 8);
+  apart.weld = false;
+  const EditStep after = pull(torn.mesh, Vector3(7, 2, 0), 8);
+  edit.steps = {apart, after};
+  const std::vector<EditResult> steps =
+      apply_steps(torn.mesh, support::adjacency_of(torn.mesh), edit);
+  Points moved = torn.mesh.vertices;
+  scatter(steps[0].vertices, steps[0].positions, moved);
+  const Weld left(moved);
+  ASSERT_FALSE(left.empty());
+  int came_apart = 0;
+  const Weld before(torn.mesh.vertices);
+  for (int v = 0; v < static_cast<int>(moved.rows()); ++v) {
+    came_apart += before.first(v) != left.first(v);
+  }
+  EXPECT_GT(came_apart, 5);
+  TriangleMesh then{moved, torn.mesh.faces};
+  const EditResult alone = support::apply_step(then, after);
+  EXPECT_EQ(alone.vertices, steps[1].vertices);
+  EXPECT_TRUE(same_bits(alone.positions, steps[1].positions));
+}
+
+TEST(Weld, OtherVerticesOfAPlaceCanBeNamed) {
+  const Torn torn = with_islands(shapes::grid(21, 21), 10);
+  const Weld weld(torn.mesh.vertices);
+  int other = 0;
+  while (weld.first(other) == other || torn.mesh.vertices(other, 1) != 10) {
+    ++other;
+  }
+  EditStep step = pull(torn.mesh, Vector3(10, 10, 0), 6);
+  const EditResult first = support::apply_step(torn.mesh, step);
+  step.handles.front().vertices = {other};
+  const EditResult same = support::apply_step(torn.mesh, step);
+  EXPECT_EQ(first.vertices, same.vertices);
+  EXPECT_TRUE(same_bits(first.positions, same.positions));
+  step.handles.front().vertices = {other, weld.first(other)};
+  EXPECT_TRUE(same_bits(first.positions, support::apply_step(torn.mesh, step).positions));
+
+  const auto refusal = [&](const EditStep& refused) {
+    try {
+      support::apply_step(torn.mesh, refused);
+    } catch (const EditError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EditStep targets = step;
+  targets.handles.front().transform = {};
+  targets.handles.front().targets = {Vector3(10, 10, 1), Vector3(10, 10, 2)};
+  const std::string names = "Vertices " + std::to_string(other) + " and " + std::to_string(weld.first(other));
+  EXPECT_NE(refusal(targets).find(names), std::string::npos) << refusal(targets);
+  EXPECT_NE(refusal(targets).find("different targets"), std::string::npos);
+  EditStep groups = step;
+  groups.handles.front().vertices = {other};
+  groups.handles.push_back({{weld.first(other)}, {}});
+  EXPECT_NE(refusal(groups).find(names), std::string::npos) << refusal(groups);
+  EXPECT_NE(refusal(groups).find("\"weld\": false"), std::string::npos);
+}
+
+/// A disc of a query reaches across a seam, unless the step keeps its sides apart.
+TEST(Weld, QueriesReachAcross) {
+  const Torn torn = with_islands(shapes::grid(21, 21), 10);
+  Edit edit;
+  edit.steps.resize(2);
+  for (EditStep& step : edit.steps) {
+    step.region.radius = 5;
+    step.handles.resize(1);
+    step.handles[0].query.within = VertexQuery::Disc{Vector3(10, 10, 0), 2};
+  }
+  edit.steps[1].weld = false;
+  const Edit found = located(torn.mesh, support::adjacency_of(torn.mesh), edit);
+  EXPECT_GT(found.steps[0].handles[0].vertices.size(), found.steps[1].handles[0].vertices.size() + 3);
+}
+
+/// Of a shell with its back at the same place each pair of vertices is one, whatever the faces' orientation.
+TEST(Weld, DoubledShellMovesAsOne) {
+  const TriangleMesh front = shapes::grid(15, 15);
+  TriangleMesh both = shapes::together(front, front, Vector3::Zero());
+  both.faces.bottomRows(front.faces.rows()).col(0).swap(both.faces.bottomRows(front.faces.rows()).col(1));
+  for (const EditMethod method : {EditMethod::Default, EditMethod::Paper, EditMethod::Linear}) {
+    EditStep step = pull(both, Vector3(7, 7, 0), 6);
+    step.settings = EditSettings::of(method);
+    const Points moved = support::edited(both, support::apply_step(both, step));
+    ASSERT_TRUE(moved.allFinite());
+    const Eigen::Index n = front.vertices.rows();
+    EXPECT_EQ(moved.topRows(n), moved.bottomRows(n)) << name(method);
+    EXPECT_GT((moved - both.vertices).col(2).maxCoeff(), 1.5) << name(method);
+  }
+}
+
+}  // namespace
+}  // namespace lapedit

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include "allocation_watch.h"
+#include "drag_support.h"
+#include "lapedit/mesh/vertex_finder.h"
+#include "lapedit/mesh/weld.h"
+#include "torn_mesh.h"
+
+// Dragging on meshes with several vertices at the same place.
+namespace lapedit {
+namespace {
+
+using support::same_bits;
+using support::Window;
+
+constexpr int kSide = 41;
+
+TriangleMesh torn_plate() {
+  return support::with_islands(shapes::grid(kSide, kSide), 20).mesh;
+}
+
+/// The vertex with faces nearest to a place on the seam.
+int on_seam(Window& window, double y) {
+  return nearest_vertex(window.session.mesh(), Vector3(20, y, 0));
+}
+
+int places_apart(const Points& now, const Points& before) {
+  const Weld weld(before);
+  int apart = 0;
+  for (int v = 0; v < static_cast<int>(before.rows()); ++v) {
+    apart += now.row(v) != now.row(weld.first(v));
+  }
+  return apart;
+}
+
+TEST(DragWeld, SeamStaysClosed) {
+  Window window(torn_plate());
+  const Points before = window.host();
+  ASSERT_FALSE(Weld(before).empty());
+  window.change([](DragSettings& s) { s.radius = 9; });
+  window.click(on_seam(window, 20));
+  EXPECT_LT(window.session.figures().fixed, kSide * kSide - static_cast<int>(window.region().size()) + 1);
+  window.press(on_seam(window, 20));
+  window.session.move(window.at(on_seam(window, 20), Vector2(40, 60)));
+  window.session.wait();
+  EXPECT_GT((window.host() - before).rowwise().norm().maxCoeff(), 1);
+  EXPECT_EQ(places_apart(window.host(), before), 0) << "a frame";
+  window.session.release(window.at(on_seam(window, 20), Vector2(40, 60)));
+  window.session.wait();
+  EXPECT_EQ(places_apart(window.host(), before), 0) << "a step";
+  window.expect_consistent();
+  window.change([](DragSettings& s) { s.edit.membrane = 100; });
+  EXPECT_EQ(places_apart(window.host(), before), 0) << "another setting";
+  window.drag(on_seam(window, 20), Vector2(-20, 10));
+  window.expect_consistent();
+  window.undo(2);
+  EXPECT_TRUE(same_bits(window.host(), before));
+  window.redo(2);
+  window.expect_consistent();
+  EXPECT_EQ(places_apart(window.host(), before), 0);
+}
+
+TEST(DragWeld, SelectionsOfOneSideCount) {
+  Window window(torn_plate());
+  const Weld weld(window.session.original().vertices);
+  std::vector<int> right;  // of the island beyond the seam, which has its other vertices
+  for (int v = 0; v < static_cast<int>(window.session.original().vertices.rows()); ++v) {
+    const auto faces = window.session.given_adjacency().faces[v];
+    if (faces.size() > 0 && window.session.original().vertices(v, 0) >= 20 &&
+        (weld.first(v) != v || window.session.original().vertices(v, 0) > 20)) {
+      right.push_back(v);
+    }
+  }
+  window.session.set_region(right);
+  window.click(nearest_vertex(window.session.mesh(), Vector3(30, 20, 0)));
+  EXPECT_TRUE(window.session.unconnected().empty());
+  EXPECT_EQ(window.region().size(), right.size());
+  window.drag(nearest_vertex(window.session.mesh(), Vector3(30, 20, 0)), Vector2(10, 30));
+  window.expect_consistent();
+  EXPECT_EQ(places_apart(window.host(), window.session.original().vertices), 0);
+}
+
+TEST(DragWeld, SavedStepMayKeepPlacesApart) {
+  Window window(torn_plate());
+  const Points before = window.host();
+  EditStep apart;
+  apart.region.radius = 9;
+  apart.handles = {{{nearest_vertex(window.session.mesh(), Vector3(18, 20, 0))}, {}}};
+  apart.handles.front().transform.translation = Vector3(1, 2, 3);
+  apart.weld = false;
+  EditStep joined = apart;
+  joined.weld = true;
+  Edit edit;
+  edit.steps = {joined, apart, joined};
+  window.session.load(edit);
+  window.session.wait();
+  EXPECT_EQ(window.session.figures().steps, 3) << window.session.message();
+  const int gap = places_apart(window.host(), before);
+  EXPECT_GT(gap, 5);
+  window.expect_consistent();
+  window.undo(2);
+  EXPECT_EQ(places_apart(window.host(), before), 0);
+  window.redo(1);
+  EXPECT_EQ(places_apart(window.host(), before), gap);
+  window.expect_consistent();
+  window.session.clear();
+  window.change([](DragSettings& s) { s.radius = 6; });
+  window.drag(nearest_vertex(window.session.mesh(), Vector3(20, 33, 0)), Vector2(10, 30));
+  window.expect_consistent();
+  window.undo(3);
+  EXPECT_TRUE(same_bits(window.host(), before));
+}
+
+TEST(DragWeld, FramesAllocateNothing) {
+  Window window(torn_plate());
+  window.change([](DragSettings& s) { s.radius = 9; });
+  const int handle = on_seam(window, 20);
+  window.click(handle);
+  window.press(handle);
+  const Vector2 from = window.at(handle).pixel;
+  const auto move = [&](int i) {
+    const int poses = window.poses();
+    window.session.move(window.at(from + Vector2(i, 2 * i)));
+    while (window.poses() == poses) {
+      window.session.poll();
+    }
+  };
+  for (int i = 1; i <= 6; ++i) {
+    move(i);
+  }
+  window.session.wait();
+  const long before = allocations;
+  for (int i = 7; i <= 20; ++i) {
+    move(i);
+  }
+  window.session.wait();
+  EXPECT_EQ(allocations - before, 0);
+}
+
+}  // namespace
+}  // namespace lapedit
