@@ -31,18 +31,25 @@ inline Torn soup(const TriangleMesh& sound) {
 inline Torn with_islands(const TriangleMesh& sound, double limit) {
   Torn torn{sound, sound, std::vector<int>(sound.vertices.rows())};
   std::iota(torn.of.begin(), torn.of.end(), 0);
+  const auto is_beyond = [&](const auto& face) {
+    return sound.vertices(face[0], 0) + sound.vertices(face[1], 0) + sound.vertices(face[2], 0) > 3 * limit;
+  };
   std::vector<int> other(sound.vertices.rows(), -1);
-  for (auto face : torn.mesh.faces.rowwise()) {
-    double x = 0;
+  for (const auto& face : sound.faces.rowwise()) {
     for (const int v : face) {
-      x += sound.vertices(v, 0) / 3;
+      other[v] = is_beyond(face) ? other[v] : v;  // on this side
     }
+  }
+  std::vector<char> is_doubled(sound.vertices.rows(), 0);
+  for (auto face : torn.mesh.faces.rowwise()) {
+    const bool beyond = is_beyond(face);
     for (int& v : face) {
-      if (x > limit && other[v] < 0) {
+      if (beyond && other[v] >= 0 && !is_doubled[v]) {
+        is_doubled[v] = 1;
         other[v] = static_cast<int>(torn.of.size());
         torn.of.push_back(v);
       }
-      v = x > limit ? other[v] : v;
+      v = beyond && is_doubled[v] ? other[v] : v;
     }
   }
   torn.mesh.vertices = gather(sound.vertices, torn.of);

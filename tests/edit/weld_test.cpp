@@ -77,7 +77,8 @@ TEST(Weld, ResultIsThatOfTheSoundMesh) {
         step.region = support::given(support::around(mesh, place, radius));
       }
       const EditResult result = support::apply_step(mesh, step);
-      const Points moved = support::edited(mesh, result), expected = support::edited(sound, support::apply_step(sound, same));
+      const Points moved = support::edited(mesh, result),
+                   expected = support::edited(sound, support::apply_step(sound, same));
       // Sums follow the order of numbers, which a soup changes.
       EXPECT_LT((moved - gather(expected, one.torn.of)).cwiseAbs().maxCoeff(), 1e-9 * radius) << one.what << given;
       const Weld weld(mesh.vertices);
@@ -110,8 +111,7 @@ TEST(Weld, FollowsAStepThatMovesPlacesApart) {
   apart.weld = false;
   const EditStep after = pull(torn.mesh, Vector3(7, 2, 0), 8);
   edit.steps = {apart, after};
-  const std::vector<EditResult> steps =
-      apply_steps(torn.mesh, support::adjacency_of(torn.mesh), edit);
+  const std::vector<EditResult> steps = apply_steps(torn.mesh, support::adjacency_of(torn.mesh), edit);
   Points moved = torn.mesh.vertices;
   scatter(steps[0].vertices, steps[0].positions, moved);
   const Weld left(moved);

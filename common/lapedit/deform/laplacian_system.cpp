@@ -73,7 +73,7 @@ void Preparation::make_operator(const TriangleMesh& mesh) {
     if (membrane) {
       stretch = membrane_factor(settings, s_.region, s_.rest.world, whole.sums.mean()) * whole.sums;
     }
-    Eigen::VectorXd links = link_strengths(s_.region, s_.rest.world);
+    Eigen::VectorXd links = link_strengths(s_.region, s_.rest.world, settings.order);
     const OperatorRows::Rows rows(whole.matrix);
     const OperatorRows::Rows* const old = same ? &previous_->powers.first->rows() : nullptr;
     operator_reused_ = old && old->nonZeros() == rows.nonZeros() && old->coeffs().matrix() == rows.coeffs().matrix() &&
@@ -82,8 +82,8 @@ void Preparation::make_operator(const TriangleMesh& mesh) {
       LaplacianPowers& powers = s_.powers;
       powers.m = std::make_shared<const OperatorRows>(
           with_link_rows(power(whole.matrix, settings.order), s_.region, links), stretch);
-      powers.first = settings.order == 1 && links.size() == 0 ? powers.m
-                                                              : std::make_shared<const OperatorRows>(whole.matrix);
+      powers.first =
+          settings.order == 1 && links.size() == 0 ? powers.m : std::make_shared<const OperatorRows>(whole.matrix);
       powers.uniform_edges = whole.uniform_edges;
       powers.stretch = std::move(stretch);
       powers.links = std::move(links);

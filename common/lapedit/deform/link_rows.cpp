@@ -8,8 +8,9 @@
 
 namespace lapedit {
 
-Eigen::VectorXd link_strengths(const Region& region, const Points& rest) {
-  constexpr double kStrength = 100, kMost = 1e4;  // squared; beyond, rounding would tell
+Eigen::VectorXd link_strengths(const Region& region, const Points& rest, int order) {
+  const double kStrength = order == 1 ? 1000 : 100;  // squared; matrices of higher orders are ill-conditioned anyway
+  constexpr double kMost = 1e4;
   const auto is_link = [&region](int i, int j) {
     return std::binary_search(region.links.begin(), region.links.end(), std::pair(std::min(i, j), std::max(i, j)));
   };

@@ -39,7 +39,7 @@ void rotate_edges(const LaplacianSystem& system, const EditConstraints& constrai
   });
 }
 
-/// Adds the rows s ((R_a + R_b) / 2 - I) (p_a - p_b) of the links.
+/// Adds the rows of links, s (t - e), where t is e = p_a - p_b in the direction of (R_a + R_b) e.
 const Points& rotate_links(const LaplacianSystem& system, const EditConstraints& constraints,
                            const std::vector<Matrix3>& rotations, RotatedCoordinates& scratch) {
   const Eigen::VectorXd& strengths = system.powers.links;
@@ -52,8 +52,10 @@ const Points& rotate_links(const LaplacianSystem& system, const EditConstraints&
   for (Eigen::Index k = 0; k < strengths.size(); ++k) {
     const auto [a, b] = system.region.links[static_cast<std::size_t>(k)];
     const Vector3 edge = (constraints.start().row(a) - constraints.start().row(b)).transpose();
-    scratch.with_links.row(n + k) =
-        strengths[k] * (0.5 * ((rotations[a] + rotations[b]) * edge) - edge).transpose();
+    Vector3 turned = (rotations[a] + rotations[b]) * edge;
+    const double twice = turned.norm();
+    turned *= twice > 0 ? edge.norm() / twice : 0;
+    scratch.with_links.row(n + k) = strengths[k] * (turned - edge).transpose();
   }
   return scratch.with_links;
 }

@@ -12,6 +12,11 @@ using Transform = CellModel::Transform;
 
 constexpr int kGrain = 1024;
 
+float dot(Floats4 a, Floats4 b) {
+  const Floats4 products = a * b;
+  return products[0] + products[1] + products[2];
+}
+
 /// y_i = sum_j -M_ij (((T_i + T_j) / 2 - I)(p_i - p_j) - (d_i - d_j)): the rotated edges minus their current state.
 struct EdgeResidual {
   const OperatorRows::Rows& m;
@@ -100,11 +105,13 @@ const Points& StepSolver::add_links() {
   for (Eigen::Index k = 0; k < strengths.size(); ++k) {
     const auto [a, b] = region().links[static_cast<std::size_t>(k)];
     const Floats4 edge = f.transforms[a].rest - f.transforms[b].rest;
-    const Floats4 wanted =
-        0.5F * (EdgeResidual::rotated(f.transforms[a], edge) + EdgeResidual::rotated(f.transforms[b], edge));
+    Floats4 turned =
+        2.0F * edge + EdgeResidual::rotated(f.transforms[a], edge) + EdgeResidual::rotated(f.transforms[b], edge);
+    const float squared = dot(turned, turned);
+    turned *= squared > 0 ? std::sqrt(dot(edge, edge) / squared) : 0;
     for (int e = 0; e < 3; ++e) {
       f.with_links(n + k, e) =
-          strengths[k] * (static_cast<double>(wanted[e]) - (f.displacement(a, e) - f.displacement(b, e)));
+          strengths[k] * (static_cast<double>(turned[e] - edge[e]) - (f.displacement(a, e) - f.displacement(b, e)));
     }
   }
   return f.with_links;

@@ -80,7 +80,7 @@ struct Pass {
   const int* offsets;
   const int* inner;
   const double* values;
-  int last_row;  // of the factors
+  int last_row;                  // of the factors
   const double *x_high, *x_low;  // factors of the entries; without a low number: all in working precision
 
   // Without a right-hand side: the sums.

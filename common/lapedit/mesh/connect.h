@@ -8,8 +8,9 @@ namespace lapedit {
 /// Returns the neighbours of a mesh, with links over gaps: between pieces that are not connected but near each other,
 /// such as an eye and its socket, each vertex and the nearest one of another piece; along a border also the nearest
 /// border vertex of the same piece, if that is more than three times as far along the surface, as at the seam of a tube
-/// that was cut open. A link is at most as long as the gap and counts as an edge, without faces. A vertex takes at most kMostLinks from others, the shortest of them, so that no
-/// vertex of a coarse piece next to a fine one has thousands of neighbours. Deterministic.
+/// that was cut open. A link is at most as long as the gap and counts as an edge, without faces. A vertex takes at most
+/// kMostLinks from others, the shortest of them, so that no vertex of a coarse piece next to a fine one has thousands
+/// of neighbours. Deterministic.
 /// @param gap      model units, > 0 and finite
 /// @param allowed  if given, one flag per vertex: only flagged ones are linked
 /// @throws EditError (BadParameter)

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <utility>
 
 namespace lapedit {
 namespace {
@@ -102,8 +103,13 @@ EdgeStretch edge_stretch(const Region& region, const Points& before, const Point
   EdgeStretch result;
   double sum = 0;
   int edges = 0;
+  auto link = region.links.begin();  // no part of the surface
   for (int i = 0; i < region.size(); ++i) {
     for (const int j : region.neighbours[i]) {
+      if (link != region.links.end() && *link == std::pair(i, j)) {
+        ++link;
+        continue;
+      }
       const double old_length = (before.row(i) - before.row(j)).norm();
       if (i < j && old_length > 0) {
         const double stretch = (after.row(i) - after.row(j)).norm() / old_length - 1;

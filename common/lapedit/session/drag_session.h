@@ -62,7 +62,7 @@ class DragSession {
   const TriangleMesh& original() const { return model_.history.original(); }
   /// With all applied steps, without a drag in progress; of vertices at the same place only the first has faces.
   const TriangleMesh& mesh() const { return model_.mesh(); }
-  const Adjacency& adjacency() const { return *model_.adjacency; }  ///< of mesh()
+  const Adjacency& adjacency() const { return *model_.adjacency; }              ///< of mesh()
   const Adjacency& given_adjacency() const { return *model_.given_adjacency; }  ///< of original()
   const ShownRegion& shown() const { return model_.shown; }  ///< the classified region to show, and its pose
   const Selection& selection() const { return model_.selection; }

@@ -117,7 +117,7 @@ struct SessionModel {
 
   PoseChange change_;
   std::vector<int> shown_, rows_;  // the vertices shown last, and the entry in them of each in change_
-  bool changed_ = false;  // since the last take_change()
+  bool changed_ = false;           // since the last take_change()
 };
 
 }  // namespace lapedit

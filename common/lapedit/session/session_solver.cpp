@@ -379,8 +379,8 @@ void SessionSolver::commit_loaded(const std::vector<EditResult>& results) {
   Edit& edit = std::get<Loading>(phase_).edit;
   for (std::size_t k = 0; k < results.size(); ++k) {
     EditStep& step = edit.steps[k];
-    const AppliedStep& applied = model_.history.apply(step.weld ? welded(std::move(step), model_.weld) : std::move(step),
-                                                      results[k].vertices, results[k].positions);
+    const AppliedStep& applied = model_.history.apply(
+        step.weld ? welded(std::move(step), model_.weld) : std::move(step), results[k].vertices, results[k].positions);
     model_.join_after(applied.step);
     Selection& selection = model_.selection;
     selection = applied.step.weld ? selection_of(applied.step, applied.path.moved, selection, model_.settings)
