@@ -122,8 +122,8 @@ void Panel::addRegion() {
                                    "(Ctrl+Shift+wheel)"),
                                 access<&DragSettings::padding, 100>()));
   auto* gap = length("connect_gap",
-                     tr("Pieces of the surface that are nearer to each other than this follow as one, such as eyes in "
-                        "a head; 0: off"),
+                     tr("Pieces of the surface, or its borders, that are nearer to each other than this keep their "
+                        "distance, such as eyes in a head, or a seam that is open; 0: off"),
                      access<&DragSettings::connect_gap>());
   gap->setSpecialValueText(tr("off"));
   row(tr("Join pieces"), gap);

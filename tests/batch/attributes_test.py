@@ -5,7 +5,7 @@ import unittest
 
 from host import FilterHost, laplacian_edit
 from ply import SCALAR, Ply, mesh_files
-from shapes import dome
+from shapes import dome, with_seam
 
 # All that the PLY exporter can save: vertex colour, quality, flags (with the selection) and texture coordinates;
 # face colour, quality, flags; texture coordinates of the corners.
@@ -19,7 +19,7 @@ class AttributesTest(FilterHost):
 
     def test_all_attributes_at_once(self):
         random.seed(1)
-        points, faces = dome()
+        (points, faces), seam = with_seam(dome(), lambda x, y, z: x > y)
         selected = 32  # the selection's bit in MeshLab's flags
         extra = [*(f"uchar {c}" for c in ("red", "green", "blue", "alpha")), "float quality", "int flags"]
 
@@ -41,6 +41,10 @@ class AttributesTest(FilterHost):
                     self.assertNotEqual(values, after[element][name])
                 elif name not in NORMALS:
                     self.assertEqual(values, after[element][name], f"{element} {name}")
+        # Vertices at the same place stay there together, each with its own attributes.
+        for one, other in seam:
+            self.assertEqual(*([after["vertex"][c][v] for c in sorted(COORDINATES)] for v in (one, other)))
+        self.assertTrue(any(before["vertex"]["red"][a] != before["vertex"]["red"][b] for a, b in seam))
         # The mesh that was compared has all of it, and not only zeros.
         for element in ("vertex", "face"):
             for name in ("red", "green", "blue", "alpha", "quality", *(["texcoord"] if element == "face" else [])):

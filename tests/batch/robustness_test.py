@@ -16,6 +16,8 @@ class RobustnessTest(FilterHost):
         mesh = write_ply(self.folder / "faulty.ply", points, faces)
         triangles = [f for f in faces if len(set(f)) == 3]
         reached = within(points, neighbours(len(points), triangles), CENTRE, RADIUS)
+        moved = {points[v] for v in reached}
+        reached = [v for v, point in enumerate(points) if point in moved]  # vertices at the same place are one
         for laplacian in (1, 2):
             path, log = self.edited([laplacian_edit(handle_point=points[CENTRE], radius=RADIUS, translation=UP,
                                                     laplacian=laplacian)], mesh, save=["vn"])
@@ -57,7 +59,7 @@ class RobustnessTest(FilterHost):
         a = CENTRE + 2
         points.append(points[a])  # a sliver of no width between a and its double
         faces.append((a, len(points) - 1, a + 1))
-        self.check(points, faces, r"edges at degenerate triangles")
+        self.check(points, faces, r"; 1 more at the places of these move along")
 
     def test_faces_that_are_no_manifold(self):
         points, faces = dome()

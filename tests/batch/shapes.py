@@ -19,6 +19,17 @@ def dome(rows=21, columns=21):
     return points, faces
 
 
+def with_seam(mesh, at):
+    """The mesh with a second vertex at each place on the border between the faces that `at` chooses by their centres and
+    the others, as along a seam of texture coordinates. @return mesh, and pairs of vertices at the same place"""
+    points, faces = mesh
+    chosen = [at(*(sum(points[v][k] for v in face) / 3 for k in range(3))) for face in faces]
+    both = ({v for f, c in zip(faces, chosen) if c for v in f} & {v for f, c in zip(faces, chosen) if not c for v in f})
+    other = {v: len(points) + k for k, v in enumerate(sorted(both))}
+    return ((points + [points[v] for v in sorted(both)],
+             [tuple(other.get(v, v) if c else v for v in f) for f, c in zip(faces, chosen)]), sorted(other.items()))
+
+
 def moved(mesh, scale=1.0, offset=(0, 0, 0)):
     points, faces = mesh
     return [tuple(scale * c + o for c, o in zip(p, offset)) for p in points], faces

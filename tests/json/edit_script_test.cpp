@@ -29,7 +29,7 @@ bool same(const EditStep& a, const EditStep& b) {
   return a.region.kind == b.region.kind && a.region.radius == b.region.radius &&
          a.region.vertices == b.region.vertices && (component || a.region.padding == b.region.padding) &&
          a.settings == b.settings && a.region.connect_gap == b.region.connect_gap &&
-         a.mirror.has_value() == b.mirror.has_value() &&
+         a.weld == b.weld && a.mirror.has_value() == b.mirror.has_value() &&
          (!a.mirror || (a.mirror->point == b.mirror->point && a.mirror->normal == b.mirror->normal)) &&
          std::equal(a.handles.begin(), a.handles.end(), b.handles.begin(), b.handles.end(),
                     [](const HandleGroup& g, const HandleGroup& h) {
@@ -237,10 +237,11 @@ TEST(EditScript, KeptAnchorsAreWrittenAndReadBack) {
 TEST(EditScript, OptionalKeysAreWrittenWhereTheyAreUsed) {
   Edit edit = read_edit(R"({"laplacian_edit": 1, "steps": [{"region": {"component": true, "connect": 0.02},
       "handles": [{"vertices": "9,3-4", "weights": [1, 0.5, 0.003], "translation": [0, 0, 1]}],
-      "mirror": {"point": [0, 0.5, 0], "normal": [1, 0, 0]}}]})");
+      "mirror": {"point": [0, 0.5, 0], "normal": [1, 0, 0]}, "weld": false}]})");
   EditStep& step = edit.steps[0];
   EXPECT_EQ(step.region.connect_gap, 0.02);
   EXPECT_EQ(step.handles[0].weights, (std::vector<double>{1, 0.5, 0.003}));
+  EXPECT_FALSE(step.weld);
   ASSERT_TRUE(step.mirror);
   EXPECT_EQ(step.mirror->point, Vector3(0, 0.5, 0));
   EXPECT_EQ(step.mirror->normal, Vector3(1, 0, 0));
@@ -249,8 +250,9 @@ TEST(EditScript, OptionalKeysAreWrittenWhereTheyAreUsed) {
   step.region.connect_gap = 0;
   step.handles[0].weights.clear();
   step.mirror.reset();
+  step.weld = true;
   const std::string plain = write_edit(edit);
-  for (const char* key : {"connect", "weights", "mirror"}) {
+  for (const char* key : {"connect", "weights", "mirror", "weld"}) {
     EXPECT_EQ(plain.find(key), std::string::npos) << plain;
   }
 }

@@ -95,6 +95,17 @@ class Wheel(unittest.TestCase):
     def test_generated_mesh_as_the_program(self):
         self.compare(grid(), {"laplacian_edit": 1, "steps": [PULL]}, 1.0)
 
+    def test_vertices_at_the_same_place_stay_together(self):
+        points, faces = grid()
+        corners = faces.ravel()
+        soup = points[corners], numpy.arange(len(corners)).reshape(-1, 3)
+        step = {"region": {"radius": 9}, "handles": [{"points": [points[220].tolist()], "translation": [0.5, 0, 4]}]}
+        one, other, apart = mesh_set(*soup), mesh_set(), mesh_set(*soup)
+        for made, weld in ((one, True), (other, True), (apart, False)):
+            package.edit(made, {"steps": [{**step, "weld": weld}]})
+        numpy.testing.assert_allclose(vertices(one), vertices(other)[corners], atol=1e-9)
+        self.assertGreater(numpy.abs(vertices(apart) - vertices(one)).max(), 0.1)
+
     @unittest.skipUnless(MESHES, "needs the real meshes")
     def test_recorded_edits_as_the_program(self):
         count = 0

@@ -202,9 +202,8 @@ EdgeWeights mean_value_weights(const Region& region, const TriangleMesh& mesh) {
   return result;
 }
 
-/// Links have no triangles. They should move a piece without deforming it: an eye in a socket that is bent by 0.3
-/// differs from a rigid motion by 5 to 17 % of its displacement with the weight of an edge, and by 2 to 5 % with this
-/// fraction of it, at the same distance from its socket.
+/// Links have no triangles, and rows of their own hold them (link_rows.h). Here they keep pieces from having no
+/// neighbour at all.
 void weaken_links(const Region& region, EdgeWeights& weights) {
   constexpr double kLink = 0.03;
   for (const auto& [i, j] : region.links) {

@@ -374,12 +374,29 @@ void visit(Keys& keys, MirrorPlane& mirror) {
   keys.need("normal", mirror.normal);
 }
 
+/// A value that may be true or false; others may only be true.
+struct Switch {
+  bool& is_on;
+};
+
+void read(const JsonValue& value, Switch& found) {
+  if (!value.json.is_boolean()) {
+    value.refuse_kind("true or false");
+  }
+  found.is_on = value.json.get<bool>();
+}
+
+Json json_of(Switch& from) {
+  return from.is_on;
+}
+
 void visit(Keys& keys, EditStep& step) {
   RegionKeys region = {step};
   keys.need("region", region);
   keys.need("handles", step.handles);
   keys.may("mirror", step.mirror, step.mirror.has_value());
-  keys.may("weld", step.weld, !step.weld);
+  Switch weld = {step.weld};
+  keys.may("weld", weld, !step.weld);
   for (const Setting& setting : settings_table()) {
     visit(keys, setting, step.settings);
   }
