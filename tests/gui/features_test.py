@@ -5,7 +5,8 @@ import re
 import unittest
 
 from tool import PANEL, TOOL, ToolTest, part
-from shapes import neighbours, within
+from ply import write_ply
+from shapes import neighbours, with_seam, within
 
 
 class Start(ToolTest):
@@ -109,6 +110,20 @@ class Gesture(ToolTest):
                                                                                 "box")], [])
             self.assert_finite(after)
             self.assert_replay_is_the_same(w, self.mesh)
+
+    def test_a_seam_stays_closed(self):
+        (points, faces), seam = with_seam((self.points, self.faces), lambda x, y, z: x > y)
+        mesh = write_ply(self.folder / "seam.ply", points, faces)
+        with self.start(mesh) as w:
+            before = w.dump()
+            self.pull(w, self.CENTRE, (40, -60))
+            moved = w.dump().triples("positions")
+            self.assertGreater(math.dist(moved[self.CENTRE], before.triples("positions")[self.CENTRE]), 0.05)
+            for one, other in seam:
+                self.assertEqual(moved[one], moved[other])
+            self.assert_replay_is_the_same(w, mesh)
+            self.undo(w)
+            self.assert_same(before, w.dump())
 
     def test_drag_right_after_a_click(self):
         """Qt makes a double click of the second press."""
