@@ -9,7 +9,7 @@
 namespace lapedit {
 
 Eigen::VectorXd link_strengths(const Region& region, const Points& rest, int order) {
-  const double kStrength = order == 1 ? 1000 : 100;  // squared; matrices of higher orders are ill-conditioned anyway
+  const double strength = order == 1 ? 1000 : 100;  // squared; matrices of higher orders are ill-conditioned anyway
   constexpr double kMost = 1e4;
   const auto is_link = [&region](int i, int j) {
     return std::binary_search(region.links.begin(), region.links.end(), std::pair(std::min(i, j), std::max(i, j)));
@@ -28,8 +28,8 @@ Eigen::VectorXd link_strengths(const Region& region, const Points& rest, int ord
       }
     }
     const double gap = (rest.row(a) - rest.row(b)).norm();
-    const double ratio = count > 0 && gap * kMost > edges / count * kStrength ? edges / count / gap : kMost;
-    strengths[k] = std::sqrt(std::clamp(kStrength * ratio, kStrength, kMost));
+    const double ratio = count > 0 && gap * kMost > edges / count * strength ? edges / count / gap : kMost;
+    strengths[k] = std::sqrt(std::clamp(strength * ratio, strength, kMost));
   }
   return strengths;
 }

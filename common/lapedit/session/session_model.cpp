@@ -35,6 +35,7 @@ SessionModel::SessionModel(TriangleMesh mesh, StoredScalar stored, std::function
       history(checked(std::move(mesh))),
       given_adjacency(std::make_shared<const Adjacency>(
           build_adjacency(static_cast<int>(history.original().vertices.rows()), history.original().faces))),
+      adjacency(given_adjacency),
       log(log_line ? std::move(log_line) : [](const std::string&) {}),
       find_targets(std::move(targets)),
       settings(settings_for(history.original())) {
@@ -48,12 +49,14 @@ std::shared_ptr<const TriangleMesh> SessionModel::given_mesh() const {
 
 void SessionModel::join() {
   Joined joined(history.original(), mesh().vertices);
-  const bool was_joined = !weld.empty();
-  weld = std::move(joined.weld);
-  adjacency = weld.empty() ? given_adjacency : std::make_shared<const Adjacency>(std::move(joined.adjacency));
-  if (was_joined || !weld.empty()) {
-    history.set_faces(weld.empty() ? history.original().faces : std::move(joined.faces));
+  if (!joined.weld.empty()) {
+    history.set_faces(std::move(joined.faces));
+    adjacency = std::make_shared<const Adjacency>(std::move(joined.adjacency));
+  } else if (!weld.empty()) {
+    history.set_faces(history.original().faces);
+    adjacency = given_adjacency;
   }
+  weld = std::move(joined.weld);
   shown_.clear();
 }
 

@@ -60,7 +60,7 @@ struct ToolState : Tools {
 struct SessionModel {
   StoredScalar scalar;
   History history;
-  std::shared_ptr<const Adjacency> adjacency, given_adjacency;  ///< of mesh(), and of history.original()
+  std::shared_ptr<const Adjacency> given_adjacency, adjacency;  ///< of history.original(), and of mesh()
   Weld weld;                                                    ///< of mesh(), whose faces are on first vertices
   std::function<void(const std::string&)> log;
   FindTargets find_targets;  ///< may be empty
