@@ -33,18 +33,52 @@ void normalise(Points& smoothed, const Points& raw) {
   }
 }
 
-Matrix3 frame(const Vector3& n, const Vector3& u) {
-  Matrix3 result;
-  result << n, u, n.cross(u);
-  return result;
-}
-
 }  // namespace
 
 void FrameRotations::smooth(const Points& pose, Points& normals) {
   vertex_normals(pose, region_.faces, raw_, areas_);
   kernel_.apply(raw_, normals, centres_);
   normalise(normals, raw_);
+}
+
+/// The rotation that takes n0 to n1 and the edge that is most tangential at n0 to its counterpart, in the tangent
+/// planes. Edges that are nearly as tangential take part, since on regular meshes rounding would choose among them:
+/// each counts less the steeper it is, so that the choice has no jumps.
+Matrix3 FrameRotations::tangential_rotation(int i, const Vector3& n0, const Vector3& n1) const {
+  constexpr double kAsTangential = 1e-3;  // difference of cosines
+  const auto cosine_of = [&](const Vector3& edge) { return std::abs(edge.dot(n0)) / edge.norm(); };
+  double least = 2;
+  for (const int j : region_.neighbours[i]) {
+    // The minimum of a number and a NaN, of an edge without length, is the number.
+    least = std::fmin(least, cosine_of((before_.row(j) - before_.row(i)).transpose()));
+  }
+  const Matrix3 base = Eigen::Quaterniond::FromTwoVectors(n0, n1).toRotationMatrix();
+  double along = 0, across = 0;
+  bool moved = n0 != n1;
+  for (const int j : region_.neighbours[i]) {
+    const Vector3 e0 = (before_.row(j) - before_.row(i)).transpose();
+    const Vector3 e1 = (after_.row(j) - after_.row(i)).transpose();
+    const double weight = 1 - (cosine_of(e0) - least) / kAsTangential;
+    if (weight > 0) {
+      const Vector3 u0 = base * unit_or_zero(e0 - e0.dot(n0) * n0, e0.norm());
+      const Vector3 u1 = unit_or_zero(e1 - e1.dot(n1) * n1, e1.norm());
+      along += weight * u0.dot(u1);
+      across += weight * n1.dot(u0.cross(u1));
+      moved |= e0 != e1;
+    }
+  }
+  const double size = std::sqrt(along * along + across * across);
+  if (!moved) {
+    return Matrix3::Identity();
+  }
+  constexpr double kCancelled = 1e-9;
+  if (!(size > kCancelled)) {
+    return base;
+  }
+  const Matrix3 outer = n1 * n1.transpose();
+  Matrix3 cross;
+  cross << 0, -n1[2], n1[1], n1[2], 0, -n1[0], -n1[1], n1[0], 0;
+  return (along / size * (Matrix3::Identity() - outer) + across / size * cross + outer) * base;
 }
 
 double FrameRotations::estimate(const Points& before, const Points& displacement, std::vector<Matrix3>& rotations) {
@@ -64,31 +98,7 @@ double FrameRotations::estimate(const Points& before, const Points& displacement
     if (n0.isZero(0) || n1.isZero(0)) {
       continue;
     }
-    int best = -1;
-    double least = 2;
-    for (const int j : region_.neighbours[i]) {
-      const Vector3 edge = (before_.row(j) - before_.row(i)).transpose();
-      const double cosine = std::abs(edge.dot(n0)) / edge.norm();
-      if (cosine < least) {  // false for an edge without length
-        least = cosine;
-        best = j;
-      }
-    }
-    Vector3 u0 = Vector3::Zero(), u1 = Vector3::Zero();
-    if (best >= 0) {
-      const Vector3 e0 = (before_.row(best) - before_.row(i)).transpose();
-      const Vector3 e1 = (after_.row(best) - after_.row(i)).transpose();
-      u0 = unit_or_zero(e0 - e0.dot(n0) * n0, e0.norm());
-      u1 = unit_or_zero(e1 - e1.dot(n1) * n1, e1.norm());
-      if (n0 == n1 && e0 == e1) {
-        continue;
-      }
-    }
-    if (u0.isZero(0) || u1.isZero(0)) {
-      rotations[i] = Eigen::Quaterniond::FromTwoVectors(n0, n1).toRotationMatrix();
-    } else {
-      rotations[i] = frame(n1, u1) * frame(n0, u0).transpose();
-    }
+    rotations[i] = tangential_rotation(i, n0, n1);
   }
   return smoothing_ms;
 }
