@@ -2,6 +2,7 @@
 #include "lapedit/deform/frame_rotations.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "lapedit/base/stopwatch.h"
@@ -33,6 +34,12 @@ void normalise(Points& smoothed, const Points& raw) {
   }
 }
 
+Matrix3 frame(const Vector3& n, const Vector3& u) {
+  Matrix3 result;
+  result << n, u, n.cross(u);
+  return result;
+}
+
 }  // namespace
 
 void FrameRotations::smooth(const Points& pose, Points& normals) {
@@ -41,44 +48,59 @@ void FrameRotations::smooth(const Points& pose, Points& normals) {
   normalise(normals, raw_);
 }
 
-/// The rotation that takes n0 to n1 and the edge that is most tangential at n0 to its counterpart, in the tangent
-/// planes. Edges that are nearly as tangential take part, since on regular meshes rounding would choose among them:
-/// each counts less the steeper it is, so that the choice has no jumps.
-Matrix3 FrameRotations::tangential_rotation(int i, const Vector3& n0, const Vector3& n1) const {
-  constexpr double kAsTangential = 1e-3;  // difference of cosines
-  const auto cosine_of = [&](const Vector3& edge) { return std::abs(edge.dot(n0)) / edge.norm(); };
-  double least = 2;
+double FrameRotations::tie(int i, int j, const Vector3& n0, double least) const {
+  constexpr double kTie = 1e-5;  // difference of cosines
+  const Vector3 edge = (before_.row(j) - before_.row(i)).transpose();
+  const double weight = 1 - (std::abs(edge.dot(n0)) / edge.norm() - least) / kTie;
+  return weight > 0 ? weight : 0;  // 0 for an edge without length
+}
+
+bool FrameRotations::has_moving_tie(int i, const Vector3& n0, double least) const {
+  const IndexLists::Row ring = region_.neighbours[i];
+  return std::any_of(ring.begin(), ring.end(), [&](int j) {
+    return tie(i, j, n0, least) > 0 && before_.row(j) - before_.row(i) != after_.row(j) - after_.row(i);
+  });
+}
+
+/// Of edges that are as tangential as the best one, on a regular mesh, rounding or numbers would choose. Those that
+/// stay the most tangential count, since their projections are the most reliable: the rotation turns about n1 to their
+/// mean. Weights have no jumps. An edge that alone is the best changes no bit.
+Matrix3 FrameRotations::blended_ties(int i, const Vector3& n0, const Vector3& n1, double least,
+                                     const Matrix3& rotation) const {
+  constexpr double kAfter = 0.01;  // difference of cosines
+  constexpr double kCancelled = 1e-9;
+  const auto after = [&](int j) -> Vector3 { return (after_.row(j) - after_.row(i)).transpose(); };
+  const auto cosine_after = [&](int j) { return std::abs(after(j).dot(n1)) / after(j).norm(); };
+  double least_after = 2;
+  int ties = 0;
   for (const int j : region_.neighbours[i]) {
-    // The minimum of a number and a NaN, of an edge without length, is the number.
-    least = std::fmin(least, cosine_of((before_.row(j) - before_.row(i)).transpose()));
+    if (tie(i, j, n0, least) > 0) {
+      ++ties;
+      const double cosine = cosine_after(j);
+      least_after = cosine < least_after ? cosine : least_after;
+    }
   }
-  const Matrix3 base = Eigen::Quaterniond::FromTwoVectors(n0, n1).toRotationMatrix();
   double along = 0, across = 0;
-  bool moved = n0 != n1;
   for (const int j : region_.neighbours[i]) {
-    const Vector3 e0 = (before_.row(j) - before_.row(i)).transpose();
-    const Vector3 e1 = (after_.row(j) - after_.row(i)).transpose();
-    const double weight = 1 - (cosine_of(e0) - least) / kAsTangential;
+    const double weight = ties < 2 ? 0 : tie(i, j, n0, least) * (1 - (cosine_after(j) - least_after) / kAfter);
     if (weight > 0) {
-      const Vector3 u0 = base * unit_or_zero(e0 - e0.dot(n0) * n0, e0.norm());
+      const Vector3 e0 = (before_.row(j) - before_.row(i)).transpose(), e1 = after(j);
+      const Vector3 u0 = rotation * unit_or_zero(e0 - e0.dot(n0) * n0, e0.norm());
       const Vector3 u1 = unit_or_zero(e1 - e1.dot(n1) * n1, e1.norm());
       along += weight * u0.dot(u1);
       across += weight * n1.dot(u0.cross(u1));
-      moved |= e0 != e1;
     }
   }
   const double size = std::sqrt(along * along + across * across);
-  if (!moved) {
-    return Matrix3::Identity();
-  }
-  constexpr double kCancelled = 1e-9;
   if (!(size > kCancelled)) {
-    return base;
+    return rotation;
   }
-  const Matrix3 outer = n1 * n1.transpose();
-  Matrix3 cross;
-  cross << 0, -n1[2], n1[1], n1[2], 0, -n1[0], -n1[1], n1[0], 0;
-  return (along / size * (Matrix3::Identity() - outer) + across / size * cross + outer) * base;
+  const double cosine = along / size, sine = across / size;
+  Matrix3 about;
+  about << 0, -n1[2], n1[1], n1[2], 0, -n1[0], -n1[1], n1[0], 0;
+  about = sine * about + (1 - cosine) * n1 * n1.transpose();
+  about.diagonal().array() += cosine;
+  return about * rotation;
 }
 
 double FrameRotations::estimate(const Points& before, const Points& displacement, std::vector<Matrix3>& rotations) {
@@ -98,7 +120,31 @@ double FrameRotations::estimate(const Points& before, const Points& displacement
     if (n0.isZero(0) || n1.isZero(0)) {
       continue;
     }
-    rotations[i] = tangential_rotation(i, n0, n1);
+    int best = -1;
+    double least = 2;
+    for (const int j : region_.neighbours[i]) {
+      const Vector3 edge = (before_.row(j) - before_.row(i)).transpose();
+      const double cosine = std::abs(edge.dot(n0)) / edge.norm();
+      if (cosine < least) {  // false for an edge without length
+        least = cosine;
+        best = j;
+      }
+    }
+    Vector3 u0 = Vector3::Zero(), u1 = Vector3::Zero();
+    if (best >= 0) {
+      const Vector3 e0 = (before_.row(best) - before_.row(i)).transpose();
+      const Vector3 e1 = (after_.row(best) - after_.row(i)).transpose();
+      u0 = unit_or_zero(e0 - e0.dot(n0) * n0, e0.norm());
+      u1 = unit_or_zero(e1 - e1.dot(n1) * n1, e1.norm());
+      if (n0 == n1 && e0 == e1 && !has_moving_tie(i, n0, least)) {
+        continue;
+      }
+    }
+    if (u0.isZero(0) || u1.isZero(0)) {
+      rotations[i] = Eigen::Quaterniond::FromTwoVectors(n0, n1).toRotationMatrix();
+    } else {
+      rotations[i] = blended_ties(i, n0, n1, least, frame(n1, u1) * frame(n0, u0).transpose());
+    }
   }
   return smoothing_ms;
 }

@@ -26,7 +26,10 @@ class FrameRotations {
 
  private:
   void smooth(const Points& pose, Points& normals);
-  Matrix3 tangential_rotation(int i, const Vector3& n0, const Vector3& n1) const;
+  /// Returns the weight of an edge among those that are as tangential as the best, 1 for that, 0 for others.
+  double tie(int i, int j, const Vector3& n0, double least) const;
+  bool has_moving_tie(int i, const Vector3& n0, double least) const;
+  Matrix3 blended_ties(int i, const Vector3& n0, const Vector3& n1, double least, const Matrix3& rotation) const;
 
   const Region& region_;
   const SmoothingKernel& kernel_;
