@@ -302,6 +302,42 @@ TEST(AdviceOnAnEdit, IsAtMostTwoSentencesTheFirstOnTheShape) {
                 on_handle);
 }
 
+TEST(AdviceOnAnEdit, IsOnExchangesAndVolumesBeforeTheShape) {
+  EditReport r;
+  r.folded = 12;
+  r.causes.near = 5;
+  r.causes.lost = {7, 4.15, -3.37, false};
+  const std::string inside_out = "The surface of vertex 7 turned inside out, from a volume of 4.15 to -3.37: ";
+  const std::string folded = " 12 triangles folded over near vertex 5: make the edit in two steps.";
+  EXPECT_EQ(r.advice(), inside_out + "make the edit in two steps." + folded);
+  r.handle_displacement = 2;
+  r.causes.reach = 1;
+  EXPECT_EQ(r.advice().substr(0, inside_out.size() + 20), inside_out + "use a larger region,");
+  r.causes.lost.mirrored = true;
+  EXPECT_EQ(r.advice().substr(0, inside_out.size() + 30), inside_out + "give maps that do not mirror, ");
+  r.causes.lost = {7, -4, -1, false};  // with inward normals
+  r.has_targets = true;
+  EXPECT_EQ(r.advice().substr(0, 62), "The surface of vertex 7 lost 75 % of its volume: check the tar");
+  r.exchanged = {{{"left eye", "right eye"}, {"a", "vertex 12"}}, 0.5, 0.0125};
+  EXPECT_EQ(
+      r.advice(),
+      "The targets of \"left eye\" and \"right eye\", \"a\" and \"vertex 12\" seem to be exchanged, since with them "
+      "exchanged all targets are 0.0125 (RMS) from a rigid motion with scale instead of 0.5: check which is left and "
+      "which is right. The surface of vertex 7 lost 75 % of its volume: check the targets, for example whether left "
+      "and right or two names are exchanged.");
+  r.exchanged = {};
+  r.targets_advice = "check the unit";
+  EXPECT_EQ(r.advice().substr(0, 80),
+            "The surface of vertex 7 lost 75 % of its volume: for the targets check the unit.");
+  r = EditReport();
+  r.folded = 12;
+  r.stretch_max = 100;
+  r.iterations = r.settings.iterations = 6;
+  r.rotation_left = 100;
+  r.causes.rigid = true;
+  EXPECT_EQ(r.advice(), "");
+}
+
 /// A grid as a whole component: a small group in the middle holds, another beside it is turned.
 struct Sheet {
   TriangleMesh mesh = shapes::grid(30, 20);

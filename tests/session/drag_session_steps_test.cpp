@@ -661,6 +661,11 @@ TEST(DragSteps, AdviceIsGivenWhereAStepFolded) {
   const std::string advice = window.session.figures().advice;
   EXPECT_NE(advice.find("folded over near vertex"), std::string::npos);
   EXPECT_EQ(window.log.back().substr(window.log.back().size() - advice.size() - 2), "; " + advice);
+  Window other(plate());
+  other.session.load(window.session.recorded());
+  other.session.wait();
+  ASSERT_EQ(other.log.size(), 2U);
+  EXPECT_EQ(other.log.back(), "step 1 of the saved edit: " + advice);
 }
 
 // --- The last step stays open ---------------------------------------------------------------------------------------

@@ -18,6 +18,8 @@ using Steps = std::uint16_t;
 constexpr Steps kSpacing = 60000, kFar = 65535;
 constexpr int kChunks = 8;  // of sums
 constexpr int kGrain = 4096;
+constexpr int kKeyBits = 22;
+constexpr double kKeys = (1U << kKeyBits) - 1;
 
 class Packing {
  public:
@@ -36,7 +38,11 @@ class Packing {
   void sort();
   int seed(int most, std::vector<int>& of);
   void claim(int seed, int cell, std::vector<int>& of);
-  std::array<std::int64_t, 4> position(int vertex) const;
+  std::int64_t in_steps(double length) const;
+  std::array<std::int64_t, 3> position(int vertex) const;
+  void name_groups(std::vector<int>& name) const;
+  void mark();
+  void sort_tied();
   bool is_rigid(int i) const {
     return region_.classes[i] == VertexClass::Handle
                ? region_.weight(i) == 1
@@ -62,6 +68,8 @@ class Packing {
   std::vector<std::uint32_t> keys_;
   std::vector<Steps> distance_;  // from the nearest seed
   std::vector<int> queue_, tied_;
+  std::vector<std::int64_t> from_middle_;
+  std::vector<std::uint64_t> marks_;  // of the surroundings; made when needed
 };
 
 /// Rigid parts: handle vertices, and anchors at the end of their band or painted ones.
@@ -183,10 +191,10 @@ void Packing::measure_edges() {
 
 /// Sorts by the distance from the rims of handles.
 void Packing::sort() {
-  constexpr int kBits = 11;
+  constexpr int kBits = kKeyBits / 2;
   constexpr std::uint32_t kMask = (1U << kBits) - 1;
   const int n = region_.size();
-  const double scale = extent_ > 0 ? ((1U << (2 * kBits)) - 1) / extent_ : 0;
+  const double scale = extent_ > 0 ? kKeys / extent_ : 0;
   keys_.resize(n);
   std::array<std::vector<int>, 2> starts;
   starts.fill(std::vector<int>(kMask + 2, 0));
@@ -210,18 +218,82 @@ void Packing::sort() {
   }
 }
 
-/// Order of vertices with equal distances from the rims of handles: by the distance from the middle of the region,
-/// which does not depend on the orientation of the mesh; then by coordinates.
-std::array<std::int64_t, 4> Packing::position(int vertex) const {
+std::int64_t Packing::in_steps(double length) const {
   constexpr double kSteps = 1 << 20, kBetween = 0.3, kMost = 9e18;  // the last is within 64 bits
-  const Vector3 p = rest_.row(vertex).transpose();
-  const double values[4] = {(p - middle_).norm(), p[0], p[1], p[2]};
-  std::array<std::int64_t, 4> result = {};
-  for (int k = 0; k < 4 && spacing_ > 0; ++k) {
-    const double position = std::floor(values[k] / spacing_ * kSteps + kBetween);
-    result[k] = static_cast<std::int64_t>(std::clamp(position, -kMost, kMost));
+  const double steps = spacing_ > 0 ? std::floor(length / spacing_ * kSteps + kBetween) : 0;
+  return static_cast<std::int64_t>(std::clamp(steps, -kMost, kMost));
+}
+
+std::array<std::int64_t, 3> Packing::position(int vertex) const {
+  return {in_steps(rest_(vertex, 0)), in_steps(rest_(vertex, 1)), in_steps(rest_(vertex, 2))};
+}
+
+/// Gives each vertex the group on its shortest path, the lower one if both are as near.
+void Packing::name_groups(std::vector<int>& name) const {
+  constexpr std::int64_t kSame = 2;
+  const double scale = extent_ > 0 ? kKeys / extent_ : 0;
+  name = region_.group;
+  for (const int v : order_) {
+    std::int64_t shortest = INT64_MAX;
+    for (const int w : region_.neighbours[v]) {
+      if (region_.group[v] < 0 && keys_[w] < keys_[v] && name[w] >= 0) {
+        const auto through = static_cast<std::int64_t>(keys_[w] + scale * (rest_.row(v) - rest_.row(w)).norm() + 0.3);
+        if (through + kSame < shortest || (through <= shortest + kSame && name[w] < name[v])) {
+          name[v] = name[w];
+        }
+        shortest = std::min(shortest, through);
+      }
+    }
   }
-  return result;
+}
+
+std::uint64_t mixed(std::uint64_t x) {  // the end of SplitMix64
+  x = (x ^ (x >> 30U)) * 0xBF58476D1CE4E5B9U;
+  x = (x ^ (x >> 27U)) * 0x94D049BB133111EBU;
+  return x ^ (x >> 31U);
+}
+
+/// Marks vertices by the lengths and numbers of the edges around them, which do not depend on the position and
+/// numbering of the mesh: what is left with equal marks is symmetric, or nearly so.
+void Packing::mark() {
+  constexpr int kRings = 3;
+  const IndexLists& neighbours = region_.neighbours;
+  std::vector<int> name;
+  name_groups(name);
+  std::vector<std::uint64_t> before(region_.size());
+  marks_.resize(region_.size());
+  for_indices(pool_, region_.size(), kGrain, [&](int i) {
+    marks_[i] = mixed(
+        keys_[i] + mixed(static_cast<std::uint64_t>(from_middle_[i]) + mixed(static_cast<std::uint64_t>(name[i] + 2))));
+  });
+  for (int ring = 0; ring < kRings; ++ring) {
+    before.swap(marks_);
+    for_indices(pool_, region_.size(), kGrain, [&](int i) {
+      std::uint64_t sum = 0;  // the same in any order
+      for (int k = neighbours.offsets[i]; k < neighbours.offsets[i + 1]; ++k) {
+        sum += mixed(before[neighbours.values[k]] + lengths_[k]);
+      }
+      marks_[i] = mixed(before[i] + sum);
+    });
+  }
+}
+
+/// Sorts vertices with equal distances from the rims of handles: by the distance from the middle of the region, and by
+/// their surroundings, which do not depend on the orientation of the mesh; then by coordinates.
+void Packing::sort_tied() {
+  const auto by_middle = [this](int a, int b) { return from_middle_[a] < from_middle_[b]; };
+  std::stable_sort(tied_.begin(), tied_.end(), by_middle);
+  for (auto first = tied_.begin(), last = first; first != tied_.end(); first = last) {
+    last = std::upper_bound(first, tied_.end(), *first, by_middle);
+    if (last - first > 1) {
+      if (marks_.empty()) {
+        mark();
+      }
+      std::stable_sort(first, last, [this](int a, int b) {
+        return marks_[a] != marks_[b] ? marks_[a] < marks_[b] : position(a) < position(b);
+      });
+    }
+  }
 }
 
 /// Assigns all vertices that are nearer to a seed than to earlier ones.
@@ -249,6 +321,9 @@ int Packing::seed(int most, std::vector<int>& of) {
   const int n = region_.size();
   of.assign(n, -1);
   distance_.assign(n, kFar);
+  marks_.clear();
+  for_indices(pool_, n, kGrain,
+              [&](int i) { from_middle_[i] = in_steps((rest_.row(i).transpose() - middle_).norm()); });
   int cells = 0;
   for (const int v : lone_) {
     claim(v, cells++, of);
@@ -261,7 +336,7 @@ int Packing::seed(int most, std::vector<int>& of) {
       }
     }
     if (tied_.size() > 1) {
-      std::stable_sort(tied_.begin(), tied_.end(), [this](int a, int b) { return position(a) < position(b); });
+      sort_tied();
     }
     for (const int v : tied_) {
       if (of[v] < 0) {
@@ -284,6 +359,7 @@ int Packing::pack(std::vector<int>& of) {
   choose_spacing();
   sort();
   middle_ = rest_.colwise().mean().transpose();
+  from_middle_.resize(region_.size());
   constexpr double kTooMany = 1.3;
   constexpr int kTries = 6;
   for (int tries = 1;; ++tries) {

@@ -2,6 +2,7 @@
 #include "lapedit/deform/edit_quality.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
@@ -52,6 +53,113 @@ void find_folds(const LaplacianSystem& system, const Points& positions, EditQual
     if (region.classes[i] == VertexClass::Handle) {
       causes.rotation = std::max(causes.rotation, degrees_of(surface[i]));
     }
+  }
+}
+
+/// The spread of the handles and anchors of a component, and of their targets.
+struct Spread {
+  Matrix3 before = Matrix3::Zero(), after = Matrix3::Zero();
+};
+
+/// Adds the covariances of positions with these weights.
+class SpreadSums {
+ public:
+  void add(double weight, const Vector3& before, const Vector3& after) {
+    count_ += weight;
+    const double part = count_ > 0 ? weight / count_ : 0;
+    step(weight, part, before, middle_before_, spread_.before);
+    step(weight, part, after, middle_after_, spread_.after);
+  }
+  const Spread& spread() const { return spread_; }
+
+ private:
+  static void step(double weight, double part, const Vector3& position, Vector3& middle, Matrix3& spread) {
+    const Vector3 off = position - middle;
+    middle += part * off;
+    spread += weight * (1 - part) * off * off.transpose();
+  }
+
+  double count_ = 0;
+  Vector3 middle_before_ = Vector3::Zero(), middle_after_ = Vector3::Zero();
+  Spread spread_;
+};
+
+/// Returns the factor by which a spread reduces a volume, at most 1: that of three directions, or of fewer if
+/// constraints are in a plane.
+double reduction(const Spread& spread) {
+  constexpr double kFlat = 1e-6;
+  const double size = spread.before.trace();
+  if (!(size > 0)) {
+    return 1;
+  }
+  const double before = spread.before.determinant();
+  const double ratio = before > kFlat * size * size * size ? std::max(spread.after.determinant(), 0.0) / before
+                                                           : spread.after.trace() / size;
+  return std::min(1.0, std::sqrt(ratio));
+}
+
+/// Returns per component the smallest factor of its volume that the constraints ask for: that of a group's map, or that
+/// by which handles and anchors approach each other. Exchanged targets have the spread of the right ones.
+std::vector<double> wanted_volumes(const LaplacianSystem& system, const EditConstraints& constraints) {
+  const Region& region = system.region;
+  const GroupPaths& paths = constraints.paths();
+  const std::size_t groups = paths.motions().size();
+  // Each group counts as much as all anchors, whatever the number of vertices. By component, the last for its anchors.
+  std::vector<double> counts(region.anchored.size() * (groups + 1), 0);
+  const auto slot = [&](int i) {
+    const std::size_t group = region.group[i] >= 0 ? static_cast<std::size_t>(region.group[i]) : groups;
+    return static_cast<std::size_t>(region.component[i]) * (groups + 1) + group;
+  };
+  for (int i = 0; i < region.size(); ++i) {
+    counts[slot(i)] += region.classes[i] != VertexClass::Free ? 1 : 0;
+  }
+  std::vector<SpreadSums> sums(region.anchored.size());
+  std::vector<double> wanted(region.anchored.size(), 1);
+  for (int i = 0; i < region.size(); ++i) {
+    if (region.classes[i] != VertexClass::Free) {
+      const Vector3 from = system.rest.local.row(i).transpose();
+      const bool is_handle = region.classes[i] == VertexClass::Handle;
+      const int c = region.component[i];
+      sums[c].add(
+          1 / counts[slot(i)], from,
+          from + (is_handle ? constraints.wanted_displacement(i) : constraints.rigid_motion(i).displacement(from)));
+      if (is_handle && counts[slot(i)] > 1) {
+        const Matrix3 map = paths.motions()[region.group[i]].linear + Matrix3::Identity();
+        wanted[c] = std::min(wanted[c], std::abs(map.determinant()));
+      }
+    }
+  }
+  for (std::size_t c = 0; c < wanted.size(); ++c) {
+    wanted[c] = std::min(wanted[c], reduction(sums[c].spread()));
+  }
+  return wanted;
+}
+
+void find_lost_volume(const LaplacianSystem& system, const EditConstraints& constraints, const Points& positions,
+                      LostVolume& lost) {
+  constexpr double kHalf = 0.5, kInsideOut = -0.01;
+  const Region& region = system.region;
+  const std::vector<ComponentVolume> before = component_volumes(region, system.rest.world);
+  if (std::none_of(before.begin(), before.end(), [](const ComponentVolume& one) { return one.is_body; })) {
+    return;
+  }
+  const std::vector<ComponentVolume> after = component_volumes(region, positions);
+  const std::vector<double> wanted = wanted_volumes(system, constraints);
+  double worst = kHalf;
+  for (int i = 0; i < region.size(); ++i) {
+    const int c = region.component[i];
+    const double left = before[c].is_body ? after[c].volume / before[c].volume : 1;
+    // What is to become flat may do so from either side.
+    const double of_wanted = left < 0 ? (left < kInsideOut ? left : 1) : wanted[c] > 0 ? left / wanted[c] : 1;
+    if (of_wanted < worst) {
+      worst = of_wanted;
+      lost = {region.mesh_vertex[i], before[c].volume, after[c].volume, false};
+    }
+  }
+  const std::size_t groups = constraints.paths().motions().size();
+  lost.mirrored = true;
+  for (std::size_t g = 0; g < groups; ++g) {
+    lost.mirrored &= constraints.paths().mirrors(g);
   }
 }
 
@@ -160,6 +268,7 @@ EditQuality edit_quality(const LaplacianSystem& system, const EditConstraints& c
   result.volume = enclosed_volume(region, system.rest.world);
   result.volume_change = enclosed_volume(region, positions) - result.volume;
   result.is_body = encloses_a_body(region, system.rest.world, result.volume);
+  find_lost_volume(system, constraints, positions, result.causes.lost);
   return result;
 }
 

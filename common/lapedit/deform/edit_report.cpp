@@ -100,6 +100,43 @@ std::string advice_on_shape(const EditReport& report) {
   return sentence + ".";
 }
 
+/// Returns advice on landmarks that seem to be exchanged.
+std::string advice_on_exchange(const ExchangedLandmarks& exchanged) {
+  std::string names;
+  for (const auto& [one, other] : exchanged.pairs) {
+    names += std::string(names.empty() ? "" : ", ") + "\"" + one + "\" and \"" + other + "\"";
+  }
+  return names.empty() ? ""
+                       : "The targets of " + names +
+                             format_text(
+                                 " seem to be exchanged, since with them exchanged all targets are %.3g (RMS) from a "
+                                 "rigid motion with scale instead of %.3g: check which is left and which is right.",
+                                 exchanged.exchanged, exchanged.given);
+}
+
+/// Returns advice on a component that turned inside out or collapsed.
+std::string advice_on_volume(const EditReport& report) {
+  const LostVolume& lost = report.causes.lost;
+  if (lost.vertex < 0) {
+    return {};
+  }
+  const bool inside_out = (lost.after < 0) != (lost.before < 0);
+  std::string sentence = "The surface of vertex " + std::to_string(lost.vertex);
+  sentence += inside_out ? format_text(" turned inside out, from a volume of %.3g to %.3g: ", lost.before, lost.after)
+                         : format_text(" lost %.3g %% of its volume: ", 100 * (1 - lost.after / lost.before));
+  if (lost.mirrored) {
+    return sentence + "give maps that do not mirror, or reverse the orientation of its faces.";
+  }
+  if (report.has_targets) {
+    return sentence + (report.targets_advice.empty()
+                           ? "check the targets, for example whether left and right or two names are exchanged."
+                           : "for the targets " + report.targets_advice + ".");
+  }
+  return sentence + (report.handle_displacement > report.causes.reach
+                         ? "use a larger region, or make the edit in two steps."
+                         : "make the edit in two steps.");
+}
+
 }  // namespace
 
 std::string EditReport::advice() const {
@@ -114,8 +151,11 @@ std::string EditReport::advice() const {
                           : std::string("Leave a part of the surface out of the region, ")) +
         "or add a handle group that stays.");
   }
-  if (const std::string on_shape = advice_on_shape(*this); !on_shape.empty()) {
-    sentences.push_back(on_shape);
+  for (const std::string& sentence : {advice_on_exchange(exchanged), advice_on_volume(*this),
+                                      causes.rigid ? std::string() : advice_on_shape(*this)}) {
+    if (!sentence.empty()) {
+      sentences.push_back(sentence);
+    }
   }
   if (handle_displacement > 0 && causes.distance > kBehind * handle_displacement) {
     sentences.push_back(
@@ -129,7 +169,7 @@ std::string EditReport::advice() const {
                        : ": raise handle_weight, or use a larger region."));
   }
   // The automatic number of passes stops before rotations settle, since more passes flatten limbs.
-  if (settings.iterations > 1 && iterations > 1 && rotation_left > kUnsettled) {
+  if (!causes.rigid && settings.iterations > 1 && iterations > 1 && rotation_left > kUnsettled) {
     sentences.push_back(format_text(
         "The rotations have not converged after %d passes, the last of which rotated a detail by %.3g "
         "degrees: %s.",

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -22,6 +23,14 @@ struct EditTimes {
          solve_ms = 0;
 };
 
+/// A component of the region that turned inside out, or lost more than half of the volume that the handles' motions
+/// leave it.
+struct LostVolume {
+  int vertex = -1;  ///< the component's lowest mesh vertex; -1: there is no such component
+  double before = 0, after = 0;
+  bool mirrored = false;  ///< the maps of all groups mirror
+};
+
 /// Causes of folds and stretched edges, and where they are: mesh vertices, -1 for none.
 struct AdviceCauses {
   int near = -1;             ///< vertex with the most folded triangles
@@ -35,6 +44,8 @@ struct AdviceCauses {
   int behind = -1;           ///< the handle vertex of full weight that is farthest from its target
   double distance = 0;       ///< of that vertex to its target
   double step = 0;           ///< spacing of the coordinates that the mesh can store there
+  bool rigid = false;        ///< each component moved rigidly, up to rounding
+  LostVolume lost;
 };
 
 /// Figures on the quality of the result.
@@ -72,6 +83,13 @@ struct LandmarkResidual {
   double residual = 0;  ///< distance to its target, model units
 };
 
+/// Landmarks whose targets seem to be exchanged, by their names, and the RMS distance of all targets from the best
+/// rigid motion with scale: as given, and with those targets exchanged.
+struct ExchangedLandmarks {
+  std::vector<std::pair<std::string, std::string>> pairs;
+  double given = 0, exchanged = 0;
+};
+
 /// The figures of an edit. Lengths are in model units, angles in degrees, times in milliseconds.
 struct EditReport : RegionCounts, EditTimes, EditQuality {
   EditSettings settings;
@@ -88,6 +106,7 @@ struct EditReport : RegionCounts, EditTimes, EditQuality {
   std::string reused = "nothing";
   bool has_targets = false;                 ///< whether single vertices had targets
   std::vector<LandmarkResidual> landmarks;  ///< of a whole edit with landmarks; empty for a step
+  ExchangedLandmarks exchanged;             ///< of a whole edit
   std::string landmark_conversion;          ///< of coordinate systems, as in "from RAS to LPS"; empty: none
   std::string targets_advice;               ///< why targets are far from the surface; empty: unknown, or they are not
 
@@ -99,9 +118,10 @@ struct EditReport : RegionCounts, EditTimes, EditQuality {
   /// Returns times in milliseconds, by stage.
   std::vector<Figure> times() const;
 
-  /// Returns at most two sentences of advice on, in this order, a region that nothing holds, folded or intersecting
-  /// triangles, edges that became more than six times as long, handles far from their targets, and rotations that have
-  /// not converged; otherwise an empty string.
+  /// Returns at most two sentences of advice on, in this order, a region that nothing holds, exchanged landmarks,
+  /// surfaces that turned inside out or lost most of their volume, folded or intersecting triangles, edges that became
+  /// more than six times as long, handles far from their targets, and rotations that have not converged; otherwise an
+  /// empty string. Shape and rotations of a result that moved rigidly get no advice.
   std::string advice() const;
 };
 

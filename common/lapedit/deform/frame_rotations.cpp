@@ -2,6 +2,7 @@
 #include "lapedit/deform/frame_rotations.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "lapedit/base/stopwatch.h"
@@ -47,6 +48,61 @@ void FrameRotations::smooth(const Points& pose, Points& normals) {
   normalise(normals, raw_);
 }
 
+double FrameRotations::tie(int i, int j, const Vector3& n0, double least) const {
+  constexpr double kTie = 1e-5;  // difference of cosines
+  const Vector3 edge = (before_.row(j) - before_.row(i)).transpose();
+  const double weight = 1 - (std::abs(edge.dot(n0)) / edge.norm() - least) / kTie;
+  return weight > 0 ? weight : 0;  // 0 for an edge without length
+}
+
+bool FrameRotations::has_moving_tie(int i, const Vector3& n0, double least) const {
+  const IndexLists::Row ring = region_.neighbours[i];
+  return std::any_of(ring.begin(), ring.end(), [&](int j) {
+    return tie(i, j, n0, least) > 0 && before_.row(j) - before_.row(i) != after_.row(j) - after_.row(i);
+  });
+}
+
+/// Of edges that are as tangential as the best one, on a regular mesh, rounding or numbers would choose. Those that
+/// stay the most tangential count, since their projections are the most reliable: the rotation turns about n1 to their
+/// mean. Weights have no jumps. An edge that alone is the best changes no bit.
+Matrix3 FrameRotations::blended_ties(int i, const Vector3& n0, const Vector3& n1, double least,
+                                     const Matrix3& rotation) const {
+  constexpr double kAfter = 0.01;  // difference of cosines
+  constexpr double kCancelled = 1e-9;
+  const auto after = [&](int j) -> Vector3 { return (after_.row(j) - after_.row(i)).transpose(); };
+  const auto cosine_after = [&](int j) { return std::abs(after(j).dot(n1)) / after(j).norm(); };
+  double least_after = 2;
+  int ties = 0;
+  for (const int j : region_.neighbours[i]) {
+    if (tie(i, j, n0, least) > 0) {
+      ++ties;
+      const double cosine = cosine_after(j);
+      least_after = cosine < least_after ? cosine : least_after;
+    }
+  }
+  double along = 0, across = 0;
+  for (const int j : region_.neighbours[i]) {
+    const double weight = ties < 2 ? 0 : tie(i, j, n0, least) * (1 - (cosine_after(j) - least_after) / kAfter);
+    if (weight > 0) {
+      const Vector3 e0 = (before_.row(j) - before_.row(i)).transpose(), e1 = after(j);
+      const Vector3 u0 = rotation * unit_or_zero(e0 - e0.dot(n0) * n0, e0.norm());
+      const Vector3 u1 = unit_or_zero(e1 - e1.dot(n1) * n1, e1.norm());
+      along += weight * u0.dot(u1);
+      across += weight * n1.dot(u0.cross(u1));
+    }
+  }
+  const double size = std::sqrt(along * along + across * across);
+  if (!(size > kCancelled)) {
+    return rotation;
+  }
+  const double cosine = along / size, sine = across / size;
+  Matrix3 about;
+  about << 0, -n1[2], n1[1], n1[2], 0, -n1[0], -n1[1], n1[0], 0;
+  about = sine * about + (1 - cosine) * n1 * n1.transpose();
+  about.diagonal().array() += cosine;
+  return about * rotation;
+}
+
 double FrameRotations::estimate(const Points& before, const Points& displacement, std::vector<Matrix3>& rotations) {
   const Stopwatch watch;
   if (before_.rows() != before.rows() || before_ != before) {
@@ -80,14 +136,14 @@ double FrameRotations::estimate(const Points& before, const Points& displacement
       const Vector3 e1 = (after_.row(best) - after_.row(i)).transpose();
       u0 = unit_or_zero(e0 - e0.dot(n0) * n0, e0.norm());
       u1 = unit_or_zero(e1 - e1.dot(n1) * n1, e1.norm());
-      if (n0 == n1 && e0 == e1) {
+      if (n0 == n1 && e0 == e1 && !has_moving_tie(i, n0, least)) {
         continue;
       }
     }
     if (u0.isZero(0) || u1.isZero(0)) {
       rotations[i] = Eigen::Quaterniond::FromTwoVectors(n0, n1).toRotationMatrix();
     } else {
-      rotations[i] = frame(n1, u1) * frame(n0, u0).transpose();
+      rotations[i] = blended_ties(i, n0, n1, least, frame(n1, u1) * frame(n0, u0).transpose());
     }
   }
   return smoothing_ms;

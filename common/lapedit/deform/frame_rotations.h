@@ -10,7 +10,7 @@ namespace lapedit {
 
 /// Estimates one rotation per region vertex between two poses by frames (paper, section 4): R takes {n, u, n x u} to
 /// {n', u', n' x u'}, where n and n' are smooth normals, and u and u' the unit projections of one edge onto the planes
-/// orthogonal to them; of a vertex's edges the one nearest to being orthogonal to n.
+/// orthogonal to them; of a vertex's edges the one nearest to being orthogonal to n, or those that are equally near.
 class FrameRotations {
  public:
   /// @param region,kernel  must outlive the object
@@ -26,6 +26,10 @@ class FrameRotations {
 
  private:
   void smooth(const Points& pose, Points& normals);
+  /// Returns the weight of an edge among those that are as tangential as the best, 1 for that, 0 for others.
+  double tie(int i, int j, const Vector3& n0, double least) const;
+  bool has_moving_tie(int i, const Vector3& n0, double least) const;
+  Matrix3 blended_ties(int i, const Vector3& n0, const Vector3& n1, double least, const Matrix3& rotation) const;
 
   const Region& region_;
   const SmoothingKernel& kernel_;

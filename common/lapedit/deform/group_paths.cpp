@@ -227,6 +227,16 @@ Vector3 GroupPaths::target_offset(int i) const {
   return group.offsets.rows() > 0 ? group.offsets.row(index_[i]).transpose().eval() : Vector3::Zero().eval();
 }
 
+bool GroupPaths::stays(std::size_t group) const {
+  const Group& one = groups_[group];
+  return one.offsets.rows() == 0 && one.path.at(1).none() && one.path.turn().isZero(0);
+}
+
+bool GroupPaths::mirrors(std::size_t group) const {
+  const Group& one = groups_[group];
+  return one.offsets.rows() == 0 && lapedit::mirrors(one.path.at(1).linear + Matrix3::Identity());
+}
+
 bool GroupPaths::moves_rigidly() const {
   return !std::all_of(rigid_motions_.begin(), rigid_motions_.end(),
                       [](const LocalMotion& motion) { return motion.none(); });

@@ -37,7 +37,9 @@ class GroupPaths {
   /// Returns the vector from the position of handle vertex i after its group's motion to its target, in coordinates
   /// that rotate with the group.
   Vector3 target_offset(int i) const;
-  bool has_targets() const { return has_targets_; }                     ///< of single vertices, in any group
+  bool has_targets() const { return has_targets_; }  ///< of single vertices, in any group
+  bool stays(std::size_t group) const;               ///< whether the group has no motion, at any fraction
+  bool mirrors(std::size_t group) const;             ///< whether its map mirrors
   const std::vector<LocalMotion>& motions() const { return motions_; }  ///< of the groups; without target_offset()
 
   const std::vector<LocalMotion>& rigid_motions() const { return rigid_motions_; }  ///< of the components

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/deform/handle_transform.h"
 
+#include <Eigen/LU>
 #include <cmath>
 #include <string>
 
@@ -26,6 +27,12 @@ Affine about(const Matrix3& linear, const Vector3& center, const Vector3& transl
 }
 
 }  // namespace
+
+bool mirrors(const Matrix3& linear) {
+  constexpr double kFlat = 1e-12;
+  const double size = linear.norm();
+  return linear.determinant() < -kFlat * size * size * size;
+}
 
 HandleMotion resolve(const HandleTransform& transform, const Vector3& centroid) {
   if (transform.matrix) {

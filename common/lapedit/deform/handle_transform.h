@@ -38,6 +38,9 @@ struct HandleMotion {
   HandleMotion(const Affine& to) : map(to) {}  // NOLINT(google-explicit-constructor): an affine map is a motion
 };
 
+/// Returns whether a linear map mirrors; one that flattens, up to rounding, does not.
+bool mirrors(const Matrix3& linear);
+
 /// Returns the motion that the transform describes, with `fraction` 1.
 /// @param centroid  of the group at rest
 /// @throws EditError (BadParameter, NotFinite)

@@ -11,6 +11,7 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
+#include "lapedit/edit/exchanged_targets.h"
 #include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
@@ -43,6 +44,27 @@ std::vector<LandmarkResidual> residuals(const EditStep& step, const Points& vert
     }
   }
   return all;
+}
+
+/// Returns the targets of a step that seem to be exchanged.
+ExchangedLandmarks exchanged_landmarks(const EditStep& step, const Points& vertices) {
+  std::vector<Vector3> points, targets;
+  std::vector<std::string> names;
+  for (const HandleGroup& group : step.handles) {
+    for (std::size_t k = 0; k < group.targets.size(); ++k) {
+      points.emplace_back(vertices.row(group.vertices[k]).transpose());
+      targets.push_back(group.targets[k]);
+      names.push_back(k < group.names.size() ? group.names[k] : "vertex " + std::to_string(group.vertices[k]));
+    }
+  }
+  const ExchangedTargets found = find_exchanged_targets(points, targets);
+  ExchangedLandmarks result;
+  for (const auto& [a, b] : found.pairs) {
+    result.pairs.emplace_back(names[a], names[b]);
+  }
+  result.given = found.given;
+  result.exchanged = found.exchanged;
+  return result;
 }
 
 /// Adds a phrase to others, unless it is one of them.
@@ -149,6 +171,9 @@ class Poses {
     }
     if (fractions_[p] == 1) {
       report.landmarks = residuals(step_, vertices_[p]);
+    }
+    if (fractions_[p] > 0) {
+      report.exchanged = exchanged_landmarks(step_, mesh_.vertices);
     }
     each(p, std::move(result));
     report_progress(progress, 1, "done");

@@ -52,6 +52,26 @@ void require_one_for_each(std::size_t count, const char* what, const HandleGroup
   }
 }
 
+/// A single vertex has no orientation, so its map may be of either kind.
+void refuse_mirrored(const EditStep& step, const std::vector<HandleMotion>& motions) {
+  std::optional<std::size_t> mirrored, other;
+  for (std::size_t g = 0; g < motions.size(); ++g) {
+    const HandleGroup& handle = step.handles[g];
+    if (handle.vertices.size() > 1) {
+      std::optional<std::size_t>& found = handle.targets.empty() && mirrors(motions[g].map.linear()) ? mirrored : other;
+      found = found.value_or(g);
+    }
+  }
+  if (mirrored && other) {
+    throw EditError(
+        ErrorCause::BadParameter,
+        "The matrix of handle group " + std::to_string(*mirrored) +
+            " mirrors, since its determinant is negative, but handle group " + std::to_string(*other) +
+            " does not mirror, so the surface between them would turn inside out: give a matrix of positive "
+            "determinant, or mirror every group.");
+  }
+}
+
 /// Keeps these entries of a list, as far as it has them.
 template <class T>
 void keep(std::vector<T>& list, const std::vector<std::size_t>& entries) {
@@ -121,6 +141,7 @@ std::vector<HandleMotion> motions_of(const TriangleMesh& mesh, const EditStep& s
     targets_to(handle.vertices, handle.targets, mesh, motion.targets);
     motions.push_back(std::move(motion));
   }
+  refuse_mirrored(step, motions);
   return motions;
 }
 

@@ -76,7 +76,9 @@ Vector3 centroid(const Points& vertices, const std::vector<int>& group);
 std::vector<std::vector<int>> groups_of(const EditStep& step);
 std::vector<std::vector<double>> weights_of(const EditStep& step);
 /// Returns the motions of the groups, which are sorted. @param fraction  of the path, 0 to 1.
-/// @throws EditError as centroid() and resolve(); (BadParameter) as check_handles(); (NotFinite)
+/// @throws EditError as centroid() and resolve(); (BadParameter) as check_handles(), and if the map of a group mirrors
+///         but not those of all groups of several vertices, since the surface between them would turn inside out;
+///         (NotFinite)
 std::vector<HandleMotion> motions_of(const TriangleMesh& mesh, const EditStep& step, double fraction = 1);
 
 /// Targets as HandleMotion has them: one row for each vertex, but none if they are the vertices' own positions, which

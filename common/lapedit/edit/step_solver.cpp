@@ -43,18 +43,21 @@ FoundRegion find_region(const TriangleMesh& mesh, const Adjacency& adjacency, co
 
 namespace {
 
-/// Finds the components of a region that anchors or a group without motion hold. Allocates nothing for as many
-/// components as before.
-void find_held(const Region& region, const std::vector<HandleMotion>& handles, std::vector<char>& held) {
-  held = region.anchored;
+/// Returns whether neither anchors nor a group without motion hold some component of a region.
+bool is_unheld(const Region& region, const GroupPaths& paths) {
+  std::vector<char> held = region.anchored;
   for (int i = 0; i < region.size(); ++i) {
     if (region.group[i] >= 0) {
-      const HandleMotion& motion = handles[static_cast<std::size_t>(region.group[i])];
-      const bool rotates = motion.rotation && std::abs(motion.rotation->degrees) > 0;
-      held[region.component[i]] |=
-          motion.targets.rows() == 0 && !rotates && motion.map.matrix() == Affine::Identity().matrix();
+      held[region.component[i]] |= paths.stays(static_cast<std::size_t>(region.group[i]));
     }
   }
+  return std::count(held.begin(), held.end(), 0) > 0;
+}
+
+/// Returns the spacing of coordinates of this size.
+double spacing(StoredScalar scalar, double coordinate) {
+  return coordinate * (scalar == StoredScalar::Float ? static_cast<double>(std::numeric_limits<float>::epsilon())
+                                                     : std::numeric_limits<double>::epsilon());
 }
 
 }  // namespace
@@ -177,7 +180,6 @@ const Points& StepSolver::pose(const std::vector<HandleMotion>& handles, const A
   figures_ = PoseFigures();
   figures_.refinements = system_->figures.refinements;
   constraints_->set(handles, anchors);  // checks the handles
-  find_held(region(), handles, held_);
   right_ = constraints_->right_hand_side();
   const bool moves = constraints_->any();
   if (!moves || has_cells) {
@@ -252,16 +254,18 @@ EditReport StepSolver::report(bool whole) const {
   quality.normal_equation_residual = solver_->relative_residual(right_, displacement_);
   quality.rotation_left = figures_.rotation_left;
   // Whole components are meant to move; of a region, its user expects that the surface around it stays.
-  quality.causes.unheld = region().kind != RegionSpec::Kind::Component && std::count(held_.begin(), held_.end(), 0) > 0;
+  quality.causes.unheld = region().kind != RegionSpec::Kind::Component && is_unheld(region(), constraints_->paths());
   quality.causes.by_radius = region().kind == RegionSpec::Kind::Radius;
   quality.causes.farthest = region().max_distance;
+  constexpr double kRoundings = 4;  // of two corners, and of a fit
+  const double largest = std::max(positions_.cwiseAbs().maxCoeff(), rest_->world.cwiseAbs().maxCoeff());
+  quality.causes.rigid =
+      moved_rigidly(region(), rest_->world, positions_, kRoundings * spacing(options_.scalar, largest));
   report.iterations = figures_.iterations;
   if (quality.causes.behind >= 0) {
     const std::vector<int>& vertices = region().mesh_vertex;
     const auto behind = std::find(vertices.begin(), vertices.end(), quality.causes.behind) - vertices.begin();
-    quality.causes.step = positions_.row(behind).cwiseAbs().maxCoeff() * (options_.scalar == StoredScalar::Float
-                                                                              ? std::numeric_limits<float>::epsilon()
-                                                                              : std::numeric_limits<double>::epsilon());
+    quality.causes.step = spacing(options_.scalar, positions_.row(behind).cwiseAbs().maxCoeff());
   }
   return report;
 }

@@ -183,7 +183,6 @@ class StepSolver {
   Points right_;         // right-hand side of the normal equations
   Points positions_;
   std::vector<Matrix3> rotations_, rotations_before_;  // of the last two passes
-  std::vector<char> held_;                             // per component, whether anchors or a group hold it
   LocalStepScratch local_step_;
   RotatedCoordinates rotated_;
 

@@ -358,7 +358,7 @@ void classify(ThreadPool& pool, const TriangleMesh& mesh, const RegionSpec& spec
       double& depth = region.anchor_depth[i];
       double& weight = region.anchor_weight[i];
       const bool kept = weight >= 0;
-      if (rim[i] || depth > 0 || kept) {
+      if (rim[i] || depth > kRoundedLength || kept) {
         region.classes[i] = VertexClass::Anchor;
         depth = rim[i] ? 1 : std::min(depth, 1.0);
         weight = kept ? weight : region.max_distance > 0 ? std::min(1.0, region.distance[i] / region.max_distance) : 1;
@@ -506,7 +506,7 @@ Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const 
     flags = flag_set(mesh, spec.vertices, handles);
     check_anchors(spec.anchors, static_cast<int>(mesh.vertices.rows()));
   }
-  const double cutoff = spec.kind == RegionSpec::Kind::Radius ? spec.radius : kUnreached;
+  const double cutoff = spec.kind == RegionSpec::Kind::Radius ? rounded_up(spec.radius) : kUnreached;
 
   Region region;
   region.kind = spec.kind;

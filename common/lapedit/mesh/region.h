@@ -35,6 +35,13 @@ inline double smooth_step(double t) {
   return t * t * (3 - 2 * t);
 }
 
+/// Lengths that differ by less than this fraction are equal: on regular meshes many vertices are exactly at a radius,
+/// and rounding must not decide which of them belong to a region when a mesh is moved, rotated or scaled.
+constexpr double kRoundedLength = 1e-9;
+inline double rounded_up(double length) {
+  return length * (1 + kRoundedLength);
+}
+
 /// Smallest factor of its group's weight that a handle vertex may have.
 constexpr double kLeastWeight = 1e-6;
 

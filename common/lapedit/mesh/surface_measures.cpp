@@ -2,8 +2,11 @@
 #include "lapedit/mesh/surface_measures.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <utility>
+
+#include "lapedit/base/polar_decomposition.h"
 
 namespace lapedit {
 namespace {
@@ -34,6 +37,12 @@ Points centres(const Region& region, const Points& positions) {
     }
   }
   return result;
+}
+
+/// Returns whether a surface of this area is far from flat.
+bool is_thick(double volume, double area) {
+  constexpr double kBody = 0.01;  // of area^(3/2); a ball has 0.094, a slender limb 0.04
+  return std::abs(volume) > kBody * std::pow(area, 1.5);
 }
 
 /// Returns the normal, with twice the area as its length.
@@ -148,12 +157,66 @@ double enclosed_volume(const Region& region, const Points& positions) {
 }
 
 bool encloses_a_body(const Region& region, const Points& positions, double volume) {
-  constexpr double kBody = 0.01;  // of area^(3/2); a ball has 0.094, a slender limb 0.04
   double twice_area = 0;
   for (Eigen::Index f = 0; f < region.faces.rows(); ++f) {
     twice_area += face_normal(positions, region.faces, f).norm();
   }
-  return std::abs(volume) > kBody * std::pow(twice_area / 2, 1.5);
+  return is_thick(volume, twice_area / 2);
+}
+
+/// The area normals of a closed surface cancel; of an open one the cap over its holes remains.
+std::vector<ComponentVolume> component_volumes(const Region& region, const Points& positions) {
+  constexpr double kCap = 0.2;  // of the area; half a ball has 0.5
+  const Points from = centres(region, positions);
+  const std::size_t count = region.anchored.size();
+  std::vector<ComponentVolume> result(count);
+  std::vector<double> area(count, 0);
+  std::vector<Vector3> cap(count, Vector3::Zero());
+  for (Eigen::Index f = 0; f < region.faces.rows(); ++f) {
+    const int c = region.component[region.faces(f, 0)];
+    const Vector3 normal = face_normal(positions, region.faces, f);
+    const Vector3 corner = positions.row(region.faces(f, 0)).transpose();
+    result[c].volume += (corner - from.row(c).transpose()).dot(normal) / 6;
+    area[c] += normal.norm() / 2;
+    cap[c] += normal / 2;
+  }
+  for (std::size_t c = 0; c < count; ++c) {
+    result[c].is_body = is_thick(result[c].volume, area[c]) && cap[c].norm() < kCap * area[c];
+  }
+  return result;
+}
+
+bool moved_rigidly(const Region& region, const Points& before, const Points& after, double rounding) {
+  constexpr double kRigid = 3e-4;
+  struct Fit {
+    double count = 0, extent = 0;
+    Vector3 from = Vector3::Zero(), to = Vector3::Zero();
+    Matrix3 rotation = Matrix3::Zero();
+  };
+  std::vector<Fit> fits(region.anchored.size());
+  for (int i = 0; i < region.size(); ++i) {
+    Fit& fit = fits[region.component[i]];
+    fit.count += 1;
+    fit.from += (before.row(i).transpose() - fit.from) / fit.count;
+    fit.to += (after.row(i).transpose() - fit.to) / fit.count;
+  }
+  for (int i = 0; i < region.size(); ++i) {
+    Fit& fit = fits[region.component[i]];
+    const Vector3 from = before.row(i).transpose() - fit.from;
+    fit.rotation += (after.row(i).transpose() - fit.to) * from.transpose();
+    fit.extent = std::max(fit.extent, from.norm());
+  }
+  for (Fit& fit : fits) {
+    fit.rotation = nearest_rotation(fit.rotation);
+  }
+  for (int i = 0; i < region.size(); ++i) {
+    const Fit& fit = fits[region.component[i]];
+    const Vector3 from = before.row(i).transpose() - fit.from, to = after.row(i).transpose() - fit.to;
+    if (!((to - fit.rotation * from).norm() <= kRigid * fit.extent + rounding)) {
+      return false;
+    }
+  }
+  return true;
 }
 
 }  // namespace lapedit

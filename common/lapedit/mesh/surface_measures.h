@@ -39,4 +39,17 @@ double enclosed_volume(const Region& region, const Points& positions);
 /// Returns whether a percentage of the enclosed volume is meaningful, as it is not in a nearly flat region. O(faces)
 bool encloses_a_body(const Region& region, const Points& positions, double volume);
 
+/// The volume of a component as enclosed_volume() has it, and whether its surface is closed, or open at so small holes
+/// that it has an inside and an outside.
+struct ComponentVolume {
+  double volume = 0;
+  bool is_body = false;
+};
+/// Returns one entry per component of the region. Cost: O(faces).
+std::vector<ComponentVolume> component_volumes(const Region& region, const Points& positions);
+
+/// Returns whether a rigid motion takes each component to its new positions, within `rounding` (model units) and 3e-4
+/// of the component's extent, which nobody sees. Cost: O(vertices).
+bool moved_rigidly(const Region& region, const Points& before, const Points& after, double rounding);
+
 }  // namespace lapedit

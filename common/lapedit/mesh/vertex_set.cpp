@@ -10,6 +10,7 @@
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
 #include "lapedit/mesh/geodesic.h"
+#include "lapedit/mesh/region.h"
 
 namespace lapedit {
 
@@ -92,7 +93,7 @@ std::vector<int> vertices_within(const TriangleMesh& mesh, const Adjacency& adja
     return {vertex};  // without other vertices at the same position
   }
   GeodesicSearch search(adjacency.neighbours, mesh.vertices);
-  std::vector<int> result = search.run({vertex}, radius);
+  std::vector<int> result = search.run({vertex}, rounded_up(radius));
   std::sort(result.begin(), result.end());
   return result;
 }

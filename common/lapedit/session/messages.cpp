@@ -121,6 +121,10 @@ std::string edit_applied(std::size_t steps) {
   return format_text(steps == 1 ? "%zu step of a saved edit applied" : "%zu steps of a saved edit applied", steps);
 }
 
+std::string loaded_step_advice(std::size_t number, const std::string& advice) {
+  return format_text("step %zu of the saved edit: ", number) + advice;
+}
+
 std::string step_changed(std::size_t number, const char* how) {
   return format_text("step %zu %s", number, how);
 }

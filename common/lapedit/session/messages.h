@@ -86,6 +86,7 @@ std::string step_applied(std::size_t number, const DragMotion& motion, const std
                          double prepare_ms, double solve_ms);
 std::string step_amended(std::size_t number, int region_size, double prepare_ms, double solve_ms);
 std::string edit_applied(std::size_t steps);
-std::string step_changed(std::size_t number, const char* how);  ///< "undone", "redone"
+std::string loaded_step_advice(std::size_t number, const std::string& advice);  ///< of a saved edit
+std::string step_changed(std::size_t number, const char* how);                  ///< "undone", "redone"
 
 }  // namespace lapedit::messages

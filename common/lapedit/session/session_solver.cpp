@@ -394,6 +394,11 @@ void SessionSolver::commit_loaded(const std::vector<EditResult>& results) {
     model_.show_mesh(applied.vertices, applied.after);
   }
   model_.log(messages::edit_applied(results.size()));
+  for (std::size_t k = 0; k < results.size(); ++k) {
+    if (const std::string advice = results[k].reports.front().advice(); !advice.empty()) {
+      model_.log(messages::loaded_step_advice(k + 1, advice));
+    }
+  }
   take_over(model_.history.steps().back(), true);
 }
 
