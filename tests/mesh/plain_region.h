@@ -34,7 +34,8 @@ inline Region plain_region(const TriangleMesh& mesh, const Adjacency& adjacency,
   Region region;
   region.mesh_vertices = n;
   GeodesicSearch search(adjacency.neighbours, mesh.vertices);
-  region.mesh_vertex = search.run(handles, spec.kind == RegionSpec::Kind::Radius ? spec.radius : kUnreached, &set);
+  region.mesh_vertex =
+      search.run(handles, spec.kind == RegionSpec::Kind::Radius ? rounded_up(spec.radius) : kUnreached, &set);
   region.max_distance = search.distance(region.mesh_vertex.back());
   std::sort(region.mesh_vertex.begin(), region.mesh_vertex.end());
   if (!spec.anchors.empty()) {
@@ -91,7 +92,7 @@ inline Region plain_region(const TriangleMesh& mesh, const Adjacency& adjacency,
       depth = (region.distance[i] - (1 - spec.padding) * spec.radius) / (spec.padding * spec.radius);
     }
     const int group = group_of[region.mesh_vertex[i]];
-    const bool anchor = group < 0 && (at_rim || depth > 0 || is_kept);
+    const bool anchor = group < 0 && (at_rim || depth > kRoundedLength || is_kept);
     const double ratio = region.max_distance > 0 ? std::min(1.0, region.distance[i] / region.max_distance) : 1;
     region.group.push_back(group);
     region.classes.push_back(group >= 0 ? VertexClass::Handle : anchor ? VertexClass::Anchor : VertexClass::Free);

@@ -43,6 +43,7 @@ class Packing {
   void name_groups(std::vector<int>& name) const;
   void mark();
   void sort_tied();
+  int mirror_image(std::size_t t) const;
   bool is_rigid(int i) const {
     return region_.classes[i] == VertexClass::Handle
                ? region_.weight(i) == 1
@@ -256,7 +257,7 @@ std::uint64_t mixed(std::uint64_t x) {  // the end of SplitMix64
 /// Marks vertices by the lengths and numbers of the edges around them, which do not depend on the position and
 /// numbering of the mesh: what is left with equal marks is symmetric, or nearly so.
 void Packing::mark() {
-  constexpr int kRings = 3;
+  constexpr int kRings = 2;
   const IndexLists& neighbours = region_.neighbours;
   std::vector<int> name;
   name_groups(name);
@@ -271,7 +272,7 @@ void Packing::mark() {
     for_indices(pool_, region_.size(), kGrain, [&](int i) {
       std::uint64_t sum = 0;  // the same in any order
       for (int k = neighbours.offsets[i]; k < neighbours.offsets[i + 1]; ++k) {
-        sum += mixed(before[neighbours.values[k]] + lengths_[k]);
+        sum += before[neighbours.values[k]] * (2 * std::uint64_t{lengths_[k]} + 1);
       }
       marks_[i] = mixed(before[i] + sum);
     });
@@ -317,6 +318,17 @@ void Packing::claim(int seed, int cell, std::vector<int>& of) {
   }
 }
 
+/// Returns the vertex that is alike if there is exactly one, as on a mesh with a plane of symmetry; otherwise -1. Two
+/// such vertices that are near each other begin one cell, so that neither side is preferred.
+int Packing::mirror_image(std::size_t t) const {
+  const auto alike = [this](std::size_t a, std::size_t b) {
+    return b < tied_.size() && from_middle_[tied_[a]] == from_middle_[tied_[b]] && !marks_.empty() &&
+           marks_[tied_[a]] == marks_[tied_[b]];
+  };
+  const bool is_pair = alike(t, t + 1) && !alike(t, t + 2) && !(t > 0 && alike(t, t - 1));
+  return is_pair ? tied_[t + 1] : -1;
+}
+
 int Packing::seed(int most, std::vector<int>& of) {
   const int n = region_.size();
   of.assign(n, -1);
@@ -338,9 +350,14 @@ int Packing::seed(int most, std::vector<int>& of) {
     if (tied_.size() > 1) {
       sort_tied();
     }
-    for (const int v : tied_) {
+    for (std::size_t t = 0; t < tied_.size(); ++t) {
+      const int v = tied_[t], image = mirror_image(t);
       if (of[v] < 0) {
-        claim(v, cells++, of);
+        claim(v, cells, of);
+        if (image >= 0 && of[image] == cells) {
+          claim(image, cells, of);
+        }
+        ++cells;
       }
     }
     if (most > 0 && cells > most) {

@@ -16,7 +16,8 @@ namespace lapedit {
 /// its seed along edges. The spacing grows with the distance from the handles, and towards the inside of rigid groups
 /// and of the anchor band, where rotations do not vary. Vertices at the same distance from the handles are sorted by
 /// their distance from the region's middle, then by the edges around them and the nearest group, then by coordinates,
-/// and by number only if coordinates are equal. The result is the same for any number of threads.
+/// and by number only if coordinates are equal. Two vertices that are each other's mirror images and near each other
+/// begin one cell. The result is the same for any number of threads.
 /// @param rest    size() x 3, the region's rest pose about a local origin
 /// @param target  number of cells wanted; the free part has at most one cell per five vertices
 /// @param of      out: the cell of each vertex of the region
