@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "lapedit/base/index_lists.h"
+#include "lapedit/base/simd.h"
+#include "lapedit/base/types.h"
+
+namespace lapedit {
+
+/// Straight lines from a vertex across edges to the vertices opposite, with the triangles between unfolded into a plane.
+/// Together with the edges they make a graph whose paths approximate geodesic distances from above.
+///
+/// The graph is fixed: a line crosses up to three edges, and up to twelve where triangles are thin (kReach). A search
+/// tries few of them. A line from v that crosses an edge at x cannot be the shortest path to its end if an end a of the
+/// edge has d(a) + |ax| <= d(v) + |vx|, since the shortest path from a in the remaining triangles consists of lines of
+/// the graph, too. Such lines are skipped, with a margin that covers rounding, so a search finds the same bits in
+/// whatever order it visits vertices.
+class SurfaceLines {
+ public:
+  /// The arguments must outlive the object. @param around  the faces around each vertex
+  SurfaceLines(const Points& points, const Faces& faces, const IndexLists& around)
+      : points_(points), faces_(faces), around_(around) {}
+
+  /// Calls offer(end, length of the path, bare) for the lines of a vertex. Its edges must have been tried before.
+  /// Neither degenerate faces nor vertices with non-finite coordinates are entered.
+  /// @param distance  of the vertex
+  /// @param cutoff    largest distance of interest
+  /// @param allowed   if given, lines lead only through faces whose corners have this flag
+  /// @param known     function: a distance that a vertex has at most. Larger values cost time only
+  /// `bare`: a crossed edge has no end that is known to be within the cutoff, so the line's end may have no neighbour
+  /// there.
+  template <class Known, class Offer>
+  void from(int vertex, double distance, double cutoff, const std::vector<char>* allowed, const Known& known,
+            const Offer& offer) const {
+    const Search<Known, Offer> search{distance, cutoff, allowed, known, offer};
+    const double nearer = distance - kMargin * distance;
+    const double* root = point(vertex);
+    for (const int face : around_[vertex]) {
+      const auto [a, b] = other_corners(face, vertex);
+      if (a < 0 || !search.is_allowed(a) || !search.is_allowed(b)) {
+        continue;
+      }
+      const Vec3 va = difference(point(a), root), vb = difference(point(b), root);
+      const Vec3 ab = difference(point(b), point(a));
+      const double aa = dot(va, va), bb = dot(vb, vb), ee = dot(ab, ab);
+      const double to_a = known(a), to_b = known(b);
+      // The usual case: one end of the edge is nearer to the seeds, and to the whole edge.
+      if ((to_a <= nearer && ee <= bb) || (to_b <= nearer && ee <= aa)) {
+        continue;
+      }
+      const double product = dot(va, vb);
+      Side left{a, std::sqrt(aa), aa, to_a - distance}, right{b, std::sqrt(bb), bb, to_b - distance};
+      if (is_first(point(b), bb, point(a), aa)) {
+        std::swap(left, right);
+      }
+      if (const Cut cut(left, right, product, ee, distance); !cut.is_empty) {
+        const Vec2 first{left.length, 0}, last{product / left.length, norm(cross(va, vb)) / left.length};
+        Window window{left, right, first, last, first, last, face, 0, search.is_bare(left, right)};
+        if (window.narrow(cut)) {
+          follow(window, search);
+        }
+      }
+    }
+  }
+
+  /// Prefetches the list of a vertex's faces.
+  void fetch_list(int vertex) const { prefetch(around_[vertex].first); }
+  /// Prefetches the faces of a vertex whose list has been fetched.
+  void fetch_faces(int vertex) const {
+    for (const int face : around_[vertex]) {
+      prefetch(faces_.data() + 3 * static_cast<std::ptrdiff_t>(face));
+    }
+  }
+
+ private:
+  // A line goes on while the triangles that it crossed weigh at most this.
+  static constexpr int kReach = 11;
+  static constexpr double kMargin = 1e-10;
+
+  struct Vec3 {
+    double x, y, z;
+  };
+  struct Vec2 {
+    double x, y;
+  };
+  /// An end of a crossed edge.
+  struct Side {
+    int vertex;
+    double length, squared;  // from the line's start, in the plane
+    double farther;          // than the start, along any path
+  };
+
+  /// What the ends of an edge leave of it: the parts next to them are nearer by these ends, up to two hyperbolas.
+  struct Cut {
+    /// @param product  of the vectors to both ends @param ee  squared length of the edge
+    Cut(const Side& a, const Side& b, double product, double ee, double distance) {
+      const double length = std::sqrt(ee);
+      const double da = std::min(a.farther, a.length) + kMargin * (distance + a.length);
+      const double db = std::min(b.farther, b.length) + kMargin * (distance + b.length);
+      numerator_a = a.squared - da * da;
+      numerator_b = b.squared - db * db;
+      divisor_a = 2 * (da * length + a.squared - product);
+      divisor_b = 2 * (db * length + b.squared - product);
+      is_empty = !(divisor_a > 0 && divisor_b > 0 &&
+                   numerator_a * divisor_b + numerator_b * divisor_a < divisor_a * divisor_b);
+    }
+    double numerator_a, numerator_b, divisor_a, divisor_b;
+    bool is_empty;  // also if a coordinate is not finite
+  };
+
+  /// Lines from the start, at the origin, through a part of an edge; b lies counterclockwise of a.
+  struct Window {
+    Side left, right;
+    Vec2 a, b;
+    Vec2 first, last;  // the part's ends, or any points on the rays through them
+    int face;          // that the lines come through
+    int weight;        // of the triangles crossed
+    bool bare;
+
+    /// @return false if nothing remains
+    bool narrow(const Cut& cut) {
+      const Vec2 e{b.x - a.x, b.y - a.y};
+      if (cut.numerator_a > 0) {
+        const double s = cut.numerator_a / cut.divisor_a;
+        const Vec2 at{a.x + s * e.x, a.y + s * e.y};
+        first = turn(first, at) > 0 ? at : first;
+      }
+      if (cut.numerator_b > 0) {
+        const double s = cut.numerator_b / cut.divisor_b;
+        const Vec2 at{b.x - s * e.x, b.y - s * e.y};
+        last = turn(at, last) > 0 ? at : last;
+      }
+      return turn(first, last) > 0;
+    }
+  };
+
+  template <class Known, class Offer>
+  struct Search {
+    double distance, cutoff;
+    const std::vector<char>* allowed;
+    const Known& known;
+    const Offer& offer;
+
+    bool is_allowed(int vertex) const { return !allowed || (*allowed)[vertex]; }
+    bool is_bare(const Side& a, const Side& b) const {
+      return a.farther >= cutoff - distance && b.farther >= cutoff - distance;
+    }
+  };
+
+  /// Orders the ends of an edge by their positions alone: lengths shall not depend on the numbers of vertices.
+  static bool is_first(const double* a, double squared_a, const double* b, double squared_b) {
+    return squared_a != squared_b ? squared_a < squared_b : std::lexicographical_compare(a, a + 3, b, b + 3);
+  }
+
+  /// Positive if b lies counterclockwise of a.
+  static double turn(const Vec2& a, const Vec2& b) { return a.x * b.y - a.y * b.x; }
+  static double dot(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+  static double norm(const Vec3& a) { return std::sqrt(dot(a, a)); }
+  static Vec3 cross(const Vec3& a, const Vec3& b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+  }
+  static Vec3 difference(const double* a, const double* b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+  const double* point(int vertex) const { return points_.data() + 3 * static_cast<std::ptrdiff_t>(vertex); }
+
+  /// Returns the weight of a triangle: 4, or less for a thin one. @param shortest, longest  squared edge lengths
+  static int weight_of(double shortest, double longest) {
+    return shortest >= 0.2 * longest ? 4 : shortest >= 0.15 * longest ? 3 : shortest >= 0.1 * longest ? 2 : 1;
+  }
+
+  /// Returns the other two corners of a face around a vertex; -1 if the face is degenerate.
+  std::pair<int, int> other_corners(int face, int vertex) const {
+    const int* f = faces_.data() + 3 * static_cast<std::ptrdiff_t>(face);
+    const int a = f[0] == vertex ? f[1] : f[0];
+    const int b = f[2] == vertex ? f[1] : f[2];
+    return a == vertex || b == vertex || a == b ? std::pair(-1, -1) : std::pair(a, b);
+  }
+
+  /// Returns the third corner of a face with the corners p and q, else -1.
+  int third_corner(int face, int p, int q) const {
+    const auto [a, b] = other_corners(face, p);
+    return a == q ? b : b == q ? a : -1;
+  }
+
+  /// Goes on from an edge into the triangles behind it.
+  template <class Known, class Offer>
+  void follow(const Window& window, const Search<Known, Offer>& search) const {
+    const int a = window.left.vertex, b = window.right.vertex;
+    const double distance = search.distance;
+    const Vec3 ab = difference(point(b), point(a));
+    const double ee = dot(ab, ab);
+    const Vec2 e{window.b.x - window.a.x, window.b.y - window.a.y};
+    // Of a vertex in the middle of a large fan only the other ends' few faces are looked at.
+    const bool is_left = around_[a].size() <= around_[b].size();
+    for (const int face : around_[is_left ? a : b]) {
+      const int end = face == window.face ? -1 : third_corner(face, a, b);
+      if (end < 0 || !search.is_allowed(end)) {
+        continue;
+      }
+      const Vec3 ac = difference(point(end), point(a)), bc = difference(point(end), point(b));
+      const double along = dot(ab, ac) / ee, height = norm(cross(ab, ac)) / ee;
+      const Vec2 c{window.a.x + along * e.x + height * e.y, window.a.y + along * e.y - height * e.x};
+      const double squared = c.x * c.x + c.y * c.y, length = std::sqrt(squared);
+      if (!std::isfinite(length)) {
+        continue;
+      }
+      const double after_first = turn(window.first, c), before_last = turn(c, window.last);
+      if (after_first >= 0 && before_last >= 0) {
+        search.offer(end, distance + length, window.bare);
+      }
+      const double aa = dot(ac, ac), bb = dot(bc, bc);
+      const int weight = window.weight + weight_of(std::min({aa, bb, ee}), std::max({aa, bb, ee}));
+      if (weight > kReach) {
+        continue;
+      }
+      const Side middle{end, length, squared, search.known(end) - distance};
+      if (after_first > 0) {
+        const double product = window.a.x * c.x + window.a.y * c.y;
+        if (const Cut cut(window.left, middle, product, aa, distance); !cut.is_empty) {
+          Window next{window.left, middle, window.a, c, window.first, before_last > 0 ? c : window.last, face, weight,
+                      window.bare || search.is_bare(window.left, middle)};
+          if (next.narrow(cut)) {
+            follow(next, search);
+          }
+        }
+      }
+      if (before_last > 0) {
+        const double product = window.b.x * c.x + window.b.y * c.y;
+        if (const Cut cut(middle, window.right, product, bb, distance); !cut.is_empty) {
+          Window next{middle, window.right, c, window.b, after_first > 0 ? c : window.first, window.last, face, weight,
+                      window.bare || search.is_bare(middle, window.right)};
+          if (next.narrow(cut)) {
+            follow(next, search);
+          }
+        }
+      }
+    }
+  }
+
+  const Points& points_;
+  const Faces& faces_;
+  const IndexLists& around_;
+};
+
+}  // namespace lapedit
