@@ -59,7 +59,7 @@ class SurfaceLines {
       if (is_first(point(b), bb, point(a), aa)) {
         std::swap(left, right);
       }
-      if (const Cut cut(left, right, product, ee, distance); !cut.is_empty) {
+      if (const Cut cut(left, right, product, std::sqrt(ee), distance); !cut.is_empty) {
         const Vec2 first{left.length, 0}, last{product / left.length, norm(cross(va, vb)) / left.length};
         Window window{left, right, first, last, first, last, face, 0, search.is_bare(left, right)};
         if (window.narrow(cut)) {
@@ -98,9 +98,8 @@ class SurfaceLines {
 
   /// What the ends of an edge leave of it: the parts next to them are nearer by these ends, up to two hyperbolas.
   struct Cut {
-    /// @param product  of the vectors to both ends @param ee  squared length of the edge
-    Cut(const Side& a, const Side& b, double product, double ee, double distance) {
-      const double length = std::sqrt(ee);
+    /// @param product  of the vectors to both ends @param length  of the edge
+    Cut(const Side& a, const Side& b, double product, double length, double distance) {
       const double da = std::min(a.farther, a.length) + kMargin * (distance + a.length);
       const double db = std::min(b.farther, b.length) + kMargin * (distance + b.length);
       numerator_a = a.squared - da * da;
@@ -181,7 +180,7 @@ class SurfaceLines {
     return a == vertex || b == vertex || a == b ? std::pair(-1, -1) : std::pair(a, b);
   }
 
-  /// Returns the third corner of a face with the corners p and q, else -1.
+  /// Returns the third corner of a face around p if q is one of its corners, else -1.
   int third_corner(int face, int p, int q) const {
     const auto [a, b] = other_corners(face, p);
     return a == q ? b : b == q ? a : -1;
@@ -196,9 +195,9 @@ class SurfaceLines {
     const double ee = dot(ab, ab);
     const Vec2 e{window.b.x - window.a.x, window.b.y - window.a.y};
     // Of a vertex in the middle of a large fan only the other ends' few faces are looked at.
-    const bool is_left = around_[a].size() <= around_[b].size();
-    for (const int face : around_[is_left ? a : b]) {
-      const int end = face == window.face ? -1 : third_corner(face, a, b);
+    const auto [fewer, more] = around_[a].size() <= around_[b].size() ? std::pair(a, b) : std::pair(b, a);
+    for (const int face : around_[fewer]) {
+      const int end = face == window.face ? -1 : third_corner(face, fewer, more);
       if (end < 0 || !search.is_allowed(end)) {
         continue;
       }
@@ -218,10 +217,13 @@ class SurfaceLines {
       if (weight > kReach) {
         continue;
       }
-      const Side middle{end, length, squared, search.known(end) - distance};
+      // Along an edge the end may be nearer than what is known so far.
+      const double to_a = std::sqrt(aa), to_b = std::sqrt(bb);
+      const double farther = std::min(window.left.farther + to_a, window.right.farther + to_b);
+      const Side middle{end, length, squared, std::min(search.known(end) - distance, farther)};
       if (after_first > 0) {
         const double product = window.a.x * c.x + window.a.y * c.y;
-        if (const Cut cut(window.left, middle, product, aa, distance); !cut.is_empty) {
+        if (const Cut cut(window.left, middle, product, to_a, distance); !cut.is_empty) {
           Window next{window.left, middle, window.a, c, window.first, before_last > 0 ? c : window.last, face, weight,
                       window.bare || search.is_bare(window.left, middle)};
           if (next.narrow(cut)) {
@@ -231,7 +233,7 @@ class SurfaceLines {
       }
       if (before_last > 0) {
         const double product = window.b.x * c.x + window.b.y * c.y;
-        if (const Cut cut(middle, window.right, product, bb, distance); !cut.is_empty) {
+        if (const Cut cut(middle, window.right, product, to_b, distance); !cut.is_empty) {
           Window next{middle, window.right, c, window.b, after_first > 0 ? c : window.first, window.last, face, weight,
                       window.bare || search.is_bare(middle, window.right)};
           if (next.narrow(cut)) {
