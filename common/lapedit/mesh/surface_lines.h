@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -74,7 +75,7 @@ class SurfaceLines {
   /// Prefetches the faces of a vertex whose list has been fetched.
   void fetch_faces(int vertex) const {
     for (const int face : around_[vertex]) {
-      prefetch(faces_.data() + 3 * static_cast<std::ptrdiff_t>(face));
+      prefetch(corners(face));
     }
   }
 
@@ -82,6 +83,7 @@ class SurfaceLines {
   // A line goes on while the triangles that it crossed weigh at most this.
   static constexpr int kReach = 11;
   static constexpr double kMargin = 1e-10;
+  static constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
   struct Vec3 {
     double x, y, z;
@@ -172,9 +174,11 @@ class SurfaceLines {
     return shortest >= 0.2 * longest ? 4 : shortest >= 0.15 * longest ? 3 : shortest >= 0.1 * longest ? 2 : 1;
   }
 
+  const int* corners(int face) const { return faces_.data() + 3 * static_cast<std::ptrdiff_t>(face); }
+
   /// Returns the other two corners of a face around a vertex; -1 if the face is degenerate.
   std::pair<int, int> other_corners(int face, int vertex) const {
-    const int* f = faces_.data() + 3 * static_cast<std::ptrdiff_t>(face);
+    const int* f = corners(face);
     const int a = f[0] == vertex ? f[1] : f[0];
     const int b = f[2] == vertex ? f[1] : f[2];
     return a == vertex || b == vertex || a == b ? std::pair(-1, -1) : std::pair(a, b);
@@ -190,55 +194,82 @@ class SurfaceLines {
   template <class Known, class Offer>
   void follow(const Window& window, const Search<Known, Offer>& search) const {
     const int a = window.left.vertex, b = window.right.vertex;
-    const double distance = search.distance;
-    const Vec3 ab = difference(point(b), point(a));
-    const double ee = dot(ab, ab);
-    const Vec2 e{window.b.x - window.a.x, window.b.y - window.a.y};
     // Of a vertex in the middle of a large fan only the other ends' few faces are looked at.
-    const auto [fewer, more] = around_[a].size() <= around_[b].size() ? std::pair(a, b) : std::pair(b, a);
-    for (const int face : around_[fewer]) {
-      const int end = face == window.face ? -1 : third_corner(face, fewer, more);
-      if (end < 0 || !search.is_allowed(end)) {
-        continue;
-      }
-      const Vec3 ac = difference(point(end), point(a)), bc = difference(point(end), point(b));
-      const double along = dot(ab, ac) / ee, height = norm(cross(ab, ac)) / ee;
-      const Vec2 c{window.a.x + along * e.x + height * e.y, window.a.y + along * e.y - height * e.x};
-      const double squared = c.x * c.x + c.y * c.y, length = std::sqrt(squared);
-      if (!std::isfinite(length)) {
-        continue;
-      }
-      const double after_first = turn(window.first, c), before_last = turn(c, window.last);
-      if (after_first >= 0 && before_last >= 0) {
-        search.offer(end, distance + length, window.bare);
-      }
-      const double aa = dot(ac, ac), bb = dot(bc, bc);
-      const int weight = window.weight + weight_of(std::min({aa, bb, ee}), std::max({aa, bb, ee}));
-      if (weight > kReach) {
-        continue;
-      }
-      // Along an edge the end may be nearer than what is known so far.
-      const double to_a = std::sqrt(aa), to_b = std::sqrt(bb);
-      const double farther = std::min(window.left.farther + to_a, window.right.farther + to_b);
-      const Side middle{end, length, squared, std::min(search.known(end) - distance, farther)};
-      if (after_first > 0) {
-        const double product = window.a.x * c.x + window.a.y * c.y;
-        if (const Cut cut(window.left, middle, product, to_a, distance); !cut.is_empty) {
-          Window next{window.left, middle, window.a, c, window.first, before_last > 0 ? c : window.last, face, weight,
-                      window.bare || search.is_bare(window.left, middle)};
-          if (next.narrow(cut)) {
-            follow(next, search);
-          }
+    const IndexLists::Row around_a = around_[a], around_b = around_[b];
+    const bool is_a = around_a.size() <= around_b.size();
+    const IndexLists::Row around = is_a ? around_a : around_b;
+    const int center = is_a ? a : b, other = is_a ? b : a;
+    // Without branches, since the processor cannot predict which face it is.
+    int count = 0, found = -1, end = -1;
+    for (const int face : around) {
+      const int* f = corners(face);
+      const int third = f[0] ^ f[1] ^ f[2] ^ center ^ other;
+      const bool is_behind = ((f[0] == other) | (f[1] == other) | (f[2] == other)) & (face != window.face) &
+                             (third != center) & (third != other);
+      count += is_behind;
+      found = is_behind ? face : found;
+      end = is_behind ? third : end;
+    }
+    if (count == 1) {
+      enter(window, found, end, search);
+    } else if (count > 1) {
+      for (const int face : around) {
+        const int third = face == window.face ? -1 : third_corner(face, center, other);
+        if (third >= 0) {
+          enter(window, face, third, search);
         }
       }
-      if (before_last > 0) {
-        const double product = window.b.x * c.x + window.b.y * c.y;
-        if (const Cut cut(middle, window.right, product, to_b, distance); !cut.is_empty) {
-          Window next{middle, window.right, c, window.b, after_first > 0 ? c : window.first, window.last, face, weight,
-                      window.bare || search.is_bare(middle, window.right)};
-          if (next.narrow(cut)) {
-            follow(next, search);
-          }
+    }
+  }
+
+  /// Goes on through a triangle. @param end  its corner opposite to the window's edge
+  template <class Known, class Offer>
+  LAPEDIT_INLINE void enter(const Window& window, int face, int end, const Search<Known, Offer>& search) const {
+    if (!search.is_allowed(end)) {
+      return;
+    }
+    const double distance = search.distance;
+    const double *a = point(window.left.vertex), *b = point(window.right.vertex), *c = point(end);
+    const Vec3 ab = difference(b, a), ac = difference(c, a);
+    const double ee = dot(ab, ab), scale = 1 / ee;
+    const double along = dot(ab, ac) * scale, height = norm(cross(ab, ac)) * scale;
+    const Vec2 e{window.b.x - window.a.x, window.b.y - window.a.y};
+    const Vec2 at{window.a.x + along * e.x + height * e.y, window.a.y + along * e.y - height * e.x};
+    const double squared = at.x * at.x + at.y * at.y, length = std::sqrt(squared);
+    if (!(length < kInfinite)) {
+      return;
+    }
+    const double after_first = turn(window.first, at), before_last = turn(at, window.last);
+    if (after_first >= 0 && before_last >= 0) {
+      search.offer(end, distance + length, window.bare);
+    }
+    const Vec3 bc = difference(c, b);
+    const double aa = dot(ac, ac), bb = dot(bc, bc);
+    const int weight = window.weight + weight_of(std::min(std::min(aa, bb), ee), std::max(std::max(aa, bb), ee));
+    if (weight > kReach) {
+      return;
+    }
+    // Along an edge the end may be nearer than what is known so far.
+    const double to_a = std::sqrt(aa), to_b = std::sqrt(bb);
+    const double farther = std::min(window.left.farther + to_a, window.right.farther + to_b);
+    const Side middle{end, length, squared, std::min(search.known(end) - distance, farther)};
+    if (after_first > 0) {
+      const double product = window.a.x * at.x + window.a.y * at.y;
+      if (const Cut cut(window.left, middle, product, to_a, distance); !cut.is_empty) {
+        Window next{window.left, middle, window.a, at, window.first, before_last > 0 ? at : window.last, face, weight,
+                    window.bare || search.is_bare(window.left, middle)};
+        if (next.narrow(cut)) {
+          follow(next, search);
+        }
+      }
+    }
+    if (before_last > 0) {
+      const double product = window.b.x * at.x + window.b.y * at.y;
+      if (const Cut cut(middle, window.right, product, to_b, distance); !cut.is_empty) {
+        Window next{middle, window.right, at, window.b, after_first > 0 ? at : window.first, window.last, face, weight,
+                    window.bare || search.is_bare(middle, window.right)};
+        if (next.narrow(cut)) {
+          follow(next, search);
         }
       }
     }
