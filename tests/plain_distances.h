@@ -77,8 +77,8 @@ class PlainLines {
       }
       const double squares[] = {ab.squaredNorm(), ac.squaredNorm(), (at(c) - at(b)).squaredNorm()};
       const double thin = *std::min_element(squares, squares + 3) / *std::max_element(squares, squares + 3);
-      const int passed = weight + (thin >= 0.2 ? 4 : thin >= 0.15 ? 3 : thin >= 0.1 ? 2 : 1);
-      constexpr int kReach = 11;
+      const int passed = weight + (thin >= 0.6 ? 4 : thin >= 0.199 ? 3 : 1);
+      constexpr int kReach = 7;
       if (passed <= kReach && after > 0) {
         go_on(start, next, passed, a, in_plane_a, c, in_plane_c, first, before > 0 ? in_plane_c : last);
       }

@@ -26,8 +26,9 @@ enum class Diagonals { Single, Alternating, Rows };
 /// @param x,y  coordinates of its columns and rows
 TriangleMesh plane_grid(const std::vector<double>& x, const std::vector<double>& y, Diagonals diagonals, double turn) {
   const int columns = static_cast<int>(x.size()), rows = static_cast<int>(y.size());
-  const Eigen::Matrix3d rotation = (Eigen::AngleAxisd(0.7, Vector3(1, 2, -1).normalized()) *
-                                    Eigen::AngleAxisd(turn, Vector3::UnitZ())).toRotationMatrix();
+  const Eigen::Matrix3d rotation =
+      (Eigen::AngleAxisd(0.7, Vector3(1, 2, -1).normalized()) * Eigen::AngleAxisd(turn, Vector3::UnitZ()))
+          .toRotationMatrix();
   TriangleMesh mesh;
   mesh.vertices.resize(static_cast<Eigen::Index>(columns) * rows, 3);
   mesh.faces.resize(static_cast<Eigen::Index>(2) * (columns - 1) * (rows - 1), 3);
@@ -105,8 +106,8 @@ TEST(SurfaceDistance, IsNearlyExactOnGridsOfUnevenDensity) {
   for (const Diagonals diagonals : {Diagonals::Single, Diagonals::Alternating, Diagonals::Rows}) {
     for (const double factor : {1.05, 1.2, 1.5, 2.0, 4.0}) {
       for (const bool both : {false, true}) {
-        SCOPED_TRACE("diagonals " + std::to_string(static_cast<int>(diagonals)) + ", factor " +
-                     std::to_string(factor) + (both ? ", both" : ", one"));
+        SCOPED_TRACE("diagonals " + std::to_string(static_cast<int>(diagonals)) + ", factor " + std::to_string(factor) +
+                     (both ? ", both" : ", one"));
         const std::vector<double> steps = uneven(41, factor, 4);
         const TriangleMesh mesh = plane_grid(steps, both ? steps : even(41, 1), diagonals, 0.4);
         for (const int seed : {20 * 41 + 20, 20 * 41 + 3, 5 * 41 + 30}) {

@@ -159,8 +159,8 @@ class EdgeSums {
 /// w_ji = (cot a + cot b) / 2, a and b the angles opposite to edge ji.
 EdgeWeights cotangent_weights(const Region& region, const TriangleMesh& mesh, ThreadPool& pool) {
   const IndexLists& neighbours = region.neighbours;
-  EdgeWeights result = EdgeSums(region, pool).sum(
-      mesh, [](const Angles& angles, int corner) { return 0.5 * angles.cotangent(corner); });
+  EdgeWeights result =
+      EdgeSums(region, pool).sum(mesh, [](const Angles& angles, int corner) { return 0.5 * angles.cotangent(corner); });
   std::vector<double>& weights = result.values;
   std::vector<char>& uniform = result.uniform;
   for (std::size_t e = 0; e < weights.size(); ++e) {
@@ -183,9 +183,8 @@ EdgeWeights cotangent_weights(const Region& region, const TriangleMesh& mesh, Th
 
 /// Both directions of each edge take the larger weight.
 void make_symmetric(const IndexLists& neighbours, std::vector<double>& weights) {
-  each_edge(neighbours, [&weights](int e, int back) {
-    weights[e] = weights[back] = std::max(weights[e], weights[back]);
-  });
+  each_edge(neighbours,
+            [&weights](int e, int back) { weights[e] = weights[back] = std::max(weights[e], weights[back]); });
 }
 
 double mean_edge(const Region& region, const TriangleMesh& mesh) {

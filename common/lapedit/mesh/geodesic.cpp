@@ -187,8 +187,8 @@ struct DistanceField::Front {
   double nearest = 0;      // distance of those beyond it
 
   /// Distributes the far vertices among the first fronts, as many as pay for a thread. @return their number
-  static int balance(std::vector<Front>& fronts) {
-    constexpr std::size_t kGrain = 192;
+  static int balance(std::vector<Front>& fronts, bool has_lines) {
+    const std::size_t kGrain = has_lines ? 48 : 192;
     std::size_t all = 0;
     for (const Front& front : fronts) {
       all += front.far.size();
@@ -235,7 +235,7 @@ DistanceField::DistanceField(const PathGraph& graph, const std::vector<int>& see
     fronts[0].far.push_back({0, seed});
   }
   for (double nearest = 0; nearest < kUnreached;) {
-    const int chunks = Front::balance(fronts);
+    const int chunks = Front::balance(fronts, graph.lines.has_value());
     pool.each(chunks, [&](int chunk) { advance(fronts[chunk], nearest + step); });
     nearest = kUnreached;
     for (int chunk = 0; chunk < chunks; ++chunk) {

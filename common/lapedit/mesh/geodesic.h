@@ -18,8 +18,8 @@ constexpr double kUnreached = std::numeric_limits<double>::infinity();
 
 /// The graph in which shortest paths are searched: the edges of a mesh, and straight lines across its faces.
 struct PathGraph {
-  /// Edges alone: the distance of Lipman et al. 2004, section 6. The arguments must outlive all users of the graph; row i
-  /// of points is vertex i.
+  /// Edges alone: the distance of Lipman et al. 2004, section 6. The arguments must outlive all users of the graph; row
+  /// i of points is vertex i.
   PathGraph(const IndexLists& edges, const Points& positions) : neighbours(edges), points(positions) {}
   /// Edges and SurfaceLines: the distance on the surface, up to 8.5 % too long unless faces are thinner than 1:4, and
   /// never too short.

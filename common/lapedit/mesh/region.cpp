@@ -346,8 +346,9 @@ void place_anchor_band(ThreadPool& pool, const TriangleMesh& mesh, const Adjacen
 /// Classifies vertices as handle, anchor or free. An anchor's weight is d / d_max, so that anchors near the handle are
 /// weak.
 /// @param handles  local vertices, and their groups
-void classify(ThreadPool& pool, const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec, const std::vector<int>& local,
-              const std::vector<std::pair<int, int>>& handles, const std::vector<char>& rim, Region& region) {
+void classify(ThreadPool& pool, const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
+              const std::vector<int>& local, const std::vector<std::pair<int, int>>& handles,
+              const std::vector<char>& rim, Region& region) {
   const int n = region.size();
   at_once(
       pool, [&] { region.classes.assign(n, VertexClass::Free); }, [&] { region.group.assign(n, -1); },

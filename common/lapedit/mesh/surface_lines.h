@@ -14,13 +14,17 @@
 
 namespace lapedit {
 
-/// Straight lines from a vertex across edges to the vertices opposite, with the triangles between unfolded into a plane.
-/// Together with the edges they make a graph whose paths approximate geodesic distances from above.
+/// Straight lines from a vertex across edges to the vertices opposite, with the triangles between unfolded into a
+/// plane. Together with the edges they make a graph whose paths approximate geodesic distances from above.
 ///
-/// The graph is fixed: a line crosses up to three edges, and up to twelve where triangles are thin (kReach). A search
-/// tries few of them. A line from v that crosses an edge at x cannot be the shortest path to its end if an end a of the
-/// edge has d(a) + |ax| <= d(v) + |vx|, since the shortest path from a in the remaining triangles consists of lines of
-/// the graph, too. Such lines are skipped, with a margin that covers rounding, so a search finds the same bits in
+/// The graph is fixed: a line crosses two edges if the triangle between is almost equilateral, three in general, and
+/// more, up to eight, where triangles are thin (kReach). On grids of rectangles of up to 1:4, any two successive edges
+/// and lines around a vertex are at most 45 degrees apart, so paths are up to 1 / cos 22.5 degrees = 1.0824 times too
+/// long.
+///
+/// A search tries few lines. One from v that crosses an edge at x cannot be the shortest path to its end if an end a of
+/// the edge has d(a) + |ax| <= d(v) + |vx|, since the shortest path from a in the remaining triangles consists of lines
+/// of the graph, too. Such lines are skipped, with a margin that covers rounding, so a search finds the same bits in
 /// whatever order it visits vertices.
 class SurfaceLines {
  public:
@@ -40,32 +44,37 @@ class SurfaceLines {
   void from(int vertex, double distance, double cutoff, const std::vector<char>* allowed, const Known& known,
             const Offer& offer) const {
     const Search<Known, Offer> search{distance, cutoff, allowed, known, offer};
-    const double nearer = distance - kMargin * distance;
     const double* root = point(vertex);
-    for (const int face : around_[vertex]) {
-      const auto [a, b] = other_corners(face, vertex);
-      if (a < 0 || !search.is_allowed(a) || !search.is_allowed(b)) {
-        continue;
-      }
-      const Vec3 va = difference(point(a), root), vb = difference(point(b), root);
-      const Vec3 ab = difference(point(b), point(a));
-      const double aa = dot(va, va), bb = dot(vb, vb), ee = dot(ab, ab);
-      const double to_a = known(a), to_b = known(b);
-      // The usual case: one end of the edge is nearer to the seeds, and to the whole edge.
-      if ((to_a <= nearer && ee <= bb) || (to_b <= nearer && ee <= aa)) {
-        continue;
-      }
-      const double product = dot(va, vb);
-      Side left{a, std::sqrt(aa), aa, to_a - distance}, right{b, std::sqrt(bb), bb, to_b - distance};
-      if (is_first(point(b), bb, point(a), aa)) {
-        std::swap(left, right);
-      }
-      if (const Cut cut(left, right, product, std::sqrt(ee), distance); !cut.is_empty) {
-        const Vec2 first{left.length, 0}, last{product / left.length, norm(cross(va, vb)) / left.length};
-        Window window{left, right, first, last, first, last, face, 0, search.is_bare(left, right)};
-        if (window.narrow(cut)) {
-          follow(window, search);
+    // Most corners have no line that matters. They are tested without branches, which could not be predicted.
+    constexpr int kBatch = 16;
+    struct Corner {
+      int face, a, b;
+      double to_a, to_b;
+    } corners_left[kBatch];
+    const IndexLists::Row faces = around_[vertex];
+    for (const int* next = faces.begin(); next != faces.end();) {
+      const int* const end = next + std::min<std::ptrdiff_t>(kBatch, faces.end() - next);
+      int count = 0;
+      for (; next != end; ++next) {
+        auto [a, b] = other_corners(*next, vertex);
+        if (a < 0) {
+          continue;
         }
+        if (allowed && !((*allowed)[a] && (*allowed)[b])) {
+          continue;
+        }
+        const Vec3 va = difference(point(a), root), vb = difference(point(b), root);
+        const Vec3 ab = difference(point(b), point(a));
+        const double aa = dot(va, va), bb = dot(vb, vb);
+        const Corner corner{*next, a, b, known(a) - distance, known(b) - distance};
+        const Cut cut({a, std::sqrt(aa), aa, corner.to_a}, {b, std::sqrt(bb), bb, corner.to_b}, dot(va, vb), norm(ab),
+                      distance);
+        corners_left[count] = corner;
+        count += !cut.is_empty;
+      }
+      for (int k = 0; k < count; ++k) {
+        start(root, corners_left[k].face, corners_left[k].a, corners_left[k].b, corners_left[k].to_a,
+              corners_left[k].to_b, search);
       }
     }
   }
@@ -81,7 +90,7 @@ class SurfaceLines {
 
  private:
   // A line goes on while the triangles that it crossed weigh at most this.
-  static constexpr int kReach = 11;
+  static constexpr int kReach = 7;
   static constexpr double kMargin = 1e-10;
   static constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
@@ -108,8 +117,8 @@ class SurfaceLines {
       numerator_b = b.squared - db * db;
       divisor_a = 2 * (da * length + a.squared - product);
       divisor_b = 2 * (db * length + b.squared - product);
-      is_empty = !(divisor_a > 0 && divisor_b > 0 &&
-                   numerator_a * divisor_b + numerator_b * divisor_a < divisor_a * divisor_b);
+      is_empty = !((divisor_a > 0) & (divisor_b > 0) &
+                   (numerator_a * divisor_b + numerator_b * divisor_a < divisor_a * divisor_b));
     }
     double numerator_a, numerator_b, divisor_a, divisor_b;
     bool is_empty;  // also if a coordinate is not finite
@@ -169,9 +178,11 @@ class SurfaceLines {
   static Vec3 difference(const double* a, const double* b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
   const double* point(int vertex) const { return points_.data() + 3 * static_cast<std::ptrdiff_t>(vertex); }
 
-  /// Returns the weight of a triangle: 4, or less for a thin one. @param shortest, longest  squared edge lengths
+  /// Returns the weight of a triangle, less for a thin one. @param shortest, longest  squared edge lengths
   static int weight_of(double shortest, double longest) {
-    return shortest >= 0.2 * longest ? 4 : shortest >= 0.15 * longest ? 3 : shortest >= 0.1 * longest ? 2 : 1;
+    constexpr double kThin = 0.199;  // next to a right angle between edges of 1 and 2
+    constexpr double kUsual = 0.6;
+    return 1 + 2 * (shortest >= kThin * longest) + (shortest >= kUsual * longest);
   }
 
   const int* corners(int face) const { return faces_.data() + 3 * static_cast<std::ptrdiff_t>(face); }
@@ -188,6 +199,24 @@ class SurfaceLines {
   int third_corner(int face, int p, int q) const {
     const auto [a, b] = other_corners(face, p);
     return a == q ? b : b == q ? a : -1;
+  }
+
+  /// Goes on from a corner of a face to the edge opposite to it.
+  template <class Known, class Offer>
+  void start(const double* root, int face, int a, int b, double to_a, double to_b,
+             const Search<Known, Offer>& search) const {
+    const Vec3 va = difference(point(a), root), vb = difference(point(b), root);
+    const Vec3 ab = difference(point(b), point(a));
+    const double aa = dot(va, va), bb = dot(vb, vb), product = dot(va, vb);
+    Side left{a, std::sqrt(aa), aa, to_a}, right{b, std::sqrt(bb), bb, to_b};
+    if (is_first(point(b), bb, point(a), aa)) {
+      std::swap(left, right);
+    }
+    const Vec2 first{left.length, 0}, last{product / left.length, norm(cross(va, vb)) / left.length};
+    Window window{left, right, first, last, first, last, face, 0, search.is_bare(left, right)};
+    if (window.narrow(Cut(left, right, product, norm(ab), search.distance))) {
+      follow(window, search);
+    }
   }
 
   /// Goes on from an edge into the triangles behind it.
@@ -256,8 +285,9 @@ class SurfaceLines {
     if (after_first > 0) {
       const double product = window.a.x * at.x + window.a.y * at.y;
       if (const Cut cut(window.left, middle, product, to_a, distance); !cut.is_empty) {
-        Window next{window.left, middle, window.a, at, window.first, before_last > 0 ? at : window.last, face, weight,
-                    window.bare || search.is_bare(window.left, middle)};
+        Window next{window.left, middle,       window.a,
+                    at,          window.first, before_last > 0 ? at : window.last,
+                    face,        weight,       window.bare || search.is_bare(window.left, middle)};
         if (next.narrow(cut)) {
           follow(next, search);
         }
@@ -266,7 +296,14 @@ class SurfaceLines {
     if (before_last > 0) {
       const double product = window.b.x * at.x + window.b.y * at.y;
       if (const Cut cut(middle, window.right, product, to_b, distance); !cut.is_empty) {
-        Window next{middle, window.right, at, window.b, after_first > 0 ? at : window.first, window.last, face, weight,
+        Window next{middle,
+                    window.right,
+                    at,
+                    window.b,
+                    after_first > 0 ? at : window.first,
+                    window.last,
+                    face,
+                    weight,
                     window.bare || search.is_bare(middle, window.right)};
         if (next.narrow(cut)) {
           follow(next, search);
