@@ -210,8 +210,7 @@ inline Region whole_region(const TriangleMesh& mesh, const std::vector<std::vect
       seeds.push_back(v);
     }
   }
-  const Adjacency adjacency = adjacency_of(mesh);
-  region.neighbours = adjacency.neighbours;
+  region.neighbours = adjacency_of(mesh).neighbours;
   region.faces = mesh.faces;
   region.edge_faces.resize(mesh.faces.rows());
   std::iota(region.edge_faces.begin(), region.edge_faces.end(), 0);
@@ -220,7 +219,7 @@ inline Region whole_region(const TriangleMesh& mesh, const std::vector<std::vect
     region.anchored[region.component[v]] = 1;
   }
   region.distance.resize(n);
-  GeodesicSearch search({mesh, adjacency});
+  GeodesicSearch search({region.neighbours, mesh.vertices});
   search.run(seeds, kUnreached);
   for (int v = 0; v < n; ++v) {
     region.distance[v] = search.distance(v);
