@@ -64,7 +64,7 @@ std::vector<Parameter> parameters() {
        "vertices of the selected faces, or the whole connected components of the handle.",
        {"Geodesic radius", "Selected faces", "Whole component"}},
       {Kind::Length, "radius", 20.0, "Radius",
-       "Size of the region: distance from the handle along the edges of the mesh. Used with the geodesic radius only."},
+       "Size of the region: distance from the handle along the surface. Used with the geodesic radius only."},
       {Kind::Real, "padding", region.padding, "Padding",
        "Width of the band inside the region's rim that is held in place and blends the edit into the rest, over the "
        "region's size: from 0 (only the rim itself) to 1."},

@@ -219,7 +219,7 @@ inline Region whole_region(const TriangleMesh& mesh, const std::vector<std::vect
     region.anchored[region.component[v]] = 1;
   }
   region.distance.resize(n);
-  GeodesicSearch search(region.neighbours, mesh.vertices);
+  GeodesicSearch search({region.neighbours, mesh.vertices});
   search.run(seeds, kUnreached);
   for (int v = 0; v < n; ++v) {
     region.distance[v] = search.distance(v);

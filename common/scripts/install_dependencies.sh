@@ -17,7 +17,7 @@ packages="
   meshlab"
 # A MeshLab that runs without a screen.
 display="xvfb xauth libgl1-mesa-dri python3"
-tests="$display ninja-build ccache python3-venv libgtest-dev libsuitesparse-dev xdotool python3-numpy parallel appstream strace"
+tests="$display ninja-build ccache python3-venv libgtest-dev libcgal-dev libsuitesparse-dev xdotool python3-numpy parallel appstream strace"
 for what in "$@"; do
   case $what in
   build) ;;

@@ -61,7 +61,7 @@ std::vector<int> vertices_where(const TriangleMesh& mesh, const Condition& condi
 /// All within a distance along the surface; 0: the vertex alone.
 std::vector<int> patch(const TriangleMesh& mesh, int vertex, double radius) {
   const auto adjacency = lapedit::build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
-  lapedit::GeodesicSearch search(adjacency.neighbours, mesh.vertices);
+  lapedit::GeodesicSearch search({mesh, adjacency});
   return search.run({vertex}, radius);
 }
 

@@ -214,7 +214,7 @@ quality::Problem make_scene(int vertices) {
   edit.handles = {{number[centre]}};
   edit.maps = {handle_move(0)};
   const lapedit::Adjacency adjacency = lapedit::build_adjacency(vertices, mesh.faces);
-  lapedit::GeodesicSearch search(adjacency.neighbours, mesh.vertices);
+  lapedit::GeodesicSearch search({mesh, adjacency});
   const int farthest = search.run(edit.handles[0], lapedit::kUnreached).back();
   edit.region.radius = search.distance(farthest) * (1 + 1e-12);
   edit.region.padding = 0.1;

@@ -390,7 +390,7 @@ TEST(AdviceOnAnEdit, IsAHigherWeightForAHandleThatLags) {
   Limb limb(9);
   limb.step.handles[0].transform.translation = Vector3(0, 0, 1);
   EXPECT_EQ(limb.report().advice(), "");
-  limb.step.settings.handle_weight = 0.01;
+  limb.step.settings.handle_weight = 0.008;
   const EditReport r = limb.report();
   EXPECT_GT(r.causes.distance, 0.1);
   EXPECT_NEAR(r.causes.distance, r.handle_residual, 1e-12);

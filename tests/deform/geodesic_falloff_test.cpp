@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lapedit/deform/frame_rotations.h"
+#include "plain_distances.h"
 #include "shapes.h"
 #include "support.h"
 
@@ -53,9 +54,9 @@ TEST(GeodesicFalloff, IsInverseDistancesToThePowerOfThreeHalves) {
       anchors.push_back(i);
     }
   }
-  const std::vector<double> first = support::bellman_ford(surface, scene.local(scene.handles[0])),
-                            second = support::bellman_ford(surface, scene.local(scene.handles[1])),
-                            rim = support::bellman_ford(surface, anchors);
+  const std::vector<double> first = support::plain_distances(surface, scene.local(scene.handles[0])),
+                            second = support::plain_distances(surface, scene.local(scene.handles[1])),
+                            rim = support::plain_distances(surface, anchors);
   const GeodesicFalloff falloff = geodesic_falloff(region, surface.vertices);
   ASSERT_EQ(falloff.weights.cols(), 2);
   EXPECT_EQ(falloff.lone, (std::vector<int>{scene.local({3030})[0], -1}));

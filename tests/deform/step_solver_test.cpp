@@ -284,7 +284,7 @@ TEST(Components, OneWithoutAnchorFollowsItsHandle) {
   const TriangleMesh mesh = shapes::two_pieces(2);
   const RegionSpec spec = given(vertices_where(mesh, [](const Vector3& p) { return p[0] > 1.5 || p[2] > -0.3; }));
   const int held = support::vertex_at(mesh, Vector3(0, 0, 1));
-  const Region region = support::region_of(mesh, spec, {{held}, support::around(mesh, Vector3(3, 0, 1), 0.4)});
+  const Region region = support::region_of(mesh, spec, {{held}, support::around(mesh, Vector3(3, 0, 1), 0.6)});
   const Affine pull = support::shift(Vector3(0, 0, 0.4));
   Affine stretch = support::rigid(110, Vector3(1, 3, 2), Vector3(4, 5, 6), Vector3(3, 0, 0));
   stretch.linear() *= Vector3(2, 1, 0.5).asDiagonal();
@@ -508,7 +508,7 @@ TEST(Conditioning, SlowRefinementIsRightToo) {
 /// alone.
 TEST(Conditioning, HopelessRegionsAreRefusedUnlessAMembraneHoldsThem) {
   const TriangleMesh mesh = shapes::grid(150, 150);
-  const Region region = support::region_of(mesh, within(150), {{75 * 150 + 75}});
+  const Region region = support::region_of(mesh, within(100), {{75 * 150 + 75}});
   EditSettings settings = EditSettings::of(EditMethod::Linear);
   settings.order = 3;
   support::expect_refusal(ErrorCause::IllConditioned, [&] { Prepared(mesh, region, settings); });

@@ -74,7 +74,7 @@ std::vector<Scene> scenes() {
             with(umbrella, linear), 0.024, 0.09),
       scene("turned", letters, within(0.8), {around(letters, middle, 0.15)},
             {rigid(30, {0, 1, 0}, {0, 0.1, 0.3}, middle)}, with(umbrella, paper), 0.08, 0.28),
-      scene("two groups", letters, within(0.6),
+      scene("two groups", letters, within(0.55),
             {around(letters, {1.4, 1, 0}, 0.12), around(letters, {2.6, 1, 0}, 0.12)},
             {shift({0, 0, 0.4}), rigid(25, {1, 0, 0}, {0, 0, -0.2}, {2.6, 1, 0})}, with(cotangent, paper), 0.066, 0.19),
       scene("curve", grid, within(25), {line}, {shift({0, 0, 8})}, with(umbrella, paper), 0.13, 0.33),

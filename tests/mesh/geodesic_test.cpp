@@ -16,7 +16,7 @@ namespace {
 std::vector<double> distances(const TriangleMesh& mesh, const std::vector<int>& seeds, double cutoff = kUnreached,
                               const std::vector<char>* allowed = nullptr) {
   const Adjacency adjacency = support::adjacency_of(mesh);
-  GeodesicSearch search(adjacency.neighbours, mesh.vertices);
+  GeodesicSearch search({adjacency.neighbours, mesh.vertices});
   search.run(seeds, cutoff, allowed);
   std::vector<double> result(mesh.vertices.rows());
   for (int v = 0; v < static_cast<int>(result.size()); ++v) {
@@ -62,7 +62,7 @@ TEST_P(GeodesicOn, CutoffReachesExactlyWhatIsNotFarther) {
   const Adjacency adjacency = support::adjacency_of(mesh);
   const std::vector<double> all = distances(mesh, {11});
   const double cutoff = all[mesh.vertices.rows() / 2 - 1];  // a vertex lies exactly on it
-  GeodesicSearch search(adjacency.neighbours, mesh.vertices);
+  GeodesicSearch search({adjacency.neighbours, mesh.vertices});
   const std::vector<int>& reached = search.run({11}, cutoff);
   int near = 0;
   for (std::size_t v = 0; v < all.size(); ++v) {
@@ -75,7 +75,7 @@ TEST_P(GeodesicOn, CutoffReachesExactlyWhatIsNotFarther) {
 TEST_P(GeodesicOn, ListsReachedVerticesNearestFirstThenByNumber) {
   const TriangleMesh mesh = GetParam()();
   const Adjacency adjacency = support::adjacency_of(mesh);
-  GeodesicSearch search(adjacency.neighbours, mesh.vertices);
+  GeodesicSearch search({adjacency.neighbours, mesh.vertices});
   const std::vector<int>& reached = search.run({20, 3}, kUnreached);
   ASSERT_GT(reached.size(), 2U);
   for (std::size_t k = 1; k < reached.size(); ++k) {
@@ -97,7 +97,7 @@ TEST_P(GeodesicOn, FieldHasTheBitsOfTheSearch) {
       many.push_back(v);
     }
   }
-  GeodesicSearch search(adjacency.neighbours, mesh.vertices);
+  GeodesicSearch search({adjacency.neighbours, mesh.vertices});
   for (const int threads : {1, 2, 5}) {
     ThreadPool pool(threads);
     for (const std::vector<int>& seeds : {std::vector<int>{}, {4, 4}, {n - 1, 20}, many}) {
@@ -105,7 +105,7 @@ TEST_P(GeodesicOn, FieldHasTheBitsOfTheSearch) {
         double cutoff = kUnreached;
         for (int pass = 0; pass < 3; ++pass) {
           const std::vector<int> reached = search.run(seeds, cutoff, only);
-          const DistanceField field(adjacency.neighbours, mesh.vertices, seeds, cutoff, only, pool);
+          const DistanceField field({adjacency.neighbours, mesh.vertices}, seeds, cutoff, only, pool);
           for (int v = 0; v < n; ++v) {
             ASSERT_EQ(field[v], search.distance(v)) << "vertex " << v << ", " << threads << " threads";
           }
@@ -126,7 +126,7 @@ TEST(Geodesic, AddsUpEdgesOnAGrid) {
 TEST(Geodesic, RepeatedSeedsAreListedOnce) {
   const TriangleMesh mesh = shapes::grid(3, 3);
   const Adjacency adjacency = support::adjacency_of(mesh);
-  GeodesicSearch search(adjacency.neighbours, mesh.vertices);
+  GeodesicSearch search({adjacency.neighbours, mesh.vertices});
   EXPECT_EQ(search.run({4, 4, 4}, 0.5), std::vector<int>{4});
 }
 
@@ -137,7 +137,7 @@ TEST(Geodesic, VerticesThatAreNotNumbersAreNotEntered) {
     const std::vector<double> found = distances(mesh, {0});
     EXPECT_EQ(found[12], kUnreached);
     const Adjacency adjacency = support::adjacency_of(mesh);
-    GeodesicSearch search(adjacency.neighbours, mesh.vertices);
+    GeodesicSearch search({adjacency.neighbours, mesh.vertices});
     EXPECT_EQ(search.run({0}, kUnreached).size(), 24U) << "reached at an infinite distance is entered, too";
     // Where the only shortest way leads through the middle: a wall of such vertices, open at one end.
     for (int j = 0; j < 4; ++j) {

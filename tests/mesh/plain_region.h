@@ -33,7 +33,7 @@ inline Region plain_region(const TriangleMesh& mesh, const Adjacency& adjacency,
   }
   Region region;
   region.mesh_vertices = n;
-  GeodesicSearch search(adjacency.neighbours, mesh.vertices);
+  GeodesicSearch search({mesh, adjacency});
   region.mesh_vertex =
       search.run(handles, spec.kind == RegionSpec::Kind::Radius ? rounded_up(spec.radius) : kUnreached, &set);
   region.max_distance = search.distance(region.mesh_vertex.back());
@@ -75,7 +75,8 @@ inline Region plain_region(const TriangleMesh& mesh, const Adjacency& adjacency,
   }
   region.faces.conservativeResize(inside, 3);
 
-  GeodesicSearch from_rim(region.neighbours, points);
+  const Adjacency local_faces = build_adjacency(region.size(), region.faces, 1);
+  GeodesicSearch from_rim({region.neighbours, points, region.faces, local_faces.faces});
   const double width = spec.padding * region.max_distance;
   from_rim.run(rim, width);
   for (int i = 0; i < region.size(); ++i) {
@@ -170,7 +171,7 @@ inline void expect_plain_regions(const TriangleMesh& mesh, const std::vector<std
   for (const std::vector<int>& group : groups) {
     handles.insert(handles.end(), group.begin(), group.end());
   }
-  GeodesicSearch search(adjacency.neighbours, mesh.vertices);
+  GeodesicSearch search({mesh, adjacency});
   const std::vector<int> reached = search.run(handles, kUnreached);
   const double radius =
       search.distance(reached[static_cast<std::size_t>(fraction * static_cast<double>(reached.size() - 1))]);

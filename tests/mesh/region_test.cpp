@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "mesh/plain_region.h"
+#include "plain_distances.h"
 #include "shapes.h"
 #include "support.h"
 
@@ -89,7 +90,7 @@ TEST_P(RegionOn, RadiusTakesExactlyWhatIsWithinIt) {
   for (const auto& group : groups) {
     seeds.insert(seeds.end(), group.begin(), group.end());
   }
-  const std::vector<double> distance = support::bellman_ford(mesh, seeds);
+  const std::vector<double> distance = support::plain_distances(mesh, seeds);
   for (const double padding : {0.0, 0.1, 0.5, 1.0}) {
     const Region region = build(mesh, within(radius, padding), groups);
     EXPECT_EQ(region.radius, radius);

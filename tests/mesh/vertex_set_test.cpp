@@ -79,7 +79,7 @@ TEST(VertexSet, BadArgumentsAreRefused) {
 TEST(ShortestPath, IsAsLongAsTheDistance) {
   const TriangleMesh mesh = shapes::letter_field(30, 15);
   const Adjacency around = support::adjacency_of(mesh);
-  GeodesicSearch search(around.neighbours, mesh.vertices);
+  GeodesicSearch search({around.neighbours, mesh.vertices});
   search.run({7}, kUnreached);
   for (const int to : {7, 8, 200, 449}) {
     const Set path = shortest_path(mesh, around, 7, to);

@@ -703,7 +703,7 @@ TEST(DragHover, ShowsWhatAPressWouldTake) {
   ASSERT_GT(hover->disc.rows(), 4);
   // Each end of the outline lies on an edge between what is within the radius and what is not.
   const Points& positions = window.session.mesh().vertices;
-  GeodesicSearch search(window.session.adjacency().neighbours, positions);
+  GeodesicSearch search({window.session.mesh(), window.session.adjacency()});
   search.run({kMiddle}, 10);
   for (Eigen::Index i = 0; i < hover->region.rows(); ++i) {
     bool is_between = false;

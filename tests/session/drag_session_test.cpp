@@ -284,7 +284,8 @@ TEST(DragSession, TurnAndScaleGoAboutTheGroupsCenter) {
   // Turned and grown for real: the handle's vertices span 1.5 times what they did.
   const Points before = support::rows(window.session.original().vertices, edit.steps[0].handles[0].vertices);
   const Points after = support::rows(window.host(), edit.steps[0].handles[0].vertices);
-  EXPECT_NEAR(support::diameter(after) / support::diameter(before), 1.5, 0.3);
+  const auto spread = [](const Points& points) { return (points.rowwise() - points.colwise().mean()).norm(); };
+  EXPECT_NEAR(spread(after) / spread(before), 1.5, 0.03);
 }
 
 /// Fails if the line over the picture does not say why frames are slow, or says it where they are not.

@@ -23,8 +23,16 @@ struct IndexLists {
   Row operator[](int row) const { return {values.data() + offsets[row], values.data() + offsets[row + 1]}; }
   /// Returns the index in `values` of a value of an ascending row.
   int entry(int row, int value) const {
-    return static_cast<int>(std::lower_bound(values.begin() + offsets[row], values.begin() + offsets[row + 1], value) -
-                            values.begin());
+    const int first = offsets[row], last = offsets[row + 1];
+    constexpr int kShort = 16;
+    if (last - first > kShort) {
+      return static_cast<int>(std::lower_bound(values.begin() + first, values.begin() + last, value) - values.begin());
+    }
+    int position = first;
+    for (int k = first; k < last; ++k) {  // without branches that the processor cannot predict
+      position += values[k] < value;
+    }
+    return position;
   }
 };
 

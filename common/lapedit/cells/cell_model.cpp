@@ -15,14 +15,15 @@ using Four = Floats4;
 /// used.
 constexpr double kCancelled = 0.2;
 
-std::vector<double> weights_of(const TriangleMesh& mesh, const Region& region, const EditSettings& settings) {
+std::vector<double> weights_of(const TriangleMesh& mesh, const Region& region, const EditSettings& settings,
+                               ThreadPool& pool) {
   return settings.laplacian == LaplacianKind::Umbrella && region.links.empty()
              ? std::vector<double>()
-             : edge_weights(settings.laplacian, region, mesh, settings.membrane > 0).values;
+             : edge_weights(settings.laplacian, region, mesh, settings.membrane > 0, &pool).values;
 }
 
 RegionCells cells_of(const TriangleMesh& mesh, const RestPose& rest, const EditSettings& settings, ThreadPool& pool) {
-  return make_cells(*rest.region, rest.local, weights_of(mesh, *rest.region, settings),
+  return make_cells(*rest.region, rest.local, weights_of(mesh, *rest.region, settings, pool),
                     CellPose::wanted_cells(rest.region->size()), pool);
 }
 

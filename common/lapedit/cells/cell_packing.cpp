@@ -97,7 +97,7 @@ void Packing::find_rigid() {
   }
   has_inside_ = static_cast<int>(border.size()) < rigid;
   if (has_inside_) {
-    const DistanceField field(region_.neighbours, rest_, border, kUnreached, &rigid_, pool_);
+    const DistanceField field({region_.neighbours, rest_}, border, kUnreached, &rigid_, pool_);
     for (int i = 0; i < n; ++i) {
       depth_[i] = field[i] < kUnreached ? field[i] : 0;
     }

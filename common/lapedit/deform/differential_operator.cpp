@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "lapedit/base/error.h"
+#include "lapedit/base/thread_pool.h"
 
 namespace lapedit {
 namespace {
@@ -82,57 +83,84 @@ struct Angles {
   }
 };
 
-/// Adds the contributions of faces to their edges, in both directions.
+/// Calls use(e, b) for each edge: its entries in the row of the lower vertex and in that of the higher one. As rows are
+/// ascending, the latter entries of each row follow each other.
+template <class Use>
+void each_edge(const IndexLists& neighbours, const Use& use) {
+  std::vector<int> next(neighbours.offsets.begin(), neighbours.offsets.end() - 1);
+  for (int i = 0; i < neighbours.rows(); ++i) {
+    for (int e = next[i]; e < neighbours.offsets[i + 1]; ++e) {
+      use(e, next[neighbours.values[e]]++);
+    }
+  }
+}
+
+/// Weights that the faces of a region contribute to their edges.
 class EdgeSums {
  public:
-  explicit EdgeSums(const Region& region)
-      : neighbours_(region.neighbours),
-        sums_{std::vector<double>(neighbours_.values.size(), 0), std::vector<char>(neighbours_.values.size(), 0)},
-        known_(neighbours_.values.size(), 0),
-        local_(region.mesh_vertices, -1) {
+  EdgeSums(const Region& region, ThreadPool& pool) : region_(region), pool_(pool), local_(region.mesh_vertices, -1) {
     for (int i = 0; i < region.size(); ++i) {
       local_[region.mesh_vertex[i]] = i;
     }
   }
 
-  /// @param a,b  mesh vertices, of which an edge is one of the region only if both are. @param usable  the face
-  void add(int a, int b, bool usable, double weight) {
-    const int i = local_[a], j = local_[b];
-    if (i < 0 || j < 0 || i == j) {
-      return;
+  /// @param weigh  function: the contribution of a face, from its Angles, to the edge opposite to a corner
+  template <class Weigh>
+  EdgeWeights sum(const TriangleMesh& mesh, const Weigh& weigh) const {
+    constexpr int kGrain = 1024;
+    std::vector<Contribution> contributions(region_.edge_faces.size());
+    in_pieces(pool_, static_cast<int>(contributions.size()), kGrain, [&](int first, int last) {
+      for (int f = first; f < last; ++f) {
+        const int face = region_.edge_faces[f];
+        const Angles angles(mesh, face);
+        contributions[f].usable = angles.usable;
+        for (int k = 0; k < 3; ++k) {
+          contributions[f].entries[k] = entry(mesh.faces(face, (k + 1) % 3), mesh.faces(face, (k + 2) % 3));
+          contributions[f].weights[k] = angles.usable ? weigh(angles, k) : 0;
+        }
+      }
+    });
+    const std::size_t count = region_.neighbours.values.size();
+    constexpr char kNoFace = 2;
+    EdgeWeights sums{std::vector<double>(count, 0), std::vector<char>(count, kNoFace)};
+    for (const Contribution& contribution : contributions) {
+      for (int k = 0; k < 3; ++k) {
+        if (const int e = contribution.entries[k]; e >= 0) {
+          sums.values[e] += contribution.weights[k];
+          sums.uniform[e] = (sums.uniform[e] == 1 || !contribution.usable) ? 1 : 0;
+        }
+      }
     }
-    for (const int e : {neighbours_.entry(i, j), neighbours_.entry(j, i)}) {
-      known_[e] = 1;
-      sums_.uniform[e] |= !usable;
-      sums_.values[e] += usable ? weight : 0;
-    }
-  }
-
-  EdgeWeights take() {
-    for (std::size_t e = 0; e < known_.size(); ++e) {
-      sums_.uniform[e] |= !known_[e];
-    }
-    return std::move(sums_);
+    each_edge(region_.neighbours, [&sums](int e, int back) {
+      sums.values[back] = sums.values[e];
+      sums.uniform[back] = sums.uniform[e] = sums.uniform[e] != 0 ? 1 : 0;
+    });
+    return sums;
   }
 
  private:
-  const IndexLists& neighbours_;
-  EdgeWeights sums_;
-  std::vector<char> known_;
+  struct Contribution {
+    int entries[3];
+    bool usable;
+    double weights[3];
+  };
+
+  /// Returns the edge's entry in the row of its lower vertex; -1 if it is no edge of the region.
+  int entry(int a, int b) const {
+    const int i = local_[a], j = local_[b];
+    return i < 0 || j < 0 || i == j ? -1 : region_.neighbours.entry(std::min(i, j), std::max(i, j));
+  }
+
+  const Region& region_;
+  ThreadPool& pool_;
   std::vector<int> local_;  // of a mesh vertex
 };
 
 /// w_ji = (cot a + cot b) / 2, a and b the angles opposite to edge ji.
-EdgeWeights cotangent_weights(const Region& region, const TriangleMesh& mesh) {
+EdgeWeights cotangent_weights(const Region& region, const TriangleMesh& mesh, ThreadPool& pool) {
   const IndexLists& neighbours = region.neighbours;
-  EdgeSums sums(region);
-  for (const int face : region.edge_faces) {
-    const Angles angles(mesh, face);
-    for (int k = 0; k < 3; ++k) {
-      sums.add(mesh.faces(face, (k + 1) % 3), mesh.faces(face, (k + 2) % 3), angles.usable, 0.5 * angles.cotangent(k));
-    }
-  }
-  EdgeWeights result = sums.take();
+  EdgeWeights result =
+      EdgeSums(region, pool).sum(mesh, [](const Angles& angles, int corner) { return 0.5 * angles.cotangent(corner); });
   std::vector<double>& weights = result.values;
   std::vector<char>& uniform = result.uniform;
   for (std::size_t e = 0; e < weights.size(); ++e) {
@@ -155,14 +183,8 @@ EdgeWeights cotangent_weights(const Region& region, const TriangleMesh& mesh) {
 
 /// Both directions of each edge take the larger weight.
 void make_symmetric(const IndexLists& neighbours, std::vector<double>& weights) {
-  for (int i = 0; i + 1 < static_cast<int>(neighbours.offsets.size()); ++i) {
-    for (int e = neighbours.offsets[i]; e < neighbours.offsets[i + 1]; ++e) {
-      if (const int j = neighbours.values[e]; i < j) {
-        double& back = weights[neighbours.entry(j, i)];
-        weights[e] = back = std::max(weights[e], back);
-      }
-    }
-  }
+  each_edge(neighbours,
+            [&weights](int e, int back) { weights[e] = weights[back] = std::max(weights[e], weights[back]); });
 }
 
 double mean_edge(const Region& region, const TriangleMesh& mesh) {
@@ -178,23 +200,16 @@ double mean_edge(const Region& region, const TriangleMesh& mesh) {
 }
 
 /// Returns half the tangents of half the angles next to an edge, over its length.
-EdgeWeights mean_value_weights(const Region& region, const TriangleMesh& mesh) {
+EdgeWeights mean_value_weights(const Region& region, const TriangleMesh& mesh, ThreadPool& pool) {
   constexpr double kRange = 1e3;
-  EdgeSums sums(region);
   const double unit = mean_edge(region, mesh);
-  for (const int face : region.edge_faces) {
-    const Angles angles(mesh, face);
-    const double half[3] = {angles.half_tangent(0), angles.half_tangent(1), angles.half_tangent(2)};
-    for (int k = 0; k < 3; ++k) {
-      const int one = (k + 1) % 3, other = (k + 2) % 3;
-      sums.add(mesh.faces(face, one), mesh.faces(face, other), angles.usable,
-               0.5 * (half[one] + half[other]) * unit / angles.lengths[k]);
-    }
-  }
   // Of two equilateral triangles at an edge: tan 30 degrees twice, over the length; each corner and side contributes a
   // quarter.
   constexpr double kUniform = 2 * kEquilateralWeight;
-  EdgeWeights result = sums.take();
+  EdgeWeights result = EdgeSums(region, pool).sum(mesh, [unit](const Angles& angles, int corner) {
+    const double one = angles.half_tangent((corner + 1) % 3), other = angles.half_tangent((corner + 2) % 3);
+    return 0.5 * (one + other) * unit / angles.lengths[corner];
+  });
   for (std::size_t e = 0; e < result.values.size(); ++e) {
     result.values[e] =
         result.uniform[e] ? kUniform : std::clamp(result.values[e], kUniform / kRange, kUniform * kRange);
@@ -223,17 +238,20 @@ const char* name(LaplacianKind kind) {
   return kNames[static_cast<int>(kind)];
 }
 
-EdgeWeights edge_weights(LaplacianKind kind, const Region& region, const TriangleMesh& mesh, bool symmetric) {
+EdgeWeights edge_weights(LaplacianKind kind, const Region& region, const TriangleMesh& mesh, bool symmetric,
+                         ThreadPool* pool) {
+  ThreadPool alone(1);
+  ThreadPool& threads = pool ? *pool : alone;
   EdgeWeights weights;
   switch (kind) {
     case LaplacianKind::Umbrella:
       weights.values.assign(region.neighbours.values.size(), 1);
       break;
     case LaplacianKind::Cotangent:
-      weights = cotangent_weights(region, mesh);
+      weights = cotangent_weights(region, mesh, threads);
       break;
     case LaplacianKind::MeanValue:
-      weights = mean_value_weights(region, mesh);
+      weights = mean_value_weights(region, mesh, threads);
       break;
   }
   weaken_links(region, weights);

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "lapedit/base/thread_pool.h"
 #include "lapedit/mesh/region.h"
 
 namespace lapedit {
@@ -36,7 +37,9 @@ struct EdgeWeights {
 
 /// @param symmetric  gives both directions of each edge the larger weight; otherwise rows whose cotangent weights are
 ///                   all zero are not symmetric
-EdgeWeights edge_weights(LaplacianKind kind, const Region& region, const TriangleMesh& mesh, bool symmetric = false);
+/// @param pool       null: the caller's thread alone; the weights do not depend on it
+EdgeWeights edge_weights(LaplacianKind kind, const Region& region, const TriangleMesh& mesh, bool symmetric = false,
+                         ThreadPool* pool = nullptr);
 
 /// An n x n operator M over a region: row j is D(p_j) = p_j - sum_i alpha_ji p_i, the alphas of a row summing to 1.
 /// The row of a vertex without neighbours is zero.

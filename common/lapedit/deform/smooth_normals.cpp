@@ -26,7 +26,7 @@ double kernel(double t, double radius) {
 double mean_ball_size(const Region& region, const Points& rest, double radius) {
   constexpr int kProbes = 32;
   const int step = std::max(1, region.size() / kProbes);
-  GeodesicSearch search(region.neighbours, rest);
+  GeodesicSearch search({region.neighbours, rest});
   double sum = 0;
   int probes = 0;
   for (int i = 0; i < region.size(); i += step) {
@@ -48,7 +48,7 @@ std::vector<int> sample_centres(const Region& region, const Points& rest, double
     distance[i] = std::round(region.distance[i] / (kSame * spacing));
   }
   std::stable_sort(order.begin(), order.end(), [&distance](int a, int b) { return distance[a] < distance[b]; });
-  GeodesicSearch search(region.neighbours, rest);
+  GeodesicSearch search({region.neighbours, rest});
   std::vector<char> covered(region.size(), 0);
   std::vector<int> centres;
   for (const int i : order) {
@@ -97,7 +97,7 @@ Lists kernel_lists(const Region& region, const Points& rest, const std::vector<i
   Lists lists(centres.size());
   ThreadPool pool(count >= 2 * kGrain ? threads : 1);
   in_pieces(pool, count, kGrain, [&](int first, int last) {
-    GeodesicSearch search(region.neighbours, rest);
+    GeodesicSearch search({region.neighbours, rest});
     for (int c = first; c < last; ++c) {
       const std::vector<int>& ball = search.run({centres[c]}, radius);
       lists[c].reserve(ball.size());

@@ -63,7 +63,7 @@ LinkSearch::LinkSearch(const TriangleMesh& mesh, const IndexLists& neighbours, d
       neighbours_(neighbours),
       gap_(gap),
       is_border_(mesh.vertices.rows(), 0),
-      search_(neighbours, mesh.vertices) {
+      search_(PathGraph(neighbours, mesh.vertices)) {
   const int largest = largest_label(labels_, connected_components(neighbours, labels_));
   for (const auto& [a, b] : single_edges({mesh.faces.data(), mesh.faces.data() + mesh.faces.size()})) {
     is_border_[a] = is_border_[b] = 1;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <queue>
+#include <unordered_map>
 
 #include "lapedit/base/simd.h"
 
@@ -29,10 +31,53 @@ double usual_edge(const IndexLists& neighbours, const Points& points) {
   return lengths.empty() ? 0 : *middle;
 }
 
+/// Finds which of the suspected vertices are connected to a seed by edges between reached vertices.
+/// @param distance  function: of a vertex, kUnreached if it is not reached
+/// @return          reached vertices without such a connection, all that are connected to a suspect
+template <class Distance>
+std::vector<int> unconnected(const IndexLists& neighbours, const std::vector<int>& suspects, const Distance& distance) {
+  using Entry = std::pair<double, int>;
+  std::unordered_map<int, int> finder;  // per vertex looked at: the suspect from which it was found
+  std::vector<char> is_connected;       // per suspect
+  std::vector<int> found, result;
+  for (const int suspect : suspects) {
+    const int number = static_cast<int>(is_connected.size());
+    if (!(distance(suspect) < kUnreached) || !finder.emplace(suspect, number).second) {
+      continue;
+    }
+    // Nearest to a seed first, so that usually a short path leads to one.
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<Entry>> queue;
+    queue.emplace(distance(suspect), suspect);
+    found.clear();
+    bool connected = false;
+    while (!queue.empty() && !connected) {
+      const auto [here, vertex] = queue.top();
+      queue.pop();
+      found.push_back(vertex);
+      connected = here == 0;
+      for (const int next : neighbours[vertex]) {
+        if (const double there = distance(next); there < kUnreached) {
+          const auto [position, is_new] = finder.emplace(next, number);
+          if (is_new) {
+            queue.emplace(there, next);
+          } else if (position->second != number) {
+            connected = connected || is_connected[position->second];
+          }
+        }
+      }
+    }
+    is_connected.push_back(connected);
+    if (!connected) {
+      result.insert(result.end(), found.begin(), found.end());
+    }
+  }
+  return result;
+}
+
 }  // namespace
 
-GeodesicSearch::GeodesicSearch(const IndexLists& neighbours, const Points& points)
-    : neighbours_(neighbours), points_(points), distance_(points.rows(), 0), stamp_(points.rows(), 0) {}
+GeodesicSearch::GeodesicSearch(const PathGraph& graph)
+    : graph_(graph), distance_(graph.points.rows(), 0), stamp_(graph.points.rows(), 0) {}
 
 const std::vector<int>& GeodesicSearch::run(const std::vector<int>& seeds, double cutoff,
                                             const std::vector<char>* allowed, std::size_t most) {
@@ -42,7 +87,9 @@ const std::vector<int>& GeodesicSearch::run(const std::vector<int>& seeds, doubl
   const auto farther = std::greater<std::pair<double, int>>();
   reached_.clear();
   heap_.clear();
-  auto offer = [&](int vertex, double distance) {
+  bare_.clear();
+  const auto known = [&](int vertex) { return stamp_[vertex] >= pending ? distance_[vertex] : kUnreached; };
+  const auto offer = [&](int vertex, double distance) {
     if (stamp_[vertex] == settled || (stamp_[vertex] == pending && distance_[vertex] <= distance)) {
       return;
     }
@@ -63,21 +110,38 @@ const std::vector<int>& GeodesicSearch::run(const std::vector<int>& seeds, doubl
     }
     stamp_[vertex] = settled;
     reached_.push_back(vertex);
-    for (const int next : neighbours_[vertex]) {
+    for (const int next : graph_.neighbours[vertex]) {
       if (stamp_[next] == settled || (allowed && !(*allowed)[next])) {
         continue;
       }
-      const double through = distance + (points_.row(next) - points_.row(vertex)).norm();
+      const double through = distance + (graph_.points.row(next) - graph_.points.row(vertex)).norm();
       if (through <= cutoff && std::isfinite(through)) {
         offer(next, through);
       }
     }
+    if (graph_.lines) {
+      graph_.lines->from(vertex, distance, cutoff, allowed, known, [&](int end, double through, bool bare) {
+        if (through <= cutoff) {
+          offer(end, through);
+          if (bare) {
+            bare_.push_back(end);
+          }
+        }
+      });
+    }
+  }
+  if (cutoff < kUnreached && heap_.empty() && !bare_.empty()) {
+    for (const int vertex : unconnected(graph_.neighbours, bare_, known)) {
+      stamp_[vertex] = 0;
+    }
+    reached_.erase(std::remove_if(reached_.begin(), reached_.end(), [&](int v) { return stamp_[v] != settled; }),
+                   reached_.end());
   }
   return reached_;
 }
 
 ShortestPaths::ShortestPaths(const IndexLists& neighbours, const Points& points)
-    : neighbours_(neighbours), points_(points), search_(neighbours, points), order_(points.rows(), -1) {}
+    : neighbours_(neighbours), points_(points), search_({neighbours, points}), order_(points.rows(), -1) {}
 
 void ShortestPaths::begin(int from, std::size_t most) {
   const std::vector<int>& reached = search_.run({from}, kUnreached, nullptr, most);
@@ -119,11 +183,12 @@ struct DistanceField::Front {
   };
   std::vector<Item> near;  // within the step, in the order in which they were found
   std::vector<Item> far;   // beyond it
+  std::vector<int> bare;   // those that may have no neighbour within the cutoff
   double nearest = 0;      // distance of those beyond it
 
   /// Distributes the far vertices among the first fronts, as many as pay for a thread. @return their number
-  static int balance(std::vector<Front>& fronts) {
-    constexpr std::size_t kGrain = 192;
+  static int balance(std::vector<Front>& fronts, bool has_lines) {
+    const std::size_t kGrain = has_lines ? 48 : 192;
     std::size_t all = 0;
     for (const Front& front : fronts) {
       all += front.far.size();
@@ -149,32 +214,41 @@ struct DistanceField::Front {
   }
 };
 
-DistanceField::DistanceField(const IndexLists& neighbours, const Points& points, const std::vector<int>& seeds,
-                             double cutoff, const std::vector<char>* allowed, ThreadPool& pool)
-    : neighbours_(neighbours),
-      points_(points),
+DistanceField::DistanceField(const PathGraph& graph, const std::vector<int>& seeds, double cutoff,
+                             const std::vector<char>* allowed, ThreadPool& pool)
+    : graph_(graph),
       allowed_(allowed),
+      cutoff_(cutoff),
       limit_(std::nextafter(cutoff, kUnreached)),
-      distance_(new std::atomic<double>[neighbours.rows()]) {
+      distance_(new std::atomic<double>[graph.neighbours.rows()]) {
   constexpr int kGrain = 65536;
-  in_pieces(pool, neighbours.rows(), kGrain, [this](int first, int last) {
+  in_pieces(pool, graph.neighbours.rows(), kGrain, [this](int first, int last) {
     for (int v = first; v < last; ++v) {
       distance_[v].store(limit_, std::memory_order_relaxed);
     }
   });
   constexpr double kEdges = 3;  // few steps, and hardly any vertex visited twice
-  const double step = kEdges * usual_edge(neighbours, points);
+  const double step = kEdges * usual_edge(graph.neighbours, graph.points);
   std::vector<Front> fronts(pool.threads());
   for (const int seed : seeds) {
     distance_[seed].store(0, std::memory_order_relaxed);
     fronts[0].far.push_back({0, seed});
   }
   for (double nearest = 0; nearest < kUnreached;) {
-    const int chunks = Front::balance(fronts);
+    const int chunks = Front::balance(fronts, graph.lines.has_value());
     pool.each(chunks, [&](int chunk) { advance(fronts[chunk], nearest + step); });
     nearest = kUnreached;
     for (int chunk = 0; chunk < chunks; ++chunk) {
       nearest = std::min(nearest, fronts[chunk].nearest);
+    }
+  }
+  std::vector<int> bare;
+  for (const Front& front : fronts) {
+    bare.insert(bare.end(), front.bare.begin(), front.bare.end());
+  }
+  if (cutoff < kUnreached && !bare.empty()) {
+    for (const int vertex : unconnected(graph.neighbours, bare, [this](int v) { return (*this)[v]; })) {
+      distance_[vertex].store(limit_, std::memory_order_relaxed);
     }
   }
 }
@@ -195,18 +269,32 @@ bool DistanceField::shorten(int vertex, double distance) {
 void DistanceField::fetch_ahead(const Front& front, std::size_t i) const {
   constexpr std::size_t kRow = 12, kPoints = 6;
   if (i + kRow < front.near.size()) {
-    prefetch(neighbours_[front.near[i + kRow].vertex].first);
-    for (const int next : neighbours_[front.near[i + kPoints].vertex]) {
-      prefetch(points_.data() + 3 * static_cast<std::ptrdiff_t>(next));
+    const int row = front.near[i + kRow].vertex, points = front.near[i + kPoints].vertex;
+    prefetch(graph_.neighbours[row].first);
+    for (const int next : graph_.neighbours[points]) {
+      prefetch(graph_.points.data() + 3 * static_cast<std::ptrdiff_t>(next));
       prefetch(&distance_[next]);
+    }
+    if (graph_.lines) {
+      graph_.lines->fetch_list(row);
+      graph_.lines->fetch_faces(points);
     }
   }
 }
 
-/// Tries all edges of the front's vertices at most `end` away, and of those that are found meanwhile.
+/// Tries all edges and lines of the front's vertices at most `end` away, and of those that are found meanwhile.
 void DistanceField::advance(Front& front, double end) {
-  const auto is_old = [this](const Front::Item& item) {
-    return distance_[item.vertex].load(std::memory_order_relaxed) < item.distance;
+  const auto known = [this](int vertex) { return distance_[vertex].load(std::memory_order_relaxed); };
+  const auto is_old = [&known](const Front::Item& item) { return known(item.vertex) < item.distance; };
+  const auto offer = [&](int vertex, double through) {
+    if (shorten(vertex, through)) {
+      if (through <= end) {
+        front.near.push_back({through, vertex});
+      } else {
+        front.nearest = std::min(front.nearest, through);
+        front.far.push_back({through, vertex});
+      }
+    }
   };
   front.near.clear();
   front.nearest = kUnreached;
@@ -226,16 +314,19 @@ void DistanceField::advance(Front& front, double end) {
     if (is_old(item)) {
       continue;
     }
-    for (const int next : neighbours_[item.vertex]) {
-      const double through = item.distance + (points_.row(next) - points_.row(item.vertex)).norm();
-      if (!(allowed_ && !(*allowed_)[next]) && shorten(next, through)) {
-        if (through <= end) {
-          front.near.push_back({through, next});
-        } else {
-          front.nearest = std::min(front.nearest, through);
-          front.far.push_back({through, next});
-        }
+    for (const int next : graph_.neighbours[item.vertex]) {
+      if (!(allowed_ && !(*allowed_)[next])) {
+        offer(next, item.distance + (graph_.points.row(next) - graph_.points.row(item.vertex)).norm());
       }
+    }
+    if (graph_.lines) {
+      graph_.lines->from(item.vertex, item.distance, cutoff_, allowed_, known,
+                         [&](int vertex, double through, bool bare) {
+                           offer(vertex, through);
+                           if (bare && through <= cutoff_) {
+                             front.bare.push_back(vertex);
+                           }
+                         });
     }
   }
 }

@@ -301,7 +301,7 @@ constexpr int kGrain = 4096;
 ///     grown by a radius:  (d - (1 - p) r) / (p r)
 ///     a given set:        1 - b / (p d_max)
 ///     kept anchors:       as given
-void place_anchor_band(ThreadPool& pool, const TriangleMesh& mesh, const RegionSpec& spec,
+void place_anchor_band(ThreadPool& pool, const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
                        const std::vector<int>& local, const std::vector<char>& rim, Region& region) {
   const auto each = [&](const auto& body) {
     in_pieces(pool, region.size(), kGrain, [&body](int first, int last) {
@@ -321,16 +321,16 @@ void place_anchor_band(ThreadPool& pool, const TriangleMesh& mesh, const RegionS
     }
   } else if (spec.kind == RegionSpec::Kind::Vertices) {
     const double width = spec.padding * region.max_distance;
-    Points points(region.size(), 3);
-    each([&](int i) { points.row(i) = mesh.vertices.row(region.mesh_vertex[i]); });
     std::vector<int> seeds;
+    std::vector<char> inside(mesh.vertices.rows(), 0);
     for (int i = 0; i < region.size(); ++i) {
+      inside[region.mesh_vertex[i]] = 1;
       if (rim[i]) {
-        seeds.push_back(i);
+        seeds.push_back(region.mesh_vertex[i]);
       }
     }
-    const DistanceField from_rim(region.neighbours, points, seeds, width, nullptr, pool);
-    each([&](int i) { depth[i] = width > 0 ? 1 - from_rim[i] / width : 0; });
+    const DistanceField from_rim({mesh, adjacency}, seeds, width, &inside, pool);
+    each([&](int i) { depth[i] = width > 0 ? 1 - from_rim[region.mesh_vertex[i]] / width : 0; });
   } else if (spec.kind == RegionSpec::Kind::Radius && spec.padding > 0) {
     each([&](int i) {
       depth[i] = (region.distance[i] - (1 - spec.padding) * spec.radius) / (spec.padding * spec.radius);
@@ -346,13 +346,14 @@ void place_anchor_band(ThreadPool& pool, const TriangleMesh& mesh, const RegionS
 /// Classifies vertices as handle, anchor or free. An anchor's weight is d / d_max, so that anchors near the handle are
 /// weak.
 /// @param handles  local vertices, and their groups
-void classify(ThreadPool& pool, const TriangleMesh& mesh, const RegionSpec& spec, const std::vector<int>& local,
-              const std::vector<std::pair<int, int>>& handles, const std::vector<char>& rim, Region& region) {
+void classify(ThreadPool& pool, const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
+              const std::vector<int>& local, const std::vector<std::pair<int, int>>& handles,
+              const std::vector<char>& rim, Region& region) {
   const int n = region.size();
   at_once(
       pool, [&] { region.classes.assign(n, VertexClass::Free); }, [&] { region.group.assign(n, -1); },
       [&] { region.anchor_weight.assign(n, -1); }, [&] { region.anchor_depth.assign(n, 0); });
-  place_anchor_band(pool, mesh, spec, local, rim, region);
+  place_anchor_band(pool, mesh, adjacency, spec, local, rim, region);
   in_pieces(pool, n, kGrain, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
       double& depth = region.anchor_depth[i];
@@ -513,7 +514,7 @@ Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const 
   region.mesh_vertices = static_cast<int>(mesh.vertices.rows());
   ThreadPool pool(region.mesh_vertices >= 4 * kGrain ? threads : 1);
   {
-    const DistanceField field(adjacency.neighbours, mesh.vertices, handles, cutoff, given_set ? &flags : nullptr, pool);
+    const DistanceField field({mesh, adjacency}, handles, cutoff, given_set ? &flags : nullptr, pool);
     number_vertices(pool, field, local, region);
   }
   for (auto& handle : local_handles) {
@@ -538,7 +539,7 @@ Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const 
     require_finite(mesh, adjacency, region.mesh_vertex, false);
   }
   extract_faces(pool, mesh, adjacency, local, region);
-  classify(pool, mesh, spec, local, local_handles, rim, region);
+  classify(pool, mesh, adjacency, spec, local, local_handles, rim, region);
   find_components(local_handles, region);
   take_weights(groups, weights, local, region);
   return region;

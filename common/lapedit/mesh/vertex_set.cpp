@@ -92,7 +92,7 @@ std::vector<int> vertices_within(const TriangleMesh& mesh, const Adjacency& adja
   if (radius == 0) {
     return {vertex};  // without other vertices at the same position
   }
-  GeodesicSearch search(adjacency.neighbours, mesh.vertices);
+  GeodesicSearch search({mesh, adjacency});
   std::vector<int> result = search.run({vertex}, rounded_up(radius));
   std::sort(result.begin(), result.end());
   return result;

@@ -152,7 +152,7 @@ std::optional<SurfaceHit> Visibility::first_hit(const Ray& ray) const {
 std::vector<int> brushed_vertices(const TriangleMesh& mesh, const Adjacency& adjacency, const Visibility& visibility,
                                   const Camera& view, const SurfaceHit& hit, double radius) {
   const int side = area_normal(mesh, hit.face).dot(view.toward_viewer(hit.point)) < 0 ? -1 : 1;
-  GeodesicSearch search(adjacency.neighbours, mesh.vertices);
+  GeodesicSearch search({mesh, adjacency});
   std::vector<char> visible(mesh.vertices.rows(), 0);
   for (const int v : search.run({hit.vertex}, radius)) {
     visible[v] = visibility.sees(view, adjacency, v, side);

@@ -22,7 +22,7 @@ HoverSearch::HoverSearch(const TriangleMesh& mesh, const Adjacency& adjacency)
       faces_(mesh),
       grid_(mesh.vertices, usable_vertices(mesh)),
       near_(kOfSize * bounding_box(mesh.vertices, usable_vertices(mesh)).diagonal().norm()),
-      search_(adjacency.neighbours, mesh.vertices),
+      search_({mesh, adjacency}),
       paths_(adjacency.neighbours, mesh.vertices) {}
 
 std::optional<SurfaceHit> HoverSearch::hit(const Ray& ray) const {

@@ -91,7 +91,7 @@ void follow_discs(const Surface& surface, Selection& selection) {
       continue;
     }
     if (!search) {
-      search.emplace(surface.adjacency.neighbours, surface.mesh.vertices);
+      search.emplace(PathGraph(surface.mesh, surface.adjacency));
     }
     search->run(centers, surface.settings.radius);
     std::vector<double> distances;

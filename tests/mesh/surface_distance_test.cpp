@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Distances on a surface against the exact ones of plane grids. Those on real meshes: tests/real/geodesic_test.cpp.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "lapedit/mesh/geodesic.h"
+#include "lapedit/mesh/region.h"
+#include "lapedit/mesh/vertex_set.h"
+#include "plain_distances.h"
+#include "shapes.h"
+#include "support.h"
+
+namespace lapedit {
+namespace {
+
+constexpr double kMostTooLong = 1.085;
+constexpr double kRounding = 1e-12;
+
+enum class Diagonals { Single, Alternating, Rows };
+
+/// A plane grid of rectangles, each cut along a diagonal, in space.
+/// @param x,y  coordinates of its columns and rows
+TriangleMesh plane_grid(const std::vector<double>& x, const std::vector<double>& y, Diagonals diagonals, double turn) {
+  const int columns = static_cast<int>(x.size()), rows = static_cast<int>(y.size());
+  const Eigen::Matrix3d rotation =
+      (Eigen::AngleAxisd(0.7, Vector3(1, 2, -1).normalized()) * Eigen::AngleAxisd(turn, Vector3::UnitZ()))
+          .toRotationMatrix();
+  TriangleMesh mesh;
+  mesh.vertices.resize(static_cast<Eigen::Index>(columns) * rows, 3);
+  mesh.faces.resize(static_cast<Eigen::Index>(2) * (columns - 1) * (rows - 1), 3);
+  int face = 0;
+  for (int j = 0; j < rows; ++j) {
+    for (int i = 0; i < columns; ++i) {
+      mesh.vertices.row(j * columns + i) = (rotation * Vector3(x[i], y[j], 0)).transpose();
+      if (i + 1 == columns || j + 1 == rows) {
+        continue;
+      }
+      const int a = j * columns + i, b = a + 1, c = a + columns, d = c + 1;
+      const bool rises = diagonals == Diagonals::Single || (diagonals == Diagonals::Rows ? j : i + j) % 2 == 0;
+      mesh.faces.row(face++) << a, b, rises ? d : c;
+      mesh.faces.row(face++) << (rises ? a : b), d, c;
+    }
+  }
+  return mesh;
+}
+
+std::vector<double> even(int count, double step) {
+  std::vector<double> result(count);
+  for (int i = 0; i < count; ++i) {
+    result[i] = i * step;
+  }
+  return result;
+}
+
+/// Steps that grow from 1 to 1:ratio and shrink again, by a factor from one to the next.
+std::vector<double> uneven(int count, double factor, double ratio) {
+  std::vector<double> result{0};
+  double step = 1;
+  for (bool grows = true; static_cast<int>(result.size()) < count;) {
+    result.push_back(result.back() + step);
+    grows = grows ? step * factor <= ratio : step / factor < 1;
+    step = grows ? step * factor : step / factor;
+  }
+  return result;
+}
+
+void expect_near_exact(const TriangleMesh& mesh, int seed) {
+  const Adjacency adjacency = support::adjacency_of(mesh);
+  GeodesicSearch search({mesh, adjacency});
+  search.run({seed}, kUnreached);
+  double longest = 0, shortest = kUnreached;
+  for (int v = 0; v < mesh.vertices.rows(); ++v) {
+    if (v != seed) {
+      const double ratio = search.distance(v) / (mesh.vertices.row(v) - mesh.vertices.row(seed)).norm();
+      longest = std::max(longest, ratio);
+      shortest = std::min(shortest, ratio);
+    }
+  }
+  EXPECT_LE(longest, kMostTooLong);
+  EXPECT_GE(shortest, 1 - kRounding);
+}
+
+TEST(SurfaceDistance, IsNearlyExactOnGridsOfAnyTurn) {
+  for (const Diagonals diagonals : {Diagonals::Single, Diagonals::Alternating, Diagonals::Rows}) {
+    for (const double ratio : {1.0, 1.2, 1.5, 1.8, 2.0, 2.2, 2.5, 2.8, 3.0, 3.3, 3.6, 4.0}) {
+      for (const int count : {21, 61}) {
+        for (const double turn : {0.0, 0.3, 0.79, 2.0}) {
+          SCOPED_TRACE("diagonals " + std::to_string(static_cast<int>(diagonals)) + ", cells 1:" +
+                       std::to_string(ratio) + ", " + std::to_string(count) + " rows, turn " + std::to_string(turn));
+          const TriangleMesh mesh = plane_grid(even(count, ratio), even(count, 1), diagonals, turn);
+          const int middle = count / 2 * count + count / 2;
+          expect_near_exact(mesh, middle);
+          expect_near_exact(mesh, middle + 1);
+          expect_near_exact(mesh, count + 1);
+        }
+      }
+    }
+  }
+}
+
+TEST(SurfaceDistance, IsNearlyExactOnGridsOfUnevenDensity) {
+  for (const Diagonals diagonals : {Diagonals::Single, Diagonals::Alternating, Diagonals::Rows}) {
+    for (const double factor : {1.05, 1.2, 1.5, 2.0, 4.0}) {
+      for (const bool both : {false, true}) {
+        SCOPED_TRACE("diagonals " + std::to_string(static_cast<int>(diagonals)) + ", factor " + std::to_string(factor) +
+                     (both ? ", both" : ", one"));
+        const std::vector<double> steps = uneven(41, factor, 4);
+        const TriangleMesh mesh = plane_grid(steps, both ? steps : even(41, 1), diagonals, 0.4);
+        for (const int seed : {20 * 41 + 20, 20 * 41 + 3, 5 * 41 + 30}) {
+          expect_near_exact(mesh, seed);
+        }
+      }
+    }
+  }
+}
+
+class SurfaceDistanceOn : public ::testing::TestWithParam<TriangleMesh (*)()> {};
+INSTANTIATE_TEST_SUITE_P(
+    Shapes, SurfaceDistanceOn,
+    ::testing::Values([] { return shapes::letter_field(24, 16); }, [] { return shapes::icosphere(3); },
+                      [] { return shapes::bar(7, 3, 2); }, [] { return shapes::tapered_arm(12, 30); },
+                      [] { return shapes::degenerate_grid(12, 9); }, [] { return shapes::non_manifold_grid(12, 9); },
+                      [] { return shapes::two_pieces(2); }, [] { return shapes::inconsistent_grid(14, 11); },
+                      [] { return plane_grid(uneven(15, 1.5, 4), even(15, 1), Diagonals::Alternating, 0.4); }));
+
+/// The search skips most lines; none of those may have been part of a shortest path.
+TEST_P(SurfaceDistanceOn, EqualsTryingAllLines) {
+  const TriangleMesh mesh = GetParam()();
+  const Adjacency adjacency = support::adjacency_of(mesh);
+  GeodesicSearch search({mesh, adjacency});
+  for (const std::vector<int>& seeds : {std::vector<int>{0}, {3, 40, 41}, {17}}) {
+    search.run(seeds, kUnreached);
+    const std::vector<double> expected = support::plain_distances(mesh, seeds);
+    for (int v = 0; v < mesh.vertices.rows(); ++v) {
+      if (expected[v] < kUnreached) {
+        ASSERT_NEAR(search.distance(v), expected[v], kRounding * (1 + expected[v])) << "vertex " << v;
+      } else {
+        ASSERT_EQ(search.distance(v), kUnreached) << "vertex " << v;
+      }
+    }
+  }
+}
+
+TEST_P(SurfaceDistanceOn, DoesNotDependOnNumbering) {
+  const TriangleMesh mesh = GetParam()();
+  const std::vector<int> numbers = support::shuffled(static_cast<int>(mesh.vertices.rows()), 1);
+  const TriangleMesh other = support::renumbered(mesh, numbers, 2);
+  const Adjacency adjacency = support::adjacency_of(mesh), other_adjacency = support::adjacency_of(other);
+  GeodesicSearch search({mesh, adjacency}), again({other, other_adjacency});
+  search.run({2, 9}, kUnreached);
+  again.run({numbers[2], numbers[9]}, kUnreached);
+  for (int v = 0; v < mesh.vertices.rows(); ++v) {
+    EXPECT_EQ(search.distance(v), again.distance(numbers[v])) << "vertex " << v;
+  }
+}
+
+TEST_P(SurfaceDistanceOn, FieldHasTheBitsOfTheSearch) {
+  const TriangleMesh mesh = shapes::together(GetParam()(), shapes::letter_field(90, 70), Vector3(0, 0, 9));
+  const int n = static_cast<int>(mesh.vertices.rows());
+  const Adjacency adjacency = support::adjacency_of(mesh);
+  std::vector<int> many;
+  std::vector<char> allowed(n, 1);
+  for (int v = 0; v < n; ++v) {
+    allowed[v] = v % 11 != 0;
+    if (v % 9 == 1) {
+      many.push_back(v);
+    }
+  }
+  GeodesicSearch search({mesh, adjacency});
+  for (const int threads : {1, 2, 5}) {
+    ThreadPool pool(threads);
+    for (const std::vector<int>& seeds : {std::vector<int>{}, {4, 4}, {n - 1, 20}, many}) {
+      for (const std::vector<char>* only : {static_cast<std::vector<char>*>(nullptr), &allowed}) {
+        double cutoff = kUnreached;
+        for (int pass = 0; pass < 3; ++pass) {
+          const std::vector<int> reached = search.run(seeds, cutoff, only);
+          const DistanceField field({mesh, adjacency}, seeds, cutoff, only, pool);
+          for (int v = 0; v < n; ++v) {
+            ASSERT_EQ(field[v], search.distance(v)) << "vertex " << v << ", " << threads << " threads";
+          }
+          cutoff = reached.empty() ? 0 : search.distance(reached[reached.size() / 2]);  // exactly a vertex's
+        }
+      }
+    }
+  }
+}
+
+/// Two triangles with a long common edge: the vertices opposite to each other are near, the edge's ends are far.
+TriangleMesh bow_tie() {
+  TriangleMesh mesh;
+  mesh.vertices.resize(5, 3);
+  mesh.vertices << 0, 0, 0, 0.5, 2, 0, 0.5, -2, 0, 1, 0, 0, -0.4, 0, 0;
+  mesh.faces.resize(4, 3);
+  mesh.faces << 0, 2, 1, 1, 2, 3, 0, 1, 4, 0, 4, 2;
+  return mesh;
+}
+
+TEST(SurfaceDistance, VertexWithoutNeighboursInTheRadiusIsNotReached) {
+  const TriangleMesh mesh = bow_tie();
+  const Adjacency adjacency = support::adjacency_of(mesh);
+  EXPECT_EQ(vertices_within(mesh, adjacency, 0, 1.2), (std::vector<int>{0, 4}));
+  EXPECT_EQ(support::region_of(mesh, support::within(1.2), {{0}}).mesh_vertex, (std::vector<int>{0, 4}));
+  // With a neighbour it belongs to it, at its distance across the edge.
+  const Region region = support::region_of(mesh, support::within(2.1), {{0}});
+  EXPECT_EQ(region.mesh_vertex, (std::vector<int>{0, 1, 2, 3, 4}));
+  EXPECT_EQ(region.distance[3], 1);
+}
+
+TEST(SurfaceDistance, LinesKeepToAllowedVertices) {
+  const TriangleMesh mesh = bow_tie();
+  const Adjacency adjacency = support::adjacency_of(mesh);
+  const std::vector<char> allowed{1, 0, 1, 1, 1};
+  GeodesicSearch search({mesh, adjacency});
+  search.run({0}, kUnreached, &allowed);
+  EXPECT_DOUBLE_EQ(search.distance(3), 2 * std::hypot(0.5, 2));
+}
+
+/// The fan around a vertex of many faces is not searched again for each of its edges.
+TEST(SurfaceDistance, LargeFansTakeNoLonger) {
+  constexpr int kCount = 40000;
+  TriangleMesh mesh;
+  mesh.vertices.resize(kCount + 1, 3);
+  mesh.faces.resize(kCount, 3);
+  mesh.vertices.row(kCount).setZero();
+  for (int i = 0; i < kCount; ++i) {
+    const double angle = 2 * EIGEN_PI * i / kCount;
+    mesh.vertices.row(i) << std::cos(angle), std::sin(angle), 0.1;
+    mesh.faces.row(i) << i, (i + 1) % kCount, kCount;
+  }
+  const Adjacency adjacency = support::adjacency_of(mesh);
+  GeodesicSearch search({mesh, adjacency});
+  EXPECT_EQ(search.run({0}, kUnreached).size(), kCount + 1U);
+}
+
+}  // namespace
+}  // namespace lapedit
