@@ -68,9 +68,12 @@ class Packing {
   std::vector<int> order_;
   std::vector<std::uint32_t> keys_;
   std::vector<Steps> distance_;  // from the nearest seed
-  std::vector<int> queue_, tied_;
-  std::vector<std::int64_t> from_middle_;
-  std::vector<std::uint64_t> marks_;  // of the surroundings; made when needed
+  std::vector<int> queue_;
+  struct {
+    std::vector<int> run;  // vertices at the same distance from the rims of handles
+    std::vector<std::int64_t> from_middle;
+    std::vector<std::uint64_t> marks;  // of the surroundings; made when needed
+  } ties_;
 };
 
 /// Rigid parts: handle vertices, and anchors at the end of their band or painted ones.
@@ -262,19 +265,19 @@ void Packing::mark() {
   std::vector<int> name;
   name_groups(name);
   std::vector<std::uint64_t> before(region_.size());
-  marks_.resize(region_.size());
+  ties_.marks.resize(region_.size());
   for_indices(pool_, region_.size(), kGrain, [&](int i) {
-    marks_[i] = mixed(
-        keys_[i] + mixed(static_cast<std::uint64_t>(from_middle_[i]) + mixed(static_cast<std::uint64_t>(name[i] + 2))));
+    ties_.marks[i] = mixed(keys_[i] + mixed(static_cast<std::uint64_t>(ties_.from_middle[i]) +
+                                            mixed(static_cast<std::uint64_t>(name[i] + 2))));
   });
   for (int ring = 0; ring < kRings; ++ring) {
-    before.swap(marks_);
+    before.swap(ties_.marks);
     for_indices(pool_, region_.size(), kGrain, [&](int i) {
       std::uint64_t sum = 0;  // the same in any order
       for (int k = neighbours.offsets[i]; k < neighbours.offsets[i + 1]; ++k) {
         sum += before[neighbours.values[k]] * (2 * std::uint64_t{lengths_[k]} + 1);
       }
-      marks_[i] = mixed(before[i] + sum);
+      ties_.marks[i] = mixed(before[i] + sum);
     });
   }
 }
@@ -282,16 +285,16 @@ void Packing::mark() {
 /// Sorts vertices with equal distances from the rims of handles: by the distance from the middle of the region, and by
 /// their surroundings, which do not depend on the orientation of the mesh; then by coordinates.
 void Packing::sort_tied() {
-  const auto by_middle = [this](int a, int b) { return from_middle_[a] < from_middle_[b]; };
-  std::stable_sort(tied_.begin(), tied_.end(), by_middle);
-  for (auto first = tied_.begin(), last = first; first != tied_.end(); first = last) {
-    last = std::upper_bound(first, tied_.end(), *first, by_middle);
+  const auto by_middle = [this](int a, int b) { return ties_.from_middle[a] < ties_.from_middle[b]; };
+  std::stable_sort(ties_.run.begin(), ties_.run.end(), by_middle);
+  for (auto first = ties_.run.begin(), last = first; first != ties_.run.end(); first = last) {
+    last = std::upper_bound(first, ties_.run.end(), *first, by_middle);
     if (last - first > 1) {
-      if (marks_.empty()) {
+      if (ties_.marks.empty()) {
         mark();
       }
       std::stable_sort(first, last, [this](int a, int b) {
-        return marks_[a] != marks_[b] ? marks_[a] < marks_[b] : position(a) < position(b);
+        return ties_.marks[a] != ties_.marks[b] ? ties_.marks[a] < ties_.marks[b] : position(a) < position(b);
       });
     }
   }
@@ -322,36 +325,36 @@ void Packing::claim(int seed, int cell, std::vector<int>& of) {
 /// such vertices that are near each other begin one cell, so that neither side is preferred.
 int Packing::mirror_image(std::size_t t) const {
   const auto alike = [this](std::size_t a, std::size_t b) {
-    return b < tied_.size() && from_middle_[tied_[a]] == from_middle_[tied_[b]] && !marks_.empty() &&
-           marks_[tied_[a]] == marks_[tied_[b]];
+    return b < ties_.run.size() && ties_.from_middle[ties_.run[a]] == ties_.from_middle[ties_.run[b]] &&
+           !ties_.marks.empty() && ties_.marks[ties_.run[a]] == ties_.marks[ties_.run[b]];
   };
   const bool is_pair = alike(t, t + 1) && !alike(t, t + 2) && !(t > 0 && alike(t, t - 1));
-  return is_pair ? tied_[t + 1] : -1;
+  return is_pair ? ties_.run[t + 1] : -1;
 }
 
 int Packing::seed(int most, std::vector<int>& of) {
   const int n = region_.size();
   of.assign(n, -1);
   distance_.assign(n, kFar);
-  marks_.clear();
+  ties_.marks.clear();
   for_indices(pool_, n, kGrain,
-              [&](int i) { from_middle_[i] = in_steps((rest_.row(i).transpose() - middle_).norm()); });
+              [&](int i) { ties_.from_middle[i] = in_steps((rest_.row(i).transpose() - middle_).norm()); });
   int cells = 0;
   for (const int v : lone_) {
     claim(v, cells++, of);
   }
   for (int first = 0, last = 0; first < n; first = last) {
-    tied_.clear();
+    ties_.run.clear();
     for (last = first; last < n && keys_[order_[last]] == keys_[order_[first]]; ++last) {
       if (of[order_[last]] < 0) {
-        tied_.push_back(order_[last]);
+        ties_.run.push_back(order_[last]);
       }
     }
-    if (tied_.size() > 1) {
+    if (ties_.run.size() > 1) {
       sort_tied();
     }
-    for (std::size_t t = 0; t < tied_.size(); ++t) {
-      const int v = tied_[t], image = mirror_image(t);
+    for (std::size_t t = 0; t < ties_.run.size(); ++t) {
+      const int v = ties_.run[t], image = mirror_image(t);
       if (of[v] < 0) {
         claim(v, cells, of);
         if (image >= 0 && of[image] == cells) {
@@ -376,7 +379,7 @@ int Packing::pack(std::vector<int>& of) {
   choose_spacing();
   sort();
   middle_ = rest_.colwise().mean().transpose();
-  from_middle_.resize(region_.size());
+  ties_.from_middle.resize(region_.size());
   constexpr double kTooMany = 1.3;
   constexpr int kTries = 6;
   for (int tries = 1;; ++tries) {
