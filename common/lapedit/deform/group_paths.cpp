@@ -81,6 +81,8 @@ void GroupPaths::find_hanging() {
     if (is_free[i] && holder[part[i]] >= 0) {
       index_[i] = holder[part[i]];
       hanging_.push_back(i);
+    } else if (!region_.anchored[region_.component[i]]) {
+      unanchored_.push_back(i);
     }
   }
 }
@@ -253,6 +255,11 @@ void GroupPaths::rotate_hanging(std::vector<Matrix3>& rotations) const {
   for (const int i : hanging_) {
     if (const int g = followed(i); g >= 0) {
       rotations[i] = rotations_[g] * rigid_rotations_[region_.component[i]].transpose();
+    }
+  }
+  for (const int i : unanchored_) {
+    if (leader_[region_.component[i]] >= 0) {
+      rotations[i].setIdentity();
     }
   }
 }

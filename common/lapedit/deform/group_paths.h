@@ -53,7 +53,8 @@ class GroupPaths {
   const std::vector<int>& hanging() const { return hanging_; }
   /// Returns the group that a hanging vertex moves with; -1 if the group's vertices have targets.
   int followed(int hanging) const { return groups_[index_[hanging]].offsets.rows() == 0 ? index_[hanging] : -1; }
-  /// Gives hanging vertices the rotation of their group, relative to the rigid motion of their component.
+  /// Gives hanging vertices the rotation of their group, relative to the rigid motion of their component, and the
+  /// vertices of components that follow their groups none.
   void rotate_hanging(std::vector<Matrix3>& rotations) const;
 
  private:
@@ -78,7 +79,8 @@ class GroupPaths {
   Vector3 origin_;
   std::vector<Group> groups_;
   std::vector<int> index_;    // of a handle vertex in its group; of the group for a hanging vertex
-  std::vector<int> hanging_;  // ascending
+  std::vector<int> hanging_;     // ascending
+  std::vector<int> unanchored_;  // the other vertices of components without anchors, ascending
   LocalMotion anchors_;
   std::vector<LocalMotion> motions_, rigid_motions_;
   std::vector<Matrix3> rotations_, rigid_rotations_;
