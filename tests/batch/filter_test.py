@@ -8,7 +8,7 @@ import unittest
 
 from host import CENTRE, STAGE, TOOL, UP, DomeHost, FilterHost, laplacian_edit, project, replay, select_faces, select_vertices
 from ply import Ply, bits_of, float_of, write_ply
-from shapes import moved, neighbours, together, within
+from shapes import in_reach, moved, together
 
 
 class FilterTest(DomeHost):
@@ -35,7 +35,7 @@ class Documentation(FilterHost):
 
 class Settings(FilterTest):
     def test_every_setting_changes_the_result_but_not_the_rest_of_the_mesh(self):
-        region = within(self.points, neighbours(len(self.points), self.faces), CENTRE, 0.35)
+        region = in_reach(self.points, CENTRE, 0.35)
         plain, _ = self.bits([laplacian_edit(**self.lift)])
         self.assertLessEqual(self.moved_vertices(plain), region)
         seen = [plain]

@@ -68,5 +68,11 @@ def distances(points, around, seeds, radius=math.inf):
 
 
 def within(points, around, seed, radius):
-    """The vertices whose shortest path along edges from the seed is no longer than the radius."""
+    """The vertices whose shortest path along edges from the seed is no longer than the radius. They are in its region, since
+    paths across the surface are no longer."""
     return set(distances(points, around, [seed], radius))
+
+
+def in_reach(points, seed, radius):
+    """The vertices no farther from the seed in a straight line, than which no path is shorter: no others are in its region."""
+    return {v for v, point in enumerate(points) if math.dist(point, points[seed]) <= radius * (1 + 1e-9)}

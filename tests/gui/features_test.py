@@ -6,7 +6,7 @@ import unittest
 
 from tool import PANEL, TOOL, ToolTest, part
 from ply import write_ply
-from shapes import neighbours, with_seam, within
+from shapes import in_reach, neighbours, with_seam, within
 
 
 class Start(ToolTest):
@@ -102,10 +102,13 @@ class Gesture(ToolTest):
             self.assert_at(w, self.CENTRE, (x + 40, y - 30))
             around = neighbours(len(self.points), self.faces)
             step = self.steps_of(w)[0]
-            region = within(self.points, around, self.CENTRE, step["region"]["radius"])
-            self.assertLessEqual(before.moved(after), region)
-            self.assertGreater(len(before.moved(after)), len(region) // 2)
-            self.assertEqual(self.steps_in_log(w), [{"step": 1, "handle": 1, "region": len(region)}])
+            radius = step["region"]["radius"]
+            least, most = within(self.points, around, self.CENTRE, radius), in_reach(self.points, self.CENTRE, radius)
+            self.assertLessEqual(before.moved(after), most)
+            self.assertGreater(len(before.moved(after)), len(least) // 2)
+            (logged,) = self.steps_in_log(w)
+            self.assertEqual((logged["step"], logged["handle"]), (1, 1))
+            self.assertTrue(len(least) <= logged["region"] <= len(most), logged)
             self.assertEqual([n for n in before.differences(after) if n not in ("positions", "normals", "face_normals",
                                                                                 "box")], [])
             self.assert_finite(after)

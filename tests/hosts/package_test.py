@@ -27,7 +27,7 @@ sys.path.insert(0, str(HERE.parent / "batch"))
 
 from library_folders import binaries, complaints  # noqa: E402
 from ply import Ply, bits_of, float_of, write_ply  # noqa: E402
-from shapes import dome, neighbours, within  # noqa: E402
+from shapes import dome, in_reach, neighbours, within  # noqa: E402
 from x_server import XProgram, start_x_server  # noqa: E402
 
 PACKAGE = pathlib.Path(os.environ["LAPEDIT_PACKAGE"])
@@ -42,6 +42,7 @@ SIZE = 1280, 900
 USER = 1000
 SIDE = 81  # vertices
 MIDDLE = SIDE * SIDE // 2
+RADIUS = 0.4
 
 # Kept by apt and dpkg themselves; what they know of packages is compared by asking them.
 NOT_COMPARED = re.compile(
@@ -380,17 +381,16 @@ class Package(unittest.TestCase):
         self.assertEqual(self.moved(mesh), by_tool)
 
     def write_edit(self):
-        """Lifts the middle. @return what it may move"""
-        radius = 0.4
-        edit = {"laplacian_edit": 1, "steps": [{"region": {"radius": radius}, "handles": [
+        """Lifts the middle. @return what is in its region at least"""
+        edit = {"laplacian_edit": 1, "steps": [{"region": {"radius": RADIUS}, "handles": [
             {"vertices": str(MIDDLE), "translation": [0, 0, 0.3]}]}]}
         (self.data / "edit.json").write_text(json.dumps(edit))
-        return within(self.points, neighbours(len(self.points), self.faces), MIDDLE, radius)
+        return within(self.points, neighbours(len(self.points), self.faces), MIDDLE, RADIUS)
 
     def assert_lifted(self, path, region):
         bits = self.moved(path)
         moved = {v for v, (a, b) in enumerate(zip(bits, self.bits)) if a != b}
-        self.assertLessEqual(moved, region)
+        self.assertLessEqual(moved, in_reach(self.points, MIDDLE, RADIUS))
         self.assertGreater(len(moved), 0.8 * len(region))
         self.assertAlmostEqual(float_of(bits[MIDDLE][2]), self.points[MIDDLE][2] + 0.3, 2)
         return bits
