@@ -28,8 +28,8 @@ bool same(const EditStep& a, const EditStep& b) {
   const bool component = a.region.kind == RegionSpec::Kind::Component;
   return a.region.kind == b.region.kind && a.region.radius == b.region.radius &&
          a.region.vertices == b.region.vertices && (component || a.region.padding == b.region.padding) &&
-         a.settings == b.settings && a.region.connect_gap == b.region.connect_gap &&
-         a.weld == b.weld && a.mirror.has_value() == b.mirror.has_value() &&
+         a.settings == b.settings && a.region.connect_gap == b.region.connect_gap && a.weld == b.weld &&
+         a.mirror.has_value() == b.mirror.has_value() &&
          (!a.mirror || (a.mirror->point == b.mirror->point && a.mirror->normal == b.mirror->normal)) &&
          std::equal(a.handles.begin(), a.handles.end(), b.handles.begin(), b.handles.end(),
                     [](const HandleGroup& g, const HandleGroup& h) {

@@ -5,6 +5,7 @@
 #include "drag_support.h"
 #include "shapes.h"
 #include "support.h"
+#include "torn_mesh.h"
 
 namespace lapedit {
 namespace {
@@ -53,6 +54,14 @@ TEST(Drag, BendingACurveAllocatesNothingOnceItMoves) {
     window.click(end);
   }
   expect_no_allocations(window, end);
+}
+
+TEST(Drag, SeamAllocatesNothingOnceItMoves) {
+  support::Window window(support::with_islands(shapes::grid(41, 41), 20).mesh);
+  window.change([](DragSettings& s) { s.radius = 9; });
+  const int handle = support::vertex_at(window.session.mesh(), Vector3(20, 20, 0));
+  window.click(handle);
+  expect_no_allocations(window, handle);
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
-#include "allocation_watch.h"
 #include "drag_support.h"
 #include "lapedit/mesh/vertex_finder.h"
 #include "lapedit/mesh/weld.h"
@@ -113,32 +112,6 @@ TEST(DragWeld, SavedStepMayKeepPlacesApart) {
   window.expect_consistent();
   window.undo(3);
   EXPECT_TRUE(same_bits(window.host(), before));
-}
-
-TEST(DragWeld, FramesAllocateNothing) {
-  Window window(torn_plate());
-  window.change([](DragSettings& s) { s.radius = 9; });
-  const int handle = on_seam(window, 20);
-  window.click(handle);
-  window.press(handle);
-  const Vector2 from = window.at(handle).pixel;
-  const auto move = [&](int i) {
-    const int poses = window.poses();
-    window.session.move(window.at(from + Vector2(i, 2 * i)));
-    while (window.poses() == poses) {
-      window.session.poll();
-    }
-  };
-  for (int i = 1; i <= 6; ++i) {
-    move(i);
-  }
-  window.session.wait();
-  const long before = allocations;
-  for (int i = 7; i <= 20; ++i) {
-    move(i);
-  }
-  window.session.wait();
-  EXPECT_EQ(allocations - before, 0);
 }
 
 }  // namespace

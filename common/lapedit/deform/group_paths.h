@@ -78,7 +78,7 @@ class GroupPaths {
   const Points& rest_;
   Vector3 origin_;
   std::vector<Group> groups_;
-  std::vector<int> index_;    // of a handle vertex in its group; of the group for a hanging vertex
+  std::vector<int> index_;       // of a handle vertex in its group; of the group for a hanging vertex
   std::vector<int> hanging_;     // ascending
   std::vector<int> unanchored_;  // the other vertices of components without anchors, ascending
   LocalMotion anchors_;
