@@ -103,7 +103,7 @@ LAPEDIT_INLINE void run_coarse(const Pass& pass, int first, int last) {
       set_row(pass.sum_high, i, sum);
     } else {
       if (pass.diagonal != nullptr) {
-        sum += pass.diagonal[i] * row_of(pass.d_high, i, pass.last_row);
+        sum += pass.diagonal[i] * row_of(pass.d_high, i, pass.rows - 1);
       }
       set_row(pass.left, i, row_of(pass.right, i, kAlone) - sum);
     }
@@ -129,8 +129,8 @@ LAPEDIT_INLINE void run(const Pass& pass, int first, int last) {
       continue;
     }
     if (pass.diagonal != nullptr) {
-      sum.add_product<Product>(pass.diagonal[i], row_of(pass.d_high, i, pass.last_row),
-                               row_of(pass.d_low, i, pass.last_row));
+      sum.add_product<Product>(pass.diagonal[i], row_of(pass.d_high, i, pass.rows - 1),
+                               row_of(pass.d_low, i, pass.rows - 1));
     }
     sum.add(-row_of(pass.right, i, kAlone), Lanes{});
     set_row(pass.left, i, -(sum.high + sum.low));
