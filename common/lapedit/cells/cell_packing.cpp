@@ -268,7 +268,7 @@ void Packing::mark() {
   ties_.marks.resize(region_.size());
   for_indices(pool_, region_.size(), kGrain, [&](int i) {
     ties_.marks[i] = mixed(keys_[i] + mixed(static_cast<std::uint64_t>(ties_.from_middle[i]) +
-                                            mixed(static_cast<std::uint64_t>(name[i] + 2))));
+                                            mixed(static_cast<std::uint64_t>(std::int64_t{name[i]} + 2))));
   });
   for (int ring = 0; ring < kRings; ++ring) {
     before.swap(ties_.marks);

@@ -104,7 +104,7 @@ std::string advice_on_shape(const EditReport& report) {
 std::string advice_on_exchange(const ExchangedLandmarks& exchanged) {
   std::string names;
   for (const auto& [one, other] : exchanged.pairs) {
-    names += std::string(names.empty() ? "" : ", ") + "\"" + one + "\" and \"" + other + "\"";
+    names.append(names.empty() ? "\"" : ", \"").append(one).append("\" and \"").append(other).append("\"");
   }
   return names.empty() ? ""
                        : "The targets of " + names +

@@ -188,12 +188,12 @@ struct DistanceField::Front {
 
   /// Distributes the far vertices among the first fronts, as many as pay for a thread. @return their number
   static int balance(std::vector<Front>& fronts, bool has_lines) {
-    const std::size_t kGrain = has_lines ? 48 : 192;
+    const std::size_t grain = has_lines ? 48 : 192;
     std::size_t all = 0;
     for (const Front& front : fronts) {
       all += front.far.size();
     }
-    const std::size_t chunks = std::max<std::size_t>(1, std::min(all / kGrain, fronts.size()));
+    const std::size_t chunks = std::max<std::size_t>(1, std::min(all / grain, fronts.size()));
     const std::size_t fraction = chunks == 1 ? all : all / chunks + all / (4 * chunks);
     std::size_t shared = 0;
     for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
