@@ -14,6 +14,9 @@ MethodResult arap(const Problem& scene, int iterations = kArapIterations);
 /// The same with rotations that are smoothed among neighbours (SR-ARAP).
 MethodResult smooth_arap(const Problem& scene);
 
+/// Smooth ARAP of Oehri, Herholz, Sorkine-Hornung 2025 with their interactive setting, written from the paper.
+MethodResult oehri_arap(const Problem& scene);
+
 /// libigl's ARAP and biharmonic displacement, where its headers are given.
 MethodResult igl_arap(const Problem& scene);
 MethodResult igl_biharmonic(const Problem& scene);

@@ -110,6 +110,7 @@ std::vector<Method> make_methods(const Options& options) {
   methods.push_back({"ARAP", [](const Problem& scene) { return arap(scene); }});
   methods.push_back({"ARAP100", [](const Problem& scene) { return arap(scene, kManyArapIterations); }, true});
   methods.push_back({"SR-ARAP", smooth_arap});
+  methods.push_back({"Smooth-ARAP", oehri_arap});
   if (options.has("--blender")) {
     methods.push_back({"Blender", blender, true});
   }

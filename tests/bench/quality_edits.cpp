@@ -4,7 +4,14 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <limits>
+#include <sstream>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "bodies.h"
@@ -171,6 +178,65 @@ Edit bent_tail(bool group) {
                : edit_of(mesh, toward, within(4.2), patch(mesh, sting, 0), shift({-1.2, 1.5, -0.8}));
 }
 
+constexpr double kHoof = -1.5;  ///< the top of a quadruped's hooves
+const Vector3 kAtAnimal(0.4, -1, 0.3), kHip(0.9, 0.3, -0.2);
+
+bool is_hoof(const Vector3& p, int front, int left) {
+  return p.z() < kHoof && front * p.x() > 0 && left * p.y() > 0;
+}
+
+/// Three hooves stand; the left one in front is moved.
+Edit standing(double cell, const Affine& map) {
+  Edit edit = edit_where(
+      quadruped(cell), kAtAnimal, component(), [](const Vector3& p) { return is_hoof(p, 1, 1); }, map);
+  for (const auto& [front, left] : {std::pair(1, -1), std::pair(-1, 1), std::pair(-1, -1)}) {
+    add_group(
+        edit, [front = front, left = left](const Vector3& p) { return is_hoof(p, front, left); }, Affine::Identity());
+  }
+  return edit;
+}
+
+Edit lifted_hoof(double cell) {
+  return standing(cell, shift({0.5, 0.1, 0.7}));
+}
+
+/// Two groups of one hoof are pulled in opposite directions.
+Edit hoof_pulled_apart() {
+  Edit edit = standing(0.045, shift({0.25, 0, 0.2}));
+  const auto& points = edit.mesh.vertices;
+  std::vector<int> back;
+  std::vector<int>& front = edit.handles.front();
+  const auto split = std::stable_partition(front.begin(), front.end(), [&](int v) { return points(v, 0) > 0.92; });
+  back.assign(split, front.end());
+  front.erase(split, front.end());
+  edit.handles.push_back(back);
+  edit.maps.push_back(shift({-0.25, 0, 0.2}));
+  return edit;
+}
+
+/// The hind legs stand, the chest is turned about the spine.
+Edit twisted_animal() {
+  Edit edit = edit_where(
+      quadruped(0.045), kAtAnimal, component(), [](const Vector3& p) { return p.x() > 1.3; },
+      turn(70, {1, 0, 0}, {1.3, 0, 0.1}));
+  add_group(
+      edit, [](const Vector3& p) { return p.z() < kHoof && p.x() < 0; }, Affine::Identity());
+  return edit;
+}
+
+/// Held at the left end, moved at the right one.
+Edit tube_of_16(const TriangleMesh& mesh, const Affine& map) {
+  return edit_where(
+      mesh, {0.1, -1, 0.15}, within(13), [](const Vector3& p) { return p.x() > 13.5; }, map);
+}
+
+const Affine kBentTube = arc(90, {0, -1, 0}, {2, 0, 0}, {11.5, 0, 0}), kTwistedTube = turn(120, {1, 0, 0}, {0, 0, 0});
+
+Edit with_spine(Edit edit, const Vector3& along, double from, double to) {
+  edit.spine = Edit::Spine{along, from, to};
+  return edit;
+}
+
 Edit pulled_nose(double length) {
   const TriangleMesh mesh = uneven_face(201, 101);
   Edit edit = edit_of(mesh, {0.9, -0.5, 0.4}, within(0.9), patch(mesh, Vector3(0, 0, std::sqrt(5.0) - 0.55), 0),
@@ -239,9 +305,9 @@ Edit pushed_finger() {
   return edit;
 }
 
-Edit posed_figure() {
+Edit posed_figure(double cell) {
   Edit edit = edit_where(
-      symmetric_figure(0.035), {0.5, -1, 0.2}, component(), [](const Vector3& p) { return p.z() < -1.4 && p.x() < 0; },
+      symmetric_figure(cell), {0.5, -1, 0.2}, component(), [](const Vector3& p) { return p.z() < -1.4 && p.x() < 0; },
       Affine::Identity());
   add_group(
       edit, [](const Vector3& p) { return p.z() < -1.4 && p.x() > 0; }, Affine::Identity());
@@ -269,9 +335,7 @@ Edit tube(int around, double times) {
   const double spacing = times * 2 * std::sin(EIGEN_PI / around);
   TriangleMesh mesh = shapes::cylinder(around, static_cast<int>(std::lround(kLength / spacing)) + 1);
   mesh.vertices.col(0) *= kLength / 4;
-  return edit_where(
-      mesh, {0.1, -1, 0.15}, within(13), [](const Vector3& p) { return p.x() > 13.5; },
-      arc(90, {0, -1, 0}, {2, 0, 0}, {11.5, 0, 0}));
+  return tube_of_16(mesh, kBentTube);
 }
 
 /// The bust with its head rotated above the neck, and with an open jaw.
@@ -345,7 +409,7 @@ std::vector<NamedEdit> generated_edits() {
       {"grid_sideways", C::Other, true, false, bumpy_grid},
       {"bar_twisted", C::Several, true, false,
        [] {
-         return bar(Affine::Identity(), turn(90, {1, 0, 0}, {0, 7, 7}));
+         return with_spine(bar(Affine::Identity(), turn(90, {1, 0, 0}, {0, 7, 7})), {1, 0, 0}, 4.5, 55.5);
        }},
       {"bar_both_ends", C::Several, false, false,
        [=] {
@@ -367,7 +431,7 @@ std::vector<NamedEdit> generated_edits() {
          return neck({0, 0, 1});
        }},
       {"fist", C::Several, false, false, fist},
-      {"figure_posed", C::Several, true, false, posed_figure},
+      {"figure_posed", C::Several, true, false, [] { return posed_figure(0.035); }},
       {"figure_bows", C::Several, false, false, bowing_figure},
       {"landmarks_60", C::Several, false, false, landmarks},
       {"tube_4", C::Turned, false, false, [] { return tube(96, 4); }},
@@ -377,6 +441,33 @@ std::vector<NamedEdit> generated_edits() {
       {"finger_pushed", C::Other, false, false, pushed_finger},
       {"scaled_up", C::Other, false, false, [] { return scaled(2); }},
       {"scaled_down", C::Other, false, false, [] { return scaled(0.5); }},
+      {"hoof_lifted", C::Support, true, false, [] { return lifted_hoof(0.045); }},
+      {"hoof_pulled_apart", C::Support, false, false, hoof_pulled_apart},
+      {"animal_twisted", C::Support, true, false, twisted_animal},
+      {"coarse_hoof", C::Coarse, false, false, [] { return lifted_hoof(0.15); }},
+      {"coarse_limb", C::Coarse, true, false,
+       [=] {
+         return edit_where(
+             shapes::tapered_arm(12, 28), {0, -1, 0.2}, within(7.5), [](const Vector3& p) { return p.x() > 9; },
+             arc(90, -y, {1.7, 0, 0}, {7.3, 0, 0}));
+       }},
+      {"coarse_arm", C::Coarse, false, false,
+       [=] {
+         return arm(0.15, 3.3, 9, within(2.6), arc(120, -y, {0.9, 0, 0}, {2.4, 0, 0}));
+       }},
+      {"coarse_figure", C::Coarse, false, false, [] { return posed_figure(0.11); }},
+      {"half_fine_bent", C::Uneven, true, false, [] { return tube_of_16(half_fine_tube(), kBentTube); }},
+      {"half_fine_twisted", C::Uneven, false, false,
+       [] {
+         return with_spine(tube_of_16(half_fine_tube(), kTwistedTube), {1, 0, 0}, 2, 13.5);
+       }},
+      {"half_fine_pulled", C::Uneven, false, false,
+       [] {
+         const TriangleMesh mesh = half_fine_tube();
+         return edit_of(mesh, {0.1, -1, 0.15}, within(5), patch(mesh, {8, 0, 1}, 1), shift({0, 0, 2.5}));
+       }},
+      {"relief_bent", C::Relief, false, false, [] { return tube_of_16(tube_with_relief(), kBentTube); }},
+      {"relief_twisted", C::Relief, false, false, [] { return tube_of_16(tube_with_relief(), kTwistedTube); }},
   };
 }
 
@@ -406,6 +497,39 @@ Edit make_real(const RealEdit& row) {
   return edit;
 }
 
+/// The motion and the classes of vertices come with the mesh. @param held_by_group  not by anchors
+Edit survey(const std::string& name, bool held_by_group, const Vector3& toward) {
+  const std::filesystem::path file = std::filesystem::path(std::getenv("LAPEDIT_MESHES")) / "survey" / name;
+  const auto values = [&file](const char* extension) {
+    std::ifstream in(file.string() + extension);
+    std::vector<double> result;
+    for (std::string line; std::getline(in, line);) {
+      std::istringstream words(line[0] == '#' ? "" : line);
+      std::copy(std::istream_iterator<double>(words), {}, std::back_inserter(result));
+    }
+    return result;
+  };
+  const std::vector<double> matrix = values(".def"), kinds = values(".sel");
+  Edit edit = edit_of(lapedit::real::load("survey/" + name + ".off"), toward, component(), {}, Affine::Identity());
+  if (matrix.size() != 16 || kinds.size() != static_cast<std::size_t>(edit.mesh.vertices.rows())) {
+    throw std::runtime_error(file.string() + " lacks its classes or its matrix");
+  }
+  edit.maps[0].matrix() = Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(matrix.data());
+  std::vector<int> held;
+  for (std::size_t v = 0; v < kinds.size(); ++v) {
+    if (kinds[v] != 1) {
+      (kinds[v] == 0 ? held : edit.handles[0]).push_back(static_cast<int>(v));
+    }
+  }
+  if (held_by_group) {
+    edit.handles.push_back(held);
+    edit.maps.push_back(Affine::Identity());
+  } else {
+    edit.region.held = held;
+  }
+  return edit;
+}
+
 std::vector<NamedEdit> real_edits() {
   using C = EditClass;
   constexpr double kPull = -12 / 9.4;
@@ -428,6 +552,23 @@ std::vector<NamedEdit> real_edits() {
   std::vector<NamedEdit> list;
   for (const RealEdit& row : rows) {
     list.push_back({row.name, row.kind, row.quick, true, [row] { return make_real(row); }});
+  }
+  for (const bool group : {false, true}) {
+    const auto name = [group](const char* held, const char* by_group) { return group ? by_group : held; };
+    list.push_back({name("survey_bar", "survey_bar_group"), C::Survey, !group, true, [=] {
+                      return with_spine(survey("bar", group, {0.3, -1, 0.1}), z, 30, 95.6);
+                    }});
+    list.push_back({name("survey_cylinder", "survey_cylinder_group"), C::Survey, !group, true, [=] {
+                      return survey("cylinder", group, {0.1, -1, 0.1});
+                    }});
+    list.push_back({name("survey_cactus", "survey_cactus_group"), C::Survey, !group, true, [=] {
+                      return survey("cactus", group, {1, 0, 0.1});
+                    }});
+    list.push_back({name("survey_plane", "survey_plane_group"), C::Survey, !group, true, [=] {
+                      Edit edit = with_spine(survey("plane", group, {0.1, -1, 0.2}), {1, 0, 0}, 4.2, 95.8);
+                      edit.height_field = true;
+                      return edit;
+                    }});
   }
   list.push_back({"mannequin_head", C::Turned, false, true, [] {
                     return edit_where(

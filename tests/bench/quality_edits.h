@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,13 @@ struct Edit {
   lapedit::TriangleMesh mesh;
   lapedit::RegionSpec region;
   std::vector<std::vector<int>> handles;
-  std::vector<lapedit::Affine> maps;                            ///< one per handle group
+  std::vector<lapedit::Affine> maps;  ///< one per handle group
+  /// A straight line along which the motion is to be even: see evenness().
+  struct Spine {
+    lapedit::Vector3 along;
+    double from, to;
+  };
+  std::optional<Spine> spine;
   bool height_field = false;                                    ///< encloses nothing
   lapedit::Vector3 toward = {0.35, -0.8, 0.6}, up = {0, 0, 1};  ///< for a picture: from the mesh to the eye, upwards
 };
@@ -27,6 +34,11 @@ enum class EditClass {
   FarTurned,  ///< one group rotated by more
   Several,    ///< several groups, or whole components
   Elbow,      ///< a short free joint between two rigid parts
+  Support,    ///< an animal that stands on held feet
+  Coarse,     ///< some hundred vertices
+  Uneven,     ///< half fine and half coarse
+  Relief,     ///< details that are as deep as wide, on a bent body
+  Survey,     ///< of M. Botsch, O. Sorkine, TVCG 2008
   Other
 };
 

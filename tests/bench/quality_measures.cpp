@@ -129,6 +129,106 @@ double dihedral_change(const Faces& faces, const std::vector<int>& looked_at, co
   return count > 0 ? sum / count : 0;
 }
 
+AreaStretch area_stretch(const Faces& faces, const std::vector<int>& looked_at, const Points& before,
+                         const Points& after) {
+  constexpr double kLeast = 1e-6, kWorst = 0.01;
+  AreaStretch result;
+  double sum = 0;
+  std::vector<std::pair<double, double>> by_stretch;  // negative absolute logarithm, area
+  for (const int f : looked_at) {
+    // The metric of the face after, in an orthonormal basis of the face before.
+    const auto edge = [&faces, f](const Points& p, int k) -> Vector3 {
+      return (p.row(faces(f, k)) - p.row(faces(f, 0))).transpose();
+    };
+    const Vector3 e = edge(before, 1), g = edge(before, 2);
+    const double area = e.cross(g).norm() / 2, length = e.norm();
+    if (!(area > 0)) {
+      continue;
+    }
+    const double along = e.dot(g) / length, height = 2 * area / length;
+    const Vector3 u = edge(after, 1) / length, v = (edge(after, 2) - along * u) / height;
+    const double middle = (u.squaredNorm() + v.squaredNorm()) / 2,
+                 radius = std::hypot((u.squaredNorm() - v.squaredNorm()) / 2, u.dot(v));
+    const double large = std::log(std::max(middle + radius, kLeast * kLeast)) / 2;
+    const double small = std::log(std::max(middle - radius, kLeast * kLeast)) / 2;
+    sum += area;
+    result.rms += area * (large * large + small * small) / 2;
+    result.shear += area * (large - small) * (large - small);
+    by_stretch.emplace_back(-std::max(std::abs(large), std::abs(small)), area);
+  }
+  std::sort(by_stretch.begin(), by_stretch.end());
+  double looked = 0;
+  for (auto at = by_stretch.begin(); at != by_stretch.end() && looked < kWorst * sum; ++at) {
+    result.worst -= at->first * at->second;
+    looked += at->second;
+  }
+  result.rms = std::sqrt(result.rms / sum);
+  result.shear = std::sqrt(result.shear / sum);
+  result.worst /= looked;
+  return result;
+}
+
+double detail_tilt(const Adjacency& adjacency, const Faces& faces, const std::vector<int>& vertices,
+                   const Points& before, const Points& after) {
+  constexpr int kRounds = 20;
+  const auto smoothed = [&adjacency](Points points) {
+    for (int round = 0; round < kRounds; ++round) {
+      const Points old = points;
+      for (int v = 0; v < old.rows(); ++v) {
+        for (const int w : adjacency.neighbours[v]) {
+          points.row(v) += old.row(w);
+        }
+        points.row(v) /= 1 + adjacency.neighbours[v].size();
+      }
+    }
+    return points;
+  };
+  const Points smooth_before = smoothed(before), smooth_after = smoothed(after);
+  double sum = 0, weights = 0;
+  for (const int v : vertices) {
+    const Matrix3 rotation = fitted_rotation(adjacency, faces, smooth_before, smooth_after, v);
+    const Vector3 old = rotation * (before.row(v) - smooth_before.row(v)).transpose();
+    const Vector3 now = (after.row(v) - smooth_after.row(v)).transpose();
+    sum += old.squaredNorm() * std::atan2(old.cross(now).norm(), old.dot(now)) * 180 / kPi;
+    weights += old.squaredNorm();
+  }
+  return weights > 0 ? sum / weights : 0;
+}
+
+Evenness evenness(const Vector3& along, double from, double to, const Points& before, const Points& after) {
+  constexpr int kSlices = 12;
+  std::vector<std::vector<int>> slices(kSlices);
+  for (int v = 0; v < before.rows(); ++v) {
+    const double at = kSlices * (before.row(v).dot(along) - from) / (to - from);
+    if (at >= 0 && at < kSlices) {
+      slices[static_cast<std::size_t>(at)].push_back(v);
+    }
+  }
+  std::vector<Matrix3> rotations;
+  std::vector<Vector3> centres;
+  for (const std::vector<int>& slice : slices) {
+    const Points p = before(slice, Eigen::all), q = after(slice, Eigen::all);
+    const Eigen::RowVector3d p0 = p.colwise().mean(), q0 = q.colwise().mean();
+    rotations.push_back(lapedit::polar_rotation((q.rowwise() - q0).transpose() * (p.rowwise() - p0)));
+    centres.emplace_back(q0.transpose());
+  }
+  std::vector<double> turns;
+  double mean = 0;
+  Evenness result;
+  for (std::size_t k = 0; k < centres.size(); ++k) {
+    const Vector3 off = centres[k] + centres[kSlices - 1 - k] - centres.front() - centres.back();
+    result.asymmetry = std::max(result.asymmetry, off.norm() / (centres.back() - centres.front()).norm());
+    if (k > 0) {
+      turns.push_back(Eigen::AngleAxisd(rotations[k] * rotations[k - 1].transpose()).angle());
+      mean += turns.back() / (kSlices - 1);
+    }
+  }
+  for (const double turn : turns) {
+    result.twist = std::max(result.twist, std::abs(turn / mean - 1));
+  }
+  return result;
+}
+
 double volume_change(const Faces& faces, const std::vector<int>& looked_at, const Points& before, const Points& after) {
   std::map<std::pair<int, int>, int> sides;  // directed edge -> faces that have it, less those that have its reverse
   double area = 0;

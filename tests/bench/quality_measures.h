@@ -25,6 +25,32 @@ int flipped_triangles(const lapedit::Adjacency& adjacency, const lapedit::Faces&
 double dihedral_change(const lapedit::Faces& faces, const std::vector<int>& looked_at, const lapedit::Points& before,
                        const lapedit::Points& after);
 
+/// How far faces are stretched, weighted by their areas before, in logarithms of the two principal ratios of lengths.
+struct AreaStretch {
+  double rms = 0;    ///< of the logarithms
+  double shear = 0;  ///< RMS of the logarithm of the larger over the smaller ratio
+  double worst = 0;  ///< mean of the larger absolute logarithm over the worst hundredth of the area
+};
+/// Faces without area before are left out.
+AreaStretch area_stretch(const lapedit::Faces& faces, const std::vector<int>& looked_at, const lapedit::Points& before,
+                         const lapedit::Points& after);
+
+/// Mean angle in degrees by which details are tilted against the smooth surface below them. A detail is the difference
+/// of a vertex from the surface after 20 averagings over neighbours; each weighs its squared length.
+double detail_tilt(const lapedit::Adjacency& adjacency, const lapedit::Faces& faces, const std::vector<int>& vertices,
+                   const lapedit::Points& before, const lapedit::Points& after);
+
+/// How even a motion is along a straight line, from slices of equal width across it.
+struct Evenness {
+  double twist =
+      0;  ///< largest difference of a slice's rotation against the one before from the mean of these, over it
+  double asymmetry = 0;  ///< largest distance of a slice's centroid from the half-turn of its counterpart, over the
+                         ///< distance of the first from the last
+};
+/// @param along  unit vector @param from, to  the part of the line that is looked at
+Evenness evenness(const lapedit::Vector3& along, double from, double to, const lapedit::Points& before,
+                  const lapedit::Points& after);
+
 /// Change of the volume below some faces over what they enclose before, closed by a fan over their border's centroid;
 /// not a number where they are as good as flat.
 double volume_change(const lapedit::Faces& faces, const std::vector<int>& looked_at, const lapedit::Points& before,

@@ -24,6 +24,30 @@ double handle_behind(const Edit& edit, const lapedit::Points& after) {
   return error / way;
 }
 
+/// Of all but handles, by the distance from these.
+double far_movement(const Problem& scene, const lapedit::Points& after) {
+  constexpr double kFar = 0.3;
+  const lapedit::Region& region = scene.region;
+  std::vector<std::pair<double, int>> others;  // negative distance
+  double largest = 0;
+  for (int i = 0; i < region.size(); ++i) {
+    const int v = region.mesh_vertex[i], group = region.group[i];
+    if (group >= 0) {
+      const lapedit::Vector3 rest = scene.edit.mesh.vertices.row(v);
+      largest = std::max(largest, (scene.edit.maps[static_cast<std::size_t>(group)] * rest - rest).norm());
+    } else {
+      others.emplace_back(-region.distance[i], v);
+    }
+  }
+  std::sort(others.begin(), others.end());
+  others.resize(std::max<std::size_t>(1, static_cast<std::size_t>(kFar * static_cast<double>(others.size()))));
+  double sum = 0;
+  for (const auto& [distance, v] : others) {
+    sum += (after.row(v) - scene.edit.mesh.vertices.row(v)).norm();
+  }
+  return sum / static_cast<double>(others.size()) / largest;
+}
+
 }  // namespace
 
 Problem::Problem(Edit given)
@@ -63,6 +87,18 @@ Figures measure(const Scene& scene, const MethodResult& result) {
               pairs.end());
   figures.pairs = new_pairs(scene.pairs, pairs);
   figures.dihedral = dihedral_change(mesh_faces, scene.faces, before, after);
+  const AreaStretch areas = area_stretch(mesh_faces, scene.faces, before, after);
+  figures.area_rms = areas.rms;
+  figures.shear = areas.shear;
+  figures.worst = areas.worst;
+  figures.tilt = detail_tilt(scene.adjacency, mesh_faces, vertices, before, after);
+  figures.far = far_movement(scene, after);
+  figures.twist = figures.asymmetry = std::numeric_limits<double>::quiet_NaN();
+  if (const auto& spine = scene.edit.spine) {
+    const Evenness even = evenness(spine->along, spine->from, spine->to, before, after);
+    figures.twist = even.twist;
+    figures.asymmetry = even.asymmetry;
+  }
   figures.volume = scene.edit.height_field ? std::numeric_limits<double>::quiet_NaN()
                                            : volume_change(mesh_faces, scene.faces, before, after);
   figures.prepare_ms = result.prepare_ms;

@@ -49,6 +49,10 @@ struct Figures {
   double volume = 0;    ///< not a number where nothing is enclosed
   double behind = 0;    ///< largest distance of a handle vertex from its target over the longest way of one
   double dihedral = 0;  ///< mean absolute change of the angles between faces, degrees
+  double area_rms = 0, shear = 0, worst = 0;  ///< see AreaStretch
+  double tilt = 0;                            ///< of details, degrees
+  double far = 0;  ///< mean displacement of the farthest 30 % of the region over the handles' largest one
+  double twist = 0, asymmetry = 0;  ///< see Evenness; not a number where the edit has no spine
   int flipped = 0, pairs = 0;
   double prepare_ms = 0, solve_ms = 0, frame_ms = 0;
   bool fast_frame = true;

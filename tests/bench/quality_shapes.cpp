@@ -277,6 +277,79 @@ TriangleMesh symmetric_figure(double cell) {
   return mirrored(level_set(distance, Vector3(-side, -0.7, -1.8), Vector3(side, 0.5, 2.1), cell), 0.25 * cell);
 }
 
+TriangleMesh quadruped(double cell) {
+  const auto distance = [](const Vector3& q) {
+    const Vector3 p(q.x(), std::abs(q.y()), q.z());
+    double d = ellipsoid(p, Vector3(0, 0, 0), Vector3(1.3, 0.5, 0.55));
+    d = blend(d, capsule(p, Vector3(1.0, 0, 0.2), Vector3(1.75, 0, 1.05), 0.3, 0.18), 0.2);
+    d = blend(d, capsule(p, Vector3(1.75, 0, 1.1), Vector3(2.35, 0, 0.8), 0.22, 0.13), 0.1);
+    d = blend(d, capsule(p, Vector3(1.68, 0.1, 1.25), Vector3(1.6, 0.16, 1.5), 0.07, 0.04), 0.05);  // ears
+    d = blend(d, capsule(p, Vector3(-1.2, 0, 0.3), Vector3(-1.75, 0, -0.6), 0.1, 0.06), 0.1);       // tail
+    for (const double x : {0.85, -0.9}) {
+      const double back = x > 0 ? 0.06 : -0.12;
+      d = blend(d, capsule(p, Vector3(x, 0.28, -0.1), Vector3(x + back, 0.32, -0.85), 0.26, 0.14), 0.15);
+      d = blend(d, capsule(p, Vector3(x + back, 0.32, -0.85), Vector3(x, 0.32, -1.55), 0.14, 0.09), 0.05);
+      d = blend(d, ellipsoid(p, Vector3(x + 0.05, 0.32, -1.65), Vector3(0.15, 0.12, 0.12)), 0.05);
+    }
+    return d;
+  };
+  return level_set(distance, Vector3(-2, -0.8, -1.9), Vector3(2.7, 0.8, 1.7), cell);
+}
+
+TriangleMesh half_fine_tube() {
+  constexpr int kAround = 16, kTimes = 4, kRings = 20;  // of the coarse half
+  std::vector<Vector3> vertices;
+  std::vector<std::array<int, 3>> faces;
+  const auto ring = [&vertices](double x, int around) {
+    for (int k = 0; k < around; ++k) {
+      const double angle = 2 * kPi * k / around;
+      vertices.emplace_back(x, std::cos(angle), std::sin(angle));
+    }
+  };
+  for (int i = 0; i <= kRings; ++i) {
+    ring(8.0 * i / kRings, kAround);
+  }
+  const int fine = kTimes * kAround, first_fine = (kRings + 1) * kAround;
+  for (int i = 1; i <= kTimes * kRings; ++i) {
+    ring(8 + 8.0 * i / (kTimes * kRings), fine);
+  }
+  const auto strip = [&faces](int first, int next, int around) {
+    for (int k = 0; k < around; ++k) {
+      const int l = (k + 1) % around;
+      faces.push_back({first + k, next + l, next + k});
+      faces.push_back({first + k, first + l, next + l});
+    }
+  };
+  for (int i = 0; i < kRings; ++i) {
+    strip(i * kAround, (i + 1) * kAround, kAround);
+  }
+  const int last_coarse = kRings * kAround;
+  for (int k = 0; k < kAround; ++k) {  // fans from the coarse ring to the fine one
+    const int l = (k + 1) % kAround, middle = kTimes * k + kTimes / 2;
+    for (int t = 0; t < kTimes; ++t) {
+      const int a = kTimes * k + t, b = (a + 1) % fine;
+      faces.push_back({last_coarse + (a < middle ? k : l), first_fine + b, first_fine + a});
+    }
+    faces.push_back({last_coarse + k, last_coarse + l, first_fine + middle});
+  }
+  for (int i = 0; i + 1 < kTimes * kRings; ++i) {
+    strip(first_fine + i * fine, first_fine + (i + 1) * fine, fine);
+  }
+  return mesh_of(vertices, faces);
+}
+
+TriangleMesh tube_with_relief() {
+  constexpr double kLength = 16, kDepth = 0.2;
+  TriangleMesh mesh = lapedit::shapes::cylinder(128, 320);
+  for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+    const double x = mesh.vertices(v, 0) * kLength / 4, angle = std::atan2(mesh.vertices(v, 2), mesh.vertices(v, 1));
+    const double radius = std::hypot(mesh.vertices(v, 1), mesh.vertices(v, 2));
+    const double bump = 1 + kDepth * std::cos(8 * angle) * std::cos(8 * x);
+    mesh.vertices.row(v) << x, radius * bump * std::cos(angle), radius * bump * std::sin(angle);
+  }
+  return mesh;
+}
+
 TriangleMesh uneven_face(int rows, int columns) {
   TriangleMesh mesh = lapedit::shapes::grid(rows, columns);
   const auto spread = [](double t) { return 1.5 * (0.25 * t + 0.75 * t * std::abs(t)); };  // dense in the middle

@@ -29,6 +29,15 @@ lapedit::TriangleMesh body_with_tail(double cell, lapedit::Vector3& sting);
 /// A figure that stands and looks to -y, from z = -1.7 to 1.9: its mesh is exactly its own mirror image in x.
 lapedit::TriangleMesh symmetric_figure(double cell);
 
+/// An animal that looks to +x, its four hooves below z = -1.6 at x = 0.9 and -0.9, y = 0.32 and -0.32.
+lapedit::TriangleMesh quadruped(double cell);
+
+/// A tube of radius 1 along x from 0 to 16, open at both ends: 16 vertices around up to x = 8, 64 beyond.
+lapedit::TriangleMesh half_fine_tube();
+
+/// A tube of radius 1 along x from 0 to 16, closed, with eight rows of bumps that are about as deep as wide.
+lapedit::TriangleMesh tube_with_relief();
+
 /// A face, open at its border: height over [-1.5, 1.5]^2 with a nose at (0, 0), of rows x columns vertices that are
 /// spaced unevenly and shaken: sizes of triangles vary 30 times, many are obtuse.
 lapedit::TriangleMesh uneven_face(int rows, int columns);
