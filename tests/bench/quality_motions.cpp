@@ -77,6 +77,7 @@ Edit renumbered(const Edit& edit, const std::vector<int>& number) {
   result.mesh.faces = edit.mesh.faces.unaryExpr([&number](int v) { return number[v]; });
   with_numbers(result.region.vertices);
   with_numbers(result.region.anchors.vertices);
+  with_numbers(result.region.held);
   for (std::vector<int>& group : result.handles) {
     with_numbers(group);
   }

@@ -277,6 +277,15 @@ TEST(AdviceOnAnEdit, IsAtMostTwoSentencesTheFirstOnTheShape) {
   EXPECT_EQ(r.advice(), on_rotations);
   r.settings.iterations = 0;
   EXPECT_EQ(r.advice(), "") << "the automatic number stops early on purpose";
+  r.rotation_left = 45.5;
+  r.causes.unsettled = 12;
+  EXPECT_EQ(r.advice(),
+            "The rotations at vertex 12 have not converged after 6 passes, the last of which rotated a detail by 45.5 "
+            "degrees: make the edit in two steps, or use a larger region.");
+  r.causes.unsettled_group = 2;
+  EXPECT_EQ(r.advice().substr(0, 76), "The rotations at vertex 12, nearest to handle group 2, have not converged af");
+  r.causes.unsettled = r.causes.unsettled_group = -1;
+  r.rotation_left = 10.5;
   r.iterations = r.settings.iterations = 100;  // there are no more
   EXPECT_NE(
       r.advice().find("after 100 passes, the last of which rotated a detail by 10.5 degrees: make the edit in two "),

@@ -49,13 +49,9 @@ CellModel::CellModel(const TriangleMesh& mesh, std::shared_ptr<const RestPose> r
   std::transform(depths.begin(), depths.end(), hold_.begin(), smooth_step);
 }
 
-void CellModel::solve(const std::vector<HandleMotion>& handles, const Affine& anchors, bool quick) {
+void CellModel::solve(const std::vector<HandleMotion>& handles, const Affine& anchors) {
   paths_.set(handles, anchors);
-  solve(quick);
-}
-
-void CellModel::solve(bool quick) {
-  pose_.solve(paths_, quick);
+  pose_.solve(paths_);
   for (int c = 0; c < cells_.count(); ++c) {
     quaternions_[c] = Eigen::Quaterniond(pose_.rotations()[c]).coeffs();
   }

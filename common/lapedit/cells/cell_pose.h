@@ -22,11 +22,10 @@ class CellPose {
   CellPose(const CellPose&) = delete;
   CellPose& operator=(const CellPose&) = delete;
 
-  /// Follows the paths step by step, with a few passes per step and more in the last one.
+  /// Follows the paths step by step, with a pass per step and some more in the last one.
   /// @param paths   at their ends before and after the call
-  /// @param quick   takes a quarter of the time, with a larger error
   /// The result does not depend on earlier calls. Nothing is allocated after the first call.
-  void solve(GroupPaths& paths, bool quick);
+  void solve(GroupPaths& paths);
 
   const Points& displacement() const { return displacement_; }          ///< of the centres, from the rigidly moved pose
   const std::vector<Matrix3>& rotations() const { return rotations_; }  ///< likewise

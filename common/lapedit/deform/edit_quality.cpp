@@ -222,10 +222,18 @@ std::optional<double> detail_height(const LaplacianSystem& system, const Points&
 }
 
 /// |R - S| = 2 sqrt(2) sin(angle / 2)
-double largest_rotation(const std::vector<Matrix3>& r, const std::vector<Matrix3>& s) {
+double largest_rotation(const std::vector<Matrix3>& r, const std::vector<Matrix3>& s, int* at) {
   double largest = 0;
+  int found = -1;
   for (std::size_t i = 0; i < r.size(); ++i) {
-    largest = std::max(largest, (r[i] - (s.empty() ? Matrix3::Identity() : s[i])).squaredNorm());
+    const double squared = (r[i] - (s.empty() ? Matrix3::Identity() : s[i])).squaredNorm();
+    if (squared > largest) {
+      largest = squared;
+      found = static_cast<int>(i);
+    }
+  }
+  if (at) {
+    *at = found;
   }
   return 2 * std::asin(std::min(1.0, std::sqrt(largest / 8))) * kDegrees;
 }

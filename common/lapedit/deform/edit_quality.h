@@ -24,7 +24,8 @@ std::vector<Matrix3> surface_rotations(const Region& region, const Points& befor
 std::optional<double> detail_height(const LaplacianSystem& system, const Points& after);
 
 /// Returns the largest angle between R_i and S_i in degrees; if `s` is empty, between R_i and the identity.
-double largest_rotation(const std::vector<Matrix3>& r, const std::vector<Matrix3>& s);
+/// @param at  out, if given: i, -1 for no difference
+double largest_rotation(const std::vector<Matrix3>& r, const std::vector<Matrix3>& s, int* at = nullptr);
 
 /// Computes all figures except the normal equations' residual, the height of detail, the rotation left by passes, and
 /// new intersections.

@@ -114,6 +114,31 @@ std::string advice_on_exchange(const ExchangedLandmarks& exchanged) {
                                  exchanged.exchanged, exchanged.given);
 }
 
+/// Returns advice on rotations that did not settle. The automatic number of passes stops before details have settled,
+/// since more passes flatten limbs; whole parts that still rotate are another matter.
+std::string advice_on_rotations(const EditReport& report) {
+  constexpr double kUnsettled = 10, kUnsettledPart = 45;
+  constexpr int kMostPasses = 100;
+  const bool automatic = report.settings.iterations == 0;
+  if (report.iterations < 2 || !(report.rotation_left > (automatic ? kUnsettledPart : kUnsettled))) {
+    return {};
+  }
+  std::string where;
+  if (report.causes.unsettled >= 0) {
+    where =
+        " at vertex " + std::to_string(report.causes.unsettled) + name_at(report.causes.unsettled, report.landmarks);
+    where += report.causes.unsettled_group < 0
+                 ? ""
+                 : ", nearest to handle group " + std::to_string(report.causes.unsettled_group) + ",";
+  }
+  return "The rotations" + where +
+         format_text(" have not converged after %d passes, the last of which rotated a detail by %.3g degrees: ",
+                     report.iterations, report.rotation_left) +
+         (automatic                         ? "make the edit in two steps, or use a larger region."
+          : report.iterations < kMostPasses ? "raise iterations."
+                                            : "make the edit in two steps.");
+}
+
 /// Returns advice on a component that turned inside out or collapsed.
 std::string advice_on_volume(const EditReport& report) {
   const LostVolume& lost = report.causes.lost;
@@ -140,9 +165,8 @@ std::string advice_on_volume(const EditReport& report) {
 }  // namespace
 
 std::string EditReport::advice() const {
-  constexpr double kBehind = 0.1, kUnsettled = 10;
+  constexpr double kBehind = 0.1;
   constexpr std::size_t kMostSentences = 2;
-  constexpr int kMostPasses = 100;
   std::vector<std::string> sentences;
   if (causes.unheld && handle_displacement > 0) {
     sentences.push_back(
@@ -168,12 +192,8 @@ std::string EditReport::advice() const {
          : has_targets ? ": raise handle_weight, or check that target."
                        : ": raise handle_weight, or use a larger region."));
   }
-  // The automatic number of passes stops before rotations settle, since more passes flatten limbs.
-  if (!causes.rigid && settings.iterations > 1 && iterations > 1 && rotation_left > kUnsettled) {
-    sentences.push_back(format_text(
-        "The rotations have not converged after %d passes, the last of which rotated a detail by %.3g "
-        "degrees: %s.",
-        iterations, rotation_left, iterations < kMostPasses ? "raise iterations" : "make the edit in two steps"));
+  if (const std::string sentence = causes.rigid ? std::string() : advice_on_rotations(*this); !sentence.empty()) {
+    sentences.push_back(sentence);
   }
   std::string text;
   for (std::size_t k = 0; k < std::min(sentences.size(), kMostSentences); ++k) {

@@ -45,6 +45,8 @@ struct AdviceCauses {
   double distance = 0;       ///< of that vertex to its target
   double step = 0;           ///< spacing of the coordinates that the mesh can store there
   bool rigid = false;        ///< each component moved rigidly, up to rounding
+  int unsettled = -1;        ///< the vertex that rotated most in the last pass
+  int unsettled_group = -1;  ///< the nearest of several handle groups
   LostVolume lost;
 };
 

@@ -54,6 +54,19 @@ bool is_unheld(const Region& region, const GroupPaths& paths) {
   return std::count(held.begin(), held.end(), 0) > 0;
 }
 
+/// Returns the handle group that is nearest to a vertex in space; -1 if there is one group only.
+int nearest_of_several_groups(const Region& region, const Points& rest, int vertex) {
+  int nearest = -1, last = 0;
+  for (int i = 0; i < region.size(); ++i) {
+    if (region.group[i] >= 0) {
+      last = std::max(last, region.group[i]);
+      const auto distance = [&](int k) { return (rest.row(k) - rest.row(vertex)).squaredNorm(); };
+      nearest = nearest < 0 || distance(i) < distance(nearest) ? i : nearest;
+    }
+  }
+  return last > 0 ? region.group[nearest] : -1;
+}
+
 /// Returns the spacing of coordinates of this size.
 double spacing(StoredScalar scalar, double coordinate) {
   return coordinate * (scalar == StoredScalar::Float ? static_cast<double>(std::numeric_limits<float>::epsilon())
@@ -159,7 +172,9 @@ void StepSolver::local_global(const Progress& progress) {
     }
     figures_.rotate_ms += watch.elapsed();
     rotate_and_solve(progress);
-    figures_.rotation_left = figures_.iterations > 1 ? largest_rotation(rotations_, rotations_before_) : 0;
+    if (figures_.iterations > 1) {
+      figures_.rotation_left = largest_rotation(rotations_, rotations_before_, &figures_.unsettled);
+    }
   }
 }
 
@@ -193,7 +208,7 @@ const Points& StepSolver::pose(const std::vector<HandleMotion>& handles, const A
   rotations_.assign(region().size(), Matrix3::Identity());
   if (moves && has_cells) {
     report_progress(progress, 0, "rotations");
-    cells_->solve(handles, anchors, false);
+    cells_->solve(handles, anchors);
     figures_.rotate_ms = watch.lap();
     local_global(progress);
   } else if (moves && settings_.method == EditMethod::Paper) {
@@ -253,6 +268,10 @@ EditReport StepSolver::report(bool whole) const {
   quality.detail_height = whole ? detail_height(*system_, positions_) : std::nullopt;
   quality.normal_equation_residual = solver_->relative_residual(right_, displacement_);
   quality.rotation_left = figures_.rotation_left;
+  if (figures_.unsettled >= 0) {
+    quality.causes.unsettled = region().mesh_vertex[figures_.unsettled];
+    quality.causes.unsettled_group = nearest_of_several_groups(region(), rest_->local, figures_.unsettled);
+  }
   // Whole components are meant to move; of a region, its user expects that the surface around it stays.
   quality.causes.unheld = region().kind != RegionSpec::Kind::Component && is_unheld(region(), constraints_->paths());
   quality.causes.by_radius = region().kind == RegionSpec::Kind::Radius;

@@ -128,12 +128,12 @@ class StepSolver {
   /// Returns whether frames are available and cheaper than poses: with cells, but not with EditMethod::Paper once there
   /// is a system.
   bool has_frames() const { return cells_ && (!system_ || settings_.method != EditMethod::Paper); }
-  /// Computes a frame with few passes over the cells. Requires has_frames().
+  /// Computes a frame. Requires has_frames().
   /// @param positions  out: as pose() returns them
   /// After the first call memory is allocated for targets only. @throws EditError (NoHandle, NotFinite)
   void frame(const std::vector<HandleMotion>& handles, Points& positions);
-  /// Improves the last frame: first by a solve, if it has none, then with all passes over the cells, then with one more
-  /// pass over the vertices per call, up to the number that pose() makes. @return whether there was such a pass
+  /// Improves the last frame: first by a solve, if it has none, then with one more pass over the vertices per call, up
+  /// to the number that pose() makes. @return whether there was such a pass
   /// Nothing is allocated after the first passes. @throws EditError (NotFinite)
   bool refine(Points& positions);
 
@@ -143,6 +143,7 @@ class StepSolver {
     int iterations = 0, refinements = 0;
     double unrotated_ms = 0, normals_ms = 0, rotate_ms = 0, solve_ms = 0;
     double rotation_left = 0;  ///< largest change of a rotation in the last pass, degrees
+    int unsettled = -1;        ///< at this vertex of the region
   };
   struct Preparation {
     double region_ms = 0, cells_ms = 0;
@@ -158,7 +159,7 @@ class StepSolver {
   void finish(Points& positions) const;
 
   Frame& started_frame();
-  void show_cells(bool quick, Points& positions);
+  void show_cells(Points& positions);
   void fit_frame();
   const Points& add_links();
   void correct_frame(Points& positions);
