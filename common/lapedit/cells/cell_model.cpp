@@ -49,9 +49,13 @@ CellModel::CellModel(const TriangleMesh& mesh, std::shared_ptr<const RestPose> r
   std::transform(depths.begin(), depths.end(), hold_.begin(), smooth_step);
 }
 
-void CellModel::solve(const std::vector<HandleMotion>& handles, const Affine& anchors) {
+void CellModel::solve(const std::vector<HandleMotion>& handles, const Affine& anchors, bool quick) {
   paths_.set(handles, anchors);
-  pose_.solve(paths_);
+  solve(quick);
+}
+
+void CellModel::solve(bool quick) {
+  pose_.solve(paths_, quick);
   for (int c = 0; c < cells_.count(); ++c) {
     quaternions_[c] = Eigen::Quaterniond(pose_.rotations()[c]).coeffs();
   }

@@ -28,10 +28,12 @@ class CellModel {
   const GroupPaths& paths() const { return paths_; }  ///< of the last solve(), at their ends
 
   /// @param handles,anchors  as for GroupPaths::set()
+  /// @param quick            see CellPose::solve()
   /// Poses the cells. The result does not depend on earlier calls; after the first call memory is allocated for targets
   /// only.
   /// @throws EditError as GroupPaths::set()
-  void solve(const std::vector<HandleMotion>& handles, const Affine& anchors);
+  void solve(const std::vector<HandleMotion>& handles, const Affine& anchors, bool quick);
+  void solve(bool quick);  ///< repeats the last solve()
 
   /// Computes the rotations of the vertices, relative to the rigid motion of their component: those of the cells,
   /// blended as quaternions and faded to the identity across the anchor band.

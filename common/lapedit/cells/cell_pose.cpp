@@ -7,9 +7,11 @@
 namespace lapedit {
 namespace {
 
-/// Fixed numbers of passes, so that poses change evenly with the handle. Few, so that a body on thin supports stays
-/// where it is and S-shapes stay symmetric; converged poses swing, buckle to one side and jump.
-constexpr int kPassesPerStep = 1, kPassesAtTheEnd = 5;
+/// The number per step is fixed, so that poses change evenly with the handle; converged poses jump.
+struct Passes {
+  int per_step, at_the_end;
+};
+constexpr Passes kFull = {5, 20}, kQuick = {1, 8};
 constexpr double kInertia = 0.5;
 constexpr double kSettled = 1e-9;  // of the handles' largest displacement: rotations have converged
 
@@ -131,7 +133,7 @@ void CellPose::resist_twist() {
   }
 }
 
-void CellPose::solve(GroupPaths& paths) {
+void CellPose::solve(GroupPaths& paths, bool quick) {
   displacement_.setZero(cells_.count(), 3);
   std::fill(rotations_.begin(), rotations_.end(), Matrix3::Identity());
   passes_ = 0;
@@ -158,9 +160,12 @@ void CellPose::solve(GroupPaths& paths) {
       std::fill(rotations_.begin(), rotations_.end(), Matrix3::Identity());
       continue;
     }
-    resist_twist();
+    if (!quick || step == steps) {
+      resist_twist();
+    }
+    const Passes& passes = quick ? kQuick : kFull;
     const LocalGlobal::Outcome outcome = local_global_.settle(
-        constraints_, kSettled * moved, step == steps ? kPassesAtTheEnd : kPassesPerStep, displacement_, rotations_);
+        constraints_, kSettled * moved, step == steps ? passes.at_the_end : passes.per_step, displacement_, rotations_);
     passes_ += outcome.passes;
     left_ = moved > 0 ? outcome.left / moved : 0;
   }

@@ -54,7 +54,7 @@ const std::vector<Setting>& settings_table() {
     order.fixed = EditMethod::Default;
     Setting iterations = row<&S::iterations>(
         Kind::Whole, "iterations", "number of iterations", "a whole number from 0 to 100", 0, 100,
-        "Number of passes, each of which fits the rotations to the last result, 0 to 100. 0: automatic (5).");
+        "Number of passes, each of which fits the rotations to the last result, 0 to 100. 0: automatic (3).");
     iterations.only = EditMethod::Default;
     Setting radius =
         row<&S::normal_radius>(Kind::Length, "normal_radius", "normal radius",
@@ -119,7 +119,7 @@ EditSettings EditSettings::of(EditMethod method) {
 }
 
 int EditSettings::passes() const {
-  constexpr int kLocalGlobal = 5;  // more passes stretch less, but flatten bent tubes and limbs
+  constexpr int kLocalGlobal = 3;  // more passes stretch less, but flatten bent tubes and limbs
   return method == EditMethod::Linear  ? 0
          : method == EditMethod::Paper ? 1
          : iterations > 0              ? iterations

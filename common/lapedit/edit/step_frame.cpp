@@ -80,10 +80,11 @@ StepSolver::Frame& StepSolver::started_frame() {
 }
 
 /// Shows the cells' pose, with a solve if there is a system.
-void StepSolver::show_cells(Points& positions) {
+void StepSolver::show_cells(bool quick, Points& positions) {
   Frame& f = started_frame();
   cells_->displace(f.unit, f.transforms.get(), f.displacement, system_ ? *system_->pool : f.pool);
   f.passes = 0;
+  f.is_quick = quick;
   if (system_) {
     correct_frame(positions);
   } else {
@@ -187,19 +188,22 @@ void StepSolver::fit_frame() {
 }
 
 void StepSolver::frame(const std::vector<HandleMotion>& handles, Points& positions) {
-  cells_->solve(handles, Affine::Identity());
-  show_cells(positions);
+  cells_->solve(handles, Affine::Identity(), true);
+  show_cells(true, positions);
 }
 
 bool StepSolver::refine(Points& positions) {
   if (!system_ || !has_frames() || !frame_) {
     return false;
   }
-  if (frame_->passes == 0) {
-    show_cells(positions);
+  const bool has_solve = frame_->passes > 0;
+  const bool is_default = settings_.method == EditMethod::Default;
+  if (!has_solve || (is_default && frame_->is_quick)) {
+    cells_->solve(!has_solve);
+    show_cells(!has_solve, positions);
     return true;
   }
-  if (settings_.method != EditMethod::Default || frame_->passes >= settings_.passes()) {
+  if (!is_default || frame_->passes >= settings_.passes()) {
     return false;
   }
   fit_frame();

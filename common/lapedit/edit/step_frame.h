@@ -13,8 +13,9 @@ struct StepSolver::Frame {
   ThreadPool pool;  ///< before there is a system, whose pool another thread uses
   double unit;      ///< of lengths in single precision, and of displacements
   std::unique_ptr<CellModel::Transform[]> transforms;
-  Points displacement;  ///< from the rest pose, in units, with one more row
-  int passes = 0;       ///< of the last frame over the vertices
+  Points displacement;    ///< from the rest pose, in units, with one more row
+  int passes = 0;         ///< of the last frame over the vertices
+  bool is_quick = false;  ///< its cells
 
   // For the solve.
   std::vector<int> constrained;  ///< vertices with a weight

@@ -208,7 +208,7 @@ const Points& StepSolver::pose(const std::vector<HandleMotion>& handles, const A
   rotations_.assign(region().size(), Matrix3::Identity());
   if (moves && has_cells) {
     report_progress(progress, 0, "rotations");
-    cells_->solve(handles, anchors);
+    cells_->solve(handles, anchors, false);
     figures_.rotate_ms = watch.lap();
     local_global(progress);
   } else if (moves && settings_.method == EditMethod::Paper) {

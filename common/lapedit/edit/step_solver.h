@@ -128,12 +128,12 @@ class StepSolver {
   /// Returns whether frames are available and cheaper than poses: with cells, but not with EditMethod::Paper once there
   /// is a system.
   bool has_frames() const { return cells_ && (!system_ || settings_.method != EditMethod::Paper); }
-  /// Computes a frame. Requires has_frames().
+  /// Computes a frame with few passes over the cells. Requires has_frames().
   /// @param positions  out: as pose() returns them
   /// After the first call memory is allocated for targets only. @throws EditError (NoHandle, NotFinite)
   void frame(const std::vector<HandleMotion>& handles, Points& positions);
-  /// Improves the last frame: first by a solve, if it has none, then with one more pass over the vertices per call, up
-  /// to the number that pose() makes. @return whether there was such a pass
+  /// Improves the last frame: first by a solve, if it has none, then with all passes over the cells, then with one more
+  /// pass over the vertices per call, up to the number that pose() makes. @return whether there was such a pass
   /// Nothing is allocated after the first passes. @throws EditError (NotFinite)
   bool refine(Points& positions);
 
@@ -159,7 +159,7 @@ class StepSolver {
   void finish(Points& positions) const;
 
   Frame& started_frame();
-  void show_cells(Points& positions);
+  void show_cells(bool quick, Points& positions);
   void fit_frame();
   const Points& add_links();
   void correct_frame(Points& positions);
