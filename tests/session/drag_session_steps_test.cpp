@@ -492,6 +492,23 @@ TEST(DragSteps, OtherSettingsSolveTheLastStepAgain) {
   EXPECT_TRUE(same_bits(window.host(), window.session.original().vertices));
 }
 
+TEST(DragSteps, WhatFollowedAStepIsGoneOnceTheStepIsSolvedAgain) {
+  Window window(plate());
+  for (const int vertex : {kMiddle, at(32, 28)}) {
+    window.drag(vertex, Vector2(20, 12));
+  }
+  window.undo(2);
+  window.redo();
+  ASSERT_TRUE(window.session.can_redo());
+  window.change([](DragSettings& s) { s.edit.membrane = 50; });
+  const Points amended = window.host();
+  EXPECT_FALSE(window.session.can_redo());
+  window.session.redo();
+  EXPECT_TRUE(window.says("nothing to redo"));
+  EXPECT_TRUE(same_bits(window.host(), amended));
+  window.expect_consistent();
+}
+
 TEST(DragSteps, OtherSettingsLeaveTheLastStepAloneOnceSomethingElseIsPicked) {
   Window window(plate());
   window.drag(kMiddle, Vector2(40, 25));

@@ -406,7 +406,7 @@ void SessionSolver::commit_loaded(const std::vector<EditResult>& results) {
 void SessionSolver::progress() {
   model_.shown.settle();
   model_.selection = with_region_kept(surface(), model_.selection);
-  model_.timeline.last().after = model_.selection;
+  model_.timeline.change_last().after = model_.selection;
   phase_ = Picked{true};
   prepare();
 }
