@@ -20,6 +20,10 @@ using namespace lapedit::host;
 
 namespace {
 
+Eigen::Vector3i sizeOf(const Layer& layer) {
+  return {layer.id, layer.mesh->vn, layer.mesh->fn};
+}
+
 double milliseconds(const QElapsedTimer& timer) {
   return static_cast<double>(timer.nsecsElapsed()) * 1e-6;
 }
@@ -56,6 +60,7 @@ bool LaplacianDragTool::start() {
   active_ = nullptr;
   layer_ = -1;
   nothing_.clear();
+  refused_.setConstant(-1);
   notice_.clear();
   offered_ = -1;
   keysShown_ = false;
@@ -80,6 +85,9 @@ bool LaplacianDragTool::start() {
   connect(window_.document(), SIGNAL(meshSetChanged()), this, SLOT(layersChanged()),
           static_cast<Qt::ConnectionType>(Qt::QueuedConnection | Qt::UniqueConnection));
   shared_->forgetGone();
+  if (window_.loading()) {
+    return showNothing(tr("MeshLab is reading a mesh."));  // the first picture of it starts the session
+  }
   LayerSession* known = shared_->find(layer->id);
   const bool resume =
       known != nullptr && known->wasLeftLike(*layer->mesh) &&
@@ -90,12 +98,9 @@ bool LaplacianDragTool::start() {
       shared_->panel().remembered().bringTo(active_->session());
     }
   } catch (const EditError& error) {
-    nothing_ = error.what();
     say(error.what());
-    on_ = true;
-    openPanel();
-    refreshPanel();
-    return true;
+    refused_ = sizeOf(*layer);
+    return showNothing(notice_);
   }
   active_->inHistory.clear();
   layer_ = layer->id;
@@ -108,6 +113,30 @@ bool LaplacianDragTool::start() {
   // The menu or tool bar that started the tool takes the keyboard after this call.
   QTimer::singleShot(0, this, [this] { takeKeys(); });
   return true;
+}
+
+/// Keeps the tool on without a session.
+bool LaplacianDragTool::showNothing(const QString& reason) {
+  nothing_ = reason;
+  on_ = true;
+  openPanel();
+  refreshPanel();
+  return true;
+}
+
+/// Returns whether the current layer is no longer the one that start() read, as after an import or *Reload*. O(1).
+bool LaplacianDragTool::isStale() {
+  const auto layer = on_ && !window_.loading() ? window_.currentLayer() : std::nullopt;
+  return layer && (active_ ? layer->id == layer_ && !active_->seemsToMatch(*layer->mesh) : sizeOf(*layer) != refused_);
+}
+
+void LaplacianDragTool::restart() {
+  const bool changed = active_ != nullptr;
+  start();
+  if (changed && active_) {
+    say(tr("The mesh was changed by another tool or filter: the session starts again from its current state.")
+            .toStdString());
+  }
 }
 
 void LaplacianDragTool::end() {
@@ -208,7 +237,7 @@ void LaplacianDragTool::openPanel() {
 
 /// Returns the session's layer if it exists, is current and is visible.
 std::optional<Layer> LaplacianDragTool::usableLayer() {
-  if (!active_) {
+  if (!active_ || window_.loading()) {
     return std::nullopt;
   }
   auto layer = window_.currentLayer();
@@ -268,11 +297,7 @@ void LaplacianDragTool::afterEvent() {
   CMeshO* const mesh = meshOf(layer_);
   const LayerSession::Update update = mesh ? active_->update(*mesh) : LayerSession::Update::Nothing;
   if (update == LayerSession::Update::MeshChanged) {
-    shared_->forget(layer_);
-    start();
-    say(tr("The mesh was changed by another tool or filter during a drag: the session starts again from its current "
-           "state.")
-            .toStdString());
+    restart();
   } else if (update != LayerSession::Update::Nothing) {
     QElapsedTimer upload;
     upload.start();

@@ -50,6 +50,9 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
 
  private:
   std::optional<lapedit::host::Layer> usableLayer();
+  bool showNothing(const QString& reason);
+  bool isStale();
+  void restart();
   void openPanel();
   void leaveLayer(bool forGood);
   void leaveCanvas();
@@ -84,8 +87,9 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   bool keysShown_ = false;
   int offered_ = -1;  // layer that a press on the notice switches to
   bool on_ = false;
-  QString nothing_;  // reason why there is no session
-  QString notice_;   // shown until the next event or mouse move
+  QString nothing_;                                          // reason why there is no session
+  Eigen::Vector3i refused_ = Eigen::Vector3i::Constant(-1);  // layer, vertices and faces that had that reason
+  QString notice_;                                           // shown until the next event or mouse move
 
   lapedit::Camera view_;
   Eigen::Matrix4d worldToClip_ = Eigen::Matrix4d::Identity();

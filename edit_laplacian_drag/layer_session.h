@@ -15,6 +15,8 @@ class LayerSession {
   lapedit::DragSession& session() { return session_; }
   /// Returns whether vertices, faces and positions of the mesh are still as this session wrote them.
   bool matches(const CMeshO& mesh) const { return writer_.matches(mesh); }
+  /// As matches(), for some vertices only: O(1).
+  bool seemsToMatch(const CMeshO& mesh) const { return writer_.seems_to_match(mesh); }
   /// To be called when the tool is left. wasLeftLike() then returns whether the mesh is still the same, normals
   /// included, which a filter may have recomputed.
   void leave(const CMeshO& mesh) { normalsLeft_ = hashOfNormals(mesh); }

@@ -224,16 +224,10 @@ void LaplacianDragTool::mousePress(QMouseEvent& event) {
   if (!layer || !view_.valid() || mouse_.navigating != Qt::NoButton) {
     return;
   }
-  if (active_->session().state() == DragSession::State::Picked ||
-      active_->session().state() == DragSession::State::Idle) {
-    if (!active_->matches(*layer->mesh)) {
-      shared_->forget(layer_);
-      start();
-      say(tr("The mesh was changed by another tool or filter: the session starts again from its current state.")
-              .toStdString());
-      if (!active_) {
-        return;
-      }
+  if (isStale()) {
+    restart();
+    if (!active_) {
+      return;
     }
   }
   mouse_.pressed = true;

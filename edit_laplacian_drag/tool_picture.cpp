@@ -42,6 +42,16 @@ QString positionOf(const TriangleMesh& mesh, int vertex, int digits) {
 }  // namespace
 
 void LaplacianDragTool::draw() {
+  if (isStale()) {
+    QMetaObject::invokeMethod(
+        this,
+        [this] {
+          if (isStale()) {
+            restart();
+          }
+        },
+        Qt::QueuedConnection);
+  }
   const auto layer = usableLayer();
   const QWidget& canvas = window_.canvas();
   worldToClip_ = matrixOf(GL_PROJECTION_MATRIX) * matrixOf(GL_MODELVIEW_MATRIX);

@@ -207,6 +207,36 @@ class Leave(LeavingTest):
             w.mouse("press", *w.pixel(self.CENTRE))
             w.quit()
 
+    def test_mesh_imported_under_the_tool(self):
+        other = write_ply(self.folder / "other.ply", *moved((self.points, self.faces), offset=(0.3, 0.2, 0.1)))
+        with self.start(self.mesh) as w:
+            before = w.dump(0)
+            self.pull(w, self.CENTRE, (30, 30), release=False)
+            w.trigger("Import Mesh...", wait=False)
+            w.answer(path=other)
+            w.wait(lambda: w.widget(part("content"))["enabled"], "the panel stays grey", 20)
+            w.mouse("release", 320, 300)
+            w.idle()
+            self.assertEqual(w.tool(), (TOOL, False))
+            self.assert_same(before, w.dump(0))
+            self.assertNotRegex(self.message(w), "no vertices|reading")
+            self.pull(w, self.CENTRE, (20, -20))
+            self.assertEqual(len(self.steps_in_log(w)), 1)
+            self.assert_replay_is_the_same(w, other)
+
+    def test_mesh_reloaded_between_drags(self):
+        with self.start(self.mesh) as w:
+            before = w.dump()
+            self.pull(w, self.CENTRE, (30, 30))
+            w.trigger("Reload", wait=False)
+            w.wait(lambda: not w.widget(part("undo"))["enabled"], "the old step can still be undone", 20)
+            w.idle()
+            self.assertEqual(before.point_bits(), w.dump().point_bits())
+            self.assertFalse(w.widget(part("grow"))["enabled"])  # no region of the old mesh is left
+            self.assertRegex(self.message(w), "changed by another")
+            self.pull(w, self.CENTRE, (20, -20))
+            self.assert_replay_is_the_same(w, self.mesh)
+
     def test_mesh_reloaded_under_the_tool(self):
         with self.start(self.mesh) as w:
             before = w.dump()
