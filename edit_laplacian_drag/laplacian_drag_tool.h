@@ -38,6 +38,7 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
 
   void handOver(bool sameSession) override;
   void sessionGone() override;
+  QWidget& canvas() override { return window_.canvas(); }
   CMeshO* meshOf(int layer) override;
   void log(const std::string& line) override { window_.log(line); }
   void poll() override;

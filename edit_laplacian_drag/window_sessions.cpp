@@ -3,6 +3,8 @@
 
 #include <QDockWidget>
 #include <QMainWindow>
+#include <QMdiArea>
+#include <QMdiSubWindow>
 #include <iterator>
 #include <utility>
 
@@ -17,7 +19,11 @@ WindowSessions& WindowSessions::of(QWidget& window) {
   return found ? *found : *new WindowSessions(window);
 }
 
-WindowSessions::WindowSessions(QWidget& window) : QObject(&window), panel_(new Panel(&window)) {
+WindowSessions::WindowSessions(QWidget& window)
+    : QObject(&window), panel_(new Panel(&window)), projects_(window.findChild<QMdiArea*>()) {
+  if (projects_ != nullptr) {
+    connect(projects_, &QMdiArea::subWindowActivated, this, &WindowSessions::followProject);
+  }
   if (auto* const mainWindow = qobject_cast<QMainWindow*>(&window)) {
     mainWindow->addDockWidget(Qt::LeftDockWidgetArea, panel_);
   }
@@ -52,6 +58,16 @@ void WindowSessions::showPanel() {
 void WindowSessions::hidePanel() {
   if (panel_) {
     panel_->hide();
+  }
+}
+
+/// Shows the panel only with the project of its user.
+void WindowSessions::followProject() {
+  const QMdiSubWindow* const project = projects_->currentSubWindow();
+  if (user_ && project != nullptr && project->isAncestorOf(&user_->canvas())) {
+    showPanel();
+  } else {
+    hidePanel();
   }
 }
 

@@ -315,6 +315,18 @@ class Views(ToolTest):
             self.assertEqual(len(self.steps_in_log(w)), 1)
             self.assert_at(w, self.CENTRE, self.pull(w, self.CENTRE, (20, 20)))
 
+    def test_panel_is_hidden_while_another_project_is_in_front(self):
+        with self.start(self.mesh) as w:
+            before = w.dump()
+            self.pull(w, self.CENTRE, (40, -30))
+            w.trigger("New Empty Project...")
+            self.assertEqual(self.panels(w), [])
+            w.view(project=0)
+            self.assertEqual(len(self.panels(w)), 1)
+            self.assertEqual(w.tool(), (TOOL, False))
+            w.press_button(part("undo"))
+            self.assert_same(before, w.dump())
+
     def test_two_projects_with_the_same_layer_number(self):
         with self.start(self.mesh) as w:
             before = w.dump()
