@@ -94,9 +94,6 @@ bool LaplacianDragTool::start() {
       (known->inHistory.isEmpty() || window_.removeFromHistory("Laplacian Edit Replay", known->inHistory));
   try {
     active_ = resume ? known : &shared_->make(layer->id, *layer->mesh);
-    if (!resume) {
-      shared_->panel().remembered().bringTo(active_->session());
-    }
   } catch (const EditError& error) {
     say(error.what());
     refused_ = sizeOf(*layer);
@@ -128,15 +125,6 @@ bool LaplacianDragTool::showNothing(const QString& reason) {
 bool LaplacianDragTool::isStale() {
   const auto layer = on_ && !window_.loading() ? window_.currentLayer() : std::nullopt;
   return layer && (active_ ? layer->id == layer_ && !active_->seemsToMatch(*layer->mesh) : sizeOf(*layer) != refused_);
-}
-
-void LaplacianDragTool::restart() {
-  const bool changed = active_ != nullptr;
-  start();
-  if (changed && active_) {
-    say(tr("The mesh was changed by another tool or filter: the session starts again from its current state.")
-            .toStdString());
-  }
 }
 
 void LaplacianDragTool::end() {
@@ -190,22 +178,18 @@ void LaplacianDragTool::leaveLayer(bool forGood) {
     session.leave();
     session.finish();
     const LayerSession::Update update = active_->update(*layer->mesh);
-    if (update == LayerSession::Update::MeshChanged) {
-      shared_->forget(layer_);
-    } else {
-      if (update != LayerSession::Update::Nothing) {
-        window_.uploadGeometry(layer_);
-      }
-      if (forGood) {
-        const Edit edit = session.recorded();
-        if (!edit.steps.empty()) {
-          active_->inHistory = QString::fromStdString(write_edit(edit));
-          window_.appendToHistory("Laplacian Edit Replay", active_->inHistory, 1);
-        }
-        session.clear();  // frees the factorisation, which takes much memory
-      }
-      active_->leave(*layer->mesh);
+    if (update == LayerSession::Update::Passing || update == LayerSession::Update::Settled) {
+      window_.uploadGeometry(layer_);
     }
+    if (forGood) {
+      const Edit edit = session.recorded();
+      if (!edit.steps.empty() && update != LayerSession::Update::MeshChanged) {
+        active_->inHistory = QString::fromStdString(write_edit(edit));
+        window_.appendToHistory("Laplacian Edit Replay", active_->inHistory, 1);
+      }
+      session.keep_painted();  // frees the factorisation, which takes much memory
+    }
+    active_->leave(*layer->mesh);
   }
   sessionGone();
 }
@@ -297,7 +281,7 @@ void LaplacianDragTool::afterEvent() {
   CMeshO* const mesh = meshOf(layer_);
   const LayerSession::Update update = mesh ? active_->update(*mesh) : LayerSession::Update::Nothing;
   if (update == LayerSession::Update::MeshChanged) {
-    restart();
+    start();
   } else if (update != LayerSession::Update::Nothing) {
     QElapsedTimer upload;
     upload.start();

@@ -53,7 +53,6 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   std::optional<lapedit::host::Layer> usableLayer();
   bool showNothing(const QString& reason);
   bool isStale();
-  void restart();
   void openPanel();
   void leaveLayer(bool forGood);
   void leaveCanvas();

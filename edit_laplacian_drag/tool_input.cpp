@@ -225,7 +225,7 @@ void LaplacianDragTool::mousePress(QMouseEvent& event) {
     return;
   }
   if (isStale()) {
-    restart();
+    start();
     if (!active_) {
       return;
     }

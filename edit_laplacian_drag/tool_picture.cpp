@@ -47,7 +47,7 @@ void LaplacianDragTool::draw() {
         this,
         [this] {
           if (isStale()) {
-            restart();
+            start();
           }
         },
         Qt::QueuedConnection);

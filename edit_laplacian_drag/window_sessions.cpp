@@ -95,7 +95,6 @@ LayerSession* WindowSessions::find(int layer) {
 }
 
 LayerSession& WindowSessions::make(int layer, const CMeshO& mesh) {
-  sessions_.erase({document_, layer});
   lapedit::DragSession::Callbacks callbacks;
   callbacks.log = [this](const std::string& line) {
     if (user_) {
@@ -118,7 +117,14 @@ LayerSession& WindowSessions::make(int layer, const CMeshO& mesh) {
   callbacks.find_targets = [this] { return user_ ? user_->findTargets() : nullptr; };
   auto made = std::make_unique<LayerSession>(mesh, callbacks);
   connect(document_, &QObject::destroyed, this, &WindowSessions::forgetDocument, Qt::UniqueConnection);
-  return *(sessions_[{document_, layer}] = std::move(made));
+  std::unique_ptr<LayerSession>& known = sessions_[{document_, layer}];
+  if (known) {
+    made->session().succeed(known->session());
+  } else {
+    panel_->remembered().bringTo(made->session());
+  }
+  known = std::move(made);
+  return *known;
 }
 
 void WindowSessions::forget(int layer) {

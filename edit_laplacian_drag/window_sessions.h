@@ -53,7 +53,7 @@ class WindowSessions : public QObject {
   // Layers of the user's document.
 
   LayerSession* find(int layer);
-  /// Replaces the session by a new one. @throws EditError if the mesh cannot be edited
+  /// Makes a session, which succeeds the one that there may be. @throws EditError if the mesh cannot be edited
   LayerSession& make(int layer, const CMeshO& mesh);
   void forget(int layer);
   /// Deletes sessions of deleted layers.

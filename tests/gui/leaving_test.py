@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Navigating, layers, all ways to leave the tool, and meshes with nothing to edit."""
 import contextlib
+import json
 import unittest
 
 from tool import PANEL, TOOL, ToolTest, part
@@ -163,6 +164,26 @@ class Leave(LeavingTest):
                 self.pull(w, self.CENTRE, (20, -20))
                 w.press_button(part("undo"))
                 self.assert_same(filtered, w.dump())
+
+    def test_steps_before_a_filter_are_saved_and_fixed_vertices_stay(self):
+        with self.start(self.mesh) as w:
+            w.set(part("keep_fixed"), True)
+            x, y = w.pixel(self.CENTRE + 4)
+            w.click(x, y)
+            w.set(part("keep_fixed"), False)
+            for by in ((20, -20), (-10, 25)):
+                self.pull(w, self.CENTRE, by)
+            saved = self.saved_edit(w).read_text()
+            held = json.loads(saved)["steps"][1]["region"]["held"]
+            w.run_filter("Laplacian Smooth")
+            w.trigger(TOOL)
+            self.assertRegex(self.message(w), "2 steps cannot be undone")
+            self.assertEqual(self.saved_edit(w, "later.json").read_text(), saved)
+            smoothed = write_ply(self.folder / "smoothed.ply", w.dump().triples(), self.faces)
+            self.pull(w, self.CENTRE, (20, -20))
+            (step,) = self.steps_of(w)
+            self.assertEqual(step["region"]["held"], held)
+            self.assert_replay_is_the_same(w, smoothed)
 
     def test_by_changing_the_layer(self):
         with self.start(self.mesh, self.mesh) as w:

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 
 #include "drag_support.h"
 #include "lapedit/session/drag_session.h"
@@ -614,6 +615,44 @@ TEST(DragSteps, SavedEditLoadsToTheSameBits) {
   other.session.undo();
   other.session.undo();  // of the first the host learns only now
   EXPECT_TRUE(same_bits(other.host(), other.session.original().vertices));
+}
+
+TEST(DragSteps, AreSavedAndPaintedVerticesStayAfterOtherCodeChangedTheMesh) {
+  Window before(plate());
+  before.click(kMiddle);
+  before.session.set_region(before.region());
+  before.session.wait();
+  before.session.set_anchors({at(26, 30), at(2, 2)});
+  before.session.wait();
+  before.change([](DragSettings& s) { s.radius = 3; });
+  before.drag(kMiddle, Vector2(10, 5));
+  const auto succeed = [](const DragSession& old, const TriangleMesh& mesh) {
+    auto next = std::make_unique<Window>(mesh);
+    next->session.succeed(old);
+    return next;
+  };
+  TriangleMesh smoothed = before.session.mesh();
+  smoothed.vertices.col(2) *= 0.5;
+  const auto after = succeed(before.session, smoothed);
+  EXPECT_TRUE(after->says("1 step cannot be undone"));
+  EXPECT_EQ(after->session.settings().radius, 3);
+  EXPECT_FALSE(after->session.can_undo());
+  EXPECT_TRUE(after->session.selection().by_hand);
+  EXPECT_TRUE(has(after->session.selection().held, at(2, 2)));
+  EXPECT_EQ(after->region(), before.region());
+  EXPECT_EQ(after->session.saved().steps.size(), 1U);
+  // Another change without steps in between loses nothing more.
+  const auto third = succeed(after->session, smoothed);
+  EXPECT_EQ(third->session.saved().steps.size(), 1U);
+  third->drag(kMiddle, Vector2(5, 5));
+  EXPECT_EQ(third->session.saved().steps.at(0).region.held, third->session.selection().held);
+  third->expect_consistent();
+  third->undo();
+  EXPECT_TRUE(third->session.can_save());
+  const auto other = succeed(before.session, shapes::grid(9, 9));
+  EXPECT_TRUE(other->session.selection().held.empty());
+  EXPECT_FALSE(other->session.selection().has_region);
+  EXPECT_TRUE(other->session.can_save());
 }
 
 TEST(DragSteps, EditOfAnotherMeshIsRefused) {

@@ -272,6 +272,30 @@ void DragSession::clear() {
   change_region([](const Surface&, const Selection& now) { return Choice(cleared(now)); });
 }
 
+void DragSession::keep_painted() {
+  change_region([](const Surface& s, const Selection& now) { return Choice(only_painted(now, s.settings)); });
+}
+
+void DragSession::succeed(const DragSession& before) {
+  Tools tools = before.tools();
+  tools.keeps_fixed = false;
+  tools.pivot = tools.pivot == Pivot::Point ? Pivot::Centroid : tools.pivot;
+  set_tools(tools);
+  set_settings(before.settings());
+  earlier_ = before.saved();
+  const Faces &now = original().faces, &then = before.original().faces;
+  if (original().vertices.rows() == before.original().vertices.rows() && now.rows() == then.rows() && now == then) {
+    Selection painted = only_painted(before.selection(), settings());
+    painted.held = painted.region.held = model_.weld.firsts(std::move(painted.held));
+    painted.region.vertices = model_.weld.firsts(std::move(painted.region.vertices));
+    change_region([&painted](const Surface&, const Selection&) { return Choice(std::move(painted)); });
+  }
+  if (const std::size_t lost = before.model_.history.steps().size(); lost > 0) {
+    model_.refusal = messages::steps_lost(lost);
+    model_.log(model_.refusal);
+  }
+}
+
 // --- Steps ----------------------------------------------------------------------------------------------------------
 
 bool DragSession::can_undo() const {
@@ -337,7 +361,7 @@ void DragSession::go_to(std::size_t actions) {
 }
 
 Edit DragSession::saved() const {
-  return with_positions(original(), *model_.adjacency, recorded());
+  return model_.history.can_undo() ? with_positions(original(), *model_.adjacency, recorded()) : earlier_;
 }
 
 void DragSession::load(Edit edit) {

@@ -141,7 +141,11 @@ class DragSession {
   void set_region(std::vector<int> vertices);   ///< any order; keeps the handles inside it
   void set_anchors(std::vector<int> vertices);  ///< replaces the anchor band of the region
   void whole_component();                       ///< the connected components of the handles
-  void clear();                                 ///< no region, no handle
+  void clear();                                 ///< no region, no handle, no fixed vertices
+  void keep_painted();                          ///< no handle; only a painted region, and the fixed vertices
+  /// Continues with a mesh that other code has changed, before anything is done: takes over settings and switches, if
+  /// the faces are the same what keep_painted() keeps, and for saved() the steps, which cannot be undone any more.
+  void succeed(const DragSession& before);
 
   // Steps ------------------------------------------------------------------------------------------------------------
 
@@ -154,7 +158,9 @@ class DragSession {
   const Timeline& timeline() const { return model_.timeline; }
   /// Returns the applied steps, with counts and connectivity of the mesh.
   Edit recorded() const { return model_.history.recorded(); }
-  Edit saved() const;  ///< the same with positions, see with_positions()
+  /// Returns the same with positions, see with_positions(), or else the steps before succeed().
+  Edit saved() const;
+  bool can_save() const { return model_.history.can_undo() || !earlier_.steps.empty(); }
   /// Applies the steps of an edit to the current mesh as steps of this session, in the background.
   void load(Edit edit);
 
@@ -181,6 +187,7 @@ class DragSession {
   bool motion_key(DragKey key, const Cursor& cursor);
   bool begin_by_key(MotionKind kind, const Cursor& cursor);
 
+  Edit earlier_;  // the steps before succeed()
   SessionModel model_;
   SessionSolver solver_;
   SessionMouse mouse_;

@@ -62,6 +62,7 @@ constexpr const char* kNothingToUndo = "There is nothing to undo.";
 constexpr const char* kNothingToRedo = "There is nothing to redo.";
 constexpr const char* kNoLastStep =
     "There is no last step to change: drag a handle first, and change it before something else is picked.";
+std::string steps_lost(std::size_t steps);
 std::string asymmetric(double fraction);
 std::string out_of_range(const char* what, double value, const char* wanted);
 std::string no_such_vertices(int vertices_of_mesh);

@@ -525,6 +525,16 @@ Selection cleared(const Selection& selection) {
   return after;
 }
 
+Selection only_painted(const Selection& selection, const DragSettings& settings) {
+  Selection after = cleared(selection);
+  if (selection.has_region && selection.by_hand && selection.region.kind == RegionSpec::Kind::Vertices) {
+    after = with_vertices(std::move(after), selection.region.vertices, settings);
+    after.by_hand = true;
+  }
+  after.held = after.region.held = selection.held;
+  return after;
+}
+
 // --- What the next click does ---------------------------------------------------------------------------------------
 
 Selection with_mode(const Selection& selection, HandleMode mode) {

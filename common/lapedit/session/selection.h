@@ -112,6 +112,8 @@ Selection with_padding(Selection selection, const DragSettings& settings);
 Selection with_region_kept(const Surface& surface, const Selection& selection);
 /// Returns no region, no handle and no fixed vertices.
 Selection cleared(const Selection& selection);
+/// Returns only what was painted: fixed vertices, and the region if it was painted or selected.
+Selection only_painted(const Selection& selection, const DragSettings& settings);
 
 // What the next click does -------------------------------------------------------------------------------------------
 
