@@ -301,9 +301,10 @@ void LaplacianDragTool::refreshPanel() {
   if (!shared_ || !shared_->isUsedBy(*this)) {
     return;
   }
-  const DragSession* session = active_ ? &active_->session() : nullptr;
+  DragSession* const session = active_ ? &active_->session() : nullptr;
   shared_->panel().show(session, clock_.median());
-  shared_->panel().setBusy(session && (session->busy() || session->state() == DragSession::State::Settling));
+  shared_->panel().setBusy(
+      session && (session->busy() || session->searching() || session->state() == DragSession::State::Settling));
 }
 
 // --- The panel's buttons --------------------------------------------------------------------------------------------

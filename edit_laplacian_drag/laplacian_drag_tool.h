@@ -74,7 +74,7 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   QVector<QPointF> notToCover() const;
   void drawLine(const LinePicture::Line& line);
   bool pressLine();
-  bool offerLayer();
+  void offerLayer();
   void copyPlace();
   void say(const std::string& line);
   void saySettings(const lapedit::DragSettings& before);
@@ -98,6 +98,7 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
     Qt::KeyboardModifiers modifiers;
     Qt::MouseButton navigating = Qt::NoButton;  // held for MeshLab's navigation
     bool pressed = false, moved = false;
+    bool asks = false;    // beside the layer: is another one there?
     bool inside = false;  // over the canvas, no button held
   } mouse_;
 

@@ -235,7 +235,7 @@ void LaplacianDragTool::mousePress(QMouseEvent& event) {
   mouse_.pressedAt = event.localPos();
   if (!active_->session().press(cursor(), pressModifiers()) && event.modifiers() == Qt::NoModifier) {
     mouse_.pressed = false;
-    offerLayer();
+    mouse_.asks = true;
     mouse_.navigating = Qt::LeftButton;
     window_.navigate(event, Qt::LeftButton);
   }

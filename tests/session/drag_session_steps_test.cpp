@@ -37,6 +37,38 @@ bool has(const std::vector<int>& set, int vertex) {
   return std::binary_search(set.begin(), set.end(), vertex);
 }
 
+// --- Presses ---------------------------------------------------------------------------------------------------------
+
+TEST(DragPress, WaitsForNothingBeforeTheSurfaceCanBeSearched) {
+  const TriangleMesh mesh = support::stored(plate());
+  const Camera view = support::view_from_above(mesh.vertices);
+  DragSession session(mesh, StoredScalar::Float, {});
+  const Cursor cursor{view, view.pixel(mesh.vertices.row(kMiddle).transpose())};
+  EXPECT_FALSE(session.press(cursor)) << "the view turns";
+  session.release(cursor);
+  session.wait();
+  EXPECT_TRUE(session.selection().groups.empty());
+  EXPECT_TRUE(session.press(cursor));
+  session.release(cursor);
+  EXPECT_FALSE(session.selection().groups.empty());
+}
+
+TEST(DragPress, AfterAStepIsHandledOnceTheNewPoseCanBeSearched) {
+  Window window(plate());
+  window.press(kMiddle);
+  window.session.move(window.at(kMiddle, Vector2(20, 10)));
+  window.session.release(window.at(kMiddle, Vector2(20, 10)));
+  while (window.session.figures().steps == 0) {
+    window.session.poll();
+  }
+  EXPECT_FALSE(window.session.press(window.at(Vector2(1, 1)))) << "off the mesh";
+  window.press(at(50, 50));
+  window.session.release(window.at(at(50, 50)));
+  window.session.wait();
+  EXPECT_EQ(window.session.selection().groups, (std::vector<std::vector<int>>{{at(50, 50)}}));
+  window.expect_consistent();
+}
+
 // --- Regions --------------------------------------------------------------------------------------------------------
 
 TEST(DragRegion, SettingsOutOfRangeAreRefusedAndChangeNothing) {

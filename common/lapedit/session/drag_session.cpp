@@ -383,6 +383,7 @@ bool DragSession::poll() {
     // Without a step the request was refused.
     response == SessionSolver::Response::Step ? mouse_.replay() : mouse_.forget();
   }
+  mouse_.poll();
   return response != SessionSolver::Response::None;
 }
 
@@ -396,9 +397,11 @@ void DragSession::finish() {
 }
 
 void DragSession::wait() {
-  while (solver_.wait()) {
-    poll();
-  }
+  do {
+    while (solver_.wait()) {
+      poll();
+    }
+  } while (mouse_.wait());
 }
 
 // --- Keys and motion ------------------------------------------------------------------------------------------------

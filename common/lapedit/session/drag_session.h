@@ -74,6 +74,9 @@ class DragSession {
   const DragMotion* motion() const;  ///< the drag in progress, null if there is none
   Preparation preparation() const { return solver_.preparation(); }
   bool busy() const { return solver_.worker().busy(); }  ///< poll() has, or will have, something new
+  /// Returns whether what is under the cursor is not known yet: a press on a new session picks nothing. Starts to find
+  /// out, and poll() has something new when it is known.
+  bool searching() { return mouse_.searching(); }
   /// Returns brushed vertices that no handle reaches: they are kept, and join the region when they become connected.
   /// Ascending.
   const std::vector<int>& unconnected() const { return model_.unconnected; }

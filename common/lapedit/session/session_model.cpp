@@ -143,11 +143,6 @@ void SessionModel::show(const std::vector<int>& vertices, const Points& position
   changed_ = true;
 }
 
-void SessionModel::show_mesh(const std::vector<int>& vertices, const Points& positions) {
-  visibility.reset();
-  show(vertices, positions, true);
-}
-
 void SessionModel::show_region(std::shared_ptr<const Region> region) {
   shown.show(std::move(region), mesh());
   others = 0;
@@ -177,7 +172,7 @@ const AppliedStep* SessionModel::undo() {
   }
   const AppliedStep& step = history.undo();
   join_after(step.step);
-  show_mesh(step.vertices, step.before);
+  show(step.vertices, step.before, true);
   return &step;
 }
 
@@ -189,7 +184,7 @@ const AppliedStep* SessionModel::redo() {
   }
   const AppliedStep& step = history.redo();
   join_after(step.step);
-  show_mesh(step.vertices, step.after);
+  show(step.vertices, step.after, true);
   return &step;
 }
 
