@@ -321,10 +321,8 @@ void LaplacianDragTool::command(const QString& part) {
   notice_.clear();
   DragSession& session = active_->session();
   const std::map<QString, std::function<void()>> commands = {
-      {"from_selection",
-       [&] { session.set_region(vertices_of_selected_faces(*layer->mesh, read_mesh(*layer->mesh))); }},
-      {"anchors_from_selection",
-       [&] { session.set_anchors(vertices_of_selected_faces(*layer->mesh, read_mesh(*layer->mesh))); }},
+      {"from_selection", [&] { session.set_region(active_->selected(*layer->mesh)); }},
+      {"anchors_from_selection", [&] { session.set_anchors(active_->selected(*layer->mesh)); }},
       {"component", [&] { session.whole_component(); }},
       {"grow", [&] { session.key(DragKey::Grow); }},
       {"shrink", [&] { session.key(DragKey::Shrink); }},

@@ -125,7 +125,7 @@ void Panel::showCommands(const DragSession& session) {
   for (const char* part : {"component", "next_group", "move", "rotate", "scale"}) {
     buttons_[part]->setEnabled(picked);
   }
-  for (const char* part : {"grow", "shrink", "anchors_from_selection"}) {
+  for (const char* part : {"grow", "shrink"}) {
     buttons_[part]->setEnabled(session.shown().region() != nullptr);
   }
 }

@@ -271,8 +271,10 @@ TEST(DragBrush, StrokesAndStepsAreUndoneInTheOrderThatTheyWereDone) {
 TEST(DragBrush, AnchorsComeFromASelection) {
   Window window(shapes::grid(60, 60));
   window.change([](DragSettings& s) { s.radius = 12; });
-  window.session.set_anchors({at(33, 30)});
+  window.session.set_anchors({});
   EXPECT_TRUE(window.says("no region"));
+  window.session.set_anchors({at(3, 3)});
+  EXPECT_EQ(window.session.selection().held, (std::vector<int>{at(3, 3)})) << "for later regions";
   window.click(kMiddle);
   window.session.set_anchors({at(33, 30), at(33, 31), at(2, 2), kMiddle});
   window.session.wait();

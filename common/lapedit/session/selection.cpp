@@ -391,7 +391,8 @@ Choice anchors_brushed(const Surface& surface, const Selection& selection, const
 
 Choice with_anchors(const Surface& surface, const Selection& selection, std::vector<int> vertices) {
   vertices = without(sorted_set(std::move(vertices)), handles_of(selection));
-  Choice choice = with_band(surface, selection, vertices);
+  Choice choice =
+      selection.has_region || vertices.empty() ? with_band(surface, selection, vertices) : Choice(selection);
   if (Selection* const after = std::get_if<Selection>(&choice)) {
     after->held = united(after->held, vertices);
     after->region.held = after->held;
