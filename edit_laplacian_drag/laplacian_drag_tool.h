@@ -77,6 +77,7 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   void offerLayer();
   void copyPlace();
   void say(const std::string& line);
+  void saySwitch(lapedit::DragKey key);
   void saySettings(const lapedit::DragSettings& before);
   void guarded(const std::function<void()>& call);  ///< reports exceptions, which must not reach Qt
 

@@ -333,6 +333,9 @@ class Hover(ToolTest):
             w.move(330, 300)
             self.assertRegex(self.message(w), "^Press on the surface and drag")
             values = [w.widget(part(n))["value"] for n in ("radius", "handle_fraction", "padding")]
+            camera = w.camera()
+            w.wheel(3, 300, 2)  # off the mesh
+            self.assertNotEqual(w.camera(), camera)
             for modifier in ("ctrl", "alt"):
                 camera = w.camera()
                 w.wheel(300, 300, 3, modifiers=[modifier])

@@ -344,6 +344,10 @@ class KeepFixed(ToolTest):
             w.click(x, y)
             self.assertTrue(w.widget(part("gizmo"))["checked"])
             self.assert_at(w, self.CENTRE, self.pull(w, self.CENTRE, (25, -20)))
+            w.key("V")
+            self.assertRegex(self.message(w), "rings are hidden")
+            w.key("C")
+            self.assertRegex(self.message(w), "make a curve")
 
 
 if __name__ == "__main__":

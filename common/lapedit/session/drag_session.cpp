@@ -167,6 +167,7 @@ void DragSession::set_tools(const Tools& tools) {
     now.brush = tools.brush;
     now.keeps_fixed &= tools.brush == BrushTarget::Anchors;
   }
+  now.gizmo_by_click &= tools.gizmo == now.gizmo;
   now.gizmo = tools.gizmo;
   now.axes = tools.axes;
   if (tools.pivot != now.pivot) {

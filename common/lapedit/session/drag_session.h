@@ -85,6 +85,8 @@ class DragSession {
   GizmoElement gizmo_element() const { return mouse_.gizmo_element(); }  ///< under the cursor, or held
   /// Returns a preview of what a press would pick, null if nothing.
   const HoverPreview* hover() const { return mouse_.preview(); }
+  /// Returns whether hover() was last called for a cursor that was on neither mesh nor gizmo, and nothing is dragged.
+  bool is_beside() { return !motion() && !searching() && hover() == nullptr && gizmo_element() == GizmoElement::None; }
   std::string message() const;  ///< one line: the last refusal, otherwise the effect of the next click
   void forget_refusal() { model_.refusal.clear(); }
   /// Returns the problem with the pose of the drag in progress or of the last step, and the remedy; empty if none is

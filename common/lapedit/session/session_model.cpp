@@ -114,6 +114,7 @@ bool SessionModel::take(Choice choice) {
   Selection& chosen = std::get<Selection>(choice);
   const bool another_region = chosen.taken != selection.taken;
   if (chosen.groups != selection.groups) {
+    tools.gizmo &= !std::exchange(tools.gizmo_by_click, false);
     tools.mirrored.reset();  // a stroke is shown at once, its mirror image after preparation
   }
   selection = std::move(chosen);

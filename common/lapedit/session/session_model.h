@@ -40,6 +40,7 @@ struct Tools {
   BrushTarget brush = BrushTarget::Region;
   bool keeps_fixed = false;  ///< the brush paints anchors without a modifier
   bool gizmo = false;
+  bool gizmo_by_click = false;  ///< the gizmo is hidden when another handle is picked
   GizmoAxes axes = GizmoAxes::Layer;
   Pivot pivot = Pivot::Centroid;           ///< Point: the next click picks it
   bool snaps = false;                      ///< a moved handle goes to the surfaces of FindTargets

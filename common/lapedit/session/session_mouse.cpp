@@ -166,7 +166,7 @@ bool SessionMouse::hover(const Cursor& cursor, PressModifiers modifiers) {
     return was;
   }
   const std::optional<Gizmo> gizmo = model_.gizmo(cursor.view);
-  element_ = gizmo ? gizmo_element_at(*gizmo, cursor) : GizmoElement::None;
+  element_ = element_at(gizmo, cursor);
   if (element_ != GizmoElement::None) {
     preview_.reset();
   } else {
@@ -205,7 +205,7 @@ void SessionMouse::release(const Cursor& cursor) {
   }
   end_stroke();
   if (press.on_handle && press.draggable) {
-    model_.tools.gizmo = true;
+    model_.tools.gizmo_by_click |= !std::exchange(model_.tools.gizmo, true);
   } else if (press.on_gizmo) {  // a click picks what is behind the gizmo
     press_beneath(press.cursor, {});
     pressed_.reset();
@@ -222,10 +222,20 @@ void SessionMouse::end_stroke() {
   }
 }
 
+/// Returns the part of the gizmo under the cursor, none where another handle is: a press takes that.
+GizmoElement SessionMouse::element_at(const std::optional<Gizmo>& gizmo, const Cursor& cursor) {
+  const GizmoElement element = gizmo ? gizmo_element_at(*gizmo, cursor) : GizmoElement::None;
+  if (element == GizmoElement::None || model_.groups().size() == 1) {
+    return element;
+  }
+  const int group = group_at(model_.mesh(), model_.groups(), hit(cursor), cursor, model_.settings.radius);
+  return group < 0 || group == model_.selection.active ? element : GizmoElement::None;
+}
+
 /// Handles a press on an arrow, a ring or the knob. @return whether there was one under the cursor
 bool SessionMouse::press_gizmo(const Cursor& cursor) {
   const std::optional<Gizmo> gizmo = model_.gizmo(cursor.view);
-  element_ = gizmo ? gizmo_element_at(*gizmo, cursor) : GizmoElement::None;
+  element_ = element_at(gizmo, cursor);
   if (element_ == GizmoElement::None) {
     return false;
   }

@@ -72,6 +72,7 @@ class SessionMouse {
   HoverSearch* search();  // over the current mesh, null until it is ready
   std::optional<SurfaceHit> hit(const Cursor& cursor);
   Cursor snapped(const Cursor& cursor, MotionKind kind) const;
+  GizmoElement element_at(const std::optional<Gizmo>& gizmo, const Cursor& cursor);
   bool press_gizmo(const Cursor& cursor);
   bool press_beneath(const Cursor& cursor, PressModifiers modifiers);
   void press_surface(const SurfaceHit& hit, const Cursor& cursor, PressModifiers modifiers);
