@@ -20,6 +20,10 @@ using namespace lapedit::host;
 
 namespace {
 
+Eigen::Vector3i sizeOf(const Layer& layer) {
+  return {layer.id, layer.mesh->vn, layer.mesh->fn};
+}
+
 double milliseconds(const QElapsedTimer& timer) {
   return static_cast<double>(timer.nsecsElapsed()) * 1e-6;
 }
@@ -56,6 +60,7 @@ bool LaplacianDragTool::start() {
   active_ = nullptr;
   layer_ = -1;
   nothing_.clear();
+  refused_.setConstant(-1);
   notice_.clear();
   offered_ = -1;
   keysShown_ = false;
@@ -80,22 +85,19 @@ bool LaplacianDragTool::start() {
   connect(window_.document(), SIGNAL(meshSetChanged()), this, SLOT(layersChanged()),
           static_cast<Qt::ConnectionType>(Qt::QueuedConnection | Qt::UniqueConnection));
   shared_->forgetGone();
+  if (window_.loading()) {
+    return showNothing(tr("MeshLab is reading a mesh."));  // the first picture of it starts the session
+  }
   LayerSession* known = shared_->find(layer->id);
   const bool resume =
       known != nullptr && known->wasLeftLike(*layer->mesh) &&
       (known->inHistory.isEmpty() || window_.removeFromHistory("Laplacian Edit Replay", known->inHistory));
   try {
     active_ = resume ? known : &shared_->make(layer->id, *layer->mesh);
-    if (!resume) {
-      shared_->panel().remembered().bringTo(active_->session());
-    }
   } catch (const EditError& error) {
-    nothing_ = error.what();
     say(error.what());
-    on_ = true;
-    openPanel();
-    refreshPanel();
-    return true;
+    refused_ = sizeOf(*layer);
+    return showNothing(notice_);
   }
   active_->inHistory.clear();
   layer_ = layer->id;
@@ -108,6 +110,21 @@ bool LaplacianDragTool::start() {
   // The menu or tool bar that started the tool takes the keyboard after this call.
   QTimer::singleShot(0, this, [this] { takeKeys(); });
   return true;
+}
+
+/// Keeps the tool on without a session.
+bool LaplacianDragTool::showNothing(const QString& reason) {
+  nothing_ = reason;
+  on_ = true;
+  openPanel();
+  refreshPanel();
+  return true;
+}
+
+/// Returns whether the current layer is no longer the one that start() read, as after an import or *Reload*. O(1).
+bool LaplacianDragTool::isStale() {
+  const auto layer = on_ && !window_.loading() ? window_.currentLayer() : std::nullopt;
+  return layer && (active_ ? layer->id == layer_ && !active_->seemsToMatch(*layer->mesh) : sizeOf(*layer) != refused_);
 }
 
 void LaplacianDragTool::end() {
@@ -161,22 +178,18 @@ void LaplacianDragTool::leaveLayer(bool forGood) {
     session.leave();
     session.finish();
     const LayerSession::Update update = active_->update(*layer->mesh);
-    if (update == LayerSession::Update::MeshChanged) {
-      shared_->forget(layer_);
-    } else {
-      if (update != LayerSession::Update::Nothing) {
-        window_.uploadGeometry(layer_);
-      }
-      if (forGood) {
-        const Edit edit = session.recorded();
-        if (!edit.steps.empty()) {
-          active_->inHistory = QString::fromStdString(write_edit(edit));
-          window_.appendToHistory("Laplacian Edit Replay", active_->inHistory, 1);
-        }
-        session.clear();  // frees the factorisation, which takes much memory
-      }
-      active_->leave(*layer->mesh);
+    if (update == LayerSession::Update::Passing || update == LayerSession::Update::Settled) {
+      window_.uploadGeometry(layer_);
     }
+    if (forGood) {
+      const Edit edit = session.recorded();
+      if (!edit.steps.empty() && update != LayerSession::Update::MeshChanged) {
+        active_->inHistory = QString::fromStdString(write_edit(edit));
+        window_.appendToHistory("Laplacian Edit Replay", active_->inHistory, 1);
+      }
+      session.keep_painted();  // frees the factorisation, which takes much memory
+    }
+    active_->leave(*layer->mesh);
   }
   sessionGone();
 }
@@ -208,7 +221,7 @@ void LaplacianDragTool::openPanel() {
 
 /// Returns the session's layer if it exists, is current and is visible.
 std::optional<Layer> LaplacianDragTool::usableLayer() {
-  if (!active_) {
+  if (!active_ || window_.loading()) {
     return std::nullopt;
   }
   auto layer = window_.currentLayer();
@@ -268,11 +281,7 @@ void LaplacianDragTool::afterEvent() {
   CMeshO* const mesh = meshOf(layer_);
   const LayerSession::Update update = mesh ? active_->update(*mesh) : LayerSession::Update::Nothing;
   if (update == LayerSession::Update::MeshChanged) {
-    shared_->forget(layer_);
     start();
-    say(tr("The mesh was changed by another tool or filter during a drag: the session starts again from its current "
-           "state.")
-            .toStdString());
   } else if (update != LayerSession::Update::Nothing) {
     QElapsedTimer upload;
     upload.start();
@@ -292,9 +301,10 @@ void LaplacianDragTool::refreshPanel() {
   if (!shared_ || !shared_->isUsedBy(*this)) {
     return;
   }
-  const DragSession* session = active_ ? &active_->session() : nullptr;
+  DragSession* const session = active_ ? &active_->session() : nullptr;
   shared_->panel().show(session, clock_.median());
-  shared_->panel().setBusy(session && (session->busy() || session->state() == DragSession::State::Settling));
+  shared_->panel().setBusy(
+      session && (session->busy() || session->searching() || session->state() == DragSession::State::Settling));
 }
 
 // --- The panel's buttons --------------------------------------------------------------------------------------------
@@ -311,10 +321,8 @@ void LaplacianDragTool::command(const QString& part) {
   notice_.clear();
   DragSession& session = active_->session();
   const std::map<QString, std::function<void()>> commands = {
-      {"from_selection",
-       [&] { session.set_region(vertices_of_selected_faces(*layer->mesh, read_mesh(*layer->mesh))); }},
-      {"anchors_from_selection",
-       [&] { session.set_anchors(vertices_of_selected_faces(*layer->mesh, read_mesh(*layer->mesh))); }},
+      {"from_selection", [&] { session.set_region(active_->selected(*layer->mesh)); }},
+      {"anchors_from_selection", [&] { session.set_anchors(active_->selected(*layer->mesh)); }},
       {"component", [&] { session.whole_component(); }},
       {"grow", [&] { session.key(DragKey::Grow); }},
       {"shrink", [&] { session.key(DragKey::Shrink); }},

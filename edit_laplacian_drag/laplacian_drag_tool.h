@@ -38,6 +38,7 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
 
   void handOver(bool sameSession) override;
   void sessionGone() override;
+  QWidget& canvas() override { return window_.canvas(); }
   CMeshO* meshOf(int layer) override;
   void log(const std::string& line) override { window_.log(line); }
   void poll() override;
@@ -50,6 +51,8 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
 
  private:
   std::optional<lapedit::host::Layer> usableLayer();
+  bool showNothing(const QString& reason);
+  bool isStale();
   void openPanel();
   void leaveLayer(bool forGood);
   void leaveCanvas();
@@ -71,9 +74,10 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   QVector<QPointF> notToCover() const;
   void drawLine(const LinePicture::Line& line);
   bool pressLine();
-  bool offerLayer();
+  void offerLayer();
   void copyPlace();
   void say(const std::string& line);
+  void saySwitch(lapedit::DragKey key);
   void saySettings(const lapedit::DragSettings& before);
   void guarded(const std::function<void()>& call);  ///< reports exceptions, which must not reach Qt
 
@@ -84,8 +88,9 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   bool keysShown_ = false;
   int offered_ = -1;  // layer that a press on the notice switches to
   bool on_ = false;
-  QString nothing_;  // reason why there is no session
-  QString notice_;   // shown until the next event or mouse move
+  QString nothing_;                                          // reason why there is no session
+  Eigen::Vector3i refused_ = Eigen::Vector3i::Constant(-1);  // layer, vertices and faces that had that reason
+  QString notice_;                                           // shown until the next event or mouse move
 
   lapedit::Camera view_;
   Eigen::Matrix4d worldToClip_ = Eigen::Matrix4d::Identity();
@@ -94,6 +99,7 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
     Qt::KeyboardModifiers modifiers;
     Qt::MouseButton navigating = Qt::NoButton;  // held for MeshLab's navigation
     bool pressed = false, moved = false;
+    bool asks = false;    // beside the layer: is another one there?
     bool inside = false;  // over the canvas, no button held
   } mouse_;
 

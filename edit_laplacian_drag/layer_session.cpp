@@ -11,7 +11,9 @@ LayerSession::LayerSession(const CMeshO& mesh, const DragSession::Callbacks& cal
     : LayerSession(mesh, read_mesh(mesh), callbacks) {}
 
 LayerSession::LayerSession(const CMeshO& mesh, const BridgedMesh& bridged, const DragSession::Callbacks& callbacks)
-    : session_(bridged.mesh, kStoredScalar, callbacks), writer_(mesh, bridged, session_.given_adjacency()) {}
+    : coreVertex_(bridged.core_vertex),
+      session_(bridged.mesh, kStoredScalar, callbacks),
+      writer_(mesh, bridged, session_.given_adjacency()) {}
 
 uint LayerSession::hashOfNormals(const CMeshO& mesh) {
   uint hash = 0;

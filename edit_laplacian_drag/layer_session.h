@@ -2,6 +2,7 @@
 #pragma once
 
 #include <QString>
+#include <vector>
 
 #include "lapedit/session/drag_session.h"
 #include "lapedit_host/pose_writer.h"
@@ -15,6 +16,8 @@ class LayerSession {
   lapedit::DragSession& session() { return session_; }
   /// Returns whether vertices, faces and positions of the mesh are still as this session wrote them.
   bool matches(const CMeshO& mesh) const { return writer_.matches(mesh); }
+  /// As matches(), for some vertices only: O(1).
+  bool seemsToMatch(const CMeshO& mesh) const { return writer_.seems_to_match(mesh); }
   /// To be called when the tool is left. wasLeftLike() then returns whether the mesh is still the same, normals
   /// included, which a filter may have recomputed.
   void leave(const CMeshO& mesh) { normalsLeft_ = hashOfNormals(mesh); }
@@ -30,6 +33,11 @@ class LayerSession {
   Update update(CMeshO& mesh);
   double writeMilliseconds() const { return writeMilliseconds_; }  ///< of the last pose
 
+  /// Returns the vertices that are selected in MeshLab, or are corners of selected faces.
+  std::vector<int> selected(const CMeshO& mesh) const {
+    return lapedit::host::selected_vertices_and_corners(mesh, coreVertex_);
+  }
+
   QString inHistory;  ///< the last edit in the document's history
 
  private:
@@ -37,6 +45,7 @@ class LayerSession {
                const lapedit::DragSession::Callbacks& callbacks);
   static uint hashOfNormals(const CMeshO& mesh);
 
+  std::vector<int> coreVertex_;  // by numbers of MeshLab's mesh
   double writeMilliseconds_ = 0;
   uint normalsLeft_ = 0;
   lapedit::DragSession session_;

@@ -116,7 +116,8 @@ void Panel::showCommands(const DragSession& session) {
   const bool picked = !session.selection().groups.empty();
   buttons_["undo"]->setEnabled(session.can_undo());
   buttons_["redo"]->setEnabled(session.can_redo());
-  for (const char* part : {"reset", "save", "copy"}) {
+  buttons_["save"]->setEnabled(session.can_save());
+  for (const char* part : {"reset", "copy"}) {
     buttons_[part]->setEnabled(steps);
   }
   buttons_["apply"]->setEnabled(moving);
@@ -124,7 +125,7 @@ void Panel::showCommands(const DragSession& session) {
   for (const char* part : {"component", "next_group", "move", "rotate", "scale"}) {
     buttons_[part]->setEnabled(picked);
   }
-  for (const char* part : {"grow", "shrink", "anchors_from_selection"}) {
+  for (const char* part : {"grow", "shrink"}) {
     buttons_[part]->setEnabled(session.shown().region() != nullptr);
   }
 }

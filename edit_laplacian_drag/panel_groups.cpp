@@ -111,7 +111,7 @@ void Panel::addBasic() {
 
 void Panel::addRegion() {
   begin("region", tr("Region"), tr("The part of the surface that follows the handle"));
-  buttons({button("from_selection", tr("Selection"), tr("The region consists of the selected faces")),
+  buttons({button("from_selection", tr("Selection"), tr("The region consists of the selected vertices and faces")),
            button("component", tr("Component"), tr("The region is the whole connected piece of the handle")),
            button("clear", tr("Clear"), tr("Removes region and handles; applied steps stay"))});
   buttons({button("grow", tr("Grow"), tr("Makes the region larger by a ring ( ] )")),
@@ -151,7 +151,7 @@ void Panel::addHandles() {
           [](const DragSession& session) { return session.tools().snaps ? 1 : 0; },
           [](DragSession& session, int index) { session.set(&Tools::snaps, index == 1); }));
   buttons({button("anchors_from_selection", tr("Fix the selection"),
-                  tr("The vertices of the selected faces hold, instead of the region's fixed edge"))});
+                  tr("The selected vertices and faces hold in all regions, in this one instead of its fixed edge"))});
   buttons({button("next_group", tr("Add a handle"), tr("The next click adds a handle; the other handles hold (G)"))});
 }
 

@@ -75,7 +75,7 @@ void RememberedSettings::bringTo(DragSession& session) const {
 
 void RememberedSettings::keep(const DragSession& session) {
   Values values = valuesOf(session.settings());
-  values[kGizmo] = session.tools().gizmo ? 1 : 0;
+  values[kGizmo] = session.tools().gizmo && !session.tools().gizmo_by_click ? 1 : 0;
   values[kGizmoAxes] = static_cast<int>(session.tools().axes);
   if (values != kept_) {
     kept_ = values;

@@ -224,16 +224,10 @@ void LaplacianDragTool::mousePress(QMouseEvent& event) {
   if (!layer || !view_.valid() || mouse_.navigating != Qt::NoButton) {
     return;
   }
-  if (active_->session().state() == DragSession::State::Picked ||
-      active_->session().state() == DragSession::State::Idle) {
-    if (!active_->matches(*layer->mesh)) {
-      shared_->forget(layer_);
-      start();
-      say(tr("The mesh was changed by another tool or filter: the session starts again from its current state.")
-              .toStdString());
-      if (!active_) {
-        return;
-      }
+  if (isStale()) {
+    start();
+    if (!active_) {
+      return;
     }
   }
   mouse_.pressed = true;
@@ -241,7 +235,7 @@ void LaplacianDragTool::mousePress(QMouseEvent& event) {
   mouse_.pressedAt = event.localPos();
   if (!active_->session().press(cursor(), pressModifiers()) && event.modifiers() == Qt::NoModifier) {
     mouse_.pressed = false;
-    offerLayer();
+    mouse_.asks = true;
     mouse_.navigating = Qt::LeftButton;
     window_.navigate(event, Qt::LeftButton);
   }
@@ -339,6 +333,13 @@ void LaplacianDragTool::wheel(QWheelEvent& event) {
   if (!usableLayer()) {
     return;
   }
+  mouse_.position = event.position();
+  mouse_.inside = event.buttons() == Qt::NoButton;
+  hover();
+  if (event.modifiers() == Qt::NoModifier && mouse_.inside && active_->session().is_beside()) {
+    window_.navigate(event);
+    return;
+  }
   const int angle = event.angleDelta().y() != 0 ? event.angleDelta().y() : event.angleDelta().x();
   const double notches = angle / 120.0;
   const DragSettings before = active_->session().settings();
@@ -399,8 +400,22 @@ void LaplacianDragTool::keyPress(QKeyEvent& event) {
   modifiersChanged(event.key());
   if (key && active_->session().key(*key, cursor())) {
     event.accept();
+    saySwitch(*key);
     afterEvent();
   }
+}
+
+/// Shows what a key has switched, where the picture may not show it.
+void LaplacianDragTool::saySwitch(DragKey key) {
+  const Tools tools = active_->session().tools();
+  if (key == DragKey::Curve) {
+    notice_ = tools.mode == HandleMode::Curve ? tr("Clicks make a curve now. C: a disc or vertex again.")
+                                              : tr("Clicks make a disc or vertex now. C: a curve.");
+  } else if (key == DragKey::Gizmo) {
+    notice_ = tools.gizmo ? tr("Arrows and rings are shown at the handle. V hides them.")
+                          : tr("Arrows and rings are hidden. V shows them.");
+  }
+  mouse_.noticedAt = mouse_.position;
 }
 
 void LaplacianDragTool::keyRelease(QKeyEvent& event) {

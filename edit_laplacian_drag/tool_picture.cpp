@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <QtGui/qopengl.h>
+#include <Eigen/Geometry>
 #include <QClipboard>
 #include <QGuiApplication>
 #include <QTimer>
@@ -7,7 +8,6 @@
 #include <limits>
 #include <utility>
 
-#include "lapedit/mesh/ray_cast.h"
 #include "lapedit_host/mesh_bridge.h"
 #include "laplacian_drag_tool.h"
 #include "pen.h"
@@ -39,12 +39,40 @@ QString positionOf(const TriangleMesh& mesh, int vertex, int digits) {
   return numbers.join(", ");
 }
 
+/// Returns about how far a point is from a mesh, by some of its vertices; infinity outside the box of the mesh.
+double distanceAbout(const CMeshO& mesh, const Vector3& point) {
+  constexpr std::size_t kSome = 4096;
+  double nearest = std::numeric_limits<double>::infinity();
+  const double margin = 0.01 * mesh.bbox.Diag();
+  if (((point - to_core(mesh.bbox.min)).array() < -margin).any() ||
+      ((point - to_core(mesh.bbox.max)).array() > margin).any()) {
+    return nearest;
+  }
+  for (std::size_t v = 0; v < mesh.vert.size(); v += mesh.vert.size() / kSome + 1) {
+    nearest = std::min(nearest, (to_core(mesh.vert[v].cP()) - point).norm());
+  }
+  return nearest;
+}
+
 }  // namespace
 
 void LaplacianDragTool::draw() {
+  if (isStale()) {
+    QMetaObject::invokeMethod(
+        this,
+        [this] {
+          if (isStale()) {
+            start();
+          }
+        },
+        Qt::QueuedConnection);
+  }
   const auto layer = usableLayer();
   const QWidget& canvas = window_.canvas();
   worldToClip_ = matrixOf(GL_PROJECTION_MATRIX) * matrixOf(GL_MODELVIEW_MATRIX);
+  if (std::exchange(mouse_.asks, false)) {
+    offerLayer();
+  }
   if (layer) {
     glMatrixMode(GL_MODELVIEW);
     glPushMatrix();
@@ -176,26 +204,31 @@ bool LaplacianDragTool::pressLine() {
   return false;
 }
 
-/// Offers to switch to another layer whose surface is under the cursor. @return whether there is one
-bool LaplacianDragTool::offerLayer() {
+/// Offers to switch to another layer whose surface was pressed. The depth of the picture says where that is, so that no
+/// layer is searched.
+void LaplacianDragTool::offerLayer() {
   const QWidget& canvas = window_.canvas();
+  const QPointF at = mouse_.pressedAt;
+  const qreal ratio = canvas.devicePixelRatioF();
+  GLfloat depth = 1;
+  glReadPixels(static_cast<GLint>(at.x() * ratio), static_cast<GLint>((canvas.height() - at.y()) * ratio) - 1, 1, 1,
+               GL_DEPTH_COMPONENT, GL_FLOAT, &depth);
+  if (depth >= 1) {
+    return;  // the background
+  }
+  const Vector3 world = (worldToClip_.inverse() * Eigen::Vector4d(2 * at.x() / canvas.width() - 1,
+                                                                  1 - 2 * at.y() / canvas.height(), 2.0 * depth - 1, 1))
+                            .hnormalized();
   double nearest = std::numeric_limits<double>::infinity();
   for (const Layer& layer : window_.layers()) {
-    const Camera view(worldToClip_ * layer.transform, canvas.width(), canvas.height());
-    if (layer.id == layer_ || !layer.visible || !view.valid()) {
-      continue;
-    }
-    const Ray ray = view.ray(cursor().pixel);
-    if (const auto hit = first_hit(read_mesh(*layer.mesh).mesh, ray)) {
-      const Eigen::Vector4d clip = worldToClip_ * layer.transform * hit->point.homogeneous();
-      if (clip.z() / clip.w() < nearest) {
-        nearest = clip.z() / clip.w();
-        offered_ = layer.id;
-        notice_ = tr("This is the layer %1, which is not the current one: click here to edit it.").arg(layer.name);
-      }
+    const Vector3 local = (layer.transform.inverse() * world.homogeneous()).hnormalized();
+    const double away = layer.id != layer_ && layer.visible ? distanceAbout(*layer.mesh, local) : nearest;
+    if (away < nearest) {
+      nearest = away;
+      offered_ = layer.id;
+      notice_ = tr("This is the layer %1, which is not the current one: click here to edit it.").arg(layer.name);
     }
   }
-  return offered_ >= 0;
 }
 
 /// Copies number and coordinates of the vertex under the cursor.

@@ -3,6 +3,8 @@
 
 #include <QDockWidget>
 #include <QMainWindow>
+#include <QMdiArea>
+#include <QMdiSubWindow>
 #include <iterator>
 #include <utility>
 
@@ -17,7 +19,11 @@ WindowSessions& WindowSessions::of(QWidget& window) {
   return found ? *found : *new WindowSessions(window);
 }
 
-WindowSessions::WindowSessions(QWidget& window) : QObject(&window), panel_(new Panel(&window)) {
+WindowSessions::WindowSessions(QWidget& window)
+    : QObject(&window), panel_(new Panel(&window)), projects_(window.findChild<QMdiArea*>()) {
+  if (projects_ != nullptr) {
+    connect(projects_, &QMdiArea::subWindowActivated, this, &WindowSessions::followProject);
+  }
   if (auto* const mainWindow = qobject_cast<QMainWindow*>(&window)) {
     mainWindow->addDockWidget(Qt::LeftDockWidgetArea, panel_);
   }
@@ -55,6 +61,16 @@ void WindowSessions::hidePanel() {
   }
 }
 
+/// Shows the panel only with the project of its user.
+void WindowSessions::followProject() {
+  const QMdiSubWindow* const project = projects_->currentSubWindow();
+  if (user_ && project != nullptr && project->isAncestorOf(&user_->canvas())) {
+    showPanel();
+  } else {
+    hidePanel();
+  }
+}
+
 void WindowSessions::begin(SessionUser& user, QObject* document, int layer) {
   if (user_ && user_ != &user) {
     // Before the change: the previous user still receives poses.
@@ -79,7 +95,6 @@ LayerSession* WindowSessions::find(int layer) {
 }
 
 LayerSession& WindowSessions::make(int layer, const CMeshO& mesh) {
-  sessions_.erase({document_, layer});
   lapedit::DragSession::Callbacks callbacks;
   callbacks.log = [this](const std::string& line) {
     if (user_) {
@@ -102,7 +117,14 @@ LayerSession& WindowSessions::make(int layer, const CMeshO& mesh) {
   callbacks.find_targets = [this] { return user_ ? user_->findTargets() : nullptr; };
   auto made = std::make_unique<LayerSession>(mesh, callbacks);
   connect(document_, &QObject::destroyed, this, &WindowSessions::forgetDocument, Qt::UniqueConnection);
-  return *(sessions_[{document_, layer}] = std::move(made));
+  std::unique_ptr<LayerSession>& known = sessions_[{document_, layer}];
+  if (known) {
+    made->session().succeed(known->session());
+  } else {
+    panel_->remembered().bringTo(made->session());
+  }
+  known = std::move(made);
+  return *known;
 }
 
 void WindowSessions::forget(int layer) {

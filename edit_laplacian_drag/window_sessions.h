@@ -12,6 +12,8 @@
 #include "layer_session.h"
 #include "panel.h"
 
+class QMdiArea;
+
 /// The user of the panel and the sessions, one at a time: the tool in a view.
 class SessionUser {
  public:
@@ -19,6 +21,7 @@ class SessionUser {
   virtual void handOver(bool sameSession) = 0;
   /// The sessions are about to be deleted and must not be used any more.
   virtual void sessionGone() = 0;
+  virtual QWidget& canvas() = 0;
   virtual CMeshO* meshOf(int layer) = 0;  ///< null if it was deleted
   virtual void log(const std::string& line) = 0;
   virtual void poll() = 0;  ///< called when the session has results
@@ -50,7 +53,7 @@ class WindowSessions : public QObject {
   // Layers of the user's document.
 
   LayerSession* find(int layer);
-  /// Replaces the session by a new one. @throws EditError if the mesh cannot be edited
+  /// Makes a session, which succeeds the one that there may be. @throws EditError if the mesh cannot be edited
   LayerSession& make(int layer, const CMeshO& mesh);
   void forget(int layer);
   /// Deletes sessions of deleted layers.
@@ -61,8 +64,10 @@ class WindowSessions : public QObject {
 
   explicit WindowSessions(QWidget& window);
   void forgetDocument(const QObject* document);
+  void followProject();
 
   QPointer<Panel> panel_;
+  QMdiArea* projects_;  // null if there is none
   SessionUser* user_ = nullptr;
   QObject* document_ = nullptr;  // the user's
   int layer_ = -1;

@@ -78,6 +78,7 @@ class Window {
     DragSettings settings = session.settings();
     settings.handle_fraction = 0;
     session.set_settings(settings);
+    session.wait();
   }
   explicit Window(const TriangleMesh& mesh) : Window(mesh, view_from_above(mesh.vertices)) {}
 

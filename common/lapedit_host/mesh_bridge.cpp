@@ -136,6 +136,25 @@ std::vector<int> vertices_of_selected_faces(const CMeshO& host, const BridgedMes
   return sorted_set(std::move(vertices));
 }
 
+std::vector<int> selected_vertices_and_corners(const CMeshO& host, const std::vector<int>& core_vertex) {
+  std::vector<char> chosen(host.vert.size(), 0);
+  for (std::size_t v = 0; v < host.vert.size(); ++v) {
+    chosen[v] = !host.vert[v].IsD() && host.vert[v].IsS() ? 1 : 0;
+  }
+  for (const CFaceO& face : host.face) {
+    for (int k = 0; k < 3 && !face.IsD() && face.IsS(); ++k) {
+      chosen[vcg::tri::Index(host, face.cV(k))] = 1;
+    }
+  }
+  std::vector<int> vertices;
+  for (std::size_t v = 0; v < chosen.size(); ++v) {
+    if (chosen[v] != 0) {
+      vertices.push_back(core_vertex[v]);
+    }
+  }
+  return vertices;
+}
+
 double finite_diagonal(const CMeshO& host) {
   const Box3m box = finite_box(host);
   return box.IsNull() ? 0 : (to_core(box.max) - to_core(box.min)).norm();

@@ -15,6 +15,7 @@ namespace {
 
 /// Fewer elements do not pay for a thread.
 constexpr int kGrain = 4096;
+constexpr int kProbes = 16;
 
 bool same_bits(const Point3m& a, const Point3m& b) {
   // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): it is the bits that are meant
@@ -50,6 +51,7 @@ PoseWriter::PoseWriter(const CMeshO& host, const BridgedMesh& bridged, const Adj
       now_.push_back({first_.back(), false});
     }
     is_touched_.assign(first_.size(), 0);
+    probes_.reserve(kProbes + 1);
   };
   const auto copy_faces = [&] {
     host_face_.reserve(host_faces_);
@@ -247,11 +249,29 @@ bool PoseWriter::write(CMeshO& host, const std::vector<int>& vertices, const Poi
   affected_.is_settled = settled;
   if (settled) {
     write_settled_normals(host);
+    choose_probes();
     host.bbox = away_count_ > 0 ? finite_box(host) : first_box_;
   } else {
     write_passing_normals(host);
   }
   return true;
+}
+
+void PoseWriter::choose_probes() {
+  probes_.clear();
+  int count = 0;
+  for (std::size_t v = 0; away_count_ > 0 && v < now_.size(); ++v) {
+    if (now_[v].is_away && count++ % (away_count_ / kProbes + 1) == 0) {
+      probes_.push_back(static_cast<int>(v));
+    }
+  }
+}
+
+bool PoseWriter::seems_to_match(const CMeshO& host) const {
+  return has_same_size(host) && std::all_of(probes_.begin(), probes_.end(), [&](int v) {
+           const auto position = static_cast<std::size_t>(v);
+           return same_bits(host.vert[static_cast<std::size_t>(host_vertex_[position])].cP(), now_[position].position);
+         });
 }
 
 bool PoseWriter::matches(const CMeshO& host) const {

@@ -42,6 +42,8 @@ class PoseWriter {
   /// Returns whether vertices and faces of the host mesh are still those of construction, and positions those of the
   /// last write(). O(vertices + faces).
   bool matches(const CMeshO& host) const;
+  /// Compares only the numbers of vertices and faces, and the positions of some vertices that have moved. O(1).
+  bool seems_to_match(const CMeshO& host) const;
 
  private:
   /// Current position, and whether its bits differ from the first ones.
@@ -78,6 +80,7 @@ class PoseWriter {
   void write_places(CMeshO& host, const Points& positions);
   void write_passing_normals(CMeshO& host);
   void write_settled_normals(CMeshO& host);
+  void choose_probes();
   Point3m& normal_of_vertex(CMeshO& host, int vertex) const;
   Point3m& normal_of_face(CMeshO& host, int face) const;
 
@@ -89,6 +92,7 @@ class PoseWriter {
   Box3m first_box_;
   std::vector<Corner> now_;
   int away_count_ = 0;
+  std::vector<int> probes_;  // some vertices that are away
   Affected affected_;
   std::vector<char> is_touched_, is_around_;  // per vertex and face: is it in affected_
   std::vector<int> position_;                 // mesh face -> entry of affected_.around, if it is there

@@ -435,8 +435,10 @@ TEST(PoseWriter, SeesWhenOtherCodeChangesTheMesh) {
     position(0, 2) = 1;
     ASSERT_TRUE(writer.write(scene.host, {mine}, position, true));
     ASSERT_TRUE(writer.matches(scene.host));
+    EXPECT_TRUE(writer.seems_to_match(scene.host));
     change(scene.host);
     EXPECT_FALSE(writer.matches(scene.host));
+    EXPECT_EQ(writer.seems_to_match(scene.host), is_written);
     const State before(scene.host);
     position(0, 2) = 2;
     EXPECT_EQ(writer.write(scene.host, {mine}, position, true), is_written);

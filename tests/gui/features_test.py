@@ -153,8 +153,15 @@ class Region(ToolTest):
             # Columns 10 to 30 of rows 10 to 30.
             chosen = [f for f, corners in enumerate(self.faces)
                       if all(10 <= v // self.ROWS <= 30 and 10 <= v % self.ROWS <= 30 for v in corners)]
-            w.layer(selected_faces=chosen)
             w.set(part("group_region"), True)
+            w.press_button(part("from_selection"))
+            self.assertRegex(self.message(w), "select some vertices or faces")
+            w.layer(selected_vertices=[v for f in chosen for v in self.faces[f]])
+            w.press_button(part("from_selection"))
+            self.assertEqual(self.region_of_next_step(w), 21 * 21)
+            w.press_button(part("reset"))
+            w.press_button(part("clear"))
+            w.layer(selected_vertices=[], selected_faces=chosen)
             selected = w.dump()["face_flags"]
             w.press_button(part("from_selection"))
             before = w.dump()
@@ -326,6 +333,9 @@ class Hover(ToolTest):
             w.move(330, 300)
             self.assertRegex(self.message(w), "^Press on the surface and drag")
             values = [w.widget(part(n))["value"] for n in ("radius", "handle_fraction", "padding")]
+            camera = w.camera()
+            w.wheel(3, 300, 2)  # off the mesh
+            self.assertNotEqual(w.camera(), camera)
             for modifier in ("ctrl", "alt"):
                 camera = w.camera()
                 w.wheel(300, 300, 3, modifiers=[modifier])

@@ -251,10 +251,10 @@ class Line(ToolTest):
         with self.start(self.mesh) as w:
             w.set(part("group_region"), True)
             w.press_button(part("from_selection"))
-            self.assertRegex(self.message(w), "select some faces")
+            self.assertRegex(self.message(w), "select some vertices")
             w.move(300, 300)
             w.move(340, 320)
-            self.assertNotRegex(self.message(w), "select some faces")
+            self.assertNotRegex(self.message(w), "select some vertices")
 
     def test_modes_are_named_and_the_pivot_is_drawn(self):
         with self.start(self.mesh, disc=20) as w:
@@ -344,6 +344,10 @@ class KeepFixed(ToolTest):
             w.click(x, y)
             self.assertTrue(w.widget(part("gizmo"))["checked"])
             self.assert_at(w, self.CENTRE, self.pull(w, self.CENTRE, (25, -20)))
+            w.key("V")
+            self.assertRegex(self.message(w), "rings are hidden")
+            w.key("C")
+            self.assertRegex(self.message(w), "make a curve")
 
 
 if __name__ == "__main__":

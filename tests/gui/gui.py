@@ -266,7 +266,7 @@ class Window(XProgram):
         return self.ask("layers")["layers"]
 
     def layer(self, layer=None, **changes):
-        """Changes of a layer: current, visible, smooth, matrix, selected_faces, remove."""
+        """Changes of a layer: current, visible, smooth, matrix, selected_faces, selected_vertices, remove."""
         self.ask("layer", layer=layer, **changes)
         self.idle()
 

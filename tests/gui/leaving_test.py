@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Navigating, layers, all ways to leave the tool, and meshes with nothing to edit."""
 import contextlib
+import json
 import unittest
 
 from tool import PANEL, TOOL, ToolTest, part
@@ -164,6 +165,26 @@ class Leave(LeavingTest):
                 w.press_button(part("undo"))
                 self.assert_same(filtered, w.dump())
 
+    def test_steps_before_a_filter_are_saved_and_fixed_vertices_stay(self):
+        with self.start(self.mesh) as w:
+            w.set(part("keep_fixed"), True)
+            x, y = w.pixel(self.CENTRE + 4)
+            w.click(x, y)
+            w.set(part("keep_fixed"), False)
+            for by in ((20, -20), (-10, 25)):
+                self.pull(w, self.CENTRE, by)
+            saved = self.saved_edit(w).read_text()
+            held = json.loads(saved)["steps"][1]["region"]["held"]
+            w.run_filter("Laplacian Smooth")
+            w.trigger(TOOL)
+            self.assertRegex(self.message(w), "2 steps cannot be undone")
+            self.assertEqual(self.saved_edit(w, "later.json").read_text(), saved)
+            smoothed = write_ply(self.folder / "smoothed.ply", w.dump().triples(), self.faces)
+            self.pull(w, self.CENTRE, (20, -20))
+            (step,) = self.steps_of(w)
+            self.assertEqual(step["region"]["held"], held)
+            self.assert_replay_is_the_same(w, smoothed)
+
     def test_by_changing_the_layer(self):
         with self.start(self.mesh, self.mesh) as w:
             w.layer(0, current=True)
@@ -206,6 +227,36 @@ class Leave(LeavingTest):
             # While a region is being prepared.
             w.mouse("press", *w.pixel(self.CENTRE))
             w.quit()
+
+    def test_mesh_imported_under_the_tool(self):
+        other = write_ply(self.folder / "other.ply", *moved((self.points, self.faces), offset=(0.3, 0.2, 0.1)))
+        with self.start(self.mesh) as w:
+            before = w.dump(0)
+            self.pull(w, self.CENTRE, (30, 30), release=False)
+            w.trigger("Import Mesh...", wait=False)
+            w.answer(path=other)
+            w.wait(lambda: w.widget(part("content"))["enabled"], "the panel stays grey", 20)
+            w.mouse("release", 320, 300)
+            w.idle()
+            self.assertEqual(w.tool(), (TOOL, False))
+            self.assert_same(before, w.dump(0))
+            self.assertNotRegex(self.message(w), "no vertices|reading")
+            self.pull(w, self.CENTRE, (20, -20))
+            self.assertEqual(len(self.steps_in_log(w)), 1)
+            self.assert_replay_is_the_same(w, other)
+
+    def test_mesh_reloaded_between_drags(self):
+        with self.start(self.mesh) as w:
+            before = w.dump()
+            self.pull(w, self.CENTRE, (30, 30))
+            w.trigger("Reload", wait=False)
+            w.wait(lambda: not w.widget(part("undo"))["enabled"], "the old step can still be undone", 20)
+            w.idle()
+            self.assertEqual(before.point_bits(), w.dump().point_bits())
+            self.assertFalse(w.widget(part("grow"))["enabled"])  # no region of the old mesh is left
+            self.assertRegex(self.message(w), "changed by another")
+            self.pull(w, self.CENTRE, (20, -20))
+            self.assert_replay_is_the_same(w, self.mesh)
 
     def test_mesh_reloaded_under_the_tool(self):
         with self.start(self.mesh) as w:
@@ -284,6 +335,18 @@ class Views(ToolTest):
             w.press_button(part("undo"))
             self.assertEqual(len(self.steps_in_log(w)), 1)
             self.assert_at(w, self.CENTRE, self.pull(w, self.CENTRE, (20, 20)))
+
+    def test_panel_is_hidden_while_another_project_is_in_front(self):
+        with self.start(self.mesh) as w:
+            before = w.dump()
+            self.pull(w, self.CENTRE, (40, -30))
+            w.trigger("New Empty Project...")
+            self.assertEqual(self.panels(w), [])
+            w.view(project=0)
+            self.assertEqual(len(self.panels(w)), 1)
+            self.assertEqual(w.tool(), (TOOL, False))
+            w.press_button(part("undo"))
+            self.assert_same(before, w.dump())
 
     def test_two_projects_with_the_same_layer_number(self):
         with self.start(self.mesh) as w:

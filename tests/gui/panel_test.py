@@ -83,11 +83,11 @@ class Values(ToolTest):
         with self.start(self.mesh) as w:
             w.set(part("group_handle"), True)
             w.set(part("radius"), 0.4)
-            self.assertFalse(w.widget(part("anchors_from_selection"))["enabled"])
-            w.click(*w.pixel(self.CENTRE))
             held = [row * self.ROWS + column for row in (23, 24, 25) for column in (23, 24, 25)]
-            w.layer(selected_faces=[f for f, corners in enumerate(self.faces) if set(corners) <= set(held)])
+            w.layer(selected_faces=[f for f, corners in enumerate(self.faces) if set(corners) <= set(held)],
+                    selected_vertices=[self.CENTRE - 3])
             w.press_button(part("anchors_from_selection"))
+            held = [self.CENTRE - 3, *held]
             self.pull(w, self.CENTRE, (30, -40))
             self.assertEqual(numbers_of(self.steps_of(w)[0]["region"]["held"]), held)
 

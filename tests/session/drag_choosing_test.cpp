@@ -268,11 +268,46 @@ TEST(DragBrush, StrokesAndStepsAreUndoneInTheOrderThatTheyWereDone) {
   window.expect_consistent();
 }
 
+TEST(DragGizmo, AppearsByAClickUntilAnotherHandleIsPickedAndLeavesOtherHandlesAlone) {
+  Window window(shapes::grid(60, 60));
+  window.change([](DragSettings& s) { s.radius = 12; });
+  window.click(kMiddle);
+  window.click(kMiddle);
+  ASSERT_TRUE(window.session.gizmo(window.view));
+  EXPECT_TRUE(window.session.tools().gizmo_by_click);
+  window.click(at(35, 30));
+  EXPECT_FALSE(window.session.gizmo(window.view));
+  window.session.set(&Tools::gizmo, true);
+  window.click(kMiddle);
+  ASSERT_TRUE(window.session.gizmo(window.view)) << "was switched on";
+  // Another handle under an arrow.
+  const Vector2 arrow = window.view.pixel(window.session.gizmo(window.view)->along(0, 0.6));
+  int under = kMiddle;
+  for (int v = 0; v < window.session.mesh().vertices.rows(); ++v) {
+    under = (window.at(v).pixel - arrow).norm() < (window.at(under).pixel - arrow).norm() ? v : under;
+  }
+  window.session.key(DragKey::NextGroup);
+  window.session.set(&Tools::gizmo, false);
+  window.click(under);
+  window.click(kMiddle);
+  window.session.set(&Tools::gizmo, true);
+  ASSERT_EQ(window.session.selection().groups.size(), 2U);
+  window.press(under);
+  window.session.move(window.at(under, Vector2(0, 20)));
+  window.session.release(window.at(under, Vector2(0, 20)));
+  window.session.wait();
+  EXPECT_EQ(window.session.recorded().steps.at(0).handles.at(1).vertices, (std::vector<int>{under}));
+  EXPECT_GT(window.session.recorded().steps.at(0).handles.at(1).transform.translation.norm(), 0);
+  window.expect_consistent();
+}
+
 TEST(DragBrush, AnchorsComeFromASelection) {
   Window window(shapes::grid(60, 60));
   window.change([](DragSettings& s) { s.radius = 12; });
-  window.session.set_anchors({at(33, 30)});
+  window.session.set_anchors({});
   EXPECT_TRUE(window.says("no region"));
+  window.session.set_anchors({at(3, 3)});
+  EXPECT_EQ(window.session.selection().held, (std::vector<int>{at(3, 3)})) << "for later regions";
   window.click(kMiddle);
   window.session.set_anchors({at(33, 30), at(33, 31), at(2, 2), kMiddle});
   window.session.wait();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 
 #include "drag_support.h"
 #include "lapedit/session/drag_session.h"
@@ -34,6 +35,38 @@ const int kMiddle = at(30, 30);
 
 bool has(const std::vector<int>& set, int vertex) {
   return std::binary_search(set.begin(), set.end(), vertex);
+}
+
+// --- Presses ---------------------------------------------------------------------------------------------------------
+
+TEST(DragPress, WaitsForNothingBeforeTheSurfaceCanBeSearched) {
+  const TriangleMesh mesh = support::stored(plate());
+  const Camera view = support::view_from_above(mesh.vertices);
+  DragSession session(mesh, StoredScalar::Float, {});
+  const Cursor cursor{view, view.pixel(mesh.vertices.row(kMiddle).transpose())};
+  EXPECT_FALSE(session.press(cursor)) << "the view turns";
+  session.release(cursor);
+  session.wait();
+  EXPECT_TRUE(session.selection().groups.empty());
+  EXPECT_TRUE(session.press(cursor));
+  session.release(cursor);
+  EXPECT_FALSE(session.selection().groups.empty());
+}
+
+TEST(DragPress, AfterAStepIsHandledOnceTheNewPoseCanBeSearched) {
+  Window window(plate());
+  window.press(kMiddle);
+  window.session.move(window.at(kMiddle, Vector2(20, 10)));
+  window.session.release(window.at(kMiddle, Vector2(20, 10)));
+  while (window.session.figures().steps == 0) {
+    window.session.poll();
+  }
+  EXPECT_FALSE(window.session.press(window.at(Vector2(1, 1)))) << "off the mesh";
+  window.press(at(50, 50));
+  window.session.release(window.at(at(50, 50)));
+  window.session.wait();
+  EXPECT_EQ(window.session.selection().groups, (std::vector<std::vector<int>>{{at(50, 50)}}));
+  window.expect_consistent();
 }
 
 // --- Regions --------------------------------------------------------------------------------------------------------
@@ -492,6 +525,23 @@ TEST(DragSteps, OtherSettingsSolveTheLastStepAgain) {
   EXPECT_TRUE(same_bits(window.host(), window.session.original().vertices));
 }
 
+TEST(DragSteps, WhatFollowedAStepIsGoneOnceTheStepIsSolvedAgain) {
+  Window window(plate());
+  for (const int vertex : {kMiddle, at(32, 28)}) {
+    window.drag(vertex, Vector2(20, 12));
+  }
+  window.undo(2);
+  window.redo();
+  ASSERT_TRUE(window.session.can_redo());
+  window.change([](DragSettings& s) { s.edit.membrane = 50; });
+  const Points amended = window.host();
+  EXPECT_FALSE(window.session.can_redo());
+  window.session.redo();
+  EXPECT_TRUE(window.says("nothing to redo"));
+  EXPECT_TRUE(same_bits(window.host(), amended));
+  window.expect_consistent();
+}
+
 TEST(DragSteps, OtherSettingsLeaveTheLastStepAloneOnceSomethingElseIsPicked) {
   Window window(plate());
   window.drag(kMiddle, Vector2(40, 25));
@@ -597,6 +647,44 @@ TEST(DragSteps, SavedEditLoadsToTheSameBits) {
   other.session.undo();
   other.session.undo();  // of the first the host learns only now
   EXPECT_TRUE(same_bits(other.host(), other.session.original().vertices));
+}
+
+TEST(DragSteps, AreSavedAndPaintedVerticesStayAfterOtherCodeChangedTheMesh) {
+  Window before(plate());
+  before.click(kMiddle);
+  before.session.set_region(before.region());
+  before.session.wait();
+  before.session.set_anchors({at(26, 30), at(2, 2)});
+  before.session.wait();
+  before.change([](DragSettings& s) { s.radius = 3; });
+  before.drag(kMiddle, Vector2(10, 5));
+  const auto succeed = [](const DragSession& old, const TriangleMesh& mesh) {
+    auto next = std::make_unique<Window>(mesh);
+    next->session.succeed(old);
+    return next;
+  };
+  TriangleMesh smoothed = before.session.mesh();
+  smoothed.vertices.col(2) *= 0.5;
+  const auto after = succeed(before.session, smoothed);
+  EXPECT_TRUE(after->says("1 step cannot be undone"));
+  EXPECT_EQ(after->session.settings().radius, 3);
+  EXPECT_FALSE(after->session.can_undo());
+  EXPECT_TRUE(after->session.selection().by_hand);
+  EXPECT_TRUE(has(after->session.selection().held, at(2, 2)));
+  EXPECT_EQ(after->region(), before.region());
+  EXPECT_EQ(after->session.saved().steps.size(), 1U);
+  // Another change without steps in between loses nothing more.
+  const auto third = succeed(after->session, smoothed);
+  EXPECT_EQ(third->session.saved().steps.size(), 1U);
+  third->drag(kMiddle, Vector2(5, 5));
+  EXPECT_EQ(third->session.saved().steps.at(0).region.held, third->session.selection().held);
+  third->expect_consistent();
+  third->undo();
+  EXPECT_TRUE(third->session.can_save());
+  const auto other = succeed(before.session, shapes::grid(9, 9));
+  EXPECT_TRUE(other->session.selection().held.empty());
+  EXPECT_FALSE(other->session.selection().has_region);
+  EXPECT_TRUE(other->session.can_save());
 }
 
 TEST(DragSteps, EditOfAnotherMeshIsRefused) {

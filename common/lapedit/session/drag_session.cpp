@@ -167,6 +167,7 @@ void DragSession::set_tools(const Tools& tools) {
     now.brush = tools.brush;
     now.keeps_fixed &= tools.brush == BrushTarget::Anchors;
   }
+  now.gizmo_by_click &= tools.gizmo == now.gizmo;
   now.gizmo = tools.gizmo;
   now.axes = tools.axes;
   if (tools.pivot != now.pivot) {
@@ -272,6 +273,30 @@ void DragSession::clear() {
   change_region([](const Surface&, const Selection& now) { return Choice(cleared(now)); });
 }
 
+void DragSession::keep_painted() {
+  change_region([](const Surface& s, const Selection& now) { return Choice(only_painted(now, s.settings)); });
+}
+
+void DragSession::succeed(const DragSession& before) {
+  Tools tools = before.tools();
+  tools.keeps_fixed = false;
+  tools.pivot = tools.pivot == Pivot::Point ? Pivot::Centroid : tools.pivot;
+  set_tools(tools);
+  set_settings(before.settings());
+  earlier_ = before.saved();
+  const Faces &now = original().faces, &then = before.original().faces;
+  if (original().vertices.rows() == before.original().vertices.rows() && now.rows() == then.rows() && now == then) {
+    Selection painted = only_painted(before.selection(), settings());
+    painted.held = painted.region.held = model_.weld.firsts(std::move(painted.held));
+    painted.region.vertices = model_.weld.firsts(std::move(painted.region.vertices));
+    change_region([&painted](const Surface&, const Selection&) { return Choice(std::move(painted)); });
+  }
+  if (const std::size_t lost = before.model_.history.steps().size(); lost > 0) {
+    model_.refusal = messages::steps_lost(lost);
+    model_.log(model_.refusal);
+  }
+}
+
 // --- Steps ----------------------------------------------------------------------------------------------------------
 
 bool DragSession::can_undo() const {
@@ -337,7 +362,7 @@ void DragSession::go_to(std::size_t actions) {
 }
 
 Edit DragSession::saved() const {
-  return with_positions(original(), *model_.adjacency, recorded());
+  return model_.history.can_undo() ? with_positions(original(), *model_.adjacency, recorded()) : earlier_;
 }
 
 void DragSession::load(Edit edit) {
@@ -359,6 +384,7 @@ bool DragSession::poll() {
     // Without a step the request was refused.
     response == SessionSolver::Response::Step ? mouse_.replay() : mouse_.forget();
   }
+  mouse_.poll();
   return response != SessionSolver::Response::None;
 }
 
@@ -372,9 +398,11 @@ void DragSession::finish() {
 }
 
 void DragSession::wait() {
-  while (solver_.wait()) {
-    poll();
-  }
+  do {
+    while (solver_.wait()) {
+      poll();
+    }
+  } while (mouse_.wait());
 }
 
 // --- Keys and motion ------------------------------------------------------------------------------------------------

@@ -74,6 +74,9 @@ class DragSession {
   const DragMotion* motion() const;  ///< the drag in progress, null if there is none
   Preparation preparation() const { return solver_.preparation(); }
   bool busy() const { return solver_.worker().busy(); }  ///< poll() has, or will have, something new
+  /// Returns whether what is under the cursor is not known yet: a press on a new session picks nothing. Starts to find
+  /// out, and poll() has something new when it is known.
+  bool searching() { return mouse_.searching(); }
   /// Returns brushed vertices that no handle reaches: they are kept, and join the region when they become connected.
   /// Ascending.
   const std::vector<int>& unconnected() const { return model_.unconnected; }
@@ -82,6 +85,8 @@ class DragSession {
   GizmoElement gizmo_element() const { return mouse_.gizmo_element(); }  ///< under the cursor, or held
   /// Returns a preview of what a press would pick, null if nothing.
   const HoverPreview* hover() const { return mouse_.preview(); }
+  /// Returns whether hover() was last called for a cursor that was on neither mesh nor gizmo, and nothing is dragged.
+  bool is_beside() { return !motion() && !searching() && hover() == nullptr && gizmo_element() == GizmoElement::None; }
   std::string message() const;  ///< one line: the last refusal, otherwise the effect of the next click
   void forget_refusal() { model_.refusal.clear(); }
   /// Returns the problem with the pose of the drag in progress or of the last step, and the remedy; empty if none is
@@ -141,7 +146,11 @@ class DragSession {
   void set_region(std::vector<int> vertices);   ///< any order; keeps the handles inside it
   void set_anchors(std::vector<int> vertices);  ///< replaces the anchor band of the region
   void whole_component();                       ///< the connected components of the handles
-  void clear();                                 ///< no region, no handle
+  void clear();                                 ///< no region, no handle, no fixed vertices
+  void keep_painted();                          ///< no handle; only a painted region, and the fixed vertices
+  /// Continues with a mesh that other code has changed, before anything is done: takes over settings and switches, if
+  /// the faces are the same what keep_painted() keeps, and for saved() the steps, which cannot be undone any more.
+  void succeed(const DragSession& before);
 
   // Steps ------------------------------------------------------------------------------------------------------------
 
@@ -154,7 +163,9 @@ class DragSession {
   const Timeline& timeline() const { return model_.timeline; }
   /// Returns the applied steps, with counts and connectivity of the mesh.
   Edit recorded() const { return model_.history.recorded(); }
-  Edit saved() const;  ///< the same with positions, see with_positions()
+  /// Returns the same with positions, see with_positions(), or else the steps before succeed().
+  Edit saved() const;
+  bool can_save() const { return model_.history.can_undo() || !earlier_.steps.empty(); }
   /// Applies the steps of an edit to the current mesh as steps of this session, in the background.
   void load(Edit edit);
 
@@ -181,6 +192,7 @@ class DragSession {
   bool motion_key(DragKey key, const Cursor& cursor);
   bool begin_by_key(MotionKind kind, const Cursor& cursor);
 
+  Edit earlier_;  // the steps before succeed()
   SessionModel model_;
   SessionSolver solver_;
   SessionMouse mouse_;

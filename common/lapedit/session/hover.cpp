@@ -25,8 +25,15 @@ HoverSearch::HoverSearch(const TriangleMesh& mesh, const Adjacency& adjacency)
       search_({mesh, adjacency}),
       paths_(adjacency.neighbours, mesh.vertices) {}
 
-std::optional<SurfaceHit> HoverSearch::hit(const Ray& ray) const {
-  return faces_.first_hit(ray);
+std::optional<SurfaceHit> HoverSearch::hit(const Camera& view, const Vector2& pixel) const {
+  std::optional<SurfaceHit> hit = faces_.first_hit(view.ray(pixel));
+  for (const double pixels : {2.0, 4.0}) {
+    for (int i = 0; i < 8 && !hit; ++i) {
+      const double angle = i * std::atan(1.0);
+      hit = faces_.first_hit(view.ray(pixel + pixels * Vector2(std::cos(angle), std::sin(angle))));
+    }
+  }
+  return hit;
 }
 
 void HoverSearch::outline(int vertex, HoverPreview& preview) {
@@ -86,27 +93,25 @@ HoverSearch* HoverBackground::of(const std::shared_ptr<const TriangleMesh>& mesh
       is_coming_ = false;
     }
   }
-  if (mesh != mesh_ && !is_coming_) {
-    ready_.reset();
-    mesh_ = mesh;
-    adjacency_ = adjacency;
-    is_coming_ = true;
+  if (ready_ && ready_->mesh == mesh) {
+    return &ready_->search;
+  }
+  if (!is_coming_) {
     try {
       work_ = JoinedThread(std::packaged_task<void()>([this, mesh, adjacency] {
-        auto search = std::make_unique<HoverSearch>(*mesh, *adjacency);
+        auto made = std::make_unique<Made>(mesh, adjacency);
         {
           const std::lock_guard<std::mutex> lock(mutex_);
-          found_ = std::move(search);
+          found_ = std::move(made);
         }
         wake_();
       }));
-    } catch (const std::system_error&) {  // no thread is available: the next movement of the mouse tries again
-      mesh_.reset();
-      is_coming_ = false;
-      return nullptr;
+      is_coming_ = true;
+    } catch (const std::system_error&) {
+      // No thread is available: the next movement of the mouse tries again.
     }
   }
-  return mesh == mesh_ ? ready_.get() : nullptr;
+  return nullptr;
 }
 
 }  // namespace lapedit

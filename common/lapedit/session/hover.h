@@ -38,14 +38,17 @@ struct HoverPreview {
   bool is_whole = true;                                       ///< whether the search for the outlines came to its end
 };
 
-/// Looks at one pose of a mesh from moment to moment. The work of a call is bounded, whatever mesh and radius.
+/// Answers what is under the cursor on one pose of a mesh, for presses, previews and the brush. The work of a call is
+/// bounded, whatever mesh and radius.
 class HoverSearch {
  public:
   /// O(mesh log mesh), for a thread that nobody waits for. What is given must outlive the object.
   HoverSearch(const TriangleMesh& mesh, const Adjacency& adjacency);
 
-  /// As first_hit(), O(log faces).
-  std::optional<SurfaceHit> hit(const Ray& ray) const;
+  /// Returns the surface under a pixel or within 4 pixels of it, since tips of limbs are thinner than a pixel.
+  /// O(log faces).
+  std::optional<SurfaceHit> hit(const Camera& view, const Vector2& pixel) const;
+  const Visibility& faces() const { return faces_; }
 
   /// Outlines of what is within the radii of a vertex, along the surface. No more than kMostVertices are looked at.
   void outline(int vertex, HoverPreview& preview);
@@ -79,16 +82,27 @@ class HoverBackground {
 
   /// Returns the search over a mesh, null until it is ready. Another mesh starts another search.
   HoverSearch* of(const std::shared_ptr<const TriangleMesh>& mesh, const std::shared_ptr<const Adjacency>& adjacency);
+  /// Returns the last search that was ready, perhaps over a mesh before; null if there was none.
+  const HoverSearch* latest() const { return ready_ ? &ready_->search : nullptr; }
+  /// Waits for the search that is being made. For tests.
+  void wait() { work_ = JoinedThread(); }
 
  private:
+  struct Made {
+    Made(std::shared_ptr<const TriangleMesh> given, std::shared_ptr<const Adjacency> its)
+        : mesh(std::move(given)), adjacency(std::move(its)), search(*mesh, *adjacency) {}
+
+    std::shared_ptr<const TriangleMesh> mesh;
+    std::shared_ptr<const Adjacency> adjacency;
+    HoverSearch search;
+  };
+
   std::function<void()> wake_;
-  std::shared_ptr<const TriangleMesh> mesh_;
-  std::shared_ptr<const Adjacency> adjacency_;
-  std::unique_ptr<HoverSearch> ready_;
+  std::unique_ptr<Made> ready_;
   bool is_coming_ = false;
   std::mutex mutex_;
-  std::unique_ptr<HoverSearch> found_;  // under the mutex
-  JoinedThread work_;                   // last: its thread ends first
+  std::unique_ptr<Made> found_;  // under the mutex
+  JoinedThread work_;            // last: its thread ends first
 };
 
 }  // namespace lapedit

@@ -79,6 +79,14 @@ std::string nothing_holds(int vertices) {
       vertices);
 }
 
+std::string steps_lost(std::size_t steps) {
+  return format_text(
+      "The mesh was changed by another tool or filter: %zu %s cannot be undone any more. Save... writes %s until the "
+      "next "
+      "step.",
+      steps, steps == 1 ? "step" : "steps", steps == 1 ? "it" : "them");
+}
+
 std::string in_no_handle(int vertex) {
   return format_text(
       "Vertex %d is in no handle: Shift-click on a handle vertex takes it away, Shift-drag brushes the region smaller.",

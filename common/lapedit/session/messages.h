@@ -45,7 +45,7 @@ constexpr const char* kStillSettling =
     "The last step is still being computed: wait a moment, or press Backspace to cancel it.";
 constexpr const char* kNoSurface = "There is no surface of this layer under the cursor: click on the mesh.";
 constexpr const char* kNoNormal = "The surface has no normal at the handle: lock X, Y or Z instead.";
-constexpr const char* kNoRegionVertices = "The region has no vertices: select some faces first.";
+constexpr const char* kNoRegionVertices = "The region has no vertices: select some vertices or faces first.";
 constexpr const char* kNoComponent =
     "There is no handle whose component could become the region: click on the surface first.";
 constexpr const char* kNoRegion = "There is no region yet: click on the surface first.";
@@ -62,6 +62,7 @@ constexpr const char* kNothingToUndo = "There is nothing to undo.";
 constexpr const char* kNothingToRedo = "There is nothing to redo.";
 constexpr const char* kNoLastStep =
     "There is no last step to change: drag a handle first, and change it before something else is picked.";
+std::string steps_lost(std::size_t steps);
 std::string asymmetric(double fraction);
 std::string out_of_range(const char* what, double value, const char* wanted);
 std::string no_such_vertices(int vertices_of_mesh);

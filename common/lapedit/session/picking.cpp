@@ -8,34 +8,12 @@ namespace {
 
 /// A press this near to a handle vertex grabs its group.
 constexpr double kGrabPixels = 6;
-/// A press this near to the surface picks its edge, since tips of limbs are thinner than a pixel.
-constexpr double kEdgePixels = 4;
 
 double pixels_away(const Cursor& cursor, const Vector3& position) {
   return (cursor.view.pixel(position) - cursor.pixel).norm();
 }
 
 }  // namespace
-
-std::optional<SurfaceHit> surface_at(const TriangleMesh& mesh, const Adjacency& adjacency, const Cursor& cursor) {
-  std::optional<SurfaceHit> hit = first_hit(mesh, cursor.view.ray(cursor.pixel));
-  if (hit) {
-    return hit;
-  }
-  double nearest = kEdgePixels;
-  for (int v = 0; v < static_cast<int>(mesh.vertices.rows()); ++v) {
-    const Vector3 position = mesh.vertices.row(v).transpose();
-    if (adjacency.faces[v].size() == 0 || !position.allFinite() || !cursor.view.in_front(position)) {
-      continue;
-    }
-    const double pixels = pixels_away(cursor, position);
-    if (pixels < nearest) {
-      nearest = pixels;
-      hit = SurfaceHit{position, *adjacency.faces[v].begin(), v};
-    }
-  }
-  return hit;
-}
 
 int group_at(const TriangleMesh& mesh, const std::vector<std::vector<int>>& groups,
              const std::optional<SurfaceHit>& hit, const Cursor& cursor, double depth) {

@@ -11,9 +11,6 @@
 // From a cursor on the screen to the mesh.
 namespace lapedit {
 
-/// Returns the surface point of a press: under the cursor, or on an edge next to it. O(mesh).
-std::optional<SurfaceHit> surface_at(const TriangleMesh& mesh, const Adjacency& adjacency, const Cursor& cursor);
-
 /// Returns the handle group whose mark is under the cursor, -1 if there is none. Marks show through the surface, so a
 /// mark slightly behind it can be picked, but not one on the far side.
 /// @param hit    of the surface at the cursor

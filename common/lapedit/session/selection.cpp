@@ -391,7 +391,8 @@ Choice anchors_brushed(const Surface& surface, const Selection& selection, const
 
 Choice with_anchors(const Surface& surface, const Selection& selection, std::vector<int> vertices) {
   vertices = without(sorted_set(std::move(vertices)), handles_of(selection));
-  Choice choice = with_band(surface, selection, vertices);
+  Choice choice =
+      selection.has_region || vertices.empty() ? with_band(surface, selection, vertices) : Choice(selection);
   if (Selection* const after = std::get_if<Selection>(&choice)) {
     after->held = united(after->held, vertices);
     after->region.held = after->held;
@@ -522,6 +523,16 @@ Selection cleared(const Selection& selection) {
   Selection after;
   after.mode = selection.mode;
   after.taken = selection.taken + 1;
+  return after;
+}
+
+Selection only_painted(const Selection& selection, const DragSettings& settings) {
+  Selection after = cleared(selection);
+  if (selection.has_region && selection.by_hand && selection.region.kind == RegionSpec::Kind::Vertices) {
+    after = with_vertices(std::move(after), selection.region.vertices, settings);
+    after.by_hand = true;
+  }
+  after.held = after.region.held = selection.held;
   return after;
 }
 

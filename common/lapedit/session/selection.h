@@ -91,8 +91,8 @@ Choice handle_brushed(const Surface& surface, const Selection& selection, const 
 /// A stroke that paints fixed vertices, in this region and in later ones; a stroke that takes away also removes the
 /// region's own anchors there. The rim is always an anchor.
 Choice anchors_brushed(const Surface& surface, const Selection& selection, const std::vector<int>& patch, bool add);
-/// Makes these vertices of the region anchors, with its rim; in any order. Those outside the region are kept for later
-/// regions.
+/// Makes these vertices of the region anchors, with its rim; in any order. Those outside the region, or all if there is
+/// none, are kept for later regions.
 Choice with_anchors(const Surface& surface, const Selection& selection, std::vector<int> vertices);
 /// Makes these vertices the region, ascending.
 Selection with_vertices(Selection selection, std::vector<int> vertices, const DragSettings& settings);
@@ -112,6 +112,8 @@ Selection with_padding(Selection selection, const DragSettings& settings);
 Selection with_region_kept(const Surface& surface, const Selection& selection);
 /// Returns no region, no handle and no fixed vertices.
 Selection cleared(const Selection& selection);
+/// Returns only what was painted: fixed vertices, and the region if it was painted or selected.
+Selection only_painted(const Selection& selection, const DragSettings& settings);
 
 // What the next click does -------------------------------------------------------------------------------------------
 

@@ -114,6 +114,7 @@ bool SessionModel::take(Choice choice) {
   Selection& chosen = std::get<Selection>(choice);
   const bool another_region = chosen.taken != selection.taken;
   if (chosen.groups != selection.groups) {
+    tools.gizmo &= !std::exchange(tools.gizmo_by_click, false);
     tools.mirrored.reset();  // a stroke is shown at once, its mirror image after preparation
   }
   selection = std::move(chosen);
@@ -141,11 +142,6 @@ void SessionModel::show(const std::vector<int>& vertices, const Points& position
   }
   change_.settled = settled;
   changed_ = true;
-}
-
-void SessionModel::show_mesh(const std::vector<int>& vertices, const Points& positions) {
-  visibility.reset();
-  show(vertices, positions, true);
 }
 
 void SessionModel::show_region(std::shared_ptr<const Region> region) {
@@ -177,7 +173,7 @@ const AppliedStep* SessionModel::undo() {
   }
   const AppliedStep& step = history.undo();
   join_after(step.step);
-  show_mesh(step.vertices, step.before);
+  show(step.vertices, step.before, true);
   return &step;
 }
 
@@ -189,7 +185,7 @@ const AppliedStep* SessionModel::redo() {
   }
   const AppliedStep& step = history.redo();
   join_after(step.step);
-  show_mesh(step.vertices, step.after);
+  show(step.vertices, step.after, true);
   return &step;
 }
 

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "lapedit/edit/mirror.h"
-#include "lapedit/mesh/visibility.h"
 #include "lapedit/session/gizmo.h"
 #include "lapedit/session/history.h"
 #include "lapedit/session/selection.h"
@@ -41,6 +40,7 @@ struct Tools {
   BrushTarget brush = BrushTarget::Region;
   bool keeps_fixed = false;  ///< the brush paints anchors without a modifier
   bool gizmo = false;
+  bool gizmo_by_click = false;  ///< the gizmo is hidden when another handle is picked
   GizmoAxes axes = GizmoAxes::Layer;
   Pivot pivot = Pivot::Centroid;           ///< Point: the next click picks it
   bool snaps = false;                      ///< a moved handle goes to the surfaces of FindTargets
@@ -70,9 +70,8 @@ struct SessionModel {
   Timeline timeline;
   std::string refusal;
   ShownRegion shown;
-  int others = 0;                          ///< vertices at the places of the shown region's
-  std::unique_ptr<Visibility> visibility;  ///< of the current mesh, built when the brush needs it
-  std::vector<int> unconnected;            ///< of the selection's vertices, ascending
+  int others = 0;                ///< vertices at the places of the shown region's
+  std::vector<int> unconnected;  ///< of the selection's vertices, ascending
 
   /// @throws EditError as validate()
   SessionModel(TriangleMesh mesh, StoredScalar stored, std::function<void(const std::string&)> log_line,
@@ -101,8 +100,6 @@ struct SessionModel {
 
   /// Notes new positions for take_change(). Allocates nothing for the vertices of the last change.
   void show(const std::vector<int>& vertices, const Points& positions, bool settled);
-  /// To be called after a change of the mesh.
-  void show_mesh(const std::vector<int>& vertices, const Points& positions);
   void show_region(std::shared_ptr<const Region> region);
   /// Shows a painted region before its distances are known.
   void show_by_hand();

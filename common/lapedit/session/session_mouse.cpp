@@ -33,7 +33,43 @@ bool SessionMouse::press(const Cursor& cursor, PressModifiers modifiers) {
   }
   end_stroke();  // in case its release was lost
   modifiers.add |= model_.tools.keeps_fixed && modifiers.none();
-  return (modifiers.none() && press_gizmo(cursor)) || press_beneath(cursor, modifiers);
+  if (modifiers.none() && press_gizmo(cursor)) {
+    return true;
+  }
+  if (search() == nullptr) {
+    // After a step the press waits for the new pose, if it was on the mesh before.
+    const HoverSearch* const before = background_.latest();
+    const bool waits = before != nullptr && before->hit(cursor.view, cursor.pixel);
+    if (waits) {
+      waiting_.push_back({Event::Kind::Press, cursor, modifiers});
+    }
+    return waits;
+  }
+  return press_beneath(cursor, modifiers);
+}
+
+HoverSearch* SessionMouse::search() {
+  return background_.of(model_.history.mesh(), model_.adjacency);
+}
+
+std::optional<SurfaceHit> SessionMouse::hit(const Cursor& cursor) {
+  const HoverSearch* const found = search();
+  return found ? found->hit(cursor.view, cursor.pixel) : std::nullopt;
+}
+
+void SessionMouse::poll() {
+  if (!solver_.waits() && search() != nullptr && !waiting_.empty()) {
+    replay();
+  }
+}
+
+bool SessionMouse::wait() {
+  if (search() != nullptr) {
+    return false;
+  }
+  background_.wait();
+  poll();
+  return true;
 }
 
 /// Returns whether a press on a group grabs it: without modifiers, or with Shift to choose among several groups.
@@ -44,7 +80,7 @@ bool SessionMouse::grabs(PressModifiers modifiers) const {
 
 /// Handles a press that is not on the gizmo. @return as press()
 bool SessionMouse::press_beneath(const Cursor& cursor, PressModifiers modifiers) {
-  const std::optional<SurfaceHit> hit = surface_at(model_.mesh(), *model_.adjacency, cursor);
+  const std::optional<SurfaceHit> hit = this->hit(cursor);
   if (model_.tools.awaits_pivot() && modifiers.none()) {
     if (hit) {
       model_.tools.pivot_vertex = hit->vertex;
@@ -78,14 +114,13 @@ void SessionMouse::move(const Cursor& cursor) {
   if (!cursor.view.valid()) {
     return;
   }
-  if (solver_.waits()) {
-    // Moves matter only after a press, and of several moves the last.
-    if (!waiting_.empty()) {
-      if (waiting_.back().kind == Event::Kind::Move) {
-        waiting_.pop_back();
-      }
-      waiting_.push_back({Event::Kind::Move, cursor, {}});
+  if (!waiting_.empty()) {  // of several moves the last matters
+    if (waiting_.back().kind == Event::Kind::Move) {
+      waiting_.pop_back();
     }
+    waiting_.push_back({Event::Kind::Move, cursor, {}});
+  }
+  if (solver_.waits() || !waiting_.empty()) {
     return;
   }
   if (pressed_ && !pressed_->modifiers.none()) {
@@ -131,7 +166,7 @@ bool SessionMouse::hover(const Cursor& cursor, PressModifiers modifiers) {
     return was;
   }
   const std::optional<Gizmo> gizmo = model_.gizmo(cursor.view);
-  element_ = gizmo ? gizmo_element_at(*gizmo, cursor) : GizmoElement::None;
+  element_ = element_at(gizmo, cursor);
   if (element_ != GizmoElement::None) {
     preview_.reset();
   } else {
@@ -170,7 +205,7 @@ void SessionMouse::release(const Cursor& cursor) {
   }
   end_stroke();
   if (press.on_handle && press.draggable) {
-    model_.tools.gizmo = true;
+    model_.tools.gizmo_by_click |= !std::exchange(model_.tools.gizmo, true);
   } else if (press.on_gizmo) {  // a click picks what is behind the gizmo
     press_beneath(press.cursor, {});
     pressed_.reset();
@@ -187,10 +222,20 @@ void SessionMouse::end_stroke() {
   }
 }
 
+/// Returns the part of the gizmo under the cursor, none where another handle is: a press takes that.
+GizmoElement SessionMouse::element_at(const std::optional<Gizmo>& gizmo, const Cursor& cursor) {
+  const GizmoElement element = gizmo ? gizmo_element_at(*gizmo, cursor) : GizmoElement::None;
+  if (element == GizmoElement::None || model_.groups().size() == 1) {
+    return element;
+  }
+  const int group = group_at(model_.mesh(), model_.groups(), hit(cursor), cursor, model_.settings.radius);
+  return group < 0 || group == model_.selection.active ? element : GizmoElement::None;
+}
+
 /// Handles a press on an arrow, a ring or the knob. @return whether there was one under the cursor
 bool SessionMouse::press_gizmo(const Cursor& cursor) {
   const std::optional<Gizmo> gizmo = model_.gizmo(cursor.view);
-  element_ = gizmo ? gizmo_element_at(*gizmo, cursor) : GizmoElement::None;
+  element_ = element_at(gizmo, cursor);
   if (element_ == GizmoElement::None) {
     return false;
   }
@@ -201,26 +246,10 @@ bool SessionMouse::press_gizmo(const Cursor& cursor) {
   return true;
 }
 
-namespace {
-
-/// Returns the surface under the cursor or within 4 pixels of it, since a press picks at such a distance as well.
-std::optional<SurfaceHit> hit_near(const HoverSearch& search, const Cursor& cursor) {
-  std::optional<SurfaceHit> hit = search.hit(cursor.view.ray(cursor.pixel));
-  for (const double pixels : {2.0, 4.0}) {
-    for (int i = 0; i < 8 && !hit; ++i) {
-      const double angle = i * std::atan(1.0);
-      hit = search.hit(cursor.view.ray(cursor.pixel + pixels * Vector2(std::cos(angle), std::sin(angle))));
-    }
-  }
-  return hit;
-}
-
-}  // namespace
-
 /// Finds the surface under the cursor, and what a press would pick there.
 void SessionMouse::look(const Cursor& cursor, PressModifiers modifiers) {
-  HoverSearch* const search = background_.of(model_.history.mesh(), model_.adjacency);
-  const std::optional<SurfaceHit> hit = search ? hit_near(*search, cursor) : std::nullopt;
+  HoverSearch* const search = this->search();
+  const std::optional<SurfaceHit> hit = this->hit(cursor);
   if (!hit) {
     preview_.reset();
     return;
@@ -310,16 +339,13 @@ void SessionMouse::click(const Press& press) {
 }
 
 void SessionMouse::brush(const Cursor& cursor) {
-  const std::optional<SurfaceHit> hit = surface_at(model_.mesh(), *model_.adjacency, cursor);
+  const std::optional<SurfaceHit> hit = this->hit(cursor);
   if (!hit) {
     return;
   }
-  if (!model_.visibility) {
-    model_.visibility = std::make_unique<Visibility>(model_.mesh());
-  }
   const double radius = model_.settings.brush_pixels * cursor.view.pixel_size(hit->point);
   const std::vector<int> patch =
-      brushed_vertices(model_.mesh(), *model_.adjacency, *model_.visibility, cursor.view, *hit, radius);
+      brushed_vertices(model_.mesh(), *model_.adjacency, search()->faces(), cursor.view, *hit, radius);
   if (patch.empty()) {
     return;
   }

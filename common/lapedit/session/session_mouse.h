@@ -40,6 +40,10 @@ class SessionMouse {
   void release_motion();
   /// Handles the events that arrived while a step was solved, on the mesh after the step.
   void replay();
+  void poll();  ///< replays them also once the search over that mesh is ready
+  bool searching() { return search() == nullptr; }
+  /// Waits for the search. @return whether it was not ready. For tests.
+  bool wait();
   /// Discards pressed buttons, and events that arrived while a step was solved.
   void forget();
 
@@ -65,7 +69,10 @@ class SessionMouse {
     MotionKind kind = MotionKind::Translate;
   };
 
+  HoverSearch* search();  // over the current mesh, null until it is ready
+  std::optional<SurfaceHit> hit(const Cursor& cursor);
   Cursor snapped(const Cursor& cursor, MotionKind kind) const;
+  GizmoElement element_at(const std::optional<Gizmo>& gizmo, const Cursor& cursor);
   bool press_gizmo(const Cursor& cursor);
   bool press_beneath(const Cursor& cursor, PressModifiers modifiers);
   void press_surface(const SurfaceHit& hit, const Cursor& cursor, PressModifiers modifiers);
@@ -78,7 +85,7 @@ class SessionMouse {
   SessionModel& model_;
   SessionSolver& solver_;
   std::optional<Press> pressed_;
-  std::vector<Event> waiting_;  // arrived while a step was solved
+  std::vector<Event> waiting_;  // arrived while a step was solved, or before the search over its mesh was ready
   // No button is down.
   HoverBackground background_;
   std::optional<HoverPreview> preview_;

@@ -349,7 +349,7 @@ void SessionSolver::commit_drag() {
   const AppliedStep& applied =
       history.apply(std::move(step), std::move(pose.vertices), std::move(pose.positions), std::move(path));
   model_.timeline.add({drag.motion.text(), true, selection});
-  model_.show_mesh(applied.vertices, applied.after);
+  model_.show(applied.vertices, applied.after, true);
   model_.log(messages::step_applied(history.steps().size(), drag.motion, model_.active_group(),
                                     model_.shown.region()->size(), figures_.prepare_ms.value_or(0),
                                     figures_.solve_ms.value_or(0)) +
@@ -366,7 +366,7 @@ void SessionSolver::commit_amended() {
   EditResult pose = model_.with_others(region->mesh_vertex, solved_.positions);
   const AppliedStep& applied =
       history.amend(amending.step, std::move(pose.vertices), std::move(pose.positions), std::move(amending.path));
-  model_.show_mesh(applied.vertices, applied.after);
+  model_.show(applied.vertices, applied.after, true);
   model_.log(messages::step_amended(history.steps().size(), region->size(), figures_.prepare_ms.value_or(0),
                                     figures_.solve_ms.value_or(0)));
   model_.show_region(region);
@@ -391,7 +391,7 @@ void SessionSolver::commit_loaded(const std::vector<EditResult>& results) {
     }
     action.after = selection;
     model_.timeline.add(std::move(action));
-    model_.show_mesh(applied.vertices, applied.after);
+    model_.show(applied.vertices, applied.after, true);
   }
   model_.log(messages::edit_applied(results.size()));
   for (std::size_t k = 0; k < results.size(); ++k) {
@@ -406,7 +406,7 @@ void SessionSolver::commit_loaded(const std::vector<EditResult>& results) {
 void SessionSolver::progress() {
   model_.shown.settle();
   model_.selection = with_region_kept(surface(), model_.selection);
-  model_.timeline.last().after = model_.selection;
+  model_.timeline.change_last().after = model_.selection;
   phase_ = Picked{true};
   prepare();
 }

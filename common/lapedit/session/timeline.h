@@ -24,12 +24,15 @@ class Timeline {
   const std::vector<Action>& undone() const { return undone_; }  ///< the one that redo() takes last
   /// Adds an action and deletes the undone ones.
   void add(Action action) {
-    undone_.clear();
     done_.push_back(std::move(action));
-    ++serial_;
+    change_last();
   }
-  /// The last action, of which there has to be one.
-  Action& last() { return done_.back(); }
+  /// Returns the last action, of which there has to be one, and deletes the undone ones, which followed another.
+  Action& change_last() {
+    undone_.clear();
+    ++serial_;
+    return done_.back();
+  }
   /// Moves the last action of one list, which must not be empty, to the other. @return it
   Action& undo() { return move_last(done_, undone_); }
   Action& redo() { return move_last(undone_, done_); }

@@ -45,6 +45,7 @@ class HostWindow {
   virtual std::vector<Layer> layers() = 0;
   virtual void setCurrentLayer(int id) = 0;  ///< after the current event
   virtual bool suspended() = 0;              ///< the tool is shown, but MeshLab handles mouse and keys
+  virtual bool loading() = 0;                ///< MeshLab is reading a mesh, so that no layer can be used
 
   /// Uploads the layer's changed positions and normals to the graphics card. Not while drawing.
   virtual void uploadGeometry(int layer) = 0;

@@ -26,6 +26,7 @@ class HostView final : public HostWindow {
   QWidget& canvas() override { return *area_; }
   QMainWindow* mainWindow() override { return qobject_cast<QMainWindow*>(area_->window()); }
   bool suspended() override { return area_->suspendedEditor; }
+  bool loading() override { return area_->md() != nullptr && area_->md()->isBusy(); }
 
   QObject* document() override { return area_->md(); }
   std::optional<Layer> currentLayer() override { return area_->mm() ? seen(*area_->mm()) : std::nullopt; }

@@ -93,7 +93,7 @@ void shade_smoothly(GLArea& area, int id) {
   shared->manageBuffers(id);
 }
 
-/// Any of: current, visible, smooth, matrix (16 numbers by rows), selected_faces (a list), remove.
+/// Any of: current, visible, smooth, matrix (16 numbers by rows), selected_faces, selected_vertices (lists), remove.
 Answer change_layer(const QJsonObject& arguments) {
   MeshDocument& md = document();
   GLArea& area = gl_area();
@@ -121,6 +121,13 @@ Answer change_layer(const QJsonObject& arguments) {
       mesh.cm.face.at(face.toInt()).SetS();
     }
     area.updateSelection(id, false, true);
+  }
+  if (arguments.contains("selected_vertices")) {
+    vcg::tri::UpdateSelection<CMeshO>::VertexClear(mesh.cm);
+    for (const QJsonValue vertex : arguments["selected_vertices"].toArray()) {
+      mesh.cm.vert.at(vertex.toInt()).SetS();
+    }
+    area.updateSelection(id, true, false);
   }
   if (arguments["remove"].toBool()) {
     remove_layer(md, mesh);
