@@ -63,7 +63,7 @@ TEST(Fit, FollowsAScanThatIsTurnedMovedAndScaled) {
     const SimilarityMap map = {rotation_about(Vector3(1, 2, 0.5).normalized(), 130), scale, scale * Vector3(3, -2, 5)};
     const Fitted fit = fitted(head(), {mapped(scan(), map), {}});
     EXPECT_LT(error_of(fit, map.all(truth())).mean, 0.013) << scale;
-    EXPECT_NEAR(fit.result.report.map.scale / scale, 1, 0.05);
+    EXPECT_NEAR(fit.result.alignment.scale / scale, 1, 0.05);
   }
 }
 
@@ -90,7 +90,7 @@ TEST(Fit, TakesAScanWhoseNormalsPointInwards) {
   TriangleMesh inside = scan();
   inside.faces.col(1).swap(inside.faces.col(2));
   const Fitted fit = fitted(head(), {inside, {}});
-  EXPECT_TRUE(fit.result.report.turned_normals);
+  EXPECT_TRUE(fit.result.report.reversed_normals);
   EXPECT_LT(error_of(fit, truth()).mean, 0.013);
 }
 
@@ -163,7 +163,7 @@ TEST(Fit, FollowsABendInModePose) {
   const Fitted again = fitted(arm, {scan, {}}, settings, landmarks, 3);
   EXPECT_LT(error_of(pose, to).mean, 0.01);
   EXPECT_EQ(pose.mesh.vertices, again.mesh.vertices);
-  EXPECT_NEAR(pose.result.report.map.scale, 1, 0);
+  EXPECT_NEAR(pose.result.alignment.scale, 1, 0);
   EXPECT_EQ(flipped_triangles(pose.region, arm.vertices, pose.mesh.vertices, pose.result.rotations), 0);
 }
 

@@ -115,9 +115,12 @@ void Fit::start() {
   FitReport& report = result_.report;
   report.size_ratio = 1 / size;
   const Alignment alignment = align(surface_, scan_, from, to, alignment_, *pool_, progress_);
-  report.map = alignment.map;
-  report.map.translation = scan_.size() * alignment.map.translation + scan_.origin() -
-                           alignment.map.scale * (alignment.map.rotation * scan_.origin());
+  report.scale = alignment.map.scale;
+  report.aligned = name(alignment_);
+  report.landmarks = static_cast<int>(landmarks_.size());
+  result_.alignment = alignment.map;
+  result_.alignment.translation = scan_.size() * alignment.map.translation + scan_.origin() -
+                                  alignment.map.scale * (alignment.map.rotation * scan_.origin());
   report.alignment = alignment.residual * scan_.size();
   if (alignment.second) {
     report.second = *alignment.second * scan_.size();
@@ -135,7 +138,7 @@ void Fit::weigh(double length) {
   held_.setZero(region_.size());
   const double weight = kLandmarkWeight * length * length / energy_->mean_area();
   for (const FitLandmark& landmark : landmarks_) {
-    held_[landmark.vertex] = weight;
+    held_[landmark.vertex] = weight * landmark.weight * landmark.weight;
   }
   for (int i = 0; i < region_.size(); ++i) {
     if (region_.classes[i] == VertexClass::Anchor) {
@@ -269,7 +272,7 @@ FitResult Fit::run() {
     aligned.vertices.row(region_.mesh_vertex[i]) = rest_.row(i);
   }
   pairs_ = std::make_unique<Correspondences>(scan_, surface_, free_, settings_.distance / scan_.size());
-  result_.report.turned_normals = pairs_->turn_normals(*pool_);
+  result_.report.reversed_normals = pairs_->turn_normals(*pool_);
   energy_ = std::make_unique<TemplateEnergy>(aligned, region_, rest_, size_, options_, pool_);
   if (settings_.mode == FitMode::Pose) {
     constexpr double kAverage = 0.15;
@@ -286,6 +289,13 @@ FitResult Fit::run() {
   pairs_->update(length, *pool_);
   result_.report.to_scan.matched = pairs_->matched(false);
   result_.report.from_scan.matched = pairs_->matched(true);
+  constexpr double kNone = 0.01;
+  if (result_.report.to_scan.matched < kNone && result_.report.from_scan.matched < kNone) {
+    throw EditError(ErrorCause::BadParameter,
+                    "The template found no partner on " + scan_.name() +
+                        ": check that both show the same object, that their normals point outwards, and their "
+                        "alignment, or give three landmarks.");
+  }
   report_distances(pairs_->distances(false), result_.report.to_scan);
   report_distances(pairs_->distances(true), result_.report.from_scan);
   result_.positions = (scan_.size() * surface_.points).rowwise() + scan_.origin().transpose();
@@ -300,15 +310,24 @@ FitResult Fit::run() {
     }
   }
   for (Matrix3& rotation : rotations_) {
-    rotation *= result_.report.map.rotation;
+    rotation *= result_.alignment.rotation;
   }
   result_.rotations = std::move(rotations_);
-  result_.report.settings = settings_;
+  result_.report.mode = name(settings_.mode);
   result_.report.scan = scan_.name();
   return std::move(result_);
 }
 
 }  // namespace
+
+const char* name(FitMode mode) {
+  return mode == FitMode::Shape ? "shape" : "pose";
+}
+
+const char* name(FitAlign align) {
+  constexpr const char* kNames[] = {"similarity", "rigid", "none"};
+  return kNames[static_cast<int>(align)];
+}
 
 void validate(const ScanFitSettings& settings) {
   if (!(settings.detail >= 0.003 && settings.detail <= kFirstLength)) {

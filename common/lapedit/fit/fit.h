@@ -7,6 +7,7 @@
 
 #include "lapedit/base/progress.h"
 #include "lapedit/deform/edit_settings.h"
+#include "lapedit/deform/fit_report.h"
 #include "lapedit/fit/align.h"
 #include "lapedit/mesh/region.h"
 
@@ -26,39 +27,24 @@ struct ScanFitSettings {
   double distance = 0;   ///< up to which pairs count fully, model units; 0: from the distances
 };
 
+const char* name(FitMode mode);
+const char* name(FitAlign align);
+
 /// @throws EditError (BadParameter)
 void validate(const ScanFitSettings& settings);
 
 /// A vertex of the region and its position on the scan.
 struct FitLandmark {
-  int vertex;        ///< of the region
-  Vector3 target;    ///< model units
-  double slide = 1;  ///< factor of the displacement across the scan's normal, 0 (slides freely) to 1
-};
-
-/// Distances of pairs in one direction, model units.
-struct FitDistances {
-  double matched = 0;                                 ///< fraction that found a partner
-  double rms = 0, median = 0, most = 0, largest = 0;  ///< `most`: 95 %
-};
-
-struct FitReport {
-  ScanFitSettings settings;
-  std::string scan;
-  FitDistances to_scan, from_scan;
-  SimilarityMap map;             ///< the alignment, model units
-  double alignment = 0;          ///< RMS distance of the nearest 80 % after the alignment, model units
-  std::optional<double> second;  ///< the same for another orientation
-  bool by_landmarks = false;     ///< alignment
-  bool turned_normals = false;   ///< the scan's normals point inwards
-  double size_ratio = 1;         ///< of scan and template
-  int stages = 0, rounds = 0;
-  double align_ms = 0, factor_ms = 0, pairs_ms = 0, solve_ms = 0;
+  int vertex;         ///< of the region
+  Vector3 target;     ///< model units
+  double weight = 1;  ///< 0 to 1
+  double slide = 1;   ///< factor of the displacement across the scan's normal, 0 (slides freely) to 1
 };
 
 struct FitResult {
   Points positions;  ///< of the region's vertices, model units
   std::vector<Matrix3> rotations;
+  SimilarityMap alignment;  ///< model units
   FitReport report;
 };
 
