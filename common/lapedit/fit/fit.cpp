@@ -18,27 +18,30 @@
 namespace lapedit {
 namespace {
 
-constexpr double kFirstLength = 0.4;     // over the template's size
-constexpr double kLeastWeight0 = 0.001;  // of a vertex without a partner, so that it keeps its position
-constexpr double kLandmarkWeight = 80;   // times l^2 over the mean vertex area
+constexpr double kFirstLength = 0.4;        // over the template's size
+constexpr double kUnmatchedWeight = 0.001;  // of a vertex without a partner, so that it keeps its position
+constexpr double kLandmarkWeight = 80;      // times l^2 over the mean vertex area
 constexpr double kRelaxation = 1.8;
 constexpr int kStages = 9, kRounds = 9;  // 2^3 ratios of lengths, whose root the processor takes exactly
 
+/// The arguments of fit_template().
+struct Problem {
+  const TriangleMesh& mesh;
+  const Region& region;
+  const std::vector<FitLandmark>& landmarks;
+  const std::vector<int>& excluded;
+  const Scan& scan;
+  const ScanFitSettings& settings;
+  const SolverOptions& options;
+  const Progress& progress;
+};
+
 class Fit {
  public:
-  Fit(const TriangleMesh& mesh, const Region& region, const std::vector<FitLandmark>& landmarks,
-      const std::vector<int>& excluded, const Scan& scan, const ScanFitSettings& settings, const SolverOptions& options,
-      const Progress& progress)
-      : mesh_(mesh),
-        region_(region),
-        landmarks_(landmarks),
-        scan_(scan),
-        settings_(settings),
-        options_(options),
-        progress_(progress),
-        pool_(std::make_shared<ThreadPool>(options.threads)) {
+  explicit Fit(const Problem& problem) : of_(problem), pool_(std::make_shared<ThreadPool>(problem.options.threads)) {
+    const Region& region = of_.region;
     free_.assign(static_cast<std::size_t>(region.size()), 1);
-    for (const int i : excluded) {
+    for (const int i : of_.excluded) {
       free_[static_cast<std::size_t>(i)] = 0;
     }
     for (int i = 0; i < region.size(); ++i) {
@@ -50,15 +53,15 @@ class Fit {
     if (region.faces.rows() == 0) {
       throw EditError(ErrorCause::EmptyMesh, "The region of the fit has no triangles: give a region of the surface.");
     }
-    if (anchored_ && settings.align.value_or(FitAlign::None) != FitAlign::None) {
+    if (anchored_ && of_.settings.align.value_or(FitAlign::None) != FitAlign::None) {
       throw EditError(
           ErrorCause::BadParameter,
           "A part of a component cannot be aligned, since its anchors stay: fit the whole component, or use "
           "\"align\": \"none\".");
     }
-    alignment_ = settings.align.value_or(anchored_                         ? FitAlign::None
-                                         : settings.mode == FitMode::Shape ? FitAlign::Similarity
-                                                                           : FitAlign::Rigid);
+    alignment_ = of_.settings.align.value_or(anchored_                             ? FitAlign::None
+                                             : of_.settings.mode == FitMode::Shape ? FitAlign::Similarity
+                                                                                   : FitAlign::Rigid);
   }
 
   FitResult run();
@@ -70,15 +73,9 @@ class Fit {
   void rotate();
   void aim();
   void report_distances(const std::vector<double>& distances, FitDistances& to) const;
-  Vector3 in_scan(const Vector3& p) const { return (p - scan_.origin()) / scan_.size(); }
+  Vector3 in_scan(const Vector3& p) const { return (p - of_.scan.origin()) / of_.scan.size(); }
 
-  const TriangleMesh& mesh_;
-  const Region& region_;
-  const std::vector<FitLandmark>& landmarks_;
-  const Scan& scan_;
-  const ScanFitSettings& settings_;
-  const SolverOptions& options_;
-  const Progress& progress_;
+  const Problem of_;
   std::shared_ptr<ThreadPool> pool_;
   std::vector<char> free_;
   bool anchored_ = false;
@@ -97,33 +94,33 @@ class Fit {
 
 void Fit::start() {
   const Stopwatch watch;
-  const int n = region_.size();
+  const int n = of_.region.size();
   rest_.resize(n, 3);
   for (int i = 0; i < n; ++i) {
-    rest_.row(i) = in_scan(mesh_.vertices.row(region_.mesh_vertex[i]).transpose()).transpose();
+    rest_.row(i) = in_scan(of_.mesh.vertices.row(of_.region.mesh_vertex[i]).transpose()).transpose();
   }
   surface_.points = rest_;
-  surface_.faces = region_.faces;
-  surface_.border = border_vertices(n, region_.faces);
+  surface_.faces = of_.region.faces;
+  surface_.border = border_vertices(n, of_.region.faces);
   vertex_normals(surface_.points, surface_.faces, surface_.normals);
-  Points from(static_cast<Eigen::Index>(landmarks_.size()), 3), to = from;
-  for (std::size_t k = 0; k < landmarks_.size(); ++k) {
-    from.row(static_cast<Eigen::Index>(k)) = rest_.row(landmarks_[k].vertex);
-    to.row(static_cast<Eigen::Index>(k)) = in_scan(landmarks_[k].target).transpose();
+  Points from(static_cast<Eigen::Index>(of_.landmarks.size()), 3), to = from;
+  for (std::size_t k = 0; k < of_.landmarks.size(); ++k) {
+    from.row(static_cast<Eigen::Index>(k)) = rest_.row(of_.landmarks[k].vertex);
+    to.row(static_cast<Eigen::Index>(k)) = in_scan(of_.landmarks[k].target).transpose();
   }
   const double size = size_of(surface_).size;
   FitReport& report = result_.report;
   report.size_ratio = 1 / size;
-  const Alignment alignment = align(surface_, scan_, from, to, alignment_, *pool_, progress_);
+  const Alignment alignment = align(surface_, of_.scan, from, to, alignment_, *pool_, of_.progress);
   report.scale = alignment.map.scale;
   report.aligned = name(alignment_);
-  report.landmarks = static_cast<int>(landmarks_.size());
+  report.landmarks = static_cast<int>(of_.landmarks.size());
   result_.alignment = alignment.map;
-  result_.alignment.translation = scan_.size() * alignment.map.translation + scan_.origin() -
-                                  alignment.map.scale * (alignment.map.rotation * scan_.origin());
-  report.alignment = alignment.residual * scan_.size();
+  result_.alignment.translation = of_.scan.size() * alignment.map.translation + of_.scan.origin() -
+                                  alignment.map.scale * (alignment.map.rotation * of_.scan.origin());
+  report.alignment = alignment.residual * of_.scan.size();
   if (alignment.second) {
-    report.second = *alignment.second * scan_.size();
+    report.second = *alignment.second * of_.scan.size();
   }
   report.by_landmarks = alignment.by_landmarks;
   rest_ = alignment.map.all(rest_);
@@ -134,15 +131,15 @@ void Fit::start() {
 
 void Fit::weigh(double length) {
   const Eigen::VectorXd& mass = energy_->mass();
-  least_ = pairs_->weights().cwiseMax(kLeastWeight0);
-  held_.setZero(region_.size());
+  least_ = pairs_->weights().cwiseMax(kUnmatchedWeight);
+  held_.setZero(of_.region.size());
   const double weight = kLandmarkWeight * length * length / energy_->mean_area();
-  for (const FitLandmark& landmark : landmarks_) {
+  for (const FitLandmark& landmark : of_.landmarks) {
     held_[landmark.vertex] = weight * landmark.weight * landmark.weight;
   }
-  for (int i = 0; i < region_.size(); ++i) {
-    if (region_.classes[i] == VertexClass::Anchor) {
-      held_[i] = weight * region_.anchor_weight[i] * region_.anchor_weight[i];
+  for (int i = 0; i < of_.region.size(); ++i) {
+    if (of_.region.classes[i] == VertexClass::Anchor) {
+      held_[i] = weight * of_.region.anchor_weight[i] * of_.region.anchor_weight[i];
     }
   }
   const Stopwatch watch;
@@ -152,12 +149,12 @@ void Fit::weigh(double length) {
 
 /// Fits rotations to the rings of vertices, and averages them over about a quarter of the template's size.
 void Fit::rotate() {
-  const int n = region_.size();
-  const IndexLists& neighbours = region_.neighbours;
-  vertex_normals(rest_, region_.faces, posed_);
+  const int n = of_.region.size();
+  const IndexLists& neighbours = of_.region.neighbours;
+  vertex_normals(rest_, of_.region.faces, posed_);
   const Points& rest_normals = posed_;
   Points normals;
-  vertex_normals(surface_.points, region_.faces, normals);
+  vertex_normals(surface_.points, of_.region.faces, normals);
   std::vector<Matrix3> covariances(static_cast<std::size_t>(n));
   constexpr int kGrain = 512;
   for_indices(*pool_, n, kGrain, [&](int i) {
@@ -182,7 +179,7 @@ void Fit::rotate() {
     for (int i = 0; i < n; ++i) {
       part.row(i) = mass[i] * covariances[static_cast<std::size_t>(i)].row(row);
     }
-    smoothing_->solve(part, averaged, progress_);
+    smoothing_->solve(part, averaged, of_.progress);
     for (int i = 0; i < n; ++i) {
       covariances[static_cast<std::size_t>(i)].row(row) = averaged.row(i);
     }
@@ -195,29 +192,29 @@ void Fit::rotate() {
 void Fit::aim() {
   const Eigen::VectorXd& mass = energy_->mass();
   const SimilarityMap whole = best_similarity(rest_, surface_.points, true, mass);
-  if (settings_.mode == FitMode::Pose) {
+  if (of_.settings.mode == FitMode::Pose) {
     rotate();
     energy_->rotated(rotations_, whole.scale, right_);
-    posed_.setZero(region_.size(), 3);
+    posed_.setZero(of_.region.size(), 3);
   } else {
     posed_ = anchored_ ? rest_ : whole.all(rest_);
-    right_.setZero(region_.size(), 3);
-    rotations_.assign(static_cast<std::size_t>(region_.size()), whole.rotation);
+    right_.setZero(of_.region.size(), 3);
+    rotations_.assign(static_cast<std::size_t>(of_.region.size()), whole.rotation);
   }
-  for (int i = 0; i < region_.size(); ++i) {
+  for (int i = 0; i < of_.region.size(); ++i) {
     const double drawn = std::min(pairs_->weights()[i], least_[i]) / least_[i];
     const Eigen::RowVector3d target = surface_.points.row(i) + drawn * pairs_->pulls().row(i);
     right_.row(i) += mass[i] * least_[i] * (target - posed_.row(i));
-    if (region_.classes[i] == VertexClass::Anchor) {
+    if (of_.region.classes[i] == VertexClass::Anchor) {
       right_.row(i) += held_[i] * (rest_.row(i) - posed_.row(i));
     }
   }
-  for (const FitLandmark& landmark : landmarks_) {
+  for (const FitLandmark& landmark : of_.landmarks) {
     const Vector3 target = in_scan(landmark.target), here = surface_.points.row(landmark.vertex).transpose();
     Vector3 pull = target - here;
     if (landmark.slide < 1) {
-      const NearestPoint at = scan_.tree().nearest(target);
-      const Vector3 normal = scan_.tree().interpolated(scan_.surface().normals, at).normalized();
+      const NearestPoint at = of_.scan.tree().nearest(target);
+      const Vector3 normal = of_.scan.tree().interpolated(of_.scan.surface().normals, at).normalized();
       pull = landmark.slide * pull + (1 - landmark.slide) * normal.dot(pull) * normal;
     }
     right_.row(landmark.vertex) += held_[landmark.vertex] * ((here + pull).transpose() - posed_.row(landmark.vertex));
@@ -226,7 +223,7 @@ void Fit::aim() {
 
 void Fit::run_stage(int stage, double length) {
   for (int round = 0; round < kRounds; ++round) {
-    report_progress(progress_, (stage + static_cast<double>(round) / kRounds) / kStages, "fit");
+    report_progress(of_.progress, (stage + static_cast<double>(round) / kRounds) / kStages, "fit");
     Stopwatch watch;
     pairs_->update(length, *pool_);
     result_.report.pairs_ms += watch.lap();
@@ -235,7 +232,7 @@ void Fit::run_stage(int stage, double length) {
     }
     watch.lap();
     aim();
-    energy_->solve(right_, solution_, progress_);
+    energy_->solve(right_, solution_, of_.progress);
     solution_ += posed_;
     const bool beyond = round > 0 && !(stage + 1 == kStages && round + 1 == kRounds);
     surface_.points += (beyond ? kRelaxation : 1) * (solution_ - surface_.points);
@@ -255,9 +252,9 @@ void Fit::report_distances(const std::vector<double>& distances, FitDistances& t
     squares += d * d;
   }
   const auto quantile = [&](double part) {
-    return scan_.size() * sorted[static_cast<std::size_t>(part * static_cast<double>(sorted.size() - 1))];
+    return of_.scan.size() * sorted[static_cast<std::size_t>(part * static_cast<double>(sorted.size() - 1))];
   };
-  to.rms = scan_.size() * std::sqrt(squares / static_cast<double>(sorted.size()));
+  to.rms = of_.scan.size() * std::sqrt(squares / static_cast<double>(sorted.size()));
   to.median = quantile(0.5);
   to.most = quantile(0.95);
   to.largest = quantile(1);
@@ -266,20 +263,20 @@ void Fit::report_distances(const std::vector<double>& distances, FitDistances& t
 FitResult Fit::run() {
   start();
   TriangleMesh aligned;
-  aligned.vertices = Points::Zero(mesh_.vertices.rows(), 3);
-  aligned.faces = mesh_.faces;
-  for (int i = 0; i < region_.size(); ++i) {
-    aligned.vertices.row(region_.mesh_vertex[i]) = rest_.row(i);
+  aligned.vertices = Points::Zero(of_.mesh.vertices.rows(), 3);
+  aligned.faces = of_.mesh.faces;
+  for (int i = 0; i < of_.region.size(); ++i) {
+    aligned.vertices.row(of_.region.mesh_vertex[i]) = rest_.row(i);
   }
-  pairs_ = std::make_unique<Correspondences>(scan_, surface_, free_, settings_.distance / scan_.size());
+  pairs_ = std::make_unique<Correspondences>(of_.scan, surface_, free_, of_.settings.distance / of_.scan.size());
   result_.report.reversed_normals = pairs_->turn_normals(*pool_);
-  energy_ = std::make_unique<TemplateEnergy>(aligned, region_, rest_, size_, options_, pool_);
-  if (settings_.mode == FitMode::Pose) {
+  energy_ = std::make_unique<TemplateEnergy>(aligned, of_.region, rest_, size_, of_.options, pool_);
+  if (of_.settings.mode == FitMode::Pose) {
     constexpr double kAverage = 0.15;
-    smoothing_ = std::make_unique<TemplateEnergy>(aligned, region_, rest_, size_, options_, pool_);
+    smoothing_ = std::make_unique<TemplateEnergy>(aligned, of_.region, rest_, size_, of_.options, pool_);
     smoothing_->factor(kAverage * size_, energy_->mass());
   }
-  const double first = kFirstLength * size_, last = std::max(settings_.detail * size_, energy_->edge_length() / 2);
+  const double first = kFirstLength * size_, last = std::max(of_.settings.detail * size_, energy_->edge_length() / 2);
   const double ratio = std::sqrt(std::sqrt(std::sqrt(last / first)));
   double length = first;
   for (int stage = 0; stage < kStages; ++stage, length *= ratio) {
@@ -292,17 +289,17 @@ FitResult Fit::run() {
   constexpr double kNone = 0.01;
   if (result_.report.to_scan.matched < kNone && result_.report.from_scan.matched < kNone) {
     throw EditError(ErrorCause::BadParameter,
-                    "The template found no partner on " + scan_.name() +
+                    "The template found no partner on " + of_.scan.name() +
                         ": check that both show the same object, that their normals point outwards, and their "
                         "alignment, or give three landmarks.");
   }
   report_distances(pairs_->distances(false), result_.report.to_scan);
   report_distances(pairs_->distances(true), result_.report.from_scan);
-  result_.positions = (scan_.size() * surface_.points).rowwise() + scan_.origin().transpose();
-  for (int i = 0; i < region_.size(); ++i) {
-    if (region_.classes[i] == VertexClass::Anchor) {
-      const double depth = region_.anchor_depth.empty() ? 1 : region_.anchor_depth[i];
-      const Eigen::RowVector3d before = mesh_.vertices.row(region_.mesh_vertex[i]);
+  result_.positions = (of_.scan.size() * surface_.points).rowwise() + of_.scan.origin().transpose();
+  for (int i = 0; i < of_.region.size(); ++i) {
+    if (of_.region.classes[i] == VertexClass::Anchor) {
+      const double depth = of_.region.anchor_depth.empty() ? 1 : of_.region.anchor_depth[i];
+      const Eigen::RowVector3d before = of_.mesh.vertices.row(of_.region.mesh_vertex[i]);
       result_.positions.row(i) =
           depth >= 1
               ? before
@@ -313,8 +310,8 @@ FitResult Fit::run() {
     rotation *= result_.alignment.rotation;
   }
   result_.rotations = std::move(rotations_);
-  result_.report.mode = name(settings_.mode);
-  result_.report.scan = scan_.name();
+  result_.report.mode = name(of_.settings.mode);
+  result_.report.scan = of_.scan.name();
   return std::move(result_);
 }
 
@@ -383,7 +380,7 @@ FitResult fit_template(const TriangleMesh& mesh, const Region& region, const std
                        const std::vector<int>& excluded, const Scan& scan, const ScanFitSettings& settings,
                        const SolverOptions& options, const Progress& progress) {
   validate(settings);
-  return Fit(mesh, region, landmarks, excluded, scan, settings, options, progress).run();
+  return Fit({mesh, region, landmarks, excluded, scan, settings, options, progress}).run();
 }
 
 }  // namespace lapedit
