@@ -144,12 +144,11 @@ def far_apart(points, count):
     return chosen
 
 
-def raised_arm(points, degrees):
-    """Lifts the arm of the generated person at x > 0 about its shoulder, over which the rotation blends."""
-    pivot, turn, way = np.array([0.42, 0.76, 0.0]), np.radians(degrees), np.array([0.55, -0.835, 0.0])
-    along = (points - pivot) @ way
-    beside = np.linalg.norm((points - pivot - along[:, None] * way)[:, :2], axis=1)
-    arm = np.clip(along / 0.22, 0, 1) * (beside < 0.28)
+def bent_arm(points, degrees):
+    """Bends the arm of the generated person at x > 0 outwards at its elbow, over which the rotation blends."""
+    pivot, turn, way = np.array([0.66, 0.34, 0.0]), np.radians(degrees), np.array([0.52, -0.854, 0.0])
+    along, beside = (points - pivot) @ way, (points - pivot) @ np.array([0.854, 0.52, 0.0])
+    arm = np.clip((along + 0.1) / 0.25, 0, 1) * (beside > -0.25)
     angle = turn * arm * arm * (3 - 2 * arm)
     x, y = (points - pivot)[:, 0], (points - pivot)[:, 1]
     result = points.copy()
@@ -179,10 +178,10 @@ def generated_cases(make):
     uneven = template + noise - (noise * normals).sum(1)[:, None] * normals
     yield Case("head, uneven template", uneven, faces, warped(uneven, template, 1), (warped(fine[0], template, 1), fine[1]))
     scan = dual(*person)
-    arm, tips = raised_arm(person[0], 40), far_apart(person[0], 8)
-    posed = (raised_arm(scan[0], 40), scan[1])
-    yield Case("person, arm raised by 40 degrees, 8 landmarks", *person, arm, posed, mode="pose", landmarks=zip(tips, arm[tips]))
-    yield Case("person, arm raised by 40 degrees", *person, arm, posed, mode="pose")
+    arm, tips = bent_arm(person[0], 60), far_apart(person[0], 8)
+    posed = (bent_arm(scan[0], 60), scan[1])
+    yield Case("person, arm bent by 60 degrees, 8 landmarks", *person, arm, posed, mode="pose", landmarks=zip(tips, arm[tips]))
+    yield Case("person, arm bent by 60 degrees", *person, arm, posed, mode="pose")
 
 
 def real_cases(folder):

@@ -18,7 +18,7 @@ meshes=${LAPEDIT_MESHES:-$PWD/../shared/meshes}
 
 if [ ! -x "$python/bin/python" ]; then
   python3 -m venv "$python"
-  "$python/bin/pip" --quiet install numpy scipy 'meshmonk==0.3.0' 'trimesh>=4'
+  "$python/bin/pip" --quiet install numpy scipy 'meshmonk==0.3.0' 'trimesh>=4' rtree
 fi
 cmake -S . -B "$build" -DCMAKE_BUILD_TYPE=Release >/dev/null
 cmake --build "$build" --target laplacian_edit_program make_mesh >/dev/null
