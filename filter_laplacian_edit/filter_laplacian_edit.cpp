@@ -2,4 +2,4 @@
 #include "filter_laplacian_edit.h"
 
 FilterLaplacianEdit::FilterLaplacianEdit()
-    : VertexFilterPlugin("FilterLaplacianEdit", {laplacianEdit(), laplacianEditReplay()}) {}
+    : VertexFilterPlugin("FilterLaplacianEdit", {laplacianEdit(), laplacianEditReplay(), laplacianFit()}) {}

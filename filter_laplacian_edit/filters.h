@@ -9,5 +9,8 @@ lapedit::host::FilterAction laplacianEdit();
 /// An edit recorded as JSON, see lapedit/json/edit_script.h.
 lapedit::host::FilterAction laplacianEditReplay();
 
+/// A template is fitted to a scan in another layer.
+lapedit::host::FilterAction laplacianFit();
+
 /// Returns a description of the method for users, HTML.
 QString aboutTheMethod();

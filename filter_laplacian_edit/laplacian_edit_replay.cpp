@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <utility>
+
 #include "filters.h"
 #include "lapedit/json/edit_script.h"
 #include "lapedit/mesh/coordinate_space.h"
@@ -15,7 +17,8 @@ FilterAction laplacianEditReplay() {
            {Parameter::Kind::Real, "fraction", 1.0, "Fraction",
             "How far each handle goes: from 0 (no change) to 1 (the whole edit). Rotations go by angle."}},
           [](const ParameterValues& values, CMeshO& host, const Progress& progress) {
-            const Edit edit = in_space(load_edit(values.text("edit").toStdString()), space_of_file(values.layer_file));
+            Edit edit = in_space(load_edit(values.text("edit").toStdString()), space_of_file(values.layer_file));
+            edit = with_scans(std::move(edit), layer_reader(values.layers, host));
             const auto make = [&edit](const BridgedMesh&) { return edit; };
             return write_edited(host, edit_mesh(host, make, values.real("fraction"), progress));
           }};

@@ -40,11 +40,20 @@ struct Parameter {
   QStringList choices = {};
 };
 
+/// A layer of MeshLab's document.
+struct DocumentLayer {
+  QString label;
+  std::string file;  ///< path of the file that it was read from, empty if there is none
+  const CMeshO* mesh;
+};
+
 /// The user's values, one of the right kind for each parameter. MeshLab's floats become the shortest decimal of the
 /// same float: 0.1 is 0.1 here, not 0.10000000149.
 class ParameterValues {
  public:
   std::string layer_file;  ///< path of the file that the layer was read from, empty if there is none
+
+  std::vector<DocumentLayer> layers;  ///< of the document, all of them
 
   void set(const QString& name, ParameterValue value) { values_[name] = std::move(value); }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <exception>
 #include <limits>
+#include <utility>
 
 #include "lapedit/base/error.h"
 #include "lapedit_host/mesh_bridge.h"
@@ -129,12 +130,13 @@ RichParameterList parameter_list(const FilterAction& filter, const CMeshO* mesh)
 }
 
 FilterOutcome run_filter(const FilterAction& filter, const RichParameterList& parameters, CMeshO* mesh,
-                         const QString& file, bool (*callback)(int, const char*)) {
+                         const QString& file, std::vector<DocumentLayer> layers, bool (*callback)(int, const char*)) {
   if (mesh == nullptr) {
     throw EditError(ErrorCause::EmptyMesh, "There are 0 layers: open a triangle mesh first.");
   }
   ParameterValues values;
   values.layer_file = file.toStdString();
+  values.layers = std::move(layers);
   for (const Parameter& parameter : filter.parameters) {
     values.set(parameter.name, read_value(parameter, parameters.getParameterByName(parameter.name).value()));
   }

@@ -3,6 +3,7 @@
 
 #include <QString>
 #include <string>
+#include <vector>
 
 #include "host_parameters.h"
 #include "lapedit_host/filter_action.h"
@@ -16,10 +17,11 @@ RichParameterList parameter_list(const FilterAction& filter, const CMeshO* mesh)
 /// Runs a filter. The mesh is not changed if this throws.
 /// @param mesh      the current layer's, null if there is none
 /// @param file      that the layer was read from, may be empty
+/// @param layers    of the document
 /// @param callback  MeshLab's progress callback, may be null
 /// @throws EditError  also for values of the wrong type, for which MeshLab would stop at an assertion
 FilterOutcome run_filter(const FilterAction& filter, const RichParameterList& parameters, CMeshO* mesh,
-                         const QString& file, bool (*callback)(int, const char*));
+                         const QString& file, std::vector<DocumentLayer> layers, bool (*callback)(int, const char*));
 
 /// Returns the message for the user. To be called while an exception is handled.
 QString sentence_of_current_exception();

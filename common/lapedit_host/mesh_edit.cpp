@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit_host/mesh_edit.h"
 
+#include <Eigen/LU>
+#include <QStringList>
 #include <fstream>
 #include <type_traits>
 #include <utility>
 #include <variant>
 
+#include "lapedit/base/error.h"
 #include "lapedit/edit/positions.h"
 #include "lapedit/mesh/coordinate_space.h"
 #include "lapedit_host/pose_writer.h"
@@ -35,6 +38,85 @@ std::string space_of_file(const std::string& path) {
   file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
   begin.resize(static_cast<std::size_t>(file.gcount()));
   return space_in_header(begin);
+}
+
+const DocumentLayer& layer_named(const std::vector<DocumentLayer>& layers, const std::string& name,
+                                 const CMeshO& except) {
+  const DocumentLayer* found = nullptr;
+  QStringList names;
+  for (const DocumentLayer& layer : layers) {
+    const std::string label = layer.label.toStdString();
+    const std::string short_name = layer.file.substr(layer.file.find_last_of('/') + 1);
+    if (layer.mesh == &except) {
+      continue;
+    }
+    names << '"' + layer.label + '"';
+    if (name.empty() || name == label || name == layer.file || name == short_name) {
+      if (found != nullptr) {
+        throw EditError(ErrorCause::BadParameter,
+                        name.empty()
+                            ? "There are several other layers: give the name of the scan's."
+                            : "Several layers are named \"" + name + "\": give the scan's layer another name.");
+      }
+      found = &layer;
+    }
+  }
+  if (found == nullptr) {
+    throw EditError(ErrorCause::BadParameter,
+                    (name.empty() ? std::string("There is no other layer")
+                                  : "There is no other layer named \"" + name + "\", but " +
+                                        (names.empty() ? "none" : names.join(", ").toStdString())) +
+                        ": open the scan as a layer of its own, and make the template's the current one.");
+  }
+  return *found;
+}
+
+Affine map_between(const CMeshO& from, const CMeshO& to) {
+  const auto core = [](const CMeshO& mesh) {
+    Eigen::Matrix4d matrix;
+    for (int row = 0; row < 4; ++row) {
+      for (int column = 0; column < 4; ++column) {
+        matrix(row, column) = static_cast<double>(mesh.Tr.ElementAt(row, column));
+      }
+    }
+    return matrix;
+  };
+  Affine map;
+  if (const Eigen::Matrix4d a = core(from), b = core(to); a != b) {
+    const Eigen::Matrix4d both = b.inverse() * a;
+    if (!both.allFinite()) {
+      throw EditError(ErrorCause::BadParameter,
+                      "The transform of the current layer has no inverse: reset or freeze its matrix.");
+    }
+    map.matrix() = both.topRows<3>();
+  } else {
+    map.setIdentity();
+  }
+  return map;
+}
+
+ScanReader layer_reader(const std::vector<DocumentLayer>& layers, const CMeshO& into) {
+  return [&layers, &into](const FitStep& fit) {
+    const DocumentLayer& layer = layer_named(layers, fit.to, into);
+    const CMeshO& host = *layer.mesh;
+    const BridgedMesh bridged = read_mesh(host);
+    const Affine map = map_between(host, into);
+    ScanData scan;
+    scan.name = "the layer \"" + layer.label.toStdString() + "\"";
+    scan.mesh = bridged.mesh;
+    for (Eigen::Index v = 0; v < scan.mesh.vertices.rows(); ++v) {
+      const Vector3 point = scan.mesh.vertices.row(v).transpose();
+      scan.mesh.vertices.row(v) = (map * point).transpose();
+    }
+    if (scan.mesh.faces.rows() == 0) {
+      scan.normals.resize(scan.mesh.vertices.rows(), 3);
+      for (Eigen::Index v = 0; v < scan.normals.rows(); ++v) {
+        const auto& normal = host.vert[static_cast<std::size_t>(bridged.host_vertex[static_cast<std::size_t>(v)])].cN();
+        scan.normals.row(v) = (map.linear() * to_core(normal)).transpose();
+      }
+    }
+    return scan;
+  };
 }
 
 EditedMesh edit_mesh(const CMeshO& host, const MakeEdit& make, double fraction, const Progress& progress) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "lapedit/edit/fit_step.h"
 #include "lapedit_host/filter_action.h"
 #include "lapedit_host/mesh_bridge.h"
 
@@ -15,6 +16,18 @@ namespace lapedit::host {
 /// Returns the coordinate system that a mesh file names, see space_in_header(); empty if the file cannot be read.
 /// MeshLab does not keep it.
 std::string space_of_file(const std::string& path);
+
+/// Returns the layer of a label or a file name, another than a mesh; without a name the only other layer.
+/// @throws EditError (BadParameter) if there is no such layer, or several
+const DocumentLayer& layer_named(const std::vector<DocumentLayer>& layers, const std::string& name,
+                                 const CMeshO& except);
+
+/// Returns the map from a layer's own coordinates to those of another, by their transforms. @throws EditError
+/// (BadParameter) if the other transform has no inverse
+Affine map_between(const CMeshO& from, const CMeshO& to);
+
+/// Reads scans from layers, in the coordinates of a layer. The arguments must outlive the result.
+ScanReader layer_reader(const std::vector<DocumentLayer>& layers, const CMeshO& into);
 
 /// Makes the edit of a mesh that has passed validate().
 using MakeEdit = std::function<Edit(const BridgedMesh&)>;

@@ -11,10 +11,12 @@
 #include "failure.h"
 #include "files/files.h"
 #include "files/system.h"
+#include "formats/scan_file.h"
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
 #include "lapedit/base/stopwatch.h"
 #include "lapedit/base/thread_pool.h"
+#include "lapedit/edit/fit_step.h"
 #include "lapedit/json/edit_script.h"
 #include "lapedit/json/landmarks.h"
 #include "lapedit/json/report_json.h"
@@ -31,12 +33,28 @@ namespace fs = std::filesystem;
 
 namespace {
 
+/// Reads the scan that an edit names, relative to its folder.
+ScanData readScan(const FitStep& fit) {
+  const std::string path = (fs::path(fit.folder) / fit.to).string();
+  const MeshReader reader = readerOf(path);
+  if (reader == nullptr) {
+    throw EditError(ErrorCause::BadScript, "The scan " + quotedPath(fit.to) +
+                                               " is in no format that this program can read; the suffixes are .ply, "
+                                               ".obj, .off and .stl: convert it with MeshLab or PyMeshLab.");
+  }
+  return scanOf(readMeshFile(path, reader), "the scan " + quotedPath(fit.to));
+}
+
 Edit readEdit(const Options& options) {
-  if (!options.targets.empty()) {
+  if (!options.targets.empty() || !options.scan.empty()) {
     const auto landmarks = [](const std::string& path) {
       return read_landmarks(readFile("landmark file", path, kLargestJson), path);
     };
-    return fit_landmarks(pair_landmarks(landmarks(options.edit), landmarks(options.targets)));
+    HandleGroup group;
+    if (!options.targets.empty()) {
+      group = pair_landmarks(landmarks(options.edit), landmarks(options.targets));
+    }
+    return options.scan.empty() ? fit_landmarks(std::move(group)) : fit_scan(options.scan, std::move(group));
   }
   const std::string text = readFile("edit", options.edit, kLargestJson);
   const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
@@ -121,7 +139,7 @@ class Job {
       return true;
     };
     validate(file_.mesh);
-    edit = in_space(std::move(edit), file_.space);
+    edit = in_space(with_scans(std::move(edit), readScan), file_.space);
     const Adjacency adjacency = build_adjacency(static_cast<int>(file_.mesh.vertices.rows()), file_.mesh.faces);
     poses_ = apply_edit(file_.mesh, adjacency, edit, file_.selected, options_.fractions, file_.scalar, show);
     for (std::size_t k = 0; k < poses_.size() && options_.quality; ++k) {
@@ -190,7 +208,9 @@ class Job {
   }
 
   std::string report() const {
-    const auto full = [](const std::string& path) { return path == "-" ? path : fs::absolute(path).string(); };
+    const auto full = [](const std::string& path) {
+      return path == "-" || path.empty() ? path : fs::absolute(path).string();
+    };
     Json outputs = Json::array();
     const std::vector<std::string> names = options_.outputs();
     for (std::size_t k = 0; k < poses_.size(); ++k) {
@@ -207,6 +227,12 @@ class Job {
                 {"mesh", {{"vertices", file_.mesh.vertices.rows()}, {"faces", file_.mesh.faces.rows()}}},
                 {"outputs", outputs},
                 {"milliseconds", {{"read", read_ms_}, {"edit", edit_ms_}, {"write", write_ms_}}}};
+    if (options_.edit.empty()) {
+      all.erase("edit");
+    }
+    if (!options_.scan.empty()) {
+      all["scan"] = full(options_.scan);
+    }
     if (!options_.targets.empty()) {
       all["targets"] = full(options_.targets);
     }

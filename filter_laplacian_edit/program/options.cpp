@@ -85,8 +85,8 @@ struct Words {
 
 /// Names of the options, and how many values follow each.
 constexpr std::pair<const char*, std::size_t> kOptions[] = {
-    {"--fraction", 1}, {"--fractions", 1}, {"--landmarks", 2}, {"--nearest", 1}, {"--report", 1},  {"--info", 0},
-    {"--quality", 0},  {"--strict", 0},    {"--quiet", 0},     {"--help", 0},    {"--version", 0},
+    {"--fit", 1},  {"--fraction", 1}, {"--fractions", 1}, {"--landmarks", 2}, {"--nearest", 1}, {"--report", 1},
+    {"--info", 0}, {"--quality", 0},  {"--strict", 0},    {"--quiet", 0},     {"--help", 0},    {"--version", 0},
 };
 
 Words sorted(const std::vector<std::string>& arguments) {
@@ -159,10 +159,12 @@ MeshReader commonReader(const Options& options) {
 void takeFiles(const Words& words, Options& options) {
   const std::vector<std::string>& files = words.files;
   const bool hasLandmarks = words.has("--landmarks");
-  const std::size_t wanted = options.asks() ? 1 : hasLandmarks ? 2 : 3;
+  const bool hasFit = words.has("--fit");
+  const std::size_t wanted = options.asks() ? 1 : hasLandmarks || hasFit ? 2 : 3;
   if (files.size() != wanted) {
     refuse("There are " + std::to_string(files.size()) + " file names: give " +
            (options.asks() ? "the mesh alone with --nearest or --info."
+            : hasFit       ? "the template and the output, and no edit, with --fit."
             : hasLandmarks ? "the mesh and the output, and no edit, with --landmarks."
                            : "the mesh, the output and the edit."));
   }
@@ -172,7 +174,8 @@ void takeFiles(const Words& words, Options& options) {
   options.input = files[0];
   if (!options.asks()) {
     options.output = files[1];
-    options.edit = hasLandmarks ? words.value("--landmarks") : files[2];
+    options.scan = hasFit ? words.value("--fit") : "";
+    options.edit = hasLandmarks ? words.value("--landmarks") : hasFit ? "" : files[2];
     options.targets = hasLandmarks ? words.value("--landmarks", 1) : "";
   }
   if (options.input == "-" && options.edit == "-") {
@@ -182,6 +185,11 @@ void takeFiles(const Words& words, Options& options) {
     refuse("Several poses cannot be written to the standard output: give a file name with --fractions.");
   }
   options.reader = commonReader(options);
+  if (!options.scan.empty() && (options.scan == "-" || readerOf(options.scan) == nullptr)) {
+    refuse("The scan " + quotedPath(options.scan) +
+           " is no file that this program can read; the suffixes are "
+           ".ply, .obj, .off and .stl: convert it with MeshLab or PyMeshLab.");
+  }
 }
 
 /// Refuses names of one file, of which one would be written, but for an output that is the input.
@@ -206,6 +214,7 @@ void refuseSameFiles(const Options& options) {
   }
   add("edit", options.edit, false);
   add("file of targets", options.targets, false);
+  add("scan", options.scan, false);
   add("report", options.report, true);
 }
 

@@ -12,6 +12,7 @@
 struct Options {
   std::string input, output, edit;
   std::string targets;                    ///< landmarks: `edit` is the file of the points, this that of their targets
+  std::string scan;                       ///< --fit: the mesh is fitted to this file; `edit` may be empty
   MeshReader reader = readPly;            ///< for the format of input and output
   std::vector<lapedit::Vector3> nearest;  ///< only the vertices nearest to these are asked for
   bool info = false;                      ///< only what the mesh is is asked for

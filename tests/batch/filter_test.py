@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The two filters' parameters and what they leave unchanged, on generated meshes."""
+"""The filters' parameters and what they leave unchanged, on generated meshes."""
 import json
 import math
 import re
 import subprocess
 import unittest
 
-from host import CENTRE, STAGE, TOOL, UP, DomeHost, FilterHost, laplacian_edit, project, replay, select_faces, select_vertices
+from host import CENTRE, STAGE, TOOL, UP, DomeHost, FilterHost, laplacian_edit, laplacian_fit, project, replay, select_faces, select_vertices
 from ply import Ply, bits_of, float_of, write_ply
 from shapes import in_reach, moved, together
 
@@ -27,10 +27,31 @@ class Documentation(FilterHost):
         file = self.folder / "filters.txt"
         subprocess.run([STAGE / "bin" / "meshlabserver", "-d", file], env=self.environment, check=True,
                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=60)
-        for name, count in (("Laplacian Edit", 14), ("Laplacian Edit Replay", 2)):
+        for name, count in (("Laplacian Edit", 14), ("Laplacian Edit Replay", 2), ("Laplacian Fit", 5)):
             text = re.search(rf"\\section \S+ {name} \n(.*?)(\\section|\Z)", file.read_text(), re.DOTALL)[1]
             self.assertIn("10.1109/SMI.2004.1314505", text)
             self.assertEqual(len(re.findall(r"\\c \w+ +</TD> <TD> .{4,}? </TD> <TD><i> .{41,}? -- ", text)), count)
+
+
+class Fit(FilterTest):
+    copy = '<filter name="Duplicate Current layer"></filter>'
+
+    def test_a_layer_is_fitted_to_another(self):
+        lifted, _ = self.bits([laplacian_edit(**self.lift)])
+        bits, log = self.bits([self.copy, laplacian_edit(**self.lift), laplacian_fit(align=3)])
+        distance = [max(math.dist(p, map(float_of, q)) for p, q in zip(self.points, points)) for points in (lifted, bits)]
+        self.assertGreater(distance[0], 0.19)
+        self.assertLess(distance[1], 0.05)
+        self.assertIn('Fit to the layer "dome.ply"', log)
+        fit = {"region": {"component": True}, "fit": {"to": "dome.ply", "align": "none"}}
+        again, _ = self.bits([self.copy, laplacian_edit(**self.lift), replay(fit)])
+        self.assertEqual(again, bits)
+
+    def test_a_missing_layer_is_refused(self):
+        for name, sentence in (("", "There is no other layer"), ("nose", 'no other layer named "nose"')):
+            result = self.run_host([laplacian_fit(scan=name)], self.mesh)
+            self.assertIn(sentence, result.text)
+            self.assertIsNone(result.output)
 
 
 class Settings(FilterTest):

@@ -74,6 +74,15 @@ def replay(edit, fraction=1):
             + real("fraction", fraction) + "</filter>")
 
 
+FIT_PARAMETERS = {"scan": (number("RichString"), ""), "mode": (choice, 0), "detail": (real, 0.03), "align": (choice, 0),
+                  "landmarks": (choice, 0)}
+
+
+def laplacian_fit(**given):
+    lines = [write(name, given.get(name, value)) for name, (write, value) in FIT_PARAMETERS.items()]
+    return '<filter name="Laplacian Fit">' + "\n".join(lines) + "</filter>"
+
+
 def select(what):
     return lambda condition: (f'<filter name="Conditional {what} Selection"><Param type="RichString" name="condSelect" value='
                               + quoteattr(condition) + "/></filter>")

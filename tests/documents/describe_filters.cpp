@@ -38,7 +38,7 @@ QJsonArray described(const FilterAction& filter) {
 
 int main() {
   QJsonObject filters;
-  for (const FilterAction& filter : {laplacianEdit(), laplacianEditReplay()}) {
+  for (const FilterAction& filter : {laplacianEdit(), laplacianEditReplay(), laplacianFit()}) {
     filters[filter.name] = described(filter);
   }
   return std::fputs(QJsonDocument(filters).toJson().constData(), stdout) < 0;

@@ -32,7 +32,7 @@ class FilterParameters(unittest.TestCase):
         cls.tables = {name: document.rows(name) for name in cls.filters}
 
     def test_names_types_and_defaults(self):
-        self.assertEqual(len(self.filters), 2)
+        self.assertEqual(len(self.filters), 3)
         for name, parameters in self.filters.items():
             self.assertEqual([(code(row[0])[0], row[1], row[2]) for row in self.tables[name]],
                              [(p["name"], TYPES[p["kind"]], default_of(p)) for p in parameters])

@@ -79,7 +79,7 @@ TEST(EditScriptRefusal, UnknownKeysAreRefusedByNameAndPlace) {
   EXPECT_EQ(refusal(with_steps("{'region': {'radius': 1}, 'handles': [{'vertices': '1'}]},"
                                "{'region': {'radius': 1}, 'handles': [{'vertices': '1', 'translaton': [0,0,1]}]}")),
             "steps[1].handles[0]: unknown key \"translaton\"; known keys are vertices, points, within, "
-            "selected, landmarks, weights, targets, translation, rotation, scale, matrix.");
+            "selected, landmarks, weights, targets, slide, translation, rotation, scale, matrix.");
   expect_contains(refusal(js("{'laplacian_edit': 1, 'step': []}")), "edit: unknown key \"step\"");
   expect_contains(refusal(with_mesh("{'edges': 1}")),
                   "mesh: unknown key \"edges\"; known keys are vertices, faces, connectivity, positions.");

@@ -14,10 +14,11 @@ import subprocess
 import sys
 
 COMMON = pathlib.Path(__file__).resolve().parents[2] / "common"
-CORE = ["base", "mesh", "linear", "deform", "cells", "edit", "live", "session"]
+CORE = ["base", "mesh", "linear", "deform", "cells", "fit", "edit", "live", "session"]
 # Each layer and what is below it: what architecture.md promises, not what CMake happens to link.
 BELOW = {layer: CORE[:i] for i, layer in enumerate(CORE)}
 BELOW["linear"] = ["base"]
+BELOW["fit"] = BELOW["cells"]
 BELOW["json"] = BELOW["host"] = BELOW["live"]
 # One header each of Qt, OpenGL for Qt, vcglib and all MeshLabs.
 HOSTS_OWN = ["QtCore/QString", "QString", "QGLWidget", "vcg/complex/complex.h", "common/ml_document/mesh_model.h",

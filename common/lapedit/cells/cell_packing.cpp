@@ -30,7 +30,7 @@ class Packing {
 
  private:
   void find_rigid();
-  void find_held();
+  std::vector<double> distances_from_held() const;
   double sum_of_cells(bool all) const;
   double rounded(double length) const;
   double spacing_for(double sum, double cells, int vertices) const;
@@ -60,7 +60,6 @@ class Packing {
   bool all_lone_ = false;
   std::vector<char> rigid_;
   std::vector<double> depth_;   // inside rigid parts, from their border, model units
-  std::vector<double> near_;    // distance from the nearest vertex that is held or moved, model units
   int free_ = 0;                // vertices
   bool has_inside_ = false;     // whether there is a rigid part
   std::vector<float> density_;  // per vertex: 1 over the spacing there, in units of spacing_
@@ -112,8 +111,9 @@ void Packing::find_rigid() {
   }
 }
 
-/// What holds needs cells as small as what moves: otherwise a twisted bar twists less at its fixed end.
-void Packing::find_held() {
+/// Distances from the nearest vertex that is held or moved, model units. What holds needs cells as small as what moves:
+/// otherwise a twisted bar twists less at its fixed end.
+std::vector<double> Packing::distances_from_held() const {
   std::vector<int> border;
   for (int i = 0; i < region_.size(); ++i) {
     const IndexLists::Row ring = region_.neighbours[i];
@@ -122,13 +122,14 @@ void Packing::find_held() {
       border.push_back(i);
     }
   }
-  near_ = region_.distance;
+  std::vector<double> distances = region_.distance;
   if (!border.empty()) {
     const DistanceField field({region_.neighbours, rest_}, border, kUnreached, nullptr, pool_);
     for (int i = 0; i < region_.size(); ++i) {
-      near_[i] = region_.classes[i] == VertexClass::Anchor ? 0 : std::min(near_[i], field[i]);
+      distances[i] = region_.classes[i] == VertexClass::Anchor ? 0 : std::min(distances[i], field[i]);
     }
   }
+  return distances;
 }
 
 /// Sum of area times density^2 over the faces, of all vertices or of those that are not rigid.
@@ -178,9 +179,11 @@ void Packing::choose_spacing() {
   constexpr double kSoft = 0.2, kTip = 0.11, kAroundTip = 0.5, kInside = 0.7, kVerticesPerCell = 5;
   const int n = region_.size(), free = free_ > 0 ? free_ : n;
   density_.resize(n);
+  const std::vector<double> distances = distances_from_held();
   const double scale = region_.max_distance > 0 ? 1 / region_.max_distance : 0;
-  for_indices(pool_, n, kGrain,
-              [&](int i) { density_[i] = static_cast<float>(1 / std::sqrt(std::min(near_[i] * scale, 1.0) + kSoft)); });
+  for_indices(pool_, n, kGrain, [&](int i) {
+    density_[i] = static_cast<float>(1 / std::sqrt(std::min(distances[i] * scale, 1.0) + kSoft));
+  });
   const double cells = std::min<double>(target_, std::max(1.0, free / kVerticesPerCell));
   spacing_ = spacing_for(sum_of_cells(free_ == 0), cells, free);
   if (!(spacing_ > 0)) {
@@ -398,7 +401,6 @@ int Packing::pack(std::vector<int>& of) {
   all_lone_ = larger == lone_.end();
   lone_.erase(larger, lone_.end());
   find_rigid();
-  find_held();
   choose_spacing();
   sort();
   middle_ = rest_.colwise().mean().transpose();

@@ -33,6 +33,13 @@ std::string quality_line(const EditReport& report) {
   return line;
 }
 
+std::string shape_line(const EditReport& report) {
+  return format_text(
+      "\nDetail rotation: mean %.3g, largest %.3g degrees; edge stretch: RMS %.3g %%, largest %.3g %%; triangles "
+      "flipped: %d",
+      report.rotation_mean, report.rotation_max, 100 * report.stretch_rms, 100 * report.stretch_max, report.flipped);
+}
+
 std::string landmark_line(const std::vector<LandmarkResidual>& landmarks) {
   if (landmarks.empty()) {
     return {};
@@ -87,6 +94,11 @@ std::string advice_on_shape(const EditReport& report) {
     ways.push_back("lower the weights of landmarks that contradict each other");
   } else if (report.causes.lone_handle) {
     ways.push_back("use a group of vertices as the handle");
+  }
+  if (report.fit) {
+    ways.push_back("raise the detail of the fit");
+    ways.push_back("exclude the vertices near it");
+    ways.push_back("give landmarks");
   }
   if (report.settings.order > 1) {
     ways.push_back("use order 1");
@@ -175,7 +187,7 @@ std::string EditReport::advice() const {
                           : std::string("Leave a part of the surface out of the region, ")) +
         "or add a handle group that stays.");
   }
-  for (const std::string& sentence : {advice_on_exchange(exchanged), advice_on_volume(*this),
+  for (const std::string& sentence : {advice_on_exchange(exchanged), fit ? fit->advice() : "", advice_on_volume(*this),
                                       causes.rigid ? std::string() : advice_on_shape(*this)}) {
     if (!sentence.empty()) {
       sentences.push_back(sentence);
@@ -211,6 +223,16 @@ std::string EditReport::text() const {
   if (welded > 0) {
     lines += format_text("; %d more at the places of these move along", welded);
   }
+  if (fit) {
+    lines += "\n" + fit->text();
+    lines.pop_back();
+    lines += landmark_line(landmarks);
+    lines += shape_line(*this) + quality_line(*this);
+    lines += format_text("\nMilliseconds: region %.1f, align %.1f, factor %.1f, pairs %.1f, solve %.1f", region_ms,
+                         fit->align_ms, fit->factor_ms, fit->pairs_ms, fit->solve_ms);
+    const std::string hint = advice();
+    return hint.empty() ? lines : lines + "\n" + hint;
+  }
   lines += format_text("\nMethod: %s; operator: %s of order %d", name(settings.method), name(settings.laplacian),
                        settings.order);
   if (uniform_edges > 0) {
@@ -242,10 +264,7 @@ std::string EditReport::text() const {
   if (!landmark_conversion.empty()) {
     lines += "\nLandmarks were converted to the coordinate system of the mesh: " + landmark_conversion;
   }
-  lines += format_text(
-      "\nDetail rotation: mean %.3g, largest %.3g degrees; edge stretch: RMS %.3g %%, largest %.3g %%; triangles "
-      "flipped: %d",
-      rotation_mean, rotation_max, 100 * stretch_rms, 100 * stretch_max, flipped);
+  lines += shape_line(*this);
   lines += format_text("; normal-equation residual %.2g", normal_equation_residual);
   lines += quality_line(*this);
   lines += format_text(

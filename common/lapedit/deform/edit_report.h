@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lapedit/deform/edit_settings.h"
+#include "lapedit/deform/fit_report.h"
 
 namespace lapedit {
 
@@ -110,6 +111,7 @@ struct EditReport : RegionCounts, EditTimes, EditQuality {
   std::vector<LandmarkResidual> landmarks;  ///< of a whole edit with landmarks; empty for a step
   ExchangedLandmarks exchanged;             ///< of a whole edit
   std::string landmark_conversion;          ///< of coordinate systems, as in "from RAS to LPS"; empty: none
+  std::optional<FitReport> fit;             ///< of a step that fits; its system figures stay empty
   std::string targets_advice;               ///< why targets are far from the surface; empty: unknown, or they are not
 
   /// Returns several lines of plain text for a log, without a trailing newline.

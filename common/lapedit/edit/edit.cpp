@@ -12,6 +12,7 @@
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
 #include "lapedit/edit/exchanged_targets.h"
+#include "lapedit/edit/fit_step.h"
 #include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
@@ -130,11 +131,16 @@ class Poses {
   void run_step(const EditStep& given, std::size_t p, bool same_shape, const Progress& progress, const Each& each) {
     if (!same_shape) {
       see(p, given.weld);
-      step_ = mirrored(mesh_, seen_ ? welded(given, seen_->weld) : given);
+      step_ = seen_ ? welded(given, seen_->weld) : given;
+      step_ = step_.fit ? step_ : mirrored(mesh_, step_);
       for (std::size_t g = 0; g < step_.handles.size(); ++g) {
         sort_group(step_.handles[g], g);
       }
       options_.mirror = given.mirror;
+    }
+    if (step_.fit) {
+      run_fit(p, same_shape, progress, each);
+      return;
     }
     FoundRegion found;
     if (!same_shape) {
@@ -154,14 +160,31 @@ class Poses {
     result.positions = solver_->pose(motions);
     result.vertices = solver_->region().mesh_vertex;
     result.reports.push_back(solver_->report());
+    finish(std::move(result), p, progress, each);
+  }
+
+  void run_fit(std::size_t p, bool same_shape, const Progress& progress, const Each& each) {
+    if (!same_shape) {
+      fitted_ = fit_step(mesh_, seen_ ? seen_->adjacency : given_adjacency_, step_, options_.solver, progress);
+    }
+    EditResult result;
+    result.vertices = fitted_.vertices;
+    result.positions = positions_at(fitted_, mesh_, fractions_[p], options_.scalar);
+    result.reports.push_back(fitted_.report);
+    finish(std::move(result), p, progress, each);
+  }
+
+  /// Completes the result of a step, and applies it to its pose.
+  void finish(EditResult&& result, std::size_t p, const Progress& progress, const Each& each) {
     EditReport& report = result.reports.back();
     if (seen_) {
+      const std::size_t own = result.vertices.size();
       seen_->weld.add_others(result.vertices, result.positions);
-      report.welded = static_cast<int>(result.vertices.size()) - solver_->region().size();
+      report.welded = static_cast<int>(result.vertices.size() - own);
       report.fixed -= report.welded;
     }
     scatter(result.vertices, result.positions, vertices_[p]);
-    if (!given.weld) {
+    if (!step_.weld) {
       joined_[p] = nullptr;
     }
     for (const HandleGroup& group : step_.handles) {
@@ -209,6 +232,7 @@ class Poses {
   std::vector<Points> vertices_;  // per pose
   EditStep step_;                 // the current one, with all groups
   std::unique_ptr<StepSolver> solver_;
+  FittedStep fitted_;  // of the current step, if it is a fit
 };
 
 std::string by_position_advice(const Edit& edit) {

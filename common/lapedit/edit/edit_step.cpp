@@ -187,6 +187,9 @@ EditStep welded(EditStep step, const Weld& weld) {
   weld.to_first(step.region.vertices);
   weld.to_first(step.region.held);
   weld.to_first(step.region.anchors.vertices);
+  if (step.fit) {
+    weld.to_first(step.fit->exclude);
+  }
   return step;
 }
 

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "lapedit/deform/edit_settings.h"
 #include "lapedit/deform/handle_transform.h"
+#include "lapedit/fit/fit.h"
 #include "lapedit/mesh/region.h"
 #include "lapedit/mesh/symmetry.h"
 #include "lapedit/mesh/vertex_transfer.h"
@@ -44,7 +46,17 @@ struct HandleGroup {
   std::vector<std::string> names = {};  ///< of the landmarks that vertices and targets come from, or none
   VertexQuery query = {};               ///< replaces vertices until located() finds them
   LandmarkSpaces spaces = {};           ///< of query.points and targets
+  double slide = 1;                     ///< of targets in a fit, see FitLandmark
   std::string targets_advice = {};      ///< from located(): why targets are far from the surface, as advice
+};
+
+/// A scan that a region is fitted to, in place of a motion of handles.
+struct FitStep {
+  std::string to;      ///< file, or in MeshLab a layer
+  std::string folder;  ///< of a relative file name
+  ScanFitSettings settings;
+  std::vector<int> exclude;               ///< mesh vertices that are not drawn to the scan
+  std::shared_ptr<const Scan> scan = {};  ///< null until with_scans() reads it
 };
 
 /// One step of an edit: region, handles with their motions, settings.
@@ -54,6 +66,7 @@ struct EditStep {
   EditSettings settings;
   std::optional<MirrorPlane> mirror = {};  ///< handles and region are mirrored across it, see mirrored()
   VertexQuery region_query = {};           ///< in place of region.vertices, until they are located
+  std::optional<FitStep> fit = {};         ///< handles are landmarks with targets, or none
   bool weld = true;                        ///< whether vertices at the same place are one, see Weld
 };
 

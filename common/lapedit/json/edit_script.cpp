@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "lapedit/base/error.h"
+#include "lapedit/base/format_text.h"
 #include "lapedit/json/json_object.h"
 #include "lapedit/json/landmarks.h"
 
@@ -340,6 +341,54 @@ void visit(Keys& keys, HandleTransform& transform) {
   keys.may("center", transform.center, transform.center.has_value());
 }
 
+/// One of several names.
+template <class Enum>
+struct Choice {
+  Enum& chosen;
+  const std::vector<const char*>& names;
+};
+
+template <class Enum>
+void read(const JsonValue& from, Choice<Enum>& choice) {
+  choice.chosen = static_cast<Enum>(read_choice(from, choice.names));
+}
+
+template <class Enum>
+Json json_of(Choice<Enum>& choice) {
+  return choice.names[static_cast<std::size_t>(choice.chosen)];
+}
+
+/// Vertices that are not drawn to the scan.
+struct ExcludeKeys {
+  std::vector<int>& vertices;
+};
+
+void visit(Keys& keys, ExcludeKeys& exclude) {
+  keys.need("vertices", exclude.vertices);
+}
+
+void visit(Keys& keys, FitStep& fit) {
+  static const std::vector<const char*> modes = {name(FitMode::Shape), name(FitMode::Pose)},
+                                        alignments = {name(FitAlign::Similarity), name(FitAlign::Rigid),
+                                                      name(FitAlign::None)};
+  ScanFitSettings& settings = fit.settings;
+  keys.need("to", fit.to);
+  Choice<FitMode> mode = {settings.mode, modes};
+  keys.may("mode", mode);
+  FitAlign align = settings.align.value_or(FitAlign::Similarity);
+  Choice<FitAlign> choice = {align, alignments};
+  if (keys.may("align", choice, settings.align.has_value())) {
+    settings.align = align;
+  }
+  keys.may("detail", settings.detail);
+  keys.may("distance", settings.distance);
+  ExcludeKeys exclude = {fit.exclude};
+  keys.may("exclude", exclude, !fit.exclude.empty());
+  if (keys.from != nullptr) {
+    fit.folder = keys.from->source->folder;
+  }
+}
+
 void visit(Keys& keys, HandleGroup& handle) {
   VertexQuery& query = handle.query;
   HandleTransform& transform = handle.transform;
@@ -363,6 +412,11 @@ void visit(Keys& keys, HandleGroup& handle) {
   for (std::size_t k = 0; keys.has("targets") && k < query.points.size(); ++k) {
     handle.names.push_back((*keys.from)["points"][k].where);
   }
+  keys.may("slide", handle.slide, handle.slide != 1);
+  if (!(handle.slide >= 0 && handle.slide <= 1)) {
+    keys.refuse("slide", "expected a number from 0 to 1, found " + number_text(handle.slide) + ".");
+  }
+  keys.alone("slide", {"translation", "rotation", "scale", "matrix"}, "goes with targets or landmarks only.");
   keys.may("translation", transform.translation, has_parts);
   keys.may("rotation", transform, has_parts);
   keys.may("scale", transform.scale, has_parts);
@@ -393,8 +447,23 @@ Json json_of(Switch& from) {
 void visit(Keys& keys, EditStep& step) {
   RegionKeys region = {step};
   keys.need("region", region);
-  keys.need("handles", step.handles);
+  keys.may("fit", step.fit, step.fit.has_value());
+  if (step.fit || (keys.from == nullptr && keys.to == nullptr)) {
+    keys.may("handles", step.handles, !step.handles.empty());
+  } else {
+    keys.need("handles", step.handles);
+  }
   keys.may("mirror", step.mirror, step.mirror.has_value());
+  for (std::size_t g = 0; step.fit && g < step.handles.size(); ++g) {
+    if (step.handles[g].targets.empty()) {
+      keys.refuse("fit", "handles[" + std::to_string(g) + "] has no targets, but the handles of a fit are landmarks.");
+    }
+  }
+  for (std::size_t g = 0; !step.fit && g < step.handles.size(); ++g) {
+    if (step.handles[g].slide != 1) {
+      keys.refuse("handles", "slide goes with a fit only, since targets slide along its scan.");
+    }
+  }
   Switch weld = {step.weld};
   keys.may("weld", weld, !step.weld);
   for (const Setting& setting : settings_table()) {

@@ -356,6 +356,17 @@ Edit fit_landmarks(HandleGroup group) {
   return edit;
 }
 
+Edit fit_scan(std::string to, HandleGroup landmarks) {
+  Edit edit;
+  EditStep& step = edit.steps.emplace_back();
+  step.region.kind = RegionSpec::Kind::Component;
+  if (!landmarks.query.points.empty()) {
+    step.handles = {std::move(landmarks)};
+  }
+  step.fit.emplace().to = std::move(to);
+  return edit;
+}
+
 std::string read_text_file(const std::string& path, const char* otherwise) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {

@@ -39,6 +39,9 @@ HandleGroup load_landmarks(const std::string& from, const std::string& to);
 /// over a surface: the displacement of one landmark goes over smoothly into that of the next.
 Edit fit_landmarks(HandleGroup group);
 
+/// Returns an edit that fits the whole mesh to a scan. @param to  its file; @param landmarks  without points: none
+Edit fit_scan(std::string to, HandleGroup landmarks = {});
+
 /// Reads a text file. @param otherwise  what is wrong with a path of no file; its folder is added
 /// @throws EditError (BadScript) if it is none, cannot be read, or is larger than kLargestJson
 std::string read_text_file(const std::string& path, const char* otherwise = "is not the path of a file");

@@ -40,7 +40,12 @@ class VertexFilterPlugin : public QObject, public MeshFilterInterface {
     try {
       // As std::string: the other overloads take a printf format.
       const QString file = document.mm() != nullptr ? document.mm()->fullName() : QString();
-      Log(GLLogStream::FILTER, run_filter(filter(ID(action)), parameters, current(document), file, callback).log);
+      std::vector<DocumentLayer> layers;
+      for (const MeshModel* model : document.meshList) {
+        layers.push_back({model->label(), model->fullName().toStdString(), &model->cm});
+      }
+      Log(GLLogStream::FILTER,
+          run_filter(filter(ID(action)), parameters, current(document), file, layers, callback).log);
       return true;
     } catch (...) {
       errorMessage = sentence_of_current_exception();

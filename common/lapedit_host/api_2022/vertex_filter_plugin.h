@@ -46,7 +46,11 @@ class VertexFilterPlugin : public QObject, public FilterPlugin {
     try {
       CMeshO* const mesh = document.mm() != nullptr ? &document.mm()->cm : nullptr;
       const QString file = document.mm() != nullptr ? document.mm()->fullName() : QString();
-      FilterOutcome outcome = run_filter(filter(ID(action)), parameters, mesh, file, callback);
+      std::vector<DocumentLayer> layers;
+      for (const MeshModel& model : document.meshIterator()) {
+        layers.push_back({model.label(), model.fullName().toStdString(), &model.cm});
+      }
+      FilterOutcome outcome = run_filter(filter(ID(action)), parameters, mesh, file, layers, callback);
       // As std::string: the other overloads take a printf format.
       log(GLLogStream::FILTER, outcome.log);
       changed = static_cast<unsigned int>(postCondition(action));

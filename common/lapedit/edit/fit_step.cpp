@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/edit/fit_step.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <utility>
+
+#include "lapedit/base/error.h"
+#include "lapedit/base/stopwatch.h"
+#include "lapedit/deform/edit_quality.h"
+#include "lapedit/edit/edit_step.h"
+#include "lapedit/mesh/surface_measures.h"
+#include "lapedit/mesh/vertex_set.h"
+
+namespace lapedit {
+namespace {
+
+/// Landmarks of all groups with their mesh vertices.
+std::vector<FitLandmark> landmarks_of(const EditStep& step) {
+  std::vector<FitLandmark> landmarks;
+  for (std::size_t g = 0; g < step.handles.size(); ++g) {
+    const HandleGroup& group = step.handles[g];
+    if (group.targets.size() != group.vertices.size()) {
+      throw EditError(ErrorCause::BadParameter, "Handle group " + std::to_string(g) +
+                                                    " of the fit has no targets: give landmarks, or targets for its "
+                                                    "vertices or points.");
+    }
+    for (std::size_t k = 0; k < group.vertices.size(); ++k) {
+      landmarks.push_back(
+          {group.vertices[k], group.targets[k], group.weights.empty() ? 1 : group.weights[k], group.slide});
+    }
+  }
+  std::sort(landmarks.begin(), landmarks.end(),
+            [](const FitLandmark& a, const FitLandmark& b) { return a.vertex < b.vertex; });
+  return landmarks;
+}
+
+void measure(const Region& region, const Points& before, const Points& after, const std::vector<Matrix3>& rotations,
+             EditReport& report) {
+  const EdgeStretch stretch = edge_stretch(region, before, after);
+  report.stretch_rms = stretch.rms;
+  report.stretch_max = stretch.largest;
+  report.causes.stretched = stretch.at < 0 ? -1 : region.mesh_vertex[stretch.at];
+  report.flipped = flipped_triangles(region, before, after, rotations);
+  if (report.flipped > 0) {
+    ThreadPool pool(1);
+    const std::vector<Matrix3> surface = surface_rotations(region, before, after, pool);
+    for (Eigen::Index f = 0; f < region.faces.rows(); ++f) {
+      if (is_flipped(region, f, before, after, surface)) {
+        ++report.folded;
+        report.causes.near = region.mesh_vertex[region.faces(f, 0)];
+      }
+    }
+  }
+  report.volume = enclosed_volume(region, before);
+  report.volume_change = enclosed_volume(region, after) - report.volume;
+  report.is_body = encloses_a_body(region, before, report.volume);
+  report.rotation_max = largest_rotation(rotations, {});
+  report.rotation_mean = report.rotation_max;
+  if (report.fit->mode == "pose") {
+    double sum = 0;
+    for (const Matrix3& rotation : rotations) {
+      sum += largest_rotation({rotation}, {});
+    }
+    report.rotation_mean = sum / static_cast<double>(rotations.size());
+  }
+}
+
+}  // namespace
+
+Edit with_scans(Edit edit, const ScanReader& reader) {
+  for (EditStep& step : edit.steps) {
+    if (step.fit && !step.fit->scan) {
+      step.fit->scan = std::make_shared<const Scan>(reader(*step.fit));
+    }
+  }
+  return edit;
+}
+
+FittedStep fit_step(const TriangleMesh& mesh, const Adjacency& adjacency, const EditStep& step,
+                    const SolverOptions& options, const Progress& progress) {
+  if (!step.fit->scan) {
+    throw EditError(ErrorCause::BadParameter, "The scan \"" + step.fit->to +
+                                                  "\" of the fit was not read here: use the "
+                                                  "program laplacian-edit or the filter Laplacian Fit.");
+  }
+  if (step.mirror) {
+    throw EditError(ErrorCause::BadParameter,
+                    "A fit cannot be mirrored, since the scan decides on both sides: remove the key mirror.");
+  }
+  validate(step.fit->settings);
+  std::vector<FitLandmark> landmarks = landmarks_of(step);
+  std::vector<int> handle;
+  handle.reserve(landmarks.size());
+  for (const FitLandmark& landmark : landmarks) {
+    handle.push_back(landmark.vertex);
+  }
+  const Stopwatch watch;
+  const Region region = fit_region(mesh, adjacency, step.region, handle, options.threads);
+  const double region_ms = watch.elapsed();
+  for (FitLandmark& landmark : landmarks) {
+    landmark.vertex = index_in(region.mesh_vertex, landmark.vertex);
+  }
+  std::vector<int> excluded;
+  for (const int v : step.fit->exclude) {
+    require_vertex("Excluded vertex", v, mesh.vertices.rows());
+    if (contains(region.mesh_vertex, v)) {
+      excluded.push_back(static_cast<int>(index_in(region.mesh_vertex, v)));
+    }
+  }
+  FitResult result =
+      fit_template(mesh, region, landmarks, excluded, *step.fit->scan, step.fit->settings, options, progress);
+  FittedStep fitted;
+  fitted.vertices = region.mesh_vertex;
+  fitted.positions = std::move(result.positions);
+  EditReport& report = fitted.report;
+  report.region_ms = region_ms;
+  report.mesh_vertices = region.mesh_vertices;
+  report.handle = static_cast<int>(landmarks.size());
+  report.anchors = region.count(VertexClass::Anchor);
+  report.free = region.size() - report.anchors - report.handle;
+  report.fixed = region.mesh_vertices - region.size();
+  report.left_out = region.left_out;
+  report.settings = step.settings;
+  report.fit = std::move(result.report);
+  measure(region, gather(mesh.vertices, region.mesh_vertex), fitted.positions, result.rotations, report);
+  for (const FitLandmark& landmark : landmarks) {
+    const Vector3 before = mesh.vertices.row(region.mesh_vertex[landmark.vertex]).transpose();
+    report.handle_displacement = std::max(report.handle_displacement, (landmark.target - before).norm());
+    report.handle_residual =
+        std::max(report.handle_residual, (fitted.positions.row(landmark.vertex).transpose() - landmark.target).norm());
+  }
+  return fitted;
+}
+
+Points positions_at(const FittedStep& fitted, const TriangleMesh& mesh, double fraction, StoredScalar scalar) {
+  Points positions = fitted.positions;
+  if (fraction < 1) {
+    const Points before = gather(mesh.vertices, fitted.vertices);
+    positions = before + fraction * (positions - before);
+  }
+  round_to(scalar, positions);
+  return positions;
+}
+
+}  // namespace lapedit

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A template fitted to scans by the program: meshes and clouds, landmarks, a saved edit, and refusals."""
+import json
+import math
+import struct
+import unittest
+
+from program import ADVISED, CENTRE, DOME, REFUSED, UNREADABLE, WRONG_USAGE, ProgramTest, files
+from shapes import dome
+
+TRUTH = [(1.05 * x + 0.05 * math.sin(2 * y), y, 1.2 * z) for x, y, z in DOME[0]]
+
+
+def scan(rows=25):
+    points, faces = dome(rows, rows + 4)
+    return [(1.05 * x + 0.05 * math.sin(2 * y), y, 1.2 * z) for x, y, z in points], faces
+
+
+def error(points):
+    return sum(math.dist(p, q) for p, q in zip(points, TRUTH)) / len(TRUTH)
+
+
+def picked(points):
+    return "<PickedPoints>" + "".join(f'<point x="{x!r}" y="{y!r}" z="{z!r}" name="{name}"/>'
+                                      for name, (x, y, z) in points.items()) + "</PickedPoints>"
+
+
+class Fit(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.scan = self.folder / "scan.ply"
+        self.scan.write_bytes(files.ply_plain(scan()))
+        self.out = self.work / "out.ply"
+        corners = {"a": 0, "b": 20, "c": 420, "d": 440, "e": CENTRE}
+        (self.folder / "from.pp").write_text(picked({name: DOME[0][v] for name, v in corners.items()}))
+        (self.folder / "to.pp").write_text(picked({name: TRUTH[v] for name, v in corners.items()}))
+
+    def result(self):
+        lines = self.out.read_text().split("end_header\n")[1].splitlines()
+        return [tuple(map(float, line.split())) for line in lines[:len(TRUTH)]]
+
+    def fitted(self, *arguments):
+        self.done("--fit", self.scan, self.mesh, self.out, "--report", self.work / "report.json", *arguments)
+        step, = json.loads((self.work / "report.json").read_text())["outputs"][0]["steps"]
+        return step
+
+    def test_a_scan_and_landmarks(self):
+        landmarks = ["--landmarks", self.folder / "from.pp", self.folder / "to.pp"]
+        step = self.fitted(*landmarks)
+        self.assertLess(error(self.result()), 0.4 * error(DOME[0]))
+        self.assertTrue(step["fit"]["by_landmarks"])
+        self.assertGreater(step["fit"]["to_scan"]["matched"], 0.5)
+        self.assertEqual(len(step["landmarks"]), 5)
+        self.assertEqual(step["folded"], 0)
+        whole = self.out.read_bytes()
+        self.write_edit({"region": {"component": True}, "fit": {"to": "scan.ply"},
+                         "handles": [{"landmarks": {"from": "from.pp", "to": "to.pp"}}]})
+        self.done("-q", self.mesh, self.out, self.edit)
+        self.assertEqual(self.out.read_bytes(), whole)
+
+    def test_a_cloud_with_normals(self):
+        points, faces = scan(41)
+        sums = [[0.0, 0.0, 0.0] for _ in points]
+        for a, b, c in faces:
+            u, v = ([q - p for p, q in zip(points[a], points[k])] for k in (b, c))
+            for corner in (a, b, c):
+                for k in range(3):
+                    sums[corner][k] += u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3]
+        for name, numbers, form in (("float", "<6f", "binary_little_endian"), ("double", ">6d", "binary_big_endian")):
+            header = f"ply\nformat {form} 1.0\nelement vertex {len(points)}\n" + "".join(
+                f"property {name} {key}\n" for key in ("x", "y", "z", "nx", "ny", "nz")) + "end_header\n"
+            self.scan.write_bytes(header.encode() + b"".join(struct.pack(numbers, *p, *n) for p, n in zip(points, sums)))
+            self.fitted("--landmarks", self.folder / "from.pp", self.folder / "to.pp")
+            self.assertLess(error(self.result()), 0.5 * error(DOME[0]), name)
+
+    def test_advice_on_another_unit(self):
+        self.scan.write_bytes(files.ply_plain(([tuple(1000 * c for c in p) for p in scan()[0]], scan()[1])))
+        self.refused(ADVISED, "same unit", "--strict", "--fit", self.scan, self.mesh, self.out)
+
+    def test_refusals(self):
+        self.refused(WRONG_USAGE, "template and the output", "--fit", self.scan, self.mesh)
+        self.refused(WRONG_USAGE, "suffixes are", "--fit", "scan.xyz", self.mesh, self.out)
+        self.refused(WRONG_USAGE, "same file", "--fit", self.scan, self.mesh, self.scan)
+        self.refused(UNREADABLE, "missing.ply", "--fit", "missing.ply", self.mesh, self.out)
+        self.scan.write_bytes(files.ply_plain((DOME[0], [])))
+        self.refused(REFUSED, "neither faces nor normals", "--fit", self.scan, self.mesh, self.out)
+        self.scan.write_bytes(files.ply_plain(([], [])))
+        self.refused(REFUSED, "no points", "--fit", self.scan, self.mesh, self.out)
+
+
+if __name__ == "__main__":
+    unittest.main()

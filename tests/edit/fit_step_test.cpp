@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/edit/fit_step.h"
+
+#include <gtest/gtest.h>
+
+#include "bodies.h"
+#include "lapedit/mesh/surface_measures.h"
+#include "shapes.h"
+#include "support.h"
+
+namespace lapedit {
+namespace {
+
+Points stretched(Points points) {
+  for (Eigen::Index v = 0; v < points.rows(); ++v) {
+    points(v, 0) *= 1.1 + 0.05 * points(v, 1);
+  }
+  return points;
+}
+
+const TriangleMesh& head() {
+  static const TriangleMesh mesh = shapes::head(0.11);
+  return mesh;
+}
+
+/// A head of another shape and triangulation.
+TriangleMesh other_head() {
+  TriangleMesh mesh = shapes::head(0.1);
+  mesh.vertices = stretched(mesh.vertices);
+  return mesh;
+}
+
+Edit fit_edit(const TriangleMesh& scan) {
+  Edit edit;
+  EditStep& step = edit.steps.emplace_back();
+  step.region.kind = RegionSpec::Kind::Component;
+  step.fit.emplace().to = "scan.ply";
+  return with_scans(edit, [&scan](const FitStep&) { return ScanData{scan, {}}; });
+}
+
+double mean_error(const Points& a, const Points& b) {
+  return (a - b).rowwise().norm().mean();
+}
+
+TEST(FitStep, IsAStepAmongOthers) {
+  Edit edit = fit_edit(other_head());
+  EditStep& pull = edit.steps.emplace_back();
+  pull.region.radius = 0.6;
+  pull.handles = {{{5}, {}}};
+  pull.handles[0].transform.translation = Vector3(0, 0, 0.1);
+  const EditResult result = apply_edit(head(), edit);
+  ASSERT_EQ(result.reports.size(), 2U);
+  ASSERT_TRUE(result.reports[0].fit.has_value());
+  EXPECT_FALSE(result.reports[1].fit.has_value());
+  EXPECT_NE(result.reports[0].text().find("Template to scan: "), std::string::npos);
+  edit.steps.pop_back();
+  const Points fitted = support::edited(head(), apply_edit(head(), edit));
+  EXPECT_LT(mean_error(fitted, stretched(head().vertices)),
+            0.4 * mean_error(head().vertices, stretched(head().vertices)));
+  const Points both = support::edited(head(), result);
+  EXPECT_GT((both.row(5) - fitted.row(5)).norm(), 0.09);
+}
+
+TEST(FitStep, HasFractions) {
+  const Edit edit = fit_edit(other_head());
+  const std::vector<EditResult> poses =
+      apply_edit(head(), support::adjacency_of(head()), edit, {}, {0, 0.5, 1}, StoredScalar::Double);
+  EXPECT_EQ(support::edited(head(), poses[0]), head().vertices);
+  const Points whole = support::edited(head(), poses[2]);
+  EXPECT_LT((support::edited(head(), poses[1]) - 0.5 * (head().vertices + whole)).cwiseAbs().maxCoeff(), 1e-14);
+  EXPECT_EQ(support::edited(head(), apply_edit(head(), edit)), whole);
+}
+
+TEST(FitStep, TakesATriangleSoup) {
+  TriangleMesh soup;
+  soup.vertices.resize(3 * head().faces.rows(), 3);
+  soup.faces.resize(head().faces.rows(), 3);
+  for (Eigen::Index c = 0; c < soup.vertices.rows(); ++c) {
+    soup.vertices.row(c) = head().vertices.row(head().faces(c / 3, c % 3));
+    soup.faces(c / 3, c % 3) = static_cast<int>(c);
+  }
+  const Points closed = support::edited(soup, apply_edit(soup, fit_edit(other_head())));
+  Points truth(closed.rows(), 3);
+  for (Eigen::Index c = 0; c < closed.rows(); ++c) {
+    truth.row(c) = stretched(head().vertices).row(head().faces(c / 3, c % 3));
+  }
+  EXPECT_LT(mean_error(closed, truth), 0.4 * mean_error(soup.vertices, truth));
+}
+
+TEST(FitStep, ReportsLandmarks) {
+  Edit edit = fit_edit(other_head());
+  HandleGroup group;
+  group.vertices = {3, 100, 250, 400};
+  for (const int v : group.vertices) {
+    group.targets.emplace_back(stretched(head().vertices).row(v).transpose());
+    group.names.push_back("v" + std::to_string(v));
+  }
+  edit.steps[0].handles = {group};
+  const EditReport report = apply_edit(head(), edit).reports.front();
+  ASSERT_EQ(report.landmarks.size(), 4U);
+  EXPECT_TRUE(report.fit->by_landmarks);
+  EXPECT_LT(report.handle_residual, 0.03);
+  EXPECT_EQ(report.fit->landmarks, 4);
+}
+
+TEST(FitStep, SlidesAlongTheScan) {
+  const auto residual = [](double slide) {
+    Edit edit = fit_edit(head());
+    EditStep& step = edit.steps[0];
+    step.fit->settings.align = FitAlign::None;
+    HandleGroup group;
+    group.vertices = {200};
+    Points normals;
+    vertex_normals(head().vertices, head().faces, normals);
+    const Vector3 normal = normals.row(200).transpose(), along = normal.unitOrthogonal();
+    group.targets = {head().vertices.row(200).transpose() + 0.1 * along};
+    group.slide = slide;
+    step.handles = {group};
+    return apply_edit(head(), edit).reports.front().handle_residual;
+  };
+  EXPECT_LT(residual(1), 0.02);
+  EXPECT_GT(residual(0), 0.08);
+}
+
+std::string advice(const TriangleMesh& scan, const std::function<void(FitStep&)>& change = {}) {
+  Edit edit = fit_edit(scan);
+  if (change) {
+    change(*edit.steps[0].fit);
+  }
+  return apply_edit(head(), edit).reports.front().advice();
+}
+
+TEST(FitStep, AdvisesOnUnitsMissingPartsAndPoses) {
+  EXPECT_EQ(advice(other_head()), "");
+  TriangleMesh scan = other_head();
+  scan.vertices *= 1000;
+  EXPECT_NE(advice(scan).find("same unit"), std::string::npos);
+  scan = other_head();
+  Eigen::Index count = 0;
+  for (Eigen::Index f = 0; f < scan.faces.rows(); ++f) {  // a tenth of the head
+    if (scan.vertices(scan.faces(f, 0), 2) > 0.8) {
+      scan.faces.row(count++) = scan.faces.row(f);
+    }
+  }
+  scan.faces.conservativeResize(count, 3);
+  EXPECT_NE(advice(scan), "");
+  EXPECT_NE(advice(other_head(), [](FitStep& fit) { fit.settings.mode = FitMode::Pose; }).find("limbs"),
+            std::string::npos);
+  // A round cylinder has many orientations.
+  EXPECT_NE(advice(shapes::cylinder(24, 30)), "");
+}
+
+TEST(FitStep, RefusesWhatCannotBeFitted) {
+  const auto cause = [](const Edit& edit) {
+    try {
+      apply_edit(head(), edit);
+    } catch (const EditError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  Edit edit = fit_edit(other_head());
+  edit.steps[0].fit->scan = nullptr;
+  EXPECT_NE(cause(edit).find("was not read"), std::string::npos);
+  edit = fit_edit(other_head());
+  edit.steps[0].handles = {{{3}, {}}};
+  EXPECT_NE(cause(edit).find("has no targets"), std::string::npos);
+  edit = fit_edit(other_head());
+  edit.steps[0].mirror.emplace();
+  EXPECT_NE(cause(edit).find("mirror"), std::string::npos);
+  edit = fit_edit(other_head());
+  edit.steps[0].fit->exclude = {1000000};
+  EXPECT_NE(cause(edit).find("1000000"), std::string::npos);
+  TriangleMesh far = other_head();
+  far.vertices.col(0).array() += 100;
+  edit = fit_edit(far);
+  edit.steps[0].fit->settings.align = FitAlign::None;
+  edit.steps[0].fit->settings.distance = 1;
+  EXPECT_NE(cause(edit).find("no partner"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace lapedit
