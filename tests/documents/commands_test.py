@@ -53,8 +53,7 @@ ELSEWHERE = [
     (r"(laplacian-edit|cat nose\.json|awk) (.|\n)*head(.|\n)*|build/common/demo/make_mesh head head\.ply|"
      r"echo '(.|\n)*' > (?!edit)\w+\.\w+", "documents.scripts_by_position", "tests/documents/scripts_by_position_test.py",
      "for line, text in commands(PAGE)"),
-    (r"filter_laplacian_edit/python/make_wheel\.sh build/wheel", "wheel.make", "tests/python/CMakeLists.txt", "make_wheel.sh"),
-    (r"python3 -m venv v|v/bin/pip install .*|pip install", "wheel.2025.7", "tests/python/wheel_test.sh", "python3 -m venv"),
+    (r"python3 -m venv v|v/bin/pip install .*|pip install", "python.newest", "tests/python/run.sh", "-m venv"),
     (r"tests/processors/run\.sh", "processors.plain", "tests/processors/CMakeLists.txt", "run.sh"),
     (r"(parallel|make) (.|\n)*", "command.many", "tests/batch/many_test.py",
      r'PARALLEL, HOSTS, MAKE = re.findall(r"```sh\n(.*?)```", DOCUMENT, re.S)'),
@@ -67,7 +66,7 @@ EXCEPTIONS = [
     (r"\./MeshLab\.AppImage .*|common/scripts/build_for\.sh squashfs-root", "official builds come from the network"),
     (r"(\w+=.*\n)?(xvfb-run -a )?tests/(scripts/(landmarks|speed|quality)\.sh|bench/quality_(pictures|page)\.py)(.|\n)*|"
      r"(cmake --build )?build/speed.*", "measures for minutes up to hours, beside CGAL and Blender"),
-    (r"tests/scripts/(whole_mesh|window_frames)\.sh.*", "measures: takes 10 GB, or a whole machine"),
+    (r"tests/scripts/((whole_mesh|window_frames)\.sh|python_speed\.py).*", "measures: takes 10 GB, or a whole machine"),
     (r"tests/scripts/(paper|gallery|first_drag|window_(stills|tour|film))\.(sh|py)( --rough)?",
      "makes the documents' pictures, to be looked at: minutes each"),
     (r"tests/scripts/upstream_patch\.sh --build", "builds MeshLab's library: minutes, in a root of sid"),

@@ -23,7 +23,7 @@ def files():
     def walk(folder):
         for path in sorted(folder.iterdir()):
             if path.is_dir():
-                hidden = path.name.startswith(".") and path.name != ".ci"
+                hidden = path.name.startswith(".") and path.name not in (".ci", ".github")
                 if not (hidden or path.name.startswith("build") or (path / "CMakeCache.txt").exists()):
                     yield from walk(path)
             else:

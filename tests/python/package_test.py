@@ -1,0 +1,516 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The Python package, installed from its wheel. Run by run.sh in a fresh virtual environment.
+
+Environment:
+  LAPEDIT_COMMAND  laplacian-edit, for SameBits
+  LAPEDIT_MESHES   folder of the real meshes, may be empty
+"""
+import array
+import concurrent.futures
+import copy
+import importlib.metadata
+import inspect
+import json
+import os
+import pathlib
+import pickle
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import threading
+import types
+import unittest
+
+import numpy
+import trimesh
+
+import laplacian_edit
+from laplacian_edit import EditRefused, Editor, edit
+
+try:
+    import pyvista
+except ImportError:  # newer than this Python
+    pyvista = None
+
+PULL = {"region": {"radius": 9}, "handles": [{"vertices": "220", "translation": [0.5, 0, 4]}]}
+
+
+def grid(n=21, dtype=float):
+    """A bumpy square of n x n vertices, whose coordinates single precision has."""
+    x, y = numpy.meshgrid(numpy.arange(n), numpy.arange(n))
+    z = numpy.sin(x * 0.7) * numpy.cos(y * 0.9) * 0.3
+    points = numpy.stack([x.ravel(), y.ravel(), z.ravel()], axis=1).astype(numpy.float32).astype(dtype)
+    corner = (numpy.arange(n - 1)[:, None] * n + numpy.arange(n - 1)).ravel()
+    faces = numpy.concatenate([numpy.stack([corner, corner + 1, corner + n + 1], axis=1),
+                               numpy.stack([corner, corner + n + 1, corner + n], axis=1)])
+    return points, faces
+
+
+def with_handle(**keys):
+    return {"steps": [{"region": {"radius": 9}, "handles": [keys]}]}
+
+
+def write_ply(path, points, faces):
+    kind = {4: "float", 8: "double"}[points.dtype.itemsize]
+    head = (f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\n"
+            + "".join(f"property {kind} {name}\n" for name in "xyz")
+            + f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n")
+    body = b"".join(struct.pack(f"<B{len(face)}i", len(face), *face) for face in faces)
+    path.write_bytes(head.encode() + points.tobytes() + body)
+
+
+def program(points, faces, text, fraction=1.0):
+    """Lets laplacian-edit edit a mesh. @return vertices and report"""
+    with tempfile.TemporaryDirectory() as folder:
+        mesh, out, report = (pathlib.Path(folder, name) for name in ("in.ply", "out.ply", "report.json"))
+        write_ply(mesh, points, faces)
+        pathlib.Path(folder, "edit.json").write_text(json.dumps({"laplacian_edit": 1, **text}), encoding="utf-8")
+        subprocess.run([os.environ["LAPEDIT_COMMAND"], "-q", "--fraction", str(fraction), "--report", report, mesh, out,
+                        pathlib.Path(folder, "edit.json")], check=True)
+        data = out.read_bytes()
+        start = data.index(b"end_header\n") + len(b"end_header\n")
+        after = numpy.frombuffer(data, points.dtype, points.size, start).reshape(points.shape)
+        return after, json.loads(report.read_text(encoding="utf-8"))
+
+
+def figures(report, *others):
+    """Returns the figures of a report that depend on the edit alone, not on times, optimisation and earlier poses."""
+    others += "milliseconds", "refinements", "normal_equation_residual"
+    return [{key: value for key, value in step.items() if key not in others} for step in report["steps"]]
+
+
+class SameBits(unittest.TestCase):
+    EDITS = {
+        "pull": {"steps": [PULL]},
+        "two steps": {"steps": [PULL, {"region": {"component": True}, "handles": [
+            {"vertices": "0-20"}, {"vertices": "420-440", "rotation": {"axis": [1, 0, 0], "degrees": 40, "center": [10, 10, 0]}}]}]},
+        "mirror": {"steps": [{**PULL, "mirror": {"point": [8, 0, 0], "normal": [1, 0, 0]}}]},
+        "paper": {"steps": [{**PULL, "method": "paper"}]},
+        "targets": with_handle(points=[[10, 10, 0], [12, 10, 0]], targets=[[10, 10, 3], [12, 10, 2]]),
+    }
+
+    def test_as_the_program(self):
+        for dtype in (numpy.float32, numpy.float64):
+            for name, text in self.EDITS.items():
+                for fraction in (1.0, 0.3):
+                    with self.subTest(dtype=dtype, edit=name, fraction=fraction):
+                        mesh = grid(dtype=dtype)
+                        expected, other = program(*mesh, text, fraction)
+                        vertices, report = edit(*mesh, text, fraction=fraction)
+                        self.assertEqual(vertices.dtype, dtype)
+                        self.assertEqual(vertices.tobytes(), expected.tobytes())
+                        self.assertGreater(abs(vertices - mesh[0]).max(), 0.5)
+                        self.assertEqual(figures(report), figures(other["outputs"][0]))
+                        self.assertEqual(report["mesh"], other["mesh"])
+
+    def test_polygons_as_the_program(self):
+        points, faces = grid(dtype=numpy.float32)
+        quads = numpy.concatenate([faces[:400], faces[400:, 2:]], axis=1)
+        mixed = [list(face) for face in quads[:200]] + [list(face) for k in range(200, 400) for face in
+                                                        (quads[k, [0, 1, 2]], quads[k, [0, 2, 3]])]
+        flat = numpy.concatenate([[len(face), *face] for face in mixed])
+        expected = program(points, mixed, {"steps": [PULL]})[0]
+        for given in (mixed, flat, flat.tolist(), iter(mixed)):
+            self.assertEqual(edit(points, given, {"steps": [PULL]}).vertices.tobytes(), expected.tobytes())
+        expected = program(points, quads.tolist(), {"steps": [PULL]})[0]
+        for given in (quads, numpy.insert(quads, 0, 4, axis=1).ravel()):
+            # The counts of a file's triangles do not hold for polygons.
+            text = {"mesh": {"vertices": 441, "faces": 7}, "steps": [PULL]}
+            self.assertEqual(edit(points, given, text).vertices.tobytes(), expected.tobytes())
+
+    @unittest.skipUnless(os.environ.get("LAPEDIT_MESHES"), "no real meshes")
+    def test_real_mesh_in_both_precisions(self):
+        mesh = trimesh.load_mesh(pathlib.Path(os.environ["LAPEDIT_MESHES"], "mannequin.off"), process=False)
+        size = float(numpy.linalg.norm(mesh.extents))
+        text = {"steps": [{"region": {"radius": 0.2 * size}, "handles": [{"vertices": "100", "translation": [0, 0, 0.05 * size]}]}]}
+        for dtype in (numpy.float32, numpy.float64):
+            points, faces = numpy.array(mesh.vertices, dtype), numpy.array(mesh.faces)
+            self.assertEqual(edit(points, faces, text).vertices.tobytes(), program(points, faces, text)[0].tobytes())
+
+    def test_landmark_files(self):
+        points, faces = grid()
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            (folder / "from.csv").write_text("a,3,3,0\nb,15,3,0\nc,3,15,0\nd,15,15,0\n")
+            (folder / "to.csv").write_text("a,3,3,1\nb,16,3,0\nc,3,15,2\nd,15,16,0\n")
+            text = {"steps": [{"region": {"component": True}, "handles": [{"landmarks": {"from": "from.csv", "to": "to.csv"}}]}]}
+            first = edit(points, faces, text, landmarks_folder=folder)
+            self.assertEqual([one["name"] for one in first.report["steps"][0]["landmarks"]], list("abcd"))
+            (folder / "edit.json").write_text(json.dumps({"laplacian_edit": 1, **text}))
+            for given in (folder / "edit.json", str(folder / "edit.json")):
+                self.assertEqual(edit(points, faces, given).vertices.tobytes(), first.vertices.tobytes())
+            paths = {"steps": [{"region": {"component": True}, "handles": [
+                {"landmarks": {"from": folder / "from.csv", "to": folder / "to.csv"}}]}]}
+            self.assertEqual(edit(points, faces, paths).vertices.tobytes(), first.vertices.tobytes())
+            # As the program does with two landmark files.
+            fitted = edit(points, faces, laplacian_edit.fit_landmarks(folder / "from.csv", folder / "to.csv"))
+            write_ply(folder / "in.ply", points, faces)
+            subprocess.run([os.environ["LAPEDIT_COMMAND"], "-q", "--landmarks", folder / "from.csv", folder / "to.csv",
+                            folder / "in.ply", folder / "out.ply"], check=True)
+            data = (folder / "out.ply").read_bytes()
+            start = data.index(b"end_header\n") + len(b"end_header\n")
+            self.assertEqual(fitted.vertices.tobytes(), data[start:start + points.nbytes])
+            # In an editor, for other targets.
+            editor = Editor(points, faces, text["steps"][0], landmarks_folder=folder)
+            self.assertEqual(editor.pose().tobytes(), first.vertices.tobytes())
+            group = editor.landmarks("from.csv", "to.csv")
+            self.assertEqual(group["targets"][2].tolist(), [3, 15, 2])
+            self.assertEqual(editor.pose(group).tobytes(), first.vertices.tobytes())
+            group["targets"][0] = [3, 3, -1]
+            self.assertLess(editor.pose([group])[3 * 21 + 3, 2], -0.9)
+            with self.assertRaisesRegex(EditRefused, "nowhere.csv"):
+                laplacian_edit.fit_landmarks(folder / "nowhere.csv", folder / "to.csv")
+            # The same in the other coordinate system, whose x and y have opposite signs.
+            (folder / "ras.csv").write_text("label,r,a,s\na,-3,-3,0\nb,-15,-3,0\nc,-3,-15,0\nd,-15,-15,0\n")
+            (folder / "ras-to.csv").write_text("label,r,a,s\na,-3,-3,1\nb,-16,-3,0\nc,-3,-15,2\nd,-15,-16,0\n")
+            text["steps"][0]["handles"] = [{"landmarks": {"from": "ras.csv", "to": "ras-to.csv"}}]
+            for space in ("LPS", "lps"):
+                again = edit(points, faces, text, landmarks_folder=folder, space=space)
+                self.assertEqual(again.vertices.tobytes(), first.vertices.tobytes())
+            with self.assertRaisesRegex(EditRefused, "RAS|LPS|far"):
+                edit(points, faces, text, landmarks_folder=folder)
+
+
+class Forms(unittest.TestCase):
+    NUMBERS = [219, 220, 221]
+
+    def forms(self):
+        mask = numpy.zeros(441, bool)
+        mask[self.NUMBERS] = True
+        wide = numpy.zeros((3, 2), numpy.int64)
+        wide[:, 1] = self.NUMBERS
+        return {
+            "text": "219-221", "list": self.NUMBERS, "tuple": tuple(self.NUMBERS), "set": set(self.NUMBERS),
+            "frozenset": frozenset(self.NUMBERS), "range": range(219, 222), "generator": (k for k in self.NUMBERS),
+            "map": map(int, "219 220 221".split()), "dictionary's keys": dict.fromkeys(self.NUMBERS).keys(),
+            "nested lists": [[219], [220, 221]], "list of arrays": [numpy.array([219, 220]), numpy.array([221])],
+            "mask": mask, "list of booleans": mask.tolist(), "array.array": array.array("i", self.NUMBERS),
+            "bytes of an array": memoryview(numpy.array(self.NUMBERS, numpy.int32)), "column": numpy.array(self.NUMBERS)[:, None],
+            "strided": wide[:, 1], "reversed twice": numpy.array(self.NUMBERS[::-1])[::-1], "numpy numbers": list(numpy.array(self.NUMBERS)),
+            **{f"of {kind}": numpy.array(self.NUMBERS, kind) for kind in ("u2", "i4", "u4", "i8", "u8", ">i4")},
+        }
+
+    def test_every_form_of_a_vertex_list(self):
+        mesh = grid()
+        expected = edit(*mesh, with_handle(vertices="219-221", translation=[0, 0, 3])).vertices.tobytes()
+        for name, given in self.forms().items():
+            with self.subTest(form=name):
+                self.assertEqual(edit(*mesh, with_handle(vertices=given, translation=[0, 0, 3])).vertices.tobytes(), expected)
+        with tempfile.TemporaryDirectory() as folder:
+            numpy.save(pathlib.Path(folder, "numbers.npy"), self.NUMBERS)
+            pathlib.Path(folder, "numbers.txt").write_text("219\n220, 221\n")
+            pathlib.Path(folder, "row.txt").write_text("219 220 221\n")
+            for name in ("numbers.npy", "row.txt"):
+                given = with_handle(vertices=pathlib.Path(folder, name), translation=[0, 0, 3])
+                self.assertEqual(edit(*mesh, given).vertices.tobytes(), expected)
+        one = edit(*mesh, with_handle(vertices="220", translation=[0, 0, 3])).vertices.tobytes()
+        for single in (220, numpy.int64(220), numpy.uint8(220), numpy.array(220)):
+            self.assertEqual(edit(*mesh, with_handle(vertices=single, translation=[0, 0, 3])).vertices.tobytes(), one)
+        for key in ("held", "vertices"):
+            step = {"region": {"vertices": range(441), key: range(441) if key == "vertices" else {0, 440}},
+                    "handles": [{"vertices": 220, "translation": (0, 0, 3)}]}
+            edit(*mesh, {"steps": [step]})
+
+    def test_every_form_of_points(self):
+        points, faces = grid()
+        expected = edit(points, faces, with_handle(points=[[10, 10, 0], [12, 10, 0]], targets=[[10, 10, 3], [12, 10, 3]]))
+        where, to = numpy.array([[10, 10, 0], [12, 10, 0]]), numpy.array([[10, 10, 3], [12, 10, 3]])
+        for form in (lambda a: a, lambda a: a.tolist(), lambda a: tuple(map(tuple, a)), iter, lambda a: a.astype("f4"),
+                     lambda a: numpy.asfortranarray(a, float), lambda a: numpy.repeat(a, 2, axis=0)[::2], lambda a: a.astype(">f8"),
+                     lambda a: (row for row in a)):
+            again = edit(points, faces, with_handle(points=form(where), targets=form(to)))
+            self.assertEqual(again.vertices.tobytes(), expected.vertices.tobytes())
+        single = edit(points, faces, with_handle(points=numpy.array([10, 10, 0]), translation=numpy.array([0, 0, 3.0]))).vertices
+        self.assertAlmostEqual(single[220, 2], points[220, 2] + 3, delta=0.01)
+        matrix = numpy.eye(4)
+        matrix[2, 3] = 3
+        for form in (matrix, matrix.ravel(), matrix.tolist(), numpy.asfortranarray(matrix)):
+            moved = edit(points, faces, with_handle(vertices=220, matrix=form, weights=numpy.ones(1))).vertices
+            self.assertEqual(moved.tobytes(), single.tobytes())
+
+    def test_every_layout_of_a_mesh(self):
+        points, faces = grid()
+        expected = edit(points, faces, {"steps": [PULL]}).vertices
+        wide = numpy.zeros((441, 5))
+        wide[:, 1:4] = points
+        read_only = points.copy()
+        read_only.flags.writeable = False
+        for given in (points.tolist(), numpy.asfortranarray(points), wide[:, 1:4], points[::-1][::-1], read_only, iter(points),
+                      points.astype(">f8")):
+            for corners in (faces, faces.tolist(), numpy.asfortranarray(faces.astype("u2")), iter(faces)):
+                given = given if hasattr(given, "__len__") else iter(points)
+                vertices = edit(given, corners, {"steps": [PULL]}).vertices
+                self.assertEqual(vertices.shape, (441, 3))
+                numpy.testing.assert_array_equal(vertices, expected)
+        self.assertEqual(edit(points.astype(">f4"), faces, {"steps": [PULL]}).vertices.dtype, numpy.dtype(">f4"))
+        whole = numpy.rint(points).astype(int)
+        self.assertEqual(edit(whole, faces, {"steps": [PULL]}).vertices.dtype, float)
+
+    def test_given_arrays_do_not_change(self):
+        points, faces = grid()
+        step = copy.deepcopy(PULL)
+        vertices = edit(points, faces, {"steps": [step]}).vertices
+        numpy.testing.assert_array_equal(points, grid()[0])
+        self.assertEqual(step, PULL)
+        self.assertTrue(vertices.flags.owndata or vertices.base is None or vertices.base is not points)
+        vertices[:] = 0  # is the caller's
+        outside = edit(points, faces, {"steps": [PULL]}).vertices[(numpy.abs(points - points[220]) > 9).any(axis=1)]
+        self.assertEqual(outside.tobytes(), points[(numpy.abs(points - points[220]) > 9).any(axis=1)].tobytes())
+
+    def test_meshes_of_other_libraries(self):
+        points, faces = grid()
+        expected = edit(points, faces, {"steps": [PULL]}).vertices
+        tensors = types.SimpleNamespace(vertex=types.SimpleNamespace(positions=types.SimpleNamespace(numpy=lambda: points)),
+                                        triangle=types.SimpleNamespace(indices=types.SimpleNamespace(numpy=lambda: faces)))
+        meshes = [trimesh.Trimesh(points, faces, process=False), types.SimpleNamespace(vertices=points, triangles=faces), tensors]
+        if pyvista:
+            meshes.append(pyvista.PolyData(points, numpy.insert(faces, 0, 3, axis=1).ravel()))
+        for mesh in meshes:
+            with self.subTest(type=type(mesh)):
+                for vertices in (edit(mesh, {"steps": [PULL]}).vertices, edit(mesh, edit={"steps": [PULL]}).vertices,
+                                 Editor(mesh, PULL).pose(), Editor(mesh, step={"steps": [PULL]}).pose()):
+                    self.assertIs(type(vertices), numpy.ndarray)
+                    numpy.testing.assert_array_equal(vertices, expected)
+                self.assertEqual(laplacian_edit.nearest(mesh, [10, 10, 0]).tolist(), [220])
+        if pyvista:
+            with self.assertRaisesRegex(EditRefused, "extract_surface"):
+                edit(meshes[-1].cast_to_unstructured_grid(), {"steps": [PULL]})
+        with self.assertRaisesRegex(EditRefused, "Scene"):
+            edit(trimesh.Scene(meshes[0]), {"steps": [PULL]})
+
+    def test_selection(self):
+        points, faces = grid()
+        step = {"region": {"selected": True}, "handles": [{"vertices": 220, "translation": [0, 0, 3]}]}
+        chosen = numpy.abs(points - points[220]).max(axis=1) <= 6
+        expected = edit(points, faces, {"steps": [{**step, "region": {"vertices": chosen}}]}).vertices
+        for selected in (chosen, numpy.flatnonzero(chosen), set(numpy.flatnonzero(chosen).tolist())):
+            numpy.testing.assert_array_equal(edit(points, faces, {"steps": [step]}, selected=selected).vertices, expected)
+        of_faces = chosen[faces].all(axis=1)
+        for selected in (of_faces, numpy.flatnonzero(of_faces)):
+            numpy.testing.assert_array_equal(edit(points, faces, {"steps": [step]}, selected_faces=selected).vertices, expected)
+            quads = numpy.concatenate([faces[:400], faces[400:, 2:]], axis=1)
+            both = numpy.flatnonzero(of_faces[:400] & of_faces[400:])
+            edit(points, quads, {"steps": [step]}, selected_faces=both)
+        with self.assertRaisesRegex(EditRefused, "selected"):
+            edit(points, faces, {"steps": [step]}, selected=[])
+        with self.assertRaisesRegex(EditRefused, "^selected: vertex 441 does not exist"):
+            edit(points, faces, {"steps": [step]}, selected=[441])
+
+
+class Refusals(unittest.TestCase):
+    def refusals(self):
+        """Returns of each: what is called, the key, and a part of the text."""
+        points, faces = grid()
+        broken = faces.copy()
+        broken[5, 1] = 441
+        holed = points.copy()
+        holed[221, 1] = numpy.nan
+
+        def one(**keys):
+            return lambda: edit(points, faces, with_handle(**keys))
+
+        handle = "steps[0].handles[0]"
+        return {
+            "NaN": (one(vertices=220, translation=[0, 0, float("nan")]), handle + ".translation[2]", "nan is not finite"),
+            "infinity in points": (one(points=[[0, 0, 0], [0, numpy.inf, 0]]), handle + ".points[1][1]", "inf is not finite"),
+            "NaN in a setting": (lambda: edit(points, faces, {"steps": [{**PULL, "membrane": numpy.float64("nan")}]}),
+                                 "steps[0].membrane", "nan is not finite"),
+            "vertex that does not exist": (one(vertices=[4410]), None, "vertex 4410 does not exist"),
+            "negative vertex": (one(vertices=[3, -1]), handle + ".vertices", "-1 is no vertex number"),
+            "half a vertex": (one(vertices=[3, 1.5]), handle + ".vertices", "1.5 is no vertex number"),
+            "a boolean among numbers": (one(vertices=[True, 3]), handle + ".vertices", "True is no vertex number"),
+            "a short mask": (one(vertices=numpy.ones(440, bool)), handle + ".vertices", "440 entries: .* 441"),
+            "an empty mask": (one(vertices=numpy.zeros(441, bool)), handle + ".vertices", "no vertex in it"),
+            "an empty list": (one(vertices=[]), handle + ".vertices", "no vertex in it"),
+            "words for vertices": (one(vertices=["nose"]), handle + ".vertices", "nose"),
+            "text that is no list": (one(vertices="a-b"), handle + ".vertices", '"a-b" is no vertex number or range'),
+            "two coordinates": (one(points=[[1, 2]]), handle + ".points", r"shape \(1, 2\)"),
+            "a short translation": (one(vertices=220, translation=[1, 2]), handle + ".translation", "a list of 3 numbers"),
+            "a matrix of 3 x 3": (one(vertices=220, matrix=numpy.eye(3)), handle + ".matrix", "a list of 16 numbers"),
+            "an unknown key": (lambda: edit(points, faces, {"steps": [{**PULL, "regio": 1}]}), "steps[0]", 'unknown key "regio"'),
+            "no steps": (lambda: edit(points, faces, {"steps": []}), "steps", "a list of one or more steps"),
+            "another mesh": (lambda: edit(points, faces, {"mesh": {"vertices": 440}, "steps": [PULL]}), None, "440"),
+            "a setting out of range": (lambda: edit(points, faces, {"steps": [{**PULL, "membrane": -1}]}), None, "membrane weight is -1"),
+            "an object": (lambda: edit(points, faces, {"steps": [{**PULL, "membrane": object()}]}), "steps[0].membrane", "no form in JSON"),
+            "no edit": (lambda: edit(points, faces, 7), "edit", "int is no edit"),
+            "a file that is not there": (lambda: edit(points, faces, pathlib.Path("nowhere.json")), "edit", "nowhere.json"),
+            "broken JSON": (lambda: edit(points, faces, '{"steps": ['), None, "not valid JSON"),
+            "a fraction of 2": (lambda: edit(points, faces, {"steps": [PULL]}, fraction=2), "fraction", "2 is outside"),
+            "a flat array of vertices": (lambda: edit(points.ravel(), faces, {"steps": [PULL]}), "vertices", r"shape \(1323,\)"),
+            "half precision": (lambda: edit(points.astype("f2"), faces, {"steps": [PULL]}), "vertices", "float16"),
+            "rows of different lengths": (lambda: edit([[1, 2, 3], [1]], faces, {"steps": [PULL]}), "vertices", "different lengths"),
+            "no faces": (lambda: edit(points, [], {"steps": [PULL]}), None, "face"),
+            "corners that are no integers": (lambda: edit(points, faces / 2, {"steps": [PULL]}), "faces", "float64"),
+            "a corner that does not exist": (lambda: edit(points, broken, {"steps": [PULL]}), None, "441"),
+            "a negative corner": (lambda: edit(points, faces - 1, {"steps": [PULL]}), "faces", "-1 is no vertex number"),
+            "a list of polygons that ends early": (lambda: edit(points, [3, 0, 1], {"steps": [PULL]}), "faces", "polygon 0 has 3 corners"),
+            "a vertex that is not finite": (lambda: edit(holed, faces, {"steps": [PULL]}), None, "vertex 221"),
+            "an object without vertices": (lambda: edit(object(), {"steps": [PULL]}), "vertices", "has no vertices and faces"),
+            "two steps in an editor": (lambda: Editor(points, faces, {"steps": [PULL, PULL]}), "steps", "has 2"),
+            "handles for other groups": (lambda: Editor(points, faces, PULL).pose([{}, {}]), "handles", "there are 2"),
+            "handles of other vertices": (lambda: Editor(points, faces, PULL).pose({"vertices": 3}), "handles[0]", "not the vertices"),
+            "NaN in handles": (lambda: Editor(points, faces, PULL).pose({"translation": [numpy.nan, 0, 0]}),
+                               "handles[0].translation[0]", "nan"),
+            "a report before a pose": (lambda: Editor(points, faces, PULL).report, "report", "no pose yet"),
+        }
+
+    def test_refusals_by_name(self):
+        refusals = self.refusals()
+        self.assertGreaterEqual(len(refusals), 20)
+        for name, (call, key, text) in refusals.items():
+            with self.subTest(refusal=name):
+                with self.assertRaisesRegex(EditRefused, text) as caught:
+                    call()
+                self.assertEqual(caught.exception.key, key, caught.exception)
+                self.assertIsInstance(caught.exception, ValueError)
+                self.assertRegex(str(caught.exception), r"[.:]")
+                self.assertTrue(caught.exception.cause)
+                again = pickle.loads(pickle.dumps(caught.exception))
+                self.assertEqual((str(again), again.key, again.cause, again.vertex),
+                                 (str(caught.exception), key, caught.exception.cause, caught.exception.vertex))
+
+    def test_vertex_and_cause(self):
+        points, faces = grid()
+        points[221, 1] = numpy.nan
+        with self.assertRaises(EditRefused) as caught:
+            edit(points, faces, {"steps": [PULL]})
+        self.assertEqual(caught.exception.cause, "NotFinite")
+
+
+class Editing(unittest.TestCase):
+    def test_poses_are_edits(self):
+        points, faces = grid()
+        editor = Editor(points, faces, PULL)
+        for fraction in (1.0, 0, 0.25, 1):
+            expected = edit(points, faces, {"steps": [PULL]}, fraction=fraction)
+            numpy.testing.assert_array_equal(editor.pose(fraction), expected.vertices)
+            self.assertEqual(figures(editor.report, "factor_reused", "reused"), figures(expected.report, "factor_reused", "reused"))
+        down = {"steps": [{**PULL, "handles": [{"vertices": 220, "translation": [0, 0, -2], "scale": 1}]}]}
+        for handles in ({"translation": [0, 0, -2]}, [{"translation": numpy.array([0, 0, -2])}],
+                        {"vertices": [220], "translation": [0, 0, -2]}, {"targets": points[220] + [0, 0, -2]}):
+            numpy.testing.assert_allclose(editor.pose(handles), edit(points, faces, down).vertices, atol=1e-12)
+        half = edit(points, faces, down, fraction=0.5).vertices
+        numpy.testing.assert_array_equal(editor.pose({"translation": [0, 0, -2]}, fraction=0.5), half)
+        numpy.testing.assert_array_equal(editor.pose(), edit(points, faces, {"steps": [PULL]}).vertices)
+
+    def test_mirrored_and_welded_steps(self):
+        points, faces = grid()
+        corners = faces.ravel()
+        mirrored = {**PULL, "mirror": {"point": [8, 0, 0], "normal": [1, 0, 0]}}
+        for step in (PULL, mirrored, {**PULL, "weld": False}):
+            for mesh in ((points, faces), (points[corners], numpy.arange(len(corners)).reshape(-1, 3))):
+                with self.subTest(step=step, vertices=len(mesh[0])):
+                    editor = Editor(*mesh, step)
+                    expected = edit(*mesh, {"steps": [step]}).vertices
+                    numpy.testing.assert_array_equal(editor.pose({"translation": [0.5, 0, 4]}), expected)
+                    numpy.testing.assert_array_equal(editor.pose(), expected)
+        text = json.dumps({"laplacian_edit": 1, "steps": [PULL]})
+        numpy.testing.assert_array_equal(Editor(points, faces, text).pose(), edit(points, faces, text).vertices)
+
+    def test_region_and_nearest(self):
+        points, faces = grid()
+        editor = Editor(points, faces, PULL)
+        region = editor.region
+        self.assertEqual(region.handles.tolist(), [220])
+        self.assertEqual(numpy.sort(numpy.concatenate(region[1:])).tolist(), region.vertices.tolist())
+        moved = numpy.flatnonzero((editor.pose() != points).any(axis=1))
+        self.assertLessEqual(set(moved.tolist()), set(region.vertices.tolist()))
+        self.assertEqual(editor.nearest([[0, 0, 0], [20, 20, 9]]).tolist(), [0, 440])
+        self.assertEqual(laplacian_edit.nearest(points, faces, (3, 1, 0)).tolist(), [24])
+
+    def test_progress(self):
+        points, faces = grid(101)
+        step = {"region": {"component": True}, "handles": [{"vertices": 5100, "translation": [0, 0, 9]}, {"vertices": 0}]}
+        seen = []
+        edit(points, faces, {"steps": [step]}, progress=lambda share, stage: seen.append((share, stage)))
+        self.assertEqual(seen[-1], (1.0, "done"))
+        self.assertTrue(all(0 <= share <= 1 and stage for share, stage in seen))
+
+        class Enough(Exception):
+            pass
+
+        def stop(*_):
+            raise Enough
+
+        with self.assertRaises(Enough):
+            edit(points, faces, {"steps": [step]}, progress=stop)
+
+    @unittest.skipIf(sys.platform == "win32", "no signals")
+    def test_ctrl_c(self):
+        points, faces = grid(201)
+        before = points.copy()
+        step = {"region": {"component": True}, "handles": [{"vertices": 20100, "translation": [0, 0, 9]}, {"vertices": 0}]}
+        for delay in (0.02, 0.1):
+            timer = threading.Timer(delay, os.kill, (os.getpid(), signal.SIGINT))
+            with self.assertRaises(KeyboardInterrupt):
+                timer.start()
+                while True:
+                    edit(points, faces, {"steps": [step]})
+            timer.join()
+        numpy.testing.assert_array_equal(points, before)
+        edit(*grid(), {"steps": [PULL]})
+
+    def test_200_edits_in_four_threads(self):
+        mesh = grid()
+
+        def edited(k):
+            step = {**PULL, "handles": [{"vertices": 220, "translation": [0, 0, 0.02 * k]}]}
+            return edit(*mesh, {"steps": [step]}).vertices.tobytes()
+
+        with concurrent.futures.ThreadPoolExecutor(4) as pool:
+            at_once = list(pool.map(edited, range(200)))
+        self.assertEqual(at_once, [edited(k) for k in range(200)])
+        editor = Editor(*mesh, PULL)
+        with concurrent.futures.ThreadPoolExecutor(4) as pool:
+            poses = [pose.tobytes() for pose in pool.map(editor.pose, [k / 40 for k in range(41)])]
+        self.assertEqual(poses, [editor.pose(k / 40).tobytes() for k in range(41)])
+
+    @unittest.skipUnless(os.path.exists("/proc/self/statm"), "no /proc")
+    def test_1000_edits_take_no_more_memory(self):
+        points, faces = grid()
+        page = os.sysconf("SC_PAGE_SIZE")
+
+        def edits(count):
+            for k in range(count):
+                edit(points, faces, {"steps": [PULL]})
+                if k % 10 == 0:
+                    with self.assertRaises(EditRefused):
+                        edit(points, faces, with_handle(vertices=[4410]))
+            return int(pathlib.Path("/proc/self/statm").read_text().split()[1]) * page
+
+        before = edits(300)
+        self.assertLess(edits(1000) - before, 4 << 20)
+
+
+class Package(unittest.TestCase):
+    def test_help_is_enough(self):
+        for name in laplacian_edit.__all__:
+            with self.subTest(name=name):
+                self.assertGreater(len(inspect.getdoc(getattr(laplacian_edit, name))), 80)
+        for what in (edit, Editor, Editor.pose, Editor.nearest, Editor.landmarks, laplacian_edit.nearest,
+                     laplacian_edit.fit_landmarks):
+            text = inspect.getdoc(what)
+            self.assertIn("Args:", text)
+            function = what.__init__ if what is Editor else what
+            for parameter in list(inspect.signature(function).parameters)[1 if what is not edit else 0:]:
+                if what is not Editor or parameter == "step":
+                    self.assertRegex(text, rf"\b{parameter}\b")
+        self.assertRegex(inspect.getdoc(edit), r"\(n, 3\), model units")
+
+    def test_what_is_in_it(self):
+        files = [str(file) for file in importlib.metadata.files("laplacian-edit")]
+        self.assertEqual(sum(".so" in name or ".pyd" in name for name in files), 1, files)
+        for name in ("py.typed", "_core.pyi", "pymeshlab.py"):
+            self.assertIn(f"laplacian_edit/{name}", files)
+        self.assertEqual(importlib.metadata.requires("laplacian-edit"), ["numpy"])
+        package = pathlib.Path(laplacian_edit.__file__).parent
+        self.assertLess(sum(path.stat().st_size for path in package.iterdir() if path.is_file()), 8 << 20)
+        code = "import sys, laplacian_edit; print(*[m for m in sys.modules if m in ('trimesh', 'pyvista', 'open3d', 'pymeshlab')])"
+        done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+        self.assertEqual(done.stdout, "\n")
+
+
+if __name__ == "__main__":
+    unittest.main()
