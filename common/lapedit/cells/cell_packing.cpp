@@ -30,7 +30,6 @@ class Packing {
 
  private:
   void find_rigid();
-  std::vector<double> distances_from_held() const;
   double sum_of_cells(bool all) const;
   double rounded(double length) const;
   double spacing_for(double sum, double cells, int vertices) const;
@@ -111,27 +110,6 @@ void Packing::find_rigid() {
   }
 }
 
-/// Distances from the nearest vertex that is held or moved, model units. What holds needs cells as small as what moves:
-/// otherwise a twisted bar twists less at its fixed end.
-std::vector<double> Packing::distances_from_held() const {
-  std::vector<int> border;
-  for (int i = 0; i < region_.size(); ++i) {
-    const IndexLists::Row ring = region_.neighbours[i];
-    if (region_.classes[i] == VertexClass::Anchor &&
-        std::any_of(ring.begin(), ring.end(), [this](int j) { return region_.classes[j] == VertexClass::Free; })) {
-      border.push_back(i);
-    }
-  }
-  std::vector<double> distances = region_.distance;
-  if (!border.empty()) {
-    const DistanceField field({region_.neighbours, rest_}, border, kUnreached, nullptr, pool_);
-    for (int i = 0; i < region_.size(); ++i) {
-      distances[i] = region_.classes[i] == VertexClass::Anchor ? 0 : std::min(distances[i], field[i]);
-    }
-  }
-  return distances;
-}
-
 /// Sum of area times density^2 over the faces, of all vertices or of those that are not rigid.
 double Packing::sum_of_cells(bool all) const {
   double sums[kChunks] = {};
@@ -172,17 +150,16 @@ double Packing::spacing_for(double sum, double cells, int vertices) const {
   return rounded(std::sqrt(sum / (kPacked * cells)) * (1 - kEdge * std::sqrt(std::min(1.0, cells / vertices))));
 }
 
-/// Cells are as dense as 1 / (d / d_max + 0.2), d the distance from what is held or moved, as far as that makes them no
-/// smaller than five vertices. Around handles of one vertex, which pull the surface to a tip, they get smaller still;
-/// inside of what is rigid they grow by 0.7 for each unit of length.
+/// Cells are as dense as 1 / (d / d_max + 0.2), as far as that makes them no smaller than five vertices. Around handles
+/// of one vertex, which pull the surface to a tip, they get smaller still; inside of what is rigid they grow by 0.7 for
+/// each unit of length.
 void Packing::choose_spacing() {
   constexpr double kSoft = 0.2, kTip = 0.11, kAroundTip = 0.5, kInside = 0.7, kVerticesPerCell = 5;
   const int n = region_.size(), free = free_ > 0 ? free_ : n;
   density_.resize(n);
-  const std::vector<double> distances = distances_from_held();
   const double scale = region_.max_distance > 0 ? 1 / region_.max_distance : 0;
   for_indices(pool_, n, kGrain, [&](int i) {
-    density_[i] = static_cast<float>(1 / std::sqrt(std::min(distances[i] * scale, 1.0) + kSoft));
+    density_[i] = static_cast<float>(1 / std::sqrt(std::min(region_.distance[i] * scale, 1.0) + kSoft));
   });
   const double cells = std::min<double>(target_, std::max(1.0, free / kVerticesPerCell));
   spacing_ = spacing_for(sum_of_cells(free_ == 0), cells, free);
@@ -323,8 +300,8 @@ void Packing::sort_tied() {
   }
 }
 
-/// Assigns all vertices that are nearer to a seed than to earlier ones. Handle vertices stay with their group: a cell
-/// of two groups that move apart could not follow both.
+/// Assigns all vertices that are nearer to a seed than to earlier ones. A group does not claim another's vertices: a
+/// cell of two groups that move apart could not follow both.
 void Packing::claim(int seed, int cell, std::vector<int>& of) {
   const IndexLists& neighbours = region_.neighbours;
   queue_.assign(1, seed);
@@ -336,8 +313,8 @@ void Packing::claim(int seed, int cell, std::vector<int>& of) {
     for (int k = neighbours.offsets[v]; k < neighbours.offsets[v + 1]; ++k) {
       const int w = neighbours.values[k];
       const unsigned through = here + lengths_[k];
-      const bool is_others = region_.group[w] >= 0 && region_.group[w] != region_.group[seed];
-      if (through <= kSpacing && through < distance_[w] && !is_others) {
+      const int group = region_.group[seed], other = region_.group[w];
+      if (through <= kSpacing && through < distance_[w] && (group < 0 || other < 0 || group == other)) {
         distance_[w] = static_cast<Steps>(through);
         of[w] = cell;
         queue_.push_back(w);

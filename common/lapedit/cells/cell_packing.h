@@ -13,11 +13,11 @@ namespace lapedit {
 ///
 /// Seeds are packed along the surface: from the rims of the handles outwards and inwards, each vertex that is farther
 /// than the local spacing from all earlier seeds becomes a seed. A cell consists of the vertices that are nearest to
-/// its seed along edges. The spacing grows with the distance from handles and anchors, and towards the inside of rigid
-/// groups and of the anchor band, where rotations do not vary. No cell has handle vertices of two groups. Vertices at
-/// the same distance from the handles are sorted by their distance from the region's middle, then by the edges around
-/// them and the nearest group, then by coordinates, and by number only if coordinates are equal. Two vertices that are
-/// each other's mirror images and near each other begin one cell. The result is the same for any number of threads.
+/// its seed along edges. The spacing grows with the distance from the handles, and towards the inside of rigid groups
+/// and of the anchor band, where rotations do not vary. Vertices at the same distance from the handles are sorted by
+/// their distance from the region's middle, then by the edges around them and the nearest group, then by coordinates,
+/// and by number only if coordinates are equal. Two vertices that are each other's mirror images and near each other
+/// begin one cell. Neighbouring groups have cells of their own. The result is the same for any number of threads.
 /// @param rest    size() x 3, the region's rest pose about a local origin
 /// @param target  number of cells wanted; the free part has at most one cell per five vertices
 /// @param of      out: the cell of each vertex of the region

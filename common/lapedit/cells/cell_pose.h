@@ -13,7 +13,7 @@ namespace lapedit {
 class CellPose {
  public:
   /// The usual number of cells. 1500 cells gave no better rotations.
-  static constexpr int kCells = 450;
+  static constexpr int kCells = 400;
   static int wanted_cells(int vertices);
 
   /// @param region,cells,settings  must outlive the object; blend and rest need not

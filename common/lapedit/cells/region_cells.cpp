@@ -217,9 +217,9 @@ IndexLists two_rings(const RegionCells& cells) {
   return result;
 }
 
-/// Returns the squared reach of each cell: 4/3 of the distance to its neighbours' centres, and at least all of its
-/// vertices.
-std::vector<float> squared_reaches(const RegionCells& cells, const Points& rest) {
+/// Returns the squared reach of each cell, scaled: 4/3 of the distance to its neighbours' centres, and at least all of
+/// its vertices.
+std::vector<float> squared_reaches(const RegionCells& cells, const Points& rest, double scale) {
   constexpr double kBeyondNeighbours = 1.35, kBeyondVertices = 1.1;
   std::vector<double> squared(cells.count(), 0);
   for (std::size_t i = 0; i < cells.of.size(); ++i) {
@@ -234,7 +234,7 @@ std::vector<float> squared_reaches(const RegionCells& cells, const Points& rest)
     }
     const int count = cells.neighbours[c].size();
     const double reach =
-        std::max(count > 0 ? kBeyondNeighbours * sum / count : 0.0, kBeyondVertices * std::sqrt(squared[c]));
+        scale * std::max(count > 0 ? kBeyondNeighbours * sum / count : 0.0, kBeyondVertices * std::sqrt(squared[c]));
     result[c] = static_cast<float>(std::max(reach * reach, static_cast<double>(std::numeric_limits<float>::min())));
   }
   return result;
@@ -264,19 +264,22 @@ class Weigher {
   int reaching(Four position, int cell, Reaching* found) const;
 
   const RegionCells& cells_;
+  double scale_;  // a power of two by which lengths are near 1, so that squares fit into single precision
   std::vector<int> offsets_;
   std::vector<Candidate> candidates_;  // each cell with its neighbours and theirs
 };
 
 Weigher::Weigher(const RegionCells& cells, const Points& rest) : cells_(cells) {
+  const double largest = rest.cwiseAbs().maxCoeff();
+  scale_ = largest > 0 ? std::ldexp(1.0, -std::ilogb(largest)) : 1;
   const IndexLists rings = two_rings(cells);
-  const std::vector<float> reaches = squared_reaches(cells, rest);
+  const std::vector<float> reaches = squared_reaches(cells, rest, scale_);
   offsets_ = rings.offsets;
   candidates_.resize(rings.values.size());
   for (int c = 0; c < cells.count(); ++c) {
     for (int k = rings.offsets[c]; k < rings.offsets[c + 1]; ++k) {
       const int other = rings.values[k];
-      const Vector3 position = (cells.centres.row(other) - cells.centres.row(c)).transpose();
+      const Vector3 position = scale_ * (cells.centres.row(other) - cells.centres.row(c)).transpose();
       candidates_[k] = {floats4(position), 1 / reaches[other], other};
     }
   }
@@ -316,7 +319,7 @@ void Weigher::operator()(const Vector3& position, int cell, int* to, float* weig
   constexpr double kFlat = 0.03;  // of the spread: smaller directions are not along the surface
   constexpr float kTrace = 1e-12F;
   Reaching near[kRoom];
-  int count = reaching(floats4(position - cells_.centres.row(cell).transpose()), cell, near);
+  int count = reaching(floats4(scale_ * (position - cells_.centres.row(cell).transpose())), cell, near);
   if (count == 0) {
     near[0] = {Four{}, 1, cell};
     count = 1;

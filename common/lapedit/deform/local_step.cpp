@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/deform/local_step.h"
 
-#include <algorithm>
-
 #include "lapedit/base/polar_decomposition.h"
 
 namespace lapedit {
 
 void local_step(const LaplacianSystem& system, const Points& before, const Points& displacement, int pass,
                 LocalStepScratch& scratch, std::vector<Matrix3>& rotations) {
-  constexpr int kGrain = 512, kVerticesPerRound = 400;
+  constexpr int kGrain = 512;
   const int n = system.region.size();
   const OperatorRows::Rows& m = system.powers.first->rows();
   scratch.ahead = displacement;
@@ -30,8 +28,7 @@ void local_step(const LaplacianSystem& system, const Points& before, const Point
     }
     scratch.covariances[i] = covariance;
   });
-  const int rounds = std::clamp((n + kVerticesPerRound / 2) / kVerticesPerRound, 1, kVertexFit.averagings);
-  scratch.covariances.average(system.region.neighbours, rounds, *system.pool);
+  scratch.covariances.average(system.region.neighbours, kVertexFit.averagings, *system.pool);
   rotations.resize(n);
   in_pieces(*system.pool, n, kGrain, [&](int first, int last) {
     for (int i = first; i < last; ++i) {

@@ -12,13 +12,12 @@ namespace lapedit {
 struct FitSettings {
   /// Factor of the extrapolation: rotations are fitted to x + momentum (x - x_previous).
   double momentum;
-  /// Largest number of averagings of the covariances over direct neighbours.
+  /// Number of averagings of the covariances over direct neighbours.
   int averagings;
 };
 
-/// Over vertices: one averaging for each 400 vertices of the region, so that its width is the same part of the region's
-/// size, half of a cell's spacing, until there are enough. The momentum saves more than half of the passes. With fewer
-/// averagings details tilt more: by 14.6 and 25.8 degrees with 2, by 11.5 and 19.7 with 8 (detail_orientation_test).
+/// Over vertices. The momentum saves more than half of the passes. With fewer averagings details tilt more: by 14.6 and
+/// 25.8 degrees with 2, by 11.5 and 19.7 with 8 (detail_orientation_test).
 constexpr FitSettings kVertexFit = {0.9, 8};
 /// Over cells, which are several rings wide. Found by measuring stretch, folds and the tilt of details over some twenty
 /// edits (tests/scripts/quality.sh).
