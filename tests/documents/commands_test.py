@@ -53,7 +53,8 @@ ELSEWHERE = [
     (r"(laplacian-edit|cat nose\.json|awk) (.|\n)*head(.|\n)*|build/common/demo/make_mesh head head\.ply|"
      r"echo '(.|\n)*' > (?!edit)\w+\.\w+", "documents.scripts_by_position", "tests/documents/scripts_by_position_test.py",
      "for line, text in commands(PAGE)"),
-    (r"python3 -m venv v|v/bin/pip install .*|pip install", "python.newest", "tests/python/run.sh", "-m venv"),
+    (r"laplacian-edit --fit .*", "command.fit", "tests/batch/fit_test.py", "--fit"),
+    (r"python3 -m venv v|v/bin/pip install .*|pip install( \.)?", "python.newest", "tests/python/run.sh", "-m venv"),
     (r"tests/processors/run\.sh", "processors.plain", "tests/processors/CMakeLists.txt", "run.sh"),
     (r"(parallel|make) (.|\n)*", "command.many", "tests/batch/many_test.py",
      r'PARALLEL, HOSTS, MAKE = re.findall(r"```sh\n(.*?)```", DOCUMENT, re.S)'),
@@ -64,7 +65,7 @@ ELSEWHERE = [
 # read, and that they know the options.
 EXCEPTIONS = [
     (r"\./MeshLab\.AppImage .*|common/scripts/build_for\.sh squashfs-root", "official builds come from the network"),
-    (r"(\w+=.*\n)?(xvfb-run -a )?tests/(scripts/(landmarks|speed|quality)\.sh|bench/quality_(pictures|page)\.py)(.|\n)*|"
+    (r"(\w+=.*\n)?(xvfb-run -a )?tests/(scripts/(landmarks|speed|quality|fit)\.sh|bench/quality_(pictures|page)\.py)(.|\n)*|"
      r"(cmake --build )?build/speed.*", "measures for minutes up to hours, beside CGAL and Blender"),
     (r"tests/scripts/((whole_mesh|window_frames)\.sh|python_speed\.py).*", "measures: takes 10 GB, or a whole machine"),
     (r"tests/scripts/(paper|gallery|first_drag|window_(stills|tour|film))\.(sh|py)( --rough)?",
@@ -121,7 +122,7 @@ class Commands(unittest.TestCase):
     SOME_TESTS = r"build/tests/\w+ --gtest_filter=\S+"
     MAKE_FAMILY = r"common/demo/make_family\.py .*"
     EDIT_FILE = r"echo '(.|\n)*' > edit\.json"
-    EDIT = r"laplacian-edit (?!(.|\n)*head)(.|\n)*"
+    EDIT = r"laplacian-edit (?!--fit|(.|\n)*head)(.|\n)*"
     SERVER = r"xvfb-run -a meshlabserver .*"
     HERE = [CONFIGURE, SELECT, SOME_TESTS, MAKE_FAMILY, EDIT_FILE, EDIT, SERVER]
 
