@@ -4,7 +4,7 @@
 # trimesh's nricp_amberg, in one run: a Markdown table and all figures as JSON. Both are installed from PyPI into a virtual
 # environment outside of the repository.
 #
-# usage: fit.sh [OPTION of fit.py]...   for example --cases head, --no-peers, --sweep
+# usage: fit.sh [OPTION of fit.py]...   for example --cases head, --no-peers
 # FIT_OUTPUT: folder of fit.md and fit.json; build/fit by default.
 # FIT_PYTHON: folder of the virtual environment; ~/.cache/laplacian-edit-fit by default.
 # LAPEDIT_MESHES: folder of the real meshes; by default ../shared/meshes beside this project, if it is there.
