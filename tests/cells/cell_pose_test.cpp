@@ -265,6 +265,22 @@ TEST(CellSurface, CellsWithNeighboursInALineHaveNoNormal) {
   EXPECT_GT(lone, 0) << "another region is needed";
 }
 
+/// A cell of two groups that move apart would have two places.
+TEST(CellPacking, NeighbouringGroupsHaveCellsOfTheirOwn) {
+  TriangleMesh mesh = shapes::cylinder(24, 60);
+  mesh.vertices.col(0) *= 3;
+  Turned t(mesh, support::component(), {where(mesh, 0, 0.5), where(mesh, 0.55, 1.2)}, settled());
+  const RegionCells& cells = t.model.cells();
+  std::vector<int> group(cells.count(), -1);
+  int shared = 0;
+  for (int i = 0; i < t.region.size(); ++i) {
+    int& of = group[cells.of[i]];
+    shared += t.region.group[i] >= 0 && of >= 0 && of != t.region.group[i];
+    of = t.region.group[i] >= 0 ? t.region.group[i] : of;
+  }
+  EXPECT_EQ(shared, 0);
+}
+
 // --- strange input ---
 
 TEST(CellPose, SingularAndMirroringMapsGiveFiniteRotations) {
