@@ -39,7 +39,8 @@ HandleGroup landmarks(const ParameterValues& values, const DocumentLayer& scan, 
 }
 
 Edit fitOf(const ParameterValues& values, const CMeshO& host) {
-  const DocumentLayer& scan = layer_named(values.layers, values.text("scan").toStdString(), host);
+  const std::string name = values.text("scan").toStdString();
+  const DocumentLayer& scan = layer_named(values.layers, name, host);
   Edit edit = fit_scan(scan.label.toStdString(), landmarks(values, scan, host));
   ScanFitSettings& settings = edit.steps[0].fit->settings;
   settings.mode = values.integer("mode") == 0 ? FitMode::Shape : FitMode::Pose;
