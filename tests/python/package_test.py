@@ -290,7 +290,8 @@ class Forms(unittest.TestCase):
         expected = edit(points, faces, {"steps": [PULL]}).vertices
         tensors = types.SimpleNamespace(vertex=types.SimpleNamespace(positions=types.SimpleNamespace(numpy=lambda: points)),
                                         triangle=types.SimpleNamespace(indices=types.SimpleNamespace(numpy=lambda: faces)))
-        meshes = [trimesh.Trimesh(points, faces, process=False), types.SimpleNamespace(vertices=points, triangles=faces), tensors]
+        meshes = [trimesh.Trimesh(points, faces, process=False), types.SimpleNamespace(vertices=points, triangles=faces), tensors,
+                  types.SimpleNamespace(vertices=points, cells=faces.tolist(), edges=[])]
         if pyvista:
             meshes.append(pyvista.PolyData(points, numpy.insert(faces, 0, 3, axis=1).ravel()))
         for mesh in meshes:

@@ -36,7 +36,7 @@ class Mesh(NamedTuple):
 
 
 def mesh_of(vertices: Any, faces: Any, prefix: str = "") -> Mesh:
-    """Returns the mesh of two arrays, or of one object of trimesh, PyVista or Open3D.
+    """Returns the mesh of two arrays, or of one object of trimesh, PyVista, Open3D or vedo.
 
     Args:
         prefix: of the names of vertices and faces in refusals.
@@ -72,8 +72,10 @@ def _attributes(mesh: Any, where: str) -> tuple[Any, Any]:
             return getattr(mesh, vertices), getattr(mesh, faces)
     if hasattr(mesh, "vertex") and hasattr(mesh, "triangle"):  # Open3D's tensors
         return mesh.vertex.positions.numpy(), mesh.triangle.indices.numpy()
+    if hasattr(mesh, "vertices") and hasattr(mesh, "cells") and hasattr(mesh, "edges"):  # vedo's surfaces, whose volumes lack edges
+        return mesh.vertices, mesh.cells
     advice = "extract its surface first: mesh.extract_surface()" if hasattr(mesh, "cells") else (
-        "give arrays of vertices and faces, or a mesh of trimesh, PyVista or Open3D")
+        "give arrays of vertices and faces, or a mesh of trimesh, PyVista, Open3D or vedo")
     raise EditRefused(f"{where}: {_kind(mesh)} has no vertices and faces: {advice}.")
 
 

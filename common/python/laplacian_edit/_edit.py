@@ -57,7 +57,7 @@ def edit(vertices: Any, faces: Any = None, edit: Optional[Edit] = None, *, selec
          progress: Optional[Progress] = None) -> Result:
     """Applies an edit to a mesh and returns its new vertices with a report. The given arrays are not changed.
 
-    edit(vertices, faces, edit) takes arrays, edit(mesh, edit) a mesh of trimesh, PyVista or Open3D. The same mesh and edit
+    edit(vertices, faces, edit) takes arrays, edit(mesh, edit) a mesh of trimesh, PyVista, Open3D or vedo. The same mesh and edit
     give the same bits as the program laplacian-edit, on every machine: float32 vertices as a file of single precision.
 
     Args:
@@ -106,7 +106,7 @@ def _fraction(value: Any) -> float:
 class Editor:
     """A step that is prepared once and posed many times.
 
-    Editor(vertices, faces, step) takes arrays, Editor(mesh, step) a mesh of trimesh, PyVista or Open3D. Preparing finds the
+    Editor(vertices, faces, step) takes arrays, Editor(mesh, step) a mesh of trimesh, PyVista, Open3D or vedo. Preparing finds the
     region and factors the equations; a pose then takes a fraction of that time. Several threads may use one Editor, one
     after the other; it cannot be pickled.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Dict, Mapping, Optional
 
 import numpy
-import pymeshlab as _pymeshlab  # type: ignore[import-untyped]
+import pymeshlab as _pymeshlab  # type: ignore
 
 from . import _edit
 from ._errors import EditRefused
