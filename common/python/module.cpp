@@ -14,6 +14,7 @@
 #include <exception>
 #include <functional>
 #include <iterator>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -25,6 +26,7 @@
 #include "lapedit/base/error.h"
 #include "lapedit/base/thread_pool.h"
 #include "lapedit/edit/edit.h"
+#include "lapedit/edit/fit_step.h"
 #include "lapedit/edit/prepared_step.h"
 #include "lapedit/json/edit_script.h"
 #include "lapedit/json/landmarks.h"
@@ -44,6 +46,10 @@ using NumberArray = nb::ndarray<const int, nb::ndim<1>, nb::c_contig, nb::device
 
 Points points_of(const PointArray& array) {
   return Eigen::Map<const Points>(array.data(), static_cast<Eigen::Index>(array.shape(0)), 3);
+}
+
+Faces faces_of(const FaceArray& array) {
+  return Eigen::Map<const Faces>(array.data(), static_cast<Eigen::Index>(array.shape(0)), 3);
 }
 
 std::vector<int> numbers_of(const NumberArray& array) {
@@ -237,13 +243,29 @@ class Running {
 struct Given {
   Given(const PointArray& vertices, const FaceArray& faces, std::string edit, std::string files, std::string system,
         const NumberArray& selected, const NumberArray& selected_corners, bool is_single, bool polygons)
-      : mesh{points_of(vertices), Eigen::Map<const Faces>(faces.data(), static_cast<Eigen::Index>(faces.shape(0)), 3)},
+      : mesh{points_of(vertices), faces_of(faces)},
         text(std::move(edit)),
         folder(std::move(files)),
         space(std::move(system)),
         selection{numbers_of(selected), numbers_of(selected_corners)},
         scalar(is_single ? StoredScalar::Float : StoredScalar::Double),
         has_polygons(polygons) {}
+
+  void add_scan(const std::string& name, const PointArray& vertices, const FaceArray& faces,
+                const PointArray& normals) {
+    scans[name] = {{points_of(vertices), faces_of(faces)}, points_of(normals), "the scan \"" + name + '"'};
+  }
+
+  /// Returns the scan that a fit names.
+  ScanData scan_of(const FitStep& fit) const {
+    const auto found = scans.find(fit.to);
+    if (found == scans.end()) {
+      throw EditError(
+          ErrorCause::BadParameter,
+          "scans: the scan \"" + fit.to + "\" of the fit was not given: give scans={\"" + fit.to + "\": mesh}.");
+    }
+    return found->second;
+  }
 
   /// Reads an edit for this mesh, in its coordinate system.
   Edit read(const std::string& json) const {
@@ -256,6 +278,7 @@ struct Given {
   }
 
   TriangleMesh mesh;
+  std::map<std::string, ScanData> scans;
   std::string text, folder, space;
   SelectedVertices selection;
   StoredScalar scalar;
@@ -281,7 +304,7 @@ nb::tuple edit(Given& given, double fraction, const nb::object& progress) {
     const Running running;
     const Given& own = shared->given;
     const TriangleMesh& mesh = own.mesh;
-    const Edit edit = own.read(own.text);
+    const Edit edit = with_scans(own.read(own.text), [&own](const FitStep& fit) { return own.scan_of(fit); });
     validate(mesh);
     SolverOptions options;
     options.threads = running.threads(mesh.vertices.rows());
@@ -367,6 +390,10 @@ class PosedStep {
                                                  std::to_string(edit.steps.size()) +
                                                  ": give one of them, or call edit() for all.");
     }
+    if (edit.steps.front().fit) {
+      throw EditError(ErrorCause::BadScript,
+                      "steps[0].fit: an Editor poses handles, but a fit has one result: call edit() with scans.");
+    }
     require_same_mesh(given_.mesh, edit);
     return located(given_.mesh, adjacency_, std::move(edit), given_.selection).steps.front();
   }
@@ -422,8 +449,7 @@ class Editor {
 nb::tuple nearest(const PointArray& vertices, const FaceArray& faces, const PointArray& points) {
   std::vector<int> found;
   std::vector<double> distances;
-  const TriangleMesh mesh = {points_of(vertices),
-                             Eigen::Map<const Faces>(faces.data(), static_cast<Eigen::Index>(faces.shape(0)), 3)};
+  const TriangleMesh mesh = {points_of(vertices), faces_of(faces)};
   const Points all = points_of(points);
   {
     const nb::gil_scoped_release release;
@@ -510,7 +536,8 @@ NB_MODULE(_core, module) {
   nb::module_::import_("atexit").attr("register")(nb::cpp_function(&Leftovers::join));
   nb::class_<Given>(module, "Given")
       .def(nb::init<const PointArray&, const FaceArray&, std::string, std::string, std::string, const NumberArray&,
-                    const NumberArray&, bool, bool>());
+                    const NumberArray&, bool, bool>())
+      .def("add_scan", &Given::add_scan);
   module.def("edit", &edit, nb::arg("given"), nb::arg("fraction"), nb::arg("progress").none());
   nb::class_<Editor>(module, "Editor")
       .def(nb::init<Given&, const nb::object&>(), nb::arg("given"), nb::arg("progress").none())

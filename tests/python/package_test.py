@@ -20,6 +20,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 import types
 import unittest
 
@@ -128,6 +129,31 @@ class SameBits(unittest.TestCase):
         for dtype in (numpy.float32, numpy.float64):
             points, faces = numpy.array(mesh.vertices, dtype), numpy.array(mesh.faces)
             self.assertEqual(edit(points, faces, text).vertices.tobytes(), program(points, faces, text)[0].tobytes())
+
+    def test_a_fit_as_the_program(self):
+        template = trimesh.creation.icosphere(subdivisions=2)
+        points, faces = numpy.array(template.vertices, numpy.float32), template.faces
+        scan = trimesh.creation.icosphere(subdivisions=3)
+        shape = scan.vertices * [1, 1.2, 0.9]
+        text = {"steps": [{"region": {"component": True}, "fit": {"to": "scan.ply", "align": "none", "detail": 0.1, "exclude": {"vertices": "7-8"}}}]}
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            write_ply(folder / "in.ply", points, faces)
+            write_ply(folder / "scan.ply", shape, scan.faces)
+            (folder / "edit.json").write_text(json.dumps({"laplacian_edit": 1, **text}))
+            subprocess.run([os.environ["LAPEDIT_COMMAND"], "-q", folder / "in.ply", folder / "out.ply", folder / "edit.json"], check=True)
+            data = (folder / "out.ply").read_bytes()
+            start = data.index(b"end_header\n") + len(b"end_header\n")
+            expected = data[start:start + points.nbytes]
+            text["steps"][0]["fit"]["exclude"]["vertices"] = numpy.arange(7, 9)
+            for given in ((shape, scan.faces), trimesh.Trimesh(shape, scan.faces, process=False)):
+                fitted, report = edit(points, faces, text, scans={"scan.ply": given})
+                self.assertEqual(fitted.tobytes(), expected)
+            self.assertEqual(edit(points, faces, folder / "edit.json", scans={"scan.ply": given}).vertices.tobytes(), expected)
+        self.assertLess(report["steps"][0]["fit"]["to_scan"]["rms"], 0.05)
+        self.assertGreater(numpy.abs(fitted - points).max(), 0.15)
+        cloud = edit(points, faces, text, scans={"scan.ply": (shape, None, scan.vertices / [1, 1.2, 0.9])}).vertices
+        self.assertLess(numpy.abs(cloud - fitted).max(), 0.05)
 
     def test_landmark_files(self):
         points, faces = grid()
@@ -264,7 +290,8 @@ class Forms(unittest.TestCase):
         expected = edit(points, faces, {"steps": [PULL]}).vertices
         tensors = types.SimpleNamespace(vertex=types.SimpleNamespace(positions=types.SimpleNamespace(numpy=lambda: points)),
                                         triangle=types.SimpleNamespace(indices=types.SimpleNamespace(numpy=lambda: faces)))
-        meshes = [trimesh.Trimesh(points, faces, process=False), types.SimpleNamespace(vertices=points, triangles=faces), tensors]
+        meshes = [trimesh.Trimesh(points, faces, process=False), types.SimpleNamespace(vertices=points, triangles=faces), tensors,
+                  types.SimpleNamespace(vertices=points, cells=faces.tolist(), edges=[])]
         if pyvista:
             meshes.append(pyvista.PolyData(points, numpy.insert(faces, 0, 3, axis=1).ravel()))
         for mesh in meshes:
@@ -308,6 +335,8 @@ class Refusals(unittest.TestCase):
         holed = points.copy()
         holed[221, 1] = numpy.nan
 
+        fit = {"steps": [{"region": {"component": True}, "fit": {"to": "a"}}]}
+
         def one(**keys):
             return lambda: edit(points, faces, with_handle(**keys))
 
@@ -348,6 +377,13 @@ class Refusals(unittest.TestCase):
             "a list of polygons that ends early": (lambda: edit(points, [3, 0, 1], {"steps": [PULL]}), "faces", "polygon 0 has 3 corners"),
             "a vertex that is not finite": (lambda: edit(holed, faces, {"steps": [PULL]}), None, "vertex 221"),
             "an object without vertices": (lambda: edit(object(), {"steps": [PULL]}), "vertices", "has no vertices and faces"),
+            "a scan that was not given": (lambda: edit(points, faces, fit), "scans", r'give scans=\{"a": mesh\}'),
+            "a scan without faces": (lambda: edit(points, faces, fit, scans={"a": points}), 'scans["a"].vertices', "has no vertices and faces"),
+            "a scan of three arrays": (lambda: edit(points, faces, fit, scans={"a": (points, faces, points)}), 'scans["a"]', "3 values"),
+            "a cloud with too few normals": (lambda: edit(points, faces, fit, scans={"a": (points, None, points[1:])}), 'scans["a"][2]',
+                                             "440 normals for 441 points"),
+            "a scan of one point": (lambda: edit(points, faces, fit, scans={"a": (points[:1], None, points[:1])}), None, '"a" has no point'),
+            "a fit in an editor": (lambda: Editor(points, faces, fit), "steps[0].fit", r"call edit\(\) with scans"),
             "two steps in an editor": (lambda: Editor(points, faces, {"steps": [PULL, PULL]}), "steps", "has 2"),
             "handles for other groups": (lambda: Editor(points, faces, PULL).pose([{}, {}]), "handles", "there are 2"),
             "handles of other vertices": (lambda: Editor(points, faces, PULL).pose({"vertices": 3}), "handles[0]", "not the vertices"),
@@ -453,15 +489,20 @@ class Editing(unittest.TestCase):
         edit(*grid(), {"steps": [PULL]})
 
     def test_200_edits_in_four_threads(self):
-        mesh = grid()
+        mesh = grid(41)
 
         def edited(k):
-            step = {**PULL, "handles": [{"vertices": 220, "translation": [0, 0, 0.02 * k]}]}
+            step = {"region": {"radius": 15}, "handles": [{"vertices": 840, "translation": [0, 0, 0.02 * k]}]}
             return edit(*mesh, {"steps": [step]}).vertices.tobytes()
 
-        with concurrent.futures.ThreadPoolExecutor(4) as pool:
-            at_once = list(pool.map(edited, range(200)))
-        self.assertEqual(at_once, [edited(k) for k in range(200)])
+        def edits(threads):
+            start = time.perf_counter()
+            with concurrent.futures.ThreadPoolExecutor(threads) as pool:
+                return list(pool.map(edited, range(200))), time.perf_counter() - start
+
+        (expected, alone), (at_once, together) = edits(1), edits(4)
+        self.assertEqual(at_once, expected)
+        print(f"200 edits in 4 threads: {alone / together:.2f} times the speed of one thread")
         editor = Editor(*mesh, PULL)
         with concurrent.futures.ThreadPoolExecutor(4) as pool:
             poses = [pose.tobytes() for pose in pool.map(editor.pose, [k / 40 for k in range(41)])]

@@ -92,6 +92,15 @@ class PyMeshLab(unittest.TestCase):
         expected = laplacian_edit.edit(*grid(), {"steps": [{**step, "region": {"vertices": chosen}}]}).vertices
         numpy.testing.assert_array_equal(vertices(one), expected)
 
+    def test_fit(self):
+        points, faces = grid()
+        text = {"steps": [{"region": {"component": True}, "fit": {"to": "scan", "align": "none"}}]}
+        one = mesh_set()
+        laplacian_edit.pymeshlab.edit(one, text, scans={"scan": (points * [1, 1, 2], faces)})
+        expected = laplacian_edit.edit(points, faces, text, scans={"scan": (points * [1, 1, 2], faces)}).vertices
+        numpy.testing.assert_array_equal(vertices(one), expected)
+        self.assertGreater(numpy.abs(expected - points).max(), 0.1)
+
     def test_refusals_change_nothing(self):
         one = mesh_set()
         before = vertices(one)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Compares the times of the Python package with those of the program, as ratios of the least times of some rounds in turn.
+"""Compares the times of the Python package with those of the program: least times, and the median of the ratios of rounds in turn.
 
 usage: python_speed.py PROGRAM [ROUNDS]     PROGRAM: laplacian-edit, built as the package; ROUNDS: by default 7
 
@@ -10,6 +10,7 @@ arrays and report.
 import concurrent.futures
 import json
 import pathlib
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -55,8 +56,8 @@ def milliseconds(work):
 
 def compare(name, ours, other):
     times = [(ours(), other()) for _ in range(ROUNDS)]
-    a, b = min(each[0] for each in times), min(each[1] for each in times)
-    print(f"{name}: {a:.1f} ms, compared with {b:.1f} ms: {a / b:.2f}", flush=True)
+    ratio = statistics.median(a / b for a, b in times)
+    print(f"{name}: {min(a for a, _ in times):.1f} ms, compared with {min(b for _, b in times):.1f} ms: {ratio:.2f}", flush=True)
 
 
 def main():

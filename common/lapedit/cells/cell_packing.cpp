@@ -16,7 +16,6 @@ namespace {
 // Lengths are whole numbers of a step, so that ties are ties however the mesh is rotated, scaled or numbered.
 using Steps = std::uint16_t;
 constexpr Steps kSpacing = 60000, kFar = 65535;
-constexpr int kChunks = 8;  // of sums
 constexpr int kGrain = 4096;
 constexpr int kKeyBits = 22;
 constexpr double kKeys = (1U << kKeyBits) - 1;
@@ -112,8 +111,9 @@ void Packing::find_rigid() {
 
 /// Sum of area times density^2 over the faces, of all vertices or of those that are not rigid.
 double Packing::sum_of_cells(bool all) const {
-  double sums[kChunks] = {};
-  in_chunks(pool_, kChunks, region_.faces.rows(), [&](int chunk, Eigen::Index first, Eigen::Index last) {
+  constexpr int kSums = 8;
+  double sums[kSums] = {};
+  in_chunks(pool_, kSums, region_.faces.rows(), [&](int chunk, Eigen::Index first, Eigen::Index last) {
     for (Eigen::Index f = first; f < last; ++f) {
       double density = 0;
       Vector3 corner[3];
@@ -126,7 +126,7 @@ double Packing::sum_of_cells(bool all) const {
       sums[chunk] += density / 6 * (corner[1] - corner[0]).cross(corner[2] - corner[0]).norm();
     }
   });
-  return std::accumulate(sums, sums + kChunks, 0.0);
+  return std::accumulate(sums, sums + kSums, 0.0);
 }
 
 /// Drops the last bits, which depend on the order of summation.

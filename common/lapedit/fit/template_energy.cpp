@@ -12,8 +12,6 @@ namespace lapedit {
 namespace {
 
 constexpr double kMembrane = 0.5;  // stretching against bending at wavelengths of the template's size
-constexpr int kGrain = 1024;
-
 }  // namespace
 
 TemplateEnergy::TemplateEnergy(const TriangleMesh& mesh, const Region& region, const Points& rest, double size,
@@ -89,16 +87,17 @@ void TemplateEnergy::solve(Points& right, Points& x, const Progress& progress) {
 }
 
 void TemplateEnergy::rotated(const std::vector<Matrix3>& rotations, double scale, Points& right) {
+  constexpr int kPiece = 1024;
   const IndexLists& neighbours = region_.neighbours;
   if (delta_.rows() == 0) {
     rows_->apply(rest_, delta_, *pool_);
   }
   // M^T also has the stretch on its diagonal, so the membrane of unrotated coordinates is taken out again.
   turned_.resize(delta_.rows(), 3);
-  for_indices(*pool_, region_.size(), kGrain,
+  for_indices(*pool_, region_.size(), kPiece,
               [&](int i) { turned_.row(i) = (scale * (rotations[i] * delta_.row(i).transpose())).transpose(); });
   rows_->apply_transposed(turned_, right, *pool_);
-  for_indices(*pool_, region_.size(), kGrain, [&](int i) {
+  for_indices(*pool_, region_.size(), kPiece, [&](int i) {
     Vector3 sum = Vector3::Zero(), unrotated = Vector3::Zero();
     for (int k = neighbours.offsets[i]; k < neighbours.offsets[i + 1]; ++k) {
       const int j = neighbours.values[k];

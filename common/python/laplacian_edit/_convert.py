@@ -35,43 +35,64 @@ class Mesh(NamedTuple):
         return vertices
 
 
-def mesh_of(vertices: Any, faces: Any) -> Mesh:
-    """Returns the mesh of two arrays, or of one object of trimesh, PyVista or Open3D."""
+def mesh_of(vertices: Any, faces: Any, prefix: str = "") -> Mesh:
+    """Returns the mesh of two arrays, or of one object of trimesh, PyVista, Open3D or vedo.
+
+    Args:
+        prefix: of the names of vertices and faces in refusals.
+    """
+    where = prefix + "vertices"
     if faces is None:
-        vertices, faces = _attributes(vertices)
-    points = _finite_type(_array(vertices, "vertices"), "vertices")
+        vertices, faces = _attributes(vertices, where)
+    points = _finite_type(_array(vertices, where), where)
     if points.ndim != 2 or points.shape[1] != 3:
-        raise EditRefused(f"vertices: the array has the shape {points.shape}: give one of shape (n, 3), a row for each vertex.")
+        raise EditRefused(f"{where}: the array has the shape {points.shape}: give one of shape (n, 3), a row for each vertex.")
     dtype = points.dtype if points.dtype.kind == "f" else numpy.dtype(float)
-    triangles, polygon = _triangles(faces)
+    triangles, polygon = _triangles(faces, prefix + "faces")
     return Mesh(numpy.ascontiguousarray(points, numpy.float64), triangles, dtype, polygon)
 
 
-def _attributes(mesh: Any) -> tuple[Any, Any]:
+def scan_of(value: Any, where: str) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
+    """Returns vertices, faces and normals of a scan: a mesh, (vertices, faces), or a cloud (points, None, normals)."""
+    given = value if isinstance(value, tuple) else (value, None)
+    if len(given) == 3 and given[1] is None:
+        points, normals = (mesh_of(given[k], (), f"{where}[{k}].").points for k in (0, 2))
+        if len(points) != len(normals):
+            raise EditRefused(f"{where}[2]: there are {len(normals)} normals for {len(points)} points: give one for each.")
+        return points, numpy.zeros((0, 3), numpy.int32), normals
+    if len(given) != 2:
+        raise EditRefused(f"{where}: found {len(given)} values: give a mesh, (vertices, faces), or (points, None, normals).")
+    mesh = mesh_of(*given, where + ".")
+    return mesh.points, mesh.faces, numpy.zeros((0, 3))
+
+
+def _attributes(mesh: Any, where: str) -> tuple[Any, Any]:
     for vertices, faces in (("vertices", "faces"), ("points", "faces"), ("vertices", "triangles")):
         if hasattr(mesh, vertices) and hasattr(mesh, faces):
             return getattr(mesh, vertices), getattr(mesh, faces)
     if hasattr(mesh, "vertex") and hasattr(mesh, "triangle"):  # Open3D's tensors
         return mesh.vertex.positions.numpy(), mesh.triangle.indices.numpy()
+    if hasattr(mesh, "vertices") and hasattr(mesh, "cells") and hasattr(mesh, "edges"):  # vedo's surfaces, whose volumes lack edges
+        return mesh.vertices, mesh.cells
     advice = "extract its surface first: mesh.extract_surface()" if hasattr(mesh, "cells") else (
-        "give arrays of vertices and faces, or a mesh of trimesh, PyVista or Open3D")
-    raise EditRefused(f"vertices: {_kind(mesh)} has no vertices and faces: {advice}.")
+        "give arrays of vertices and faces, or a mesh of trimesh, PyVista, Open3D or vedo")
+    raise EditRefused(f"{where}: {_kind(mesh)} has no vertices and faces: {advice}.")
 
 
-def _triangles(faces: Any) -> tuple[numpy.ndarray, Optional[numpy.ndarray]]:
+def _triangles(faces: Any, where: str) -> tuple[numpy.ndarray, Optional[numpy.ndarray]]:
     """Returns triangles, and of each its polygon. Polygons become fans around their first corner."""
     if isinstance(faces, Iterator):
         faces = list(faces)
     if isinstance(faces, (list, tuple)) and len({len(face) for face in faces if hasattr(face, "__len__")}) > 1:
         faces = numpy.concatenate([numpy.concatenate([[len(face)], face]) for face in faces])
-    array = _array(faces, "faces")
+    array = _array(faces, where)
     if array.size == 0:
         return numpy.zeros((0, 3), numpy.int32), None
     if array.dtype.kind not in "iu":
-        raise EditRefused(f"faces: the array holds {array.dtype}: give vertex numbers as integers.")
+        raise EditRefused(f"{where}: the array holds {array.dtype}: give vertex numbers as integers.")
     largest, lowest = int(array.max()), int(array.min())
     if largest > _LARGEST or lowest < 0:
-        raise EditRefused(f"faces: {largest if largest > _LARGEST else lowest} is no vertex number: vertices are counted from 0.",
+        raise EditRefused(f"{where}: {largest if largest > _LARGEST else lowest} is no vertex number: vertices are counted from 0.",
                           "BadIndex")
     array = array.astype(numpy.int32, copy=False)
     if array.ndim == 2 and array.shape[1] == 3:
@@ -79,9 +100,9 @@ def _triangles(faces: Any) -> tuple[numpy.ndarray, Optional[numpy.ndarray]]:
     if array.ndim == 2 and array.shape[1] > 3:
         return _fans(array, numpy.arange(len(array)))
     if array.ndim != 1:
-        raise EditRefused(f"faces: the array has the shape {array.shape}: give one of shape (m, 3), or polygons as PyVista has "
+        raise EditRefused(f"{where}: the array has the shape {array.shape}: give one of shape (m, 3), or polygons as PyVista has "
                           "them: the number of corners, then the corners, for one polygon after the other.")
-    return _polygons(array)
+    return _polygons(array, where)
 
 
 def _fans(polygons: numpy.ndarray, numbers: numpy.ndarray) -> tuple[numpy.ndarray, Optional[numpy.ndarray]]:
@@ -91,7 +112,7 @@ def _fans(polygons: numpy.ndarray, numbers: numpy.ndarray) -> tuple[numpy.ndarra
     return numpy.ascontiguousarray(triangles.reshape(-1, 3)), None if count == 1 else numpy.repeat(numbers, count)
 
 
-def _polygons(flat: numpy.ndarray) -> tuple[numpy.ndarray, Optional[numpy.ndarray]]:
+def _polygons(flat: numpy.ndarray, where: str) -> tuple[numpy.ndarray, Optional[numpy.ndarray]]:
     """The same of VTK's list: the number of corners, then the corners, for one polygon after the other."""
     corners = int(flat[0])
     if corners >= 3 and flat.size % (corners + 1) == 0 and (flat[::corners + 1] == corners).all():
@@ -100,7 +121,7 @@ def _polygons(flat: numpy.ndarray) -> tuple[numpy.ndarray, Optional[numpy.ndarra
     while at < flat.size:
         corners = int(flat[at])
         if at + corners >= flat.size:
-            raise EditRefused(f"faces: polygon {number} has {corners} corners, but the array ends after {flat.size - at - 1} of "
+            raise EditRefused(f"{where}: polygon {number} has {corners} corners, but the array ends after {flat.size - at - 1} of "
                               "them: give the number of corners, then the corners, or an array of shape (m, 3).")
         if corners >= 3:
             triangles.append(_fans(flat[None, at + 1:at + 1 + corners], numpy.zeros(1))[0])

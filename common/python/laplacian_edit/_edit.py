@@ -53,11 +53,11 @@ def _given(mesh: _convert.Mesh, text: str, folder: str, space: Optional[str], se
 
 
 def edit(vertices: Any, faces: Any = None, edit: Optional[Edit] = None, *, selected: Any = None, selected_faces: Any = None,
-         landmarks_folder: Any = None, space: Optional[str] = None, fraction: float = 1.0,
+         scans: Optional[Mapping[str, Any]] = None, landmarks_folder: Any = None, space: Optional[str] = None, fraction: float = 1.0,
          progress: Optional[Progress] = None) -> Result:
     """Applies an edit to a mesh and returns its new vertices with a report. The given arrays are not changed.
 
-    edit(vertices, faces, edit) takes arrays, edit(mesh, edit) a mesh of trimesh, PyVista or Open3D. The same mesh and edit
+    edit(vertices, faces, edit) takes arrays, edit(mesh, edit) a mesh of trimesh, PyVista, Open3D or vedo. The same mesh and edit
     give the same bits as the program laplacian-edit, on every machine: float32 vertices as a file of single precision.
 
     Args:
@@ -69,6 +69,7 @@ def edit(vertices: Any, faces: Any = None, edit: Optional[Edit] = None, *, selec
             or the path of a file. Where it lists points: anything of shape (k, 3), or a single point.
         selected: the vertices that {"selected": True} stands for: numbers or a mask.
         selected_faces: the same for faces, whose corners count.
+        scans: of each name in "to" of a fit the scan: a mesh, (vertices, faces), or a cloud (points, None, normals).
         landmarks_folder: of relative names of landmark files; by default that of the edit's file, or the current one.
         space: coordinate system of the mesh, "RAS" or "LPS", that landmarks are converted to.
         fraction: how far the handles go on their paths, from 0 (no change) to 1.
@@ -90,6 +91,8 @@ def edit(vertices: Any, faces: Any = None, edit: Optional[Edit] = None, *, selec
     mesh = _convert.mesh_of(vertices, faces)
     text, folder = _convert.text_of(edit, len(mesh.points), landmarks_folder)
     given = _given(mesh, text, folder, space, selected, selected_faces)
+    for name, scan in (scans or {}).items():
+        given.add_scan(name, *_convert.scan_of(scan, f'scans["{name}"]'))
     numbers, positions, report = _core.edit(given, _fraction(fraction), progress)
     return Result(mesh.result(numbers, positions), json.loads(report))
 
@@ -103,12 +106,12 @@ def _fraction(value: Any) -> float:
 class Editor:
     """A step that is prepared once and posed many times.
 
-    Editor(vertices, faces, step) takes arrays, Editor(mesh, step) a mesh of trimesh, PyVista or Open3D. Preparing finds the
+    Editor(vertices, faces, step) takes arrays, Editor(mesh, step) a mesh of trimesh, PyVista, Open3D or vedo. Preparing finds the
     region and factors the equations; a pose then takes a fraction of that time. Several threads may use one Editor, one
     after the other; it cannot be pickled.
 
     Args:
-        step: one step of an edit, {"region": ..., "handles": [...]}, or an edit with one step; as edit() takes it.
+        step: one step of an edit, {"region": ..., "handles": [...]}, or an edit with one step; as edit() takes it. No fit.
 
     All others are those of edit().
 

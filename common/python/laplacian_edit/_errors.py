@@ -6,7 +6,7 @@ import re
 from typing import Any, Optional
 
 _KEY = re.compile(r'(?:"[^"]*": )?((?:edit|faces|fraction|from|handles|laplacian_edit|mesh|points|report|selected|selected_faces|'
-                  r"space|steps|to|vertices)[\w.\[\]]*): ")
+                  r'scans(?:\["[^"]*"\])?|space|steps|to|vertices)[\w.\[\]]*): ')
 
 
 class EditRefused(ValueError):

@@ -2,10 +2,10 @@
 """Edits of meshes of PyMeshLab, whose own filters write the coordinates, so that no plugin is needed."""
 from __future__ import annotations
 
-from typing import Any, Dict, Optional
+from typing import Any, Dict, Mapping, Optional
 
 import numpy
-import pymeshlab as _pymeshlab  # type: ignore[import-untyped]
+import pymeshlab as _pymeshlab  # type: ignore
 
 from . import _edit
 from ._errors import EditRefused
@@ -27,8 +27,8 @@ def _target(before: numpy.ndarray, after: numpy.ndarray) -> numpy.ndarray:
     return target
 
 
-def edit(mesh_set: _pymeshlab.MeshSet, edit: _edit.Edit, fraction: float = 1.0, *, landmarks_folder: Any = None,
-         space: Optional[str] = None, progress: Optional[_edit.Progress] = None) -> Dict[str, Any]:
+def edit(mesh_set: _pymeshlab.MeshSet, edit: _edit.Edit, fraction: float = 1.0, *, scans: Optional[Mapping[str, Any]] = None,
+         landmarks_folder: Any = None, space: Optional[str] = None, progress: Optional[_edit.Progress] = None) -> Dict[str, Any]:
     """Applies an edit to the current mesh of a mesh set and returns the report.
 
     Coordinates change; PyMeshLab recomputes the normals; all other attributes, the selection and the mesh's number stay.
@@ -36,7 +36,7 @@ def edit(mesh_set: _pymeshlab.MeshSet, edit: _edit.Edit, fraction: float = 1.0, 
 
     Args:
         mesh_set: its current mesh is edited, in double precision as everywhere in PyMeshLab.
-        edit, fraction, landmarks_folder, space, progress: as for laplacian_edit.edit().
+        edit, fraction, scans, landmarks_folder, space, progress: as for laplacian_edit.edit().
 
     Returns:
         The report, a dict with "mesh", "fraction" and "steps".
@@ -56,8 +56,8 @@ def edit(mesh_set: _pymeshlab.MeshSet, edit: _edit.Edit, fraction: float = 1.0, 
         mesh.compact()
     vertices, faces = mesh.vertex_matrix(), mesh.face_matrix()
     result = _edit.edit(vertices, faces, edit, selected=mesh.vertex_selection_array(),
-                        selected_faces=mesh.face_selection_array(), landmarks_folder=landmarks_folder, space=space,
-                        fraction=fraction, progress=progress)
+                        selected_faces=mesh.face_selection_array(), scans=scans, landmarks_folder=landmarks_folder,
+                        space=space, fraction=fraction, progress=progress)
     if not numpy.isfinite(vertices).all():
         raise EditRefused("mesh_set: the current mesh has vertices that are not finite, which PyMeshLab cannot write: remove "
                           "them, or call laplacian_edit.edit() for its arrays.", "NotFinite")
