@@ -91,12 +91,14 @@ def select(what):
 select_vertices, select_faces = select("Vertex"), select("Face")
 
 
-def project(mesh, matrix):
-    """Text of a .mlp project with one layer; matrix: 16 numbers by rows."""
-    rows = "\n".join(" ".join(repr(float(x)) for x in matrix[4 * i:4 * i + 4]) + " " for i in range(4))
-    return ('<!DOCTYPE MeshLabDocument>\n<MeshLabProject>\n <MeshGroup>\n'
-            f'  <MLMesh label="layer" filename={quoteattr(str(mesh))}>\n   <MLMatrix44>\n{escape(rows)}\n'
-            '</MLMatrix44>\n  </MLMesh>\n </MeshGroup>\n</MeshLabProject>\n')
+def project(*layers):
+    """Text of a .mlp project. layers: file and matrix of each, 16 numbers by rows."""
+    text = "<!DOCTYPE MeshLabDocument>\n<MeshLabProject>\n <MeshGroup>\n"
+    for number, (mesh, matrix) in enumerate(layers):
+        rows = "\n".join(" ".join(repr(float(x)) for x in matrix[4 * i:4 * i + 4]) + " " for i in range(4))
+        text += (f'  <MLMesh label="layer{number}" filename={quoteattr(str(mesh))}>\n   <MLMatrix44>\n{escape(rows)}\n'
+                 "</MLMatrix44>\n  </MLMesh>\n")
+    return text + " </MeshGroup>\n</MeshLabProject>\n"
 
 
 class Result:
