@@ -9,7 +9,7 @@ import unittest
 
 from documents import ROOT, Document, files
 
-LONGEST_README = 125  # lines
+LONGEST_README = 120  # lines
 
 # Files that are named but are not part of the repository.
 OF_THE_READER = {"edit.json", "edit.mlx", "script.mlx"}  # in examples
