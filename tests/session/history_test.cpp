@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <memory>
+#include <set>
 
 #include "lapedit/mesh/vertex_set.h"
 #include "shapes.h"
@@ -100,6 +102,33 @@ TEST(History, MeshIsReplacedAndNeverChanged) {
   for (std::size_t i = 0; i < seen.size(); ++i) {
     EXPECT_TRUE(same_bits(seen[i]->vertices, copies[i])) << i;
   }
+}
+
+/// So that no step copies all faces and vertices.
+TEST(History, ChangesReuseMeshesThatNobodyReads) {
+  History history(shapes::grid(40, 40));
+  std::set<const void*> faces;
+  const std::shared_ptr<const TriangleMesh> read = [&] {
+    history.apply(step(1), {1}, positions(1, 1));
+    return history.mesh();
+  }();
+  const Points kept = read->vertices;
+  std::vector<std::vector<int>> taken;  // so that a copy is not where one before it was
+  for (int k = 2; k < 30; ++k) {
+    taken.emplace_back(static_cast<std::size_t>(read->faces.size()));
+    history.apply(step(k), {k, k + 1, 100 * (k % 7)}, positions(3, k));
+    const Points before = history.before_last()->vertices, after = history.mesh()->vertices;
+    faces.insert(history.mesh()->faces.data());
+    history.undo();
+    EXPECT_TRUE(same_bits(history.mesh()->vertices, before)) << k;
+    faces.insert(history.mesh()->faces.data());
+    history.redo();
+    EXPECT_TRUE(same_bits(history.mesh()->vertices, after)) << k;
+    history.amend(step(k), {k}, positions(1, k), {});
+    faces.insert(history.mesh()->faces.data());
+  }
+  EXPECT_LE(faces.size(), 4U) << "each is a copy";
+  EXPECT_TRUE(same_bits(read->vertices, kept));
 }
 
 TEST(History, RecordIsOfTheAppliedStepsAndReplaysToTheMesh) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/session/history.h"
 
+#include <mutex>
 #include <utility>
 
 #include "lapedit/mesh/vertex_set.h"
@@ -37,17 +38,79 @@ StepPath path_of(const EditStep& step) {
   return path;
 }
 
+/// Meshes with the faces of mesh() that nobody reads any more, each with the vertices at which it may differ from
+/// mesh().
+struct History::Spares {
+  struct Spare {
+    std::unique_ptr<TriangleMesh> mesh;
+    std::vector<int> stale;  // ascending
+    int version;             // the number of changes that `stale` takes into account
+  };
+
+  static constexpr std::size_t kMost = 3;
+
+  /// Begins with the meshes that the first steps take: the one before is read by other threads for a moment.
+  explicit Spares(const TriangleMesh& mesh) {
+    list.reserve(kMost);  // so that giving back does not throw
+    for (int k = 0; k < 2; ++k) {
+      list.push_back({std::make_unique<TriangleMesh>(mesh), {}, 0});
+    }
+  }
+
+  std::mutex mutex;
+  std::vector<Spare> list;                // under the mutex
+  std::vector<std::vector<int>> changes;  // of mesh() so far, each ascending; of the window's thread
+};
+
 History::History(TriangleMesh original)
-    : original_(std::make_shared<const TriangleMesh>(std::move(original))), mesh_(original_) {}
+    : original_(std::make_shared<const TriangleMesh>(std::move(original))),
+      mesh_(original_),
+      spares_(std::make_shared<Spares>(*mesh_)) {}
+
+/// Returns a mesh equal to mesh(). @param to_change  the vertices that the caller is going to change in it
+std::shared_ptr<TriangleMesh> History::current(std::vector<int> to_change) const {
+  std::unique_ptr<TriangleMesh> mesh;
+  const int version = static_cast<int>(spares_->changes.size());
+  {
+    std::unique_lock<std::mutex> lock(spares_->mutex);
+    if (!spares_->list.empty()) {
+      Spares::Spare spare = std::move(spares_->list.back());
+      spares_->list.pop_back();
+      lock.unlock();
+      mesh = std::move(spare.mesh);
+      for (auto k = static_cast<std::size_t>(spare.version); k < spares_->changes.size(); ++k) {
+        spare.stale = united(spare.stale, spares_->changes[k]);
+      }
+      for (const int v : spare.stale) {
+        mesh->vertices.row(v) = mesh_->vertices.row(v);
+      }
+    }
+  }
+  if (mesh == nullptr) {
+    mesh = std::make_unique<TriangleMesh>(*mesh_);
+  }
+  // The last reader, on whatever thread, gives the mesh back.
+  const auto give_back = [spares = spares_, version,
+                          stale = sorted_set(std::move(to_change))](TriangleMesh* read) mutable {
+    std::unique_ptr<TriangleMesh> owned(read);
+    const std::lock_guard<std::mutex> lock(spares->mutex);
+    if (spares->list.size() < Spares::kMost) {
+      spares->list.push_back({std::move(owned), std::move(stale), version});
+    }
+  };
+  return {mesh.release(), give_back};
+}
 
 void History::put(const std::vector<int>& vertices, const Points& positions) {
-  auto changed = std::make_shared<TriangleMesh>(*mesh_);
+  // The next version differs from this one at these vertices, which the list of changes says.
+  auto changed = current({});
   scatter(vertices, positions, changed->vertices);
+  spares_->changes.push_back(sorted_set(vertices));
   mesh_ = std::move(changed);
 }
 
 std::shared_ptr<const TriangleMesh> History::before_last() const {
-  auto mesh = std::make_shared<TriangleMesh>(*mesh_);
+  auto mesh = current(steps_.back().vertices);
   scatter(steps_.back().vertices, steps_.back().before, mesh->vertices);
   return mesh;
 }
@@ -77,13 +140,13 @@ const AppliedStep& History::apply(EditStep step, std::vector<int> vertices, Poin
 }
 
 const AppliedStep& History::amend(EditStep step, std::vector<int> vertices, Points after, StepPath path) {
-  mesh_ = before_last();
-  steps_.pop_back();
+  undo();
   return apply(std::move(step), std::move(vertices), std::move(after), std::move(path));
 }
 
 void History::set_faces(Faces faces) {
   mesh_ = std::make_shared<const TriangleMesh>(TriangleMesh{mesh_->vertices, std::move(faces)});
+  spares_ = std::make_shared<Spares>(*mesh_);
 }
 
 const AppliedStep& History::undo() {

@@ -32,8 +32,9 @@ StepPath path_of(const EditStep& step);
 
 /// A mesh and the steps that made it what it is. Undo puts back what was there, so it is exact to the bit.
 ///
-/// The mesh is never changed but replaced, since another thread may be reading it: O(mesh) per change. References that
-/// are handed out last until the next change.
+/// A mesh is never changed while another thread may be reading it. A change takes a mesh that nobody reads any more and
+/// brings it up to date, O(changes); it copies the mesh only if there is none. References that are handed out last
+/// until the next change.
 class History {
  public:
   explicit History(TriangleMesh original);
@@ -61,9 +62,12 @@ class History {
   void set_faces(Faces faces);
 
  private:
+  struct Spares;
+  std::shared_ptr<TriangleMesh> current(std::vector<int> to_change) const;
   void put(const std::vector<int>& vertices, const Points& positions);
 
   std::shared_ptr<const TriangleMesh> original_, mesh_;
+  std::shared_ptr<Spares> spares_;
   std::vector<AppliedStep> steps_, undone_;
   mutable std::string checksum_;  // of the connectivity, once it was asked for
 };
