@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 
 namespace lapedit {
 namespace {
@@ -12,6 +13,7 @@ struct Passes {
   int per_step, at_the_end;
 };
 constexpr Passes kFull = {5, 20}, kQuick = {1, 8};
+constexpr int kBending = 180;  // more of them at the end, if a limb is bent by a whole revolution
 constexpr double kInertia = 0.5;
 constexpr double kSettled = 1e-9;  // of the handles' largest displacement: rotations have converged
 
@@ -133,6 +135,27 @@ void CellPose::resist_twist() {
   }
 }
 
+/// The number of passes of the last step. A limb that is bent into nearly a ring settles slowly; one that is twisted
+/// must not settle, see resist_twist(). One pass more hardly changes the pose, so that it has no jumps.
+int CellPose::last_passes(bool quick) const {
+  constexpr double kHalf = 3.14159265358979323846 / 8;  // half a revolution, as turned_ has it
+  constexpr double kTwisted = 0.6, kBent = 0.2;         // shares of the rotation between cells: about their edges
+  const double most = std::sqrt(turned_.rowwise().squaredNorm().maxCoeff());
+  if (quick || most <= kHalf) {
+    return quick ? kQuick.at_the_end : kFull.at_the_end;
+  }
+  double twist = 0, all = 0;
+  for (int a = 0; a < cells_.count(); ++a) {
+    for (const int b : cells_.neighbours[a]) {
+      const Eigen::RowVector3d edge = rigid_.row(b) - rigid_.row(a), turn = turned_.row(b) - turned_.row(a);
+      twist += edge.dot(turn) * edge.dot(turn) / edge.squaredNorm();
+      all += turn.squaredNorm();
+    }
+  }
+  const double bent = std::clamp((kTwisted * all - twist) / ((kTwisted - kBent) * std::max(all, 1e-300)), 0.0, 1.0);
+  return kFull.at_the_end + static_cast<int>(kBending * bent * std::min(most / kHalf - 1, 1.0));
+}
+
 void CellPose::solve(GroupPaths& paths, bool quick) {
   displacement_.setZero(cells_.count(), 3);
   std::fill(rotations_.begin(), rotations_.end(), Matrix3::Identity());
@@ -163,9 +186,9 @@ void CellPose::solve(GroupPaths& paths, bool quick) {
     if (!quick || step == steps) {
       resist_twist();
     }
-    const Passes& passes = quick ? kQuick : kFull;
-    const LocalGlobal::Outcome outcome = local_global_.settle(
-        constraints_, kSettled * moved, step == steps ? passes.at_the_end : passes.per_step, displacement_, rotations_);
+    const int passes = step == steps ? last_passes(quick) : quick ? kQuick.per_step : kFull.per_step;
+    const LocalGlobal::Outcome outcome =
+        local_global_.settle(constraints_, kSettled * moved, passes, displacement_, rotations_);
     passes_ += outcome.passes;
     left_ = moved > 0 ? outcome.left / moved : 0;
   }

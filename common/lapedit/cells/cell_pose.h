@@ -38,6 +38,7 @@ class CellPose {
   double constrain(const GroupPaths& paths);
   void follow(const GroupPaths& paths);
   void resist_twist();
+  int last_passes(bool quick) const;
 
   const RegionCells& cells_;
   CellSurface surface_;
