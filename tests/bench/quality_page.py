@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tables of common/docs/peers.md from quality.json of tests/scripts/quality.sh: the shape of each edit, how often each
-peer does better than the default, and the sums of times.
+"""Tables of common/docs/peers.md from quality.json of tests/scripts/quality.sh: the default against as-rigid-as-possible
+deformation by class, evenness, the shape of each edit, how often each peer does better, and times.
 
 usage: quality_page.py quality.json
 """
@@ -10,7 +10,7 @@ import statistics
 import sys
 
 OURS = "default"
-PEERS = ("ARAP", "ARAP100", "SR-ARAP", "libigl", "biharmonic", "Blender", "MeshLab")
+PEERS = ("ARAP", "ARAP100", "SR-ARAP", "Smooth-ARAP", "libigl", "biharmonic", "Blender", "MeshLab")
 METHODS = ("paper", OURS, *PEERS)
 FIGURES = {
     "RMS stretch": lambda f: f["rms"],
@@ -71,9 +71,34 @@ def handles(edits, method):
     return f"{statistics.median(found):.2g}", f"{max(found):.2g}"
 
 
+def against_arap(edits):
+    """By class of edits: means of the ratios of RMS stretch, ratio of the mean largest stretches, sums of folds."""
+    for name in [*dict.fromkeys(edit["class"] for edit in edits), "all"]:
+        those = [edit for edit in edits if name in (edit["class"], "all")]
+        over = [statistics.mean(edit[OURS]["rms"] / edit[peer]["rms"] for edit in those) for peer in ("ARAP", "ARAP100")]
+        largest = [sum(edit[method]["largest"] for edit in those) for method in (OURS, "ARAP")]
+        sums = [", ".join(str(sum(edit[method][figure] for edit in those)) for method in (OURS, "ARAP", "ARAP100"))
+                for figure in ("flipped", "pairs")]
+        yield (name, len(those), *(f"{ratio:.2f}" for ratio in over), f"{largest[0] / largest[1]:.2f}", *sums)
+
+
+def evenness(edits, method):
+    """Means over the edits of stretch by area, shear, the worst 1 % of the area, tilt and far movement; then those of
+    single edits: how uneven the bar's twist is, and how asymmetric the plane's S."""
+    figures = [edit[method] for edit in edits.values()]
+    means = [100 * statistics.mean(one[key] for one in figures) for key in ("area_rms", "shear", "worst", "far")]
+    return (*(f"{mean:.1f}" for mean in means), f"{statistics.mean(one['tilt'] for one in figures):.1f}",
+            f"{100 * edits['survey_bar'][method]['twist']:.0f}", f"{100 * edits['survey_plane'][method]['asymmetry']:.0f}")
+
+
 def main():
     with open(sys.argv[1], encoding="utf-8") as file:
         edits = json.load(file)
+    table(("edits", "", "RMS over ARAP's", "over ARAP100's", "largest over ARAP's", "flipped: default, ARAP, ARAP100",
+           "new pairs"), against_arap(list(edits.values())))
+    everywhere = [method for method in METHODS if all(has_result(edit.get(method)) for edit in edits.values())]
+    table(("mean, %", "stretch by area", "shear", "worst 1 %", "far movement", "tilt, degrees", "uneven twist", "asymmetry"),
+          [(method, *evenness(edits, method)) for method in everywhere])
     present = [method for method in METHODS if any(method in edit for edit in edits.values())]
     table(("edit", "vertices", *present),
           [(name, edit["vertices"], *(cell(edit.get(method)) for method in present)) for name, edit in edits.items()])
