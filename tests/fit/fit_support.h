@@ -67,15 +67,14 @@ inline Fitted fitted(const TriangleMesh& mesh, const ScanData& scan, const ScanF
     vertices.push_back(landmark.first);
   }
   std::sort(vertices.begin(), vertices.end());
-  of.region = fit_region(mesh, adjacency_of(mesh), spec, vertices);
+  of.region = build_region(mesh, adjacency_of(mesh), spec, {vertices.empty() ? std::vector<int>{0} : vertices});
   std::vector<FitLandmark> local;
   for (const auto& [vertex, target] : landmarks) {
     const auto at = std::find(of.region.mesh_vertex.begin(), of.region.mesh_vertex.end(), vertex);
     local.push_back({static_cast<int>(at - of.region.mesh_vertex.begin()), target});
   }
-  SolverOptions options;
-  options.threads = threads;
-  of.result = fit_template(mesh, of.region, local, {}, Scan(scan), settings, options, progress);
+  const Scan surface(scan);
+  of.result = fit_template({mesh, of.region, surface, settings, local, {}, threads}, progress);
   of.mesh = mesh;
   for (int i = 0; i < of.region.size(); ++i) {
     of.mesh.vertices.row(of.region.mesh_vertex[i]) = of.result.positions.row(i);

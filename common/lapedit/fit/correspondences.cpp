@@ -3,172 +3,139 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <utility>
-
-#include "lapedit/mesh/surface_measures.h"
 
 namespace lapedit {
 namespace {
 
-constexpr int kGrain = 128;
-constexpr double kCosine = 0.5;  // of 60 degrees
-
-/// Returns the displacement along a normal, with a part of the rest of it.
-Vector3 along_normal(const Vector3& displacement, const Vector3& normal) {
-  return kTangential * displacement + (1 - kTangential) * normal.dot(displacement) * normal;
-}
-
 /// 1 up to a distance, 0 from twice that.
 double weight_of(double distance, double full) {
-  return std::clamp(2 - distance / full, 0.0, 1.0);
+  return distance < 0 ? 0 : std::clamp(2 - distance / full, 0.0, 1.0);
+}
+
+/// Whether an item is in a random part of all, a part of any larger one.
+bool is_in_part(std::uint32_t item, double part) {
+  item = (item ^ (item >> 16)) * 0x45d9f3bU;
+  item = (item ^ (item >> 16)) * 0x45d9f3bU;
+  return part >= 1 || (item ^ (item >> 16)) < part * 0x1p32;
 }
 
 }  // namespace
 
-Correspondences::Correspondences(const Scan& scan, SurfaceShape& surface, std::vector<char> free, double distance)
+Correspondences::Correspondences(const Scan& scan, const SurfaceIndex& surface, std::vector<char> free, double distance,
+                                 const FitConstants& constants)
     : scan_(scan),
       surface_(surface),
       free_(std::move(free)),
       given_(distance),
-      tree_(surface.points, surface.faces),
-      samples_(samples_of(scan.surface(), static_cast<int>(surface.points.rows()))),
-      forward_(free_.size()),
-      back_(samples_.at.size()) {}
+      with_(constants),
+      samples_(scan.surface().samples(static_cast<int>(surface.points().rows()))) {
+  forward_.pairs.resize(free_.size());
+  back_.pairs.resize(static_cast<std::size_t>(samples_.points.rows()));
+}
 
-void Correspondences::look_forward(ThreadPool& pool) {
+/// Finds the partner of a point on the other surface.
+void Correspondences::look(const SurfaceIndex& on, const Vector3& point, const Vector3& normal, Pair& pair) const {
   // A cloud has no border, but beyond its end points are drawn sideways.
   constexpr double kSideways = 3;
-  const double most_sideways = kSideways * scan_.spacing();
-  for_indices(pool, static_cast<int>(forward_.size()), kGrain, [&](int i) {
-    const auto at = static_cast<std::size_t>(i);
-    Pair& pair = forward_[at];
-    pair.distance = -1;
-    if (free_[at] == 0) {
-      return;
-    }
-    const Vector3 point = surface_.points.row(i).transpose();
-    pair.at = scan_.tree().nearest(point, pair.at.face);
-    Vector3 normal = side_ * scan_.tree().interpolated(scan_.surface().normals, pair.at);
-    const double length = normal.norm();
-    if (scan_.surface().ends_at(pair.at) || !(length > 0) || normal.dot(surface_.normals.row(i)) < kCosine * length) {
-      return;
-    }
-    normal /= length;
-    const Vector3 offset = scan_.tree().position(pair.at) - point;
-    if (scan_.is_cloud() && (offset - normal.dot(offset) * normal).norm() > most_sideways) {
-      return;
-    }
-    pair.distance = std::sqrt(pair.at.squared);
-    pair.pull = along_normal(offset, normal);
-  });
+  const bool to_scan = &on == &scan_.surface();
+  pair.at = on.nearest(point, pair.at.face);
+  const Vector3 other = side_ * on.normal(pair.at);
+  if (on.ends_at(pair.at) || !(other.norm() > 0) || !(other.dot(normal) >= with_.cosine * other.norm())) {
+    return;
+  }
+  const Vector3 offset = on.position(pair.at) - point, along = to_scan ? Vector3(other.normalized()) : normal,
+                straight = along.dot(offset) * along;
+  if (to_scan && scan_.spacing() > 0 && (offset - straight).norm() > kSideways * scan_.spacing()) {
+    return;
+  }
+  pair.distance = offset.norm();
+  pair.pull = (to_scan ? 1 : -1) * (with_.tangential * offset + (1 - with_.tangential) * straight);
 }
 
-void Correspondences::look_back(ThreadPool& pool) {
-  for_indices(pool, static_cast<int>(back_.size()), kGrain, [&](int k) {
-    Pair& pair = back_[static_cast<std::size_t>(k)];
+/// Collects the distances of a direction, and decides up to which pairs count fully.
+void Correspondences::gather(Direction& direction, double least) {
+  std::vector<double>& distances = direction.distances;
+  distances.clear();
+  for (const Pair& pair : direction.pairs) {
+    if (pair.distance >= 0) {
+      distances.push_back(pair.distance);
+    }
+  }
+  direction.full = given_ > 0 ? given_ : least;
+  if (!(given_ > 0) && !distances.empty()) {
+    const auto at =
+        distances.begin() + static_cast<std::ptrdiff_t>(with_.most * static_cast<double>(distances.size() - 1));
+    std::nth_element(distances.begin(), at, distances.end());
+    direction.full = std::max(with_.times * *at, least);
+  }
+  constexpr double kCounts = 0.5;
+  distances.erase(std::remove_if(distances.begin(), distances.end(),
+                                 [&](double d) { return weight_of(d, direction.full) < kCounts; }),
+                  distances.end());
+}
+
+void Correspondences::update(double least, double part, ThreadPool& pool) {
+  constexpr int kGrain = 128;
+  const int n = static_cast<int>(free_.size());
+  for_indices(pool, n + static_cast<int>(back_.pairs.size()), kGrain, [&](int k) {
+    const bool back = k >= n;
+    const int at = back ? k - n : k;
+    Pair& pair = (back ? back_ : forward_).pairs[static_cast<std::size_t>(at)];
     pair.distance = -1;
-    const Vector3 point = samples_.points.row(k).transpose(), normal = side_ * samples_.normals.row(k).transpose();
-    pair.at = tree_.nearest(point, pair.at.face);
-    const Vector3 ours = tree_.interpolated(surface_.normals, pair.at);
-    if (surface_.ends_at(pair.at) || !(ours.dot(normal) >= kCosine * ours.norm()) || !(ours.norm() > 0)) {
+    if (!is_in_part(static_cast<std::uint32_t>(at), part)) {
       return;
     }
-    for (int c = 0; c < 3; ++c) {
-      if (pair.at.weights[c] != 0 && free_[static_cast<std::size_t>(surface_.faces(pair.at.face, c))] == 0) {
-        return;
+    if (!back && free_[static_cast<std::size_t>(at)] != 0) {
+      look(scan_.surface(), surface_.points().row(at).transpose(), surface_.normals().row(at).transpose(), pair);
+    } else if (back) {
+      look(surface_, samples_.points.row(at).transpose(), samples_.normals.row(at).transpose(), pair);
+      for (int c = 0; c < 3; ++c) {
+        if (pair.at.weights[c] != 0 && free_[static_cast<std::size_t>(surface_.faces()(pair.at.face, c))] == 0) {
+          pair.distance = -1;
+        }
       }
     }
-    pair.distance = std::sqrt(pair.at.squared);
-    pair.pull = along_normal(point - tree_.position(pair.at), normal);
   });
-}
-
-double Correspondences::full_distance(const std::vector<Pair>& pairs, double least) const {
-  constexpr double kMost = 0.7, kTimes = 5;
-  if (given_ > 0) {
-    return given_;
-  }
-  std::vector<double> sorted;
-  for (const Pair& pair : pairs) {
-    if (pair.distance >= 0) {
-      sorted.push_back(pair.distance);
-    }
-  }
-  if (sorted.empty()) {
-    return least;
-  }
-  const auto at = sorted.begin() + static_cast<std::ptrdiff_t>(kMost * static_cast<double>(sorted.size() - 1));
-  std::nth_element(sorted.begin(), at, sorted.end());
-  return std::max(kTimes * *at, least);
-}
-
-void Correspondences::update(double least, ThreadPool& pool) {
-  constexpr double kCounts = 0.5;
-  vertex_normals(surface_.points, surface_.faces, surface_.normals);
-  tree_.refit(pool);
-  look_forward(pool);
-  look_back(pool);
-  const Eigen::Index n = surface_.points.rows();
-  distances_.clear();
-  back_distances_.clear();
+  gather(back_, least);
+  gather(forward_, least);
   Eigen::VectorXd gathered = Eigen::VectorXd::Zero(n);
   Points means = Points::Zero(n, 3);
-  double full = full_distance(back_, least);
-  for (const Pair& pair : back_) {
-    const double weight = pair.distance < 0 ? 0 : weight_of(pair.distance, full);
-    if (weight >= kCounts) {
-      back_distances_.push_back(pair.distance);
-    }
+  for (const Pair& pair : back_.pairs) {
+    const double weight = weight_of(pair.distance, back_.full);
     for (int c = 0; c < 3 && weight > 0; ++c) {
-      const int v = surface_.faces(pair.at.face, c);
+      const int v = surface_.faces()(pair.at.face, c);
       gathered[v] += weight * pair.at.weights[c];
       means.row(v) += weight * pair.at.weights[c] * pair.pull.transpose();
     }
   }
-  full = full_distance(forward_, least);
   weights_.setZero(n);
   pulls_.setZero(n, 3);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const Pair& pair = forward_[static_cast<std::size_t>(i)];
-    const double ahead = pair.distance < 0 ? 0 : weight_of(pair.distance, full);
-    if (ahead >= kCounts) {
-      distances_.push_back(pair.distance);
-    }
-    const double back = std::min(gathered[i], 1.0);
+    const Pair& pair = forward_.pairs[static_cast<std::size_t>(i)];
+    const double ahead = weight_of(pair.distance, forward_.full), back = std::min(gathered[i], 1.0);
     if (ahead + back > 0) {
-      Vector3 pull = Vector3::Zero();
-      if (ahead > 0) {
-        pull += ahead * pair.pull;
-      }
-      if (back > 0) {
-        pull += back / gathered[i] * means.row(i).transpose();
-      }
-      pulls_.row(i) = pull.transpose() / (ahead + back);
-      weights_[i] = std::min(1.0, ahead + back);
+      pulls_.row(i) = (ahead * pair.pull.transpose() + means.row(i) / std::max(gathered[i], 1.0)) / (ahead + back);
     }
+    weights_[i] = std::min(1.0, ahead + back) / part;
   }
 }
 
-bool Correspondences::turn_normals(ThreadPool& pool) {
-  vertex_normals(surface_.points, surface_.faces, surface_.normals);
-  const int n = static_cast<int>(forward_.size());
-  std::vector<double> agree(forward_.size());
-  for_indices(pool, n, kGrain, [&](int i) {
-    const NearestPoint at = scan_.tree().nearest(surface_.points.row(i).transpose());
-    agree[static_cast<std::size_t>(i)] =
-        scan_.tree().interpolated(scan_.surface().normals, at).dot(surface_.normals.row(i));
-  });
+double Correspondences::turn_normals() {
   int same = 0, reversed = 0;
-  for (const double cosine : agree) {
-    same += cosine > kCosine ? 1 : 0;
-    reversed += cosine < -kCosine ? 1 : 0;
+  for (Eigen::Index i = 0; i < surface_.points().rows(); ++i) {
+    const NearestPoint at = scan_.surface().nearest(surface_.points().row(i).transpose());
+    const double cosine = scan_.surface().normal(at).dot(surface_.normals().row(i));
+    same += cosine > with_.cosine ? 1 : 0;
+    reversed += cosine < -with_.cosine ? 1 : 0;
   }
   side_ = reversed > 2 * same ? -1 : 1;
-  return side_ < 0;
+  return (side_ < 0 ? same : reversed) / std::max(1.0, static_cast<double>(same + reversed));
 }
 
 double Correspondences::matched(bool back) const {
-  const auto all = back ? static_cast<std::ptrdiff_t>(back_.size()) : std::count(free_.begin(), free_.end(), 1);
+  const auto all = back ? static_cast<std::ptrdiff_t>(back_.pairs.size()) : std::count(free_.begin(), free_.end(), 1);
   return all > 0 ? static_cast<double>(distances(back).size()) / static_cast<double>(all) : 0;
 }
 

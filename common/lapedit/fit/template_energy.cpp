@@ -7,32 +7,27 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/deform/differential_operator.h"
+#include "lapedit/mesh/surface_index.h"
 
 namespace lapedit {
-namespace {
-
-constexpr double kMembrane = 0.5;  // stretching against bending at wavelengths of the template's size
-}  // namespace
-
 TemplateEnergy::TemplateEnergy(const TriangleMesh& mesh, const Region& region, const Points& rest, double size,
-                               const SolverOptions& options, std::shared_ptr<ThreadPool> pool)
-    : region_(region), rest_(rest), pool_(std::move(pool)), options_(options) {
+                               double membrane, std::shared_ptr<ThreadPool> pool)
+    : region_(region), rest_(rest), size_(size), pool_(std::move(pool)) {
   const int n = region.size();
   const IndexLists& neighbours = region.neighbours;
   const DifferentialOperator whole = differential_operator(LaplacianKind::MeanValue, region, mesh, true);
   weights_ = edge_weights(LaplacianKind::MeanValue, region, mesh, true, pool_.get()).values;
   mass_.setZero(n);
-  for (Eigen::Index f = 0; f < region.faces.rows(); ++f) {
-    const Vector3 a = rest.row(region.faces(f, 0)).transpose();
-    const Vector3 ab = rest.row(region.faces(f, 1)).transpose() - a, ac = rest.row(region.faces(f, 2)).transpose() - a;
+  const Eigen::VectorXd areas = face_areas(rest, region.faces);
+  for (Eigen::Index f = 0; f < areas.size(); ++f) {
     for (int k = 0; k < 3; ++k) {
-      mass_[region.faces(f, k)] += ab.cross(ac).norm() / 6;
+      mass_[region.faces(f, k)] += areas[f] / 3;
     }
   }
   mean_area_ = mass_.mean();
-  constexpr double kLeastMass = 1e-3;
-  mass_ = (mass_ / mean_area_).cwiseMax(kLeastMass);
-  // h_i^2, bounded since a vertex between needles would outweigh all others.
+  constexpr double kLeast = 1e-3;  // of the mean: a vertex between needles would outweigh all others
+  mass_ = (mass_ / mean_area_).cwiseMax(kLeast);
+  // h_i^2
   Eigen::VectorXd squares = Eigen::VectorXd::Zero(n);
   double sum = 0;
   for (int i = 0; i < n; ++i) {
@@ -45,58 +40,66 @@ TemplateEnergy::TemplateEnergy(const TriangleMesh& mesh, const Region& region, c
   }
   const double mean_square = sum / static_cast<double>(std::max<std::size_t>(1, neighbours.values.size()));
   edge_length_ = std::sqrt(mean_square);
-  constexpr double kLeastSquare = 1e-3;
-  squares = squares.cwiseMax(kLeastSquare * mean_square);
-
-  SparseMatrix scaled = whole.matrix;
-  Eigen::VectorXd scale(n), stretch(n);
+  squares = squares.cwiseMax(kLeast * mean_square);
+  const Eigen::VectorXd scale = 4 * mass_.cwiseSqrt().cwiseQuotient(squares);
   double cost = 0;
   for (int i = 0; i < n; ++i) {
-    scale[i] = std::sqrt(mass_[i]) * 4 / squares[i];
     cost += whole.sums[i] > 0 ? 4 * mass_[i] / (squares[i] * whole.sums[i]) : 0;
   }
-  membrane_ = kMembrane / (size * size) * cost / n;
-  scaled = scale.asDiagonal() * scaled;
-  for (int i = 0; i < n; ++i) {
-    stretch[i] = membrane_ * whole.sums[i] / scale[i];
-  }
-  rows_ = std::make_shared<const OperatorRows>(scaled, stretch);
-  order_ = fill_reducing_ordering(neighbours, options.threads);
+  membrane_ = membrane / (size * size) * cost / n;
+  rows_ = std::make_shared<const OperatorRows>(SparseMatrix(scale.asDiagonal() * whole.matrix),
+                                               membrane_ * whole.sums.cwiseQuotient(scale));
 }
 
-void TemplateEnergy::factor(double length, const Eigen::VectorXd& diagonal) {
+void TemplateEnergy::factor(double length, const Eigen::VectorXd& diagonal, const std::function<void()>& between) {
   CholeskyOptions with;
-  with.backend = options_.backend;
-  with.order = order_;
+  with.order = factor_ ? factor_->order() : fill_reducing_ordering(region_.neighbours, pool_->threads());
+  with.same_bits = true;
   with.pool = pool_;
-  with.same_pattern = matrix_ ? &matrix_->cholesky : nullptr;
+  with.between = between;
+  with.same_pattern = factor_.get();
   length4_ = length * length * length * length;
-  solver_.reset();
-  matrix_ = std::make_shared<const FactoredNormalMatrix>(rows_, Eigen::VectorXd(diagonal / length4_), with);
-  solver_ = std::make_unique<RefinedSolver>(matrix_, nullptr, pool_);
+  diagonal_ = diagonal;
+  factor_ = std::make_shared<SparseCholesky>(rows_->normal_matrix(diagonal / length4_, *pool_), with);
 }
 
-void TemplateEnergy::solve(Points& right, Points& x, const Progress& progress) {
-  right /= length4_;
-  const Refinement refined = solver_->refine_to_the_bit(right, x, progress);
-  if (!x.allFinite() || !refined.converged()) {
+void TemplateEnergy::solve(const Points& right, Points& x, bool refined) {
+  constexpr double kAccurate = 1e-12, kUseless = 1e-6;
+  constexpr int kMostSteps = 20;
+  factor_->solve(right, x);
+  x /= length4_;
+  double change = 0;
+  for (int count = 0; refined && count < kMostSteps && !(count > 0 && change <= kAccurate); ++count) {
+    Points left = right - diagonal_.asDiagonal() * x;
+    subtract_gradient(x, left);
+    factor_->solve(left, step_);
+    x += step_ / length4_;
+    change = step_.cwiseAbs().maxCoeff() / length4_;
+  }
+  if (!x.allFinite() || !(change < kUseless * size_)) {
     throw EditError(ErrorCause::IllConditioned,
                     "The equations of the fit cannot be solved accurately: remove needles and tiny triangles of the "
                     "template, for example with MeshLab's filter \"Remeshing: Isotropic Explicit Remeshing\".");
   }
 }
 
-void TemplateEnergy::rotated(const std::vector<Matrix3>& rotations, double scale, Points& right) {
+void TemplateEnergy::subtract_gradient(const Points& x, Points& right) {
+  rows_->apply(x, between_, *pool_);
+  rows_->apply_transposed(between_, product_, *pool_);
+  right -= length4_ * product_;
+}
+
+void TemplateEnergy::add_rotated(const std::vector<Matrix3>& rotations, double scale, Points& right) {
   constexpr int kPiece = 1024;
   const IndexLists& neighbours = region_.neighbours;
   if (delta_.rows() == 0) {
     rows_->apply(rest_, delta_, *pool_);
   }
   // M^T also has the stretch on its diagonal, so the membrane of unrotated coordinates is taken out again.
-  turned_.resize(delta_.rows(), 3);
+  between_.resize(delta_.rows(), 3);
   for_indices(*pool_, region_.size(), kPiece,
-              [&](int i) { turned_.row(i) = (scale * (rotations[i] * delta_.row(i).transpose())).transpose(); });
-  rows_->apply_transposed(turned_, right, *pool_);
+              [&](int i) { between_.row(i) = (scale * (rotations[i] * delta_.row(i).transpose())).transpose(); });
+  rows_->apply_transposed(between_, product_, *pool_);
   for_indices(*pool_, region_.size(), kPiece, [&](int i) {
     Vector3 sum = Vector3::Zero(), unrotated = Vector3::Zero();
     for (int k = neighbours.offsets[i]; k < neighbours.offsets[i + 1]; ++k) {
@@ -105,9 +108,8 @@ void TemplateEnergy::rotated(const std::vector<Matrix3>& rotations, double scale
       sum += 0.5 * (rotations[i] * edge + rotations[j] * edge);
       unrotated += edge;
     }
-    right.row(i) += membrane_ * scale * (sum - rotations[i] * unrotated).transpose();
+    right.row(i) += length4_ * (product_.row(i) + membrane_ * scale * (sum - rotations[i] * unrotated).transpose());
   });
-  right *= length4_;
 }
 
 }  // namespace lapedit
