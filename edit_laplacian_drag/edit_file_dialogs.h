@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <QByteArray>
 #include <QString>
 #include <optional>
 #include <string>
@@ -16,13 +15,11 @@ class QWidget;
 /// Returns the default file of a layer's edit: <mesh>.laplacian.json beside the mesh.
 QString editFileFor(const lapedit::host::Layer& layer);
 
-/// Asks for a file and writes the edit into it as JSON. @param suggested the file that the dialog proposes
+/// Asks for a file and writes the edit into it, as JSON or, where its name ends in .mlx, as a
+/// filter script. @param suggested the file that the dialog proposes
 /// @return a line for the user, empty if no file was chosen
 std::string saveEdit(QWidget* parent, const lapedit::Edit& edit, const QString& suggested);
 
 /// Asks for a file and reads it. @return `std::nullopt` if no file was chosen
 /// @throws EditError (BadScript)
 std::optional<lapedit::Edit> loadEdit(QWidget* parent, const QString& suggested);
-
-/// Returns the text of an .mlx script that replays an edit, given as JSON, with the filter Laplacian Edit Replay.
-QString filterScript(const QByteArray& edit);

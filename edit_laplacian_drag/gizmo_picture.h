@@ -3,9 +3,9 @@
 
 #include "lapedit/session/gizmo.h"
 
-/// Draws a gizmo, in pixels. @param part under the cursor or held, highlighted
+/// Draws a gizmo, in pixels. @param element  under the cursor or held, highlighted
 ///             @param alone  draws only that part, which is being dragged
-void drawGizmo(const lapedit::Gizmo& gizmo, const lapedit::Camera& view, lapedit::GizmoElement part, bool alone,
+void drawGizmo(const lapedit::Gizmo& gizmo, const lapedit::Camera& view, lapedit::GizmoElement element, bool alone,
                double pixelRatio);
 
 /// Draws the angle of a rotation, from where the mouse started; in pixels.

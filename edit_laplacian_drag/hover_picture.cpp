@@ -73,7 +73,7 @@ void drawHover(const HoverPreview& preview, double pixelRatio) {
     dot(*preview.curve_point, 13, pixelRatio);
   }
   using Kind = HoverPreview::Kind;
-  if (preview.kind != Kind::Region && preview.kind != Kind::Handle) {
+  if ((preview.kind != Kind::Region && preview.kind != Kind::Handle) || preview.radius == 0) {
     return;
   }
   glDepthRange(0, kAbove);

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "laplacian_drag_tool.h"
 
-#include <QClipboard>
-#include <QGuiApplication>
 #include <QMainWindow>
 #include <QTimer>
 #include <QToolTip>
 #include <map>
 #include <utility>
+#include <vector>
 
 #include "edit_file_dialogs.h"
 #include "lapedit/base/error.h"
@@ -30,7 +29,11 @@ double milliseconds(const QElapsedTimer& timer) {
 
 }  // namespace
 
-LaplacianDragTool::LaplacianDragTool(HostWindow& window) : window_(window) {}
+LaplacianDragTool::LaplacianDragTool(HostWindow& window)
+    : window_(window), others_([this] {
+        QMetaObject::invokeMethod(
+            this, [this] { poll(); }, Qt::QueuedConnection);
+      }) {}
 
 LaplacianDragTool::~LaplacianDragTool() {
   if (shared_) {
@@ -63,11 +66,11 @@ bool LaplacianDragTool::start() {
   refused_.setConstant(-1);
   notice_.clear();
   offered_ = -1;
-  keysShown_ = false;
+  shown_.keys = shown_.warning = false;
   mouse_.pressed = mouse_.moved = mouse_.inside = false;
   mouse_.navigating = Qt::NoButton;
   clock_.reset();
-  targets_ = nullptr;
+  others_.forget();
   overlay_ = Overlay();
   const auto layer = window_.currentLayer();
   if (!layer) {
@@ -104,6 +107,7 @@ bool LaplacianDragTool::start() {
   on_ = true;
   openPanel();
   shared_->panel().setMesh(active_->session().original());
+  readOthers();
   refreshPanel();
   window_.canvas().setMouseTracking(true);
   takeKeys();
@@ -228,38 +232,16 @@ std::optional<Layer> LaplacianDragTool::usableLayer() {
   return layer && layer->id == layer_ && layer->visible ? layer : std::nullopt;
 }
 
-/// Reads the other layers again if their number of vertices or their transform has changed. Nothing else can have: a
-/// filter that changes vertices ends the tool.
-std::shared_ptr<const SnapTargets> LaplacianDragTool::findTargets() {
-  const auto edited = window_.layer(layer_);
-  if (!edited) {
-    return nullptr;
+/// Reads a piece of the layers to snap to, and goes on after the events that are there.
+void LaplacianDragTool::readOthers() {
+  if (active_ && active_->session().tools().snaps && !readQueued_ && others_.read(window_.layers(), layer_)) {
+    readQueued_ = true;
+    QTimer::singleShot(0, this, [this] {
+      readQueued_ = false;
+      guarded([this] { readOthers(); });
+      refreshPanel();
+    });
   }
-  std::vector<std::pair<Layer, Affine>> others;
-  std::vector<double> found;
-  for (const Layer& layer : window_.layers()) {
-    if (layer.visible && layer.id != layer_) {
-      const Affine toEdited(Eigen::Matrix4d(edited->transform.inverse() * layer.transform));
-      others.emplace_back(layer, toEdited);
-      found.insert(found.end(), {double(layer.id), double(layer.mesh->vn), double(layer.mesh->fn)});
-      found.insert(found.end(), toEdited.data(), toEdited.data() + toEdited.matrix().size());
-    }
-  }
-  if (!targets_ || found != targetsOf_) {
-    std::vector<TriangleMesh> meshes;
-    for (const auto& [layer, toEdited] : others) {
-      TriangleMesh mesh = read_mesh(*layer.mesh).mesh;
-      for (auto vertex : mesh.vertices.rowwise()) {
-        vertex = (toEdited * Vector3(vertex.transpose())).transpose();
-      }
-      if (mesh.faces.rows() > 0 && mesh.faces.minCoeff() >= 0) {
-        meshes.push_back(std::move(mesh));
-      }
-    }
-    targets_ = std::make_shared<const SnapTargets>(std::move(meshes));
-    targetsOf_ = std::move(found);
-  }
-  return targets_;
 }
 
 // --- After each event -----------------------------------------------------------------------------------------------
@@ -292,6 +274,7 @@ void LaplacianDragTool::afterEvent() {
       window_.markModified(layer_);
     }
   }
+  readOthers();
   refreshPanel();
   showShape();
   window_.repaint();
@@ -303,15 +286,16 @@ void LaplacianDragTool::refreshPanel() {
   }
   DragSession* const session = active_ ? &active_->session() : nullptr;
   shared_->panel().show(session, clock_.median());
-  shared_->panel().setBusy(
-      session && (session->busy() || session->searching() || session->state() == DragSession::State::Settling));
+  shared_->panel().setBusy(session && (session->busy() || session->searching() ||
+                                       session->state() == DragSession::State::Settling ||
+                                       (session->tools().snaps && (others_.targets() == nullptr || others_.busy()))));
 }
 
 // --- The panel's buttons --------------------------------------------------------------------------------------------
 
 void LaplacianDragTool::command(const QString& part) {
   if (part == "help") {
-    keysShown_ = !keysShown_;
+    shown_.keys = !shown_.keys;
     window_.repaint();
   }
   const auto layer = usableLayer();
@@ -321,18 +305,23 @@ void LaplacianDragTool::command(const QString& part) {
   notice_.clear();
   DragSession& session = active_->session();
   const std::map<QString, std::function<void()>> commands = {
-      {"from_selection", [&] { session.set_region(active_->selected(*layer->mesh)); }},
-      {"anchors_from_selection", [&] { session.set_anchors(active_->selected(*layer->mesh)); }},
+      {"from_selection",
+       [&] {
+         std::vector<int> selected = active_->selected(*layer->mesh);
+         const BrushTarget target = session.tools().paint.value_or(BrushTarget::Region);
+         target == BrushTarget::Region   ? session.set_region(std::move(selected))
+         : target == BrushTarget::Handle ? session.set_handle(std::move(selected))
+                                         : session.set_anchors(std::move(selected));
+       }},
+      {"invert", [&] { session.change_painted(PaintChange::Invert); }},
+      {"blur", [&] { session.change_painted(PaintChange::Blur); }},
       {"component", [&] { session.whole_component(); }},
       {"grow", [&] { session.key(DragKey::Grow); }},
       {"shrink", [&] { session.key(DragKey::Shrink); }},
-      {"new_region", [&] { session.key(DragKey::NewRegion); }},
-      {"clear", [&] { session.clear(); }},
-      {"next_group", [&] { session.key(DragKey::NextGroup); }},
+      {"clear", [&] { session.tools().paint ? session.change_painted(PaintChange::Clear) : session.clear(); }},
       {"move", [&] { session.key(DragKey::Translate, cursor()); }},
       {"rotate", [&] { session.key(DragKey::Rotate, cursor()); }},
       {"scale", [&] { session.key(DragKey::Scale, cursor()); }},
-      {"keep_fixed", [&] { session.set(&Tools::keeps_fixed, !session.tools().keeps_fixed); }},
       {"apply", [&] { session.apply(); }},
       {"cancel", [&] { session.cancel(); }},
       {"undo", [&] { session.undo(); }},
@@ -348,13 +337,13 @@ void LaplacianDragTool::command(const QString& part) {
       {"load",
        [&] {
          if (const auto edit = loadEdit(window_.mainWindow(), editFileFor(*layer))) {
-           session.load(in_space(*edit, space_of_file(layer->file.toStdString())));
+           std::vector<DocumentLayer> layers;
+           for (const Layer& each : window_.layers()) {
+             layers.push_back({each.name, each.file.toStdString(), each.mesh});
+           }
+           const Edit whole = with_scans(*edit, layer_reader(layers, *layer->mesh));
+           session.load(in_space(whole, space_of_file(layer->file.toStdString())));
          }
-       }},
-      {"copy",
-       [&] {
-         QGuiApplication::clipboard()->setText(filterScript(QByteArray::fromStdString(write_edit(session.recorded()))));
-         say(tr("A filter script with all steps is on the clipboard.").toStdString());
        }},
   };
   const auto found = commands.find(part);

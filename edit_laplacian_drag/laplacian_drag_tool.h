@@ -13,6 +13,7 @@
 #include "frame_clock.h"
 #include "lapedit_host/tool/edit_tool.h"
 #include "line_picture.h"
+#include "other_layers.h"
 #include "overlay.h"
 #include "window_sessions.h"
 
@@ -42,7 +43,7 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   CMeshO* meshOf(int layer) override;
   void log(const std::string& line) override { window_.log(line); }
   void poll() override;
-  std::shared_ptr<const lapedit::SnapTargets> findTargets() override;
+  std::shared_ptr<const lapedit::SnapTargets> findTargets() override { return others_.targets(); }
 
   bool eventFilter(QObject* object, QEvent* event) override;
 
@@ -65,6 +66,7 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   Qt::CursorShape shape() const;
   void showShape();
   void afterEvent();
+  void readOthers();
   void refreshPanel();
   bool poseIsComing() const;
   void framePainted();
@@ -74,6 +76,8 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   QVector<QPointF> notToCover() const;
   void drawLine(const LinePicture::Line& line);
   bool pressLine();
+  bool isCovered();
+  void showWarning();
   void offerLayer();
   void copyPlace();
   void say(const std::string& line);
@@ -85,7 +89,10 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   QPointer<WindowSessions> shared_;
   Overlay overlay_;
   LinePicture linePicture_;
-  bool keysShown_ = false;
+  struct Shown {
+    bool warning = false;  // in colours, until there is no warning
+    bool keys = false;
+  } shown_;
   int offered_ = -1;  // layer that a press on the notice switches to
   bool on_ = false;
   QString nothing_;                                          // reason why there is no session
@@ -103,8 +110,8 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
     bool inside = false;  // over the canvas, no button held
   } mouse_;
 
-  std::shared_ptr<const lapedit::SnapTargets> targets_;
-  std::vector<double> targetsOf_;  // fingerprint of the layers that they were read from
+  OtherLayers others_;
+  bool readQueued_ = false;
 
   FrameClock clock_;
   bool repaintQueued_ = false;

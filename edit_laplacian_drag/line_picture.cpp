@@ -82,8 +82,7 @@ QImage pictureOfKeys(double pixelRatio) {
                            {"click", "Takes a handle and shows its region; on a handle: shows arrows and rings."},
                            {"Ctrl+drag, Shift+drag", "Paints more, paints less of what the brush paints."},
                            {"wheel, Shift+wheel", "Radius of the region; size of the handle."},
-                           {"right, middle button", "Turns, moves the view; Ctrl+wheel zooms."},
-                           {"?, F1", "Shows and hides these keys."}};
+                           {"right, middle button", "Turns, moves the view; Ctrl+wheel zooms."}};
   for (const KeyHelp& help : kKeyHelp) {
     rows.push_back({help.name, help.does});
   }
@@ -144,5 +143,6 @@ void LinePicture::drawKeys(const QSize& view, double pixelRatio) {
     keys_ = pictureOfKeys(pixelRatio);
   }
   const QSizeF size = QSizeF(keys_.size()) / pixelRatio;
-  put(keys_, QPointF((view.width() - size.width()) / 2, (view.height() - size.height()) / 2));
+  put(keys_,
+      QPointF((view.width() - size.width()) / 2, std::max(0.0, (view.height() - kLinesOfMeshLab - size.height()) / 2)));
 }

@@ -54,7 +54,7 @@ void drawBrush(const Overlay::Brush& brush, const pen::Color& color, double pixe
 
 /// Returns the colour of the brush's target.
 pen::Color brushColor(const DragSession& session) {
-  switch (session.tools().brush) {
+  switch (session.tools().paint.value_or(BrushTarget::Region)) {
     case BrushTarget::Handle:
       return pen::groupColor(std::max(session.selection().active, 0));
     case BrushTarget::Anchors:
@@ -163,7 +163,7 @@ void Overlay::draw(const DragSession& session, const Camera& view, const Options
   const HoverPreview* const hover = session.motion() ? nullptr : session.hover();
   const bool onGroup = hover && hover->kind == HoverPreview::Kind::Group;
   if (session.selection().next != Selection::Next::Region) {
-    surface_.draw(session, {onGroup ? hover->group : -1, options.heat, ratio});
+    surface_.draw(session, {onGroup ? hover->group : -1, options.colours, ratio});
   }
   if (session.tools().mirror) {
     drawPlane(session, ratio);
@@ -186,7 +186,7 @@ void Overlay::draw(const DragSession& session, const Camera& view, const Options
     if (session.motion() && session.motion()->kind() == MotionKind::Rotate) {
       drawTurn(*session.motion(), view, ratio);
     }
-    if (options.heat && session.shown().region()) {
+    if (options.colours == Colours::Stretch && session.shown().region()) {
       drawLegend(options);
     }
   }

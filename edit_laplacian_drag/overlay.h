@@ -21,7 +21,7 @@ class Overlay {
     double width = 0, height = 0;  ///< of the view, pixels
     double pixelRatio = 1;         ///< device pixels per pixel
     std::optional<Brush> brush;
-    bool heat = false;  ///< stretch of the edges instead of the region's tints
+    Colours colours = Colours::Region;
   };
 
   /// Draws with the current OpenGL context, in the layer's coordinates: its transform is in the modelview matrix.

@@ -4,11 +4,11 @@
 #include <Eigen/Geometry>
 #include <QAction>
 #include <QApplication>
-#include <QCheckBox>
 #include <QCloseEvent>
 #include <QComboBox>
 #include <QKeyEvent>
 #include <QLabel>
+#include <QLineEdit>
 #include <QProgressBar>
 #include <QPushButton>
 #include <QScrollArea>
@@ -54,13 +54,11 @@ Panel::Panel(QWidget* parent) : QDockWidget("Laplacian Drag", parent), column_(n
   content->setLayout(column_);
 
   addBasic();
+  addPaint();
   addLastStep();
   addRegion();
-  addHandles();
-  addGizmo();
-  addSymmetry();
   addAdvanced();
-  addStatistics();
+  addView();
   column_->addStretch();
   int widest = 0;
   for (QLabel* const title : titles_) {
@@ -117,14 +115,17 @@ void Panel::showCommands(const DragSession& session) {
   buttons_["undo"]->setEnabled(session.can_undo());
   buttons_["redo"]->setEnabled(session.can_redo());
   buttons_["save"]->setEnabled(session.can_save());
-  for (const char* part : {"reset", "copy"}) {
-    buttons_[part]->setEnabled(steps);
+  buttons_["reset"]->setEnabled(steps);
+  const bool busy = moving || session.state() == DragSession::State::Settling;
+  for (const char* part : {"apply", "cancel"}) {
+    buttons_[part]->setVisible(busy);
   }
   buttons_["apply"]->setEnabled(moving);
-  buttons_["cancel"]->setEnabled(moving || session.state() == DragSession::State::Settling);
-  for (const char* part : {"component", "next_group", "move", "rotate", "scale"}) {
+  for (const char* part : {"move", "rotate", "scale"}) {
+    buttons_[part]->setVisible(!busy);
     buttons_[part]->setEnabled(picked);
   }
+  buttons_["component"]->setEnabled(picked);
   for (const char* part : {"grow", "shrink"}) {
     buttons_[part]->setEnabled(session.shown().region() != nullptr);
   }
@@ -155,12 +156,12 @@ void Panel::showFigures(const DragSession& session, const FrameTimes& median) {
                     (figures.advice.empty() ? QString() : "\n" + QString::fromStdString(figures.advice)));
 }
 
-bool Panel::heat() const {
-  return heat_->isChecked();
+Colours Panel::colours() const {
+  return static_cast<Colours>(colours_->currentIndex());
 }
 
-void Panel::setHeat(bool on) {
-  heat_->setChecked(on);
+void Panel::setColours(Colours colours) {
+  colours_->setCurrentIndex(static_cast<int>(colours));
 }
 
 void Panel::setBusy(bool busy) {
@@ -195,6 +196,8 @@ bool Panel::eventFilter(QObject* object, QEvent* event) {
           whole->setValue(whole->value());  // discards the text that was typed
         } else if (auto* const number = qobject_cast<QDoubleSpinBox*>(object)) {
           number->setValue(number->value());
+        } else if (auto* const line = qobject_cast<QLineEdit*>(object)) {
+          line->setText(line->property(kValue).toString());
         }
         giveKeysBack();
       }

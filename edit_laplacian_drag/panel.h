@@ -13,16 +13,16 @@
 #include "frame_clock.h"
 #include "lapedit/session/drag_session.h"
 #include "remembered_settings.h"
+#include "surface_picture.h"
 
-class QCheckBox;
 class QComboBox;
 class QDoubleSpinBox;
 class QFormLayout;
 class QLabel;
+class QLineEdit;
 class QListWidget;
 class QProgressBar;
 class QPushButton;
-class QSlider;
 class QSpinBox;
 class QVBoxLayout;
 
@@ -42,8 +42,8 @@ class Panel : public QDockWidget {
   void setMesh(const lapedit::TriangleMesh& mesh);
   /// Shows the state of a session; null: nothing can be edited.
   void show(const lapedit::DragSession* session, const FrameTimes& median);
-  bool heat() const;  ///< whether stretch is to be shown
-  void setHeat(bool on);
+  Colours colours() const;
+  void setColours(Colours colours);
   RememberedSettings& remembered() { return remembered_; }
   void setBusy(bool busy);
   void setFrames(const std::deque<FrameTimes>& frames);
@@ -72,13 +72,13 @@ class Panel : public QDockWidget {
 
   void addBasic();
   void addRegion();
-  void addHandles();
-  void addGizmo();
-  void addSymmetry();
+  void addPieces();
+  void addMirror();
+  void addPaint();
   void addAdvanced();
   void addLastStep();
   void addHistory();
-  void addStatistics();
+  void addView();
 
   /// Adds the widgets that follow to this group.
   void begin(const char* group, const QString& title, const QString& help, bool open = false);
@@ -93,15 +93,11 @@ class Panel : public QDockWidget {
     prepare(*box, part, help);
     return box;
   }
-  QWidget* widgetOf(const lapedit::Setting& setting);
   QDoubleSpinBox* number(const char* part, double low, double high, int digits, const QString& help,
                          const Access& access);
   QDoubleSpinBox* percent(const char* part, int high, const QString& help, const Access& access);
   QDoubleSpinBox* length(const char* part, const QString& help, const Access& access);
   QSpinBox* count(const char* part, int low, int high, const QString& help, const Access& access);
-  /// Adds a slider of kSliderSteps positions to a number.
-  QWidget* dragged(QDoubleSpinBox* box, const std::function<double(double)>& valueAt,
-                   const std::function<double(double)>& positionOf, const Access& access);
   QComboBox* choice(const lapedit::Setting& setting, const Access& access);
   QComboBox* presetChoice();
   /// Creates a list for a value of the session that is not one of its settings.
@@ -138,7 +134,7 @@ class Panel : public QDockWidget {
     QListWidget* list = nullptr;
     int shown = -1;  ///< serial of the timeline that it shows
   } history_;
-  QCheckBox* heat_;
+  QComboBox* colours_;
   QProgressBar* progress_;
   QLabel *region_, *times_, *frame_, *quality_;
   std::map<QString, QPushButton*> buttons_;

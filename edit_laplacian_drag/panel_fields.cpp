@@ -2,17 +2,12 @@
 #include <QAbstractItemView>
 #include <QApplication>
 #include <QComboBox>
-#include <QHBoxLayout>
 #include <QLabel>
+#include <QLineEdit>
 #include <QLocale>
-#include <QMap>
 #include <QPushButton>
 #include <QSignalBlocker>
-#include <QSlider>
 #include <QSpinBox>
-#include <algorithm>
-#include <cmath>
-
 #include "lapedit/session/presets.h"
 #include "panel.h"
 #include "panel_icons.h"
@@ -24,8 +19,8 @@ using namespace lapedit;
 
 namespace {
 
-constexpr int kFieldWidth = 160, kBoxBesideSlider = 72;
-constexpr int kSliderSteps = 1000;
+constexpr int kFieldWidth = 160;
+
 /// Returns rich text, which tool tips break into lines.
 QString tip(const QString& help) {
   return "<qt>" + help.toHtmlEscaped() + "</qt>";
@@ -33,63 +28,39 @@ QString tip(const QString& help) {
 
 /// Returns the label of a setting or of a choice.
 QString titleOf(const char* key) {
-  static const QMap<QString, const char*> titles = {{"order", "Smoothness"},     {"iterations", "Passes"},
-                                                    {"rough", "First estimate"}, {"unrotated", "Details at rest"},
-                                                    {"falloff", "Falloff"},      {"membrane", "Stiffness"}};
-  return titles.contains(key) ? QString(titles[key]) : QString::fromStdString(title_of(key));
+  return QString::fromStdString(title_of(key));
 }
 
 }  // namespace
 
 void Panel::addAdvanced() {
-  begin("advanced", tr("Advanced"), tr("Settings of the solver"));
+  begin("advanced", tr("Solver"), tr("How the region is deformed; a saved edit has all settings of the solver"));
   for (const Setting& setting : settings_table()) {
-    QWidget* const field = widgetOf(setting);
-    row(titleOf(setting.key), field);
-    shown_.push_back([&setting, field, title = titles_.back()](const DragSession& session) {
-      const bool varies = setting.varies(session.settings().edit.method);
-      field->setVisible(varies);
-      title->setVisible(varies);
-    });
-  }
-}
-
-QWidget* Panel::widgetOf(const Setting& setting) {
-  const Access access = {[&setting](const DragSettings& settings) { return setting.get(settings.edit); },
-                         [&setting](DragSettings& settings, double value) { setting.set(settings.edit, value); }};
-  const QString help = tip(setting.help);
-  switch (setting.kind) {
-    case Setting::Kind::Choice:
-      return choice(setting, access);
-    case Setting::Kind::Whole: {
-      auto* box = count(setting.key, static_cast<int>(setting.low), static_cast<int>(setting.high), help, access);
-      box->setSpecialValueText(setting.low == 0 ? tr("automatic") : QString());
-      return box;
+    const Access access = {[&setting](const DragSettings& settings) { return setting.get(settings.edit); },
+                           [&setting](DragSettings& settings, double value) { setting.set(settings.edit, value); }};
+    if (setting.kind == Setting::Kind::Choice && setting.varies(EditMethod::Linear)) {
+      row(titleOf(setting.key), choice(setting, access));
+    } else if (QString(setting.key) == "membrane") {
+      auto* const box = number(setting.key, setting.low, setting.high, 6, tip(setting.help), access);
+      box->setPrefix(tr("\u00d7 "));
+      row(tr("Keep lengths"), box);
     }
-    case Setting::Kind::Length: {
-      auto* box = length(setting.key, help, access);
-      box->setSpecialValueText(tr("automatic"));
-      box->setSuffix(tr(" units"));
-      return box;
-    }
-    case Setting::Kind::Number:
-      break;
   }
-  auto* box = number(setting.key, setting.low, setting.high, 6, help, access);
-  box->setPrefix(tr("\u00d7 "));
-  return box;
 }
 
 void Panel::prepare(QWidget& box, const char* part, const QString& help) {
   box.setObjectName(nameOf(part));
   box.setToolTip(help);
   // Only fields that are typed into take the keyboard from the view.
-  auto* const typed = qobject_cast<QAbstractSpinBox*>(&box);
-  box.setFocusPolicy(typed ? Qt::ClickFocus : Qt::NoFocus);
+  auto* const number = qobject_cast<QAbstractSpinBox*>(&box);
+  auto* const text = qobject_cast<QLineEdit*>(&box);
+  box.setFocusPolicy(number || text ? Qt::ClickFocus : Qt::NoFocus);
   box.installEventFilter(this);
   box.setMaximumWidth(kFieldWidth);
-  if (typed) {
-    connect(typed, &QAbstractSpinBox::editingFinished, this, &Panel::giveKeysBack);
+  if (number) {
+    connect(number, &QAbstractSpinBox::editingFinished, this, &Panel::giveKeysBack);
+  } else if (text) {
+    connect(text, &QLineEdit::editingFinished, this, &Panel::giveKeysBack);
   } else if (auto* const list = qobject_cast<QComboBox*>(&box)) {
     list->view()->installEventFilter(this);
     list->view()->setProperty(kListOf, QVariant::fromValue<QObject*>(list));
@@ -155,31 +126,6 @@ QSpinBox* Panel::count(const char* part, int low, int high, const QString& help,
   return box;
 }
 
-QWidget* Panel::dragged(QDoubleSpinBox* box, const std::function<double(double)>& valueAt,
-                        const std::function<double(double)>& positionOf, const Access& access) {
-  const QString part = box->objectName().mid(nameOf("").size()) + "_slider";
-  auto* const slider = prepared<QSlider>(qPrintable(part), box->toolTip());
-  slider->setOrientation(Qt::Horizontal);
-  slider->setRange(0, kSliderSteps);
-  follow(static_cast<QAbstractSlider*>(slider),
-         Access{[access, positionOf](const DragSettings& settings) {
-                  return std::round(kSliderSteps * std::clamp(positionOf(access.get(settings)), 0.0, 1.0));
-                },
-                [access, valueAt](DragSettings& settings, double position) {
-                  access.set(settings, valueAt(position / kSliderSteps));
-                }},
-         &QAbstractSlider::valueChanged, &QAbstractSlider::setValue);
-  box->setFixedWidth(kBoxBesideSlider);
-  auto* const both = new QWidget;
-  both->setToolTip(box->toolTip());
-  auto* const line = new QHBoxLayout(both);
-  line->setSpacing(4);
-  line->setContentsMargins(0, 0, 0, 0);
-  line->addWidget(slider, 1);
-  line->addWidget(box);
-  return both;
-}
-
 QComboBox* Panel::choice(const Setting& setting, const Access& access) {
   auto* const box = prepared<QComboBox>(setting.key, tip(setting.help));
   for (const char* name : setting.choices) {
@@ -190,23 +136,32 @@ QComboBox* Panel::choice(const Setting& setting, const Access& access) {
 }
 
 QComboBox* Panel::presetChoice() {
-  auto* const box = prepared<QComboBox>("preset", tr("Sets handle size and solver for a kind of surface"));
+  auto* const box = prepared<QComboBox>("preset", tr("Sets handle size, falloff and solver for a kind of surface"));
   for (const Preset& preset : presets()) {
     box->addItem(preset.name);
     box->setItemData(box->count() - 1, tip(preset.help), Qt::ToolTipRole);
   }
+  const int custom = box->count();
   box->addItem(tr("Custom"));
-  box->setItemData(box->count() - 1, tip(tr("Values that no preset has.")), Qt::ToolTipRole);
-  connect(box, QOverload<int>::of(&QComboBox::activated), this, [this](int index) {
-    DragSettings settings = settings_;
-    if (index < static_cast<int>(presets().size())) {
+  box->setItemData(custom, tip(tr("Values that no preset has.")), Qt::ToolTipRole);
+  box->addItem(tr("Reset all settings"));
+  box->setItemData(custom + 1, tip(tr("All settings of the panel, as they were at first.")), Qt::ToolTipRole);
+  connect(box, QOverload<int>::of(&QComboBox::activated), this, [this, custom](int index) {
+    DragSettings settings = index > custom ? defaults_ : settings_;
+    if (index < custom) {
       presets()[static_cast<std::size_t>(index)].set(settings);
     }
-    change([settings](DragSession& session) { session.set_settings(settings); });
+    change([settings, all = index > custom](DragSession& session) {
+      session.set_settings(settings);
+      if (all) {
+        session.set(&Tools::gizmo, false);
+        session.set(&Tools::axes, GizmoAxes::Layer);
+      }
+    });
   });
-  shown_.push_back([box](const DragSession& session) {
+  shown_.push_back([box, custom](const DragSession& session) {
     const int preset = preset_of(session.settings());
-    box->setCurrentIndex(preset >= 0 ? preset : box->count() - 1);
+    box->setCurrentIndex(preset >= 0 ? preset : custom);
   });
   return box;
 }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <QFormLayout>
-#include <QHBoxLayout>
+#include <QLabel>
+#include <QLineEdit>
 #include <QListWidget>
-#include <QLocale>
+#include <QRegularExpression>
 #include <QSignalBlocker>
 #include <QSlider>
 #include <algorithm>
@@ -20,58 +21,72 @@ namespace {
 
 constexpr int kHistoryRows = 6;
 
+MotionKind kindOf(const HandleTransform& motion) {
+  return motion.degrees != 0 ? MotionKind::Rotate : motion.scale != 1 ? MotionKind::Scale : MotionKind::Translate;
+}
+
+QString numbersOf(const HandleTransform& motion) {
+  const auto text = [](double number) { return QString::number(number, 'g', 6); };
+  const Vector3& along = motion.translation;
+  return kindOf(motion) == MotionKind::Rotate ? text(motion.degrees)
+         : kindOf(motion) == MotionKind::Scale
+             ? text(motion.scale)
+             : QStringList({text(along.x()), text(along.y()), text(along.z())}).join(", ");
+}
+
+/// Reads what numbersOf() writes. @return false if these are no such numbers; the motion is then the same
+bool setNumbers(const QString& text, HandleTransform& motion) {
+  QStringList words = text.split(QRegularExpression("[,\\s]+"));
+  words.removeAll(QString());
+  std::vector<double> numbers;
+  for (const QString& word : qAsConst(words)) {
+    bool ok = false;
+    numbers.push_back(word.toDouble(&ok));
+    if (!ok) {
+      return false;
+    }
+  }
+  const MotionKind kind = kindOf(motion);
+  if (numbers.size() != (kind == MotionKind::Translate ? 3U : 1U)) {
+    return false;
+  }
+  if (kind == MotionKind::Translate) {
+    motion.translation = Vector3(numbers[0], numbers[1], numbers[2]);
+  } else {
+    (kind == MotionKind::Rotate ? motion.degrees : motion.scale) = numbers[0];
+  }
+  return true;
+}
+
 }  // namespace
 
 void Panel::addLastStep() {
   begin("last_step", tr("Last step and history"),
         tr("The last step, which can be changed until something else is picked, and all that was done"));
-  using Get = std::function<double&(LastStep&)>;
   const auto send = [this](const LastStep& last, bool passing) {
     change([last, passing](DragSession& session) { session.set_last_step(last.motion, last.fraction, passing); });
   };
-  const auto field = [&](const char* part, const QString& help, double low, int digits, bool turns, const Get& get) {
-    QDoubleSpinBox* const box = prepared<NumberBox>(part, help);
-    box->setLocale(QLocale::c());
-    box->setDecimals(digits);
-    box->setRange(low, kLongest);
-    box->setKeyboardTracking(false);
-    connect(box, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this, [this, get, send](double value) {
-      if (LastStep last = lastStep_.value_or(LastStep()); lastStep_) {
-        get(last) = value;
-        send(last, false);
-      }
-    });
-    shown_.push_back([this, box, get, turns](const DragSession&) {
-      box->setEnabled(lastStep_ && !lastStep_->bent && !(turns && lastStep_->single));
-      if (!box->hasFocus()) {
-        const QSignalBlocker blocker(box);
-        LastStep last = lastStep_.value_or(LastStep());
-        box->setValue(get(last));
-      }
-    });
-    return box;
-  };
-  auto* const line = new QWidget;
-  auto* const fields = new QHBoxLayout(line);
-  fields->setSpacing(2);
-  fields->setContentsMargins(0, 0, 0, 0);
-  line->setToolTip(tr("Displacement along X, Y and Z of the layer, in model units"));
-  for (int axis = 0; axis < 3; ++axis) {
-    lengths_.push_back(field(qPrintable(QString("last_") + "xyz"[axis]), line->toolTip(), -kLongest, 4, false,
-                             [axis](LastStep& last) -> double& { return last.motion.translation[axis]; }));
-    lengths_.back()->setButtonSymbols(QAbstractSpinBox::NoButtons);
-    lengths_.back()->setMinimumWidth(kButtonWidth);
-    fields->addWidget(lengths_.back(), 1);
-  }
-  row(tr("Moved"), line);
-  auto* const turned = field("last_turn", tr("Rotation about the last axis, or about Z"), -kLongest, 2, true,
-                             [](LastStep& last) -> double& { return last.motion.degrees; });
-  turned->setSuffix(tr(" degrees"));
-  row(tr("Turned"), turned);
-  auto* const scaled = field("last_scale", tr("Factor of the scale"), 0.0001, 4, true,
-                             [](LastStep& last) -> double& { return last.motion.scale; });
-  scaled->setSingleStep(0.1);
-  row(tr("Scaled"), scaled);
+  auto* const value =
+      prepared<QLineEdit>("last_value", tr("What the last step did: a displacement along X, Y and Z of the "
+                                           "layer, degrees about the axis, or a factor"));
+  row(tr("Moved"), value);
+  connect(value, &QLineEdit::editingFinished, this, [this, value, send] {
+    LastStep last = lastStep_.value_or(LastStep());
+    if (lastStep_ && value->text() != numbersOf(last.motion) && setNumbers(value->text(), last.motion)) {
+      send(last, false);
+    }
+  });
+  shown_.push_back([this, value, title = titles_.back()](const DragSession&) {
+    value->setEnabled(lastStep_ && !lastStep_->bent);
+    const HandleTransform motion = lastStep_.value_or(LastStep()).motion;
+    title->setText(kindOf(motion) == MotionKind::Rotate  ? tr("Turned")
+                   : kindOf(motion) == MotionKind::Scale ? tr("Scaled")
+                                                         : tr("Moved"));
+    value->setProperty(kValue, numbersOf(motion));
+    if (!value->hasFocus()) {
+      value->setText(numbersOf(motion));
+    }
+  });
   auto* const fraction = prepared<QSlider>("last_fraction", tr("Fraction of the path: 0 to 100 percent"));
   fraction->setOrientation(Qt::Horizontal);
   fraction->setRange(0, 100);

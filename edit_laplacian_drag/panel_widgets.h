@@ -11,6 +11,8 @@ constexpr double kLongest = 1e12;                          // limit of lengths
 constexpr int kButtonWidth = 50;                           // pixels, at least
 constexpr const char* kListOf = "laplacian_drag_list_of";  // property of a list: the box that it belongs to
 
+constexpr const char* kValue = "laplacian_drag_value";  // property of a text field: its text before it was edited
+
 /// Returns the object name of a part of the panel.
 QString nameOf(const QString& part);
 

@@ -15,7 +15,7 @@ using Color = std::array<unsigned char, 3>;
 // Okabe and Ito's colours, which colour-blind people can distinguish: https://jfly.uni-koeln.de/color/
 constexpr Color kOrange{230, 159, 0}, kSkyBlue{86, 180, 233}, kGreen{0, 158, 115}, kYellow{240, 228, 66},
     kBlue{0, 114, 178}, kVermillion{213, 94, 0}, kPurple{204, 121, 167};
-constexpr Color kDark{18, 18, 22}, kLight{252, 252, 252}, kGrey{130, 130, 136};
+constexpr Color kDark{18, 18, 22}, kLight{252, 252, 252}, kRed{255, 0, 0}, kGrey{130, 130, 136};
 
 constexpr Color kFree = kSkyBlue, kAnchor = kVermillion;
 

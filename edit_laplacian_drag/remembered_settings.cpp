@@ -10,8 +10,9 @@ using namespace lapedit;
 namespace {
 
 constexpr double DragSettings::*kMembers[] = {&DragSettings::handle_fraction, &DragSettings::padding,
-                                              &DragSettings::softness, &DragSettings::brush_pixels};
-const char* const kNames[] = {"handle_fraction", "padding", "softness", "brush"};
+                                              &DragSettings::brush_pixels};
+const char* const kNames[] = {"handle_fraction", "padding", "brush"};
+const char* const kFalloff = "falloff";
 const char* const kGroup = "settings";
 const char* const kGizmo = "gizmo";
 const char* const kGizmoAxes = "gizmo_axes";
@@ -35,6 +36,7 @@ RememberedSettings::Values RememberedSettings::valuesOf(const DragSettings& sett
   for (std::size_t i = 0; i < std::size(kMembers); ++i) {
     values[kNames[i]] = settings.*kMembers[i];
   }
+  values[kFalloff] = static_cast<double>(settings.falloff);
   for (const Setting& setting : settings_table()) {
     if (setting.kind != Setting::Kind::Length) {
       values[setting.key] = setting.get(settings.edit);
@@ -47,6 +49,10 @@ void RememberedSettings::setValues(const Values& values, DragSettings& settings)
   DragSettings changed = settings;
   for (std::size_t i = 0; i < std::size(kMembers); ++i) {
     changed.*kMembers[i] = values.value(kNames[i], changed.*kMembers[i]);
+  }
+  const double falloff = values.value(kFalloff, 0);
+  if (falloff >= 0 && falloff <= static_cast<double>(Falloff::Dome)) {
+    changed.falloff = static_cast<Falloff>(falloff);
   }
   for (const Setting& setting : settings_table()) {
     const auto found = values.find(setting.key);

@@ -235,8 +235,8 @@ void SurfacePicture::draw(const DragSession& session, const Options& options) {
   for (std::size_t g = 0; g < handles_.size(); ++g) {
     drawGroup(session, g, options);
   }
-  drawUnconnected(options.pixelRatio);
-  drawHeld(session.motion() != nullptr, options.pixelRatio);
+  drawMarked(lost_, {pen::kLight, 0.35, 0.6, pen::kGrey}, options.pixelRatio);
+  drawMarked(fixed_, {pen::kAnchor, session.motion() ? 0.35 : 0.6, 0.35, pen::kAnchor}, options.pixelRatio);
   glDepthRange(0, 1);
   glDisableClientState(GL_VERTEX_ARRAY);
 }
@@ -245,9 +245,9 @@ void SurfacePicture::drawRegion(const DragSession& session, const Options& optio
   const bool moving = session.motion() != nullptr;
   glDepthRange(0, 1);
   glEnable(GL_POLYGON_OFFSET_FILL);
-  if (options.heat) {
+  if (options.colours == Colours::Stretch) {
     drawHeat(session);
-  } else {
+  } else if (options.colours != Colours::None) {
     // During a motion the tint is paler, so that the surface is easier to see. Large regions have none: frames are
     // faster.
     if (!moving || free_.faces.size() <= 3 * kMostMovingFaces) {
@@ -288,6 +288,24 @@ void SurfacePicture::drawHeat(const DragSession& session) {
   glColorPointer(4, GL_UNSIGNED_BYTE, 0, heat_.data());
   glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(region.faces.size()), GL_UNSIGNED_INT, region.faces.data());
   glDisableClientState(GL_COLOR_ARRAY);
+  drawFolds(session);
+}
+
+/// Draws folded triangles, also through the surface.
+void SurfacePicture::drawFolds(const DragSession& session) {
+  std::vector<unsigned> folds;
+  for (const auto& fold : session.figures().folds) {
+    const unsigned corners[] = {number(session.shown().region().get(), fold[0]),
+                                number(session.shown().region().get(), fold[1]),
+                                number(session.shown().region().get(), fold[2])};
+    if (std::find(corners, corners + 3, kNone) == corners + 3) {
+      folds.insert(folds.end(), corners, corners + 3);
+    }
+  }
+  tint(folds, pen::kRed, 1);
+  glDisable(GL_DEPTH_TEST);
+  tint(folds, pen::kRed, 0.5);
+  glEnable(GL_DEPTH_TEST);
 }
 
 /// Draws a handle group: with a bright outline if it moves, hatched if it holds.
@@ -310,8 +328,11 @@ void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, co
   }
   glDepthRange(0, 1);
   glEnable(GL_POLYGON_OFFSET_FILL);
-  tint(patch.faces, color, (moving ? 0.25 : active ? 0.5 : 0.25) + (hovered ? 0.2 : 0));
-  if (!active) {
+  const bool tinted = options.colours != Colours::None;
+  if (tinted) {
+    tint(patch.faces, color, (moving ? 0.25 : active ? 0.5 : 0.25) + (hovered ? 0.2 : 0));
+  }
+  if (!active && tinted) {
     glEnable(GL_POLYGON_STIPPLE);
     tint(patch.faces, color, moving ? 0.45 : 0.7);
     glDisable(GL_POLYGON_STIPPLE);
@@ -357,31 +378,17 @@ void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, co
   }
 }
 
-/// Draws painted vertices that are not connected to a handle.
-void SurfacePicture::drawUnconnected(double pixelRatio) {
+/// Draws vertices that are in no group, hatched.
+void SurfacePicture::drawMarked(const Patch& patch, const Mark& mark, double pixelRatio) {
   glDepthRange(0, 1);
   glEnable(GL_POLYGON_OFFSET_FILL);
-  tint(lost_.faces, pen::kLight, 0.35);
+  tint(patch.faces, mark.tint, mark.alpha);
   glEnable(GL_POLYGON_STIPPLE);
-  tint(lost_.faces, pen::kDark, 0.6);
+  tint(patch.faces, pen::kDark, mark.hatch);
   glDisable(GL_POLYGON_STIPPLE);
   glDisable(GL_POLYGON_OFFSET_FILL);
   glDepthRange(0, kShift);
-  pen::set(pen::kGrey);
-  pen::chains(lost_.border, 1.5 * pixelRatio);
-  points(lost_.loose, pen::kGrey, 4 * pixelRatio, 1);
-}
-
-void SurfacePicture::drawHeld(bool moving, double pixelRatio) {
-  glDepthRange(0, 1);
-  glEnable(GL_POLYGON_OFFSET_FILL);
-  tint(fixed_.faces, pen::kAnchor, moving ? 0.35 : 0.6);
-  glEnable(GL_POLYGON_STIPPLE);
-  tint(fixed_.faces, pen::kDark, 0.35);
-  glDisable(GL_POLYGON_STIPPLE);
-  glDisable(GL_POLYGON_OFFSET_FILL);
-  glDepthRange(0, kShift);
-  pen::set(pen::kAnchor);
-  pen::chains(fixed_.border, 1.5 * pixelRatio);
-  points(fixed_.loose, pen::kAnchor, 4 * pixelRatio, 1);
+  pen::set(mark.outline);
+  pen::chains(patch.border, 1.5 * pixelRatio);
+  points(patch.loose, mark.outline, 4 * pixelRatio, 1);
 }

@@ -9,6 +9,14 @@
 #include "lapedit/session/drag_session.h"
 #include "pen.h"
 
+/// The meaning of the colours over the surface.
+enum class Colours {
+  Region,
+  RegionAtRest,  ///< not while dragging
+  Stretch,
+  None  ///< outlines only
+};
+
 /// Returns the colour of a stretch as in VertexStretch: longer through yellow to red, shorter to blue, up to a factor
 /// of four and a quarter.
 pen::Color stretchColor(float stretch);
@@ -18,8 +26,8 @@ pen::Color stretchColor(float stretch);
 class SurfacePicture {
  public:
   struct Options {
-    int hovered = -1;         ///< group under the cursor
-    bool heat = false;        ///< stretch of the edges instead of the region's tints
+    int hovered = -1;  ///< group under the cursor
+    Colours colours = Colours::Region;
     double pixelRatio = 1.0;  ///< device pixels per pixel
   };
 
@@ -34,6 +42,12 @@ class SurfacePicture {
     lapedit::Chains border;
   };
 
+  struct Mark {
+    pen::Color tint;
+    double alpha, hatch;  ///< of the tint, and of the lines over it
+    pen::Color outline;
+  };
+
   void list(const lapedit::DragSession& session);
   void sortFaces(const lapedit::DragSession& session, const std::vector<int>& labels);
   void findLoose(const lapedit::DragSession& session, const std::vector<int>& labels);
@@ -41,9 +55,9 @@ class SurfacePicture {
   unsigned number(const lapedit::Region* region, int vertex) const;
   void drawRegion(const lapedit::DragSession& session, const Options& options);
   void drawHeat(const lapedit::DragSession& session);
+  void drawFolds(const lapedit::DragSession& session);
   void drawGroup(const lapedit::DragSession& session, std::size_t group, const Options& options);
-  void drawUnconnected(double pixelRatio);
-  void drawHeld(bool moving, double pixelRatio);
+  static void drawMarked(const Patch& patch, const Mark& mark, double pixelRatio);
   /// Returns the vertices of a label: groups, then unconnected vertices, then fixed ones.
   const std::vector<int>& labelled(std::size_t label) const;
 

@@ -57,7 +57,7 @@ std::optional<DragKey> sessionKey(const QKeyEvent& event) {
 
 /// Returns whether the window handles a key; MeshLab may have a shortcut with the same key.
 bool isOfWindow(std::optional<DragKey> key) {
-  return key == DragKey::Copy || key == DragKey::Help;
+  return key == DragKey::Copy || key == DragKey::Tint || key == DragKey::Help;
 }
 
 }  // namespace
@@ -118,20 +118,20 @@ bool LaplacianDragTool::escape(QEvent& event) {
   DragSession& session = active_->session();
   const DragSession::State state = session.state();
   const bool moves = state == DragSession::State::Dragging || state == DragSession::State::Settling;
-  if (!moves && !session.tools().keeps_fixed && !keysShown_) {
+  if (!moves && !session.tools().paint && !shown_.keys) {
     return false;
   }
   event.accept();
   if (event.type() != QEvent::KeyPress) {
     return true;
   }
-  if (keysShown_) {
-    keysShown_ = false;
+  if (shown_.keys) {
+    shown_.keys = false;
     window_.repaint();
   } else if (moves) {
     cancelMotion();
   } else {
-    session.set(&Tools::keeps_fixed, false);
+    session.set(&Tools::paint, std::nullopt);
     afterEvent();
   }
   return true;
@@ -207,7 +207,7 @@ void LaplacianDragTool::mousePress(QMouseEvent& event) {
   }
   notice_.clear();
   offered_ = -1;
-  keysShown_ = false;
+  shown_.keys = false;
   if (event.button() == Qt::RightButton && active_ && active_->session().motion()) {
     cancelMotion();
     return;
@@ -233,7 +233,8 @@ void LaplacianDragTool::mousePress(QMouseEvent& event) {
   mouse_.pressed = true;
   mouse_.moved = false;
   mouse_.pressedAt = event.localPos();
-  if (!active_->session().press(cursor(), pressModifiers()) && event.modifiers() == Qt::NoModifier) {
+  const bool covered = !active_->session().motion() && isCovered();
+  if (covered || (!active_->session().press(cursor(), pressModifiers()) && event.modifiers() == Qt::NoModifier)) {
     mouse_.pressed = false;
     mouse_.asks = true;
     mouse_.navigating = Qt::LeftButton;
@@ -351,6 +352,7 @@ void LaplacianDragTool::wheel(QWheelEvent& event) {
         std::max(settings.handle_fraction, kSmallestHandleShare) * std::pow(kHandleSharePerNotch, notches);
     settings.handle_fraction = grown < kSmallestHandleShare ? 0 : std::min(grown, kLargestHandleFraction);
   } else {
+    settings = active_->session().settings_at_cursor();
     settings.radius = threeDigits(settings.radius * std::pow(kRadiusPerNotch, notches));
   }
   active_->session().set_settings(settings);
@@ -371,8 +373,7 @@ void LaplacianDragTool::saySettings(const DragSettings& before) {
   } else if (now.handle_fraction != before.handle_fraction) {
     notice_ = now.handle_fraction == 0
                   ? tr("Handle size: one vertex")
-                  : tr("Handle size: %1 % of the radius, %2")
-                        .arg(number(100 * now.handle_fraction), number(now.handle_fraction * now.radius));
+                  : tr("Handle size: %1 %, %2").arg(number(100 * now.handle_fraction), number(disc_radius(now)));
   } else if (now.padding != before.padding) {
     notice_ = tr("Padding: %1 % of the radius").arg(number(100 * now.padding));
   }
@@ -389,9 +390,12 @@ void LaplacianDragTool::keyPress(QKeyEvent& event) {
   window_.repaint();
   const std::optional<DragKey> key = sessionKey(event);
   if (key == DragKey::Help) {
-    keysShown_ = !keysShown_;
+    shown_.keys = !shown_.keys;
   } else if (key == DragKey::Copy) {
     copyPlace();
+  } else if (key == DragKey::Tint && shared_) {
+    Panel& panel = shared_->panel();
+    panel.setColours(panel.colours() == Colours::None ? Colours::Region : Colours::None);
   }
   if (isOfWindow(key) || !usableLayer()) {
     return;

@@ -8,6 +8,8 @@
 #include <limits>
 #include <utility>
 
+#include "lapedit/mesh/surface_measures.h"
+#include "lapedit/mesh/vertex_set.h"
 #include "lapedit_host/mesh_bridge.h"
 #include "laplacian_drag_tool.h"
 #include "pen.h"
@@ -83,9 +85,11 @@ void LaplacianDragTool::draw() {
     options.width = canvas.width();
     options.height = canvas.height();
     options.pixelRatio = canvas.devicePixelRatioF();
-    options.heat = shared_->panel().heat();
+    shown_.warning = shown_.warning && !session.warning().empty();
+    const Colours colours = shown_.warning ? Colours::Stretch : shared_->panel().colours();
+    options.colours = colours == Colours::RegionAtRest ? (session.motion() ? Colours::None : Colours::Region) : colours;
     const bool takes = mouse_.modifiers & Qt::ShiftModifier;
-    if ((takes || mouse_.modifiers & Qt::ControlModifier || session.tools().keeps_fixed) && !session.motion()) {
+    if ((takes || mouse_.modifiers & Qt::ControlModifier || session.tools().paint) && !session.motion()) {
       options.brush = Overlay::Brush{cursor().pixel, session.settings().brush_pixels, takes};
     }
     overlay_.draw(session, view_, options);
@@ -116,7 +120,7 @@ LinePicture::Line LaplacianDragTool::line(bool usable) {
   }
   if (const std::string warning = session.warning(); !warning.empty() && notice_.isEmpty()) {
     line.warning = QString::fromStdString(warning);
-    if (!session.motion() && !shared_->panel().heat()) {
+    if (!session.motion() && !shown_.warning) {
       line.warning += tr(" Click here to see where.");
     }
   }
@@ -150,13 +154,13 @@ void LaplacianDragTool::drawLine(const LinePicture::Line& line) {
   QWidget& canvas = window_.canvas();
   QStringList texts{line.text, line.warning, line.position};
   texts.removeAll(QString());
-  canvas.setProperty(kLineProperty, keysShown_ ? "keys" : texts.join('\n'));
+  canvas.setProperty(kLineProperty, shown_.keys ? "keys" : texts.join('\n'));
   if (texts.isEmpty()) {
     return;
   }
   const pen::FlatState state;
   const pen::InPixels pixels(canvas.width(), canvas.height());
-  if (keysShown_) {
+  if (shown_.keys) {
     linePicture_.drawKeys(canvas.size(), canvas.devicePixelRatioF());
   } else {
     linePicture_.draw(line, canvas.size(), canvas.devicePixelRatioF(), notToCover());
@@ -188,7 +192,7 @@ void LaplacianDragTool::framePainted() {
 
 /// Handles a press on the line over the picture. @return whether there was one
 bool LaplacianDragTool::pressLine() {
-  if (!linePicture_.rectangle().contains(mouse_.position) || keysShown_) {
+  if (!linePicture_.rectangle().contains(mouse_.position) || shown_.keys) {
     return false;
   }
   if (offered_ >= 0) {
@@ -197,11 +201,45 @@ bool LaplacianDragTool::pressLine() {
     return true;
   }
   if (active_ && !active_->session().warning().empty() && !active_->session().motion()) {
-    shared_->panel().setHeat(true);
-    afterEvent();
+    showWarning();
     return true;
   }
   return false;
+}
+
+/// Returns whether another layer is seen where a press would take a part of this one.
+bool LaplacianDragTool::isCovered() {
+  constexpr double kNearer = 0.002;  // of the depth range; marks are drawn a little before the surface
+  constexpr int kAround = 3;         // pixels: a thin part of this layer may be nearer, too
+  const auto layer = usableLayer();
+  if (!layer || window_.layers().size() < 2) {
+    return false;
+  }
+  const std::optional<Vector3> point = active_->session().surface_at(cursor(), pressModifiers());
+  if (!point) {
+    return false;
+  }
+  const Vector3 clip = (worldToClip_ * layer->transform * point->homogeneous()).hnormalized();
+  return window_.depthAt(mouse_.position, kAround) < (clip.z() + 1) / 2 - kNearer;
+}
+
+/// Colours the stretch, marks folds and turns the view to them, or to the handle.
+void LaplacianDragTool::showWarning() {
+  const DragSession& session = active_->session();
+  const DragFigures figures = session.figures();
+  std::vector<int> vertices;
+  for (const auto& fold : figures.folds) {
+    vertices.insert(vertices.end(), fold.begin(), fold.end());
+  }
+  const auto layer = usableLayer();
+  if (layer && !vertices.empty()) {
+    // The surface around the folds, since they themselves face any direction.
+    std::vector<int> around = grown(session.adjacency(), grown(session.adjacency(), sorted_set(std::move(vertices))));
+    window_.turnTo(layer->transform.topLeftCorner<3, 3>() *
+                   mean_normal(session.original(), session.given_adjacency(), around));
+  }
+  shown_.warning = true;
+  afterEvent();
 }
 
 /// Offers to switch to another layer whose surface was pressed. The depth of the picture says where that is, so that no
@@ -209,15 +247,12 @@ bool LaplacianDragTool::pressLine() {
 void LaplacianDragTool::offerLayer() {
   const QWidget& canvas = window_.canvas();
   const QPointF at = mouse_.pressedAt;
-  const qreal ratio = canvas.devicePixelRatioF();
-  GLfloat depth = 1;
-  glReadPixels(static_cast<GLint>(at.x() * ratio), static_cast<GLint>((canvas.height() - at.y()) * ratio) - 1, 1, 1,
-               GL_DEPTH_COMPONENT, GL_FLOAT, &depth);
+  const double depth = window_.depthAt(at, 0);
   if (depth >= 1) {
     return;  // the background
   }
   const Vector3 world = (worldToClip_.inverse() * Eigen::Vector4d(2 * at.x() / canvas.width() - 1,
-                                                                  1 - 2 * at.y() / canvas.height(), 2.0 * depth - 1, 1))
+                                                                  1 - 2 * at.y() / canvas.height(), 2 * depth - 1, 1))
                             .hnormalized();
   double nearest = std::numeric_limits<double>::infinity();
   for (const Layer& layer : window_.layers()) {

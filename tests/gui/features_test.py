@@ -6,7 +6,7 @@ import unittest
 
 from tool import PANEL, TOOL, ToolTest, part
 from ply import write_ply
-from shapes import in_reach, neighbours, with_seam, within
+from shapes import dome, in_reach, moved, neighbours, together, with_seam, within
 
 
 class Start(ToolTest):
@@ -29,10 +29,9 @@ class Start(ToolTest):
             self.assert_same(before, w.dump())
 
     def test_panel_leaves_the_picture_its_width(self):
-        groups = ["last_step", "region", "handle", "gizmo", "symmetry", "advanced", "statistics"]
-        basic = ["radius", "radius_slider", "handle_fraction", "handle_fraction_slider", "mode", "preset",
-                 "defaults", "move", "rotate", "scale", "apply", "cancel", "undo", "redo", "reset", "save", "load", "copy",
-                 "pivot", "keep_fixed", "help"]
+        groups = ["last_step", "paint", "region", "advanced", "statistics"]
+        basic = ["radius", "handle_fraction", "mode", "preset", "pivot", "mirror", "gizmo", "move", "rotate", "scale",
+                 "undo", "redo", "reset", "save", "load", "help"]
         with self.open(self.mesh) as w:
             w.close_widget("layerDialog")  # which is higher, and as wide, as it likes
             w.trigger(TOOL)
@@ -48,7 +47,7 @@ class Start(ToolTest):
                 self.assertTrue(left <= x and x + wide <= left + width and top <= y and y + high <= top + height, name)
             for group in groups:
                 w.set(part("group_" + group), True)
-            hidden = {part(n) for n in ("progress", "order", "normal_radius", "rough")}  # of other methods; nothing is prepared
+            hidden = {part(n) for n in ("pieces", "progress", "apply", "cancel")}  # nothing is prepared, nothing moves
             for name, widget in w.widgets(part("")).items():
                 self.assertEqual(widget["visible"], name not in hidden, name)
             self.assertGreaterEqual(w.ask("project")["width"], 900)
@@ -79,12 +78,105 @@ class Start(ToolTest):
         with self.start(self.mesh) as w:
             named = 0
             for widget in w.ask("widgets", inside=PANEL)["widgets"]:
-                if widget["class"] in ("NumberBox", "QSpinBox", "QSlider", "QComboBox", "QCheckBox", "QPushButton",
-                                       "QToolButton", "QProgressBar") and widget["name"] != "qt_toolbar_ext_button":
+                if widget["class"] in ("NumberBox", "QSpinBox", "QSlider", "QComboBox", "QPushButton", "QToolButton",
+                                       "QProgressBar") and widget["name"] != "qt_toolbar_ext_button":
                     self.assertRegex(widget["name"], "^laplacian_drag_")
                     self.assertGreater(len(widget["tool_tip"]), 10, widget)
                     named += 1
-            self.assertGreater(named, 50)
+            self.assertGreater(named, 36)
+
+    def test_few_inputs_are_shown(self):
+        """At most 36, 16 of them in Basic, at rest and during a motion, when Apply and Cancel replace others."""
+        kinds = ("NumberBox", "QSpinBox", "QSlider", "QComboBox", "QCheckBox", "QPushButton", "QLineEdit", "QListWidget")
+
+        def shown(w):
+            return {v["name"].removeprefix(part("")) for v in w.ask("widgets", inside=PANEL)["widgets"]
+                    if v["class"] in kinds and v["name"].startswith(part("")) and v["visible"]}
+
+        with self.start(self.mesh, disc=20) as w:
+            groups = [name for name in w.widgets(part("group_")) if name != part("group_basic")]
+            w.click(*w.pixel(self.CENTRE))
+            for moves in (False, True):
+                if moves:
+                    w.key("T")
+                for group in groups:
+                    w.set(group, False)
+                basic = shown(w)
+                for group in groups:
+                    w.set(group, True)
+                everything = shown(w)
+                self.assertLessEqual(len(basic), 16, basic)
+                self.assertLessEqual(len(everything), 36, everything)
+                for name in ("apply", "cancel"):
+                    self.assertEqual(name in basic, moves)
+                for name in ("move", "rotate", "scale"):
+                    self.assertEqual(name in basic, not moves)
+
+
+class Features(ToolTest):
+    """A sheet with a tower in the middle and a small ball that nearly touches it, by X events."""
+    SIDE = 61
+    TOP = 30 * SIDE + 30
+    BESIDE = 20 * SIDE + 15  # of the ball
+    BALL = range(SIDE * SIDE, SIDE * SIDE + 6)
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        points, faces = dome(cls.SIDE, cls.SIDE)
+        points = [(x, y, 0.4 * math.exp(-(math.dist((x, y), (0.5, 0.5)) / 0.1) ** 4)) for x, y, _ in points]
+        ends = [(1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
+        ball = moved((ends, [(0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4), (1, 0, 5), (2, 1, 5), (3, 2, 5), (0, 3, 5)]),
+                     scale=0.03, offset=(0.25, 0.25, 0.032))
+        cls.scene = write_ply(cls.folder / "tower.ply", *together((points, faces), ball))
+
+    def drag_by_x(self, w, vertex, by):
+        x, y = self.on_screen(w, vertex)
+        w.x("mousemove", x, y, "sleep", 0.3, "mousedown", 1, "mousemove", x + by[0] // 2, y + by[1] // 2, "sleep", 0.1,
+            "mousemove", x + by[0], y + by[1], "sleep", 0.1, "mouseup", 1)
+        self.settle(w)
+
+    def click_on(self, w, name):
+        x, y, width, height = w.widget(name)["rectangle"]
+        w.x("mousemove", round(x + 8), round(y + height / 2), "sleep", 0.05, "click", 1)
+        self.settle(w)
+
+    def test_region_ends_where_a_protrusion_does_and_the_wheel_leaves_the_handle(self):
+        with self.start(self.scene, disc=20) as w:
+            before = w.dump()
+            self.drag_by_x(w, self.TOP, (40, 0))
+            after = w.dump()
+            self.assertGreater(math.dist(before.triples()[self.TOP], after.triples()[self.TOP]), 0.01)
+            for v in before.moved(after):
+                self.assertLess(math.dist(before.triples()[v][:2], (0.5, 0.5)), 0.3)
+            radius = self.steps_of(w)[0]["region"]["radius"]
+            self.assertTrue(0.4 < radius < 0.75, radius)
+            self.undo(w)
+            self.assert_same(before, w.dump())
+            w.x("mousemove", *self.on_screen(w, self.TOP), "sleep", 0.2, "click", 4, "click", 4, "click", 4)
+            self.settle(w)
+            self.drag_by_x(w, self.TOP, (40, 0))
+            first, second = self.steps_in_log(w)
+            self.assertEqual(second["handle"], first["handle"])
+            self.assertGreater(second["region"], 1.2 * first["region"])
+            self.assert_replay_is_the_same(w, self.scene)
+
+    def test_small_piece_comes_along_until_a_click_excludes_it(self):
+        with self.start(self.scene, disc=20) as w:
+            self.assertFalse(w.widget(part("pieces"))["visible"])
+            before = w.dump()
+            self.drag_by_x(w, self.BESIDE, (25, 0))
+            self.assertEqual(w.widget(part("pieces"))["text"], "Small pieces come along: 1")
+            self.assertTrue(set(self.BALL) <= set(before.moved(w.dump())))
+            self.assert_replay_is_the_same(w, self.scene)
+            self.click_on(w, part("pieces"))  # which solves the step again
+            self.assertFalse(w.widget(part("pieces"))["checked"])
+            moved_now = before.moved(w.dump())
+            self.assertTrue(moved_now)
+            self.assertFalse(set(self.BALL) & set(moved_now))
+            self.assert_replay_is_the_same(w, self.scene)
+            self.undo(w)
+            self.assert_same(before, w.dump())
 
 
 class Gesture(ToolTest):
@@ -153,7 +245,7 @@ class Region(ToolTest):
             # Columns 10 to 30 of rows 10 to 30.
             chosen = [f for f, corners in enumerate(self.faces)
                       if all(10 <= v // self.ROWS <= 30 and 10 <= v % self.ROWS <= 30 for v in corners)]
-            w.set(part("group_region"), True)
+            w.set(part("group_paint"), True)
             w.press_button(part("from_selection"))
             self.assertRegex(self.message(w), "select some vertices or faces")
             w.layer(selected_vertices=[v for f in chosen for v in self.faces[f]])
@@ -325,7 +417,7 @@ class Hover(ToolTest):
             found = re.match(r"Radius of the next region: ([\d.]+) \(Shift: handle size, Ctrl: zoom\)", self.message(w))
             self.assertAlmostEqual(float(found[1]), radius, delta=0.01 * radius)
             w.wheel(300, 300, 1, modifiers=["shift"])
-            self.assertRegex(self.message(w), "^Handle size: 25 % of the radius, ")
+            self.assertRegex(self.message(w), "^Handle size: 25 %, ")
             w.wheel(300, 300, 1, modifiers=["ctrl", "shift"])
             self.assertRegex(self.message(w), "^Padding: 12 % of the radius")
             w.move(303, 300)

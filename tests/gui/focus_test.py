@@ -63,8 +63,8 @@ class Keyboard(ToolTest):
         (["ctrl+c"], "clipboard")]
     # Those that have an effect whatever a button has done.
     TYPED_ALWAYS = [
-        (["v", "b", "c", "p"], {"gizmo": True, "brush_target": 1, "mode": 1, "pivot": 2}),
-        (["v", "b", "b", "c", "p", "p"], {"gizmo": False, "brush_target": 0, "mode": 0, "pivot": 0}),
+        (["v", "b", "c", "p", "h"], {"gizmo": 1, "brush_target": 1, "mode": 1, "pivot": 2, "colours": 3}),
+        (["v", "b", "b", "b", "c", "p", "p", "h"], {"gizmo": 0, "brush_target": 0, "mode": 0, "pivot": 0, "colours": 0}),
         (["question"], r"^keys$")]
 
     def steps(self, w):
@@ -89,7 +89,7 @@ class Keyboard(ToolTest):
                     return self.steps(w) == steps + expected
                 if isinstance(expected, dict):
                     widgets = {name: w.widget(part(name)) for name in expected}
-                    return {n: v.get("checked", v.get("currentIndex")) for n, v in widgets.items()} == expected
+                    return {n: v.get("currentIndex") for n, v in widgets.items()} == expected
                 if before is not None:
                     return self.changing(w, expected) != before
                 return re.search(expected, w.on_screen()[0])
@@ -97,7 +97,7 @@ class Keyboard(ToolTest):
 
     def give_focus(self, w, name, kind):
         """As a user would: by a click, in a list or a dialog as well."""
-        for _ in range(2 if kind in ("QCheckBox", "QToolButton") or name == part("keep_fixed") else 1):
+        for _ in range(2 if kind == "QToolButton" else 1):
             x, y, width, height = w.widget(name)["rectangle"]
             w.x("mousemove", x + min(width // 2, 40), y + height // 2, "sleep", 0.05, "click", 1)
         if kind == "QComboBox":
@@ -107,12 +107,13 @@ class Keyboard(ToolTest):
             w.x_focus()
 
     def test_every_key_works_after_every_widget_of_the_panel(self):
-        kinds = {"QPushButton", "QToolButton", "NumberBox", "QSpinBox", "QSlider", "QComboBox", "QCheckBox"}
+        kinds = {"QPushButton", "QToolButton", "NumberBox", "QSpinBox", "QSlider", "QComboBox", "QLineEdit"}
         with self.start(self.mesh, disc=20) as w:
             w.x_focus()
             titles = sorted(w.widgets(part("group_")))
             left = {v["name"] for v in w.ask("widgets", inside=PANEL)["widgets"]
                     if v["class"] in kinds and v["name"].startswith(part(""))}
+            left -= {part(name) for name in ("apply", "cancel")}  # shown while something moves only
             for title in titles:
                 for each in titles:
                     w.set(each, each == title)
@@ -122,11 +123,12 @@ class Keyboard(ToolTest):
                     left.remove(name)
                     with self.subTest(name):
                         self.from_widget(w, name, kind)
-            self.assertEqual(left, {part(name) for name in ("order", "normal_radius", "rough")}, "of other methods")
+            self.assertEqual(left, set())
 
     def from_widget(self, w, name, kind):
         """Presses the keys after the widget had the focus."""
         for each in ("reset", "clear"):
+            w.set(part("brush_target"), 0)
             if w.widget(part(each))["enabled"]:
                 w.set(part(each), True)
         w.click(*w.pixel(self.CENTRE))
@@ -143,10 +145,11 @@ class Keyboard(ToolTest):
         w.x("key", "c")
         self.wait_mode(w, mode)
         self.assertEqual(w.tool(), (TOOL, False))
+        self.type_all(w, self.TYPED_ALWAYS[:-1])
         if kind != "QPushButton":
             self.type_all(w, self.TYPED)
-        # The button has shown the keys already, and one more press hides them.
-        self.type_all(w, self.TYPED_ALWAYS[:-1] if name == part("help") else self.TYPED_ALWAYS)
+        if name != part("help"):  # it has shown the keys already, and one more press hides them
+            self.type_all(w, self.TYPED_ALWAYS[-1:])
 
     def test_digits_do_not_go_into_a_field_that_the_mouse_has_left(self):
         with self.start(self.mesh) as w:
@@ -205,7 +208,7 @@ class Keyboard(ToolTest):
             states.append(w.dump())
             w.press_button(part("group_last_step"))
             rows = w.widget(part("timeline"))["rows"]
-            self.assertEqual([row.split()[0] for row in rows], ["Start", "Moving", "Brush:", "Moving"])
+            self.assertEqual([row.split()[0] for row in rows], ["Start", "Moving", "Paint:", "Moving"])
             for row in (1, 3, 0, 2):
                 x, y, width, height = w.widget(part("timeline"))["row_rectangles"][row]
                 w.x("mousemove", x + width // 2, y + height // 2, "sleep", 0.05, "click", 1)
@@ -229,13 +232,19 @@ class Line(ToolTest):
             w.mouse("release", *pixel)
             w.idle()
             self.assertRegex(self.message(w), "Click here to see where")
-            self.assertFalse(w.widget(part("heat"))["checked"])
+            before = w.dump()
             self.press_line(w)
-            self.assertTrue(w.widget(part("heat"))["checked"])
+            self.assertEqual(w.widget(part("colours"))["currentText"], "Region")
+            w.idle()
+            x, y = w.pixel(self.CENTRE)
+            self.assertIn(b"\xff\x00\x00", self.picture(w, x, y, half=150), "no folded triangle is red")
+            self.assertGreater(math.dist((x, y), pixel), 2, "the view has not turned")
+            self.assert_same(before, w.dump())
             self.assertNotRegex(self.message(w), "Click here")
             self.assertEqual(len(self.steps_in_log(w)), 1)
             w.key("Z", modifiers=["ctrl"])
             self.assertNotRegex(self.message(w), "folded|times as long")
+            self.assertNotIn(b"\xff\x00\x00", self.picture(w, *w.pixel(self.CENTRE), half=150))
 
     def test_other_layer_is_named_and_can_be_chosen(self):
         aside = write_ply(self.folder / "aside.ply", *moved((self.points, self.faces), offset=(1.3, 0, 0)))
@@ -249,7 +258,7 @@ class Line(ToolTest):
 
     def test_refusal_goes_when_the_mouse_goes_on(self):
         with self.start(self.mesh) as w:
-            w.set(part("group_region"), True)
+            w.set(part("group_paint"), True)
             w.press_button(part("from_selection"))
             self.assertRegex(self.message(w), "select some vertices")
             w.move(300, 300)
@@ -261,10 +270,12 @@ class Line(ToolTest):
             x, y = w.pixel(self.CENTRE)
             w.click(x, y)
             w.move(3, 300)
-            self.assertNotRegex(self.message(w), "Brush|Turns about")
+            self.assertNotRegex(self.message(w), "Paint|turns about")
             plain = self.picture(w, x, y)
-            w.key("B", "B", "P", "P")
-            self.assertRegex(self.message(w), r"Brush: keep fixed\. Turns about: shoulder")
+            w.key("B", "B", "B")
+            self.assertRegex(self.message(w), "Paint the vertices to keep fixed")
+            w.key("B", "P", "P")
+            self.assertRegex(self.message(w), "A drag turns about the shoulder")
             self.assert_other_picture(plain, self.picture(w, x, y), 30)
             w.key("W")  # the old region is not what the next click is about
             tinted = self.picture(w, x, y)
@@ -290,6 +301,71 @@ class Line(ToolTest):
                 typed = float(re.match(r"Turning by (-?[\d.]+)", self.message(w))[1])
                 self.assertEqual(typed, 45 if turning > 0 else -45)
                 w.key("Backspace")
+
+
+class Layers(ToolTest):
+    def test_covered_surface_is_not_edited(self):
+        cover = write_ply(self.folder / "cover.ply", *moved((self.points, self.faces), offset=(0, 0, 0.6)))
+        with self.start(self.mesh, cover) as w:
+            w.layer(0, current=True)
+            before = w.dump(0)
+            x, y = w.pixel(self.CENTRE, layer=0)
+            w.move(x, y)
+            w.drag((x, y), (x + 30, y - 20))
+            self.assert_same(before, w.dump(0))
+            self.assertEqual(self.steps_in_log(w), [])
+            w.trigger("Front")
+            w.click(*w.pixel(self.CENTRE, layer=0))
+            self.assertRegex(self.message(w), r"layer cover\.ply.*click here")
+            w.layer(1, visible=False)
+            self.pull(w, self.CENTRE, (20, -20))
+            self.assertEqual(len(self.steps_in_log(w)), 1)
+
+
+class Colours(ToolTest):
+    def test_tint_is_hidden_by_a_key_or_while_dragging(self):
+        with self.start(self.mesh, disc=20) as w:
+            x, y = w.pixel(self.CENTRE)
+            w.click(x, y)
+            w.move(3, 300)
+            tinted = self.picture(w, x, y, half=20)
+            w.key("H")
+            plain = self.picture(w, x, y, half=20)
+            self.assert_other_picture(tinted, plain, 400)
+            w.key("H")
+            self.assertEqual(self.picture(w, x, y, half=20), tinted)
+            seen = {}
+            for colours in ("Region", "Region, not in a drag", "None"):
+                w.set(part("colours"), colours)
+                self.assertEqual(self.picture(w, x, y, half=20) == tinted, colours != "None")
+                to = self.pull(w, self.CENTRE, (10, 10), release=False)
+                seen[colours] = self.picture(w, *to, half=20)
+                w.key("Backspace")
+                w.mouse("release", 3, 300)
+                w.move(3, 300)
+            self.assertEqual(seen["Region, not in a drag"], seen["None"])
+            self.assert_other_picture(seen["Region"], seen["None"], 400)
+
+
+class Keys(ToolTest):
+    def test_table_of_keys_is_above_meshlabs_lines(self):
+        with self.open(self.mesh) as w:
+            w.resize(1280, 800)
+            w.trigger(TOOL)
+            w.press_button(part("help"))
+            _, size, _, colours = w.grab(self.folder / "screen.ppm").read_bytes().split(b"\n", 3)
+            width = int(size.split()[0])
+            left, top = w.view_corner()
+            view = w.ask("project")
+            rows = set()
+            for y in range(view["height"]):
+                begin = 3 * ((top + y) * width + left)
+                row = colours[begin:begin + 3 * view["width"]]
+                if any(r > 200 and g > 180 and b < 110 for r, g, b in zip(row[::3], row[1::3], row[2::3])):
+                    rows.add(y)
+            lines = [y for y in rows if y - 1 not in rows]
+            self.assertGreater(len(lines), 25)
+            self.assertLess(max(rows), view["height"] - 90)
 
 
 class Snap(ToolTest):
@@ -319,12 +395,12 @@ class KeepFixed(ToolTest):
             w.click(*w.pixel(self.CENTRE))
             w.move(3, 300)
             plain = self.picture(w, *w.pixel(held[3]), half=20)
-            w.press_button(part("keep_fixed"))
+            w.set(part("brush_target"), "Fixed")
             self.assertRegex(self.message(w), "Paint the vertices to keep fixed")
             w.drag(w.pixel(held[0]), w.pixel(held[-1]), steps=12)
             w.x_focus()
             w.x("key", "Escape")  # ends painting, and does not suspend
-            w.wait(lambda: not w.widget(part("keep_fixed"))["checked"], "painting does not end", 20)
+            w.wait(lambda: w.widget(part("brush_target"))["currentIndex"] == 0, "painting does not end", 20)
             self.assertEqual(w.tool(), (TOOL, False))
             w.move(3, 300)
             self.assert_other_picture(plain, self.picture(w, *w.pixel(held[3]), half=20))
@@ -340,9 +416,9 @@ class KeepFixed(ToolTest):
         with self.start(self.mesh, disc=20) as w:
             x, y = w.pixel(self.CENTRE)
             w.click(x, y)
-            self.assertFalse(w.widget(part("gizmo"))["checked"])
+            self.assertEqual(w.widget(part("gizmo"))["currentIndex"], 0)
             w.click(x, y)
-            self.assertTrue(w.widget(part("gizmo"))["checked"])
+            self.assertEqual(w.widget(part("gizmo"))["currentIndex"], 1)
             self.assert_at(w, self.CENTRE, self.pull(w, self.CENTRE, (25, -20)))
             w.key("V")
             self.assertRegex(self.message(w), "rings are hidden")

@@ -82,7 +82,7 @@ class Gestures(ToolTest):
         with self.window() as w:
             self.x_click(w, self.CENTRE)
             self.x_key(w, "v")
-            self.assertTrue(w.widget(part("gizmo"))["checked"])
+            self.assertEqual(w.widget(part("gizmo"))["currentText"], "Axes of the layer")
             middle = self.on_screen(w, self.CENTRE)
             # Seen from above: an arrow to the right along X and one up along Y, a ring about Z of 0.8 of their length
             # of 90 pixels, and the knob on the diagonal, as far.
@@ -119,6 +119,7 @@ class Gestures(ToolTest):
             self.x_stroke(w, outward, "ctrl")
             larger = self.counts(w)
             self.assertGreater(sum(larger[:3]), sum(first[:3]))
+            self.x_key(w, "b")  # the region, no key held
             self.x_key(w, "b")  # the handle
             self.x_stroke(w, [self.at(20, 21), self.at(20, 23)], "ctrl")
             self.assertGreater(self.counts(w)[0], 1)
@@ -133,6 +134,7 @@ class Gestures(ToolTest):
                     self.assertEqual(self.counts(w), expected)
             self.x_key(w, "ctrl+shift+z")
             self.assertEqual(self.counts(w), larger)
+            self.x_key(w, "b")  # nothing is painted any more
             self.x_pull(w, self.on_screen(w, self.CENTRE), (15, 20))
             self.assert_replay_is_the_same(w, self.mesh)
 
@@ -204,6 +206,25 @@ class Gestures(ToolTest):
             self.assertLessEqual({near, far}, w.dump().moved(before))
             self.assert_replay_is_the_same(w, self.mesh)
 
+    def test_drag_turns_about_the_pivot_and_shift_moves(self):
+        with self.window() as w:
+            w.set(part("handle_fraction"), 20)
+            self.x_click(w, self.CENTRE)
+            w.set(part("pivot"), "Point (next click)")
+            self.x_click(w, self.CENTRE + 4)
+            x, y = self.on_screen(w, self.CENTRE)
+            self.x_pull(w, (x, y), (10, -40))
+            rotation = self.last_step(w)["handles"][0]["rotation"]
+            self.assertGreater(abs(rotation["degrees"]), 15)
+            way = [a - b for a, b in zip(rotation["center"], self.points[self.CENTRE + 4])]
+            self.assertLess(math.hypot(*way), 1e-3)
+            self.undo(w)
+            w.x("keydown", "Shift_L")
+            self.x_pull(w, (x, y), (10, -40))
+            w.x("keyup", "Shift_L")
+            self.settle(w)
+            self.assertGreater(math.hypot(*self.last_step(w)["handles"][0]["translation"]), 0.01)
+
     def test_last_step_takes_numbers_and_a_fraction(self):
         with self.window() as w:
             w.set(part("group_last_step"), True)
@@ -224,7 +245,7 @@ class Gestures(ToolTest):
             self.assertTrue(30 < percent < 70, percent)
             for a, b in zip(self.last_step(w)["handles"][0]["translation"], whole):
                 self.assertAlmostEqual(a, b * percent / 100, places=9)
-            w.set(part("last_y"), 0.1)
+            w.set(part("last_value"), "{}, 0.1, {}".format(*self.last_step(w)["handles"][0]["translation"][::2]))
             w.set(part("last_fraction"), 100)
             self.assertEqual(len(self.steps_of(w)), 1)
             self.assertAlmostEqual(self.last_step(w)["handles"][0]["translation"][1], 0.1, places=6)

@@ -12,7 +12,7 @@ from shapes import dome, moved
 
 class LeavingTest(ToolTest):
     def assert_nothing_can_be_chosen(self, w):
-        for name in ("load", "keep_fixed", "mode"):
+        for name in ("load", "brush_target", "mode"):
             widget = w.widget(part(name))
             self.assertFalse(widget["visible"] and widget["enabled"], name)
 
@@ -86,7 +86,9 @@ class Layers(ToolTest):
             results = {layer: w.dump(layer) for layer in (0, 1)}
             for layer in (1, 0, 1):
                 w.layer(layer, current=True)
+                w.layer(0, visible=layer == 0)  # it covers the other one
                 self.assertEqual(w.tool(), (TOOL, False))
+                self.assertNotRegex(self.message(w), "another tool")
                 before = w.dump(layer)
                 x, y = w.pixel(self.CENTRE, layer=layer)
                 w.drag((x, y), (x + 30, y - 20))
@@ -137,7 +139,6 @@ class Leave(LeavingTest):
         with self.start(mesh) as w:
             w.set(part("radius"), 1.3)
             w.set(part("method"), 2)
-            w.set(part("order"), 2)
             x, y = w.pixel(rows * rows // 2)
             w.mouse("press", x, y)
             w.mouse("move", x + 20, y)
@@ -167,10 +168,10 @@ class Leave(LeavingTest):
 
     def test_steps_before_a_filter_are_saved_and_fixed_vertices_stay(self):
         with self.start(self.mesh) as w:
-            w.set(part("keep_fixed"), True)
+            w.set(part("brush_target"), "Fixed")
             x, y = w.pixel(self.CENTRE + 4)
             w.click(x, y)
-            w.set(part("keep_fixed"), False)
+            w.set(part("brush_target"), 0)
             for by in ((20, -20), (-10, 25)):
                 self.pull(w, self.CENTRE, by)
             saved = self.saved_edit(w).read_text()

@@ -11,39 +11,20 @@ UNKNOWN = "\u2013"
 
 
 class Values(ToolTest):
-    def test_sliders_and_numbers_are_the_same_value(self):
-        with self.start(self.mesh, disc=20) as w:
-            radius, slider = part("radius"), part("radius_slider")
-            low = w.widget(radius)["value"]
-            position = w.widget(slider)["value"]
-            w.set(slider, position + 100)
-            higher = w.widget(radius)["value"]
-            self.assertGreater(higher, low)
-            w.set(slider, position + 200)
-            # The same way on the slider is the same factor.
-            self.assertAlmostEqual(w.widget(radius)["value"] / higher, higher / low, delta=0.02)
-            w.set(radius, low)
-            self.assertEqual(w.widget(slider)["value"], position)
-            w.set(part("handle_fraction_slider"), 500)
-            self.assertEqual(w.widget(part("handle_fraction"))["value"], 45)
-            w.set(part("handle_fraction"), 0)
-            self.pull(w, self.CENTRE, (10, 10))
-            self.assertAlmostEqual(self.steps_of(w)[0]["region"]["radius"], low, delta=1e-4 * low)
-
     def test_presets_set_values_and_values_tell_the_preset(self):
         with self.start(self.mesh, disc=20) as w:
             self.assertEqual(w.widget(part("preset"))["currentText"], "General")
-            before = {n: w.widget(part(n)) for n in ("handle_fraction", "softness", "membrane", "method")}
+            before = {n: w.widget(part(n)) for n in ("handle_fraction", "falloff", "membrane", "method")}
             w.set(part("preset"), "Terrain")
             self.assertEqual(w.widget(part("method"))["currentText"], "Linear")
             self.assertEqual(w.widget(part("preset"))["currentText"], "Terrain")
-            w.set(part("handle_weight"), 7)
+            w.set(part("membrane"), 7)
             self.assertEqual(w.widget(part("preset"))["currentText"], "Custom")
             w.set(part("preset"), "Custom")
-            self.assertEqual(w.widget(part("handle_weight"))["value"], 7)
+            self.assertEqual(w.widget(part("membrane"))["value"], 7)
             self.pull(w, self.CENTRE, (10, 10))
             step = self.steps_of(w)[0]
-            self.assertEqual((step["method"], step["handle_weight"]), ("linear", 7))
+            self.assertEqual((step["method"], step["handle_weight"], step["membrane"]), ("linear", 30, 7))
             self.assertNotIn("Terrain", json.dumps(step))
             w.set(part("preset"), "General")
             self.assertEqual(before, {n: w.widget(part(n)) for n in before})
@@ -61,32 +42,33 @@ class Values(ToolTest):
                 for key in ("value", "currentIndex", "checked"):
                     self.assertEqual(now.get(key), before.get(key), name)
             self.assertNotEqual(w.widget(part("radius"))["value"], 0.2)  # a length belongs to its mesh
-            w.press_button(part("defaults"))
+            w.set(part("preset"), "Reset all settings")
             self.assertEqual(w.widget(part("preset"))["currentText"], "General")
-            self.assertFalse(w.widget(part("gizmo"))["checked"])
+            self.assertEqual(w.widget(part("padding"))["value"], 10)
+            self.assertEqual(w.widget(part("gizmo"))["currentIndex"], 0)
 
     def test_what_belongs_to_the_session_is_kept_by_it(self):
         with self.start(self.mesh) as w:
             self.assertEqual(w.widget(part("mirror"))["count"], 8)  # off, six planes, one found
-            choices = {"mode": 1, "brush_target": 2, "gizmo_axes": 1, "pivot": 1, "mirror": 4}
+            choices = {"mode": 1, "brush_target": 2, "gizmo": 2, "pivot": 1, "mirror": 4}
             for name, index in choices.items():
                 self.assertEqual(w.widget(part(name))["currentIndex"], 0, name)
                 w.set(part(name), index)
-            w.set(part("gizmo"), True)
             w.trigger(TOOL)
             w.trigger(TOOL)
             for name, index in choices.items():
                 self.assertEqual(w.widget(part(name))["currentIndex"], index, name)
-            self.assertTrue(w.widget(part("gizmo"))["checked"])
 
     def test_anchors_are_those_of_the_selection(self):
         with self.start(self.mesh) as w:
-            w.set(part("group_handle"), True)
+            w.set(part("group_paint"), True)
             w.set(part("radius"), 0.4)
+            w.set(part("brush_target"), "Fixed")
             held = [row * self.ROWS + column for row in (23, 24, 25) for column in (23, 24, 25)]
             w.layer(selected_faces=[f for f, corners in enumerate(self.faces) if set(corners) <= set(held)],
                     selected_vertices=[self.CENTRE - 3])
-            w.press_button(part("anchors_from_selection"))
+            w.press_button(part("from_selection"))
+            w.set(part("brush_target"), "Off")
             held = [self.CENTRE - 3, *held]
             self.pull(w, self.CENTRE, (30, -40))
             self.assertEqual(numbers_of(self.steps_of(w)[0]["region"]["held"]), held)
@@ -115,10 +97,10 @@ class Statistics(ToolTest):
         with self.start(self.mesh, disc=20) as w:
             x, y = self.pull(w, self.CENTRE, (40, -30), release=False)
             plain = self.picture(w, x, y)
-            w.set(part("heat"), True)
+            w.set(part("colours"), "Stretch")
             hot = self.picture(w, x, y)
             self.assert_other_picture(plain, hot, 1000)
-            w.set(part("heat"), False)
+            w.set(part("colours"), "Region")
             self.assertLess(sum(a != b for a, b in zip(plain, self.picture(w, x, y))), 20)
 
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Random events: MeshLab still runs, no number is broken, undoing all gives the original bits, and what was recorded
 replays to the bit."""
+import math
 import os
 import random
 import unittest
@@ -15,15 +16,11 @@ BATCH = 30  # gestures that are sent together
 CHECKED = 6  # batches after which all is undone and compared
 KEYS = [*"XYZNTRSGCWPBV0123456789.-[]?", "Return", "Backspace", "Esc"]
 SETTINGS = {"radius": lambda r: r.choice([0, 0.05, 0.1, 0.3]), "padding": lambda r: r.choice([0, 10, 50, 100]),
-            "handle_fraction": lambda r: r.choice([0, 20, 50]), "softness": lambda r: r.choice([0, 50, 100]),
+            "handle_fraction": lambda r: r.choice([0, 20, 50]), "falloff": lambda r: r.randrange(4),
             "connect_gap": lambda r: r.choice([0, 0.05]), "laplacian": lambda r: r.randrange(3),
-            "order": lambda r: r.randrange(1, 4), "method": lambda r: r.randrange(3),
-            "iterations": lambda r: r.randrange(1, 3), "normal_radius": lambda r: r.choice([0, 0.05]),
-            "handle_weight": lambda r: r.choice([1, 10]), "anchor_weight": lambda r: r.choice([0.5, 10]),
-            "rough": lambda r: r.randrange(2),
+            "method": lambda r: r.randrange(3),
             "membrane": lambda r: r.choice([0, 1200]), "last_fraction": lambda r: r.randrange(101),
-            "last_x": lambda r: r.choice([-0.1, 0, 0.2]), "last_turn": lambda r: r.choice([0, 25]),
-            "last_scale": lambda r: r.choice([0.8, 1, 1.5]), "timeline": lambda r: r.randrange(20)}
+            "last_value": lambda r: r.choice(["-0.1, 0, 0.2", "25", "1.5", "0.8", "x"]), "timeline": lambda r: r.randrange(20)}
 LEFT_ALONE = {"save", "load", "group_basic"}  # dialogs wait for an answer, and the check needs what is in this group
 
 
@@ -35,11 +32,12 @@ class Events:
                "button": 4, "drop": 3, "navigate": 3, "suspend": 1, "select": 1, "visible": 1, "touch": 5, "list": 3,
                "cross": 3, "tabs": 1}
     # Of a batch, since they take long.
-    RARE = ["layer", "filter", "restart"]
+    RARE = ["layer", "filter", "restart", "imported", "reloaded", "project"]
 
     def __init__(self, test, window):
         self.test, self.w, self.random = test, window, random.Random(SEED)
         self.originals = {}
+        self.read_again = set()  # layers that were reloaded
         self.counts = dict.fromkeys([*self.WEIGHTS, *self.RARE], 0)
         self.replayed = 0
         self.requests = []
@@ -65,12 +63,16 @@ class Events:
     def remember(self):
         """The tool starts with the current layer as it is now, or goes on with the steps it has of it."""
         self.w.idle()
+        self.test.shade_smoothly(self.w)
         self.layer_id, self.chosen = self.current(), self.choices_of_layers()
         if not self.w.widget(part("reset"))["enabled"]:
             self.originals[self.layer_id] = self.w.dump()
 
     def current(self):
         return next(layer["id"] for layer in self.w.layers() if layer["current"])
+
+    def opened(self):
+        return sum("Opened mesh" in line for line in self.w.log())
 
     def choices_of_layers(self):
         """How often a layer has become the current one, as far as MeshLab logs it."""
@@ -104,7 +106,12 @@ class Events:
                 self.replay()
             w.set(part("reset"), True)
         w.set(part("mirror"), 0)  # a plane that suits no handle would refuse all that follows
-        self.test.assert_same(self.originals[self.layer_id], w.dump())
+        before, now = self.originals[self.layer_id], w.dump()
+        differences = before.differences(now)
+        if (differences == ["face_normals"] and self.layer_id in self.read_again
+                and max(map(math.dist, *(d.triples("face_normals") for d in (before, now)))) < 1e-6):
+            return  # by flat shading, which a reload brings back for a moment: see shade_smoothly()
+        self.test.assertEqual(differences, [])
 
     def resume(self):
         """After an Esc that suspended the tool."""
@@ -210,8 +217,8 @@ class Events:
         """From whatever state to a step."""
         self.mouse("release", {"x": 3, "y": 3})
         self.ask("key", key="Backspace", modifiers=[])
+        self.ask("set", name=part("brush_target"), value=0)
         self.ask("set", name=part("clear"), value=True)  # also where it is folded away
-        self.ask("set", name=part("keep_fixed"), value=False)
         for choice in ("mode", "mirror", "pivot"):  # a plane may suit no handle, a pivot take the click
             self.ask("set", name=part(choice), value=0)
         self.ask("set", name=part("radius"), value=self.random.uniform(0.1, 0.4))
@@ -219,7 +226,7 @@ class Events:
 
     def gizmo_drag(self):
         """A handle, then drags that begin around it, where arrows, rings and the knob are."""
-        self.ask("set", name=part("keep_fixed"), value=False)
+        self.ask("set", name=part("brush_target"), value=0)
         self.ask("set", name=part("mode"), value=0)
         vertex = self.random.randrange(len(self.test.points))
         at = {"vertex": vertex, "x": 0, "y": 0}
@@ -359,7 +366,6 @@ class Events:
         self.flush()
         self.w.run_filter(self.random.choice(["Laplacian Smooth", "Invert Selection", "Re-Compute Vertex Normals"]))
         self.test.assertEqual(self.w.tool()[0], "")
-        self.test.shade_smoothly(self.w)
         self.w.trigger(TOOL)
         self.remember()
 
@@ -371,6 +377,45 @@ class Events:
         self.w.trigger(TOOL)
         self.test.assertEqual(self.w.tool()[0], "")
         self.w.trigger(TOOL)
+        self.remember()
+
+    def busy(self):
+        """In the middle of something."""
+        self.check()
+        self.drag()
+        self.press()
+        self.move()
+        self.flush()
+        self.resume()
+
+    def imported(self):
+        self.busy()
+        self.w.trigger("Import Mesh...", wait=False)
+        self.w.answer(path=self.test.folder / "second.ply")
+        self.w.wait(lambda: len(self.w.layers()) == 3, "no mesh was imported", 20)
+        self.remember()
+        self.fresh_drag()
+        self.flush()
+        self.w.ask("layer", layer=0, current=True)
+        self.w.ask("layer", layer=max(layer["id"] for layer in self.w.layers()), remove=True)
+        self.remember()
+
+    def reloaded(self):
+        self.busy()
+        opened = self.opened()
+        self.w.trigger("Reload", wait=False)
+        self.w.wait(lambda: self.opened() > opened, "the mesh was not read again", 20)
+        self.w.wait(lambda: not self.w.widget(part("reset"))["enabled"], "the old steps can still be undone", 20)
+        self.w.ask("mouse", type="release", button="left", modifiers=[], x=3, y=3)
+        self.remember()
+        self.read_again.add(self.layer_id)
+
+    def project(self):
+        self.busy()
+        self.w.trigger("New Empty Project...")
+        self.test.assertFalse([p for p in self.w.widgets(part("panel")).values() if p["visible"]])
+        self.w.view(project=0)
+        self.resume()
         self.remember()
 
 

@@ -52,7 +52,7 @@ class ToolTest(GuiTest):
             window.trigger(TOOL)
             self.assertEqual(window.tool(), (TOOL, False))
             window.set(part("handle_fraction"), disc)
-            window.set(part("gizmo"), gizmo)
+            window.set(part("gizmo"), int(gizmo))
             yield window
 
     def shade_smoothly(self, window):

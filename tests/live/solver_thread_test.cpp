@@ -17,7 +17,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::solver_thread_test {
 namespace {
 
 PrepareTask task_for(int handle, double radius = 8) {
@@ -456,4 +456,4 @@ TEST(SolverThread, EndsInTheMiddleOfItsWork) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::solver_thread_test

@@ -7,7 +7,7 @@
 #include <map>
 #include <utility>
 
-namespace lapedit::shapes {
+namespace lapedit::shapes::bodies_test {
 namespace {
 
 TEST(Bodies, AreClosedOrientedAndInOnePiece) {
@@ -30,4 +30,4 @@ TEST(Bodies, AreClosedOrientedAndInOnePiece) {
 }
 
 }  // namespace
-}  // namespace lapedit::shapes
+}  // namespace lapedit::shapes::bodies_test

@@ -7,7 +7,7 @@
 
 #include "drag_support.h"
 
-namespace lapedit {
+namespace lapedit::camera_test {
 namespace {
 
 Eigen::Matrix4d orthographic(double half) {
@@ -141,4 +141,4 @@ TEST(View, UselessMatricesAreNotValid) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::camera_test

@@ -6,7 +6,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::connect_test {
 namespace {
 
 /// A ball of 642 vertices, and a smaller, coarser one of 42 inside it, 0.1 away.
@@ -100,4 +100,4 @@ TEST(Connect, GapThatIsNoLengthIsRefused) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::connect_test

@@ -9,7 +9,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::geodesic_test {
 namespace {
 
 /// Distances of all vertices after one search.
@@ -164,4 +164,4 @@ TEST(Geodesic, OnlyAllowedVerticesAreEntered) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::geodesic_test

@@ -8,7 +8,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::mesh_summary_test {
 namespace {
 
 TEST(MeshSummary, CountsPiecesAndBorders) {
@@ -41,4 +41,4 @@ TEST(MeshSummary, CountsPiecesAndBorders) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::mesh_summary_test

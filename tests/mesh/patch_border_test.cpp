@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <map>
 
-namespace lapedit {
+namespace lapedit::patch_border_test {
 namespace {
 
 /// The faces of a grid but for some squares.
@@ -69,4 +69,4 @@ TEST(PatchBorder, OfAClosedSurfaceOrOfNothingIsNothing) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::patch_border_test

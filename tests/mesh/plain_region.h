@@ -155,10 +155,10 @@ inline Adjacency plain_adjacency(const TriangleMesh& mesh) {
   return {lists(rings), lists(around)};
 }
 
-/// A mesh's adjacency, and a region of each kind around handles, with bands, kept anchors and none, as large as a
-/// fraction of all that the handles reach.
-inline void expect_plain_regions(const TriangleMesh& mesh, const std::vector<std::vector<int>>& groups, double fraction,
-                                 const std::vector<double>& paddings = {0, 0.1}) {
+/// Compares a mesh's adjacency, and regions of each kind around handles, with bands, kept anchors and none; those with
+/// a radius are as large as each fraction of all that the handles reach.
+inline void expect_plain_regions(const TriangleMesh& mesh, const std::vector<std::vector<int>>& groups,
+                                 const std::vector<double>& fractions, const std::vector<double>& paddings = {0, 0.1}) {
   const Adjacency adjacency = plain_adjacency(mesh);
   for (const int threads : {1, 2, 3}) {
     const Adjacency built = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces, threads);
@@ -173,8 +173,6 @@ inline void expect_plain_regions(const TriangleMesh& mesh, const std::vector<std
   }
   GeodesicSearch search({mesh, adjacency});
   const std::vector<int> reached = search.run(handles, kUnreached);
-  const double radius =
-      search.distance(reached[static_cast<std::size_t>(fraction * static_cast<double>(reached.size() - 1))]);
   RegionSpec set = given({});
   for (int v = static_cast<int>(mesh.vertices.rows()) - 1; v >= 0; --v) {  // with holes, and what no handle reaches
     if (mesh.vertices.row(v).allFinite() && (v % 37 != 5 || search.distance(v) == 0)) {
@@ -187,8 +185,11 @@ inline void expect_plain_regions(const TriangleMesh& mesh, const std::vector<std
   kept.anchors.reach *= 1.25;
   std::vector<RegionSpec> specs = {component(), kept};
   for (const double padding : paddings) {
-    specs.push_back(within(radius, padding));
     specs.push_back(given(set.vertices, padding));
+    for (const double fraction : fractions) {
+      const auto last = static_cast<std::size_t>(fraction * static_cast<double>(reached.size() - 1));
+      specs.push_back(within(search.distance(reached[last]), padding));
+    }
   }
   for (const RegionSpec& spec : specs) {
     const Region plain = plain_region(mesh, adjacency, spec, groups);

@@ -8,7 +8,7 @@
 
 #include "drag_support.h"
 
-namespace lapedit {
+namespace lapedit::ray_cast_test {
 namespace {
 
 const Vector3 kDown(0, 0, -1);
@@ -72,4 +72,4 @@ TEST(RayCast, LooksThroughBrokenTriangles) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::ray_cast_test

@@ -14,7 +14,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::surface_distance_test {
 namespace {
 
 constexpr double kMostTooLong = 1.085;
@@ -237,4 +237,4 @@ TEST(SurfaceDistance, LargeFansTakeNoLonger) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::surface_distance_test

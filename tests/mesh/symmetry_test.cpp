@@ -9,7 +9,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::symmetry_test {
 namespace {
 
 TEST(FindSymmetry, FindsThePlaneHoweverTheMeshLies) {
@@ -64,4 +64,4 @@ TEST(Asymmetry, IsTheMeanDistanceOfTheSides) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::symmetry_test

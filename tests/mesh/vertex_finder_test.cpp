@@ -8,7 +8,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::vertex_finder_test {
 namespace {
 
 TEST(NearestVertex, IsTheNearestThatHasAFace) {
@@ -43,4 +43,4 @@ TEST(VertexFinder, FindsWhatComparingAllVerticesFinds) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::vertex_finder_test

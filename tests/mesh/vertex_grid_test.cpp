@@ -8,7 +8,7 @@
 
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::vertex_grid_test {
 namespace {
 
 int nearest_of_all(const Points& points, const std::vector<int>& vertices, const Vector3& position, double limit,
@@ -56,4 +56,4 @@ TEST(VertexGrid, FindsWhatLookingAtAllFinds) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::vertex_grid_test

@@ -10,7 +10,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::vertex_set_test {
 namespace {
 
 using Set = std::vector<int>;
@@ -145,4 +145,4 @@ TEST(ShortestPath, IsEmptyBetweenPieces) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::vertex_set_test

@@ -11,7 +11,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::vertex_stretch_test {
 namespace {
 
 /// The vertices of a mesh from first on, as a region.
@@ -91,4 +91,4 @@ TEST(VertexStretch, AllocatesNothingPerPose) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::vertex_stretch_test

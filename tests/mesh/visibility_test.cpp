@@ -9,7 +9,7 @@
 
 #include "drag_support.h"
 
-namespace lapedit {
+namespace lapedit::visibility_test {
 namespace {
 
 const Vector3 kDown(0, 0, -1);
@@ -111,7 +111,9 @@ std::vector<int> brushed(const TriangleMesh& mesh, const Camera& view, const Vec
   if (!hit) {
     return {};
   }
-  return brushed_vertices(mesh, support::adjacency_of(mesh), Visibility(mesh), view, *hit, radius);
+  const Adjacency adjacency = support::adjacency_of(mesh);
+  GeodesicSearch search({mesh, adjacency});
+  return brushed_vertices(mesh, adjacency, Visibility(mesh), search, view, *hit, radius);
 }
 
 TEST(Brush, KeepsToItsRadiusAlongTheSurface) {
@@ -191,4 +193,4 @@ TEST(Brush, WorksOnTheInsideOfAnOpenSurface) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::visibility_test

@@ -7,7 +7,7 @@
 #include "support.h"
 #include "torn_mesh.h"
 
-namespace lapedit {
+namespace lapedit::drag_allocation_test {
 namespace {
 
 /// Drags a vertex, and expects no allocation once it has moved: from the mouse's move to the pose handed to the host,
@@ -65,4 +65,4 @@ TEST(Drag, SeamAllocatesNothingOnceItMoves) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::drag_allocation_test

@@ -11,7 +11,7 @@
 #include "lapedit/session/presets.h"
 
 // Choosing what moves and what holds: discs, the brush, anchors, pieces that nothing holds.
-namespace lapedit {
+namespace lapedit::drag_choosing_test {
 namespace {
 
 using support::same_bits;
@@ -21,11 +21,11 @@ using State = DragSession::State;
 constexpr PressModifiers kAdd{true, false};
 constexpr PressModifiers kTake{false, true};
 
-int at(int i, int j) {
+constexpr int at(int i, int j) {
   return 60 * i + j;
 }
 
-const int kMiddle = at(30, 30);
+constexpr int kMiddle = at(30, 30);
 
 bool has(const std::vector<int>& set, int vertex) {
   return std::binary_search(set.begin(), set.end(), vertex);
@@ -136,7 +136,7 @@ TEST(DragDisc, NothingIsRefusedForASmallRegion) {
 
 TEST(DragBrush, PaintsAHandleAndTakesOfIt) {
   Window window(shapes::grid(60, 60));
-  window.session.set(&Tools::brush, BrushTarget::Handle);
+  window.session.set(&Tools::paint, BrushTarget::Handle);
   stroke(window, at(30, 25), at(30, 35), kAdd);
   ASSERT_EQ(window.session.selection().groups.size(), 1U);
   const std::vector<int> painted = window.session.selection().groups[0];
@@ -145,11 +145,12 @@ TEST(DragBrush, PaintsAHandleAndTakesOfIt) {
   stroke(window, at(30, 34), at(30, 36), kTake);
   EXPECT_TRUE(has(window.session.selection().groups.at(0), at(30, 25)));
   EXPECT_FALSE(has(window.session.selection().groups.at(0), at(30, 35)));
+  window.session.set(&Tools::paint, std::nullopt);
   window.drag(at(30, 25), Vector2(30, 20));
   EXPECT_EQ(window.session.recorded().steps.size(), 1U);
   window.expect_consistent();
   // Nothing of it left: no handle, and no harm.
-  window.session.set(&Tools::brush, BrushTarget::Handle);
+  window.session.set(&Tools::paint, BrushTarget::Handle);
   window.change([](DragSettings& s) { s.brush_pixels = 400; });
   stroke(window, at(30, 28), at(30, 30), kTake);
   EXPECT_TRUE(window.session.selection().groups.empty());
@@ -164,10 +165,10 @@ TEST(DragBrush, PaintedAnchorsStayAcrossRegionsHandlesAndSteps) {
     s.brush_pixels = 12;
   });
   const auto is_fixed = [&window] { return class_of(window.session, at(34, 30)) == VertexClass::Anchor; };
-  window.session.set(&Tools::keeps_fixed, true);
+  window.session.set(&Tools::paint, BrushTarget::Anchors);
   stroke(window, at(34, 26), at(34, 34), {});  // before there is a region, no modifier held
   EXPECT_TRUE(has(window.session.selection().held, at(34, 30)));
-  window.session.set(&Tools::keeps_fixed, false);
+  window.session.set(&Tools::paint, std::nullopt);
   window.click(kMiddle);
   EXPECT_TRUE(is_fixed());
   stroke(window, at(30, 40), at(30, 48), kAdd);  // a larger region
@@ -189,7 +190,7 @@ TEST(DragBrush, PaintedAnchorsStayAcrossRegionsHandlesAndSteps) {
   window.session.whole_component();
   window.session.wait();
   EXPECT_TRUE(is_fixed());
-  window.session.set(&Tools::keeps_fixed, true);
+  window.session.set(&Tools::paint, BrushTarget::Anchors);
   stroke(window, at(34, 24), at(34, 36), kTake);
   EXPECT_FALSE(has(window.session.selection().held, at(34, 30)));
   EXPECT_FALSE(is_fixed());
@@ -204,10 +205,11 @@ TEST(DragBrush, AnchorsPaintedOutsideTheRegionHoldInTheNextOne) {
   window.click(at(15, 30));
   const std::vector<int> region = window.region();
   ASSERT_FALSE(has(region, at(44, 30)));
-  window.session.set(&Tools::brush, BrushTarget::Anchors);
+  window.session.set(&Tools::paint, BrushTarget::Anchors);
   stroke(window, at(44, 26), at(44, 34), kAdd);
   EXPECT_TRUE(has(window.session.selection().held, at(44, 30)));
   EXPECT_EQ(window.region(), region);
+  window.session.set(&Tools::paint, std::nullopt);
   window.drag(at(15, 30), Vector2(0, 40));
   ASSERT_EQ(window.session.figures().steps, 1);
   EXPECT_TRUE(has(window.session.selection().held, at(44, 30)));
@@ -233,9 +235,9 @@ TEST(DragBrush, StrokesAndStepsAreUndoneInTheOrderThatTheyWereDone) {
   stroke(window, at(30, 36), at(30, 48), kAdd);
   const std::vector<int> larger = window.region();
   EXPECT_GT(larger.size(), region.size());
-  window.session.set(&Tools::brush, BrushTarget::Handle);
+  window.session.set(&Tools::paint, BrushTarget::Handle);
   stroke(window, at(30, 36), at(30, 40), kAdd);
-  window.session.set(&Tools::brush, BrushTarget::Region);
+  window.session.set(&Tools::paint, std::nullopt);
   const auto painted = window.session.selection().groups;
   EXPECT_NE(painted, handle);
   window.drag(kMiddle, Vector2(20, 0));
@@ -560,7 +562,7 @@ TEST(DragMirror, PaintedHandleIsSeenAtOnceAndItsImageAtTheEnd) {
   ASSERT_EQ(window.session.selection().groups.size(), 1U);
   ASSERT_EQ(window.session.mirrored_groups().size(), 2U);
   window.session.key(DragKey::NextGroup);
-  window.session.set(&Tools::brush, BrushTarget::Handle);
+  window.session.set(&Tools::paint, BrushTarget::Handle);
   window.press(at(15, 45), kAdd);
   window.session.move(window.at(at(18, 45)));
   ASSERT_EQ(window.session.selection().groups.size(), 2U);
@@ -596,9 +598,9 @@ TEST(DragMirror, PaintedAnchorsHoldOnBothSides) {
   plane.point = window.host().row(kMiddle).transpose();
   const auto twin = [](int i, int j) { return at(60 - i, j); };
   window.session.set(&Tools::mirror, plane);
-  window.session.set(&Tools::keeps_fixed, true);
+  window.session.set(&Tools::paint, BrushTarget::Anchors);
   stroke(window, at(19, 26), at(19, 34), {});
-  window.session.set(&Tools::keeps_fixed, false);
+  window.session.set(&Tools::paint, std::nullopt);
   const std::vector<int> painted = window.session.selection().held;
   ASSERT_TRUE(has(painted, at(19, 30)));
   const Points before = window.host();
@@ -689,7 +691,7 @@ TEST(DragSoft, WeightsFallOffAndAreRecorded) {
   window.change([](DragSettings& s) {
     s.radius = 12;
     s.handle_fraction = 0.4;
-    s.softness = 1;
+    s.falloff = Falloff::Smooth;
   });
   window.drag(kMiddle, Vector2(0, 40));
   const EditStep soft = window.session.recorded().steps.at(0);
@@ -798,4 +800,4 @@ TEST(Presets, AreToldApartAndBeginWithTheDefaults) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::drag_choosing_test

@@ -6,7 +6,7 @@
 #include <set>
 #include <string>
 
-namespace lapedit {
+namespace lapedit::drag_key_test {
 namespace {
 
 TEST(DragKey, EachIsTheUsersToReadOnce) {
@@ -35,4 +35,4 @@ TEST(DragKey, DigitsPointAndMinusAreTyped) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::drag_key_test

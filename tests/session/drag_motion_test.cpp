@@ -10,7 +10,7 @@
 
 #include "drag_support.h"
 
-namespace lapedit {
+namespace lapedit::drag_motion_test {
 namespace {
 
 const Vector3 kCenter(1, 2, 3);
@@ -268,4 +268,4 @@ TEST(DragMotion, NoViewOfFarPlacesMakesATransformThatIsNoNumber) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::drag_motion_test

@@ -5,11 +5,15 @@
 #include <chrono>
 #include <memory>
 
+#include "bodies.h"
 #include "drag_support.h"
+#include "lapedit/edit/fit_step.h"
+#include "lapedit/mesh/vertex_finder.h"
 #include "lapedit/session/drag_session.h"
+#include "support.h"
 
 // Regions, handles and steps of a dragging session.
-namespace lapedit {
+namespace lapedit::drag_session_steps_test {
 namespace {
 
 using support::same_bits;
@@ -27,11 +31,11 @@ TriangleMesh plate() {
   return mesh;
 }
 
-int at(int i, int j) {
+constexpr int at(int i, int j) {
   return 60 * i + j;
 }
 
-const int kMiddle = at(30, 30);
+constexpr int kMiddle = at(30, 30);
 
 bool has(const std::vector<int>& set, int vertex) {
   return std::binary_search(set.begin(), set.end(), vertex);
@@ -50,7 +54,23 @@ TEST(DragPress, WaitsForNothingBeforeTheSurfaceCanBeSearched) {
   EXPECT_TRUE(session.selection().groups.empty());
   EXPECT_TRUE(session.press(cursor));
   session.release(cursor);
+  EXPECT_TRUE(session.selection().groups.empty()) << "the radius of what stands out there is not known yet";
+  session.wait();
   EXPECT_FALSE(session.selection().groups.empty());
+}
+
+TEST(DragPress, IsForgottenByEscBeforeItsRadiusIsKnown) {
+  const TriangleMesh mesh = support::stored(plate());
+  const Camera view = support::view_from_above(mesh.vertices);
+  DragSession session(mesh, StoredScalar::Float, {});
+  session.wait();
+  const Cursor cursor{view, view.pixel(mesh.vertices.row(kMiddle).transpose())};
+  EXPECT_TRUE(session.press(cursor));
+  EXPECT_TRUE(session.key(DragKey::Cancel));
+  session.move({view, cursor.pixel + Vector2(20, 0)});
+  session.release({view, cursor.pixel + Vector2(20, 0)});
+  session.wait();
+  EXPECT_TRUE(session.selection().groups.empty());
 }
 
 TEST(DragPress, AfterAStepIsHandledOnceTheNewPoseCanBeSearched) {
@@ -649,6 +669,31 @@ TEST(DragSteps, SavedEditLoadsToTheSameBits) {
   EXPECT_TRUE(same_bits(other.host(), other.session.original().vertices));
 }
 
+/// A saved fit loads to the bits of a replay, and drags follow it.
+TEST(DragSteps, LoadedFitIsAStepAmongOthers) {
+  TriangleMesh scan = shapes::head(0.1);
+  scan.vertices.col(0) *= 1.1;
+  Edit edit;
+  edit.steps.emplace_back().fit.emplace().to = "scan";
+  edit.steps[0].region.kind = RegionSpec::Kind::Component;
+  const auto reader = [&scan](const FitStep&) { return ScanData{scan, {}}; };
+  Window window(shapes::head(0.11));
+  window.session.load(with_scans(edit, reader));
+  window.session.wait();
+  ASSERT_EQ(window.session.figures().steps, 1) << window.session.message();
+  const TriangleMesh& mesh = window.session.original();
+  const Points fitted = support::edited(mesh, apply_edit(mesh, with_scans(edit, reader), 1, StoredScalar::Float));
+  EXPECT_TRUE(same_bits(window.host(), fitted));
+  EXPECT_EQ(window.session.selection().active, static_cast<int>(window.session.selection().groups.size()) - 1);
+  window.drag(nearest_vertex(mesh, Vector3(0, 1.3, 0)), Vector2(10, 30));
+  window.expect_consistent();
+  EXPECT_EQ(window.session.recorded().steps.at(0).fit->to, "scan");
+  window.undo(1);
+  EXPECT_TRUE(same_bits(window.host(), fitted));
+  window.undo(1);
+  EXPECT_TRUE(same_bits(window.host(), mesh.vertices));
+}
+
 TEST(DragSteps, AreSavedAndPaintedVerticesStayAfterOtherCodeChangedTheMesh) {
   Window before(plate());
   before.click(kMiddle);
@@ -890,4 +935,4 @@ TEST(DragLastStep, RefusesWhatItCannotDo) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::drag_session_steps_test

@@ -9,7 +9,7 @@
 #include "drag_support.h"
 #include "lapedit/session/presets.h"
 
-namespace lapedit {
+namespace lapedit::drag_session_test {
 namespace {
 
 using support::same_bits;
@@ -370,7 +370,7 @@ TEST(DragSession, AnyEventsLeaveAConsistentSession) {
         settings.handle_fraction = 0.3 * pick(4);
         settings.edit.order = 1 + pick(2);  // 2 is refused
         settings.edit.iterations = 1 + pick(2);
-        settings.softness = 0.5 * pick(3);
+        settings.falloff = static_cast<Falloff>(pick(4));
         if (pick(4) == 0) {
           presets()[static_cast<std::size_t>(pick(static_cast<int>(presets().size())))].set(settings);
         }
@@ -378,7 +378,8 @@ TEST(DragSession, AnyEventsLeaveAConsistentSession) {
         break;
       }
       case 20:
-        session.set(&Tools::brush, static_cast<BrushTarget>(pick(3)));
+        session.set(&Tools::paint, pick(3) ? std::optional(static_cast<BrushTarget>(pick(3))) : std::nullopt);
+        pick(2) ? session.change_painted(static_cast<PaintChange>(pick(3))) : session.set_handle({pick(n), pick(n)});
         break;
       case 21:
         session.set(&Tools::gizmo, pick(4) != 0);
@@ -452,4 +453,4 @@ TEST(DragSession, AnyEventsLeaveAConsistentSession) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::drag_session_test

@@ -8,7 +8,7 @@
 
 #include "drag_support.h"
 
-namespace lapedit {
+namespace lapedit::gizmo_test {
 namespace {
 
 const Vector3 kCenter(1, 2, 3), kNoNormal = Vector3::Zero();
@@ -226,4 +226,4 @@ TEST(Gizmo, ItsArrowsMoveWhatIsUnderTheCursorAlongWithIt) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::gizmo_test

@@ -11,7 +11,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::history_test {
 namespace {
 
 using support::same_bits;
@@ -153,4 +153,4 @@ TEST(History, RecordIsOfTheAppliedStepsAndReplaysToTheMesh) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::history_test

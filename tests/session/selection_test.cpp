@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/session/selection.h"
+#include "lapedit/session/painting.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::selection_test {
 namespace {
 
 using Groups = std::vector<std::vector<int>>;
@@ -215,16 +215,17 @@ TEST(Selection, BrushAddsAndTakesButNoHandle) {
   c.pick(kMiddle);
   const std::vector<int> before = c.region->mesh_vertex;
   const std::vector<int> patch = block(20, 32);
-  ASSERT_TRUE(c.take(brushed(c.surface(), c.selection, patch, true)));
+  ASSERT_TRUE(c.take(brushed(c.surface(), c.selection, BrushTarget::Region, patch, true)));
   const std::vector<int> larger = c.selection.region.vertices;
   EXPECT_TRUE(std::includes(larger.begin(), larger.end(), patch.begin(), patch.end()));
   EXPECT_TRUE(std::includes(larger.begin(), larger.end(), before.begin(), before.end()));
   EXPECT_TRUE(c.selection.by_hand);
-  ASSERT_TRUE(c.take(brushed(c.surface(), c.selection, patch, false)));
+  ASSERT_TRUE(c.take(brushed(c.surface(), c.selection, BrushTarget::Region, patch, false)));
   EXPECT_FALSE(has(c.selection.region.vertices, at(21, 21)));
   EXPECT_TRUE(has(c.selection.region.vertices, kMiddle));
   EXPECT_EQ(c.selection.groups, Groups{{kMiddle}});
-  EXPECT_FALSE(brushed(c.surface(), Selection(), block(0, kSide - 1), false).has_region);
+  EXPECT_FALSE(std::get<Selection>(brushed(c.surface(), Selection(), BrushTarget::Region, block(0, kSide - 1), false))
+                   .has_region);
 }
 
 TEST(Selection, GivenRegionKeepsTheHandlesInsideIt) {
@@ -239,7 +240,7 @@ TEST(Selection, GivenRegionKeepsTheHandlesInsideIt) {
   given.push_back(at(22, 22));
   c.selection.groups[1].push_back(at(25, 22));
   ASSERT_FALSE(c.take(with_region(c.surface(), c.selection, {})));
-  EXPECT_TRUE(c.refused_with("no vertices"));
+  EXPECT_TRUE(c.refused_with("No vertices are selected"));
   for (const int outside : {-1, kSide * kSide}) {
     ASSERT_FALSE(c.take(with_region(c.surface(), c.selection, {kMiddle, outside})));
     EXPECT_TRUE(c.refused_with("1600 vertices"));
@@ -345,7 +346,8 @@ TEST(Selection, AnyChoicesLeaveGroupsApartAndInTheRegion) {
             c.take(any(2) ? grown_by_a_ring(c.surface(), c.selection) : shrunk_by_a_ring(c.surface(), c.selection));
         break;
       case 6:
-        taken += c.take(brushed(c.surface(), c.selection, block(5 + any(20), 25 + any(10)), any(2) == 0));
+        taken += c.take(
+            brushed(c.surface(), c.selection, BrushTarget::Region, block(5 + any(20), 25 + any(10)), any(2) == 0));
         break;
       case 7:
         c.selection = any(3) ? with_mode(c.selection, any(2) ? HandleMode::Curve : HandleMode::Vertex)
@@ -384,4 +386,4 @@ TEST(Selection, AnyChoicesLeaveGroupsApartAndInTheRegion) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::selection_test

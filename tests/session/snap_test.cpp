@@ -7,7 +7,7 @@
 #include "drag_support.h"
 #include "shapes.h"
 
-namespace lapedit {
+namespace lapedit::snap_test {
 namespace {
 
 /// Seen from above: the sheet lies at z = 0, and a copy of it one unit lower.
@@ -81,4 +81,4 @@ TEST_F(Snap, AllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::snap_test

@@ -7,7 +7,7 @@
 #include "torn_mesh.h"
 
 // Dragging on meshes with several vertices at the same place.
-namespace lapedit {
+namespace lapedit::weld_session_test {
 namespace {
 
 using support::same_bits;
@@ -31,6 +31,17 @@ int places_apart(const Points& now, const Points& before) {
     apart += now.row(v) != now.row(weld.first(v));
   }
   return apart;
+}
+
+TEST(DragWeld, InvertedRegionReplays) {
+  Window window(torn_plate());
+  window.change([](DragSettings& s) { s.radius = 4; });
+  window.click(nearest_vertex(window.session.mesh(), Vector3(5, 20, 0)));
+  window.session.change_painted(PaintChange::Invert);
+  window.session.wait();
+  window.drag(on_seam(window, 20), Vector2(20, 40));
+  EXPECT_EQ(window.session.figures().steps, 1);
+  window.expect_consistent();
 }
 
 TEST(DragWeld, SeamStaysClosed) {
@@ -115,4 +126,4 @@ TEST(DragWeld, SavedStepMayKeepPlacesApart) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::weld_session_test

@@ -26,6 +26,8 @@ constexpr std::chrono::milliseconds kPause{50}, kLongestPause{1000};
 
 /// Smaller regions are prepared fast enough without previews.
 constexpr int kPreviewFrom = 12000;
+/// Larger ones take seconds.
+constexpr int kOnDemandFrom = 100000;
 
 /// Returns the error message of the work for the user; empty if there is none.
 template <class Function>
@@ -143,6 +145,7 @@ struct SolverThread::Impl {
 
   // Preparing.
   void prepare(const PrepareTask& task, int mine);
+  void begin_job(int mine);
   void prepare_in_background();
   void take_prepared(std::unique_lock<std::mutex>& lock);
   void make_cells(StepSolver& solver, const TriangleMesh& mesh, const Progress& progress_here);
@@ -238,7 +241,7 @@ void SolverThread::Impl::make_cells(StepSolver& solver, const TriangleMesh& mesh
   }
 }
 
-/// Makes a region and its cells; the background does the rest for a large one.
+/// Makes a region and its cells; the background does the rest for a large one, at once or with the first solve().
 void SolverThread::Impl::prepare(const PrepareTask& task, int mine) {
   const Stopwatch watch;
   const Progress progress_here = progress_of(mine);
@@ -262,13 +265,21 @@ void SolverThread::Impl::prepare(const PrepareTask& task, int mine) {
   }
   work.solver = solver;
   work.generation = mine;
+  const bool deferred = task.on_demand && found.region->size() >= kOnDemandFrom && solver->has_frames();
   if (solver->has_frames()) {
     publish(mine, [&] {
       response.update.preview = true;
+      response.update.deferred = deferred;
       response.update.preview_ms = watch.elapsed();
     });
   }
   work.next_job = std::make_shared<Job>(Job{solver, task.mesh, watch, mine});
+  if (!deferred) {
+    begin_job(mine);
+  }
+}
+
+void SolverThread::Impl::begin_job(int mine) {
   {
     const std::lock_guard<std::mutex> lock(mutex);
     preparing = generation == mine;
@@ -457,6 +468,9 @@ void SolverThread::Impl::answer_next(std::unique_lock<std::mutex>& lock) {
       solve(mine, last ? Answer::Last : Answer::Preview);
     } else {
       pose_cells(mine, last);
+      if (work.next_job && work.next_job->generation == mine) {
+        begin_job(mine);
+      }
     }
   });
   if (!error.empty()) {
@@ -561,9 +575,10 @@ bool SolverThread::wait() {
   std::unique_lock<std::mutex> lock(impl_->mutex);
   Impl& s = *impl_;
   s.responded.wait(lock, [&s] {
-    // The solver may only be read while the worker is idle.
+    // The solver may only be read while the worker is idle. It is busy again for a moment if it has yet to free what
+    // was discarded.
     return s.response.is_new || (!s.working && !s.is_preview() && !s.preparing && !s.request.prepare &&
-                                 !s.request.apply && !(s.request.solve && s.usable()));
+                                 !s.request.apply && !(s.request.solve && s.usable()) && !s.work.job && !s.is_stale());
   });
   return s.response.is_new;
 }

@@ -20,6 +20,7 @@ struct PrepareTask {
   StoredScalar scalar = StoredScalar::Float;      ///< precision that poses are rounded to
   std::vector<std::vector<double>> weights = {};  ///< per group, as HandleGroup::weights; empty: 1
   std::optional<MirrorPlane> mirror = {};         ///< as StepOptions::mirror; groups and region are mirrored already
+  bool on_demand = false;  ///< a very large region gets its cells only, and the remainder with the first solve()
 };
 
 /// A mesh and the steps to apply to it.
@@ -41,6 +42,7 @@ struct SolverPose {
 struct SolverUpdate {
   std::shared_ptr<const Region> region;  ///< with classified vertices: can be shown, not yet dragged
   bool preview = false;                  ///< solve() has responses, possibly from the cells alone
+  bool deferred = false;                 ///< with preview: the remainder follows with the first solve()
   double preview_ms = 0;                 ///< time from the request to that state
   bool ready = false;                    ///< prepared: solve() has responses from the system
   double prepare_ms = 0;                 ///< time of all stages, once ready

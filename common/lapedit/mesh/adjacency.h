@@ -18,8 +18,11 @@ struct Adjacency {
 /// @param threads  0: as many as the machine has; the result does not depend on it
 Adjacency build_adjacency(int vertex_count, const Faces& faces, int threads = 0);
 
-/// Labels 0, 1, ... of the connected components of a graph with ascending rows and each edge in both, numbered by their
-/// lowest vertex. @param kinds  if given, per vertex: edges between different kinds do not count. @return their number
+/// Labels the connected components of a graph 0, 1, ... in the order of their lowest vertices. Rows have to be
+/// ascending, and each edge has to be in the rows of both of its ends.
+/// @param labels  out: per vertex
+/// @param kinds   per vertex, or empty: edges between vertices of different kinds are ignored
+/// @return        the number of components
 int connected_components(const IndexLists& neighbours, std::vector<int>& labels, const std::vector<char>& kinds = {});
 
 }  // namespace lapedit

@@ -26,8 +26,10 @@ class Camera {
     return to_clip_ == other.to_clip_ && width_ == other.width_ && height_ == other.height_;
   }
 
+  double height() const { return height_; }  ///< height of the window, pixels
+  /// Returns the pixel at which a point is shown.
   Vector2 pixel(const Vector3& point) const;
-  bool in_front(const Vector3& point) const;  ///< of the near plane's camera, not behind it
+  bool in_front(const Vector3& point) const;  ///< whether the point is in front of the viewer, not behind
   /// Returns the ray from the near plane through a pixel.
   Ray ray(const Vector2& pixel) const;
   /// Returns the point at a pixel in the plane through a point, parallel to the image.

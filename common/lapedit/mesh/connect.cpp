@@ -112,6 +112,23 @@ std::vector<Link> LinkSearch::links() {
 
 }  // namespace
 
+IndexLists with_edges(const IndexLists& neighbours, const std::vector<std::pair<int, int>>& edges) {
+  IndexLists linked;
+  linked.offsets.reserve(neighbours.offsets.size());
+  linked.values.reserve(neighbours.values.size() + edges.size());
+  auto edge = edges.begin();
+  for (int v = 0; v < neighbours.rows(); ++v) {
+    const auto first = linked.values.size();
+    linked.values.insert(linked.values.end(), neighbours[v].begin(), neighbours[v].end());
+    for (; edge != edges.end() && edge->first == v; ++edge) {
+      linked.values.push_back(edge->second);
+    }
+    std::sort(linked.values.begin() + static_cast<std::ptrdiff_t>(first), linked.values.end());
+    linked.offsets.push_back(static_cast<int>(linked.values.size()));
+  }
+  return linked;
+}
+
 IndexLists linked_neighbours(const TriangleMesh& mesh, const IndexLists& neighbours, double gap,
                              const std::vector<char>* allowed) {
   if (!(gap > 0 && std::isfinite(gap))) {
@@ -129,20 +146,7 @@ IndexLists linked_neighbours(const TriangleMesh& mesh, const IndexLists& neighbo
   }
   std::sort(entries.begin(), entries.end());
   entries.erase(std::unique(entries.begin(), entries.end()), entries.end());
-  IndexLists linked;
-  linked.offsets.reserve(neighbours.offsets.size());
-  linked.values.reserve(neighbours.values.size() + entries.size());
-  auto entry = entries.begin();
-  for (int v = 0; v < neighbours.rows(); ++v) {
-    const auto first = linked.values.size();
-    linked.values.insert(linked.values.end(), neighbours[v].begin(), neighbours[v].end());
-    for (; entry != entries.end() && entry->first == v; ++entry) {
-      linked.values.push_back(entry->second);
-    }
-    std::sort(linked.values.begin() + static_cast<std::ptrdiff_t>(first), linked.values.end());
-    linked.offsets.push_back(static_cast<int>(linked.values.size()));
-  }
-  return linked;
+  return with_edges(neighbours, entries);
 }
 
 }  // namespace lapedit

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <utility>
+#include <vector>
+
 #include "lapedit/mesh/adjacency.h"
 
 namespace lapedit {
 
-/// Returns the neighbours of a mesh, with links over gaps: between pieces that are not connected but near each other,
-/// such as an eye and its socket, each vertex and the nearest one of another piece; along a border also the nearest
-/// border vertex of the same piece, if that is more than three times as far along the surface, as at the seam of a tube
-/// that was cut open. A link is at most as long as the gap and counts as an edge, without faces. A vertex takes at most
-/// kMostLinks from others, the shortest of them, so that no vertex of a coarse piece next to a fine one has thousands
-/// of neighbours. Deterministic.
+/// Returns the neighbours of a mesh with links over gaps. Pieces that are not connected but near each other, such as an
+/// eye and its socket, get a link from each vertex to the nearest one of another piece. A border vertex also gets one
+/// to the nearest border vertex of the same piece that is more than three times as far along the surface, as at the
+/// seam of a tube that was cut open. A link is at most as long as the gap and counts as an edge without faces. A vertex
+/// accepts at most kMostLinks links from others, the shortest of them, so that no vertex of a coarse piece next to a
+/// fine one has thousands of neighbours. Deterministic.
 /// @param gap      model units, > 0 and finite
 /// @param allowed  if given, one flag per vertex: only flagged ones are linked
 /// @throws EditError (BadParameter)
@@ -18,5 +21,8 @@ namespace lapedit {
 constexpr int kMostLinks = 3;
 IndexLists linked_neighbours(const TriangleMesh& mesh, const IndexLists& neighbours, double gap,
                              const std::vector<char>* allowed = nullptr);
+
+/// Returns the neighbours with further edges, given in both directions, ascending.
+IndexLists with_edges(const IndexLists& neighbours, const std::vector<std::pair<int, int>>& edges);
 
 }  // namespace lapedit

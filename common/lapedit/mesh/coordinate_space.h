@@ -15,8 +15,8 @@ namespace lapedit {
 /// @param bytes  of the file, or its first 64 KiB
 std::string space_in_header(const std::string& bytes);
 
-/// Converts points from one coordinate system to another; without one of them they stay. @return whether they are
-/// changed
+/// Converts points from one coordinate system to another; does nothing if either is unknown. @return whether the points
+/// have changed
 /// @throws EditError (BadParameter) for a system that cannot be converted
 bool convert(std::vector<Vector3>& points, const std::string& from, const std::string& to);
 
@@ -25,7 +25,7 @@ double extent_of(const std::vector<Vector3>& points);
 
 /// Explains why points are far from the surface: finds the unit or the coordinate system with which all are near it.
 /// @param space    of the points
-/// @param far      distance from the surface, over its diagonal, that is not near any more
+/// @param far      smallest distance from the surface, over its diagonal, that counts as far
 /// @param extent   size of the points' box that is expected at least; 0: unknown
 /// @return a phrase such as "check the unit, since ..."; empty if there is no such unit or system
 std::string likely_mistake(const VertexFinder& finder, const std::vector<Vector3>& points, const std::string& space,

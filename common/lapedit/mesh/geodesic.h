@@ -34,7 +34,7 @@ struct PathGraph {
   std::optional<SurfaceLines> lines;
 };
 
-/// Shortest paths in a graph (Dijkstra, weight = length).
+/// Finds shortest paths in a graph, with the lengths of its edges and lines as weights. Source: E. Dijkstra 1959.
 ///
 /// One object serves many searches: its arrays are sized once, and a search costs O(k log k) in the number k of
 /// vertices it reaches, not in the size of the graph. Edges to a vertex with a non-finite coordinate are not followed.
@@ -63,22 +63,22 @@ class GeodesicSearch {
   std::vector<int> bare_;  // vertices that may have no neighbour within the cutoff
 };
 
-/// Shortest paths along edges from one vertex. Deterministic: of several as short, always the same.
+/// Finds shortest paths along edges from one vertex. Of several paths of equal length it always returns the same one.
 class ShortestPaths {
  public:
   /// Both arguments must outlive the object; row i of points is vertex i of the graph.
   ShortestPaths(const IndexLists& neighbours, const Points& points);
 
-  /// @param most  paths lead to so many vertices, the nearest
+  /// Searches from a vertex. @param most  number of vertices, the nearest ones, that paths are found to
   void begin(int from, std::size_t most = std::numeric_limits<std::size_t>::max());
-  /// Vertices from the first to this one, both included; empty if no path was found.
+  /// Returns the vertices of the path from the first vertex to this one, both included; empty if there is none.
   std::vector<int> to(int vertex) const;
 
  private:
   const IndexLists& neighbours_;
   const Points& points_;
   GeodesicSearch search_;
-  std::vector<int> order_;  // in which vertices were reached; of others it means nothing
+  std::vector<int> order_;  // in which vertices were reached; undefined for other vertices
 };
 
 /// Computes the same distances, bit for bit, for a large part of a graph on several threads.
@@ -88,7 +88,7 @@ class ShortestPaths {
 /// about an edge, with no order inside a step (delta-stepping, Meyer and Sanders 2003). O(vertices + what is reached).
 class DistanceField {
  public:
-  /// As GeodesicSearch and its run().
+  /// Computes the distances. The arguments are those of GeodesicSearch and its run().
   DistanceField(const PathGraph& graph, const std::vector<int>& seeds, double cutoff, const std::vector<char>* allowed,
                 ThreadPool& pool);
 

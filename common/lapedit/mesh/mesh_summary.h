@@ -5,13 +5,13 @@
 
 namespace lapedit {
 
-/// What a mesh is, in numbers.
+/// Counts and extent of a mesh, for laplacian-edit --info.
 struct MeshSummary {
   int vertices = 0, faces = 0;
   int loose = 0;                      ///< vertices without a face
   int not_finite = 0;                 ///< vertices with a coordinate that is NaN or infinite
-  int pieces = 0, largest_piece = 0;  ///< connected by faces; vertices of the largest
-  int borders = 0, border_edges = 0;  ///< connected lines of edges with one face
+  int pieces = 0, largest_piece = 0;  ///< components connected by faces; number of vertices of the largest
+  int borders = 0, border_edges = 0;  ///< connected lines of edges that have one face; number of these edges
   Eigen::AlignedBox3d box;            ///< of all finite vertices; may be empty
 };
 

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "lapedit/mesh/vertex_set.h"
-
 namespace lapedit {
 
 Region painted_region(const TriangleMesh& mesh, const Adjacency& adjacency, const std::vector<int>& vertices,
@@ -13,7 +11,11 @@ Region painted_region(const TriangleMesh& mesh, const Adjacency& adjacency, cons
   region.mesh_vertex = vertices;
   region.mesh_vertices = static_cast<int>(mesh.vertices.rows());
   region.classes.assign(vertices.size(), VertexClass::Free);
-  const auto local = [&vertices](int v) { return index_in(vertices, v); };
+  std::vector<int> position(mesh.vertices.rows(), 0);  // in the region, from 1
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    position[vertices[i]] = static_cast<int>(i) + 1;
+  }
+  const auto local = [&position](int v) { return position[v] - 1; };
   std::vector<int> corners;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     for (const int w : adjacency.neighbours[vertices[i]]) {

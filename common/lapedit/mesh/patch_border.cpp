@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <numeric>
 #include <utility>
 
 namespace lapedit {
@@ -10,24 +11,30 @@ namespace lapedit {
 using Edge = std::pair<unsigned, unsigned>;
 
 std::vector<Edge> single_edges(const std::vector<unsigned>& corners) {
+  // Lists the larger ends of edges by their smaller ends.
+  const auto each_edge = [&corners](const auto& call) {
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const unsigned a = corners[i], b = corners[i % 3 == 2 ? i - 2 : i + 1];
+      if (a != b) {
+        call(std::min(a, b), std::max(a, b));
+      }
+    }
+  };
+  const std::size_t n = corners.empty() ? 0 : *std::max_element(corners.begin(), corners.end()) + std::size_t{1};
+  std::vector<unsigned> end(n + 1, 0);
+  each_edge([&](unsigned a, unsigned) { ++end[a + 1]; });
+  std::partial_sum(end.begin(), end.end(), end.begin());
+  std::vector<unsigned> larger(end.back());
+  each_edge([&](unsigned a, unsigned b) { larger[end[a]++] = b; });
   std::vector<Edge> edges;
-  edges.reserve(corners.size());
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const unsigned a = corners[i], b = corners[i % 3 == 2 ? i - 2 : i + 1];
-    if (a != b) {
-      edges.emplace_back(std::min(a, b), std::max(a, b));
+  for (std::size_t a = 0, first = 0; a < n; first = end[a++]) {
+    std::sort(larger.begin() + static_cast<std::ptrdiff_t>(first), larger.begin() + end[a]);
+    for (std::size_t i = first; i < end[a]; ++i) {
+      if ((i == first || larger[i - 1] != larger[i]) && (i + 1 == end[a] || larger[i + 1] != larger[i])) {
+        edges.emplace_back(static_cast<unsigned>(a), larger[i]);
+      }
     }
   }
-  std::sort(edges.begin(), edges.end());
-  std::size_t kept = 0;
-  for (std::size_t i = 0, next = 0; i < edges.size(); i = next) {
-    for (next = i + 1; next < edges.size() && edges[next] == edges[i]; ++next) {
-    }
-    if (next == i + 1) {
-      edges[kept++] = edges[i];
-    }
-  }
-  edges.resize(kept);
   return edges;
 }
 

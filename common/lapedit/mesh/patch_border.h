@@ -16,7 +16,8 @@ struct Chains {
 /// @param corners  three per face. Cost: O(faces log faces)
 std::vector<std::pair<unsigned, unsigned>> single_edges(const std::vector<unsigned>& corners);
 
-/// Returns the edges that belong to exactly one of some faces, as chains: an outline of the faces. O(faces log faces)
+/// Returns the outline of some faces: the edges that belong to exactly one of them, joined to chains. O(faces log
+/// faces)
 Chains border_of(const std::vector<unsigned>& corners);
 
 }  // namespace lapedit

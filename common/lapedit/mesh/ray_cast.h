@@ -22,11 +22,12 @@ std::optional<SurfaceHit> first_hit(const TriangleMesh& mesh, const Ray& ray);
 /// Returns the intersection with a face at a distance along the ray, in units of its direction.
 SurfaceHit hit_of(const TriangleMesh& mesh, const Ray& ray, int face, double distance);
 
-/// Returns the distance to a face along the ray, in units of its direction (Moeller and Trumbore 1997), infinity if it
-/// misses; NaN misses. Seams between faces are closed: a ray through a vertex or an edge does not slip between them.
+/// Returns the distance to a face along the ray, in units of its direction; infinity if the ray misses the face, or if
+/// a coordinate is NaN. A ray through a vertex or an edge always hits one of the faces there. Source: T. Moeller, B.
+/// Trumbore 1997.
 double distance_along(const TriangleMesh& mesh, const Ray& ray, int face);
 
-/// How far barycentric coordinates may be outside a face that the ray still meets.
+/// Barycentric coordinates down to minus this count as inside a face.
 constexpr double kRaySeam = 1e-9;
 
 /// Returns the normal of a face, twice its area long.

@@ -12,6 +12,7 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
+#include "lapedit/mesh/attached.h"
 #include "lapedit/mesh/connect.h"
 #include "lapedit/mesh/geodesic.h"
 #include "lapedit/mesh/vertex_set.h"
@@ -170,7 +171,8 @@ void at_once(ThreadPool& pool, const Functions&... functions) {
 }
 
 /// Numbers the reached vertices in the order of the mesh. @param local out: mesh vertex -> local vertex, or -1
-void number_vertices(ThreadPool& pool, const DistanceField& field, std::vector<int>& local, Region& region) {
+template <class Field>
+void number_vertices(ThreadPool& pool, const Field& field, std::vector<int>& local, Region& region) {
   gather(
       pool, region.mesh_vertices,
       [&](int first, int last) {
@@ -301,8 +303,10 @@ constexpr int kGrain = 4096;
 ///     grown by a radius:  (d - (1 - p) r) / (p r)
 ///     a given set:        1 - b / (p d_max)
 ///     kept anchors:       as given
+/// @param is_free  per mesh vertex, may be empty: it is not in the band
 void place_anchor_band(ThreadPool& pool, const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
-                       const std::vector<int>& local, const std::vector<char>& rim, Region& region) {
+                       const std::vector<int>& local, const std::vector<char>& rim, const std::vector<char>& is_free,
+                       Region& region) {
   const auto each = [&](const auto& body) {
     in_pieces(pool, region.size(), kGrain, [&body](int first, int last) {
       for (int i = first; i < last; ++i) {
@@ -336,6 +340,9 @@ void place_anchor_band(ThreadPool& pool, const TriangleMesh& mesh, const Adjacen
       depth[i] = (region.distance[i] - (1 - spec.padding) * spec.radius) / (spec.padding * spec.radius);
     });
   }
+  if (!is_free.empty()) {
+    each([&](int i) { depth[i] = is_free[region.mesh_vertex[i]] ? 0 : depth[i]; });
+  }
   for (const int v : spec.held) {
     if (const int i = local[v]; i >= 0) {
       depth[i] = region.anchor_weight[i] = 1;
@@ -348,12 +355,12 @@ void place_anchor_band(ThreadPool& pool, const TriangleMesh& mesh, const Adjacen
 /// @param handles  local vertices, and their groups
 void classify(ThreadPool& pool, const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
               const std::vector<int>& local, const std::vector<std::pair<int, int>>& handles,
-              const std::vector<char>& rim, Region& region) {
+              const std::vector<char>& rim, const std::vector<char>& is_free, Region& region) {
   const int n = region.size();
   at_once(
       pool, [&] { region.classes.assign(n, VertexClass::Free); }, [&] { region.group.assign(n, -1); },
       [&] { region.anchor_weight.assign(n, -1); }, [&] { region.anchor_depth.assign(n, 0); });
-  place_anchor_band(pool, mesh, adjacency, spec, local, rim, region);
+  place_anchor_band(pool, mesh, adjacency, spec, local, rim, is_free, region);
   in_pieces(pool, n, kGrain, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
       double& depth = region.anchor_depth[i];
@@ -450,6 +457,19 @@ void find_components(const std::vector<std::pair<int, int>>& handles, Region& re
   throw EditError(ErrorCause::NothingToFollow, sentence);
 }
 
+/// Lists the edges of the region's graph that the mesh does not have.
+void find_links(const Adjacency& adjacency, Region& region) {
+  region.links.clear();
+  for (int i = 0; i < region.size(); ++i) {
+    const IndexLists::Row ring = adjacency.neighbours[region.mesh_vertex[i]];
+    for (const int j : region.neighbours[i]) {
+      if (i < j && !std::binary_search(ring.begin(), ring.end(), region.mesh_vertex[j])) {
+        region.links.emplace_back(i, j);
+      }
+    }
+  }
+}
+
 /// Links that leave a given set make no rim, since vertices outside the set do not hold it.
 Region build_connected(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
                        const std::vector<std::vector<int>>& groups, int threads,
@@ -466,14 +486,7 @@ Region build_connected(const TriangleMesh& mesh, const Adjacency& adjacency, con
   RegionSpec plain = spec;
   plain.connect_gap = 0;
   Region region = build_region(mesh, linked, plain, groups, threads, weights);
-  for (int i = 0; i < region.size(); ++i) {
-    const IndexLists::Row ring = adjacency.neighbours[region.mesh_vertex[i]];
-    for (const int j : region.neighbours[i]) {
-      if (i < j && !std::binary_search(ring.begin(), ring.end(), region.mesh_vertex[j])) {
-        region.links.emplace_back(i, j);
-      }
-    }
-  }
+  find_links(adjacency, region);
   return region;
 }
 
@@ -513,10 +526,21 @@ Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const 
   region.kind = spec.kind;
   region.mesh_vertices = static_cast<int>(mesh.vertices.rows());
   ThreadPool pool(region.mesh_vertices >= 4 * kGrain ? threads : 1);
+  Attached attached;
   {
     const DistanceField field({mesh, adjacency}, handles, cutoff, given_set ? &flags : nullptr, pool);
-    number_vertices(pool, field, local, region);
+    if (spec.tips || spec.pieces) {
+      std::vector<double> distance(local.size());
+      for (int v = 0; v < region.mesh_vertices; ++v) {
+        distance[v] = field[v];
+      }
+      attached = attached_to(mesh, adjacency, spec, std::move(distance), flags);
+      number_vertices(pool, attached.distance, local, region);
+    } else {
+      number_vertices(pool, field, local, region);
+    }
   }
+  region.pieces = attached.pieces;
   for (auto& handle : local_handles) {
     handle.first = local[handle.first];
   }
@@ -535,25 +559,27 @@ Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const 
     region.left_out = static_cast<int>(std::count(flags.begin(), flags.end(), 1)) - region.size();
   }
   std::vector<char> rim;
-  if (!extract_graph(pool, mesh, adjacency, local, rim, region) && !given_set) {
+  const Adjacency linked{attached.links.empty() ? IndexLists() : with_edges(adjacency.neighbours, attached.links), {}};
+  if (!extract_graph(pool, mesh, attached.links.empty() ? adjacency : linked, local, rim, region) && !given_set) {
     require_finite(mesh, adjacency, region.mesh_vertex, false);
   }
+  if (!attached.links.empty()) {
+    find_links(adjacency, region);
+  }
   extract_faces(pool, mesh, adjacency, local, region);
-  classify(pool, mesh, adjacency, spec, local, local_handles, rim, region);
+  classify(pool, mesh, adjacency, spec, local, local_handles, rim, attached.is_free, region);
   find_components(local_handles, region);
   take_weights(groups, weights, local, region);
   return region;
 }
 
-std::vector<double> falloff_weights(const std::vector<double>& distances, double disc_radius, double softness) {
+std::vector<double> falloff_weights(const std::vector<double>& distances, double disc_radius) {
   constexpr double kRim = 0.3;
   const double rim = std::max(kLeastWeight, kRim / std::max(1.0, static_cast<double>(distances.size())));
   std::vector<double> weights;
   weights.reserve(distances.size());
   for (const double distance : distances) {
-    const double t = std::clamp((distance / disc_radius - 1 + softness) / softness, 0.0, 1.0);
-    const double smooth = smooth_step(t);
-    weights.push_back(softness > 0 ? std::pow(rim, smooth) : 1);
+    weights.push_back(std::pow(rim, smooth_step(std::clamp(distance / disc_radius, 0.0, 1.0))));
   }
   return weights;
 }

@@ -16,8 +16,8 @@ enum class VertexClass : unsigned char {
   Handle   ///< (yellow) moved by the user
 };
 
-/// Anchors of an earlier edit in the same region, kept for the next one: in the paper's loop several handles share a
-/// region, whose anchors the first handle defined.
+/// Anchors of an earlier edit in the same region, kept for the next one. In the paper's loop several handles share a
+/// region, and the first handle defines its anchors.
 struct KeptAnchors {
   std::vector<int> vertices;    ///< mesh vertex numbers, each once
   std::vector<double> weights;  ///< of each, d / d_max at that time, from 0 to 1
@@ -58,10 +58,18 @@ struct RegionSpec {
   /// Width of the anchor band over the radius (Kind::Radius) or over the largest handle distance.
   double padding = 0.1;
   KeptAnchors anchors;  ///< Kind::Vertices: in place of the band; empty: padding decides
-  /// Hold as well, with full weight: any order, those outside the region or in a handle do not count.
+  /// Further vertices that are held with full weight, in any order. Those outside the region or in a handle are
+  /// ignored.
   std::vector<int> held;
-  /// Pieces of the mesh that are nearer to each other than this, model units, are one: see linked_neighbours(). 0: off.
+  /// Pieces of the mesh that are nearer to each other than this length are linked, see linked_neighbours(). 0: none
+  /// are.
   double connect_gap = 0;
+  /// Kind::Radius: also takes parts beyond the radius that only the region connects to the remaining surface, such as
+  /// the tips of ears beyond the radius of a head, and does not hold them.
+  bool tips = false;
+  /// Also takes small pieces of the mesh that what moves encloses or touches, such as eyes and teeth: of a given set
+  /// those that are whole in it. They keep their distance to the surface.
+  bool pieces = false;
 };
 
 /// A region of interest with classified vertices. All arrays use local vertex numbers 0 .. size() - 1, except the
@@ -86,7 +94,8 @@ struct Region {
   RegionSpec::Kind kind = RegionSpec::Kind::Radius;
   int left_out = 0;       ///< number of vertices of a given set that no handle reaches: they keep their bits
   int mesh_vertices = 0;  ///< of the whole mesh
-  /// Edges that connect_gap adds to the graph, the lower vertex first, ascending; they have no faces.
+  int pieces = 0;         ///< number of pieces that come along: RegionSpec::pieces
+  /// Edges that connect_gap and pieces add to the graph, the lower vertex first, ascending; they have no faces.
   std::vector<std::pair<int, int>> links;
 
   int size() const { return static_cast<int>(mesh_vertex.size()); }
@@ -110,12 +119,11 @@ Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const 
                     const std::vector<std::vector<int>>& groups, int threads = 0,
                     const std::vector<std::vector<double>>& weights = {});
 
-/// Returns the weights for a disc that is soft towards its rim: 1 within (1 - softness) of its radius, and from there
-/// smoothly and geometrically down to 0.3 / N at the rim, N the number of its vertices. A vertex with so small a weight
-/// is almost free, so a pull makes a dome. N is a factor because each vertex of a finer surface has less influence.
+/// Returns the weights for a disc that is soft towards its rim: from 1 in its middle smoothly and geometrically down to
+/// 0.3 / N at the rim, N the number of its vertices. A vertex with so small a weight is almost free, so a pull makes a
+/// dome. N is a factor because each vertex of a finer surface has less influence.
 /// @param distances  of the disc's vertices from its centre, model units, from 0 to the radius
-/// @param softness   0 (all 1) to 1
-std::vector<double> falloff_weights(const std::vector<double>& distances, double disc_radius, double softness);
+std::vector<double> falloff_weights(const std::vector<double>& distances, double disc_radius);
 
 /// Returns the only vertex of each handle group of one, -1 for larger groups.
 std::vector<int> lone_vertices(const Region& region);

@@ -45,7 +45,7 @@ class SurfaceLines {
             const Offer& offer) const {
     const Search<Known, Offer> search{distance, cutoff, allowed, known, offer};
     const double* root = point(vertex);
-    // Most corners have no line that matters. They are tested without branches, which could not be predicted.
+    // Most corners have no line that can be shortest. The test has no branches, since they could not be predicted.
     constexpr int kBatch = 16;
     struct Corner {
       int face, a, b;
@@ -89,7 +89,7 @@ class SurfaceLines {
   }
 
  private:
-  // A line goes on while the triangles that it crossed weigh at most this.
+  // A line is continued while the weights of the triangles that it crossed sum to at most this.
   static constexpr int kReach = 7;
   static constexpr double kMargin = 1e-10;
   static constexpr double kInfinite = std::numeric_limits<double>::infinity();
@@ -107,7 +107,8 @@ class SurfaceLines {
     double farther;          // than the start, along any path
   };
 
-  /// What the ends of an edge leave of it: the parts next to them are nearer by these ends, up to two hyperbolas.
+  /// The interval of an edge through which a shortest line may pass. Points next to an end are reached sooner through
+  /// that end; two hyperbolas bound the interval.
   struct Cut {
     /// @param product  of the vectors to both ends @param length  of the edge
     Cut(const Side& a, const Side& b, double product, double length, double distance) {
@@ -163,7 +164,7 @@ class SurfaceLines {
     }
   };
 
-  /// Orders the ends of an edge by their positions alone: lengths shall not depend on the numbers of vertices.
+  /// Orders the ends of an edge by their positions alone, so that lengths do not depend on vertex numbers.
   static bool is_first(const double* a, double squared_a, const double* b, double squared_b) {
     return squared_a != squared_b ? squared_a < squared_b : std::lexicographical_compare(a, a + 3, b, b + 3);
   }

@@ -55,6 +55,29 @@ Vector3 face_normal(const Points& points, const Faces& faces, Eigen::Index face)
 
 }  // namespace
 
+double stretched_area(const Region& region, const Points& before, const Points& after, double factor) {
+  const auto metric = [](const Points& points, const auto& face) {
+    const Vector3 u = points.row(face[1]) - points.row(face[0]), v = points.row(face[2]) - points.row(face[0]);
+    return Vector3(u.dot(u), u.dot(v), v.dot(v));
+  };
+  double all = 0, stretched = 0;
+  for (const auto& face : region.faces.rowwise()) {
+    const Vector3 old = metric(before, face), now = metric(after, face);
+    const double squared = old[0] * old[2] - old[1] * old[1];  // of twice the area
+    if (!(squared > 0)) {
+      continue;
+    }
+    // The larger eigenvalue of now / old.
+    const double half = (now[0] * old[2] - 2 * now[1] * old[1] + now[2] * old[0]) / (2 * squared);
+    const double product = (now[0] * now[2] - now[1] * now[1]) / squared;
+    all += std::sqrt(squared);
+    if (half + std::sqrt(std::max(0.0, half * half - product)) > factor * factor) {
+      stretched += std::sqrt(squared);
+    }
+  }
+  return all > 0 ? stretched / all : 0;
+}
+
 /// n' . (R_a + R_b + R_c) n < 0
 bool is_flipped(const Region& region, Eigen::Index f, const Points& before, const Points& after,
                 const std::vector<Matrix3>& rotations) {

@@ -23,6 +23,10 @@ struct EdgeStretch {
 };
 EdgeStretch edge_stretch(const Region& region, const Points& before, const Points& after);
 
+/// Returns the fraction of the region's area that became more than `factor` times as long in some direction. Faces
+/// without area are skipped. Cost: O(faces).
+double stretched_area(const Region& region, const Points& before, const Points& after, double factor);
+
 /// Returns whether the normal of a face rotated by more than 90 degrees against the mean of its corners' rotations.
 bool is_flipped(const Region& region, Eigen::Index face, const Points& before, const Points& after,
                 const std::vector<Matrix3>& rotations);
@@ -32,8 +36,8 @@ int flipped_triangles(const Region& region, const Points& before, const Points& 
                       const std::vector<Matrix3>& rotations);
 
 /// Returns the volume of the cones from the border's centroid to the faces, per component, in cubic model units: the
-/// enclosed volume of closed components, positive if normals point outwards. A rigid motion does not change it. Where
-/// the border stays, its change is that of the body. Cost: O(faces).
+/// enclosed volume of closed components, positive if normals point outwards. A rigid motion does not change it. If the
+/// border does not move, its change is that of the body's volume. Cost: O(faces).
 double enclosed_volume(const Region& region, const Points& positions);
 
 /// Returns whether a percentage of the enclosed volume is meaningful, as it is not in a nearly flat region. O(faces)
@@ -48,8 +52,8 @@ struct ComponentVolume {
 /// Returns one entry per component of the region. Cost: O(faces).
 std::vector<ComponentVolume> component_volumes(const Region& region, const Points& positions);
 
-/// Returns whether a rigid motion takes each component to its new positions, within `rounding` (model units) and 3e-4
-/// of the component's extent, which nobody sees. Cost: O(vertices).
+/// Returns whether a rigid motion takes each component to its new positions, within `rounding` (model units) plus 3e-4
+/// of the component's extent, which is too small to be seen. Cost: O(vertices).
 bool moved_rigidly(const Region& region, const Points& before, const Points& after, double rounding);
 
 }  // namespace lapedit

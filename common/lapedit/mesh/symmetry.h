@@ -14,9 +14,12 @@ namespace lapedit {
 struct MirrorPlane {
   Vector3 point = Vector3::Zero();    ///< any of its points, model units
   Vector3 normal = Vector3::UnitX();  ///< any length but zero
+
+  bool operator==(const MirrorPlane& other) const { return point == other.point && normal == other.normal; }
 };
 
-/// Returns the map S: x -> x - 2 n n . (x - p). @throws EditError (NotFinite, BadParameter)
+/// Returns the map S: x -> x - 2 n (n . (x - p)), n the unit normal and p the point. @throws EditError (NotFinite,
+/// BadParameter)
 Affine reflection(const MirrorPlane& plane);
 
 /// Returns the plane of the mesh's best mirror symmetry; `std::nullopt` if the mean distance from the mirrored vertices
@@ -25,11 +28,11 @@ Affine reflection(const MirrorPlane& plane);
 /// through the centroid; the best are refined. Deterministic. Cost: O(vertices), some 0.1 s for 100,000.
 std::optional<MirrorPlane> find_symmetry(const TriangleMesh& mesh);
 
-/// How far the mirrored positions of the vertices are from the nearest vertices, in the mean, as a fraction of the
-/// bounding box's diagonal: 0 for a symmetric mesh; what is 5 % away or farther counts as 5 %. From a sample of 2000
+/// Returns the mean distance from the mirrored positions of the vertices to the nearest vertices, over the bounding
+/// box's diagonal: 0 for a symmetric mesh. Distances of more than 5 % count as 5 %. It is measured on a sample of 2000
 /// vertices.
 double asymmetry(const TriangleMesh& mesh, const MirrorPlane& plane);
-/// What is taken to be symmetric.
+/// Largest asymmetry() of a mesh that counts as symmetric.
 constexpr double kSymmetric = 0.01;
 
 /// Mirror images of vertices: of each the vertex nearest to its mirrored position.

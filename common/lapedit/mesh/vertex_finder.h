@@ -18,7 +18,7 @@ class VertexFinder {
   /// The mesh has to outlive the object. O(vertices + faces). @throws EditError (NotFinite) if no vertex counts
   explicit VertexFinder(const TriangleMesh& mesh);
 
-  /// Distance from a vertex, over the bounding box's diagonal, that is still on the surface.
+  /// Largest distance from a vertex, over the bounding box's diagonal, of a point that counts as on the surface.
   static constexpr double kFar = 0.1;
 
   /// Returns the nearest vertex, the lowest number of several. @param what  names the point in a refusal
@@ -41,7 +41,7 @@ class VertexFinder {
 /// Returns the vertex nearest to the handle point. @throws EditError as VertexFinder
 int nearest_vertex(const TriangleMesh& mesh, const Vector3& point);
 
-/// "(x, y, z)"
+/// Returns a point as "(x, y, z)".
 std::string place_text(const Vector3& point);
 
 }  // namespace lapedit

@@ -30,6 +30,7 @@ std::vector<int> grown(const Adjacency& adjacency, const std::vector<int>& set);
 /// does not count as outside.
 std::vector<int> shrunk(const Adjacency& adjacency, const std::vector<int>& set, const std::vector<int>& keep);
 
+/// Return the union, the intersection, and the difference of two sets.
 std::vector<int> united(const std::vector<int>& a, const std::vector<int>& b);
 std::vector<int> common(const std::vector<int>& a, const std::vector<int>& b);
 std::vector<int> without(const std::vector<int>& a, const std::vector<int>& b);
@@ -38,8 +39,9 @@ inline Vector3 position_of(const Points& points, int vertex) {
   return points.row(vertex).transpose();
 }
 
-/// Copies the rows of some vertices, and back.
+/// Returns the rows of some vertices.
 Points gather(const Points& points, const std::vector<int>& vertices);
+/// Writes such rows to the positions of their vertices.
 void scatter(const std::vector<int>& vertices, const Points& rows, Points& points);
 
 /// Returns the vertices within a distance of a vertex along the surface (that vertex alone for a radius of 0).

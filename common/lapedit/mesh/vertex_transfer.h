@@ -10,7 +10,7 @@
 
 namespace lapedit {
 
-/// Where some vertices of a mesh are, so that an edit of it can be applied to another mesh of the same object.
+/// Positions of some vertices of a mesh, so that an edit of it can be applied to another mesh of the same object.
 struct VertexPositions {
   std::vector<int> vertices;  ///< mesh vertex numbers, ascending
   std::vector<Vector3> points;

@@ -3,11 +3,12 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <unsupported/Eigen/BVH>
-
-#include "lapedit/mesh/geodesic.h"
+#include <utility>
 
 namespace lapedit {
 namespace {
@@ -124,20 +125,26 @@ struct Visibility::Impl {
 Visibility::Visibility(const TriangleMesh& mesh) : impl_(std::make_unique<Impl>(mesh)) {}
 Visibility::~Visibility() = default;
 
+bool Visibility::shows_side(const Camera& view, const Adjacency& adjacency, int vertex, int side) const {
+  const TriangleMesh& mesh = impl_->mesh;
+  const Vector3 position = mesh.vertices.row(vertex).transpose();
+  const Ray through = view.ray(view.pixel(position));
+  const IndexLists::Row around = adjacency.faces[vertex];
+  // The comparisons make points behind the viewer and NaN invisible.
+  return (position - through.origin).dot(through.direction) >= 0 &&
+         std::any_of(around.begin(), around.end(),
+                     [&](int f) { return side * area_normal(mesh, f).dot(through.direction) < 0; });
+}
+
 bool Visibility::sees(const Camera& view, const Adjacency& adjacency, int vertex, int side) const {
+  if (!shows_side(view, adjacency, vertex, side)) {
+    return false;
+  }
   const TriangleMesh& mesh = impl_->mesh;
   const Vector3 position = mesh.vertices.row(vertex).transpose();
   // Ends at the near plane, which clips everything before it: the viewer may be inside the mesh.
   const Ray through = view.ray(view.pixel(position));
   const double reach = (position - through.origin).dot(through.direction);
-  const IndexLists::Row around = adjacency.faces[vertex];
-  // The comparisons make points behind the viewer and NaN invisible.
-  const bool shown = reach >= 0 && std::any_of(around.begin(), around.end(), [&](int f) {
-                       return side * area_normal(mesh, f).dot(through.direction) < 0;
-                     });
-  if (!shown) {
-    return false;
-  }
   Crossing crossing(mesh, vertex, {position, -through.direction}, impl_->same_position, reach);
   run(impl_->faces, impl_->faces.getRootIndex(), crossing);
   return !crossing.found;
@@ -150,17 +157,38 @@ std::optional<SurfaceHit> Visibility::first_hit(const Ray& ray) const {
 }
 
 std::vector<int> brushed_vertices(const TriangleMesh& mesh, const Adjacency& adjacency, const Visibility& visibility,
-                                  const Camera& view, const SurfaceHit& hit, double radius) {
-  const int side = area_normal(mesh, hit.face).dot(view.toward_viewer(hit.point)) < 0 ? -1 : 1;
-  GeodesicSearch search({mesh, adjacency});
+                                  GeodesicSearch& search, const Camera& view, const SurfaceHit& hit, double radius) {
+  constexpr double kPixels = 2;
+  const Vector3 viewer = view.toward_viewer(hit.point);
+  const double slot = kPixels * view.pixel_size(hit.point);
+  const int side = area_normal(mesh, hit.face).dot(viewer) < 0 ? -1 : 1;
   std::vector<char> visible(mesh.vertices.rows(), 0);
+  std::map<std::array<double, 3>, bool> shown;  // by pixel and depth: dense meshes have many vertices in each
   for (const int v : search.run({hit.vertex}, radius)) {
-    visible[v] = visibility.sees(view, adjacency, v, side);
+    const Vector3 position = mesh.vertices.row(v).transpose();
+    if (!visibility.shows_side(view, adjacency, v, side)) {
+      continue;
+    }
+    const Vector2 pixel = view.pixel(position) / kPixels;
+    const auto [place, is_new] = shown.try_emplace(
+        {std::floor(pixel.x()), std::floor(pixel.y()), std::floor(viewer.dot(position - hit.point) / slot)});
+    if (is_new) {
+      place->second = visibility.sees(view, adjacency, v, side);
+    }
+    visible[v] = place->second;
   }
   if (!visible[hit.vertex]) {
     return {};
   }
-  std::vector<int> result = search.run({hit.vertex}, radius, &visible);
+  std::vector<int> result{hit.vertex};
+  visible[hit.vertex] = 0;  // each once
+  for (std::size_t k = 0; k < result.size(); ++k) {
+    for (const int w : adjacency.neighbours[result[k]]) {
+      if (std::exchange(visible[w], 0)) {
+        result.push_back(w);
+      }
+    }
+  }
   std::sort(result.begin(), result.end());
   return result;
 }

@@ -6,6 +6,7 @@
 
 #include "lapedit/mesh/adjacency.h"
 #include "lapedit/mesh/camera.h"
+#include "lapedit/mesh/geodesic.h"
 #include "lapedit/mesh/ray_cast.h"
 
 namespace lapedit {
@@ -17,6 +18,8 @@ class Visibility {
   explicit Visibility(const TriangleMesh& mesh);
   ~Visibility();
 
+  /// Returns whether one of a vertex's faces shows the viewer a side, if nothing is before it. O(its faces).
+  bool shows_side(const Camera& view, const Adjacency& adjacency, int vertex, int side) const;
   /// Returns whether a viewer sees a vertex: the line from the near plane to the vertex meets only faces at the vertex,
   /// and at least one of these shows the given side. The window's borders are ignored.
   /// @param side  1: the outside of the faces, -1: their inside
@@ -32,9 +35,10 @@ class Visibility {
 };
 
 /// Returns the vertices within a distance of a hit along the surface that are visible from the side that was hit and
-/// connected through visible vertices, so that a brush does not reach hidden parts. Ascending; empty if hit.vertex
-/// itself is hidden.
+/// connected through visible vertices, so that a brush does not reach hidden parts. Vertices within about two pixels of
+/// each other, in depth as well, hide or show together. Ascending; empty if hit.vertex itself is hidden.
+/// @param search  over the mesh
 std::vector<int> brushed_vertices(const TriangleMesh& mesh, const Adjacency& adjacency, const Visibility& visibility,
-                                  const Camera& view, const SurfaceHit& hit, double radius);
+                                  GeodesicSearch& search, const Camera& view, const SurfaceHit& hit, double radius);
 
 }  // namespace lapedit

@@ -7,9 +7,9 @@
 
 namespace lapedit {
 
-/// The vertices of a mesh that are at the same place, to the bit but for the sign of a zero: seams of texture
-/// coordinates, the corners of a triangle soup, shells that touch. The method takes them as one vertex, the lowest of
-/// them, here called the first; each of the others gets its position. Vertices that are not finite are on their own.
+/// The vertices of a mesh that have equal coordinates, as at seams of texture coordinates, in triangle soups, and where
+/// shells touch. The method takes vertices at the same place as one, the lowest of them, called the first vertex; each
+/// of the others gets its position. Non-finite coordinates equal no others.
 class Weld {
  public:
   Weld() = default;  ///< no two vertices at the same place
@@ -17,6 +17,7 @@ class Weld {
   explicit Weld(const Points& vertices);
 
   bool empty() const { return first_.empty(); }
+  /// Returns the first vertex at the place of a vertex.
   int first(int vertex) const { return empty() ? vertex : first_[static_cast<std::size_t>(vertex)]; }
   /// Replaces vertices by the first at their places. Numbers that are no vertices stay.
   void to_first(std::vector<int>& vertices) const;
@@ -24,8 +25,9 @@ class Weld {
   std::vector<int> firsts(std::vector<int> vertices) const;
   /// Returns faces on first vertices, so that the others have none.
   Faces faces(const Faces& faces) const;
-  /// Adds the vertices that are at the places of these. @param vertices  ascending, changed only if there are such
-  /// @param rows  of each vertex its entry before
+  /// Adds the vertices that are at the places of the given ones.
+  /// @param vertices  ascending; unchanged if there are no others
+  /// @param rows      out: for each vertex, the index in the given list of the vertex at its place
   void add_others(std::vector<int>& vertices, std::vector<int>& rows) const;
   /// The same with their positions.
   void add_others(std::vector<int>& vertices, Points& positions) const;

@@ -31,6 +31,7 @@ enum class DragKey : unsigned char {
   Undo,
   Redo,
   Copy,
+  Tint,
   Help
 };
 
@@ -63,13 +64,14 @@ inline constexpr KeyHelp kKeyHelp[] = {
      "Turns and scales about a point that the next click picks; again: about the shoulder, the middle of the region's "
      "edge; again: about the handle's middle."},
     {DragKey::Brush, DragKey::Brush, "B",
-     "Lets the brush paint the handle; again: what is kept fixed; again: the region."},
+     "Paints the region, no key held; again: the handle; again: what is kept fixed; again: ends painting."},
     {DragKey::Gizmo, DragKey::Gizmo, "V", "Shows arrows, rings and a knob at the handle, and hides them again."},
     {DragKey::Grow, DragKey::Grow, "]", "Grows the region by a ring."},
     {DragKey::Shrink, DragKey::Shrink, "[", "Shrinks the region by a ring."},
     {DragKey::Undo, DragKey::Undo, "Ctrl+Z", "Undoes the last step or stroke, exact to the bit."},
     {DragKey::Redo, DragKey::Redo, "Ctrl+Shift+Z", "Redoes what was undone last."},
     {DragKey::Copy, DragKey::Copy, "Ctrl+C", "Copies number and coordinates of the vertex under the cursor."},
+    {DragKey::Tint, DragKey::Tint, "H", "Hides the colours of region and handle, and shows them again."},
     {DragKey::Help, DragKey::Help, "?", "Shows all keys over the picture, and hides them again."},
 };
 

@@ -83,6 +83,14 @@ HandleTransform usable(const HandleTransform& transform) {
   return finite && turns ? transform : HandleTransform();
 }
 
+std::string digits(double amount) {
+  std::ostringstream out;
+  out.imbue(std::locale::classic());
+  out.precision(4);
+  out << amount;
+  return out.str();
+}
+
 }  // namespace
 
 DragMotion::DragMotion(MotionKind kind, const Vector3& grab, const Vector3& centroid, const Vector3& normal,
@@ -350,30 +358,39 @@ bool DragMotion::moves() const {
   return !now.translation.isZero(0) || now.degrees != 0 || now.scale != 1;
 }
 
+std::string motion_text(const HandleTransform& motion) {
+  if (motion.degrees != 0) {
+    return "Turning by " + digits(motion.degrees) + " degrees";
+  }
+  if (motion.scale != 1) {
+    return "Scaling by " + digits(motion.scale);
+  }
+  const Vector3& along = motion.translation;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (along[axis] != 0 && along[(axis + 1) % 3] == 0 && along[(axis + 2) % 3] == 0) {
+      return "Moving by " + digits(along[axis]) + " along " + "XYZ"[axis];
+    }
+  }
+  return "Moving by " + digits(along.norm());
+}
+
 std::string DragMotion::text() const {
-  const auto text = [](double amount) {
-    std::ostringstream out;
-    out.imbue(std::locale::classic());
-    out.precision(4);
-    out << amount;
-    return out.str();
-  };
   const HandleTransform now = transform();
   const std::optional<Vector3> held = axis();
   std::string line;
   if (kind_ == MotionKind::Scale) {
-    line = "Scaling by " + text(now.scale);
+    line = "Scaling by " + digits(now.scale);
   } else if (kind_ == MotionKind::Rotate) {
-    line = "Turning by " + text(now.degrees) + " degrees" + (held ? " about " + name(lock_, *held) : "");
+    line = "Turning by " + digits(now.degrees) + " degrees" + (held ? " about " + name(lock_, *held) : "");
   } else {
-    line = "Moving by " +
-           (held ? text(now.translation.dot(*held)) + " along " + name(lock_, *held) : text(now.translation.norm()));
+    line = "Moving by " + (held ? digits(now.translation.dot(*held)) + " along " + name(lock_, *held)
+                                : digits(now.translation.norm()));
   }
   if (cursor_.target && kind_ == MotionKind::Translate && typed_.empty()) {
     line += " (snapped)";
   }
   if (step() > 0) {
-    line += " (in steps of " + text(step()) + ")";
+    line += " (in steps of " + digits(step()) + ")";
   }
   return typed_.empty() ? line : line + " (typed " + typed_ + ")";
 }

@@ -20,6 +20,9 @@ struct Cursor {
 enum class MotionKind { Translate, Rotate, Scale };
 enum class AxisLock { None, X, Y, Z, Normal, Gizmo };
 
+/// Describes a motion: "Moving by 0.5 along Y", "Turning by 30 degrees".
+std::string motion_text(const HandleTransform& motion);
+
 /// Converts mouse movements and typed numbers to the transform of a handle group.
 ///
 /// Translation follows the cursor in the plane parallel to the image, or along the locked axis to the point nearest to

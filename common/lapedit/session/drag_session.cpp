@@ -14,9 +14,7 @@ namespace lapedit {
 using namespace phase;
 
 DragSession::DragSession(TriangleMesh mesh, StoredScalar scalar, const Callbacks& callbacks)
-    : model_(std::move(mesh), scalar, callbacks.log, callbacks.find_targets),
-      solver_(model_, callbacks.wake),
-      mouse_(model_, solver_, callbacks.wake) {}
+    : model_(std::move(mesh), scalar, callbacks), solver_(model_, callbacks.wake), mouse_(model_, solver_) {}
 
 // --- What there is to see -------------------------------------------------------------------------------------------
 
@@ -52,10 +50,7 @@ std::string DragSession::message() const {
     return messages::dragging(drag->motion, drag->by_button, solver_.figures().full_frames);
   }
   std::string text = next_click();
-  if (!model_.tools.keeps_fixed && model_.tools.brush != BrushTarget::Region) {
-    text += model_.tools.brush == BrushTarget::Handle ? messages::kPaintsHandle : messages::kPaintsFixed;
-  }
-  if (model_.tools.pivot != Pivot::Centroid && !model_.tools.awaits_pivot()) {
+  if (model_.tools.pivot != Pivot::Centroid && !model_.tools.awaits_pivot() && !model_.tools.paint) {
     text += model_.tools.pivot == Pivot::Rim ? messages::kTurnsAboutRim : messages::kTurnsAboutPoint;
   }
   return text;
@@ -64,8 +59,8 @@ std::string DragSession::message() const {
 /// Describes the effect of the next click.
 std::string DragSession::next_click() const {
   const Selection& selection = model_.selection;
-  if (model_.tools.keeps_fixed) {
-    return messages::kKeepFixed;
+  if (model_.tools.paint) {
+    return messages::kPaints[static_cast<int>(*model_.tools.paint)];
   }
   if (selection.next == Selection::Next::Region) {
     return messages::kNextIsRegion;
@@ -105,13 +100,16 @@ void DragSession::set_settings(const DragSettings& settings) {
     return;
   }
   const DragSettings before = std::exchange(model_.settings, settings);
+  if (settings.radius != before.radius && settings.radius != settings.first_radius) {
+    model_.settings.first_radius = 0;  // the user's from now on
+  }
   if (solver_.in<Loading>()) {
     return;
   }
   const bool new_radius = settings.radius != before.radius;
-  const bool new_discs = settings.handle_fraction != before.handle_fraction || settings.softness != before.softness;
-  const bool new_settings =
-      settings.padding != before.padding || settings.connect_gap != before.connect_gap || settings.edit != before.edit;
+  const bool new_discs = disc_radius(settings) != disc_radius(before) || settings.falloff != before.falloff;
+  const bool new_settings = settings.padding != before.padding || settings.connect_gap != before.connect_gap ||
+                            settings.pieces != before.pieces || settings.edit != before.edit;
   // A step that is being solved again takes all changes.
   if (solver_.amendable() && model_.history.can_undo() &&
       (new_settings || (new_radius && (solver_.in<Amending>() ||
@@ -146,6 +144,16 @@ void DragSession::set_settings(const DragSettings& settings) {
   }
 }
 
+DragSettings DragSession::settings_at_cursor() const {
+  DragSettings settings = model_.settings;
+  if (const HoverPreview* const preview = hover();
+      preview && preview->kind == HoverPreview::Kind::Region && preview->radius > 0 && !model_.selection.has_region) {
+    settings.radius = preview->radius;
+    settings.handle_scale = settings.first_radius > 0 ? preview->radius : settings.handle_scale;
+  }
+  return settings;
+}
+
 Tools DragSession::tools() const {
   Tools tools = model_.tools;
   tools.mode = model_.selection.mode;
@@ -158,14 +166,8 @@ void DragSession::set_tools(const Tools& tools) {
   if (tools.mode != model_.selection.mode) {
     model_.selection = with_mode(model_.selection, tools.mode);
   }
-  if (tools.keeps_fixed != now.keeps_fixed) {
-    if (settle_down()) {
-      now.keeps_fixed = tools.keeps_fixed;
-      now.brush = tools.keeps_fixed ? BrushTarget::Anchors : BrushTarget::Region;
-    }
-  } else if (tools.brush != now.brush) {
-    now.brush = tools.brush;
-    now.keeps_fixed &= tools.brush == BrushTarget::Anchors;
+  if (tools.paint != now.paint && settle_down()) {
+    now.paint = tools.paint;
   }
   now.gizmo_by_click &= tools.gizmo == now.gizmo;
   now.gizmo = tools.gizmo;
@@ -178,12 +180,15 @@ void DragSession::set_tools(const Tools& tools) {
     now.snaps = tools.snaps;
     now.targets = nullptr;
   }
-  const bool same_plane =
-      tools.mirror.has_value() == now.mirror.has_value() &&
-      (!tools.mirror || (tools.mirror->point == now.mirror->point && tools.mirror->normal == now.mirror->normal));
-  if (!same_plane) {
+  if (!(tools.mirror == now.mirror)) {
     set_mirror(tools.mirror);
   }
+}
+
+void DragSession::take_by_click(HandleMode mode) {
+  model_.refusal.clear();
+  model_.selection = with_mode(model_.selection, mode);
+  model_.selection.next = Selection::Next::Handle;
 }
 
 void DragSession::set_mirror(const std::optional<MirrorPlane>& plane) {
@@ -246,13 +251,15 @@ bool DragSession::settle_down() {
 
 /// Applies a change of the region, or reports why it is refused.
 template <class Choose>
-void DragSession::change_region(const Choose& choose) {
-  if (settle_down() && model_.take(choose(solver_.surface(), model_.selection))) {
-    if (model_.selection.by_hand) {
-      model_.show_by_hand();
-    }
-    solver_.handles_changed();
+bool DragSession::change_region(const Choose& choose) {
+  if (!settle_down() || !model_.take(choose(solver_.surface(), model_.selection))) {
+    return false;
   }
+  if (model_.selection.by_hand) {
+    model_.show_by_hand();
+  }
+  solver_.handles_changed();
+  return true;
 }
 
 void DragSession::set_region(std::vector<int> vertices) {
@@ -263,6 +270,19 @@ void DragSession::set_region(std::vector<int> vertices) {
 void DragSession::set_anchors(std::vector<int> vertices) {
   model_.weld.to_first(vertices);
   change_region([&](const Surface& s, const Selection& now) { return with_anchors(s, now, std::move(vertices)); });
+}
+
+void DragSession::set_handle(std::vector<int> vertices) {
+  model_.weld.to_first(vertices);
+  change_region([&](const Surface& s, const Selection& now) { return with_handle(s, now, std::move(vertices)); });
+}
+
+void DragSession::change_painted(PaintChange change) {
+  Selection before = model_.selection;
+  const BrushTarget target = model_.tools.brush();
+  if (change_region([&](const Surface& s, const Selection& now) { return with_painted(s, now, target, change); })) {
+    model_.timeline.add({messages::kStrokeOf[static_cast<int>(target)], false, std::move(before)});
+  }
 }
 
 void DragSession::whole_component() {
@@ -279,14 +299,18 @@ void DragSession::keep_painted() {
 
 void DragSession::succeed(const DragSession& before) {
   Tools tools = before.tools();
-  tools.keeps_fixed = false;
+  tools.paint.reset();
   tools.pivot = tools.pivot == Pivot::Point ? Pivot::Centroid : tools.pivot;
   set_tools(tools);
-  set_settings(before.settings());
+  DragSettings settings = before.settings();
+  if (settings.first_radius > 0) {  // the radius is that of a protrusion
+    settings.radius = settings.handle_scale = settings.first_radius;
+  }
+  set_settings(settings);
   earlier_ = before.saved();
   const Faces &now = original().faces, &then = before.original().faces;
   if (original().vertices.rows() == before.original().vertices.rows() && now.rows() == then.rows() && now == then) {
-    Selection painted = only_painted(before.selection(), settings());
+    Selection painted = only_painted(before.selection(), settings);
     painted.held = painted.region.held = model_.weld.firsts(std::move(painted.held));
     painted.region.vertices = model_.weld.firsts(std::move(painted.region.vertices));
     change_region([&painted](const Surface&, const Selection&) { return Choice(std::move(painted)); });
@@ -411,13 +435,13 @@ bool DragSession::key(DragKey key, const Cursor& cursor) {
   model_.refusal.clear();
   switch (key) {  // keys that also work while a step is being solved
     case DragKey::Cancel: {
-      const bool something = solver_.in_progress() || model_.tools.keeps_fixed;
-      if (solver_.in_progress()) {
+      if (solver_.in_progress() || mouse_.has_waiting()) {
         cancel();
-      } else if (something) {
-        set(&Tools::keeps_fixed, false);
+        return true;
       }
-      return something;
+      const bool painting = model_.tools.paint.has_value();
+      set(&Tools::paint, std::nullopt);
+      return painting;
     }
     case DragKey::Undo:
       undo();
@@ -447,9 +471,10 @@ bool DragSession::key(DragKey key, const Cursor& cursor) {
                                                                : Pivot::Centroid);
       return true;
     case DragKey::Brush:
-      set(&Tools::brush, model_.tools.brush == BrushTarget::Region   ? BrushTarget::Handle
-                         : model_.tools.brush == BrushTarget::Handle ? BrushTarget::Anchors
-                                                                     : BrushTarget::Region);
+      set(&Tools::paint, !model_.tools.paint                          ? std::optional(BrushTarget::Region)
+                         : *model_.tools.paint == BrushTarget::Region ? std::optional(BrushTarget::Handle)
+                         : *model_.tools.paint == BrushTarget::Handle ? std::optional(BrushTarget::Anchors)
+                                                                      : std::nullopt);
       return true;
     case DragKey::Gizmo:
       set(&Tools::gizmo, !model_.tools.gizmo);
@@ -513,6 +538,7 @@ void DragSession::apply() {
 
 void DragSession::cancel() {
   model_.refusal.clear();
+  mouse_.drop_waiting();
   if (solver_.in_progress()) {
     mouse_.forget();
     solver_.discard();

@@ -40,14 +40,7 @@ class DragSession {
     Settling   ///< released: the exact result is being computed
   };
 
-  struct Callbacks {
-    /// Receives a line for a log: a step was applied, undone, refused.
-    std::function<void(const std::string&)> log;
-    /// Called on the worker's thread: the caller should then call poll() on its own thread.
-    std::function<void()> wake;
-    /// Called when a translation begins, unless snapping is off.
-    FindTargets find_targets = {};
-  };
+  using Callbacks = SessionCallbacks;
 
   /// @param mesh    the mesh at the beginning
   /// @param scalar  precision of the mesh that takes the poses
@@ -73,7 +66,8 @@ class DragSession {
   Affine active_map() const;  ///< the map of the active group in the drag, also before a pose is solved
   const DragMotion* motion() const;  ///< the drag in progress, null if there is none
   Preparation preparation() const { return solver_.preparation(); }
-  bool busy() const { return solver_.worker().busy(); }  ///< poll() has, or will have, something new
+  /// Returns whether poll() has, or will have, something new.
+  bool busy() { return solver_.worker().busy() || model_.background.finds_outlines(); }
   /// Returns whether what is under the cursor is not known yet: a press on a new session picks nothing. Starts to find
   /// out, and poll() has something new when it is known.
   bool searching() { return mouse_.searching(); }
@@ -97,11 +91,13 @@ class DragSession {
   // Settings ---------------------------------------------------------------------------------------------------------
 
   const DragSettings& settings() const { return model_.settings; }
+  /// Returns the settings with the radius that a press at the cursor would take, for a wheel that changes it.
+  DragSettings settings_at_cursor() const;
   /// Re-solves the drag in progress or, until something else is picked, the step applied last. Values out of range are
   /// refused by message() and leave the settings as they were.
   void set_settings(const DragSettings& settings);
   Tools tools() const;
-  /// A change of the mirror plane, or of what the brush keeps fixed, is refused by message() while a step is solved
+  /// A change of the mirror plane, or of what is painted, is refused by message() while a step is solved
   /// for.
   void set_tools(const Tools& tools);
   /// Changes one of them, for example set(&Tools::snaps, true).
@@ -111,6 +107,7 @@ class DragSession {
     changed.*tool = value;
     set_tools(changed);
   }
+  void take_by_click(HandleMode mode);  ///< makes the next click a handle, not another group or region
   Vector3 pivot_position() const { return model_.pivot_position(); }  ///< requires an active group
   void find_mirror();                                                 ///< mirrors at the plane of find_symmetry()
 
@@ -133,6 +130,11 @@ class DragSession {
   bool hover(const Cursor& cursor, PressModifiers modifiers) { return mouse_.hover(cursor, modifiers); }
   void leave() { mouse_.leave(); }  ///< the cursor has left the view
   void release(const Cursor& cursor) { mouse_.release(cursor); }
+  /// Returns the point of the surface that a press would take; none over a handle or gizmo, beside the mesh, and while
+  /// a step is solved.
+  std::optional<Vector3> surface_at(const Cursor& cursor, PressModifiers modifiers) {
+    return mouse_.surface_at(cursor, modifiers);
+  }
 
   // Keys -------------------------------------------------------------------------------------------------------------
 
@@ -145,6 +147,8 @@ class DragSession {
 
   void set_region(std::vector<int> vertices);   ///< any order; keeps the handles inside it
   void set_anchors(std::vector<int> vertices);  ///< replaces the anchor band of the region
+  void set_handle(std::vector<int> vertices);   ///< replaces the active handle
+  void change_painted(PaintChange change);      ///< of the brush's target; one action of timeline()
   void whole_component();                       ///< the connected components of the handles
   void clear();                                 ///< no region, no handle, no fixed vertices
   void keep_painted();                          ///< no handle; only a painted region, and the fixed vertices
@@ -187,7 +191,7 @@ class DragSession {
   void set_mirror(const std::optional<MirrorPlane>& plane);
   std::string next_click() const;
   template <class Choose>
-  void change_region(const Choose& choose);
+  bool change_region(const Choose& choose);
   void undo_or_redo(bool again);
   bool motion_key(DragKey key, const Cursor& cursor);
   bool begin_by_key(MotionKind kind, const Cursor& cursor);

@@ -2,6 +2,7 @@
 #include "lapedit/session/drag_settings.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <limits>
 
 #include "lapedit/base/error.h"
@@ -9,12 +10,16 @@
 
 namespace lapedit {
 
+double disc_radius(const DragSettings& settings) {
+  return std::min(settings.handle_fraction * settings.handle_scale, kLargestHandleFraction * settings.radius);
+}
+
 DragSettings settings_for(const TriangleMesh& mesh) {
   constexpr double kRadiusOfDiagonal = 0.15;
   DragSettings settings;
   const Eigen::AlignedBox3d box = bounding_box(mesh.vertices);
   const double diagonal = box.isEmpty() ? 0 : box.diagonal().norm();
-  settings.radius = diagonal > 0 ? kRadiusOfDiagonal * diagonal : 1;
+  settings.radius = settings.first_radius = settings.handle_scale = diagonal > 0 ? kRadiusOfDiagonal * diagonal : 1;
   return settings;
 }
 
@@ -27,10 +32,11 @@ void validate(const DragSettings& settings) {
     const char* wanted;
   } ranges[] = {
       {"region's radius", settings.radius, kShortest, kLongest, "a finite length greater than 0"},
+      {"first radius", settings.first_radius, 0, kLongest, "a finite length, or 0 for the radius given"},
+      {"scale of the handle's size", settings.handle_scale, 0, kLongest, "a finite length"},
       {"padding", settings.padding, 0, 1, "a fraction of the region's radius from 0 to 1"},
       {"handle's size", settings.handle_fraction, 0, kLargestHandleFraction,
        "a number from 0, a single vertex, to 0.9"},
-      {"handle's softness", settings.softness, 0, 1, "a fraction of its disc from 0 to 1"},
       {"gap to connect pieces over", settings.connect_gap, 0, kLongest, "a finite length, or 0 to leave pieces apart"},
       {"brush's radius", static_cast<double>(settings.brush_pixels), 1, 1000, "1 to 1000 pixels"}};
   for (const auto& range : ranges) {

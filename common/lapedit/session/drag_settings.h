@@ -5,14 +5,27 @@
 
 namespace lapedit {
 
+/// How the weight of a handle's disc falls off from its middle to its rim.
+enum class Falloff {
+  Even,    ///< not at all
+  Sharp,   ///< at once: a peak
+  Smooth,  ///< evenly: a hill
+  Dome     ///< near the rim: a rounded plateau
+};
+
 /// Settings of the user, which may change at any time.
 struct DragSettings {
-  double radius = 0;             ///< of a new region about the vertex clicked, along the surface, model units
+  double radius = 0;  ///< of a new region about the vertex clicked, along the surface, model units
+  /// Greater than 0: a click on the surface sets the radius to that of the protrusion there, and to this one where
+  /// there is none. Another radius, which a user sets, makes it 0.
+  double first_radius = 0;
   double padding = 0.1;          ///< see RegionSpec
-  double handle_fraction = 0.2;  ///< radius of the handle's disc over the radius; 0: the clicked vertex alone
-  double softness = 0;           ///< fraction of the disc's radius over which the handle's weight falls off, 0 to 1
-  double connect_gap = 0;        ///< pieces nearer than this form one region, model units; 0: pieces stay separate
-  double brush_pixels = 20;      ///< radius of the brush on the screen
+  double handle_fraction = 0.2;  ///< radius of the handle's disc over handle_scale; 0: the clicked vertex alone
+  double handle_scale = 0;       ///< the radius before a user changed it, so that the handle keeps its size
+  Falloff falloff = Falloff::Even;
+  double connect_gap = 0;    ///< pieces nearer than this form one region, model units; 0: pieces stay separate
+  bool pieces = true;        ///< see RegionSpec::pieces
+  double brush_pixels = 20;  ///< radius of the brush on the screen
   EditSettings edit;
 };
 
@@ -24,6 +37,9 @@ enum class HandleMode {
 
 /// Largest fraction of a region's radius: the remainder has to follow the handle.
 constexpr double kLargestHandleFraction = 0.9;
+
+/// Returns the radius of the disc of a click: at most kLargestHandleFraction of the region's.
+double disc_radius(const DragSettings& settings);
 
 /// Returns the initial settings of a session with a mesh.
 DragSettings settings_for(const TriangleMesh& mesh);

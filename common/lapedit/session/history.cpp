@@ -47,12 +47,12 @@ struct History::Spares {
     int version;             // the number of changes that `stale` takes into account
   };
 
-  static constexpr std::size_t kMost = 3;
+  static constexpr std::size_t kMost = 4;
 
   /// Begins with the meshes that the first steps take: the one before is read by other threads for a moment.
   explicit Spares(const TriangleMesh& mesh) {
     list.reserve(kMost);  // so that giving back does not throw
-    for (int k = 0; k < 2; ++k) {
+    for (int k = 0; k < 3; ++k) {
       list.push_back({std::make_unique<TriangleMesh>(mesh), {}, 0});
     }
   }

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/session/hover.h"
 
-#include <chrono>
+#include <algorithm>
 #include <cmath>
 #include <future>
 #include <system_error>
+#include <tuple>
+#include <utility>
 
 #include "lapedit/mesh/distance_contour.h"
+#include "lapedit/mesh/protrusion.h"
 #include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
@@ -16,14 +19,21 @@ constexpr double kOfSize = 0.02;  // of the mesh
 
 }  // namespace
 
+bool HoverQuery::operator==(const HoverQuery& other) const {
+  return std::tie(vertex, with_region, radius, disc, smallest, largest, mirror) ==
+         std::tie(other.vertex, other.with_region, other.radius, other.disc, other.smallest, other.largest,
+                  other.mirror);
+}
+
 HoverSearch::HoverSearch(const TriangleMesh& mesh, const Adjacency& adjacency)
     : mesh_(mesh),
       adjacency_(adjacency),
       faces_(mesh),
       grid_(mesh.vertices, usable_vertices(mesh)),
       near_(kOfSize * bounding_box(mesh.vertices, usable_vertices(mesh)).diagonal().norm()),
-      search_({mesh, adjacency}),
-      paths_(adjacency.neighbours, mesh.vertices) {}
+      discs_(mesh, adjacency),
+      paths_(adjacency.neighbours, mesh.vertices),
+      search_({mesh, adjacency}) {}
 
 std::optional<SurfaceHit> HoverSearch::hit(const Camera& view, const Vector2& pixel) const {
   std::optional<SurfaceHit> hit = faces_.first_hit(view.ray(pixel));
@@ -36,40 +46,45 @@ std::optional<SurfaceHit> HoverSearch::hit(const Camera& view, const Vector2& pi
   return hit;
 }
 
-void HoverSearch::outline(int vertex, HoverPreview& preview) {
-  preview.region.resize(0, 3);
-  preview.disc.resize(0, 3);
-  const bool with_region = preview.kind == HoverPreview::Kind::Region;
-  const double farthest = with_region ? preview.radius : preview.disc_radius;
-  const std::vector<int>& reached = search_.run({vertex}, farthest, nullptr, kMostVertices);
-  preview.is_whole = reached.size() < kMostVertices;
-  const double seen = preview.is_whole || reached.empty() ? farthest : search_.distance(reached.back());
-  if (with_region && preview.is_whole) {
-    distance_contour(mesh_, adjacency_, search_, preview.radius, reached, ends_, preview.region);
+HoverOutlines HoverSearch::outlines(const HoverQuery& query) {
+  constexpr double kAround = 1.15;  // the neck is inside the region
+  HoverOutlines found;
+  found.radius = query.radius;
+  found.disc_radius = query.disc;
+  if (query.largest > 0) {
+    const std::vector<int>& reached = search_.run({query.vertex}, query.largest, nullptr, kMostVertices);
+    const double neck = protrusion_radius(mesh_, adjacency_, search_, reached, query.smallest, query.largest);
+    found.radius = std::clamp(neck > 0 ? kAround * neck : query.radius, query.smallest, query.largest);
+    found.disc_radius *= found.radius;
   }
-  if (preview.disc_radius > 0 && preview.disc_radius <= seen) {
-    distance_contour(mesh_, adjacency_, search_, preview.disc_radius, reached, ends_, preview.disc);
+  outline(query.vertex, found, query.with_region);
+  const Vector3 position = query.mirror
+                               ? Vector3(reflection(*query.mirror) * mesh_.vertices.row(query.vertex).transpose())
+                               : Vector3::Zero();
+  const int image = query.mirror && position.allFinite() ? grid_.nearest(position, near_) : -1;
+  if (image >= 0) {
+    HoverOutlines other;
+    other.radius = found.radius;
+    other.disc_radius = found.disc_radius;
+    outline(image, other, query.with_region);
+    found.mirrored_region = std::move(other.region);
+    found.mirrored_disc = std::move(other.disc);
+    found.mirrored_point = mesh_.vertices.row(image).transpose();
   }
+  return found;
 }
 
-void HoverSearch::mirrored_outline(const std::optional<MirrorPlane>& plane, int vertex, HoverPreview& preview) {
-  preview.mirrored_region.resize(0, 3);
-  preview.mirrored_disc.resize(0, 3);
-  preview.mirrored_point.reset();
-  const Vector3 position =
-      plane ? Vector3(reflection(*plane) * mesh_.vertices.row(vertex).transpose()) : Vector3::Zero();
-  const int image = plane && position.allFinite() ? grid_.nearest(position, near_) : -1;
-  if (image < 0) {
-    return;
+void HoverSearch::outline(int vertex, HoverOutlines& found, bool with_region) {
+  const double farthest = with_region ? found.radius : found.disc_radius;
+  const std::vector<int>& reached = search_.run({vertex}, farthest, nullptr, kMostVertices);
+  found.is_whole = reached.size() < kMostVertices;
+  const double seen = found.is_whole ? farthest : search_.distance(reached.back());
+  if (with_region && found.is_whole) {
+    distance_contour(mesh_, adjacency_, search_, found.radius, reached, ends_, found.region);
   }
-  HoverPreview other;
-  other.kind = preview.kind;
-  other.radius = preview.radius;
-  other.disc_radius = preview.disc_radius;
-  outline(image, other);
-  preview.mirrored_region = std::move(other.region);
-  preview.mirrored_disc = std::move(other.disc);
-  preview.mirrored_point = mesh_.vertices.row(image).transpose();
+  if (found.disc_radius > 0 && found.disc_radius <= seen) {
+    distance_contour(mesh_, adjacency_, search_, found.disc_radius, reached, ends_, found.disc);
+  }
 }
 
 void HoverSearch::path(int from, int to, Points& positions) {
@@ -78,7 +93,7 @@ void HoverSearch::path(int from, int to, Points& positions) {
     return;
   }
   if (from != paths_from_) {
-    paths_.begin(from, kMostVertices);
+    paths_.begin(from, kMostOnPath);
     paths_from_ = from;
   }
   positions = gather(mesh_.vertices, paths_.to(to));
@@ -88,8 +103,9 @@ HoverSearch* HoverBackground::of(const std::shared_ptr<const TriangleMesh>& mesh
                                  const std::shared_ptr<const Adjacency>& adjacency) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (found_) {
+    if (found_ && !(ready_ && ready_->mesh == mesh)) {  // what is in use stays
       ready_ = std::move(found_);
+      asked_ = Answer();  // frees the search before
       is_coming_ = false;
     }
   }
@@ -98,8 +114,8 @@ HoverSearch* HoverBackground::of(const std::shared_ptr<const TriangleMesh>& mesh
   }
   if (!is_coming_) {
     try {
-      work_ = JoinedThread(std::packaged_task<void()>([this, mesh, adjacency] {
-        auto made = std::make_unique<Made>(mesh, adjacency);
+      making_ = JoinedThread(std::packaged_task<void()>([this, mesh, adjacency] {
+        auto made = std::make_shared<Made>(mesh, adjacency);
         {
           const std::lock_guard<std::mutex> lock(mutex_);
           found_ = std::move(made);
@@ -112,6 +128,52 @@ HoverSearch* HoverBackground::of(const std::shared_ptr<const TriangleMesh>& mesh
     }
   }
   return nullptr;
+}
+
+const HoverOutlines* HoverBackground::outlines(const HoverQuery& query) {
+  if (ready_ == nullptr) {
+    return nullptr;
+  }
+  if (asked_.on != ready_ || !(asked_.query == query)) {
+    asked_ = {ready_, query, std::nullopt};
+  }
+  take_answer();
+  if (!asked_.outlines && !is_finding_) {
+    find();
+  }
+  return asked_.outlines ? &*asked_.outlines : nullptr;
+}
+
+bool HoverBackground::finds_outlines() {
+  take_answer();
+  return is_finding_;
+}
+
+void HoverBackground::take_answer() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (answer_) {
+    is_finding_ = false;
+    if (answer_->on == asked_.on && answer_->query == asked_.query) {
+      asked_ = std::move(*answer_);
+    }
+    answer_.reset();
+  }
+}
+
+void HoverBackground::find() {
+  try {
+    finding_ = JoinedThread(std::packaged_task<void()>([this, task = asked_]() mutable {
+      task.outlines = task.on->search.outlines(task.query);
+      {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        answer_ = std::move(task);
+      }
+      wake_();
+    }));
+    is_finding_ = true;
+  } catch (const std::system_error&) {  // no thread is available
+    asked_.outlines = asked_.on->search.outlines(asked_.query);
+  }
 }
 
 }  // namespace lapedit

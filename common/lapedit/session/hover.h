@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -9,16 +10,37 @@
 #include <vector>
 
 #include "lapedit/base/joined_thread.h"
-#include "lapedit/mesh/geodesic.h"
 #include "lapedit/mesh/ray_cast.h"
 #include "lapedit/mesh/symmetry.h"
 #include "lapedit/mesh/vertex_grid.h"
 #include "lapedit/mesh/visibility.h"
+#include "lapedit/session/disc_search.h"
 
 namespace lapedit {
 
-/// What a press under the cursor would take. Outlines are line segments, two rows each, on the surface.
-struct HoverPreview {
+/// What a press would take about a vertex. Outlines are line segments, two rows each, on the surface.
+struct HoverOutlines {
+  double radius = 0, disc_radius = 0;     ///< model units; a disc of 0 is one vertex; radius 0: not found yet
+  Points region, disc;                    ///< empty where nothing is taken
+  Points mirrored_region, mirrored_disc;  ///< the same on the other side of a plane
+  std::optional<Vector3> mirrored_point;  ///< the middle of the disc there
+  bool is_whole = true;                   ///< whether the search came to its end
+};
+
+/// What outlines are to be found for.
+struct HoverQuery {
+  int vertex = -1;
+  bool with_region = true;           ///< otherwise the disc alone
+  double radius = 0;                 ///< of the region
+  double disc = 0;                   ///< radius; a fraction of the region's where that is the protrusion's
+  double smallest = 0, largest = 0;  ///< largest > 0: the region's radius is the protrusion's, within these limits
+  std::optional<MirrorPlane> mirror;
+
+  bool operator==(const HoverQuery& other) const;
+};
+
+/// What a press under the cursor would take. Outlines may be those of a place before, until they are found.
+struct HoverPreview : HoverOutlines {
   enum class Kind {
     Region,  ///< a new region with its handle
     Handle,  ///< another handle in the region that there is
@@ -29,17 +51,12 @@ struct HoverPreview {
   int group = -1;                                             ///< Kind::Group
   int vertex = -1;                                            ///< nearest to the point
   Vector3 point = Vector3::Zero(), normal = Vector3::Zero();  ///< under the cursor; the normal has length 1 or 0
-  double radius = 0, disc_radius = 0;                         ///< model units; a disc of 0 is one vertex
-  Points region, disc;                                        ///< outlines; no rows for what is not taken
-  Points mirrored_region, mirrored_disc;                      ///< the same on the other side of a plane
-  std::optional<Vector3> mirrored_point;                      ///< the middle of the disc there
   Points path;                                                ///< the next piece of a curve, from vertex to vertex
   std::optional<Vector3> curve_point;                         ///< of the group, a curve: the point that a drag moves
-  bool is_whole = true;                                       ///< whether the search for the outlines came to its end
 };
 
-/// Answers what is under the cursor on one pose of a mesh, for presses, previews and the brush. The work of a call is
-/// bounded, whatever mesh and radius.
+/// Answers what is under the cursor on one pose of a mesh, for presses, previews and the brush. outlines() is for
+/// another thread than the rest.
 class HoverSearch {
  public:
   /// O(mesh log mesh), for a thread that nobody waits for. What is given must outlive the object.
@@ -49,43 +66,47 @@ class HoverSearch {
   /// O(log faces).
   std::optional<SurfaceHit> hit(const Camera& view, const Vector2& pixel) const;
   const Visibility& faces() const { return faces_; }
-
-  /// Outlines of what is within the radii of a vertex, along the surface. No more than kMostVertices are looked at.
-  void outline(int vertex, HoverPreview& preview);
-
-  /// Outlines of what the plane's other side takes, about the image of a vertex; none without one.
-  void mirrored_outline(const std::optional<MirrorPlane>& plane, int vertex, HoverPreview& preview);
-
-  /// Places of the shortest path, as a click would take it; none if it leads farther than kMostVertices. @param from
-  /// -1: none
+  DiscSearch& discs() { return discs_; }
+  /// Places of the shortest path, as a click would take it; none if it leads farther than kMostOnPath vertices.
+  /// @param from  -1: none
   void path(int from, int to, Points& positions);
 
-  static constexpr std::size_t kMostVertices = 20000;
+  /// O(kMostVertices) at most.
+  HoverOutlines outlines(const HoverQuery& query);
+
+  static constexpr std::size_t kMostVertices = 60000, kMostOnPath = 20000;
 
  private:
+  void outline(int vertex, HoverOutlines& found, bool with_region);
+
   const TriangleMesh& mesh_;
   const Adjacency& adjacency_;
   Visibility faces_;
   VertexGrid grid_;
   double near_;  // an image is no farther from its vertex
-  GeodesicSearch search_;
+  DiscSearch discs_;
   ShortestPaths paths_;
   int paths_from_ = -1;
+  // Of outlines().
+  GeodesicSearch search_;
   std::vector<double> ends_;  // scratch: coordinates of segments
 };
 
-/// Makes HoverSearches on a thread of its own, so that the window does not wait for one.
+/// Makes HoverSearches and finds outlines on threads of its own, so that the window does not wait for one.
 class HoverBackground {
  public:
-  /// @param wake  called from that thread when a search is there
+  /// @param wake  called from another thread when a search or outlines are there
   explicit HoverBackground(std::function<void()> wake) : wake_(std::move(wake)) {}
 
   /// Returns the search over a mesh, null until it is ready. Another mesh starts another search.
   HoverSearch* of(const std::shared_ptr<const TriangleMesh>& mesh, const std::shared_ptr<const Adjacency>& adjacency);
   /// Returns the last search that was ready, perhaps over a mesh before; null if there was none.
   const HoverSearch* latest() const { return ready_ ? &ready_->search : nullptr; }
-  /// Waits for the search that is being made. For tests.
-  void wait() { work_ = JoinedThread(); }
+  /// Returns the outlines on the mesh of latest(), null until they are found: of several queries the last counts.
+  const HoverOutlines* outlines(const HoverQuery& query);
+  bool finds_outlines();  ///< a query is not answered yet
+  /// Waits for what is being made. For tests.
+  void wait() { making_ = JoinedThread(), finding_ = JoinedThread(); }
 
  private:
   struct Made {
@@ -97,12 +118,23 @@ class HoverBackground {
     HoverSearch search;
   };
 
+  /// Outlines with their query.
+  struct Answer {
+    std::shared_ptr<Made> on;
+    HoverQuery query;
+    std::optional<HoverOutlines> outlines;  // none: not found yet
+  };
+  void take_answer();
+  void find();
+
   std::function<void()> wake_;
-  std::unique_ptr<Made> ready_;
-  bool is_coming_ = false;
+  std::shared_ptr<Made> ready_;
+  bool is_coming_ = false, is_finding_ = false;
+  Answer asked_;  // the last query
   std::mutex mutex_;
-  std::unique_ptr<Made> found_;  // under the mutex
-  JoinedThread work_;            // last: its thread ends first
+  std::shared_ptr<Made> found_;    // under the mutex
+  std::optional<Answer> answer_;   // under the mutex
+  JoinedThread making_, finding_;  // last: their threads end first
 };
 
 }  // namespace lapedit

@@ -104,6 +104,15 @@ std::string single_vertex(MotionKind kind, int vertex) {
 
 // Lines for a log ----------------------------------------------------------------------------------------------------
 
+/// Returns the name that the step had as a motion.
+std::string saved_step(const std::vector<HandleGroup>& handles, const std::vector<int>& moved) {
+  const HandleGroup* const handle = moved.empty() ? nullptr : &handles[static_cast<std::size_t>(moved.back())];
+  if (handle == nullptr || handle->transform.matrix) {
+    return "Step of a saved edit";
+  }
+  return handle->targets.empty() ? motion_text(handle->transform) : "Bending a curve";
+}
+
 std::string not_possible(const std::string& why) {
   return format_text("not possible: %s", why.c_str());
 }

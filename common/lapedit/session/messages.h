@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "lapedit/edit/edit.h"
 #include "lapedit/session/drag_motion.h"
 
 /// All messages of a session: the effect of the next click, reasons of refusals, and lines for a log.
@@ -27,12 +28,13 @@ constexpr const char* kLeadCurve =
 constexpr const char* kDragHandle =
     "Drag the handle; a click on it shows arrows and rings (T moves, R turns, S scales). Click inside the region for "
     "another handle, outside for a new region.";
-constexpr const char* kKeepFixed = "Paint the vertices to keep fixed; Shift removes them. Esc ends painting.";
+// By BrushTarget.
+constexpr const char* kPaints[] = {"Paint the region; Shift removes from it. Esc ends painting.",
+                                   "Paint the handle; Shift removes from it. Esc ends painting.",
+                                   "Paint the vertices to keep fixed; Shift removes them. Esc ends painting."};
 // Behind these, where they are not the usual.
-constexpr const char* kPaintsHandle = " Brush: handle.";
-constexpr const char* kPaintsFixed = " Brush: keep fixed.";
-constexpr const char* kTurnsAboutRim = " Turns about: shoulder (edge of the region).";
-constexpr const char* kTurnsAboutPoint = " Turns about: the point picked.";
+constexpr const char* kTurnsAboutRim = " A drag turns about the shoulder (edge of the region); Shift moves.";
+constexpr const char* kTurnsAboutPoint = " A drag turns about the point picked; Shift moves.";
 std::string drag_handles(std::size_t moving, std::size_t all);
 constexpr const char* kBendCurve =
     "Drag a point of the curve to bend it, the line between points to move all of it; click inside the region for "
@@ -45,7 +47,7 @@ constexpr const char* kStillSettling =
     "The last step is still being computed: wait a moment, or press Backspace to cancel it.";
 constexpr const char* kNoSurface = "There is no surface of this layer under the cursor: click on the mesh.";
 constexpr const char* kNoNormal = "The surface has no normal at the handle: lock X, Y or Z instead.";
-constexpr const char* kNoRegionVertices = "The region has no vertices: select some vertices or faces first.";
+constexpr const char* kNoRegionVertices = "No vertices are selected: select some vertices or faces first.";
 constexpr const char* kNoComponent =
     "There is no handle whose component could become the region: click on the surface first.";
 constexpr const char* kNoRegion = "There is no region yet: click on the surface first.";
@@ -54,6 +56,7 @@ constexpr const char* kRegionNotKnown = "The region is still being computed: wai
 constexpr const char* kNotSymmetric = "No plane was found at which the mesh mirrors itself: choose X, Y or Z instead.";
 constexpr const char* kNoAnchors =
     "None of these vertices can be kept fixed: choose vertices inside the region that are in no handle.";
+constexpr const char* kNothingPainted = "Nothing is painted that could be changed: paint first.";
 constexpr const char* kNothingToHold = "These vertices are already kept fixed, or are in a handle: paint others.";
 constexpr const char* kNoMotion =
     "Nothing is being moved: drag the handle, or press T, R or S first; then X, Y, Z, N and digits apply.";
@@ -78,8 +81,8 @@ std::string single_vertex(MotionKind kind, int vertex);
 
 // Lines for a log ----------------------------------------------------------------------------------------------------
 
-constexpr const char* kStrokeOf[] = {"Brush: region", "Brush: handle", "Brush: keep fixed"};  // by BrushTarget
-constexpr const char* kSavedStep = "Step of a saved edit";
+constexpr const char* kStrokeOf[] = {"Paint: region", "Paint: handle", "Paint: fixed"};  // by BrushTarget
+std::string saved_step(const std::vector<HandleGroup>& handles, const std::vector<int>& moved);
 constexpr const char* kStrokeUndone = "stroke of the brush undone";
 constexpr const char* kStrokeRedone = "stroke of the brush redone";
 std::string not_possible(const std::string& why);

@@ -4,10 +4,10 @@
 namespace lapedit {
 namespace {
 
-void set(DragSettings& settings, const EditSettings& edit, double handle_fraction, double softness) {
+void set(DragSettings& settings, const EditSettings& edit, double handle_fraction, Falloff falloff) {
   settings.edit = edit;
   settings.handle_fraction = handle_fraction;
-  settings.softness = softness;
+  settings.falloff = falloff;
 }
 
 EditSettings with_membrane(double membrane) {
@@ -21,20 +21,20 @@ EditSettings with_membrane(double membrane) {
 const std::vector<Preset>& presets() {
   static const std::vector<Preset> list = {
       {"General", "Suits most surfaces.",
-       [](DragSettings& s) { set(s, EditSettings(), DragSettings().handle_fraction, DragSettings().softness); }},
+       [](DragSettings& s) { set(s, EditSettings(), DragSettings().handle_fraction, Falloff::Even); }},
       {"Limb", "Arms, legs, tails and horns: a larger handle, less stretch, the limb bends and keeps its thickness.",
-       [](DragSettings& s) { set(s, with_membrane(1000), 0.25, 0); }},
+       [](DragSettings& s) { set(s, with_membrane(1000), 0.25, Falloff::Even); }},
       {"Face", "Noses, lips, ears and cheeks: a soft disc that fades out smoothly.",
-       [](DragSettings& s) { set(s, with_membrane(200), 0.25, 1); }},
+       [](DragSettings& s) { set(s, with_membrane(200), 0.25, Falloff::Smooth); }},
       {"Terrain", "Hills and height fields: details stay upright, since they are not rotated.",
        [](DragSettings& s) {
          EditSettings edit = EditSettings::of(EditMethod::Linear);
          edit.laplacian = LaplacianKind::MeanValue;
          edit.handle_weight = edit.anchor_weight = 30;
-         set(s, edit, 0.25, 1);
+         set(s, edit, 0.25, Falloff::Smooth);
        }},
       {"Sharp", "Machined parts and letters: a small handle, edges and corners keep their shape.",
-       [](DragSettings& s) { set(s, with_membrane(1000), 0.1, 0); }},
+       [](DragSettings& s) { set(s, with_membrane(1000), 0.1, Falloff::Even); }},
   };
   return list;
 }
@@ -44,7 +44,7 @@ int preset_of(const DragSettings& settings) {
     DragSettings set = settings;
     presets()[i].set(set);
     if (set.edit == settings.edit && set.handle_fraction == settings.handle_fraction &&
-        set.softness == settings.softness) {
+        set.falloff == settings.falloff) {
       return static_cast<int>(i);
     }
   }

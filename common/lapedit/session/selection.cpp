@@ -14,113 +14,47 @@ namespace {
 
 using Next = Selection::Next;
 
-/// Returns all handle vertices. @param but a group to omit
-std::vector<int> handles_of(const Selection& selection, int but = -1) {
-  std::vector<int> handles;
-  for (std::size_t g = 0; g < selection.groups.size(); ++g) {
-    if (static_cast<int>(g) != but) {
-      handles = united(handles, selection.groups[g]);
-    }
-  }
-  return handles;
-}
-
-std::vector<int>& centers_of_active(Selection& selection) {
-  return selection.discs.centers[static_cast<std::size_t>(selection.active)];
-}
-
-HandleCurve& curve_of_active(Selection& selection) {
-  return selection.discs.curves[static_cast<std::size_t>(selection.active)];
-}
-
-void add_group(Selection& selection, std::vector<int> vertices, std::vector<int> centers, HandleCurve curve = {}) {
-  selection.groups.push_back(std::move(vertices));
-  selection.discs.curves.push_back(std::move(curve));
-  selection.discs.centers.push_back(std::move(centers));
-  selection.weights.emplace_back();
-  selection.active = static_cast<int>(selection.groups.size()) - 1;
-  selection.along.clear();
-}
-
-void erase_group(Selection& selection, std::size_t group) {
-  selection.groups.erase(selection.groups.begin() + static_cast<std::ptrdiff_t>(group));
-  selection.discs.centers.erase(selection.discs.centers.begin() + static_cast<std::ptrdiff_t>(group));
-  selection.discs.curves.erase(selection.discs.curves.begin() + static_cast<std::ptrdiff_t>(group));
-  selection.weights.erase(selection.weights.begin() + static_cast<std::ptrdiff_t>(group));
-  selection.active = static_cast<int>(selection.groups.size()) - 1;
-  selection.along.clear();
-}
-
-void clear_groups(Selection& selection) {
-  selection.groups.clear();
-  selection.discs.centers.clear();
-  selection.discs.curves.clear();
-  selection.weights.clear();
-  selection.active = -1;
-  selection.along.clear();
-}
-
-double disc_radius(const DragSettings& settings) {
-  return settings.handle_fraction * settings.radius;
+/// Returns the surface's search, or another one.
+DiscSearch& discs_of(const Surface& surface, std::optional<DiscSearch>& own) {
+  return surface.discs != nullptr ? *surface.discs : own ? *own : own.emplace(surface.mesh, surface.adjacency);
 }
 
 /// Returns the handle of a click. A disc has at least the vertex's neighbours if a region remains around them, since on
 /// a coarse mesh a single vertex makes a needle.
 std::vector<int> disc(const Surface& surface, int vertex) {
+  const Points& points = surface.mesh.vertices;
   const double radius = disc_radius(surface.settings);
-  std::vector<int> within = vertices_within(surface.mesh, surface.adjacency, vertex, radius);
-  if (radius > 0) {
-    within =
-        united(within, common(grown(surface.adjacency, {vertex}),
-                              vertices_within(surface.mesh, surface.adjacency, vertex, surface.settings.radius / 2)));
+  if (radius == 0) {
+    return {vertex};
   }
-  return within;
+  std::optional<DiscSearch> own;
+  std::vector<int> within = discs_of(surface, own).run({vertex}, rounded_up(radius));
+  for (const int w : surface.adjacency.neighbours[vertex]) {
+    if ((points.row(w) - points.row(vertex)).norm() <= rounded_up(surface.settings.radius / 2)) {
+      within.push_back(w);
+    }
+  }
+  return sorted_set(std::move(within));
 }
 
-/// Computes the data of discs once their groups are known: their actual radius (smaller on a coarse mesh), the start of
-/// the region's radius, and weights.
-void follow_discs(const Surface& surface, Selection& selection) {
-  const double radius = disc_radius(surface.settings), softness = surface.settings.softness;
-  const bool counts = selection.discs.all();
-  selection.discs.reach = 0;
-  selection.weights.assign(selection.groups.size(), {});
-  std::optional<GeodesicSearch> search;
-  for (std::size_t g = 0; g < selection.groups.size(); ++g) {
-    const std::vector<int>& centers = selection.discs.centers[g];
-    if (centers.empty() || (!counts && softness == 0)) {
-      continue;
-    }
-    if (!search) {
-      search.emplace(PathGraph(surface.mesh, surface.adjacency));
-    }
-    search->run(centers, surface.settings.radius);
-    std::vector<double> distances;
-    for (const int v : selection.groups[g]) {
-      distances.push_back(std::min(search->distance(v), surface.settings.radius));
-    }
-    const double reach = *std::max_element(distances.begin(), distances.end());
-    selection.discs.reach =
-        std::max(selection.discs.reach, std::min(reach, kLargestHandleFraction * surface.settings.radius));
-    if (softness > 0 && reach > 0) {
-      selection.weights[g] = falloff_weights(distances, std::max(reach, radius), softness);
-    }
-  }
-  if (!counts) {
-    selection.discs.reach = 0;
-  }
-  if (selection.has_region && selection.region.kind == RegionSpec::Kind::Radius) {
-    selection.region.radius = surface.settings.radius - selection.discs.reach;
-  }
+/// Moves a distance from the disc's middle, as a fraction of its radius, so that the smooth curve becomes another one.
+double on_curve(Falloff falloff, double distance) {
+  return falloff == Falloff::Sharp  ? 1 - (1 - distance) * (1 - distance)
+         : falloff == Falloff::Dome ? distance * distance * distance
+                                    : distance;
+}
+
+/// Returns whether a vertex is in the region, and the next click does not take another one.
+bool is_inside(const Surface& surface, const Selection& selection, int vertex) {
+  return selection.has_region && selection.next != Next::Region && surface.region &&
+         contains(surface.region->mesh_vertex, vertex);
 }
 
 /// Decides which region a new handle at a vertex is for, and cuts the handle to it.
 std::optional<Refusal> choose_region(const Surface& surface, int vertex, Selection& selection,
                                      std::vector<int>& handle) {
-  const bool wants_region = selection.next == Next::Region;
   const bool another_group = selection.next == Next::Group && !selection.groups.empty();
-  const bool inside =
-      selection.has_region && !wants_region && surface.region && contains(surface.region->mesh_vertex, vertex);
-  if (inside) {
+  if (is_inside(surface, selection, vertex)) {
     handle = common(handle, surface.region->mesh_vertex);
     if (!another_group) {
       selection = with_region_kept(surface, selection);
@@ -130,10 +64,10 @@ std::optional<Refusal> choose_region(const Surface& surface, int vertex, Selecti
   if (another_group && selection.has_region && selection.region.kind == RegionSpec::Kind::Radius) {
     return std::nullopt;
   }
-  if (selection.has_region && selection.by_hand && !wants_region) {
+  if (!takes_region(surface, selection, vertex)) {
     return Refusal{messages::outside_region(vertex)};
   }
-  clear_groups(selection);
+  selection.clear_groups();
   selection = with_radius(surface, selection);
   selection.next = Next::Handle;
   ++selection.taken;
@@ -145,7 +79,7 @@ Choice extend_curve(const Surface& surface, const Selection& selection, int vert
   if (path.empty()) {
     return Refusal{messages::no_path(selection.curve_end, vertex)};
   }
-  const std::vector<int> others = handles_of(selection, selection.active);
+  const std::vector<int> others = selection.handles(selection.active);
   path.erase(std::remove_if(path.begin(), path.end(), [&](int v) { return contains(others, v); }), path.end());
   if (selection.region.kind != RegionSpec::Kind::Radius && surface.region) {
     const std::vector<int> outside = without(sorted_set(path), surface.region->mesh_vertex);
@@ -154,9 +88,10 @@ Choice extend_curve(const Surface& surface, const Selection& selection, int vert
     }
   }
   Selection after = selection;
-  after.groups[after.active] = united(after.groups[after.active], sorted_set(path));
-  centers_of_active(after).clear();
-  if (HandleCurve& curve = curve_of_active(after); !curve.path.empty() && path.size() > 1) {
+  const auto active = static_cast<std::size_t>(after.active);
+  after.groups[active] = united(after.groups[active], sorted_set(path));
+  after.discs.centers[active].clear();
+  if (HandleCurve& curve = after.discs.curves[active]; !curve.path.empty() && path.size() > 1) {
     if (path.front() == curve.path.back()) {
       curve.path.pop_back();
     }
@@ -183,29 +118,87 @@ Choice changed_by_hand(const Surface& surface, const Selection& selection, const
   return after;
 }
 
-/// Replaces the region's anchor band by those of these vertices, ascending, that are in the region and in no handle.
-Choice with_band(const Surface& surface, const Selection& selection, std::vector<int> vertices) {
-  const bool is_known = surface.region != nullptr && !surface.region->distance.empty();
-  if (!selection.has_region || (!is_known && selection.region.anchors.empty())) {
-    return Refusal{selection.has_region ? messages::kRegionNotKnown : messages::kNoRegion};
+}  // namespace
+
+std::vector<int> Selection::handles(int but) const {
+  std::vector<int> all;
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    if (static_cast<int>(g) != but) {
+      all = united(all, groups[g]);
+    }
   }
-  const double reach = is_known ? surface.region->max_distance : selection.region.anchors.reach;
-  const std::vector<int> region =
-      selection.region.kind == RegionSpec::Kind::Vertices ? selection.region.vertices : surface.region->mesh_vertex;
-  vertices = without(common(vertices, region), handles_of(selection));
-  if (vertices.empty()) {
-    return Refusal{messages::kNoAnchors};
-  }
-  Selection after = with_vertices(selection, region, surface.settings);
-  after.by_hand = true;
-  after.region.anchors.weights.assign(vertices.size(), 1);
-  after.region.anchors.depths.assign(vertices.size(), 1);
-  after.region.anchors.vertices = std::move(vertices);
-  after.region.anchors.reach = reach;
-  return after;
+  return all;
 }
 
-}  // namespace
+void Selection::add_group(std::vector<int> vertices, std::vector<int> centers, HandleCurve curve) {
+  groups.push_back(std::move(vertices));
+  discs.curves.push_back(std::move(curve));
+  discs.centers.push_back(std::move(centers));
+  weights.emplace_back();
+  active = static_cast<int>(groups.size()) - 1;
+  along.clear();
+}
+
+void Selection::erase_group(std::size_t group) {
+  const auto at = static_cast<std::ptrdiff_t>(group);
+  groups.erase(groups.begin() + at);
+  discs.centers.erase(discs.centers.begin() + at);
+  discs.curves.erase(discs.curves.begin() + at);
+  weights.erase(weights.begin() + at);
+  active = static_cast<int>(groups.size()) - 1;
+  along.clear();
+}
+
+void Selection::clear_groups() {
+  groups.clear();
+  discs.centers.clear();
+  discs.curves.clear();
+  weights.clear();
+  active = -1;
+  along.clear();
+}
+
+void follow_discs(const Surface& surface, Selection& selection) {
+  const double radius = disc_radius(surface.settings);
+  const Falloff falloff = surface.settings.falloff;
+  const bool counts = selection.discs.all();
+  selection.discs.reach = 0;
+  selection.weights.assign(selection.groups.size(), {});
+  std::optional<DiscSearch> own;
+  for (std::size_t g = 0; g < selection.groups.size(); ++g) {
+    const std::vector<int>& centers = selection.discs.centers[g];
+    if (centers.empty() || (!counts && falloff == Falloff::Even)) {
+      continue;
+    }
+    DiscSearch& search = discs_of(surface, own);
+    const std::vector<int>& group = selection.groups[g];
+    search.run(centers, rounded_up(radius));
+    if (std::any_of(group.begin(), group.end(), [&](int v) { return search.distance(v) == kUnreached; })) {
+      search.run(centers, surface.settings.radius);  // on a coarse mesh, or of a larger disc before
+    }
+    std::vector<double> distances;
+    distances.reserve(group.size());
+    for (const int v : group) {
+      distances.push_back(std::min(search.distance(v), surface.settings.radius));
+    }
+    const double reach = *std::max_element(distances.begin(), distances.end());
+    selection.discs.reach =
+        std::max(selection.discs.reach, std::min(reach, kLargestHandleFraction * surface.settings.radius));
+    if (falloff != Falloff::Even && reach > 0) {
+      const double rim = std::max(reach, radius);
+      for (double& distance : distances) {
+        distance = rim * on_curve(falloff, std::min(distance / rim, 1.0));
+      }
+      selection.weights[g] = falloff_weights(distances, rim);
+    }
+  }
+  if (!counts) {
+    selection.discs.reach = 0;
+  }
+  if (selection.has_region && selection.region.kind == RegionSpec::Kind::Radius) {
+    selection.region.radius = surface.settings.radius - selection.discs.reach;
+  }
+}
 
 Vector3 middle_of_rim(const TriangleMesh& mesh, const Region& region, const std::vector<int>& group) {
   const int first = index_in(region.mesh_vertex, group.front());
@@ -222,9 +215,16 @@ Vector3 middle_of_rim(const TriangleMesh& mesh, const Region& region, const std:
 
 // --- Clicks on a vertex ---------------------------------------------------------------------------------------------
 
+bool takes_region(const Surface& surface, const Selection& selection, int vertex) {
+  const bool joins = selection.next == Next::Group && !selection.groups.empty() && selection.has_region &&
+                     selection.region.kind == RegionSpec::Kind::Radius;
+  const bool refused = selection.has_region && selection.by_hand && selection.next != Next::Region;
+  return !selection.leads_curve() && !joins && !refused && !is_inside(surface, selection, vertex);
+}
+
 Choice pick(const Surface& surface, const Selection& selection, int vertex) {
   const bool curve = selection.mode == HandleMode::Curve;
-  if (curve && selection.curve_end >= 0 && selection.active >= 0 && selection.next == Next::Handle) {
+  if (selection.leads_curve()) {
     return extend_curve(surface, selection, vertex);
   }
   std::vector<int> handle = curve ? std::vector<int>{vertex} : disc(surface, vertex);
@@ -233,12 +233,12 @@ Choice pick(const Surface& surface, const Selection& selection, int vertex) {
     return *refusal;
   }
   if (after.next == Next::Group) {
-    handle = without(handle, handles_of(after));
+    handle = without(handle, after.handles());
   } else {
-    clear_groups(after);
+    after.clear_groups();
   }
-  add_group(after, std::move(handle), curve ? std::vector<int>() : std::vector<int>{vertex},
-            curve ? HandleCurve{{vertex}, {0}} : HandleCurve());
+  after.add_group(std::move(handle), curve ? std::vector<int>() : std::vector<int>{vertex},
+                  curve ? HandleCurve{{vertex}, {0}} : HandleCurve());
   follow_discs(surface, after);
   after.curve_end = curve ? vertex : -1;
   after.next = Next::Handle;
@@ -255,22 +255,23 @@ Choice add_to_handle(const Surface& surface, const Selection& selection, int ver
     if (std::optional<Refusal> refusal = choose_region(surface, vertex, after, handle)) {
       return *refusal;
     }
-    clear_groups(after);
-    add_group(after, std::move(handle), {vertex});
+    after.clear_groups();
+    after.add_group(std::move(handle), {vertex});
     follow_discs(surface, after);
     after.next = Next::Handle;
     return after;
   }
-  std::vector<int> handle = without(disc(surface, vertex), handles_of(selection, selection.active));
+  std::vector<int> handle = without(disc(surface, vertex), selection.handles(selection.active));
   if (selection.region.kind != RegionSpec::Kind::Radius && surface.region) {
     handle = common(handle, surface.region->mesh_vertex);
   }
   if (handle.empty()) {
     return Refusal{messages::not_added(vertex)};
   }
-  after.groups[after.active] = united(after.groups[after.active], handle);
-  curve_of_active(after) = HandleCurve();
-  if (std::vector<int>& centers = centers_of_active(after); !centers.empty()) {
+  const auto active = static_cast<std::size_t>(after.active);
+  after.groups[active] = united(after.groups[active], handle);
+  after.discs.curves[active] = HandleCurve();
+  if (std::vector<int>& centers = after.discs.centers[active]; !centers.empty()) {
     centers = united(centers, {vertex});
   }
   follow_discs(surface, after);
@@ -289,7 +290,7 @@ Choice take_from_handle(const Surface& surface, const Selection& selection, int 
   after.discs.centers[group].clear();
   after.discs.curves[group] = HandleCurve();
   if (after.groups[group].empty()) {
-    erase_group(after, group);
+    after.erase_group(group);
   }
   follow_discs(surface, after);
   if (after.groups.empty() && surface.region) {
@@ -320,84 +321,11 @@ Selection with_group_chosen(const Selection& selection, int group) {
 
 // --- Regions --------------------------------------------------------------------------------------------------------
 
-Selection brushed(const Surface& surface, const Selection& selection, const std::vector<int>& patch, bool add) {
-  // A region made by hand has the chosen vertices, whether a handle reaches them or not.
-  const std::vector<int> before = !selection.has_region                                 ? std::vector<int>()
-                                  : selection.region.kind == RegionSpec::Kind::Vertices ? selection.region.vertices
-                                  : surface.region                                      ? surface.region->mesh_vertex
-                                                                                        : std::vector<int>();
-  std::vector<int> vertices = add ? united(before, patch) : without(before, without(patch, handles_of(selection)));
-  Selection after = selection;
-  after.has_region = false;
-  if (!vertices.empty()) {
-    after = with_vertices(std::move(after), std::move(vertices), surface.settings);
-    after.by_hand = true;
-  }
-  return after;
-}
-
-Choice handle_brushed(const Surface& surface, const Selection& selection, const std::vector<int>& patch, bool add) {
-  Selection after = selection;
-  if (selection.groups.empty() || selection.next == Next::Group) {
-    if (!add) {
-      return Refusal{messages::kNoHandle};
-    }
-    add_group(after, {}, {});
-    after.next = Next::Handle;
-  }
-  if (!after.has_region) {
-    after = with_radius(surface, after);
-    ++after.taken;
-  }
-  std::vector<int>& group = after.groups[static_cast<std::size_t>(after.active)];
-  std::vector<int> taken = without(patch, handles_of(after, after.active));
-  if (after.region.kind == RegionSpec::Kind::Vertices) {
-    taken = common(taken, after.region.vertices);
-  }
-  if (add && taken.empty()) {
-    return Refusal{messages::nothing_painted(patch.front())};
-  }
-  group = add ? united(group, taken) : without(group, patch);
-  centers_of_active(after).clear();
-  curve_of_active(after) = HandleCurve();
-  after.curve_end = -1;
-  if (group.empty()) {
-    erase_group(after, static_cast<std::size_t>(after.active));
-  }
-  follow_discs(surface, after);
-  return after;
-}
-
-Choice anchors_brushed(const Surface& surface, const Selection& selection, const std::vector<int>& patch, bool add) {
-  Selection after = selection;
-  after.held = add ? united(selection.held, without(patch, handles_of(selection))) : without(selection.held, patch);
-  after.region.held = after.held;
-  const bool is_known = surface.region != nullptr && !surface.region->distance.empty();
-  if (!add && selection.has_region && (is_known || !selection.region.anchors.empty())) {
-    const KeptAnchors now = selection.region.anchors.empty() ? anchors_of(*surface.region) : selection.region.anchors;
-    const std::vector<int> own = without(sorted_set(now.vertices), selection.held);
-    if (!common(own, patch).empty()) {
-      return with_band(surface, after, without(own, patch));
-    }
-  }
-  if (after.held == selection.held) {
-    return Refusal{add ? messages::kNothingToHold : messages::kNoAnchors};
-  }
-  if (!add && !selection.region.anchors.empty()) {  // the last step made them the region's own
-    return with_band(surface, after, without(sorted_set(selection.region.anchors.vertices), patch));
-  }
-  return after;
-}
-
-Choice with_anchors(const Surface& surface, const Selection& selection, std::vector<int> vertices) {
-  vertices = without(sorted_set(std::move(vertices)), handles_of(selection));
-  Choice choice =
-      selection.has_region || vertices.empty() ? with_band(surface, selection, vertices) : Choice(selection);
-  if (Selection* const after = std::get_if<Selection>(&choice)) {
-    after->held = united(after->held, vertices);
-    after->region.held = after->held;
-  }
-  return choice;
+std::optional<Refusal> refuse_vertices(const Surface& surface, const std::vector<int>& vertices) {
+  const int n = static_cast<int>(surface.mesh.vertices.rows());
+  return vertices.empty()                               ? std::optional(Refusal{messages::kNoRegionVertices})
+         : vertices.front() < 0 || vertices.back() >= n ? std::optional(Refusal{messages::no_such_vertices(n)})
+                                                        : std::nullopt;
 }
 
 Selection with_vertices(Selection selection, std::vector<int> vertices, const DragSettings& settings) {
@@ -410,24 +338,20 @@ Selection with_vertices(Selection selection, std::vector<int> vertices, const Dr
 
 Choice with_region(const Surface& surface, const Selection& selection, std::vector<int> vertices) {
   vertices = sorted_set(std::move(vertices));
-  if (vertices.empty()) {
-    return Refusal{messages::kNoRegionVertices};
-  }
-  const int n = static_cast<int>(surface.mesh.vertices.rows());
-  if (vertices.front() < 0 || vertices.back() >= n) {
-    return Refusal{messages::no_such_vertices(n)};
+  if (std::optional<Refusal> refusal = refuse_vertices(surface, vertices)) {
+    return *refusal;
   }
   Selection after = with_vertices(selection, std::move(vertices), surface.settings);
   after.by_hand = true;
   if (after.next == Next::Region) {
     after.next = Next::Handle;
   }
-  clear_groups(after);
+  after.clear_groups();
   for (std::size_t g = 0; g < selection.groups.size(); ++g) {
     std::vector<int> inside = common(selection.groups[g], after.region.vertices);
     if (!inside.empty()) {
       HandleCurve curve = inside.size() == selection.groups[g].size() ? selection.discs.curves[g] : HandleCurve();
-      add_group(after, std::move(inside), selection.discs.centers[g], std::move(curve));
+      after.add_group(std::move(inside), selection.discs.centers[g], std::move(curve));
     }
   }
   if (after.groups.size() == selection.groups.size()) {
@@ -457,7 +381,7 @@ Choice grown_by_a_ring(const Surface& surface, const Selection& selection) {
 
 Choice shrunk_by_a_ring(const Surface& surface, const Selection& selection) {
   return changed_by_hand(surface, selection, [&](const std::vector<int>& set) {
-    return shrunk(surface.adjacency, set, handles_of(selection));
+    return shrunk(surface.adjacency, set, selection.handles());
   });
 }
 
@@ -496,6 +420,8 @@ Selection with_padding(Selection selection, const DragSettings& settings) {
   }
   selection.region.padding = settings.padding;
   selection.region.connect_gap = settings.connect_gap;
+  selection.region.tips = selection.region.kind == RegionSpec::Kind::Radius;
+  selection.region.pieces = settings.pieces;
   selection.region.held = selection.held;
   return selection;
 }
@@ -570,7 +496,7 @@ Selection selection_of(const EditStep& step, const std::vector<int>& moved, cons
     after.groups.push_back(handle.vertices);
     after.weights.push_back(handle.weights);
   }
-  after.active = moved.empty() ? 0 : moved.back();
+  after.active = !moved.empty() ? moved.back() : after.groups.empty() ? -1 : 0;  // a fit may have no handle
   after.along = without(moved, {after.active});
   after.discs.centers.resize(after.groups.size());
   after.discs.curves.resize(after.groups.size());

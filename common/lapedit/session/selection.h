@@ -2,11 +2,14 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "lapedit/edit/edit.h"
+#include "lapedit/session/disc_search.h"
 #include "lapedit/session/drag_settings.h"
 
 namespace lapedit {
@@ -49,6 +52,16 @@ struct Selection {
   int curve_end = -1;  ///< start of the next piece of a curve, -1 if there is no curve to continue
   Next next = Next::Handle;
 
+  /// Returns whether the next click continues a curve.
+  bool leads_curve() const {
+    return mode == HandleMode::Curve && curve_end >= 0 && active >= 0 && next == Next::Handle;
+  }
+  /// Returns all handle vertices, ascending. @param but a group to omit
+  std::vector<int> handles(int but = -1) const;
+  // The group added is active; after the others the last one is, if there is one.
+  void add_group(std::vector<int> vertices, std::vector<int> centers, HandleCurve curve = {});
+  void erase_group(std::size_t group);
+  void clear_groups();
   bool moves(int group) const { return group == active || std::find(along.begin(), along.end(), group) != along.end(); }
 };
 
@@ -67,12 +80,14 @@ struct Surface {
   const DragSettings& settings;
   const Region* region = nullptr;  ///< the selection's, classified; null if there is none or it is not known yet
   bool prepared = false;           ///< the region's distances and anchors belong to the selection's handles
+  DiscSearch* discs = nullptr;     ///< over the mesh; null: made where it is needed, which is O(mesh)
 };
 
 // Clicks on a vertex -------------------------------------------------------------------------------------------------
 
+/// Returns whether a plain click on a vertex takes a new region.
+bool takes_region(const Surface& surface, const Selection& selection, int vertex);
 /// A plain click: picks another handle in the region, another group, the next piece of a curve, or a new region.
-/// @throws EditError as vertices_within()
 Choice pick(const Surface& surface, const Selection& selection, int vertex);
 Choice add_to_handle(const Surface& surface, const Selection& selection, int vertex);
 Choice take_from_handle(const Surface& surface, const Selection& selection, int vertex);
@@ -84,16 +99,8 @@ Selection with_group_chosen(const Selection& selection, int group);
 
 // Regions ------------------------------------------------------------------------------------------------------------
 
-/// A stroke of the brush over some vertices, ascending; handles stay. Without vertices there is no region.
-Selection brushed(const Surface& surface, const Selection& selection, const std::vector<int>& patch, bool add);
-/// A stroke that paints the active handle group, or the first; vertices outside a given region are ignored.
-Choice handle_brushed(const Surface& surface, const Selection& selection, const std::vector<int>& patch, bool add);
-/// A stroke that paints fixed vertices, in this region and in later ones; a stroke that takes away also removes the
-/// region's own anchors there. The rim is always an anchor.
-Choice anchors_brushed(const Surface& surface, const Selection& selection, const std::vector<int>& patch, bool add);
-/// Makes these vertices of the region anchors, with its rim; in any order. Those outside the region, or all if there is
-/// none, are kept for later regions.
-Choice with_anchors(const Surface& surface, const Selection& selection, std::vector<int> vertices);
+/// Refuses a list, ascending, that is empty or has vertices that the mesh does not have.
+std::optional<Refusal> refuse_vertices(const Surface& surface, const std::vector<int>& vertices);
 /// Makes these vertices the region, ascending.
 Selection with_vertices(Selection selection, std::vector<int> vertices, const DragSettings& settings);
 /// Makes these vertices the region, in any order; handle vertices outside are dropped.
@@ -101,6 +108,9 @@ Choice with_region(const Surface& surface, const Selection& selection, std::vect
 Choice whole_component(const Surface& surface, const Selection& selection);
 Choice grown_by_a_ring(const Surface& surface, const Selection& selection);
 Choice shrunk_by_a_ring(const Surface& surface, const Selection& selection);
+/// Computes the data of discs once their groups are known: their actual radius (smaller on a coarse mesh), the start of
+/// the region's radius, and weights.
+void follow_discs(const Surface& surface, Selection& selection);
 /// Grows region and discs by the radius of the settings.
 Selection with_radius(const Surface& surface, const Selection& selection);
 /// Gives discs the size of the settings; a region by radius is still measured from their centres.

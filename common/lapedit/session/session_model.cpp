@@ -29,16 +29,16 @@ PoseChange joined(const PoseChange& older, const std::vector<int>& vertices, con
 
 }  // namespace
 
-SessionModel::SessionModel(TriangleMesh mesh, StoredScalar stored, std::function<void(const std::string&)> log_line,
-                           FindTargets targets)
+SessionModel::SessionModel(TriangleMesh mesh, StoredScalar stored, const SessionCallbacks& callbacks)
     : scalar(stored),
       history(checked(std::move(mesh))),
       given_adjacency(std::make_shared<const Adjacency>(
           build_adjacency(static_cast<int>(history.original().vertices.rows()), history.original().faces))),
       adjacency(given_adjacency),
-      log(log_line ? std::move(log_line) : [](const std::string&) {}),
-      find_targets(std::move(targets)),
-      settings(settings_for(history.original())) {
+      log(callbacks.log ? callbacks.log : [](const std::string&) {}),
+      find_targets(callbacks.find_targets),
+      settings(settings_for(history.original())),
+      background(callbacks.wake ? callbacks.wake : [] {}) {
   join();
 }
 
@@ -97,7 +97,7 @@ Vector3 SessionModel::pivot_position() const {
 
 std::optional<Gizmo> SessionModel::gizmo(const Camera& view) const {
   const bool awaits_click = selection.next != Selection::Next::Handle || selection.mode == HandleMode::Curve ||
-                            tools.awaits_pivot() || tools.keeps_fixed;
+                            tools.awaits_pivot() || tools.paint;
   if (!tools.gizmo || awaits_click || selection.active < 0 || !view.valid()) {
     return std::nullopt;
   }

@@ -10,21 +10,29 @@
 #include "lapedit/edit/mirror.h"
 #include "lapedit/session/gizmo.h"
 #include "lapedit/session/history.h"
-#include "lapedit/session/selection.h"
+#include "lapedit/session/hover.h"
+#include "lapedit/session/painting.h"
 #include "lapedit/session/shown_region.h"
 #include "lapedit/session/snap.h"
 #include "lapedit/session/timeline.h"
 
 namespace lapedit {
 
-/// The target of the brush.
-enum class BrushTarget { Region, Handle, Anchors };
-
 /// The centre of rotation and scale.
 enum class Pivot {
   Centroid,  ///< of the active group
   Rim,       ///< the middle of the region's rim on the group's piece: the shoulder of an arm
   Point      ///< a picked vertex; it moves with the surface
+};
+
+/// What a session calls.
+struct SessionCallbacks {
+  /// Receives a line for a log: a step was applied, undone, refused.
+  std::function<void(const std::string&)> log;
+  /// Called on the worker's thread: the caller should then call poll() on its own thread.
+  std::function<void()> wake;
+  /// Called when a translation begins, unless snapping is off.
+  FindTargets find_targets = {};
 };
 
 /// New positions of some vertices of the mesh.
@@ -37,8 +45,7 @@ struct PoseChange {
 /// The user's switches, read and set as a whole.
 struct Tools {
   HandleMode mode = HandleMode::Vertex;
-  BrushTarget brush = BrushTarget::Region;
-  bool keeps_fixed = false;  ///< the brush paints anchors without a modifier
+  std::optional<BrushTarget> paint = {};  ///< the brush paints it without a modifier; none: the region with one
   bool gizmo = false;
   bool gizmo_by_click = false;  ///< the gizmo is hidden when another handle is picked
   GizmoAxes axes = GizmoAxes::Layer;
@@ -53,6 +60,7 @@ struct ToolState : Tools {
   std::shared_ptr<const SnapTargets> targets;       ///< null: none
   std::unique_ptr<const MirroredHandles> mirrored;  ///< of the groups; null without a plane and while they are painted
 
+  BrushTarget brush() const { return paint.value_or(BrushTarget::Region); }
   bool awaits_pivot() const { return pivot == Pivot::Point && pivot_vertex < 0; }
 };
 
@@ -72,12 +80,14 @@ struct SessionModel {
   ShownRegion shown;
   int others = 0;                ///< vertices at the places of the shown region's
   std::vector<int> unconnected;  ///< of the selection's vertices, ascending
+  HoverBackground background;
 
   /// @throws EditError as validate()
-  SessionModel(TriangleMesh mesh, StoredScalar stored, std::function<void(const std::string&)> log_line,
-               FindTargets targets);
+  SessionModel(TriangleMesh mesh, StoredScalar stored, const SessionCallbacks& callbacks);
 
   const TriangleMesh& mesh() const { return *history.mesh(); }
+  /// Returns what is under the cursor, null until it is ready.
+  HoverSearch* search() { return background.of(history.mesh(), adjacency); }
   /// The mesh with the faces of the original.
   std::shared_ptr<const TriangleMesh> given_mesh() const;
   /// Finds vertices at the same place again, if the step, which was applied or undone, can have moved them apart.

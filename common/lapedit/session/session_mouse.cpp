@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/session/session_mouse.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -12,9 +13,6 @@
 namespace lapedit {
 
 using namespace phase;
-
-SessionMouse::SessionMouse(SessionModel& model, SessionSolver& solver, std::function<void()> wake)
-    : model_(model), solver_(solver), background_(std::move(wake)) {}
 
 bool SessionMouse::press(const Cursor& cursor, PressModifiers modifiers) {
   if (!cursor.view.valid()) {
@@ -32,13 +30,13 @@ bool SessionMouse::press(const Cursor& cursor, PressModifiers modifiers) {
     return true;
   }
   end_stroke();  // in case its release was lost
-  modifiers.add |= model_.tools.keeps_fixed && modifiers.none();
+  modifiers.add |= model_.tools.paint && modifiers.none();
   if (modifiers.none() && press_gizmo(cursor)) {
     return true;
   }
-  if (search() == nullptr) {
+  if (searching()) {
     // After a step the press waits for the new pose, if it was on the mesh before.
-    const HoverSearch* const before = background_.latest();
+    const HoverSearch* const before = model_.background.latest();
     const bool waits = before != nullptr && before->hit(cursor.view, cursor.pixel);
     if (waits) {
       waiting_.push_back({Event::Kind::Press, cursor, modifiers});
@@ -48,34 +46,37 @@ bool SessionMouse::press(const Cursor& cursor, PressModifiers modifiers) {
   return press_beneath(cursor, modifiers);
 }
 
-HoverSearch* SessionMouse::search() {
-  return background_.of(model_.history.mesh(), model_.adjacency);
-}
-
 std::optional<SurfaceHit> SessionMouse::hit(const Cursor& cursor) {
-  const HoverSearch* const found = search();
+  const HoverSearch* const found = model_.search();
   return found ? found->hit(cursor.view, cursor.pixel) : std::nullopt;
 }
 
 void SessionMouse::poll() {
-  if (!solver_.waits() && search() != nullptr && !waiting_.empty()) {
+  if (!solver_.waits() && !searching() && !waiting_.empty()) {
     replay();
   }
+  take_outlines();
 }
 
 bool SessionMouse::wait() {
-  if (search() != nullptr) {
-    return false;
-  }
-  background_.wait();
-  poll();
-  return true;
+  const auto ready = [this] { return !searching() && !model_.background.finds_outlines() && waiting_.empty(); };
+  const bool was_ready = ready();
+  model_.background.wait();
+  poll();  // may ask for other outlines than those that were found
+  return !was_ready || !ready();
 }
 
-/// Returns whether a press on a group grabs it: without modifiers, or with Shift to choose among several groups.
+/// Returns whether a press on a group grabs it: without modifiers, or with Shift to choose among several groups or to
+/// move where a drag turns.
 bool SessionMouse::grabs(PressModifiers modifiers) const {
   return model_.selection.next != Selection::Next::Region &&
-         (modifiers.none() || (modifiers.take && !modifiers.add && model_.groups().size() > 1));
+         (modifiers.none() || (modifiers.take && !modifiers.add && (model_.groups().size() > 1 || turns())));
+}
+
+/// Returns whether a drag of a handle turns it about the pivot, as far as a limb's length stays.
+bool SessionMouse::turns() const {
+  return !model_.tools.paint &&
+         (model_.tools.pivot_vertex >= 0 || (model_.tools.pivot == Pivot::Rim && model_.shown.region() != nullptr));
 }
 
 /// Handles a press that is not on the gizmo. @return as press()
@@ -101,6 +102,10 @@ bool SessionMouse::press_beneath(const Cursor& cursor, PressModifiers modifiers)
     pressed_->group = grabbed;
     const HandleCurve& curve = model_.selection.discs.curves[static_cast<std::size_t>(grabbed)];
     pressed_->curve_point = modifiers.none() ? curve_point_at(model_.mesh(), curve, cursor) : -1;
+    pressed_->moves = turns() && !modifiers.none();
+    if (turns() && modifiers.none() && pressed_->curve_point < 0) {
+      pressed_->kind = MotionKind::Rotate;
+    }
   } else if (hit) {
     press_surface(*hit, cursor, modifiers);
   } else {
@@ -123,7 +128,7 @@ void SessionMouse::move(const Cursor& cursor) {
   if (solver_.waits() || !waiting_.empty()) {
     return;
   }
-  if (pressed_ && !pressed_->modifiers.none()) {
+  if (pressed_ && !pressed_->modifiers.none() && !pressed_->moves) {
     if (!std::exchange(pressed_->brushed, true)) {
       brush(pressed_->cursor);
     }
@@ -131,6 +136,9 @@ void SessionMouse::move(const Cursor& cursor) {
     return;
   }
   if (pressed_ && !solver_.in<Dragging>()) {
+    if (pressed_->moves) {
+      model_.selection = with_grabbed(model_.selection, pressed_->group);
+    }
     // The motion begins where the button was pressed, however long the first move is.
     if (!pressed_->draggable || !solver_.begin(pressed_->kind, pressed_->point, pressed_->cursor, true)) {
       pressed_->draggable = false;  // the refusal is reported already
@@ -161,7 +169,7 @@ Cursor SessionMouse::snapped(const Cursor& cursor, MotionKind kind) const {
 bool SessionMouse::hover(const Cursor& cursor, PressModifiers modifiers) {
   const bool was = preview_.has_value();
   const GizmoElement before = element_;
-  if (!cursor.view.valid() || solver_.in_progress() || pressed_) {
+  if (!cursor.view.valid() || solver_.in_progress() || pressed_ || !waiting_.empty()) {
     preview_.reset();
     return was;
   }
@@ -178,6 +186,15 @@ bool SessionMouse::hover(const Cursor& cursor, PressModifiers modifiers) {
 void SessionMouse::leave() {
   preview_.reset();
   element_ = GizmoElement::None;
+}
+
+std::optional<Vector3> SessionMouse::surface_at(const Cursor& cursor, PressModifiers modifiers) {
+  const std::optional<SurfaceHit> hit = solver_.in_progress() ? std::nullopt : this->hit(cursor);
+  modifiers.add |= model_.tools.paint && modifiers.none();
+  const bool on_mark =
+      element_at(model_.gizmo(cursor.view), cursor) != GizmoElement::None ||
+      (grabs(modifiers) && group_at(model_.mesh(), model_.groups(), hit, cursor, model_.settings.radius) >= 0);
+  return hit && !on_mark ? std::optional(hit->point) : std::nullopt;
 }
 
 void SessionMouse::release(const Cursor& cursor) {
@@ -197,7 +214,7 @@ void SessionMouse::release(const Cursor& cursor) {
     return;
   }
   const Press press = *pressed_;
-  if (model_.tools.keeps_fixed && !press.modifiers.none() && !press.brushed) {  // a click paints a single patch
+  if (model_.tools.paint && !press.modifiers.none() && !press.brushed) {  // a click paints a single patch
     pressed_->brushed = true;
     brush(cursor);
     end_stroke();
@@ -246,38 +263,67 @@ bool SessionMouse::press_gizmo(const Cursor& cursor) {
   return true;
 }
 
+/// Returns what a press at the cursor would take. The radius of a new region is that of the protrusion there, unless
+/// the user has set it. It is to be seen: no smaller than some pixels, and not larger than the view.
+HoverQuery SessionMouse::query(const SurfaceHit& hit, const Camera& view, bool with_region) const {
+  constexpr double kSmallest = 0.125, kLargest = 3;  // times the usual radius
+  constexpr double kPixels = 16, kOfView = 0.45;
+  const DragSettings& settings = model_.settings;
+  const double usual = with_region ? settings.first_radius : 0;
+  const bool is_disc = model_.selection.mode == HandleMode::Vertex;
+  HoverQuery query;
+  query.vertex = hit.vertex;
+  query.with_region = with_region;
+  query.radius = usual > 0 ? usual : settings.radius;
+  query.disc = is_disc ? disc_radius(settings) : 0;
+  query.mirror = model_.tools.mirror;
+  if (usual > 0 && is_disc) {
+    const double pixel = view.pixel_size(hit.point);
+    query.disc = std::min(settings.handle_fraction, kLargestHandleFraction);
+    query.largest = std::min(kLargest * usual, kOfView * view.height() * pixel);
+    query.smallest = std::min(std::max(kSmallest * usual, kPixels * pixel), query.largest);
+  }
+  return query;
+}
+
+/// Shows the outlines that were found for the preview.
+void SessionMouse::take_outlines() {
+  if (preview_ && wanted_) {
+    if (const HoverOutlines* const found = model_.background.outlines(*wanted_)) {
+      static_cast<HoverOutlines&>(*preview_) = *found;
+    }
+  }
+}
+
 /// Finds the surface under the cursor, and what a press would pick there.
 void SessionMouse::look(const Cursor& cursor, PressModifiers modifiers) {
-  HoverSearch* const search = this->search();
-  const std::optional<SurfaceHit> hit = this->hit(cursor);
+  HoverSearch* const search = model_.search();
+  // Not hit(): the search may become ready between two calls.
+  const std::optional<SurfaceHit> hit = search ? search->hit(cursor.view, cursor.pixel) : std::nullopt;
   if (!hit) {
     preview_.reset();
     return;
   }
   using Kind = HoverPreview::Kind;
   HoverPreview& preview = preview_ ? *preview_ : preview_.emplace();
-  const bool inside = model_.selection.has_region && model_.selection.next != Selection::Next::Region &&
-                      model_.shown.region() && contains(model_.shown.region()->mesh_vertex, hit->vertex);
-  modifiers.add |= model_.tools.keeps_fixed && modifiers.none();
-  const bool plain = modifiers.none();
+  modifiers.add |= model_.tools.paint && modifiers.none();
   preview.group = grabs(modifiers) ? group_at(model_.mesh(), model_.groups(), hit, cursor, model_.settings.radius) : -1;
-  preview.kind = preview.group >= 0 ? Kind::Group : !plain ? Kind::Brush : inside ? Kind::Handle : Kind::Region;
+  preview.kind = preview.group >= 0                                               ? Kind::Group
+                 : !modifiers.none()                                              ? Kind::Brush
+                 : takes_region(solver_.surface(), model_.selection, hit->vertex) ? Kind::Region
+                                                                                  : Kind::Handle;
   preview_curve(*search, *hit, cursor, preview);
   preview.point = hit->point;
   preview.vertex = hit->vertex;
   const Vector3 normal = area_normal(model_.mesh(), hit->face);
   const double length = normal.norm();
   preview.normal = length > 0 && std::isfinite(length) ? Vector3(normal / length) : Vector3(Vector3::Zero());
-  preview.radius = model_.settings.radius;
-  preview.disc_radius =
-      model_.selection.mode == HandleMode::Vertex ? model_.settings.handle_fraction * model_.settings.radius : 0;
   if (preview.kind == Kind::Region || preview.kind == Kind::Handle) {
-    search->outline(hit->vertex, preview);
-    search->mirrored_outline(model_.tools.mirror, hit->vertex, preview);
+    wanted_ = query(*hit, cursor.view, preview.kind == Kind::Region);
+    take_outlines();
   } else {
-    preview.region.resize(0, 3);
-    preview.disc.resize(0, 3);
-    search->mirrored_outline({}, hit->vertex, preview);
+    wanted_.reset();
+    static_cast<HoverOutlines&>(preview) = HoverOutlines();
   }
 }
 
@@ -285,10 +331,8 @@ void SessionMouse::look(const Cursor& cursor, PressModifiers modifiers) {
 void SessionMouse::preview_curve(HoverSearch& search, const SurfaceHit& hit, const Cursor& cursor,
                                  HoverPreview& preview) {
   const Selection& selection = model_.selection;
-  const bool leads_on = selection.mode == HandleMode::Curve && selection.curve_end >= 0 && selection.active >= 0 &&
-                        selection.next == Selection::Next::Handle;
-  const bool next =
-      leads_on && (preview.kind == HoverPreview::Kind::Handle || preview.kind == HoverPreview::Kind::Region);
+  const bool next = selection.leads_curve() &&
+                    (preview.kind == HoverPreview::Kind::Handle || preview.kind == HoverPreview::Kind::Region);
   search.path(next ? selection.curve_end : -1, hit.vertex, preview.path);
   preview.curve_point.reset();
   if (preview.kind == HoverPreview::Kind::Group && selection.along.empty()) {
@@ -301,35 +345,34 @@ void SessionMouse::preview_curve(HoverSearch& search, const SurfaceHit& hit, con
 
 /// Handles a press on the surface outside all handles.
 void SessionMouse::press_surface(const SurfaceHit& hit, const Cursor& cursor, PressModifiers modifiers) {
-  pressed_ = Press{hit.point, hit.vertex, cursor, modifiers};
-  if (!pressed_->modifiers.none()) {
+  if (!modifiers.none()) {
+    pressed_ = Press{hit.point, hit.vertex, cursor, modifiers};
     return;  // a brush or, with the release, a click
   }
-  try {
-    const bool taken = model_.take(pick(solver_.surface(), model_.selection, hit.vertex));
-    pressed_->draggable = taken && model_.selection.mode == HandleMode::Vertex;
-    if (taken) {
-      solver_.handles_changed();
+  if (model_.settings.first_radius > 0 && takes_region(solver_.surface(), model_.selection, hit.vertex)) {
+    const HoverOutlines* const found = model_.background.outlines(query(hit, cursor.view, true));
+    if (found == nullptr) {  // the press before its preview
+      waiting_.push_back({Event::Kind::Press, cursor, modifiers});
+      return;
     }
-  } catch (const EditError& error) {
-    pressed_.reset();
-    model_.refusal = error.what();
+    model_.settings.radius = model_.settings.handle_scale = found->radius;
+  }
+  pressed_ = Press{hit.point, hit.vertex, cursor, modifiers};
+  const bool taken = model_.take(pick(solver_.surface(), model_.selection, hit.vertex));
+  pressed_->draggable = taken && model_.selection.mode == HandleMode::Vertex;
+  if (taken) {
+    solver_.handles_changed();
   }
 }
 
 /// Handles a click with Ctrl or Shift.
 void SessionMouse::click(const Press& press) {
-  if (press.group >= 0) {
+  if (press.group >= 0 && model_.groups().size() > 1) {
     model_.selection = with_group_chosen(model_.selection, press.group);
     return;
   }
-  try {
-    const auto choose = press.modifiers.add ? add_to_handle : take_from_handle;
-    if (!model_.take(choose(solver_.surface(), model_.selection, press.vertex))) {
-      return;
-    }
-  } catch (const EditError& error) {
-    model_.refusal = error.what();
+  const auto choose = press.modifiers.add ? add_to_handle : take_from_handle;
+  if (!model_.take(choose(solver_.surface(), model_.selection, press.vertex))) {
     return;
   }
   if (model_.groups().empty() && model_.shown.region()) {
@@ -344,23 +387,22 @@ void SessionMouse::brush(const Cursor& cursor) {
     return;
   }
   const double radius = model_.settings.brush_pixels * cursor.view.pixel_size(hit->point);
-  const std::vector<int> patch =
-      brushed_vertices(model_.mesh(), *model_.adjacency, search()->faces(), cursor.view, *hit, radius);
+  HoverSearch& search = *model_.search();
+  const std::vector<int> patch = brushed_vertices(model_.mesh(), *model_.adjacency, search.faces(),
+                                                  search.discs().borrow(), cursor.view, *hit, radius);
   if (patch.empty()) {
     return;
   }
   const bool add = pressed_->modifiers.add;
-  Choice choice =
-      model_.tools.brush == BrushTarget::Region   ? Choice(brushed(solver_.surface(), model_.selection, patch, add))
-      : model_.tools.brush == BrushTarget::Handle ? handle_brushed(solver_.surface(), model_.selection, patch, add)
-                                                  : anchors_brushed(solver_.surface(), model_.selection, patch, add);
+  const BrushTarget target = model_.tools.brush();
+  Choice choice = brushed(solver_.surface(), model_.selection, target, patch, add);
   model_.refusal.clear();
   Selection before = model_.selection;
   if (!model_.take(std::move(choice))) {
     return;
   }
   if (!std::exchange(pressed_->recorded, true)) {  // a stroke without effect is not an action
-    model_.timeline.add({messages::kStrokeOf[static_cast<int>(model_.tools.brush)], false, std::move(before)});
+    model_.timeline.add({messages::kStrokeOf[static_cast<int>(target)], false, std::move(before)});
   }
   solver_.rest(false);
   if (!model_.selection.has_region) {

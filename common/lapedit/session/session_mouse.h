@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <vector>
 
-#include "lapedit/session/hover.h"
 #include "lapedit/session/session_solver.h"
 
 namespace lapedit {
@@ -21,8 +19,7 @@ struct PressModifiers {
 /// end, and previews a press.
 class SessionMouse {
  public:
-  /// @param wake  called from another thread when preview() may have changed
-  SessionMouse(SessionModel& model, SessionSolver& solver, std::function<void()> wake);
+  SessionMouse(SessionModel& model, SessionSolver& solver) : model_(model), solver_(solver) {}
 
   // As DragSession's functions.
   bool press(const Cursor& cursor, PressModifiers modifiers);
@@ -30,6 +27,7 @@ class SessionMouse {
   void release(const Cursor& cursor);
   bool hover(const Cursor& cursor, PressModifiers modifiers);
   void leave();
+  std::optional<Vector3> surface_at(const Cursor& cursor, PressModifiers modifiers);
   const HoverPreview* preview() const { return preview_ ? &*preview_ : nullptr; }
   GizmoElement gizmo_element() const { return element_; }
 
@@ -40,12 +38,14 @@ class SessionMouse {
   void release_motion();
   /// Handles the events that arrived while a step was solved, on the mesh after the step.
   void replay();
-  void poll();  ///< replays them also once the search over that mesh is ready
-  bool searching() { return search() == nullptr; }
-  /// Waits for the search. @return whether it was not ready. For tests.
+  void poll();  ///< replays them also once the search over that mesh is ready, and takes outlines
+  bool searching() { return model_.search() == nullptr; }
+  /// Waits for search and outlines. @return whether they were not ready. For tests.
   bool wait();
   /// Discards pressed buttons, and events that arrived while a step was solved.
   void forget();
+  bool has_waiting() const { return !waiting_.empty(); }
+  void drop_waiting() { waiting_.clear(); }
 
  private:
   struct Event {
@@ -63,13 +63,13 @@ class SessionMouse {
     bool draggable = true;
     bool brushed = false, recorded = false;
     bool on_gizmo = false, on_handle = false;
+    bool moves = false;                          // Shift, where a drag without it turns
     int group = -1;                              // the group that was grabbed
     int curve_point = -1;                        // of that group
     std::optional<Vector3> axis = std::nullopt;  // of a gizmo's arrow or ring
     MotionKind kind = MotionKind::Translate;
   };
 
-  HoverSearch* search();  // over the current mesh, null until it is ready
   std::optional<SurfaceHit> hit(const Cursor& cursor);
   Cursor snapped(const Cursor& cursor, MotionKind kind) const;
   GizmoElement element_at(const std::optional<Gizmo>& gizmo, const Cursor& cursor);
@@ -78,8 +78,11 @@ class SessionMouse {
   void press_surface(const SurfaceHit& hit, const Cursor& cursor, PressModifiers modifiers);
   void click(const Press& press);
   void brush(const Cursor& cursor);
+  HoverQuery query(const SurfaceHit& hit, const Camera& view, bool with_region) const;
   void look(const Cursor& cursor, PressModifiers modifiers);
+  void take_outlines();
   bool grabs(PressModifiers modifiers) const;
+  bool turns() const;
   void preview_curve(HoverSearch& search, const SurfaceHit& hit, const Cursor& cursor, HoverPreview& preview);
 
   SessionModel& model_;
@@ -87,8 +90,8 @@ class SessionMouse {
   std::optional<Press> pressed_;
   std::vector<Event> waiting_;  // arrived while a step was solved, or before the search over its mesh was ready
   // No button is down.
-  HoverBackground background_;
   std::optional<HoverPreview> preview_;
+  std::optional<HoverQuery> wanted_;           // outlines of the preview; none: it has none
   GizmoElement element_ = GizmoElement::None;  // under the cursor, or dragged
 };
 

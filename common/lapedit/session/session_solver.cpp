@@ -23,13 +23,20 @@ bool SessionSolver::amendable() const {
   return (picked && picked->amendable) || in<Amending>();
 }
 
-Surface SessionSolver::surface() const {
-  return {model_.mesh(), *model_.adjacency, model_.settings, model_.shown.region().get(), preparation_.ready};
+Surface SessionSolver::surface() {
+  HoverSearch* const search = model_.search();
+  return {model_.mesh(),
+          *model_.adjacency,
+          model_.settings,
+          model_.shown.region().get(),
+          preparation_.has_preview,
+          search ? &search->discs() : nullptr};
 }
 
 DragFigures SessionSolver::figures() const {
   DragFigures figures = figures_;
   if (const Region* const region = model_.shown.region().get()) {
+    figures.pieces = region->pieces;
     figures.handle = model_.shown.count(VertexClass::Handle);
     figures.free = model_.shown.count(VertexClass::Free);
     figures.anchors = model_.shown.count(VertexClass::Anchor);
@@ -60,7 +67,7 @@ void SessionSolver::request_preparation(PrepareTask task) {
   worker_.prepare(std::move(task));
 }
 
-void SessionSolver::prepare() {
+void SessionSolver::prepare(bool on_demand) {
   figures_.preview_ms = figures_.prepare_ms = std::nullopt;
   ToolState& tools = model_.tools;
   tools.mirrored.reset();
@@ -70,8 +77,8 @@ void SessionSolver::prepare() {
     worker_.cancel();
     return;
   }
-  PrepareTask task{model_.history.mesh(), model_.adjacency, selection.region,  selection.groups,
-                   model_.settings.edit,  model_.scalar,    selection.weights, tools.mirror};
+  PrepareTask task{model_.history.mesh(), model_.adjacency,  selection.region, selection.groups, model_.settings.edit,
+                   model_.scalar,         selection.weights, tools.mirror,     on_demand};
   if (tools.mirror) {
     try {
       tools.mirrored =
@@ -96,11 +103,11 @@ bool SessionSolver::begin(MotionKind kind, const Vector3& grab, const Cursor& cu
   }
   const std::vector<int>& group = model_.active_group();
   const bool alone = model_.selection.along.empty();
-  if (kind != MotionKind::Translate && group.size() == 1 && alone) {
+  if (kind != MotionKind::Translate && group.size() == 1 && alone && model_.tools.pivot == Pivot::Centroid) {
     model_.refusal = messages::single_vertex(kind, group.front());
     return false;
   }
-  if (!preparation_.running && !preparation_.ready) {
+  if (!preparation_.running && !preparation_.has_preview) {
     prepare();  // refused before: reports the reason again
     if (!preparation_.running && !preparation_.ready) {
       return false;
@@ -186,6 +193,7 @@ void SessionSolver::request() {
     drag.maps.assign(model_.all_groups().size(), HandleMotion());
   }
   drag.last_serial = worker_.solve(drag.maps, drag.released);
+  preparation_.running = !preparation_.ready;
   drag.first_serial = std::min(drag.first_serial, drag.last_serial);
 }
 
@@ -202,6 +210,7 @@ void SessionSolver::release() {
 void SessionSolver::discard() {
   figures_.solve_ms = figures_.handle_error = figures_.largest_stretch = std::nullopt;
   figures_.advice.clear();
+  figures_.folds.clear();
   const Loading* const loading = in<Loading>();
   const bool elsewhere = loading || in<Amending>();  // the worker has prepared another region than the selection's
   if (const Amending* const amending = in<Amending>(); amending && amending->region) {
@@ -255,6 +264,7 @@ void SessionSolver::amend() {
   }
   step.region.padding = settings.padding;
   step.region.connect_gap = settings.connect_gap;
+  step.region.pieces = settings.pieces;
   if (step.region.kind == RegionSpec::Kind::Radius) {
     step.region.radius =
         std::max(settings.radius - model_.selection.discs.reach, (1 - kLargestHandleFraction) * settings.radius);
@@ -329,7 +339,7 @@ void SessionSolver::take_over(const AppliedStep& step, bool applied) {
   if (model_.shown.region()) {
     model_.show_region(model_.shown.region());
   }
-  prepare();
+  prepare(true);
   rest(applied);
 }
 
@@ -385,7 +395,7 @@ void SessionSolver::commit_loaded(const std::vector<EditResult>& results) {
     Selection& selection = model_.selection;
     selection = applied.step.weld ? selection_of(applied.step, applied.path.moved, selection, model_.settings)
                                   : cleared(selection);
-    Action action{messages::kSavedStep, true, selection};
+    Action action{messages::saved_step(applied.path.whole, applied.path.moved), true, selection};
     if (selection.has_region && selection.region.kind == RegionSpec::Kind::Radius) {
       selection = with_vertices(std::move(selection), model_.weld.firsts(applied.vertices), model_.settings);
     }
@@ -408,7 +418,7 @@ void SessionSolver::progress() {
   model_.selection = with_region_kept(surface(), model_.selection);
   model_.timeline.change_last().after = model_.selection;
   phase_ = Picked{true};
-  prepare();
+  prepare(true);
 }
 
 // --- Answers ---------------------------------------------------------------------------------------------------------
@@ -468,7 +478,7 @@ bool SessionSolver::take_pose() {
 /// Finds the vertices of a painted region that no handle reaches.
 void SessionSolver::find_unconnected(const Region& region) {
   model_.unconnected.clear();
-  if (region.left_out > 0 && !in<Amending>() && !in<Loading>()) {
+  if (region.left_out > 0 && model_.selection.by_hand && !in<Amending>() && !in<Loading>()) {
     model_.unconnected = without(sorted_set(model_.selection.region.vertices), region.mesh_vertex);
   }
 }
@@ -489,6 +499,7 @@ SessionSolver::Response SessionSolver::poll() {
   }
   if (update.preview) {
     preparation_.has_preview = true;
+    preparation_.running = !update.deferred || in_progress();
     figures_.preview_ms = update.preview_ms;
   }
   if (update.ready) {
@@ -500,6 +511,7 @@ SessionSolver::Response SessionSolver::poll() {
     figures_.handle_error = update.report->handle_residual;
     figures_.largest_stretch = update.report->stretch_max;
     figures_.advice = update.report->advice();
+    figures_.folds = update.report->causes.folds;
   }
   if (update.pose) {
     step_done = take_pose();

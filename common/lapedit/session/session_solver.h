@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -72,6 +73,7 @@ struct Preparation {
 /// Figures of the panel. Counts of the region; milliseconds; lengths in model units.
 struct DragFigures {
   int handle = 0, free = 0, anchors = 0, fixed = 0;
+  int pieces = 0;  ///< small pieces that come along
   // Empty while the region is being prepared, or before it has a pose.
   std::optional<double> preview_ms;  ///< until frames were available
   std::optional<double> prepare_ms;
@@ -79,6 +81,7 @@ struct DragFigures {
   std::optional<double> handle_error;     ///< largest distance of a handle vertex from its target, of the last report
   std::optional<double> largest_stretch;  ///< of an edge, new over old length minus 1, of the last report
   std::string advice;                     ///< of the last report; empty: none
+  std::vector<std::array<int, 3>> folds;  ///< of the last report: mesh vertices of folded triangles
   bool full_frames = false;               ///< each frame of a drag is a full solution
   int steps = 0;                          ///< applied
 };
@@ -111,7 +114,7 @@ class SessionSolver {
   bool waits() const { return in_progress() && !moving(); }
   bool in_progress() const { return in<phase::Dragging>() || in<phase::Amending>() || in<phase::Loading>(); }
   bool amendable() const;  ///< settings apply to the last step
-  Surface surface() const;
+  Surface surface();
   DragFigures figures() const;
   std::optional<LastStep> last_step() const;
   Preparation preparation() const {
@@ -121,7 +124,8 @@ class SessionSolver {
 
   // Regions ----------------------------------------------------------------------------------------------------------
 
-  void prepare();
+  /// @param on_demand  as PrepareTask::on_demand
+  void prepare(bool on_demand = false);
   /// Prepares after a change of groups or region.
   void handles_changed();
   /// Ends amending: settings no longer apply to the last step.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <QApplication>
+#include <QElapsedTimer>
 #include <QEnterEvent>
 #include <QJsonArray>
 #include <QKeyEvent>
@@ -53,6 +54,14 @@ QPointF position_of(const QJsonObject& arguments) {
   return arguments.contains("vertex") ? by + vertex_pixel(arguments["vertex"].toInt()) : by;
 }
 
+/// Sends an event and tells how long the window handled it.
+Answer timed(QWidget& area, QEvent& event) {
+  QElapsedTimer timer;
+  timer.start();
+  QCoreApplication::sendEvent(&area, &event);
+  return {{{"milliseconds", static_cast<double>(timer.nsecsElapsed()) * 1e-6}}};
+}
+
 Answer mouse(const QJsonObject& arguments) {
   const QString type = arguments["type"].toString();
   QEvent::Type event_type = QEvent::MouseMove;
@@ -69,8 +78,7 @@ Answer mouse(const QJsonObject& arguments) {
   const QPointF global = position + area.mapToGlobal(QPoint(0, 0));
   QMouseEvent event(event_type, position, position, global, changed, held_buttons, modifiers(arguments));
   expect_frame();
-  QCoreApplication::sendEvent(&area, &event);
-  return {};
+  return timed(area, event);
 }
 
 Answer wheel(const QJsonObject& arguments) {
@@ -79,8 +87,7 @@ Answer wheel(const QJsonObject& arguments) {
   const QPoint angle(0, arguments["delta"].toInt());
   QWheelEvent event(position, position + area.mapToGlobal(QPoint(0, 0)), QPoint(), angle, held_buttons,
                     modifiers(arguments), Qt::NoScrollPhase, false);
-  QCoreApplication::sendEvent(&area, &event);
-  return {};
+  return timed(area, event);
 }
 
 void send_key(QWidget& target, const QJsonObject& arguments, std::initializer_list<QEvent::Type> types) {

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/mesh/surface_index.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "lapedit/mesh/patch_border.h"
+#include "lapedit/mesh/surface_measures.h"
+
+namespace lapedit {
+namespace {
+
+/// Returns barycentric coordinates of the nearest point of a triangle (C. Ericson, Real-Time Collision Detection,
+/// 5.1.5). A triangle without area has the regions of its corners and edges.
+Vector3 nearest_weights(const Vector3& p, const Vector3& a, const Vector3& b, const Vector3& c) {
+  const Vector3 ab = b - a, ac = c - a, ap = p - a;
+  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
+  if (d1 <= 0 && d2 <= 0) {
+    return Vector3::UnitX();
+  }
+  const Vector3 bp = p - b;
+  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
+  if (d3 >= 0 && d4 <= d3) {
+    return Vector3::UnitY();
+  }
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) {
+    const double t = d1 / (d1 - d3);
+    return {1 - t, t, 0};
+  }
+  const Vector3 cp = p - c;
+  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
+  if (d6 >= 0 && d5 <= d6) {
+    return Vector3::UnitZ();
+  }
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) {
+    const double t = d2 / (d2 - d6);
+    return {1 - t, 0, t};
+  }
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 >= d3 && d5 >= d6) {
+    const double t = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+    return {0, 1 - t, t};
+  }
+  const double sum = va + vb + vc;
+  return {va / sum, vb / sum, vc / sum};
+}
+
+Points centres_of(const Points& points, const Faces& faces) {
+  Points centres(faces.rows(), 3);
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    centres.row(f) = (points.row(faces(f, 0)) + points.row(faces(f, 1)) + points.row(faces(f, 2))) / 3;
+  }
+  return centres;
+}
+
+}  // namespace
+
+Eigen::VectorXd face_areas(const Points& points, const Faces& faces) {
+  Eigen::VectorXd areas(faces.rows());
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    const Vector3 a = points.row(faces(f, 0)).transpose(), b = points.row(faces(f, 1)).transpose(),
+                  c = points.row(faces(f, 2)).transpose();
+    areas[f] = faces(f, 0) == faces(f, 1) ? 1 : 0.5 * (b - a).cross(c - a).norm();
+  }
+  return areas;
+}
+
+SurfaceSize size_of(const Points& points, const Faces& faces) {
+  const Eigen::VectorXd areas = face_areas(points, faces);
+  const Points centres = centres_of(points, faces);
+  const Vector3 centroid = centres.transpose().lazyProduct(areas) / areas.sum();
+  const Eigen::VectorXd squares = (centres.rowwise() - centroid.transpose()).rowwise().squaredNorm();
+  return {centroid, std::sqrt(2 * squares.dot(areas) / areas.sum())};
+}
+
+SurfaceIndex::SurfaceIndex(Points points, Faces faces, Points normals)
+    : points_(std::move(points)), faces_(std::move(faces)), normals_(std::move(normals)) {
+  border_.assign(static_cast<std::size_t>(points_.rows()), 0);
+  if (!is_cloud()) {
+    vertex_normals(points_, faces_, normals_);
+    for (const auto& [a, b] : single_edges({faces_.data(), faces_.data() + faces_.size()})) {
+      border_[a] = border_[b] = 1;
+    }
+  }
+  std::vector<int> order(static_cast<std::size_t>(faces_.rows()));
+  std::iota(order.begin(), order.end(), 0);
+  nodes_.reserve(order.size() / 2 + 1);
+  build(order.data(), order.data() + order.size(), centres_of(points_, faces_));
+  ThreadPool alone(1);
+  enclose(alone);
+}
+
+int SurfaceIndex::build(int* first, int* last, const Points& centres) {
+  const auto node = nodes_.size();
+  nodes_.emplace_back().count = 0;
+  const auto halve = [&centres](int* from, int* to) {
+    Eigen::AlignedBox3d box;
+    for (const int* f = from; f < to; ++f) {
+      box.extend(centres.row(*f).transpose());
+    }
+    Eigen::Index axis = 0;
+    box.sizes().maxCoeff(&axis);
+    int* const middle = from + (to - from) / 2;
+    std::nth_element(from, middle, to,
+                     [&](int a, int b) { return std::pair(centres(a, axis), a) < std::pair(centres(b, axis), b); });
+    return middle;
+  };
+  int* const middle = halve(first, last);
+  int* const ends[] = {first, halve(first, middle), middle, halve(middle, last), last};
+  for (int k = 0; k < 4; ++k) {
+    if (ends[k] < ends[k + 1]) {
+      const int child = ends[k + 1] - ends[k] == 1 ? ~*ends[k] : build(ends[k], ends[k + 1], centres);
+      nodes_[node].child[nodes_[node].count++] = child;
+    }
+  }
+  return static_cast<int>(node);
+}
+
+void SurfaceIndex::enclose(ThreadPool& pool) {
+  constexpr int kGrain = 512;
+  const int count = static_cast<int>(nodes_.size());
+  for_indices(pool, count, kGrain, [&](int at) {
+    Node& node = nodes_[static_cast<std::size_t>(at)];
+    for (int axis = 0; axis < 3; ++axis) {
+      node.low[axis].setConstant(std::numeric_limits<float>::max());
+      node.high[axis] = -node.low[axis];
+      for (int k = 0; k < node.count; ++k) {
+        for (int c = 0; c < 3 && node.child[k] < 0; ++c) {
+          const auto value = static_cast<float>(points_(faces_(~node.child[k], c), axis));
+          node.low[axis][k] = std::min(node.low[axis][k], value);
+          node.high[axis][k] = std::max(node.high[axis][k], value);
+        }
+      }
+    }
+  });
+  for (int at = count - 1; at >= 0; --at) {
+    Node& node = nodes_[static_cast<std::size_t>(at)];
+    for (int k = 0; k < node.count; ++k) {
+      for (int axis = 0; axis < 3 && node.child[k] >= 0; ++axis) {
+        node.low[axis][k] = nodes_[static_cast<std::size_t>(node.child[k])].low[axis].minCoeff();
+        node.high[axis][k] = nodes_[static_cast<std::size_t>(node.child[k])].high[axis].maxCoeff();
+      }
+    }
+  }
+  reach_ = points_.cwiseAbs().maxCoeff();
+}
+
+void SurfaceIndex::move(const Points& points, ThreadPool& pool) {
+  points_ = points;
+  vertex_normals(points_, faces_, normals_);
+  enclose(pool);
+}
+
+NearestPoint SurfaceIndex::nearest(const Vector3& point, int hint) const {
+  // Boxes and distances to them are rounded, so that what is farther by the rounding is visited too.
+  constexpr double kRounding = 0x1p-20;
+  const double rounding = kRounding * (reach_ + point.cwiseAbs().maxCoeff());
+  const float at[] = {static_cast<float>(point[0]), static_cast<float>(point[1]), static_cast<float>(point[2])};
+  NearestPoint best;
+  best.squared = std::numeric_limits<double>::infinity();
+  float limit = std::numeric_limits<float>::infinity();
+  const auto visit = [&](int face) {
+    const Vector3 a = points_.row(faces_(face, 0)).transpose(), b = points_.row(faces_(face, 1)).transpose(),
+                  c = points_.row(faces_(face, 2)).transpose(), weights = nearest_weights(point, a, b, c);
+    const double squared = (weights[0] * a + weights[1] * b + weights[2] * c - point).squaredNorm();
+    if (squared < best.squared || (squared == best.squared && face < best.face)) {
+      best = {face, squared, weights};
+      const double most = std::sqrt(squared) + rounding;
+      limit = static_cast<float>(most * most * (1 + kRounding));
+    }
+  };
+  visit(std::max(hint, 0));
+  struct Open {
+    float squared;
+    int child;
+  };
+  Open stack[64];  // at most three per level, of which there are at most 16
+  int open = 0;
+  stack[open++] = {0, 0};
+  while (open > 0) {
+    const Open next = stack[--open];
+    if (next.squared > limit) {
+      continue;
+    }
+    if (next.child < 0) {
+      visit(~next.child);
+      continue;
+    }
+    const Node& node = nodes_[static_cast<std::size_t>(next.child)];
+    Eigen::Array4f squared = Eigen::Array4f::Zero();
+    for (int axis = 0; axis < 3; ++axis) {
+      squared += (node.low[axis] - at[axis]).max(at[axis] - node.high[axis]).max(0.0F).square();
+    }
+    const int base = open;
+    for (int k = 0; k < node.count; ++k) {  // the nearest on top
+      if (squared[k] <= limit) {
+        int slot = open++;
+        for (; slot > base && stack[slot - 1].squared < squared[k]; --slot) {
+          stack[slot] = stack[slot - 1];
+        }
+        stack[slot] = {squared[k], node.child[k]};
+      }
+    }
+  }
+  return best;
+}
+
+Vector3 SurfaceIndex::interpolated(const Points& rows, const NearestPoint& at) const {
+  Vector3 sum = Vector3::Zero();
+  for (int k = 0; k < 3; ++k) {
+    if (at.weights[k] != 0) {
+      sum += at.weights[k] * rows.row(faces_(at.face, k)).transpose();
+    }
+  }
+  return sum;
+}
+
+bool SurfaceIndex::ends_at(const NearestPoint& at) const {
+  bool inside = true, all = true;
+  for (int k = 0; k < 3; ++k) {
+    inside = inside && at.weights[k] != 0;
+    all = all && (at.weights[k] == 0 || border_[static_cast<std::size_t>(faces_(at.face, k))] != 0);
+  }
+  return !inside && all;
+}
+
+SurfaceSamples SurfaceIndex::samples(int count) const {
+  Eigen::VectorXd ends = face_areas(points_, faces_);
+  std::partial_sum(ends.data(), ends.data() + ends.size(), ends.data());
+  const bool cloud = is_cloud();
+  count = cloud ? std::min(count, static_cast<int>(faces_.rows())) : count;
+  SurfaceSamples samples = {Points(count, 3), Points(count, 3)};
+  NearestPoint at = {0, 0, Vector3::UnitX()};
+  double u = 0.5, v = 0.5;  // the sequence of M. Roberts, The unreasonable effectiveness of quasirandom sequences
+  for (int k = 0; k < count; ++k) {
+    while (at.face + 1 < faces_.rows() && ends[at.face] <= ends[ends.size() - 1] * (k + 0.5) / count) {
+      ++at.face;
+    }
+    u = std::fmod(u + 0.75487766624669276, 1);
+    v = std::fmod(v + 0.56984029099805327, 1);
+    if (!cloud) {
+      at.weights = u + v > 1 ? Vector3(u + v - 1, 1 - u, 1 - v) : Vector3(1 - u - v, u, v);
+    }
+    samples.points.row(k) = position(at).transpose();
+    samples.normals.row(k) = normal(at).normalized().transpose();
+  }
+  return samples;
+}
+
+}  // namespace lapedit

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/session/painting.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "lapedit/mesh/vertex_set.h"
+#include "lapedit/session/messages.h"
+
+namespace lapedit {
+namespace {
+
+using Next = Selection::Next;
+
+/// Returns the vertices of the region. One made by hand has those chosen, whether a handle reaches them or not.
+std::vector<int> region_of(const Surface& surface, const Selection& selection) {
+  return selection.has_region && selection.region.kind == RegionSpec::Kind::Vertices ? selection.region.vertices
+         : selection.has_region && surface.region                                    ? surface.region->mesh_vertex
+                                                                                     : std::vector<int>();
+}
+
+/// Replaces the region's anchor band by those of these vertices, ascending, that are in the region and in no handle.
+Choice with_band(const Surface& surface, const Selection& selection, std::vector<int> vertices) {
+  const bool is_known = surface.region != nullptr && !surface.region->distance.empty();
+  if (!selection.has_region || (!is_known && selection.region.anchors.empty())) {
+    return Refusal{selection.has_region ? messages::kRegionNotKnown : messages::kNoRegion};
+  }
+  const double reach = is_known ? surface.region->max_distance : selection.region.anchors.reach;
+  const std::vector<int> region = region_of(surface, selection);
+  vertices = without(common(vertices, region), selection.handles());
+  if (vertices.empty()) {
+    return Refusal{messages::kNoAnchors};
+  }
+  Selection after = with_vertices(selection, region, surface.settings);
+  after.by_hand = true;
+  after.region.anchors.weights.assign(vertices.size(), 1);
+  after.region.anchors.depths.assign(vertices.size(), 1);
+  after.region.anchors.vertices = std::move(vertices);
+  after.region.anchors.reach = reach;
+  return after;
+}
+
+/// A stroke over some vertices; handles stay. Without vertices there is no region.
+Selection region_brushed(const Surface& surface, const Selection& selection, const std::vector<int>& patch, bool add) {
+  const std::vector<int> before = region_of(surface, selection);
+  std::vector<int> vertices = add ? united(before, patch) : without(before, without(patch, selection.handles()));
+  Selection after = selection;
+  after.has_region = false;
+  if (!vertices.empty()) {
+    after = with_vertices(std::move(after), std::move(vertices), surface.settings);
+    after.by_hand = true;
+  }
+  return after;
+}
+
+/// A stroke that paints the active handle group, or the first; vertices outside a given region are ignored.
+Choice handle_brushed(const Surface& surface, const Selection& selection, const std::vector<int>& patch, bool add) {
+  Selection after = selection;
+  if (selection.groups.empty() || selection.next == Next::Group) {
+    if (!add) {
+      return Refusal{messages::kNoHandle};
+    }
+    after.add_group({}, {});
+    after.next = Next::Handle;
+  }
+  if (!after.has_region) {
+    after = with_radius(surface, after);
+    ++after.taken;
+  }
+  const auto active = static_cast<std::size_t>(after.active);
+  std::vector<int>& group = after.groups[active];
+  std::vector<int> taken = without(patch, after.handles(after.active));
+  if (after.region.kind == RegionSpec::Kind::Vertices) {
+    taken = common(taken, after.region.vertices);
+  }
+  if (add && taken.empty()) {
+    return Refusal{messages::nothing_painted(patch.front())};
+  }
+  group = add ? united(group, taken) : without(group, patch);
+  after.discs.centers[active].clear();
+  after.discs.curves[active] = HandleCurve();
+  after.curve_end = -1;
+  if (group.empty()) {
+    after.erase_group(active);
+  }
+  follow_discs(surface, after);
+  return after;
+}
+
+/// A stroke that paints fixed vertices, in this region and in later ones; a stroke that takes away also removes the
+/// region's own anchors there. The rim is always an anchor.
+Choice anchors_brushed(const Surface& surface, const Selection& selection, const std::vector<int>& patch, bool add) {
+  Selection after = selection;
+  after.held = add ? united(selection.held, without(patch, selection.handles())) : without(selection.held, patch);
+  after.region.held = after.held;
+  const bool is_known = surface.region != nullptr && !surface.region->distance.empty();
+  if (!add && selection.has_region && (is_known || !selection.region.anchors.empty())) {
+    const KeptAnchors now = selection.region.anchors.empty() ? anchors_of(*surface.region) : selection.region.anchors;
+    const std::vector<int> own = without(sorted_set(now.vertices), selection.held);
+    if (!common(own, patch).empty()) {
+      return with_band(surface, after, without(own, patch));
+    }
+  }
+  if (after.held == selection.held) {
+    return Refusal{add ? messages::kNothingToHold : messages::kNoAnchors};
+  }
+  if (!add && !selection.region.anchors.empty()) {  // the last step made them the region's own
+    return with_band(surface, after, without(sorted_set(selection.region.anchors.vertices), patch));
+  }
+  return after;
+}
+
+/// Keeps the vertices that most of their neighbours, and they themselves, are in the set with: a smoother outline.
+std::vector<int> blurred(const Adjacency& adjacency, const std::vector<int>& set) {
+  std::vector<int> kept;
+  for (const int v : grown(adjacency, set)) {
+    const auto& around = adjacency.neighbours[v];
+    const auto inside = std::count_if(around.begin(), around.end(), [&set](int w) { return contains(set, w); });
+    if (2 * (inside + (contains(set, v) ? 1 : 0)) > static_cast<std::ptrdiff_t>(around.size()) + 1) {
+      kept.push_back(v);
+    }
+  }
+  return kept;
+}
+
+/// Returns the vertices with faces: others are at the place of one that has their faces, or nothing moves them.
+std::vector<int> all_vertices(const Surface& surface) {
+  std::vector<int> all;
+  for (int v = 0; v < static_cast<int>(surface.mesh.vertices.rows()); ++v) {
+    if (surface.adjacency.faces[v].size() > 0) {
+      all.push_back(v);
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+Choice brushed(const Surface& surface, const Selection& selection, BrushTarget target, const std::vector<int>& patch,
+               bool add) {
+  return target == BrushTarget::Region   ? Choice(region_brushed(surface, selection, patch, add))
+         : target == BrushTarget::Handle ? handle_brushed(surface, selection, patch, add)
+                                         : anchors_brushed(surface, selection, patch, add);
+}
+
+Choice with_anchors(const Surface& surface, const Selection& selection, std::vector<int> vertices) {
+  vertices = without(sorted_set(std::move(vertices)), selection.handles());
+  if (std::optional<Refusal> refusal = refuse_vertices(surface, vertices); refusal && !vertices.empty()) {
+    return *refusal;
+  }
+  Choice choice =
+      selection.has_region || vertices.empty() ? with_band(surface, selection, vertices) : Choice(selection);
+  if (Selection* const after = std::get_if<Selection>(&choice)) {
+    after->held = united(after->held, vertices);
+    after->region.held = after->held;
+  }
+  return choice;
+}
+
+Choice with_handle(const Surface& surface, const Selection& selection, std::vector<int> vertices) {
+  vertices = sorted_set(std::move(vertices));
+  if (std::optional<Refusal> refusal = refuse_vertices(surface, vertices)) {
+    return *refusal;
+  }
+  Selection after = selection;
+  if (selection.active >= 0) {
+    after.groups[static_cast<std::size_t>(after.active)].clear();
+  }
+  return handle_brushed(surface, after, vertices, true);
+}
+
+Choice with_painted(const Surface& surface, const Selection& selection, BrushTarget target, PaintChange change) {
+  const std::vector<int> region = region_of(surface, selection);
+  std::vector<int> painted = target == BrushTarget::Region    ? region
+                             : target == BrushTarget::Anchors ? selection.held
+                             : selection.active >= 0 ? selection.groups[static_cast<std::size_t>(selection.active)]
+                                                     : std::vector<int>();
+  if (painted.empty() && change != PaintChange::Invert) {
+    return Refusal{messages::kNothingPainted};
+  }
+  painted = change == PaintChange::Blur ? blurred(surface.adjacency, painted)
+            : change == PaintChange::Invert
+                ? without(target == BrushTarget::Handle ? region : all_vertices(surface), painted)
+                : std::vector<int>();
+  if (target == BrushTarget::Region) {
+    Selection nothing = cleared(selection);
+    nothing.held = selection.held;
+    return painted.empty() ? Choice(std::move(nothing)) : with_region(surface, selection, std::move(painted));
+  }
+  Selection after = selection;
+  if (target == BrushTarget::Handle && painted.empty() && selection.active < 0) {
+    return Refusal{messages::kNothingPainted};
+  }
+  if (target == BrushTarget::Handle) {
+    if (!region.empty() && after.region.kind == RegionSpec::Kind::Radius) {
+      after = with_vertices(std::move(after), region, surface.settings);  // it does not grow about the other handle
+    }
+    if (!painted.empty()) {
+      return with_handle(surface, after, std::move(painted));
+    }
+    after.erase_group(static_cast<std::size_t>(after.active));
+    return after;
+  }
+  after.held = without(painted, selection.handles());
+  after.region.anchors = KeptAnchors();  // which may have taken fixed vertices over
+  return with_padding(std::move(after), surface.settings);
+}
+
+}  // namespace lapedit

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Geometry>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "lapedit/base/joined_thread.h"
+#include "lapedit/session/snap.h"
+#include "lapedit_host/tool/edit_tool.h"
+
+/// The surfaces of the other visible layers, to snap to. They are read a piece at a time on the window's thread, and
+/// their search trees are built on another, so that no event waits.
+class OtherLayers {
+ public:
+  static constexpr std::size_t kMostAtOnce = 20000;  ///< vertices or faces that one call reads
+
+  /// @param wake  called, on any thread, when targets() may have changed
+  explicit OtherLayers(std::function<void()> wake) : wake_(std::move(wake)) {}
+
+  /// Reads a piece if something is left to be read. Starts again if the layers' number of vertices or transforms have
+  /// changed: nothing else can have, since a filter that changes vertices ends the tool.
+  /// @return whether to call again as soon as events have been handled
+  bool read(const std::vector<lapedit::host::Layer>& layers, int edited);
+  /// Null until all is ready.
+  std::shared_ptr<const lapedit::SnapTargets> targets();
+  bool busy() const { return reading_ || building_; }
+  void forget();
+
+ private:
+  struct Piece {
+    CMeshO* mesh;
+    lapedit::Affine toEdited;
+    lapedit::TriangleMesh read = {};
+    std::vector<int> number = {};  // of MeshLab's vertices
+    std::size_t faces = 0;
+    Eigen::Index vertexRows = 0, faceRows = 0;
+  };
+  bool readSome(Piece& piece);
+  void build();
+
+  std::function<void()> wake_;
+  std::vector<double> fingerprint_;
+  std::vector<Piece> pieces_;
+  std::size_t next_ = 0;
+  bool reading_ = false, building_ = false;
+  std::shared_ptr<const lapedit::SnapTargets> targets_;
+  std::mutex mutex_;
+  std::shared_ptr<const lapedit::SnapTargets> built_;  // under the mutex
+  lapedit::JoinedThread work_;                         // last: its thread ends first
+};

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "drag_support.h"
+
+namespace lapedit::drag_features_test {
+namespace {
+
+using support::Window;
+
+/// A ball of radius 1 with a horn along x and, if wanted, an eye under its surface at z.
+TriangleMesh creature(int levels, bool with_eye = false, double size = 1) {
+  TriangleMesh mesh = shapes::icosphere(levels);
+  for (auto vertex : mesh.vertices.rowwise()) {
+    const double angle = std::acos(std::min(1.0, std::max(-1.0, vertex.x())));
+    vertex *= 1 + std::exp(-std::pow(angle / 0.2, 4));
+  }
+  if (with_eye) {
+    TriangleMesh eye = shapes::icosphere(2);
+    eye.vertices *= 0.15;
+    mesh = shapes::together(mesh, eye, Vector3(0, 0, 0.8));
+  }
+  mesh.vertices *= size;
+  return mesh;
+}
+
+/// The settings of a newcomer.
+void as_found(Window& window) {
+  DragSettings settings = settings_for(window.session.original());
+  window.session.set_settings(settings);
+}
+
+struct Given {
+  int levels;
+  double size;
+};
+class DragFeatures : public testing::TestWithParam<Given> {};
+INSTANTIATE_TEST_SUITE_P(Sizes, DragFeatures, testing::Values(Given{4, 1}, Given{5, 0.01}, Given{5, 300}));
+
+TEST_P(DragFeatures, FirstRadiusIsThatOfTheProtrusion) {
+  const auto [levels, size] = GetParam();
+  Window window(creature(levels, false, size));
+  as_found(window);
+  const double usual = window.session.settings().first_radius;
+  const int tip = support::vertex_at(window.session.mesh(), size * Vector3(2, 0, 0));
+  const int side = support::vertex_at(window.session.mesh(), size * Vector3(-0.5, 0, 0.87));
+  const HoverPreview* const preview = window.hovered(window.at(tip, Vector2(-2, 0)));
+  ASSERT_NE(preview, nullptr);
+  const double shown = preview->radius;
+  window.click(tip);
+  const double radius = window.session.settings().radius;
+  EXPECT_NEAR(shown, radius, 0.3 * radius);
+  EXPECT_GT(radius, 0.9 * size);
+  EXPECT_LT(radius, 1.9 * size);
+  // The horn follows, the other side of the ball does not.
+  for (const int v : window.region()) {
+    EXPECT_GT(window.session.mesh().vertices(v, 0), 0.3 * size);
+  }
+  window.session.clear();
+  window.click(side);
+  EXPECT_EQ(window.session.settings().radius, usual) << "nothing stands out there";
+  EXPECT_EQ(window.session.settings().first_radius, usual);
+}
+
+TEST_P(DragFeatures, RadiusThatTheUserSetsIsKept) {
+  const auto [levels, size] = GetParam();
+  Window window(creature(levels, false, size));
+  as_found(window);
+  DragSettings settings = window.session.settings();
+  settings.radius = 0.5 * size;
+  window.session.set_settings(settings);
+  const int tip = support::vertex_at(window.session.mesh(), size * Vector3(2, 0, 0));
+  window.click(tip);
+  EXPECT_EQ(window.session.settings().radius, 0.5 * size);
+  EXPECT_EQ(window.session.settings().first_radius, 0);
+  // Other settings do not count as a radius, and those of the beginning start again.
+  window.session.clear();
+  as_found(window);
+  settings = window.session.settings();
+  settings.padding = 0.2;
+  window.session.set_settings(settings);
+  window.click(tip);
+  EXPECT_GT(window.session.settings().radius, 0.9 * size);
+}
+
+TEST_P(DragFeatures, HandleKeepsItsSizeWhenTheRadiusGrows) {
+  const auto [levels, size] = GetParam();
+  Window window(creature(levels, false, size));
+  as_found(window);
+  window.click(support::vertex_at(window.session.mesh(), size * Vector3(2, 0, 0)));
+  const std::vector<std::vector<int>> handle = window.session.selection().groups;
+  const std::size_t region = window.region().size();
+  DragSettings settings = window.session.settings();
+  settings.radius *= 1.5;
+  window.session.set_settings(settings);
+  window.session.wait();
+  EXPECT_EQ(window.session.selection().groups, handle);
+  EXPECT_GT(window.region().size(), region);
+  settings.handle_fraction *= 2;
+  window.session.set_settings(settings);
+  window.session.wait();
+  EXPECT_GT(window.session.selection().groups.at(0).size(), handle.at(0).size());
+  // It is never larger than its region.
+  settings.radius /= 8;
+  window.session.set_settings(settings);
+  window.session.wait();
+  EXPECT_GT(window.region().size(), window.session.selection().groups.at(0).size());
+}
+
+TEST_P(DragFeatures, EyeComesAlongUnlessItIsExcluded) {
+  const auto [levels, size] = GetParam();
+  const TriangleMesh mesh = creature(levels, true, size);
+  const auto own = shapes::icosphere(levels).vertices.rows();
+  Window window(mesh);
+  window.change([size = size](DragSettings& s) {
+    s.radius = 1.4 * size;
+    s.handle_fraction = 0.2;
+  });
+  const int pole = support::vertex_at(window.session.mesh(), size * Vector3(0, 0, 1));
+  window.click(pole);
+  EXPECT_EQ(window.session.figures().pieces, 1);
+  const Points before = window.host();
+  // Also in the region that the first step leaves.
+  for (int step = 1; step <= 2; ++step) {
+    window.drag(pole, Vector2(30, 10));
+    EXPECT_EQ(window.session.figures().pieces, 1) << step;
+    for (Eigen::Index v = own; v < before.rows(); ++v) {
+      EXPECT_GT((window.host().row(v) - before.row(v)).norm(), 0.02 * step * size);
+    }
+    window.expect_consistent();
+  }
+  window.undo(2);
+  EXPECT_TRUE(support::same_bits(window.host(), before));
+  window.change([](DragSettings& s) { s.pieces = false; });
+  EXPECT_EQ(window.session.figures().pieces, 0);
+  window.drag(pole, Vector2(30, 10));
+  EXPECT_TRUE(window.session.unconnected().empty());
+  EXPECT_TRUE(
+      support::same_bits(window.host().bottomRows(before.rows() - own), before.bottomRows(before.rows() - own)));
+  window.expect_consistent();
+}
+
+TEST_P(DragFeatures, WideStretchIsWarnedOfUntilItIsUndone) {
+  const auto [levels, size] = GetParam();
+  Window window(creature(levels, false, size));
+  window.change([size = size](DragSettings& s) {
+    s.radius = 0.8 * size;
+    s.handle_fraction = 0.2;
+  });
+  const int pole = support::vertex_at(window.session.mesh(), size * Vector3(0, 0, 1));
+  window.drag(pole, Vector2(10, 0));
+  EXPECT_TRUE(window.session.warning().empty()) << window.session.warning();
+  window.undo();
+  window.keys("tz");
+  window.keys(size == 300 ? "450" : size == 1 ? "1.5" : "0.015");
+  window.keys("\r");
+  EXPECT_NE(window.session.warning().find("of the region became more than 1.6 times as long"), std::string::npos)
+      << window.session.warning();
+  window.undo();
+  EXPECT_TRUE(window.session.warning().empty());
+  EXPECT_TRUE(window.session.figures().folds.empty());
+}
+
+TEST_P(DragFeatures, FoldedTrianglesAreListed) {
+  const auto [levels, size] = GetParam();
+  Window window(creature(levels, false, size));
+  window.change([size = size](DragSettings& s) {
+    s.radius = 0.6 * size;
+    s.handle_fraction = 0.4;
+  });
+  const int pole = support::vertex_at(window.session.mesh(), size * Vector3(0, 0, 1));
+  window.drag(pole, Vector2(250, 0));
+  const DragFigures figures = window.session.figures();
+  ASSERT_FALSE(figures.folds.empty()) << window.session.warning();
+  const std::string count = std::to_string(figures.folds.size()) + " triangle";
+  EXPECT_EQ(window.session.warning().find(count), 0U) << window.session.warning();
+  for (const auto& fold : figures.folds) {
+    for (const int v : fold) {
+      EXPECT_TRUE(contains(window.region(), v));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lapedit::drag_features_test
