@@ -97,6 +97,7 @@ TriangleMesh Body::mesh() const {
       for (int by : {-1, 1}) visit(moved(cells[i], axis, by));
 
   std::vector<Vector3> points;
+  points.reserve(cells.size());
   for (const Cell& c : cells) points.push_back(onto_surface(spacing_ * (Vector3(c[0], c[1], c[2]).array() + 0.5)));
   std::vector<std::array<int, 4>> quads;
   std::vector<std::vector<int>> around(cells.size());
@@ -311,7 +312,7 @@ TriangleMesh person() {
 
 TriangleMesh terrain(int rows) {
   TriangleMesh mesh;
-  mesh.vertices.resize(rows * rows, 3);
+  mesh.vertices.resize(Eigen::Index{rows} * rows, 3);
   for (int i = 0; i < rows; ++i)
     for (int j = 0; j < rows; ++j) {
       const double x = 4.0 * i / (rows - 1), y = 4.0 * j / (rows - 1);
@@ -327,7 +328,7 @@ TriangleMesh terrain(int rows) {
       }
       mesh.vertices.row(rows * i + j) << x, y, z;
     }
-  mesh.faces.resize(2 * (rows - 1) * (rows - 1), 3);
+  mesh.faces.resize(Eigen::Index{2} * (rows - 1) * (rows - 1), 3);
   Eigen::Index f = 0;
   for (int i = 0; i + 1 < rows; ++i)
     for (int j = 0; j + 1 < rows; ++j) {

@@ -18,8 +18,10 @@ from vtkmodules.vtkRenderingCore import (vtkActor, vtkLight, vtkPolyDataMapper, 
                                          vtkTextActor, vtkWindowToImageFilter)
 
 SURFACE = (0.80, 0.81, 0.84)
-# By vertex class: fixed grey, and the colours of the paper's Figure 3.
-CLASS_COLOURS = numpy.array([(196, 196, 200), (214, 64, 56), (110, 190, 110), (250, 215, 30)], dtype=numpy.uint8)
+# By vertex class: fixed grey, and the colours of the paper's Figure 3; then seven for neighbouring cells.
+CLASS_COLOURS = numpy.array([(196, 196, 200), (214, 64, 56), (110, 190, 110), (250, 215, 30),
+                             (117, 170, 219), (240, 178, 106), (140, 200, 150), (222, 134, 134), (180, 156, 214),
+                             (236, 220, 120), (160, 160, 160)], dtype=numpy.uint8)
 HANDLE = 3
 CAPTION = 0.09  # fraction of a panel's height
 # Direction from the eye's point of view (right, up, towards the eye) and brightness. The main light grazes the surface
@@ -33,7 +35,7 @@ def arguments():
     parser.add_argument("--panel", dest="panels", action="append", nargs="+", required=True,
                         metavar=("MESH CAPTION", "CLASSES"),
                         help="a PLY file, the text below it, and a text file with one class per vertex "
-                             "(0 fixed, 1 anchor, 2 free, 3 handle) to colour it by")
+                             "(0 fixed, 1 anchor, 2 free, 3 handle, 4 to 10 cells) to colour it by")
     parser.add_argument("--toward", type=float, nargs=3, default=(0.35, -0.8, 0.6), metavar=("X", "Y", "Z"),
                         help="direction from the mesh to the eye")
     parser.add_argument("--up", type=float, nargs=3, default=(0, 0, 1), metavar=("X", "Y", "Z"))

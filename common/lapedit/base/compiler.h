@@ -4,12 +4,13 @@
 #include <bitset>
 #include <cstdint>
 
-// All that only GCC and clang understand, and with LAPEDIT_PLAIN_KERNELS a form of it for any C++17 compiler.
+// Wraps the extensions that only GCC and clang have. With LAPEDIT_PLAIN_KERNELS, and with other compilers, each has a
+// plain C++17 form.
 
 #if defined(__GNUC__) && !defined(LAPEDIT_PLAIN_KERNELS)
 #define LAPEDIT_ALWAYS_INLINE __attribute__((always_inline))
 #define LAPEDIT_PRAGMA(text) _Pragma(#text)
-/// Before a loop that has to be unrolled for its sums to stay in registers.
+/// Unrolls the loop that follows, so that its sums stay in registers.
 #define LAPEDIT_UNROLL(count) LAPEDIT_PRAGMA(GCC unroll count)
 #define LAPEDIT_VECTOR_SIZE(bytes) __attribute__((vector_size(bytes)))
 #define LAPEDIT_SHUFFLE(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
@@ -22,7 +23,7 @@
 #endif
 #define LAPEDIT_INLINE inline LAPEDIT_ALWAYS_INLINE
 #ifdef __GNUC__
-#ifdef __MINGW32__  // whose printf() is that of GNU in C++, while GCC checks against Microsoft's
+#ifdef __MINGW32__  // mingw's printf() is GNU's in C++, but GCC checks formats against Microsoft's
 #define LAPEDIT_PRINTF(text, first) __attribute__((format(gnu_printf, text, first)))
 #else
 #define LAPEDIT_PRINTF(text, first) __attribute__((format(printf, text, first)))
@@ -65,7 +66,7 @@ inline int lowest_bit(std::uint64_t word) {
   return count_bits((word & (~word + 1)) - 1);
 }
 #endif
-/// Tells the processor that this is a loop that waits.
+/// Lets the processor save power in a loop that waits for another thread.
 inline void pause_processor() {
 #if defined(__GNUC__) && (defined(__x86_64__) || defined(__i386__))
   __builtin_ia32_pause();

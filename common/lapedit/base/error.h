@@ -17,7 +17,7 @@ enum class ErrorCause {
   NotFinite,            ///< NaN or infinite coordinate or target
   BadIndex,             ///< a vertex number outside the mesh, or in two groups
   IllConditioned,       ///< the system cannot be solved to a useful accuracy
-  MeshMismatch,         ///< an edit recorded on another mesh
+  MeshMismatch,         ///< the edit was recorded on another mesh
   BadScript,            ///< text that is not a valid edit
   Cancelled             ///< the progress callback answered "stop"
 };
@@ -25,7 +25,8 @@ enum class ErrorCause {
 /// The one exception of the core. what() is a message for the user: what is wrong, where, and what to do.
 class EditError : public std::runtime_error {
  public:
-  /// @param vertex  of the mesh, that the sentence is about; -1: none
+  /// @param sentence  the message for the user
+  /// @param vertex    number of the mesh vertex that the message is about; -1: none
   EditError(ErrorCause cause, const std::string& sentence, int vertex = -1)
       : std::runtime_error(sentence), cause_(cause), vertex_(vertex) {}
   ErrorCause cause() const { return cause_; }

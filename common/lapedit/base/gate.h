@@ -10,8 +10,8 @@
 
 namespace lapedit {
 
-/// Where threads wait for each other: they spin for a moment, then sleep. Yielding would give a whole time slice to
-/// another process, for work that takes microseconds.
+/// Lets threads wait for each other: they spin for a moment, then sleep. They do not yield, which would give a whole
+/// time slice to another process although the awaited work takes microseconds.
 class Gate {
  public:
   using Clock = std::chrono::steady_clock;
@@ -34,13 +34,14 @@ class Gate {
       now = Clock::now();
     } while (now - start < kPatience);
     std::unique_lock<std::mutex> lock(mutex_);
-    ++asleep_;  // before ready() is called: a thread that changes its result later sees this
+    ++asleep_;  // Before ready() is called, so that open() in another thread sees it: prevents a lost wake-up.
     wake_.wait(lock, ready);
     --asleep_;
     return Clock::now() - start;
   }
 
-  /// To be called after each change that may make a thread ready. Costs one atomic read while no thread sleeps.
+  /// Wakes sleeping threads. Callers call it after each change that may make a thread ready. Costs one atomic read
+  /// while no thread sleeps.
   void open() {
     if (asleep_.load() > 0) {
       { const std::lock_guard<std::mutex> lock(mutex_); }

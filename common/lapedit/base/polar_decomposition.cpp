@@ -10,7 +10,7 @@ namespace lapedit {
 
 Matrix3 polar_rotation(const Matrix3& matrix) {
   const Eigen::JacobiSVD<Matrix3> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Matrix3 factor = svd.matrixU() * svd.matrixV().transpose();
+  Matrix3 factor = svd.matrixU() * svd.matrixV().transpose();
   if (factor.determinant() > 0) {
     return factor;
   }

@@ -5,14 +5,14 @@
 
 namespace lapedit {
 
-/// Returns the rotation nearest to A by the singular value decomposition A = U Sigma V^T: U V^T, with the direction of
-/// the smallest singular value reversed if A is a reflection.
+/// Returns the rotation nearest to a matrix A in the Frobenius norm. With the singular value decomposition A = U Sigma
+/// V^T it is U V^T, with the direction of the smallest singular value reversed if A mirrors (det A < 0).
 Matrix3 polar_rotation(const Matrix3& matrix);
 
 /// Returns the rotation nearest to a matrix: its polar factor with determinant +1. It is the identity for zero, and
 /// exactly the identity for a symmetric positive definite matrix; directions in the kernel of the matrix rotate as
-/// little as possible. Regular matrices use Newton's iteration, which is several times faster; nearly singular ones
-/// polar_rotation().
+/// little as possible. Regular matrices use Newton's iteration (N. Higham 1986), which is several times faster; nearly
+/// singular ones use polar_rotation().
 Matrix3 nearest_rotation(const Matrix3& matrix);
 
 /// Computes rotations[i] = nearest_rotation(matrices[i]) with the same bits, several at a time if the processor can.

@@ -9,16 +9,16 @@
 
 #include "lapedit/base/compiler.h"
 
-// Kernels for several generations of processors in one build, for the few files that need them: a kernel is an
-// always-inlined template, and one function per generation, with that generation's attribute, calls it. Vectors are
-// GCC's and clang's vector types, which every generation can compile; plain ones are structs of numbers.
+// Compiles kernels for several generations of processors in one build. A kernel is an always-inlined template. For each
+// generation one function with that generation's attribute calls it. Vectors are GCC's and clang's vector types, or
+// with LAPEDIT_PLAIN_KERNELS arrays of numbers.
 
 namespace lapedit {
 
 enum class CpuLevel { Plain, Avx2, Avx512 };
 
-/// The best that this processor and its operating system have; with LAPEDIT_INSTRUCTIONS=avx2 or =plain in the
-/// environment no better than that, as on an older processor. The same all the time.
+/// Returns the best instructions that this processor and its operating system have. The environment variable
+/// LAPEDIT_INSTRUCTIONS=avx2 or =plain limits them, as on an older processor. The result never changes in a process.
 CpuLevel cpu_level();
 
 /// `lanes` numbers that are added, multiplied and so on together. Containers do not align more than 16 bytes: those of
@@ -58,7 +58,7 @@ struct PlainVector {
   LAPEDIT_OPERATOR(|)
 #undef LAPEDIT_OPERATOR
 
-  /// All bits set where it is so.
+  /// The result of a comparison: all bits of a lane are set where it holds.
   using Mask = PlainVector<std::conditional_t<sizeof(Scalar) == 8, std::int64_t, std::int32_t>, lanes>;
 #define LAPEDIT_COMPARISON(sign)                                          \
   friend Mask operator sign(const PlainVector& a, Scalar b) {             \
@@ -102,12 +102,12 @@ template <class Scalar, int lanes>
 struct Simd {
   using Vector = PlainVector<Scalar, lanes>;
 };
-/// Lanes of two vectors, numbered through.
+/// Returns the given lanes of two vectors, those of b numbered after those of a.
 template <int... numbers, class Scalar, int lanes>
 PlainVector<Scalar, lanes> shuffle(const PlainVector<Scalar, lanes>& a, const PlainVector<Scalar, lanes>& b) {
   return {{(numbers < lanes ? a.lane[numbers % lanes] : b.lane[numbers % lanes])...}};
 }
-/// Of each lane a where the mask is set, else b.
+/// Returns, for each lane, that of a where the mask is set, else that of b.
 template <class Mask, class Scalar, int lanes>
 PlainVector<Scalar, lanes> select(const Mask& mask, PlainVector<Scalar, lanes> a, const PlainVector<Scalar, lanes>& b) {
   for (int k = 0; k < lanes; ++k) {
@@ -120,12 +120,12 @@ template <class Scalar, int lanes>
 struct Simd {
   typedef Scalar Vector LAPEDIT_VECTOR_SIZE(lanes * sizeof(Scalar));
 };
-/// Lanes of two vectors, numbered through.
+/// Returns the given lanes of two vectors, those of b numbered after those of a.
 template <int... numbers, class Vector>
 LAPEDIT_INLINE Vector shuffle(Vector a, Vector b) {
   return LAPEDIT_SHUFFLE(a, b, numbers...);
 }
-/// Of each lane a where the mask is set, else b.
+/// Returns, for each lane, that of a where the mask is set, else that of b.
 template <class Mask, class Vector>
 LAPEDIT_INLINE Vector select(Mask mask, Vector a, Vector b) {
   return mask ? a : b;
@@ -144,11 +144,11 @@ template <class Vector, class Scalar>
 LAPEDIT_INLINE void store(Scalar* to, Vector vector) {
   std::memcpy(to, &vector, sizeof vector);
 }
-/// a b + c, rounded once.
+/// Returns a b + c, rounded once.
 LAPEDIT_INLINE double fused(double a, double b, double c) {
   return std::fma(a, b, c);
 }
-/// Returns, of functions that do the same, the one for cpu_level().
+/// Returns the variant of a function that was compiled for cpu_level().
 template <class Function>
 Function for_processor(Function plain, Function avx2, Function avx512) {
   return cpu_level() == CpuLevel::Avx512 ? avx512 : cpu_level() == CpuLevel::Avx2 ? avx2 : plain;

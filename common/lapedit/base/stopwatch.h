@@ -5,7 +5,7 @@
 
 namespace lapedit {
 
-/// Milliseconds on a clock that never goes back.
+/// Measures time in milliseconds on a clock that never goes back.
 class Stopwatch {
   using Clock = std::chrono::steady_clock;
 

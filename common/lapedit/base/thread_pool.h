@@ -18,10 +18,10 @@ int thread_count(int threads);
 /// Limits thread_count() in the whole process from now on, for one of several processes that share a machine.
 void limit_threads(int most);
 
-/// Shares work among threads that stay, for work of fractions of a millisecond that comes again and again; a call
-/// starts no thread and allocates nothing. Each idle thread takes the next piece, so a thread without a processor
-/// delays only the piece that it works on. If the caller waits longer than the helpers work, as on a machine with other
-/// load, it works alone for a while.
+/// Divides loops among helper threads that live as long as the pool. A call starts no thread and allocates nothing, so
+/// the pool suits repeated work of fractions of a millisecond. Each idle thread takes the next piece, so a thread that
+/// loses its processor delays one piece only. If the caller waits longer than the helpers work, as on a machine with
+/// other load, it works alone for a while.
 class ThreadPool {
  public:
   /// If the system refuses threads there are fewer, at worst only the caller's own.
@@ -34,8 +34,8 @@ class ThreadPool {
   int threads() const { return 1 + static_cast<int>(helpers_.size()); }
 
   /// Calls work(piece) once for each piece of [0, pieces), and returns when all are done. One caller at a time. Which
-  /// thread gets which piece is not determined, and one may get all. An exception of a piece reaches the caller when
-  /// all others are done; of several exceptions, one.
+  /// thread gets which piece is not determined, and one may get all. An exception of a piece is rethrown to the caller
+  /// when all other pieces are done; if several pieces throw, one of the exceptions is.
   template <class Work>
   void each(int pieces, const Work& work) {
     run(
@@ -75,15 +75,15 @@ class ThreadPool {
   std::exception_ptr error_;  // guarded by mutex_ until all pieces are done
 
   std::thread::id caller_;
-  Gate::Clock::duration waited_{};       // by the caller, since accounts were settled
+  Gate::Clock::duration waited_{};       // by the caller, since settle_accounts() was called
   std::atomic<std::int64_t> helped_{0};  // nanoseconds of processor time
   Gate::Clock::duration balance_{};      // recent benefit of the helpers
   Gate::Clock::time_point alone_until_{};
   std::vector<std::thread> helpers_;
 };
 
-/// Calls body(first, last) on pieces of [0, count) of about grain; the pieces do not depend on the number of threads. A
-/// body that writes only its own indices' results makes them independent of it, too.
+/// Calls body(first, last) on pieces of [0, count) of about grain; the pieces do not depend on the number of threads.
+/// If the body writes only results of its own indices, neither do the results.
 template <class Body>
 void in_pieces(ThreadPool& pool, int count, int grain, const Body& body) {
   const int pieces = count / grain > 0 ? count / grain : (count > 0 ? 1 : 0);

@@ -10,13 +10,13 @@ namespace lapedit {
 using Vector2 = Eigen::Vector2d;
 using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
-/// The upper three rows of a 4 x 4 matrix.
+/// An affine map x -> L x + t, stored as the upper three rows of a 4 x 4 matrix.
 using Affine = Eigen::Transform<double, 3, Eigen::AffineCompact>;
 /// n x 3, one point or vector per row, model units.
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 /// m x 3, three vertex numbers per row.
 using Faces = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;
-/// Column by column.
+/// A sparse matrix, stored by columns.
 using SparseMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
 
 }  // namespace lapedit

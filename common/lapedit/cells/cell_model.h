@@ -13,8 +13,8 @@ namespace lapedit {
 
 /// A coarse model of a region and its handles, with some hundred cells. The cells are posed in milliseconds, whatever
 /// the region's size, and the vertices follow them. Scripts and releases start from its rotations; frames of a drag
-/// show its pose. It accepts every setting, region and kind of handle, with order 1; rotations, but with
-/// EditMethod::Linear, are those of LocalGlobal.
+/// show its pose. It accepts every setting, region and kind of handle, and always has order 1. LocalGlobal computes its
+/// rotations; with EditMethod::Linear it has none.
 class CellModel {
  public:
   /// @param mesh,pool  rest pose and threads; not kept after construction
@@ -71,7 +71,7 @@ class CellModel {
   CellBlend blend_;
   CellPose pose_;
   GroupPaths paths_;
-  std::vector<double> hold_;  // by how much a vertex's rotation is reduced, 0 to 1
+  std::vector<double> hold_;  // per vertex: 0 keeps its rotation, 1 replaces it by the identity
 
   std::vector<Eigen::Vector4d> quaternions_;  // of the cells' last pose, x y z w, with either sign
   std::vector<PosedCell> posed_;

@@ -14,6 +14,7 @@ class CellPose {
  public:
   /// The usual number of cells. 1500 cells gave no better rotations.
   static constexpr int kCells = 400;
+  /// Returns the number of cells for a region of so many vertices.
   static int wanted_cells(int vertices);
 
   /// @param region,cells,settings  must outlive the object; blend and rest need not
@@ -31,7 +32,7 @@ class CellPose {
   const Points& displacement() const { return displacement_; }          ///< of the centres, from the rigidly moved pose
   const std::vector<Matrix3>& rotations() const { return rotations_; }  ///< likewise
   int passes() const { return passes_; }                                ///< of the last solve()
-  double left() const { return left_; }  ///< change of its last pass over the handles' largest displacement
+  double left() const { return left_; }  ///< change in the last pass, over the handles' largest displacement
 
  private:
   void move_rigidly(const GroupPaths& paths);

@@ -14,19 +14,19 @@ namespace lapedit {
 /// The equations of an edit on the cells of a region. They approximate those of LaplacianSystem where fields vary
 /// slowly.
 ///
-/// L is the operator's stiffness matrix on the cells' triangles. It is assembled with linear elements, in which
-/// gradients cost as much as on the region's own edges. M = D^-1 L, where D has the sums of weights; each row counts
-/// once per vertex of its cell. A membrane adds c L, see membrane_factor(). Anchors are constraints of their cells;
-/// handles are weighted rows of the blend, one per cell and group, at the mean of the group's vertices in the cell. The
-/// order is 1, also where the region's is higher.
+/// L is the operator's stiffness matrix on the cells' triangles, symmetric positive semidefinite. It is assembled with
+/// linear elements, in which gradients cost as much as on the region's own edges. M = D^-1 L, where D has the sums of
+/// weights; each row counts once per vertex of its cell. A membrane adds c L, see membrane_factor(). Anchors are
+/// constraints of their cells; handles are weighted rows of the blend, one per cell and group, at the mean of the
+/// group's vertices in the cell. The order is 1, also where the region's is higher.
 class CoarseSystem {
  public:
   /// The constraint of one handle group on one cell.
   struct Held {
     int cell, group;
-    Vector3 mean;   ///< of the group's vertices in the cell, by their w^2
-    double weight;  ///< sum of their w^2
-    std::vector<std::pair<int, double>> row;
+    Vector3 mean;                                  ///< of the group's vertices in the cell, by their w^2
+    double weight;                                 ///< sum of their w^2
+    std::vector<std::pair<int, double>> row;       ///< cells whose blend gives the mean, with their weights
     std::vector<std::pair<int, double>> vertices;  ///< of the region, with their weights in the mean
 
     Vector3 displacement(const GroupPaths& paths) const;  ///< of the mean
@@ -46,7 +46,8 @@ class CoarseSystem {
   const std::vector<int>& loose() const { return loose_; }
   int loose_parts() const { return 1 + *std::max_element(loose_.begin(), loose_.end()); }
 
-  /// Computes x = (M^T N M + c D M + W^2)^-1 right, cells x 3. Nothing is allocated after the first call.
+  /// Solves (M^T N M + c L + W^2) x = right, cells x 3, N the cells' numbers of vertices; c L = c D M. The matrix is
+  /// symmetric positive definite. Nothing is allocated after the first call.
   void solve(const Points& right, Points& x) { normal_->solve(right, x); }
   /// M = D^-1 L.
   const SparseMatrix& differential_operator() const { return operator_; }

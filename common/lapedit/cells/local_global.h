@@ -20,7 +20,7 @@ namespace lapedit {
 class LocalGlobal {
  public:
   /// All arguments must outlive the object.
-  /// @param hold     per cell, by how much its rotation is reduced, 0 to 1
+  /// @param hold     per cell: 0 keeps its fitted rotation, 1 replaces it by the identity
   /// @param inertia  per cell, the weight of its last rotation against that of the covariance
   LocalGlobal(const RegionCells& cells, const CellSurface& surface, const std::vector<double>& hold,
               const std::vector<double>& inertia, CoarseSystem& system);
@@ -34,9 +34,12 @@ class LocalGlobal {
   /// @param hangs  whether loose parts rotate as one
   void start(const Points& rigid, const std::vector<Matrix3>& linear, bool hangs);
 
+  /// Alternates global and local steps, beginning with a global one.
   /// @param constraints   the right-hand side of CoarseSystem::solve() without rotations
+  /// @param accurate      change of positions, model units, below which it ends
+  /// @param most_passes   largest number of global steps
   /// @param displacement  out: the solution
-  /// @param rotations     in: those of the first step, which is a global one; out: the last ones
+  /// @param rotations     in: those of the first global step; out: the last ones
   /// Nothing is allocated after the first call.
   Outcome settle(const Points& constraints, double accurate, int most_passes, Points& displacement,
                  std::vector<Matrix3>& rotations);

@@ -14,7 +14,7 @@ namespace lapedit {
 
 /// A symmetric 3 x 3 tensor: xx xy xz yy yz zz.
 using Symmetric = Eigen::Matrix<double, 6, 1>;
-/// v v^T
+/// Returns v v^T.
 inline Symmetric squared(const Vector3& v) {
   Symmetric result;
   result << v[0] * v[0], v[0] * v[1], v[0] * v[2], v[1] * v[1], v[1] * v[2], v[2] * v[2];
@@ -22,7 +22,7 @@ inline Symmetric squared(const Vector3& v) {
 }
 Matrix3 full_matrix(const Symmetric& s);
 
-/// A vector of three or four numbers in single precision; the fourth of three is 0.
+/// Returns a vector of three or four numbers in single precision; the fourth of three is 0.
 template <class Vector>
 Floats4 floats4(const Vector& v) {
   return Floats4{static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]),
@@ -44,8 +44,9 @@ struct RegionCells {
   std::vector<double> crossing;  ///< per entry of neighbours: sum of the weights w_ij of these edges
   std::vector<std::array<int, 3>> triangles;  ///< cells that meet in a face, ascending, each once
 
-  std::vector<double> vertices, area;  ///< number of vertices; a third of the area of the faces at each
-  Points normals;                      ///< sums of those faces' area normals
+  /// Per cell: the number of its vertices, and the sum over them of a third of the area of their faces.
+  std::vector<double> vertices, area;
+  Points normals;  ///< sums of those faces' area normals
   /// Sums over a cell's vertices: of w_ij, and of w_ij e e^T / 2 over the edges e, the cost of gradients in the cell.
   std::vector<double> weight;
   std::vector<Symmetric> stiffness;

@@ -16,7 +16,8 @@ enum class LaplacianKind {
   ///
   /// Negative weights (obtuse pairs) are replaced by zero, so no row has a zero or negative sum; cotangents are clamped
   /// at kLargestCotangent. An edge of a triangle without area (or of no triangle, or with a non-finite corner) gets the
-  /// weight of an equilateral mesh, 1 / sqrt(3), and is counted in uniform_edges.
+  /// weight of an equilateral mesh, 1 / sqrt(3), and is counted in uniform_edges. Source: U. Pinkall, K. Polthier,
+  /// Computing discrete minimal surfaces and their conjugates, 1993.
   Cotangent,
   /// alpha_ji proportional to the mean of the edge's two mean-value weights, (tan(a / 2) + tan(b / 2)) / length, where
   /// a and b are the angles at the corner next to the edge. Weights are never negative or nearly zero, so obtuse and
@@ -26,6 +27,7 @@ enum class LaplacianKind {
   MeanValue
 };
 
+/// Returns the name of the weights in JSON.
 const char* name(LaplacianKind kind);
 
 /// Weights w_ji >= 0, one per entry of region.neighbours, before rows are normalised: alpha_ji = w_ji / sum_k w_jk.
@@ -41,8 +43,10 @@ struct EdgeWeights {
 EdgeWeights edge_weights(LaplacianKind kind, const Region& region, const TriangleMesh& mesh, bool symmetric = false,
                          ThreadPool* pool = nullptr);
 
-/// An n x n operator M over a region: row j is D(p_j) = p_j - sum_i alpha_ji p_i, the alphas of a row summing to 1.
-/// The row of a vertex without neighbours is zero.
+/// An n x n operator M over a region (paper, section 3): (M p)_j = p_j - sum_i alpha_ji p_i. Its diagonal is 1, other
+/// entries are -alpha_ji <= 0, and rows sum to 0; the row of a vertex without neighbours is zero. M is not symmetric,
+/// but M = D^-1 L with D the positive diagonal of the rows' sums of weights. L is symmetric positive semidefinite if
+/// weights are symmetric; its kernel is the constants on each connected component.
 struct DifferentialOperator {
   SparseMatrix matrix;
   int uniform_edges = 0;  ///< edges with the uniform weight, since their triangles have no usable one

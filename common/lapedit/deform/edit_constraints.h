@@ -21,8 +21,8 @@ class EditConstraints {
   /// @throws EditError as GroupPaths::set()
   void set(const std::vector<HandleMotion>& handles, const Affine& anchors);
 
-  /// Returns w_i^2 (c_i - q_i) for handle vertices, size() x 3; 0 elsewhere, since anchors are at their
-  /// targets; q is the rigidly moved pose.
+  /// Returns the right-hand side without rotations, size() x 3: w_i^2 (c_i - q_i) for a handle vertex with the target
+  /// c_i, where q is the rigidly moved pose; 0 for all others, since anchors of q are at their targets.
   const Points& right_hand_side() const { return right_; }
   /// Returns whether any target differs from the rigidly moved pose.
   bool any() const { return any_; }

@@ -41,6 +41,8 @@ void find_folds(const LaplacianSystem& system, const Points& positions, EditQual
   for (Eigen::Index f = 0; f < region.faces.rows(); ++f) {
     if (is_flipped(region, f, system.rest.world, positions, surface)) {
       ++result.folded;
+      causes.folds.push_back({region.mesh_vertex[region.faces(f, 0)], region.mesh_vertex[region.faces(f, 1)],
+                              region.mesh_vertex[region.faces(f, 2)]});
       for (const int v : region.faces.row(f)) {
         ++at[v];
       }
@@ -270,6 +272,11 @@ EditQuality edit_quality(const LaplacianSystem& system, const EditConstraints& c
   const EdgeStretch stretch = edge_stretch(region, system.rest.world, positions);
   result.stretch_rms = stretch.rms;
   result.stretch_max = stretch.largest;
+  double scale = 1;  // what is to grow stretches as much
+  for (const auto& motion : constraints.paths().motions()) {
+    scale = std::max(scale, (motion.linear + Matrix3::Identity()).norm() / std::sqrt(3.0));
+  }
+  result.causes.stretched_area = stretched_area(region, system.rest.world, positions, kStretched * scale);
   result.causes.stretched = stretch.at < 0 ? -1 : region.mesh_vertex[stretch.at];
   result.flipped = flipped_triangles(region, system.rest.world, positions, rotations);
   find_folds(system, positions, result);

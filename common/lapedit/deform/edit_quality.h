@@ -23,8 +23,8 @@ std::vector<Matrix3> surface_rotations(const Region& region, const Points& befor
 /// returns 0.985). `std::nullopt` without detail, and with other methods than EditMethod::Paper. Cost: two smoothings.
 std::optional<double> detail_height(const LaplacianSystem& system, const Points& after);
 
-/// Returns the largest angle between R_i and S_i in degrees; if `s` is empty, between R_i and the identity.
-/// @param at  out, if given: i, -1 for no difference
+/// Returns the largest angle in degrees between the rotations r[i] and s[i]; an empty `s` stands for identities.
+/// @param at  out, unless null: the index i of the largest angle; -1 if all are 0
 double largest_rotation(const std::vector<Matrix3>& r, const std::vector<Matrix3>& s, int* at = nullptr);
 
 /// Computes all figures except the normal equations' residual, the height of detail, the rotation left by passes, and

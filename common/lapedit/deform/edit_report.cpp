@@ -65,7 +65,7 @@ std::string name_at(int vertex, const std::vector<LandmarkResidual>& landmarks) 
 
 /// Returns advice on folds, intersections and stretch.
 std::string advice_on_shape(const EditReport& report) {
-  constexpr double kStretched = 5;
+  constexpr double kFar = 5, kLargeArea = 0.05;
   const int meeting = report.new_intersections.value_or(0);
   std::string sentence;
   if (report.folded > 0) {
@@ -74,16 +74,22 @@ std::string advice_on_shape(const EditReport& report) {
   } else if (meeting > 0) {
     sentence = counted(meeting, "pair", "pairs") + " of triangles came to intersect";
   }
-  if (report.stretch_max > kStretched) {
+  if (report.stretch_max > kFar) {
     sentence += std::string(sentence.empty() ? "An" : ", and an") + " edge at vertex " +
                 std::to_string(report.causes.stretched) +
                 format_text(" became %.3g times as long", 1 + report.stretch_max);
+  }
+  const bool stretched = !report.has_targets && !report.fit && report.causes.stretched_area > kLargeArea;
+  if (stretched) {
+    sentence +=
+        (sentence.empty() ? "" : ", and ") + format_text("%.0f %% of the region became more than %.3g times as long",
+                                                         100 * report.causes.stretched_area, kStretched);
   }
   if (sentence.empty()) {
     return {};
   }
   std::vector<const char*> ways;
-  if (report.handle_displacement > report.causes.reach) {
+  if (stretched || report.handle_displacement > report.causes.reach) {
     ways.push_back("use a larger region");
   }
   if (!report.targets_advice.empty()) {

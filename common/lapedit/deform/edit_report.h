@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <utility>
@@ -18,7 +19,7 @@ struct RegionCounts {
   int welded = 0;  ///< other vertices at the places of the region's, which have their positions
 };
 
-/// Milliseconds.
+/// Times of an edit's stages in milliseconds.
 struct EditTimes {
   double region_ms = 0, operator_ms = 0, factor_ms = 0, kernel_ms = 0, unrotated_ms = 0, normals_ms = 0, rotate_ms = 0,
          solve_ms = 0;
@@ -27,33 +28,38 @@ struct EditTimes {
 /// A component of the region that turned inside out, or lost more than half of the volume that the handles' motions
 /// leave it.
 struct LostVolume {
-  int vertex = -1;  ///< the component's lowest mesh vertex; -1: there is no such component
-  double before = 0, after = 0;
-  bool mirrored = false;  ///< the maps of all groups mirror
+  int vertex = -1;               ///< the component's lowest mesh vertex; -1: there is no such component
+  double before = 0, after = 0;  ///< its volume, cubic model units
+  bool mirrored = false;         ///< the maps of all groups mirror
 };
+
+/// Stretch that an area gets advice on: new length over old length, in any direction.
+constexpr double kStretched = 1.6;
 
 /// Causes of folds and stretched edges, and where they are: mesh vertices, -1 for none.
 struct AdviceCauses {
-  int near = -1;             ///< vertex with the most folded triangles
-  bool lone_handle = false;  ///< the handle with the largest displacement is a single vertex
-  double reach = 0;          ///< the region's radius
-  double rotation = 0;       ///< largest detail rotation, or rotation of the surface at a handle
-  int stretched = -1;        ///< the lower end of the edge with the largest stretch
-  bool unheld = false;       ///< neither anchors nor a group without motion hold a component of the region
-  bool by_radius = false;    ///< the region was found by its radius
-  double farthest = 0;       ///< largest distance from the handle in the region
-  int behind = -1;           ///< the handle vertex of full weight that is farthest from its target
-  double distance = 0;       ///< of that vertex to its target
-  double step = 0;           ///< spacing of the coordinates that the mesh can store there
-  bool rigid = false;        ///< each component moved rigidly, up to rounding
-  int unsettled = -1;        ///< the vertex that rotated most in the last pass
-  int unsettled_group = -1;  ///< the nearest of several handle groups
+  int near = -1;                          ///< vertex with the most folded triangles
+  std::vector<std::array<int, 3>> folds;  ///< mesh vertices of the folded triangles
+  double stretched_area = 0;  ///< fraction of the region's area that became more than kStretched times as long
+  bool lone_handle = false;   ///< the handle with the largest displacement is a single vertex
+  double reach = 0;           ///< the region's radius
+  double rotation = 0;        ///< largest detail rotation, or rotation of the surface at a handle
+  int stretched = -1;         ///< the lower end of the edge with the largest stretch
+  bool unheld = false;        ///< neither anchors nor a group without motion hold a component of the region
+  bool by_radius = false;     ///< the region was found by its radius
+  double farthest = 0;        ///< largest distance from the handle in the region
+  int behind = -1;            ///< the handle vertex of full weight that is farthest from its target
+  double distance = 0;        ///< distance of that vertex to its target
+  double step = 0;            ///< spacing of the coordinates that the mesh can store there
+  bool rigid = false;         ///< each component moved rigidly, up to rounding
+  int unsettled = -1;         ///< the vertex that rotated most in the last pass
+  int unsettled_group = -1;   ///< the nearest of several handle groups
   LostVolume lost;
 };
 
 /// Figures on the quality of the result.
 struct EditQuality {
-  double normal_equation_residual = 0;  ///< |A^T (A x - b)| over |A^T| |b|-sized terms; rounding level when all is well
+  double normal_equation_residual = 0;  ///< RefinedSolver::relative_residual(), usually at rounding level
   double handle_displacement = 0;       ///< largest displacement from a handle vertex to its target
   /// Largest distance of a handle vertex, as stored, from its target, over the vertices with the largest weight of each
   /// group.
@@ -62,8 +68,8 @@ struct EditQuality {
   double rotation_mean = 0, rotation_max = 0;
   double stretch_rms = 0;  ///< RMS over the region's edges of new length / old length - 1
   double stretch_max = 0;  ///< the largest of these, of edges that became longer
-  int flipped = 0;         ///< triangles of the region turned by more than 90 degrees against their rotated original
-  int folded = 0;          ///< the same against the surface around them, independent of detail rotations
+  int flipped = 0;         ///< triangles that rotated by more than 90 degrees against the rotations of their corners
+  int folded = 0;          ///< triangles that did so against the surface around them, whatever the detail rotations
   double volume = 0;       ///< before the edit, see enclosed_volume()
   double volume_change = 0;
   bool is_body = false;  ///< whether a percentage of the volume is meaningful, as it is not in a nearly flat region
@@ -112,7 +118,7 @@ struct EditReport : RegionCounts, EditTimes, EditQuality {
   ExchangedLandmarks exchanged;             ///< of a whole edit
   std::string landmark_conversion;          ///< of coordinate systems, as in "from RAS to LPS"; empty: none
   std::optional<FitReport> fit;             ///< of a step that fits; its system figures stay empty
-  std::string targets_advice;               ///< why targets are far from the surface; empty: unknown, or they are not
+  std::string targets_advice;               ///< why targets are far from the surface; empty if they are not, or unknown
 
   /// Returns several lines of plain text for a log, without a trailing newline.
   std::string text() const;

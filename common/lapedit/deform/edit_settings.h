@@ -17,6 +17,7 @@ enum class EditMethod {
   Linear    ///< the paper's section 3: differential coordinates are not rotated
 };
 
+/// Returns the name of the method in JSON.
 const char* name(EditMethod method);
 
 /// What EditMethod::Paper estimates rotations from: the paper's reference surface (section 4).
@@ -25,6 +26,7 @@ enum class RoughDeformation {
   Falloff     ///< the handles' motions, falling off with geodesic distance: see GeodesicFalloff
 };
 
+/// Returns the name of the rough deformation in JSON.
 const char* name(RoughDeformation rough);
 
 /// The settings of an edit, independent of its region and handles. Each has a row in settings_table().
@@ -32,11 +34,11 @@ struct EditSettings {
   EditMethod method = EditMethod::Default;
   LaplacianKind laplacian = LaplacianKind::MeanValue;
   int order = 1;  ///< EditMethod::Default has order 1 only
-  /// Cost of stretching against bending, see membrane_factor(). 0: none, the paper's choice. Values beyond 1000 show at
-  /// the region's rim.
+  /// Cost of stretching against bending, see membrane_factor(). 0: none, the paper's choice. The effect of values above
+  /// 1000 is visible at the region's rim.
   double membrane = 500;
-  /// Weight of handle constraints; equations of differential coordinates weigh 1. The membrane pulls harder at handles
-  /// and rim than bending alone, for which 10 suffices: a single vertex lags by 0.02 to 0.1 % of its displacement.
+  /// Weight of handle constraints; equations of differential coordinates weigh 1. Without a membrane 10 suffices. With
+  /// it, 30 keeps a single vertex within 0.02 to 0.1 % of its displacement from its target.
   double handle_weight = 30;
   double anchor_weight = 30;  ///< an anchor's weight is this times d / d_max
   int iterations = 0;         ///< passes of EditMethod::Default; 0: see passes()
@@ -85,6 +87,7 @@ struct Setting {
   std::optional<EditMethod> only = {};    ///< the method that has this setting; none: all methods have it
   std::optional<EditMethod> fixed = {};   ///< a method with which it has its default value only
 
+  /// Returns whether the method has this setting, and whether its value can be changed.
   bool applies(EditMethod method) const { return !only || *only == method; }
   bool varies(EditMethod method) const { return applies(method) && fixed != method; }
 };

@@ -17,8 +17,8 @@ class GroupPaths {
   /// @param rest    rest pose relative to `origin`, size() x 3; region and rest must outlive the object
   GroupPaths(const Region& region, const Points& rest, const Vector3& origin);
 
-  /// Sets the motions, one per group, and moves to their ends. A group of one vertex has a displacement, but no
-  /// rotation and no scale. After the first call memory is allocated for targets of vertices only.
+  /// Sets one motion per group, and moves the groups to the ends of their paths. A group of one vertex has a
+  /// displacement, but no rotation and no scale. After the first call memory is allocated for targets of vertices only.
   /// @throws EditError (NoHandle, NotFinite, BadParameter) unless there is a finite motion for each group, with no
   ///         targets or one for each vertex
   void set(const std::vector<HandleMotion>& motions, const Affine& anchors = Affine::Identity());
@@ -48,8 +48,8 @@ class GroupPaths {
   bool moves_rigidly() const;  ///< whether any component is moved
   bool revolves() const;       ///< whether any group makes a revolution, after which it may be where it was
 
-  /// Returns the free vertices that one group alone connects to all that is held, so they move rigidly with it. A group
-  /// on a line does not count, since they could rotate about it.
+  /// Returns the hanging vertices: free vertices that a single group connects to everything that is held, and that move
+  /// rigidly with it. Groups whose vertices are on a line have none, since a surface can rotate about a line.
   const std::vector<int>& hanging() const { return hanging_; }
   /// Returns the group that a hanging vertex moves with; -1 if the group's vertices have targets.
   int followed(int hanging) const { return groups_[index_[hanging]].offsets.rows() == 0 ? index_[hanging] : -1; }
@@ -63,7 +63,7 @@ class GroupPaths {
     Vector3 centre = Vector3::Zero();
     std::vector<int> components;  // of the region, that it has vertices in
     MotionPath path;
-    double fraction = 1, now = 1;  // of the path: at the end, and where the groups are
+    double fraction = 1, now = 1;  // fractions of the path: its end in this edit, and the current position
     Points offsets;                // of the vertices' targets; or no rows
   };
   void check(const std::vector<HandleMotion>& motions) const;

@@ -17,12 +17,12 @@ namespace lapedit {
 /// Relative accuracy of solutions that later passes refine further.
 constexpr double kAccurate = 1e-8;
 
-/// The operators M^k and M_1 = M of the paper's section 3, k the order; for order 1 without links both are the same
-/// object.
+/// The operators of a system: M of the paper's section 3, and its power M^k, where k is the order. For order 1 without
+/// links both are the same object.
 struct LaplacianPowers {
   std::shared_ptr<const OperatorRows> m, first;
   int uniform_edges = 0;    ///< see DifferentialOperator
-  Eigen::VectorXd stretch;  ///< c D of membrane_factor(), which m adds to M^T; empty without a membrane
+  Eigen::VectorXd stretch;  ///< the diagonal c D, see membrane_factor() and OperatorRows; empty without a membrane
   Eigen::VectorXd links;    ///< link_strengths(), whose rows m has below those of M^k; empty without links
 };
 
@@ -34,12 +34,16 @@ struct SystemFigures {
   int refinements = 0;  ///< steps to kAccurate without the correction
 };
 
-/// The linear system of an edit, independent of the handles' motions. prepare_system() makes it; afterwards it is only
-/// read.
+/// The linear system of an edit, independent of the handles' motions (paper, sections 3 and 7). prepare_system() makes
+/// it; afterwards it is only read.
 ///
-/// Operator and factor depend on the region, its anchors and the settings. Each is shared by pointer with the
-/// system of the next handle if it fits. The thread pool is shared as well, so only one of the sharing objects may
-/// compute at a time.
+/// Its matrix is A = (M^k)^T M^k + c L + W^2, with the membrane's stiffness matrix L and the weights of handles and
+/// anchors on the diagonal of W. A is symmetric, and positive definite since each component of the region has a
+/// constraint.
+///
+/// Operator and factor depend on the region, its anchors and the settings. Each is shared by pointer with the system of
+/// the next handle if it fits. The thread pool is shared as well, so only one of the sharing objects may compute at a
+/// time.
 struct LaplacianSystem {
   std::shared_ptr<const RestPose> shared_rest;
   const RestPose& rest;
@@ -60,6 +64,7 @@ struct LaplacianSystem {
 
   LaplacianSystem(std::shared_ptr<const RestPose> pose, const EditSettings& given, const SolverOptions& with)
       : shared_rest(std::move(pose)), rest(*shared_rest), region(*rest.region), settings(given), options(with) {}
+  /// Returns whether each component of the region has an anchor.
   bool all_anchored() const;
 };
 

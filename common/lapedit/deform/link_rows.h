@@ -5,10 +5,10 @@
 
 namespace lapedit {
 
-/// Returns the strength s of each of the region's links. A link holds two pieces together by a row s (x_a - x_b) below
-/// those of M^k, whose right-hand side is s t, where t is e = p_a - p_b turned into the direction of (R_a + R_b) e. The
-/// rows of M^k leave residuals of some tenths of an edge h, which change a link of length g by about as much over s^2.
-/// So s^2 = 1000 max(1, h / g), at most 10000, keeps its length within a few hundredths; 100 for higher orders.
+/// Returns the strength s of each of the region's links. A link holds two pieces together by a row s (x_a - x_b) = s t
+/// below those of M^k. Here t is e = p_a - p_b rotated into the direction of (R_a + R_b) e. The rows of M^k leave
+/// residuals of some tenths of an edge h, which change a link of length g by about as much over s^2. So s^2 = 1000
+/// max(1, h / g), at most 10000, keeps its length within a few hundredths; 100 for higher orders.
 /// @param rest  size() x 3
 Eigen::VectorXd link_strengths(const Region& region, const Points& rest, int order);
 

@@ -23,7 +23,7 @@ constexpr FitSettings kVertexFit = {0.9, 8};
 /// edits (tests/scripts/quality.sh).
 constexpr FitSettings kCellFit = {0.5, 1};
 
-/// Scratch memory of local_step(); it takes none before the first call.
+/// Scratch memory of local_step(). Empty before the first call.
 struct LocalStepScratch {
   Points previous, ahead;  ///< size() x 3: displacement of the last pass, and the extrapolated one
   MatrixAverages covariances;

@@ -7,8 +7,8 @@
 namespace lapedit {
 
 /// Returns the cost c of stretching against bending. The energy of an edit is |M x|^2 + c x^T L x, where M = D^-1 L is
-/// the operator and L its stiffness matrix, x^T L x = sum_ij w_ij |x_i - x_j|^2 / 2. Since M is about h^2 / 4 times the
-/// surface's Laplacian, h the mean edge length,
+/// the operator and L its stiffness matrix, symmetric positive semidefinite: x^T L x = sum_ij w_ij |x_i - x_j|^2 / 2.
+/// Since M is about h^2 / 4 times the surface's Laplacian, h the mean edge length,
 ///
 ///     c = settings.membrane / s^2 * (h^2 / 4) / mean D
 ///

@@ -11,9 +11,11 @@ struct LocalMotion {
   Matrix3 linear = Matrix3::Zero();       ///< L - I
   Vector3 translation = Vector3::Zero();  ///< displacement of the local origin
 
+  /// Returns an affine map relative to an origin.
   static LocalMotion of(const Affine& map, const Vector3& origin);
   Vector3 displacement(const Vector3& local) const { return linear * local + translation; }
   Matrix3 rotation() const;  ///< of the map; the identity for a reflection
+  /// Returns whether the map is exactly the identity.
   bool none() const { return linear.isZero(0) && translation.isZero(0); }
 };
 

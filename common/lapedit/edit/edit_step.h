@@ -75,7 +75,7 @@ struct Edit {
   std::optional<int> mesh_vertices, mesh_faces;
   std::string connectivity;  ///< checksum, empty: not given
   std::vector<EditStep> steps;
-  VertexPositions positions = {};  ///< of the vertices that the steps name; they count where the mesh is not given
+  VertexPositions positions = {};  ///< of the vertices that the steps name; used if the members above are not given
 
   bool by_position() const {
     return !positions.points.empty() && !mesh_vertices && !mesh_faces && connectivity.empty();
@@ -85,17 +85,17 @@ struct Edit {
 /// Returns the centroid of some vertices. @throws EditError (BadIndex, NoHandle)
 Vector3 centroid(const Points& vertices, const std::vector<int>& group);
 
-// Of the handles of a step, one entry per group.
+/// Return the vertices and the weights of a step's handles, one entry per group.
 std::vector<std::vector<int>> groups_of(const EditStep& step);
 std::vector<std::vector<double>> weights_of(const EditStep& step);
-/// Returns the motions of the groups, which are sorted. @param fraction  of the path, 0 to 1.
+/// Returns the motions of the groups, whose vertices have to be sorted. @param fraction  of the path, 0 to 1.
 /// @throws EditError as centroid() and resolve(); (BadParameter) as check_handles(), and if the map of a group mirrors
 ///         but not those of all groups of several vertices, since the surface between them would turn inside out;
 ///         (NotFinite)
 std::vector<HandleMotion> motions_of(const TriangleMesh& mesh, const EditStep& step, double fraction = 1);
 
-/// Targets as HandleMotion has them: one row for each vertex, but none if they are the vertices' own positions, which
-/// is no motion, to the bit. Allocates nothing for as many rows as before.
+/// Computes HandleMotion::targets: one row per vertex, or none if all targets are the vertices' own positions, so that
+/// such a group has no motion at all. Allocates nothing for as many rows as before.
 void targets_to(const std::vector<int>& vertices, const std::vector<Vector3>& targets, const TriangleMesh& mesh,
                 Points& rows);
 

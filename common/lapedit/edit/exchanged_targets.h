@@ -19,8 +19,8 @@ struct ExchangedTargets {
 
 /// Finds the exchange of targets after which a rigid motion with scale fits far better: to less than a third of the
 /// distance, and to less than 0.15 of the targets' spread. Single pairs are tried, pairs after pairs, and all pairs
-/// that mirror each other at a plane between two points. Targets that an edit moves in their own ways are not found,
-/// since no exchange explains them; nor is an exchange that a rotation can do, as of three points.
+/// that mirror each other at a plane between two points. Targets that differ from a rigid motion for other reasons are
+/// not found, since no exchange explains them, nor exchanges that a rotation explains, as of three points.
 /// Returns no pairs for fewer than 4 points or more than 60. Cost: some milliseconds for 20 points.
 ExchangedTargets find_exchanged_targets(const std::vector<Vector3>& points, const std::vector<Vector3>& targets);
 

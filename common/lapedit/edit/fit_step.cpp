@@ -37,6 +37,40 @@ std::vector<FitLandmark> landmarks_of(const EditStep& step) {
   return landmarks;
 }
 
+/// Returns the region of a fit: build_region() with the landmarks as its handle. Without landmarks it is all components
+/// of the mesh, or the vertices given.
+Region fit_region(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
+                  const std::vector<int>& landmarks, int threads) {
+  if (!landmarks.empty() || spec.kind == RegionSpec::Kind::Radius) {
+    return build_region(mesh, adjacency, spec, {landmarks}, threads);
+  }
+  // The vertex of each component that is nearest to its centroid stands for a handle.
+  const bool whole = spec.kind == RegionSpec::Kind::Component;
+  std::vector<char> kinds(static_cast<std::size_t>(mesh.vertices.rows()), whole ? 1 : 0);
+  for (const int v : spec.vertices) {
+    require_vertex("Vertex", v, mesh.vertices.rows());
+    kinds[static_cast<std::size_t>(v)] = 1;
+  }
+  std::vector<int> labels, middles;
+  std::vector<std::vector<int>> components(
+      static_cast<std::size_t>(connected_components(adjacency.neighbours, labels, kinds)));
+  for (int v = 0; v < static_cast<int>(labels.size()); ++v) {
+    if (kinds[static_cast<std::size_t>(v)] != 0 && adjacency.faces[v].size() > 0) {
+      components[static_cast<std::size_t>(labels[static_cast<std::size_t>(v)])].push_back(v);
+    }
+  }
+  for (const std::vector<int>& component : components) {
+    if (!component.empty()) {
+      const Points points = gather(mesh.vertices, component);
+      const Eigen::RowVector3d centroid = points.colwise().mean();
+      Eigen::Index middle = 0;
+      (points.rowwise() - centroid).rowwise().squaredNorm().minCoeff(&middle);
+      middles.push_back(component[static_cast<std::size_t>(middle)]);
+    }
+  }
+  return build_region(mesh, adjacency, spec, {middles}, threads);
+}
+
 void measure(const Region& region, const Points& before, const Points& after, const std::vector<Matrix3>& rotations,
              EditReport& report) {
   const EdgeStretch stretch = edge_stretch(region, before, after);
@@ -90,7 +124,6 @@ FittedStep fit_step(const TriangleMesh& mesh, const Adjacency& adjacency, const 
     throw EditError(ErrorCause::BadParameter,
                     "A fit cannot be mirrored, since the scan decides on both sides: remove the key mirror.");
   }
-  validate(step.fit->settings);
   std::vector<FitLandmark> landmarks = landmarks_of(step);
   std::vector<int> handle;
   handle.reserve(landmarks.size());
@@ -111,7 +144,7 @@ FittedStep fit_step(const TriangleMesh& mesh, const Adjacency& adjacency, const 
     }
   }
   FitResult result =
-      fit_template(mesh, region, landmarks, excluded, *step.fit->scan, step.fit->settings, options, progress);
+      fit_template({mesh, region, *step.fit->scan, step.fit->settings, landmarks, excluded, options.threads}, progress);
   FittedStep fitted;
   fitted.vertices = region.mesh_vertex;
   fitted.positions = std::move(result.positions);

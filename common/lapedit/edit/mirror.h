@@ -15,9 +15,9 @@ namespace lapedit {
 /// with it, and keeps the symmetric part of its transform: of a translation the part along the plane, of a rotation the
 /// rotation about the plane's normal, of a scale all of it, about a centre in the plane; of a matrix with the polar
 /// decomposition L = Q P the same parts of translation and rotation, and (P + S P S) / 2. Any other group has an image
-/// that moves by S T S: translation and centre are mirrored, the axis is mirrored and reversed, the scale is equal. Of
-/// targets the displacements are mirrored; where a vertex and its image are both in a group, they go by the mean of
-/// what each was to do.
+/// that moves by S T S: translation and centre are mirrored, the axis is mirrored and reversed, the scale is equal. The
+/// displacements of targets are mirrored. If a vertex and its image are in one group, each moves by the mean of its own
+/// displacement and the mirrored one of the other.
 class MirroredHandles {
  public:
   /// @param groups  mesh vertex numbers, ascending without duplicates; @param weights  of each group, or none
@@ -34,18 +34,18 @@ class MirroredHandles {
 
   /// Returns the motion of group g from the transforms of the given groups. @throws EditError as resolve()
   HandleTransform transform(std::size_t g, const std::vector<HandleTransform>& given) const;
-  /// Where the vertices of group g go, from the targets of each given group, which are finite; empty: of none.
-  /// Allocates nothing for as many targets as before.
+  /// Computes the targets of the vertices of group g from those of the given groups, which have to be finite; empty if
+  /// there are none. Allocates nothing for as many targets as before.
   void targets(std::size_t g, const std::vector<std::vector<Vector3>>& given, std::vector<Vector3>& targets) const;
-  /// All of them resolved but for targets, with the bits that the runner's have. Nothing is allocated after the first
-  /// call.
+  /// Computes the motions of all groups, without targets, with the same bits as motions_of() of the mirrored step.
+  /// Nothing is allocated after the first call.
   void maps(const std::vector<HandleTransform>& given, std::vector<HandleMotion>& maps) const;
 
  private:
   HandleTransform symmetric(const HandleTransform& given, const Vector3& centre) const;
   HandleTransform reflected(const HandleTransform& given, const Vector3& centre) const;
 
-  /// Of a vertex of groups_: where it stands in the given group, and where what it is the image of; -1: nowhere.
+  /// Indices, in the given group, of a vertex of groups_ and of the vertex whose image it is; -1: not in that group.
   struct Twin {
     int self, original;
   };

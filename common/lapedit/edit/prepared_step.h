@@ -15,7 +15,7 @@ namespace lapedit {
 class PreparedStep {
  public:
   /// @param mesh    the shape before the step; has to outlive the object. With joined, its faces are those of joined
-  /// @param joined  vertices at the same place are one; null: each is on its own
+  /// @param joined  takes vertices at the same place as one; null: takes each vertex on its own
   /// @param step    with vertex numbers, see located()
   /// @throws EditError as mirrored(), welded() and sort_group()
   PreparedStep(const TriangleMesh& mesh, std::shared_ptr<const Joined> joined, const EditStep& step,
@@ -39,7 +39,8 @@ class PreparedStep {
   ///         then as before
   void move(const EditStep& step);
   /// Computes a pose. Requires prepare().
-  /// @param vertices, positions  out: those of the region and of the places that they share
+  /// @param vertices   out: the region's vertices, and all others at their places
+  /// @param positions  out: one row per vertex
   /// @throws EditError as motions_of() and StepSolver::pose()
   void pose(double fraction, std::vector<int>& vertices, Points& positions, const Progress& progress = {});
   /// Returns the report of the last pose. @param vertices  the whole mesh in that pose

@@ -10,12 +10,12 @@ namespace lapedit {
 
 /// Scratch memory of frames.
 struct StepSolver::Frame {
-  ThreadPool pool;  ///< before there is a system, whose pool another thread uses
+  ThreadPool pool;  ///< used until there is a system; while it is made, another thread uses its pool
   double unit;      ///< of lengths in single precision, and of displacements
   std::unique_ptr<CellModel::Transform[]> transforms;
   Points displacement;    ///< from the rest pose, in units, with one more row
   int passes = 0;         ///< of the last frame over the vertices
-  bool is_quick = false;  ///< its cells
+  bool is_quick = false;  ///< whether its cells were posed with few passes
 
   // For the solve.
   std::vector<int> constrained;  ///< vertices with a weight

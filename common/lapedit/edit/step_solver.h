@@ -14,7 +14,7 @@
 #include "lapedit/deform/rotated_coordinates.h"
 #include "lapedit/edit/mirror.h"
 
-// For example, vertex 42 pulled up with all that is within 0.3 of it:
+// Prepares a step and computes its poses. This example pulls up vertex 42 with the surface within 0.3 of it:
 //
 //     RegionSpec spec;
 //     spec.radius = 0.3;
@@ -60,11 +60,12 @@ struct StepOptions {
 /// Solves for poses of one region with its handles (paper, sections 3 to 5). Filters, program and window solve all
 /// steps with this class, so that a step has the same bits everywhere.
 ///
-/// A pose minimises |M^k x - M^(k-1) R delta|^2 + sum_i w_i^2 |x_i - c_i|^2 over the region's vertices, where k is the
-/// order, delta = M p the differential coordinates of the rest pose p, and R the rotations that the method estimates.
-/// With k = 1 this is the paper's system. For k > 1 coordinates are rotated before M^(k-1) is applied; where R is
-/// constant this is the paper's formula. The unknowns are displacements from the rest pose, so vertices that do not
-/// move keep their bits. The same motions give the same bits, independent of earlier poses.
+/// A pose minimises |M^k x - M^(k-1) R delta|^2 + sum_i w_i^2 |x_i - c_i|^2 over the region's vertices, plus the
+/// membrane's c x^T L x with rotated edges. Here k is the order, delta = M p are the differential coordinates of the
+/// rest pose p, and R the rotations that the method estimates. With k = 1 this is the paper's system. For k > 1
+/// coordinates are rotated before M^(k-1) is applied; where R is constant this is the paper's formula. The unknowns are
+/// displacements from the rest pose, so vertices that do not move keep their bits. The same motions give the same bits,
+/// independent of earlier poses.
 ///
 /// A frame approximates a pose in a fraction of its time. It is the pose x0 of the cells until there is a system, then
 ///
@@ -77,7 +78,7 @@ struct StepOptions {
 /// Other handles, anchors or settings need a new object, which can reuse the system of an old one.
 class StepSolver {
  public:
-  /// Neither poses nor frames are available yet.
+  /// Stores the region. Poses need prepare() or take(), frames make_cells().
   /// @param mesh  rest pose; not kept. @throws EditError (BadParameter, NoHandle) as validate() and RestPose
   StepSolver(const TriangleMesh& mesh, FoundRegion found, const EditSettings& settings,
              const StepOptions& options = {});
@@ -138,7 +139,7 @@ class StepSolver {
   bool refine(Points& positions);
 
  private:
-  /// What the last pose took.
+  /// Counts and times of the last pose.
   struct PoseFigures {
     int iterations = 0, refinements = 0;
     double unrotated_ms = 0, normals_ms = 0, rotate_ms = 0, solve_ms = 0;

@@ -330,6 +330,8 @@ void visit(Keys& keys, RegionKeys& object) {
   region.kind = has_radius ? Kind::Radius : is_component ? Kind::Component : Kind::Vertices;
   keys.may("padding", region.padding, !is_component);
   keys.may("connect", region.connect_gap, region.connect_gap != 0);
+  keys.may("tips", region.tips, region.tips);
+  keys.may("pieces", region.pieces, region.pieces);
   keys.may("held", region.held, !region.held.empty());
   keys.may("anchors", region.anchors, is_set && !region.anchors.empty());
 }

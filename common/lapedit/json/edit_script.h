@@ -28,7 +28,8 @@ Edit load_edit(const std::string& text_or_path);
 
 /// Writes keys in the order of that page, all settings of the method explicitly (a later change of defaults does not
 /// change an old file) and numbers such that read_edit() gives the same doubles (only a zero's sign is lost). Vertices
-/// keep their order. With targets the transform, and with a matrix its other members are not written.
+/// keep their order. A group with targets is written without a transform, and a transform with a matrix without its
+/// other members.
 /// @throws EditError (NotFinite, BadScript) if read_edit() could not read the result
 std::string write_edit(Edit edit);
 

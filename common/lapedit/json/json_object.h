@@ -31,20 +31,21 @@ struct JsonValue {
 
 using Matrix34 = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
 
-void read(const JsonValue& value, bool& flag);   ///< only true is accepted
+void read(const JsonValue& value, bool& flag);   ///< accepts `true` only
 void read(const JsonValue& value, int& number);  ///< from 0 to the largest int
 void read(const JsonValue& value, double& number);
 void read(const JsonValue& value, std::string& text);
 void read(const JsonValue& value, Eigen::Vector3d& vector);
 void read(const JsonValue& value, Matrix34& matrix);              ///< four rows, the last of which is fixed
 void read(const JsonValue& value, std::vector<double>& numbers);  ///< of any length
+/// Returns what read() reads.
 template <class Value>
 Value value_of(const JsonValue& value) {
   Value result;
   read(value, result);
   return result;
 }
-/// Returns the number of the name that is given.
+/// Returns the index of a text in a list of names. @throws EditError (BadScript) that lists the names
 int read_choice(const JsonValue& value, const std::vector<const char*>& names);
 
 }  // namespace lapedit

@@ -6,7 +6,7 @@
 
 #include "lapedit/base/error.h"
 
-/// JSON as text, from outside and for it.
+/// Reads JSON from users' files, and text for messages about it.
 namespace lapedit {
 
 /// Objects keep the order of their keys.
@@ -17,7 +17,7 @@ constexpr std::size_t kLargestJson = 64 << 20;  ///< bytes; seven million vertex
 /// @throws EditError (BadScript)
 [[noreturn]] void refuse_json(const std::string& sentence);
 
-/// Calls read(); puts a location before the sentence that it refuses a text with.
+/// Calls read(), and adds a location to the message of an EditError that it throws.
 template <class Read>
 auto refused_at(const std::string& where, const Read& read) {
   try {
@@ -30,7 +30,7 @@ auto refused_at(const std::string& where, const Read& read) {
 /// Returns whether a text seems to be in UTF-16: it has a byte order mark, or each second one of its first bytes is 0.
 bool is_utf16(const std::string& text);
 
-/// The object that a UTF-8 text (with or without a byte order mark) holds.
+/// Returns the object in a UTF-8 text, with or without a byte order mark.
 /// @throws EditError (BadScript) with line and column for what is no JSON; for a key that is given twice in an object;
 ///         for texts of more than kLargestJson bytes, objects of more than 1,000 keys, and values more than 1,024 deep
 /// Cost: O(n log k) for n bytes with at most k keys in an object
@@ -39,10 +39,10 @@ Json parse_json(std::string json);
 /// Returns the text without white space at its ends.
 std::string trimmed(const std::string& text, const char* space = " \t\n\v\f\r");
 
-/// Text from outside, made fit for a message: quoted, control characters escaped, not too long.
+/// Returns a user's text for a message: quoted, shortened, with control characters escaped.
 std::string quoted_text(const std::string& text, int most_characters = 60);
 
-/// What a value is, for a message: "the number 3", "a list of length 2".
+/// Returns the description of a value for a message, such as "the number 3" or "a list of length 2".
 std::string describe(const Json& value);
 
 }  // namespace lapedit

@@ -35,15 +35,16 @@ HandleGroup pair_landmarks(const LandmarkFile& from, const LandmarkFile& to);
 /// The same for two files. @throws EditError (BadScript) also as read_text_file() and read_landmarks()
 HandleGroup load_landmarks(const std::string& from, const std::string& to);
 
-/// Returns an edit that fits the whole components of a group to its targets, by the settings that suit landmarks all
-/// over a surface: the displacement of one landmark goes over smoothly into that of the next.
+/// Returns an edit that fits the components of a group to its targets. Its settings suit landmarks all over a surface:
+/// the displacements of neighbouring landmarks are blended smoothly.
 Edit fit_landmarks(HandleGroup group);
 
 /// Returns an edit that fits the whole mesh to a scan. @param to  its file; @param landmarks  without points: none
 Edit fit_scan(std::string to, HandleGroup landmarks = {});
 
-/// Reads a text file. @param otherwise  what is wrong with a path of no file; its folder is added
-/// @throws EditError (BadScript) if it is none, cannot be read, or is larger than kLargestJson
+/// Reads a text file. @param otherwise  end of the message if the path is not that of a file; the message adds its
+/// folder
+/// @throws EditError (BadScript) if it does not exist, cannot be read, or is larger than kLargestJson
 std::string read_text_file(const std::string& path, const char* otherwise = "is not the path of a file");
 
 }  // namespace lapedit

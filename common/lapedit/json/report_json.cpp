@@ -38,7 +38,7 @@ Json fit_json(const FitReport& fit) {
           {"scale", fit.scale},
           {"alignment", fit.alignment},
           {"other_alignment", fit.second ? Json(*fit.second) : Json()},
-          {"by_landmarks", fit.by_landmarks},
+          {"by_landmarks", fit.by_landmarks.has_value()},
           {"reversed_normals", fit.reversed_normals},
           {"size_ratio", fit.size_ratio},
           {"stages", fit.stages},

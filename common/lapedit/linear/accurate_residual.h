@@ -18,21 +18,23 @@ struct DoubledPoints {
   void add(const Points& step, ThreadPool& pool);
 };
 
-/// out = right - (M^T M + diag(diagonal)) x. Error about 1e-31 of the terms' sizes, plus the final rounding. @param
-/// between scratch; it and out keep their storage if they have the right size. O(entries of M)
+/// Computes out = right - (M^T M + diag(diagonal)) x, with an error of about 1e-31 of the terms' sizes plus the final
+/// rounding.
+/// @param between  scratch; it and `out` keep their storage if they have the right size
+/// Cost: O(entries of M).
 void normal_residual(const OperatorRows& m, const Eigen::VectorXd& diagonal, const Points& right,
                      const DoubledPoints& x, DoubledPoints& between, Points& out, ThreadPool& pool);
 
-/// out = right - A x, for a symmetric matrix with both halves stored; likewise.
+/// Computes out = right - A x with the same accuracy, for a symmetric matrix with both halves stored.
 void symmetric_residual(const SparseMatrix& a, const Points& right, const DoubledPoints& x, Points& out,
                         ThreadPool& pool);
 
-/// left -= (M^T M + diag(diagonal)) step, in working precision: updates a residual after a small step, for a fifth of
-/// the cost of a new one. @param between  scratch
+/// Updates a residual after a small step, for a fifth of the cost of a new one: left -= (M^T M + diag(diagonal)) step,
+/// in working precision. @param between  scratch
 void subtract_normal_product(const OperatorRows& m, const Eigen::VectorXd& diagonal, const Points& step,
                              Points& between, Points& left, ThreadPool& pool);
 
-/// left -= A step for a symmetric matrix with both halves stored, likewise.
+/// Updates a residual by left -= A step, for a symmetric matrix with both halves stored.
 void subtract_symmetric_product(const SparseMatrix& a, const Points& step, Points& left, ThreadPool& pool);
 
 /// The operations that iterative refinement needs from a system A x = b and a factor of A.
@@ -50,7 +52,7 @@ class RefinedSystem {
 /// Refines a solution until it is correct to the last bit, or until steps stop improving it. Residuals are computed in
 /// doubled precision only where working precision would spoil the next step. The steps end when another one, at the
 /// rate of the slowest so far, would change nothing.
-/// @param single_precision  whether the factor is
+/// @param single_precision  whether the factor is in single precision
 /// @param left   the right-hand side; scratch. @param x  out: the solution. @param step  scratch
 Refinement refine_to_the_bit(RefinedSystem& system, bool single_precision, DoubledPoints& x, Points& left, Points& step,
                              ThreadPool& pool);

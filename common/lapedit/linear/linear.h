@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -24,9 +25,9 @@ class OperatorRows {
 
   OperatorRows() = default;
   explicit OperatorRows(const SparseMatrix& matrix) : OperatorRows(matrix, {}) {}
-  /// Uses M^T + diag(stretch) in place of M^T. If D M is symmetric for a diagonal D and stretch is a multiple of D, the
-  /// normal matrix is M^T M + stretch M, the energy |M x|^2 + x^T stretch M x. @param stretch  n; empty: none. The
-  /// diagonal of M has to be complete
+  /// Uses M^T + diag(stretch) in place of M^T. If D M is symmetric for a diagonal D, and stretch is a multiple of D,
+  /// the normal matrix is that of the energy |M x|^2 + x^T diag(stretch) M x.
+  /// @param stretch  n, or empty for none. The diagonal of M has to be complete
   OperatorRows(const SparseMatrix& matrix, const Eigen::VectorXd& stretch);
 
   /// out = M x. x and out must be different objects; out keeps its storage if it has the right size. O(entries).
@@ -34,10 +35,12 @@ class OperatorRows {
   /// out = M^T x, likewise.
   void apply_transposed(const Points& x, Points& out, ThreadPool& pool) const;
 
-  /// The lower half of M^T M + diag(diagonal), compressed and sorted. O(sum of squared row lengths).
+  /// Returns the lower half of M^T M + diag(stretch) M + diag(diagonal), compressed and sorted: symmetric, and positive
+  /// semidefinite if the diagonals are not negative. O(sum of squared row lengths).
   SparseMatrix normal_matrix(const Eigen::VectorXd& diagonal, ThreadPool& pool) const;
 
-  /// Returns the columns, the rows of M^T + diag(stretch); valid as long as this object.
+  /// Returns M by columns, with diag(stretch) added: its columns are the rows of M^T + diag(stretch). Valid as long as
+  /// this object.
   Eigen::Map<const SparseMatrix> matrix() const;
   const Rows& rows() const { return rows_; }
 
@@ -70,15 +73,21 @@ struct CholeskyOptions {
   /// Keeps the factor in single precision: half the memory and twice the speed, and solutions with a relative error of
   /// about 1e-5, to be refined. The Eigen backend uses double.
   bool single_precision = false;
+  /// Gives factor and solutions the same bits on every processor, so that a solution needs no refinement for it; a
+  /// factor takes up to twice the time. Not with the Eigen backend.
+  bool same_bits = false;
   /// Empty: the caller's thread alone.
   std::shared_ptr<ThreadPool> pool;
   /// Factor of a matrix with the same pattern, in the same order, whose analysis is reused if it has one; not kept. The
   /// bits are the same.
   const SparseCholesky* same_pattern = nullptr;
+  /// Called on the caller's thread between tasks of the factorisation, each a small fraction of it. An exception of it
+  /// ends the factorisation and reaches the caller. Not with the Eigen backend.
+  std::function<void()> between = {};
 };
 
-/// Factor of a symmetric positive definite matrix, computed once and solved with often. No other file names a
-/// factorisation.
+/// The Cholesky factor of a symmetric positive definite matrix. It is computed once and serves any number of solves.
+/// Other layers use factorisations through this class only.
 class SparseCholesky {
  public:
   struct Impl;
@@ -87,15 +96,15 @@ class SparseCholesky {
   /// @throws EditError (IllConditioned) if the matrix is not positive definite to working precision
   explicit SparseCholesky(const SparseMatrix& matrix, CholeskyBackend backend = CholeskyBackend::Supernodal);
   SparseCholesky(const SparseMatrix& matrix, const CholeskyOptions& options);
-  /// Shares the immutable factor and has scratch of its own: both can solve concurrently, each with its own pool
-  /// (empty: the caller's thread alone), with the same bits. O(n).
+  /// Shares the immutable factor of another object, with scratch memory that is not shared, so that both can solve
+  /// concurrently, each with its own pool (null: on the caller's thread), with the same bits. O(n).
   SparseCholesky(const SparseCholesky& other, std::shared_ptr<ThreadPool> pool);
   ~SparseCholesky();
   SparseCholesky(SparseCholesky&&) noexcept;
   SparseCholesky& operator=(SparseCholesky&&) noexcept;
 
-  /// x = matrix^-1 rhs, for three right-hand sides; rhs and x may be the same object. Allocates nothing after the first
-  /// call with the same x. Cost: reading the factor twice.
+  /// Solves for three right-hand sides: x = matrix^-1 rhs. Both may be the same object. Allocates nothing after the
+  /// first call with the same x. Cost: reading the factor twice.
   void solve(const Points& rhs, Points& x);
 
   /// Elimination order: row order()[k] is the k-th.
@@ -119,8 +128,9 @@ struct Refinement {
   bool converged() const { return last_change < 1e-6; }  ///< otherwise the solution is not reliable
 };
 
-/// A0 = M^T M + W0^2, the matrix of the paper's normal equations (section 7), with its Cholesky factor. Immutable, so
-/// any number of solvers can share it.
+/// The matrix of the paper's normal equations (section 7) with its Cholesky factor: A0 = M^T M + W0^2, symmetric
+/// positive definite. With a stretch, OperatorRows adds diag(stretch) M. Immutable, so any number of solvers can share
+/// it.
 struct FactoredNormalMatrix {
   std::shared_ptr<const OperatorRows> m;
   Eigen::VectorXd squared_weights;  ///< the diagonal of W0^2, n
@@ -131,10 +141,14 @@ struct FactoredNormalMatrix {
   FactoredNormalMatrix(std::shared_ptr<const OperatorRows> op, Eigen::VectorXd weights, const CholeskyOptions& options);
 };
 
-/// Constraint rows h that are not part of the factor of A0, with Z = A0^-1 E and K = (W^-2 + E^T Z)^-1, E their columns
-/// of the identity. For a right-hand side that is b_h at these rows, and y = A0^-1 of what it is elsewhere, y + Z K
-/// (W^-2 b_h - y_h) solves (A0 + E W^2 E^T) x = b (Woodbury). Targets at the rows enter the correction directly, since
-/// solving for them without the rows would give large numbers that cancel. Empty without rows.
+/// Constraints that are not part of the factor of A0 (Woodbury's formula). Let h be their rows, E the columns of the
+/// identity at h, and W^2 their squared weights. With Z = A0^-1 E and K = (W^-2 + E^T Z)^-1, symmetric positive
+/// definite, the system (A0 + E W^2 E^T) x = b has the solution
+///
+///     x = y + Z K (W^-2 b_h - y_h)
+///
+/// where y solves A0 y = b with b_h replaced by zero. Targets at h enter the correction directly, since solving for
+/// them without these rows would give large numbers that cancel. Empty without rows.
 struct WoodburyCorrection {
   std::vector<int> rows;
   std::vector<double> weights;  ///< w^2 of each
@@ -160,7 +174,7 @@ class RefinedSolver {
   /// number of steps; -1 if it does not converge
   int refine_to(const Points& right, Points& x, double accurate);
 
-  /// x = A^-1 right in one solve, to the precision of the factor. @param right used as scratch. Allocates nothing after
+  /// Solves A x = right once, to the precision of the factor. @param right  used as scratch. Allocates nothing after
   /// the first call.
   void solve(Points& right, Points& x);
 
@@ -172,7 +186,7 @@ class RefinedSolver {
   /// @param progress  called at each step. @throws EditError (Cancelled)
   Refinement refine_to_the_bit(const Points& right, Points& x, const Progress& progress = {});
 
-  /// Returns |A x - b| over (|A0| + largest w^2) |x| + |b|, maximum norms; 0 if all are 0.
+  /// Returns the residual |A x - b| over (|A0| + largest w^2) |x| + |b|, in maximum norms; 0 if all are 0.
   double relative_residual(const Points& right, const Points& x) const;
 
   SparseCholesky& cholesky() { return cholesky_; }  ///< of A0

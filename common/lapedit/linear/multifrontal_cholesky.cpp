@@ -8,9 +8,9 @@
 #include <mutex>
 #include <new>
 #include <numeric>
+#include <thread>
 #include <vector>
 
-#include "lapedit/linear/frontal_kernels.h"
 #include "lapedit/linear/tree_walk.h"
 
 namespace lapedit::supernode {
@@ -54,12 +54,15 @@ class Recycler {
 class Factorisation {
  public:
   Factorisation(const SparseMatrix& lower, const SupernodalPattern& pattern, const TaskTree& tree,
-                const std::function<void(int, const double*, int)>& take, ThreadPool& pool)
+                const std::function<void(int, const double*, int)>& take, FrontalKernel kernel, ThreadPool& pool,
+                const std::function<void()>& between)
       : lower_(lower),
         pattern_(pattern),
         tree_(tree),
         take_(take),
         pool_(pool),
+        between_(between),
+        kernel_(kernel),
         children_(tree.nodes.size() + 1, 0),
         fronts_(tree.nodes.size()),
         positions_(pool.threads(), std::vector<int>(tree.size)) {
@@ -68,7 +71,11 @@ class Factorisation {
 
   bool run() {
     TreeWalk walk(tree_, pool_.threads());
-    walk.upwards(pool_, [this](const TaskTree::Task& task, int worker) {
+    const std::thread::id caller = std::this_thread::get_id();
+    walk.upwards(pool_, [this, caller](const TaskTree::Task& task, int worker) {
+      if (between_ && std::this_thread::get_id() == caller) {
+        between_();
+      }
       for (int s = task.first_node; s <= task.last_node && definite_; ++s) {
         eliminate(s, positions_[worker].data());
       }
@@ -97,7 +104,8 @@ class Factorisation {
   const TaskTree& tree_;
   const std::function<void(int, const double*, int)>& take_;
   ThreadPool& pool_;
-  FrontalKernel kernel_ = best_frontal_kernel();
+  const std::function<void()>& between_;
+  FrontalKernel kernel_;
   std::vector<int> children_, child_;  // of s: child_[children_[s] .. children_[s + 1])
   std::vector<Front> fronts_;
   std::vector<std::vector<int>> positions_;  // per thread: row -> position in the front
@@ -174,8 +182,8 @@ void Factorisation::eliminate(int s, int* position) {
 
 bool multifrontal_cholesky(const SparseMatrix& lower, const SupernodalPattern& pattern, const TaskTree& tree,
                            const std::function<void(int supernode, const double* columns, int stride)>& take,
-                           ThreadPool& pool) {
-  return Factorisation(lower, pattern, tree, take, pool).run();
+                           FrontalKernel kernel, ThreadPool& pool, const std::function<void()>& between) {
+  return Factorisation(lower, pattern, tree, take, kernel, pool, between).run();
 }
 
 }  // namespace lapedit::supernode

@@ -217,7 +217,7 @@ bool join(Joined& lower, const Joined& upper) {
       constexpr double kMostOften = 0.8, kMostSeldom = 0.1, kMostLarge = 0.05;
       if (!((columns <= kOften && fraction < kMostOften) || (columns <= kSeldom && fraction < kMostSeldom) ||
             fraction < kMostLarge) ||
-          size >= static_cast<double>(std::numeric_limits<int>::max() / sizeof(double))) {
+          size >= std::numeric_limits<int>::max() / static_cast<double>(sizeof(double))) {
         return false;
       }
       zeros += added;

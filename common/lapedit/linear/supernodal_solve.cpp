@@ -65,16 +65,20 @@ class Buffer {
 template <typename Scalar>
 struct SupernodalSolver<Scalar>::Tiles {
   TaskTree tree;
+  Kernels<Scalar> kernels;
   Buffer<Scalar> values;
   bool definite = true;
 
-  Tiles(const SupernodalPattern& pattern, const SparseMatrix& lower, ThreadPool& pool) : tree(pattern) {
+  Tiles(const SupernodalPattern& pattern, const SparseMatrix& lower, ThreadPool& pool, bool same_bits,
+        const std::function<void()>& between)
+      : tree(pattern), kernels(same_bits ? same_bits_kernels<Scalar>() : best_kernels<Scalar>()) {
     values.allocate(tree.tiles + kAhead / sizeof(Scalar));
     const auto take = [this](int s, const double* columns, int stride) {
       const TaskTree::Node& node = tree.nodes[s];
-      write_tiles(columns, stride, node.columns, node.rows, values.data() + node.tiles);
+      kernels.write_tiles(columns, stride, node.columns, node.rows, values.data() + node.tiles);
     };
-    definite = multifrontal_cholesky(lower, pattern, tree, take, pool);
+    definite = multifrontal_cholesky(lower, pattern, tree, take,
+                                     same_bits ? same_bits_frontal_kernel() : best_frontal_kernel(), pool, between);
   }
 };
 
@@ -86,7 +90,7 @@ struct SupernodalSolver<Scalar>::Passes {
 
   const Tiles& factor;
   const TaskTree& tree;
-  Kernels<Scalar> kernels = best_kernels<Scalar>();
+  Kernels<Scalar> kernels;
   std::vector<Scalar> lists;                 // three per entry
   std::vector<std::vector<Scalar>> vectors;  // per thread: local vectors
   TreeWalk walk;
@@ -94,6 +98,7 @@ struct SupernodalSolver<Scalar>::Passes {
   Passes(const Tiles& solved_with, int threads)
       : factor(solved_with),
         tree(factor.tree),
+        kernels(factor.kernels),
         lists(3 * tree.list_rows.size()),
         vectors(threads, std::vector<Scalar>(3 * static_cast<std::size_t>(tree.most_rows + kWide + kTall))),
         walk(tree, threads) {}
@@ -212,8 +217,8 @@ void SupernodalSolver<Scalar>::Passes::backward_task(const Task& task, Scalar* x
 
 template <typename Scalar>
 SupernodalSolver<Scalar>::SupernodalSolver(const SupernodalPattern& pattern, const SparseMatrix& lower,
-                                           ThreadPool& pool)
-    : tiles_(std::make_shared<const Tiles>(pattern, lower, pool)),
+                                           ThreadPool& pool, bool same_bits, const std::function<void()>& between)
+    : tiles_(std::make_shared<const Tiles>(pattern, lower, pool, same_bits, between)),
       passes_(std::make_unique<Passes>(*tiles_, pool.threads())) {}
 
 template <typename Scalar>

@@ -25,18 +25,18 @@ struct Kernels {
   void (*forward)(const Scalar* tiles, int columns, int rows, Scalar* v, int pad);
   /// @param end  behind the supernode's tiles
   void (*backward)(const Scalar* tiles, int columns, int rows, Scalar* v, int pad);
+  /// Copies a supernode's values into tiles and inverts the triangles. @param values  its columns, `stride` apart
+  void (*write_tiles)(const double* values, int stride, int columns, int rows, Scalar* out);
 };
 
-/// Returns the kernels for this processor.
+/// Returns the kernels for this processor. The second ones round each product, and so have the same bits on all of
+/// them.
 template <typename Scalar>
 Kernels<Scalar> best_kernels();
+template <typename Scalar>
+Kernels<Scalar> same_bits_kernels();
 
 /// Returns the number of values of a supernode's tiles.
 std::size_t tiles_of(int columns, int rows);
-
-/// Copies a supernode's values into tiles and inverts the triangles.
-/// @param values  its columns, `stride` apart
-template <typename Scalar>
-void write_tiles(const double* values, int stride, int columns, int rows, Scalar* out);
 
 }  // namespace lapedit::supernode

@@ -8,9 +8,9 @@
 
 namespace lapedit::supernode {
 
-/// The elimination tree of a supernodal factor, cut into tasks that threads can share: each small branch is one task,
-/// each supernode above is a task of its own. A task collects its sums for rows above it in a list, which its parent
-/// adds in the order of its children, so sums do not depend on the number of threads.
+/// The elimination tree of a supernodal factor, divided into tasks for several threads. Each small branch is one task,
+/// and each supernode above the branches is one task. A task collects its sums for rows above it in a list, which its
+/// parent adds in the order of its children, so sums do not depend on the number of threads.
 struct TaskTree {
   struct Node {  ///< a supernode
     int first_column, columns, rows;

@@ -85,7 +85,8 @@ class TreeWalk {
     return false;
   }
 
-  /// Of the tasks that waited for this one only, the calling thread takes the first, and idle threads the others.
+  /// Releases the tasks that waited for this one only: the calling thread takes the first of them, idle threads the
+  /// others.
   int release(const Task& done, bool up) {
     int first = kNone, others = 0;
     const auto give = [&](int task) {
