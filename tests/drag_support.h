@@ -77,6 +77,7 @@ class Window {
     // Handles of one vertex, unless a test says otherwise.
     DragSettings settings = session.settings();
     settings.handle_fraction = 0;
+    settings.first_radius = 0;  // regions by radius
     session.set_settings(settings);
     session.wait();
   }
@@ -107,6 +108,7 @@ class Window {
   void change(const Change& changed) {
     DragSettings settings = session.settings();
     changed(settings);
+    settings.handle_scale = settings.radius;
     session.set_settings(settings);
     session.wait();
   }
@@ -131,13 +133,11 @@ class Window {
 
   const std::vector<int>& region() const { return session.shown().region()->mesh_vertex; }
   bool says(const std::string& text) const { return session.message().find(text) != std::string::npos; }
-  /// The preview under the cursor, null if none appears: another thread builds the search tree first.
+  /// The preview under the cursor with its outlines, null if none appears.
   const HoverPreview* hovered(const Cursor& cursor) {
-    for (int i = 0; i < 1000 && !session.hover(); ++i) {
-      session.hover(cursor, {});
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
+    session.wait();
     session.hover(cursor, {});
+    session.wait();
     return session.hover();
   }
 

@@ -10,6 +10,7 @@ Included last: needs the targets, and what FindMeshLab.cmake has found.
 ]]
 
 # What software centres tell of it. The day is that of the release.
+set_property(DIRECTORY "${PROJECT_SOURCE_DIR}" APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS CITATION.cff)
 file(STRINGS "${PROJECT_SOURCE_DIR}/CITATION.cff" _date REGEX "^date-released: ")
 string(REPLACE "date-released: " "" LAPEDIT_RELEASE_DATE "${_date}")
 set(_files "${PROJECT_BINARY_DIR}/package")

@@ -22,7 +22,7 @@ esac
 cd "$(dirname "$0")/../.."
 build=build-for-$version
 common/scripts/meshlab_source.sh "$version" "$build/meshlab-source"
-cmake -S . -B "$build" -DMeshLab_LIBRARY="$library" -DMESHLAB_SOURCE_DIR="$PWD/$build/meshlab-source" "$@"
+cmake -S . -B "$build" -DCMAKE_UNITY_BUILD=ON -DMeshLab_LIBRARY="$library" -DMESHLAB_SOURCE_DIR="$PWD/$build/meshlab-source" "$@"
 cmake --build "$build" --parallel "$(nproc)" --target filter_laplacian_edit edit_laplacian_drag laplacian_edit_program
 echo
 echo "Built for MeshLab $version. To install plugins and program for yourself:"

@@ -7,7 +7,7 @@
 #include <locale>
 #include <string>
 
-namespace lapedit {
+namespace lapedit::format_text_test {
 namespace {
 
 TEST(FormatText, IsPrintfs) {
@@ -32,4 +32,4 @@ TEST(FormatText, NumbersAreTheSameInEveryLocale) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::format_text_test

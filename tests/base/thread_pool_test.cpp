@@ -18,7 +18,7 @@
 
 #include "allocation_watch.h"
 
-namespace lapedit {
+namespace lapedit::thread_pool_test {
 namespace {
 
 using Pieces = std::vector<std::pair<int, int>>;
@@ -377,4 +377,4 @@ TEST(ThreadPool, LackOfMemoryReachesTheCallerAsSuch) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::thread_pool_test

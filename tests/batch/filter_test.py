@@ -6,7 +6,7 @@ import re
 import subprocess
 import unittest
 
-from host import CENTRE, STAGE, TOOL, UP, DomeHost, FilterHost, laplacian_edit, laplacian_fit, project, replay, select_faces, select_vertices
+from host import CENTRE, COMMAND, STAGE, TOOL, UP, DomeHost, FilterHost, laplacian_edit, laplacian_fit, project, replay, select_faces, select_vertices
 from ply import Ply, bits_of, float_of, write_ply
 from shapes import in_reach, moved, together
 
@@ -60,6 +60,14 @@ class Fit(FilterTest):
         fit = {"region": {"component": True}, "fit": {"to": "dome.ply", "align": "none"}}
         again, _ = self.bits([self.copy, laplacian_edit(**self.lift), replay(fit)])
         self.assertEqual(again, bits)
+
+    @unittest.skipUnless(COMMAND, "the program is compared")
+    def test_the_program_gives_the_same_bits(self):
+        path, _ = self.edited([self.copy, laplacian_edit(**self.lift)], self.mesh)
+        bits, _ = self.bits([self.copy, laplacian_edit(**self.lift), laplacian_fit()])
+        out = self.folder / "fitted.ply"
+        subprocess.run([COMMAND, "-q", "--fit", self.mesh, path, out], check=True)
+        self.assertEqual(Ply(out).point_bits(), bits)
 
     @unittest.skipIf(TOOL, "meshlabserver opens projects")
     def test_points_picked_in_both_layers_align_them_in_the_coordinates_of_both(self):

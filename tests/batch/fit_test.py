@@ -2,6 +2,7 @@
 """A template fitted to scans by the program: meshes and clouds, landmarks, a saved edit, and refusals."""
 import json
 import math
+import os
 import struct
 import unittest
 
@@ -58,6 +59,15 @@ class Fit(ProgramTest):
         self.done("-q", self.mesh, self.out, self.edit)
         self.assertEqual(self.out.read_bytes(), whole)
 
+    def test_older_processors_get_the_same_bits(self):
+        self.fitted()
+        whole = self.out.read_bytes()
+        for instructions in ("plain", "avx2"):
+            os.environ["LAPEDIT_INSTRUCTIONS"] = instructions
+            self.addCleanup(os.environ.pop, "LAPEDIT_INSTRUCTIONS", None)
+            self.fitted()
+            self.assertEqual(self.out.read_bytes(), whole, instructions)
+
     def test_a_cloud_with_normals(self):
         points, faces = scan(41)
         sums = [[0.0, 0.0, 0.0] for _ in points]
@@ -82,6 +92,14 @@ class Fit(ProgramTest):
         self.refused(WRONG_USAGE, "suffixes are", "--fit", "scan.xyz", self.mesh, self.out)
         self.refused(WRONG_USAGE, "same file", "--fit", self.scan, self.mesh, self.scan)
         self.refused(UNREADABLE, "missing.ply", "--fit", "missing.ply", self.mesh, self.out)
+        (self.folder / "other.pp").write_text(picked({"nose": TRUTH[CENTRE], "chin": TRUTH[0]}))
+        self.refused(REFUSED, "paired by name", "--fit", self.scan, "--landmarks", self.folder / "from.pp", self.folder / "other.pp", self.mesh, self.out)
+        for targets in ([[0, 0, 0]], [[0, 0, 0]] * 3):
+            self.write_edit({"region": {"component": True}, "fit": {"to": "scan.ply"}, "handles": [{"vertices": "1-2", "targets": targets}]})
+            self.refused(REFUSED, "targets", self.mesh, self.out, self.edit)
+        self.write_edit({"region": {"component": True}, "fit": {"to": "far.ply", "align": "none", "distance": 1}})
+        (self.folder / "far.ply").write_bytes(files.ply_plain(([(x + 100, y, z) for x, y, z in TRUTH], DOME[1])))
+        self.refused(REFUSED, "no partner", self.mesh, self.out, self.edit)
         self.scan.write_bytes(files.ply_plain((DOME[0], [])))
         self.refused(REFUSED, "neither faces nor normals", "--fit", self.scan, self.mesh, self.out)
         self.scan.write_bytes(files.ply_plain(([], [])))

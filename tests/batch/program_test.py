@@ -143,12 +143,12 @@ class Edits(ProgramTest):
         self.assertIsNone(self.report(side)["outputs"][0]["steps"][0]["new_intersections"])
 
     def test_advice_is_an_error_with_strict(self):
-        high = {**LIFT, "handles": [{"vertices": str(CENTRE), "translation": [0, 0, 3]}]}
-        edit = self.write_edit(LIFT, high)
+        low, high = ({**LIFT, "handles": [{"vertices": str(CENTRE), "translation": [0, 0, z]}]} for z in (0.02, 3))
+        edit = self.write_edit(low, high)
         self.refused(ADVISED, r"\AWith --strict nothing was written: at fraction 1, step 2 of 2, .*: ", self.mesh, "out.ply", edit,
                      "--fractions", "0,1", "--strict")
         self.refused(ADVISED, r"nothing was written: step 2 of 2, ", self.mesh, "out.ply", edit, "--strict", "--quiet")
-        self.done(self.mesh, "out.ply", self.write_edit(LIFT), "--strict")
+        self.done(self.mesh, "out.ply", self.write_edit(low), "--strict")
 
     def test_landmarks(self):
         start, end, (x, y, z) = self.work / "from.csv", self.work / "to.csv", POINTS[CENTRE]

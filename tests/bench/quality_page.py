@@ -48,7 +48,7 @@ def counts(edits, peer):
     for value in FIGURES.values():
         pairs = [(value(edit[OURS]), value(edit[peer])) for edit in edits if has_result(edit.get(peer))]
         pairs = [(ours, theirs) for ours, theirs in pairs if ours is not None and theirs is not None]
-        yield (f"{sum(theirs < ours for ours, theirs in pairs)} : {sum(ours < theirs for ours, theirs in pairs)}"
+        yield (f"{sum(theirs < ours for ours, theirs in pairs)}:{sum(ours < theirs for ours, theirs in pairs)}"
                if pairs else "-")
 
 
@@ -102,7 +102,7 @@ def main():
     present = [method for method in METHODS if any(method in edit for edit in edits.values())]
     table(("edit", "vertices", *present),
           [(name, edit["vertices"], *(cell(edit.get(method)) for method in present)) for name, edit in edits.items()])
-    table(("peer better : default better", *FIGURES),
+    table(("peer better:default better", *FIGURES),
           [(peer, *counts(list(edits.values()), peer)) for peer in present if peer in PEERS])
     table(("handle from its target, % of its displacement", "median", "largest"),
           [(method, *handles(list(edits.values()), method)) for method in present])

@@ -9,7 +9,7 @@
 #include "lapedit_host/mesh_edit.h"
 #include "shapes.h"
 
-namespace lapedit::host {
+namespace lapedit::host::filter_figures_test {
 namespace {
 
 constexpr char kTwoSteps[] = R"({"laplacian_edit": 1, "steps": [
@@ -47,4 +47,4 @@ TEST(FilterFigures, AreNumbersAndTruthValuesOnly) {
 }
 
 }  // namespace
-}  // namespace lapedit::host
+}  // namespace lapedit::host::filter_figures_test

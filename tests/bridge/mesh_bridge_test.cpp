@@ -17,7 +17,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit::host {
+namespace lapedit::host::mesh_bridge_test {
 namespace {
 
 constexpr Scalarm kNaN = std::numeric_limits<Scalarm>::quiet_NaN();
@@ -213,4 +213,4 @@ TEST(MeshBridge, LeavesOwnAttributesAndTheTransformAlone) {
 }
 
 }  // namespace
-}  // namespace lapedit::host
+}  // namespace lapedit::host::mesh_bridge_test

@@ -13,7 +13,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit::host {
+namespace lapedit::host::pose_writer_test {
 namespace {
 
 constexpr Scalarm kNaN = std::numeric_limits<Scalarm>::quiet_NaN();
@@ -502,4 +502,4 @@ TEST(PoseWriter, AllocatesNothingOnceItKnowsTheVertices) {
 }
 
 }  // namespace
-}  // namespace lapedit::host
+}  // namespace lapedit::host::pose_writer_test

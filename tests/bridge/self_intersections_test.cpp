@@ -11,7 +11,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::self_intersections_test {
 namespace {
 
 /// The pairs that vcglib finds among all.
@@ -130,4 +130,4 @@ TEST(SelfIntersections, AreLeftOutOfAReportWhereThereAreTooManyVertices) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::self_intersections_test

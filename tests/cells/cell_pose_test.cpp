@@ -10,7 +10,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::cell_pose_test {
 namespace {
 
 using Maps = std::vector<HandleMotion>;
@@ -364,4 +364,4 @@ TEST(CellModel, PicturesAreWhatScriptsStartFrom) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::cell_pose_test

@@ -9,7 +9,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::region_cells_test {
 namespace {
 
 /// A region and its cells.
@@ -222,4 +222,4 @@ TEST(RegionCells, EveryVertexIsInOneConnectedCell) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::region_cells_test

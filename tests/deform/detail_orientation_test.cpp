@@ -6,7 +6,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::detail_orientation_test {
 namespace {
 
 constexpr double kBumpHeight = 3;
@@ -141,4 +141,4 @@ TEST(DetailOrientation, BumpsTiltLikeTheReferenceOrLess) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::detail_orientation_test

@@ -12,7 +12,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::differential_operator_test {
 namespace {
 
 Region whole(const TriangleMesh& mesh) {
@@ -321,4 +321,4 @@ TEST(OperatorPower, OtherOrdersAreRefused) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::differential_operator_test

@@ -7,7 +7,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::edit_constraints_test {
 namespace {
 
 const Affine kStay = Affine::Identity();
@@ -132,4 +132,4 @@ TEST(EditQuality, IsMeasuredFromTheTargets) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::edit_constraints_test

@@ -13,7 +13,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::edit_report_test {
 namespace {
 
 /// A mesh taken whole, with vertex 0 as its handle.
@@ -585,4 +585,4 @@ TEST(EditReport, TextHoldsEveryNumber) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::edit_report_test

@@ -10,7 +10,7 @@
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
 
-namespace lapedit {
+namespace lapedit::edit_settings_test {
 namespace {
 
 std::string refusal(const EditSettings& settings) {
@@ -148,4 +148,4 @@ TEST(EditSettings, ChoicesAreWhatTheirNamesSay) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::edit_settings_test

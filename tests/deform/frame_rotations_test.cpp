@@ -13,7 +13,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::frame_rotations_test {
 namespace {
 
 /// Rotations of a whole mesh from its own positions to others.
@@ -229,4 +229,4 @@ TEST(NearestRotations, AreThoseOfOneMatrixToTheBit) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::frame_rotations_test

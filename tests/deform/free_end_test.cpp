@@ -6,7 +6,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::free_end_test {
 namespace {
 
 /// The rotation that fits best between two poses of the vertices that lie in a stretch of the limb.
@@ -64,4 +64,4 @@ TEST(FreeEnd, RotatesWithTheHandlesSurroundings) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::free_end_test

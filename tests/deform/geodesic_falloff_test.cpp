@@ -12,7 +12,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::geodesic_falloff_test {
 namespace {
 
 using Maps = std::vector<HandleMotion>;
@@ -202,4 +202,4 @@ TEST(RoughDeformation, LargeRotationsOfALimbFlipNothing) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::geodesic_falloff_test

@@ -10,7 +10,7 @@
 
 #include "lapedit/base/error.h"
 
-namespace lapedit {
+namespace lapedit::handle_transform_test {
 namespace {
 
 using Matrix34 = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
@@ -140,4 +140,4 @@ TEST(HandleTransform, AxisOfNoRotationMayBeZero) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::handle_transform_test

@@ -6,7 +6,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::laplacian_system_test {
 namespace {
 
 using System = std::shared_ptr<const LaplacianSystem>;
@@ -84,4 +84,4 @@ TEST(LaplacianSystem, OnlyWhatFitsIsShared) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::laplacian_system_test

@@ -14,7 +14,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::local_global_edit_test {
 namespace {
 
 using Maps = std::vector<HandleMotion>;
@@ -313,4 +313,4 @@ TEST(LocalGlobalEdit, MembraneSpreadsStretch) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::local_global_edit_test

@@ -8,7 +8,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::membrane_test {
 namespace {
 
 const double kPi = std::acos(-1.0);
@@ -125,4 +125,4 @@ TEST(Membrane, IsNoneWhereItIsNotAskedForOrMeansNothing) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::membrane_test

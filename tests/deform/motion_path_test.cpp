@@ -7,7 +7,7 @@
 
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::motion_path_test {
 namespace {
 
 using support::rigid;
@@ -182,4 +182,4 @@ TEST(MotionPath, ScaleAndShearFadeIn) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::motion_path_test

@@ -11,7 +11,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::smooth_normals_test {
 namespace {
 
 Points scratch;  // of SmoothingKernel::apply()
@@ -231,4 +231,4 @@ TEST(AutomaticNormalRadius, IsPositiveWhereAllVerticesCoincide) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::smooth_normals_test

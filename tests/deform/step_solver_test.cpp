@@ -16,7 +16,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::step_solver_test {
 namespace {
 
 using support::given;
@@ -575,4 +575,4 @@ TEST(TwistedLimb, KeepsItsThickness) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::step_solver_test

@@ -13,8 +13,8 @@ class Decisions(unittest.TestCase):
     def test_records(self):
         records = re.findall(r"^## (\d+)\. ([^\n]+)\n(\d{4}-\d\d-\d\d), ([^.]+)\. (\*\*.+?)(?=\n#|\Z)", DECISIONS.text, re.M | re.S)
         numbers = [int(number) for number, *_ in records]
-        self.assertGreater(len(numbers), 40)
-        self.assertEqual(numbers, list(range(1, len(numbers) + 1)))
+        self.assertGreater(len(numbers), 25)
+        self.assertEqual(numbers, sorted(set(numbers)))  # replaced records leave gaps
         self.assertEqual(len(numbers), len(re.findall(r"^## ", DECISIONS.text, re.M)), "a record has no date or status")
         for number, title, _date, status, text in records:
             with self.subTest(record=number, title=title):
@@ -28,8 +28,8 @@ class Decisions(unittest.TestCase):
 
     def test_index(self):
         head = DECISIONS.text.split("\n# ")[0]
-        rows = [int(number) for number in re.findall(r"(?:\| |, )(\d+) [^,|]+", head)]
-        self.assertEqual(rows, list(range(1, len(re.findall(r"^## ", DECISIONS.text, re.M)) + 1)))
+        rows = [int(number) for number in re.findall(r"(?:\||, )(\d+) [^,|]+", head)]
+        self.assertEqual(rows, [int(number) for number in re.findall(r"^## (\d+)\. ", DECISIONS.text, re.M)])
 
 
 if __name__ == "__main__":

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The README's lines of C++ compile as they are printed and do what they say.
+// The example in C++ of common/docs/architecture.md compiles as it is printed and does what it says.
 #include <cmath>
 #include <cstdio>
 
-#include "readme_example.h"
+#include "cpp_example.h"
 #include "shapes.h"
 
 int main() {

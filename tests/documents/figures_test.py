@@ -52,7 +52,7 @@ class OfTests(unittest.TestCase):
         printed = [[cell.strip() for cell in line.strip("|").split("|")] for line in self.printed.splitlines()
                    if line.startswith("| ")]
         printed = {tuple(row[:4]) + (row[5], row[6], row[8]) for row in printed}
-        told = [tuple(row) for row in METHOD.rows("Methods compared") if row[0] in ("umbrella", "cotangent")]
+        told = [tuple(row) for row in PEERS.rows("The three methods") if row[0] in ("umbrella", "cotangent")]
         self.assertGreater(len(told), 7)
         for row in told:
             self.assertIn(row, printed)
@@ -118,6 +118,14 @@ class Agreement(unittest.TestCase):
         self.assertIn(f"over {edits} edits {flipped[0]} flipped triangles and {pairs[0]} new intersecting pairs ARAP "
                       f"{flipped[1]} and {pairs[1]}", findings)
         self.assertIn(f"is {rms} times ARAP's after ten iterations {rms100} times after 100", findings)
+
+    def test_figures_of_the_readme_are_of_the_tables(self):
+        """Those of what the method is good at and what not."""
+        def of(text):
+            return {number.replace(",", "") for number in re.findall(r"(?<![\w.])\d[\d,]*(?:\.\d+)?", re.sub(r"\]\([^)]*\)", "", text))}
+        told = of("\n".join(Document(pathlib.Path("README.md")).section("What it is good at, and what not")))
+        self.assertGreater(len(told), 10)
+        self.assertEqual(told - of(PEERS.text) - of(PERFORMANCE.text), set())
 
     def test_measurements_name_what_prints_them(self):
         """A section with measurements names a command, a test or a benchmark."""

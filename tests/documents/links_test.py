@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Links lead somewhere, paths and names in code exist, the README is one page."""
+"""Links lead somewhere, paths and names in code exist, the README is one page, and the documents can be read to the end."""
 import fnmatch
 import os
 import pathlib
@@ -9,7 +9,9 @@ import unittest
 
 from documents import ROOT, Document, files
 
-LONGEST_README = 120  # lines
+LONGEST_README = 110  # lines
+LONGEST_METHOD = 2500  # words
+MOST_WORDS = 20000  # of all documents but those of the tests, without code
 
 # Files that are named but are not part of the repository.
 OF_THE_READER = {"edit.json", "edit.mlx", "script.mlx"}  # in examples
@@ -81,7 +83,13 @@ class Links(unittest.TestCase):
                 with self.subTest(document=name, setting=setting):
                     self.assertRegex(sources, rf"\b{setting}\b")
 
-    def test_readme_is_one_page_with_a_film_and_two_pictures(self):
+    def test_documents_can_be_read_to_the_end(self):
+        words = {name: len("\n".join(document.prose).split()) for name, document in self.documents.items()
+                 if not name.startswith("tests/") and name != "CHANGELOG.md"}
+        self.assertLessEqual(words["common/docs/method.md"], LONGEST_METHOD)
+        self.assertLessEqual(sum(words.values()), MOST_WORDS, sorted(words.items(), key=lambda row: -row[1]))
+
+    def test_readme_is_one_page_with_two_pictures_and_a_film(self):
         readme = self.documents["README.md"]
         self.assertLessEqual(len(readme.text.splitlines()), LONGEST_README)
         pictures = [pathlib.Path(name) for name in re.findall(r"!\[[^\]]*\]\(([^)]*)\)", readme.text)]

@@ -79,7 +79,7 @@ class Tarball(unittest.TestCase):
         git.chmod(0o755)
         build = self.folder / "made"
         environment = dict(os.environ, PATH=f"{git.parent}:{os.environ['PATH']}")
-        for words in (["cmake", "-S", self.source, "-B", build, "-DLAPEDIT_BUILD_TESTS=ON", "-DLAPEDIT_MESHES=",
+        for words in (["cmake", "-S", self.source, "-B", build, "-DLAPEDIT_BUILD_TESTS=ON", "-DLAPEDIT_MESHES=", "-DCMAKE_UNITY_BUILD=ON",
                        *filter(None, os.environ.get("LAPEDIT_MESHLAB", "").split(";"))],
                       ["cmake", "--build", build, "--target", "lapedit_base"]):
             done = subprocess.run(words, env={name: value for name, value in environment.items() if name != "CI"},

@@ -13,7 +13,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::advice_test {
 namespace {
 
 using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
@@ -414,4 +414,4 @@ TEST(AdviceOnRigidResults, RigidIsMeasuredByComponent) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::advice_test

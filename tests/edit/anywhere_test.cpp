@@ -11,7 +11,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::anywhere_test {
 namespace {
 
 using support::around;
@@ -193,4 +193,4 @@ INSTANTIATE_TEST_SUITE_P(Generated, OnRegularMeshes,
                          [](const auto& edit) { return std::string(edit.param.name); });
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::anywhere_test

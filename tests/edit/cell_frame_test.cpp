@@ -13,7 +13,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::cell_frame_test {
 namespace {
 
 using Maps = std::vector<HandleMotion>;
@@ -143,4 +143,4 @@ TEST(CellFrame, WithoutAnchorsTheWholeFollowsRigidly) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::cell_frame_test

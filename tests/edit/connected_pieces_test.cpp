@@ -8,7 +8,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::connected_pieces_test {
 namespace {
 
 /// A ball with a socket, and an eye in it that touches nothing; the head's vertices come first.
@@ -305,4 +305,4 @@ TEST(ConnectedPieces, ReportCountsNoTrianglesThatAreNotThere) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::connected_pieces_test

@@ -13,7 +13,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::edit_test {
 namespace {
 
 using support::expect_contains;
@@ -513,4 +513,4 @@ TEST(Edit, ThreadsDoNotChangeABit) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::edit_test

@@ -3,12 +3,18 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+
 #include "bodies.h"
 #include "lapedit/mesh/surface_measures.h"
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::fit_step_test {
 namespace {
 
 Points stretched(Points points) {
@@ -150,6 +156,83 @@ TEST(FitStep, AdvisesOnUnitsMissingPartsAndPoses) {
   EXPECT_NE(advice(shapes::cylinder(24, 30)), "");
 }
 
+/// Returns a mesh with the faces of another added.
+TriangleMesh joined(const TriangleMesh& a, const TriangleMesh& b) {
+  TriangleMesh both = a;
+  both.vertices.conservativeResize(a.vertices.rows() + b.vertices.rows(), 3);
+  both.vertices.bottomRows(b.vertices.rows()) = b.vertices;
+  both.faces.conservativeResize(a.faces.rows() + b.faces.rows(), 3);
+  both.faces.bottomRows(b.faces.rows()) = b.faces.array() + static_cast<int>(a.vertices.rows());
+  return both;
+}
+
+/// Never a silent wrong fit.
+TEST(FitStep, FitsOrAdvisesWhereScansMislead) {
+  std::map<std::string, TriangleMesh> scans;
+  TriangleMesh inner = other_head();
+  inner.vertices *= 0.9;
+  scans["two layers"] = joined(other_head(), inner);
+  TriangleMesh triangles;  // 30 % of the faces
+  std::uint32_t dice = 1;
+  const auto random = [&dice] {
+    dice = 1664525U * dice + 1013904223U;
+    return (dice >> 8) / 8388608.0 - 1;
+  };
+  const Eigen::Index outliers = other_head().faces.rows() * 3 / 7;
+  triangles.vertices.resize(3 * outliers, 3);
+  triangles.faces.resize(outliers, 3);
+  for (int f = 0; f < outliers; ++f) {
+    const Vector3 place(1.3 * random(), 1.8 * random(), 1.5 * random());
+    for (int k = 0; k < 3; ++k) {
+      triangles.vertices.row(3 * f + k) = (place + 0.05 * Vector3(random(), random(), random())).transpose();
+      triangles.faces(f, k) = 3 * f + k;
+    }
+  }
+  scans["outliers"] = joined(other_head(), triangles);
+  for (const double share : {0.5, 0.25}) {
+    TriangleMesh& flipped = scans["flipped " + std::to_string(share)] = other_head();
+    for (Eigen::Index f = 0; f < flipped.faces.rows(); ++f) {
+      if (random() < 2 * share - 1) {
+        std::swap(flipped.faces(f, 0), flipped.faces(f, 1));
+      }
+    }
+  }
+  TriangleMesh& half = scans["one half flipped"] = other_head();
+  for (Eigen::Index f = 0; f < half.faces.rows(); ++f) {
+    if (half.vertices(half.faces(f, 0), 0) > 0) {
+      std::swap(half.faces(f, 0), half.faces(f, 1));
+    }
+  }
+  const Points truth = stretched(head().vertices);
+  for (const auto& [name, scan] : scans) {
+    const EditResult result = apply_edit(head(), fit_edit(scan));
+    const double error = mean_error(support::edited(head(), result), truth) / mean_error(head().vertices, truth);
+    EXPECT_TRUE(error < 0.5 || !result.reports.front().advice().empty())
+        << name << ", " << error << result.reports.front().fit->text();
+  }
+}
+
+TEST(FitStep, AdvisesOnLandmarksThatDoNotMatch) {
+  Edit edit = fit_edit(other_head());
+  HandleGroup group;
+  group.vertices = {3, 100, 250, 400, 500, 600};
+  for (const int v : group.vertices) {
+    group.targets.emplace_back(stretched(head().vertices).row(v).transpose());
+    group.names.push_back("v" + std::to_string(v));
+  }
+  const std::vector<Vector3> targets = group.targets;
+  const auto advice_on = [&] {
+    edit.steps[0].handles = {group};
+    return apply_edit(head(), edit).reports.front().advice();
+  };
+  EXPECT_EQ(advice_on(), "");
+  std::swap(group.targets[1], group.targets[4]);
+  EXPECT_NE(advice_on().find("exchanged"), std::string::npos);
+  group.targets = targets;
+  std::rotate(group.targets.begin(), group.targets.begin() + 2, group.targets.end());
+  EXPECT_NE(advice_on().find("do not match"), std::string::npos);
+}
+
 TEST(FitStep, RefusesWhatCannotBeFitted) {
   const auto cause = [](const Edit& edit) {
     try {
@@ -166,6 +249,11 @@ TEST(FitStep, RefusesWhatCannotBeFitted) {
   edit.steps[0].handles = {{{3}, {}}};
   EXPECT_NE(cause(edit).find("has no targets"), std::string::npos);
   edit = fit_edit(other_head());
+  HandleGroup group = {{3, 4}, {}};
+  group.targets = {Vector3(0, 0, 0)};
+  edit.steps[0].handles = {group};
+  EXPECT_NE(cause(edit), "");
+  edit = fit_edit(other_head());
   edit.steps[0].mirror.emplace();
   EXPECT_NE(cause(edit).find("mirror"), std::string::npos);
   edit = fit_edit(other_head());
@@ -180,4 +268,4 @@ TEST(FitStep, RefusesWhatCannotBeFitted) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::fit_step_test

@@ -13,7 +13,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::landmark_space_test {
 namespace {
 
 TEST(LandmarkSpace, IsReadFromTheHeadersOfMeshFiles) {
@@ -173,4 +173,4 @@ TEST(LandmarkSpace, RegionsThatNothingHoldsHaveAdvice) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::landmark_space_test

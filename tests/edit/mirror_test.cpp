@@ -12,7 +12,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::mirror_test {
 namespace {
 
 const Vector3 kLeft(-0.6, 0, 0.8), kRight(0.6, 0, 0.8);
@@ -292,4 +292,4 @@ TEST(Mirror, WhatHasNoImageIsRefused) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::mirror_test

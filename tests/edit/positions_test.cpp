@@ -17,7 +17,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::positions_test {
 namespace {
 
 using support::expect_contains;
@@ -277,4 +277,4 @@ TEST(VertexQuery, SetsAreAsDenseAsTheMeshAndStayOnTheirSide) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::positions_test

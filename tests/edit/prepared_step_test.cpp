@@ -10,7 +10,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::prepared_step_test {
 namespace {
 
 EditStep lifted(double height) {
@@ -84,4 +84,4 @@ TEST(PreparedStep, OtherVerticesAreRefused) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::prepared_step_test

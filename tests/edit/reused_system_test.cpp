@@ -9,7 +9,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::reused_system_test {
 namespace {
 
 using support::Prepared;
@@ -160,4 +160,4 @@ TEST(ReusedSystem, OtherSettingsComeOutTheSame) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::reused_system_test

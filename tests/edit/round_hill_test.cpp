@@ -9,7 +9,7 @@
 #include "lapedit/mesh/vertex_set.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::round_hill_test {
 namespace {
 
 constexpr int kSide = 81, kRadius = 32, kHeight = 8;
@@ -83,4 +83,4 @@ TEST(RoundHill, IsRoundWithinSixPercentByDefault) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::round_hill_test

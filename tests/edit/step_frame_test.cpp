@@ -16,7 +16,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::step_frame_test {
 namespace {
 
 using Maps = std::vector<HandleMotion>;
@@ -380,4 +380,4 @@ TEST(StepFrame, StrangeMapsAreRefusedOrFollowed) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::step_frame_test

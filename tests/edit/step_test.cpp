@@ -13,7 +13,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::step_test {
 namespace {
 
 /// A step on a bumpy grid: four handle vertices, turned and moved.
@@ -149,4 +149,4 @@ TEST(Step, NextDragInARegionReusesWhatIsTheSame) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::step_test

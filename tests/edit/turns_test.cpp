@@ -9,7 +9,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::turns_test {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -301,4 +301,4 @@ TEST(Turns, RevolutionsOfAllAreRigid) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::turns_test

@@ -13,7 +13,7 @@
 #include "support.h"
 #include "torn_mesh.h"
 
-namespace lapedit {
+namespace lapedit::weld_test {
 namespace {
 
 using support::same_bits;
@@ -197,4 +197,4 @@ TEST(Weld, DoubledShellMovesAsOne) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::weld_test

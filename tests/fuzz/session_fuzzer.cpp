@@ -30,7 +30,7 @@ DragSettings settings(Choices& choose, DragSettings result) {
   result.radius *= 0.25 * choose.below(12);
   result.padding = 0.1 * choose.below(12);
   result.handle_fraction = 0.3 * choose.below(4);
-  result.softness = 0.5 * choose.below(3);
+  result.falloff = static_cast<Falloff>(choose.below(4));
   result.connect_gap = choose.below(4) == 0 ? 0.25 * choose.below(8) : 0;
   result.brush_pixels = 10 * choose.below(10);
   const Setting& setting =
@@ -94,7 +94,9 @@ struct Player {
         session().set_settings(settings(choose, session().settings()));
         break;
       case 1:
-        session().set(&Tools::brush, static_cast<BrushTarget>(choose.below(3)));
+        session().set(&Tools::paint,
+                      choose.flag() ? std::optional(static_cast<BrushTarget>(choose.below(3))) : std::nullopt);
+        choose.flag() ? session().change_painted(static_cast<PaintChange>(choose.below(3))) : session().leave();
         session().set(&Tools::mode, static_cast<HandleMode>(choose.below(2)));
         break;
       case 2:
@@ -151,7 +153,8 @@ struct Player {
   /// Until what was asked is answered. Not wait(): that is also for the pause of the mouse after which a drag is posed
   /// in full, up to a second.
   void settle() {
-    while (session().state() == DragSession::State::Settling || session().preparation().running) {
+    while (session().state() == DragSession::State::Settling || session().preparation().running ||
+           session().searching() || session().busy()) {
       std::this_thread::yield();
       session().poll();
     }
@@ -195,10 +198,11 @@ struct Player {
       }
     }
     require(same_bits(replayed, edited), "the record replays from JSON to the same bits");
+    const std::size_t actions = s.timeline().done().size();
     s.go_to(0);
     settle();
     require(same_bits(window.host(), s.original().vertices), "undoing all gives the mesh back");
-    for (std::size_t k = 0; k < edit.steps.size() && s.can_redo(); ++k) {
+    while (s.can_redo() && s.timeline().done().size() < actions) {
       s.redo();
       settle();
     }

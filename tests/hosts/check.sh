@@ -29,7 +29,7 @@ echo "== $suite: build"
 # shellcheck disable=SC2016
 "${root_sh[@]}" run "$root" "${options[@]}" -- sh -euc '
   mkdir -p /build
-  cmake -G Ninja -S /src -B /build -DLAPEDIT_BUILD_TESTS=ON -DLAPEDIT_WARNINGS_AS_ERRORS=ON \
+  cmake -G Ninja -S /src -B /build -DLAPEDIT_BUILD_TESTS=ON -DLAPEDIT_WARNINGS_AS_ERRORS=ON -DCMAKE_UNITY_BUILD=ON \
     -DLAPEDIT_TEST_CORE="$LAPEDIT_TEST_CORE" -DLAPEDIT_MESHES="$LAPEDIT_MESHES" >/build/configure.log 2>&1 || { cat /build/configure.log; exit 1; }
   grep -E "MeshLab|GNU" /build/configure.log || true
   ninja -C /build >/build/build.log 2>&1 || { grep -A 12 FAILED /build/build.log || tail -n 40 /build/build.log; exit 1; }

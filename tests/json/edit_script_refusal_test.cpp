@@ -35,7 +35,7 @@ __attribute__((noinline)) void operator delete(void* memory, std::size_t) noexce
   std::free(memory);
 }
 
-namespace lapedit {
+namespace lapedit::edit_script_refusal_test {
 namespace {
 
 /// JSON with ' for ".
@@ -328,4 +328,4 @@ TEST(EditScriptRefusal, HugeFilesAreNotRead) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::edit_script_refusal_test

@@ -13,7 +13,7 @@
 #include "script_support.h"
 #include "temporary_folder.h"
 
-namespace lapedit {
+namespace lapedit::edit_script_test {
 namespace {
 
 bool same(const HandleTransform& a, const HandleTransform& b) {
@@ -28,8 +28,8 @@ bool same(const EditStep& a, const EditStep& b) {
   const bool component = a.region.kind == RegionSpec::Kind::Component;
   return a.region.kind == b.region.kind && a.region.radius == b.region.radius &&
          a.region.vertices == b.region.vertices && (component || a.region.padding == b.region.padding) &&
-         a.settings == b.settings && a.region.connect_gap == b.region.connect_gap && a.weld == b.weld &&
-         a.mirror.has_value() == b.mirror.has_value() &&
+         a.settings == b.settings && a.region.connect_gap == b.region.connect_gap && a.region.tips == b.region.tips &&
+         a.region.pieces == b.region.pieces && a.weld == b.weld && a.mirror.has_value() == b.mirror.has_value() &&
          (!a.mirror || (a.mirror->point == b.mirror->point && a.mirror->normal == b.mirror->normal)) &&
          std::equal(a.handles.begin(), a.handles.end(), b.handles.begin(), b.handles.end(),
                     [](const HandleGroup& g, const HandleGroup& h) {
@@ -235,11 +235,13 @@ TEST(EditScript, KeptAnchorsAreWrittenAndReadBack) {
 
 /// Soft handles, a mirror plane and connected pieces; files without them do not mention them.
 TEST(EditScript, OptionalKeysAreWrittenWhereTheyAreUsed) {
-  Edit edit = read_edit(R"({"laplacian_edit": 1, "steps": [{"region": {"component": true, "connect": 0.02},
+  Edit edit = read_edit(
+      R"({"laplacian_edit": 1, "steps": [{"region": {"component": true, "connect": 0.02, "tips": true, "pieces": true},
       "handles": [{"vertices": "9,3-4", "weights": [1, 0.5, 0.003], "translation": [0, 0, 1]}],
       "mirror": {"point": [0, 0.5, 0], "normal": [1, 0, 0]}, "weld": false}]})");
   EditStep& step = edit.steps[0];
   EXPECT_EQ(step.region.connect_gap, 0.02);
+  EXPECT_TRUE(step.region.tips && step.region.pieces);
   EXPECT_EQ(step.handles[0].weights, (std::vector<double>{1, 0.5, 0.003}));
   EXPECT_FALSE(step.weld);
   ASSERT_TRUE(step.mirror);
@@ -248,11 +250,12 @@ TEST(EditScript, OptionalKeysAreWrittenWhereTheyAreUsed) {
   const std::string text = write_edit(edit);
   EXPECT_TRUE(same(read_edit(text), edit)) << text;
   step.region.connect_gap = 0;
+  step.region.tips = step.region.pieces = false;
   step.handles[0].weights.clear();
   step.mirror.reset();
   step.weld = true;
   const std::string plain = write_edit(edit);
-  for (const char* key : {"connect", "weights", "mirror", "weld"}) {
+  for (const char* key : {"connect", "tips", "pieces", "weights", "mirror", "weld"}) {
     EXPECT_EQ(plain.find(key), std::string::npos) << plain;
   }
 }
@@ -375,4 +378,4 @@ TEST_F(EditFile, UnusablePathsAreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::edit_script_test

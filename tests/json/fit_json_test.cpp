@@ -5,7 +5,7 @@
 #include "lapedit/json/edit_script.h"
 #include "lapedit/json/landmarks.h"
 
-namespace lapedit {
+namespace lapedit::fit_json_test {
 namespace {
 
 Edit read_step(const std::string& step) {
@@ -66,4 +66,4 @@ TEST(FitJson, RefusesWhatHasNoMeaning) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::fit_json_test

@@ -13,7 +13,7 @@
 #include "lapedit/base/error.h"
 #include "script_support.h"
 
-namespace lapedit {
+namespace lapedit::json_object_test {
 namespace {
 
 std::string refusal(const std::string& json) {
@@ -132,4 +132,4 @@ TEST(JsonObject, ForeignTextIsMadeFitForAMessage) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::json_object_test

@@ -13,7 +13,7 @@
 #include "script_support.h"
 #include "temporary_folder.h"
 
-namespace lapedit {
+namespace lapedit::landmarks_test {
 namespace {
 
 /// As MeshLab writes it.
@@ -180,4 +180,4 @@ TEST_F(LandmarkFiles, KeepTheirCoordinateSystems) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::landmarks_test

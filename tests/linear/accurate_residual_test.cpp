@@ -10,7 +10,7 @@
 
 #include "linear/operators.h"
 
-namespace lapedit {
+namespace lapedit::accurate_residual_test {
 namespace {
 
 // 113 bits, also where long double has them (arm64).
@@ -116,4 +116,4 @@ TEST(AccurateResidual, FollowsFromASmallStepInWorkingPrecision) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::accurate_residual_test

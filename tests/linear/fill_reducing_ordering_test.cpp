@@ -13,7 +13,7 @@
 
 #include "linear/operators.h"
 
-namespace lapedit {
+namespace lapedit::fill_reducing_ordering_test {
 namespace {
 
 using support::Graph;
@@ -155,4 +155,4 @@ TEST(EliminationOrder, IsTheOneTheFactorHas) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::fill_reducing_ordering_test

@@ -5,8 +5,9 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
 
-namespace lapedit::supernode {
+namespace lapedit::supernode::frontal_kernels_test {
 namespace {
 
 /// Sizes around the widths of tiles, blocks and panels. Fails if a product is forgotten or what is above the diagonal
@@ -35,6 +36,25 @@ TEST(FrontalKernel, AgreesWithADenseFactorisation) {
   }
 }
 
+/// A plain loop rounds each product, as the baseline of processors does.
+TEST(FrontalKernel, HasTheBitsOfAPlainLoopWhereAskedFor) {
+  constexpr int kSize = 152;
+  const Eigen::MatrixXd random = Eigen::MatrixXd::Random(kSize, kSize);
+  Eigen::MatrixXd front = random * random.transpose() + kSize * Eigen::MatrixXd::Identity(kSize, kSize), plain = front;
+  for (int j = 0; j < kSize; ++j) {
+    for (int i = j; i < kSize; ++i) {
+      for (int p = 0; p < j; ++p) {
+        volatile const double product = plain(i, p) * plain(j, p);  // not contracted
+        plain(i, j) -= product;
+      }
+    }
+    plain.col(j).tail(kSize - j) *= 1 / std::sqrt(plain(j, j));
+  }
+  ASSERT_TRUE(same_bits_frontal_kernel()(front.data(), kSize, kSize, kSize));
+  const Eigen::MatrixXd difference = (front - plain).triangularView<Eigen::Lower>();
+  EXPECT_EQ(difference.cwiseAbs().maxCoeff(), 0);
+}
+
 TEST(FrontalKernel, StopsAtAPivotThatIsNotPositive) {
   const FrontalKernel factor = best_frontal_kernel();
   for (const int bad : {0, 7, 8, 65}) {
@@ -48,4 +68,4 @@ TEST(FrontalKernel, StopsAtAPivotThatIsNotPositive) {
 }
 
 }  // namespace
-}  // namespace lapedit::supernode
+}  // namespace lapedit::supernode::frontal_kernels_test

@@ -12,7 +12,7 @@
 
 #include "linear/operators.h"
 
-namespace lapedit {
+namespace lapedit::nested_dissection_test {
 namespace {
 
 using Matrix = Eigen::SparseMatrix<double>;
@@ -211,4 +211,4 @@ TEST(NestedDissection, CutsAlsoWherePointsTellNothing) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::nested_dissection_test

@@ -10,7 +10,7 @@
 
 #include "linear/operators.h"
 
-namespace lapedit {
+namespace lapedit::operator_rows_test {
 namespace {
 
 Points random_points(Eigen::Index n, unsigned seed) {
@@ -161,4 +161,4 @@ TEST(OperatorRows, SwapBothHalves) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::operator_rows_test

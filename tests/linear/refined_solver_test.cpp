@@ -9,7 +9,7 @@
 #include "lapedit/base/error.h"
 #include "linear/operators.h"
 
-namespace lapedit {
+namespace lapedit::refined_solver_test {
 namespace {
 
 const std::vector<int> kRows = {30, 77, 78, 113};
@@ -160,4 +160,4 @@ TEST(RefinedSolver, CanBeCancelledAndGoesOnAfterwards) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::refined_solver_test

@@ -13,7 +13,7 @@
 
 #include "base_support.h"
 
-namespace lapedit {
+namespace lapedit::supernodal_analysis_test {
 namespace {
 
 struct AnalysisCase {
@@ -166,4 +166,4 @@ TEST(SupernodalAnalysis, FindsWhatCholmodFinds) {
 #endif
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::supernodal_analysis_test

@@ -16,7 +16,7 @@
 #include "base_support.h"
 #include "lapedit/linear/linear.h"
 
-namespace lapedit {
+namespace lapedit::supernodal_solve_test {
 namespace {
 
 template <typename Scalar>
@@ -240,4 +240,4 @@ TEST(SparseCholeskySingle, PrecisionNeedsOneStepOfRefinement) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::supernodal_solve_test

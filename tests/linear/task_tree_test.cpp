@@ -11,7 +11,7 @@
 
 #include "lapedit/linear/tree_walk.h"
 
-namespace lapedit::supernode {
+namespace lapedit::supernode::task_tree_test {
 namespace {
 
 /// The tree of a factor of `leaves` columns that all have one more row, the last column's: a star.
@@ -98,4 +98,4 @@ TEST(TreeWalk, ThreadThatIsHeldUpHoldsUpNothingButItsTask) {
 }
 
 }  // namespace
-}  // namespace lapedit::supernode
+}  // namespace lapedit::supernode::task_tree_test

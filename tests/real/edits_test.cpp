@@ -11,7 +11,7 @@
 #include "mesh_loader.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::edits_test {
 namespace {
 
 struct ProposedEdit {
@@ -121,4 +121,4 @@ TEST_P(RealEdit, FrameIsNearTheFullPose) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::edits_test

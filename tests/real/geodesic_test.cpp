@@ -15,7 +15,7 @@
 #include "mesh_loader.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::geodesic_test {
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -102,4 +102,4 @@ TEST_P(DistanceOn, IsNearlyExact) {
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::geodesic_test

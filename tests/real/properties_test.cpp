@@ -11,7 +11,7 @@
 #include "mesh_loader.h"
 #include "support.h"
 
-namespace lapedit {
+namespace lapedit::properties_test {
 namespace {
 
 using support::within;
@@ -69,9 +69,9 @@ TEST(RealRegions, HaveTheBitsOfAPlainImplementation) {
       {"mannequin.off", {{8624}, {100, 101}}}, {"bunny.ply", {{23637}}}, {"bumpy_plane.off", {{20200, 20201}}}};
   for (const auto& edit : edits) {
     SCOPED_TRACE(edit.file);
-    support::expect_plain_regions(real::load(edit.file), edit.groups, 0.7);
+    support::expect_plain_regions(real::load(edit.file), edit.groups, {0.7});
   }
 }
 
 }  // namespace
-}  // namespace lapedit
+}  // namespace lapedit::properties_test

@@ -7,6 +7,7 @@ Needs an X server (xvfb-run). gallery.sh prepares what this needs and calls it.
 import argparse
 import dataclasses
 import math
+import subprocess
 
 from method_pictures import Maker, parsed, step
 
@@ -75,11 +76,29 @@ def show(edit, maker):
     return cells
 
 
+def show_cells(maker):
+    """The cells of the limb, before and after its end is bent back."""
+    edit, mesh = limb_bent(170), maker.made("arm")
+    handle = mesh.near(edit.handle, edit.group)
+    axis, degrees = edit.rotation
+    one = step(handle, edit.radius, translation=edit.translation, rotation={"axis": axis, "degrees": degrees})
+    result, _ = maker.edited(mesh, "cells", [one])
+    colours = maker.output / "cells.txt"
+    with colours.open("w") as out:
+        subprocess.run([maker.given.cell_colours, str(edit.radius), *map(str, handle)], stdout=out, check=True)
+    maker.render("cells", [(mesh.path, "cells at rest", colours), (result, "after the edit", colours)], edit.toward, edit.up, 2,
+                 maker.given.height)
+
+
 def main():
     parser = argparse.ArgumentParser()
+    parser.add_argument("--cell-colours", help="the program; draws the cells alone")
     parser.add_argument("--height", type=int, default=460)
     parser.add_argument("--columns", type=int, default=2)
     maker = Maker(parsed(parser, [edit.name for edit in EDITS]))
+    if maker.given.cell_colours:
+        show_cells(maker)
+        return
     rows = [["edit", *METHODS], ["---"] * (1 + len(METHODS))]
     for edit in EDITS:
         if edit.name in maker.given.names and (maker.given.meshes or "." not in edit.mesh):

@@ -4,7 +4,7 @@
 #
 # usage: gallery.sh [--columns N] [--height PIXELS] [NAME...]   names of edits as in gallery.py, all by default
 #
-# The picture of the limb in common/docs/method.md: gallery.sh --columns 4 --height 300 limb-170
+# The pictures of the limb in common/docs/method.md: gallery.sh --columns 4 --height 300 limb-170; gallery.sh cells --height 300
 #
 # LAPEDIT_MESHES: folder of the real meshes; by default ../shared/meshes beside this project, if it is there.
 set -eu
@@ -16,6 +16,12 @@ meshes=${LAPEDIT_MESHES:-$PWD/../shared/meshes}
 common/scripts/install_dependencies.sh pictures
 cmake -S . -B "$build" >/dev/null
 cmake --build "$build" --parallel "$(nproc)" --target laplacian_edit_program make_mesh >/dev/null
+if [ "${1-}" = cells ]; then
+  shift
+  cmake -S . -B "$build" -DLAPEDIT_BUILD_TESTS=ON >/dev/null
+  cmake --build "$build" --parallel "$(nproc)" --target cell_colours >/dev/null
+  set -- --cell-colours "$build/tests/cell_colours" "$@"
+fi
 if [ -d "$meshes" ]; then
   set -- --meshes "$meshes" "$@"
 fi

@@ -2,14 +2,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Lays the two plugins out as MeshLab's own repository would have them, and prints how large that patch is.
 #
-# usage: upstream_patch.sh [--build] [FOLDER]
+# usage: upstream_patch.sh [--build | --extra] [FOLDER]
 #   --build  also builds them there, in MeshLab 2025.07's own source: in the root of sid that tests/hosts/root.sh makes
+#   --extra  the same, but in a project that has MeshLab's source as a submodule, as meshlab-extra-plugins has
 #   FOLDER   where the files go, replaced; by default build/upstream
 set -euo pipefail
 
 build=
-if [ "${1:-}" = --build ]; then
-  build=yes
+if [ "${1:-}" = --build ] || [ "${1:-}" = --extra ]; then
+  build=${1#--}
   shift
 fi
 project=$(realpath "$(dirname "$0")/../..")
@@ -21,7 +22,7 @@ mkdir -p "$filter/lapedit" "$filter/lapedit_host/tool" "$tool/lapedit"
 cd "$project"
 
 # Of the host layer the newest interface alone.
-cp -r common/lapedit/{base,mesh,linear,deform,cells,edit,json} "$filter/lapedit"
+cp -r common/lapedit/{base,mesh,linear,deform,cells,fit,edit,json} "$filter/lapedit"
 cp common/lapedit_host/*.{h,cpp} common/lapedit_host/api_2022/*.h common/lapedit_host/api_2022/parameters_2025/*.h "$filter/lapedit_host"
 cp common/lapedit_host/tool/*.{h,cpp} "$filter/lapedit_host/tool"
 cp -r common/lapedit_vcg "$filter"
@@ -40,6 +41,7 @@ kernels() {
 cat >"$filter/CMakeLists.txt" <<END
 # SPDX-License-Identifier: GPL-3.0-or-later
 
+find_package(Threads REQUIRED)
 find_package(nlohmann_json 3.9 QUIET)
 if(nlohmann_json_FOUND AND CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
 	# Shared with edit_laplacian_drag.
@@ -104,9 +106,9 @@ of() {
     row 'tool' $(of "$tool" -maxdepth 1)
     row 'two `CMakeLists.txt`, resource list' "$filter/CMakeLists.txt" "$tool/CMakeLists.txt" "$tool"/*.qrc
     row 'all, with two lines more in `src/CMakeLists.txt`, and an icon' $(find "$folder" -type f ! -name '*.png')
-    row 'left out of what is shipped: the program' $(of filter_laplacian_edit/program)
-    row 'left out: other MeshLabs' $(of common/lapedit_host/api_2020 common/lapedit_host/api_2022/parameters_2022)
-    row 'left out: finding MeshLab, packages' $(find common/cmake common/scripts -type f)
+    row 'omitted: the program' $(of filter_laplacian_edit/program)
+    row 'omitted: other MeshLabs' $(of common/lapedit_host/api_2020 common/lapedit_host/api_2022/parameters_2022)
+    row 'omitted: finding MeshLab, packages' $(find common/cmake common/scripts -type f)
   }
 } | tee "$folder/size.md"
 [ -n "$build" ] || exit 0
@@ -114,7 +116,7 @@ of() {
 # shellcheck source=tests/hosts/build_root.sh
 . "$project/tests/hosts/build_root.sh" sid
 # shellcheck disable=SC2016
-"${root_sh[@]}" run "$root" "${options[@]}" --bind-ro "$folder=/patch" -- sh -euc '
+"${root_sh[@]}" run "$root" "${options[@]}" --bind-ro "$folder=/patch" --env "BUILD=$build" -- sh -euc '
   version=$(dpkg-query -W -f "\${source:Version}" meshlab)
   mkdir -p /upstream
   cd /upstream
@@ -127,18 +129,42 @@ of() {
     tarball=$(echo "$PWD"/meshlab_*.orig.tar.*)
   fi
   tar -xf "$tarball" -C source --strip-components=1
-  cp -r /patch/src source
-  sed -i "s,^\(\t*\)meshlabplugins/filter_layer$,&\n\1meshlabplugins/filter_laplacian_edit,
-    s,^\(\t*\)meshlabplugins/edit_manipulators$,\1meshlabplugins/edit_laplacian_drag\n&," source/src/CMakeLists.txt
-  [ "$(grep -c laplacian source/src/CMakeLists.txt)" -eq 2 ]
   plugins="filter_laplacian_edit edit_laplacian_drag"
+  project=source
+  if [ "$BUILD" = extra ]; then
+    project=extra
+    mkdir -p extra
+    cat >extra/CMakeLists.txt <<END
+cmake_minimum_required(VERSION 3.18)
+project(extra)
+find_package(OpenGL REQUIRED)
+find_package(Qt5 COMPONENTS OpenGL Xml Network REQUIRED)
+find_package(GLEW)
+find_package(Eigen3)
+set(MESHLAB_BUILD_ONLY_LIBRARIES ON)
+set(CMAKE_POLICY_DEFAULT_CMP0077 NEW)
+add_subdirectory(/upstream/source/src meshlab)
+set(MESHLAB_PLUGIN_OUTPUT_DIR \${CMAKE_BINARY_DIR}/plugins)
+set(MESHLAB_PLUGIN_INSTALL_DIR lib/meshlab/plugins)
+foreach(plugin IN ITEMS $plugins)
+  add_subdirectory(/patch/src/meshlabplugins/\${plugin} \${plugin})
+endforeach()
+END
+    plugin_list=
+  else
+    plugin_list=$(printf "meshlabplugins/%s;" $plugins)
+    cp -r /patch/src source
+    sed -i "s,^\(\t*\)meshlabplugins/filter_layer$,&\n\1meshlabplugins/filter_laplacian_edit,
+    s,^\(\t*\)meshlabplugins/edit_manipulators$,\1meshlabplugins/edit_laplacian_drag\n&," source/src/CMakeLists.txt
+    [ "$(grep -c laplacian source/src/CMakeLists.txt)" -eq 2 ]
+  fi
   downloads=$(grep -oh "MESHLAB_ALLOW_DOWNLOAD_SOURCE_[A-Z0-9_]*" source/src/external/*.cmake | sort -u |
     sed "s/.*/-D&=OFF/")
   # Newer Eigen and CMake do not tell these in the way that MeshLab asks for.
   found="-DEIGEN3_INCLUDE_DIR=/usr/include/eigen3 -DGLEW_VERSION=$(dpkg-query -W -f "\${Version}" libglew-dev)"
   # Not MeshLab'"'"'s other plugins, for many of which Debian has no libraries.
-  cmake -G Ninja -S source -B build -DCMAKE_BUILD_TYPE=Release $found $downloads \
-    "-DMESHLAB_PLUGINS=$(printf "meshlabplugins/%s;" $plugins)" >configure.log 2>&1 || { cat configure.log; exit 1; }
+  cmake -G Ninja -S $project -B build -DCMAKE_BUILD_TYPE=Release $found $downloads \
+    "-DMESHLAB_PLUGINS=$plugin_list" >configure.log 2>&1 || { cat configure.log; exit 1; }
   ninja -C build $plugins >build.log 2>&1 || { grep -A 12 FAILED build.log || tail -n 40 build.log; exit 1; }
   grep "MeshLab version" configure.log
   grep -c "warning:" build.log || true

@@ -5,13 +5,14 @@
 #
 # usage: window_frames.sh [BEFORE]   BEFORE: another version's folder, built there (build/), to be compared with this one
 #        window_frames.sh handles    drags of curves and several handles on a generated sheet
+#        window_frames.sh events     milliseconds that the window handles an event, 800,000 vertices and four layers
 # LAPEDIT_MESHES: folder of the real meshes; by default ../shared/meshes beside this project. igea.ply is used.
 # WINDOW_ROUNDS: how often each version has its turn, 3 by default.
 set -eu
 
 handles=
-if [ "${1:-}" = handles ]; then
-  handles=1
+if [ "${1:-}" = handles ] || [ "${1:-}" = events ]; then
+  handles=$1
   shift
 fi
 before=${1:+$(realpath "$1")}
@@ -19,7 +20,9 @@ cd "$(dirname "$0")/../.."
 build=$PWD/build
 window=$build/window
 tests/scripts/stage_window.sh "$window/stage"
-if [ -n "$handles" ]; then
+if [ "$handles" = events ]; then
+  LAPEDIT_STAGE=$window/stage exec tests/scripts/window_events.py
+elif [ -n "$handles" ]; then
   LAPEDIT_STAGE=$window/stage exec tests/scripts/window_frames.py handles
 fi
 set -- "this=$window/stage"

@@ -62,9 +62,9 @@ def trials(pictures, folder):
         keep(window, at(MOUTH[1]), 1)
     with opened(pictures, mesh, radius=3) as (window, at):
         (x, y), (left, top), middle = at(HAND), at(OTHER_HAND), at((0, 0.6, 0))
-        window.press_button(part("keep_fixed"))
+        window.set(part("brush_target"), "Fixed")
         window.drag((left - 10, top - 10), (left + 10, top + 10))
-        window.press_button(part("keep_fixed"))
+        window.set(part("brush_target"), "Off")
         window.click(x, y)
         keep(window, middle, 0, 430)
         window.drag((x, y), (x + 30, y - 80))
@@ -88,7 +88,7 @@ def make(pictures):
     with opened(pictures, folder / "creature.ply", rotated(5, -15), radius=1.0, handle_fraction=25) as (window, at):
         x, y = at(FOOT)
         window.click(x, y)
-        window.set(part("gizmo"), True)
+        window.set(part("gizmo"), 1)
         window.move(3, 300)
         keep(window, "gizmo", (x - 20, y - 70))
     with opened(pictures, folder / "hand.ply", radius=1.2, handle_fraction=14, gizmo=False) as (window, at):

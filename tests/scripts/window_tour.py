@@ -110,8 +110,7 @@ def raise_arm(tour, window, at):
     tour.caption = "A click shows the region. The pivot: the middle of its rim."
     tour.press()
     tour.release()
-    window.set(part("gizmo"), True)
-    window.set(part("gizmo_axes"), "View")
+    window.set(part("gizmo"), "Axes of the view")
     window.set(part("pivot"), "Shoulder (edge)")
     tour.frame(1.6)
     tour.caption = "Drag the ring: the arm is raised in one motion."
@@ -133,7 +132,7 @@ def raise_arm(tour, window, at):
 
 def pull_nose(tour, window, at):
     tour.caption = "Press, drag, release."
-    window.set(part("gizmo"), False)
+    window.set(part("gizmo"), "Hidden")
     window.set(part("clear"), True)
     tour.go(at(NOSE), 0.9)
     window.set(part("radius"), window.widget(part("radius"))["value"] / 4)
