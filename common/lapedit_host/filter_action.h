@@ -47,8 +47,8 @@ struct DocumentLayer {
   const CMeshO* mesh;
 };
 
-/// The user's values, one of the right kind for each parameter. MeshLab's floats become the shortest decimal of the
-/// same float: 0.1 is 0.1 here, not 0.10000000149.
+/// The user's values of a filter's parameters, each of its parameter's kind. A float of MeshLab becomes the double with
+/// the shortest decimal of that float: 0.1 is 0.1 here, not 0.10000000149.
 class ParameterValues {
  public:
   std::string layer_file;  ///< path of the file that the layer was read from, empty if there is none
@@ -79,8 +79,8 @@ struct FilterAction {
   QString info;         ///< HTML
   std::vector<Parameter> parameters;
 
-  /// Does the work. Changes the mesh only when nothing can fail any more. @throws std::exception whose what() is the
-  /// message for the user
+  /// Runs the filter. Changes the mesh at the very end, when no error can occur. @throws std::exception whose what() is
+  /// the message for the user
   std::function<FilterOutcome(const ParameterValues&, CMeshO&, const Progress&)> run;
 };
 

@@ -23,7 +23,7 @@ RichParameterList parameter_list(const FilterAction& filter, const CMeshO* mesh)
 FilterOutcome run_filter(const FilterAction& filter, const RichParameterList& parameters, CMeshO* mesh,
                          const QString& file, std::vector<DocumentLayer> layers, bool (*callback)(int, const char*));
 
-/// Returns the message for the user. To be called while an exception is handled.
+/// Returns the message for the user of the exception that is being handled.
 QString sentence_of_current_exception();
 
 }  // namespace lapedit::host

@@ -21,8 +21,8 @@ struct BridgedMesh {
   std::vector<int> core_vertex;  ///< index in CMeshO::vert -> vertex of mesh, -1 if deleted
 };
 
-/// Checks that faces and edges name existing vertices, since MeshLab's readers accept any numbers of a file. To be
-/// called before anything visits them. @throws EditError (BadIndex). O(faces + edges)
+/// Checks that faces and edges name existing vertices, since MeshLab's readers accept any numbers. Callers call it
+/// before they read faces. @throws EditError (BadIndex). O(faces + edges)
 void require_sound_corners(const CMeshO& host);
 
 /// Reads a mesh. A face on a deleted vertex gets a corner -1, which validate() refuses. O(vertices + faces).

@@ -17,7 +17,8 @@ namespace lapedit::host {
 /// MeshLab does not keep it.
 std::string space_of_file(const std::string& path);
 
-/// Returns the layer of a label or a file name, another than a mesh; without a name the only other layer.
+/// Returns the layer with a label or a file name; for an empty name the only other layer.
+/// @param except  the mesh whose layer is not considered
 /// @throws EditError (BadParameter) if there is no such layer, or several
 const DocumentLayer& layer_named(const std::vector<DocumentLayer>& layers, const std::string& name,
                                  const CMeshO& except);

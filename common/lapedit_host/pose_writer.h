@@ -14,13 +14,12 @@ namespace lapedit::host {
 /// can restore the mesh's first state bit by bit.
 ///
 /// The mesh after write() depends only on the positions of all vertices, not on earlier poses. Positions are those
-/// given, with the first bits where they equal the first ones (zeros of the other sign). Normals of faces with a moved
-/// vertex, and of these faces' corners, are those of MeshLab's own update (unit length for faces, sums weighted by
-/// angle for vertices), but never NaN: faces without area or with a non-finite corner contribute none, and a face or
+/// given; one that equals the first position keeps that one's bits, also the sign of a zero. Normals of faces with a
+/// moved vertex, and of these faces' corners, are those of MeshLab's own update (unit length for faces, sums weighted
+/// by angle for vertices), but never NaN: faces without area or with a non-finite corner contribute none, and a face or
 /// vertex without contributions keeps its first normal. The box excludes non-finite vertices. All other normals, and
-/// the box of a mesh without moved vertices, keep their first bits. For a pose that is not settled, vertex normals at
-/// and around the given vertices have unit length and area weights, which need no arc tangent, and the box is not
-/// updated.
+/// the box of a mesh without moved vertices, keep their first bits. Passing poses, the frames of a drag, get cheaper
+/// vertex normals at and around the given vertices, of unit length and weighted by area, and the box is not updated.
 class PoseWriter {
  public:
   /// Copies positions, normals and box of the host mesh. O(vertices + faces).
@@ -94,7 +93,7 @@ class PoseWriter {
   int away_count_ = 0;
   std::vector<int> probes_;  // some vertices that are away
   Affected affected_;
-  std::vector<char> is_touched_, is_around_;  // per vertex and face: is it in affected_
+  std::vector<char> is_touched_, is_around_;  // per vertex and face: whether affected_ has it
   std::vector<int> position_;                 // mesh face -> entry of affected_.around, if it is there
   ThreadPool pool_{0};
 };

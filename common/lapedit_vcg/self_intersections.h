@@ -16,7 +16,8 @@ namespace lapedit {
 /// Cost: about that of one solution of a region of these faces.
 int new_self_intersections(const TriangleMesh& given, const EditResult& result, int threads = 0);
 
-/// Sets that number in the last report if at most `most_vertices` vertices moved. Errors leave it unset.
+/// Sets this number in the last report if at most `most_vertices` vertices moved. If an error occurs, the number stays
+/// empty.
 void count_self_intersections(const TriangleMesh& before, EditResult& result,
                               int most_vertices = std::numeric_limits<int>::max());
 

@@ -5,6 +5,7 @@
 #include <QKeyEvent>
 #include <QKeySequence>
 #include <QMouseEvent>
+#include <QPointF>
 #include <QString>
 #include <QWheelEvent>
 #include <functional>
@@ -51,6 +52,9 @@ class HostWindow {
   virtual void uploadGeometry(int layer) = 0;
   virtual void markModified(int layer) = 0;
   virtual void repaint() = 0;
+  /// Returns the largest depth around a pixel of the canvas in the picture that is or was drawn last: 0 to 1, 1 for the
+  /// background.
+  virtual double depthAt(const QPointF& pixel, int around) = 0;
 
   virtual void log(const std::string& line) = 0;
 
@@ -58,12 +62,15 @@ class HostWindow {
   virtual void navigate(const QMouseEvent& event, Qt::MouseButton as) = 0;
   virtual void navigate(const QWheelEvent& event) = 0;
 
+  /// Turns the view so that a direction of the world points at the viewer.
+  virtual void turnTo(const Eigen::Vector3d& direction) = 0;
+
   /// Ends the tool after the current event.
   virtual void endTool() = 0;
 
   /// Appends a filter to the document's history, if MeshLab keeps one. @param edit  its parameter of that name
   virtual void appendToHistory(const QString& filter, const QString& edit, double fraction) = 0;
-  /// Removes the last entry of the history if it is this one. @return whether it was
+  /// Removes this entry of the history, if only others of the same filter follow. @return whether it was there
   virtual bool removeFromHistory(const QString& filter, const QString& edit) = 0;
 };
 

@@ -5,6 +5,8 @@
 
 #include <QApplication>
 #include <QMainWindow>
+#include <algorithm>
+#include <cmath>
 #include <exception>
 #include <utility>
 #include <vector>
@@ -77,6 +79,17 @@ class HostView final : public HostWindow {
 
   void repaint() override { area_->updateAllSiblingsGLAreas(); }
 
+  double depthAt(const QPointF& pixel, int around) override {
+    const qreal ratio = area_->devicePixelRatioF();
+    const int side = 2 * around + 1;
+    std::vector<GLfloat> depths(static_cast<std::size_t>(side) * side, 0);
+    area_->makeCurrent();
+    glReadPixels(static_cast<GLint>(pixel.x() * ratio) - around,
+                 static_cast<GLint>((area_->height() - pixel.y()) * ratio) - 1 - around, side, side, GL_DEPTH_COMPONENT,
+                 GL_FLOAT, depths.data());
+    return static_cast<double>(*std::max_element(depths.begin(), depths.end()));
+  }
+
   void log(const std::string& line) override {
     if (area_ != nullptr && area_->md() != nullptr) {
       write_log(*area_->md(), title_.toStdString() + ": " + line);
@@ -103,6 +116,17 @@ class HostView final : public HostWindow {
     pass(copy);
   }
 
+  void turnTo(const Eigen::Vector3d& direction) override {
+    vcg::Quaternionf& rotation = area_->trackball.track.rot;
+    const Eigen::Vector3f given = direction.normalized().cast<float>();
+    const vcg::Point3f viewer(0, 0, 1), seen = rotation.Rotate(vcg::Point3f(given.x(), given.y(), given.z()));
+    const vcg::Point3f across = seen ^ viewer;
+    if (given.allFinite()) {
+      const vcg::Point3f axis = across.Norm() > 0 ? across : vcg::Point3f(0, 1, 0);
+      rotation = vcg::Quaternionf(std::atan2(across.Norm(), seen * viewer), axis) * rotation;
+    }
+  }
+
   void endTool() override { QMetaObject::invokeMethod(area_, "endEdit", Qt::QueuedConnection); }
 
   void appendToHistory(const QString& filter, const QString& edit, double fraction) override {
@@ -117,12 +141,14 @@ class HostView final : public HostWindow {
 
   bool removeFromHistory(const QString& filter, const QString& edit) override {
     FilterScript* history = filterHistory();
-    if (history == nullptr || history->isEmpty() || history->last().filterName() != filter ||
-        !history->last().second.hasParameter("edit") || history->last().second.getString("edit") != edit) {
-      return false;
+    for (int i = history == nullptr ? -1 : history->size() - 1; i >= 0 && history->at(i).filterName() == filter; --i) {
+      const auto& parameters = history->at(i).second;
+      if (parameters.hasParameter("edit") && parameters.getString("edit") == edit) {
+        history->removeAt(i);
+        return true;
+      }
     }
-    history->removeLast();
-    return true;
+    return false;
   }
 
  private:
