@@ -31,7 +31,7 @@ class Events:
                "gizmo_drag": 8, "brush": 4, "wheel": 6, "key": 14, "undo": 4, "redo": 3, "setting": 4, "choice": 2,
                "button": 4, "drop": 3, "navigate": 3, "suspend": 1, "select": 1, "visible": 1, "touch": 5, "list": 3,
                "cross": 3, "tabs": 1}
-    # Of a batch, since they take long.
+    # After a batch, since they take long; in turn, so that none is missing.
     RARE = ["layer", "filter", "restart", "imported", "reloaded", "project"]
 
     def __init__(self, test, window):
@@ -72,7 +72,8 @@ class Events:
         return next(layer["id"] for layer in self.w.layers() if layer["current"])
 
     def opened(self):
-        return sum("Opened mesh" in line for line in self.w.log())
+        """How often a mesh has been read; from 2022.02 on MeshLab words the second time otherwise."""
+        return sum(line.startswith(("Opened mesh", "File reloaded")) for line in self.w.log())
 
     def choices_of_layers(self):
         """How often a layer has become the current one, as far as MeshLab logs it."""
@@ -136,7 +137,7 @@ class Events:
                     self.wait()
                 self.flush()
                 if self.random.random() < 0.1:
-                    kind = self.random.choice(self.RARE)
+                    kind = min(self.RARE, key=lambda kind: (self.counts[kind], self.random.random()))
                     self.happen(kind)
                 batches += 1
                 if batches % CHECKED == 0:
