@@ -335,7 +335,7 @@ TEST(TemplateEnergy, IsZeroForRotatedShapes) {
   energy.factor(0.3, diagonal);
   Points right = 0.5 * turned, x;
   energy.add_rotated(std::vector<Matrix3>(static_cast<std::size_t>(region.size()), turn), 1.3, right);
-  energy.solve(right, x, true);
+  energy.solve_accurately(right, x);
   EXPECT_LT((x - turned).cwiseAbs().maxCoeff(), 1e-10);
 }
 

@@ -7,7 +7,9 @@
 #include <memory>
 #include <numeric>
 #include <random>
+#include <stdexcept>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -89,6 +91,28 @@ TEST(EliminationOrder, DependsOnTheGraphAlone) {
       const IndexLists copy = graph;
       ASSERT_TRUE(fill_reducing_ordering(copy, threads) == order) << name << ", " << threads << " threads";
     }
+  }
+}
+
+/// Fails if a caller that wants to cancel waits for the whole order, or gets one that was not finished.
+TEST(EliminationOrder, CallsBetweenPiecesAndEndsByAnException) {
+  const IndexLists graph = surface(Surface::Plane, 250, 200).neighbours();
+  const std::thread::id caller = std::this_thread::get_id();
+  for (const int threads : {1, 3}) {
+    int calls = 0;
+    const auto count = [&] {
+      EXPECT_EQ(std::this_thread::get_id(), caller);
+      ++calls;
+    };
+    EXPECT_TRUE(fill_reducing_ordering(graph, threads, count) == fill_reducing_ordering(graph, 1));
+    EXPECT_GT(calls, threads == 1 ? 100 : 0);
+    int called = 0;
+    const auto stop = [&] {
+      ++called;
+      throw std::runtime_error("stop");
+    };
+    EXPECT_THROW(fill_reducing_ordering(graph, threads, stop), std::runtime_error);
+    EXPECT_EQ(called, 1);
   }
 }
 

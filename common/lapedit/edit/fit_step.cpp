@@ -131,7 +131,9 @@ FittedStep fit_step(const TriangleMesh& mesh, const Adjacency& adjacency, const 
     handle.push_back(landmark.vertex);
   }
   const Stopwatch watch;
+  report_progress(progress, 0, "region");
   const Region region = fit_region(mesh, adjacency, step.region, handle, options.threads);
+  report_progress(progress, 0, "align");
   const double region_ms = watch.elapsed();
   for (FitLandmark& landmark : landmarks) {
     landmark.vertex = index_in(region.mesh_vertex, landmark.vertex);

@@ -9,6 +9,8 @@
 namespace lapedit {
 namespace {
 
+constexpr int kGrain = 128;
+
 /// 1 up to a distance, 0 from twice that.
 double weight_of(double distance, double full) {
   return distance < 0 ? 0 : std::clamp(2 - distance / full, 0.0, 1.0);
@@ -77,7 +79,6 @@ void Correspondences::gather(Direction& direction, double least) {
 }
 
 void Correspondences::update(double least, double part, ThreadPool& pool) {
-  constexpr int kGrain = 128;
   const int n = static_cast<int>(free_.size());
   for_indices(pool, n + static_cast<int>(back_.pairs.size()), kGrain, [&](int k) {
     const bool back = k >= n;
@@ -122,14 +123,19 @@ void Correspondences::update(double least, double part, ThreadPool& pool) {
   }
 }
 
-double Correspondences::turn_normals() {
-  int same = 0, reversed = 0;
-  for (Eigen::Index i = 0; i < surface_.points().rows(); ++i) {
-    const NearestPoint at = scan_.surface().nearest(surface_.points().row(i).transpose());
-    const double cosine = scan_.surface().normal(at).dot(surface_.normals().row(i));
-    same += cosine > with_.cosine ? 1 : 0;
-    reversed += cosine < -with_.cosine ? 1 : 0;
+double Correspondences::turn_normals(ThreadPool& pool, const std::function<void()>& between) {
+  constexpr int kAtOnce = 1 << 14;
+  const auto n = static_cast<int>(surface_.points().rows());
+  Eigen::VectorXd cosines(n);
+  for (int from = 0; from < n; from += kAtOnce) {
+    between();
+    for_indices(pool, std::min(kAtOnce, n - from), kGrain, [&](int k) {
+      const NearestPoint at = scan_.surface().nearest(surface_.points().row(from + k).transpose());
+      cosines[from + k] = scan_.surface().normal(at).dot(surface_.normals().row(from + k));
+    });
   }
+  const Eigen::Index same = (cosines.array() > with_.cosine).count();
+  const Eigen::Index reversed = (cosines.array() < -with_.cosine).count();
   side_ = reversed > 2 * same ? -1 : 1;
   return (side_ < 0 ? same : reversed) / std::max(1.0, static_cast<double>(same + reversed));
 }

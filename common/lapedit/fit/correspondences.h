@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "lapedit/fit/fit_constants.h"
@@ -25,7 +26,8 @@ class Correspondences {
   void update(double least, double part, ThreadPool& pool);
 
   /// Takes the scan's normals as reversed if most pairs are. @return the fraction of the others, of those that decide
-  double turn_normals();
+  /// @param between  called from time to time; an exception of it reaches the caller
+  double turn_normals(ThreadPool& pool, const std::function<void()>& between);
   bool reversed() const { return side_ < 0; }
 
   const Eigen::VectorXd& weights() const { return weights_; }  ///< per vertex, 0 (no partner) to 1 over the fraction

@@ -39,6 +39,7 @@ class Fit {
  private:
   void run_stage(int stage, double length);
   void weigh(double length, const std::function<void()>& between);
+  void report_align() const { report_progress(progress_, 0, "align"); }
   void rotate();
   void pull();
   void finish(double length);
@@ -111,6 +112,7 @@ Fit::Fit(const FitProblem& problem, const Progress& progress)
     from.row(k) = before.row(landmark.vertex);
     targets_.row(k) = (landmark.target - of_.scan.origin()).transpose() / unit;
   }
+  report_align();
   surface_ = std::make_unique<SurfaceIndex>(before, region.faces);
   const SimilarityMap in_place = {Matrix3::Identity(), ratio, (own.centroid - of_.scan.origin()) / unit};
   const Alignment alignment = align(*surface_, of_.scan, in_place, from, targets_, allowed, *pool_, progress_);
@@ -119,15 +121,17 @@ Fit::Fit(const FitProblem& problem, const Progress& progress)
   rest_ = points_ = map.all(before);
   velocity_.setZero(region.size(), 3);
   size_ = map.scale;
+  report_align();
   surface_->move(points_, *pool_);
   pairs_ = std::make_unique<Correspondences>(of_.scan, *surface_, std::move(free),
                                              of_.settings.distance / of_.scan.size(), with_);
+  report_align();
   TriangleMesh aligned = {Points::Zero(of_.mesh.vertices.rows(), 3), of_.mesh.faces};
   scatter(region.mesh_vertex, rest_, aligned.vertices);
   energy_ = std::make_unique<TemplateEnergy>(aligned, region, rest_, size_, with_.membrane, pool_);
   if (of_.settings.mode == FitMode::Pose) {
     smoothing_ = std::make_unique<TemplateEnergy>(*energy_);
-    smoothing_->factor(with_.average * size_, energy_->mass(), [&] { report_progress(progress_, 0, "align"); });
+    smoothing_->factor(with_.average * size_, energy_->mass(), [this] { report_align(); });
   }
   FitReport& report = result_.report;
   report.mode = name(of_.settings.mode);
@@ -144,8 +148,7 @@ Fit::Fit(const FitProblem& problem, const Progress& progress)
   if (alignment.second) {
     report.second = *alignment.second * unit;
   }
-  report_progress(progress_, 0, "align");
-  pairs_->turn_normals();
+  pairs_->turn_normals(*pool_, [this] { report_align(); });
   report.reversed_normals = pairs_->reversed();
   report.align_ms = watch.elapsed();
 }
@@ -234,7 +237,11 @@ void Fit::run_stage(int stage, double length) {
     pull();
     const bool last = stage + 1 == kStages && round + 1 == with_.rounds;
     Points step;
-    energy_->solve(forces_, step, last);
+    if (last) {
+      energy_->solve_accurately(forces_, step, report_round);
+    } else {
+      energy_->solve(forces_, step);
+    }
     velocity_ = last ? step : with_.momentum * velocity_ + step;
     points_ += velocity_;
     report.solve_ms += watch.lap();
@@ -260,12 +267,16 @@ FitDistances Fit::measured(bool back) const {
 
 /// Measures the fit, and takes it to model units.
 void Fit::finish(double length) {
+  const std::string text = "fit: measure" + distance_;
+  const auto report = [&] { report_progress(progress_, 1, text.c_str()); };
   surface_->move(points_, *pool_);
+  report();
   pairs_->update(length, 1, *pool_);
+  report();
   result_.report.to_scan = measured(false);
   result_.report.from_scan = measured(true);
-  report_progress(progress_, 1, ("fit: measure" + distance_).c_str());
-  result_.report.opposed = pairs_->turn_normals();
+  report();
+  result_.report.opposed = pairs_->turn_normals(*pool_, report);
   constexpr double kNone = 0.01;
   if (result_.report.to_scan.matched < kNone && result_.report.from_scan.matched < kNone) {
     throw EditError(ErrorCause::BadParameter,

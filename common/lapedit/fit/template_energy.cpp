@@ -10,6 +10,18 @@
 #include "lapedit/mesh/surface_index.h"
 
 namespace lapedit {
+namespace {
+
+void require_accurate(bool accurate) {
+  if (!accurate) {
+    throw EditError(ErrorCause::IllConditioned,
+                    "The equations of the fit cannot be solved accurately: remove needles and tiny triangles of the "
+                    "template, for example with MeshLab's filter \"Remeshing: Isotropic Explicit Remeshing\".");
+  }
+}
+
+}  // namespace
+
 TemplateEnergy::TemplateEnergy(const TriangleMesh& mesh, const Region& region, const Points& rest, double size,
                                double membrane, std::shared_ptr<ThreadPool> pool)
     : region_(region), rest_(rest), size_(size), pool_(std::move(pool)) {
@@ -53,7 +65,7 @@ TemplateEnergy::TemplateEnergy(const TriangleMesh& mesh, const Region& region, c
 
 void TemplateEnergy::factor(double length, const Eigen::VectorXd& diagonal, const std::function<void()>& between) {
   CholeskyOptions with;
-  with.order = factor_ ? factor_->order() : fill_reducing_ordering(region_.neighbours, pool_->threads());
+  with.order = factor_ ? factor_->order() : fill_reducing_ordering(region_.neighbours, pool_->threads(), between);
   with.same_bits = true;
   with.pool = pool_;
   with.between = between;
@@ -63,24 +75,28 @@ void TemplateEnergy::factor(double length, const Eigen::VectorXd& diagonal, cons
   factor_ = std::make_shared<SparseCholesky>(rows_->normal_matrix(diagonal / length4_, *pool_), with);
 }
 
-void TemplateEnergy::solve(const Points& right, Points& x, bool refined) {
-  constexpr double kAccurate = 1e-12, kUseless = 1e-6;
-  constexpr int kMostSteps = 20;
+void TemplateEnergy::solve(const Points& right, Points& x) {
   factor_->solve(right, x);
   x /= length4_;
-  double change = 0;
-  for (int count = 0; refined && count < kMostSteps && !(count > 0 && change <= kAccurate); ++count) {
+  require_accurate(x.allFinite());
+}
+
+void TemplateEnergy::solve_accurately(const Points& right, Points& x, const std::function<void()>& between) {
+  constexpr double kAccurate = 1e-12, kUseless = 1e-6;
+  constexpr int kMostSteps = 20;
+  solve(right, x);
+  double change = 1;
+  for (int count = 0; count < kMostSteps && !(change <= kAccurate); ++count) {
+    if (between) {
+      between();
+    }
     Points left = right - diagonal_.asDiagonal() * x;
     subtract_gradient(x, left);
     factor_->solve(left, step_);
     x += step_ / length4_;
     change = step_.cwiseAbs().maxCoeff() / length4_;
   }
-  if (!x.allFinite() || !(change < kUseless * size_)) {
-    throw EditError(ErrorCause::IllConditioned,
-                    "The equations of the fit cannot be solved accurately: remove needles and tiny triangles of the "
-                    "template, for example with MeshLab's filter \"Remeshing: Isotropic Explicit Remeshing\".");
-  }
+  require_accurate(x.allFinite() && change < kUseless * size_);
 }
 
 void TemplateEnergy::subtract_gradient(const Points& x, Points& right) {

@@ -32,8 +32,10 @@ class TemplateEnergy {
   /// @throws EditError (IllConditioned), and what `between` throws
   void factor(double length, const Eigen::VectorXd& diagonal, const std::function<void()>& between = {});
   /// Solves with the last factor: with the same bits on every processor, and accurate to about its condition number.
-  /// @param refined  accurate to about 1e-12. @throws EditError (IllConditioned)
-  void solve(const Points& right, Points& x, bool refined = false);
+  /// @throws EditError (IllConditioned)
+  void solve(const Points& right, Points& x);
+  /// The same, accurate to about 1e-12. @param between  called before each refinement; an exception of it ends them
+  void solve_accurately(const Points& right, Points& x, const std::function<void()>& between = {});
   /// right -= the gradient of l^4 E / 2 at x.
   void subtract_gradient(const Points& x, Points& right);
   /// right += the same gradient at the shape `rest` rotated and scaled: differential coordinates by their vertex's

@@ -56,8 +56,9 @@ class OperatorRows {
 /// Nested dissection with edge counts to three distant vertices as coordinates: on a surface they give 2 to 3 % more
 /// fill than its own coordinates, and an edited shape keeps its order and its factor.
 /// @param threads  at most this many (0: all of the machine's); the order does not depend on it
-/// Cost: as nested_dissection().
-std::vector<int> fill_reducing_ordering(const IndexLists& neighbours, int threads);
+/// @param between  as for nested_dissection(). Cost: as there.
+std::vector<int> fill_reducing_ordering(const IndexLists& neighbours, int threads,
+                                        const std::function<void()>& between = {});
 
 class SparseCholesky;
 

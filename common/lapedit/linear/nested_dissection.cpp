@@ -6,8 +6,10 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <numeric>
+#include <thread>
 #include <utility>
 
 #include "lapedit/base/simd.h"
@@ -386,12 +388,28 @@ Piece side_of(const Piece& whole, Side side, Scratch& scratch) {
   return result;
 }
 
-void dissect(Piece piece, int* order, int threads, Scratch& scratch) {
+/// Calls a function if this is the thread on which it was made.
+class OnThisThread {
+ public:
+  explicit OnThisThread(const std::function<void()>& function) : function_(function) {}
+  void call() const {
+    if (function_ && std::this_thread::get_id() == thread_) {
+      function_();
+    }
+  }
+
+ private:
+  const std::function<void()>& function_;
+  std::thread::id thread_ = std::this_thread::get_id();
+};
+
+void dissect(Piece piece, int* order, int threads, Scratch& scratch, const OnThisThread& between) {
   const int n = piece.inner;
   if (n <= Leaf<kLeafWords>::kMost) {
     Leaf<kLeafWords>::order(piece, scratch, order);
     return;
   }
+  between.call();
   scratch.fit(piece.size());
   Counts counts{};
   if (!divide(piece, scratch, counts)) {
@@ -410,15 +428,15 @@ void dissect(Piece piece, int* order, int threads, Scratch& scratch) {
   if (threads > 1 && n >= kThreadGrain) {
     ThreadPool(2).each(2, [&](int half) {
       if (half == 0) {
-        dissect(std::move(low), order, threads - threads / 2, scratch);
+        dissect(std::move(low), order, threads - threads / 2, scratch, between);
       } else {
         Scratch other;
-        dissect(std::move(high), middle, threads / 2, other);
+        dissect(std::move(high), middle, threads / 2, other, between);
       }
     });
   } else {
-    dissect(std::move(low), order, 1, scratch);
-    dissect(std::move(high), middle, 1, scratch);
+    dissect(std::move(low), order, 1, scratch, between);
+    dissect(std::move(high), middle, 1, scratch, between);
   }
 }
 
@@ -450,7 +468,8 @@ int count_edges(const IndexLists& neighbours, int from, std::vector<int>& count,
 
 }  // namespace
 
-std::vector<int> nested_dissection(const IndexLists& neighbours, const Points& points, int threads) {
+std::vector<int> nested_dissection(const IndexLists& neighbours, const Points& points, int threads,
+                                   const std::function<void()>& between) {
   const int n = neighbours.rows();
   std::vector<int> order(n);
   if (n == 0) {
@@ -470,11 +489,12 @@ std::vector<int> nested_dissection(const IndexLists& neighbours, const Points& p
   Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(all.at.data(), n, 3) =
       ((points.rowwise() - middle) * scale).cast<float>();
   Scratch scratch;
-  dissect(std::move(all), order.data(), thread_count(threads), scratch);
+  dissect(std::move(all), order.data(), thread_count(threads), scratch, OnThisThread(between));
   return order;
 }
 
-std::vector<int> fill_reducing_ordering(const IndexLists& neighbours, int threads) {
+std::vector<int> fill_reducing_ordering(const IndexLists& neighbours, int threads,
+                                        const std::function<void()>& between) {
   constexpr int kWorthwhile = 20000;  // measured with tests/scripts/speed.sh
   const int n = neighbours.rows();
   if (n < kWorthwhile) {
@@ -495,7 +515,7 @@ std::vector<int> fill_reducing_ordering(const IndexLists& neighbours, int thread
   for (int v = 0; v < n; ++v) {
     coordinates.row(v) << first[v], second[v], third[v];
   }
-  return nested_dissection(neighbours, coordinates, threads);
+  return nested_dissection(neighbours, coordinates, threads, between);
 }
 
 }  // namespace lapedit
