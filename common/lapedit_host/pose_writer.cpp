@@ -15,7 +15,8 @@ namespace {
 
 /// Fewer elements do not pay for a thread.
 constexpr int kGrain = 4096;
-constexpr int kProbes = 16;
+constexpr int kProbes = 16;   // of vertices that are away
+constexpr int kSpread = 256;  // of all vertices
 
 bool same_bits(const Point3m& a, const Point3m& b) {
   // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): it is the bits that are meant
@@ -222,21 +223,28 @@ bool PoseWriter::has_same_size(const CMeshO& host) const {
          host.vn == static_cast<int>(host_vertex_.size()) && host.fn == static_cast<int>(host_face_.size());
 }
 
-bool PoseWriter::is_ours(const CMeshO& host, const std::vector<int>& vertices) {
-  std::atomic<bool> is_ours{true};
-  in_pieces(pool_, static_cast<int>(vertices.size()), kGrain, [&](int begin, int end) {
-    if (!std::all_of(vertices.begin() + begin, vertices.begin() + end, [&](int v) {
-          const auto position = static_cast<std::size_t>(v);
-          return same_bits(host.vert[static_cast<std::size_t>(host_vertex_[position])].cP(), now_[position].position);
-        })) {
-      is_ours = false;
+bool PoseWriter::is_ours(const CMeshO& host, int vertex) const {
+  const auto v = static_cast<std::size_t>(vertex);
+  return same_bits(host.vert[static_cast<std::size_t>(host_vertex_[v])].cP(), now_[v].position);
+}
+
+bool PoseWriter::are_ours(const CMeshO& host, const std::vector<int>* vertices) {
+  const int count = static_cast<int>(vertices ? vertices->size() : now_.size());
+  std::atomic<bool> are_ours{true};
+  in_pieces(pool_, count, kGrain, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      if (!is_ours(host, vertices ? (*vertices)[static_cast<std::size_t>(i)] : i)) {
+        are_ours = false;
+        return;
+      }
     }
   });
-  return is_ours;
+  return are_ours;
 }
 
 bool PoseWriter::write(CMeshO& host, const std::vector<int>& vertices, const Points& positions, bool settled) {
-  if (!has_same_size(host) || !is_ours(host, vertices)) {
+  // The vertices elsewhere also decide when a motion begins: later this session could not undo it.
+  if (!has_same_size(host) || !are_ours(host, affected_.is_settled ? nullptr : &vertices)) {
     return false;
   }
   if (vertices != affected_.vertices) {
@@ -268,10 +276,16 @@ void PoseWriter::choose_probes() {
 }
 
 bool PoseWriter::seems_to_match(const CMeshO& host) const {
-  return has_same_size(host) && std::all_of(probes_.begin(), probes_.end(), [&](int v) {
-           const auto position = static_cast<std::size_t>(v);
-           return same_bits(host.vert[static_cast<std::size_t>(host_vertex_[position])].cP(), now_[position].position);
-         });
+  if (!has_same_size(host) || !std::all_of(probes_.begin(), probes_.end(), [&](int v) { return is_ours(host, v); })) {
+    return false;
+  }
+  const int count = static_cast<int>(now_.size());
+  for (int v = 0; v < count; v += count / kSpread + 1) {
+    if (!is_ours(host, v)) {
+      return false;
+    }
+  }
+  return true;
 }
 
 bool PoseWriter::matches(const CMeshO& host) const {

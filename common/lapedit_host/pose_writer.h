@@ -27,21 +27,22 @@ class PoseWriter {
   /// @param adjacency  of bridged.mesh; must outlive the object
   PoseWriter(const CMeshO& host, const BridgedMesh& bridged, const Adjacency& adjacency);
 
-  /// @return false, and nothing is written, if the host mesh has other numbers of vertices and faces than at
-  ///         construction, or other positions at these vertices than those written last: other code changed it
+  /// @return false, and nothing is written, if other code changed the host mesh: its numbers of vertices and faces are
+  ///         not those of construction, or positions not those written last; after a settled pose all positions are
+  ///         compared, otherwise those of these vertices
   /// @param host       the mesh of construction, also if it has moved in memory
   /// @param vertices   vertex numbers of the bridged mesh, each once
   /// @param positions  one row per entry of vertices
   /// @param settled    whether the pose is final; other vertices than in the last call settle the last pose, too
-  /// Cost: O(faces at these vertices and at their neighbours), and a pass over all vertices if settled; with other
-  /// vertices than in the last call, a pass over one byte per vertex and face. With the same vertices only the first
-  /// settled pose allocates.
+  /// Cost: O(faces at these vertices and at their neighbours), and a pass over all vertices if settled before or after;
+  /// with other vertices than in the last call, a pass over one byte per vertex and face. With the same vertices only
+  /// the first settled pose allocates.
   bool write(CMeshO& host, const std::vector<int>& vertices, const Points& positions, bool settled);
 
   /// Returns whether vertices and faces of the host mesh are still those of construction, and positions those of the
   /// last write(). O(vertices + faces).
   bool matches(const CMeshO& host) const;
-  /// Compares only the numbers of vertices and faces, and the positions of some vertices that have moved. O(1).
+  /// Compares only the numbers of vertices and faces, and the positions of some vertices. O(1).
   bool seems_to_match(const CMeshO& host) const;
 
  private:
@@ -74,7 +75,8 @@ class PoseWriter {
   };
 
   bool has_same_size(const CMeshO& host) const;
-  bool is_ours(const CMeshO& host, const std::vector<int>& vertices);
+  bool is_ours(const CMeshO& host, int vertex) const;
+  bool are_ours(const CMeshO& host, const std::vector<int>* vertices);  // null: all
   void find_affected(const std::vector<int>& vertices);
   void write_places(CMeshO& host, const Points& positions);
   void write_passing_normals(CMeshO& host);

@@ -398,6 +398,7 @@ TEST(PoseWriter, SeesWhenOtherCodeChangesTheMesh) {
   const std::vector<Change> positions = {
       [](CMeshO& host) { host.vert[10].P()[1] += 1; },
       [](CMeshO& host) { host.vert[10].P()[0] = -host.vert[10].P()[0]; },  // -0
+      [](CMeshO& host) { host.vert[60].P()[2] += 1; },                     // far from what the writer moved
   };
   const std::vector<Change> sizes = {
       [](CMeshO& host) { Allocator::AddVertices(host, 1); },

@@ -259,6 +259,22 @@ class Leave(LeavingTest):
             self.pull(w, self.CENTRE, (20, -20))
             self.assert_replay_is_the_same(w, self.mesh)
 
+    def test_mesh_reloaded_with_a_step_undone(self):
+        """The file differs from the session's mesh elsewhere only, where a step is that cannot be undone any more."""
+        far = 6 * self.ROWS + 6
+        with self.start(self.mesh) as w:
+            before = w.dump()
+            self.pull(w, self.CENTRE, (30, 30))
+            w.run_filter("Invert Selection")
+            w.trigger(TOOL)
+            self.pull(w, far, (10, -10))
+            self.assertEqual(len(self.steps_in_log(w)), 2)
+            w.set(part("undo"), True)
+            w.trigger("Reload", wait=False)
+            w.set(part("redo"), True)
+            self.assertEqual(before.point_bits(), w.dump().point_bits())
+            self.assertFalse(w.widget(part("redo"))["enabled"])
+
     def test_mesh_reloaded_under_the_tool(self):
         with self.start(self.mesh) as w:
             before = w.dump()
