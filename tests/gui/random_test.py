@@ -417,6 +417,7 @@ class Events:
         self.test.assertFalse([p for p in self.w.widgets(part("panel")).values() if p["visible"]])
         self.w.view(project=0)
         self.resume()
+        self.w.ask("mouse", type="release", button="left", modifiers=[], x=3, y=3)  # the drag is still in progress
         self.remember()
 
 
