@@ -24,7 +24,7 @@ void check_fraction(double fraction) {
   }
 }
 
-/// Returns the progress of part k of `count`, as a part of the whole.
+/// Returns a callback that maps the progress of task k of `count` to the progress of all tasks.
 Progress progress_of(const Progress& progress, std::size_t k, std::size_t count) {
   if (!progress) {
     return {};
@@ -34,7 +34,7 @@ Progress progress_of(const Progress& progress, std::size_t k, std::size_t count)
   };
 }
 
-/// Returns the progress of work during which the fraction does not change.
+/// Returns a callback that reports each stage with the constant fraction `done`.
 Progress progress_at(const Progress& progress, double done) {
   if (!progress) {
     return {};
@@ -42,7 +42,7 @@ Progress progress_at(const Progress& progress, double done) {
   return [&progress, done](double, const char* stage) { return progress(done, stage); };
 }
 
-/// One pose per fraction; all go through the steps together.
+/// The poses of an edit, one per fraction. run() applies each step to all poses before it begins the next step.
 class Poses {
  public:
   using Each = std::function<void(std::size_t pose, EditResult&&)>;
@@ -60,7 +60,7 @@ class Poses {
     joined_.assign(fractions.size(), std::make_shared<const Joined>(mesh, mesh.vertices));
   }
 
-  /// @param each  called for every step and pose, in this order
+  /// @param each  called after each step of each pose: for all poses of the first step, then of the second
   void run(const Edit& edit, const Progress& progress, const Each& each) {
     const std::size_t steps = edit.steps.size(), poses = fractions_.size();
     if (steps == 0) {
@@ -82,7 +82,8 @@ class Poses {
   const Points& vertices(std::size_t p) const { return vertices_[p]; }
 
  private:
-  /// Makes mesh_ the shape of a pose. Vertices at the same place are one until a step moves them apart.
+  /// Makes mesh_ the shape of a pose. With `weld`, vertices at the same position count as one; only a step without
+  /// welding can separate them.
   void see(std::size_t p, bool weld) {
     mesh_.vertices = vertices_[p];
     if (weld && !joined_[p]) {
@@ -113,7 +114,7 @@ class Poses {
     report_progress(progress, 1, "done");
   }
 
-  /// Rethrows a refusal with its step and fraction, if the edit has several. Call it in a handler of that refusal.
+  /// Throws the error again with its step and fraction, if the edit has several, and with the name of its landmark.
   [[noreturn]] void refuse(const EditError& error, std::size_t k, std::size_t steps, std::size_t p) const {
     const bool cancelled = error.cause() == ErrorCause::Cancelled;
     std::string sentence = error.what();
@@ -135,8 +136,8 @@ class Poses {
 
   const TriangleMesh& given_;
   const Adjacency& given_adjacency_;
-  std::vector<std::shared_ptr<const Joined>> joined_;  // per pose; null: not known
-  std::shared_ptr<const Joined> seen_;                 // of mesh_; null: all its vertices are on their own
+  std::vector<std::shared_ptr<const Joined>> joined_;  // per pose; null: not computed
+  std::shared_ptr<const Joined> seen_;                 // of mesh_; null: it has no joined vertices
   TriangleMesh mesh_;                                  // the shape before the current step
   const std::vector<double>& fractions_;
   StepOptions options_;

@@ -18,7 +18,7 @@ std::string group_name(std::size_t number) {
   return "Handle group " + std::to_string(number);
 }
 
-/// A single vertex has no rotation and no scale of its own.
+/// Throws if a single vertex is to be rotated or scaled about itself, which would have no effect.
 void check_handle(const HandleGroup& handle, std::size_t number) {
   const HandleTransform& transform = handle.transform;
   const bool alone = handle.vertices.size() == 1 && !transform.matrix && !transform.center;
@@ -52,7 +52,8 @@ void require_one_for_each(std::size_t count, const char* what, const HandleGroup
   }
 }
 
-/// A single vertex has no orientation, so its map may be of either kind.
+/// Throws if the maps of some groups mirror and those of others do not. Ignores single vertices, which have no
+/// orientation.
 void refuse_mirrored(const EditStep& step, const std::vector<HandleMotion>& motions) {
   std::optional<std::size_t> mirrored, other;
   for (std::size_t g = 0; g < motions.size(); ++g) {
@@ -72,7 +73,7 @@ void refuse_mirrored(const EditStep& step, const std::vector<HandleMotion>& moti
   }
 }
 
-/// Keeps these entries of a list, as far as it has them.
+/// Keeps only the given entries of a list; ignores indices past its end.
 template <class T>
 void keep(std::vector<T>& list, const std::vector<std::size_t>& entries) {
   std::vector<T> kept;
@@ -160,7 +161,7 @@ EditStep welded(EditStep step, const Weld& weld) {
     std::size_t group;
     const Vector3* target;
   };
-  std::map<int, Named> named;  // by first vertices
+  std::map<int, Named> named;  // by the first vertex at the position, see Weld
   for (std::size_t g = 0; g < step.handles.size(); ++g) {
     HandleGroup& group = step.handles[g];
     std::vector<int> first = group.vertices;

@@ -12,7 +12,7 @@ namespace {
 
 using Order = std::vector<std::size_t>;  // the target of each point
 
-/// Fits rigid motions with scale to targets in different orders, which have the same mean and spread.
+/// Fits rigid motions with scale to targets in different orders. The order changes neither their mean nor their spread.
 class Exchanges {
  public:
   Exchanges(std::vector<Vector3> points, std::vector<Vector3> targets)
@@ -31,7 +31,8 @@ class Exchanges {
     }
     return sum;
   }
-  /// Returns the sum of squared distances: |t|^2 - (R : C)^2 / |p|^2.
+  /// Returns the least sum of squared distances, |t|^2 - (R : C)^2 / |p|^2, where the rotation R is nearest to the
+  /// covariance C.
   double distance(const Matrix3& covariance) const {
     const double along = std::max(nearest_rotation(covariance).cwiseProduct(covariance).sum(), 0.0);
     return std::max(spread_of_targets_ - along * along / spread_of_points_, 0.0);
@@ -58,7 +59,7 @@ class Exchanges {
   double spread_of_points_, spread_of_targets_;
 };
 
-/// Exchanges the pair that helps most, as long as one helps much.
+/// Exchanges the pair of targets that reduces the distance most, and repeats this while it removes at least 30 %.
 void Exchanges::improve(Order& order, double& best) const {
   constexpr double kMuch = 0.7;
   for (bool improved = true; improved;) {
@@ -110,7 +111,7 @@ Order Exchanges::mirrored(std::size_t a, std::size_t b) const {
 
 ExchangedTargets find_exchanged_targets(const std::vector<Vector3>& points, const std::vector<Vector3>& targets) {
   constexpr std::size_t kFewest = 4, kMost = 60;
-  constexpr double kBetter = 1.0 / 9, kFits = 0.15 * 0.15;  // of squares
+  constexpr double kBetter = 1.0 / 9, kFits = 0.15 * 0.15;  // ratios of squared distances
   ExchangedTargets result;
   const std::size_t count = points.size();
   const Exchanges all(points, targets);
@@ -121,7 +122,7 @@ ExchangedTargets find_exchanged_targets(const std::vector<Vector3>& points, cons
   std::iota(given.begin(), given.end(), std::size_t(0));
   const double distance = all.distance(all.covariance(given));
   if (!(distance > kFits / 9 * all.spread_of_targets())) {
-    return result;  // fits as it is
+    return result;  // the given order fits already
   }
   Order mirrored = given, pairs = given;
   double at_mirror = distance, at_pairs = distance;

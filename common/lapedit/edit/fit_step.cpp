@@ -17,7 +17,7 @@
 namespace lapedit {
 namespace {
 
-/// Landmarks of all groups with their mesh vertices.
+/// Returns the landmarks of all groups, ascending by mesh vertex.
 std::vector<FitLandmark> landmarks_of(const EditStep& step) {
   std::vector<FitLandmark> landmarks;
   for (std::size_t g = 0; g < step.handles.size(); ++g) {
@@ -44,7 +44,7 @@ Region fit_region(const TriangleMesh& mesh, const Adjacency& adjacency, const Re
   if (!landmarks.empty() || spec.kind == RegionSpec::Kind::Radius) {
     return build_region(mesh, adjacency, spec, {landmarks}, threads);
   }
-  // The vertex of each component that is nearest to its centroid stands for a handle.
+  // build_region() needs a handle: use the vertex of each component that is nearest to its centroid.
   const bool whole = spec.kind == RegionSpec::Kind::Component;
   std::vector<char> kinds(static_cast<std::size_t>(mesh.vertices.rows()), whole ? 1 : 0);
   for (const int v : spec.vertices) {

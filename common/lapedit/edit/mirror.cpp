@@ -107,7 +107,7 @@ HandleTransform MirroredHandles::transform(std::size_t g, const std::vector<Hand
                                    : given[source];
 }
 
-/// S T S.
+/// Returns the mirror image S T S of the map T, where S is the reflection.
 HandleTransform MirroredHandles::reflected(const HandleTransform& given, const Vector3& centre) const {
   HandleTransform result = given;
   if (given.matrix) {
@@ -144,13 +144,13 @@ HandleTransform MirroredHandles::symmetric(const HandleTransform& given, const V
   result.translation = in_plane(given.translation);
   const double length = given.axis.stableNorm();
   if (given.degrees != 0 && length > 0) {
-    // The component of the rotation vector along the normal.
+    // Only the component of the rotation vector along the normal is symmetric.
     const double degrees = std::remainder(given.degrees, 360) * given.axis.dot(normal_) / length;
-    constexpr double kNone = 1e-12;  // an axis within the plane
+    constexpr double kNone = 1e-12;  // relative; below it the axis is in the plane
     result.axis = normal_;
     result.degrees = std::abs(degrees) > kNone * std::abs(given.degrees) ? degrees : 0;
     if (std::abs(given.axis.dot(normal_)) > (1 - kNone) * length) {
-      result.degrees = given.axis.dot(normal_) > 0 ? given.degrees : -given.degrees;  // also for several revolutions
+      result.degrees = given.axis.dot(normal_) > 0 ? given.degrees : -given.degrees;  // keeps several revolutions
     }
   }
   if (given.center || rotates_or_scales(given)) {
@@ -203,7 +203,7 @@ EditStep mirrored(const TriangleMesh& mesh, const EditStep& step) {
     transforms.push_back(result.handles[g].transform);
     targets.push_back(result.handles[g].targets);
   }
-  check_handles(result);  // images of rotations and scales have a center
+  check_handles(result);  // checked now, since mirroring gives rotations and scales a center
   const MirroredHandles handles(mesh, groups_of(result), *step.mirror, weights_of(result));
   result.handles.clear();
   for (std::size_t g = 0; g < handles.groups().size(); ++g) {

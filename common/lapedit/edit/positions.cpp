@@ -135,7 +135,7 @@ void convert_group(HandleGroup& group, const std::string& mesh_space) {
   spaces.targets = has_targets ? space : spaces.targets;
 }
 
-/// Finds the vertices of those steps that `concerns` names.
+/// Finds the vertices of the steps for which `concerns` returns true.
 template <class Concerns>
 void locate_steps(const TriangleMesh& mesh, const Adjacency& adjacency, const SelectedVertices& selection, Edit& edit,
                   const Concerns& concerns) {

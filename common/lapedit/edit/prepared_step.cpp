@@ -43,7 +43,7 @@ ExchangedLandmarks exchanged_landmarks(const EditStep& step, const Points& verti
   return result;
 }
 
-/// Adds a phrase to others, unless it is one of them.
+/// Appends a phrase to `all`, unless `all` contains it.
 void add_phrase(const std::string& phrase, std::string& all) {
   if (all.find(phrase) == std::string::npos) {
     all += (all.empty() ? "" : "; ") + phrase;
@@ -58,7 +58,8 @@ PreparedStep::PreparedStep(const TriangleMesh& mesh, std::shared_ptr<const Joine
   options_.mirror = step.mirror;
 }
 
-/// Returns the step with the groups that the mirror plane adds, on first vertices, which are sorted.
+/// Returns the step with the groups that the mirror plane adds. Replaces each vertex by the first at its position, and
+/// sorts the groups.
 EditStep PreparedStep::whole(const EditStep& given) const {
   EditStep step = joined_ ? welded(given, joined_->weld) : given;
   step = step.fit ? step : mirrored(mesh_, step);

@@ -17,11 +17,12 @@ float dot(Floats4 a, Floats4 b) {
   return products[0] + products[1] + products[2];
 }
 
-/// y_i = sum_j -M_ij (((T_i + T_j) / 2 - I)(p_i - p_j) - (d_i - d_j)): the rotated edges minus their current state.
+/// Computes y_i = sum_j -M_ij (((T_i + T_j) / 2 - I)(p_i - p_j) - (d_i - d_j)): the rotated edges minus the current
+/// ones. M is the differential operator, whose off-diagonal entries are at most 0.
 struct EdgeResidual {
   const OperatorRows::Rows& m;
   const Transform* transforms;
-  const double* displacement;  // readable for one number more
+  const double* displacement;  // at() also reads one number past the last row
   double* out;
 
   static LAPEDIT_INLINE Floats4 rotated(const Transform& by, Floats4 edge) {
@@ -79,7 +80,7 @@ StepSolver::Frame& StepSolver::started_frame() {
   return f;
 }
 
-/// Shows the cells' pose, with a solve if there is a system.
+/// Computes a frame from the pose of the cells, corrected by one solve if there is a system.
 void StepSolver::show_cells(bool quick, Points& positions) {
   Frame& f = started_frame();
   cells_->displace(f.unit, f.transforms.get(), f.displacement, system_ ? *system_->pool : f.pool);
@@ -92,7 +93,7 @@ void StepSolver::show_cells(bool quick, Points& positions) {
   }
 }
 
-/// Adds the rows of links to those of edges.
+/// Returns the rows of edges, followed by those of links if there are any.
 const Points& StepSolver::add_links() {
   Frame& f = *frame_;
   const Eigen::VectorXd& strengths = system_->powers.links;
@@ -117,7 +118,8 @@ const Points& StepSolver::add_links() {
   return f.with_links;
 }
 
-/// displacement += A^-1 (b(R) - A x0), and positions with it
+/// Adds A^-1 (b(R) - A x0) to the displacement and updates the positions. A is the symmetric positive definite matrix
+/// of LaplacianSystem.
 void StepSolver::correct_frame(Points& positions) {
   Frame& f = *frame_;
   const LaplacianSystem& system = *system_;
@@ -143,7 +145,7 @@ void StepSolver::correct_frame(Points& positions) {
   collect_frame(&f.edges, positions);
 }
 
-/// Adds a step and writes the positions, in one sweep, since that reads and writes much memory.
+/// Adds a step to the displacement and writes the positions. One sweep does both, since memory limits its speed.
 void StepSolver::collect_frame(const Points* step, Points& positions) {
   Frame& f = *frame_;
   positions.resize(region().size(), 3);

@@ -10,11 +10,11 @@ namespace lapedit {
 
 /// Scratch memory of frames.
 struct StepSolver::Frame {
-  ThreadPool pool;  ///< used until there is a system; while it is made, another thread uses its pool
-  double unit;      ///< of lengths in single precision, and of displacements
+  ThreadPool pool;  ///< used until there is a system; the thread that makes the system uses the pool of that system
+  double unit;      ///< length unit of displacements and of coordinates in single precision
   std::unique_ptr<CellModel::Transform[]> transforms;
-  Points displacement;    ///< from the rest pose, in units, with one more row
-  int passes = 0;         ///< of the last frame over the vertices
+  Points displacement;    ///< from the rest pose, in units; the last row is padding
+  int passes = 0;         ///< solves in the last frame
   bool is_quick = false;  ///< whether its cells were posed with few passes
 
   // For the solve.

@@ -139,7 +139,8 @@ void StepSolver::finish(Points& positions) const {
   round_to(options_.scalar, positions);
 }
 
-/// d = (M^T M + W^2)^-1 right, to the last bit of a double.
+/// Solves A d = `right` for the displacement d to the last bit of a double. A is the symmetric positive definite matrix
+/// of LaplacianSystem.
 void StepSolver::solve(const Points& right, const Progress& progress) {
   const Refinement refined = solver_->refine_to_the_bit(right, displacement_, progress);
   if (std::isfinite(refined.last_change) && !refined.converged()) {
@@ -178,7 +179,7 @@ void StepSolver::local_global(const Progress& progress) {
   }
 }
 
-/// Steps 2 to 4 of the paper's section 4.
+/// Performs steps 2 to 4 of Lipman et al. 2004, section 4.
 void StepSolver::paper_pass(const Progress& progress) {
   report_progress(progress, 0, "rotations");
   const Stopwatch watch;
@@ -272,11 +273,11 @@ EditReport StepSolver::report(bool whole) const {
     quality.causes.unsettled = region().mesh_vertex[figures_.unsettled];
     quality.causes.unsettled_group = nearest_of_several_groups(region(), rest_->local, figures_.unsettled);
   }
-  // Whole components are meant to move; of a region, its user expects that the surface around it stays.
+  // Users expect a whole component to move, but expect the surface around any other region to stay.
   quality.causes.unheld = region().kind != RegionSpec::Kind::Component && is_unheld(region(), constraints_->paths());
   quality.causes.by_radius = region().kind == RegionSpec::Kind::Radius;
   quality.causes.farthest = region().max_distance;
-  constexpr double kRoundings = 4;  // of two corners, and of a fit
+  constexpr double kRoundings = 4;  // rounding errors of two corners and of the fit
   const double largest = std::max(positions_.cwiseAbs().maxCoeff(), rest_->world.cwiseAbs().maxCoeff());
   quality.causes.rigid =
       moved_rigidly(region(), rest_->world, positions_, kRoundings * spacing(options_.scalar, largest));
