@@ -10,7 +10,7 @@
 namespace lapedit {
 namespace {
 
-constexpr double kTrimmed = 0.8;  // the nearest part of all pairs that counts
+constexpr double kTrimmed = 0.8;  // fraction of the pairs that counts: the nearest ones
 
 /// Returns the second moments of points about their mean.
 Matrix3 moments(const Points& points) {
@@ -25,7 +25,8 @@ Matrix3 principal_axes(const Points& points) {
   return axes;
 }
 
-/// Iterates closest points in both directions, so that a template with a free scale does not shrink into the scan.
+/// Aligns surfaces with the trimmed iterative closest point method (D. Chetverikov et al. 2002). Pairs are in both
+/// directions, so that a template with a free scale does not shrink into the scan.
 class TrimmedIcp {
  public:
   TrimmedIcp(const SurfaceIndex& from, const Scan& scan, int samples, bool scaled, ThreadPool& pool,
@@ -40,7 +41,8 @@ class TrimmedIcp {
         hints_(static_cast<std::size_t>(ours_.points.rows() + theirs_.points.rows()), -1),
         distances_(hints_.size()) {}
 
-  /// Ends earlier if a round changes less than a thousandth. @return the RMS distance of the nearest pairs
+  /// Makes at most `rounds` steps, fewer if one changes the residual by less than a thousandth. @return the residual:
+  /// the RMS distance of the nearest pairs
   double run(SimilarityMap& map, int rounds) {
     constexpr double kConverged = 1e-3;
     double before = -1;
@@ -79,7 +81,7 @@ class TrimmedIcp {
     return std::sqrt((trim(0, ours) + trim(ours, all - ours)) / 2);
   }
 
-  /// Gives the nearest pairs of a range their weights. @return their mean squared distance
+  /// Gives equal weights to the nearest pairs of a range. @return their mean squared distance
   double trim(Eigen::Index first, Eigen::Index count) {
     sorted_.assign(distances_.begin() + first, distances_.begin() + first + count);
     const auto last = static_cast<std::ptrdiff_t>(kTrimmed * static_cast<double>(count - 1));
@@ -107,7 +109,7 @@ class TrimmedIcp {
   Eigen::VectorXd weights_;
 };
 
-/// Returns whether points are not on a line, nearly.
+/// Returns whether points do not lie nearly on a line.
 bool spans_a_plane(const Points& points) {
   if (points.rows() < 3) {
     return false;
@@ -117,8 +119,8 @@ bool spans_a_plane(const Points& points) {
   return svd.singularValues()[1] > kLine * svd.singularValues()[0];
 }
 
-/// Returns the template's place if sizes are similar, the same about the centroids, and the rotations that take the
-/// template's principal axes to those of the scan.
+/// Returns the starts of the search: `in_place` if the sizes are similar, then maps that align the centroids: one
+/// without a rotation, and four that rotate the template's principal axes to those of the scan.
 std::vector<SimilarityMap> starts_of(const Points& ours, const Points& theirs, const SimilarityMap& in_place,
                                      double scale) {
   const Vector3 from = ours.colwise().mean().transpose(), to = theirs.colwise().mean().transpose();

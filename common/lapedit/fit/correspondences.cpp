@@ -11,12 +11,12 @@ namespace {
 
 constexpr int kGrain = 128;
 
-/// 1 up to a distance, 0 from twice that.
+/// Returns the weight of a pair: 1 up to the distance `full`, 0 from twice that distance, and 0 if it is rejected.
 double weight_of(double distance, double full) {
   return distance < 0 ? 0 : std::clamp(2 - distance / full, 0.0, 1.0);
 }
 
-/// Whether an item is in a random part of all, a part of any larger one.
+/// Returns whether an item is in a pseudorandom sample of the fraction `part`. A larger fraction gives a superset.
 bool is_in_part(std::uint32_t item, double part) {
   item = (item ^ (item >> 16)) * 0x45d9f3bU;
   item = (item ^ (item >> 16)) * 0x45d9f3bU;
@@ -39,7 +39,7 @@ Correspondences::Correspondences(const Scan& scan, const SurfaceIndex& surface, 
 
 /// Finds the partner of a point on the other surface.
 void Correspondences::look(const SurfaceIndex& on, const Vector3& point, const Vector3& normal, Pair& pair) const {
-  // A cloud has no border, but beyond its end points are drawn sideways.
+  // A cloud has no border. Beyond its end the nearest point lies sideways: reject such pairs.
   constexpr double kSideways = 3;
   const bool to_scan = &on == &scan_.surface();
   pair.at = on.nearest(point, pair.at.face);
@@ -56,7 +56,7 @@ void Correspondences::look(const SurfaceIndex& on, const Vector3& point, const V
   pair.pull = (to_scan ? 1 : -1) * (with_.tangential * offset + (1 - with_.tangential) * straight);
 }
 
-/// Collects the distances of a direction, and decides up to which pairs count fully.
+/// Collects the distances of a direction, and computes the distance up to which its pairs count fully.
 void Correspondences::gather(Direction& direction, double least) {
   std::vector<double>& distances = direction.distances;
   distances.clear();

@@ -9,10 +9,10 @@
 
 namespace lapedit {
 
-/// How the vertices of a template are drawn to a scan: nearest points of the scan, and nearest points of the template
-/// to samples of the scan, which reach template vertices whose own nearest points do not. Rejected are pairs at the end
-/// of a surface, those whose normals are more than 60 degrees apart, and gradually those that are more than five times
-/// as far apart as most.
+/// Pairs that draw the vertices of a template to a scan: each vertex with the nearest point of the scan, and samples of
+/// the scan with the nearest points of the template, which reach vertices that the first kind does not. Rejects pairs
+/// at the end of a surface, pairs whose normals are more than 60 degrees apart, and gradually pairs that are more than
+/// five times as far apart as most.
 class Correspondences {
  public:
   /// Template and scan must outlive the object. @param free  per vertex: whether it may be drawn
@@ -20,22 +20,23 @@ class Correspondences {
   Correspondences(const Scan& scan, const SurfaceIndex& surface, std::vector<char> free, double distance,
                   const FitConstants& constants);
 
-  /// Finds the pairs of the template's positions. @param least  of the automatic distance
-  /// @param part  fraction of vertices and samples to search for, the same for the same fraction; pairs found count
-  /// more
+  /// Finds the pairs of the template's positions. @param least  lower limit of the automatic distance
+  /// @param part  fraction of vertices and samples to search for; equal fractions select the same ones. The weights are
+  /// divided by it
   void update(double least, double part, ThreadPool& pool);
 
-  /// Takes the scan's normals as reversed if most pairs are. @return the fraction of the others, of those that decide
+  /// Treats the scan's normals as reversed if more than twice as many pairs have opposite normals as equal ones.
+  /// @return the fraction of these pairs that contradicts the decision
   /// @param between  called from time to time; an exception of it reaches the caller
   double turn_normals(ThreadPool& pool, const std::function<void()>& between);
   bool reversed() const { return side_ < 0; }
 
-  const Eigen::VectorXd& weights() const { return weights_; }  ///< per vertex, 0 (no partner) to 1 over the fraction
+  const Eigen::VectorXd& weights() const { return weights_; }  ///< per vertex, 0 (no partner) to 1 / part
   const Points& pulls() const { return pulls_; }               ///< displacement to the partner, where there is a weight
 
-  /// Distances of the pairs that count at least half, from template to scan and back.
+  /// Returns the distances of the pairs of weight 0.5 or more, from template to scan or, with `back`, the reverse.
   const std::vector<double>& distances(bool back) const { return back ? back_.distances : forward_.distances; }
-  /// Fraction of the free vertices, or of the samples of the scan, that such a pair has.
+  /// Returns the fraction of the free vertices or, with `back`, of the scan's samples that have such a pair.
   double matched(bool back) const;
 
  private:

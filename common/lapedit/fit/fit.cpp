@@ -17,7 +17,7 @@
 namespace lapedit {
 namespace {
 
-constexpr int kStages = 9;  // 2^3 ratios of lengths, whose root the processor takes exactly
+constexpr int kStages = 9;  // 2^3 equal ratios of lengths: std::sqrt() gives each the same bits everywhere
 
 void validate(const ScanFitSettings& settings) {
   if (!(settings.detail >= 0.003 && settings.detail <= settings.constants.first_length)) {
@@ -49,7 +49,7 @@ class Fit {
   const FitConstants& with_;
   const Progress& progress_;
   std::shared_ptr<ThreadPool> pool_;
-  std::vector<int> anchors_;  // with a weight
+  std::vector<int> anchors_;  // vertices of the region
 
   Points rest_, points_;  // aligned, and as fitted so far, in the scan's coordinates
   Points targets_;        // of the landmarks, likewise
@@ -57,10 +57,10 @@ class Fit {
   std::unique_ptr<SurfaceIndex> surface_;
   std::unique_ptr<TemplateEnergy> energy_, smoothing_;
   std::unique_ptr<Correspondences> pairs_;
-  Eigen::VectorXd least_, held_;  // q of the vertices, and weights of landmarks and anchors, of the stage
-  Matrix3 turned_;                // by the alignment
+  Eigen::VectorXd least_, held_;  // for the stage: weights of the vertices, and of landmarks and anchors
+  Matrix3 turned_;                // rotation of the alignment
   Points forces_, velocity_;
-  std::string distance_;  // words for the progress
+  std::string distance_;  // end of the progress message
   FitResult result_;
 };
 
@@ -74,7 +74,7 @@ Fit::Fit(const FitProblem& problem, const Progress& progress)
   if (region.faces.rows() == 0) {
     throw EditError(ErrorCause::EmptyMesh, "The region of the fit has no triangles: give a region of the surface.");
   }
-  std::vector<char> free(static_cast<std::size_t>(region.size()), 1);  // whether a vertex may be drawn
+  std::vector<char> free(static_cast<std::size_t>(region.size()), 1);  // whether the scan may draw a vertex
   for (int i = 0; i < region.size(); ++i) {
     if (region.classes[i] == VertexClass::Anchor) {
       free[static_cast<std::size_t>(i)] = 0;
@@ -168,7 +168,7 @@ void Fit::weigh(double length, const std::function<void()>& between) {
   result_.report.factor_ms += watch.elapsed();
 }
 
-/// Fits rotations to the surface, and averages them over a part of the template's size.
+/// Fits rotations to the surface, and smooths them over a fraction of the template's size.
 void Fit::rotate() {
   const int n = of_.region.size();
   std::vector<Matrix3>& rotations = result_.rotations = surface_rotations(of_.region, rest_, points_, *pool_);
@@ -265,7 +265,7 @@ FitDistances Fit::measured(bool back) const {
           quantile(1)};
 }
 
-/// Measures the fit, and takes it to model units.
+/// Measures the fit, and converts its positions to model units.
 void Fit::finish(double length) {
   const std::string text = "fit: measure" + distance_;
   const auto report = [&] { report_progress(progress_, 1, text.c_str()); };

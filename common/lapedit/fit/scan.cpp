@@ -9,7 +9,8 @@
 namespace lapedit {
 namespace {
 
-/// Returns the faces that have an area and finite corners; of a cloud a face per point that is finite and has a normal.
+/// Returns the faces that have an area and finite corners; for a cloud, one degenerate face per finite point that has a
+/// normal.
 Faces sound_faces(const ScanData& data, bool cloud) {
   const Points& points = data.mesh.vertices;
   Faces faces =
@@ -55,7 +56,8 @@ Scan::Scan(const ScanData& data) : name_(data.name) {
     throw EditError(ErrorCause::NotFinite, name_ + " is a single point or triangle: give the surface of a scan.");
   }
   Points points = (mesh.vertices.rowwise() - origin_.transpose()) / size_;
-  spacing_ = cloud ? 2 / std::sqrt(static_cast<double>(faces.rows())) : 0;  // a sphere has an area of 6, a disc of 3
+  // sqrt(area / n): at size 1 a sphere has area 6, a disc 3.
+  spacing_ = cloud ? 2 / std::sqrt(static_cast<double>(faces.rows())) : 0;
   surface_ = std::make_unique<SurfaceIndex>(std::move(points), std::move(faces),
                                             cloud ? Points(data.normals.rowwise().normalized()) : Points());
 }

@@ -37,9 +37,9 @@ TemplateEnergy::TemplateEnergy(const TriangleMesh& mesh, const Region& region, c
     }
   }
   mean_area_ = mass_.mean();
-  constexpr double kLeast = 1e-3;  // of the mean: a vertex between needles would outweigh all others
+  constexpr double kLeast = 1e-3;  // of the mean; a vertex between needles would otherwise outweigh all others
   mass_ = (mass_ / mean_area_).cwiseMax(kLeast);
-  // h_i^2
+  // squares: h_i^2, the weighted mean of a vertex's squared edge lengths
   Eigen::VectorXd squares = Eigen::VectorXd::Zero(n);
   double sum = 0;
   for (int i = 0; i < n; ++i) {
@@ -111,7 +111,7 @@ void TemplateEnergy::add_rotated(const std::vector<Matrix3>& rotations, double s
   if (delta_.rows() == 0) {
     rows_->apply(rest_, delta_, *pool_);
   }
-  // M^T also has the stretch on its diagonal, so the membrane of unrotated coordinates is taken out again.
+  // apply_transposed() uses M^T + diag(stretch): subtract its membrane term, which rotates all edges of a vertex alike.
   between_.resize(delta_.rows(), 3);
   for_indices(*pool_, region_.size(), kPiece,
               [&](int i) { between_.row(i) = (scale * (rotations[i] * delta_.row(i).transpose())).transpose(); });

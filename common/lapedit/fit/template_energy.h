@@ -16,8 +16,8 @@ namespace lapedit {
 ///
 /// with m_i a vertex's area over the mean, Delta = (4 / h_i^2) M the surface's Laplacian (M the differential operator,
 /// h_i the vertex's edge length), w the operator's weights, c = mean (4 m_i / (h_i^2 D_i)), S the template's size, b
-/// `membrane`, and l a length: displacements of wavelengths below 2 pi l are damped. Rows of the border stay. The
-/// analysis of the first factor serves all others.
+/// `membrane`, and l a length: E damps displacements of wavelengths below 2 pi l. Its matrix is symmetric positive
+/// semidefinite and includes the rows of the border. All factors reuse the analysis of the first.
 class TemplateEnergy {
  public:
   /// @param rest  positions of the region's vertices; @param mesh  the same, of all vertices
@@ -28,7 +28,8 @@ class TemplateEnergy {
   double mean_area() const { return mean_area_; }
   double edge_length() const { return edge_length_; }  ///< RMS
 
-  /// Factors the matrix of l^4 E + sum_i diagonal_i |x_i|^2. @param between  see CholeskyOptions
+  /// Factors the matrix of E + sum_i diagonal_i |x_i|^2, which is symmetric positive definite. @param between  see
+  /// CholeskyOptions
   /// @throws EditError (IllConditioned), and what `between` throws
   void factor(double length, const Eigen::VectorXd& diagonal, const std::function<void()>& between = {});
   /// Solves with the last factor: with the same bits on every processor, and accurate to about its condition number.
@@ -36,10 +37,10 @@ class TemplateEnergy {
   void solve(const Points& right, Points& x);
   /// The same, accurate to about 1e-12. @param between  called before each refinement; an exception of it ends them
   void solve_accurately(const Points& right, Points& x, const std::function<void()>& between = {});
-  /// right -= the gradient of l^4 E / 2 at x.
+  /// Subtracts the gradient of E / 2 at x from `right`.
   void subtract_gradient(const Points& x, Points& right);
-  /// right += the same gradient at the shape `rest` rotated and scaled: differential coordinates by their vertex's
-  /// rotation, edges by the mean of their ends'.
+  /// Adds the gradient of E / 2 at the rotated and scaled shape `rest` to `right`. Each differential coordinate rotates
+  /// with its vertex, each edge by the mean of the rotations of its ends.
   void add_rotated(const std::vector<Matrix3>& rotations, double scale, Points& right);
 
  private:

@@ -22,9 +22,9 @@
 
 namespace lapedit {
 
-/// What the objects of a text have in common.
+/// Data shared by all values of one text.
 struct Source {
-  const std::string& folder;                ///< of file names in it
+  const std::string& folder;                ///< of relative file names
   const std::optional<int>& mesh_vertices;  ///< read before vertex lists
   std::int64_t listed = 0;                  ///< vertices in the lists before
 };
@@ -34,7 +34,7 @@ namespace {
 constexpr int kVersion = 1;
 constexpr std::int64_t kMostListedVertices = 100000000;  // of all lists of an edit together
 
-/// Returns the vertex number in a text, -1 if there is none.
+/// Returns the vertex number that a text consists of; -1 if the text is no vertex number.
 int vertex_number(const std::string& text) {
   const std::string digits = trimmed(text, " \t\n\r");
   const char* const end = digits.data() + digits.size();
@@ -92,7 +92,7 @@ void read(const JsonValue& value, std::vector<int>& vertices) {
   }
 }
 
-// For messages on lists.
+// The entries of a list, for messages.
 template <class Value>
 constexpr const char* kSeveral = "points";
 template <>
@@ -103,7 +103,7 @@ constexpr const char* kSeveral<EditStep> = "steps";
 template <class Value>
 Json json_of(Value& value);
 
-/// Whole numbers are written as "0" and not "0.0".
+/// Writes whole numbers as "0" and not "0.0".
 Json json_of(double& number) {
   constexpr double kLargestWhole = 9007199254740992;  // 2^53
   if (!std::isfinite(number)) {
@@ -174,14 +174,14 @@ void read(const JsonValue& from, std::vector<Value>& values) {
   }
 }
 
-/// Goes through the keys of an object, which visit() lists in the order in which they are written: collects their
-/// names, reads their values, or writes them.
+/// Collects the names of an object's keys, reads their values, or writes them. The visit() functions list the keys in
+/// the order of the written text.
 struct Keys {
   const JsonValue* from = nullptr;
   Json* to = nullptr;
   std::vector<const char*> names = {};
 
-  /// A key that may be absent. @return whether it is read or written
+  /// Handles an optional key. @return whether it was read or written
   template <class Value>
   bool may(const char* key, Value& value, bool is_written = true) {
     names.push_back(key);
@@ -193,15 +193,15 @@ struct Keys {
     return has(key) || (to != nullptr && is_written);
   }
 
-  /// A key that always exists.
+  /// Handles a required key.
   template <class Value>
   void need(const char* key, Value& value) {
     if (!may(key, value) && from != nullptr) {
-      read((*from)[key], value);  // says that it is missing
+      read((*from)[key], value);  // throws, since the key is missing
     }
   }
 
-  // What follows does nothing unless keys are read.
+  // The following functions have no effect unless keys are read.
 
   bool has(const char* key) const { return from != nullptr && from->has(key); }
   void refuse(const char* key, const std::string& sentence) const {
@@ -219,7 +219,7 @@ struct Keys {
       from->refuse("needs exactly one of the keys " + list + ".");
     }
   }
-  /// Refuses keys that another given key replaces. @param why  does not name the other key
+  /// Refuses keys that another given key replaces. @param why  the message; null: a message that names both keys
   void alone(const char* key, const std::vector<const char*>& others, const char* why = nullptr) const {
     for (const char* other : others) {
       if (has(key) && has(other)) {
@@ -228,14 +228,14 @@ struct Keys {
       }
     }
   }
-  /// Refuses a list that has not one entry for each of another list, if both have entries.
+  /// Refuses two lists of different lengths, unless one is empty.
   void one_each(const char* key, std::size_t entries, const char* what, std::size_t others, const char* of_what) const {
     if (entries > 0 && others > 0 && entries != others) {
       refuse(key, "holds " + std::to_string(entries) + what + std::to_string(others) + of_what +
                       "; give one for each, in the same order.");
     }
   }
-  /// Replaces a group by the landmarks of two files. They are not written, since their points and targets are.
+  /// Replaces a group by the landmarks of two files. Never writes this key, since points and targets are written.
   void landmarks(HandleGroup& group) {
     names.push_back("landmarks");
     if (has("landmarks")) {
@@ -336,7 +336,7 @@ void visit(Keys& keys, RegionKeys& object) {
   keys.may("anchors", region.anchors, is_set && !region.anchors.empty());
 }
 
-/// The key rotation.
+/// Visits the object of the key "rotation".
 void visit(Keys& keys, HandleTransform& transform) {
   keys.may("axis", transform.axis);
   keys.may("degrees", transform.degrees);
@@ -430,7 +430,7 @@ void visit(Keys& keys, MirrorPlane& mirror) {
   keys.need("normal", mirror.normal);
 }
 
-/// A value that may be true or false; others may only be true.
+/// A Boolean that may be true or false; the others may only be true.
 struct Switch {
   bool& is_on;
 };
@@ -485,7 +485,7 @@ void visit(Keys& keys, VertexPositions& positions) {
   }
 }
 
-/// What an edit says about its mesh.
+/// The description of the edit's mesh.
 struct MeshKeys {
   Edit& edit;
 };
@@ -519,7 +519,7 @@ Edit read_edit(const std::string& json, const std::string& folder) {
   Edit edit;
   Source source = {folder, edit.mesh_vertices};
   const JsonValue whole = {root, "edit", &source};
-  // The version is checked first, since another version may have other keys.
+  // Check the version first, since another version may have other keys.
   if (const JsonValue version = whole["laplacian_edit"]; !(version.json == kVersion)) {
     version.refuse_kind("the number " + std::to_string(kVersion) + ", the version of this format");
   }
@@ -542,7 +542,7 @@ Edit load_edit(const std::string& text_or_path) {
 
 std::string write_edit(Edit edit) {
   std::string text = json_of(edit).dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
-  read_edit(text);  // refuses text that could not be read again, with the same message
+  read_edit(text);  // throws if the text could not be read again
   return text;
 }
 

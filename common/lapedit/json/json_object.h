@@ -11,12 +11,12 @@ namespace lapedit {
 
 struct Source;
 
-/// A value together with its location in the text, such as "steps[1].handles[0]". Nothing is guessed, and each
-/// EditError (BadScript) names the location. The JSON has to outlive the object.
+/// A value together with its location in the text, such as "steps[1].handles[0]". Functions throw an EditError
+/// (BadScript) that names the location; they never guess a value. The JSON has to outlive the object.
 struct JsonValue {
-  const Json& json;  ///< discarded where a key is missing
+  const Json& json;  ///< of the type discarded if the key is missing
   std::string where;
-  Source* source = nullptr;  ///< of all values of a text
+  Source* source = nullptr;  ///< shared by all values of a text
 
   bool has(const char* key) const { return json.contains(key); }
   JsonValue operator[](const char* key) const;
@@ -36,7 +36,7 @@ void read(const JsonValue& value, int& number);  ///< from 0 to the largest int
 void read(const JsonValue& value, double& number);
 void read(const JsonValue& value, std::string& text);
 void read(const JsonValue& value, Eigen::Vector3d& vector);
-void read(const JsonValue& value, Matrix34& matrix);              ///< four rows, the last of which is fixed
+void read(const JsonValue& value, Matrix34& matrix);              ///< 16 numbers by rows; the last row is 0, 0, 0, 1
 void read(const JsonValue& value, std::vector<double>& numbers);  ///< of any length
 /// Returns what read() reads.
 template <class Value>

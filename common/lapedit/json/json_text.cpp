@@ -97,7 +97,7 @@ Json parse_json(std::string json) {
   if (is_utf16(json)) {
     refuse_json("The text is in UTF-16: save it in UTF-8.");
   }
-  if (json.find('\0') != std::string::npos) {  // the parser would take it as the end
+  if (json.find('\0') != std::string::npos) {  // the parser would stop there
     refuse_json("The text is not valid JSON: it has a byte 0.");
   }
   Json root;

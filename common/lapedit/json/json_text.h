@@ -6,7 +6,7 @@
 
 #include "lapedit/base/error.h"
 
-/// Reads JSON from users' files, and text for messages about it.
+/// Reads JSON from users' files, and formats values for messages.
 namespace lapedit {
 
 /// Objects keep the order of their keys.
@@ -31,7 +31,7 @@ auto refused_at(const std::string& where, const Read& read) {
 bool is_utf16(const std::string& text);
 
 /// Returns the object in a UTF-8 text, with or without a byte order mark.
-/// @throws EditError (BadScript) with line and column for what is no JSON; for a key that is given twice in an object;
+/// @throws EditError (BadScript) for invalid JSON, with line and column; for a key that is given twice in an object;
 ///         for texts of more than kLargestJson bytes, objects of more than 1,000 keys, and values more than 1,024 deep
 /// Cost: O(n log k) for n bytes with at most k keys in an object
 Json parse_json(std::string json);

@@ -42,7 +42,7 @@ class Collector {
       refuse_json(where + ": the landmark has no name; give it one, since landmarks are paired by name.");
     }
     for (std::size_t k = 0; k < 3; ++k) {
-      std::istringstream in(coordinates[k]);  // libstdc++ 10 has no std::from_chars for it
+      std::istringstream in(coordinates[k]);  // libstdc++ 10 has no std::from_chars for double
       in.imbue(std::locale::classic());
       double& value = landmark.point[static_cast<Eigen::Index>(k)];
       if (!(in >> value && (in >> std::ws).eof() && std::isfinite(value))) {
@@ -78,7 +78,7 @@ std::string without_entities(const std::string& text) {
   return plain;
 }
 
-/// Reads the attributes of an element, from after its name to the first > outside quotes, where `at` is afterwards.
+/// Reads the attributes of an element. @param at  in: the index after its name; out: that of the first > outside quotes
 std::map<std::string, std::string> read_attributes(const std::string& text, std::size_t& at) {
   std::map<std::string, std::string> all;
   std::string key;
@@ -131,7 +131,7 @@ std::vector<std::string> cells_of(const std::string& line, char separator) {
   for (std::size_t k = 0; k < line.size(); ++k) {
     if (line[k] == '"') {
       is_quoted = !is_quoted;
-      cells.back() += is_quoted && k > 0 && line[k - 1] == '"' ? "\"" : "";  // "" stands for one
+      cells.back() += is_quoted && k > 0 && line[k - 1] == '"' ? "\"" : "";  // "" is an escaped quote
     } else if (line[k] == separator && !is_quoted) {
       cells.back() = trimmed(cells.back());
       cells.emplace_back();
@@ -146,7 +146,7 @@ std::vector<std::string> cells_of(const std::string& line, char separator) {
 /// The columns of x, y, z, name and whether the point is defined; -1 for a column that is missing.
 using Columns = std::array<int, 5>;
 
-/// @param system  gets the coordinate system that is named by its axes, as in r, a, s
+/// Finds the columns in a header. @param system  out: the coordinate system, if the names of the axes give it (r, a, s)
 Columns columns_of(std::vector<std::string> header, std::string& system) {
   static const std::vector<std::string> names[] = {
       {"x", "r", "l"}, {"y", "a", "p"}, {"z", "s"}, {"name", "label", "landmark", "id"}, {"defined"}};
@@ -168,7 +168,7 @@ Columns columns_of(std::vector<std::string> header, std::string& system) {
   return columns;
 }
 
-/// Old files have numbers in place of names.
+/// Returns the name of a coordinate system. Old files give a number in place of the name.
 std::string coordinate_system(const std::string& text) {
   return text == "0" ? "RAS" : text == "1" ? "LPS" : upper(text);
 }
@@ -274,7 +274,7 @@ void read_markups(const std::string& text, Collector& all) {
   }
 }
 
-/// Says that names are in one file only, and lists the first of them; empty without names.
+/// Returns the phrase that names are in one file only, with the first of them; empty without names.
 std::string listed(const std::vector<std::string>& names, const std::string& file) {
   constexpr std::size_t kMost = 5;
   std::string text;
