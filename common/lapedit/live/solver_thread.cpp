@@ -20,16 +20,16 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// After this time without a request, and twice the time between the last two, the last one is answered in full, with a
-/// report.
+/// Limits of the pause after which the solver thread completes the last pose and reports on it: twice the time between
+/// the last two requests.
 constexpr std::chrono::milliseconds kPause{50}, kLongestPause{1000};
 
-/// Smaller regions are prepared fast enough without previews.
+/// Region size, in vertices, from which previews exist; the preparation of smaller regions is fast enough.
 constexpr int kPreviewFrom = 12000;
-/// Larger ones take seconds.
+/// Region size, in vertices, from which PrepareTask::on_demand applies, since their preparation takes seconds.
 constexpr int kOnDemandFrom = 100000;
 
-/// Returns the error message of the work for the user; empty if there is none.
+/// Runs `work`. @return its error message for the user; empty if it succeeds
 template <class Function>
 std::string message_of(const Function& work) {
   try {
@@ -64,26 +64,26 @@ struct Response {
   SolverPose pose;
 };
 
-/// The next or current job of the background thread: a system.
+/// A job of the background thread: to make the system of a region.
 struct Job {
   std::shared_ptr<StepSolver> solver;
   std::shared_ptr<const TriangleMesh> mesh;
   Stopwatch watch;
   int generation = -1;
   std::shared_ptr<const LaplacianSystem> previous = nullptr;  ///< to be reused
-  std::shared_ptr<const LaplacianSystem> system = nullptr;    ///< the result, or else:
+  std::shared_ptr<const LaplacianSystem> system = nullptr;    ///< the result; null after an error
   std::string error = {};
 };
 
-/// What remains to be done for the last pose while no request comes, in this order.
+/// The work that remains for the last pose while no request comes.
 enum class Remaining {
   Nothing,
   Report,  ///< the pose is full
-  Pose,    ///< it is a preview, and passes and the full pose follow after a pause
-  Passes   ///< the mouse rests: the next pass follows at once
+  Pose,    ///< the pose is a preview: passes and the full pose follow after a pause
+  Passes   ///< the pause is over: the next pass follows at once
 };
 
-/// Data of the solver thread only.
+/// Data that only the solver thread uses.
 struct Work {
   std::shared_ptr<StepSolver> solver;
   int generation = -1;                            ///< of the solver
@@ -96,8 +96,8 @@ struct Work {
 
 enum class Answer {
   Preview,  ///< a frame of a drag, with an invisible error
-  Full,     ///< as at a release
-  Last      ///< the same with its report
+  Full,     ///< the exact pose
+  Last      ///< the exact pose with its report
 };
 
 }  // namespace
@@ -105,8 +105,8 @@ enum class Answer {
 struct SolverThread::Impl {
   std::function<void()> wake;
   mutable std::mutex mutex;
-  std::condition_variable requested;  // for the thread
-  std::condition_variable responded;  // for wait()
+  std::condition_variable requested;  // wakes the solver thread
+  std::condition_variable responded;  // wakes wait()
   std::thread thread;
 
   // Guarded by mutex.
@@ -230,7 +230,7 @@ void SolverThread::Impl::publish_ready(int mine, double prepare_ms, bool has_pre
   });
 }
 
-/// Where only frames need cells, an edit is possible without them.
+/// Makes the cells. Ignores an error if only frames need cells, since poses are possible without them.
 void SolverThread::Impl::make_cells(StepSolver& solver, const TriangleMesh& mesh, const Progress& progress_here) {
   try {
     solver.make_cells(mesh, progress_here);
@@ -241,7 +241,8 @@ void SolverThread::Impl::make_cells(StepSolver& solver, const TriangleMesh& mesh
   }
 }
 
-/// Makes a region and its cells; the background does the rest for a large one, at once or with the first solve().
+/// Makes a region and its cells. The background thread makes the system of a large region, at once or with the first
+/// solve().
 void SolverThread::Impl::prepare(const PrepareTask& task, int mine) {
   const Stopwatch watch;
   const Progress progress_here = progress_of(mine);
@@ -351,8 +352,8 @@ void SolverThread::Impl::publish_pose(int mine, int serial, Remaining then,
   });
 }
 
-/// Before the region is prepared: a pose has the serial number before that of a final one, so that it is not taken for
-/// it.
+/// Publishes a pose of the cells, before there is a system. In response to a final request it has the serial number
+/// before that of the request, so that it does not count as the final pose.
 void SolverThread::Impl::pose_cells(int mine, bool last) {
   const Stopwatch watch;
   try {
@@ -367,7 +368,7 @@ void SolverThread::Impl::pose_cells(int mine, bool last) {
   publish_pose(mine, last ? work.serial - 1 : work.serial, Remaining::Pose);
 }
 
-/// @return whether there is a frame for these motions that is not a full solution
+/// Computes a frame. @return false if only a full pose can respond to these motions
 bool SolverThread::Impl::pose_frame() {
   if (!has_frames()) {
     return false;
@@ -383,7 +384,7 @@ bool SolverThread::Impl::pose_frame() {
   return true;
 }
 
-/// Makes a further pass while the mouse rests.
+/// Computes the next pass of the last frame. @return whether there was one
 bool SolverThread::Impl::refine_frame() {
   const Stopwatch watch;
   if (!has_frames() || !work.solver->refine(work.pose.positions)) {
@@ -406,7 +407,7 @@ void SolverThread::Impl::solve(int mine, Answer kind) {
   publish_pose(mine, work.serial, is_frame ? Remaining::Pose : report ? Remaining::Nothing : Remaining::Report, report);
 }
 
-/// Waits until there is work. @return false: the mouse rests, so the last pose can be completed
+/// Waits until there is work. @return false if no request came during the pause, so that the last pose can be completed
 bool SolverThread::Impl::wait_for_work(std::unique_lock<std::mutex>& lock) {
   const auto ready = [this] { return has_work(); };
   if (remaining != Remaining::Nothing && usable()) {
@@ -419,7 +420,8 @@ bool SolverThread::Impl::wait_for_work(std::unique_lock<std::mutex>& lock) {
   return true;
 }
 
-/// First the pose's further passes, each a frame, then the full pose, then, after another pause, its report.
+/// Completes the last pose, one stage per call: its further passes, each published as a frame, then the full pose,
+/// then, after another pause, its report.
 void SolverThread::Impl::settle(std::unique_lock<std::mutex>& lock) {
   const int mine = generation;
   const bool is_frame = is_preview();
@@ -441,7 +443,7 @@ void SolverThread::Impl::settle(std::unique_lock<std::mutex>& lock) {
   if (!error.empty() && generation == mine) {
     remaining = Remaining::Nothing;  // the frame has reported the error, or the mouse moves again
   }
-  working = !error.empty();  // nothing was published, but callers of busy() must be woken
+  working = !error.empty();  // run() has to wake callers of busy(), since nothing was published
 }
 
 void SolverThread::Impl::answer_next(std::unique_lock<std::mutex>& lock) {
@@ -501,7 +503,7 @@ void SolverThread::Impl::run() {
       working = true;
       take_prepared(lock);
     } else if (is_stale()) {
-      // Freeing a large factor takes time as well. The next preparation reuses it.
+      // Free the discarded system now, since a large factor takes time. A requested preparation would reuse it.
       working = true;
       lock.unlock();
       work.solver.reset();
@@ -575,8 +577,8 @@ bool SolverThread::wait() {
   std::unique_lock<std::mutex> lock(impl_->mutex);
   Impl& s = *impl_;
   s.responded.wait(lock, [&s] {
-    // The solver may only be read while the worker is idle. It is busy again for a moment if it has yet to free what
-    // was discarded.
+    // usable() may read the solver only while the solver thread is idle. The thread is busy again for a moment if it
+    // has yet to free discarded data.
     return s.response.is_new || (!s.working && !s.is_preview() && !s.preparing && !s.request.prepare &&
                                  !s.request.apply && !(s.request.solve && s.usable()) && !s.work.job && !s.is_stale());
   });

@@ -8,8 +8,8 @@
 namespace lapedit {
 namespace {
 
-/// Returns the movement that a point keeps at a fraction of the path from its neighbour.
-/// @param free_point, free_neighbour whether the point is an end of the curve
+/// Returns the weight of a point's displacement at a fraction of the path from its neighbour to the point.
+/// @param free_point, free_neighbour  whether the point, or its neighbour, is an end of the curve
 double rise(double fraction, bool free_point, bool free_neighbour) {
   if (free_point && free_neighbour) {
     return fraction;

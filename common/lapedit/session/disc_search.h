@@ -7,13 +7,13 @@
 
 namespace lapedit {
 
-/// Distances from the middles of discs. The last search is remembered: several functions ask for the same disc.
+/// Distances from the middles of discs. Keeps the last search, since several functions need the same disc.
 class DiscSearch {
  public:
-  /// What is given must outlive the object.
+  /// Mesh and adjacency must outlive the object.
   DiscSearch(const TriangleMesh& mesh, const Adjacency& adjacency) : search_({mesh, adjacency}) {}
 
-  /// As GeodesicSearch's.
+  /// Runs a search as GeodesicSearch::run() does, unless the last one was the same.
   const std::vector<int>& run(const std::vector<int>& centers, double radius) {
     if (reached_ == nullptr || centers != centers_ || radius != radius_) {
       reached_ = &search_.run(centers, radius);

@@ -15,8 +15,8 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kShortest = 20;
 constexpr double kSmallestScale = 0.01;
 constexpr std::size_t kMostDigits = 18;
-/// Sine of the angle between view and ring below which the mouse is followed along the screen: a pixel on the ring
-/// would be too large an angle.
+/// Sine of the angle between view and ring below which a rotation follows the mouse along the screen, since a pixel on
+/// the ring would be too large an angle.
 constexpr double kFlattestRing = 0.35;
 /// Radius in pixels of a ring that is seen edge-on.
 constexpr double kPixelsPerRadian = 72;
@@ -74,7 +74,8 @@ double snapped(double amount, double step) {
   return step < 1 ? count / std::round(1 / step) : count * step;
 }
 
-/// Returns 0 for amounts that are not finite, which distant positions and degenerate views give.
+/// Returns the identity for a rotation without an axis and for amounts that are not finite, which distant positions and
+/// degenerate views give.
 HandleTransform usable(const HandleTransform& transform) {
   const bool finite = transform.translation.allFinite() && transform.axis.allFinite() &&
                       std::isfinite(transform.degrees) && std::isfinite(transform.scale) &&
@@ -182,7 +183,7 @@ double DragMotion::angle_at(const Cursor& cursor) const {
 double DragMotion::ring_angle(const Cursor& cursor) const {
   const Camera& view = cursor.view;
   if (!ring_is_open_) {
-    // Along the direction in which the ring's nearest point moves on the screen.
+    // The angle grows along the direction in which the ring's nearest point moves on the screen.
     const Vector3 tangent = gizmo_axis_.cross(view.toward_viewer(center_));
     const Vector2 along = view.pixel(center_ + view.pixel_size(center_) * tangent) - view.pixel(center_);
     return along.stableNormalized().dot(cursor.pixel - view.pixel(center_)) / kPixelsPerRadian;
@@ -249,7 +250,7 @@ void DragMotion::move(const Cursor& cursor) {
   }
   if (kind_ == MotionKind::Rotate) {
     const double angle = angle_at(cursor_);
-    // The shorter way from the previous angle, so that full turns add up.
+    // Take the shorter rotation from the previous angle, so that revolutions add up.
     const bool winds = lock_ != AxisLock::Gizmo || ring_is_open_;
     angle_ += winds ? std::remainder(angle - last_angle_, 2 * kPi) : angle - last_angle_;
     last_angle_ = angle;

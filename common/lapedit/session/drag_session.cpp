@@ -101,7 +101,7 @@ void DragSession::set_settings(const DragSettings& settings) {
   }
   const DragSettings before = std::exchange(model_.settings, settings);
   if (settings.radius != before.radius && settings.radius != settings.first_radius) {
-    model_.settings.first_radius = 0;  // the user's from now on
+    model_.settings.first_radius = 0;  // the user sets the radius from now on
   }
   if (solver_.in<Loading>()) {
     return;
@@ -110,7 +110,7 @@ void DragSession::set_settings(const DragSettings& settings) {
   const bool new_discs = disc_radius(settings) != disc_radius(before) || settings.falloff != before.falloff;
   const bool new_settings = settings.padding != before.padding || settings.connect_gap != before.connect_gap ||
                             settings.pieces != before.pieces || settings.edit != before.edit;
-  // A step that is being solved again takes all changes.
+  // Changes apply to the last step if it is being solved again.
   if (solver_.amendable() && model_.history.can_undo() &&
       (new_settings || (new_radius && (solver_.in<Amending>() ||
                                        model_.history.steps().back().step.region.kind == RegionSpec::Kind::Radius)))) {
@@ -405,7 +405,7 @@ bool DragSession::poll() {
   const bool was_in_progress = solver_.in_progress();
   const SessionSolver::Response response = solver_.poll();
   if (was_in_progress && !solver_.in_progress()) {
-    // Without a step the request was refused.
+    // Without a step, the solver refused the request.
     response == SessionSolver::Response::Step ? mouse_.replay() : mouse_.forget();
   }
   mouse_.poll();

@@ -9,9 +9,9 @@ namespace lapedit {
 namespace {
 
 constexpr double kLengthPixels = 90, kPickPixels = 7, kKnobPixels = 9;
-/// Applies to a ring's far half, which other parts cover.
+/// Pixels added to the distance from a ring's far half, which other elements cover.
 constexpr double kBehindPixels = 3;
-constexpr double kLeastSine = 0.2;  // of sight and arrow, or of sight and a ring's plane
+constexpr double kLeastSine = 0.2;  // of the angle between sight and arrow, or sight and ring's plane
 constexpr int kCorners = 64;        // of a ring
 
 double distance_to_segment(const Vector2& point, const Vector2& from, const Vector2& to) {

@@ -38,7 +38,7 @@ StepPath path_of(const EditStep& step) {
   return path;
 }
 
-/// Meshes with the faces of mesh() that nobody reads any more, each with the vertices at which it may differ from
+/// Meshes with the faces of mesh() that no thread reads any more, each with the vertices at which it may differ from
 /// mesh().
 struct History::Spares {
   struct Spare {
@@ -49,7 +49,7 @@ struct History::Spares {
 
   static constexpr std::size_t kMost = 4;
 
-  /// Begins with the meshes that the first steps take: the one before is read by other threads for a moment.
+  /// Makes the meshes for the first steps, since after each step other threads still read the previous mesh.
   explicit Spares(const TriangleMesh& mesh) {
     list.reserve(kMost);  // so that giving back does not throw
     for (int k = 0; k < 3; ++k) {
@@ -59,7 +59,7 @@ struct History::Spares {
 
   std::mutex mutex;
   std::vector<Spare> list;                // under the mutex
-  std::vector<std::vector<int>> changes;  // of mesh() so far, each ascending; of the window's thread
+  std::vector<std::vector<int>> changes;  // of mesh() so far, each ascending; for the window's thread only
 };
 
 History::History(TriangleMesh original)
@@ -89,7 +89,7 @@ std::shared_ptr<TriangleMesh> History::current(std::vector<int> to_change) const
   if (mesh == nullptr) {
     mesh = std::make_unique<TriangleMesh>(*mesh_);
   }
-  // The last reader, on whatever thread, gives the mesh back.
+  // The last reader gives the mesh back, on any thread.
   const auto give_back = [spares = spares_, version,
                           stale = sorted_set(std::move(to_change))](TriangleMesh* read) mutable {
     std::unique_ptr<TriangleMesh> owned(read);
@@ -102,7 +102,7 @@ std::shared_ptr<TriangleMesh> History::current(std::vector<int> to_change) const
 }
 
 void History::put(const std::vector<int>& vertices, const Points& positions) {
-  // The next version differs from this one at these vertices, which the list of changes says.
+  // current() needs no list of vertices: `changes` has those at which the next version differs from this one.
   auto changed = current({});
   scatter(vertices, positions, changed->vertices);
   spares_->changes.push_back(sorted_set(vertices));

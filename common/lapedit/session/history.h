@@ -30,10 +30,10 @@ std::vector<HandleGroup> path_fraction(const StepPath& path, const TriangleMesh&
 /// The path of a step that is applied as it is.
 StepPath path_of(const EditStep& step);
 
-/// A mesh and the steps that made it what it is. Undo puts back what was there, so it is exact to the bit.
+/// A mesh and the steps applied to it. Undo restores stored positions, so it is exact to the bit.
 ///
-/// A mesh is never changed while another thread may be reading it. A change takes a mesh that nobody reads any more and
-/// brings it up to date, O(changes); it copies the mesh only if there is none. References that are handed out last
+/// A mesh is never changed while another thread may be reading it. A change takes a mesh that no thread reads any more
+/// and updates it, O(changes); it copies the mesh only if there is none. References that are handed out last
 /// until the next change.
 class History {
  public:
@@ -41,7 +41,7 @@ class History {
 
   const TriangleMesh& original() const { return *original_; }
   const std::shared_ptr<const TriangleMesh>& mesh() const { return mesh_; }
-  /// The mesh as the last step found it. There has to be one.
+  /// Returns the mesh before the last step. There has to be one.
   std::shared_ptr<const TriangleMesh> before_last() const;
   const std::vector<AppliedStep>& steps() const { return steps_; }  ///< applied, the oldest first
   bool can_undo() const { return !steps_.empty(); }
@@ -49,14 +49,14 @@ class History {
   /// The steps with counts and connectivity of the mesh: applied to original() by apply_edit() they give mesh().
   Edit recorded() const;
 
-  /// Puts vertices to their positions after a step; what was undone is gone. @param after  one row per vertex
+  /// Applies a step that was solved, and deletes undone steps. @param after  one row per vertex
   /// @param path  none: the step takes all of it
   const AppliedStep& apply(EditStep step, std::vector<int> vertices, Points after, std::optional<StepPath> path = {});
-  /// As if this step had been applied in place of the last one.
+  /// Replaces the last step by this one.
   const AppliedStep& amend(EditStep step, std::vector<int> vertices, Points after, StepPath path);
-  /// Takes the last step back. There has to be one. @return the step
+  /// Undoes the last step. There has to be one. @return the step
   const AppliedStep& undo();
-  /// Applies the step again that was taken back last. There has to be one. @return the step
+  /// Redoes the step that was undone last. There has to be one. @return the step
   const AppliedStep& redo();
   /// Changes the faces of mesh() and of the meshes that follow it.
   void set_faces(Faces faces);
@@ -69,7 +69,7 @@ class History {
   std::shared_ptr<const TriangleMesh> original_, mesh_;
   std::shared_ptr<Spares> spares_;
   std::vector<AppliedStep> steps_, undone_;
-  mutable std::string checksum_;  // of the connectivity, once it was asked for
+  mutable std::string checksum_;  // of the connectivity; empty until recorded() needs it
 };
 
 }  // namespace lapedit

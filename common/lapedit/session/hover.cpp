@@ -15,7 +15,7 @@
 namespace lapedit {
 namespace {
 
-constexpr double kOfSize = 0.02;  // of the mesh
+constexpr double kOfSize = 0.02;  // largest distance of a mirror image from its vertex, over the mesh's diagonal
 
 }  // namespace
 
@@ -47,7 +47,7 @@ std::optional<SurfaceHit> HoverSearch::hit(const Camera& view, const Vector2& pi
 }
 
 HoverOutlines HoverSearch::outlines(const HoverQuery& query) {
-  constexpr double kAround = 1.15;  // the neck is inside the region
+  constexpr double kAround = 1.15;  // times the distance of the neck, so that the region contains it
   HoverOutlines found;
   found.radius = query.radius;
   found.disc_radius = query.disc;
@@ -103,9 +103,9 @@ HoverSearch* HoverBackground::of(const std::shared_ptr<const TriangleMesh>& mesh
                                  const std::shared_ptr<const Adjacency>& adjacency) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (found_ && !(ready_ && ready_->mesh == mesh)) {  // what is in use stays
+    if (found_ && !(ready_ && ready_->mesh == mesh)) {  // keeps the search in use if it is over this mesh
       ready_ = std::move(found_);
-      asked_ = Answer();  // frees the search before
+      asked_ = Answer();  // frees the previous search
       is_coming_ = false;
     }
   }

@@ -55,11 +55,11 @@ struct HoverPreview : HoverOutlines {
   std::optional<Vector3> curve_point;                         ///< of the group, a curve: the point that a drag moves
 };
 
-/// Answers what is under the cursor on one pose of a mesh, for presses, previews and the brush. outlines() is for
-/// another thread than the rest.
+/// Answers what is under the cursor on one pose of a mesh, for presses, previews and the brush. One thread may
+/// call outlines() while another calls the other functions.
 class HoverSearch {
  public:
-  /// O(mesh log mesh), for a thread that nobody waits for. What is given must outlive the object.
+  /// O(mesh log mesh), so call it in the background. Mesh and adjacency must outlive the object.
   HoverSearch(const TriangleMesh& mesh, const Adjacency& adjacency);
 
   /// Returns the surface under a pixel or within 4 pixels of it, since tips of limbs are thinner than a pixel.
@@ -67,7 +67,8 @@ class HoverSearch {
   std::optional<SurfaceHit> hit(const Camera& view, const Vector2& pixel) const;
   const Visibility& faces() const { return faces_; }
   DiscSearch& discs() { return discs_; }
-  /// Places of the shortest path, as a click would take it; none if it leads farther than kMostOnPath vertices.
+  /// Computes the positions along the shortest path, as a click would take it; none unless `to` is one of the
+  /// kMostOnPath vertices nearest to `from`.
   /// @param from  -1: none
   void path(int from, int to, Points& positions);
 
@@ -104,8 +105,8 @@ class HoverBackground {
   const HoverSearch* latest() const { return ready_ ? &ready_->search : nullptr; }
   /// Returns the outlines on the mesh of latest(), null until they are found: of several queries the last counts.
   const HoverOutlines* outlines(const HoverQuery& query);
-  bool finds_outlines();  ///< a query is not answered yet
-  /// Waits for what is being made. For tests.
+  bool finds_outlines();  ///< whether outlines are still to be found
+  /// Waits for searches and outlines in progress. For tests.
   void wait() { making_ = JoinedThread(), finding_ = JoinedThread(); }
 
  private:

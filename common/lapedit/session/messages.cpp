@@ -104,7 +104,7 @@ std::string single_vertex(MotionKind kind, int vertex) {
 
 // Lines for a log ----------------------------------------------------------------------------------------------------
 
-/// Returns the name that the step had as a motion.
+/// Returns the name of a loaded step: that of the same motion by the mouse.
 std::string saved_step(const std::vector<HandleGroup>& handles, const std::vector<int>& moved) {
   const HandleGroup* const handle = moved.empty() ? nullptr : &handles[static_cast<std::size_t>(moved.back())];
   if (handle == nullptr || handle->transform.matrix) {

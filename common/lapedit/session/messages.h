@@ -13,8 +13,7 @@
 /// DragMotion::text() describes motions.
 namespace lapedit::messages {
 
-// The effect of the next click
-// -------------------------------------------------------------------------------------------
+// The effect of the next click ----------------------------------------------------------------------------------------
 
 constexpr const char* kLoading = "Applying the saved edit. Backspace cancels it.";
 constexpr const char* kSolving = "Computing the exact result. Backspace cancels it.";
@@ -32,7 +31,7 @@ constexpr const char* kDragHandle =
 constexpr const char* kPaints[] = {"Paint the region; Shift removes from it. Esc ends painting.",
                                    "Paint the handle; Shift removes from it. Esc ends painting.",
                                    "Paint the vertices to keep fixed; Shift removes them. Esc ends painting."};
-// Behind these, where they are not the usual.
+// Appended to the text unless the pivot is the centroid.
 constexpr const char* kTurnsAboutRim = " A drag turns about the shoulder (edge of the region); Shift moves.";
 constexpr const char* kTurnsAboutPoint = " A drag turns about the point picked; Shift moves.";
 std::string drag_handles(std::size_t moving, std::size_t all);

@@ -12,14 +12,15 @@ namespace {
 
 using Next = Selection::Next;
 
-/// Returns the vertices of the region. One made by hand has those chosen, whether a handle reaches them or not.
+/// Returns the vertices of the region. A region made by hand has all chosen vertices, even those that no handle
+/// reaches.
 std::vector<int> region_of(const Surface& surface, const Selection& selection) {
   return selection.has_region && selection.region.kind == RegionSpec::Kind::Vertices ? selection.region.vertices
          : selection.has_region && surface.region                                    ? surface.region->mesh_vertex
                                                                                      : std::vector<int>();
 }
 
-/// Replaces the region's anchor band by those of these vertices, ascending, that are in the region and in no handle.
+/// Replaces the region's anchors by the given vertices, ascending, except those outside the region or in a handle.
 Choice with_band(const Surface& surface, const Selection& selection, std::vector<int> vertices) {
   const bool is_known = surface.region != nullptr && !surface.region->distance.empty();
   if (!selection.has_region || (!is_known && selection.region.anchors.empty())) {
@@ -40,7 +41,8 @@ Choice with_band(const Surface& surface, const Selection& selection, std::vector
   return after;
 }
 
-/// A stroke over some vertices; handles stay. Without vertices there is no region.
+/// Returns the selection after a stroke that paints the region. Handle vertices stay in it; without vertices there is
+/// no region.
 Selection region_brushed(const Surface& surface, const Selection& selection, const std::vector<int>& patch, bool add) {
   const std::vector<int> before = region_of(surface, selection);
   std::vector<int> vertices = add ? united(before, patch) : without(before, without(patch, selection.handles()));
@@ -53,7 +55,8 @@ Selection region_brushed(const Surface& surface, const Selection& selection, con
   return after;
 }
 
-/// A stroke that paints the active handle group, or the first; vertices outside a given region are ignored.
+/// Returns the selection after a stroke that paints the active handle group, or a first one. Ignores vertices outside a
+/// region that is a set of vertices.
 Choice handle_brushed(const Surface& surface, const Selection& selection, const std::vector<int>& patch, bool add) {
   Selection after = selection;
   if (selection.groups.empty() || selection.next == Next::Group) {
@@ -87,8 +90,8 @@ Choice handle_brushed(const Surface& surface, const Selection& selection, const 
   return after;
 }
 
-/// A stroke that paints fixed vertices, in this region and in later ones; a stroke that takes away also removes the
-/// region's own anchors there. The rim is always an anchor.
+/// Returns the selection after a stroke that paints fixed vertices, of this region and of later ones. A stroke that
+/// removes them also removes the region's other anchors there, but never the rim.
 Choice anchors_brushed(const Surface& surface, const Selection& selection, const std::vector<int>& patch, bool add) {
   Selection after = selection;
   after.held = add ? united(selection.held, without(patch, selection.handles())) : without(selection.held, patch);
@@ -104,13 +107,13 @@ Choice anchors_brushed(const Surface& surface, const Selection& selection, const
   if (after.held == selection.held) {
     return Refusal{add ? messages::kNothingToHold : messages::kNoAnchors};
   }
-  if (!add && !selection.region.anchors.empty()) {  // the last step made them the region's own
+  if (!add && !selection.region.anchors.empty()) {  // the last step stored them as anchors of the region
     return with_band(surface, after, without(sorted_set(selection.region.anchors.vertices), patch));
   }
   return after;
 }
 
-/// Keeps the vertices that most of their neighbours, and they themselves, are in the set with: a smoother outline.
+/// Smooths the outline of a set: returns each vertex for which most of its neighbours and itself are in the set.
 std::vector<int> blurred(const Adjacency& adjacency, const std::vector<int>& set) {
   std::vector<int> kept;
   for (const int v : grown(adjacency, set)) {
@@ -123,7 +126,7 @@ std::vector<int> blurred(const Adjacency& adjacency, const std::vector<int>& set
   return kept;
 }
 
-/// Returns the vertices with faces: others are at the place of one that has their faces, or nothing moves them.
+/// Returns the vertices with faces. Any other vertex follows one at its position, or never moves.
 std::vector<int> all_vertices(const Surface& surface) {
   std::vector<int> all;
   for (int v = 0; v < static_cast<int>(surface.mesh.vertices.rows()); ++v) {
@@ -193,7 +196,8 @@ Choice with_painted(const Surface& surface, const Selection& selection, BrushTar
   }
   if (target == BrushTarget::Handle) {
     if (!region.empty() && after.region.kind == RegionSpec::Kind::Radius) {
-      after = with_vertices(std::move(after), region, surface.settings);  // it does not grow about the other handle
+      // A region by radius would grow about the other handle.
+      after = with_vertices(std::move(after), region, surface.settings);
     }
     if (!painted.empty()) {
       return with_handle(surface, after, std::move(painted));
@@ -202,7 +206,7 @@ Choice with_painted(const Surface& surface, const Selection& selection, BrushTar
     return after;
   }
   after.held = without(painted, selection.handles());
-  after.region.anchors = KeptAnchors();  // which may have taken fixed vertices over
+  after.region.anchors = KeptAnchors();  // they may contain the former fixed vertices
   return with_padding(std::move(after), surface.settings);
 }
 

@@ -8,7 +8,7 @@
 #include "lapedit/session/drag_motion.h"
 #include "lapedit/session/selection.h"
 
-// From a cursor on the screen to the mesh.
+// Finds the handle or the point of a curve under a cursor.
 namespace lapedit {
 
 /// Returns the handle group whose mark is under the cursor, -1 if there is none. Marks show through the surface, so a

@@ -14,7 +14,7 @@ namespace {
 
 using Next = Selection::Next;
 
-/// Returns the surface's search, or another one.
+/// Returns the surface's search, or makes one in `own`.
 DiscSearch& discs_of(const Surface& surface, std::optional<DiscSearch>& own) {
   return surface.discs != nullptr ? *surface.discs : own ? *own : own.emplace(surface.mesh, surface.adjacency);
 }
@@ -37,7 +37,8 @@ std::vector<int> disc(const Surface& surface, int vertex) {
   return sorted_set(std::move(within));
 }
 
-/// Moves a distance from the disc's middle, as a fraction of its radius, so that the smooth curve becomes another one.
+/// Maps a distance from the disc's middle, as a fraction of its radius, so that the smooth falloff of the result is
+/// `falloff` of the distance.
 double on_curve(Falloff falloff, double distance) {
   return falloff == Falloff::Sharp  ? 1 - (1 - distance) * (1 - distance)
          : falloff == Falloff::Dome ? distance * distance * distance
@@ -50,7 +51,7 @@ bool is_inside(const Surface& surface, const Selection& selection, int vertex) {
          contains(surface.region->mesh_vertex, vertex);
 }
 
-/// Decides which region a new handle at a vertex is for, and cuts the handle to it.
+/// Chooses the region of a new handle at a vertex, and restricts the handle to it.
 std::optional<Refusal> choose_region(const Surface& surface, int vertex, Selection& selection,
                                      std::vector<int>& handle) {
   const bool another_group = selection.next == Next::Group && !selection.groups.empty();
@@ -103,7 +104,7 @@ Choice extend_curve(const Surface& surface, const Selection& selection, int vert
   return after;
 }
 
-/// Makes an edited region of the shown one. @param change maps the old vertex set to the new one
+/// Changes the vertices of the shown region. @param change  maps the old vertex set to the new one
 template <class Change>
 Choice changed_by_hand(const Surface& surface, const Selection& selection, const Change& change) {
   if (!selection.has_region || !surface.region) {
@@ -174,7 +175,7 @@ void follow_discs(const Surface& surface, Selection& selection) {
     const std::vector<int>& group = selection.groups[g];
     search.run(centers, rounded_up(radius));
     if (std::any_of(group.begin(), group.end(), [&](int v) { return search.distance(v) == kUnreached; })) {
-      search.run(centers, surface.settings.radius);  // on a coarse mesh, or of a larger disc before
+      search.run(centers, surface.settings.radius);  // the mesh is coarse, or the disc was larger before
     }
     std::vector<double> distances;
     distances.reserve(group.size());

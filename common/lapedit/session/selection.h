@@ -58,7 +58,7 @@ struct Selection {
   }
   /// Returns all handle vertices, ascending. @param but a group to omit
   std::vector<int> handles(int but = -1) const;
-  // The group added is active; after the others the last one is, if there is one.
+  // add_group() makes the new group active, erase_group() the last one that remains.
   void add_group(std::vector<int> vertices, std::vector<int> centers, HandleCurve curve = {});
   void erase_group(std::size_t group);
   void clear_groups();
@@ -92,18 +92,18 @@ Choice pick(const Surface& surface, const Selection& selection, int vertex);
 Choice add_to_handle(const Surface& surface, const Selection& selection, int vertex);
 Choice take_from_handle(const Surface& surface, const Selection& selection, int vertex);
 
-/// A press on a group: makes it move, with the groups that move along if it is one of them.
+/// Makes a pressed group active. If it moves already, the other moving groups still move with it.
 Selection with_grabbed(const Selection& selection, int group);
 /// Makes a holding group move with the others; a moving group holds, unless it is the only one.
 Selection with_group_chosen(const Selection& selection, int group);
 
 // Regions ------------------------------------------------------------------------------------------------------------
 
-/// Refuses a list, ascending, that is empty or has vertices that the mesh does not have.
+/// Returns the refusal of a list, ascending, that is empty or has vertices outside the mesh; none for other lists.
 std::optional<Refusal> refuse_vertices(const Surface& surface, const std::vector<int>& vertices);
 /// Makes these vertices the region, ascending.
 Selection with_vertices(Selection selection, std::vector<int> vertices, const DragSettings& settings);
-/// Makes these vertices the region, in any order; handle vertices outside are dropped.
+/// Makes these vertices the region, in any order; removes handle vertices outside it.
 Choice with_region(const Surface& surface, const Selection& selection, std::vector<int> vertices);
 Choice whole_component(const Surface& surface, const Selection& selection);
 Choice grown_by_a_ring(const Surface& surface, const Selection& selection);
@@ -115,12 +115,12 @@ void follow_discs(const Surface& surface, Selection& selection);
 Selection with_radius(const Surface& surface, const Selection& selection);
 /// Gives discs the size of the settings; a region by radius is still measured from their centres.
 Selection with_discs(const Surface& surface, const Selection& selection);
-/// Applies padding and gap of the settings; kept anchors belong to their padding.
+/// Applies padding and gap of the settings. Another padding discards kept anchors.
 Selection with_padding(Selection selection, const DragSettings& settings);
 /// Returns the region for other handles: as shown, with its anchors, except anchors next to the handle with nearly no
 /// weight, which are found again for the next handle.
 Selection with_region_kept(const Surface& surface, const Selection& selection);
-/// Returns no region, no handle and no fixed vertices.
+/// Returns a selection without region, handles and fixed vertices.
 Selection cleared(const Selection& selection);
 /// Returns only what was painted: fixed vertices, and the region if it was painted or selected.
 Selection only_painted(const Selection& selection, const DragSettings& settings);

@@ -16,7 +16,7 @@ TriangleMesh checked(TriangleMesh mesh) {
   return mesh;
 }
 
-/// Newer positions replace those that have not been fetched yet.
+/// Joins two changes; newer positions replace older ones.
 PoseChange joined(const PoseChange& older, const std::vector<int>& vertices, const Points& positions) {
   PoseChange all{united(older.vertices, vertices), {}};
   all.positions.resize(static_cast<Eigen::Index>(all.vertices.size()), 3);

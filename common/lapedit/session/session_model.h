@@ -25,7 +25,7 @@ enum class Pivot {
   Point      ///< a picked vertex; it moves with the surface
 };
 
-/// What a session calls.
+/// The functions that a session calls.
 struct SessionCallbacks {
   /// Receives a line for a log: a step was applied, undone, refused.
   std::function<void(const std::string&)> log;
@@ -45,12 +45,12 @@ struct PoseChange {
 /// The user's switches, read and set as a whole.
 struct Tools {
   HandleMode mode = HandleMode::Vertex;
-  std::optional<BrushTarget> paint = {};  ///< the brush paints it without a modifier; none: the region with one
+  std::optional<BrushTarget> paint = {};  ///< painted without a modifier; none: the brush paints the region, with one
   bool gizmo = false;
   bool gizmo_by_click = false;  ///< the gizmo is hidden when another handle is picked
   GizmoAxes axes = GizmoAxes::Layer;
   Pivot pivot = Pivot::Centroid;           ///< Point: the next click picks it
-  bool snaps = false;                      ///< a moved handle goes to the surfaces of FindTargets
+  bool snaps = false;                      ///< a moved handle snaps to the surfaces of FindTargets
   std::optional<MirrorPlane> mirror = {};  ///< mirrors every step; none: off
 };
 
@@ -78,7 +78,7 @@ struct SessionModel {
   Timeline timeline;
   std::string refusal;
   ShownRegion shown;
-  int others = 0;                ///< vertices at the places of the shown region's
+  int others = 0;                ///< number of further vertices at the positions of the shown region's
   std::vector<int> unconnected;  ///< of the selection's vertices, ascending
   HoverBackground background;
 
@@ -86,13 +86,13 @@ struct SessionModel {
   SessionModel(TriangleMesh mesh, StoredScalar stored, const SessionCallbacks& callbacks);
 
   const TriangleMesh& mesh() const { return *history.mesh(); }
-  /// Returns what is under the cursor, null until it is ready.
+  /// Returns the search for the surface under the cursor, null until it is ready.
   HoverSearch* search() { return background.of(history.mesh(), adjacency); }
-  /// The mesh with the faces of the original.
+  /// Returns the mesh with the faces of the original.
   std::shared_ptr<const TriangleMesh> given_mesh() const;
-  /// Finds vertices at the same place again, if the step, which was applied or undone, can have moved them apart.
+  /// Finds vertices at the same position again, if the step that was applied or undone can have separated them.
   void join_after(const EditStep& step);
-  /// Adds the vertices at the places of those in a pose.
+  /// Returns a pose with all other vertices at the positions of its vertices.
   EditResult with_others(const std::vector<int>& vertices, const Points& positions) const;
   const std::vector<std::vector<int>>& groups() const { return selection.groups; }
   /// Returns the groups, followed by their mirror images.
@@ -123,7 +123,7 @@ struct SessionModel {
   void join();
 
   PoseChange change_;
-  std::vector<int> shown_, rows_;  // the vertices shown last, and the entry in them of each in change_
+  std::vector<int> shown_, rows_;  // the vertices shown last, and the index in them of each vertex of change_
   bool changed_ = false;           // since the last take_change()
 };
 

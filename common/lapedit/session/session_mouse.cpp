@@ -35,7 +35,7 @@ bool SessionMouse::press(const Cursor& cursor, PressModifiers modifiers) {
     return true;
   }
   if (searching()) {
-    // After a step the press waits for the new pose, if it was on the mesh before.
+    // After a step, a press that hit the previous mesh waits for the search over the new one.
     const HoverSearch* const before = model_.background.latest();
     const bool waits = before != nullptr && before->hit(cursor.view, cursor.pixel);
     if (waits) {
@@ -62,18 +62,18 @@ bool SessionMouse::wait() {
   const auto ready = [this] { return !searching() && !model_.background.finds_outlines() && waiting_.empty(); };
   const bool was_ready = ready();
   model_.background.wait();
-  poll();  // may ask for other outlines than those that were found
+  poll();  // may request other outlines than those that were found
   return !was_ready || !ready();
 }
 
 /// Returns whether a press on a group grabs it: without modifiers, or with Shift to choose among several groups or to
-/// move where a drag turns.
+/// move a handle that a plain drag rotates.
 bool SessionMouse::grabs(PressModifiers modifiers) const {
   return model_.selection.next != Selection::Next::Region &&
          (modifiers.none() || (modifiers.take && !modifiers.add && (model_.groups().size() > 1 || turns())));
 }
 
-/// Returns whether a drag of a handle turns it about the pivot, as far as a limb's length stays.
+/// Returns whether a plain drag of a handle rotates it about the pivot, which keeps the length of a limb.
 bool SessionMouse::turns() const {
   return !model_.tools.paint &&
          (model_.tools.pivot_vertex >= 0 || (model_.tools.pivot == Pivot::Rim && model_.shown.region() != nullptr));
@@ -119,7 +119,7 @@ void SessionMouse::move(const Cursor& cursor) {
   if (!cursor.view.valid()) {
     return;
   }
-  if (!waiting_.empty()) {  // of several moves the last matters
+  if (!waiting_.empty()) {  // only the last of several moves matters
     if (waiting_.back().kind == Event::Kind::Move) {
       waiting_.pop_back();
     }
@@ -239,7 +239,7 @@ void SessionMouse::end_stroke() {
   }
 }
 
-/// Returns the part of the gizmo under the cursor, none where another handle is: a press takes that.
+/// Returns the element of the gizmo under the cursor; none over another handle, since a press grabs that handle.
 GizmoElement SessionMouse::element_at(const std::optional<Gizmo>& gizmo, const Cursor& cursor) {
   const GizmoElement element = gizmo ? gizmo_element_at(*gizmo, cursor) : GizmoElement::None;
   if (element == GizmoElement::None || model_.groups().size() == 1) {
@@ -264,7 +264,7 @@ bool SessionMouse::press_gizmo(const Cursor& cursor) {
 }
 
 /// Returns what a press at the cursor would take. The radius of a new region is that of the protrusion there, unless
-/// the user has set it. It is to be seen: no smaller than some pixels, and not larger than the view.
+/// the user has set it. The region has to be visible: the radius is at least some pixels, and less than the view.
 HoverQuery SessionMouse::query(const SurfaceHit& hit, const Camera& view, bool with_region) const {
   constexpr double kSmallest = 0.125, kLargest = 3;  // times the usual radius
   constexpr double kPixels = 16, kOfView = 0.45;
@@ -286,7 +286,7 @@ HoverQuery SessionMouse::query(const SurfaceHit& hit, const Camera& view, bool w
   return query;
 }
 
-/// Shows the outlines that were found for the preview.
+/// Copies the outlines to the preview once they are found.
 void SessionMouse::take_outlines() {
   if (preview_ && wanted_) {
     if (const HoverOutlines* const found = model_.background.outlines(*wanted_)) {
@@ -347,11 +347,11 @@ void SessionMouse::preview_curve(HoverSearch& search, const SurfaceHit& hit, con
 void SessionMouse::press_surface(const SurfaceHit& hit, const Cursor& cursor, PressModifiers modifiers) {
   if (!modifiers.none()) {
     pressed_ = Press{hit.point, hit.vertex, cursor, modifiers};
-    return;  // a brush or, with the release, a click
+    return;  // a stroke follows or, on release, a click
   }
   if (model_.settings.first_radius > 0 && takes_region(solver_.surface(), model_.selection, hit.vertex)) {
     const HoverOutlines* const found = model_.background.outlines(query(hit, cursor.view, true));
-    if (found == nullptr) {  // the press before its preview
+    if (found == nullptr) {  // the press came before its preview
       waiting_.push_back({Event::Kind::Press, cursor, modifiers});
       return;
     }

@@ -38,7 +38,7 @@ class SessionMouse {
   void release_motion();
   /// Handles the events that arrived while a step was solved, on the mesh after the step.
   void replay();
-  void poll();  ///< replays them also once the search over that mesh is ready, and takes outlines
+  void poll();  ///< also replays them, once the search over that mesh is ready, and takes outlines
   bool searching() { return model_.search() == nullptr; }
   /// Waits for search and outlines. @return whether they were not ready. For tests.
   bool wait();
@@ -63,7 +63,7 @@ class SessionMouse {
     bool draggable = true;
     bool brushed = false, recorded = false;
     bool on_gizmo = false, on_handle = false;
-    bool moves = false;                          // Shift, where a drag without it turns
+    bool moves = false;                          // with Shift, where a plain drag would rotate
     int group = -1;                              // the group that was grabbed
     int curve_point = -1;                        // of that group
     std::optional<Vector3> axis = std::nullopt;  // of a gizmo's arrow or ring
@@ -89,9 +89,9 @@ class SessionMouse {
   SessionSolver& solver_;
   std::optional<Press> pressed_;
   std::vector<Event> waiting_;  // arrived while a step was solved, or before the search over its mesh was ready
-  // No button is down.
+  // Valid while no button is down.
   std::optional<HoverPreview> preview_;
-  std::optional<HoverQuery> wanted_;           // outlines of the preview; none: it has none
+  std::optional<HoverQuery> wanted_;           // query of the preview's outlines; none: no outlines
   GizmoElement element_ = GizmoElement::None;  // under the cursor, or dragged
 };
 

@@ -57,7 +57,7 @@ void SessionSolver::rest(bool amendable) {
 }
 
 void SessionSolver::handles_changed() {
-  figures_ = DragFigures();  // of another handle or region
+  figures_ = DragFigures();  // the old figures are of another handle or region
   rest(false);
   prepare();
 }
@@ -108,7 +108,7 @@ bool SessionSolver::begin(MotionKind kind, const Vector3& grab, const Cursor& cu
     return false;
   }
   if (!preparation_.running && !preparation_.has_preview) {
-    prepare();  // refused before: reports the reason again
+    prepare();  // a preparation failed before: report the reason again
     if (!preparation_.running && !preparation_.ready) {
       return false;
     }

@@ -36,7 +36,7 @@ struct Dragging {
   std::vector<Vector3> all_targets = {};           ///< of one group or mirror image
   std::vector<std::vector<Vector3>> targets = {};  ///< of the user's groups; of a bent curve only
   std::vector<HandleMotion> maps = {};             ///< of all groups and images; the vectors keep their memory
-  /// A point of the active group, a curve, moves: the weight of the motion, and of its mirror image, for each vertex.
+  /// If a point of the active group's curve moves: per vertex the weights of the motion and of its mirror image.
   std::vector<double> bend = {}, mirrored_bend = {};
   int first_serial = std::numeric_limits<int>::max(), last_serial = 0;  ///< of the requested solves
 };
@@ -61,7 +61,7 @@ using Phase = std::variant<Idle, Picked, Dragging, Amending, Loading>;
 
 }  // namespace phase
 
-/// How far the preparation of the region is.
+/// The state of the region's preparation.
 struct Preparation {
   bool running = false;
   bool has_preview = false;  ///< frames of a drag are available, at least from the region's cells
@@ -70,10 +70,10 @@ struct Preparation {
   const char* stage = "";
 };
 
-/// Figures of the panel. Counts of the region; milliseconds; lengths in model units.
+/// Figures of the panel: counts of vertices, times in milliseconds, lengths in model units.
 struct DragFigures {
   int handle = 0, free = 0, anchors = 0, fixed = 0;
-  int pieces = 0;  ///< small pieces that come along
+  int pieces = 0;  ///< number of small pieces that move with the region
   // Empty while the region is being prepared, or before it has a pose.
   std::optional<double> preview_ms;  ///< until frames were available
   std::optional<double> prepare_ms;
@@ -110,7 +110,7 @@ class SessionSolver {
     return std::get_if<P>(&phase_);
   }
   bool moving() const { return in<phase::Dragging>() && !in<phase::Dragging>()->released; }
-  /// Returns whether a step is being solved: until then only drop() is possible.
+  /// Returns whether a step is being solved: until it is applied, only discard() is possible.
   bool waits() const { return in_progress() && !moving(); }
   bool in_progress() const { return in<phase::Dragging>() || in<phase::Amending>() || in<phase::Loading>(); }
   bool amendable() const;  ///< settings apply to the last step
@@ -128,7 +128,7 @@ class SessionSolver {
   void prepare(bool on_demand = false);
   /// Prepares after a change of groups or region.
   void handles_changed();
-  /// Ends amending: settings no longer apply to the last step.
+  /// Ends a drag or amendment. @param amendable  whether settings still apply to the last step
   void rest(bool amendable);
 
   // Drags ------------------------------------------------------------------------------------------------------------
@@ -141,7 +141,7 @@ class SessionSolver {
   /// Requests the pose of the current drag: a passing one, or the final one after the release.
   void request();
   void release();
-  /// Cancels work in progress without a trace.
+  /// Cancels work in progress and shows the mesh again.
   void discard();
 
   // Steps ------------------------------------------------------------------------------------------------------------

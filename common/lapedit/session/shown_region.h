@@ -16,9 +16,9 @@ class ShownRegion {
   /// Stores a region that is shown together with its first pose; until then the old one stays.
   void await(std::shared_ptr<const Region> region) { awaited_ = std::move(region); }
   std::shared_ptr<const Region> take_awaited() { return std::move(awaited_); }
-  /// Shows another pose than the mesh's, by a swap. Allocates nothing.
+  /// Shows a pose that differs from the mesh, swapping it with the old one. Allocates nothing.
   void pose(Points& positions);
-  /// The shown pose has become the mesh.
+  /// Records that the shown pose has become the mesh.
   void settle();
   /// Shows the mesh again. @return whether the pose was another one
   bool rest(const TriangleMesh& mesh);

@@ -29,7 +29,7 @@ class SnapTargets {
     Visibility faces;
   };
 
-  std::list<Surface> surfaces_;  // which stay where they are, as their trees refer to them
+  std::list<Surface> surfaces_;  // a list, since the trees refer to its elements
 };
 
 /// Returns what a translation snaps to; null: nothing.

@@ -14,20 +14,21 @@ struct Action {
   std::string name;  ///< for a list
   bool is_step;
   Selection before;
-  Selection after = {};  ///< of a stroke: once it is undone
+  Selection after = {};  ///< of a stroke: set when it is undone
 };
 
 /// All actions in their order.
 class Timeline {
  public:
   const std::vector<Action>& done() const { return done_; }      ///< the oldest first
-  const std::vector<Action>& undone() const { return undone_; }  ///< the one that redo() takes last
+  const std::vector<Action>& undone() const { return undone_; }  ///< the last one is the next to redo
   /// Adds an action and deletes the undone ones.
   void add(Action action) {
     done_.push_back(std::move(action));
     change_last();
   }
-  /// Returns the last action, of which there has to be one, and deletes the undone ones, which followed another.
+  /// Returns the last action to be changed. There has to be one. Deletes the undone actions, since they followed its
+  /// former state.
   Action& change_last() {
     undone_.clear();
     ++serial_;
