@@ -13,16 +13,16 @@
 namespace lapedit::shapes {
 namespace {
 
-/// A cone with round ends, or what is left out of the body so far; grown together with it over the length blend.
+/// A cone with round ends. It is added to the body or, if hollow, subtracted, with a smooth transition of length blend.
 struct Part {
   Vector3 from, to;
   double from_radius, to_radius;
   double blend = 0.1;
   bool hollow = false;
-  Vector3 flat = Vector3(1, 1, 1);  ///< the cone's section is so much thinner, about from
+  Vector3 flat = Vector3(1, 1, 1);  ///< factors of the extents along x, y and z, about from
 };
 
-/// Signed distance, nearly: negative inside.
+/// Returns the approximate signed distance, negative inside.
 double distance(const Part& part, const Vector3& p) {
   const Vector3 way = part.to - part.from;
   const Vector3 at = (p - part.from).cwiseQuotient(part.flat);
@@ -70,7 +70,8 @@ class Body {
   double spacing_;
 };
 
-/// A vertex per cell that the surface goes through, a quad per edge of the cells' grid ("surface nets").
+/// Makes surface nets (S. Gibson 1998): a vertex per cell that the surface crosses, a quad per crossed edge of the
+/// grid.
 TriangleMesh Body::mesh() const {
   std::map<Cell, bool> corners;
   auto is_inside = [&](const Cell& c) {
@@ -111,7 +112,7 @@ TriangleMesh Body::mesh() const {
       for (std::size_t k = 0; k < 4; ++k)
         around[static_cast<std::size_t>(quads.back()[k])].push_back(quads.back()[(k + 1) % 4]);
     }
-  for (int pass = 0; pass < 12; ++pass)  // evenly, on the surface
+  for (int pass = 0; pass < 12; ++pass)  // spaces vertices evenly on the surface
     for (std::size_t i = 0; i < points.size(); ++i) {
       Vector3 middle = Vector3::Zero();
       for (int other : around[i]) middle += points[static_cast<std::size_t>(other)];
@@ -133,7 +134,7 @@ TriangleMesh Body::mesh() const {
   return result;
 }
 
-/// Bumps as of scales, 0 to 1: near to 1 at one point of each cell of a jittered grid of that size.
+/// Returns the height of bumps like scales, 0 to 1: near 1 at one point of each cell of a jittered grid of that size.
 double scales(const Vector3& p, double size) {
   const Vector3 at = p / size;
   double nearest = 10;
@@ -152,7 +153,7 @@ double scales(const Vector3& p, double size) {
   return std::max(0.0, 1 - nearest / 0.6);
 }
 
-/// The mesh with its vertices in the order of their x.
+/// Returns the mesh with its vertices sorted by x.
 TriangleMesh by_x(const TriangleMesh& mesh) {
   std::vector<int> order(static_cast<std::size_t>(mesh.vertices.rows())), number(order.size());
   std::iota(order.begin(), order.end(), 0);

@@ -3,11 +3,11 @@
 
 #include "lapedit/mesh/triangle_mesh.h"
 
-/// Generated meshes with what people pull at: closed, evenly meshed, y upwards; deterministic.
+/// Generated meshes with limbs and features to drag: closed, evenly meshed, y upwards; deterministic.
 namespace lapedit::shapes {
 
 /// A head that looks to +z, about 2.6 high: nose tip near (0, -0.13, 1.2), ears at x = 1 and -1.
-/// @param spacing  of its vertices, about
+/// @param spacing  approximate distance between vertices
 TriangleMesh head(double spacing = 0.03);
 
 /// A right hand with its fingers to +y in the plane z = 0, about 2.6 high; tip of the middle finger near (0.05, 1.6,

@@ -17,7 +17,7 @@ namespace {
 using lapedit::TriangleMesh;
 namespace shapes = lapedit::shapes;
 
-// About as many vertices as the meshes of the paper's Figure 6.
+// The letters have about as many vertices as the meshes of Lipman et al. 2004, Figure 6.
 const std::map<std::string, std::function<TriangleMesh()>> kMeshes = {
     {"letters", [] { return shapes::letter_field(254, 127); }},
     {"arm", [] { return shapes::tapered_arm(120, 140); }},

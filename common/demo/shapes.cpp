@@ -44,7 +44,7 @@ struct Builder {
   }
 };
 
-/// A reproducible number in [-1, 1] for each pair of integers.
+/// Returns a reproducible number in [-1, 1] for each pair of integers.
 double noise(int a, int b) {
   std::uint32_t h = static_cast<std::uint32_t>(a) * 0x9E3779B1U ^ static_cast<std::uint32_t>(b) * 0x85EBCA77U;
   h = (h ^ (h >> 15)) * 0x2C1B3C6DU;
@@ -58,8 +58,8 @@ double smooth_step(double t) {
   return t * t * (3 - 2 * t);
 }
 
-/// Vertices of a closed tube: a pole, rings of `around` vertices, a pole; around the x axis.
-/// @param staggered  odd rings are turned by half a step
+/// Adds the faces of a closed tube around the x axis, whose vertices are a pole, rings of `around` vertices and a pole.
+/// @param staggered  odd rings are rotated by half a step
 TriangleMesh close_tube(Builder b, int around, int rings, bool staggered) {
   auto at = [=](int ring, int k) { return 1 + ring * around + k % around; };
   for (int k = 0; k < around; ++k) b.face(0, at(0, k + 1), at(0, k));
@@ -82,7 +82,7 @@ double distance_to_segment(const Point2& p, const Point2& a, const Point2& b) {
   return (p - a - t * d).norm();
 }
 
-/// Distance from the strokes of the word SMI, written in [0.5, 3.5] x [0.45, 1.55].
+/// Returns the distance from the strokes of the word SMI, written in [0.5, 3.5] x [0.45, 1.55].
 double distance_to_letters(const Point2& p) {
   double nearest = 10;
   auto stroke = [&](double ax, double ay, double bx, double by) {
@@ -229,7 +229,7 @@ TriangleMesh tapered_arm(int around, int along, double depth) {
     s -= lengths[1];
     return {kLength - kTip + kTip * std::sin(s / kTip), kTip * std::cos(s / kTip)};
   };
-  // A ring has 0.42 of the limb's radius there and stands 0.45 of it from the middle of the lower side.
+  // A ring has 0.32 of the limb's radius there, and its centre is 0.45 of it from the middle of the lower side.
   auto dent = [&](double x, double radius, double angle) {
     if (x < kRoot || x > kLength - kTip) return 0.0;
     double deepest = 0;
@@ -302,7 +302,7 @@ TriangleMesh degenerate_grid(int rows, int columns) {
   }
   for (int j = 0; j + 2 < columns; j += 3) b.face(at(1, j), at(1, j + 1), at(1, j + 2));  // collinear
   for (int j = 0; j < columns; j += 4) b.face(at(2, j), at(2, j), at(1, j));              // a corner twice
-  // Needles: one row of vertices a hair from the next.
+  // Needles: one row of vertices is 1e-7 from the next.
   for (int j = 0; j < columns; ++j) b.vertices[at(rows - 3, j)].x() = rows - 2 - 1e-7;
   for (int k = 0; k < 5; ++k) b.add(Vector3(k, k, 10));  // isolated
   return b.mesh();

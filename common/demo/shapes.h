@@ -29,23 +29,24 @@ TriangleMesh bar(int nx, int ny, int nz);
 TriangleMesh tapered_arm(int around, int along, double depth = 0.1);
 
 /// Height field of nx x ny irregularly placed vertices over [0, 4] x [0, 2], number ny * i + j, with the letters SMI
-/// raised by height. 254 x 127 has about as many vertices as the paper's. Open; height 0 gives the plane.
+/// raised by height. 254 x 127 has about as many vertices as the mesh of Lipman et al. 2004. Open; height 0 gives the
+/// plane.
 TriangleMesh letter_field(int nx, int ny, double height = 0.12);
 
-/// The meshes side by side, one after the other in numbering; b is moved by offset.
+/// One mesh of a and of b moved by offset, whose vertices and faces follow those of a.
 TriangleMesh together(const TriangleMesh& a, const TriangleMesh& b, const Vector3& offset);
 
 /// Two icospheres three units apart.
 TriangleMesh two_pieces(int levels = 2);
 
-/// A grid with what scans bring: faces of three collinear corners, faces that name a vertex twice, duplicated vertices
-/// at a seam (edges of length zero between them), needles, and isolated vertices at the end.
+/// A grid with the defects of scans: faces of three collinear corners, faces that name a vertex twice, duplicated
+/// vertices at a seam (edges of length zero between them), needles, and isolated vertices at the end.
 TriangleMesh degenerate_grid(int rows, int columns);
 
 /// A grid with a fin on the edges of its middle row (three faces each), and a second piece that shares one vertex.
 TriangleMesh non_manifold_grid(int rows, int columns);
 
-/// A grid with every third face turned over.
+/// A grid with the orientation of every third face reversed.
 TriangleMesh inconsistent_grid(int rows, int columns);
 
 }  // namespace lapedit::shapes

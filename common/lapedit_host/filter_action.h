@@ -53,7 +53,7 @@ class ParameterValues {
  public:
   std::string layer_file;  ///< path of the file that the layer was read from, empty if there is none
 
-  std::vector<DocumentLayer> layers;  ///< of the document, all of them
+  std::vector<DocumentLayer> layers;  ///< all layers of the document
 
   void set(const QString& name, ParameterValue value) { values_[name] = std::move(value); }
 

@@ -19,7 +19,7 @@ double as_typed(float number) {
   if (!std::isfinite(number)) {
     return number;
   }
-  // Older standard libraries have no std::from_chars for such numbers.
+  // Older standard libraries have no std::from_chars for float.
   double typed = number;
   for (int digits = 1; digits <= std::numeric_limits<float>::max_digits10; ++digits) {
     typed = QByteArray::number(static_cast<double>(number), 'g', digits).toDouble();
@@ -31,8 +31,8 @@ double as_typed(float number) {
   return typed;
 }
 
-/// With meshes in double precision, coordinates from a caller are exact, but those from a script were read in single
-/// precision.
+/// The same for meshes in double precision: coordinates from a caller are exact and stay, but MeshLab reads those of a
+/// script in single precision.
 [[maybe_unused]] double as_typed(double number) {
   const auto single = static_cast<float>(number);
   return std::isgreater(number, single) || std::isless(number, single) ? number : as_typed(single);
@@ -53,7 +53,7 @@ int checked_choice(const Parameter& parameter, int number) {
   return number;
 }
 
-/// @throws EditError where MeshLab itself would stop at an assertion
+/// Reads a parameter's value. @throws EditError for a wrong type, where MeshLab itself would stop at an assertion
 ParameterValue read_value(const Parameter& parameter, const Value& value) {
   switch (parameter.kind) {
     case Parameter::Kind::Choice:

@@ -33,8 +33,8 @@ void require_vertex(const CMeshO& host, const CVertexO* corner, const char* kind
                       " vertices, counted from 0: correct the file that the mesh was read from.");
 }
 
-/// Calls make_room(count) with the number of elements that are not deleted, then use(place, element, number) for all,
-/// with the number of the next one that is not deleted.
+/// Calls make_room(count) with the number of elements that are not deleted, then use(index, element, number) for each
+/// element, where `number` counts the elements before it that are not deleted.
 template <class Container, class MakeRoom, class Use>
 void each_existing(ThreadPool& pool, const Container& all, const MakeRoom& make_room, const Use& use) {
   const auto chunks = static_cast<std::size_t>(pool.threads());

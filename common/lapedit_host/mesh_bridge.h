@@ -32,7 +32,7 @@ BridgedMesh read_mesh(const CMeshO& host);
 /// Returns vertex numbers of the bridged mesh, ascending.
 std::vector<int> selected_vertices(const CMeshO& host, const BridgedMesh& bridged);
 std::vector<int> vertices_of_selected_faces(const CMeshO& host, const BridgedMesh& bridged);
-/// Returns both. @param core_vertex  as in BridgedMesh
+/// Returns the selected vertices and the corners of selected faces. @param core_vertex  as in BridgedMesh
 std::vector<int> selected_vertices_and_corners(const CMeshO& host, const std::vector<int>& core_vertex);
 
 inline bool is_finite(const Point3m& point) {

@@ -18,7 +18,7 @@ namespace lapedit::host {
 std::string space_of_file(const std::string& path);
 
 /// Returns the layer with a label or a file name; for an empty name the only other layer.
-/// @param except  the mesh whose layer is not considered
+/// @param except  the mesh of a layer to skip
 /// @throws EditError (BadParameter) if there is no such layer, or several
 const DocumentLayer& layer_named(const std::vector<DocumentLayer>& layers, const std::string& name,
                                  const CMeshO& except);
@@ -49,8 +49,8 @@ EditedMesh edit_mesh(const CMeshO& host, const MakeEdit& make, double fraction, 
 /// Writes the pose into the host mesh and reports it.
 FilterOutcome write_edited(CMeshO& host, const EditedMesh& edited);
 
-/// Figures for MeshLab versions that take them, by the names in the program's report: those of the last step and, if
-/// there are several steps, those of each, as in "step_1_folded". Texts and unknown figures are omitted.
+/// Returns figures for MeshLab versions that take them, by the names in the program's report: those of the last step
+/// and, if there are several steps, those of each, as in "step_1_folded". Texts and unknown figures are omitted.
 std::map<std::string, QVariant> figures_of(const std::vector<EditReport>& reports);
 
 }  // namespace lapedit::host

@@ -13,13 +13,13 @@
 namespace lapedit::host {
 namespace {
 
-/// Fewer elements do not pay for a thread.
+/// Elements per task; a task with fewer costs more than it saves.
 constexpr int kGrain = 4096;
-constexpr int kProbes = 16;   // of vertices that are away
-constexpr int kSpread = 256;  // of all vertices
+constexpr int kProbes = 16;   // number of vertices to compare that are away
+constexpr int kSpread = 256;  // number of vertices to compare among all
 
 bool same_bits(const Point3m& a, const Point3m& b) {
-  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): it is the bits that are meant
+  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): compares the bits on purpose
   return std::memcmp(a.V(), b.V(), sizeof(Scalarm) * 3) == 0;
 }
 
@@ -84,7 +84,7 @@ void PoseWriter::find_affected(const std::vector<int>& vertices) {
       is_touched_[static_cast<std::size_t>(w)] = 1;
     }
   }
-  // Ascending order is the fastest way through memory.
+  // Access in ascending order is the fastest.
   list_flagged(is_touched_, a.touched);
   a.faces.offsets.assign(1, 0);
   for (const int v : a.touched) {
@@ -243,7 +243,7 @@ bool PoseWriter::are_ours(const CMeshO& host, const std::vector<int>* vertices) 
 }
 
 bool PoseWriter::write(CMeshO& host, const std::vector<int>& vertices, const Points& positions, bool settled) {
-  // The vertices elsewhere also decide when a motion begins: later this session could not undo it.
+  // When a motion begins, compare all vertices, since this session could not undo changes by other code later.
   if (!has_same_size(host) || !are_ours(host, affected_.is_settled ? nullptr : &vertices)) {
     return false;
   }

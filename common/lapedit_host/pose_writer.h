@@ -27,9 +27,9 @@ class PoseWriter {
   /// @param adjacency  of bridged.mesh; must outlive the object
   PoseWriter(const CMeshO& host, const BridgedMesh& bridged, const Adjacency& adjacency);
 
-  /// @return false, and nothing is written, if other code changed the host mesh: its numbers of vertices and faces are
-  ///         not those of construction, or positions not those written last; after a settled pose all positions are
-  ///         compared, otherwise those of these vertices
+  /// Writes a pose. @return false, without writing, if other code changed the host mesh: its numbers of vertices and
+  ///         faces are not those of construction, or positions not those written last. After a settled pose it compares
+  ///         all positions, otherwise those of these vertices
   /// @param host       the mesh of construction, also if it has moved in memory
   /// @param vertices   vertex numbers of the bridged mesh, each once
   /// @param positions  one row per entry of vertices
@@ -63,11 +63,11 @@ class PoseWriter {
     bool is_away;
   };
 
-  /// By the last set of vertices.
+  /// The vertices and faces that a pose of the last set of vertices changes.
   struct Affected {
     std::vector<int> vertices;           // that set
-    std::vector<int> touched;            // it and the corners of the faces at it, ascending
-    std::vector<int> around;             // all faces at those, ascending
+    std::vector<int> touched;            // that set and the corners of its faces, ascending
+    std::vector<int> around;             // all faces at touched vertices, ascending
     IndexLists faces;                    // entry of touched -> entries of around, ascending
     std::vector<AreaNormal> areas;       // per entry of around, of a passing pose
     std::vector<MeasuredFace> measured;  // likewise, of a settled one

@@ -27,7 +27,7 @@ using Box = vcg::Box3d;
 using Grid = vcg::GridStaticPtr<GridFace, double>;
 using vcg::Point3i;
 
-/// The result of vcglib's test depends on the order of faces that share a corner.
+/// Tests both orders, since the result of vcglib's test depends on the order of faces that share a corner.
 bool meet(GridFace& f, GridFace& g) {
   using Clean = vcg::tri::Clean<GridMesh>;
   return Clean::TestFaceFaceIntersection(&f, &g) || Clean::TestFaceFaceIntersection(&g, &f);
@@ -46,7 +46,7 @@ Box box_of(const Points& points, const Faces& faces, Eigen::Index f) {
 struct NearFaces {
   std::vector<Eigen::Index> numbers;
   int moved = 0;
-  double edge = 0;  // a typical length
+  double edge = 0;  // a typical edge length
   int origin = 0;   // one of their vertices
 };
 
@@ -105,7 +105,8 @@ void make(GridMesh& mesh, const Points& points, const Faces& faces, const NearFa
   }
 }
 
-/// Returns whether a face's corners, except shared ones, are all on one side of the other face's plane.
+/// The planes of the faces. part() returns whether the corners of g, except those of f, are all on one side of plane i,
+/// that of f.
 class Planes {
  public:
   explicit Planes(const GridMesh& mesh) : normals_(mesh.face.size()) {
@@ -115,7 +116,7 @@ class Planes {
     }
   }
   bool part(std::size_t i, const GridFace& f, const GridFace& g) const {
-    constexpr double kNear = 1e-5;  // edges; more than vcglib's tolerance
+    constexpr double kNear = 1e-5;  // edge lengths; more than vcglib's tolerance
     int above = 0, below = 0, shared = 0;
     for (int k = 0; k < 3; ++k) {
       if (g.cV(k) == f.cV(0) || g.cV(k) == f.cV(1) || g.cV(k) == f.cV(2)) {
@@ -147,7 +148,7 @@ void each_near(Grid& grid, const GridMesh& mesh, const std::vector<Box>& boxes, 
           if (j <= i || !boxes[i].Collide(boxes[j])) {
             continue;
           }
-          vcg::Point3d corner;  // of the boxes' intersection, which is in one cell
+          vcg::Point3d corner;  // lowest corner of the boxes' intersection: one cell has it
           for (int k = 0; k < 3; ++k) {
             corner[k] = std::max(boxes[i].min[k], boxes[j].min[k]);
           }
@@ -162,8 +163,8 @@ void each_near(Grid& grid, const GridMesh& mesh, const std::vector<Box>& boxes, 
   }
 }
 
-/// Returns the mesh with one vertex at each place, so that faces that touch there have it in common, unless these came
-/// apart.
+/// Returns the mesh with one vertex at each position, so that faces that touch there share it. Returns the mesh as it
+/// is if the edit separates vertices at one position.
 TriangleMesh joined(const TriangleMesh& mesh, const Points& after) {
   const Weld weld(mesh.vertices);
   bool together = true;

@@ -11,7 +11,7 @@ namespace lapedit {
 /// MeshLab's filter *Select Self Intersecting Faces* uses: faces that share an edge never intersect, those that share a
 /// corner do if the opposite edge of one pierces the other. Checks faces with a moved corner against all others. Faces
 /// without area, or not finite, intersect nothing.
-/// @param given  the mesh before the edit; vertices at the same place are one
+/// @param given  the mesh before the edit; vertices at the same position count as one
 /// @param threads 0: as many as the machine has; the number does not depend on it
 /// Cost: about that of one solution of a region of these faces.
 int new_self_intersections(const TriangleMesh& given, const EditResult& result, int threads = 0);

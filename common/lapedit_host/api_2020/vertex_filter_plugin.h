@@ -38,7 +38,7 @@ class VertexFilterPlugin : public QObject, public MeshFilterInterface {
   bool applyFilter(QAction* action, MeshDocument& document, const RichParameterList& parameters,
                    vcg::CallBackPos* callback) override {
     try {
-      // As std::string: the other overloads take a printf format.
+      // The overload for std::string, since the others take a printf format.
       const QString file = document.mm() != nullptr ? document.mm()->fullName() : QString();
       std::vector<DocumentLayer> layers;
       for (const MeshModel* model : document.meshList) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-// Before anything that includes GL/gl.h.
+// GLEW has to precede all headers that include GL/gl.h.
 #include <GL/glew.h>
 
 #include <common/plugins/interfaces/edit_plugin.h>
@@ -10,10 +10,10 @@
 
 #include "lapedit_host/tool/tool_events.h"
 
-/// The functions of a tool that MeshLab since 2021 declares differently.
+/// The functions of a tool whose declarations in MeshLab since 2021 differ from earlier versions.
 namespace lapedit::host {
 
-/// MeshLab passes the current layer by reference even if there is none: the view returns it instead.
+/// Ignores the layer that MeshLab passes by reference even if there is none; the view returns the current layer.
 class HostToolBase : public ::EditTool, protected ToolEvents {
  public:
   using ::EditTool::decorate;

@@ -18,7 +18,8 @@
 
 namespace lapedit::host {
 
-/// Presents filters to MeshLab since 2021. Their exceptions become the one type that MeshLab catches.
+/// Presents filters to MeshLab since 2021. Converts their exceptions to MLException, the only type that MeshLab
+/// catches.
 class VertexFilterPlugin : public QObject, public FilterPlugin {
  public:
   std::pair<std::string, bool> getMLVersion() const override {
@@ -51,7 +52,7 @@ class VertexFilterPlugin : public QObject, public FilterPlugin {
         layers.push_back({model.label(), model.fullName().toStdString(), &model.cm});
       }
       FilterOutcome outcome = run_filter(filter(ID(action)), parameters, mesh, file, layers, callback);
-      // As std::string: the other overloads take a printf format.
+      // The overload for std::string, since the others take a printf format.
       log(GLLogStream::FILTER, outcome.log);
       changed = static_cast<unsigned int>(postCondition(action));
       return std::move(outcome.figures);

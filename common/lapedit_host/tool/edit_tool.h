@@ -62,7 +62,7 @@ class HostWindow {
   virtual void navigate(const QMouseEvent& event, Qt::MouseButton as) = 0;
   virtual void navigate(const QWheelEvent& event) = 0;
 
-  /// Turns the view so that a direction of the world points at the viewer.
+  /// Rotates the view so that a direction of the world points at the viewer.
   virtual void turnTo(const Eigen::Vector3d& direction) = 0;
 
   /// Ends the tool after the current event.
@@ -79,7 +79,8 @@ class InteractiveTool {
  public:
   virtual ~InteractiveTool() = default;
 
-  /// Called when the tool is switched on, or the current layer changes while it is on. @return false: not on this layer
+  /// Called when the tool is switched on, or the current layer changes while it is on. @return false if it cannot
+  /// edit this layer
   virtual bool start() = 0;
   /// Called when the tool is switched off, or the current layer changes. The previous layer may be deleted.
   virtual void end() = 0;

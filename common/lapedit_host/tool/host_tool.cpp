@@ -14,7 +14,7 @@
 namespace lapedit::host {
 namespace {
 
-/// The view in MeshLab. Only inline functions of GLArea may be used, since the application exports none.
+/// The view in MeshLab. Uses only inline functions of GLArea, since the application exports no others.
 class HostView final : public HostWindow {
  public:
   explicit HostView(QString title) : title_(std::move(title)) {}
@@ -230,7 +230,7 @@ class HostTool final : public QObject, public HostToolBase {
     guarded([this] { tool_->end(); });
     view_.attach(area, shared);
     if (area->mm() == nullptr) {
-      view_.endTool();  // otherwise MeshLab fails at the next change
+      view_.endTool();  // otherwise MeshLab fails at the next change of layer
       return;
     }
     guarded([this] { return tool_->start(); });
