@@ -12,11 +12,11 @@
 
 class QWidget;
 
-/// Returns the default file of a layer's edit: <mesh>.laplacian.json beside the mesh.
+/// Returns the default file of a layer's edit: <mesh>.laplacian.json in the folder of the mesh.
 QString editFileFor(const lapedit::host::Layer& layer);
 
-/// Asks for a file and writes the edit into it, as JSON or, where its name ends in .mlx, as a
-/// filter script. @param suggested the file that the dialog proposes
+/// Asks for a file and writes the edit into it, as JSON or, if its name ends in .mlx, as a
+/// filter script. @param suggested  the file that the dialog proposes
 /// @return a line for the user, empty if no file was chosen
 std::string saveEdit(QWidget* parent, const lapedit::Edit& edit, const QString& suggested);
 

@@ -15,12 +15,12 @@ class FrameClock {
   void reset();
 
   void mouseMoved();
-  /// To be called when a pose was uploaded to the graphics card.
+  /// Call it when a pose was uploaded to the graphics card.
   void poseArrived(double solve, double write, double upload);
   void paintBegins() { sincePaint_.start(); }
-  /// Milliseconds since then.
+  /// Returns the milliseconds since paintBegins().
   int sincePaint() const { return static_cast<int>(sincePaint_.elapsed()); }
-  /// To be called when the image is on the screen. @return whether that completes a frame
+  /// Call it when the image is on the screen. @return whether this completes a frame
   bool painted();
 
   /// Returns whether the mouse moved within this time and no pose has followed.

@@ -70,7 +70,7 @@ void ring(const Picture& p, int axis, bool front, bool bright) {
   if (front) {
     const double width = bright ? 4 : 2.5;
     pen::rimmed(color, width, p.ratio, [&] { draw(GL_LINE_STRIP); });
-    glPointSize(static_cast<GLfloat>(width * p.ratio));  // joints, where the rim would show
+    glPointSize(static_cast<GLfloat>(width * p.ratio));  // covers the joints of the line, where the rim would show
     draw(GL_POINTS);
   } else {
     glLineWidth(static_cast<GLfloat>(1.5 * p.ratio));

@@ -4,7 +4,7 @@
 #include "lapedit/session/gizmo.h"
 
 /// Draws a gizmo, in pixels. @param element  under the cursor or held, highlighted
-///             @param alone  draws only that part, which is being dragged
+///             @param alone  draws only that element, which the user drags
 void drawGizmo(const lapedit::Gizmo& gizmo, const lapedit::Camera& view, lapedit::GizmoElement element, bool alone,
                double pixelRatio);
 

@@ -41,7 +41,7 @@ LaplacianDragTool::~LaplacianDragTool() {
   }
 }
 
-/// Reports exceptions as messages: Qt must not see those of a button or of the worker's results.
+/// Reports exceptions as messages, since functions that Qt calls must not throw.
 void LaplacianDragTool::guarded(const std::function<void()>& call) {
   try {
     call();
@@ -84,7 +84,7 @@ bool LaplacianDragTool::start() {
     return on_;
   }
   shared_->begin(*this, window_.document(), layer->id);
-  // By name: the address of MeshLab's signal differs between versions.
+  // Connect by name, since the address of MeshLab's signal differs between versions.
   connect(window_.document(), SIGNAL(meshSetChanged()), this, SLOT(layersChanged()),
           static_cast<Qt::ConnectionType>(Qt::QueuedConnection | Qt::UniqueConnection));
   shared_->forgetGone();
@@ -152,7 +152,7 @@ void LaplacianDragTool::sessionGone() {
   offered_ = -1;
 }
 
-/// MeshLab sends no other signal when the last layer is deleted.
+/// Ends the session of a deleted layer. MeshLab sends no other signal when the last layer is deleted.
 void LaplacianDragTool::layersChanged() {
   if (active_ && !window_.layer(layer_)) {
     shared_->forget(layer_);
@@ -171,7 +171,7 @@ void LaplacianDragTool::leaveCanvas() {
   on_ = false;
 }
 
-/// Keeps applied steps and cancels a drag in progress. @param forGood  false: another view goes on with the session
+/// Keeps applied steps and cancels a drag in progress. @param forGood  false: another view continues the session
 void LaplacianDragTool::leaveLayer(bool forGood) {
   disconnect(&shared_->panel(), nullptr, this, nullptr);
   const auto layer = layer_ >= 0 ? window_.layer(layer_) : std::nullopt;
@@ -232,7 +232,7 @@ std::optional<Layer> LaplacianDragTool::usableLayer() {
   return layer && layer->id == layer_ && layer->visible ? layer : std::nullopt;
 }
 
-/// Reads a piece of the layers to snap to, and goes on after the events that are there.
+/// Reads a piece of the layers to snap to, and continues after pending events.
 void LaplacianDragTool::readOthers() {
   if (active_ && active_->session().tools().snaps && !readQueued_ && others_.read(window_.layers(), layer_)) {
     readQueued_ = true;

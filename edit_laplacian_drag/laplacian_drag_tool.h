@@ -90,13 +90,13 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   Overlay overlay_;
   LinePicture linePicture_;
   struct Shown {
-    bool warning = false;  // in colours, until there is no warning
+    bool warning = false;  // whether colours show the warning, until there is none
     bool keys = false;
   } shown_;
   int offered_ = -1;  // layer that a press on the notice switches to
   bool on_ = false;
   QString nothing_;                                          // reason why there is no session
-  Eigen::Vector3i refused_ = Eigen::Vector3i::Constant(-1);  // layer, vertices and faces that had that reason
+  Eigen::Vector3i refused_ = Eigen::Vector3i::Constant(-1);  // id, vertices and faces of the layer with that reason
   QString notice_;                                           // shown until the next event or mouse move
 
   lapedit::Camera view_;
@@ -106,7 +106,7 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
     Qt::KeyboardModifiers modifiers;
     Qt::MouseButton navigating = Qt::NoButton;  // held for MeshLab's navigation
     bool pressed = false, moved = false;
-    bool asks = false;    // beside the layer: is another one there?
+    bool asks = false;    // a press missed the layer: draw() looks for another one there
     bool inside = false;  // over the canvas, no button held
   } mouse_;
 
@@ -117,5 +117,5 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   bool repaintQueued_ = false;
 
   int layer_ = -1;
-  LayerSession* active_ = nullptr;  // of the layer; shared_ keeps it
+  LayerSession* active_ = nullptr;  // session of the layer, which shared_ owns; null: none
 };

@@ -18,7 +18,7 @@ class LayerSession {
   bool matches(const CMeshO& mesh) const { return writer_.matches(mesh); }
   /// As matches(), for some vertices only: O(1).
   bool seemsToMatch(const CMeshO& mesh) const { return writer_.seems_to_match(mesh); }
-  /// To be called when the tool is left. wasLeftLike() then returns whether the mesh is still the same, normals
+  /// Call it when the tool is left. wasLeftLike() then returns whether the mesh is still the same, normals
   /// included, which a filter may have recomputed.
   void leave(const CMeshO& mesh) { normalsLeft_ = hashOfNormals(mesh); }
   bool wasLeftLike(const CMeshO& mesh) const { return matches(mesh) && hashOfNormals(mesh) == normalsLeft_; }

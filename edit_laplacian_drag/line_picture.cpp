@@ -14,8 +14,8 @@ using namespace lapedit;
 namespace {
 
 constexpr int kWidest = 760, kMargin = 10, kPadding = 7, kFontPixels = 12;
-constexpr int kClearance = 30;       // pixels around places that the line avoids
-constexpr int kLinesOfMeshLab = 90;  // pixels at the bottom
+constexpr int kClearance = 30;       // pixels around positions that the line avoids
+constexpr int kLinesOfMeshLab = 90;  // height in pixels of MeshLab's own lines at the bottom
 
 QColor colorOf(const pen::Color& color, int alpha = 255) {
   return QColor(color[0], color[1], color[2], alpha);
@@ -112,7 +112,7 @@ QImage pictureOfKeys(double pixelRatio) {
   return image;
 }
 
-/// @param corner  upper left, pixels of the view; the coordinates are these
+/// Draws an image. The current coordinates have to be pixels of the view. @param corner  upper left
 void put(const QImage& image, const QPointF& corner) {
   // OpenGL draws nothing if the raster position is outside the view.
   glRasterPos2d(std::max(corner.x(), 0.0), std::max(corner.y(), 0.0));

@@ -8,13 +8,13 @@
 #include <QString>
 #include <QVector>
 
-/// The line over the picture, and the table of keys. Draws with the present OpenGL context, in the pixels of the view.
+/// The line over the picture, and the table of keys. Draws with the current OpenGL context, in pixels of the view.
 class LinePicture {
  public:
   struct Line {
     QString text;      ///< what happens, or what the next click does
     QString warning;   ///< shown in another colour; empty: none
-    QString position;  ///< what is under the cursor; empty: nothing
+    QString position;  ///< vertex under the cursor; empty: none
     bool operator==(const Line& other) const {
       return text == other.text && warning == other.warning && position == other.position;
     }
@@ -25,7 +25,7 @@ class LinePicture {
   void draw(const Line& line, const QSize& view, double pixelRatio, const QVector<QPointF>& avoid);
   /// Draws the table in the middle of the view.
   void drawKeys(const QSize& view, double pixelRatio);
-  /// Returns where the line was drawn last, in pixels of the view.
+  /// Returns the rectangle of the line that was drawn last, in pixels of the view.
   const QRectF& rectangle() const { return rectangle_; }
 
  private:

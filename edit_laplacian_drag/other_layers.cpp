@@ -96,7 +96,7 @@ void OtherLayers::build() {
     }));
     building_ = true;
   } catch (const std::system_error&) {
-    // No thread is available: nothing is snapped to.
+    // No thread is available: there is no snapping.
   }
 }
 
@@ -112,7 +112,7 @@ std::shared_ptr<const SnapTargets> OtherLayers::targets() {
 void OtherLayers::forget() {
   pieces_.clear();
   targets_ = nullptr;
-  fingerprint_.clear();  // what is being built is not to be used
+  fingerprint_.clear();  // so that read() discards targets that are being built
   next_ = 0;
   reading_ = false;
 }

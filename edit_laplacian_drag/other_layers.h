@@ -11,8 +11,8 @@
 #include "lapedit/session/snap.h"
 #include "lapedit_host/tool/edit_tool.h"
 
-/// The surfaces of the other visible layers, to snap to. They are read a piece at a time on the window's thread, and
-/// their search trees are built on another, so that no event waits.
+/// The surfaces of the other visible layers, to snap to. The window's thread reads them in pieces, and another thread
+/// builds their search trees, so that no event waits.
 class OtherLayers {
  public:
   static constexpr std::size_t kMostAtOnce = 20000;  ///< vertices or faces that one call reads
@@ -20,11 +20,11 @@ class OtherLayers {
   /// @param wake  called, on any thread, when targets() may have changed
   explicit OtherLayers(std::function<void()> wake) : wake_(std::move(wake)) {}
 
-  /// Reads a piece if something is left to be read. Starts again if the layers' number of vertices or transforms have
-  /// changed: nothing else can have, since a filter that changes vertices ends the tool.
+  /// Reads a piece if something is left to be read. Starts again if the layers' numbers of vertices or transforms have
+  /// changed. It need not compare positions, since a filter that changes vertices ends the tool.
   /// @return whether to call again as soon as events have been handled
   bool read(const std::vector<lapedit::host::Layer>& layers, int edited);
-  /// Null until all is ready.
+  /// Returns the surfaces; null until they are ready.
   std::shared_ptr<const lapedit::SnapTargets> targets();
   bool busy() const { return reading_ || building_; }
   void forget();
@@ -34,7 +34,7 @@ class OtherLayers {
     CMeshO* mesh;
     lapedit::Affine toEdited;
     lapedit::TriangleMesh read = {};
-    std::vector<int> number = {};  // of MeshLab's vertices
+    std::vector<int> number = {};  // row in `read` of each of MeshLab's vertices; -1: deleted
     std::size_t faces = 0;
     Eigen::Index vertexRows = 0, faceRows = 0;
   };

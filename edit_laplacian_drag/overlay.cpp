@@ -43,7 +43,7 @@ void drawPivot(const DragSession& session, const Camera& view, double pixelRatio
 
 void drawBrush(const Overlay::Brush& brush, const pen::Color& color, double pixelRatio) {
   pen::rimmed(color, 1.5, pixelRatio, [&] { pen::circle(brush.center, brush.radius); });
-  pen::rimmed(color, 1.5, pixelRatio, [&] {  // adds or takes
+  pen::rimmed(color, 1.5, pixelRatio, [&] {  // plus if it adds, minus if it removes
     const Vector2 across(4, 0), up(0, 4);
     pen::line<Vector2>(brush.center - across, brush.center + across);
     if (!brush.takes) {
@@ -142,7 +142,7 @@ void Overlay::drawGizmoOf(const DragSession& session, const Camera& view, double
   if (!motion) {
     gizmo_ = session.gizmo(view);
   } else if (gizmo_) {
-    // Where it was before the motion: the session would compute the pivot again.
+    // Keep the gizmo where it was before the motion, since the session would recompute the pivot.
     Gizmo held = place_gizmo(gizmo_->center, GizmoAxes::Layer, Vector3::Zero(), view);
     held.axes = gizmo_->axes;
     gizmo_ = held;

@@ -62,7 +62,7 @@ Panel::Panel(QWidget* parent) : QDockWidget("Laplacian Drag", parent), column_(n
   column_->addStretch();
   int widest = 0;
   for (QLabel* const title : titles_) {
-    title->setFont(small);  // not inherited yet
+    title->setFont(small);  // the label has not inherited it yet
     widest = std::max(widest, title->sizeHint().width());
   }
   for (QLabel* const title : titles_) {
@@ -81,7 +81,7 @@ void Panel::setMesh(const TriangleMesh& mesh) {
   const double diagonal = box.isEmpty() ? 0 : box.diagonal().norm();
   size_ = diagonal > 0 ? diagonal : 1;
   defaults_ = settings_for(mesh);
-  history_.shown = -1;  // of another session
+  history_.shown = -1;  // the list shows another session
   middle_ = box.isEmpty() ? Vector3(Vector3::Zero()) : Vector3(box.center());
   const int digits = std::clamp(5 - static_cast<int>(std::floor(std::log10(size_))), 2, 12);
   for (QDoubleSpinBox* length : lengths_) {
@@ -177,8 +177,9 @@ void Panel::setFrames(const std::deque<FrameTimes>& frames) {
   setProperty("laplacian_drag_frames", list);
 }
 
-/// Lets the wheel scroll the panel; it changes a number only after a click on it. Makes Esc close a list or restore a
-/// number: Qt would close the list before MeshLab's shortcut Esc, which would then suspend the tool.
+/// Lets the wheel scroll the panel, unless a click has given the focus to the number under the cursor. Makes Esc close
+/// a list or restore a number: Qt would close the list before MeshLab's shortcut Esc, which would then suspend the
+/// tool.
 bool Panel::eventFilter(QObject* object, QEvent* event) {
   const QEvent::Type type = event->type();
   if (type == QEvent::Wheel && !static_cast<QWidget*>(object)->hasFocus()) {

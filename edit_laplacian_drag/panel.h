@@ -40,7 +40,7 @@ class Panel : public QDockWidget {
   void setCanvas(QWidget* canvas) { canvas_ = canvas; }
   /// @param mesh  its size defines steps, digits and ranges of lengths, its box the mirror planes
   void setMesh(const lapedit::TriangleMesh& mesh);
-  /// Shows the state of a session; null: nothing can be edited.
+  /// Shows the state of a session; null: disables all widgets.
   void show(const lapedit::DragSession* session, const FrameTimes& median);
   Colours colours() const;
   void setColours(Colours colours);
@@ -51,7 +51,7 @@ class Panel : public QDockWidget {
  signals:
   /// Emitted when a value was edited.
   void edited(const Panel::Change& change);
-  /// Emitted when a button was pressed. @param part of its name
+  /// Emitted when a button was pressed. @param part  <part> of its name
   void command(const QString& part);
   /// Emitted when the user closed the panel.
   void closed();
@@ -80,7 +80,7 @@ class Panel : public QDockWidget {
   void addHistory();
   void addView();
 
-  /// Adds the widgets that follow to this group.
+  /// Begins a group, to which later calls add widgets.
   void begin(const char* group, const QString& title, const QString& help, bool open = false);
   void row(const QString& label, QWidget* field);
   void buttons(const std::vector<QPushButton*>& row);

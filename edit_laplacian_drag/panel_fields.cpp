@@ -51,7 +51,7 @@ void Panel::addAdvanced() {
 void Panel::prepare(QWidget& box, const char* part, const QString& help) {
   box.setObjectName(nameOf(part));
   box.setToolTip(help);
-  // Only fields that are typed into take the keyboard from the view.
+  // Only fields for numbers and text take the keyboard from the view.
   auto* const number = qobject_cast<QAbstractSpinBox*>(&box);
   auto* const text = qobject_cast<QLineEdit*>(&box);
   box.setFocusPolicy(number || text ? Qt::ClickFocus : Qt::NoFocus);
@@ -75,7 +75,7 @@ void Panel::giveKeysBack() {
 
 void Panel::change(const Change& change) {
   if (canvas_) {
-    canvas_->setFocus();  // first: show() does not update the field that has the keyboard
+    canvas_->setFocus();  // before the change, since show() does not update a field that has the focus
   }
   emit edited(change);
 }

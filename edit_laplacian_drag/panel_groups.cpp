@@ -15,11 +15,11 @@
 
 using namespace lapedit;
 
-// Panel: groups and their rows, but for the last step and the history.
+// Panel: groups and their rows, except the last step and the history.
 
 namespace {
 
-constexpr int kPlanes = 6;  // to mirror at
+constexpr int kPlanes = 6;  // number of mirror planes in the list
 
 }  // namespace
 

@@ -34,7 +34,7 @@ QString numbersOf(const HandleTransform& motion) {
              : QStringList({text(along.x()), text(along.y()), text(along.z())}).join(", ");
 }
 
-/// Reads what numbersOf() writes. @return false if these are no such numbers; the motion is then the same
+/// Reads what numbersOf() writes. @return false for other texts, without a change of the motion
 bool setNumbers(const QString& text, HandleTransform& motion) {
   QStringList words = text.split(QRegularExpression("[,\\s]+"));
   words.removeAll(QString());
@@ -120,7 +120,7 @@ void Panel::addHistory() {
   history_.list->setFixedHeight(kHistoryRows * history_.list->fontMetrics().lineSpacing());
   connect(history_.list, &QListWidget::itemClicked, this, [this](const QListWidgetItem* item) {
     const auto row = static_cast<std::size_t>(history_.list->row(item));
-    history_.shown = -1;  // the list is filled again, since the session may refuse
+    history_.shown = -1;  // fills the list again, since the session may refuse
     change([row](DragSession& session) { session.go_to(row); });
   });
   form_->addRow(history_.list);

@@ -23,7 +23,7 @@ void chains(const lapedit::Chains& chains, double width, bool opaque) {
 FlatState::FlatState() {
   glPushAttrib(GL_ALL_ATTRIB_BITS);
   glPushClientAttrib(GL_CLIENT_ALL_ATTRIB_BITS);
-  // Buffers that the host left bound would be taken for our arrays.
+  // Otherwise OpenGL would read buffers that MeshLab left bound in place of our arrays.
   if (QOpenGLContext* context = QOpenGLContext::currentContext()) {
     context->functions()->glUseProgram(0);
     context->functions()->glBindBuffer(GL_ARRAY_BUFFER, 0);

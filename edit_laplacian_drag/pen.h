@@ -19,7 +19,7 @@ constexpr Color kDark{18, 18, 22}, kLight{252, 252, 252}, kRed{255, 0, 0}, kGrey
 
 constexpr Color kFree = kSkyBlue, kAnchor = kVermillion;
 
-/// Returns the colour of a handle group, in turn.
+/// Returns the colour of a handle group; colours repeat after five groups.
 inline Color groupColor(std::size_t group) {
   constexpr Color kGroups[] = {kYellow, kPurple, kBlue, kOrange, kGreen};
   return kGroups[group % 5];
@@ -31,7 +31,7 @@ inline Color axisColor(int axis) {
   return kAxes[axis];
 }
 
-/// The colour of a locked axis.
+/// Returns the colour of a locked axis.
 inline Color axisColor(lapedit::AxisLock lock, lapedit::GizmoElement part) {
   return lock == lapedit::AxisLock::Gizmo && lapedit::axis_number(part) >= 0 ? axisColor(lapedit::axis_number(part))
          : lock >= lapedit::AxisLock::X && lock <= lapedit::AxisLock::Z
@@ -69,10 +69,11 @@ void rimmed(const Color& color, double width, double pixelRatio, const Draw& dra
   }
 }
 
-/// Draws lines of the vertex array. Joints of wide lines are filled, which is visible where lines are not opaque.
+/// Draws lines of the vertex array. Fills the joints of wide lines if they are opaque; in other lines the fillings
+/// would be visible.
 void chains(const lapedit::Chains& chains, double width, bool opaque = true);
 
-/// During its lifetime coordinates are pixels from the upper left corner, without a depth test.
+/// Makes coordinates pixels from the upper left corner during its lifetime, without a depth test.
 class InPixels {
  public:
   InPixels(double width, double height);
@@ -81,7 +82,7 @@ class InPixels {
   InPixels& operator=(const InPixels&) = delete;
 };
 
-/// While it lives, OpenGL draws flat colours; afterwards its state is what it was.
+/// Makes OpenGL draw flat colours during its lifetime, and restores its state afterwards.
 class FlatState {
  public:
   FlatState();
@@ -90,7 +91,7 @@ class FlatState {
   FlatState& operator=(const FlatState&) = delete;
 };
 
-/// A circle about a pixel.
+/// Draws a circle about a pixel.
 void circle(const lapedit::Vector2& center, double radius);
 
 }  // namespace pen

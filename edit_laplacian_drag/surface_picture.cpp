@@ -17,7 +17,7 @@ constexpr unsigned kNone = ~0U;
 constexpr double kShift = 0.9993;
 constexpr std::size_t kMostMovingFaces = 12000;
 
-/// Diagonal lines, eight pixels apart.
+/// Returns the stipple of diagonal lines, eight pixels apart.
 const GLubyte* hatch() {
   static const std::array<GLubyte, 128> pattern = [] {
     std::array<GLubyte, 128> bits{};
@@ -92,7 +92,7 @@ unsigned SurfacePicture::number(const Region* region, int vertex) const {
   return position >= 0 ? static_cast<unsigned>(position + (region ? region->size() : 0)) : kNone;
 }
 
-/// O(region + handles).
+/// Sorts vertices and faces into the lists that draw() uses. O(region + handles).
 void SurfacePicture::list(const DragSession& session) {
   const Region* const region = session.shown().region().get();
   regionSerial_ = session.shown().region_serial();
@@ -132,7 +132,7 @@ const std::vector<int>& SurfacePicture::labelled(std::size_t label) const {
   return label < groups_.size() ? groups_[label] : label == groups_.size() ? unconnected_ : held_;
 }
 
-/// Assigns each face to its group, to the anchors' band or to the free part, and finds their outlines.
+/// Assigns each face to its group, to the anchors or to the free vertices, and finds the outlines.
 void SurfacePicture::sortFaces(const DragSession& session, const std::vector<int>& labels) {
   const Region* const region = session.shown().region().get();
   free_ = band_ = Patch();
@@ -152,7 +152,7 @@ void SurfacePicture::sortFaces(const DragSession& session, const std::vector<int
   }
   rim_ = border_of(inside);
   free_.border = band_.faces.empty() ? Chains() : border_of(within);
-  // Faces with a corner outside the region, each once: at its lowest corner outside.
+  // Add faces with a corner outside the region, each once: at its lowest corner outside.
   for (const int v : outside_) {
     const unsigned i = number(region, v);
     for (const int f : session.adjacency().faces[v]) {
@@ -248,8 +248,8 @@ void SurfacePicture::drawRegion(const DragSession& session, const Options& optio
   if (options.colours == Colours::Stretch) {
     drawHeat(session);
   } else if (options.colours != Colours::None) {
-    // During a motion the tint is paler, so that the surface is easier to see. Large regions have none: frames are
-    // faster.
+    // During a motion the tint is paler, so that the surface is easier to see. Large regions have none, since
+    // frames are faster without.
     if (!moving || free_.faces.size() <= 3 * kMostMovingFaces) {
       tint(free_.faces, pen::kFree, moving ? 0.15 : 0.42);
     }
@@ -281,7 +281,7 @@ void SurfacePicture::drawHeat(const DragSession& session) {
   for (std::size_t i = 0; i < stretch.size(); ++i) {
     const pen::Color color = stretchColor(stretch[i]);
     std::copy(color.begin(), color.end(), &heat_[4 * i]);
-    // Unstretched parts are nearly transparent.
+    // Vertices without stretch are nearly transparent.
     heat_[4 * i + 3] = static_cast<unsigned char>(70 + 120 * std::min(std::abs(stretch[i]), 1.0F));
   }
   glEnableClientState(GL_COLOR_ARRAY);
@@ -316,7 +316,7 @@ void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, co
   const bool active = session.selection().moves(given);
   const bool moving = session.motion() != nullptr;
   const bool hovered = given == options.hovered;
-  // There is no pose yet.
+  // Without a pose, draw the group at its target.
   const bool ahead = session.selection().moves(static_cast<int>(group)) && moving &&
                      (!session.shown().region() || !session.preparation().has_preview);
   if (ahead) {

@@ -31,7 +31,7 @@ std::optional<DragKey> sessionKey(const QKeyEvent& event) {
   if (modifiers == Qt::ControlModifier && (key == Qt::Key_Y || key == Qt::Key_C)) {
     return key == Qt::Key_Y ? DragKey::Redo : DragKey::Copy;
   }
-  // On many keyboards brackets take a modifier.
+  // On many keyboards brackets need a modifier.
   if (key == Qt::Key_BracketRight || key == Qt::Key_BracketLeft) {
     return key == Qt::Key_BracketRight ? DragKey::Grow : DragKey::Shrink;
   }
@@ -248,7 +248,7 @@ void LaplacianDragTool::mouseMove(QMouseEvent& event) {
   mouse_.modifiers = event.modifiers();
   mouse_.inside = event.buttons() == Qt::NoButton;
   takeKeys();
-  // While a layer is offered the notice stays: the mouse has to reach it.
+  // While a layer is offered, the notice stays, since the mouse has to reach it.
   if (offered_ < 0 && (mouse_.position - mouse_.noticedAt).manhattanLength() > kNoticePixels) {
     notice_.clear();
     if (active_ && event.buttons() == Qt::NoButton) {
@@ -305,7 +305,7 @@ void LaplacianDragTool::mouseRelease(QMouseEvent& event) {
   }
   if (!usableLayer() || !view_.valid()) {
     if (active_) {
-      active_->session().cancel();  // hidden meanwhile
+      active_->session().cancel();  // the layer was hidden meanwhile
       afterEvent();
     }
     return;
@@ -409,7 +409,7 @@ void LaplacianDragTool::keyPress(QKeyEvent& event) {
   }
 }
 
-/// Shows what a key has switched, where the picture may not show it.
+/// Reports a setting that a key has switched, if the picture may not show it.
 void LaplacianDragTool::saySwitch(DragKey key) {
   const Tools tools = active_->session().tools();
   if (key == DragKey::Curve) {

@@ -32,7 +32,7 @@ Eigen::Matrix4d matrixOf(GLenum which) {
   return matrix;
 }
 
-/// "1, 2, 3"
+/// Returns the position of a vertex as text, such as "1, 2, 3".
 QString positionOf(const TriangleMesh& mesh, int vertex, int digits) {
   QStringList numbers;
   for (int k = 0; k < 3; ++k) {
@@ -41,7 +41,7 @@ QString positionOf(const TriangleMesh& mesh, int vertex, int digits) {
   return numbers.join(", ");
 }
 
-/// Returns about how far a point is from a mesh, by some of its vertices; infinity outside the box of the mesh.
+/// Returns the approximate distance of a point from a mesh, to some of its vertices; infinity outside the mesh's box.
 double distanceAbout(const CMeshO& mesh, const Vector3& point) {
   constexpr std::size_t kSome = 4096;
   double nearest = std::numeric_limits<double>::infinity();
@@ -95,7 +95,7 @@ void LaplacianDragTool::draw() {
     overlay_.draw(session, view_, options);
     glPopMatrix();
     if (window_.suspended() && session.motion()) {
-      // MeshLab's button or menu has suspended the tool. Not from here: nothing can be uploaded while drawing.
+      // MeshLab's button or menu has suspended the tool. Cancel after drawing, since no upload is possible during it.
       QMetaObject::invokeMethod(
           this, [this] { cancelMotion(); }, Qt::QueuedConnection);
     }
@@ -207,7 +207,7 @@ bool LaplacianDragTool::pressLine() {
   return false;
 }
 
-/// Returns whether another layer is seen where a press would take a part of this one.
+/// Returns whether another layer hides the surface that a press would pick.
 bool LaplacianDragTool::isCovered() {
   constexpr double kNearer = 0.002;  // of the depth range; marks are drawn a little before the surface
   constexpr int kAround = 3;         // pixels: a thin part of this layer may be nearer, too
@@ -233,7 +233,7 @@ void LaplacianDragTool::showWarning() {
   }
   const auto layer = usableLayer();
   if (layer && !vertices.empty()) {
-    // The surface around the folds, since they themselves face any direction.
+    // Use the surface around the folds, since folds may face any direction.
     std::vector<int> around = grown(session.adjacency(), grown(session.adjacency(), sorted_set(std::move(vertices))));
     window_.turnTo(layer->transform.topLeftCorner<3, 3>() *
                    mean_normal(session.original(), session.given_adjacency(), around));
@@ -242,8 +242,8 @@ void LaplacianDragTool::showWarning() {
   afterEvent();
 }
 
-/// Offers to switch to another layer whose surface was pressed. The depth of the picture says where that is, so that no
-/// layer is searched.
+/// Offers to switch to another layer whose surface was pressed. Finds the position by the depth of the picture, without
+/// a search in the layers' faces.
 void LaplacianDragTool::offerLayer() {
   const QWidget& canvas = window_.canvas();
   const QPointF at = mouse_.pressedAt;

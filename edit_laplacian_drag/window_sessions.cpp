@@ -73,7 +73,7 @@ void WindowSessions::followProject() {
 
 void WindowSessions::begin(SessionUser& user, QObject* document, int layer) {
   if (user_ && user_ != &user) {
-    // Before the change: the previous user still receives poses.
+    // Before the change, so that the previous user still receives poses.
     user_->handOver(document == document_ && layer == layer_);
   }
   user_ = &user;

@@ -17,9 +17,9 @@ class QMdiArea;
 /// The user of the panel and the sessions, one at a time: the tool in a view.
 class SessionUser {
  public:
-  /// Another user begins, perhaps with the same session, which must not be touched then.
+  /// Called when another user begins. @param sameSession  true: it continues this session, which must not change
   virtual void handOver(bool sameSession) = 0;
-  /// The sessions are about to be deleted and must not be used any more.
+  /// Called before the sessions are deleted: the user must not use them any more.
   virtual void sessionGone() = 0;
   virtual QWidget& canvas() = 0;
   virtual CMeshO* meshOf(int layer) = 0;  ///< null if it was deleted
@@ -53,14 +53,15 @@ class WindowSessions : public QObject {
   // Layers of the user's document.
 
   LayerSession* find(int layer);
-  /// Makes a session, which succeeds the one that there may be. @throws EditError if the mesh cannot be edited
+  /// Makes a session. It replaces an earlier one of the layer, whose settings it keeps. @throws EditError if the mesh
+  /// cannot be edited
   LayerSession& make(int layer, const CMeshO& mesh);
   void forget(int layer);
   /// Deletes sessions of deleted layers.
   void forgetGone();
 
  private:
-  using Key = std::pair<const QObject*, int>;  // numbers of layers are unique in a document
+  using Key = std::pair<const QObject*, int>;  // layer ids are unique in a document
 
   explicit WindowSessions(QWidget& window);
   void forgetDocument(const QObject* document);
