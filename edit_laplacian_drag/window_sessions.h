@@ -17,7 +17,7 @@ class QMdiArea;
 /// The user of the panel and the sessions, one at a time: the tool in a view.
 class SessionUser {
  public:
-  /// Called when another user begins. @param sameSession  true: it continues this session, which must not change
+  /// Called when another user begins. @param sameSession  true: it continues this session, which must not end
   virtual void handOver(bool sameSession) = 0;
   /// Called before the sessions are deleted: the user must not use them any more.
   virtual void sessionGone() = 0;
@@ -53,8 +53,8 @@ class WindowSessions : public QObject {
   // Layers of the user's document.
 
   LayerSession* find(int layer);
-  /// Makes a session. It replaces an earlier one of the layer, whose settings it keeps. @throws EditError if the mesh
-  /// cannot be edited
+  /// Makes a session. It replaces an earlier one of the layer, whose settings and painted vertices it keeps.
+  /// @throws EditError if the mesh cannot be edited
   LayerSession& make(int layer, const CMeshO& mesh);
   void forget(int layer);
   /// Deletes sessions of deleted layers.

@@ -3,13 +3,13 @@
 
 #include "lapedit_host/mesh_edit.h"
 
-/// One handle, one region, typed numbers.
+/// Returns the filter that moves one handle of one region, by numbers.
 lapedit::host::FilterAction laplacianEdit();
 
-/// An edit recorded as JSON, see lapedit/json/edit_script.h.
+/// Returns the filter that replays an edit in JSON, see lapedit/json/edit_script.h.
 lapedit::host::FilterAction laplacianEditReplay();
 
-/// A template is fitted to a scan in another layer.
+/// Returns the filter that fits a template to a scan in another layer.
 lapedit::host::FilterAction laplacianFit();
 
 /// Returns a description of the method for users, HTML.

@@ -16,8 +16,8 @@ namespace {
 enum HandleSource { NearestVertex, SelectedVertices, VertexNumber };
 enum RegionSource { GeodesicRadius, SelectedFaces, WholeComponent };
 
-/// Settings that are parameters, since scripts of MeshLab 2020.09 have to give all parameters; JSON has all settings.
-/// Laplacian and membrane have one more value, with which the method chooses.
+/// The settings that are parameters. They are few, since scripts of MeshLab 2020.09 have to give all parameters; JSON
+/// has all settings. Laplacian and membrane have one more value, which leaves the choice to the method.
 constexpr const char *kMethod = "method", *kLaplacian = "laplacian", *kOrder = "order", *kMembrane = "membrane";
 constexpr int kLaplacianOfMethod = 0;
 constexpr double kMembraneOfMethod = -1;

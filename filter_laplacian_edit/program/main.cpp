@@ -125,11 +125,11 @@ class Job {
     file_ = readMeshFile(options_.input, options_.reader);
     read_ms_ = stopwatch.lap();
     if (file_.mesh.vertices.rows() < 2000) {
-      limit_threads(1);  // to start others takes longer than their work
+      limit_threads(1);  // starting more threads takes longer than their work
     }
 
     if (file_.hasPolygons && (edit.mesh_faces || !edit.connectivity.empty())) {
-      // MeshLab cuts polygons into other triangles for each format: only the vertices are the same.
+      // Compare only the vertices, since MeshLab splits polygons into different triangles for each format.
       edit.mesh_vertices = edit.mesh_vertices.value_or(static_cast<int>(file_.mesh.vertices.rows()));
       edit.mesh_faces.reset();
       edit.connectivity.clear();
@@ -189,7 +189,8 @@ class Job {
     }
   }
 
-  /// Reports are printed before any file is replaced, so that a missing reader is detected first.
+  /// Writes an output and prints its report. run() replaces files afterwards, so that a closed standard output is
+  /// detected first.
   void write(std::size_t k) {
     int shared = 0;
     const std::string bytes = file_.edited(poses_[k], shared);

@@ -26,7 +26,7 @@ constexpr char kHelp[] =
   throw Failure(WrongUsage, sentence + " See --help.");
 }
 
-/// Reads numbers with decimal points, in any locale. @return none if the text is something else
+/// Reads numbers with decimal points, in any locale. @return an empty list for other texts
 std::vector<double> numbers(const std::string& text, char separator) {
   std::istringstream stream(text);
   stream.imbue(std::locale::classic());
@@ -74,7 +74,7 @@ lapedit::Vector3 point(const std::string& text) {
   return {all[0], all[1], all[2]};
 }
 
-/// The words of a command line, sorted.
+/// The words of a command line, separated into options and files.
 struct Words {
   std::map<std::string, std::vector<std::string>> options;  ///< values by name
   std::vector<std::string> files;
@@ -192,9 +192,9 @@ void takeFiles(const Words& words, Options& options) {
   }
 }
 
-/// Refuses names of one file, of which one would be written, but for an output that is the input.
+/// Throws if two names are of one file that the program would write, except an output that replaces the input.
 void refuseSameFiles(const Options& options) {
-  std::map<fs::path, std::pair<std::string, bool>> names;  // what it is, and whether it is written
+  std::map<fs::path, std::pair<std::string, bool>> names;  // role and name, and whether the program writes it
   const auto add = [&](const std::string& role, const std::string& path, bool isWritten) {
     if (path.empty() || path == "-") {
       return;

@@ -8,14 +8,14 @@
 #include "formats/mesh_file.h"
 #include "lapedit/base/types.h"
 
-/// What the command line asks for. Names of files are as given; "-" is a standard stream.
+/// The options of the command line. Names of files are as given; "-" is a standard stream.
 struct Options {
   std::string input, output, edit;
   std::string targets;                    ///< landmarks: `edit` is the file of the points, this that of their targets
   std::string scan;                       ///< --fit: the mesh is fitted to this file; `edit` may be empty
   MeshReader reader = readPly;            ///< for the format of input and output
-  std::vector<lapedit::Vector3> nearest;  ///< only the vertices nearest to these are asked for
-  bool info = false;                      ///< only what the mesh is is asked for
+  std::vector<lapedit::Vector3> nearest;  ///< not empty: prints the nearest vertices, without an edit
+  bool info = false;                      ///< prints a summary of the mesh, without an edit
   std::vector<double> fractions = {1};
   bool numbered = false;  ///< one output per fraction, its number in the name
   std::string report;     ///< empty: none
@@ -27,7 +27,7 @@ struct Options {
   std::vector<std::string> outputs() const;  ///< one name per fraction
 };
 
-/// @param text  gets what is to be printed in place of any work
-/// @return nothing if there is such a text
+/// Reads a command line. @param text  out: the text to print instead of any work
+/// @return none if there is such a text
 /// @throws Failure (WrongUsage)
 std::optional<Options> readOptions(const std::vector<std::string>& arguments, std::string& text);

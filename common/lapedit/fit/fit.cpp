@@ -17,7 +17,7 @@
 namespace lapedit {
 namespace {
 
-constexpr int kStages = 9;  // 2^3 equal ratios of lengths: std::sqrt() gives each the same bits everywhere
+constexpr int kStages = 9;  // 2^3 equal ratios of lengths, which std::sqrt() computes with the same bits everywhere
 
 void validate(const ScanFitSettings& settings) {
   if (!(settings.detail >= 0.003 && settings.detail <= settings.constants.first_length)) {

@@ -110,7 +110,7 @@ void DragSession::set_settings(const DragSettings& settings) {
   const bool new_discs = disc_radius(settings) != disc_radius(before) || settings.falloff != before.falloff;
   const bool new_settings = settings.padding != before.padding || settings.connect_gap != before.connect_gap ||
                             settings.pieces != before.pieces || settings.edit != before.edit;
-  // Changes apply to the last step if it is being solved again.
+  // They change the last step while it is amendable; the radius only if it is being solved again or has a radius.
   if (solver_.amendable() && model_.history.can_undo() &&
       (new_settings || (new_radius && (solver_.in<Amending>() ||
                                        model_.history.steps().back().step.region.kind == RegionSpec::Kind::Radius)))) {

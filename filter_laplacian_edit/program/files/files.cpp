@@ -56,7 +56,7 @@ std::string readFile(const std::string& what, const std::string& path, std::size
 
 MeshFile readMeshFile(const std::string& path, MeshReader reader) {
   std::string bytes = readFile("mesh", path, std::numeric_limits<std::size_t>::max());
-  // No mesh is read from such a text. A binary file may begin in the same way.
+  // The readers find no mesh in such a text. A binary mesh file may begin with the same bytes.
   const bool isUtf16 = bytes.compare(0, 2, "\xFF\xFE") == 0 || bytes.compare(0, 2, "\xFE\xFF") == 0;
   const std::string space = lapedit::space_in_header(bytes.substr(0, 1 << 16));
   std::string why = "it has no vertices";
@@ -119,7 +119,7 @@ OutputFiles::OutputFiles(std::string what, const std::vector<std::string>& paths
 
 OutputFiles::~OutputFiles() {
   while (!files_.empty()) {
-    files_.pop_back();  // the first one last
+    files_.pop_back();  // removes the first one last, since its lock protects the others
   }
 }
 

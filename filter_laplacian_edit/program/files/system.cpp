@@ -48,7 +48,7 @@ int fsync(int file) {
   return _commit(file);
 }
 
-/// An open file cannot be removed.
+/// Needs no lock, since Windows does not remove open files.
 bool lock(int, const fs::path&) {
   return true;
 }
@@ -66,7 +66,7 @@ void takeOver(const fs::path&, const fs::path&) {}
 
 constexpr int kCreate = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC;
 
-/// @return false if another process has the file, or removed it before it was locked, or if it is another user's
+/// Locks a file. @return false if another process has it or removed it before the lock, or if it is another user's
 bool lock(int file, const fs::path& path) {
   struct stat opened = {}, named = {};
   return (::flock(file, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) && ::fstat(file, &opened) == 0 &&
@@ -97,7 +97,7 @@ void takeOver(const fs::path& from, const fs::path& to) {
   }
   mode_t mode = before.st_mode & 0777;
   if (::chown(to.c_str(), before.st_uid, before.st_gid) != 0 && ::chown(to.c_str(), -1, before.st_gid) != 0) {
-    // Permissions of one group are not given to another group; it gets those of all users.
+    // Another group does not get the permissions of this one, but those of all users.
     mode &= ~070 | ((mode & 07) << 3);
   }
   ::chmod(to.c_str(), mode);
@@ -105,7 +105,7 @@ void takeOver(const fs::path& from, const fs::path& to) {
 
 #endif
 
-/// @return null if a file of this name exists, or another process swept it at once
+/// Creates and locks a file. @return null if a file of this name exists, or another process removed it at once
 std::FILE* create(const fs::path& path) {
   const int file = ::open(path.string().c_str(), kCreate, 0600);
   if (file >= 0 && !lock(file, path)) {
@@ -180,7 +180,7 @@ NewFile::NewFile(const fs::path& folder, const NewFile* first) : is_first_(first
 NewFile::~NewFile() {
   std::error_code ignored;
 #ifdef _WIN32
-  close();  // before it can be removed
+  close();  // Windows removes closed files only
 #endif
   if (!path_.empty()) {
     fs::remove(path_, ignored);
@@ -199,11 +199,11 @@ void NewFile::write(const std::string& bytes) {
   if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size() || std::fflush(file_) != 0) {
     fail();
   }
-  if (fsync(::fileno(file_)) != 0 && errno != EINVAL) {  // not on all file systems
+  if (fsync(::fileno(file_)) != 0 && errno != EINVAL) {  // EINVAL: the file system does not support it
     fail();
   }
   if (!is_first_) {
-    close();  // of several thousand files
+    close();  // since there may be thousands of files
   }
 }
 

@@ -5,36 +5,36 @@
 #include <filesystem>
 #include <string>
 
-/// What the program needs of POSIX or Windows beyond the standard library. Errors are std::system_error.
+/// Functions of POSIX or Windows that the standard library lacks. They throw std::system_error.
 namespace lapedit::system {
 
 /// Opens closed standard streams, since the next opened file would otherwise become the standard output; makes them
-/// binary; and lets a write error be reported where a signal would end the program.
+/// binary; and ignores the signals of write errors, so that the program can report the errors.
 /// @return whether the standard output was open
 bool prepareStreams();
 
 /// Returns whether a stream is a terminal on which the cursor moves.
 bool isTerminal(std::FILE* stream);
 
-/// Lets requests to end the program pass, from here on.
+/// Ignores requests to end the program from now on.
 void ignoreRequestsToEnd();
 
 /// A file that is being written beside its target. The first one of a folder is open and locked until it replaces its
-/// target, so that what a killed program has left can be told from what another one is writing.
+/// target, so that other processes can distinguish abandoned files of a killed program from files in use.
 class NewFile {
  public:
-  /// Creates a file that nobody else can read. @param first  the first file of the same folder; null: this is the first
-  /// one, and abandoned files of the same user and machine are removed
+  /// Creates a file that no other user can read. @param first  the first file of the same folder; null: this is the
+  /// first one, and abandoned files of the same user and machine are removed
   explicit NewFile(const std::filesystem::path& folder, const NewFile* first = nullptr);
   /// Removes the file unless it has replaced its target.
   ~NewFile();
   NewFile(const NewFile&) = delete;
   NewFile& operator=(const NewFile&) = delete;
 
-  /// Writes all of it and waits until it is on the disk.
+  /// Writes the bytes and waits until they are on the disk.
   void write(const std::string& bytes);
   /// Gives the file the name of its target, whose owner, group and permissions it takes as far as permitted, without
-  /// setuid and setgid bits. The first file goes last.
+  /// setuid and setgid bits. Replace the first file last.
   void replace(const std::filesystem::path& target);
 
  private:
@@ -45,7 +45,7 @@ class NewFile {
   std::FILE* file_ = nullptr;
 };
 
-/// Says why a file cannot be written, and what to do.
+/// Returns why a file cannot be written, and what to do, for a message.
 std::string whyNotWritten(int error);
 
 }  // namespace lapedit::system

@@ -19,12 +19,12 @@ namespace {
 constexpr std::pair<const char*, MeshReader> kReaders[] = {
     {".ply", readPly}, {".obj", readObj}, {".off", readOff}, {".stl", readStl}};
 
-/// Returns a number as its file can hold it.
+/// Returns a number rounded to the precision of its file.
 double stored(NumberKind kind, double number) {
   return isSingle(kind) ? static_cast<double>(static_cast<float>(number)) : number;
 }
 
-/// The new bytes of a file.
+/// Replaces numbers in the bytes of a file.
 class Rewriter {
  public:
   explicit Rewriter(const MeshFile& file) : file_(file), bytes_(file.bytes) {}
@@ -57,7 +57,7 @@ class Rewriter {
   }
 
  private:
-  /// A number of a text, which may get another length.
+  /// A new number in a text file; its length may differ from that of the old one.
   struct Piece {
     std::size_t at, text, size;
   };
@@ -67,7 +67,8 @@ class Rewriter {
   std::vector<Piece> pieces_;
 };
 
-/// Replaces the normals that an edit changes. @return the number of those that it should change and cannot
+/// Replaces the normals that an edit changes. @return the number of normals that it cannot change, since unmoved
+/// vertices use them too
 int replaceNormals(const FileNormals& normals, const Points& points, const Faces& faces,
                    const std::vector<char>& isMoved, Rewriter& rewriter) {
   struct Normal {
@@ -83,7 +84,7 @@ int replaceNormals(const FileNormals& normals, const Points& points, const Faces
     const bool hasAngles = isFaceMoved && !normals.ofFaces && measure({p, q, r}, shape);
     for (int k = 0; k < 3; ++k) {
       const auto n = static_cast<std::size_t>(normals.ofCorner[3 * f + k]);
-      if (n < all.size()) {  // else it has none
+      if (n < all.size()) {  // otherwise the corner has no normal
         ++all[n].corners;
         all[n].moved += normals.ofFaces ? isFaceMoved : isMoved[faces(f, k)];
         if (normals.ofFaces) {

@@ -11,16 +11,16 @@
 #include "lapedit/edit/edit.h"
 #include "lapedit/edit/positions.h"
 
-/// A file is not of its format, or is damaged. what() says why, without a full stop, and where.
+/// Thrown if a file is not of its format, or is damaged. what() says why, without a full stop, and where.
 class UnreadableMesh : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Returns a number with the fewest digits that tell it among those of its precision.
+/// Returns a number with the fewest digits that identify it in its precision.
 std::string shortestText(double number, bool isFloat);
 
-/// How a number is written in a file.
+/// The representation of a number in a file.
 enum class NumberKind : unsigned char { FloatText, DoubleText, Float, Double };
 
 inline bool isSingle(NumberKind kind) {
@@ -39,7 +39,7 @@ struct FileNormals : FileVectors {
   std::vector<int> ofCorner;  ///< triangle corner -> normal; it has none if there is no such normal
 };
 
-/// A mesh file in memory, and where in it the coordinates are. An edit changes these numbers and no other byte.
+/// A mesh file in memory, with the locations of its coordinates. An edit changes these numbers and no other byte.
 struct MeshFile {
   std::string bytes;
   std::string space;  ///< coordinate system that the header names, "RAS" or "LPS"; empty: none
@@ -49,7 +49,7 @@ struct MeshFile {
   bool hasPolygons = false;
   lapedit::SelectedVertices selected;  ///< by MeshLab's flags, which PLY alone can have
   int selectedFaces = 0;               ///< triangles
-  FileVectors positions;               ///< as often as a vertex occurs in the file
+  FileVectors positions;               ///< one per occurrence of a vertex in the file
   std::vector<int> vertices;           ///< occurrence -> vertex; empty: each vertex occurs once, in order
   std::vector<FileNormals> normals;
 
@@ -61,7 +61,8 @@ struct MeshFile {
   std::string edited(const lapedit::EditResult& result, int& sharedNormals) const;
 };
 
-// The readers take the bytes of a whole file. Counts in it take no memory before what they count is there.
+// The readers take the bytes of a whole file. They do not allocate memory for a count in it before they have read what
+// it counts.
 // @throws UnreadableMesh
 MeshFile readPly(std::string bytes);
 MeshFile readObj(std::string bytes);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Wavefront OBJ: the lines v, vn and f; all others are passed over.
+// Wavefront OBJ: the lines v, vn and f; the reader skips all others.
 #include <limits>
 #include <utility>
 
@@ -32,7 +32,7 @@ class ObjReader {
   }
 
  private:
-  /// Returns a number counted from 0, of one that is counted from 1 or backwards from -1.
+  /// Converts a number that counts from 1, or backwards from -1, to one that counts from 0.
   static long long number(const TextReader& reader, std::string_view text, std::size_t count) {
     const long long given = reader.integer(text);
     return given > 0 ? given - 1 : given == 0 ? -1 : static_cast<long long>(count) + given;

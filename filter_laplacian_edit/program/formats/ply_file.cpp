@@ -24,7 +24,7 @@ constexpr Type kTypes[] = {
     {"float", "float32", 4, true, true},   {"double", "float64", 8, true, true},
 };
 
-/// What a property is to this program: a number of a position or a normal, or one of the others.
+/// The meaning of a property for this program: a number of a position or a normal, or one of the others.
 enum Role { X, Y, Z, NormalX, NormalY, NormalZ, Flags, Corners, None };
 
 constexpr const char* kRoles[] = {"x", "y", "z", "nx", "ny", "nz", "flags"};
@@ -41,14 +41,14 @@ struct Element {
   std::size_t count = 0;
   std::vector<Property> properties;
   FileVectors vectors[2];       ///< how positions and normals are written
-  int realNumbers[2] = {0, 0};  ///< of these
+  int realNumbers[2] = {0, 0};  ///< how many of these properties are float or double
 
   bool has(const std::string& property) const {
     return std::any_of(properties.begin(), properties.end(), [&](const Property& p) { return p.name == property; });
   }
 };
 
-constexpr int kSelected = 0x20;  // as MeshLab's flags have it
+constexpr int kSelected = 0x20;  // bit of MeshLab's flags
 
 class PlyReader {
  public:
@@ -83,7 +83,7 @@ class PlyReader {
     if (text_.wordOfLine() != "ply") {
       throw UnreadableMesh("it does not begin with the line ply");
     }
-    // How lines end, since the data may begin with any byte.
+    // Find out how lines end, since the data may begin with any byte.
     const std::size_t more = file().bytes.compare(text_.at() + 3, 2, "\r\n") == 0 ? 1 : 0;
     for (std::string_view word = text_.word(); word != "end_header"; word = text_.word()) {
       if (word == "format") {
@@ -279,7 +279,7 @@ class PlyReader {
     }
   }
 
-  /// Triangles of every three corners, each second one reversed; -1 ends a strip.
+  /// Adds a triangle for every three consecutive corners, each second one reversed; -1 ends a strip.
   void endStrip() {
     std::size_t begin = 0;
     for (std::size_t k = 0; k < corners_.size(); ++k) {
@@ -308,8 +308,8 @@ class PlyReader {
   MeshBuilder mesh_;
   std::vector<Element> elements_;
   bool has_format_ = false, is_text_ = true, has_vertex_normals_ = false, has_face_normals_ = false;
-  std::size_t at_ = 0;  // of binary rows
-  TextReader text_;     // of the header, and of rows in text
+  std::size_t at_ = 0;  // position in binary rows
+  TextReader text_;     // reads the header, and rows in text
 
   // Of the row that was read last.
   std::size_t row_ = 0, number_at_ = 0, positions_[6] = {};

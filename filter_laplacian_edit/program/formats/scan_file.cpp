@@ -10,7 +10,7 @@ using namespace lapedit;
 
 namespace {
 
-/// Reads a binary number. @param bytes  with its size after it
+/// Reads a binary number. @param bytes  at least as many as Bits has
 template <class Bits, class Number>
 double binaryNumber(const char* bytes, bool bigEndian) {
   Bits bits = 0;

@@ -6,6 +6,6 @@
 #include "formats/mesh_file.h"
 #include "lapedit/fit/scan.h"
 
-/// Returns the scan of a file; of one without faces, which only PLY can have, with the normals of its points.
+/// Returns the scan in a file. Without faces, which only PLY allows, it has the normals of the file's points.
 /// @param name  for messages
 lapedit::ScanData scanOf(const MeshFile& file, std::string name);

@@ -23,7 +23,7 @@ struct Triangles {
 
 struct Hash {
   std::size_t operator()(const std::array<double, 3>& position) const {
-    const std::hash<double> hash;  // the same for both zeros
+    const std::hash<double> hash;  // equal for 0 and -0
     return (hash(position[0]) * 31 + hash(position[1])) * 31 + hash(position[2]);
   }
 };
@@ -43,7 +43,7 @@ MeshFile meshOf(std::string bytes, Triangles triangles) {
   }
   for (std::size_t i = 0; i < mesh.file.vertices.size(); i += 3) {
     const int a = mesh.file.vertices[i], b = mesh.file.vertices[i + 1], c = mesh.file.vertices[i + 2];
-    if (a != b && b != c && c != a) {  // MeshLab drops the others
+    if (a != b && b != c && c != a) {  // MeshLab removes the others
       mesh.addPolygon({a, b, c});
       triangles.normals.ofCorner.insert(triangles.normals.ofCorner.end(), {static_cast<int>(i / 3), -1, -1});
     }
@@ -113,7 +113,8 @@ MeshFile readStl(std::string bytes) {
   const std::size_t count = bytes.size() < kHeader ? 0 : bitsAt(bytes, kHeader - 4, 4, false);
   const std::size_t size = kHeader + kTriangle * count;
   const bool isText = is(TextReader(bytes).word().substr(0, 5), "solid");
-  // A binary file may begin as a text does; one that does not may have more bytes at its end.
+  // A binary file may begin with the word solid, too; then its size has to match. Others may have more bytes at the
+  // end.
   if (bytes.size() >= kHeader && (isText ? bytes.size() == size : bytes.size() >= size)) {
     Triangles triangles = readBinary(bytes, count);
     MeshFile file = meshOf(std::move(bytes), std::move(triangles));

@@ -26,7 +26,7 @@ bool convert(std::string_view word, Number& value) {
   const char* const end = word.data() + word.size();
   const auto [stop, error] = std::from_chars(word.data(), end, value);
   if constexpr (std::is_floating_point_v<Number>) {
-    if (error == std::errc::result_out_of_range && stop == end) {  // zero or infinity
+    if (error == std::errc::result_out_of_range && stop == end) {  // gives zero or infinity
       value = static_cast<Number>(std::strtod(std::string(word).c_str(), nullptr));
       return true;
     }
@@ -120,7 +120,7 @@ double TextReader::number(std::string_view word, bool isFloat) const {
 }
 
 long long TextReader::integer(std::string_view word) const {
-  constexpr long long kMost = 1LL << 53;  // a double has all up to here
+  constexpr long long kMost = 1LL << 53;  // a double represents all integers up to here
   long long value = 0;
   if (!convert(word.substr(word.size() > 1 && word[0] == '+' ? 1 : 0), value) || value < -kMost || value > kMost) {
     refuse(word.empty() ? "a whole number is missing" : quoted(word) + " is no whole number here");

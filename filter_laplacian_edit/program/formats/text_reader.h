@@ -20,20 +20,21 @@ class TextReader {
   /// Returns the next word of this line, empty at its end. A backslash at the end of a line continues it.
   std::string_view wordOfLine();
   void skipLine();
-  /// Goes on at a byte.
+  /// Continues at a byte.
   void seek(std::size_t at) { next_ = at; }
   bool isAtEnd() const { return next_ >= bytes_.size(); }
 
-  /// Returns where the last word began.
+  /// Returns the index of the first byte of the last word.
   std::size_t at() const { return at_; }
-  /// Returns the bytes that are left.
+  /// Returns the number of bytes that are left.
   std::size_t left() const { return bytes_.size() - next_; }
 
   /// Converts a word. Text in single precision is rounded once. @throws UnreadableMesh
   double number(std::string_view word, bool isFloat) const;
   long long integer(std::string_view word) const;
 
-  /// Reads three numbers and adds where they begin. @param ofLine  they have to be on this line. @throws UnreadableMesh
+  /// Reads three numbers and adds their locations to `vectors`. @param ofLine  they have to be on this line.
+  /// @throws UnreadableMesh
   void vector(FileVectors& vectors, double* values, bool ofLine = false);
 
   /// @throws UnreadableMesh with the number of the line of the last word
@@ -49,7 +50,7 @@ class TextReader {
 
 /// Returns the bits of a number of 1, 2, 4 or 8 bytes in binary.
 std::uint64_t bitsAt(const std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian);
-/// Returns a real number of 4 or 8 bytes in binary, and writes one.
+/// Reads a real number of 4 or 8 bytes in binary; putReal() writes one.
 double realAt(const std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian);
 void putReal(std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian, double number);
 
