@@ -4,6 +4,6 @@
 #include <QIcon>
 #include <QPalette>
 
-/// Returns the icon of a button or choice of the panel, by its part of the name, in the palette's colours; empty if
+/// Returns the icon of a button or choice of the panel, by <part> of its name, in the palette's colours; empty if
 /// there is none.
 QIcon panelIcon(const QString& part, const QPalette& palette);

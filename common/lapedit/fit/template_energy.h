@@ -20,7 +20,7 @@ namespace lapedit {
 /// semidefinite and includes the rows of the border. All factors reuse the analysis of the first.
 class TemplateEnergy {
  public:
-  /// @param rest  positions of the region's vertices; @param mesh  the same, of all vertices
+  /// @param rest  positions of the region's vertices; @param mesh  the whole mesh with these positions
   TemplateEnergy(const TriangleMesh& mesh, const Region& region, const Points& rest, double size, double membrane,
                  std::shared_ptr<ThreadPool> pool);
 

@@ -25,9 +25,9 @@ struct AppliedStep {
   StepPath path;
 };
 
-/// The handles at a fraction from 0 to 1 of their path. @param rest  the mesh before the step
+/// Returns the handles at a fraction from 0 to 1 of their path. @param rest  the mesh before the step
 std::vector<HandleGroup> path_fraction(const StepPath& path, const TriangleMesh& rest);
-/// The path of a step that is applied as it is.
+/// Returns the path of a step that takes all of it.
 StepPath path_of(const EditStep& step);
 
 /// A mesh and the steps applied to it. Undo restores stored positions, so it is exact to the bit.
@@ -46,7 +46,8 @@ class History {
   const std::vector<AppliedStep>& steps() const { return steps_; }  ///< applied, the oldest first
   bool can_undo() const { return !steps_.empty(); }
   bool can_redo() const { return !undone_.empty(); }
-  /// The steps with counts and connectivity of the mesh: applied to original() by apply_edit() they give mesh().
+  /// Returns the steps with counts and connectivity of the mesh: applied to original() by apply_edit() they give
+  /// mesh().
   Edit recorded() const;
 
   /// Applies a step that was solved, and deletes undone steps. @param after  one row per vertex

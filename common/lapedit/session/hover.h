@@ -39,7 +39,7 @@ struct HoverQuery {
   bool operator==(const HoverQuery& other) const;
 };
 
-/// What a press under the cursor would take. Outlines may be those of a place before, until they are found.
+/// What a press under the cursor would take. Until its outlines are found, it has those of an earlier vertex.
 struct HoverPreview : HoverOutlines {
   enum class Kind {
     Region,  ///< a new region with its handle

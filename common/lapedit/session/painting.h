@@ -10,19 +10,19 @@ namespace lapedit {
 /// The target of the brush.
 enum class BrushTarget { Region, Handle, Anchors };
 
-/// A change of all that is painted of a target.
+/// A change of all painted vertices of a target.
 enum class PaintChange {
   Invert,  ///< of the mesh; of a handle within the region
   Blur,    ///< a smoother outline
   Clear
 };
 
-/// A stroke of the brush over some vertices, ascending: adds to what is painted of a target, or takes away. Handles
-/// stay in a region; fixed vertices are those of later regions, too.
+/// Returns the selection after a stroke of the brush over some vertices, ascending, which adds them to a target or
+/// removes them. Handles stay in a region; fixed vertices hold in later regions, too.
 Choice brushed(const Surface& surface, const Selection& selection, BrushTarget target, const std::vector<int>& patch,
                bool add);
-/// Makes these vertices of the region anchors, with its rim; in any order. Those outside the region, or all if there is
-/// none, are kept for later regions.
+/// Makes the given vertices, in any order, and the region's rim its anchors. Keeps those outside the region, or all if
+/// there is none, for later regions.
 Choice with_anchors(const Surface& surface, const Selection& selection, std::vector<int> vertices);
 /// Makes these vertices, in any order, the active handle.
 Choice with_handle(const Surface& surface, const Selection& selection, std::vector<int> vertices);

@@ -19,8 +19,8 @@ bool isTerminal(std::FILE* stream);
 /// Ignores requests to end the program from now on.
 void ignoreRequestsToEnd();
 
-/// A file that is being written beside its target. The first one of a folder is open and locked until it replaces its
-/// target, so that other processes can distinguish abandoned files of a killed program from files in use.
+/// A file that is being written in the folder of its target. The first one of a folder is open and locked until it
+/// replaces its target, so that other processes can distinguish abandoned files of a killed program from files in use.
 class NewFile {
  public:
   /// Creates a file that no other user can read. @param first  the first file of the same folder; null: this is the
