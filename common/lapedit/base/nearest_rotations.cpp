@@ -6,9 +6,9 @@
 #include "lapedit/base/polar_decomposition.h"
 #include "lapedit/base/simd.h"
 
-// Newton's iteration of nearest_rotation() for eight matrices at a time. Each lane does the operations that Eigen does
-// for one matrix, in the same order and without contraction, so that its bits are the same. Where the iteration does
-// not converge, nearest_rotation() is called.
+// Runs Newton's iteration of nearest_rotation() on eight matrices at a time. Each lane does the operations that Eigen
+// does for one matrix, in the same order and without contraction, so that the results have the same bits. If the
+// iteration does not converge for a matrix, rotate_all() calls nearest_rotation().
 
 namespace lapedit {
 namespace {
@@ -18,14 +18,14 @@ constexpr int kLanes = 8;
 using Lanes = Simd<double, kLanes>::Vector;
 using Mask = Simd<std::int64_t, kLanes>::Vector;
 
-/// Column after column, as in Eigen.
+/// Eight 3 x 3 matrices, one per lane. The entries are stored column by column, as in Eigen.
 struct Matrices {
   Lanes m[9];
 
   LAPEDIT_INLINE Lanes operator()(int row, int column) const { return m[3 * column + row]; }
 };
 
-/// In the order in which Eigen sums nine squares with vectors of two.
+/// Adds the squares in the order in which Eigen sums nine squares with vectors of two.
 LAPEDIT_INLINE Lanes squared_norm(const Matrices& a) {
   const auto square = [&a](int k) LAPEDIT_ALWAYS_INLINE { return a.m[k] * a.m[k]; };
   return (((square(0) + square(2)) + (square(4) + square(6))) + ((square(1) + square(3)) + (square(5) + square(7)))) +
@@ -64,7 +64,7 @@ LAPEDIT_INLINE Lanes determinant(const Matrices& a) {
   return term(0, 1, 2) - term(1, 0, 2) + term(2, 0, 1);
 }
 
-/// @return per lane, whether it has converged
+/// Replaces each matrix by its nearest rotation. @return per lane, whether the iteration has converged
 LAPEDIT_INLINE Mask iterate(Matrices& x) {
   constexpr double kUndetermined = 1e-10, kSafeDeterminant = 1e-4;
   const Lanes size = square_root(squared_norm(x));

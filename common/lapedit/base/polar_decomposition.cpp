@@ -27,10 +27,10 @@ Matrix3 nearest_rotation(const Matrix3& matrix) {
   constexpr double kUndetermined = 1e-10;
   const Matrix3 start = matrix / size + kUndetermined * Matrix3::Identity();
   if (start == start.transpose() && start.llt().info() == Eigen::Success) {
-    return Matrix3::Identity();  // exactly, for vertices that have not moved
+    return Matrix3::Identity();  // positive definite: exactly the identity for vertices that have not moved
   }
-  // Newton's iteration for the polar factor, X <- (g X + X^-T / g) / 2 with g^2 = |X^-T| / |X| (Higham 1986): exact and
-  // fast away from singular matrices; the rest is left to the SVD.
+  // Newton's iteration for the polar factor (Higham 1986) is X <- (g X + X^-T / g) / 2 with g^2 = |X^-T| / |X|. It is
+  // accurate and fast unless the matrix is nearly singular; the SVD handles such matrices.
   constexpr double kSafeDeterminant = 1e-4;
   if (start.determinant() > kSafeDeterminant) {
     Matrix3 x = start;

@@ -13,10 +13,10 @@ namespace {
 
 using Clock = Gate::Clock;
 
-/// Bound of the remembered balance, since the load of a machine changes.
+/// Bound of the remembered balance. It is small, since the load of a machine changes.
 constexpr std::chrono::milliseconds kMemory{2};
-/// The caller works alone for this many times what waiting has cost, so that waiting costs at most 1 / kRest of the
-/// time.
+/// If waiting costs more than helpers save, the caller works alone for kRest times the loss, so that waiting costs at
+/// most 1 / kRest of the time.
 constexpr int kRest = 25;
 
 std::atomic<int> most_threads{std::numeric_limits<int>::max()};
@@ -56,7 +56,7 @@ ThreadPool::ThreadPool(int threads) {
       helpers_.emplace_back([this] { help(); });
     }
   } catch (const std::exception&) {
-    // No memory for its stack, or no permission for another thread: the pool works with the threads that it has.
+    // If the system refuses a thread (no memory for its stack, no permission), the pool works with those that it has.
   }
 }
 
@@ -71,7 +71,7 @@ ThreadPool::~ThreadPool() {
 /// Takes the next piece of a job, if there is one.
 bool ThreadPool::take(std::uint64_t number, int& piece) {
   std::uint64_t ticket = ticket_.load();
-  // The count may already be that of another job; the exchange then fails.
+  // If pieces_ already belongs to another job, the exchange fails.
   while (number_of(ticket) == number && piece_of(ticket) < pieces_.load()) {
     if (ticket_.compare_exchange_weak(ticket, ticket + 1)) {
       piece = piece_of(ticket);
@@ -128,8 +128,8 @@ void ThreadPool::run_alone(int pieces, Function function, const void* context) {
   }
 }
 
-/// Helpers on a free processor save the caller their work; helpers that share a processor with other programs cost the
-/// caller the wait for them.
+/// Compares the time that helpers saved with the time that the caller waited for them. The caller waits long if helpers
+/// share a processor with other programs.
 void ThreadPool::settle_accounts() {
   balance_ = std::min<Clock::duration>(balance_ + Nanoseconds(helped_.exchange(0)) - waited_, kMemory);
   waited_ = {};

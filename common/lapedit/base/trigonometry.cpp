@@ -12,7 +12,7 @@ struct SineCosine {
   double sine, cosine;
 };
 
-/// Computes Taylor's series about the nearest multiple of 90 degrees.
+/// Returns sine and cosine by their Taylor series about the nearest multiple of 90 degrees.
 SineCosine sine_cosine(double degrees) {
   constexpr int kTerms = 11;
   const double within = std::remainder(degrees, 360);

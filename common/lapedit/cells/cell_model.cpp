@@ -11,8 +11,8 @@ namespace {
 
 using Four = Floats4;
 
-/// Where two cells rotate by 180 degrees against each other their sum is short, and the nearest cell's rotation is
-/// used.
+/// If the rotations of two cells differ by 180 degrees, the sum of their quaternions is short. To a sum shorter than
+/// this, the quaternion of the nearest cell is added.
 constexpr double kCancelled = 0.2;
 
 std::vector<double> weights_of(const TriangleMesh& mesh, const Region& region, const EditSettings& settings,
@@ -61,8 +61,8 @@ void CellModel::solve(bool quick) {
   }
 }
 
-/// Computes q = sum_k w_k (q_k . q_0) q_k, blended with the identity by hold_. It does not depend on the signs of
-/// quaternions and has no jumps.
+/// Computes q = sum_k w_k (q_k . q_0) q_k, blended with the identity by hold_. The result is continuous and does not
+/// depend on the signs of the quaternions.
 void CellModel::spread(std::vector<Matrix3>& rotations, ThreadPool& pool) {
   constexpr int kGrain = 1024;
   const auto n = static_cast<int>(hold_.size());
@@ -95,7 +95,8 @@ struct CellModel::Displacing {
   Transform* transforms;
   double* displacement;
 
-  /// p_i + f (sum_k w_k u_k + (R - I)(p_i - sum_k w_k C_k)), f fading to 0 at the region's rim; R as in spread().
+  /// Computes the displacement f (sum_k w_k u_k + (R - I)(p_i - sum_k w_k C_k)) and R - I. The factor f falls to 0 at
+  /// the region's rim; R is as in spread().
   LAPEDIT_INLINE void operator()(int i) const {
     const int* const which = &blend.cells(0, i);
     const float* const weights = &blend.weights(0, i);

@@ -13,7 +13,8 @@
 namespace lapedit {
 namespace {
 
-// Lengths are whole numbers of a step, so that ties are ties however the mesh is rotated, scaled or numbered.
+// Lengths are integer multiples of a step, so that equal lengths stay equal if the mesh is rotated, scaled or
+// renumbered.
 using Steps = std::uint16_t;
 constexpr Steps kSpacing = 60000, kFar = 65535;
 constexpr int kGrain = 4096;
@@ -54,13 +55,13 @@ class Packing {
   const Points& rest_;
   ThreadPool& pool_;
   const int target_;
-  std::vector<int> lone_;  // the vertices of groups that have one, which always have a cell
+  std::vector<int> lone_;  // vertices of one-vertex groups; each has its own cell
   bool all_lone_ = false;
   std::vector<char> rigid_;
-  std::vector<double> depth_;   // inside rigid parts, from their border, model units
-  int free_ = 0;                // vertices
-  bool has_inside_ = false;     // whether there is a rigid part
-  std::vector<float> density_;  // per vertex: 1 over the spacing there, in units of spacing_
+  std::vector<double> depth_;   // of a vertex in a rigid part, from its border, model units
+  int free_ = 0;                // number of vertices that are not rigid
+  bool has_inside_ = false;     // whether a rigid part has vertices inside its border
+  std::vector<float> density_;  // per vertex: spacing_ over the local spacing
   double spacing_ = 0, extent_ = 0;
   Vector3 middle_;
   std::vector<Steps> lengths_;  // per entry of neighbours
@@ -71,11 +72,11 @@ class Packing {
   struct {
     std::vector<int> run;  // vertices at the same distance from the rims of handles
     std::vector<std::int64_t> from_middle;
-    std::vector<std::uint64_t> marks;  // of the surroundings; made when needed
+    std::vector<std::uint64_t> marks;  // hashes of the surroundings; computed when needed
   } ties_;
 };
 
-/// Rigid parts: handle vertices, and anchors at the end of their band or painted ones.
+/// Finds the rigid parts: handle vertices of weight 1, and anchors of depth 1.
 void Packing::find_rigid() {
   const int n = region_.size();
   rigid_.resize(n);
@@ -109,7 +110,7 @@ void Packing::find_rigid() {
   }
 }
 
-/// Sum of area times density^2 over the faces, of all vertices or of those that are not rigid.
+/// Returns the sum of area times density^2 over the faces, for all vertices or for those that are not rigid.
 double Packing::sum_of_cells(bool all) const {
   constexpr int kSums = 8;
   double sums[kSums] = {};
@@ -129,7 +130,7 @@ double Packing::sum_of_cells(bool all) const {
   return std::accumulate(sums, sums + kSums, 0.0);
 }
 
-/// Drops the last bits, which depend on the order of summation.
+/// Rounds away the last bits, which depend on the order of summation.
 double rounded_ratio(double x) {
   constexpr double kBits = 4096;
   int exponent = 0;
@@ -137,22 +138,22 @@ double rounded_ratio(double x) {
   return std::ldexp(std::round(chunk * kBits) / kBits, exponent);
 }
 
-/// In units of a length that scales with the mesh.
+/// Rounds in units of a length that scales with the mesh.
 double Packing::rounded(double length) const {
   const double unit = region_.max_distance > 0 ? region_.max_distance : 1;
   return unit * rounded_ratio(length / unit);
 }
 
-/// Packed seeds that keep a spacing r have 0.72 r^2 of the surface each, and on a mesh whose edges are not much shorter
-/// than r about what r and 0.55 edges would have.
+/// Returns the spacing r at which packed seeds make a number of cells. Each seed covers 0.72 r^2 of the surface or, if
+/// edges of length e are not much shorter than r, about 0.72 (r + 0.55 e)^2.
 double Packing::spacing_for(double sum, double cells, int vertices) const {
   constexpr double kPacked = 0.72, kEdge = 0.55;
   return rounded(std::sqrt(sum / (kPacked * cells)) * (1 - kEdge * std::sqrt(std::min(1.0, cells / vertices))));
 }
 
-/// Cells are as dense as 1 / (d / d_max + 0.2), as far as that makes them no smaller than five vertices. Around handles
-/// of one vertex, which pull the surface to a tip, they get smaller still; inside of what is rigid they grow by 0.7 for
-/// each unit of length.
+/// Chooses a density of cells proportional to 1 / (d / d_max + 0.2), with at least five vertices per cell on average.
+/// If all groups have one vertex, cells near these are smaller, since they pull the surface to a tip. Inside rigid
+/// parts the spacing grows by 0.7 times the depth.
 void Packing::choose_spacing() {
   constexpr double kSoft = 0.2, kTip = 0.11, kAroundTip = 0.5, kInside = 0.7, kVerticesPerCell = 5;
   const int n = region_.size(), free = free_ > 0 ? free_ : n;
@@ -193,7 +194,7 @@ void Packing::measure_edges() {
   });
 }
 
-/// Sorts by the distance from the rims of handles.
+/// Sorts the vertices by their distance from the rims of handles.
 void Packing::sort() {
   constexpr int kBits = kKeyBits / 2;
   constexpr std::uint32_t kMask = (1U << kBits) - 1;
@@ -223,7 +224,7 @@ void Packing::sort() {
 }
 
 std::int64_t Packing::in_steps(double length) const {
-  constexpr double kSteps = 1 << 20, kBetween = 0.3, kMost = 9e18;  // the last is within 64 bits
+  constexpr double kSteps = 1 << 20, kBetween = 0.3, kMost = 9e18;  // kMost fits into 64 bits
   const double steps = spacing_ > 0 ? std::floor(length / spacing_ * kSteps + kBetween) : 0;
   return static_cast<std::int64_t>(std::clamp(steps, -kMost, kMost));
 }
@@ -232,7 +233,7 @@ std::array<std::int64_t, 3> Packing::position(int vertex) const {
   return {in_steps(rest_(vertex, 0)), in_steps(rest_(vertex, 1)), in_steps(rest_(vertex, 2))};
 }
 
-/// Gives each vertex the group on its shortest path, the lower one if both are as near.
+/// Gives each vertex the group on its shortest path to a handle, the lower one if two groups are equally near.
 void Packing::name_groups(std::vector<int>& name) const {
   constexpr std::int64_t kSame = 2;
   const double scale = extent_ > 0 ? kKeys / extent_ : 0;
@@ -257,8 +258,8 @@ std::uint64_t mixed(std::uint64_t x) {  // the end of SplitMix64
   return x ^ (x >> 31U);
 }
 
-/// Marks vertices by the lengths and numbers of the edges around them, which do not depend on the position and
-/// numbering of the mesh: what is left with equal marks is symmetric, or nearly so.
+/// Marks each vertex with a hash of the lengths and number of the edges around it. The hash does not depend on the
+/// position and numbering of the mesh, so vertices with equal marks are symmetric, or nearly so.
 void Packing::mark() {
   constexpr int kRings = 2;
   const IndexLists& neighbours = region_.neighbours;
@@ -300,8 +301,8 @@ void Packing::sort_tied() {
   }
 }
 
-/// Assigns all vertices that are nearer to a seed than to earlier ones. A group does not claim another's vertices: a
-/// cell of two groups that move apart could not follow both.
+/// Assigns to a cell all vertices that are nearer to its seed than to earlier seeds. A seed in a group does not claim
+/// vertices of another group, since a cell of two groups that move apart could not follow both.
 void Packing::claim(int seed, int cell, std::vector<int>& of) {
   const IndexLists& neighbours = region_.neighbours;
   queue_.assign(1, seed);
@@ -323,8 +324,8 @@ void Packing::claim(int seed, int cell, std::vector<int>& of) {
   }
 }
 
-/// Returns the vertex that is alike if there is exactly one, as on a mesh with a plane of symmetry; otherwise -1. Two
-/// such vertices that are near each other begin one cell, so that neither side is preferred.
+/// Returns the other vertex with equal marks if there is exactly one, as on a mesh with a plane of symmetry; otherwise
+/// -1. Two such vertices that are near each other begin one cell, so that neither side is preferred.
 int Packing::mirror_image(std::size_t t) const {
   const auto alike = [this](std::size_t a, std::size_t b) {
     return b < ties_.run.size() && ties_.from_middle[ties_.run[a]] == ties_.from_middle[ties_.run[b]] &&
@@ -366,7 +367,7 @@ int Packing::seed(int most, std::vector<int>& of) {
       }
     }
     if (most > 0 && cells > most) {
-      return cells;  // tried again with a wider spacing
+      return cells;  // pack() tries again with a wider spacing
     }
   }
   return cells;

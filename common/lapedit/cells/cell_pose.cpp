@@ -8,14 +8,14 @@
 namespace lapedit {
 namespace {
 
-/// The number per step is fixed, so that poses change evenly with the handle; converged poses jump.
+/// The number of passes per step is fixed, so that the pose changes evenly with the handle. Converged poses jump.
 struct Passes {
   int per_step, at_the_end;
 };
 constexpr Passes kFull = {5, 20}, kQuick = {1, 8};
-constexpr int kBending = 180;  // more of them at the end, if a limb is bent by a whole revolution
+constexpr int kBending = 180;  // additional passes of the last step if a limb is bent by a whole revolution
 constexpr double kInertia = 0.5;
-constexpr double kSettled = 1e-9;  // of the handles' largest displacement: rotations have converged
+constexpr double kSettled = 1e-9;  // fraction of the handles' largest displacement at which passes have converged
 
 /// Returns the tangent of an eighth of the angle, along the axis: nearly proportional to the angle.
 Vector3 eighth(const Matrix3& rotation) {
@@ -91,8 +91,8 @@ double CellPose::constrain(const GroupPaths& paths) {
   return largest;
 }
 
-/// Rotates each cell, in space, by the groups' rotations in this step, as far as it follows each. So revolutions are
-/// counted, and a part that follows one group alone begins with its rotation.
+/// Rotates each cell by the groups' rotations in this step, in proportion to follow(). This counts whole revolutions. A
+/// cell that follows one group only starts with the rotation of that group.
 void CellPose::follow(const GroupPaths& paths) {
   if (paths.rotations() != group_rotations_) {
     turns_.setZero();
@@ -117,8 +117,9 @@ void CellPose::follow(const GroupPaths& paths) {
   }
 }
 
-/// Cells that are twisted by more than kTwist against their neighbours stay near the rotations that they begin with:
-/// passes would give a limb that is twisted much a neck, where it goes through itself and untwists.
+/// Raises the inertia of cells that are twisted by more than kTwist against their neighbours, so that they keep their
+/// initial rotations. Otherwise the passes would narrow a strongly twisted limb to a neck, where it passes through
+/// itself and untwists.
 void CellPose::resist_twist() {
   constexpr double kTwist = 0.07;  // radians, 4 degrees
   for (int a = 0; a < cells_.count(); ++a) {
@@ -135,11 +136,12 @@ void CellPose::resist_twist() {
   }
 }
 
-/// The number of passes of the last step. A limb that is bent into nearly a ring settles slowly; one that is twisted
-/// must not settle, see resist_twist(). One pass more hardly changes the pose, so that it has no jumps.
+/// Returns the number of passes of the last step. A limb that is bent nearly into a ring converges slowly; a twisted
+/// limb must not converge, see resist_twist(). One pass more hardly changes the pose, so the pose does not jump where
+/// the number changes.
 int CellPose::last_passes(bool quick) const {
-  constexpr double kHalf = 3.14159265358979323846 / 8;  // half a revolution, as turned_ has it
-  constexpr double kTwisted = 0.6, kBent = 0.2;         // shares of the rotation between cells: about their edges
+  constexpr double kHalf = 3.14159265358979323846 / 8;  // half a revolution; turned_ has eighths of angles
+  constexpr double kTwisted = 0.6, kBent = 0.2;         // fraction of the rotation between cells about their edges
   const double most = std::sqrt(turned_.rowwise().squaredNorm().maxCoeff());
   if (quick || most <= kHalf) {
     return quick ? kQuick.at_the_end : kFull.at_the_end;

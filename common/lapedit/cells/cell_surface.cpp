@@ -7,9 +7,9 @@
 
 namespace lapedit {
 
-/// J = sum_b (x_b - x_a) s_ab^T, s_ab = g_ab (sum_b g_ab t t^T)^-1 t, is the gradient of x along the surface at cell a,
-/// t the edges to its neighbours in the tangent plane, g their nearness. A cell whose neighbours are collinear has
-/// none, since rounding errors would keep rotations from converging.
+/// The gradient of x along the surface at cell a is J = sum_b (x_b - x_a) s_ab^T with s_ab = g_ab (sum_b g_ab t t^T)^-1
+/// t, where t is the edge to a neighbour in the tangent plane and g its nearness. A cell whose neighbours are collinear
+/// has no gradient, since rounding errors would keep rotations from converging.
 CellSurface::CellSurface(const RegionCells& cells) : cells_(cells) {
   constexpr double kFlat = 1e-6, kLine = 1e-3;
   nearness_.resize(cells_.neighbours.values.size());

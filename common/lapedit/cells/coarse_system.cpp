@@ -13,10 +13,11 @@ namespace {
 
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
-/// int (grad phi_i)^T T (grad phi_j) over the cells' triangles, T the mean of their cells' tensors per area; edges that
-/// no triangle has take their crossing edges' weight over their length, counted in edges.
+/// Returns the positive semidefinite matrix L_ij, the integral of (grad phi_i)^T T (grad phi_j) over the cells'
+/// triangles. T is the tensor of a triangle's cells per area. If no triangle contains an edge, its weight is that of
+/// the region's edges that cross it, over its length in edges.
 SparseMatrix stiffness_matrix(const RegionCells& cells) {
-  constexpr double kSliver = 0.05;  // twice the area over the longest edge squared: gradients are inaccurate
+  constexpr double kSliver = 0.05;  // twice the area over the longest edge squared; below it, gradients are inaccurate
   const int m = cells.count();
   Triplets entries;
   entries.reserve(9 * cells.triangles.size() + 4 * static_cast<std::size_t>(m));
@@ -61,7 +62,8 @@ SparseMatrix stiffness_matrix(const RegionCells& cells) {
   return matrix;
 }
 
-/// Returns 1 for each group that is wider than its cells, falling to 0 for points, which rotate little around them.
+/// Returns, per group, 1 if it is wider than its cells, falling to 0 for a point, which rotates its surroundings
+/// little.
 Eigen::VectorXd widths(const Region& region, const Points& rest, const RegionCells& cells, int groups) {
   constexpr double kWide = 0.5;  // mean squared distance from the centroid over the area of a cell
   Points centres = Points::Zero(groups, 3);
@@ -90,8 +92,9 @@ Vector3 CoarseSystem::Held::displacement(const GroupPaths& paths) const {
   return paths.displacement(group, mean, offset);
 }
 
-/// Many handle vertices in a cell would over-determine the blend, so their mean is constrained, weighted by squared
-/// weights. A cell of handle vertices only is constrained itself, since its vertices may follow others.
+/// Many handle vertices in a cell would over-determine the blend, so the constraint is on their mean, weighted by
+/// squared weights. If all vertices of a cell are handle vertices, the constraint is on the cell itself, since the
+/// blend at its vertices may depend on other cells.
 void CoarseSystem::hold_handles(const Region& region, const Points& rest, const RegionCells& cells,
                                 const CellBlend& blend, double handle_weight) {
   std::vector<int> vertices;
@@ -141,7 +144,7 @@ CoarseSystem::CoarseSystem(const Region& region, const Points& rest, const Regio
   make_normal(region, rest, cells, settings);
 }
 
-/// M^T N M + c D M + W^2.
+/// Factors the positive definite matrix M^T N M + c D M + W^2.
 void CoarseSystem::make_normal(const Region& region, const Points& rest, const RegionCells& cells,
                                const EditSettings& settings) {
   const int m = cells.count();
@@ -153,7 +156,7 @@ void CoarseSystem::make_normal(const Region& region, const Points& rest, const R
   if (settings.membrane > 0) {
     normal += stretch_.asDiagonal() * operator_;
   }
-  // Anchors, and a tiny weight that keeps the matrix definite for cells without constraints.
+  // Sums squared weights of anchors, and a tiny weight that keeps the matrix positive definite without constraints.
   constexpr double kTrace = 1e-13;
   Eigen::VectorXd anchored = Eigen::VectorXd::Constant(m, kTrace);
   for (int i = 0; i < region.size(); ++i) {
@@ -186,7 +189,8 @@ void CoarseSystem::make_normal(const Region& region, const Points& rest, const R
   factorise_for(region, [&] { normal_ = std::make_unique<SparseCholesky>(normal, CholeskyBackend::Eigen); });
 }
 
-/// (L + D W^2) phi_g = D W_g^2. L has no positive weights beside its diagonal, so it is definite for all operators.
+/// Solves (L + D W^2) phi_g = D W_g^2. Positive off-diagonal entries of L are set to 0 and its diagonal is recomputed,
+/// so the matrix is positive definite for all operators.
 void CoarseSystem::make_follow(const RegionCells& cells, int groups, const Eigen::VectorXd& squared_weights) {
   follow_.setZero(cells.count(), groups);
   for (const Held& one : held_) {
@@ -201,7 +205,7 @@ void CoarseSystem::make_follow(const RegionCells& cells, int groups, const Eigen
     }
     matrix.coeffRef(c, c) = sum;
   }
-  matrix.makeCompressed();  // a cell alone had no entry
+  matrix.makeCompressed();  // a cell without neighbours had no entry
   SparseCholesky factor(matrix, CholeskyBackend::Eigen);
   Points three = Points::Zero(cells.count(), 3);
   for (int g = 0; g < groups; g += 3) {
@@ -212,11 +216,11 @@ void CoarseSystem::make_follow(const RegionCells& cells, int groups, const Eigen
   }
 }
 
-/// Forces pass where follow() has slopes.
+/// Numbers the loose parts: connected cells without constraints where follow() is nearly constant, so no forces pass.
 void CoarseSystem::find_loose(const RegionCells& cells, double size, const Eigen::VectorXd& squared_weights) {
   constexpr double kSlope = 0.4;  // over the region's size
   constexpr double kFree = 1e-6;
-  constexpr int kFew = 40;  // with which rotations converge anyway, and cells around a limb are collinear
+  constexpr int kFew = 40;  // with fewer cells, rotations converge anyway, and cells around a limb are collinear
   const Eigen::RowVectorXd largest = follow_.colwise().maxCoeff().cwiseMax(1e-300);  // less than 1 for weak groups
   const Eigen::MatrixXd follow = follow_ * largest.cwiseInverse().asDiagonal();
   std::vector<char> is_loose(cells.count());

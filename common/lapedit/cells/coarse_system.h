@@ -15,10 +15,10 @@ namespace lapedit {
 /// slowly.
 ///
 /// L is the operator's stiffness matrix on the cells' triangles, symmetric positive semidefinite. It is assembled with
-/// linear elements, in which gradients cost as much as on the region's own edges. M = D^-1 L, where D has the sums of
-/// weights; each row counts once per vertex of its cell. A membrane adds c L, see membrane_factor(). Anchors are
+/// linear elements, in which gradients have the same energy as on the region's edges. M = D^-1 L, where D has the sums
+/// of weights; each row counts once per vertex of its cell. A membrane adds c L, see membrane_factor(). Anchors are
 /// constraints of their cells; handles are weighted rows of the blend, one per cell and group, at the mean of the
-/// group's vertices in the cell. The order is 1, also where the region's is higher.
+/// group's vertices in the cell. The order is 1 even if the settings ask for a higher one.
 class CoarseSystem {
  public:
   /// The constraint of one handle group on one cell.
@@ -47,7 +47,7 @@ class CoarseSystem {
   int loose_parts() const { return 1 + *std::max_element(loose_.begin(), loose_.end()); }
 
   /// Solves (M^T N M + c L + W^2) x = right, cells x 3, N the cells' numbers of vertices; c L = c D M. The matrix is
-  /// symmetric positive definite. Nothing is allocated after the first call.
+  /// symmetric positive definite. Only the first call allocates memory.
   void solve(const Points& right, Points& x) { normal_->solve(right, x); }
   /// M = D^-1 L.
   const SparseMatrix& differential_operator() const { return operator_; }

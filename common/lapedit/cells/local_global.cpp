@@ -25,7 +25,7 @@ LAPEDIT_INLINE Doubles4 three(const double* from) {
 // Sums over the edges between cells read points and matrix columns four numbers at a time and add them in a fixed
 // order, so that the bits are the same on every processor.
 
-/// C_a = sum_b g_ab (P1_b - P1_a)(P0_b - P0_a)^T with the term of the normal, see the class.
+/// Computes C_a = sum_b g_ab (P1_b - P1_a)(P0_b - P0_a)^T and adds the term of the normal, see LocalGlobal.
 struct LocalGlobal::Covariances {
   const RegionCells& cells;
   const CellSurface& surface;
@@ -60,7 +60,7 @@ struct LocalGlobal::Covariances {
   }
 };
 
-/// sum_b ((R_a + R_b) / 2 - I) e_ab, e_ab = -M_ab (C_a - C_b).
+/// Computes sum_b ((R_a + R_b) / 2 - I) e_ab, where e_ab = -M_ab (C_a - C_b).
 struct LocalGlobal::Rotated {
   const Rotating& from;
   double* to;
@@ -102,7 +102,7 @@ LocalGlobal::LocalGlobal(const RegionCells& cells, const CellSurface& surface, c
 void LocalGlobal::start(const Points& rigid, const std::vector<Matrix3>& linear, bool hangs) {
   loose_.resize(hangs ? system_.loose_parts() : 0);
   if (rigid_.rows() == rigid.rows() && rigid_ == rigid && linear_ == linear) {
-    return;  // in a drag this is the rest pose in every frame
+    return;  // in a drag, `rigid` is the rest pose in every frame
   }
   rigid_ = rigid;
   linear_ = linear;
@@ -194,7 +194,7 @@ LocalGlobal::Outcome LocalGlobal::settle(const Points& constraints, double accur
       continue;
     }
     outcome.left = (next_ - displacement).rowwise().norm().maxCoeff();
-    // Rotations are fitted to an extrapolated pose, which saves several passes.
+    // fit() reads an extrapolated pose, which saves several passes.
     displacement = next_ + kCellFit.momentum * (next_ - result_);
     result_.swap(next_);
     if (!(outcome.left >= accurate)) {

@@ -36,11 +36,10 @@ class LocalGlobal {
 
   /// Alternates global and local steps, beginning with a global one.
   /// @param constraints   the right-hand side of CoarseSystem::solve() without rotations
-  /// @param accurate      change of positions, model units, below which it ends
+  /// @param accurate      change of positions, model units, below which the passes end
   /// @param most_passes   largest number of global steps
   /// @param displacement  out: the solution
-  /// @param rotations     in: those of the first global step; out: the last ones
-  /// Nothing is allocated after the first call.
+  /// @param rotations     in: those of the first global step; out: the last ones Only the first call allocates memory.
   Outcome settle(const Points& constraints, double accurate, int most_passes, Points& displacement,
                  std::vector<Matrix3>& rotations);
 

@@ -17,7 +17,7 @@ namespace {
 
 using Four = Floats4;
 
-constexpr int kChunks = 8;  // of sums
+constexpr int kChunks = 8;  // of faces and edges; fixed, so that sums do not depend on the number of threads
 
 Points centroids(const std::vector<int>& of, const Points& rest, int count, std::vector<double>& sizes) {
   Points centres = Points::Zero(count, 3);
@@ -55,7 +55,7 @@ void reach_borders(const Region& region, const Points& rest, RegionCells& cells)
 
 // --- Sums over cells -------------------------------------------------------------------------------------------------
 
-/// Contributions of one part of the region's faces and edges to the cells.
+/// Contributions of one chunk of the region's faces and edges to the cells.
 struct PartialSums {
   std::vector<double> area, weight;
   Points normals;
@@ -162,7 +162,8 @@ void CellSums::merge(std::vector<PartialSums>& chunks) {
   cells_.triangles.erase(std::unique(cells_.triangles.begin(), cells_.triangles.end()), cells_.triangles.end());
   constexpr double kLeast = 1e-6;
   for (int c = 0; c < m; ++c) {
-    // For cells of obtuse or flat faces only, where the operator has the umbrella's rows.
+    // This raises the weight only in cells of obtuse or flat faces, where the operator has rows of the umbrella
+    // operator.
     cells_.weight[c] = std::max(cells_.weight[c], kLeast * cells_.vertices[c]);
   }
 }
@@ -199,7 +200,7 @@ void CellSums::take() {
 
 // --- Blending --------------------------------------------------------------------------------------------------------
 
-/// Each cell with its neighbours and theirs.
+/// Returns, for each cell, the cell, its neighbours and their neighbours, ascending.
 IndexLists two_rings(const RegionCells& cells) {
   IndexLists result;
   std::vector<int> row;
@@ -217,8 +218,8 @@ IndexLists two_rings(const RegionCells& cells) {
   return result;
 }
 
-/// Returns the squared reach of each cell, scaled: 4/3 of the distance to its neighbours' centres, and at least all of
-/// its vertices.
+/// Returns the squared reach of each cell, scaled: 1.35 times the mean distance to its neighbours' centres, and at
+/// least 1.1 times the distance to its farthest vertex.
 std::vector<float> squared_reaches(const RegionCells& cells, const Points& rest, double scale) {
   constexpr double kBeyondNeighbours = 1.35, kBeyondVertices = 1.1;
   std::vector<double> squared(cells.count(), 0);
@@ -240,13 +241,14 @@ std::vector<float> squared_reaches(const RegionCells& cells, const Points& rest,
   return result;
 }
 
-/// Weights (1 - t^2 / T^2)^2 at the distance t from a cell, T the cell's reach, made to reproduce linear functions of
-/// the cells' centres as far as those spread: w_k (1 + c (e_k - e)), e_k = C_k - p, e their mean, c = -S^-1 e.
+/// Computes blend weights. A cell of reach T has the weight w = (1 - t^2 / T^2)^2 at the distance t. The weights are
+/// corrected to reproduce linear functions along the surface: w_k (1 + c . (e_k - e)) with e_k = C_k - p, e their mean,
+/// S their covariance (positive definite after regularisation) and c = -S^-1 e.
 class Weigher {
  public:
   Weigher(const RegionCells& cells, const Points& rest);
 
-  /// @param to,weights  kReach of each
+  /// @param to,weights  out: CellBlend::kReach cells, and their weights
   void operator()(const Vector3& position, int cell, int* to, float* weights) const;
 
  private:
@@ -264,7 +266,7 @@ class Weigher {
   int reaching(Four position, int cell, Reaching* found) const;
 
   const RegionCells& cells_;
-  double scale_;  // a power of two by which lengths are near 1, so that squares fit into single precision
+  double scale_;  // power of two that scales lengths to about 1, so that single precision holds their squares
   std::vector<int> offsets_;
   std::vector<Candidate> candidates_;  // each cell with its neighbours and theirs
 };
@@ -285,7 +287,7 @@ Weigher::Weigher(const RegionCells& cells, const Points& rest) : cells_(cells) {
   }
 }
 
-/// At most kReach cells; those with the smallest weights are dropped.
+/// Finds the cells that reach a position, at most the kReach with the largest weights. @return their number
 int Weigher::reaching(Four position, int cell, Reaching* found) const {
   int count = 0;
   for (int k = offsets_[cell]; k < offsets_[cell + 1]; ++k) {
@@ -300,7 +302,7 @@ int Weigher::reaching(Four position, int cell, Reaching* found) const {
     std::transform(found, found + count, weights, [](const Reaching& one) { return one.weight; });
     std::nth_element(weights, weights + CellBlend::kReach, weights + count, std::greater<>());
     const float least = weights[CellBlend::kReach];
-    // The kept cells stay in their order, as libraries partition differently.
+    // Keeps the cells in their order, since standard libraries partition differently.
     auto ties = CellBlend::kReach -
                 std::count_if(weights, weights + CellBlend::kReach, [least](float weight) { return weight > least; });
     int kept = 0;
@@ -316,7 +318,7 @@ int Weigher::reaching(Four position, int cell, Reaching* found) const {
 }
 
 void Weigher::operator()(const Vector3& position, int cell, int* to, float* weights) const {
-  constexpr double kFlat = 0.03;  // of the spread: smaller directions are not along the surface
+  constexpr double kFlat = 0.03;  // fraction of the spread: a direction with less is not along the surface
   constexpr float kTrace = 1e-12F;
   Reaching near[kRoom];
   int count = reaching(floats4(scale_ * (position - cells_.centres.row(cell).transpose())), cell, near);
@@ -354,7 +356,7 @@ void Weigher::operator()(const Vector3& position, int cell, int* to, float* weig
     matrix.diagonal().array() += kFlat * size;
     correction = floats4(Vector3(-(matrix.inverse() * middle)));
   }
-  constexpr float kLeast = -0.5F, kMost = 2.5F;  // beyond, the cells surround the position badly
+  constexpr float kLeast = -0.5F, kMost = 2.5F;  // beyond these, the cells surround the position badly
   float total = 0;
   for (int k = 0; k < CellBlend::kReach; ++k) {
     const Reaching& from = near[k < count ? k : 0];
@@ -363,7 +365,7 @@ void Weigher::operator()(const Vector3& position, int cell, int* to, float* weig
     weights[k] = std::clamp(1 + along[0] + along[1] + along[2], kLeast, kMost);
     total += k < count ? weights[k] * from.weight : 0.0F;
   }
-  // What the limits took away is added to all, since a division could be one by nearly zero.
+  // Adds the amount that clamping removed to all weights. Dividing by their sum could divide by nearly zero.
   for (int k = 0; k < CellBlend::kReach; ++k) {
     weights[k] = k < count ? (weights[k] + (1 - total)) * near[k].weight : 0.0F;
   }
