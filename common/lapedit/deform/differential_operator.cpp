@@ -12,7 +12,7 @@
 namespace lapedit {
 namespace {
 
-constexpr double kEquilateralWeight = 0.57735026918962576;  // 1 / sqrt(3) = cot 60 degrees, both sides halved and added
+constexpr double kEquilateralWeight = 0.57735026918962576;  // 1 / sqrt(3) = cot 60 degrees: half of it from each side
 constexpr double kLargestCotangent = 1e3;                   // a corner of 0.06 degrees
 constexpr double kNoArea = 1e-10;                           // twice the area over the longest edge squared
 
@@ -26,8 +26,8 @@ Eigen::VectorXd sums_of(const Region& region, const std::vector<double>& weights
   return sums;
 }
 
-/// M of the paper's equation (1) and section 3, from one non-negative weight w_ji per entry of region.neighbours:
-/// m_jj = 1, m_ji = -alpha_ji = -w_ji / sum_k w_jk; each row with neighbours has a positive sum.
+/// Returns M of Lipman et al. 2004, equation (1) and section 3, from one non-negative weight w_ji per entry of
+/// region.neighbours: m_jj = 1, m_ji = -alpha_ji = -w_ji / sum_k w_jk; each row with neighbours has a positive sum.
 SparseMatrix from_weights(const Region& region, const std::vector<double>& weights, const Eigen::VectorXd& sums) {
   const IndexLists& neighbours = region.neighbours;
   Eigen::SparseMatrix<double, Eigen::RowMajor, int> rows(region.size(), region.size());
@@ -51,7 +51,7 @@ SparseMatrix from_weights(const Region& region, const std::vector<double>& weigh
   return rows;
 }
 
-/// Geometry of a face whose area is large enough to define angles, per corner, with the lengths of the opposite edges.
+/// The angles of a face whose area is large enough to define them, per corner, and the lengths of the opposite edges.
 struct Angles {
   bool usable = false;  ///< false also if a corner is NaN
   double twice_area = 0;
@@ -77,14 +77,14 @@ struct Angles {
   double cotangent(int corner) const {
     return std::clamp(products[corner] / twice_area, -kLargestCotangent, kLargestCotangent);
   }
-  /// tan(angle / 2) = |a x b| / (|a| |b| + a . b)
+  /// Returns tan(angle / 2) = |a x b| / (|a| |b| + a . b).
   double half_tangent(int corner) const {
     return twice_area / (lengths[(corner + 1) % 3] * lengths[(corner + 2) % 3] + products[corner]);
   }
 };
 
-/// Calls use(e, b) for each edge: its entries in the row of the lower vertex and in that of the higher one. As rows are
-/// ascending, the latter entries of each row follow each other.
+/// Calls use(e, b) for each edge, where e is its entry in the row of the lower vertex and b that in the row of the
+/// higher one. Rows are ascending, so each row lists its lower vertices first, in the order of this loop.
 template <class Use>
 void each_edge(const IndexLists& neighbours, const Use& use) {
   std::vector<int> next(neighbours.offsets.begin(), neighbours.offsets.end() - 1);
@@ -156,7 +156,7 @@ class EdgeSums {
   std::vector<int> local_;  // of a mesh vertex
 };
 
-/// w_ji = (cot a + cot b) / 2, a and b the angles opposite to edge ji.
+/// Returns w_ji = max(0, (cot a + cot b) / 2), where a and b are the angles opposite to edge ji.
 EdgeWeights cotangent_weights(const Region& region, const TriangleMesh& mesh, ThreadPool& pool) {
   const IndexLists& neighbours = region.neighbours;
   EdgeWeights result =
@@ -181,7 +181,7 @@ EdgeWeights cotangent_weights(const Region& region, const TriangleMesh& mesh, Th
   return result;
 }
 
-/// Both directions of each edge take the larger weight.
+/// Sets both directions of each edge to the larger of their weights.
 void make_symmetric(const IndexLists& neighbours, std::vector<double>& weights) {
   each_edge(neighbours,
             [&weights](int e, int back) { weights[e] = weights[back] = std::max(weights[e], weights[back]); });
@@ -199,12 +199,13 @@ double mean_edge(const Region& region, const TriangleMesh& mesh) {
   return sum > 0 ? sum / static_cast<double>(region.neighbours.values.size()) : 1;
 }
 
-/// Returns half the tangents of half the angles next to an edge, over its length.
+/// Returns mean value weights (Floater 2003), averaged over both ends of an edge: half the sum of tan(angle / 2) over
+/// the four angles next to it, over its length in mean edges.
 EdgeWeights mean_value_weights(const Region& region, const TriangleMesh& mesh, ThreadPool& pool) {
   constexpr double kRange = 1e3;
   const double unit = mean_edge(region, mesh);
-  // Of two equilateral triangles at an edge: tan 30 degrees twice, over the length; each corner and side contributes a
-  // quarter.
+  // The edge between two equilateral triangles has 2 tan 30 degrees over its length; each of the four angles
+  // contributes a quarter.
   constexpr double kUniform = 2 * kEquilateralWeight;
   EdgeWeights result = EdgeSums(region, pool).sum(mesh, [unit](const Angles& angles, int corner) {
     const double one = angles.half_tangent((corner + 1) % 3), other = angles.half_tangent((corner + 2) % 3);
@@ -217,8 +218,8 @@ EdgeWeights mean_value_weights(const Region& region, const TriangleMesh& mesh, T
   return result;
 }
 
-/// Links have no triangles, and rows of their own hold them (link_rows.h). Here they keep pieces from having no
-/// neighbour at all.
+/// Weakens links, which have no triangles. Separate rows constrain them (link_rows.h); the weak weights only connect
+/// pieces that have no other neighbour.
 void weaken_links(const Region& region, EdgeWeights& weights) {
   constexpr double kLink = 0.03;
   for (const auto& [i, j] : region.links) {

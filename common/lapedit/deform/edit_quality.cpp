@@ -20,14 +20,15 @@ double degrees_of(const Matrix3& rotation) {
   return Eigen::AngleAxisd(rotation).angle() * kDegrees;
 }
 
-/// n . (p - S p)
+/// Returns n . (p - S p) per vertex, where S p is the smoothed position and n its normal.
 Eigen::VectorXd heights(const Region& region, const Points& positions, const Points& smooth) {
   Points normals;
   vertex_normals(smooth, region.faces, normals);
   return (positions - smooth).cwiseProduct(normals).rowwise().sum();
 }
 
-/// Only if triangles flipped: triangles that agree with slowly varying rotations are not folded.
+/// Searches for folds only if triangles flipped, since triangles that agree with slowly varying rotations are not
+/// folded.
 void find_folds(const LaplacianSystem& system, const Points& positions, EditQuality& result) {
   const Region& region = system.region;
   AdviceCauses& causes = result.causes;
@@ -100,13 +101,14 @@ double reduction(const Spread& spread) {
   return std::min(1.0, std::sqrt(ratio));
 }
 
-/// Returns per component the smallest factor of its volume that the constraints ask for: that of a group's map, or that
-/// by which handles and anchors approach each other. Exchanged targets have the spread of the right ones.
+/// Returns, per component, the smallest factor of its volume that the constraints imply: the factor of a group's map,
+/// or that by which handles and anchors approach each other. Exchanging targets does not change their spread.
 std::vector<double> wanted_volumes(const LaplacianSystem& system, const EditConstraints& constraints) {
   const Region& region = system.region;
   const GroupPaths& paths = constraints.paths();
   const std::size_t groups = paths.motions().size();
-  // Each group counts as much as all anchors, whatever the number of vertices. By component, the last for its anchors.
+  // Each group counts as much as all anchors together, whatever its number of vertices. There is one entry per
+  // component and group, and a last one per component for its anchors.
   std::vector<double> counts(region.anchored.size() * (groups + 1), 0);
   const auto slot = [&](int i) {
     const std::size_t group = region.group[i] >= 0 ? static_cast<std::size_t>(region.group[i]) : groups;
@@ -151,7 +153,7 @@ void find_lost_volume(const LaplacianSystem& system, const EditConstraints& cons
   for (int i = 0; i < region.size(); ++i) {
     const int c = region.component[i];
     const double left = before[c].is_body ? after[c].volume / before[c].volume : 1;
-    // What is to become flat may do so from either side.
+    // A component that should become flat may end with a slightly negative volume.
     const double of_wanted = left < 0 ? (left < kInsideOut ? left : 1) : wanted[c] > 0 ? left / wanted[c] : 1;
     if (of_wanted < worst) {
       worst = of_wanted;
@@ -167,8 +169,8 @@ void find_lost_volume(const LaplacianSystem& system, const EditConstraints& cons
 
 }  // namespace
 
-/// C_i = sum_j (x_j - x_i)(p_j - p_i)^T + |.| n' n^T over the edges, averaged; R_i the rotation nearest to (1 - h_i)
-/// C_i + h_i |C_i| I, with h_i = 3 t^2 - 2 t^3 of the depth t in the anchor band.
+/// Averages C_i = S_i + |S_i| n' n^T over neighbours, where S_i = sum_j (x_j - x_i)(p_j - p_i)^T over the edges. R_i is
+/// the rotation nearest to (1 - h_i) C_i + h_i |C_i| I, where h_i = 3 t^2 - 2 t^3 at the depth t in the anchor band.
 std::vector<Matrix3> surface_rotations(const Region& region, const Points& before, const Points& after,
                                        ThreadPool& pool) {
   constexpr int kGrain = 512, kAveragings = 4;
@@ -223,7 +225,7 @@ std::optional<double> detail_height(const LaplacianSystem& system, const Points&
   return all > kFlat * kFlat * reach ? std::optional<double>(found / all) : std::nullopt;
 }
 
-/// |R - S| = 2 sqrt(2) sin(angle / 2)
+/// Uses |R - S| = 2 sqrt(2) sin(angle / 2).
 double largest_rotation(const std::vector<Matrix3>& r, const std::vector<Matrix3>& s, int* at) {
   double largest = 0;
   int found = -1;
@@ -272,7 +274,7 @@ EditQuality edit_quality(const LaplacianSystem& system, const EditConstraints& c
   const EdgeStretch stretch = edge_stretch(region, system.rest.world, positions);
   result.stretch_rms = stretch.rms;
   result.stretch_max = stretch.largest;
-  double scale = 1;  // what is to grow stretches as much
+  double scale = 1;  // a handle that is scaled up stretches the surface as much
   for (const auto& motion : constraints.paths().motions()) {
     scale = std::max(scale, (motion.linear + Matrix3::Identity()).norm() / std::sqrt(3.0));
   }

@@ -132,8 +132,8 @@ std::string advice_on_exchange(const ExchangedLandmarks& exchanged) {
                                  exchanged.exchanged, exchanged.given);
 }
 
-/// Returns advice on rotations that did not settle. The automatic number of passes stops before details have settled,
-/// since more passes flatten limbs; whole parts that still rotate are another matter.
+/// Returns advice on rotations that did not converge. The automatic number of passes stops before details have
+/// converged, since more passes flatten limbs. In this case the advice is only for whole limbs that still rotate.
 std::string advice_on_rotations(const EditReport& report) {
   constexpr double kUnsettled = 10, kUnsettledPart = 45;
   constexpr int kMostPasses = 100;

@@ -12,7 +12,7 @@
 namespace lapedit {
 namespace {
 
-/// The row of a setting that `member` holds.
+/// Returns the table row of the setting that `member` stores.
 template <auto member>
 Setting row(Setting::Kind kind, const char* key, const char* subject, const char* range, double low, double high,
             const char* help, std::vector<const char*> choices = {}) {

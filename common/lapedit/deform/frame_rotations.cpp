@@ -20,8 +20,8 @@ Vector3 unit_or_zero(const Vector3& v, double scale) {
   return v / length;
 }
 
-/// Normalises smoothed normals; where they cancel (a radius beyond a limb's thickness) it takes the
-/// unsmoothed normal.
+/// Normalises smoothed normals. Where they cancel (if the radius exceeds a limb's thickness), uses the unsmoothed
+/// normal.
 void normalise(Points& smoothed, const Points& raw) {
   constexpr double kCancelled = 1e-3;
   for (Eigen::Index i = 0; i < smoothed.rows(); ++i) {
@@ -62,9 +62,10 @@ bool FrameRotations::has_moving_tie(int i, const Vector3& n0, double least) cons
   });
 }
 
-/// Of edges that are as tangential as the best one, on a regular mesh, rounding or numbers would choose. Those that
-/// stay the most tangential count, since their projections are the most reliable: the rotation turns about n1 to their
-/// mean. Weights have no jumps. An edge that alone is the best changes no bit.
+/// On a regular mesh several edges are as tangential as the best one, and rounding or numbering would choose one. So
+/// the rotation is about n1 to the mean of all of them. Edges that stay the most tangential have the largest weights,
+/// since their projections are the most reliable. Weights are continuous. If one edge alone is the best, the result
+/// keeps its bits.
 Matrix3 FrameRotations::blended_ties(int i, const Vector3& n0, const Vector3& n1, double least,
                                      const Matrix3& rotation) const {
   constexpr double kAfter = 0.01;  // difference of cosines

@@ -108,7 +108,8 @@ void GroupPaths::check(const std::vector<HandleMotion>& motions) const {
   }
 }
 
-/// The group's motion is the rigid one that fits the targets best; the remaining offsets are rotated back.
+/// Sets the group's motion to the rigid one that fits the targets best, and its offsets to the remainders, rotated
+/// back.
 void GroupPaths::set_targets(Group& group, const HandleMotion& motion) {
   const auto count = static_cast<Eigen::Index>(group.vertices.size());
   Vector3 mean = Vector3::Zero();
@@ -163,7 +164,7 @@ void GroupPaths::set(const std::vector<HandleMotion>& motions, const Affine& anc
       lead(static_cast<int>(g), leader_[c]);
     }
   }
-  constexpr double kRounding = 1e-9;  // so that 90 degrees are three steps, whatever the rounding
+  constexpr double kRounding = 1e-9;  // so that rounding errors of a length do not add a step
   steps_ = std::clamp(static_cast<int>(std::ceil(std::min<double>(length, kMostSteps) - kRounding)), kLeastSteps,
                       kMostSteps);
   go_to(steps_);
@@ -264,7 +265,7 @@ void GroupPaths::rotate_hanging(std::vector<Matrix3>& rotations) const {
   }
 }
 
-/// Vertices have their squared weights, as in the equations.
+/// Weights vertices by their squared weights, as in the equations.
 LocalMotion GroupPaths::best_fit(int component) const {
   const auto for_vertices = [&](const auto& body) {
     for (const Group& group : groups_) {

@@ -18,7 +18,7 @@ void require_finite(bool finite, const char* what) {
   }
 }
 
-/// x -> L (x - c) + c + t
+/// Returns the map x -> L (x - c) + c + t.
 Affine about(const Matrix3& linear, const Vector3& center, const Vector3& translation) {
   Affine map;
   map.linear() = linear;

@@ -17,11 +17,12 @@
 namespace lapedit {
 namespace {
 
-/// If more steps are needed to reach kAccurate, a factor in single precision does not pay for its memory.
+/// If refinement needs more steps to reach kAccurate, a factor in double precision replaces that in single precision.
 constexpr int kMostForSingle = 3;
 /// Handles of at most this many vertices are kept out of the factor.
 constexpr int kSmallHandle = 8;
-/// Factors of higher orders that take longer are checked before they are made: vertices times the order squared.
+/// Vertices times the order squared, beyond which a factor of higher order takes long: refuse_the_hopeless() checks
+/// first.
 constexpr double kLongFactor = 180000;
 
 bool same_graph(const Region& a, const Region& b) {
@@ -36,7 +37,7 @@ class Preparation {
 
   void make_operator(const TriangleMesh& mesh);
   void weigh();
-  /// Makes the factor, and on a second thread where that helps what the paper's rotations need.
+  /// Makes the factor and, on a second thread where that is faster, the smoothing kernel of the paper's rotations.
   void make_factor_and_kernel();
 
  private:
@@ -54,11 +55,11 @@ class Preparation {
   const LaplacianSystem* previous_;
   bool operator_reused_ = false;
   Eigen::VectorXd factor_weights_;  // w_i^2 of the constraints in the factor
-  WoodburyCorrection kept_out_;     // rows and weights of the others
+  WoodburyCorrection kept_out_;     // rows and weights of the other constraints
   bool order_reused_ = false;
 };
 
-/// M of the paper's section 3, M^k with its membrane, and delta = M p.
+/// Computes M (Lipman et al. 2004, section 3), M^k with its membrane, and delta = M p.
 void Preparation::make_operator(const TriangleMesh& mesh) {
   const EditSettings& settings = s_.settings;
   const bool membrane = settings.membrane > 0;
@@ -97,9 +98,9 @@ void Preparation::make_operator(const TriangleMesh& mesh) {
   }
 }
 
-/// Computes squared weights w_i^2 (paper, sections 3 and 5): w times its factor for a handle, and w d_i / d_max for
-/// an anchor. If the anchors alone make the matrix definite, a small handle is left to a correction of the solution, so
-/// that the next handle can reuse the factor.
+/// Computes squared weights w_i^2 (Lipman et al. 2004, sections 3 and 5): w times its factor for a handle, and w d_i /
+/// d_max for an anchor. If the anchors alone make the matrix positive definite, the factor omits a small handle and a
+/// correction of the solution adds it, so that the next handle can reuse the factor.
 void Preparation::weigh() {
   const Region& region = s_.region;
   s_.squared_weights.resize(region.size());
@@ -141,7 +142,7 @@ void Preparation::make_factor_and_kernel() {
   constexpr int kWorthAThread = 2000;
   const bool has_kernel = s_.settings.method == EditMethod::Paper;
   const bool apart = has_kernel && s_.pool->threads() > 1 && s_.region.size() >= kWorthAThread;
-  // It has its own threads, since the factorisation uses those of the pool.
+  // This pool is separate, since the factorisation uses the threads of s_.pool.
   ThreadPool(apart ? 2 : 1).each(has_kernel ? 2 : 1, [&](int k) {
     const Stopwatch watch;
     if (k == 0) {
@@ -199,10 +200,11 @@ bool Preparation::factorise(bool reuse) {
   refuse_conditioning(s_);
 }
 
-/// With l the smallest eigenvalue of the matrix of order 1, s = l^(k/2) that of the operator of order k, and c the
-/// membrane's weight, the matrix of order k has none below about s^2 + c s. How far the true one is above that differs
-/// much from mesh to mesh: refinement has converged up to u = 2,400 s^2, u the unit roundoff, and failed at 31. So only
-/// what is far beyond all that worked is refused for the price of a factor of order 1, a small part of the other's.
+/// Let l be the smallest eigenvalue of the positive definite matrix of order 1, s = l^(k/2) that of the operator of
+/// order k, c the membrane's weight and u the unit roundoff. No eigenvalue of the matrix of order k is below about s^2
+/// + c s, but the smallest one can be much above this bound: refinement converged on meshes with u up to 2,400 s^2, and
+/// failed on one with 31 s^2. So only matrices far beyond all that converged are refused. The test costs a factor of
+/// order 1, a small fraction of the cost of order k.
 void Preparation::refuse_the_hopeless() const {
   constexpr double kUnitRoundoff = 0x1p-53, kHopeless = 1e4, kHopelessMembrane = 20;
   const int order = s_.settings.order;
@@ -231,7 +233,7 @@ CholeskyOptions Preparation::cholesky_options(bool single_precision) const {
 }
 
 void Preparation::make_factor(bool single_precision) {
-  s_.matrix.reset();  // frees it first, so that there are never two
+  s_.matrix.reset();  // frees the old factor first, so that two never exist at once
   CholeskyOptions options = cholesky_options(single_precision);
   if (order_reused_ && previous_->settings.order == s_.settings.order &&
       previous_->options.backend == s_.options.backend) {
@@ -247,8 +249,8 @@ bool Preparation::same_handles() const {
   return previous_->region.classes == s_.region.classes && previous_->squared_weights == s_.squared_weights;
 }
 
-/// Returns whether solutions converge in the number of steps that the factor's precision allows: those of the handles'
-/// correction, or else of a pull at the handles.
+/// Returns whether solutions converge in the number of steps that the factor's precision allows: the solutions of the
+/// handles' correction, or else that of a displacement of the handles.
 bool Preparation::make_sure() {
   RefinedSolver solver(s_.matrix, nullptr, s_.pool);
   const int most_steps = s_.matrix->cholesky.single_precision() ? kMostForSingle : std::numeric_limits<int>::max();
@@ -268,7 +270,7 @@ bool Preparation::make_sure() {
   return s_.figures.refinements >= 0 && s_.figures.refinements <= most_steps;
 }
 
-/// Makes the smoothing of the paper's section 6.
+/// Makes the kernel that smooths normals (Lipman et al. 2004, section 6).
 void Preparation::make_kernel() {
   const EditSettings& settings = s_.settings;
   s_.normal_radius =

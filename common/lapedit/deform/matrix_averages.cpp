@@ -41,7 +41,7 @@ void MatrixAverages::average(const IndexLists& neighbours, int rounds, ThreadPoo
   const auto count = static_cast<int>(current_.size() / kStride);
   for (int round = 0; round < rounds; ++round) {
     current_.swap(other_);
-    const MeanAround mean = {neighbours, other_.data(), current_.data()};  // not contracted, so with the same bits
+    const MeanAround mean = {neighbours, other_.data(), current_.data()};  // not contracted: the same bits everywhere
     in_pieces(pool, count, kGrain, [&](int first, int last) { run_kernel(mean, first, last); });
   }
 }

@@ -4,7 +4,7 @@
 namespace lapedit {
 namespace {
 
-/// Returns (R_i - I) delta_i, where delta_i moves rigidly with its component (paper, section 4).
+/// Returns (R_i - I) delta_i, where delta_i moves rigidly with its component (Lipman et al. 2004, section 4).
 void rotate_vertices(const LaplacianSystem& system, const EditConstraints& constraints,
                      const std::vector<Matrix3>& rotations, Points& rotated) {
   for (int i = 0; i < system.region.size(); ++i) {
@@ -16,9 +16,9 @@ void rotate_vertices(const LaplacianSystem& system, const EditConstraints& const
   }
 }
 
-/// sum_j alpha_ij ((R_i + R_j) / 2 - I) (p_i - p_j), alpha_ij = -M_ij: the change of delta_i = sum_j alpha_ij (p_i -
-/// p_j) by the rotation of each edge, where edges move rigidly with their component. With a constant rotation it is the
-/// paper's (R - I) delta_i.
+/// Computes sum_j alpha_ij ((R_i + R_j) / 2 - I) (p_i - p_j), where alpha_ij = -M_ij. This is the change of delta_i =
+/// sum_j alpha_ij (p_i - p_j) when each edge rotates; edges move rigidly with their component. For a constant rotation
+/// it equals the paper's (R - I) delta_i.
 void rotate_edges(const LaplacianSystem& system, const EditConstraints& constraints,
                   const std::vector<Matrix3>& rotations, Points& rotated) {
   constexpr int kGrain = 2048;
@@ -39,7 +39,7 @@ void rotate_edges(const LaplacianSystem& system, const EditConstraints& constrai
   });
 }
 
-/// Adds the rows of links, s (t - e), where t is e = p_a - p_b in the direction of (R_a + R_b) e.
+/// Adds the rows of links, s (t - e), where t is e = p_a - p_b rotated into the direction of (R_a + R_b) e.
 const Points& rotate_links(const LaplacianSystem& system, const EditConstraints& constraints,
                            const std::vector<Matrix3>& rotations, RotatedCoordinates& scratch) {
   const Eigen::VectorXd& strengths = system.powers.links;
@@ -62,8 +62,9 @@ const Points& rotate_links(const LaplacianSystem& system, const EditConstraints&
 
 }  // namespace
 
-/// For k > 1 this is not M^T (R - I) M^k p, the rotated coordinates of order k, whose low-frequency errors the inverse
-/// of M^k amplifies. On the octopus (16,554 vertices, order 2) the stretch is 49 % instead of 485 %.
+/// For k > 1 the result is not M^T (R - I) M^k p, the rotated coordinates of order k, because the inverse of M^k
+/// amplifies their low-frequency errors. On the octopus (16,554 vertices, order 2) the stretch is 49 % instead of 485
+/// %.
 void rotate_coordinates(const LaplacianSystem& system, const EditConstraints& constraints,
                         const std::vector<Matrix3>& rotations, RotatedCoordinates& scratch, Points& right) {
   scratch.rotated.resize(system.region.size(), 3);

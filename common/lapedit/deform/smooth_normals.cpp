@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kGrain = 256;
 
-/// p(t) = 2 t^3 / r^3 - 3 t^2 / r^2 + 1, the paper's kernel (section 6).
+/// Returns p(t) = 2 t^3 / r^3 - 3 t^2 / r^2 + 1, the kernel of Lipman et al. 2004, section 6.
 double kernel(double t, double radius) {
   const double s = t / radius;
   return s < 1 ? (2 * s - 3) * s * s + 1 : 0;
@@ -37,8 +37,8 @@ double mean_ball_size(const Region& region, const Points& rest, double radius) {
 }
 
 /// Chooses vertices, outwards from the handle, such that each vertex is within `spacing` of a chosen one. Distances are
-/// compared coarsely, so that rounding does not change the choice when a mesh is moved or rotated; equal ones are
-/// ordered by number.
+/// compared coarsely, so that rounding does not change the choice when a mesh is moved or rotated; equal distances are
+/// ordered by vertex number.
 std::vector<int> sample_centres(const Region& region, const Points& rest, double spacing) {
   constexpr double kSame = 1e-6;
   std::vector<double> distance(region.size());
@@ -90,7 +90,8 @@ Rows normalised_rows(Lists lists) {
   return rows;
 }
 
-/// Lists of vertices for centres: w_cj = p(dist(c, j)), to be divided by sum_k w_ck, the paper's section 6.
+/// Lists the vertices j around each centre c with w_cj = p(dist(c, j)), not yet divided by sum_k w_ck (paper, section
+/// 6).
 Lists kernel_lists(const Region& region, const Points& rest, const std::vector<int>& centres, double radius,
                    int threads) {
   const int count = static_cast<int>(centres.size());
@@ -111,7 +112,7 @@ Lists kernel_lists(const Region& region, const Points& rest, const std::vector<i
   return lists;
 }
 
-/// Lists of centres for vertices: the same kernel, seen from the vertices.
+/// Lists the centres around each vertex, with the same weights.
 Lists blend_lists(const Region& region, const Points& rest, const std::vector<int>& centres, double radius) {
   const Lists balls = kernel_lists(region, rest, centres, radius, 1);
   Lists lists(region.size());
