@@ -8,7 +8,7 @@
 
 #include "lapedit/base/simd.h"
 
-// This file must be compiled without contraction of a * b + c: the errors of products and sums would be wrong.
+// The compiler must not contract a * b + c in this file, since the errors of products and sums would be wrong.
 
 namespace lapedit {
 namespace {
@@ -38,8 +38,8 @@ struct Split {
   }
 };
 
-/// Reads row i of n x 3 points. The last row has no number after it to fill the vector with; rows written in the same
-/// pass are read without it, since another thread may be writing the next row.
+/// Reads row i of n x 3 points. One load reads four numbers if a row follows. With kAlone as the last row, it reads
+/// only the row: for rows that the same pass writes, since another thread may be writing the next row.
 constexpr int kAlone = -1;
 LAPEDIT_INLINE Lanes row_of(const double* points, int i, int last_row) {
   Lanes row = {};
@@ -81,7 +81,7 @@ struct Pass {
   const int* inner;
   const double* values;
   int last_row;                  // of the factors
-  const double *x_high, *x_low;  // factors of the entries; without a low number: all in working precision
+  const double *x_high, *x_low;  // factors of the entries; x_low null: all in working precision
 
   // Without a right-hand side: the sums.
   double *sum_high, *sum_low;
@@ -92,7 +92,7 @@ struct Pass {
   const double *d_high, *d_low;  // its factors
 };
 
-/// In working precision.
+/// Runs a pass in working precision.
 LAPEDIT_INLINE void run_coarse(const Pass& pass, int first, int last) {
   for (int i = first; i < last; ++i) {
     Lanes sum = {};
@@ -186,7 +186,7 @@ void DoubledPoints::set(const Points& points) {
   low.setZero(points.rows(), 3);
 }
 
-/// high + low + step, normalised so that low is at most half a unit in the last place of high.
+/// Computes high + low + step, normalised so that |low| is at most half a unit in the last place of high.
 void DoubledPoints::add(const Points& step, ThreadPool& pool) {
   in_pieces(pool, static_cast<int>(high.rows()), kGrain, [&](int first, int last) {
     for (Eigen::Index i = 3 * static_cast<Eigen::Index>(first); i < 3 * static_cast<Eigen::Index>(last); ++i) {

@@ -22,8 +22,8 @@ using FrontLanes = Simd<double, kLanes>::Vector;
 
 constexpr std::ptrdiff_t kStep = kLanes;
 
-/// Subtracts the products of `depth` columns from `by` on from Width columns from `to` on, for Tall vectors of their
-/// rows.
+/// Subtracts from the Width columns that start at `to` the products of the `depth` columns that start at `by`, for Tall
+/// vectors of their rows.
 /// @param rows  entries of the columns `by` in the rows of the diagonal: Width for each of them
 template <int Tall, int Width>
 LAPEDIT_INLINE void subtract_tile(double* to, const double* by, const double* rows, int stride, int depth) {
@@ -60,7 +60,7 @@ LAPEDIT_INLINE void subtract_tile(double* to, const double* by, const double* ro
   }
 }
 
-/// Does so for all rows from the diagonal on of Width columns.
+/// Calls subtract_tile() for all rows of Width columns, from the diagonal down.
 template <int Tall, int Width>
 LAPEDIT_INLINE void subtract_columns(double* front, int stride, int column, int by, int depth) {
   double rows[kPanel * Width];

@@ -10,13 +10,13 @@ constexpr int kShortestPhases = 3;
 /// band's vertices, each of capacity one.
 ///
 /// Second neighbours are not listed: the flow goes from vertex to vertex through nets, one per vertex u, that join all
-/// of u's neighbours and u. A net is a node; a vertex of the band ("column") is two, its entry and its exit. Local
-/// numbers: columns first, then the other nets.
+/// of u's neighbours and u. A net is a node; a vertex of the band ("column") is two nodes, its entry and its exit.
+/// Local numbers: columns first, then the other nets.
 class SeparatorFlow {
  public:
   SeparatorFlow(const Piece& piece, Scratch& scratch) : piece_(piece), s_(scratch) {}
 
-  /// Changes scratch.side if that makes it better.
+  /// Changes scratch.side if that improves its score.
   void improve(Counts& counts, int layers) {
     // The cut is the one nearest to the source. With the source on the larger side it balances the sides.
     source_ = counts[kLow] >= counts[kHigh] ? kLow : kHigh;
@@ -26,7 +26,7 @@ class SeparatorFlow {
     }
     s_.in.assign(columns_, -1);
     s_.out.assign(columns_, -1);
-    // Shortest paths first; for the few that remain any paths will do.
+    // The first phases use shortest paths. For the few units of flow that remain, any paths are good enough.
     bool more = true;
     for (int phase = 0; more && phase < kShortestPhases; ++phase) {
       more = find_levels() && augment<true>();
@@ -159,7 +159,7 @@ class SeparatorFlow {
   }
 
   /// Sends flow on all shortest paths (kShortest: depth is the distance), or on some paths of any length (depth is -1
-  /// where the search has not been). @return whether there was one
+  /// where the search has not been). @return whether there was a path
   template <bool kShortest>
   bool augment() {
     s_.arc.assign(nets_ + 2 * columns_, 0);

@@ -23,7 +23,7 @@ struct Free {
 };
 using Memory = std::unique_ptr<double, Free>;
 
-/// Memory of fronts, reused, since new pages cost more than small fronts.
+/// Reuses the memory of fronts, since new pages cost more time than small fronts.
 class Recycler {
  public:
   Memory take(std::size_t size, int& kind) {
@@ -137,7 +137,7 @@ void Factorisation::add_matrix(int s, const int* position, double* front) const 
   }
 }
 
-/// A child's update of the rows below its columns.
+/// Adds a child's update of the rows below its columns to a front.
 void Factorisation::add_child(int child, const int* position, double* front, int front_stride) {
   const int first = columns(child), last = size(child), child_stride = stride(child);
   const int* const row = rows(child);

@@ -11,9 +11,10 @@
 namespace lapedit::supernode {
 
 /// Multifrontal sparse Cholesky factorisation (Duff and Reid 1983; Liu 1992): the columns of a supernode and the
-/// contributions of its children form a dense matrix; its first columns are factored, and the rest is the contribution
-/// to the parent. Different threads factor independent branches; the order of all sums is fixed, so the bits do not
-/// depend on the number of threads. Whether they depend on the processor's instructions is up to the kernel.
+/// contributions of its children form a dense matrix; its first columns are factored, and the remainder is the
+/// contribution to the parent. Different threads factor independent branches; the order of all sums is fixed, so the
+/// bits do not depend on the number of threads. Whether they depend on the processor's instructions is up to the
+/// kernel.
 ///
 /// @param lower      the lower half of a symmetric positive definite matrix, in the order of elimination; the entries
 ///                   of a column in any order

@@ -29,18 +29,18 @@ constexpr double kTail = 0.2;        // a plane leaves at least this fraction of
 constexpr double kHub = 4;  // times the root of a piece's size: vertices with more neighbours are not cut through
 constexpr int kAlwaysSearched = 2000;  // vertices; a smaller piece is searched if its plane is not good
 constexpr double kGoodScore = 3.5;     // of a plane; a straight cut through the middle of an even disc has 2.6
-constexpr double kLeastLevel = 0.05;   // the same for a cut between levels
+constexpr double kLeastLevel = 0.05;   // as kTail, for a cut between levels of a search
 constexpr int kThreadGrain = 4000;     // vertices
 
-/// Layers on each side of a separator in which a smaller one is sought.
+/// Returns the number of layers on each side of a separator in which to search for a smaller one.
 int band_layers(int vertices) {
   return vertices < 500 ? 1 : vertices < 10000 ? 2 : 3;
 }
 
 // ---- Leaves ---------------------------------------------------------------------------------------------------------
 
-/// Exact minimum degree on rows of bits, in the elimination graph of second neighbours. The last word is for ghosts,
-/// which count but are not eliminated; more than 64 ghosts share bits.
+/// Orders a small piece by exact minimum degree. The elimination graph of second neighbours is stored as rows of bits.
+/// The last word is for ghosts, which count but are not eliminated; more than 64 ghosts share bits.
 template <int kWords>
 struct Leaf {
   static constexpr int kMost = 64 * (kWords - 1);
@@ -118,7 +118,7 @@ struct Leaf {
   }
 };
 
-/// For a piece without a useful separator, which is nearly complete.
+/// Orders a piece without a useful separator, whose graph is nearly complete.
 void order_whole(const Piece& piece, Scratch& scratch, int* order) {
   if (piece.inner <= Leaf<kLargeLeafWords>::kMost) {
     Leaf<kLargeLeafWords>::order(piece, scratch, order);
@@ -164,7 +164,7 @@ int project(const Piece& piece, Scratch& scratch) {
   return lowest;
 }
 
-/// Finds the best of all planes across the axis. scratch.position becomes whether a vertex is beyond it.
+/// Finds the best of all planes across the axis. Sets scratch.position to whether a vertex is beyond it.
 /// @return its score
 double cut_by_plane(const Piece& piece, Scratch& scratch) {
   const int n = piece.inner;
@@ -388,7 +388,7 @@ Piece side_of(const Piece& whole, Side side, Scratch& scratch) {
   return result;
 }
 
-/// Calls a function if this is the thread on which it was made.
+/// Calls a function only on the thread that constructed the object.
 class OnThisThread {
  public:
   explicit OnThisThread(const std::function<void()>& function) : function_(function) {}

@@ -63,7 +63,8 @@ void OperatorRows::apply_transposed(const Points& x, Points& out, ThreadPool& po
   multiply(matrix(), x, out, pool);
 }
 
-/// Computes (M^T M)_ij = sum over rows r of m_ri m_rj, for i >= j: column j is the scaled sum of its entries' rows.
+/// Computes (M^T M)_ij = sum over rows r of m_ri m_rj, for i >= j: column j is the sum of the rows of its entries, each
+/// scaled by the entry.
 SparseMatrix OperatorRows::normal_matrix(const Eigen::VectorXd& diagonal, ThreadPool& pool) const {
   const Eigen::Map<const SparseMatrix> columns = matrix();
   const int n = static_cast<int>(columns.cols());

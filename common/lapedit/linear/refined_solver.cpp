@@ -23,7 +23,7 @@ void normal_product(const OperatorRows& m, const Eigen::VectorXd& squared_weight
   }
 }
 
-/// Returns the largest sum of absolute values in a row, from the lower half.
+/// Returns the largest sum of absolute values in a row, of a symmetric matrix, from its lower half.
 double largest_sum(const SparseMatrix& lower) {
   Eigen::VectorXd sums = Eigen::VectorXd::Zero(lower.cols());
   for (int j = 0; j < lower.outerSize(); ++j) {
@@ -35,7 +35,7 @@ double largest_sum(const SparseMatrix& lower) {
   return sums.size() > 0 ? sums.maxCoeff() : 0;
 }
 
-/// Computes M^T M + W0^2 and its norm.
+/// Stores the norm of M^T M + W0^2, which is positive definite, and returns the matrix.
 const SparseMatrix& measured(const SparseMatrix& matrix, double& norm) {
   norm = largest_sum(matrix);
   return matrix;
@@ -84,8 +84,9 @@ double RefinedSolver::smallest_eigenvalue() {
 }
 
 int RefinedSolver::refine_to(const Points& right, Points& x, double accurate) {
-  // A factor in single precision that converges more slowly does not pay for its memory; a factor in double is the last
-  // resort. The first step says little: over 3,000,000 vertices the second left a tenth of it, and the third 1e-5.
+  // A factor in single precision that converges more slowly than kSlow is rejected; one in double precision is the last
+  // resort. The first step says little: on 3,000,000 vertices the second change was a tenth of the first, the third
+  // 1e-5.
   constexpr double kSlow = 0.25, kStalled = 0.1, kGoodEnough = 1e-10;
   const double hopeless = cholesky_.single_precision() ? kSlow : 0.5;
   const int most_steps = cholesky_.single_precision() ? 8 : 40;
@@ -105,13 +106,14 @@ int RefinedSolver::refine_to(const Points& right, Points& x, double accurate) {
     }
     x += step;
     if (change * change / last < accurate) {
-      return count + 1;  // the next step would find this
+      return count + 1;  // the next change would be below `accurate`
     }
     last = change;
   }
 }
 
-/// Computes x = A^-1 b to the precision of the factor: y + Z K (W^-2 b_h - y_h).
+/// Computes x = A^-1 b to the precision of the factor A0 by the Woodbury formula: x = y + Z K (W^-2 b_h - y_h). Here y
+/// = A0^-1 b without b_h, the rows of b that the factor omits.
 void RefinedSolver::solve(Points& right, Points& x) {
   const WoodburyCorrection& add = *correction_;
   Points &at_rows = scratch_->at_rows, &corrected = scratch_->corrected;

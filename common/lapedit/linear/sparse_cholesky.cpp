@@ -27,7 +27,7 @@ struct SparseCholesky::Impl {
   Impl(const Impl& other, std::shared_ptr<ThreadPool> used) : Impl(other) { pool = std::move(used); }
   Impl& operator=(const Impl&) = delete;
   virtual ~Impl() = default;
-  /// Shares the factor; scratch memory is allocated on first use.
+  /// Returns a solver that shares the factor and allocates scratch memory on first use.
   virtual std::unique_ptr<Impl> share(std::shared_ptr<ThreadPool> pool) const = 0;
   virtual void solve(const Points& rhs, Points& x) = 0;
 

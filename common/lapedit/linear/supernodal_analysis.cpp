@@ -33,7 +33,7 @@ struct Lists {
   std::vector<int> next_;
 };
 
-/// Returns the lower half in the given order.
+/// The lower half of a matrix in a given order.
 struct Neighbours {
   Lists left, below;
 
@@ -111,8 +111,8 @@ std::vector<int> postorder(const std::vector<int>& parent, const std::vector<int
   return order;
 }
 
-/// Counts the entries of each column of the factor, including the diagonal: the leaves of each row's subtree of the
-/// elimination tree, minus the positions where their paths meet.
+/// Counts the entries of each column of the factor, including the diagonal (Gilbert, Ng and Peyton 1994): the leaves of
+/// each row's subtree of the elimination tree, minus the positions where their paths meet.
 std::vector<int> column_counts(const Lists& below, const std::vector<int>& parent, const std::vector<int>& post) {
   const int n = static_cast<int>(parent.size());
   std::vector<int> count(n), first(n, kNone), most_first(n, kNone), last_leaf(n, kNone), ancestor(n);
@@ -265,7 +265,7 @@ void join_supernodes(const std::vector<int>& fundamental, const std::vector<int>
   pattern.columns.push_back(fundamental.back());
 }
 
-/// Row k is in all supernodes on the paths from its entries up the tree to its own.
+/// Lists the rows of each supernode. Row k is in all supernodes on the paths from its entries up the tree to its own.
 void fill_rows(const Lists& left, const std::vector<int>& post, const std::vector<int>& position,
                const std::vector<int>& parent, SupernodalPattern& pattern) {
   const std::vector<int> of = supernode_of_columns(pattern.columns);
@@ -301,7 +301,7 @@ SupernodalPattern supernodal_analysis(const SparseMatrix& matrix, const std::vec
   const std::vector<int> parent = parents_of_columns(neighbours.left, n);
   const std::vector<int> count = column_counts(neighbours.below, parent, postorder(parent, std::vector<int>(n, 0)));
   const std::vector<int> post = postorder(parent, count);
-  // The same, numbered by the postorder.
+  // Renumbers parents and counts by the postorder.
   SupernodalPattern pattern;
   pattern.order.resize(n);
   std::vector<int> position(n), placed_parent(n), placed_count(n);

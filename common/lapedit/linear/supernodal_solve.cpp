@@ -113,7 +113,7 @@ struct SupernodalSolver<Scalar>::Passes {
   int pad_of(const Node& node) const { return node.rows + kWide + kTall; }
 };
 
-/// Returns the local vectors of a supernode, by row.
+/// The local vectors of a supernode, by row.
 template <typename Scalar>
 struct Local {
   Scalar *x, *y, *z;

@@ -21,16 +21,16 @@ constexpr int kAhead = 512;  // bytes of prefetching: the hardware stops at smal
 
 template <typename Scalar>
 struct Kernels {
-  /// All blocks of a supernode. @param v  its local vectors
+  /// Solves with all blocks of a supernode. @param v  its local vectors
   void (*forward)(const Scalar* tiles, int columns, int rows, Scalar* v, int pad);
-  /// @param end  behind the supernode's tiles
+  /// @param tiles  the end of the supernode's tiles
   void (*backward)(const Scalar* tiles, int columns, int rows, Scalar* v, int pad);
   /// Copies a supernode's values into tiles and inverts the triangles. @param values  its columns, `stride` apart
   void (*write_tiles)(const double* values, int stride, int columns, int rows, Scalar* out);
 };
 
-/// Returns the kernels for this processor. The second ones round each product, and so have the same bits on all of
-/// them.
+/// Returns the kernels for this processor. same_bits_kernels() round each product, so they have the same bits on all
+/// processors.
 template <typename Scalar>
 Kernels<Scalar> best_kernels();
 template <typename Scalar>

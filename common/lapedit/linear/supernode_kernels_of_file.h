@@ -243,15 +243,15 @@ LAPEDIT_AVX512 void backward_avx512(const Scalar* end, int columns, int rows, Sc
   backward_supernode<Scalar, 8>(end, columns, rows, v, pad);
 }
 
-/// Denormal numbers of single precision are slow, and far below its rounding.
+/// Stores tiny numbers as zero in single precision, since denormal numbers are slow. They are far below its rounding.
 template <typename Scalar>
 Scalar stored(double value) {
   constexpr double kNothing = sizeof(Scalar) < sizeof(double) ? 1e-25 : 0;
   return std::abs(value) > kNothing ? static_cast<Scalar>(value) : Scalar(0);
 }
 
-/// Computes the inverse of a triangle T, column by column: t'_jj = 1 / t_jj, t'_ij = -(sum_{j <= k < i} t_ik t'_kj) /
-/// t_ii.
+/// Writes tiles, with the inverse of each triangle T computed column by column: t'_jj = 1 / t_jj, t'_ij = -(sum_{j <= k
+/// < i} t_ik t'_kj) / t_ii.
 template <typename Scalar>
 void write_tiles(const double* values, int stride, int columns, int rows, Scalar* out) {
   for (int first = 0; first < columns; first += kWide) {

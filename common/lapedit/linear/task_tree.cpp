@@ -82,7 +82,7 @@ void TaskTree::cut(const Branches& branches) {
   }
 }
 
-/// Computes parents, children, and where a task's rows above it are in its parent.
+/// Computes the parents and children of tasks, and the positions in the parent of a task's rows above it.
 void TaskTree::join() {
   std::vector<int> task_of(nodes.size(), -1);
   for (std::size_t t = 0; t < tasks.size(); ++t) {
@@ -122,8 +122,8 @@ void TaskTree::join() {
   }
 }
 
-/// Inside a branch, rows above it are replaced by their indices in its list. This must come last, since join() reads
-/// the rows of supernodes that are tasks of their own, which do not change.
+/// Replaces, inside each branch, the rows above it by their indices in its list. This function must run last, since
+/// join() reads the rows of supernodes that are tasks of their own, which do not change.
 void TaskTree::rename_rows() {
   for (const Task& task : tasks) {
     const int end = nodes[task.last_node].first_column + nodes[task.last_node].columns;
