@@ -9,7 +9,7 @@
 namespace lapedit {
 namespace {
 
-/// Calls work(k, first, last) for the k-th part of [0, count), one part per thread.
+/// Calls work(k, first, last) for the k-th chunk of [0, count), one chunk per thread.
 template <class Work>
 void in_chunks(ThreadPool& pool, Eigen::Index count, const Work& work) {
   const int chunks = pool.threads();
@@ -18,14 +18,14 @@ void in_chunks(ThreadPool& pool, Eigen::Index count, const Work& work) {
   });
 }
 
-/// Per row: where a part writes its next entry, or the number of its entries; and its last entry.
+/// Per row: the index at which a chunk writes its next entry, or the number of its entries; and its last entry.
 struct Place {
   int count = 0;
   int last = -1;
 };
 using VertexQuery = std::vector<std::vector<Place>>;
 
-/// Allocates rows in which the entries of the parts follow each other, and computes where each part writes.
+/// Allocates rows in which the entries of the chunks follow each other, and computes where each chunk writes.
 IndexLists make_rows(VertexQuery& chunks, int rows) {
   IndexLists lists;
   lists.offsets.resize(rows + 1);
@@ -117,8 +117,8 @@ Adjacency build_adjacency(int vertex_count, const Faces& faces, int threads) {
 }
 
 int connected_components(const IndexLists& neighbours, std::vector<int>& labels, const std::vector<char>& kinds) {
-  // Trees of vertices, each with its lowest vertex as the root; visited in the order of numbers, which is that of
-  // memory.
+  // Builds trees of vertices, each with its lowest vertex as the root. Vertices are visited in ascending order, which
+  // is their order in memory.
   const int n = neighbours.rows();
   std::vector<int> parent(n);
   const auto root_of = [&parent](int v) {

@@ -24,8 +24,8 @@ struct Part {
   std::size_t beyond = 0;  // vertices that the radius does not reach
 };
 
-/// Takes parts beyond the band that only the region connects to the remaining surface. Where the region is between two
-/// such parts, the larger one holds it, and so does one of at least half its size.
+/// Takes parts beyond the band that only the region connects to the remaining surface. If the region is between two
+/// such parts, the larger one is not taken, nor is one of at least half its size.
 void take_tips(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec, Attached& found) {
   const double inner = (1 - spec.padding) * spec.radius;
   const auto n = static_cast<int>(found.distance.size());
@@ -46,7 +46,7 @@ void take_tips(const TriangleMesh& mesh, const Adjacency& adjacency, const Regio
         is_open |= seen[w] == 2 || !mesh.vertices.row(w).allFinite();
         if (!seen[w] && found.distance[w] > inner) {
           part.beyond += found.distance[w] == kUnreached;
-          // A part that is too large is followed inside the band alone.
+          // The search continues through a part that is too large only inside the band.
           if (found.distance[w] < kUnreached || part.beyond <= reached) {
             seen[w] = 1;
             part.vertices.push_back(w);
@@ -103,7 +103,7 @@ class PieceSearch {
       moves[v] = 1;
     }
     size_ = moving_.empty() ? 0 : box.diagonal().norm();
-    const Vector3 margin = Vector3::Constant(kSmall * size_);  // a piece that touches may stand out
+    const Vector3 margin = Vector3::Constant(kSmall * size_);  // a piece that touches may extend beyond the box
     box_ = Eigen::AlignedBox3d(box.min() - margin, box.max() + margin);
     for (const int v : moving_) {
       for (const int f : adjacency.faces[v]) {
@@ -196,7 +196,7 @@ class PieceSearch {
     if (links.empty() && !(may_be_enclosed && winding(mesh_, faces_, Vector3(box_of(piece).center())) >= kEncloses)) {
       return;
     }
-    // Vertices at the ends of the piece hold it from all sides, and leave its shape to itself.
+    // Links at the ends of the piece along each axis hold it on all sides and do not constrain its shape.
     for (int axis = 0; axis < 3; ++axis) {
       const auto ends = std::minmax_element(
           piece.begin(), piece.end(), [&](int a, int b) { return mesh_.vertices(a, axis) < mesh_.vertices(b, axis); });
@@ -219,9 +219,9 @@ class PieceSearch {
 
   const TriangleMesh& mesh_;
   Attached& found_;
-  std::vector<int> moving_;  // what moves: the region but for its band
+  std::vector<int> moving_;  // the moving part: the region without its band
   VertexGrid grid_;
-  std::vector<int> faces_;  // of what moves
+  std::vector<int> faces_;  // of the moving part
   Eigen::AlignedBox3d box_;
   double size_ = 0;
 };

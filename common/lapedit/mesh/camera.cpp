@@ -46,7 +46,8 @@ bool Camera::in_front(const Vector3& point) const {
 Ray Camera::ray(const Vector2& pixel) const {
   const Vector3 on_near(2 * pixel.x() / width_ - 1, 1 - 2 * pixel.y() / height_, -1);
   const Eigen::Vector4d near = from_clip_ * on_near.homogeneous();
-  // The direction of a point with growing depth; the far plane may be infinitely far away.
+  // The ray has the direction in which depth grows. It is not the direction to a point, since the far plane may be
+  // infinitely far away.
   const Eigen::Vector4d deeper = from_clip_.col(2);
   const Vector3 way = deeper.head<3>() * near.w() - near.head<3>() * deeper.w();
   return {near.head<3>() / near.w(), way.stableNormalized()};

@@ -52,7 +52,7 @@ class LinkSearch {
   double gap_;
   std::vector<int> labels_, usable_;
   std::vector<char> is_border_;
-  Eigen::AlignedBox3d box_;  // what lies outside has no other piece and no border in reach
+  Eigen::AlignedBox3d box_;  // vertices outside it have no other piece and no border in reach
   GeodesicSearch search_;
   int searched_ = -1;
 };

@@ -32,7 +32,7 @@ Vector3 turned(const Vector3& point) {
   return {-point[0], -point[1], point[2]};
 }
 
-/// What the coordinates of landmarks are multiplied by to be in the mesh's unit.
+/// The factor that converts coordinates of landmarks to the mesh's unit.
 struct Unit {
   double factor;
   const char* change;
@@ -52,8 +52,9 @@ constexpr Unit kUnits[] = {
     {1e6, "multiplied by 1000000, as from metres to micrometres"},
 };
 
-/// Returns whether points are near the surface if they are converted. Divided by enough, all points are near a surface
-/// through the origin: they have to be near compared with their size too, or to have the expected extent.
+/// Returns whether points are near the surface if they are converted. A large divisor brings all points near a surface
+/// through the origin. So their distance must also be small compared with their size, or they must have the expected
+/// extent.
 bool fit(const VertexFinder& finder, std::vector<Vector3> points, double factor, bool is_turned, double far,
          double extent) {
   double size = 0, distance = 0;

@@ -36,7 +36,7 @@ void distance_contour(const TriangleMesh& mesh, const Adjacency& adjacency, cons
           std::swap(from, to);
         }
         const Vector3 start = mesh.vertices.row(mesh.faces(f, from)), end = mesh.vertices.row(mesh.faces(f, to));
-        // Vertices that the search did not reach are as far as along the edge.
+        // The distance of a vertex that the search did not reach is that along the edge.
         const double beyond = std::min(distance[to], distance[from] + (end - start).norm());
         const double fraction = beyond > distance[from] ? (radius - distance[from]) / (beyond - distance[from]) : 0;
         const Vector3 position = start + std::clamp(fraction, 0.0, 1.0) * (end - start);

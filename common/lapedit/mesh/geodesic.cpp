@@ -37,7 +37,7 @@ double usual_edge(const IndexLists& neighbours, const Points& points) {
 template <class Distance>
 std::vector<int> unconnected(const IndexLists& neighbours, const std::vector<int>& suspects, const Distance& distance) {
   using Entry = std::pair<double, int>;
-  std::unordered_map<int, int> finder;  // per vertex looked at: the suspect from which it was found
+  std::unordered_map<int, int> finder;  // per visited vertex: the suspect from which it was found
   std::vector<char> is_connected;       // per suspect
   std::vector<int> found, result;
   for (const int suspect : suspects) {
@@ -45,7 +45,7 @@ std::vector<int> unconnected(const IndexLists& neighbours, const std::vector<int
     if (!(distance(suspect) < kUnreached) || !finder.emplace(suspect, number).second) {
       continue;
     }
-    // Nearest to a seed first, so that usually a short path leads to one.
+    // Visits the vertices nearest to a seed first, so that usually a short path leads to one.
     std::priority_queue<Entry, std::vector<Entry>, std::greater<Entry>> queue;
     queue.emplace(distance(suspect), suspect);
     found.clear();
@@ -150,8 +150,8 @@ void ShortestPaths::begin(int from, std::size_t most) {
   }
 }
 
-/// Goes back to the neighbour from which the shortest path came. It must have been reached earlier, since edges of
-/// length zero would form cycles.
+/// Steps back to the neighbour from which the shortest path came. Only a neighbour that was reached earlier can be on
+/// it, since edges of length zero would form cycles.
 std::vector<int> ShortestPaths::to(int vertex) const {
   if (!std::isfinite(search_.distance(vertex))) {
     return {};
@@ -181,12 +181,13 @@ struct DistanceField::Front {
     double distance;
     int vertex;
   };
-  std::vector<Item> near;  // within the step, in the order in which they were found
-  std::vector<Item> far;   // beyond it
-  std::vector<int> bare;   // those that may have no neighbour within the cutoff
-  double nearest = 0;      // distance of those beyond it
+  std::vector<Item> near;  // within the current step, in the order in which they were found
+  std::vector<Item> far;   // beyond the current step
+  std::vector<int> bare;   // vertices that may have no neighbour within the cutoff
+  double nearest = 0;      // smallest distance in `far`
 
-  /// Distributes the far vertices among the first fronts, as many as pay for a thread. @return their number
+  /// Distributes the far vertices among the first fronts, as many as have enough vertices for a thread. @return their
+  /// number
   static int balance(std::vector<Front>& fronts, bool has_lines) {
     const std::size_t grain = has_lines ? 48 : 192;
     std::size_t all = 0;

@@ -16,7 +16,7 @@ struct Profile {
   double step = 0;
   std::array<double, kRadii + 1> length{}, area{};
 
-  /// Adds what discs cover of a face. @param d  ascending distances of its corners p
+  /// Adds the area of a face, and the length in it, that discs cover. @param d  ascending distances of its corners p
   void add(const std::array<double, 3>& d, const std::array<Vector3, 3>& p) {
     const double face = (p[1] - p[0]).cross(p[2] - p[0]).norm() / 2;
     const double span = d[2] - d[0];
@@ -33,7 +33,7 @@ struct Profile {
       area[k] += near ? face * part * (r - d[0]) / span : face * (1 - part * (d[2] - r) / span);
     }
   }
-  /// Counts faces that are covered wholly by all larger discs.
+  /// Adds each face that a disc covers wholly to this and all larger discs.
   void finish() {
     double sum = 0;
     for (int k = 0; k <= kRadii; ++k) {

@@ -246,7 +246,7 @@ bool extract_graph(ThreadPool& pool, const TriangleMesh& mesh, const Adjacency& 
 /// Finds the faces that touch a region edge, and those inside.
 void extract_faces(ThreadPool& pool, const TriangleMesh& mesh, const Adjacency& adjacency,
                    const std::vector<int>& local, Region& region) {
-  // A pass over all faces is faster than collecting and sorting, unless there are many more of them.
+  // A pass over all faces is faster than collecting and sorting, unless the mesh has many more faces than the region.
   constexpr Eigen::Index kMany = 32;
   const bool is_small = mesh.faces.rows() > kMany * region.size();
   const auto is_inside = [&](int f, int k) { return local[mesh.faces(f, k)] >= 0; };
@@ -470,7 +470,7 @@ void find_links(const Adjacency& adjacency, Region& region) {
   }
 }
 
-/// Links that leave a given set make no rim, since vertices outside the set do not hold it.
+/// Links that leave a given set make no rim, since vertices outside the set do not constrain it.
 Region build_connected(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
                        const std::vector<std::vector<int>>& groups, int threads,
                        const std::vector<std::vector<double>>& weights) {

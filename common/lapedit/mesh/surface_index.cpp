@@ -13,8 +13,8 @@
 namespace lapedit {
 namespace {
 
-/// Returns barycentric coordinates of the nearest point of a triangle (C. Ericson, Real-Time Collision Detection,
-/// 5.1.5). A triangle without area has the regions of its corners and edges.
+/// Returns barycentric coordinates of the nearest point of a triangle (C. Ericson, Real-Time Collision Detection, 2005,
+/// 5.1.5). In a triangle without area the nearest point is on an edge.
 Vector3 nearest_weights(const Vector3& p, const Vector3& a, const Vector3& b, const Vector3& c) {
   const Vector3 ab = b - a, ac = c - a, ap = p - a;
   const double d1 = ab.dot(ap), d2 = ac.dot(ap);
@@ -157,7 +157,7 @@ void SurfaceIndex::move(const Points& points, ThreadPool& pool) {
 }
 
 NearestPoint SurfaceIndex::nearest(const Vector3& point, int hint) const {
-  // Boxes and distances to them are rounded, so that what is farther by the rounding is visited too.
+  // Boxes and distances to them are rounded, so the search also visits boxes that are farther by the rounding error.
   constexpr double kRounding = 0x1p-20;
   const double rounding = kRounding * (reach_ + point.cwiseAbs().maxCoeff());
   const float at[] = {static_cast<float>(point[0]), static_cast<float>(point[1]), static_cast<float>(point[2])};
@@ -179,7 +179,7 @@ NearestPoint SurfaceIndex::nearest(const Vector3& point, int hint) const {
     float squared;
     int child;
   };
-  Open stack[64];  // at most three per level, of which there are at most 16
+  Open stack[64];  // at most three entries per level, at most 16 levels
   int open = 0;
   stack[open++] = {0, 0};
   while (open > 0) {
@@ -236,7 +236,7 @@ SurfaceSamples SurfaceIndex::samples(int count) const {
   count = cloud ? std::min(count, static_cast<int>(faces_.rows())) : count;
   SurfaceSamples samples = {Points(count, 3), Points(count, 3)};
   NearestPoint at = {0, 0, Vector3::UnitX()};
-  double u = 0.5, v = 0.5;  // the sequence of M. Roberts, The unreasonable effectiveness of quasirandom sequences
+  double u = 0.5, v = 0.5;  // the sequence of M. Roberts, The unreasonable effectiveness of quasirandom sequences, 2018
   for (int k = 0; k < count; ++k) {
     while (at.face + 1 < faces_.rows() && ends[at.face] <= ends[ends.size() - 1] * (k + 0.5) / count) {
       ++at.face;

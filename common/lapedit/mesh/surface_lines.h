@@ -130,8 +130,8 @@ class SurfaceLines {
     Side left, right;
     Vec2 a, b;
     Vec2 first, last;  // the part's ends, or any points on the rays through them
-    int face;          // that the lines come through
-    int weight;        // of the triangles crossed
+    int face;          // the last face that the lines crossed
+    int weight;        // sum of the weights of the crossed triangles
     bool bare;
 
     /// @return false if nothing remains
@@ -202,7 +202,7 @@ class SurfaceLines {
     return a == q ? b : b == q ? a : -1;
   }
 
-  /// Goes on from a corner of a face to the edge opposite to it.
+  /// Continues from a corner of a face to the edge opposite to it.
   template <class Known, class Offer>
   void start(const double* root, int face, int a, int b, double to_a, double to_b,
              const Search<Known, Offer>& search) const {
@@ -220,16 +220,16 @@ class SurfaceLines {
     }
   }
 
-  /// Goes on from an edge into the triangles behind it.
+  /// Continues from an edge into the triangles behind it.
   template <class Known, class Offer>
   void follow(const Window& window, const Search<Known, Offer>& search) const {
     const int a = window.left.vertex, b = window.right.vertex;
-    // Of a vertex in the middle of a large fan only the other ends' few faces are looked at.
+    // Searches the faces around the end that has fewer, since a vertex in the middle of a large fan has many.
     const IndexLists::Row around_a = around_[a], around_b = around_[b];
     const bool is_a = around_a.size() <= around_b.size();
     const IndexLists::Row around = is_a ? around_a : around_b;
     const int center = is_a ? a : b, other = is_a ? b : a;
-    // Without branches, since the processor cannot predict which face it is.
+    // The loop has no branches, since the processor cannot predict which face it is.
     int count = 0, found = -1, end = -1;
     for (const int face : around) {
       const int* f = corners(face);
@@ -252,7 +252,7 @@ class SurfaceLines {
     }
   }
 
-  /// Goes on through a triangle. @param end  its corner opposite to the window's edge
+  /// Continues through a triangle. @param end  its corner opposite to the window's edge
   template <class Known, class Offer>
   LAPEDIT_INLINE void enter(const Window& window, int face, int end, const Search<Known, Offer>& search) const {
     if (!search.is_allowed(end)) {
@@ -279,7 +279,7 @@ class SurfaceLines {
     if (weight > kReach) {
       return;
     }
-    // Along an edge the end may be nearer than what is known so far.
+    // The path along an edge may be shorter than the known distance of the end.
     const double to_a = std::sqrt(aa), to_b = std::sqrt(bb);
     const double farther = std::min(window.left.farther + to_a, window.right.farther + to_b);
     const Side middle{end, length, squared, std::min(search.known(end) - distance, farther)};

@@ -14,7 +14,7 @@ namespace {
 /// Returns the apex of the cones of each vertex's component: the mean of the vertices on its border, or any of its
 /// vertices if it is closed.
 Points centres(const Region& region, const Points& positions) {
-  // At an inner vertex each neighbour is the successor in one face and the predecessor in another.
+  // At an inner vertex each neighbour is the successor in one face and the predecessor in another, so its balance is 0.
   std::vector<long> balance(region.size(), 0);
   for (const auto& face : region.faces.rowwise()) {
     for (int k = 0; k < 3; ++k) {
@@ -67,7 +67,7 @@ double stretched_area(const Region& region, const Points& before, const Points& 
     if (!(squared > 0)) {
       continue;
     }
-    // The larger eigenvalue of now / old.
+    // The larger eigenvalue of old^-1 now, where `old` is positive definite and `now` positive semidefinite.
     const double half = (now[0] * old[2] - 2 * now[1] * old[1] + now[2] * old[0]) / (2 * squared);
     const double product = (now[0] * now[2] - now[1] * now[1]) / squared;
     all += std::sqrt(squared);
@@ -78,7 +78,7 @@ double stretched_area(const Region& region, const Points& before, const Points& 
   return all > 0 ? stretched / all : 0;
 }
 
-/// n' . (R_a + R_b + R_c) n < 0
+/// Returns whether n' . (R_a + R_b + R_c) n < 0, where n and n' are the normals before and after.
 bool is_flipped(const Region& region, Eigen::Index f, const Points& before, const Points& after,
                 const std::vector<Matrix3>& rotations) {
   const Matrix3 rotation =
@@ -130,7 +130,7 @@ Vector3 mean_normal(const TriangleMesh& mesh, const Adjacency& adjacency, const 
   return sum;
 }
 
-/// |after_i - after_j| / |before_i - before_j| - 1
+/// Sums up the stretch of edges, |after_i - after_j| / |before_i - before_j| - 1.
 EdgeStretch edge_stretch(const Region& region, const Points& before, const Points& after) {
   EdgeStretch result;
   double sum = 0;
@@ -187,7 +187,7 @@ bool encloses_a_body(const Region& region, const Points& positions, double volum
   return is_thick(volume, twice_area / 2);
 }
 
-/// The area normals of a closed surface cancel; of an open one the cap over its holes remains.
+/// The area normals of a closed surface sum to zero. Those of an open one sum to the area of the caps over its holes.
 std::vector<ComponentVolume> component_volumes(const Region& region, const Points& positions) {
   constexpr double kCap = 0.2;  // of the area; half a ball has 0.5
   const Points from = centres(region, positions);

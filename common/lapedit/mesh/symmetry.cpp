@@ -79,7 +79,7 @@ double SymmetrySearch::error(const MirrorPlane& plane) const {
   return off / count > kThin * diagonal() ? sum / count : limit;
 }
 
-/// Coordinate axes come first, since the first of equals is taken.
+/// Coordinate axes come first, since detection takes the first of several equally good planes.
 std::vector<MirrorPlane> SymmetrySearch::planes() const {
   Vector3 sum = Vector3::Zero();
   double area = 0;
@@ -296,7 +296,7 @@ PoseSymmetry::PoseSymmetry(const TriangleMesh& mesh, const Region& region, const
   }
 }
 
-/// Displacements are averaged, not positions, so that asymmetries of the rest pose stay.
+/// Averages displacements and not positions, so that asymmetries of the rest pose remain.
 void PoseSymmetry::apply(Points& positions) const {
   for (int i = 0; i < static_cast<int>(twin_.size()); ++i) {
     if (const int j = twin_[i]; i <= j) {

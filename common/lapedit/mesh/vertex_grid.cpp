@@ -40,7 +40,7 @@ VertexGrid::VertexGrid(const Points& points, std::vector<int> vertices) : points
   }
 }
 
-/// For a point outside, the nearest cube at the border.
+/// Returns the cube of a position; for a position outside the grid, the nearest cube at its border.
 std::array<int, 3> VertexGrid::cube_at(const Vector3& position) const {
   std::array<int, 3> cube{};
   for (int k = 0; k < 3; ++k) {

@@ -66,7 +66,7 @@ struct Nearest {
   int face = -1;
 };
 
-/// Queries the tree whether any face except those of a vertex crosses a part of a ray.
+/// Queries the tree whether any face except those of a vertex crosses a segment of a ray.
 struct Crossing {
   Crossing(const TriangleMesh& the_mesh, int the_vertex, const Ray& the_ray, double the_first, double the_last)
       : mesh(the_mesh),
@@ -93,8 +93,8 @@ struct Crossing {
   bool found = false;
 };
 
-/// Runs a query on the part of a tree below a node, as Eigen::BVIntersect() does, which allocates. The tree is
-/// balanced.
+/// Runs a query on the part of a tree below a node, as Eigen::BVIntersect() does but without allocating memory. The
+/// tree must be balanced.
 /// @return whether the query ended early
 template <class Query>
 bool run(const FaceTree& tree, int node, Query& query) {
@@ -181,7 +181,7 @@ std::vector<int> brushed_vertices(const TriangleMesh& mesh, const Adjacency& adj
     return {};
   }
   std::vector<int> result{hit.vertex};
-  visible[hit.vertex] = 0;  // each once
+  visible[hit.vertex] = 0;  // lists each vertex once
   for (std::size_t k = 0; k < result.size(); ++k) {
     for (const int w : adjacency.neighbours[result[k]]) {
       if (std::exchange(visible[w], 0)) {
