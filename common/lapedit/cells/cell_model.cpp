@@ -11,8 +11,8 @@ namespace {
 
 using Four = Floats4;
 
-/// If the rotations of two cells differ by 180 degrees, the sum of their quaternions is short. To a sum shorter than
-/// this, the quaternion of the nearest cell is added.
+/// If the rotations of two cells differ by 180 degrees, the sum of their quaternions is short. Blending adds the
+/// quaternion of the nearest cell to a sum shorter than this.
 constexpr double kCancelled = 0.2;
 
 std::vector<double> weights_of(const TriangleMesh& mesh, const Region& region, const EditSettings& settings,

@@ -58,7 +58,7 @@ class Packing {
   std::vector<int> lone_;  // vertices of one-vertex groups; each has its own cell
   bool all_lone_ = false;
   std::vector<char> rigid_;
-  std::vector<double> depth_;   // of a vertex in a rigid part, from its border, model units
+  std::vector<double> depth_;   // distance from the border of its rigid part, model units
   int free_ = 0;                // number of vertices that are not rigid
   bool has_inside_ = false;     // whether a rigid part has vertices inside its border
   std::vector<float> density_;  // per vertex: spacing_ over the local spacing
@@ -152,8 +152,8 @@ double Packing::spacing_for(double sum, double cells, int vertices) const {
 }
 
 /// Chooses a density of cells proportional to 1 / (d / d_max + 0.2), with at least five vertices per cell on average.
-/// If all groups have one vertex, cells near these are smaller, since they pull the surface to a tip. Inside rigid
-/// parts the spacing grows by 0.7 times the depth.
+/// If all groups have one vertex, cells near them are smaller, since such a handle pulls the surface to a tip. Inside
+/// rigid parts the spacing grows by 0.7 times the depth.
 void Packing::choose_spacing() {
   constexpr double kSoft = 0.2, kTip = 0.11, kAroundTip = 0.5, kInside = 0.7, kVerticesPerCell = 5;
   const int n = region_.size(), free = free_ > 0 ? free_ : n;

@@ -19,7 +19,7 @@ namespace lapedit {
 /// and by number only if coordinates are equal. Two vertices that are each other's mirror images and near each other
 /// begin one cell. Neighbouring groups have cells of their own. The result is the same for any number of threads.
 /// @param rest    size() x 3, the region's rest pose about a local origin
-/// @param target  number of cells wanted; the free part has at most one cell per five vertices
+/// @param target  wanted number of cells; the part that is not rigid has at most one cell per five vertices
 /// @param of      out: the cell of each vertex of the region
 /// @return        the number of cells, close to `target`
 /// Cost: O(edges).

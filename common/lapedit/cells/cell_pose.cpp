@@ -65,7 +65,7 @@ CellPose::CellPose(const Region& region, const Points& rest, const RegionCells& 
   std::fill(rotations_.begin(), rotations_.end(), Matrix3::Identity());
 }
 
-/// Moves the rest pose rigidly with the components of this step.
+/// Moves the cells' rest positions rigidly with their components' motions in this step.
 void CellPose::move_rigidly(const GroupPaths& paths) {
   rigid_ = cells_.centres;
   for (int c = 0; c < cells_.count(); ++c) {

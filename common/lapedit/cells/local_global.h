@@ -60,7 +60,7 @@ class LocalGlobal {
   const CellSurface& surface_;
   const std::vector<double>&hold_, &inertia_;
   CoarseSystem& system_;
-  ThreadPool alone_{1};  // a second thread does not pay for some hundred cells
+  ThreadPool alone_{1};  // for some hundred cells a second thread saves no time
   Points result_, rigid_, smooth_before_, smooth_after_, normals_before_, scratch_, next_, rotated_;
   MatrixAverages averages_;
   std::vector<Matrix3> linear_, covariances_, loose_;

@@ -153,7 +153,7 @@ class EdgeSums {
 
   const Region& region_;
   ThreadPool& pool_;
-  std::vector<int> local_;  // of a mesh vertex
+  std::vector<int> local_;  // index in the region, per mesh vertex
 };
 
 /// Returns w_ji = max(0, (cot a + cot b) / 2), where a and b are the angles opposite to edge ji.

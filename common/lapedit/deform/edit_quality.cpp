@@ -64,7 +64,7 @@ struct Spread {
   Matrix3 before = Matrix3::Zero(), after = Matrix3::Zero();
 };
 
-/// Adds the covariances of positions with these weights.
+/// Accumulates weighted covariances of positions before and after the edit.
 class SpreadSums {
  public:
   void add(double weight, const Vector3& before, const Vector3& after) {

@@ -11,7 +11,7 @@
 namespace lapedit {
 namespace {
 
-constexpr double kUnit = 0.1;  // of the region's size
+constexpr double kUnit = 0.1;  // length of a step over the region's size
 constexpr int kLeastSteps = 12, kMostSteps = 40;
 constexpr int kSeveral = -1, kNoGroup = -2;
 

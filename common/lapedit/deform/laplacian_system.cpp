@@ -19,7 +19,7 @@ namespace {
 
 /// If refinement needs more steps to reach kAccurate, a factor in double precision replaces that in single precision.
 constexpr int kMostForSingle = 3;
-/// Handles of at most this many vertices are kept out of the factor.
+/// The factor may omit handles of at most this many vertices.
 constexpr int kSmallHandle = 8;
 /// Vertices times the order squared, beyond which a factor of higher order takes long: refuse_the_hopeless() checks
 /// first.
@@ -30,14 +30,15 @@ bool same_graph(const Region& a, const Region& b) {
          a.neighbours.offsets == b.neighbours.offsets && a.links == b.links;
 }
 
-/// Makes the parts of a system, or reuses those of the previous one.
+/// Prepares the operator, factor and kernel of a system, or reuses those of the previous one.
 class Preparation {
  public:
   Preparation(LaplacianSystem& system, const LaplacianSystem* previous) : s_(system), previous_(previous) {}
 
   void make_operator(const TriangleMesh& mesh);
   void weigh();
-  /// Makes the factor and, on a second thread where that is faster, the smoothing kernel of the paper's rotations.
+  /// Makes the factor and, on a second thread where that is faster, the smoothing kernel for the rotations of Lipman et
+  /// al. 2004.
   void make_factor_and_kernel();
 
  private:

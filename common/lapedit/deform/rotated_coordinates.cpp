@@ -63,8 +63,7 @@ const Points& rotate_links(const LaplacianSystem& system, const EditConstraints&
 }  // namespace
 
 /// For k > 1 the result is not M^T (R - I) M^k p, the rotated coordinates of order k, because the inverse of M^k
-/// amplifies their low-frequency errors. On the octopus (16,554 vertices, order 2) the stretch is 49 % instead of 485
-/// %.
+/// amplifies their low-frequency errors. On the octopus (16,554 vertices, order 2) the stretch is 49 %, not 485 %.
 void rotate_coordinates(const LaplacianSystem& system, const EditConstraints& constraints,
                         const std::vector<Matrix3>& rotations, RotatedCoordinates& scratch, Points& right) {
   scratch.rotated.resize(system.region.size(), 3);

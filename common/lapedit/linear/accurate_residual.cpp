@@ -8,7 +8,7 @@
 
 #include "lapedit/base/simd.h"
 
-// The compiler must not contract a * b + c in this file, since the errors of products and sums would be wrong.
+// The compiler must not contract a * b + c in this file, since contraction makes the computed rounding errors wrong.
 
 namespace lapedit {
 namespace {
@@ -56,8 +56,8 @@ LAPEDIT_INLINE void set_row(double* points, int i, Lanes row) {
   std::memcpy(points + 3 * static_cast<std::size_t>(i), &row, 3 * sizeof(double));
 }
 
-/// A sum high + low. The error of high + term is computed exactly (TwoSum, Knuth 1969) and added to low with that of
-/// the product (Dot2, Ogita, Rump, Oishi 2005, section 4).
+/// A sum high + low. add() computes the error of high + term exactly (TwoSum, Knuth 1969) and adds it to low, with the
+/// error of the product (Dot2, Ogita, Rump, Oishi 2005, section 4).
 struct Sum {
   Lanes high = {}, low = {};
 
@@ -83,7 +83,7 @@ struct Pass {
   int last_row;                  // of the factors
   const double *x_high, *x_low;  // factors of the entries; x_low null: all in working precision
 
-  // Without a right-hand side: the sums.
+  // Output if there is no right-hand side: the sums.
   double *sum_high, *sum_low;
 
   const double* right;

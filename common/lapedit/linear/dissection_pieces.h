@@ -15,7 +15,7 @@ namespace lapedit::dissection {
 
 constexpr double kBalance = 5;  // penalty of an uneven division, see score(); found by experiment
 constexpr double kLeastPart =
-    0.02;  // a side smaller than this, or a separator larger than the next constant, is no division
+    0.02;  // a side smaller than this, or a separator larger than the next constant, is not useful
 constexpr double kMostSeparated = 0.6;
 
 /// Vertices to be ordered, surrounded by ghosts: adjacent vertices of separators above. Two

@@ -106,7 +106,7 @@ class Factorisation {
   ThreadPool& pool_;
   const std::function<void()>& between_;
   FrontalKernel kernel_;
-  std::vector<int> children_, child_;  // of s: child_[children_[s] .. children_[s + 1])
+  std::vector<int> children_, child_;  // those of s: child_[children_[s] .. children_[s + 1])
   std::vector<Front> fronts_;
   std::vector<std::vector<int>> positions_;  // per thread: row -> position in the front
   Recycler recycler_;

@@ -23,11 +23,11 @@ using namespace dissection;
 
 namespace {
 
-constexpr int kLeafWords = 4;        // 64-bit words of a leaf's rows
-constexpr int kLargeLeafWords = 16;  // the same of a piece that cannot be divided
-constexpr double kTail = 0.2;        // a plane leaves at least this fraction of the vertices on each side
-constexpr double kHub = 4;  // times the root of a piece's size: vertices with more neighbours are not cut through
-constexpr int kAlwaysSearched = 2000;  // vertices; a smaller piece is searched if its plane is not good
+constexpr int kLeafWords = 4;          // 64-bit words of a leaf's rows
+constexpr int kLargeLeafWords = 16;    // as kLeafWords, for a piece that cannot be divided
+constexpr double kTail = 0.2;          // a plane leaves at least this fraction of the vertices on each side
+constexpr double kHub = 4;             // times the root of a piece's size: no cut goes through a vertex with more
+constexpr int kAlwaysSearched = 2000;  // vertices; the search runs on a smaller piece if its plane is not good
 constexpr double kGoodScore = 3.5;     // of a plane; a straight cut through the middle of an even disc has 2.6
 constexpr double kLeastLevel = 0.05;   // as kTail, for a cut between levels of a search
 constexpr int kThreadGrain = 4000;     // vertices
@@ -80,7 +80,7 @@ struct Leaf {
       for (int v = 1; v < n; ++v) {
         if (degree[v] < degree[pivot]) pivot = v;
       }
-      // The pivot and all vertices with the same neighbours are eliminated together: after the first the others add no
+      // Eliminates the pivot and all vertices with the same neighbours together: after the pivot the others add no
       // fill.
       const Row clique = rows[pivot];
       Row gone{};
@@ -229,8 +229,8 @@ int search(const Piece& piece, Scratch& scratch, int seed, int begin) {
   return end;
 }
 
-/// Distributes the connected components of a piece, of which the queue has the first: the largest first, each to the
-/// smaller side. @return vertices per side
+/// Distributes the connected components of a piece: the largest first, each to the smaller side. The queue holds the
+/// first one. @return vertices per side
 Counts share_components(const Piece& piece, Scratch& scratch, int end) {
   struct Component {
     int inner, begin, end;
@@ -440,7 +440,8 @@ void dissect(Piece piece, int* order, int threads, Scratch& scratch, const OnThi
   }
 }
 
-/// Computes numbers of edges from a vertex; if vertices remain, continues from the lowest unreached one.
+/// Computes the number of edges from a vertex to each vertex; if vertices remain, continues from the lowest unreached
+/// one.
 /// @return the last vertex reached
 int count_edges(const IndexLists& neighbours, int from, std::vector<int>& count, std::vector<int>& queue) {
   count.assign(neighbours.rows(), -1);

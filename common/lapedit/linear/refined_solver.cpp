@@ -113,7 +113,7 @@ int RefinedSolver::refine_to(const Points& right, Points& x, double accurate) {
 }
 
 /// Computes x = A^-1 b to the precision of the factor A0 by the Woodbury formula: x = y + Z K (W^-2 b_h - y_h). Here y
-/// = A0^-1 b without b_h, the rows of b that the factor omits.
+/// solves A0 y = b without b_h, the rows of b whose constraints the factor omits.
 void RefinedSolver::solve(Points& right, Points& x) {
   const WoodburyCorrection& add = *correction_;
   Points &at_rows = scratch_->at_rows, &corrected = scratch_->corrected;

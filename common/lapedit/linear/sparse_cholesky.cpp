@@ -32,7 +32,7 @@ struct SparseCholesky::Impl {
   virtual void solve(const Points& rhs, Points& x) = 0;
 
   /// Scales right-hand sides, solves in the order of elimination, and scales back.
-  /// @param rows  scratch. @param solve_rows  in place
+  /// @param rows  scratch. @param solve_rows  solves in place
   template <class Ordered, class Solve>
   void solve_with(Ordered& rows, double scale, const Points& rhs, Points& x, const Solve& solve_rows) {
     constexpr int kGrain = 4096;
@@ -216,7 +216,7 @@ struct SupernodalCholesky : Analysed {
 };
 
 std::unique_ptr<Impl> make(const SparseMatrix& matrix, const CholeskyOptions& options, const Impl* like) {
-  // Checks what the factorisations do not check themselves.
+  // The factorisations do not check for non-finite entries or a non-positive diagonal.
   if (!matrix.coeffs().allFinite() || !(matrix.diagonal().array() > 0).all()) {
     refuse_matrix(matrix.rows());
   }

@@ -204,7 +204,8 @@ struct Joined {
   double zeros = 0;
 };
 
-/// Applies CHOLMOD's rule. @return whether lower and upper should be joined; lower is the result then
+/// Applies CHOLMOD's rule for relaxed supernodes (Chen, Davis, Hager and Rajamanickam 2008). @return whether lower and
+/// upper should be joined; lower is the result then
 bool join(Joined& lower, const Joined& upper) {
   const int columns = lower.columns + upper.columns;
   double zeros = upper.zeros;

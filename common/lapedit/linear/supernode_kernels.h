@@ -17,7 +17,7 @@ namespace lapedit::supernode {
 
 constexpr int kWide = 8;     // columns of a block
 constexpr int kTall = 8;     // rows of a panel
-constexpr int kAhead = 512;  // bytes of prefetching: the hardware stops at small pages
+constexpr int kAhead = 512;  // bytes to prefetch ahead, since the hardware stops at the end of a small page
 
 template <typename Scalar>
 struct Kernels {

@@ -39,7 +39,7 @@ LAPEDIT_INLINE Vector lane_sums(const Vector* s) {
   return shuffle<0, 1, 2, 3, 8, 9, 10, 11>(u[0], u[1]) + shuffle<4, 5, 6, 7, 12, 13, 14, 15>(u[0], u[1]);
 }
 
-// Loops over lanes, columns and right-hand sides have to be unrolled for their sums to stay in registers.
+// The compiler must unroll loops over lanes, columns and right-hand sides, so that their sums stay in registers.
 
 /// Solves one block of L y = b: y = T^-1 v with T the block's triangle, then v below -= L y. @return the end of the
 /// block
@@ -88,7 +88,7 @@ LAPEDIT_INLINE const Scalar* forward_block(const Scalar* block, int panels, Scal
   return tile;
 }
 
-/// Returns the sums of a panel's column times the rows below, for Count columns of a block from `first` on.
+/// Computes the sums of a panel's column times the rows below, for Count columns of a block from `first` on.
 template <typename Scalar, int Width, int Count>
 LAPEDIT_INLINE void backward_sums(const Scalar* tile, int panels, const Scalar* below, int pad,
                                   typename Lanes<Scalar>::Vector (*sums)[kWide]) {

@@ -132,7 +132,7 @@ int connected_components(const IndexLists& neighbours, std::vector<int>& labels,
     int root = v;
     for (const int w : neighbours[v]) {
       if (w >= v) {
-        break;  // is visited later
+        break;  // the loop visits this edge at w
       }
       if (!kinds.empty() && kinds[v] != kinds[w]) {
         continue;

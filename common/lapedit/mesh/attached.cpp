@@ -16,7 +16,7 @@ namespace {
 constexpr double kTouches = 0.01;          // of the moving part's size
 constexpr double kSmall = 0.5;             // a piece's size over that of the moving part
 constexpr double kEncloses = 0.4;          // winding number of the moving part about a piece
-constexpr std::size_t kMostEnclosed = 64;  // pieces that are tested for being enclosed, the largest
+constexpr std::size_t kMostEnclosed = 64;  // only the largest pieces are tested for being enclosed
 
 /// A part of the surface beyond the inner edge of the band.
 struct Part {
@@ -24,8 +24,8 @@ struct Part {
   std::size_t beyond = 0;  // vertices that the radius does not reach
 };
 
-/// Takes parts beyond the band that only the region connects to the remaining surface. If the region is between two
-/// such parts, the larger one is not taken, nor is one of at least half its size.
+/// Adds parts beyond the band that only the region connects to the remaining surface. If the region is between two such
+/// parts, it does not add the larger one, nor one of at least half its size.
 void take_tips(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec, Attached& found) {
   const double inner = (1 - spec.padding) * spec.radius;
   const auto n = static_cast<int>(found.distance.size());
@@ -77,7 +77,7 @@ void take_tips(const TriangleMesh& mesh, const Adjacency& adjacency, const Regio
   }
 }
 
-/// Returns how often the faces of the moving part surround a point, 1 for a closed surface around it.
+/// Returns the winding number of the faces of the moving part about a point: 1 inside a closed surface.
 double winding(const TriangleMesh& mesh, const std::vector<int>& faces, const Vector3& point) {
   constexpr double kFullAngle = 12.566370614359172;
   double angle = 0;
@@ -91,7 +91,7 @@ double winding(const TriangleMesh& mesh, const std::vector<int>& faces, const Ve
   return std::abs(angle) / kFullAngle;
 }
 
-/// Takes small pieces that the moving part encloses or touches.
+/// Adds small pieces that the moving part encloses or touches.
 class PieceSearch {
  public:
   PieceSearch(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec, Attached& found)

@@ -105,8 +105,8 @@ std::vector<char> flag_set(const TriangleMesh& mesh, const std::vector<int>& set
   return flags;
 }
 
-/// Refuses vertices with non-finite coordinates in a given set, or else in or next to the region, since their distance
-/// is unknown. @param vertices the set or the region, any order
+/// Throws EditError if a vertex of the given set, or else in or next to the region, has non-finite coordinates, since
+/// its distance is unknown. @param vertices the set or the region, any order
 void require_finite(const TriangleMesh& mesh, const Adjacency& adjacency, const std::vector<int>& vertices,
                     bool given_set) {
   std::vector<int> bad;
@@ -163,7 +163,7 @@ void gather(ThreadPool& pool, int count, const Select& select, const Reserve& re
   pool.each(pieces, [&](int piece) { take(border(piece), border(piece + 1), positions[piece]); });
 }
 
-/// Calls each of the functions once, on several threads, since most of their time is spent on fresh memory.
+/// Calls each of the functions once, on several threads, since page faults of new memory take most of their time.
 template <class... Functions>
 void at_once(ThreadPool& pool, const Functions&... functions) {
   const std::array<std::function<void()>, sizeof...(functions)> list = {functions...};
@@ -303,7 +303,7 @@ constexpr int kGrain = 4096;
 ///     grown by a radius:  (d - (1 - p) r) / (p r)
 ///     a given set:        1 - b / (p d_max)
 ///     kept anchors:       as given
-/// @param is_free  per mesh vertex, may be empty: it is not in the band
+/// @param is_free  per mesh vertex, whether it is excluded from the band; may be empty
 void place_anchor_band(ThreadPool& pool, const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
                        const std::vector<int>& local, const std::vector<char>& rim, const std::vector<char>& is_free,
                        Region& region) {
@@ -382,7 +382,7 @@ void classify(ThreadPool& pool, const TriangleMesh& mesh, const Adjacency& adjac
   }
 }
 
-/// Sets weights unless all are 1; a vertex that is listed twice has the larger one.
+/// Stores weights unless all are 1. A vertex that is listed twice gets the larger weight.
 void take_weights(const std::vector<std::vector<int>>& groups, const std::vector<std::vector<double>>& weights,
                   const std::vector<int>& local, Region& region) {
   for (std::size_t g = 0; g < weights.size(); ++g) {
@@ -506,7 +506,7 @@ Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const 
   if (spec.connect_gap != 0) {
     return build_connected(mesh, adjacency, spec, groups, threads, weights);
   }
-  std::vector<int> local;  // first used for the handles' groups
+  std::vector<int> local;  // holds the handles' groups first
   const std::vector<int> handles = collect_handles(mesh, groups, local);
   check_weights(groups, weights);
   std::vector<std::pair<int, int>> local_handles;

@@ -24,7 +24,7 @@ namespace lapedit {
 ///
 /// A search tries few lines. One from v that crosses an edge at x cannot be the shortest path to its end if an end a of
 /// the edge has d(a) + |ax| <= d(v) + |vx|, since the shortest path from a in the remaining triangles consists of lines
-/// of the graph, too. Such lines are skipped, with a margin that covers rounding, so a search finds the same bits in
+/// of the graph, too. The search skips such lines, with a margin that covers rounding, so it finds the same bits in
 /// whatever order it visits vertices.
 class SurfaceLines {
  public:
@@ -125,16 +125,16 @@ class SurfaceLines {
     bool is_empty;  // also if a coordinate is not finite
   };
 
-  /// Lines from the start, at the origin, through a part of an edge; b lies counterclockwise of a.
+  /// Lines from the start, at the origin, through an interval of an edge; b lies counterclockwise of a.
   struct Window {
     Side left, right;
     Vec2 a, b;
-    Vec2 first, last;  // the part's ends, or any points on the rays through them
+    Vec2 first, last;  // the interval's ends, or any points on the rays through them
     int face;          // the last face that the lines crossed
     int weight;        // sum of the weights of the crossed triangles
     bool bare;
 
-    /// @return false if nothing remains
+    /// Restricts the window to a cut. @return false if the window is empty then
     bool narrow(const Cut& cut) {
       const Vec2 e{b.x - a.x, b.y - a.y};
       if (cut.numerator_a > 0) {

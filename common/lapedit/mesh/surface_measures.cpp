@@ -11,8 +11,8 @@
 namespace lapedit {
 namespace {
 
-/// Returns the apex of the cones of each vertex's component: the mean of the vertices on its border, or any of its
-/// vertices if it is closed.
+/// Returns, per vertex, the apex of the cones that measure its component's volume: the mean of the vertices on its
+/// border, or any of its vertices if it is closed.
 Points centres(const Region& region, const Points& positions) {
   // At an inner vertex each neighbour is the successor in one face and the predecessor in another, so its balance is 0.
   std::vector<long> balance(region.size(), 0);
