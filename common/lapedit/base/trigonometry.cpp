@@ -36,7 +36,7 @@ SineCosine sine_cosine(double degrees) {
   }
 }
 
-/// Returns the angle in degrees of a tangent from 0 to 1.
+/// Returns the angle in degrees whose tangent, from 0 to 1, is given.
 double arc_tangent(double tangent) {
   constexpr int kTerms = 14, kHalvings = 2;
   double u = tangent;

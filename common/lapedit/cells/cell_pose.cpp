@@ -8,7 +8,8 @@
 namespace lapedit {
 namespace {
 
-/// The number of passes per step is fixed, so that the pose changes evenly with the handle. Converged poses jump.
+/// The number of passes per step is fixed, so that the pose changes evenly with the handle. If each step converged
+/// fully, the pose would jump.
 struct Passes {
   int per_step, at_the_end;
 };
@@ -55,7 +56,7 @@ CellPose::CellPose(const Region& region, const Points& rest, const RegionCells& 
   for (int c = 0; c < cells_.count(); ++c) {
     hold_[c] = smooth_step(hold_[c] / cells_.vertices[c]);
   }
-  // Allocates all scratch memory here, so that frames allocate nothing.
+  // Allocates all scratch memory here, so that no frame allocates memory.
   constraints_.setZero(cells.count(), 3);
   displacement_.setZero(cells.count(), 3);
   local_global_.start(cells.centres, std::vector<Matrix3>(cells.count(), Matrix3::Zero()), true);
@@ -92,7 +93,7 @@ double CellPose::constrain(const GroupPaths& paths) {
 }
 
 /// Rotates each cell by the groups' rotations in this step, in proportion to follow(). This counts whole revolutions. A
-/// cell that follows one group only starts with the rotation of that group.
+/// cell that follows a single group starts with the rotation of that group.
 void CellPose::follow(const GroupPaths& paths) {
   if (paths.rotations() != group_rotations_) {
     turns_.setZero();

@@ -15,7 +15,7 @@ class CellSurface {
 
   /// The weight of an entry of cells.neighbours in averages over a cell's surroundings.
   double nearness(int entry) const { return nearness_[entry]; }
-  /// The contribution of an end's displacement to the gradient along the surface, in a basis of the cell's tangent
+  /// The contribution of a neighbour's displacement to the gradient along the surface, in a basis of the cell's tangent
   /// plane.
   const Vector2& slope(int entry) const { return slope_[entry]; }
   /// Returns the unit normal at a cell for the given positions of all cells; zero if it is undefined.

@@ -39,7 +39,8 @@ class LocalGlobal {
   /// @param accurate      change of positions, model units, below which the passes end
   /// @param most_passes   largest number of global steps
   /// @param displacement  out: the solution
-  /// @param rotations     in: those of the first global step; out: the last ones Only the first call allocates memory.
+  /// @param rotations     in: those of the first global step; out: the last ones
+  /// Only the first call allocates memory.
   Outcome settle(const Points& constraints, double accurate, int most_passes, Points& displacement,
                  std::vector<Matrix3>& rotations);
 
