@@ -80,7 +80,7 @@ struct Pass {
   const int* offsets;
   const int* inner;
   const double* values;
-  int last_row;                  // of the factors
+  int last_row;                  // last row of the factors
   const double *x_high, *x_low;  // factors of the entries; x_low null: all in working precision
 
   // Output if there is no right-hand side: the sums.

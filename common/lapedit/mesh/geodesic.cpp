@@ -186,8 +186,8 @@ struct DistanceField::Front {
   std::vector<int> bare;   // vertices that may have no neighbour within the cutoff
   double nearest = 0;      // smallest distance in `far`
 
-  /// Distributes the far vertices among the first fronts, as many as have enough vertices for a thread. @return their
-  /// number
+  /// Distributes the far vertices among the first fronts, with at least `grain` vertices each if several are used.
+  /// @return their number
   static int balance(std::vector<Front>& fronts, bool has_lines) {
     const std::size_t grain = has_lines ? 48 : 192;
     std::size_t all = 0;

@@ -11,8 +11,8 @@
 namespace lapedit {
 namespace {
 
-/// Returns, per vertex, the apex of the cones that measure its component's volume: the mean of the vertices on its
-/// border, or any of its vertices if it is closed.
+/// Returns, per component, the apex of the cones that measure its volume: the mean of the vertices on its border, or
+/// any of its vertices if it is closed.
 Points centres(const Region& region, const Points& positions) {
   // At an inner vertex each neighbour is the successor in one face and the predecessor in another, so its balance is 0.
   std::vector<long> balance(region.size(), 0);
@@ -130,7 +130,7 @@ Vector3 mean_normal(const TriangleMesh& mesh, const Adjacency& adjacency, const 
   return sum;
 }
 
-/// Sums up the stretch of edges, |after_i - after_j| / |before_i - before_j| - 1.
+/// The stretch of an edge is |after_i - after_j| / |before_i - before_j| - 1.
 EdgeStretch edge_stretch(const Region& region, const Points& before, const Points& after) {
   EdgeStretch result;
   double sum = 0;
@@ -187,7 +187,8 @@ bool encloses_a_body(const Region& region, const Points& positions, double volum
   return is_thick(volume, twice_area / 2);
 }
 
-/// The area normals of a closed surface sum to zero. Those of an open one sum to the area of the caps over its holes.
+/// The area normals of a closed surface sum to zero. Those of an open one sum to the negative area normals of caps over
+/// its holes.
 std::vector<ComponentVolume> component_volumes(const Region& region, const Points& positions) {
   constexpr double kCap = 0.2;  // of the area; half a ball has 0.5
   const Points from = centres(region, positions);
