@@ -14,7 +14,7 @@ import time
 
 from pictures import PANEL, TOOL, Pictures, nearest, part
 
-RADIUS = 2.7  # to the corners of a field of 4 x 2, along its edges
+RADIUS = 2.15  # nearly to the corners of a field of 4 x 2
 SECONDS = 12
 RATE = 60  # moves of the mouse per second
 PICTURES = 6  # per second, in the film

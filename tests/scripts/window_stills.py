@@ -7,6 +7,7 @@ usage: window_stills.py FOLDER   where the generated meshes are; the pictures ar
 import contextlib
 import pathlib
 import sys
+import time
 
 from pictures import TOOL, Pictures, convert, cut, nearest, part, rotated, sheet
 
@@ -42,7 +43,7 @@ def trials(pictures, folder):
         convert(path, "-resize", "300x300", path)
         rows[row].append(path)
 
-    with opened(pictures, mesh, radius=1.15) as (window, at):
+    with opened(pictures, mesh, radius=1.15, handle_fraction=35) as (window, at):
         hand, middle = at(HAND), at((0.45, 0.6, 0))
         window.click(*hand)
         window.set(part("pivot"), 1)
@@ -60,7 +61,7 @@ def trials(pictures, folder):
         x, y = at(MOUTH[2])
         window.drag((x, y), (x + 10, y - 25))
         keep(window, at(MOUTH[1]), 1)
-    with opened(pictures, mesh, radius=3) as (window, at):
+    with opened(pictures, mesh, radius=3, handle_fraction=45) as (window, at):
         (x, y), (left, top), middle = at(HAND), at(OTHER_HAND), at((0, 0.6, 0))
         window.set(part("brush_target"), "Fixed")
         window.drag((left - 10, top - 10), (left + 10, top + 10))
@@ -84,6 +85,7 @@ def make(pictures):
     with opened(pictures, folder / "head.ply", rotated(0, 40)) as (window, at):
         x, y = at(NOSE)
         window.move(x - 8, y)
+        time.sleep(1)  # the outlines follow from a thread that idle() does not wait for
         keep(window, "hover", (x - 60, y))
     with opened(pictures, folder / "creature.ply", rotated(5, -15), radius=1.0, handle_fraction=25) as (window, at):
         x, y = at(FOOT)
@@ -91,7 +93,7 @@ def make(pictures):
         window.set(part("gizmo"), 1)
         window.move(3, 300)
         keep(window, "gizmo", (x - 20, y - 70))
-    with opened(pictures, folder / "hand.ply", radius=1.2, handle_fraction=14, gizmo=False) as (window, at):
+    with opened(pictures, folder / "hand.ply", radius=1.2, handle_fraction=28, gizmo=False) as (window, at):
         window.click(*at(TIPS[0]))
         for tip in TIPS[1:]:
             window.key("G")

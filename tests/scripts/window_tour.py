@@ -104,8 +104,10 @@ def raise_arm(tour, window, at):
     tour.caption = "The disc is what a press takes, the outline what follows it."
     tour.frame(0.6)
     tour.go(at(HAND), 1.2)
+    window.idle()
+    tour.frame(0.8)
     tour.caption = "The wheel sets the radius, Shift+wheel the disc."
-    tour.wheel(6)
+    tour.wheel(1)
     tour.wheel(4, ["shift"])
     tour.caption = "A click shows the region. The pivot: the middle of its rim."
     tour.press()
@@ -120,7 +122,7 @@ def raise_arm(tour, window, at):
     tour.press()
     count = round(2.2 * RATE)
     for k in range(1, count + 1):
-        angle = math.radians(-45 + 95 * (1 - math.cos(math.pi * k / count)) / 2)
+        angle = math.radians(-45 + 85 * (1 - math.cos(math.pi * k / count)) / 2)
         radius = math.dist(start, centre)
         tour.position = centre[0] + radius * math.cos(angle), centre[1] - radius * math.sin(angle)
         window.mouse("move", *tour.position)
@@ -135,12 +137,12 @@ def pull_nose(tour, window, at):
     window.set(part("gizmo"), "Hidden")
     window.set(part("clear"), True)
     tour.go(at(NOSE), 0.9)
-    window.set(part("radius"), window.widget(part("radius"))["value"] / 4)
-    window.set(part("handle_fraction"), 25)
+    window.set(part("radius"), 0.35)
+    window.set(part("handle_fraction"), 10)
     window.move(*tour.position)
     tour.frame(0.8)
     tour.press()
-    tour.go((tour.position[0] - 55, tour.position[1] + 8), 1.4)
+    tour.go((tour.position[0] - 14, tour.position[1] + 2), 1.4)
     tour.release()
     tour.frame(0.8)
 
