@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <exception>
+#include <functional>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -17,6 +18,22 @@ int thread_count(int threads);
 
 /// Limits thread_count() in the whole process from now on, for one of several processes that share a machine.
 void limit_threads(int most);
+
+/// Calls a function only on the thread that constructed the object: for parallel work whose caller gets a call between
+/// pieces. The function must outlive the object; if it is empty, nothing is called.
+class OnThisThread {
+ public:
+  explicit OnThisThread(const std::function<void()>& function) : function_(function) {}
+  void operator()() const {
+    if (function_ && std::this_thread::get_id() == thread_) {
+      function_();
+    }
+  }
+
+ private:
+  const std::function<void()>& function_;
+  std::thread::id thread_ = std::this_thread::get_id();
+};
 
 /// Divides loops among helper threads that live as long as the pool. A call starts no thread and allocates nothing, so
 /// the pool suits repeated work of fractions of a millisecond. Each idle thread takes the next piece, so a thread that

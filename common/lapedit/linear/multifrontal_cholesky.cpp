@@ -8,9 +8,9 @@
 #include <mutex>
 #include <new>
 #include <numeric>
-#include <thread>
 #include <vector>
 
+#include "lapedit/base/thread_pool.h"
 #include "lapedit/linear/tree_walk.h"
 
 namespace lapedit::supernode {
@@ -71,11 +71,9 @@ class Factorisation {
 
   bool run() {
     TreeWalk walk(tree_, pool_.threads());
-    const std::thread::id caller = std::this_thread::get_id();
-    walk.upwards(pool_, [this, caller](const TaskTree::Task& task, int worker) {
-      if (between_ && std::this_thread::get_id() == caller) {
-        between_();
-      }
+    const OnThisThread between(between_);
+    walk.upwards(pool_, [&](const TaskTree::Task& task, int worker) {
+      between();
       for (int s = task.first_node; s <= task.last_node && definite_; ++s) {
         eliminate(s, positions_[worker].data());
       }

@@ -9,7 +9,6 @@
 #include <functional>
 #include <limits>
 #include <numeric>
-#include <thread>
 #include <utility>
 
 #include "lapedit/base/simd.h"
@@ -388,28 +387,13 @@ Piece side_of(const Piece& whole, Side side, Scratch& scratch) {
   return result;
 }
 
-/// Calls a function only on the thread that constructed the object.
-class OnThisThread {
- public:
-  explicit OnThisThread(const std::function<void()>& function) : function_(function) {}
-  void call() const {
-    if (function_ && std::this_thread::get_id() == thread_) {
-      function_();
-    }
-  }
-
- private:
-  const std::function<void()>& function_;
-  std::thread::id thread_ = std::this_thread::get_id();
-};
-
 void dissect(Piece piece, int* order, int threads, Scratch& scratch, const OnThisThread& between) {
   const int n = piece.inner;
   if (n <= Leaf<kLeafWords>::kMost) {
     Leaf<kLeafWords>::order(piece, scratch, order);
     return;
   }
-  between.call();
+  between();
   scratch.fit(piece.size());
   Counts counts{};
   if (!divide(piece, scratch, counts)) {
