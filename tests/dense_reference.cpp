@@ -99,7 +99,7 @@ Points solve(const TriangleMesh& mesh, const Region& region, const EditSettings&
     return (left * m + squared).ldlt().solve(left * deltas + squared * Matrix(targets));
   }
   const double stretch = settings.membrane > 0 ? membrane_of(settings, edges, rest, weights) / 2 : 0;  // each twice
-  const Eigen::Index stacked = 2 * n + (stretch > 0 ? static_cast<Eigen::Index>(edges.size()) : 0);
+  const Eigen::Index stacked = Eigen::Index{2} * n + (stretch > 0 ? static_cast<Eigen::Index>(edges.size()) : 0);
   Matrix a = Matrix::Zero(stacked, n), b = Matrix::Zero(stacked, 3);
   a.topRows(n) = m;
   b.topRows(n) = deltas;
@@ -111,7 +111,7 @@ Points solve(const TriangleMesh& mesh, const Region& region, const EditSettings&
     a(n + i, i) = constraint_weights[i];
     b.row(n + i) = constraint_weights[i] * targets.row(i);
   }
-  Eigen::Index row = 2 * n;
+  Eigen::Index row = Eigen::Index{2} * n;
   for (auto edge = edges.begin(); row < stacked; ++edge, ++row) {
     const auto [i, j] = *edge;
     const double weight = std::sqrt(stretch * weights(i, j));

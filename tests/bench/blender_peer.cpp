@@ -77,9 +77,9 @@ MethodResult blender(const Problem& scene) {
   }
   MethodResult result;
   result.positions = scene.edit.mesh.vertices;
+  const Eigen::Map<const lapedit::Points> deformed(positions.data(), scene.region.size(), 3);
   for (int i = 0; i < scene.region.size(); ++i) {
-    const lapedit::Vector3 p(positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]);
-    result.positions.row(scene.region.mesh_vertex[i]) = p / scale;
+    result.positions.row(scene.region.mesh_vertex[i]) = deformed.row(i) / scale;
   }
   result.prepare_ms = given["bind_ms"];
   result.solve_ms = given["update_ms"];

@@ -50,7 +50,7 @@ lapedit::Points CholmodPeer::solve(const lapedit::Points& right) {
   b.xtype = CHOLMOD_REAL;
   b.dtype = CHOLMOD_DOUBLE;
   cholmod_dense* x = cholmod_solve(CHOLMOD_A, factor_, &b, &common_);
-  const lapedit::Points result = Eigen::Map<const Eigen::MatrixXd>(static_cast<const double*>(x->x), columns.rows(), 3);
+  lapedit::Points result = Eigen::Map<const Eigen::MatrixXd>(static_cast<const double*>(x->x), columns.rows(), 3);
   cholmod_free_dense(&x, &common_);
   return result;
 }

@@ -48,7 +48,7 @@ EditSettings settings_of(const std::string& text) {
     const double number =
         choice != names.end() ? static_cast<double>(choice - names.begin()) : std::strtod(value.c_str(), &end);
     if (value.empty() || (end && *end) || (choice == names.end() && !names.empty())) {
-      throw std::runtime_error(value + " is no value of " + key);
+      throw std::runtime_error(std::string(value).append(" is no value of ").append(key));
     }
     setting->set(settings, number);
   }

@@ -94,6 +94,7 @@ std::vector<std::pair<std::string, lapedit::EditSettings>> make_settings(const O
       {"linear", "method=linear"}, {"paper", "method=paper"}, {"default", ""}};
   named.insert(named.end(), options.ours.begin(), options.ours.end());
   std::vector<std::pair<std::string, lapedit::EditSettings>> result;
+  result.reserve(named.size());
   for (const auto& [name, text] : named) {
     result.emplace_back(name, settings_of(text));
   }

@@ -377,6 +377,7 @@ int run(int argc, char** argv) {
   std::printf("%s, Eigen %d.%d.%d, %s\n", cholmod_version().c_str(), EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION,
               EIGEN_MINOR_VERSION, SPEED_FLAGS);
   std::vector<Runs> measured;
+  measured.reserve(sizes.size());
   for (const int vertices : sizes) {
     measured.push_back(measure(vertices, mode == "--quick" ? 3 : vertices > 200000 ? 5 : 11));
   }

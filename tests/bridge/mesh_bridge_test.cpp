@@ -45,7 +45,7 @@ TEST(MeshBridge, RefusesFacesThatNameNoVertex) {
     fill(host, shapes::grid(4, 5));
     // As readers do with a number from a file.
     const auto address = reinterpret_cast<std::intptr_t>(host.vert.data()) + number * std::intptr_t(sizeof(CVertexO));
-    host.face[7].V(1) = reinterpret_cast<CVertexO*>(address);
+    host.face[7].V(1) = reinterpret_cast<CVertexO*>(address);  // NOLINT(performance-no-int-to-ptr)
     try {
       read_mesh(host);
       ADD_FAILURE() << number;

@@ -151,7 +151,7 @@ class Scene {
   explicit Scene(const TriangleMesh& mesh, const std::vector<int>& dead_faces = {},
                  const std::vector<int>& dead_vertices = {}) {
     make(host, mesh, dead_faces, dead_vertices);
-    make(twin, mesh, dead_faces, dead_vertices);
+    make(twin_, mesh, dead_faces, dead_vertices);
     bridged = read_mesh(host);
     adjacency = support::adjacency_of(bridged.mesh);
   }
@@ -163,8 +163,8 @@ class Scene {
     EditResult result;
     result.vertices = vertices;
     result.positions = positions;
-    write_plainly(twin, bridged, result);
-    return State(twin);
+    write_plainly(twin_, bridged, result);
+    return State(twin_);
   }
 
   CMeshO host;
@@ -191,7 +191,7 @@ class Scene {
     }
   }
 
-  CMeshO twin;
+  CMeshO twin_;
 };
 
 std::vector<int> stretch(int first, int count) {

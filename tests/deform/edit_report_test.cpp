@@ -421,10 +421,10 @@ class ReportOfAnEdit : public testing::Test {
     step.handles[0].transform.translation = {0, 0, lift};
     Edit edit;
     edit.steps = {step};
-    return apply_edit(mesh_, edit).reports.at(0);
+    return apply_edit(mesh, edit).reports.at(0);
   }
 
-  const TriangleMesh mesh_ = shapes::bumpy_grid();
+  const TriangleMesh mesh = shapes::bumpy_grid();
 };
 
 TEST_F(ReportOfAnEdit, NumbersAreThoseOfTheEdit) {

@@ -371,7 +371,8 @@ TEST(SolverReport, ChangesNothing) {
     Prepared quiet(mesh, region, settings), asked(mesh, region, settings);
     const Prepared& read = asked;
     const auto same = [&] {
-      const EditReport a = read.report(), b = read.report();
+      EditReport a = read.report();
+      const EditReport b = read.report();
       EXPECT_EQ(a.text(), b.text());
       EXPECT_EQ(a.normal_equation_residual, b.normal_equation_residual);
       EXPECT_EQ(a.stretch_rms, b.stretch_rms);
@@ -397,26 +398,26 @@ TEST(SolverReport, ChangesNothing) {
 
 class SolverErrors : public ::testing::Test {
  protected:
-  TriangleMesh mesh_ = wavy_letters(20, 12);
-  Region region_ = support::region_of(mesh_, within(0.8), {{120}, {124}});
+  TriangleMesh mesh = wavy_letters(20, 12);
+  Region region = support::region_of(mesh, within(0.8), {{120}, {124}});
 };
 
 TEST_F(SolverErrors, RegionWithoutHandleIsRefused) {
-  const Region region = support::whole_region(mesh_, {}, {0, 1, 2});
-  support::expect_refusal(ErrorCause::NoHandle, [&] { Prepared(mesh_, region, {}); });
+  const Region region = support::whole_region(mesh, {}, {0, 1, 2});
+  support::expect_refusal(ErrorCause::NoHandle, [&] { Prepared(mesh, region, {}); });
 }
 
 TEST_F(SolverErrors, SettingsAreChecked) {
   EditSettings settings;
   settings.order = 7;
-  support::expect_refusal(ErrorCause::BadParameter, [&] { Prepared(mesh_, region_, settings); });
+  support::expect_refusal(ErrorCause::BadParameter, [&] { Prepared(mesh, region, settings); });
 }
 
 /// Fails if a pose beyond all numbers leaves something behind, also where it is the first one.
 TEST_F(SolverErrors, StaysUsableAfterARefusedSolve) {
-  Prepared solver(mesh_, region_, {});
+  Prepared solver(mesh, region, {});
   const std::vector<HandleMotion> good = {support::shift(Vector3(0, 0, 0.3)), support::shift(Vector3(0, 0, 0.2))};
-  const Points expected = Prepared(mesh_, region_, {}).pose(good);
+  const Points expected = Prepared(mesh, region, {}).pose(good);
   Affine bad = Affine::Identity();
   bad(1, 3) = kNaN;
   const Affine far = support::shift(Vector3(1e308, 1e308, 1e308));
@@ -433,7 +434,7 @@ TEST_F(SolverErrors, StaysUsableAfterARefusedSolve) {
 
 TEST_F(SolverErrors, EveryStageCanBeCancelled) {
   std::vector<double> fractions;
-  const Prepared uncancelled(mesh_, region_, {}, {}, [&](double fraction, const char* stage) {
+  const Prepared uncancelled(mesh, region, {}, {}, [&](double fraction, const char* stage) {
     EXPECT_NE(std::string(stage), "");
     fractions.push_back(fraction);
     return true;
@@ -444,7 +445,7 @@ TEST_F(SolverErrors, EveryStageCanBeCancelled) {
   for (std::size_t stop = 0; stop < fractions.size(); ++stop) {
     std::size_t call = 0;
     support::expect_refusal(ErrorCause::Cancelled, [&] {
-      Prepared(mesh_, region_, {}, {}, [&](double, const char*) { return call++ < stop; });
+      Prepared(mesh, region, {}, {}, [&](double, const char*) { return call++ < stop; });
     });
   }
 }

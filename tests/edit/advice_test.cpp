@@ -252,28 +252,9 @@ TEST(AdviceOnVolume, MirroringGroupIsRefusedUnlessAllMirror) {
   advice_of(mesh, step);
 }
 
-/// A tube along x of length 4 and radius 1, open at both ends.
-TriangleMesh tube_of(int around, int rings) {
-  TriangleMesh mesh;
-  mesh.vertices.resize(around * rings, 3);
-  mesh.faces.resize(2 * around * (rings - 1), 3);
-  for (int r = 0; r < rings; ++r) {
-    for (int a = 0; a < around; ++a) {
-      const double angle = 2 * std::acos(-1.0) * a / around;
-      mesh.vertices.row(r * around + a) << 4.0 * r / (rings - 1), std::cos(angle), std::sin(angle);
-    }
-    for (int a = 0; a < around && r + 1 < rings; ++a) {
-      const int here = r * around + a, next = r * around + (a + 1) % around;
-      mesh.faces.row(2 * here) << here, next, here + around;
-      mesh.faces.row(2 * here + 1) << next, next + around, here + around;
-    }
-  }
-  return mesh;
-}
-
 TEST(AdviceOnVolume, CollapsedTubeHasAdviceUnlessItWasToShrink) {
   for (const auto& [around, rings] : {std::pair(16, 31), std::pair(32, 61)}) {
-    const TriangleMesh tube = tube_of(around, rings);
+    const TriangleMesh tube = support::open_tube(around, rings, 4);
     EditStep step;
     step.region = component();
     step.handles = {{vertices_where(tube, [](const Vector3& p) { return p[0] < 0.01; }), {}},

@@ -21,24 +21,6 @@ using support::shift;
 using support::vertices_where;
 using support::within;
 
-TriangleMesh open_tube(int around_it, int rings, double length) {
-  TriangleMesh mesh;
-  mesh.vertices.resize(around_it * rings, 3);
-  mesh.faces.resize(2 * around_it * (rings - 1), 3);
-  for (int r = 0; r < rings; ++r) {
-    for (int a = 0; a < around_it; ++a) {
-      const double angle = 2 * std::acos(-1.0) * a / around_it;
-      mesh.vertices.row(r * around_it + a) << length * r / (rings - 1), std::cos(angle), std::sin(angle);
-    }
-    for (int a = 0; a < around_it && r + 1 < rings; ++a) {
-      const int here = r * around_it + a, next = r * around_it + (a + 1) % around_it;
-      mesh.faces.row(2 * here) << here, next, here + around_it;
-      mesh.faces.row(2 * here + 1) << next, next + around_it, here + around_it;
-    }
-  }
-  return mesh;
-}
-
 /// Vertices exactly at the radius, and at the start of the band of anchors.
 EditCase disc_case() {
   const TriangleMesh mesh = shapes::grid(31, 31);
@@ -76,12 +58,12 @@ EditCase strip_case() {
 }
 
 EditCase tube_case() {
-  const TriangleMesh mesh = open_tube(24, 51, 8);
+  const TriangleMesh mesh = support::open_tube(24, 51, 8);
   return {"tube", mesh, within(3), {{support::vertex_at(mesh, Vector3(4, 0, 1))}}, {shift(Vector3(0.3, 0.2, 1))}, true};
 }
 
 EditCase rims_case() {
-  const TriangleMesh mesh = open_tube(24, 51, 8);
+  const TriangleMesh mesh = support::open_tube(24, 51, 8);
   return {"rims",
           mesh,
           component(),

@@ -132,7 +132,8 @@ struct Sheets {
     if (width > length) {
       ADD_FAILURE();
     }
-    mesh = shapes::together(low, shapes::grid(n / 2, 2 * n), Vector3(0.3 + n / 5, 0.4 + n / 3, gap));
+    const int x = n / 5, y = n / 3;
+    mesh = shapes::together(low, shapes::grid(n / 2, 2 * n), Vector3(0.3 + x, 0.4 + y, gap));
   }
   std::vector<int> end(bool far) const {
     return support::vertices_where(mesh, [&](const Vector3& p) { return far ? p[1] > length - 1.5 : p[1] < 1.5; });

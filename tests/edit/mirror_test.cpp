@@ -235,6 +235,7 @@ TEST(Mirror, WeightsGoWithTheirVertices) {
   const TriangleMesh mesh = shapes::icosphere(4);
   const std::vector<int> group = disc(mesh, kRight, 0.15);
   std::vector<double> weights;
+  weights.reserve(group.size());
   for (const int v : group) {
     weights.push_back(0.5 + 0.4 * mesh.vertices(v, 1));
   }

@@ -12,18 +12,18 @@
 namespace lapedit::round_hill_test {
 namespace {
 
-constexpr int kSide = 81, kRadius = 32, kHeight = 8;
+constexpr int kSide = 81, kMiddle = kSide / 2, kRadius = 32, kHeight = 8;
 
 /// Squares with single diagonals, the worst of all grids along edges.
 TriangleMesh field() {
   TriangleMesh mesh;
-  mesh.vertices.resize(kSide * kSide, 3);
-  mesh.faces.resize(2 * (kSide - 1) * (kSide - 1), 3);
+  mesh.vertices.resize(Eigen::Index{kSide} * kSide, 3);
+  mesh.faces.resize(Eigen::Index{2} * (kSide - 1) * (kSide - 1), 3);
   int face = 0;
   for (int j = 0; j < kSide; ++j) {
     for (int i = 0; i < kSide; ++i) {
       const int a = j * kSide + i;
-      mesh.vertices.row(a) << i - kSide / 2, j - kSide / 2, 0;
+      mesh.vertices.row(a) << i - kMiddle, j - kMiddle, 0;
       if (i + 1 < kSide && j + 1 < kSide) {
         mesh.faces.row(face++) << a, a + 1, a + kSide + 1;
         mesh.faces.row(face++) << a, a + kSide + 1, a + kSide;
@@ -49,7 +49,7 @@ double deviation(LaplacianKind kind, double fraction) {
   }
   const auto at = [&](double x, double y) {
     const double column = std::floor(x), row = std::floor(y), u = x - column, v = y - row;
-    const int i = static_cast<int>(column) + kSide / 2, j = static_cast<int>(row) + kSide / 2;
+    const int i = static_cast<int>(column) + kMiddle, j = static_cast<int>(row) + kMiddle;
     return (1 - u) * ((1 - v) * height(i, j) + v * height(i, j + 1)) +
            u * ((1 - v) * height(i + 1, j) + v * height(i + 1, j + 1));
   };

@@ -20,12 +20,12 @@ constexpr int kVertices = 1000;  // of the edit's mesh
 
 /// A number within white space; nothing if it is none, or no int.
 std::optional<int> number(const std::string& text) {
-  static const char* const kSpace = " \t\n\r";
-  const std::size_t first = text.find_first_not_of(kSpace);
+  const char* const space = " \t\n\r";
+  const std::size_t first = text.find_first_not_of(space);
   if (first == std::string::npos) {
     return {};
   }
-  const std::string digits = text.substr(first, text.find_last_not_of(kSpace) - first + 1);
+  const std::string digits = text.substr(first, text.find_last_not_of(space) - first + 1);
   long long value = 0;
   for (const char digit : digits) {
     if (digit < '0' || digit > '9' || value > std::numeric_limits<int>::max()) {

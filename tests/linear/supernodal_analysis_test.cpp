@@ -27,6 +27,7 @@ std::vector<AnalysisCase> cases() {
   std::vector<AnalysisCase> all;
   const auto add = [&](int n, const std::vector<std::pair<int, int>>& edges) {
     std::vector<Eigen::Triplet<double>> entries;
+    entries.reserve(n + 2 * edges.size());
     for (int i = 0; i < n; ++i) {
       entries.emplace_back(i, i, 100);
     }

@@ -63,6 +63,7 @@ std::vector<double> exact_distances(const TriangleMesh& mesh) {
   ExactPaths paths(exact);
   paths.add_source_point(index(0));
   std::vector<double> distances;
+  distances.reserve(static_cast<std::size_t>(mesh.vertices.rows()));
   for (int v = 0; v < mesh.vertices.rows(); ++v) {
     distances.push_back(paths.shortest_distance_to_source_points(index(v)).first);
   }

@@ -6,7 +6,9 @@
 
 #include <atomic>
 #include <csignal>
-#include <cstdint>
+#include <cstddef>
+#include <memory>
+#include <type_traits>
 
 #include "drag_support.h"
 
@@ -23,21 +25,22 @@ namespace {
 
 using support::Window;
 
-std::uintptr_t watched_from = 0, watched_to = 0;
-std::uintptr_t page_size = 4096;
+char* watched = nullptr;  // whole pages
+std::size_t watched_bytes = 0, page_size = 4096;
 pthread_t watching;
 std::atomic<int> touched{0};
 struct sigaction before;
 
 void on_access(int signal, siginfo_t* info, void* context) {
-  const auto address = reinterpret_cast<std::uintptr_t>(info->si_addr);
-  if (address < watched_from || address >= watched_to) {
+  const char* const address = static_cast<char*>(info->si_addr);
+  if (address < watched || address >= watched + watched_bytes) {
     sigaction(SIGSEGV, &before, nullptr);  // a fault of another kind comes again
     (void)signal;
     (void)context;
     return;
   }
-  mprotect(reinterpret_cast<void*>(address / page_size * page_size), page_size, PROT_READ | PROT_WRITE);
+  const std::size_t page = static_cast<std::size_t>(address - watched) / page_size;
+  mprotect(watched + page * page_size, page_size, PROT_READ | PROT_WRITE);
   if (pthread_equal(pthread_self(), watching) != 0) {
     ++touched;
   }
@@ -46,22 +49,23 @@ void on_access(int signal, siginfo_t* info, void* context) {
 /// Counts the pages of an array that this thread touches during an event.
 template <class Array, class Event>
 double touched_share(const Array& array, const Event& event) {
-  page_size = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
-  const auto begin = reinterpret_cast<std::uintptr_t>(array.data());
-  const auto end = begin + sizeof(*array.data()) * static_cast<std::uintptr_t>(array.size());
-  watched_from = (begin + page_size - 1) / page_size * page_size;
-  watched_to = end / page_size * page_size;
+  page_size = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  void* first = const_cast<std::remove_const_t<std::remove_pointer_t<decltype(array.data())>>*>(array.data());
+  std::size_t left = sizeof(*array.data()) * static_cast<std::size_t>(array.size());
+  watched = static_cast<char*>(std::align(page_size, page_size, first, left));
+  watched_bytes = left / page_size * page_size;
   watching = pthread_self();
   touched = 0;
   struct sigaction action = {};
   action.sa_sigaction = on_access;
   action.sa_flags = SA_SIGINFO;
   sigaction(SIGSEGV, &action, &before);
-  mprotect(reinterpret_cast<void*>(watched_from), watched_to - watched_from, PROT_NONE);
+  mprotect(watched, watched_bytes, PROT_NONE);
   event();
-  mprotect(reinterpret_cast<void*>(watched_from), watched_to - watched_from, PROT_READ | PROT_WRITE);
+  mprotect(watched, watched_bytes, PROT_READ | PROT_WRITE);
   sigaction(SIGSEGV, &before, nullptr);
-  return static_cast<double>(touched) / static_cast<double>((watched_to - watched_from) / page_size);
+  const std::size_t pages = watched_bytes / page_size;
+  return static_cast<double>(touched) / static_cast<double>(pages);
 }
 
 TEST(DragTouch, NoEventLooksAtAllFaces) {

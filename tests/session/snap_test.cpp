@@ -16,38 +16,38 @@ class Snap : public ::testing::Test {
   std::vector<TriangleMesh> sheets(std::initializer_list<double> heights) const {
     std::vector<TriangleMesh> all;
     for (const double height : heights) {
-      all.push_back(sheet_);
+      all.push_back(sheet);
       all.back().vertices.col(2).array() = height;
     }
     return all;
   }
 
-  const TriangleMesh sheet_ = shapes::grid(9, 9);
-  const Vector3 middle_ = sheet_.vertices.row(40).transpose();
-  const Vector3 eye_ = middle_ + Vector3(0, 0, 40);
-  const Camera view_ = support::view_from(eye_, middle_, Vector3::UnitY());
+  const TriangleMesh sheet = shapes::grid(9, 9);
+  const Vector3 middle = sheet.vertices.row(40).transpose();
+  const Vector3 eye = middle + Vector3(0, 0, 40);
+  const Camera view = support::view_from(eye, middle, Vector3::UnitY());
 };
 
 TEST_F(Snap, TakesTheFirstSurfaceUnderTheCursor) {
-  const Vector2 pixel = view_.pixel(middle_);
+  const Vector2 pixel = view.pixel(middle);
   for (const auto& heights : {std::initializer_list<double>{0, -1}, {-1, 0}}) {
-    const auto found = SnapTargets(sheets(heights)).at(view_, pixel);
+    const auto found = SnapTargets(sheets(heights)).at(view, pixel);
     ASSERT_TRUE(found);
     EXPECT_NEAR(found->z(), 0, 1e-9);
-    EXPECT_LT((view_.pixel(*found) - pixel).norm(), 1e-6);
+    EXPECT_LT((view.pixel(*found) - pixel).norm(), 1e-6);
   }
-  EXPECT_FALSE(SnapTargets(sheets({0})).at(view_, Vector2(-1e5, 0)));
-  EXPECT_FALSE(SnapTargets({}).at(view_, pixel));
+  EXPECT_FALSE(SnapTargets(sheets({0})).at(view, Vector2(-1e5, 0)));
+  EXPECT_FALSE(SnapTargets({}).at(view, pixel));
 }
 
 TEST_F(Snap, TargetsAreFoundWhenATranslationBegins) {
   int requests = 0;
-  const auto targets = std::make_shared<const SnapTargets>(sheets({1}));
-  DragSession session(sheet_, StoredScalar::Float, {{}, {}, [&] {
-                                                      ++requests;
-                                                      return targets;
-                                                    }});
-  const Cursor start{view_, view_.pixel(middle_)}, end{view_, start.pixel + Vector2(9, 7)};
+  auto targets = std::make_shared<const SnapTargets>(sheets({1}));
+  DragSession session(sheet, StoredScalar::Float, {{}, {}, [&] {
+                                                     ++requests;
+                                                     return targets;
+                                                   }});
+  const Cursor start{view, view.pixel(middle)}, end{view, start.pixel + Vector2(9, 7)};
   const auto drag = [&] {
     session.press(start);
     session.move(end);
@@ -72,10 +72,10 @@ TEST_F(Snap, TargetsAreFoundWhenATranslationBegins) {
 
 TEST_F(Snap, AllocatesNothing) {
   const SnapTargets targets(sheets({0, -1}));
-  targets.at(view_, view_.pixel(middle_));
+  targets.at(view, view.pixel(middle));
   const long before = allocations;
   for (int k = 0; k < 9; ++k) {
-    targets.at(view_, view_.pixel(sheet_.vertices.row(9 * k).transpose()));
+    targets.at(view, view.pixel(sheet.vertices.row(Eigen::Index{9} * k).transpose()));
   }
   EXPECT_EQ(allocations, before);
 }

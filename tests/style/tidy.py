@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs clang-tidy over the source files of what is shipped.
+"""Runs clang-tidy over the source files of the project; over benchmarks and fuzzers if CMAKE_OPTIONs turn them on.
 
 usage: tidy.py RUN_CLANG_TIDY FOLDER all|changed [CMAKE_OPTION]...
 
@@ -17,6 +17,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 MOST = 12
 SHIPPED = ("common", "filter_laplacian_edit", "edit_laplacian_drag")
+CHECKED = *SHIPPED, "tests"
 
 
 def git(*words):
@@ -58,7 +59,7 @@ def main():
                    stdout=subprocess.DEVNULL)
     entries = json.loads((pathlib.Path(folder) / "compile_commands.json").read_text(encoding="utf-8"))
     sources = {path for path in {pathlib.Path(entry["file"]) for entry in entries}
-               if ROOT in path.parents and path.relative_to(ROOT).parts[0] in SHIPPED}
+               if ROOT in path.parents and path.relative_to(ROOT).parts[0] in CHECKED}
     files = sorted(sources) if which == "all" else changed(sources)
     if files:
         patterns = [f"^{re.escape(str(path))}$" for path in files]
