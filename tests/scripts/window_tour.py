@@ -104,7 +104,6 @@ def raise_arm(tour, window, at):
     tour.caption = "The disc is what a press takes, the outline what follows it."
     tour.frame(0.6)
     tour.go(at(HAND), 1.2)
-    window.idle()
     tour.frame(0.8)
     tour.caption = "The wheel sets the radius, Shift+wheel the disc."
     tour.wheel(1)
