@@ -163,15 +163,17 @@ void each_near(Grid& grid, const GridMesh& mesh, const std::vector<Box>& boxes, 
   }
 }
 
-/// Returns the mesh with one vertex at each position, so that faces that touch there share it. Returns the mesh as it
-/// is if the edit separates vertices at one position.
+/// Returns the mesh with one vertex at each position, so that faces that touch there share it, unless the edit
+/// separates vertices at one position; and each face once.
 TriangleMesh joined(const TriangleMesh& mesh, const Points& after) {
   const Weld weld(mesh.vertices);
   bool together = true;
   for (int v = 0; v < static_cast<int>(after.rows()) && !weld.empty(); ++v) {
     together = together && (weld.first(v) == v || after.row(v) == after.row(weld.first(v)));
   }
-  return {mesh.vertices, together ? weld.faces(mesh.faces) : mesh.faces};
+  TriangleMesh result = {mesh.vertices, together ? weld.faces(mesh.faces) : mesh.faces};
+  keep_distinct(result.faces);
+  return result;
 }
 
 }  // namespace

@@ -335,11 +335,10 @@ class PosedStep {
         build_adjacency(static_cast<int>(given_.mesh.vertices.rows()), given_.mesh.faces, options.solver.threads);
     own_ = one_step(edit);
     mesh_ = given_.mesh;
-    auto joined = own_.weld ? std::make_shared<const Joined>(mesh_, mesh_.vertices) : nullptr;
-    if (joined && joined->weld.empty()) {
+    auto joined = std::make_shared<const Joined>(mesh_, mesh_.vertices, own_.weld);
+    if (joined->is_given) {
       joined = nullptr;
-    }
-    if (joined) {
+    } else {
       mesh_.faces = joined->faces;
     }
     step_ = std::make_unique<PreparedStep>(mesh_, joined, own_, options);
@@ -399,7 +398,7 @@ class PosedStep {
   }
 
   Given given_;
-  TriangleMesh mesh_;  // with the faces of vertices at the same place joined
+  TriangleMesh mesh_;  // with the faces that the step sees, see Joined
   Adjacency adjacency_;
   EditStep own_;
   std::unique_ptr<PreparedStep> step_;

@@ -257,8 +257,10 @@ std::string answer(const Options& options) {
   std::string text;
   if (options.info) {
     const MeshSummary summary = summary_of(file.mesh);
-    text += format_text("vertices: %d (%d without a face, %d not finite)\nfaces: %d\n", summary.vertices, summary.loose,
-                        summary.not_finite, summary.faces);
+    text += format_text("vertices: %d (%d without a face, %d not finite)\nfaces: %d", summary.vertices, summary.loose,
+                        summary.not_finite, summary.faces) +
+            (summary.ignored > 0 ? format_text(" (%d ignored: repeated, or with a corner twice)\n", summary.ignored)
+                                 : "\n");
     if (!summary.box.isEmpty()) {
       text += "box: " + coordinates(summary.box.min(), file.scalar) + " to " +
               coordinates(summary.box.max(), file.scalar) +

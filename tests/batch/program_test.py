@@ -168,6 +168,14 @@ class Edits(ProgramTest):
         self.assertRegex(text, rf"(?s)\Avertices: .*\nvertex: {CENTRE}, position: 0\.5,0\.5,\S+, distance: \S+\nvertex: 0, .*: 0\n\Z")
 
 
+    def test_a_face_that_names_a_corner_twice_or_is_repeated_changes_no_bit(self):
+        expected = MeshBytes("dome.ply", self.edited()).points
+        for faces in ([(a, b, c, c) for a, b, c in FACES], [f for a, b, c in FACES for f in ((a, b, c), (b, a, b), (c, b, a), (b, c, a))]):
+            self.mesh.write_bytes(files.ply_plain((POINTS, faces)))
+            self.assertEqual(MeshBytes("dome.ply", self.edited()).points, expected)
+            self.assertRegex(self.done("--info", self.mesh), r"\nfaces: \d+ \(\d+ ignored: .*\n.*\n.*\nborders: 1 of 80 edges")
+
+
 class Streams(ProgramTest):
     def test_pipes(self):
         data, edit, expected = self.mesh.read_bytes(), self.edit.read_bytes(), self.edited()

@@ -92,6 +92,47 @@ TEST(Weld, ResultIsThatOfTheSoundMesh) {
   }
 }
 
+/// The mesh with faces that name a vertex twice, and with each fourth face again, from another corner on or reversed.
+TriangleMesh with_ignored_faces(const TriangleMesh& mesh) {
+  std::vector<int> corners;
+  const auto add = [&corners](int a, int b, int c) { corners.insert(corners.end(), {a, b, c}); };
+  const int n = static_cast<int>(mesh.vertices.rows());
+  for (int f = 0; f < static_cast<int>(mesh.faces.rows()); ++f) {
+    const int a = mesh.faces(f, 0), b = mesh.faces(f, 1), c = mesh.faces(f, 2);
+    f % 3 == 0 ? add(a, a, (a + 7 * f) % n) : add(b, f % n, b);
+    add(a, b, c);
+    f % 2 == 0 ? add(c, b, b) : add(c, c, c);
+    for (int k = 0; f % 4 == 0 && k < 1 + f % 5; ++k) {
+      k % 2 == 0 ? add(b, c, a) : add(c, b, a);
+    }
+  }
+  return {mesh.vertices, Eigen::Map<const Faces>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3)};
+}
+
+/// Fails if such a face changes the region, a distance, a weight, a normal or a figure.
+TEST(Surface, CountsEachFaceOnceAndNoneThatNamesAVertexTwice) {
+  for (const TriangleMesh& mesh : {shapes::grid(21, 21), shapes::cylinder(16, 20), soup(shapes::icosphere(3)).mesh}) {
+    const TriangleMesh bad = with_ignored_faces(mesh);
+    const double size = bounding_box(mesh.vertices).diagonal().norm();
+    for (const EditMethod method : {EditMethod::Default, EditMethod::Paper, EditMethod::Linear}) {
+      EditStep step = pull(mesh, mesh.vertices.row(mesh.vertices.rows() / 2).transpose(), 0.4 * size);
+      step.settings = EditSettings::of(method);
+      for (const bool welds : {true, false}) {
+        step.weld = welds || mesh.vertices.rows() > 1000;  // triangles of a soup have no neighbours
+        const EditResult result = support::apply_step(bad, step), expected = support::apply_step(mesh, step);
+        ASSERT_EQ(result.vertices, expected.vertices) << name(method);
+        EXPECT_TRUE(same_bits(result.positions, expected.positions)) << name(method);
+        const std::vector<Figure> figures = result.reports[0].figures();
+        for (std::size_t k = 0; k < figures.size(); ++k) {
+          EXPECT_EQ(figures[k].value, expected.reports[0].figures()[k].value) << name(method) << figures[k].name;
+        }
+        step.region.tips = step.region.pieces = true;
+        step.region.connect_gap = 0.1 * size;
+      }
+    }
+  }
+}
+
 TEST(Weld, CanBeSwitchedOff) {
   for (const Case& one : cases()) {
     const TriangleMesh& mesh = one.torn.mesh;

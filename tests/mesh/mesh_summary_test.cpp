@@ -31,6 +31,14 @@ TEST(MeshSummary, CountsPiecesAndBorders) {
   EXPECT_EQ(summary.pieces, 1);
   EXPECT_EQ(summary_of(shapes::degenerate_grid(12, 9)).loose, 5);
 
+  mesh = shapes::grid(5, 4);
+  mesh.faces.conservativeResize(26, 3);
+  mesh.faces.bottomRows(2) << 1, 0, 5, 0, 19, 0;  // one again, reversed, and one that names a vertex twice
+  summary = summary_of(mesh);
+  EXPECT_EQ(summary.faces, 26);
+  EXPECT_EQ(summary.ignored, 2);
+  EXPECT_EQ(summary.border_edges, 14);
+
   TriangleMesh points;
   points.vertices = mesh.vertices;
   points.faces.resize(0, 3);

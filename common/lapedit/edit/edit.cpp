@@ -86,10 +86,11 @@ class Poses {
   /// welding can separate them.
   void see(std::size_t p, bool weld) {
     mesh_.vertices = vertices_[p];
-    if (weld && !joined_[p]) {
-      joined_[p] = std::make_shared<const Joined>(given_, mesh_.vertices);
+    std::shared_ptr<const Joined>& surface = weld ? joined_[p] : separate_;
+    if (!surface) {
+      surface = std::make_shared<const Joined>(given_, mesh_.vertices, weld);
     }
-    const std::shared_ptr<const Joined> now = weld && !joined_[p]->weld.empty() ? joined_[p] : nullptr;
+    const std::shared_ptr<const Joined> now = surface->is_given ? nullptr : surface;
     if (now != seen_) {
       mesh_.faces = now ? now->faces : given_.faces;
       seen_ = now;
@@ -137,7 +138,8 @@ class Poses {
   const TriangleMesh& given_;
   const Adjacency& given_adjacency_;
   std::vector<std::shared_ptr<const Joined>> joined_;  // per pose; null: not computed
-  std::shared_ptr<const Joined> seen_;                 // of mesh_; null: it has no joined vertices
+  std::shared_ptr<const Joined> separate_;             // without welding; null: not computed
+  std::shared_ptr<const Joined> seen_;                 // of mesh_; null: its faces are the given ones
   TriangleMesh mesh_;                                  // the shape before the current step
   const std::vector<double>& fractions_;
   StepOptions options_;

@@ -184,12 +184,14 @@ Edit located(const TriangleMesh& mesh, const Adjacency& adjacency, Edit edit, co
   if (!edit.by_position() && std::none_of(edit.steps.begin(), edit.steps.end(), has_query)) {
     return edit;
   }
-  const Joined joined(mesh, mesh.vertices);
-  const auto welds = [&joined](const EditStep& step) { return step.weld && !joined.weld.empty(); };
-  if (std::any_of(edit.steps.begin(), edit.steps.end(), welds)) {
-    locate_steps({mesh.vertices, joined.faces}, joined.adjacency, selection, edit, welds);
+  for (const bool welds : {true, false}) {
+    const auto chosen = [welds](const EditStep& step) { return step.weld == welds; };
+    if (std::any_of(edit.steps.begin(), edit.steps.end(), chosen)) {
+      const Joined joined(mesh, mesh.vertices, welds);
+      joined.is_given ? locate_steps(mesh, adjacency, selection, edit, chosen)
+                      : locate_steps({mesh.vertices, joined.faces}, joined.adjacency, selection, edit, chosen);
+    }
   }
-  locate_steps(mesh, adjacency, selection, edit, [&welds](const EditStep& step) { return !welds(step); });
   edit.positions = VertexPositions();
   return edit;
 }
@@ -203,13 +205,15 @@ Edit with_positions(const TriangleMesh& mesh, const Adjacency& adjacency, Edit e
     }
     return sorted_set(std::move(vertices));
   };
+  const auto add = [&named](const std::vector<int>& set) { named.insert(named.end(), set.begin(), set.end()); };
   for (const EditStep& step : edit.steps) {
-    named = united(named, grown(adjacency, sound(step.region.vertices)));
+    add(grown(adjacency, sound(step.region.vertices)));
     for (const HandleGroup& group : step.handles) {
       const std::vector<int> set = sound(group.vertices);
-      named = united(named, set.size() > 1 && group.targets.empty() ? grown(adjacency, set) : set);
+      add(set.size() > 1 && group.targets.empty() ? grown(adjacency, set) : set);
     }
   }
+  named = sorted_set(std::move(named));
   edit.positions = VertexPositions();
   if (named.size() > kMost) {
     return edit;

@@ -15,7 +15,7 @@ namespace lapedit {
 class PreparedStep {
  public:
   /// @param mesh    the shape before the step; has to outlive the object. With joined, its faces are those of joined
-  /// @param joined  takes vertices at the same place as one; null: takes each vertex on its own
+  /// @param joined  the surface of the mesh; null: its own faces, each vertex on its own
   /// @param step    with vertex numbers, see located()
   /// @throws EditError as mirrored(), welded() and sort_group()
   PreparedStep(const TriangleMesh& mesh, std::shared_ptr<const Joined> joined, const EditStep& step,

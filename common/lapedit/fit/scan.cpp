@@ -9,13 +9,16 @@
 namespace lapedit {
 namespace {
 
-/// Returns the faces that have an area and finite corners; for a cloud, one degenerate face per finite point that has a
-/// normal.
+/// Returns the faces that have an area and finite corners, each once; for a cloud, one degenerate face per finite point
+/// that has a normal.
 Faces sound_faces(const ScanData& data, bool cloud) {
   const Points& points = data.mesh.vertices;
   Faces faces =
       cloud ? Faces(Eigen::VectorXi::LinSpaced(points.rows(), 0, static_cast<int>(points.rows()) - 1).replicate(1, 3))
             : Weld(points).faces(data.mesh.faces);
+  if (!cloud) {
+    keep_distinct(faces);
+  }
   const Eigen::VectorXd sizes = cloud ? Eigen::VectorXd(data.normals.rowwise().norm()) : face_areas(points, faces);
   Eigen::Index count = 0;
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {

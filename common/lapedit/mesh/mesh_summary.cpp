@@ -36,17 +36,20 @@ MeshSummary summary_of(const TriangleMesh& mesh) {
   if (summary.faces > 0) {
     validate(mesh);
   }
+  Faces faces = mesh.faces;
+  keep_distinct(faces);
+  summary.ignored = summary.faces - static_cast<int>(faces.rows());
   const auto count = static_cast<std::size_t>(summary.vertices);
   Pieces pieces(count), borders(count);
   std::vector<char> used(count, 0);
-  for (const auto& face : mesh.faces.rowwise()) {
+  for (const auto& face : faces.rowwise()) {
     for (int k = 0; k < 3; ++k) {
       used[face[k]] = 1;
       pieces.join(face[k], face[(k + 1) % 3]);
     }
   }
   std::vector<char> at_border(count, 0);
-  for (const auto& [a, b] : single_edges({mesh.faces.data(), mesh.faces.data() + mesh.faces.size()})) {
+  for (const auto& [a, b] : single_edges({faces.data(), faces.data() + faces.size()})) {
     ++summary.border_edges;
     borders.join(static_cast<int>(a), static_cast<int>(b));
     at_border[a] = at_border[b] = 1;

@@ -8,6 +8,7 @@ namespace lapedit {
 /// Counts and extent of a mesh, for laplacian-edit --info.
 struct MeshSummary {
   int vertices = 0, faces = 0;
+  int ignored = 0;                    ///< faces that keep_distinct() removes; the following counts are without them
   int loose = 0;                      ///< vertices without a face
   int not_finite = 0;                 ///< vertices with a coordinate that is NaN or infinite
   int pieces = 0, largest_piece = 0;  ///< components connected by faces; number of vertices of the largest

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 #include "lapedit/base/polar_decomposition.h"
@@ -15,10 +16,10 @@ namespace {
 /// any of its vertices if it is closed.
 Points centres(const Region& region, const Points& positions) {
   // At an inner vertex each neighbour is the successor in one face and the predecessor in another, so its balance is 0.
-  std::vector<long> balance(region.size(), 0);
+  std::vector<std::int64_t> balance(region.size(), 0);
   for (const auto& face : region.faces.rowwise()) {
     for (int k = 0; k < 3; ++k) {
-      balance[face[k]] += static_cast<long>(face[(k + 1) % 3]) - face[(k + 2) % 3];
+      balance[face[k]] += static_cast<std::int64_t>(face[(k + 1) % 3]) - face[(k + 2) % 3];
     }
   }
   const auto components = static_cast<Eigen::Index>(region.anchored.size());

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/mesh/triangle_mesh.h"
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstdio>
+#include <numeric>
 
 #include "lapedit/base/error.h"
 
@@ -48,10 +51,52 @@ std::string connectivity_checksum(std::size_t vertex_count, const Faces& faces) 
   return text;
 }
 
+bool keep_distinct(Faces& faces) {
+  const auto corners_of = [&faces](Eigen::Index f) {
+    std::array<int, 3> corners = {faces(f, 0), faces(f, 1), faces(f, 2)};
+    std::sort(corners.begin(), corners.end());
+    return corners;
+  };
+  // Lists the faces by their lowest corners, with their other corners.
+  const auto each_listed = [&](const auto& list) {
+    for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+      if (const auto [a, b, c] = corners_of(f); a != b && b != c) {
+        list(a, std::array<int, 3>{b, c, static_cast<int>(f)});
+      }
+    }
+  };
+  std::vector<int> end(faces.rows() > 0 ? static_cast<std::size_t>(faces.maxCoeff()) + 2 : 1, 0);
+  each_listed([&end](int a, const auto&) { ++end[static_cast<std::size_t>(a) + 1]; });
+  std::partial_sum(end.begin(), end.end(), end.begin());
+  std::vector<std::array<int, 3>> listed(static_cast<std::size_t>(end.back()));
+  each_listed([&](int a, const auto& face) { listed[static_cast<std::size_t>(end[a]++)] = face; });
+  std::vector<char> is_kept(static_cast<std::size_t>(faces.rows()), 0);
+  auto first = listed.begin();
+  for (std::size_t a = 0; a + 1 < end.size(); ++a) {
+    const auto last = listed.begin() + end[a];
+    std::sort(first, last);
+    for (auto face = first; face != last; ++face) {
+      is_kept[(*face)[2]] = face == first || (*face)[0] != face[-1][0] || (*face)[1] != face[-1][1];
+    }
+    first = last;
+  }
+  Eigen::Index count = 0;
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    if (is_kept[f] != 0) {
+      faces.row(count++) = faces.row(f);
+    }
+  }
+  const bool any = count < faces.rows();
+  faces.conservativeResize(count, 3);
+  return any;
+}
+
 std::vector<int> usable_vertices(const TriangleMesh& mesh) {
   std::vector<char> used(mesh.vertices.rows(), 0);
-  for (Eigen::Index k = 0; k < mesh.faces.size(); ++k) {
-    used[mesh.faces.data()[k]] = 1;
+  for (const auto& face : mesh.faces.rowwise()) {
+    if (face[0] != face[1] && face[1] != face[2] && face[2] != face[0]) {
+      used[face[0]] = used[face[1]] = used[face[2]] = 1;
+    }
   }
   std::vector<int> vertices;
   for (int v = 0; v < static_cast<int>(used.size()); ++v) {

@@ -9,7 +9,7 @@
 
 namespace lapedit {
 
-/// An indexed triangle mesh. Vertices without a face and faces that name a vertex twice are allowed.
+/// An indexed triangle mesh. Vertices without a face, faces that name a vertex twice and repeated faces are allowed.
 struct TriangleMesh {
   Points vertices;
   Faces faces;
@@ -24,7 +24,12 @@ void validate(const TriangleMesh& mesh);
 /// Coordinates are not part of it.
 std::string connectivity_checksum(std::size_t vertex_count, const Faces& faces);
 
-/// Returns the vertices that have a face and finite coordinates. O(vertices + faces)
+/// Removes the faces that are no part of a surface: those that name a vertex twice, and those with the three vertices
+/// of an earlier face, in any order. The others keep their order. Corners have to be in range. O(vertices + faces)
+/// @return whether there were any
+bool keep_distinct(Faces& faces);
+
+/// Returns the vertices that have a face with three different corners, and finite coordinates. O(vertices + faces)
 std::vector<int> usable_vertices(const TriangleMesh& mesh);
 
 /// Returns the bounding box of some vertices with finite coordinates.

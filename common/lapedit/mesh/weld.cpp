@@ -98,4 +98,14 @@ void Weld::add_others(std::vector<int>& vertices, Points& positions) const {
   }
 }
 
+Joined::Joined(const TriangleMesh& mesh, const Points& vertices, bool welds)
+    : weld(welds ? Weld(vertices) : Weld()), faces(weld.faces(mesh.faces)) {
+  is_given = !keep_distinct(faces) && weld.empty();
+  if (is_given) {
+    faces = {};
+  } else {
+    adjacency = build_adjacency(static_cast<int>(vertices.rows()), faces);
+  }
+}
+
 }  // namespace lapedit

@@ -36,19 +36,16 @@ class Weld {
   std::vector<int> first_;  // per vertex; empty: each its own
 };
 
-/// A mesh whose vertices at the same place are one.
+/// The surface of a mesh, as an edit sees it: vertices at the same place are one, and each face counts once.
 struct Joined {
   Weld weld;
-  Faces faces;          ///< on first vertices; like the adjacency, empty if no two vertices are at the same place
+  bool is_given;        ///< whether the faces are those of the mesh; the following are empty then
+  Faces faces;          ///< on first vertices, see keep_distinct()
   Adjacency adjacency;  ///< of these
 
   /// @param vertices  in place of the mesh's own
-  Joined(const TriangleMesh& mesh, const Points& vertices) : weld(vertices) {
-    if (!weld.empty()) {
-      faces = weld.faces(mesh.faces);
-      adjacency = build_adjacency(static_cast<int>(vertices.rows()), faces);
-    }
-  }
+  /// @param welds     false: vertices at the same place are several
+  Joined(const TriangleMesh& mesh, const Points& vertices, bool welds = true);
 };
 
 }  // namespace lapedit

@@ -43,16 +43,17 @@ SessionModel::SessionModel(TriangleMesh mesh, StoredScalar stored, const Session
 }
 
 std::shared_ptr<const TriangleMesh> SessionModel::given_mesh() const {
-  return weld.empty() ? history.mesh()
-                      : std::make_shared<const TriangleMesh>(TriangleMesh{mesh().vertices, history.original().faces});
+  return adjacency == given_adjacency
+             ? history.mesh()
+             : std::make_shared<const TriangleMesh>(TriangleMesh{mesh().vertices, history.original().faces});
 }
 
 void SessionModel::join() {
   Joined joined(history.original(), mesh().vertices);
-  if (!joined.weld.empty()) {
+  if (!joined.is_given) {
     history.set_faces(std::move(joined.faces));
     adjacency = std::make_shared<const Adjacency>(std::move(joined.adjacency));
-  } else if (!weld.empty()) {
+  } else if (adjacency != given_adjacency) {
     history.set_faces(history.original().faces);
     adjacency = given_adjacency;
   }
