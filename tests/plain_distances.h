@@ -62,9 +62,19 @@ class PlainLines {
   /// @param first,last  directions between which the crossed edges leave a view from the start
   void go_on(int start, int face, int weight, int a, const Vector2& in_plane_a, int b, const Vector2& in_plane_b,
              const Vector2& first, const Vector2& last) {
-    for (const int next : faces_.at(std::minmax(a, b))) {
-      const int c = mesh_.faces.row(next).sum() - a - b;
-      if (next == face || c == a || c == b || !at(c).allFinite()) {
+    std::vector<int> behind = faces_.at(std::minmax(a, b));
+    const auto third = [&](int next) { return mesh_.faces.row(next).sum() - a - b; };
+    behind.erase(std::remove_if(behind.begin(), behind.end(),
+                                [&](int next) { return next == face || third(next) == a || third(next) == b; }),
+                 behind.end());
+    constexpr int kReach = 7, kMostBehind = 3, kBranching = 4;
+    weight += behind.size() > 1 ? kBranching : 0;
+    if (behind.size() > kMostBehind || weight > kReach) {
+      return;
+    }
+    for (const int next : behind) {
+      const int c = third(next);
+      if (!at(c).allFinite()) {
         continue;
       }
       const Vector3 ab = at(b) - at(a), ac = at(c) - at(a);
@@ -78,7 +88,6 @@ class PlainLines {
       const double squares[] = {ab.squaredNorm(), ac.squaredNorm(), (at(c) - at(b)).squaredNorm()};
       const double thin = *std::min_element(squares, squares + 3) / *std::max_element(squares, squares + 3);
       const int passed = weight + (thin >= 0.6 ? 4 : thin >= 0.199 ? 3 : 1);
-      constexpr int kReach = 7;
       if (passed <= kReach && after > 0) {
         go_on(start, next, passed, a, in_plane_a, c, in_plane_c, first, before > 0 ? in_plane_c : last);
       }

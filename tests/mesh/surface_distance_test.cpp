@@ -118,6 +118,22 @@ TEST(SurfaceDistance, IsNearlyExactOnGridsOfUnevenDensity) {
   }
 }
 
+/// Strips of thin cells, one on another: they share the vertices of every other column.
+TriangleMesh books(int pages) {
+  constexpr int kColumns = 13, kRows = 5;
+  TriangleMesh mesh;
+  for (int page = 0; page < pages; ++page) {
+    mesh = shapes::together(mesh, plane_grid(even(kColumns, 0.15), even(kRows, 1), Diagonals::Single, 0),
+                            Vector3(0, 0, 0.1 * page));
+  }
+  mesh.faces = mesh.faces.unaryExpr([](int v) { return v % kColumns % 2 == 0 ? v % (kColumns * kRows) : v; }).eval();
+  return mesh;
+}
+
+TriangleMesh with_copies(const TriangleMesh& mesh, int copies, Eigen::Index faces) {
+  return {mesh.vertices, mesh.faces.topRows(faces).replicate(copies, 1)};
+}
+
 class SurfaceDistanceOn : public ::testing::TestWithParam<TriangleMesh (*)()> {};
 INSTANTIATE_TEST_SUITE_P(
     Shapes, SurfaceDistanceOn,
@@ -125,6 +141,7 @@ INSTANTIATE_TEST_SUITE_P(
                       [] { return shapes::bar(7, 3, 2); }, [] { return shapes::tapered_arm(12, 30); },
                       [] { return shapes::degenerate_grid(12, 9); }, [] { return shapes::non_manifold_grid(12, 9); },
                       [] { return shapes::two_pieces(2); }, [] { return shapes::inconsistent_grid(14, 11); },
+                      [] { return books(2); }, [] { return books(3); },
                       [] { return plane_grid(uneven(15, 1.5, 4), even(15, 1), Diagonals::Alternating, 0.4); }));
 
 /// The search skips most lines; none of those may have been part of a shortest path.
@@ -187,6 +204,30 @@ TEST_P(SurfaceDistanceOn, FieldHasTheBitsOfTheSearch) {
       }
     }
   }
+}
+
+TEST(SurfaceDistance, LinesGrowWithTheFacesWhereManyShareEdges) {
+  const auto lines_per_face = [](TriangleMesh mesh, const TriangleMesh& others) {
+    mesh.faces.conservativeResize(mesh.faces.rows() + others.faces.rows(), 3);
+    mesh.faces.bottomRows(others.faces.rows()) = others.faces;
+    const Adjacency adjacency = support::adjacency_of(mesh);
+    const SurfaceLines lines(mesh.vertices, mesh.faces, adjacency.faces);
+    std::size_t tried = 0;
+    const auto known = [&tried](int) { return ++tried, kUnreached; };
+    for (int v = 0; v < static_cast<int>(mesh.vertices.rows()); ++v) {
+      lines.from(v, 0, kUnreached, nullptr, known, [](int, double, bool) {});
+    }
+    return static_cast<double>(tried) / static_cast<double>(mesh.faces.rows());
+  };
+  const TriangleMesh none, page = books(1);
+  const double usual = lines_per_face(page, none);
+  for (const int pages : {2, 3, 8, 50}) {
+    EXPECT_LT(lines_per_face(books(pages), none), 2 * usual) << pages << " pages";
+  }
+  for (const int copies : {1, 2, 6}) {
+    EXPECT_LT(lines_per_face(page, with_copies(page, copies, page.faces.rows())), 2 * usual) << copies << " copies";
+  }
+  EXPECT_LT(lines_per_face(page, with_copies(page, 300, 1)), 2 * usual) << "one face listed 301 times";
 }
 
 /// Two triangles with a long common edge: the vertices opposite to each other are near, the edge's ends are far.

@@ -18,9 +18,10 @@ namespace lapedit {
 /// plane. Together with the edges they make a graph whose paths approximate geodesic distances from above.
 ///
 /// The graph is fixed: a line crosses two edges if the triangle between is almost equilateral, three in general, and
-/// more, up to eight, where triangles are thin (kReach). On grids of rectangles of up to 1:4, any two successive edges
-/// and lines around a vertex are at most 45 degrees apart, so paths are up to 1 / cos 22.5 degrees = 1.0824 times too
-/// long.
+/// more, up to eight, where triangles are thin (kReach). An edge of three or four faces weighs as much as an
+/// equilateral triangle; paths pass an edge of more faces at its ends. On grids of rectangles of up to 1:4, any two
+/// successive edges and lines around a vertex are at most 45 degrees apart, so paths are up to 1 / cos 22.5 degrees
+/// = 1.0824 times too long.
 ///
 /// A search tries few lines. One from v that crosses an edge at x cannot be the shortest path to its end if an end a of
 /// the edge has d(a) + |ax| <= d(v) + |vx|, since the shortest path from a in the remaining triangles consists of lines
@@ -46,7 +47,6 @@ class SurfaceLines {
     const Search<Known, Offer> search{distance, cutoff, allowed, known, offer};
     const double* root = point(vertex);
     // Most corners have no line that can be shortest. The test has no branches, since they could not be predicted.
-    constexpr int kBatch = 16;
     struct Corner {
       int face, a, b;
       double to_a, to_b;
@@ -91,6 +91,9 @@ class SurfaceLines {
  private:
   // A line is continued while the weights of the triangles that it crossed sum to at most this.
   static constexpr int kReach = 7;
+  // A line crosses at most one edge with several faces behind it, so that the lines of a corner have a limit.
+  static constexpr int kMostBehind = 3, kBranching = 4;
+  static constexpr int kBatch = 16;
   static constexpr double kMargin = 1e-10;
   static constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
@@ -229,24 +232,29 @@ class SurfaceLines {
     const bool is_a = around_a.size() <= around_b.size();
     const IndexLists::Row around = is_a ? around_a : around_b;
     const int center = is_a ? a : b, other = is_a ? b : a;
-    // The loop has no branches, since the processor cannot predict which face it is.
     int count = 0, found = -1, end = -1;
-    for (const int face : around) {
-      const int* f = corners(face);
-      const int third = f[0] ^ f[1] ^ f[2] ^ center ^ other;
-      const bool is_behind = ((f[0] == other) | (f[1] == other) | (f[2] == other)) & (face != window.face) &
-                             (third != center) & (third != other);
-      count += is_behind;
-      found = is_behind ? face : found;
-      end = is_behind ? third : end;
+    for (const int* next = around.begin(); next != around.end() && count <= kMostBehind;) {
+      // The loop has no branches, since the processor cannot predict which face it is.
+      const int* const last = next + std::min<std::ptrdiff_t>(kBatch, around.end() - next);
+      for (; next != last; ++next) {
+        const int* f = corners(*next);
+        const int third = f[0] ^ f[1] ^ f[2] ^ center ^ other;
+        const bool is_behind = ((f[0] == other) | (f[1] == other) | (f[2] == other)) & (*next != window.face) &
+                               (third != center) & (third != other);
+        count += is_behind;
+        found = is_behind ? *next : found;
+        end = is_behind ? third : end;
+      }
     }
     if (count == 1) {
       enter(window, found, end, search);
-    } else if (count > 1) {
+    } else if (count > 1 && count <= kMostBehind && window.weight + kBranching <= kReach) {
+      Window branching = window;
+      branching.weight += kBranching;
       for (const int face : around) {
         const int third = face == window.face ? -1 : third_corner(face, center, other);
         if (third >= 0) {
-          enter(window, face, third, search);
+          enter(branching, face, third, search);
         }
       }
     }
