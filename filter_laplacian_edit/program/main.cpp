@@ -45,7 +45,8 @@ ScanData readScan(const FitStep& fit) {
   return scanOf(readMeshFile(path, reader), "the scan " + quotedPath(fit.to));
 }
 
-Edit readEdit(const Options& options) {
+/// @param named  gets the files that the edit names
+Edit readEdit(const Options& options, std::vector<std::string>& named) {
   if (!options.targets.empty() || !options.scan.empty()) {
     const auto landmarks = [](const std::string& path) {
       return read_landmarks(readFile("landmark file", path, kLargestJson), path);
@@ -66,7 +67,7 @@ Edit readEdit(const Options& options) {
   // Names of landmark files are relative to the folder of the edit.
   const bool isFile = options.edit != "-" && fs::is_regular_file(options.edit);
   const std::string folder = isFile ? fs::absolute(options.edit).parent_path().string() : std::string();
-  return refused_at(quotedPath(options.edit), [&] { return read_edit(text, folder); });
+  return refused_at(quotedPath(options.edit), [&] { return read_edit(text, folder, &named); });
 }
 
 /// Formats a point as --nearest and JSON read it, with all digits of its type.
@@ -121,7 +122,9 @@ class Job {
 
   void run() {
     Stopwatch stopwatch;
-    Edit edit = readEdit(options_);
+    std::vector<std::string> named;
+    Edit edit = readEdit(options_, named);
+    refuseSameFiles(options_, named);
     file_ = readMeshFile(options_.input, options_.reader);
     read_ms_ = stopwatch.lap();
     if (file_.mesh.vertices.rows() < 2000) {

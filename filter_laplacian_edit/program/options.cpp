@@ -192,32 +192,6 @@ void takeFiles(const Words& words, Options& options) {
   }
 }
 
-/// Throws if two names are of one file that the program would write, except an output that replaces the input.
-void refuseSameFiles(const Options& options) {
-  std::map<fs::path, std::pair<std::string, bool>> names;  // role and name, and whether the program writes it
-  const auto add = [&](const std::string& role, const std::string& path, bool isWritten) {
-    if (path.empty() || path == "-") {
-      return;
-    }
-    const fs::path real = realPath(path);
-    const std::string name = role + " " + quotedPath(path);
-    const auto [found, isNew] = names.try_emplace(real, name, isWritten);
-    const auto& [other, isOtherWritten] = found->second;
-    const bool isInPlace = role == "output" && !options.numbered && !isOtherWritten && other.compare(0, 4, "mesh") == 0;
-    if (!isNew && (isWritten || isOtherWritten) && !isInPlace) {
-      refuse("The " + other + " and the " + name + " are the same file: give another name.");
-    }
-  };
-  add("mesh", options.input, false);
-  for (const std::string& output : options.outputs()) {
-    add("output", output, true);
-  }
-  add("edit", options.edit, false);
-  add("file of targets", options.targets, false);
-  add("scan", options.scan, false);
-  add("report", options.report, true);
-}
-
 }  // namespace
 
 std::vector<std::string> Options::outputs() const {
@@ -258,6 +232,42 @@ std::optional<Options> readOptions(const std::vector<std::string>& arguments, st
     }
   }
   takeFiles(words, options);
-  refuseSameFiles(options);
+  refuseSameFiles(options, {});
   return options;
+}
+
+void refuseSameFiles(const Options& options, const std::vector<std::string>& named) {
+  std::map<fs::path, std::string> written;  // names for messages
+  const auto same = [](const std::string& one, const std::string& other) {
+    refuse("The " + one + " and the " + other + " are the same file: give another name.");
+  };
+  const auto write = [&](const std::string& role, const std::string& path) {
+    const std::string name = role + " " + quotedPath(path);
+    if (path.empty() || path == "-") {
+      return;
+    }
+    if (const auto [other, isNew] = written.try_emplace(realPath(path), name); !isNew) {
+      same(other->second, name);
+    }
+  };
+  const auto read = [&](const std::string& role, const std::string& path) {
+    std::error_code missing;
+    for (const auto& [target, name] : written) {
+      const bool mayReplace = role == "mesh" && !options.numbered && name.compare(0, 6, "output") == 0;
+      if (!mayReplace && !path.empty() && fs::equivalent(path == "-" ? "/dev/stdin" : path, target, missing)) {
+        same(role + " " + quotedPath(path), name);
+      }
+    }
+  };
+  for (const std::string& output : options.outputs()) {
+    write("output", output);
+  }
+  write("report", options.report);
+  read("mesh", options.input);
+  read(options.targets.empty() ? "edit" : "landmark file", options.edit);
+  read("landmark file", options.targets);
+  read("scan", options.scan);
+  for (const std::string& path : named) {
+    read("file of the edit", path);
+  }
 }

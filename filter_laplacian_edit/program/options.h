@@ -31,3 +31,8 @@ struct Options {
 /// @return none if there is such a text
 /// @throws Failure (WrongUsage)
 std::optional<Options> readOptions(const std::vector<std::string>& arguments, std::string& text);
+
+/// Refuses an output or report that is the file of another one, or that the call also reads, through links of any kind.
+/// The only output may replace the mesh. @param named  files that the edit names; readOptions() calls this without them
+/// @throws Failure (WrongUsage)
+void refuseSameFiles(const Options& options, const std::vector<std::string>& named);

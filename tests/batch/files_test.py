@@ -43,6 +43,30 @@ class Files(ProgramTest):
         with open(self.work / "edit.ply", "rb") as file:
             self.refused(WRONG_USAGE, r"are the same file", self.mesh, "edit.ply", "/dev/stdin", stdin=file)
 
+    def test_files_that_are_read_are_no_outputs(self):
+        for name in ("to.csv", "from.csv"):
+            (self.work / name).write_text("nose,0.5,0.5,0.2\n")
+        scan = pathlib.Path(shutil.copy(self.mesh, self.work / "scan.ply"))
+        fit = {"to": scan.name}
+        edit = self.write_edit({"region": {"component": True}, "fit": fit, "handles": [{"landmarks": {"from": "from.csv", "to": "to.csv"}}]},
+                               name="work/fit.json")
+        for name in ("to.csv", "from.csv", "scan.ply", "fit.json", "in.ply"):
+            (self.work / ("soft-" + name)).symlink_to(name)
+            os.link(self.work / name, self.work / ("hard-" + name))
+            for link in (name, "soft-" + name, "hard-" + name):
+                self.refused(WRONG_USAGE, f'"{link}" are the same file: give another', self.mesh, "out.ply", edit, "--report", link)
+        for link in ("scan.ply", "soft-scan.ply", "hard-scan.ply"):
+            self.refused(WRONG_USAGE, f'scan.ply" and the output "{link}" are the same file', self.mesh, link, edit)
+        os.link(scan, self.work / "all-0002.ply")
+        self.refused(WRONG_USAGE, "scan.ply\" and the output", self.mesh, "all.ply", edit, "--fractions", "0,1")
+        fit["to"] = "in.ply"
+        self.write_edit({"region": {"component": True}, "fit": fit}, name="work/fit.json")
+        self.refused(WRONG_USAGE, "file of the edit .* and the output", self.mesh, "in.ply", edit)
+        for given, arguments in ((self.edit, (self.mesh, "out.ply", "-", "--report", self.edit.name)),
+                                 (self.mesh, ("-", "out.ply", self.edit, "--report", self.mesh.name))):
+            with open(given, "rb") as file:
+                self.refused(WRONG_USAGE, "are the same file", *arguments, stdin=file)
+
     def test_output_may_be_the_input(self):
         os.link(self.mesh, self.work / "other.ply")
         (self.work / "link.ply").symlink_to("in.ply")

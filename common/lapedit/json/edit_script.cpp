@@ -26,12 +26,24 @@ namespace lapedit {
 struct Source {
   const std::string& folder;                ///< of relative file names
   const std::optional<int>& mesh_vertices;  ///< read before vertex lists
+  std::vector<std::string>* files;          ///< gets the files that the text names; may be null
   std::int64_t listed = 0;                  ///< vertices in the lists before
 };
 
 namespace {
 
 constexpr int kVersion = 1;
+
+/// Returns the path of a file that the text names.
+std::string named_file(const JsonValue& value) {
+  const Source& source = *value.source;
+  std::string path = (std::filesystem::path(source.folder) / value_of<std::string>(value)).string();
+  if (source.files != nullptr) {
+    source.files->push_back(path);
+  }
+  return path;
+}
+
 constexpr std::int64_t kMostListedVertices = 100000000;  // of all lists of an edit together
 
 /// Returns the vertex number that a text consists of; -1 if the text is no vertex number.
@@ -240,10 +252,8 @@ struct Keys {
     names.push_back("landmarks");
     if (has("landmarks")) {
       const JsonValue files = (*from)["landmarks"];
-      const std::filesystem::path folder = from->source->folder;
       files.require_object({"from", "to"});
-      const std::string first = (folder / value_of<std::string>(files["from"])).string();
-      const std::string second = (folder / value_of<std::string>(files["to"])).string();
+      const std::string first = named_file(files["from"]), second = named_file(files["to"]);
       group = refused_at(files.where, [&] { return load_landmarks(first, second); });
     }
   }
@@ -388,6 +398,7 @@ void visit(Keys& keys, FitStep& fit) {
   keys.may("exclude", exclude, !fit.exclude.empty());
   if (keys.from != nullptr) {
     fit.folder = keys.from->source->folder;
+    named_file((*keys.from)["to"]);
   }
 }
 
@@ -514,10 +525,10 @@ void visit(Keys& keys, Edit& edit) {
 
 }  // namespace
 
-Edit read_edit(const std::string& json, const std::string& folder) {
+Edit read_edit(const std::string& json, const std::string& folder, std::vector<std::string>* files) {
   const Json root = parse_json(json);
   Edit edit;
-  Source source = {folder, edit.mesh_vertices};
+  Source source = {folder, edit.mesh_vertices, files};
   const JsonValue whole = {root, "edit", &source};
   // Check the version first, since another version may have other keys.
   if (const JsonValue version = whole["laplacian_edit"]; !(version.json == kVersion)) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "lapedit/edit/edit.h"
 
@@ -19,8 +20,9 @@ namespace lapedit {
 /// Reads UTF-8 text, with or without a byte order mark. Checks keys, types, finite numbers and vertex lists (which may
 /// not be longer than the mesh that the text names). apply_edit() checks the ranges of settings.
 /// @param folder  folder of relative names of landmark files; empty: the current folder
+/// @param files  gets the paths of the landmark files and scans that the text names; may be null
 /// @throws EditError (BadScript) whose message says where ("steps[1].handles[0]", or line and column)
-Edit read_edit(const std::string& json, const std::string& folder = {});
+Edit read_edit(const std::string& json, const std::string& folder = {}, std::vector<std::string>* files = nullptr);
 
 /// Reads JSON text (UTF-8) if the argument begins with "{" (after white space), else the file of that path.
 /// @throws EditError (BadScript)
