@@ -143,8 +143,14 @@ def all_files():
     special = obj(mesh, corner, normals=normals).replace(b"\t", b" \\\n ").replace(b"/1/60 ", b"/1/60 \\\n")
     yield "special_lines.obj", special.replace(b"/1/50\n", b"/1/50 # a\n")
     yield "special_returns.obj", special.replace(b"\n", b"\r\n")[:-2]
-    for keyword, more in (("OFF", ""), ("NOFF", " 0 0 1"), ("COFF", " 255 0 0 255"), ("STOFF", " 0.5 1"), ("CNOFF", " 0 0.5 0 1 0 0 1")):
-        yield keyword + ".off", off(mesh, keyword, more, colour=" 255 0 0")
+    for keyword, more in (("OFF", ""), ("NOFF", " 0 0 1"), ("COFF", " 255 0 0 255"), ("STOFF", " 0.5 1"), ("CNOFF", " 0 0.5 0 1 0 0 1"),
+                          ("special_NCOFF", " 0 0.6 0.8 1 0 0 1"), ("special_ncoff", " 9 0 0 255 0 0.6 0.8"), ("special_4OFF", " 1"),
+                          ("special_ST4NOFF", " 1 0 0.6 0.8 0.5 0.25")):
+        yield keyword + ".off", off(mesh, keyword.upper().split("_")[-1], more, colour=" 255 0 0")
+    for count in 1, 3, 4, 6:  # numbers that the header does not name
+        yield f"special_{count}_more.off", off(mesh, more=count * " 1", colour=" 255 0 0")
+    rows = off(mesh).split(b"\n")
+    yield "special_many_in_a_line.off", b"\n".join([rows[0] + rows[1], b" ".join(rows[2:40]), *rows[40:80], b" ".join(rows[80:123]), *rows[123:]])
     yield "special_mark.off", MARK + off(sheet(1e-9)).replace(b" ", b"\t").replace(b"\n", b"\r\n")[:-2]
     yield "special_comments.off", b"# before OFF\n# 1 2 3\n" + off(mesh, end=" # a\n\n")
     yield "binary.stl", stl_binary(mesh)

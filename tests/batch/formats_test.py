@@ -166,6 +166,16 @@ class Damage(ProgramTest):
             (step,) = json.loads((self.work / "report.json").read_text())["outputs"][0]["steps"]
             self.assertEqual(step["handle"], handles)
 
+    def test_off_that_is_not_read_line_by_line(self):
+        whole = files.off(([(x, y, 0) for x in range(4) for y in range(4)], [[0, 1, 5, 4]] * 3), more=" 9 9 9")
+        for sentence, data in ((r"a (whole )?number is missing|more than the vertices", whole[:-10]),
+                               (r"more than the vertices", whole.replace(b"\n16 3", b"\n32 2")),
+                               (r"fourth coordinate .* is not 1: divide", whole.replace(b"OFF", b"4OFF")),
+                               (r"NCOFF does not tell", whole.replace(b"OFF", b"NCOFF")),
+                               *((r"header is not that of an OFF file", whole.replace(b"OFF", word)) for word in (b"nOFF", b"CCOFF", b"4nOFF"))):
+            (self.work / "a.off").write_bytes(data)
+            self.refused(UNREADABLE, sentence, "--info", "a.off")
+
     def test_truncated_files(self):
         small = ([(0, 0, 0), (1, 0, 0), (1, 1, 0.5), (0, 1, 0)], [[0, 1, 2, 3], [0, 1, 2]])
         for name, data, is_text in (("a.ply", files.ply("binary_little_endian", small), False), ("a.stl", files.stl_binary(small), False),

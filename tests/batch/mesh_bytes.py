@@ -104,11 +104,16 @@ class MeshBytes:
     def read_off(self):
         lines = lines_of(self.data)
         keyword, *counts = lines.pop(0)
-        vertices, faces = (int(word) for word, _ in (counts or lines.pop(0))[:2])
+        prefixes, first = keyword[0].split(b"OFF")
+        vertices, faces = (int(word) for word in [first, *(word for word, _ in counts or lines.pop(0))][not first:][:2])
+        while all(len(line) % 3 == 0 for line in lines[:1]) and len(lines) < vertices + faces:  # several vertices in a line
+            ends = [k for k, line in enumerate(lines) if len(line) > 3 and line[0][0] not in (b"3", b"4", b"7")]
+            lines[ends[0]:ends[0] + 1] = [lines[ends[0]][:3], lines[ends[0]][3:]]
         for row, words in enumerate(lines[:vertices]):
             self.points.append(self.add_text("position", row, words))
-            if b"N" in keyword[0]:
-                self.add_text("vertex normal", row, words[3:])
+            if b"N" in prefixes:
+                behind = 3 + (b"4" in prefixes) + 4 * (b"NC" in prefixes and words[3][0] == b"9")
+                self.add_text("vertex normal", row, words[behind:])
         self.polygons = [[int(word) for word, _ in line[1:1 + int(line[0][0])]] for line in lines[vertices:vertices + faces]]
 
     def read_stl(self):

@@ -2,12 +2,15 @@
 #include "files/system.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cctype>
 #include <cerrno>
 #include <csignal>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <random>
+#include <set>
 #include <system_error>
 
 #include <fcntl.h>
@@ -40,6 +43,23 @@ std::string beginning() {
   return ".laplacian-edit-" + name + "-";
 }
 
+constexpr std::size_t kDigits = 16;  // of a random number and its check
+
+/// Returns eight digits and a check of them, by which sweep() distinguishes the program's files from others.
+std::string checked(std::uint32_t number) {
+  char text[kDigits + 1];
+  std::snprintf(text, sizeof text, "%08x%08x", static_cast<unsigned>(number),
+                static_cast<unsigned>((number ^ number >> 16 ^ 0x54a3c91d) * 2654435761U));
+  return text;
+}
+
+/// Returns whether a text consists of a beginning and the digits of a checked number.
+bool isChecked(const std::string& text, std::size_t begin) {
+  const std::string digits = text.substr(std::min(begin, text.size()));
+  return digits.size() == kDigits &&
+         digits == checked(static_cast<std::uint32_t>(std::strtoul(digits.substr(0, 8).c_str(), nullptr, 16)));
+}
+
 #ifdef _WIN32
 
 constexpr int kCreate = O_WRONLY | O_CREAT | O_EXCL | O_BINARY;
@@ -62,21 +82,83 @@ bool removeAbandoned(const fs::path& path) {
 
 void takeOver(const fs::path&, const fs::path&) {}
 
+/// Has no effect, since the next call removes the files.
+class NoRequests {};
+
 #else
+
+constexpr int kRequests[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXCPU};
+
+std::atomic_flag isListInUse = ATOMIC_FLAG_INIT;
+bool areRequestsIgnored = false;
+std::set<const std::string*> names;  // of the files that exist under temporary names
+
+/// Delays requests to end the program while a file and its entry in the list of names come and go together. The handler
+/// may run on another thread, and waits there.
+class NoRequests {
+ public:
+  NoRequests() {
+    sigset_t requests;
+    ::sigemptyset(&requests);
+    for (const int request : kRequests) {
+      ::sigaddset(&requests, request);
+    }
+    ::pthread_sigmask(SIG_BLOCK, &requests, &before_);
+    while (isListInUse.test_and_set(std::memory_order_acquire)) {
+    }
+  }
+  ~NoRequests() {
+    isListInUse.clear(std::memory_order_release);
+    ::pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+  }
+  NoRequests(const NoRequests&) = delete;
+  NoRequests& operator=(const NoRequests&) = delete;
+
+ private:
+  sigset_t before_ = {};
+};
+
+/// Removes the files and ends the program by the signal. Calls async-signal-safe functions only.
+extern "C" void removeAll(int request) {
+  while (isListInUse.test_and_set(std::memory_order_acquire)) {
+  }
+  if (areRequestsIgnored) {
+    return isListInUse.clear(std::memory_order_release);
+  }
+  for (const std::string* const name : names) {
+    ::unlink(name->c_str());
+  }
+  // The list stays in use, so that no other thread creates a file until the program ends.
+  std::signal(request, SIG_DFL);
+  std::raise(request);
+}
+
+/// Installs the handler for requests that are not ignored already, as nohup does.
+void watchRequests() {
+  for (const int request : kRequests) {
+    struct sigaction action = {};
+    if (::sigaction(request, nullptr, &action) == 0 && action.sa_handler == SIG_DFL) {
+      action.sa_handler = removeAll;
+      ::sigfillset(&action.sa_mask);
+      ::sigaction(request, &action, nullptr);
+    }
+  }
+}
 
 constexpr int kCreate = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC;
 
-/// Locks a file. @return false if another process has it or removed it before the lock, or if it is another user's
+/// Locks a file. @return false if another process has it or removed it before the lock, or if it is another user's or
+/// no regular file
 bool lock(int file, const fs::path& path) {
   struct stat opened = {}, named = {};
   return (::flock(file, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) && ::fstat(file, &opened) == 0 &&
          ::lstat(path.c_str(), &named) == 0 && opened.st_ino == named.st_ino && opened.st_dev == named.st_dev &&
-         opened.st_uid == ::geteuid();
+         opened.st_uid == ::geteuid() && S_ISREG(opened.st_mode);
 }
 
 /// Removes a first file unless another process has locked it. @return whether it is gone
 bool removeAbandoned(const fs::path& path) {
-  const int file = ::open(path.c_str(), O_WRONLY | O_NOFOLLOW | O_CLOEXEC);
+  const int file = ::open(path.c_str(), O_WRONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (file < 0) {
     return errno == ENOENT;
   }
@@ -116,12 +198,16 @@ std::FILE* create(const fs::path& path) {
   return file < 0 ? nullptr : ::fdopen(file, "wb");
 }
 
+/// Removes the files that killed calls left in a folder.
 void sweep(const fs::path& folder, const std::string& begin) {
   std::error_code error, ignored;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    const std::string name = entry->path().filename().string();
-    const std::string first = name.substr(0, name.find('-', std::min(begin.size(), name.size())));
-    if (name.compare(0, begin.size(), begin) == 0 && removeAbandoned(folder / first) && name != first) {
+  const std::size_t end = begin.size() + kDigits;
+  for (fs::directory_iterator entry(folder, error), last; !error && entry != last; entry.increment(error)) {
+    const std::string name = entry->path().filename().string(), first = name.substr(0, end);
+    const bool isFirst = name.size() == first.size();
+    if (name.compare(0, begin.size(), begin) == 0 && isChecked(first, begin.size()) &&
+        (isFirst || (name[end] == '-' && isChecked(name, end + 1))) && entry->is_regular_file(ignored) &&
+        removeAbandoned(folder / first) && !isFirst) {
       fs::remove(entry->path(), ignored);
     }
   }
@@ -144,6 +230,7 @@ bool prepareStreams() {
   }
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
+  watchRequests();
   return hasOutput;
 #endif
 }
@@ -154,11 +241,15 @@ bool isTerminal(std::FILE* stream) {
 }
 
 void ignoreRequestsToEnd() {
-  for (const int request : {SIGINT, SIGTERM}) {
+#ifdef _WIN32
+  std::signal(SIGINT, SIG_IGN);
+  std::signal(SIGTERM, SIG_IGN);
+#else
+  const NoRequests guard;
+  areRequestsIgnored = true;
+  for (const int request : kRequests) {
     std::signal(request, SIG_IGN);
   }
-#ifdef SIGHUP
-  std::signal(SIGHUP, SIG_IGN);
 #endif
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // OFF as Geomview describes it, in text: counts, vertices, faces. Before OFF the header names what follows the
-// coordinates of a vertex: N a normal, C a colour, ST texture coordinates.
-#include <algorithm>
+// coordinates of a vertex: 4 a weight, N a normal, C a colour, ST texture coordinates.
+#include <array>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -12,21 +13,25 @@ using namespace lapedit;
 namespace {
 
 struct Columns {
-  bool normal = false, colour = false, texture = false;
+  bool weight = false, normal = false, colour = false, texture = false;
+  bool isNormalNamedFirst = false;
 };
 
-Columns columnsOf(std::string_view header, const TextReader& reader) {
+/// @param prefixes  the header before OFF, whose letters other programs write in any order
+Columns columnsOf(std::string_view prefixes, const TextReader& reader) {
   Columns columns;
-  const auto take = [&header](std::string_view prefix) {
-    const bool has = header.substr(0, prefix.size()) == prefix;
-    header.remove_prefix(has ? prefix.size() : 0);
-    return has;
+  const auto take = [&prefixes](std::string_view prefix, bool& isTaken) {
+    const bool isNext = !isTaken && prefixes.substr(0, prefix.size()) == prefix;
+    prefixes.remove_prefix(isNext ? prefix.size() : 0);
+    isTaken |= isNext;
+    return isNext;
   };
-  columns.texture = take("ST");
-  columns.colour = take("C");
-  columns.normal = take("N");
-  if (header != "OFF") {
-    reader.refuse("the header is not that of an OFF file with three coordinates for each vertex");
+  while (!prefixes.empty()) {
+    columns.isNormalNamedFirst |= columns.normal && !columns.colour;
+    if (!take("ST", columns.texture) && !take("C", columns.colour) && !take("N", columns.normal) &&
+        !take("4", columns.weight)) {
+      reader.refuse("the header is not that of an OFF file with three coordinates for each vertex");
+    }
   }
   return columns;
 }
@@ -34,19 +39,40 @@ Columns columnsOf(std::string_view header, const TextReader& reader) {
 std::size_t count(const TextReader& reader, std::string_view word) {
   const long long number = reader.integer(word);
   if (number < 0 || number > std::numeric_limits<int>::max()) {
-    reader.refuse("there cannot be " + std::string(word) + " of them");
+    reader.refuse("there cannot be " + std::to_string(number) + " of them");
   }
   return static_cast<std::size_t>(number);
 }
 
-/// Returns whether the line of the first vertex has numbers besides those of whole vertices.
-bool hasMoreNumbers(TextReader reader, const Columns& columns) {
-  const int each = 3 + (columns.normal ? 3 : 0) + (columns.texture ? 2 : 0);
-  int more = 0;
-  while (!reader.wordOfLine().empty()) {
-    ++more;
+/// Returns whether so many lines follow. Fewer lines than vertices and faces have several vertices in one.
+bool hasLines(TextReader reader, std::size_t count) {
+  for (; count > 0 && !reader.word().empty(); --count) {
+    reader.skipLine();
   }
-  return more % each != 0;
+  return count == 0;
+}
+
+/// Returns how many numbers are between the coordinates and the normal: none in Geomview's order, and the four of a
+/// colour where MeshLab writes NCOFF.
+int numbersBeforeNormal(TextReader reader, const Columns& columns) {
+  constexpr int kColour = 4;
+  if (!columns.isNormalNamedFirst || !columns.colour) {
+    return 0;
+  }
+  reader.word();
+  std::array<double, 3 + 1 + kColour + 3> numbers = {};  // of the first vertex
+  for (std::size_t k = 1; k < numbers.size(); ++k) {
+    const std::string_view word = reader.wordOfLine();
+    numbers[k] = word.empty() ? 0 : reader.number(word, false);
+  }
+  const std::size_t first = columns.weight ? 4 : 3;
+  const auto isUnit = [&](std::size_t k) {
+    return std::abs(std::hypot(numbers[k], numbers[k + 1], numbers[k + 2]) - 1) < 1e-3;
+  };
+  if (!isUnit(first) && !isUnit(first + kColour)) {
+    reader.refuse("the header NCOFF does not tell whether normals or colours come first: write CNOFF, normals first");
+  }
+  return isUnit(first) ? 0 : kColour;
 }
 
 }  // namespace
@@ -55,7 +81,13 @@ MeshFile readOff(std::string bytes) {
   MeshBuilder mesh;
   mesh.file.bytes = std::move(bytes);
   TextReader reader(mesh.file.bytes, true);
-  const Columns columns = columnsOf(reader.word(), reader);
+  const std::string_view header = reader.word();
+  const std::size_t off = header.find("OFF");
+  if (off == std::string_view::npos) {
+    reader.refuse("the file does not begin with OFF");
+  }
+  const Columns columns = columnsOf(header.substr(0, off), reader);
+  reader.seek(reader.at() + off + 3);  // the counts may follow without a blank
   std::string_view word = reader.word();
   if (word == "BINARY") {
     reader.refuse("the file is binary: convert it to text or to PLY with MeshLab");
@@ -71,17 +103,24 @@ MeshFile readOff(std::string bytes) {
 
   FileNormals normals;
   double values[3];
-  bool isByLine = columns.colour;  // a vertex may have other numbers, such as colours of any number of components
+  // A vertex may have other numbers, such as colours of any number of components, also without a C in the header.
+  const bool isByLine = columns.colour || hasLines(reader, vertices + faces);
+  const int before = numbersBeforeNormal(reader, columns);
   for (std::size_t v = 0; v < vertices; ++v) {
     reader.vector(mesh.file.positions, values);
     mesh.addVertex(values);
+    if (columns.weight && reader.number(reader.word(), false) != 1) {
+      reader.refuse("the fourth coordinate of a vertex is not 1: divide the three others by it");
+    }
+    for (int k = 0; k < before; ++k) {
+      reader.word();
+    }
     if (columns.normal) {
       reader.vector(normals, values);
     }
-    for (int k = 0; k < 2 && columns.texture && !columns.colour; ++k) {
+    for (int k = 0; k < 2 && columns.texture && !isByLine; ++k) {
       reader.number(reader.word(), false);
     }
-    isByLine |= v == 0 && hasMoreNumbers(reader, columns);
     if (isByLine) {
       reader.skipLine();
     }
@@ -95,6 +134,9 @@ MeshFile readOff(std::string bytes) {
     }
     reader.skipLine();  // may have colours
     mesh.addPolygon(corners);
+  }
+  if (!isByLine && !reader.word().empty()) {
+    reader.refuse("there is more than the vertices and faces that the header counts: write one of them in each line");
   }
   if (columns.normal) {
     mesh.addVertexNormals(std::move(normals));
