@@ -12,7 +12,7 @@ import stat
 import subprocess
 import unittest
 
-from program import LIFT, NOBODY, REFUSED, UNREADABLE, UNWRITABLE, WRONG_USAGE, ProgramTest
+from program import COMMAND, LIFT, NOBODY, REFUSED, UNREADABLE, UNWRITABLE, WRONG_USAGE, ProgramTest
 
 BEGIN = ".laplacian-edit-" + re.sub(r"[^A-Za-z0-9]", "_", socket.gethostname()) + "-"
 
@@ -168,25 +168,57 @@ class Interruptions(ProgramTest):
             self.assertEqual(process.returncode, UNWRITABLE, errors)
             self.assertRegex(errors.decode(), r"output .* cannot be written: its folder was moved or removed: run it again\.\n\Z")
 
+    def left(self):
+        return [path.name for path in self.work.glob(".laplacian-edit-*")]
+
     def test_requests_to_end_and_what_is_left(self):
-        for name, is_clean in (("TERM", True), ("INT", True), ("HUP", True), ("KILL", False)):
+        for name in ("TERM", "INT", "HUP", "QUIT", "XCPU", "KILL"):
             with self.writing() as process:
                 process.send_signal(getattr(signal, "SIG" + name))
                 process.communicate(timeout=60)
             with self.subTest(name):
                 self.assertEqual(process.returncode, -getattr(signal, "SIG" + name))
                 self.assertEqual(list(self.work.glob("all-*")), [])
+                self.assertEqual(len(self.left()) > 0, name == "KILL")
             self.done(self.mesh, "next.ply", self.edit)
             self.assertEqual([path.name for path in self.work.iterdir()], ["next.ply"])
 
+    @unittest.skipUnless(shutil.which("strace"), "needs strace")
+    def test_requests_at_each_call(self):
+        """The signal arrives when a system call that creates, writes, removes or renames a file begins or ends."""
+        for call, first, last in (("openat", 6, 15), ("fsync", 1, 3), ("flock", 1, 4), ("write", 1, 3), ("rename", 1, 3),
+                                  ("fchmodat,chmod", 1, 3), ("rt_sigprocmask", 1, 15)):
+            for when in range(first, last + 1):
+                self.run_with_strace(f"--trace={call}", f"--inject={call}:signal=SIGTERM:when={when}")
+
+    def run_with_strace(self, *faults):
+        done = subprocess.run(["strace", "--quiet=all", "--output=/dev/null", "--follow-forks", *faults, COMMAND, self.mesh, "all.ply",
+                               self.edit, "--fractions", "0,1", "--report", "all-report", "-q"], cwd=self.work, check=False, timeout=60)
+        names = sorted(path.name for path in self.work.iterdir())
+        self.assertIn((done.returncode, names), ((0, ["all-0001.ply", "all-0002.ply", "all-report"]), (-signal.SIGTERM, []),
+                                                 (-signal.SIGINT, [])), faults)
+        for name in names:
+            (self.work / name).unlink()
+
+    def test_ignored_requests_stay_ignored(self):
+        with self.writing(preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN)) as process:
+            process.send_signal(signal.SIGHUP)
+            process.communicate(timeout=60)
+        self.assertEqual((process.returncode, self.left()), (0, []))
+
     def test_files_of_others_and_of_running_calls_stay(self):
-        names = [".laplacian-edit-elsewhere-12345", BEGIN[:-1] + "_x-12345", BEGIN[:-1]]
+        with self.writing() as process:
+            process.kill()
+        first = min(self.left(), key=len)
+        names = [".laplacian-edit-elsewhere-12345", BEGIN[:-1] + "_x-12345", BEGIN[:-1], BEGIN + "12345", BEGIN + "notes", BEGIN + 16 * "0",
+                 BEGIN + "notes-1", first + "-1", first + "0", first[:-1], first.upper().replace(BEGIN.upper(), BEGIN) + "-"]
         kept = [self.work / name for name in names]
         for path in kept:
             path.write_text("x")
         (self.work / (BEGIN + "linked")).symlink_to(names[0])
-        (self.work / (BEGIN + "abandx")).write_text("x")
-        (self.work / (BEGIN + "abandx-abcdef")).write_text("x")
+        self.done(self.mesh, "next.ply", self.edit)
+        self.assertEqual(len(self.left()), len(names) + 1)
+        os.mkfifo(self.work / first)
         if os.geteuid() == 0:
             kept.append(self.work / (BEGIN + "theirs"))
             kept[-1].write_text("x")
@@ -198,7 +230,7 @@ class Interruptions(ProgramTest):
         self.assertEqual((process.returncode, errors), (0, b""))
         self.assertEqual(len(list(self.work.glob("all-*"))), 900)
         self.assertEqual([path.name for path in kept if not path.exists() or path.read_text() != "x"], [])
-        self.assertEqual([path.name for path in self.work.glob("*aband*")], [])
+        self.assertTrue((self.work / first).is_fifo())
 
 
 if __name__ == "__main__":

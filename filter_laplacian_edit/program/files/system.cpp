@@ -83,7 +83,11 @@ bool removeAbandoned(const fs::path& path) {
 void takeOver(const fs::path&, const fs::path&) {}
 
 /// Has no effect, since the next call removes the files.
-class NoRequests {};
+class NoRequests {
+ public:
+  void add(const fs::path&) const {}
+  void remove(const fs::path&) const {}
+};
 
 #else
 
@@ -113,6 +117,9 @@ class NoRequests {
   }
   NoRequests(const NoRequests&) = delete;
   NoRequests& operator=(const NoRequests&) = delete;
+
+  void add(const fs::path& path) const { names.insert(&path.native()); }
+  void remove(const fs::path& path) const { names.erase(&path.native()); }
 
  private:
   sigset_t before_ = {};
@@ -195,7 +202,13 @@ std::FILE* create(const fs::path& path) {
     errno = EEXIST;
     return nullptr;
   }
-  return file < 0 ? nullptr : ::fdopen(file, "wb");
+  std::FILE* const stream = file < 0 ? nullptr : ::fdopen(file, "wb");
+  if (file >= 0 && stream == nullptr) {
+    std::remove(path.string().c_str());
+    ::close(file);
+    errno = ENOMEM;
+  }
+  return stream;
 }
 
 /// Removes the files that killed calls left in a folder.
@@ -206,8 +219,8 @@ void sweep(const fs::path& folder, const std::string& begin) {
     const std::string name = entry->path().filename().string(), first = name.substr(0, end);
     const bool isFirst = name.size() == first.size();
     if (name.compare(0, begin.size(), begin) == 0 && isChecked(first, begin.size()) &&
-        (isFirst || (name[end] == '-' && isChecked(name, end + 1))) && entry->is_regular_file(ignored) &&
-        removeAbandoned(folder / first) && !isFirst) {
+        (isFirst || (name[end] == '-' && isChecked(name, end + 1))) &&
+        fs::is_regular_file(entry->symlink_status(ignored)) && removeAbandoned(folder / first) && !isFirst) {
       fs::remove(entry->path(), ignored);
     }
   }
@@ -259,11 +272,16 @@ NewFile::NewFile(const fs::path& folder, const NewFile* first) : is_first_(first
     sweep(folder, begin);
   }
   for (int tries = 0; file_ == nullptr; ++tries) {
-    path_ = folder / (begin + std::to_string(std::random_device()()));
+    path_ = folder / (begin + checked(std::random_device()()));
+    const NoRequests guard;
+    guard.add(path_);
     file_ = create(path_);
-    if (file_ == nullptr && (errno != EEXIST || tries > 99)) {
-      path_.clear();
-      fail();
+    if (file_ == nullptr) {
+      const int error = errno;
+      guard.remove(path_);
+      if (error != EEXIST || tries > 99) {
+        fail(error);
+      }
     }
   }
 }
@@ -274,7 +292,9 @@ NewFile::~NewFile() {
   close();  // Windows removes closed files only
 #endif
   if (!path_.empty()) {
+    const NoRequests guard;
     fs::remove(path_, ignored);
+    guard.remove(path_);
   }
   close();
 }
@@ -303,7 +323,9 @@ void NewFile::replace(const fs::path& target) {
   close();
 #endif
   takeOver(target, path_);
+  const NoRequests guard;
   fs::rename(path_, target);
+  guard.remove(path_);
   path_.clear();
 }
 

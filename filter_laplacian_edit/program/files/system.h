@@ -9,14 +9,15 @@
 namespace lapedit::system {
 
 /// Opens closed standard streams, since the next opened file would otherwise become the standard output; makes them
-/// binary; and ignores the signals of write errors, so that the program can report the errors.
+/// binary; ignores the signals of write errors, so that the program can report the errors; and removes new files when a
+/// signal such as SIGTERM ends the program.
 /// @return whether the standard output was open
 bool prepareStreams();
 
 /// Returns whether a stream is a terminal on which the cursor moves.
 bool isTerminal(std::FILE* stream);
 
-/// Ignores requests to end the program from now on.
+/// Ignores signals that end the program, from now on.
 void ignoreRequestsToEnd();
 
 /// A file that is being written in the folder of its target. The first one of a folder is open and locked until it
