@@ -2,7 +2,6 @@
 #include "lapedit/base/thread_pool.h"
 
 #include <gtest/gtest.h>
-#include <pthread.h>
 
 #include <algorithm>
 #include <atomic>
@@ -17,6 +16,7 @@
 #include <vector>
 
 #include "allocation_watch.h"
+#include "no_threads.h"
 
 namespace lapedit::thread_pool_test {
 namespace {
@@ -347,16 +347,12 @@ TEST(ThreadPool, GoesOnAloneForAWhileWhereHelpersAreOfNoUse) {
   EXPECT_TRUE(is_shared(pool));
 }
 
-#ifdef __GLIBC__
+#ifdef LAPEDIT_HAVE_NO_THREADS
 /// Fails if it ends, or waits for threads that there are not.
 TEST(ThreadPool, MakesDoWithTheThreadsThatItCanHave) {
-  pthread_attr_t usual, huge;
-  ASSERT_EQ(pthread_getattr_default_np(&usual), 0);
-  ASSERT_EQ(pthread_getattr_default_np(&huge), 0);
-  ASSERT_EQ(pthread_attr_setstacksize(&huge, std::size_t{1} << 50), 0);
-  ASSERT_EQ(pthread_setattr_default_np(&huge), 0);
+  auto none = std::make_unique<support::NoThreads>();
   ThreadPool pool(4);
-  ASSERT_EQ(pthread_setattr_default_np(&usual), 0);
+  none.reset();
   EXPECT_EQ(pool.threads(), 1);
   int done = 0;
   pool.each(10, [&](int) { ++done; });

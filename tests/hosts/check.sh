@@ -8,7 +8,7 @@
 #   RESULTS    where write_results.sh puts what it makes on this host, after the tests
 #   GENERATED  its folder of generated meshes
 #
-# LAPEDIT_MESHES: folder of the real meshes; without it their tests are left out, which with CI set is a failure.
+# LAPEDIT_MESHES: folder of the real meshes; without it their tests are left out.
 # LAPEDIT_TEST_CORE: OFF leaves out what is the same on every host: the tests of core, documents and layers.
 # LAPEDIT_HOSTS_DIR: as for root.sh. The build is kept in the root, in /build, and the compiler's cache beside it.
 set -euo pipefail

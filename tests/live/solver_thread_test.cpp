@@ -2,7 +2,6 @@
 #include "lapedit/live/solver_thread.h"
 
 #include <gtest/gtest.h>
-#include <pthread.h>
 
 #include <algorithm>
 #include <atomic>
@@ -14,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "no_threads.h"
 #include "shapes.h"
 #include "support.h"
 
@@ -119,24 +119,7 @@ TEST(SolverThread, CancelDropsAllAndNothingComesAfterIt) {
   EXPECT_TRUE(update.error.empty());
 }
 
-/// While this lives, no thread can be started: none has room for its stack.
-class NoThreads {
- public:
-  NoThreads() {
-    pthread_attr_t huge;
-    EXPECT_EQ(pthread_getattr_default_np(&usual_), 0);
-    EXPECT_EQ(pthread_getattr_default_np(&huge), 0);
-    EXPECT_EQ(pthread_attr_setstacksize(&huge, std::size_t{1} << 46), 0);
-    EXPECT_EQ(pthread_setattr_default_np(&huge), 0);
-  }
-  ~NoThreads() { pthread_setattr_default_np(&usual_); }
-  NoThreads(const NoThreads&) = delete;
-  NoThreads& operator=(const NoThreads&) = delete;
-
- private:
-  pthread_attr_t usual_;
-};
-
+#ifdef LAPEDIT_HAVE_NO_THREADS
 TEST(SolverThread, WithoutAThreadForALargeRegionItPreparesItItself) {
   SolverPose expected, pose;
   PrepareTask task = task_for(kHandle, 100);
@@ -153,7 +136,7 @@ TEST(SolverThread, WithoutAThreadForALargeRegionItPreparesItItself) {
     ASSERT_GT(update.region->size(), 12000) << "smaller ones have no further thread";
   }
   SolverThread worker(nullptr);
-  const NoThreads none;
+  const support::NoThreads none;
   for (int k = 0; k < 2; ++k) {
     worker.prepare(task);
     worker.solve(maps, true);
@@ -165,7 +148,7 @@ TEST(SolverThread, WithoutAThreadForALargeRegionItPreparesItItself) {
 }
 
 TEST(SolverThread, IsRefusedInASentenceWhereNoThreadCanBeHad) {
-  const NoThreads none;
+  const support::NoThreads none;
   try {
     const SolverThread worker(nullptr);
     FAIL();
@@ -173,6 +156,7 @@ TEST(SolverThread, IsRefusedInASentenceWhereNoThreadCanBeHad) {
     EXPECT_NE(std::string(error.what()).find("allows no more threads: end some programs"), std::string::npos);
   }
 }
+#endif
 
 TEST(SolverThread, ErrorsAreSentences) {
   SolverThread worker(nullptr);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#ifdef __linux__
 #include <gtest/gtest.h>
 #include <pthread.h>
 #include <sys/mman.h>
@@ -123,3 +124,4 @@ TEST(DragTouch, NoEventLooksAtAllFaces) {
 
 }  // namespace
 }  // namespace lapedit::drag_touch_test
+#endif
