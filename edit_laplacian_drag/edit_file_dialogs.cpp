@@ -65,12 +65,12 @@ std::string saveEdit(QWidget* parent, const lapedit::Edit& edit, const QString& 
   return QString("The edit was saved as %1.").arg(path).toStdString();
 }
 
-std::optional<lapedit::Edit> loadEdit(QWidget* parent, const QString& suggested) {
+std::optional<lapedit::Edit> loadEdit(QWidget* parent, const QString& suggested, const lapedit::TriangleMesh& mesh) {
   // The dialog proposes an existing file only.
   const QString begin = QFileInfo::exists(suggested) ? suggested : QFileInfo(suggested).path();
   const QString path = QFileDialog::getOpenFileName(parent, "Load edit", begin, kEdits);
   if (path.isEmpty()) {
     return std::nullopt;
   }
-  return lapedit::load_edit(path.toStdString());
+  return lapedit::load_edit(path.toStdString(), &mesh);
 }

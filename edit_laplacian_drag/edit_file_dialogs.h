@@ -22,4 +22,4 @@ std::string saveEdit(QWidget* parent, const lapedit::Edit& edit, const QString& 
 
 /// Asks for a file and reads it. @return `std::nullopt` if no file was chosen
 /// @throws EditError (BadScript)
-std::optional<lapedit::Edit> loadEdit(QWidget* parent, const QString& suggested);
+std::optional<lapedit::Edit> loadEdit(QWidget* parent, const QString& suggested, const lapedit::TriangleMesh& mesh);

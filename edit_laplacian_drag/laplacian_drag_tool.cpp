@@ -336,7 +336,7 @@ void LaplacianDragTool::command(const QString& part) {
        }},
       {"load",
        [&] {
-         if (const auto edit = loadEdit(window_.mainWindow(), editFileFor(*layer))) {
+         if (const auto edit = loadEdit(window_.mainWindow(), editFileFor(*layer), session.original())) {
            std::vector<DocumentLayer> layers;
            for (const Layer& each : window_.layers()) {
              layers.push_back({each.name, each.file.toStdString(), each.mesh});

@@ -17,9 +17,11 @@ FilterAction laplacianEditReplay() {
            {Parameter::Kind::Real, "fraction", 1.0, "Fraction",
             "How far each handle goes: from 0 (no change) to 1 (the whole edit). Rotations go by angle."}},
           [](const ParameterValues& values, CMeshO& host, const Progress& progress) {
-            Edit edit = in_space(load_edit(values.text("edit").toStdString()), space_of_file(values.layer_file));
-            edit = with_scans(std::move(edit), layer_reader(values.layers, host));
-            const auto make = [&edit](const BridgedMesh&) { return edit; };
+            const auto make = [&](const BridgedMesh& bridged) {
+              Edit edit = load_edit(values.text("edit").toStdString(), &bridged.mesh);
+              edit = in_space(std::move(edit), space_of_file(values.layer_file));
+              return with_scans(std::move(edit), layer_reader(values.layers, host));
+            };
             return write_edited(host, edit_mesh(host, make, values.real("fraction"), progress));
           }};
 }

@@ -269,7 +269,7 @@ struct Given {
 
   /// Reads an edit for this mesh, in its coordinate system.
   Edit read(const std::string& json) const {
-    Edit edit = in_space(read_edit(json, folder), space);
+    Edit edit = in_space(read_edit(json, folder, &mesh), space);
     if (has_polygons) {
       edit.mesh_faces.reset();  // other programs divide polygons into other triangles
       edit.connectivity.clear();

@@ -46,7 +46,7 @@ ScanData readScan(const FitStep& fit) {
 }
 
 /// @param named  gets the files that the edit names
-Edit readEdit(const Options& options, std::vector<std::string>& named) {
+Edit readEdit(const Options& options, const TriangleMesh& mesh, std::vector<std::string>& named) {
   if (!options.targets.empty() || !options.scan.empty()) {
     const auto landmarks = [](const std::string& path) {
       return read_landmarks(readFile("landmark file", path, kLargestJson), path);
@@ -67,7 +67,7 @@ Edit readEdit(const Options& options, std::vector<std::string>& named) {
   // Names of landmark files are relative to the folder of the edit.
   const bool isFile = options.edit != "-" && fs::is_regular_file(options.edit);
   const std::string folder = isFile ? fs::absolute(options.edit).parent_path().string() : std::string();
-  return refused_at(quotedPath(options.edit), [&] { return read_edit(text, folder, &named); });
+  return refused_at(quotedPath(options.edit), [&] { return read_edit(text, folder, &mesh, &named); });
 }
 
 /// Formats a point as --nearest and JSON read it, with all digits of its type.
@@ -122,10 +122,10 @@ class Job {
 
   void run() {
     Stopwatch stopwatch;
-    std::vector<std::string> named;
-    Edit edit = readEdit(options_, named);
-    refuseSameFiles(options_, named);
     file_ = readMeshFile(options_.input, options_.reader);
+    std::vector<std::string> named;
+    Edit edit = readEdit(options_, file_.mesh, named);
+    refuseSameFiles(options_, named);
     read_ms_ = stopwatch.lap();
     if (file_.mesh.vertices.rows() < 2000) {
       limit_threads(1);  // starting more threads takes longer than their work

@@ -116,7 +116,7 @@ TEST(EditScriptRefusal, WrongTypesAreRefusedWithWhatWasExpected) {
   expect_contains(refusal(with_mesh("{'positions': {'vertices': '3,1', 'points': [[0, 0, 0], [1, 0, 0]]}}")),
                   "mesh.positions.vertices: vertex 1 comes after 3; put them in ascending order, each once.");
   expect_contains(refusal(with_mesh("{'positions': {'vertices': '1,3', 'points': [[0, 0, 0]]}}")),
-                  "mesh.positions.points: holds 1 positions of 2 vertices; give one for each");
+                  "mesh.positions.vertices: lists 2 vertices, but mesh.positions has points for 1; give one for each.");
   expect_contains(refusal(with_region("{'component': false}")), "region.component: expected true, found false.");
   expect_contains(refusal(with_steps("{'region': {'radius': 1}, 'handles': [{'vertices': '1'}], 'weld': 1}")),
                   "steps[0].weld: expected true or false, found the number 1.");
@@ -138,8 +138,12 @@ TEST(EditScriptRefusal, WrongTypesAreRefusedWithWhatWasExpected) {
       {"{'selected': true, 'targets': [[0, 0, 1]]}", "targets: goes with points or vertices only"},
       {"{'landmarks': {'from': 'no.pp', 'to': 'no.pp'}}", "landmarks: \"no.pp\" is not the path of a file."},
       {"{'landmarks': {'from': 'no.pp'}}", "landmarks.to: expected a text, but the key is missing."},
-      {"{'vertices': 1}", "vertices: expected a text, found the number 1."},
-      {"{'vertices': [1]}", "vertices: expected a text, found a list of length 1."},
+      {"{'vertices': true}", "vertices: expected vertices, as in \"12-40,77\" or [12, 77], found true."},
+      {"{'vertices': []}", "vertices: expected vertices, as in \"12-40,77\" or [12, 77], found a list of length 0."},
+      {"{'vertices': [1, [2]]}", "vertices[1]: expected vertices, as in"},
+      {"{'vertices': [1, 2.5]}", "vertices[1]: expected a whole number from 0 to 2147483647, found the number 2.5."},
+      {"{'vertices': [1, -1]}", "vertices[1]: expected a whole number from 0 to 2147483647, found the number -1."},
+      {"{'vertices': [1, '2;3']}", "vertices[1]: \"2;3\" is no vertex number or range"},
       {"{'vertices': '1', 'translation': 1}", "translation: expected a list of 3 numbers, found the number 1."},
       {"{'vertices': '1', 'translation': [1, 2]}", "translation: expected a list of 3 numbers, found a list of"},
       {"{'vertices': '1', 'translation': [1, 2, '3']}", "translation[2]: expected a number, found the text \"3\"."},
@@ -218,6 +222,12 @@ TEST(EditScriptRefusal, VertexListsTakeSpacesAndKeepOrder) {
   EXPECT_EQ(vertices(" 2 - 3 ,\\t5 , 0\\n"), (std::vector<int>{2, 3, 5, 0}));
   EXPECT_EQ(vertices("5-5"), std::vector<int>{5});
   EXPECT_EQ(vertices("2147483646-2147483647"), (std::vector<int>{2147483646, 2147483647}));
+  const auto listed = [](const char* list) {
+    return read_edit(with_handle(std::string("{'vertices': ") + list + "}")).steps[0].handles[0].vertices;
+  };
+  EXPECT_EQ(listed("[312, 7]"), (std::vector<int>{312, 7}));
+  EXPECT_EQ(listed("[3, '9,2-4', 0]"), (std::vector<int>{3, 9, 2, 3, 4, 0}));
+  EXPECT_EQ(listed("8"), std::vector<int>{8});
 }
 
 TEST(EditScriptRefusal, BadVertexListsAreRefusedWithTheOffendingText) {
@@ -243,15 +253,70 @@ TEST(EditScriptRefusal, VertexListsFitTheMeshThatTheEditNames) {
   const std::string outside = refusal(with_mesh("{'vertices': 100}", "3,90-100"));
   expect_contains(outside, "vertex 100 ");
   expect_contains(outside, "has 100 vertices");
-  const std::string longer = refusal(with_mesh("{'vertices': 100}", "0-99,5"));
-  expect_contains(longer, "101 vertices");
-  expect_contains(longer, "only 100");
+  expect_contains(refusal(with_mesh("{'vertices': 100}", "3,90-200")), "vertex 100 ");
+  EXPECT_EQ(refusal(with_mesh("{'vertices': 100}", "0-99,5")), "") << "a set is a set";
+}
+
+TEST(EditScriptRefusal, VertexListsTakeNoMoreMemoryThanTheMesh) {
+  const TriangleMesh mesh = {Points::Zero(1000, 3), Faces(0, 3)};
+  const auto read = [&mesh](const std::string& text) { return read_edit(js(text), {}, &mesh); };
+  const auto step = [](const std::string& region, const std::string& fit, const std::string& mesh_key = "") {
+    return "{'laplacian_edit': 1, " + mesh_key + "'steps': [{'region': {'vertices': " + region + ", 'held': " + region +
+           "}, 'fit': {'to': 'a.ply', 'exclude': {'vertices': " + fit + "}}}]}";
+  };
+  std::string repeated = "'0-999";
+  for (int k = 0; k < 9000; ++k) {
+    repeated += ",0-999";
+  }
+  repeated += "'";
+  largest_allocation = 0;
+  const Edit edit = read(step(repeated, repeated));
+  EXPECT_LT(largest_allocation, 5 * repeated.size()) << "the text and its ranges";
+  EXPECT_EQ(edit.steps[0].region.vertices.size(), 1000U);
+  EXPECT_EQ(edit.steps[0].region.held.size(), 1000U);
+  EXPECT_EQ(edit.steps[0].fit->exclude.size(), 1000U);
+
+  largest_allocation = 0;
+  const std::string inside = "'1,2'", beyond = "'5,10-99999999'", by_position = "'mesh': {'positions': {'vertices': ";
+  for (const std::string& text :
+       {step(beyond, inside), step(inside, beyond), step("[5, 1000]", inside), step("['0-99999999']", inside)}) {
+    expect_contains(refusal_of([&] { read(text); }),
+                    "vertex 1000 is outside the edit's mesh, which has 1000 vertices, counted from 0.");
+  }
+  try {
+    read(step(beyond, inside, "'mesh': {'vertices': 100000000}, "));
+    ADD_FAILURE() << "was read";
+  } catch (const EditError& error) {
+    EXPECT_EQ(error.cause(), ErrorCause::MeshMismatch);
+    expect_contains(error.what(), "The edit was made for a mesh of 100000000 vertices");
+  }
+  expect_contains(refusal_of([&] { read(step(beyond, inside, by_position + "'7', 'points': [[0, 0, 0]]}}, ")); }),
+                  "vertex 10 is not among mesh.positions, by which the edit is applied; add it.");
+  const std::string high = by_position + "[99999999], 'points': [[0, 0, 0]]}}, ";
+  expect_contains(refusal_of([&] { read(step(beyond, inside, high)); }),
+                  "lists 99999991 vertices, but mesh.positions has points for 1; give one for each.");
+  expect_contains(
+      refusal_of([&] { read(step(inside, inside, by_position + "'0-99999999', 'points': [[0, 0, 0]]}}, ")); }),
+      "lists 100000000 vertices, but mesh.positions has points for 1; give one for each.");
+  EXPECT_LT(largest_allocation, 100000U);
+}
+
+TEST(EditScriptRefusal, WrongStepsTakeNoMoreMemoryThanTheirText) {
+  std::string steps = "[]";
+  for (int k = 1; k < 100000; ++k) {
+    steps += ",[]";
+  }
+  const std::string edit = with_steps(steps), group = with_handle(steps);
+  largest_allocation = 0;
+  expect_contains(refusal(edit), "steps[0]: expected an object, found a list of length 0.");
+  expect_contains(refusal(group), "steps[0].handles[0]: expected an object, found a list of length 0.");
+  EXPECT_LT(largest_allocation, 10 * edit.size());
 }
 
 TEST(EditScriptRefusal, HostileVertexListsTakeNoMemory) {
   largest_allocation = 0;
   expect_contains(refusal(with_ranges("0-2147483647")), "may list 100000000");
-  expect_contains(refusal(with_ranges("0-60000000,0-60000000")), "may list 100000000");
+  expect_contains(refusal(with_ranges("0-60000000,40000000-120000000")), "may list 100000000");
   expect_contains(refusal(with_mesh("{'vertices': 2147483647}", "0-2147483647")), "is outside the edit's mesh");
   expect_contains(refusal(with_mesh("{'vertices': 2147483647}", "0-2147483646")), "may list 100000000");
   EXPECT_LT(largest_allocation, 100000U);

@@ -22,12 +22,17 @@
 
 namespace lapedit {
 
+constexpr std::int64_t kMostListedVertices = 100000000;  // of all lists of an edit together
+
 /// Data shared by all values of one text.
 struct Source {
-  const std::string& folder;                ///< of relative file names
-  const std::optional<int>& mesh_vertices;  ///< read before vertex lists
-  std::vector<std::string>* files;          ///< gets the files that the text names; may be null
-  std::int64_t listed = 0;                  ///< vertices in the lists before
+  const std::string& folder;                 ///< of relative file names
+  const TriangleMesh* mesh;                  ///< null: unknown
+  std::vector<std::string>* files;           ///< gets the files that the text names; may be null
+  std::int64_t end = std::int64_t{1} << 31;  ///< the first number that is no vertex
+  std::int64_t most = kMostListedVertices;   ///< number of vertices that can be listed
+  bool by_position = false;                  ///< these are those of mesh.positions
+  std::int64_t listed = 0;                   ///< vertices in the lists before
 };
 
 namespace {
@@ -44,7 +49,7 @@ std::string named_file(const JsonValue& value) {
   return path;
 }
 
-constexpr std::int64_t kMostListedVertices = 100000000;  // of all lists of an edit together
+using Ranges = std::vector<std::pair<int, int>>;  // the first and the last vertex of each
 
 /// Returns the vertex number that a text consists of; -1 if the text is no vertex number.
 int vertex_number(const std::string& text) {
@@ -55,9 +60,20 @@ int vertex_number(const std::string& text) {
   return error == std::errc() && stop == end && digits[0] != '-' ? number : -1;
 }
 
-/// Reads one piece of a vertex list: a number, or a range with both ends.
-std::pair<int, int> read_range(const JsonValue& value, const std::string& piece) {
-  const std::optional<int>& mesh_vertices = value.source->mesh_vertices;
+/// Adds a range of vertices. @throws EditError (BadScript) if it goes beyond the mesh
+void add_range(const JsonValue& value, int first, int last, Ranges& ranges) {
+  const Source& source = *value.source;
+  if (last >= source.end) {
+    value.refuse("vertex " + std::to_string(std::max<std::int64_t>(first, source.end)) +
+                 (source.by_position ? " is not among mesh.positions, by which the edit is applied; add it."
+                                     : " is outside the edit's mesh, which has " + std::to_string(source.end) +
+                                           " vertices, counted from 0."));
+  }
+  ranges.emplace_back(first, last);
+}
+
+/// Adds one piece of a vertex list: a number, or a range with both ends.
+void add_piece(const JsonValue& value, const std::string& piece, Ranges& ranges) {
   const std::size_t minus = std::min(piece.find('-'), piece.size());
   const int first = vertex_number(piece.substr(0, minus));
   const int last = minus == piece.size() ? first : vertex_number(piece.substr(minus + 1));
@@ -68,32 +84,70 @@ std::pair<int, int> read_range(const JsonValue& value, const std::string& piece)
   if (last < first) {
     value.refuse(quoted_text(piece) + " is a range from high to low; put the lower vertex first.");
   }
-  if (mesh_vertices && last >= *mesh_vertices) {
-    value.refuse("vertex " + std::to_string(last) + " is outside the edit's mesh, which has " +
-                 std::to_string(*mesh_vertices) + " vertices, counted from 0.");
-  }
-  return {first, last};
+  add_range(value, first, last, ranges);
 }
 
-/// Reads a vertex list, and counts the vertices before memory is allocated for them.
-void read(const JsonValue& value, std::vector<int>& vertices) {
-  Source& source = *value.source;
-  const auto text = value_of<std::string>(value);
-  std::vector<std::pair<int, int>> ranges;
-  std::int64_t count = 0;
+/// Adds what a text or a number lists.
+void add_ranges(const JsonValue& value, Ranges& ranges) {
+  if (value.json.is_number()) {
+    const int vertex = value_of<int>(value);
+    return add_range(value, vertex, vertex, ranges);
+  }
+  if (!value.json.is_string()) {
+    value.refuse_kind("vertices, as in \"12-40,77\" or [12, 77]");
+  }
+  const auto& text = value.json.get_ref<const std::string&>();
   for (std::size_t at = 0; at <= text.size();) {
     const std::string piece = text.substr(at, text.find(',', at) - at);
-    ranges.push_back(read_range(value, piece));
+    add_piece(value, piece, ranges);
     at += piece.size() + 1;
-    count += std::int64_t{1} + ranges.back().second - ranges.back().first;
-    if (source.mesh_vertices && count > *source.mesh_vertices) {
-      value.refuse("lists " + std::to_string(count) + " vertices or more, but the edit's mesh has only " +
-                   std::to_string(*source.mesh_vertices) + "; list each vertex once.");
+  }
+}
+
+std::int64_t count_of(const Ranges& ranges) {
+  std::int64_t count = 0;
+  for (const auto& [first, last] : ranges) {
+    count += std::int64_t{1} + last - first;
+  }
+  return count;
+}
+
+/// Returns the union of ranges, ascending.
+Ranges union_of(Ranges ranges) {
+  std::sort(ranges.begin(), ranges.end());
+  Ranges all;
+  for (const auto& [first, last] : ranges) {
+    if (all.empty() || first > all.back().second) {
+      all.emplace_back(first, last);
     }
-    if (source.listed + count > kMostListedVertices) {
-      value.refuse("the vertex lists up to here hold " + std::to_string(source.listed + count) +
-                   " vertices or more; an edit may list " + std::to_string(kMostListedVertices) + ".");
+    all.back().second = std::max(all.back().second, last);
+  }
+  return all;
+}
+
+/// Reads a vertex list, in its order. A list that is longer than the mesh becomes a set. Counts the vertices before
+/// memory is allocated for them.
+void read(const JsonValue& value, std::vector<int>& vertices) {
+  Source& source = *value.source;
+  Ranges ranges;
+  if (value.json.is_array() && !value.json.empty()) {
+    for (std::size_t k = 0; k < value.json.size(); ++k) {
+      add_ranges(value[k], ranges);
     }
+  } else {
+    add_ranges(value, ranges);
+  }
+  if (count_of(ranges) > source.most) {
+    ranges = union_of(std::move(ranges));
+  }
+  const std::int64_t count = count_of(ranges);
+  if (source.by_position && count > source.most) {
+    value.refuse("lists " + std::to_string(count) + " vertices, but mesh.positions has points for " +
+                 std::to_string(source.most) + "; give one for each.");
+  }
+  if (source.listed + count > kMostListedVertices) {
+    value.refuse("the vertex lists up to here hold " + std::to_string(source.listed + count) +
+                 " vertices or more; an edit may list " + std::to_string(kMostListedVertices) + ".");
   }
   source.listed += count;
   vertices.reserve(static_cast<std::size_t>(count));
@@ -180,9 +234,8 @@ void read(const JsonValue& from, std::vector<Value>& values) {
   if (!from.json.is_array() || from.json.empty()) {
     from.refuse_kind(std::string("a list of one or more ") + kSeveral<Value>);
   }
-  values.resize(from.json.size());
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    read(from[k], values[k]);
+  for (std::size_t k = 0; k < from.json.size(); ++k) {
+    read(from[k], values.emplace_back());  // one by one, since a wrong entry takes less memory as text
   }
 }
 
@@ -501,6 +554,22 @@ struct MeshKeys {
   Edit& edit;
 };
 
+/// Limits vertex lists to the vertices of the edit's mesh, or to those whose positions it gives.
+void limit_lists(const JsonValue& description, const Edit& edit) {
+  Source& source = *description.source;
+  if (edit.mesh_vertices) {
+    if (source.mesh != nullptr && *edit.mesh_vertices != source.mesh->vertices.rows()) {
+      require_same_mesh(*source.mesh, edit);
+    }
+    source.end = source.most = *edit.mesh_vertices;
+  } else if (description.has("positions") && !edit.mesh_faces && edit.connectivity.empty()) {
+    const Source unlimited = {source.folder, nullptr, nullptr};
+    source.end = unlimited.end;
+    source.most = static_cast<std::int64_t>(description["positions"]["points"].json.size());
+    source.by_position = true;
+  }
+}
+
 void visit(Keys& keys, MeshKeys& mesh) {
   Edit& edit = mesh.edit;
   keys.may("vertices", edit.mesh_vertices, edit.mesh_vertices.has_value());
@@ -511,7 +580,13 @@ void visit(Keys& keys, MeshKeys& mesh) {
     keys.refuse("connectivity", "expected a checksum of 16 digits from 0 to 9 and a to f, found the text " +
                                     quoted_text(edit.connectivity) + ".");
   }
+  if (keys.from != nullptr) {
+    limit_lists(*keys.from, edit);
+  }
   keys.may("positions", edit.positions, !edit.positions.vertices.empty());
+  if (keys.from != nullptr && edit.by_position()) {
+    keys.from->source->end = edit.positions.vertices.back() + std::int64_t{1};
+  }
 }
 
 void visit(Keys& keys, Edit& edit) {
@@ -525,10 +600,14 @@ void visit(Keys& keys, Edit& edit) {
 
 }  // namespace
 
-Edit read_edit(const std::string& json, const std::string& folder, std::vector<std::string>* files) {
+Edit read_edit(const std::string& json, const std::string& folder, const TriangleMesh* mesh,
+               std::vector<std::string>* files) {
   const Json root = parse_json(json);
   Edit edit;
-  Source source = {folder, edit.mesh_vertices, files};
+  Source source = {folder, mesh, files};
+  if (mesh != nullptr) {
+    source.end = source.most = mesh->vertices.rows();
+  }
   const JsonValue whole = {root, "edit", &source};
   // Check the version first, since another version may have other keys.
   if (const JsonValue version = whole["laplacian_edit"]; !(version.json == kVersion)) {
@@ -538,17 +617,17 @@ Edit read_edit(const std::string& json, const std::string& folder, std::vector<s
   return edit;
 }
 
-Edit load_edit(const std::string& text_or_path) {
+Edit load_edit(const std::string& text_or_path, const TriangleMesh* mesh) {
   const std::string text = trimmed(text_or_path);
   if (text.compare(0, 1, "{") == 0 || text.compare(0, 3, "\xEF\xBB\xBF") == 0) {
-    return read_edit(text);
+    return read_edit(text, {}, mesh);
   }
   if (text.empty()) {
     refuse_json("No edit is given; give JSON text that begins with {, or the path of a .json file.");
   }
   const std::string json = read_text_file(text, "is neither JSON text, which begins with {, nor the path of a file");
   const std::string folder = std::filesystem::path(text).parent_path().string();
-  return refused_at(quoted_text(text), [&] { return read_edit(json, folder); });
+  return refused_at(quoted_text(text), [&] { return read_edit(json, folder, mesh); });
 }
 
 std::string write_edit(Edit edit) {
