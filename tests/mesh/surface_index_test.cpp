@@ -49,6 +49,18 @@ TEST(SurfaceIndex, FindsTheNearestPointBeforeAndAfterAMove) {
   }
 }
 
+TEST(SurfaceIndex, PointsWithoutFacesMayBeNan) {
+  const TriangleMesh mesh = shapes::icosphere(3);
+  Points points = Points::Constant(mesh.vertices.rows() + 1, 3, std::nan(""));
+  points.bottomRows(mesh.vertices.rows()) = mesh.vertices;
+  const SurfaceIndex sound(mesh.vertices, mesh.faces), surface(points, mesh.faces.array() + 1);
+  for (int k = 0; k < 60; ++k) {
+    const Vector3 point(std::sin(1.7 * k) * 1.4, std::cos(2.3 * k) * 1.3, std::sin(0.9 * k + 1));
+    EXPECT_EQ(surface.nearest(point).face, sound.nearest(point).face);
+    EXPECT_EQ(surface.nearest(point).squared, sound.nearest(point).squared);
+  }
+}
+
 TEST(SurfaceIndex, TakesPointsAsFaces) {
   const Points points = shapes::icosphere(2).vertices;
   Faces faces(points.rows(), 3);

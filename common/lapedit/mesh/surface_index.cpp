@@ -147,7 +147,13 @@ void SurfaceIndex::enclose(ThreadPool& pool) {
       }
     }
   }
-  reach_ = points_.cwiseAbs().maxCoeff();
+  reach_ = 0;  // of the faces, since other points may be NaN
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int k = 0; k < nodes_[0].count; ++k) {
+      const float farthest = std::max(-nodes_[0].low[axis][k], nodes_[0].high[axis][k]);
+      reach_ = std::max(reach_, static_cast<double>(farthest));
+    }
+  }
 }
 
 void SurfaceIndex::move(const Points& points, ThreadPool& pool) {
