@@ -235,7 +235,7 @@ void weaken_links(const Region& region, EdgeWeights& weights) {
 }  // namespace
 
 const char* name(LaplacianKind kind) {
-  constexpr const char* kNames[] = {"umbrella", "cotangent", "mean value"};
+  constexpr const char* kNames[] = {"umbrella", "cotangent", "mean_value"};
   return kNames[static_cast<int>(kind)];
 }
 

@@ -70,7 +70,7 @@ const std::vector<Setting>& settings_table() {
     rough.only = EditMethod::Paper;
     return std::vector<Setting>{
         method,
-        choice<&S::laplacian>("laplacian", "Laplacian", "umbrella, cotangent or mean value",
+        choice<&S::laplacian>("laplacian", "Laplacian", "umbrella, cotangent or mean_value",
                               "How the detail at a vertex is measured: against the plain mean of its neighbours "
                               "(umbrella, the paper's choice), with cotangent weights, which depend less on the "
                               "triangulation, or with mean-value weights, which uneven and obtuse triangles suit as "
