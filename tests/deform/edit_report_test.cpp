@@ -327,14 +327,6 @@ TEST(AdviceOnAnEdit, IsOnExchangesAndVolumesBeforeTheShape) {
   r.causes.lost = {7, -4, -1, false};  // with inward normals
   r.has_targets = true;
   EXPECT_EQ(r.advice().substr(0, 62), "The surface of vertex 7 lost 75 % of its volume: check the tar");
-  r.exchanged = {{{"left eye", "right eye"}, {"a", "vertex 12"}}, 0.5, 0.0125};
-  EXPECT_EQ(
-      r.advice(),
-      "The targets of \"left eye\" and \"right eye\", \"a\" and \"vertex 12\" seem to be exchanged, since with them "
-      "exchanged all targets are 0.0125 (RMS) from a rigid motion with scale instead of 0.5: check which is left and "
-      "which is right. The surface of vertex 7 lost 75 % of its volume: check the targets, for example whether left "
-      "and right or two names are exchanged.");
-  r.exchanged = {};
   r.targets_advice = "check the unit";
   EXPECT_EQ(r.advice().substr(0, 80),
             "The surface of vertex 7 lost 75 % of its volume: for the targets check the unit.");
@@ -476,7 +468,21 @@ TEST_F(ReportOfAnEdit, TextNamesTheMethodAndWhatDiffersFromIt) {
   EXPECT_EQ(report(settings).text().find("falloff"), std::string::npos);
   settings.rough = RoughDeformation::Falloff;
   EXPECT_NE(report(settings).text().find("rotations from the falloff"), std::string::npos);
-  EXPECT_NE(report({}).text().find("Method: default; operator: mean value of order 1; 3 passes"), std::string::npos);
+  EXPECT_NE(report({}).text().find("Method: default; operator: mean_value of order 1; 3 passes"), std::string::npos);
+}
+
+TEST(EditReport, PrintedChoicesAreThoseOfAnEdit) {
+  for (const Setting& setting : settings_table()) {
+    for (std::size_t k = 0; k < setting.choices.size(); ++k) {
+      EditSettings settings;
+      setting.set(settings, static_cast<double>(k));
+      const std::string key = setting.key, printed = key == "method"      ? name(settings.method)
+                                                     : key == "laplacian" ? name(settings.laplacian)
+                                                                          : name(settings.rough);
+      EXPECT_EQ(printed, setting.choices[k]) << key;
+      EXPECT_NE(std::string(setting.range).find(printed), std::string::npos) << key;
+    }
+  }
 }
 
 TEST_F(ReportOfAnEdit, RotationLeftIsThatOfTheLastPass) {

@@ -118,20 +118,6 @@ std::string advice_on_shape(const EditReport& report) {
   return sentence + ".";
 }
 
-/// Returns advice on landmarks that seem to be exchanged.
-std::string advice_on_exchange(const ExchangedLandmarks& exchanged) {
-  std::string names;
-  for (const auto& [one, other] : exchanged.pairs) {
-    names.append(names.empty() ? "\"" : ", \"").append(one).append("\" and \"").append(other).append("\"");
-  }
-  return names.empty() ? ""
-                       : "The targets of " + names +
-                             format_text(
-                                 " seem to be exchanged, since with them exchanged all targets are %.3g (RMS) from a "
-                                 "rigid motion with scale instead of %.3g: check which is left and which is right.",
-                                 exchanged.exchanged, exchanged.given);
-}
-
 /// Returns advice on rotations that did not converge. The automatic number of passes stops before details have
 /// converged, since more passes flatten limbs. In this case the advice is only for whole limbs that still rotate.
 std::string advice_on_rotations(const EditReport& report) {
@@ -193,8 +179,8 @@ std::string EditReport::advice() const {
                           : std::string("Leave a part of the surface out of the region, ")) +
         "or add a handle group that stays.");
   }
-  for (const std::string& sentence : {advice_on_exchange(exchanged), fit ? fit->advice() : "", advice_on_volume(*this),
-                                      causes.rigid ? std::string() : advice_on_shape(*this)}) {
+  for (const std::string& sentence :
+       {fit ? fit->advice() : "", advice_on_volume(*this), causes.rigid ? std::string() : advice_on_shape(*this)}) {
     if (!sentence.empty()) {
       sentences.push_back(sentence);
     }

@@ -4,7 +4,6 @@
 #include <array>
 #include <optional>
 #include <string>
-#include <utility>
 #include <variant>
 #include <vector>
 
@@ -92,13 +91,6 @@ struct LandmarkResidual {
   double residual = 0;  ///< distance to its target, model units
 };
 
-/// Landmarks whose targets seem to be exchanged, by their names, and the RMS distance of all targets from the best
-/// rigid motion with scale: as given, and with those targets exchanged.
-struct ExchangedLandmarks {
-  std::vector<std::pair<std::string, std::string>> pairs;
-  double given = 0, exchanged = 0;
-};
-
 /// The figures of an edit. Lengths are in model units, angles in degrees, times in milliseconds.
 struct EditReport : RegionCounts, EditTimes, EditQuality {
   EditSettings settings;
@@ -115,7 +107,6 @@ struct EditReport : RegionCounts, EditTimes, EditQuality {
   std::string reused = "nothing";
   bool has_targets = false;                 ///< whether single vertices had targets
   std::vector<LandmarkResidual> landmarks;  ///< of a whole edit with landmarks; empty for a step
-  ExchangedLandmarks exchanged;             ///< of a whole edit
   std::string landmark_conversion;          ///< of coordinate systems, as in "from RAS to LPS"; empty: none
   std::optional<FitReport> fit;             ///< of a step that fits; its system figures stay empty
   std::string targets_advice;               ///< why targets are far from the surface; empty if they are not, or unknown
@@ -128,8 +119,8 @@ struct EditReport : RegionCounts, EditTimes, EditQuality {
   /// Returns times in milliseconds, by stage.
   std::vector<Figure> times() const;
 
-  /// Returns at most two sentences of advice on, in this order, a region that nothing holds, exchanged landmarks,
-  /// surfaces that turned inside out or lost most of their volume, folded or intersecting triangles, edges that became
+  /// Returns at most two sentences of advice on, in this order, a region that nothing holds, surfaces that
+  /// turned inside out or lost most of their volume, folded or intersecting triangles, edges that became
   /// more than six times as long, handles far from their targets, and rotations that have not converged; otherwise an
   /// empty string. Shape and rotations of a result that moved rigidly get no advice.
   std::string advice() const;

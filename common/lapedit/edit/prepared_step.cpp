@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "lapedit/base/error.h"
-#include "lapedit/edit/exchanged_targets.h"
 
 namespace lapedit {
 namespace {
@@ -20,27 +19,6 @@ std::vector<LandmarkResidual> residuals(const EditStep& step, const Points& vert
     }
   }
   return all;
-}
-
-/// Returns the targets of a step that seem to be exchanged.
-ExchangedLandmarks exchanged_landmarks(const EditStep& step, const Points& vertices) {
-  std::vector<Vector3> points, targets;
-  std::vector<std::string> names;
-  for (const HandleGroup& group : step.handles) {
-    for (std::size_t k = 0; k < group.targets.size(); ++k) {
-      points.emplace_back(vertices.row(group.vertices[k]).transpose());
-      targets.push_back(group.targets[k]);
-      names.push_back(k < group.names.size() ? group.names[k] : "vertex " + std::to_string(group.vertices[k]));
-    }
-  }
-  const ExchangedTargets found = find_exchanged_targets(points, targets);
-  ExchangedLandmarks result;
-  for (const auto& [a, b] : found.pairs) {
-    result.pairs.emplace_back(names[a], names[b]);
-  }
-  result.given = found.given;
-  result.exchanged = found.exchanged;
-  return result;
 }
 
 /// Appends a phrase to `all`, unless `all` contains it.
@@ -128,9 +106,6 @@ EditReport PreparedStep::report(double fraction, const Points& vertices) const {
   }
   if (fraction == 1) {
     report.landmarks = residuals(step_, vertices);
-  }
-  if (fraction > 0) {
-    report.exchanged = exchanged_landmarks(step_, mesh_.vertices);
   }
   return report;
 }
